@@ -1,0 +1,8 @@
+//! The command line.
+
+use std::process::ExitCode;
+
+/// Runs the command that the process's arguments ask for.
+pub fn run() -> ExitCode {
+    ExitCode::SUCCESS
+}

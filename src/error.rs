@@ -1,0 +1,186 @@
+//! What can go wrong, said so that the reader can mend it: the file, the place in it, the value
+//! found there, and what would be right.
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+/// A result whose failure is an [`Error`].
+pub type Result<T> = std::result::Result<T, Error>;
+
+/// The broad kind of an [`Error`]: what a caller may want to branch on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum ErrorKind {
+    /// The operating system refused to read or write.
+    Io,
+    /// The text or the bytes do not follow their format (JSON, PLY, OBJ, ray file).
+    Syntax,
+    /// A well-formed value is not one that the scene format allows.
+    Scene,
+    /// A mesh names data that it does not have, or that is not finite.
+    Mesh,
+    /// A texture cannot be decoded.
+    Texture,
+    /// Something asked for is larger than is allowed.
+    Limit,
+    /// A command line asks for what cannot be done.
+    Usage,
+}
+
+/// An error that names the file, the place, the value and the remedy, as far as each is known.
+///
+/// It reads `FILE: PLACE: MESSAGE, found VALUE; REMEDY`.
+///
+/// ```
+/// use wavecrest::error::{Error, ErrorKind};
+/// let error = Error::new(ErrorKind::Scene, "the radius of a sphere must be above 0")
+///     .in_file("scene.json")
+///     .at("scene.shapes[3].radius")
+///     .value(-2.0)
+///     .remedy("use a positive number, such as 1");
+/// assert_eq!(
+///     error.to_string(),
+///     "scene.json: scene.shapes[3].radius: the radius of a sphere must be above 0, found -2; \
+///      use a positive number, such as 1"
+/// );
+/// ```
+#[derive(Debug, thiserror::Error)]
+pub struct Error {
+    kind: ErrorKind,
+    message: String,
+    file: Option<PathBuf>,
+    place: Option<String>,
+    value: Option<String>,
+    remedy: Option<String>,
+    #[source]
+    source: Option<Box<dyn std::error::Error + Send + Sync>>,
+}
+
+impl Error {
+    /// An error of `kind` whose `message` says what is wrong, as the start of a sentence.
+    pub fn new(kind: ErrorKind, message: impl Into<String>) -> Self {
+        let message = message.into();
+        Self { kind, message, file: None, place: None, value: None, remedy: None, source: None }
+    }
+
+    /// A failure of the operating system while it was `doing` something ("cannot open the file").
+    pub fn io(doing: impl Into<String>, file: impl Into<PathBuf>, source: std::io::Error) -> Self {
+        let message = format!("{}: {}", doing.into(), source);
+        Self { source: Some(Box::new(source)), ..Self::new(ErrorKind::Io, message).in_file(file) }
+    }
+
+    /// Names the file, unless one is named already.
+    #[must_use]
+    pub fn in_file(mut self, file: impl Into<PathBuf>) -> Self {
+        self.file.get_or_insert_with(|| file.into());
+        self
+    }
+
+    /// Names the place in the file (a JSON path, a line, an element), unless one is named already.
+    #[must_use]
+    pub fn at(mut self, place: impl Into<String>) -> Self {
+        self.place.get_or_insert_with(|| place.into());
+        self
+    }
+
+    /// Shows the value that was found.
+    #[must_use]
+    pub fn value(mut self, value: impl fmt::Display) -> Self {
+        self.value = Some(shorten(&value.to_string()));
+        self
+    }
+
+    /// Says what would be right.
+    #[must_use]
+    pub fn remedy(mut self, remedy: impl Into<String>) -> Self {
+        self.remedy = Some(remedy.into());
+        self
+    }
+
+    /// Keeps the error that caused this one.
+    #[must_use]
+    pub fn because(mut self, source: impl Into<Box<dyn std::error::Error + Send + Sync>>) -> Self {
+        self.source = Some(source.into());
+        self
+    }
+
+    /// The broad kind.
+    pub fn kind(&self) -> ErrorKind {
+        self.kind
+    }
+
+    /// The file concerned, if one is.
+    pub fn file(&self) -> Option<&Path> {
+        self.file.as_deref()
+    }
+
+    /// The place in the file: a JSON path, a line, an element.
+    pub fn place(&self) -> Option<&str> {
+        self.place.as_deref()
+    }
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some(file) = &self.file {
+            write!(f, "{}: ", file.display())?;
+        }
+        if let Some(place) = &self.place {
+            write!(f, "{place}: ")?;
+        }
+        f.write_str(&self.message)?;
+        if let Some(value) = &self.value {
+            write!(f, ", found {value}")?;
+        }
+        if let Some(remedy) = &self.remedy {
+            write!(f, "; {remedy}")?;
+        }
+        Ok(())
+    }
+}
+
+/// Something that does not stop the work but that the user should know: it reads like an [`Error`].
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Warning {
+    text: String,
+}
+
+impl Warning {
+    /// The warning that reads as `error` does.
+    pub fn from_error(error: &Error) -> Self {
+        Self { text: error.to_string() }
+    }
+}
+
+impl fmt::Display for Warning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.text)
+    }
+}
+
+/// A value as shown in a message: one line, at most 80 characters.
+fn shorten(text: &str) -> String {
+    const LIMIT: usize = 80;
+    let line: String = text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
+    if line.chars().count() <= LIMIT {
+        return line;
+    }
+    line.chars().take(LIMIT - 3).chain("...".chars()).collect()
+}
+
+/// The candidate nearest to a misspelt `word`, if one is near enough to be meant.
+///
+/// Nearness is the Damerau-Levenshtein distance, which counts a swap of neighbours as one step;
+/// a third of the letters may differ. Case does not count.
+pub fn did_you_mean<'a>(
+    word: &str,
+    candidates: impl IntoIterator<Item = &'a str>,
+) -> Option<&'a str> {
+    let lower = word.to_lowercase();
+    candidates
+        .into_iter()
+        .map(|c| (strsim::damerau_levenshtein(&lower, &c.to_lowercase()), c))
+        .filter(|(distance, c)| *distance <= (c.chars().count().max(3)) / 3)
+        .min_by_key(|(distance, _)| *distance)
+        .map(|(_, c)| c)
+}

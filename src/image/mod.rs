@@ -1,0 +1,1 @@
+//! Images: what a render fills, how it is written, and how two are compared.

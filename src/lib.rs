@@ -1,0 +1,8 @@
+//! wavecrest: a data-oriented ray tracer for large triangle-mesh scenes.
+
+pub mod cli;
+pub mod error;
+pub mod image;
+pub mod kernels;
+pub mod math;
+pub mod scene;

@@ -1,0 +1,3 @@
+//! Numbers: error bounds, random numbers, sampling.
+
+pub mod sampling;
