@@ -44,15 +44,20 @@ pub enum ErrorKind {
 ///      use a positive number, such as 1"
 /// );
 /// ```
-#[derive(Debug, thiserror::Error)]
+#[derive(Debug)]
 pub struct Error {
+    // Boxed, so that a result is small where all goes well.
+    details: Box<Details>,
+}
+
+#[derive(Debug)]
+struct Details {
     kind: ErrorKind,
     message: String,
     file: Option<PathBuf>,
     place: Option<String>,
     value: Option<String>,
     remedy: Option<String>,
-    #[source]
     source: Option<Box<dyn std::error::Error + Send + Sync>>,
 }
 
@@ -60,79 +65,88 @@ impl Error {
     /// An error of `kind` whose `message` says what is wrong, as the start of a sentence.
     pub fn new(kind: ErrorKind, message: impl Into<String>) -> Self {
         let message = message.into();
-        Self { kind, message, file: None, place: None, value: None, remedy: None, source: None }
+        let details =
+            Details { kind, message, file: None, place: None, value: None, remedy: None, source: None };
+        Self { details: Box::new(details) }
     }
 
     /// A failure of the operating system while it was `doing` something ("cannot open the file").
     pub fn io(doing: impl Into<String>, file: impl Into<PathBuf>, source: std::io::Error) -> Self {
         let message = format!("{}: {}", doing.into(), source);
-        Self { source: Some(Box::new(source)), ..Self::new(ErrorKind::Io, message).in_file(file) }
+        Self::new(ErrorKind::Io, message).in_file(file).because(source)
     }
 
     /// Names the file, unless one is named already.
     #[must_use]
     pub fn in_file(mut self, file: impl Into<PathBuf>) -> Self {
-        self.file.get_or_insert_with(|| file.into());
+        self.details.file.get_or_insert_with(|| file.into());
         self
     }
 
     /// Names the place in the file (a JSON path, a line, an element), unless one is named already.
     #[must_use]
     pub fn at(mut self, place: impl Into<String>) -> Self {
-        self.place.get_or_insert_with(|| place.into());
+        self.details.place.get_or_insert_with(|| place.into());
         self
     }
 
     /// Shows the value that was found.
     #[must_use]
     pub fn value(mut self, value: impl fmt::Display) -> Self {
-        self.value = Some(shorten(&value.to_string()));
+        self.details.value = Some(shorten(&value.to_string()));
         self
     }
 
     /// Says what would be right.
     #[must_use]
     pub fn remedy(mut self, remedy: impl Into<String>) -> Self {
-        self.remedy = Some(remedy.into());
+        self.details.remedy = Some(remedy.into());
         self
     }
 
     /// Keeps the error that caused this one.
     #[must_use]
     pub fn because(mut self, source: impl Into<Box<dyn std::error::Error + Send + Sync>>) -> Self {
-        self.source = Some(source.into());
+        self.details.source = Some(source.into());
         self
     }
 
     /// The broad kind.
     pub fn kind(&self) -> ErrorKind {
-        self.kind
+        self.details.kind
     }
 
     /// The file concerned, if one is.
     pub fn file(&self) -> Option<&Path> {
-        self.file.as_deref()
+        self.details.file.as_deref()
     }
 
     /// The place in the file: a JSON path, a line, an element.
     pub fn place(&self) -> Option<&str> {
-        self.place.as_deref()
+        self.details.place.as_deref()
+    }
+}
+
+impl std::error::Error for Error {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        self.details.source.as_deref().map(|source| source as _)
     }
 }
 
 impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if let Some(file) = &self.file {
+        let Details { message, file, place, value, remedy, .. } = &*self.details;
+        if let Some(file) = file {
             write!(f, "{}: ", file.display())?;
         }
-        if let Some(place) = &self.place {
+        if let Some(place) = place {
             write!(f, "{place}: ")?;
         }
-        f.write_str(&self.message)?;
-        if let Some(value) = &self.value {
+        f.write_str(message)?;
+        if let Some(value) = value {
             write!(f, ", found {value}")?;
         }
-        if let Some(remedy) = &self.remedy {
+        if let Some(remedy) = remedy {
             write!(f, "; {remedy}")?;
         }
         Ok(())

@@ -1,5 +1,6 @@
 //! wavecrest: a data-oriented ray tracer for large triangle-mesh scenes.
 
+pub mod accel;
 pub mod cli;
 pub mod error;
 pub mod image;

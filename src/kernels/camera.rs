@@ -1,4 +1,17 @@
-//! Camera rays.
+//! Camera rays: pinhole and thin lens.
+//!
+//! The image is upright and unmirrored: the first pixel is top left, x runs to the camera's right.
+
+use glam::{DVec3, Vec2, Vec3};
+
+use crate::math::float::{normalize, normalize_f64};
+use crate::math::random::Stream;
+use crate::math::ray::Ray;
+use crate::math::sampling::{self, Sampling};
+
+/// The dimension of [`Stream`] whose four numbers a camera ray may draw: two for its place in the
+/// pixel, two for its place on the lens.
+pub const DIMENSION: u32 = 0;
 
 /// The side of the image across which the angle of view is measured.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -12,4 +25,203 @@ pub enum FovAxis {
     Smaller,
     /// The longer side.
     Larger,
+}
+
+/// Where a camera stands and what it sees: what a [`Camera`] is made from.
+#[derive(Clone, Copy, Debug)]
+pub struct Placement {
+    /// Its place.
+    pub location: DVec3,
+    /// A point in the middle of the image, other than `location`.
+    pub look: DVec3,
+    /// Up in the image; not parallel to the view.
+    pub up: DVec3,
+    /// Full angle of view in degrees, between 0 and 180.
+    pub fov_degrees: f64,
+    /// The side of the image that the angle spans.
+    pub fov_axis: FovAxis,
+    /// Width and height of the image in pixels.
+    pub size: [u32; 2],
+}
+
+/// A lens with an extent.
+#[derive(Clone, Copy, Debug)]
+pub struct Lens {
+    /// Radius of its disk.
+    pub radius: f32,
+    /// Distance of the plane in focus along the view axis.
+    pub focal: f32,
+    /// How points on it are chosen.
+    pub sampling: Sampling,
+    /// Number of angles and of radii in the grid of samples.
+    pub grid: [u32; 2],
+}
+
+/// A camera made ready to give rays.
+#[derive(Clone, Copy, Debug)]
+pub struct Camera {
+    origin: Vec3,
+    /// Unit vectors.
+    right: Vec3,
+    up: Vec3,
+    forward: Vec3,
+    /// `right` and `up` scaled to half the image at distance 1.
+    half: [Vec3; 2],
+    size: [u32; 2],
+    /// Side of the grid of rays within a pixel; 1 is its centre.
+    antialias: u32,
+    lens: Option<Lens>,
+}
+
+impl Camera {
+    /// The camera at `placement`, with `antialias` squared rays through each pixel (1: its centre)
+    /// for each point of the `lens`.
+    pub fn new(placement: &Placement, antialias: u32, lens: Option<Lens>) -> Self {
+        let forward = normalize_f64(placement.look - placement.location);
+        let right = normalize_f64(forward.cross(placement.up));
+        let up = right.cross(forward);
+        let half = half_extent(placement);
+        Self {
+            origin: placement.location.as_vec3(),
+            right: right.as_vec3(),
+            up: up.as_vec3(),
+            forward: forward.as_vec3(),
+            half: [(right * half[0]).as_vec3(), (up * half[1]).as_vec3()],
+            size: placement.size,
+            antialias,
+            lens,
+        }
+    }
+
+    /// Width and height of the image in pixels.
+    pub fn size(&self) -> [u32; 2] {
+        self.size
+    }
+
+    /// Number of rays for each pixel.
+    pub fn rays_per_pixel(&self) -> u32 {
+        self.antialias * self.antialias * self.lens_points()
+    }
+
+    /// Whether a ray draws random numbers for its place on the lens.
+    pub fn has_lens(&self) -> bool {
+        self.lens.is_some()
+    }
+
+    fn lens_points(&self) -> u32 {
+        self.lens.map_or(1, |lens| lens.grid[0] * lens.grid[1])
+    }
+
+    /// The `stream.sample`th ray through pixel (`x`, `y`), in world space, of unit direction.
+    #[inline]
+    pub fn ray(&self, x: u32, y: u32, stream: &Stream) -> Ray {
+        if self.antialias == 1 && self.lens.is_none() {
+            return Ray::new(self.origin, self.direction(x, y, Vec2::splat(0.5)));
+        }
+        let random = stream.uniform(DIMENSION);
+        let place = self.place_in_pixel(stream.sample / self.lens_points(), [random[0], random[1]]);
+        let direction = self.direction(x, y, place);
+        match &self.lens {
+            None => Ray::new(self.origin, direction),
+            Some(lens) => {
+                let index = stream.sample % self.lens_points();
+                self.through_lens(lens, direction, index, [random[2], random[3]])
+            }
+        }
+    }
+
+    fn place_in_pixel(&self, index: u32, random: [f32; 2]) -> Vec2 {
+        match self.antialias {
+            1 => Vec2::splat(0.5),
+            n => Sampling::Jittered.point(index, n, n, random),
+        }
+    }
+
+    #[inline]
+    fn direction(&self, x: u32, y: u32, place: Vec2) -> Vec3 {
+        let s = 2.0 * (x as f32 + place.x) / self.size[0] as f32 - 1.0;
+        let t = 1.0 - 2.0 * (y as f32 + place.y) / self.size[1] as f32;
+        normalize(self.forward + self.half[0] * s + self.half[1] * t)
+    }
+
+    /// The ray from a point of the lens to where the ray through its centre is in focus.
+    fn through_lens(&self, lens: &Lens, direction: Vec3, index: u32, random: [f32; 2]) -> Ray {
+        let square = lens.sampling.point(index, lens.grid[0], lens.grid[1], random);
+        let disk = sampling::disk(square) * lens.radius;
+        let offset = self.right * disk.x + self.up * disk.y;
+        let focus = direction * (lens.focal / direction.dot(self.forward));
+        Ray::new(self.origin + offset, normalize(focus - offset))
+    }
+}
+
+/// Half the width and height of the image at distance 1.
+fn half_extent(placement: &Placement) -> [f64; 2] {
+    let [width, height] = placement.size.map(f64::from);
+    let tangent = libm::tan(placement.fov_degrees.to_radians() / 2.0);
+    let across_width = match placement.fov_axis {
+        FovAxis::X => true,
+        FovAxis::Y => false,
+        FovAxis::Smaller => width <= height,
+        FovAxis::Larger => width > height,
+    };
+    if across_width {
+        [tangent, tangent * height / width]
+    } else {
+        [tangent * width / height, tangent]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn placement(size: [u32; 2]) -> Placement {
+        Placement {
+            location: DVec3::new(0.0, 0.0, 5.0),
+            look: DVec3::ZERO,
+            up: DVec3::Y,
+            fov_degrees: 90.0,
+            fov_axis: FovAxis::Smaller,
+            size,
+        }
+    }
+
+    fn stream(sample: u32) -> Stream {
+        Stream { seed: 0, pixel: 9, sample, bounce: 0 }
+    }
+
+    #[test]
+    fn the_image_is_upright_and_unmirrored() {
+        let camera = Camera::new(&placement([4, 2]), 1, None);
+        let corner = camera.ray(0, 0, &stream(0)).direction;
+        assert!(corner.x < 0.0 && corner.y > 0.0 && corner.z < 0.0, "{corner}");
+        // The angle spans the shorter side: its edge pixels are centred at half of tan 45 degrees.
+        assert!(
+            (corner.y / -corner.z - 0.5).abs() < 1e-6 && (corner.x / -corner.z + 1.5).abs() < 1e-6
+        );
+    }
+
+    #[test]
+    fn every_lens_ray_meets_the_plane_in_focus_at_one_point() {
+        let lens = Lens { radius: 0.5, focal: 3.0, sampling: Sampling::Jittered, grid: [4, 4] };
+        let camera = Camera::new(&placement([64, 48]), 1, Some(lens));
+        let focus = |sample| {
+            let ray = camera.ray(50, 7, &stream(sample));
+            ray.origin + ray.direction * ((2.0 - ray.origin.z) / ray.direction.z)
+        };
+        for sample in 1..camera.rays_per_pixel() {
+            assert!(focus(sample).distance(focus(0)) < 1e-5);
+        }
+    }
+
+    #[test]
+    fn jittered_rays_stay_in_their_pixel() {
+        let camera = Camera::new(&placement([8, 8]), 3, None);
+        for sample in 0..9 {
+            let d = camera.ray(2, 5, &stream(sample)).direction;
+            let column = (d.x / -d.z + 1.0) * 4.0;
+            let row = (1.0 - d.y / -d.z) * 4.0;
+            assert!((2.0..=3.0).contains(&column) && (5.0..=6.0).contains(&row), "{column} {row}");
+        }
+    }
 }

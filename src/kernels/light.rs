@@ -1,4 +1,11 @@
-//! Lights.
+//! Lights: points on them, and how their strength falls.
+
+use std::f32::consts::PI;
+
+use glam::{Vec2, Vec3};
+
+use crate::math::random::Stream;
+use crate::math::sampling::{self, Sampling};
 
 /// How the strength of a light falls with the distance d to it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -10,4 +17,174 @@ pub enum Falloff {
     InverseSquare,
     /// 1 at every distance.
     None,
+}
+
+impl Falloff {
+    /// The factor at `distance` > 0.
+    #[inline]
+    pub fn at(self, distance: f32) -> f32 {
+        match self {
+            Self::Linear => 1.0 / (4.0 * PI * distance),
+            Self::InverseSquare => 1.0 / (4.0 * PI * distance * distance),
+            Self::None => 1.0,
+        }
+    }
+}
+
+/// Where the light of a light comes from.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Emitter {
+    /// A point.
+    Point(Vec3),
+    /// A sphere.
+    Sphere {
+        /// Its centre.
+        center: Vec3,
+        /// Its radius.
+        radius: f32,
+    },
+    /// Triangles, of a quad or of a mesh.
+    Triangles(Triangles),
+}
+
+/// Triangles to choose points on, each by its area.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Triangles {
+    corners: Vec<[Vec3; 3]>,
+    /// For each triangle, the share of the whole area up to its end. The last is 1.
+    cumulative: Vec<f32>,
+}
+
+impl Triangles {
+    /// The triangles with these corners, or `None` where they have no area.
+    pub fn new(corners: Vec<[Vec3; 3]>) -> Option<Self> {
+        let areas = corners.iter().map(|[a, b, c]| {
+            let (ab, ac) = ((b - a).as_dvec3(), (c - a).as_dvec3());
+            0.5 * ab.cross(ac).length()
+        });
+        let sums: Vec<f64> = areas
+            .scan(0.0, |sum, area| {
+                *sum += area;
+                Some(*sum)
+            })
+            .collect();
+        let total = *sums.last()?;
+        let cumulative = sums.iter().map(|sum| (sum / total) as f32).collect();
+        (total > 0.0 && total.is_finite()).then_some(Self { corners, cumulative })
+    }
+
+    /// The point for `square`: its x chooses the triangle and, stretched, a place in it.
+    #[inline]
+    fn point(&self, square: Vec2) -> Vec3 {
+        let last = self.corners.len() - 1;
+        let index = self.cumulative.partition_point(|&end| end <= square.x).min(last);
+        let start = if index == 0 { 0.0 } else { self.cumulative[index - 1] };
+        let share = (self.cumulative[index] - start).max(f32::MIN_POSITIVE);
+        let within = ((square.x - start) / share).clamp(0.0, 1.0);
+        let [a, b, c] = self.corners[index];
+        let at = sampling::triangle(Vec2::new(within, square.y));
+        a + (b - a) * at.x + (c - a) * at.y
+    }
+}
+
+/// A light.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Light {
+    /// Where its light comes from.
+    pub emitter: Emitter,
+    /// Intensity times colour.
+    pub power: Vec3,
+    /// How it falls with distance.
+    pub falloff: Falloff,
+    /// How points on it are chosen.
+    pub sampling: Sampling,
+    /// Columns and rows of the grid of its points; their product is their number.
+    pub grid: [u32; 2],
+    /// The first of the dimensions of [`Stream`] that its points draw from, one dimension a point.
+    pub dimension: u32,
+}
+
+impl Light {
+    /// Number of points, and so of shadow rays from each lit hit.
+    #[inline]
+    pub fn samples(&self) -> u32 {
+        self.grid[0] * self.grid[1]
+    }
+
+    /// Whether its points are drawn at random.
+    #[inline]
+    pub fn is_sampled(&self) -> bool {
+        !matches!(self.emitter, Emitter::Point(_))
+    }
+
+    /// Its `index`th point, in world space.
+    #[inline]
+    pub fn point(&self, index: u32, stream: &Stream) -> Vec3 {
+        if let Emitter::Point(position) = self.emitter {
+            return position;
+        }
+        let [u, v, ..] = stream.uniform(self.dimension + index);
+        let square = self.sampling.point(index, self.grid[0], self.grid[1], [u, v]);
+        match &self.emitter {
+            Emitter::Point(position) => *position,
+            Emitter::Sphere { center, radius } => *center + sampling::sphere(square) * *radius,
+            Emitter::Triangles(triangles) => triangles.point(square),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn area_light(emitter: Emitter, sampling: Sampling, grid: [u32; 2]) -> Light {
+        Light { emitter, power: Vec3::ONE, falloff: Falloff::Linear, sampling, grid, dimension: 1 }
+    }
+
+    fn points(light: &Light, pixels: u32) -> Vec<Vec3> {
+        (0..pixels)
+            .flat_map(|pixel| {
+                let stream = Stream { seed: 2, pixel, sample: 0, bounce: 0 };
+                (0..light.samples()).map(move |i| light.point(i, &stream))
+            })
+            .collect()
+    }
+
+    #[test]
+    fn falloff_follows_its_formula() {
+        assert_eq!(Falloff::Linear.at(2.0), 1.0 / (8.0 * PI));
+        assert_eq!(Falloff::InverseSquare.at(2.0), 1.0 / (16.0 * PI));
+        assert_eq!(Falloff::None.at(2.0), 1.0);
+    }
+
+    /// A quad of two triangles of unequal area: each gets its share, and the mean is its centroid.
+    #[test]
+    fn points_are_spread_by_area() {
+        let corners = vec![
+            [Vec3::ZERO, Vec3::X * 3.0, Vec3::Y],
+            [Vec3::X * 3.0, Vec3::new(3.0, 1.0 / 3.0, 0.0), Vec3::Y],
+        ];
+        for sampling in [Sampling::Random, Sampling::Jittered] {
+            let emitter = Emitter::Triangles(Triangles::new(corners.clone()).expect("area"));
+            let all = points(&area_light(emitter, sampling, [8, 8]), 200);
+            let first = all.iter().filter(|p| p.x / 3.0 + p.y < 1.0).count() as f64;
+            assert!((first / all.len() as f64 - 0.75).abs() < 0.02, "{first}");
+        }
+    }
+
+    #[test]
+    fn sphere_points_lie_on_the_sphere_and_balance() {
+        let center = Vec3::new(1.0, 2.0, 3.0);
+        let light = area_light(Emitter::Sphere { center, radius: 2.0 }, Sampling::Jittered, [8, 8]);
+        let all = points(&light, 50);
+        assert!(all.iter().all(|p| (p.distance(center) - 2.0).abs() < 1e-5));
+        let mean = all.iter().sum::<Vec3>() / all.len() as f32;
+        assert!(mean.distance(center) < 0.05, "{mean}");
+    }
+
+    #[test]
+    fn triangles_without_area_are_refused() {
+        assert_eq!(Triangles::new(vec![]), None);
+        assert_eq!(Triangles::new(vec![[Vec3::X, Vec3::X, Vec3::Y]]), None);
+    }
 }

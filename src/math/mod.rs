@@ -1,3 +1,6 @@
-//! Numbers: error bounds, random numbers, sampling.
+//! Numbers: rounding-error bounds, rays, random numbers, and maps from the unit square to shapes.
 
+pub mod float;
+pub mod random;
+pub mod ray;
 pub mod sampling;

@@ -1,4 +1,9 @@
-//! How sample points are chosen, and the maps from the unit square to the shapes they are chosen on.
+//! How sample points are chosen, and the maps from the unit square to the shapes they are chosen
+//! on. All maps keep area: equal cells of the square become equal areas of the shape.
+
+use std::f32::consts::TAU;
+
+use glam::{Vec2, Vec3};
 
 /// How a set of sample points is spread over the unit square.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -7,4 +12,86 @@ pub enum Sampling {
     Random,
     /// One point in each cell of a grid, anywhere in the cell.
     Jittered,
+}
+
+impl Sampling {
+    /// The `index`th point of a set of `columns` times `rows`, given two random numbers in
+    /// \[0, 1). Both results are in \[0, 1).
+    #[inline]
+    pub fn point(self, index: u32, columns: u32, rows: u32, random: [f32; 2]) -> Vec2 {
+        match self {
+            Self::Random => Vec2::from(random),
+            Self::Jittered => {
+                let (column, row) = (index % columns, index / columns);
+                Vec2::new(cell(column, columns, random[0]), cell(row, rows, random[1]))
+            }
+        }
+    }
+}
+
+/// The point at `fraction` of the `index`th of `count` equal parts of \[0, 1).
+#[inline]
+fn cell(index: u32, count: u32, fraction: f32) -> f32 {
+    let x = (index as f32 + fraction) / count as f32;
+    // The sum or the quotient of the last cell can round up to 1.
+    x.min(1.0_f32.next_down())
+}
+
+/// A point of the unit disk: `square.x` is the angle, `square.y` the share of the area within.
+#[inline]
+pub fn disk(square: Vec2) -> Vec2 {
+    let (sin, cos) = libm::sincosf(TAU * square.x);
+    square.y.sqrt() * Vec2::new(cos, sin)
+}
+
+/// A point of the unit sphere: `square.x` is the angle about +y, `square.y` the share of the area
+/// below (Archimedes: equal heights cut equal areas).
+#[inline]
+pub fn sphere(square: Vec2) -> Vec3 {
+    let height = 2.0 * square.y - 1.0;
+    let radius = (1.0 - height * height).max(0.0).sqrt();
+    let (sin, cos) = libm::sincosf(TAU * square.x);
+    Vec3::new(radius * sin, height, radius * cos)
+}
+
+/// The second and third barycentric coordinate of a point of a triangle (Turk 1990).
+#[inline]
+pub fn triangle(square: Vec2) -> Vec2 {
+    let root = square.x.sqrt();
+    Vec2::new(root * (1.0 - square.y), root * square.y)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn jittered_points_fill_every_cell_once() {
+        let mut seen = [false; 12];
+        for index in 0..12 {
+            let p = Sampling::Jittered.point(index, 4, 3, [0.999, 0.0]);
+            assert!(p.x < 1.0 && p.y < 1.0);
+            let cell = (p.y * 3.0 + 0.5) as usize * 4 + (p.x * 4.0) as usize;
+            assert!(!std::mem::replace(&mut seen[cell], true), "cell {cell} twice");
+        }
+        assert!(seen.iter().all(|&s| s));
+    }
+
+    /// Shares of the square and of the shape, counted on a fine grid.
+    #[test]
+    fn maps_keep_area() {
+        let n = 400;
+        let grid = (0..n * n)
+            .map(|i| Vec2::new((i % n) as f32 + 0.5, (i / n) as f32 + 0.5) / n as f32)
+            .collect::<Vec<_>>();
+        let share = |inside: &dyn Fn(Vec2) -> bool| {
+            grid.iter().filter(|&&p| inside(p)).count() as f32 / (n * n) as f32
+        };
+        let within_half_radius = share(&|p| disk(p).length() < 0.5);
+        assert!((within_half_radius - 0.25).abs() < 0.01, "{within_half_radius}");
+        let cap = share(&|p| sphere(p).z > 0.5);
+        assert!((cap - 0.25).abs() < 0.01, "{cap}");
+        let corner = share(&|p| triangle(p).element_sum() < 0.5);
+        assert!((corner - 0.25).abs() < 0.01, "{corner}");
+    }
 }

@@ -1,0 +1,27 @@
+//! Every primitive, one after the other: the reference that the tree is checked against.
+
+use super::geometry::{Geometry, PreparedRay};
+use super::{Hit, TestCounts};
+
+/// The closest hit of all.
+pub fn closest(geometry: &Geometry, ray: &PreparedRay, tests: &mut TestCounts) -> Hit {
+    let mut best = Hit::MISS;
+    for number in 0..geometry.len() as u32 {
+        if let Some(t) = geometry.hit(number, ray, tests)
+            && t < best.t
+            && !geometry.is_degenerate(number)
+        {
+            best = Hit { t, primitive: number };
+        }
+    }
+    best
+}
+
+/// Whether anything but a light's shape is hit.
+pub fn occluded(geometry: &Geometry, ray: &PreparedRay, tests: &mut TestCounts) -> bool {
+    (0..geometry.len() as u32).any(|number| {
+        geometry.hit(number, ray, tests).is_some()
+            && !geometry.is_light(number)
+            && !geometry.is_degenerate(number)
+    })
+}

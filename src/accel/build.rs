@@ -1,0 +1,433 @@
+//! Building the tree: obvhs makes a binary hierarchy (PLOC of Meister and Bittner 2018, with
+//! reinsertion), which is then laid out as the nodes that we traverse.
+//!
+//! obvhs sees padded boxes and decides topology alone; what is a hit, is decided by
+//! [`Geometry::hit`].
+
+use glam::Vec3A;
+use obvhs::BvhBuildParams;
+use obvhs::bvh2::Bvh2;
+use obvhs::bvh2::leaf_collapser::collapse;
+use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
+use obvhs::ploc::PlocBuilder;
+use obvhs::splits::split_aabbs_preset;
+use rayon::prelude::*;
+
+use super::coincident;
+use super::geometry::Geometry;
+use super::tree::{Child, Node, Tree};
+use crate::kernels::slab::Aabb;
+
+/// How much work goes into the tree. All but [`Preset::Brute`] are presets of obvhs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum Preset {
+    /// No tree: every primitive is tested. The reference.
+    Brute,
+    /// The quickest build, clearly slower to trace.
+    Fastest,
+    /// A little reinsertion.
+    VeryFast,
+    /// A wider search and more reinsertion.
+    Fast,
+    /// More of both.
+    Medium,
+    /// Large triangles are split first.
+    Slow,
+    /// Everything is reinserted.
+    VerySlow,
+}
+
+impl Preset {
+    /// Every preset, quickest build first.
+    pub const ALL: [Self; 7] = [
+        Self::Brute,
+        Self::Fastest,
+        Self::VeryFast,
+        Self::Fast,
+        Self::Medium,
+        Self::Slow,
+        Self::VerySlow,
+    ];
+
+    /// The preset that is likely to finish first, for so many primitives and expected rays.
+    ///
+    /// A better tree costs time for each primitive and saves a few per cent of the time of each
+    /// ray, so it pays from a certain number of rays for each primitive on.
+    pub fn choose(primitives: u64, rays: u64) -> Self {
+        match rays / primitives.max(1) {
+            0..=3 => Self::VeryFast,
+            4..=63 => Self::Fast,
+            _ => Self::Medium,
+        }
+    }
+
+    /// The name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Brute => "brute",
+            Self::Fastest => "fastest",
+            Self::VeryFast => "very-fast",
+            Self::Fast => "fast",
+            Self::Medium => "medium",
+            Self::Slow => "slow",
+            Self::VerySlow => "very-slow",
+        }
+    }
+
+    fn parameters(self) -> BvhBuildParams {
+        match self {
+            Self::Brute | Self::Fastest => BvhBuildParams::fastest_build(),
+            Self::VeryFast => BvhBuildParams::very_fast_build(),
+            Self::Fast => BvhBuildParams::fast_build(),
+            Self::Medium => BvhBuildParams::medium_build(),
+            Self::Slow => BvhBuildParams::slow_build(),
+            Self::VerySlow => BvhBuildParams::very_slow_build(),
+        }
+    }
+}
+
+/// What the hierarchy is built over: boxes, and who is in each.
+struct References {
+    boxes: Vec<obvhs::aabb::Aabb>,
+    /// For each box, its owner. The owner of box `i` is `i` itself but for the parts of split
+    /// triangles, which come last: obvhs relies on this.
+    owners: Vec<u32>,
+    members: Members,
+}
+
+/// The primitives of each owner.
+struct Members {
+    /// Owners of one primitive.
+    singles: Vec<u32>,
+    /// The owners after them, of many.
+    heaps: Vec<Vec<u32>>,
+}
+
+/// Builds the tree over every primitive that can be hit.
+pub fn build(geometry: &Geometry, preset: Preset) -> Tree {
+    let parameters = preset.parameters();
+    let References { boxes, owners, members } = references(geometry, parameters.pre_split);
+    if boxes.is_empty() {
+        return Tree { nodes: vec![], primitives: vec![], root: None, depth: 0, splits: false };
+    }
+    let bvh = hierarchy(boxes, owners, &parameters);
+    lay_out(&bvh, &members, parameters.pre_split)
+}
+
+/// A box for each primitive that can be hit, more than one for large triangles if `split`, one
+/// together for the members of a heap.
+fn references(geometry: &Geometry, split: bool) -> References {
+    let mut singles: Vec<u32> = (0..geometry.len() as u32)
+        .into_par_iter()
+        .filter(|&number| !geometry.is_degenerate(number))
+        .collect();
+    let mut boxes: Vec<_> = singles.par_iter().map(|&n| to_obvhs(geometry.bounds(n))).collect();
+    let heaps = gather_heaps(&mut singles, &mut boxes);
+    let mut all = References {
+        owners: (0..boxes.len() as u32).collect(),
+        boxes,
+        members: Members { singles, heaps },
+    };
+    if split {
+        split_large_triangles(geometry, &mut all);
+    }
+    all
+}
+
+/// Takes the members of heaps out of both lists and appends the box of each heap.
+fn gather_heaps(singles: &mut Vec<u32>, boxes: &mut Vec<obvhs::aabb::Aabb>) -> Vec<Vec<u32>> {
+    let heaps = coincident::heaps(boxes);
+    if heaps.is_empty() {
+        return heaps;
+    }
+    let mut in_heap = vec![false; boxes.len()];
+    heaps.iter().flatten().for_each(|&i| in_heap[i as usize] = true);
+    let numbers = |heap: &Vec<u32>| heap.iter().map(|&i| singles[i as usize]).collect();
+    let members = heaps.iter().map(numbers).collect();
+    let unions: Vec<_> = heaps
+        .iter()
+        .map(|heap| {
+            let all = |u: obvhs::aabb::Aabb, &i: &u32| u.union(&boxes[i as usize]);
+            heap.iter().fold(obvhs::aabb::Aabb::INVALID, all)
+        })
+        .collect();
+    let mut flags = in_heap.iter();
+    singles.retain(|_| flags.next() == Some(&false));
+    let mut flags = in_heap.iter();
+    boxes.retain(|_| flags.next() == Some(&false));
+    boxes.extend(unions);
+    members
+}
+
+/// Splits the boxes of triangles that are much larger than the average, as obvhs's own presets do.
+fn split_large_triangles(geometry: &Geometry, all: &mut References) {
+    let singles = &all.members.singles;
+    let end = singles.partition_point(|&n| (n as usize) < geometry.triangles.len());
+    if end == 0 {
+        return;
+    }
+    let triangles: Vec<obvhs::triangle::Triangle> = singles[..end]
+        .par_iter()
+        .map(|&number| {
+            let [v0, v1, v2] = geometry.triangle(number as usize).map(Vec3A::from);
+            obvhs::triangle::Triangle { v0, v1, v2 }
+        })
+        .collect();
+    let mut parts = all.boxes[..end].to_vec();
+    let mut owners = all.owners[..end].to_vec();
+    let areas = || parts.iter().map(obvhs::aabb::Aabb::half_area);
+    let (sum, largest) = areas().fold((0.0_f64, 0.0_f32), |(s, l), a| (s + f64::from(a), l.max(a)));
+    let average = (sum / end as f64) as f32;
+    split_aabbs_preset(&mut parts, &mut owners, &triangles, average, largest);
+    // A part's box ends at points that were computed: the bound is added to it once more.
+    parts.par_iter_mut().for_each(|b| *b = to_obvhs(from_obvhs(b).padded()));
+    all.boxes[..end].copy_from_slice(&parts[..end]);
+    all.boxes.extend_from_slice(&parts[end..]);
+    all.owners.extend_from_slice(&owners[end..]);
+}
+
+/// obvhs's binary hierarchy.
+fn hierarchy(boxes: Vec<obvhs::aabb::Aabb>, owners: Vec<u32>, parameters: &BvhBuildParams) -> Bvh2 {
+    let mut bvh = PlocBuilder::with_capacity(boxes.len()).build(
+        parameters.ploc_search_distance,
+        &boxes,
+        owners,
+        parameters.sort_precision,
+        parameters.search_depth_threshold,
+    );
+    drop(boxes);
+    bvh.uses_spatial_splits = parameters.pre_split;
+    let mut optimizer = ReinsertionOptimizer::default();
+    optimizer.run(&mut bvh, parameters.reinsertion_batch_ratio, None);
+    collapse(&mut bvh, parameters.max_prims_per_leaf, parameters.collapse_traversal_cost);
+    let again = parameters.reinsertion_batch_ratio
+        * parameters.post_collapse_reinsertion_batch_ratio_multiplier;
+    optimizer.run(&mut bvh, again, None);
+    bvh
+}
+
+/// Turns the hierarchy into our nodes, depth first, without recursion: trees can be deep.
+fn lay_out(bvh: &Bvh2, members: &Members, splits: bool) -> Tree {
+    let mut nodes: Vec<Node> = Vec::with_capacity(bvh.nodes.len() / 2);
+    let mut primitives: Vec<u32> = Vec::with_capacity(bvh.primitive_indices.len());
+    // Who waits for a place: the hierarchy's node, our parent and side, and its depth.
+    let mut waiting = vec![(0_usize, None::<(usize, usize)>, 0_usize)];
+    let mut root = None;
+    let mut depth = 0;
+    while let Some((index, parent, level)) = waiting.pop() {
+        let source = &bvh.nodes[index];
+        let bounds = from_obvhs(source.aabb());
+        let first = source.first_index as usize;
+        let child = if source.is_leaf() {
+            let owners = &bvh.primitive_indices[first..first + source.prim_count as usize];
+            members.leaf(owners, &mut primitives)
+        } else {
+            let place = nodes.len();
+            nodes.push(Node { bounds: [Aabb::EMPTY; 2], children: [Child::EMPTY; 2] });
+            waiting.push((first + 1, Some((place, 1)), level + 1));
+            waiting.push((first, Some((place, 0)), level + 1));
+            Child { index: place as u32, count: 0 }
+        };
+        depth = depth.max(level);
+        match parent {
+            None => root = Some((bounds, child)),
+            Some((place, side)) => {
+                nodes[place].bounds[side] = bounds;
+                nodes[place].children[side] = child;
+            }
+        }
+    }
+    Tree { nodes, primitives, root, depth, splits }
+}
+
+impl Members {
+    /// Appends the primitives of `owners` to `primitives`, as a leaf.
+    fn leaf(&self, owners: &[u32], primitives: &mut Vec<u32>) -> Child {
+        let start = primitives.len();
+        for &owner in owners {
+            match self.singles.get(owner as usize) {
+                Some(&number) => primitives.push(number),
+                None => {
+                    primitives.extend_from_slice(&self.heaps[owner as usize - self.singles.len()]);
+                }
+            }
+        }
+        Child { index: start as u32, count: (primitives.len() - start) as u32 }
+    }
+}
+
+fn to_obvhs(b: Aabb) -> obvhs::aabb::Aabb {
+    obvhs::aabb::Aabb::new(b.low.into(), b.high.into())
+}
+
+fn from_obvhs(b: &obvhs::aabb::Aabb) -> Aabb {
+    Aabb { low: b.min.into(), high: b.max.into() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::accel::{Accel, Hit};
+    use crate::math::random::Stream;
+    use crate::math::ray::Ray;
+    use glam::Vec3;
+
+    fn random(index: u32, dimension: u32) -> [f32; 4] {
+        Stream { seed: 11, pixel: index, sample: 0, bounce: 0 }.uniform(dimension)
+    }
+
+    /// Triangles of very uneven size, quads, spheres, and some triangles without area.
+    fn mixture(count: u32) -> Geometry {
+        let mut geometry = Geometry::default();
+        for i in 0..count {
+            let [x, y, z, s] = random(i, 0);
+            let center = Vec3::new(x, y, z) * 10.0;
+            let size = 0.01 + 2.0 * s * s * s * s;
+            let first = geometry.positions.len() as u32;
+            for k in 0..3 {
+                let [a, b, c, _] = random(i, 1 + k);
+                let flat = if i % 10 == 0 { 0.0 } else { 1.0 };
+                geometry.positions.push(center + (Vec3::new(a, b * flat, c * flat) - 0.5) * size);
+            }
+            if i % 10 == 0 {
+                let p = geometry.positions[first as usize];
+                geometry.positions[first as usize + 1] = p;
+            }
+            geometry.triangles.push([first, first + 1, first + 2]);
+            if i % 8 == 0 {
+                let [_, side, up] =
+                    [0, 1, 2].map(|k| geometry.positions[first as usize + k] - center);
+                let base = geometry.positions.len() as u32;
+                geometry.positions.extend([center, center + up, center + up + side, center + side]);
+                geometry.quads.push([base, base + 1, base + 2, base + 3]);
+                geometry.spheres.push((center - Vec3::splat(size), 0.2 * size));
+            }
+        }
+        geometry
+    }
+
+    fn rays(count: u32) -> impl Iterator<Item = Ray> {
+        (0..count).map(|i| {
+            let [a, b, c, _] = random(i, 20);
+            let [d, e, f, _] = random(i, 21);
+            let origin = Vec3::new(a, b, c) * 14.0 - 2.0;
+            Ray::new(origin, Vec3::new(d, e, f) * 10.0 - origin)
+        })
+    }
+
+    fn answers(geometry: &Geometry, preset: Preset) -> Vec<(Hit, bool)> {
+        let accel = Accel::new(geometry.clone(), preset);
+        let mut traversal = accel.traversal();
+        rays(400)
+            .map(|ray| {
+                let short = Ray { t_max: 0.7, ..ray };
+                (accel.closest(&ray, &mut traversal), accel.occluded(&short, &mut traversal))
+            })
+            .collect()
+    }
+
+    #[test]
+    fn hc03_every_preset_answers_as_brute_force_does() {
+        let geometry = mixture(3000);
+        let reference = answers(&geometry, Preset::Brute);
+        assert!(reference.iter().filter(|(hit, _)| !hit.is_miss()).count() > 100);
+        assert!(reference.iter().any(|&(_, o)| o) && reference.iter().any(|&(_, o)| !o));
+        for preset in Preset::ALL {
+            assert!(answers(&geometry, preset) == reference, "{}", preset.name());
+        }
+    }
+
+    #[test]
+    fn children_lie_within_their_parents() {
+        let geometry = mixture(2000);
+        for preset in Preset::ALL.into_iter().filter(|&p| p != Preset::Brute) {
+            let tree = build(&geometry, preset);
+            let mut leaves = vec![0; geometry.len()];
+            for node in tree.nodes() {
+                for (bounds, child) in node.bounds.iter().zip(&node.children) {
+                    if child.count == 0 {
+                        let inner = &tree.nodes()[child.index as usize];
+                        assert!(inner.bounds.iter().all(|b| bounds.contains(b)));
+                        continue;
+                    }
+                    let start = child.index as usize;
+                    for &n in &tree.primitives()[start..start + child.count as usize] {
+                        leaves[n as usize] += 1;
+                        assert!(tree.has_splits() || bounds.contains(&geometry.bounds(n)));
+                    }
+                }
+            }
+            for (number, &times) in leaves.iter().enumerate() {
+                let hittable = !geometry.is_degenerate(number as u32);
+                assert!(if tree.has_splits() {
+                    (times > 0) == hittable
+                } else {
+                    times == hittable as i32
+                });
+            }
+        }
+    }
+
+    #[test]
+    fn hc24_nothing_and_one_thing() {
+        for preset in Preset::ALL {
+            let empty = Accel::new(Geometry::default(), preset);
+            let down = Ray::new(Vec3::Z * 5.0, Vec3::NEG_Z);
+            assert!(empty.closest(&down, &mut empty.traversal()).is_miss());
+            let one = Geometry { spheres: vec![(Vec3::ZERO, 1.0)], ..Geometry::default() };
+            let one = Accel::new(one, preset);
+            assert_eq!(one.closest(&down, &mut one.traversal()), Hit { t: 4.0, primitive: 0 });
+        }
+    }
+
+    #[test]
+    fn hc22_equal_centroids_build_and_trace() {
+        for count in [100, 20_000] {
+            let spheres: Vec<_> = (0..count).map(|i| (Vec3::ZERO, 1.0 + i as f32 * 1e-3)).collect();
+            for preset in [Preset::Fastest, Preset::VeryFast, Preset::Medium, Preset::VerySlow] {
+                let accel = Accel::new(
+                    Geometry { spheres: spheres.clone(), ..Geometry::default() },
+                    preset,
+                );
+                let ray = Ray::new(Vec3::Z * 1e4, Vec3::NEG_Z);
+                let hit = accel.closest(&ray, &mut accel.traversal());
+                assert_eq!(hit.primitive, count - 1, "{}", preset.name());
+            }
+        }
+    }
+
+    #[test]
+    fn hc23_nested_boxes_make_a_deep_tree() {
+        let spheres: Vec<_> =
+            (0..120).map(|i| (Vec3::X * 1.5_f32.powi(i) * 1e-9, 1.5_f32.powi(i) * 1e-9)).collect();
+        for preset in Preset::ALL {
+            let accel =
+                Accel::new(Geometry { spheres: spheres.clone(), ..Geometry::default() }, preset);
+            let ray = Ray::new(Vec3::new(-1.0, 0.0, 0.0), Vec3::X);
+            let reference = answers(&accel.geometry, Preset::Brute);
+            assert!(answers(&accel.geometry, preset) == reference);
+            assert!(!accel.closest(&ray, &mut accel.traversal()).is_miss());
+        }
+    }
+
+    #[test]
+    fn hc21_the_lowest_number_wins_among_equals() {
+        let positions = vec![Vec3::ZERO, Vec3::X, Vec3::Y];
+        let geometry =
+            Geometry { positions, triangles: vec![[0, 1, 2]; 50], ..Geometry::default() };
+        for preset in Preset::ALL {
+            let accel = Accel::new(geometry.clone(), preset);
+            let ray = Ray::new(Vec3::new(0.2, 0.2, 1.0), Vec3::NEG_Z);
+            assert_eq!(accel.closest(&ray, &mut accel.traversal()).primitive, 0);
+        }
+    }
+
+    #[test]
+    fn the_default_preset_grows_with_the_work() {
+        assert_eq!(Preset::choose(18_000_000, 1_000_000), Preset::VeryFast);
+        assert_eq!(Preset::choose(100_000, 2_000_000), Preset::Fast);
+        assert_eq!(Preset::choose(100_000, 1_000_000_000), Preset::Medium);
+        assert_eq!(Preset::choose(0, 0), Preset::VeryFast);
+    }
+}

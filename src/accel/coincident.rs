@@ -1,0 +1,84 @@
+//! Finding heaps: many large boxes about one point, such as concentric spheres or layers of the
+//! same shape.
+//!
+//! No hierarchy helps there, and a bottom-up builder does worst of all: it merges one pair a round,
+//! for quadratic time and a tree as deep as the heap is high. A heap therefore enters the tree as
+//! one box, and its members are tested one after the other.
+
+use std::collections::HashMap;
+
+use obvhs::aabb::Aabb;
+
+/// A heap has more members than this.
+const LEAST: usize = 64;
+
+/// Steps across the scene within which centres count as one point.
+const STEPS: f32 = (1 << 20) as f32;
+
+/// Boxes under this many steps in size are not large: they are a detailed part of a vast scene.
+const LARGE: f32 = 16.0;
+
+/// Number of counters for the quick look.
+const COUNTERS: usize = 1 << 16;
+
+/// The heaps among `boxes`, as lists of indices in rising order.
+pub(super) fn heaps(boxes: &[Aabb]) -> Vec<Vec<u32>> {
+    let whole = boxes.iter().fold(Aabb::INVALID, |all, b| all.union(b));
+    let step = whole.diagonal().max_element() / STEPS;
+    // Nearly every scene has none, and one pass over small counters shows it.
+    let mut counters = vec![0_u32; COUNTERS];
+    let cells = || boxes.iter().map(|b| cell(b, &whole, step));
+    for cell in cells().flatten() {
+        counters[counter(cell)] += 1;
+    }
+    let expected = boxes.len() / COUNTERS;
+    let suspicious = |cell: [i32; 3]| counters[counter(cell)] as usize > LEAST + 8 * expected;
+    let mut members: HashMap<[i32; 3], Vec<u32>> = HashMap::new();
+    for (index, cell) in cells().enumerate() {
+        if let Some(cell) = cell.filter(|&c| suspicious(c)) {
+            members.entry(cell).or_default().push(index as u32);
+        }
+    }
+    let mut heaps: Vec<_> = members.into_values().filter(|m| m.len() > LEAST).collect();
+    heaps.sort_unstable_by_key(|m| m[0]);
+    heaps
+}
+
+/// Where the centre of a large box is, in steps.
+fn cell(b: &Aabb, whole: &Aabb, step: f32) -> Option<[i32; 3]> {
+    let large = b.diagonal().max_element() > LARGE * step;
+    large.then(|| ((b.center() - whole.min) / step).to_array().map(|x| x.round() as i32))
+}
+
+fn counter(cell: [i32; 3]) -> usize {
+    let mixed =
+        cell.iter().fold(0_u32, |h, &x| (h ^ x as u32).wrapping_mul(0x9E37_79B1).rotate_left(15));
+    mixed as usize % COUNTERS
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3A;
+
+    fn cube(center: Vec3A, half: f32) -> Aabb {
+        Aabb::new(center - half, center + half)
+    }
+
+    #[test]
+    fn a_heap_is_found_among_others() {
+        let mut boxes: Vec<Aabb> =
+            (0..1000).map(|i| cube(Vec3A::new(i as f32 * 0.37, 0.0, 0.0), 0.1)).collect();
+        assert!(heaps(&boxes).is_empty());
+        let center = Vec3A::new(77.5, 0.0, 0.0);
+        boxes.extend((1..=100).map(|i| cube(center, i as f32 * 0.01 + 0.05)));
+        assert_eq!(heaps(&boxes), vec![(1000..1100).collect::<Vec<u32>>()]);
+    }
+
+    #[test]
+    fn detail_in_a_vast_scene_is_no_heap() {
+        let mut boxes = vec![cube(Vec3A::ZERO, 1e7)];
+        boxes.extend((0..10_000).map(|i| cube(Vec3A::new(i as f32 * 1e-4, 0.0, 0.0), 1e-4)));
+        assert!(heaps(&boxes).is_empty());
+    }
+}

@@ -1,0 +1,165 @@
+//! The primitives as dense arrays, and what it is for a ray to hit one.
+//!
+//! Primitives are numbered: triangles first, then quads, then spheres, each kind in the order of
+//! the scene file. The number alone tells the kind.
+
+use std::ops::Range;
+
+use glam::Vec3;
+
+use super::TestCounts;
+use crate::kernels::slab::{Aabb, SlabRay};
+use crate::kernels::triangle::{self, ShearedSpace};
+use crate::kernels::{quad, sphere};
+use crate::math::ray::Ray;
+
+/// The primitives of a scene, in world space.
+#[derive(Clone, Debug, Default)]
+pub struct Geometry {
+    /// Vertices of triangles and quads.
+    pub positions: Vec<Vec3>,
+    /// Three vertices a triangle, counter-clockwise from the front.
+    pub triangles: Vec<[u32; 3]>,
+    /// Four vertices a quad, turned so that the diagonal from first to third lies within.
+    pub quads: Vec<[u32; 4]>,
+    /// Centre (scene units) and radius of each sphere.
+    pub spheres: Vec<(Vec3, f32)>,
+    /// The primitives that are shapes of lights, by number, in rising order: shadow rays pass them.
+    pub lights: Vec<Range<u32>>,
+}
+
+/// A primitive, by its kind and its place in that kind's array.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Primitive {
+    /// In [`Geometry::triangles`].
+    Triangle(usize),
+    /// In [`Geometry::quads`].
+    Quad(usize),
+    /// In [`Geometry::spheres`].
+    Sphere(usize),
+}
+
+/// A ray with what the tests derive from it once.
+#[derive(Clone, Copy, Debug)]
+pub struct PreparedRay {
+    /// The ray itself.
+    pub ray: Ray,
+    /// For boxes.
+    pub slab: SlabRay,
+    /// For triangles and quads.
+    pub space: ShearedSpace,
+}
+
+impl PreparedRay {
+    /// Prepares `ray`, which must be valid.
+    #[inline]
+    pub fn new(ray: &Ray) -> Self {
+        Self { ray: *ray, slab: SlabRay::new(ray), space: ShearedSpace::new(ray) }
+    }
+}
+
+impl Geometry {
+    /// Number of primitives of every kind, degenerate triangles counted.
+    pub fn len(&self) -> usize {
+        self.triangles.len() + self.quads.len() + self.spheres.len()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The primitive of that number.
+    #[inline(always)]
+    pub fn primitive(&self, number: u32) -> Primitive {
+        let index = number as usize;
+        let (triangles, quads) = (self.triangles.len(), self.quads.len());
+        if index < triangles {
+            Primitive::Triangle(index)
+        } else if index < triangles + quads {
+            Primitive::Quad(index - triangles)
+        } else {
+            Primitive::Sphere(index - triangles - quads)
+        }
+    }
+
+    /// The corners of a triangle.
+    #[inline(always)]
+    pub fn triangle(&self, index: usize) -> [Vec3; 3] {
+        self.triangles[index].map(|v| self.positions[v as usize])
+    }
+
+    /// The corners of a quad.
+    #[inline(always)]
+    pub fn quad(&self, index: usize) -> [Vec3; 4] {
+        self.quads[index].map(|v| self.positions[v as usize])
+    }
+
+    /// The padded box that contains every hit on the primitive.
+    #[inline]
+    pub fn bounds(&self, number: u32) -> Aabb {
+        match self.primitive(number) {
+            Primitive::Triangle(i) => Aabb::around(self.triangle(i)),
+            Primitive::Quad(i) => Aabb::around(self.quad(i)),
+            Primitive::Sphere(i) => sphere_bounds(self.spheres[i]),
+        }
+        .padded()
+    }
+
+    /// Whether the primitive can be hit: triangles without area cannot.
+    pub fn is_degenerate(&self, number: u32) -> bool {
+        match self.primitive(number) {
+            Primitive::Triangle(i) => triangle::is_degenerate(&self.triangle(i)),
+            Primitive::Quad(_) | Primitive::Sphere(_) => false,
+        }
+    }
+
+    /// Whether the primitive is a light's shape.
+    #[inline]
+    pub fn is_light(&self, number: u32) -> bool {
+        if self.lights.is_empty() {
+            return false;
+        }
+        let after = self.lights.partition_point(|range| range.start <= number);
+        after > 0 && self.lights[after - 1].contains(&number)
+    }
+
+    /// The t at which the ray hits the primitive, if it does: the definition of a hit.
+    ///
+    /// It is the primitive's own test, confined to the primitive's own padded box: this is what
+    /// lets the tree skip nodes without ever losing a hit (see [`crate::kernels::slab`]).
+    #[inline(always)]
+    pub fn hit(&self, number: u32, ray: &PreparedRay, tests: &mut TestCounts) -> Option<f32> {
+        let (t, bounds) = match self.primitive(number) {
+            Primitive::Triangle(i) => {
+                tests.triangles += 1;
+                let corners = self.triangle(i);
+                (ray.space.intersect(&corners)?, Aabb::around(corners))
+            }
+            Primitive::Quad(i) => {
+                tests.quads += 1;
+                let corners = self.quad(i);
+                (quad::intersect(&ray.space, &corners)?, Aabb::around(corners))
+            }
+            Primitive::Sphere(i) => {
+                tests.spheres += 1;
+                let (center, radius) = self.spheres[i];
+                (sphere::intersect(&ray.ray, center, radius)?, sphere_bounds((center, radius)))
+            }
+        };
+        let t = ray.slab.interval(&bounds.padded()).clamp(t)?;
+        (t > ray.ray.t_min && t < ray.ray.t_max).then_some(t)
+    }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> u64 {
+        (size_of_val(self.positions.as_slice())
+            + size_of_val(self.triangles.as_slice())
+            + size_of_val(self.quads.as_slice())
+            + size_of_val(self.spheres.as_slice())) as u64
+    }
+}
+
+fn sphere_bounds((center, radius): (Vec3, f32)) -> Aabb {
+    Aabb { low: center - radius, high: center + radius }
+}

@@ -1,0 +1,41 @@
+//! Work counted while rendering, exactly: how it is shown that a scene pays for what it shows.
+
+use crate::accel::TestCounts;
+
+/// Counts of one thread, or of a whole render.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counters {
+    /// Camera rays.
+    pub primary_rays: u64,
+    /// Mirror rays.
+    pub secondary_rays: u64,
+    /// Shadow rays.
+    pub shadow_rays: u64,
+    /// Points chosen on the lens.
+    pub lens_samples: u64,
+    /// Points chosen on area lights.
+    pub light_samples: u64,
+    /// Texels read.
+    pub texels: u64,
+    /// Tests of boxes and primitives.
+    pub tests: TestCounts,
+    /// Samples that were not finite, and count as black.
+    pub invalid: u64,
+    /// Shadow rays to a light within the rounding error of the surface: its distance was taken to
+    /// be that error.
+    pub lights_at_surface: u64,
+}
+
+impl std::ops::AddAssign for Counters {
+    fn add_assign(&mut self, other: Self) {
+        self.primary_rays += other.primary_rays;
+        self.secondary_rays += other.secondary_rays;
+        self.shadow_rays += other.shadow_rays;
+        self.lens_samples += other.lens_samples;
+        self.light_samples += other.light_samples;
+        self.texels += other.texels;
+        self.tests += other.tests;
+        self.invalid += other.invalid;
+        self.lights_at_surface += other.lights_at_surface;
+    }
+}

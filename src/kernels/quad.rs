@@ -1,0 +1,48 @@
+//! The quad: two watertight triangles on a fixed diagonal, seen as one primitive.
+//!
+//! A quad whose corners are not quite in one plane is thus still without cracks, within and
+//! towards neighbours that share an edge.
+
+use glam::Vec3;
+
+use super::triangle::ShearedSpace;
+
+/// The two triangles of a quad, on the diagonal from the first corner to the third. Both wind as
+/// the quad does.
+#[inline(always)]
+pub fn halves(&[a, b, c, d]: &[Vec3; 4]) -> [[Vec3; 3]; 2] {
+    [[a, b, c], [a, c, d]]
+}
+
+/// The t at which the ray meets the quad: the smaller where it meets both halves.
+#[inline(always)]
+pub fn intersect(space: &ShearedSpace, quad: &[Vec3; 4]) -> Option<f32> {
+    let [first, second] = halves(quad);
+    match (space.intersect(&first), space.intersect(&second)) {
+        (Some(s), Some(t)) => Some(if s < t { s } else { t }),
+        (s, t) => s.or(t),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::ray::Ray;
+
+    #[test]
+    fn the_whole_quad_and_nothing_else_is_met() {
+        let quad = [Vec3::ZERO, Vec3::Y, Vec3::new(1.0, 1.0, 0.0), Vec3::X];
+        let at = |x: f32, y: f32| {
+            let ray = Ray::new(Vec3::new(x, y, 2.0), Vec3::NEG_Z);
+            intersect(&ShearedSpace::new(&ray), &quad)
+        };
+        for i in 0..=16 {
+            for j in 0..=16 {
+                assert_eq!(at(i as f32 / 16.0, j as f32 / 16.0), Some(2.0));
+            }
+        }
+        for (x, y) in [(-0.01, 0.5), (1.01, 0.5), (0.5, -0.01), (0.5, 1.01)] {
+            assert_eq!(at(x, y), None);
+        }
+    }
+}

@@ -1,0 +1,180 @@
+//! The shading step that both tracers take at every hit.
+//!
+//! It returns requests and never traces: light that is there at once ([`local_light`]), a shadow
+//! ray for each point of each light with what it adds if nothing is in the way
+//! ([`shadow_request`]), and the mirror ray ([`mirror`]). Whitted, *An Improved Illumination Model
+//! for Shaded Display* (1980).
+
+use glam::Vec3;
+
+use super::blinn_phong::{self, Material};
+use super::light::Light;
+use crate::math::float::{max_abs, normalize, offset_origin};
+use crate::math::ray::Ray;
+
+/// A hit made ready to be shaded.
+#[derive(Clone, Copy, Debug)]
+pub struct ShadingPoint {
+    /// The point, in world space.
+    pub point: Vec3,
+    /// Bound on its rounding error, for each coordinate.
+    pub error: Vec3,
+    /// Geometric normal of unit length, on the viewer's side.
+    pub normal: Vec3,
+    /// The normal that the surface is lit with, of unit length, on the viewer's side.
+    pub shading_normal: Vec3,
+    /// Direction to where the ray came from, of unit length.
+    pub view: Vec3,
+    /// Diffuse colour, from the material or a texture.
+    pub color: Vec3,
+    /// What the surface is made of.
+    pub material: Material,
+    /// Whether lights reach this side.
+    pub lit: bool,
+}
+
+/// A shadow ray and what it is worth.
+#[derive(Clone, Copy, Debug)]
+pub struct ShadowRequest {
+    /// The open segment from the surface to the light.
+    pub ray: Ray,
+    /// What to add if nothing is on it.
+    pub contribution: Vec3,
+    /// Whether the light is nearer than the point's own error, so that its distance was taken to
+    /// be that error.
+    pub at_light: bool,
+}
+
+/// The light a hit shows without any ray: the ambient part, once for each light.
+#[inline]
+pub fn local_light(point: &ShadingPoint, ambient: f32, lights: usize) -> Vec3 {
+    point.color * (ambient * lights as f32)
+}
+
+/// The shadow ray to `target`, a point of `light`, unless it could add nothing: the light is
+/// behind the surface, has no strength, or is not reflected to the viewer.
+///
+/// A light on the surface itself would be infinitely strong. Its distance is taken to be at least
+/// the point's error bound; at no distance at all it has no direction and adds nothing.
+#[inline]
+pub fn shadow_request(
+    point: &ShadingPoint,
+    throughput: Vec3,
+    light: &Light,
+    target: Vec3,
+) -> Option<ShadowRequest> {
+    let towards = target - point.point;
+    let to_light = normalize(towards);
+    if !point.lit || point.normal.dot(to_light) <= 0.0 {
+        return None;
+    }
+    let least = max_abs(point.error);
+    let distance = towards.length();
+    let reflected = blinn_phong::reflect(
+        &point.material,
+        point.color,
+        point.shading_normal,
+        point.view,
+        to_light,
+    );
+    let strength = light.falloff.at(distance.max(least)) / light.samples() as f32;
+    let contribution = throughput * (reflected * (light.power * strength));
+    if contribution == Vec3::ZERO {
+        return None;
+    }
+    let origin = offset_origin(point.point, point.error, point.normal, to_light);
+    let ray = Ray::segment(origin, target);
+    ray.is_valid().then_some(ShadowRequest { ray, contribution, at_light: distance < least })
+}
+
+/// The mirror ray and its throughput, if the surface is a mirror on this side.
+#[inline]
+pub fn mirror(point: &ShadingPoint, throughput: Vec3) -> Option<(Ray, Vec3)> {
+    if !point.lit || point.material.kr <= 0.0 {
+        return None;
+    }
+    let smooth = reflection(point.view, point.shading_normal);
+    // An interpolated normal can send the ray into the surface: the geometric one cannot.
+    let direction =
+        if smooth.dot(point.normal) > 0.0 { smooth } else { reflection(point.view, point.normal) };
+    let origin = offset_origin(point.point, point.error, point.normal, direction);
+    let ray = Ray::new(origin, direction);
+    ray.is_valid().then_some((ray, throughput * point.material.kr))
+}
+
+/// `view` turned about `normal`, of unit length.
+#[inline]
+fn reflection(view: Vec3, normal: Vec3) -> Vec3 {
+    normalize(normal * (2.0 * view.dot(normal)) - view)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::kernels::light::{Emitter, Falloff};
+    use crate::math::sampling::Sampling;
+
+    fn point() -> ShadingPoint {
+        ShadingPoint {
+            point: Vec3::ZERO,
+            error: Vec3::splat(1e-6),
+            normal: Vec3::Y,
+            shading_normal: Vec3::Y,
+            view: normalize(Vec3::new(1.0, 1.0, 0.0)),
+            color: Vec3::ONE,
+            material: Material { ks: 0.0, kd: 1.0, exponent: 1.0, color: Vec3::ONE, kr: 0.5 },
+            lit: true,
+        }
+    }
+
+    fn light(position: Vec3) -> Light {
+        Light {
+            emitter: Emitter::Point(position),
+            power: Vec3::splat(10.0),
+            falloff: Falloff::InverseSquare,
+            sampling: Sampling::Random,
+            grid: [1, 1],
+            dimension: 1,
+        }
+    }
+
+    fn request(point: &ShadingPoint, target: Vec3) -> Option<ShadowRequest> {
+        shadow_request(point, Vec3::ONE, &light(target), target)
+    }
+
+    #[test]
+    fn a_light_overhead_adds_its_falloff() {
+        let r = request(&point(), Vec3::Y * 2.0).expect("a request");
+        assert!((r.contribution.x - 10.0 / (16.0 * std::f32::consts::PI)).abs() < 1e-6);
+        assert!(!r.at_light && r.ray.origin.y > 0.0 && r.ray.t_max == 1.0);
+    }
+
+    #[test]
+    fn no_ray_is_cast_that_could_add_nothing() {
+        assert!(request(&point(), Vec3::NEG_Y).is_none(), "behind");
+        assert!(request(&ShadingPoint { lit: false, ..point() }, Vec3::Y).is_none(), "unlit side");
+        let black = ShadingPoint { color: Vec3::ZERO, ..point() };
+        assert!(request(&black, Vec3::Y).is_none(), "black");
+    }
+
+    #[test]
+    fn hc32_a_light_on_the_surface_is_finite() {
+        for height in [0.0, 1e-30, 1e-9, 1e-7] {
+            if let Some(r) = request(&point(), Vec3::Y * height) {
+                assert!(r.contribution.is_finite() && r.at_light, "{height}");
+            }
+        }
+    }
+
+    #[test]
+    fn hc33_a_mirror_ray_never_enters_the_surface() {
+        let leaning = ShadingPoint {
+            shading_normal: normalize(Vec3::new(1.0, 0.1, 0.0)),
+            view: normalize(Vec3::new(-1.0, 0.2, 0.0)),
+            ..point()
+        };
+        let (ray, throughput) = mirror(&leaning, Vec3::ONE).expect("a mirror ray");
+        assert!(ray.direction.y > 0.0);
+        assert_eq!(throughput, Vec3::splat(0.5));
+    }
+}

@@ -1,0 +1,285 @@
+//! The watertight ray-triangle test of Woop, Benthin and Wald (*Watertight Ray/Triangle
+//! Intersection*, JCGT 2013).
+//!
+//! The vertices are sheared into a space in which the ray is the z axis; three edge functions in
+//! the xy plane then say on which side of each edge the ray passes. Two triangles that share an
+//! edge compute the same function of the same numbers with the sign turned, so no ray slips
+//! between them. Where a function is zero in single precision its sign is taken in double, in which
+//! the products are exact.
+//!
+//! # Error of t
+//!
+//! The result is the average of the vertices' z, weighted by the edge functions. With u the unit
+//! roundoff, X, Y, Z, D the largest |x|, |y|, |z| and unsheared depth of the vertices, the error of
+//! a sheared x is at most gamma(5) (X + D), that of an edge function E = 2 (gamma(2) X Y +
+//! gamma(5) ((X + D) Y + (Y + D) X)). Weights that sum to one move the average by at most half the
+//! span of z times the sum of their changes, so that |error of t| <= 3 E span / |det| + gamma(8) Z.
+//! Where this bound is above [`T_TOLERANCE`] times |t| (rays that graze the triangle or start on
+//! it), t is computed again in double precision. The stated error of t is therefore at most
+//! [`T_TOLERANCE`] |t|; away from grazing angles it is a few ulp.
+
+use glam::{DVec3, Vec3};
+
+use crate::math::float::{gamma, max, min};
+use crate::math::ray::Ray;
+
+/// Bound on the relative error of t: 2^-16.
+pub const T_TOLERANCE: f32 = 1.0 / 65536.0;
+
+/// The space of a ray in which it starts at 0 and runs along z: t is z.
+#[derive(Clone, Copy, Debug)]
+pub struct ShearedSpace {
+    origin: Vec3,
+    direction: Vec3,
+    /// The two lesser axes of the direction and its largest.
+    axes: [usize; 3],
+    /// How far x and y of the direction lean, and the reciprocal of its z.
+    shear: [f32; 3],
+}
+
+/// A triangle in sheared space, with the values of its edge functions.
+struct Sheared {
+    vertices: [Vec3; 3],
+    edges: [f32; 3],
+    determinant: f32,
+}
+
+impl ShearedSpace {
+    /// The space of `ray`.
+    #[inline]
+    pub fn new(ray: &Ray) -> Self {
+        let d = ray.direction;
+        let size = d.abs();
+        let z = if size.x >= size.y && size.x >= size.z {
+            0
+        } else if size.y >= size.z {
+            1
+        } else {
+            2
+        };
+        let (x, y) = ((z + 1) % 3, (z + 2) % 3);
+        let shear = [d[x] / d[z], d[y] / d[z], 1.0 / d[z]];
+        Self { origin: ray.origin, direction: d, axes: [x, y, z], shear }
+    }
+
+    #[inline(always)]
+    fn shear(&self, vertex: Vec3) -> Vec3 {
+        let v = vertex - self.origin;
+        let [x, y, z] = self.axes.map(|k| v[k]);
+        let [sx, sy, sz] = self.shear;
+        Vec3::new(x - sx * z, y - sy * z, sz * z)
+    }
+
+    fn shear_f64(&self, vertex: Vec3) -> DVec3 {
+        let v = vertex.as_dvec3() - self.origin.as_dvec3();
+        let d = self.direction.as_dvec3();
+        let [x, y, z] = self.axes;
+        let t = v[z] / d[z];
+        DVec3::new(v[x] - d[x] * t, v[y] - d[y] * t, t)
+    }
+
+    /// The triangle as the ray sees it, if the ray passes through.
+    #[inline(always)]
+    fn passes_through(&self, triangle: &[Vec3; 3]) -> Option<Sheared> {
+        let vertices = triangle.map(|v| self.shear(v));
+        let [a, b, c] = vertices;
+        let edges = [c.x * b.y - c.y * b.x, a.x * c.y - a.y * c.x, b.x * a.y - b.y * a.x];
+        let [e0, e1, e2] = edges;
+        if e0 == 0.0 || e1 == 0.0 || e2 == 0.0 {
+            return passes_on_an_edge(vertices);
+        }
+        let inside = (e0 > 0.0) == (e1 > 0.0) && (e1 > 0.0) == (e2 > 0.0);
+        inside.then(|| Sheared { vertices, edges, determinant: e0 + e1 + e2 })
+    }
+
+    /// The t at which the ray meets `triangle`, from either side, if it does and t > 0.
+    ///
+    /// The relative error of t is at most [`T_TOLERANCE`].
+    #[inline(always)]
+    pub fn intersect(&self, triangle: &[Vec3; 3]) -> Option<f32> {
+        let hit = self.passes_through(triangle)?;
+        let [a, b, c] = hit.vertices;
+        let far = max(a.z, max(b.z, c.z));
+        if far < 0.0 {
+            return None;
+        }
+        let near = min(a.z, min(b.z, c.z));
+        let [e0, e1, e2] = hit.edges;
+        let t = (e0 * a.z + e1 * b.z + e2 * c.z) / hit.determinant;
+        let t = if self.error_bound(&hit, near, far) <= T_TOLERANCE * t.abs() {
+            min(max(t, near), far)
+        } else {
+            self.distance_f64(triangle)?
+        };
+        (t > 0.0).then_some(t)
+    }
+
+    /// Bound on the error of t, after the module documentation. A NaN where nothing is known.
+    #[inline(always)]
+    fn error_bound(&self, hit: &Sheared, near: f32, far: f32) -> f32 {
+        let [a, b, c] = hit.vertices;
+        let x = max(a.x.abs(), max(b.x.abs(), c.x.abs()));
+        let y = max(a.y.abs(), max(b.y.abs(), c.y.abs()));
+        let z = max(near.abs(), far.abs());
+        let depth = z * self.direction[self.axes[2]].abs();
+        let edge = 2.0 * (gamma(2) * x * y + gamma(5) * ((x + depth) * y + (y + depth) * x));
+        3.0 * edge * (far - near) / hit.determinant.abs() + gamma(8) * z
+    }
+
+    /// t in double precision, or `None` where the ray lies in the triangle's plane.
+    #[cold]
+    #[inline(never)]
+    fn distance_f64(&self, triangle: &[Vec3; 3]) -> Option<f32> {
+        let vertices = triangle.map(|v| self.shear_f64(v));
+        let weights = weights(&vertices)?;
+        let z = vertices.map(|v| v.z);
+        let t = weights.dot(DVec3::from(z));
+        let (near, far) = (z[0].min(z[1]).min(z[2]), z[0].max(z[1]).max(z[2]));
+        Some(t.clamp(near, far) as f32)
+    }
+
+    /// Barycentric coordinates of the point at which the ray's line meets the triangle, each in 0
+    /// to 1 and together 1. Where the line lies in the triangle's plane: the middle.
+    pub fn barycentric(&self, triangle: &[Vec3; 3]) -> DVec3 {
+        let vertices = triangle.map(|v| self.shear_f64(v));
+        let Some(weights) = weights(&vertices) else { return DVec3::splat(1.0 / 3.0) };
+        let inside = weights.clamp(DVec3::ZERO, DVec3::ONE);
+        inside / inside.element_sum()
+    }
+}
+
+/// The edge functions' signs in double precision: exact, as a product of two `f32` is.
+#[cold]
+#[inline(never)]
+fn passes_on_an_edge(vertices: [Vec3; 3]) -> Option<Sheared> {
+    let edges = edges_f64(&vertices.map(|v| v.as_dvec3()));
+    let outside = edges.iter().any(|&e| e < 0.0) && edges.iter().any(|&e| e > 0.0);
+    let determinant = edges[0] + edges[1] + edges[2];
+    // A determinant that is zero only once it is rounded leaves the error bound infinite, and t to
+    // double precision.
+    let (rounded, single) = (edges.map(|e| e as f32), determinant as f32);
+    (!outside && determinant != 0.0).then_some(Sheared {
+        vertices,
+        edges: rounded,
+        determinant: single,
+    })
+}
+
+fn edges_f64([a, b, c]: &[DVec3; 3]) -> [f64; 3] {
+    [c.x * b.y - c.y * b.x, a.x * c.y - a.y * c.x, b.x * a.y - b.y * a.x]
+}
+
+/// The edge functions as weights that sum to one, if they sum to anything but zero.
+fn weights(vertices: &[DVec3; 3]) -> Option<DVec3> {
+    let edges = DVec3::from(edges_f64(vertices));
+    let sum = edges.element_sum();
+    (sum != 0.0).then(|| edges / sum)
+}
+
+/// Whether the corners lie on one line, exactly: such a triangle has no normal and no inside.
+pub fn is_degenerate([a, b, c]: &[Vec3; 3]) -> bool {
+    let (ab, ac) = ((b - a).as_dvec3(), (c - a).as_dvec3());
+    let cross = ab.cross(ac);
+    // The differences are rounded once in single precision, products and sums in double: an area
+    // well above their error is certain, and nearly every triangle ends here.
+    let certain = f64::from(gamma(8)) * ab.length_squared().max(ac.length_squared());
+    if cross.abs().max_element() > certain {
+        return false;
+    }
+    let collinear = |x: usize, y: usize| {
+        let p = |v: &Vec3| robust::Coord { x: f64::from(v[x]), y: f64::from(v[y]) };
+        robust::orient2d(p(a), p(b), p(c)) == 0.0
+    };
+    collinear(0, 1) && collinear(1, 2) && collinear(2, 0)
+}
+
+/// The normal of unit length of a triangle that is not degenerate, towards the side from which its
+/// corners run counter-clockwise.
+pub fn normal([a, b, c]: &[Vec3; 3]) -> DVec3 {
+    let [a, b, c] = [a, b, c].map(|v| v.as_dvec3());
+    crate::math::float::normalize_f64((b - a).cross(c - a))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::random::Stream;
+
+    fn random_point(index: u32, dimension: u32, scale: f32) -> Vec3 {
+        let u = Stream { seed: 5, pixel: index, sample: 0, bounce: 0 }.uniform(dimension);
+        (Vec3::new(u[0], u[1], u[2]) - 0.5) * scale
+    }
+
+    /// t against the plane's equation in double precision, over sizes and distances.
+    #[test]
+    fn t_stays_within_its_stated_bound() {
+        let mut hits = 0;
+        for i in 0..20_000 {
+            let size = [1e-3_f32, 1.0, 1e3][i as usize % 3];
+            let triangle = [0, 1, 2].map(|k| random_point(i, k, size));
+            if is_degenerate(&triangle) {
+                continue;
+            }
+            let target = (triangle[0] + triangle[1] + triangle[2]) / 3.0;
+            let origin = random_point(i, 3, 50.0);
+            let ray = Ray::new(origin, crate::math::float::normalize(target - origin));
+            let Some(t) = ShearedSpace::new(&ray).intersect(&triangle) else { continue };
+            hits += 1;
+            let (o, d) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
+            let [a, b, c] = triangle.map(|v| v.as_dvec3());
+            let n = (b - a).cross(c - a);
+            if n.dot(d).abs() < 1e-6 * n.length() {
+                continue; // Here the reference itself has lost its digits.
+            }
+            let exact = n.dot(a - o) / n.dot(d);
+            let error = (f64::from(t) - exact).abs();
+            assert!(error <= f64::from(T_TOLERANCE) * exact, "{i}: {t} {exact}");
+        }
+        assert!(hits > 15_000, "{hits}");
+    }
+
+    #[test]
+    fn a_ray_through_a_shared_edge_meets_one_side_or_both() {
+        let (a, b) = (Vec3::new(-1.0, 0.3, 0.1), Vec3::new(1.0, -0.2, 0.7));
+        let (c, d) = (Vec3::new(0.3, 2.0, -0.4), Vec3::new(-0.1, -2.0, 0.2));
+        for i in 0..20_000 {
+            let s = i as f32 / 20_000.0;
+            // From above, where the two triangles lie on either side of their edge.
+            let origin = random_point(i, 0, 2.0) + Vec3::Z * 20.0;
+            let ray = Ray::new(origin, a + (b - a) * s - origin);
+            let space = ShearedSpace::new(&ray);
+            let hit = space.intersect(&[a, b, c]).or(space.intersect(&[b, a, d]));
+            assert!(hit.is_some(), "ray {i}");
+        }
+    }
+
+    #[test]
+    fn a_ray_in_the_plane_misses() {
+        let triangle = [Vec3::ZERO, Vec3::X, Vec3::Y];
+        for i in 0..1000 {
+            let mut origin = random_point(i, 0, 10.0);
+            let mut direction = random_point(i, 1, 1.0);
+            (origin.z, direction.z) = (0.0, 0.0);
+            assert_eq!(ShearedSpace::new(&Ray::new(origin, direction)).intersect(&triangle), None);
+        }
+    }
+
+    #[test]
+    fn collinear_corners_are_degenerate_and_slivers_are_not() {
+        let p = |x: f32, y: f32| Vec3::new(x, y, 3.0 * x);
+        assert!(is_degenerate(&[p(0.25, 0.5), p(0.5, 1.0), p(1.0, 2.0)]));
+        assert!(is_degenerate(&[p(1.0, 2.0), p(1.0, 2.0), p(4.0, 2.5)]));
+        let sliver = [Vec3::ZERO, Vec3::X, Vec3::new(0.5, 1e-30, 0.0)];
+        assert!(!is_degenerate(&sliver));
+    }
+
+    #[test]
+    fn barycentric_coordinates_name_the_point() {
+        let triangle =
+            [Vec3::new(1.0, 2.0, 3.0), Vec3::new(4.0, 2.5, 2.0), Vec3::new(2.0, 5.0, 3.5)];
+        let point = triangle[0] * 0.5 + triangle[1] * 0.25 + triangle[2] * 0.25;
+        let ray = Ray::new(Vec3::new(0.0, 0.0, -9.0), point - Vec3::new(0.0, 0.0, -9.0));
+        let b = ShearedSpace::new(&ray).barycentric(&triangle);
+        assert!((b - DVec3::new(0.5, 0.25, 0.25)).abs().max_element() < 1e-6, "{b}");
+    }
+}

@@ -1,0 +1,138 @@
+//! Bounds on rounding errors, after Higham, *Accuracy and Stability of Numerical Algorithms*
+//! (2002), chapter 3, as Pharr, Jakob and Humphreys apply it to ray tracing (*Physically Based
+//! Rendering*, section 6.8).
+//!
+//! Nothing here is a tuned constant: every tolerance in the renderer is one of these bounds times
+//! a magnitude that the computation met.
+
+use glam::{DVec3, Vec3};
+
+/// The unit roundoff of `f32`: one operation is off by at most this factor of its result.
+pub const UNIT_ROUNDOFF: f32 = f32::EPSILON * 0.5;
+
+/// Bound on the relative error of `n` operations in a row: n u / (1 - n u).
+pub const fn gamma(n: u32) -> f32 {
+    let nu = n as f32 * UNIT_ROUNDOFF;
+    nu / (1.0 - nu)
+}
+
+/// The largest absolute coordinate that a scene may hold, in scene units: 2^40.
+///
+/// The watertight triangle test forms sums of products of three coordinate differences; up to this
+/// size they stay below the largest `f32`.
+pub const MAX_COORDINATE: f64 = (1_u64 << 40) as f64;
+
+/// The larger of two numbers of which neither is a NaN: one instruction, unlike [`f32::max`].
+#[inline(always)]
+pub fn max(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
+}
+
+/// The smaller of two numbers of which neither is a NaN: one instruction, unlike [`f32::min`].
+#[inline(always)]
+pub fn min(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
+}
+
+/// The largest absolute component.
+#[inline(always)]
+pub fn max_abs(v: Vec3) -> f32 {
+    max(v.x.abs(), max(v.y.abs(), v.z.abs()))
+}
+
+/// `v` with length 1, or zero where `v` has no direction.
+///
+/// The length is taken in double precision, so that neither tiny nor huge vectors lose it.
+#[inline]
+pub fn normalize(v: Vec3) -> Vec3 {
+    normalize_f64(v.as_dvec3()).as_vec3()
+}
+
+/// `v` with length 1, or zero where `v` has no direction.
+#[inline]
+pub fn normalize_f64(v: DVec3) -> DVec3 {
+    let length = v.dot(v).sqrt();
+    if length > 0.0 && length.is_finite() { v / length } else { DVec3::ZERO }
+}
+
+/// Both roots of a t^2 - 2 b t + c = 0 in rising order, given b, c, a > 0 and `root` =
+/// sqrt(b^2 - a c).
+///
+/// Neither root subtracts nearly equal numbers (Press et al., *Numerical Recipes*, section 5.6).
+#[inline]
+pub fn stable_roots(a: f64, b: f64, c: f64, root: f64) -> (f64, f64) {
+    let q = b + root.copysign(b);
+    if q == 0.0 {
+        return (0.0, 0.0);
+    }
+    let (t0, t1) = (c / q, q / a);
+    if t0 < t1 { (t0, t1) } else { (t1, t0) }
+}
+
+/// Moves `point` off its surface along `normal`, to the side that `direction` points to, just far
+/// enough that the exact surface stays behind.
+///
+/// `error` bounds the rounding error of each coordinate of `point`; the shift is that error box's
+/// extent along the normal, and each coordinate is then rounded away from the surface (Pharr et
+/// al., `OffsetRayOrigin`).
+#[inline]
+pub fn offset_origin(point: Vec3, error: Vec3, normal: Vec3, direction: Vec3) -> Vec3 {
+    let distance = normal.abs().dot(error);
+    let side = if direction.dot(normal) < 0.0 { -distance } else { distance };
+    let shift = normal * side;
+    Vec3::new(
+        round_away(point.x + shift.x, shift.x),
+        round_away(point.y + shift.y, shift.y),
+        round_away(point.z + shift.z, shift.z),
+    )
+}
+
+/// The neighbour of `x` on the side of `shift`'s sign, or `x` itself where there is no shift.
+#[inline(always)]
+fn round_away(x: f32, shift: f32) -> f32 {
+    if shift > 0.0 {
+        x.next_up()
+    } else if shift < 0.0 {
+        x.next_down()
+    } else {
+        x
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn gamma_bounds_a_sum_of_rounded_terms() {
+        let terms: Vec<f32> = (1..=100).map(|i| 1.0 / i as f32).collect();
+        let single: f32 = terms.iter().sum();
+        let double: f64 = terms.iter().map(|&x| f64::from(x)).sum();
+        assert!((f64::from(single) - double).abs() <= f64::from(gamma(99)) * double);
+    }
+
+    #[test]
+    fn roots_keep_their_digits_when_b_squared_swamps_ac() {
+        let (near, far) = stable_roots(1.0, 1e8, 1.0, (1e16_f64 - 1.0).sqrt());
+        assert!((near - 5e-9).abs() < 1e-24 && (far - 2e8).abs() < 1e-6, "{near} {far}");
+    }
+
+    #[test]
+    fn offset_leaves_the_surface_behind_on_either_side() {
+        let (p, n) = (Vec3::new(1e5, 3.0, -7e-4), Vec3::new(0.6, 0.0, 0.8));
+        let error = p.abs() * gamma(7);
+        for d in [n, -n] {
+            let moved = offset_origin(p, error, n, d) - p;
+            assert!(moved.dot(d) >= n.abs().dot(error));
+        }
+    }
+
+    #[test]
+    fn directions_survive_extreme_lengths() {
+        for scale in [1e-38_f32, 1e-20, 1.0, 1e20, 1e38] {
+            let v = normalize(Vec3::new(1.0, 2.0, -2.0) * scale);
+            assert!((v.length() - 1.0).abs() < 1e-6, "{scale}: {v}");
+        }
+        assert_eq!(normalize(Vec3::ZERO), Vec3::ZERO);
+    }
+}

@@ -1,0 +1,104 @@
+//! The plan: which effects a scene calls for, and why each other one is left out.
+//!
+//! The census ([`crate::systems::census`]) makes it once. What it leaves out is not simulated:
+//! its pass is not run, its queue has no storage, its random numbers are not drawn.
+
+use serde::Serialize;
+
+/// Something that costs time only in scenes that show it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Effect {
+    /// Triangles, alone or in meshes.
+    Triangles,
+    /// Quads.
+    Quads,
+    /// Spheres.
+    Spheres,
+    /// Interpolated normals.
+    SmoothShading,
+    /// Texture look-ups.
+    Textures,
+    /// Light from points, with a shadow ray each.
+    PointLights,
+    /// Light from shapes, with a shadow ray for each sample.
+    AreaLights,
+    /// Mirror rays.
+    Mirrors,
+    /// A lens with an extent.
+    DepthOfField,
+    /// More than one ray through different places of a pixel.
+    Antialiasing,
+}
+
+impl Effect {
+    /// Every effect, in the order in which a ray meets them.
+    pub const ALL: [Self; 10] = [
+        Self::Antialiasing,
+        Self::DepthOfField,
+        Self::Triangles,
+        Self::Quads,
+        Self::Spheres,
+        Self::SmoothShading,
+        Self::Textures,
+        Self::PointLights,
+        Self::AreaLights,
+        Self::Mirrors,
+    ];
+
+    /// What it is called in messages.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Triangles => "triangles",
+            Self::Quads => "quads",
+            Self::Spheres => "spheres",
+            Self::SmoothShading => "smooth shading",
+            Self::Textures => "textures",
+            Self::PointLights => "point lights",
+            Self::AreaLights => "area lights",
+            Self::Mirrors => "mirrors",
+            Self::DepthOfField => "depth of field",
+            Self::Antialiasing => "antialiasing",
+        }
+    }
+}
+
+/// Whether an effect is simulated, and why.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Decision {
+    /// The effect.
+    pub effect: Effect,
+    /// Whether the scene calls for it.
+    pub present: bool,
+    /// What in the scene decided it.
+    pub reason: String,
+}
+
+/// The decisions of the census, one for each effect.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
+#[serde(transparent)]
+pub struct Plan {
+    decisions: Vec<Decision>,
+}
+
+impl Plan {
+    /// The plan of these decisions.
+    pub fn new(decisions: Vec<Decision>) -> Self {
+        Self { decisions }
+    }
+
+    /// All decisions.
+    pub fn decisions(&self) -> &[Decision] {
+        &self.decisions
+    }
+
+    /// Whether the scene calls for `effect`.
+    pub fn has(&self, effect: Effect) -> bool {
+        self.decisions.iter().any(|d| d.effect == effect && d.present)
+    }
+
+    /// Whether any light casts shadow rays.
+    pub fn has_shadows(&self) -> bool {
+        self.has(Effect::PointLights) || self.has(Effect::AreaLights)
+    }
+}

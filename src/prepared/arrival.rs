@@ -1,0 +1,138 @@
+//! From a hit to a point ready to be shaded.
+
+use glam::{Vec2, Vec3};
+
+use super::{Looks, PreparedScene, Shape, Texture, UvMap};
+use crate::accel::Hit;
+use crate::accel::geometry::{Geometry, Primitive};
+use crate::kernels::shade::ShadingPoint;
+use crate::kernels::surface::{self, Surface};
+use crate::kernels::texture;
+use crate::math::float::normalize;
+use crate::math::ray::Ray;
+
+/// Where a ray that was traced arrives.
+#[derive(Clone, Copy, Debug)]
+pub enum Arrival {
+    /// At nothing.
+    Nothing,
+    /// At the shape of a light, which shows this colour.
+    Light(Vec3),
+    /// At a surface.
+    Surface(ShadingPoint),
+}
+
+impl PreparedScene {
+    /// Where `ray` arrives with `hit`. Texels read are added to `texels`.
+    #[inline]
+    pub fn arrival(&self, ray: &Ray, hit: &Hit, texels: &mut u64) -> Arrival {
+        if hit.is_miss() {
+            return Arrival::Nothing;
+        }
+        let index = self.looks.shape_of(hit.primitive);
+        let shape = &self.looks.shapes[index];
+        if let Some(color) = shape.emission {
+            return Arrival::Light(color);
+        }
+        let geometry = &self.accel.geometry;
+        let surface = rebuild(geometry, ray, hit.primitive);
+        let outward = if shape.flipped { -surface.normal } else { surface.normal };
+        let at_back = outward.dot(ray.direction) > 0.0;
+        let normal = if at_back { -outward } else { outward };
+        let material = self.looks.materials[index];
+        let color = match &shape.texture {
+            None => material.color,
+            Some(texture) => {
+                *texels += texture.filter.texels();
+                self.looks.texture_color(texture, shape, geometry, hit.primitive, &surface)
+            }
+        };
+        Arrival::Surface(ShadingPoint {
+            point: surface.point,
+            error: surface.error,
+            normal,
+            shading_normal: self.looks.shading_normal(shape, geometry, hit, &surface, normal),
+            view: -normalize(ray.direction),
+            color,
+            material,
+            lit: shape.two_sided || !at_back,
+        })
+    }
+}
+
+fn rebuild(geometry: &Geometry, ray: &Ray, primitive: u32) -> Surface {
+    match geometry.primitive(primitive) {
+        Primitive::Triangle(i) => surface::triangle(ray, &geometry.triangle(i)),
+        Primitive::Quad(i) => surface::quad(ray, &geometry.quad(i)),
+        Primitive::Sphere(i) => {
+            let (center, radius) = geometry.spheres[i];
+            surface::sphere(ray, center, radius)
+        }
+    }
+}
+
+impl Looks {
+    /// The interpolated normal on the side of `normal`, or `normal` itself.
+    fn shading_normal(
+        &self,
+        shape: &Shape,
+        geometry: &Geometry,
+        hit: &Hit,
+        surface: &Surface,
+        normal: Vec3,
+    ) -> Vec3 {
+        if !shape.smooth {
+            return normal;
+        }
+        let interpolated = self
+            .corners(shape, geometry, hit.primitive, |mesh| mesh.normals.as_ref())
+            .map(|corners| {
+                let [wa, wb, wc] = weights(surface.barycentric);
+                normalize(corners[0] * wa + corners[1] * wb + corners[2] * wc)
+            })
+            .filter(|&n| n != Vec3::ZERO);
+        match interpolated {
+            Some(n) if n.dot(normal) < 0.0 => -n,
+            Some(n) => n,
+            None => normal,
+        }
+    }
+
+    fn texture_color(
+        &self,
+        texture: &Texture,
+        shape: &Shape,
+        geometry: &Geometry,
+        primitive: u32,
+        surface: &Surface,
+    ) -> Vec3 {
+        let uv = match &texture.map {
+            UvMap::Planar(map) => map.uv(surface.point),
+            UvMap::Sphere(to_own) => texture::sphere_uv(normalize(*to_own * surface.normal)),
+            UvMap::Mesh => self
+                .corners(shape, geometry, primitive, |mesh| mesh.uvs.as_ref())
+                .map_or(Vec2::ZERO, |corners| {
+                    let [wa, wb, wc] = weights(surface.barycentric);
+                    corners[0] * wa + corners[1] * wb + corners[2] * wc
+                }),
+        };
+        self.images[texture.image as usize].look_up(uv, texture.filter, texture.wrap)
+    }
+
+    /// The values of an attribute at the corners of a triangle of a mesh.
+    fn corners<'a, T: Copy + 'a>(
+        &'a self,
+        shape: &Shape,
+        geometry: &Geometry,
+        primitive: u32,
+        attribute: impl Fn(&'a super::MeshAttributes) -> Option<&'a super::CornerValues<T>>,
+    ) -> Option<[T; 3]> {
+        let mesh = &self.meshes[shape.mesh? as usize];
+        let positions = geometry.triangles[primitive as usize].map(|v| v - mesh.first_position);
+        attribute(mesh)?.corners((primitive - mesh.first_triangle) as usize, positions)
+    }
+}
+
+fn weights(barycentric: Vec2) -> [f32; 3] {
+    [1.0 - barycentric.x - barycentric.y, barycentric.x, barycentric.y]
+}

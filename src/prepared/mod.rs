@@ -1,0 +1,167 @@
+//! The scene as the tracers see it: dense arrays, a tree and a plan, immutable while rendering.
+
+mod arrival;
+
+use std::ops::Range;
+
+use glam::{Mat3, Vec2, Vec3};
+
+pub use arrival::Arrival;
+
+use crate::accel::Accel;
+use crate::kernels::blinn_phong::Material;
+use crate::kernels::camera::Camera;
+use crate::kernels::light::Light;
+use crate::kernels::texture::{Filter, Image, PlanarMap, Wrap};
+use crate::plan::Plan;
+
+/// Everything that a render reads.
+#[derive(Clone, Debug)]
+pub struct PreparedScene {
+    /// What is simulated.
+    pub plan: Plan,
+    /// Where rays start.
+    pub camera: Camera,
+    /// What they hit.
+    pub accel: Accel,
+    /// What they hit looks like.
+    pub looks: Looks,
+    /// What lights it, in the order of the file. Contributions are added in this order.
+    pub lights: Vec<Light>,
+    /// What a primary ray that hits nothing returns.
+    pub background: Vec3,
+    /// Factor on the diffuse colour, added once for each light.
+    pub ambient: f32,
+    /// Greatest number of mirror bounces; 0 where the plan has no mirrors.
+    pub bounces: u32,
+    /// What the file held but the scene does not.
+    pub dropped: Dropped,
+}
+
+/// What was left out while preparing, and how often.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+pub struct Dropped {
+    /// Triangles without area.
+    pub degenerate: u64,
+}
+
+/// The looks of the primitives: shapes, what they are made of, and their textures.
+#[derive(Clone, Debug, Default)]
+pub struct Looks {
+    /// The shapes by the number of their first primitive, in rising order.
+    pub shapes: Vec<Shape>,
+    /// What shapes are made of, one for each shape.
+    pub materials: Vec<Material>,
+    /// The images, each once.
+    pub images: Vec<Image>,
+    /// The attributes of meshes that have any that is used.
+    pub meshes: Vec<MeshAttributes>,
+}
+
+/// One shape of the scene file, or of a light.
+#[derive(Clone, Debug)]
+pub struct Shape {
+    /// Its primitives, by number.
+    pub primitives: Range<u32>,
+    /// For a light's shape, the light's colour, which it shows as it is.
+    pub emission: Option<Vec3>,
+    /// Whether its front is where its winding runs clockwise.
+    pub flipped: bool,
+    /// Whether lights reach its back.
+    pub two_sided: bool,
+    /// Whether it is lit with the normals of its mesh.
+    pub smooth: bool,
+    /// The image in place of its diffuse colour.
+    pub texture: Option<Texture>,
+    /// The mesh's entry in [`Looks::meshes`].
+    pub mesh: Option<u32>,
+}
+
+/// An image and how a shape wears it.
+#[derive(Clone, Debug)]
+pub struct Texture {
+    /// Which of [`Looks::images`].
+    pub image: u32,
+    /// How a look-up between texels is answered.
+    pub filter: Filter,
+    /// How coordinates outside 0 to 1 are taken.
+    pub wrap: Wrap,
+    /// How points become coordinates.
+    pub map: UvMap,
+}
+
+/// How points of a shape become texture coordinates.
+#[derive(Clone, Copy, Debug)]
+pub enum UvMap {
+    /// From the normal, turned back into the sphere's own space.
+    Sphere(Mat3),
+    /// By projection.
+    Planar(PlanarMap),
+    /// From the corners of the mesh's triangles.
+    Mesh,
+}
+
+/// Values at the corners of a mesh's triangles.
+#[derive(Clone, Debug, Default)]
+pub struct MeshAttributes {
+    /// The number of the mesh's first triangle.
+    pub first_triangle: u32,
+    /// The number of the mesh's first position.
+    pub first_position: u32,
+    /// Shading normals in world space.
+    pub normals: Option<CornerValues<Vec3>>,
+    /// Texture coordinates.
+    pub uvs: Option<CornerValues<Vec2>>,
+}
+
+/// A value for each corner of each triangle.
+#[derive(Clone, Debug)]
+pub struct CornerValues<T> {
+    /// The distinct values.
+    pub values: Vec<T>,
+    /// Which value each corner of each triangle has, [`NO_VALUE`] for none; or `None`, where
+    /// values go with positions.
+    pub indices: Option<Vec<[u32; 3]>>,
+}
+
+/// In [`CornerValues::indices`]: this corner has no value.
+pub const NO_VALUE: u32 = u32::MAX;
+
+impl<T: Copy> CornerValues<T> {
+    /// The values at the corners of the mesh's `triangle`th triangle, whose positions are
+    /// `positions` within the mesh.
+    #[inline]
+    pub fn corners(&self, triangle: usize, positions: [u32; 3]) -> Option<[T; 3]> {
+        let indices = self.indices.as_ref().map_or(positions, |indices| indices[triangle]);
+        let [a, b, c] = indices.map(|i| self.values.get(i as usize).copied());
+        Some([a?, b?, c?])
+    }
+}
+
+impl Looks {
+    /// The shape that the primitive belongs to, by its place in [`Looks::shapes`].
+    #[inline]
+    pub fn shape_of(&self, primitive: u32) -> usize {
+        self.shapes.partition_point(|shape| shape.primitives.start <= primitive) - 1
+    }
+
+    /// Bytes held by attributes and images.
+    pub fn bytes(&self) -> u64 {
+        let meshes: usize = self
+            .meshes
+            .iter()
+            .map(|mesh| {
+                mesh.normals.as_ref().map_or(0, CornerValues::bytes)
+                    + mesh.uvs.as_ref().map_or(0, CornerValues::bytes)
+            })
+            .sum();
+        (meshes + self.images.iter().map(Image::bytes).sum::<usize>()) as u64
+    }
+}
+
+impl<T> CornerValues<T> {
+    fn bytes(&self) -> usize {
+        size_of_val(self.values.as_slice())
+            + self.indices.as_ref().map_or(0, |i| size_of_val(i.as_slice()))
+    }
+}

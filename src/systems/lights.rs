@@ -1,0 +1,89 @@
+//! Lights: emitters with what is needed to sample them, in the order of the file.
+
+use glam::{DVec3, Vec3};
+use hecs::{Entity, World};
+
+use super::geometry::Output;
+use crate::accel::geometry::{Geometry, Primitive};
+use crate::error::{Error, ErrorKind, Result};
+use crate::kernels::camera;
+use crate::kernels::light::{Emitter, Light, Triangles};
+use crate::kernels::quad;
+use crate::math::sampling::Sampling;
+use crate::scene::components::{AreaLight, JsonPath, Order, PointLight, Settings};
+
+/// The lights of the world. Those without power stay: each adds its ambient part.
+pub fn run(world: &World, extracted: &Output, settings: &Settings) -> Result<Vec<Light>> {
+    let mut found: Vec<(Order, Entity, Light)> = Vec::new();
+    for (entity, order, light) in world.query::<(Entity, &Order, &PointLight)>().iter() {
+        found.push((*order, entity, point_light(light)));
+    }
+    for (entity, order, light) in world.query::<(Entity, &Order, &AreaLight)>().iter() {
+        let emitter = emitter(extracted, entity).ok_or_else(|| no_area(world, entity, settings))?;
+        found.push((*order, entity, area_light(light, emitter)));
+    }
+    found.sort_by_key(|(order, ..)| *order);
+    let mut dimension = camera::DIMENSION + 1;
+    Ok(found
+        .into_iter()
+        .map(|(_, _, mut light)| {
+            light.dimension = dimension;
+            dimension += if light.is_sampled() { light.samples() } else { 0 };
+            light
+        })
+        .collect())
+}
+
+fn point_light(light: &PointLight) -> Light {
+    Light {
+        emitter: Emitter::Point(super::single(light.position)),
+        power: power(light.intensity, light.color),
+        falloff: light.falloff,
+        sampling: Sampling::Random,
+        grid: [1, 1],
+        dimension: 0,
+    }
+}
+
+fn area_light(light: &AreaLight, emitter: Emitter) -> Light {
+    let grid = match light.sampling {
+        Sampling::Random => [light.samples, 1],
+        Sampling::Jittered => [light.samples, light.samples],
+    };
+    let power = power(light.intensity, light.color);
+    Light { emitter, power, falloff: light.falloff, sampling: light.sampling, grid, dimension: 0 }
+}
+
+fn power(intensity: f64, color: DVec3) -> Vec3 {
+    super::single(color * intensity)
+}
+
+/// The shape of the light, as something to choose points on.
+fn emitter(extracted: &Output, entity: Entity) -> Option<Emitter> {
+    let shape = extracted.shapes.iter().find(|shape| shape.entity == entity)?;
+    let geometry = &extracted.geometry;
+    let range = shape.shape.primitives.clone();
+    if let Primitive::Sphere(i) = geometry.primitive(range.start) {
+        let (center, radius) = geometry.spheres[i];
+        return Some(Emitter::Sphere { center, radius });
+    }
+    let corners = range.flat_map(|number| triangles(geometry, number)).collect();
+    Triangles::new(corners).map(Emitter::Triangles)
+}
+
+fn triangles(geometry: &Geometry, number: u32) -> Vec<[Vec3; 3]> {
+    match geometry.primitive(number) {
+        Primitive::Triangle(i) => vec![geometry.triangle(i)],
+        Primitive::Quad(i) => quad::halves(&geometry.quad(i)).to_vec(),
+        Primitive::Sphere(_) => vec![],
+    }
+}
+
+fn no_area(world: &World, entity: Entity, settings: &Settings) -> Error {
+    let place = world.get::<&JsonPath>(entity).map_or_else(|_| String::new(), |p| p.0.clone());
+    Error::new(ErrorKind::Scene, "the shape of an area light must have an area")
+        .in_file(&settings.file)
+        .at(format!("{place}.shape"))
+        .remedy("give it corners that are not on one line, or use a point light")
+}
+

@@ -1,0 +1,123 @@
+//! From a world of entities to a [`PreparedScene`]: the systems, in the order in which they run.
+//!
+//! | system | reads | makes |
+//! |---|---|---|
+//! | [`census`] | every component | the plan: which effects the scene calls for |
+//! | [`geometry`] | shapes, transforms | positions, triangles, quads, spheres, mesh attributes |
+//! | [`materials`] | materials | one row of numbers a shape |
+//! | [`textures`] | texture references | decoded images, each once |
+//! | [`lights`] | lights and their shapes | emitters with what is needed to sample them |
+//! | [`camera`] | the view, pinhole or thin lens | the ray generator |
+//! | [`crate::accel`] | the geometry | the tree |
+//!
+//! Only this module and [`crate::scene`] know the world; nothing after them queries it.
+
+pub mod camera;
+pub mod census;
+pub mod geometry;
+pub mod lights;
+pub mod materials;
+pub mod textures;
+
+use std::path::PathBuf;
+
+use glam::DVec3;
+use hecs::World;
+
+use crate::accel::Accel;
+use crate::accel::build::Preset;
+use crate::accel::geometry::Geometry;
+use crate::error::{Error, ErrorKind, Result, Warning};
+use crate::plan::Effect;
+use crate::prepared::{Looks, PreparedScene};
+use crate::scene::components::Settings;
+
+/// The scene without its tree: enough to tell what a render will do.
+#[derive(Debug)]
+pub struct Extracted {
+    /// The scene, its tree still empty.
+    scene: PreparedScene,
+    geometry: Geometry,
+    /// What the user should know.
+    pub warnings: Vec<Warning>,
+}
+
+/// Runs every system but the last. The meshes are moved out of the `world`.
+pub fn extract(world: &mut World) -> Result<Extracted> {
+    let settings = settings(world)?;
+    let plan = census::run(world);
+    let mut extracted = geometry::run(world)?;
+    let materials = materials::run(world, &extracted.shapes);
+    let images = textures::run(world, &plan, &mut extracted.shapes)?;
+    let lights = lights::run(world, &extracted, &settings)?;
+    let camera = camera::run(world)?;
+    let mirrors = plan.has(Effect::Mirrors);
+    let geometry::Output { geometry, shapes, meshes, dropped, warnings } = extracted;
+    let shapes = shapes.into_iter().map(|s| s.shape).collect();
+    let scene = PreparedScene {
+        plan,
+        camera,
+        accel: Accel { geometry: Geometry::default(), tree: None },
+        looks: Looks { shapes, materials, images, meshes },
+        lights,
+        background: settings.background.as_vec3(),
+        ambient: settings.ambient as f32,
+        bounces: if mirrors { settings.bounces } else { 0 },
+        dropped,
+    };
+    Ok(Extracted { scene, geometry, warnings })
+}
+
+impl Extracted {
+    /// The geometry that the tree is to be built over.
+    pub fn geometry(&self) -> &Geometry {
+        &self.geometry
+    }
+
+    /// The scene, whose geometry is still apart.
+    pub fn scene(&self) -> &PreparedScene {
+        &self.scene
+    }
+
+    /// The rays that a render of `pixels` will cast at most: what the choice of a preset rests on.
+    pub fn expected_rays(&self, pixels: u64) -> u64 {
+        let lights: u64 = self.scene.lights.iter().map(|l| u64::from(l.samples())).sum();
+        let paths = pixels * u64::from(self.scene.camera.rays_per_pixel());
+        // Mirrors beyond the first bounce are rare.
+        let bounces = u64::from(self.scene.bounces.min(1));
+        paths.saturating_mul(1 + lights).saturating_mul(1 + bounces)
+    }
+
+    /// Builds the tree: the last system.
+    pub fn build(self, preset: Preset) -> PreparedScene {
+        PreparedScene { accel: Accel::new(self.geometry, preset), ..self.scene }
+    }
+}
+
+/// Runs every system.
+pub fn prepare(world: &mut World, preset: Preset) -> Result<(PreparedScene, Vec<Warning>)> {
+    let mut extracted = extract(world)?;
+    let warnings = std::mem::take(&mut extracted.warnings);
+    Ok((extracted.build(preset), warnings))
+}
+
+fn settings(world: &mut World) -> Result<Settings> {
+    let found = world.query_mut::<&Settings>().into_iter().next().cloned();
+    found.ok_or_else(|| missing("Settings"))
+}
+
+/// A world that was not made by [`crate::scene::load`] lacks something.
+fn missing(component: &str) -> Error {
+    Error::new(ErrorKind::Scene, format!("the world has no entity with {component}"))
+        .remedy("spawn one, as scene::load does")
+}
+
+/// The file that the scene came from, for messages.
+fn scene_file(world: &World) -> PathBuf {
+    world.query::<&Settings>().iter().next().map_or_else(PathBuf::new, |s| s.file.clone())
+}
+
+/// A colour or a position, rounded once.
+fn single(v: DVec3) -> glam::Vec3 {
+    v.as_vec3()
+}

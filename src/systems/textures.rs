@@ -1,0 +1,87 @@
+//! Textures: decodes each image once and ties shapes to them. A scene without textures opens none.
+
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+
+use glam::Mat3;
+use hecs::World;
+
+use super::geometry::ShapeOutput;
+use crate::error::{Error, ErrorKind, Result};
+use crate::kernels::texture::{Image, Texels};
+use crate::plan::{Effect, Plan};
+use crate::prepared::{Texture, UvMap};
+use crate::scene::components::{JsonPath, TextureRef};
+
+/// The largest image that is decoded, in texels on a side.
+const MAX_SIDE: u32 = 1 << 16;
+/// The largest image that is decoded, in bytes.
+const MAX_BYTES: u64 = 4 << 30;
+
+/// Decodes the images that `shapes` wear and notes in each shape which it is.
+pub fn run(world: &World, plan: &Plan, shapes: &mut [ShapeOutput]) -> Result<Vec<Image>> {
+    let mut images = Vec::new();
+    if !plan.has(Effect::Textures) {
+        return Ok(images);
+    }
+    let mut numbers: HashMap<PathBuf, u32> = HashMap::new();
+    for shape in shapes.iter_mut().filter(|s| s.shape.emission.is_none()) {
+        let Ok(reference) = world.get::<&TextureRef>(shape.entity) else { continue };
+        let number = match numbers.get(&reference.path) {
+            Some(&number) => number,
+            None => {
+                images.push(decode(&reference.path).map_err(|e| at_shape(world, shape, e))?);
+                let number = images.len() as u32 - 1;
+                numbers.insert(reference.path.clone(), number);
+                number
+            }
+        };
+        shape.shape.texture = Some(Texture {
+            image: number,
+            filter: reference.filter,
+            wrap: reference.wrap,
+            map: shape.uv_map.unwrap_or(UvMap::Sphere(Mat3::IDENTITY)),
+        });
+    }
+    Ok(images)
+}
+
+fn at_shape(world: &World, shape: &ShapeOutput, error: Error) -> Error {
+    match world.get::<&JsonPath>(shape.entity) {
+        Ok(path) => error.in_file(super::scene_file(world)).at(format!("{}.texture", path.0)),
+        Err(_) => error,
+    }
+}
+
+/// Decodes an image of any format that the `image` crate reads, without transfer curve.
+pub fn decode(path: &Path) -> Result<Image> {
+    let failed = |e: image::ImageError| {
+        Error::new(ErrorKind::Texture, format!("cannot read the texture {}: {e}", path.display()))
+            .remedy("use an image in one of the usual formats, such as PNG or JPEG")
+            .because(e)
+    };
+    let open = |e: std::io::Error| failed(image::ImageError::IoError(e));
+    let mut reader = image::ImageReader::open(path).map_err(open)?.with_guessed_format().map_err(open)?;
+    let mut limits = image::Limits::default();
+    limits.max_image_width = Some(MAX_SIDE);
+    limits.max_image_height = Some(MAX_SIDE);
+    limits.max_alloc = Some(MAX_BYTES);
+    reader.limits(limits);
+    let decoded = reader.decode().map_err(failed)?;
+    let (width, height) = (decoded.width(), decoded.height());
+    if width == 0 || height == 0 {
+        let message = format!("the texture {} has no texels", path.display());
+        return Err(Error::new(ErrorKind::Texture, message).value(format!("{width} x {height}")));
+    }
+    Ok(Image { width, height, texels: texels(decoded) })
+}
+
+fn texels(decoded: image::DynamicImage) -> Texels {
+    let bytes = decoded.color().bytes_per_pixel() / decoded.color().channel_count();
+    if bytes == 1 {
+        Texels::Bytes(decoded.into_rgba8().pixels().map(|p| p.0).collect())
+    } else {
+        let finite = |x: f32| if x.is_finite() { x } else { 0.0 };
+        Texels::Floats(decoded.into_rgb32f().pixels().map(|p| p.0.map(finite)).collect())
+    }
+}
