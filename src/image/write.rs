@@ -5,6 +5,7 @@
 //! film alone, not on the machine.
 
 use std::ffi::OsStr;
+use std::io::{Cursor, Write};
 use std::path::Path;
 
 use bytemuck::cast_slice;
@@ -121,38 +122,29 @@ fn encode(
             PngEncoder::new_with_quality(sink, CompressionType::Default, FilterType::Adaptive)
                 .write_image(&bytes, width, height, ExtendedColorType::Rgb8)
         }
-        Format::Exr => OpenExrEncoder::new(sink).write_image(
-            cast_slice(film.pixels()),
-            width,
-            height,
-            ExtendedColorType::Rgb32F,
-        ),
+        Format::Exr => {
+            // To memory first: the encoder turns the system's errors, such as a full disk, into
+            // text. It is also spared from seeking in the file.
+            let mut bytes = Cursor::new(Vec::new());
+            OpenExrEncoder::new(&mut bytes).write_image(
+                cast_slice(film.pixels()),
+                width,
+                height,
+                ExtendedColorType::Rgb32F,
+            )?;
+            Ok(sink.write_all(bytes.get_ref())?)
+        }
     }
 }
 
-/// The encoders wrap the system's errors in their own, which would hide what to do about them.
+/// The system's own error where there is one: it tells what to do.
 fn encode_error(path: &Path, error: ImageError) -> Error {
     match error {
         ImageError::IoError(io) => write_error(path, io),
-        other => match system_cause(&other) {
-            Some(io) => write_error(path, io),
-            None => {
-                Error::new(ErrorKind::Io, format!("cannot write the image: {other}")).because(other)
-            }
-        },
-    }
-}
-
-/// A copy of the system's error that another wraps.
-fn system_cause(error: &ImageError) -> Option<std::io::Error> {
-    let mut cause = std::error::Error::source(error);
-    while let Some(inner) = cause {
-        if let Some(io) = inner.downcast_ref::<std::io::Error>() {
-            return io.raw_os_error().map(std::io::Error::from_raw_os_error);
+        other => {
+            Error::new(ErrorKind::Io, format!("cannot write the image: {other}")).because(other)
         }
-        cause = inner.source();
     }
-    None
 }
 
 /// A row of pixels as 8-bit values.
@@ -182,8 +174,6 @@ pub fn srgb_encode(value: f32) -> f32 {
 
 #[cfg(test)]
 mod tests {
-    use std::io::Write as _;
-
     use super::super::read::read;
     use super::*;
 
