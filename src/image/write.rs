@@ -98,10 +98,10 @@ pub fn write(film: &Film, path: &Path, transfer: Transfer) -> Result<()> {
     })
 }
 
-/// Whether [`write`] could write at `path` as things are now: to be asked before a long render.
+/// Whether [`write()`] could write at `path` as things are now: to be asked before a long render.
 ///
 /// # Errors
-/// As [`write`], but for a disk that is full.
+/// As [`write()`], but for a disk that is full.
 pub fn check_writable(path: &Path) -> Result<()> {
     Format::from_path(path)?;
     check_replaceable(path)
