@@ -1,1 +1,18 @@
 //! Images: what a render fills, how it is written, and how two are compared.
+//!
+//! * [`film`]: the pixels of a picture, as linear floating-point colours.
+//! * [`mod@write`]: a film becomes a PPM, PNG, EXR or PFM file, whole or not at all.
+//! * [`mod@read`]: any picture becomes a film again.
+//! * [`mod@compare`]: by how much two films differ.
+//! * [`replace`]: how a file is written so that an older one survives a failure.
+//! * `netpbm`: the byte layouts of PPM and PFM, which are simple enough to be our own.
+
+pub mod compare;
+pub mod film;
+mod netpbm;
+pub mod read;
+pub mod replace;
+pub mod write;
+
+pub use film::Film;
+pub use write::{Format, Transfer};

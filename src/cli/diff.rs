@@ -1,0 +1,281 @@
+//! `diff`: by how much two pictures differ.
+
+use std::fmt::Write as _;
+use std::io::{ErrorKind as IoKind, Write};
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+
+use crate::error::{Error, ErrorKind, Result};
+use crate::image::compare::{Comparison, compare, difference_image};
+use crate::image::read::read;
+use crate::image::write::{Transfer, check_writable, write};
+
+/// Compares two pictures and tells by how much they differ.
+///
+/// PPM, PNG, EXR, PFM and most other formats are read; whole numbers count as 0 to 1, without a
+/// transfer curve.
+#[derive(Clone, Debug, clap::Args)]
+pub struct DiffArgs {
+    /// The first picture
+    pub a: PathBuf,
+    /// The second picture, of the same size
+    pub b: PathBuf,
+    /// The largest difference of two values at which the pictures still count as equal
+    #[arg(long, value_name = "MAX", default_value = "0", value_parser = not_negative)]
+    pub tolerance: f64,
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
+    /// Write a picture of the absolute difference (.ppm, .png, .exr or .pfm)
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+    /// Multiply the picture of the difference by this, to see small ones
+    #[arg(long, value_name = "FACTOR", default_value = "1", value_parser = not_negative,
+          requires = "output")]
+    pub gain: f64,
+}
+
+/// Compares the two pictures, prints what was found, and returns whether they count as equal: no
+/// two values differ by more than the tolerance.
+///
+/// # Errors
+/// When a picture cannot be read, their sizes differ, or the difference cannot be written.
+pub fn run(args: &DiffArgs) -> Result<bool> {
+    if let Some(output) = &args.output {
+        check_writable(output)?;
+    }
+    let (a, b) = (read(&args.a)?, read(&args.b)?);
+    let report = Report::new(args, compare(&a, &b).map_err(|e| e.in_file(&args.b))?);
+    if let Some(output) = &args.output {
+        let difference = difference_image(&a, &b, args.gain as f32)?;
+        write(&difference, output, Transfer::Linear)?;
+    }
+    print(&if args.json { report.json()? } else { report.text() })?;
+    Ok(report.within_tolerance)
+}
+
+/// What is printed.
+#[derive(Serialize)]
+struct Report<'a> {
+    a: &'a Path,
+    b: &'a Path,
+    #[serde(flatten)]
+    comparison: Comparison,
+    tolerance: f64,
+    within_tolerance: bool,
+}
+
+impl<'a> Report<'a> {
+    fn new(args: &'a DiffArgs, comparison: Comparison) -> Self {
+        let within_tolerance = comparison.largest <= args.tolerance;
+        Self { a: &args.a, b: &args.b, comparison, tolerance: args.tolerance, within_tolerance }
+    }
+
+    fn json(&self) -> Result<String> {
+        serde_json::to_string_pretty(self).map(|text| text + "\n").map_err(|error| {
+            // A path that is not Unicode is all that can fail.
+            Error::new(ErrorKind::Usage, format!("cannot write the result as JSON: {error}"))
+                .remedy("leave out --json")
+        })
+    }
+
+    fn text(&self) -> String {
+        let found = &self.comparison;
+        let size = format!("{} x {}", found.width, found.height);
+        let mut text = String::new();
+        line(&mut text, "size", &size);
+        line(&mut text, "MSE", &number(found.mse));
+        line(&mut text, "RMSE", &number(found.rmse));
+        line(&mut text, "PSNR", &decibels(found.psnr));
+        line(&mut text, "largest difference", &self.largest());
+        line(&mut text, "different pixels", &share(found, found.different_pixels));
+        if found.nonfinite > 0 {
+            line(&mut text, "pixels not finite", &share(found, found.nonfinite));
+        }
+        line(&mut text, "result", &self.verdict());
+        text
+    }
+
+    fn largest(&self) -> String {
+        let found = &self.comparison;
+        let mut text = number(found.largest);
+        if let (Some((x, y)), Some(channel)) = (found.largest_at, found.largest_channel) {
+            let _ = write!(text, ", {} at column {x}, row {y}", channel.name());
+        }
+        text
+    }
+
+    fn verdict(&self) -> String {
+        match (self.within_tolerance, self.comparison.equal) {
+            (true, true) => "equal in every bit".into(),
+            (true, false) => format!("equal within {}", self.tolerance),
+            (false, _) => format!("different by more than {}", self.tolerance),
+        }
+    }
+}
+
+fn line(text: &mut String, name: &str, value: &str) {
+    // Writing to a string cannot fail.
+    let _ = writeln!(text, "{name:<20}{value}");
+}
+
+/// Six digits, with an exponent where the number is small.
+fn number(value: f64) -> String {
+    if value == 0.0 {
+        "0".into()
+    } else if value.is_infinite() {
+        "infinite".into()
+    } else if (1e-3..1e6).contains(&value) {
+        format!("{value:.6}")
+    } else {
+        format!("{value:.5e}")
+    }
+}
+
+fn decibels(value: f64) -> String {
+    if value.is_finite() {
+        format!("{value:.2} dB")
+    } else if value > 0.0 {
+        "infinite (no difference)".into()
+    } else {
+        "none (infinite difference)".into()
+    }
+}
+
+fn share(found: &Comparison, pixels: u64) -> String {
+    let all = u64::from(found.width) * u64::from(found.height);
+    format!("{pixels} of {all} ({:.3} %)", 100.0 * pixels as f64 / all as f64)
+}
+
+/// Writes to standard output. A reader that has seen enough, such as `head`, is no error.
+fn print(text: &str) -> Result<()> {
+    let mut output = std::io::stdout().lock();
+    match output.write_all(text.as_bytes()).and_then(|()| output.flush()) {
+        Err(error) if error.kind() != IoKind::BrokenPipe => {
+            Err(Error::io("cannot write the result", "standard output", error))
+        }
+        _ => Ok(()),
+    }
+}
+
+fn not_negative(text: &str) -> std::result::Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value.is_finite() && value >= 0.0 => Ok(value),
+        _ => Err("use a number of 0 or more, such as 0.001".into()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::image::Film;
+    use clap::Parser;
+
+    #[derive(Parser)]
+    struct Command {
+        #[command(flatten)]
+        args: DiffArgs,
+    }
+
+    fn parse(words: &[&str]) -> std::result::Result<DiffArgs, clap::Error> {
+        Command::try_parse_from([&["diff"], words].concat()).map(|command| command.args)
+    }
+
+    fn report(args: &DiffArgs, changed: f32) -> Report<'_> {
+        let a = Film::new(2, 2).unwrap();
+        let mut b = a.clone();
+        b.pixels_mut()[2][1] = changed;
+        Report::new(args, compare(&a, &b).unwrap())
+    }
+
+    #[test]
+    fn a_difference_is_told_in_words() {
+        let args = parse(&["a.ppm", "b.ppm"]).unwrap();
+        assert_eq!(
+            report(&args, 0.5).text(),
+            "size                2 x 2\n\
+             MSE                 0.020833\n\
+             RMSE                0.144338\n\
+             PSNR                16.81 dB\n\
+             largest difference  0.500000, green at column 0, row 1\n\
+             different pixels    1 of 4 (25.000 %)\n\
+             result              different by more than 0\n"
+        );
+    }
+
+    #[test]
+    fn equality_and_what_is_not_finite_are_told_in_words() {
+        let args = parse(&["a.ppm", "b.ppm", "--tolerance", "0.5"]).unwrap();
+        let last = |changed| report(&args, changed).text().lines().last().unwrap().to_owned();
+        assert_eq!(last(0.0), "result              equal in every bit");
+        assert_eq!(last(0.5), "result              equal within 0.5");
+        assert_eq!(last(0.6), "result              different by more than 0.5");
+        assert!(report(&args, 0.0).text().contains("infinite (no difference)\n"));
+        let text = report(&args, f32::NAN).text();
+        assert!(text.contains("none (infinite difference)\n"), "{text}");
+        assert!(text.contains("pixels not finite   1 of 4 (25.000 %)\n"), "{text}");
+    }
+
+    #[test]
+    fn json_names_the_files_and_the_verdict() {
+        let args = parse(&["a.ppm", "b.ppm", "--json"]).unwrap();
+        let json: serde_json::Value =
+            serde_json::from_str(&report(&args, 0.5).json().unwrap()).unwrap();
+        assert_eq!(json["a"], "a.ppm");
+        assert_eq!(json["largest"], 0.5);
+        assert_eq!(json["largest_at"], serde_json::json!([0, 1]));
+        assert_eq!(json["largest_channel"], "green");
+        assert_eq!(json["within_tolerance"], false);
+    }
+
+    #[test]
+    fn numbers_must_not_be_negative_or_infinite() {
+        for bad in ["-1", "inf", "nan", "x"] {
+            assert!(parse(&["a", "b", &format!("--tolerance={bad}")]).is_err(), "{bad}");
+        }
+        assert!(parse(&["a", "b", "--gain", "2"]).is_err(), "gain without output");
+        assert_eq!(parse(&["a", "b", "-o", "c.png", "--gain", "2"]).unwrap().gain, 2.0);
+    }
+
+    #[test]
+    fn two_files_are_compared_and_the_difference_written() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        let a = Film::new(3, 2).unwrap();
+        let mut b = a.clone();
+        b.pixels_mut()[4] = [0.25, 0.0, 0.0];
+        write(&a, &at("a.exr"), Transfer::Linear).unwrap();
+        write(&b, &at("b.pfm"), Transfer::Linear).unwrap();
+        let mut args = DiffArgs {
+            a: at("a.exr"),
+            b: at("b.pfm"),
+            tolerance: 0.0,
+            json: false,
+            output: Some(at("d.pfm")),
+            gain: 2.0,
+        };
+        assert!(!run(&args).unwrap());
+        assert_eq!(read(&at("d.pfm")).unwrap().pixels()[4], [0.5, 0.0, 0.0]);
+        args.tolerance = 0.25;
+        args.json = true;
+        assert!(run(&args).unwrap());
+    }
+
+    #[test]
+    fn sizes_that_differ_are_an_error_that_names_the_second_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let (a, b) = (folder.path().join("a.ppm"), folder.path().join("b.ppm"));
+        write(&Film::new(1, 2).unwrap(), &a, Transfer::Linear).unwrap();
+        write(&Film::new(2, 2).unwrap(), &b, Transfer::Linear).unwrap();
+        let args = DiffArgs { a, b, tolerance: 0.0, json: false, output: None, gain: 1.0 };
+        assert_eq!(
+            run(&args).unwrap_err().to_string(),
+            format!(
+                "{}: two images must have the same size to be compared, found 1 x 2 and 2 x 2; \
+                 render both at one size",
+                args.b.display()
+            )
+        );
+    }
+}

@@ -1,0 +1,332 @@
+//! Writing a file so that an older one of the same name survives a failure.
+//!
+//! The bytes go to a temporary file in the same folder, are pushed to the disk, and only then is
+//! that file renamed over the target. A reader sees the old file or the new one, never a part.
+
+use std::fs::{File, Metadata};
+use std::io::{BufWriter, ErrorKind as IoKind, Write};
+use std::path::{Path, PathBuf};
+
+use tempfile::NamedTempFile;
+
+use crate::error::{Error, ErrorKind, Result};
+
+/// What a file's content is written to.
+pub type Sink<'a> = BufWriter<&'a File>;
+
+/// Writes the file at `path` with what `fill` writes, or leaves whatever is there as it was.
+///
+/// A new file gets the permissions that any new file gets; one that replaces another keeps the
+/// other's. Through a symbolic link, the file that it leads to is replaced and the link stays.
+///
+/// # Errors
+/// When `fill` fails, and when the folder is missing or may not be written to, the disk is full,
+/// or the target is a folder, a device or read-only. The error names the file.
+pub fn replace_file(path: &Path, fill: impl FnOnce(&mut Sink<'_>) -> Result<()>) -> Result<()> {
+    let target = Target::new(path)?;
+    let temporary = target.temporary()?;
+    let mut sink = BufWriter::new(temporary.as_file());
+    fill(&mut sink).map_err(|error| error.in_file(path))?;
+    sink.flush().map_err(|error| write_error(path, error))?;
+    drop(sink);
+    temporary.as_file().sync_all().map_err(|error| write_error(path, error))?;
+    target.persist(temporary)
+}
+
+/// Whether [`replace_file`] could write at `path` as things are now: to be asked before long work.
+///
+/// # Errors
+/// As [`replace_file`], but for a disk that is full.
+pub fn check_replaceable(path: &Path) -> Result<()> {
+    // Dropping the temporary file removes it.
+    Target::new(path)?.temporary().map(drop)
+}
+
+/// An error of the operating system while it wrote `path`, with what may help.
+pub fn write_error(path: &Path, error: std::io::Error) -> Error {
+    let remedy = match error.kind() {
+        IoKind::StorageFull | IoKind::QuotaExceeded => "free some space or write to another disk",
+        IoKind::PermissionDenied | IoKind::ReadOnlyFilesystem => {
+            "write to a folder that you may change"
+        }
+        _ => "try another folder",
+    };
+    Error::io("cannot write the file", path, error).remedy(remedy)
+}
+
+/// A file to be made or replaced, known not to be anything else.
+struct Target<'a> {
+    /// The path as it was given, for messages.
+    given: &'a Path,
+    /// The path with symbolic links followed.
+    path: PathBuf,
+    /// The folder that holds it.
+    folder: PathBuf,
+    /// What is there now.
+    existing: Option<Metadata>,
+}
+
+impl<'a> Target<'a> {
+    fn new(given: &'a Path) -> Result<Self> {
+        // A file that does not exist yet, or a link that leads nowhere, keeps its own path.
+        let path = given.canonicalize().unwrap_or_else(|_| given.to_path_buf());
+        let folder = match path.parent() {
+            Some(parent) if parent.as_os_str().is_empty() => PathBuf::from("."),
+            Some(parent) => parent.to_path_buf(),
+            None => path.clone(),
+        };
+        let existing = path.metadata().ok();
+        check_kind(given, existing.as_ref())?;
+        check_folder(given, &folder)?;
+        Ok(Self { given, path, folder, existing })
+    }
+
+    /// An empty file beside the target, removed when dropped.
+    fn temporary(&self) -> Result<NamedTempFile> {
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(".wavecrest-").suffix(".part");
+        #[cfg(unix)]
+        {
+            use std::os::unix::fs::PermissionsExt;
+            // What any new file asks for; the system takes the user's mask away from it.
+            builder.permissions(std::fs::Permissions::from_mode(0o666));
+        }
+        builder.tempfile_in(&self.folder).map_err(|error| self.temporary_error(&error))
+    }
+
+    /// Renames the finished file over the target.
+    fn persist(self, temporary: NamedTempFile) -> Result<()> {
+        if let Some(existing) = &self.existing {
+            // The file may be another user's, whose permissions are not ours to give: its
+            // content matters more.
+            let _ = temporary.as_file().set_permissions(existing.permissions());
+        }
+        temporary.persist(&self.path).map_err(|error| write_error(self.given, error.error))?;
+        // Pushes the new name to the disk, where the system lets a folder be pushed at all.
+        let _ = File::open(&self.folder).and_then(|folder| folder.sync_all());
+        Ok(())
+    }
+
+    /// The cause alone: the temporary file's own path would only confuse.
+    fn temporary_error(&self, error: &std::io::Error) -> Error {
+        let cause = match error.raw_os_error().or_else(|| raw_os_error_inside(error)) {
+            Some(code) => std::io::Error::from_raw_os_error(code),
+            None => std::io::Error::from(error.kind()),
+        };
+        write_error(self.given, cause)
+    }
+}
+
+/// The system's number for an error that another wraps.
+fn raw_os_error_inside(error: &std::io::Error) -> Option<i32> {
+    let mut cause = std::error::Error::source(error.get_ref()?);
+    while let Some(inner) = cause {
+        if let Some(io) = inner.downcast_ref::<std::io::Error>() {
+            return io.raw_os_error();
+        }
+        cause = inner.source();
+    }
+    None
+}
+
+fn check_kind(given: &Path, existing: Option<&Metadata>) -> Result<()> {
+    let refuse = |message: &str, remedy: &str| {
+        Err(Error::new(ErrorKind::Io, message).in_file(given).remedy(remedy))
+    };
+    let ends_as_a_folder =
+        given.to_string_lossy().chars().next_back().is_some_and(std::path::is_separator);
+    match existing {
+        Some(data) if data.is_dir() => {
+            refuse("cannot write the file: this is a folder", "name a file inside it")
+        }
+        None if ends_as_a_folder => {
+            refuse("cannot write the file: this is the name of a folder", "name a file inside it")
+        }
+        Some(data) if !data.is_file() => refuse(
+            "cannot write the file: this is neither a file nor a folder",
+            "name an ordinary file",
+        ),
+        Some(data) if data.permissions().readonly() => refuse(
+            "cannot write the file: the one that is there is read-only",
+            "make it writable or name another file",
+        ),
+        _ => Ok(()),
+    }
+}
+
+fn check_folder(given: &Path, folder: &Path) -> Result<()> {
+    let refuse = |message: String, remedy: &str| {
+        Err(Error::new(ErrorKind::Io, message).in_file(given).remedy(remedy))
+    };
+    let name = folder.display();
+    match folder.metadata() {
+        Ok(data) if data.is_dir() => Ok(()),
+        Ok(_) => refuse(
+            format!("cannot write the file: {name} is not a folder"),
+            "name a folder that exists",
+        ),
+        Err(error) if error.kind() == IoKind::NotFound => refuse(
+            format!("cannot write the file: there is no folder {name}"),
+            "create it first or name one that exists",
+        ),
+        Err(error) => Err(write_error(given, error)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn put(path: &Path, text: &str) -> Result<()> {
+        replace_file(path, |sink| {
+            sink.write_all(text.as_bytes()).map_err(|error| write_error(path, error))
+        })
+    }
+
+    fn names(folder: &Path) -> Vec<String> {
+        let mut names: Vec<_> = std::fs::read_dir(folder)
+            .unwrap()
+            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+            .collect();
+        names.sort();
+        names
+    }
+
+    #[test]
+    fn a_file_is_made_and_replaced() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.txt");
+        put(&path, "first and longer").unwrap();
+        put(&path, "second").unwrap();
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), "second");
+        assert_eq!(names(folder.path()), ["a.txt"]);
+    }
+
+    #[test]
+    fn a_failure_leaves_the_old_file_and_no_other() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.txt");
+        put(&path, "old").unwrap();
+        let error = replace_file(&path, |sink| {
+            sink.write_all(&[7; 100_000]).map_err(|error| write_error(&path, error))?;
+            Err(Error::new(ErrorKind::Io, "the power went"))
+        });
+        let text = error.unwrap_err().to_string();
+        assert_eq!(text, format!("{}: the power went", path.display()));
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), "old");
+        assert_eq!(names(folder.path()), ["a.txt"]);
+    }
+
+    #[test]
+    fn a_check_leaves_nothing_behind() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.txt");
+        check_replaceable(&path).unwrap();
+        assert!(names(folder.path()).is_empty());
+        put(&path, "old").unwrap();
+        check_replaceable(&path).unwrap();
+        assert_eq!(names(folder.path()), ["a.txt"]);
+    }
+
+    #[test]
+    fn each_wrong_target_has_its_message() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        std::fs::write(at("file"), "").unwrap();
+        let root = folder.path().display();
+        let cases = [
+            (
+                "",
+                format!("{root}/: cannot write the file: this is a folder; name a file inside it"),
+            ),
+            (
+                "no/a.ppm",
+                format!(
+                    "{root}/no/a.ppm: cannot write the file: there is no folder {root}/no; \
+                     create it first or name one that exists"
+                ),
+            ),
+            (
+                "file/a.ppm",
+                format!(
+                    "{root}/file/a.ppm: cannot write the file: {root}/file is not a folder; \
+                     name a folder that exists"
+                ),
+            ),
+            (
+                "new.ppm/",
+                format!(
+                    "{root}/new.ppm/: cannot write the file: this is the name of a folder; \
+                     name a file inside it"
+                ),
+            ),
+        ];
+        for (name, text) in cases {
+            assert_eq!(check_replaceable(&at(name)).unwrap_err().to_string(), text);
+            assert_eq!(put(&at(name), "x").unwrap_err().to_string(), text);
+        }
+    }
+
+    #[test]
+    fn a_read_only_file_is_not_replaced() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.txt");
+        put(&path, "old").unwrap();
+        let mut permissions = path.metadata().unwrap().permissions();
+        permissions.set_readonly(true);
+        std::fs::set_permissions(&path, permissions).unwrap();
+        let text = format!(
+            "{}: cannot write the file: the one that is there is read-only; \
+             make it writable or name another file",
+            path.display()
+        );
+        assert_eq!(put(&path, "new").unwrap_err().to_string(), text);
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), "old");
+    }
+
+    #[test]
+    fn the_system_s_causes_have_their_remedies() {
+        let text = |kind: IoKind| write_error(Path::new("a"), kind.into()).to_string();
+        assert!(text(IoKind::StorageFull).ends_with("; free some space or write to another disk"));
+        assert!(
+            text(IoKind::PermissionDenied).ends_with("; write to a folder that you may change")
+        );
+        assert!(text(IoKind::Other).ends_with("; try another folder"));
+    }
+
+    #[test]
+    #[cfg(target_os = "linux")]
+    fn a_folder_that_takes_no_files_is_named_without_the_temporary_file() {
+        // Nobody, not even the superuser, can make a file there.
+        let error = check_replaceable(Path::new("/proc/a.ppm")).unwrap_err().to_string();
+        assert!(error.starts_with("/proc/a.ppm: cannot write the file: "), "{error}");
+        assert!(!error.contains(".part"), "{error}");
+    }
+
+    #[test]
+    #[cfg(unix)]
+    fn permissions_are_those_of_any_new_file_or_of_the_file_replaced() {
+        use std::os::unix::fs::PermissionsExt;
+        let folder = tempfile::tempdir().unwrap();
+        let (path, plain) = (folder.path().join("a.txt"), folder.path().join("b.txt"));
+        let mode = |path: &Path| path.metadata().unwrap().permissions().mode() & 0o777;
+        std::fs::write(&plain, "").unwrap();
+        put(&path, "").unwrap();
+        assert_eq!(mode(&path), mode(&plain));
+        std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o640)).unwrap();
+        put(&path, "new").unwrap();
+        assert_eq!(mode(&path), 0o640);
+    }
+
+    #[test]
+    #[cfg(unix)]
+    fn a_symbolic_link_stays_a_link() {
+        let folder = tempfile::tempdir().unwrap();
+        let (path, link) = (folder.path().join("a.txt"), folder.path().join("link"));
+        put(&path, "old").unwrap();
+        std::os::unix::fs::symlink(&path, &link).unwrap();
+        put(&link, "new").unwrap();
+        assert!(link.symlink_metadata().unwrap().is_symlink());
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), "new");
+    }
+}

@@ -1,0 +1,348 @@
+//! Writing a film: as a PPM or a PNG with 8 bits a value, or as an EXR or a PFM that keeps every
+//! float.
+//!
+//! The file appears whole or not at all (see [`super::replace`]), and its bytes depend on the
+//! film alone, not on the machine.
+
+use std::ffi::OsStr;
+use std::io::{Cursor, Write};
+use std::path::Path;
+
+use bytemuck::cast_slice;
+use image::codecs::openexr::OpenExrEncoder;
+use image::codecs::png::{CompressionType, FilterType, PngEncoder};
+use image::{ExtendedColorType, ImageEncoder, ImageError};
+
+use super::film::Film;
+use super::netpbm;
+use super::replace::{Sink, check_replaceable, replace_file, write_error};
+use crate::error::{Error, ErrorKind, Result, did_you_mean};
+
+/// How a linear value from 0 to 1 becomes one of 256 levels. Float formats are always linear.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, clap::ValueEnum)]
+pub enum Transfer {
+    /// Level 255 times the value.
+    #[default]
+    Linear,
+    /// The sRGB curve first, which is what screens expect.
+    Srgb,
+}
+
+/// The formats that can be written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Format {
+    /// Binary PPM (`P6`), 8 bits a value.
+    Ppm,
+    /// PNG, 8 bits a value.
+    Png,
+    /// OpenEXR, 32-bit floats.
+    Exr,
+    /// Portable float map, 32-bit floats.
+    Pfm,
+}
+
+impl Format {
+    /// Every format.
+    pub const ALL: [Self; 4] = [Self::Ppm, Self::Png, Self::Exr, Self::Pfm];
+
+    /// The extension of its files, in lower case.
+    pub fn extension(self) -> &'static str {
+        match self {
+            Self::Ppm => "ppm",
+            Self::Png => "png",
+            Self::Exr => "exr",
+            Self::Pfm => "pfm",
+        }
+    }
+
+    /// The format that the extension of `path` names, in capitals or not.
+    ///
+    /// # Errors
+    /// When there is no extension or when it names none of the four.
+    pub fn from_path(path: &Path) -> Result<Self> {
+        const FORMATS: &str = "use .ppm, .png, .exr or .pfm";
+        let usage = |message: &str| Error::new(ErrorKind::Usage, message).in_file(path);
+        if path == Path::new("-") {
+            return Err(usage("an image cannot be written to standard output")
+                .remedy("name a file that ends in .ppm, .png, .exr or .pfm"));
+        }
+        let Some(extension) = path.extension().map(OsStr::to_string_lossy) else {
+            return Err(usage("the name of an image must end in its format").remedy(FORMATS));
+        };
+        let lower = extension.to_lowercase();
+        Self::ALL.into_iter().find(|format| format.extension() == lower).ok_or_else(|| {
+            let error = usage("unknown image format").value(format!(".{extension}"));
+            match did_you_mean(&lower, Self::ALL.map(Self::extension)) {
+                Some(near) => error.remedy(format!("did you mean .{near}? {FORMATS}")),
+                None => error.remedy(FORMATS),
+            }
+        })
+    }
+
+    /// Whether it keeps floats as they are, so that [`Transfer`] plays no part.
+    pub fn is_float(self) -> bool {
+        matches!(self, Self::Exr | Self::Pfm)
+    }
+}
+
+/// Writes `film` at `path` in the format that the extension names. A file that is there already
+/// stays as it was until the new one is whole.
+///
+/// # Errors
+/// When the extension is unknown, and when the folder is missing or may not be written to, the
+/// disk is full, or `path` is a folder, a device or a read-only file.
+pub fn write(film: &Film, path: &Path, transfer: Transfer) -> Result<()> {
+    let format = Format::from_path(path)?;
+    replace_file(path, |sink| {
+        encode(sink, film, format, transfer).map_err(|error| encode_error(path, error))
+    })
+}
+
+/// Whether [`write()`] could write at `path` as things are now: to be asked before a long render.
+///
+/// # Errors
+/// As [`write()`], but for a disk that is full.
+pub fn check_writable(path: &Path) -> Result<()> {
+    Format::from_path(path)?;
+    check_replaceable(path)
+}
+
+fn encode(
+    sink: &mut Sink<'_>,
+    film: &Film,
+    format: Format,
+    transfer: Transfer,
+) -> std::result::Result<(), ImageError> {
+    let (width, height) = (film.width(), film.height());
+    match format {
+        Format::Ppm => Ok(netpbm::write_ppm(sink, film, transfer)?),
+        Format::Pfm => Ok(netpbm::write_pfm(sink, film)?),
+        Format::Png => {
+            let bytes: Vec<u8> = film.rows().flat_map(|row| row_to_bytes(row, transfer)).collect();
+            PngEncoder::new_with_quality(sink, CompressionType::Default, FilterType::Adaptive)
+                .write_image(&bytes, width, height, ExtendedColorType::Rgb8)
+        }
+        Format::Exr => {
+            // To memory first: the encoder turns the system's errors, such as a full disk, into
+            // text. It is also spared from seeking in the file.
+            let mut bytes = Cursor::new(Vec::new());
+            OpenExrEncoder::new(&mut bytes).write_image(
+                cast_slice(film.pixels()),
+                width,
+                height,
+                ExtendedColorType::Rgb32F,
+            )?;
+            Ok(sink.write_all(bytes.get_ref())?)
+        }
+    }
+}
+
+/// The system's own error where there is one: it tells what to do.
+fn encode_error(path: &Path, error: ImageError) -> Error {
+    match error {
+        ImageError::IoError(io) => write_error(path, io),
+        other => {
+            Error::new(ErrorKind::Io, format!("cannot write the image: {other}")).because(other)
+        }
+    }
+}
+
+/// A row of pixels as 8-bit values.
+pub(super) fn row_to_bytes(row: &[[f32; 3]], transfer: Transfer) -> Vec<u8> {
+    let level = match transfer {
+        Transfer::Linear => linear_level,
+        Transfer::Srgb => |value| linear_level(srgb_encode(value)),
+    };
+    row.as_flattened().iter().map(|&value| level(value)).collect()
+}
+
+/// The nearest of 256 levels; a value that is not a number is black.
+fn linear_level(value: f32) -> u8 {
+    // The conversion takes what is not a number to 0.
+    (value.clamp(0.0, 1.0) * 255.0).round() as u8
+}
+
+/// The sRGB curve (IEC 61966-2-1) for one value, linear in and encoded out.
+pub fn srgb_encode(value: f32) -> f32 {
+    if value <= 0.003_130_8 {
+        12.92 * value
+    } else {
+        // The library's power function, not the machine's, which may differ in the last bit.
+        1.055 * libm::powf(value, 1.0 / 2.4) - 0.055
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::read::read;
+    use super::*;
+
+    fn film() -> Film {
+        let pixel = |i: u32| [i as f32 / 37.0, 1.5 - i as f32 / 10.0, f32::from_bits(i << 20)];
+        Film::from_pixels(7, 5, (0..35).map(pixel).collect()).unwrap()
+    }
+
+    fn eight_bit(film: &Film, transfer: Transfer) -> Vec<u8> {
+        film.rows().flat_map(|row| row_to_bytes(row, transfer)).collect()
+    }
+
+    fn written(name: &str, film: &Film, transfer: Transfer) -> Film {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join(name);
+        check_writable(&path).unwrap();
+        write(film, &path, transfer).unwrap();
+        read(&path).unwrap()
+    }
+
+    #[test]
+    fn float_formats_keep_every_bit_whatever_the_transfer() {
+        let mut film = film();
+        film.pixels_mut()[3] = [f32::INFINITY, f32::from_bits(0x7fc0_1234), -0.0];
+        for name in ["a.exr", "a.pfm", "a.PFM"] {
+            assert!(written(name, &film, Transfer::Srgb).same_bits(&film), "{name}");
+        }
+    }
+
+    #[test]
+    fn eight_bit_formats_keep_the_levels() {
+        for transfer in [Transfer::Linear, Transfer::Srgb] {
+            for name in ["a.ppm", "a.png"] {
+                let back = written(name, &film(), transfer);
+                assert_eq!((back.width(), back.height()), (7, 5));
+                let levels = eight_bit(&back, Transfer::Linear);
+                assert_eq!(levels, eight_bit(&film(), transfer), "{name}");
+            }
+        }
+    }
+
+    #[test]
+    fn one_pixel_is_image_enough() {
+        let film = Film::from_pixels(1, 1, vec![[1.0, 0.0, 0.2]]).unwrap();
+        for format in Format::ALL {
+            let back = written(&format!("a.{}", format.extension()), &film, Transfer::Linear);
+            assert!(back.same_bits(&film), "{format:?}");
+        }
+    }
+
+    #[test]
+    fn levels_round_and_clamp() {
+        let level = |value| row_to_bytes(&[[value; 3]], Transfer::Linear)[0];
+        let cases = [
+            (0.0, 0),
+            (1.0, 255),
+            (0.5, 128),
+            (1.4 / 255.0, 1),
+            (1.6 / 255.0, 2),
+            (-3.0, 0),
+            (7.0, 255),
+            (f32::INFINITY, 255),
+            (f32::NEG_INFINITY, 0),
+            (f32::NAN, 0),
+        ];
+        for (value, expected) in cases {
+            assert_eq!(level(value), expected, "{value}");
+        }
+    }
+
+    #[test]
+    fn the_srgb_curve_has_its_known_levels() {
+        let level = |value| row_to_bytes(&[[value; 3]], Transfer::Srgb)[0];
+        for (value, expected) in
+            [(0.0, 0), (0.001, 3), (0.2159, 128), (0.5, 188), (1.0, 255), (2.0, 255), (-1.0, 0)]
+        {
+            assert_eq!(level(value), expected, "{value}");
+        }
+        assert_eq!(level(f32::NAN), 0);
+        assert_eq!(srgb_encode(0.5).to_bits(), 0.735_356_9_f32.to_bits());
+    }
+
+    #[test]
+    fn the_extension_names_the_format_in_either_case() {
+        for (name, format) in [
+            ("a.ppm", Format::Ppm),
+            ("b.c.PNG", Format::Png),
+            ("/x/a.Exr", Format::Exr),
+            ("a.pFm", Format::Pfm),
+        ] {
+            assert_eq!(Format::from_path(Path::new(name)).unwrap(), format);
+            assert_eq!(format.is_float(), matches!(format, Format::Exr | Format::Pfm));
+        }
+    }
+
+    #[test]
+    fn other_names_have_their_messages() {
+        let text = |name: &str| Format::from_path(Path::new(name)).unwrap_err().to_string();
+        assert_eq!(
+            text("out.pmp"),
+            "out.pmp: unknown image format, found .pmp; \
+             did you mean .ppm? use .ppm, .png, .exr or .pfm"
+        );
+        assert_eq!(
+            text("out.JPEG"),
+            "out.JPEG: unknown image format, found .JPEG; use .ppm, .png, .exr or .pfm"
+        );
+        assert_eq!(
+            text("out"),
+            "out: the name of an image must end in its format; use .ppm, .png, .exr or .pfm"
+        );
+        assert_eq!(
+            text("-"),
+            "-: an image cannot be written to standard output; \
+             name a file that ends in .ppm, .png, .exr or .pfm"
+        );
+        assert_eq!(Format::from_path(Path::new("a")).unwrap_err().kind(), ErrorKind::Usage);
+    }
+
+    #[test]
+    fn a_missing_folder_is_found_before_and_after_the_render() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("no").join("a.png");
+        let text = format!(
+            "{}: cannot write the file: there is no folder {}; \
+             create it first or name one that exists",
+            path.display(),
+            path.parent().unwrap().display()
+        );
+        assert_eq!(check_writable(&path).unwrap_err().to_string(), text);
+        assert_eq!(write(&film(), &path, Transfer::Linear).unwrap_err().to_string(), text);
+    }
+
+    #[test]
+    fn a_failed_write_leaves_the_old_image() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.ppm");
+        write(&film(), &path, Transfer::Linear).unwrap();
+        let old = std::fs::read(&path).unwrap();
+        let failed = replace_file(&path, |sink| {
+            encode(sink, &Film::new(64, 64).unwrap(), Format::Exr, Transfer::Linear).unwrap();
+            let full = std::io::Error::from(std::io::ErrorKind::StorageFull);
+            Err(encode_error(&path, ImageError::IoError(full)))
+        });
+        assert_eq!(
+            failed.unwrap_err().to_string(),
+            format!(
+                "{}: cannot write the file: no storage space; \
+                 free some space or write to another disk",
+                path.display()
+            )
+        );
+        assert_eq!(std::fs::read(&path).unwrap(), old);
+    }
+
+    #[test]
+    #[cfg(target_os = "linux")]
+    fn a_full_disk_is_told_as_such_in_every_format() {
+        let device = std::fs::File::options().write(true).open("/dev/full").unwrap();
+        for format in Format::ALL {
+            let mut sink = std::io::BufWriter::new(&device);
+            let film = Film::new(64, 64).unwrap();
+            let text = match encode(&mut sink, &film, format, Transfer::Linear) {
+                Err(error) => encode_error(Path::new("a"), error).to_string(),
+                // A small file may rest in the buffer until the flush.
+                Ok(()) => write_error(Path::new("a"), sink.flush().unwrap_err()).to_string(),
+            };
+            assert!(text.ends_with("; free some space or write to another disk"), "{text}");
+            let _ = sink.into_parts();
+        }
+    }
+}
