@@ -2,6 +2,7 @@
 
 pub mod cli;
 pub mod error;
+pub mod generate;
 pub mod image;
 pub mod kernels;
 pub mod math;

@@ -1,5 +1,7 @@
 //! The command line.
 
+pub mod generate;
+
 use std::process::ExitCode;
 
 /// Runs the command that the process's arguments ask for.
