@@ -97,7 +97,9 @@ fn spheres_are_closed_and_face_outward() {
         }
     }
     let round = mesh(&Recipe { displacement: 0.0, ..Recipe::new(Model::Sphere, 50_000) }).unwrap();
-    assert!((volume(&round) - 4.0 / 3.0 * std::f64::consts::PI).abs() < 1e-3);
+    // A little less than the ball, since the corners are on it.
+    let share = volume(&round) / (4.0 / 3.0 * std::f64::consts::PI);
+    assert!(share > 0.999 && share < 1.0, "{share}");
 }
 
 #[test]
@@ -144,11 +146,15 @@ fn normals_agree_with_the_triangles() {
                 sums[v as usize] += (b - a).cross(c - a);
             }
         }
+        let mut total = 0.0;
         for (normal, sum) in normals.values.iter().zip(&sums) {
             assert!((normal.length() - 1.0).abs() < 1e-6);
             let cosine = normal.as_dvec3().dot(sum.normalize());
-            assert!(cosine > 0.8, "{model}: {cosine}");
+            // On the crests of the terrain the triangles about a vertex differ widely.
+            assert!(cosine > 0.5, "{model}: {cosine}");
+            total += cosine;
         }
+        assert!(total / sums.len() as f64 > 0.99, "{model}: {}", total / sums.len() as f64);
     }
 }
 
@@ -240,7 +246,11 @@ fn body(mesh: &MeshData) -> Vec<u8> {
 
 #[test]
 fn small_meshes_keep_their_bytes() {
-    let golden = [(Model::Sphere, 0), (Model::Terrain, 0), (Model::Knot, 0)];
+    let golden = [
+        (Model::Sphere, 0xE299_17EB_7093_4E6F),
+        (Model::Terrain, 0x412A_939E_CCF9_6CAF),
+        (Model::Knot, 0x1D63_85F0_46E7_6340),
+    ];
     let found = ALL.map(|model| {
         let recipe = Recipe { normals: true, ..Recipe::new(model, 3000) };
         (model, hash(&file_bytes(&recipe)))
