@@ -166,8 +166,12 @@ impl Recipe {
         if (fewest..=most).contains(&self.triangles) {
             return Ok(());
         }
-        let kind = if self.triangles < fewest { ErrorKind::Usage } else { ErrorKind::Limit };
-        Err(Error::new(kind, format!("a {model} cannot have so many triangles, or so few"))
+        let (kind, than) = if self.triangles < fewest {
+            (ErrorKind::Usage, "more triangles than were asked for")
+        } else {
+            (ErrorKind::Limit, "fewer triangles than were asked for")
+        };
+        Err(Error::new(kind, format!("a {model} must have {than}"))
             .at("triangles")
             .value(self.triangles)
             .remedy(format!("ask for {fewest} to {most}")))

@@ -25,6 +25,12 @@ const MOST_OCTAVES: u32 = 20;
 /// Where each octave's lattice starts, so that the zeros of the octaves do not fall together.
 const OCTAVE_SHIFT: DVec3 = DVec3::new(0.3719, 0.6173, 0.8431);
 
+/// How steeply a ridge falls from its crest. The noise is mostly within 1 / 1.6 of zero, so that
+/// valleys come near 0 and crests near 1.
+const CREST_SHARPNESS: f64 = 1.6;
+/// How soon the height of one octave lets in the whole of the next.
+const RIDGE_FEEDBACK: f64 = 2.0;
+
 /// The middles of a cube's edges: no gradient favours an axis.
 const GRADIENTS: [DVec3; 12] = [
     DVec3::new(1.0, 1.0, 0.0),
@@ -97,12 +103,6 @@ impl Fractal {
         gradient_noise(p * frequency + OCTAVE_SHIFT * f64::from(octave + 1), seed)
     }
 }
-
-/// How steeply a ridge falls from its crest. The noise is mostly within 1 / 1.6 of zero, so that
-/// valleys come near 0 and crests near 1.
-const CREST_SHARPNESS: f64 = 1.6;
-/// How soon the height of one octave lets in the whole of the next.
-const RIDGE_FEEDBACK: f64 = 2.0;
 
 /// Perlin's gradient noise at `p`, in [-1, 1], zero at every lattice point.
 fn gradient_noise(p: DVec3, seed: u64) -> f64 {

@@ -1,7 +1,7 @@
 //! What every generated mesh must be: closed where it says so, facing outward, without a
 //! degenerate triangle, and the same bits whoever makes it.
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 
 use glam::DVec3;
 
@@ -49,11 +49,26 @@ fn assert_closed(mesh: &MeshData, euler: i64) {
     for (a, b) in &edges {
         assert!(edges.contains(&(*b, *a)), "edge {a} {b} has one side only");
     }
-    // Every vertex is used, by one fan: V - E + F says so for the whole surface.
-    let used: HashSet<u32> = mesh.triangles.iter().flatten().copied().collect();
-    assert_eq!(used.len(), mesh.positions.len());
+    assert_one_fan_a_vertex(mesh);
     let [v, e, f] = [mesh.positions.len(), edges.len() / 2, mesh.triangles.len()];
     assert_eq!(v as i64 - e as i64 + f as i64, euler);
+}
+
+/// Checks that the triangles about each vertex are one closed fan: that no two parts of the
+/// surface meet in a point.
+fn assert_one_fan_a_vertex(mesh: &MeshData) {
+    let mut next: Vec<HashMap<u32, u32>> = vec![HashMap::new(); mesh.positions.len()];
+    for &[a, b, c] in &mesh.triangles {
+        for (at, from, to) in [(a, b, c), (b, c, a), (c, a, b)] {
+            next[at as usize].insert(from, to);
+        }
+    }
+    for (v, fan) in next.iter().enumerate() {
+        let start = *fan.keys().next().expect("every vertex is used");
+        let round = std::iter::successors(Some(start), |spoke| Some(fan[spoke]));
+        let length = 1 + round.skip(1).take_while(|spoke| *spoke != start).count();
+        assert_eq!(length, fan.len(), "vertex {v} has two fans");
+    }
 }
 
 /// Checks that no triangle is near to having no area, as 32-bit floats hold it.
