@@ -48,7 +48,7 @@ impl Model {
     pub fn usual_displacement(self) -> f64 {
         match self {
             Self::Sphere => 0.25,
-            Self::Terrain => 0.6,
+            Self::Terrain => 0.4,
             Self::Knot => 0.3,
         }
     }
