@@ -3,6 +3,7 @@
 pub mod accel;
 pub mod cli;
 pub mod error;
+pub mod generate;
 pub mod image;
 pub mod kernels;
 pub mod math;

@@ -1,6 +1,7 @@
 //! The command line.
 
 pub mod diff;
+pub mod generate;
 
 use std::process::ExitCode;
 
