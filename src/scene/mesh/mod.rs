@@ -1,6 +1,10 @@
 //! Triangle meshes: the arrays that a mesh is, and the readers that make them from files.
 
+use std::path::Path;
+
 use glam::{Vec2, Vec3};
+
+use crate::error::{Error, ErrorKind, Result, Warning};
 
 /// A value for each corner of a mesh's triangles.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -28,4 +32,21 @@ pub struct MeshData {
     pub normals: Option<Attribute<Vec3>>,
     /// Texture coordinates, v upward.
     pub uvs: Option<Attribute<Vec2>>,
+}
+
+/// A mesh from a file, and what is odd about it.
+#[derive(Clone, Debug, Default)]
+pub struct LoadedMesh {
+    /// The arrays.
+    pub mesh: MeshData,
+    /// What is odd about the file.
+    pub warnings: Vec<Warning>,
+}
+
+/// Reads a mesh file: a stand-in until the readers are here.
+///
+/// # Errors
+/// Always.
+pub fn load(path: &Path) -> Result<LoadedMesh> {
+    Err(Error::new(ErrorKind::Mesh, "mesh files cannot be read yet").in_file(path))
 }
