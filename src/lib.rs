@@ -2,9 +2,16 @@
 
 pub mod accel;
 pub mod cli;
+pub mod counters;
 pub mod error;
 pub mod generate;
 pub mod image;
 pub mod kernels;
 pub mod math;
+pub mod plan;
+pub mod prepared;
+pub mod recursive;
 pub mod scene;
+pub mod systems;
+pub mod tile;
+pub mod wavefront;

@@ -46,7 +46,7 @@ pub struct Extracted {
 pub fn extract(world: &mut World) -> Result<Extracted> {
     let settings = settings(world)?;
     let plan = census::run(world);
-    let mut extracted = geometry::run(world)?;
+    let mut extracted = geometry::run(world).map_err(|e| e.in_file(&settings.file))?;
     let materials = materials::run(world, &extracted.shapes);
     let images = textures::run(world, &plan, &mut extracted.shapes)?;
     let lights = lights::run(world, &extracted, &settings)?;
