@@ -24,7 +24,7 @@ use crate::error::{Error, ErrorKind};
 /// Above so many corners a polygon that is not convex keeps its fan: to cut ears takes time that
 /// grows with the square of the corners, or faster where the outline crosses itself, and a file
 /// must not be able to ask for hours.
-pub(super) const MAX_EAR_CORNERS: usize = 4096;
+pub(super) const MAX_EAR_CORNERS: usize = 1 << 14;
 
 /// A face of more than three corners.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -216,7 +216,7 @@ mod tests {
     fn star(spikes: usize, place: impl Fn(f32, f32) -> Vec3) -> Vec<Vec3> {
         let corner = |i: usize| {
             let angle = i as f32 * std::f32::consts::PI / spikes as f32;
-            let radius = if i % 2 == 0 { 3.0 } else { 1.0 };
+            let radius = if i.is_multiple_of(2) { 3.0 } else { 1.0 };
             place(radius * angle.cos(), radius * angle.sin())
         };
         (0..2 * spikes).map(corner).collect()
