@@ -66,24 +66,35 @@ pub(super) fn split(
     triangles: &mut [[u32; 3]],
     attributes: &mut [&mut [[u32; 3]]],
 ) -> usize {
-    let fans: &[[u32; 3]] = triangles;
-    let repairs: Vec<_> = polygons
-        .par_iter()
-        .map_init(Earcut::new, |earcut, &polygon| {
-            (polygon, repair(earcut, polygon, positions, fans))
-        })
-        .filter(|(_, outcome)| !matches!(outcome, Outcome::KeepFan))
-        .collect();
     let mut too_large = 0;
-    for (polygon, outcome) in repairs {
-        let Outcome::Replace(split) = outcome else {
-            too_large += 1;
-            continue;
-        };
-        rewrite(polygon, &split, triangles);
-        attributes.iter_mut().for_each(|indices| rewrite(polygon, &split, indices));
+    // In batches, so that what is to be replaced is never large beside the mesh.
+    for batch in polygons.chunks(BATCH) {
+        for (polygon, outcome) in repair_all(batch, positions, triangles) {
+            let Outcome::Replace(split) = outcome else {
+                too_large += 1;
+                continue;
+            };
+            rewrite(polygon, &split, triangles);
+            attributes.iter_mut().for_each(|indices| rewrite(polygon, &split, indices));
+        }
     }
     too_large
+}
+
+/// How many polygons are split before the triangles of any are written.
+const BATCH: usize = 1 << 15;
+
+/// The polygons whose fans do not simply stay.
+fn repair_all(
+    polygons: &[Polygon],
+    positions: &[Vec3],
+    fans: &[[u32; 3]],
+) -> Vec<(Polygon, Outcome)> {
+    polygons
+        .par_iter()
+        .map_init(Earcut::new, |earcut, &p| (p, repair(earcut, p, positions, fans)))
+        .filter(|(_, outcome)| !matches!(outcome, Outcome::KeepFan))
+        .collect()
 }
 
 /// What becomes of the fan of a polygon.
