@@ -24,7 +24,7 @@ use crate::error::{Error, ErrorKind};
 /// Above so many corners a polygon that is not convex keeps its fan: to cut ears takes time that
 /// grows with the square of the corners, or faster where the outline crosses itself, and a file
 /// must not be able to ask for hours.
-pub(super) const MAX_EAR_CORNERS: usize = 4096;
+pub(super) const MAX_EAR_CORNERS: usize = 1 << 14;
 
 /// A face of more than three corners.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -66,24 +66,35 @@ pub(super) fn split(
     triangles: &mut [[u32; 3]],
     attributes: &mut [&mut [[u32; 3]]],
 ) -> usize {
-    let fans: &[[u32; 3]] = triangles;
-    let repairs: Vec<_> = polygons
-        .par_iter()
-        .map_init(Earcut::new, |earcut, &polygon| {
-            (polygon, repair(earcut, polygon, positions, fans))
-        })
-        .filter(|(_, outcome)| !matches!(outcome, Outcome::KeepFan))
-        .collect();
     let mut too_large = 0;
-    for (polygon, outcome) in repairs {
-        let Outcome::Replace(split) = outcome else {
-            too_large += 1;
-            continue;
-        };
-        rewrite(polygon, &split, triangles);
-        attributes.iter_mut().for_each(|indices| rewrite(polygon, &split, indices));
+    // In batches, so that what is to be replaced is never large beside the mesh.
+    for batch in polygons.chunks(BATCH) {
+        for (polygon, outcome) in repair_all(batch, positions, triangles) {
+            let Outcome::Replace(split) = outcome else {
+                too_large += 1;
+                continue;
+            };
+            rewrite(polygon, &split, triangles);
+            attributes.iter_mut().for_each(|indices| rewrite(polygon, &split, indices));
+        }
     }
     too_large
+}
+
+/// How many polygons are split before the triangles of any are written.
+const BATCH: usize = 1 << 15;
+
+/// The polygons whose fans do not simply stay.
+fn repair_all(
+    polygons: &[Polygon],
+    positions: &[Vec3],
+    fans: &[[u32; 3]],
+) -> Vec<(Polygon, Outcome)> {
+    polygons
+        .par_iter()
+        .map_init(Earcut::new, |earcut, &p| (p, repair(earcut, p, positions, fans)))
+        .filter(|(_, outcome)| !matches!(outcome, Outcome::KeepFan))
+        .collect()
 }
 
 /// What becomes of the fan of a polygon.
@@ -216,7 +227,7 @@ mod tests {
     fn star(spikes: usize, place: impl Fn(f32, f32) -> Vec3) -> Vec<Vec3> {
         let corner = |i: usize| {
             let angle = i as f32 * std::f32::consts::PI / spikes as f32;
-            let radius = if i % 2 == 0 { 3.0 } else { 1.0 };
+            let radius = if i.is_multiple_of(2) { 3.0 } else { 1.0 };
             place(radius * angle.cos(), radius * angle.sin())
         };
         (0..2 * spikes).map(corner).collect()

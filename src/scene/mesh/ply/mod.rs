@@ -8,8 +8,8 @@
 //! numbers alone, and plain triangles, have short cuts in [`binary`] that run at about the speed of
 //! a copy.
 //!
-//! Available crates read the same format; they were not used because a row of theirs is a table of
-//! allocated values, or a list is set aside before its length is held against the file.
+//! No crate is used: those that read the format hand over every property of every row, where the
+//! common form is better read as a block, and their errors do not name the element and its number.
 
 mod ascii;
 mod binary;
