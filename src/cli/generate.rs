@@ -1,11 +1,12 @@
 //! `wavecrest generate`: writes a mesh made from a recipe to a PLY file.
 
-use std::io::{IsTerminal, Write};
+use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use indicatif::{HumanBytes, ProgressBar, ProgressStyle};
 
+use super::common::tell;
 use crate::error::{Error, ErrorKind, Result};
 use crate::generate::{Model, Recipe, Written, write_ply};
 
@@ -86,8 +87,7 @@ pub fn run(args: &GenerateArgs) -> Result<()> {
     bar.finish_and_clear();
     let line = summary(path, &written?, start.elapsed().as_secs_f64());
     if !args.quiet {
-        // A closed stderr is no reason to fail: the mesh is written.
-        let _ = writeln!(std::io::stderr(), "{line}");
+        tell(&line);
     }
     Ok(())
 }

@@ -11,7 +11,7 @@ use crate::accel::geometry::Geometry;
 use crate::error::{Error, ErrorKind, Result, Warning};
 use crate::kernels::texture::PlanarMap;
 use crate::kernels::triangle::is_degenerate;
-use crate::math::float::normalize_f64;
+use crate::math::float::{MAX_COORDINATE, normalize_f64};
 use crate::prepared::{CornerValues, Dropped, MeshAttributes, Shape, UvMap};
 use crate::scene::components::{
     AreaLight, Facing, JsonPath, Mesh, Order, Quad, Shading, Sides, Sphere, TextureRef, Transform,
@@ -335,7 +335,7 @@ fn transform_mesh(mesh: &mut MeshData, common: &Common) -> Result<()> {
 }
 
 fn in_range(point: DVec3) -> bool {
-    point.abs().max_element() <= crate::math::float::MAX_COORDINATE
+    point.abs().max_element() <= f64::from(MAX_COORDINATE)
 }
 
 fn check_point(common: &Common, point: DVec3) -> Result<()> {
@@ -345,7 +345,7 @@ fn check_point(common: &Common, point: DVec3) -> Result<()> {
     Err(Error::new(ErrorKind::Scene, "the transform takes the shape too far out")
         .at(format!("{}.transform", common.place))
         .value(format!("a coordinate of {:e}", point.abs().max_element()))
-        .remedy(format!("keep coordinates within {:e}", crate::math::float::MAX_COORDINATE)))
+        .remedy(format!("keep coordinates within {MAX_COORDINATE:e}")))
 }
 
 fn check_count(common: &Common, count: usize, what: &str) -> Result<()> {

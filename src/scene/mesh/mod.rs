@@ -2,7 +2,7 @@
 //!
 //! [`load`] reads Stanford PLY and Wavefront OBJ. Both readers check everything that later work
 //! relies on, once, so that no kernel has to: every index is in range, every position is finite and
-//! at most [`MAX_COORDINATE`] in size. What a file promises is held against its size before memory
+//! at most [`MAX_COORDINATE`](crate::math::float::MAX_COORDINATE) in size. What a file promises is held against its size before memory
 //! is set aside for it, and a fault is an [`Error`] that names its place.
 //!
 //! Elements of PLY files are counted from 0, as the files themselves do; faults in OBJ files name
@@ -20,7 +20,7 @@ use glam::{Vec2, Vec3};
 
 use crate::error::{Error, ErrorKind, Result, Warning};
 
-pub use validate::{MAX_COORDINATE, validate};
+pub use validate::validate;
 
 /// A value for each corner of a mesh's triangles.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -11,10 +11,7 @@ use rayon::prelude::*;
 
 use super::{Attribute, MeshData, NO_VALUE, check_count};
 use crate::error::{Error, ErrorKind, Result};
-
-/// The greatest size of a coordinate: 2^40. Products of three coordinates (a scaled triple product)
-/// then stay below 2^127 with room for their sums, within the range of `f32`.
-pub const MAX_COORDINATE: f32 = (1_u64 << 40) as f32;
+use crate::math::float::MAX_COORDINATE;
 
 /// Below this many items a pass is over before other threads wake.
 const PARALLEL_FROM: usize = 1 << 15;
