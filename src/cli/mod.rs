@@ -13,6 +13,7 @@ pub mod explain;
 pub mod generate;
 pub mod render;
 
+use std::ffi::OsString;
 use std::process::ExitCode;
 
 use clap::{CommandFactory, Parser, Subcommand};
@@ -21,14 +22,14 @@ use crate::error::Result;
 use common::tell;
 
 /// A ray tracer for large triangle meshes: wavefront and recursive tracing over one set of kernels.
+///
+/// Without a command it renders: `wavecrest SCENE OUTPUT` is `wavecrest render SCENE OUTPUT`.
 #[derive(Debug, Parser)]
-#[command(name = "wavecrest", version, args_conflicts_with_subcommands = true)]
-#[command(subcommand_negates_reqs = true, arg_required_else_help = true)]
+#[command(name = "wavecrest", version, arg_required_else_help = true)]
+#[command(override_usage = "wavecrest [OPTIONS] <SCENE> <OUTPUT>\n       wavecrest <COMMAND>")]
 struct Cli {
     #[command(subcommand)]
-    command: Option<Command>,
-    #[command(flatten)]
-    render: Option<render::RenderArgs>,
+    command: Command,
 }
 
 #[derive(Debug, Subcommand)]
@@ -42,16 +43,8 @@ enum Command {
 
 /// Runs the command that the process's arguments ask for.
 pub fn run() -> ExitCode {
-    let cli = Cli::parse();
-    let outcome = match (cli.command, cli.render) {
-        (Some(command), _) => dispatch(&command),
-        (None, Some(args)) => render::run(&args).map(|()| true),
-        (None, None) => {
-            tell(&Cli::command().render_help().to_string());
-            return ExitCode::from(2);
-        }
-    };
-    match outcome {
+    let cli = Cli::parse_from(with_command(std::env::args_os().collect()));
+    match dispatch(&cli.command) {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::from(1),
         Err(error) => {
@@ -59,6 +52,19 @@ pub fn run() -> ExitCode {
             ExitCode::from(2)
         }
     }
+}
+
+/// The arguments, with `render` put in where they name no command.
+fn with_command(mut arguments: Vec<OsString>) -> Vec<OsString> {
+    let named =
+        arguments.get(1).and_then(|first| first.to_str()).map_or(arguments.len() < 2, |first| {
+            matches!(first, "help" | "-h" | "--help" | "-V" | "--version")
+                || Cli::command().find_subcommand(first).is_some()
+        });
+    if !named {
+        arguments.insert(1, "render".into());
+    }
+    arguments
 }
 
 /// Runs `command`; false is the answer "no" of a command that asks something.
