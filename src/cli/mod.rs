@@ -12,6 +12,7 @@ pub mod diff;
 pub mod explain;
 pub mod generate;
 pub mod render;
+pub mod trace;
 
 use std::ffi::OsString;
 use std::process::ExitCode;
@@ -38,6 +39,7 @@ enum Command {
     Check(check::CheckArgs),
     Explain(explain::ExplainArgs),
     Generate(generate::GenerateArgs),
+    Trace(trace::TraceArgs),
     Diff(diff::DiffArgs),
 }
 
@@ -74,6 +76,7 @@ fn dispatch(command: &Command) -> Result<bool> {
         Command::Check(args) => check::run(args).map(|()| true),
         Command::Explain(args) => explain::run(args).map(|()| true),
         Command::Generate(args) => generate::run(args).map(|()| true),
+        Command::Trace(args) => trace::run(args).map(|()| true),
         Command::Diff(args) => diff::run(args),
     }
 }
