@@ -65,8 +65,15 @@ impl Error {
     /// An error of `kind` whose `message` says what is wrong, as the start of a sentence.
     pub fn new(kind: ErrorKind, message: impl Into<String>) -> Self {
         let message = message.into();
-        let details =
-            Details { kind, message, file: None, place: None, value: None, remedy: None, source: None };
+        let details = Details {
+            kind,
+            message,
+            file: None,
+            place: None,
+            value: None,
+            remedy: None,
+            source: None,
+        };
         Self { details: Box::new(details) }
     }
 

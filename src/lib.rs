@@ -2,8 +2,19 @@
 
 pub mod accel;
 pub mod cli;
+pub mod counters;
 pub mod error;
+pub mod generate;
 pub mod image;
 pub mod kernels;
 pub mod math;
+pub mod memory;
+pub mod plan;
+pub mod prepared;
+pub mod recursive;
+pub mod render;
+pub mod report;
 pub mod scene;
+pub mod systems;
+pub mod tile;
+pub mod wavefront;

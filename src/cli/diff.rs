@@ -1,11 +1,11 @@
 //! `diff`: by how much two pictures differ.
 
 use std::fmt::Write as _;
-use std::io::{ErrorKind as IoKind, Write};
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
+use super::common::print;
 use crate::error::{Error, ErrorKind, Result};
 use crate::image::compare::{Comparison, compare, difference_image};
 use crate::image::read::read;
@@ -146,17 +146,6 @@ fn decibels(value: f64) -> String {
 fn share(found: &Comparison, pixels: u64) -> String {
     let all = u64::from(found.width) * u64::from(found.height);
     format!("{pixels} of {all} ({:.3} %)", 100.0 * pixels as f64 / all as f64)
-}
-
-/// Writes to standard output. A reader that has seen enough, such as `head`, is no error.
-fn print(text: &str) -> Result<()> {
-    let mut output = std::io::stdout().lock();
-    match output.write_all(text.as_bytes()).and_then(|()| output.flush()) {
-        Err(error) if error.kind() != IoKind::BrokenPipe => {
-            Err(Error::io("cannot write the result", "standard output", error))
-        }
-        _ => Ok(()),
-    }
 }
 
 fn not_negative(text: &str) -> std::result::Result<f64, String> {

@@ -20,7 +20,7 @@ pub const fn gamma(n: u32) -> f32 {
 ///
 /// The watertight triangle test forms sums of products of three coordinate differences; up to this
 /// size they stay below the largest `f32`.
-pub const MAX_COORDINATE: f64 = (1_u64 << 40) as f64;
+pub const MAX_COORDINATE: f32 = (1_u64 << 40) as f32;
 
 /// The larger of two numbers of which neither is a NaN: one instruction, unlike [`f32::max`].
 #[inline(always)]

@@ -1,4 +1,13 @@
 //! From a scene file to a world of entities.
 
 pub mod components;
+pub mod corners;
+pub mod load;
 pub mod mesh;
+
+mod parse;
+mod reader;
+mod schema;
+
+#[cfg(test)]
+mod tests;

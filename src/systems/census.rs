@@ -21,7 +21,9 @@ fn decide(world: &World, effect: Effect) -> Decision {
         Effect::Spheres => count(spheres(world), "sphere", "no shape is a sphere"),
         Effect::SmoothShading => smooth(world),
         Effect::Textures => count(textured(world), "textured shape", "no shape has a texture"),
-        Effect::PointLights => count(point_lights(world), "point light", "no point light has power"),
+        Effect::PointLights => {
+            count(point_lights(world), "point light", "no point light has power")
+        }
         Effect::AreaLights => count(area_lights(world), "area light", "no area light has power"),
         Effect::Mirrors => mirrors(world),
         Effect::DepthOfField => depth_of_field(world),
@@ -82,7 +84,8 @@ fn area_lights(world: &World) -> usize {
 
 fn mirrors(world: &World) -> (bool, String) {
     let bounces = world.query::<&Settings>().iter().next().map_or(0, |s| s.bounces);
-    let n = world.query::<&Material>().without::<&AreaLight>().iter().filter(|m| m.kr > 0.0).count();
+    let n =
+        world.query::<&Material>().without::<&AreaLight>().iter().filter(|m| m.kr > 0.0).count();
     match (n, bounces) {
         (0, _) => (false, "no material has kr above 0".to_owned()),
         (_, 0) => (false, "nbounces is 0".to_owned()),
@@ -94,9 +97,10 @@ fn depth_of_field(world: &World) -> (bool, String) {
     match world.query::<&ThinLens>().iter().next() {
         None => (false, "the camera is a pinhole".to_owned()),
         Some(lens) if lens.aperture == 0.0 => (false, "the aperture is 0".to_owned()),
-        Some(lens) => {
-            (true, format!("aperture {}, {} x {} rays", lens.aperture, lens.samples_x, lens.samples_y))
-        }
+        Some(lens) => (
+            true,
+            format!("aperture {}, {} x {} rays", lens.aperture, lens.samples_x, lens.samples_y),
+        ),
     }
 }
 

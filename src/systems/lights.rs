@@ -86,4 +86,3 @@ fn no_area(world: &World, entity: Entity, settings: &Settings) -> Error {
         .at(format!("{place}.shape"))
         .remedy("give it corners that are not on one line, or use a point light")
 }
-

@@ -46,7 +46,7 @@ pub struct Extracted {
 pub fn extract(world: &mut World) -> Result<Extracted> {
     let settings = settings(world)?;
     let plan = census::run(world);
-    let mut extracted = geometry::run(world)?;
+    let mut extracted = geometry::run(world).map_err(|e| e.in_file(&settings.file))?;
     let materials = materials::run(world, &extracted.shapes);
     let images = textures::run(world, &plan, &mut extracted.shapes)?;
     let lights = lights::run(world, &extracted, &settings)?;
@@ -79,13 +79,20 @@ impl Extracted {
         &self.scene
     }
 
-    /// The rays that a render of `pixels` will cast at most: what the choice of a preset rests on.
-    pub fn expected_rays(&self, pixels: u64) -> u64 {
+    /// The rays that a render will cast at most: what the choice of a preset rests on.
+    pub fn expected_rays(&self) -> u64 {
+        let [width, height] = self.scene.camera.size().map(u64::from);
+        let pixels = width * height;
         let lights: u64 = self.scene.lights.iter().map(|l| u64::from(l.samples())).sum();
         let paths = pixels * u64::from(self.scene.camera.rays_per_pixel());
         // Mirrors beyond the first bounce are rare.
         let bounces = u64::from(self.scene.bounces.min(1));
         paths.saturating_mul(1 + lights).saturating_mul(1 + bounces)
+    }
+
+    /// The preset that is likely to finish first.
+    pub fn preset(&self) -> Preset {
+        Preset::choose(self.geometry.len() as u64, self.expected_rays())
     }
 
     /// Builds the tree: the last system.

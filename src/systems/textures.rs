@@ -61,7 +61,8 @@ pub fn decode(path: &Path) -> Result<Image> {
             .because(e)
     };
     let open = |e: std::io::Error| failed(image::ImageError::IoError(e));
-    let mut reader = image::ImageReader::open(path).map_err(open)?.with_guessed_format().map_err(open)?;
+    let mut reader =
+        image::ImageReader::open(path).map_err(open)?.with_guessed_format().map_err(open)?;
     let mut limits = image::Limits::default();
     limits.max_image_width = Some(MAX_SIDE);
     limits.max_image_height = Some(MAX_SIDE);

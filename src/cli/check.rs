@@ -1,0 +1,59 @@
+//! `check`: is the scene right, and what is in it?
+
+use std::fmt::Write as _;
+use std::path::PathBuf;
+
+use super::common::{SceneOptions, print};
+use crate::error::Result;
+use crate::systems::{self, Extracted};
+
+/// Reads a scene with all its meshes and textures, and says what is in it.
+#[derive(Clone, Debug, clap::Args)]
+pub struct CheckArgs {
+    /// The scene, in JSON
+    pub scene: PathBuf,
+    /// What is read and how
+    #[command(flatten)]
+    pub scene_options: SceneOptions,
+}
+
+/// Checks as the arguments say.
+///
+/// # Errors
+/// When the scene cannot be rendered.
+pub fn run(args: &CheckArgs) -> Result<()> {
+    args.scene_options.on_threads(|| {
+        let mut loaded = args.scene_options.load(&args.scene)?;
+        let extracted = systems::extract(&mut loaded.world)?;
+        args.scene_options.warn(&extracted.warnings);
+        let text = summary(&extracted);
+        if args.scene_options.quiet {
+            Ok(())
+        } else {
+            print(&format!("{}: ok\n{text}", args.scene.display()))
+        }
+    })
+}
+
+/// What is in the scene, a line each.
+fn summary(extracted: &Extracted) -> String {
+    let scene = extracted.scene();
+    let geometry = extracted.geometry();
+    let [width, height] = scene.camera.size();
+    let lines = [
+        ("image", format!("{width} x {height}, {} rays a pixel", scene.camera.rays_per_pixel())),
+        ("shapes", format!("{}", scene.looks.shapes.len() - geometry.lights.len())),
+        ("triangles", format!("{}", geometry.triangles.len())),
+        ("without area", format!("{}", scene.dropped.degenerate)),
+        ("vertices", format!("{}", geometry.positions.len())),
+        ("quads", format!("{}", geometry.quads.len())),
+        ("spheres", format!("{}", geometry.spheres.len())),
+        ("lights", format!("{}", scene.lights.len())),
+        ("textures", format!("{}", scene.looks.images.len())),
+        ("bounces", format!("{}", scene.bounces)),
+    ];
+    lines.iter().fold(String::new(), |mut text, (name, value)| {
+        let _ = writeln!(text, "  {name:<13}{value}");
+        text
+    })
+}

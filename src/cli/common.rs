@@ -1,0 +1,103 @@
+//! What several commands share: options, output, progress.
+
+use std::io::{ErrorKind as IoKind, IsTerminal, Write};
+use std::path::PathBuf;
+
+use indicatif::{ProgressBar, ProgressStyle};
+
+use crate::accel::build::Preset;
+use crate::error::{Error, ErrorKind, Result, Warning};
+use crate::scene::load::{LoadOptions, LoadedScene, load};
+use crate::tile::Tile;
+
+/// Options on what scene is read and how.
+#[derive(Clone, Debug, clap::Args)]
+pub struct SceneOptions {
+    /// Take warnings about unknown keys for errors
+    #[arg(long)]
+    pub strict: bool,
+    /// Width of the image in pixels, instead of the scene's
+    #[arg(long, value_name = "PIXELS")]
+    pub width: Option<u32>,
+    /// Height of the image in pixels, instead of the scene's
+    #[arg(long, value_name = "PIXELS")]
+    pub height: Option<u32>,
+    /// How much work goes into the BVH [default: chosen from triangles and expected rays]
+    #[arg(long, value_name = "PRESET", value_enum)]
+    pub bvh: Option<Preset>,
+    /// Number of threads [default: one for each core]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=4096))]
+    pub threads: Option<u16>,
+    /// Say nothing but errors
+    #[arg(short, long)]
+    pub quiet: bool,
+}
+
+impl SceneOptions {
+    /// Loads `scene` and tells its warnings.
+    pub fn load(&self, scene: &PathBuf) -> Result<LoadedScene> {
+        let options = LoadOptions { strict: self.strict, width: self.width, height: self.height };
+        let loaded = load(scene, &options)?;
+        self.warn(&loaded.warnings);
+        Ok(loaded)
+    }
+
+    /// Tells warnings, unless asked to be quiet.
+    pub fn warn(&self, warnings: &[Warning]) {
+        if !self.quiet {
+            warnings.iter().for_each(|warning| tell(&format!("warning: {warning}")));
+        }
+    }
+
+    /// Runs `work` on the threads asked for.
+    pub fn on_threads<R: Send>(&self, work: impl FnOnce() -> Result<R> + Send) -> Result<R> {
+        let threads = self.threads.map_or(0, usize::from);
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(|e| {
+            Error::new(ErrorKind::Usage, format!("cannot start the threads: {e}"))
+                .remedy("ask for fewer with --threads")
+        })?;
+        pool.install(work)
+    }
+}
+
+/// Writes to standard output. A reader that has seen enough, such as `head`, is no error.
+pub fn print(text: &str) -> Result<()> {
+    let mut output = std::io::stdout().lock();
+    match output.write_all(text.as_bytes()).and_then(|()| output.flush()) {
+        Err(error) if error.kind() != IoKind::BrokenPipe => {
+            Err(Error::io("cannot write the result", "standard output", error))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Writes a line to standard error. Where that is closed there is nobody to tell.
+pub fn tell(line: &str) {
+    let _ = writeln!(std::io::stderr(), "{line}");
+}
+
+/// A value as lines of JSON.
+pub fn to_json(value: &impl serde::Serialize) -> Result<String> {
+    let json = serde_json::to_string_pretty(value)
+        .map_err(|e| Error::new(ErrorKind::Io, format!("cannot write JSON: {e}")).because(e))?;
+    Ok(json + "\n")
+}
+
+/// A bar with rate and time left on a terminal, and nothing anywhere else.
+pub fn progress_bar(quiet: bool, length: u64, what: &str) -> ProgressBar {
+    if quiet || !std::io::stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let template = format!("{{wide_bar}} {{percent:>3}} % {{per_sec}} {what}, {{eta}} left");
+    let style = ProgressStyle::with_template(&template);
+    ProgressBar::new(length).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+}
+
+/// `x,y,width,height` in pixels.
+pub fn crop(text: &str) -> std::result::Result<Tile, String> {
+    let numbers: Option<Vec<u32>> = text.split(',').map(|part| part.trim().parse().ok()).collect();
+    match numbers.as_deref() {
+        Some(&[x, y, width, height]) => Ok(Tile { x, y, width, height }),
+        _ => Err("write four whole numbers: x,y,width,height, such as 0,0,64,64".to_owned()),
+    }
+}

@@ -1,0 +1,171 @@
+//! `explain`: the plan of a render, without rendering.
+
+use std::fmt::Write as _;
+use std::path::PathBuf;
+
+use serde::Serialize;
+
+use super::common::{SceneOptions, print, to_json};
+use crate::accel::build::Preset;
+use crate::error::Result;
+use crate::memory::{self, Prediction};
+use crate::plan::{Effect, Plan};
+use crate::prepared::PreparedScene;
+use crate::systems::{self, Extracted};
+use crate::wavefront::DEFAULT_BATCH;
+use crate::wavefront::batch::Batch;
+
+/// Says which passes a render runs, why the others are left out, and what it will need.
+#[derive(Clone, Debug, clap::Args)]
+pub struct ExplainArgs {
+    /// The scene, in JSON
+    pub scene: PathBuf,
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
+    /// Paths in a batch of the wavefront
+    #[arg(long, value_name = "PATHS", default_value_t = DEFAULT_BATCH as u32,
+          value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
+    pub batch: u32,
+    /// What is read and how
+    #[command(flatten)]
+    pub scene_options: SceneOptions,
+}
+
+/// What is printed.
+#[derive(Serialize)]
+struct Explanation {
+    passes: Vec<Pass>,
+    plan: Plan,
+    bvh: Choice,
+    bytes_per_path: Vec<Column>,
+    memory: Prediction,
+    memory_total: u64,
+}
+
+/// A pass, and whether it runs.
+#[derive(Serialize)]
+struct Pass {
+    name: &'static str,
+    runs: bool,
+    reason: String,
+}
+
+/// The preset and why.
+#[derive(Serialize)]
+struct Choice {
+    preset: Preset,
+    reason: String,
+}
+
+/// A group of columns.
+#[derive(Serialize)]
+struct Column {
+    name: &'static str,
+    bytes: usize,
+}
+
+/// Explains as the arguments say.
+///
+/// # Errors
+/// When the scene cannot be rendered.
+pub fn run(args: &ExplainArgs) -> Result<()> {
+    args.scene_options.on_threads(|| {
+        let mut loaded = args.scene_options.load(&args.scene)?;
+        let extracted = systems::extract(&mut loaded.world)?;
+        args.scene_options.warn(&extracted.warnings);
+        let explanation = explain(&extracted, args);
+        print(&if args.json { to_json(&explanation)? } else { text(&explanation) })
+    })
+}
+
+fn explain(extracted: &Extracted, args: &ExplainArgs) -> Explanation {
+    let scene = extracted.scene();
+    let bvh = choice(extracted, args.scene_options.bvh);
+    let memory = memory::predict(extracted, bvh.preset, args.batch as usize);
+    let columns = Batch::bytes_per_path(scene);
+    Explanation {
+        passes: passes(scene),
+        plan: scene.plan.clone(),
+        bytes_per_path: columns.into_iter().map(|(name, bytes)| Column { name, bytes }).collect(),
+        memory_total: memory.total(),
+        memory,
+        bvh,
+    }
+}
+
+fn choice(extracted: &Extracted, asked: Option<Preset>) -> Choice {
+    match asked {
+        Some(preset) => Choice { preset, reason: "asked for".to_owned() },
+        None => {
+            let reason = format!(
+                "{} primitives, up to {} rays",
+                extracted.geometry().len(),
+                extracted.expected_rays()
+            );
+            Choice { preset: extracted.preset(), reason }
+        }
+    }
+}
+
+fn passes(scene: &PreparedScene) -> Vec<Pass> {
+    let always = |name| Pass { name, runs: true, reason: "every scene".to_owned() };
+    let shadows = scene.plan.has_shadows();
+    let mirrors = scene.plan.decisions().iter().find(|d| d.effect == Effect::Mirrors);
+    vec![
+        always("generate"),
+        always("intersect"),
+        always("shade"),
+        Pass {
+            name: "shadow",
+            runs: shadows,
+            reason: if shadows { "lights have power" } else { "no light has power" }.to_owned(),
+        },
+        Pass {
+            name: "mirror bounces",
+            runs: scene.bounces > 0,
+            reason: mirrors.map_or_else(String::new, |d| d.reason.clone()),
+        },
+        always("resolve"),
+    ]
+}
+
+fn text(e: &Explanation) -> String {
+    let mut text = String::new();
+    let _ = writeln!(text, "passes");
+    for pass in &e.passes {
+        let _ = writeln!(text, "  {} {:<16}{}", mark(pass.runs), pass.name, pass.reason);
+    }
+    let _ = writeln!(text, "effects");
+    for decision in e.plan.decisions() {
+        let name = decision.effect.name();
+        let _ = writeln!(text, "  {} {name:<16}{}", mark(decision.present), decision.reason);
+    }
+    let _ = writeln!(text, "bvh\n    {:<16}{}", e.bvh.preset.name(), e.bvh.reason);
+    let _ = writeln!(text, "bytes for each path");
+    for column in &e.bytes_per_path {
+        let _ = writeln!(text, "    {:<16}{:>6}", column.name, column.bytes);
+    }
+    let all: usize = e.bytes_per_path.iter().map(|c| c.bytes).sum();
+    let _ = writeln!(text, "    {:<16}{all:>6}", "together");
+    let _ = writeln!(text, "memory predicted");
+    let m = &e.memory;
+    let uses = [
+        ("geometry", m.geometry),
+        ("looks", m.looks),
+        ("tree", m.tree),
+        ("building it", m.build),
+        ("film", m.film),
+        ("batches", m.batches),
+        ("program", m.program),
+        ("peak", e.memory_total),
+    ];
+    for (name, bytes) in uses {
+        let _ = writeln!(text, "    {name:<16}{:>10.1} MB", bytes as f64 / 1e6);
+    }
+    text
+}
+
+fn mark(present: bool) -> char {
+    if present { '+' } else { '-' }
+}

@@ -1,0 +1,162 @@
+//! `render`: a scene in, an image out.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use super::common::{SceneOptions, crop, progress_bar, tell, to_json};
+use crate::accel::build::Preset;
+use crate::error::{Error, ErrorKind, Result};
+use crate::image::replace::{check_replaceable, replace_file, write_error};
+use crate::image::write::{Transfer, check_writable, write};
+use crate::memory;
+use crate::prepared::PreparedScene;
+use crate::render::{RenderOptions, Rendered, TracerKind, render};
+use crate::report::statistics::{Bvh, ImageSize, Memory, Statistics, Time, pass_map, peak_memory};
+use crate::systems;
+use crate::tile::Tile;
+use crate::wavefront::DEFAULT_BATCH;
+
+/// Renders a scene to an image.
+#[derive(Clone, Debug, clap::Args)]
+pub struct RenderArgs {
+    /// The scene, in JSON
+    pub scene: PathBuf,
+    /// The image to write: .ppm, .png, .exr or .pfm
+    #[arg(value_name = "OUTPUT", required_unless_present = "output")]
+    pub image: Option<PathBuf>,
+    /// The image to write, named as an option
+    #[arg(short, long, value_name = "OUTPUT", conflicts_with = "image")]
+    pub output: Option<PathBuf>,
+    /// How to trace; the image is the same
+    #[arg(long, value_enum, default_value_t)]
+    pub tracer: TracerKind,
+    /// Render only this part of the image, in pixels from the top left
+    #[arg(long, value_name = "X,Y,WIDTH,HEIGHT", value_parser = crop)]
+    pub crop: Option<Tile>,
+    /// Choose other random numbers
+    #[arg(long, default_value_t = 0)]
+    pub seed: u64,
+    /// Paths in a batch of the wavefront; the image is the same
+    #[arg(long, value_name = "PATHS", default_value_t = DEFAULT_BATCH as u32,
+          value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
+    pub batch: u32,
+    /// How linear colours become 8-bit levels (.ppm, .png)
+    #[arg(long, value_enum, default_value_t)]
+    pub transfer: Transfer,
+    /// Write statistics as JSON
+    #[arg(long, value_name = "FILE")]
+    pub stats: Option<PathBuf>,
+    /// What is read and how
+    #[command(flatten)]
+    pub scene_options: SceneOptions,
+}
+
+impl RenderArgs {
+    fn options(&self) -> RenderOptions {
+        let batch = self.batch as usize;
+        RenderOptions { tracer: self.tracer, crop: self.crop, seed: self.seed, batch }
+    }
+
+    fn output(&self) -> Result<&PathBuf> {
+        self.output.as_ref().or(self.image.as_ref()).ok_or_else(|| {
+            Error::new(ErrorKind::Usage, "no image to write is named")
+                .remedy("name one, such as out.png")
+        })
+    }
+}
+
+/// Renders as the arguments say. Nothing is written over before the new image is whole.
+///
+/// # Errors
+/// When the scene cannot be loaded or prepared, or the image cannot be written.
+pub fn run(args: &RenderArgs) -> Result<()> {
+    let output = args.output()?;
+    check_writable(output)?;
+    if let Some(stats) = &args.stats {
+        check_replaceable(stats)?;
+    }
+    args.scene_options.on_threads(|| run_here(args, output))
+}
+
+fn run_here(args: &RenderArgs, output: &std::path::Path) -> Result<()> {
+    let start = Instant::now();
+    let mut time = Time::default();
+    let mut loaded = args.scene_options.load(&args.scene)?;
+    let extracted = systems::extract(&mut loaded.world)?;
+    drop(loaded);
+    args.scene_options.warn(&extracted.warnings);
+    let preset = args.scene_options.bvh.unwrap_or_else(|| extracted.preset());
+    let predicted = memory::predict(&extracted, preset, args.batch as usize).total();
+    time.load = start.elapsed().as_secs_f64();
+    let scene = timed(&mut time.build, || extracted.build(preset));
+    let rendered = timed(&mut time.trace, || trace(args, &scene))?;
+    timed(&mut time.write, || write(&rendered.film, output, args.transfer))?;
+    time.total = start.elapsed().as_secs_f64();
+    time.passes = pass_map(&rendered.pass_seconds);
+    if rendered.counters.invalid > 0 && !args.scene_options.quiet {
+        tell(&format!("warning: {} samples were not finite", rendered.counters.invalid));
+    }
+    match &args.stats {
+        Some(file) => {
+            write_statistics(file, &statistics(args, &scene, preset, &rendered, time, predicted))
+        }
+        None => Ok(()),
+    }
+}
+
+/// Runs `work` and notes its seconds.
+fn timed<R>(seconds: &mut f64, work: impl FnOnce() -> R) -> R {
+    let start = Instant::now();
+    let result = work();
+    *seconds = start.elapsed().as_secs_f64();
+    result
+}
+
+fn trace(args: &RenderArgs, scene: &PreparedScene) -> Result<Rendered> {
+    let bar = progress_bar(args.scene_options.quiet, 0, "pixels");
+    let rendered = render(scene, &args.options(), &|done, all| {
+        bar.set_length(all);
+        bar.set_position(done);
+    });
+    bar.finish_and_clear();
+    rendered
+}
+
+fn statistics(
+    args: &RenderArgs,
+    scene: &PreparedScene,
+    preset: Preset,
+    rendered: &Rendered,
+    time: Time,
+    predicted: u64,
+) -> Statistics {
+    let counters = &rendered.counters;
+    Statistics {
+        version: env!("CARGO_PKG_VERSION"),
+        scene: args.scene.display().to_string(),
+        tracer: args.tracer,
+        threads: rayon::current_num_threads(),
+        seed: args.seed,
+        image: ImageSize {
+            width: rendered.film.width(),
+            height: rendered.film.height(),
+            samples_per_pixel: scene.camera.rays_per_pixel(),
+        },
+        rays: counters.into(),
+        samples: counters.into(),
+        tests: counters.into(),
+        dropped: scene.dropped,
+        invalid: counters.invalid,
+        lights_at_surface: counters.lights_at_surface,
+        time,
+        memory: Memory { predicted, peak: peak_memory() },
+        bvh: Bvh::of(&scene.accel, preset),
+        plan: scene.plan.clone(),
+    }
+}
+
+fn write_statistics(file: &std::path::Path, statistics: &Statistics) -> Result<()> {
+    use std::io::Write as _;
+    let json = to_json(statistics)?;
+    replace_file(file, |sink| sink.write_all(json.as_bytes()).map_err(|e| write_error(file, e)))
+}

@@ -1,0 +1,178 @@
+//! A closed tube along a torus knot.
+//!
+//! The knot winds three times about the axis of a torus and five times through its hole. Its
+//! frame needs no transport along the curve: the curve lies on the torus, so the normal of the
+//! torus is always square to the tangent and comes round to itself, and the tube closes without
+//! a twist or a seam.
+//!
+//! A tube of varying radius about a curve does not meet itself as long as its greatest radius
+//! is below the reach of the curve (Federer 1959): the smaller of its least radius of curvature
+//! and half the least distance between two strands. Here that is 0.28, and a test measures it.
+
+use std::f64::consts::TAU;
+
+use glam::DVec3;
+
+use super::noise::Fractal;
+use super::{Surface, cell_triangle};
+
+/// Turns about the axis of the torus.
+const TURNS: f64 = 3.0;
+/// Turns through its hole.
+const WINDS: f64 = 5.0;
+/// The radius of the circle that the torus runs along.
+const MAJOR: f64 = 1.0;
+/// The radius of the torus about that circle.
+const MINOR: f64 = 0.4;
+/// The radius of the tube before it is displaced.
+const TUBE: f64 = 0.18;
+/// The greatest displacement, as a share of [`TUBE`]: the widest tube is 0.27, under the reach.
+pub(super) const MOST_DISPLACEMENT: f64 = 0.5;
+/// Steps along the knot for each step round the tube: its length, 22.85, over its girth, so that
+/// cells come out near square.
+pub(super) const RINGS_PER_SIDE: u64 = 20;
+/// Waves of the coarsest noise to the unit of length: about half the width of the tube.
+const FREQUENCY: f64 = 6.0;
+
+/// The knot as a grid of `sides` steps round the tube.
+pub(super) struct Knot {
+    sides: u64,
+    displacement: f64,
+    fractal: Fractal,
+}
+
+/// A point of the centre line, and the two directions square to it that the tube is built on.
+struct Frame {
+    centre: DVec3,
+    normal: DVec3,
+    binormal: DVec3,
+}
+
+impl Knot {
+    pub(super) fn new(sides: u64, displacement: f64, seed: u64) -> Self {
+        let edge = TAU * TUBE / sides as f64;
+        Self { sides, displacement, fractal: Fractal::new(seed, FREQUENCY, edge) }
+    }
+
+    fn rings(&self) -> u64 {
+        self.sides * RINGS_PER_SIDE
+    }
+
+    /// The surface at `ring` steps along the knot and `side` steps round the tube.
+    fn point(&self, ring: f64, side: f64) -> DVec3 {
+        let frame = frame(TAU * (ring / self.rings() as f64));
+        let (sin, cos) = libm::sincos(TAU * (side / self.sides as f64));
+        let outward = frame.normal * cos + frame.binormal * sin;
+        let plain = frame.centre + outward * TUBE;
+        frame.centre + outward * (TUBE * (1.0 + self.displacement * self.fractal.sum(plain)))
+    }
+}
+
+/// The centre line's frame at `angle`, which runs from 0 to tau along the whole knot.
+fn frame(angle: f64) -> Frame {
+    let (sin_turn, cos_turn) = libm::sincos(TURNS * angle);
+    let (sin_wind, cos_wind) = libm::sincos(WINDS * angle);
+    let outward = DVec3::new(cos_turn, sin_turn, 0.0);
+    let forward = DVec3::new(-sin_turn, cos_turn, 0.0);
+    let distance = MAJOR + MINOR * cos_wind;
+    let normal = outward * cos_wind + DVec3::Z * sin_wind;
+    let velocity =
+        forward * (TURNS * distance) + (DVec3::Z * cos_wind - outward * sin_wind) * (MINOR * WINDS);
+    Frame {
+        centre: outward * distance + DVec3::Z * (MINOR * sin_wind),
+        normal,
+        binormal: velocity.normalize().cross(normal),
+    }
+}
+
+impl Surface for Knot {
+    fn vertices(&self) -> u64 {
+        self.rings() * self.sides
+    }
+
+    fn triangles(&self) -> u64 {
+        2 * self.vertices()
+    }
+
+    fn position(&self, v: u64) -> DVec3 {
+        self.point((v / self.sides) as f64, (v % self.sides) as f64)
+    }
+
+    fn normal(&self, v: u64) -> DVec3 {
+        let (ring, side) = ((v / self.sides) as f64, (v % self.sides) as f64);
+        let along = self.point(ring + 1.0, side) - self.point(ring - 1.0, side);
+        let round = self.point(ring, side + 1.0) - self.point(ring, side - 1.0);
+        round.cross(along).normalize()
+    }
+
+    fn triangle(&self, t: u64) -> [u32; 3] {
+        let (ring, side) = (t / 2 / self.sides, t / 2 % self.sides);
+        let (next_ring, next_side) = ((ring + 1) % self.rings(), (side + 1) % self.sides);
+        let corner = |ring: u64, side: u64| (ring * self.sides + side) as u32;
+        let corners = [
+            corner(ring, side),
+            corner(ring, next_side),
+            corner(next_ring, next_side),
+            corner(next_ring, side),
+        ];
+        cell_triangle(corners, true, t % 2)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Points of the centre line, and the arc length up to each; the last is the whole length.
+    fn centre_line(count: usize) -> (Vec<DVec3>, Vec<f64>) {
+        let points: Vec<DVec3> =
+            (0..count).map(|i| frame(TAU * i as f64 / count as f64).centre).collect();
+        let mut arc = vec![0.0];
+        for i in 0..count {
+            arc.push(arc[i] + points[i].distance(points[(i + 1) % count]));
+        }
+        (points, arc)
+    }
+
+    #[test]
+    fn widest_tube_is_below_the_reach() {
+        let count = 2000;
+        let (points, arc) = centre_line(count);
+        let widest = TUBE * (1.0 + MOST_DISPLACEMENT);
+        let length = arc[count];
+        assert!((length / (TAU * TUBE) - RINGS_PER_SIDE as f64).abs() < 0.5);
+        for i in 0..count {
+            let (before, here) = (points[(i + count - 1) % count], points[i]);
+            let after = points[(i + 1) % count];
+            let (a, b) = (here - before, after - here);
+            let curvature =
+                2.0 * a.cross(b).length() / (a.length() * b.length() * (after - before).length());
+            assert!(curvature * widest < 0.9, "bends too sharply at {i}");
+            for j in 0..i {
+                let apart = (arc[i] - arc[j]).min(length - arc[i] + arc[j]);
+                // Nearer along the curve than half a turn of that radius, the bound on the
+                // curvature already keeps the strands apart (Schur's comparison theorem).
+                if apart > std::f64::consts::PI * widest {
+                    let distance = points[i].distance(points[j]);
+                    assert!(distance > 2.0 * widest, "strands {i} and {j} are {distance} apart");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn frames_are_square_and_close() {
+        for i in 0..50 {
+            let angle = f64::from(i) * 0.1;
+            let frame = frame(angle);
+            let step = 1e-6;
+            let tangent = super::frame(angle + step).centre - super::frame(angle - step).centre;
+            let tangent = tangent.normalize();
+            assert!(tangent.dot(frame.normal).abs() < 1e-9);
+            assert!(tangent.dot(frame.binormal).abs() < 1e-9);
+            assert!((frame.binormal.length() - 1.0).abs() < 1e-12);
+        }
+        assert!(frame(0.0).centre.distance(frame(TAU).centre) < 1e-13);
+        assert!(frame(0.0).normal.distance(frame(TAU).normal) < 1e-13);
+    }
+}

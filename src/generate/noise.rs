@@ -1,0 +1,219 @@
+//! Gradient noise and the fractal sums made from it.
+//!
+//! The noise is that of Perlin, "Improving Noise" (2002): at each point of the integer lattice
+//! stands one of twelve gradients, and between the points their planes are blended by a quintic.
+//! In place of Perlin's permutation table the gradient is picked by mixing the lattice point and
+//! the seed as integers, so the noise neither repeats nor needs a table, and each seed is a noise
+//! of its own. The ridged sum is that of Musgrave, in Ebert et al., "Texturing and Modeling"
+//! (2003).
+//!
+//! Everything here is integer arithmetic, or `+ - *` on 64-bit floats in a fixed order, so a value
+//! has the same bits on every machine.
+
+use glam::DVec3;
+
+/// How much the frequency grows from one octave to the next.
+const LACUNARITY: f64 = 2.0;
+/// How much the amplitude falls from one octave to the next. Below 1 / [`LACUNARITY`], so that
+/// slopes stay finite however many octaves are added and fine triangles do not become needles.
+const GAIN: f64 = 0.45;
+/// An octave is left out when its waves would be shorter than this many edges of the mesh: the
+/// mesh could not show them, only turn them into spikes.
+const EDGES_PER_WAVE: f64 = 4.0;
+/// More octaves than this change a coordinate by less than a 32-bit float can hold.
+const MOST_OCTAVES: u32 = 20;
+/// Where each octave's lattice starts, so that the zeros of the octaves do not fall together.
+const OCTAVE_SHIFT: DVec3 = DVec3::new(0.3719, 0.6173, 0.8431);
+
+/// How steeply a ridge falls from its crest. The noise is mostly within 1 / 1.6 of zero, so that
+/// valleys come near 0 and crests near 1.
+const CREST_SHARPNESS: f64 = 1.6;
+/// How soon the height of one octave lets in the whole of the next.
+const RIDGE_FEEDBACK: f64 = 2.0;
+
+/// The middles of a cube's edges: no gradient favours an axis.
+const GRADIENTS: [DVec3; 12] = [
+    DVec3::new(1.0, 1.0, 0.0),
+    DVec3::new(-1.0, 1.0, 0.0),
+    DVec3::new(1.0, -1.0, 0.0),
+    DVec3::new(-1.0, -1.0, 0.0),
+    DVec3::new(1.0, 0.0, 1.0),
+    DVec3::new(-1.0, 0.0, 1.0),
+    DVec3::new(1.0, 0.0, -1.0),
+    DVec3::new(-1.0, 0.0, -1.0),
+    DVec3::new(0.0, 1.0, 1.0),
+    DVec3::new(0.0, -1.0, 1.0),
+    DVec3::new(0.0, 1.0, -1.0),
+    DVec3::new(0.0, -1.0, -1.0),
+];
+
+/// Noise summed over octaves, each finer and weaker than the one before.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Fractal {
+    seed: u64,
+    frequency: f64,
+    octaves: u32,
+}
+
+impl Fractal {
+    /// A sum whose coarsest waves number `frequency` to the unit of length, and whose finest are
+    /// as fine as a mesh with edges about `edge` long can show.
+    pub(super) fn new(seed: u64, frequency: f64, edge: f64) -> Self {
+        let mut octaves = 1;
+        let mut next = frequency * LACUNARITY;
+        while octaves < MOST_OCTAVES && next * edge * EDGES_PER_WAVE <= 1.0 {
+            octaves += 1;
+            next *= LACUNARITY;
+        }
+        Self { seed, frequency, octaves }
+    }
+
+    /// The plain sum at `p`, in [-1, 1] whatever the number of octaves.
+    pub(super) fn sum(&self, p: DVec3) -> f64 {
+        let mut amplitude = 1.0 - GAIN;
+        let mut total = 0.0;
+        for octave in 0..self.octaves {
+            total += amplitude * self.octave(p, octave);
+            amplitude *= GAIN;
+        }
+        total
+    }
+
+    /// Musgrave's ridged sum at `p`, in [0, 1]: sharp crests where the noise crosses zero, and
+    /// fine detail only where the coarse octaves are already high, so that valleys stay smooth.
+    pub(super) fn ridged(&self, p: DVec3) -> f64 {
+        let mut amplitude = 1.0 - GAIN;
+        let mut weight = 1.0;
+        let mut total = 0.0;
+        for octave in 0..self.octaves {
+            let crest = (1.0 - CREST_SHARPNESS * self.octave(p, octave).abs()).max(0.0);
+            let signal = crest * crest * weight;
+            total += amplitude * signal;
+            weight = (signal * RIDGE_FEEDBACK).min(1.0);
+            amplitude *= GAIN;
+        }
+        total
+    }
+
+    /// One octave's noise at `p`.
+    fn octave(&self, p: DVec3, octave: u32) -> f64 {
+        // A power of two: exact.
+        let frequency = self.frequency * f64::from(1_u32 << octave);
+        let seed = mix(self.seed.wrapping_add(u64::from(octave)));
+        gradient_noise(p * frequency + OCTAVE_SHIFT * f64::from(octave + 1), seed)
+    }
+}
+
+/// Perlin's gradient noise at `p`, in [-1, 1], zero at every lattice point.
+fn gradient_noise(p: DVec3, seed: u64) -> f64 {
+    let (x, fx) = split(p.x);
+    let (y, fy) = split(p.y);
+    let (z, fz) = split(p.z);
+    let corner = |dx: i64, dy: i64, dz: i64| {
+        let gradient = lattice_gradient(x + dx, y + dy, z + dz, seed);
+        gradient.dot(DVec3::new(fx - dx as f64, fy - dy as f64, fz - dz as f64))
+    };
+    let u = fade(fx);
+    let edge = |dy, dz| lerp(u, corner(0, dy, dz), corner(1, dy, dz));
+    let v = fade(fy);
+    let face = |dz| lerp(v, edge(0, dz), edge(1, dz));
+    // The true bound is about 1.04; the clamp makes bounds on a displacement certain.
+    lerp(fade(fz), face(0), face(1)).clamp(-1.0, 1.0)
+}
+
+/// The whole number at or below `x`, and what is left over.
+fn split(x: f64) -> (i64, f64) {
+    let cut = x as i64;
+    let whole = if cut as f64 > x { cut - 1 } else { cut };
+    (whole, x - whole as f64)
+}
+
+/// Perlin's quintic: from 0 to 1, with first and second derivatives zero at both ends.
+fn fade(t: f64) -> f64 {
+    t * t * t * (t * (t * 6.0 - 15.0) + 10.0)
+}
+
+fn lerp(t: f64, a: f64, b: f64) -> f64 {
+    a + t * (b - a)
+}
+
+/// The gradient that stands at a lattice point.
+fn lattice_gradient(x: i64, y: i64, z: i64, seed: u64) -> DVec3 {
+    // Odd multipliers without common structure keep the three axes apart before the mixing.
+    let key = (x as u64).wrapping_mul(0x8CB9_2BA7_2F3D_8DD7)
+        ^ (y as u64).wrapping_mul(0xD6E8_FEB8_6659_FD93).rotate_left(21)
+        ^ (z as u64).wrapping_mul(0xA076_1D64_78BD_642F).rotate_left(42);
+    // The high bits are the best mixed; a multiplication maps them evenly onto the twelve.
+    let pick = ((mix(key ^ seed) >> 32) * 12) >> 32;
+    GRADIENTS[pick as usize]
+}
+
+/// Spreads every bit of `x` over the whole word: the finaliser of Steele, Lea and Flood's
+/// SplitMix (2014).
+fn mix(x: u64) -> u64 {
+    let x = x.wrapping_add(0x9E37_79B9_7F4A_7C15);
+    let x = (x ^ (x >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+    let x = (x ^ (x >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+    x ^ (x >> 31)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn probes() -> impl Iterator<Item = DVec3> {
+        (0..4000).map(|i| {
+            let t = f64::from(i);
+            DVec3::new(t * 0.137 - 200.0, 71.0 - t * 0.0713, t * 0.0411 - 3.0)
+        })
+    }
+
+    #[test]
+    fn split_is_floor_and_fraction() {
+        for x in [-2.0, -1.25, -0.0, 0.0, 0.75, 3.0] {
+            assert_eq!(split(x), (f64::floor(x) as i64, x - x.floor()));
+        }
+    }
+
+    #[test]
+    fn noise_is_zero_on_the_lattice_and_continuous_across_it() {
+        for x in -3..3 {
+            let p = DVec3::new(f64::from(x), 5.0, -7.0);
+            assert_eq!(gradient_noise(p, 9), 0.0);
+            let q = DVec3::new(f64::from(x), 5.4, -7.3);
+            let step = DVec3::new(1e-9, 0.0, 0.0);
+            assert!((gradient_noise(q - step, 9) - gradient_noise(q + step, 9)).abs() < 1e-8);
+        }
+    }
+
+    #[test]
+    fn sums_keep_their_bounds_and_use_them() {
+        let fractal = Fractal::new(1, 1.0, 1e-3);
+        let (mut low, mut high, mut ridge_low, mut ridge_high) = (1.0_f64, -1.0_f64, 1.0_f64, 0.0);
+        for p in probes() {
+            low = low.min(fractal.sum(p));
+            high = high.max(fractal.sum(p));
+            ridge_low = ridge_low.min(fractal.ridged(p));
+            ridge_high = fractal.ridged(p).max(ridge_high);
+        }
+        assert!(low > -1.0 && low < -0.3, "{low}");
+        assert!(high < 1.0 && high > 0.3, "{high}");
+        assert!((0.0..0.1).contains(&ridge_low), "{ridge_low}");
+        assert!(ridge_high > 0.7 && ridge_high <= 1.0, "{ridge_high}");
+    }
+
+    #[test]
+    fn mean_is_near_zero_for_several_seeds() {
+        for seed in 0..4 {
+            let mean = probes().map(|p| gradient_noise(p, seed)).sum::<f64>() / 4000.0;
+            assert!(mean.abs() < 0.05, "seed {seed}: {mean}");
+        }
+    }
+
+    #[test]
+    fn octaves_follow_the_edge() {
+        assert_eq!(Fractal::new(0, 1.0, 1.0).octaves, 1);
+        assert_eq!(Fractal::new(0, 1.0, 1.0 / 8.0).octaves, 2);
+        assert_eq!(Fractal::new(0, 1.0, 0.0).octaves, MOST_OCTAVES);
+    }
+}

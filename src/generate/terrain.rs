@@ -1,0 +1,103 @@
+//! A height field of mountains.
+//!
+//! A square grid over [-1, 1] x [-1, 1] in x and z, with the height along y. The heights are
+//! Musgrave's ridged fractal: sharp crests with fine detail, and smooth valleys. It is open: a
+//! sheet with a border, seen from above.
+
+use glam::DVec3;
+
+use super::noise::Fractal;
+use super::{Surface, cell_triangle};
+
+/// Waves of the coarsest noise to the unit of length: three and a bit over the whole field.
+const FREQUENCY: f64 = 1.6;
+
+/// The terrain as a grid of `n` x `n` cells.
+pub(super) struct Terrain {
+    n: u64,
+    height: f64,
+    fractal: Fractal,
+}
+
+impl Terrain {
+    /// A grid whose highest crests come near `height`.
+    pub(super) fn new(n: u64, height: f64, seed: u64) -> Self {
+        Self { n, height, fractal: Fractal::new(seed, FREQUENCY, 2.0 / n as f64) }
+    }
+
+    fn height(&self, x: f64, z: f64) -> f64 {
+        self.height * self.fractal.ridged(DVec3::new(x, 0.0, z))
+    }
+
+    /// Where on x and z vertex `v` stands. The ends are exactly -1 and 1.
+    fn place(&self, v: u64) -> (f64, f64) {
+        let along = |i: u64| (2 * i) as f64 / self.n as f64 - 1.0;
+        (along(v % (self.n + 1)), along(v / (self.n + 1)))
+    }
+}
+
+impl Surface for Terrain {
+    fn vertices(&self) -> u64 {
+        (self.n + 1) * (self.n + 1)
+    }
+
+    fn triangles(&self) -> u64 {
+        2 * self.n * self.n
+    }
+
+    fn position(&self, v: u64) -> DVec3 {
+        let (x, z) = self.place(v);
+        DVec3::new(x, self.height(x, z), z)
+    }
+
+    fn normal(&self, v: u64) -> DVec3 {
+        let (x, z) = self.place(v);
+        let step = 2.0 / self.n as f64;
+        let along_x = self.height(x + step, z) - self.height(x - step, z);
+        let along_z = self.height(x, z + step) - self.height(x, z - step);
+        DVec3::new(-along_x, 2.0 * step, -along_z).normalize()
+    }
+
+    fn triangle(&self, t: u64) -> [u32; 3] {
+        let (row, column) = (t / 2 / self.n, t / 2 % self.n);
+        let corner = |row: u64, column: u64| (row * (self.n + 1) + column) as u32;
+        let corners = [
+            corner(row, column),
+            corner(row + 1, column),
+            corner(row + 1, column + 1),
+            corner(row, column + 1),
+        ];
+        // Diagonals alternate, so that the grid has no grain.
+        cell_triangle(corners, (row + column) % 2 == 0, t % 2)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn covers_the_square_and_faces_up() {
+        let terrain = Terrain::new(33, 0.5, 4);
+        assert_eq!(terrain.position(0).with_y(0.0), DVec3::new(-1.0, 0.0, -1.0));
+        let last = terrain.position(terrain.vertices() - 1);
+        assert_eq!(last.with_y(0.0), DVec3::new(1.0, 0.0, 1.0));
+        let mut shadow = 0.0;
+        for t in 0..terrain.triangles() {
+            let [a, b, c] = terrain.triangle(t).map(|v| terrain.position(u64::from(v)));
+            let up = (b - a).cross(c - a).y;
+            assert!(up > 0.0);
+            shadow += up / 2.0;
+        }
+        assert!((shadow - 4.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn heights_are_within_the_one_asked() {
+        let terrain = Terrain::new(200, 0.5, 4);
+        let heights = || (0..terrain.vertices()).map(|v| terrain.position(v).y);
+        assert!(heights().all(|y| (0.0..=0.5).contains(&y)));
+        assert!(heights().fold(0.0, f64::max) > 0.3);
+        assert!(heights().fold(1.0, f64::min) < 0.1);
+    }
+}

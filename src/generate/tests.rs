@@ -1,0 +1,286 @@
+//! What every generated mesh must be: closed where it says so, facing outward, without a
+//! degenerate triangle, and the same bits whoever makes it.
+
+use std::collections::{HashMap, HashSet};
+
+use glam::DVec3;
+
+use super::*;
+
+const ALL: [Model; 3] = [Model::Sphere, Model::Terrain, Model::Knot];
+
+fn file_bytes(recipe: &Recipe) -> Vec<u8> {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("mesh.ply");
+    let mut last = (0, 0);
+    let written = write_ply(recipe, &path, &mut |done, total| {
+        assert!(done >= last.0 && done <= total);
+        last = (done, total);
+    })
+    .unwrap();
+    let bytes = std::fs::read(&path).unwrap();
+    assert_eq!(written.bytes, bytes.len() as u64);
+    assert_eq!(last, (written.bytes, written.bytes));
+    assert_eq!((written.vertices, written.triangles), recipe.counts().unwrap());
+    // Nothing else is left in the folder.
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+    bytes
+}
+
+/// FNV-1a, 64 bits: enough to notice a change.
+fn hash(bytes: &[u8]) -> u64 {
+    bytes
+        .iter()
+        .fold(0xCBF2_9CE4_8422_2325, |h, b| (h ^ u64::from(*b)).wrapping_mul(0x0000_0100_0000_01B3))
+}
+
+fn corners(mesh: &MeshData, t: [u32; 3]) -> [DVec3; 3] {
+    t.map(|v| mesh.positions[v as usize].as_dvec3())
+}
+
+/// Checks that the mesh is a closed manifold, oriented, and of this Euler characteristic.
+fn assert_closed(mesh: &MeshData, euler: i64) {
+    let mut edges = HashSet::new();
+    for [a, b, c] in &mesh.triangles {
+        for edge in [(a, b), (b, c), (c, a)] {
+            assert!(edges.insert(edge), "directed edge {edge:?} twice");
+        }
+    }
+    for (a, b) in &edges {
+        assert!(edges.contains(&(*b, *a)), "edge {a} {b} has one side only");
+    }
+    assert_one_fan_a_vertex(mesh);
+    let [v, e, f] = [mesh.positions.len(), edges.len() / 2, mesh.triangles.len()];
+    assert_eq!(v as i64 - e as i64 + f as i64, euler);
+}
+
+/// Checks that the triangles about each vertex are one closed fan: that no two parts of the
+/// surface meet in a point.
+fn assert_one_fan_a_vertex(mesh: &MeshData) {
+    let mut next: Vec<HashMap<u32, u32>> = vec![HashMap::new(); mesh.positions.len()];
+    for &[a, b, c] in &mesh.triangles {
+        for (at, from, to) in [(a, b, c), (b, c, a), (c, a, b)] {
+            next[at as usize].insert(from, to);
+        }
+    }
+    for (v, fan) in next.iter().enumerate() {
+        let start = *fan.keys().next().expect("every vertex is used");
+        let round = std::iter::successors(Some(start), |spoke| Some(fan[spoke]));
+        let length = 1 + round.skip(1).take_while(|spoke| *spoke != start).count();
+        assert_eq!(length, fan.len(), "vertex {v} has two fans");
+    }
+}
+
+/// Checks that no triangle is near to having no area, as 32-bit floats hold it.
+fn assert_no_degenerate(mesh: &MeshData) {
+    let mut places = HashSet::new();
+    for p in &mesh.positions {
+        assert!(p.is_finite());
+        assert!(places.insert(p.to_array().map(f32::to_bits)), "two vertices at {p}");
+    }
+    for &t in &mesh.triangles {
+        let [a, b, c] = corners(mesh, t);
+        let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
+        let height = (b - a).cross(c - a).length() / longest;
+        assert!(height > 0.05 * longest, "triangle {t:?} is a sliver");
+    }
+}
+
+fn volume(mesh: &MeshData) -> f64 {
+    mesh.triangles
+        .iter()
+        .map(|&t| {
+            let [a, b, c] = corners(mesh, t);
+            a.dot(b.cross(c)) / 6.0
+        })
+        .sum()
+}
+
+#[test]
+fn spheres_are_closed_and_face_outward() {
+    for triangles in [48, 49, 1000, 20_000, 150_000] {
+        for displacement in [0.0, 0.25, 0.5] {
+            let recipe = Recipe { displacement, ..Recipe::new(Model::Sphere, triangles) };
+            let mesh = mesh(&recipe).unwrap();
+            assert_closed(&mesh, 2);
+            assert_no_degenerate(&mesh);
+            // About the centre every triangle faces away, whatever the displacement.
+            for &t in &mesh.triangles {
+                let [a, b, c] = corners(&mesh, t);
+                assert!(a.dot(b.cross(c)) > 0.0);
+            }
+        }
+    }
+    let round = mesh(&Recipe { displacement: 0.0, ..Recipe::new(Model::Sphere, 50_000) }).unwrap();
+    // A little less than the ball, since the corners are on it.
+    let share = volume(&round) / (4.0 / 3.0 * std::f64::consts::PI);
+    assert!(share > 0.999 && share < 1.0, "{share}");
+}
+
+#[test]
+fn knots_are_closed_and_face_outward() {
+    // Pappus: the area of the tube's section times the length of the centre line.
+    let plain = std::f64::consts::PI * 0.18 * 0.18 * 22.85;
+    for triangles in [2560, 30_000, 150_000] {
+        for displacement in [0.0, 0.3, 0.5] {
+            let recipe = Recipe { displacement, ..Recipe::new(Model::Knot, triangles) };
+            let mesh = mesh(&recipe).unwrap();
+            assert_closed(&mesh, 0);
+            assert_no_degenerate(&mesh);
+            assert!((volume(&mesh) / plain - 1.0).abs() < 0.15, "{}", volume(&mesh) / plain);
+        }
+    }
+}
+
+#[test]
+fn terrain_is_one_sheet_with_one_border() {
+    for triangles in [32, 5000, 100_000] {
+        let mesh = mesh(&Recipe::new(Model::Terrain, triangles)).unwrap();
+        assert_no_degenerate(&mesh);
+        let edges: HashSet<(u32, u32)> =
+            mesh.triangles.iter().flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)]).collect();
+        assert_eq!(edges.len(), 3 * mesh.triangles.len(), "a directed edge is used twice");
+        let border = edges.iter().filter(|(a, b)| !edges.contains(&(*b, *a))).count();
+        let side = (mesh.triangles.len() / 2).isqrt();
+        assert_eq!(border, 4 * side);
+    }
+}
+
+#[test]
+fn normals_agree_with_the_triangles() {
+    for model in ALL {
+        let recipe = Recipe { normals: true, ..Recipe::new(model, 40_000) };
+        let mesh = mesh(&recipe).unwrap();
+        let normals = mesh.normals.as_ref().unwrap();
+        assert!(normals.indices.is_none());
+        assert_eq!(normals.values.len(), mesh.positions.len());
+        let mut sums = vec![DVec3::ZERO; mesh.positions.len()];
+        for &t in &mesh.triangles {
+            let [a, b, c] = corners(&mesh, t);
+            for v in t {
+                sums[v as usize] += (b - a).cross(c - a);
+            }
+        }
+        let mut total = 0.0;
+        for (normal, sum) in normals.values.iter().zip(&sums) {
+            assert!((normal.length() - 1.0).abs() < 1e-6);
+            let cosine = normal.as_dvec3().dot(sum.normalize());
+            // On the crests of the terrain the triangles about a vertex differ widely.
+            assert!(cosine > 0.5, "{model}: {cosine}");
+            total += cosine;
+        }
+        assert!(total / sums.len() as f64 > 0.99, "{model}: {}", total / sums.len() as f64);
+    }
+}
+
+#[test]
+fn counts_are_the_nearest_at_or_above_the_asked() {
+    for model in ALL {
+        let most = model.most_triangles();
+        for asked in [model.fewest_triangles(), 9999, 1_000_000, 20_000_000, most - 1, most] {
+            let (vertices, triangles) = Recipe::new(model, asked).counts().unwrap();
+            assert!(triangles >= asked && triangles <= most);
+            let per_step = model.triangles_at_one();
+            let coarser = per_step * ((triangles / per_step).isqrt() - 1).pow(2);
+            assert!(coarser < asked, "{model}: {coarser} would do for {asked}");
+            assert!(vertices < 1 << 31);
+        }
+    }
+}
+
+#[test]
+fn counts_out_of_range_say_what_is_allowed() {
+    for model in ALL {
+        for (asked, kind) in [(0, ErrorKind::Usage), (20, ErrorKind::Usage)] {
+            let error = mesh(&Recipe::new(model, asked)).unwrap_err();
+            assert_eq!(error.kind(), kind);
+            assert!(error.to_string().contains(&model.fewest_triangles().to_string()), "{error}");
+        }
+        for asked in [model.most_triangles() + 1, u64::MAX] {
+            let error = Recipe::new(model, asked).counts().unwrap_err();
+            assert_eq!(error.kind(), ErrorKind::Limit);
+            assert!(error.to_string().contains(&model.most_triangles().to_string()), "{error}");
+        }
+    }
+}
+
+#[test]
+fn displacements_out_of_range_are_refused() {
+    for model in ALL {
+        for displacement in [-0.1, 11.0, f64::NAN, f64::INFINITY] {
+            let error = mesh(&Recipe { displacement, ..Recipe::new(model, 5000) }).unwrap_err();
+            assert_eq!(error.kind(), ErrorKind::Usage);
+            assert_eq!(error.place(), Some("displacement"));
+        }
+    }
+}
+
+#[test]
+fn bytes_do_not_depend_on_the_threads() {
+    let pool = |n| rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap();
+    for model in ALL {
+        let recipe = Recipe { normals: true, ..Recipe::new(model, 60_000) };
+        let one = pool(1).install(|| file_bytes(&recipe));
+        let two = pool(2).install(|| file_bytes(&recipe));
+        assert!(one == two && two == file_bytes(&recipe), "{model}");
+        let other = file_bytes(&Recipe { seed: 2, ..recipe });
+        assert_eq!(other.len(), one.len());
+        assert!(other != one, "{model}");
+    }
+}
+
+#[test]
+fn the_file_holds_the_bits_of_the_mesh() {
+    for model in ALL {
+        for normals in [false, true] {
+            // More than one buffer of faces.
+            let recipe = Recipe { normals, ..Recipe::new(model, 700_000) };
+            let (mesh, bytes) = (mesh(&recipe).unwrap(), file_bytes(&recipe));
+            let mark = b"end_header\n";
+            let start = bytes.windows(mark.len()).position(|w| w == mark).unwrap() + mark.len();
+            assert_eq!(bytes[start..], body(&mesh), "{model} {normals}");
+        }
+    }
+}
+
+/// The body of a PLY file of the mesh, put together plainly.
+fn body(mesh: &MeshData) -> Vec<u8> {
+    let mut body = Vec::new();
+    for (v, position) in mesh.positions.iter().enumerate() {
+        let normal = mesh.normals.as_ref().map(|n| n.values[v]);
+        for x in [Some(*position), normal].into_iter().flatten().flat_map(|p| p.to_array()) {
+            body.extend(x.to_le_bytes());
+        }
+    }
+    for t in &mesh.triangles {
+        body.push(3);
+        t.iter().for_each(|v| body.extend(v.to_le_bytes()));
+    }
+    body
+}
+
+#[test]
+fn small_meshes_keep_their_bytes() {
+    let golden = [
+        (Model::Sphere, 0xE299_17EB_7093_4E6F),
+        (Model::Terrain, 0x129C_336F_50CD_71D6),
+        (Model::Knot, 0x1D63_85F0_46E7_6340),
+    ];
+    let found = ALL.map(|model| {
+        let recipe = Recipe { normals: true, ..Recipe::new(model, 3000) };
+        (model, hash(&file_bytes(&recipe)))
+    });
+    assert_eq!(found, golden, "found {found:#X?}");
+}
+
+#[test]
+fn files_that_cannot_be_written_are_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let recipe = Recipe::new(Model::Sphere, 100);
+    let missing = folder.path().join("missing").join("mesh.ply");
+    let error = write_ply(&recipe, &missing, &mut |_, _| ()).unwrap_err();
+    assert_eq!((error.kind(), error.file()), (ErrorKind::Io, Some(missing.as_path())));
+    assert!(error.to_string().contains("bytes"), "{error}");
+    let error = write_ply(&recipe, folder.path(), &mut |_, _| ()).unwrap_err();
+    assert_eq!(error.kind(), ErrorKind::Io);
+}

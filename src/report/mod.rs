@@ -1,0 +1,3 @@
+//! What a render tells about itself.
+
+pub mod statistics;

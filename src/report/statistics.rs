@@ -1,0 +1,177 @@
+//! The statistics of one render, in a stable JSON form.
+//!
+//! | key | unit | meaning |
+//! |---|---|---|
+//! | `version`, `scene`, `tracer`, `threads`, `seed` | | what was run |
+//! | `image.width`, `.height`, `.samples_per_pixel` | pixels, rays | the image, or the part of it |
+//! | `rays.primary`, `.secondary`, `.shadow` | rays | camera, mirror and shadow rays traced |
+//! | `samples.lens`, `.light`, `.texels` | | points chosen on the lens and on area lights; texels read |
+//! | `tests.nodes` | nodes | inner nodes visited, each testing two boxes |
+//! | `tests.primitives.triangles`, `.quads`, `.spheres` | tests | tests of primitives |
+//! | `dropped.degenerate` | triangles | left out for want of an area |
+//! | `invalid` | samples | not finite, and counted as black |
+//! | `lights_at_surface` | rays | lights nearer than the rounding error of the surface |
+//! | `time.load`, `.build`, `.trace`, `.write`, `.total` | seconds | by stage, on the clock |
+//! | `time.passes` | seconds | by pass, summed over threads |
+//! | `memory.predicted`, `.peak` | bytes | peak of the process: foretold, and measured (`null` where the system does not tell) |
+//! | `bvh.preset`, `.nodes`, `.depth`, `.bytes` | | the tree |
+//! | `plan` | | each effect, whether it is simulated, and why |
+
+use serde::Serialize;
+use serde_json::{Map, Value};
+
+use crate::accel::Accel;
+use crate::accel::build::Preset;
+use crate::counters::Counters;
+use crate::plan::Plan;
+use crate::prepared::Dropped;
+use crate::render::TracerKind;
+
+/// See the module documentation: fields are named as in the JSON.
+#[derive(Clone, Debug, Serialize)]
+#[allow(missing_docs, reason = "the table above says it once, for the JSON and for the fields")]
+pub struct Statistics {
+    pub version: &'static str,
+    pub scene: String,
+    pub tracer: TracerKind,
+    pub threads: usize,
+    pub seed: u64,
+    pub image: ImageSize,
+    pub rays: Rays,
+    pub samples: Samples,
+    pub tests: Tests,
+    pub dropped: Dropped,
+    pub invalid: u64,
+    pub lights_at_surface: u64,
+    pub time: Time,
+    pub memory: Memory,
+    pub bvh: Bvh,
+    pub plan: Plan,
+}
+
+/// The size of what was rendered.
+#[derive(Clone, Copy, Debug, Serialize)]
+#[allow(missing_docs, reason = "see the module documentation")]
+pub struct ImageSize {
+    pub width: u32,
+    pub height: u32,
+    pub samples_per_pixel: u32,
+}
+
+/// Rays by kind.
+#[derive(Clone, Copy, Debug, Serialize)]
+#[allow(missing_docs, reason = "see the module documentation")]
+pub struct Rays {
+    pub primary: u64,
+    pub secondary: u64,
+    pub shadow: u64,
+}
+
+/// Samples by kind.
+#[derive(Clone, Copy, Debug, Serialize)]
+#[allow(missing_docs, reason = "see the module documentation")]
+pub struct Samples {
+    pub lens: u64,
+    pub light: u64,
+    pub texels: u64,
+}
+
+/// Tests by kind.
+#[derive(Clone, Copy, Debug, Serialize)]
+#[allow(missing_docs, reason = "see the module documentation")]
+pub struct Tests {
+    pub nodes: u64,
+    pub primitives: PrimitiveTests,
+}
+
+/// Tests of primitives by kind.
+#[derive(Clone, Copy, Debug, Serialize)]
+#[allow(missing_docs, reason = "see the module documentation")]
+pub struct PrimitiveTests {
+    pub triangles: u64,
+    pub quads: u64,
+    pub spheres: u64,
+}
+
+/// Seconds by stage.
+#[derive(Clone, Debug, Default, Serialize)]
+#[allow(missing_docs, reason = "see the module documentation")]
+pub struct Time {
+    pub load: f64,
+    pub build: f64,
+    pub trace: f64,
+    pub write: f64,
+    pub total: f64,
+    pub passes: Map<String, Value>,
+}
+
+/// Bytes at the peak.
+#[derive(Clone, Copy, Debug, Serialize)]
+#[allow(missing_docs, reason = "see the module documentation")]
+pub struct Memory {
+    pub predicted: u64,
+    pub peak: Option<u64>,
+}
+
+/// The tree.
+#[derive(Clone, Copy, Debug, Serialize)]
+#[allow(missing_docs, reason = "see the module documentation")]
+pub struct Bvh {
+    pub preset: Preset,
+    pub nodes: usize,
+    pub depth: usize,
+    pub bytes: u64,
+}
+
+impl Bvh {
+    /// What `accel`, built with `preset`, holds.
+    pub fn of(accel: &Accel, preset: Preset) -> Self {
+        Self {
+            preset,
+            nodes: accel.tree.as_ref().map_or(0, |tree| tree.nodes().len()),
+            depth: accel.tree.as_ref().map_or(0, crate::accel::tree::Tree::depth),
+            bytes: accel.tree_bytes(),
+        }
+    }
+}
+
+impl From<&Counters> for Rays {
+    fn from(c: &Counters) -> Self {
+        Self { primary: c.primary_rays, secondary: c.secondary_rays, shadow: c.shadow_rays }
+    }
+}
+
+impl Rays {
+    /// Rays of every kind.
+    pub fn all(&self) -> u64 {
+        self.primary + self.secondary + self.shadow
+    }
+}
+
+impl From<&Counters> for Samples {
+    fn from(c: &Counters) -> Self {
+        Self { lens: c.lens_samples, light: c.light_samples, texels: c.texels }
+    }
+}
+
+impl From<&Counters> for Tests {
+    fn from(c: &Counters) -> Self {
+        let t = &c.tests;
+        let primitives =
+            PrimitiveTests { triangles: t.triangles, quads: t.quads, spheres: t.spheres };
+        Self { nodes: t.nodes, primitives }
+    }
+}
+
+/// Seconds by pass as a JSON object.
+pub fn pass_map(passes: &[(&'static str, f64)]) -> Map<String, Value> {
+    passes.iter().map(|&(name, seconds)| (name.to_owned(), seconds.into())).collect()
+}
+
+/// The largest number of bytes that this process has held in memory so far, where the system tells.
+pub fn peak_memory() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    let kib: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
+    Some(kib * 1024)
+}

@@ -1,0 +1,96 @@
+//! What the corners of a flat shape tell: its normal, whether it has an area, whether it is flat
+//! and whether its edges cross.
+
+use glam::DVec3;
+use robust::{Coord, orient2d};
+
+/// How far the corners of a quad may be from one plane, in units in the last place, in single
+/// precision, of the largest coordinate. Corners that were planar before they were rounded, and
+/// perhaps rotated, are within it.
+const PLANAR_ULPS: f64 = 64.0;
+
+/// The direction of `v`, whatever its length; `None` if it has none.
+pub(crate) fn direction(v: DVec3) -> Option<DVec3> {
+    // Scaled first, so that the square of a tiny length does not vanish.
+    let scale = v.abs().max_element();
+    (scale > 0.0).then(|| (v / scale).normalize())
+}
+
+/// A normal of the front of a triangle; its length is twice the area.
+pub(crate) fn triangle_normal([p0, p1, p2]: &[DVec3; 3]) -> DVec3 {
+    (p2 - p0).cross(p1 - p0)
+}
+
+/// A normal of the front of a quad; its length is twice the area.
+pub(crate) fn quad_normal([p0, p1, p2, p3]: &[DVec3; 4]) -> DVec3 {
+    (p2 - p0).cross(p1 - p3)
+}
+
+/// Whether a triangle has an area, beyond what the rounding of its corners explains.
+pub(crate) fn triangle_has_area(points: &[DVec3; 3]) -> bool {
+    let [p0, p1, p2] = points;
+    exceeds_rounding(triangle_normal(points), p2 - p0, p1 - p0, largest(points))
+}
+
+/// Whether a quad has an area, beyond what the rounding of its corners explains.
+pub(crate) fn quad_has_area(points: &[DVec3; 4]) -> bool {
+    let [p0, p1, p2, p3] = points;
+    exceeds_rounding(quad_normal(points), p2 - p0, p1 - p3, largest(points))
+}
+
+/// Moving the corners by one unit in the last place of the `largest` coordinate moves `a` and `b`
+/// by at most 2 such units in each direction, hence their cross product by about this much.
+fn exceeds_rounding(cross: DVec3, a: DVec3, b: DVec3, largest: f64) -> bool {
+    cross.length() > 2.0 * f64::EPSILON * largest * (a.length() + b.length())
+}
+
+/// Whether the corners of a quad lie in one plane, within 64 units in the last place, in
+/// single precision, of the largest coordinate.
+///
+/// A quad that is not planar is drawn as two triangles. The measure is the distance between its
+/// diagonals, so that no corner is preferred.
+pub fn quad_is_planar(points: &[DVec3; 4]) -> bool {
+    let Some(normal) = direction(quad_normal(points)) else { return false };
+    let apart = (points[1] - points[0]).dot(normal).abs();
+    apart <= PLANAR_ULPS * f64::from(f32::EPSILON) * largest(points)
+}
+
+/// Whether no two opposite edges of a quad cross or touch, as seen along the axis nearest to its
+/// normal. The predicates are exact.
+pub(crate) fn quad_is_simple(points: &[DVec3; 4]) -> bool {
+    let [a, b, c, d] = flattened(points);
+    !segments_meet(a, b, c, d) && !segments_meet(b, c, d, a)
+}
+
+/// Whether two neighbouring corners of a quad are one point.
+pub(crate) fn quad_repeats_a_corner(points: &[DVec3; 4]) -> bool {
+    (0..4).any(|i| points[i] == points[(i + 1) % 4])
+}
+
+fn flattened(points: &[DVec3; 4]) -> [Coord<f64>; 4] {
+    let normal = quad_normal(points).abs();
+    points.map(|p| {
+        if normal.x >= normal.y && normal.x >= normal.z {
+            Coord { x: p.y, y: p.z }
+        } else if normal.y >= normal.z {
+            Coord { x: p.z, y: p.x }
+        } else {
+            Coord { x: p.x, y: p.y }
+        }
+    })
+}
+
+fn segments_meet(a: Coord<f64>, b: Coord<f64>, c: Coord<f64>, d: Coord<f64>) -> bool {
+    apart(orient2d(a, b, c), orient2d(a, b, d)) && apart(orient2d(c, d, a), orient2d(c, d, b))
+}
+
+/// Whether two points are on different sides of a line, one of them perhaps on it.
+fn apart(side: f64, other: f64) -> bool {
+    // Signs, not the product, which could vanish. Both on it: all on one line, no crossing.
+    let sign = |x: f64| if x == 0.0 { 0.0 } else { x.signum() };
+    sign(side) != sign(other)
+}
+
+fn largest(points: &[DVec3]) -> f64 {
+    points.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max)
+}

@@ -1,0 +1,176 @@
+//! The statements of an OBJ text, and the words of a statement.
+//!
+//! A statement is a line, and goes on in the next where it ends in a backslash. That holds only for
+//! the statements that are read: comments and names end in a backslash too, where they are paths of
+//! folders, and must not swallow the line after them.
+
+/// The statements that are read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Keyword {
+    Position,
+    Uv,
+    Normal,
+    Face,
+    /// Any other, or none.
+    Other,
+}
+
+/// A statement, and the line where it begins, counted from that of the text as 0.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Statement<'a> {
+    pub(super) keyword: Keyword,
+    /// What follows the keyword, with the line ends and backslashes inside.
+    pub(super) rest: &'a [u8],
+    pub(super) line: u64,
+}
+
+/// The statements of a text.
+#[derive(Clone, Debug)]
+pub(super) struct Statements<'a> {
+    text: &'a [u8],
+    /// The lines passed over.
+    pub(super) lines: u64,
+}
+
+/// The statements of `text`.
+pub(super) fn statements(text: &[u8]) -> Statements<'_> {
+    Statements { text, lines: 0 }
+}
+
+impl<'a> Iterator for Statements<'a> {
+    type Item = Statement<'a>;
+
+    fn next(&mut self) -> Option<Statement<'a>> {
+        if self.text.is_empty() {
+            return None;
+        }
+        let line = self.lines;
+        let (keyword, from) = keyword(self.text);
+        let mut end = 0;
+        loop {
+            let start = end;
+            end += line_length(&self.text[start..]);
+            self.lines += 1;
+            let goes_on = keyword != Keyword::Other
+                && ends_in_backslash(&self.text[..end])
+                && !self.text[start..end].contains(&b'#');
+            if !goes_on || end == self.text.len() {
+                break;
+            }
+        }
+        let (statement, rest) = self.text.split_at(end);
+        self.text = rest;
+        Some(Statement { keyword, rest: &statement[from.min(end)..], line })
+    }
+}
+
+/// The length of the first line, with its end.
+fn line_length(text: &[u8]) -> usize {
+    text.iter().position(|&b| b == b'\n').map_or(text.len(), |i| i + 1)
+}
+
+/// The keyword that a line begins with, and where it ends.
+fn keyword(line: &[u8]) -> (Keyword, usize) {
+    let start = line.iter().take_while(|b| matches!(b, b' ' | b'\t')).count();
+    let (keyword, length) = match line[start..] {
+        [b'v', next, ..] if is_blank(next) => (Keyword::Position, 1),
+        [b'f', next, ..] if is_blank(next) => (Keyword::Face, 1),
+        [b'v', b't', next, ..] if is_blank(next) => (Keyword::Uv, 2),
+        [b'v', b'n', next, ..] if is_blank(next) => (Keyword::Normal, 2),
+        // A keyword at the end of the file.
+        [b'v'] => (Keyword::Position, 1),
+        [b'f'] => (Keyword::Face, 1),
+        [b'v', b't'] => (Keyword::Uv, 2),
+        [b'v', b'n'] => (Keyword::Normal, 2),
+        _ => (Keyword::Other, 0),
+    };
+    (keyword, start + length)
+}
+
+fn ends_in_backslash(line: &[u8]) -> bool {
+    matches!(line, [.., b'\\', b'\n'] | [.., b'\\', b'\r', b'\n'] | [.., b'\\'])
+}
+
+/// What stands between words. A backslash is here because one is at a line end inside a statement.
+fn is_blank(byte: u8) -> bool {
+    matches!(byte, b' ' | b'\t'..=b'\r' | b'\\')
+}
+
+/// The words of a statement, up to a comment.
+pub(super) fn words(rest: &[u8]) -> impl Iterator<Item = &[u8]> {
+    rest.split(|&b| is_blank(b)).filter(|w| !w.is_empty()).take_while(|w| w[0] != b'#')
+}
+
+/// After the last line end of `text` that surely ends a statement; 0 if there is none.
+pub(super) fn last_end(text: &[u8]) -> usize {
+    let mut end = text.len();
+    loop {
+        let Some(newline) = text[..end].iter().rposition(|&b| b == b'\n') else { return 0 };
+        if !ends_in_backslash(&text[..=newline]) {
+            return newline + 1;
+        }
+        end = newline;
+    }
+}
+
+/// After the first line end of `text` at `from` or later that surely ends a statement.
+pub(super) fn first_end(text: &[u8], from: usize) -> usize {
+    let mut end = from.min(text.len());
+    while end < text.len() {
+        end += line_length(&text[end..]);
+        if !ends_in_backslash(&text[..end]) {
+            break;
+        }
+    }
+    end
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str) -> Vec<(Keyword, u64, Vec<&str>)> {
+        let text_of = |w| std::str::from_utf8(w).unwrap();
+        statements(text.as_bytes())
+            .map(|s| (s.keyword, s.line, words(s.rest).map(text_of).collect()))
+            .filter(|s| s.0 != Keyword::Other)
+            .collect()
+    }
+
+    #[test]
+    fn statements_are_lines_of_words() {
+        let text = "\n  v 1\t2  3 \r\nvt 1 2 # a comment\n#v 0 0 0\nvx 1\nf 1 2 3";
+        let right = [
+            (Keyword::Position, 1, vec!["1", "2", "3"]),
+            (Keyword::Uv, 2, vec!["1", "2"]),
+            (Keyword::Face, 5, vec!["1", "2", "3"]),
+        ];
+        assert_eq!(read(text), right);
+    }
+
+    #[test]
+    fn a_backslash_joins_lines_of_read_statements_only() {
+        let text = "f 1 \\\n 2 \\\r\n 3\n# C:\\models\\\nvn 1 2 3\ng a\\\nvn 4 5 6 # b \\\nf 7 \\";
+        let right = [
+            (Keyword::Face, 0, vec!["1", "2", "3"]),
+            (Keyword::Normal, 4, vec!["1", "2", "3"]),
+            (Keyword::Normal, 6, vec!["4", "5", "6"]),
+            (Keyword::Face, 7, vec!["7"]),
+        ];
+        assert_eq!(read(text), right);
+    }
+
+    #[test]
+    fn cuts_fall_between_statements() {
+        let text = b"v 1 2 \\\n 3\nf 1\n";
+        assert_eq!((first_end(text, 0), first_end(text, 1), first_end(text, 12)), (11, 11, 15));
+        assert_eq!((last_end(text), last_end(&text[..14]), last_end(&text[..9])), (15, 11, 0));
+        assert_eq!(first_end(b"v 1 \\\n", 0), 6);
+    }
+
+    #[test]
+    fn a_keyword_alone_is_a_statement() {
+        assert_eq!(read("v"), [(Keyword::Position, 0, vec![])]);
+        assert_eq!(read("f\nv\r\n").len(), 2);
+    }
+}

@@ -1,0 +1,174 @@
+//! Whole files: what is accepted, what is refused and how it is said.
+
+use std::io::Cursor;
+
+use super::*;
+
+const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+
+/// Reads `text` with cuts in many places, and checks that they make no difference.
+fn load(text: &str) -> Result<Read> {
+    let whole = read_from(Cursor::new(text), BLOCK, PIECE);
+    for (block, piece) in [(1, 1), (7, 3), (64, 20), (64, 1000)] {
+        match (&whole, &read_from(Cursor::new(text), block, piece)) {
+            (Ok(a), Ok(b)) => assert_eq!(a.0, b.0, "{block} {piece}"),
+            (Err(a), Err(b)) => assert_eq!(a.to_string(), b.to_string()),
+            other => panic!("{block} {piece}: {other:?}"),
+        }
+    }
+    whole
+}
+
+fn mesh(text: &str) -> MeshData {
+    let (mesh, notes) = load(text).unwrap();
+    assert!(notes.is_empty(), "{notes:?}");
+    mesh
+}
+
+fn message(text: &str) -> String {
+    load(text).unwrap_err().to_string()
+}
+
+#[test]
+fn a_square_is_two_triangles() {
+    let read = mesh(&format!("{SQUARE}f 1 2 3 4"));
+    assert_eq!(read.positions.len(), 4);
+    assert_eq!(read.triangles, [[0, 1, 2], [0, 2, 3]]);
+    assert!(read.normals.is_none() && read.uvs.is_none());
+}
+
+#[test]
+fn each_form_of_number_is_read() {
+    let read = mesh("v .5 -.5 2.\nv +1 1e2 -1E-2 0.5\nv 1 2 3 nan 0 x\nf 1 2 3\n");
+    let right = [[0.5, -0.5, 2.0], [1.0, 100.0, -0.01], [1.0, 2.0, 3.0]];
+    assert_eq!(read.positions, right.map(Vec3::from));
+}
+
+#[test]
+fn statements_of_other_kinds_are_passed_over() {
+    let text = format!(
+        "# a comment\nmtllib none.mtl\n{SQUARE}o\ng a f 9 9 9\ng f 1 2 3\nusemtl x\ns off\nl 1 99\n\
+         p 99\nvp 1\ncurv 0 1 \\\n 2\nbleh\nf9\nvt3 1\nf 1 2 3 # f 4 5 6\n"
+    );
+    assert_eq!(mesh(&text).triangles, [[0, 1, 2]]);
+}
+
+#[test]
+fn indices_are_kept_apart_for_each_attribute() {
+    let text = format!(
+        "{SQUARE}vt 0 0\nvt 1\nvt 1 1 9\nvn 0 0 1\nf 1/1/1 2/2/1 3/3/1\nf 1 3 4\nf -4/-1/ -3/-2/ -2/-3\n"
+    );
+    let read = mesh(&text);
+    assert_eq!(read.triangles, [[0, 1, 2], [0, 2, 3], [0, 1, 2]]);
+    let uvs = read.uvs.unwrap();
+    assert_eq!(uvs.values, [Vec2::ZERO, Vec2::X, Vec2::ONE]);
+    assert_eq!(uvs.indices.unwrap(), [[0, 1, 2], [NO_VALUE; 3], [2, 1, 0]]);
+    let normals = read.normals.unwrap();
+    assert_eq!(normals.indices.unwrap(), [[0; 3], [NO_VALUE; 3], [NO_VALUE; 3]]);
+}
+
+#[test]
+fn indices_equal_to_those_of_the_positions_are_not_kept() {
+    let normals = "vn 0 0 1\nvn 0 0 1\nvn 0 0 1\nvn 0 0 1\n";
+    let read = mesh(&format!("{SQUARE}{normals}f 1//1 2//2 3//3 4//4\n"));
+    assert_eq!(read.normals.unwrap().indices, None);
+    let read = mesh(&format!("{SQUARE}{normals}vn 1 0 0\nf 1//1 2//2 3//3 4//4\n"));
+    assert_eq!(read.normals.unwrap().indices.unwrap(), read.triangles);
+}
+
+#[test]
+fn relative_indices_count_back_from_the_face() {
+    let text = format!("{SQUARE}f -4 -3 -2\nv 5 5 5\nf -1 -2 1\nf 1 2 6\nv 6 6 6\n");
+    assert_eq!(mesh(&text).triangles, [[0, 1, 2], [4, 3, 0], [0, 1, 5]]);
+}
+
+#[test]
+fn a_concave_face_is_not_a_fan() {
+    let dart = "v 0 0 0\nv 2 1 0\nv 0 2 0\nv 1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n";
+    let read = mesh(&format!("{dart}f 2/2 3/3 4/4 1/1\nf 1/4 2/3 3/2 4/1\n"));
+    for t in &read.triangles {
+        assert!(t.contains(&1) && t.contains(&3), "{:?}", read.triangles);
+    }
+    let uvs = read.uvs.unwrap().indices.unwrap();
+    let flip = |t: [u32; 3]| t.map(|i| 3 - i);
+    assert_eq!(
+        uvs,
+        [read.triangles[0], read.triangles[1], flip(read.triangles[2]), flip(read.triangles[3])]
+    );
+}
+
+#[test]
+fn continued_lines_carriage_returns_and_degenerate_faces_are_read() {
+    let text = "v 0 0 0\r\nv 1 0 \\\r\n 0\r\n# C:\\\r\nv 1 1 0\r\nf 1 \\\r\n2 3\r\nf 1 1 3\r\n";
+    assert_eq!(mesh(text).triangles, [[0, 1, 2], [0, 0, 2]]);
+    let marked = format!("\u{feff}{SQUARE}f 1 2 3");
+    let (read, _) = read_from(Cursor::new(marked), BLOCK, PIECE).unwrap();
+    assert_eq!(read.positions.len(), 4);
+}
+
+#[test]
+fn faults_name_the_line_and_the_value() {
+    for (text, line, word) in [
+        ("v 1 2\n", 1, "found 2"),
+        ("\nv\n", 2, "found 0"),
+        ("v 1 2 3,5\n", 1, "3,5"),
+        ("v 1 3.1+e2 3\n", 1, "3.1+e2"),
+        ("v nan -nan nan\n", 1, "NaN"),
+        ("v 1 1e99 3\n", 1, "inf"),
+        ("v 1 2e12 3\n", 1, "2^40"),
+        ("v 0 0 0\nvt\n", 2, "vt"),
+        ("v 0 0 0\nvn 1 2\n", 2, "vn"),
+        ("v 0 0 0\nf 1 1\n", 2, "found 2"),
+        ("v 0 0 0\nf\n", 2, "found 0"),
+        ("v 0 0 0\nf 1 1 0\n", 2, "found 0"),
+        ("v 0 0 0\nf 1 1 -2\n", 2, "found -2"),
+        ("v 0 0 0\n\\\n# \\\nf 1 1 1\nf 1 2 1\n", 5, "found 2"),
+        ("f 1 1 99999999999999999999999\nv 0 0 0\n", 1, "out of range"),
+        ("v 0 0 0\nf 1 1 1x\n", 2, "1x"),
+        ("v 0 0 0\nf 1 1 /\n", 2, "\"/\""),
+        ("v 0 0 0\nf 1 1 //1\n", 2, "//1"),
+        ("v 0 0 0\nf 1 1 1/1/1/1\n", 2, "1/1/1/1"),
+        ("v 0 0 0\nvt 0 0\nf 1/1 1/2 1/1\nf 1 2 3", 3, "texture coordinate"),
+        ("v 0 0 0\nvn 0 0 1\nf 1 1 1\nf 1//1 1//1 1//3\n", 4, "normal"),
+    ] {
+        let error = message(text);
+        assert!(error.starts_with(&format!("line {line}: ")), "{text:?}: {error}");
+        assert!(error.contains(word) && error.contains("; "), "{text:?}: {error}");
+    }
+}
+
+#[test]
+fn the_first_of_two_faults_is_told() {
+    let text = format!("{}f 1 2 3\nv x 0 0\nv y 0 0\n", SQUARE.repeat(10));
+    assert!(message(&text).starts_with("line 42: "));
+}
+
+#[test]
+fn a_file_without_faces_is_refused() {
+    for text in ["", "\n", SQUARE, "# nothing\nl 1 2\n"] {
+        assert!(message(text).contains("no triangles"), "{text:?}");
+    }
+}
+
+#[test]
+fn utf16_is_told_apart() {
+    for text in [&b"\xFE\xFF\0v\0 \x001"[..], b"\xFF\xFEv\0 \0", b"v\0 \x001\0"] {
+        let error = read_from(Cursor::new(text), BLOCK, PIECE).unwrap_err().to_string();
+        assert!(error.contains("UTF-16"), "{error}");
+    }
+}
+
+#[test]
+fn indices_of_attributes_that_are_never_given_are_ignored_with_a_warning() {
+    let (read, notes) = load(&format!("{SQUARE}f 1//1 2//2 3//3\nf 1/7 3/7 4/7\n")).unwrap();
+    assert!(read.normals.is_none() && read.uvs.is_none());
+    assert_eq!(notes.len(), 2);
+    assert!(notes[1].to_string().contains("\"vn\""));
+}
+
+#[test]
+fn normals_that_are_not_finite_become_zero_with_a_warning() {
+    let (read, notes) = load(&format!("{SQUARE}vn nan nan nan\nf 1//1 2//1 3//1\n")).unwrap();
+    assert_eq!(read.normals.unwrap().values, [Vec3::ZERO]);
+    assert_eq!(notes.len(), 1);
+}

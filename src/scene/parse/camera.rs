@@ -1,0 +1,186 @@
+//! The camera.
+
+use glam::DVec3;
+
+use crate::error::{Error, ErrorKind, Result};
+use crate::scene::components::{FovAxis, Sampling, ThinLens, View};
+use crate::scene::corners::direction;
+use crate::scene::load::LoadOptions;
+use crate::scene::reader::{Cursor, Object, Range, integer_words};
+use crate::scene::schema::Camera;
+
+use super::light::SAMPLINGS;
+
+const KEYS: [&str; 12] = [
+    "type",
+    "width",
+    "height",
+    "fov",
+    "location",
+    "position",
+    "look",
+    "lookat",
+    "lookAt",
+    "up",
+    "fovaxis",
+    "antialias",
+];
+const LENS_KEYS: [&str; 5] = ["aperture", "focal", "sampling", "nsamplesx", "nsamplesy"];
+
+/// Greatest width and height of the image.
+const LONGEST_SIDE: u32 = 65_536;
+/// Greatest number of pixels, 2^28: as floats, three gibibytes.
+const MOST_PIXELS: u64 = 1 << 28;
+/// Greatest number of rays through each pixel, 2^24.
+const MOST_RAYS: u64 = 1 << 24;
+/// Greatest side of the grid of rays in each pixel.
+const MOST_ANTIALIAS: u32 = 64;
+/// Greatest number of angles or radii of points on the lens.
+const MOST_LENS_SAMPLES: u32 = 4_096;
+/// Points on the lens along each side of the grid, where the file does not say.
+const LENS_SAMPLES: u32 = 4;
+/// Angles of view, in degrees. At 180 the image plane would be at infinity.
+const FOV: Range = Range::new(0.001, 179.0);
+/// Sine of the angle between `up` and the view below which they are taken as parallel: what is
+/// left of `up` across the view would then be mostly rounding, in single precision.
+const PARALLEL: f64 = 1e-6;
+
+const FOV_AXES: [(&str, FovAxis); 4] = [
+    ("x", FovAxis::X),
+    ("y", FovAxis::Y),
+    ("smaller", FovAxis::Smaller),
+    ("larger", FovAxis::Larger),
+];
+
+/// Reads the camera. The size that the `options` ask for takes the place of the file's.
+pub(super) fn camera(cursor: &Cursor<'_>, options: &LoadOptions) -> Result<Camera> {
+    let kinds = [("pinhole", false), ("thinlens", true)];
+    let has_lens = cursor.kind("the camera", &kinds)?;
+    let object = if has_lens {
+        cursor.object("a thin-lens camera", [&KEYS[..], &LENS_KEYS].concat())?
+    } else {
+        cursor.object("a pinhole camera", KEYS.into())?
+    };
+    let view = view(&object, options)?;
+    let lens = has_lens.then(|| lens(&object)).transpose()?;
+    check_rays(&object, &view, lens.as_ref())?;
+    Ok(Camera { view, lens })
+}
+
+fn view(object: &Object<'_>, options: &LoadOptions) -> Result<View> {
+    let (width, height) = size(object, options)?;
+    let fov_degrees = object.number("fov", FOV)?;
+    let fov_axis = object.choice_or("fovaxis", &FOV_AXES, FovAxis::default())?;
+    let location = object.point(&["location", "position"])?;
+    let look = look(object, location)?;
+    let up = up(object, look - location)?;
+    let antialias = object.count_or("antialias", MOST_ANTIALIAS, 1)?;
+    Ok(View { location, look, up, fov_degrees, fov_axis, width, height, antialias })
+}
+
+fn size(object: &Object<'_>, options: &LoadOptions) -> Result<(u32, u32)> {
+    let width = side(object, "width", options.width)?;
+    let height = side(object, "height", options.height)?;
+    let pixels = u64::from(width) * u64::from(height);
+    if pixels > MOST_PIXELS {
+        let message = format!("the image would have {width} x {height} = {pixels} pixels");
+        return Err(limit(object, message, format!("at most {MOST_PIXELS} (2^28) are allowed")));
+    }
+    Ok((width, height))
+}
+
+/// A side of the image: the one asked for, if one is, but the file must be right all the same.
+fn side(object: &Object<'_>, key: &'static str, asked: Option<u32>) -> Result<u32> {
+    let own = object.integer(key, 1, LONGEST_SIDE)?;
+    let Some(asked) = asked else { return Ok(own) };
+    if (1..=LONGEST_SIDE).contains(&asked) {
+        return Ok(asked);
+    }
+    let words = integer_words(1, LONGEST_SIDE);
+    let message = format!("the {key} asked for in place of the scene's must be {words}");
+    let kind = if asked == 0 { ErrorKind::Usage } else { ErrorKind::Limit };
+    Err(Error::new(kind, message).value(asked))
+}
+
+fn look(object: &Object<'_>, location: DVec3) -> Result<DVec3> {
+    let names = ["look", "lookat", "lookAt"];
+    let look = object.point(&names)?;
+    match object.one_of(&names)? {
+        Some(cursor) if look == location => {
+            let error = cursor.error("the camera looks at the point where it stands");
+            Err(error.remedy("move \"look\" away from \"location\""))
+        }
+        _ => Ok(look),
+    }
+}
+
+/// The upward direction: the file's, unless it does not tell which way up the image is.
+fn up(object: &Object<'_>, view: DVec3) -> Result<DVec3> {
+    let up = object.point_or("up", DVec3::Y)?;
+    let Some(unit) = direction(up) else {
+        let cursor = object.need("up", "a direction")?;
+        return Err(cursor
+            .error("must have a direction")
+            .remedy("give a vector such as [0, 1, 0]"));
+    };
+    let Some(view) = direction(view).filter(|v| v.cross(unit).length() < PARALLEL) else {
+        return Ok(up);
+    };
+    let axis = least_aligned_axis(view);
+    warn_of_up(object, up, axis);
+    Ok(axis)
+}
+
+/// The axis that makes the greatest angle with `v`; of equals the first.
+fn least_aligned_axis(v: DVec3) -> DVec3 {
+    let v = v.abs();
+    if v.x <= v.y && v.x <= v.z {
+        DVec3::X
+    } else if v.y <= v.z {
+        DVec3::Y
+    } else {
+        DVec3::Z
+    }
+}
+
+fn warn_of_up(object: &Object<'_>, up: DVec3, axis: DVec3) {
+    let notes = object.cursor().notes();
+    let place = format!("{}.up", object.cursor().path());
+    let message = "is parallel to the view, so that it does not say which way up the image is";
+    let error = notes.error(ErrorKind::Scene, &place, message.into()).value(up);
+    notes.warn(&error.remedy(format!("{axis} is used instead")));
+}
+
+fn lens(object: &Object<'_>) -> Result<ThinLens> {
+    Ok(ThinLens {
+        aperture: object.number("aperture", Range::NOT_NEGATIVE)?,
+        focal: object.number("focal", Range::POSITIVE)?,
+        sampling: sampling(object)?,
+        samples_x: object.count_or("nsamplesx", MOST_LENS_SAMPLES, LENS_SAMPLES)?,
+        samples_y: object.count_or("nsamplesy", MOST_LENS_SAMPLES, LENS_SAMPLES)?,
+    })
+}
+
+fn sampling(object: &Object<'_>) -> Result<Sampling> {
+    super::light::refuse_sobol(object)?;
+    object.choice_or("sampling", &SAMPLINGS, Sampling::Jittered)
+}
+
+fn check_rays(object: &Object<'_>, view: &View, lens: Option<&ThinLens>) -> Result<()> {
+    let (x, y) = lens.map_or((1, 1), |lens| (lens.samples_x, lens.samples_y));
+    let n = view.antialias;
+    // At most 64 * 64 * 4096 * 4096 = 2^36.
+    let rays = u64::from(n) * u64::from(n) * u64::from(x) * u64::from(y);
+    if rays <= MOST_RAYS {
+        return Ok(());
+    }
+    let message = format!(
+        "each pixel would have {n} x {n} (antialias) x {x} x {y} (nsamplesx, nsamplesy) = {rays} rays"
+    );
+    Err(limit(object, message, format!("at most {MOST_RAYS} (2^24) are allowed")))
+}
+
+fn limit(object: &Object<'_>, message: String, allowed: String) -> Error {
+    let cursor = object.cursor();
+    cursor.notes().error(ErrorKind::Limit, &cursor.path(), message).remedy(allowed)
+}

@@ -1,0 +1,65 @@
+//! From JSON to [`SceneFile`], with every check that needs no other file than this one (that a
+//! texture or a mesh exists is looked up, but neither is read).
+
+mod camera;
+mod light;
+mod material;
+mod mesh;
+mod shape;
+mod transform;
+
+use crate::error::Result;
+
+use super::components::Settings;
+use super::load::LoadOptions;
+use super::reader::{Cursor, Object, Range};
+use super::schema::SceneFile;
+
+/// Greatest number of mirror bounces. Light that meets 10 000 mirrors is spent.
+const MOST_BOUNCES: u32 = 10_000;
+
+/// The report's "low value" by which a surface in shadow is multiplied.
+const AMBIENT: f64 = 0.08;
+
+const KEYS: [&str; 3] = ["nbounces", "camera", "scene"];
+const SCENE_KEYS: [&str; 5] = ["backgroundcolor", "lightsources", "shapes", "ambient", "instances"];
+
+/// Reads a whole file from its top.
+pub(crate) fn scene_file(top: &Cursor<'_>, options: &LoadOptions) -> Result<SceneFile> {
+    let object = top.object("a scene", KEYS.into())?;
+    let bounces = object.integer("nbounces", 0, MOST_BOUNCES)?;
+    let camera = camera::camera(&object.need("camera", "an object { ... }")?, options)?;
+    let scene = object.need("scene", "an object { ... }")?;
+    let scene = scene.object("the scene", SCENE_KEYS.into())?;
+    refuse_instances(&scene)?;
+    let settings = settings(&scene, bounces)?;
+    let lights = list(&scene, "lightsources", "an array of lights", light::light)?;
+    let shapes = list(&scene, "shapes", "an array of shapes", shape::shape)?;
+    Ok(SceneFile { settings, camera, lights, shapes })
+}
+
+fn settings(scene: &Object<'_>, bounces: u32) -> Result<Settings> {
+    Ok(Settings {
+        file: scene.cursor().notes().file().to_owned(),
+        bounces,
+        background: scene.color("backgroundcolor")?,
+        ambient: scene.number_or("ambient", Range::NOT_NEGATIVE, AMBIENT)?,
+    })
+}
+
+/// An optional array, read element by element; absent, it is empty.
+fn list<T>(
+    scene: &Object<'_>,
+    key: &'static str,
+    what: &str,
+    read: fn(&Cursor<'_>) -> Result<T>,
+) -> Result<Vec<T>> {
+    scene.get(key).map_or(Ok(Vec::new()), |cursor| cursor.each(what, |item| read(&item)))
+}
+
+/// Instances left out would leave a hole in the picture, so that a warning is not enough.
+fn refuse_instances(scene: &Object<'_>) -> Result<()> {
+    let Some(cursor) = scene.get("instances") else { return Ok(()) };
+    let error = cursor.error("instances are not supported yet");
+    Err(error.remedy("repeat the shape in scene.shapes, each time with its own \"transform\""))
+}

@@ -1,0 +1,68 @@
+//! What a scene file says, as plain typed values: everything that can be known without opening
+//! another file has been checked.
+//!
+//! Where an entity's component says the same thing, it is used here too, so that there is one
+//! definition of it.
+
+use std::path::PathBuf;
+
+use super::components::{
+    AreaLight, Facing, Material, Name, PointLight, Quad, Settings, Shading, Sides, Sphere,
+    TextureRef, ThinLens, Transform, Triangle, View,
+};
+use super::mesh::MeshData;
+
+/// A whole scene file.
+pub(crate) struct SceneFile {
+    pub(crate) settings: Settings,
+    pub(crate) camera: Camera,
+    pub(crate) lights: Vec<Light>,
+    pub(crate) shapes: Vec<Shape>,
+}
+
+/// The camera.
+pub(crate) struct Camera {
+    pub(crate) view: View,
+    /// `None` for a pinhole.
+    pub(crate) lens: Option<ThinLens>,
+}
+
+/// An element of `scene.lightsources`.
+pub(crate) enum Light {
+    Point {
+        path: String,
+        light: PointLight,
+    },
+    Area {
+        path: String,
+        light: AreaLight,
+        /// What shines; its material and texture are not used.
+        shape: Box<Shape>,
+    },
+}
+
+/// An element of `scene.shapes`, or the shape of an area light.
+pub(crate) struct Shape {
+    /// Its JSON path.
+    pub(crate) path: String,
+    pub(crate) name: Option<Name>,
+    pub(crate) geometry: Geometry,
+    pub(crate) facing: Option<Facing>,
+    pub(crate) transform: Option<Transform>,
+    pub(crate) sides: Sides,
+    pub(crate) shading: Shading,
+    /// `None` for an area light's shape alone.
+    pub(crate) material: Option<Material>,
+    pub(crate) texture: Option<TextureRef>,
+}
+
+/// The form of a shape.
+pub(crate) enum Geometry {
+    Sphere(Sphere),
+    Quad(Quad),
+    Triangle(Triangle),
+    /// A mesh written out in the scene file.
+    Mesh(MeshData),
+    /// A mesh in a file of its own, yet to be read.
+    MeshFile(PathBuf),
+}

@@ -1,0 +1,359 @@
+//! Geometry: shapes become primitives in world space, in one set of arrays.
+//!
+//! Shapes keep the order of the file within their kind, and shapes of lights come after the rest.
+//! Meshes are moved, not copied: the first one's arrays become the scene's.
+
+use glam::{DAffine3, DVec3, Mat3, Vec3};
+use hecs::{Entity, World};
+use rayon::prelude::*;
+
+use crate::accel::geometry::Geometry;
+use crate::error::{Error, ErrorKind, Result, Warning};
+use crate::kernels::texture::PlanarMap;
+use crate::kernels::triangle::is_degenerate;
+use crate::math::float::{MAX_COORDINATE, normalize_f64};
+use crate::prepared::{CornerValues, Dropped, MeshAttributes, Shape, UvMap};
+use crate::scene::components::{
+    AreaLight, Facing, JsonPath, Mesh, Order, Quad, Shading, Sides, Sphere, TextureRef, Transform,
+    Triangle,
+};
+use crate::scene::corners;
+use crate::scene::mesh::{Attribute, MeshData};
+
+/// Numbers of primitives and vertices stay below this, so that they fit 32 bits and leave one
+/// value for "none".
+const MAX_NUMBER: usize = u32::MAX as usize - 1;
+
+/// A shape, and the entity it was.
+#[derive(Debug)]
+pub struct ShapeOutput {
+    /// The entity.
+    pub entity: Entity,
+    /// The shape.
+    pub shape: Shape,
+    /// How its points become texture coordinates, should it wear a texture.
+    pub uv_map: Option<UvMap>,
+}
+
+/// What this system makes.
+#[derive(Debug)]
+pub struct Output {
+    /// The primitives.
+    pub geometry: Geometry,
+    /// The shapes, by the number of their first primitive.
+    pub shapes: Vec<ShapeOutput>,
+    /// Attributes of meshes.
+    pub meshes: Vec<MeshAttributes>,
+    /// What was left out.
+    pub dropped: Dropped,
+    /// What the user should know.
+    pub warnings: Vec<Warning>,
+}
+
+/// Turns every shape into primitives.
+pub fn run(world: &mut World) -> Result<Output> {
+    let mut builder = Builder::default();
+    for entity in entities::<hecs::Or<&Mesh, &Triangle>>(world) {
+        builder.add_triangles(world, entity)?;
+    }
+    for entity in entities::<&Quad>(world) {
+        builder.add_quad(world, entity)?;
+    }
+    for entity in entities::<&Sphere>(world) {
+        builder.add_sphere(world, entity)?;
+    }
+    builder.finish(world)
+}
+
+/// The entities that match, shapes before lights, in the order of the file.
+fn entities<Q: hecs::Query>(world: &World) -> Vec<Entity> {
+    let mut found: Vec<(bool, Order, Entity)> = world
+        .query::<(Entity, Option<&Order>, Option<&AreaLight>)>()
+        .with::<Q>()
+        .iter()
+        .map(|(entity, order, light)| {
+            (light.is_some(), order.copied().unwrap_or(Order(u32::MAX)), entity)
+        })
+        .collect();
+    found.sort_by_key(|&(light, order, _)| (light, order));
+    found.into_iter().map(|(.., entity)| entity).collect()
+}
+
+#[derive(Default)]
+struct Builder {
+    geometry: Geometry,
+    shapes: Vec<ShapeOutput>,
+    meshes: Vec<MeshAttributes>,
+}
+
+/// What every kind of shape is asked for.
+struct Common {
+    transform: DAffine3,
+    facing: Option<Facing>,
+    sides: Sides,
+    smooth: bool,
+    textured: bool,
+    emission: Option<Vec3>,
+    place: String,
+}
+
+impl Common {
+    fn of(world: &World, entity: Entity) -> Self {
+        let light = world.get::<&AreaLight>(entity).ok();
+        let is_shape = light.is_none();
+        Self {
+            transform: world.get::<&Transform>(entity).map_or(DAffine3::IDENTITY, |t| t.0),
+            facing: world.get::<&Facing>(entity).ok().map(|f| *f),
+            sides: world.get::<&Sides>(entity).map_or(Sides::Both, |s| *s),
+            smooth: is_shape && world.get::<&Shading>(entity).is_ok_and(|s| *s == Shading::Smooth),
+            textured: is_shape && world.get::<&TextureRef>(entity).is_ok(),
+            emission: light.map(|l| super::single(l.color)),
+            place: world.get::<&JsonPath>(entity).map_or_else(|_| String::new(), |p| p.0.clone()),
+        }
+    }
+
+    /// Whether the front of a flat shape is where its corners run clockwise in world space, given
+    /// the normal on its front in its own space.
+    fn flipped(&self, front: DVec3) -> bool {
+        let chosen = match self.facing {
+            None => true,
+            Some(Facing::Flipped) => false,
+            Some(Facing::Toward(side)) => front.dot(side) >= 0.0,
+        };
+        chosen != self.mirrors()
+    }
+
+    /// Whether the transform turns clockwise into counter-clockwise.
+    fn mirrors(&self) -> bool {
+        self.transform.matrix3.determinant() < 0.0
+    }
+
+    fn shape(&self, primitives: std::ops::Range<u32>, flipped: bool) -> Shape {
+        Shape {
+            primitives,
+            emission: self.emission,
+            flipped,
+            two_sided: self.sides == Sides::Both,
+            smooth: false,
+            texture: None,
+            mesh: None,
+        }
+    }
+}
+
+impl Builder {
+    fn add_triangles(&mut self, world: &World, entity: Entity) -> Result<()> {
+        let common = Common::of(world, entity);
+        if let Ok(triangle) = world.get::<&Triangle>(entity) {
+            return self.add_triangle(entity, &common, &triangle.points);
+        }
+        let Ok(mut mesh) = world.get::<&mut Mesh>(entity) else { return Ok(()) };
+        self.add_mesh(entity, &common, std::mem::take(&mut mesh.data))
+    }
+
+    fn add_triangle(&mut self, entity: Entity, common: &Common, points: &[DVec3; 3]) -> Result<()> {
+        let start = self.geometry.triangles.len() as u32;
+        let first = self.add_points(common, points)?;
+        let [p0, p1, p2] = self.geometry.positions[first as usize..] else { return Ok(()) };
+        self.geometry.triangles.push([first, first + 1, first + 2]);
+        let flipped = common.flipped(corners::triangle_normal(points));
+        self.shapes.push(ShapeOutput {
+            entity,
+            shape: common.shape(start..start + 1, flipped),
+            uv_map: Some(UvMap::Planar(PlanarMap::new(p0, p2 - p0, p1 - p0))),
+        });
+        Ok(())
+    }
+
+    fn add_mesh(&mut self, entity: Entity, common: &Common, mut mesh: MeshData) -> Result<()> {
+        transform_mesh(&mut mesh, common)?;
+        let geometry = &mut self.geometry;
+        let first_position = geometry.positions.len();
+        let first_triangle = geometry.triangles.len();
+        check_count(common, first_position + mesh.positions.len(), "vertices")?;
+        check_count(common, first_triangle + mesh.triangles.len(), "triangles")?;
+        append(&mut geometry.positions, mesh.positions);
+        append(&mut geometry.triangles, mesh.triangles);
+        if first_position > 0 {
+            geometry.triangles[first_triangle..]
+                .par_iter_mut()
+                .for_each(|t| *t = t.map(|v| v + first_position as u32));
+        }
+        let smooth = common.smooth && mesh.normals.is_some();
+        let range = first_triangle as u32..self.geometry.triangles.len() as u32;
+        let mut shape = Shape { smooth, ..common.shape(range, common.mirrors()) };
+        if smooth || common.textured {
+            shape.mesh = Some(self.meshes.len() as u32);
+            self.meshes.push(MeshAttributes {
+                first_triangle: first_triangle as u32,
+                first_position: first_position as u32,
+                normals: mesh.normals.filter(|_| smooth).map(corner_values),
+                uvs: mesh.uvs.filter(|_| common.textured).map(corner_values),
+            });
+        }
+        self.shapes.push(ShapeOutput { entity, shape, uv_map: Some(UvMap::Mesh) });
+        Ok(())
+    }
+
+    fn add_quad(&mut self, world: &World, entity: Entity) -> Result<()> {
+        let common = Common::of(world, entity);
+        let Ok(points) = world.get::<&Quad>(entity).map(|q| q.points) else { return Ok(()) };
+        let number = (self.geometry.triangles.len() + self.geometry.quads.len()) as u32;
+        let first = self.add_points(&common, &points)?;
+        let [p0, p1, _, p3] = self.geometry.positions[first as usize..] else { return Ok(()) };
+        let turn = first_of_diagonal(&points);
+        self.geometry.quads.push([0, 1, 2, 3].map(|k| first + (k + turn) % 4));
+        let flipped = common.flipped(corners::quad_normal(&points));
+        self.shapes.push(ShapeOutput {
+            entity,
+            shape: common.shape(number..number + 1, flipped),
+            uv_map: Some(UvMap::Planar(PlanarMap::new(p0, p3 - p0, p1 - p0))),
+        });
+        Ok(())
+    }
+
+    fn add_sphere(&mut self, world: &World, entity: Entity) -> Result<()> {
+        let common = Common::of(world, entity);
+        let Ok(sphere) = world.get::<&Sphere>(entity).map(|s| *s) else { return Ok(()) };
+        let center = common.transform.transform_point3(sphere.center);
+        let turn = common.transform.matrix3;
+        let scale = turn.x_axis.length();
+        let radius = (sphere.radius * scale) as f32;
+        check_point(&common, center)?;
+        if !(radius > 0.0 && radius.is_finite()) {
+            return Err(Error::new(
+                ErrorKind::Scene,
+                "the radius is 0 or infinite once it is rounded",
+            )
+            .at(format!("{}.radius", common.place))
+            .value(sphere.radius * scale)
+            .remedy("give the scene another unit of length"));
+        }
+        let number = self.geometry.len() as u32;
+        self.geometry.spheres.push((center.as_vec3(), radius));
+        let to_own = (turn * (1.0 / scale)).transpose();
+        self.shapes.push(ShapeOutput {
+            entity,
+            shape: common.shape(number..number + 1, false),
+            uv_map: Some(UvMap::Sphere(Mat3::from_cols(
+                to_own.x_axis.as_vec3(),
+                to_own.y_axis.as_vec3(),
+                to_own.z_axis.as_vec3(),
+            ))),
+        });
+        Ok(())
+    }
+
+    /// Appends the points in world space; returns the number of the first.
+    fn add_points(&mut self, common: &Common, points: &[DVec3]) -> Result<u32> {
+        let first = self.geometry.positions.len();
+        check_count(common, first + points.len(), "vertices")?;
+        for &point in points {
+            let point = common.transform.transform_point3(point);
+            check_point(common, point)?;
+            self.geometry.positions.push(point.as_vec3());
+        }
+        Ok(first as u32)
+    }
+
+    fn finish(mut self, world: &World) -> Result<Output> {
+        self.shapes.sort_by_key(|s| s.shape.primitives.start);
+        let lights = self.shapes.iter().filter(|s| s.shape.emission.is_some());
+        self.geometry.lights = lights.map(|s| s.shape.primitives.clone()).collect();
+        let degenerate = self.count_degenerate();
+        let mut warnings = Vec::new();
+        if degenerate > 0 {
+            let message = match degenerate {
+                1 => "1 triangle has no area and is left out".to_owned(),
+                n => format!("{n} triangles have no area and are left out"),
+            };
+            let file = super::scene_file(world);
+            let warning = Error::new(ErrorKind::Mesh, message).in_file(file);
+            warnings.push(Warning::from_error(&warning));
+        }
+        let Self { geometry, shapes, meshes } = self;
+        Ok(Output { geometry, shapes, meshes, dropped: Dropped { degenerate }, warnings })
+    }
+
+    fn count_degenerate(&self) -> u64 {
+        let triangles = 0..self.geometry.triangles.len();
+        triangles.into_par_iter().filter(|&i| is_degenerate(&self.geometry.triangle(i))).count()
+            as u64
+    }
+}
+
+/// 0 where the diagonal from the first corner to the third lies in the quad, else 1. They differ
+/// only in quads with a corner that points inward.
+fn first_of_diagonal(&[a, b, c, d]: &[DVec3; 4]) -> u32 {
+    let normal = (c - a).cross(d - b);
+    let within = |p: DVec3, q: DVec3, r: DVec3| (q - p).cross(r - p).dot(normal) >= 0.0;
+    u32::from(!(within(a, b, c) && within(a, c, d)))
+}
+
+/// Moves `more` to the end of `all`: without a copy where `all` is empty.
+fn append<T>(all: &mut Vec<T>, more: Vec<T>) {
+    if all.is_empty() {
+        *all = more;
+    } else {
+        all.extend(more);
+    }
+}
+
+fn corner_values<T>(attribute: Attribute<T>) -> CornerValues<T> {
+    CornerValues { values: attribute.values, indices: attribute.indices }
+}
+
+/// Takes positions and normals to world space, in double precision, rounding once.
+fn transform_mesh(mesh: &mut MeshData, common: &Common) -> Result<()> {
+    if common.transform == DAffine3::IDENTITY {
+        return Ok(());
+    }
+    let transform = common.transform;
+    mesh.positions
+        .par_iter_mut()
+        .for_each(|p| *p = transform.transform_point3(p.as_dvec3()).as_vec3());
+    let beyond = mesh.positions.par_iter().find_first(|p| !in_range(p.as_dvec3()));
+    if let Some(point) = beyond {
+        check_point(common, point.as_dvec3())?;
+    }
+    // Normals are carried by the cofactors: the inverse transpose without its division.
+    let m = transform.matrix3;
+    let sign = if common.mirrors() { -1.0 } else { 1.0 };
+    let cofactors = [
+        m.y_axis.cross(m.z_axis) * sign,
+        m.z_axis.cross(m.x_axis) * sign,
+        m.x_axis.cross(m.y_axis) * sign,
+    ];
+    if let Some(normals) = &mut mesh.normals {
+        normals.values.par_iter_mut().for_each(|n| {
+            let v = n.as_dvec3();
+            let turned = cofactors[0] * v.x + cofactors[1] * v.y + cofactors[2] * v.z;
+            *n = normalize_f64(turned).as_vec3();
+        });
+    }
+    Ok(())
+}
+
+fn in_range(point: DVec3) -> bool {
+    point.abs().max_element() <= f64::from(MAX_COORDINATE)
+}
+
+fn check_point(common: &Common, point: DVec3) -> Result<()> {
+    if in_range(point) {
+        return Ok(());
+    }
+    Err(Error::new(ErrorKind::Scene, "the transform takes the shape too far out")
+        .at(format!("{}.transform", common.place))
+        .value(format!("a coordinate of {:e}", point.abs().max_element()))
+        .remedy(format!("keep coordinates within {MAX_COORDINATE:e}")))
+}
+
+fn check_count(common: &Common, count: usize, what: &str) -> Result<()> {
+    if count <= MAX_NUMBER {
+        return Ok(());
+    }
+    Err(Error::new(ErrorKind::Limit, format!("the scene has too many {what}"))
+        .at(&common.place)
+        .value(count)
+        .remedy(format!("at most {MAX_NUMBER} are allowed")))
+}

@@ -1,0 +1,72 @@
+//! Tiles: what one thread renders at a time, and what a tracer is.
+
+use crate::counters::Counters;
+use crate::prepared::PreparedScene;
+
+/// A rectangle of pixels of the image.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Tile {
+    /// The column of its left pixels.
+    pub x: u32,
+    /// The row of its top pixels.
+    pub y: u32,
+    /// Its width in pixels.
+    pub width: u32,
+    /// Its height in pixels.
+    pub height: u32,
+}
+
+impl Tile {
+    /// Number of pixels.
+    pub fn len(&self) -> usize {
+        self.width as usize * self.height as usize
+    }
+
+    /// Whether it has none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Column and row, in the image, of its `index`th pixel, row by row.
+    #[inline]
+    pub fn pixel(&self, index: u32) -> (u32, u32) {
+        (self.x + index % self.width, self.y + index / self.width)
+    }
+}
+
+/// What a tracer needs to know besides the scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TraceSettings {
+    /// Chooses the random numbers.
+    pub seed: u64,
+    /// Number of paths that a wavefront holds at a time.
+    pub batch: usize,
+}
+
+/// A way to schedule the kernels. Every tracer gives the same sums, bit for bit.
+pub trait Tracer: Send {
+    /// A tracer with the memory that one thread needs; rendering then allocates nothing.
+    fn new(scene: &PreparedScene, settings: &TraceSettings) -> Self;
+
+    /// Adds the samples of each pixel of `tile` to `sums`, in the order of the samples, red, green
+    /// and blue, in linear radiance.
+    fn render(&mut self, scene: &PreparedScene, tile: &Tile, sums: &mut [[f64; 3]]);
+
+    /// The work done so far.
+    fn counters(&self) -> Counters;
+
+    /// Seconds spent so far in each pass, by the pass's name.
+    fn pass_seconds(&self) -> Vec<(&'static str, f64)>;
+}
+
+/// Adds a sample to its pixel's sum. One that is not finite counts as black, and is counted.
+#[inline]
+pub fn add_sample(sum: &mut [f64; 3], radiance: [f32; 3], counters: &mut Counters) {
+    if radiance.iter().all(|c| c.is_finite()) {
+        for (sum, value) in sum.iter_mut().zip(radiance) {
+            *sum += f64::from(value);
+        }
+    } else {
+        counters.invalid += 1;
+    }
+}

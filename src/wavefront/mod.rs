@@ -1,0 +1,100 @@
+//! The wavefront tracer: batches of paths go through one pass after the other, bounce after bounce
+//! (Laine, Karras and Aila, *Megakernels Considered Harmful*, HPG 2013).
+//!
+//! | pass | reads | writes |
+//! |---|---|---|
+//! | [`s1_generate`] | camera | rays |
+//! | [`s2_intersect`] | rays, tree | hits |
+//! | [`s3_shade`] | rays, hits, looks | radiance, lit points, next rays |
+//! | [`s4_shadow`] | lit points, lights, tree | radiance |
+//! | [`s5_resolve`] | radiance | pixels |
+//!
+//! A batch has as many paths as fit the second-level cache with their columns. What the plan leaves
+//! out has no column: no lit points without lights, no next rays without mirrors.
+
+pub mod batch;
+mod s1_generate;
+mod s2_intersect;
+mod s3_shade;
+mod s4_shadow;
+mod s5_resolve;
+
+use std::time::Instant;
+
+use crate::accel::Traversal;
+use crate::counters::Counters;
+use crate::prepared::PreparedScene;
+use crate::tile::{Tile, TraceSettings, Tracer};
+use batch::Batch;
+
+/// The number of paths that a batch holds unless asked otherwise.
+pub const DEFAULT_BATCH: usize = 1024;
+
+/// The passes, in order, by their names in statistics.
+pub const PASSES: [&str; 5] = ["generate", "intersect", "shade", "shadow", "resolve"];
+
+/// The tracer.
+#[derive(Debug)]
+pub struct Wavefront {
+    seed: u64,
+    batch: Batch,
+    traversal: Traversal,
+    counters: Counters,
+    clock: Clock,
+}
+
+/// Time spent in each pass.
+#[derive(Debug, Default)]
+struct Clock {
+    seconds: [f64; PASSES.len()],
+}
+
+impl Clock {
+    /// Runs `pass` and adds its time to the `index`th of [`PASSES`].
+    #[inline]
+    fn time(&mut self, index: usize, pass: impl FnOnce()) {
+        let start = Instant::now();
+        pass();
+        self.seconds[index] += start.elapsed().as_secs_f64();
+    }
+}
+
+impl Tracer for Wavefront {
+    fn new(scene: &PreparedScene, settings: &TraceSettings) -> Self {
+        Self {
+            seed: settings.seed,
+            batch: Batch::new(scene, settings.batch),
+            traversal: scene.accel.traversal(),
+            counters: Counters::default(),
+            clock: Clock::default(),
+        }
+    }
+
+    fn render(&mut self, scene: &PreparedScene, tile: &Tile, sums: &mut [[f64; 3]]) {
+        let Self { seed, batch, traversal, counters, clock } = self;
+        let paths = tile.len() as u64 * u64::from(scene.camera.rays_per_pixel());
+        let mut start = 0;
+        while start < paths {
+            let end = paths.min(start + batch.capacity() as u64);
+            clock.time(0, || s1_generate::run(scene, tile, *seed, start..end, batch, counters));
+            for bounce in 0..=scene.bounces {
+                clock.time(1, || s2_intersect::run(scene, batch, traversal));
+                clock.time(2, || s3_shade::run(scene, bounce, batch, counters));
+                clock.time(3, || s4_shadow::run(scene, *seed, bounce, batch, traversal, counters));
+                if !batch.advance() {
+                    break;
+                }
+            }
+            clock.time(4, || s5_resolve::run(batch, sums, counters));
+            start = end;
+        }
+    }
+
+    fn counters(&self) -> Counters {
+        Counters { tests: self.traversal.tests, ..self.counters }
+    }
+
+    fn pass_seconds(&self) -> Vec<(&'static str, f64)> {
+        PASSES.into_iter().zip(self.clock.seconds).collect()
+    }
+}
