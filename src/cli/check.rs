@@ -48,12 +48,12 @@ fn summary(extracted: &Extracted) -> String {
         ("vertices", format!("{}", geometry.positions.len())),
         ("quads", format!("{}", geometry.quads.len())),
         ("spheres", format!("{}", geometry.spheres.len())),
-        ("lights", format!("{}", scene.lights.len())),
+        ("lights with power", format!("{}", scene.lights.len())),
         ("textures", format!("{}", scene.looks.images.len())),
         ("bounces", format!("{}", scene.bounces)),
     ];
     lines.iter().fold(String::new(), |mut text, (name, value)| {
-        let _ = writeln!(text, "  {name:<13}{value}");
+        let _ = writeln!(text, "  {name:<18}{value}");
         text
     })
 }

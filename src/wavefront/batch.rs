@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use crate::kernels::shade::{ShadingPoint, ShadowRequest};
+use crate::kernels::shade::{SHADOW_END, ShadingPoint, ShadowRequest};
 use crate::math::ray::Ray;
 use crate::prepared::PreparedScene;
 
@@ -210,7 +210,7 @@ impl LitPoints {
 }
 
 columns! {
-    /// Shadow rays, t from 0 to 1. Written and read by shadow.
+    /// Shadow rays, t from 0 to [`SHADOW_END`]. Written and read by shadow.
     ShadowRays {
         /// World space.
         origin: Vectors,
@@ -232,7 +232,7 @@ impl ShadowRays {
     /// The `i`th ray.
     #[inline]
     pub fn get(&self, i: usize) -> Ray {
-        Ray { t_max: 1.0, ..Ray::new(self.origin.get(i), self.direction.get(i)) }
+        Ray { t_max: SHADOW_END, ..Ray::new(self.origin.get(i), self.direction.get(i)) }
     }
 
     /// Appends a request.

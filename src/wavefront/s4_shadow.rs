@@ -59,7 +59,7 @@ fn request(
     let target = light.point(index, stream);
     counters.light_samples += u64::from(light.is_sampled());
     let throughput = batch.lit.throughput.get(i);
-    if let Some(request) = shade::shadow_request(point, throughput, light, target) {
+    if let Some(request) = shade::shadow_request(point, throughput, light, &target) {
         counters.shadow_rays += 1;
         counters.lights_at_surface += u64::from(request.at_light);
         batch.shadows.push(&request, batch.lit.path[i]);
