@@ -6,6 +6,7 @@
 //! | 1 | for `diff`, the images differ; for `bench`, the tracers disagree |
 //! | 2 | an error, told on standard error |
 
+pub mod bench;
 pub mod check;
 pub mod common;
 pub mod diff;
@@ -39,6 +40,7 @@ enum Command {
     Explain(explain::ExplainArgs),
     Generate(generate::GenerateArgs),
     Diff(diff::DiffArgs),
+    Bench(bench::BenchArgs),
 }
 
 /// Runs the command that the process's arguments ask for.
@@ -75,5 +77,6 @@ fn dispatch(command: &Command) -> Result<bool> {
         Command::Explain(args) => explain::run(args).map(|()| true),
         Command::Generate(args) => generate::run(args).map(|()| true),
         Command::Diff(args) => diff::run(args),
+        Command::Bench(args) => bench::run(args),
     }
 }
