@@ -6,6 +6,7 @@
 //! | 1 | for `diff`, the images differ; for `bench`, the tracers disagree |
 //! | 2 | an error, told on standard error |
 
+pub mod bench;
 pub mod check;
 pub mod common;
 pub mod diff;
@@ -41,6 +42,7 @@ enum Command {
     Generate(generate::GenerateArgs),
     Trace(trace::TraceArgs),
     Diff(diff::DiffArgs),
+    Bench(bench::BenchArgs),
 }
 
 /// Runs the command that the process's arguments ask for.
@@ -78,5 +80,6 @@ fn dispatch(command: &Command) -> Result<bool> {
         Command::Generate(args) => generate::run(args).map(|()| true),
         Command::Trace(args) => trace::run(args).map(|()| true),
         Command::Diff(args) => diff::run(args),
+        Command::Bench(args) => bench::run(args),
     }
 }
