@@ -72,7 +72,7 @@ pub fn run(args: &BenchArgs) -> Result<bool> {
     if let Some(output) = &args.output {
         check_replaceable(output)?;
     }
-    args.scene_options.on_threads(|| run_here(args))
+    args.scene_options.threads.run(|| run_here(args))
 }
 
 fn run_here(args: &BenchArgs) -> Result<bool> {
@@ -97,13 +97,13 @@ fn run_here(args: &BenchArgs) -> Result<bool> {
 }
 
 /// Prepares a scene once and runs both tracers on it.
-fn bench(args: &BenchArgs, path: &PathBuf) -> Result<SceneBench> {
+fn bench(args: &BenchArgs, path: &Path) -> Result<SceneBench> {
     let (scene, setting) = prepare(args, path)?;
     let measured = measure_scene(args, &scene)?;
     Ok(SceneBench::new(setting, &scene, &measured, peak_memory()))
 }
 
-fn prepare(args: &BenchArgs, path: &PathBuf) -> Result<(PreparedScene, Setting)> {
+fn prepare(args: &BenchArgs, path: &Path) -> Result<(PreparedScene, Setting)> {
     let start = Instant::now();
     let mut loaded = args.scene_options.load(path)?;
     let extracted = systems::extract(&mut loaded.world)?;

@@ -1,7 +1,7 @@
 //! What several commands share: options, output, progress.
 
 use std::io::{ErrorKind as IoKind, IsTerminal, Write};
-use std::path::PathBuf;
+use std::path::Path;
 
 use indicatif::{ProgressBar, ProgressStyle};
 
@@ -35,7 +35,7 @@ pub struct SceneOptions {
 
 impl SceneOptions {
     /// Loads `scene` and tells its warnings.
-    pub fn load(&self, scene: &PathBuf) -> Result<LoadedScene> {
+    pub fn load(&self, scene: &Path) -> Result<LoadedScene> {
         let options = LoadOptions { strict: self.strict, width: self.width, height: self.height };
         let loaded = load(scene, &options)?;
         self.warn(&loaded.warnings);

@@ -94,7 +94,7 @@ impl ShearedSpace {
             return passes_on_an_edge(vertices);
         }
         let inside = (e0 > 0.0) == (e1 > 0.0) && (e1 > 0.0) == (e2 > 0.0);
-        inside.then(|| Sheared { vertices, edges, determinant: e0 + e1 + e2 })
+        inside.then_some(Sheared { vertices, edges, determinant: e0 + e1 + e2 })
     }
 
     /// The t at which the ray meets `triangle`, from either side, if it does and t > 0.

@@ -21,7 +21,7 @@ pub(super) fn run(
     traversal: &mut Traversal,
     counters: &mut Counters,
 ) {
-    if batch.lit.len() == 0 {
+    if batch.lit.is_empty() {
         return;
     }
     for light in &scene.lights {
