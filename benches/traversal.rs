@@ -52,7 +52,7 @@ fn random() -> Vec<Ray> {
             let [x, y, z, _] = stream.uniform(dimension);
             Vec3::new(x, y, z) * 4.0 - 2.0
         };
-        Ray::segment(point(0), point(1))
+        Ray { t_max: 1.0, ..Ray::new(point(0), point(1) - point(0)) }
     };
     (0..SIDE * SIDE).map(ray).collect()
 }
