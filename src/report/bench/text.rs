@@ -54,7 +54,7 @@ pub fn summary(reports: &[SceneBench]) -> String {
     let names = reports.iter().map(|r| r.scene.chars().count());
     let width = names.max().unwrap_or(0).max("scene".len());
     let mut text = format!(
-        "{:<width$}{:>12}{:>12}{:>14}{:>14}  wavefront / recursive\n",
+        "{:<width$}{:>12}{:>12}{:>14}{:>14}  wavefront / recursive (interval)\n",
         "scene", "triangles", "rays", "wavefront", "recursive"
     );
     let _ = writeln!(text, "{:<width$}{:>12}{:>12}{:>14}{:>14}", "", "", "", "Mrays/s", "Mrays/s");
@@ -63,8 +63,12 @@ pub fn summary(reports: &[SceneBench]) -> String {
         let _ = write!(text, "{name:<width$}{triangles:>12}{rays:>12}");
         let _ = match (&report.wavefront, &report.recursive, &report.ratio) {
             (Some(w), Some(r), Some(ratio)) => {
-                let ratio = interval(ratio);
-                writeln!(text, "{:>14.3}{:>14.3}  {ratio}", w.mrays_s, r.mrays_s)
+                let (w, r, i) = (w.mrays_s, r.mrays_s, &ratio.interval);
+                writeln!(
+                    text,
+                    "{w:>14.3}{r:>14.3}  {:.3} ({:.3} to {:.3})",
+                    i.median, i.low, i.high
+                )
             }
             _ => writeln!(text, "{:>14}{:>14}  THE TRACERS DISAGREE", "-", "-"),
         };
@@ -167,7 +171,11 @@ fn pixel(pixel: &Pixel) -> String {
 
 /// The unit in which so many seconds are told, and what to multiply them by.
 fn unit(seconds: f64) -> (f64, &'static str) {
-    if seconds < 1.0 { (1e3, "ms") } else { (1.0, "s") }
+    match seconds {
+        ..1e-3 => (1e6, "us"),
+        ..1.0 => (1e3, "ms"),
+        _ => (1.0, "s"),
+    }
 }
 
 fn plural(count: usize, name: &str) -> String {
