@@ -92,7 +92,7 @@ fn head(report: &SceneBench) -> String {
         format!("loaded in {:.3} s, tree ({preset}) built in {:.3} s", seconds.load, seconds.build),
     );
     if let Some(peak) = report.memory.peak {
-        row("peak memory", format!("{:.1} MB", peak as f64 / 1e6));
+        row("peak memory", format!("{:.1} MB, of the program so far", peak as f64 / 1e6));
     }
     let rays = &report.rays;
     let (primary, secondary, shadow) = (rays.primary, rays.secondary, rays.shadow);
