@@ -42,9 +42,9 @@ pub fn verdict(difference: &Difference) -> String {
             pixel(found),
             pixel(expected)
         ),
-        Difference::Work { tracer, expected, found } => format!(
-            "THE WORK DIFFERS: a {tracer:?} run counts other rays or samples than the first \
-             Wavefront run: {found} rays, where the first has {expected}"
+        Difference::Work { tracer, count, expected, found } => format!(
+            "THE WORK DIFFERS: a {tracer:?} run counts {found} {count}, where the first Wavefront \
+             run counts {expected}; the images are the same"
         ),
     }
 }
