@@ -14,7 +14,7 @@ pub struct Prediction {
     pub looks: u64,
     /// The tree, once built.
     pub tree: u64,
-    /// What the builder needs besides, at its peak.
+    /// What building the tree needs at its peak, the tree counted.
     pub build: u64,
     /// The image.
     pub film: u64,
@@ -24,30 +24,34 @@ pub struct Prediction {
     pub program: u64,
 }
 
-/// Bytes that obvhs holds for each primitive at its peak, the boxes it is given counted: measured
-/// on meshes of 1 to 18 million triangles, where presets that split need the most.
+/// Bytes for each primitive at the peak of a build, boxes, hierarchy and our own nodes together:
+/// measured on meshes of 1 and 4 million triangles.
 const fn build_bytes(preset: Preset) -> u64 {
     match preset {
         Preset::Brute => 0,
-        Preset::Fastest => 200,
-        Preset::VeryFast | Preset::Fast | Preset::Medium => 232,
-        Preset::Slow | Preset::VerySlow => 420,
+        Preset::Fastest | Preset::VeryFast | Preset::Fast | Preset::Medium => 250,
+        Preset::Slow | Preset::VerySlow => 270,
     }
 }
 
-/// Bytes of our nodes and leaves for each primitive: a node of 64 bytes for every two primitives
-/// or so, and four bytes for each place in a leaf.
-const TREE_BYTES: u64 = 40;
+/// Bytes of our nodes and leaves for each primitive, measured: leaves hold one primitive with the
+/// quickest preset and about two with the others.
+const fn tree_bytes(preset: Preset) -> u64 {
+    match preset {
+        Preset::Brute => 0,
+        Preset::Fastest => 68,
+        _ => 40,
+    }
+}
 
 /// What the program holds with an empty scene: measured.
-const PROGRAM: u64 = 12 << 20;
+const PROGRAM: u64 = 8 << 20;
 
 impl Prediction {
-    /// The peak: either while building, when the hierarchy and our nodes exist together, or while
-    /// tracing.
+    /// The peak: either while building or while tracing.
     pub fn total(&self) -> u64 {
-        let lasting = self.geometry + self.looks + self.tree + self.program;
-        lasting + self.build.max(self.film + self.batches)
+        let lasting = self.geometry + self.looks + self.program;
+        lasting + self.build.max(self.tree + self.film + self.batches)
     }
 }
 
@@ -62,7 +66,7 @@ pub fn predict(extracted: &Extracted, preset: Preset, batch: usize) -> Predictio
     Prediction {
         geometry: geometry.bytes(),
         looks: scene.looks.bytes(),
-        tree: if preset == Preset::Brute { 0 } else { primitives * TREE_BYTES },
+        tree: primitives * tree_bytes(preset),
         build: primitives * build_bytes(preset),
         film: width * height * size_of::<[f32; 3]>() as u64,
         batches: (path * batch * rayon::current_num_threads()) as u64,

@@ -89,7 +89,7 @@ impl Preset {
 
 /// What visiting an inner node costs in tests of primitives: decides how large leaves become. Of 0.3
 /// to 3 this was among the quickest to trace on a scan of a million triangles, with the fewest nodes.
-const NODE_COST: f32 = 1.5;
+const NODE_COST: f32 = 1.0;
 
 /// What the hierarchy is built over: boxes, and who is in each.
 struct References {
