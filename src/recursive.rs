@@ -98,7 +98,7 @@ impl Recursive {
         stream: &Stream,
         radiance: &mut Vec3,
     ) {
-        for light in &scene.lights {
+        for light in scene.lights.iter().filter(|light| light.has_power()) {
             for index in 0..light.samples() {
                 let target = light.point(index, stream);
                 self.counters.light_samples += u64::from(light.is_sampled());

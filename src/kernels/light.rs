@@ -111,6 +111,12 @@ impl Light {
         self.grid[0] * self.grid[1]
     }
 
+    /// Whether it lights anything: one without power only adds its ambient part.
+    #[inline]
+    pub fn has_power(&self) -> bool {
+        self.power != Vec3::ZERO
+    }
+
     /// Whether its points are drawn at random.
     #[inline]
     pub fn is_sampled(&self) -> bool {

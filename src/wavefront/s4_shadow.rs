@@ -24,7 +24,7 @@ pub(super) fn run(
     if batch.lit.len() == 0 {
         return;
     }
-    for light in &scene.lights {
+    for light in scene.lights.iter().filter(|light| light.has_power()) {
         for i in 0..batch.lit.len() {
             let path = batch.lit.path[i] as usize;
             let stream = Stream {
