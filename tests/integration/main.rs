@@ -21,8 +21,12 @@ mod effects;
 // The modules import each other in one direction alone, and files stay short.
 mod architecture;
 
-// The command: arguments, formats, exit codes, messages, and what is left behind on failure.
+// Rendering from the command line: arguments, formats, statistics, messages, exit codes, and what is
+// left behind on failure.
 mod cli;
+
+// The other commands: check, explain, diff, generate.
+mod commands;
 
 // What is said of scenes and meshes that are wrong, word for word.
 mod errors;

@@ -142,7 +142,7 @@ fn a_small_round_light_acts_as_a_point() {
 fn seen(kr: f64, bounces: u32) -> Value {
     let square = wall(0.2, 2.0, matte(0.0, [0.0; 3]));
     // Behind the eye, where only a mirror shows it.
-    let behind = sphere([0.0, 0.0, 9.0], 1.0, matte(0.0, [0.0; 3]));
+    let behind = sphere([0.0, 0.0, 9.0], 2.0, matte(0.0, [0.0; 3]));
     let lights = [light("random", 1, square), light("random", 1, behind)];
     let mirror = wall(50.0, 0.0, with(matte(0.0, [0.0; 3]), "kr", kr));
     scene(bounces, &Eye { size: [25, 25], ..EYE }.json(), &lights, &[mirror])

@@ -177,9 +177,9 @@ fn a_normal_flips_a_face_or_picks_the_side_it_points_to() {
 
 #[test]
 fn parts_of_a_transform_act_as_scale_then_rotation_then_translation() {
-    let parts = json!({"scale": [2, 1, 1], "rotate": [0, 0, 90], "translate": [0.5, -0.25, -1]});
-    let moved = CORNERS.map(|[x, y, z]| [0.5 - y, 2.0 * x - 0.25, z - 1.0]);
-    let matrix = json!([[0, -1, 0, 0.5], [2, 0, 0, -0.25], [0, 0, 1, -1], [0, 0, 0, 1]]);
+    let parts = json!({"scale": [2, 1, 1], "rotate": [0, 0, 90], "translate": [-0.125, 0.25, -1]});
+    let moved = CORNERS.map(|[x, y, z]| [-0.125 - y, 2.0 * x + 0.25, z - 1.0]);
+    let matrix = json!([[0, -1, 0, -0.125], [2, 0, 0, 0.25], [0, 0, 1, -1], [0, 0, 0, 1]]);
     for (shape, direct) in flat_shapes(CORNERS).into_iter().zip(flat_shapes(moved)) {
         let expected = lit(direct);
         assert!(is_lit(&expected));
