@@ -74,7 +74,7 @@ impl Recursive {
                 Arrival::Nothing if stream.bounce == 0 => return radiance + scene.background,
                 Arrival::Nothing => return radiance,
             };
-            radiance += throughput * shade::local_light(&point, scene.ambient, scene.lights.len());
+            radiance += throughput * shade::local_light(&point, scene.ambient);
             if point.lit {
                 self.direct_light(scene, &point, throughput, &stream, &mut radiance);
             }
@@ -98,11 +98,11 @@ impl Recursive {
         stream: &Stream,
         radiance: &mut Vec3,
     ) {
-        for light in scene.lights.iter().filter(|light| light.has_power()) {
+        for light in &scene.lights {
             for index in 0..light.samples() {
                 let target = light.point(index, stream);
                 self.counters.light_samples += u64::from(light.is_sampled());
-                let Some(request) = shade::shadow_request(point, throughput, light, target) else {
+                let Some(request) = shade::shadow_request(point, throughput, light, &target) else {
                     continue;
                 };
                 self.counters.shadow_rays += 1;

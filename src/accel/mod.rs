@@ -53,12 +53,36 @@ pub struct TestCounts {
     pub spheres: u64,
 }
 
+impl TestCounts {
+    fn zip(self, other: Self, f: impl Fn(u64, u64) -> u64) -> Self {
+        Self {
+            nodes: f(self.nodes, other.nodes),
+            triangles: f(self.triangles, other.triangles),
+            quads: f(self.quads, other.quads),
+            spheres: f(self.spheres, other.spheres),
+        }
+    }
+}
+
+impl std::ops::Add for TestCounts {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        self.zip(other, |a, b| a + b)
+    }
+}
+
+impl std::ops::Sub for TestCounts {
+    type Output = Self;
+
+    fn sub(self, other: Self) -> Self {
+        self.zip(other, |a, b| a - b)
+    }
+}
+
 impl std::ops::AddAssign for TestCounts {
     fn add_assign(&mut self, other: Self) {
-        self.nodes += other.nodes;
-        self.triangles += other.triangles;
-        self.quads += other.quads;
-        self.spheres += other.spheres;
+        *self = *self + other;
     }
 }
 

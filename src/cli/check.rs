@@ -22,7 +22,7 @@ pub struct CheckArgs {
 /// # Errors
 /// When the scene cannot be rendered.
 pub fn run(args: &CheckArgs) -> Result<()> {
-    args.scene_options.on_threads(|| {
+    args.scene_options.threads.run(|| {
         let mut loaded = args.scene_options.load(&args.scene)?;
         let extracted = systems::extract(&mut loaded.world)?;
         args.scene_options.warn(&extracted.warnings);
@@ -48,12 +48,12 @@ fn summary(extracted: &Extracted) -> String {
         ("vertices", format!("{}", geometry.positions.len())),
         ("quads", format!("{}", geometry.quads.len())),
         ("spheres", format!("{}", geometry.spheres.len())),
-        ("lights", format!("{}", scene.lights.len())),
+        ("lights with power", format!("{}", scene.lights.len())),
         ("textures", format!("{}", scene.looks.images.len())),
         ("bounces", format!("{}", scene.bounces)),
     ];
     lines.iter().fold(String::new(), |mut text, (name, value)| {
-        let _ = writeln!(text, "  {name:<13}{value}");
+        let _ = writeln!(text, "  {name:<18}{value}");
         text
     })
 }

@@ -1,7 +1,7 @@
 //! What several commands share: options, output, progress.
 
 use std::io::{ErrorKind as IoKind, IsTerminal, Write};
-use std::path::PathBuf;
+use std::path::Path;
 
 use indicatif::{ProgressBar, ProgressStyle};
 
@@ -25,9 +25,9 @@ pub struct SceneOptions {
     /// How much work goes into the BVH [default: chosen from triangles and expected rays]
     #[arg(long, value_name = "PRESET", value_enum)]
     pub bvh: Option<Preset>,
-    /// Number of threads [default: one for each core]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=4096))]
-    pub threads: Option<u16>,
+    /// On how many threads
+    #[command(flatten)]
+    pub threads: Threads,
     /// Say nothing but errors
     #[arg(short, long)]
     pub quiet: bool,
@@ -35,7 +35,7 @@ pub struct SceneOptions {
 
 impl SceneOptions {
     /// Loads `scene` and tells its warnings.
-    pub fn load(&self, scene: &PathBuf) -> Result<LoadedScene> {
+    pub fn load(&self, scene: &Path) -> Result<LoadedScene> {
         let options = LoadOptions { strict: self.strict, width: self.width, height: self.height };
         let loaded = load(scene, &options)?;
         self.warn(&loaded.warnings);
@@ -48,9 +48,19 @@ impl SceneOptions {
             warnings.iter().for_each(|warning| tell(&format!("warning: {warning}")));
         }
     }
+}
 
+/// How many threads to work on.
+#[derive(Clone, Copy, Debug, clap::Args)]
+pub struct Threads {
+    /// Number of threads [default: one for each core]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=4096))]
+    pub threads: Option<u16>,
+}
+
+impl Threads {
     /// Runs `work` on the threads asked for.
-    pub fn on_threads<R: Send>(&self, work: impl FnOnce() -> Result<R> + Send) -> Result<R> {
+    pub fn run<R: Send>(&self, work: impl FnOnce() -> Result<R> + Send) -> Result<R> {
         let threads = self.threads.map_or(0, usize::from);
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(|e| {
             Error::new(ErrorKind::Usage, format!("cannot start the threads: {e}"))

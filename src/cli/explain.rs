@@ -70,7 +70,7 @@ struct Column {
 /// # Errors
 /// When the scene cannot be rendered.
 pub fn run(args: &ExplainArgs) -> Result<()> {
-    args.scene_options.on_threads(|| {
+    args.scene_options.threads.run(|| {
         let mut loaded = args.scene_options.load(&args.scene)?;
         let extracted = systems::extract(&mut loaded.world)?;
         args.scene_options.warn(&extracted.warnings);

@@ -6,12 +6,14 @@
 //! | 1 | for `diff`, the images differ; for `bench`, the tracers disagree |
 //! | 2 | an error, told on standard error |
 
+pub mod bench;
 pub mod check;
 pub mod common;
 pub mod diff;
 pub mod explain;
 pub mod generate;
 pub mod render;
+pub mod trace;
 
 use std::ffi::OsString;
 use std::process::ExitCode;
@@ -38,7 +40,9 @@ enum Command {
     Check(check::CheckArgs),
     Explain(explain::ExplainArgs),
     Generate(generate::GenerateArgs),
+    Trace(trace::TraceArgs),
     Diff(diff::DiffArgs),
+    Bench(bench::BenchArgs),
 }
 
 /// Runs the command that the process's arguments ask for.
@@ -74,6 +78,8 @@ fn dispatch(command: &Command) -> Result<bool> {
         Command::Check(args) => check::run(args).map(|()| true),
         Command::Explain(args) => explain::run(args).map(|()| true),
         Command::Generate(args) => generate::run(args).map(|()| true),
+        Command::Trace(args) => trace::run(args).map(|()| true),
         Command::Diff(args) => diff::run(args),
+        Command::Bench(args) => bench::run(args),
     }
 }

@@ -75,7 +75,7 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     if let Some(stats) = &args.stats {
         check_replaceable(stats)?;
     }
-    args.scene_options.on_threads(|| run_here(args, output))
+    args.scene_options.threads.run(|| run_here(args, output))
 }
 
 fn run_here(args: &RenderArgs, output: &std::path::Path) -> Result<()> {

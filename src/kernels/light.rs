@@ -4,6 +4,8 @@ use std::f32::consts::PI;
 
 use glam::{Vec2, Vec3};
 
+use super::triangle;
+use crate::math::float::{gamma, max, max_abs};
 use crate::math::random::Stream;
 use crate::math::sampling::{self, Sampling};
 
@@ -51,6 +53,8 @@ pub enum Emitter {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Triangles {
     corners: Vec<[Vec3; 3]>,
+    /// Unit length; zero for triangles without area, which are never chosen.
+    normals: Vec<Vec3>,
     /// For each triangle, the share of the whole area up to its end. The last is 1.
     cumulative: Vec<f32>,
 }
@@ -70,12 +74,13 @@ impl Triangles {
             .collect();
         let total = *sums.last()?;
         let cumulative = sums.iter().map(|sum| (sum / total) as f32).collect();
-        (total > 0.0 && total.is_finite()).then_some(Self { corners, cumulative })
+        let normals = corners.iter().map(|c| triangle::normal(c).as_vec3()).collect();
+        (total > 0.0 && total.is_finite()).then_some(Self { corners, normals, cumulative })
     }
 
     /// The point for `square`: its x chooses the triangle and, stretched, a place in it.
     #[inline]
-    fn point(&self, square: Vec2) -> Vec3 {
+    fn point(&self, square: Vec2) -> LightPoint {
         let last = self.corners.len() - 1;
         let index = self.cumulative.partition_point(|&end| end <= square.x).min(last);
         let start = if index == 0 { 0.0 } else { self.cumulative[index - 1] };
@@ -83,8 +88,23 @@ impl Triangles {
         let within = ((square.x - start) / share).clamp(0.0, 1.0);
         let [a, b, c] = self.corners[index];
         let at = sampling::triangle(Vec2::new(within, square.y));
-        a + (b - a) * at.x + (c - a) * at.y
+        let position = a + (b - a) * at.x + (c - a) * at.y;
+        let size = max(max_abs(a), max(max_abs(b), max_abs(c)));
+        // Three roundings in each of two products, two sums.
+        let error = Vec3::splat(gamma(8) * size);
+        LightPoint { position, error, normal: self.normals[index] }
     }
+}
+
+/// A point of a light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LightPoint {
+    /// In world space.
+    pub position: Vec3,
+    /// Bound on the distance of `position` to the exact shape, for each coordinate.
+    pub error: Vec3,
+    /// Normal of the shape, of unit length; zero for a point light, which has no shape.
+    pub normal: Vec3,
 }
 
 /// A light.
@@ -111,30 +131,34 @@ impl Light {
         self.grid[0] * self.grid[1]
     }
 
-    /// Whether it lights anything: one without power only adds its ambient part.
-    #[inline]
-    pub fn has_power(&self) -> bool {
-        self.power != Vec3::ZERO
-    }
-
     /// Whether its points are drawn at random.
     #[inline]
     pub fn is_sampled(&self) -> bool {
         !matches!(self.emitter, Emitter::Point(_))
     }
 
-    /// Its `index`th point, in world space.
+    /// Where its `index`th point is in the unit square.
     #[inline]
-    pub fn point(&self, index: u32, stream: &Stream) -> Vec3 {
-        if let Emitter::Point(position) = self.emitter {
-            return position;
-        }
+    fn square(&self, index: u32, stream: &Stream) -> Vec2 {
         let [u, v, ..] = stream.uniform(self.dimension + index);
-        let square = self.sampling.point(index, self.grid[0], self.grid[1], [u, v]);
+        self.sampling.point(index, self.grid[0], self.grid[1], [u, v])
+    }
+
+    /// Its `index`th point.
+    #[inline]
+    pub fn point(&self, index: u32, stream: &Stream) -> LightPoint {
         match &self.emitter {
-            Emitter::Point(position) => *position,
-            Emitter::Sphere { center, radius } => *center + sampling::sphere(square) * *radius,
-            Emitter::Triangles(triangles) => triangles.point(square),
+            Emitter::Point(position) => {
+                LightPoint { position: *position, error: Vec3::ZERO, normal: Vec3::ZERO }
+            }
+            Emitter::Sphere { center, radius } => {
+                let normal = sampling::sphere(self.square(index, stream));
+                // The direction's own error moves the point along the sphere and, by its length,
+                // off it.
+                let error = Vec3::splat(gamma(8) * max(max_abs(*center), *radius));
+                LightPoint { position: *center + normal * *radius, error, normal }
+            }
+            Emitter::Triangles(triangles) => triangles.point(self.square(index, stream)),
         }
     }
 }
@@ -151,7 +175,7 @@ mod tests {
         (0..pixels)
             .flat_map(|pixel| {
                 let stream = Stream { seed: 2, pixel, sample: 0, bounce: 0 };
-                (0..light.samples()).map(move |i| light.point(i, &stream))
+                (0..light.samples()).map(move |i| light.point(i, &stream).position)
             })
             .collect()
     }

@@ -15,8 +15,9 @@
 //! gamma(5) ((X + D) Y + (Y + D) X)). Weights that sum to one move the average by at most half the
 //! span of z times the sum of their changes, so that |error of t| <= 3 E span / |det| + gamma(8) Z.
 //! Where this bound is above [`T_TOLERANCE`] times |t| (rays that graze the triangle or start on
-//! it), t is computed again in double precision. The stated error of t is therefore at most
-//! [`T_TOLERANCE`] |t|; away from grazing angles it is a few ulp.
+//! it), or leaves open whether the hit is within the ray's own range (a light just before or just
+//! behind a surface), t is computed again in double precision. The stated error of t is therefore
+//! at most [`T_TOLERANCE`] |t|; away from grazing angles it is a few ulp.
 
 use glam::{DVec3, Vec3};
 
@@ -31,6 +32,9 @@ pub const T_TOLERANCE: f32 = 1.0 / 65536.0;
 pub struct ShearedSpace {
     origin: Vec3,
     direction: Vec3,
+    /// The ray's range of t.
+    t_min: f32,
+    t_max: f32,
     /// The two lesser axes of the direction and its largest.
     axes: [usize; 3],
     /// How far x and y of the direction lean, and the reciprocal of its z.
@@ -59,7 +63,8 @@ impl ShearedSpace {
         };
         let (x, y) = ((z + 1) % 3, (z + 2) % 3);
         let shear = [d[x] / d[z], d[y] / d[z], 1.0 / d[z]];
-        Self { origin: ray.origin, direction: d, axes: [x, y, z], shear }
+        let Ray { origin, direction, t_min, t_max } = *ray;
+        Self { origin, direction, t_min, t_max, axes: [x, y, z], shear }
     }
 
     #[inline(always)]
@@ -89,7 +94,7 @@ impl ShearedSpace {
             return passes_on_an_edge(vertices);
         }
         let inside = (e0 > 0.0) == (e1 > 0.0) && (e1 > 0.0) == (e2 > 0.0);
-        inside.then(|| Sheared { vertices, edges, determinant: e0 + e1 + e2 })
+        inside.then_some(Sheared { vertices, edges, determinant: e0 + e1 + e2 })
     }
 
     /// The t at which the ray meets `triangle`, from either side, if it does and t > 0.
@@ -106,11 +111,11 @@ impl ShearedSpace {
         let near = min(a.z, min(b.z, c.z));
         let [e0, e1, e2] = hit.edges;
         let t = (e0 * a.z + e1 * b.z + e2 * c.z) / hit.determinant;
-        let t = if self.error_bound(&hit, near, far) <= T_TOLERANCE * t.abs() {
-            min(max(t, near), far)
-        } else {
-            self.distance_f64(triangle)?
-        };
+        let bound = self.error_bound(&hit, near, far);
+        let certain = bound <= T_TOLERANCE * t.abs()
+            && (t - self.t_max).abs() > bound
+            && (t - self.t_min).abs() > bound;
+        let t = if certain { min(max(t, near), far) } else { self.distance_f64(triangle)? };
         (t > 0.0).then_some(t)
     }
 
@@ -126,16 +131,29 @@ impl ShearedSpace {
         3.0 * edge * (far - near) / hit.determinant.abs() + gamma(8) * z
     }
 
-    /// t in double precision, or `None` where the ray lies in the triangle's plane.
+    /// t in double precision, or `None` where the ray lies in the triangle's plane or starts on the
+    /// triangle, as far as double precision can tell.
     #[cold]
     #[inline(never)]
     fn distance_f64(&self, triangle: &[Vec3; 3]) -> Option<f32> {
         let vertices = triangle.map(|v| self.shear_f64(v));
-        let weights = weights(&vertices)?;
         let z = vertices.map(|v| v.z);
-        let t = weights.dot(DVec3::from(z));
+        let t = weights(&vertices)?.dot(DVec3::from(z));
         let (near, far) = (z[0].min(z[1]).min(z[2]), z[0].max(z[1]).max(z[2]));
-        Some(t.clamp(near, far) as f32)
+        let t = t.clamp(near, far);
+        let from_start = t - f64::from(self.t_min);
+        (from_start.abs() > self.error_bound_f64(&vertices, far - near)).then_some(t as f32)
+    }
+
+    /// As [`Self::error_bound`], for the arithmetic of [`Self::distance_f64`].
+    fn error_bound_f64(&self, vertices: &[DVec3; 3], span: f64) -> f64 {
+        let u = f64::EPSILON / 2.0;
+        let size = vertices.iter().fold(DVec3::ZERO, |m, v| m.max(v.abs()));
+        let DVec3 { x, y, z } = size;
+        let depth = z * f64::from(self.direction[self.axes[2]]).abs();
+        let edge = 2.0 * u * (2.0 * x * y + 5.0 * ((x + depth) * y + (y + depth) * x));
+        let determinant = edges_f64(vertices).iter().sum::<f64>().abs();
+        3.0 * edge * span / determinant + 8.0 * u * z
     }
 
     /// Barycentric coordinates of the point at which the ray's line meets the triangle, each in 0

@@ -69,15 +69,21 @@ pub fn stable_roots(a: f64, b: f64, c: f64, root: f64) -> (f64, f64) {
     if t0 < t1 { (t0, t1) } else { (t1, t0) }
 }
 
+/// The steepest crease, as the tangent of the angle between the normals on its sides, at which a
+/// moved origin is still in front of both.
+const STEEPEST_CREASE: f32 = 4.0;
+
 /// Moves `point` off its surface along `normal`, to the side that `direction` points to, just far
 /// enough that the exact surface stays behind.
 ///
-/// `error` bounds the rounding error of each coordinate of `point`; the shift is that error box's
-/// extent along the normal, and each coordinate is then rounded away from the surface (Pharr et
-/// al., `OffsetRayOrigin`).
+/// `error` bounds the rounding error of each coordinate of `point`. To leave its own surface, the
+/// point would have to move by that error box's extent along the normal (Pharr et al.,
+/// `OffsetRayOrigin`). But error along the surface can carry a point of an edge behind the
+/// neighbour that rises there; moving by [`STEEPEST_CREASE`] times the size of the box brings it
+/// before that one too. Each coordinate is then rounded away from the surface.
 #[inline]
 pub fn offset_origin(point: Vec3, error: Vec3, normal: Vec3, direction: Vec3) -> Vec3 {
-    let distance = normal.abs().dot(error);
+    let distance = STEEPEST_CREASE * error.element_sum();
     let side = if direction.dot(normal) < 0.0 { -distance } else { distance };
     let shift = normal * side;
     Vec3::new(

@@ -22,12 +22,6 @@ impl Ray {
         Self { origin, direction, t_min: 0.0, t_max: f32::INFINITY }
     }
 
-    /// The open segment from `start` to `end`, t from 0 to 1.
-    #[inline]
-    pub fn segment(start: Vec3, end: Vec3) -> Self {
-        Self { origin: start, direction: end - start, t_min: 0.0, t_max: 1.0 }
-    }
-
     /// Whether the ray can be traced: finite, and of a direction other than zero.
     #[inline]
     pub fn is_valid(&self) -> bool {

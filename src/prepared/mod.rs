@@ -26,11 +26,13 @@ pub struct PreparedScene {
     pub accel: Accel,
     /// What they hit looks like.
     pub looks: Looks,
-    /// What lights it, in the order of the file. Contributions are added in this order.
+    /// What lights it: the lights with power, in the order of the file. Contributions are added in
+    /// this order.
     pub lights: Vec<Light>,
     /// What a primary ray that hits nothing returns.
     pub background: Vec3,
-    /// Factor on the diffuse colour, added once for each light.
+    /// Factor on the diffuse colour for the ambient part of all lights together, those without
+    /// power too.
     pub ambient: f32,
     /// Greatest number of mirror bounces; 0 where the plan has no mirrors.
     pub bounces: u32,

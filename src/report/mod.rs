@@ -1,3 +1,5 @@
 //! What a render tells about itself.
 
+pub mod bench;
 pub mod statistics;
+pub mod summary;

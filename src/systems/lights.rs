@@ -12,8 +12,17 @@ use crate::kernels::quad;
 use crate::math::sampling::Sampling;
 use crate::scene::components::{AreaLight, JsonPath, Order, PointLight, Settings};
 
-/// The lights of the world. Those without power stay: each adds its ambient part.
-pub fn run(world: &World, extracted: &Output, settings: &Settings) -> Result<Vec<Light>> {
+/// What this system makes.
+#[derive(Debug)]
+pub struct LightsOutput {
+    /// The lights with power.
+    pub lights: Vec<Light>,
+    /// Number of lights, with or without power: each adds its ambient part.
+    pub count: usize,
+}
+
+/// The lights of the world.
+pub fn run(world: &World, extracted: &Output, settings: &Settings) -> Result<LightsOutput> {
     let mut found: Vec<(Order, Entity, Light)> = Vec::new();
     for (entity, order, light) in world.query::<(Entity, &Order, &PointLight)>().iter() {
         found.push((*order, entity, point_light(light)));
@@ -23,15 +32,17 @@ pub fn run(world: &World, extracted: &Output, settings: &Settings) -> Result<Vec
         found.push((*order, entity, area_light(light, emitter)));
     }
     found.sort_by_key(|(order, ..)| *order);
+    let count = found.len();
     let mut dimension = camera::DIMENSION + 1;
-    Ok(found
-        .into_iter()
-        .map(|(_, _, mut light)| {
+    let powerful = found.into_iter().filter(|(.., light)| light.power != Vec3::ZERO);
+    let lights = powerful
+        .map(|(.., mut light)| {
             light.dimension = dimension;
             dimension += if light.is_sampled() { light.samples() } else { 0 };
             light
         })
-        .collect())
+        .collect();
+    Ok(LightsOutput { lights, count })
 }
 
 fn point_light(light: &PointLight) -> Light {

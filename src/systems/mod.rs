@@ -49,7 +49,7 @@ pub fn extract(world: &mut World) -> Result<Extracted> {
     let mut extracted = geometry::run(world).map_err(|e| e.in_file(&settings.file))?;
     let materials = materials::run(world, &extracted.shapes);
     let images = textures::run(world, &plan, &mut extracted.shapes)?;
-    let lights = lights::run(world, &extracted, &settings)?;
+    let lights::LightsOutput { lights, count } = lights::run(world, &extracted, &settings)?;
     let camera = camera::run(world)?;
     let mirrors = plan.has(Effect::Mirrors);
     let geometry::Output { geometry, shapes, meshes, dropped, warnings } = extracted;
@@ -61,7 +61,7 @@ pub fn extract(world: &mut World) -> Result<Extracted> {
         looks: Looks { shapes, materials, images, meshes },
         lights,
         background: settings.background.as_vec3(),
-        ambient: settings.ambient as f32,
+        ambient: settings.ambient as f32 * count as f32,
         bounces: if mirrors { settings.bounces } else { 0 },
         dropped,
     };

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use crate::kernels::shade::{ShadingPoint, ShadowRequest};
+use crate::kernels::shade::{SHADOW_END, ShadingPoint, ShadowRequest};
 use crate::math::ray::Ray;
 use crate::prepared::PreparedScene;
 
@@ -27,6 +27,17 @@ macro_rules! columns {
                 $( self.$field.clear(); )+
             }
 
+            /// Number of rows.
+            pub fn len(&self) -> usize {
+                // Every column has as many.
+                [$( Column::rows(&self.$field) ),+][0]
+            }
+
+            /// Whether there is no row.
+            pub fn is_empty(&self) -> bool {
+                self.len() == 0
+            }
+
             /// Bytes that one row takes.
             pub const ROW_BYTES: usize = 0 $( + <$kind as Column>::ITEM_BYTES )+;
         }
@@ -36,14 +47,24 @@ macro_rules! columns {
 /// A column: one value, or three of a vector, for each row.
 trait Column {
     const ITEM_BYTES: usize;
+
+    fn rows(&self) -> usize;
 }
 
 impl<T> Column for Vec<T> {
     const ITEM_BYTES: usize = size_of::<T>();
+
+    fn rows(&self) -> usize {
+        self.len()
+    }
 }
 
 impl Column for Vectors {
     const ITEM_BYTES: usize = 3 * size_of::<f32>();
+
+    fn rows(&self) -> usize {
+        self.x.len()
+    }
 }
 
 /// A column of vectors, as a column for each coordinate.
@@ -110,11 +131,6 @@ columns! {
 }
 
 impl Rays {
-    /// Number of rays.
-    pub fn len(&self) -> usize {
-        self.path.len()
-    }
-
     /// The `i`th ray.
     #[inline]
     pub fn get(&self, i: usize) -> Ray {
@@ -166,11 +182,6 @@ columns! {
 }
 
 impl LitPoints {
-    /// Number of points.
-    pub fn len(&self) -> usize {
-        self.path.len()
-    }
-
     /// Appends a point.
     #[inline]
     pub fn push(&mut self, p: &ShadingPoint, throughput: Vec3, path: u32) {
@@ -210,7 +221,7 @@ impl LitPoints {
 }
 
 columns! {
-    /// Shadow rays, t from 0 to 1. Written and read by shadow.
+    /// Shadow rays, t from 0 to [`SHADOW_END`]. Written and read by shadow.
     ShadowRays {
         /// World space.
         origin: Vectors,
@@ -224,15 +235,10 @@ columns! {
 }
 
 impl ShadowRays {
-    /// Number of rays.
-    pub fn len(&self) -> usize {
-        self.path.len()
-    }
-
     /// The `i`th ray.
     #[inline]
     pub fn get(&self, i: usize) -> Ray {
-        Ray { t_max: 1.0, ..Ray::new(self.origin.get(i), self.direction.get(i)) }
+        Ray { t_max: SHADOW_END, ..Ray::new(self.origin.get(i), self.direction.get(i)) }
     }
 
     /// Appends a request.
@@ -260,11 +266,6 @@ columns! {
 }
 
 impl Paths {
-    /// Number of paths.
-    pub fn len(&self) -> usize {
-        self.pixel.len()
-    }
-
     /// Sets every path's radiance to zero.
     pub fn darken(&mut self) {
         let n = self.len();
@@ -316,7 +317,7 @@ impl Batch {
     pub fn advance(&mut self) -> bool {
         std::mem::swap(&mut self.rays, &mut self.next);
         self.next.clear();
-        self.rays.len() > 0
+        !self.rays.is_empty()
     }
 
     /// Bytes for each path in the columns that `scene` calls for, by the column group's name.

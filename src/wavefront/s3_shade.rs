@@ -30,7 +30,7 @@ pub(super) fn run(scene: &PreparedScene, bounce: u32, batch: &mut Batch, counter
                 continue;
             }
         };
-        let local = shade::local_light(&point, scene.ambient, scene.lights.len());
+        let local = shade::local_light(&point, scene.ambient);
         radiance.add(path as usize, throughput * local);
         if shadows && point.lit {
             batch.lit.push(&point, throughput, path);

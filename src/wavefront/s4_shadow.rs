@@ -21,10 +21,10 @@ pub(super) fn run(
     traversal: &mut Traversal,
     counters: &mut Counters,
 ) {
-    if batch.lit.len() == 0 {
+    if batch.lit.is_empty() {
         return;
     }
-    for light in scene.lights.iter().filter(|light| light.has_power()) {
+    for light in &scene.lights {
         for i in 0..batch.lit.len() {
             let path = batch.lit.path[i] as usize;
             let stream = Stream {
@@ -59,7 +59,7 @@ fn request(
     let target = light.point(index, stream);
     counters.light_samples += u64::from(light.is_sampled());
     let throughput = batch.lit.throughput.get(i);
-    if let Some(request) = shade::shadow_request(point, throughput, light, target) {
+    if let Some(request) = shade::shadow_request(point, throughput, light, &target) {
         counters.shadow_rays += 1;
         counters.lights_at_surface += u64::from(request.at_light);
         batch.shadows.push(&request, batch.lit.path[i]);

@@ -1,0 +1,153 @@
+//! The kernels one by one, each over the same random inputs: time is told for one input.
+//!
+//! Run with `cargo bench --bench kernels`, and a word to choose by name.
+
+use divan::counter::ItemsCount;
+use divan::{Bencher, black_box};
+use glam::{Vec2, Vec3};
+
+use wavecrest::kernels::blinn_phong::{self, Material};
+use wavecrest::kernels::slab::{Aabb, SlabRay};
+use wavecrest::kernels::texture::{Filter, Image, Texels, Wrap};
+use wavecrest::kernels::triangle::{self, ShearedSpace};
+use wavecrest::kernels::{quad, sphere, surface};
+use wavecrest::math::float::normalize;
+use wavecrest::math::random::{Stream, philox_4x32_10};
+use wavecrest::math::ray::Ray;
+
+/// Inputs of one sample: few enough for the first-level cache.
+const INPUTS: u32 = 256;
+
+fn main() {
+    divan::main();
+}
+
+/// Times `kernel` over all `inputs`.
+fn each<I, O>(bencher: Bencher<'_, '_>, inputs: &[I], kernel: impl Fn(&I) -> O) {
+    bencher.counter(ItemsCount::new(inputs.len())).bench_local(|| {
+        for input in inputs {
+            black_box(kernel(black_box(input)));
+        }
+    });
+}
+
+/// `make` of every input's random numbers.
+fn inputs<T>(make: impl Fn(&dyn Fn(u32) -> Vec3) -> T) -> Vec<T> {
+    let point = |pixel, dimension| {
+        let stream = Stream { seed: 1, pixel, sample: 0, bounce: 0 };
+        let [x, y, z, _] = stream.uniform(dimension);
+        Vec3::new(x, y, z) * 2.0 - 1.0
+    };
+    (0..INPUTS).map(|pixel| make(&|dimension| point(pixel, dimension))).collect()
+}
+
+/// A ray towards the middle, and corners about it: about half of them are hit.
+fn rays_and_corners<const N: usize>() -> Vec<(Ray, [Vec3; N])> {
+    inputs(|point| {
+        let ray = Ray::new(point(0) + Vec3::Z * 5.0, point(1) * 0.3 - Vec3::Z);
+        (ray, std::array::from_fn(|k| point(2 + k as u32)))
+    })
+}
+
+/// A quad in the plane z = 0, as corners at random would not be one.
+fn rays_and_quads() -> Vec<(Ray, [Vec3; 4])> {
+    let turn = |(ray, [a, ..]): (Ray, [Vec3; 4])| {
+        let (x, y) = (Vec3::new(a.x, a.y, 0.0), Vec3::new(-a.y, a.x, 0.0));
+        (ray, [x, y, -x, -y])
+    };
+    rays_and_corners().into_iter().map(turn).collect()
+}
+
+#[divan::bench]
+fn triangle_intersect(bencher: Bencher<'_, '_>) {
+    let prepare = |(ray, corners): (Ray, [Vec3; 3])| (ShearedSpace::new(&ray), corners);
+    let inputs: Vec<_> = rays_and_corners().into_iter().map(prepare).collect();
+    each(bencher, &inputs, |(space, corners)| space.intersect(corners));
+}
+
+#[divan::bench]
+fn triangle_prepare_ray(bencher: Bencher<'_, '_>) {
+    each(bencher, &rays_and_corners::<3>(), |(ray, _)| ShearedSpace::new(ray));
+}
+
+#[divan::bench]
+fn triangle_surface(bencher: Bencher<'_, '_>) {
+    each(bencher, &rays_and_corners(), |(ray, corners)| surface::triangle(ray, corners));
+}
+
+#[divan::bench]
+fn triangle_is_degenerate(bencher: Bencher<'_, '_>) {
+    each(bencher, &rays_and_corners(), |(_, corners)| triangle::is_degenerate(corners));
+}
+
+/// The hard case: corners on one line, which only exact arithmetic tells.
+#[divan::bench]
+fn triangle_is_degenerate_on_a_line(bencher: Bencher<'_, '_>) {
+    let line = |(_, [a, b, _]): (Ray, [Vec3; 3])| [a, b, a + (b - a) * 0.5];
+    let inputs: Vec<_> = rays_and_corners().into_iter().map(line).collect();
+    each(bencher, &inputs, triangle::is_degenerate);
+}
+
+#[divan::bench]
+fn quad_intersect(bencher: Bencher<'_, '_>) {
+    let prepare = |(ray, corners)| (ShearedSpace::new(&ray), corners);
+    let inputs: Vec<_> = rays_and_quads().into_iter().map(prepare).collect();
+    each(bencher, &inputs, |(space, corners)| quad::intersect(space, corners));
+}
+
+#[divan::bench]
+fn sphere_intersect(bencher: Bencher<'_, '_>) {
+    each(bencher, &rays_and_corners(), |(ray, [center])| sphere::intersect(ray, *center, 0.5));
+}
+
+#[divan::bench]
+fn sphere_surface(bencher: Bencher<'_, '_>) {
+    each(bencher, &rays_and_corners(), |(ray, [center])| surface::sphere(ray, *center, 0.5));
+}
+
+#[divan::bench]
+fn slab_interval(bencher: Bencher<'_, '_>) {
+    let prepare =
+        |(ray, corners): (Ray, [Vec3; 2])| (SlabRay::new(&ray), Aabb::around(corners).padded());
+    let inputs: Vec<_> = rays_and_corners().into_iter().map(prepare).collect();
+    each(bencher, &inputs, |(ray, bounds)| ray.interval(bounds));
+}
+
+#[divan::bench]
+fn slab_prepare_ray(bencher: Bencher<'_, '_>) {
+    each(bencher, &rays_and_corners::<1>(), |(ray, _)| SlabRay::new(ray));
+}
+
+#[divan::bench]
+fn philox(bencher: Bencher<'_, '_>) {
+    let counters: Vec<_> = (0..INPUTS).map(|i| [i, 1, 0, 3]).collect();
+    each(bencher, &counters, |counter| philox_4x32_10(*counter, [7, 0]));
+}
+
+/// Exponents: none of the highlight, whole ones by squaring, and one that calls for `powf`.
+#[divan::bench(args = ["diffuse", "exponent 20", "exponent 1000", "exponent 20.5"])]
+fn blinn_phong(bencher: Bencher<'_, '_>, kind: &str) {
+    let exponent = kind.strip_prefix("exponent ").and_then(|number| number.parse().ok());
+    let material = Material {
+        ks: if exponent.is_some() { 0.2 } else { 0.0 },
+        kd: 0.8,
+        exponent: exponent.unwrap_or(1.0),
+        color: Vec3::new(0.9, 0.5, 0.1),
+        kr: 0.0,
+    };
+    let inputs = inputs(|point| [0, 1, 2].map(|k| normalize(point(k) + Vec3::Z)));
+    each(bencher, &inputs, |[normal, view, light]| {
+        blinn_phong::reflect(&material, material.color, *normal, *view, *light)
+    });
+}
+
+#[divan::bench(args = [Filter::Nearest, Filter::Bilinear])]
+fn texture_look_up(bencher: Bencher<'_, '_>, filter: Filter) {
+    let image = Image {
+        width: 256,
+        height: 256,
+        texels: Texels::Bytes((0..256 * 256_u32).map(u32::to_le_bytes).collect()),
+    };
+    let inputs = inputs(|point| Vec2::new(point(0).x, point(0).y));
+    each(bencher, &inputs, |uv| image.look_up(*uv, filter, Wrap::Repeat));
+}

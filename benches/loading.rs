@@ -1,0 +1,94 @@
+//! Reading a mesh of 100 thousand triangles from the disk: time is told for the file's bytes.
+//!
+//! Run with `cargo bench --bench loading`.
+
+use std::fmt::Write as _;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use divan::Bencher;
+use divan::counter::BytesCount;
+use tempfile::TempDir;
+
+use wavecrest::error::{Error, Result};
+use wavecrest::generate::{Model, Recipe, mesh, write_ply};
+use wavecrest::scene::mesh::{MeshData, load};
+
+const TRIANGLES: u64 = 100_000;
+
+fn main() {
+    divan::main();
+}
+
+fn recipe(normals: bool) -> Recipe {
+    Recipe { normals, ..Recipe::new(Model::Sphere, TRIANGLES) }
+}
+
+/// A mesh as the text of an OBJ file, which counts from 1.
+fn obj(mesh: &MeshData) -> String {
+    let mut text = String::new();
+    for p in &mesh.positions {
+        let _ = writeln!(text, "v {} {} {}", p.x, p.y, p.z);
+    }
+    for [a, b, c] in mesh.triangles.iter().map(|t| t.map(|v| v + 1)) {
+        let _ = writeln!(text, "f {a} {b} {c}");
+    }
+    text
+}
+
+/// A mesh as the text of a PLY file.
+fn ply_text(mesh: &MeshData) -> String {
+    let (vertices, faces) = (mesh.positions.len(), mesh.triangles.len());
+    let mut text = format!(
+        "ply\nformat ascii 1.0\nelement vertex {vertices}\nproperty float x\nproperty float y\n\
+         property float z\nelement face {faces}\nproperty list uchar int vertex_indices\n\
+         end_header\n"
+    );
+    for p in &mesh.positions {
+        let _ = writeln!(text, "{} {} {}", p.x, p.y, p.z);
+    }
+    for [a, b, c] in &mesh.triangles {
+        let _ = writeln!(text, "3 {a} {b} {c}");
+    }
+    text
+}
+
+/// Writes the file of that kind into `folder`.
+fn write(folder: &Path, kind: &str) -> Result<PathBuf> {
+    let put = |name: &str, text: String| -> Result<PathBuf> {
+        let path = folder.join(name);
+        std::fs::write(&path, text).map_err(|e| Error::io("cannot write the file", &path, e))?;
+        Ok(path)
+    };
+    match kind {
+        "obj" => put("mesh.obj", obj(&mesh(&recipe(false))?)),
+        "ply, text" => put("mesh.ply", ply_text(&mesh(&recipe(false))?)),
+        _ => {
+            let path = folder.join("mesh.ply");
+            write_ply(&recipe(kind == "ply with normals"), &path, &mut |_, _| {})?;
+            Ok(path)
+        }
+    }
+}
+
+fn folder() -> Result<TempDir> {
+    let failed = |e: io::Error| Error::io("cannot make a folder in", std::env::temp_dir(), e);
+    tempfile::tempdir().map_err(failed)
+}
+
+fn time(bencher: Bencher<'_, '_>, kind: &str) -> Result<()> {
+    let folder = folder()?;
+    let path = write(folder.path(), kind)?;
+    let triangles = load(&path)?.mesh.triangles.len() as u64;
+    assert!(triangles >= TRIANGLES, "{kind}: {triangles} triangles were read");
+    let bytes = std::fs::metadata(&path).map_or(0, |data| data.len());
+    bencher.counter(BytesCount::new(bytes)).bench_local(|| load(&path));
+    Ok(())
+}
+
+#[divan::bench(args = ["ply", "ply with normals", "ply, text", "obj"],
+               sample_count = 20, sample_size = 1)]
+fn read(bencher: Bencher<'_, '_>, kind: &str) {
+    let timed = time(bencher, kind);
+    assert!(timed.is_ok(), "{kind}: {timed:?}");
+}

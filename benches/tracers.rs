@@ -1,0 +1,104 @@
+//! Both tracers on small scenes that differ in what they call for: time is told for one ray.
+//!
+//! For scenes of one's own, with the images checked and the time of each pass, there is
+//! `wavecrest bench`. Run with `cargo bench --bench tracers`.
+
+use std::path::Path;
+
+use divan::Bencher;
+use divan::counter::ItemsCount;
+use serde_json::{Value, json};
+
+use wavecrest::accel::build::Preset;
+use wavecrest::error::Result;
+use wavecrest::generate::{Model, Recipe, mesh};
+use wavecrest::prepared::PreparedScene;
+use wavecrest::render::{RenderOptions, Rendered, TracerKind, render};
+use wavecrest::scene::load::load_str;
+use wavecrest::systems;
+
+/// Everything but the shapes.
+const SCENE: &str = r#"{
+    "nbounces": 4,
+    "camera": {"type": "pinhole", "width": 160, "height": 120, "fov": 50,
+               "location": [0, 1, 4], "look": [0, 0, 0]},
+    "scene": {
+        "backgroundcolor": [0.1, 0.2, 0.3],
+        "lightsources": [{"type": "pointlight", "intensity": 40, "position": [2, 3, 5],
+                          "color": [1, 1, 1]}],
+        "shapes": []
+    }
+}"#;
+
+/// What the scenes show.
+const SCENES: [&str; 3] = ["spheres", "mesh", "mirrors"];
+
+fn main() {
+    divan::main();
+}
+
+fn material(kr: f64) -> Value {
+    json!({"ks": 0.2, "kd": 0.8, "specularexponent": 20, "diffusecolor": [0.8, 0.4, 0.2], "kr": kr})
+}
+
+/// Spheres in a row.
+fn spheres(kr: f64) -> Result<Vec<Value>> {
+    let sphere = |i: i32| {
+        let center = [f64::from(i) * 0.8, 0.0, 0.0];
+        json!({"type": "sphere", "center": center, "radius": 0.45, "material": material(kr)})
+    };
+    Ok((-2..=2).map(sphere).collect())
+}
+
+/// A displaced sphere of 20 thousand triangles, written out.
+fn meshes() -> Result<Vec<Value>> {
+    let mesh = mesh(&Recipe::new(Model::Sphere, 20_000))?;
+    let points: Vec<[f32; 3]> = mesh.positions.iter().map(|p| p.to_array()).collect();
+    // Fronts are clockwise in a scene file.
+    let indices: Vec<[u32; 3]> = mesh.triangles.iter().map(|&[a, b, c]| [a, c, b]).collect();
+    let material = material(0.0);
+    Ok(vec![json!({"type": "trimesh", "points": points, "indices": indices, "material": material})])
+}
+
+fn prepare(name: &str) -> Result<PreparedScene> {
+    let mut scene: Value = serde_json::from_str(SCENE).unwrap_or_default();
+    scene["scene"]["shapes"] = match name {
+        "spheres" => spheres(0.0)?,
+        "mirrors" => spheres(0.6)?,
+        _ => meshes()?,
+    }
+    .into();
+    let mut loaded = load_str(&scene.to_string(), Path::new("bench.json"), &Default::default())?;
+    Ok(systems::prepare(&mut loaded.world, Preset::Fast)?.0)
+}
+
+fn trace(scene: &PreparedScene, tracer: TracerKind) -> Result<Rendered> {
+    render(scene, &RenderOptions { tracer, ..RenderOptions::default() }, &|_, _| {})
+}
+
+/// Times a tracer once it has been checked against the other.
+fn time(bencher: Bencher<'_, '_>, name: &str, tracer: TracerKind) -> Result<()> {
+    let scene = prepare(name)?;
+    let (a, b) = (trace(&scene, TracerKind::Wavefront)?, trace(&scene, TracerKind::Recursive)?);
+    assert!(a.film.same_bits(&b.film), "{name}: the tracers disagree");
+    let counters = a.counters;
+    let rays = counters.primary_rays + counters.secondary_rays + counters.shadow_rays;
+    bencher.counter(ItemsCount::new(rays)).bench_local(|| trace(&scene, tracer));
+    Ok(())
+}
+
+/// Stops the program where a scene cannot be prepared.
+fn time_or_stop(bencher: Bencher<'_, '_>, name: &str, tracer: TracerKind) {
+    let timed = time(bencher, name, tracer);
+    assert!(timed.is_ok(), "{name}: {timed:?}");
+}
+
+#[divan::bench(args = SCENES, sample_count = 30, sample_size = 1)]
+fn wavefront(bencher: Bencher<'_, '_>, name: &str) {
+    time_or_stop(bencher, name, TracerKind::Wavefront);
+}
+
+#[divan::bench(args = SCENES, sample_count = 30, sample_size = 1)]
+fn recursive(bencher: Bencher<'_, '_>, name: &str) {
+    time_or_stop(bencher, name, TracerKind::Recursive);
+}

@@ -1,0 +1,276 @@
+//! `trace`: the rays of a file against a mesh, timed and answered.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::common::{Threads, print, to_json};
+use crate::accel::build::Preset;
+use crate::accel::geometry::Geometry;
+use crate::accel::{Accel, Hit, TestCounts};
+use crate::error::{Error, ErrorKind, Result};
+use crate::image::replace::check_replaceable;
+use crate::kernels::triangle::T_TOLERANCE;
+use crate::ray_file::RayFile;
+use crate::render::TracerKind;
+use crate::scene::mesh;
+
+/// Rays handed to a thread at a time by the wavefront.
+const BLOCK: usize = 4096;
+
+/// Two t agree if they differ by less than this factor of t: both may be off by the stated error.
+const AGREEMENT: f32 = 4.0 * T_TOLERANCE;
+
+/// Traces a file of rays against a mesh: prints the speed, writes the answers.
+///
+/// The rays are traced with their own t_min and t_max. Rays of an any-hit file are timed as such.
+/// The file's own answers are compared with ours.
+#[derive(Clone, Debug, clap::Args)]
+pub struct TraceArgs {
+    /// The mesh: PLY or OBJ
+    #[arg(long, value_name = "FILE")]
+    pub mesh: PathBuf,
+    /// The rays
+    #[arg(long, value_name = "FILE")]
+    pub rays: PathBuf,
+    /// Write the rays with our answers to this file
+    #[arg(long, value_name = "FILE")]
+    pub answers: Option<PathBuf>,
+    /// Rays in blocks (wavefront) or one at a time (recursive)
+    #[arg(long, value_enum, default_value_t)]
+    pub tracer: TracerKind,
+    /// How much work goes into the BVH [default: chosen from triangles and rays]
+    #[arg(long, value_name = "PRESET", value_enum)]
+    pub bvh: Option<Preset>,
+    /// Number of timed passes over the rays; the median counts
+    #[arg(long, value_name = "N", default_value_t = 5,
+          value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    pub repeats: u32,
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
+    /// On how many threads
+    #[command(flatten)]
+    pub threads: Threads,
+}
+
+/// What is printed.
+#[derive(Serialize)]
+struct Report {
+    rays: usize,
+    any_hit: bool,
+    hits: usize,
+    mrays_s: f64,
+    seconds: f64,
+    repeats: u32,
+    threads: usize,
+    tracer: TracerKind,
+    preset: Preset,
+    triangles: usize,
+    load_seconds: f64,
+    build_seconds: f64,
+    nodes_per_ray: f64,
+    triangles_per_ray: f64,
+    compared: Compared,
+}
+
+/// Our answers against the file's.
+#[derive(Debug, Default, Serialize)]
+struct Compared {
+    /// Hits of the file that we have not.
+    lost: usize,
+    /// Hits that only we have.
+    extra: usize,
+    /// Closest hits on another triangle at the same distance.
+    other_triangle: usize,
+    /// Closest hits at another distance.
+    other_distance: usize,
+    /// The largest relative difference of t among the rest.
+    largest_relative_t: f32,
+    /// Any-hit answers of "hit" that we have not.
+    lost_any: usize,
+    /// Any-hit answers of "hit" that only we have.
+    extra_any: usize,
+}
+
+/// Traces as the arguments say.
+///
+/// # Errors
+/// When the mesh or the rays cannot be read or do not belong together, or the answers cannot be
+/// written.
+pub fn run(args: &TraceArgs) -> Result<()> {
+    if let Some(answers) = &args.answers {
+        check_replaceable(answers)?;
+    }
+    args.threads.run(|| run_here(args))
+}
+
+fn run_here(args: &TraceArgs) -> Result<()> {
+    let start = Instant::now();
+    let mut file = RayFile::read(&args.rays)?;
+    let data = mesh::load(&args.mesh)?.mesh;
+    check_belongs(args, &file, data.triangles.len())?;
+    let load_seconds = start.elapsed().as_secs_f64();
+    let geometry =
+        Geometry { positions: data.positions, triangles: data.triangles, ..Geometry::default() };
+    let triangles = geometry.triangles.len();
+    let preset = args.bvh.unwrap_or(Preset::choose(triangles as u64, file.rays.len() as u64));
+    let start = Instant::now();
+    let accel = Accel::new(geometry, preset);
+    let build_seconds = start.elapsed().as_secs_f64();
+    let (closest, occluded, tests, seconds) = answer(args, &accel, &file);
+    let compared = compare(&file, &closest, &occluded);
+    let n = file.rays.len();
+    let per_ray = |count: u64| count as f64 / n.max(1) as f64;
+    let report = Report {
+        rays: n,
+        any_hit: file.any_hit,
+        hits: if file.any_hit {
+            occluded.iter().filter(|&&o| o).count()
+        } else {
+            closest.iter().filter(|h| !h.is_miss()).count()
+        },
+        mrays_s: n as f64 / seconds / 1e6,
+        seconds,
+        repeats: args.repeats,
+        threads: rayon::current_num_threads(),
+        tracer: args.tracer,
+        preset,
+        triangles,
+        load_seconds,
+        build_seconds,
+        nodes_per_ray: per_ray(tests.nodes),
+        triangles_per_ray: per_ray(tests.triangles),
+        compared,
+    };
+    print(&if args.json { to_json(&report)? } else { text(&report) })?;
+    if let Some(answers) = &args.answers {
+        (file.closest, file.occluded) = (closest, occluded);
+        file.write(answers)?;
+    }
+    Ok(())
+}
+
+fn check_belongs(args: &TraceArgs, file: &RayFile, triangles: usize) -> Result<()> {
+    if file.triangles == triangles as u64 {
+        return Ok(());
+    }
+    Err(Error::new(ErrorKind::Usage, "the rays belong to another mesh")
+        .in_file(&args.rays)
+        .value(format!("rays for {} triangles", file.triangles))
+        .remedy(format!("{} has {triangles}", args.mesh.display())))
+}
+
+/// The closest hits, the any-hit answers, the tests of one timed pass, and its median seconds.
+fn answer(
+    args: &TraceArgs,
+    accel: &Accel,
+    file: &RayFile,
+) -> (Vec<Hit>, Vec<bool>, TestCounts, f64) {
+    let mut closest = vec![Hit::MISS; file.rays.len()];
+    let mut occluded = vec![false; file.rays.len()];
+    let mut tests = TestCounts::default();
+    let mut samples: Vec<f64> = Vec::new();
+    for _ in 0..args.repeats {
+        let start = Instant::now();
+        tests = if file.any_hit {
+            pass(args, accel, file, &mut occluded, Accel::occluded)
+        } else {
+            pass(args, accel, file, &mut closest, Accel::closest)
+        };
+        samples.push(start.elapsed().as_secs_f64());
+    }
+    if file.any_hit {
+        pass(args, accel, file, &mut closest, Accel::closest);
+    } else {
+        pass(args, accel, file, &mut occluded, Accel::occluded);
+    }
+    samples.sort_by(f64::total_cmp);
+    (closest, occluded, tests, samples[samples.len() / 2])
+}
+
+/// Asks `query` of every ray.
+fn pass<A: Send>(
+    args: &TraceArgs,
+    accel: &Accel,
+    file: &RayFile,
+    answers: &mut [A],
+    query: impl Fn(&Accel, &crate::math::ray::Ray, &mut crate::accel::Traversal) -> A + Sync,
+) -> TestCounts {
+    let block = match args.tracer {
+        TracerKind::Wavefront => BLOCK,
+        TracerKind::Recursive => BLOCK / 8,
+    };
+    answers
+        .par_chunks_mut(block)
+        .zip(file.rays.par_chunks(block))
+        .map_init(
+            || accel.traversal(),
+            |traversal, (answers, rays)| {
+                let before = traversal.tests;
+                for (answer, ray) in answers.iter_mut().zip(rays) {
+                    *answer = query(accel, ray, traversal);
+                }
+                traversal.tests - before
+            },
+        )
+        .reduce(TestCounts::default, |a, b| a + b)
+}
+
+fn compare(file: &RayFile, closest: &[Hit], occluded: &[bool]) -> Compared {
+    let mut c = Compared::default();
+    for (theirs, ours) in file.closest.iter().zip(closest) {
+        match (theirs.is_miss(), ours.is_miss()) {
+            (false, true) => c.lost += 1,
+            (true, false) => c.extra += 1,
+            (true, true) => {}
+            (false, false) => {
+                let relative = (theirs.t - ours.t).abs() / theirs.t.abs().max(f32::MIN_POSITIVE);
+                if relative > AGREEMENT {
+                    c.other_distance += 1;
+                    continue;
+                }
+                c.largest_relative_t = c.largest_relative_t.max(relative);
+                c.other_triangle += usize::from(theirs.primitive != ours.primitive);
+            }
+        }
+    }
+    for (&theirs, &ours) in file.occluded.iter().zip(occluded) {
+        c.lost_any += usize::from(theirs && !ours);
+        c.extra_any += usize::from(ours && !theirs);
+    }
+    c
+}
+
+fn text(r: &Report) -> String {
+    let kind = if r.any_hit { "any hit" } else { "closest hit" };
+    let c = &r.compared;
+    format!(
+        "{:.2} Mrays/s: {} rays ({kind}), {} hits, {:.4} s, median of {} on {} threads\n\
+         mesh: {} triangles, loaded in {:.3} s; bvh {}, built in {:.3} s\n\
+         per ray: {:.2} nodes, {:.2} triangles\n\
+         against the file: {} lost, {} extra, {} on another triangle, {} at another distance, \
+         largest relative difference of t {:.2e}; any-hit {} lost, {} extra\n",
+        r.mrays_s,
+        r.rays,
+        r.hits,
+        r.seconds,
+        r.repeats,
+        r.threads,
+        r.triangles,
+        r.load_seconds,
+        r.preset.name(),
+        r.build_seconds,
+        r.nodes_per_ray,
+        r.triangles_per_ray,
+        c.lost,
+        c.extra,
+        c.other_triangle,
+        c.other_distance,
+        c.largest_relative_t,
+        c.lost_any,
+        c.extra_any,
+    )
+}

@@ -1,0 +1,194 @@
+//! The report's form, its text and its warnings.
+
+use std::path::Path;
+
+use serde_json::Value;
+
+use super::measure::{Schedule, measure};
+use super::*;
+use crate::error::Result;
+use crate::render::{RenderOptions, Rendered, TracerKind, render};
+use crate::scene::load::load_str;
+use crate::systems;
+
+const SCENE: &str = r#"{
+    "nbounces": 1,
+    "camera": {"type": "pinhole", "width": 24, "height": 16, "fov": 60,
+               "location": [0, 0, 5], "look": [0, 0, 0]},
+    "scene": {
+        "backgroundcolor": [0, 0, 0],
+        "lightsources": [{"type": "pointlight", "intensity": 40, "position": [2, 3, 5],
+                          "color": [1, 1, 1]}],
+        "shapes": [{"type": "sphere", "center": [0, 0, 0], "radius": 1,
+                    "material": {"ks": 0.2, "kd": 0.8, "specularexponent": 20,
+                                 "diffusecolor": [1, 0, 0]}}]
+    }
+}"#;
+
+fn prepared() -> PreparedScene {
+    let mut loaded = load_str(SCENE, Path::new("ball.json"), &Default::default()).unwrap();
+    systems::prepare(&mut loaded.world, Preset::Fast).unwrap().0
+}
+
+fn setting(name: &str) -> Setting {
+    Setting {
+        scene: name.to_owned(),
+        seed: 3,
+        batch: 64,
+        preset: Preset::Fast,
+        time: Preparation { load: 0.5, build: 0.25 },
+        predicted: 1000,
+    }
+}
+
+/// A report whose runs take the `seconds` given, tracer after tracer as they run.
+fn report(pairs: usize, mut seconds: impl FnMut(TracerKind, usize) -> f64) -> SceneBench {
+    let scene = prepared();
+    let mut runs = [0, 0];
+    let trace = |tracer| -> Result<Rendered> {
+        let options = RenderOptions { tracer, batch: 64, seed: 3, crop: None };
+        let run = &mut runs[usize::from(tracer == TracerKind::Recursive)];
+        *run += 1;
+        Ok(Rendered { seconds: seconds(tracer, *run), ..render(&scene, &options, &|_, _| {})? })
+    };
+    let schedule = Schedule { warmup: 1, most: pairs, seconds: 0.0 };
+    let measured = measure(&schedule, trace, &mut |_, _| {}).unwrap();
+    SceneBench::new(setting("ball.json"), &scene, &measured, Some(2000))
+}
+
+/// The wavefront takes 0.1 s and the recursive tracer 0.125 s.
+fn steady() -> SceneBench {
+    report(6, |tracer, _| if tracer == TracerKind::Wavefront { 0.1 } else { 0.125 })
+}
+
+/// A report of tracers that disagree.
+fn different() -> SceneBench {
+    let scene = prepared();
+    let trace = |tracer| {
+        let mut run = render(&scene, &RenderOptions { tracer, ..Default::default() }, &|_, _| {})?;
+        if tracer == TracerKind::Recursive {
+            run.film.pixel_mut(5, 2).unwrap()[1] = 0.5;
+        }
+        Ok(run)
+    };
+    let schedule = Schedule { warmup: 1, most: 6, seconds: 0.0 };
+    let measured = measure(&schedule, trace, &mut |_, _| {}).unwrap();
+    SceneBench::new(setting("b.json"), &scene, &measured, None)
+}
+
+fn keys(value: &Value) -> Vec<&str> {
+    value.as_object().unwrap().keys().map(String::as_str).collect()
+}
+
+#[test]
+fn the_json_has_the_documented_keys() {
+    let mut report = BenchReport::new(vec!["bench".to_owned()]);
+    report.scenes.push(steady());
+    assert!(report.equal());
+    let json = serde_json::to_value(&report).unwrap();
+    assert_eq!(keys(&json), ["version", "command", "machine", "scenes"]);
+    assert_eq!(keys(&json["machine"]), ["processor", "cores", "threads", "os"]);
+    let scene = &json["scenes"][0];
+    assert_eq!(
+        keys(scene).join(" "),
+        "scene seed batch image triangles quads spheres lights dropped preset time memory equal \
+         difference rays invalid wavefront recursive ratio warnings"
+    );
+    assert_eq!((scene["equal"].clone(), scene["difference"].clone()), (true.into(), Value::Null));
+    let wavefront = &scene["wavefront"];
+    assert_eq!(
+        keys(wavefront),
+        ["seconds", "mrays_s", "rays_s", "passes", "tests", "tests_per_ray"]
+    );
+    assert_eq!(
+        keys(&wavefront["seconds"]),
+        ["median", "min", "max", "first_quartile", "third_quartile", "mad", "each"]
+    );
+    assert_eq!(keys(&wavefront["passes"]), crate::wavefront::PASSES);
+    assert_eq!(keys(&scene["recursive"]["passes"]), ["recursive"]);
+    let ratio = &scene["ratio"];
+    assert_eq!(keys(ratio), ["median", "low", "high", "confidence", "pairs", "method"]);
+}
+
+#[test]
+fn rates_are_work_over_the_median() {
+    let scene = steady();
+    let (wavefront, recursive) = (scene.wavefront.unwrap(), scene.recursive.unwrap());
+    assert_eq!((scene.rays.primary, scene.rays.secondary), (24 * 16, 0));
+    assert!(scene.rays.shadow > 0);
+    assert_eq!(wavefront.rays_s.primary, 24.0 * 16.0 / 0.1);
+    assert_eq!(recursive.mrays_s, scene.rays.all() as f64 / 0.125 / 1e6);
+    assert_eq!(wavefront.tests_per_ray.nodes, 0.0, "one sphere needs no inner node");
+    assert!(wavefront.tests_per_ray.primitives > 0.0);
+    let ratio = scene.ratio.unwrap();
+    assert_eq!((ratio.interval.low, ratio.interval.high, ratio.pairs), (1.25, 1.25, 6));
+    assert_eq!(ratio.verdict(), "the wavefront is faster");
+    let shares = wavefront.passes.values().map(|pass| pass["share"].as_f64().unwrap());
+    assert!((shares.sum::<f64>() - 1.0).abs() < 1e-9);
+}
+
+#[test]
+fn tracers_that_disagree_have_no_times() {
+    let scene = different();
+    let text = text::scene(&scene);
+    assert!(text.contains("THE IMAGES DIFFER"), "{text}");
+    assert!(text.contains("a Recursive run") && text.contains("column 5, row 2"), "{text}");
+    assert!(text.contains("0.5") && text.contains("3f000000"), "{text}");
+    let json = serde_json::to_value(&scene).unwrap();
+    assert_eq!(json["equal"], false);
+    assert_eq!(json["difference"]["what"], "pixel");
+    assert_eq!(json["difference"]["tracer"], "recursive");
+    assert_eq!(json["difference"]["x"], 5);
+    for key in ["wavefront", "recursive", "ratio"] {
+        assert!(json[key].is_null(), "{key}");
+    }
+    let mut report = BenchReport::new(Vec::new());
+    report.scenes = vec![steady(), scene];
+    assert!(!report.equal());
+    assert!(text::summary(&report.scenes).contains("THE TRACERS DISAGREE"));
+}
+
+#[test]
+fn the_text_has_work_beside_time() {
+    let text = text::scene(&steady());
+    for part in [
+        "24 x 16 pixels, 1 camera ray\n",
+        "1 sphere, 1 light\n",
+        "loaded in 0.500 s, tree (fast) built in 0.250 s",
+        "6 pairs, every image the same to the last bit",
+        "  median                       100.000     125.000  ms\n",
+        "Mrays/s",
+        "intersect",
+        "1.250 (1.250 to 1.250 with 96.9 % confidence, 6 pairs); the wavefront is faster",
+    ] {
+        assert!(text.contains(part), "{part}\n{text}");
+    }
+    assert!(!text.contains("secondary rays"), "no row for what the scene has not:\n{text}");
+    assert!(text.lines().all(|line| line.len() <= 100), "{text}");
+}
+
+#[test]
+fn warnings_say_what_to_do() {
+    let said = |report: &SceneBench, words: &str| {
+        report.warnings.iter().filter(|warning| warning.contains(words)).count()
+    };
+    let quiet = steady();
+    for words in ["--warmup", "close other programs", "--repeats", "--width"] {
+        assert_eq!(said(&quiet, words), 0, "{words}");
+    }
+    // The first timed run is each tracer's second.
+    let slow = report(8, |_, run| if run == 2 { 0.3 } else { 0.1 });
+    assert_eq!(said(&slow, "took 3.00 times the median"), 2);
+    let wide = report(8, |_, run| 0.1 + 0.01 * run as f64);
+    assert_eq!((said(&wide, "close other programs"), said(&wide, "--warmup")), (2, 0));
+    assert_eq!(said(&report(2, |_, _| 0.1), "2 pairs of runs cannot give 95 % confidence"), 1);
+    assert_eq!(said(&report(6, |_, _| 0.001), "takes 1.00 ms"), 2);
+}
+
+#[test]
+fn the_processor_is_found_where_it_is_named() {
+    let text = "processor\t: 0\nmodel name\t: Some CPU @ 2 GHz\nmodel name\t: other\n";
+    assert_eq!(processor(text).as_deref(), Some("Some CPU @ 2 GHz"));
+    assert_eq!(processor("model name\t:\n"), None);
+    assert_eq!(processor("CPU part : 0xd40\n"), None);
+}

@@ -1,0 +1,175 @@
+//! A benchmark as text: aligned tables for a terminal, with the work beside the time.
+
+use std::fmt::Write as _;
+
+use super::measure::{Difference, Pixel};
+use super::{Machine, Ratio, SceneBench, TracerBench};
+
+/// The machine on one line.
+pub fn machine(machine: &Machine) -> String {
+    let processor = machine.processor.as_deref().unwrap_or("unknown processor");
+    let Machine { cores, threads, os, .. } = machine;
+    format!("{processor}, {}, {}, {os}\n", plural(*cores, "core"), plural(*threads, "thread"))
+}
+
+/// The table of one scene.
+pub fn scene(report: &SceneBench) -> String {
+    let mut text = head(report);
+    match &report.difference {
+        Some(difference) => {
+            let _ = writeln!(text, "\n{}", verdict(difference));
+        }
+        None => {
+            if let (Some(wavefront), Some(recursive)) = (&report.wavefront, &report.recursive) {
+                text += &table(report, wavefront, recursive);
+                text += &passes(wavefront);
+            }
+            if let Some(ratio) = &report.ratio {
+                let _ = writeln!(text, "  speed of the wavefront over the recursive tracer");
+                let _ = writeln!(text, "    {}; {}", interval(ratio), ratio.verdict());
+            }
+        }
+    }
+    text
+}
+
+/// How the tracers differ, in words.
+pub fn verdict(difference: &Difference) -> String {
+    match difference {
+        Difference::Pixel { tracer, x, y, expected, found } => format!(
+            "THE IMAGES DIFFER: the first pixel that a {tracer:?} run has otherwise than the first \
+             Wavefront run is at column {x}, row {y}:\n  {}, where the first has\n  {}",
+            pixel(found),
+            pixel(expected)
+        ),
+        Difference::Work { tracer, expected, found } => format!(
+            "THE WORK DIFFERS: a {tracer:?} run counts other rays or samples than the first \
+             Wavefront run: {found} rays, where the first has {expected}"
+        ),
+    }
+}
+
+/// One line a scene, for when there are several.
+pub fn summary(reports: &[SceneBench]) -> String {
+    let names = reports.iter().map(|r| r.scene.chars().count());
+    let width = names.max().unwrap_or(0).max("scene".len());
+    let mut text = format!(
+        "{:<width$}{:>12}{:>12}{:>14}{:>14}  wavefront / recursive\n",
+        "scene", "triangles", "rays", "wavefront", "recursive"
+    );
+    let _ = writeln!(text, "{:<width$}{:>12}{:>12}{:>14}{:>14}", "", "", "", "Mrays/s", "Mrays/s");
+    for report in reports {
+        let (name, triangles, rays) = (&report.scene, report.triangles, report.rays.all());
+        let _ = write!(text, "{name:<width$}{triangles:>12}{rays:>12}");
+        let _ = match (&report.wavefront, &report.recursive, &report.ratio) {
+            (Some(w), Some(r), Some(ratio)) => {
+                let ratio = interval(ratio);
+                writeln!(text, "{:>14.3}{:>14.3}  {ratio}", w.mrays_s, r.mrays_s)
+            }
+            _ => writeln!(text, "{:>14}{:>14}  THE TRACERS DISAGREE", "-", "-"),
+        };
+    }
+    text
+}
+
+fn head(report: &SceneBench) -> String {
+    let image = &report.image;
+    let mut text = format!("{}\n", report.scene);
+    let mut row = |name: &str, value: String| {
+        let _ = writeln!(text, "  {name:<14}{value}");
+    };
+    let size = format!("{} x {} pixels", image.width, image.height);
+    row("image", format!("{size}, {}", plural(image.samples_per_pixel as usize, "camera ray")));
+    row("scene", contents(report));
+    let seconds = &report.time;
+    let preset = report.preset.name();
+    row(
+        "prepared",
+        format!("loaded in {:.3} s, tree ({preset}) built in {:.3} s", seconds.load, seconds.build),
+    );
+    if let Some(peak) = report.memory.peak {
+        row("peak memory", format!("{:.1} MB", peak as f64 / 1e6));
+    }
+    let rays = &report.rays;
+    let (primary, secondary, shadow) = (rays.primary, rays.secondary, rays.shadow);
+    row("rays a run", format!("{primary} primary, {secondary} secondary, {shadow} shadow"));
+    if let Some(ratio) = &report.ratio {
+        let pairs = plural(ratio.pairs, "pair");
+        row("runs", format!("{pairs}, every image the same to the last bit"));
+    }
+    text
+}
+
+fn contents(report: &SceneBench) -> String {
+    let kinds = [
+        (report.triangles, "triangle"),
+        (report.quads, "quad"),
+        (report.spheres, "sphere"),
+        (report.lights, "light"),
+    ];
+    let present = kinds.iter().filter(|(count, _)| *count > 0);
+    let words: Vec<_> = present.map(|(count, name)| plural(*count, name)).collect();
+    if words.is_empty() { "nothing".to_owned() } else { words.join(", ") }
+}
+
+/// Time, rate and tests of the two side by side.
+fn table(report: &SceneBench, wavefront: &TracerBench, recursive: &TracerBench) -> String {
+    let mut text = format!("\n  {:<24}{:>12}{:>12}\n", "", "wavefront", "recursive");
+    let both = |value: fn(&TracerBench) -> f64| [value(wavefront), value(recursive)];
+    let medians = both(|t| t.seconds.median);
+    let (scale, second) = unit(f64::max(medians[0], medians[1]));
+    let mut row = |name: &str, values: [f64; 2], scale: f64, unit: &str| {
+        let [a, b] = values.map(|v| v * scale);
+        let _ = writeln!(text, "  {name:<24}{a:>12.3}{b:>12.3}  {unit}");
+    };
+    row("median", medians, scale, second);
+    row("fastest", both(|t| t.seconds.min), scale, second);
+    row("first quartile", both(|t| t.seconds.first_quartile), scale, second);
+    row("third quartile", both(|t| t.seconds.third_quartile), scale, second);
+    row("slowest", both(|t| t.seconds.max), scale, second);
+    row("median deviation", both(|t| t.seconds.mad), scale, second);
+    row("all rays", both(|t| t.mrays_s), 1.0, "Mrays/s");
+    row("primary rays", both(|t| t.rays_s.primary), 1e-6, "Mrays/s");
+    if report.rays.secondary > 0 {
+        row("secondary rays", both(|t| t.rays_s.secondary), 1e-6, "Mrays/s");
+    }
+    if report.rays.shadow > 0 {
+        row("shadow rays", both(|t| t.rays_s.shadow), 1e-6, "Mrays/s");
+    }
+    row("nodes a ray", both(|t| t.tests_per_ray.nodes), 1.0, "tests");
+    row("primitives a ray", both(|t| t.tests_per_ray.primitives), 1.0, "tests");
+    text
+}
+
+/// Where the wavefront's time goes.
+fn passes(wavefront: &TracerBench) -> String {
+    let number = |pass: &serde_json::Value, key| pass[key].as_f64().unwrap_or_default();
+    let seconds = wavefront.passes.values().map(|pass| number(pass, "seconds"));
+    let (scale, second) = unit(seconds.fold(0.0, f64::max));
+    let mut text = "  passes of the wavefront, summed over threads\n".to_owned();
+    for (name, pass) in &wavefront.passes {
+        let (time, share) = (scale * number(pass, "seconds"), 100.0 * number(pass, "share"));
+        let _ = writeln!(text, "    {name:<22}{time:>12.3} {second:<2}{share:>8.1} %");
+    }
+    text
+}
+
+fn interval(ratio: &Ratio) -> String {
+    let (i, n) = (&ratio.interval, plural(ratio.pairs, "pair"));
+    let percent = 100.0 * i.confidence;
+    format!("{:.3} ({:.3} to {:.3} with {percent:.1} % confidence, {n})", i.median, i.low, i.high)
+}
+
+fn pixel(pixel: &Pixel) -> String {
+    let ([r, g, b], bits) = (pixel.values, pixel.bits.join(" "));
+    format!("{r:?} {g:?} {b:?} (bits {bits})")
+}
+
+/// The unit in which so many seconds are told, and what to multiply them by.
+fn unit(seconds: f64) -> (f64, &'static str) {
+    if seconds < 1.0 { (1e3, "ms") } else { (1.0, "s") }
+}
+
+fn plural(count: usize, name: &str) -> String {
+    if count == 1 { format!("1 {name}") } else { format!("{count} {name}s") }
+}
