@@ -92,14 +92,6 @@ impl Vectors {
         self.z.push(v.z);
     }
 
-    /// Makes `n` rows of zeros.
-    fn fill_zero(&mut self, n: usize) {
-        for column in [&mut self.x, &mut self.y, &mut self.z] {
-            column.clear();
-            column.resize(n, 0.0);
-        }
-    }
-
     /// The `i`th vector.
     #[inline]
     pub fn get(&self, i: usize) -> Vec3 {
@@ -266,10 +258,13 @@ columns! {
 }
 
 impl Paths {
-    /// Sets every path's radiance to zero.
-    pub fn darken(&mut self) {
-        let n = self.len();
-        self.radiance.fill_zero(n);
+    /// Appends a path that has gathered no light yet.
+    #[inline]
+    pub fn push(&mut self, pixel: u32, sample: u32, place: u32) {
+        self.radiance.push(Vec3::ZERO);
+        self.pixel.push(pixel);
+        self.sample.push(sample);
+        self.place.push(place);
     }
 }
 

@@ -30,11 +30,8 @@ pub(super) fn run(
         let pixel = y * width + x;
         let ray = scene.camera.ray(x, y, &Stream { seed, pixel, sample, bounce: 0 });
         batch.rays.push(&ray, Vec3::ONE, number as u32);
-        batch.paths.pixel.push(pixel);
-        batch.paths.sample.push(sample);
-        batch.paths.place.push(place);
+        batch.paths.push(pixel, sample, place);
     }
-    batch.paths.darken();
     let count = paths.end - paths.start;
     counters.primary_rays += count;
     counters.lens_samples += if scene.camera.has_lens() { count } else { 0 };

@@ -26,7 +26,8 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("systems", &["accel", "error", "kernels", "math", "plan", "prepared", "scene"]),
     ("memory", &["accel", "prepared", "systems", "wavefront"]),
     ("generate", &["error", "scene"]),
-    ("report", &["accel", "counters", "plan", "prepared", "render"]),
+    ("ray_file", &["accel", "error", "image", "math"]),
+    ("report", &["accel", "counters", "error", "image", "plan", "prepared", "render"]),
     (
         "cli",
         &[
@@ -34,9 +35,12 @@ const ARROWS: &[(&str, &[&str])] = &[
             "error",
             "generate",
             "image",
+            "kernels",
+            "math",
             "memory",
             "plan",
             "prepared",
+            "ray_file",
             "render",
             "report",
             "scene",

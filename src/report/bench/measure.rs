@@ -110,13 +110,15 @@ pub enum Difference {
         /// Its value in the image that differs.
         found: Pixel,
     },
-    /// In its work alone: rays and samples counted.
+    /// In its work alone.
     Work {
         /// The tracer of the run that differs.
         tracer: TracerKind,
-        /// Rays of the first run.
+        /// The first count that differs, by its name in [`Counters`].
+        count: &'static str,
+        /// That count in the first run, a wavefront's.
         expected: u64,
-        /// Rays of the run that differs.
+        /// That count in the run that differs.
         found: u64,
     },
 }
@@ -185,14 +187,28 @@ fn difference(tracer: TracerKind, first: &Rendered, run: &Rendered) -> Option<Di
     if !first.film.same_bits(&run.film) {
         return Some(first_pixel(tracer, &first.film, &run.film));
     }
-    // Tests may differ: how the tree is searched is each tracer's own affair.
-    let work = |c: &Counters| Counters { tests: TestCounts::default(), ..*c };
-    let rays = |c: &Counters| c.primary_rays + c.secondary_rays + c.shadow_rays;
-    (work(&first.counters) != work(&run.counters)).then(|| Difference::Work {
+    let mut counts = work(&first.counters).into_iter().zip(work(&run.counters));
+    counts.find(|(a, b)| a != b).map(|((count, expected), (_, found))| Difference::Work {
         tracer,
-        expected: rays(&first.counters),
-        found: rays(&run.counters),
+        count,
+        expected,
+        found,
     })
+}
+
+/// Every count but the tests: how the tree is searched is each tracer's own affair.
+fn work(counters: &Counters) -> [(&'static str, u64); 8] {
+    let c = counters;
+    [
+        ("primary_rays", c.primary_rays),
+        ("secondary_rays", c.secondary_rays),
+        ("shadow_rays", c.shadow_rays),
+        ("lens_samples", c.lens_samples),
+        ("light_samples", c.light_samples),
+        ("texels", c.texels),
+        ("invalid", c.invalid),
+        ("lights_at_surface", c.lights_at_surface),
+    ]
 }
 
 /// The first pixel in which two images of one size differ, which they do.
@@ -289,8 +305,9 @@ mod tests {
             Ok(run)
         };
         let measured = measure(&schedule(1, 50, 0.0), trace, &mut |_, _| {}).unwrap();
-        let tracer = TracerKind::Recursive;
-        assert_eq!(measured.difference, Some(Difference::Work { tracer, expected: 6, found: 7 }));
+        let (tracer, count) = (TracerKind::Recursive, "shadow_rays");
+        let difference = Difference::Work { tracer, count, expected: 0, found: 1 };
+        assert_eq!(measured.difference, Some(difference));
         assert_eq!(measured.pairs(), 0);
     }
 }

@@ -42,9 +42,9 @@ pub fn verdict(difference: &Difference) -> String {
             pixel(found),
             pixel(expected)
         ),
-        Difference::Work { tracer, expected, found } => format!(
-            "THE WORK DIFFERS: a {tracer:?} run counts other rays or samples than the first \
-             Wavefront run: {found} rays, where the first has {expected}"
+        Difference::Work { tracer, count, expected, found } => format!(
+            "THE WORK DIFFERS: a {tracer:?} run counts {found} {count}, where the first Wavefront \
+             run counts {expected}; the images are the same"
         ),
     }
 }
@@ -54,7 +54,7 @@ pub fn summary(reports: &[SceneBench]) -> String {
     let names = reports.iter().map(|r| r.scene.chars().count());
     let width = names.max().unwrap_or(0).max("scene".len());
     let mut text = format!(
-        "{:<width$}{:>12}{:>12}{:>14}{:>14}  wavefront / recursive\n",
+        "{:<width$}{:>12}{:>12}{:>14}{:>14}  wavefront / recursive (interval)\n",
         "scene", "triangles", "rays", "wavefront", "recursive"
     );
     let _ = writeln!(text, "{:<width$}{:>12}{:>12}{:>14}{:>14}", "", "", "", "Mrays/s", "Mrays/s");
@@ -63,8 +63,12 @@ pub fn summary(reports: &[SceneBench]) -> String {
         let _ = write!(text, "{name:<width$}{triangles:>12}{rays:>12}");
         let _ = match (&report.wavefront, &report.recursive, &report.ratio) {
             (Some(w), Some(r), Some(ratio)) => {
-                let ratio = interval(ratio);
-                writeln!(text, "{:>14.3}{:>14.3}  {ratio}", w.mrays_s, r.mrays_s)
+                let (w, r, i) = (w.mrays_s, r.mrays_s, &ratio.interval);
+                writeln!(
+                    text,
+                    "{w:>14.3}{r:>14.3}  {:.3} ({:.3} to {:.3})",
+                    i.median, i.low, i.high
+                )
             }
             _ => writeln!(text, "{:>14}{:>14}  THE TRACERS DISAGREE", "-", "-"),
         };
@@ -88,7 +92,7 @@ fn head(report: &SceneBench) -> String {
         format!("loaded in {:.3} s, tree ({preset}) built in {:.3} s", seconds.load, seconds.build),
     );
     if let Some(peak) = report.memory.peak {
-        row("peak memory", format!("{:.1} MB", peak as f64 / 1e6));
+        row("peak memory", format!("{:.1} MB, of the program so far", peak as f64 / 1e6));
     }
     let rays = &report.rays;
     let (primary, secondary, shadow) = (rays.primary, rays.secondary, rays.shadow);
@@ -167,7 +171,11 @@ fn pixel(pixel: &Pixel) -> String {
 
 /// The unit in which so many seconds are told, and what to multiply them by.
 fn unit(seconds: f64) -> (f64, &'static str) {
-    if seconds < 1.0 { (1e3, "ms") } else { (1.0, "s") }
+    match seconds {
+        ..1e-3 => (1e6, "us"),
+        ..1.0 => (1e3, "ms"),
+        _ => (1.0, "s"),
+    }
 }
 
 fn plural(count: usize, name: &str) -> String {
