@@ -40,9 +40,18 @@ fn ball(kr: f64) -> Value {
 fn check_says_what_is_in_a_scene() {
     let folder = folder();
     write_scene(folder.path(), &ball(0.5));
-    let expected = "s.json: ok\n  image        16 x 12, 1 rays a pixel\n  shapes       1\n  \
-                    triangles    0\n  without area 0\n  vertices     0\n  quads        0\n  \
-                    spheres      1\n  lights       1\n  textures     0\n  bounces      2\n";
+    let expected = "s.json: ok
+  image             16 x 12, 1 rays a pixel
+  shapes            1
+  triangles         0
+  without area      0
+  vertices          0
+  quads             0
+  spheres           1
+  lights with power 1
+  textures          0
+  bounces           2
+";
     assert_eq!(answer(folder.path(), &["check", "s.json"]), (0, expected.to_owned()));
     assert_eq!(answer(folder.path(), &["check", "s.json", "-q"]), (0, String::new()));
 }
@@ -224,7 +233,7 @@ fn help_and_version_are_told_on_standard_output() {
     assert_eq!((code, version), (0, format!("wavecrest {}\n", env!("CARGO_PKG_VERSION"))));
     let (code, help) = answer(folder.path(), &["--help"]);
     assert_eq!(code, 0);
-    for command in ["render", "check", "explain", "generate", "diff"] {
+    for command in ["render", "check", "explain", "generate", "diff", "bench", "trace"] {
         assert!(help.contains(&format!("\n  {command} ")), "{command}\n{help}");
     }
 }

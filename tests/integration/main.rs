@@ -28,5 +28,8 @@ mod cli;
 // The other commands: check, explain, diff, generate.
 mod commands;
 
+// The commands that measure: bench, trace.
+mod measuring;
+
 // What is said of scenes and meshes that are wrong, word for word.
 mod errors;
