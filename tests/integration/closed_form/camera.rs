@@ -157,8 +157,9 @@ fn beyond(distance: f64) -> f64 {
 #[test]
 fn an_edge_out_of_focus_is_blurred_over_the_circle_of_confusion() {
     let eye = Eye { size: [64, 8], fov: 2.0, distance: 30.0 };
-    for (aperture, focal, depth) in [(2.0, 20.0, 30.0), (2.0, 20.0, 12.0), (0.5, 8.0, 20.0)] {
-        let confusion: f64 = aperture * (depth - focal as f64).abs() / depth;
+    for (aperture, focal, depth) in [(2.0_f64, 20.0_f64, 30.0), (2.0, 20.0, 12.0), (0.5, 8.0, 20.0)]
+    {
+        let confusion: f64 = aperture * (depth - focal).abs() / depth;
         for sampling in ["random", "jittered"] {
             let camera = thin_lens(eye, aperture, focal, sampling);
             let mut scene = plain(0, &camera, &[left_half(eye, depth)]);

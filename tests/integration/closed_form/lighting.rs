@@ -192,7 +192,8 @@ fn a_hall_of_mirrors_shows_a_geometric_series() {
         let mut scene = scene(bounces, &EYE.json(), std::slice::from_ref(&dark), &shapes);
         scene["scene"]["ambient"] = 1.0.into();
         let film = image(&scene);
-        let term = |k: u32| times(if k % 2 == 0 { front } else { back }, 0.9_f64.powi(k as i32));
+        let term =
+            |k: u32| times(if k.is_multiple_of(2) { front } else { back }, 0.9_f64.powi(k as i32));
         let expected = (0..=bounces).map(term).fold([0.0; 3], plus);
         for (x, y) in PIXELS {
             assert_near(pixel(&film, x, y), expected, 1e-4, &format!("{bounces} bounces"));

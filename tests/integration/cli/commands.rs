@@ -1,18 +1,15 @@
 //! The commands besides `render`: `check`, `explain`, `diff` and `generate`.
 
 use std::path::Path;
-use std::process::{Command, Output, Stdio};
+use std::process::{Command, Stdio};
 
 use serde_json::{Value, json};
 use wavecrest::image::Film;
 use wavecrest::image::read::read;
 use wavecrest::image::write::{Transfer, write};
 
-use crate::support::{folder, matte, pinhole, point_light, scene, sphere, wavecrest, with};
-
-fn run(folder: &Path, arguments: &[&str]) -> Output {
-    wavecrest(folder).args(arguments).output().expect("the command runs")
-}
+use super::{run, text};
+use crate::support::{folder, matte, pinhole, point_light, scene, sphere, with};
 
 /// The exit code and what was said on standard output; on standard error, nothing may be said.
 #[track_caller]
@@ -22,15 +19,11 @@ fn answer(folder: &Path, arguments: &[&str]) -> (i32, String) {
     (output.status.code().expect("a code"), text(&output.stdout).to_owned())
 }
 
-fn text(bytes: &[u8]) -> &str {
-    std::str::from_utf8(bytes).expect("UTF-8")
-}
-
 fn write_scene(folder: &Path, scene: &Value) {
     std::fs::write(folder.join("s.json"), scene.to_string()).expect("a file");
 }
 
-fn ball(kr: f64) -> Value {
+fn mirror_ball(kr: f64) -> Value {
     let ball = sphere([0.0; 3], 1.0, with(matte(0.8, [0.9, 0.3, 0.1]), "kr", kr));
     let light = point_light(40.0, [2.0, 3.0, 4.0], [1.0; 3]);
     scene(2, &pinhole([16, 12], 40.0, 5.0), &[light], &[ball])
@@ -39,7 +32,7 @@ fn ball(kr: f64) -> Value {
 #[test]
 fn check_says_what_is_in_a_scene() {
     let folder = folder();
-    write_scene(folder.path(), &ball(0.5));
+    write_scene(folder.path(), &mirror_ball(0.5));
     let expected = "s.json: ok
   image             16 x 12, 1 rays a pixel
   shapes            1
@@ -59,7 +52,7 @@ fn check_says_what_is_in_a_scene() {
 #[test]
 fn check_reads_meshes_and_textures_too() {
     let folder = folder();
-    let mut scene = ball(0.0);
+    let mut scene = mirror_ball(0.0);
     scene["scene"]["shapes"][0]["texture"] = "t.png".into();
     write_scene(folder.path(), &scene);
     std::fs::write(folder.path().join("t.png"), "no image").expect("a file");
@@ -76,7 +69,7 @@ fn check_reads_meshes_and_textures_too() {
 #[test]
 fn explain_says_which_passes_run_and_why() {
     let folder = folder();
-    write_scene(folder.path(), &ball(0.5));
+    write_scene(folder.path(), &mirror_ball(0.5));
     let (code, found) = answer(folder.path(), &["explain", "s.json"]);
     assert_eq!(code, 0);
     for line in [
@@ -89,7 +82,7 @@ fn explain_says_which_passes_run_and_why() {
     ] {
         assert!(found.lines().any(|l| l == line), "{line}\n{found}");
     }
-    write_scene(folder.path(), &ball(0.0));
+    write_scene(folder.path(), &mirror_ball(0.0));
     let (_, found) = answer(folder.path(), &["explain", "s.json"]);
     assert!(found.contains("  - mirror bounces  no material has kr above 0\n"), "{found}");
 }
@@ -97,7 +90,7 @@ fn explain_says_which_passes_run_and_why() {
 #[test]
 fn explain_says_it_in_json_too() {
     let folder = folder();
-    write_scene(folder.path(), &ball(0.0));
+    write_scene(folder.path(), &mirror_ball(0.0));
     let (code, found) = answer(folder.path(), &["explain", "s.json", "--json"]);
     let found: Value = serde_json::from_str(&found).expect("JSON");
     assert_eq!(code, 0);
@@ -117,7 +110,7 @@ fn explain_says_it_in_json_too() {
 #[test]
 fn explain_and_the_statistics_of_a_render_agree_on_the_plan() {
     let folder = folder();
-    write_scene(folder.path(), &ball(0.5));
+    write_scene(folder.path(), &mirror_ball(0.5));
     let (_, found) = answer(folder.path(), &["explain", "s.json", "--json"]);
     let explained: Value = serde_json::from_str(&found).expect("JSON");
     answer(folder.path(), &["s.json", "out.png", "--stats", "stats.json"]);
@@ -242,7 +235,7 @@ fn help_and_version_are_told_on_standard_output() {
 #[test]
 fn standard_output_may_be_closed_early() {
     let folder = folder();
-    write_scene(folder.path(), &ball(0.5));
+    write_scene(folder.path(), &mirror_ball(0.5));
     for arguments in [&["explain", "s.json"][..], &["check", "s.json"]] {
         let mut child = Command::new(env!("CARGO_BIN_EXE_wavecrest"))
             .args(arguments)
