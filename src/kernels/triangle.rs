@@ -27,18 +27,63 @@ use crate::math::ray::Ray;
 /// Bound on the relative error of t: 2^-16.
 pub const T_TOLERANCE: f32 = 1.0 / 65536.0;
 
-/// The space of a ray in which it starts at 0 and runs along z: t is z.
+/// An axis of world space.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Axis {
+    X,
+    Y,
+    Z,
+}
+
+impl Axis {
+    /// The axis along which `d` is longest.
+    fn longest(d: Vec3) -> Self {
+        let size = d.abs();
+        if size.x >= size.y && size.x >= size.z {
+            Self::X
+        } else if size.y >= size.z {
+            Self::Y
+        } else {
+            Self::Z
+        }
+    }
+
+    /// The coordinates turned so that this axis is the last. A match, and not an index: the
+    /// coordinates then stay in registers.
+    #[inline(always)]
+    fn to_last<T>(self, [x, y, z]: [T; 3]) -> [T; 3] {
+        match self {
+            Self::X => [y, z, x],
+            Self::Y => [z, x, y],
+            Self::Z => [x, y, z],
+        }
+    }
+
+    /// As [`Self::to_last`], for the corners of a triangle at once.
+    #[inline(always)]
+    fn corners_to_last(self, corners: &[Vec3; 3]) -> [[f32; 3]; 3] {
+        let corners = corners.map(|v| v.to_array());
+        match self {
+            Self::X => corners.map(|v| Self::X.to_last(v)),
+            Self::Y => corners.map(|v| Self::Y.to_last(v)),
+            Self::Z => corners.map(|v| Self::Z.to_last(v)),
+        }
+    }
+}
+
+/// The space of a ray in which it starts at 0 and runs along z: t is z. Its z is along the longest
+/// axis of the direction.
 #[derive(Clone, Copy, Debug)]
 pub struct ShearedSpace {
-    origin: Vec3,
-    direction: Vec3,
+    longest: Axis,
+    /// Turned so that the longest axis is the last, as are the following.
+    origin: [f32; 3],
+    direction: [f32; 3],
+    /// How far x and y of the direction lean, and the reciprocal of its z.
+    shear: [f32; 3],
     /// The ray's range of t.
     t_min: f32,
     t_max: f32,
-    /// The two lesser axes of the direction and its largest.
-    axes: [usize; 3],
-    /// How far x and y of the direction lean, and the reciprocal of its z.
-    shear: [f32; 3],
 }
 
 /// A triangle in sheared space, with the values of its edge functions.
@@ -52,41 +97,40 @@ impl ShearedSpace {
     /// The space of `ray`.
     #[inline]
     pub fn new(ray: &Ray) -> Self {
-        let d = ray.direction;
-        let size = d.abs();
-        let z = if size.x >= size.y && size.x >= size.z {
-            0
-        } else if size.y >= size.z {
-            1
-        } else {
-            2
-        };
-        let (x, y) = ((z + 1) % 3, (z + 2) % 3);
-        let shear = [d[x] / d[z], d[y] / d[z], 1.0 / d[z]];
-        let Ray { origin, direction, t_min, t_max } = *ray;
-        Self { origin, direction, t_min, t_max, axes: [x, y, z], shear }
+        let longest = Axis::longest(ray.direction);
+        let direction = longest.to_last(ray.direction.to_array());
+        let [x, y, z] = direction;
+        Self {
+            longest,
+            origin: longest.to_last(ray.origin.to_array()),
+            direction,
+            shear: [x / z, y / z, 1.0 / z],
+            t_min: ray.t_min,
+            t_max: ray.t_max,
+        }
     }
 
+    /// A vertex, its axes turned already, in this space.
     #[inline(always)]
-    fn shear(&self, vertex: Vec3) -> Vec3 {
-        let v = vertex - self.origin;
-        let [x, y, z] = self.axes.map(|k| v[k]);
+    fn shear(&self, [x, y, z]: [f32; 3]) -> Vec3 {
+        let [ox, oy, oz] = self.origin;
         let [sx, sy, sz] = self.shear;
+        let (x, y, z) = (x - ox, y - oy, z - oz);
         Vec3::new(x - sx * z, y - sy * z, sz * z)
     }
 
     fn shear_f64(&self, vertex: Vec3) -> DVec3 {
-        let v = vertex.as_dvec3() - self.origin.as_dvec3();
-        let d = self.direction.as_dvec3();
-        let [x, y, z] = self.axes;
-        let t = v[z] / d[z];
-        DVec3::new(v[x] - d[x] * t, v[y] - d[y] * t, t)
+        let v = DVec3::from(self.longest.to_last(vertex.as_dvec3().to_array()));
+        let v = v - DVec3::from(self.origin.map(f64::from));
+        let d = self.direction.map(f64::from);
+        let t = v.z / d[2];
+        DVec3::new(v.x - d[0] * t, v.y - d[1] * t, t)
     }
 
     /// The triangle as the ray sees it, if the ray passes through.
     #[inline(always)]
     fn passes_through(&self, triangle: &[Vec3; 3]) -> Option<Sheared> {
-        let vertices = triangle.map(|v| self.shear(v));
+        let vertices = self.longest.corners_to_last(triangle).map(|v| self.shear(v));
         let [a, b, c] = vertices;
         let edges = [c.x * b.y - c.y * b.x, a.x * c.y - a.y * c.x, b.x * a.y - b.y * a.x];
         let [e0, e1, e2] = edges;
@@ -126,7 +170,7 @@ impl ShearedSpace {
         let x = max(a.x.abs(), max(b.x.abs(), c.x.abs()));
         let y = max(a.y.abs(), max(b.y.abs(), c.y.abs()));
         let z = max(near.abs(), far.abs());
-        let depth = z * self.direction[self.axes[2]].abs();
+        let depth = z * self.direction[2].abs();
         let edge = 2.0 * (gamma(2) * x * y + gamma(5) * ((x + depth) * y + (y + depth) * x));
         3.0 * edge * (far - near) / hit.determinant.abs() + gamma(8) * z
     }
@@ -150,7 +194,7 @@ impl ShearedSpace {
         let u = f64::EPSILON / 2.0;
         let size = vertices.iter().fold(DVec3::ZERO, |m, v| m.max(v.abs()));
         let DVec3 { x, y, z } = size;
-        let depth = z * f64::from(self.direction[self.axes[2]]).abs();
+        let depth = z * f64::from(self.direction[2]).abs();
         let edge = 2.0 * u * (2.0 * x * y + 5.0 * ((x + depth) * y + (y + depth) * x));
         let determinant = edges_f64(vertices).iter().sum::<f64>().abs();
         3.0 * edge * span / determinant + 8.0 * u * z
