@@ -1,0 +1,255 @@
+//! The arrows of the architecture: who imports whom, read from the sources themselves.
+//!
+//! Both tables are tight: an import that is not listed fails, and so does a listed one that is not
+//! made. Test modules may import anything.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+
+use crate::support::repository;
+
+/// Each module of the library, bottom to top, and the modules that it imports.
+const ARROWS: &[(&str, &[&str])] = &[
+    ("math", &[]),
+    ("error", &[]),
+    ("plan", &[]),
+    ("kernels", &["math"]),
+    ("accel", &["kernels", "math"]),
+    ("counters", &["accel"]),
+    ("prepared", &["accel", "kernels", "math", "plan"]),
+    ("tile", &["counters", "prepared"]),
+    ("wavefront", &["accel", "counters", "kernels", "math", "prepared", "tile"]),
+    ("recursive", &["accel", "counters", "kernels", "math", "prepared", "tile"]),
+    ("image", &["error"]),
+    ("render", &["counters", "error", "image", "prepared", "recursive", "tile", "wavefront"]),
+    ("scene", &["error", "kernels", "math"]),
+    ("systems", &["accel", "error", "kernels", "math", "plan", "prepared", "scene"]),
+    ("memory", &["accel", "prepared", "systems", "wavefront"]),
+    ("generate", &["error", "scene"]),
+    ("ray_file", &["accel", "error", "image", "math"]),
+    ("report", &["accel", "counters", "error", "image", "plan", "prepared", "render"]),
+    (
+        "cli",
+        &[
+            "accel",
+            "error",
+            "generate",
+            "image",
+            "kernels",
+            "math",
+            "memory",
+            "plan",
+            "prepared",
+            "ray_file",
+            "render",
+            "report",
+            "scene",
+            "systems",
+            "tile",
+            "wavefront",
+        ],
+    ),
+];
+
+/// Crates that only some modules may name.
+const CRATES: &[(&str, &[&str])] = &[
+    // The world of entities ends where the dense arrays begin.
+    ("hecs", &["scene", "systems"]),
+    // It builds trees; it decides no hit.
+    ("obvhs", &["accel"]),
+    // Whatever is shown on a terminal.
+    ("indicatif", &["cli", "generate"]),
+    // Files that appear whole or not at all.
+    ("tempfile", &["generate", "image"]),
+    // Numbers come from one place, as functions of where they are used.
+    ("rand", &["math"]),
+];
+
+/// The most lines that a file may have, its tests apart.
+const MOST_LINES: usize = 400;
+
+/// Files that may be longer, each with its reason. There are none.
+const LONGER: &[(&str, &str)] = &[];
+
+/// A source file of the library, without comments and tests.
+struct Source {
+    /// Relative to `src/`.
+    path: PathBuf,
+    /// The module at the top that it belongs to.
+    module: String,
+    /// How many `super::` lead from it to the top.
+    depth: usize,
+    code: String,
+}
+
+impl Source {
+    fn read(path: &Path) -> Self {
+        let text = std::fs::read_to_string(path).expect("a source file");
+        let path = path.strip_prefix(repository("src")).expect("it is in src/").to_owned();
+        let mut names: Vec<String> =
+            path.with_extension("").iter().map(|n| n.to_string_lossy().into_owned()).collect();
+        if names.last().is_some_and(|name| name == "mod") {
+            names.pop();
+        }
+        let code = without_tests(&text).lines().filter(|line| !line.trim_start().starts_with("//"));
+        let code = code.collect::<Vec<_>>().join("\n");
+        Self { module: names[0].clone(), depth: names.len(), path, code }
+    }
+
+    /// The modules at the top that it names: through `crate`, or through as many `super`s.
+    fn imports(&self) -> BTreeSet<String> {
+        let upward = "super::".repeat(self.depth);
+        let mut found = after(&self.code, "crate::");
+        found.extend(after(&self.code, &upward));
+        found.remove(&self.module);
+        // A macro's or a function's own `super::super` within a shallower file is no arrow.
+        found.retain(|name| ARROWS.iter().any(|(module, _)| module == name) || name == "{");
+        found
+    }
+
+    fn names_crate(&self, name: &str) -> bool {
+        let path = format!("{name}::");
+        self.code.match_indices(&path).any(|(at, _)| {
+            !self.code[..at].ends_with(|c: char| c.is_alphanumeric() || c == '_' || c == ':')
+        })
+    }
+}
+
+/// The text up to its test module.
+fn without_tests(text: &str) -> &str {
+    text.find("#[cfg(test)]\nmod tests {").map_or(text, |at| &text[..at])
+}
+
+/// The identifiers that follow `prefix`, or `{` where a list does.
+fn after(code: &str, prefix: &str) -> BTreeSet<String> {
+    let word = |rest: &str| -> String {
+        if rest.starts_with('{') {
+            return "{".to_owned();
+        }
+        rest.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect()
+    };
+    let starts = code.match_indices(prefix).filter(|(at, _)| {
+        !code[..*at].ends_with(|c: char| c.is_alphanumeric() || c == '_' || c == ':')
+    });
+    starts.map(|(at, _)| word(&code[at + prefix.len()..])).collect()
+}
+
+/// Every source file but those of tests, and the two roots.
+fn sources() -> Vec<Source> {
+    let mut files = Vec::new();
+    collect(&repository("src"), &mut files);
+    files.retain(|path| {
+        let path = path.strip_prefix(repository("src")).expect("it is in src/");
+        let is = |name: &str| path.file_name().is_some_and(|file| file == name);
+        !(is("lib.rs")
+            || is("main.rs")
+            || is("tests.rs")
+            || path.iter().any(|part| part == "tests"))
+    });
+    assert!(files.len() > 60, "{} files only", files.len());
+    files.iter().map(|path| Source::read(path)).collect()
+}
+
+fn collect(folder: &Path, files: &mut Vec<PathBuf>) {
+    for entry in std::fs::read_dir(folder).expect("a folder") {
+        let path = entry.expect("an entry").path();
+        if path.is_dir() {
+            collect(&path, files);
+        } else if path.extension().is_some_and(|extension| extension == "rs") {
+            files.push(path);
+        }
+    }
+    files.sort();
+}
+
+/// What each module imports, and from which file.
+fn arrows_found() -> BTreeMap<(String, String), PathBuf> {
+    let mut arrows = BTreeMap::new();
+    for source in sources() {
+        for import in source.imports() {
+            arrows.entry((source.module.clone(), import)).or_insert(source.path.clone());
+        }
+    }
+    arrows
+}
+
+#[test]
+fn modules_import_what_the_table_allows_and_nothing_else() {
+    let found = arrows_found();
+    let mut wrong = Vec::new();
+    for ((module, import), file) in &found {
+        let allowed = ARROWS.iter().find(|(name, _)| name == module).map(|(_, allowed)| *allowed);
+        if !allowed.is_some_and(|allowed| allowed.contains(&import.as_str())) {
+            wrong.push(format!("{} imports {import}, which {module} may not", file.display()));
+        }
+    }
+    for (module, allowed) in ARROWS {
+        for import in *allowed {
+            if !found.contains_key(&((*module).to_owned(), (*import).to_owned())) {
+                wrong.push(format!("{module} may import {import} but does not: drop it here"));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn the_arrows_point_downward() {
+    let height = |name: &str| ARROWS.iter().position(|(module, _)| *module == name);
+    for (module, imports) in ARROWS {
+        for import in *imports {
+            assert!(height(import) < height(module), "{module} imports {import}");
+        }
+    }
+}
+
+#[test]
+fn every_module_is_in_the_table() {
+    let modules: BTreeSet<String> = sources().into_iter().map(|source| source.module).collect();
+    let listed: BTreeSet<String> = ARROWS.iter().map(|(name, _)| (*name).to_owned()).collect();
+    assert_eq!(modules, listed);
+}
+
+#[test]
+fn crates_are_named_only_where_they_belong() {
+    for (name, allowed) in CRATES {
+        let found: BTreeSet<String> = sources()
+            .into_iter()
+            .filter(|source| source.names_crate(name))
+            .map(|source| source.module)
+            .collect();
+        let allowed: BTreeSet<String> = allowed.iter().map(|m| (*m).to_owned()).collect();
+        assert_eq!(found, allowed, "{name}");
+    }
+}
+
+#[test]
+fn the_binary_calls_the_command_line_and_nothing_else() {
+    let main = Source::read(&repository("src/main.rs"));
+    assert_eq!(after(&main.code, "wavecrest::"), BTreeSet::from(["cli".to_owned()]));
+}
+
+#[test]
+fn no_file_is_longer_than_a_reader_can_bear() {
+    for source in sources() {
+        let text = std::fs::read_to_string(repository("src").join(&source.path)).expect("a file");
+        let lines = without_tests(&text).lines().count();
+        let named = LONGER.iter().find(|(file, _)| Path::new(file) == source.path);
+        let file = source.path.display();
+        match named {
+            None => assert!(lines <= MOST_LINES, "{file} has {lines} lines: divide it"),
+            Some(_) => assert!(lines > MOST_LINES, "{file} need not be named any more"),
+        }
+    }
+}
+
+/// The reader of imports must see what it is there to see.
+#[test]
+fn imports_are_found_in_every_form() {
+    let code = "use crate::math::ray::Ray;\nlet x = crate::error::Error;\nuse super::super::scene;\n\
+                use other_crate::image;";
+    assert_eq!(after(code, "crate::"), BTreeSet::from(["math".to_owned(), "error".to_owned()]));
+    assert_eq!(after(code, "super::super::"), BTreeSet::from(["scene".to_owned()]));
+    assert_eq!(after("use crate::{math, error};", "crate::"), BTreeSet::from(["{".to_owned()]));
+    assert_eq!(without_tests("fn a() {}\n#[cfg(test)]\nmod tests {\n"), "fn a() {}\n");
+}

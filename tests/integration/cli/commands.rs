@@ -1,0 +1,251 @@
+//! The commands besides `render`: `check`, `explain`, `diff` and `generate`.
+
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+use serde_json::{Value, json};
+use wavecrest::image::Film;
+use wavecrest::image::read::read;
+use wavecrest::image::write::{Transfer, write};
+
+use super::{run, text};
+use crate::support::{folder, matte, pinhole, point_light, scene, sphere, with};
+
+/// The exit code and what was said on standard output; on standard error, nothing may be said.
+#[track_caller]
+fn answer(folder: &Path, arguments: &[&str]) -> (i32, String) {
+    let output = run(folder, arguments);
+    assert_eq!(text(&output.stderr), "", "{arguments:?}");
+    (output.status.code().expect("a code"), text(&output.stdout).to_owned())
+}
+
+fn write_scene(folder: &Path, scene: &Value) {
+    std::fs::write(folder.join("s.json"), scene.to_string()).expect("a file");
+}
+
+fn mirror_ball(kr: f64) -> Value {
+    let ball = sphere([0.0; 3], 1.0, with(matte(0.8, [0.9, 0.3, 0.1]), "kr", kr));
+    let light = point_light(40.0, [2.0, 3.0, 4.0], [1.0; 3]);
+    scene(2, &pinhole([16, 12], 40.0, 5.0), &[light], &[ball])
+}
+
+#[test]
+fn check_says_what_is_in_a_scene() {
+    let folder = folder();
+    write_scene(folder.path(), &mirror_ball(0.5));
+    let expected = "s.json: ok
+  image             16 x 12, 1 rays a pixel
+  shapes            1
+  triangles         0
+  without area      0
+  vertices          0
+  quads             0
+  spheres           1
+  lights with power 1
+  textures          0
+  bounces           2
+";
+    assert_eq!(answer(folder.path(), &["check", "s.json"]), (0, expected.to_owned()));
+    assert_eq!(answer(folder.path(), &["check", "s.json", "-q"]), (0, String::new()));
+}
+
+#[test]
+fn check_reads_meshes_and_textures_too() {
+    let folder = folder();
+    let mut scene = mirror_ball(0.0);
+    scene["scene"]["shapes"][0]["texture"] = "t.png".into();
+    write_scene(folder.path(), &scene);
+    std::fs::write(folder.path().join("t.png"), "no image").expect("a file");
+    let output = run(folder.path(), &["check", "s.json"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(
+        text(&output.stderr)
+            .starts_with("error: s.json: scene.shapes[0].texture: cannot read the texture t.png: "),
+        "{}",
+        text(&output.stderr)
+    );
+}
+
+#[test]
+fn explain_says_which_passes_run_and_why() {
+    let folder = folder();
+    write_scene(folder.path(), &mirror_ball(0.5));
+    let (code, found) = answer(folder.path(), &["explain", "s.json"]);
+    assert_eq!(code, 0);
+    for line in [
+        "  + shadow          lights have power",
+        "  + mirror bounces  1 with kr above 0, nbounces 2",
+        "  - textures        no shape has a texture",
+        "  + spheres         1 sphere",
+        "  - depth of field  the camera is a pinhole",
+        "    medium          1 primitives, up to 768 rays",
+    ] {
+        assert!(found.lines().any(|l| l == line), "{line}\n{found}");
+    }
+    write_scene(folder.path(), &mirror_ball(0.0));
+    let (_, found) = answer(folder.path(), &["explain", "s.json"]);
+    assert!(found.contains("  - mirror bounces  no material has kr above 0\n"), "{found}");
+}
+
+#[test]
+fn explain_says_it_in_json_too() {
+    let folder = folder();
+    write_scene(folder.path(), &mirror_ball(0.0));
+    let (code, found) = answer(folder.path(), &["explain", "s.json", "--json"]);
+    let found: Value = serde_json::from_str(&found).expect("JSON");
+    assert_eq!(code, 0);
+    let runs = |name: &str| {
+        let passes = found["passes"].as_array().expect("passes");
+        let pass = passes.iter().find(|pass| pass["name"] == name).expect("the pass");
+        pass["runs"].as_bool().expect("yes or no")
+    };
+    assert!(runs("shadow") && runs("resolve") && !runs("mirror bounces"));
+    assert_eq!(found["plan"].as_array().map(Vec::len), Some(10));
+    let all = ["geometry", "looks", "tree", "program"];
+    let lasting: u64 = all.iter().map(|key| found["memory"][key].as_u64().expect("bytes")).sum();
+    assert!(found["memory_total"].as_u64().expect("bytes") >= lasting);
+    assert!(found["bytes_per_path"].as_array().is_some_and(|columns| columns.len() == 5));
+}
+
+#[test]
+fn explain_and_the_statistics_of_a_render_agree_on_the_plan() {
+    let folder = folder();
+    write_scene(folder.path(), &mirror_ball(0.5));
+    let (_, found) = answer(folder.path(), &["explain", "s.json", "--json"]);
+    let explained: Value = serde_json::from_str(&found).expect("JSON");
+    answer(folder.path(), &["s.json", "out.png", "--stats", "stats.json"]);
+    let text = std::fs::read_to_string(folder.path().join("stats.json")).expect("statistics");
+    let rendered: Value = serde_json::from_str(&text).expect("JSON");
+    assert_eq!(explained["plan"], rendered["plan"]);
+    assert_eq!(explained["bvh"]["preset"], rendered["bvh"]["preset"]);
+    assert_eq!(explained["memory_total"], rendered["memory"]["predicted"]);
+}
+
+/// Two pictures that differ in one value.
+fn write_pair(folder: &Path) {
+    let mut film = Film::from_pixels(4, 3, vec![[0.5; 3]; 12]).expect("a film");
+    write(&film, &folder.join("a.exr"), Transfer::Linear).expect("a file");
+    film.pixels_mut()[6][1] = 0.75;
+    write(&film, &folder.join("b.pfm"), Transfer::Linear).expect("a file");
+}
+
+#[test]
+fn diff_answers_in_its_exit_code() {
+    let folder = folder();
+    write_pair(folder.path());
+    let code = |arguments: &[&str]| answer(folder.path(), &[&["diff"], arguments].concat()).0;
+    assert_eq!(code(&["a.exr", "a.exr"]), 0);
+    assert_eq!(code(&["a.exr", "b.pfm"]), 1);
+    assert_eq!(code(&["a.exr", "b.pfm", "--tolerance", "0.25"]), 0);
+    assert_eq!(code(&["a.exr", "b.pfm", "--tolerance", "0.24"]), 1);
+    let output = run(folder.path(), &["diff", "a.exr", "none.exr"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(text(&output.stderr).starts_with("error: none.exr: "), "{}", text(&output.stderr));
+}
+
+#[test]
+fn diff_says_where_and_by_how_much() {
+    let folder = folder();
+    write_pair(folder.path());
+    let (_, found) = answer(folder.path(), &["diff", "a.exr", "b.pfm"]);
+    assert!(found.contains("largest difference  0.250000, green at column 2, row 1\n"), "{found}");
+    let (_, found) = answer(folder.path(), &["diff", "a.exr", "b.pfm", "--json"]);
+    let found: Value = serde_json::from_str(&found).expect("JSON");
+    assert_eq!((&found["largest"], &found["largest_at"]), (&json!(0.25), &json!([2, 1])));
+    assert_eq!(found["different_pixels"], 1);
+    answer(folder.path(), &["diff", "a.exr", "b.pfm", "-o", "d.exr", "--gain", "2"]);
+    let difference = read(&folder.path().join("d.exr")).expect("an image");
+    assert_eq!(difference.pixel(2, 1), Some([0.0, 0.5, 0.0]));
+    assert_eq!(difference.pixel(1, 1), Some([0.0; 3]));
+}
+
+#[test]
+fn diff_refuses_pictures_of_two_sizes() {
+    let folder = folder();
+    write_pair(folder.path());
+    let film = Film::from_pixels(3, 3, vec![[0.5; 3]; 9]).expect("a film");
+    write(&film, &folder.path().join("c.pfm"), Transfer::Linear).expect("a file");
+    let output = run(folder.path(), &["diff", "a.exr", "c.pfm"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert_eq!(
+        text(&output.stderr),
+        "error: c.pfm: two images must have the same size to be compared, \
+         found 4 x 3 and 3 x 3; render both at one size\n"
+    );
+}
+
+#[test]
+fn a_generated_mesh_can_be_rendered() {
+    let folder = folder();
+    for model in ["sphere", "knot", "terrain"] {
+        let arguments = ["generate", model, "mesh.ply", "-n", "3k", "--normals"];
+        let output = run(folder.path(), &arguments);
+        assert_eq!((output.status.code(), text(&output.stdout)), (Some(0), ""));
+        let told = text(&output.stderr);
+        assert!(told.starts_with("mesh.ply: ") && told.contains(" triangles, "), "{told}");
+        let mesh = json!({"type": "trimesh", "file": "mesh.ply", "shading": "smooth",
+                          "material": matte(0.8, [1.0; 3])});
+        let light = point_light(100.0, [5.0, 9.0, 7.0], [1.0; 3]);
+        let camera = with(pinhole([24, 24], 60.0, 5.0), "location", json!([0.5, 2.5, 3]));
+        write_scene(folder.path(), &scene(0, &camera, &[light], &[mesh]));
+        assert_eq!(answer(folder.path(), &["s.json", "out.exr"]), (0, String::new()));
+        let film = read(&folder.path().join("out.exr")).expect("an image");
+        let lit = film.pixels().iter().filter(|p| p[0] > 0.1 && p[0] == p[2]).count();
+        assert!(lit > 30, "{model}: {lit} pixels");
+    }
+}
+
+#[test]
+fn generate_writes_the_same_bytes_again_and_others_for_another_seed() {
+    let folder = folder();
+    let bytes = |seed: &str| {
+        let arguments = ["generate", "terrain", "-o", "t.ply", "-n", "500", "--seed", seed, "-q"];
+        assert_eq!(answer(folder.path(), &arguments), (0, String::new()));
+        std::fs::read(folder.path().join("t.ply")).expect("a mesh")
+    };
+    let first = bytes("3");
+    assert!(bytes("3") == first);
+    assert!(bytes("4") != first);
+}
+
+#[test]
+fn generate_leaves_an_older_file_when_it_cannot_go_on() {
+    let folder = folder();
+    std::fs::write(folder.path().join("t.ply"), "precious").expect("a file");
+    let output = run(folder.path(), &["generate", "sphere", "t.ply", "-n", "900G"]);
+    assert_eq!(output.status.code(), Some(2), "{}", text(&output.stderr));
+    assert!(text(&output.stderr).starts_with("error: "));
+    let old = std::fs::read_to_string(folder.path().join("t.ply")).expect("it is there");
+    assert_eq!(old, "precious");
+}
+
+#[test]
+fn help_and_version_are_told_on_standard_output() {
+    let folder = folder();
+    let (code, version) = answer(folder.path(), &["--version"]);
+    assert_eq!((code, version), (0, format!("wavecrest {}\n", env!("CARGO_PKG_VERSION"))));
+    let (code, help) = answer(folder.path(), &["--help"]);
+    assert_eq!(code, 0);
+    for command in ["render", "check", "explain", "generate", "diff", "bench", "trace"] {
+        assert!(help.contains(&format!("\n  {command} ")), "{command}\n{help}");
+    }
+}
+
+/// A reader that has seen enough, such as `head`, closes the pipe: that is no error and no panic.
+#[test]
+fn standard_output_may_be_closed_early() {
+    let folder = folder();
+    write_scene(folder.path(), &mirror_ball(0.5));
+    for arguments in [&["explain", "s.json"][..], &["check", "s.json"]] {
+        let mut child = Command::new(env!("CARGO_BIN_EXE_wavecrest"))
+            .args(arguments)
+            .current_dir(folder.path())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .expect("the command starts");
+        drop(child.stdout.take());
+        let output = child.wait_with_output().expect("it ends");
+        assert_eq!((output.status.code(), text(&output.stderr)), (Some(0), ""), "{arguments:?}");
+    }
+}

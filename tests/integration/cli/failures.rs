@@ -1,0 +1,153 @@
+//! Exit codes, messages, and what is left behind when something fails.
+
+use serde_json::json;
+
+use super::{ball, files, run, run_wrongly, text, with_ball, with_scene};
+use crate::support::folder;
+
+#[test]
+fn a_missing_scene_is_named() {
+    let folder = folder();
+    let message = "no.json: cannot read the scene: No such file or directory (os error 2)";
+    run_wrongly(folder.path(), &["no.json", "out.png"], message);
+    run_wrongly(folder.path(), &["check", "no.json"], message);
+    run_wrongly(folder.path(), &["explain", "no.json"], message);
+    assert!(files(folder.path()).is_empty());
+}
+
+#[test]
+fn bad_json_is_placed() {
+    let folder = with_scene("{\n  \"nbounces\": 0,\n  \"camera\" 3\n}");
+    let message = "ball.json: line 3 column 12: not valid JSON: expected `:`";
+    run_wrongly(folder.path(), &["ball.json", "out.png"], message);
+    let folder = with_scene("");
+    let message = "ball.json: line 1 column 0: not valid JSON: EOF while parsing a value";
+    run_wrongly(folder.path(), &["ball.json", "out.png"], message);
+}
+
+#[test]
+fn an_unknown_format_is_told_before_the_scene_is_read() {
+    let folder = folder();
+    run_wrongly(
+        folder.path(),
+        &["no.json", "out.pmp"],
+        "out.pmp: unknown image format, found .pmp; \
+         did you mean .ppm? use .ppm, .png, .exr or .pfm",
+    );
+    run_wrongly(
+        folder.path(),
+        &["no.json", "out"],
+        "out: the name of an image must end in its format; use .ppm, .png, .exr or .pfm",
+    );
+}
+
+#[test]
+fn a_misspelt_key_is_a_warning_with_what_may_be_meant_and_an_error_where_that_is_asked_for() {
+    let mut scene = ball();
+    scene["scene"]["shapes"][0]["materail"] = json!({});
+    let folder = with_scene(&scene.to_string());
+    let said = |options: &[&str]| {
+        let output = run(folder.path(), &[&["ball.json", "out.png"], options].concat());
+        (output.status.code(), text(&output.stderr).to_owned())
+    };
+    let place = "ball.json: scene.shapes[0].materail: is not a key of a sphere, found {}";
+    assert_eq!(said(&[]), (Some(0), format!("warning: {place}; it is ignored\n")));
+    assert_eq!(said(&["-q"]), (Some(0), String::new()));
+    assert_eq!(said(&["--strict"]), (Some(2), format!("error: {place}; remove it\n")));
+}
+
+#[test]
+fn a_required_key_that_is_misspelt_is_an_error_that_names_it() {
+    let mut scene = ball();
+    let sphere = scene["scene"]["shapes"][0].as_object_mut().expect("an object");
+    let radius = sphere.remove("radius").expect("a radius");
+    sphere.insert("raduis".to_owned(), radius);
+    let folder = with_scene(&scene.to_string());
+    let output = run(folder.path(), &["ball.json", "out.png"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert_eq!(
+        text(&output.stderr),
+        "error: ball.json: scene.shapes[0].radius: is missing; is it the key \"raduis\", misspelt?\n"
+    );
+}
+
+#[test]
+fn a_bad_value_is_placed_with_what_would_be_right() {
+    let mut scene = ball();
+    scene["scene"]["shapes"][0]["radius"] = json!(-2);
+    let folder = with_scene(&scene.to_string());
+    let message = "ball.json: scene.shapes[0].radius: \
+                   must be a number above 0 and at most 1099511627776, found -2";
+    run_wrongly(folder.path(), &["ball.json", "out.png"], message);
+    scene["scene"]["shapes"][0] = json!({"type": "spere"});
+    let folder = with_scene(&scene.to_string());
+    let message = "ball.json: scene.shapes[0].type: \
+                   must be \"sphere\", \"plane\", \"triangle\" or \"trimesh\", found \"spere\"; \
+                   did you mean \"sphere\"?";
+    run_wrongly(folder.path(), &["ball.json", "out.png"], message);
+}
+
+#[test]
+fn an_output_that_cannot_be_written_is_told_before_the_scene_is_read() {
+    let folder = folder();
+    run_wrongly(
+        folder.path(),
+        &["no.json", "none/out.png"],
+        "none/out.png: cannot write the file: there is no folder none; \
+         create it first or name one that exists",
+    );
+    std::fs::create_dir(folder.path().join("dir.png")).expect("a folder");
+    run_wrongly(
+        folder.path(),
+        &["no.json", "dir.png"],
+        "dir.png: cannot write the file: this is a folder; name a file inside it",
+    );
+    run_wrongly(
+        folder.path(),
+        &["no.json", "-o", "-"],
+        "-: an image cannot be written to standard output; \
+         name a file that ends in .ppm, .png, .exr or .pfm",
+    );
+}
+
+#[test]
+fn an_older_image_stays_when_the_render_fails() {
+    let folder = with_ball();
+    std::fs::write(folder.path().join("out.png"), "precious").expect("a file");
+    let old = || std::fs::read_to_string(folder.path().join("out.png")).expect("it is there");
+    run_wrongly(
+        folder.path(),
+        &["ball.json", "out.png", "--crop", "10,10,8,8"],
+        "the crop must have pixels and lie within the image, found 10,10,8,8; \
+         the image is 16 x 12; give x,y,width,height",
+    );
+    assert_eq!(old(), "precious");
+    run_wrongly(
+        folder.path(),
+        &["ball.json", "out.png", "--stats", "none/stats.json"],
+        "none/stats.json: cannot write the file: there is no folder none; \
+         create it first or name one that exists",
+    );
+    assert_eq!(old(), "precious");
+    assert_eq!(files(folder.path()), ["ball.json", "out.png"], "nothing else is left behind");
+}
+
+#[test]
+fn arguments_that_make_no_sense_are_refused() {
+    let folder = with_ball();
+    for (arguments, told) in [
+        (&["ball.json"][..], "required arguments were not provided"),
+        (&["ball.json", "a.png", "-o", "b.png"], "cannot be used with"),
+        (&["ball.json", "a.png", "--crop", "1,2,3"], "write four whole numbers"),
+        (&["ball.json", "a.png", "--tracer", "recursiv"], "'recursive'"),
+        (&["ball.json", "a.png", "--threads", "0"], "0 is not in 1..=4096"),
+        (&["ball.json", "a.png", "--batch", "0"], "0 is not in 1..=1048576"),
+        (&["ball.json", "a.png", "--bvh", "quick"], "possible values: brute, fastest"),
+        (&[], "Usage: wavecrest"),
+    ] {
+        let output = run(folder.path(), arguments);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        assert!(text(&output.stderr).contains(told), "{arguments:?}: {}", text(&output.stderr));
+    }
+    assert_eq!(files(folder.path()), ["ball.json"]);
+}

@@ -1,0 +1,137 @@
+//! The commands that measure: `bench` and `trace`. Times are not judged here; the work done and the
+//! answers are.
+
+use std::path::Path;
+
+use glam::Vec3;
+use serde_json::{Value, json};
+use wavecrest::accel::Hit;
+use wavecrest::math::ray::Ray;
+use wavecrest::ray_file::RayFile;
+
+use crate::support::{folder, matte, pinhole, point_light, scene, sphere, wall, wavecrest, with};
+
+/// The JSON that a command prints.
+fn json_of(folder: &Path, arguments: &[&str]) -> Value {
+    let output = wavecrest(folder).args(arguments).output().expect("the command runs");
+    let told = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(0), "{told}");
+    serde_json::from_slice(&output.stdout).expect("JSON")
+}
+
+fn write_scene(folder: &Path) {
+    let mirror = with(matte(0.8, [0.9, 0.3, 0.1]), "kr", 0.5);
+    let shapes = [sphere([0.0; 3], 1.0, mirror), wall(3.0, -1.5, matte(0.8, [0.5; 3]))];
+    let light = point_light(40.0, [2.0, 3.0, 4.0], [1.0; 3]);
+    let scene = scene(2, &pinhole([16, 12], 40.0, 5.0), &[light], &shapes);
+    std::fs::write(folder.join("s.json"), scene.to_string()).expect("a file");
+}
+
+#[test]
+fn bench_times_both_tracers_on_equal_images_and_equal_work() {
+    let folder = folder();
+    write_scene(folder.path());
+    let arguments = ["bench", "s.json", "s.json", "--repeats", "2", "--min-time", "0", "--json"];
+    let found = json_of(folder.path(), &[&arguments[..], &["-o", "bench.json"]].concat());
+    let scenes = found["scenes"].as_array().expect("scenes");
+    assert_eq!(scenes.len(), 2);
+    for scene in scenes {
+        assert_eq!((&scene["equal"], &scene["difference"]), (&json!(true), &Value::Null));
+        assert_eq!(scene["rays"]["primary"], 16 * 12);
+        assert_eq!(scene["wavefront"]["tests"], scene["recursive"]["tests"]);
+        for tracer in ["wavefront", "recursive"] {
+            let seconds = scene[tracer]["seconds"]["median"].as_f64().expect("seconds");
+            assert!(seconds > 0.0, "{tracer}");
+        }
+    }
+    let text = std::fs::read_to_string(folder.path().join("bench.json")).expect("a report");
+    let written: Value = serde_json::from_str(&text).expect("JSON");
+    assert_eq!(written["scenes"], found["scenes"], "the file says what was printed");
+}
+
+/// A unit square of two triangles in the plane z = 0, and rays along -z at these places.
+fn write_rays(folder: &Path, any_hit: bool, answers: &[(f32, f32, Hit)]) {
+    let square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n";
+    std::fs::write(folder.join("m.obj"), square).expect("a file");
+    let ray = |x, y| Ray::new(Vec3::new(x, y, 2.0), Vec3::NEG_Z);
+    let file = RayFile {
+        any_hit,
+        triangles: 2,
+        rays: answers.iter().map(|&(x, y, _)| ray(x, y)).collect(),
+        closest: answers.iter().map(|&(.., hit)| hit).collect(),
+        occluded: answers.iter().map(|(.., hit)| !hit.is_miss()).collect(),
+    };
+    file.write(&folder.join("r.rays")).expect("a file");
+}
+
+const LOWER: Hit = Hit { t: 2.0, primitive: 0 };
+const UPPER: Hit = Hit { t: 2.0, primitive: 1 };
+const RAYS: [(f32, f32, Hit); 3] =
+    [(0.75, 0.25, LOWER), (0.25, 0.75, UPPER), (1.25, 0.5, Hit::MISS)];
+
+fn trace(folder: &Path, options: &[&str]) -> Value {
+    let arguments = ["trace", "--mesh", "m.obj", "--rays", "r.rays", "--repeats", "1", "--json"];
+    json_of(folder, &[&arguments, options].concat())
+}
+
+#[test]
+fn trace_gives_the_right_answers_whatever_the_tracer_and_the_tree() {
+    let folder = folder();
+    for any_hit in [false, true] {
+        write_rays(folder.path(), any_hit, &RAYS);
+        for options in [
+            &["--tracer", "wavefront"][..],
+            &["--tracer", "recursive", "--threads", "2"],
+            &["--bvh", "brute"],
+        ] {
+            let options = [options, &["--answers", "a.rays"]].concat();
+            let found = trace(folder.path(), &options);
+            assert_eq!((&found["rays"], &found["hits"]), (&json!(3), &json!(2)), "{options:?}");
+            for (key, count) in found["compared"].as_object().expect("an object") {
+                assert_eq!(count.as_f64(), Some(0.0), "{options:?}: {key}");
+            }
+            let answers = RayFile::read(&folder.path().join("a.rays")).expect("answers");
+            assert_eq!(answers.closest, RAYS.map(|(.., hit)| hit));
+            assert_eq!(answers.occluded, [true, true, false]);
+        }
+    }
+}
+
+#[test]
+fn trace_tells_answers_of_the_file_that_are_not_ours() {
+    let folder = folder();
+    let wrong = [
+        (0.75, 0.25, UPPER),
+        (0.25, 0.75, Hit { t: 1.5, primitive: 1 }),
+        (0.5, 0.25, Hit::MISS),
+        (1.25, 0.5, LOWER),
+    ];
+    write_rays(folder.path(), false, &wrong);
+    let found = trace(folder.path(), &[]);
+    for (key, count) in [
+        ("other_triangle", 1),
+        ("other_distance", 1),
+        ("extra", 1),
+        ("lost", 1),
+        ("extra_any", 1),
+        ("lost_any", 1),
+    ] {
+        assert_eq!(found["compared"][key], count, "{key}");
+    }
+}
+
+#[test]
+fn trace_refuses_rays_of_another_mesh() {
+    let folder = folder();
+    write_rays(folder.path(), false, &RAYS);
+    std::fs::write(folder.path().join("m.obj"), "v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\n")
+        .expect("a file");
+    let mut command = wavecrest(folder.path());
+    let output =
+        command.args(["trace", "--mesh", "m.obj", "--rays", "r.rays"]).output().expect("it runs");
+    assert_eq!(output.status.code(), Some(2));
+    assert_eq!(
+        String::from_utf8_lossy(&output.stderr),
+        "error: r.rays: the rays belong to another mesh, found rays for 2 triangles; m.obj has 1\n"
+    );
+}

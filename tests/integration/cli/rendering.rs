@@ -1,0 +1,132 @@
+//! `wavecrest SCENE OUTPUT`.
+
+use serde_json::json;
+
+use super::{ball, files, film, run_silently, text, with_ball};
+use crate::support::{folder, image, matte, pinhole, scene, wavecrest};
+
+#[test]
+fn a_scene_and_an_output_are_all_it_takes() {
+    let folder = with_ball();
+    for arguments in [
+        &["ball.json", "out.ppm"][..],
+        &["render", "ball.json", "out.ppm"],
+        &["render", "ball.json", "-o", "out.ppm"],
+        &["ball.json", "--output", "out.ppm"],
+    ] {
+        run_silently(folder.path(), arguments);
+        let bytes = std::fs::read(folder.path().join("out.ppm")).expect("an image");
+        assert!(bytes.starts_with(b"P6\n16 12\n255\n") && bytes.len() == 13 + 16 * 12 * 3);
+        std::fs::remove_file(folder.path().join("out.ppm")).expect("it is there");
+        assert_eq!(files(folder.path()), ["ball.json"], "nothing else is left behind");
+    }
+}
+
+#[test]
+fn float_formats_hold_the_image_to_the_last_bit_and_8_bits_its_levels() {
+    let folder = with_ball();
+    let expected = image(&ball());
+    for name in ["out.exr", "out.pfm", "OUT.EXR"] {
+        run_silently(folder.path(), &["ball.json", name]);
+        assert!(film(folder.path().join(name)).same_bits(&expected), "{name}");
+    }
+    for name in ["out.ppm", "out.png"] {
+        run_silently(folder.path(), &["ball.json", name]);
+        let found = film(folder.path().join(name));
+        for (a, b) in found.pixels().as_flattened().iter().zip(expected.pixels().as_flattened()) {
+            assert_eq!((a * 255.0).round(), (b.clamp(0.0, 1.0) * 255.0).round(), "{name}");
+        }
+    }
+}
+
+#[test]
+fn the_srgb_transfer_brightens_8_bits_and_leaves_floats_alone() {
+    let folder = with_ball();
+    run_silently(folder.path(), &["ball.json", "linear.png"]);
+    run_silently(folder.path(), &["ball.json", "srgb.png", "--transfer", "srgb"]);
+    run_silently(folder.path(), &["ball.json", "srgb.exr", "--transfer", "srgb"]);
+    let at = |name: &str| film(folder.path().join(name));
+    // The background, 0.125, becomes 0.3885.
+    let corner = |name| at(name).pixel(0, 0).expect("a pixel")[0];
+    let (linear, encoded) = (corner("linear.png"), corner("srgb.png"));
+    assert!(linear < encoded, "{linear} {encoded}");
+    assert!(at("srgb.exr").same_bits(&image(&ball())));
+}
+
+#[test]
+fn no_choice_of_how_to_render_changes_a_byte() {
+    let folder = with_ball();
+    run_silently(folder.path(), &["ball.json", "usual.exr"]);
+    let usual = std::fs::read(folder.path().join("usual.exr")).expect("an image");
+    for options in [
+        &["--tracer", "recursive"][..],
+        &["--tracer", "wavefront", "--batch", "7"],
+        &["--threads", "1"],
+        &["--threads", "3", "--bvh", "brute"],
+        &["--bvh", "very-slow", "--seed", "9"],
+    ] {
+        run_silently(folder.path(), &[&["ball.json", "out.exr"], options].concat());
+        let found = std::fs::read(folder.path().join("out.exr")).expect("an image");
+        assert!(found == usual, "{options:?}");
+    }
+}
+
+#[test]
+fn a_crop_and_a_size_choose_what_is_rendered() {
+    let folder = with_ball();
+    run_silently(folder.path(), &["ball.json", "whole.pfm"]);
+    run_silently(folder.path(), &["ball.json", "part.pfm", "--crop", "3,2,5,4"]);
+    let (whole, part) =
+        (film(folder.path().join("whole.pfm")), film(folder.path().join("part.pfm")));
+    assert_eq!((part.width(), part.height()), (5, 4));
+    for (x, y) in (0..4).flat_map(|y| (0..5).map(move |x| (x, y))) {
+        assert_eq!(part.pixel(x, y), whole.pixel(x + 3, y + 2));
+    }
+    run_silently(folder.path(), &["ball.json", "small.pfm", "--width", "8", "--height", "6"]);
+    let small = film(folder.path().join("small.pfm"));
+    assert_eq!((small.width(), small.height()), (8, 6));
+}
+
+#[test]
+fn paths_in_a_scene_start_from_its_folder() {
+    let folder = folder();
+    let (inner, outer) = (folder.path().join("scenes"), folder.path().join("elsewhere"));
+    std::fs::create_dir_all(&inner).expect("a folder");
+    std::fs::create_dir_all(&outer).expect("a folder");
+    std::fs::write(inner.join("m.obj"), "v -1 -1 0\nv 1 -1 0\nv 0 1 0\nf 1 2 3\n").expect("a file");
+    let mesh = json!({"type": "trimesh", "file": "m.obj", "material": matte(0.8, [1.0; 3])});
+    let scene = scene(0, &pinhole([8, 8], 40.0, 5.0), &[], &[mesh]);
+    std::fs::write(inner.join("s.json"), scene.to_string()).expect("a file");
+    run_silently(&outer, &["../scenes/s.json", "out.exr"]);
+    assert_eq!(film(outer.join("out.exr")).pixel(4, 4), Some([0.0; 3]), "the mesh, unlit");
+    assert_eq!(files(&inner), ["m.obj", "s.json"], "the output is where the command was run");
+}
+
+#[test]
+fn names_may_have_spaces_and_letters_of_any_script() {
+    let folder = with_ball();
+    for name in ["my scene", "балл", "-ball", "render"] {
+        let file = format!("{name}.json");
+        std::fs::copy(folder.path().join("ball.json"), folder.path().join(&file)).expect("a copy");
+        let output = format!("out of {name}.png");
+        run_silently(folder.path(), &["render", "-o", &output, "--", &file]);
+        assert!(folder.path().join(output).exists());
+    }
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn names_need_not_be_unicode() {
+    use std::os::unix::ffi::OsStrExt;
+    let folder = with_ball();
+    let name = |suffix: &str| {
+        let bytes = [b"b\xffll".as_slice(), suffix.as_bytes()].concat();
+        std::ffi::OsStr::from_bytes(&bytes).to_owned()
+    };
+    std::fs::copy(folder.path().join("ball.json"), folder.path().join(name(".json")))
+        .expect("a copy");
+    let mut command = wavecrest(folder.path());
+    let output = command.arg(name(".json")).arg(name(".png")).output().expect("the command runs");
+    assert_eq!((output.status.code(), text(&output.stderr)), (Some(0), ""));
+    assert!(folder.path().join(name(".png")).exists());
+}

@@ -1,0 +1,87 @@
+//! The JSON of `--stats`.
+
+use std::path::Path;
+
+use serde_json::{Value, json};
+
+use super::{run_silently, with_ball};
+
+/// Every key that the documentation of the statistics names, as JSON pointers.
+const STATISTICS: [&str; 39] = [
+    "/version",
+    "/scene",
+    "/tracer",
+    "/threads",
+    "/seed",
+    "/image/width",
+    "/image/height",
+    "/image/samples_per_pixel",
+    "/rays/primary",
+    "/rays/secondary",
+    "/rays/shadow",
+    "/samples/lens",
+    "/samples/light",
+    "/samples/texels",
+    "/tests/nodes",
+    "/tests/primitives/triangles",
+    "/tests/primitives/quads",
+    "/tests/primitives/spheres",
+    "/dropped/degenerate",
+    "/invalid",
+    "/lights_at_surface",
+    "/time/load",
+    "/time/build",
+    "/time/trace",
+    "/time/write",
+    "/time/total",
+    "/time/passes/generate",
+    "/time/passes/intersect",
+    "/time/passes/shade",
+    "/time/passes/shadow",
+    "/time/passes/resolve",
+    "/memory/predicted",
+    "/memory/peak",
+    "/bvh/preset",
+    "/bvh/nodes",
+    "/bvh/depth",
+    "/bvh/bytes",
+    "/plan/0/effect",
+    "/plan/0/reason",
+];
+
+fn statistics(folder: &Path, options: &[&str]) -> Value {
+    run_silently(folder, &[&["ball.json", "out.exr", "--stats", "stats.json"], options].concat());
+    let text = std::fs::read_to_string(folder.join("stats.json")).expect("statistics");
+    serde_json::from_str(&text).expect("JSON")
+}
+
+#[test]
+fn statistics_have_every_key_that_their_documentation_names() {
+    let folder = with_ball();
+    let found = statistics(folder.path(), &["--threads", "2", "--seed", "5"]);
+    for key in STATISTICS {
+        assert!(found.pointer(key).is_some(), "{key} is missing");
+    }
+    assert_eq!(found["version"], env!("CARGO_PKG_VERSION"));
+    assert_eq!((&found["scene"], &found["tracer"]), (&json!("ball.json"), &json!("wavefront")));
+    assert_eq!((&found["threads"], &found["seed"]), (&json!(2), &json!(5)));
+    assert_eq!(found["image"], json!({"width": 16, "height": 12, "samples_per_pixel": 1}));
+    assert_eq!(found["rays"]["primary"], 16 * 12);
+    let secondary = found["rays"]["secondary"].as_u64().expect("a number");
+    assert!(secondary > 0 && secondary < 16 * 12, "only the ball mirrors: {secondary}");
+    let time = |key: &str| found["time"][key].as_f64().expect("seconds");
+    assert!(time("total") >= time("trace"));
+}
+
+#[test]
+fn statistics_of_the_recursive_tracer_count_the_same_work() {
+    let folder = with_ball();
+    let [wavefront, recursive] = ["wavefront", "recursive"]
+        .map(|tracer| statistics(folder.path(), &["--tracer", tracer, "--crop", "2,2,9,7"]));
+    assert_eq!(recursive["tracer"], "recursive");
+    for key in ["image", "rays", "samples", "tests", "plan", "dropped"] {
+        assert_eq!(wavefront[key], recursive[key], "{key}");
+    }
+    assert_eq!(recursive["image"]["width"], 9);
+    assert!(recursive.pointer("/time/passes/recursive").is_some());
+}

@@ -1,0 +1,257 @@
+//! Effects: a scene pays for what it shows. The counters are exact, so that "nothing" is 0.
+
+use serde_json::{Value, json};
+use wavecrest::accel::build::Preset;
+use wavecrest::counters::Counters;
+use wavecrest::image::Film;
+use wavecrest::image::write::{Transfer, write};
+use wavecrest::plan::Effect;
+use wavecrest::prepared::PreparedScene;
+use wavecrest::render::RenderOptions;
+use wavecrest::wavefront::batch::Batch;
+
+use crate::support::{
+    TRACERS, extract_small, folder, matte, options, pinhole, point_light, prepare, refusal,
+    render_on, scene, scene_files, sphere, try_prepare, wall, with,
+};
+
+const SIZE: [u32; 2] = [16, 12];
+const PIXELS: u64 = 16 * 12;
+
+/// What both tracers count, once they are seen to count the same.
+fn counters(scene: &PreparedScene) -> Counters {
+    let [wavefront, recursive] =
+        TRACERS.map(|tracer| render_on(1, scene, &RenderOptions { tracer, ..options() }).counters);
+    assert_eq!(wavefront, recursive, "the tracers do not do the same work");
+    wavefront
+}
+
+fn camera() -> Value {
+    pinhole(SIZE, 40.0, 5.0)
+}
+
+fn lens(aperture: f64) -> Value {
+    let mut camera = with(camera(), "type", "thinlens");
+    for (key, value) in [("focal", json!(5)), ("aperture", json!(aperture))] {
+        camera[key] = value;
+    }
+    with(with(camera, "nsamplesx", 3), "nsamplesy", 2)
+}
+
+fn light() -> Value {
+    point_light(30.0, [1.0, 2.0, 4.0], [1.0; 3])
+}
+
+fn area_light(intensity: f64) -> Value {
+    let corners = json!([[-1, 4, -1], [-1, 4, 1], [1, 4, 1], [1, 4, -1]]);
+    json!({"type": "arealight", "intensity": intensity, "color": [1, 1, 1], "sampling": "jittered",
+           "samples": 3, "shape": {"type": "plane", "points": corners}})
+}
+
+/// A mirroring wall that fills the picture.
+fn mirror() -> Value {
+    wall(50.0, 0.0, with(matte(0.8, [0.5; 3]), "kr", 0.5))
+}
+
+/// A wall behind the eye that faces it, which only the mirror shows.
+fn behind() -> Value {
+    with(wall(50.0, 9.0, matte(0.8, [0.5; 3])), "normal", json!([0, 0, -1]))
+}
+
+#[test]
+fn a_scene_without_lights_casts_no_shadow_ray() {
+    let lit = counters(&prepare(&scene(0, &camera(), &[light()], &[mirror()])));
+    assert_eq!((lit.primary_rays, lit.shadow_rays), (PIXELS, PIXELS), "with a light: one each");
+    let dark = prepare(&scene(0, &camera(), &[], &[mirror()]));
+    assert_eq!(counters(&dark).shadow_rays, 0);
+    assert!(!dark.plan.has_shadows());
+}
+
+#[test]
+fn a_light_without_power_casts_no_shadow_ray_but_keeps_its_ambient_part() {
+    let black = with(light(), "color", json!([0, 0, 0]));
+    for dark in [with(light(), "intensity", 0), black, area_light(0.0)] {
+        let prepared = prepare(&scene(0, &camera(), &[dark], &[mirror()]));
+        let found = counters(&prepared);
+        assert_eq!((found.shadow_rays, found.light_samples), (0, 0));
+        let film = render_on(1, &prepared, &options()).film;
+        assert_eq!(film.pixel(3, 3), Some([0.5 * 0.08; 3]));
+    }
+}
+
+#[test]
+fn a_light_without_power_beside_one_with_power_draws_no_sample() {
+    let scene = scene(0, &camera(), &[light(), area_light(0.0)], &[mirror()]);
+    let prepared = prepare(&scene);
+    assert!(!prepared.plan.has(Effect::AreaLights));
+    let found = counters(&prepared);
+    assert_eq!((found.shadow_rays, found.light_samples), (PIXELS, 0));
+}
+
+#[test]
+fn without_mirrors_or_without_bounces_there_is_no_secondary_ray() {
+    let of = |bounces, kr: f64| {
+        let wall = wall(50.0, 0.0, with(matte(0.8, [0.5; 3]), "kr", kr));
+        counters(&prepare(&scene(bounces, &camera(), &[light()], &[wall, behind()]))).secondary_rays
+    };
+    assert_eq!(of(1, 0.5), PIXELS, "with both: one for each pixel");
+    assert_eq!(of(7, 0.5), PIXELS, "the other wall is no mirror");
+    assert_eq!(of(7, 0.0), 0);
+    assert_eq!(of(0, 0.5), 0);
+}
+
+#[test]
+fn bounces_are_not_counted_beyond_the_last() {
+    // So wide that a ray goes to and fro as often as it may.
+    let wide = |z| wall(1e4, z, with(matte(0.8, [0.5; 3]), "kr", 0.5));
+    let away = with(wide(9.0), "normal", -1);
+    for bounces in [1, 2, 5, 40] {
+        let scene = scene(bounces, &camera(), &[], &[wide(0.0), away.clone()]);
+        let found = counters(&prepare(&scene)).secondary_rays;
+        assert_eq!(found, PIXELS * u64::from(bounces), "{bounces} bounces");
+    }
+}
+
+#[test]
+fn a_pinhole_draws_no_lens_number() {
+    let of = |camera: &Value| counters(&prepare(&scene(0, camera, &[light()], &[mirror()])));
+    let open = of(&lens(0.5));
+    assert_eq!((open.primary_rays, open.lens_samples), (6 * PIXELS, 6 * PIXELS));
+    for camera in [camera(), lens(0.0)] {
+        let found = of(&camera);
+        assert_eq!((found.primary_rays, found.lens_samples), (PIXELS, 0));
+    }
+    let smooth = of(&with(camera(), "antialias", 3));
+    assert_eq!((smooth.primary_rays, smooth.lens_samples), (9 * PIXELS, 0));
+}
+
+#[test]
+fn point_lights_draw_no_light_sample() {
+    let of = |light| counters(&prepare(&scene(0, &camera(), &[light], &[mirror()])));
+    assert_eq!(of(light()).light_samples, 0);
+    assert_eq!(of(area_light(30.0)).light_samples, 9 * PIXELS, "jittered 3: nine points each");
+    let random = with(area_light(30.0), "sampling", "random");
+    assert_eq!(of(random).light_samples, 3 * PIXELS, "random 3: three");
+}
+
+#[test]
+fn a_back_asks_no_light_for_anything() {
+    let back = with(mirror(), "normal", -1);
+    let found = counters(&prepare(&scene(3, &camera(), &[light(), area_light(9.0)], &[back])));
+    let asked = (found.shadow_rays, found.light_samples, found.secondary_rays);
+    assert_eq!(asked, (0, 0, 0));
+}
+
+#[test]
+fn texels_are_read_only_for_what_is_textured() {
+    let folder = folder();
+    let film = Film::from_pixels(2, 2, vec![[0.5; 3]; 4]).expect("a film");
+    write(&film, &folder.path().join("grey.png"), Transfer::Linear).expect("a file");
+    let of = |wall: Value| {
+        let scene = scene(0, &camera(), &[light()], &[wall]);
+        let prepared = try_prepare(&scene, &folder.path().join("scene.json")).expect("a scene");
+        (counters(&prepared).texels, prepared.looks.images.len())
+    };
+    assert_eq!(of(mirror()), (0, 0));
+    let textured = with(mirror(), "texture", "grey.png");
+    assert_eq!(of(textured.clone()), (4 * PIXELS, 1), "bilinear: four each");
+    assert_eq!(of(with(textured, "filter", "nearest")), (PIXELS, 1), "nearest: one");
+}
+
+/// Textures are opened by the system that decodes them and nowhere else: a file that is there but
+/// is no image fails where it is worn, and is not so much as opened on the shape of a light, which
+/// shows its own colour.
+#[test]
+fn the_texture_of_a_light_is_not_opened() {
+    let folder = folder();
+    std::fs::write(folder.path().join("broken.png"), "no image").expect("a file");
+    let file = folder.path().join("scene.json");
+    let worn = with(mirror(), "texture", "broken.png");
+    let error = refusal(&scene(0, &camera(), &[light()], &[worn]), &file).to_string();
+    assert!(error.contains("scene.shapes[0].texture: cannot read the texture"), "{error}");
+    for texture in ["broken.png", "missing.png"] {
+        let mut light = area_light(30.0);
+        light["shape"]["texture"] = texture.into();
+        let scene = scene(0, &camera(), &[light], &[mirror()]);
+        let prepared = try_prepare(&scene, &file).expect("the light needs no image");
+        assert!(prepared.looks.images.is_empty() && !prepared.plan.has(Effect::Textures));
+    }
+}
+
+#[test]
+fn an_image_that_two_shapes_wear_is_decoded_once() {
+    let folder = folder();
+    let film = Film::from_pixels(1, 1, vec![[0.5; 3]]).expect("a film");
+    write(&film, &folder.path().join("grey.png"), Transfer::Linear).expect("a file");
+    let worn = with(mirror(), "texture", "grey.png");
+    let scene = scene(0, &camera(), &[light()], &[worn.clone(), with(worn, "filter", "nearest")]);
+    let prepared = try_prepare(&scene, &folder.path().join("scene.json")).expect("a scene");
+    assert_eq!(prepared.looks.images.len(), 1);
+}
+
+#[test]
+fn shapes_that_are_not_there_are_never_tested() {
+    let triangle = json!({"type": "triangle", "points": [[-9, -9, 0], [0, 9, 0], [9, -9, 0]],
+                          "material": matte(0.8, [0.5; 3])});
+    let tests = |shape: Value| {
+        let tests = counters(&prepare(&scene(0, &camera(), &[light()], &[shape]))).tests;
+        [tests.triangles, tests.quads, tests.spheres]
+    };
+    // The one shape is tested by every primary ray, and by every shadow ray that starts on it.
+    let kinds = [triangle, mirror(), sphere([0.0; 3], 1.0, matte(0.8, [0.5; 3]))];
+    for (kind, shape) in kinds.into_iter().enumerate() {
+        let found = tests(shape);
+        assert!(found[kind] >= PIXELS / 4, "{found:?}");
+        let others = (0..3).filter(|&other| other != kind).map(|other| found[other]).sum::<u64>();
+        assert_eq!(others, 0, "{found:?}");
+    }
+    let nothing = prepare(&scene(4, &camera(), &[light()], &[]));
+    let found = counters(&nothing);
+    assert_eq!(found, Counters { primary_rays: PIXELS, ..Counters::default() });
+}
+
+#[test]
+fn both_tracers_count_the_same_in_every_scene() {
+    for (name, path) in scene_files() {
+        let scene = extract_small(&path, 24, 60_000).build(Preset::Fast);
+        let found = counters(&scene);
+        let [width, height] = scene.camera.size().map(u64::from);
+        let primary = width * height * u64::from(scene.camera.rays_per_pixel());
+        assert_eq!(found.primary_rays, primary, "{name}");
+        assert_eq!(found.invalid, 0, "{name}");
+    }
+}
+
+#[test]
+fn what_a_plan_leaves_out_is_not_counted_in_any_scene() {
+    for (name, path) in scene_files() {
+        let scene = extract_small(&path, 24, 60_000).build(Preset::Fast);
+        let found = counters(&scene);
+        let costs = [
+            (Effect::Triangles, found.tests.triangles),
+            (Effect::Quads, found.tests.quads),
+            (Effect::Spheres, found.tests.spheres),
+            (Effect::Textures, found.texels),
+            (Effect::AreaLights, found.light_samples),
+            (Effect::Mirrors, found.secondary_rays),
+            (Effect::DepthOfField, found.lens_samples),
+        ];
+        for (effect, count) in costs {
+            assert!(count == 0 || scene.plan.has(effect), "{name}: {}, {count}", effect.name());
+        }
+        assert!(found.shadow_rays == 0 || scene.plan.has_shadows(), "{name}");
+    }
+}
+
+#[test]
+fn columns_that_a_scene_does_not_need_have_no_storage() {
+    let groups = |bounces, lights: &[Value]| {
+        let prepared = prepare(&scene(bounces, &camera(), lights, &[mirror()]));
+        Batch::bytes_per_path(&prepared).into_iter().map(|(name, _)| name).collect::<Vec<_>>()
+    };
+    assert_eq!(groups(0, &[]), ["paths", "rays", "hits"]);
+    assert_eq!(groups(2, &[]), ["paths", "rays", "hits", "next rays"]);
+    assert_eq!(groups(0, &[light()]), ["paths", "rays", "hits", "lit points", "shadow rays"]);
+    let all = groups(2, &[light()]);
+    assert_eq!(all, ["paths", "rays", "hits", "lit points", "shadow rays", "next rays"]);
+}

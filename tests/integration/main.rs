@@ -1,0 +1,35 @@
+//! The integration tests: one binary, and this index of what it checks.
+//!
+//! `cargo test --test integration` runs them all, `cargo test --test integration parity` those of
+//! one module. A test's name says what holds.
+
+#![allow(
+    clippy::expect_used,
+    clippy::panic,
+    reason = "helpers of tests fail as tests do; clippy knows only the test functions themselves"
+)]
+
+// Loading, rendering and running the command, for all the modules below; no tests.
+mod support;
+
+// The float image of every file in scenes/ and scenes/hard/ is the one in tests/golden/.
+mod golden;
+
+// Tracer, threads, batch size, tree and crop do not change a bit of an image.
+mod parity;
+
+// Images agree with formulas worked out here in double precision.
+mod closed_form;
+
+// A scene pays for the effects that it shows and for no others; the counters prove it.
+mod effects;
+
+// The modules import each other in one direction alone, and files stay short.
+mod architecture;
+
+// The command: arguments, formats, statistics, exit codes, messages, what is left behind on failure,
+// and every subcommand.
+mod cli;
+
+// What is said of scenes and meshes that are wrong, word for word.
+mod errors;

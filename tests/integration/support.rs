@@ -1,0 +1,197 @@
+//! Loading, rendering and running the command.
+
+use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
+
+use assert_cmd::Command;
+use serde_json::{Value, json};
+use tempfile::TempDir;
+use wavecrest::accel::build::Preset;
+use wavecrest::error::{Error, Result};
+use wavecrest::image::Film;
+use wavecrest::prepared::PreparedScene;
+use wavecrest::render::{RenderOptions, Rendered, TracerKind, render};
+use wavecrest::scene::load::{LoadOptions, LoadedScene, load, load_str};
+use wavecrest::systems::{self, Extracted};
+
+/// Both tracers.
+pub(crate) const TRACERS: [TracerKind; 2] = [TracerKind::Wavefront, TracerKind::Recursive];
+
+/// A file or folder of the repository.
+pub(crate) fn repository(path: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
+}
+
+/// The files in a folder of the repository with this extension, in the order of their names.
+pub(crate) fn files_in(folder: &str, extension: &str) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(repository(folder)).expect("the folder is there");
+    let mut files: Vec<PathBuf> = entries
+        .map(|entry| entry.expect("an entry").path())
+        .filter(|path| path.extension().is_some_and(|e| e == extension))
+        .collect();
+    files.sort();
+    files
+}
+
+/// Every scene of `scenes/` and `scenes/hard/`, each with a name of its own. Those of
+/// `scenes/large/` need meshes that have to be generated first.
+pub(crate) fn scene_files() -> Vec<(String, PathBuf)> {
+    let named = |prefix: &str, folder: &str| -> Vec<(String, PathBuf)> {
+        let name = |path: &Path| format!("{prefix}{}", stem(path));
+        files_in(folder, "json").into_iter().map(|path| (name(&path), path)).collect()
+    };
+    let mut scenes = named("", "scenes");
+    scenes.extend(named("hard-", "scenes/hard"));
+    assert!(scenes.len() > 30, "scenes/ holds {} scenes only", scenes.len());
+    scenes
+}
+
+/// The name of a file without its extension.
+pub(crate) fn stem(path: &Path) -> String {
+    path.file_stem().expect("a file name").to_string_lossy().into_owned()
+}
+
+/// A scene file, made ready at a size that a test can afford: its own shape, its longest side at
+/// most `longest` pixels, and no more than `most_rays` rays, which scenes with thousands of samples
+/// reach in a few pixels.
+pub(crate) fn extract_small(path: &Path, longest: u32, most_rays: u64) -> Extracted {
+    let first = extract_file(path, LoadOptions::default());
+    let [width, height] = first.scene().camera.size();
+    let rays_a_pixel = first.expected_rays() as f64 / (f64::from(width) * f64::from(height));
+    let longest_affordable = (most_rays as f64 / rays_a_pixel).sqrt();
+    let scale = f64::from(longest).min(longest_affordable) / f64::from(width.max(height));
+    let side = |length: u32| Some(((f64::from(length) * scale.min(1.0)).round() as u32).max(1));
+    extract_file(path, LoadOptions { width: side(width), height: side(height), strict: true })
+}
+
+fn extract_file(path: &Path, options: LoadOptions) -> Extracted {
+    extract(load(path, &options)).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn extract(loaded: Result<LoadedScene>) -> Result<Extracted> {
+    systems::extract(&mut loaded?.world)
+}
+
+/// A scene written in a test, made ready. Relative paths start from the repository.
+pub(crate) fn prepare(scene: &Value) -> PreparedScene {
+    try_prepare(scene, &repository("test.json")).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// A scene that is said to be at `file`, made ready, or what is wrong with it.
+pub(crate) fn try_prepare(scene: &Value, file: &Path) -> Result<PreparedScene> {
+    let loaded = load_str(&scene.to_string(), file, &LoadOptions::default());
+    Ok(extract(loaded)?.build(Preset::Fast))
+}
+
+/// What is wrong with the scene that is said to be at `file`.
+pub(crate) fn refusal(scene: &Value, file: &Path) -> Error {
+    try_prepare(scene, file).map(|_| ()).expect_err("the scene is wrong")
+}
+
+/// Renders on a pool of `threads` threads.
+pub(crate) fn render_on(
+    threads: usize,
+    scene: &PreparedScene,
+    options: &RenderOptions,
+) -> Rendered {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+    let rendered = pool.install(|| render(scene, options, &|_, _| {}));
+    rendered.unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// Renders with both tracers, checks that they agree to the last bit, and returns one image.
+pub(crate) fn image(scene: &Value) -> Film {
+    image_of(&prepare(scene), 0)
+}
+
+/// As [`image()`], of a scene that is ready, with other random numbers.
+pub(crate) fn image_of(scene: &PreparedScene, seed: u64) -> Film {
+    let [wavefront, recursive] =
+        TRACERS.map(|tracer| render_on(1, scene, &RenderOptions { tracer, seed, ..options() }));
+    assert!(wavefront.film.same_bits(&recursive.film), "the tracers disagree");
+    assert_eq!(wavefront.counters.invalid, 0, "samples are not finite");
+    wavefront.film
+}
+
+/// The options of a render that nothing is asked of.
+pub(crate) fn options() -> RenderOptions {
+    RenderOptions::default()
+}
+
+/// The pixel in column `x` and row `y`.
+pub(crate) fn pixel(film: &Film, x: u32, y: u32) -> [f64; 3] {
+    film.pixel(x, y).expect("a pixel of the image").map(f64::from)
+}
+
+/// Checks that three values are within `tolerance` of three others.
+#[track_caller]
+pub(crate) fn assert_near(found: [f64; 3], expected: [f64; 3], tolerance: f64, what: &str) {
+    let near = |(a, b): (f64, f64)| (a - b).abs() <= tolerance;
+    let all_near = found.into_iter().zip(expected).all(near);
+    assert!(all_near, "{what}: {found:?} is not within {tolerance} of {expected:?}");
+}
+
+/// The background of the scenes that [`scene()`] makes: a colour that no surface in them has.
+pub(crate) const BACKGROUND: [f64; 3] = [0.125, 0.25, 0.5];
+
+/// A scene of these parts.
+pub(crate) fn scene(bounces: u32, camera: &Value, lights: &[Value], shapes: &[Value]) -> Value {
+    json!({
+        "nbounces": bounces,
+        "camera": camera,
+        "scene": {"backgroundcolor": BACKGROUND, "lightsources": lights, "shapes": shapes}
+    })
+}
+
+/// A pinhole camera on +z that looks at the origin with +y up.
+pub(crate) fn pinhole(size: [u32; 2], fov: f64, distance: f64) -> Value {
+    json!({
+        "type": "pinhole", "width": size[0], "height": size[1], "fov": fov,
+        "location": [0.0, 0.0, distance], "look": [0.0, 0.0, 0.0]
+    })
+}
+
+/// A point light.
+pub(crate) fn point_light(intensity: f64, position: [f64; 3], color: [f64; 3]) -> Value {
+    json!({"type": "pointlight", "intensity": intensity, "position": position, "color": color})
+}
+
+/// A material without highlight or mirror.
+pub(crate) fn matte(kd: f64, color: [f64; 3]) -> Value {
+    json!({"ks": 0.0, "kd": kd, "specularexponent": 1.0, "diffusecolor": color})
+}
+
+/// A sphere.
+pub(crate) fn sphere(center: [f64; 3], radius: f64, material: Value) -> Value {
+    json!({"type": "sphere", "center": center, "radius": radius, "material": material})
+}
+
+/// A square about the origin in the plane z = `z`, whose front is seen from +z.
+pub(crate) fn wall(half: f64, z: f64, material: Value) -> Value {
+    let points = [[-half, -half, z], [-half, half, z], [half, half, z], [half, -half, z]];
+    json!({"type": "plane", "points": points, "material": material})
+}
+
+/// `value` with `key` set.
+pub(crate) fn with(mut value: Value, key: &str, to: impl Into<Value>) -> Value {
+    value[key] = to.into();
+    value
+}
+
+/// A folder that is removed when the test ends.
+pub(crate) fn folder() -> TempDir {
+    tempfile::tempdir().expect("a folder")
+}
+
+/// The command, to be run in `folder`.
+pub(crate) fn wavecrest(folder: &Path) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_wavecrest"));
+    command.current_dir(folder);
+    command
+}
+
+/// Whether the images of slow tests are to be written rather than compared.
+pub(crate) fn blessing() -> bool {
+    static BLESSING: OnceLock<bool> = OnceLock::new();
+    *BLESSING.get_or_init(|| std::env::var_os("WAVECREST_BLESS").is_some_and(|value| value == "1"))
+}
