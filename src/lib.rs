@@ -14,6 +14,7 @@ pub mod prepared;
 pub mod ray_file;
 pub mod recursive;
 pub mod render;
+pub mod replace;
 pub mod report;
 pub mod scene;
 pub mod systems;

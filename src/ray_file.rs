@@ -22,8 +22,8 @@ use glam::Vec3;
 
 use crate::accel::Hit;
 use crate::error::{Error, ErrorKind, Result};
-use crate::image::replace::{replace_file, write_error};
 use crate::math::ray::Ray;
+use crate::replace::{replace_file, write_error};
 
 const MAGIC: &[u8; 8] = b"RAYDUMP1";
 const VERSION: u32 = 1;

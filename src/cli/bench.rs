@@ -6,10 +6,10 @@ use std::time::Instant;
 
 use super::common::{SceneOptions, print, progress_bar, tell, to_json};
 use crate::error::Result;
-use crate::image::replace::{check_replaceable, replace_file, write_error};
 use crate::memory;
 use crate::prepared::PreparedScene;
 use crate::render::{RenderOptions, TracerKind, render};
+use crate::replace::{check_replaceable, replace_file, write_error};
 use crate::report::bench::measure::{Measured, Schedule, measure};
 use crate::report::bench::{BenchReport, Preparation, SceneBench, Setting, text};
 use crate::report::statistics::peak_memory;

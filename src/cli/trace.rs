@@ -11,10 +11,10 @@ use crate::accel::build::Preset;
 use crate::accel::geometry::Geometry;
 use crate::accel::{Accel, Hit, TestCounts};
 use crate::error::{Error, ErrorKind, Result};
-use crate::image::replace::check_replaceable;
 use crate::kernels::triangle::T_TOLERANCE;
 use crate::ray_file::RayFile;
 use crate::render::TracerKind;
+use crate::replace::check_replaceable;
 use crate::scene::mesh;
 
 /// Rays handed to a thread at a time by the wavefront.

@@ -5,10 +5,8 @@
 //! is filled. Memory is bounded whatever the size of the mesh and the number of threads, and the
 //! bytes do not depend on either.
 //!
-//! The file is written under a temporary name in the same folder and renamed when it is whole,
-//! so that a reader never sees half a mesh.
+//! The file appears whole or not at all (see [`crate::replace`]).
 
-use std::fs::File;
 use std::io::{self, Write};
 use std::path::Path;
 
@@ -16,6 +14,7 @@ use rayon::prelude::*;
 
 use super::{Recipe, Surface, rounded};
 use crate::error::{Error, Result};
+use crate::replace::replace_file;
 
 /// The size of each of the two buffers.
 const BUFFER_BYTES: usize = 8 << 20;
@@ -49,43 +48,17 @@ pub fn write_ply(
 ) -> Result<Written> {
     let surface = recipe.surface()?;
     let layout = Layout::new(recipe, surface.as_ref());
-    let folder = match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    };
-    let mut file = temporary_in(folder).map_err(|e| {
-        Error::io("cannot make a file in the folder", path, e).remedy(format!(
-            "name a file in a folder that exists and can be written, with {} free",
-            size(layout.bytes())
-        ))
-    })?;
-    let sink = Sink { file: file.as_file_mut(), written: 0, total: layout.bytes(), progress };
-    layout.write(surface.as_ref(), sink).map_err(|e| {
-        Error::io("cannot write the mesh", path, e).remedy(format!(
-            "the file needs {} free in its folder; make room, or ask for fewer triangles",
-            size(layout.bytes())
-        ))
-    })?;
-    file.persist(path).map_err(|e| {
-        Error::io("cannot give the finished file its name", path, e.error)
-            .remedy("name a file that can be replaced, not a folder")
+    replace_file(path, |file| {
+        let sink = Sink { file, written: 0, total: layout.bytes(), progress };
+        layout.write(surface.as_ref(), sink).map_err(|e| {
+            Error::io("cannot write the mesh", path, e).remedy(format!(
+                "the file needs {} free in its folder; make room, or ask for fewer triangles",
+                size(layout.bytes())
+            ))
+        })
     })?;
     let (vertices, triangles) = (layout.vertices, layout.triangles);
     Ok(Written { vertices, triangles, bytes: layout.bytes() })
-}
-
-/// A new file in `folder` that goes away unless it is renamed. Its permissions are those of any
-/// other new file, not the private ones that temporary files have by default.
-fn temporary_in(folder: &Path) -> io::Result<tempfile::NamedTempFile> {
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".wavecrest-").suffix(".part");
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        // The process's mask still applies.
-        builder.permissions(std::fs::Permissions::from_mode(0o666));
-    }
-    builder.tempfile_in(folder)
 }
 
 /// A number of bytes as a reader would say it.
@@ -119,7 +92,11 @@ impl Layout {
     }
 
     /// Writes the header, every vertex and every face.
-    fn write(&self, surface: &dyn Surface, mut sink: Sink<'_>) -> io::Result<()> {
+    fn write<W: Write + Send>(
+        &self,
+        surface: &dyn Surface,
+        mut sink: Sink<'_, W>,
+    ) -> io::Result<()> {
         sink.file.write_all(self.header.as_bytes())?;
         sink.advance(self.header.len());
         stream(&mut sink, self.vertices, self.vertex_bytes(), |v, record| {
@@ -161,14 +138,14 @@ fn put(place: &mut [u8], numbers: [[u8; 4]; 3]) {
 }
 
 /// The file, and who is told how far it has come.
-struct Sink<'a> {
-    file: &'a mut File,
+struct Sink<'a, W> {
+    file: &'a mut W,
     written: u64,
     total: u64,
     progress: &'a mut dyn FnMut(u64, u64),
 }
 
-impl Sink<'_> {
+impl<W> Sink<'_, W> {
     fn advance(&mut self, bytes: usize) {
         self.written += bytes as u64;
         (self.progress)(self.written, self.total);
@@ -176,8 +153,8 @@ impl Sink<'_> {
 }
 
 /// Writes `count` records of `record_bytes` each, made by `make` from their number.
-fn stream(
-    sink: &mut Sink<'_>,
+fn stream<W: Write + Send>(
+    sink: &mut Sink<'_, W>,
     count: u64,
     record_bytes: usize,
     make: impl Fn(u64, &mut [u8]) + Sync,

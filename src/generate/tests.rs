@@ -280,7 +280,7 @@ fn files_that_cannot_be_written_are_named() {
     let missing = folder.path().join("missing").join("mesh.ply");
     let error = write_ply(&recipe, &missing, &mut |_, _| ()).unwrap_err();
     assert_eq!((error.kind(), error.file()), (ErrorKind::Io, Some(missing.as_path())));
-    assert!(error.to_string().contains("bytes"), "{error}");
+    assert!(error.to_string().contains("there is no folder"), "{error}");
     let error = write_ply(&recipe, folder.path(), &mut |_, _| ()).unwrap_err();
     assert_eq!(error.kind(), ErrorKind::Io);
 }

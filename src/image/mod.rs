@@ -11,7 +11,6 @@ pub mod compare;
 pub mod film;
 mod netpbm;
 pub mod read;
-pub mod replace;
 pub mod write;
 
 pub use film::Film;

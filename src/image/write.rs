@@ -1,7 +1,7 @@
 //! Writing a film: as a PPM or a PNG with 8 bits a value, or as an EXR or a PFM that keeps every
 //! float.
 //!
-//! The file appears whole or not at all (see [`super::replace`]), and its bytes depend on the
+//! The file appears whole or not at all (see [`crate::replace`]), and its bytes depend on the
 //! film alone, not on the machine.
 
 use std::ffi::OsStr;
@@ -15,8 +15,8 @@ use image::{ExtendedColorType, ImageEncoder, ImageError};
 
 use super::film::Film;
 use super::netpbm;
-use super::replace::{Sink, check_replaceable, replace_file, write_error};
 use crate::error::{Error, ErrorKind, Result, did_you_mean};
+use crate::replace::{Sink, check_replaceable, replace_file, write_error};
 
 /// How a linear value from 0 to 1 becomes one of 256 levels. Float formats are always linear.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, clap::ValueEnum)]

@@ -13,6 +13,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("math", &[]),
     ("error", &[]),
     ("plan", &[]),
+    ("replace", &["error"]),
     ("kernels", &["math"]),
     ("accel", &["kernels", "math"]),
     ("counters", &["accel"]),
@@ -20,13 +21,13 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("tile", &["counters", "prepared"]),
     ("wavefront", &["accel", "counters", "kernels", "math", "prepared", "tile"]),
     ("recursive", &["accel", "counters", "kernels", "math", "prepared", "tile"]),
-    ("image", &["error"]),
+    ("image", &["error", "replace"]),
     ("render", &["counters", "error", "image", "prepared", "recursive", "tile", "wavefront"]),
     ("scene", &["error", "kernels", "math"]),
     ("systems", &["accel", "error", "kernels", "math", "plan", "prepared", "scene"]),
     ("memory", &["accel", "prepared", "systems", "wavefront"]),
-    ("generate", &["error", "scene"]),
-    ("ray_file", &["accel", "error", "image", "math"]),
+    ("generate", &["error", "replace", "scene"]),
+    ("ray_file", &["accel", "error", "math", "replace"]),
     ("report", &["accel", "counters", "error", "image", "plan", "prepared", "render"]),
     (
         "cli",
@@ -42,6 +43,7 @@ const ARROWS: &[(&str, &[&str])] = &[
             "prepared",
             "ray_file",
             "render",
+            "replace",
             "report",
             "scene",
             "systems",
@@ -60,7 +62,7 @@ const CRATES: &[(&str, &[&str])] = &[
     // Whatever is shown on a terminal.
     ("indicatif", &["cli", "generate"]),
     // Files that appear whole or not at all.
-    ("tempfile", &["generate", "image"]),
+    ("tempfile", &["replace"]),
     // Numbers come from one place, as functions of where they are used.
     ("rand", &["math"]),
 ];
