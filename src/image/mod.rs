@@ -4,7 +4,6 @@
 //! * [`mod@write`]: a film becomes a PPM, PNG, EXR or PFM file, whole or not at all.
 //! * [`mod@read`]: any picture becomes a film again.
 //! * [`mod@compare`]: by how much two films differ.
-//! * [`replace`]: how a file is written so that an older one survives a failure.
 //! * `netpbm`: the byte layouts of PPM and PFM, which are simple enough to be our own.
 
 pub mod compare;

@@ -71,3 +71,83 @@ fn rounding_error(point: DVec3, size: f32) -> Vec3 {
     const DOUBLE: f32 = 16.0 * f64::EPSILON as f32;
     point.as_vec3().abs() * gamma(2) + DOUBLE * size
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::float::{normalize, offset_origin};
+    use crate::math::random::Stream;
+
+    /// A number of either sign and any magnitude from 1e-8 to 1e8.
+    fn wide(u: f32, v: f32) -> f32 {
+        let magnitude = 10.0_f64.powf(16.0 * f64::from(u) - 8.0) as f32;
+        if v < 0.5 { -magnitude } else { magnitude }
+    }
+
+    fn random(index: u32, dimension: u32) -> [f32; 4] {
+        Stream { seed: 9, pixel: index, sample: 0, bounce: 0 }.uniform(dimension)
+    }
+
+    /// Rays leave `surface` to its front and to its back; none may meet what `hit` tests again.
+    fn leave(surface: &Surface, index: u32, hit: impl Fn(&Ray) -> Option<f32>) -> usize {
+        (0..20)
+            .filter(|&k| {
+                let [x, y, z, _] = random(index, 100 + k);
+                let tilted = normalize(Vec3::new(x, y, z) - 0.5);
+                // Half of the rays graze the surface.
+                let along = tilted - surface.normal * tilted.dot(surface.normal);
+                let direction = if k % 2 == 0 { tilted } else { along + surface.normal * 1e-4 };
+                let origin = offset_origin(surface.point, surface.error, surface.normal, direction);
+                let ray = Ray::new(origin, normalize(direction));
+                let leaves = ray.direction.dot(surface.normal).abs() > 1e-6;
+                leaves && ray.is_valid() && hit(&ray).is_some()
+            })
+            .count()
+    }
+
+    #[test]
+    fn hc09_a_ray_that_leaves_a_triangle_does_not_meet_it_again() {
+        let mut tried = 0;
+        for i in 0..5000 {
+            let corners = [0, 1, 2].map(|k| {
+                let ([a, b, c, d], [e, f, _, _]) = (random(i, 2 * k), random(i, 2 * k + 1));
+                Vec3::new(wide(a, d), wide(b, e), wide(c, f))
+            });
+            if triangle::is_degenerate(&corners) {
+                continue;
+            }
+            let target = corners[0] * 0.3 + corners[1] * 0.3 + corners[2] * 0.4;
+            let [x, y, z, _] = random(i, 50);
+            let origin = target + (Vec3::new(x, y, z) - 0.5) * target.length();
+            let ray = Ray::new(origin, target - origin);
+            if ShearedSpace::new(&ray).intersect(&corners).is_none() {
+                continue;
+            }
+            tried += 1;
+            let surface = triangle(&ray, &corners);
+            let again = leave(&surface, i, |ray| ShearedSpace::new(ray).intersect(&corners));
+            assert_eq!(again, 0, "triangle {i}: {corners:?}");
+        }
+        assert!(tried > 2000, "{tried}");
+    }
+
+    #[test]
+    fn hc09_a_ray_that_leaves_a_sphere_does_not_meet_it_again() {
+        for i in 0..5000 {
+            let [a, b, c, d] = random(i, 0);
+            let [e, f, g, h] = random(i, 1);
+            let (center, radius) = (Vec3::new(wide(a, e), wide(b, f), wide(c, g)), wide(d, 1.0));
+            let [x, y, z, _] = random(i, 2);
+            let outside = center + normalize(Vec3::new(x, y, z) - 0.5) * (radius * (2.0 + h));
+            let surface = sphere(&Ray::new(outside, center - outside), center, radius);
+            if sphere::intersect(&Ray::new(outside, center - outside), center, radius).is_none() {
+                continue;
+            }
+            let outward = |ray: &Ray| {
+                let leaves = ray.direction.dot(surface.normal) > 0.0;
+                leaves.then(|| sphere::intersect(ray, center, radius)).flatten()
+            };
+            assert_eq!(leave(&surface, i, outward), 0, "sphere {i}: {center} {radius}");
+        }
+    }
+}

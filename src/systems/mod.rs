@@ -35,9 +35,7 @@ use crate::scene::components::Settings;
 /// The scene without its tree: enough to tell what a render will do.
 #[derive(Debug)]
 pub struct Extracted {
-    /// The scene, its tree still empty.
     scene: PreparedScene,
-    geometry: Geometry,
     /// What the user should know.
     pub warnings: Vec<Warning>,
 }
@@ -57,7 +55,7 @@ pub fn extract(world: &mut World) -> Result<Extracted> {
     let scene = PreparedScene {
         plan,
         camera,
-        accel: Accel { geometry: Geometry::default(), tree: None },
+        accel: Accel { geometry, tree: None },
         looks: Looks { shapes, materials, images, meshes },
         lights,
         background: settings.background.as_vec3(),
@@ -65,16 +63,16 @@ pub fn extract(world: &mut World) -> Result<Extracted> {
         bounces: if mirrors { settings.bounces } else { 0 },
         dropped,
     };
-    Ok(Extracted { scene, geometry, warnings })
+    Ok(Extracted { scene, warnings })
 }
 
 impl Extracted {
     /// The geometry that the tree is to be built over.
     pub fn geometry(&self) -> &Geometry {
-        &self.geometry
+        &self.scene.accel.geometry
     }
 
-    /// The scene, whose geometry is still apart.
+    /// The scene, which has no tree yet.
     pub fn scene(&self) -> &PreparedScene {
         &self.scene
     }
@@ -92,12 +90,12 @@ impl Extracted {
 
     /// The preset that is likely to finish first.
     pub fn preset(&self) -> Preset {
-        Preset::choose(self.geometry.len() as u64, self.expected_rays())
+        Preset::choose(self.geometry().len() as u64, self.expected_rays())
     }
 
     /// Builds the tree: the last system.
     pub fn build(self, preset: Preset) -> PreparedScene {
-        PreparedScene { accel: Accel::new(self.geometry, preset), ..self.scene }
+        PreparedScene { accel: Accel::new(self.scene.accel.geometry, preset), ..self.scene }
     }
 }
 
