@@ -1,5 +1,7 @@
 //! Lights: emitters with what is needed to sample them, in the order of the file.
 
+use std::collections::HashMap;
+
 use glam::{DVec3, Vec3};
 use hecs::{Entity, World};
 
@@ -10,6 +12,7 @@ use crate::kernels::camera;
 use crate::kernels::light::{Emitter, Light, Triangles};
 use crate::kernels::quad;
 use crate::math::sampling::Sampling;
+use crate::prepared::Shape;
 use crate::scene::components::{AreaLight, JsonPath, Order, PointLight, Settings};
 
 /// What this system makes.
@@ -27,8 +30,13 @@ pub fn run(world: &World, extracted: &Output, settings: &Settings) -> Result<Lig
     for (entity, order, light) in world.query::<(Entity, &Order, &PointLight)>().iter() {
         found.push((*order, entity, point_light(light)));
     }
+    let shapes: HashMap<Entity, &Shape> =
+        extracted.shapes.iter().map(|output| (output.entity, &output.shape)).collect();
     for (entity, order, light) in world.query::<(Entity, &Order, &AreaLight)>().iter() {
-        let emitter = emitter(extracted, entity).ok_or_else(|| no_area(world, entity, settings))?;
+        let shape = shapes.get(&entity);
+        let emitter = shape
+            .and_then(|shape| emitter(&extracted.geometry, shape))
+            .ok_or_else(|| no_area(world, entity, settings))?;
         found.push((*order, entity, area_light(light, emitter)));
     }
     found.sort_by_key(|(order, ..)| *order);
@@ -69,11 +77,9 @@ fn power(intensity: f64, color: DVec3) -> Vec3 {
     super::single(color * intensity)
 }
 
-/// The shape of the light, as something to choose points on.
-fn emitter(extracted: &Output, entity: Entity) -> Option<Emitter> {
-    let shape = extracted.shapes.iter().find(|shape| shape.entity == entity)?;
-    let geometry = &extracted.geometry;
-    let range = shape.shape.primitives.clone();
+/// The shape of a light, as something to choose points on.
+fn emitter(geometry: &Geometry, shape: &Shape) -> Option<Emitter> {
+    let range = shape.primitives.clone();
     if let Primitive::Sphere(i) = geometry.primitive(range.start) {
         let (center, radius) = geometry.spheres[i];
         return Some(Emitter::Sphere { center, radius });
