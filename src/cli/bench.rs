@@ -121,7 +121,7 @@ fn prepare(args: &BenchArgs, path: &Path) -> Result<(PreparedScene, Setting)> {
 }
 
 fn measure_scene(args: &BenchArgs, scene: &PreparedScene) -> Result<Measured> {
-    let bar = progress_bar(args.scene_options.quiet, 0, "pairs");
+    let bar = progress_bar(args.scene_options.quiet, "{wide_bar} {pos} of {len} pairs, {eta} left");
     // The bar moves between pairs alone: nothing but the tracers is at work while they are timed.
     let trace = |tracer| render(scene, &args.options(tracer), &|_, _| {});
     let measured = measure(&args.schedule(), trace, &mut |done, planned| {

@@ -3,7 +3,7 @@
 use std::io::{ErrorKind as IoKind, IsTerminal, Write};
 use std::path::Path;
 
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{ProgressBar, ProgressState, ProgressStyle};
 
 use crate::accel::build::Preset;
 use crate::error::{Error, ErrorKind, Result, Warning};
@@ -93,14 +93,18 @@ pub fn to_json(value: &impl serde::Serialize) -> Result<String> {
     Ok(json + "\n")
 }
 
-/// A bar with rate and time left on a terminal, and nothing anywhere else.
-pub fn progress_bar(quiet: bool, length: u64, what: &str) -> ProgressBar {
+/// A bar on a terminal, and nothing anywhere else. Besides the keys of indicatif, `template` may
+/// have `millions`: how many millions are done a second.
+pub fn progress_bar(quiet: bool, template: &str) -> ProgressBar {
     if quiet || !std::io::stderr().is_terminal() {
         return ProgressBar::hidden();
     }
-    let template = format!("{{wide_bar}} {{percent:>3}} % {{per_sec}} {what}, {{eta}} left");
-    let style = ProgressStyle::with_template(&template);
-    ProgressBar::new(length).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+    let style = ProgressStyle::with_template(template)
+        .unwrap_or_else(|_| ProgressStyle::default_bar())
+        .with_key("millions", |state: &ProgressState, text: &mut dyn std::fmt::Write| {
+            let _ = write!(text, "{:.2}", state.per_sec() / 1e6);
+        });
+    ProgressBar::new(0).with_style(style)
 }
 
 /// `x,y,width,height` in pixels.

@@ -1,12 +1,11 @@
 //! `wavecrest generate`: writes a mesh made from a recipe to a PLY file.
 
-use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use indicatif::{HumanBytes, ProgressBar, ProgressStyle};
+use indicatif::HumanBytes;
 
-use super::common::tell;
+use super::common::{progress_bar, tell};
 use crate::error::{Error, ErrorKind, Result};
 use crate::generate::{Model, Recipe, Written, write_ply};
 
@@ -79,7 +78,7 @@ impl GenerateArgs {
 pub fn run(args: &GenerateArgs) -> Result<()> {
     let (recipe, path) = (args.recipe(), args.path()?);
     let start = Instant::now();
-    let bar = progress_bar(args.quiet);
+    let bar = progress_bar(args.quiet, "{wide_bar} {bytes} of {total_bytes}, {eta} left");
     let written = write_ply(&recipe, path, &mut |done, total| {
         bar.set_length(total);
         bar.set_position(done);
@@ -90,15 +89,6 @@ pub fn run(args: &GenerateArgs) -> Result<()> {
         tell(&line);
     }
     Ok(())
-}
-
-/// A bar on a terminal, and nothing anywhere else.
-fn progress_bar(quiet: bool) -> ProgressBar {
-    if quiet || !std::io::stderr().is_terminal() {
-        return ProgressBar::hidden();
-    }
-    let style = ProgressStyle::with_template("{wide_bar} {bytes} of {total_bytes}, {eta} left");
-    ProgressBar::new(0).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
 }
 
 fn summary(path: &Path, written: &Written, seconds: f64) -> String {

@@ -16,6 +16,9 @@ use crate::systems;
 use crate::tile::Tile;
 use crate::wavefront::DEFAULT_BATCH;
 
+/// What the progress bar shows.
+const PROGRESS: &str = "{wide_bar} {percent:>3} % {millions} Mpixels/s, {eta} left";
+
 /// Renders a scene to an image.
 #[derive(Clone, Debug, clap::Args)]
 pub struct RenderArgs {
@@ -113,7 +116,7 @@ fn timed<R>(seconds: &mut f64, work: impl FnOnce() -> R) -> R {
 }
 
 fn trace(args: &RenderArgs, scene: &PreparedScene) -> Result<Rendered> {
-    let bar = progress_bar(args.scene_options.quiet, 0, "pixels");
+    let bar = progress_bar(args.scene_options.quiet, PROGRESS);
     let rendered = render(scene, &args.options(), &|done, all| {
         bar.set_length(all);
         bar.set_position(done);
