@@ -41,15 +41,16 @@ pub fn run(world: &World, extracted: &Output, settings: &Settings) -> Result<Lig
     }
     found.sort_by_key(|(order, ..)| *order);
     let count = found.len();
+    let mut lights = Vec::new();
     let mut dimension = camera::DIMENSION + 1;
-    let powerful = found.into_iter().filter(|(.., light)| light.power != Vec3::ZERO);
-    let lights = powerful
-        .map(|(.., mut light)| {
-            light.dimension = dimension;
-            dimension += if light.is_sampled() { light.samples() } else { 0 };
-            light
-        })
-        .collect();
+    for (_, entity, mut light) in found.into_iter().filter(|(.., l)| l.power != Vec3::ZERO) {
+        light.dimension = dimension;
+        let drawn = if light.is_sampled() { light.samples() } else { 0 };
+        dimension = dimension
+            .checked_add(drawn)
+            .ok_or_else(|| too_many_samples(world, entity, settings))?;
+        lights.push(light);
+    }
     Ok(LightsOutput { lights, count })
 }
 
@@ -96,10 +97,21 @@ fn triangles(geometry: &Geometry, number: u32) -> Vec<[Vec3; 3]> {
     }
 }
 
+fn place(world: &World, entity: Entity) -> String {
+    world.get::<&JsonPath>(entity).map_or_else(|_| String::new(), |p| p.0.clone())
+}
+
 fn no_area(world: &World, entity: Entity, settings: &Settings) -> Error {
-    let place = world.get::<&JsonPath>(entity).map_or_else(|_| String::new(), |p| p.0.clone());
     Error::new(ErrorKind::Scene, "the shape of an area light must have an area")
         .in_file(&settings.file)
-        .at(format!("{place}.shape"))
+        .at(format!("{}.shape", place(world, entity)))
         .remedy("give it corners that are not on one line, or use a point light")
+}
+
+/// Each sample has random numbers of its own, and these are numbered in 32 bits.
+fn too_many_samples(world: &World, entity: Entity, settings: &Settings) -> Error {
+    Error::new(ErrorKind::Limit, "the lights have too many samples together")
+        .in_file(&settings.file)
+        .at(format!("{}.samples", place(world, entity)))
+        .remedy(format!("at most {} are allowed", u32::MAX - 1))
 }
