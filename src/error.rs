@@ -1,7 +1,7 @@
 //! What can go wrong, said so that the reader can mend it: the file, the place in it, the value
 //! found there, and what would be right.
 
-use std::fmt;
+use std::fmt::{self, Write};
 use std::path::{Path, PathBuf};
 
 /// A result whose failure is an [`Error`].
@@ -143,6 +143,7 @@ impl std::error::Error for Error {
 impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Details { message, file, place, value, remedy, .. } = &*self.details;
+        let f = &mut OneLine(f);
         if let Some(file) = file {
             write!(f, "{}: ", file.display())?;
         }
@@ -179,14 +180,22 @@ impl fmt::Display for Warning {
     }
 }
 
-/// A value as shown in a message: one line, at most 80 characters.
+/// A value as shown in a message: at most 80 characters.
 fn shorten(text: &str) -> String {
     const LIMIT: usize = 80;
-    let line: String = text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
-    if line.chars().count() <= LIMIT {
-        return line;
+    if text.chars().count() <= LIMIT {
+        return text.to_owned();
     }
-    line.chars().take(LIMIT - 3).chain("...".chars()).collect()
+    text.chars().take(LIMIT - 3).chain("...".chars()).collect()
+}
+
+/// Writes control characters as spaces: text from a file must not move the terminal's cursor.
+struct OneLine<'a, 'b>(&'a mut fmt::Formatter<'b>);
+
+impl fmt::Write for OneLine<'_, '_> {
+    fn write_str(&mut self, text: &str) -> fmt::Result {
+        text.chars().try_for_each(|c| self.0.write_char(if c.is_control() { ' ' } else { c }))
+    }
 }
 
 /// The candidate nearest to a misspelt `word`, if one is near enough to be meant.
@@ -204,4 +213,26 @@ pub fn did_you_mean<'a>(
         .filter(|(distance, c)| *distance <= (c.chars().count().max(3)) / 3)
         .min_by_key(|(distance, _)| *distance)
         .map(|(_, c)| c)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn text_from_a_file_stays_on_one_line() {
+        let error = Error::new(ErrorKind::Scene, "an unknown key")
+            .at("scene.a\u{1b}[2J\nb")
+            .value("x\ty".repeat(60));
+        let text = error.to_string();
+        assert!(text.starts_with("scene.a [2J b: an unknown key, found x yx y"), "{text}");
+        assert!(text.ends_with("...") && !text.chars().any(char::is_control));
+    }
+
+    #[test]
+    fn near_words_are_meant_and_far_ones_are_not() {
+        let types = ["sphere", "plane", "triangle"];
+        assert_eq!(did_you_mean("Shpere", types), Some("sphere"));
+        assert_eq!(did_you_mean("box", types), None);
+    }
 }

@@ -1,7 +1,8 @@
-//! Memory foretold: what a render of a scene will hold at its peak.
+//! Memory: what a render of a scene will hold at its peak, foretold and measured.
 
 use crate::accel::build::Preset;
 use crate::prepared::PreparedScene;
+use crate::render::batch_size;
 use crate::systems::Extracted;
 use crate::wavefront::batch::Batch;
 
@@ -22,6 +23,8 @@ pub struct Prediction {
     pub batches: u64,
     /// The program itself.
     pub program: u64,
+    /// What was held at the peak so far, while reading the scene: measured.
+    pub so_far: u64,
 }
 
 /// Bytes for each primitive at the peak of a build, boxes, hierarchy and our own nodes together:
@@ -48,28 +51,37 @@ const fn tree_bytes(preset: Preset) -> u64 {
 const PROGRAM: u64 = 8 << 20;
 
 impl Prediction {
-    /// The peak: either while building or while tracing.
+    /// The peak: while reading, while building or while tracing.
     pub fn total(&self) -> u64 {
         let lasting = self.geometry + self.looks + self.program;
-        lasting + self.build.max(self.tree + self.film + self.batches)
+        let ahead = lasting + self.build.max(self.tree + self.film + self.batches);
+        ahead.max(self.so_far)
     }
 }
 
-/// Foretells the peak of a render with `preset` and batches of `batch` paths, on the threads of
-/// the current pool.
-pub fn predict(extracted: &Extracted, preset: Preset, batch: usize) -> Prediction {
+/// Foretells the peak of a render of `pixels` with `preset` and batches of `batch` paths, on the
+/// threads of the current pool.
+pub fn predict(extracted: &Extracted, pixels: u64, preset: Preset, batch: usize) -> Prediction {
     let scene: &PreparedScene = extracted.scene();
     let geometry = extracted.geometry();
     let primitives = geometry.len() as u64;
-    let [width, height] = scene.camera.size().map(u64::from);
     let path: usize = Batch::bytes_per_path(scene).iter().map(|(_, bytes)| bytes).sum();
     Prediction {
         geometry: geometry.bytes(),
         looks: scene.looks.bytes(),
         tree: primitives * tree_bytes(preset),
         build: primitives * build_bytes(preset),
-        film: width * height * size_of::<[f32; 3]>() as u64,
-        batches: (path * batch * rayon::current_num_threads()) as u64,
+        film: pixels * size_of::<[f32; 3]>() as u64,
+        batches: (path * batch_size(scene, batch) * rayon::current_num_threads()) as u64,
         program: PROGRAM,
+        so_far: peak().unwrap_or(0),
     }
+}
+
+/// The largest number of bytes that this process has held in memory so far, where the system tells.
+pub fn peak() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    let kib: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
+    Some(kib * 1024)
 }

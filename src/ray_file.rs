@@ -53,7 +53,11 @@ impl RayFile {
     /// # Errors
     /// When it cannot be read, or is not what its header says.
     pub fn read(path: &Path) -> Result<Self> {
-        let bytes = std::fs::read(path).map_err(|e| Error::io("cannot read the rays", path, e))?;
+        let cannot_read = |e| Error::io("cannot read the rays", path, e);
+        if !std::fs::metadata(path).map_err(cannot_read)?.is_file() {
+            return Err(Error::new(ErrorKind::Io, "this is not a plain file").in_file(path));
+        }
+        let bytes = std::fs::read(path).map_err(cannot_read)?;
         Self::parse(&bytes).map_err(|e| e.in_file(path))
     }
 

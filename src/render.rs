@@ -34,7 +34,8 @@ pub struct RenderOptions {
     pub crop: Option<Tile>,
     /// Chooses the random numbers.
     pub seed: u64,
-    /// Number of paths in a batch of the wavefront.
+    /// Number of paths in a batch of the wavefront, at most: a batch is no larger than a tile of
+    /// 64 x 64 pixels.
     pub batch: usize,
 }
 
@@ -106,8 +107,8 @@ fn render_with<T: Tracer>(
     let start = Instant::now();
     let window = window(scene, options.crop)?;
     let film = Mutex::new(Film::new(window.width, window.height)?);
-    let settings = TraceSettings { seed: options.seed, batch: options.batch };
     let edge = tile_edge(scene, options.batch);
+    let settings = TraceSettings { seed: options.seed, batch: batch_size(scene, options.batch) };
     // One worker a thread, made before the first ray.
     let threads = rayon::current_num_threads();
     let worker = || Mutex::new(Worker::<T>::new(scene, &settings, edge));
@@ -184,6 +185,14 @@ fn tile_edge(scene: &PreparedScene, batch: usize) -> u32 {
     let pixels = batch as u64 / u64::from(scene.camera.rays_per_pixel());
     let edge = pixels.isqrt().next_multiple_of(8);
     edge.clamp(8, 64) as u32
+}
+
+/// The number of paths that a batch can hold when up to `batch` are asked for: no more than a tile
+/// has.
+pub fn batch_size(scene: &PreparedScene, batch: usize) -> usize {
+    let edge = u64::from(tile_edge(scene, batch));
+    let paths = edge * edge * u64::from(scene.camera.rays_per_pixel());
+    paths.min(batch as u64) as usize
 }
 
 /// `window` cut into squares, row by row.

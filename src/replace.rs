@@ -42,6 +42,23 @@ pub fn check_replaceable(path: &Path) -> Result<()> {
     Target::new(path)?.temporary().map(drop)
 }
 
+/// Refuses to write `file` over `other`, which is `what`.
+///
+/// # Errors
+/// When they are one file.
+pub fn check_differs(file: &Path, other: &Path, what: &str) -> Result<()> {
+    let same = match (file.canonicalize(), other.canonicalize()) {
+        (Ok(a), Ok(b)) => a == b,
+        _ => file == other,
+    };
+    if !same {
+        return Ok(());
+    }
+    Err(Error::new(ErrorKind::Usage, format!("this file is {what} too"))
+        .in_file(file)
+        .remedy("write to another file"))
+}
+
 /// An error of the operating system while it wrote `path`, with what may help.
 pub fn write_error(path: &Path, error: std::io::Error) -> Error {
     let remedy = match error.kind() {

@@ -12,7 +12,6 @@ use crate::render::{RenderOptions, TracerKind, render};
 use crate::replace::{check_replaceable, replace_file, write_error};
 use crate::report::bench::measure::{Measured, Schedule, measure};
 use crate::report::bench::{BenchReport, Preparation, SceneBench, Setting, text};
-use crate::report::statistics::peak_memory;
 use crate::systems;
 use crate::wavefront::DEFAULT_BATCH;
 
@@ -81,26 +80,26 @@ fn run_here(args: &BenchArgs) -> Result<bool> {
     if !args.json {
         print(&text::machine(&report.machine))?;
     }
-    for path in &args.scenes {
+    let outcome = args.scenes.iter().try_for_each(|path| {
         let scene = bench(args, path)?;
         tell_scene(args, &scene)?;
         report.scenes.push(scene);
         // After every scene, so that nothing is lost if the next one fails.
-        export(args, &report)?;
-    }
+        export(args, &report)
+    });
     if args.json {
         print(&to_json(&report)?)?;
     } else if report.scenes.len() > 1 {
         print(&format!("\n{}", text::summary(&report.scenes)))?;
     }
-    Ok(report.equal())
+    outcome.map(|()| report.equal())
 }
 
 /// Prepares a scene once and runs both tracers on it.
 fn bench(args: &BenchArgs, path: &Path) -> Result<SceneBench> {
     let (scene, setting) = prepare(args, path)?;
     let measured = measure_scene(args, &scene)?;
-    Ok(SceneBench::new(setting, &scene, &measured, peak_memory()))
+    Ok(SceneBench::new(setting, &scene, &measured, memory::peak()))
 }
 
 fn prepare(args: &BenchArgs, path: &Path) -> Result<(PreparedScene, Setting)> {
@@ -112,7 +111,7 @@ fn prepare(args: &BenchArgs, path: &Path) -> Result<(PreparedScene, Setting)> {
     let load = start.elapsed().as_secs_f64();
     let preset = args.scene_options.bvh.unwrap_or_else(|| extracted.preset());
     let batch = args.batch as usize;
-    let predicted = memory::predict(&extracted, preset, batch).total();
+    let predicted = memory::predict(&extracted, extracted.pixels(), preset, batch).total();
     let start = Instant::now();
     let scene = extracted.build(preset);
     let time = Preparation { load, build: start.elapsed().as_secs_f64() };

@@ -10,6 +10,7 @@ use crate::error::{Error, ErrorKind, Result};
 use crate::image::compare::{Comparison, compare, difference_image};
 use crate::image::read::read;
 use crate::image::write::{Transfer, check_writable, write};
+use crate::replace::check_differs;
 
 /// Compares two pictures and tells by how much they differ.
 ///
@@ -44,6 +45,8 @@ pub struct DiffArgs {
 pub fn run(args: &DiffArgs) -> Result<bool> {
     if let Some(output) = &args.output {
         check_writable(output)?;
+        check_differs(output, &args.a, "one of the pictures")?;
+        check_differs(output, &args.b, "one of the pictures")?;
     }
     let (a, b) = (read(&args.a)?, read(&args.b)?);
     let report = Report::new(args, compare(&a, &b).map_err(|e| e.in_file(&args.b))?);

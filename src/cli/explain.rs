@@ -82,7 +82,7 @@ pub fn run(args: &ExplainArgs) -> Result<()> {
 fn explain(extracted: &Extracted, args: &ExplainArgs) -> Explanation {
     let scene = extracted.scene();
     let bvh = choice(extracted, args.scene_options.bvh);
-    let memory = memory::predict(extracted, bvh.preset, args.batch as usize);
+    let memory = memory::predict(extracted, extracted.pixels(), bvh.preset, args.batch as usize);
     let columns = Batch::bytes_per_path(scene);
     Explanation {
         passes: passes(scene),
@@ -158,6 +158,7 @@ fn text(e: &Explanation) -> String {
         ("film", m.film),
         ("batches", m.batches),
         ("program", m.program),
+        ("reading", m.so_far),
         ("peak", e.memory_total),
     ];
     for (name, bytes) in uses {

@@ -1,6 +1,6 @@
 //! `render`: a scene in, an image out.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use super::common::{SceneOptions, crop, progress_bar, tell, to_json};
@@ -10,8 +10,8 @@ use crate::image::write::{Transfer, check_writable, write};
 use crate::memory;
 use crate::prepared::PreparedScene;
 use crate::render::{RenderOptions, Rendered, TracerKind, render};
-use crate::replace::{check_replaceable, replace_file, write_error};
-use crate::report::statistics::{Bvh, ImageSize, Memory, Statistics, Time, pass_map, peak_memory};
+use crate::replace::{check_differs, check_replaceable, replace_file, write_error};
+use crate::report::statistics::{Bvh, ImageSize, Memory, Statistics, Time, pass_map};
 use crate::systems;
 use crate::tile::Tile;
 use crate::wavefront::DEFAULT_BATCH;
@@ -77,11 +77,14 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     check_writable(output)?;
     if let Some(stats) = &args.stats {
         check_replaceable(stats)?;
+        check_differs(stats, output, "the image")?;
+        check_differs(stats, &args.scene, "the scene")?;
     }
+    check_differs(output, &args.scene, "the scene")?;
     args.scene_options.threads.run(|| run_here(args, output))
 }
 
-fn run_here(args: &RenderArgs, output: &std::path::Path) -> Result<()> {
+fn run_here(args: &RenderArgs, output: &Path) -> Result<()> {
     let start = Instant::now();
     let mut time = Time::default();
     let mut loaded = args.scene_options.load(&args.scene)?;
@@ -89,7 +92,8 @@ fn run_here(args: &RenderArgs, output: &std::path::Path) -> Result<()> {
     drop(loaded);
     args.scene_options.warn(&extracted.warnings);
     let preset = args.scene_options.bvh.unwrap_or_else(|| extracted.preset());
-    let predicted = memory::predict(&extracted, preset, args.batch as usize).total();
+    let pixels = args.crop.map_or(extracted.pixels(), |crop| crop.len() as u64);
+    let predicted = memory::predict(&extracted, pixels, preset, args.batch as usize).total();
     time.load = start.elapsed().as_secs_f64();
     let scene = timed(&mut time.build, || extracted.build(preset));
     let rendered = timed(&mut time.trace, || trace(args, &scene))?;
@@ -152,13 +156,13 @@ fn statistics(
         invalid: counters.invalid,
         lights_at_surface: counters.lights_at_surface,
         time,
-        memory: Memory { predicted, peak: peak_memory() },
+        memory: Memory { predicted, peak: memory::peak() },
         bvh: Bvh::of(&scene.accel, preset),
         plan: scene.plan.clone(),
     }
 }
 
-fn write_statistics(file: &std::path::Path, statistics: &Statistics) -> Result<()> {
+fn write_statistics(file: &Path, statistics: &Statistics) -> Result<()> {
     use std::io::Write as _;
     let json = to_json(statistics)?;
     replace_file(file, |sink| sink.write_all(json.as_bytes()).map_err(|e| write_error(file, e)))

@@ -14,7 +14,7 @@ use crate::error::{Error, ErrorKind, Result};
 use crate::kernels::triangle::T_TOLERANCE;
 use crate::ray_file::RayFile;
 use crate::render::TracerKind;
-use crate::replace::check_replaceable;
+use crate::replace::{check_differs, check_replaceable};
 use crate::scene::mesh;
 
 /// Rays handed to a thread at a time by the wavefront.
@@ -25,7 +25,7 @@ const AGREEMENT: f32 = 4.0 * T_TOLERANCE;
 
 /// Traces a file of rays against a mesh: prints the speed, writes the answers.
 ///
-/// The rays are traced with their own t_min and t_max. Rays of an any-hit file are timed as such.
+/// The rays are traced with their own t_min and t_max: hits strictly between count. Rays of an any-hit file are timed as such.
 /// The file's own answers are compared with ours.
 #[derive(Clone, Debug, clap::Args)]
 pub struct TraceArgs {
@@ -103,6 +103,8 @@ struct Compared {
 pub fn run(args: &TraceArgs) -> Result<()> {
     if let Some(answers) = &args.answers {
         check_replaceable(answers)?;
+        check_differs(answers, &args.mesh, "the mesh")?;
+        check_differs(answers, &args.rays, "the file of rays")?;
     }
     args.threads.run(|| run_here(args))
 }
@@ -228,7 +230,9 @@ fn compare(file: &RayFile, closest: &[Hit], occluded: &[bool]) -> Compared {
             (true, true) => {}
             (false, false) => {
                 let relative = (theirs.t - ours.t).abs() / theirs.t.abs().max(f32::MIN_POSITIVE);
-                if relative > AGREEMENT {
+                // The other way round, a t that is not a number would agree.
+                let agrees = relative <= AGREEMENT;
+                if !agrees {
                     c.other_distance += 1;
                     continue;
                 }

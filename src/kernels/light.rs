@@ -2,10 +2,10 @@
 
 use std::f32::consts::PI;
 
-use glam::{Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 
 use super::triangle;
-use crate::math::float::{gamma, max, max_abs};
+use crate::math::float::{max, max_abs, normalize_f64, rounding_error};
 use crate::math::random::Stream;
 use crate::math::sampling::{self, Sampling};
 
@@ -88,11 +88,10 @@ impl Triangles {
         let within = ((square.x - start) / share).clamp(0.0, 1.0);
         let [a, b, c] = self.corners[index];
         let at = sampling::triangle(Vec2::new(within, square.y));
-        let position = a + (b - a) * at.x + (c - a) * at.y;
         let size = max(max_abs(a), max(max_abs(b), max_abs(c)));
-        // Three roundings in each of two products, two sums.
-        let error = Vec3::splat(gamma(8) * size);
-        LightPoint { position, error, normal: self.normals[index] }
+        let [a, b, c] = [a, b, c].map(|v| v.as_dvec3());
+        let position = a + (b - a) * f64::from(at.x) + (c - a) * f64::from(at.y);
+        LightPoint::new(position, size, self.normals[index])
     }
 }
 
@@ -105,6 +104,15 @@ pub struct LightPoint {
     pub error: Vec3,
     /// Normal of the shape, of unit length; zero for a point light, which has no shape.
     pub normal: Vec3,
+}
+
+impl LightPoint {
+    /// The point computed as `position` from coordinates up to `size`.
+    #[inline]
+    fn new(position: DVec3, size: f32, normal: Vec3) -> Self {
+        let error = rounding_error(position, size);
+        Self { position: position.as_vec3(), error, normal }
+    }
 }
 
 /// A light.
@@ -153,10 +161,10 @@ impl Light {
             }
             Emitter::Sphere { center, radius } => {
                 let normal = sampling::sphere(self.square(index, stream));
-                // The direction's own error moves the point along the sphere and, by its length,
-                // off it.
-                let error = Vec3::splat(gamma(8) * max(max_abs(*center), *radius));
-                LightPoint { position: *center + normal * *radius, error, normal }
+                // Its length is not quite 1: that would take the point off the sphere.
+                let outward = normalize_f64(normal.as_dvec3());
+                let position = center.as_dvec3() + outward * f64::from(*radius);
+                LightPoint::new(position, max(max_abs(*center), *radius), normal)
             }
             Emitter::Triangles(triangles) => triangles.point(self.square(index, stream)),
         }

@@ -9,7 +9,7 @@ use glam::Vec3;
 
 use super::blinn_phong::{self, Material};
 use super::light::{Light, LightPoint};
-use crate::math::float::{gamma, max_abs, normalize, offset_origin};
+use crate::math::float::{gamma, max_abs, normalize, offset_end, offset_origin};
 use crate::math::ray::Ray;
 
 /// A hit made ready to be shaded.
@@ -90,12 +90,13 @@ pub fn shadow_request(
         return None;
     }
     let origin = offset_origin(point.point, point.error, point.normal, to_light);
-    let end = offset_origin(target.position, target.error, target.normal, -to_light);
+    let end = offset_end(target.position, target.error, target.normal, -to_light);
     let ray = Ray { t_max: SHADOW_END, ..Ray::new(origin, end - origin) };
     ray.is_valid().then_some(ShadowRequest { ray, contribution, at_light: distance < least })
 }
 
-/// The mirror ray and its throughput, if the surface is a mirror on this side.
+/// The mirror ray and its throughput, if the surface is a mirror on this side and what comes back
+/// can still count.
 #[inline]
 pub fn mirror(point: &ShadingPoint, throughput: Vec3) -> Option<(Ray, Vec3)> {
     if !point.lit || point.material.kr <= 0.0 {
@@ -105,9 +106,13 @@ pub fn mirror(point: &ShadingPoint, throughput: Vec3) -> Option<(Ray, Vec3)> {
     // An interpolated normal can send the ray into the surface: the geometric one cannot.
     let direction =
         if smooth.dot(point.normal) > 0.0 { smooth } else { reflection(point.view, point.normal) };
+    let weight = throughput * point.material.kr;
+    if weight == Vec3::ZERO {
+        return None;
+    }
     let origin = offset_origin(point.point, point.error, point.normal, direction);
     let ray = Ray::new(origin, direction);
-    ray.is_valid().then_some((ray, throughput * point.material.kr))
+    ray.is_valid().then_some((ray, weight))
 }
 
 /// `view` turned about `normal`, of unit length.

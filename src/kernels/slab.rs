@@ -95,7 +95,7 @@ impl Interval {
 /// A ray made ready for slab tests.
 #[derive(Clone, Copy, Debug)]
 pub struct SlabRay {
-    /// Reciprocal of the direction, finite: a zero counts as the smallest number of its sign.
+    /// Reciprocal of the direction: infinite, of the zero's sign, where a component is zero.
     reciprocal: Vec3,
     /// The origin moved along the direction, for the planes met first.
     near_origin: Vec3,
@@ -109,7 +109,7 @@ impl SlabRay {
     /// Prepares `ray`.
     #[inline]
     pub fn new(ray: &Ray) -> Self {
-        let reciprocal = ray.direction.to_array().map(reciprocal);
+        let reciprocal = ray.direction.to_array().map(f32::recip);
         let negative = reciprocal.map(|r| r < 0.0);
         let pad = max(PADDING * max_abs(ray.origin), f32::MIN_POSITIVE);
         let shift = Vec3::from(negative.map(|n| if n { -pad } else { pad }));
@@ -123,8 +123,9 @@ impl SlabRay {
 
     /// The range of t in which the ray is in `bounds`, at least.
     ///
-    /// No operation here can give a NaN: differences of finite numbers are finite or, where they
-    /// overflow, infinite, and no reciprocal is zero or infinite.
+    /// Across a zero component every difference but zero becomes an infinite t of the right sign.
+    /// A difference of zero becomes a NaN, and the interval may count as empty: the ray then runs in
+    /// the very face of the padded box, where no hit is.
     #[inline(always)]
     pub fn interval(&self, bounds: &Aabb) -> Interval {
         let axis = |k: usize| {
@@ -140,12 +141,6 @@ impl SlabRay {
         let ((x0, x1), (y0, y1), (z0, z1)) = (axis(0), axis(1), axis(2));
         Interval { near: max(x0, max(y0, z0)), far: min(x1, min(y1, z1)) }
     }
-}
-
-/// 1 / x, but finite, and with the sign of x even where x is zero.
-#[inline]
-fn reciprocal(x: f32) -> f32 {
-    (1.0 / x).clamp(-f32::MAX, f32::MAX)
 }
 
 #[cfg(test)]

@@ -11,11 +11,11 @@ use glam::Vec3;
 use crate::math::float::stable_roots;
 use crate::math::ray::Ray;
 
-/// The smallest t > 0 at which the ray meets the sphere, from outside or from inside.
+/// The smallest t > t_min at which the ray meets the sphere, from outside or from inside.
 #[inline]
 pub fn intersect(ray: &Ray, center: Vec3, radius: f32) -> Option<f32> {
     let t = intersect_f64(ray, center, radius)? as f32;
-    (t > 0.0).then_some(t)
+    (t > ray.t_min).then_some(t)
 }
 
 /// As [`intersect`], before rounding.
@@ -33,7 +33,8 @@ pub fn intersect_f64(ray: &Ray, center: Vec3, radius: f32) -> Option<f64> {
     }
     let c = f.dot(f) - r * r;
     let (near, far) = stable_roots(a, b, c, (a * discriminant).sqrt());
-    if near > 0.0 { Some(near) } else { (far > 0.0).then_some(far) }
+    // As they will be once rounded: the near one must not round to t_min and hide the far one.
+    [near, far].into_iter().find(|&t| t as f32 > ray.t_min)
 }
 
 #[cfg(test)]
@@ -72,6 +73,15 @@ mod tests {
             let height = f64::from(origin.z) - f64::from(radius);
             let t = intersect(&Ray::new(origin, Vec3::NEG_Z), Vec3::ZERO, radius).expect("a hit");
             assert!((f64::from(t) / height - 1.0).abs() < 1e-6, "{radius}: {t} {height}");
+        }
+    }
+
+    #[test]
+    fn a_near_hit_before_t_min_does_not_hide_the_far_one() {
+        let ray = Ray::new(Vec3::new(0.0, 0.0, 5.0), Vec3::NEG_Z);
+        for (t_min, expected) in [(0.0, Some(3.5)), (3.5, Some(6.5)), (5.0, Some(6.5)), (6.5, None)]
+        {
+            assert_eq!(intersect(&Ray { t_min, ..ray }, Vec3::ZERO, 1.5), expected);
         }
     }
 }

@@ -3,12 +3,12 @@
 //! Points are computed in double precision and rounded once, so that the bound is little more than
 //! half an ulp and the origins of the next rays stay as near to the surface as they can.
 
-use glam::{DVec3, Vec2, Vec3};
+use glam::{Vec2, Vec3};
 
 use super::quad;
 use super::sphere;
 use super::triangle::{self, ShearedSpace};
-use crate::math::float::{gamma, max, max_abs, normalize_f64};
+use crate::math::float::{max, max_abs, normalize_f64, rounding_error};
 use crate::math::ray::Ray;
 
 /// A point of a surface, apart from what the surface is made of.
@@ -62,14 +62,6 @@ pub fn sphere(ray: &Ray, center: Vec3, radius: f32) -> Surface {
         normal: normal.as_vec3(),
         barycentric: Vec2::ZERO,
     }
-}
-
-/// Bound on the error of `point` once it is rounded to single precision, where `size` bounds the
-/// coordinates that it was computed from.
-fn rounding_error(point: DVec3, size: f32) -> Vec3 {
-    // Sixteen roundings of double precision on numbers up to `size`.
-    const DOUBLE: f32 = 16.0 * f64::EPSILON as f32;
-    point.as_vec3().abs() * gamma(2) + DOUBLE * size
 }
 
 #[cfg(test)]

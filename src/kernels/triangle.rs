@@ -14,6 +14,7 @@
 //! a sheared x is at most gamma(5) (X + D), that of an edge function E = 2 (gamma(2) X Y +
 //! gamma(5) ((X + D) Y + (Y + D) X)). Weights that sum to one move the average by at most half the
 //! span of z times the sum of their changes, so that |error of t| <= 3 E span / |det| + gamma(8) Z.
+//! Products of tiny numbers are off by up to [`UNDERFLOW`] besides, which is added to both terms.
 //! Where this bound is above [`T_TOLERANCE`] times |t| (rays that graze the triangle or start on
 //! it), or leaves open whether the hit is within the ray's own range (a light just before or just
 //! behind a surface), t is computed again in double precision. The stated error of t is therefore
@@ -23,6 +24,9 @@ use glam::{DVec3, Vec3};
 
 use crate::math::float::{gamma, max, min};
 use crate::math::ray::Ray;
+
+/// Bound on what underflow adds to the error of a sum of a few products.
+const UNDERFLOW: f32 = 8.0 * f32::from_bits(1);
 
 /// Bound on the relative error of t: 2^-16.
 pub const T_TOLERANCE: f32 = 1.0 / 65536.0;
@@ -141,7 +145,7 @@ impl ShearedSpace {
         inside.then_some(Sheared { vertices, edges, determinant: e0 + e1 + e2 })
     }
 
-    /// The t at which the ray meets `triangle`, from either side, if it does and t > 0.
+    /// The t at which the ray meets `triangle`, from either side, if it does and t > t_min.
     ///
     /// The relative error of t is at most [`T_TOLERANCE`].
     #[inline(always)]
@@ -160,7 +164,7 @@ impl ShearedSpace {
             && (t - self.t_max).abs() > bound
             && (t - self.t_min).abs() > bound;
         let t = if certain { min(max(t, near), far) } else { self.distance_f64(triangle)? };
-        (t > 0.0).then_some(t)
+        (t > self.t_min).then_some(t)
     }
 
     /// Bound on the error of t, after the module documentation. A NaN where nothing is known.
@@ -172,7 +176,8 @@ impl ShearedSpace {
         let z = max(near.abs(), far.abs());
         let depth = z * self.direction[2].abs();
         let edge = 2.0 * (gamma(2) * x * y + gamma(5) * ((x + depth) * y + (y + depth) * x));
-        3.0 * edge * (far - near) / hit.determinant.abs() + gamma(8) * z
+        let sum = 3.0 * (edge + UNDERFLOW) * (far - near) + UNDERFLOW;
+        sum / hit.determinant.abs() + gamma(8) * z
     }
 
     /// t in double precision, or `None` where the ray lies in the triangle's plane or starts on the
@@ -204,9 +209,7 @@ impl ShearedSpace {
     /// to 1 and together 1. Where the line lies in the triangle's plane: the middle.
     pub fn barycentric(&self, triangle: &[Vec3; 3]) -> DVec3 {
         let vertices = triangle.map(|v| self.shear_f64(v));
-        let Some(weights) = weights(&vertices) else { return DVec3::splat(1.0 / 3.0) };
-        let inside = weights.clamp(DVec3::ZERO, DVec3::ONE);
-        inside / inside.element_sum()
+        weights(&vertices).unwrap_or(DVec3::splat(1.0 / 3.0))
     }
 }
 
@@ -231,11 +234,37 @@ fn edges_f64([a, b, c]: &[DVec3; 3]) -> [f64; 3] {
     [c.x * b.y - c.y * b.x, a.x * c.y - a.y * c.x, b.x * a.y - b.y * a.x]
 }
 
-/// The edge functions as weights that sum to one, if they sum to anything but zero.
+/// Barycentric coordinates of the point of the triangle that the ray passes nearest to, none
+/// negative. `None` where the ray lies in the triangle's plane.
+///
+/// That point is where the ray meets the plane, unless single precision has taken for a hit what
+/// passes just outside. There a ray that grazes the triangle may meet its plane far away, and the
+/// nearest point of the boundary is what was hit.
 fn weights(vertices: &[DVec3; 3]) -> Option<DVec3> {
     let edges = DVec3::from(edges_f64(vertices));
     let sum = edges.element_sum();
-    (sum != 0.0).then(|| edges / sum)
+    if sum == 0.0 {
+        return None;
+    }
+    let inside = edges / sum;
+    if inside.min_element() >= 0.0 { Some(inside) } else { Some(nearest_on_boundary(vertices)) }
+}
+
+/// As [`weights`], of the point of the boundary that is nearest to the ray.
+fn nearest_on_boundary(vertices: &[DVec3; 3]) -> DVec3 {
+    let sides = [(0, 1), (1, 2), (2, 0)].map(|(i, j)| {
+        let (p, q) = (vertices[i].truncate(), vertices[j].truncate());
+        let along = q - p;
+        let s = (-p.dot(along) / along.length_squared()).clamp(0.0, 1.0);
+        let mut weights = DVec3::ZERO;
+        // A side seen end on has no direction: either end will do.
+        weights[j] = if s.is_nan() { 0.0 } else { s };
+        weights[i] = 1.0 - weights[j];
+        ((p + along * weights[j]).length_squared(), weights)
+    });
+    let [first, second, third] = sides;
+    let nearer = if second.0 < first.0 { second } else { first };
+    if third.0 < nearer.0 { third.1 } else { nearer.1 }
 }
 
 /// Whether the corners lie on one line, exactly: such a triangle has no normal and no inside.
@@ -300,6 +329,29 @@ mod tests {
         assert!(hits > 15_000, "{hits}");
     }
 
+    /// Sizes at which the products of the test vanish in single precision.
+    #[test]
+    fn hc08_t_keeps_its_bound_however_small_the_scene() {
+        for exponent in -38..0 {
+            let scale = 10.0_f64.powi(exponent) as f32;
+            for i in 0..200 {
+                let triangle = [0, 1, 2].map(|k| random_point(i, k, scale));
+                let target = (triangle[0] + triangle[1] + triangle[2]) / 3.0;
+                let direction = crate::math::float::normalize(random_point(i, 3, 1.0));
+                let ray = Ray::new(target - direction * (3.0 * scale), direction);
+                let Some(t) = ShearedSpace::new(&ray).intersect(&triangle) else { continue };
+                let (o, d) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
+                let [a, b, c] = triangle.map(|v| v.as_dvec3());
+                let n = (b - a).cross(c - a);
+                let exact = n.dot(a - o) / n.dot(d);
+                if n.normalize().dot(d).abs() > 0.01 {
+                    let error = (f64::from(t) - exact).abs() / exact;
+                    assert!(error <= f64::from(T_TOLERANCE), "{exponent} {i}: {t} {exact}");
+                }
+            }
+        }
+    }
+
     #[test]
     fn a_ray_through_a_shared_edge_meets_one_side_or_both() {
         let (a, b) = (Vec3::new(-1.0, 0.3, 0.1), Vec3::new(1.0, -0.2, 0.7));
@@ -313,6 +365,21 @@ mod tests {
             let hit = space.intersect(&[a, b, c]).or(space.intersect(&[b, a, d]));
             assert!(hit.is_some(), "ray {i}");
         }
+    }
+
+    /// The ray passes some 1e-6 outside the triangle for t from 0.61 to 1.22, which is a hit for
+    /// single precision, and meets the triangle's plane elsewhere.
+    #[test]
+    fn hc19_a_grazing_hit_is_where_the_ray_is_nearest() {
+        let corners = [
+            Vec3::new(-3.062_986_6, -0.894_475_6, 8.516_521),
+            Vec3::new(4.963_964_5, -0.874_327_34, 18.173_862),
+            Vec3::new(-5.939_19, -1.012_029, 5.590_315),
+        ];
+        let origin = Vec3::new(0.106_161_12, -0.847_918_7, 12.142_476);
+        let ray = Ray::new(origin, Vec3::new(-3.413_557, -0.071_562_11, -3.801_911_4));
+        let t = ShearedSpace::new(&ray).intersect(&corners);
+        assert!(t.is_none_or(|t| (0.6..1.25).contains(&t)), "{t:?}");
     }
 
     #[test]

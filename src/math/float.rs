@@ -40,19 +40,35 @@ pub fn max_abs(v: Vec3) -> f32 {
     max(v.x.abs(), max(v.y.abs(), v.z.abs()))
 }
 
+/// Bound on the error of each coordinate of `point` once it is rounded to single precision, where
+/// it was computed in double precision from coordinates up to `size`.
+#[inline]
+pub fn rounding_error(point: DVec3, size: f32) -> Vec3 {
+    // Sixteen roundings of double precision on numbers up to `size`.
+    const DOUBLE: f32 = 16.0 * f64::EPSILON as f32;
+    point.as_vec3().abs() * gamma(2) + DOUBLE * size
+}
+
 /// `v` with length 1, or zero where `v` has no direction.
 ///
 /// The length is taken in double precision, so that neither tiny nor huge vectors lose it.
 #[inline]
 pub fn normalize(v: Vec3) -> Vec3 {
-    normalize_f64(v.as_dvec3()).as_vec3()
+    // No square of a single-precision number overflows or vanishes in double precision.
+    let v = v.as_dvec3();
+    let length = v.dot(v).sqrt();
+    if length > 0.0 && length.is_finite() { (v / length).as_vec3() } else { Vec3::ZERO }
 }
 
 /// `v` with length 1, or zero where `v` has no direction.
 #[inline]
 pub fn normalize_f64(v: DVec3) -> DVec3 {
-    let length = v.dot(v).sqrt();
-    if length > 0.0 && length.is_finite() { v / length } else { DVec3::ZERO }
+    let size = v.abs().max_element();
+    if !(size > 0.0 && size.is_finite()) {
+        return DVec3::ZERO;
+    }
+    let scaled = v / size;
+    scaled / scaled.dot(scaled).sqrt()
 }
 
 /// Both roots of a t^2 - 2 b t + c = 0 in rising order, given b, c, a > 0 and `root` =
@@ -83,7 +99,20 @@ const STEEPEST_CREASE: f32 = 4.0;
 /// before that one too. Each coordinate is then rounded away from the surface.
 #[inline]
 pub fn offset_origin(point: Vec3, error: Vec3, normal: Vec3, direction: Vec3) -> Vec3 {
-    let distance = STEEPEST_CREASE * error.element_sum();
+    move_along(point, normal, direction, STEEPEST_CREASE * error.element_sum())
+}
+
+/// As [`offset_origin`], for the point where a ray ends: its own surface must stay behind, but
+/// what rises beside it may be met, so the error box's extent along the normal is enough.
+#[inline]
+pub fn offset_end(point: Vec3, error: Vec3, normal: Vec3, direction: Vec3) -> Vec3 {
+    move_along(point, normal, direction, normal.abs().dot(error))
+}
+
+/// `point` moved by `distance` along `normal`, to the side that `direction` points to, and rounded
+/// away from where it was.
+#[inline(always)]
+fn move_along(point: Vec3, normal: Vec3, direction: Vec3, distance: f32) -> Vec3 {
     let side = if direction.dot(normal) < 0.0 { -distance } else { distance };
     let shift = normal * side;
     Vec3::new(
@@ -140,5 +169,9 @@ mod tests {
             assert!((v.length() - 1.0).abs() < 1e-6, "{scale}: {v}");
         }
         assert_eq!(normalize(Vec3::ZERO), Vec3::ZERO);
+        for scale in [1e-300_f64, 1e300] {
+            let v = normalize_f64(DVec3::new(1.0, 2.0, -2.0) * scale);
+            assert!((v.length() - 1.0).abs() < 1e-15, "{scale}: {v}");
+        }
     }
 }

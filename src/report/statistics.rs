@@ -167,11 +167,3 @@ impl From<&Counters> for Tests {
 pub fn pass_map(passes: &[(&'static str, f64)]) -> Map<String, Value> {
     passes.iter().map(|&(name, seconds)| (name.to_owned(), seconds.into())).collect()
 }
-
-/// The largest number of bytes that this process has held in memory so far, where the system tells.
-pub fn peak_memory() -> Option<u64> {
-    let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
-    let kib: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
-    Some(kib * 1024)
-}

@@ -5,7 +5,8 @@
 //! [`components`](super::components) lists.
 
 use std::collections::HashMap;
-use std::fs;
+use std::fs::{self, File};
+use std::io::Read;
 use std::path::Path;
 
 use glam::DVec3;
@@ -19,11 +20,12 @@ use super::components::{
 };
 use super::mesh::{self, LoadedMesh, MeshData};
 use super::parse;
-use super::reader::{Cursor, Notes, Place};
+use super::reader::{Cursor, Notes, Place, json};
 use super::schema::{Camera, Geometry, Light, SceneFile, Shape};
 
-/// Greatest length of a scene file in bytes, 4 GiB. A larger mesh belongs in a file of its own.
-const LONGEST_FILE: u64 = 1 << 32;
+/// Greatest length of a scene file in bytes, 256 MiB. JSON takes up to 25 times its length in
+/// memory while it is read; a larger mesh belongs in a file of its own.
+const LONGEST_FILE: u64 = 1 << 28;
 
 /// How a scene file is to be read.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -97,14 +99,13 @@ pub(super) fn load_with(
 
 fn read_text(path: &Path) -> Result<String> {
     let cannot_read = |e| Error::io("cannot read the scene", path, e);
-    let length = fs::metadata(path).map_err(cannot_read)?.len();
-    if length > LONGEST_FILE {
-        let message = format!("the scene file has {length} bytes");
-        let error = Error::new(ErrorKind::Limit, message).in_file(path);
-        let allowed = format!("at most {LONGEST_FILE} (4 GiB) are allowed");
-        return Err(error.remedy(format!("{allowed}: keep large meshes in files of their own")));
-    }
-    String::from_utf8(fs::read(path).map_err(cannot_read)?).map_err(|e| {
+    check_length(path, fs::metadata(path).map_err(cannot_read)?.len())?;
+    // The length of what is not a plain file, such as a pipe, is known only at its end.
+    let mut bytes = Vec::new();
+    let file = File::open(path).map_err(cannot_read)?;
+    file.take(LONGEST_FILE + 1).read_to_end(&mut bytes).map_err(cannot_read)?;
+    check_length(path, bytes.len() as u64)?;
+    String::from_utf8(bytes).map_err(|e| {
         let start = e.utf8_error().valid_up_to();
         let message = format!("the scene is not UTF-8 text from byte {start} on");
         let error = Error::new(ErrorKind::Syntax, message).in_file(path);
@@ -112,10 +113,20 @@ fn read_text(path: &Path) -> Result<String> {
     })
 }
 
-fn parse_json(json: &str, file: &Path) -> Result<Value> {
+fn check_length(path: &Path, length: u64) -> Result<()> {
+    if length <= LONGEST_FILE {
+        return Ok(());
+    }
+    let message = format!("the scene file has {length} bytes or more");
+    let error = Error::new(ErrorKind::Limit, message).in_file(path);
+    let allowed = format!("at most {LONGEST_FILE} (256 MiB) are allowed");
+    Err(error.remedy(format!("{allowed}: keep large meshes in files of their own")))
+}
+
+fn parse_json(text: &str, file: &Path) -> Result<Value> {
     // Some editors begin a file with a byte order mark, which JSON does not have.
-    let json = json.strip_prefix('\u{feff}').unwrap_or(json);
-    serde_json::from_str(json).map_err(|e| {
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    json::parse(text).map_err(|e| {
         let text = e.to_string();
         let place = format!("line {} column {}", e.line(), e.column());
         let reason = text.strip_suffix(&format!(" at {place}")).unwrap_or(&text);

@@ -286,7 +286,7 @@ impl Builder {
 /// only in quads with a corner that points inward.
 fn first_of_diagonal(&[a, b, c, d]: &[DVec3; 4]) -> u32 {
     let normal = (c - a).cross(d - b);
-    let within = |p: DVec3, q: DVec3, r: DVec3| (q - p).cross(r - p).dot(normal) >= 0.0;
+    let within = |p: DVec3, q: DVec3, r: DVec3| (q - p).cross(r - p).dot(normal) > 0.0;
     u32::from(!(within(a, b, c) && within(a, c, d)))
 }
 

@@ -77,12 +77,15 @@ impl Extracted {
         &self.scene
     }
 
+    /// Number of pixels of the whole image.
+    pub fn pixels(&self) -> u64 {
+        self.scene.camera.size().map(u64::from).iter().product()
+    }
+
     /// The rays that a render will cast at most: what the choice of a preset rests on.
     pub fn expected_rays(&self) -> u64 {
-        let [width, height] = self.scene.camera.size().map(u64::from);
-        let pixels = width * height;
         let lights: u64 = self.scene.lights.iter().map(|l| u64::from(l.samples())).sum();
-        let paths = pixels * u64::from(self.scene.camera.rays_per_pixel());
+        let paths = self.pixels() * u64::from(self.scene.camera.rays_per_pixel());
         // Mirrors beyond the first bounce are rare.
         let bounces = u64::from(self.scene.bounces.min(1));
         paths.saturating_mul(1 + lights).saturating_mul(1 + bounces)

@@ -56,8 +56,17 @@ fn at_shape(world: &World, shape: &ShapeOutput, error: Error) -> Error {
 /// Decodes an image of any format that the `image` crate reads, without transfer curve.
 pub fn decode(path: &Path) -> Result<Image> {
     let failed = |e: image::ImageError| {
+        let remedy = match &e {
+            image::ImageError::Limits(_) => format!(
+                "images of up to {MAX_SIDE} texels on a side and {MAX_BYTES} bytes are allowed"
+            ),
+            image::ImageError::Unsupported(_) => {
+                "use an image in one of the usual formats, such as PNG or JPEG".to_owned()
+            }
+            _ => "check that the file is whole and is an image".to_owned(),
+        };
         Error::new(ErrorKind::Texture, format!("cannot read the texture {}: {e}", path.display()))
-            .remedy("use an image in one of the usual formats, such as PNG or JPEG")
+            .remedy(remedy)
             .because(e)
     };
     let open = |e: std::io::Error| failed(image::ImageError::IoError(e));

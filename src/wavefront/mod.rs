@@ -9,8 +9,8 @@
 //! | [`s4_shadow`] | lit points, lights, tree | radiance |
 //! | [`s5_resolve`] | radiance | pixels |
 //!
-//! A batch has as many paths as fit the second-level cache with their columns. What the plan leaves
-//! out has no column: no lit points without lights, no next rays without mirrors.
+//! A batch has [`DEFAULT_BATCH`] paths unless asked otherwise, so that its columns stay in the
+//! second-level cache. What the plan leaves out has no column: no lit points without lights, no next rays without mirrors.
 
 pub mod batch;
 mod s1_generate;

@@ -96,7 +96,7 @@ fn strip(object: &Object<'_>, points: usize) -> Result<Vec<[u32; 3]>> {
         let clockwise = [first, first + 1, first + 2];
         if turned(i) { clockwise } else { reversed(clockwise) }
     };
-    // A file of 4 GiB has fewer than 2^32 points.
+    // A file of 256 MiB has fewer than 2^32 points.
     Ok((0..count).zip(0_u32..).map(triangle).collect())
 }
 

@@ -9,6 +9,7 @@
 //! matters for a mesh of a million points.
 
 mod cursor;
+pub(crate) mod json;
 mod object;
 mod place;
 

@@ -71,13 +71,13 @@ fn a_scene_file_that_is_too_long_is_not_read() {
     let (_folder, path) = in_folder("s.json", b"{}");
     // Sparse: it takes no room on the disk.
     let file = fs::OpenOptions::new().write(true).open(&path).unwrap();
-    file.set_len((1 << 32) + 1).unwrap();
+    file.set_len((1 << 28) + 1).unwrap();
     let error = load(&path, &LoadOptions::default()).err().unwrap();
     assert_eq!(error.kind(), ErrorKind::Limit);
     assert_eq!(
         error.to_string(),
         format!(
-            "{}: the scene file has 4294967297 bytes; at most 4294967296 (4 GiB) are allowed: \
+            "{}: the scene file has 268435457 bytes or more; at most 268435456 (256 MiB) are allowed: \
              keep large meshes in files of their own",
             path.display()
         )
