@@ -25,7 +25,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("render", &["counters", "error", "image", "prepared", "recursive", "tile", "wavefront"]),
     ("scene", &["error", "kernels", "math"]),
     ("systems", &["accel", "error", "kernels", "math", "plan", "prepared", "scene"]),
-    ("memory", &["accel", "prepared", "systems", "wavefront"]),
+    ("memory", &["accel", "prepared", "render", "systems", "wavefront"]),
     ("generate", &["error", "replace", "scene"]),
     ("ray_file", &["accel", "error", "math", "replace"]),
     ("report", &["accel", "counters", "error", "image", "plan", "prepared", "render"]),
