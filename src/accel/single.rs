@@ -56,7 +56,9 @@ pub fn occluded(
 }
 
 /// How far beyond a t boxes are still visited. Where leaves hold parts of primitives, the box of a
-/// part can begin after the t that was computed for a hit in it, by no more than the error of t.
+/// part can begin after the t that was computed for a hit in it, by no more than the error of t:
+/// each hit is at a point of the primitive that the ray passes within rounding (see
+/// [`crate::kernels::triangle`]), and so in the padded box of a part.
 fn slack(tree: &Tree) -> f32 {
     if tree.has_splits() { 1.0 + 4.0 * T_TOLERANCE } else { 1.0 }
 }

@@ -7,10 +7,11 @@ use serde_json::Value;
 
 use super::{Notes, Object, Place};
 use crate::error::{Error, ErrorKind, Result, did_you_mean};
+use crate::math::float::MAX_COORDINATE;
 
 /// The largest number that the format takes, 2^40. The product of three such numbers still fits
 /// single precision, so that no colour and no determinant overflows.
-const LARGEST: f64 = (1_u64 << 40) as f64;
+const LARGEST: f64 = MAX_COORDINATE as f64;
 
 /// The numbers that a key takes.
 #[derive(Clone, Copy)]
