@@ -7,15 +7,17 @@
 use glam::Vec3A;
 use obvhs::BvhBuildParams;
 use obvhs::bvh2::Bvh2;
-use obvhs::bvh2::leaf_collapser::collapse;
 use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
 use obvhs::ploc::PlocBuilder;
 use obvhs::splits::split_aabbs_preset;
 use rayon::prelude::*;
 
+use super::arena::{self, Arena};
 use super::coincident;
 use super::geometry::Geometry;
-use super::tree::{Child, Node, Tree};
+use super::tree::{Root, Tree};
+use super::units::Units;
+use super::wide::{Binary, Converter, Owner};
 use crate::kernels::slab::Aabb;
 
 /// How much work goes into the tree. All but [`Preset::Brute`] are presets of obvhs.
@@ -87,11 +89,6 @@ impl Preset {
     }
 }
 
-/// What visiting an inner node costs in tests of primitives: decides how large leaves become. Values
-/// of 0.3 to 1.5 traced a scan of a million triangles about equally fast, and 3, which obvhs's presets
-/// have, a tenth slower.
-const NODE_COST: f32 = 1.0;
-
 /// What the hierarchy is built over: boxes, and who is in each.
 struct References {
     boxes: Vec<obvhs::aabb::Aabb>,
@@ -114,10 +111,10 @@ pub fn build(geometry: &Geometry, preset: Preset) -> Tree {
     let parameters = preset.parameters();
     let References { boxes, owners, members } = references(geometry, parameters.pre_split);
     if boxes.is_empty() {
-        return Tree { nodes: vec![], primitives: vec![], root: None, depth: 0, splits: false };
+        return Tree::default();
     }
     let bvh = hierarchy(boxes, owners, &parameters);
-    lay_out(&bvh, &members, parameters.pre_split)
+    lay_out(geometry, &bvh, &members)
 }
 
 /// A box for each primitive that can be hit, more than one for large triangles if `split`, one
@@ -205,60 +202,38 @@ fn hierarchy(boxes: Vec<obvhs::aabb::Aabb>, owners: Vec<u32>, parameters: &BvhBu
     bvh.uses_spatial_splits = parameters.pre_split;
     let mut optimizer = ReinsertionOptimizer::default();
     optimizer.run(&mut bvh, parameters.reinsertion_batch_ratio, None);
-    collapse(&mut bvh, parameters.max_prims_per_leaf, NODE_COST);
-    let again = parameters.reinsertion_batch_ratio
-        * parameters.post_collapse_reinsertion_batch_ratio_multiplier;
-    optimizer.run(&mut bvh, again, None);
     bvh
 }
 
-/// Turns the hierarchy into our nodes, depth first, without recursion: trees can be deep.
-fn lay_out(bvh: &Bvh2, members: &Members, splits: bool) -> Tree {
-    let mut nodes: Vec<Node> = Vec::with_capacity(bvh.nodes.len() / 2);
-    let mut primitives: Vec<u32> = Vec::with_capacity(bvh.primitive_indices.len());
-    // Who waits for a place: the hierarchy's node, our parent and side, and its depth.
-    let mut waiting = vec![(0_usize, None::<(usize, usize)>, 0_usize)];
-    let mut root = None;
-    let mut depth = 0;
-    while let Some((index, parent, level)) = waiting.pop() {
-        let source = &bvh.nodes[index];
-        let bounds = from_obvhs(source.aabb());
-        let first = source.first_index as usize;
-        let child = if source.is_leaf() {
-            let owners = &bvh.primitive_indices[first..first + source.prim_count as usize];
-            members.leaf(owners, &mut primitives)
+/// Turns the hierarchy into our nodes.
+fn lay_out(geometry: &Geometry, bvh: &Bvh2, members: &Members) -> Tree {
+    let node = |index: u32| {
+        let node = &bvh.nodes[index as usize];
+        let kind = if node.is_leaf() {
+            Binary::Leaf(bvh.primitive_indices[node.first_index as usize])
         } else {
-            let place = nodes.len();
-            nodes.push(Node { bounds: [Aabb::EMPTY; 2], children: [Child::EMPTY; 2] });
-            waiting.push((first + 1, Some((place, 1)), level + 1));
-            waiting.push((first, Some((place, 0)), level + 1));
-            Child { index: place as u32, count: 0 }
+            Binary::Inner([node.first_index, node.first_index + 1])
         };
-        depth = depth.max(level);
-        match parent {
-            None => root = Some((bounds, child)),
-            Some((place, side)) => {
-                nodes[place].bounds[side] = bounds;
-                nodes[place].children[side] = child;
-            }
-        }
+        (from_obvhs(node.aabb()), kind)
+    };
+    let wide = Converter::default().convert(geometry, 0, node, |owner| members.owner(owner), 0);
+    let (Some(kind), Some(bounds)) = (wide.root, wide.bounds) else { return Tree::default() };
+    let place = arena::root_of(kind);
+    let mut units = Units::zeroed(wide.units.len());
+    units.as_mut_slice().copy_from_slice(&wide.units);
+    match Arena::new(units, wide.numbers, place) {
+        Some((arena, census)) => Tree { arena, root: Some(Root { place, bounds }), census },
+        None => Tree::default(),
     }
-    Tree { nodes, primitives, root, depth, splits }
 }
 
 impl Members {
-    /// Appends the primitives of `owners` to `primitives`, as a leaf.
-    fn leaf(&self, owners: &[u32], primitives: &mut Vec<u32>) -> Child {
-        let start = primitives.len();
-        for &owner in owners {
-            match self.singles.get(owner as usize) {
-                Some(&number) => primitives.push(number),
-                None => {
-                    primitives.extend_from_slice(&self.heaps[owner as usize - self.singles.len()]);
-                }
-            }
+    /// What the owner of that number is.
+    fn owner(&self, owner: u32) -> Owner<'_> {
+        match self.singles.get(owner as usize) {
+            Some(&number) => Owner::Single(number),
+            None => Owner::Heap(&self.heaps[owner as usize - self.singles.len()]),
         }
-        Child { index: start as u32, count: (primitives.len() - start) as u32 }
     }
 }
 

@@ -125,29 +125,33 @@ impl Geometry {
     }
 
     /// The t at which the ray hits the primitive, if it does: the definition of a hit.
-    ///
-    /// It is the primitive's own test, confined to the primitive's own padded box: this is what
-    /// lets the tree skip nodes without ever losing a hit (see [`crate::kernels::slab`]).
     #[inline(always)]
     pub fn hit(&self, number: u32, ray: &PreparedRay, tests: &mut TestCounts) -> Option<f32> {
-        let (t, bounds) = match self.primitive(number) {
-            Primitive::Triangle(i) => {
-                tests.triangles += 1;
-                let corners = self.triangle(i);
-                (ray.space.intersect(&corners)?, Aabb::around(corners))
-            }
-            Primitive::Quad(i) => {
-                tests.quads += 1;
-                let corners = self.quad(i);
-                (quad::intersect(&ray.space, &corners)?, Aabb::around(corners))
-            }
+        match self.primitive(number) {
+            Primitive::Triangle(_) => tests.triangles += 1,
+            Primitive::Quad(_) => tests.quads += 1,
+            Primitive::Sphere(_) => tests.spheres += 1,
+        }
+        self.test(number, ray)
+    }
+
+    /// As [`Self::hit`], for a triangle that was counted when it was tested among others.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn hit_again(&self, number: u32, ray: &PreparedRay) -> Option<f32> {
+        self.test(number, ray)
+    }
+
+    #[inline(always)]
+    fn test(&self, number: u32, ray: &PreparedRay) -> Option<f32> {
+        let t = match self.primitive(number) {
+            Primitive::Triangle(i) => ray.space.intersect(&self.triangle(i)),
+            Primitive::Quad(i) => quad::intersect(&ray.space, &self.quad(i)),
             Primitive::Sphere(i) => {
-                tests.spheres += 1;
                 let (center, radius) = self.spheres[i];
-                (sphere::intersect(&ray.ray, center, radius)?, sphere_bounds((center, radius)))
+                sphere::intersect(&ray.ray, center, radius)
             }
-        };
-        let t = ray.slab.interval(&bounds.padded()).clamp(t)?;
+        }?;
         (t > ray.ray.t_min && t < ray.ray.t_max).then_some(t)
     }
 

@@ -5,17 +5,29 @@
 //! one ray. [`brute`] asks every primitive and is the reference. All of them give the same answers
 //! to the last bit.
 
+pub mod arena;
 pub mod brute;
 pub mod build;
 mod coincident;
 pub mod geometry;
-pub mod single;
+mod leaf;
+mod node;
+mod single;
+mod stream;
 pub mod tree;
+mod units;
+mod wide;
+
+use std::marker::PhantomData;
 
 use crate::math::ray::Ray;
+use crate::math::simd::{Kernel, Lanes, dispatch};
 use build::Preset;
 use geometry::{Geometry, PreparedRay};
+use stream::{Closest, Flight, Occluded, Query};
 use tree::Tree;
+
+pub use stream::Rays;
 
 /// The number of no primitive.
 pub const NO_PRIMITIVE: u32 = u32::MAX;
@@ -43,8 +55,10 @@ impl Hit {
 /// Work counted while tracing, exactly.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct TestCounts {
-    /// Inner nodes visited, each testing two boxes.
+    /// Inner nodes visited, each testing the boxes of its children.
     pub nodes: u64,
+    /// Leaves visited.
+    pub leaves: u64,
     /// Triangles tested.
     pub triangles: u64,
     /// Quads tested.
@@ -57,6 +71,7 @@ impl TestCounts {
     fn zip(self, other: Self, f: impl Fn(u64, u64) -> u64) -> Self {
         Self {
             nodes: f(self.nodes, other.nodes),
+            leaves: f(self.leaves, other.leaves),
             triangles: f(self.triangles, other.triangles),
             quads: f(self.quads, other.quads),
             spheres: f(self.spheres, other.spheres),
@@ -86,34 +101,42 @@ impl std::ops::AddAssign for TestCounts {
     }
 }
 
-/// What one thread needs to trace: a stack that fits the tree, and its counters.
+/// What one thread needs to trace: stacks that fit the tree, and its counters.
 #[derive(Clone, Debug, Default)]
 pub struct Traversal {
-    stack: Vec<single::Entry>,
+    stack: Vec<u64>,
+    flight: Flight,
     /// Tests made so far.
     pub tests: TestCounts,
 }
 
 /// The primitives and how they are searched.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct Accel {
     /// The primitives.
     pub geometry: Geometry,
     /// The tree, or `None` for the brute-force reference.
     pub tree: Option<Tree>,
+    /// The instructions to search it with.
+    pub level: fearless_simd::Level,
 }
 
 impl Accel {
-    /// Builds the structure that `preset` names over `geometry`.
+    /// Builds the structure that `preset` names over `geometry`, to be searched with the best
+    /// instructions that the processor has.
     pub fn new(geometry: Geometry, preset: Preset) -> Self {
         let tree = (preset != Preset::Brute).then(|| build::build(&geometry, preset));
-        Self { geometry, tree }
+        Self { geometry, tree, level: fearless_simd::Level::new() }
     }
 
     /// Scratch memory for one thread: traversal then allocates nothing.
     pub fn traversal(&self) -> Traversal {
-        let depth = self.tree.as_ref().map_or(0, Tree::depth);
-        Traversal { stack: Vec::with_capacity(depth + 1), tests: TestCounts::default() }
+        let Some(tree) = &self.tree else { return Traversal::default() };
+        Traversal {
+            stack: vec![0; tree.stack_entries()],
+            flight: Flight::new(tree),
+            tests: TestCounts::default(),
+        }
     }
 
     /// The closest hit on `ray`, of light shapes too.
@@ -124,7 +147,9 @@ impl Accel {
         }
         let ray = PreparedRay::new(ray);
         match &self.tree {
-            Some(tree) => single::closest(tree, &self.geometry, &ray, traversal),
+            Some(tree) => {
+                dispatch(self.level, One::<Closest>::new(tree, &self.geometry, &ray, traversal))
+            }
             None => brute::closest(&self.geometry, &ray, &mut traversal.tests),
         }
     }
@@ -137,13 +162,122 @@ impl Accel {
         }
         let ray = PreparedRay::new(ray);
         match &self.tree {
-            Some(tree) => single::occluded(tree, &self.geometry, &ray, traversal),
+            Some(tree) => {
+                dispatch(self.level, One::<Occluded>::new(tree, &self.geometry, &ray, traversal))
+            }
             None => brute::occluded(&self.geometry, &ray, &mut traversal.tests),
+        }
+    }
+
+    /// The closest hits on many rays, of light shapes too.
+    pub fn closest_of<R: Rays + ?Sized>(
+        &self,
+        rays: &R,
+        answers: &mut [Hit],
+        traversal: &mut Traversal,
+    ) {
+        match &self.tree {
+            Some(tree) => dispatch(
+                self.level,
+                Many::<_, Closest> { tree, geometry: &self.geometry, rays, answers, traversal },
+            ),
+            None => {
+                for (i, answer) in answers.iter_mut().enumerate() {
+                    *answer = self.closest(&rays.ray(i), traversal);
+                }
+            }
+        }
+    }
+
+    /// For many rays, whether anything is on each, light shapes apart.
+    pub fn occluded_of<R: Rays + ?Sized>(
+        &self,
+        rays: &R,
+        answers: &mut [bool],
+        traversal: &mut Traversal,
+    ) {
+        match &self.tree {
+            Some(tree) => dispatch(
+                self.level,
+                Many::<_, Occluded> { tree, geometry: &self.geometry, rays, answers, traversal },
+            ),
+            None => {
+                for (i, answer) in answers.iter_mut().enumerate() {
+                    *answer = self.occluded(&rays.ray(i), traversal);
+                }
+            }
         }
     }
 
     /// Bytes held by the tree.
     pub fn tree_bytes(&self) -> u64 {
         self.tree.as_ref().map_or(0, Tree::bytes)
+    }
+}
+
+/// One ray, traced alone.
+struct One<'a, Q> {
+    tree: &'a Tree,
+    geometry: &'a Geometry,
+    ray: &'a PreparedRay,
+    traversal: &'a mut Traversal,
+    query: PhantomData<Q>,
+}
+
+impl<'a, Q> One<'a, Q> {
+    #[inline(always)]
+    fn new(
+        tree: &'a Tree,
+        geometry: &'a Geometry,
+        ray: &'a PreparedRay,
+        traversal: &'a mut Traversal,
+    ) -> Self {
+        Self { tree, geometry, ray, traversal, query: PhantomData }
+    }
+}
+
+impl Kernel for One<'_, Closest> {
+    type Output = Hit;
+
+    #[inline(always)]
+    fn run<S: Lanes>(self, simd: S) -> Hit {
+        let Traversal { stack, tests, .. } = self.traversal;
+        let height = single::start(self.tree, self.ray, stack);
+        let best = single::no_hit(self.ray);
+        let stack = (stack.as_mut_slice(), height);
+        let best = single::closest(simd, self.tree, self.geometry, self.ray, best, stack, tests);
+        single::or_miss(best)
+    }
+}
+
+impl Kernel for One<'_, Occluded> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn run<S: Lanes>(self, simd: S) -> bool {
+        let Traversal { stack, tests, .. } = self.traversal;
+        let height = single::start(self.tree, self.ray, stack);
+        let stack = (stack.as_mut_slice(), height);
+        single::occluded(simd, self.tree, self.geometry, self.ray, stack, tests)
+    }
+}
+
+/// Many rays, in flight together.
+struct Many<'a, R: ?Sized, Q: Query> {
+    tree: &'a Tree,
+    geometry: &'a Geometry,
+    rays: &'a R,
+    answers: &'a mut [Q::Answer],
+    traversal: &'a mut Traversal,
+}
+
+impl<R: Rays + ?Sized, Q: Query> Kernel for Many<'_, R, Q> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Lanes>(self, simd: S) {
+        let Traversal { flight, tests, .. } = self.traversal;
+        let Self { tree, geometry, rays, answers, .. } = self;
+        stream::trace::<S, Q>(simd, tree, geometry, rays, answers, flight, tests);
     }
 }

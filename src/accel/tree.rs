@@ -1,73 +1,96 @@
-//! The tree's layout: binary, each inner node holding the boxes of both its children, so that one
-//! cache line decides where a ray goes next.
+//! The tree: an arena, and where to begin.
 
+use glam::Vec3;
+
+use super::arena::{Arena, Census, Kind, Ref, child_of};
 use crate::kernels::slab::Aabb;
-
-/// A node or a range of primitives.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(C)]
-pub struct Child {
-    /// The node's number, or the first of its places in [`Tree::primitives`].
-    pub index: u32,
-    /// Number of primitives; 0 for a node.
-    pub count: u32,
-}
-
-impl Child {
-    /// A leaf of nothing.
-    pub(super) const EMPTY: Self = Self { index: 0, count: 0 };
-}
-
-/// An inner node: 64 bytes.
-#[derive(Clone, Copy, Debug)]
-#[repr(C, align(64))]
-pub struct Node {
-    /// The children's boxes, padded.
-    pub bounds: [Aabb; 2],
-    /// What they are.
-    pub children: [Child; 2],
-}
+use crate::kernels::triangle::T_TOLERANCE;
+use crate::math::simd::LANES;
 
 /// A bounding volume hierarchy over the primitives of a [`super::geometry::Geometry`].
-///
-/// Built whole by [`super::build`], which proves that every index is in range.
-#[derive(Clone, Debug)]
+#[derive(Debug, Default)]
 pub struct Tree {
-    pub(super) nodes: Vec<Node>,
-    pub(super) primitives: Vec<u32>,
-    pub(super) root: Option<(Aabb, Child)>,
-    pub(super) depth: usize,
-    pub(super) splits: bool,
+    pub(super) arena: Arena,
+    pub(super) root: Option<Root>,
+    pub(super) census: Census,
+}
+
+/// Where traversal begins.
+#[derive(Clone, Copy, Debug)]
+pub struct Root {
+    /// The node or leaf.
+    pub place: Ref,
+    /// Its box.
+    pub bounds: Aabb,
 }
 
 impl Tree {
-    /// The inner nodes; a node stands before its children.
-    pub fn nodes(&self) -> &[Node] {
-        &self.nodes
-    }
-
-    /// Primitive numbers in the order of the leaves.
-    pub fn primitives(&self) -> &[u32] {
-        &self.primitives
-    }
-
-    /// The root and its box, unless the tree is empty.
-    pub fn root(&self) -> Option<(Aabb, Child)> {
+    /// The root, unless the tree is empty.
+    pub fn root(&self) -> Option<Root> {
         self.root
     }
 
-    /// The largest number of inner nodes on a way down.
-    pub fn depth(&self) -> usize {
-        self.depth
+    /// What is in it.
+    pub fn census(&self) -> Census {
+        self.census
     }
 
-    /// Whether leaves can hold parts of primitives, whose boxes are smaller than the primitives.
-    pub fn has_splits(&self) -> bool {
-        self.splits
+    /// The arena.
+    pub fn arena(&self) -> &Arena {
+        &self.arena
     }
 
     /// Bytes held.
     pub fn bytes(&self) -> u64 {
-        (size_of_val(self.nodes.as_slice()) + size_of_val(self.primitives.as_slice())) as u64
+        self.arena.bytes()
     }
+
+    /// Calls `visit` with the box of each leaf, and that of every node around it cut to it, and the
+    /// primitives in it.
+    pub fn for_each_leaf(&self, mut visit: impl FnMut(&Aabb, &[u32])) {
+        let Some(root) = self.root else { return };
+        let arena = self.arena.view();
+        let mut waiting = vec![(root.place, root.bounds)];
+        while let Some((place, bounds)) = waiting.pop() {
+            match place.kind() {
+                Kind::Node => {
+                    let node = arena.node(place);
+                    for lane in 0..node.count as usize {
+                        let plane = |side: usize| {
+                            Vec3::from([0, 1, 2].map(|axis: usize| node.planes[axis][side][lane]))
+                        };
+                        let child =
+                            Aabb { low: plane(0).max(bounds.low), high: plane(1).min(bounds.high) };
+                        waiting.push((child_of(node, place, lane), child));
+                    }
+                }
+                Kind::Patch => {
+                    let leaf = arena.patch(place);
+                    visit(&bounds, arena.numbers(leaf.first, leaf.count));
+                }
+                Kind::Soup => {
+                    let leaf = arena.soup(place);
+                    visit(&bounds, arena.numbers(leaf.first, leaf.count));
+                }
+                Kind::List => visit(&bounds, arena.list(place)),
+            }
+        }
+    }
+
+    /// Entries that the stack of a ray must have room for: every inner node on a way down leaves
+    /// all its children but one, the last one all of them, and whole vectors are written.
+    pub(super) fn stack_entries(&self) -> usize {
+        (LANES - 1) * self.census.depth + 2 * LANES
+    }
+}
+
+/// How far beyond a hit at `t` boxes are still visited.
+///
+/// A box that holds a closer hit, or one as close of a lower number, can begin after the t that was
+/// computed for it by no more than the error of that t: each hit is at a point of its primitive
+/// that the ray passes within rounding (see [`crate::kernels::triangle`]), and so in the padded box
+/// of the primitive, or of the part of it that a leaf covers.
+#[inline(always)]
+pub(super) fn reach(t: f32) -> f32 {
+    t + t.abs() * (4.0 * T_TOLERANCE)
 }

@@ -9,15 +9,16 @@ use serde::Serialize;
 use super::common::{Threads, print, to_json};
 use crate::accel::build::Preset;
 use crate::accel::geometry::Geometry;
-use crate::accel::{Accel, Hit, TestCounts};
+use crate::accel::{Accel, Hit, TestCounts, Traversal};
 use crate::error::{Error, ErrorKind, Result};
 use crate::kernels::triangle::T_TOLERANCE;
+use crate::math::ray::Ray;
 use crate::ray_file::RayFile;
 use crate::render::TracerKind;
 use crate::replace::{check_differs, check_replaceable};
 use crate::scene::mesh;
 
-/// Rays handed to a thread at a time by the wavefront.
+/// Rays handed to a thread at a time.
 const BLOCK: usize = 4096;
 
 /// Two t agree if they differ by less than this factor of t: both may be off by the stated error.
@@ -72,6 +73,7 @@ struct Report {
     load_seconds: f64,
     build_seconds: f64,
     nodes_per_ray: f64,
+    leaves_per_ray: f64,
     triangles_per_ray: f64,
     compared: Compared,
 }
@@ -144,6 +146,7 @@ fn run_here(args: &TraceArgs) -> Result<()> {
         load_seconds,
         build_seconds,
         nodes_per_ray: per_ray(tests.nodes),
+        leaves_per_ray: per_ray(tests.leaves),
         triangles_per_ray: per_ray(tests.triangles),
         compared,
     };
@@ -178,42 +181,62 @@ fn answer(
     for _ in 0..args.repeats {
         let start = Instant::now();
         tests = if file.any_hit {
-            pass(args, accel, file, &mut occluded, Accel::occluded)
+            pass_occluded(args, accel, file, &mut occluded)
         } else {
-            pass(args, accel, file, &mut closest, Accel::closest)
+            pass_closest(args, accel, file, &mut closest)
         };
         samples.push(start.elapsed().as_secs_f64());
     }
     if file.any_hit {
-        pass(args, accel, file, &mut closest, Accel::closest);
+        pass_closest(args, accel, file, &mut closest);
     } else {
-        pass(args, accel, file, &mut occluded, Accel::occluded);
+        pass_occluded(args, accel, file, &mut occluded);
     }
     samples.sort_by(f64::total_cmp);
     (closest, occluded, tests, samples[samples.len() / 2])
 }
 
-/// Asks `query` of every ray.
+fn pass_closest(
+    args: &TraceArgs,
+    accel: &Accel,
+    file: &RayFile,
+    answers: &mut [Hit],
+) -> TestCounts {
+    pass(args, accel, file, answers, Accel::closest_of, Accel::closest)
+}
+
+fn pass_occluded(
+    args: &TraceArgs,
+    accel: &Accel,
+    file: &RayFile,
+    answers: &mut [bool],
+) -> TestCounts {
+    pass(args, accel, file, answers, Accel::occluded_of, Accel::occluded)
+}
+
+/// Asks of every ray, block by block.
 fn pass<A: Send>(
     args: &TraceArgs,
     accel: &Accel,
     file: &RayFile,
     answers: &mut [A],
-    query: impl Fn(&Accel, &crate::math::ray::Ray, &mut crate::accel::Traversal) -> A + Sync,
+    many: impl Fn(&Accel, &[Ray], &mut [A], &mut Traversal) + Sync,
+    one: impl Fn(&Accel, &Ray, &mut Traversal) -> A + Sync,
 ) -> TestCounts {
-    let block = match args.tracer {
-        TracerKind::Wavefront => BLOCK,
-        TracerKind::Recursive => BLOCK / 8,
-    };
     answers
-        .par_chunks_mut(block)
-        .zip(file.rays.par_chunks(block))
+        .par_chunks_mut(BLOCK)
+        .zip(file.rays.par_chunks(BLOCK))
         .map_init(
             || accel.traversal(),
             |traversal, (answers, rays)| {
                 let before = traversal.tests;
-                for (answer, ray) in answers.iter_mut().zip(rays) {
-                    *answer = query(accel, ray, traversal);
+                match args.tracer {
+                    TracerKind::Wavefront => many(accel, rays, answers, traversal),
+                    TracerKind::Recursive => {
+                        for (answer, ray) in answers.iter_mut().zip(rays) {
+                            *answer = one(accel, ray, traversal);
+                        }
+                    }
                 }
                 traversal.tests - before
             },
@@ -254,7 +277,7 @@ fn text(r: &Report) -> String {
     format!(
         "{:.2} Mrays/s: {} rays ({kind}), {} hits, {:.4} s, median of {} on {} threads\n\
          mesh: {} triangles, loaded in {:.3} s; bvh {}, built in {:.3} s\n\
-         per ray: {:.2} nodes, {:.2} triangles\n\
+         per ray: {:.2} nodes, {:.2} leaves, {:.2} triangles\n\
          against the file: {} lost, {} extra, {} on another triangle, {} at another distance, \
          largest relative difference of t {:.2e}; any-hit {} lost, {} extra\n",
         r.mrays_s,
@@ -268,6 +291,7 @@ fn text(r: &Report) -> String {
         r.preset.name(),
         r.build_seconds,
         r.nodes_per_ray,
+        r.leaves_per_ray,
         r.triangles_per_ray,
         c.lost,
         c.extra,

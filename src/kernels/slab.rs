@@ -96,13 +96,13 @@ impl Interval {
 #[derive(Clone, Copy, Debug)]
 pub struct SlabRay {
     /// Reciprocal of the direction: infinite, of the zero's sign, where a component is zero.
-    reciprocal: Vec3,
+    pub reciprocal: Vec3,
     /// The origin moved along the direction, for the planes met first.
-    near_origin: Vec3,
+    pub near_origin: Vec3,
     /// The origin moved back, for the planes met last.
-    far_origin: Vec3,
+    pub far_origin: Vec3,
     /// For each axis, whether the ray runs towards smaller coordinates.
-    negative: [bool; 3],
+    pub negative: [bool; 3],
 }
 
 impl SlabRay {

@@ -15,9 +15,9 @@
 //! gamma(5) ((X + D) Y + (Y + D) X)). Weights that sum to one move the average by at most half the
 //! span of z times the sum of their changes, so that |error of t| <= 3 E span / |det| + gamma(8) Z.
 //! Products of tiny numbers are off by up to [`UNDERFLOW`] besides, which is added to both terms.
-//! Where this bound is above [`T_TOLERANCE`] times |t| (rays that graze the triangle or start on
-//! it), or leaves open whether the hit is within the ray's own range (a light just before or just
-//! behind a surface), t is computed again in double precision. The stated error of t is therefore
+//! Where this bound leaves open whether the hit is within the ray's own range (a light just before
+//! or just behind a surface), or the hit is within and the bound above [`T_TOLERANCE`] times |t|
+//! (rays that graze the triangle or start on it), t is computed again in double precision. The stated error of t is therefore
 //! at most [`T_TOLERANCE`] |t|; away from grazing angles it is a few ulp.
 
 use glam::{DVec3, Vec3};
@@ -25,8 +25,13 @@ use glam::{DVec3, Vec3};
 use crate::math::float::{gamma, max, min};
 use crate::math::ray::Ray;
 
-/// Bound on what underflow adds to the error of a sum of a few products.
-const UNDERFLOW: f32 = 8.0 * f32::from_bits(1);
+mod lanes;
+
+pub use lanes::LaneHits;
+
+/// Bound on what underflow adds to the error of a sum of a few products: far more than it can, but
+/// the least number that is not subnormal. Processors divide those a hundred times slower.
+const UNDERFLOW: f32 = f32::MIN_POSITIVE;
 
 /// Bound on the relative error of t: 2^-16.
 pub const T_TOLERANCE: f32 = 1.0 / 65536.0;
@@ -160,9 +165,11 @@ impl ShearedSpace {
         let [e0, e1, e2] = hit.edges;
         let t = (e0 * a.z + e1 * b.z + e2 * c.z) / hit.determinant;
         let bound = self.error_bound(&hit, near, far);
-        let certain = bound <= T_TOLERANCE * t.abs()
-            && (t - self.t_max).abs() > bound
-            && (t - self.t_min).abs() > bound;
+        let decided = (t - self.t_max).abs() > bound && (t - self.t_min).abs() > bound;
+        if decided && !(t > self.t_min && t < self.t_max) {
+            return None;
+        }
+        let certain = decided && bound <= T_TOLERANCE * t.abs();
         let t = if certain { min(max(t, near), far) } else { self.distance_f64(triangle)? };
         (t > self.t_min).then_some(t)
     }

@@ -4,3 +4,4 @@ pub mod float;
 pub mod random;
 pub mod ray;
 pub mod sampling;
+pub mod simd;

@@ -16,7 +16,7 @@ use crate::kernels::texture::{Filter, Image, PlanarMap, Wrap};
 use crate::plan::Plan;
 
 /// Everything that a render reads.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct PreparedScene {
     /// What is simulated.
     pub plan: Plan,

@@ -128,8 +128,8 @@ impl Bvh {
     pub fn of(accel: &Accel, preset: Preset) -> Self {
         Self {
             preset,
-            nodes: accel.tree.as_ref().map_or(0, |tree| tree.nodes().len()),
-            depth: accel.tree.as_ref().map_or(0, crate::accel::tree::Tree::depth),
+            nodes: accel.tree.as_ref().map_or(0, |tree| tree.census().nodes as usize),
+            depth: accel.tree.as_ref().map_or(0, |tree| tree.census().depth),
             bytes: accel.tree_bytes(),
         }
     }

@@ -55,7 +55,7 @@ pub fn extract(world: &mut World) -> Result<Extracted> {
     let scene = PreparedScene {
         plan,
         camera,
-        accel: Accel { geometry, tree: None },
+        accel: Accel::new(geometry, Preset::Brute),
         looks: Looks { shapes, materials, images, meshes },
         lights,
         background: settings.background.as_vec3(),

@@ -4,6 +4,7 @@ use super::*;
 use crate::accel::{Accel, Hit};
 use crate::math::random::Stream;
 use crate::math::ray::Ray;
+use crate::math::simd::Level;
 use glam::Vec3;
 
 fn random(index: u32, dimension: u32) -> [f32; 4] {
@@ -48,6 +49,7 @@ fn rays(count: u32) -> impl Iterator<Item = Ray> {
     })
 }
 
+/// The answers one by one.
 fn answers(geometry: &Geometry, preset: Preset) -> Vec<(Hit, bool)> {
     let accel = Accel::new(geometry.clone(), preset);
     let mut traversal = accel.traversal();
@@ -57,6 +59,18 @@ fn answers(geometry: &Geometry, preset: Preset) -> Vec<(Hit, bool)> {
             (accel.closest(&ray, &mut traversal), accel.occluded(&short, &mut traversal))
         })
         .collect()
+}
+
+/// The answers of the kernel for many rays.
+fn answers_together(accel: &Accel) -> Vec<(Hit, bool)> {
+    let mut traversal = accel.traversal();
+    let rays: Vec<Ray> = rays(400).collect();
+    let short: Vec<Ray> = rays.iter().map(|ray| Ray { t_max: 0.7, ..*ray }).collect();
+    let mut hits = vec![Hit::MISS; rays.len()];
+    let mut occluded = vec![false; rays.len()];
+    accel.closest_of(rays.as_slice(), &mut hits, &mut traversal);
+    accel.occluded_of(short.as_slice(), &mut occluded, &mut traversal);
+    hits.into_iter().zip(occluded).collect()
 }
 
 #[test]
@@ -71,32 +85,40 @@ fn hc03_every_preset_answers_as_brute_force_does() {
 }
 
 #[test]
+fn hc03_every_level_and_kernel_answers_as_brute_force_does() {
+    let geometry = mixture(3000);
+    let reference = answers(&geometry, Preset::Brute);
+    for preset in [Preset::VeryFast, Preset::Slow] {
+        let mut accel = Accel::new(geometry.clone(), preset);
+        for level in Level::available() {
+            accel.level = level.token().expect("it is available");
+            assert!(answers_together(&accel) == reference, "{preset:?} {level:?}");
+            let mut traversal = accel.traversal();
+            let alone = rays(400).map(|ray| {
+                let short = Ray { t_max: 0.7, ..ray };
+                (accel.closest(&ray, &mut traversal), accel.occluded(&short, &mut traversal))
+            });
+            assert!(alone.eq(reference.iter().copied()), "{preset:?} {level:?}");
+        }
+    }
+}
+
+#[test]
 fn children_lie_within_their_parents() {
     let geometry = mixture(2000);
     for preset in Preset::ALL.into_iter().filter(|&p| p != Preset::Brute) {
         let tree = build(&geometry, preset);
+        let splits = matches!(preset, Preset::Slow | Preset::VerySlow);
         let mut leaves = vec![0; geometry.len()];
-        for node in tree.nodes() {
-            for (bounds, child) in node.bounds.iter().zip(&node.children) {
-                if child.count == 0 {
-                    let inner = &tree.nodes()[child.index as usize];
-                    assert!(inner.bounds.iter().all(|b| bounds.contains(b)));
-                    continue;
-                }
-                let start = child.index as usize;
-                for &n in &tree.primitives()[start..start + child.count as usize] {
-                    leaves[n as usize] += 1;
-                    assert!(tree.has_splits() || bounds.contains(&geometry.bounds(n)));
-                }
+        tree.for_each_leaf(|bounds, numbers| {
+            for &n in numbers {
+                leaves[n as usize] += 1;
+                assert!(splits || bounds.contains(&geometry.bounds(n)));
             }
-        }
+        });
         for (number, &times) in leaves.iter().enumerate() {
             let hittable = !geometry.is_degenerate(number as u32);
-            assert!(if tree.has_splits() {
-                (times > 0) == hittable
-            } else {
-                times == hittable as i32
-            });
+            assert!(if splits { (times > 0) == hittable } else { times == hittable as i32 });
         }
     }
 }

@@ -1,0 +1,448 @@
+//! The memory of the tree: nodes of eight children and leaves in one arena of units of 128 bytes.
+//!
+//! | content | units | holds |
+//! |---|---|---|
+//! | [`Node`] | 2 | the boxes of 8 children, a plane a row, and where the children are |
+//! | [`Patch`] | 1 | up to 8 triangles over up to 8 vertices that they share |
+//! | [`Soup`] | 3 | up to 8 triangles that share nothing |
+//! | list | 1 and more | the numbers of primitives, tested one by one |
+//!
+//! A node stands before its children, its leaves right behind it, and says where they are relative
+//! to itself: a part of the tree can be built anywhere and copied as it is.
+//!
+//! This is the one module of traversal with `unsafe` code. [`Arena::new`] visits every node once and
+//! proves that whatever can be reached from the root lies within the arena; after that a
+//! [`Ref`], which only this module makes, needs no check.
+
+#![allow(unsafe_code, reason = "places in the arena are proved when it is made")]
+
+use bytemuck::{Pod, Zeroable};
+
+pub use super::units::Unit;
+use super::units::Units;
+
+/// What a [`Ref`] leads to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u32)]
+pub enum Kind {
+    /// A [`Node`].
+    Node = 0,
+    /// A [`Patch`].
+    Patch = 1,
+    /// A [`Soup`].
+    Soup = 2,
+    /// Numbers of primitives.
+    List = 3,
+}
+
+/// Where something is in the arena, and what: the number of its first unit, and in the two lowest
+/// bits its [`Kind`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Ref(u32);
+
+impl Ref {
+    /// The bits, as they are kept on stacks.
+    #[inline(always)]
+    pub(super) fn bits(self) -> u32 {
+        self.0
+    }
+
+    /// From bits that [`Self::bits`] or [`base`] gave.
+    #[inline(always)]
+    pub(super) fn from_bits(bits: u32) -> Self {
+        Self(bits)
+    }
+
+    /// What is there.
+    #[inline(always)]
+    pub fn kind(self) -> Kind {
+        match self.0 & 3 {
+            0 => Kind::Node,
+            1 => Kind::Patch,
+            2 => Kind::Soup,
+            _ => Kind::List,
+        }
+    }
+
+    #[inline(always)]
+    fn unit(self) -> usize {
+        (self.0 >> 2) as usize
+    }
+}
+
+/// The largest number of units: what a [`Ref`] can count.
+pub const MAX_UNITS: usize = 1 << 30;
+
+/// An inner node.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub struct Node {
+    /// For each axis the low planes of the eight children, and the high planes; those of absent
+    /// children are infinite, so that no ray meets them.
+    pub planes: [[[f32; 8]; 2]; 3],
+    /// The children's places relative to this node, as the bits of a [`Ref`]; 0 where there is none.
+    pub children: [u32; 8],
+    /// Number of children: the first lanes.
+    pub count: u32,
+    /// Nothing yet.
+    pub spare: [u32; 7],
+}
+
+impl Node {
+    /// A node without children.
+    pub const EMPTY: Self = Self {
+        planes: [[[f32::INFINITY; 8], [f32::NEG_INFINITY; 8]]; 3],
+        children: [0; 8],
+        count: 0,
+        spare: [0; 7],
+    };
+}
+
+/// A leaf of triangles that share vertices.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub struct Patch {
+    /// Coordinates of the vertices, an axis a row; unused ones repeat the first.
+    pub positions: [[f32; 8]; 3],
+    /// For each corner, which vertex it is in each of the triangles, four bits each; unused
+    /// triangles are the first vertex alone.
+    pub corners: [u32; 3],
+    /// Where the triangles' numbers begin in [`Arena::numbers`].
+    pub first: u32,
+    /// Number of triangles.
+    pub count: u32,
+    /// Number of vertices.
+    pub vertices: u32,
+    spare: [u32; 2],
+}
+
+/// A leaf of triangles that share nothing.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub struct Soup {
+    /// For each corner and axis, the coordinate in each triangle; unused ones are zero.
+    pub corners: [[[f32; 8]; 3]; 3],
+    /// Where the triangles' numbers begin in [`Arena::numbers`].
+    pub first: u32,
+    /// Number of triangles.
+    pub count: u32,
+    spare: [u32; 22],
+}
+
+impl Patch {
+    /// A patch of `count` triangles over `vertices` vertices, whose numbers begin at `first`.
+    pub fn new(
+        positions: [[f32; 8]; 3],
+        corners: [u32; 3],
+        first: u32,
+        [count, vertices]: [u32; 2],
+    ) -> Self {
+        Self { positions, corners, first, count, vertices, spare: [0; 2] }
+    }
+}
+
+impl Soup {
+    /// A soup of `count` triangles, whose numbers begin at `first`.
+    pub fn new(corners: [[[f32; 8]; 3]; 3], first: u32, count: u32) -> Self {
+        Self { corners, first, count, spare: [0; 22] }
+    }
+}
+
+/// Units of a [`Node`].
+pub const NODE_UNITS: usize = size_of::<Node>() / size_of::<Unit>();
+/// Units of a [`Patch`].
+pub const PATCH_UNITS: usize = size_of::<Patch>() / size_of::<Unit>();
+/// Units of a [`Soup`].
+pub const SOUP_UNITS: usize = size_of::<Soup>() / size_of::<Unit>();
+/// Units of a list of `count` primitives.
+pub const fn list_units(count: usize) -> usize {
+    (count + 1).div_ceil(32)
+}
+
+const _: () = assert!(NODE_UNITS == 2 && PATCH_UNITS == 1 && SOUP_UNITS == 3);
+
+/// A tree, or a part of one, in memory.
+#[derive(Debug, Default)]
+pub struct Arena {
+    units: Units,
+    numbers: Vec<u32>,
+}
+
+/// What is in an arena.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Census {
+    /// Inner nodes.
+    pub nodes: u64,
+    /// Children of inner nodes.
+    pub children: u64,
+    /// Leaves of triangles that share vertices.
+    pub patches: u64,
+    /// Leaves of triangles that share nothing.
+    pub soups: u64,
+    /// Leaves of other primitives.
+    pub lists: u64,
+    /// Triangles in leaves, those in more than one counted as often.
+    pub triangles: u64,
+    /// The largest number of inner nodes on a way down.
+    pub depth: usize,
+}
+
+impl Arena {
+    /// An arena of `units`, proved: everything that can be reached from `root` lies within, and
+    /// within `numbers`. Also says what is there. `None` where the proof fails, which is a mistake
+    /// of the builder's.
+    pub(super) fn new(units: Units, numbers: Vec<u32>, root: Ref) -> Option<(Self, Census)> {
+        if units.len() > MAX_UNITS {
+            return None;
+        }
+        let mut census = Census::default();
+        let mut waiting = vec![(root, 1_usize)];
+        let mut reached = 0_usize;
+        while let Some((place, depth)) = waiting.pop() {
+            // A tree reaches each unit once: anything else would be walked in circles.
+            reached += 1;
+            let rest = units.get(place.unit()..).filter(|_| reached <= units.len())?;
+            let within = |first: u32, count: u32| {
+                count <= 8 && u64::from(first) + u64::from(count) <= numbers.len() as u64
+            };
+            match place.kind() {
+                Kind::Node => {
+                    let node: &Node = bytemuck::from_bytes(bytes(rest, NODE_UNITS)?);
+                    census.nodes += 1;
+                    census.children += u64::from(node.count);
+                    census.depth = census.depth.max(depth);
+                    for &relative in node.children.get(..node.count as usize)? {
+                        // No node leads to itself or back.
+                        if (relative >> 2) < NODE_UNITS as u32 {
+                            return None;
+                        }
+                        waiting.push((Ref(absolute(relative, place)?), depth + 1));
+                    }
+                    // A ray can meet no other lane, but if one did it would stay within.
+                    if node.children[node.count as usize..].iter().any(|&c| c != 0) {
+                        return None;
+                    }
+                }
+                Kind::Patch => {
+                    let leaf: &Patch = bytemuck::from_bytes(bytes(rest, PATCH_UNITS)?);
+                    within(leaf.first, leaf.count).then_some(())?;
+                    census.patches += 1;
+                    census.triangles += u64::from(leaf.count);
+                }
+                Kind::Soup => {
+                    let leaf: &Soup = bytemuck::from_bytes(bytes(rest, SOUP_UNITS)?);
+                    within(leaf.first, leaf.count).then_some(())?;
+                    census.soups += 1;
+                    census.triangles += u64::from(leaf.count);
+                }
+                Kind::List => {
+                    let count = rest.first()?.0[0] as usize;
+                    bytes(rest, list_units(count))?;
+                    census.lists += 1;
+                }
+            }
+        }
+        Some((Self { units, numbers }, census))
+    }
+
+    /// Number of units.
+    pub fn units(&self) -> usize {
+        self.units.len()
+    }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> u64 {
+        (size_of_val(&*self.units) + size_of_val(self.numbers.as_slice())) as u64
+    }
+
+    /// The arena as kernels see it.
+    #[inline(always)]
+    pub(super) fn view(&self) -> View<'_> {
+        View { units: &self.units, numbers: &self.numbers }
+    }
+}
+
+/// A proved arena, for kernels.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct View<'a> {
+    units: &'a [Unit],
+    numbers: &'a [u32],
+}
+
+impl<'a> View<'a> {
+    /// The node at `place`.
+    #[inline(always)]
+    pub(super) fn node(self, place: Ref) -> &'a Node {
+        debug_assert!(place.kind() == Kind::Node);
+        self.at(place)
+    }
+
+    /// The patch at `place`.
+    #[inline(always)]
+    pub(super) fn patch(self, place: Ref) -> &'a Patch {
+        debug_assert!(place.kind() == Kind::Patch);
+        self.at(place)
+    }
+
+    /// The soup at `place`.
+    #[inline(always)]
+    pub(super) fn soup(self, place: Ref) -> &'a Soup {
+        debug_assert!(place.kind() == Kind::Soup);
+        self.at(place)
+    }
+
+    /// The list at `place`.
+    #[inline]
+    pub(super) fn list(self, place: Ref) -> &'a [u32] {
+        debug_assert!(place.kind() == Kind::List);
+        let words: &[u32] = bytemuck::cast_slice(&self.units[place.unit()..]);
+        &words[1..=words[0] as usize]
+    }
+
+    /// The number of the primitive that is the `lane`th of those that begin at `first`.
+    #[inline(always)]
+    pub(super) fn number(self, first: u32, lane: usize) -> u32 {
+        self.numbers[first as usize + lane]
+    }
+
+    /// The numbers of `count` primitives that begin at `first`.
+    pub(super) fn numbers(self, first: u32, count: u32) -> &'a [u32] {
+        &self.numbers[first as usize..][..count as usize]
+    }
+
+    /// Asks for the cache lines of what is at `place`.
+    #[inline(always)]
+    pub(super) fn prefetch(self, place: Ref) {
+        let start = self.units.as_ptr().wrapping_add(place.unit()).cast::<i8>();
+        prefetch(start);
+        prefetch(start.wrapping_add(64));
+        // The other half of a node; without a branch, which nobody could foretell.
+        let rest = start.wrapping_add(usize::from(place.kind() == Kind::Node) * 128);
+        prefetch(rest);
+        prefetch(rest.wrapping_add(64));
+    }
+
+    #[inline(always)]
+    fn at<T: Pod>(self, place: Ref) -> &'a T {
+        const { assert!(align_of::<T>() <= align_of::<Unit>()) };
+        debug_assert!(
+            (place.unit() + size_of::<T>().div_ceil(size_of::<Unit>())) <= self.units.len()
+        );
+        // SAFETY: `place` was reached from the root, since nothing else makes a `Ref` while tracing,
+        // and `Arena::new` has proved that what it leads to, of this kind, lies within `units`,
+        // which nobody can change afterwards. Any bits are a `T`, and units are aligned for it.
+        unsafe { &*self.units.as_ptr().add(place.unit()).cast::<T>() }
+    }
+}
+
+/// The first `units` of `rest`, as bytes.
+fn bytes(rest: &[Unit], units: usize) -> Option<&[u8]> {
+    Some(bytemuck::cast_slice(rest.get(..units)?))
+}
+
+/// A child's bits from those in its parent.
+fn absolute(relative: u32, parent: Ref) -> Option<u32> {
+    relative.checked_add((parent.unit() as u32) << 2)
+}
+
+/// What to add to the bits of the children in the node at `place` to make them those of a [`Ref`].
+#[inline(always)]
+pub(super) fn base(place: Ref) -> u32 {
+    place.0 & !3
+}
+
+/// The `lane`th child of the node at `place`.
+pub(super) fn child_of(node: &Node, place: Ref, lane: usize) -> Ref {
+    Ref(node.children[lane] + base(place))
+}
+
+#[cfg(target_arch = "x86_64")]
+#[inline(always)]
+fn prefetch(address: *const i8) {
+    use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+    // SAFETY: a hint, which reads nothing and faults nowhere.
+    unsafe { _mm_prefetch::<_MM_HINT_T0>(address) };
+}
+
+#[cfg(not(target_arch = "x86_64"))]
+#[inline(always)]
+fn prefetch(_: *const i8) {}
+
+/// A reference to the first unit, of a `kind`.
+pub fn root_of(kind: Kind) -> Ref {
+    Ref(kind as u32)
+}
+
+/// The bits in a node at unit `parent` for a child of `kind` at unit `child`, behind it.
+pub fn relative(parent: usize, child: usize, kind: Kind) -> u32 {
+    ((child - parent) as u32) << 2 | kind as u32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn node(children: &[u32]) -> [Unit; 2] {
+        let mut node = Node { count: children.len() as u32, ..Node::EMPTY };
+        node.children[..children.len()].copy_from_slice(children);
+        bytemuck::cast(node)
+    }
+
+    fn list(numbers: &[u32]) -> Unit {
+        let mut unit = Unit::zeroed();
+        unit.0[0] = numbers.len() as u32;
+        unit.0[1..=numbers.len()].copy_from_slice(numbers);
+        unit
+    }
+
+    fn prove(units: &[Unit], numbers: usize) -> Option<Census> {
+        let numbers = vec![0; numbers];
+        Some(Arena::new(Units::Owned(units.to_vec()), numbers, root_of(Kind::Node))?.1)
+    }
+
+    #[test]
+    fn a_sound_tree_is_proved_and_counted() {
+        let patch: Unit = bytemuck::cast(Patch::new([[0.0; 8]; 3], [0; 3], 2, [3, 5]));
+        let [a, b] = node(&[relative(0, 2, Kind::List), relative(0, 3, Kind::Patch)]);
+        let census = prove(&[a, b, list(&[7, 8]), patch], 5).expect("it is sound");
+        let expected = Census {
+            nodes: 1,
+            children: 2,
+            patches: 1,
+            soups: 0,
+            lists: 1,
+            triangles: 3,
+            depth: 1,
+        };
+        assert_eq!(census, expected);
+    }
+
+    #[test]
+    fn nothing_that_leads_astray_is_proved() {
+        let patch = |first, count| -> Unit {
+            bytemuck::cast(Patch::new([[0.0; 8]; 3], [0; 3], first, [count, 3]))
+        };
+        let under = |child: u32, rest: &[Unit]| {
+            let [a, b] = node(&[child]);
+            prove(&[&[a, b], rest].concat(), 4)
+        };
+        let leaf = relative(0, 2, Kind::Patch);
+        assert!(under(leaf, &[patch(0, 4)]).is_some());
+        assert!(under(leaf, &[]).is_none(), "beyond the end");
+        assert!(under(leaf, &[patch(1, 4)]).is_none(), "numbers beyond the end");
+        assert!(under(leaf, &[patch(u32::MAX, 4)]).is_none(), "numbers that overflow");
+        assert!(under(leaf, &[patch(0, 9)]).is_none(), "more triangles than lanes");
+        assert!(under(relative(0, 2, Kind::Soup), &[patch(0, 4)]).is_none(), "half a soup");
+        assert!(under(relative(0, 2, Kind::Node), &[patch(0, 4)]).is_none(), "half a node");
+        assert!(under(relative(0, 0, Kind::Node), &[]).is_none(), "a circle");
+        assert!(under(relative(0, 1, Kind::Patch), &[]).is_none(), "within the node itself");
+        assert!(under(u32::MAX, &[]).is_none(), "far away");
+        let mut long = list(&[1]);
+        long.0[0] = 32;
+        assert!(under(relative(0, 2, Kind::List), &[long]).is_none(), "a list too long");
+        let mut absent: Node = bytemuck::cast(node(&[leaf]));
+        absent.children[5] = leaf;
+        let [a, b]: [Unit; 2] = bytemuck::cast(absent);
+        assert!(prove(&[a, b, patch(0, 4)], 4).is_none(), "an absent child leads somewhere");
+    }
+}

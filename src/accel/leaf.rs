@@ -1,0 +1,135 @@
+//! Leaves: up to eight triangles tested at a time.
+//!
+//! The answers are those of [`Geometry::hit`], bit by bit: lanes compute what it computes, and it
+//! is asked itself wherever single precision leaves a triangle open.
+
+use super::arena::{Kind, Ref, View};
+use super::geometry::{Geometry, PreparedRay};
+use super::{Hit, TestCounts};
+use crate::kernels::triangle::LaneHits;
+use crate::math::simd::Lanes;
+
+/// A mask of the first `count` lanes.
+#[inline(always)]
+fn first_lanes(count: u32) -> u32 {
+    (1 << count) - 1
+}
+
+/// Replaces `best` by the closest hit in the leaf, if that is closer. Whether it did.
+#[inline(always)]
+pub(super) fn closest<S: Lanes>(
+    simd: S,
+    arena: View<'_>,
+    geometry: &Geometry,
+    ray: &PreparedRay,
+    place: Ref,
+    best: &mut Hit,
+    tests: &mut TestCounts,
+) -> bool {
+    let before = *best;
+    let mut offer = |t: f32, number: u32| {
+        if t < best.t || (t == best.t && number < best.primitive) {
+            *best = Hit { t, primitive: number };
+        }
+    };
+    match triangles(simd, arena, ray, place, tests) {
+        Some((hits, first)) => {
+            let (mut certain, mut open) = (hits.certain, hits.open);
+            while certain != 0 {
+                let lane = certain.trailing_zeros() as usize & 7;
+                certain &= certain - 1;
+                // The number is read only where it can matter: it is seldom in the cache.
+                if hits.t[lane] <= before.t {
+                    offer(hits.t[lane], arena.number(first, lane));
+                }
+            }
+            while open != 0 {
+                let number = arena.number(first, open.trailing_zeros() as usize & 7);
+                open &= open - 1;
+                if let Some(t) = geometry.hit_again(number, ray) {
+                    offer(t, number);
+                }
+            }
+        }
+        None => {
+            for &number in arena.list(place) {
+                if let Some(t) = geometry.hit(number, ray, tests) {
+                    offer(t, number);
+                }
+            }
+        }
+    }
+    best.t < before.t || best.primitive != before.primitive
+}
+
+/// Whether anything in the leaf but a light's shape is hit.
+#[inline(always)]
+pub(super) fn occluded<S: Lanes>(
+    simd: S,
+    arena: View<'_>,
+    geometry: &Geometry,
+    ray: &PreparedRay,
+    place: Ref,
+    tests: &mut TestCounts,
+) -> bool {
+    let counts = |number: u32| !geometry.is_light(number);
+    match triangles(simd, arena, ray, place, tests) {
+        Some((hits, first)) => {
+            let (mut certain, mut open) = (hits.certain, hits.open);
+            if certain != 0 && geometry.lights.is_empty() {
+                return true;
+            }
+            while certain != 0 {
+                if counts(arena.number(first, certain.trailing_zeros() as usize & 7)) {
+                    return true;
+                }
+                certain &= certain - 1;
+            }
+            while open != 0 {
+                let number = arena.number(first, open.trailing_zeros() as usize & 7);
+                open &= open - 1;
+                if geometry.hit_again(number, ray).is_some() && counts(number) {
+                    return true;
+                }
+            }
+            false
+        }
+        None => {
+            let mut hit = |&n: &u32| geometry.hit(n, ray, tests).is_some() && counts(n);
+            arena.list(place).iter().any(&mut hit)
+        }
+    }
+}
+
+/// What is known of the triangles in the leaf at `place`, and where their numbers begin; `None` for
+/// a list.
+#[inline(always)]
+fn triangles<S: Lanes>(
+    simd: S,
+    arena: View<'_>,
+    ray: &PreparedRay,
+    place: Ref,
+    tests: &mut TestCounts,
+) -> Option<(LaneHits, u32)> {
+    match place.kind() {
+        Kind::Patch => {
+            let leaf = arena.patch(place);
+            tests.leaves += 1;
+            tests.triangles += u64::from(leaf.count);
+            let used = first_lanes(leaf.count);
+            let hits = ray.space.intersect_patch(simd, &leaf.positions, leaf.corners, used);
+            Some((hits, leaf.first))
+        }
+        Kind::Soup => {
+            let leaf = arena.soup(place);
+            tests.leaves += 1;
+            tests.triangles += u64::from(leaf.count);
+            let hits = ray.space.intersect_soup(simd, &leaf.corners, first_lanes(leaf.count));
+            Some((hits, leaf.first))
+        }
+        Kind::List | Kind::Node => {
+            tests.leaves += 1;
+            None
+        }
+    }
+}

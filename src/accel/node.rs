@@ -1,0 +1,72 @@
+//! Nodes: the boxes of eight children tested at a time.
+
+use fearless_simd::prelude::*;
+use fearless_simd::{f32x8, mask32x8, u32x8};
+
+use super::arena::{Node, Ref, base};
+use crate::kernels::slab::SlabRay;
+use crate::math::simd::{LANES, Lanes};
+
+/// Where the ray enters the children's boxes, and which of them it meets between `t_min` and
+/// `reach`.
+#[inline(always)]
+fn children<S: Lanes>(
+    simd: S,
+    node: &Node,
+    ray: &SlabRay,
+    t_min: f32,
+    reach: f32,
+) -> (f32x8<S>, mask32x8<S>) {
+    let axis = |k: usize| -> (f32x8<S>, f32x8<S>) {
+        let negative = usize::from(ray.negative[k]);
+        let first: f32x8<S> = node.planes[k][negative].simd_into(simd);
+        let last: f32x8<S> = node.planes[k][1 - negative].simd_into(simd);
+        let reciprocal = f32x8::splat(simd, ray.reciprocal[k]);
+        ((first - ray.near_origin[k]) * reciprocal, (last - ray.far_origin[k]) * reciprocal)
+    };
+    let ((x0, x1), (y0, y1), (z0, z1)) = (axis(0), axis(1), axis(2));
+    let near = x0.max(y0).max(z0.max(f32x8::splat(simd, t_min)));
+    let far = x1.min(y1).min(z1.min(f32x8::splat(simd, reach)));
+    (near, near.simd_le(far))
+}
+
+/// Appends the children that the ray meets to its stack of entries, whose length is `height`, the
+/// nearest last, or in any order, and takes the last entry off: that, and the new height. The stack
+/// was not empty or is not afterwards.
+#[inline(always)]
+pub(super) fn step<S: Lanes, const SORTED: bool>(
+    simd: S,
+    node: &Node,
+    place: Ref,
+    ray: &SlabRay,
+    [t_min, reach]: [f32; 2],
+    stack: &mut [u64],
+    height: usize,
+) -> (u64, usize) {
+    let (near, mask) = children(simd, node, ray, t_min, reach);
+    let places: u32x8<S> = node.children.simd_into(simd);
+    let places = places + base(place);
+    let waiting = stack.get(height.wrapping_sub(1)).copied().unwrap_or(0);
+    let count = mask.to_bitmask().count_ones() as usize;
+    let Some(room) = stack.get_mut(height..).and_then(|s| s.first_chunk_mut::<LANES>()) else {
+        return (waiting, height.saturating_sub(1));
+    };
+    let last = if SORTED {
+        simd.far_to_near(near, places, mask, room)
+    } else {
+        simd.compress(near, places, mask, room)
+    };
+    (if count > 0 { last } else { waiting }, (height + count).wrapping_sub(1))
+}
+
+/// The entry's distance: where the ray enters the box.
+#[inline(always)]
+pub(super) fn distance(entry: u64) -> f32 {
+    f32::from_bits((entry >> 32) as u32)
+}
+
+/// What the entry leads to.
+#[inline(always)]
+pub(super) fn place(entry: u64) -> Ref {
+    Ref::from_bits(entry as u32)
+}

@@ -1,0 +1,266 @@
+//! Traversal by many rays at a time: the kernel of a wavefront's batch.
+//!
+//! A thread keeps [`FLIGHT`] rays in flight, each with a stack of its own. In each round every ray
+//! takes one step, through a node or a leaf, and asks for the memory of its next; by the time that
+//! its turn comes again, the memory is there. A ray that is done makes place for the next one of
+//! the batch. A step through a node has no branch that depends on the ray: the children met are
+//! sorted and pushed as a vector, and the next is popped. So that no entry has to be looked at
+//! twice, a stack is cleared of what is too far when a hit is found, and only then.
+
+use super::arena::{Kind, Ref};
+use super::geometry::{Geometry, PreparedRay};
+use super::node::{self, distance, place};
+use super::single::{no_hit, or_miss};
+use super::tree::{Root, Tree, reach};
+use super::{Hit, TestCounts, leaf};
+use crate::math::ray::Ray;
+use crate::math::simd::{Lanes, entry};
+
+/// Rays in flight.
+pub(super) const FLIGHT: usize = 32;
+
+/// Rays in a row.
+pub trait Rays {
+    /// How many.
+    fn count(&self) -> usize;
+
+    /// The `i`th.
+    fn ray(&self, i: usize) -> Ray;
+}
+
+impl Rays for [Ray] {
+    fn count(&self) -> usize {
+        self.len()
+    }
+
+    #[inline(always)]
+    fn ray(&self, i: usize) -> Ray {
+        self[i]
+    }
+}
+
+/// A question about a ray.
+pub(super) trait Query {
+    /// The answer.
+    type Answer: Copy;
+
+    /// Whether one hit is as good as any.
+    const ANY: bool;
+
+    /// The answer for a ray that cannot be traced.
+    const NONE: Self::Answer;
+
+    /// The answer, once the ray is done.
+    fn answer(best: Hit) -> Self::Answer;
+}
+
+/// Which primitive is hit first.
+pub(super) struct Closest;
+
+impl Query for Closest {
+    type Answer = Hit;
+    const ANY: bool = false;
+    const NONE: Hit = Hit::MISS;
+
+    #[inline(always)]
+    fn answer(best: Hit) -> Hit {
+        or_miss(best)
+    }
+}
+
+/// Whether anything but a light's shape is hit.
+pub(super) struct Occluded;
+
+impl Query for Occluded {
+    type Answer = bool;
+    const ANY: bool = true;
+    const NONE: bool = false;
+
+    #[inline(always)]
+    fn answer(best: Hit) -> bool {
+        !best.is_miss()
+    }
+}
+
+/// A ray in flight.
+#[derive(Clone, Copy, Debug)]
+struct Slot {
+    ray: PreparedRay,
+    best: Hit,
+    reach: f32,
+    /// Its number in the batch.
+    number: u32,
+    /// Height of its stack.
+    height: usize,
+}
+
+/// A ray in flight and where it goes next.
+#[derive(Clone, Copy, Debug, Default)]
+struct Step {
+    slot: u32,
+    place: u32,
+}
+
+/// The end of a stack: no place, since it is no node.
+const DONE: u32 = u32::MAX;
+
+/// The memory of a thread's rays in flight.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Flight {
+    slots: Vec<Slot>,
+    stacks: Vec<u64>,
+    /// Entries of one stack.
+    stride: usize,
+}
+
+impl Flight {
+    /// Memory for rays in `tree`.
+    pub(super) fn new(tree: &Tree) -> Self {
+        // An entry for the end of the stack; and stacks do not all begin in one set of the cache.
+        let stride = tree.stack_entries() + 1 + 8;
+        Self { slots: Vec::with_capacity(FLIGHT), stacks: vec![0; stride * FLIGHT], stride }
+    }
+}
+
+/// Answers all rays.
+#[inline(always)]
+pub(super) fn trace<S: Lanes, Q: Query>(
+    simd: S,
+    tree: &Tree,
+    geometry: &Geometry,
+    rays: &(impl Rays + ?Sized),
+    answers: &mut [Q::Answer],
+    flight: &mut Flight,
+    tests: &mut TestCounts,
+) {
+    let Some(root) = tree.root() else {
+        answers.fill(Q::NONE);
+        return;
+    };
+    let arena = tree.arena.view();
+    let Flight { slots, stacks, stride } = flight;
+    let stride = *stride;
+    let mut next = 0;
+    // Steps of this round; those through nodes become those of the next.
+    let (mut nodes, mut leaves) = ([Step::default(); FLIGHT], [Step::default(); FLIGHT]);
+    let (mut node_count, mut leaf_count) = (0, 0);
+    slots.clear();
+    while slots.len() < FLIGHT {
+        let Some(slot) = begin::<Q>(rays, &mut next, answers, root) else { break };
+        let step = Step { slot: slots.len() as u32, place: root.place.bits() };
+        stacks[slots.len() * stride] = entry(f32::NEG_INFINITY, DONE);
+        slots.push(slot);
+        if root.place.kind() == Kind::Node {
+            nodes[node_count] = step;
+            node_count += 1;
+        } else {
+            leaves[leaf_count] = step;
+            leaf_count += 1;
+        }
+    }
+    let mut waiting = [Step::default(); FLIGHT];
+    while node_count + leaf_count > 0 {
+        // Nodes. Steps are taken from the front of the list while the next are written there.
+        let mut kept = 0;
+        tests.nodes += node_count as u64;
+        for i in 0..node_count {
+            let Step { slot: index, place: at } = nodes[i];
+            let at = Ref::from_bits(at);
+            let slot = &mut slots[index as usize];
+            let stack = &mut stacks[index as usize * stride..][..stride];
+            let range = [slot.ray.ray.t_min, slot.reach];
+            let node = arena.node(at);
+            let (entry, height) = if Q::ANY {
+                node::step::<S, false>(simd, node, at, &slot.ray.slab, range, stack, slot.height)
+            } else {
+                node::step::<S, true>(simd, node, at, &slot.ray.slab, range, stack, slot.height)
+            };
+            slot.height = height;
+            let then = place(entry);
+            arena.prefetch(then);
+            let step = Step { slot: index, place: then.bits() };
+            let is_node = then.kind() == Kind::Node;
+            nodes[kept] = step;
+            kept += usize::from(is_node);
+            leaves[leaf_count & (FLIGHT - 1)] = step;
+            leaf_count += usize::from(!is_node);
+        }
+        node_count = kept;
+        // Leaves, and rays that are done.
+        let steps = leaf_count;
+        waiting[..steps].copy_from_slice(&leaves[..steps]);
+        leaf_count = 0;
+        for &Step { slot: index, place: at } in &waiting[..steps] {
+            let slot = &mut slots[index as usize];
+            let stack = &mut stacks[index as usize * stride..][..stride];
+            let mut done = at == DONE;
+            if !done {
+                let at = Ref::from_bits(at);
+                if Q::ANY {
+                    done = leaf::occluded(simd, arena, geometry, &slot.ray, at, tests);
+                    if done {
+                        slot.best.primitive = 0;
+                    }
+                } else if leaf::closest(simd, arena, geometry, &slot.ray, at, &mut slot.best, tests)
+                {
+                    slot.reach = reach(slot.best.t);
+                    slot.height = clear(stack, slot.height, slot.reach);
+                }
+            }
+            let then = if done {
+                answers[slot.number as usize] = Q::answer(slot.best);
+                let Some(fresh) = begin::<Q>(rays, &mut next, answers, root) else { continue };
+                *slot = fresh;
+                root.place
+            } else {
+                slot.height -= 1;
+                place(stack[slot.height])
+            };
+            arena.prefetch(then);
+            let step = Step { slot: index, place: then.bits() };
+            if then.kind() == Kind::Node {
+                nodes[node_count] = step;
+                node_count += 1;
+            } else {
+                leaves[leaf_count] = step;
+                leaf_count += 1;
+            }
+        }
+    }
+}
+
+/// The next ray of the batch that can be traced, ready to start; those that cannot are answered.
+#[inline(always)]
+fn begin<Q: Query>(
+    rays: &(impl Rays + ?Sized),
+    next: &mut usize,
+    answers: &mut [Q::Answer],
+    root: Root,
+) -> Option<Slot> {
+    while *next < rays.count() {
+        let number = *next;
+        *next += 1;
+        let ray = rays.ray(number);
+        if !ray.is_valid() {
+            answers[number] = Q::NONE;
+            continue;
+        }
+        let _ = root;
+        let ray = PreparedRay::new(&ray);
+        let best = no_hit(&ray);
+        return Some(Slot { ray, best, reach: reach(best.t), number: number as u32, height: 1 });
+    }
+    None
+}
+
+/// Removes the entries that are farther than `reach`. The height that is left.
+#[inline(always)]
+fn clear(stack: &mut [u64], height: usize, reach: f32) -> usize {
+    let mut kept = 0;
+    for i in 0..height {
+        let entry = stack[i];
+        stack[kept] = entry;
+        kept += usize::from(distance(entry) <= reach);
+    }
+    kept
+}
