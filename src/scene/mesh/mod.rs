@@ -9,6 +9,7 @@
 //! the line.
 
 mod obj;
+mod place;
 mod ply;
 mod polygon;
 mod validate;
@@ -76,7 +77,7 @@ pub fn load(path: &Path) -> Result<LoadedMesh> {
     let format = Format::of(path)?;
     let (file, length) = open(path)?;
     let loaded = match format {
-        Format::Ply => ply::read(file, length),
+        Format::Ply => ply::read(&file, length),
         Format::Obj => obj::read(file),
     };
     let (mesh, notes) = loaded.map_err(|error| error.in_file(path))?;

@@ -8,8 +8,8 @@ use crate::scene::mesh::MeshData;
 
 fn load(bytes: &[u8]) -> Result<Read> {
     // A small buffer, so that rows lie across its ends.
-    let read = read_from(BufReader::with_capacity(29, bytes), bytes.len() as u64);
-    if let (Ok(small), Ok(large)) = (&read, &read_from(bytes, bytes.len() as u64)) {
+    let read = read_from(bytes, bytes.len() as u64, 29);
+    if let (Ok(small), Ok(large)) = (&read, &read_from(bytes, bytes.len() as u64, BUFFER)) {
         assert_eq!(small.0, large.0);
     }
     read
