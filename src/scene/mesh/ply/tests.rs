@@ -2,6 +2,8 @@
 
 use glam::{Vec2, Vec3};
 
+mod short_cuts;
+
 use super::*;
 use crate::error::ErrorKind;
 use crate::scene::mesh::MeshData;
