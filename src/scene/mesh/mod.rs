@@ -8,6 +8,7 @@
 //! Elements of PLY files are counted from 0, as the files themselves do; faults in OBJ files name
 //! the line.
 
+mod number;
 mod obj;
 mod place;
 mod ply;
@@ -78,7 +79,7 @@ pub fn load(path: &Path) -> Result<LoadedMesh> {
     let (file, length) = open(path)?;
     let loaded = match format {
         Format::Ply => ply::read(&file, length),
-        Format::Obj => obj::read(file),
+        Format::Obj => obj::read(&file, length),
     };
     let (mesh, notes) = loaded.map_err(|error| error.in_file(path))?;
     let warnings = notes.into_iter().map(|n| Warning::from_error(&n.in_file(path))).collect();

@@ -7,6 +7,8 @@
 use std::fs::File;
 use std::io::{self, ErrorKind, Read, Seek, SeekFrom};
 
+use rayon::prelude::*;
+
 /// What can be read at any place.
 pub(super) trait ReadAt: Sync {
     /// Reads some bytes from `place` on and returns how many; 0 at the end.
@@ -58,6 +60,14 @@ impl ReadAt for [u8] {
         to[..count].copy_from_slice(&from[..count]);
         Ok(count)
     }
+}
+
+/// Fills `to` with the bytes of `file` from `place` on, on all threads.
+pub(super) fn fill<F: ReadAt + ?Sized>(file: &F, place: u64, to: &mut [u8]) -> io::Result<()> {
+    const PART: usize = 1 << 18;
+    to.par_chunks_mut(PART)
+        .enumerate()
+        .try_for_each(|(number, part)| file.read_exact_at(part, place + (number * PART) as u64))
 }
 
 /// A part of a file, read from its beginning to its end.

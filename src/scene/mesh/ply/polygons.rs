@@ -10,7 +10,7 @@ use super::header::{Property, Scalar, Shape};
 use super::source::{FaceRows, Faces};
 use super::triangles::{greatest, limit, number};
 use crate::scene::mesh::MAX_COUNT;
-use crate::scene::mesh::place::ReadAt;
+use crate::scene::mesh::place::{ReadAt, fill};
 use crate::scene::mesh::polygon::Polygon;
 
 /// How many pieces a window has.
@@ -270,13 +270,4 @@ pub(super) fn read<F: ReadAt + ?Sized, const BIG: bool>(
     }
     triangles.truncate(filled);
     (faces, bytes)
-}
-
-/// Reads a window, on all threads.
-fn fill<F: ReadAt + ?Sized>(file: &F, place: u64, window: &mut [u8]) -> std::io::Result<()> {
-    const PART: usize = 1 << 18;
-    window
-        .par_chunks_mut(PART)
-        .enumerate()
-        .try_for_each(|(number, part)| file.read_exact_at(part, place + (number * PART) as u64))
 }
