@@ -1,5 +1,7 @@
 //! Whole files: what is accepted, what is refused and how it is said.
 
+mod pieces;
+
 use super::*;
 
 const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
@@ -10,7 +12,7 @@ fn read_all(text: &[u8], block: usize, piece: usize) -> Result<Read> {
 
 /// Reads `text` with cuts in many places, and checks that they make no difference.
 fn load(text: &str) -> Result<Read> {
-    let whole = read_all(text.as_ref(), BLOCK, PIECE);
+    let whole = read_all(text.as_bytes(), BLOCK, PIECE);
     for (block, piece) in [(1, 1), (7, 3), (64, 20), (64, 1000)] {
         match (&whole, &read_all(text.as_bytes(), block, piece)) {
             (Ok(a), Ok(b)) => assert_eq!(a.0, b.0, "{block} {piece}"),
@@ -155,7 +157,7 @@ fn a_file_without_faces_is_refused() {
 #[test]
 fn utf16_is_told_apart() {
     for text in [&b"\xFE\xFF\0v\0 \x001"[..], b"\xFF\xFEv\0 \0", b"v\0 \x001\0"] {
-        let error = read_all(text.as_ref(), BLOCK, PIECE).unwrap_err().to_string();
+        let error = read_all(text, BLOCK, PIECE).unwrap_err().to_string();
         assert!(error.contains("UTF-16"), "{error}");
     }
 }
