@@ -8,6 +8,7 @@ use std::io::BufRead;
 
 use super::header::Scalar;
 use super::source::{Fault, Source};
+use crate::scene::mesh::number;
 
 /// No number is longer; what is longer need not be kept to be shown.
 const LONGEST: usize = 256;
@@ -89,7 +90,7 @@ fn parse_digits(token: &[u8]) -> Option<f64> {
 /// A number of the type `kind`, rounded once.
 fn parse(token: &[u8], kind: Scalar) -> Option<f64> {
     if kind == Scalar::F32 {
-        return std::str::from_utf8(token).ok()?.parse::<f32>().ok().map(f64::from);
+        return number::parse(token).map(f64::from);
     }
     parse_digits(token).or_else(|| std::str::from_utf8(token).ok()?.parse().ok())
 }
