@@ -232,7 +232,7 @@ pub(super) fn read<F: ReadAt + ?Sized, const BIG: bool>(
         if fill(file, place + bytes, &mut window).is_err() {
             break;
         }
-        let room = MAX_COUNT - filled as u64;
+        let room = MAX_COUNT.saturating_sub(filled as u64);
         let runs = runs::<BIG>(&walk, &window, size / PIECES, most - faces, room);
         let count: usize = runs.iter().map(|r| r.triangles).sum();
         if filled + count > triangles.len() {
