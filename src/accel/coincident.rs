@@ -7,6 +7,7 @@
 
 use std::collections::HashMap;
 
+use glam::Vec3A;
 use obvhs::aabb::Aabb;
 
 /// A heap has more members than this.
@@ -30,12 +31,15 @@ pub(super) fn heaps(boxes: &[Aabb], whole: &Aabb) -> Vec<Vec<u32>> {
     // Nearly every scene has none, and one pass over small counters shows it.
     let mask = (boxes.len() / 2).next_power_of_two().min(MOST_COUNTERS) - 1;
     let mut counters = vec![0_u32; mask + 1];
-    let cells = || boxes.iter().map(|b| cell(b, whole, step));
+    let cells = || boxes.iter().map(|b| cell(b, whole.min, step));
     for cell in cells().flatten() {
         counters[hash(cell) & mask] += 1;
     }
-    let expected = boxes.len() / (mask + 1);
-    let suspicious = |cell: [i32; 3]| counters[hash(cell) & mask] as usize > LEAST + 8 * expected;
+    let usual = LEAST + 8 * (boxes.len() / (mask + 1));
+    if counters.iter().all(|&count| count as usize <= usual) {
+        return Vec::new();
+    }
+    let suspicious = |cell: [i32; 3]| counters[hash(cell) & mask] as usize > usual;
     let mut members: HashMap<[i32; 3], Vec<u32>> = HashMap::new();
     for (index, cell) in cells().enumerate() {
         if let Some(cell) = cell.filter(|&c| suspicious(c)) {
@@ -47,10 +51,10 @@ pub(super) fn heaps(boxes: &[Aabb], whole: &Aabb) -> Vec<Vec<u32>> {
     heaps
 }
 
-/// Where the centre of a large box is, in steps.
-fn cell(b: &Aabb, whole: &Aabb, step: f32) -> Option<[i32; 3]> {
+/// Where the centre of a large box is, in steps, rounded: no centre is left of `low`.
+fn cell(b: &Aabb, low: Vec3A, step: f32) -> Option<[i32; 3]> {
     let large = b.diagonal().max_element() > LARGE * step;
-    large.then(|| ((b.center() - whole.min) / step).to_array().map(|x| x.round() as i32))
+    large.then(|| ((b.center() - low) / step + 0.5).to_array().map(|x| x as i32))
 }
 
 fn hash(cell: [i32; 3]) -> usize {
@@ -61,7 +65,6 @@ fn hash(cell: [i32; 3]) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::Vec3A;
 
     fn cube(center: Vec3A, half: f32) -> Aabb {
         Aabb::new(center - half, center + half)

@@ -98,11 +98,8 @@ fn choice(extracted: &Extracted, asked: Option<Preset>) -> Choice {
     match asked {
         Some(preset) => Choice { preset, reason: "asked for".to_owned() },
         None => {
-            let reason = format!(
-                "{} primitives, up to {} rays",
-                extracted.geometry().len(),
-                extracted.expected_rays()
-            );
+            let primitives = extracted.geometry().len() as u64;
+            let reason = Preset::reason(primitives, extracted.expected_rays());
             Choice { preset: extracted.preset(), reason }
         }
     }

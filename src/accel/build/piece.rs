@@ -21,6 +21,8 @@ pub(super) struct Plan<'a> {
     /// A box around everything.
     pub(super) extents: Aabb,
     pub(super) parameters: &'a BvhBuildParams,
+    /// Whether there is one piece alone: memory is then let go as soon as it is done with.
+    pub(super) once: bool,
     /// Whether vertices repeat positions.
     pub(super) weld: bool,
 }
@@ -98,6 +100,11 @@ impl Piece {
             owners,
             plan.parameters,
         );
+        if plan.once {
+            self.ploc = PlocBuilder::new();
+            self.optimizer = ReinsertionOptimizer::default();
+            self.boxes = Vec::new();
+        }
         let members = &self.members;
         self.converter.evaluate(view(&self.bvh), |owner| members.owner(owner));
     }

@@ -191,28 +191,28 @@ impl<'b, F: Fn(u32) -> Owner<'b>> Emitter<'_, F> {
         let mut corners = [0_u32; 3];
         for (lane, triangle) in triangles.corners[..triangles.count].iter().enumerate() {
             for (corner, &v) in triangle.iter().enumerate() {
-                let known = vertices[..count].iter().position(|&k| k == v);
-                let local = known.unwrap_or(count);
-                if local == LANES {
+                // All lanes at once, and no branch that depends on the mesh.
+                let equal = |mask, lane: usize| mask | u32::from(vertices[lane] == v) << lane;
+                let known = (0..LANES).fold(0, equal) & ((1 << count) - 1);
+                let local = if known == 0 { count } else { known.trailing_zeros() };
+                let Some(vertex) = vertices.get_mut(local as usize) else {
                     self.soup(triangles);
                     return Kind::Soup;
-                }
-                if local == count {
-                    vertices[count] = v;
-                    count += 1;
-                }
-                corners[corner] |= (local as u32) << (4 * lane);
+                };
+                *vertex = v;
+                count = count.max(local + 1);
+                corners[corner] |= local << (4 * lane);
             }
         }
         let mut positions = [[0.0; LANES]; 3];
         for lane in 0..LANES {
             // Unused lanes repeat the first.
-            let vertex = vertices[if lane < count { lane } else { 0 }];
+            let vertex = vertices[if lane < count as usize { lane } else { 0 }];
             let v = self.geometry.positions[vertex as usize];
             positions.iter_mut().zip(v.to_array()).for_each(|(row, x)| row[lane] = x);
         }
         let first = self.append(&triangles.numbers[..triangles.count]);
-        let counts = [triangles.count as u32, count as u32];
+        let counts = [triangles.count as u32, count];
         self.output.units.push(bytemuck::cast(Patch::new(positions, corners, first, counts)));
         Kind::Patch
     }
