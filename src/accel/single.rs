@@ -101,12 +101,7 @@ pub(super) fn or_miss(best: Hit) -> Hit {
 /// Puts the root on an empty stack if the ray meets it. The height.
 #[inline(always)]
 pub(super) fn start(tree: &Tree, ray: &PreparedRay, stack: &mut [u64]) -> usize {
-    let Some(root) = tree.root() else { return 0 };
-    let interval = ray.slab.interval(&root.bounds);
-    let (t_min, reach) = (ray.ray.t_min, reach(ray.ray.t_max));
-    if interval.near > interval.far || interval.far < t_min || interval.near > reach {
-        return 0;
-    }
-    stack[0] = entry(interval.near, root.place.bits());
+    let Some(root) = tree.root().filter(|root| root.is_met(ray)) else { return 0 };
+    stack[0] = entry(f32::NEG_INFINITY, root.place.bits());
     1
 }

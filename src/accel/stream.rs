@@ -245,8 +245,11 @@ fn begin<Q: Query>(
             answers[number] = Q::NONE;
             continue;
         }
-        let _ = root;
         let ray = PreparedRay::new(&ray);
+        if !root.is_met(&ray) {
+            answers[number] = Q::NONE;
+            continue;
+        }
         let best = no_hit(&ray);
         return Some(Slot { ray, best, reach: reach(best.t), number: number as u32, height: 1 });
     }

@@ -3,8 +3,10 @@
 use glam::Vec3;
 
 use super::arena::{Arena, Census, Kind, Ref, child_of};
+use super::geometry::PreparedRay;
 use crate::kernels::slab::Aabb;
 use crate::kernels::triangle::T_TOLERANCE;
+use crate::math::float::{max, min};
 use crate::math::simd::LANES;
 
 /// A bounding volume hierarchy over the primitives of a [`super::geometry::Geometry`].
@@ -22,6 +24,16 @@ pub struct Root {
     pub place: Ref,
     /// Its box.
     pub bounds: Aabb,
+}
+
+impl Root {
+    /// Whether the ray meets the box within its range.
+    #[inline(always)]
+    pub(super) fn is_met(&self, ray: &PreparedRay) -> bool {
+        let interval = ray.slab.interval(&self.bounds);
+        let near = max(interval.near, ray.ray.t_min);
+        near <= min(interval.far, reach(ray.ray.t_max))
+    }
 }
 
 impl Tree {

@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 
+use crate::accel::{Hit, Rays as RayColumns};
 use crate::kernels::shade::{SHADOW_END, ShadingPoint, ShadowRequest};
 use crate::math::ray::Ray;
 use crate::prepared::PreparedScene;
@@ -93,7 +94,7 @@ impl Vectors {
     }
 
     /// The `i`th vector.
-    #[inline]
+    #[inline(always)]
     pub fn get(&self, i: usize) -> Vec3 {
         Vec3::new(self.x[i], self.y[i], self.z[i])
     }
@@ -122,13 +123,18 @@ columns! {
     }
 }
 
-impl Rays {
-    /// The `i`th ray.
-    #[inline]
-    pub fn get(&self, i: usize) -> Ray {
-        Ray::new(self.origin.get(i), self.direction.get(i))
+impl RayColumns for Rays {
+    fn count(&self) -> usize {
+        self.path.len()
     }
 
+    #[inline(always)]
+    fn ray(&self, i: usize) -> Ray {
+        Ray::new(self.origin.get(i), self.direction.get(i))
+    }
+}
+
+impl Rays {
     /// Appends a ray.
     #[inline]
     pub fn push(&mut self, ray: &Ray, throughput: Vec3, path: u32) {
@@ -142,10 +148,8 @@ impl Rays {
 columns! {
     /// One answer for each ray. Written by intersect, read by shade.
     Hits {
-        /// Along the ray; infinite for a miss.
-        t: Vec<f32>,
-        /// Primitive number.
-        primitive: Vec<u32>,
+        /// t, infinite for a miss, and the primitive's number.
+        hit: Vec<Hit>,
     }
 }
 
@@ -223,16 +227,23 @@ columns! {
         contribution: Vectors,
         /// The path, by its number in the batch.
         path: Vec<u32>,
+        /// Whether something is in the way.
+        occluded: Vec<bool>,
+    }
+}
+
+impl RayColumns for ShadowRays {
+    fn count(&self) -> usize {
+        self.path.len()
+    }
+
+    #[inline(always)]
+    fn ray(&self, i: usize) -> Ray {
+        Ray { t_max: SHADOW_END, ..Ray::new(self.origin.get(i), self.direction.get(i)) }
     }
 }
 
 impl ShadowRays {
-    /// The `i`th ray.
-    #[inline]
-    pub fn get(&self, i: usize) -> Ray {
-        Ray { t_max: SHADOW_END, ..Ray::new(self.origin.get(i), self.direction.get(i)) }
-    }
-
     /// Appends a request.
     #[inline]
     pub fn push(&mut self, request: &ShadowRequest, path: u32) {
@@ -240,6 +251,7 @@ impl ShadowRays {
         self.direction.push(request.ray.direction);
         self.contribution.push(request.contribution);
         self.path.push(path);
+        self.occluded.push(false);
     }
 }
 

@@ -1,15 +1,13 @@
 //! Pass 2: the closest hit of every ray.
 
 use super::batch::Batch;
-use crate::accel::Traversal;
+use crate::accel::{Hit, Traversal};
 use crate::prepared::PreparedScene;
 
 /// Answers every ray of the batch.
 pub(super) fn run(scene: &PreparedScene, batch: &mut Batch, traversal: &mut Traversal) {
-    batch.hits.clear();
-    for i in 0..batch.rays.len() {
-        let hit = scene.accel.closest(&batch.rays.get(i), traversal);
-        batch.hits.t.push(hit.t);
-        batch.hits.primitive.push(hit.primitive);
-    }
+    let hits = &mut batch.hits.hit;
+    hits.clear();
+    hits.resize(batch.rays.len(), Hit::MISS);
+    scene.accel.closest_of(&batch.rays, hits, traversal);
 }

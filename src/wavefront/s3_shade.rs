@@ -1,7 +1,7 @@
 //! Pass 3: what every hit shows at once, and what it asks for.
 
 use super::batch::Batch;
-use crate::accel::Hit;
+use crate::accel::Rays;
 use crate::counters::Counters;
 use crate::kernels::shade;
 use crate::prepared::{Arrival, PreparedScene};
@@ -12,8 +12,8 @@ pub(super) fn run(scene: &PreparedScene, bounce: u32, batch: &mut Batch, counter
     let shadows = scene.plan.has_shadows();
     batch.lit.clear();
     for i in 0..batch.rays.len() {
-        let ray = batch.rays.get(i);
-        let hit = Hit { t: batch.hits.t[i], primitive: batch.hits.primitive[i] };
+        let ray = batch.rays.ray(i);
+        let hit = batch.hits.hit[i];
         let throughput = batch.rays.throughput.get(i);
         let path = batch.rays.path[i];
         let radiance = &mut batch.paths.radiance;

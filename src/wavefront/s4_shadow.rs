@@ -68,11 +68,12 @@ fn request(
 
 /// Traces the queue and adds what arrives.
 fn trace(scene: &PreparedScene, batch: &mut Batch, traversal: &mut Traversal) {
+    let mut occluded = std::mem::take(&mut batch.shadows.occluded);
+    scene.accel.occluded_of(&batch.shadows, &mut occluded, traversal);
     let shadows: &ShadowRays = &batch.shadows;
-    for i in 0..shadows.len() {
-        if !scene.accel.occluded(&shadows.get(i), traversal) {
-            batch.paths.radiance.add(shadows.path[i] as usize, shadows.contribution.get(i));
-        }
+    for (i, _) in occluded.iter().enumerate().filter(|(_, occluded)| !**occluded) {
+        batch.paths.radiance.add(shadows.path[i] as usize, shadows.contribution.get(i));
     }
+    batch.shadows.occluded = occluded;
     batch.shadows.clear();
 }
