@@ -91,8 +91,7 @@ impl Preset {
             Self::Fast => format!("enough for a better tree, the next pays from {MEDIUM_FROM} on"),
             _ => format!("{MEDIUM_FROM} and more pay for a good tree"),
         };
-        let each = rays / primitives.max(1);
-        format!("{primitives} primitives, up to {rays} rays, {each} for each: {why}")
+        format!("{} for each primitive: {why}", rays / primitives.max(1))
     }
 
     /// How many primitives are built at a time: larger scenes are cut. Of presets that split large
