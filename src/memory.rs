@@ -27,23 +27,28 @@ pub struct Prediction {
     pub so_far: u64,
 }
 
-/// Bytes for each primitive at the peak of a build, boxes, hierarchy and our own nodes together:
-/// measured on meshes of 1 and 4 million triangles.
-const fn build_bytes(preset: Preset) -> u64 {
+/// Bytes at the peak of building a tree over so many primitives, the tree counted, on the threads of
+/// the current pool: measured on meshes of 1, 4 and 18 million triangles. A tree in chunks is hardly
+/// more than itself and what each thread needs for a chunk; one in one piece is held with boxes,
+/// hierarchy and costs together.
+fn build_bytes(preset: Preset, primitives: u64) -> u64 {
+    let chunk = preset.chunk() as u64;
     match preset {
         Preset::Brute => 0,
-        Preset::Fastest | Preset::VeryFast | Preset::Fast | Preset::Medium => 250,
-        Preset::Slow | Preset::VerySlow => 270,
+        _ if primitives > chunk => {
+            let threads = (rayon::current_num_threads() as u64).min(primitives.div_ceil(chunk));
+            primitives * 60 + threads * chunk * 600
+        }
+        _ => primitives * 320,
     }
 }
 
-/// Bytes of our nodes and leaves for each primitive, measured: leaves hold one primitive with the
-/// quickest preset and about two with the others.
+/// Bytes of our nodes and leaves for each primitive, measured: a leaf holds three or four triangles.
 const fn tree_bytes(preset: Preset) -> u64 {
     match preset {
         Preset::Brute => 0,
-        Preset::Fastest => 68,
-        _ => 40,
+        Preset::Fastest | Preset::VeryFast => 53,
+        _ => 50,
     }
 }
 
@@ -70,7 +75,7 @@ pub fn predict(extracted: &Extracted, pixels: u64, preset: Preset, batch: usize)
         geometry: geometry.bytes(),
         looks: scene.looks.bytes(),
         tree: primitives * tree_bytes(preset),
-        build: primitives * build_bytes(preset),
+        build: build_bytes(preset, primitives),
         film: pixels * size_of::<[f32; 3]>() as u64,
         batches: (path * batch_size(scene, batch) * rayon::current_num_threads()) as u64,
         program: PROGRAM,

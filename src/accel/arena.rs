@@ -16,6 +16,8 @@
 
 #![allow(unsafe_code, reason = "places in the arena are proved when it is made")]
 
+mod proof;
+
 use bytemuck::{Pod, Zeroable};
 
 pub use super::units::Unit;
@@ -195,53 +197,8 @@ impl Arena {
         if units.len() > MAX_UNITS {
             return None;
         }
-        let mut census = Census::default();
-        let mut waiting = vec![(root, 1_usize)];
-        let mut reached = 0_usize;
-        while let Some((place, depth)) = waiting.pop() {
-            // A tree reaches each unit once: anything else would be walked in circles.
-            reached += 1;
-            let rest = units.get(place.unit()..).filter(|_| reached <= units.len())?;
-            let within = |first: u32, count: u32| {
-                count <= 8 && u64::from(first) + u64::from(count) <= numbers.len() as u64
-            };
-            match place.kind() {
-                Kind::Node => {
-                    let node: &Node = bytemuck::from_bytes(bytes(rest, NODE_UNITS)?);
-                    census.nodes += 1;
-                    census.children += u64::from(node.count);
-                    census.depth = census.depth.max(depth);
-                    for &relative in node.children.get(..node.count as usize)? {
-                        // No node leads to itself or back.
-                        if (relative >> 2) < NODE_UNITS as u32 {
-                            return None;
-                        }
-                        waiting.push((Ref(absolute(relative, place)?), depth + 1));
-                    }
-                    // A ray can meet no other lane, but if one did it would stay within.
-                    if node.children[node.count as usize..].iter().any(|&c| c != 0) {
-                        return None;
-                    }
-                }
-                Kind::Patch => {
-                    let leaf: &Patch = bytemuck::from_bytes(bytes(rest, PATCH_UNITS)?);
-                    within(leaf.first, leaf.count).then_some(())?;
-                    census.patches += 1;
-                    census.triangles += u64::from(leaf.count);
-                }
-                Kind::Soup => {
-                    let leaf: &Soup = bytemuck::from_bytes(bytes(rest, SOUP_UNITS)?);
-                    within(leaf.first, leaf.count).then_some(())?;
-                    census.soups += 1;
-                    census.triangles += u64::from(leaf.count);
-                }
-                Kind::List => {
-                    let count = rest.first()?.0[0] as usize;
-                    bytes(rest, list_units(count))?;
-                    census.lists += 1;
-                }
-            }
-        }
+        let proof = proof::Proof { units: &units, numbers: numbers.len() };
+        let census = proof.census(root)?;
         Some((Self { units, numbers }, census))
     }
 
@@ -253,6 +210,12 @@ impl Arena {
     /// Bytes held.
     pub fn bytes(&self) -> u64 {
         (size_of_val(&*self.units) + size_of_val(self.numbers.as_slice())) as u64
+    }
+
+    /// Everything it has.
+    #[cfg(test)]
+    pub(super) fn parts(&self) -> (&[Unit], &[u32]) {
+        (&self.units, &self.numbers)
     }
 
     /// The arena as kernels see it.
@@ -335,11 +298,6 @@ impl<'a> View<'a> {
     }
 }
 
-/// The first `units` of `rest`, as bytes.
-fn bytes(rest: &[Unit], units: usize) -> Option<&[u8]> {
-    Some(bytemuck::cast_slice(rest.get(..units)?))
-}
-
 /// A child's bits from those in its parent.
 fn absolute(relative: u32, parent: Ref) -> Option<u32> {
     relative.checked_add((parent.unit() as u32) << 2)
@@ -379,70 +337,4 @@ pub fn relative(parent: usize, child: usize, kind: Kind) -> u32 {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn node(children: &[u32]) -> [Unit; 2] {
-        let mut node = Node { count: children.len() as u32, ..Node::EMPTY };
-        node.children[..children.len()].copy_from_slice(children);
-        bytemuck::cast(node)
-    }
-
-    fn list(numbers: &[u32]) -> Unit {
-        let mut unit = Unit::zeroed();
-        unit.0[0] = numbers.len() as u32;
-        unit.0[1..=numbers.len()].copy_from_slice(numbers);
-        unit
-    }
-
-    fn prove(units: &[Unit], numbers: usize) -> Option<Census> {
-        let numbers = vec![0; numbers];
-        Some(Arena::new(Units::Owned(units.to_vec()), numbers, root_of(Kind::Node))?.1)
-    }
-
-    #[test]
-    fn a_sound_tree_is_proved_and_counted() {
-        let patch: Unit = bytemuck::cast(Patch::new([[0.0; 8]; 3], [0; 3], 2, [3, 5]));
-        let [a, b] = node(&[relative(0, 2, Kind::List), relative(0, 3, Kind::Patch)]);
-        let census = prove(&[a, b, list(&[7, 8]), patch], 5).expect("it is sound");
-        let expected = Census {
-            nodes: 1,
-            children: 2,
-            patches: 1,
-            soups: 0,
-            lists: 1,
-            triangles: 3,
-            depth: 1,
-        };
-        assert_eq!(census, expected);
-    }
-
-    #[test]
-    fn nothing_that_leads_astray_is_proved() {
-        let patch = |first, count| -> Unit {
-            bytemuck::cast(Patch::new([[0.0; 8]; 3], [0; 3], first, [count, 3]))
-        };
-        let under = |child: u32, rest: &[Unit]| {
-            let [a, b] = node(&[child]);
-            prove(&[&[a, b], rest].concat(), 4)
-        };
-        let leaf = relative(0, 2, Kind::Patch);
-        assert!(under(leaf, &[patch(0, 4)]).is_some());
-        assert!(under(leaf, &[]).is_none(), "beyond the end");
-        assert!(under(leaf, &[patch(1, 4)]).is_none(), "numbers beyond the end");
-        assert!(under(leaf, &[patch(u32::MAX, 4)]).is_none(), "numbers that overflow");
-        assert!(under(leaf, &[patch(0, 9)]).is_none(), "more triangles than lanes");
-        assert!(under(relative(0, 2, Kind::Soup), &[patch(0, 4)]).is_none(), "half a soup");
-        assert!(under(relative(0, 2, Kind::Node), &[patch(0, 4)]).is_none(), "half a node");
-        assert!(under(relative(0, 0, Kind::Node), &[]).is_none(), "a circle");
-        assert!(under(relative(0, 1, Kind::Patch), &[]).is_none(), "within the node itself");
-        assert!(under(u32::MAX, &[]).is_none(), "far away");
-        let mut long = list(&[1]);
-        long.0[0] = 32;
-        assert!(under(relative(0, 2, Kind::List), &[long]).is_none(), "a list too long");
-        let mut absent: Node = bytemuck::cast(node(&[leaf]));
-        absent.children[5] = leaf;
-        let [a, b]: [Unit; 2] = bytemuck::cast(absent);
-        assert!(prove(&[a, b, patch(0, 4)], 4).is_none(), "an absent child leads somewhere");
-    }
-}
+mod tests;

@@ -7,6 +7,7 @@
 
 use std::collections::HashMap;
 
+use glam::Vec3A;
 use obvhs::aabb::Aabb;
 
 /// A heap has more members than this.
@@ -18,21 +19,27 @@ const STEPS: f32 = (1 << 20) as f32;
 /// Boxes under this many steps in size are not large: they are a detailed part of a vast scene.
 const LARGE: f32 = 16.0;
 
-/// Number of counters for the quick look.
-const COUNTERS: usize = 1 << 16;
+/// Most counters for the quick look.
+const MOST_COUNTERS: usize = 1 << 16;
 
-/// The heaps among `boxes`, as lists of indices in rising order.
-pub(super) fn heaps(boxes: &[Aabb]) -> Vec<Vec<u32>> {
-    let whole = boxes.iter().fold(Aabb::INVALID, |all, b| all.union(b));
+/// The heaps among `boxes`, as lists of indices in rising order. `whole` is around the scene.
+pub(super) fn heaps(boxes: &[Aabb], whole: &Aabb) -> Vec<Vec<u32>> {
+    if boxes.len() <= LEAST {
+        return Vec::new();
+    }
     let step = whole.diagonal().max_element() / STEPS;
     // Nearly every scene has none, and one pass over small counters shows it.
-    let mut counters = vec![0_u32; COUNTERS];
-    let cells = || boxes.iter().map(|b| cell(b, &whole, step));
+    let mask = (boxes.len() / 2).next_power_of_two().min(MOST_COUNTERS) - 1;
+    let mut counters = vec![0_u32; mask + 1];
+    let cells = || boxes.iter().map(|b| cell(b, whole.min, step));
     for cell in cells().flatten() {
-        counters[counter(cell)] += 1;
+        counters[hash(cell) & mask] += 1;
     }
-    let expected = boxes.len() / COUNTERS;
-    let suspicious = |cell: [i32; 3]| counters[counter(cell)] as usize > LEAST + 8 * expected;
+    let usual = LEAST + 8 * (boxes.len() / (mask + 1));
+    if counters.iter().all(|&count| count as usize <= usual) {
+        return Vec::new();
+    }
+    let suspicious = |cell: [i32; 3]| counters[hash(cell) & mask] as usize > usual;
     let mut members: HashMap<[i32; 3], Vec<u32>> = HashMap::new();
     for (index, cell) in cells().enumerate() {
         if let Some(cell) = cell.filter(|&c| suspicious(c)) {
@@ -44,25 +51,27 @@ pub(super) fn heaps(boxes: &[Aabb]) -> Vec<Vec<u32>> {
     heaps
 }
 
-/// Where the centre of a large box is, in steps.
-fn cell(b: &Aabb, whole: &Aabb, step: f32) -> Option<[i32; 3]> {
+/// Where the centre of a large box is, in steps, rounded: no centre is left of `low`.
+fn cell(b: &Aabb, low: Vec3A, step: f32) -> Option<[i32; 3]> {
     let large = b.diagonal().max_element() > LARGE * step;
-    large.then(|| ((b.center() - whole.min) / step).to_array().map(|x| x.round() as i32))
+    large.then(|| ((b.center() - low) / step + 0.5).to_array().map(|x| x as i32))
 }
 
-fn counter(cell: [i32; 3]) -> usize {
-    let mixed =
-        cell.iter().fold(0_u32, |h, &x| (h ^ x as u32).wrapping_mul(0x9E37_79B1).rotate_left(15));
-    mixed as usize % COUNTERS
+fn hash(cell: [i32; 3]) -> usize {
+    let mix = |h: u32, &x: &i32| (h ^ x as u32).wrapping_mul(0x9E37_79B1).rotate_left(15);
+    cell.iter().fold(0, mix) as usize
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::Vec3A;
 
     fn cube(center: Vec3A, half: f32) -> Aabb {
         Aabb::new(center - half, center + half)
+    }
+
+    fn heaps(boxes: &[Aabb]) -> Vec<Vec<u32>> {
+        super::heaps(boxes, &boxes.iter().fold(Aabb::INVALID, |all, b| all.union(b)))
     }
 
     #[test]

@@ -5,14 +5,18 @@
 //! Karras and Laine do (*Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs*,
 //! HPG 2017, section 3.2). A subtree can be a leaf if its triangles fit one: at most eight, over at
 //! most eight vertices.
+//!
+//! [`Converter::evaluate`] decides, from the leaves up; [`Converter::emit`] then writes any subtree.
+//! Only costs are kept between the two: what a node visited while writing is divided into is found
+//! again from its children's costs, which is less work than to remember it for every node.
 
 mod emit;
 
+use obvhs::bvh2::node::Bvh2Node;
+
 use super::arena::{Kind, Unit};
-use super::geometry::Geometry;
 use crate::kernels::slab::Aabb;
 use crate::math::simd::LANES;
-use emit::Emitter;
 
 /// What a visit costs, in visits of a node.
 mod cost {
@@ -24,7 +28,7 @@ mod cost {
 }
 
 /// The most primitives in a list that is not a heap.
-const MOST_LISTED: u32 = 4;
+const MOST_LISTED: u8 = 4;
 
 /// The most slots that a subtree can be given within a node.
 const SLOTS: usize = LANES - 1;
@@ -32,243 +36,224 @@ const SLOTS: usize = LANES - 1;
 /// What is in a leaf of the binary hierarchy.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Owner<'a> {
-    /// One primitive.
-    Single(u32),
+    /// A triangle, and the numbers of its vertices.
+    Triangle(u32, [u32; 3]),
+    /// A primitive of another kind.
+    Other(u32),
     /// Many about one point: a list, whatever it costs.
     Heap(&'a [u32]),
+    /// A part of the tree that is in the arena already.
+    Part(Part),
 }
 
-/// A node of the binary hierarchy.
+/// A part of a tree, as its parent sees it.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Binary {
-    /// An inner node with the places of its children.
-    Inner([u32; 2]),
-    /// A leaf of one owner, by its number.
-    Leaf(u32),
+pub(super) struct Part {
+    pub(super) bounds: Aabb,
+    /// What its root is, and in which unit.
+    pub(super) kind: Kind,
+    pub(super) unit: usize,
+    /// What it costs, in visits of a node times half areas.
+    pub(super) cost: f32,
 }
 
-/// A binary node in depth-first order, so that its left child is the next.
+/// A binary hierarchy: the root is the first node.
 #[derive(Clone, Copy, Debug)]
-struct Ordered {
-    bounds: Aabb,
-    /// Place of the right child; 0 for a leaf.
-    right: u32,
-    /// How many leaves are below, and which is the first.
-    leaves: u32,
-    first: u32,
+pub(super) struct Hierarchy<'a> {
+    pub(super) nodes: &'a [Bvh2Node],
+    /// What the leaves' indices lead to: the numbers of owners.
+    pub(super) owners: &'a [u32],
 }
-
-/// The vertices of a subtree's triangles, each once, if they are no more than eight.
-#[derive(Clone, Copy, Debug)]
-struct Vertices {
-    all: [u32; LANES],
-    count: u8,
-}
-
-/// In [`Vertices::count`]: more than eight, or not triangles alone.
-const TOO_MANY: u8 = LANES as u8 + 1;
 
 /// The cheapest ways to divide a subtree.
 #[derive(Clone, Copy, Debug)]
 struct Best {
     /// Cost as up to 1, 2, ... slots.
     cost: [f32; SLOTS],
-    /// Slots that the left child gets of 1 (as a node, of eight), 2, ...; 0 for a leaf in one
-    /// slot, or where one slot fewer is no worse.
-    left: [u8; SLOTS],
+    /// Whether it is a leaf in one slot.
+    leaf: bool,
 }
 
-/// A tree, or a part of one.
+/// What would be in a subtree's leaf.
+#[derive(Clone, Copy, Debug)]
+struct Content {
+    /// The vertices of its triangles, each once; unused ones repeat the first.
+    vertices: [u32; LANES],
+    /// How many they are, or [`TOO_MANY`].
+    count: u8,
+    /// How many binary leaves, or [`TOO_MANY`].
+    leaves: u8,
+    /// Which kinds of owners, of [`TRIANGLES`], [`OTHERS`] and [`ALONE`].
+    kinds: u8,
+}
+
+/// More than eight.
+const TOO_MANY: u8 = LANES as u8 + 1;
+
+const TRIANGLES: u8 = 1;
+const OTHERS: u8 = 2;
+/// Heaps and parts, which share no leaf.
+const ALONE: u8 = 4;
+
+/// Where the parts of a tree are written.
 #[derive(Debug, Default)]
-pub(super) struct Wide {
-    /// In the arena's format, the root first.
+pub(super) struct Output {
+    /// In the arena's format.
     pub(super) units: Vec<Unit>,
     /// Triangle numbers of the leaves.
     pub(super) numbers: Vec<u32>,
-    /// What the root is.
-    pub(super) root: Option<Kind>,
-    /// Its box.
-    pub(super) bounds: Option<Aabb>,
+    /// Where `numbers` begin in the arena.
+    pub(super) first_number: u32,
 }
 
 /// Converts hierarchies one after the other, and keeps its memory.
 #[derive(Debug, Default)]
 pub(super) struct Converter {
-    order: Vec<Ordered>,
-    owners: Vec<u32>,
-    vertices: Vec<Vertices>,
+    /// The nodes depth first, left children first.
+    order: Vec<u32>,
+    waiting: Vec<u32>,
     best: Vec<Best>,
+    contents: Vec<Content>,
 }
 
 impl Converter {
-    /// Converts the subtree of `root`. `node` tells a binary node's box and what it is, `owner` what
-    /// an owner is. Numbers begin at `first_number` in the arena.
-    pub(super) fn convert<'a>(
-        &mut self,
-        geometry: &Geometry,
-        root: u32,
-        node: impl Fn(u32) -> (Aabb, Binary),
-        owner: impl Fn(u32) -> Owner<'a>,
-        first_number: u32,
-    ) -> Wide {
-        self.put_in_order(root, node);
-        self.find_best(geometry, &owner);
-        let mut emitter =
-            Emitter { geometry, converter: self, owner, first_number, wide: Wide::default() };
-        emitter.emit();
-        emitter.wide
+    /// Decides what becomes of every node.
+    pub(super) fn evaluate<'a>(&mut self, tree: Hierarchy, owner: impl Fn(u32) -> Owner<'a>) {
+        self.put_in_order(tree);
+        if self.best.len() < tree.nodes.len() {
+            self.best.resize(tree.nodes.len(), Best { cost: [0.0; SLOTS], leaf: true });
+        }
+        self.contents.clear();
+        for &place in self.order.iter().rev() {
+            let node = &tree.nodes[place as usize];
+            let area = node.aabb().half_area();
+            if node.is_leaf() {
+                let (content, cost) = alone(owner(tree.owners[node.first_index as usize]), area);
+                self.contents.push(content);
+                self.best[place as usize] = Best { cost: [cost; SLOTS], leaf: true };
+                continue;
+            }
+            // Children were met just before: the left one last.
+            let (Some(left), Some(right)) = (self.contents.pop(), self.contents.pop()) else {
+                return;
+            };
+            let content = merge(&left, &right);
+            let children = node.first_index as usize;
+            let best = divide(&self.best[children], &self.best[children + 1], area, &content);
+            self.best[place as usize] = best;
+            self.contents.push(content);
+        }
+    }
+
+    /// What the subtree at `place` costs in one slot.
+    pub(super) fn cost(&self, place: u32) -> f32 {
+        self.best[place as usize].cost[0]
+    }
+
+    /// Whether the subtree at `place` becomes a leaf in one slot.
+    pub(super) fn is_leaf(&self, place: u32) -> bool {
+        self.best[place as usize].leaf
     }
 
     /// Lists the nodes depth first: after reinsertion the builder's own order has none.
-    fn put_in_order(&mut self, root: u32, node: impl Fn(u32) -> (Aabb, Binary)) {
+    fn put_in_order(&mut self, tree: Hierarchy) {
         self.order.clear();
-        self.owners.clear();
-        // Who waits for a place, and the parent to tell if it is a right child.
-        let mut waiting = vec![(root, u32::MAX)];
-        while let Some((source, parent)) = waiting.pop() {
-            let place = self.order.len() as u32;
-            if let Some(parent) = self.order.get_mut(parent as usize) {
-                parent.right = place;
-            }
-            let (bounds, kind) = node(source);
-            let first = self.owners.len() as u32;
-            self.order.push(Ordered { bounds, right: 0, leaves: 1, first });
-            match kind {
-                Binary::Inner([left, right]) => {
-                    waiting.push((right, place));
-                    waiting.push((left, u32::MAX));
-                }
-                Binary::Leaf(owner) => self.owners.push(owner),
+        self.waiting.clear();
+        self.waiting.push(0);
+        while let Some(place) = self.waiting.pop() {
+            self.order.push(place);
+            let node = &tree.nodes[place as usize];
+            if !node.is_leaf() {
+                self.waiting.push(node.first_index + 1);
+                self.waiting.push(node.first_index);
             }
         }
-        for place in (0..self.order.len()).rev() {
-            let right = self.order[place].right as usize;
-            if right != 0 {
-                self.order[place].leaves = self.order[place + 1].leaves + self.order[right].leaves;
-            }
-        }
-    }
-
-    /// Fills `best`, from the leaves up.
-    fn find_best<'a>(&mut self, geometry: &Geometry, owner: &impl Fn(u32) -> Owner<'a>) {
-        let none = Vertices { all: [0; LANES], count: TOO_MANY };
-        self.vertices.clear();
-        self.vertices.resize(self.order.len(), none);
-        self.best.clear();
-        self.best.resize(self.order.len(), Best { cost: [0.0; SLOTS], left: [0; SLOTS] });
-        for place in (0..self.order.len()).rev() {
-            let node = self.order[place];
-            let area = half_area(&node.bounds);
-            if node.right == 0 {
-                let (vertices, visit) = match owner(self.owners[node.first as usize]) {
-                    Owner::Single(number) if (number as usize) < geometry.triangles.len() => {
-                        (corners(geometry.triangles[number as usize]), cost::PATCH)
-                    }
-                    Owner::Single(_) => (none, cost::LISTED),
-                    Owner::Heap(numbers) => (none, cost::LISTED * numbers.len() as f32),
-                };
-                self.vertices[place] = vertices;
-                self.best[place].cost = [area * visit; SLOTS];
-                continue;
-            }
-            let (left, right) = (place + 1, node.right as usize);
-            let leaf = self.as_leaf(geometry, place, owner);
-            let mut best = divide(&self.best[left], &self.best[right], area * cost::NODE);
-            if area * leaf < best.cost[0] {
-                best.cost[0] = area * leaf;
-                best.left[0] = 0;
-            }
-            for slots in 1..SLOTS {
-                if best.cost[slots] >= best.cost[slots - 1] {
-                    best.cost[slots] = best.cost[slots - 1];
-                    best.left[slots] = 0;
-                }
-            }
-            self.best[place] = best;
-        }
-    }
-
-    /// What a visit of the inner node at `place` would cost if it were a leaf; infinite where it
-    /// cannot be one.
-    fn as_leaf<'a>(
-        &mut self,
-        geometry: &Geometry,
-        place: usize,
-        owner: &impl Fn(u32) -> Owner<'a>,
-    ) -> f32 {
-        let node = self.order[place];
-        if node.leaves > LANES as u32 {
-            return f32::INFINITY;
-        }
-        let merged = merge(&self.vertices[place + 1], &self.vertices[node.right as usize]);
-        self.vertices[place] = merged;
-        if merged.count != TOO_MANY {
-            return cost::PATCH;
-        }
-        let range = node.first as usize..(node.first + node.leaves) as usize;
-        let owners = || self.owners[range.clone()].iter().map(|&o| owner(o));
-        let triangles = geometry.triangles.len();
-        let is_triangle = |o: &Owner| matches!(o, Owner::Single(n) if (*n as usize) < triangles);
-        if owners().all(|o| is_triangle(&o)) {
-            return cost::SOUP;
-        }
-        let listed = |o: &Owner| matches!(o, Owner::Single(n) if *n as usize >= triangles);
-        if node.leaves <= MOST_LISTED && owners().all(|o| listed(&o)) {
-            return cost::LISTED * node.leaves as f32;
-        }
-        f32::INFINITY
     }
 }
 
-/// The best ways to divide an inner node's slots among its children, whose best ways are known.
-fn divide(left: &Best, right: &Best, node: f32) -> Best {
-    let mut best = Best { cost: [f32::INFINITY; SLOTS], left: [0; SLOTS] };
-    for slots in 2..=SLOTS {
-        for k in 1..slots {
-            let cost = left.cost[k - 1] + right.cost[slots - k - 1];
-            if cost < best.cost[slots - 1] {
-                best.cost[slots - 1] = cost;
-                best.left[slots - 1] = k as u8;
-            }
+/// A binary leaf: what is in it, and what it costs.
+fn alone(owner: Owner, area: f32) -> (Content, f32) {
+    let other = |kinds| Content { vertices: [0; LANES], count: TOO_MANY, leaves: 1, kinds };
+    match owner {
+        Owner::Triangle(_, [a, b, c]) => {
+            let vertices = [a, b, c, a, a, a, a, a];
+            let content = Content { vertices, count: 3, leaves: 1, kinds: TRIANGLES };
+            (content, area * cost::PATCH)
         }
+        Owner::Other(_) => (other(OTHERS), area * cost::LISTED),
+        Owner::Heap(numbers) => (other(ALONE), area * cost::LISTED * numbers.len() as f32),
+        Owner::Part(part) => (other(ALONE), part.cost),
     }
-    for k in 1..LANES {
-        let cost = node + left.cost[k - 1] + right.cost[LANES - k - 1];
-        if cost < best.cost[0] {
-            best.cost[0] = cost;
-            best.left[0] = k as u8;
-        }
-    }
-    best
 }
 
-fn half_area(b: &Aabb) -> f32 {
-    let d = b.high - b.low;
-    d.x * d.y + d.y * d.z + d.z * d.x
-}
-
-fn corners([a, b, c]: [u32; 3]) -> Vertices {
-    Vertices { all: [a, b, c, 0, 0, 0, 0, 0], count: 3 }
-}
-
-/// The vertices of both.
-fn merge(left: &Vertices, right: &Vertices) -> Vertices {
-    let mut merged = *left;
-    if left.count == TOO_MANY || right.count == TOO_MANY {
+/// What is in both.
+#[inline]
+fn merge(left: &Content, right: &Content) -> Content {
+    let leaves = (left.leaves + right.leaves).min(TOO_MANY);
+    let kinds = left.kinds | right.kinds;
+    let mut merged = Content { leaves, kinds, ..*left };
+    if leaves == TOO_MANY || left.count == TOO_MANY || right.count == TOO_MANY {
         merged.count = TOO_MANY;
         return merged;
     }
-    for &v in &right.all[..right.count as usize] {
-        let known = &merged.all[..merged.count as usize];
-        if known.contains(&v) {
+    for &v in &right.vertices[..right.count as usize] {
+        // Over all lanes, so that they are compared together.
+        if merged.vertices.iter().fold(false, |known, &k| known | (k == v)) {
             continue;
         }
         if merged.count as usize == LANES {
             merged.count = TOO_MANY;
             return merged;
         }
-        merged.all[merged.count as usize] = v;
+        merged.vertices[merged.count as usize] = v;
         merged.count += 1;
     }
     merged
+}
+
+/// What a visit of a leaf of this content would cost; infinite where there can be none.
+fn as_leaf(content: &Content) -> f32 {
+    match (content.leaves, content.kinds) {
+        (TOO_MANY, _) => f32::INFINITY,
+        (_, TRIANGLES) if content.count != TOO_MANY => cost::PATCH,
+        (_, TRIANGLES) => cost::SOUP,
+        (1..=MOST_LISTED, OTHERS) => cost::LISTED * f32::from(content.leaves),
+        _ => f32::INFINITY,
+    }
+}
+
+/// The best ways to divide an inner node's slots among its children, whose best ways are known.
+#[inline]
+fn divide(left: &Best, right: &Best, area: f32, content: &Content) -> Best {
+    let (l, r) = (&left.cost, &right.cost);
+    let leaf = area * as_leaf(content);
+    if content.leaves == 2 {
+        // Half of all inner nodes: there is nothing to choose.
+        let apart = l[0] + r[0];
+        let node = area * cost::NODE + apart;
+        let one = lesser(leaf, node);
+        let mut best = Best { cost: [lesser(apart, one); SLOTS], leaf: leaf <= node };
+        best.cost[0] = one;
+        return best;
+    }
+    // As 2, 3, ... 8 children; the loops are unrolled.
+    let mut apart = [f32::INFINITY; SLOTS];
+    for k in 0..SLOTS {
+        for other in 0..SLOTS - k {
+            apart[k + other] = lesser(apart[k + other], l[k] + r[other]);
+        }
+    }
+    let node = area * cost::NODE + apart[SLOTS - 1];
+    let one = lesser(leaf, node);
+    let mut best = Best { cost: [one; SLOTS], leaf: leaf <= node };
+    for slots in 2..=SLOTS {
+        best.cost[slots - 1] = lesser(apart[slots - 2], one);
+    }
+    best
+}
+
+/// The minimum, as one instruction: nothing here is not a number.
+#[inline(always)]
+fn lesser(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
 }

@@ -56,6 +56,9 @@ struct Pass {
 struct Choice {
     preset: Preset,
     reason: String,
+    /// What the rays for each primitive make of it, unless it was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    rule: Option<String>,
 }
 
 /// A group of columns.
@@ -96,14 +99,14 @@ fn explain(extracted: &Extracted, args: &ExplainArgs) -> Explanation {
 
 fn choice(extracted: &Extracted, asked: Option<Preset>) -> Choice {
     match asked {
-        Some(preset) => Choice { preset, reason: "asked for".to_owned() },
+        Some(preset) => Choice { preset, reason: "asked for".to_owned(), rule: None },
         None => {
-            let reason = format!(
-                "{} primitives, up to {} rays",
-                extracted.geometry().len(),
-                extracted.expected_rays()
-            );
-            Choice { preset: extracted.preset(), reason }
+            let (primitives, rays) = (extracted.geometry().len() as u64, extracted.expected_rays());
+            Choice {
+                preset: extracted.preset(),
+                reason: format!("{primitives} primitives, up to {rays} rays"),
+                rule: Some(Preset::reason(primitives, rays)),
+            }
         }
     }
 }
@@ -142,6 +145,9 @@ fn text(e: &Explanation) -> String {
         let _ = writeln!(text, "  {} {name:<16}{}", mark(decision.present), decision.reason);
     }
     let _ = writeln!(text, "bvh\n    {:<16}{}", e.bvh.preset.name(), e.bvh.reason);
+    if let Some(rule) = &e.bvh.rule {
+        let _ = writeln!(text, "    {:<16}{rule}", "");
+    }
     let _ = writeln!(text, "bytes for each path");
     for column in &e.bytes_per_path {
         let _ = writeln!(text, "    {:<16}{:>6}", column.name, column.bytes);

@@ -51,7 +51,10 @@ fn rays(count: u32) -> impl Iterator<Item = Ray> {
 
 /// The answers one by one.
 fn answers(geometry: &Geometry, preset: Preset) -> Vec<(Hit, bool)> {
-    let accel = Accel::new(geometry.clone(), preset);
+    answers_of(&Accel::new(geometry.clone(), preset))
+}
+
+fn answers_of(accel: &Accel) -> Vec<(Hit, bool)> {
     let mut traversal = accel.traversal();
     rays(400)
         .map(|ray| {
@@ -100,6 +103,89 @@ fn hc03_every_level_and_kernel_answers_as_brute_force_does() {
             });
             assert!(alone.eq(reference.iter().copied()), "{preset:?} {level:?}");
         }
+    }
+}
+
+/// Cuts that make many chunks of a small scene.
+const CUTS: [Cut; 3] =
+    [Cut { chunk: 1, parts: 1 }, Cut { chunk: 37, parts: 4 }, Cut { chunk: 500, parts: 50 }];
+
+/// Presets that build in chunks.
+const CHUNKED: [Preset; 4] = [Preset::Fastest, Preset::VeryFast, Preset::Fast, Preset::Medium];
+
+fn cut_accel(geometry: &Geometry, preset: Preset, cut: Cut) -> Accel {
+    let tree = Some(build_cut(geometry, preset, cut));
+    Accel { tree, ..Accel::new(geometry.clone(), Preset::Brute) }
+}
+
+#[test]
+fn hc03_a_tree_in_chunks_answers_as_brute_force_does() {
+    let geometry = mixture(1500);
+    let reference = answers(&geometry, Preset::Brute);
+    for (preset, cut) in CHUNKED.into_iter().flat_map(|p| CUTS.map(|cut| (p, cut))) {
+        let accel = cut_accel(&geometry, preset, cut);
+        assert!(answers_of(&accel) == reference, "{preset:?} {cut:?}");
+        assert!(answers_together(&accel) == reference, "{preset:?} {cut:?}");
+        let mut leaves = vec![0; geometry.len()];
+        accel.tree.as_ref().expect("it has one").for_each_leaf(|bounds, numbers| {
+            for &n in numbers {
+                leaves[n as usize] += 1;
+                assert!(bounds.contains(&geometry.bounds(n)));
+            }
+        });
+        for (number, &times) in leaves.iter().enumerate() {
+            assert_eq!(times, i32::from(!geometry.is_degenerate(number as u32)));
+        }
+    }
+}
+
+#[test]
+fn the_tree_is_the_same_on_any_number_of_threads() {
+    let geometry = mixture(3000);
+    let built = |threads: usize, preset: Preset| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+        let tree = pool.install(|| build_cut(&geometry, preset, Cut { chunk: 100, parts: 8 }));
+        let (units, numbers) = tree.arena.parts();
+        (bytemuck::cast_slice::<_, u32>(units).to_vec(), numbers.to_vec(), tree.census)
+    };
+    for preset in CHUNKED {
+        let alone = built(1, preset);
+        assert!([2, 5].iter().all(|&threads| built(threads, preset) == alone), "{preset:?}");
+    }
+}
+
+#[test]
+fn heaps_and_equal_centroids_are_cut_too() {
+    let spheres: Vec<_> = (0..1000).map(|i| (Vec3::ZERO, 1.0 + i as f32 * 1e-3)).collect();
+    let geometry = Geometry { spheres, ..Geometry::default() };
+    let ray = Ray::new(Vec3::Z * 1e4, Vec3::NEG_Z);
+    for (preset, cut) in CHUNKED.into_iter().flat_map(|p| CUTS.map(|cut| (p, cut))) {
+        let accel = cut_accel(&geometry, preset, cut);
+        assert_eq!(accel.closest(&ray, &mut accel.traversal()).primitive, 999, "{cut:?}");
+    }
+}
+
+#[test]
+fn triangles_that_repeat_positions_share_leaves() {
+    let mut shared = Geometry::default();
+    let mut repeated = Geometry::default();
+    for (i, j) in (0..40).flat_map(|i| (0..40).map(move |j| (i, j))) {
+        shared.positions.push(Vec3::new(i as f32, j as f32, 0.2 * random(i, j)[0]));
+        if i < 39 && j < 39 {
+            let [a, b, c, d] = [(0, 0), (1, 0), (1, 1), (0, 1)].map(|(x, y)| (i + x) * 40 + j + y);
+            shared.triangles.extend([[a, b, c], [a, c, d]]);
+        }
+    }
+    for i in 0..shared.triangles.len() {
+        let first = repeated.positions.len() as u32;
+        repeated.positions.extend(shared.triangle(i));
+        repeated.triangles.push([first, first + 1, first + 2]);
+    }
+    for cut in [CUTS[1], CUTS[2], Cut { chunk: usize::MAX, parts: 1 }] {
+        let census = |geometry| build_cut(geometry, Preset::Fast, cut).census();
+        assert_eq!(census(&repeated), census(&shared), "{cut:?}");
+        let accel = cut_accel(&repeated, Preset::Fast, cut);
+        assert!(answers_of(&accel) == answers(&shared, Preset::Brute));
     }
 }
 

@@ -2,45 +2,112 @@
 
 use bytemuck::Zeroable;
 
-use super::{Converter, Owner, TOO_MANY, Vertices, Wide};
+use super::{Converter, Hierarchy, Output, Owner, SLOTS};
 use crate::accel::arena::{Kind, NODE_UNITS, Node, Patch, Soup, Unit, list_units, relative};
 use crate::accel::geometry::Geometry;
 use crate::math::simd::LANES;
 
+impl Converter {
+    /// Writes the subtree of `root` behind what `output` has, its own root first, and says what that
+    /// is. The tree was evaluated before.
+    pub(in crate::accel) fn emit<'a>(
+        &self,
+        geometry: &Geometry,
+        tree: Hierarchy,
+        owner: impl Fn(u32) -> Owner<'a>,
+        root: u32,
+        output: &mut Output,
+    ) -> Kind {
+        let mut emitter = Emitter { geometry, converter: self, tree, owner, output };
+        if self.is_leaf(root) {
+            return emitter.leaf(root).1;
+        }
+        emitter.nodes(root);
+        Kind::Node
+    }
+}
+
+impl Converter {
+    /// The children of the node that the inner node at `place` becomes.
+    pub(in crate::accel) fn children(&self, tree: Hierarchy, place: u32) -> Children {
+        let mut children = Children::default();
+        self.share(tree, place, LANES, &mut children);
+        children
+    }
+
+    /// Divides `slots` between both sides of a binary node in the cheapest way, and appends what
+    /// they become.
+    fn share(&self, tree: Hierarchy, place: u32, slots: usize, children: &mut Children) {
+        let left = tree.nodes[place as usize].first_index;
+        let (l, r) = (&self.best[left as usize].cost, &self.best[left as usize + 1].cost);
+        let cost = |k: usize| l[k - 1] + r[slots - k - 1];
+        let cheapest = |a: usize, b: usize| if cost(b) < cost(a) { b } else { a };
+        let least = slots.saturating_sub(SLOTS).max(1);
+        let of_left = (least..slots.min(SLOTS + 1)).fold(least, cheapest);
+        self.gather(tree, left, of_left, children);
+        self.gather(tree, left + 1, slots - of_left, children);
+    }
+
+    /// Appends the children that the subtree at `place` becomes in `slots`.
+    fn gather(&self, tree: Hierarchy, place: u32, slots: usize, children: &mut Children) {
+        let cost = &self.best[place as usize].cost;
+        let mut slots = slots;
+        while slots > 1 && cost[slots - 1] >= cost[slots - 2] {
+            slots -= 1;
+        }
+        if slots == 1 {
+            children.places[children.count] = place;
+            children.count += 1;
+        } else {
+            self.share(tree, place, slots, children);
+        }
+    }
+}
+
 /// Writes what was decided.
-pub(super) struct Emitter<'a, F> {
-    pub(super) geometry: &'a Geometry,
-    pub(super) converter: &'a Converter,
-    pub(super) owner: F,
-    pub(super) first_number: u32,
-    pub(super) wide: Wide,
+struct Emitter<'a, F> {
+    geometry: &'a Geometry,
+    converter: &'a Converter,
+    tree: Hierarchy<'a>,
+    owner: F,
+    output: &'a mut Output,
+}
+
+/// The children of a node.
+#[derive(Clone, Copy, Debug, Default)]
+pub(in crate::accel) struct Children {
+    places: [u32; LANES],
+    count: usize,
+}
+
+impl Children {
+    /// Their places in the binary hierarchy.
+    pub(in crate::accel) fn places(&self) -> &[u32] {
+        &self.places[..self.count]
+    }
+}
+
+/// The triangles of a leaf.
+#[derive(Default)]
+struct Triangles {
+    numbers: [u32; LANES],
+    corners: [[u32; 3]; LANES],
+    count: usize,
 }
 
 impl<'b, F: Fn(u32) -> Owner<'b>> Emitter<'_, F> {
-    /// Writes the whole subtree.
-    pub(super) fn emit(&mut self) {
-        self.wide.bounds = Some(self.converter.order[0].bounds);
-        self.wide.root = Some(self.kind(0));
-        if self.wide.root != Some(Kind::Node) {
-            self.leaf(0);
-            return;
-        }
+    /// Writes an inner node and everything below.
+    fn nodes(&mut self, root: u32) {
         // Inner nodes that wait, and where their parent's entry is.
-        let mut waiting = vec![(0_usize, None::<(usize, usize)>)];
-        let mut children = Vec::with_capacity(LANES);
+        let mut waiting = vec![(root, None::<(usize, usize)>)];
         while let Some((place, parent)) = waiting.pop() {
-            let unit = self.wide.units.len();
-            self.wide.units.resize(unit + NODE_UNITS, Unit::zeroed());
+            let unit = self.output.units.len();
+            self.output.units.extend([Unit::zeroed(); NODE_UNITS]);
             if let Some((parent, lane)) = parent {
-                let node = self.node_mut(parent);
-                node.children[lane] = relative(parent, unit, Kind::Node);
+                self.node_mut(parent).children[lane] = relative(parent, unit, Kind::Node);
             }
-            children.clear();
-            let left = self.converter.best[place].left[0] as usize;
-            self.gather(place + 1, left, &mut children);
-            let right = self.converter.order[place].right as usize;
-            self.gather(right, LANES - left, &mut children);
-            self.node(unit, &children, &mut waiting);
+            let children = self.converter.children(self.tree, place);
+            self.node(unit, children.places(), &mut waiting);
         }
     }
 
@@ -48,126 +115,134 @@ impl<'b, F: Fn(u32) -> Owner<'b>> Emitter<'_, F> {
     fn node(
         &mut self,
         unit: usize,
-        children: &[usize],
-        waiting: &mut Vec<(usize, Option<(usize, usize)>)>,
+        children: &[u32],
+        waiting: &mut Vec<(u32, Option<(usize, usize)>)>,
     ) {
         let mut node = Node { count: children.len() as u32, ..Node::EMPTY };
         for (lane, &child) in children.iter().enumerate() {
-            let bounds = self.converter.order[child].bounds;
+            let bounds = &self.tree.nodes[child as usize];
             for axis in 0..3 {
-                node.planes[axis][0][lane] = bounds.low[axis];
-                node.planes[axis][1][lane] = bounds.high[axis];
+                node.planes[axis][0][lane] = bounds.min[axis];
+                node.planes[axis][1][lane] = bounds.max[axis];
             }
-            let kind = self.kind(child);
-            if kind == Kind::Node {
-                waiting.push((child, Some((unit, lane))));
+            if self.converter.is_leaf(child) {
+                let (place, kind) = self.leaf(child);
+                node.children[lane] = relative(unit, place, kind);
             } else {
-                node.children[lane] = relative(unit, self.wide.units.len(), kind);
-                self.leaf(child);
+                waiting.push((child, Some((unit, lane))));
             }
         }
         *self.node_mut(unit) = node;
     }
 
     fn node_mut(&mut self, unit: usize) -> &mut Node {
-        let units = &mut self.wide.units[unit..unit + NODE_UNITS];
+        let units = &mut self.output.units[unit..unit + NODE_UNITS];
         bytemuck::from_bytes_mut(bytemuck::cast_slice_mut(units))
     }
 
-    /// Appends the children that the subtree at `place` becomes in `slots`.
-    fn gather(&self, place: usize, slots: usize, children: &mut Vec<usize>) {
-        let best = &self.converter.best[place];
-        let mut slots = slots;
-        while slots > 1 && best.left[slots - 1] == 0 {
-            slots -= 1;
-        }
-        if slots == 1 {
-            children.push(place);
-            return;
-        }
-        let left = best.left[slots - 1] as usize;
-        self.gather(place + 1, left, children);
-        self.gather(self.converter.order[place].right as usize, slots - left, children);
-    }
-
-    /// What the subtree at `place` becomes in one slot.
-    fn kind(&self, place: usize) -> Kind {
-        let node = &self.converter.order[place];
-        if node.right != 0 && self.converter.best[place].left[0] != 0 {
-            return Kind::Node;
-        }
-        if self.converter.vertices[place].count != TOO_MANY {
-            return Kind::Patch;
-        }
-        match (self.owner)(self.converter.owners[node.first as usize]) {
-            Owner::Single(n) if (n as usize) < self.geometry.triangles.len() => Kind::Soup,
-            _ => Kind::List,
-        }
-    }
-
-    fn leaf(&mut self, place: usize) {
-        let node = self.converter.order[place];
-        let range = node.first as usize..(node.first + node.leaves) as usize;
-        let mut numbers: Vec<u32> = Vec::with_capacity(range.len());
-        for &owner in &self.converter.owners[range] {
-            match (self.owner)(owner) {
-                Owner::Single(number) => numbers.push(number),
-                Owner::Heap(all) => numbers.extend_from_slice(all),
+    /// Writes the leaf that the subtree at `place` becomes, and says where it is and what.
+    fn leaf(&mut self, place: u32) -> (usize, Kind) {
+        let start = self.output.units.len();
+        let mut triangles = Triangles::default();
+        let mut others = [0; LANES];
+        let mut other_count = 0;
+        // No more than eight leaves are below, or this one alone.
+        let mut waiting = [place; LANES + 1];
+        let mut height = 1;
+        while height > 0 {
+            height -= 1;
+            let node = &self.tree.nodes[waiting[height] as usize];
+            if !node.is_leaf() {
+                waiting[height] = node.first_index + 1;
+                waiting[height + 1] = node.first_index;
+                height += 2;
+                continue;
+            }
+            match (self.owner)(self.tree.owners[node.first_index as usize]) {
+                Owner::Triangle(number, corners) => {
+                    triangles.numbers[triangles.count] = number;
+                    triangles.corners[triangles.count] = corners;
+                    triangles.count += 1;
+                }
+                Owner::Other(number) => {
+                    others[other_count] = number;
+                    other_count += 1;
+                }
+                Owner::Heap(numbers) => {
+                    self.list(numbers);
+                    return (start, Kind::List);
+                }
+                Owner::Part(part) => return (part.unit, part.kind),
             }
         }
-        match self.kind(place) {
-            Kind::Patch => self.patch(&self.converter.vertices[place], &numbers),
-            Kind::Soup => self.soup(&numbers),
-            Kind::List | Kind::Node => self.list(&numbers),
-        }
+        let kind = if other_count > 0 {
+            self.list(&others[..other_count]);
+            Kind::List
+        } else {
+            self.triangles(&triangles)
+        };
+        (start, kind)
     }
 
-    fn patch(&mut self, vertices: &Vertices, numbers: &[u32]) {
-        let mut positions = [[0.0; LANES]; 3];
-        let known = &vertices.all[..vertices.count as usize];
-        for lane in 0..LANES {
-            // Unused lanes repeat the first.
-            let vertex = known.get(lane).unwrap_or(&known[0]);
-            let v = self.geometry.positions[*vertex as usize];
-            positions.iter_mut().zip(v.to_array()).for_each(|(row, x)| row[lane] = x);
-        }
+    /// A patch if the triangles have few vertices, else a soup.
+    fn triangles(&mut self, triangles: &Triangles) -> Kind {
+        let mut vertices = [0; LANES];
+        let mut count = 0;
         let mut corners = [0_u32; 3];
-        for (lane, &number) in numbers.iter().enumerate() {
-            for (corner, &v) in self.geometry.triangles[number as usize].iter().enumerate() {
-                let local = known.iter().position(|&k| k == v).unwrap_or(0) as u32;
+        for (lane, triangle) in triangles.corners[..triangles.count].iter().enumerate() {
+            for (corner, &v) in triangle.iter().enumerate() {
+                // All lanes at once, and no branch that depends on the mesh.
+                let equal = |mask, lane: usize| mask | u32::from(vertices[lane] == v) << lane;
+                let known = (0..LANES).fold(0, equal) & ((1 << count) - 1);
+                let local = if known == 0 { count } else { known.trailing_zeros() };
+                let Some(vertex) = vertices.get_mut(local as usize) else {
+                    self.soup(triangles);
+                    return Kind::Soup;
+                };
+                *vertex = v;
+                count = count.max(local + 1);
                 corners[corner] |= local << (4 * lane);
             }
         }
-        let first = self.append(numbers);
-        let counts = [numbers.len() as u32, u32::from(vertices.count)];
-        self.wide.units.push(bytemuck::cast(Patch::new(positions, corners, first, counts)));
+        let mut positions = [[0.0; LANES]; 3];
+        for lane in 0..LANES {
+            // Unused lanes repeat the first.
+            let vertex = vertices[if lane < count as usize { lane } else { 0 }];
+            let v = self.geometry.positions[vertex as usize];
+            positions.iter_mut().zip(v.to_array()).for_each(|(row, x)| row[lane] = x);
+        }
+        let first = self.append(&triangles.numbers[..triangles.count]);
+        let counts = [triangles.count as u32, count];
+        self.output.units.push(bytemuck::cast(Patch::new(positions, corners, first, counts)));
+        Kind::Patch
     }
 
-    fn soup(&mut self, numbers: &[u32]) {
+    fn soup(&mut self, triangles: &Triangles) {
         let mut corners = [[[0.0; LANES]; 3]; 3];
-        for (lane, &number) in numbers.iter().enumerate() {
-            for (corner, v) in self.geometry.triangle(number as usize).iter().enumerate() {
+        for (lane, triangle) in triangles.corners[..triangles.count].iter().enumerate() {
+            for (corner, &v) in triangle.iter().enumerate() {
+                let v = self.geometry.positions[v as usize];
                 for axis in 0..3 {
                     corners[corner][axis][lane] = v[axis];
                 }
             }
         }
-        let first = self.append(numbers);
-        let leaf = Soup::new(corners, first, numbers.len() as u32);
-        self.wide.units.extend(bytemuck::cast::<_, [Unit; 3]>(leaf));
+        let first = self.append(&triangles.numbers[..triangles.count]);
+        let leaf = Soup::new(corners, first, triangles.count as u32);
+        self.output.units.extend(bytemuck::cast::<_, [Unit; 3]>(leaf));
     }
 
     fn list(&mut self, numbers: &[u32]) {
-        let start = self.wide.units.len();
-        self.wide.units.resize(start + list_units(numbers.len()), Unit::zeroed());
-        let words: &mut [u32] = bytemuck::cast_slice_mut(&mut self.wide.units[start..]);
+        let start = self.output.units.len();
+        self.output.units.resize(start + list_units(numbers.len()), Unit::zeroed());
+        let words: &mut [u32] = bytemuck::cast_slice_mut(&mut self.output.units[start..]);
         words[0] = numbers.len() as u32;
         words[1..=numbers.len()].copy_from_slice(numbers);
     }
 
     fn append(&mut self, numbers: &[u32]) -> u32 {
-        let first = self.first_number + self.wide.numbers.len() as u32;
-        self.wide.numbers.extend_from_slice(numbers);
+        let first = self.output.first_number + self.output.numbers.len() as u32;
+        self.output.numbers.extend_from_slice(numbers);
         first
     }
 }

@@ -1,0 +1,123 @@
+//! The proof that whatever can be reached in an arena lies within it.
+
+use std::collections::VecDeque;
+
+use rayon::prelude::*;
+
+use super::{
+    Census, Kind, NODE_UNITS, Node, PATCH_UNITS, Patch, Ref, SOUP_UNITS, Soup, Unit, absolute,
+    list_units,
+};
+
+/// Subtrees that are proved apart from each other, so that all threads have some.
+const PROVED_APART: usize = 1024;
+
+/// Proves that everything below some places lies within an arena.
+pub(super) struct Proof<'a> {
+    pub(super) units: &'a [Unit],
+    /// How many numbers of primitives there are.
+    pub(super) numbers: usize,
+}
+
+impl Proof<'_> {
+    /// Visits everything: the top alone, and what is below it on all threads.
+    pub(super) fn census(&self, root: Ref) -> Option<Census> {
+        let mut census = Census::default();
+        let mut top = VecDeque::from([(root, 1)]);
+        let mut reached = 0;
+        while top.len() < PROVED_APART {
+            let Some((place, depth)) = top.pop_front() else { return Some(census) };
+            reached += 1;
+            self.visit(place, depth, &mut census, |child| top.push_back(child))?;
+        }
+        let below = |start: (Ref, usize)| {
+            let (mut census, mut reached) = (Census::default(), 0);
+            let mut waiting = vec![start];
+            while let Some((place, depth)) = waiting.pop() {
+                reached += 1;
+                (reached <= self.units.len()).then_some(())?;
+                self.visit(place, depth, &mut census, |child| waiting.push(child))?;
+            }
+            Some((census, reached))
+        };
+        let (census, reached) = Vec::from(top)
+            .into_par_iter()
+            .map(below)
+            .try_reduce(Default::default, |(a, n), (b, m)| Some((a + b, n + m)))
+            .map(|(below, n)| (census + below, reached + n))?;
+        // A tree reaches each unit once at most.
+        (reached <= self.units.len()).then_some(census)
+    }
+
+    /// Proves what is at `place` and counts it. Children are handed on, to be proved as well; they
+    /// come after their parent, so that no way leads in a circle.
+    fn visit(
+        &self,
+        place: Ref,
+        depth: usize,
+        census: &mut Census,
+        mut hand_on: impl FnMut((Ref, usize)),
+    ) -> Option<()> {
+        let rest = self.units.get(place.unit()..)?;
+        let within = |first: u32, count: u32| {
+            let end = u64::from(first) + u64::from(count);
+            (count <= 8 && end <= self.numbers as u64).then_some(u64::from(count))
+        };
+        match place.kind() {
+            Kind::Node => {
+                let node: &Node = bytemuck::from_bytes(bytes(rest, NODE_UNITS)?);
+                census.nodes += 1;
+                census.children += u64::from(node.count);
+                census.depth = census.depth.max(depth);
+                for &relative in node.children.get(..node.count as usize)? {
+                    // No node leads to itself or back.
+                    if (relative >> 2) < NODE_UNITS as u32 {
+                        return None;
+                    }
+                    hand_on((Ref(absolute(relative, place)?), depth + 1));
+                }
+                // A ray can meet no other lane, but if one did it would stay within.
+                if node.children[node.count as usize..].iter().any(|&c| c != 0) {
+                    return None;
+                }
+            }
+            Kind::Patch => {
+                let leaf: &Patch = bytemuck::from_bytes(bytes(rest, PATCH_UNITS)?);
+                census.triangles += within(leaf.first, leaf.count)?;
+                census.patches += 1;
+            }
+            Kind::Soup => {
+                let leaf: &Soup = bytemuck::from_bytes(bytes(rest, SOUP_UNITS)?);
+                census.triangles += within(leaf.first, leaf.count)?;
+                census.soups += 1;
+            }
+            Kind::List => {
+                let count = rest.first()?.0[0] as usize;
+                bytes(rest, list_units(count))?;
+                census.lists += 1;
+            }
+        }
+        Some(())
+    }
+}
+
+impl std::ops::Add for Census {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self {
+            nodes: self.nodes + other.nodes,
+            children: self.children + other.children,
+            patches: self.patches + other.patches,
+            soups: self.soups + other.soups,
+            lists: self.lists + other.lists,
+            triangles: self.triangles + other.triangles,
+            depth: self.depth.max(other.depth),
+        }
+    }
+}
+
+/// The first `units` of `rest`, as bytes.
+fn bytes(rest: &[Unit], units: usize) -> Option<&[u8]> {
+    Some(bytemuck::cast_slice(rest.get(..units)?))
+}

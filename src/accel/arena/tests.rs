@@ -1,0 +1,60 @@
+//! The proof: what it accepts, and what it must not.
+
+use super::*;
+
+fn node(children: &[u32]) -> [Unit; 2] {
+    let mut node = Node { count: children.len() as u32, ..Node::EMPTY };
+    node.children[..children.len()].copy_from_slice(children);
+    bytemuck::cast(node)
+}
+
+fn list(numbers: &[u32]) -> Unit {
+    let mut unit = Unit::zeroed();
+    unit.0[0] = numbers.len() as u32;
+    unit.0[1..=numbers.len()].copy_from_slice(numbers);
+    unit
+}
+
+fn prove(units: &[Unit], numbers: usize) -> Option<Census> {
+    let numbers = vec![0; numbers];
+    Some(Arena::new(Units::Owned(units.to_vec()), numbers, root_of(Kind::Node))?.1)
+}
+
+#[test]
+fn a_sound_tree_is_proved_and_counted() {
+    let patch: Unit = bytemuck::cast(Patch::new([[0.0; 8]; 3], [0; 3], 2, [3, 5]));
+    let [a, b] = node(&[relative(0, 2, Kind::List), relative(0, 3, Kind::Patch)]);
+    let census = prove(&[a, b, list(&[7, 8]), patch], 5).expect("it is sound");
+    let expected =
+        Census { nodes: 1, children: 2, patches: 1, soups: 0, lists: 1, triangles: 3, depth: 1 };
+    assert_eq!(census, expected);
+}
+
+#[test]
+fn nothing_that_leads_astray_is_proved() {
+    let patch = |first, count| -> Unit {
+        bytemuck::cast(Patch::new([[0.0; 8]; 3], [0; 3], first, [count, 3]))
+    };
+    let under = |child: u32, rest: &[Unit]| {
+        let [a, b] = node(&[child]);
+        prove(&[&[a, b], rest].concat(), 4)
+    };
+    let leaf = relative(0, 2, Kind::Patch);
+    assert!(under(leaf, &[patch(0, 4)]).is_some());
+    assert!(under(leaf, &[]).is_none(), "beyond the end");
+    assert!(under(leaf, &[patch(1, 4)]).is_none(), "numbers beyond the end");
+    assert!(under(leaf, &[patch(u32::MAX, 4)]).is_none(), "numbers that overflow");
+    assert!(under(leaf, &[patch(0, 9)]).is_none(), "more triangles than lanes");
+    assert!(under(relative(0, 2, Kind::Soup), &[patch(0, 4)]).is_none(), "half a soup");
+    assert!(under(relative(0, 2, Kind::Node), &[patch(0, 4)]).is_none(), "half a node");
+    assert!(under(relative(0, 0, Kind::Node), &[]).is_none(), "a circle");
+    assert!(under(relative(0, 1, Kind::Patch), &[]).is_none(), "within the node itself");
+    assert!(under(u32::MAX, &[]).is_none(), "far away");
+    let mut long = list(&[1]);
+    long.0[0] = 32;
+    assert!(under(relative(0, 2, Kind::List), &[long]).is_none(), "a list too long");
+    let mut absent: Node = bytemuck::cast(node(&[leaf]));
+    absent.children[5] = leaf;
+    let [a, b]: [Unit; 2] = bytemuck::cast(absent);
+    assert!(prove(&[a, b, patch(0, 4)], 4).is_none(), "an absent child leads somewhere");
+}

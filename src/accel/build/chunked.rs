@@ -1,0 +1,156 @@
+//! A tree in chunks: each is built and converted while it is in a core's cache, and one small
+//! hierarchy joins them.
+//!
+//! A chunk's parts are copied into the arena as soon as all chunks before it have their place, so
+//! that the tree is the same for any number of threads and is never held twice.
+
+use std::collections::BTreeMap;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use super::join;
+use super::order::Chunks;
+use super::piece::{Crown, Piece, Plan};
+use crate::accel::arena::{self, Arena, Kind, NODE_UNITS, Unit};
+use crate::accel::tree::{Root, Tree};
+use crate::accel::units::Units;
+use crate::math::simd::LANES;
+
+/// The most units that a primitive can take: a leaf of its own, and the node above it.
+const MOST_UNITS: usize = 1 + NODE_UNITS;
+
+/// A chunk to be built.
+struct Task<'a> {
+    chunk: usize,
+    /// The range of the tree's numbers that is its own, and where it begins.
+    numbers: &'a mut [u32],
+    first: u32,
+}
+
+/// Builds the tree over two or more chunks, each cut into about `parts`.
+pub(super) fn build(plan: &Plan, chunks: Chunks, parts: usize) -> Option<Tree> {
+    let Chunks { mut numbers, lengths } = chunks;
+    // The nodes that join the parts come first: fewer than there are parts, of which the last node
+    // that was opened may have added some.
+    let ahead = NODE_UNITS * (parts + LANES) * lengths.len();
+    // Address space for the worst: what is not written takes no memory.
+    let mut units = Units::zeroed(ahead + MOST_UNITS * numbers.len());
+    let (top, rest) = units.as_mut_slice().split_at_mut(ahead);
+    let mut ranges = Vec::with_capacity(lengths.len());
+    let mut left = numbers.as_mut_slice();
+    let mut first = 0;
+    for &length in &lengths {
+        let (numbers, after) = std::mem::take(&mut left).split_at_mut(length);
+        ranges.push(Task { chunk: ranges.len(), first, numbers });
+        left = after;
+        first += length as u32;
+    }
+    let tasks = Mutex::new(ranges.into_iter());
+    let assembly = Mutex::new(Assembly { rest, used: ahead, ..Assembly::default() });
+    in_separate_pools(lengths.len(), || {
+        let mut piece = Piece::default();
+        while let Some(task) = next(&tasks) {
+            build_chunk(plan, parts, &mut piece, task, &assembly);
+        }
+    });
+    let Assembly { used, crowns, .. } =
+        assembly.into_inner().unwrap_or_else(PoisonError::into_inner);
+    let (start, bounds) = join::join(plan.geometry, &crowns, top)?;
+    units.keep(start..used);
+    let place = arena::root_of(Kind::Node);
+    let (arena, census) = Arena::new(units, numbers, place)?;
+    Some(Tree { arena, root: Some(Root { place, bounds }), census })
+}
+
+/// Runs `work` once for each thread of the current pool, or as often as there is work for, in pools
+/// of one thread. obvhs asks for parallel work of its own, and while a thread waits for that to be
+/// done it would begin another chunk, with memory of its own.
+fn in_separate_pools(most: usize, work: impl Fn() + Sync) {
+    let threads = rayon::current_num_threads().min(most);
+    let pool = || rayon::ThreadPoolBuilder::new().num_threads(1).build().ok();
+    let pools: Vec<_> = (0..threads).filter_map(|_| pool()).collect();
+    if pools.is_empty() {
+        return work();
+    }
+    rayon::scope(|scope| {
+        for pool in &pools {
+            scope.spawn(|_| pool.install(&work));
+        }
+    });
+}
+
+fn next<'a>(tasks: &Mutex<impl Iterator<Item = Task<'a>>>) -> Option<Task<'a>> {
+    lock(tasks).next()
+}
+
+/// Nobody panics with a lock, and if one did, what it holds would still be sound.
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+fn build_chunk(
+    plan: &Plan,
+    parts: usize,
+    piece: &mut Piece,
+    task: Task,
+    assembly: &Mutex<Assembly>,
+) {
+    piece.output.units.clear();
+    piece.output.numbers.clear();
+    piece.output.first_number = task.first;
+    piece.build(plan, task.numbers);
+    let crown = piece.emit_crown(plan.geometry, parts);
+    // Primitives that are not triangles have their numbers in the leaves: the rest stays as it is.
+    let leaves = &piece.output.numbers;
+    task.numbers[..leaves.len()].copy_from_slice(leaves);
+    place(assembly, task.chunk, &mut piece.output.units, crown);
+}
+
+/// Chunks finding their place.
+#[derive(Default)]
+struct Assembly<'a> {
+    /// The chunk that is next to be placed.
+    next: usize,
+    /// The units that are free, and the number of the first.
+    rest: &'a mut [Unit],
+    used: usize,
+    /// Chunks that were finished before the next was.
+    early: BTreeMap<usize, (Vec<Unit>, Crown)>,
+    /// The tops of the chunks that were placed.
+    crowns: Vec<Crown>,
+}
+
+impl<'a> Assembly<'a> {
+    /// Sets room aside for the next chunk.
+    fn claim(&mut self, units: usize, mut crown: Crown) -> &'a mut [Unit] {
+        let (room, rest) = std::mem::take(&mut self.rest).split_at_mut(units);
+        self.rest = rest;
+        crown.parts.iter_mut().for_each(|part| part.unit += self.used);
+        self.crowns.push(crown);
+        self.used += units;
+        self.next += 1;
+        room
+    }
+}
+
+/// Copies a chunk to its place, and those that waited for it; or lets it wait.
+fn place(assembly: &Mutex<Assembly>, chunk: usize, units: &mut Vec<Unit>, crown: Crown) {
+    let mut waited = Vec::new();
+    let room = {
+        let mut assembly = lock(assembly);
+        if chunk != assembly.next {
+            assembly.early.insert(chunk, (std::mem::take(units), crown));
+            return;
+        }
+        let room = assembly.claim(units.len(), crown);
+        let mut next = assembly.next;
+        while let Some((units, crown)) = assembly.early.remove(&next) {
+            waited.push((assembly.claim(units.len(), crown), units));
+            next = assembly.next;
+        }
+        room
+    };
+    room.copy_from_slice(units);
+    for (room, units) in waited {
+        room.copy_from_slice(&units);
+    }
+}

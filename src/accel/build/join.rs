@@ -1,0 +1,136 @@
+//! Joining the chunks: one hierarchy above the parts of all.
+//!
+//! obvhs builds a hierarchy over some subtrees of each chunk, whose own binary nodes are then put
+//! back below it down to the parts, and reinsertion moves what belongs elsewhere. So nothing but the
+//! very top is found anew, and what is converted is one hierarchy, as if there had been no chunks.
+
+use obvhs::BvhBuildParams;
+use obvhs::bvh2::Bvh2;
+use obvhs::bvh2::node::Bvh2Node;
+use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
+use obvhs::ploc::{PlocBuilder, PlocSearchDistance};
+
+use super::piece::{Crown, view};
+use crate::accel::arena::Unit;
+use crate::accel::geometry::Geometry;
+use crate::accel::wide::{Converter, Output, Owner, Part};
+use crate::kernels::slab::Aabb;
+
+/// Subtrees of each chunk that are clustered anew.
+const SEEDS: usize = 8;
+
+/// Of the nodes above the parts, how many are reinserted at a time: more brought nothing.
+const REINSERTED: f32 = 0.2;
+
+/// A subtree of a chunk: which chunk, and which node of its crown.
+#[derive(Clone, Copy)]
+struct Seed {
+    chunk: usize,
+    place: u32,
+}
+
+/// Writes the nodes that join the chunks' parts to the end of `top`. Says where they begin, and what
+/// box is around all.
+pub(super) fn join(
+    geometry: &Geometry,
+    crowns: &[Crown],
+    top: &mut [Unit],
+) -> Option<(usize, Aabb)> {
+    let parts: Vec<Part> = crowns.iter().flat_map(|crown| crown.parts.iter().copied()).collect();
+    let bvh = hierarchy(crowns, parts.len());
+    let mut converter = Converter::default();
+    converter.evaluate(view(&bvh), |owner| Owner::Part(parts[owner as usize]));
+    // Where the nodes begin, follows from how many they are: they are written twice.
+    let mut start = 0;
+    let mut output = Output::default();
+    for _ in 0..2 {
+        output.units.clear();
+        let moved = |owner: u32| {
+            let part = parts[owner as usize];
+            Owner::Part(Part { unit: part.unit - start, ..part })
+        };
+        converter.emit(geometry, view(&bvh), moved, 0, &mut output);
+        start = top.len().checked_sub(output.units.len())?;
+    }
+    top[start..].copy_from_slice(&output.units);
+    let bounds = bvh.nodes.first()?.aabb();
+    Some((start, Aabb { low: bounds.min.into(), high: bounds.max.into() }))
+}
+
+/// One binary hierarchy whose leaves are parts.
+fn hierarchy(crowns: &[Crown], parts: usize) -> Bvh2 {
+    let seeds: Vec<Seed> =
+        crowns.iter().enumerate().flat_map(|(chunk, crown)| seeds(chunk, crown)).collect();
+    let node = |seed: &Seed| &crowns[seed.chunk].nodes[seed.place as usize];
+    let boxes: Vec<_> = seeds.iter().map(|seed| *node(seed).aabb()).collect();
+    let parameters = BvhBuildParams::medium_build();
+    let mut bvh = PlocBuilder::new().build(
+        PlocSearchDistance::VeryHigh,
+        &boxes,
+        (0..boxes.len() as u32).collect(),
+        parameters.sort_precision,
+        0,
+    );
+    expand(&mut bvh.nodes, &seeds, crowns);
+    bvh.primitive_indices = (0..parts as u32).collect();
+    bvh.max_depth = bvh.max_depth.max(2 * depth(&bvh.nodes));
+    ReinsertionOptimizer::default().run(&mut bvh, REINSERTED, None);
+    bvh
+}
+
+/// Some subtrees of a chunk, those of largest boxes opened first.
+fn seeds(chunk: usize, crown: &Crown) -> Vec<Seed> {
+    let area = |seed: &Seed| crown.nodes[seed.place as usize].aabb().half_area();
+    let mut seeds = vec![Seed { chunk, place: 0 }];
+    while seeds.len() < SEEDS {
+        let inner = |seed: &Seed| !crown.nodes[seed.place as usize].is_leaf();
+        let open = (0..seeds.len()).filter(|&i| inner(&seeds[i]));
+        let larger = |a: usize, b: usize| if area(&seeds[b]) > area(&seeds[a]) { b } else { a };
+        let Some(largest) = open.reduce(larger) else { break };
+        let left = crown.nodes[seeds[largest].place as usize].first_index;
+        seeds[largest].place = left;
+        seeds.push(Seed { chunk, place: left + 1 });
+    }
+    seeds
+}
+
+/// Replaces each leaf by the subtree of the seed that it stands for.
+fn expand(nodes: &mut Vec<Bvh2Node>, seeds: &[Seed], crowns: &[Crown]) {
+    let firsts: Vec<u32> = crowns
+        .iter()
+        .scan(0, |sum, crown| Some(std::mem::replace(sum, *sum + crown.parts.len() as u32)))
+        .collect();
+    let mut waiting: Vec<(usize, Seed)> = nodes
+        .iter()
+        .enumerate()
+        .filter(|(_, node)| node.is_leaf())
+        .map(|(place, node)| (place, seeds[node.first_index as usize]))
+        .collect();
+    while let Some((copy, Seed { chunk, place })) = waiting.pop() {
+        let mut node = crowns[chunk].nodes[place as usize];
+        if node.is_leaf() {
+            node.first_index += firsts[chunk];
+        } else {
+            let pair = nodes.len();
+            nodes.extend([Bvh2Node::default(); 2]);
+            waiting.push((pair, Seed { chunk, place: node.first_index }));
+            waiting.push((pair + 1, Seed { chunk, place: node.first_index + 1 }));
+            node.first_index = pair as u32;
+        }
+        nodes[copy] = node;
+    }
+}
+
+/// The number of nodes on the longest way down.
+fn depth(nodes: &[Bvh2Node]) -> usize {
+    let mut deepest = 0;
+    let mut waiting = vec![(0, 1)];
+    while let Some((place, depth)) = waiting.pop() {
+        deepest = deepest.max(depth);
+        let node: &Bvh2Node = &nodes[place as usize];
+        if !node.is_leaf() {
+            waiting.extend([(node.first_index, depth + 1), (node.first_index + 1, depth + 1)]);
+        }
+    }
+    deepest
+}

@@ -1,0 +1,232 @@
+//! An order of the primitives in which neighbours are near each other, cut into chunks.
+//!
+//! Primitives are counted and sorted by the cell of a coarse grid that their boxes' centres are in;
+//! cells follow each other along Morton's curve. A cell of too many is ordered by a finer grid of
+//! its own, so that a scene may be as uneven as it likes.
+
+use std::ops::Range;
+use std::sync::atomic::{AtomicU32, Ordering};
+
+use glam::Vec3;
+use rayon::prelude::*;
+
+use crate::accel::geometry::Geometry;
+use crate::kernels::slab::Aabb;
+
+/// Bits of an axis of the grid: its counters then stay in the second-level cache.
+const BITS: u32 = 5;
+
+/// Cells of the grid.
+const CELLS: usize = 1 << (3 * BITS);
+
+/// The cell of primitives that no ray can hit.
+const NOWHERE: u16 = u16::MAX;
+
+/// Most parts that are counted at a time, and the least that is worth its own counters.
+const MOST_BLOCKS: usize = 64;
+const LEAST_BLOCK: usize = 1 << 14;
+
+/// How often cells are cut into finer ones before their members are taken as they come.
+const MOST_LEVELS: usize = 12;
+
+/// Primitives that can be hit, in order.
+#[derive(Debug, Default)]
+pub(super) struct Chunks {
+    pub(super) numbers: Vec<u32>,
+    /// How many of them are in each chunk; together all, and no chunk is empty.
+    pub(super) lengths: Vec<usize>,
+}
+
+/// Orders the primitives that can be hit and cuts them into chunks of at most `most`.
+pub(super) fn chunks(geometry: &Geometry, most: usize) -> Chunks {
+    let count = geometry.len();
+    if count > most {
+        return arrange(geometry, &Members::All(count), &extents(geometry), most, 0);
+    }
+    let numbers: Vec<u32> =
+        (0..count as u32).into_par_iter().filter(|&n| !geometry.is_degenerate(n)).collect();
+    let lengths = if numbers.is_empty() { Vec::new() } else { vec![numbers.len()] };
+    Chunks { numbers, lengths }
+}
+
+/// A box around everything.
+pub(super) fn extents(geometry: &Geometry) -> Aabb {
+    let none = || Aabb { low: Vec3::INFINITY, high: Vec3::NEG_INFINITY };
+    let join = |a: Aabb, b: Aabb| Aabb { low: a.low.min(b.low), high: a.high.max(b.high) };
+    let point = |&low: &Vec3| Aabb { low, high: low };
+    let sphere =
+        |&(center, radius): &(Vec3, f32)| Aabb { low: center - radius, high: center + radius };
+    let fold = |all: Aabb, one: Aabb| join(all, one);
+    let positions = geometry.positions.par_iter().map(point).fold(none, fold).reduce(none, join);
+    let spheres = geometry.spheres.par_iter().map(sphere).fold(none, fold).reduce(none, join);
+    join(positions, spheres)
+}
+
+/// Who is ordered.
+enum Members<'a> {
+    /// Every primitive, of which those without area drop out.
+    All(usize),
+    /// These.
+    These(&'a [u32]),
+}
+
+impl Members<'_> {
+    fn count(&self) -> usize {
+        match self {
+            Self::All(count) => *count,
+            Self::These(numbers) => numbers.len(),
+        }
+    }
+
+    fn number(&self, index: usize) -> u32 {
+        match self {
+            Self::All(_) => index as u32,
+            Self::These(numbers) => numbers[index],
+        }
+    }
+}
+
+/// A grid of cubes.
+struct Grid {
+    low: Vec3,
+    scale: f32,
+}
+
+impl Grid {
+    fn new(bounds: &Aabb) -> Self {
+        let size = (bounds.high - bounds.low).max_element();
+        Self { low: bounds.low, scale: (1 << BITS) as f32 / size }
+    }
+
+    /// The cell of the point, by its place on Morton's curve. Points outside count as at the border,
+    /// and in a grid of no size all are in one cell.
+    fn cell(&self, point: Vec3) -> u16 {
+        let axis = |x: f32| spread((x as u16).min((1 << BITS) - 1));
+        let p = (point - self.low) * self.scale;
+        axis(p.x) | axis(p.y) << 1 | axis(p.z) << 2
+    }
+}
+
+/// Five bits, each followed by two zeros.
+fn spread(x: u16) -> u16 {
+    x & 1 | (x & 2) << 2 | (x & 4) << 4 | (x & 8) << 6 | (x & 16) << 8
+}
+
+fn center(geometry: &Geometry, number: u32) -> Vec3 {
+    let b = geometry.bounds(number);
+    // Halved first: the sum of two large coordinates can overflow.
+    b.low * 0.5 + b.high * 0.5
+}
+
+/// Sorts by cell, and cuts.
+fn arrange(
+    geometry: &Geometry,
+    members: &Members,
+    bounds: &Aabb,
+    most: usize,
+    level: usize,
+) -> Chunks {
+    let count = members.count();
+    let grid = Grid::new(bounds);
+    let block = count.div_ceil(MOST_BLOCKS).max(LEAST_BLOCK);
+    let mut cells = vec![0_u16; count];
+    let mut counts: Vec<Vec<u32>> = cells
+        .par_chunks_mut(block)
+        .enumerate()
+        .map(|(b, cells)| {
+            let mut counts = vec![0; CELLS];
+            for (i, cell) in cells.iter_mut().enumerate() {
+                let number = members.number(b * block + i);
+                if level == 0 && geometry.is_degenerate(number) {
+                    *cell = NOWHERE;
+                } else {
+                    *cell = grid.cell(center(geometry, number));
+                    counts[*cell as usize] += 1;
+                }
+            }
+            counts
+        })
+        .collect();
+    let starts = to_starts(&mut counts);
+    let places: Vec<AtomicU32> = (0..starts[CELLS]).map(|_| AtomicU32::new(0)).collect();
+    // Every place is written once: atomics are for the compiler, which cannot know.
+    cells.par_chunks(block).zip(&mut counts).enumerate().for_each(|(b, (cells, next))| {
+        for (i, &cell) in cells.iter().enumerate().filter(|&(_, &cell)| cell != NOWHERE) {
+            let place = &mut next[cell as usize];
+            places[*place as usize].store(members.number(b * block + i), Ordering::Relaxed);
+            *place += 1;
+        }
+    });
+    drop((cells, counts));
+    let numbers = places.into_iter().map(AtomicU32::into_inner).collect();
+    refine(geometry, numbers, &starts, most, level)
+}
+
+/// Makes of each block's counts where it begins in each cell. Returns where the cells begin, and the
+/// end of all.
+fn to_starts(counts: &mut [Vec<u32>]) -> Vec<u32> {
+    let mut sum = 0;
+    let mut starts = Vec::with_capacity(CELLS + 1);
+    for cell in 0..CELLS {
+        starts.push(sum);
+        for block in &mut *counts {
+            sum += std::mem::replace(&mut block[cell], sum);
+        }
+    }
+    starts.push(sum);
+    starts
+}
+
+/// Cuts sorted numbers into chunks, and orders cells that are too full.
+fn refine(
+    geometry: &Geometry,
+    mut numbers: Vec<u32>,
+    starts: &[u32],
+    most: usize,
+    level: usize,
+) -> Chunks {
+    let mut runs = Vec::new();
+    cut(starts, 0..CELLS, most, &mut runs);
+    let mut lengths: Vec<usize> = Vec::new();
+    for run in runs {
+        if run.len() <= most {
+            // Runs that are short together are one chunk.
+            match lengths.last_mut() {
+                Some(last) if *last + run.len() <= most => *last += run.len(),
+                _ => lengths.push(run.len()),
+            }
+            continue;
+        }
+        let full = &mut numbers[run];
+        let centers = |&n: &u32| {
+            let point = center(geometry, n);
+            Aabb { low: point, high: point }
+        };
+        let join = |a: Aabb, b: Aabb| Aabb { low: a.low.min(b.low), high: a.high.max(b.high) };
+        let none = || Aabb { low: Vec3::INFINITY, high: Vec3::NEG_INFINITY };
+        let bounds = full.par_iter().map(centers).reduce(none, join);
+        if level < MOST_LEVELS && bounds.low != bounds.high {
+            let finer = arrange(geometry, &Members::These(full), &bounds, most, level + 1);
+            full.copy_from_slice(&finer.numbers);
+            lengths.extend(finer.lengths);
+        } else {
+            lengths.extend(full.chunks(most).map(<[u32]>::len));
+        }
+    }
+    Chunks { numbers, lengths }
+}
+
+/// Halves the range of cells until no part has more than `most`, or is one cell.
+fn cut(starts: &[u32], cells: Range<usize>, most: usize, runs: &mut Vec<Range<usize>>) {
+    let run = starts[cells.start] as usize..starts[cells.end] as usize;
+    if run.is_empty() {
+        return;
+    }
+    if run.len() <= most || cells.len() == 1 {
+        runs.push(run);
+        return;
+    }
+    let middle = cells.start.midpoint(cells.end);
+    cut(starts, cells.start..middle, most, runs);
+    cut(starts, middle..cells.end, most, runs);
+}

@@ -1,0 +1,281 @@
+//! A piece: some primitives, obvhs's hierarchy over them, and what it is converted to.
+
+use glam::Vec3A;
+use obvhs::BvhBuildParams;
+use obvhs::bvh2::Bvh2;
+use obvhs::bvh2::node::Bvh2Node;
+use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
+use obvhs::ploc::PlocBuilder;
+use obvhs::splits::split_aabbs_preset;
+
+use super::weld::Welder;
+use crate::accel::coincident;
+use crate::accel::geometry::Geometry;
+use crate::accel::wide::{Converter, Hierarchy, Output, Owner, Part};
+use crate::kernels::slab::Aabb;
+
+/// The scene, and how pieces of it are built.
+#[derive(Clone, Copy)]
+pub(super) struct Plan<'a> {
+    pub(super) geometry: &'a Geometry,
+    /// A box around everything.
+    pub(super) extents: Aabb,
+    pub(super) parameters: &'a BvhBuildParams,
+    /// Whether there is one piece alone: memory is then let go as soon as it is done with.
+    pub(super) once: bool,
+    /// Whether vertices repeat positions.
+    pub(super) weld: bool,
+}
+
+/// Builds pieces one after the other, and keeps its memory.
+#[derive(Default)]
+pub(super) struct Piece {
+    ploc: PlocBuilder,
+    bvh: Bvh2,
+    optimizer: ReinsertionOptimizer,
+    boxes: Vec<obvhs::aabb::Aabb>,
+    members: Members,
+    welder: Welder,
+    converter: Converter,
+    cut: Vec<u32>,
+    pub(super) output: Output,
+}
+
+/// The top of a piece that was cut into parts.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Crown {
+    /// Binary nodes, the root first; the leaves' indices are those of parts.
+    pub(super) nodes: Vec<Bvh2Node>,
+    pub(super) parts: Vec<Part>,
+}
+
+/// The primitives of each owner.
+#[derive(Default)]
+struct Members {
+    /// Owners of one primitive.
+    singles: Vec<Single>,
+    /// The owners after them, of many.
+    heaps: Vec<Vec<u32>>,
+    /// How many primitives are triangles: the first.
+    triangles: u32,
+}
+
+/// A primitive, and if it is a triangle, its vertices.
+#[derive(Clone, Copy)]
+struct Single {
+    number: u32,
+    corners: [u32; 3],
+}
+
+impl Members {
+    /// What the owner of that number is.
+    #[inline(always)]
+    fn owner(&self, owner: u32) -> Owner<'_> {
+        match self.singles.get(owner as usize) {
+            Some(s) if s.number < self.triangles => Owner::Triangle(s.number, s.corners),
+            Some(s) => Owner::Other(s.number),
+            None => Owner::Heap(&self.heaps[owner as usize - self.singles.len()]),
+        }
+    }
+}
+
+impl Piece {
+    /// Builds the hierarchy over the primitives of these numbers, of which there is one at least, and
+    /// decides what becomes of it.
+    pub(super) fn build(&mut self, plan: &Plan, numbers: &[u32]) {
+        self.gather(plan, numbers);
+        self.gather_heaps(&plan.extents);
+        // The last piece's list is reused.
+        let mut owners = std::mem::take(&mut self.bvh.primitive_indices);
+        owners.clear();
+        owners.extend(0..self.boxes.len() as u32);
+        if plan.parameters.pre_split {
+            self.split_large_triangles(plan.geometry, &mut owners);
+        }
+        hierarchy(
+            &mut self.ploc,
+            &mut self.optimizer,
+            &mut self.bvh,
+            &self.boxes,
+            owners,
+            plan.parameters,
+        );
+        if plan.once {
+            self.ploc = PlocBuilder::new();
+            self.optimizer = ReinsertionOptimizer::default();
+            self.boxes = Vec::new();
+        }
+        let members = &self.members;
+        self.converter.evaluate(view(&self.bvh), |owner| members.owner(owner));
+    }
+
+    /// A box for each primitive.
+    fn gather(&mut self, plan: &Plan, numbers: &[u32]) {
+        let geometry = plan.geometry;
+        self.members.triangles = geometry.triangles.len() as u32;
+        self.members.singles.clear();
+        self.members.singles.extend(numbers.iter().map(|&number| {
+            let corners = geometry.triangles.get(number as usize);
+            Single { number, corners: corners.copied().unwrap_or_default() }
+        }));
+        self.boxes.clear();
+        self.boxes.extend(numbers.iter().map(|&n| to_obvhs(geometry.bounds(n))));
+        if plan.weld {
+            let triangles = self.members.singles.iter_mut();
+            let triangles = triangles.filter(|s| s.number < self.members.triangles);
+            self.welder.weld(&geometry.positions, triangles.map(|s| &mut s.corners), numbers.len());
+        }
+    }
+
+    /// Takes the members of heaps out of both lists and appends the box of each heap.
+    fn gather_heaps(&mut self, extents: &Aabb) {
+        self.members.heaps.clear();
+        let heaps = coincident::heaps(&self.boxes, &to_obvhs(*extents));
+        if heaps.is_empty() {
+            return;
+        }
+        let (boxes, singles) = (&mut self.boxes, &mut self.members.singles);
+        let mut in_heap = vec![false; boxes.len()];
+        heaps.iter().flatten().for_each(|&i| in_heap[i as usize] = true);
+        let unions: Vec<_> = heaps
+            .iter()
+            .map(|heap| {
+                let all = |u: obvhs::aabb::Aabb, &i: &u32| u.union(&boxes[i as usize]);
+                heap.iter().fold(obvhs::aabb::Aabb::INVALID, all)
+            })
+            .collect();
+        let numbers = |heap: &Vec<u32>| heap.iter().map(|&i| singles[i as usize].number).collect();
+        self.members.heaps = heaps.iter().map(numbers).collect();
+        let mut flags = in_heap.iter();
+        singles.retain(|_| flags.next() == Some(&false));
+        let mut flags = in_heap.iter();
+        boxes.retain(|_| flags.next() == Some(&false));
+        boxes.extend(unions);
+    }
+
+    /// Splits the boxes of triangles that are much larger than the average, as obvhs's own presets
+    /// do. The owner of box `i` is `i` itself but for the parts of split triangles, which come last:
+    /// obvhs relies on this.
+    fn split_large_triangles(&mut self, geometry: &Geometry, owners: &mut Vec<u32>) {
+        let Members { singles, triangles, .. } = &self.members;
+        let end = singles.partition_point(|s| s.number < *triangles);
+        if end == 0 {
+            return;
+        }
+        let triangles: Vec<obvhs::triangle::Triangle> = singles[..end]
+            .iter()
+            .map(|single| {
+                let [v0, v1, v2] = geometry.triangle(single.number as usize).map(Vec3A::from);
+                obvhs::triangle::Triangle { v0, v1, v2 }
+            })
+            .collect();
+        let mut parts = self.boxes[..end].to_vec();
+        let mut part_owners = owners[..end].to_vec();
+        let areas = || parts.iter().map(obvhs::aabb::Aabb::half_area);
+        let (sum, largest) =
+            areas().fold((0.0_f64, 0.0_f32), |(s, l), a| (s + f64::from(a), l.max(a)));
+        let average = (sum / end as f64) as f32;
+        split_aabbs_preset(&mut parts, &mut part_owners, &triangles, average, largest);
+        // A part's box ends at points that were computed: the bound is added to it once more.
+        parts.iter_mut().for_each(|b| *b = to_obvhs(from_obvhs(b).padded()));
+        self.boxes[..end].copy_from_slice(&parts[..end]);
+        self.boxes.extend_from_slice(&parts[end..]);
+        owners.extend_from_slice(&part_owners[end..]);
+    }
+
+    /// Writes the piece as one, to `output`.
+    pub(super) fn emit_whole(&mut self, geometry: &Geometry) -> Part {
+        self.emit(geometry, 0)
+    }
+
+    /// Cuts the piece into about `parts` and writes each to `output`.
+    ///
+    /// Parts are nodes and leaves as they would be in the piece as a whole, so that a tree in which
+    /// other nodes stand above them has about the same below. Largest boxes are opened first: a
+    /// large triangle among small ones is then not in a box with them.
+    pub(super) fn emit_crown(&mut self, geometry: &Geometry, parts: usize) -> Crown {
+        self.cut_off(parts);
+        let mut crown = Crown { nodes: vec![Bvh2Node::default()], parts: Vec::new() };
+        let mut waiting = vec![(0, 0)];
+        while let Some((place, copy)) = waiting.pop() {
+            let node = self.bvh.nodes[place as usize];
+            if self.cut.binary_search(&place).is_ok() {
+                crown.nodes[copy] = Bvh2Node::new(*node.aabb(), 1, crown.parts.len() as u32);
+                let part = self.emit(geometry, place);
+                crown.parts.push(part);
+            } else {
+                let pair = crown.nodes.len();
+                crown.nodes[copy] = Bvh2Node::new(*node.aabb(), 0, pair as u32);
+                crown.nodes.extend([Bvh2Node::default(); 2]);
+                waiting.push((node.first_index + 1, pair + 1));
+                waiting.push((node.first_index, pair));
+            }
+        }
+        crown
+    }
+
+    /// Puts the places of about `parts` into `cut`, in rising order.
+    fn cut_off(&mut self, parts: usize) {
+        let nodes = &self.bvh.nodes;
+        let area = |place: u32| nodes[place as usize].aabb().half_area();
+        let mut open = vec![(area(0), 0)];
+        self.cut.clear();
+        while open.len() + self.cut.len() < parts && !open.is_empty() {
+            // Few enough that the largest is found by looking at all.
+            let larger = |a: usize, b: usize| if open[b].0 > open[a].0 { b } else { a };
+            let largest = (0..open.len()).fold(0, larger);
+            let (_, place) = open.swap_remove(largest);
+            if self.converter.is_leaf(place) {
+                self.cut.push(place);
+            } else {
+                let children = self.converter.children(view(&self.bvh), place);
+                open.extend(children.places().iter().map(|&child| (area(child), child)));
+            }
+        }
+        self.cut.extend(open.iter().map(|&(_, place)| place));
+        self.cut.sort_unstable();
+    }
+
+    fn emit(&mut self, geometry: &Geometry, place: u32) -> Part {
+        let unit = self.output.units.len();
+        let members = &self.members;
+        let owner = |owner| members.owner(owner);
+        let kind = self.converter.emit(geometry, view(&self.bvh), owner, place, &mut self.output);
+        let bounds = from_obvhs(self.bvh.nodes[place as usize].aabb());
+        Part { bounds, kind, unit, cost: self.converter.cost(place) }
+    }
+}
+
+/// obvhs's binary hierarchy over the boxes.
+pub(super) fn hierarchy(
+    ploc: &mut PlocBuilder,
+    optimizer: &mut ReinsertionOptimizer,
+    bvh: &mut Bvh2,
+    boxes: &[obvhs::aabb::Aabb],
+    owners: Vec<u32>,
+    parameters: &BvhBuildParams,
+) {
+    ploc.build_with_bvh(
+        bvh,
+        parameters.ploc_search_distance,
+        boxes,
+        owners,
+        parameters.sort_precision,
+        parameters.search_depth_threshold,
+    );
+    bvh.uses_spatial_splits = parameters.pre_split;
+    optimizer.run(bvh, parameters.reinsertion_batch_ratio, None);
+}
+
+/// The hierarchy as it is converted.
+pub(super) fn view(bvh: &Bvh2) -> Hierarchy<'_> {
+    Hierarchy { nodes: &bvh.nodes, owners: &bvh.primitive_indices }
+}
+
+pub(super) fn to_obvhs(b: Aabb) -> obvhs::aabb::Aabb {
+    obvhs::aabb::Aabb::new(b.low.into(), b.high.into())
+}
+
+fn from_obvhs(b: &obvhs::aabb::Aabb) -> Aabb {
+    Aabb { low: b.min.into(), high: b.max.into() }
+}

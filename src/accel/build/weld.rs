@@ -1,0 +1,61 @@
+//! Vertices at one position as one vertex, so that triangles which repeat positions, as those of STL
+//! files do, share a leaf's vertices like those that share indices.
+
+use glam::Vec3;
+
+/// Welds the vertices of some triangles at a time, and keeps its memory.
+#[derive(Debug, Default)]
+pub(super) struct Welder {
+    /// Open addressing: a vertex in each place that is taken.
+    table: Vec<u32>,
+}
+
+/// A place that is free.
+const FREE: u32 = u32::MAX;
+
+impl Welder {
+    /// Replaces each vertex of the `triangles`, no more than `most`, by the first of those with the
+    /// same bits.
+    pub(super) fn weld<'a>(
+        &mut self,
+        positions: &[Vec3],
+        triangles: impl Iterator<Item = &'a mut [u32; 3]>,
+        most: usize,
+    ) {
+        // Half of the places stay free.
+        let size = (6 * most).next_power_of_two();
+        self.table.clear();
+        self.table.resize(size, FREE);
+        let bits = |v: u32| positions[v as usize].to_array().map(f32::to_bits);
+        for vertex in triangles.flatten() {
+            let own = bits(*vertex);
+            let mut place = hash(own) as usize & (size - 1);
+            while self.table[place] != FREE && bits(self.table[place]) != own {
+                place = (place + 1) & (size - 1);
+            }
+            if self.table[place] == FREE {
+                self.table[place] = *vertex;
+            }
+            *vertex = self.table[place];
+        }
+    }
+}
+
+fn hash(bits: [u32; 3]) -> u64 {
+    let mix =
+        |h: u64, &x: &u32| (h ^ u64::from(x)).wrapping_mul(0x9E37_79B9_7F4A_7C15).rotate_left(29);
+    bits.iter().fold(0, mix)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn equal_positions_become_the_first_vertex_and_no_others_do() {
+        let positions = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::X, Vec3::Y, Vec3::Z, -Vec3::ZERO];
+        let mut triangles = [[0, 1, 2], [3, 4, 5], [6, 1, 4]];
+        Welder::default().weld(&positions, triangles.iter_mut(), 3);
+        assert_eq!(triangles, [[0, 1, 2], [1, 2, 5], [6, 1, 2]]);
+    }
+}
