@@ -1,4 +1,5 @@
-//! Reading a mesh of 100 thousand triangles from the disk: time is told for the file's bytes.
+//! Reading a mesh of a million triangles from the disk, alone and as a scene that is prepared up to
+//! its tree: time is told for the file's bytes.
 //!
 //! Run with `cargo bench --bench loading`.
 
@@ -12,9 +13,11 @@ use tempfile::TempDir;
 
 use wavecrest::error::{Error, Result};
 use wavecrest::generate::{Model, Recipe, mesh, write_ply};
+use wavecrest::scene::load::{LoadOptions, load_str};
 use wavecrest::scene::mesh::{MeshData, load};
+use wavecrest::systems::{Extracted, extract};
 
-const TRIANGLES: u64 = 100_000;
+const TRIANGLES: u64 = 1_000_000;
 
 fn main() {
     divan::main();
@@ -76,19 +79,61 @@ fn folder() -> Result<TempDir> {
     tempfile::tempdir().map_err(failed)
 }
 
-fn time(bencher: Bencher<'_, '_>, kind: &str) -> Result<()> {
+/// A scene of the mesh in that file, smooth where the mesh has normals, and perhaps turned.
+fn scene(file: &Path, kind: &str) -> String {
+    let shading = if kind.contains("normals") { "smooth" } else { "flat" };
+    let transform =
+        if kind.contains("turned") { r#""transform": { "rotate": [0, 30, 0] },"# } else { "" };
+    format!(
+        r#"{{
+            "nbounces": 0,
+            "camera": {{
+                "type": "pinhole", "width": 64, "height": 48, "fov": 60,
+                "location": [0, 0, 5], "look": [0, 0, 0]
+            }},
+            "scene": {{
+                "backgroundcolor": [0, 0, 0],
+                "lightsources": [],
+                "shapes": [{{
+                    "type": "trimesh", "file": {:?}, "shading": "{shading}", {transform}
+                    "material": {{
+                        "ks": 0, "kd": 1, "specularexponent": 1, "diffusecolor": [1, 1, 1]
+                    }}
+                }}]
+            }}
+        }}"#,
+        file.display().to_string()
+    )
+}
+
+/// Reads the scene and prepares it, but for the tree.
+fn prepared(json: &str) -> Result<Extracted> {
+    let mut loaded = load_str(json, Path::new("scene.json"), &LoadOptions::default())?;
+    extract(&mut loaded.world)
+}
+
+/// Writes the file of that kind and times `work` on it; `work` returns how many triangles it read.
+fn time(bencher: Bencher<'_, '_>, kind: &str, work: impl Fn(&Path) -> Result<usize>) -> Result<()> {
     let folder = folder()?;
     let path = write(folder.path(), kind)?;
-    let triangles = load(&path)?.mesh.triangles.len() as u64;
+    let triangles = work(&path)? as u64;
     assert!(triangles >= TRIANGLES, "{kind}: {triangles} triangles were read");
     let bytes = std::fs::metadata(&path).map_or(0, |data| data.len());
-    bencher.counter(BytesCount::new(bytes)).bench_local(|| load(&path));
+    bencher.counter(BytesCount::new(bytes)).bench_local(|| work(&path));
     Ok(())
 }
 
 #[divan::bench(args = ["ply", "ply with normals", "ply, text", "obj"],
                sample_count = 20, sample_size = 1)]
 fn read(bencher: Bencher<'_, '_>, kind: &str) {
-    let timed = time(bencher, kind);
+    let timed = time(bencher, kind, |path| Ok(load(path)?.mesh.triangles.len()));
+    assert!(timed.is_ok(), "{kind}: {timed:?}");
+}
+
+#[divan::bench(args = ["ply", "ply, turned", "ply with normals", "ply, text", "obj"],
+               sample_count = 20, sample_size = 1)]
+fn read_and_prepare(bencher: Bencher<'_, '_>, kind: &str) {
+    let work = |path: &Path| Ok(prepared(&scene(path, kind))?.geometry().triangles.len());
+    let timed = time(bencher, kind, work);
     assert!(timed.is_ok(), "{kind}: {timed:?}");
 }

@@ -1,7 +1,10 @@
 //! Geometry: shapes become primitives in world space, in one set of arrays.
 //!
 //! Shapes keep the order of the file within their kind, and shapes of lights come after the rest.
-//! Meshes are moved, not copied: the first one's arrays become the scene's.
+//! Meshes are moved, not copied: the first one's arrays become the scene's, are lengthened once, and
+//! take the others in, each of which is dropped before the next is looked at.
+
+mod meshes;
 
 use glam::{DAffine3, DVec3, Mat3, Vec3};
 use hecs::{Entity, World};
@@ -11,7 +14,7 @@ use crate::accel::geometry::Geometry;
 use crate::error::{Error, ErrorKind, Result, Warning};
 use crate::kernels::texture::PlanarMap;
 use crate::kernels::triangle::is_degenerate;
-use crate::math::float::{MAX_COORDINATE, normalize_f64};
+use crate::math::float::MAX_COORDINATE;
 use crate::prepared::{CornerValues, Dropped, MeshAttributes, Shape, UvMap};
 use crate::scene::components::{
     AreaLight, Facing, JsonPath, Mesh, Order, Quad, Shading, Sides, Sphere, TextureRef, Transform,
@@ -19,6 +22,7 @@ use crate::scene::components::{
 };
 use crate::scene::corners;
 use crate::scene::mesh::{Attribute, MeshData};
+use meshes::{Room, append, transform_mesh};
 
 /// Numbers of primitives and vertices stay below this, so that they fit 32 bits and leave one
 /// value for "none".
@@ -52,7 +56,7 @@ pub struct Output {
 
 /// Turns every shape into primitives.
 pub fn run(world: &mut World) -> Result<Output> {
-    let mut builder = Builder::default();
+    let mut builder = Builder { room: Room::of(world), ..Builder::default() };
     for entity in entities::<hecs::Or<&Mesh, &Triangle>>(world) {
         builder.add_triangles(world, entity)?;
     }
@@ -81,6 +85,7 @@ fn entities<Q: hecs::Query>(world: &World) -> Vec<Entity> {
 
 #[derive(Default)]
 struct Builder {
+    room: Room,
     geometry: Geometry,
     shapes: Vec<ShapeOutput>,
     meshes: Vec<MeshAttributes>,
@@ -166,20 +171,23 @@ impl Builder {
     }
 
     fn add_mesh(&mut self, entity: Entity, common: &Common, mut mesh: MeshData) -> Result<()> {
+        // What nothing will read is dropped before there is more to hold.
+        mesh.normals = mesh.normals.filter(|_| common.smooth);
+        mesh.uvs = mesh.uvs.filter(|_| common.textured);
         transform_mesh(&mut mesh, common)?;
         let geometry = &mut self.geometry;
         let first_position = geometry.positions.len();
         let first_triangle = geometry.triangles.len();
         check_count(common, first_position + mesh.positions.len(), "vertices")?;
         check_count(common, first_triangle + mesh.triangles.len(), "triangles")?;
-        append(&mut geometry.positions, mesh.positions);
-        append(&mut geometry.triangles, mesh.triangles);
-        if first_position > 0 {
-            geometry.triangles[first_triangle..]
-                .par_iter_mut()
-                .for_each(|t| *t = t.map(|v| v + first_position as u32));
-        }
-        let smooth = common.smooth && mesh.normals.is_some();
+        // As just checked, all numbers fit.
+        let before = first_position as u32;
+        let Room { positions, triangles } = self.room;
+        append(&mut geometry.positions, mesh.positions, positions, before, |p, _| p);
+        append(&mut geometry.triangles, mesh.triangles, triangles, before, |t, before| {
+            t.map(|v| v + before)
+        });
+        let smooth = mesh.normals.is_some();
         let range = first_triangle as u32..self.geometry.triangles.len() as u32;
         let mut shape = Shape { smooth, ..common.shape(range, common.mirrors()) };
         if smooth || common.textured {
@@ -187,8 +195,8 @@ impl Builder {
             self.meshes.push(MeshAttributes {
                 first_triangle: first_triangle as u32,
                 first_position: first_position as u32,
-                normals: mesh.normals.filter(|_| smooth).map(corner_values),
-                uvs: mesh.uvs.filter(|_| common.textured).map(corner_values),
+                normals: mesh.normals.map(corner_values),
+                uvs: mesh.uvs.map(corner_values),
             });
         }
         self.shapes.push(ShapeOutput { entity, shape, uv_map: Some(UvMap::Mesh) });
@@ -271,7 +279,7 @@ impl Builder {
             let warning = Error::new(ErrorKind::Mesh, message).in_file(file);
             warnings.push(Warning::from_error(&warning));
         }
-        let Self { geometry, shapes, meshes } = self;
+        let Self { geometry, shapes, meshes, .. } = self;
         Ok(Output { geometry, shapes, meshes, dropped: Dropped { degenerate }, warnings })
     }
 
@@ -290,48 +298,8 @@ fn first_of_diagonal(&[a, b, c, d]: &[DVec3; 4]) -> u32 {
     u32::from(!(within(a, b, c) && within(a, c, d)))
 }
 
-/// Moves `more` to the end of `all`: without a copy where `all` is empty.
-fn append<T>(all: &mut Vec<T>, more: Vec<T>) {
-    if all.is_empty() {
-        *all = more;
-    } else {
-        all.extend(more);
-    }
-}
-
 fn corner_values<T>(attribute: Attribute<T>) -> CornerValues<T> {
     CornerValues { values: attribute.values, indices: attribute.indices }
-}
-
-/// Takes positions and normals to world space, in double precision, rounding once.
-fn transform_mesh(mesh: &mut MeshData, common: &Common) -> Result<()> {
-    if common.transform == DAffine3::IDENTITY {
-        return Ok(());
-    }
-    let transform = common.transform;
-    mesh.positions
-        .par_iter_mut()
-        .for_each(|p| *p = transform.transform_point3(p.as_dvec3()).as_vec3());
-    let beyond = mesh.positions.par_iter().find_first(|p| !in_range(p.as_dvec3()));
-    if let Some(point) = beyond {
-        check_point(common, point.as_dvec3())?;
-    }
-    // Normals are carried by the cofactors: the inverse transpose without its division.
-    let m = transform.matrix3;
-    let sign = if common.mirrors() { -1.0 } else { 1.0 };
-    let cofactors = [
-        m.y_axis.cross(m.z_axis) * sign,
-        m.z_axis.cross(m.x_axis) * sign,
-        m.x_axis.cross(m.y_axis) * sign,
-    ];
-    if let Some(normals) = &mut mesh.normals {
-        normals.values.par_iter_mut().for_each(|n| {
-            let v = n.as_dvec3();
-            let turned = cofactors[0] * v.x + cofactors[1] * v.y + cofactors[2] * v.z;
-            *n = normalize_f64(turned).as_vec3();
-        });
-    }
-    Ok(())
 }
 
 fn in_range(point: DVec3) -> bool {

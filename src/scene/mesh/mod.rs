@@ -5,10 +5,15 @@
 //! at most [`MAX_COORDINATE`](crate::math::float::MAX_COORDINATE) in size. What a file promises is held against its size before memory
 //! is set aside for it, and a fault is an [`Error`] that names its place.
 //!
+//! Files are read on all threads, each at a place of its own ([`place`]); neither the arrays nor the
+//! faults that are told depend on how many threads there are.
+//!
 //! Elements of PLY files are counted from 0, as the files themselves do; faults in OBJ files name
 //! the line.
 
+mod number;
 mod obj;
+mod place;
 mod ply;
 mod polygon;
 mod validate;
@@ -76,8 +81,8 @@ pub fn load(path: &Path) -> Result<LoadedMesh> {
     let format = Format::of(path)?;
     let (file, length) = open(path)?;
     let loaded = match format {
-        Format::Ply => ply::read(file, length),
-        Format::Obj => obj::read(file),
+        Format::Ply => ply::read(&file, length),
+        Format::Obj => obj::read(&file, length),
     };
     let (mesh, notes) = loaded.map_err(|error| error.in_file(path))?;
     let warnings = notes.into_iter().map(|n| Warning::from_error(&n.in_file(path))).collect();
@@ -179,5 +184,34 @@ mod tests {
         assert_eq!(load(&path).unwrap_err().kind(), ErrorKind::Io);
         std::fs::create_dir(&path).unwrap();
         assert_eq!(load(&path).unwrap_err().kind(), ErrorKind::Io);
+    }
+
+    /// To open a pipe that nobody writes to would wait for ever, and a device may have no end.
+    #[cfg(unix)]
+    #[test]
+    fn a_pipe_a_socket_and_a_device_are_refused_at_once() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        let made = std::process::Command::new("mkfifo").arg(at("pipe.ply")).status();
+        let mut names = vec!["device.ply", "socket.obj"];
+        names.extend(made.is_ok_and(|status| status.success()).then_some("pipe.ply"));
+        std::os::unix::fs::symlink("/dev/zero", at("device.ply")).unwrap();
+        let _socket = std::os::unix::net::UnixListener::bind(at("socket.obj")).unwrap();
+        for name in names {
+            let error = load(&at(name)).unwrap_err();
+            assert_eq!((error.kind(), error.file()), (ErrorKind::Io, Some(&*at(name))));
+            assert!(error.to_string().contains("not a regular file"), "{error}");
+        }
+    }
+
+    #[test]
+    fn an_empty_file_is_refused_in_words() {
+        let folder = tempfile::tempdir().unwrap();
+        for (name, words) in [("m.ply", "the file is empty"), ("m.obj", "has no triangles")] {
+            let path = folder.path().join(name);
+            std::fs::write(&path, "").unwrap();
+            let error = load(&path).unwrap_err().to_string();
+            assert!(error.contains(words), "{error}");
+        }
     }
 }

@@ -38,9 +38,14 @@ fn check_all(mesh: &MeshData) -> Result<()> {
 /// Checks that every position is finite and not too large.
 pub(super) fn check_positions(positions: &[Vec3]) -> Result<()> {
     match find_first(positions, |p| !is_good_position(*p)) {
-        Some(i) => Err(bad_position(positions[i]).at(format!("vertex {i}"))),
+        Some(i) => Err(bad_vertex(positions, i)),
         None => Ok(()),
     }
+}
+
+/// The error of the vertex `i`, whose position is not good.
+pub(super) fn bad_vertex(positions: &[Vec3], i: usize) -> Error {
+    bad_position(positions[i]).at(format!("vertex {i}"))
 }
 
 /// Whether a vertex may stand at `p`.

@@ -66,7 +66,7 @@ impl<'a> Iterator for Statements<'a> {
 
 /// The length of the first line, with its end.
 fn line_length(text: &[u8]) -> usize {
-    text.iter().position(|&b| b == b'\n').map_or(text.len(), |i| i + 1)
+    memchr::memchr(b'\n', text).map_or(text.len(), |i| i + 1)
 }
 
 /// The keyword that a line begins with, and where it ends.
@@ -92,20 +92,23 @@ fn ends_in_backslash(line: &[u8]) -> bool {
 }
 
 /// What stands between words. A backslash is here because one is at a line end inside a statement.
-fn is_blank(byte: u8) -> bool {
+#[inline]
+pub(super) fn is_blank(byte: u8) -> bool {
     matches!(byte, b' ' | b'\t'..=b'\r' | b'\\')
 }
 
-/// The words of a statement, up to a comment.
-pub(super) fn words(rest: &[u8]) -> impl Iterator<Item = &[u8]> {
-    rest.split(|&b| is_blank(b)).filter(|w| !w.is_empty()).take_while(|w| w[0] != b'#')
+/// A statement's text from its first word on; `None` where it has none, but perhaps a comment.
+#[inline]
+pub(super) fn first_word(rest: &[u8]) -> Option<&[u8]> {
+    let start = rest.iter().position(|&b| !is_blank(b))?;
+    (rest[start] != b'#').then(|| &rest[start..])
 }
 
 /// After the last line end of `text` that surely ends a statement; 0 if there is none.
 pub(super) fn last_end(text: &[u8]) -> usize {
     let mut end = text.len();
     loop {
-        let Some(newline) = text[..end].iter().rposition(|&b| b == b'\n') else { return 0 };
+        let Some(newline) = memchr::memrchr(b'\n', &text[..end]) else { return 0 };
         if !ends_in_backslash(&text[..=newline]) {
             return newline + 1;
         }
@@ -129,10 +132,19 @@ pub(super) fn first_end(text: &[u8], from: usize) -> usize {
 mod tests {
     use super::*;
 
+    fn words(mut rest: &[u8]) -> Vec<&str> {
+        let mut words = Vec::new();
+        while let Some(text) = first_word(rest) {
+            let end = text.iter().position(|&b| is_blank(b)).unwrap_or(text.len());
+            words.push(std::str::from_utf8(&text[..end]).unwrap());
+            rest = &text[end..];
+        }
+        words
+    }
+
     fn read(text: &str) -> Vec<(Keyword, u64, Vec<&str>)> {
-        let text_of = |w| std::str::from_utf8(w).unwrap();
         statements(text.as_bytes())
-            .map(|s| (s.keyword, s.line, words(s.rest).map(text_of).collect()))
+            .map(|s| (s.keyword, s.line, words(s.rest)))
             .filter(|s| s.0 != Keyword::Other)
             .collect()
     }

@@ -2,22 +2,23 @@
 //! groups, points, lines and curves are passed over, and so is what is not known.
 //!
 //! The file is read in blocks of whole statements, so that the text of a large one is never all in
-//! memory. A block is cut into pieces and these are read in parallel, in two passes: the first
-//! counts the statements of each piece ([`piece::Count`]), so that the second knows, at the start
-//! of a piece, what line it is on and what a relative index counts back from ([`piece::Piece`]).
-//! The pieces are then joined in order; the result does not depend on where the cuts fell.
+//! memory. A block is cut into pieces and these are read in parallel ([`piece::Piece`]), each
+//! without knowing what comes before it. Where that matters, for an index that counts backward or
+//! for the line of a fault, the piece is read once more when the statements of those before have
+//! been counted ([`piece::Count`]). The pieces are then joined in order; the result does not depend
+//! on where the cuts fell.
 //!
 //! The crate `tobj` reads the same format, on one thread. It was not used because its errors name
 //! no line, and because it makes one mesh of each group.
 
+mod corners;
 mod lines;
 mod piece;
-
-use std::io::{Read as _, Seek};
 
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 
+use super::place::{ReadAt, fill};
 use super::polygon::{self, Polygon};
 use super::validate::{bad_index, first_with, note_zeroed, zero_bad_normals, zero_bad_uvs};
 use super::{Attribute, MeshData, NO_VALUE, Read, check_count, no_triangles, read_failure};
@@ -25,44 +26,55 @@ use crate::error::{Error, ErrorKind, Result};
 use piece::{Count, Piece};
 
 /// How much text is in memory at once, unless a statement is longer.
-const BLOCK: usize = 1 << 25;
+const BLOCK: usize = 1 << 24;
 
 /// About how much text one task reads.
-const PIECE: usize = 1 << 18;
+const PIECE: usize = 1 << 17;
 
-/// Reads a file from its beginning.
-pub(super) fn read(file: std::fs::File) -> Result<Read> {
-    read_from(file, BLOCK, PIECE)
+/// Reads a file of `length` bytes.
+pub(super) fn read(file: &std::fs::File, length: u64) -> Result<Read> {
+    read_from(file, length, BLOCK, PIECE)
 }
 
-fn read_from(mut file: impl std::io::Read + Seek, block: usize, piece: usize) -> Result<Read> {
+fn read_from<F: ReadAt + ?Sized>(
+    file: &F,
+    length: u64,
+    block: usize,
+    piece: usize,
+) -> Result<Read> {
     let mut parts = Parts::default();
-    each_block(&mut file, block, |text| parts.add_block(text, piece))?;
+    each_block(file, length, block, |text| parts.add_block(text, piece))?;
     if let Some(error) = parts.first_bad_index() {
-        return Err(find_bad_face(&mut file, block, parts.start)?.unwrap_or(error));
+        return Err(find_bad_face(file, length, block, parts.start)?.unwrap_or(error));
     }
     parts.finish()
 }
 
 /// Gives the text to `take`, in blocks that end where a statement does.
-fn each_block(
-    file: &mut impl std::io::Read,
+fn each_block<F: ReadAt + ?Sized>(
+    file: &F,
+    length: u64,
     size: usize,
     mut take: impl FnMut(&[u8]) -> Result<()>,
 ) -> Result<()> {
     let mut text = Vec::new();
-    let mut first = true;
+    let mut place = 0;
     loop {
-        let read = file.take(size as u64).read_to_end(&mut text).map_err(read_failure)?;
-        if std::mem::take(&mut first) {
+        // What is left of the block before is the beginning of a statement.
+        let begun = text.len();
+        let read = (length - place).min(size as u64) as usize;
+        text.resize(begun + read, 0);
+        fill(file, place, &mut text[begun..]).map_err(read_failure)?;
+        if place == 0 {
             check_encoding(&mut text)?;
         }
-        let end = if read == 0 { text.len() } else { lines::last_end(&text) };
+        place += read as u64;
+        let end = if place == length { text.len() } else { lines::last_end(&text) };
         take(&text[..end])?;
-        text.drain(..end);
-        if read == 0 {
+        if place == length {
             return Ok(());
         }
+        text.drain(..end);
     }
 }
 
@@ -112,17 +124,21 @@ struct Parts {
 impl Parts {
     fn add_block(&mut self, text: &[u8], piece: usize) -> Result<()> {
         let pieces = cut(text, piece);
-        let counts: Vec<Count> = pieces.par_iter().map(|text| Count::of(text)).collect();
-        let mut starts = Vec::with_capacity(counts.len());
-        for count in counts {
+        let read: Vec<(Count, Option<Piece>)> =
+            pieces.par_iter().map(|text| Piece::read_anywhere(text)).collect();
+        let mut starts = Vec::with_capacity(read.len());
+        for (count, _) in &read {
             starts.push(self.start);
-            self.start = self.start.plus(count);
+            self.start = self.start.plus(*count);
         }
         check_count("vertices", self.start.positions)?;
         check_count("texture coordinates", self.start.uvs)?;
         check_count("normals", self.start.normals)?;
+        let again = |(((_, piece), text), start): (((_, Option<Piece>), &&[u8]), Count)| {
+            piece.map_or_else(|| Piece::read(text, start), Ok)
+        };
         let read: Vec<Result<Piece>> =
-            pieces.par_iter().zip(starts).map(|(text, start)| Piece::read(text, start)).collect();
+            read.into_par_iter().zip(&pieces).zip(starts).map(again).collect();
         read.into_iter().try_for_each(|piece| self.add(piece?))
     }
 
@@ -224,15 +240,15 @@ fn attribute<T>(
 /// The error of the first face with an index that names nothing in the whole file, found by reading
 /// the file again: to keep the line of every face for an error that is rare would cost memory in
 /// every load.
-fn find_bad_face(
-    file: &mut (impl std::io::Read + Seek),
+fn find_bad_face<F: ReadAt + ?Sized>(
+    file: &F,
+    length: u64,
     block: usize,
     whole: Count,
 ) -> Result<Option<Error>> {
-    file.rewind().map_err(read_failure)?;
     let mut found = None;
     let mut start = Count::default();
-    each_block(file, block, |text| {
+    each_block(file, length, block, |text| {
         if found.is_none() {
             found = piece::find_bad_face(text, start, whole);
             start = start.plus(Count::of(text));

@@ -2,11 +2,13 @@
 
 use glam::{Vec2, Vec3};
 
-use super::lines::{Keyword, Statement, statements, words};
+use super::corners::Corners;
+use super::lines::{Keyword, Statement, first_word, is_blank, statements};
 use crate::error::{Error, ErrorKind, Result};
+use crate::scene::mesh::NO_VALUE;
+use crate::scene::mesh::number;
 use crate::scene::mesh::polygon::{self, Polygon};
-use crate::scene::mesh::validate::{bad_index, bad_position, is_good_position};
-use crate::scene::mesh::{MAX_COUNT, NO_VALUE};
+use crate::scene::mesh::validate::{bad_position, is_good_position};
 
 /// How many lines and values there are in some text.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -62,14 +64,6 @@ pub(super) struct Piece {
     pub(super) polygons: Vec<Polygon>,
 }
 
-/// The indices of a face's corners, a list for each kind; [`NO_VALUE`] where there is none.
-#[derive(Debug, Default)]
-struct Corners {
-    positions: Vec<u32>,
-    uvs: Vec<u32>,
-    normals: Vec<u32>,
-}
-
 impl Piece {
     /// Reads a piece that begins after `start`.
     pub(super) fn read(text: &[u8], start: Count) -> Result<Self> {
@@ -78,17 +72,37 @@ impl Piece {
         let mut count = start;
         for statement in statements(text) {
             piece
-                .statement(statement, count, &mut corners)
+                .statement(statement, Some(count), &mut corners)
                 .map_err(|error| error.at(format!("line {}", start.lines + statement.line + 1)))?;
             count.add(statement.keyword);
         }
         Ok(piece)
     }
 
+    /// Counts what is in a piece, and reads it if this can be done without knowing what comes
+    /// before: where no index counts backward, and where there is no fault to be told the line of.
+    pub(super) fn read_anywhere(text: &[u8]) -> (Count, Option<Self>) {
+        let mut piece = Some(Self::default());
+        let mut corners = Corners::default();
+        let mut count = Count::default();
+        let mut all = statements(text);
+        for statement in all.by_ref() {
+            // A piece that cannot be read so is only counted from there on.
+            if let Some(read) = &mut piece
+                && read.statement(statement, None, &mut corners).is_err()
+            {
+                piece = None;
+            }
+            count.add(statement.keyword);
+        }
+        count.lines = all.lines;
+        (count, piece)
+    }
+
     fn statement(
         &mut self,
         Statement { keyword, rest, .. }: Statement,
-        count: Count,
+        count: Option<Count>,
         corners: &mut Corners,
     ) -> Result<()> {
         match keyword {
@@ -130,99 +144,6 @@ fn push_indices(to: &mut Option<Vec<[u32; 3]>>, corners: &[u32], before: usize) 
     to.get_or_insert_with(|| vec![[NO_VALUE; 3]; before]).extend(polygon::fan(corners));
 }
 
-impl Corners {
-    /// Reads the corners of a face that comes after `count` values.
-    fn read(&mut self, rest: &[u8], count: Count) -> Result<()> {
-        self.positions.clear();
-        self.uvs.clear();
-        self.normals.clear();
-        for word in words(rest) {
-            let mut parts = word.split(|&b| b == b'/');
-            let fault =
-                || malformed("a corner of a face", word, "write it as 1, 1/2, 1//3 or 1/2/3");
-            let position = parts.next().filter(|p| !p.is_empty()).ok_or_else(fault)?;
-            self.positions.push(index("vertex", position, count.positions).ok_or_else(fault)??);
-            self.uvs
-                .push(optional("texture coordinate", parts.next(), count.uvs).ok_or_else(fault)??);
-            self.normals.push(optional("normal", parts.next(), count.normals).ok_or_else(fault)??);
-            if parts.next().is_some() {
-                return Err(fault());
-            }
-        }
-        match self.positions.len() {
-            0..3 => Err(Error::new(ErrorKind::Mesh, "a face needs at least 3 vertices")
-                .value(self.positions.len())
-                .remedy("remove the face")),
-            _ => Ok(()),
-        }
-    }
-}
-
-impl Corners {
-    /// The error of an index that is not below the count of the `whole` file. Attributes of which
-    /// the file has no value are taken as absent.
-    fn first_beyond(&self, whole: Count) -> Option<Error> {
-        let columns = [
-            ("vertex", &self.positions, whole.positions, true),
-            ("texture coordinate", &self.uvs, whole.uvs, whole.uvs > 0),
-            ("normal", &self.normals, whole.normals, whole.normals > 0),
-        ];
-        columns.into_iter().filter(|c| c.3).find_map(|(what, indices, count, _)| {
-            let bad = |&&i: &&u32| i != NO_VALUE && u64::from(i) >= count;
-            let index = u64::from(*indices.iter().find(bad)?) + 1;
-            Some(bad_index(what, index, count as usize))
-        })
-    }
-}
-
-/// An index that may be missing: `None` if it is malformed.
-fn optional(what: &str, digits: Option<&[u8]>, count: u64) -> Option<Result<u32>> {
-    match digits {
-        None | Some([]) => Some(Ok(NO_VALUE)),
-        Some(digits) => index(what, digits, count),
-    }
-}
-
-/// The index, from 0, that `digits` name after `count` values: from 1 in the file, or backward
-/// from -1, the latest value. `None` if it is malformed.
-fn index(what: &str, digits: &[u8], count: u64) -> Option<Result<u32>> {
-    let number = whole_number(digits)?;
-    let index = match number {
-        1.. => number - 1,
-        0 => return Some(Err(zero_index(what))),
-        // A count is far below the greatest i64.
-        _ => count as i64 + number,
-    };
-    let fits = (0..=MAX_COUNT as i64).contains(&index);
-    Some(if fits { Ok(index as u32) } else { Err(bad_index(what, number, count as usize)) })
-}
-
-fn zero_index(what: &str) -> Error {
-    Error::new(ErrorKind::Mesh, format!("the {what} index is out of range"))
-        .value(0)
-        .remedy("count from 1, or backward from -1")
-}
-
-/// A whole number with an optional sign. One that is too large for an index may come out as some
-/// other that is.
-fn whole_number(text: &[u8]) -> Option<i64> {
-    let (negative, digits) = match text {
-        [b'-', digits @ ..] => (true, digits),
-        [b'+', digits @ ..] | digits => (false, digits),
-    };
-    if digits.is_empty() {
-        return None;
-    }
-    let mut number = 0_i64;
-    for digit in digits {
-        if !digit.is_ascii_digit() {
-            return None;
-        }
-        number = number.saturating_mul(10).saturating_add(i64::from(digit - b'0')).min(1 << 40);
-    }
-    Some(if negative { -number } else { number })
-}
-
 /// A vertex position. What follows the third number is a weight or a colour and is not read.
 fn position(rest: &[u8]) -> Result<Vec3> {
     let position = Vec3::from(numbers::<3>(rest, 3, "v")?);
@@ -234,10 +155,24 @@ fn position(rest: &[u8]) -> Result<Vec3> {
 fn numbers<const N: usize>(rest: &[u8], needed: usize, keyword: &str) -> Result<[f32; N]> {
     let mut numbers = [0.0; N];
     let mut found = 0;
-    for (number, word) in numbers.iter_mut().zip(words(rest)) {
-        let parsed = std::str::from_utf8(word).ok().and_then(|w| w.parse().ok());
-        *number = parsed.ok_or_else(|| malformed("a number", word, "write it as 12 or -0.5e3"))?;
+    let mut rest = rest;
+    while found < N
+        && let Some(word) = first_word(rest)
+    {
+        let (value, length) = match number::leading(word) {
+            Some((value, length)) if word.get(length).is_none_or(|&b| is_blank(b)) => {
+                (value, length)
+            }
+            _ => {
+                let length = word.iter().position(|&b| is_blank(b)).unwrap_or(word.len());
+                let word = &word[..length];
+                let fault = || malformed("a number", word, "write it as 12 or -0.5e3");
+                (number::parse(word).ok_or_else(fault)?, length)
+            }
+        };
+        numbers[found] = value;
         found += 1;
+        rest = &word[length..];
     }
     if found < needed {
         return Err(Error::new(
@@ -250,7 +185,7 @@ fn numbers<const N: usize>(rest: &[u8], needed: usize, keyword: &str) -> Result<
     Ok(numbers)
 }
 
-fn malformed(what: &str, word: &[u8], remedy: &str) -> Error {
+pub(super) fn malformed(what: &str, word: &[u8], remedy: &str) -> Error {
     Error::new(ErrorKind::Syntax, format!("{what} is malformed"))
         .value(format_args!("\"{}\"", String::from_utf8_lossy(word)))
         .remedy(remedy)
@@ -262,7 +197,7 @@ pub(super) fn find_bad_face(text: &[u8], start: Count, whole: Count) -> Option<E
     let mut corners = Corners::default();
     let mut count = start;
     for statement in statements(text) {
-        if statement.keyword == Keyword::Face && corners.read(statement.rest, count).is_ok() {
+        if statement.keyword == Keyword::Face && corners.read(statement.rest, Some(count)).is_ok() {
             let error = corners.first_beyond(whole);
             if let Some(error) = error {
                 return Some(error.at(format!("line {}", start.lines + statement.line + 1)));

@@ -8,6 +8,7 @@ use std::io::BufRead;
 
 use super::header::Scalar;
 use super::source::{Fault, Source};
+use crate::scene::mesh::number;
 
 /// No number is longer; what is longer need not be kept to be shown.
 const LONGEST: usize = 256;
@@ -69,6 +70,25 @@ impl<R: BufRead> Ascii<R> {
         }
     }
 
+    /// The next number, if it is of a simple form and lies within the buffer: without a copy of its
+    /// word. Else nothing is read.
+    fn quick(&mut self, kind: Scalar) -> Result<Option<f64>, Fault> {
+        let buffer = self.reader.fill_buf()?;
+        let blank = buffer.iter().take_while(|b| is_blank(**b)).count();
+        let (blanks, text) = buffer.split_at(blank);
+        let found = match kind {
+            Scalar::F32 => number::leading(text).map(|(v, length)| (f64::from(v), length)),
+            _ => number::leading_whole(text).map(|(v, length)| (f64::from(v), length)),
+        };
+        let Some((value, length)) = found.filter(|f| text.get(f.1).is_some_and(|b| is_blank(*b)))
+        else {
+            return Ok(None);
+        };
+        self.line += blanks.iter().filter(|b| **b == b'\n').count() as u64;
+        self.consume(blank + length);
+        Ok(Some(value))
+    }
+
     fn malformed(&self) -> Fault {
         Fault::Malformed(String::from_utf8_lossy(&self.token).into_owned())
     }
@@ -78,24 +98,19 @@ fn is_blank(byte: u8) -> bool {
     matches!(byte, b' ' | b'\t'..=b'\r')
 }
 
-/// A short whole number, the most common kind of word.
-fn parse_digits(token: &[u8]) -> Option<f64> {
-    if token.is_empty() || token.len() > 9 || !token.iter().all(u8::is_ascii_digit) {
-        return None;
-    }
-    Some(f64::from(token.iter().fold(0, |n: u32, d| 10 * n + u32::from(d - b'0'))))
-}
-
 /// A number of the type `kind`, rounded once.
 fn parse(token: &[u8], kind: Scalar) -> Option<f64> {
     if kind == Scalar::F32 {
-        return std::str::from_utf8(token).ok()?.parse::<f32>().ok().map(f64::from);
+        return number::parse(token).map(f64::from);
     }
-    parse_digits(token).or_else(|| std::str::from_utf8(token).ok()?.parse().ok())
+    std::str::from_utf8(token).ok()?.parse().ok()
 }
 
 impl<R: BufRead> Source for Ascii<R> {
     fn value(&mut self, kind: Scalar) -> Result<f64, Fault> {
+        if let Some(value) = self.quick(kind)? {
+            return Ok(value);
+        }
         self.read_token()?;
         parse(&self.token, kind).ok_or_else(|| self.malformed())
     }

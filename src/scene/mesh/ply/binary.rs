@@ -1,118 +1,72 @@
 //! The body of a PLY file in binary numbers of either byte order.
 //!
-//! Files of many millions of triangles are nearly always of one form: little-endian, vertices of
-//! three floats, faces of a byte and three 32-bit integers. The vertices of such a file are read
-//! straight into their array; its faces are taken from the reader's buffer, where a row of constant
-//! length needs no test but of its first byte and of its indices. Other rows without lists are
-//! taken column by column from a block that stays in the cache.
+//! Number by number here; rows of the common forms, many at once, in [`vertices`], [`triangles`]
+//! and [`polygons`].
 
-use std::io::{BufRead, Read as _};
+use std::io::{BufReader, Read as _};
 
-use super::header::Scalar;
-use super::layout::{Column, ListLayout, VertexLayout};
-use super::source::{Fault, Source, Vertices};
+use super::header::{Property, Scalar};
+use super::layout::{VertexLayout, stride};
+use super::source::{Bulk, FaceRows, Faces, Fault, Source, Vertices};
+use super::{polygons, triangles, vertices};
+use crate::scene::mesh::place::{ReadAt, Section};
 
-/// How many bytes of rows are taken apart at once.
-const BLOCK: usize = 1 << 16;
-
-/// A packed triangle: its number of corners and their indices.
-const TRIANGLE: usize = 13;
+/// How many times the buffer a window of faces is. A longer face is read number by number.
+const WINDOW: usize = 32;
 
 /// A binary body; `BIG` for big-endian.
 #[derive(Debug)]
-pub(super) struct Binary<R, const BIG: bool> {
-    reader: R,
+pub(super) struct Binary<'a, F: ?Sized, const BIG: bool> {
+    file: &'a F,
+    /// Stands at the next number.
+    reader: BufReader<Section<'a, F>>,
+    /// Where the body ends.
+    end: u64,
     left: u64,
 }
 
-impl<R: BufRead, const BIG: bool> Binary<R, BIG> {
-    /// The body of `left` bytes.
-    pub(super) fn new(reader: R, left: u64) -> Self {
-        Self { reader, left }
-    }
-
-    fn read_into(&mut self, to: &mut [u8]) -> Result<(), Fault> {
-        let length = to.len() as u64;
-        if length > self.left {
-            return Err(Fault::End);
-        }
-        self.reader.read_exact(to)?;
-        self.left -= length;
-        Ok(())
+impl<'a, F: ReadAt + ?Sized, const BIG: bool> Binary<'a, F, BIG> {
+    /// The body of `left` bytes that ends at `end` of the `file`, and a reader of it.
+    pub(super) fn new(file: &'a F, reader: BufReader<Section<'a, F>>, end: u64, left: u64) -> Self {
+        Self { file, reader, end, left }
     }
 
     /// The next `N` bytes, the least significant first.
     fn bytes<const N: usize>(&mut self) -> Result<[u8; N], Fault> {
         let mut bytes = [0; N];
-        self.read_into(&mut bytes)?;
+        if N as u64 > self.left {
+            return Err(Fault::End);
+        }
+        self.reader.read_exact(&mut bytes)?;
+        self.left -= N as u64;
         if BIG {
             bytes.reverse();
         }
         Ok(bytes)
     }
 
-    /// Reads rows of `stride` bytes, block by block.
-    fn rows(
-        &mut self,
-        columns: &[Column],
-        stride: usize,
-        into: &mut Vertices,
-    ) -> Result<(), Fault> {
-        let count = into.positions.len();
-        let per_block = (BLOCK / stride).max(1);
-        let mut block = vec![0; per_block.min(count) * stride];
-        for first in (0..count).step_by(per_block) {
-            let rows = &mut block[..per_block.min(count - first) * stride];
-            self.read_into(rows)?;
-            columns.iter().for_each(|c| take_column::<BIG>(rows, stride, *c, first, into));
+    /// Where in the file the next number is.
+    fn place(&self) -> u64 {
+        self.end - self.left
+    }
+
+    /// How many bytes a thread reads at once.
+    fn block(&self) -> usize {
+        self.reader.capacity()
+    }
+
+    /// Passes over bytes.
+    fn advance(&mut self, bytes: u64) -> Result<(), Fault> {
+        if bytes > self.left {
+            return Err(Fault::End);
         }
+        self.reader.seek_relative(bytes.cast_signed())?;
+        self.left -= bytes;
         Ok(())
     }
 }
 
-/// `N` bytes of a row from `offset` on, the least significant first.
-fn part<const N: usize, const BIG: bool>(row: &[u8], offset: usize) -> [u8; N] {
-    let mut bytes = [0; N];
-    bytes.copy_from_slice(&row[offset..offset + N]);
-    if BIG {
-        bytes.reverse();
-    }
-    bytes
-}
-
-/// Takes one column out of `rows`. The type is looked at once, not in every row.
-fn take_column<const BIG: bool>(
-    rows: &[u8],
-    stride: usize,
-    Column { slot, kind, offset, scale }: Column,
-    first: usize,
-    into: &mut Vertices,
-) {
-    let rows = rows.chunks_exact(stride);
-    macro_rules! fill {
-        ($number:ty) => {
-            into.fill(
-                first,
-                slot,
-                rows.map(|row| {
-                    <$number>::from_le_bytes(part::<_, BIG>(row, offset)) as f32 * scale
-                }),
-            )
-        };
-    }
-    match kind {
-        Scalar::I8 => fill!(i8),
-        Scalar::U8 => fill!(u8),
-        Scalar::I16 => fill!(i16),
-        Scalar::U16 => fill!(u16),
-        Scalar::I32 => fill!(i32),
-        Scalar::U32 => fill!(u32),
-        Scalar::F32 => fill!(f32),
-        Scalar::F64 => fill!(f64),
-    }
-}
-
-impl<R: BufRead, const BIG: bool> Source for Binary<R, BIG> {
+impl<F: ReadAt + ?Sized, const BIG: bool> Source for Binary<'_, F, BIG> {
     fn value(&mut self, kind: Scalar) -> Result<f64, Fault> {
         Ok(match kind {
             Scalar::I8 => f64::from(i8::from_le_bytes(self.bytes()?)),
@@ -127,13 +81,7 @@ impl<R: BufRead, const BIG: bool> Source for Binary<R, BIG> {
     }
 
     fn skip(&mut self, kind: Scalar, count: u64) -> Result<(), Fault> {
-        let length = self.least(kind, count);
-        if length > self.left {
-            return Err(Fault::End);
-        }
-        let skipped = std::io::copy(&mut (&mut self.reader).take(length), &mut std::io::sink())?;
-        self.left -= skipped;
-        if skipped == length { Ok(()) } else { Err(Fault::End) }
+        self.advance(self.least(kind, count))
     }
 
     fn end_row(&mut self) -> Result<(), Fault> {
@@ -152,42 +100,50 @@ impl<R: BufRead, const BIG: bool> Source for Binary<R, BIG> {
         Ok(self.left)
     }
 
-    fn vertices(&mut self, layout: &VertexLayout, into: &mut Vertices) -> Result<bool, Fault> {
-        let Some(stride) = layout.stride else { return Ok(false) };
-        if layout.is_packed() && !BIG && cfg!(target_endian = "little") {
-            self.read_into(bytemuck::cast_slice_mut(&mut into.positions))?;
-        } else {
-            let columns: Vec<Column> = layout.columns.iter().copied().flatten().collect();
-            self.rows(&columns, stride, into)?;
+    fn vertices(&mut self, layout: &VertexLayout, into: &mut Vertices) -> Bulk {
+        let block = self.block();
+        let bulk = vertices::read::<F, BIG>(self.file, self.place(), layout, block, into);
+        let Some(stride) = layout.stride.filter(|_| matches!(bulk, Bulk::Done)) else {
+            return bulk;
+        };
+        match self.advance((stride * into.positions.len()) as u64) {
+            Ok(()) => bulk,
+            Err(fault) => Bulk::Failed(0, fault),
         }
-        Ok(true)
     }
 
-    fn triangles(
+    fn faces(
         &mut self,
-        layout: ListLayout,
+        rows: FaceRows<'_>,
         most: u64,
         vertices: usize,
-        into: &mut Vec<[u32; 3]>,
+        into: &mut Faces,
     ) -> Result<u64, Fault> {
-        if !layout.is_packed() {
-            return Ok(0);
-        }
-        let before = into.len();
-        let buffer = self.reader.fill_buf()?;
-        let rows = buffer.as_chunks::<TRIANGLE>().0;
-        let most = rows.len().min(usize::try_from(most).unwrap_or(usize::MAX));
-        for row in &rows[..most] {
-            let triangle = [1, 5, 9].map(|at| u32::from_le_bytes(part::<4, BIG>(row, at)));
-            // A negative index reads as one that is too large.
-            if row[0] != 3 || triangle.iter().any(|&i| i as usize >= vertices) {
-                break;
+        let mut read = 0;
+        // At the first face: the others of a file that has other faces go the longer way.
+        if most == rows.element.count && into.triangles.is_empty() {
+            let (place, left, block) = (self.place(), self.left, self.block());
+            let all = triangles::read::<F, BIG>(self.file, place, left, rows, vertices, block);
+            if let Some((triangles, bytes)) = all {
+                read = triangles.len() as u64;
+                into.triangles = triangles;
+                self.advance(bytes)?;
             }
-            into.push(triangle);
         }
-        let count = into.len() - before;
-        self.reader.consume(count * TRIANGLE);
-        self.left = self.left.saturating_sub((count * TRIANGLE) as u64);
-        Ok(count as u64)
+        if read < most {
+            let (place, left, window) = (self.place(), self.left, WINDOW * self.block());
+            let next = (rows, most - read);
+            let (faces, bytes) =
+                polygons::read::<F, BIG>(self.file, place, left, next, vertices, window, into);
+            read += faces;
+            self.advance(bytes)?;
+        }
+        Ok(read)
+    }
+
+    fn pass_over(&mut self, properties: &[Property], count: u64) -> Result<bool, Fault> {
+        let Some(stride) = stride(properties) else { return Ok(false) };
+        self.advance(count.saturating_mul(stride as u64))?;
+        Ok(true)
     }
 }

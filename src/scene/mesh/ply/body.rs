@@ -3,11 +3,11 @@
 
 use super::header::{Element, Header, Shape};
 use super::layout::{Column, ListLayout, SLOTS, VertexLayout};
-use super::source::{Fault, Source, Vertices};
+use super::source::{Bulk, FaceRows, Faces, Fault, Source, Vertices};
 use crate::error::{Error, ErrorKind, Result};
 use crate::scene::mesh::polygon::{self, Polygon};
 use crate::scene::mesh::validate::{
-    bad_index, check_positions, note_zeroed, zero_bad_normals, zero_bad_uvs,
+    bad_index, bad_vertex, check_positions, note_zeroed, zero_bad_normals, zero_bad_uvs,
 };
 use crate::scene::mesh::{Attribute, MeshData, Read, check_count, no_triangles, read_failure};
 
@@ -31,8 +31,7 @@ struct Body {
     /// How many vertices the header promises: faces may come before them.
     vertex_count: usize,
     vertices: Vertices,
-    triangles: Vec<[u32; 3]>,
-    polygons: Vec<Polygon>,
+    faces: Faces,
     /// The corners of the face at hand.
     corners: Vec<u32>,
     notes: Vec<Error>,
@@ -89,20 +88,17 @@ impl Body {
         let layout = VertexLayout::of(element)?;
         check_room(element, source)?;
         self.vertices = Vertices::new(self.vertex_count, &layout);
-        let start = source.left();
-        let done = source.vertices(&layout, &mut self.vertices).map_err(|fault| {
-            let read = (start - source.left()) / source.least_row(&element.properties).max(1);
-            Row { element, index: read }.fault(fault, source)
-        })?;
-        if !done {
-            for index in 0..element.count {
-                let row = Row { element, index };
-                let values =
-                    read_vertex(element, &layout, source).map_err(|f| row.fault(f, source))?;
-                for Column { slot, scale, .. } in layout.columns.iter().flatten() {
-                    let value = std::iter::once(values[*slot] as f32 * scale);
-                    self.vertices.fill(index as usize, *slot, value);
-                }
+        match source.vertices(&layout, &mut self.vertices) {
+            Bulk::Not => {}
+            Bulk::Done => return Ok(()),
+            Bulk::Bad(row) => return Err(bad_vertex(&self.vertices.positions, row)),
+            Bulk::Failed(index, fault) => return Err(Row { element, index }.fault(fault, source)),
+        }
+        for index in 0..element.count {
+            let row = Row { element, index };
+            let values = read_vertex(element, &layout, source).map_err(|f| row.fault(f, source))?;
+            for Column { slot, scale, .. } in layout.columns.iter().flatten() {
+                self.vertices.set(index as usize, *slot, values[*slot] as f32 * scale);
             }
         }
         check_positions(&self.vertices.positions)
@@ -111,14 +107,17 @@ impl Body {
     fn read_faces<S: Source>(&mut self, element: &Element, source: &mut S) -> Result<()> {
         let layout = ListLayout::of(element)?;
         check_room(element, source)?;
-        self.triangles.reserve(likely_triangles(element, layout, source));
+        let likely = likely_triangles(element, layout, source);
+        let rows = FaceRows { element, layout, likely };
+        if source.line().is_some() {
+            self.faces.triangles.reserve(likely);
+        }
         let mut index = 0;
         while index < element.count {
             let most = element.count - index;
-            let row = |done| Row { element, index: index + done };
             index += source
-                .triangles(layout, most, self.vertex_count, &mut self.triangles)
-                .map_err(|fault| row(0).fault(fault, source))?;
+                .faces(rows, most, self.vertex_count, &mut self.faces)
+                .map_err(|fault| Row { element, index }.fault(fault, source))?;
             if index < element.count {
                 let row = Row { element, index };
                 self.read_row(row, layout, source)?;
@@ -135,9 +134,9 @@ impl Body {
         for index in 0..element.count {
             self.read_row(Row { element, index }, layout, source)?;
             // Every index but two makes a triangle at most.
-            self.triangles.reserve(self.corners.len().saturating_sub(2));
+            self.faces.triangles.reserve(self.corners.len().saturating_sub(2));
             for strip in self.corners.split(|&i| i == STRIP_END) {
-                self.triangles.extend(strip_triangles(strip));
+                self.faces.triangles.extend(strip_triangles(strip));
             }
         }
         Ok(())
@@ -191,11 +190,11 @@ impl Body {
                 .remedy("remove the face"));
         }
         if corners > 3 {
-            check_count("triangles", (self.triangles.len() + corners) as u64)?;
-            let (first, corners) = (self.triangles.len() as u32, corners as u32);
-            self.polygons.push(Polygon { first, corners });
+            check_count("triangles", (self.faces.triangles.len() + corners) as u64)?;
+            let (first, corners) = (self.faces.triangles.len() as u32, corners as u32);
+            self.faces.polygons.push(Polygon { first, corners });
         }
-        self.triangles.extend(polygon::fan(&self.corners));
+        self.faces.triangles.extend(polygon::fan(&self.corners));
         Ok(())
     }
 
@@ -214,22 +213,19 @@ impl Body {
     }
 
     fn finish(mut self) -> Result<Read> {
-        check_count("triangles", self.triangles.len() as u64)?;
-        if self.triangles.is_empty() {
+        check_count("triangles", self.faces.triangles.len() as u64)?;
+        if self.faces.triangles.is_empty() {
             return Err(no_triangles());
         }
         let Vertices { positions, mut normals, mut uvs } = self.vertices;
-        let large = polygon::split(&self.polygons, &positions, &mut self.triangles, &mut []);
+        let Faces { mut triangles, polygons } = self.faces;
+        let large = polygon::split(&polygons, &positions, &mut triangles, &mut []);
         self.notes.extend(polygon::note_large(large));
         self.notes.extend(note_zeroed("normals", zero_bad_normals(&mut normals)));
         self.notes.extend(note_zeroed("texture coordinates", zero_bad_uvs(&mut uvs)));
-        self.triangles.shrink_to_fit();
-        let mesh = MeshData {
-            positions,
-            triangles: self.triangles,
-            normals: attribute(normals),
-            uvs: attribute(uvs),
-        };
+        triangles.shrink_to_fit();
+        let mesh =
+            MeshData { positions, triangles, normals: attribute(normals), uvs: attribute(uvs) };
         Ok((mesh, self.notes))
     }
 }
@@ -286,6 +282,11 @@ fn pass_over<S: Source>(element: &Element, source: &mut S) -> Result<()> {
         return Ok(());
     }
     check_room(element, source)?;
+    let first = Row { element, index: 0 };
+    let passed = source.pass_over(&element.properties, element.count);
+    if passed.map_err(|fault| first.fault(fault, source))? {
+        return Ok(());
+    }
     for index in 0..element.count {
         let row = Row { element, index };
         let skipped = element.properties.iter().try_for_each(|p| skip(p.shape, source));

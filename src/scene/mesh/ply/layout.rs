@@ -67,6 +67,13 @@ impl VertexLayout {
         }
     }
 
+    /// The columns of the `N` slots from `first` on, in their order; none if the file has not all.
+    pub(super) fn slots<const N: usize>(&self, first: usize) -> Option<[Column; N]> {
+        let column = |slot| self.columns.iter().flatten().find(|c| c.slot == slot).copied();
+        let found: Vec<Column> = (first..first + N).filter_map(column).collect();
+        found.try_into().ok()
+    }
+
     /// Whether a binary row is three floats, x, y, z, and no more.
     pub(super) fn is_packed(&self) -> bool {
         let place = |(slot, column): (usize, &Option<Column>)| {
@@ -135,16 +142,13 @@ pub(super) struct ListLayout {
     pub(super) property: usize,
     pub(super) count: Scalar,
     pub(super) item: Scalar,
-    /// Whether a row is the list and no more.
-    pub(super) alone: bool,
 }
 
 impl ListLayout {
     pub(super) fn of(element: &Element) -> Result<Self> {
         let mut lists = (0..).zip(&element.properties).filter_map(|(property, p)| {
             let Shape::List { count, item } = p.shape else { return None };
-            let alone = element.properties.len() == 1;
-            let layout = Self { property, count, item, alone };
+            let layout = Self { property, count, item };
             LISTS.contains(&p.name.as_str()).then_some(layout)
         });
         match (lists.next(), lists.next()) {
@@ -157,10 +161,5 @@ impl ListLayout {
             .value(if found.is_some() { "two" } else { "none" })
             .remedy("declare \"property list uchar int vertex_indices\"")),
         }
-    }
-
-    /// Whether a binary row of a triangle is a byte 3 and three 32-bit integers.
-    pub(super) fn is_packed(self) -> bool {
-        self.alone && self.count.size() == 1 && matches!(self.item, Scalar::I32 | Scalar::U32)
     }
 }

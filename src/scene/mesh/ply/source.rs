@@ -2,8 +2,9 @@
 
 use glam::{Vec2, Vec3};
 
-use super::header::{Property, Scalar};
+use super::header::{Element, Property, Scalar};
 use super::layout::{ListLayout, VertexLayout};
+use crate::scene::mesh::polygon::Polygon;
 
 /// Why a number could not be had.
 #[derive(Debug)]
@@ -53,22 +54,27 @@ pub(super) trait Source {
         None
     }
 
-    /// Reads all vertices at once, if this source can do so for such rows; else reads nothing and
-    /// returns false.
-    fn vertices(&mut self, _: &VertexLayout, _: &mut Vertices) -> Result<bool, Fault> {
-        Ok(false)
+    /// Reads all vertices at once and checks their positions, if this source can do so for such
+    /// rows.
+    fn vertices(&mut self, _: &VertexLayout, _: &mut Vertices) -> Bulk {
+        Bulk::Not
     }
 
-    /// Reads some of the next `most` faces, as long as they are triangles of the first `vertices`
-    /// vertices, and returns how many: perhaps none. A face at fault is left to be read again.
-    fn triangles(
+    /// Reads some of the next `most` faces, as long as they name the first `vertices` vertices, and
+    /// returns how many: perhaps none. A face at fault is left to be read again.
+    fn faces(
         &mut self,
-        _layout: ListLayout,
+        _rows: FaceRows<'_>,
         _most: u64,
         _vertices: usize,
-        _into: &mut Vec<[u32; 3]>,
+        _into: &mut Faces,
     ) -> Result<u64, Fault> {
         Ok(0)
+    }
+
+    /// Passes over all rows of these properties at once, if this source can.
+    fn pass_over(&mut self, _: &[Property], _count: u64) -> Result<bool, Fault> {
+        Ok(false)
     }
 
     /// The fewest bytes that a row of these properties can take: its lists may be empty.
@@ -79,6 +85,36 @@ pub(super) trait Source {
         };
         properties.iter().map(least).sum()
     }
+}
+
+/// What became of the attempt to read all rows of an element at once.
+#[derive(Debug)]
+pub(super) enum Bulk {
+    /// Nothing was read: such rows are read one by one.
+    Not,
+    /// All was read, and every position is good.
+    Done,
+    /// The position of this row is not good; it and those before it were read.
+    Bad(usize),
+    /// This row could not be read.
+    Failed(u64, Fault),
+}
+
+/// The rows of the element `face`.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct FaceRows<'a> {
+    pub(super) element: &'a Element,
+    pub(super) layout: ListLayout,
+    /// About how many triangles they make together; the file has room for so many.
+    pub(super) likely: usize,
+}
+
+/// The faces so far.
+#[derive(Debug, Default)]
+pub(super) struct Faces {
+    pub(super) triangles: Vec<[u32; 3]>,
+    /// Those of more than three corners.
+    pub(super) polygons: Vec<Polygon>,
 }
 
 /// The vertices that are being filled in. All rows are there from the start, as zeros.
@@ -95,22 +131,20 @@ impl Vertices {
     /// Room for `count` vertices. The caller has held the count against the size of the file.
     pub(super) fn new(count: usize, layout: &VertexLayout) -> Self {
         Self {
-            positions: vec![Vec3::ZERO; count],
-            normals: vec![Vec3::ZERO; if layout.normals { count } else { 0 }],
-            uvs: vec![Vec2::ZERO; if layout.uvs { count } else { 0 }],
+            // The system hands out zeros, and the thread that fills a page is the first to touch
+            // it: `vec!` would write each vector once more.
+            positions: bytemuck::zeroed_vec(count),
+            normals: bytemuck::zeroed_vec(if layout.normals { count } else { 0 }),
+            uvs: bytemuck::zeroed_vec(if layout.uvs { count } else { 0 }),
         }
     }
 
-    /// Fills the rows from `first` on of the column `slot`.
-    pub(super) fn fill(&mut self, first: usize, slot: usize, values: impl Iterator<Item = f32>) {
+    /// Sets the number `slot` of the vertex `row`.
+    pub(super) fn set(&mut self, row: usize, slot: usize, value: f32) {
         match slot {
-            0..3 => {
-                self.positions[first..].iter_mut().zip(values).for_each(|(p, v)| p[slot] = v);
-            }
-            3..6 => {
-                self.normals[first..].iter_mut().zip(values).for_each(|(n, v)| n[slot - 3] = v);
-            }
-            _ => self.uvs[first..].iter_mut().zip(values).for_each(|(t, v)| t[slot - 6] = v),
+            0..3 => self.positions[row][slot] = value,
+            3..6 => self.normals[row][slot - 3] = value,
+            _ => self.uvs[row][slot - 6] = value,
         }
     }
 }

@@ -2,14 +2,16 @@
 
 use glam::{Vec2, Vec3};
 
+mod short_cuts;
+
 use super::*;
 use crate::error::ErrorKind;
 use crate::scene::mesh::MeshData;
 
 fn load(bytes: &[u8]) -> Result<Read> {
     // A small buffer, so that rows lie across its ends.
-    let read = read_from(BufReader::with_capacity(29, bytes), bytes.len() as u64);
-    if let (Ok(small), Ok(large)) = (&read, &read_from(bytes, bytes.len() as u64)) {
+    let read = read_from(bytes, bytes.len() as u64, 29);
+    if let (Ok(small), Ok(large)) = (&read, &read_from(bytes, bytes.len() as u64, BUFFER)) {
         assert_eq!(small.0, large.0);
     }
     read
@@ -179,6 +181,39 @@ fn text_is_read() {
     assert_eq!(read.triangles.len(), 3);
     assert_eq!(read.triangles[2], [0, 2, 3]);
     assert_eq!(read.uvs.unwrap().values[1], Vec2::splat(0.5));
+}
+
+#[test]
+fn every_form_of_number_in_a_text_is_rounded_once() {
+    let mut state = 9_u64;
+    let mut number = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963);
+        let (a, b) = (state >> 40, (state >> 20) % 10_000_000);
+        match state >> 61 {
+            0 => format!("{a}e-{}", b % 12),
+            1 => format!("-{a}.{b}"),
+            2 => format!("+.{b}"),
+            3 => format!("{a}."),
+            4 => format!("{:.20}", a as f64 / 3e6),
+            _ => format!("{}.{b:06}", a % 10),
+        }
+    };
+    let words: Vec<String> = (0..6000).map(|_| number()).collect();
+    let blanks = [" ", "  ", "\t", " \r\n\n "];
+    let body: String =
+        words.iter().zip(blanks.iter().cycle()).map(|(w, b)| format!("{w}{b}")).collect();
+    // One vertex may lie on several lines, but not two on one.
+    let rows = words.chunks(3).map(|row| row.join(" ") + "\n").collect::<String>();
+    let header =
+        format!("element vertex 2000\n{XYZ}element face 1\nproperty list uchar int vertex_indices");
+    let right: Vec<f32> = words.iter().map(|w| w.parse().unwrap()).collect();
+    let read = mesh(&ascii(&header, &(rows + "3 0 1 2")));
+    assert_eq!(bytemuck::cast_slice::<_, f32>(&read.positions), right);
+    let one = format!(
+        "element vertex 1\n{XYZ}element junk 1\nproperty list int float w\n\
+                       element face 1\nproperty list uchar int vertex_indices"
+    );
+    assert!(load(&ascii(&one, &format!("0 0 0\n6000 {body}\n3 0 0 0"))).is_ok());
 }
 
 #[test]

@@ -1,0 +1,331 @@
+//! The short cuts of binary bodies against the reader that takes number by number: the same mesh,
+//! or the same words about the same row.
+
+use std::sync::LazyLock;
+
+use rayon::{ThreadPool, ThreadPoolBuilder};
+
+use super::super::header::{Element, Property, Scalar, Shape};
+use super::super::source::{Fault, Source};
+use super::super::{binary::Binary, body};
+use super::*;
+
+/// A source without its short cuts.
+struct Slow<S>(S);
+
+impl<S: Source> Source for Slow<S> {
+    fn value(&mut self, kind: Scalar) -> std::result::Result<f64, Fault> {
+        self.0.value(kind)
+    }
+    fn skip(&mut self, kind: Scalar, count: u64) -> std::result::Result<(), Fault> {
+        self.0.skip(kind, count)
+    }
+    fn end_row(&mut self) -> std::result::Result<(), Fault> {
+        self.0.end_row()
+    }
+    fn left(&self) -> u64 {
+        self.0.left()
+    }
+    fn least(&self, kind: Scalar, count: u64) -> u64 {
+        self.0.least(kind, count)
+    }
+    fn trailing(&mut self) -> std::result::Result<u64, Fault> {
+        self.0.trailing()
+    }
+    fn line(&self) -> Option<u64> {
+        self.0.line()
+    }
+}
+
+/// As [`read_from`], number by number.
+fn slowly(bytes: &[u8]) -> Result<Read> {
+    let length = bytes.len() as u64;
+    let buffered = |place| BufReader::with_capacity(64, Section::new(bytes, place, length));
+    let header = header::read(&mut buffered(0))?;
+    let (left, body) = (length - header.bytes, buffered(header.bytes));
+    match header.encoding {
+        Encoding::BigEndian => {
+            body::read(&header, Slow(Binary::<_, true>::new(bytes, body, length, left)))
+        }
+        _ => body::read(&header, Slow(Binary::<_, false>::new(bytes, body, length, left))),
+    }
+}
+
+/// Sizes of the buffer, and numbers of threads.
+const WAYS: [(usize, usize); 4] = [(16, 3), (100, 1), (1000, 2), (BUFFER, 4)];
+
+/// The threads, started once.
+static POOLS: LazyLock<[ThreadPool; 4]> = LazyLock::new(|| {
+    WAYS.map(|(_, threads)| ThreadPoolBuilder::new().num_threads(threads).build().unwrap())
+});
+
+/// Checks that every way of reading gives the same, at several sizes of the blocks that threads
+/// take and on several numbers of threads.
+fn check(bytes: &[u8], what: &str) -> Option<MeshData> {
+    let slow = slowly(bytes);
+    for ((buffer, _), pool) in WAYS.iter().zip(&*POOLS) {
+        let fast = pool.install(|| read_from(bytes, bytes.len() as u64, *buffer));
+        match (&slow, &fast) {
+            (Ok(slow), Ok(fast)) => {
+                assert_eq!(bits(&slow.0), bits(&fast.0), "{what}, {buffer}");
+                assert_eq!(format!("{:?}", slow.1), format!("{:?}", fast.1), "{what}, {buffer}");
+            }
+            (Err(slow), Err(fast)) => {
+                assert_eq!(slow.to_string(), fast.to_string(), "{what}, {buffer}");
+            }
+            _ => panic!("{what}, {buffer}: {slow:?} {fast:?}"),
+        }
+    }
+    slow.ok().map(|read| read.0)
+}
+
+/// Everything in a mesh, with a NaN equal to itself.
+fn bits(mesh: &MeshData) -> String {
+    format!("{mesh:?}")
+}
+
+/// Numbers that look random and are the same in every run.
+struct Dice(u64);
+
+impl Dice {
+    fn below(&mut self, end: u64) -> u64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963);
+        (self.0 >> 33) % end
+    }
+    fn one_in(&mut self, n: u64) -> bool {
+        self.below(n) == 0
+    }
+    fn of<T: Copy>(&mut self, all: &[T]) -> T {
+        all[self.below(all.len() as u64) as usize]
+    }
+}
+
+const WHOLE: [(&str, Scalar); 6] = [
+    ("char", Scalar::I8),
+    ("uchar", Scalar::U8),
+    ("short", Scalar::I16),
+    ("ushort", Scalar::U16),
+    ("int", Scalar::I32),
+    ("uint", Scalar::U32),
+];
+const ALL: [(&str, Scalar); 8] = [
+    ("double", Scalar::F64),
+    ("float", Scalar::F32),
+    WHOLE[0],
+    WHOLE[1],
+    WHOLE[2],
+    WHOLE[3],
+    WHOLE[4],
+    WHOLE[5],
+];
+
+/// Writes `value` as a number of this type.
+fn put(body: &mut Bytes, kind: Scalar, value: f64) {
+    match kind {
+        Scalar::I8 | Scalar::U8 => body.add([value as i64 as u8]),
+        Scalar::I16 | Scalar::U16 => body.add((value as i64 as u16).to_le_bytes()),
+        Scalar::I32 | Scalar::U32 => body.add((value as i64 as u32).to_le_bytes()),
+        Scalar::F32 => body.add((value as f32).to_le_bytes()),
+        Scalar::F64 => body.add(value.to_le_bytes()),
+    };
+}
+
+/// What a file of the test is like.
+#[derive(Clone, Copy, Debug)]
+struct Kind {
+    seed: u64,
+    big: bool,
+    /// Whether faces have other numbers of corners than 3, and how many.
+    corners: [u64; 2],
+    /// Whether there are properties besides.
+    extra: bool,
+    /// One in so many numbers is wrong.
+    wrong: u64,
+}
+
+/// A file of this kind, with types and counts by the dice.
+fn random_file(kind: Kind) -> Vec<u8> {
+    let mut dice = Dice(kind.seed);
+    let names = ["x", "y", "z", "nx", "ny", "nz", "s", "t"];
+    let kept = dice.of(&[3, 6, 8]);
+    let floats = dice.one_in(2);
+    let mut vertex: Vec<(String, Shape)> = Vec::new();
+    for name in &names[..kept] {
+        let scalar = if floats { ("float", Scalar::F32) } else { dice.of(&ALL) };
+        if kind.extra && dice.one_in(3) {
+            vertex.push((format!("e{}", vertex.len()), Shape::One(dice.of(&ALL).1)));
+        }
+        vertex.push(((*name).to_owned(), Shape::One(scalar.1)));
+    }
+    let mut face = Vec::new();
+    let (count, item) = (dice.of(&WHOLE).1, dice.of(&WHOLE).1);
+    if kind.extra && dice.one_in(2) {
+        face.push(("flag".to_owned(), Shape::One(dice.of(&ALL).1)));
+    }
+    face.push(("vertex_indices".to_owned(), Shape::List { count, item }));
+    if kind.extra && dice.one_in(2) {
+        let list = Shape::List { count: dice.of(&WHOLE).1, item: dice.of(&ALL).1 };
+        face.push(("more".to_owned(), dice.of(&[Shape::One(Scalar::F32), list])));
+    }
+    let vertices = 1 + dice.below(120);
+    let faces = dice.below(300);
+    let mut body = Bytes::new(kind.big);
+    for _ in 0..vertices {
+        for (_, shape) in &vertex {
+            let Shape::One(scalar) = *shape else { continue };
+            let bad = kind.wrong > 0 && dice.one_in(4 * kind.wrong);
+            put(&mut body, scalar, if bad { f64::NAN } else { dice.below(100) as f64 });
+        }
+    }
+    for _ in 0..faces {
+        for (name, shape) in &face {
+            let (length, item) = match *shape {
+                Shape::One(scalar) => {
+                    put(&mut body, scalar, dice.below(9) as f64);
+                    continue;
+                }
+                Shape::List { count, item } if name == "more" => {
+                    let length = dice.below(4);
+                    put(&mut body, count, length as f64);
+                    (length, item)
+                }
+                Shape::List { count, item } => {
+                    let [low, high] = kind.corners;
+                    let bad = kind.wrong > 0 && dice.one_in(kind.wrong);
+                    let length = if bad { dice.below(3) } else { low + dice.below(high - low + 1) };
+                    put(&mut body, count, length as f64);
+                    (length, item)
+                }
+            };
+            for _ in 0..length {
+                let bad = kind.wrong > 0 && dice.one_in(kind.wrong);
+                let index = if bad { 300.0 } else { dice.below(vertices) as f64 };
+                put(&mut body, item, if bad && dice.one_in(2) { -1.0 } else { index });
+            }
+        }
+    }
+    let declare = |name: &str, count, rows: &[(String, Shape)]| {
+        let one = |scalar| ALL.iter().find(|k| k.1 == scalar).unwrap().0;
+        let line = |(name, shape): &(String, Shape)| match *shape {
+            Shape::One(scalar) => format!("property {} {name}\n", one(scalar)),
+            Shape::List { count, item } => {
+                format!("property list {} {} {name}\n", one(count), one(item))
+            }
+        };
+        format!("element {name} {count}\n{}", rows.iter().map(line).collect::<String>())
+    };
+    let header = declare("vertex", vertices, &vertex) + declare("face", faces, &face).trim_end();
+    file(body.format(), &header, &body.bytes)
+}
+
+#[test]
+fn meshes_of_every_layout_are_read_alike() {
+    let mut read = 0;
+    for seed in 0..600 {
+        let corners = [[3, 3], [4, 4], [3, 4], [3, 9]][seed as usize % 4];
+        let kind = Kind { seed, big: seed % 3 == 0, corners, extra: seed % 2 == 0, wrong: 0 };
+        read += usize::from(check(&random_file(kind), &format!("{kind:?}")).is_some());
+    }
+    assert!(read > 500, "{read}");
+}
+
+#[test]
+fn the_first_fault_is_told_whatever_the_threads_did() {
+    let mut refused = 0;
+    for seed in 0..400 {
+        let corners = [[3, 3], [3, 3], [3, 4], [3, 9]][seed as usize % 4];
+        let wrong = [40, 400, 2000][seed as usize % 3];
+        let kind = Kind { seed, big: seed % 5 == 0, corners, extra: seed % 2 == 0, wrong };
+        refused += usize::from(check(&random_file(kind), &format!("{kind:?}")).is_none());
+    }
+    assert!((100..400).contains(&refused), "{refused}");
+}
+
+#[test]
+fn a_file_cut_anywhere_is_refused_alike() {
+    for seed in 0..12 {
+        let corners = [[3, 3], [3, 5]][seed as usize % 2];
+        let kind = Kind { seed, big: seed % 3 == 0, corners, extra: seed % 4 > 1, wrong: 0 };
+        let whole = random_file(kind);
+        let mut dice = Dice(seed);
+        for _ in 0..30 {
+            let length = dice.below(whole.len() as u64) as usize;
+            assert!(check(&whole[..length], &format!("{kind:?} {length}")).is_none());
+        }
+    }
+}
+
+#[test]
+fn garbage_is_refused_alike() {
+    for seed in 0..200 {
+        let kind = Kind { seed, big: false, corners: [3, 4], extra: true, wrong: 0 };
+        let mut bytes = random_file(kind);
+        let mut dice = Dice(seed);
+        let header = bytes.windows(11).position(|w| w == b"end_header\n").unwrap() + 11;
+        for _ in 0..dice.below(20) {
+            let at = header as u64 + dice.below((bytes.len() - header) as u64);
+            bytes[at as usize] = dice.below(256) as u8;
+        }
+        check(&bytes, &format!("{seed}"));
+    }
+}
+
+#[test]
+fn a_face_longer_than_a_window_is_read() {
+    let corners: Vec<i32> = (0..400).map(|i| i % 4).collect();
+    let header = square_header(4).replace("uchar", "ushort");
+    let mut body = Bytes::new(false);
+    square().iter().flat_map(|p| p.to_array()).for_each(|x| {
+        body.add(x.to_le_bytes());
+    });
+    for length in [3, 400, 4, 3] {
+        body.add((length as u16).to_le_bytes());
+        corners[..length].iter().for_each(|i| {
+            body.add(i.to_le_bytes());
+        });
+    }
+    let read = check(&file(body.format(), &header, &body.bytes), "long").unwrap();
+    assert_eq!(read.triangles.len(), 1 + 398 + 2 + 1);
+}
+
+/// What a file that another program cuts short looks like: its length is not true.
+#[test]
+fn a_file_that_shrinks_is_an_error() {
+    for faces in [vec![&[0, 1, 2][..]; 900], vec![&[0, 1, 2, 3][..]; 900]] {
+        let bytes = packed(false, &faces);
+        for cut in [bytes.len() - 1, bytes.len() / 2, bytes.len() - 900 * 13 - 5] {
+            let error = read_from(&bytes[..cut], bytes.len() as u64, 64).unwrap_err().to_string();
+            assert!(error.contains("the file ends inside this element"), "{error}");
+        }
+    }
+}
+
+#[test]
+fn rows_that_are_passed_over_at_once_are_counted() {
+    let header = format!(
+        "element junk 3\nproperty short a\nproperty double b\n{}\nelement rest 2\nproperty int c",
+        square_header(1)
+    );
+    let mut body = Bytes::new(true);
+    for _ in 0..3 {
+        body.add([1, 2]).add(5_f64.to_le_bytes());
+    }
+    let square = packed(true, &[&[0, 1, 2]]);
+    body.bytes.extend(&square[square.len() - 48 - 13..]);
+    body.bytes.extend([7; 8]);
+    let bytes = file(body.format(), &header, &body.bytes);
+    assert_eq!(check(&bytes, "junk").unwrap().positions, super::square());
+    assert!(check(&bytes[..bytes.len() - 1], "cut").is_none());
+}
+
+/// A declaration is compared, so that the helper above cannot drift from the reader.
+#[test]
+fn the_random_files_declare_what_they_hold() {
+    let kind = Kind { seed: 2, big: false, corners: [3, 3], extra: true, wrong: 0 };
+    let header = header::read(&mut &random_file(kind)[..]).unwrap();
+    let names: Vec<&str> = header.elements.iter().map(|e: &Element| e.name.as_str()).collect();
+    assert_eq!(names, ["vertex", "face"]);
+    let lists = |p: &&Property| matches!(p.shape, Shape::List { .. });
+    assert_eq!(header.elements[0].properties.iter().filter(lists).count(), 0);
+    assert!(header.elements[1].properties.iter().filter(lists).count() >= 1);
+}
