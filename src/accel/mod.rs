@@ -12,6 +12,7 @@ mod coincident;
 pub mod geometry;
 mod leaf;
 mod node;
+mod packet;
 mod single;
 mod stream;
 pub mod tree;
@@ -24,6 +25,7 @@ use crate::math::ray::Ray;
 use crate::math::simd::{Kernel, Lanes, dispatch};
 use build::Preset;
 use geometry::{Geometry, PreparedRay};
+use packet::Packets;
 use stream::{Closest, Flight, Occluded, Query};
 use tree::Tree;
 
@@ -106,6 +108,7 @@ impl std::ops::AddAssign for TestCounts {
 pub struct Traversal {
     stack: Vec<u64>,
     flight: Flight,
+    packets: Packets,
     /// Tests made so far.
     pub tests: TestCounts,
 }
@@ -135,6 +138,7 @@ impl Accel {
         Traversal {
             stack: vec![0; tree.stack_entries()],
             flight: Flight::new(tree),
+            packets: Packets::default(),
             tests: TestCounts::default(),
         }
     }
@@ -276,8 +280,9 @@ impl<R: Rays + ?Sized, Q: Query> Kernel for Many<'_, R, Q> {
 
     #[inline(always)]
     fn run<S: Lanes>(self, simd: S) {
-        let Traversal { flight, tests, .. } = self.traversal;
+        let Traversal { flight, packets, stack, tests } = self.traversal;
         let Self { tree, geometry, rays, answers, .. } = self;
-        stream::trace::<S, Q>(simd, tree, geometry, rays, answers, flight, tests);
+        let memory = (packets, flight, stack.as_mut_slice());
+        packet::trace::<S, Q, R>(simd, tree, geometry, rays, answers, memory, tests);
     }
 }

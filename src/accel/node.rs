@@ -17,17 +17,26 @@ fn children<S: Lanes>(
     t_min: f32,
     reach: f32,
 ) -> (f32x8<S>, mask32x8<S>) {
-    let axis = |k: usize| -> (f32x8<S>, f32x8<S>) {
-        let negative = usize::from(ray.negative[k]);
-        let first: f32x8<S> = node.planes[k][negative].simd_into(simd);
-        let last: f32x8<S> = node.planes[k][1 - negative].simd_into(simd);
-        let reciprocal = f32x8::splat(simd, ray.reciprocal[k]);
-        ((first - ray.near_origin[k]) * reciprocal, (last - ray.far_origin[k]) * reciprocal)
-    };
-    let ((x0, x1), (y0, y1), (z0, z1)) = (axis(0), axis(1), axis(2));
+    let (x0, x1) = axis(simd, &node.planes[0], ray, 0);
+    let (y0, y1) = axis(simd, &node.planes[1], ray, 1);
+    let (z0, z1) = axis(simd, &node.planes[2], ray, 2);
     let near = x0.max(y0).max(z0.max(f32x8::splat(simd, t_min)));
     let far = x1.min(y1).min(z1.min(f32x8::splat(simd, reach)));
     (near, near.simd_le(far))
+}
+
+/// Where the ray meets the children's first and last planes across an axis.
+#[inline(always)]
+fn axis<S: Lanes>(
+    simd: S,
+    planes: &[[f32; LANES]; 2],
+    ray: &SlabRay,
+    k: usize,
+) -> (f32x8<S>, f32x8<S>) {
+    let first: f32x8<S> = planes[usize::from(ray.negative[k])].simd_into(simd);
+    let last: f32x8<S> = planes[usize::from(!ray.negative[k])].simd_into(simd);
+    let reciprocal = f32x8::splat(simd, ray.reciprocal[k]);
+    ((first - ray.near_origin[k]) * reciprocal, (last - ray.far_origin[k]) * reciprocal)
 }
 
 /// Appends the children that the ray meets to its stack of entries, whose length is `height`, the

@@ -10,6 +10,7 @@
 use super::arena::{Kind, Ref};
 use super::geometry::{Geometry, PreparedRay};
 use super::node::{self, distance, place};
+use super::packet::MOST_HANDED;
 use super::single::{no_hit, or_miss};
 use super::tree::{Root, Tree, reach};
 use super::{Hit, TestCounts, leaf};
@@ -52,6 +53,9 @@ pub(super) trait Query {
 
     /// The answer, once the ray is done.
     fn answer(best: Hit) -> Self::Answer;
+
+    /// The hit to go on with where a packet has answered so far; `None` if that is the answer.
+    fn resume(answer: Self::Answer, ray: &PreparedRay) -> Option<Hit>;
 }
 
 /// Which primitive is hit first.
@@ -66,6 +70,11 @@ impl Query for Closest {
     fn answer(best: Hit) -> Hit {
         or_miss(best)
     }
+
+    #[inline(always)]
+    fn resume(answer: Hit, ray: &PreparedRay) -> Option<Hit> {
+        Some(if answer.is_miss() { no_hit(ray) } else { answer })
+    }
 }
 
 /// Whether anything but a light's shape is hit.
@@ -79,6 +88,11 @@ impl Query for Occluded {
     #[inline(always)]
     fn answer(best: Hit) -> bool {
         !best.is_miss()
+    }
+
+    #[inline(always)]
+    fn resume(answer: bool, ray: &PreparedRay) -> Option<Hit> {
+        if answer { None } else { Some(no_hit(ray)) }
     }
 }
 
@@ -116,41 +130,85 @@ pub(super) struct Flight {
 impl Flight {
     /// Memory for rays in `tree`.
     pub(super) fn new(tree: &Tree) -> Self {
-        // An entry for the end of the stack; and stacks do not all begin in one set of the cache.
-        let stride = tree.stack_entries() + 1 + 8;
+        // The end of the stack, and what a packet hands over.
+        let stride = tree.stack_entries() + 1 + MOST_HANDED;
         Self { slots: Vec::with_capacity(FLIGHT), stacks: vec![0; stride * FLIGHT], stride }
     }
 }
 
-/// Answers all rays.
+/// Where rays come from.
+pub(super) trait Source<Q: Query> {
+    /// The next ray that has to be traced, with the entries to begin with put on `stack`; rays that
+    /// need not be traced are answered on the way.
+    fn next(&mut self, answers: &mut [Q::Answer], stack: &mut [u64]) -> Option<Begun>;
+}
+
+/// A ray at its beginning.
+pub(super) struct Begun {
+    pub(super) ray: PreparedRay,
+    /// The closest hit known.
+    pub(super) best: Hit,
+    /// Its number in the batch.
+    pub(super) number: usize,
+    /// How many entries there are to begin with.
+    pub(super) entries: usize,
+}
+
+/// Rays of a batch from `next` on, each from the root.
+pub(super) struct FromRoot<'a, R: ?Sized> {
+    pub(super) rays: &'a R,
+    pub(super) next: usize,
+    pub(super) root: Root,
+}
+
+impl<Q: Query, R: Rays + ?Sized> Source<Q> for FromRoot<'_, R> {
+    #[inline(always)]
+    fn next(&mut self, answers: &mut [Q::Answer], stack: &mut [u64]) -> Option<Begun> {
+        while self.next < self.rays.count() {
+            let number = self.next;
+            self.next += 1;
+            let ray = self.rays.ray(number);
+            if !ray.is_valid() {
+                answers[number] = Q::NONE;
+                continue;
+            }
+            let ray = PreparedRay::new(&ray);
+            if !self.root.is_met(&ray) {
+                answers[number] = Q::NONE;
+                continue;
+            }
+            stack[0] = entry(f32::NEG_INFINITY, self.root.place.bits());
+            let best = no_hit(&ray);
+            return Some(Begun { ray, best, number, entries: 1 });
+        }
+        None
+    }
+}
+
+/// Answers all rays of `source`.
 #[inline(always)]
 pub(super) fn trace<S: Lanes, Q: Query>(
     simd: S,
     tree: &Tree,
     geometry: &Geometry,
-    rays: &(impl Rays + ?Sized),
+    source: &mut impl Source<Q>,
     answers: &mut [Q::Answer],
     flight: &mut Flight,
     tests: &mut TestCounts,
 ) {
-    let Some(root) = tree.root() else {
-        answers.fill(Q::NONE);
-        return;
-    };
     let arena = tree.arena.view();
     let Flight { slots, stacks, stride } = flight;
     let stride = *stride;
-    let mut next = 0;
     // Steps of this round; those through nodes become those of the next.
     let (mut nodes, mut leaves) = ([Step::default(); FLIGHT], [Step::default(); FLIGHT]);
     let (mut node_count, mut leaf_count) = (0, 0);
     slots.clear();
     while slots.len() < FLIGHT {
-        let Some(slot) = begin::<Q>(rays, &mut next, answers, root) else { break };
-        let step = Step { slot: slots.len() as u32, place: root.place.bits() };
-        stacks[slots.len() * stride] = entry(f32::NEG_INFINITY, DONE);
+        let stack = &mut stacks[slots.len() * stride..][..stride];
+        let Some((slot, then)) = begin::<Q>(source, answers, stack) else { break };
+        let step = Step { slot: slots.len() as u32, place: then.bits() };
         slots.push(slot);
-        if root.place.kind() == Kind::Node {
+        if then.kind() == Kind::Node {
             nodes[node_count] = step;
             node_count += 1;
         } else {
@@ -209,9 +267,9 @@ pub(super) fn trace<S: Lanes, Q: Query>(
             }
             let then = if done {
                 answers[slot.number as usize] = Q::answer(slot.best);
-                let Some(fresh) = begin::<Q>(rays, &mut next, answers, root) else { continue };
+                let Some((fresh, then)) = begin::<Q>(source, answers, stack) else { continue };
                 *slot = fresh;
-                root.place
+                then
             } else {
                 slot.height -= 1;
                 place(stack[slot.height])
@@ -229,31 +287,18 @@ pub(super) fn trace<S: Lanes, Q: Query>(
     }
 }
 
-/// The next ray of the batch that can be traced, ready to start; those that cannot are answered.
+/// The next ray of the source, and its first step.
 #[inline(always)]
 fn begin<Q: Query>(
-    rays: &(impl Rays + ?Sized),
-    next: &mut usize,
+    source: &mut impl Source<Q>,
     answers: &mut [Q::Answer],
-    root: Root,
-) -> Option<Slot> {
-    while *next < rays.count() {
-        let number = *next;
-        *next += 1;
-        let ray = rays.ray(number);
-        if !ray.is_valid() {
-            answers[number] = Q::NONE;
-            continue;
-        }
-        let ray = PreparedRay::new(&ray);
-        if !root.is_met(&ray) {
-            answers[number] = Q::NONE;
-            continue;
-        }
-        let best = no_hit(&ray);
-        return Some(Slot { ray, best, reach: reach(best.t), number: number as u32, height: 1 });
-    }
-    None
+    stack: &mut [u64],
+) -> Option<(Slot, Ref)> {
+    let (bottom, rest) = stack.split_first_mut()?;
+    let Begun { ray, best, number, entries } = source.next(answers, rest)?;
+    *bottom = entry(f32::NEG_INFINITY, DONE);
+    let slot = Slot { ray, best, reach: reach(best.t), number: number as u32, height: entries };
+    Some((slot, place(stack[entries])))
 }
 
 /// Removes the entries that are farther than `reach`. The height that is left.

@@ -18,7 +18,7 @@ use emit::Emitter;
 mod cost {
     pub(super) const NODE: f32 = 1.0;
     pub(super) const PATCH: f32 = 1.0;
-    pub(super) const SOUP: f32 = 1.3;
+    pub(super) const SOUP: f32 = 2.0;
     /// Of each primitive in a list.
     pub(super) const LISTED: f32 = 1.0;
 }

@@ -25,7 +25,7 @@ use glam::{DVec3, Vec3};
 use crate::math::float::{gamma, max, min};
 use crate::math::ray::Ray;
 
-mod lanes;
+pub(crate) mod lanes;
 
 pub use lanes::LaneHits;
 

@@ -6,7 +6,7 @@
 //! | `image.width`, `.height`, `.samples_per_pixel` | pixels, rays | the image, or the part of it |
 //! | `rays.primary`, `.secondary`, `.shadow` | rays | camera, mirror and shadow rays traced |
 //! | `samples.lens`, `.light`, `.texels` | | points chosen on the lens and on area lights; texels read |
-//! | `tests.nodes` | nodes | inner nodes visited, each testing two boxes |
+//! | `tests.nodes` | nodes | inner nodes visited, by a ray or by many together, each testing eight boxes |
 //! | `tests.primitives.triangles`, `.quads`, `.spheres` | tests | tests of primitives |
 //! | `dropped.degenerate` | triangles | left out for want of an area |
 //! | `invalid` | samples | not finite, and counted as black |

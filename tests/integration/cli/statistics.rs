@@ -79,7 +79,8 @@ fn statistics_of_the_recursive_tracer_count_the_same_work() {
     let [wavefront, recursive] = ["wavefront", "recursive"]
         .map(|tracer| statistics(folder.path(), &["--tracer", tracer, "--crop", "2,2,9,7"]));
     assert_eq!(recursive["tracer"], "recursive");
-    for key in ["image", "rays", "samples", "tests", "plan", "dropped"] {
+    // Rays that go through the tree together are tested together, so that `tests` differ.
+    for key in ["image", "rays", "samples", "plan", "dropped"] {
         assert_eq!(wavefront[key], recursive[key], "{key}");
     }
     assert_eq!(recursive["image"]["width"], 9);

@@ -1,0 +1,51 @@
+//! What packets leave to rays in flight.
+
+use crate::accel::geometry::PreparedRay;
+use crate::accel::node::distance;
+use crate::accel::stream::{Begun, FromRoot, Query, Rays, Source};
+use crate::accel::tree::reach;
+
+/// A place that a ray was handed over with, and the one before.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Handed {
+    pub(super) entry: u64,
+    pub(super) before: u32,
+}
+
+/// Rays that packets have handed over, and then those that no packet has seen.
+pub(super) struct Remaining<'a, R: ?Sized> {
+    pub(super) queue: &'a mut Vec<u32>,
+    pub(super) handed: &'a [Handed],
+    pub(super) last: &'a [(u32, u32)],
+    pub(super) rays: &'a R,
+    pub(super) rest: FromRoot<'a, R>,
+}
+
+impl<Q: Query, R: Rays + ?Sized> Source<Q> for Remaining<'_, R> {
+    #[inline(always)]
+    fn next(&mut self, answers: &mut [Q::Answer], stack: &mut [u64]) -> Option<Begun> {
+        while let Some(number) = self.queue.pop() {
+            let number = number as usize;
+            let ray = self.rays.ray(number);
+            if !ray.is_valid() {
+                answers[number] = Q::NONE;
+                continue;
+            }
+            let ray = PreparedRay::new(&ray);
+            let Some(best) = Q::resume(answers[number], &ray) else { continue };
+            let reach = reach(best.t);
+            let mut entries = 0;
+            let mut place = self.last[number].0;
+            // From the farthest to the nearest, which is then the last.
+            while let Some(handed) = self.handed.get(place as usize) {
+                stack[entries] = handed.entry;
+                entries += usize::from(distance(handed.entry) <= reach);
+                place = handed.before;
+            }
+            if entries > 0 {
+                return Some(Begun { ray, best, number, entries });
+            }
+        }
+        <FromRoot<'_, R> as Source<Q>>::next(&mut self.rest, answers, stack)
+    }
+}
