@@ -1,6 +1,8 @@
 //! The reflection model of Blinn (*Models of Light Reflection for Computer Synthesized Pictures*,
 //! 1977): a diffuse term and a highlight about the half vector.
 
+pub mod lanes;
+
 use glam::Vec3;
 
 use crate::math::float::normalize;

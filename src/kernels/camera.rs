@@ -2,6 +2,8 @@
 //!
 //! The image is upright and unmirrored: the first pixel is top left, x runs to the camera's right.
 
+pub mod lanes;
+
 use glam::{DVec3, Vec2, Vec3};
 
 use crate::math::float::{normalize, normalize_f64};

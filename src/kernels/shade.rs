@@ -5,6 +5,8 @@
 //! ([`shadow_request`]), and the mirror ray ([`mirror`]). Whitted, *An Improved Illumination Model
 //! for Shaded Display* (1980).
 
+pub mod lanes;
+
 use glam::Vec3;
 
 use super::blinn_phong::{self, Material};

@@ -3,6 +3,8 @@
 //! Points are computed in double precision and rounded once, so that the bound is little more than
 //! half an ulp and the origins of the next rays stay as near to the surface as they can.
 
+pub mod lanes;
+
 use glam::{Vec2, Vec3};
 
 use super::quad;
@@ -40,14 +42,26 @@ pub fn triangle(ray: &Ray, corners: &[Vec3; 3]) -> Surface {
 
 /// Where `ray` meets the quad `corners`.
 pub fn quad(ray: &Ray, corners: &[Vec3; 4]) -> Surface {
+    Surface { barycentric: Vec2::ZERO, ..triangle(ray, &quad_half(ray, corners)) }
+}
+
+/// The half of the quad `corners` that `ray`, which hits it, meets first.
+#[inline]
+pub fn quad_half(ray: &Ray, corners: &[Vec3; 4]) -> [Vec3; 3] {
     let space = ShearedSpace::new(ray);
     let [first, second] = quad::halves(corners);
-    let half = match (space.intersect(&first), space.intersect(&second)) {
+    // Nearly every ray passes by one half for certain, and then it was the other that was hit.
+    if space.passes_by(&second) {
+        return first;
+    }
+    if space.passes_by(&first) {
+        return second;
+    }
+    match (space.intersect(&first), space.intersect(&second)) {
         (Some(s), Some(t)) if t < s => second,
         (None, Some(_)) => second,
         _ => first,
-    };
-    Surface { barycentric: Vec2::ZERO, ..triangle(ray, &half) }
+    }
 }
 
 /// Where `ray` meets the sphere; the normal points outward.

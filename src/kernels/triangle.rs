@@ -150,6 +150,15 @@ impl ShearedSpace {
         inside.then_some(Sheared { vertices, edges, determinant: e0 + e1 + e2 })
     }
 
+    /// Whether the ray misses `triangle` for certain: [`Self::intersect`] is then `None`. Two edge
+    /// functions of opposite signs say so, as rounding turns no sign.
+    #[inline(always)]
+    pub fn passes_by(&self, triangle: &[Vec3; 3]) -> bool {
+        let [a, b, c] = self.longest.corners_to_last(triangle).map(|v| self.shear(v));
+        let [e0, e1, e2] = [c.x * b.y - c.y * b.x, a.x * c.y - a.y * c.x, b.x * a.y - b.y * a.x];
+        (e0 < 0.0 || e1 < 0.0 || e2 < 0.0) && (e0 > 0.0 || e1 > 0.0 || e2 > 0.0)
+    }
+
     /// The t at which the ray meets `triangle`, from either side, if it does and t > t_min.
     ///
     /// The relative error of t is at most [`T_TOLERANCE`].

@@ -40,13 +40,14 @@ pub fn max_abs(v: Vec3) -> f32 {
     max(v.x.abs(), max(v.y.abs(), v.z.abs()))
 }
 
+/// Sixteen roundings of double precision, as a factor of the numbers that are rounded.
+pub(super) const DOUBLE_ROUNDINGS: f32 = 16.0 * f64::EPSILON as f32;
+
 /// Bound on the error of each coordinate of `point` once it is rounded to single precision, where
 /// it was computed in double precision from coordinates up to `size`.
 #[inline]
 pub fn rounding_error(point: DVec3, size: f32) -> Vec3 {
-    // Sixteen roundings of double precision on numbers up to `size`.
-    const DOUBLE: f32 = 16.0 * f64::EPSILON as f32;
-    point.as_vec3().abs() * gamma(2) + DOUBLE * size
+    point.as_vec3().abs() * gamma(2) + DOUBLE_ROUNDINGS * size
 }
 
 /// `v` with length 1, or zero where `v` has no direction.
@@ -87,7 +88,7 @@ pub fn stable_roots(a: f64, b: f64, c: f64, root: f64) -> (f64, f64) {
 
 /// The steepest crease, as the tangent of the angle between the normals on its sides, at which a
 /// moved origin is still in front of both.
-const STEEPEST_CREASE: f32 = 4.0;
+pub(super) const STEEPEST_CREASE: f32 = 4.0;
 
 /// Moves `point` off its surface along `normal`, to the side that `direction` points to, just far
 /// enough that the exact surface stays behind.

@@ -1,6 +1,7 @@
 //! Numbers: rounding-error bounds, rays, random numbers, and maps from the unit square to shapes.
 
 pub mod float;
+pub mod lanes;
 pub mod random;
 pub mod ray;
 pub mod sampling;

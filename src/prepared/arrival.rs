@@ -85,7 +85,7 @@ impl Looks {
             return normal;
         }
         let interpolated = self
-            .corners(shape, geometry, hit.primitive, |mesh| mesh.normals.as_ref())
+            .normals(shape, geometry, hit.primitive)
             .map(|corners| {
                 let [wa, wb, wc] = weights(surface.barycentric);
                 normalize(corners[0] * wa + corners[1] * wb + corners[2] * wc)
@@ -98,7 +98,14 @@ impl Looks {
         }
     }
 
-    fn texture_color(
+    /// The shading normals at the corners of a triangle of a mesh.
+    #[inline(always)]
+    pub fn normals(&self, shape: &Shape, geometry: &Geometry, primitive: u32) -> Option<[Vec3; 3]> {
+        self.corners(shape, geometry, primitive, |mesh| mesh.normals.as_ref())
+    }
+
+    /// The colour that a texture gives the point `surface` of the primitive.
+    pub fn texture_color(
         &self,
         texture: &Texture,
         shape: &Shape,
@@ -120,6 +127,7 @@ impl Looks {
     }
 
     /// The values of an attribute at the corners of a triangle of a mesh.
+    #[inline(always)]
     fn corners<'a, T: Copy + 'a>(
         &'a self,
         shape: &Shape,

@@ -1,112 +1,26 @@
 //! The columns of a batch: structures of arrays, each with its unit, writer and readers.
+//!
+//! Passes read and write them eight rows at a time. Behind the last row a batch can have, columns
+//! have room for the rest of a vector, whose rows mean nothing.
 
+#[macro_use]
+mod columns;
+
+use fearless_simd::prelude::*;
+use fearless_simd::{mask32x8, u32x8};
 use glam::Vec3;
 
 use crate::accel::{Hit, Rays as RayColumns};
-use crate::kernels::shade::{SHADOW_END, ShadingPoint, ShadowRequest};
+use crate::kernels::blinn_phong::lanes::Reflection;
+use crate::kernels::shade::SHADOW_END;
+use crate::kernels::shade::lanes::{LitPoints as LitLanes, Mirrored, ShadowRequests};
+use crate::math::lanes::Vec3x8;
 use crate::math::ray::Ray;
+use crate::math::simd::{LANES, Lanes};
 use crate::prepared::PreparedScene;
+use columns::{Column, count, pack};
 
-/// Declares a structure of arrays: a column for each field, all of the same length.
-macro_rules! columns {
-    (
-        $(#[$doc:meta])*
-        $name:ident { $( $(#[$field_doc:meta])* $field:ident : $kind:ty ),+ $(,)? }
-    ) => {
-        $(#[$doc])*
-        #[derive(Clone, Debug, Default)]
-        pub struct $name { $( $(#[$field_doc])* pub $field: $kind, )+ }
-
-        impl $name {
-            /// Columns with room for `capacity` rows.
-            pub fn with_capacity(capacity: usize) -> Self {
-                Self { $( $field: <$kind>::with_capacity(capacity), )+ }
-            }
-
-            /// Removes every row and keeps the room.
-            pub fn clear(&mut self) {
-                $( self.$field.clear(); )+
-            }
-
-            /// Number of rows.
-            pub fn len(&self) -> usize {
-                // Every column has as many.
-                [$( Column::rows(&self.$field) ),+][0]
-            }
-
-            /// Whether there is no row.
-            pub fn is_empty(&self) -> bool {
-                self.len() == 0
-            }
-
-            /// Bytes that one row takes.
-            pub const ROW_BYTES: usize = 0 $( + <$kind as Column>::ITEM_BYTES )+;
-        }
-    };
-}
-
-/// A column: one value, or three of a vector, for each row.
-trait Column {
-    const ITEM_BYTES: usize;
-
-    fn rows(&self) -> usize;
-}
-
-impl<T> Column for Vec<T> {
-    const ITEM_BYTES: usize = size_of::<T>();
-
-    fn rows(&self) -> usize {
-        self.len()
-    }
-}
-
-impl Column for Vectors {
-    const ITEM_BYTES: usize = 3 * size_of::<f32>();
-
-    fn rows(&self) -> usize {
-        self.x.len()
-    }
-}
-
-/// A column of vectors, as a column for each coordinate.
-#[derive(Clone, Debug, Default)]
-pub struct Vectors {
-    x: Vec<f32>,
-    y: Vec<f32>,
-    z: Vec<f32>,
-}
-
-impl Vectors {
-    fn with_capacity(n: usize) -> Self {
-        Self { x: Vec::with_capacity(n), y: Vec::with_capacity(n), z: Vec::with_capacity(n) }
-    }
-
-    fn clear(&mut self) {
-        self.x.clear();
-        self.y.clear();
-        self.z.clear();
-    }
-
-    fn push(&mut self, v: Vec3) {
-        self.x.push(v.x);
-        self.y.push(v.y);
-        self.z.push(v.z);
-    }
-
-    /// The `i`th vector.
-    #[inline(always)]
-    pub fn get(&self, i: usize) -> Vec3 {
-        Vec3::new(self.x[i], self.y[i], self.z[i])
-    }
-
-    /// Adds `v` to the `i`th vector.
-    #[inline]
-    pub fn add(&mut self, i: usize, v: Vec3) {
-        self.x[i] += v.x;
-        self.y[i] += v.y;
-        self.z[i] += v.z;
-    }
-}
+pub use columns::Vectors;
 
 columns! {
     /// Rays from the camera or from mirrors, t from 0 to infinity. Written by generate and shade,
@@ -125,7 +39,7 @@ columns! {
 
 impl RayColumns for Rays {
     fn count(&self) -> usize {
-        self.path.len()
+        self.rows
     }
 
     #[inline(always)]
@@ -136,12 +50,46 @@ impl RayColumns for Rays {
 
 impl Rays {
     /// Appends a ray.
-    #[inline]
+    #[inline(always)]
     pub fn push(&mut self, ray: &Ray, throughput: Vec3, path: u32) {
-        self.origin.push(ray.origin);
-        self.direction.push(ray.direction);
-        self.throughput.push(throughput);
-        self.path.push(path);
+        let i = self.rows;
+        self.origin.set(i, ray.origin);
+        self.direction.set(i, ray.direction);
+        self.throughput.set(i, throughput);
+        self.path[i] = path;
+        self.rows += 1;
+    }
+
+    /// Appends camera rays of the paths from `path` on, of which the first `count` lanes are real.
+    #[inline(always)]
+    pub fn push_camera<S: Lanes>(
+        &mut self,
+        simd: S,
+        origin: Vec3,
+        direction: Vec3x8<S>,
+        path: u32,
+        count: usize,
+    ) {
+        let i = self.rows;
+        self.origin.store(i, Vec3x8::splat(simd, origin));
+        self.direction.store(i, direction);
+        self.throughput.store(i, Vec3x8::splat(simd, Vec3::ONE));
+        let lanes: u32x8<S> = [0, 1, 2, 3, 4, 5, 6, 7].simd_into(simd);
+        (lanes + path).store_slice(&mut self.path[i..i + LANES]);
+        self.rows += count;
+    }
+
+    /// Appends the mirror rays that there are.
+    #[inline(always)]
+    pub fn push_lanes<S: Lanes>(&mut self, rays: &Mirrored<S>, path: u32x8<S>) -> usize {
+        let i = self.rows;
+        self.origin.pack(i, rays.origin, rays.asked);
+        self.direction.pack(i, rays.direction, rays.asked);
+        self.throughput.pack(i, rays.throughput, rays.asked);
+        pack(&mut self.path, i, path, rays.asked);
+        let count = count(rays.asked);
+        self.rows += count;
+        count
     }
 }
 
@@ -178,40 +126,36 @@ columns! {
 }
 
 impl LitPoints {
-    /// Appends a point.
-    #[inline]
-    pub fn push(&mut self, p: &ShadingPoint, throughput: Vec3, path: u32) {
-        self.point.push(p.point);
-        self.error.push(p.error);
-        self.normal.push(p.normal);
-        self.shading_normal.push(p.shading_normal);
-        self.view.push(p.view);
-        self.color.push(p.color);
-        self.throughput.push(throughput);
-        self.reflection.push(Vec3::new(p.material.ks, p.material.kd, p.material.exponent));
-        self.path.push(path);
+    /// Appends the points of `mask`.
+    #[inline(always)]
+    pub fn push_lanes<S: Lanes>(&mut self, p: &LitLanes<S>, path: u32x8<S>, mask: mask32x8<S>) {
+        let i = self.rows;
+        let Reflection { ks, kd, exponent } = p.reflection;
+        self.point.pack(i, p.point, mask);
+        self.error.pack(i, p.error, mask);
+        self.normal.pack(i, p.normal, mask);
+        self.shading_normal.pack(i, p.shading_normal, mask);
+        self.view.pack(i, p.view, mask);
+        self.color.pack(i, p.color, mask);
+        self.throughput.pack(i, p.throughput, mask);
+        self.reflection.pack(i, Vec3x8::new(ks, kd, exponent), mask);
+        pack(&mut self.path, i, path, mask);
+        self.rows += count(mask);
     }
 
-    /// The `i`th point. Its mirror weight is not kept: shade has used it already.
-    #[inline]
-    pub fn get(&self, i: usize) -> ShadingPoint {
-        let reflection = self.reflection.get(i);
-        let color = self.color.get(i);
-        ShadingPoint {
-            point: self.point.get(i),
-            error: self.error.get(i),
-            normal: self.normal.get(i),
-            shading_normal: self.shading_normal.get(i),
-            view: self.view.get(i),
-            color,
-            material: crate::kernels::blinn_phong::Material {
-                ks: reflection.x,
-                kd: reflection.y,
-                exponent: reflection.z,
-                color,
-                kr: 0.0,
-            },
-            lit: true,
+    /// The points from the `i`th on.
+    #[inline(always)]
+    pub fn load<S: Lanes>(&self, simd: S, i: usize) -> LitLanes<S> {
+        let reflection = self.reflection.load(simd, i);
+        LitLanes {
+            point: self.point.load(simd, i),
+            error: self.error.load(simd, i),
+            normal: self.normal.load(simd, i),
+            shading_normal: self.shading_normal.load(simd, i),
+            view: self.view.load(simd, i),
+            color: self.color.load(simd, i),
+            throughput: self.throughput.load(simd, i),
+            reflection: Reflection { ks: reflection.x, kd: reflection.y, exponent: reflection.z },
         }
     }
 }
@@ -234,7 +178,7 @@ columns! {
 
 impl RayColumns for ShadowRays {
     fn count(&self) -> usize {
-        self.path.len()
+        self.rows
     }
 
     #[inline(always)]
@@ -244,14 +188,22 @@ impl RayColumns for ShadowRays {
 }
 
 impl ShadowRays {
-    /// Appends a request.
-    #[inline]
-    pub fn push(&mut self, request: &ShadowRequest, path: u32) {
-        self.origin.push(request.ray.origin);
-        self.direction.push(request.ray.direction);
-        self.contribution.push(request.contribution);
-        self.path.push(path);
-        self.occluded.push(false);
+    /// Appends the requests of `mask`. Their number.
+    #[inline(always)]
+    pub fn push_lanes<S: Lanes>(
+        &mut self,
+        requests: &ShadowRequests<S>,
+        path: u32x8<S>,
+        mask: mask32x8<S>,
+    ) -> usize {
+        let i = self.rows;
+        self.origin.pack(i, requests.origin, mask);
+        self.direction.pack(i, requests.direction, mask);
+        self.contribution.pack(i, requests.contribution, mask);
+        pack(&mut self.path, i, path, mask);
+        let count = count(mask);
+        self.rows += count;
+        count
     }
 }
 
@@ -271,12 +223,14 @@ columns! {
 
 impl Paths {
     /// Appends a path that has gathered no light yet.
-    #[inline]
+    #[inline(always)]
     pub fn push(&mut self, pixel: u32, sample: u32, place: u32) {
-        self.radiance.push(Vec3::ZERO);
-        self.pixel.push(pixel);
-        self.sample.push(sample);
-        self.place.push(place);
+        let i = self.rows;
+        self.radiance.set(i, Vec3::ZERO);
+        self.pixel[i] = pixel;
+        self.sample[i] = sample;
+        self.place[i] = place;
+        self.rows += 1;
     }
 }
 
@@ -322,9 +276,13 @@ impl Batch {
 
     /// Makes the next bounce's rays this bounce's. False where there are none.
     pub fn advance(&mut self) -> bool {
+        // Without mirrors the next rays have no room, and may not become this bounce's.
+        if self.next.is_empty() {
+            return false;
+        }
         std::mem::swap(&mut self.rays, &mut self.next);
         self.next.clear();
-        !self.rays.is_empty()
+        true
     }
 
     /// Bytes for each path in the columns that `scene` calls for, by the column group's name.

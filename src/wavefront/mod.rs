@@ -10,7 +10,8 @@
 //! | [`s5_resolve`] | radiance | pixels |
 //!
 //! A batch has [`DEFAULT_BATCH`] paths unless asked otherwise, so that its columns stay in the
-//! second-level cache. What the plan leaves out has no column: no lit points without lights, no next rays without mirrors.
+//! second-level cache. What the plan leaves out has no column: no lit points without lights, no next
+//! rays without mirrors. All passes but the last work on eight rows at a time, as vectors.
 
 pub mod batch;
 mod s1_generate;
@@ -19,6 +20,7 @@ mod s3_shade;
 mod s4_shadow;
 mod s5_resolve;
 
+use std::ops::Range;
 use std::time::Instant;
 
 use crate::accel::Traversal;
@@ -71,21 +73,20 @@ impl Tracer for Wavefront {
     }
 
     fn render(&mut self, scene: &PreparedScene, tile: &Tile, sums: &mut [[f64; 3]]) {
-        let Self { seed, batch, traversal, counters, clock } = self;
         let paths = tile.len() as u64 * u64::from(scene.camera.rays_per_pixel());
         let mut start = 0;
         while start < paths {
-            let end = paths.min(start + batch.capacity() as u64);
-            clock.time(0, || s1_generate::run(scene, tile, *seed, start..end, batch, counters));
+            let end = paths.min(start + self.batch.capacity() as u64);
+            self.generate(scene, tile, start..end);
             for bounce in 0..=scene.bounces {
-                clock.time(1, || s2_intersect::run(scene, batch, traversal));
-                clock.time(2, || s3_shade::run(scene, bounce, batch, counters));
-                clock.time(3, || s4_shadow::run(scene, *seed, bounce, batch, traversal, counters));
-                if !batch.advance() {
+                self.intersect(scene);
+                self.shade(scene, bounce);
+                self.shadow(scene, bounce);
+                if !self.batch.advance() {
                     break;
                 }
             }
-            clock.time(4, || s5_resolve::run(batch, sums, counters));
+            self.resolve(sums);
             start = end;
         }
     }
@@ -96,5 +97,38 @@ impl Tracer for Wavefront {
 
     fn pass_seconds(&self) -> Vec<(&'static str, f64)> {
         PASSES.into_iter().zip(self.clock.seconds).collect()
+    }
+}
+
+/// The passes over the batch, each with its time.
+impl Wavefront {
+    /// Fills the batch with the camera rays of the tile's `paths`, at most as many as it holds.
+    pub fn generate(&mut self, scene: &PreparedScene, tile: &Tile, paths: Range<u64>) {
+        let Self { seed, batch, counters, clock, .. } = self;
+        clock.time(0, || s1_generate::run(scene, tile, *seed, paths, batch, counters));
+    }
+
+    /// Finds the closest hit of every ray.
+    pub fn intersect(&mut self, scene: &PreparedScene) {
+        let Self { batch, traversal, clock, .. } = self;
+        clock.time(1, || s2_intersect::run(scene, batch, traversal));
+    }
+
+    /// Adds the light that hits show at once, and collects what they ask for.
+    pub fn shade(&mut self, scene: &PreparedScene, bounce: u32) {
+        let Self { batch, counters, clock, .. } = self;
+        clock.time(2, || s3_shade::run(scene, bounce, batch, counters));
+    }
+
+    /// Adds the light that arrives from lights.
+    pub fn shadow(&mut self, scene: &PreparedScene, bounce: u32) {
+        let Self { seed, batch, traversal, counters, clock } = self;
+        clock.time(3, || s4_shadow::run(scene, *seed, bounce, batch, traversal, counters));
+    }
+
+    /// Adds the paths to their pixels' `sums`.
+    pub fn resolve(&mut self, sums: &mut [[f64; 3]]) {
+        let Self { batch, counters, clock, .. } = self;
+        clock.time(4, || s5_resolve::run(batch, sums, counters));
     }
 }

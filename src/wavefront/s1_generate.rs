@@ -1,17 +1,22 @@
 //! Pass 1: camera rays.
 
+mod order;
+
 use std::ops::Range;
 
+use fearless_simd::prelude::*;
 use glam::Vec3;
 
 use super::batch::Batch;
 use crate::counters::Counters;
 use crate::math::random::Stream;
+use crate::math::simd::{Kernel, LANES, Lanes, dispatch};
 use crate::prepared::PreparedScene;
 use crate::tile::Tile;
+use order::Walk;
 
-/// Fills the batch with the camera rays of the tile's `paths`, which are numbered pixel by pixel
-/// and, within a pixel, sample by sample.
+/// Fills the batch with the camera rays of the tile's `paths`, which are numbered pixel by pixel in
+/// the order of [`Walk`] and, within a pixel, sample by sample.
 pub(super) fn run(
     scene: &PreparedScene,
     tile: &Tile,
@@ -20,19 +25,94 @@ pub(super) fn run(
     batch: &mut Batch,
     counters: &mut Counters,
 ) {
-    let samples = u64::from(scene.camera.rays_per_pixel());
-    let width = scene.camera.size()[0];
     batch.paths.clear();
     batch.rays.clear();
-    for (number, path) in paths.clone().enumerate() {
-        let (place, sample) = ((path / samples) as u32, (path % samples) as u32);
-        let (x, y) = tile.pixel(place);
-        let pixel = y * width + x;
-        let ray = scene.camera.ray(x, y, &Stream { seed, pixel, sample, bounce: 0 });
-        batch.rays.push(&ray, Vec3::ONE, number as u32);
-        batch.paths.push(pixel, sample, place);
-    }
     let count = paths.end - paths.start;
+    let next = Next::new(scene, tile, paths.start);
+    dispatch(scene.accel.level, Generate { scene, tile, seed, count: count as usize, next, batch });
     counters.primary_rays += count;
     counters.lens_samples += if scene.camera.has_lens() { count } else { 0 };
+}
+
+/// The next path: counted on, as divisions take longer than the ray.
+struct Next {
+    walk: Walk,
+    /// Of the pixel.
+    sample: u32,
+    samples: u32,
+}
+
+impl Next {
+    fn new(scene: &PreparedScene, tile: &Tile, path: u64) -> Self {
+        let samples = scene.camera.rays_per_pixel();
+        let taken = (path / u64::from(samples)) as u32;
+        let walk = Walk::new([tile.width, tile.height], taken);
+        Self { walk, sample: (path % u64::from(samples)) as u32, samples }
+    }
+
+    #[inline(always)]
+    fn advance(&mut self) {
+        self.sample += 1;
+        if self.sample == self.samples {
+            self.sample = 0;
+            self.walk.advance();
+        }
+    }
+}
+
+struct Generate<'a> {
+    scene: &'a PreparedScene,
+    tile: &'a Tile,
+    seed: u64,
+    count: usize,
+    next: Next,
+    batch: &'a mut Batch,
+}
+
+impl Kernel for Generate<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Lanes>(mut self, simd: S) {
+        match self.scene.camera.pinhole() {
+            Some(origin) => self.through_pinhole(simd, origin),
+            None => {
+                for path in 0..self.count {
+                    let (x, y, stream) = self.path();
+                    let ray = self.scene.camera.ray(x, y, &stream);
+                    self.batch.rays.push(&ray, Vec3::ONE, path as u32);
+                }
+            }
+        }
+    }
+}
+
+impl Generate<'_> {
+    #[inline(always)]
+    fn through_pinhole<S: Lanes>(&mut self, simd: S, origin: Vec3) {
+        let camera = &self.scene.camera;
+        for first in (0..self.count).step_by(LANES) {
+            let count = LANES.min(self.count - first);
+            let (mut x, mut y) = ([0.0; LANES], [0.0; LANES]);
+            for lane in 0..count {
+                let (column, row, stream) = self.path();
+                let place = camera.place_of(&stream);
+                x[lane] = column as f32 + place.x;
+                y[lane] = row as f32 + place.y;
+            }
+            let directions = camera.directions(simd, x.simd_into(simd), y.simd_into(simd));
+            self.batch.rays.push_camera(simd, origin, directions, first as u32, count);
+        }
+    }
+
+    /// Appends the next path. Its pixel, and where its random numbers come from.
+    #[inline(always)]
+    fn path(&mut self) -> (u32, u32, Stream) {
+        let Next { walk, sample, .. } = self.next;
+        let [x, y] = [self.tile.x + walk.pixel[0], self.tile.y + walk.pixel[1]];
+        let pixel = y * self.scene.camera.size()[0] + x;
+        self.batch.paths.push(pixel, sample, walk.place());
+        self.next.advance();
+        (x, y, Stream { seed: self.seed, pixel, sample, bounce: 0 })
+    }
 }

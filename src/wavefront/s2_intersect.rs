@@ -1,13 +1,11 @@
 //! Pass 2: the closest hit of every ray.
 
 use super::batch::Batch;
-use crate::accel::{Hit, Traversal};
+use crate::accel::Traversal;
 use crate::prepared::PreparedScene;
 
 /// Answers every ray of the batch.
 pub(super) fn run(scene: &PreparedScene, batch: &mut Batch, traversal: &mut Traversal) {
-    let hits = &mut batch.hits.hit;
-    hits.clear();
-    hits.resize(batch.rays.len(), Hit::MISS);
+    let hits = &mut batch.hits.hit[..batch.rays.len()];
     scene.accel.closest_of(&batch.rays, hits, traversal);
 }

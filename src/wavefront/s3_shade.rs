@@ -1,45 +1,222 @@
 //! Pass 3: what every hit shows at once, and what it asks for.
+//!
+//! Hits are told apart by what they need. Misses and lights are dealt with at once; hits on spheres,
+//! and hits on triangles and quads, wait in [`faces`] and are shaded eight at a time.
 
-use super::batch::Batch;
-use crate::accel::Rays;
+mod faces;
+
+use fearless_simd::prelude::*;
+use fearless_simd::{f32x8, mask32x8, u32x8};
+use glam::{Vec2, Vec3};
+
+use super::batch::{Batch, Vectors};
+use crate::accel::{NO_PRIMITIVE, Rays};
 use crate::counters::Counters;
-use crate::kernels::shade;
-use crate::prepared::{Arrival, PreparedScene};
+use crate::kernels::blinn_phong::lanes::Reflection;
+use crate::kernels::shade::lanes::{LitPoints, mirrors};
+use crate::kernels::surface::lanes::{Surfaces, interpolated_normal, spheres, triangles};
+use crate::math::lanes::Vec3x8;
+use crate::math::simd::{Kernel, LANES, Lanes, dispatch};
+use crate::prepared::PreparedScene;
+use faces::{Face, Faces, Group};
+
+/// Which of the lists of waiting hits is that of spheres; the other is of triangles and quads.
+const SPHERES: usize = 1;
 
 /// Adds background, emitted and ambient light to the paths; collects points that lights reach and,
 /// while bounces are left, mirror rays.
 pub(super) fn run(scene: &PreparedScene, bounce: u32, batch: &mut Batch, counters: &mut Counters) {
-    let shadows = scene.plan.has_shadows();
     batch.lit.clear();
-    for i in 0..batch.rays.len() {
-        let ray = batch.rays.ray(i);
-        let hit = batch.hits.hit[i];
-        let throughput = batch.rays.throughput.get(i);
-        let path = batch.rays.path[i];
-        let radiance = &mut batch.paths.radiance;
-        let point = match scene.arrival(&ray, &hit, &mut counters.texels) {
-            Arrival::Surface(point) => point,
-            Arrival::Light(color) => {
-                radiance.add(path as usize, throughput * color);
+    batch.next.clear();
+    dispatch(scene.accel.level, Shade { scene, bounce, batch, counters });
+}
+
+struct Shade<'a> {
+    scene: &'a PreparedScene,
+    bounce: u32,
+    batch: &'a mut Batch,
+    counters: &'a mut Counters,
+}
+
+impl Kernel for Shade<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Lanes>(mut self, simd: S) {
+        let mut waiting = [Faces::new(), Faces::new()];
+        let looks = &self.scene.looks;
+        let geometry = &self.scene.accel.geometry;
+        let first_sphere = geometry.triangles.len() + geometry.quads.len();
+        // The shape that was hit last: the next hit is likely to be there too.
+        let mut last = 0;
+        for i in 0..self.batch.rays.len() {
+            let primitive = self.batch.hits.hit[i].primitive;
+            if primitive == NO_PRIMITIVE {
+                self.miss(i);
                 continue;
             }
-            Arrival::Nothing => {
-                if bounce == 0 {
-                    radiance.add(path as usize, scene.background);
-                }
+            if !looks.shapes[last].primitives.contains(&primitive) {
+                last = looks.shape_of(primitive);
+            }
+            if let Some(color) = looks.shapes[last].emission {
+                self.light(i, color);
                 continue;
             }
-        };
-        let local = shade::local_light(&point, scene.ambient);
-        radiance.add(path as usize, throughput * local);
-        if shadows && point.lit {
-            batch.lit.push(&point, throughput, path);
+            let kind = usize::from(primitive as usize >= first_sphere);
+            if waiting[kind].push(Face { ray: i as u32, primitive, shape: last as u32 }) {
+                self.block(simd, &mut waiting[kind], kind == SPHERES);
+            }
         }
-        if bounce < scene.bounces
-            && let Some((next, weight)) = shade::mirror(&point, throughput)
-        {
-            counters.secondary_rays += 1;
-            batch.next.push(&next, weight, path);
+        for (kind, faces) in waiting.iter_mut().enumerate() {
+            self.block(simd, faces, kind == SPHERES);
         }
     }
+}
+
+impl Shade<'_> {
+    #[inline(always)]
+    fn miss(&mut self, i: usize) {
+        if self.bounce == 0 {
+            let path = self.batch.rays.path[i] as usize;
+            self.batch.paths.radiance.add(path, self.scene.background);
+        }
+    }
+
+    #[inline(always)]
+    fn light(&mut self, i: usize, color: Vec3) {
+        let path = self.batch.rays.path[i] as usize;
+        self.batch.paths.radiance.add(path, self.batch.rays.throughput.get(i) * color);
+    }
+
+    #[inline(always)]
+    fn block<S: Lanes>(&mut self, simd: S, faces: &mut Faces, spheres: bool) {
+        let rays = &self.batch.rays;
+        let groups = faces.take(&self.scene.accel.geometry, &self.scene.looks, |i| rays.ray(i));
+        for group in groups {
+            self.group(simd, group, spheres);
+        }
+    }
+
+    /// Up to eight hits on surfaces of one kind.
+    #[inline(always)]
+    fn group<S: Lanes>(&mut self, simd: S, group: &Group, of_spheres: bool) {
+        let rays = &self.batch.rays;
+        let used = mask(simd, group.used);
+        let direction = fetch(simd, &rays.direction, &group.rays);
+        let throughput = fetch(simd, &rays.throughput, &group.rays);
+        let path = group.rays.map(|ray| rays.path[ray as usize]);
+        let origin = fetch(simd, &rays.origin, &group.rays);
+        let surfaces = if of_spheres {
+            let [center, [radius, ..], _] = &group.corners;
+            let center = Vec3x8::load(simd, center);
+            spheres(simd, origin, direction, center, (*radius).simd_into(simd))
+        } else {
+            triangles(simd, origin, direction, &group.corners)
+        };
+
+        let outward = surfaces.normal.scale(group.side.simd_into(simd));
+        let at_back = outward.dot(direction).simd_gt(0.0);
+        let normal = (-outward).or(at_back, outward);
+        let shading_normal = if group.smooth == 0 {
+            normal
+        } else {
+            let (values, smooth) = (&group.normals, mask(simd, group.smooth));
+            interpolated_normal(simd, values, surfaces.barycentric, normal, smooth)
+        };
+        let mut color = Vec3x8::load(simd, &group.color);
+        if group.textured & group.used != 0 {
+            self.textures(group, &surfaces, &mut color);
+        }
+        let local = throughput * color.scale(f32x8::splat(simd, self.scene.ambient));
+        self.add(group.used, &path, local);
+
+        let [ks, kd, exponent] = group.reflection;
+        let points = LitPoints {
+            point: surfaces.point,
+            error: surfaces.error,
+            normal,
+            shading_normal,
+            view: -direction.normalize(),
+            color,
+            throughput,
+            reflection: Reflection {
+                ks: ks.simd_into(simd),
+                kd: kd.simd_into(simd),
+                exponent: exponent.simd_into(simd),
+            },
+        };
+        let lit = used & (mask(simd, group.two_sided) | !at_back);
+        let path: u32x8<S> = path.simd_into(simd);
+        if self.scene.plan.has_shadows() {
+            self.batch.lit.push_lanes(&points, path, lit);
+        }
+        let kr: f32x8<S> = group.kr.simd_into(simd);
+        if self.bounce < self.scene.bounces && kr.simd_gt(0.0).to_bitmask() & 0xFF != 0 {
+            let mut next = mirrors(&points, kr);
+            next.asked &= lit;
+            self.counters.secondary_rays += self.batch.next.push_lanes(&next, path) as u64;
+        }
+    }
+
+    /// Adds light to the paths of the lanes in use.
+    #[inline(always)]
+    fn add<S: Lanes>(&mut self, used: u32, path: &[u32; LANES], light: Vec3x8<S>) {
+        let radiance = &mut self.batch.paths.radiance;
+        if used == 0xFF && is_row(path) {
+            let first = path[0] as usize;
+            radiance.store(first, radiance.load(light.x.token(), first) + light);
+            return;
+        }
+        for (lane, &path) in path.iter().enumerate() {
+            if used >> lane & 1 == 1 {
+                radiance.add(path as usize, light.lane(lane));
+            }
+        }
+    }
+
+    /// Replaces the colours of hits on shapes with textures.
+    fn textures<S: Lanes>(&mut self, group: &Group, surfaces: &Surfaces<S>, color: &mut Vec3x8<S>) {
+        let (looks, geometry) = (&self.scene.looks, &self.scene.accel.geometry);
+        let mut textured = group.textured & group.used;
+        while textured != 0 {
+            let lane = textured.trailing_zeros() as usize & (LANES - 1);
+            textured &= textured - 1;
+            let Face { primitive, shape, .. } = group.faces[lane];
+            let shape = &looks.shapes[shape as usize];
+            let Some(texture) = &shape.texture else { continue };
+            let [y, z] = surfaces.barycentric;
+            let surface = group.surface(
+                lane,
+                surfaces.point.lane(lane),
+                surfaces.error.lane(lane),
+                surfaces.normal.lane(lane),
+                Vec2::new(y[lane], z[lane]),
+            );
+            self.counters.texels += texture.filter.texels();
+            let found = looks.texture_color(texture, shape, geometry, primitive, &surface);
+            color.set_lane(lane, found);
+        }
+    }
+}
+
+/// The lanes whose bits are set.
+#[inline(always)]
+fn mask<S: Lanes>(simd: S, bits: u32) -> mask32x8<S> {
+    mask32x8::from_bitmask(simd, u64::from(bits))
+}
+
+/// Whether numbers follow each other.
+#[inline(always)]
+fn is_row(numbers: &[u32; LANES]) -> bool {
+    let mut row = true;
+    for (lane, &number) in numbers.iter().enumerate() {
+        row &= number == numbers[0].wrapping_add(lane as u32);
+    }
+    row
+}
+
+/// The vectors of these rows.
+#[inline(always)]
+fn fetch<S: Lanes>(simd: S, column: &Vectors, rows: &[u32; LANES]) -> Vec3x8<S> {
+    if is_row(rows) { column.load(simd, rows[0] as usize) } else { column.gather(simd, rows) }
 }

