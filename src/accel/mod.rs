@@ -29,7 +29,7 @@ use packet::Packets;
 use stream::{Closest, Flight, Occluded, Query};
 use tree::Tree;
 
-pub use stream::Rays;
+pub use stream::{RayLanes, Rays};
 
 /// The number of no primitive.
 pub const NO_PRIMITIVE: u32 = u32::MAX;

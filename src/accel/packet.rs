@@ -19,7 +19,7 @@ use std::marker::PhantomData;
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, u32x8};
 
-use super::arena::{Kind, Node, Ref, child_of};
+use super::arena::{Kind, Node, Ref, View, child_of};
 use super::geometry::{Geometry, PreparedRay};
 use super::node::{distance, place};
 use super::stream::{self, Flight, FromRoot, Query, Rays};
@@ -27,7 +27,7 @@ use super::tree::{Root, Tree, reach};
 use super::{Hit, NO_PRIMITIVE, TestCounts, single};
 use crate::math::simd::{LANES, Lanes, entry};
 use remaining::{Handed, Remaining};
-use tile::{Beam, GROUPS, Tile, WIDTH, load};
+use tile::{Beam, GROUPS, Met, Tile, WIDTH, index_of, load, number_of};
 
 /// Rays in a tile.
 pub(super) const TILE: usize = 64;
@@ -109,6 +109,13 @@ pub(super) fn trace<S: Lanes, Q: Query, R: Rays + ?Sized>(
             next += count;
             continue;
         };
+        if !beam.meets(&root.bounds) {
+            judged.tiles += 1;
+            answers[next..next + count].fill(Q::NONE);
+            next += count;
+            continue;
+        }
+        tile.prepare(simd, beam.negative);
         let mut packet = Packet::<Q, R> {
             tree,
             geometry,
@@ -123,7 +130,10 @@ pub(super) fn trace<S: Lanes, Q: Query, R: Rays + ?Sized>(
             stack,
             query: PhantomData,
         };
-        let all = if count == TILE { u64::MAX } else { (1 << count) - 1 };
+        let mut all = u64::MAX;
+        for number in count..TILE {
+            all &= !(1 << index_of(number));
+        }
         packet.run(simd, root, all, visits, &mut judged, tests);
         packet.answer(answers, count);
         next += count;
@@ -183,7 +193,7 @@ impl<Q: Query, R: Rays + ?Sized> Packet<'_, Q, R> {
         visits.push(Visit { entry: entry(f32::NEG_INFINITY, root.place.bits()), rays: all });
         while let Some(Visit { entry, rays }) = visits.pop() {
             let rays = rays & !self.done;
-            if rays == 0 || distance(entry) > self.beam.reach {
+            if rays == 0 || distance(entry) > self.beam.reach[1] {
                 continue;
             }
             let at = place(entry);
@@ -193,7 +203,7 @@ impl<Q: Query, R: Rays + ?Sized> Packet<'_, Q, R> {
                 tests.nodes += 1;
                 judged.visits += 1;
                 judged.rays += u64::from(rays.count_ones());
-                self.visit_children(simd, arena.node(at), at, rays, visits);
+                self.visit_children(simd, arena, at, rays, visits);
             } else if few {
                 self.hand_over(simd, entry, rays, tests);
             } else {
@@ -207,20 +217,24 @@ impl<Q: Query, R: Rays + ?Sized> Packet<'_, Q, R> {
     fn visit_children<S: Lanes>(
         &self,
         simd: S,
-        node: &Node,
+        arena: View<'_>,
         at: Ref,
         rays: u64,
         visits: &mut Vec<Visit>,
     ) {
-        let (near, mask) = self.beam.children(simd, node);
+        let node = arena.node(at);
+        let Met { near, some, all } = self.beam.children(simd, node);
         let lanes: u32x8<S> = [0, 1, 2, 3, 4, 5, 6, 7].simd_into(simd);
         let mut met = [0; LANES];
-        simd.far_to_near(near, lanes, mask, &mut met);
-        for &child in &met[..mask.to_bitmask().count_ones() as usize] {
+        simd.far_to_near(near, lanes, some, &mut met);
+        let all = all.to_bitmask();
+        for &child in &met[..some.to_bitmask().count_ones() as usize] {
             let lane = child as u32 as usize & (LANES - 1);
-            let rays = self.rays_in(simd, node, lane, rays);
+            let rays =
+                if all >> lane & 1 == 1 { rays } else { self.rays_in(simd, node, lane, rays) };
             if rays != 0 {
                 let at = child_of(node, at, lane);
+                arena.prefetch(at);
                 visits.push(Visit { entry: entry(distance(child), at.bits()), rays });
             }
         }
@@ -282,7 +296,7 @@ impl<Q: Query, R: Rays + ?Sized> Packet<'_, Q, R> {
         while rest != 0 {
             let i = rest.trailing_zeros() as usize & (TILE - 1);
             rest &= rest - 1;
-            let number = self.start + i;
+            let number = self.start + number_of(i);
             let (before, count) = self.last[number];
             if count as usize == MOST_HANDED {
                 self.go_on(simd, place, i, tests);
@@ -299,7 +313,7 @@ impl<Q: Query, R: Rays + ?Sized> Packet<'_, Q, R> {
     /// Takes the `i`th ray through what is at `place`, alone.
     #[inline(always)]
     fn go_on<S: Lanes>(&mut self, simd: S, place: u64, i: usize, tests: &mut TestCounts) {
-        let ray = PreparedRay::new(&self.rays.ray(self.start + i));
+        let ray = PreparedRay::new(&self.rays.ray(self.start + number_of(i)));
         let best = self.best(i);
         self.stack[0] = place;
         let stack = (&mut *self.stack, 1);
@@ -317,6 +331,7 @@ impl<Q: Query, R: Rays + ?Sized> Packet<'_, Q, R> {
     #[inline(always)]
     fn answer(&self, answers: &mut [Q::Answer], count: usize) {
         for (i, answer) in answers[self.start..self.start + count].iter_mut().enumerate() {
+            let i = index_of(i);
             *answer = if Q::ANY {
                 let primitive = if self.done >> i & 1 == 1 { 0 } else { NO_PRIMITIVE };
                 Q::answer(Hit { t: 0.0, primitive })

@@ -7,6 +7,9 @@
 //! sorted and pushed as a vector, and the next is popped. So that no entry has to be looked at
 //! twice, a stack is cleared of what is too far when a hit is found, and only then.
 
+use fearless_simd::f32x8;
+use fearless_simd::prelude::*;
+
 use super::arena::{Kind, Ref};
 use super::geometry::{Geometry, PreparedRay};
 use super::node::{self, distance, place};
@@ -15,7 +18,7 @@ use super::single::{no_hit, or_miss};
 use super::tree::{Root, Tree, reach};
 use super::{Hit, TestCounts, leaf};
 use crate::math::ray::Ray;
-use crate::math::simd::{Lanes, entry};
+use crate::math::simd::{LANES, Lanes, entry};
 
 /// Rays in flight.
 pub(super) const FLIGHT: usize = 32;
@@ -27,6 +30,22 @@ pub trait Rays {
 
     /// The `i`th.
     fn ray(&self, i: usize) -> Ray;
+
+    /// Eight rays from the `i`th on, all of which there are.
+    fn eight<S: Lanes>(&self, simd: S, i: usize) -> RayLanes<S>;
+}
+
+/// Eight rays, a component each.
+#[derive(Clone, Copy)]
+pub struct RayLanes<S: Lanes> {
+    /// Where they start.
+    pub origin: [f32x8<S>; 3],
+    /// Where they go.
+    pub direction: [f32x8<S>; 3],
+    /// The ranges of t.
+    pub t_min: f32x8<S>,
+    /// The ranges of t.
+    pub t_max: f32x8<S>,
 }
 
 impl Rays for [Ray] {
@@ -38,6 +57,49 @@ impl Rays for [Ray] {
     fn ray(&self, i: usize) -> Ray {
         self[i]
     }
+
+    #[inline(always)]
+    fn eight<S: Lanes>(&self, simd: S, i: usize) -> RayLanes<S> {
+        let rows: &[[f32; LANES]] = bytemuck::cast_slice(&self[i..i + LANES]);
+        let [a, b, c, d, e, f, g, h] = *rows.first_chunk().unwrap_or(&[[0.0; LANES]; LANES]);
+        let (a, b): (f32x8<S>, f32x8<S>) = (a.simd_into(simd), b.simd_into(simd));
+        let (c, d): (f32x8<S>, f32x8<S>) = (c.simd_into(simd), d.simd_into(simd));
+        let (e, f): (f32x8<S>, f32x8<S>) = (e.simd_into(simd), f.simd_into(simd));
+        let (g, h): (f32x8<S>, f32x8<S>) = (g.simd_into(simd), h.simd_into(simd));
+        // Three perfect shuffles turn rows into columns.
+        let (a, b, c, d, e, f, g, h) = shuffle(a, b, c, d, e, f, g, h);
+        let (a, b, c, d, e, f, g, h) = shuffle(a, b, c, d, e, f, g, h);
+        let (ox, oy, oz, t_min, dx, dy, dz, t_max) = shuffle(a, b, c, d, e, f, g, h);
+        RayLanes { origin: [ox, oy, oz], direction: [dx, dy, dz], t_min, t_max }
+    }
+}
+
+/// Eight vectors.
+type Eight<S> = (f32x8<S>, f32x8<S>, f32x8<S>, f32x8<S>, f32x8<S>, f32x8<S>, f32x8<S>, f32x8<S>);
+
+/// Interleaves the first four with the last four.
+#[inline(always)]
+#[allow(clippy::too_many_arguments, clippy::many_single_char_names, reason = "a vector each")]
+fn shuffle<S: Lanes>(
+    a: f32x8<S>,
+    b: f32x8<S>,
+    c: f32x8<S>,
+    d: f32x8<S>,
+    e: f32x8<S>,
+    f: f32x8<S>,
+    g: f32x8<S>,
+    h: f32x8<S>,
+) -> Eight<S> {
+    (
+        a.zip_low(e),
+        a.zip_high(e),
+        b.zip_low(f),
+        b.zip_high(f),
+        c.zip_low(g),
+        c.zip_high(g),
+        d.zip_low(h),
+        d.zip_high(h),
+    )
 }
 
 /// A question about a ray.

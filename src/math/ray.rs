@@ -1,16 +1,18 @@
 //! The ray.
 
+use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
 /// The points `origin + t direction` with `t_min` < t < `t_max`.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
 pub struct Ray {
     /// Where it starts, in world space.
     pub origin: Vec3,
-    /// Where it goes. Not necessarily of unit length: t counts in lengths of it.
-    pub direction: Vec3,
     /// Hits at or before this t do not count.
     pub t_min: f32,
+    /// Where it goes. Not necessarily of unit length: t counts in lengths of it.
+    pub direction: Vec3,
     /// Hits at or after this t do not count.
     pub t_max: f32,
 }

@@ -7,10 +7,10 @@
 mod columns;
 
 use fearless_simd::prelude::*;
-use fearless_simd::{mask32x8, u32x8};
+use fearless_simd::{f32x8, mask32x8, u32x8};
 use glam::Vec3;
 
-use crate::accel::{Hit, Rays as RayColumns};
+use crate::accel::{Hit, RayLanes, Rays as RayColumns};
 use crate::kernels::blinn_phong::lanes::Reflection;
 use crate::kernels::shade::SHADOW_END;
 use crate::kernels::shade::lanes::{LitPoints as LitLanes, Mirrored, ShadowRequests};
@@ -45,6 +45,28 @@ impl RayColumns for Rays {
     #[inline(always)]
     fn ray(&self, i: usize) -> Ray {
         Ray::new(self.origin.get(i), self.direction.get(i))
+    }
+
+    #[inline(always)]
+    fn eight<S: Lanes>(&self, simd: S, i: usize) -> RayLanes<S> {
+        eight(simd, (&self.origin, &self.direction), i, f32::INFINITY)
+    }
+}
+
+/// Eight rays from the `i`th on, with t from 0 to `t_max`.
+#[inline(always)]
+fn eight<S: Lanes>(
+    simd: S,
+    (origin, direction): (&Vectors, &Vectors),
+    i: usize,
+    t_max: f32,
+) -> RayLanes<S> {
+    let (origin, direction) = (origin.load(simd, i), direction.load(simd, i));
+    RayLanes {
+        origin: [origin.x, origin.y, origin.z],
+        direction: [direction.x, direction.y, direction.z],
+        t_min: f32x8::splat(simd, 0.0),
+        t_max: f32x8::splat(simd, t_max),
     }
 }
 
@@ -184,6 +206,11 @@ impl RayColumns for ShadowRays {
     #[inline(always)]
     fn ray(&self, i: usize) -> Ray {
         Ray { t_max: SHADOW_END, ..Ray::new(self.origin.get(i), self.direction.get(i)) }
+    }
+
+    #[inline(always)]
+    fn eight<S: Lanes>(&self, simd: S, i: usize) -> RayLanes<S> {
+        eight(simd, (&self.origin, &self.direction), i, SHADOW_END)
     }
 }
 

@@ -3,7 +3,7 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, mask32x16, u32x16};
 
-use super::tile::{GROUPS, WIDTH, extent, load};
+use super::tile::{GROUPS, WIDTH, extent, load, number_of};
 use super::{Packet, TILE};
 use crate::accel::arena::{Kind, Patch, Ref, View};
 use crate::accel::geometry::PreparedRay;
@@ -46,7 +46,7 @@ impl<Q: Query, R: Rays + ?Sized> Packet<'_, Q, R> {
                 while rest != 0 {
                     let i = rest.trailing_zeros() as usize & (TILE - 1);
                     rest &= rest - 1;
-                    let ray = PreparedRay::new(&self.rays.ray(self.start + i));
+                    let ray = PreparedRay::new(&self.rays.ray(self.start + number_of(i)));
                     if Q::ANY {
                         if leaf::occluded(simd, arena, self.geometry, &ray, at, tests) {
                             self.set_done(i);
@@ -61,7 +61,7 @@ impl<Q: Query, R: Rays + ?Sized> Packet<'_, Q, R> {
             }
         }
         if !Q::ANY {
-            self.beam.reach = extent(simd, &self.tile.reach)[1];
+            self.beam.reach = extent(simd, &self.tile.reach);
         }
     }
 
@@ -124,7 +124,7 @@ impl<Q: Query, R: Rays + ?Sized> Packet<'_, Q, R> {
             while open != 0 {
                 let i = g * WIDTH + open.trailing_zeros() as usize % WIDTH;
                 open &= open - 1;
-                let ray = PreparedRay::new(&self.rays.ray(self.start + i));
+                let ray = PreparedRay::new(&self.rays.ray(self.start + number_of(i)));
                 let Some(t) = self.geometry.hit_again(number, &ray) else { continue };
                 if Q::ANY {
                     self.set_done(i);

@@ -8,8 +8,9 @@ use fearless_simd::{f32x8, f32x16, mask32x8};
 use super::TILE;
 use crate::accel::NO_PRIMITIVE;
 use crate::accel::arena::Node;
-use crate::accel::stream::Rays;
-use crate::kernels::slab::PADDING;
+use crate::accel::stream::{RayLanes, Rays};
+use crate::accel::tree::reach;
+use crate::kernels::slab::{Aabb, PADDING};
 use crate::kernels::triangle::T_TOLERANCE;
 use crate::kernels::triangle::lanes::ORDERS;
 use crate::math::float::{max, min};
@@ -43,6 +44,126 @@ pub(super) struct Tile {
     /// The axis along which every direction is longest.
     pub(super) longest: Option<usize>,
     pub(super) is_sheared: bool,
+    /// Whether what follows from origins, directions and ranges is filled in.
+    pub(super) is_prepared: bool,
+}
+
+/// Rays along an edge of a tile.
+const EDGE: usize = 8;
+
+/// The place in a tile's row of groups for the `i`th of its rays in their own order, row by row:
+/// each group is a block of 4 by 4, which meets less than one of 8 by 2 would.
+#[inline(always)]
+pub(super) fn index_of(number: usize) -> usize {
+    number & 0b100011 | (number & 0b011000) >> 1 | (number & 0b000100) << 2
+}
+
+/// The inverse of [`index_of`].
+#[inline(always)]
+pub(super) fn number_of(index: usize) -> usize {
+    index & 0b100011 | (index & 0b001100) << 1 | (index & 0b010000) >> 2
+}
+
+/// Writes a row of the tile.
+#[inline(always)]
+fn put<S: Lanes>(column: &mut Column, row: usize, values: f32x8<S>) {
+    let (left, right) = values.split();
+    let (group, lane) = (row / 4 * 2, row % 4 * 4);
+    left.store_slice(&mut column[group][lane..lane + 4]);
+    right.store_slice(&mut column[group + 1][lane..lane + 4]);
+}
+
+/// What bounds the rays seen so far.
+struct Extents<S: Lanes> {
+    low: RayLanes<S>,
+    high: RayLanes<S>,
+    valid: mask32x8<S>,
+}
+
+impl<S: Lanes> Extents<S> {
+    #[inline(always)]
+    fn new(simd: S) -> Self {
+        let all = |v: f32| f32x8::splat(simd, v);
+        let rays = |v: f32| RayLanes {
+            origin: [all(v), all(v), all(v)],
+            direction: [all(v), all(v), all(v)],
+            t_min: all(v),
+            t_max: all(v),
+        };
+        let valid = all(0.0).simd_eq(all(0.0));
+        Self { low: rays(f32::INFINITY), high: rays(f32::NEG_INFINITY), valid }
+    }
+
+    #[inline(always)]
+    fn add(&mut self, rays: &RayLanes<S>) {
+        for k in 0..3 {
+            let (origin, direction) = (rays.origin[k], rays.direction[k]);
+            self.low.origin[k] = self.low.origin[k].min(origin);
+            self.high.origin[k] = self.high.origin[k].max(origin);
+            self.low.direction[k] = self.low.direction[k].min(direction);
+            self.high.direction[k] = self.high.direction[k].max(direction);
+            self.valid &= origin.abs().simd_le(f32::MAX) & direction.abs().simd_le(f32::MAX);
+        }
+        self.low.t_min = self.low.t_min.min(rays.t_min);
+        self.high.t_min = self.high.t_min.max(rays.t_min);
+        self.low.t_max = self.low.t_max.min(rays.t_max);
+        self.high.t_max = self.high.t_max.max(rays.t_max);
+        self.valid &= rays.t_min.simd_le(rays.t_max);
+    }
+
+    /// What bounds the rays, if these are valid and have one sign along each axis.
+    #[inline(always)]
+    fn beam(&self) -> Option<Beam> {
+        let (low, high) = (&self.low, &self.high);
+        let x = [low.direction[0].reduce_min(), high.direction[0].reduce_max()];
+        let y = [low.direction[1].reduce_min(), high.direction[1].reduce_max()];
+        let z = [low.direction[2].reduce_min(), high.direction[2].reduce_max()];
+        if !(self.valid.all_true() && is_one_sign(x) && is_one_sign(y) && is_one_sign(z)) {
+            return None;
+        }
+        let ox = [low.origin[0].reduce_min(), high.origin[0].reduce_max()];
+        let oy = [low.origin[1].reduce_min(), high.origin[1].reduce_max()];
+        let oz = [low.origin[2].reduce_min(), high.origin[2].reduce_max()];
+        let farthest = max(greatest(ox), max(greatest(oy), greatest(oz)));
+        let pad = max(PADDING * farthest, f32::MIN_POSITIVE);
+        let negative = [x[1] < 0.0, y[1] < 0.0, z[1] < 0.0];
+        let (nx, fx) = origins(ox, pad, negative[0]);
+        let (ny, fy) = origins(oy, pad, negative[1]);
+        let (nz, fz) = origins(oz, pad, negative[2]);
+        Some(Beam {
+            negative,
+            reciprocal: [
+                [1.0 / x[1], 1.0 / x[0]],
+                [1.0 / y[1], 1.0 / y[0]],
+                [1.0 / z[1], 1.0 / z[0]],
+            ],
+            near_origin: [nx, ny, nz],
+            far_origin: [fx, fy, fz],
+            t_min: [low.t_min.reduce_min(), high.t_min.reduce_max()],
+            reach: [reach(low.t_max.reduce_min()), reach(high.t_max.reduce_max())],
+        })
+    }
+}
+
+/// The origins from which first planes are met earliest and latest, and last planes latest and
+/// earliest, given the extent of the origins and the most that they are shifted by.
+#[inline(always)]
+fn origins([low, high]: [f32; 2], pad: f32, negative: bool) -> ([f32; 2], [f32; 2]) {
+    if negative {
+        ([low - pad, high], [high + pad, low])
+    } else {
+        ([high + pad, low], [low - pad, high])
+    }
+}
+
+#[inline(always)]
+fn least([low, high]: [f32; 2]) -> f32 {
+    min(low.abs(), high.abs())
+}
+
+#[inline(always)]
+fn greatest([low, high]: [f32; 2]) -> f32 {
+    max(low.abs(), high.abs())
 }
 
 /// What bounds all rays of a tile.
@@ -51,11 +172,14 @@ pub(super) struct Beam {
     pub(super) negative: [bool; 3],
     /// Least and greatest.
     pub(super) reciprocal: [[f32; 2]; 3],
-    /// The origins from which planes are met earliest, and latest.
-    pub(super) near_origin: [f32; 3],
-    pub(super) far_origin: [f32; 3],
-    pub(super) t_min: f32,
-    pub(super) reach: f32,
+    /// The origins from which first planes are met earliest, and latest.
+    pub(super) near_origin: [[f32; 2]; 3],
+    /// The origins from which last planes are met latest, and earliest.
+    pub(super) far_origin: [[f32; 2]; 3],
+    /// Least and greatest.
+    pub(super) t_min: [f32; 2],
+    /// Least and greatest.
+    pub(super) reach: [f32; 2],
 }
 
 impl Tile {
@@ -76,6 +200,7 @@ impl Tile {
             shear: [column; 3],
             longest: None,
             is_sheared: false,
+            is_prepared: false,
         }
     };
 
@@ -88,57 +213,39 @@ impl Tile {
         rays: &(impl Rays + ?Sized),
         range: Range<usize>,
     ) -> Option<Beam> {
-        let mut valid = true;
-        for g in 0..GROUPS {
-            for l in 0..WIDTH {
+        let mut extents = Extents::new(simd);
+        for row in 0..EDGE {
+            let first = range.start + row * EDGE;
+            let eight = if first + EDGE <= range.end {
+                rays.eight(simd, first)
+            } else {
                 // Unused places repeat the last ray.
-                let ray = rays.ray((range.start + g * WIDTH + l).min(range.end - 1));
-                self.origin[0][g][l] = ray.origin.x;
-                self.origin[1][g][l] = ray.origin.y;
-                self.origin[2][g][l] = ray.origin.z;
-                self.direction[0][g][l] = ray.direction.x;
-                self.direction[1][g][l] = ray.direction.y;
-                self.direction[2][g][l] = ray.direction.z;
-                self.t_min[g][l] = ray.t_min;
-                self.t_max[g][l] = ray.t_max;
-                valid &= ray.is_valid();
+                let mut row = [rays.ray(range.end - 1); EDGE];
+                for (i, ray) in row.iter_mut().enumerate().take(range.end.saturating_sub(first)) {
+                    *ray = rays.ray(first + i);
+                }
+                row[..].eight(simd, 0)
+            };
+            for k in 0..3 {
+                put(&mut self.origin[k], row, eight.origin[k]);
+                put(&mut self.direction[k], row, eight.direction[k]);
             }
+            put(&mut self.t_min, row, eight.t_min);
+            put(&mut self.t_max, row, eight.t_max);
+            extents.add(&eight);
         }
-        let x = extent(simd, &self.direction[0]);
-        let y = extent(simd, &self.direction[1]);
-        let z = extent(simd, &self.direction[2]);
-        if !(valid && is_one_sign(x) && is_one_sign(y) && is_one_sign(z)) {
-            return None;
-        }
-        let negative = [x[1] < 0.0, y[1] < 0.0, z[1] < 0.0];
-        self.prepare(simd, negative);
-        self.longest = longest([x, y, z]);
+        self.is_prepared = false;
         self.is_sheared = false;
-        let mut beam = Beam {
-            negative,
-            reciprocal: [
-                [1.0 / x[1], 1.0 / x[0]],
-                [1.0 / y[1], 1.0 / y[0]],
-                [1.0 / z[1], 1.0 / z[0]],
-            ],
-            near_origin: [0.0; 3],
-            far_origin: [0.0; 3],
-            t_min: extent(simd, &self.t_min)[0],
-            reach: extent(simd, &self.reach)[1],
-        };
-        for k in 0..3 {
-            let near = extent(simd, &self.near_origin[k]);
-            let far = extent(simd, &self.far_origin[k]);
-            beam.near_origin[k] = near[usize::from(!negative[k])];
-            beam.far_origin[k] = far[usize::from(negative[k])];
-        }
+        let beam = extents.beam()?;
+        self.longest = longest(beam.reciprocal);
         Some(beam)
     }
 
     /// Fills what follows from origins, directions and ranges, as
     /// [`crate::kernels::slab::SlabRay::new`] does for one ray.
     #[inline(always)]
-    fn prepare<S: Lanes>(&mut self, simd: S, negative: [bool; 3]) {
+    pub(super) fn prepare<S: Lanes>(&mut self, simd: S, negative: [bool; 3]) {
+        self.is_prepared = true;
         for g in 0..GROUPS {
             let x = load(simd, &self.origin[0], g);
             let y = load(simd, &self.origin[1], g);
@@ -180,16 +287,17 @@ fn is_one_sign([low, high]: [f32; 2]) -> bool {
     low > f32::MIN_POSITIVE || high < -f32::MIN_POSITIVE
 }
 
-/// The axis along which every direction is longest, given the components' extents of one sign.
+/// The axis along which every direction is longest, given the extents of the reciprocals. The
+/// margin is for their rounding.
 #[inline(always)]
 fn longest([x, y, z]: [[f32; 2]; 3]) -> Option<usize> {
-    let least = |c: [f32; 2]| min(c[0].abs(), c[1].abs());
-    let greatest = |c: [f32; 2]| max(c[0].abs(), c[1].abs());
-    if least(x) > max(greatest(y), greatest(z)) {
+    let (x0, y0, z0) = (least(x), least(y), least(z));
+    let (x1, y1, z1) = (greatest(x) * 1.000_001, greatest(y) * 1.000_001, greatest(z) * 1.000_001);
+    if x1 < min(y0, z0) {
         Some(0)
-    } else if least(y) > max(greatest(x), greatest(z)) {
+    } else if y1 < min(x0, z0) {
         Some(1)
-    } else if least(z) > max(greatest(x), greatest(y)) {
+    } else if z1 < min(x0, y0) {
         Some(2)
     } else {
         None
@@ -206,34 +314,70 @@ pub(super) fn extent<S: Lanes>(simd: S, column: &Column) -> [f32; 2] {
     [low.reduce_min(), high.reduce_max()]
 }
 
+/// What a beam meets of a node's children.
+pub(super) struct Met<S: Lanes> {
+    /// The least t at which a ray can enter each child's box.
+    pub(super) near: f32x8<S>,
+    /// The children that rays can meet.
+    pub(super) some: mask32x8<S>,
+    /// The children that every ray meets, by its box and its range at least.
+    pub(super) all: mask32x8<S>,
+}
+
 impl Beam {
-    /// The least t at which a ray can enter each child's box, and the children that rays can meet.
+    /// Which children it meets.
     #[inline(always)]
-    pub(super) fn children<S: Lanes>(&self, simd: S, node: &Node) -> (f32x8<S>, mask32x8<S>) {
-        let (x0, x1) = self.axis(simd, &node.planes[0], 0);
-        let (y0, y1) = self.axis(simd, &node.planes[1], 1);
-        let (z0, z1) = self.axis(simd, &node.planes[2], 2);
-        let near = x0.max(y0).max(z0.max(f32x8::splat(simd, self.t_min)));
-        let far = x1.min(y1).min(z1.min(f32x8::splat(simd, self.reach)));
-        (near, near.simd_le(far))
+    pub(super) fn children<S: Lanes>(&self, simd: S, node: &Node) -> Met<S> {
+        let x = self.axis(simd, &node.planes[0], 0);
+        let y = self.axis(simd, &node.planes[1], 1);
+        let z = self.axis(simd, &node.planes[2], 2);
+        let near = x.near[0].max(y.near[0]).max(z.near[0].max(f32x8::splat(simd, self.t_min[0])));
+        let far = x.far[0].min(y.far[0]).min(z.far[0].min(f32x8::splat(simd, self.reach[1])));
+        let last = x.near[1].max(y.near[1]).max(z.near[1].max(f32x8::splat(simd, self.t_min[1])));
+        let first = x.far[1].min(y.far[1]).min(z.far[1].min(f32x8::splat(simd, self.reach[0])));
+        let some = near.simd_le(far);
+        Met { near, some, all: last.simd_le(first) & some }
     }
 
-    /// The least t at which a ray can meet the children's first planes across an axis, and the
-    /// greatest at which one can meet the last.
+    /// Whether a ray can meet the box.
     #[inline(always)]
-    fn axis<S: Lanes>(
-        &self,
-        simd: S,
-        planes: &[[f32; LANES]; 2],
-        k: usize,
-    ) -> (f32x8<S>, f32x8<S>) {
+    pub(super) fn meets(&self, bounds: &Aabb) -> bool {
+        let (mut near, mut far) = (self.t_min[0], self.reach[1]);
+        for k in 0..3 {
+            let (first, last) = if self.negative[k] {
+                (bounds.high[k], bounds.low[k])
+            } else {
+                (bounds.low[k], bounds.high[k])
+            };
+            let (first, last) = (first - self.near_origin[k][0], last - self.far_origin[k][0]);
+            let [low, high] = self.reciprocal[k];
+            near = max(near, min(first * low, first * high));
+            far = min(far, max(last * low, last * high));
+        }
+        near <= far
+    }
+
+    /// When rays meet the children's planes across an axis.
+    #[inline(always)]
+    fn axis<S: Lanes>(&self, simd: S, planes: &[[f32; LANES]; 2], k: usize) -> Crossing<S> {
         let first: f32x8<S> = planes[usize::from(self.negative[k])].simd_into(simd);
         let last: f32x8<S> = planes[usize::from(!self.negative[k])].simd_into(simd);
-        let (first, last) = (first - self.near_origin[k], last - self.far_origin[k]);
         let [low, high] = self.reciprocal[k];
+        let (first, then) = (first - self.near_origin[k][0], first - self.near_origin[k][1]);
+        let (last, before) = (last - self.far_origin[k][0], last - self.far_origin[k][1]);
         // Which of the two is earlier depends on the side of the plane that rays start on.
-        ((first * low).min(first * high), (last * low).max(last * high))
+        Crossing {
+            near: [(first * low).min(first * high), (then * low).max(then * high)],
+            far: [(last * low).max(last * high), (before * low).min(before * high)],
+        }
     }
+}
+
+/// The least and the greatest t at which rays meet the children's first planes across an axis, and
+/// the greatest and the least at which they meet the last.
+struct Crossing<S: Lanes> {
+    near: [f32x8<S>; 2],
+    far: [f32x8<S>; 2],
 }
 
 /// A group's part of a column.
