@@ -285,6 +285,12 @@ impl<'a> View<'a> {
         prefetch(rest.wrapping_add(64));
     }
 
+    /// Asks for the cache line of the numbers from `first` on.
+    #[inline(always)]
+    pub(super) fn prefetch_numbers(self, first: u32) {
+        prefetch(self.numbers.as_ptr().wrapping_add(first as usize).cast());
+    }
+
     #[inline(always)]
     fn at<T: Pod>(self, place: Ref) -> &'a T {
         const { assert!(align_of::<T>() <= align_of::<Unit>()) };

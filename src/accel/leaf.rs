@@ -114,6 +114,7 @@ fn triangles<S: Lanes>(
     match place.kind() {
         Kind::Patch => {
             let leaf = arena.patch(place);
+            arena.prefetch_numbers(leaf.first);
             tests.leaves += 1;
             tests.triangles += u64::from(leaf.count);
             let used = first_lanes(leaf.count);

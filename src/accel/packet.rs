@@ -33,10 +33,10 @@ use tile::{Beam, GROUPS, Met, Tile, WIDTH, index_of, load, number_of};
 pub(super) const TILE: usize = 64;
 
 /// So many rays, or fewer, have nothing to share.
-const FEW: u32 = 10;
+const FEW: u32 = 4;
 
 /// The same, in a leaf.
-const FEW_IN_LEAF: u32 = 3;
+const FEW_IN_LEAF: u32 = 0;
 
 /// The most places that a ray is handed over with; beyond them it goes on at once.
 pub(super) const MOST_HANDED: usize = 24;

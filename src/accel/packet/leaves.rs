@@ -3,15 +3,18 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, mask32x16, u32x16};
 
-use super::tile::{GROUPS, WIDTH, extent, load, number_of};
+use super::tile::{GROUPS, RayGroup, WIDTH, extent, number_of};
 use super::{Packet, TILE};
 use crate::accel::arena::{Kind, Patch, Ref, View};
 use crate::accel::geometry::PreparedRay;
 use crate::accel::stream::{Query, Rays};
 use crate::accel::{Hit, TestCounts, leaf};
 use crate::kernels::triangle::T_TOLERANCE;
-use crate::kernels::triangle::lanes::{ORDERS, Range, decide, edges};
+use crate::kernels::triangle::lanes::{ORDERS, decide, edges};
 use crate::math::simd::{LANES, Lanes};
+
+/// A group with so many rays in a leaf is tested as it is.
+const MANY_IN_GROUP: u32 = 8;
 
 impl<Q: Query, R: Rays + ?Sized> Packet<'_, Q, R> {
     /// Tests the leaf with each of `rays`.
@@ -28,18 +31,14 @@ impl<Q: Query, R: Rays + ?Sized> Packet<'_, Q, R> {
         match self.tile.longest {
             Some(longest) if at.kind() == Kind::Patch && !lights => {
                 let leaf = arena.patch(at);
+                arena.prefetch_numbers(leaf.first);
                 let count = u64::from(rays.count_ones());
                 tests.leaves += count;
                 tests.triangles += count * u64::from(leaf.count);
                 if !self.tile.is_sheared {
                     self.tile.shear(simd, longest);
                 }
-                for g in 0..GROUPS {
-                    let rays = (rays >> (g * WIDTH)) as u32 & 0xFFFF;
-                    if rays != 0 {
-                        self.visit_patch(simd, arena, leaf, ORDERS[longest.min(2)], (g, rays));
-                    }
-                }
+                self.visit_patch(simd, arena, leaf, ORDERS[longest.min(2)], rays);
             }
             _ => {
                 let mut rest = rays;
@@ -65,90 +64,182 @@ impl<Q: Query, R: Rays + ?Sized> Packet<'_, Q, R> {
         }
     }
 
-    /// Tests the triangles of a patch, one after the other, with the rays of a group.
+    /// Tests the triangles of a patch with `rays`: groups with many of them as they are, the others
+    /// put together.
     #[inline(always)]
     fn visit_patch<S: Lanes>(
         &mut self,
         simd: S,
         arena: View<'_>,
         leaf: &Patch,
-        [kx, ky, kz]: [usize; 3],
-        (g, rays): (usize, u32),
+        order: [usize; 3],
+        rays: u64,
     ) {
-        let tile = &*self.tile;
-        let ox = load(simd, &tile.origin[kx.min(2)], g);
-        let oy = load(simd, &tile.origin[ky.min(2)], g);
-        let oz = load(simd, &tile.origin[kz.min(2)], g);
-        let sx = load(simd, &tile.shear[0], g);
-        let sy = load(simd, &tile.shear[1], g);
-        let sz = load(simd, &tile.shear[2], g);
-        let mut vertices = [[[0.0_f32; WIDTH]; 3]; LANES];
-        for (v, vertex) in vertices.iter_mut().enumerate().take(leaf.vertices as usize) {
-            let x = f32x16::splat(simd, leaf.positions[kx.min(2)][v]) - ox;
-            let y = f32x16::splat(simd, leaf.positions[ky.min(2)][v]) - oy;
-            let z = f32x16::splat(simd, leaf.positions[kz.min(2)][v]) - oz;
-            vertex[0] = (x - sx * z).into();
-            vertex[1] = (y - sy * z).into();
-            vertex[2] = (sz * z).into();
-        }
-        let range = Range {
-            depth: load(simd, &tile.direction[kz.min(2)], g).abs(),
-            t_min: load(simd, &tile.t_min, g),
-            t_max: load(simd, &tile.t_max, g),
-        };
-        let mut rays = rays;
-        for triangle in 0..leaf.count as usize & 15 {
-            let a = &vertices[(leaf.corners[0] >> (4 * triangle)) as usize & 7];
-            let b = &vertices[(leaf.corners[1] >> (4 * triangle)) as usize & 7];
-            let c = &vertices[(leaf.corners[2] >> (4 * triangle)) as usize & 7];
-            let xy: [[f32x16<S>; 2]; 3] = [
-                [a[0].simd_into(simd), a[1].simd_into(simd)],
-                [b[0].simd_into(simd), b[1].simd_into(simd)],
-                [c[0].simd_into(simd), c[1].simd_into(simd)],
-            ];
-            let (edges, candidates) = edges(xy, rays);
-            if candidates == 0 {
-                continue;
-            }
-            let z: [f32x16<S>; 3] =
-                [a[2].simd_into(simd), b[2].simd_into(simd), c[2].simd_into(simd)];
-            let (t, certain, open) = decide(xy, z, edges, range, candidates);
-            let number = arena.number(leaf.first, triangle);
-            if Q::ANY {
-                self.done |= u64::from(certain) << (g * WIDTH);
-                rays &= !certain;
-            } else if certain != 0 {
-                self.offer(simd, g, t, number, certain);
-            }
-            let mut open = open;
-            while open != 0 {
-                let i = g * WIDTH + open.trailing_zeros() as usize % WIDTH;
-                open &= open - 1;
-                let ray = PreparedRay::new(&self.rays.ray(self.start + number_of(i)));
-                let Some(t) = self.geometry.hit_again(number, &ray) else { continue };
+        let mut scattered = 0;
+        for g in 0..GROUPS {
+            let group = (rays >> (g * WIDTH)) as u32 & 0xFFFF;
+            if group.count_ones() < MANY_IN_GROUP {
+                scattered |= u64::from(group) << (g * WIDTH);
+            } else {
+                let lanes = self.tile.group(simd, order, g);
+                let found = self.test_patch(simd, arena, leaf, lanes, group);
                 if Q::ANY {
-                    self.set_done(i);
-                } else {
-                    let best = self.best(i);
-                    if t < best.t || (t == best.t && number < best.primitive) {
-                        self.set_best(i, Hit { t, primitive: number });
+                    self.done |= u64::from(found.hit) << (g * WIDTH);
+                } else if found.hit != 0 {
+                    self.tile.best[g] = found.best.into();
+                    self.tile.primitive[g] = found.primitive.into();
+                    let reach = found.best + found.best.abs() * (4.0 * T_TOLERANCE);
+                    self.tile.reach[g] = reach.into();
+                }
+                let mut open = found.open;
+                while open != 0 {
+                    let l = open.trailing_zeros() as usize % WIDTH;
+                    open &= open - 1;
+                    self.ask_again(arena, leaf, g * WIDTH + l);
+                }
+            }
+        }
+        while scattered != 0 {
+            let mut indices = [0_u8; WIDTH];
+            let mut count = 0;
+            while scattered != 0 && count < WIDTH {
+                let i = scattered.trailing_zeros() as usize & (TILE - 1);
+                scattered &= scattered - 1;
+                indices[count] = i as u8;
+                self.tile.gather(order, count, i);
+                count += 1;
+            }
+            let lanes = self.tile.gathered(simd, order);
+            let found = self.test_patch(simd, arena, leaf, lanes, (1 << count) - 1);
+            let mut hit = found.hit;
+            if hit != 0 {
+                let best = <[f32; WIDTH]>::from(found.best);
+                let primitive = <[u32; WIDTH]>::from(found.primitive);
+                while hit != 0 {
+                    let l = hit.trailing_zeros() as usize % WIDTH;
+                    hit &= hit - 1;
+                    let i = usize::from(indices[l]) & (TILE - 1);
+                    if Q::ANY {
+                        self.set_done(i);
+                    } else {
+                        self.set_best(i, Hit { t: best[l], primitive: primitive[l] });
                     }
                 }
+            }
+            let mut open = found.open;
+            while open != 0 {
+                let l = open.trailing_zeros() as usize % WIDTH;
+                open &= open - 1;
+                self.ask_again(arena, leaf, usize::from(indices[l]) & (TILE - 1));
             }
         }
     }
 
-    /// Replaces the hits of those rays of `hit` that `t` is closer for.
-    #[inline(always)]
-    fn offer<S: Lanes>(&mut self, simd: S, g: usize, t: f32x16<S>, number: u32, hit: u32) {
-        let best: f32x16<S> = self.tile.best[g].simd_into(simd);
-        let primitive: u32x16<S> = self.tile.primitive[g].simd_into(simd);
-        let closer = t.simd_lt(best) | (t.simd_eq(best) & primitive.simd_gt(number));
-        let closer = closer & mask32x16::from_bitmask(simd, u64::from(hit));
-        let reach: f32x16<S> = self.tile.reach[g].simd_into(simd);
-        let new_reach = t + t.abs() * (4.0 * T_TOLERANCE);
-        self.tile.best[g] = closer.select(t, best).into();
-        self.tile.reach[g] = closer.select(new_reach, reach).into();
-        self.tile.primitive[g] = closer.select(u32x16::splat(simd, number), primitive).into();
+    /// Tests the triangles of a patch with the `i`th ray, each alone.
+    #[cold]
+    #[inline(never)]
+    fn ask_again(&mut self, arena: View<'_>, leaf: &Patch, i: usize) {
+        let ray = PreparedRay::new(&self.rays.ray(self.start + number_of(i)));
+        for triangle in 0..leaf.count as usize {
+            let number = arena.number(leaf.first, triangle);
+            let Some(t) = self.geometry.hit_again(number, &ray) else { continue };
+            if Q::ANY {
+                self.set_done(i);
+                return;
+            }
+            let best = self.best(i);
+            if t < best.t || (t == best.t && number < best.primitive) {
+                self.set_best(i, Hit { t, primitive: number });
+            }
+        }
     }
+
+    /// Tests the triangles of a patch with the rays of `used`.
+    #[inline(always)]
+    fn test_patch<S: Lanes>(
+        &mut self,
+        simd: S,
+        arena: View<'_>,
+        leaf: &Patch,
+        rays: RayGroup<S>,
+        used: u32,
+    ) -> Found<S> {
+        let [kx, ky, kz] = rays.order;
+        let vertices = &mut self.tile.vertices;
+        for v in 0..leaf.vertices as usize & 15 {
+            let vertex = &mut vertices[v & (LANES - 1)];
+            let x = f32x16::splat(simd, leaf.positions[kx.min(2)][v & (LANES - 1)]) - rays.origin[0];
+            let y = f32x16::splat(simd, leaf.positions[ky.min(2)][v & (LANES - 1)]) - rays.origin[1];
+            let z = f32x16::splat(simd, leaf.positions[kz.min(2)][v & (LANES - 1)]) - rays.origin[2];
+            vertex[0] = (x - rays.shear[0] * z).into();
+            vertex[1] = (y - rays.shear[1] * z).into();
+            vertex[2] = (rays.shear[2] * z).into();
+        }
+        // Which rays are not outside of which triangle, without a branch.
+        let mut inside = [0_u32; LANES];
+        let mut met = 0_u32;
+        for triangle in 0..leaf.count as usize & 15 {
+            let [a, b, c] = corners(leaf, vertices, triangle);
+            let xy = [plane(simd, a), plane(simd, b), plane(simd, c)];
+            let (_, candidates) = edges(xy, used);
+            inside[triangle & (LANES - 1)] = candidates;
+            met |= u32::from(candidates != 0) << triangle;
+        }
+        let mut found =
+            Found { best: rays.best, primitive: rays.primitive, hit: 0, open: 0 };
+        while met != 0 {
+            let triangle = met.trailing_zeros() as usize & (LANES - 1);
+            met &= met - 1;
+            let [a, b, c] = corners(leaf, vertices, triangle);
+            let xy = [plane(simd, a), plane(simd, b), plane(simd, c)];
+            let (edges, _) = edges(xy, used);
+            let z = [a[2].simd_into(simd), b[2].simd_into(simd), c[2].simd_into(simd)];
+            let (t, certain, open) = decide(xy, z, edges, rays.range, inside[triangle]);
+            found.open |= open;
+            if Q::ANY {
+                found.hit |= certain;
+            } else {
+                let number = arena.number(leaf.first, triangle);
+                let closer = t.simd_lt(found.best)
+                    | (t.simd_eq(found.best) & found.primitive.simd_gt(number));
+                let closer = closer & mask32x16::from_bitmask(simd, u64::from(certain));
+                found.best = closer.select(t, found.best);
+                found.primitive = closer.select(u32x16::splat(simd, number), found.primitive);
+                found.hit |= closer.to_bitmask() as u32;
+            }
+        }
+        found
+    }
+}
+
+/// What sixteen rays have found so far.
+struct Found<S: Lanes> {
+    best: f32x16<S>,
+    primitive: u32x16<S>,
+    /// The rays that have found it here.
+    hit: u32,
+    /// Those that have to be asked alone.
+    open: u32,
+}
+
+/// The corners of a triangle, in sheared space.
+#[inline(always)]
+fn corners<'a>(
+    leaf: &Patch,
+    vertices: &'a [[[f32; WIDTH]; 3]; LANES],
+    triangle: usize,
+) -> [&'a [[f32; WIDTH]; 3]; 3] {
+    let [a, b, c] = leaf.corners;
+    let at = 4 * triangle;
+    [
+        &vertices[(a >> at) as usize & (LANES - 1)],
+        &vertices[(b >> at) as usize & (LANES - 1)],
+        &vertices[(c >> at) as usize & (LANES - 1)],
+    ]
+}
+
+/// The first two coordinates.
+#[inline(always)]
+fn plane<S: Lanes>(simd: S, [x, y, _]: &[[f32; WIDTH]; 3]) -> [f32x16<S>; 2] {
+    [(*x).simd_into(simd), (*y).simd_into(simd)]
 }

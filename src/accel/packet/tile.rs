@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use fearless_simd::prelude::*;
-use fearless_simd::{f32x8, f32x16, mask32x8};
+use fearless_simd::{f32x8, f32x16, mask32x8, u32x16};
 
 use super::TILE;
 use crate::accel::NO_PRIMITIVE;
@@ -12,7 +12,7 @@ use crate::accel::stream::{RayLanes, Rays};
 use crate::accel::tree::reach;
 use crate::kernels::slab::{Aabb, PADDING};
 use crate::kernels::triangle::T_TOLERANCE;
-use crate::kernels::triangle::lanes::ORDERS;
+use crate::kernels::triangle::lanes::{self, ORDERS};
 use crate::math::float::{max, min};
 use crate::math::simd::{LANES, Lanes};
 
@@ -41,6 +41,11 @@ pub(super) struct Tile {
     pub(super) primitive: [[u32; WIDTH]; GROUPS],
     /// For triangles, once one is met: how far the direction leans, and 1 over its longest.
     pub(super) shear: [Column; 3],
+    /// The vertices of a leaf, as sixteen rays see them.
+    pub(super) vertices: [[[f32; WIDTH]; 3]; LANES],
+    /// Sixteen rays from anywhere: origin, shear, depth, `t_min`, `t_max`, best.
+    lanes: [[f32; WIDTH]; 10],
+    lane_primitive: [u32; WIDTH],
     /// The axis along which every direction is longest.
     pub(super) longest: Option<usize>,
     pub(super) is_sheared: bool,
@@ -198,6 +203,9 @@ impl Tile {
             best: column,
             primitive: [[NO_PRIMITIVE; WIDTH]; GROUPS],
             shear: [column; 3],
+            vertices: [[[0.0; WIDTH]; 3]; LANES],
+            lanes: [[0.0; WIDTH]; 10],
+            lane_primitive: [NO_PRIMITIVE; WIDTH],
             longest: None,
             is_sheared: false,
             is_prepared: false,
@@ -279,6 +287,84 @@ impl Tile {
         }
         self.is_sheared = true;
     }
+
+    /// Sixteen rays, with the axes in `order`.
+    #[inline(always)]
+    pub(super) fn group<S: Lanes>(
+        &self,
+        simd: S,
+        [kx, ky, kz]: [usize; 3],
+        g: usize,
+    ) -> RayGroup<S> {
+        RayGroup {
+            order: [kx, ky, kz],
+            origin: [
+                load(simd, &self.origin[kx.min(2)], g),
+                load(simd, &self.origin[ky.min(2)], g),
+                load(simd, &self.origin[kz.min(2)], g),
+            ],
+            shear: [
+                load(simd, &self.shear[0], g),
+                load(simd, &self.shear[1], g),
+                load(simd, &self.shear[2], g),
+            ],
+            range: lanes::Range {
+                depth: load(simd, &self.direction[kz.min(2)], g).abs(),
+                t_min: load(simd, &self.t_min, g),
+                t_max: load(simd, &self.t_max, g),
+            },
+            best: load(simd, &self.best, g),
+            primitive: self.primitive[g].simd_into(simd),
+        }
+    }
+
+    /// Puts the `i`th ray at `lane` of the rays put together.
+    #[inline(always)]
+    pub(super) fn gather(&mut self, [kx, ky, kz]: [usize; 3], lane: usize, i: usize) {
+        let (lane, i) = (lane % WIDTH, i % TILE);
+        let lanes = &mut self.lanes;
+        lanes[0][lane] = self.origin[kx.min(2)].as_flattened()[i];
+        lanes[1][lane] = self.origin[ky.min(2)].as_flattened()[i];
+        lanes[2][lane] = self.origin[kz.min(2)].as_flattened()[i];
+        lanes[3][lane] = self.shear[0].as_flattened()[i];
+        lanes[4][lane] = self.shear[1].as_flattened()[i];
+        lanes[5][lane] = self.shear[2].as_flattened()[i];
+        lanes[6][lane] = self.direction[kz.min(2)].as_flattened()[i].abs();
+        lanes[7][lane] = self.t_min.as_flattened()[i];
+        lanes[8][lane] = self.t_max.as_flattened()[i];
+        lanes[9][lane] = self.best.as_flattened()[i];
+        self.lane_primitive[lane] = self.primitive.as_flattened()[i];
+    }
+
+    /// The rays put together.
+    #[inline(always)]
+    pub(super) fn gathered<S: Lanes>(&self, simd: S, order: [usize; 3]) -> RayGroup<S> {
+        let [ox, oy, oz, sx, sy, sz, depth, t_min, t_max, best] = self.lanes;
+        RayGroup {
+            order,
+            origin: [ox.simd_into(simd), oy.simd_into(simd), oz.simd_into(simd)],
+            shear: [sx.simd_into(simd), sy.simd_into(simd), sz.simd_into(simd)],
+            range: lanes::Range {
+                depth: depth.simd_into(simd),
+                t_min: t_min.simd_into(simd),
+                t_max: t_max.simd_into(simd),
+            },
+            best: best.simd_into(simd),
+            primitive: self.lane_primitive.simd_into(simd),
+        }
+    }
+}
+
+/// Sixteen rays in front of a leaf.
+pub(super) struct RayGroup<S: Lanes> {
+    /// The axes, the longest last.
+    pub(super) order: [usize; 3],
+    /// In that order.
+    pub(super) origin: [f32x16<S>; 3],
+    pub(super) shear: [f32x16<S>; 3],
+    pub(super) range: lanes::Range<f32x16<S>>,
+    pub(super) best: f32x16<S>,
+    pub(super) primitive: u32x16<S>,
 }
 
 /// Whether a component between these has one sign, and a finite reciprocal.
