@@ -23,20 +23,26 @@ use super::arena::{Kind, Node, Ref, View, child_of};
 use super::geometry::{Geometry, PreparedRay};
 use super::node::{distance, place};
 use super::stream::{self, Flight, FromRoot, Query, Rays};
-use super::tree::{Root, Tree, reach};
-use super::{Hit, NO_PRIMITIVE, TestCounts, single};
+use super::tree::{Root, Tree};
+use super::{TestCounts, single};
 use crate::math::simd::{LANES, Lanes, entry};
 use remaining::{Handed, Remaining};
-use tile::{Beam, GROUPS, Met, Tile, WIDTH, index_of, load, number_of};
+use tile::{GROUPS, Gathered, Met, Tile, WIDTH, load, number_of};
+
+/// Tiles on their way together, so that one computes while another waits for memory.
+const TILES: usize = 4;
 
 /// Rays in a tile.
 pub(super) const TILE: usize = 64;
 
-/// So many rays, or fewer, have nothing to share.
+/// So many rays at a node, or fewer, have nothing to share.
 const FEW: u32 = 4;
 
+/// The same, if any hit will do.
+const FEW_FOR_ANY: u32 = 8;
+
 /// The same, in a leaf.
-const FEW_IN_LEAF: u32 = 0;
+const FEW_IN_LEAF_FOR_ANY: u32 = 2;
 
 /// The most places that a ray is handed over with; beyond them it goes on at once.
 pub(super) const MOST_HANDED: usize = 24;
@@ -61,8 +67,8 @@ const FIRST: u32 = u32::MAX;
 /// The memory of a thread's packets.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Packets {
-    tile: Option<Box<Tile>>,
-    visits: Vec<Visit>,
+    tiles: Vec<Tile>,
+    lanes: Box<Gathered>,
     handed: Vec<Handed>,
     /// For each ray of the batch the last of its places, and how many there are.
     last: Vec<(u32, u32)>,
@@ -85,59 +91,49 @@ pub(super) fn trace<S: Lanes, Q: Query, R: Rays + ?Sized>(
         answers.fill(Q::NONE);
         return;
     };
-    let Packets { tile, visits, handed, last, queue } = packets;
-    let tile = tile.get_or_insert_with(|| Box::new(Tile::EMPTY));
+    let Packets { tiles, lanes, handed, last, queue } = packets;
+    tiles.resize(TILES, Tile::EMPTY);
     handed.clear();
     queue.clear();
     last.clear();
     last.resize(rays.count(), (FIRST, 0));
-    let (mut next, mut judged) = (0, Judged::default());
-    // A tile that is not full shares less, but costs as much.
-    while next + TILE / 2 <= rays.count() && judged.is_coherent() {
-        let count = TILE.min(rays.count() - next);
-        let Some(beam) = tile.load(simd, rays, next..next + count) else {
-            // These go from the root, as the rest will.
-            answers[next..next + count].fill(Q::NONE);
-            for (number, last) in last.iter_mut().enumerate().skip(next).take(count) {
-                handed.push(Handed {
-                    entry: entry(f32::NEG_INFINITY, root.place.bits()),
-                    before: FIRST,
-                });
-                *last = (handed.len() as u32 - 1, 1);
-                queue.push(number as u32);
-            }
-            next += count;
-            continue;
-        };
-        if !beam.meets(&root.bounds) {
-            judged.tiles += 1;
-            answers[next..next + count].fill(Q::NONE);
-            next += count;
-            continue;
-        }
-        tile.prepare(simd, beam.negative);
-        let mut packet = Packet::<Q, R> {
-            tree,
-            geometry,
-            rays,
-            start: next,
-            tile,
-            beam,
-            done: 0,
-            handed,
-            last,
-            queue,
-            stack,
-            query: PhantomData,
-        };
-        let mut all = u64::MAX;
-        for number in count..TILE {
-            all &= !(1 << index_of(number));
-        }
-        packet.run(simd, root, all, visits, &mut judged, tests);
-        packet.answer(answers, count);
-        next += count;
+    let mut batch = Batch::<Q, R> {
+        tree,
+        geometry,
+        rays,
+        root,
+        next: 0,
+        judged: Judged::default(),
+        handed,
+        last,
+        queue,
+        lanes,
+        stack,
+        query: PhantomData,
+    };
+    let mut count = 0;
+    while count < TILES && batch.begin(simd, &mut tiles[count], answers) {
+        count += 1;
     }
+    let mut k = 0;
+    while count > 0 {
+        let tile = &mut tiles[k];
+        let mut is_done = !batch.step(simd, tile, tests);
+        if is_done {
+            tile.answer::<Q>(answers);
+            is_done = !batch.begin(simd, tile, answers);
+        }
+        if is_done {
+            count -= 1;
+            tiles.swap(k, count);
+        } else {
+            k += 1;
+        }
+        if k >= count {
+            k = 0;
+        }
+    }
+    let Batch { next, .. } = batch;
     let mut source = Remaining { queue, handed, last, rays, rest: FromRoot { rays, next, root } };
     stream::trace::<S, Q>(simd, tree, geometry, &mut source, answers, flight, tests);
 }
@@ -157,149 +153,107 @@ impl Judged {
     }
 }
 
-/// A tile on its way.
-struct Packet<'a, Q, R: ?Sized> {
+/// The tiles of a batch of rays.
+struct Batch<'a, Q, R: ?Sized> {
     tree: &'a Tree,
     geometry: &'a Geometry,
     rays: &'a R,
-    /// The number of its first ray.
-    start: usize,
-    tile: &'a mut Tile,
-    beam: Beam,
-    /// Rays that have found what they look for.
-    done: u64,
+    root: Root,
+    /// The first ray that no tile has seen.
+    next: usize,
+    judged: Judged,
     handed: &'a mut Vec<Handed>,
     last: &'a mut [(u32, u32)],
     queue: &'a mut Vec<u32>,
+    lanes: &'a mut Gathered,
     stack: &'a mut [u64],
     query: PhantomData<Q>,
 }
 
-impl<Q: Query, R: Rays + ?Sized> Packet<'_, Q, R> {
-    /// Takes the rays of `all` through the tree.
+impl<Q: Query, R: Rays + ?Sized> Batch<'_, Q, R> {
+    /// Puts the next tile that can meet anything at its beginning. Whether there is one.
     #[inline(always)]
-    fn run<S: Lanes>(
-        &mut self,
-        simd: S,
-        root: Root,
-        all: u64,
-        visits: &mut Vec<Visit>,
-        judged: &mut Judged,
-        tests: &mut TestCounts,
-    ) {
-        judged.tiles += 1;
+    fn begin<S: Lanes>(&mut self, simd: S, tile: &mut Tile, answers: &mut [Q::Answer]) -> bool {
+        // A tile that is not full shares less, but costs as much.
+        while self.next + TILE / 2 <= self.rays.count() && self.judged.is_coherent() {
+            let start = self.next;
+            let count = TILE.min(self.rays.count() - start);
+            self.next += count;
+            if !tile.load(simd, self.rays, start..start + count) {
+                // These go from the root, as the rest will.
+                answers[start..start + count].fill(Q::NONE);
+                for number in start..start + count {
+                    self.last[number] = (self.handed.len() as u32, 1);
+                    let entry = entry(f32::NEG_INFINITY, self.root.place.bits());
+                    self.handed.push(Handed { entry, before: FIRST });
+                    self.queue.push(number as u32);
+                }
+            } else if tile.beam.meets(&self.root.bounds) {
+                self.judged.tiles += 1;
+                tile.prepare(simd);
+                let entry = entry(f32::NEG_INFINITY, self.root.place.bits());
+                tile.visits.push(Visit { entry, rays: tile.all() });
+                return true;
+            } else {
+                self.judged.tiles += 1;
+                answers[start..start + count].fill(Q::NONE);
+            }
+        }
+        false
+    }
+
+    /// Takes a tile one step on. Whether there was one left.
+    #[inline(always)]
+    fn step<S: Lanes>(&mut self, simd: S, tile: &mut Tile, tests: &mut TestCounts) -> bool {
         let arena = self.tree.arena.view();
-        visits.clear();
-        visits.push(Visit { entry: entry(f32::NEG_INFINITY, root.place.bits()), rays: all });
-        while let Some(Visit { entry, rays }) = visits.pop() {
-            let rays = rays & !self.done;
-            if rays == 0 || distance(entry) > self.beam.reach[1] {
+        while let Some(Visit { entry, rays }) = tile.visits.pop() {
+            let rays = rays & !tile.done;
+            if rays == 0 || distance(entry) > tile.beam.reach[1] {
                 continue;
             }
             let at = place(entry);
             let is_node = at.kind() == Kind::Node;
-            let few = rays.count_ones() <= if is_node { FEW } else { FEW_IN_LEAF };
-            if is_node && (!few || at == root.place) {
-                tests.nodes += 1;
-                judged.visits += 1;
-                judged.rays += u64::from(rays.count_ones());
-                self.visit_children(simd, arena, at, rays, visits);
-            } else if few {
-                self.hand_over(simd, entry, rays, tests);
-            } else {
-                self.visit_leaf(simd, arena, at, rays, tests);
-            }
-        }
-    }
-
-    /// Puts the children that any ray of `rays` meets on `visits`, the nearest last.
-    #[inline(always)]
-    fn visit_children<S: Lanes>(
-        &self,
-        simd: S,
-        arena: View<'_>,
-        at: Ref,
-        rays: u64,
-        visits: &mut Vec<Visit>,
-    ) {
-        let node = arena.node(at);
-        let Met { near, some, all } = self.beam.children(simd, node);
-        let lanes: u32x8<S> = [0, 1, 2, 3, 4, 5, 6, 7].simd_into(simd);
-        let mut met = [0; LANES];
-        simd.far_to_near(near, lanes, some, &mut met);
-        let all = all.to_bitmask();
-        for &child in &met[..some.to_bitmask().count_ones() as usize] {
-            let lane = child as u32 as usize & (LANES - 1);
-            let rays =
-                if all >> lane & 1 == 1 { rays } else { self.rays_in(simd, node, lane, rays) };
-            if rays != 0 {
-                let at = child_of(node, at, lane);
-                arena.prefetch(at);
-                visits.push(Visit { entry: entry(distance(child), at.bits()), rays });
-            }
-        }
-    }
-
-    /// Which of `rays` meet the child.
-    #[inline(always)]
-    fn rays_in<S: Lanes>(&self, simd: S, node: &Node, lane: usize, rays: u64) -> u64 {
-        let tile = &*self.tile;
-        let [nx, ny, nz] = self.beam.negative;
-        let [x, y, z] = &node.planes;
-        let (x_first, x_last) = (x[usize::from(nx)][lane], x[usize::from(!nx)][lane]);
-        let (y_first, y_last) = (y[usize::from(ny)][lane], y[usize::from(!ny)][lane]);
-        let (z_first, z_last) = (z[usize::from(nz)][lane], z[usize::from(!nz)][lane]);
-        let mut met = 0;
-        for g in 0..GROUPS {
-            if rays >> (g * WIDTH) & 0xFFFF == 0 {
+            let most = match (Q::ANY, is_node) {
+                (true, true) => FEW_FOR_ANY,
+                (true, false) => FEW_IN_LEAF_FOR_ANY,
+                (false, true) => FEW,
+                (false, false) => 0,
+            };
+            if rays.count_ones() <= most && at != self.root.place {
+                self.hand_over(simd, tile, entry, rays, tests);
                 continue;
             }
-            let rx = load(simd, &tile.reciprocal[0], g);
-            let ry = load(simd, &tile.reciprocal[1], g);
-            let rz = load(simd, &tile.reciprocal[2], g);
-            let x0 = (f32x16::splat(simd, x_first) - load(simd, &tile.near_origin[0], g)) * rx;
-            let y0 = (f32x16::splat(simd, y_first) - load(simd, &tile.near_origin[1], g)) * ry;
-            let z0 = (f32x16::splat(simd, z_first) - load(simd, &tile.near_origin[2], g)) * rz;
-            let x1 = (f32x16::splat(simd, x_last) - load(simd, &tile.far_origin[0], g)) * rx;
-            let y1 = (f32x16::splat(simd, y_last) - load(simd, &tile.far_origin[1], g)) * ry;
-            let z1 = (f32x16::splat(simd, z_last) - load(simd, &tile.far_origin[2], g)) * rz;
-            let near = x0.max(y0).max(z0.max(load(simd, &tile.t_min, g)));
-            let far = x1.min(y1).min(z1.min(load(simd, &tile.reach, g)));
-            met |= near.simd_le(far).to_bitmask() << (g * WIDTH);
+            if is_node {
+                tests.nodes += 1;
+                self.judged.visits += 1;
+                self.judged.rays += u64::from(rays.count_ones());
+                visit_children(simd, tile, arena, at, rays);
+            } else {
+                self.visit_leaf(simd, tile, arena, at, rays, tests);
+            }
+            return true;
         }
-        met & rays
-    }
-
-    #[inline(always)]
-    fn set_done(&mut self, i: usize) {
-        self.done |= 1 << i;
-    }
-
-    #[inline(always)]
-    fn best(&self, i: usize) -> Hit {
-        let (g, l) = (i / WIDTH, i % WIDTH);
-        Hit { t: self.tile.best[g][l], primitive: self.tile.primitive[g][l] }
-    }
-
-    #[inline(always)]
-    fn set_best(&mut self, i: usize, hit: Hit) {
-        let (g, l) = (i / WIDTH, i % WIDTH);
-        self.tile.best[g][l] = hit.t;
-        self.tile.primitive[g][l] = hit.primitive;
-        self.tile.reach[g][l] = reach(hit.t);
+        false
     }
 
     /// Hands `rays` over to go on from `place`.
     #[inline(always)]
-    fn hand_over<S: Lanes>(&mut self, simd: S, place: u64, rays: u64, tests: &mut TestCounts) {
+    fn hand_over<S: Lanes>(
+        &mut self,
+        simd: S,
+        tile: &mut Tile,
+        place: u64,
+        rays: u64,
+        tests: &mut TestCounts,
+    ) {
         let mut rest = rays;
         while rest != 0 {
             let i = rest.trailing_zeros() as usize & (TILE - 1);
             rest &= rest - 1;
-            let number = self.start + number_of(i);
+            let number = tile.start + number_of(i);
             let (before, count) = self.last[number];
             if count as usize == MOST_HANDED {
-                self.go_on(simd, place, i, tests);
+                self.go_on(simd, tile, place, i, tests);
                 continue;
             }
             if count == 0 {
@@ -312,34 +266,83 @@ impl<Q: Query, R: Rays + ?Sized> Packet<'_, Q, R> {
 
     /// Takes the `i`th ray through what is at `place`, alone.
     #[inline(always)]
-    fn go_on<S: Lanes>(&mut self, simd: S, place: u64, i: usize, tests: &mut TestCounts) {
-        let ray = PreparedRay::new(&self.rays.ray(self.start + number_of(i)));
-        let best = self.best(i);
+    fn go_on<S: Lanes>(
+        &mut self,
+        simd: S,
+        tile: &mut Tile,
+        place: u64,
+        i: usize,
+        tests: &mut TestCounts,
+    ) {
+        let ray = PreparedRay::new(&self.rays.ray(tile.start + number_of(i)));
+        let best = tile.best(i);
         self.stack[0] = place;
         let stack = (&mut *self.stack, 1);
         if Q::ANY {
             if single::occluded(simd, self.tree, self.geometry, &ray, stack, tests) {
-                self.set_done(i);
+                tile.set_done(i);
             }
         } else {
             let best = single::closest(simd, self.tree, self.geometry, &ray, best, stack, tests);
-            self.set_best(i, best);
+            tile.set_best(i, best);
         }
     }
+}
 
-    /// Writes what is known of the first `count` rays.
-    #[inline(always)]
-    fn answer(&self, answers: &mut [Q::Answer], count: usize) {
-        for (i, answer) in answers[self.start..self.start + count].iter_mut().enumerate() {
-            let i = index_of(i);
-            *answer = if Q::ANY {
-                let primitive = if self.done >> i & 1 == 1 { 0 } else { NO_PRIMITIVE };
-                Q::answer(Hit { t: 0.0, primitive })
-            } else {
-                Q::answer(self.best(i))
-            };
+/// Puts the children that any ray of `rays` meets on `visits`, the nearest last.
+#[inline(always)]
+fn visit_children<S: Lanes>(
+    simd: S,
+    tile: &mut Tile,
+    arena: View<'_>,
+    at: Ref,
+    rays: u64,
+) {
+    let node = arena.node(at);
+    let Met { near, some, all } = tile.beam.children(simd, node);
+    let lanes: u32x8<S> = [0, 1, 2, 3, 4, 5, 6, 7].simd_into(simd);
+    let mut met = [0; LANES];
+    simd.far_to_near(near, lanes, some, &mut met);
+    let all = all.to_bitmask();
+    for &child in &met[..some.to_bitmask().count_ones() as usize] {
+        let lane = child as u32 as usize & (LANES - 1);
+        let rays =
+            if all >> lane & 1 == 1 { rays } else { rays_in(simd, tile, node, lane, rays) };
+        if rays != 0 {
+            let at = child_of(node, at, lane);
+            arena.prefetch(at);
+            tile.visits.push(Visit { entry: entry(distance(child), at.bits()), rays });
         }
     }
+}
+
+/// Which of `rays` meet the child.
+#[inline(always)]
+fn rays_in<S: Lanes>(simd: S, tile: &Tile, node: &Node, lane: usize, rays: u64) -> u64 {
+    let [nx, ny, nz] = tile.beam.negative;
+    let [x, y, z] = &node.planes;
+    let (x_first, x_last) = (x[usize::from(nx)][lane], x[usize::from(!nx)][lane]);
+    let (y_first, y_last) = (y[usize::from(ny)][lane], y[usize::from(!ny)][lane]);
+    let (z_first, z_last) = (z[usize::from(nz)][lane], z[usize::from(!nz)][lane]);
+    let mut met = 0;
+    for g in 0..GROUPS {
+        if rays >> (g * WIDTH) & 0xFFFF == 0 {
+            continue;
+        }
+        let rx = load(simd, &tile.reciprocal[0], g);
+        let ry = load(simd, &tile.reciprocal[1], g);
+        let rz = load(simd, &tile.reciprocal[2], g);
+        let x0 = (f32x16::splat(simd, x_first) - load(simd, &tile.near_origin[0], g)) * rx;
+        let y0 = (f32x16::splat(simd, y_first) - load(simd, &tile.near_origin[1], g)) * ry;
+        let z0 = (f32x16::splat(simd, z_first) - load(simd, &tile.near_origin[2], g)) * rz;
+        let x1 = (f32x16::splat(simd, x_last) - load(simd, &tile.far_origin[0], g)) * rx;
+        let y1 = (f32x16::splat(simd, y_last) - load(simd, &tile.far_origin[1], g)) * ry;
+        let z1 = (f32x16::splat(simd, z_last) - load(simd, &tile.far_origin[2], g)) * rz;
+        let near = x0.max(y0).max(z0.max(load(simd, &tile.t_min, g)));
+        let far = x1.min(y1).min(z1.min(load(simd, &tile.reach, g)));
+        met |= near.simd_le(far).to_bitmask() << (g * WIDTH);
+    }
+    met & rays
 }
 
 #[cfg(test)]

@@ -3,8 +3,8 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, mask32x16, u32x16};
 
-use super::tile::{GROUPS, RayGroup, WIDTH, extent, number_of};
-use super::{Packet, TILE};
+use super::tile::{GROUPS, RayGroup, Tile, WIDTH, extent, number_of};
+use super::{Batch, TILE};
 use crate::accel::arena::{Kind, Patch, Ref, View};
 use crate::accel::geometry::PreparedRay;
 use crate::accel::stream::{Query, Rays};
@@ -16,51 +16,52 @@ use crate::math::simd::{LANES, Lanes};
 /// A group with so many rays in a leaf is tested as it is.
 const MANY_IN_GROUP: u32 = 8;
 
-impl<Q: Query, R: Rays + ?Sized> Packet<'_, Q, R> {
+impl<Q: Query, R: Rays + ?Sized> Batch<'_, Q, R> {
     /// Tests the leaf with each of `rays`.
     #[inline(always)]
     pub(super) fn visit_leaf<S: Lanes>(
         &mut self,
         simd: S,
+        tile: &mut Tile,
         arena: View<'_>,
         at: Ref,
         rays: u64,
         tests: &mut TestCounts,
     ) {
         let lights = Q::ANY && !self.geometry.lights.is_empty();
-        match self.tile.longest {
+        match tile.longest {
             Some(longest) if at.kind() == Kind::Patch && !lights => {
                 let leaf = arena.patch(at);
                 arena.prefetch_numbers(leaf.first);
                 let count = u64::from(rays.count_ones());
                 tests.leaves += count;
                 tests.triangles += count * u64::from(leaf.count);
-                if !self.tile.is_sheared {
-                    self.tile.shear(simd, longest);
+                if !tile.is_sheared {
+                    tile.shear(simd, longest);
                 }
-                self.visit_patch(simd, arena, leaf, ORDERS[longest.min(2)], rays);
+                self.visit_patch(simd, tile, arena, leaf, ORDERS[longest.min(2)], rays);
             }
             _ => {
                 let mut rest = rays;
                 while rest != 0 {
                     let i = rest.trailing_zeros() as usize & (TILE - 1);
                     rest &= rest - 1;
-                    let ray = PreparedRay::new(&self.rays.ray(self.start + number_of(i)));
+                    let ray = PreparedRay::new(&self.rays.ray(tile.start + number_of(i)));
                     if Q::ANY {
                         if leaf::occluded(simd, arena, self.geometry, &ray, at, tests) {
-                            self.set_done(i);
+                            tile.set_done(i);
                         }
                     } else {
-                        let mut best = self.best(i);
+                        let mut best = tile.best(i);
                         if leaf::closest(simd, arena, self.geometry, &ray, at, &mut best, tests) {
-                            self.set_best(i, best);
+                            tile.set_best(i, best);
                         }
                     }
                 }
             }
         }
         if !Q::ANY {
-            self.beam.reach = extent(simd, &self.tile.reach);
+            tile.beam.reach = extent(simd, &tile.reach);
         }
     }
 
@@ -70,6 +71,7 @@ impl<Q: Query, R: Rays + ?Sized> Packet<'_, Q, R> {
     fn visit_patch<S: Lanes>(
         &mut self,
         simd: S,
+        tile: &mut Tile,
         arena: View<'_>,
         leaf: &Patch,
         order: [usize; 3],
@@ -81,21 +83,21 @@ impl<Q: Query, R: Rays + ?Sized> Packet<'_, Q, R> {
             if group.count_ones() < MANY_IN_GROUP {
                 scattered |= u64::from(group) << (g * WIDTH);
             } else {
-                let lanes = self.tile.group(simd, order, g);
+                let lanes = tile.group(simd, order, g);
                 let found = self.test_patch(simd, arena, leaf, lanes, group);
                 if Q::ANY {
-                    self.done |= u64::from(found.hit) << (g * WIDTH);
+                    tile.done |= u64::from(found.hit) << (g * WIDTH);
                 } else if found.hit != 0 {
-                    self.tile.best[g] = found.best.into();
-                    self.tile.primitive[g] = found.primitive.into();
+                    tile.best[g] = found.best.into();
+                    tile.primitive[g] = found.primitive.into();
                     let reach = found.best + found.best.abs() * (4.0 * T_TOLERANCE);
-                    self.tile.reach[g] = reach.into();
+                    tile.reach[g] = reach.into();
                 }
                 let mut open = found.open;
                 while open != 0 {
                     let l = open.trailing_zeros() as usize % WIDTH;
                     open &= open - 1;
-                    self.ask_again(arena, leaf, g * WIDTH + l);
+                    self.ask_again(tile, arena, leaf, g * WIDTH + l);
                 }
             }
         }
@@ -106,10 +108,10 @@ impl<Q: Query, R: Rays + ?Sized> Packet<'_, Q, R> {
                 let i = scattered.trailing_zeros() as usize & (TILE - 1);
                 scattered &= scattered - 1;
                 indices[count] = i as u8;
-                self.tile.gather(order, count, i);
+                self.lanes.put(tile, order, count, i);
                 count += 1;
             }
-            let lanes = self.tile.gathered(simd, order);
+            let lanes = self.lanes.get(simd, order);
             let found = self.test_patch(simd, arena, leaf, lanes, (1 << count) - 1);
             let mut hit = found.hit;
             if hit != 0 {
@@ -120,9 +122,9 @@ impl<Q: Query, R: Rays + ?Sized> Packet<'_, Q, R> {
                     hit &= hit - 1;
                     let i = usize::from(indices[l]) & (TILE - 1);
                     if Q::ANY {
-                        self.set_done(i);
+                        tile.set_done(i);
                     } else {
-                        self.set_best(i, Hit { t: best[l], primitive: primitive[l] });
+                        tile.set_best(i, Hit { t: best[l], primitive: primitive[l] });
                     }
                 }
             }
@@ -130,7 +132,7 @@ impl<Q: Query, R: Rays + ?Sized> Packet<'_, Q, R> {
             while open != 0 {
                 let l = open.trailing_zeros() as usize % WIDTH;
                 open &= open - 1;
-                self.ask_again(arena, leaf, usize::from(indices[l]) & (TILE - 1));
+                self.ask_again(tile, arena, leaf, usize::from(indices[l]) & (TILE - 1));
             }
         }
     }
@@ -138,18 +140,18 @@ impl<Q: Query, R: Rays + ?Sized> Packet<'_, Q, R> {
     /// Tests the triangles of a patch with the `i`th ray, each alone.
     #[cold]
     #[inline(never)]
-    fn ask_again(&mut self, arena: View<'_>, leaf: &Patch, i: usize) {
-        let ray = PreparedRay::new(&self.rays.ray(self.start + number_of(i)));
+    fn ask_again(&mut self, tile: &mut Tile, arena: View<'_>, leaf: &Patch, i: usize) {
+        let ray = PreparedRay::new(&self.rays.ray(tile.start + number_of(i)));
         for triangle in 0..leaf.count as usize {
             let number = arena.number(leaf.first, triangle);
             let Some(t) = self.geometry.hit_again(number, &ray) else { continue };
             if Q::ANY {
-                self.set_done(i);
+                tile.set_done(i);
                 return;
             }
-            let best = self.best(i);
+            let best = tile.best(i);
             if t < best.t || (t == best.t && number < best.primitive) {
-                self.set_best(i, Hit { t, primitive: number });
+                tile.set_best(i, Hit { t, primitive: number });
             }
         }
     }
@@ -165,7 +167,7 @@ impl<Q: Query, R: Rays + ?Sized> Packet<'_, Q, R> {
         used: u32,
     ) -> Found<S> {
         let [kx, ky, kz] = rays.order;
-        let vertices = &mut self.tile.vertices;
+        let vertices = &mut self.lanes.vertices;
         for v in 0..leaf.vertices as usize & 15 {
             let vertex = &mut vertices[v & (LANES - 1)];
             let x = f32x16::splat(simd, leaf.positions[kx.min(2)][v & (LANES - 1)]) - rays.origin[0];

@@ -5,10 +5,10 @@ use std::ops::Range;
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x8, f32x16, mask32x8, u32x16};
 
-use super::TILE;
-use crate::accel::NO_PRIMITIVE;
+use super::{TILE, Visit};
+use crate::accel::{Hit, NO_PRIMITIVE};
 use crate::accel::arena::Node;
-use crate::accel::stream::{RayLanes, Rays};
+use crate::accel::stream::{Query, RayLanes, Rays};
 use crate::accel::tree::reach;
 use crate::kernels::slab::{Aabb, PADDING};
 use crate::kernels::triangle::T_TOLERANCE;
@@ -41,16 +41,18 @@ pub(super) struct Tile {
     pub(super) primitive: [[u32; WIDTH]; GROUPS],
     /// For triangles, once one is met: how far the direction leans, and 1 over its longest.
     pub(super) shear: [Column; 3],
-    /// The vertices of a leaf, as sixteen rays see them.
-    pub(super) vertices: [[[f32; WIDTH]; 3]; LANES],
-    /// Sixteen rays from anywhere: origin, shear, depth, `t_min`, `t_max`, best.
-    lanes: [[f32; WIDTH]; 10],
-    lane_primitive: [u32; WIDTH],
     /// The axis along which every direction is longest.
     pub(super) longest: Option<usize>,
     pub(super) is_sheared: bool,
-    /// Whether what follows from origins, directions and ranges is filled in.
-    pub(super) is_prepared: bool,
+    pub(super) beam: Beam,
+    /// The number of its first ray.
+    pub(super) start: usize,
+    /// How many rays it has.
+    count: usize,
+    /// Rays that have found what they look for.
+    pub(super) done: u64,
+    /// Places still to be visited, the next one last.
+    pub(super) visits: Vec<Visit>,
 }
 
 /// Rays along an edge of a tile.
@@ -203,24 +205,25 @@ impl Tile {
             best: column,
             primitive: [[NO_PRIMITIVE; WIDTH]; GROUPS],
             shear: [column; 3],
-            vertices: [[[0.0; WIDTH]; 3]; LANES],
-            lanes: [[0.0; WIDTH]; 10],
-            lane_primitive: [NO_PRIMITIVE; WIDTH],
             longest: None,
             is_sheared: false,
-            is_prepared: false,
+            beam: Beam::EMPTY,
+            start: 0,
+            count: 0,
+            done: 0,
+            visits: Vec::new(),
         }
     };
 
-    /// Takes the rays of `range`, at least one; `None` where they are not fit for a packet: not all
-    /// valid, or not of one sign along each axis.
+    /// Takes the rays of `range`, at least one. Whether they are fit for a packet: all valid, and of
+    /// one sign along each axis.
     #[inline(always)]
     pub(super) fn load<S: Lanes>(
         &mut self,
         simd: S,
         rays: &(impl Rays + ?Sized),
         range: Range<usize>,
-    ) -> Option<Beam> {
+    ) -> bool {
         let mut extents = Extents::new(simd);
         for row in 0..EDGE {
             let first = range.start + row * EDGE;
@@ -242,18 +245,66 @@ impl Tile {
             put(&mut self.t_max, row, eight.t_max);
             extents.add(&eight);
         }
-        self.is_prepared = false;
         self.is_sheared = false;
-        let beam = extents.beam()?;
+        self.done = 0;
+        self.visits.clear();
+        (self.start, self.count) = (range.start, range.len());
+        let Some(beam) = extents.beam() else { return false };
         self.longest = longest(beam.reciprocal);
-        Some(beam)
+        self.beam = beam;
+        true
+    }
+
+    /// Its rays.
+    #[inline(always)]
+    pub(super) fn all(&self) -> u64 {
+        let mut all = u64::MAX;
+        for number in self.count..TILE {
+            all &= !(1 << index_of(number));
+        }
+        all
+    }
+
+    #[inline(always)]
+    pub(super) fn set_done(&mut self, i: usize) {
+        self.done |= 1 << i;
+    }
+
+    /// What the `i`th ray has found.
+    #[inline(always)]
+    pub(super) fn best(&self, i: usize) -> Hit {
+        let (g, l) = (i / WIDTH, i % WIDTH);
+        Hit { t: self.best[g][l], primitive: self.primitive[g][l] }
+    }
+
+    #[inline(always)]
+    pub(super) fn set_best(&mut self, i: usize, hit: Hit) {
+        let (g, l) = (i / WIDTH, i % WIDTH);
+        self.best[g][l] = hit.t;
+        self.primitive[g][l] = hit.primitive;
+        self.reach[g][l] = reach(hit.t);
+    }
+
+    /// Writes what is known of its rays.
+    #[inline(always)]
+    pub(super) fn answer<Q: Query>(&self, answers: &mut [Q::Answer]) {
+        let answers = &mut answers[self.start..self.start + self.count];
+        for (number, answer) in answers.iter_mut().enumerate() {
+            let i = index_of(number);
+            *answer = if Q::ANY {
+                let primitive = if self.done >> i & 1 == 1 { 0 } else { NO_PRIMITIVE };
+                Q::answer(Hit { t: 0.0, primitive })
+            } else {
+                Q::answer(self.best(i))
+            };
+        }
     }
 
     /// Fills what follows from origins, directions and ranges, as
     /// [`crate::kernels::slab::SlabRay::new`] does for one ray.
     #[inline(always)]
-    pub(super) fn prepare<S: Lanes>(&mut self, simd: S, negative: [bool; 3]) {
-        self.is_prepared = true;
+    pub(super) fn prepare<S: Lanes>(&mut self, simd: S) {
+        let negative = self.beam.negative;
         for g in 0..GROUPS {
             let x = load(simd, &self.origin[0], g);
             let y = load(simd, &self.origin[1], g);
@@ -317,28 +368,41 @@ impl Tile {
             primitive: self.primitive[g].simd_into(simd),
         }
     }
+}
 
-    /// Puts the `i`th ray at `lane` of the rays put together.
+/// Rays from anywhere in a tile, put together, and what they are tested with.
+#[derive(Clone, Debug, Default)]
+#[repr(align(64))]
+pub(super) struct Gathered {
+    /// Origin, shear, depth, `t_min`, `t_max`, best.
+    lanes: [[f32; WIDTH]; 10],
+    primitive: [u32; WIDTH],
+    /// The vertices of a leaf, as sixteen rays see them.
+    pub(super) vertices: [[[f32; WIDTH]; 3]; LANES],
+}
+
+impl Gathered {
+    /// Puts the `i`th ray of `tile` at `lane`.
     #[inline(always)]
-    pub(super) fn gather(&mut self, [kx, ky, kz]: [usize; 3], lane: usize, i: usize) {
+    pub(super) fn put(&mut self, tile: &Tile, [kx, ky, kz]: [usize; 3], lane: usize, i: usize) {
         let (lane, i) = (lane % WIDTH, i % TILE);
         let lanes = &mut self.lanes;
-        lanes[0][lane] = self.origin[kx.min(2)].as_flattened()[i];
-        lanes[1][lane] = self.origin[ky.min(2)].as_flattened()[i];
-        lanes[2][lane] = self.origin[kz.min(2)].as_flattened()[i];
-        lanes[3][lane] = self.shear[0].as_flattened()[i];
-        lanes[4][lane] = self.shear[1].as_flattened()[i];
-        lanes[5][lane] = self.shear[2].as_flattened()[i];
-        lanes[6][lane] = self.direction[kz.min(2)].as_flattened()[i].abs();
-        lanes[7][lane] = self.t_min.as_flattened()[i];
-        lanes[8][lane] = self.t_max.as_flattened()[i];
-        lanes[9][lane] = self.best.as_flattened()[i];
-        self.lane_primitive[lane] = self.primitive.as_flattened()[i];
+        lanes[0][lane] = tile.origin[kx.min(2)].as_flattened()[i];
+        lanes[1][lane] = tile.origin[ky.min(2)].as_flattened()[i];
+        lanes[2][lane] = tile.origin[kz.min(2)].as_flattened()[i];
+        lanes[3][lane] = tile.shear[0].as_flattened()[i];
+        lanes[4][lane] = tile.shear[1].as_flattened()[i];
+        lanes[5][lane] = tile.shear[2].as_flattened()[i];
+        lanes[6][lane] = tile.direction[kz.min(2)].as_flattened()[i].abs();
+        lanes[7][lane] = tile.t_min.as_flattened()[i];
+        lanes[8][lane] = tile.t_max.as_flattened()[i];
+        lanes[9][lane] = tile.best.as_flattened()[i];
+        self.primitive[lane] = tile.primitive.as_flattened()[i];
     }
 
     /// The rays put together.
     #[inline(always)]
-    pub(super) fn gathered<S: Lanes>(&self, simd: S, order: [usize; 3]) -> RayGroup<S> {
+    pub(super) fn get<S: Lanes>(&self, simd: S, order: [usize; 3]) -> RayGroup<S> {
         let [ox, oy, oz, sx, sy, sz, depth, t_min, t_max, best] = self.lanes;
         RayGroup {
             order,
@@ -350,7 +414,7 @@ impl Tile {
                 t_max: t_max.simd_into(simd),
             },
             best: best.simd_into(simd),
-            primitive: self.lane_primitive.simd_into(simd),
+            primitive: self.primitive.simd_into(simd),
         }
     }
 }
@@ -411,6 +475,15 @@ pub(super) struct Met<S: Lanes> {
 }
 
 impl Beam {
+    const EMPTY: Self = Self {
+        negative: [false; 3],
+        reciprocal: [[0.0; 2]; 3],
+        near_origin: [[0.0; 2]; 3],
+        far_origin: [[0.0; 2]; 3],
+        t_min: [0.0; 2],
+        reach: [0.0; 2],
+    };
+
     /// Which children it meets.
     #[inline(always)]
     pub(super) fn children<S: Lanes>(&self, simd: S, node: &Node) -> Met<S> {
