@@ -320,17 +320,19 @@ pub(super) fn child_of(node: &Node, place: Ref, lane: usize) -> Ref {
     Ref(node.children[lane] + base(place))
 }
 
+/// Asks for a cache line.
 #[cfg(target_arch = "x86_64")]
 #[inline(always)]
-fn prefetch(address: *const i8) {
+pub(super) fn prefetch(address: *const i8) {
     use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
     // SAFETY: a hint, which reads nothing and faults nowhere.
     unsafe { _mm_prefetch::<_MM_HINT_T0>(address) };
 }
 
+/// Asks for a cache line, where that can be said.
 #[cfg(not(target_arch = "x86_64"))]
 #[inline(always)]
-fn prefetch(_: *const i8) {}
+pub(super) fn prefetch(_: *const i8) {}
 
 /// A reference to the first unit, of a `kind`.
 pub fn root_of(kind: Kind) -> Ref {

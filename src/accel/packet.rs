@@ -27,7 +27,7 @@ use super::tree::{Root, Tree};
 use super::{TestCounts, single};
 use crate::math::simd::{LANES, Lanes, entry};
 use remaining::{Handed, Remaining};
-use tile::{GROUPS, Gathered, Met, Tile, WIDTH, load, number_of};
+use tile::{GROUPS, Met, Tile, Vertices, WIDTH, extent, load, number_of};
 
 /// Tiles on their way together, so that one computes while another waits for memory.
 const TILES: usize = 4;
@@ -68,7 +68,7 @@ const FIRST: u32 = u32::MAX;
 #[derive(Clone, Debug, Default)]
 pub(super) struct Packets {
     tiles: Vec<Tile>,
-    lanes: Box<Gathered>,
+    vertices: Box<Vertices>,
     handed: Vec<Handed>,
     /// For each ray of the batch the last of its places, and how many there are.
     last: Vec<(u32, u32)>,
@@ -91,7 +91,7 @@ pub(super) fn trace<S: Lanes, Q: Query, R: Rays + ?Sized>(
         answers.fill(Q::NONE);
         return;
     };
-    let Packets { tiles, lanes, handed, last, queue } = packets;
+    let Packets { tiles, vertices, handed, last, queue } = packets;
     tiles.resize(TILES, Tile::EMPTY);
     handed.clear();
     queue.clear();
@@ -107,7 +107,7 @@ pub(super) fn trace<S: Lanes, Q: Query, R: Rays + ?Sized>(
         handed,
         last,
         queue,
-        lanes,
+        vertices,
         stack,
         query: PhantomData,
     };
@@ -165,7 +165,7 @@ struct Batch<'a, Q, R: ?Sized> {
     handed: &'a mut Vec<Handed>,
     last: &'a mut [(u32, u32)],
     queue: &'a mut Vec<u32>,
-    lanes: &'a mut Gathered,
+    vertices: &'a mut Vertices,
     stack: &'a mut [u64],
     query: PhantomData<Q>,
 }
@@ -179,6 +179,7 @@ impl<Q: Query, R: Rays + ?Sized> Batch<'_, Q, R> {
             let start = self.next;
             let count = TILE.min(self.rays.count() - start);
             self.next += count;
+            self.rays.prefetch(self.next..(self.next + TILE).min(self.rays.count()));
             if !tile.load(simd, self.rays, start..start + count) {
                 // These go from the root, as the rest will.
                 answers[start..start + count].fill(Q::NONE);
@@ -206,6 +207,11 @@ impl<Q: Query, R: Rays + ?Sized> Batch<'_, Q, R> {
     #[inline(always)]
     fn step<S: Lanes>(&mut self, simd: S, tile: &mut Tile, tests: &mut TestCounts) -> bool {
         let arena = self.tree.arena.view();
+        // Not where hits are stored: what was just written, ray by ray, is not read well together.
+        if tile.is_reach_stale && !Q::ANY {
+            tile.is_reach_stale = false;
+            tile.beam.reach = extent(simd, &tile.reach);
+        }
         while let Some(Visit { entry, rays }) = tile.visits.pop() {
             let rays = rays & !tile.done;
             if rays == 0 || distance(entry) > tile.beam.reach[1] {

@@ -7,10 +7,12 @@
 //! sorted and pushed as a vector, and the next is popped. So that no entry has to be looked at
 //! twice, a stack is cleared of what is too far when a hit is found, and only then.
 
+use std::ops::Range;
+
 use fearless_simd::f32x8;
 use fearless_simd::prelude::*;
 
-use super::arena::{Kind, Ref};
+use super::arena::{Kind, Ref, prefetch};
 use super::geometry::{Geometry, PreparedRay};
 use super::node::{self, distance, place};
 use super::packet::MOST_HANDED;
@@ -33,6 +35,10 @@ pub trait Rays {
 
     /// Eight rays from the `i`th on, all of which there are.
     fn eight<S: Lanes>(&self, simd: S, i: usize) -> RayLanes<S>;
+
+    /// Asks for the memory of the rays of `range`, if they may not be in a cache.
+    #[inline(always)]
+    fn prefetch(&self, _: Range<usize>) {}
 }
 
 /// Eight rays, a component each.
@@ -71,6 +77,13 @@ impl Rays for [Ray] {
         let (a, b, c, d, e, f, g, h) = shuffle(a, b, c, d, e, f, g, h);
         let (ox, oy, oz, t_min, dx, dy, dz, t_max) = shuffle(a, b, c, d, e, f, g, h);
         RayLanes { origin: [ox, oy, oz], direction: [dx, dy, dz], t_min, t_max }
+    }
+
+    #[inline(always)]
+    fn prefetch(&self, range: Range<usize>) {
+        for two in self.get(range).unwrap_or_default().chunks(2) {
+            prefetch(two.as_ptr().cast());
+        }
     }
 }
 

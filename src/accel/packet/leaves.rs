@@ -3,7 +3,7 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, mask32x16, u32x16};
 
-use super::tile::{GROUPS, RayGroup, Tile, WIDTH, extent, number_of};
+use super::tile::{GROUPS, RayGroup, Tile, WIDTH, number_of};
 use super::{Batch, TILE};
 use crate::accel::arena::{Kind, Patch, Ref, View};
 use crate::accel::geometry::PreparedRay;
@@ -60,9 +60,7 @@ impl<Q: Query, R: Rays + ?Sized> Batch<'_, Q, R> {
                 }
             }
         }
-        if !Q::ANY {
-            tile.beam.reach = extent(simd, &tile.reach);
-        }
+        tile.is_reach_stale = true;
     }
 
     /// Tests the triangles of a patch with `rays`: groups with many of them as they are, the others
@@ -97,21 +95,18 @@ impl<Q: Query, R: Rays + ?Sized> Batch<'_, Q, R> {
                 while open != 0 {
                     let l = open.trailing_zeros() as usize % WIDTH;
                     open &= open - 1;
-                    self.ask_again(tile, arena, leaf, g * WIDTH + l);
+                    self.ask_again(tile, arena, leaf, found.asks(l), g * WIDTH + l);
                 }
             }
         }
         while scattered != 0 {
-            let mut indices = [0_u8; WIDTH];
+            let positions = simd.positions(scattered);
             let mut count = 0;
             while scattered != 0 && count < WIDTH {
-                let i = scattered.trailing_zeros() as usize & (TILE - 1);
                 scattered &= scattered - 1;
-                indices[count] = i as u8;
-                self.lanes.put(tile, order, count, i);
                 count += 1;
             }
-            let lanes = self.lanes.get(simd, order);
+            let lanes = tile.pick(simd, order, positions);
             let found = self.test_patch(simd, arena, leaf, lanes, (1 << count) - 1);
             let mut hit = found.hit;
             if hit != 0 {
@@ -120,7 +115,7 @@ impl<Q: Query, R: Rays + ?Sized> Batch<'_, Q, R> {
                 while hit != 0 {
                     let l = hit.trailing_zeros() as usize % WIDTH;
                     hit &= hit - 1;
-                    let i = usize::from(indices[l]) & (TILE - 1);
+                    let i = positions[l] as usize & (TILE - 1);
                     if Q::ANY {
                         tile.set_done(i);
                     } else {
@@ -132,18 +127,27 @@ impl<Q: Query, R: Rays + ?Sized> Batch<'_, Q, R> {
             while open != 0 {
                 let l = open.trailing_zeros() as usize % WIDTH;
                 open &= open - 1;
-                self.ask_again(tile, arena, leaf, usize::from(indices[l]) & (TILE - 1));
+                let i = positions[l] as usize & (TILE - 1);
+                self.ask_again(tile, arena, leaf, found.asks(l), i);
             }
         }
     }
 
-    /// Tests the triangles of a patch with the `i`th ray, each alone.
+    /// Tests those of a patch's `triangles`, a bit each, with the `i`th ray, each alone.
     #[cold]
     #[inline(never)]
-    fn ask_again(&mut self, tile: &mut Tile, arena: View<'_>, leaf: &Patch, i: usize) {
+    fn ask_again(
+        &mut self,
+        tile: &mut Tile,
+        arena: View<'_>,
+        leaf: &Patch,
+        mut triangles: u32,
+        i: usize,
+    ) {
         let ray = PreparedRay::new(&self.rays.ray(tile.start + number_of(i)));
-        for triangle in 0..leaf.count as usize {
-            let number = arena.number(leaf.first, triangle);
+        while triangles != 0 {
+            let number = arena.number(leaf.first, triangles.trailing_zeros() as usize);
+            triangles &= triangles - 1;
             let Some(t) = self.geometry.hit_again(number, &ray) else { continue };
             if Q::ANY {
                 tile.set_done(i);
@@ -167,7 +171,7 @@ impl<Q: Query, R: Rays + ?Sized> Batch<'_, Q, R> {
         used: u32,
     ) -> Found<S> {
         let [kx, ky, kz] = rays.order;
-        let vertices = &mut self.lanes.vertices;
+        let vertices = &mut self.vertices;
         for v in 0..leaf.vertices as usize & 15 {
             let vertex = &mut vertices[v & (LANES - 1)];
             let x = f32x16::splat(simd, leaf.positions[kx.min(2)][v & (LANES - 1)]) - rays.origin[0];
@@ -188,7 +192,7 @@ impl<Q: Query, R: Rays + ?Sized> Batch<'_, Q, R> {
             met |= u32::from(candidates != 0) << triangle;
         }
         let mut found =
-            Found { best: rays.best, primitive: rays.primitive, hit: 0, open: 0 };
+            Found { best: rays.best, primitive: rays.primitive, hit: 0, open: 0, left: inside };
         while met != 0 {
             let triangle = met.trailing_zeros() as usize & (LANES - 1);
             met &= met - 1;
@@ -198,6 +202,7 @@ impl<Q: Query, R: Rays + ?Sized> Batch<'_, Q, R> {
             let z = [a[2].simd_into(simd), b[2].simd_into(simd), c[2].simd_into(simd)];
             let (t, certain, open) = decide(xy, z, edges, rays.range, inside[triangle]);
             found.open |= open;
+            found.left[triangle] = open;
             if Q::ANY {
                 found.hit |= certain;
             } else {
@@ -222,6 +227,19 @@ struct Found<S: Lanes> {
     hit: u32,
     /// Those that have to be asked alone.
     open: u32,
+    /// For each triangle those that have to be asked about it.
+    left: [u32; LANES],
+}
+
+impl<S: Lanes> Found<S> {
+    /// The triangles that the ray at `lane` has to be asked about, a bit each.
+    fn asks(&self, lane: usize) -> u32 {
+        let mut triangles = 0;
+        for (triangle, rays) in self.left.iter().enumerate() {
+            triangles |= (rays >> lane & 1) << triangle;
+        }
+        triangles
+    }
 }
 
 /// The corners of a triangle, in sheared space.

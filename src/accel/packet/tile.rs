@@ -44,6 +44,8 @@ pub(super) struct Tile {
     /// The axis along which every direction is longest.
     pub(super) longest: Option<usize>,
     pub(super) is_sheared: bool,
+    /// Whether the beam's reach is yet to follow the rays'.
+    pub(super) is_reach_stale: bool,
     pub(super) beam: Beam,
     /// The number of its first ray.
     pub(super) start: usize,
@@ -207,6 +209,7 @@ impl Tile {
             shear: [column; 3],
             longest: None,
             is_sheared: false,
+            is_reach_stale: false,
             beam: Beam::EMPTY,
             start: 0,
             count: 0,
@@ -246,6 +249,7 @@ impl Tile {
             extents.add(&eight);
         }
         self.is_sheared = false;
+        self.is_reach_stale = false;
         self.done = 0;
         self.visits.clear();
         (self.start, self.count) = (range.start, range.len());
@@ -368,56 +372,41 @@ impl Tile {
             primitive: self.primitive[g].simd_into(simd),
         }
     }
-}
 
-/// Rays from anywhere in a tile, put together, and what they are tested with.
-#[derive(Clone, Debug, Default)]
-#[repr(align(64))]
-pub(super) struct Gathered {
-    /// Origin, shear, depth, `t_min`, `t_max`, best.
-    lanes: [[f32; WIDTH]; 10],
-    primitive: [u32; WIDTH],
-    /// The vertices of a leaf, as sixteen rays see them.
-    pub(super) vertices: [[[f32; WIDTH]; 3]; LANES],
-}
-
-impl Gathered {
-    /// Puts the `i`th ray of `tile` at `lane`.
+    /// The rays at `positions`, with the axes in `order`.
     #[inline(always)]
-    pub(super) fn put(&mut self, tile: &Tile, [kx, ky, kz]: [usize; 3], lane: usize, i: usize) {
-        let (lane, i) = (lane % WIDTH, i % TILE);
-        let lanes = &mut self.lanes;
-        lanes[0][lane] = tile.origin[kx.min(2)].as_flattened()[i];
-        lanes[1][lane] = tile.origin[ky.min(2)].as_flattened()[i];
-        lanes[2][lane] = tile.origin[kz.min(2)].as_flattened()[i];
-        lanes[3][lane] = tile.shear[0].as_flattened()[i];
-        lanes[4][lane] = tile.shear[1].as_flattened()[i];
-        lanes[5][lane] = tile.shear[2].as_flattened()[i];
-        lanes[6][lane] = tile.direction[kz.min(2)].as_flattened()[i].abs();
-        lanes[7][lane] = tile.t_min.as_flattened()[i];
-        lanes[8][lane] = tile.t_max.as_flattened()[i];
-        lanes[9][lane] = tile.best.as_flattened()[i];
-        self.primitive[lane] = tile.primitive.as_flattened()[i];
-    }
-
-    /// The rays put together.
-    #[inline(always)]
-    pub(super) fn get<S: Lanes>(&self, simd: S, order: [usize; 3]) -> RayGroup<S> {
-        let [ox, oy, oz, sx, sy, sz, depth, t_min, t_max, best] = self.lanes;
+    pub(super) fn pick<S: Lanes>(
+        &self,
+        simd: S,
+        [kx, ky, kz]: [usize; 3],
+        positions: [u32; WIDTH],
+    ) -> RayGroup<S> {
+        let primitive = simd.pick(bytemuck::cast_ref(&self.primitive), positions);
         RayGroup {
-            order,
-            origin: [ox.simd_into(simd), oy.simd_into(simd), oz.simd_into(simd)],
-            shear: [sx.simd_into(simd), sy.simd_into(simd), sz.simd_into(simd)],
+            order: [kx, ky, kz],
+            origin: [
+                simd.pick(&self.origin[kx.min(2)], positions),
+                simd.pick(&self.origin[ky.min(2)], positions),
+                simd.pick(&self.origin[kz.min(2)], positions),
+            ],
+            shear: [
+                simd.pick(&self.shear[0], positions),
+                simd.pick(&self.shear[1], positions),
+                simd.pick(&self.shear[2], positions),
+            ],
             range: lanes::Range {
-                depth: depth.simd_into(simd),
-                t_min: t_min.simd_into(simd),
-                t_max: t_max.simd_into(simd),
+                depth: simd.pick(&self.direction[kz.min(2)], positions).abs(),
+                t_min: simd.pick(&self.t_min, positions),
+                t_max: simd.pick(&self.t_max, positions),
             },
-            best: best.simd_into(simd),
-            primitive: self.primitive.simd_into(simd),
+            best: simd.pick(&self.best, positions),
+            primitive: primitive.bitcast(),
         }
     }
 }
+
+/// The vertices of a leaf, as sixteen rays see them.
+pub(super) type Vertices = [[[f32; WIDTH]; 3]; LANES];
 
 /// Sixteen rays in front of a leaf.
 pub(super) struct RayGroup<S: Lanes> {
