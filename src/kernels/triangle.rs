@@ -38,7 +38,7 @@ pub const T_TOLERANCE: f32 = 1.0 / 65536.0;
 
 /// An axis of world space.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Axis {
+pub(crate) enum Axis {
     X,
     Y,
     Z,
@@ -117,6 +117,19 @@ impl ShearedSpace {
             t_min: ray.t_min,
             t_max: ray.t_max,
         }
+    }
+
+    /// The space of a ray for which all is known already, the axes turned so that the `longest` is
+    /// the last.
+    #[inline(always)]
+    pub(crate) fn from_turned(
+        longest: Axis,
+        origin: [f32; 3],
+        direction: [f32; 3],
+        shear: [f32; 3],
+        [t_min, t_max]: [f32; 2],
+    ) -> Self {
+        Self { longest, origin, direction, shear, t_min, t_max }
     }
 
     /// A vertex, its axes turned already, in this space.

@@ -13,6 +13,9 @@ use crate::kernels::triangle::T_TOLERANCE;
 use crate::kernels::triangle::lanes::{ORDERS, decide, edges};
 use crate::math::simd::{LANES, Lanes};
 
+/// So many rays, or fewer, are tested each for itself.
+const ALONE: u64 = 3;
+
 /// A group with so many rays in a leaf is tested as it is.
 const MANY_IN_GROUP: u32 = 8;
 
@@ -39,7 +42,11 @@ impl<Q: Query, R: Rays + ?Sized> Batch<'_, Q, R> {
                 if !tile.is_sheared {
                     tile.shear(simd, longest);
                 }
-                self.visit_patch(simd, tile, arena, leaf, ORDERS[longest.min(2)], rays);
+                if count <= ALONE {
+                    self.visit_patch_alone(simd, tile, arena, leaf, longest, rays);
+                } else {
+                    self.visit_patch(simd, tile, arena, leaf, ORDERS[longest.min(2)], rays);
+                }
             }
             _ => {
                 let mut rest = rays;
@@ -61,6 +68,50 @@ impl<Q: Query, R: Rays + ?Sized> Batch<'_, Q, R> {
             }
         }
         tile.is_reach_stale = true;
+    }
+
+    /// Tests all triangles of a patch at once with each of `rays`.
+    #[inline(always)]
+    fn visit_patch_alone<S: Lanes>(
+        &mut self,
+        simd: S,
+        tile: &mut Tile,
+        arena: View<'_>,
+        leaf: &Patch,
+        longest: usize,
+        mut rays: u64,
+    ) {
+        let used = (1 << (leaf.count & 15)) - 1;
+        while rays != 0 {
+            let i = rays.trailing_zeros() as usize & (TILE - 1);
+            rays &= rays - 1;
+            let space = tile.space(longest, i);
+            let hits = space.intersect_patch(simd, &leaf.positions, leaf.corners, used);
+            if Q::ANY {
+                tile.done |= u64::from(hits.certain != 0) << i;
+            } else {
+                let mut certain = hits.certain;
+                let mut best = tile.best(i);
+                let before = best;
+                while certain != 0 {
+                    let lane = certain.trailing_zeros() as usize & (LANES - 1);
+                    certain &= certain - 1;
+                    let t = hits.t[lane];
+                    if t <= before.t {
+                        let number = arena.number(leaf.first, lane);
+                        if t < best.t || (t == best.t && number < best.primitive) {
+                            best = Hit { t, primitive: number };
+                        }
+                    }
+                }
+                if best != before {
+                    tile.set_best(i, best);
+                }
+            }
+            if hits.open != 0 {
+                self.ask_again(tile, arena, leaf, hits.open, i);
+            }
+        }
     }
 
     /// Tests the triangles of a patch with `rays`: groups with many of them as they are, the others

@@ -11,7 +11,7 @@ use crate::accel::arena::Node;
 use crate::accel::stream::{Query, RayLanes, Rays};
 use crate::accel::tree::reach;
 use crate::kernels::slab::{Aabb, PADDING};
-use crate::kernels::triangle::T_TOLERANCE;
+use crate::kernels::triangle::{Axis, ShearedSpace, T_TOLERANCE};
 use crate::kernels::triangle::lanes::{self, ORDERS};
 use crate::math::float::{max, min};
 use crate::math::simd::{LANES, Lanes};
@@ -371,6 +371,22 @@ impl Tile {
             best: load(simd, &self.best, g),
             primitive: self.primitive[g].simd_into(simd),
         }
+    }
+
+    /// The sheared space of the `i`th ray.
+    #[inline(always)]
+    pub(super) fn space(&self, longest: usize, i: usize) -> ShearedSpace {
+        let [kx, ky, kz] = ORDERS[longest.min(2)];
+        let [x, y, z] = [kx.min(2), ky.min(2), kz.min(2)];
+        let (g, l) = (i / WIDTH % GROUPS, i % WIDTH);
+        let at = |columns: &[Column; 3], k: usize| columns[k][g][l];
+        ShearedSpace::from_turned(
+            [Axis::X, Axis::Y, Axis::Z][longest.min(2)],
+            [at(&self.origin, x), at(&self.origin, y), at(&self.origin, z)],
+            [at(&self.direction, x), at(&self.direction, y), at(&self.direction, z)],
+            [self.shear[0][g][l], self.shear[1][g][l], self.shear[2][g][l]],
+            [self.t_min[g][l], self.t_max[g][l]],
+        )
     }
 
     /// The rays at `positions`, with the axes in `order`.
