@@ -72,8 +72,8 @@ impl Ref {
     }
 }
 
-/// The largest number of units: what a [`Ref`] can count.
-pub const MAX_UNITS: usize = 1 << 30;
+/// The largest number of units: what a [`Ref`] can count, but for the one that stands for no place.
+pub const MAX_UNITS: usize = (1 << 30) - 1;
 
 /// An inner node.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]

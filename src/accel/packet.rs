@@ -36,13 +36,10 @@ const TILES: usize = 4;
 pub(super) const TILE: usize = 64;
 
 /// So many rays at a node, or fewer, have nothing to share.
-const FEW: u32 = 4;
+const FEW: u32 = 1;
 
 /// The same, if any hit will do.
 const FEW_FOR_ANY: u32 = 8;
-
-/// The same, in a leaf.
-const FEW_IN_LEAF_FOR_ANY: u32 = 2;
 
 /// The most places that a ray is handed over with; beyond them it goes on at once.
 pub(super) const MOST_HANDED: usize = 24;
@@ -219,13 +216,8 @@ impl<Q: Query, R: Rays + ?Sized> Batch<'_, Q, R> {
             }
             let at = place(entry);
             let is_node = at.kind() == Kind::Node;
-            let most = match (Q::ANY, is_node) {
-                (true, true) => FEW_FOR_ANY,
-                (true, false) => FEW_IN_LEAF_FOR_ANY,
-                (false, true) => FEW,
-                (false, false) => 0,
-            };
-            if rays.count_ones() <= most && at != self.root.place {
+            let few = if Q::ANY { FEW_FOR_ANY } else { FEW };
+            if is_node && rays.count_ones() <= few && at != self.root.place {
                 self.hand_over(simd, tile, entry, rays, tests);
                 continue;
             }
@@ -291,19 +283,14 @@ impl<Q: Query, R: Rays + ?Sized> Batch<'_, Q, R> {
         } else {
             let best = single::closest(simd, self.tree, self.geometry, &ray, best, stack, tests);
             tile.set_best(i, best);
+            tile.is_reach_stale = true;
         }
     }
 }
 
 /// Puts the children that any ray of `rays` meets on `visits`, the nearest last.
 #[inline(always)]
-fn visit_children<S: Lanes>(
-    simd: S,
-    tile: &mut Tile,
-    arena: View<'_>,
-    at: Ref,
-    rays: u64,
-) {
+fn visit_children<S: Lanes>(simd: S, tile: &mut Tile, arena: View<'_>, at: Ref, rays: u64) {
     let node = arena.node(at);
     let Met { near, some, all } = tile.beam.children(simd, node);
     let lanes: u32x8<S> = [0, 1, 2, 3, 4, 5, 6, 7].simd_into(simd);
@@ -312,8 +299,7 @@ fn visit_children<S: Lanes>(
     let all = all.to_bitmask();
     for &child in &met[..some.to_bitmask().count_ones() as usize] {
         let lane = child as u32 as usize & (LANES - 1);
-        let rays =
-            if all >> lane & 1 == 1 { rays } else { rays_in(simd, tile, node, lane, rays) };
+        let rays = if all >> lane & 1 == 1 { rays } else { rays_in(simd, tile, node, lane, rays) };
         if rays != 0 {
             let at = child_of(node, at, lane);
             arena.prefetch(at);

@@ -14,7 +14,7 @@ use crate::kernels::triangle::lanes::{ORDERS, decide, edges};
 use crate::math::simd::{LANES, Lanes};
 
 /// So many rays, or fewer, are tested each for itself.
-const ALONE: u64 = 3;
+const ALONE: u64 = 5;
 
 /// A group with so many rays in a leaf is tested as it is.
 const MANY_IN_GROUP: u32 = 8;
@@ -225,9 +225,12 @@ impl<Q: Query, R: Rays + ?Sized> Batch<'_, Q, R> {
         let vertices = &mut self.vertices;
         for v in 0..leaf.vertices as usize & 15 {
             let vertex = &mut vertices[v & (LANES - 1)];
-            let x = f32x16::splat(simd, leaf.positions[kx.min(2)][v & (LANES - 1)]) - rays.origin[0];
-            let y = f32x16::splat(simd, leaf.positions[ky.min(2)][v & (LANES - 1)]) - rays.origin[1];
-            let z = f32x16::splat(simd, leaf.positions[kz.min(2)][v & (LANES - 1)]) - rays.origin[2];
+            let x =
+                f32x16::splat(simd, leaf.positions[kx.min(2)][v & (LANES - 1)]) - rays.origin[0];
+            let y =
+                f32x16::splat(simd, leaf.positions[ky.min(2)][v & (LANES - 1)]) - rays.origin[1];
+            let z =
+                f32x16::splat(simd, leaf.positions[kz.min(2)][v & (LANES - 1)]) - rays.origin[2];
             vertex[0] = (x - rays.shear[0] * z).into();
             vertex[1] = (y - rays.shear[1] * z).into();
             vertex[2] = (rays.shear[2] * z).into();

@@ -6,13 +6,13 @@ use fearless_simd::prelude::*;
 use fearless_simd::{f32x8, f32x16, mask32x8, u32x16};
 
 use super::{TILE, Visit};
-use crate::accel::{Hit, NO_PRIMITIVE};
 use crate::accel::arena::Node;
 use crate::accel::stream::{Query, RayLanes, Rays};
 use crate::accel::tree::reach;
+use crate::accel::{Hit, NO_PRIMITIVE};
 use crate::kernels::slab::{Aabb, PADDING};
-use crate::kernels::triangle::{Axis, ShearedSpace, T_TOLERANCE};
 use crate::kernels::triangle::lanes::{self, ORDERS};
+use crate::kernels::triangle::{Axis, ShearedSpace, T_TOLERANCE};
 use crate::math::float::{max, min};
 use crate::math::simd::{LANES, Lanes};
 
