@@ -1,9 +1,10 @@
 //! The structure that hits are found in.
 //!
 //! [`geometry::Geometry`] holds the primitives and defines what a hit is; [`build`] has obvhs make
-//! a binary tree over them and turns it into the nodes of [`tree`]; [`single`] traverses it for
-//! one ray. [`brute`] asks every primitive and is the reference. All of them give the same answers
-//! to the last bit.
+//! binary trees over them and turns these into the nodes and leaves of an [`arena`]. [`single`]
+//! traverses it for one ray, [`stream`] for many in flight, [`packet`] for tiles of rays that go
+//! nearly the same way. [`brute`] asks every primitive and is the reference. All of them give the
+//! same answers to the last bit, with any instructions: [`crate::kernels::slab`] says why.
 
 pub mod arena;
 pub mod brute;
@@ -286,3 +287,6 @@ impl<R: Rays + ?Sized, Q: Query> Kernel for Many<'_, R, Q> {
         packet::trace::<S, Q, R>(simd, tree, geometry, rays, answers, memory, tests);
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -13,12 +13,33 @@
 //! its axis, is off by at most 4 u (|v| + |o|). Both together stay below [`PADDING`] times
 //! (|v| + |o|).
 //!
+//! A part of a primitive has the error of the whole one, and ends at points that were computed:
+//! its box is padded by twice the bound of the whole ([`Aabb::padded_as_part`]), however small its
+//! own coordinates are.
+//!
 //! # Why culling by distance loses nothing either
 //!
-//! An accepted hit's t is clamped to the interval of its own primitive's box
-//! ([`Interval::clamp`]), which the same arithmetic computes. Subtraction, multiplication, minimum
-//! and maximum are monotone under rounding, so the interval of every box around that one contains
-//! it: a node is never skipped for a hit that it holds, whatever the build made of the tree.
+//! A hit's t is the primitive's own, and no box changes it. What a box says of t is compared with it
+//! in one place only: a box is skipped if the ray enters it after the closest hit so far. Two steps
+//! show that a box with a closer hit, or one as close, is not.
+//!
+//! - **The box begins no later than the hit.** The hit is at a point of the primitive that the ray
+//!   passes within the error above, so the padded box around that point holds the ray's point at
+//!   the exact t. With the rest of the padding, which rounding of the slab's t cannot use up,
+//!   the computed near t is no greater. Subtraction, multiplication, minimum and maximum are
+//!   monotone under rounding, so that it is no greater for any box around that one either, whatever
+//!   the build made of the tree.
+//! - **The hit's own t is near the exact one.** A triangle's t that single precision gives is off by
+//!   at most [`T_TOLERANCE`](crate::kernels::triangle::T_TOLERANCE) of it. Where the bound is greater,
+//!   double precision gives t, of a point of the triangle that the ray passes within the error
+//!   above, or finds no hit. A sphere's t is off by at most about the square root of double
+//!   precision's unit roundoff times the coordinates, where the ray touches it, which is less than
+//!   the padding. So boxes are visited until four times that tolerance beyond the closest hit
+//!   (`reach` in the tree), ties included: the lowest number among equal t is found, in whatever
+//!   order boxes are entered.
+//!
+//! For a ray that starts or ends at some t the same holds: a hit counts only if the bound, or double
+//! precision, leaves no doubt that it lies between them.
 
 use glam::Vec3;
 
@@ -69,6 +90,15 @@ impl Aabb {
         Self { low: self.low - pad, high: self.high + pad }
     }
 
+    /// The box of a part of a primitive whose own box is `whole`, grown by the error bound of that
+    /// primitive, and as much again since the part ends at points that were computed.
+    #[inline]
+    #[must_use]
+    pub fn padded_as_part(self, whole: &Self) -> Self {
+        let pad = 2.0 * PADDING * max(max_abs(whole.low), max_abs(whole.high));
+        Self { low: self.low - pad, high: self.high + pad }
+    }
+
     /// Whether `other` lies within.
     pub fn contains(&self, other: &Self) -> bool {
         self.low.cmple(other.low).all() && self.high.cmpge(other.high).all()
@@ -84,18 +114,11 @@ pub struct Interval {
     pub far: f32,
 }
 
-impl Interval {
-    /// The value of the interval nearest to `t`, or `None` where the interval is empty.
-    #[inline]
-    pub fn clamp(self, t: f32) -> Option<f32> {
-        (self.near <= self.far).then(|| min(max(t, self.near), self.far))
-    }
-}
-
 /// A ray made ready for slab tests.
 #[derive(Clone, Copy, Debug)]
 pub struct SlabRay {
-    /// Reciprocal of the direction: infinite, of the zero's sign, where a component is zero.
+    /// Reciprocal of the direction: infinite, of the zero's sign, where a component is zero. 1 or -1
+    /// where it would be infinite and the component is not.
     pub reciprocal: Vec3,
     /// The origin moved along the direction, for the planes met first.
     pub near_origin: Vec3,
@@ -113,18 +136,35 @@ impl SlabRay {
         let negative = reciprocal.map(|r| r < 0.0);
         let pad = max(PADDING * max_abs(ray.origin), f32::MIN_POSITIVE);
         let shift = Vec3::from(negative.map(|n| if n { -pad } else { pad }));
-        Self {
+        let mut slab = Self {
             reciprocal: reciprocal.into(),
             near_origin: ray.origin + shift,
             far_origin: ray.origin - shift,
             negative,
+        };
+        for k in 0..3 {
+            if slab.reciprocal[k].is_infinite() && ray.direction[k] != 0.0 {
+                slab.let_pass(k);
+            }
         }
+        slab
+    }
+
+    /// Makes all boxes count as met along axis `k`. Its component is no zero, and the reciprocal
+    /// not a number of single precision: where such a ray meets a plane cannot be told, only that it
+    /// can be before any other t.
+    #[cold]
+    fn let_pass(&mut self, k: usize) {
+        let sign = if self.negative[k] { -1.0 } else { 1.0 };
+        self.reciprocal[k] = sign;
+        self.near_origin[k] = sign * f32::MAX;
+        self.far_origin[k] = -sign * f32::MAX;
     }
 
     /// The range of t in which the ray is in `bounds`, at least.
     ///
     /// Across a zero component every difference but zero becomes an infinite t of the right sign.
-    /// A difference of zero becomes a NaN, and the interval may count as empty: the ray then runs in
+    /// A difference of zero becomes a NaN, and what comes of it has no meaning: the ray then runs in
     /// the very face of the padded box, where no hit is.
     #[inline(always)]
     pub fn interval(&self, bounds: &Aabb) -> Interval {

@@ -17,12 +17,16 @@
 //! Products of tiny numbers are off by up to [`UNDERFLOW`] besides, which is added to both terms.
 //! Where this bound leaves open whether the hit is within the ray's own range (a light just before
 //! or just behind a surface), or the hit is within and the bound above [`T_TOLERANCE`] times |t|
-//! (rays that graze the triangle or start on it), t is computed again in double precision. The stated error of t is therefore
-//! at most [`T_TOLERANCE`] |t|; away from grazing angles it is a few ulp.
+//! (rays that graze the triangle or start on it), t is computed again in double precision. The stated
+//! error of t is therefore at most [`T_TOLERANCE`] |t|; away from grazing angles it is a few ulp.
+//!
+//! Within some 1e-10 of the triangle's plane double precision has no such digits either. What holds
+//! for every t, and is what the tree relies on, is that it is the t of a point of the triangle that
+//! the ray passes no farther off than single precision places vertices ([`super::slab`]).
 
 use glam::{DVec3, Vec3};
 
-use crate::math::float::{gamma, max, min};
+use crate::math::float::{gamma, max, max_abs, min};
 use crate::math::ray::Ray;
 
 pub(crate) mod lanes;
@@ -210,17 +214,31 @@ impl ShearedSpace {
     }
 
     /// t in double precision, or `None` where the ray lies in the triangle's plane or starts on the
-    /// triangle, as far as double precision can tell.
+    /// triangle, as far as double precision can tell, or passes farther from it than rounding of single
+    /// precision explains: edge functions of huge coordinates are not numbers, and then say nothing.
     #[cold]
     #[inline(never)]
     fn distance_f64(&self, triangle: &[Vec3; 3]) -> Option<f32> {
         let vertices = triangle.map(|v| self.shear_f64(v));
         let z = vertices.map(|v| v.z);
-        let t = weights(&vertices)?.dot(DVec3::from(z));
+        let sideways = self.sideways(triangle);
+        let weights = weights(&vertices, sideways)?;
+        if !is_beside(&vertices, weights, sideways) {
+            return None;
+        }
+        let t = weights.dot(DVec3::from(z));
         let (near, far) = (z[0].min(z[1]).min(z[2]), z[0].max(z[1]).max(z[2]));
         let t = t.clamp(near, far);
         let from_start = t - f64::from(self.t_min);
         (from_start.abs() > self.error_bound_f64(&vertices, far - near)).then_some(t as f32)
+    }
+
+    /// The most by which single precision places vertices sideways: what [`crate::kernels::slab`]
+    /// leaves room for.
+    fn sideways(&self, triangle: &[Vec3; 3]) -> f64 {
+        let size = triangle.iter().fold(0.0, |size, &v| max(size, max_abs(v)));
+        let origin = max_abs(Vec3::from(self.origin));
+        f64::from(gamma(10)) * (f64::from(size) + f64::from(origin)) + f64::from(UNDERFLOW)
     }
 
     /// As [`Self::error_bound`], for the arithmetic of [`Self::distance_f64`].
@@ -238,7 +256,7 @@ impl ShearedSpace {
     /// to 1 and together 1. Where the line lies in the triangle's plane: the middle.
     pub fn barycentric(&self, triangle: &[Vec3; 3]) -> DVec3 {
         let vertices = triangle.map(|v| self.shear_f64(v));
-        weights(&vertices).unwrap_or(DVec3::splat(1.0 / 3.0))
+        weights(&vertices, self.sideways(triangle)).unwrap_or(DVec3::splat(1.0 / 3.0))
     }
 }
 
@@ -264,19 +282,28 @@ fn edges_f64([a, b, c]: &[DVec3; 3]) -> [f64; 3] {
 }
 
 /// Barycentric coordinates of the point of the triangle that the ray passes nearest to, none
-/// negative. `None` where the ray lies in the triangle's plane.
+/// negative. `None` where the ray lies in the triangle's plane. Points count as on the ray up to
+/// `sideways` from it.
 ///
 /// That point is where the ray meets the plane, unless single precision has taken for a hit what
 /// passes just outside. There a ray that grazes the triangle may meet its plane far away, and the
-/// nearest point of the boundary is what was hit.
-fn weights(vertices: &[DVec3; 3]) -> Option<DVec3> {
+/// nearest point of the boundary is what was hit. So it is where the triangle is seen so nearly edge
+/// on that not even double precision finds a point of it on the ray.
+fn weights(vertices: &[DVec3; 3], sideways: f64) -> Option<DVec3> {
     let edges = DVec3::from(edges_f64(vertices));
     let sum = edges.element_sum();
     if sum == 0.0 {
         return None;
     }
     let inside = edges / sum;
-    if inside.min_element() >= 0.0 { Some(inside) } else { Some(nearest_on_boundary(vertices)) }
+    let is_inside = inside.min_element() >= 0.0 && is_beside(vertices, inside, sideways);
+    Some(if is_inside { inside } else { nearest_on_boundary(vertices) })
+}
+
+/// Whether the ray passes no farther than `sideways` from the point of these weights, along each
+/// axis.
+fn is_beside([a, b, c]: &[DVec3; 3], weights: DVec3, sideways: f64) -> bool {
+    (a * weights.x + b * weights.y + c * weights.z).truncate().abs().max_element() <= sideways
 }
 
 /// As [`weights`], of the point of the boundary that is nearest to the ray.

@@ -176,8 +176,10 @@ impl Piece {
             areas().fold((0.0_f64, 0.0_f32), |(s, l), a| (s + f64::from(a), l.max(a)));
         let average = (sum / end as f64) as f32;
         split_aabbs_preset(&mut parts, &mut part_owners, &triangles, average, largest);
-        // A part's box ends at points that were computed: the bound is added to it once more.
-        parts.iter_mut().for_each(|b| *b = to_obvhs(from_obvhs(b).padded()));
+        for (part, &owner) in parts.iter_mut().zip(&part_owners) {
+            let whole = from_obvhs(&self.boxes[owner as usize]);
+            *part = to_obvhs(from_obvhs(part).padded_as_part(&whole));
+        }
         self.boxes[..end].copy_from_slice(&parts[..end]);
         self.boxes.extend_from_slice(&parts[end..]);
         owners.extend_from_slice(&part_owners[end..]);

@@ -169,7 +169,8 @@ pub(crate) fn decide<S: Simd, F: SimdFloat<S, Element = f32>>(
     let decided = inside & (t - t_max).abs().simd_gt(bound) & (t - t_min).abs().simd_gt(bound);
     let decided = decided.to_bitmask() as u32;
     let exact = bound.simd_le(t.abs() * T_TOLERANCE).to_bitmask() as u32;
-    let candidates = candidates & far.simd_ge(0.0).to_bitmask() as u32;
+    // What is not a number is not behind: the test of one decides.
+    let candidates = candidates & !(far.simd_lt(0.0).to_bitmask() as u32);
     let certain = candidates & decided & within & exact;
     let open = candidates & !(decided & (!within | exact));
     (t.max(near).min(far), certain, open)
