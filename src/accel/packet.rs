@@ -24,7 +24,7 @@ use super::geometry::{Geometry, PreparedRay};
 use super::node::{distance, place};
 use super::stream::{self, Flight, FromRoot, Query, Rays};
 use super::tree::{Root, Tree, reach};
-use super::{Hit, NO_PRIMITIVE, TestCounts, single};
+use super::{Hit, KernelChoice, KernelCounts, NO_PRIMITIVE, TestCounts, single};
 use crate::math::simd::{LANES, Lanes, entry};
 use remaining::{Handed, Remaining};
 use tile::{Beam, GROUPS, Met, Tile, WIDTH, index_of, load, number_of};
@@ -70,19 +70,20 @@ pub(super) struct Packets {
     queue: Vec<u32>,
 }
 
-/// Answers all rays: by packets as long as these are coherent, else in flight.
+/// Answers all rays: by packets as long as `choice` has it so, the others in flight.
 #[inline(always)]
 pub(super) fn trace<S: Lanes, Q: Query, R: Rays + ?Sized>(
     simd: S,
     tree: &Tree,
     geometry: &Geometry,
-    rays: &R,
+    (rays, choice): (&R, KernelChoice),
     answers: &mut [Q::Answer],
     (packets, flight, stack): (&mut Packets, &mut Flight, &mut [u64]),
-    tests: &mut TestCounts,
+    (tests, counts): (&mut TestCounts, &mut KernelCounts),
 ) {
     let Some(root) = tree.root() else {
         answers.fill(Q::NONE);
+        counts.stream += rays.count() as u64;
         return;
     };
     let Packets { tile, visits, handed, last, queue } = packets;
@@ -91,9 +92,8 @@ pub(super) fn trace<S: Lanes, Q: Query, R: Rays + ?Sized>(
     queue.clear();
     last.clear();
     last.resize(rays.count(), (FIRST, 0));
-    let (mut next, mut judged) = (0, Judged::default());
-    // A tile that is not full shares less, but costs as much.
-    while next + TILE / 2 <= rays.count() && judged.is_coherent() {
+    let (mut next, mut unfit, mut judged) = (0, 0, Judged::default());
+    while choice.packs(rays.count() - next, judged.is_coherent()) {
         let count = TILE.min(rays.count() - next);
         let Some(beam) = tile.load(simd, rays, next..next + count) else {
             // These go from the root, as the rest will.
@@ -106,7 +106,7 @@ pub(super) fn trace<S: Lanes, Q: Query, R: Rays + ?Sized>(
                 *last = (handed.len() as u32 - 1, 1);
                 queue.push(number as u32);
             }
-            next += count;
+            (next, unfit) = (next + count, unfit + count);
             continue;
         };
         if !beam.meets(&root.bounds) {
@@ -138,8 +138,13 @@ pub(super) fn trace<S: Lanes, Q: Query, R: Rays + ?Sized>(
         packet.answer(answers, count);
         next += count;
     }
+    counts.packet += (next - unfit) as u64;
+    counts.handed_over += (queue.len() - unfit) as u64;
+    counts.stream += (rays.count() - next + unfit) as u64;
+    counts.packet_nodes += judged.visits;
+    counts.packet_rays += judged.rays;
     let mut source = Remaining { queue, handed, last, rays, rest: FromRoot { rays, next, root } };
-    stream::trace::<S, Q>(simd, tree, geometry, &mut source, answers, flight, tests);
+    stream::trace::<S, Q>(simd, tree, geometry, &mut source, answers, flight, (tests, counts));
 }
 
 /// How coherent the tiles of a batch were so far.

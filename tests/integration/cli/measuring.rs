@@ -84,10 +84,15 @@ fn trace_gives_the_right_answers_whatever_the_tracer_and_the_tree() {
             &["--tracer", "wavefront"][..],
             &["--tracer", "recursive", "--threads", "2"],
             &["--bvh", "brute"],
+            &["--kernel", "packet"],
+            &["--kernel", "stream", "--simd", "auto"],
+            &["--kernel", "single"],
         ] {
             let options = [options, &["--answers", "a.rays"]].concat();
             let found = trace(folder.path(), &options);
             assert_eq!((&found["rays"], &found["hits"]), (&json!(3), &json!(2)), "{options:?}");
+            let taken = ["packet", "stream", "single"].map(|key| found["kernels"][key].as_u64());
+            assert_eq!(taken.into_iter().flatten().sum::<u64>(), 3, "{options:?}");
             for (key, count) in found["compared"].as_object().expect("an object") {
                 assert_eq!(count.as_f64(), Some(0.0), "{options:?}: {key}");
             }
