@@ -103,7 +103,8 @@ fn statistics_say_which_kernels_took_the_rays() {
         match kernel {
             "stream" => assert_eq!(rays("stream"), all),
             "single" => assert_eq!(rays("single"), all),
-            _ => assert!(rays("packet") > 0, "{kernel}: {closest}"),
+            // Which rays are fit for packets depends on the scene.
+            _ => assert_eq!(rays("single"), 0, "{kernel}: {closest}"),
         }
     }
 }
