@@ -24,6 +24,8 @@ pub fn comparison(compared: &Comparison) -> String {
         "    {:<9}{second:>9}{:>9}{:>9}{:>8}{:>8}{:>9}{:>9}  speed to the usual",
         "", "spread", "Mrays/s", "nodes", "prims", "a node", "a round"
     );
+    let note = "a node, a round: rays that look for the closest hit, of a packet and in flight";
+    let _ = writeln!(text, "    ({note})");
     for variant in &compared.variants {
         line(&mut text, of, variant, scale);
     }
