@@ -1,45 +1,78 @@
-//! Searching the tree over a mesh of 100 thousand triangles: time is told for one ray.
+//! Searching the tree with each kernel and each set of vector instructions: time is told for one
+//! ray.
 //!
-//! Coherent rays are those of a camera, random ones are the worst that a tree can meet.
-//! Run with `cargo bench --bench traversal`.
+//! Coherent rays are those of a camera, in blocks of 8 by 8; random ones are the worst that a tree
+//! can meet. They are asked for in batches, as the wavefront does. Run with
+//! `cargo bench --bench traversal`, and a word to choose by name, such as `packet`. The mesh has
+//! 100 thousand triangles, or as many as the variable `WAVECREST_BENCH_TRIANGLES` says.
 
-use std::sync::LazyLock;
+use std::fmt;
+use std::sync::{LazyLock, Mutex, PoisonError};
 
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
 use glam::Vec3;
 
-use wavecrest::accel::Accel;
 use wavecrest::accel::build::Preset;
 use wavecrest::accel::geometry::Geometry;
+use wavecrest::accel::{Accel, Hit, KernelChoice, Traversal};
 use wavecrest::generate::{Model, Recipe, mesh};
 use wavecrest::math::random::Stream;
 use wavecrest::math::ray::Ray;
+use wavecrest::math::simd::Level;
+use wavecrest::wavefront::DEFAULT_BATCH;
 
-const TRIANGLES: u64 = 100_000;
 /// Rays in a row and in a column of the coherent ones; there are as many random ones.
 const SIDE: u32 = 128;
 
-static GEOMETRY: LazyLock<Geometry> = LazyLock::new(|| {
-    // The sphere is known to be possible; without it there would be nothing to time.
-    let mesh = mesh(&Recipe::new(Model::Sphere, TRIANGLES)).unwrap_or_default();
-    Geometry { positions: mesh.positions, triangles: mesh.triangles, ..Geometry::default() }
+static ACCEL: LazyLock<Mutex<Accel>> = LazyLock::new(|| {
+    let triangles = std::env::var("WAVECREST_BENCH_TRIANGLES");
+    let triangles = triangles.ok().and_then(|n| n.parse().ok()).unwrap_or(100_000);
+    // Where it cannot be made, the check below says so.
+    let mesh = mesh(&Recipe::new(Model::Sphere, triangles)).unwrap_or_default();
+    let (positions, triangles) = (mesh.positions, mesh.triangles);
+    let geometry = Geometry { positions, triangles, ..Geometry::default() };
+    assert!(!geometry.triangles.is_empty(), "the mesh could not be made");
+    Mutex::new(Accel::new(geometry, Preset::Fast))
 });
 
-static ACCEL: LazyLock<Accel> = LazyLock::new(|| Accel::new(GEOMETRY.clone(), Preset::Fast));
-
 fn main() {
-    assert!(GEOMETRY.triangles.len() as u64 >= TRIANGLES, "the mesh could not be made");
     divan::main();
 }
 
-/// From one point through a grid, row by row; the mesh fills most of it.
+/// What is timed.
+#[derive(Clone, Copy)]
+struct Case {
+    coherent: bool,
+    kernel: KernelChoice,
+    level: Level,
+}
+
+impl fmt::Display for Case {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let rays = if self.coherent { "coherent" } else { "random" };
+        write!(f, "{rays}, {}, {}", self.kernel.name(), self.level.name())
+    }
+}
+
+/// Every kernel with the best level, and the usual kernel with every other level.
+fn cases() -> Vec<Case> {
+    let kernels = KernelChoice::ALL.map(|kernel| (kernel, Level::best()));
+    let levels = Level::available().into_iter().map(|level| (KernelChoice::Auto, level));
+    let others = levels.filter(|(_, level)| *level != Level::best());
+    let both: Vec<_> = kernels.into_iter().chain(others).collect();
+    let with = |coherent| both.iter().map(move |&(kernel, level)| Case { coherent, kernel, level });
+    with(true).chain(with(false)).collect()
+}
+
+/// From one point through a grid, block by block; the mesh fills most of it.
 fn coherent() -> Vec<Ray> {
     let at = |i: u32| (i as f32 + 0.5) / SIDE as f32 * 2.0 - 1.0;
     let ray = |i: u32| {
-        let target = Vec3::new(at(i % SIDE), at(i / SIDE), 0.0);
+        let (block, within) = (i / 64, i % 64);
+        let (x, y) = (block % (SIDE / 8) * 8 + within % 8, block / (SIDE / 8) * 8 + within / 8);
         let origin = Vec3::new(0.0, 0.0, 4.0);
-        Ray::new(origin, target - origin)
+        Ray::new(origin, Vec3::new(at(x), at(y), 0.0) - origin)
     };
     (0..SIDE * SIDE).map(ray).collect()
 }
@@ -57,36 +90,33 @@ fn random() -> Vec<Ray> {
     (0..SIDE * SIDE).map(ray).collect()
 }
 
-fn rays(kind: &str) -> Vec<Ray> {
-    if kind == "coherent" { coherent() } else { random() }
-}
-
-#[divan::bench(args = ["coherent", "random"], sample_count = 30, sample_size = 1)]
-fn closest(bencher: Bencher<'_, '_>, kind: &str) {
-    let (rays, mut traversal) = (rays(kind), ACCEL.traversal());
+/// Times `ask` over all batches of the case's rays.
+fn time<A: Clone>(
+    bencher: Bencher<'_, '_>,
+    case: &Case,
+    none: A,
+    ask: impl Fn(&Accel, &[Ray], &mut [A], &mut Traversal),
+) {
+    let rays = if case.coherent { coherent() } else { random() };
+    let mut accel = ACCEL.lock().unwrap_or_else(PoisonError::into_inner);
+    accel.kernel = case.kernel;
+    accel.level = case.level.token().unwrap_or(accel.level);
+    let (accel, mut traversal) = (&*accel, accel.traversal());
+    let mut answers = vec![none; DEFAULT_BATCH];
     bencher.counter(ItemsCount::new(rays.len())).bench_local(|| {
-        for ray in &rays {
-            black_box(ACCEL.closest(black_box(ray), &mut traversal));
+        for batch in rays.chunks(DEFAULT_BATCH) {
+            ask(accel, black_box(batch), &mut answers[..batch.len()], &mut traversal);
+            black_box(&answers);
         }
     });
 }
 
-#[divan::bench(args = ["coherent", "random"], sample_count = 30, sample_size = 1)]
-fn occluded(bencher: Bencher<'_, '_>, kind: &str) {
-    let (rays, mut traversal) = (rays(kind), ACCEL.traversal());
-    bencher.counter(ItemsCount::new(rays.len())).bench_local(|| {
-        for ray in &rays {
-            black_box(ACCEL.occluded(black_box(ray), &mut traversal));
-        }
-    });
+#[divan::bench(args = cases(), sample_count = 30, sample_size = 1)]
+fn closest(bencher: Bencher<'_, '_>, case: &Case) {
+    time(bencher, case, Hit::MISS, Accel::closest_of);
 }
 
-/// The tree itself: time is told for one triangle.
-#[divan::bench(args = [Preset::Fastest, Preset::VeryFast, Preset::Fast, Preset::Medium],
-               sample_count = 5, sample_size = 1)]
-fn build(bencher: Bencher<'_, '_>, preset: Preset) {
-    bencher
-        .counter(ItemsCount::new(GEOMETRY.triangles.len()))
-        .with_inputs(|| GEOMETRY.clone())
-        .bench_local_values(|geometry| Accel::new(geometry, preset));
+#[divan::bench(args = cases(), sample_count = 30, sample_size = 1)]
+fn occluded(bencher: Bencher<'_, '_>, case: &Case) {
+    time(bencher, case, false, Accel::occluded_of);
 }

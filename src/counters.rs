@@ -1,6 +1,6 @@
 //! Work counted while rendering, exactly: how it is shown that a scene pays for what it shows.
 
-use crate::accel::TestCounts;
+use crate::accel::{Kernels, TestCounts};
 
 /// Counts of one thread, or of a whole render.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -19,6 +19,8 @@ pub struct Counters {
     pub texels: u64,
     /// Tests of boxes and primitives.
     pub tests: TestCounts,
+    /// Rays by the kernel that took them through the tree.
+    pub kernels: Kernels,
     /// Samples that were not finite, and count as black.
     pub invalid: u64,
     /// Shadow rays to a light within the rounding error of the surface: its distance was taken to
@@ -35,6 +37,7 @@ impl std::ops::AddAssign for Counters {
         self.light_samples += other.light_samples;
         self.texels += other.texels;
         self.tests += other.tests;
+        self.kernels += other.kernels;
         self.invalid += other.invalid;
         self.lights_at_surface += other.lights_at_surface;
     }

@@ -9,6 +9,7 @@
 pub mod arena;
 pub mod brute;
 pub mod build;
+mod choice;
 mod coincident;
 pub mod geometry;
 mod leaf;
@@ -30,6 +31,7 @@ use packet::Packets;
 use stream::{Closest, Flight, Occluded, Query};
 use tree::Tree;
 
+pub use choice::{KernelChoice, KernelCounts, Kernels};
 pub use stream::{RayLanes, Rays};
 
 /// The number of no primitive.
@@ -112,6 +114,8 @@ pub struct Traversal {
     packets: Packets,
     /// Tests made so far.
     pub tests: TestCounts,
+    /// Rays taken so far, by kernel.
+    pub kernels: Kernels,
 }
 
 /// The primitives and how they are searched.
@@ -123,6 +127,8 @@ pub struct Accel {
     pub tree: Option<Tree>,
     /// The instructions to search it with.
     pub level: fearless_simd::Level,
+    /// The kernel that many rays are searched with.
+    pub kernel: KernelChoice,
 }
 
 impl Accel {
@@ -130,7 +136,8 @@ impl Accel {
     /// instructions that the processor has.
     pub fn new(geometry: Geometry, preset: Preset) -> Self {
         let tree = (preset != Preset::Brute).then(|| build::build(&geometry, preset));
-        Self { geometry, tree, level: fearless_simd::Level::new() }
+        let (level, kernel) = (fearless_simd::Level::new(), KernelChoice::default());
+        Self { geometry, tree, level, kernel }
     }
 
     /// Scratch memory for one thread: traversal then allocates nothing.
@@ -139,14 +146,14 @@ impl Accel {
         Traversal {
             stack: vec![0; tree.stack_entries()],
             flight: Flight::new(tree),
-            packets: Packets::default(),
-            tests: TestCounts::default(),
+            ..Traversal::default()
         }
     }
 
     /// The closest hit on `ray`, of light shapes too.
     #[inline]
     pub fn closest(&self, ray: &Ray, traversal: &mut Traversal) -> Hit {
+        traversal.kernels.closest.single += 1;
         if !ray.is_valid() {
             return Hit::MISS;
         }
@@ -162,6 +169,7 @@ impl Accel {
     /// Whether anything is on `ray`, light shapes apart: light passes them.
     #[inline]
     pub fn occluded(&self, ray: &Ray, traversal: &mut Traversal) -> bool {
+        traversal.kernels.shadow.single += 1;
         if !ray.is_valid() {
             return false;
         }
@@ -182,11 +190,10 @@ impl Accel {
         traversal: &mut Traversal,
     ) {
         match &self.tree {
-            Some(tree) => dispatch(
-                self.level,
-                Many::<_, Closest> { tree, geometry: &self.geometry, rays, answers, traversal },
-            ),
-            None => {
+            Some(tree) if self.kernel != KernelChoice::Single => {
+                dispatch(self.level, Many::<_, Closest>::new(self, tree, rays, answers, traversal));
+            }
+            _ => {
                 for (i, answer) in answers.iter_mut().enumerate() {
                     *answer = self.closest(&rays.ray(i), traversal);
                 }
@@ -202,11 +209,13 @@ impl Accel {
         traversal: &mut Traversal,
     ) {
         match &self.tree {
-            Some(tree) => dispatch(
-                self.level,
-                Many::<_, Occluded> { tree, geometry: &self.geometry, rays, answers, traversal },
-            ),
-            None => {
+            Some(tree) if self.kernel != KernelChoice::Single => {
+                dispatch(
+                    self.level,
+                    Many::<_, Occluded>::new(self, tree, rays, answers, traversal),
+                );
+            }
+            _ => {
                 for (i, answer) in answers.iter_mut().enumerate() {
                     *answer = self.occluded(&rays.ray(i), traversal);
                 }
@@ -274,6 +283,21 @@ struct Many<'a, R: ?Sized, Q: Query> {
     rays: &'a R,
     answers: &'a mut [Q::Answer],
     traversal: &'a mut Traversal,
+    choice: KernelChoice,
+}
+
+impl<'a, R: ?Sized, Q: Query> Many<'a, R, Q> {
+    #[inline(always)]
+    fn new(
+        accel: &'a Accel,
+        tree: &'a Tree,
+        rays: &'a R,
+        answers: &'a mut [Q::Answer],
+        traversal: &'a mut Traversal,
+    ) -> Self {
+        let (geometry, choice) = (&accel.geometry, accel.kernel);
+        Self { tree, geometry, rays, answers, traversal, choice }
+    }
 }
 
 impl<R: Rays + ?Sized, Q: Query> Kernel for Many<'_, R, Q> {
@@ -281,10 +305,12 @@ impl<R: Rays + ?Sized, Q: Query> Kernel for Many<'_, R, Q> {
 
     #[inline(always)]
     fn run<S: Lanes>(self, simd: S) {
-        let Traversal { flight, packets, stack, tests } = self.traversal;
-        let Self { tree, geometry, rays, answers, .. } = self;
+        let Traversal { flight, packets, stack, tests, kernels } = self.traversal;
+        let Self { tree, geometry, rays, answers, choice, .. } = self;
         let memory = (packets, flight, stack.as_mut_slice());
-        packet::trace::<S, Q, R>(simd, tree, geometry, rays, answers, memory, tests);
+        let counts = (tests, if Q::ANY { &mut kernels.shadow } else { &mut kernels.closest });
+        let rays = (rays, choice);
+        packet::trace::<S, Q, R>(simd, tree, geometry, rays, answers, memory, counts);
     }
 }
 

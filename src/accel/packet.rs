@@ -24,7 +24,7 @@ use super::geometry::{Geometry, PreparedRay};
 use super::node::{distance, place};
 use super::stream::{self, Flight, FromRoot, Query, Rays};
 use super::tree::{Root, Tree};
-use super::{TestCounts, single};
+use super::{KernelChoice, KernelCounts, TestCounts, single};
 use crate::math::simd::{LANES, Lanes, entry};
 use remaining::{Handed, Remaining};
 use tile::{GROUPS, Met, Tile, Vertices, WIDTH, extent, load, number_of};
@@ -73,19 +73,20 @@ pub(super) struct Packets {
     queue: Vec<u32>,
 }
 
-/// Answers all rays: by packets as long as these are coherent, else in flight.
+/// Answers all rays: by packets as long as `choice` has it so, the others in flight.
 #[inline(always)]
 pub(super) fn trace<S: Lanes, Q: Query, R: Rays + ?Sized>(
     simd: S,
     tree: &Tree,
     geometry: &Geometry,
-    rays: &R,
+    (rays, choice): (&R, KernelChoice),
     answers: &mut [Q::Answer],
     (packets, flight, stack): (&mut Packets, &mut Flight, &mut [u64]),
-    tests: &mut TestCounts,
+    (tests, counts): (&mut TestCounts, &mut KernelCounts),
 ) {
     let Some(root) = tree.root() else {
         answers.fill(Q::NONE);
+        counts.stream += rays.count() as u64;
         return;
     };
     let Packets { tiles, vertices, handed, last, queue } = packets;
@@ -98,8 +99,10 @@ pub(super) fn trace<S: Lanes, Q: Query, R: Rays + ?Sized>(
         tree,
         geometry,
         rays,
+        choice,
         root,
         next: 0,
+        unfit: 0,
         judged: Judged::default(),
         handed,
         last,
@@ -130,9 +133,14 @@ pub(super) fn trace<S: Lanes, Q: Query, R: Rays + ?Sized>(
             k = 0;
         }
     }
-    let Batch { next, .. } = batch;
+    let Batch { next, unfit, judged, .. } = batch;
+    counts.packet += (next - unfit) as u64;
+    counts.handed_over += (queue.len() - unfit) as u64;
+    counts.stream += (rays.count() - next + unfit) as u64;
+    counts.packet_nodes += judged.visits;
+    counts.packet_rays += judged.rays;
     let mut source = Remaining { queue, handed, last, rays, rest: FromRoot { rays, next, root } };
-    stream::trace::<S, Q>(simd, tree, geometry, &mut source, answers, flight, tests);
+    stream::trace::<S, Q>(simd, tree, geometry, &mut source, answers, flight, (tests, counts));
 }
 
 /// How coherent the tiles of a batch were so far.
@@ -155,9 +163,12 @@ struct Batch<'a, Q, R: ?Sized> {
     tree: &'a Tree,
     geometry: &'a Geometry,
     rays: &'a R,
+    choice: KernelChoice,
     root: Root,
     /// The first ray that no tile has seen.
     next: usize,
+    /// Rays of tiles that were not fit.
+    unfit: usize,
     judged: Judged,
     handed: &'a mut Vec<Handed>,
     last: &'a mut [(u32, u32)],
@@ -171,8 +182,7 @@ impl<Q: Query, R: Rays + ?Sized> Batch<'_, Q, R> {
     /// Puts the next tile that can meet anything at its beginning. Whether there is one.
     #[inline(always)]
     fn begin<S: Lanes>(&mut self, simd: S, tile: &mut Tile, answers: &mut [Q::Answer]) -> bool {
-        // A tile that is not full shares less, but costs as much.
-        while self.next + TILE / 2 <= self.rays.count() && self.judged.is_coherent() {
+        while self.choice.packs(self.rays.count() - self.next, self.judged.is_coherent()) {
             let start = self.next;
             let count = TILE.min(self.rays.count() - start);
             self.next += count;
@@ -180,6 +190,7 @@ impl<Q: Query, R: Rays + ?Sized> Batch<'_, Q, R> {
             if !tile.load(simd, self.rays, start..start + count) {
                 // These go from the root, as the rest will.
                 answers[start..start + count].fill(Q::NONE);
+                self.unfit += count;
                 for number in start..start + count {
                     self.last[number] = (self.handed.len() as u32, 1);
                     let entry = entry(f32::NEG_INFINITY, self.root.place.bits());

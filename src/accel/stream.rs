@@ -18,7 +18,7 @@ use super::node::{self, distance, place};
 use super::packet::MOST_HANDED;
 use super::single::{no_hit, or_miss};
 use super::tree::{Root, Tree, reach};
-use super::{Hit, TestCounts, leaf};
+use super::{Hit, KernelCounts, TestCounts, leaf};
 use crate::math::ray::Ray;
 use crate::math::simd::{LANES, Lanes, entry};
 
@@ -269,7 +269,7 @@ pub(super) fn trace<S: Lanes, Q: Query>(
     source: &mut impl Source<Q>,
     answers: &mut [Q::Answer],
     flight: &mut Flight,
-    tests: &mut TestCounts,
+    (tests, counts): (&mut TestCounts, &mut KernelCounts),
 ) {
     let arena = tree.arena.view();
     let Flight { slots, stacks, stride } = flight;
@@ -296,6 +296,8 @@ pub(super) fn trace<S: Lanes, Q: Query>(
         // Nodes. Steps are taken from the front of the list while the next are written there.
         let mut kept = 0;
         tests.nodes += node_count as u64;
+        counts.rounds += 1;
+        counts.in_flight += (node_count + leaf_count) as u64;
         for i in 0..node_count {
             let Step { slot: index, place: at } = nodes[i];
             let at = Ref::from_bits(at);

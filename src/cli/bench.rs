@@ -1,17 +1,19 @@
-//! `bench`: both tracers timed against each other, once their images are known to be the same.
+//! `bench`: both tracers timed against each other, once their images are known to be the same, and
+//! the wavefront against itself.
 
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use super::common::{SceneOptions, print, progress_bar, tell, to_json};
+use super::common::{SceneOptions, SearchOptions, print, progress_bar, tell, to_json};
 use crate::error::Result;
 use crate::memory;
 use crate::prepared::PreparedScene;
-use crate::render::{RenderOptions, TracerKind, render};
+use crate::render::{RenderOptions, Rendered, TracerKind, render};
 use crate::replace::{check_replaceable, replace_file, write_error};
-use crate::report::bench::measure::{Measured, Schedule, measure};
-use crate::report::bench::{BenchReport, Preparation, SceneBench, Setting, text};
+use crate::report::bench::compare::{Axis, Comparison, Variant, compare};
+use crate::report::bench::measure::{Measured, Runs, Schedule, measure};
+use crate::report::bench::{BenchReport, Preparation, SceneBench, Setting, hardware, text};
 use crate::systems;
 use crate::wavefront::DEFAULT_BATCH;
 
@@ -34,6 +36,10 @@ pub struct BenchArgs {
     /// Time that each tracer is to run for in all, as far as --repeats allows
     #[arg(long, value_name = "SECONDS", default_value = "1", value_parser = seconds)]
     pub min_time: f64,
+    /// Compare the wavefront with other kernels, vector instructions or sizes of batches as well,
+    /// separated by commas
+    #[arg(long, value_name = "WHAT", value_enum, value_delimiter = ',')]
+    pub compare: Vec<Axis>,
     /// Print JSON
     #[arg(long)]
     pub json: bool,
@@ -47,6 +53,9 @@ pub struct BenchArgs {
     /// Choose other random numbers
     #[arg(long, default_value_t = 0)]
     pub seed: u64,
+    /// How the tree is searched
+    #[command(flatten)]
+    pub search: SearchOptions,
     /// What is read and how
     #[command(flatten)]
     pub scene_options: SceneOptions,
@@ -63,7 +72,7 @@ impl BenchArgs {
     }
 }
 
-/// Measures every scene, tells what was found, and returns whether the tracers agreed in all.
+/// Measures every scene, tells what was found, and returns whether all images were the same.
 ///
 /// # Errors
 /// When a scene cannot be loaded or prepared, or the report cannot be written.
@@ -97,9 +106,15 @@ fn run_here(args: &BenchArgs) -> Result<bool> {
 
 /// Prepares a scene once and runs both tracers on it.
 fn bench(args: &BenchArgs, path: &Path) -> Result<SceneBench> {
-    let (scene, setting) = prepare(args, path)?;
+    let (mut scene, setting) = prepare(args, path)?;
     let measured = measure_scene(args, &scene)?;
-    Ok(SceneBench::new(setting, &scene, &measured, memory::peak()))
+    let mut report = SceneBench::new(setting, &scene, &measured, memory::peak());
+    if report.equal {
+        for &axis in &args.compare {
+            report.comparisons.push(compare_scene(args, &mut scene, axis)?);
+        }
+    }
+    Ok(report)
 }
 
 fn prepare(args: &BenchArgs, path: &Path) -> Result<(PreparedScene, Setting)> {
@@ -113,10 +128,13 @@ fn prepare(args: &BenchArgs, path: &Path) -> Result<(PreparedScene, Setting)> {
     let batch = args.batch as usize;
     let predicted = memory::predict(&extracted, extracted.pixels(), preset, batch).total();
     let start = Instant::now();
-    let scene = extracted.build(preset);
+    let mut scene = extracted.build(preset);
+    args.search.apply(&mut scene.accel);
     let time = Preparation { load, build: start.elapsed().as_secs_f64() };
     let name = path.display().to_string();
-    Ok((scene, Setting { scene: name, seed: args.seed, batch, preset, time, predicted }))
+    let SearchOptions { simd, kernel } = args.search;
+    let seed = args.seed;
+    Ok((scene, Setting { scene: name, seed, batch, simd, kernel, preset, time, predicted }))
 }
 
 fn measure_scene(args: &BenchArgs, scene: &PreparedScene) -> Result<Measured> {
@@ -128,7 +146,44 @@ fn measure_scene(args: &BenchArgs, scene: &PreparedScene) -> Result<Measured> {
         bar.set_position(done as u64);
     });
     bar.finish_and_clear();
-    measured
+    let mut measured = measured?;
+    if measured.difference.is_none() && hardware::missing().is_none() {
+        count(&mut measured.wavefront, || {
+            render(scene, &args.options(TracerKind::Wavefront), &|_, _| {})
+        })?;
+        count(&mut measured.recursive, || {
+            render(scene, &args.options(TracerKind::Recursive), &|_, _| {})
+        })?;
+    }
+    Ok(measured)
+}
+
+/// Has the processor count in a run of its own, so that counting slows none that is timed.
+fn count(runs: &mut Runs, run: impl FnOnce() -> Result<Rendered>) -> Result<()> {
+    let (rendered, counted) = hardware::count(run);
+    rendered?;
+    runs.hardware = counted.ok();
+    Ok(())
+}
+
+fn compare_scene(args: &BenchArgs, scene: &mut PreparedScene, axis: Axis) -> Result<Comparison> {
+    let SearchOptions { simd, kernel } = args.search;
+    let usual = Variant { kernel, simd, batch: args.batch as usize };
+    let bar =
+        progress_bar(args.scene_options.quiet, "{wide_bar} {pos} of {len} rounds, {eta} left");
+    let trace = |variant: &Variant| {
+        SearchOptions { simd: variant.simd, kernel: variant.kernel }.apply(&mut scene.accel);
+        let options = RenderOptions { batch: variant.batch, ..args.options(TracerKind::Wavefront) };
+        render(scene, &options, &|_, _| {})
+    };
+    let compared =
+        compare(axis, &axis.variants(usual), &args.schedule(), trace, &mut |done, planned| {
+            bar.set_length(planned as u64);
+            bar.set_position(done as u64);
+        });
+    bar.finish_and_clear();
+    args.search.apply(&mut scene.accel);
+    compared
 }
 
 fn tell_scene(args: &BenchArgs, scene: &SceneBench) -> Result<()> {
@@ -138,6 +193,9 @@ fn tell_scene(args: &BenchArgs, scene: &SceneBench) -> Result<()> {
     if let Some(difference) = &scene.difference {
         // However quiet: a wrong image is never passed over in silence.
         tell(&format!("error: {}: {}", scene.scene, text::verdict(difference)));
+    }
+    for compared in scene.comparisons.iter().filter(|compared| compared.difference.is_some()) {
+        tell(&format!("error: {}: {}", scene.scene, text::comparison(compared).trim()));
     }
     if !args.scene_options.quiet {
         let name = &scene.scene;
@@ -184,9 +242,19 @@ mod tests {
     #[test]
     fn scenes_and_options_are_read() {
         let args = parse("a.json b.json --repeats 3 --min-time 0.5 -o out.json -q").unwrap();
+        assert_eq!(args.compare, []);
+        let compared = parse("a --compare kernels,batches --compare levels").unwrap().compare;
+        assert_eq!(compared, [Axis::Kernels, Axis::Batches, Axis::Levels]);
         assert_eq!(args.scenes, ["a.json", "b.json"].map(PathBuf::from));
         assert_eq!(args.schedule(), Schedule { warmup: 1, most: 3, seconds: 0.5 });
-        for bad in ["", "a --repeats 0", "a --warmup 0", "a --min-time=-1", "a --min-time nan"] {
+        for bad in [
+            "",
+            "a --repeats 0",
+            "a --warmup 0",
+            "a --min-time=-1",
+            "a --min-time nan",
+            "a --compare trees",
+        ] {
             assert!(parse(bad).is_err(), "{bad}");
         }
     }

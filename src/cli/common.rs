@@ -6,7 +6,9 @@ use std::path::Path;
 use indicatif::{ProgressBar, ProgressState, ProgressStyle};
 
 use crate::accel::build::Preset;
+use crate::accel::{Accel, KernelChoice};
 use crate::error::{Error, ErrorKind, Result, Warning};
+use crate::math::simd::Level;
 use crate::scene::load::{LoadOptions, LoadedScene, load};
 use crate::tile::Tile;
 
@@ -48,6 +50,43 @@ impl SceneOptions {
             warnings.iter().for_each(|warning| tell(&format!("warning: {warning}")));
         }
     }
+}
+
+/// Options on how the tree is searched, which change no answer.
+#[derive(Clone, Copy, Debug, clap::Args)]
+pub struct SearchOptions {
+    /// Vector instructions: auto for the best that this processor has, or sse2, sse42, avx2, avx512
+    /// or neon; the image is the same
+    #[arg(long, value_name = "LEVEL", default_value = "auto", value_parser = simd)]
+    pub simd: Level,
+    /// How a batch of rays is taken through the tree; the image is the same
+    #[arg(long, value_name = "KERNEL", value_enum, default_value_t)]
+    pub kernel: KernelChoice,
+}
+
+impl SearchOptions {
+    /// Has `accel` searched as the options say.
+    pub fn apply(&self, accel: &mut Accel) {
+        accel.kernel = self.kernel;
+        if let Some(level) = self.simd.token() {
+            accel.level = level;
+        }
+    }
+}
+
+/// A set of vector instructions that this processor has.
+fn simd(text: &str) -> std::result::Result<Level, String> {
+    if text == "auto" {
+        return Ok(Level::best());
+    }
+    let available = Level::available();
+    available.iter().copied().find(|level| level.name() == text).ok_or_else(|| {
+        let names: Vec<_> = available.iter().map(|level| level.name()).collect();
+        let is_known = <Level as clap::ValueEnum>::from_str(text, false).is_ok();
+        let what =
+            if is_known { "this processor does not have it" } else { "there is no such level" };
+        format!("{what}; use auto, {}", names.join(", "))
+    })
 }
 
 /// How many threads to work on.

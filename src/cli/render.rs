@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use super::common::{SceneOptions, crop, progress_bar, tell, to_json};
+use super::common::{SceneOptions, SearchOptions, crop, progress_bar, tell, to_json};
 use crate::accel::build::Preset;
 use crate::error::{Error, ErrorKind, Result};
 use crate::image::write::{Transfer, check_writable, write};
@@ -43,6 +43,9 @@ pub struct RenderArgs {
     #[arg(long, value_name = "PATHS", default_value_t = DEFAULT_BATCH as u32,
           value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
     pub batch: u32,
+    /// How the tree is searched
+    #[command(flatten)]
+    pub search: SearchOptions,
     /// How linear colours become 8-bit levels (.ppm, .png)
     #[arg(long, value_enum, default_value_t)]
     pub transfer: Transfer,
@@ -95,7 +98,8 @@ fn run_here(args: &RenderArgs, output: &Path) -> Result<()> {
     let pixels = args.crop.map_or(extracted.pixels(), |crop| crop.len() as u64);
     let predicted = memory::predict(&extracted, pixels, preset, args.batch as usize).total();
     time.load = start.elapsed().as_secs_f64();
-    let scene = timed(&mut time.build, || extracted.build(preset));
+    let mut scene = timed(&mut time.build, || extracted.build(preset));
+    args.search.apply(&mut scene.accel);
     let rendered = timed(&mut time.trace, || trace(args, &scene))?;
     timed(&mut time.write, || write(&rendered.film, output, args.transfer))?;
     time.total = start.elapsed().as_secs_f64();
@@ -144,6 +148,8 @@ fn statistics(
         tracer: args.tracer,
         threads: rayon::current_num_threads(),
         seed: args.seed,
+        simd: args.search.simd,
+        kernel: args.search.kernel,
         image: ImageSize {
             width: rendered.film.width(),
             height: rendered.film.height(),
@@ -152,6 +158,7 @@ fn statistics(
         rays: counters.into(),
         samples: counters.into(),
         tests: counters.into(),
+        kernels: counters.into(),
         dropped: scene.dropped,
         invalid: counters.invalid,
         lights_at_surface: counters.lights_at_surface,

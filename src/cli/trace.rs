@@ -6,16 +6,18 @@ use std::time::Instant;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::common::{Threads, print, to_json};
+use super::common::{SearchOptions, Threads, print, to_json};
 use crate::accel::build::Preset;
 use crate::accel::geometry::Geometry;
-use crate::accel::{Accel, Hit, TestCounts, Traversal};
+use crate::accel::{Accel, Hit, KernelChoice, Kernels, TestCounts, Traversal};
 use crate::error::{Error, ErrorKind, Result};
 use crate::kernels::triangle::T_TOLERANCE;
 use crate::math::ray::Ray;
+use crate::math::simd::Level;
 use crate::ray_file::RayFile;
 use crate::render::TracerKind;
 use crate::replace::{check_differs, check_replaceable};
+use crate::report::statistics::ClassUse;
 use crate::scene::mesh;
 
 /// Rays handed to a thread at a time.
@@ -45,6 +47,9 @@ pub struct TraceArgs {
     /// How much work goes into the BVH [default: chosen from triangles and rays]
     #[arg(long, value_name = "PRESET", value_enum)]
     pub bvh: Option<Preset>,
+    /// How the tree is searched
+    #[command(flatten)]
+    pub search: SearchOptions,
     /// Number of timed passes over the rays; the median counts
     #[arg(long, value_name = "N", default_value_t = 5,
           value_parser = clap::value_parser!(u32).range(1..=10_000))]
@@ -68,6 +73,8 @@ struct Report {
     repeats: u32,
     threads: usize,
     tracer: TracerKind,
+    simd: Level,
+    kernel: KernelChoice,
     preset: Preset,
     triangles: usize,
     load_seconds: f64,
@@ -75,6 +82,7 @@ struct Report {
     nodes_per_ray: f64,
     leaves_per_ray: f64,
     triangles_per_ray: f64,
+    kernels: ClassUse,
     compared: Compared,
 }
 
@@ -122,9 +130,11 @@ fn run_here(args: &TraceArgs) -> Result<()> {
     let triangles = geometry.triangles.len();
     let preset = args.bvh.unwrap_or(Preset::choose(triangles as u64, file.rays.len() as u64));
     let start = Instant::now();
-    let accel = Accel::new(geometry, preset);
+    let mut accel = Accel::new(geometry, preset);
+    args.search.apply(&mut accel);
     let build_seconds = start.elapsed().as_secs_f64();
-    let (closest, occluded, tests, seconds) = answer(args, &accel, &file);
+    let Answered { closest, occluded, work, seconds } = answer(args, &accel, &file);
+    let Work { tests, kernels } = work;
     let compared = compare(&file, &closest, &occluded);
     let n = file.rays.len();
     let per_ray = |count: u64| count as f64 / n.max(1) as f64;
@@ -141,6 +151,8 @@ fn run_here(args: &TraceArgs) -> Result<()> {
         repeats: args.repeats,
         threads: rayon::current_num_threads(),
         tracer: args.tracer,
+        simd: args.search.simd,
+        kernel: args.search.kernel,
         preset,
         triangles,
         load_seconds,
@@ -148,6 +160,7 @@ fn run_here(args: &TraceArgs) -> Result<()> {
         nodes_per_ray: per_ray(tests.nodes),
         leaves_per_ray: per_ray(tests.leaves),
         triangles_per_ray: per_ray(tests.triangles),
+        kernels: (&kernels.both()).into(),
         compared,
     };
     print(&if args.json { to_json(&report)? } else { text(&report) })?;
@@ -168,19 +181,39 @@ fn check_belongs(args: &TraceArgs, file: &RayFile, triangles: usize) -> Result<(
         .remedy(format!("{} has {triangles}", args.mesh.display())))
 }
 
-/// The closest hits, the any-hit answers, the tests of one timed pass, and its median seconds.
-fn answer(
-    args: &TraceArgs,
-    accel: &Accel,
-    file: &RayFile,
-) -> (Vec<Hit>, Vec<bool>, TestCounts, f64) {
+/// What came of the rays.
+struct Answered {
+    closest: Vec<Hit>,
+    occluded: Vec<bool>,
+    /// Of one timed pass.
+    work: Work,
+    /// The median of the timed passes.
+    seconds: f64,
+}
+
+/// What a pass took.
+#[derive(Clone, Copy, Default)]
+struct Work {
+    tests: TestCounts,
+    kernels: Kernels,
+}
+
+impl Work {
+    fn add(mut self, other: Self) -> Self {
+        self.tests += other.tests;
+        self.kernels += other.kernels;
+        self
+    }
+}
+
+fn answer(args: &TraceArgs, accel: &Accel, file: &RayFile) -> Answered {
     let mut closest = vec![Hit::MISS; file.rays.len()];
     let mut occluded = vec![false; file.rays.len()];
-    let mut tests = TestCounts::default();
+    let mut work = Work::default();
     let mut samples: Vec<f64> = Vec::new();
     for _ in 0..args.repeats {
         let start = Instant::now();
-        tests = if file.any_hit {
+        work = if file.any_hit {
             pass_occluded(args, accel, file, &mut occluded)
         } else {
             pass_closest(args, accel, file, &mut closest)
@@ -193,24 +226,14 @@ fn answer(
         pass_occluded(args, accel, file, &mut occluded);
     }
     samples.sort_by(f64::total_cmp);
-    (closest, occluded, tests, samples[samples.len() / 2])
+    Answered { closest, occluded, work, seconds: samples[samples.len() / 2] }
 }
 
-fn pass_closest(
-    args: &TraceArgs,
-    accel: &Accel,
-    file: &RayFile,
-    answers: &mut [Hit],
-) -> TestCounts {
+fn pass_closest(args: &TraceArgs, accel: &Accel, file: &RayFile, answers: &mut [Hit]) -> Work {
     pass(args, accel, file, answers, Accel::closest_of, Accel::closest)
 }
 
-fn pass_occluded(
-    args: &TraceArgs,
-    accel: &Accel,
-    file: &RayFile,
-    answers: &mut [bool],
-) -> TestCounts {
+fn pass_occluded(args: &TraceArgs, accel: &Accel, file: &RayFile, answers: &mut [bool]) -> Work {
     pass(args, accel, file, answers, Accel::occluded_of, Accel::occluded)
 }
 
@@ -222,14 +245,14 @@ fn pass<A: Send>(
     answers: &mut [A],
     many: impl Fn(&Accel, &[Ray], &mut [A], &mut Traversal) + Sync,
     one: impl Fn(&Accel, &Ray, &mut Traversal) -> A + Sync,
-) -> TestCounts {
+) -> Work {
     answers
         .par_chunks_mut(BLOCK)
         .zip(file.rays.par_chunks(BLOCK))
         .map_init(
             || accel.traversal(),
             |traversal, (answers, rays)| {
-                let before = traversal.tests;
+                (traversal.tests, traversal.kernels) = Default::default();
                 match args.tracer {
                     TracerKind::Wavefront => many(accel, rays, answers, traversal),
                     TracerKind::Recursive => {
@@ -238,10 +261,10 @@ fn pass<A: Send>(
                         }
                     }
                 }
-                traversal.tests - before
+                Work { tests: traversal.tests, kernels: traversal.kernels }
             },
         )
-        .reduce(TestCounts::default, |a, b| a + b)
+        .reduce(Work::default, Work::add)
 }
 
 fn compare(file: &RayFile, closest: &[Hit], occluded: &[bool]) -> Compared {
@@ -273,11 +296,14 @@ fn compare(file: &RayFile, closest: &[Hit], occluded: &[bool]) -> Compared {
 
 fn text(r: &Report) -> String {
     let kind = if r.any_hit { "any hit" } else { "closest hit" };
-    let c = &r.compared;
+    let (c, k) = (&r.compared, &r.kernels);
+    let average = |value: Option<f64>| value.map_or("-".to_owned(), |v| format!("{v:.1}"));
     format!(
         "{:.2} Mrays/s: {} rays ({kind}), {} hits, {:.4} s, median of {} on {} threads\n\
          mesh: {} triangles, loaded in {:.3} s; bvh {}, built in {:.3} s\n\
          per ray: {:.2} nodes, {:.2} leaves, {:.2} triangles\n\
+         {}: {} in packets ({} handed over), {} in flight, {} alone; rays of a packet at a node {}, \
+         in flight in a round {}\n\
          against the file: {} lost, {} extra, {} on another triangle, {} at another distance, \
          largest relative difference of t {:.2e}; any-hit {} lost, {} extra\n",
         r.mrays_s,
@@ -293,6 +319,13 @@ fn text(r: &Report) -> String {
         r.nodes_per_ray,
         r.leaves_per_ray,
         r.triangles_per_ray,
+        r.simd.name(),
+        k.packet,
+        k.handed_over,
+        k.stream,
+        k.single,
+        average(k.rays_a_node),
+        average(k.rays_a_round),
         c.lost,
         c.extra,
         c.other_triangle,

@@ -3,11 +3,16 @@
 //! | key | unit | meaning |
 //! |---|---|---|
 //! | `version`, `scene`, `tracer`, `threads`, `seed` | | what was run |
+//! | `simd`, `kernel` | | the vector instructions, and the kernel chosen for batches of rays |
 //! | `image.width`, `.height`, `.samples_per_pixel` | pixels, rays | the image, or the part of it |
 //! | `rays.primary`, `.secondary`, `.shadow` | rays | camera, mirror and shadow rays traced |
 //! | `samples.lens`, `.light`, `.texels` | | points chosen on the lens and on area lights; texels read |
 //! | `tests.nodes` | nodes | inner nodes visited, by a ray or by many together, each testing eight boxes |
 //! | `tests.primitives.triangles`, `.quads`, `.spheres` | tests | tests of primitives |
+//! | `kernels.closest.packet`, `.stream`, `.single` | rays | camera and mirror rays by the kernel that took them first: a packet, many in flight, one alone |
+//! | `kernels.closest.handed_over` | rays | those of the packets' rays that went on in flight |
+//! | `kernels.closest.rays_a_node`, `.rays_a_round` | rays | of a packet at a node that it visits, and in flight in a round, on average (`null` where there was none) |
+//! | `kernels.shadow.…` | | the same of shadow rays |
 //! | `dropped.degenerate` | triangles | left out for want of an area |
 //! | `invalid` | samples | not finite, and counted as black |
 //! | `lights_at_surface` | rays | lights nearer than the rounding error of the surface |
@@ -20,9 +25,10 @@
 use serde::Serialize;
 use serde_json::{Map, Value};
 
-use crate::accel::Accel;
 use crate::accel::build::Preset;
+use crate::accel::{Accel, KernelChoice, KernelCounts};
 use crate::counters::Counters;
+use crate::math::simd::Level;
 use crate::plan::Plan;
 use crate::prepared::Dropped;
 use crate::render::TracerKind;
@@ -36,10 +42,13 @@ pub struct Statistics {
     pub tracer: TracerKind,
     pub threads: usize,
     pub seed: u64,
+    pub simd: Level,
+    pub kernel: KernelChoice,
     pub image: ImageSize,
     pub rays: Rays,
     pub samples: Samples,
     pub tests: Tests,
+    pub kernels: KernelUse,
     pub dropped: Dropped,
     pub invalid: u64,
     pub lights_at_surface: u64,
@@ -91,6 +100,26 @@ pub struct PrimitiveTests {
     pub triangles: u64,
     pub quads: u64,
     pub spheres: u64,
+}
+
+/// Rays by kernel, of either class.
+#[derive(Clone, Copy, Debug, Serialize)]
+#[allow(missing_docs, reason = "see the module documentation")]
+pub struct KernelUse {
+    pub closest: ClassUse,
+    pub shadow: ClassUse,
+}
+
+/// Rays of one class by kernel.
+#[derive(Clone, Copy, Debug, Serialize)]
+#[allow(missing_docs, reason = "see the module documentation")]
+pub struct ClassUse {
+    pub packet: u64,
+    pub handed_over: u64,
+    pub stream: u64,
+    pub single: u64,
+    pub rays_a_node: Option<f64>,
+    pub rays_a_round: Option<f64>,
 }
 
 /// Seconds by stage.
@@ -160,6 +189,25 @@ impl From<&Counters> for Tests {
         let primitives =
             PrimitiveTests { triangles: t.triangles, quads: t.quads, spheres: t.spheres };
         Self { nodes: t.nodes, primitives }
+    }
+}
+
+impl From<&Counters> for KernelUse {
+    fn from(c: &Counters) -> Self {
+        Self { closest: (&c.kernels.closest).into(), shadow: (&c.kernels.shadow).into() }
+    }
+}
+
+impl From<&KernelCounts> for ClassUse {
+    fn from(c: &KernelCounts) -> Self {
+        Self {
+            packet: c.packet,
+            handed_over: c.handed_over,
+            stream: c.stream,
+            single: c.single,
+            rays_a_node: c.rays_a_node(),
+            rays_a_round: c.rays_a_round(),
+        }
     }
 }
 

@@ -92,7 +92,8 @@ impl Tracer for Wavefront {
     }
 
     fn counters(&self) -> Counters {
-        Counters { tests: self.traversal.tests, ..self.counters }
+        let Traversal { tests, kernels, .. } = self.traversal;
+        Counters { tests, kernels, ..self.counters }
     }
 
     fn pass_seconds(&self) -> Vec<(&'static str, f64)> {

@@ -28,7 +28,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("memory", &["accel", "prepared", "render", "systems", "wavefront"]),
     ("generate", &["error", "replace", "scene"]),
     ("ray_file", &["accel", "error", "math", "replace"]),
-    ("report", &["accel", "counters", "error", "image", "plan", "prepared", "render"]),
+    ("report", &["accel", "counters", "error", "image", "math", "plan", "prepared", "render"]),
     (
         "cli",
         &[

@@ -19,12 +19,18 @@ const SIZE: [u32; 2] = [16, 12];
 const PIXELS: u64 = 16 * 12;
 
 /// What both tracers count, once they are seen to count the same; how they search for hits is each
-/// one's own affair, and their tests are added up.
+/// one's own affair, and their tests and kernels are added up.
 fn counters(scene: &PreparedScene) -> Counters {
     let [wavefront, recursive] =
         TRACERS.map(|tracer| render_on(1, scene, &RenderOptions { tracer, ..options() }).counters);
     let tests = wavefront.tests + recursive.tests;
-    let [wavefront, recursive] = [wavefront, recursive].map(|c| Counters { tests, ..c });
+    for c in [wavefront, recursive] {
+        assert_eq!(c.kernels.closest.rays(), c.primary_rays + c.secondary_rays);
+        assert_eq!(c.kernels.shadow.rays(), c.shadow_rays);
+    }
+    let mut kernels = wavefront.kernels;
+    kernels += recursive.kernels;
+    let [wavefront, recursive] = [wavefront, recursive].map(|c| Counters { tests, kernels, ..c });
     assert_eq!(wavefront, recursive, "the tracers do not do the same work");
     wavefront
 }
@@ -210,7 +216,9 @@ fn shapes_that_are_not_there_are_never_tested() {
     }
     let nothing = prepare(&scene(4, &camera(), &[light()], &[]));
     let found = counters(&nothing);
-    assert_eq!(found, Counters { primary_rays: PIXELS, ..Counters::default() });
+    // That a ray was taken is counted even where there is no tree to take it through.
+    let kernels = found.kernels;
+    assert_eq!(found, Counters { primary_rays: PIXELS, kernels, ..Counters::default() });
 }
 
 #[test]

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use rayon::prelude::*;
 use serde_json::{Value, json};
+use wavecrest::accel::KernelChoice;
 use wavecrest::accel::build::Preset;
 use wavecrest::image::Film;
 use wavecrest::math::simd::Level;
@@ -101,6 +102,23 @@ fn any_set_of_vector_instructions_gives_the_same_image() {
                     let found = film(&scene, RenderOptions { tracer, batch, ..options() });
                     same(&best, &found, format!("{tracer:?}, {}, {batch}", level.name()))
                 })
+            })
+        })
+    });
+}
+
+/// Kernels share what they compute and not how: neither their order nor what they leave to each
+/// other may show.
+#[test]
+fn any_kernel_gives_the_same_image() {
+    for_every_scene(|path| {
+        let mut scene = small(path);
+        let usual = film(&scene, options());
+        KernelChoice::ALL.into_iter().try_for_each(|kernel| {
+            scene.accel.kernel = kernel;
+            [13, 1024].into_iter().try_for_each(|batch| {
+                let found = film(&scene, RenderOptions { batch, ..options() });
+                same(&usual, &found, format!("{}, {batch}", kernel.name()))
             })
         })
     });

@@ -8,7 +8,8 @@
 
 use serde::Serialize;
 
-use crate::accel::TestCounts;
+use super::hardware::HardwareCounts;
+use crate::accel::{Kernels, TestCounts};
 use crate::counters::Counters;
 use crate::error::Result;
 use crate::image::Film;
@@ -27,11 +28,9 @@ pub struct Schedule {
 }
 
 impl Schedule {
-    /// The pairs to be timed in all, as the runs so far foretell: enough for an interval, and for
-    /// the seconds asked for.
-    fn planned(&self, measured: &Measured) -> usize {
-        let [a, b] = [&measured.wavefront, &measured.recursive].map(|r| r.seconds.iter().sum());
-        let (pairs, shorter) = (measured.pairs(), f64::min(a, b));
+    /// The pairs to be timed in all, as the `pairs` so far foretell, of which the quicker runs took
+    /// `shorter` seconds: enough for an interval, and for the seconds asked for.
+    pub(super) fn planned(&self, pairs: usize, shorter: f64) -> usize {
         let wanted = match pairs {
             0 => 1,
             _ if shorter >= self.seconds => pairs,
@@ -50,13 +49,17 @@ pub struct Runs {
     pub passes: Vec<(&'static str, Vec<f64>)>,
     /// Tests in one run.
     pub tests: TestCounts,
+    /// Rays by kernel in one run.
+    pub kernels: Kernels,
+    /// What the processor counted in a run of its own, where it counts.
+    pub hardware: Option<HardwareCounts>,
 }
 
 impl Runs {
-    fn add(&mut self, run: &Rendered) {
+    pub(super) fn add(&mut self, run: &Rendered) {
         // A clock that did not move still moved by less than its step.
         self.seconds.push(run.seconds.max(1e-9));
-        self.tests = run.counters.tests;
+        (self.tests, self.kernels) = (run.counters.tests, run.counters.kernels);
         if self.passes.is_empty() {
             self.passes = run.pass_seconds.iter().map(|&(name, _)| (name, Vec::new())).collect();
         }
@@ -83,6 +86,12 @@ impl Measured {
     /// The number of whole timed pairs.
     pub fn pairs(&self) -> usize {
         self.wavefront.seconds.len().min(self.recursive.seconds.len())
+    }
+
+    /// Seconds of all timed runs of the quicker tracer.
+    fn shorter(&self) -> f64 {
+        let [a, b] = [&self.wavefront, &self.recursive].map(|runs| runs.seconds.iter().sum());
+        f64::min(a, b)
     }
 
     fn runs(&mut self, tracer: TracerKind) -> &mut Runs {
@@ -164,7 +173,7 @@ pub fn measure(
                 measured.runs(tracer).add(&run);
             }
         }
-        let planned = schedule.planned(&measured);
+        let planned = schedule.planned(measured.pairs(), measured.shorter());
         progress(measured.pairs(), planned);
         if measured.pairs() >= planned {
             break;
@@ -183,7 +192,11 @@ fn order(pair: usize) -> [TracerKind; 2] {
 }
 
 /// How `run` differs from the `first`, if it does.
-fn difference(tracer: TracerKind, first: &Rendered, run: &Rendered) -> Option<Difference> {
+pub(super) fn difference(
+    tracer: TracerKind,
+    first: &Rendered,
+    run: &Rendered,
+) -> Option<Difference> {
     if !first.film.same_bits(&run.film) {
         return Some(first_pixel(tracer, &first.film, &run.film));
     }
@@ -196,7 +209,7 @@ fn difference(tracer: TracerKind, first: &Rendered, run: &Rendered) -> Option<Di
     })
 }
 
-/// Every count but the tests: how the tree is searched is each tracer's own affair.
+/// Every count but tests and kernels: how the tree is searched is each tracer's own affair.
 fn work(counters: &Counters) -> [(&'static str, u64); 8] {
     let c = counters;
     [

@@ -2,17 +2,19 @@
 //!
 //! [`measure`] runs them and checks their images; [`crate::report::summary`] says what a median,
 //! its interval and a spread are; [`advice`] says what is wrong with a measurement and what to do
-//! about it; [`text`] writes it all for a terminal.
+//! about it; [`text`] writes it all for a terminal. [`compare`] times the wavefront against itself,
+//! and [`hardware`] asks the processor what it counted.
 //!
 //! | key | unit | meaning |
 //! |---|---|---|
 //! | `version`, `command` | | the program, and the arguments that it was given |
 //! | `machine.processor`, `.cores`, `.threads`, `.os` | | its model (`null` where the system does not tell), the cores that the program may use, and the threads that it used |
+//! | `machine.hardware_missing` | | why the processor counts nothing here, `null` where it does |
 //! | `scenes` | | one entry a scene, in the order of the command line: |
 //!
 //! | key of a scene | unit | meaning |
 //! |---|---|---|
-//! | `scene`, `seed`, `batch` | | what was run |
+//! | `scene`, `seed`, `batch`, `simd`, `kernel` | | what was run |
 //! | `image.width`, `.height`, `.samples_per_pixel` | pixels, rays | the image |
 //! | `triangles`, `quads`, `spheres`, `lights`, `dropped.degenerate` | | what is in the scene, and what was left out |
 //! | `preset` | | how the tree was built |
@@ -29,12 +31,20 @@
 //! | `.passes.NAME.seconds`, `.share` | seconds | median time in the pass, summed over threads, and its share in the sum of all passes |
 //! | `.tests.nodes`, `.primitives` | tests | in one run, as in [`crate::report::statistics`] |
 //! | `.tests_per_ray.nodes`, `.primitives` | tests / ray | the same for each ray of any kind |
+//! | `.kernels` | | rays by kernel in one run, as in [`crate::report::statistics`] |
+//! | `.hardware.cycles`, `.instructions`, `.cache_references`, `.cache_misses`, `.branch_misses` | | counted by the processor in a run of its own, all threads together; each `null`, or all of `.hardware`, where it does not count |
 //! | `ratio.median`, `.low`, `.high`, `.confidence`, `.pairs`, `.method` | | how many times as fast as the recursive tracer the wavefront is: seconds of the recursive run over seconds of the wavefront's, pair by pair; `null` where the images differ |
+//! | `comparisons` | | one entry for each thing that was to be compared, see [`compare::Comparison`]: |
+//! | `.of`, `.rounds` | | `kernels`, `levels` or `batches`; timed rounds, each of one run of every choice |
+//! | `.variants` | | the usual choice, then the others: `kernel`, `simd`, `batch`, all keys of `wavefront`, and `ratio`, how many times as fast as the usual choice it is, round by round; empty where images differ |
+//! | `.difference` | | the choice whose image differs, and how, or `null` |
 //! | `warnings` | | what to know before believing it |
 //!
 //! The `n`th of `wavefront.seconds.each` and the `n`th of `recursive.seconds.each` are a pair.
 
 pub mod advice;
+pub mod compare;
+pub mod hardware;
 pub mod measure;
 #[cfg(test)]
 mod tests;
@@ -43,11 +53,15 @@ pub mod text;
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
+use crate::accel::KernelChoice;
 use crate::accel::build::Preset;
 use crate::counters::Counters;
+use crate::math::simd::Level;
 use crate::prepared::{Dropped, PreparedScene};
-use crate::report::statistics::{ImageSize, Memory, Rays, Tests};
+use crate::report::statistics::{ImageSize, KernelUse, Memory, Rays, Tests};
 use crate::report::summary::{MedianInterval, Summary, median};
+use compare::Comparison;
+use hardware::HardwareCounts;
 use measure::{Difference, Measured, Runs};
 
 /// See the module documentation: fields are named as in the JSON.
@@ -68,6 +82,7 @@ pub struct Machine {
     pub cores: usize,
     pub threads: usize,
     pub os: String,
+    pub hardware_missing: Option<String>,
 }
 
 /// What was measured of one scene.
@@ -77,6 +92,8 @@ pub struct SceneBench {
     pub scene: String,
     pub seed: u64,
     pub batch: usize,
+    pub simd: Level,
+    pub kernel: KernelChoice,
     pub image: ImageSize,
     pub triangles: usize,
     pub quads: usize,
@@ -93,6 +110,7 @@ pub struct SceneBench {
     pub wavefront: Option<TracerBench>,
     pub recursive: Option<TracerBench>,
     pub ratio: Option<Ratio>,
+    pub comparisons: Vec<Comparison>,
     pub warnings: Vec<String>,
 }
 
@@ -114,6 +132,8 @@ pub struct TracerBench {
     pub passes: Map<String, Value>,
     pub tests: Tests,
     pub tests_per_ray: TestsPerRay,
+    pub kernels: KernelUse,
+    pub hardware: Option<HardwareCounts>,
 }
 
 /// Rays by kind in the time of all.
@@ -155,6 +175,10 @@ pub struct Setting {
     pub seed: u64,
     /// Paths in a batch of the wavefront.
     pub batch: usize,
+    /// The vector instructions.
+    pub simd: Level,
+    /// How the wavefront's rays are taken through the tree.
+    pub kernel: KernelChoice,
     /// How the tree was built.
     pub preset: Preset,
     /// How long it took to get there.
@@ -170,9 +194,10 @@ impl BenchReport {
         Self { version: env!("CARGO_PKG_VERSION"), command, machine, scenes: Vec::new() }
     }
 
-    /// Whether the tracers agreed in every scene.
+    /// Whether the tracers agreed in every scene, and all choices that were compared.
     pub fn equal(&self) -> bool {
-        self.scenes.iter().all(|scene| scene.equal)
+        let agrees = |compared: &Comparison| compared.difference.is_none();
+        self.scenes.iter().all(|scene| scene.equal && scene.comparisons.iter().all(agrees))
     }
 }
 
@@ -184,6 +209,7 @@ impl Machine {
             cores: std::thread::available_parallelism().map_or(1, usize::from),
             threads: rayon::current_num_threads(),
             os: format!("{} {}", std::env::consts::OS, std::env::consts::ARCH),
+            hardware_missing: hardware::missing(),
         }
     }
 }
@@ -211,6 +237,8 @@ impl SceneBench {
             scene: setting.scene,
             seed: setting.seed,
             batch: setting.batch,
+            simd: setting.simd,
+            kernel: setting.kernel,
             image: ImageSize { width, height, samples_per_pixel: scene.camera.rays_per_pixel() },
             triangles: geometry.triangles.len(),
             quads: geometry.quads.len(),
@@ -227,6 +255,7 @@ impl SceneBench {
             wavefront: tracer(&measured.wavefront),
             recursive: tracer(&measured.recursive),
             ratio: if equal { Ratio::new(measured) } else { None },
+            comparisons: Vec::new(),
             warnings: Vec::new(),
         };
         report.warnings = advice::warnings(&report);
@@ -252,6 +281,8 @@ impl TracerBench {
             },
             passes: passes(runs),
             tests: (&Counters { tests: *tests, ..*counters }).into(),
+            kernels: (&Counters { kernels: runs.kernels, ..*counters }).into(),
+            hardware: runs.hardware,
             tests_per_ray: TestsPerRay {
                 nodes: per_ray(tests.nodes),
                 primitives: per_ray(primitives),
@@ -273,10 +304,14 @@ fn passes(runs: &Runs) -> Map<String, Value> {
 }
 
 impl Ratio {
-    /// The ratio of each pair, summed up; `None` if there is no pair.
+    /// Of each pair of tracers, summed up; `None` if there is no pair.
     fn new(measured: &Measured) -> Option<Self> {
-        let pairs = measured.recursive.seconds.iter().zip(&measured.wavefront.seconds);
-        let ratios: Vec<f64> = pairs.map(|(recursive, wavefront)| recursive / wavefront).collect();
+        Self::of(&measured.recursive.seconds, &measured.wavefront.seconds)
+    }
+
+    /// The seconds of one over those of another, run by run: how many times as fast the other is.
+    fn of(one: &[f64], other: &[f64]) -> Option<Self> {
+        let ratios: Vec<f64> = one.iter().zip(other).map(|(one, other)| one / other).collect();
         let interval = MedianInterval::of(&ratios)?;
         Some(Self { interval, pairs: ratios.len(), method: METHOD })
     }

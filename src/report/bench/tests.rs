@@ -35,6 +35,8 @@ fn setting(name: &str) -> Setting {
         scene: name.to_owned(),
         seed: 3,
         batch: 64,
+        simd: Level::best(),
+        kernel: KernelChoice::Auto,
         preset: Preset::Fast,
         time: Preparation { load: 0.5, build: 0.25 },
         predicted: 1000,
@@ -87,18 +89,18 @@ fn the_json_has_the_documented_keys() {
     assert!(report.equal());
     let json = serde_json::to_value(&report).unwrap();
     assert_eq!(keys(&json), ["version", "command", "machine", "scenes"]);
-    assert_eq!(keys(&json["machine"]), ["processor", "cores", "threads", "os"]);
+    assert_eq!(keys(&json["machine"]), ["processor", "cores", "threads", "os", "hardware_missing"]);
     let scene = &json["scenes"][0];
     assert_eq!(
         keys(scene).join(" "),
-        "scene seed batch image triangles quads spheres lights dropped preset time memory equal \
-         difference rays invalid wavefront recursive ratio warnings"
+        "scene seed batch simd kernel image triangles quads spheres lights dropped preset time memory equal \
+         difference rays invalid wavefront recursive ratio comparisons warnings"
     );
     assert_eq!((scene["equal"].clone(), scene["difference"].clone()), (true.into(), Value::Null));
     let wavefront = &scene["wavefront"];
     assert_eq!(
         keys(wavefront),
-        ["seconds", "mrays_s", "rays_s", "passes", "tests", "tests_per_ray"]
+        ["seconds", "mrays_s", "rays_s", "passes", "tests", "tests_per_ray", "kernels", "hardware"]
     );
     assert_eq!(
         keys(&wavefront["seconds"]),

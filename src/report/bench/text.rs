@@ -4,12 +4,22 @@ use std::fmt::Write as _;
 
 use super::measure::{Difference, Pixel};
 use super::{Machine, Ratio, SceneBench, TracerBench};
+use crate::report::statistics::ClassUse;
+
+mod compared;
+
+pub use compared::comparison;
 
 /// The machine on one line.
 pub fn machine(machine: &Machine) -> String {
     let processor = machine.processor.as_deref().unwrap_or("unknown processor");
     let Machine { cores, threads, os, .. } = machine;
-    format!("{processor}, {}, {}, {os}\n", plural(*cores, "core"), plural(*threads, "thread"))
+    let (cores, threads) = (plural(*cores, "core"), plural(*threads, "thread"));
+    let mut text = format!("{processor}, {cores}, {threads}, {os}\n");
+    if let Some(why) = &machine.hardware_missing {
+        let _ = writeln!(text, "no counts of the processor: {why}");
+    }
+    text
 }
 
 /// The table of one scene.
@@ -23,11 +33,13 @@ pub fn scene(report: &SceneBench) -> String {
             if let (Some(wavefront), Some(recursive)) = (&report.wavefront, &report.recursive) {
                 text += &table(report, wavefront, recursive);
                 text += &passes(wavefront);
+                text += &kernels(report, wavefront);
             }
             if let Some(ratio) = &report.ratio {
                 let _ = writeln!(text, "  speed of the wavefront over the recursive tracer");
                 let _ = writeln!(text, "    {}; {}", interval(ratio), ratio.verdict());
             }
+            report.comparisons.iter().for_each(|compared| text += &comparison(compared));
         }
     }
     text
@@ -142,6 +154,15 @@ fn table(report: &SceneBench, wavefront: &TracerBench, recursive: &TracerBench) 
     }
     row("nodes a ray", both(|t| t.tests_per_ray.nodes), 1.0, "tests");
     row("primitives a ray", both(|t| t.tests_per_ray.primitives), 1.0, "tests");
+    let rays = report.rays.all().max(1) as f64;
+    let counted = |tracer: &TracerBench| tracer.hardware.map(|counts| counts.each());
+    if let (Some(a), Some(b)) = (counted(wavefront), counted(recursive)) {
+        for ((name, a), (_, b)) in a.into_iter().zip(b) {
+            if let (Some(a), Some(b)) = (a, b) {
+                row(&format!("{name} a ray"), [a as f64, b as f64], 1.0 / rays, "");
+            }
+        }
+    }
     text
 }
 
@@ -156,6 +177,35 @@ fn passes(wavefront: &TracerBench) -> String {
         let _ = writeln!(text, "    {name:<22}{time:>12.3} {second:<2}{share:>8.1} %");
     }
     text
+}
+
+/// Who takes the wavefront's rays through the tree.
+fn kernels(report: &SceneBench, wavefront: &TracerBench) -> String {
+    let (kernel, simd) = (report.kernel.name(), report.simd.name());
+    let mut text = format!("  rays of the wavefront by kernel ({kernel}, {simd})\n");
+    let mut class = |name: &str, rays: u64, used: &ClassUse| {
+        if rays == 0 {
+            return;
+        }
+        let ClassUse { packet, handed_over, stream, single, .. } = used;
+        let _ = writeln!(
+            text,
+            "    {name:<14}{packet} in packets ({handed_over} handed over), {stream} in flight, \
+             {single} alone\n    {:<14}{} rays of a packet at a node, {} in flight in a round",
+            "",
+            average(used.rays_a_node),
+            average(used.rays_a_round)
+        );
+    };
+    let (rays, used) = (&report.rays, &wavefront.kernels);
+    class("closest hit", rays.primary + rays.secondary, &used.closest);
+    class("shadow", rays.shadow, &used.shadow);
+    text
+}
+
+/// A number of rays, where there are any.
+fn average(rays: Option<f64>) -> String {
+    rays.map_or_else(|| "-".to_owned(), |rays| format!("{rays:.1}"))
 }
 
 fn interval(ratio: &Ratio) -> String {

@@ -50,6 +50,41 @@ fn bench_times_both_tracers_on_equal_images() {
     assert_eq!(written["scenes"], found["scenes"], "the file says what was printed");
 }
 
+#[test]
+fn bench_compares_kernels_levels_and_batches() {
+    let folder = folder();
+    write_scene(folder.path());
+    let options = ["--repeats", "2", "--min-time", "0", "--kernel", "stream"];
+    let what = ["bench", "s.json", "--compare", "kernels,levels,batches"];
+    let found = json_of(folder.path(), &[&what[..], &options, &["--json"]].concat());
+    let scene = &found["scenes"][0];
+    assert_eq!((&scene["equal"], &scene["kernel"]), (&json!(true), &json!("stream")));
+    let comparisons = scene["comparisons"].as_array().expect("comparisons");
+    let of: Vec<_> = comparisons.iter().map(|compared| &compared["of"]).collect();
+    assert_eq!(of, ["kernels", "levels", "batches"]);
+    for compared in comparisons {
+        assert_eq!((&compared["rounds"], &compared["difference"]), (&json!(2), &Value::Null));
+        let variants = compared["variants"].as_array().expect("variants");
+        assert_eq!(variants[0]["kernel"], "stream", "the usual choice comes first");
+        assert_eq!(variants[0]["ratio"]["median"], 1.0);
+        for variant in variants {
+            let rays: u64 = ["closest", "shadow"]
+                .iter()
+                .flat_map(|class| ["packet", "stream", "single"].map(|key| (class, key)))
+                .filter_map(|(class, key)| variant["kernels"][class][key].as_u64())
+                .sum();
+            let all = ["primary", "secondary", "shadow"].map(|key| scene["rays"][key].as_u64());
+            assert_eq!(rays, all.into_iter().flatten().sum::<u64>(), "{variant}");
+        }
+    }
+    let mut command = wavecrest(folder.path());
+    let output = command.args([&what[..], &options].concat()).output().expect("it runs");
+    let text = String::from_utf8_lossy(&output.stdout);
+    for words in ["the wavefront by kernels", "by levels", "by batches", "by kernel (stream, "] {
+        assert!(text.contains(words), "{words}\n{text}");
+    }
+}
+
 /// A unit square of two triangles in the plane z = 0, and rays along -z at these places.
 fn write_rays(folder: &Path, any_hit: bool, answers: &[(f32, f32, Hit)]) {
     let square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n";
@@ -84,10 +119,15 @@ fn trace_gives_the_right_answers_whatever_the_tracer_and_the_tree() {
             &["--tracer", "wavefront"][..],
             &["--tracer", "recursive", "--threads", "2"],
             &["--bvh", "brute"],
+            &["--kernel", "packet"],
+            &["--kernel", "stream", "--simd", "auto"],
+            &["--kernel", "single"],
         ] {
             let options = [options, &["--answers", "a.rays"]].concat();
             let found = trace(folder.path(), &options);
             assert_eq!((&found["rays"], &found["hits"]), (&json!(3), &json!(2)), "{options:?}");
+            let taken = ["packet", "stream", "single"].map(|key| found["kernels"][key].as_u64());
+            assert_eq!(taken.into_iter().flatten().sum::<u64>(), 3, "{options:?}");
             for (key, count) in found["compared"].as_object().expect("an object") {
                 assert_eq!(count.as_f64(), Some(0.0), "{options:?}: {key}");
             }

@@ -1,6 +1,7 @@
 //! `wavecrest SCENE OUTPUT`.
 
 use serde_json::json;
+use wavecrest::math::simd::Level;
 
 use super::{ball, files, film, run_silently, text, with_ball};
 use crate::support::{folder, image, matte, pinhole, scene, wavecrest};
@@ -64,10 +65,38 @@ fn no_choice_of_how_to_render_changes_a_byte() {
         &["--threads", "1"],
         &["--threads", "3", "--bvh", "brute"],
         &["--bvh", "very-slow", "--seed", "9"],
+        &["--kernel", "auto", "--simd", "auto"],
+        &["--kernel", "packet"],
+        &["--kernel", "stream", "--batch", "50"],
+        &["--kernel", "single", "--threads", "2"],
     ] {
         run_silently(folder.path(), &[&["ball.json", "out.exr"], options].concat());
         let found = std::fs::read(folder.path().join("out.exr")).expect("an image");
         assert!(found == usual, "{options:?}");
+    }
+    for level in Level::available() {
+        for tracer in ["wavefront", "recursive"] {
+            let options = ["ball.json", "out.exr", "--simd", level.name(), "--tracer", tracer];
+            run_silently(folder.path(), &options);
+            let found = std::fs::read(folder.path().join("out.exr")).expect("an image");
+            assert!(found == usual, "{options:?}");
+        }
+    }
+}
+
+#[test]
+fn vector_instructions_that_are_not_there_are_refused_with_those_that_are() {
+    let folder = with_ball();
+    let available: Vec<_> = Level::available().into_iter().map(Level::name).collect();
+    let all = ["sse2", "sse42", "avx2", "avx512", "neon", "mmx"];
+    for level in all.iter().filter(|name| !available.contains(*name)) {
+        let mut command = wavecrest(folder.path());
+        let output = command.args(["ball.json", "out.exr", "--simd", level]).output();
+        let output = output.expect("the command runs");
+        assert_eq!(output.status.code(), Some(2));
+        let told = text(&output.stderr);
+        assert!(told.contains(&format!("use auto, {}", available.join(", "))), "{told}");
+        assert!(!folder.path().join("out.exr").exists());
     }
 }
 

@@ -7,12 +7,14 @@ use serde_json::{Value, json};
 use super::{run_silently, with_ball};
 
 /// Every key that the documentation of the statistics names, as JSON pointers.
-const STATISTICS: [&str; 39] = [
+const STATISTICS: [&str; 53] = [
     "/version",
     "/scene",
     "/tracer",
     "/threads",
     "/seed",
+    "/simd",
+    "/kernel",
     "/image/width",
     "/image/height",
     "/image/samples_per_pixel",
@@ -26,6 +28,18 @@ const STATISTICS: [&str; 39] = [
     "/tests/primitives/triangles",
     "/tests/primitives/quads",
     "/tests/primitives/spheres",
+    "/kernels/closest/packet",
+    "/kernels/closest/handed_over",
+    "/kernels/closest/stream",
+    "/kernels/closest/single",
+    "/kernels/closest/rays_a_node",
+    "/kernels/closest/rays_a_round",
+    "/kernels/shadow/packet",
+    "/kernels/shadow/handed_over",
+    "/kernels/shadow/stream",
+    "/kernels/shadow/single",
+    "/kernels/shadow/rays_a_node",
+    "/kernels/shadow/rays_a_round",
     "/dropped/degenerate",
     "/invalid",
     "/lights_at_surface",
@@ -71,6 +85,28 @@ fn statistics_have_every_key_that_their_documentation_names() {
     assert!(secondary > 0 && secondary < 16 * 12, "only the ball mirrors: {secondary}");
     let time = |key: &str| found["time"][key].as_f64().expect("seconds");
     assert!(time("total") >= time("trace"));
+}
+
+#[test]
+fn statistics_say_which_kernels_took_the_rays() {
+    let folder = with_ball();
+    for kernel in ["auto", "packet", "stream", "single"] {
+        let found = statistics(folder.path(), &["--kernel", kernel, "--simd", "auto"]);
+        assert_eq!(found["kernel"], kernel);
+        let closest = &found["kernels"]["closest"];
+        let rays = |key: &str| closest[key].as_u64().expect("a number");
+        let sum = |value: &Value, keys: [&str; 2]| {
+            keys.iter().map(|key| value[key].as_u64().expect("a number")).sum::<u64>()
+        };
+        let all = sum(&found["rays"], ["primary", "secondary"]);
+        assert_eq!(rays("packet") + rays("stream") + rays("single"), all, "{kernel}");
+        match kernel {
+            "stream" => assert_eq!(rays("stream"), all),
+            "single" => assert_eq!(rays("single"), all),
+            // Which rays are fit for packets depends on the scene.
+            _ => assert_eq!(rays("single"), 0, "{kernel}: {closest}"),
+        }
+    }
 }
 
 #[test]

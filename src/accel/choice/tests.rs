@@ -1,0 +1,134 @@
+//! Every choice gives the same answers, and says truly who took which rays.
+
+use glam::Vec3;
+
+use crate::accel::build::Preset;
+use crate::accel::geometry::Geometry;
+use crate::accel::{Accel, Hit, KernelChoice, KernelCounts, Kernels, Traversal};
+use crate::generate::{Model, Recipe, mesh};
+use crate::math::random::Stream;
+use crate::math::ray::Ray;
+use crate::math::simd::Level;
+
+fn accel() -> Accel {
+    let mesh = mesh(&Recipe::new(Model::Sphere, 5000)).unwrap();
+    let (positions, triangles) = (mesh.positions, mesh.triangles);
+    Accel::new(Geometry { positions, triangles, ..Geometry::default() }, Preset::Fast)
+}
+
+/// From one point, in blocks of 8 by 8, all to one side of it along each axis. They are no
+/// multiple of a block.
+fn coherent() -> Vec<Ray> {
+    let ray = |i: u32| {
+        let (block, within) = (i / 64, i % 64);
+        let (x, y) = (block % 8 * 8 + within % 8, block / 8 * 8 + within / 8);
+        let target = Vec3::new(x as f32 - 32.0, y as f32 - 32.0, 0.0) / 24.0;
+        let origin = Vec3::new(-3.0, -3.0, 6.0);
+        Ray::new(origin, target - origin)
+    };
+    (0..64 * 64 - 7).map(ray).collect()
+}
+
+fn random() -> Vec<Ray> {
+    let ray = |pixel| {
+        let stream = Stream { seed: 2, pixel, sample: 0, bounce: 0 };
+        let point = |dimension| {
+            let [x, y, z, _] = stream.uniform(dimension);
+            Vec3::new(x, y, z) * 4.0 - 2.0
+        };
+        Ray::new(point(0), point(1) - point(0))
+    };
+    (0..2000).map(ray).collect()
+}
+
+fn answers(accel: &Accel, rays: &[Ray], traversal: &mut Traversal) -> (Vec<Hit>, Vec<bool>) {
+    // Whatever was there before is written over.
+    let mut hits = vec![Hit { t: 0.5, primitive: 0 }; rays.len()];
+    let mut occluded = vec![true; rays.len()];
+    accel.closest_of(rays, &mut hits, traversal);
+    accel.occluded_of(rays, &mut occluded, traversal);
+    (hits, occluded)
+}
+
+/// What was counted with each choice.
+fn counted(rays: &[Ray]) -> [Kernels; 4] {
+    let mut accel = accel();
+    let mut usual = None;
+    KernelChoice::ALL.map(|kernel| {
+        accel.kernel = kernel;
+        let mut counted = None;
+        for level in Level::available() {
+            accel.level = level.token().unwrap();
+            let mut traversal = accel.traversal();
+            let found = answers(&accel, rays, &mut traversal);
+            assert!(*usual.get_or_insert(found.clone()) == found, "{kernel:?} {level:?}");
+            let found = traversal.kernels;
+            assert_eq!(*counted.get_or_insert(found), found, "{kernel:?} {level:?}");
+            for class in [found.closest, found.shadow] {
+                assert_eq!(class.rays(), rays.len() as u64, "{kernel:?}");
+                assert!(class.handed_over <= class.packet);
+            }
+        }
+        counted.unwrap()
+    })
+}
+
+fn average(value: Option<f64>) -> f64 {
+    value.unwrap_or_default()
+}
+
+#[test]
+fn coherent_rays_are_taken_by_whom_was_chosen() {
+    let rays = coherent();
+    let all = rays.len() as u64;
+    let [auto, packet, stream, single] = counted(&rays);
+    for class in [auto.closest, auto.shadow, packet.closest, packet.shadow] {
+        assert_eq!(class.packet, all, "a last tile of more than half is a packet's");
+        assert!(class.handed_over > 0);
+        assert!((8.0..=64.0).contains(&average(class.rays_a_node())), "{class:?}");
+    }
+    for class in [stream.closest, stream.shadow] {
+        assert_eq!((class.stream, class.packet_nodes), (all, 0));
+        assert!((24.0..=32.0).contains(&average(class.rays_a_round())), "{class:?}");
+    }
+    let alone = KernelCounts { single: all, ..KernelCounts::default() };
+    assert_eq!([single.closest, single.shadow], [alone; 2]);
+}
+
+#[test]
+fn rays_with_nothing_in_common_are_taken_by_packets_only_where_that_is_asked() {
+    let rays = random();
+    let [auto, packet, ..] = counted(&rays);
+    for class in [auto.closest, auto.shadow, packet.closest, packet.shadow] {
+        // Directions of either sign are unfit for a packet.
+        assert_eq!((class.packet, class.stream), (0, 2000), "{class:?}");
+    }
+    // Of one sign, but crossing each other.
+    let one_sided: Vec<Ray> = rays
+        .iter()
+        .map(|ray| {
+            Ray::new(-ray.direction.abs().normalize() * 4.0 + ray.origin, {
+                ray.direction.abs().max(Vec3::splat(1e-3))
+            })
+        })
+        .collect();
+    let [auto, packet, ..] = counted(&one_sided);
+    assert!(auto.closest.packet < 2000, "{auto:?}");
+    assert_eq!(packet.closest.packet, 2000, "{packet:?}");
+}
+
+#[test]
+fn rays_are_counted_without_a_tree_and_without_primitives() {
+    let rays = random();
+    for preset in [Preset::Brute, Preset::Fast] {
+        for kernel in KernelChoice::ALL {
+            let mut accel = Accel::new(Geometry::default(), preset);
+            accel.kernel = kernel;
+            let mut traversal = accel.traversal();
+            let (hits, occluded) = answers(&accel, &rays, &mut traversal);
+            assert!(hits.iter().all(Hit::is_miss) && !occluded.contains(&true));
+            assert_eq!(traversal.kernels.both().rays(), 2 * rays.len() as u64);
+            assert_eq!(traversal.kernels.both().rays_a_round(), None);
+        }
+    }
+}

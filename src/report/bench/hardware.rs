@@ -1,0 +1,164 @@
+//! What the processor counts while a program runs: cycles, instructions, and what it missed.
+//!
+//! Linux hands these counters out to programs, unless it is told not to, or runs in a virtual
+//! machine that has none. So there may be no counts, and then the report says why.
+
+use serde::Serialize;
+
+/// What all threads did in one run; `None` where the machine does not count it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct HardwareCounts {
+    /// Cycles of the processor's clock.
+    pub cycles: Option<u64>,
+    /// Instructions completed.
+    pub instructions: Option<u64>,
+    /// Accesses to the last level of the caches.
+    pub cache_references: Option<u64>,
+    /// Those that had to go to memory.
+    pub cache_misses: Option<u64>,
+    /// Branches that were foretold wrongly.
+    pub branch_misses: Option<u64>,
+}
+
+impl HardwareCounts {
+    /// Each count with its name.
+    pub fn each(&self) -> [(&'static str, Option<u64>); 5] {
+        [
+            ("cycles", self.cycles),
+            ("instructions", self.instructions),
+            ("cache references", self.cache_references),
+            ("cache misses", self.cache_misses),
+            ("branch misses", self.branch_misses),
+        ]
+    }
+}
+
+/// Does `work` and tells what all threads of the current pool did meanwhile, or why that is not
+/// known.
+pub fn count<R>(work: impl FnOnce() -> R) -> (R, Result<HardwareCounts, String>) {
+    system::count(work)
+}
+
+/// Why nothing is counted on this machine; `None` where something is.
+pub fn missing() -> Option<String> {
+    count(|| ()).1.err()
+}
+
+#[cfg(target_os = "linux")]
+mod system {
+    use std::io;
+
+    use perf_event::events::Hardware;
+    use perf_event::{Builder, Counter, ReadFormat};
+
+    use super::HardwareCounts;
+
+    /// The counters of one event, one for each thread.
+    type OfThreads = Vec<Counter>;
+
+    /// The events in the order of [`HardwareCounts::each`].
+    const EVENTS: [Hardware; 5] = [
+        Hardware::CPU_CYCLES,
+        Hardware::INSTRUCTIONS,
+        Hardware::CACHE_REFERENCES,
+        Hardware::CACHE_MISSES,
+        Hardware::BRANCH_MISSES,
+    ];
+
+    pub(super) fn count<R>(work: impl FnOnce() -> R) -> (R, Result<HardwareCounts, String>) {
+        let mut counters = EVENTS.map(open);
+        let started = counters.each_mut().map(|each| switch(each, Counter::enable));
+        let result = work();
+        let stopped = counters.each_mut().map(|each| switch(each, Counter::disable));
+        let counts = counters.each_mut().map(read);
+        let all = started.into_iter().chain(stopped).all(|is_done| is_done);
+        let why_not = counters.into_iter().find_map(Result::err);
+        let counted = match counts {
+            [None, None, None, None, None] => Err(why(why_not)),
+            _ if !all => Err(why(None)),
+            [cycles, instructions, cache_references, cache_misses, branch_misses] => {
+                Ok(HardwareCounts {
+                    cycles,
+                    instructions,
+                    cache_references,
+                    cache_misses,
+                    branch_misses,
+                })
+            }
+        };
+        (result, counted)
+    }
+
+    fn why(error: Option<io::Error>) -> String {
+        match error {
+            None => "the counters gave nothing".to_owned(),
+            Some(error) if error.kind() == io::ErrorKind::PermissionDenied => format!(
+                "the system does not let this program count ({error}): \
+                 see /proc/sys/kernel/perf_event_paranoid"
+            ),
+            Some(error) => format!("the processor offers no counters here ({error})"),
+        }
+    }
+
+    /// Each thread opens a counter of its own: threads that are already there inherit none.
+    fn open(event: Hardware) -> io::Result<OfThreads> {
+        let times = ReadFormat::TOTAL_TIME_ENABLED | ReadFormat::TOTAL_TIME_RUNNING;
+        let one = |_: rayon::BroadcastContext<'_>| Builder::new(event).read_format(times).build();
+        rayon::broadcast(one).into_iter().collect()
+    }
+
+    /// Whether all went as it should; those that were not opened have nothing to do.
+    fn switch(
+        counters: &mut io::Result<OfThreads>,
+        turn: impl Fn(&mut Counter) -> io::Result<()>,
+    ) -> bool {
+        counters.as_mut().map_or(true, |all| all.iter_mut().all(|each| turn(each).is_ok()))
+    }
+
+    /// The sum over threads.
+    fn read(counters: &mut io::Result<OfThreads>) -> Option<u64> {
+        counters.as_mut().ok()?.iter_mut().map(read_one).sum()
+    }
+
+    fn read_one(counter: &mut Counter) -> Option<u64> {
+        let found = counter.read_count_and_time().ok()?;
+        match found.time_running {
+            // A thread that did nothing ran no counter.
+            0 if found.time_enabled == 0 => Some(0),
+            0 => None,
+            // Counters that had to take turns are told in proportion.
+            running => {
+                let all = u128::from(found.count) * u128::from(found.time_enabled);
+                u64::try_from(all / u128::from(running)).ok()
+            }
+        }
+    }
+}
+
+#[cfg(not(target_os = "linux"))]
+mod system {
+    use super::HardwareCounts;
+
+    pub(super) fn count<R>(work: impl FnOnce() -> R) -> (R, Result<HardwareCounts, String>) {
+        (work(), Err("counters are read on Linux alone".to_owned()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Whatever machine this is: either something is counted, or it is said why nothing is.
+    #[test]
+    fn work_is_done_whether_it_is_counted_or_not() {
+        let (sum, counted) = count(|| (0..1000_u64).sum::<u64>());
+        assert_eq!(sum, 499_500);
+        match counted {
+            Ok(counts) => {
+                assert!(counts.each().iter().any(|(_, count)| count.is_some()));
+                assert_eq!(missing(), None);
+            }
+            Err(why) => assert!(!why.is_empty() && missing().is_some()),
+        }
+    }
+}
