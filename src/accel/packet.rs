@@ -10,6 +10,7 @@
 //!
 //! All of it computes the numbers that one ray computes, so that the answers are the same bits.
 
+mod beam;
 mod leaves;
 mod remaining;
 mod tile;
@@ -26,8 +27,9 @@ use super::stream::{self, Flight, FromRoot, Query, Rays};
 use super::tree::{Root, Tree};
 use super::{KernelChoice, KernelCounts, TestCounts, single};
 use crate::math::simd::{LANES, Lanes, entry};
+use beam::Met;
 use remaining::{Handed, Remaining};
-use tile::{GROUPS, Met, Tile, Vertices, WIDTH, extent, load, number_of};
+use tile::{GROUPS, Tile, Vertices, WIDTH, extent, load, number_of};
 
 /// Tiles on their way together, so that one computes while another waits for memory.
 const TILES: usize = 4;

@@ -1,19 +1,18 @@
-//! The rays of a tile by column, and what bounds them all.
+//! The rays of a tile by column.
 
 use std::ops::Range;
 
 use fearless_simd::prelude::*;
-use fearless_simd::{f32x8, f32x16, mask32x8, u32x16};
+use fearless_simd::{f32x8, f32x16, u32x16};
 
+use super::beam::{Beam, Extents, longest};
 use super::{TILE, Visit};
-use crate::accel::arena::Node;
-use crate::accel::stream::{Query, RayLanes, Rays};
+use crate::accel::stream::{Query, Rays};
 use crate::accel::tree::reach;
 use crate::accel::{Hit, NO_PRIMITIVE};
-use crate::kernels::slab::{Aabb, PADDING};
+use crate::kernels::slab::PADDING;
 use crate::kernels::triangle::lanes::{self, ORDERS};
 use crate::kernels::triangle::{Axis, ShearedSpace, T_TOLERANCE};
-use crate::math::float::{max, min};
 use crate::math::simd::{LANES, Lanes};
 
 /// Rays tested at a time.
@@ -80,115 +79,6 @@ fn put<S: Lanes>(column: &mut Column, row: usize, values: f32x8<S>) {
     let (group, lane) = (row / 4 * 2, row % 4 * 4);
     left.store_slice(&mut column[group][lane..lane + 4]);
     right.store_slice(&mut column[group + 1][lane..lane + 4]);
-}
-
-/// What bounds the rays seen so far.
-struct Extents<S: Lanes> {
-    low: RayLanes<S>,
-    high: RayLanes<S>,
-    valid: mask32x8<S>,
-}
-
-impl<S: Lanes> Extents<S> {
-    #[inline(always)]
-    fn new(simd: S) -> Self {
-        let all = |v: f32| f32x8::splat(simd, v);
-        let rays = |v: f32| RayLanes {
-            origin: [all(v), all(v), all(v)],
-            direction: [all(v), all(v), all(v)],
-            t_min: all(v),
-            t_max: all(v),
-        };
-        let valid = all(0.0).simd_eq(all(0.0));
-        Self { low: rays(f32::INFINITY), high: rays(f32::NEG_INFINITY), valid }
-    }
-
-    #[inline(always)]
-    fn add(&mut self, rays: &RayLanes<S>) {
-        for k in 0..3 {
-            let (origin, direction) = (rays.origin[k], rays.direction[k]);
-            self.low.origin[k] = self.low.origin[k].min(origin);
-            self.high.origin[k] = self.high.origin[k].max(origin);
-            self.low.direction[k] = self.low.direction[k].min(direction);
-            self.high.direction[k] = self.high.direction[k].max(direction);
-            self.valid &= origin.abs().simd_le(f32::MAX) & direction.abs().simd_le(f32::MAX);
-        }
-        self.low.t_min = self.low.t_min.min(rays.t_min);
-        self.high.t_min = self.high.t_min.max(rays.t_min);
-        self.low.t_max = self.low.t_max.min(rays.t_max);
-        self.high.t_max = self.high.t_max.max(rays.t_max);
-        self.valid &= rays.t_min.simd_le(rays.t_max);
-    }
-
-    /// What bounds the rays, if these are valid and have one sign along each axis.
-    #[inline(always)]
-    fn beam(&self) -> Option<Beam> {
-        let (low, high) = (&self.low, &self.high);
-        let x = [low.direction[0].reduce_min(), high.direction[0].reduce_max()];
-        let y = [low.direction[1].reduce_min(), high.direction[1].reduce_max()];
-        let z = [low.direction[2].reduce_min(), high.direction[2].reduce_max()];
-        if !(self.valid.all_true() && is_one_sign(x) && is_one_sign(y) && is_one_sign(z)) {
-            return None;
-        }
-        let ox = [low.origin[0].reduce_min(), high.origin[0].reduce_max()];
-        let oy = [low.origin[1].reduce_min(), high.origin[1].reduce_max()];
-        let oz = [low.origin[2].reduce_min(), high.origin[2].reduce_max()];
-        let farthest = max(greatest(ox), max(greatest(oy), greatest(oz)));
-        let pad = max(PADDING * farthest, f32::MIN_POSITIVE);
-        let negative = [x[1] < 0.0, y[1] < 0.0, z[1] < 0.0];
-        let (nx, fx) = origins(ox, pad, negative[0]);
-        let (ny, fy) = origins(oy, pad, negative[1]);
-        let (nz, fz) = origins(oz, pad, negative[2]);
-        Some(Beam {
-            negative,
-            reciprocal: [
-                [1.0 / x[1], 1.0 / x[0]],
-                [1.0 / y[1], 1.0 / y[0]],
-                [1.0 / z[1], 1.0 / z[0]],
-            ],
-            near_origin: [nx, ny, nz],
-            far_origin: [fx, fy, fz],
-            t_min: [low.t_min.reduce_min(), high.t_min.reduce_max()],
-            reach: [reach(low.t_max.reduce_min()), reach(high.t_max.reduce_max())],
-        })
-    }
-}
-
-/// The origins from which first planes are met earliest and latest, and last planes latest and
-/// earliest, given the extent of the origins and the most that they are shifted by.
-#[inline(always)]
-fn origins([low, high]: [f32; 2], pad: f32, negative: bool) -> ([f32; 2], [f32; 2]) {
-    if negative {
-        ([low - pad, high], [high + pad, low])
-    } else {
-        ([high + pad, low], [low - pad, high])
-    }
-}
-
-#[inline(always)]
-fn least([low, high]: [f32; 2]) -> f32 {
-    min(low.abs(), high.abs())
-}
-
-#[inline(always)]
-fn greatest([low, high]: [f32; 2]) -> f32 {
-    max(low.abs(), high.abs())
-}
-
-/// What bounds all rays of a tile.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Beam {
-    pub(super) negative: [bool; 3],
-    /// Least and greatest.
-    pub(super) reciprocal: [[f32; 2]; 3],
-    /// The origins from which first planes are met earliest, and latest.
-    pub(super) near_origin: [[f32; 2]; 3],
-    /// The origins from which last planes are met latest, and earliest.
-    pub(super) far_origin: [[f32; 2]; 3],
-    /// Least and greatest.
-    pub(super) t_min: [f32; 2],
-    /// Least and greatest.
-    pub(super) reach: [f32; 2],
 }
 
 impl Tile {
@@ -436,29 +326,6 @@ pub(super) struct RayGroup<S: Lanes> {
     pub(super) primitive: u32x16<S>,
 }
 
-/// Whether a component between these has one sign, and a finite reciprocal.
-#[inline(always)]
-fn is_one_sign([low, high]: [f32; 2]) -> bool {
-    low > f32::MIN_POSITIVE || high < -f32::MIN_POSITIVE
-}
-
-/// The axis along which every direction is longest, given the extents of the reciprocals. The
-/// margin is for their rounding.
-#[inline(always)]
-fn longest([x, y, z]: [[f32; 2]; 3]) -> Option<usize> {
-    let (x0, y0, z0) = (least(x), least(y), least(z));
-    let (x1, y1, z1) = (greatest(x) * 1.000_001, greatest(y) * 1.000_001, greatest(z) * 1.000_001);
-    if x1 < min(y0, z0) {
-        Some(0)
-    } else if y1 < min(x0, z0) {
-        Some(1)
-    } else if z1 < min(x0, y0) {
-        Some(2)
-    } else {
-        None
-    }
-}
-
 /// The least and the greatest.
 #[inline(always)]
 pub(super) fn extent<S: Lanes>(simd: S, column: &Column) -> [f32; 2] {
@@ -467,81 +334,6 @@ pub(super) fn extent<S: Lanes>(simd: S, column: &Column) -> [f32; 2] {
     let low = a.min(b).min(c.min(d));
     let high = a.max(b).max(c.max(d));
     [low.reduce_min(), high.reduce_max()]
-}
-
-/// What a beam meets of a node's children.
-pub(super) struct Met<S: Lanes> {
-    /// The least t at which a ray can enter each child's box.
-    pub(super) near: f32x8<S>,
-    /// The children that rays can meet.
-    pub(super) some: mask32x8<S>,
-    /// The children that every ray meets, by its box and its range at least.
-    pub(super) all: mask32x8<S>,
-}
-
-impl Beam {
-    const EMPTY: Self = Self {
-        negative: [false; 3],
-        reciprocal: [[0.0; 2]; 3],
-        near_origin: [[0.0; 2]; 3],
-        far_origin: [[0.0; 2]; 3],
-        t_min: [0.0; 2],
-        reach: [0.0; 2],
-    };
-
-    /// Which children it meets.
-    #[inline(always)]
-    pub(super) fn children<S: Lanes>(&self, simd: S, node: &Node) -> Met<S> {
-        let x = self.axis(simd, &node.planes[0], 0);
-        let y = self.axis(simd, &node.planes[1], 1);
-        let z = self.axis(simd, &node.planes[2], 2);
-        let near = x.near[0].max(y.near[0]).max(z.near[0].max(f32x8::splat(simd, self.t_min[0])));
-        let far = x.far[0].min(y.far[0]).min(z.far[0].min(f32x8::splat(simd, self.reach[1])));
-        let last = x.near[1].max(y.near[1]).max(z.near[1].max(f32x8::splat(simd, self.t_min[1])));
-        let first = x.far[1].min(y.far[1]).min(z.far[1].min(f32x8::splat(simd, self.reach[0])));
-        let some = near.simd_le(far);
-        Met { near, some, all: last.simd_le(first) & some }
-    }
-
-    /// Whether a ray can meet the box.
-    #[inline(always)]
-    pub(super) fn meets(&self, bounds: &Aabb) -> bool {
-        let (mut near, mut far) = (self.t_min[0], self.reach[1]);
-        for k in 0..3 {
-            let (first, last) = if self.negative[k] {
-                (bounds.high[k], bounds.low[k])
-            } else {
-                (bounds.low[k], bounds.high[k])
-            };
-            let (first, last) = (first - self.near_origin[k][0], last - self.far_origin[k][0]);
-            let [low, high] = self.reciprocal[k];
-            near = max(near, min(first * low, first * high));
-            far = min(far, max(last * low, last * high));
-        }
-        near <= far
-    }
-
-    /// When rays meet the children's planes across an axis.
-    #[inline(always)]
-    fn axis<S: Lanes>(&self, simd: S, planes: &[[f32; LANES]; 2], k: usize) -> Crossing<S> {
-        let first: f32x8<S> = planes[usize::from(self.negative[k])].simd_into(simd);
-        let last: f32x8<S> = planes[usize::from(!self.negative[k])].simd_into(simd);
-        let [low, high] = self.reciprocal[k];
-        let (first, then) = (first - self.near_origin[k][0], first - self.near_origin[k][1]);
-        let (last, before) = (last - self.far_origin[k][0], last - self.far_origin[k][1]);
-        // Which of the two is earlier depends on the side of the plane that rays start on.
-        Crossing {
-            near: [(first * low).min(first * high), (then * low).max(then * high)],
-            far: [(last * low).max(last * high), (before * low).min(before * high)],
-        }
-    }
-}
-
-/// The least and the greatest t at which rays meet the children's first planes across an axis, and
-/// the greatest and the least at which they meet the last.
-struct Crossing<S: Lanes> {
-    near: [f32x8<S>; 2],
-    far: [f32x8<S>; 2],
 }
 
 /// A group's part of a column.
