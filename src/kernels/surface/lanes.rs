@@ -1,5 +1,5 @@
-//! Points of eight triangles or spheres at a time: the operations of [`super::triangle`] and
-//! [`super::sphere`] in each lane, and so the same bits.
+//! Points of eight triangles or spheres at a time: the operations of [`super::triangle()`] and
+//! [`super::sphere()`] in each lane, and so the same bits.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x8, f64x8, mask32x8};
@@ -128,7 +128,7 @@ fn turn<S: Lanes>(along_x: mask32x8<S>, along_y: mask32x8<S>, v: Vec3x8<S>) -> V
     )
 }
 
-/// Where rays meet spheres, each its own: see [`super::sphere`].
+/// Where rays meet spheres, each its own: see [`super::sphere()`].
 #[inline(always)]
 pub fn spheres<S: Lanes>(
     simd: S,
