@@ -52,7 +52,7 @@ pub struct PreparedRay {
 
 impl PreparedRay {
     /// Prepares `ray`, which must be valid.
-    #[inline]
+    #[inline(always)]
     pub fn new(ray: &Ray) -> Self {
         Self { ray: *ray, slab: SlabRay::new(ray), space: ShearedSpace::new(ray) }
     }

@@ -26,40 +26,56 @@ pub(super) fn closest<S: Lanes>(
     best: &mut Hit,
     tests: &mut TestCounts,
 ) -> bool {
-    let before = *best;
-    let mut offer = |t: f32, number: u32| {
-        if t < best.t || (t == best.t && number < best.primitive) {
-            *best = Hit { t, primitive: number };
-        }
-    };
     match triangles(simd, arena, ray, place, tests) {
-        Some((hits, first)) => {
-            let (mut certain, mut open) = (hits.certain, hits.open);
-            while certain != 0 {
-                let lane = certain.trailing_zeros() as usize & 7;
-                certain &= certain - 1;
-                // The number is read only where it can matter: it is seldom in the cache.
-                if hits.t[lane] <= before.t {
-                    offer(hits.t[lane], arena.number(first, lane));
-                }
-            }
-            while open != 0 {
-                let number = arena.number(first, open.trailing_zeros() as usize & 7);
-                open &= open - 1;
-                if let Some(t) = geometry.hit_again(number, ray) {
-                    offer(t, number);
-                }
-            }
-        }
+        Some((hits, first)) => is_closer(arena, geometry, ray, (&hits, first), best),
         None => {
+            let before = *best;
             for &number in arena.list(place) {
                 if let Some(t) = geometry.hit(number, ray, tests) {
-                    offer(t, number);
+                    offer(best, t, number);
                 }
             }
+            *best != before
         }
     }
-    best.t < before.t || best.primitive != before.primitive
+}
+
+/// Replaces `best` by the closest of the hits on triangles whose numbers begin at `first`, if that
+/// is closer. Whether it did.
+#[inline(always)]
+pub(super) fn is_closer(
+    arena: View<'_>,
+    geometry: &Geometry,
+    ray: &PreparedRay,
+    (hits, first): (&LaneHits, u32),
+    best: &mut Hit,
+) -> bool {
+    let before = *best;
+    let (mut certain, mut open) = (hits.certain, hits.open);
+    while certain != 0 {
+        let lane = certain.trailing_zeros() as usize & 7;
+        certain &= certain - 1;
+        // The number is read only where it can matter: it is seldom in the cache.
+        if hits.t[lane] <= before.t {
+            offer(best, hits.t[lane], arena.number(first, lane));
+        }
+    }
+    while open != 0 {
+        let number = arena.number(first, open.trailing_zeros() as usize & 7);
+        open &= open - 1;
+        if let Some(t) = geometry.hit_again(number, ray) {
+            offer(best, t, number);
+        }
+    }
+    *best != before
+}
+
+/// Replaces `best` by a hit that is closer, or as close and of a lower number.
+#[inline(always)]
+fn offer(best: &mut Hit, t: f32, number: u32) {
+    if t < best.t || (t == best.t && number < best.primitive) {
+        *best = Hit { t, primitive: number };
+    }
 }
 
 /// Whether anything in the leaf but a light's shape is hit.
@@ -72,33 +88,40 @@ pub(super) fn occluded<S: Lanes>(
     place: Ref,
     tests: &mut TestCounts,
 ) -> bool {
-    let counts = |number: u32| !geometry.is_light(number);
     match triangles(simd, arena, ray, place, tests) {
-        Some((hits, first)) => {
-            let (mut certain, mut open) = (hits.certain, hits.open);
-            if certain != 0 && geometry.lights.is_empty() {
-                return true;
-            }
-            while certain != 0 {
-                if counts(arena.number(first, certain.trailing_zeros() as usize & 7)) {
-                    return true;
-                }
-                certain &= certain - 1;
-            }
-            while open != 0 {
-                let number = arena.number(first, open.trailing_zeros() as usize & 7);
-                open &= open - 1;
-                if geometry.hit_again(number, ray).is_some() && counts(number) {
-                    return true;
-                }
-            }
-            false
+        Some((hits, first)) => is_any(arena, geometry, ray, (&hits, first)),
+        None => arena.list(place).iter().any(|&number| {
+            geometry.hit(number, ray, tests).is_some() && !geometry.is_light(number)
+        }),
+    }
+}
+
+/// Whether there is a hit on a triangle that is no light's; their numbers begin at `first`.
+#[inline(always)]
+pub(super) fn is_any(
+    arena: View<'_>,
+    geometry: &Geometry,
+    ray: &PreparedRay,
+    (hits, first): (&LaneHits, u32),
+) -> bool {
+    let (mut certain, mut open) = (hits.certain, hits.open);
+    if certain != 0 && geometry.lights.is_empty() {
+        return true;
+    }
+    while certain != 0 {
+        if !geometry.is_light(arena.number(first, certain.trailing_zeros() as usize & 7)) {
+            return true;
         }
-        None => {
-            let mut hit = |&n: &u32| geometry.hit(n, ray, tests).is_some() && counts(n);
-            arena.list(place).iter().any(&mut hit)
+        certain &= certain - 1;
+    }
+    while open != 0 {
+        let number = arena.number(first, open.trailing_zeros() as usize & 7);
+        open &= open - 1;
+        if geometry.hit_again(number, ray).is_some() && !geometry.is_light(number) {
+            return true;
         }
     }
+    false
 }
 
 /// What is known of the triangles in the leaf at `place`, and where their numbers begin; `None` for
@@ -112,15 +135,7 @@ fn triangles<S: Lanes>(
     tests: &mut TestCounts,
 ) -> Option<(LaneHits, u32)> {
     match place.kind() {
-        Kind::Patch => {
-            let leaf = arena.patch(place);
-            arena.prefetch_numbers(leaf.first);
-            tests.leaves += 1;
-            tests.triangles += u64::from(leaf.count);
-            let used = first_lanes(leaf.count);
-            let hits = ray.space.intersect_patch(simd, &leaf.positions, leaf.corners, used);
-            Some((hits, leaf.first))
-        }
+        Kind::Patch => Some(patch(simd, arena, ray, place, tests)),
         Kind::Soup => {
             let leaf = arena.soup(place);
             tests.leaves += 1;
@@ -133,4 +148,21 @@ fn triangles<S: Lanes>(
             None
         }
     }
+}
+
+/// As [`triangles`], of a patch.
+#[inline(always)]
+pub(super) fn patch<S: Lanes>(
+    simd: S,
+    arena: View<'_>,
+    ray: &PreparedRay,
+    place: Ref,
+    tests: &mut TestCounts,
+) -> (LaneHits, u32) {
+    let leaf = arena.patch(place);
+    arena.prefetch_numbers(leaf.first);
+    tests.leaves += 1;
+    tests.triangles += u64::from(leaf.count);
+    let used = first_lanes(leaf.count);
+    (ray.space.intersect_patch(simd, &leaf.positions, leaf.corners, used), leaf.first)
 }

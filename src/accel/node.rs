@@ -10,7 +10,7 @@ use crate::math::simd::{LANES, Lanes};
 /// Where the ray enters the children's boxes, and which of them it meets between `t_min` and
 /// `reach`.
 #[inline(always)]
-fn children<S: Lanes>(
+pub(super) fn children<S: Lanes>(
     simd: S,
     node: &Node,
     ray: &SlabRay,
@@ -40,10 +40,9 @@ fn axis<S: Lanes>(
 }
 
 /// Appends the children that the ray meets to its stack of entries, whose length is `height`, the
-/// nearest last, or in any order, and takes the last entry off: that, and the new height. The stack
-/// was not empty or is not afterwards.
+/// nearest last, or in any order. The new height.
 #[inline(always)]
-pub(super) fn step<S: Lanes, const SORTED: bool>(
+pub(super) fn push<S: Lanes, const SORTED: bool>(
     simd: S,
     node: &Node,
     place: Ref,
@@ -51,21 +50,37 @@ pub(super) fn step<S: Lanes, const SORTED: bool>(
     [t_min, reach]: [f32; 2],
     stack: &mut [u64],
     height: usize,
-) -> (u64, usize) {
+) -> usize {
     let (near, mask) = children(simd, node, ray, t_min, reach);
-    let places: u32x8<S> = node.children.simd_into(simd);
-    let places = places + base(place);
-    let waiting = stack.get(height.wrapping_sub(1)).copied().unwrap_or(0);
-    let count = mask.to_bitmask().count_ones() as usize;
+    let entries = simd.entries(near, places(simd, node, place));
+    append::<S, SORTED>(simd, &entries, mask.to_bitmask() as u8, stack, height)
+}
+
+/// Appends the `entries` whose bit in `mask` is 1 as [`push`] does.
+#[inline(always)]
+pub(super) fn append<S: Lanes, const SORTED: bool>(
+    simd: S,
+    entries: &[u64; LANES],
+    mask: u8,
+    stack: &mut [u64],
+    height: usize,
+) -> usize {
     let Some(room) = stack.get_mut(height..).and_then(|s| s.first_chunk_mut::<LANES>()) else {
-        return (waiting, height.saturating_sub(1));
+        return height;
     };
-    let last = if SORTED {
-        simd.far_to_near(near, places, mask, room)
+    if SORTED {
+        simd.far_to_near(entries, mask, room);
     } else {
-        simd.compress(near, places, mask, room)
-    };
-    (if count > 0 { last } else { waiting }, (height + count).wrapping_sub(1))
+        simd.compress(entries, mask, room);
+    }
+    height + mask.count_ones() as usize
+}
+
+/// Where the children of the node at `place` are.
+#[inline(always)]
+pub(super) fn places<S: Lanes>(simd: S, node: &Node, place: Ref) -> u32x8<S> {
+    let places: u32x8<S> = node.children.simd_into(simd);
+    places + base(place)
 }
 
 /// The entry's distance: where the ray enters the box.

@@ -308,9 +308,10 @@ fn visit_children<S: Lanes>(simd: S, tile: &mut Tile, arena: View<'_>, at: Ref, 
     let Met { near, some, all } = tile.beam.children(simd, node);
     let lanes: u32x8<S> = [0, 1, 2, 3, 4, 5, 6, 7].simd_into(simd);
     let mut met = [0; LANES];
-    simd.far_to_near(near, lanes, some, &mut met);
+    let some = some.to_bitmask() as u8;
+    simd.far_to_near(&simd.entries(near, lanes), some, &mut met);
     let all = all.to_bitmask();
-    for &child in &met[..some.to_bitmask().count_ones() as usize] {
+    for &child in &met[..some.count_ones() as usize] {
         let lane = child as u32 as usize & (LANES - 1);
         let rays = if all >> lane & 1 == 1 { rays } else { rays_in(simd, tile, node, lane, rays) };
         if rays != 0 {

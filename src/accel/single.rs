@@ -21,29 +21,19 @@ pub(super) fn closest<S: Lanes>(
 ) -> Hit {
     let arena = tree.arena.view();
     let mut limit = reach(best.t);
-    'next: while height > 0 {
+    while height > 0 {
         height -= 1;
         let entry = stack[height];
         if distance(entry) > limit {
             continue;
         }
-        let mut place = place(entry);
-        while place.kind() == Kind::Node {
+        let place = place(entry);
+        if place.kind() == Kind::Node {
             tests.nodes += 1;
-            let node = arena.node(place);
             let range = [ray.ray.t_min, limit];
-            let before = height;
-            let (next, after) =
-                node::step::<S, true>(simd, node, place, &ray.slab, range, stack, height);
-            height = after;
-            // Nothing was met: what waits on the stack may be too far by now.
-            if after.wrapping_add(1) == before {
-                height = before;
-                continue 'next;
-            }
-            place = node::place(next);
-        }
-        if leaf::closest(simd, arena, geometry, ray, place, &mut best, tests) {
+            let node = arena.node(place);
+            height = node::push::<S, true>(simd, node, place, &ray.slab, range, stack, height);
+        } else if leaf::closest(simd, arena, geometry, ray, place, &mut best, tests) {
             limit = reach(best.t);
         }
     }
@@ -63,23 +53,14 @@ pub(super) fn occluded<S: Lanes>(
 ) -> bool {
     let arena = tree.arena.view();
     let range = [ray.ray.t_min, reach(ray.ray.t_max)];
-    'next: while height > 0 {
+    while height > 0 {
         height -= 1;
-        let mut place = place(stack[height]);
-        while place.kind() == Kind::Node {
+        let place = place(stack[height]);
+        if place.kind() == Kind::Node {
             tests.nodes += 1;
             let node = arena.node(place);
-            let before = height;
-            let (next, after) =
-                node::step::<S, false>(simd, node, place, &ray.slab, range, stack, height);
-            height = after;
-            if after.wrapping_add(1) == before {
-                height = before;
-                continue 'next;
-            }
-            place = node::place(next);
-        }
-        if leaf::occluded(simd, arena, geometry, ray, place, tests) {
+            height = node::push::<S, false>(simd, node, place, &ray.slab, range, stack, height);
+        } else if leaf::occluded(simd, arena, geometry, ray, place, tests) {
             return true;
         }
     }

@@ -11,19 +11,22 @@ use std::ops::Range;
 
 use fearless_simd::f32x8;
 use fearless_simd::prelude::*;
+use glam::Vec3;
 
-use super::arena::{Kind, Ref, prefetch};
+use super::arena::{Kind, Ref, View, prefetch};
 use super::geometry::{Geometry, PreparedRay};
 use super::node::{self, distance, place};
 use super::packet::MOST_HANDED;
 use super::single::{no_hit, or_miss};
 use super::tree::{Root, Tree, reach};
 use super::{Hit, KernelCounts, TestCounts, leaf};
+use crate::kernels::triangle::LaneHits;
 use crate::math::ray::Ray;
 use crate::math::simd::{LANES, Lanes, entry};
 
 /// Rays in flight.
-pub(super) const FLIGHT: usize = 32;
+pub(super) const FLIGHT: usize = 64;
+const ENOUGH: usize = 16;
 
 /// Rays in a row.
 pub trait Rays {
@@ -173,31 +176,120 @@ impl Query for Occluded {
 
 /// A ray in flight.
 #[derive(Clone, Copy, Debug)]
-struct Slot {
-    ray: PreparedRay,
+pub(super) struct Slot {
+    pub(super) ray: PreparedRay,
     best: Hit,
     reach: f32,
     /// Its number in the batch.
     number: u32,
-    /// Height of its stack.
-    height: usize,
 }
 
-/// A ray in flight and where it goes next.
+impl Slot {
+    /// For a ray to come.
+    fn empty() -> Self {
+        let ray = PreparedRay::new(&Ray::new(Vec3::ZERO, Vec3::X));
+        Self { ray, best: Hit::MISS, reach: 0.0, number: 0 }
+    }
+
+    /// What else there is to know of a ray at its beginning: its number in the batch, and the
+    /// closest hit known.
+    #[inline(always)]
+    pub(super) fn begin(&mut self, number: usize, best: Hit) {
+        self.best = best;
+        self.reach = reach(best.t);
+        self.number = number as u32;
+    }
+}
+
+/// A ray in flight, by its slot, and where it goes next.
+#[derive(Clone, Copy, Debug)]
+struct Step(u64);
+
+impl Step {
+    #[inline(always)]
+    fn new(slot: usize, place: Ref) -> Self {
+        Self(u64::from(place.bits()) << 32 | slot as u64)
+    }
+
+    #[inline(always)]
+    fn slot(self) -> usize {
+        self.0 as usize & (FLIGHT - 1)
+    }
+
+    #[inline(always)]
+    fn place(self) -> Ref {
+        Ref::from_bits((self.0 >> 32) as u32)
+    }
+}
+
+/// The next steps of all rays in flight, by what they lead to.
+#[derive(Clone, Copy, Debug)]
+struct Next {
+    steps: [[Step; FLIGHT]; 4],
+    counts: [usize; 4],
+}
+
+impl Next {
+    const NONE: Self = Self { steps: [[Step(0); FLIGHT]; 4], counts: [0; 4] };
+
+    fn count(&self) -> usize {
+        self.counts.iter().sum()
+    }
+
+    /// Adds the step of a ray, and asks for the memory of what it leads to. There is no branch,
+    /// which nobody could foretell.
+    #[inline(always)]
+    fn push(&mut self, arena: View<'_>, slot: usize, then: Ref) {
+        arena.prefetch(then);
+        let kind = then.kind() as usize;
+        let count = self.counts[kind];
+        self.steps[kind][count & (FLIGHT - 1)] = Step::new(slot, then);
+        self.counts[kind] = count + 1;
+    }
+
+    /// Takes all steps that lead to `kind` off the list, where they can be read until others are
+    /// written there. How many.
+    #[inline(always)]
+    fn take(&mut self, kind: Kind) -> usize {
+        std::mem::take(&mut self.counts[kind as usize]).min(FLIGHT)
+    }
+
+    /// As [`Next::take`] if there are enough of them, or none of the kinds before.
+    #[inline(always)]
+    fn take_enough(&mut self, kind: Kind) -> usize {
+        let is_first = self.counts[..kind as usize].iter().all(|&count| count == 0);
+        if is_first || self.counts[kind as usize] >= ENOUGH { self.take(kind) } else { 0 }
+    }
+}
+
+/// The children of a node, and which of them are met.
 #[derive(Clone, Copy, Debug, Default)]
-struct Step {
-    slot: u32,
-    place: u32,
+#[repr(align(64))]
+struct Met {
+    entries: [u64; LANES],
+    mask: u8,
 }
 
-/// The end of a stack: no place, since it is no node.
-const DONE: u32 = u32::MAX;
+/// What a patch has been found to hold.
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(align(64))]
+struct Found {
+    hits: LaneHits,
+    first: u32,
+}
+
+/// The bottom of a stack, where rays are done. Nothing else is there: the root would have to be a
+/// list that begins at unit 0.
+const BOTTOM: u32 = 1 << 2 | Kind::List as u32;
 
 /// The memory of a thread's rays in flight.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(super) struct Flight {
-    slots: Vec<Slot>,
+    slots: Box<[Slot; FLIGHT]>,
+    /// One stack after the other.
     stacks: Vec<u64>,
+    /// Where each stack ends.
+    tops: [usize; FLIGHT],
     /// Entries of one stack.
     stride: usize,
 }
@@ -206,27 +298,35 @@ impl Flight {
     /// Memory for rays in `tree`.
     pub(super) fn new(tree: &Tree) -> Self {
         // The end of the stack, and what a packet hands over.
-        let stride = tree.stack_entries() + 1 + MOST_HANDED;
-        Self { slots: Vec::with_capacity(FLIGHT), stacks: vec![0; stride * FLIGHT], stride }
+        Self::of_stride(tree.stack_entries() + 1 + MOST_HANDED)
+    }
+
+    fn of_stride(stride: usize) -> Self {
+        Self {
+            slots: Box::new([Slot::empty(); FLIGHT]),
+            stacks: vec![0; stride * FLIGHT],
+            tops: [0; FLIGHT],
+            stride,
+        }
+    }
+}
+
+impl Default for Flight {
+    fn default() -> Self {
+        Self::of_stride(0)
     }
 }
 
 /// Where rays come from.
 pub(super) trait Source<Q: Query> {
-    /// The next ray that has to be traced, with the entries to begin with put on `stack`; rays that
-    /// need not be traced are answered on the way.
-    fn next(&mut self, answers: &mut [Q::Answer], stack: &mut [u64]) -> Option<Begun>;
-}
-
-/// A ray at its beginning.
-pub(super) struct Begun {
-    pub(super) ray: PreparedRay,
-    /// The closest hit known.
-    pub(super) best: Hit,
-    /// Its number in the batch.
-    pub(super) number: usize,
-    /// How many entries there are to begin with.
-    pub(super) entries: usize,
+    /// Fills `slot` with the next ray that has to be traced, and `stack` with the entries to begin
+    /// with, as many as it says. Rays that need not be traced are answered on the way.
+    fn next(
+        &mut self,
+        answers: &mut [Q::Answer],
+        stack: &mut [u64],
+        slot: &mut Slot,
+    ) -> Option<usize>;
 }
 
 /// Rays of a batch from `next` on, each from the root.
@@ -238,7 +338,12 @@ pub(super) struct FromRoot<'a, R: ?Sized> {
 
 impl<Q: Query, R: Rays + ?Sized> Source<Q> for FromRoot<'_, R> {
     #[inline(always)]
-    fn next(&mut self, answers: &mut [Q::Answer], stack: &mut [u64]) -> Option<Begun> {
+    fn next(
+        &mut self,
+        answers: &mut [Q::Answer],
+        stack: &mut [u64],
+        slot: &mut Slot,
+    ) -> Option<usize> {
         while self.next < self.rays.count() {
             let number = self.next;
             self.next += 1;
@@ -247,14 +352,14 @@ impl<Q: Query, R: Rays + ?Sized> Source<Q> for FromRoot<'_, R> {
                 answers[number] = Q::NONE;
                 continue;
             }
-            let ray = PreparedRay::new(&ray);
-            if !self.root.is_met(&ray) {
+            slot.ray = PreparedRay::new(&ray);
+            if !self.root.is_met(&slot.ray) {
                 answers[number] = Q::NONE;
                 continue;
             }
             stack[0] = entry(f32::NEG_INFINITY, self.root.place.bits());
-            let best = no_hit(&ray);
-            return Some(Begun { ray, best, number, entries: 1 });
+            slot.begin(number, no_hit(&slot.ray));
+            return Some(1);
         }
         None
     }
@@ -272,119 +377,124 @@ pub(super) fn trace<S: Lanes, Q: Query>(
     (tests, counts): (&mut TestCounts, &mut KernelCounts),
 ) {
     let arena = tree.arena.view();
-    let Flight { slots, stacks, stride } = flight;
-    let stride = *stride;
-    // Steps of this round; those through nodes become those of the next.
-    let (mut nodes, mut leaves) = ([Step::default(); FLIGHT], [Step::default(); FLIGHT]);
-    let (mut node_count, mut leaf_count) = (0, 0);
-    slots.clear();
-    while slots.len() < FLIGHT {
-        let stack = &mut stacks[slots.len() * stride..][..stride];
-        let Some((slot, then)) = begin::<Q>(source, answers, stack) else { break };
-        let step = Step { slot: slots.len() as u32, place: then.bits() };
-        slots.push(slot);
-        if then.kind() == Kind::Node {
-            nodes[node_count] = step;
-            node_count += 1;
-        } else {
-            leaves[leaf_count] = step;
-            leaf_count += 1;
-        }
+    let Flight { slots, stacks, tops, stride } = flight;
+    let (mut next, mut met) = (Next::NONE, [Met::default(); FLIGHT]);
+    let mut found = [Found::default(); FLIGHT];
+    for (index, slot) in slots.iter_mut().enumerate() {
+        let bottom = index * *stride;
+        let stack = &mut stacks[bottom..][..*stride];
+        let Some((then, height)) = begin::<Q>(source, answers, stack, slot) else { break };
+        tops[index] = bottom + height;
+        next.push(arena, index, then);
     }
-    let mut waiting = [Step::default(); FLIGHT];
-    while node_count + leaf_count > 0 {
-        // Nodes. Steps are taken from the front of the list while the next are written there.
-        let mut kept = 0;
-        tests.nodes += node_count as u64;
+    // Each loop in this one is short, so that the processor has many rays at a time on their way
+    // through it. Lists are read from the front while later steps are written there.
+    while next.count() > 0 {
         counts.rounds += 1;
-        counts.in_flight += (node_count + leaf_count) as u64;
-        for i in 0..node_count {
-            let Step { slot: index, place: at } = nodes[i];
-            let at = Ref::from_bits(at);
-            let slot = &mut slots[index as usize];
-            let stack = &mut stacks[index as usize * stride..][..stride];
-            let range = [slot.ray.ray.t_min, slot.reach];
+        counts.in_flight += next.count() as u64;
+        // Nodes: which children are met,
+        let nodes = next.take(Kind::Node);
+        tests.nodes += nodes as u64;
+        for (step, met) in next.steps[Kind::Node as usize][..nodes].iter().zip(&mut met) {
+            let at = step.place();
+            let Slot { ray, reach, .. } = &slots[step.slot()];
             let node = arena.node(at);
-            let (entry, height) = if Q::ANY {
-                node::step::<S, false>(simd, node, at, &slot.ray.slab, range, stack, slot.height)
-            } else {
-                node::step::<S, true>(simd, node, at, &slot.ray.slab, range, stack, slot.height)
-            };
-            slot.height = height;
-            let then = place(entry);
-            arena.prefetch(then);
-            let step = Step { slot: index, place: then.bits() };
-            let is_node = then.kind() == Kind::Node;
-            nodes[kept] = step;
-            kept += usize::from(is_node);
-            leaves[leaf_count & (FLIGHT - 1)] = step;
-            leaf_count += usize::from(!is_node);
+            let (near, mask) = node::children(simd, node, &ray.slab, ray.ray.t_min, *reach);
+            met.entries = simd.entries(near, node::places(simd, node, at));
+            met.mask = mask.to_bitmask() as u8;
         }
-        node_count = kept;
-        // Leaves, and rays that are done.
-        let steps = leaf_count;
-        waiting[..steps].copy_from_slice(&leaves[..steps]);
-        leaf_count = 0;
-        for &Step { slot: index, place: at } in &waiting[..steps] {
-            let slot = &mut slots[index as usize];
-            let stack = &mut stacks[index as usize * stride..][..stride];
-            let mut done = at == DONE;
-            if !done {
-                let at = Ref::from_bits(at);
+        // and where to go next.
+        for i in 0..nodes {
+            let index = next.steps[Kind::Node as usize][i].slot();
+            let Met { entries, mask } = &met[i];
+            let top = if Q::ANY {
+                node::append::<S, false>(simd, entries, *mask, stacks, tops[index])
+            } else {
+                node::append::<S, true>(simd, entries, *mask, stacks, tops[index])
+            } - 1;
+            tops[index] = top;
+            next.push(arena, index, place(stacks[top]));
+        }
+        // Patches: which triangles are met,
+        let patches = next.take_enough(Kind::Patch);
+        for (step, found) in next.steps[Kind::Patch as usize][..patches].iter().zip(&mut found) {
+            let ray = &slots[step.slot()].ray;
+            let (hits, first) = leaf::patch(simd, arena, ray, step.place(), tests);
+            *found = Found { hits, first };
+        }
+        // and what that means.
+        for i in 0..patches {
+            let index = next.steps[Kind::Patch as usize][i].slot();
+            let slot = &mut slots[index];
+            let hits = (&found[i].hits, found[i].first);
+            if Q::ANY {
+                if leaf::is_any(arena, geometry, &slot.ray, hits) {
+                    slot.best.primitive = 0;
+                    tops[index] = index * *stride + 1;
+                }
+            } else if leaf::is_closer(arena, geometry, &slot.ray, hits, &mut slot.best) {
+                slot.reach = reach(slot.best.t);
+                tops[index] = clear(stacks, index * *stride, tops[index], slot.reach);
+            }
+            tops[index] -= 1;
+            next.push(arena, index, place(stacks[tops[index]]));
+        }
+        // Other leaves,
+        for kind in [Kind::Soup, Kind::List] {
+            for i in 0..next.take_enough(kind) {
+                let step = next.steps[kind as usize][i];
+                let (index, at) = (step.slot(), step.place());
+                let slot = &mut slots[index];
+                // and rays that are done.
+                if at.bits() == BOTTOM {
+                    answers[slot.number as usize] = Q::answer(slot.best);
+                    let bottom = index * *stride;
+                    let stack = &mut stacks[bottom..][..*stride];
+                    if let Some((then, height)) = begin::<Q>(source, answers, stack, slot) {
+                        tops[index] = bottom + height;
+                        next.push(arena, index, then);
+                    }
+                    continue;
+                }
                 if Q::ANY {
-                    done = leaf::occluded(simd, arena, geometry, &slot.ray, at, tests);
-                    if done {
+                    if leaf::occluded(simd, arena, geometry, &slot.ray, at, tests) {
                         slot.best.primitive = 0;
+                        tops[index] = index * *stride + 1;
                     }
                 } else if leaf::closest(simd, arena, geometry, &slot.ray, at, &mut slot.best, tests)
                 {
                     slot.reach = reach(slot.best.t);
-                    slot.height = clear(stack, slot.height, slot.reach);
+                    tops[index] = clear(stacks, index * *stride, tops[index], slot.reach);
                 }
-            }
-            let then = if done {
-                answers[slot.number as usize] = Q::answer(slot.best);
-                let Some((fresh, then)) = begin::<Q>(source, answers, stack) else { continue };
-                *slot = fresh;
-                then
-            } else {
-                slot.height -= 1;
-                place(stack[slot.height])
-            };
-            arena.prefetch(then);
-            let step = Step { slot: index, place: then.bits() };
-            if then.kind() == Kind::Node {
-                nodes[node_count] = step;
-                node_count += 1;
-            } else {
-                leaves[leaf_count] = step;
-                leaf_count += 1;
+                tops[index] -= 1;
+                next.push(arena, index, place(stacks[tops[index]]));
             }
         }
     }
 }
 
-/// The next ray of the source, and its first step.
+/// Fills the slot with the next ray of the source. Its first step, if there is one, and the height
+/// of its stack without that.
 #[inline(always)]
 fn begin<Q: Query>(
     source: &mut impl Source<Q>,
     answers: &mut [Q::Answer],
     stack: &mut [u64],
-) -> Option<(Slot, Ref)> {
+    slot: &mut Slot,
+) -> Option<(Ref, usize)> {
     let (bottom, rest) = stack.split_first_mut()?;
-    let Begun { ray, best, number, entries } = source.next(answers, rest)?;
-    *bottom = entry(f32::NEG_INFINITY, DONE);
-    let slot = Slot { ray, best, reach: reach(best.t), number: number as u32, height: entries };
-    Some((slot, place(stack[entries])))
+    let height = source.next(answers, rest, slot)?;
+    *bottom = entry(f32::NEG_INFINITY, BOTTOM);
+    Some((place(stack[height]), height))
 }
 
-/// Removes the entries that are farther than `reach`. The height that is left.
+/// Removes the entries from `bottom` to `top` that are farther than `reach`. The top that is left.
 #[inline(always)]
-fn clear(stack: &mut [u64], height: usize, reach: f32) -> usize {
-    let mut kept = 0;
-    for i in 0..height {
-        let entry = stack[i];
-        stack[kept] = entry;
+fn clear(stacks: &mut [u64], bottom: usize, top: usize, reach: f32) -> usize {
+    let mut kept = bottom;
+    for i in bottom..top {
+        let entry = stacks[i];
+        stacks[kept] = entry;
         kept += usize::from(distance(entry) <= reach);
     }
     kept

@@ -130,7 +130,7 @@ pub struct SlabRay {
 
 impl SlabRay {
     /// Prepares `ray`.
-    #[inline]
+    #[inline(always)]
     pub fn new(ray: &Ray) -> Self {
         let reciprocal = ray.direction.to_array().map(f32::recip);
         let negative = reciprocal.map(|r| r < 0.0);

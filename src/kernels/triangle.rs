@@ -49,16 +49,13 @@ pub(crate) enum Axis {
 }
 
 impl Axis {
-    /// The axis along which `d` is longest.
+    /// The axis along which `d` is longest. Each choice is one instruction: rays differ, and a
+    /// branch would be foretold wrongly.
+    #[inline(always)]
     fn longest(d: Vec3) -> Self {
         let size = d.abs();
-        if size.x >= size.y && size.x >= size.z {
-            Self::X
-        } else if size.y >= size.z {
-            Self::Y
-        } else {
-            Self::Z
-        }
+        let (axis, longest) = if size.x >= size.y { (Self::X, size.x) } else { (Self::Y, size.y) };
+        if longest >= size.z { axis } else { Self::Z }
     }
 
     /// The coordinates turned so that this axis is the last. A match, and not an index: the
@@ -108,14 +105,19 @@ struct Sheared {
 
 impl ShearedSpace {
     /// The space of `ray`.
-    #[inline]
+    #[inline(always)]
     pub fn new(ray: &Ray) -> Self {
         let longest = Axis::longest(ray.direction);
-        let direction = longest.to_last(ray.direction.to_array());
+        let [kx, ky, kz] = lanes::ORDERS[longest as usize];
+        let turned = |v: Vec3| {
+            let v = v.to_array();
+            [v[kx.min(2)], v[ky.min(2)], v[kz.min(2)]]
+        };
+        let direction = turned(ray.direction);
         let [x, y, z] = direction;
         Self {
             longest,
-            origin: longest.to_last(ray.origin.to_array()),
+            origin: turned(ray.origin),
             direction,
             shear: [x / z, y / z, 1.0 / z],
             t_min: ray.t_min,

@@ -2,7 +2,7 @@
 
 use crate::accel::geometry::PreparedRay;
 use crate::accel::node::distance;
-use crate::accel::stream::{Begun, FromRoot, Query, Rays, Source};
+use crate::accel::stream::{FromRoot, Query, Rays, Slot, Source};
 use crate::accel::tree::reach;
 
 /// A place that a ray was handed over with, and the one before.
@@ -23,7 +23,12 @@ pub(super) struct Remaining<'a, R: ?Sized> {
 
 impl<Q: Query, R: Rays + ?Sized> Source<Q> for Remaining<'_, R> {
     #[inline(always)]
-    fn next(&mut self, answers: &mut [Q::Answer], stack: &mut [u64]) -> Option<Begun> {
+    fn next(
+        &mut self,
+        answers: &mut [Q::Answer],
+        stack: &mut [u64],
+        slot: &mut Slot,
+    ) -> Option<usize> {
         while let Some(number) = self.queue.pop() {
             let number = number as usize;
             let ray = self.rays.ray(number);
@@ -31,8 +36,8 @@ impl<Q: Query, R: Rays + ?Sized> Source<Q> for Remaining<'_, R> {
                 answers[number] = Q::NONE;
                 continue;
             }
-            let ray = PreparedRay::new(&ray);
-            let Some(best) = Q::resume(answers[number], &ray) else { continue };
+            slot.ray = PreparedRay::new(&ray);
+            let Some(best) = Q::resume(answers[number], &slot.ray) else { continue };
             let reach = reach(best.t);
             let mut entries = 0;
             let mut place = self.last[number].0;
@@ -43,9 +48,10 @@ impl<Q: Query, R: Rays + ?Sized> Source<Q> for Remaining<'_, R> {
                 place = handed.before;
             }
             if entries > 0 {
-                return Some(Begun { ray, best, number, entries });
+                slot.begin(number, best);
+                return Some(entries);
             }
         }
-        <FromRoot<'_, R> as Source<Q>>::next(&mut self.rest, answers, stack)
+        <FromRoot<'_, R> as Source<Q>>::next(&mut self.rest, answers, stack, slot)
     }
 }

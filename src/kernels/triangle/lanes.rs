@@ -9,6 +9,7 @@ use crate::math::float::gamma;
 use crate::math::simd::Lanes;
 
 /// What is known about eight triangles.
+#[derive(Clone, Copy, Debug, Default)]
 pub struct LaneHits {
     /// Where the ray meets the triangles of `certain`.
     pub t: [f32; 8],

@@ -1,0 +1,152 @@
+//! What x86-64 has instructions of its own for.
+
+use super::{LANES, Lanes};
+use fearless_simd::prelude::*;
+use fearless_simd::{Avx2, Avx512, Sse2, Sse4_2, f32x8, f32x16, u32x8, u32x16, u64x8};
+#[cfg(target_arch = "x86")]
+use std::arch::x86::*;
+#[cfg(target_arch = "x86_64")]
+use std::arch::x86_64::*;
+
+impl Lanes for Sse2 {}
+
+impl Lanes for Sse4_2 {}
+
+fearless_simd::kernel!(
+    #[inline(always)]
+    fn permute_avx2(level: Avx2, values: f32x8<Avx2>, indices: u32x8<Avx2>) -> f32x8<Avx2> {
+        _mm256_permutevar8x32_ps(values.into(), indices.into()).simd_into(level)
+    }
+);
+
+impl Lanes for Avx2 {
+    #[inline(always)]
+    fn permute(self, values: f32x8<Self>, indices: u32x8<Self>) -> f32x8<Self> {
+        permute_avx2(self, values, indices)
+    }
+}
+
+fearless_simd::kernel!(
+    #[inline(always)]
+    fn permute_avx512(
+        level: Avx512,
+        values: f32x8<Avx512>,
+        indices: u32x8<Avx512>,
+    ) -> f32x8<Avx512> {
+        _mm256_permutevar8x32_ps(values.into(), indices.into()).simd_into(level)
+    }
+);
+
+fearless_simd::kernel!(
+    #[inline(always)]
+    fn entries_avx512(
+        level: Avx512,
+        near: f32x8<Avx512>,
+        children: u32x8<Avx512>,
+    ) -> u64x8<Avx512> {
+        let near: __m256 = near.into();
+        let high = _mm512_slli_epi64::<32>(_mm512_cvtepu32_epi64(_mm256_castps_si256(near)));
+        _mm512_or_si512(high, _mm512_cvtepu32_epi64(children.into())).simd_into(level)
+    }
+);
+
+fearless_simd::kernel!(
+    /// Bitonic sort (Batcher 1968), the largest first, so that lanes out of the mask, which
+    /// are zero, come last.
+    #[inline(always)]
+    fn sort_avx512(level: Avx512, entries: u64x8<Avx512>, mask: u8) -> u64x8<Avx512> {
+        let v = _mm512_maskz_mov_epi64(mask, entries.into());
+        // In each step lane i meets lane i ^ x, and the lower lane keeps the larger entry.
+        let p = _mm512_shuffle_epi32::<0x4E>(v);
+        let v = _mm512_mask_max_epu64(_mm512_min_epu64(v, p), 0b0101_0101, v, p);
+        let p = _mm512_permutex_epi64::<0x1B>(v);
+        let v = _mm512_mask_max_epu64(_mm512_min_epu64(v, p), 0b0011_0011, v, p);
+        let p = _mm512_shuffle_epi32::<0x4E>(v);
+        let v = _mm512_mask_max_epu64(_mm512_min_epu64(v, p), 0b0101_0101, v, p);
+        let p = _mm512_permutexvar_epi64(_mm512_set_epi64(0, 1, 2, 3, 4, 5, 6, 7), v);
+        let v = _mm512_mask_max_epu64(_mm512_min_epu64(v, p), 0b0000_1111, v, p);
+        let p = _mm512_permutex_epi64::<0x4E>(v);
+        let v = _mm512_mask_max_epu64(_mm512_min_epu64(v, p), 0b0011_0011, v, p);
+        let p = _mm512_shuffle_epi32::<0x4E>(v);
+        let v = _mm512_mask_max_epu64(_mm512_min_epu64(v, p), 0b0101_0101, v, p);
+        v.simd_into(level)
+    }
+);
+
+fearless_simd::kernel!(
+    #[inline(always)]
+    fn compress_avx512(level: Avx512, entries: u64x8<Avx512>, mask: u8) -> u64x8<Avx512> {
+        _mm512_maskz_compress_epi64(mask, entries.into()).simd_into(level)
+    }
+);
+
+fearless_simd::kernel!(
+    #[inline(always)]
+    fn positions_avx512(level: Avx512, mask: u64) -> u32x16<Avx512> {
+        let all = _mm512_set_epi64(
+            0x3F3E_3D3C_3B3A_3938,
+            0x3736_3534_3332_3130,
+            0x2F2E_2D2C_2B2A_2928,
+            0x2726_2524_2322_2120,
+            0x1F1E_1D1C_1B1A_1918,
+            0x1716_1514_1312_1110,
+            0x0F0E_0D0C_0B0A_0908,
+            0x0706_0504_0302_0100,
+        );
+        let positions = _mm512_maskz_compress_epi8(mask, all);
+        _mm512_cvtepu8_epi32(_mm512_castsi512_si128(positions)).simd_into(level)
+    }
+);
+
+fearless_simd::kernel!(
+    #[inline(always)]
+    fn pick_avx512(
+        level: Avx512,
+        a: f32x16<Avx512>,
+        b: f32x16<Avx512>,
+        c: f32x16<Avx512>,
+        d: f32x16<Avx512>,
+        positions: u32x16<Avx512>,
+    ) -> f32x16<Avx512> {
+        let positions = positions.into();
+        let low = _mm512_permutex2var_ps(a.into(), positions, b.into());
+        let high = _mm512_permutex2var_ps(c.into(), positions, d.into());
+        let is_high = _mm512_test_epi32_mask(positions, _mm512_set1_epi32(32));
+        _mm512_mask_blend_ps(is_high, low, high).simd_into(level)
+    }
+);
+
+impl Lanes for Avx512 {
+    #[inline(always)]
+    fn positions(self, mask: u64) -> [u32; 16] {
+        positions_avx512(self, mask).into()
+    }
+
+    #[inline(always)]
+    fn pick(self, column: &[[f32; 16]; 4], positions: [u32; 16]) -> f32x16<Self> {
+        let [a, b, c, d] = *column;
+        let (a, b) = (a.simd_into(self), b.simd_into(self));
+        let (c, d) = (c.simd_into(self), d.simd_into(self));
+        pick_avx512(self, a, b, c, d, positions.simd_into(self))
+    }
+
+    #[inline(always)]
+    fn permute(self, values: f32x8<Self>, indices: u32x8<Self>) -> f32x8<Self> {
+        permute_avx512(self, values, indices)
+    }
+
+    #[inline(always)]
+    fn entries(self, near: f32x8<Self>, children: u32x8<Self>) -> [u64; LANES] {
+        entries_avx512(self, near, children).into()
+    }
+
+    #[inline(always)]
+    fn far_to_near(self, entries: &[u64; LANES], mask: u8, sorted: &mut [u64; LANES]) {
+        *sorted = sort_avx512(self, (*entries).simd_into(self), mask).into();
+    }
+
+    #[inline(always)]
+    fn compress(self, entries: &[u64; LANES], mask: u8, compressed: &mut [u64; LANES]) {
+        *compressed = compress_avx512(self, (*entries).simd_into(self), mask).into();
+    }
+}
