@@ -2,7 +2,7 @@
 
 use super::{LANES, Lanes};
 use fearless_simd::prelude::*;
-use fearless_simd::{Avx2, Avx512, Sse2, Sse4_2, f32x8, f32x16, u32x8, u32x16, u64x8};
+use fearless_simd::{Avx2, Avx512, Sse2, Sse4_2, f32x8, f32x16, u32x8, u32x16, u64x4, u64x8};
 #[cfg(target_arch = "x86")]
 use std::arch::x86::*;
 #[cfg(target_arch = "x86_64")]
@@ -70,6 +70,20 @@ fearless_simd::kernel!(
         let p = _mm512_shuffle_epi32::<0x4E>(v);
         let v = _mm512_mask_max_epu64(_mm512_min_epu64(v, p), 0b0101_0101, v, p);
         v.simd_into(level)
+    }
+);
+
+fearless_simd::kernel!(
+    /// The same for the first four.
+    #[inline(always)]
+    fn sort_four_avx512(level: Avx512, entries: u64x8<Avx512>) -> u64x4<Avx512> {
+        let v = _mm512_castsi512_si256(entries.into());
+        let p = _mm256_shuffle_epi32::<0x4E>(v);
+        let v = _mm256_mask_max_epu64(_mm256_min_epu64(v, p), 0b0101, v, p);
+        let p = _mm256_permute4x64_epi64::<0x1B>(v);
+        let v = _mm256_mask_max_epu64(_mm256_min_epu64(v, p), 0b0011, v, p);
+        let p = _mm256_shuffle_epi32::<0x4E>(v);
+        _mm256_mask_max_epu64(_mm256_min_epu64(v, p), 0b0101, v, p).simd_into(level)
     }
 );
 
@@ -142,7 +156,14 @@ impl Lanes for Avx512 {
 
     #[inline(always)]
     fn far_to_near(self, entries: &[u64; LANES], mask: u8, sorted: &mut [u64; LANES]) {
-        *sorted = sort_avx512(self, (*entries).simd_into(self), mask).into();
+        let entries = (*entries).simd_into(self);
+        // Seldom more, and so a branch that is foretold well.
+        if mask.count_ones() <= 4 {
+            let first = compress_avx512(self, entries, mask);
+            sort_four_avx512(self, first).store_slice(&mut sorted[..4]);
+        } else {
+            *sorted = sort_avx512(self, entries, mask).into();
+        }
     }
 
     #[inline(always)]
