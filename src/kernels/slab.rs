@@ -41,7 +41,7 @@
 //! For a ray that starts or ends at some t the same holds: a hit counts only if the bound, or double
 //! precision, leaves no doubt that it lies between them.
 
-use glam::Vec3;
+use glam::{Vec3, Vec3A};
 
 use crate::math::float::{UNIT_ROUNDOFF, max, max_abs, min};
 use crate::math::ray::Ray;
@@ -119,11 +119,11 @@ pub struct Interval {
 pub struct SlabRay {
     /// Reciprocal of the direction: infinite, of the zero's sign, where a component is zero. 1 or -1
     /// where it would be infinite and the component is not.
-    pub reciprocal: Vec3,
+    pub reciprocal: Vec3A,
     /// The origin moved along the direction, for the planes met first.
-    pub near_origin: Vec3,
+    pub near_origin: Vec3A,
     /// The origin moved back, for the planes met last.
-    pub far_origin: Vec3,
+    pub far_origin: Vec3A,
     /// For each axis, whether the ray runs towards smaller coordinates.
     pub negative: [bool; 3],
 }
@@ -132,19 +132,23 @@ impl SlabRay {
     /// Prepares `ray`.
     #[inline(always)]
     pub fn new(ray: &Ray) -> Self {
-        let reciprocal = ray.direction.to_array().map(f32::recip);
-        let negative = reciprocal.map(|r| r < 0.0);
-        let pad = max(PADDING * max_abs(ray.origin), f32::MIN_POSITIVE);
-        let shift = Vec3::from(negative.map(|n| if n { -pad } else { pad }));
+        let (origin, direction) = (Vec3A::from(ray.origin), Vec3A::from(ray.direction));
+        let reciprocal = direction.recip();
+        let negative = reciprocal.cmplt(Vec3A::ZERO);
+        let pad = max(PADDING * origin.abs().max_element(), f32::MIN_POSITIVE);
+        let shift = Vec3A::select(negative, Vec3A::splat(-pad), Vec3A::splat(pad));
         let mut slab = Self {
-            reciprocal: reciprocal.into(),
-            near_origin: ray.origin + shift,
-            far_origin: ray.origin - shift,
-            negative,
+            reciprocal,
+            near_origin: origin + shift,
+            far_origin: origin - shift,
+            negative: negative.into(),
         };
-        for k in 0..3 {
-            if slab.reciprocal[k].is_infinite() && ray.direction[k] != 0.0 {
-                slab.let_pass(k);
+        let unknown = reciprocal.abs().cmpeq(Vec3A::INFINITY) & direction.cmpne(Vec3A::ZERO);
+        if unknown.any() {
+            for k in 0..3 {
+                if unknown.test(k) {
+                    slab.let_pass(k);
+                }
             }
         }
         slab

@@ -1,7 +1,7 @@
 //! The ray.
 
 use bytemuck::{Pod, Zeroable};
-use glam::Vec3;
+use glam::{Vec3, Vec3A};
 
 /// The points `origin + t direction` with `t_min` < t < `t_max`.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -25,11 +25,10 @@ impl Ray {
     }
 
     /// Whether the ray can be traced: finite, and of a direction other than zero.
-    #[inline]
+    #[inline(always)]
     pub fn is_valid(&self) -> bool {
-        self.origin.is_finite()
-            && self.direction.is_finite()
-            && self.direction != Vec3::ZERO
-            && self.t_min <= self.t_max
+        let (origin, direction) = (Vec3A::from(self.origin), Vec3A::from(self.direction));
+        let finite = origin.is_finite_mask() & direction.is_finite_mask();
+        finite.all() & (direction != Vec3A::ZERO) & (self.t_min <= self.t_max)
     }
 }
