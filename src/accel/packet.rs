@@ -23,11 +23,12 @@ use fearless_simd::{f32x16, u32x8};
 use super::arena::{Kind, Node, Ref, View, child_of};
 use super::geometry::{Geometry, PreparedRay};
 use super::node::{distance, place};
-use super::stream::{self, Flight, FromRoot, Query, Rays};
+use super::stream::{self, Flight, Found, FromRoot, Query, Rays};
 use super::tree::{Root, Tree};
 use super::{KernelChoice, KernelCounts, TestCounts, single};
 use crate::math::simd::{LANES, Lanes, entry};
 use beam::Met;
+use leaves::Alone;
 use remaining::{Handed, Remaining};
 use tile::{GROUPS, Tile, Vertices, WIDTH, extent, load, number_of};
 
@@ -73,6 +74,9 @@ pub(super) struct Packets {
     last: Vec<(u32, u32)>,
     /// The rays that were handed over.
     queue: Vec<u32>,
+    /// Rays in front of leaves, each alone, and what they have found there.
+    alone: Vec<Alone>,
+    found: Vec<Found>,
 }
 
 /// Answers all rays: by packets as long as `choice` has it so, the others in flight.
@@ -91,7 +95,7 @@ pub(super) fn trace<S: Lanes, Q: Query, R: Rays + ?Sized>(
         counts.stream += rays.count() as u64;
         return;
     };
-    let Packets { tiles, vertices, handed, last, queue } = packets;
+    let Packets { tiles, vertices, handed, last, queue, alone, found } = packets;
     tiles.resize(TILES, Tile::EMPTY);
     handed.clear();
     queue.clear();
@@ -110,6 +114,8 @@ pub(super) fn trace<S: Lanes, Q: Query, R: Rays + ?Sized>(
         last,
         queue,
         vertices,
+        alone,
+        found,
         stack,
         query: PhantomData,
     };
@@ -117,22 +123,21 @@ pub(super) fn trace<S: Lanes, Q: Query, R: Rays + ?Sized>(
     while count < TILES && batch.begin(simd, &mut tiles[count], answers) {
         count += 1;
     }
-    let mut k = 0;
     while count > 0 {
-        let tile = &mut tiles[k];
-        let mut is_done = !batch.step(simd, tile, tests);
-        if is_done {
-            tile.answer::<Q>(answers);
-            is_done = !batch.begin(simd, tile, answers);
+        let mut is_done = [false; TILES];
+        for k in 0..count {
+            is_done[k] = !batch.step(simd, tiles, k, tests);
         }
-        if is_done {
-            count -= 1;
-            tiles.swap(k, count);
-        } else {
-            k += 1;
-        }
-        if k >= count {
-            k = 0;
+        batch.test_alone(simd, tiles);
+        for k in (0..count).rev() {
+            if is_done[k] {
+                let tile = &mut tiles[k];
+                tile.answer::<Q>(answers);
+                if !batch.begin(simd, tile, answers) {
+                    count -= 1;
+                    tiles.swap(k, count);
+                }
+            }
         }
     }
     let Batch { next, unfit, judged, .. } = batch;
@@ -176,6 +181,8 @@ struct Batch<'a, Q, R: ?Sized> {
     last: &'a mut [(u32, u32)],
     queue: &'a mut Vec<u32>,
     vertices: &'a mut Vertices,
+    alone: &'a mut Vec<Alone>,
+    found: &'a mut Vec<Found>,
     stack: &'a mut [u64],
     query: PhantomData<Q>,
 }
@@ -213,9 +220,16 @@ impl<Q: Query, R: Rays + ?Sized> Batch<'_, Q, R> {
         false
     }
 
-    /// Takes a tile one step on. Whether there was one left.
+    /// Takes a tile on through leaves and one node. Whether there was a node left.
     #[inline(always)]
-    fn step<S: Lanes>(&mut self, simd: S, tile: &mut Tile, tests: &mut TestCounts) -> bool {
+    fn step<S: Lanes>(
+        &mut self,
+        simd: S,
+        tiles: &mut [Tile],
+        k: usize,
+        tests: &mut TestCounts,
+    ) -> bool {
+        let tile = &mut tiles[k];
         let arena = self.tree.arena.view();
         // Not where hits are stored: what was just written, ray by ray, is not read well together.
         if tile.is_reach_stale && !Q::ANY {
@@ -239,10 +253,9 @@ impl<Q: Query, R: Rays + ?Sized> Batch<'_, Q, R> {
                 self.judged.visits += 1;
                 self.judged.rays += u64::from(rays.count_ones());
                 visit_children(simd, tile, arena, at, rays);
-            } else {
-                self.visit_leaf(simd, tile, arena, at, rays, tests);
+                return true;
             }
-            return true;
+            self.visit_leaf(simd, (tile, k), arena, at, rays, tests);
         }
         false
     }

@@ -273,9 +273,10 @@ struct Met {
 /// What a patch has been found to hold.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(align(64))]
-struct Found {
-    hits: LaneHits,
-    first: u32,
+pub(super) struct Found {
+    pub(super) hits: LaneHits,
+    /// Where the numbers of the triangles begin.
+    pub(super) first: u32,
 }
 
 /// The bottom of a stack, where rays are done. Nothing else is there: the root would have to be a

@@ -7,7 +7,7 @@ use super::tile::{GROUPS, RayGroup, Tile, WIDTH, number_of};
 use super::{Batch, TILE};
 use crate::accel::arena::{Kind, Patch, Ref, View};
 use crate::accel::geometry::PreparedRay;
-use crate::accel::stream::{Query, Rays};
+use crate::accel::stream::{Found, Query, Rays};
 use crate::accel::{Hit, TestCounts, leaf};
 use crate::kernels::triangle::T_TOLERANCE;
 use crate::kernels::triangle::lanes::{ORDERS, decide, edges};
@@ -19,13 +19,21 @@ const ALONE: u64 = 5;
 /// A group with so many rays in a leaf is tested as it is.
 const MANY_IN_GROUP: u32 = 8;
 
+/// A ray of a tile that is to be tested alone with a patch.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Alone {
+    place: Ref,
+    tile: u8,
+    ray: u8,
+}
+
 impl<Q: Query, R: Rays + ?Sized> Batch<'_, Q, R> {
     /// Tests the leaf with each of `rays`.
     #[inline(always)]
     pub(super) fn visit_leaf<S: Lanes>(
         &mut self,
         simd: S,
-        tile: &mut Tile,
+        (tile, k): (&mut Tile, usize),
         arena: View<'_>,
         at: Ref,
         rays: u64,
@@ -43,7 +51,12 @@ impl<Q: Query, R: Rays + ?Sized> Batch<'_, Q, R> {
                     tile.shear(simd, longest);
                 }
                 if count <= ALONE {
-                    self.visit_patch_alone(simd, tile, arena, leaf, longest, rays);
+                    let mut rest = rays;
+                    while rest != 0 {
+                        let ray = rest.trailing_zeros() as u8;
+                        rest &= rest - 1;
+                        self.alone.push(Alone { place: at, tile: k as u8, ray });
+                    }
                 } else {
                     self.visit_patch(simd, tile, arena, leaf, ORDERS[longest.min(2)], rays);
                 }
@@ -70,23 +83,24 @@ impl<Q: Query, R: Rays + ?Sized> Batch<'_, Q, R> {
         tile.is_reach_stale = true;
     }
 
-    /// Tests all triangles of a patch at once with each of `rays`.
+    /// Tests all triangles of patches at once with each ray that waits alone.
     #[inline(always)]
-    fn visit_patch_alone<S: Lanes>(
-        &mut self,
-        simd: S,
-        tile: &mut Tile,
-        arena: View<'_>,
-        leaf: &Patch,
-        longest: usize,
-        mut rays: u64,
-    ) {
-        let used = (1 << (leaf.count & 15)) - 1;
-        while rays != 0 {
-            let i = rays.trailing_zeros() as usize & (TILE - 1);
-            rays &= rays - 1;
-            let space = tile.space(longest, i);
-            let hits = space.intersect_patch(simd, &leaf.positions, leaf.corners, used);
+    pub(super) fn test_alone<S: Lanes>(&mut self, simd: S, tiles: &mut [Tile]) {
+        let arena = self.tree.arena.view();
+        // Two loops: the first has no branches that depend on what is found.
+        self.found.resize(self.alone.len().max(self.found.len()), Found::default());
+        for (alone, found) in self.alone.iter().zip(self.found.iter_mut()) {
+            let tile = &tiles[alone.tile as usize];
+            let leaf = arena.patch(alone.place);
+            let used = (1 << (leaf.count & 15)) - 1;
+            let space = tile.space(tile.longest.unwrap_or(0), alone.ray as usize);
+            found.hits = space.intersect_patch(simd, &leaf.positions, leaf.corners, used);
+            found.first = leaf.first;
+        }
+        for n in 0..self.alone.len() {
+            let (Alone { place, tile, ray }, Found { hits, first }) =
+                (self.alone[n], self.found[n]);
+            let (tile, i) = (&mut tiles[tile as usize], ray as usize);
             if Q::ANY {
                 tile.done |= u64::from(hits.certain != 0) << i;
             } else {
@@ -98,7 +112,7 @@ impl<Q: Query, R: Rays + ?Sized> Batch<'_, Q, R> {
                     certain &= certain - 1;
                     let t = hits.t[lane];
                     if t <= before.t {
-                        let number = arena.number(leaf.first, lane);
+                        let number = arena.number(first, lane);
                         if t < best.t || (t == best.t && number < best.primitive) {
                             best = Hit { t, primitive: number };
                         }
@@ -109,9 +123,10 @@ impl<Q: Query, R: Rays + ?Sized> Batch<'_, Q, R> {
                 }
             }
             if hits.open != 0 {
-                self.ask_again(tile, arena, leaf, hits.open, i);
+                self.ask_again(tile, arena, arena.patch(place), hits.open, i);
             }
         }
+        self.alone.clear();
     }
 
     /// Tests the triangles of a patch with `rays`: groups with many of them as they are, the others
@@ -220,7 +235,7 @@ impl<Q: Query, R: Rays + ?Sized> Batch<'_, Q, R> {
         leaf: &Patch,
         rays: RayGroup<S>,
         used: u32,
-    ) -> Found<S> {
+    ) -> FoundByGroup<S> {
         let [kx, ky, kz] = rays.order;
         let vertices = &mut self.vertices;
         for v in 0..leaf.vertices as usize & 15 {
@@ -245,8 +260,13 @@ impl<Q: Query, R: Rays + ?Sized> Batch<'_, Q, R> {
             inside[triangle & (LANES - 1)] = candidates;
             met |= u32::from(candidates != 0) << triangle;
         }
-        let mut found =
-            Found { best: rays.best, primitive: rays.primitive, hit: 0, open: 0, left: inside };
+        let mut found = FoundByGroup {
+            best: rays.best,
+            primitive: rays.primitive,
+            hit: 0,
+            open: 0,
+            left: inside,
+        };
         while met != 0 {
             let triangle = met.trailing_zeros() as usize & (LANES - 1);
             met &= met - 1;
@@ -274,7 +294,7 @@ impl<Q: Query, R: Rays + ?Sized> Batch<'_, Q, R> {
 }
 
 /// What sixteen rays have found so far.
-struct Found<S: Lanes> {
+struct FoundByGroup<S: Lanes> {
     best: f32x16<S>,
     primitive: u32x16<S>,
     /// The rays that have found it here.
@@ -285,7 +305,7 @@ struct Found<S: Lanes> {
     left: [u32; LANES],
 }
 
-impl<S: Lanes> Found<S> {
+impl<S: Lanes> FoundByGroup<S> {
     /// The triangles that the ray at `lane` has to be asked about, a bit each.
     fn asks(&self, lane: usize) -> u32 {
         let mut triangles = 0;
