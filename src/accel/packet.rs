@@ -42,13 +42,13 @@ pub(super) const TILE: usize = 64;
 const FEW: u32 = 1;
 
 /// The same, if any hit will do.
-const FEW_FOR_ANY: u32 = 8;
+const FEW_FOR_ANY: u32 = 16;
 
 /// The most places that a ray is handed over with; beyond them it goes on at once.
 pub(super) const MOST_HANDED: usize = 24;
 
 /// A tile is coherent if its visits of nodes are made by so many rays on average.
-const COHERENT: u64 = 8;
+const COHERENT: u64 = 20;
 
 /// Tiles of a batch that are looked at before the rest is judged.
 const TRIAL: usize = 2;
