@@ -43,6 +43,9 @@ pub enum Kind {
 pub struct Ref(u32);
 
 impl Ref {
+    /// A place that is in no tree without a node.
+    pub(super) const ROOT: Self = Self(0);
+
     /// The bits, as they are kept on stacks.
     #[inline(always)]
     pub(super) fn bits(self) -> u32 {

@@ -11,6 +11,7 @@
 //! All of it computes the numbers that one ray computes, so that the answers are the same bits.
 
 mod beam;
+mod children;
 mod leaves;
 mod remaining;
 mod tile;
@@ -27,7 +28,7 @@ use super::stream::{self, Flight, Found, FromRoot, Query, Rays};
 use super::tree::{Root, Tree};
 use super::{KernelChoice, KernelCounts, TestCounts, single};
 use crate::math::simd::{LANES, Lanes, entry};
-use beam::Met;
+use children::Children;
 use leaves::Alone;
 use remaining::{Handed, Remaining};
 use tile::{GROUPS, Tile, Vertices, WIDTH, extent, load, number_of};
@@ -59,6 +60,10 @@ struct Visit {
     /// As on the stack of a ray, with the least distance of all rays.
     entry: u64,
     rays: u64,
+}
+
+impl Visit {
+    const NONE: Self = Self { entry: 0, rays: 0 };
 }
 
 /// No place before.
@@ -97,6 +102,7 @@ pub(super) fn trace<S: Lanes, Q: Query, R: Rays + ?Sized>(
     };
     let Packets { tiles, vertices, handed, last, queue, alone, found } = packets;
     tiles.resize(TILES, Tile::EMPTY);
+    tiles.iter_mut().for_each(|tile| tile.visits.resize(tree.stack_entries(), Visit::NONE));
     handed.clear();
     queue.clear();
     last.clear();
@@ -114,6 +120,7 @@ pub(super) fn trace<S: Lanes, Q: Query, R: Rays + ?Sized>(
         last,
         queue,
         vertices,
+        children: Children::NONE,
         alone,
         found,
         stack,
@@ -129,6 +136,7 @@ pub(super) fn trace<S: Lanes, Q: Query, R: Rays + ?Sized>(
             is_done[k] = !batch.step(simd, tiles, k, tests);
         }
         batch.test_alone(simd, tiles);
+        batch.children.visit(simd, tiles, tree.arena.view());
         for k in (0..count).rev() {
             if is_done[k] {
                 let tile = &mut tiles[k];
@@ -181,6 +189,7 @@ struct Batch<'a, Q, R: ?Sized> {
     last: &'a mut [(u32, u32)],
     queue: &'a mut Vec<u32>,
     vertices: &'a mut Vertices,
+    children: Children,
     alone: &'a mut Vec<Alone>,
     found: &'a mut Vec<Found>,
     stack: &'a mut [u64],
@@ -210,7 +219,7 @@ impl<Q: Query, R: Rays + ?Sized> Batch<'_, Q, R> {
                 self.judged.tiles += 1;
                 tile.prepare(simd);
                 let entry = entry(f32::NEG_INFINITY, self.root.place.bits());
-                tile.visits.push(Visit { entry, rays: tile.all() });
+                tile.push(true, Visit { entry, rays: tile.all() });
                 return true;
             } else {
                 self.judged.tiles += 1;
@@ -236,7 +245,7 @@ impl<Q: Query, R: Rays + ?Sized> Batch<'_, Q, R> {
             tile.is_reach_stale = false;
             tile.beam.reach = extent(simd, &tile.reach);
         }
-        while let Some(Visit { entry, rays }) = tile.visits.pop() {
+        while let Some(Visit { entry, rays }) = tile.pop() {
             let rays = rays & !tile.done;
             if rays == 0 || distance(entry) > tile.beam.reach[1] {
                 continue;
@@ -252,7 +261,7 @@ impl<Q: Query, R: Rays + ?Sized> Batch<'_, Q, R> {
                 tests.nodes += 1;
                 self.judged.visits += 1;
                 self.judged.rays += u64::from(rays.count_ones());
-                visit_children(simd, tile, arena, at, rays);
+                self.children.add(simd, (tile, k), (arena.node(at), at), rays);
                 return true;
             }
             self.visit_leaf(simd, (tile, k), arena, at, rays, tests);
@@ -312,56 +321,6 @@ impl<Q: Query, R: Rays + ?Sized> Batch<'_, Q, R> {
             tile.is_reach_stale = true;
         }
     }
-}
-
-/// Puts the children that any ray of `rays` meets on `visits`, the nearest last.
-#[inline(always)]
-fn visit_children<S: Lanes>(simd: S, tile: &mut Tile, arena: View<'_>, at: Ref, rays: u64) {
-    let node = arena.node(at);
-    let Met { near, some, all } = tile.beam.children(simd, node);
-    let lanes: u32x8<S> = [0, 1, 2, 3, 4, 5, 6, 7].simd_into(simd);
-    let mut met = [0; LANES];
-    let some = some.to_bitmask() as u8;
-    simd.far_to_near(&simd.entries(near, lanes), some, &mut met);
-    let all = all.to_bitmask();
-    for &child in &met[..some.count_ones() as usize] {
-        let lane = child as u32 as usize & (LANES - 1);
-        let rays = if all >> lane & 1 == 1 { rays } else { rays_in(simd, tile, node, lane, rays) };
-        if rays != 0 {
-            let at = child_of(node, at, lane);
-            arena.prefetch(at);
-            tile.visits.push(Visit { entry: entry(distance(child), at.bits()), rays });
-        }
-    }
-}
-
-/// Which of `rays` meet the child.
-#[inline(always)]
-fn rays_in<S: Lanes>(simd: S, tile: &Tile, node: &Node, lane: usize, rays: u64) -> u64 {
-    let [nx, ny, nz] = tile.beam.negative;
-    let [x, y, z] = &node.planes;
-    let (x_first, x_last) = (x[usize::from(nx)][lane], x[usize::from(!nx)][lane]);
-    let (y_first, y_last) = (y[usize::from(ny)][lane], y[usize::from(!ny)][lane]);
-    let (z_first, z_last) = (z[usize::from(nz)][lane], z[usize::from(!nz)][lane]);
-    let mut met = 0;
-    for g in 0..GROUPS {
-        if rays >> (g * WIDTH) & 0xFFFF == 0 {
-            continue;
-        }
-        let rx = load(simd, &tile.reciprocal[0], g);
-        let ry = load(simd, &tile.reciprocal[1], g);
-        let rz = load(simd, &tile.reciprocal[2], g);
-        let x0 = (f32x16::splat(simd, x_first) - load(simd, &tile.near_origin[0], g)) * rx;
-        let y0 = (f32x16::splat(simd, y_first) - load(simd, &tile.near_origin[1], g)) * ry;
-        let z0 = (f32x16::splat(simd, z_first) - load(simd, &tile.near_origin[2], g)) * rz;
-        let x1 = (f32x16::splat(simd, x_last) - load(simd, &tile.far_origin[0], g)) * rx;
-        let y1 = (f32x16::splat(simd, y_last) - load(simd, &tile.far_origin[1], g)) * ry;
-        let z1 = (f32x16::splat(simd, z_last) - load(simd, &tile.far_origin[2], g)) * rz;
-        let near = x0.max(y0).max(z0.max(load(simd, &tile.t_min, g)));
-        let far = x1.min(y1).min(z1.min(load(simd, &tile.reach, g)));
-        met |= near.simd_le(far).to_bitmask() << (g * WIDTH);
-    }
-    met & rays
 }
 
 #[cfg(test)]

@@ -52,8 +52,9 @@ pub(super) struct Tile {
     count: usize,
     /// Rays that have found what they look for.
     pub(super) done: u64,
-    /// Places still to be visited, the next one last.
+    /// Places still to be visited, the next one last, and how many there are.
     pub(super) visits: Vec<Visit>,
+    height: usize,
 }
 
 /// Rays along an edge of a tile.
@@ -105,6 +106,7 @@ impl Tile {
             count: 0,
             done: 0,
             visits: Vec::new(),
+            height: 0,
         }
     };
 
@@ -141,12 +143,26 @@ impl Tile {
         self.is_sheared = false;
         self.is_reach_stale = false;
         self.done = 0;
-        self.visits.clear();
+        self.height = 0;
         (self.start, self.count) = (range.start, range.len());
         let Some(beam) = extents.beam() else { return false };
         self.longest = longest(beam.reciprocal);
         self.beam = beam;
         true
+    }
+
+    /// Puts a place on top of those to be visited, if `it_is` one.
+    #[inline(always)]
+    pub(super) fn push(&mut self, it_is: bool, visit: Visit) {
+        self.visits[self.height] = visit;
+        self.height += usize::from(it_is);
+    }
+
+    /// Takes the next place to be visited.
+    #[inline(always)]
+    pub(super) fn pop(&mut self) -> Option<Visit> {
+        self.height = self.height.checked_sub(1)?;
+        Some(self.visits[self.height])
     }
 
     /// Its rays.

@@ -1,0 +1,113 @@
+//! The children of nodes, as the rays of tiles meet them.
+
+use fearless_simd::prelude::*;
+use fearless_simd::{f32x16, u32x8};
+
+use super::beam::Met;
+use super::tile::{GROUPS, Tile, WIDTH, load};
+use super::{TILES, Visit};
+use crate::accel::arena::{Node, Ref, View, child_of};
+use crate::accel::node::distance;
+use crate::math::simd::{LANES, Lanes, entry};
+
+/// A child that the beam of a tile meets.
+#[derive(Clone, Copy, Debug)]
+struct Child {
+    /// How far it is, and in the lowest bits which child.
+    entry: u64,
+    /// The rays that may meet it.
+    rays: u64,
+    /// Its parent.
+    parent: Ref,
+    tile: u32,
+    /// Whether all of the rays do.
+    by_all: bool,
+}
+
+/// The children met of the nodes that all tiles are at, those of each tile from far to near.
+#[derive(Clone, Debug)]
+pub(super) struct Children {
+    children: [Child; TILES * LANES],
+    count: usize,
+}
+
+impl Children {
+    const NO_CHILD: Child = Child { entry: 0, rays: 0, parent: Ref::ROOT, tile: 0, by_all: true };
+
+    pub(super) const NONE: Self = Self { children: [Self::NO_CHILD; TILES * LANES], count: 0 };
+
+    /// Adds those of a node that the beam of the `k`th tile meets.
+    #[inline(always)]
+    pub(super) fn add<S: Lanes>(
+        &mut self,
+        simd: S,
+        (tile, k): (&Tile, usize),
+        (node, parent): (&Node, Ref),
+        rays: u64,
+    ) {
+        let Met { near, some, all } = tile.beam.children(simd, node);
+        let lanes: u32x8<S> = [0, 1, 2, 3, 4, 5, 6, 7].simd_into(simd);
+        let mut met = [0; LANES];
+        let some = some.to_bitmask() as u8;
+        simd.far_to_near(&simd.entries(near, lanes), some, &mut met);
+        let all = all.to_bitmask();
+        // All eight are written, for the processor to have no branch to foretell.
+        if let Some(room) = self.children[self.count..].first_chunk_mut::<LANES>() {
+            for (child, entry) in room.iter_mut().zip(met) {
+                let by_all = all >> (entry & 7) & 1 == 1;
+                *child = Child { entry, rays, parent, tile: k as u32, by_all };
+            }
+            self.count += some.count_ones() as usize;
+        }
+    }
+
+    /// Tests the rays and lets the tiles visit, later, what they meet.
+    #[inline(always)]
+    pub(super) fn visit<S: Lanes>(&mut self, simd: S, tiles: &mut [Tile], arena: View<'_>) {
+        for child in &mut self.children[..self.count] {
+            if !child.by_all {
+                let lane = child.entry as usize & (LANES - 1);
+                let node = arena.node(child.parent);
+                child.rays = rays_in(simd, &tiles[child.tile as usize], node, lane, child.rays);
+            }
+        }
+        for child in &self.children[..self.count] {
+            let lane = child.entry as usize & (LANES - 1);
+            let at = child_of(arena.node(child.parent), child.parent, lane);
+            let is_met = child.rays != 0;
+            arena.prefetch(if is_met { at } else { child.parent });
+            let entry = entry(distance(child.entry), at.bits());
+            tiles[child.tile as usize].push(is_met, Visit { entry, rays: child.rays });
+        }
+        self.count = 0;
+    }
+}
+
+/// Which of `rays` meet the child.
+#[inline(always)]
+fn rays_in<S: Lanes>(simd: S, tile: &Tile, node: &Node, lane: usize, rays: u64) -> u64 {
+    let [nx, ny, nz] = tile.beam.negative;
+    let [x, y, z] = &node.planes;
+    let (x_first, x_last) = (x[usize::from(nx)][lane], x[usize::from(!nx)][lane]);
+    let (y_first, y_last) = (y[usize::from(ny)][lane], y[usize::from(!ny)][lane]);
+    let (z_first, z_last) = (z[usize::from(nz)][lane], z[usize::from(!nz)][lane]);
+    let mut met = 0;
+    for g in 0..GROUPS {
+        if rays >> (g * WIDTH) & 0xFFFF == 0 {
+            continue;
+        }
+        let rx = load(simd, &tile.reciprocal[0], g);
+        let ry = load(simd, &tile.reciprocal[1], g);
+        let rz = load(simd, &tile.reciprocal[2], g);
+        let x0 = (f32x16::splat(simd, x_first) - load(simd, &tile.near_origin[0], g)) * rx;
+        let y0 = (f32x16::splat(simd, y_first) - load(simd, &tile.near_origin[1], g)) * ry;
+        let z0 = (f32x16::splat(simd, z_first) - load(simd, &tile.near_origin[2], g)) * rz;
+        let x1 = (f32x16::splat(simd, x_last) - load(simd, &tile.far_origin[0], g)) * rx;
+        let y1 = (f32x16::splat(simd, y_last) - load(simd, &tile.far_origin[1], g)) * ry;
+        let z1 = (f32x16::splat(simd, z_last) - load(simd, &tile.far_origin[2], g)) * rz;
+        let near = x0.max(y0).max(z0.max(load(simd, &tile.t_min, g)));
+        let far = x1.min(y1).min(z1.min(load(simd, &tile.reach, g)));
+        met |= near.simd_le(far).to_bitmask() << (g * WIDTH);
+    }
+    met & rays
+}
