@@ -12,6 +12,7 @@
 
 mod beam;
 mod children;
+mod groups;
 mod leaves;
 mod remaining;
 mod tile;
@@ -29,9 +30,10 @@ use super::tree::{Root, Tree};
 use super::{KernelChoice, KernelCounts, TestCounts, single};
 use crate::math::simd::{LANES, Lanes, entry};
 use children::Children;
+use groups::{Groups, Open};
 use leaves::Alone;
 use remaining::{Handed, Remaining};
-use tile::{GROUPS, Tile, Vertices, WIDTH, extent, load, number_of};
+use tile::{Tile, extent, number_of};
 
 /// Tiles on their way together, so that one computes while another waits for memory.
 const TILES: usize = 4;
@@ -73,7 +75,8 @@ const FIRST: u32 = u32::MAX;
 #[derive(Clone, Debug, Default)]
 pub(super) struct Packets {
     tiles: Vec<Tile>,
-    vertices: Box<Vertices>,
+    groups: Groups,
+    asks: Vec<Open>,
     handed: Vec<Handed>,
     /// For each ray of the batch the last of its places, and how many there are.
     last: Vec<(u32, u32)>,
@@ -100,7 +103,7 @@ pub(super) fn trace<S: Lanes, Q: Query, R: Rays + ?Sized>(
         counts.stream += rays.count() as u64;
         return;
     };
-    let Packets { tiles, vertices, handed, last, queue, alone, found } = packets;
+    let Packets { tiles, groups, asks, handed, last, queue, alone, found } = packets;
     tiles.resize(TILES, Tile::EMPTY);
     tiles.iter_mut().for_each(|tile| tile.visits.resize(tree.stack_entries(), Visit::NONE));
     handed.clear();
@@ -119,7 +122,8 @@ pub(super) fn trace<S: Lanes, Q: Query, R: Rays + ?Sized>(
         handed,
         last,
         queue,
-        vertices,
+        groups,
+        asks,
         children: Children::NONE,
         alone,
         found,
@@ -135,6 +139,7 @@ pub(super) fn trace<S: Lanes, Q: Query, R: Rays + ?Sized>(
         for k in 0..count {
             is_done[k] = !batch.step(simd, tiles, k, tests);
         }
+        batch.test_groups(simd, tiles);
         batch.test_alone(simd, tiles);
         batch.children.visit(simd, tiles, tree.arena.view());
         for k in (0..count).rev() {
@@ -188,7 +193,8 @@ struct Batch<'a, Q, R: ?Sized> {
     handed: &'a mut Vec<Handed>,
     last: &'a mut [(u32, u32)],
     queue: &'a mut Vec<u32>,
-    vertices: &'a mut Vertices,
+    groups: &'a mut Groups,
+    asks: &'a mut Vec<Open>,
     children: Children,
     alone: &'a mut Vec<Alone>,
     found: &'a mut Vec<Found>,
@@ -238,7 +244,7 @@ impl<Q: Query, R: Rays + ?Sized> Batch<'_, Q, R> {
         k: usize,
         tests: &mut TestCounts,
     ) -> bool {
-        let tile = &mut tiles[k];
+        let mut tile = &mut tiles[k];
         let arena = self.tree.arena.view();
         // Not where hits are stored: what was just written, ray by ray, is not read well together.
         if tile.is_reach_stale && !Q::ANY {
@@ -264,7 +270,8 @@ impl<Q: Query, R: Rays + ?Sized> Batch<'_, Q, R> {
                 self.children.add(simd, (tile, k), (arena.node(at), at), rays);
                 return true;
             }
-            self.visit_leaf(simd, (tile, k), arena, at, rays, tests);
+            self.visit_leaf(simd, (tiles, k), arena, at, rays, tests);
+            tile = &mut tiles[k];
         }
         false
     }

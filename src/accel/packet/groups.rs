@@ -1,0 +1,257 @@
+//! Patches in front of many rays of a tile: sixteen rays and one triangle at a time.
+//!
+//! The tests of all tiles that wait go through each of four short loops together: what the rays see
+//! of the vertices, which triangles they do not pass by, where they meet those, and what that means.
+//! No loop has a branch that depends on what it finds, and so the processor always knows what comes
+//! next.
+
+use fearless_simd::prelude::*;
+use fearless_simd::{f32x16, mask32x16, u32x16};
+
+use super::tile::{Tile, WIDTH};
+use crate::accel::Hit;
+use crate::accel::arena::{Patch, Ref, View};
+use crate::accel::stream::Query;
+use crate::kernels::triangle::lanes::{ORDERS, Range, decide, edges};
+use crate::math::simd::{LANES, Lanes};
+
+/// So many tests can wait.
+pub(super) const MOST: usize = 16;
+
+/// A number for each of sixteen rays.
+type Row = [f32; WIDTH];
+
+/// Up to sixteen rays of a tile in front of a patch.
+#[derive(Clone, Debug)]
+#[repr(align(64))]
+struct Group {
+    /// The vertices in sheared space.
+    vertices: [[Row; 3]; LANES],
+    depth: Row,
+    t_min: Row,
+    t_max: Row,
+    /// What the rays have found so far.
+    best: Row,
+    primitive: [u32; WIDTH],
+    /// Which rays of the tile they are, and how many lanes are used.
+    positions: [u32; WIDTH],
+    used: u32,
+    tile: usize,
+    place: Ref,
+    /// The rays that have found it here, a bit each.
+    hit: u32,
+    /// Those that have to be asked alone, and for each triangle which.
+    open: u32,
+    left: [u32; LANES],
+}
+
+/// A triangle in front of a group.
+#[derive(Clone, Copy, Debug, Default)]
+struct Pair {
+    group: u8,
+    triangle: u8,
+    /// The rays that are not outside of it.
+    inside: u16,
+}
+
+/// The tests that wait.
+#[derive(Clone, Debug)]
+pub(super) struct Groups {
+    groups: Box<[Group; MOST]>,
+    count: usize,
+    pairs: Box<[Pair; MOST * LANES + LANES]>,
+}
+
+/// A ray that has to be asked alone about some of a patch's triangles, a bit each.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Open {
+    pub(super) tile: usize,
+    pub(super) place: Ref,
+    pub(super) triangles: u32,
+    pub(super) ray: usize,
+}
+
+impl Default for Groups {
+    fn default() -> Self {
+        let group = Group {
+            vertices: [[[0.0; WIDTH]; 3]; LANES],
+            depth: [0.0; WIDTH],
+            t_min: [0.0; WIDTH],
+            t_max: [0.0; WIDTH],
+            best: [0.0; WIDTH],
+            primitive: [0; WIDTH],
+            positions: [0; WIDTH],
+            used: 0,
+            tile: 0,
+            place: Ref::ROOT,
+            hit: 0,
+            open: 0,
+            left: [0; LANES],
+        };
+        Self {
+            groups: Box::new(std::array::from_fn(|_| group.clone())),
+            count: 0,
+            pairs: Box::new([Pair::default(); MOST * LANES + LANES]),
+        }
+    }
+}
+
+impl Groups {
+    pub(super) fn is_full(&self) -> bool {
+        self.count == MOST
+    }
+
+    /// Lets the rays at the first `used` of `positions` wait in front of the patch at `place`.
+    #[inline(always)]
+    pub(super) fn add(&mut self, tile: usize, place: Ref, positions: [u32; WIDTH], used: u32) {
+        let group = &mut self.groups[self.count % MOST];
+        (group.tile, group.place) = (tile, place);
+        (group.positions, group.used) = (positions, used);
+        self.count += 1;
+    }
+
+    /// Tests all that wait, and lists what single precision leaves open.
+    #[inline(always)]
+    pub(super) fn test<S: Lanes, Q: Query>(
+        &mut self,
+        simd: S,
+        arena: View<'_>,
+        tiles: &mut [Tile],
+        asks: &mut Vec<Open>,
+    ) {
+        let groups = &mut self.groups[..self.count.min(MOST)];
+        let mut count = 0;
+        for (g, group) in groups.iter_mut().enumerate() {
+            let leaf = arena.patch(group.place);
+            see(simd, leaf, &tiles[group.tile], group);
+            for triangle in 0..LANES as u8 {
+                let pair = Pair { group: g as u8, triangle, inside: 0 };
+                self.pairs[count + usize::from(triangle)] = pair;
+            }
+            count += leaf.count as usize & 15;
+        }
+        let all = count;
+        count = 0;
+        for i in 0..all {
+            let pair = self.pairs[i];
+            let group = &groups[usize::from(pair.group) % MOST];
+            let [a, b, c] = corners(arena.patch(group.place), group, pair.triangle);
+            let xy = [plane(simd, a), plane(simd, b), plane(simd, c)];
+            let (_, inside) = edges(xy, group.used);
+            self.pairs[count] = Pair { inside: inside as u16, ..pair };
+            count += usize::from(inside != 0);
+        }
+        for pair in &self.pairs[..count] {
+            let group = &mut groups[usize::from(pair.group) % MOST];
+            meet::<S, Q>(simd, arena, group, *pair);
+        }
+        for group in groups {
+            if Q::ANY {
+                let mut hit = group.hit;
+                while hit != 0 {
+                    let lane = hit.trailing_zeros() as usize % WIDTH;
+                    hit &= hit - 1;
+                    tiles[group.tile].set_done(group.positions[lane] as usize);
+                }
+            } else {
+                tell(&mut tiles[group.tile], group);
+            }
+            let mut open = group.open;
+            while open != 0 {
+                let lane = open.trailing_zeros() as usize % WIDTH;
+                open &= open - 1;
+                let mut triangles = 0;
+                for (triangle, rays) in group.left.iter().enumerate() {
+                    triangles |= (rays >> lane & 1) << triangle;
+                }
+                let ray = group.positions[lane] as usize;
+                asks.push(Open { tile: group.tile, place: group.place, triangles, ray });
+            }
+        }
+        self.count = 0;
+    }
+}
+
+/// Fills in what the rays see of the patch.
+#[inline(always)]
+fn see<S: Lanes>(simd: S, leaf: &Patch, tile: &Tile, group: &mut Group) {
+    let order @ [kx, ky, kz] = ORDERS[tile.longest.unwrap_or(0).min(2)];
+    let rays = tile.pick(simd, order, group.positions);
+    for (v, vertex) in group.vertices.iter_mut().enumerate() {
+        let x = f32x16::splat(simd, leaf.positions[kx.min(2)][v]) - rays.origin[0];
+        let y = f32x16::splat(simd, leaf.positions[ky.min(2)][v]) - rays.origin[1];
+        let z = f32x16::splat(simd, leaf.positions[kz.min(2)][v]) - rays.origin[2];
+        vertex[0] = (x - rays.shear[0] * z).into();
+        vertex[1] = (y - rays.shear[1] * z).into();
+        vertex[2] = (rays.shear[2] * z).into();
+    }
+    group.depth = rays.range.depth.into();
+    group.t_min = rays.range.t_min.into();
+    group.t_max = rays.range.t_max.into();
+    group.best = rays.best.into();
+    group.primitive = rays.primitive.into();
+    (group.hit, group.open, group.left) = (0, 0, [0; LANES]);
+}
+
+/// Finds where the group's rays meet a triangle.
+#[inline(always)]
+fn meet<S: Lanes, Q: Query>(simd: S, arena: View<'_>, group: &mut Group, pair: Pair) {
+    let leaf = arena.patch(group.place);
+    let [a, b, c] = corners(leaf, group, pair.triangle);
+    let xy = [plane(simd, a), plane(simd, b), plane(simd, c)];
+    let z = [a[2].simd_into(simd), b[2].simd_into(simd), c[2].simd_into(simd)];
+    let range = Range {
+        depth: group.depth.simd_into(simd),
+        t_min: group.t_min.simd_into(simd),
+        t_max: group.t_max.simd_into(simd),
+    };
+    let (edges, _) = edges(xy, group.used);
+    let (t, certain, open) = decide(xy, z, edges, range, u32::from(pair.inside));
+    group.open |= open;
+    group.left[usize::from(pair.triangle) % LANES] = open;
+    if Q::ANY {
+        group.hit |= certain;
+        return;
+    }
+    let best: f32x16<S> = group.best.simd_into(simd);
+    let primitive: u32x16<S> = group.primitive.simd_into(simd);
+    let number = arena.number(leaf.first, usize::from(pair.triangle));
+    let closer = t.simd_lt(best) | (t.simd_eq(best) & primitive.simd_gt(number));
+    let closer = closer & mask32x16::from_bitmask(simd, u64::from(certain));
+    group.best = closer.select(t, best).into();
+    group.primitive = closer.select(u32x16::splat(simd, number), primitive).into();
+    group.hit |= closer.to_bitmask() as u32;
+}
+
+/// Tells the tile what the group's rays have found: another group may have found more.
+#[inline(always)]
+fn tell(tile: &mut Tile, group: &Group) {
+    let mut hit = group.hit;
+    while hit != 0 {
+        let lane = hit.trailing_zeros() as usize % WIDTH;
+        hit &= hit - 1;
+        let i = group.positions[lane] as usize;
+        let (old, new) =
+            (tile.best(i), Hit { t: group.best[lane], primitive: group.primitive[lane] });
+        let is_closer = new.t < old.t || (new.t == old.t && new.primitive < old.primitive);
+        tile.set_best(i, if is_closer { new } else { old });
+    }
+}
+
+/// The corners of a triangle, in sheared space.
+#[inline(always)]
+fn corners<'a>(leaf: &Patch, group: &'a Group, triangle: u8) -> [&'a [Row; 3]; 3] {
+    let [a, b, c] = leaf.corners;
+    let at = u32::from(4 * triangle) % u32::BITS;
+    [
+        &group.vertices[(a >> at) as usize % LANES],
+        &group.vertices[(b >> at) as usize % LANES],
+        &group.vertices[(c >> at) as usize % LANES],
+    ]
+}
+
+/// The first two coordinates.
+#[inline(always)]
+fn plane<S: Lanes>(simd: S, [x, y, _]: &[Row; 3]) -> [f32x16<S>; 2] {
+    [(*x).simd_into(simd), (*y).simd_into(simd)]
+}
