@@ -139,9 +139,8 @@ pub(super) fn trace<S: Lanes, Q: Query, R: Rays + ?Sized>(
         for k in 0..count {
             is_done[k] = !batch.step(simd, tiles, k, tests);
         }
-        batch.test_groups(simd, tiles);
-        batch.test_alone(simd, tiles);
         batch.children.visit(simd, tiles, tree.arena.view());
+        batch.visit_leaves(simd, tiles, tests);
         for k in (0..count).rev() {
             if is_done[k] {
                 let tile = &mut tiles[k];

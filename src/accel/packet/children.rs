@@ -6,7 +6,7 @@ use fearless_simd::{f32x16, u32x8};
 use super::beam::Met;
 use super::tile::{GROUPS, Tile, WIDTH, load};
 use super::{TILES, Visit};
-use crate::accel::arena::{Node, Ref, View, child_of};
+use crate::accel::arena::{Kind, Node, Ref, View, child_of};
 use crate::accel::node::distance;
 use crate::math::simd::{LANES, Lanes, entry};
 
@@ -27,14 +27,34 @@ struct Child {
 /// The children met of the nodes that all tiles are at, those of each tile from far to near.
 #[derive(Clone, Debug)]
 pub(super) struct Children {
-    children: [Child; TILES * LANES],
+    children: [Child; MOST],
     count: usize,
+    leaves: [LeafVisit; MOST],
+    leaf_count: usize,
+}
+
+/// The most children that are met at a time.
+const MOST: usize = TILES * LANES;
+
+/// Rays of a tile that meet a leaf.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct LeafVisit {
+    pub(super) place: Ref,
+    pub(super) tile: u32,
+    pub(super) rays: u64,
 }
 
 impl Children {
+    const NO_LEAF: LeafVisit = LeafVisit { place: Ref::ROOT, tile: 0, rays: 0 };
+
     const NO_CHILD: Child = Child { entry: 0, rays: 0, parent: Ref::ROOT, tile: 0, by_all: true };
 
-    pub(super) const NONE: Self = Self { children: [Self::NO_CHILD; TILES * LANES], count: 0 };
+    pub(super) const NONE: Self = Self {
+        children: [Self::NO_CHILD; MOST],
+        count: 0,
+        leaves: [Self::NO_LEAF; MOST],
+        leaf_count: 0,
+    };
 
     /// Adds those of a node that the beam of the `k`th tile meets.
     #[inline(always)]
@@ -61,6 +81,16 @@ impl Children {
         }
     }
 
+    /// The leaves that have been met, once.
+    #[inline(always)]
+    pub(super) fn take_leaf(&mut self, i: usize) -> Option<LeafVisit> {
+        if i < self.leaf_count {
+            return Some(self.leaves[i % MOST]);
+        }
+        self.leaf_count = 0;
+        None
+    }
+
     /// Tests the rays and lets the tiles visit, later, what they meet.
     #[inline(always)]
     pub(super) fn visit<S: Lanes>(&mut self, simd: S, tiles: &mut [Tile], arena: View<'_>) {
@@ -77,7 +107,11 @@ impl Children {
             let is_met = child.rays != 0;
             arena.prefetch(if is_met { at } else { child.parent });
             let entry = entry(distance(child.entry), at.bits());
-            tiles[child.tile as usize].push(is_met, Visit { entry, rays: child.rays });
+            let is_node = at.kind() == Kind::Node;
+            tiles[child.tile as usize].push(is_met & is_node, Visit { entry, rays: child.rays });
+            self.leaves[self.leaf_count % MOST] =
+                LeafVisit { place: at, tile: child.tile, rays: child.rays };
+            self.leaf_count += usize::from(is_met & !is_node);
         }
         self.count = 0;
     }

@@ -1,5 +1,6 @@
 //! Leaves, as the rays of a tile meet them.
 
+use super::children::LeafVisit;
 use super::groups::Open;
 use super::tile::{Tile, WIDTH, number_of};
 use super::{Batch, TILE};
@@ -21,6 +22,24 @@ pub(super) struct Alone {
 }
 
 impl<Q: Query, R: Rays + ?Sized> Batch<'_, Q, R> {
+    /// Visits the leaves that tiles have met.
+    #[inline(always)]
+    pub(super) fn visit_leaves<S: Lanes>(
+        &mut self,
+        simd: S,
+        tiles: &mut [Tile],
+        tests: &mut TestCounts,
+    ) {
+        let arena = self.tree.arena.view();
+        let mut next = 0;
+        while let Some(LeafVisit { place, tile, rays }) = self.children.take_leaf(next) {
+            next += 1;
+            self.visit_leaf(simd, (tiles, tile as usize), arena, place, rays, tests);
+        }
+        self.test_groups(simd, tiles);
+        self.test_alone(simd, tiles);
+    }
+
     /// Tests the leaf with each of `rays`.
     #[inline(always)]
     pub(super) fn visit_leaf<S: Lanes>(
