@@ -69,10 +69,10 @@ impl<Q: Query, R: Rays + ?Sized> Batch<'_, Q, R> {
                         self.test_groups(simd, tiles);
                     }
                     let used = rest.count_ones().min(WIDTH as u32);
-                    self.groups.add(k, at, simd.positions(rest), (1 << used) - 1);
-                    for _ in 0..used {
-                        rest &= rest - 1;
-                    }
+                    let positions = simd.positions(rest);
+                    self.groups.add(k, at, positions, (1 << used) - 1);
+                    let last = positions[used as usize - 1];
+                    rest &= (u64::MAX << (last % u64::BITS)) << 1;
                 }
                 while rest != 0 {
                     let ray = rest.trailing_zeros() as u8;
