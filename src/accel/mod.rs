@@ -15,6 +15,8 @@ pub mod geometry;
 mod leaf;
 mod node;
 mod packet;
+mod query;
+mod rays;
 mod single;
 mod stream;
 pub mod tree;
@@ -28,11 +30,12 @@ use crate::math::simd::{Kernel, Lanes, dispatch};
 use build::Preset;
 use geometry::{Geometry, PreparedRay};
 use packet::Packets;
-use stream::{Closest, Flight, Occluded, Query};
+use query::{Closest, Occluded, Query};
+use stream::Flight;
 use tree::Tree;
 
 pub use choice::{KernelChoice, KernelCounts, Kernels};
-pub use stream::{RayLanes, Rays};
+pub use rays::{RayLanes, Rays};
 
 /// The number of no primitive.
 pub const NO_PRIMITIVE: u32 = u32::MAX;

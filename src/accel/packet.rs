@@ -3,10 +3,15 @@
 //! A tile of [`TILE`] rays goes through the tree together. At a node one interval test, over the
 //! range of the rays' origins and directions, looks at all eight children at once (Boulos, Wald and
 //! Shirley, *Geometric and Arithmetic Culling Methods for Entire Ray Packets*, 2006); children that
-//! the whole tile misses cost nothing more. Those that are left are tested by ray, sixteen rays at a
-//! time, and so are the triangles of a leaf. Where only [`FEW`] rays of the tile are left, they have
-//! nothing to share any more and are handed to the kernel of single rays in flight
-//! ([`super::stream`]), with the place to go on from.
+//! the whole tile misses cost nothing more, and so do those that it certainly meets as a whole. The
+//! others are tested by ray, sixteen rays at a time ([`children`]), and so are the triangles of
+//! leaves that many rays meet ([`groups`]); where few do, each is tested alone with eight triangles
+//! ([`leaves`]). Rays that have nothing to share any more, [`FEW`] of a tile, are handed to the kernel
+//! of single rays in flight ([`super::stream`]), with the place to go on from; and if tiles turn out
+//! to share little on average, the rest of the batch goes there at once.
+//!
+//! [`TILES`] tiles are on their way at a time, and what they have to test goes through the same short
+//! loops: the processor then has many tests to work on, and few branches to foretell.
 //!
 //! All of it computes the numbers that one ray computes, so that the answers are the same bits.
 
@@ -19,16 +24,15 @@ mod tile;
 
 use std::marker::PhantomData;
 
-use fearless_simd::prelude::*;
-use fearless_simd::{f32x16, u32x8};
-
-use super::arena::{Kind, Node, Ref, View, child_of};
+use super::arena::Kind;
 use super::geometry::{Geometry, PreparedRay};
 use super::node::{distance, place};
-use super::stream::{self, Flight, Found, FromRoot, Query, Rays};
+use super::query::Query;
+use super::rays::Rays;
+use super::stream::{self, Flight, Found, FromRoot};
 use super::tree::{Root, Tree};
 use super::{KernelChoice, KernelCounts, TestCounts, single};
-use crate::math::simd::{LANES, Lanes, entry};
+use crate::math::simd::{Lanes, entry};
 use children::Children;
 use groups::{Groups, Open};
 use leaves::Alone;
@@ -45,7 +49,7 @@ pub(super) const TILE: usize = 64;
 const FEW: u32 = 1;
 
 /// The same, if any hit will do.
-const FEW_FOR_ANY: u32 = 16;
+const FEW_FOR_ANY: u32 = 24;
 
 /// The most places that a ray is handed over with; beyond them it goes on at once.
 pub(super) const MOST_HANDED: usize = 24;
@@ -103,6 +107,9 @@ pub(super) fn trace<S: Lanes, Q: Query, R: Rays + ?Sized>(
         counts.stream += rays.count() as u64;
         return;
     };
+    // Packets do not ask which triangle is a light's.
+    let is_any_equal = !Q::ANY || geometry.lights.is_empty();
+    let choice = if is_any_equal { choice } else { KernelChoice::Stream };
     let Packets { tiles, groups, asks, handed, last, queue, alone, found } = packets;
     tiles.resize(TILES, Tile::EMPTY);
     tiles.iter_mut().for_each(|tile| tile.visits.resize(tree.stack_entries(), Visit::NONE));
@@ -136,8 +143,8 @@ pub(super) fn trace<S: Lanes, Q: Query, R: Rays + ?Sized>(
     }
     while count > 0 {
         let mut is_done = [false; TILES];
-        for k in 0..count {
-            is_done[k] = !batch.step(simd, tiles, k, tests);
+        for (k, is_done) in is_done.iter_mut().enumerate().take(count) {
+            *is_done = !batch.step(simd, tiles, k, tests);
         }
         batch.children.visit(simd, tiles, tree.arena.view());
         batch.visit_leaves(simd, tiles, tests);

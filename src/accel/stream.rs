@@ -1,178 +1,35 @@
 //! Traversal by many rays at a time: the kernel of a wavefront's batch.
 //!
 //! A thread keeps [`FLIGHT`] rays in flight, each with a stack of its own. In each round every ray
-//! takes one step, through a node or a leaf, and asks for the memory of its next; by the time that
-//! its turn comes again, the memory is there. A ray that is done makes place for the next one of
-//! the batch. A step through a node has no branch that depends on the ray: the children met are
-//! sorted and pushed as a vector, and the next is popped. So that no entry has to be looked at
-//! twice, a stack is cleared of what is too far when a hit is found, and only then.
+//! takes one step and asks for the memory of its next; by the time that its turn comes again, the
+//! memory is there. Steps of a kind are taken in loops of their own, which have few branches, and so
+//! the processor is on its way with several rays at any time: steps to leaves wait until there are
+//! enough of them for that. A ray that is done makes place for the next one of the batch. The
+//! children of a node that are met are sorted and pushed as a vector, and the next is popped. So that
+//! no entry has to be looked at twice, a stack is cleared of what is too far when a hit is found, and
+//! only then.
 
-use std::ops::Range;
+mod next;
 
-use fearless_simd::f32x8;
 use fearless_simd::prelude::*;
 use glam::Vec3;
 
-use super::arena::{Kind, Ref, View, prefetch};
+use super::arena::{Kind, Ref};
 use super::geometry::{Geometry, PreparedRay};
 use super::node::{self, distance, place};
 use super::packet::MOST_HANDED;
-use super::single::{no_hit, or_miss};
+use super::query::Query;
+use super::rays::Rays;
+use super::single::no_hit;
 use super::tree::{Root, Tree, reach};
 use super::{Hit, KernelCounts, TestCounts, leaf};
 use crate::kernels::triangle::LaneHits;
 use crate::math::ray::Ray;
 use crate::math::simd::{LANES, Lanes, entry};
+use next::Next;
 
 /// Rays in flight.
 pub(super) const FLIGHT: usize = 64;
-const ENOUGH: usize = 16;
-
-/// Rays in a row.
-pub trait Rays {
-    /// How many.
-    fn count(&self) -> usize;
-
-    /// The `i`th.
-    fn ray(&self, i: usize) -> Ray;
-
-    /// Eight rays from the `i`th on, all of which there are.
-    fn eight<S: Lanes>(&self, simd: S, i: usize) -> RayLanes<S>;
-
-    /// Asks for the memory of the rays of `range`, if they may not be in a cache.
-    #[inline(always)]
-    fn prefetch(&self, _: Range<usize>) {}
-}
-
-/// Eight rays, a component each.
-#[derive(Clone, Copy)]
-pub struct RayLanes<S: Lanes> {
-    /// Where they start.
-    pub origin: [f32x8<S>; 3],
-    /// Where they go.
-    pub direction: [f32x8<S>; 3],
-    /// The ranges of t.
-    pub t_min: f32x8<S>,
-    /// The ranges of t.
-    pub t_max: f32x8<S>,
-}
-
-impl Rays for [Ray] {
-    fn count(&self) -> usize {
-        self.len()
-    }
-
-    #[inline(always)]
-    fn ray(&self, i: usize) -> Ray {
-        self[i]
-    }
-
-    #[inline(always)]
-    fn eight<S: Lanes>(&self, simd: S, i: usize) -> RayLanes<S> {
-        let rows: &[[f32; LANES]] = bytemuck::cast_slice(&self[i..i + LANES]);
-        let [a, b, c, d, e, f, g, h] = *rows.first_chunk().unwrap_or(&[[0.0; LANES]; LANES]);
-        let (a, b): (f32x8<S>, f32x8<S>) = (a.simd_into(simd), b.simd_into(simd));
-        let (c, d): (f32x8<S>, f32x8<S>) = (c.simd_into(simd), d.simd_into(simd));
-        let (e, f): (f32x8<S>, f32x8<S>) = (e.simd_into(simd), f.simd_into(simd));
-        let (g, h): (f32x8<S>, f32x8<S>) = (g.simd_into(simd), h.simd_into(simd));
-        // Three perfect shuffles turn rows into columns.
-        let (a, b, c, d, e, f, g, h) = shuffle(a, b, c, d, e, f, g, h);
-        let (a, b, c, d, e, f, g, h) = shuffle(a, b, c, d, e, f, g, h);
-        let (ox, oy, oz, t_min, dx, dy, dz, t_max) = shuffle(a, b, c, d, e, f, g, h);
-        RayLanes { origin: [ox, oy, oz], direction: [dx, dy, dz], t_min, t_max }
-    }
-
-    #[inline(always)]
-    fn prefetch(&self, range: Range<usize>) {
-        for two in self.get(range).unwrap_or_default().chunks(2) {
-            prefetch(two.as_ptr().cast());
-        }
-    }
-}
-
-/// Eight vectors.
-type Eight<S> = (f32x8<S>, f32x8<S>, f32x8<S>, f32x8<S>, f32x8<S>, f32x8<S>, f32x8<S>, f32x8<S>);
-
-/// Interleaves the first four with the last four.
-#[inline(always)]
-#[allow(clippy::too_many_arguments, clippy::many_single_char_names, reason = "a vector each")]
-fn shuffle<S: Lanes>(
-    a: f32x8<S>,
-    b: f32x8<S>,
-    c: f32x8<S>,
-    d: f32x8<S>,
-    e: f32x8<S>,
-    f: f32x8<S>,
-    g: f32x8<S>,
-    h: f32x8<S>,
-) -> Eight<S> {
-    (
-        a.zip_low(e),
-        a.zip_high(e),
-        b.zip_low(f),
-        b.zip_high(f),
-        c.zip_low(g),
-        c.zip_high(g),
-        d.zip_low(h),
-        d.zip_high(h),
-    )
-}
-
-/// A question about a ray.
-pub(super) trait Query {
-    /// The answer.
-    type Answer: Copy;
-
-    /// Whether one hit is as good as any.
-    const ANY: bool;
-
-    /// The answer for a ray that cannot be traced.
-    const NONE: Self::Answer;
-
-    /// The answer, once the ray is done.
-    fn answer(best: Hit) -> Self::Answer;
-
-    /// The hit to go on with where a packet has answered so far; `None` if that is the answer.
-    fn resume(answer: Self::Answer, ray: &PreparedRay) -> Option<Hit>;
-}
-
-/// Which primitive is hit first.
-pub(super) struct Closest;
-
-impl Query for Closest {
-    type Answer = Hit;
-    const ANY: bool = false;
-    const NONE: Hit = Hit::MISS;
-
-    #[inline(always)]
-    fn answer(best: Hit) -> Hit {
-        or_miss(best)
-    }
-
-    #[inline(always)]
-    fn resume(answer: Hit, ray: &PreparedRay) -> Option<Hit> {
-        Some(if answer.is_miss() { no_hit(ray) } else { answer })
-    }
-}
-
-/// Whether anything but a light's shape is hit.
-pub(super) struct Occluded;
-
-impl Query for Occluded {
-    type Answer = bool;
-    const ANY: bool = true;
-    const NONE: bool = false;
-
-    #[inline(always)]
-    fn answer(best: Hit) -> bool {
-        !best.is_miss()
-    }
-
-    #[inline(always)]
-    fn resume(answer: bool, ray: &PreparedRay) -> Option<Hit> {
-        if answer { None } else { Some(no_hit(ray)) }
-    }
-}
 
 /// A ray in flight.
 #[derive(Clone, Copy, Debug)]
@@ -198,67 +55,6 @@ impl Slot {
         self.best = best;
         self.reach = reach(best.t);
         self.number = number as u32;
-    }
-}
-
-/// A ray in flight, by its slot, and where it goes next.
-#[derive(Clone, Copy, Debug)]
-struct Step(u64);
-
-impl Step {
-    #[inline(always)]
-    fn new(slot: usize, place: Ref) -> Self {
-        Self(u64::from(place.bits()) << 32 | slot as u64)
-    }
-
-    #[inline(always)]
-    fn slot(self) -> usize {
-        self.0 as usize & (FLIGHT - 1)
-    }
-
-    #[inline(always)]
-    fn place(self) -> Ref {
-        Ref::from_bits((self.0 >> 32) as u32)
-    }
-}
-
-/// The next steps of all rays in flight, by what they lead to.
-#[derive(Clone, Copy, Debug)]
-struct Next {
-    steps: [[Step; FLIGHT]; 4],
-    counts: [usize; 4],
-}
-
-impl Next {
-    const NONE: Self = Self { steps: [[Step(0); FLIGHT]; 4], counts: [0; 4] };
-
-    fn count(&self) -> usize {
-        self.counts.iter().sum()
-    }
-
-    /// Adds the step of a ray, and asks for the memory of what it leads to. There is no branch,
-    /// which nobody could foretell.
-    #[inline(always)]
-    fn push(&mut self, arena: View<'_>, slot: usize, then: Ref) {
-        arena.prefetch(then);
-        let kind = then.kind() as usize;
-        let count = self.counts[kind];
-        self.steps[kind][count & (FLIGHT - 1)] = Step::new(slot, then);
-        self.counts[kind] = count + 1;
-    }
-
-    /// Takes all steps that lead to `kind` off the list, where they can be read until others are
-    /// written there. How many.
-    #[inline(always)]
-    fn take(&mut self, kind: Kind) -> usize {
-        std::mem::take(&mut self.counts[kind as usize]).min(FLIGHT)
-    }
-
-    /// As [`Next::take`] if there are enough of them, or none of the kinds before.
-    #[inline(always)]
-    fn take_enough(&mut self, kind: Kind) -> usize {
-        let is_first = self.counts[..kind as usize].iter().all(|&count| count == 0);
-        if is_first || self.counts[kind as usize] >= ENOUGH { self.take(kind) } else { 0 }
     }
 }
 
@@ -396,7 +192,8 @@ pub(super) fn trace<S: Lanes, Q: Query>(
         // Nodes: which children are met,
         let nodes = next.take(Kind::Node);
         tests.nodes += nodes as u64;
-        for (step, met) in next.steps[Kind::Node as usize][..nodes].iter().zip(&mut met) {
+        for (i, met) in met.iter_mut().enumerate().take(nodes) {
+            let step = next.get(Kind::Node, i);
             let at = step.place();
             let Slot { ray, reach, .. } = &slots[step.slot()];
             let node = arena.node(at);
@@ -405,9 +202,8 @@ pub(super) fn trace<S: Lanes, Q: Query>(
             met.mask = mask.to_bitmask() as u8;
         }
         // and where to go next.
-        for i in 0..nodes {
-            let index = next.steps[Kind::Node as usize][i].slot();
-            let Met { entries, mask } = &met[i];
+        for (i, Met { entries, mask }) in met.iter().enumerate().take(nodes) {
+            let index = next.get(Kind::Node, i).slot();
             let top = if Q::ANY {
                 node::append::<S, false>(simd, entries, *mask, stacks, tops[index])
             } else {
@@ -418,16 +214,17 @@ pub(super) fn trace<S: Lanes, Q: Query>(
         }
         // Patches: which triangles are met,
         let patches = next.take_enough(Kind::Patch);
-        for (step, found) in next.steps[Kind::Patch as usize][..patches].iter().zip(&mut found) {
+        for (i, found) in found.iter_mut().enumerate().take(patches) {
+            let step = next.get(Kind::Patch, i);
             let ray = &slots[step.slot()].ray;
             let (hits, first) = leaf::patch(simd, arena, ray, step.place(), tests);
             *found = Found { hits, first };
         }
         // and what that means.
-        for i in 0..patches {
-            let index = next.steps[Kind::Patch as usize][i].slot();
+        for (i, Found { hits, first }) in found.iter().enumerate().take(patches) {
+            let index = next.get(Kind::Patch, i).slot();
             let slot = &mut slots[index];
-            let hits = (&found[i].hits, found[i].first);
+            let hits = (hits, *first);
             if Q::ANY {
                 if leaf::is_any(arena, geometry, &slot.ray, hits) {
                     slot.best.primitive = 0;
@@ -443,7 +240,7 @@ pub(super) fn trace<S: Lanes, Q: Query>(
         // Other leaves,
         for kind in [Kind::Soup, Kind::List] {
             for i in 0..next.take_enough(kind) {
-                let step = next.steps[kind as usize][i];
+                let step = next.get(kind, i);
                 let (index, at) = (step.slot(), step.place());
                 let slot = &mut slots[index];
                 // and rays that are done.

@@ -4,7 +4,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{f32x8, mask32x8};
 
 use crate::accel::arena::Node;
-use crate::accel::stream::RayLanes;
+use crate::accel::rays::RayLanes;
 use crate::accel::tree::reach;
 use crate::kernels::slab::{Aabb, PADDING};
 use crate::math::float::{max, min};

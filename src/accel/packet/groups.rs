@@ -11,7 +11,7 @@ use fearless_simd::{f32x16, mask32x16, u32x16};
 use super::tile::{Tile, WIDTH};
 use crate::accel::Hit;
 use crate::accel::arena::{Patch, Ref, View};
-use crate::accel::stream::Query;
+use crate::accel::query::Query;
 use crate::kernels::triangle::lanes::{ORDERS, Range, decide, edges};
 use crate::math::simd::{LANES, Lanes};
 
@@ -175,7 +175,7 @@ impl Groups {
 /// Fills in what the rays see of the patch.
 #[inline(always)]
 fn see<S: Lanes>(simd: S, leaf: &Patch, tile: &Tile, group: &mut Group) {
-    let order @ [kx, ky, kz] = ORDERS[tile.longest.unwrap_or(0).min(2)];
+    let order @ [kx, ky, kz] = ORDERS[tile.longest.min(2)];
     let rays = tile.pick(simd, order, group.positions);
     for (v, vertex) in group.vertices.iter_mut().enumerate() {
         let x = f32x16::splat(simd, leaf.positions[kx.min(2)][v]) - rays.origin[0];

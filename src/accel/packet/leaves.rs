@@ -6,7 +6,9 @@ use super::tile::{Tile, WIDTH, number_of};
 use super::{Batch, TILE};
 use crate::accel::arena::{Kind, Patch, Ref, View};
 use crate::accel::geometry::PreparedRay;
-use crate::accel::stream::{Found, Query, Rays};
+use crate::accel::query::Query;
+use crate::accel::rays::Rays;
+use crate::accel::stream::Found;
 use crate::accel::{Hit, TestCounts, leaf};
 use crate::math::simd::{LANES, Lanes};
 
@@ -52,16 +54,15 @@ impl<Q: Query, R: Rays + ?Sized> Batch<'_, Q, R> {
         tests: &mut TestCounts,
     ) {
         let tile = &mut tiles[k];
-        let lights = Q::ANY && !self.geometry.lights.is_empty();
-        match tile.longest {
-            Some(longest) if at.kind() == Kind::Patch && !lights => {
+        match at.kind() {
+            Kind::Patch => {
                 let leaf = arena.patch(at);
                 arena.prefetch_numbers(leaf.first);
                 let count = u64::from(rays.count_ones());
                 tests.leaves += count;
                 tests.triangles += count * u64::from(leaf.count);
                 if !tile.is_sheared {
-                    tile.shear(simd, longest);
+                    tile.shear(simd);
                 }
                 let mut rest = rays;
                 while rest.count_ones() > ALONE {
@@ -112,7 +113,7 @@ impl<Q: Query, R: Rays + ?Sized> Batch<'_, Q, R> {
             let tile = &tiles[alone.tile as usize];
             let leaf = arena.patch(alone.place);
             let used = (1 << (leaf.count & 15)) - 1;
-            let space = tile.space(tile.longest.unwrap_or(0), alone.ray as usize);
+            let space = tile.space(alone.ray as usize);
             found.hits = space.intersect_patch(simd, &leaf.positions, leaf.corners, used);
             found.first = leaf.first;
         }

@@ -2,7 +2,9 @@
 
 use crate::accel::geometry::PreparedRay;
 use crate::accel::node::distance;
-use crate::accel::stream::{FromRoot, Query, Rays, Slot, Source};
+use crate::accel::query::Query;
+use crate::accel::rays::Rays;
+use crate::accel::stream::{FromRoot, Slot, Source};
 use crate::accel::tree::reach;
 
 /// A place that a ray was handed over with, and the one before.

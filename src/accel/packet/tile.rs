@@ -7,13 +7,14 @@ use fearless_simd::{f32x8, f32x16, u32x16};
 
 use super::beam::{Beam, Extents, longest};
 use super::{TILE, Visit};
-use crate::accel::stream::{Query, Rays};
+use crate::accel::query::Query;
+use crate::accel::rays::Rays;
 use crate::accel::tree::reach;
 use crate::accel::{Hit, NO_PRIMITIVE};
 use crate::kernels::slab::PADDING;
 use crate::kernels::triangle::lanes::{self, ORDERS};
 use crate::kernels::triangle::{Axis, ShearedSpace, T_TOLERANCE};
-use crate::math::simd::{LANES, Lanes};
+use crate::math::simd::Lanes;
 
 /// Rays tested at a time.
 pub(super) const WIDTH: usize = 16;
@@ -41,7 +42,7 @@ pub(super) struct Tile {
     /// For triangles, once one is met: how far the direction leans, and 1 over its longest.
     pub(super) shear: [Column; 3],
     /// The axis along which every direction is longest.
-    pub(super) longest: Option<usize>,
+    pub(super) longest: usize,
     pub(super) is_sheared: bool,
     /// Whether the beam's reach is yet to follow the rays'.
     pub(super) is_reach_stale: bool,
@@ -98,7 +99,7 @@ impl Tile {
             best: column,
             primitive: [[NO_PRIMITIVE; WIDTH]; GROUPS],
             shear: [column; 3],
-            longest: None,
+            longest: 0,
             is_sheared: false,
             is_reach_stale: false,
             beam: Beam::EMPTY,
@@ -110,8 +111,8 @@ impl Tile {
         }
     };
 
-    /// Takes the rays of `range`, at least one. Whether they are fit for a packet: all valid, and of
-    /// one sign along each axis.
+    /// Takes the rays of `range`, at least one. Whether they are fit for a packet: all valid, of one
+    /// sign along each axis, and longest along the same axis.
     #[inline(always)]
     pub(super) fn load<S: Lanes>(
         &mut self,
@@ -146,7 +147,8 @@ impl Tile {
         self.height = 0;
         (self.start, self.count) = (range.start, range.len());
         let Some(beam) = extents.beam() else { return false };
-        self.longest = longest(beam.reciprocal);
+        let Some(longest) = longest(beam.reciprocal) else { return false };
+        self.longest = longest;
         self.beam = beam;
         true
     }
@@ -238,8 +240,8 @@ impl Tile {
     /// Fills `shear`, for directions that are longest along the axis of `longest`, as
     /// [`crate::kernels::triangle::ShearedSpace::new`] does for one ray.
     #[inline(always)]
-    pub(super) fn shear<S: Lanes>(&mut self, simd: S, longest: usize) {
-        let [x, y, z] = ORDERS[longest.min(2)];
+    pub(super) fn shear<S: Lanes>(&mut self, simd: S) {
+        let [x, y, z] = ORDERS[self.longest.min(2)];
         for g in 0..GROUPS {
             let depth = load(simd, &self.direction[z.min(2)], g);
             self.shear[0][g] = (load(simd, &self.direction[x.min(2)], g) / depth).into();
@@ -249,45 +251,16 @@ impl Tile {
         self.is_sheared = true;
     }
 
-    /// Sixteen rays, with the axes in `order`.
-    #[inline(always)]
-    pub(super) fn group<S: Lanes>(
-        &self,
-        simd: S,
-        [kx, ky, kz]: [usize; 3],
-        g: usize,
-    ) -> RayGroup<S> {
-        RayGroup {
-            order: [kx, ky, kz],
-            origin: [
-                load(simd, &self.origin[kx.min(2)], g),
-                load(simd, &self.origin[ky.min(2)], g),
-                load(simd, &self.origin[kz.min(2)], g),
-            ],
-            shear: [
-                load(simd, &self.shear[0], g),
-                load(simd, &self.shear[1], g),
-                load(simd, &self.shear[2], g),
-            ],
-            range: lanes::Range {
-                depth: load(simd, &self.direction[kz.min(2)], g).abs(),
-                t_min: load(simd, &self.t_min, g),
-                t_max: load(simd, &self.t_max, g),
-            },
-            best: load(simd, &self.best, g),
-            primitive: self.primitive[g].simd_into(simd),
-        }
-    }
-
     /// The sheared space of the `i`th ray.
     #[inline(always)]
-    pub(super) fn space(&self, longest: usize, i: usize) -> ShearedSpace {
-        let [kx, ky, kz] = ORDERS[longest.min(2)];
+    pub(super) fn space(&self, i: usize) -> ShearedSpace {
+        let longest = self.longest.min(2);
+        let [kx, ky, kz] = ORDERS[longest];
         let [x, y, z] = [kx.min(2), ky.min(2), kz.min(2)];
         let (g, l) = (i / WIDTH % GROUPS, i % WIDTH);
         let at = |columns: &[Column; 3], k: usize| columns[k][g][l];
         ShearedSpace::from_turned(
-            [Axis::X, Axis::Y, Axis::Z][longest.min(2)],
+            [Axis::X, Axis::Y, Axis::Z][longest],
             [at(&self.origin, x), at(&self.origin, y), at(&self.origin, z)],
             [at(&self.direction, x), at(&self.direction, y), at(&self.direction, z)],
             [self.shear[0][g][l], self.shear[1][g][l], self.shear[2][g][l]],
@@ -305,7 +278,6 @@ impl Tile {
     ) -> RayGroup<S> {
         let primitive = simd.pick(bytemuck::cast_ref(&self.primitive), positions);
         RayGroup {
-            order: [kx, ky, kz],
             origin: [
                 simd.pick(&self.origin[kx.min(2)], positions),
                 simd.pick(&self.origin[ky.min(2)], positions),
@@ -327,14 +299,9 @@ impl Tile {
     }
 }
 
-/// The vertices of a leaf, as sixteen rays see them.
-pub(super) type Vertices = [[[f32; WIDTH]; 3]; LANES];
-
 /// Sixteen rays in front of a leaf.
 pub(super) struct RayGroup<S: Lanes> {
-    /// The axes, the longest last.
-    pub(super) order: [usize; 3],
-    /// In that order.
+    /// With the longest axis last.
     pub(super) origin: [f32x16<S>; 3],
     pub(super) shear: [f32x16<S>; 3],
     pub(super) range: lanes::Range<f32x16<S>>,

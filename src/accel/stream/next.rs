@@ -1,0 +1,77 @@
+//! Where rays in flight go next.
+
+use super::FLIGHT;
+use crate::accel::arena::{Kind, Ref, View};
+
+/// So many steps to leaves of a kind are worth a loop.
+const ENOUGH: usize = 16;
+
+/// A ray in flight, by its slot, and where it goes next.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Step(u64);
+
+impl Step {
+    #[inline(always)]
+    fn new(slot: usize, place: Ref) -> Self {
+        Self(u64::from(place.bits()) << 32 | slot as u64)
+    }
+
+    #[inline(always)]
+    pub(super) fn slot(self) -> usize {
+        self.0 as usize & (FLIGHT - 1)
+    }
+
+    #[inline(always)]
+    pub(super) fn place(self) -> Ref {
+        Ref::from_bits((self.0 >> 32) as u32)
+    }
+}
+
+/// The next steps of all rays in flight, by what they lead to.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Next {
+    steps: [[Step; FLIGHT]; 4],
+    counts: [usize; 4],
+}
+
+impl Next {
+    /// No steps.
+    pub(super) const NONE: Self = Self { steps: [[Step(0); FLIGHT]; 4], counts: [0; 4] };
+
+    /// How many rays are in flight.
+    pub(super) fn count(&self) -> usize {
+        self.counts.iter().sum()
+    }
+
+    /// Adds the step of a ray, and asks for the memory of what it leads to. There is no branch,
+    /// which nobody could foretell.
+    #[inline(always)]
+    pub(super) fn push(&mut self, arena: View<'_>, slot: usize, then: Ref) {
+        arena.prefetch(then);
+        let kind = then.kind() as usize;
+        let count = self.counts[kind];
+        self.steps[kind][count & (FLIGHT - 1)] = Step::new(slot, then);
+        self.counts[kind] = count + 1;
+    }
+
+    /// The `i`th step that leads to `kind`.
+    #[inline(always)]
+    pub(super) fn get(&self, kind: Kind, i: usize) -> Step {
+        self.steps[kind as usize][i & (FLIGHT - 1)]
+    }
+
+    /// Takes all steps that lead to `kind` off the list, where they can be read until others are
+    /// written there. How many.
+    #[inline(always)]
+    pub(super) fn take(&mut self, kind: Kind) -> usize {
+        std::mem::take(&mut self.counts[kind as usize]).min(FLIGHT)
+    }
+
+    /// As [`Next::take`] if there are enough of them, or none of the kinds before.
+    #[inline(always)]
+    pub(super) fn take_enough(&mut self, kind: Kind) -> usize {
+        let is_first = self.counts[..kind as usize].iter().all(|&count| count == 0);
+        let is_time = is_first || self.counts[kind as usize] >= ENOUGH;
+        if is_time { self.take(kind) } else { 0 }
+    }
+}
