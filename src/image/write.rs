@@ -119,7 +119,7 @@ fn encode(
         Format::Pfm => Ok(netpbm::write_pfm(sink, film)?),
         Format::Png => {
             let bytes: Vec<u8> = film.rows().flat_map(|row| row_to_bytes(row, transfer)).collect();
-            PngEncoder::new_with_quality(sink, CompressionType::Default, FilterType::Adaptive)
+            PngEncoder::new_with_quality(sink, CompressionType::Fast, FilterType::Adaptive)
                 .write_image(&bytes, width, height, ExtendedColorType::Rgb8)
         }
         Format::Exr => {

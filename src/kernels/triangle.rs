@@ -327,11 +327,11 @@ fn nearest_on_boundary(vertices: &[DVec3; 3]) -> DVec3 {
 
 /// Whether the corners lie on one line, exactly: such a triangle has no normal and no inside.
 pub fn is_degenerate([a, b, c]: &[Vec3; 3]) -> bool {
-    let (ab, ac) = ((b - a).as_dvec3(), (c - a).as_dvec3());
+    let (ab, ac) = (b - a, c - a);
     let cross = ab.cross(ac);
-    // The differences are rounded once in single precision, products and sums in double: an area
-    // well above their error is certain, and nearly every triangle ends here.
-    let certain = f64::from(gamma(8)) * ab.length_squared().max(ac.length_squared());
+    // The differences are rounded once, products and sums of them once each: an area above their
+    // error is certain, and nearly every triangle ends here. Where squares overflow none does.
+    let certain = gamma(8) * max(ab.length_squared(), ac.length_squared());
     if cross.abs().max_element() > certain {
         return false;
     }
