@@ -262,8 +262,9 @@ fn hc21_the_lowest_number_wins_among_equals() {
 
 #[test]
 fn the_default_preset_grows_with_the_work() {
-    assert_eq!(Preset::choose(18_000_000, 1_000_000), Preset::VeryFast);
+    assert_eq!(Preset::choose(18_000_000, 1_000_000), Preset::Fastest);
+    assert_eq!(Preset::choose(1_000_000, 4_000_000), Preset::VeryFast);
     assert_eq!(Preset::choose(100_000, 2_000_000), Preset::Fast);
     assert_eq!(Preset::choose(100_000, 1_000_000_000), Preset::Medium);
-    assert_eq!(Preset::choose(0, 0), Preset::VeryFast);
+    assert_eq!(Preset::choose(0, 0), Preset::Fastest);
 }
