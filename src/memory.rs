@@ -47,8 +47,8 @@ fn build_bytes(preset: Preset, primitives: u64) -> u64 {
 const fn tree_bytes(preset: Preset) -> u64 {
     match preset {
         Preset::Brute => 0,
-        Preset::Fastest | Preset::VeryFast => 53,
-        _ => 50,
+        Preset::Fastest | Preset::VeryFast => 50,
+        _ => 47,
     }
 }
 

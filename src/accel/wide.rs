@@ -22,6 +22,10 @@ use crate::math::simd::LANES;
 mod cost {
     pub(super) const NODE: f32 = 1.0;
     pub(super) const PATCH: f32 = 1.0;
+    /// By how much a patch counts less for each triangle beyond one. Rays do not ask for it, but
+    /// memory does: a scan of a million triangles takes 48.9 bytes for each and not 52.7, and rays
+    /// visit 0.3 to 2 per cent more.
+    pub(super) const FULLER: f32 = 0.06;
     pub(super) const SOUP: f32 = 2.0;
     /// Of each primitive in a list.
     pub(super) const LISTED: f32 = 1.0;
@@ -215,7 +219,9 @@ fn merge(left: &Content, right: &Content) -> Content {
 fn as_leaf(content: &Content) -> f32 {
     match (content.leaves, content.kinds) {
         (TOO_MANY, _) => f32::INFINITY,
-        (_, TRIANGLES) if content.count != TOO_MANY => cost::PATCH,
+        (_, TRIANGLES) if content.count != TOO_MANY => {
+            cost::PATCH - cost::FULLER * f32::from(content.leaves - 1)
+        }
         (_, TRIANGLES) => cost::SOUP,
         (1..=MOST_LISTED, OTHERS) => cost::LISTED * f32::from(content.leaves),
         _ => f32::INFINITY,
