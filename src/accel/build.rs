@@ -171,10 +171,12 @@ fn build_cut(geometry: &Geometry, preset: Preset, cut: Cut) -> Tree {
     tree.unwrap_or_default()
 }
 
-/// Builds the tree in one piece.
+/// Builds the tree in one piece; `None` where nothing can be hit.
 fn build_whole(plan: &Plan, numbers: &[u32]) -> Option<Tree> {
     let mut piece = Piece::default();
-    piece.build(plan, numbers);
+    if !piece.build(plan, numbers) {
+        return None;
+    }
     let part = piece.emit_whole(plan.geometry);
     let output = std::mem::take(&mut piece.output);
     drop(piece);

@@ -97,9 +97,9 @@ fn build_chunk(
     piece.output.units.clear();
     piece.output.numbers.clear();
     piece.output.first_number = task.first;
-    piece.build(plan, task.numbers);
-    let crown = piece.emit_crown(plan.geometry, parts);
-    // Primitives that are not triangles have their numbers in the leaves: the rest stays as it is.
+    let has_any = piece.build(plan, task.numbers);
+    let crown = if has_any { piece.emit_crown(plan.geometry, parts) } else { Crown::default() };
+    // Only triangles that can be hit have their numbers there: the rest stays as it is.
     let leaves = &piece.output.numbers;
     task.numbers[..leaves.len()].copy_from_slice(leaves);
     place(assembly, task.chunk, &mut piece.output.units, crown);

@@ -37,6 +37,9 @@ pub(super) fn join(
     top: &mut [Unit],
 ) -> Option<(usize, Aabb)> {
     let parts: Vec<Part> = crowns.iter().flat_map(|crown| crown.parts.iter().copied()).collect();
+    if parts.is_empty() {
+        return None;
+    }
     let bvh = hierarchy(crowns, parts.len());
     let mut converter = Converter::default();
     converter.evaluate(view(&bvh), |owner| Owner::Part(parts[owner as usize]));
@@ -81,6 +84,9 @@ fn hierarchy(crowns: &[Crown], parts: usize) -> Bvh2 {
 /// Some subtrees of a chunk, those of largest boxes opened first.
 fn seeds(chunk: usize, crown: &Crown) -> Vec<Seed> {
     let area = |seed: &Seed| crown.nodes[seed.place as usize].aabb().half_area();
+    if crown.nodes.is_empty() {
+        return Vec::new();
+    }
     let mut seeds = vec![Seed { chunk, place: 0 }];
     while seeds.len() < SEEDS {
         let inner = |seed: &Seed| !crown.nodes[seed.place as usize].is_leaf();

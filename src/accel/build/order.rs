@@ -1,6 +1,6 @@
 //! An order of the primitives in which neighbours are near each other, cut into chunks.
 //!
-//! Primitives are counted and sorted by the cell of a coarse grid that their boxes' centres are in;
+//! Primitives are counted and sorted by the cell of a coarse grid that one of their points is in;
 //! cells follow each other along Morton's curve. A cell of too many is ordered by a finer grid of
 //! its own, so that a scene may be as uneven as it likes.
 
@@ -10,7 +10,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use glam::Vec3;
 use rayon::prelude::*;
 
-use crate::accel::geometry::Geometry;
+use crate::accel::geometry::{Geometry, Primitive};
 use crate::kernels::slab::Aabb;
 
 /// Bits of an axis of the grid: its counters then stay in the second-level cache.
@@ -19,17 +19,15 @@ const BITS: u32 = 5;
 /// Cells of the grid.
 const CELLS: usize = 1 << (3 * BITS);
 
-/// The cell of primitives that no ray can hit.
-const NOWHERE: u16 = u16::MAX;
-
-/// Most parts that are counted at a time, and the least that is worth its own counters.
+/// Parts that are counted at a time, and the least that is worth its own counters.
+const BLOCKS_A_THREAD: usize = 4;
 const MOST_BLOCKS: usize = 64;
 const LEAST_BLOCK: usize = 1 << 14;
 
 /// How often cells are cut into finer ones before their members are taken as they come.
 const MOST_LEVELS: usize = 12;
 
-/// Primitives that can be hit, in order.
+/// Primitives, in order.
 #[derive(Debug, Default)]
 pub(super) struct Chunks {
     pub(super) numbers: Vec<u32>,
@@ -37,16 +35,14 @@ pub(super) struct Chunks {
     pub(super) lengths: Vec<usize>,
 }
 
-/// Orders the primitives that can be hit and cuts them into chunks of at most `most`.
+/// Orders the primitives and cuts them into chunks of at most `most`.
 pub(super) fn chunks(geometry: &Geometry, most: usize) -> Chunks {
     let count = geometry.len();
     if count > most {
         return arrange(geometry, &Members::All(count), &extents(geometry), most, 0);
     }
-    let numbers: Vec<u32> =
-        (0..count as u32).into_par_iter().filter(|&n| !geometry.is_degenerate(n)).collect();
-    let lengths = if numbers.is_empty() { Vec::new() } else { vec![numbers.len()] };
-    Chunks { numbers, lengths }
+    let lengths = if count == 0 { Vec::new() } else { vec![count] };
+    Chunks { numbers: (0..count as u32).collect(), lengths }
 }
 
 /// A box around everything.
@@ -64,7 +60,7 @@ pub(super) fn extents(geometry: &Geometry) -> Aabb {
 
 /// Who is ordered.
 enum Members<'a> {
-    /// Every primitive, of which those without area drop out.
+    /// Every primitive.
     All(usize),
     /// These.
     These(&'a [u32]),
@@ -112,10 +108,14 @@ fn spread(x: u16) -> u16 {
     x & 1 | (x & 2) << 2 | (x & 4) << 4 | (x & 8) << 6 | (x & 16) << 8
 }
 
-fn center(geometry: &Geometry, number: u32) -> Vec3 {
-    let b = geometry.bounds(number);
-    // Halved first: the sum of two large coordinates can overflow.
-    b.low * 0.5 + b.high * 0.5
+/// A point of the primitive: in what order they are is not worth looking at all of them.
+#[inline]
+fn point(geometry: &Geometry, number: u32) -> Vec3 {
+    match geometry.primitive(number) {
+        Primitive::Triangle(i) => geometry.positions[geometry.triangles[i][0] as usize],
+        Primitive::Quad(i) => geometry.positions[geometry.quads[i][0] as usize],
+        Primitive::Sphere(i) => geometry.spheres[i].0,
+    }
 }
 
 /// Sorts by cell, and cuts.
@@ -128,7 +128,9 @@ fn arrange(
 ) -> Chunks {
     let count = members.count();
     let grid = Grid::new(bounds);
-    let block = count.div_ceil(MOST_BLOCKS).max(LEAST_BLOCK);
+    // A few for each thread, for them to finish together; the order is the same with any number.
+    let blocks = (BLOCKS_A_THREAD * rayon::current_num_threads()).min(MOST_BLOCKS);
+    let block = count.div_ceil(blocks).max(LEAST_BLOCK);
     let mut cells = vec![0_u16; count];
     let mut counts: Vec<Vec<u32>> = cells
         .par_chunks_mut(block)
@@ -136,13 +138,8 @@ fn arrange(
         .map(|(b, cells)| {
             let mut counts = vec![0; CELLS];
             for (i, cell) in cells.iter_mut().enumerate() {
-                let number = members.number(b * block + i);
-                if level == 0 && geometry.is_degenerate(number) {
-                    *cell = NOWHERE;
-                } else {
-                    *cell = grid.cell(center(geometry, number));
-                    counts[*cell as usize] += 1;
-                }
+                *cell = grid.cell(point(geometry, members.number(b * block + i)));
+                counts[*cell as usize] += 1;
             }
             counts
         })
@@ -151,7 +148,7 @@ fn arrange(
     let places: Vec<AtomicU32> = (0..starts[CELLS]).map(|_| AtomicU32::new(0)).collect();
     // Every place is written once: atomics are for the compiler, which cannot know.
     cells.par_chunks(block).zip(&mut counts).enumerate().for_each(|(b, (cells, next))| {
-        for (i, &cell) in cells.iter().enumerate().filter(|&(_, &cell)| cell != NOWHERE) {
+        for (i, &cell) in cells.iter().enumerate() {
             let place = &mut next[cell as usize];
             places[*place as usize].store(members.number(b * block + i), Ordering::Relaxed);
             *place += 1;
@@ -198,13 +195,13 @@ fn refine(
             continue;
         }
         let full = &mut numbers[run];
-        let centers = |&n: &u32| {
-            let point = center(geometry, n);
+        let points = |&n: &u32| {
+            let point = point(geometry, n);
             Aabb { low: point, high: point }
         };
         let join = |a: Aabb, b: Aabb| Aabb { low: a.low.min(b.low), high: a.high.max(b.high) };
         let none = || Aabb { low: Vec3::INFINITY, high: Vec3::NEG_INFINITY };
-        let bounds = full.par_iter().map(centers).reduce(none, join);
+        let bounds = full.par_iter().map(points).reduce(none, join);
         if level < MOST_LEVELS && bounds.low != bounds.high {
             let finer = arrange(geometry, &Members::These(full), &bounds, most, level + 1);
             full.copy_from_slice(&finer.numbers);

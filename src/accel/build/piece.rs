@@ -10,9 +10,10 @@ use obvhs::splits::split_aabbs_preset;
 
 use super::weld::Welder;
 use crate::accel::coincident;
-use crate::accel::geometry::Geometry;
+use crate::accel::geometry::{Geometry, Primitive};
 use crate::accel::wide::{Converter, Hierarchy, Output, Owner, Part};
 use crate::kernels::slab::Aabb;
+use crate::kernels::triangle::is_degenerate;
 
 /// The scene, and how pieces of it are built.
 #[derive(Clone, Copy)]
@@ -80,10 +81,13 @@ impl Members {
 }
 
 impl Piece {
-    /// Builds the hierarchy over the primitives of these numbers, of which there is one at least, and
-    /// decides what becomes of it.
-    pub(super) fn build(&mut self, plan: &Plan, numbers: &[u32]) {
+    /// Builds the hierarchy over those primitives of these numbers that can be hit, and decides what
+    /// becomes of it. Whether there is one.
+    pub(super) fn build(&mut self, plan: &Plan, numbers: &[u32]) -> bool {
         self.gather(plan, numbers);
+        if self.boxes.is_empty() {
+            return false;
+        }
         self.gather_heaps(&plan.extents);
         // The last piece's list is reused.
         let mut owners = std::mem::take(&mut self.bvh.primitive_indices);
@@ -107,19 +111,29 @@ impl Piece {
         }
         let members = &self.members;
         self.converter.evaluate(view(&self.bvh), |owner| members.owner(owner));
+        true
     }
 
-    /// A box for each primitive.
+    /// A box for each primitive that can be hit.
     fn gather(&mut self, plan: &Plan, numbers: &[u32]) {
         let geometry = plan.geometry;
         self.members.triangles = geometry.triangles.len() as u32;
         self.members.singles.clear();
-        self.members.singles.extend(numbers.iter().map(|&number| {
-            let corners = geometry.triangles.get(number as usize);
-            Single { number, corners: corners.copied().unwrap_or_default() }
-        }));
         self.boxes.clear();
-        self.boxes.extend(numbers.iter().map(|&n| to_obvhs(geometry.bounds(n))));
+        for &number in numbers {
+            let (corners, bounds) = match geometry.primitive(number) {
+                Primitive::Triangle(i) => {
+                    let triangle = geometry.triangle(i);
+                    if is_degenerate(&triangle) {
+                        continue;
+                    }
+                    (geometry.triangles[i], Aabb::around(triangle).padded())
+                }
+                _ => ([0; 3], geometry.bounds(number)),
+            };
+            self.members.singles.push(Single { number, corners });
+            self.boxes.push(to_obvhs(bounds));
+        }
         if plan.weld {
             let triangles = self.members.singles.iter_mut();
             let triangles = triangles.filter(|s| s.number < self.members.triangles);
