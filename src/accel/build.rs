@@ -177,6 +177,7 @@ fn build_whole(plan: &Plan, numbers: &[u32]) -> Option<Tree> {
     if !piece.build(plan, numbers) {
         return None;
     }
+    let kept = piece.kept;
     let part = piece.emit_whole(plan.geometry);
     let output = std::mem::take(&mut piece.output);
     drop(piece);
@@ -185,7 +186,7 @@ fn build_whole(plan: &Plan, numbers: &[u32]) -> Option<Tree> {
     drop(output.units);
     let place = arena::root_of(part.kind);
     let (arena, census) = Arena::new(units, output.numbers, place)?;
-    Some(Tree { arena, root: Some(Root { place, bounds: part.bounds }), census })
+    Some(Tree { arena, root: Some(Root { place, bounds: part.bounds }), census, kept })
 }
 
 #[cfg(test)]

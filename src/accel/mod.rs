@@ -25,6 +25,8 @@ mod wide;
 
 use std::marker::PhantomData;
 
+use rayon::prelude::*;
+
 use crate::math::ray::Ray;
 use crate::math::simd::{Kernel, Lanes, dispatch};
 use build::Preset;
@@ -141,6 +143,17 @@ impl Accel {
         let tree = (preset != Preset::Brute).then(|| build::build(&geometry, preset));
         let (level, kernel) = (fearless_simd::Level::new(), KernelChoice::default());
         Self { geometry, tree, level, kernel }
+    }
+
+    /// How many triangles no ray can hit, since they have no area.
+    pub fn left_out(&self) -> u64 {
+        match &self.tree {
+            Some(tree) => self.geometry.len() as u64 - tree.kept,
+            None => {
+                let numbers = (0..self.geometry.len() as u32).into_par_iter();
+                numbers.filter(|&number| self.geometry.is_degenerate(number)).count() as u64
+            }
+        }
     }
 
     /// Scratch memory for one thread: traversal then allocates nothing.

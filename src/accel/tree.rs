@@ -15,6 +15,8 @@ pub struct Tree {
     pub(super) arena: Arena,
     pub(super) root: Option<Root>,
     pub(super) census: Census,
+    /// How many primitives it is over.
+    pub(super) kept: u64,
 }
 
 /// Where traversal begins.

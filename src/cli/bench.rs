@@ -122,15 +122,16 @@ fn prepare(args: &BenchArgs, path: &Path) -> Result<(PreparedScene, Setting)> {
     let mut loaded = args.scene_options.load(path)?;
     let extracted = systems::extract(&mut loaded.world)?;
     drop(loaded);
-    args.scene_options.warn(&extracted.warnings);
     let load = start.elapsed().as_secs_f64();
     let preset = args.scene_options.bvh.unwrap_or_else(|| extracted.preset());
     let batch = args.batch as usize;
     let predicted = memory::predict(&extracted, extracted.pixels(), preset, batch).total();
     let start = Instant::now();
+    let file = extracted.file().to_owned();
     let mut scene = extracted.build(preset);
-    args.search.apply(&mut scene.accel);
     let time = Preparation { load, build: start.elapsed().as_secs_f64() };
+    args.scene_options.warn(&systems::warnings(scene.dropped, &file));
+    args.search.apply(&mut scene.accel);
     let name = path.display().to_string();
     let SearchOptions { simd, kernel } = args.search;
     let seed = args.seed;

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use super::common::{SceneOptions, print};
 use crate::error::Result;
+use crate::prepared::Dropped;
 use crate::systems::{self, Extracted};
 
 /// Reads a scene with all its meshes and textures, and says what is in it.
@@ -25,8 +26,9 @@ pub fn run(args: &CheckArgs) -> Result<()> {
     args.scene_options.threads.run(|| {
         let mut loaded = args.scene_options.load(&args.scene)?;
         let extracted = systems::extract(&mut loaded.world)?;
-        args.scene_options.warn(&extracted.warnings);
-        let text = summary(&extracted);
+        let dropped = extracted.dropped();
+        args.scene_options.warn(&systems::warnings(dropped, extracted.file()));
+        let text = summary(&extracted, dropped);
         if args.scene_options.quiet {
             Ok(())
         } else {
@@ -36,7 +38,7 @@ pub fn run(args: &CheckArgs) -> Result<()> {
 }
 
 /// What is in the scene, a line each.
-fn summary(extracted: &Extracted) -> String {
+fn summary(extracted: &Extracted, dropped: Dropped) -> String {
     let scene = extracted.scene();
     let geometry = extracted.geometry();
     let [width, height] = scene.camera.size();
@@ -44,7 +46,7 @@ fn summary(extracted: &Extracted) -> String {
         ("image", format!("{width} x {height}, {} rays a pixel", scene.camera.rays_per_pixel())),
         ("shapes", format!("{}", scene.looks.shapes.len() - geometry.lights.len())),
         ("triangles", format!("{}", geometry.triangles.len())),
-        ("without area", format!("{}", scene.dropped.degenerate)),
+        ("without area", format!("{}", dropped.degenerate)),
         ("vertices", format!("{}", geometry.positions.len())),
         ("quads", format!("{}", geometry.quads.len())),
         ("spheres", format!("{}", geometry.spheres.len())),

@@ -76,7 +76,8 @@ pub fn run(args: &ExplainArgs) -> Result<()> {
     args.scene_options.threads.run(|| {
         let mut loaded = args.scene_options.load(&args.scene)?;
         let extracted = systems::extract(&mut loaded.world)?;
-        args.scene_options.warn(&extracted.warnings);
+        let warnings = systems::warnings(extracted.dropped(), extracted.file());
+        args.scene_options.warn(&warnings);
         let explanation = explain(&extracted, args);
         print(&if args.json { to_json(&explanation)? } else { text(&explanation) })
     })

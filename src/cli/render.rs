@@ -93,12 +93,13 @@ fn run_here(args: &RenderArgs, output: &Path) -> Result<()> {
     let mut loaded = args.scene_options.load(&args.scene)?;
     let extracted = systems::extract(&mut loaded.world)?;
     drop(loaded);
-    args.scene_options.warn(&extracted.warnings);
     let preset = args.scene_options.bvh.unwrap_or_else(|| extracted.preset());
     let pixels = args.crop.map_or(extracted.pixels(), |crop| crop.len() as u64);
     let predicted = memory::predict(&extracted, pixels, preset, args.batch as usize).total();
     time.load = start.elapsed().as_secs_f64();
+    let file = extracted.file().to_owned();
     let mut scene = timed(&mut time.build, || extracted.build(preset));
+    args.scene_options.warn(&systems::warnings(scene.dropped, &file));
     args.search.apply(&mut scene.accel);
     let rendered = timed(&mut time.trace, || trace(args, &scene))?;
     timed(&mut time.write, || write(&rendered.film, output, args.transfer))?;

@@ -8,14 +8,12 @@ mod meshes;
 
 use glam::{DAffine3, DVec3, Mat3, Vec3};
 use hecs::{Entity, World};
-use rayon::prelude::*;
 
 use crate::accel::geometry::Geometry;
-use crate::error::{Error, ErrorKind, Result, Warning};
+use crate::error::{Error, ErrorKind, Result};
 use crate::kernels::texture::PlanarMap;
-use crate::kernels::triangle::is_degenerate;
 use crate::math::float::MAX_COORDINATE;
-use crate::prepared::{CornerValues, Dropped, MeshAttributes, Shape, UvMap};
+use crate::prepared::{CornerValues, MeshAttributes, Shape, UvMap};
 use crate::scene::components::{
     AreaLight, Facing, JsonPath, Mesh, Order, Quad, Shading, Sides, Sphere, TextureRef, Transform,
     Triangle,
@@ -48,10 +46,6 @@ pub struct Output {
     pub shapes: Vec<ShapeOutput>,
     /// Attributes of meshes.
     pub meshes: Vec<MeshAttributes>,
-    /// What was left out.
-    pub dropped: Dropped,
-    /// What the user should know.
-    pub warnings: Vec<Warning>,
 }
 
 /// Turns every shape into primitives.
@@ -66,7 +60,7 @@ pub fn run(world: &mut World) -> Result<Output> {
     for entity in entities::<&Sphere>(world) {
         builder.add_sphere(world, entity)?;
     }
-    builder.finish(world)
+    Ok(builder.finish())
 }
 
 /// The entities that match, shapes before lights, in the order of the file.
@@ -264,29 +258,12 @@ impl Builder {
         Ok(first as u32)
     }
 
-    fn finish(mut self, world: &World) -> Result<Output> {
+    fn finish(mut self) -> Output {
         self.shapes.sort_by_key(|s| s.shape.primitives.start);
         let lights = self.shapes.iter().filter(|s| s.shape.emission.is_some());
         self.geometry.lights = lights.map(|s| s.shape.primitives.clone()).collect();
-        let degenerate = self.count_degenerate();
-        let mut warnings = Vec::new();
-        if degenerate > 0 {
-            let message = match degenerate {
-                1 => "1 triangle has no area and is left out".to_owned(),
-                n => format!("{n} triangles have no area and are left out"),
-            };
-            let file = super::scene_file(world);
-            let warning = Error::new(ErrorKind::Mesh, message).in_file(file);
-            warnings.push(Warning::from_error(&warning));
-        }
         let Self { geometry, shapes, meshes, .. } = self;
-        Ok(Output { geometry, shapes, meshes, dropped: Dropped { degenerate }, warnings })
-    }
-
-    fn count_degenerate(&self) -> u64 {
-        let triangles = 0..self.geometry.triangles.len();
-        triangles.into_par_iter().filter(|&i| is_degenerate(&self.geometry.triangle(i))).count()
-            as u64
+        Output { geometry, shapes, meshes }
     }
 }
 

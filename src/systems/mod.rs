@@ -19,7 +19,7 @@ pub mod lights;
 pub mod materials;
 pub mod textures;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 use hecs::World;
@@ -29,15 +29,15 @@ use crate::accel::build::Preset;
 use crate::accel::geometry::Geometry;
 use crate::error::{Error, ErrorKind, Result, Warning};
 use crate::plan::Effect;
-use crate::prepared::{Looks, PreparedScene};
+use crate::prepared::{Dropped, Looks, PreparedScene};
 use crate::scene::components::Settings;
 
 /// The scene without its tree: enough to tell what a render will do.
 #[derive(Debug)]
 pub struct Extracted {
     scene: PreparedScene,
-    /// What the user should know.
-    pub warnings: Vec<Warning>,
+    /// The file that the scene came from, for messages.
+    file: PathBuf,
 }
 
 /// Runs every system but the last. The meshes are moved out of the `world`.
@@ -50,7 +50,7 @@ pub fn extract(world: &mut World) -> Result<Extracted> {
     let lights::LightsOutput { lights, count } = lights::run(world, &extracted, &settings)?;
     let camera = camera::run(world)?;
     let mirrors = plan.has(Effect::Mirrors);
-    let geometry::Output { geometry, shapes, meshes, dropped, warnings } = extracted;
+    let geometry::Output { geometry, shapes, meshes } = extracted;
     let shapes = shapes.into_iter().map(|s| s.shape).collect();
     let scene = PreparedScene {
         plan,
@@ -61,9 +61,9 @@ pub fn extract(world: &mut World) -> Result<Extracted> {
         background: settings.background.as_vec3(),
         ambient: settings.ambient as f32 * count as f32,
         bounces: if mirrors { settings.bounces } else { 0 },
-        dropped,
+        dropped: Dropped::default(),
     };
-    Ok(Extracted { scene, warnings })
+    Ok(Extracted { scene, file: settings.file })
 }
 
 impl Extracted {
@@ -96,17 +96,43 @@ impl Extracted {
         Preset::choose(self.geometry().len() as u64, self.expected_rays())
     }
 
-    /// Builds the tree: the last system.
-    pub fn build(self, preset: Preset) -> PreparedScene {
-        PreparedScene { accel: Accel::new(self.scene.accel.geometry, preset), ..self.scene }
+    /// What will be left out: every triangle is looked at.
+    pub fn dropped(&self) -> Dropped {
+        Dropped { degenerate: self.scene.accel.left_out() }
     }
+
+    /// The file that the scene came from.
+    pub fn file(&self) -> &Path {
+        &self.file
+    }
+
+    /// Builds the tree: the last system.
+    pub fn build(mut self, preset: Preset) -> PreparedScene {
+        let geometry = std::mem::take(&mut self.scene.accel.geometry);
+        self.scene.accel = Accel::new(geometry, preset);
+        self.scene.dropped = self.dropped();
+        self.scene
+    }
+}
+
+/// What the user should know of what was left out of the scene of `file`.
+pub fn warnings(dropped: Dropped, file: &Path) -> Vec<Warning> {
+    let message = match dropped.degenerate {
+        0 => return Vec::new(),
+        1 => "1 triangle has no area and is left out".to_owned(),
+        n => format!("{n} triangles have no area and are left out"),
+    };
+    let warning = Error::new(ErrorKind::Mesh, message).in_file(file);
+    vec![Warning::from_error(&warning)]
 }
 
 /// Runs every system.
 pub fn prepare(world: &mut World, preset: Preset) -> Result<(PreparedScene, Vec<Warning>)> {
-    let mut extracted = extract(world)?;
-    let warnings = std::mem::take(&mut extracted.warnings);
-    Ok((extracted.build(preset), warnings))
+    let extracted = extract(world)?;
+    let file = extracted.file.clone();
+    let scene = extracted.build(preset);
+    let warnings = warnings(scene.dropped, &file);
+    Ok((scene, warnings))
 }
 
 fn settings(world: &mut World) -> Result<Settings> {

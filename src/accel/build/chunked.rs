@@ -58,7 +58,8 @@ pub(super) fn build(plan: &Plan, chunks: Chunks, parts: usize) -> Option<Tree> {
     units.keep(start..used);
     let place = arena::root_of(Kind::Node);
     let (arena, census) = Arena::new(units, numbers, place)?;
-    Some(Tree { arena, root: Some(Root { place, bounds }), census })
+    let kept = crowns.iter().map(|crown| crown.kept).sum();
+    Some(Tree { arena, root: Some(Root { place, bounds }), census, kept })
 }
 
 /// Runs `work` once for each thread of the current pool, or as often as there is work for, in pools

@@ -39,6 +39,8 @@ pub(super) struct Piece {
     welder: Welder,
     converter: Converter,
     cut: Vec<u32>,
+    /// How many of its primitives can be hit.
+    pub(super) kept: u64,
     pub(super) output: Output,
 }
 
@@ -48,6 +50,8 @@ pub(super) struct Crown {
     /// Binary nodes, the root first; the leaves' indices are those of parts.
     pub(super) nodes: Vec<Bvh2Node>,
     pub(super) parts: Vec<Part>,
+    /// How many primitives are below.
+    pub(super) kept: u64,
 }
 
 /// The primitives of each owner.
@@ -85,6 +89,7 @@ impl Piece {
     /// becomes of it. Whether there is one.
     pub(super) fn build(&mut self, plan: &Plan, numbers: &[u32]) -> bool {
         self.gather(plan, numbers);
+        self.kept = self.boxes.len() as u64;
         if self.boxes.is_empty() {
             return false;
         }
@@ -211,7 +216,8 @@ impl Piece {
     /// large triangle among small ones is then not in a box with them.
     pub(super) fn emit_crown(&mut self, geometry: &Geometry, parts: usize) -> Crown {
         self.cut_off(parts);
-        let mut crown = Crown { nodes: vec![Bvh2Node::default()], parts: Vec::new() };
+        let nodes = vec![Bvh2Node::default()];
+        let mut crown = Crown { nodes, parts: Vec::new(), kept: self.kept };
         let mut waiting = vec![(0, 0)];
         while let Some((place, copy)) = waiting.pop() {
             let node = self.bvh.nodes[place as usize];
