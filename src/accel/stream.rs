@@ -75,8 +75,8 @@ pub(super) struct Found {
     pub(super) first: u32,
 }
 
-/// The bottom of a stack, where rays are done. Nothing else is there: the root would have to be a
-/// list that begins at unit 0.
+/// The bottom of a stack, where rays are done. No list begins at unit 1: the root does at unit 0, and
+/// is either all there is or a node of two units.
 const BOTTOM: u32 = 1 << 2 | Kind::List as u32;
 
 /// The memory of a thread's rays in flight.

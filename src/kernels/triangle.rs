@@ -330,8 +330,8 @@ pub fn is_degenerate([a, b, c]: &[Vec3; 3]) -> bool {
     let (ab, ac) = (b - a, c - a);
     let cross = ab.cross(ac);
     // The differences are rounded once, products and sums of them once each: an area above their
-    // error is certain, and nearly every triangle ends here. Where squares overflow none does.
-    let certain = gamma(8) * max(ab.length_squared(), ac.length_squared());
+    // error is certain, and nearly every triangle ends here. Products that underflow are off by more.
+    let certain = gamma(8) * max(ab.length_squared(), ac.length_squared()) + UNDERFLOW;
     if cross.abs().max_element() > certain {
         return false;
     }
