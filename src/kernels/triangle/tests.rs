@@ -109,6 +109,18 @@ fn collinear_corners_are_degenerate_and_slivers_are_not() {
     assert!(!is_degenerate(&sliver));
 }
 
+/// Rounded products of sides this small are zero or wholly wrong, and their sums look like areas.
+#[test]
+fn the_area_of_a_tiny_triangle_is_judged_exactly() {
+    for exponent in [-60, -70, -75, -80] {
+        let scale = 2.0_f32.powi(exponent);
+        let p = |x: f32, y: f32| Vec3::new(x, y, 3.0 * x) * scale;
+        assert!(is_degenerate(&[p(0.25, 0.5), p(0.5, 1.0), p(1.0, 2.0)]), "2^{exponent}");
+        assert!(is_degenerate(&[p(0.1, 0.3), p(0.2, 0.6), p(0.4, 1.2)]), "2^{exponent}");
+        assert!(!is_degenerate(&[p(0.25, 0.5), p(0.5, 1.0), p(1.0, 2.000_001)]), "2^{exponent}");
+    }
+}
+
 #[test]
 fn barycentric_coordinates_name_the_point() {
     let triangle = [Vec3::new(1.0, 2.0, 3.0), Vec3::new(4.0, 2.5, 2.0), Vec3::new(2.0, 5.0, 3.5)];
