@@ -37,7 +37,7 @@ use stream::Flight;
 use tree::Tree;
 
 pub use choice::{KernelChoice, KernelCounts, Kernels};
-pub use rays::{RayLanes, Rays};
+pub use rays::{BLOCK_EDGE, RayLanes, Rays};
 
 /// The number of no primitive.
 pub const NO_PRIMITIVE: u32 = u32::MAX;

@@ -165,6 +165,9 @@ pub(super) fn trace<S: Lanes, Q: Query, R: Rays + ?Sized>(
     counts.stream += (rays.count() - next + unfit) as u64;
     counts.packet_nodes += judged.visits;
     counts.packet_rays += judged.rays;
+    if queue.is_empty() && next == rays.count() {
+        return;
+    }
     let mut source = Remaining { queue, handed, last, rays, rest: FromRoot { rays, next, root } };
     stream::trace::<S, Q>(simd, tree, geometry, &mut source, answers, flight, (tests, counts));
 }

@@ -7,7 +7,7 @@
 mod columns;
 
 use fearless_simd::prelude::*;
-use fearless_simd::{f32x8, mask32x8, u32x8};
+use fearless_simd::{f32x8, f32x16, mask32x8, u32x8};
 use glam::Vec3;
 
 use crate::accel::{Hit, RayLanes, Rays as RayColumns};
@@ -48,25 +48,24 @@ impl RayColumns for Rays {
     }
 
     #[inline(always)]
-    fn eight<S: Lanes>(&self, simd: S, i: usize) -> RayLanes<S> {
-        eight(simd, (&self.origin, &self.direction), i, f32::INFINITY)
+    fn block<S: Lanes>(&self, simd: S, i: usize, stride: usize) -> RayLanes<S> {
+        block(simd, (&self.origin, &self.direction), (i, stride), f32::INFINITY)
     }
 }
 
-/// Eight rays from the `i`th on, with t from 0 to `t_max`.
+/// Sixteen rays as of [`RayColumns::block`], with t from 0 to `t_max`.
 #[inline(always)]
-fn eight<S: Lanes>(
+fn block<S: Lanes>(
     simd: S,
     (origin, direction): (&Vectors, &Vectors),
-    i: usize,
+    (i, stride): (usize, usize),
     t_max: f32,
 ) -> RayLanes<S> {
-    let (origin, direction) = (origin.load(simd, i), direction.load(simd, i));
     RayLanes {
-        origin: [origin.x, origin.y, origin.z],
-        direction: [direction.x, direction.y, direction.z],
-        t_min: f32x8::splat(simd, 0.0),
-        t_max: f32x8::splat(simd, t_max),
+        origin: origin.block(simd, i, stride),
+        direction: direction.block(simd, i, stride),
+        t_min: f32x16::splat(simd, 0.0),
+        t_max: f32x16::splat(simd, t_max),
     }
 }
 
@@ -209,8 +208,8 @@ impl RayColumns for ShadowRays {
     }
 
     #[inline(always)]
-    fn eight<S: Lanes>(&self, simd: S, i: usize) -> RayLanes<S> {
-        eight(simd, (&self.origin, &self.direction), i, SHADOW_END)
+    fn block<S: Lanes>(&self, simd: S, i: usize, stride: usize) -> RayLanes<S> {
+        block(simd, (&self.origin, &self.direction), (i, stride), SHADOW_END)
     }
 }
 

@@ -1,7 +1,7 @@
 //! What bounds the rays of a tile: an interval for each number that boxes are tested with.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{f32x8, mask32x8};
+use fearless_simd::{f32x8, f32x16, mask32x8, mask32x16};
 
 use crate::accel::arena::Node;
 use crate::accel::rays::RayLanes;
@@ -14,13 +14,13 @@ use crate::math::simd::{LANES, Lanes};
 pub(super) struct Extents<S: Lanes> {
     low: RayLanes<S>,
     high: RayLanes<S>,
-    valid: mask32x8<S>,
+    valid: mask32x16<S>,
 }
 
 impl<S: Lanes> Extents<S> {
     #[inline(always)]
     pub(super) fn new(simd: S) -> Self {
-        let all = |v: f32| f32x8::splat(simd, v);
+        let all = |v: f32| f32x16::splat(simd, v);
         let rays = |v: f32| RayLanes {
             origin: [all(v), all(v), all(v)],
             direction: [all(v), all(v), all(v)],
@@ -33,34 +33,34 @@ impl<S: Lanes> Extents<S> {
 
     #[inline(always)]
     pub(super) fn add(&mut self, rays: &RayLanes<S>) {
+        let [ox, oy, oz] = rays.origin;
+        let [dx, dy, dz] = rays.direction;
         for k in 0..3 {
             let (origin, direction) = (rays.origin[k], rays.direction[k]);
             self.low.origin[k] = self.low.origin[k].min(origin);
             self.high.origin[k] = self.high.origin[k].max(origin);
             self.low.direction[k] = self.low.direction[k].min(direction);
             self.high.direction[k] = self.high.direction[k].max(direction);
-            self.valid &= origin.abs().simd_le(f32::MAX) & direction.abs().simd_le(f32::MAX);
         }
         self.low.t_min = self.low.t_min.min(rays.t_min);
         self.high.t_min = self.high.t_min.max(rays.t_min);
         self.low.t_max = self.low.t_max.min(rays.t_max);
         self.high.t_max = self.high.t_max.max(rays.t_max);
-        self.valid &= rays.t_min.simd_le(rays.t_max);
+        // A sum is finite only if all that it is of are. Rays for which it overflows are not fit
+        // either, which costs them nothing but time.
+        let sum = ((ox + oy) + (oz + dx)) + (dy + dz);
+        self.valid &= sum.abs().simd_le(f32::MAX) & rays.t_min.simd_le(rays.t_max);
     }
 
     /// What bounds the rays, if these are valid and have one sign along each axis.
     #[inline(always)]
     pub(super) fn beam(&self) -> Option<Beam> {
-        let (low, high) = (&self.low, &self.high);
-        let x = [low.direction[0].reduce_min(), high.direction[0].reduce_max()];
-        let y = [low.direction[1].reduce_min(), high.direction[1].reduce_max()];
-        let z = [low.direction[2].reduce_min(), high.direction[2].reduce_max()];
+        let low = fold::<S, false>(&self.low);
+        let high = fold::<S, true>(&self.high);
+        let [ox, oy, oz, x, y, z, t_min, t_max] = pairs(low, high);
         if !(self.valid.all_true() && is_one_sign(x) && is_one_sign(y) && is_one_sign(z)) {
             return None;
         }
-        let ox = [low.origin[0].reduce_min(), high.origin[0].reduce_max()];
-        let oy = [low.origin[1].reduce_min(), high.origin[1].reduce_max()];
-        let oz = [low.origin[2].reduce_min(), high.origin[2].reduce_max()];
         let farthest = max(greatest(ox), max(greatest(oy), greatest(oz)));
         let pad = max(PADDING * farthest, f32::MIN_POSITIVE);
         let negative = [x[1] < 0.0, y[1] < 0.0, z[1] < 0.0];
@@ -76,10 +76,36 @@ impl<S: Lanes> Extents<S> {
             ],
             near_origin: [nx, ny, nz],
             far_origin: [fx, fy, fz],
-            t_min: [low.t_min.reduce_min(), high.t_min.reduce_max()],
-            reach: [reach(low.t_max.reduce_min()), reach(high.t_max.reduce_max())],
+            t_min,
+            reach: [reach(t_max[0]), reach(t_max[1])],
         })
     }
+}
+
+/// The least and the greatest of each component.
+#[inline(always)]
+fn pairs(low: [f32; 8], high: [f32; 8]) -> [[f32; 2]; 8] {
+    std::array::from_fn(|k| [low[k], high[k]])
+}
+
+/// The least of each component of origins, directions and ranges, or the greatest.
+#[inline(always)]
+fn fold<S: Lanes, const GREATEST: bool>(rays: &RayLanes<S>) -> [f32; 8] {
+    let [ox, oy, oz] = rays.origin;
+    let [dx, dy, dz] = rays.direction;
+    // Two become one at each step, which has both in turns.
+    let (a, b) = (both::<S, GREATEST>(ox, dy), both::<S, GREATEST>(oz, rays.t_min));
+    let (c, d) = (both::<S, GREATEST>(oy, dz), both::<S, GREATEST>(dx, rays.t_max));
+    let (even, odd) = (both::<S, GREATEST>(a, b), both::<S, GREATEST>(c, d));
+    let (left, right) = both::<S, GREATEST>(even, odd).split();
+    if GREATEST { left.max(right).into() } else { left.min(right).into() }
+}
+
+/// The lesser of a pair of numbers of `a`, or the greater, then of `b`, and so on.
+#[inline(always)]
+fn both<S: Lanes, const GREATEST: bool>(a: f32x16<S>, b: f32x16<S>) -> f32x16<S> {
+    let (low, high) = (a.zip_low(b), a.zip_high(b));
+    if GREATEST { low.max(high) } else { low.min(high) }
 }
 
 /// The origins from which first planes are met earliest and latest, and last planes latest and

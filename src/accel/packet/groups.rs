@@ -9,7 +9,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, mask32x16, u32x16};
 
 use super::tile::{Tile, WIDTH};
-use crate::accel::Hit;
+use crate::accel::{Hit, TestCounts};
 use crate::accel::arena::{Patch, Ref, View};
 use crate::accel::query::Query;
 use crate::kernels::triangle::lanes::{ORDERS, Range, decide, edges};
@@ -118,11 +118,14 @@ impl Groups {
         arena: View<'_>,
         tiles: &mut [Tile],
         asks: &mut Vec<Open>,
+        tests: &mut TestCounts,
     ) {
         let groups = &mut self.groups[..self.count.min(MOST)];
         let mut count = 0;
         for (g, group) in groups.iter_mut().enumerate() {
             let leaf = arena.patch(group.place);
+            arena.prefetch_numbers(leaf.first);
+            tests.triangles += u64::from(leaf.count * group.used.count_ones());
             see(simd, leaf, &tiles[group.tile], group);
             for triangle in 0..LANES as u8 {
                 let pair = Pair { group: g as u8, triangle, inside: 0 };

@@ -38,8 +38,8 @@ impl<Q: Query, R: Rays + ?Sized> Batch<'_, Q, R> {
             next += 1;
             self.visit_leaf(simd, (tiles, tile as usize), arena, place, rays, tests);
         }
-        self.test_groups(simd, tiles);
-        self.test_alone(simd, tiles);
+        self.test_groups(simd, tiles, tests);
+        self.test_alone(simd, tiles, tests);
     }
 
     /// Tests the leaf with each of `rays`.
@@ -56,18 +56,14 @@ impl<Q: Query, R: Rays + ?Sized> Batch<'_, Q, R> {
         let tile = &mut tiles[k];
         match at.kind() {
             Kind::Patch => {
-                let leaf = arena.patch(at);
-                arena.prefetch_numbers(leaf.first);
-                let count = u64::from(rays.count_ones());
-                tests.leaves += count;
-                tests.triangles += count * u64::from(leaf.count);
+                tests.leaves += u64::from(rays.count_ones());
                 if !tile.is_sheared {
                     tile.shear(simd);
                 }
                 let mut rest = rays;
                 while rest.count_ones() > ALONE {
                     if self.groups.is_full() {
-                        self.test_groups(simd, tiles);
+                        self.test_groups(simd, tiles, tests);
                     }
                     let used = rest.count_ones().min(WIDTH as u32);
                     let positions = simd.positions(rest);
@@ -105,13 +101,15 @@ impl<Q: Query, R: Rays + ?Sized> Batch<'_, Q, R> {
 
     /// Tests all triangles of patches at once with each ray that waits alone.
     #[inline(always)]
-    pub(super) fn test_alone<S: Lanes>(&mut self, simd: S, tiles: &mut [Tile]) {
+    fn test_alone<S: Lanes>(&mut self, simd: S, tiles: &mut [Tile], tests: &mut TestCounts) {
         let arena = self.tree.arena.view();
         // Two loops: the first has no branches that depend on what is found.
         self.found.resize(self.alone.len().max(self.found.len()), Found::default());
         for (alone, found) in self.alone.iter().zip(self.found.iter_mut()) {
             let tile = &tiles[alone.tile as usize];
             let leaf = arena.patch(alone.place);
+            arena.prefetch_numbers(leaf.first);
+            tests.triangles += u64::from(leaf.count);
             let used = (1 << (leaf.count & 15)) - 1;
             let space = tile.space(alone.ray as usize);
             found.hits = space.intersect_patch(simd, &leaf.positions, leaf.corners, used);
@@ -151,9 +149,9 @@ impl<Q: Query, R: Rays + ?Sized> Batch<'_, Q, R> {
 
     /// Tests all groups of rays that wait.
     #[inline(always)]
-    pub(super) fn test_groups<S: Lanes>(&mut self, simd: S, tiles: &mut [Tile]) {
+    fn test_groups<S: Lanes>(&mut self, simd: S, tiles: &mut [Tile], tests: &mut TestCounts) {
         let arena = self.tree.arena.view();
-        self.groups.test::<S, Q>(simd, arena, tiles, self.asks);
+        self.groups.test::<S, Q>(simd, arena, tiles, self.asks, tests);
         while let Some(Open { tile, place, triangles, ray }) = self.asks.pop() {
             self.ask_again(&mut tiles[tile], arena, arena.patch(place), triangles, ray);
         }

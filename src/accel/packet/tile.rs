@@ -3,12 +3,12 @@
 use std::ops::Range;
 
 use fearless_simd::prelude::*;
-use fearless_simd::{f32x8, f32x16, u32x16};
+use fearless_simd::{f32x16, u32x16};
 
 use super::beam::{Beam, Extents, longest};
 use super::{TILE, Visit};
 use crate::accel::query::Query;
-use crate::accel::rays::Rays;
+use crate::accel::rays::{BLOCK_EDGE, Rays};
 use crate::accel::tree::reach;
 use crate::accel::{Hit, NO_PRIMITIVE};
 use crate::kernels::slab::PADDING;
@@ -74,15 +74,6 @@ pub(super) fn number_of(index: usize) -> usize {
     index & 0b100011 | (index & 0b001100) << 1 | (index & 0b010000) >> 2
 }
 
-/// Writes a row of the tile.
-#[inline(always)]
-fn put<S: Lanes>(column: &mut Column, row: usize, values: f32x8<S>) {
-    let (left, right) = values.split();
-    let (group, lane) = (row / 4 * 2, row % 4 * 4);
-    left.store_slice(&mut column[group][lane..lane + 4]);
-    right.store_slice(&mut column[group + 1][lane..lane + 4]);
-}
-
 impl Tile {
     /// A tile to be loaded.
     pub(super) const EMPTY: Self = {
@@ -121,25 +112,26 @@ impl Tile {
         range: Range<usize>,
     ) -> bool {
         let mut extents = Extents::new(simd);
-        for row in 0..EDGE {
-            let first = range.start + row * EDGE;
-            let eight = if first + EDGE <= range.end {
-                rays.eight(simd, first)
+        for g in 0..GROUPS {
+            let first = range.start + number_of(g * WIDTH);
+            let block = if range.len() == TILE {
+                rays.block(simd, first, EDGE)
             } else {
                 // Unused places repeat the last ray.
-                let mut row = [rays.ray(range.end - 1); EDGE];
-                for (i, ray) in row.iter_mut().enumerate().take(range.end.saturating_sub(first)) {
-                    *ray = rays.ray(first + i);
+                let mut block = [rays.ray(range.end - 1); WIDTH];
+                for (i, ray) in block.iter_mut().enumerate() {
+                    let number = range.start + number_of(g * WIDTH + i);
+                    *ray = rays.ray(number.min(range.end - 1));
                 }
-                row[..].eight(simd, 0)
+                block[..].block(simd, 0, BLOCK_EDGE)
             };
             for k in 0..3 {
-                put(&mut self.origin[k], row, eight.origin[k]);
-                put(&mut self.direction[k], row, eight.direction[k]);
+                self.origin[k][g] = block.origin[k].into();
+                self.direction[k][g] = block.direction[k].into();
             }
-            put(&mut self.t_min, row, eight.t_min);
-            put(&mut self.t_max, row, eight.t_max);
-            extents.add(&eight);
+            self.t_min[g] = block.t_min.into();
+            self.t_max[g] = block.t_max.into();
+            extents.add(&block);
         }
         self.is_sheared = false;
         self.is_reach_stale = false;
