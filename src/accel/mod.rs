@@ -43,7 +43,8 @@ pub use rays::{BLOCK_EDGE, RayLanes, Rays};
 pub const NO_PRIMITIVE: u32 = u32::MAX;
 
 /// The answer to a closest-hit query.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
 pub struct Hit {
     /// Where on the ray. Infinite for a miss.
     pub t: f32,

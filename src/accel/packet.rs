@@ -151,7 +151,7 @@ pub(super) fn trace<S: Lanes, Q: Query, R: Rays + ?Sized>(
         for k in (0..count).rev() {
             if is_done[k] {
                 let tile = &mut tiles[k];
-                tile.answer::<Q>(answers);
+                tile.answer::<S, Q>(simd, answers);
                 if !batch.begin(simd, tile, answers) {
                     count -= 1;
                     tiles.swap(k, count);

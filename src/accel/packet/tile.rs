@@ -191,16 +191,23 @@ impl Tile {
 
     /// Writes what is known of its rays.
     #[inline(always)]
-    pub(super) fn answer<Q: Query>(&self, answers: &mut [Q::Answer]) {
+    pub(super) fn answer<S: Lanes, Q: Query>(&self, simd: S, answers: &mut [Q::Answer]) {
         let answers = &mut answers[self.start..self.start + self.count];
-        for (number, answer) in answers.iter_mut().enumerate() {
-            let i = index_of(number);
-            *answer = if Q::ANY {
-                let primitive = if self.done >> i & 1 == 1 { 0 } else { NO_PRIMITIVE };
-                Q::answer(Hit { t: 0.0, primitive })
-            } else {
-                Q::answer(self.best(i))
+        for (number, row) in answers.chunks_mut(BLOCK_EDGE).enumerate() {
+            let i = index_of(number * BLOCK_EDGE);
+            let (g, l) = (i / WIDTH % GROUPS, i % WIDTH);
+            let (t, primitive) = (&self.best[g][l..], &self.primitive[g][l..]);
+            let (Some(t), Some(primitive)) = (t.first_chunk(), primitive.first_chunk()) else {
+                continue;
             };
+            let done = (self.done >> i) as u32;
+            if let Some(row) = row.first_chunk_mut() {
+                Q::write(simd, t, primitive, done, row);
+            } else {
+                let mut whole = [Q::NONE; BLOCK_EDGE];
+                Q::write(simd, t, primitive, done, &mut whole);
+                row.copy_from_slice(&whole[..row.len()]);
+            }
         }
     }
 
@@ -223,7 +230,7 @@ impl Tile {
                 self.far_origin[k][g] = (axes[k] - shift).into();
             }
             let t_max = load(simd, &self.t_max, g);
-            self.best[g] = t_max.into();
+            self.best[g] = [f32::INFINITY; WIDTH];
             self.reach[g] = (t_max + t_max.abs() * (4.0 * T_TOLERANCE)).into();
             self.primitive[g] = [NO_PRIMITIVE; WIDTH];
         }
