@@ -7,7 +7,7 @@
 mod columns;
 
 use fearless_simd::prelude::*;
-use fearless_simd::{f32x8, f32x16, mask32x8, u32x8};
+use fearless_simd::{f32x16, mask32x8, u32x8};
 use glam::Vec3;
 
 use crate::accel::{Hit, RayLanes, Rays as RayColumns};
