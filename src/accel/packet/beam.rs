@@ -64,11 +64,13 @@ impl<S: Lanes> Extents<S> {
         let farthest = max(greatest(ox), max(greatest(oy), greatest(oz)));
         let pad = max(PADDING * farthest, f32::MIN_POSITIVE);
         let negative = [x[1] < 0.0, y[1] < 0.0, z[1] < 0.0];
+        let has_one_origin = ox[0] == ox[1] && oy[0] == oy[1] && oz[0] == oz[1];
         let (nx, fx) = origins(ox, pad, negative[0]);
         let (ny, fy) = origins(oy, pad, negative[1]);
         let (nz, fz) = origins(oz, pad, negative[2]);
         Some(Beam {
             negative,
+            has_one_origin,
             reciprocal: [
                 [1.0 / x[1], 1.0 / x[0]],
                 [1.0 / y[1], 1.0 / y[0]],
@@ -109,9 +111,14 @@ fn both<S: Lanes, const GREATEST: bool>(a: f32x16<S>, b: f32x16<S>) -> f32x16<S>
 }
 
 /// The origins from which first planes are met earliest and latest, and last planes latest and
-/// earliest, given the extent of the origins and the most that they are shifted by.
+/// earliest, given the extent of the origins and the most that they are shifted by: just as much
+/// where there is one origin.
 #[inline(always)]
 fn origins([low, high]: [f32; 2], pad: f32, negative: bool) -> ([f32; 2], [f32; 2]) {
+    if low == high {
+        let (up, down) = ([low + pad; 2], [low - pad; 2]);
+        return if negative { (down, up) } else { (up, down) };
+    }
     if negative {
         ([low - pad, high], [high + pad, low])
     } else {
@@ -133,6 +140,8 @@ fn greatest([low, high]: [f32; 2]) -> f32 {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Beam {
     pub(super) negative: [bool; 3],
+    /// Whether all rays start at one point: planes then are as far from each.
+    pub(super) has_one_origin: bool,
     /// Least and greatest.
     pub(super) reciprocal: [[f32; 2]; 3],
     /// The origins from which first planes are met earliest, and latest.
@@ -182,6 +191,7 @@ impl Beam {
     /// Of a tile to be loaded.
     pub(super) const EMPTY: Self = Self {
         negative: [false; 3],
+        has_one_origin: false,
         reciprocal: [[0.0; 2]; 3],
         near_origin: [[0.0; 2]; 3],
         far_origin: [[0.0; 2]; 3],
@@ -192,9 +202,18 @@ impl Beam {
     /// Which children it meets.
     #[inline(always)]
     pub(super) fn children<S: Lanes>(&self, simd: S, node: &Node) -> Met<S> {
-        let x = self.axis(simd, &node.planes[0], 0);
-        let y = self.axis(simd, &node.planes[1], 1);
-        let z = self.axis(simd, &node.planes[2], 2);
+        if self.has_one_origin {
+            self.children_of::<S, true>(simd, node)
+        } else {
+            self.children_of::<S, false>(simd, node)
+        }
+    }
+
+    #[inline(always)]
+    fn children_of<S: Lanes, const ONE: bool>(&self, simd: S, node: &Node) -> Met<S> {
+        let x = self.axis::<S, ONE>(simd, &node.planes[0], 0);
+        let y = self.axis::<S, ONE>(simd, &node.planes[1], 1);
+        let z = self.axis::<S, ONE>(simd, &node.planes[2], 2);
         let near = x.near[0].max(y.near[0]).max(z.near[0].max(f32x8::splat(simd, self.t_min[0])));
         let far = x.far[0].min(y.far[0]).min(z.far[0].min(f32x8::splat(simd, self.reach[1])));
         let last = x.near[1].max(y.near[1]).max(z.near[1].max(f32x8::splat(simd, self.t_min[1])));
@@ -223,16 +242,29 @@ impl Beam {
 
     /// When rays meet the children's planes across an axis.
     #[inline(always)]
-    fn axis<S: Lanes>(&self, simd: S, planes: &[[f32; LANES]; 2], k: usize) -> Crossing<S> {
+    fn axis<S: Lanes, const ONE: bool>(
+        &self,
+        simd: S,
+        planes: &[[f32; LANES]; 2],
+        k: usize,
+    ) -> Crossing<S> {
         let first: f32x8<S> = planes[usize::from(self.negative[k])].simd_into(simd);
         let last: f32x8<S> = planes[usize::from(!self.negative[k])].simd_into(simd);
         let [low, high] = self.reciprocal[k];
-        let (first, then) = (first - self.near_origin[k][0], first - self.near_origin[k][1]);
-        let (last, before) = (last - self.far_origin[k][0], last - self.far_origin[k][1]);
+        let (a, z) = (first - self.near_origin[k][0], last - self.far_origin[k][0]);
+        let (a_low, a_high, z_low, z_high) = (a * low, a * high, z * low, z * high);
         // Which of the two is earlier depends on the side of the plane that rays start on.
+        let (near, far) = (a_low.min(a_high), z_low.max(z_high));
+        if ONE {
+            return Crossing {
+                near: [near, a_low.max(a_high)],
+                far: [far, z_low.min(z_high)],
+            };
+        }
+        let (b, y) = (first - self.near_origin[k][1], last - self.far_origin[k][1]);
         Crossing {
-            near: [(first * low).min(first * high), (then * low).max(then * high)],
-            far: [(last * low).max(last * high), (before * low).min(before * high)],
+            near: [near, (b * low).max(b * high)],
+            far: [far, (y * low).min(y * high)],
         }
     }
 }

@@ -4,7 +4,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, u32x8};
 
 use super::beam::Met;
-use super::tile::{GROUPS, Tile, WIDTH, load};
+use super::tile::{Column, GROUPS, Tile, WIDTH, load};
 use super::{TILES, Visit};
 use crate::accel::arena::{Kind, Node, Ref, View, child_of};
 use crate::accel::node::distance;
@@ -98,7 +98,12 @@ impl Children {
             if !child.by_all {
                 let lane = child.entry as usize & (LANES - 1);
                 let node = arena.node(child.parent);
-                child.rays = rays_in(simd, &tiles[child.tile as usize], node, lane, child.rays);
+                let tile = &tiles[child.tile as usize];
+                child.rays = if tile.beam.has_one_origin {
+                    rays_in::<S, true>(simd, tile, node, lane, child.rays)
+                } else {
+                    rays_in::<S, false>(simd, tile, node, lane, child.rays)
+                };
             }
         }
         for child in &self.children[..self.count] {
@@ -119,7 +124,13 @@ impl Children {
 
 /// Which of `rays` meet the child.
 #[inline(always)]
-fn rays_in<S: Lanes>(simd: S, tile: &Tile, node: &Node, lane: usize, rays: u64) -> u64 {
+fn rays_in<S: Lanes, const ONE: bool>(
+    simd: S,
+    tile: &Tile,
+    node: &Node,
+    lane: usize,
+    rays: u64,
+) -> u64 {
     let [nx, ny, nz] = tile.beam.negative;
     let [x, y, z] = &node.planes;
     let (x_first, x_last) = (x[usize::from(nx)][lane], x[usize::from(!nx)][lane]);
@@ -133,15 +144,30 @@ fn rays_in<S: Lanes>(simd: S, tile: &Tile, node: &Node, lane: usize, rays: u64) 
         let rx = load(simd, &tile.reciprocal[0], g);
         let ry = load(simd, &tile.reciprocal[1], g);
         let rz = load(simd, &tile.reciprocal[2], g);
-        let x0 = (f32x16::splat(simd, x_first) - load(simd, &tile.near_origin[0], g)) * rx;
-        let y0 = (f32x16::splat(simd, y_first) - load(simd, &tile.near_origin[1], g)) * ry;
-        let z0 = (f32x16::splat(simd, z_first) - load(simd, &tile.near_origin[2], g)) * rz;
-        let x1 = (f32x16::splat(simd, x_last) - load(simd, &tile.far_origin[0], g)) * rx;
-        let y1 = (f32x16::splat(simd, y_last) - load(simd, &tile.far_origin[1], g)) * ry;
-        let z1 = (f32x16::splat(simd, z_last) - load(simd, &tile.far_origin[2], g)) * rz;
-        let near = x0.max(y0).max(z0.max(load(simd, &tile.t_min, g)));
-        let far = x1.min(y1).min(z1.min(load(simd, &tile.reach, g)));
+        let x0 = beyond::<S, ONE>(simd, x_first, tile.beam.near_origin[0], &tile.near_origin[0], g);
+        let y0 = beyond::<S, ONE>(simd, y_first, tile.beam.near_origin[1], &tile.near_origin[1], g);
+        let z0 = beyond::<S, ONE>(simd, z_first, tile.beam.near_origin[2], &tile.near_origin[2], g);
+        let x1 = beyond::<S, ONE>(simd, x_last, tile.beam.far_origin[0], &tile.far_origin[0], g);
+        let y1 = beyond::<S, ONE>(simd, y_last, tile.beam.far_origin[1], &tile.far_origin[1], g);
+        let z1 = beyond::<S, ONE>(simd, z_last, tile.beam.far_origin[2], &tile.far_origin[2], g);
+        let near = (x0 * rx).max(y0 * ry).max((z0 * rz).max(load(simd, &tile.t_min, g)));
+        let far = (x1 * rx).min(y1 * ry).min((z1 * rz).min(load(simd, &tile.reach, g)));
         met |= near.simd_le(far).to_bitmask() << (g * WIDTH);
     }
     met & rays
+}
+
+/// How far beyond its origin each ray of a group finds the plane, or beyond the `ONE` of all.
+#[inline(always)]
+fn beyond<S: Lanes, const ONE: bool>(
+    simd: S,
+    plane: f32,
+    [one, _]: [f32; 2],
+    origins: &Column,
+    g: usize,
+) -> f32x16<S> {
+    if ONE {
+        return f32x16::splat(simd, plane - one);
+    }
+    f32x16::splat(simd, plane) - load(simd, origins, g)
 }
