@@ -6,9 +6,9 @@
 //! next.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{f32x16, mask32x16, u32x16};
+use fearless_simd::{f32x8, f32x16, mask32x16, u32x16};
 
-use super::tile::{Tile, WIDTH};
+use super::tile::{Column, Tile, WIDTH};
 use crate::accel::{Hit, TestCounts};
 use crate::accel::arena::{Patch, Ref, View};
 use crate::accel::query::Query;
@@ -126,7 +126,12 @@ impl Groups {
             let leaf = arena.patch(group.place);
             arena.prefetch_numbers(leaf.first);
             tests.triangles += u64::from(leaf.count * group.used.count_ones());
-            see(simd, leaf, &tiles[group.tile], group);
+            let tile = &tiles[group.tile];
+            if tile.beam.has_one_origin {
+                see::<S, true>(simd, leaf, tile, group);
+            } else {
+                see::<S, false>(simd, leaf, tile, group);
+            }
             for triangle in 0..LANES as u8 {
                 let pair = Pair { group: g as u8, triangle, inside: 0 };
                 self.pairs[count + usize::from(triangle)] = pair;
@@ -175,15 +180,22 @@ impl Groups {
     }
 }
 
-/// Fills in what the rays see of the patch.
+/// Fills in what the rays, which may have `ONE` origin, see of the patch.
 #[inline(always)]
-fn see<S: Lanes>(simd: S, leaf: &Patch, tile: &Tile, group: &mut Group) {
-    let order @ [kx, ky, kz] = ORDERS[tile.longest.min(2)];
-    let rays = tile.pick(simd, order, group.positions);
+fn see<S: Lanes, const ONE: bool>(simd: S, leaf: &Patch, tile: &Tile, group: &mut Group) {
+    let order = ORDERS[tile.longest.min(2)];
+    let rays = tile.pick::<S, ONE>(simd, order, group.positions);
+    let [x, y, z] = [order[0].min(2), order[1].min(2), order[2].min(2)];
+    let (px, ox) = relative::<S, ONE>(simd, &leaf.positions[x], rays.origin[0], &tile.origin[x]);
+    let (py, oy) = relative::<S, ONE>(simd, &leaf.positions[y], rays.origin[1], &tile.origin[y]);
+    let (pz, oz) = relative::<S, ONE>(simd, &leaf.positions[z], rays.origin[2], &tile.origin[z]);
     for (v, vertex) in group.vertices.iter_mut().enumerate() {
-        let x = f32x16::splat(simd, leaf.positions[kx.min(2)][v]) - rays.origin[0];
-        let y = f32x16::splat(simd, leaf.positions[ky.min(2)][v]) - rays.origin[1];
-        let z = f32x16::splat(simd, leaf.positions[kz.min(2)][v]) - rays.origin[2];
+        let mut x = f32x16::splat(simd, px[v]);
+        let mut y = f32x16::splat(simd, py[v]);
+        let mut z = f32x16::splat(simd, pz[v]);
+        if !ONE {
+            (x, y, z) = (x - ox, y - oy, z - oz);
+        }
         vertex[0] = (x - rays.shear[0] * z).into();
         vertex[1] = (y - rays.shear[1] * z).into();
         vertex[2] = (rays.shear[2] * z).into();
@@ -194,6 +206,22 @@ fn see<S: Lanes>(simd: S, leaf: &Patch, tile: &Tile, group: &mut Group) {
     group.best = rays.best.into();
     group.primitive = rays.primitive.into();
     (group.hit, group.open, group.left) = (0, 0, [0; LANES]);
+}
+
+/// The coordinates along an axis, relative to the `ONE` origin; or as they are, and what is to be
+/// subtracted for each ray.
+#[inline(always)]
+fn relative<S: Lanes, const ONE: bool>(
+    simd: S,
+    positions: &[f32; LANES],
+    origins: f32x16<S>,
+    column: &Column,
+) -> ([f32; LANES], f32x16<S>) {
+    if !ONE {
+        return (*positions, origins);
+    }
+    let positions: f32x8<S> = (*positions).simd_into(simd);
+    ((positions - column[0][0]).into(), origins)
 }
 
 /// Finds where the group's rays meet a triangle.

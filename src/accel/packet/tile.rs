@@ -267,21 +267,26 @@ impl Tile {
         )
     }
 
-    /// The rays at `positions`, with the axes in `order`.
+    /// The rays at `positions`, with the axes in `order`; without origins if they have `ONE`.
     #[inline(always)]
-    pub(super) fn pick<S: Lanes>(
+    pub(super) fn pick<S: Lanes, const ONE: bool>(
         &self,
         simd: S,
         [kx, ky, kz]: [usize; 3],
         positions: [u32; WIDTH],
     ) -> RayGroup<S> {
         let primitive = simd.pick(bytemuck::cast_ref(&self.primitive), positions);
+        let none = f32x16::splat(simd, 0.0);
         RayGroup {
-            origin: [
-                simd.pick(&self.origin[kx.min(2)], positions),
-                simd.pick(&self.origin[ky.min(2)], positions),
-                simd.pick(&self.origin[kz.min(2)], positions),
-            ],
+            origin: if ONE {
+                [none, none, none]
+            } else {
+                [
+                    simd.pick(&self.origin[kx.min(2)], positions),
+                    simd.pick(&self.origin[ky.min(2)], positions),
+                    simd.pick(&self.origin[kz.min(2)], positions),
+                ]
+            },
             shear: [
                 simd.pick(&self.shear[0], positions),
                 simd.pick(&self.shear[1], positions),
