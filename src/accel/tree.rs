@@ -106,5 +106,8 @@ impl Tree {
 /// of the primitive, or of the part of it that a leaf covers.
 #[inline(always)]
 pub(super) fn reach(t: f32) -> f32 {
-    t + t.abs() * (4.0 * T_TOLERANCE)
+    t + t.abs() * BEYOND
 }
+
+/// See [`reach`].
+pub(super) const BEYOND: f32 = 4.0 * T_TOLERANCE;

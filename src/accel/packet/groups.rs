@@ -8,10 +8,11 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x8, f32x16, mask32x16, u32x16};
 
-use super::tile::{Column, Tile, WIDTH};
+use super::tile::{Column, GROUPS, Tile, WIDTH, load};
 use crate::accel::{Hit, TestCounts};
 use crate::accel::arena::{Patch, Ref, View};
 use crate::accel::query::Query;
+use crate::accel::tree::BEYOND;
 use crate::kernels::triangle::lanes::{ORDERS, Range, decide, edges};
 use crate::math::simd::{LANES, Lanes};
 
@@ -33,9 +34,11 @@ struct Group {
     /// What the rays have found so far.
     best: Row,
     primitive: [u32; WIDTH],
-    /// Which rays of the tile they are, and how many lanes are used.
+    /// Which rays of the tile they are, and which lanes are used, a bit each.
     positions: [u32; WIDTH],
     used: u32,
+    /// Whether they are a group of the tile itself, in its order.
+    is_whole: bool,
     tile: usize,
     place: Ref,
     /// The rays that have found it here, a bit each.
@@ -82,6 +85,7 @@ impl Default for Groups {
             primitive: [0; WIDTH],
             positions: [0; WIDTH],
             used: 0,
+            is_whole: false,
             tile: 0,
             place: Ref::ROOT,
             hit: 0,
@@ -101,13 +105,26 @@ impl Groups {
         self.count == MOST
     }
 
-    /// Lets the rays at the first `used` of `positions` wait in front of the patch at `place`.
+    /// Lets the rays at the `used` ones of `positions`, a bit each, wait in front of the patch at
+    /// `place`.
     #[inline(always)]
     pub(super) fn add(&mut self, tile: usize, place: Ref, positions: [u32; WIDTH], used: u32) {
         let group = &mut self.groups[self.count % MOST];
         (group.tile, group.place) = (tile, place);
         (group.positions, group.used) = (positions, used);
+        group.is_whole = false;
         self.count += 1;
+    }
+
+    /// As [`Groups::add`], for rays of the `g`th group of the tile.
+    #[inline(always)]
+    pub(super) fn add_whole(&mut self, tile: usize, place: Ref, g: usize, used: u32) {
+        let mut positions = [0; WIDTH];
+        for (position, i) in positions.iter_mut().zip(g * WIDTH..) {
+            *position = i as u32;
+        }
+        self.add(tile, place, positions, used);
+        self.groups[(self.count - 1) % MOST].is_whole = true;
     }
 
     /// Tests all that wait, and lists what single precision leaves open.
@@ -154,7 +171,9 @@ impl Groups {
             meet::<S, Q>(simd, arena, group, *pair);
         }
         for group in groups {
-            if Q::ANY {
+            if group.is_whole {
+                tell_whole::<S, Q>(simd, &mut tiles[group.tile], group);
+            } else if Q::ANY {
                 let mut hit = group.hit;
                 while hit != 0 {
                     let lane = hit.trailing_zeros() as usize % WIDTH;
@@ -184,7 +203,11 @@ impl Groups {
 #[inline(always)]
 fn see<S: Lanes, const ONE: bool>(simd: S, leaf: &Patch, tile: &Tile, group: &mut Group) {
     let order = ORDERS[tile.longest.min(2)];
-    let rays = tile.pick::<S, ONE>(simd, order, group.positions);
+    let rays = if group.is_whole {
+        tile.whole(simd, order, group.positions[0] as usize / WIDTH)
+    } else {
+        tile.pick::<S, ONE>(simd, order, group.positions)
+    };
     let [x, y, z] = [order[0].min(2), order[1].min(2), order[2].min(2)];
     let (px, ox) = relative::<S, ONE>(simd, &leaf.positions[x], rays.origin[0], &tile.origin[x]);
     let (py, oy) = relative::<S, ONE>(simd, &leaf.positions[y], rays.origin[1], &tile.origin[y]);
@@ -267,6 +290,25 @@ fn tell(tile: &mut Tile, group: &Group) {
         let is_closer = new.t < old.t || (new.t == old.t && new.primitive < old.primitive);
         tile.set_best(i, if is_closer { new } else { old });
     }
+}
+
+/// As [`tell`], for a group of the tile itself.
+#[inline(always)]
+fn tell_whole<S: Lanes, Q: Query>(simd: S, tile: &mut Tile, group: &Group) {
+    let g = group.positions[0] as usize / WIDTH % GROUPS;
+    if Q::ANY {
+        tile.done |= u64::from(group.hit) << (g * WIDTH);
+        return;
+    }
+    let (old, new) = (load(simd, &tile.best, g), f32x16::from_slice(simd, &group.best));
+    let old_primitive: u32x16<S> = tile.primitive[g].simd_into(simd);
+    let primitive: u32x16<S> = group.primitive.simd_into(simd);
+    let closer = new.simd_lt(old) | (new.simd_eq(old) & primitive.simd_lt(old_primitive));
+    let closer = closer & mask32x16::from_bitmask(simd, u64::from(group.hit));
+    let reach = closer.select(new + new.abs() * BEYOND, load(simd, &tile.reach, g));
+    tile.best[g] = closer.select(new, old).into();
+    tile.primitive[g] = closer.select(primitive, old_primitive).into();
+    tile.reach[g] = reach.into();
 }
 
 /// The corners of a triangle, in sheared space.

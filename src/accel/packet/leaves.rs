@@ -2,7 +2,7 @@
 
 use super::children::LeafVisit;
 use super::groups::Open;
-use super::tile::{Tile, WIDTH, number_of};
+use super::tile::{GROUPS, Tile, WIDTH, number_of};
 use super::{Batch, TILE};
 use crate::accel::arena::{Kind, Patch, Ref, View};
 use crate::accel::geometry::PreparedRay;
@@ -14,6 +14,16 @@ use crate::math::simd::{LANES, Lanes};
 
 /// So many rays, or fewer, are tested each for itself.
 const ALONE: u32 = 5;
+
+/// So many rays on average in the groups of a tile that meet a leaf are tested as they lie.
+const WHOLE: u32 = 11;
+
+/// How many groups of a tile have some of `rays`.
+#[inline(always)]
+fn groups_in(rays: u64) -> u32 {
+    let has = |g: usize| u32::from(rays >> (g * WIDTH) & 0xFFFF != 0);
+    has(0) + has(1) + has(2) + has(3)
+}
 
 /// A ray of a tile that is to be tested alone with a patch.
 #[derive(Clone, Copy, Debug)]
@@ -61,6 +71,18 @@ impl<Q: Query, R: Rays + ?Sized> Batch<'_, Q, R> {
                     tile.shear(simd);
                 }
                 let mut rest = rays;
+                if rest.count_ones() > ALONE && rest.count_ones() > WHOLE * groups_in(rest) {
+                    for g in 0..GROUPS {
+                        let used = (rest >> (g * WIDTH)) as u32 & 0xFFFF;
+                        if used != 0 {
+                            if self.groups.is_full() {
+                                self.test_groups(simd, tiles, tests);
+                            }
+                            self.groups.add_whole(k, at, g, used);
+                        }
+                    }
+                    rest = 0;
+                }
                 while rest.count_ones() > ALONE {
                     if self.groups.is_full() {
                         self.test_groups(simd, tiles, tests);

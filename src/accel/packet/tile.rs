@@ -9,11 +9,11 @@ use super::beam::{Beam, Extents, longest};
 use super::{TILE, Visit};
 use crate::accel::query::Query;
 use crate::accel::rays::{BLOCK_EDGE, Rays};
-use crate::accel::tree::reach;
+use crate::accel::tree::{BEYOND, reach};
 use crate::accel::{Hit, NO_PRIMITIVE};
 use crate::kernels::slab::PADDING;
 use crate::kernels::triangle::lanes::{self, ORDERS};
-use crate::kernels::triangle::{Axis, ShearedSpace, T_TOLERANCE};
+use crate::kernels::triangle::{Axis, ShearedSpace};
 use crate::math::simd::Lanes;
 
 /// Rays tested at a time.
@@ -231,7 +231,7 @@ impl Tile {
             }
             let t_max = load(simd, &self.t_max, g);
             self.best[g] = [f32::INFINITY; WIDTH];
-            self.reach[g] = (t_max + t_max.abs() * (4.0 * T_TOLERANCE)).into();
+            self.reach[g] = (t_max + t_max.abs() * BEYOND).into();
             self.primitive[g] = [NO_PRIMITIVE; WIDTH];
         }
     }
@@ -299,6 +299,36 @@ impl Tile {
             },
             best: simd.pick(&self.best, positions),
             primitive: primitive.bitcast(),
+        }
+    }
+
+    /// The rays of the `g`th group, with the axes in `order`.
+    #[inline(always)]
+    pub(super) fn whole<S: Lanes>(
+        &self,
+        simd: S,
+        [kx, ky, kz]: [usize; 3],
+        g: usize,
+    ) -> RayGroup<S> {
+        let g = g % GROUPS;
+        RayGroup {
+            origin: [
+                load(simd, &self.origin[kx.min(2)], g),
+                load(simd, &self.origin[ky.min(2)], g),
+                load(simd, &self.origin[kz.min(2)], g),
+            ],
+            shear: [
+                load(simd, &self.shear[0], g),
+                load(simd, &self.shear[1], g),
+                load(simd, &self.shear[2], g),
+            ],
+            range: lanes::Range {
+                depth: load(simd, &self.direction[kz.min(2)], g).abs(),
+                t_min: load(simd, &self.t_min, g),
+                t_max: load(simd, &self.t_max, g),
+            },
+            best: load(simd, &self.best, g),
+            primitive: self.primitive[g].simd_into(simd),
         }
     }
 }
