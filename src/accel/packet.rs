@@ -57,6 +57,9 @@ pub(super) const MOST_HANDED: usize = 24;
 /// A tile is coherent if its visits of nodes are made by so many rays on average.
 const COHERENT: u64 = 20;
 
+/// The memory of so many tiles is asked for before they begin.
+const AHEAD: usize = 3;
+
 /// Tiles of a batch that are looked at before the rest is judged.
 const TRIAL: usize = 2;
 
@@ -137,6 +140,7 @@ pub(super) fn trace<S: Lanes, Q: Query, R: Rays + ?Sized>(
         stack,
         query: PhantomData,
     };
+    rays.prefetch(0..(AHEAD * TILE).min(rays.count()));
     let mut count = 0;
     while count < TILES && batch.begin(simd, &mut tiles[count], answers) {
         count += 1;
@@ -219,7 +223,9 @@ impl<Q: Query, R: Rays + ?Sized> Batch<'_, Q, R> {
             let start = self.next;
             let count = TILE.min(self.rays.count() - start);
             self.next += count;
-            self.rays.prefetch(self.next..(self.next + TILE).min(self.rays.count()));
+            self.rays.prefetch(
+                self.next + (AHEAD - 1) * TILE..(self.next + AHEAD * TILE).min(self.rays.count()),
+            );
             if !tile.load(simd, self.rays, start..start + count) {
                 // These go from the root, as the rest will.
                 answers[start..start + count].fill(Q::NONE);

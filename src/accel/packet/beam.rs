@@ -256,16 +256,10 @@ impl Beam {
         // Which of the two is earlier depends on the side of the plane that rays start on.
         let (near, far) = (a_low.min(a_high), z_low.max(z_high));
         if ONE {
-            return Crossing {
-                near: [near, a_low.max(a_high)],
-                far: [far, z_low.min(z_high)],
-            };
+            return Crossing { near: [near, a_low.max(a_high)], far: [far, z_low.min(z_high)] };
         }
         let (b, y) = (first - self.near_origin[k][1], last - self.far_origin[k][1]);
-        Crossing {
-            near: [near, (b * low).max(b * high)],
-            far: [far, (y * low).min(y * high)],
-        }
+        Crossing { near: [near, (b * low).max(b * high)], far: [far, (y * low).min(y * high)] }
     }
 }
 

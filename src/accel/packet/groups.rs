@@ -9,10 +9,10 @@ use fearless_simd::prelude::*;
 use fearless_simd::{f32x8, f32x16, mask32x16, u32x16};
 
 use super::tile::{Column, GROUPS, Tile, WIDTH, load};
-use crate::accel::{Hit, TestCounts};
 use crate::accel::arena::{Patch, Ref, View};
 use crate::accel::query::Query;
 use crate::accel::tree::BEYOND;
+use crate::accel::{Hit, TestCounts};
 use crate::kernels::triangle::lanes::{ORDERS, Range, decide, edges};
 use crate::math::simd::{LANES, Lanes};
 
