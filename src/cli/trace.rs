@@ -1,6 +1,7 @@
 //! `trace`: the rays of a file against a mesh, timed and answered.
 
 use std::path::PathBuf;
+use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
 use rayon::prelude::*;
@@ -211,48 +212,63 @@ fn answer(args: &TraceArgs, accel: &Accel, file: &RayFile) -> Answered {
     let mut occluded = vec![false; file.rays.len()];
     let mut work = Work::default();
     let mut samples: Vec<f64> = Vec::new();
+    // Kept from pass to pass: their memory is no part of the work.
+    let mut traversals = vec![accel.traversal(); rayon::current_num_threads()];
     for _ in 0..args.repeats {
         let start = Instant::now();
         work = if file.any_hit {
-            pass_occluded(args, accel, file, &mut occluded)
+            pass_occluded(args, accel, file, &mut occluded, &mut traversals)
         } else {
-            pass_closest(args, accel, file, &mut closest)
+            pass_closest(args, accel, file, &mut closest, &mut traversals)
         };
         samples.push(start.elapsed().as_secs_f64());
     }
     if file.any_hit {
-        pass_closest(args, accel, file, &mut closest);
+        pass_closest(args, accel, file, &mut closest, &mut traversals);
     } else {
-        pass_occluded(args, accel, file, &mut occluded);
+        pass_occluded(args, accel, file, &mut occluded, &mut traversals);
     }
     samples.sort_by(f64::total_cmp);
     Answered { closest, occluded, work, seconds: samples[samples.len() / 2] }
 }
 
-fn pass_closest(args: &TraceArgs, accel: &Accel, file: &RayFile, answers: &mut [Hit]) -> Work {
-    pass(args, accel, file, answers, Accel::closest_of, Accel::closest)
-}
-
-fn pass_occluded(args: &TraceArgs, accel: &Accel, file: &RayFile, answers: &mut [bool]) -> Work {
-    pass(args, accel, file, answers, Accel::occluded_of, Accel::occluded)
-}
-
-/// Asks of every ray, block by block.
-fn pass<A: Send>(
+fn pass_closest(
     args: &TraceArgs,
     accel: &Accel,
     file: &RayFile,
-    answers: &mut [A],
+    answers: &mut [Hit],
+    traversals: &mut [Traversal],
+) -> Work {
+    pass(args, accel, (file, answers), traversals, Accel::closest_of, Accel::closest)
+}
+
+fn pass_occluded(
+    args: &TraceArgs,
+    accel: &Accel,
+    file: &RayFile,
+    answers: &mut [bool],
+    traversals: &mut [Traversal],
+) -> Work {
+    pass(args, accel, (file, answers), traversals, Accel::occluded_of, Accel::occluded)
+}
+
+/// Asks of every ray, block by block, a thread for each of `traversals`.
+fn pass<A: Send>(
+    args: &TraceArgs,
+    accel: &Accel,
+    (file, answers): (&RayFile, &mut [A]),
+    traversals: &mut [Traversal],
     many: impl Fn(&Accel, &[Ray], &mut [A], &mut Traversal) + Sync,
     one: impl Fn(&Accel, &Ray, &mut Traversal) -> A + Sync,
 ) -> Work {
-    answers
-        .par_chunks_mut(BLOCK)
-        .zip(file.rays.par_chunks(BLOCK))
-        .map_init(
-            || accel.traversal(),
-            |traversal, (answers, rays)| {
-                (traversal.tests, traversal.kernels) = Default::default();
+    let blocks = Mutex::new(answers.chunks_mut(BLOCK).zip(file.rays.chunks(BLOCK)));
+    let next = || blocks.lock().unwrap_or_else(PoisonError::into_inner).next();
+    traversals
+        .par_iter_mut()
+        .with_max_len(1)
+        .map(|traversal| {
+            (traversal.tests, traversal.kernels) = Default::default();
+            while let Some((answers, rays)) = next() {
                 match args.tracer {
                     TracerKind::Wavefront => many(accel, rays, answers, traversal),
                     TracerKind::Recursive => {
@@ -261,9 +277,9 @@ fn pass<A: Send>(
                         }
                     }
                 }
-                Work { tests: traversal.tests, kernels: traversal.kernels }
-            },
-        )
+            }
+            Work { tests: traversal.tests, kernels: traversal.kernels }
+        })
         .reduce(Work::default, Work::add)
 }
 
