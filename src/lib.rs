@@ -17,6 +17,7 @@ pub mod render;
 pub mod replace;
 pub mod report;
 pub mod scene;
+pub mod selftest;
 pub mod systems;
 pub mod tile;
 pub mod wavefront;

@@ -3,7 +3,7 @@
 //! | exit code | meaning |
 //! |---|---|
 //! | 0 | done; for `diff`, the images are equal |
-//! | 1 | for `diff`, the images differ; for `bench`, the tracers disagree |
+//! | 1 | for `diff`, the images differ; for `bench`, the tracers disagree; for `selftest`, a case fails |
 //! | 2 | an error, told on standard error |
 
 pub mod bench;
@@ -13,6 +13,7 @@ pub mod diff;
 pub mod explain;
 pub mod generate;
 pub mod render;
+pub mod selftest;
 pub mod trace;
 
 use std::ffi::OsString;
@@ -43,6 +44,7 @@ enum Command {
     Trace(trace::TraceArgs),
     Diff(diff::DiffArgs),
     Bench(bench::BenchArgs),
+    Selftest(selftest::SelftestArgs),
 }
 
 /// Runs the command that the process's arguments ask for.
@@ -81,5 +83,6 @@ fn dispatch(command: &Command) -> Result<bool> {
         Command::Trace(args) => trace::run(args).map(|()| true),
         Command::Diff(args) => diff::run(args),
         Command::Bench(args) => bench::run(args),
+        Command::Selftest(args) => selftest::run(args),
     }
 }

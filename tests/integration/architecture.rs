@@ -28,6 +28,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("memory", &["accel", "prepared", "render", "systems", "wavefront"]),
     ("generate", &["error", "replace", "scene"]),
     ("ray_file", &["accel", "error", "math", "replace"]),
+    ("selftest", &["accel", "kernels", "math"]),
     ("report", &["accel", "counters", "error", "image", "math", "plan", "prepared", "render"]),
     (
         "cli",
@@ -46,6 +47,7 @@ const ARROWS: &[(&str, &[&str])] = &[
             "replace",
             "report",
             "scene",
+            "selftest",
             "systems",
             "tile",
             "wavefront",

@@ -1,0 +1,101 @@
+//! Every way in which a question about rays can be asked.
+
+use rayon::prelude::*;
+
+use super::{Effort, Outcome};
+use crate::accel::{Accel, Hit, KernelChoice};
+use crate::math::random::Stream;
+use crate::math::ray::Ray;
+use crate::math::simd::Level;
+
+/// Rays that a thread asks about at a time.
+const BLOCK: usize = 1 << 13;
+
+/// Has the `accel`'s answers for all rays judged, for every kernel with all instructions there are.
+/// `judge` says what is wrong with the answer for the ray of that number, if anything is.
+pub(super) fn every_way(
+    mut accel: Accel,
+    rays: &[Ray],
+    judge: impl Fn(usize, &Ray, Hit) -> Option<String> + Sync,
+) -> Outcome {
+    let mut outcome = Outcome::default();
+    for level in Level::available() {
+        let Some(token) = level.token() else { continue };
+        accel.level = token;
+        for kernel in KernelChoice::ALL {
+            accel.kernel = kernel;
+            let told = |failure| format!("{} {}: {failure}", level.name(), kernel.name());
+            outcome.add(ask(&accel, rays, |i, ray, hit| judge(i, ray, hit).map(told)));
+        }
+        if accel.tree.is_none() {
+            // Nothing is left to choose.
+            break;
+        }
+    }
+    outcome
+}
+
+/// Has the `accel`'s answers for all rays judged.
+fn ask(
+    accel: &Accel,
+    rays: &[Ray],
+    judge: impl Fn(usize, &Ray, Hit) -> Option<String> + Sync,
+) -> Outcome {
+    rays.par_chunks(BLOCK)
+        .enumerate()
+        .map(|(block, rays)| {
+            let mut hits = vec![Hit::MISS; rays.len()];
+            accel.closest_of(rays, &mut hits, &mut accel.traversal());
+            let mut outcome = Outcome::default();
+            for (i, (ray, &hit)) in rays.iter().zip(&hits).enumerate() {
+                let number = block * BLOCK + i;
+                let told = |failure| format!("ray {number}, {ray:?}: {failure}");
+                outcome.count(judge(number, ray, hit).map(told));
+            }
+            outcome
+        })
+        .collect::<Vec<_>>()
+        .into_iter()
+        .fold(Outcome::default(), |mut all, one| {
+            all.add(one);
+            all
+        })
+}
+
+/// Random numbers for the `index`th input of a case.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Numbers {
+    stream: Stream,
+    dimension: u32,
+}
+
+impl Numbers {
+    pub(super) fn new(effort: &Effort, case: u32, index: usize) -> Self {
+        let stream = Stream { seed: effort.seed, pixel: index as u32, sample: case, bounce: 0 };
+        Self { stream, dimension: 0 }
+    }
+
+    /// From 0 to 1.
+    pub(super) fn one(&mut self) -> f64 {
+        self.dimension += 1;
+        let [high, low, ..] = self.stream.words(self.dimension);
+        (f64::from(high) + f64::from(low) / 4_294_967_296.0) / 4_294_967_296.0
+    }
+
+    /// From `low` to `high`, every power of ten as likely.
+    pub(super) fn magnitude(&mut self, low: f64, high: f64) -> f64 {
+        libm::pow(10.0, libm::log10(low) + self.one() * libm::log10(high / low))
+    }
+
+    /// Less than `end`.
+    pub(super) fn below(&mut self, end: usize) -> usize {
+        ((self.one() * end as f64) as usize).min(end - 1)
+    }
+
+    /// On the unit sphere.
+    pub(super) fn direction(&mut self) -> glam::DVec3 {
+        let (z, turn) = (2.0 * self.one() - 1.0, std::f64::consts::TAU * self.one());
+        let r = (1.0 - z * z).max(0.0).sqrt();
+        glam::DVec3::new(r * libm::cos(turn), r * libm::sin(turn), z)
+    }
+}

@@ -1,0 +1,69 @@
+//! The hard cases, by number: each once with few inputs, and once with all that its bound speaks of.
+//!
+//! `cargo test --test stability` runs the first, `cargo test --release --test stability -- --ignored`
+//! the second.
+
+use wavecrest::selftest::{CASES, Count, Effort, case};
+
+/// The seed of every run; a failing input is told with its number.
+const SEED: u64 = 1;
+
+#[allow(clippy::expect_used, reason = "it fails as the tests do that call it")]
+fn run(number: u32, count: Count) {
+    let case = case(number).expect("the table below names cases that there are");
+    let outcome = case.run(&Effort { seed: SEED, count });
+    assert!(
+        outcome.holds(),
+        "{}: {} of {} failed, seed {SEED}, first {}",
+        case.name,
+        outcome.failed,
+        outcome.tried,
+        outcome.first.unwrap_or_default()
+    );
+}
+
+/// Two tests for each case.
+macro_rules! cases {
+    ($($number:literal $quick:ident $full:ident;)+) => {
+        $(
+            #[test]
+            fn $quick() {
+                run($number, Count::Quick);
+            }
+
+            #[test]
+            #[ignore = "the full count: minutes"]
+            fn $full() {
+                run($number, Count::Full);
+            }
+        )+
+
+        #[test]
+        fn every_case_is_tested() {
+            let numbers: Vec<u32> = CASES.iter().map(|case| case.number).collect();
+            assert_eq!(numbers, [$($number),+]);
+        }
+    };
+}
+
+cases! {
+    1 hc01_shared_edges hc01_shared_edges_full;
+    2 hc02_vertices hc02_vertices_full;
+    3 hc03_boxes hc03_boxes_full;
+    4 hc04_along_axes hc04_along_axes_full;
+    5 hc05_signed_zeros hc05_signed_zeros_full;
+    6 hc06_tiny_components hc06_tiny_components_full;
+    9 hc09_leaving hc09_leaving_full;
+    10 hc10_contact hc10_contact_full;
+    11 hc11_own_light hc11_own_light_full;
+    12 hc12_before_a_light hc12_before_a_light_full;
+    13 hc13_far_spheres hc13_far_spheres_full;
+    14 hc14_huge_spheres hc14_huge_spheres_full;
+    15 hc15_grazed_spheres hc15_grazed_spheres_full;
+    16 hc16_inside_spheres hc16_inside_spheres_full;
+    20 hc20_in_the_plane hc20_in_the_plane_full;
+    21 hc21_duplicates hc21_duplicates_full;
+    22 hc22_one_centroid hc22_one_centroid_full;
+    23 hc23_nested hc23_nested_full;
+    26 hc26_invalid_rays hc26_invalid_rays_full;
+}
