@@ -15,6 +15,9 @@ mod commands;
 // The commands that measure: bench, trace.
 mod measuring;
 
+// The command that tries hard cases.
+mod selftest;
+
 use std::path::{Path, PathBuf};
 use std::process::Output;
 
