@@ -11,6 +11,7 @@ use serde_json::{Value, json};
 use wavecrest::accel::build::Preset;
 use wavecrest::error::Result;
 use wavecrest::generate::{Model, Recipe, mesh};
+use wavecrest::kernels::precision::Robust;
 use wavecrest::prepared::PreparedScene;
 use wavecrest::scene::load::load_str;
 use wavecrest::systems;
@@ -80,23 +81,24 @@ fn time(
     bencher: Bencher<'_, '_>,
     name: &str,
     before: usize,
-    pass: impl Fn(&mut Wavefront, &PreparedScene),
+    pass: impl Fn(&mut Wavefront<Robust>, &PreparedScene),
 ) {
     let prepared = prepare(name);
     assert!(prepared.is_ok(), "{name}: {prepared:?}");
     let Ok(scene) = prepared else { return };
     let settings = TraceSettings { seed: 0, batch: DEFAULT_BATCH };
-    let mut wavefront = Wavefront::new(&scene, &settings);
-    let passes = [generate_all, Wavefront::intersect, |w: &mut Wavefront, s: &PreparedScene| {
-        w.shade(s, 0);
-    }];
+    let mut wavefront = Wavefront::<Robust>::new(&scene, &settings);
+    let passes =
+        [generate_all, Wavefront::intersect, |w: &mut Wavefront<Robust>, s: &PreparedScene| {
+            w.shade(s, 0);
+        }];
     for earlier in passes.iter().take(before) {
         earlier(&mut wavefront, &scene);
     }
     bencher.counter(ItemsCount::new(TILE.len())).bench_local(|| pass(&mut wavefront, &scene));
 }
 
-fn generate_all(wavefront: &mut Wavefront, scene: &PreparedScene) {
+fn generate_all(wavefront: &mut Wavefront<Robust>, scene: &PreparedScene) {
     wavefront.generate(scene, &TILE, 0..TILE.len() as u64);
 }
 
@@ -126,7 +128,8 @@ fn s5_resolve(bencher: Bencher<'_, '_>, name: &str) {
     let prepared = prepare(name);
     assert!(prepared.is_ok(), "{name}: {prepared:?}");
     let Ok(scene) = prepared else { return };
-    let mut wavefront = Wavefront::new(&scene, &TraceSettings { seed: 0, batch: DEFAULT_BATCH });
+    let mut wavefront =
+        Wavefront::<Robust>::new(&scene, &TraceSettings { seed: 0, batch: DEFAULT_BATCH });
     generate_all(&mut wavefront, &scene);
     bencher.counter(ItemsCount::new(TILE.len())).bench_local(|| wavefront.resolve(&mut sums));
 }

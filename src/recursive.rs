@@ -5,12 +5,14 @@
 //! its throughput: any number of bounces needs no stack. Light is added in the order in which the
 //! wavefront adds it, hit by hit, light by light, sample by sample.
 
+use std::marker::PhantomData;
 use std::time::Instant;
 
 use glam::Vec3;
 
 use crate::accel::Traversal;
 use crate::counters::Counters;
+use crate::kernels::precision::Arithmetic;
 use crate::kernels::shade::{self, ShadingPoint};
 use crate::math::random::Stream;
 use crate::prepared::{Arrival, PreparedScene};
@@ -18,20 +20,22 @@ use crate::tile::{Tile, TraceSettings, Tracer, add_sample};
 
 /// The tracer.
 #[derive(Debug)]
-pub struct Recursive {
+pub struct Recursive<P> {
     seed: u64,
     traversal: Traversal,
     counters: Counters,
     seconds: f64,
+    precision: PhantomData<P>,
 }
 
-impl Tracer for Recursive {
+impl<P: Arithmetic> Tracer for Recursive<P> {
     fn new(scene: &PreparedScene, settings: &TraceSettings) -> Self {
         Self {
             seed: settings.seed,
             traversal: scene.accel.traversal(),
             counters: Counters::default(),
             seconds: 0.0,
+            precision: PhantomData,
         }
     }
 
@@ -59,7 +63,7 @@ impl Tracer for Recursive {
     }
 }
 
-impl Recursive {
+impl<P: Arithmetic> Recursive<P> {
     /// The radiance along one camera ray.
     fn path(&mut self, scene: &PreparedScene, x: u32, y: u32, mut stream: Stream) -> Vec3 {
         let mut ray = scene.camera.ray(x, y, &stream);
@@ -69,7 +73,7 @@ impl Recursive {
         let mut radiance = Vec3::ZERO;
         loop {
             let hit = scene.accel.closest(&ray, &mut self.traversal);
-            let point = match scene.arrival(&ray, &hit, &mut self.counters.texels) {
+            let point = match scene.arrival::<P>(&ray, &hit, &mut self.counters.texels) {
                 Arrival::Surface(point) => point,
                 Arrival::Light(color) => return radiance + throughput * color,
                 Arrival::Nothing if stream.bounce == 0 => return radiance + scene.background,

@@ -9,6 +9,7 @@ use rayon::prelude::*;
 use crate::counters::Counters;
 use crate::error::{Error, ErrorKind, Result};
 use crate::image::Film;
+use crate::kernels::precision::{Fast, Precision, Robust};
 use crate::prepared::PreparedScene;
 use crate::recursive::Recursive;
 use crate::tile::{Tile, TraceSettings, Tracer};
@@ -93,9 +94,17 @@ pub fn render(
     options: &RenderOptions,
     progress: &(dyn Fn(u64, u64) + Sync),
 ) -> Result<Rendered> {
-    match options.tracer {
-        TracerKind::Wavefront => render_with::<Wavefront>(scene, options, progress),
-        TracerKind::Recursive => render_with::<Recursive>(scene, options, progress),
+    // Exact hits are shaded at robust points, which are in double precision already.
+    let is_fast = scene.accel.geometry.precision == Precision::Fast;
+    match (options.tracer, is_fast) {
+        (TracerKind::Wavefront, true) => render_with::<Wavefront<Fast>>(scene, options, progress),
+        (TracerKind::Wavefront, false) => {
+            render_with::<Wavefront<Robust>>(scene, options, progress)
+        }
+        (TracerKind::Recursive, true) => render_with::<Recursive<Fast>>(scene, options, progress),
+        (TracerKind::Recursive, false) => {
+            render_with::<Recursive<Robust>>(scene, options, progress)
+        }
     }
 }
 

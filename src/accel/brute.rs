@@ -2,12 +2,17 @@
 
 use super::geometry::{Geometry, PreparedRay};
 use super::{Hit, TestCounts};
+use crate::kernels::precision::Arithmetic;
 
 /// The closest hit of all.
-pub fn closest(geometry: &Geometry, ray: &PreparedRay, tests: &mut TestCounts) -> Hit {
+pub fn closest<P: Arithmetic>(
+    geometry: &Geometry,
+    ray: &PreparedRay,
+    tests: &mut TestCounts,
+) -> Hit {
     let mut best = Hit::MISS;
     for number in 0..geometry.len() as u32 {
-        if let Some(t) = geometry.hit(number, ray, tests)
+        if let Some(t) = geometry.hit::<P>(number, ray, tests)
             && t < best.t
             && !geometry.is_degenerate(number)
         {
@@ -18,9 +23,13 @@ pub fn closest(geometry: &Geometry, ray: &PreparedRay, tests: &mut TestCounts) -
 }
 
 /// Whether anything but a light's shape is hit.
-pub fn occluded(geometry: &Geometry, ray: &PreparedRay, tests: &mut TestCounts) -> bool {
+pub fn occluded<P: Arithmetic>(
+    geometry: &Geometry,
+    ray: &PreparedRay,
+    tests: &mut TestCounts,
+) -> bool {
     (0..geometry.len() as u32).any(|number| {
-        geometry.hit(number, ray, tests).is_some()
+        geometry.hit::<P>(number, ray, tests).is_some()
             && !geometry.is_light(number)
             && !geometry.is_degenerate(number)
     })

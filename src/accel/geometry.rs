@@ -8,8 +8,9 @@ use std::ops::Range;
 use glam::Vec3;
 
 use super::TestCounts;
+use crate::kernels::precision::{Arithmetic, Precision, Robust};
 use crate::kernels::slab::{Aabb, SlabRay};
-use crate::kernels::triangle::{self, ShearedSpace};
+use crate::kernels::triangle::{self, ShearedSpace, exact, fast};
 use crate::kernels::{quad, sphere};
 use crate::math::ray::Ray;
 
@@ -26,6 +27,8 @@ pub struct Geometry {
     pub spheres: Vec<(Vec3, f32)>,
     /// The primitives that are shapes of lights, by number, in rising order: shadow rays pass them.
     pub lights: Vec<Range<u32>>,
+    /// How exactly they are tested, and with that how their boxes are padded.
+    pub precision: Precision,
 }
 
 /// A primitive, by its kind and its place in that kind's array.
@@ -51,10 +54,17 @@ pub struct PreparedRay {
 }
 
 impl PreparedRay {
-    /// Prepares `ray`, which must be valid.
+    /// Prepares `ray`, which must be valid, for robust tests.
     #[inline(always)]
     pub fn new(ray: &Ray) -> Self {
-        Self { ray: *ray, slab: SlabRay::new(ray), space: ShearedSpace::new(ray) }
+        Self::of::<Robust>(ray)
+    }
+
+    /// Prepares `ray`, which must be valid.
+    #[inline(always)]
+    pub fn of<P: Arithmetic>(ray: &Ray) -> Self {
+        let space = if P::IS_FAST { ShearedSpace::NONE } else { ShearedSpace::new(ray) };
+        Self { ray: *ray, slab: SlabRay::of::<P>(ray), space }
     }
 }
 
@@ -95,15 +105,20 @@ impl Geometry {
         self.quads[index].map(|v| self.positions[v as usize])
     }
 
-    /// The padded box that contains every hit on the primitive.
+    /// The padded box that contains every hit on the primitive; or its own, if tests are to be fast.
     #[inline]
     pub fn bounds(&self, number: u32) -> Aabb {
-        match self.primitive(number) {
+        self.padded(match self.primitive(number) {
             Primitive::Triangle(i) => Aabb::around(self.triangle(i)),
             Primitive::Quad(i) => Aabb::around(self.quad(i)),
             Primitive::Sphere(i) => sphere_bounds(self.spheres[i]),
-        }
-        .padded()
+        })
+    }
+
+    /// A box grown by what tests are off by, unless they are to be fast.
+    #[inline(always)]
+    pub(super) fn padded(&self, bounds: Aabb) -> Aabb {
+        if self.precision == Precision::Fast { bounds } else { bounds.padded() }
     }
 
     /// Whether the primitive can be hit: triangles without area cannot.
@@ -124,32 +139,46 @@ impl Geometry {
         after > 0 && self.lights[after - 1].contains(&number)
     }
 
+    /// As [`Self::padded`], of a part of a primitive whose own box is `whole`.
+    pub(super) fn padded_as_part(&self, part: Aabb, whole: &Aabb) -> Aabb {
+        if self.precision == Precision::Fast { part } else { part.padded_as_part(whole) }
+    }
+
     /// The t at which the ray hits the primitive, if it does: the definition of a hit.
     #[inline(always)]
-    pub fn hit(&self, number: u32, ray: &PreparedRay, tests: &mut TestCounts) -> Option<f32> {
+    pub fn hit<P: Arithmetic>(
+        &self,
+        number: u32,
+        ray: &PreparedRay,
+        tests: &mut TestCounts,
+    ) -> Option<f32> {
         match self.primitive(number) {
             Primitive::Triangle(_) => tests.triangles += 1,
             Primitive::Quad(_) => tests.quads += 1,
             Primitive::Sphere(_) => tests.spheres += 1,
         }
-        self.test(number, ray)
+        self.test::<P>(number, ray)
     }
 
     /// As [`Self::hit`], for a triangle that was counted when it was tested among others.
     #[cold]
     #[inline(never)]
-    pub(super) fn hit_again(&self, number: u32, ray: &PreparedRay) -> Option<f32> {
-        self.test(number, ray)
+    pub(super) fn hit_again<P: Arithmetic>(&self, number: u32, ray: &PreparedRay) -> Option<f32> {
+        self.test::<P>(number, ray)
     }
 
     #[inline(always)]
-    fn test(&self, number: u32, ray: &PreparedRay) -> Option<f32> {
+    fn test<P: Arithmetic>(&self, number: u32, ray: &PreparedRay) -> Option<f32> {
         let t = match self.primitive(number) {
-            Primitive::Triangle(i) => ray.space.intersect(&self.triangle(i)),
-            Primitive::Quad(i) => quad::intersect(&ray.space, &self.quad(i)),
+            Primitive::Triangle(i) => triangle_test::<P>(ray, &self.triangle(i)),
+            Primitive::Quad(i) => quad::nearer(&self.quad(i), |half| triangle_test::<P>(ray, half)),
             Primitive::Sphere(i) => {
                 let (center, radius) = self.spheres[i];
-                sphere::intersect(&ray.ray, center, radius)
+                if P::IS_FAST {
+                    sphere::intersect_fast(&ray.ray, center, radius)
+                } else {
+                    sphere::intersect(&ray.ray, center, radius)
+                }
             }
         }?;
         (t > ray.ray.t_min && t < ray.ray.t_max).then_some(t)
@@ -162,6 +191,18 @@ impl Geometry {
             + size_of_val(self.quads.as_slice())
             + size_of_val(self.spheres.as_slice())) as u64
     }
+}
+
+/// The t at which the ray meets the triangle within its range.
+#[inline(always)]
+fn triangle_test<P: Arithmetic>(ray: &PreparedRay, corners: &[Vec3; 3]) -> Option<f32> {
+    let t = match P::PRECISION {
+        Precision::Fast => fast::intersect(&ray.ray, corners)?,
+        Precision::Robust => return ray.space.intersect(corners),
+        Precision::Exact => exact::intersect(&ray.ray, corners)? as f32,
+    };
+    // As the watertight test does: what lies before must not hide the other half of a quad.
+    (t > ray.ray.t_min).then_some(t)
 }
 
 fn sphere_bounds((center, radius): (Vec3, f32)) -> Aabb {

@@ -6,7 +6,8 @@
 use super::arena::{Kind, Ref, View};
 use super::geometry::{Geometry, PreparedRay};
 use super::{Hit, TestCounts};
-use crate::kernels::triangle::LaneHits;
+use crate::kernels::precision::{Arithmetic, Precision};
+use crate::kernels::triangle::{LaneHits, fast};
 use crate::math::simd::Lanes;
 
 /// A mask of the first `count` lanes.
@@ -17,7 +18,7 @@ fn first_lanes(count: u32) -> u32 {
 
 /// Replaces `best` by the closest hit in the leaf, if that is closer. Whether it did.
 #[inline(always)]
-pub(super) fn closest<S: Lanes>(
+pub(super) fn closest<S: Lanes, P: Arithmetic>(
     simd: S,
     arena: View<'_>,
     geometry: &Geometry,
@@ -26,12 +27,12 @@ pub(super) fn closest<S: Lanes>(
     best: &mut Hit,
     tests: &mut TestCounts,
 ) -> bool {
-    match triangles(simd, arena, ray, place, tests) {
-        Some((hits, first)) => is_closer(arena, geometry, ray, (&hits, first), best),
+    match triangles::<S, P>(simd, arena, ray, place, tests) {
+        Some((hits, first)) => is_closer::<P>(arena, geometry, ray, (&hits, first), best),
         None => {
             let before = *best;
             for &number in arena.list(place) {
-                if let Some(t) = geometry.hit(number, ray, tests) {
+                if let Some(t) = geometry.hit::<P>(number, ray, tests) {
                     offer(best, t, number);
                 }
             }
@@ -43,7 +44,7 @@ pub(super) fn closest<S: Lanes>(
 /// Replaces `best` by the closest of the hits on triangles whose numbers begin at `first`, if that
 /// is closer. Whether it did.
 #[inline(always)]
-pub(super) fn is_closer(
+pub(super) fn is_closer<P: Arithmetic>(
     arena: View<'_>,
     geometry: &Geometry,
     ray: &PreparedRay,
@@ -63,7 +64,7 @@ pub(super) fn is_closer(
     while open != 0 {
         let number = arena.number(first, open.trailing_zeros() as usize & 7);
         open &= open - 1;
-        if let Some(t) = geometry.hit_again(number, ray) {
+        if let Some(t) = geometry.hit_again::<P>(number, ray) {
             offer(best, t, number);
         }
     }
@@ -80,7 +81,7 @@ fn offer(best: &mut Hit, t: f32, number: u32) {
 
 /// Whether anything in the leaf but a light's shape is hit.
 #[inline(always)]
-pub(super) fn occluded<S: Lanes>(
+pub(super) fn occluded<S: Lanes, P: Arithmetic>(
     simd: S,
     arena: View<'_>,
     geometry: &Geometry,
@@ -88,17 +89,17 @@ pub(super) fn occluded<S: Lanes>(
     place: Ref,
     tests: &mut TestCounts,
 ) -> bool {
-    match triangles(simd, arena, ray, place, tests) {
-        Some((hits, first)) => is_any(arena, geometry, ray, (&hits, first)),
+    match triangles::<S, P>(simd, arena, ray, place, tests) {
+        Some((hits, first)) => is_any::<P>(arena, geometry, ray, (&hits, first)),
         None => arena.list(place).iter().any(|&number| {
-            geometry.hit(number, ray, tests).is_some() && !geometry.is_light(number)
+            geometry.hit::<P>(number, ray, tests).is_some() && !geometry.is_light(number)
         }),
     }
 }
 
 /// Whether there is a hit on a triangle that is no light's; their numbers begin at `first`.
 #[inline(always)]
-pub(super) fn is_any(
+pub(super) fn is_any<P: Arithmetic>(
     arena: View<'_>,
     geometry: &Geometry,
     ray: &PreparedRay,
@@ -117,7 +118,7 @@ pub(super) fn is_any(
     while open != 0 {
         let number = arena.number(first, open.trailing_zeros() as usize & 7);
         open &= open - 1;
-        if geometry.hit_again(number, ray).is_some() && !geometry.is_light(number) {
+        if geometry.hit_again::<P>(number, ray).is_some() && !geometry.is_light(number) {
             return true;
         }
     }
@@ -127,7 +128,7 @@ pub(super) fn is_any(
 /// What is known of the triangles in the leaf at `place`, and where their numbers begin; `None` for
 /// a list.
 #[inline(always)]
-fn triangles<S: Lanes>(
+fn triangles<S: Lanes, P: Arithmetic>(
     simd: S,
     arena: View<'_>,
     ray: &PreparedRay,
@@ -135,12 +136,17 @@ fn triangles<S: Lanes>(
     tests: &mut TestCounts,
 ) -> Option<(LaneHits, u32)> {
     match place.kind() {
-        Kind::Patch => Some(patch(simd, arena, ray, place, tests)),
+        Kind::Patch => Some(patch::<S, P>(simd, arena, ray, place, tests)),
         Kind::Soup => {
             let leaf = arena.soup(place);
             tests.leaves += 1;
             tests.triangles += u64::from(leaf.count);
-            let hits = ray.space.intersect_soup(simd, &leaf.corners, first_lanes(leaf.count));
+            let used = first_lanes(leaf.count);
+            let hits = match P::PRECISION {
+                Precision::Fast => fast::intersect_soup(simd, &ray.ray, &leaf.corners, used),
+                Precision::Robust => ray.space.intersect_soup(simd, &leaf.corners, used),
+                Precision::Exact => LaneHits::open(used),
+            };
             Some((hits, leaf.first))
         }
         Kind::List | Kind::Node => {
@@ -152,7 +158,7 @@ fn triangles<S: Lanes>(
 
 /// As [`triangles`], of a patch.
 #[inline(always)]
-pub(super) fn patch<S: Lanes>(
+pub(super) fn patch<S: Lanes, P: Arithmetic>(
     simd: S,
     arena: View<'_>,
     ray: &PreparedRay,
@@ -164,5 +170,11 @@ pub(super) fn patch<S: Lanes>(
     tests.leaves += 1;
     tests.triangles += u64::from(leaf.count);
     let used = first_lanes(leaf.count);
-    (ray.space.intersect_patch(simd, &leaf.positions, leaf.corners, used), leaf.first)
+    let (positions, corners) = (&leaf.positions, leaf.corners);
+    let hits = match P::PRECISION {
+        Precision::Fast => fast::intersect_patch(simd, &ray.ray, positions, corners, used),
+        Precision::Robust => ray.space.intersect_patch(simd, positions, corners, used),
+        Precision::Exact => LaneHits::open(used),
+    };
+    (hits, leaf.first)
 }

@@ -27,6 +27,7 @@ use std::marker::PhantomData;
 
 use rayon::prelude::*;
 
+use crate::kernels::precision::{Arithmetic, Exact, Fast, Precision, Robust};
 use crate::math::ray::Ray;
 use crate::math::simd::{Kernel, Lanes, dispatch};
 use build::Preset;
@@ -174,12 +175,22 @@ impl Accel {
         if !ray.is_valid() {
             return Hit::MISS;
         }
-        let ray = PreparedRay::new(ray);
+        match self.geometry.precision {
+            Precision::Fast => self.closest_in::<Fast>(ray, traversal),
+            Precision::Robust => self.closest_in::<Robust>(ray, traversal),
+            Precision::Exact => self.closest_in::<Exact>(ray, traversal),
+        }
+    }
+
+    #[inline(always)]
+    fn closest_in<P: Arithmetic>(&self, ray: &Ray, traversal: &mut Traversal) -> Hit {
+        let ray = PreparedRay::of::<P>(ray);
         match &self.tree {
             Some(tree) => {
-                dispatch(self.level, One::<Closest>::new(tree, &self.geometry, &ray, traversal))
+                let one = One::<Closest, P>::new(tree, &self.geometry, &ray, traversal);
+                dispatch(self.level, one)
             }
-            None => brute::closest(&self.geometry, &ray, &mut traversal.tests),
+            None => brute::closest::<P>(&self.geometry, &ray, &mut traversal.tests),
         }
     }
 
@@ -190,12 +201,22 @@ impl Accel {
         if !ray.is_valid() {
             return false;
         }
-        let ray = PreparedRay::new(ray);
+        match self.geometry.precision {
+            Precision::Fast => self.occluded_in::<Fast>(ray, traversal),
+            Precision::Robust => self.occluded_in::<Robust>(ray, traversal),
+            Precision::Exact => self.occluded_in::<Exact>(ray, traversal),
+        }
+    }
+
+    #[inline(always)]
+    fn occluded_in<P: Arithmetic>(&self, ray: &Ray, traversal: &mut Traversal) -> bool {
+        let ray = PreparedRay::of::<P>(ray);
         match &self.tree {
             Some(tree) => {
-                dispatch(self.level, One::<Occluded>::new(tree, &self.geometry, &ray, traversal))
+                let one = One::<Occluded, P>::new(tree, &self.geometry, &ray, traversal);
+                dispatch(self.level, one)
             }
-            None => brute::occluded(&self.geometry, &ray, &mut traversal.tests),
+            None => brute::occluded::<P>(&self.geometry, &ray, &mut traversal.tests),
         }
     }
 
@@ -206,9 +227,14 @@ impl Accel {
         answers: &mut [Hit],
         traversal: &mut Traversal,
     ) {
-        match &self.tree {
-            Some(tree) if self.kernel != KernelChoice::Single => {
-                dispatch(self.level, Many::<_, Closest>::new(self, tree, rays, answers, traversal));
+        match (&self.tree, self.many()) {
+            (Some(tree), Some(Precision::Fast)) => {
+                let many = Many::<_, Closest, Fast>::new(self, tree, rays, answers, traversal);
+                dispatch(self.level, many);
+            }
+            (Some(tree), Some(_)) => {
+                let many = Many::<_, Closest, Robust>::new(self, tree, rays, answers, traversal);
+                dispatch(self.level, many);
             }
             _ => {
                 for (i, answer) in answers.iter_mut().enumerate() {
@@ -225,12 +251,14 @@ impl Accel {
         answers: &mut [bool],
         traversal: &mut Traversal,
     ) {
-        match &self.tree {
-            Some(tree) if self.kernel != KernelChoice::Single => {
-                dispatch(
-                    self.level,
-                    Many::<_, Occluded>::new(self, tree, rays, answers, traversal),
-                );
+        match (&self.tree, self.many()) {
+            (Some(tree), Some(Precision::Fast)) => {
+                let many = Many::<_, Occluded, Fast>::new(self, tree, rays, answers, traversal);
+                dispatch(self.level, many);
+            }
+            (Some(tree), Some(_)) => {
+                let many = Many::<_, Occluded, Robust>::new(self, tree, rays, answers, traversal);
+                dispatch(self.level, many);
             }
             _ => {
                 for (i, answer) in answers.iter_mut().enumerate() {
@@ -240,6 +268,14 @@ impl Accel {
         }
     }
 
+    /// The precision in which rays are searched many at a time; `None` if each is searched alone. What
+    /// is exact has no use for lanes.
+    fn many(&self) -> Option<Precision> {
+        let is_one = self.kernel == KernelChoice::Single;
+        let precision = self.geometry.precision;
+        (!is_one && precision != Precision::Exact).then_some(precision)
+    }
+
     /// Bytes held by the tree.
     pub fn tree_bytes(&self) -> u64 {
         self.tree.as_ref().map_or(0, Tree::bytes)
@@ -247,15 +283,15 @@ impl Accel {
 }
 
 /// One ray, traced alone.
-struct One<'a, Q> {
+struct One<'a, Q, P> {
     tree: &'a Tree,
     geometry: &'a Geometry,
     ray: &'a PreparedRay,
     traversal: &'a mut Traversal,
-    query: PhantomData<Q>,
+    query: PhantomData<(Q, P)>,
 }
 
-impl<'a, Q> One<'a, Q> {
+impl<'a, Q, P> One<'a, Q, P> {
     #[inline(always)]
     fn new(
         tree: &'a Tree,
@@ -267,43 +303,45 @@ impl<'a, Q> One<'a, Q> {
     }
 }
 
-impl Kernel for One<'_, Closest> {
+impl<P: Arithmetic> Kernel for One<'_, Closest, P> {
     type Output = Hit;
 
     #[inline(always)]
     fn run<S: Lanes>(self, simd: S) -> Hit {
         let Traversal { stack, tests, .. } = self.traversal;
-        let height = single::start(self.tree, self.ray, stack);
+        let height = single::start::<P>(self.tree, self.ray, stack);
         let best = single::no_hit(self.ray);
         let stack = (stack.as_mut_slice(), height);
-        let best = single::closest(simd, self.tree, self.geometry, self.ray, best, stack, tests);
+        let ray = self.ray;
+        let best = single::closest::<S, P>(simd, self.tree, self.geometry, ray, best, stack, tests);
         single::or_miss(best)
     }
 }
 
-impl Kernel for One<'_, Occluded> {
+impl<P: Arithmetic> Kernel for One<'_, Occluded, P> {
     type Output = bool;
 
     #[inline(always)]
     fn run<S: Lanes>(self, simd: S) -> bool {
         let Traversal { stack, tests, .. } = self.traversal;
-        let height = single::start(self.tree, self.ray, stack);
+        let height = single::start::<P>(self.tree, self.ray, stack);
         let stack = (stack.as_mut_slice(), height);
-        single::occluded(simd, self.tree, self.geometry, self.ray, stack, tests)
+        single::occluded::<S, P>(simd, self.tree, self.geometry, self.ray, stack, tests)
     }
 }
 
 /// Many rays, in flight together.
-struct Many<'a, R: ?Sized, Q: Query> {
+struct Many<'a, R: ?Sized, Q: Query, P> {
     tree: &'a Tree,
     geometry: &'a Geometry,
     rays: &'a R,
     answers: &'a mut [Q::Answer],
     traversal: &'a mut Traversal,
     choice: KernelChoice,
+    precision: PhantomData<P>,
 }
 
-impl<'a, R: ?Sized, Q: Query> Many<'a, R, Q> {
+impl<'a, R: ?Sized, Q: Query, P> Many<'a, R, Q, P> {
     #[inline(always)]
     fn new(
         accel: &'a Accel,
@@ -313,11 +351,11 @@ impl<'a, R: ?Sized, Q: Query> Many<'a, R, Q> {
         traversal: &'a mut Traversal,
     ) -> Self {
         let (geometry, choice) = (&accel.geometry, accel.kernel);
-        Self { tree, geometry, rays, answers, traversal, choice }
+        Self { tree, geometry, rays, answers, traversal, choice, precision: PhantomData }
     }
 }
 
-impl<R: Rays + ?Sized, Q: Query> Kernel for Many<'_, R, Q> {
+impl<R: Rays + ?Sized, Q: Query, P: Arithmetic> Kernel for Many<'_, R, Q, P> {
     type Output = ();
 
     #[inline(always)]
@@ -327,7 +365,7 @@ impl<R: Rays + ?Sized, Q: Query> Kernel for Many<'_, R, Q> {
         let memory = (packets, flight, stack.as_mut_slice());
         let counts = (tests, if Q::ANY { &mut kernels.shadow } else { &mut kernels.closest });
         let rays = (rays, choice);
-        packet::trace::<S, Q, R>(simd, tree, geometry, rays, answers, memory, counts);
+        packet::trace::<S, Q, P, R>(simd, tree, geometry, rays, answers, memory, counts);
     }
 }
 

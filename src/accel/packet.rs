@@ -29,9 +29,11 @@ use super::geometry::{Geometry, PreparedRay};
 use super::node::{distance, place};
 use super::query::Query;
 use super::rays::Rays;
+use super::single::no_hit;
 use super::stream::{self, Flight, Found, FromRoot};
 use super::tree::{Root, Tree};
 use super::{KernelChoice, KernelCounts, TestCounts, single};
+use crate::kernels::precision::Arithmetic;
 use crate::math::simd::{Lanes, entry};
 use children::Children;
 use groups::{Groups, Open};
@@ -96,7 +98,7 @@ pub(super) struct Packets {
 
 /// Answers all rays: by packets as long as `choice` has it so, the others in flight.
 #[inline(always)]
-pub(super) fn trace<S: Lanes, Q: Query, R: Rays + ?Sized>(
+pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic, R: Rays + ?Sized>(
     simd: S,
     tree: &Tree,
     geometry: &Geometry,
@@ -120,7 +122,7 @@ pub(super) fn trace<S: Lanes, Q: Query, R: Rays + ?Sized>(
     queue.clear();
     last.clear();
     last.resize(rays.count(), (FIRST, 0));
-    let mut batch = Batch::<Q, R> {
+    let mut batch = Batch::<Q, P, R> {
         tree,
         geometry,
         rays,
@@ -173,7 +175,7 @@ pub(super) fn trace<S: Lanes, Q: Query, R: Rays + ?Sized>(
         return;
     }
     let mut source = Remaining { queue, handed, last, rays, rest: FromRoot { rays, next, root } };
-    stream::trace::<S, Q>(simd, tree, geometry, &mut source, answers, flight, (tests, counts));
+    stream::trace::<S, Q, P>(simd, tree, geometry, &mut source, answers, flight, (tests, counts));
 }
 
 /// How coherent the tiles of a batch were so far.
@@ -192,7 +194,7 @@ impl Judged {
 }
 
 /// The tiles of a batch of rays.
-struct Batch<'a, Q, R: ?Sized> {
+struct Batch<'a, Q, P, R: ?Sized> {
     tree: &'a Tree,
     geometry: &'a Geometry,
     rays: &'a R,
@@ -212,10 +214,10 @@ struct Batch<'a, Q, R: ?Sized> {
     alone: &'a mut Vec<Alone>,
     found: &'a mut Vec<Found>,
     stack: &'a mut [u64],
-    query: PhantomData<Q>,
+    query: PhantomData<(Q, P)>,
 }
 
-impl<Q: Query, R: Rays + ?Sized> Batch<'_, Q, R> {
+impl<Q: Query, P: Arithmetic, R: Rays + ?Sized> Batch<'_, Q, P, R> {
     /// Puts the next tile that can meet anything at its beginning. Whether there is one.
     #[inline(always)]
     fn begin<S: Lanes>(&mut self, simd: S, tile: &mut Tile, answers: &mut [Q::Answer]) -> bool {
@@ -226,7 +228,7 @@ impl<Q: Query, R: Rays + ?Sized> Batch<'_, Q, R> {
             self.rays.prefetch(
                 self.next + (AHEAD - 1) * TILE..(self.next + AHEAD * TILE).min(self.rays.count()),
             );
-            if !tile.load(simd, self.rays, start..start + count) {
+            if !tile.load::<S, P>(simd, self.rays, start..start + count) {
                 // These go from the root, as the rest will.
                 answers[start..start + count].fill(Q::NONE);
                 self.unfit += count;
@@ -238,7 +240,7 @@ impl<Q: Query, R: Rays + ?Sized> Batch<'_, Q, R> {
                 }
             } else if tile.beam.meets(&self.root.bounds) {
                 self.judged.tiles += 1;
-                tile.prepare(simd);
+                tile.prepare::<S, P>(simd);
                 let entry = entry(f32::NEG_INFINITY, self.root.place.bits());
                 tile.push(true, Visit { entry, rays: tile.all() });
                 return true;
@@ -329,18 +331,22 @@ impl<Q: Query, R: Rays + ?Sized> Batch<'_, Q, R> {
         i: usize,
         tests: &mut TestCounts,
     ) {
-        let ray = PreparedRay::new(&self.rays.ray(tile.start + number_of(i)));
-        let best = tile.best(i);
+        let ray = PreparedRay::of::<P>(&self.rays.ray(tile.start + number_of(i)));
+        let before = tile.best(i);
+        let best = if before.is_miss() { no_hit(&ray) } else { before };
         self.stack[0] = place;
         let stack = (&mut *self.stack, 1);
         if Q::ANY {
-            if single::occluded(simd, self.tree, self.geometry, &ray, stack, tests) {
+            if single::occluded::<S, P>(simd, self.tree, self.geometry, &ray, stack, tests) {
                 tile.set_done(i);
             }
         } else {
-            let best = single::closest(simd, self.tree, self.geometry, &ray, best, stack, tests);
-            tile.set_best(i, best);
-            tile.is_reach_stale = true;
+            let best =
+                single::closest::<S, P>(simd, self.tree, self.geometry, &ray, best, stack, tests);
+            if !best.is_miss() {
+                tile.set_best::<P>(i, best);
+                tile.is_reach_stale = true;
+            }
         }
     }
 }

@@ -5,12 +5,13 @@ use super::geometry::{Geometry, PreparedRay};
 use super::node::{self, distance, place};
 use super::tree::{Tree, reach};
 use super::{Hit, NO_PRIMITIVE, TestCounts, leaf};
+use crate::kernels::precision::Arithmetic;
 use crate::math::simd::{Lanes, entry};
 
 /// The closest hit, beginning with the first `height` entries of `stack`, the nearest last, and
 /// with `best`, the closest hit so far.
 #[inline(always)]
-pub(super) fn closest<S: Lanes>(
+pub(super) fn closest<S: Lanes, P: Arithmetic>(
     simd: S,
     tree: &Tree,
     geometry: &Geometry,
@@ -20,7 +21,7 @@ pub(super) fn closest<S: Lanes>(
     tests: &mut TestCounts,
 ) -> Hit {
     let arena = tree.arena.view();
-    let mut limit = reach(best.t);
+    let mut limit = reach::<P>(best.t);
     while height > 0 {
         height -= 1;
         let entry = stack[height];
@@ -33,8 +34,8 @@ pub(super) fn closest<S: Lanes>(
             let range = [ray.ray.t_min, limit];
             let node = arena.node(place);
             height = node::push::<S, true>(simd, node, place, &ray.slab, range, stack, height);
-        } else if leaf::closest(simd, arena, geometry, ray, place, &mut best, tests) {
-            limit = reach(best.t);
+        } else if leaf::closest::<S, P>(simd, arena, geometry, ray, place, &mut best, tests) {
+            limit = reach::<P>(best.t);
         }
     }
     best
@@ -43,7 +44,7 @@ pub(super) fn closest<S: Lanes>(
 /// Whether anything but a light's shape is hit, beginning with the first `height` entries of
 /// `stack`.
 #[inline(always)]
-pub(super) fn occluded<S: Lanes>(
+pub(super) fn occluded<S: Lanes, P: Arithmetic>(
     simd: S,
     tree: &Tree,
     geometry: &Geometry,
@@ -52,7 +53,7 @@ pub(super) fn occluded<S: Lanes>(
     tests: &mut TestCounts,
 ) -> bool {
     let arena = tree.arena.view();
-    let range = [ray.ray.t_min, reach(ray.ray.t_max)];
+    let range = [ray.ray.t_min, reach::<P>(ray.ray.t_max)];
     while height > 0 {
         height -= 1;
         let place = place(stack[height]);
@@ -60,7 +61,7 @@ pub(super) fn occluded<S: Lanes>(
             tests.nodes += 1;
             let node = arena.node(place);
             height = node::push::<S, false>(simd, node, place, &ray.slab, range, stack, height);
-        } else if leaf::occluded(simd, arena, geometry, ray, place, tests) {
+        } else if leaf::occluded::<S, P>(simd, arena, geometry, ray, place, tests) {
             return true;
         }
     }
@@ -81,8 +82,8 @@ pub(super) fn or_miss(best: Hit) -> Hit {
 
 /// Puts the root on an empty stack if the ray meets it. The height.
 #[inline(always)]
-pub(super) fn start(tree: &Tree, ray: &PreparedRay, stack: &mut [u64]) -> usize {
-    let Some(root) = tree.root().filter(|root| root.is_met(ray)) else { return 0 };
+pub(super) fn start<P: Arithmetic>(tree: &Tree, ray: &PreparedRay, stack: &mut [u64]) -> usize {
+    let Some(root) = tree.root().filter(|root| root.is_met::<P>(ray)) else { return 0 };
     stack[0] = entry(f32::NEG_INFINITY, root.place.bits());
     1
 }

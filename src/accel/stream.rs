@@ -23,6 +23,7 @@ use super::rays::Rays;
 use super::single::no_hit;
 use super::tree::{Root, Tree, reach};
 use super::{Hit, KernelCounts, TestCounts, leaf};
+use crate::kernels::precision::Arithmetic;
 use crate::kernels::triangle::LaneHits;
 use crate::math::ray::Ray;
 use crate::math::simd::{LANES, Lanes, entry};
@@ -51,9 +52,9 @@ impl Slot {
     /// What else there is to know of a ray at its beginning: its number in the batch, and the
     /// closest hit known.
     #[inline(always)]
-    pub(super) fn begin(&mut self, number: usize, best: Hit) {
+    pub(super) fn begin<P: Arithmetic>(&mut self, number: usize, best: Hit) {
         self.best = best;
-        self.reach = reach(best.t);
+        self.reach = reach::<P>(best.t);
         self.number = number as u32;
     }
 }
@@ -115,7 +116,7 @@ impl Default for Flight {
 }
 
 /// Where rays come from.
-pub(super) trait Source<Q: Query> {
+pub(super) trait Source<Q: Query, P: Arithmetic> {
     /// Fills `slot` with the next ray that has to be traced, and `stack` with the entries to begin
     /// with, as many as it says. Rays that need not be traced are answered on the way.
     fn next(
@@ -133,7 +134,7 @@ pub(super) struct FromRoot<'a, R: ?Sized> {
     pub(super) root: Root,
 }
 
-impl<Q: Query, R: Rays + ?Sized> Source<Q> for FromRoot<'_, R> {
+impl<Q: Query, P: Arithmetic, R: Rays + ?Sized> Source<Q, P> for FromRoot<'_, R> {
     #[inline(always)]
     fn next(
         &mut self,
@@ -149,13 +150,13 @@ impl<Q: Query, R: Rays + ?Sized> Source<Q> for FromRoot<'_, R> {
                 answers[number] = Q::NONE;
                 continue;
             }
-            slot.ray = PreparedRay::new(&ray);
-            if !self.root.is_met(&slot.ray) {
+            slot.ray = PreparedRay::of::<P>(&ray);
+            if !self.root.is_met::<P>(&slot.ray) {
                 answers[number] = Q::NONE;
                 continue;
             }
             stack[0] = entry(f32::NEG_INFINITY, self.root.place.bits());
-            slot.begin(number, no_hit(&slot.ray));
+            slot.begin::<P>(number, no_hit(&slot.ray));
             return Some(1);
         }
         None
@@ -164,11 +165,11 @@ impl<Q: Query, R: Rays + ?Sized> Source<Q> for FromRoot<'_, R> {
 
 /// Answers all rays of `source`.
 #[inline(always)]
-pub(super) fn trace<S: Lanes, Q: Query>(
+pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
     simd: S,
     tree: &Tree,
     geometry: &Geometry,
-    source: &mut impl Source<Q>,
+    source: &mut impl Source<Q, P>,
     answers: &mut [Q::Answer],
     flight: &mut Flight,
     (tests, counts): (&mut TestCounts, &mut KernelCounts),
@@ -180,7 +181,7 @@ pub(super) fn trace<S: Lanes, Q: Query>(
     for (index, slot) in slots.iter_mut().enumerate() {
         let bottom = index * *stride;
         let stack = &mut stacks[bottom..][..*stride];
-        let Some((then, height)) = begin::<Q>(source, answers, stack, slot) else { break };
+        let Some((then, height)) = begin::<Q, P>(source, answers, stack, slot) else { break };
         tops[index] = bottom + height;
         next.push(arena, index, then);
     }
@@ -217,7 +218,7 @@ pub(super) fn trace<S: Lanes, Q: Query>(
         for (i, found) in found.iter_mut().enumerate().take(patches) {
             let step = next.get(Kind::Patch, i);
             let ray = &slots[step.slot()].ray;
-            let (hits, first) = leaf::patch(simd, arena, ray, step.place(), tests);
+            let (hits, first) = leaf::patch::<S, P>(simd, arena, ray, step.place(), tests);
             *found = Found { hits, first };
         }
         // and what that means.
@@ -226,12 +227,12 @@ pub(super) fn trace<S: Lanes, Q: Query>(
             let slot = &mut slots[index];
             let hits = (hits, *first);
             if Q::ANY {
-                if leaf::is_any(arena, geometry, &slot.ray, hits) {
+                if leaf::is_any::<P>(arena, geometry, &slot.ray, hits) {
                     slot.best.primitive = 0;
                     tops[index] = index * *stride + 1;
                 }
-            } else if leaf::is_closer(arena, geometry, &slot.ray, hits, &mut slot.best) {
-                slot.reach = reach(slot.best.t);
+            } else if leaf::is_closer::<P>(arena, geometry, &slot.ray, hits, &mut slot.best) {
+                slot.reach = reach::<P>(slot.best.t);
                 tops[index] = clear(stacks, index * *stride, tops[index], slot.reach);
             }
             tops[index] -= 1;
@@ -248,20 +249,27 @@ pub(super) fn trace<S: Lanes, Q: Query>(
                     answers[slot.number as usize] = Q::answer(slot.best);
                     let bottom = index * *stride;
                     let stack = &mut stacks[bottom..][..*stride];
-                    if let Some((then, height)) = begin::<Q>(source, answers, stack, slot) {
+                    if let Some((then, height)) = begin::<Q, P>(source, answers, stack, slot) {
                         tops[index] = bottom + height;
                         next.push(arena, index, then);
                     }
                     continue;
                 }
                 if Q::ANY {
-                    if leaf::occluded(simd, arena, geometry, &slot.ray, at, tests) {
+                    if leaf::occluded::<S, P>(simd, arena, geometry, &slot.ray, at, tests) {
                         slot.best.primitive = 0;
                         tops[index] = index * *stride + 1;
                     }
-                } else if leaf::closest(simd, arena, geometry, &slot.ray, at, &mut slot.best, tests)
-                {
-                    slot.reach = reach(slot.best.t);
+                } else if leaf::closest::<S, P>(
+                    simd,
+                    arena,
+                    geometry,
+                    &slot.ray,
+                    at,
+                    &mut slot.best,
+                    tests,
+                ) {
+                    slot.reach = reach::<P>(slot.best.t);
                     tops[index] = clear(stacks, index * *stride, tops[index], slot.reach);
                 }
                 tops[index] -= 1;
@@ -274,8 +282,8 @@ pub(super) fn trace<S: Lanes, Q: Query>(
 /// Fills the slot with the next ray of the source. Its first step, if there is one, and the height
 /// of its stack without that.
 #[inline(always)]
-fn begin<Q: Query>(
-    source: &mut impl Source<Q>,
+fn begin<Q: Query, P: Arithmetic>(
+    source: &mut impl Source<Q, P>,
     answers: &mut [Q::Answer],
     stack: &mut [u64],
     slot: &mut Slot,

@@ -245,3 +245,58 @@ fn hc03_parts_of_long_triangles_are_met_near_the_origin() {
         assert!(compare(&format!("{size}"), &geometry, &rays) > 1000);
     }
 }
+
+/// Random rays through a cloud.
+fn through(numbers: &mut Numbers, count: usize) -> Vec<Ray> {
+    (0..count)
+        .map(|_| {
+            let (origin, target) = (numbers.vector() * 3.0, numbers.vector());
+            Ray::new(origin, target - origin)
+        })
+        .collect()
+}
+
+#[test]
+fn hc03_exact_hits_are_those_of_brute_force_and_nearly_the_robust_ones() {
+    let mut numbers = Numbers(0);
+    let mut geometry = cloud(&mut numbers, 1.0);
+    let rays = through(&mut numbers, 2000);
+    let mut robust = vec![Hit::MISS; rays.len()];
+    let accel = Accel::new(geometry.clone(), Preset::Fast);
+    accel.closest_of(&rays[..], &mut robust, &mut accel.traversal());
+    geometry.precision = Precision::Exact;
+    assert!(compare("exact", &geometry, &rays) > 1000);
+    let accel = Accel::new(geometry, Preset::Fast);
+    for (ray, robust) in rays.iter().zip(&robust) {
+        let exact = accel.closest(ray, &mut accel.traversal());
+        assert_eq!(exact.primitive, robust.primitive, "{ray:?}");
+        let error = if exact.is_miss() { 0.0 } else { (exact.t - robust.t).abs() };
+        assert!(error <= 2.0 * crate::kernels::triangle::T_TOLERANCE * robust.t, "{ray:?}");
+    }
+}
+
+#[test]
+fn fast_hits_are_nearly_the_robust_ones_in_every_way() {
+    let mut numbers = Numbers(50);
+    let mut geometry = cloud(&mut numbers, 1.0);
+    let rays = through(&mut numbers, 4000);
+    let mut robust = vec![Hit::MISS; rays.len()];
+    let accel = Accel::new(geometry.clone(), Preset::Fast);
+    accel.closest_of(&rays[..], &mut robust, &mut accel.traversal());
+    geometry.precision = Precision::Fast;
+    let mut accel = Accel::new(geometry, Preset::Fast);
+    for level in Level::available() {
+        accel.level = level.token().expect("it is available");
+        for kernel in KernelChoice::ALL {
+            accel.kernel = kernel;
+            let (mut fast, mut any) = (vec![Hit::MISS; rays.len()], vec![false; rays.len()]);
+            accel.closest_of(&rays[..], &mut fast, &mut accel.traversal());
+            accel.occluded_of(&rays[..], &mut any, &mut accel.traversal());
+            let differ = fast.iter().zip(&robust).filter(|(f, r)| f.primitive != r.primitive);
+            // What single precision decides otherwise passes an edge within its rounding.
+            assert!(differ.count() <= 2, "{level:?} {kernel:?}");
+            let differ = any.iter().zip(&robust).filter(|(any, r)| **any == r.is_miss());
+            assert!(differ.count() <= 2, "{level:?} {kernel:?}");
+        }
+    }
+}

@@ -4,6 +4,7 @@ use glam::Vec3;
 
 use super::arena::{Arena, Census, Kind, Ref, child_of};
 use super::geometry::PreparedRay;
+use crate::kernels::precision::Arithmetic;
 use crate::kernels::slab::Aabb;
 use crate::kernels::triangle::T_TOLERANCE;
 use crate::math::float::{max, min};
@@ -31,10 +32,10 @@ pub struct Root {
 impl Root {
     /// Whether the ray meets the box within its range.
     #[inline(always)]
-    pub(super) fn is_met(&self, ray: &PreparedRay) -> bool {
+    pub(super) fn is_met<P: Arithmetic>(&self, ray: &PreparedRay) -> bool {
         let interval = ray.slab.interval(&self.bounds);
         let near = max(interval.near, ray.ray.t_min);
-        near <= min(interval.far, reach(ray.ray.t_max))
+        near <= min(interval.far, reach::<P>(ray.ray.t_max))
     }
 }
 
@@ -103,10 +104,11 @@ impl Tree {
 /// A box that holds a closer hit, or one as close of a lower number, can begin after the t that was
 /// computed for it by no more than the error of that t: each hit is at a point of its primitive
 /// that the ray passes within rounding (see [`crate::kernels::triangle`]), and so in the padded box
-/// of the primitive, or of the part of it that a leaf covers.
+/// of the primitive, or of the part of it that a leaf covers. Fast tests have no such bound: boxes are
+/// visited up to the hit.
 #[inline(always)]
-pub(super) fn reach(t: f32) -> f32 {
-    t + t.abs() * BEYOND
+pub(super) fn reach<P: Arithmetic>(t: f32) -> f32 {
+    if P::IS_FAST { t } else { t + t.abs() * BEYOND }
 }
 
 /// See [`reach`].

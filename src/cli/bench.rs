@@ -119,9 +119,8 @@ fn bench(args: &BenchArgs, path: &Path) -> Result<SceneBench> {
 
 fn prepare(args: &BenchArgs, path: &Path) -> Result<(PreparedScene, Setting)> {
     let start = Instant::now();
-    let mut loaded = args.scene_options.load(path)?;
-    let extracted = systems::extract(&mut loaded.world)?;
-    drop(loaded);
+    let loaded = args.scene_options.load(path)?;
+    let extracted = args.scene_options.extract(loaded)?;
     let load = start.elapsed().as_secs_f64();
     let preset = args.scene_options.bvh.unwrap_or_else(|| extracted.preset());
     let batch = args.batch as usize;
@@ -135,7 +134,10 @@ fn prepare(args: &BenchArgs, path: &Path) -> Result<(PreparedScene, Setting)> {
     let name = path.display().to_string();
     let SearchOptions { simd, kernel } = args.search;
     let seed = args.seed;
-    Ok((scene, Setting { scene: name, seed, batch, simd, kernel, preset, time, predicted }))
+    let precision = args.scene_options.precision;
+    let setting =
+        Setting { scene: name, seed, batch, simd, kernel, precision, preset, time, predicted };
+    Ok((scene, setting))
 }
 
 fn measure_scene(args: &BenchArgs, scene: &PreparedScene) -> Result<Measured> {

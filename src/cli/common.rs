@@ -8,8 +8,10 @@ use indicatif::{ProgressBar, ProgressState, ProgressStyle};
 use crate::accel::build::Preset;
 use crate::accel::{Accel, KernelChoice};
 use crate::error::{Error, ErrorKind, Result, Warning};
+use crate::kernels::precision::Precision;
 use crate::math::simd::Level;
 use crate::scene::load::{LoadOptions, LoadedScene, load};
+use crate::systems::{self, Extracted};
 use crate::tile::Tile;
 
 /// Options on what scene is read and how.
@@ -27,6 +29,9 @@ pub struct SceneOptions {
     /// How much work goes into the BVH [default: chosen from triangles and expected rays]
     #[arg(long, value_name = "PRESET", value_enum)]
     pub bvh: Option<Preset>,
+    /// How exactly hits are found: fast leaks, exact takes its time
+    #[arg(long, value_name = "PRECISION", value_enum, default_value_t)]
+    pub precision: Precision,
     /// On how many threads
     #[command(flatten)]
     pub threads: Threads,
@@ -42,6 +47,11 @@ impl SceneOptions {
         let loaded = load(scene, &options)?;
         self.warn(&loaded.warnings);
         Ok(loaded)
+    }
+
+    /// Runs the systems on `loaded` but for the last.
+    pub fn extract(&self, mut loaded: LoadedScene) -> Result<Extracted> {
+        Ok(systems::extract(&mut loaded.world)?.with_precision(self.precision))
     }
 
     /// Tells warnings, unless asked to be quiet.

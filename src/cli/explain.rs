@@ -8,6 +8,7 @@ use serde::Serialize;
 use super::common::{SceneOptions, print, to_json};
 use crate::accel::build::Preset;
 use crate::error::Result;
+use crate::kernels::precision::Precision;
 use crate::memory::{self, Prediction};
 use crate::plan::{Effect, Plan};
 use crate::prepared::PreparedScene;
@@ -37,6 +38,7 @@ pub struct ExplainArgs {
 struct Explanation {
     passes: Vec<Pass>,
     plan: Plan,
+    precision: Precision,
     bvh: Choice,
     bytes_per_path: Vec<Column>,
     memory: Prediction,
@@ -74,8 +76,8 @@ struct Column {
 /// When the scene cannot be rendered.
 pub fn run(args: &ExplainArgs) -> Result<()> {
     args.scene_options.threads.run(|| {
-        let mut loaded = args.scene_options.load(&args.scene)?;
-        let extracted = systems::extract(&mut loaded.world)?;
+        let loaded = args.scene_options.load(&args.scene)?;
+        let extracted = args.scene_options.extract(loaded)?;
         let warnings = systems::warnings(extracted.dropped(), extracted.file());
         args.scene_options.warn(&warnings);
         let explanation = explain(&extracted, args);
@@ -91,6 +93,7 @@ fn explain(extracted: &Extracted, args: &ExplainArgs) -> Explanation {
     Explanation {
         passes: passes(scene),
         plan: scene.plan.clone(),
+        precision: args.scene_options.precision,
         bytes_per_path: columns.into_iter().map(|(name, bytes)| Column { name, bytes }).collect(),
         memory_total: memory.total(),
         memory,
@@ -145,6 +148,8 @@ fn text(e: &Explanation) -> String {
         let name = decision.effect.name();
         let _ = writeln!(text, "  {} {name:<16}{}", mark(decision.present), decision.reason);
     }
+    let precision = e.precision;
+    let _ = writeln!(text, "precision\n    {:<16}{}", precision.name(), precision.meaning());
     let _ = writeln!(text, "bvh\n    {:<16}{}", e.bvh.preset.name(), e.bvh.reason);
     if let Some(rule) = &e.bvh.rule {
         let _ = writeln!(text, "    {:<16}{rule}", "");

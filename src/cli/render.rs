@@ -90,9 +90,8 @@ pub fn run(args: &RenderArgs) -> Result<()> {
 fn run_here(args: &RenderArgs, output: &Path) -> Result<()> {
     let start = Instant::now();
     let mut time = Time::default();
-    let mut loaded = args.scene_options.load(&args.scene)?;
-    let extracted = systems::extract(&mut loaded.world)?;
-    drop(loaded);
+    let loaded = args.scene_options.load(&args.scene)?;
+    let extracted = args.scene_options.extract(loaded)?;
     let preset = args.scene_options.bvh.unwrap_or_else(|| extracted.preset());
     let pixels = args.crop.map_or(extracted.pixels(), |crop| crop.len() as u64);
     let predicted = memory::predict(&extracted, pixels, preset, args.batch as usize).total();
@@ -151,6 +150,7 @@ fn statistics(
         seed: args.seed,
         simd: args.search.simd,
         kernel: args.search.kernel,
+        precision: args.scene_options.precision,
         image: ImageSize {
             width: rendered.film.width(),
             height: rendered.film.height(),

@@ -12,6 +12,7 @@ use crate::accel::build::Preset;
 use crate::accel::geometry::Geometry;
 use crate::accel::{Accel, Hit, KernelChoice, Kernels, TestCounts, Traversal};
 use crate::error::{Error, ErrorKind, Result};
+use crate::kernels::precision::Precision;
 use crate::kernels::triangle::T_TOLERANCE;
 use crate::math::ray::Ray;
 use crate::math::simd::Level;
@@ -48,6 +49,9 @@ pub struct TraceArgs {
     /// How much work goes into the BVH [default: chosen from triangles and rays]
     #[arg(long, value_name = "PRESET", value_enum)]
     pub bvh: Option<Preset>,
+    /// How exactly hits are found: fast leaks, exact takes its time
+    #[arg(long, value_name = "PRECISION", value_enum, default_value_t)]
+    pub precision: Precision,
     /// How the tree is searched
     #[command(flatten)]
     pub search: SearchOptions,
@@ -76,6 +80,7 @@ struct Report {
     tracer: TracerKind,
     simd: Level,
     kernel: KernelChoice,
+    precision: Precision,
     preset: Preset,
     triangles: usize,
     load_seconds: f64,
@@ -126,8 +131,12 @@ fn run_here(args: &TraceArgs) -> Result<()> {
     let data = mesh::load(&args.mesh)?.mesh;
     check_belongs(args, &file, data.triangles.len())?;
     let load_seconds = start.elapsed().as_secs_f64();
-    let geometry =
-        Geometry { positions: data.positions, triangles: data.triangles, ..Geometry::default() };
+    let geometry = Geometry {
+        positions: data.positions,
+        triangles: data.triangles,
+        precision: args.precision,
+        ..Geometry::default()
+    };
     let triangles = geometry.triangles.len();
     let preset = args.bvh.unwrap_or(Preset::choose(triangles as u64, file.rays.len() as u64));
     let start = Instant::now();
@@ -154,6 +163,7 @@ fn run_here(args: &TraceArgs) -> Result<()> {
         tracer: args.tracer,
         simd: args.search.simd,
         kernel: args.search.kernel,
+        precision: args.precision,
         preset,
         triangles,
         load_seconds,
@@ -316,7 +326,7 @@ fn text(r: &Report) -> String {
     let average = |value: Option<f64>| value.map_or("-".to_owned(), |v| format!("{v:.1}"));
     format!(
         "{:.2} Mrays/s: {} rays ({kind}), {} hits, {:.4} s, median of {} on {} threads\n\
-         mesh: {} triangles, loaded in {:.3} s; bvh {}, built in {:.3} s\n\
+         mesh: {} triangles, loaded in {:.3} s; bvh {}, built in {:.3} s, {} tests\n\
          per ray: {:.2} nodes, {:.2} leaves, {:.2} triangles\n\
          {}: {} in packets ({} handed over), {} in flight, {} alone; rays of a packet at a node {}, \
          in flight in a round {}\n\
@@ -332,6 +342,7 @@ fn text(r: &Report) -> String {
         r.load_seconds,
         r.preset.name(),
         r.build_seconds,
+        r.precision.name(),
         r.nodes_per_ray,
         r.leaves_per_ray,
         r.triangles_per_ray,

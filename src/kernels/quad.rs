@@ -17,8 +17,14 @@ pub fn halves(&[a, b, c, d]: &[Vec3; 4]) -> [[Vec3; 3]; 2] {
 /// The t at which the ray meets the quad: the smaller where it meets both halves.
 #[inline(always)]
 pub fn intersect(space: &ShearedSpace, quad: &[Vec3; 4]) -> Option<f32> {
+    nearer(quad, |half| space.intersect(half))
+}
+
+/// The smaller t at which the halves of the quad are met, given the test of one.
+#[inline(always)]
+pub fn nearer(quad: &[Vec3; 4], test: impl Fn(&[Vec3; 3]) -> Option<f32>) -> Option<f32> {
     let [first, second] = halves(quad);
-    match (space.intersect(&first), space.intersect(&second)) {
+    match (test(&first), test(&second)) {
         (Some(s), Some(t)) => Some(if s < t { s } else { t }),
         (s, t) => s.or(t),
     }

@@ -43,6 +43,7 @@
 
 use glam::{Vec3, Vec3A};
 
+use super::precision::{Arithmetic, Robust};
 use crate::math::float::{UNIT_ROUNDOFF, max, max_abs, min};
 use crate::math::ray::Ray;
 
@@ -129,9 +130,18 @@ pub struct SlabRay {
 }
 
 impl SlabRay {
-    /// Prepares `ray`.
+    /// Prepares `ray` for boxes that are padded.
     #[inline(always)]
     pub fn new(ray: &Ray) -> Self {
+        Self::of::<Robust>(ray)
+    }
+
+    /// Prepares `ray`, for boxes as they are if it is to be fast.
+    #[inline(always)]
+    pub fn of<P: Arithmetic>(ray: &Ray) -> Self {
+        if P::IS_FAST {
+            return Self::unpadded(ray);
+        }
         let (origin, direction) = (Vec3A::from(ray.origin), Vec3A::from(ray.direction));
         let reciprocal = direction.recip();
         let negative = reciprocal.cmplt(Vec3A::ZERO);
@@ -152,6 +162,14 @@ impl SlabRay {
             }
         }
         slab
+    }
+
+    /// The plain slab test: what is lost to rounding is lost.
+    #[inline(always)]
+    fn unpadded(ray: &Ray) -> Self {
+        let (origin, reciprocal) = (Vec3A::from(ray.origin), Vec3A::from(ray.direction).recip());
+        let negative = reciprocal.cmplt(Vec3A::ZERO).into();
+        Self { reciprocal, near_origin: origin, far_origin: origin, negative }
     }
 
     /// Makes all boxes count as met along axis `k`. Its component is no zero, and the reciprocal

@@ -7,11 +7,19 @@ pub mod lanes;
 
 use glam::{Vec2, Vec3};
 
+use super::precision::Arithmetic;
 use super::quad;
 use super::sphere;
-use super::triangle::{self, ShearedSpace};
-use crate::math::float::{max, max_abs, normalize_f64, rounding_error};
+use super::triangle::{self, ShearedSpace, fast};
+use crate::math::float::{error_of_offset, max, max_abs, normalize, normalize_f64, rounding_error};
 use crate::math::ray::Ray;
+
+/// How far fast arithmetic moves origins off surfaces, in scene units: a fixed length, as in most
+/// renderers. It is too little far from the origin, and too much in small scenes.
+pub const FAST_OFFSET: f32 = 1e-4;
+
+/// The error that makes origins move by [`FAST_OFFSET`].
+pub(crate) const FAST_ERROR: f32 = error_of_offset(FAST_OFFSET);
 
 /// A point of a surface, apart from what the surface is made of.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,6 +34,43 @@ pub struct Surface {
     pub barycentric: Vec2,
 }
 
+impl Surface {
+    /// The point at `t`, as fast arithmetic has it.
+    #[inline]
+    fn fast(ray: &Ray, t: f32, normal: impl Fn(Vec3) -> Vec3, barycentric: Vec2) -> Self {
+        let point = ray.origin + ray.direction * t;
+        let error = Vec3::splat(FAST_ERROR);
+        Self { point, error, normal: normalize(normal(point)), barycentric }
+    }
+}
+
+/// Where `ray` meets `corners`: at `t`, which fast arithmetic takes as it is.
+#[inline]
+pub fn triangle_at<P: Arithmetic>(ray: &Ray, t: f32, corners: &[Vec3; 3]) -> Surface {
+    if !P::IS_FAST {
+        return triangle(ray, corners);
+    }
+    let fast::Crossing { u, v, .. } = fast::crossing(ray, corners);
+    let [a, b, c] = *corners;
+    Surface::fast(ray, t, |_| (b - a).cross(c - a), Vec2::new(u, v))
+}
+
+/// Where `ray` meets the quad `corners`, at `t`.
+#[inline]
+pub fn quad_at<P: Arithmetic>(ray: &Ray, t: f32, corners: &[Vec3; 4]) -> Surface {
+    let half = quad_half(ray, corners);
+    Surface { barycentric: Vec2::ZERO, ..triangle_at::<P>(ray, t, &half) }
+}
+
+/// Where `ray` meets the sphere, at `t`; the normal points outward.
+#[inline]
+pub fn sphere_at<P: Arithmetic>(ray: &Ray, t: f32, center: Vec3, radius: f32) -> Surface {
+    if !P::IS_FAST {
+        return sphere(ray, center, radius);
+    }
+    Surface::fast(ray, t, |point| point - center, Vec2::ZERO)
+}
+
 /// Where `ray` meets `corners`.
 pub fn triangle(ray: &Ray, corners: &[Vec3; 3]) -> Surface {
     let weights = ShearedSpace::new(ray).barycentric(corners);
@@ -38,11 +83,6 @@ pub fn triangle(ray: &Ray, corners: &[Vec3; 3]) -> Surface {
         normal: triangle::normal(corners).as_vec3(),
         barycentric: Vec2::new(weights.y as f32, weights.z as f32),
     }
-}
-
-/// Where `ray` meets the quad `corners`.
-pub fn quad(ray: &Ray, corners: &[Vec3; 4]) -> Surface {
-    Surface { barycentric: Vec2::ZERO, ..triangle(ray, &quad_half(ray, corners)) }
 }
 
 /// The half of the quad `corners` that `ray`, which hits it, meets first.

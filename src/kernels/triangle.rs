@@ -29,6 +29,8 @@ use glam::{DVec3, Vec3};
 use crate::math::float::{gamma, max, max_abs, min};
 use crate::math::ray::Ray;
 
+pub mod exact;
+pub mod fast;
 pub(crate) mod lanes;
 
 pub use lanes::LaneHits;
@@ -137,6 +139,16 @@ impl ShearedSpace {
     ) -> Self {
         Self { longest, origin, direction, shear, t_min, t_max }
     }
+
+    /// A space for a ray that no triangle is sheared for.
+    pub(crate) const NONE: Self = Self {
+        longest: Axis::Z,
+        origin: [0.0; 3],
+        direction: [0.0, 0.0, 1.0],
+        shear: [0.0, 0.0, 1.0],
+        t_min: 0.0,
+        t_max: 0.0,
+    };
 
     /// A vertex, its axes turned already, in this space.
     #[inline(always)]

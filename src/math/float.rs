@@ -103,6 +103,11 @@ pub fn offset_origin(point: Vec3, error: Vec3, normal: Vec3, direction: Vec3) ->
     move_along(point, normal, direction, STEEPEST_CREASE * error.element_sum())
 }
 
+/// The error of each coordinate that [`offset_origin`] moves a point by `distance` for.
+pub const fn error_of_offset(distance: f32) -> f32 {
+    distance / (3.0 * STEEPEST_CREASE)
+}
+
 /// As [`offset_origin`], for the point where a ray ends: its own surface must stay behind, but
 /// what rises beside it may be met, so the error box's extent along the normal is enough.
 #[inline]

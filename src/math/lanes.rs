@@ -111,6 +111,16 @@ impl<S: Lanes> Vec3x8<S> {
         self.x * other.x + self.y * other.y + self.z * other.z
     }
 
+    /// The vector product.
+    #[inline(always)]
+    pub fn cross(self, other: Self) -> Self {
+        Self::new(
+            self.y * other.z - other.y * self.z,
+            self.z * other.x - other.z * self.x,
+            self.x * other.y - other.x * self.y,
+        )
+    }
+
     /// The largest absolute component.
     #[inline(always)]
     pub fn max_abs(self) -> f32x8<S> {

@@ -5,6 +5,7 @@ use glam::{Vec2, Vec3};
 use super::{Looks, PreparedScene, Shape, Texture, UvMap};
 use crate::accel::Hit;
 use crate::accel::geometry::{Geometry, Primitive};
+use crate::kernels::precision::Arithmetic;
 use crate::kernels::shade::ShadingPoint;
 use crate::kernels::surface::{self, Surface};
 use crate::kernels::texture;
@@ -25,7 +26,7 @@ pub enum Arrival {
 impl PreparedScene {
     /// Where `ray` arrives with `hit`. Texels read are added to `texels`.
     #[inline]
-    pub fn arrival(&self, ray: &Ray, hit: &Hit, texels: &mut u64) -> Arrival {
+    pub fn arrival<P: Arithmetic>(&self, ray: &Ray, hit: &Hit, texels: &mut u64) -> Arrival {
         if hit.is_miss() {
             return Arrival::Nothing;
         }
@@ -35,7 +36,7 @@ impl PreparedScene {
             return Arrival::Light(color);
         }
         let geometry = &self.accel.geometry;
-        let surface = rebuild(geometry, ray, hit.primitive);
+        let surface = rebuild::<P>(geometry, ray, hit);
         let outward = if shape.flipped { -surface.normal } else { surface.normal };
         let at_back = outward.dot(ray.direction) > 0.0;
         let normal = if at_back { -outward } else { outward };
@@ -60,13 +61,13 @@ impl PreparedScene {
     }
 }
 
-fn rebuild(geometry: &Geometry, ray: &Ray, primitive: u32) -> Surface {
-    match geometry.primitive(primitive) {
-        Primitive::Triangle(i) => surface::triangle(ray, &geometry.triangle(i)),
-        Primitive::Quad(i) => surface::quad(ray, &geometry.quad(i)),
+fn rebuild<P: Arithmetic>(geometry: &Geometry, ray: &Ray, hit: &Hit) -> Surface {
+    match geometry.primitive(hit.primitive) {
+        Primitive::Triangle(i) => surface::triangle_at::<P>(ray, hit.t, &geometry.triangle(i)),
+        Primitive::Quad(i) => surface::quad_at::<P>(ray, hit.t, &geometry.quad(i)),
         Primitive::Sphere(i) => {
             let (center, radius) = geometry.spheres[i];
-            surface::sphere(ray, center, radius)
+            surface::sphere_at::<P>(ray, hit.t, center, radius)
         }
     }
 }

@@ -28,6 +28,7 @@ use serde_json::{Map, Value};
 use crate::accel::build::Preset;
 use crate::accel::{Accel, KernelChoice, KernelCounts};
 use crate::counters::Counters;
+use crate::kernels::precision::Precision;
 use crate::math::simd::Level;
 use crate::plan::Plan;
 use crate::prepared::Dropped;
@@ -44,6 +45,7 @@ pub struct Statistics {
     pub seed: u64,
     pub simd: Level,
     pub kernel: KernelChoice,
+    pub precision: Precision,
     pub image: ImageSize,
     pub rays: Rays,
     pub samples: Samples,

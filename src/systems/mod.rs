@@ -28,6 +28,7 @@ use crate::accel::Accel;
 use crate::accel::build::Preset;
 use crate::accel::geometry::Geometry;
 use crate::error::{Error, ErrorKind, Result, Warning};
+use crate::kernels::precision::Precision;
 use crate::plan::Effect;
 use crate::prepared::{Dropped, Looks, PreparedScene};
 use crate::scene::components::Settings;
@@ -70,6 +71,13 @@ impl Extracted {
     /// The geometry that the tree is to be built over.
     pub fn geometry(&self) -> &Geometry {
         &self.scene.accel.geometry
+    }
+
+    /// With hits found in this precision.
+    #[must_use]
+    pub fn with_precision(mut self, precision: Precision) -> Self {
+        self.scene.accel.geometry.precision = precision;
+        self
     }
 
     /// The scene, which has no tree yet.

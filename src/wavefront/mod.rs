@@ -20,11 +20,13 @@ mod s3_shade;
 mod s4_shadow;
 mod s5_resolve;
 
+use std::marker::PhantomData;
 use std::ops::Range;
 use std::time::Instant;
 
 use crate::accel::Traversal;
 use crate::counters::Counters;
+use crate::kernels::precision::Arithmetic;
 use crate::prepared::PreparedScene;
 use crate::tile::{Tile, TraceSettings, Tracer};
 use batch::Batch;
@@ -37,12 +39,13 @@ pub const PASSES: [&str; 5] = ["generate", "intersect", "shade", "shadow", "reso
 
 /// The tracer.
 #[derive(Debug)]
-pub struct Wavefront {
+pub struct Wavefront<P> {
     seed: u64,
     batch: Batch,
     traversal: Traversal,
     counters: Counters,
     clock: Clock,
+    precision: PhantomData<P>,
 }
 
 /// Time spent in each pass.
@@ -61,7 +64,7 @@ impl Clock {
     }
 }
 
-impl Tracer for Wavefront {
+impl<P: Arithmetic> Tracer for Wavefront<P> {
     fn new(scene: &PreparedScene, settings: &TraceSettings) -> Self {
         Self {
             seed: settings.seed,
@@ -69,6 +72,7 @@ impl Tracer for Wavefront {
             traversal: scene.accel.traversal(),
             counters: Counters::default(),
             clock: Clock::default(),
+            precision: PhantomData,
         }
     }
 
@@ -102,7 +106,7 @@ impl Tracer for Wavefront {
 }
 
 /// The passes over the batch, each with its time.
-impl Wavefront {
+impl<P: Arithmetic> Wavefront<P> {
     /// Fills the batch with the camera rays of the tile's `paths`, at most as many as it holds.
     pub fn generate(&mut self, scene: &PreparedScene, tile: &Tile, paths: Range<u64>) {
         let Self { seed, batch, counters, clock, .. } = self;
@@ -118,12 +122,12 @@ impl Wavefront {
     /// Adds the light that hits show at once, and collects what they ask for.
     pub fn shade(&mut self, scene: &PreparedScene, bounce: u32) {
         let Self { batch, counters, clock, .. } = self;
-        clock.time(2, || s3_shade::run(scene, bounce, batch, counters));
+        clock.time(2, || s3_shade::run::<P>(scene, bounce, batch, counters));
     }
 
     /// Adds the light that arrives from lights.
     pub fn shadow(&mut self, scene: &PreparedScene, bounce: u32) {
-        let Self { seed, batch, traversal, counters, clock } = self;
+        let Self { seed, batch, traversal, counters, clock, .. } = self;
         clock.time(3, || s4_shadow::run(scene, *seed, bounce, batch, traversal, counters));
     }
 

@@ -5,6 +5,8 @@
 
 mod faces;
 
+use std::marker::PhantomData;
+
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x8, mask32x8, u32x8};
 use glam::{Vec2, Vec3};
@@ -13,8 +15,9 @@ use super::batch::{Batch, Vectors};
 use crate::accel::{NO_PRIMITIVE, Rays};
 use crate::counters::Counters;
 use crate::kernels::blinn_phong::lanes::Reflection;
+use crate::kernels::precision::Arithmetic;
 use crate::kernels::shade::lanes::{LitPoints, mirrors};
-use crate::kernels::surface::lanes::{Surfaces, interpolated_normal, spheres, triangles};
+use crate::kernels::surface::lanes::{Surfaces, interpolated_normal, spheres_at, triangles_at};
 use crate::math::lanes::Vec3x8;
 use crate::math::simd::{Kernel, LANES, Lanes, dispatch};
 use crate::prepared::PreparedScene;
@@ -25,20 +28,29 @@ const SPHERES: usize = 1;
 
 /// Adds background, emitted and ambient light to the paths; collects points that lights reach and,
 /// while bounces are left, mirror rays.
-pub(super) fn run(scene: &PreparedScene, bounce: u32, batch: &mut Batch, counters: &mut Counters) {
+pub(super) fn run<P: Arithmetic>(
+    scene: &PreparedScene,
+    bounce: u32,
+    batch: &mut Batch,
+    counters: &mut Counters,
+) {
     batch.lit.clear();
     batch.next.clear();
-    dispatch(scene.accel.level, Shade { scene, bounce, batch, counters });
+    dispatch(
+        scene.accel.level,
+        Shade::<P> { scene, bounce, batch, counters, precision: PhantomData },
+    );
 }
 
-struct Shade<'a> {
+struct Shade<'a, P> {
     scene: &'a PreparedScene,
     bounce: u32,
     batch: &'a mut Batch,
     counters: &'a mut Counters,
+    precision: PhantomData<P>,
 }
 
-impl Kernel for Shade<'_> {
+impl<P: Arithmetic> Kernel for Shade<'_, P> {
     type Output = ();
 
     #[inline(always)]
@@ -73,7 +85,7 @@ impl Kernel for Shade<'_> {
     }
 }
 
-impl Shade<'_> {
+impl<P: Arithmetic> Shade<'_, P> {
     #[inline(always)]
     fn miss(&mut self, i: usize) {
         if self.bounce == 0 {
@@ -106,12 +118,14 @@ impl Shade<'_> {
         let throughput = fetch(simd, &rays.throughput, &group.rays);
         let path = group.rays.map(|ray| rays.path[ray as usize]);
         let origin = fetch(simd, &rays.origin, &group.rays);
+        let t = self.distances(simd, group);
         let surfaces = if of_spheres {
             let [center, [radius, ..], _] = &group.corners;
             let center = Vec3x8::load(simd, center);
-            spheres(simd, origin, direction, center, (*radius).simd_into(simd))
+            let radius = (*radius).simd_into(simd);
+            spheres_at::<S, P>(simd, (origin, direction), t, center, radius)
         } else {
-            triangles(simd, origin, direction, &group.corners)
+            triangles_at::<S, P>(simd, (origin, direction), t, &group.corners)
         };
 
         let outward = surfaces.normal.scale(group.side.simd_into(simd));
@@ -156,6 +170,19 @@ impl Shade<'_> {
             next.asked &= lit;
             self.counters.secondary_rays += self.batch.next.push_lanes(&next, path) as u64;
         }
+    }
+
+    /// Where on their rays the hits are; read where it matters alone.
+    #[inline(always)]
+    fn distances<S: Lanes>(&self, simd: S, group: &Group) -> f32x8<S> {
+        if !P::IS_FAST {
+            return f32x8::splat(simd, 0.0);
+        }
+        let mut t = [0.0; LANES];
+        for (t, &ray) in t.iter_mut().zip(&group.rays) {
+            *t = self.batch.hits.hit[ray as usize].t;
+        }
+        t.simd_into(simd)
     }
 
     /// Adds light to the paths of the lanes in use.

@@ -22,14 +22,20 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("wavefront", &["accel", "counters", "kernels", "math", "prepared", "tile"]),
     ("recursive", &["accel", "counters", "kernels", "math", "prepared", "tile"]),
     ("image", &["error", "replace"]),
-    ("render", &["counters", "error", "image", "prepared", "recursive", "tile", "wavefront"]),
+    (
+        "render",
+        &["counters", "error", "image", "kernels", "prepared", "recursive", "tile", "wavefront"],
+    ),
     ("scene", &["error", "kernels", "math"]),
     ("systems", &["accel", "error", "kernels", "math", "plan", "prepared", "scene"]),
     ("memory", &["accel", "prepared", "render", "systems", "wavefront"]),
     ("generate", &["error", "replace", "scene"]),
     ("ray_file", &["accel", "error", "math", "replace"]),
     ("selftest", &["accel", "kernels", "math"]),
-    ("report", &["accel", "counters", "error", "image", "math", "plan", "prepared", "render"]),
+    (
+        "report",
+        &["accel", "counters", "error", "image", "kernels", "math", "plan", "prepared", "render"],
+    ),
     (
         "cli",
         &[

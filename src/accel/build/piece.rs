@@ -132,7 +132,7 @@ impl Piece {
                     if is_degenerate(&triangle) {
                         continue;
                     }
-                    (geometry.triangles[i], Aabb::around(triangle).padded())
+                    (geometry.triangles[i], geometry.padded(Aabb::around(triangle)))
                 }
                 _ => ([0; 3], geometry.bounds(number)),
             };
@@ -197,7 +197,7 @@ impl Piece {
         split_aabbs_preset(&mut parts, &mut part_owners, &triangles, average, largest);
         for (part, &owner) in parts.iter_mut().zip(&part_owners) {
             let whole = from_obvhs(&self.boxes[owner as usize]);
-            *part = to_obvhs(from_obvhs(part).padded_as_part(&whole));
+            *part = to_obvhs(geometry.padded_as_part(from_obvhs(part), &whole));
         }
         self.boxes[..end].copy_from_slice(&parts[..end]);
         self.boxes.extend_from_slice(&parts[end..]);

@@ -6,6 +6,7 @@ use fearless_simd::{f32x8, f32x16, mask32x8, mask32x16};
 use crate::accel::arena::Node;
 use crate::accel::rays::RayLanes;
 use crate::accel::tree::reach;
+use crate::kernels::precision::Arithmetic;
 use crate::kernels::slab::{Aabb, PADDING};
 use crate::math::float::{max, min};
 use crate::math::simd::{LANES, Lanes};
@@ -54,7 +55,7 @@ impl<S: Lanes> Extents<S> {
 
     /// What bounds the rays, if these are valid and have one sign along each axis.
     #[inline(always)]
-    pub(super) fn beam(&self) -> Option<Beam> {
+    pub(super) fn beam<P: Arithmetic>(&self) -> Option<Beam> {
         let low = fold::<S, false>(&self.low);
         let high = fold::<S, true>(&self.high);
         let [ox, oy, oz, x, y, z, t_min, t_max] = pairs(low, high);
@@ -62,7 +63,7 @@ impl<S: Lanes> Extents<S> {
             return None;
         }
         let farthest = max(greatest(ox), max(greatest(oy), greatest(oz)));
-        let pad = max(PADDING * farthest, f32::MIN_POSITIVE);
+        let pad = if P::IS_FAST { 0.0 } else { max(PADDING * farthest, f32::MIN_POSITIVE) };
         let negative = [x[1] < 0.0, y[1] < 0.0, z[1] < 0.0];
         let has_one_origin = ox[0] == ox[1] && oy[0] == oy[1] && oz[0] == oz[1];
         let (nx, fx) = origins(ox, pad, negative[0]);
@@ -79,7 +80,7 @@ impl<S: Lanes> Extents<S> {
             near_origin: [nx, ny, nz],
             far_origin: [fx, fy, fz],
             t_min,
-            reach: [reach(t_max[0]), reach(t_max[1])],
+            reach: [reach::<P>(t_max[0]), reach::<P>(t_max[1])],
         })
     }
 }

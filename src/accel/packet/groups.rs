@@ -8,11 +8,12 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x8, f32x16, mask32x16, u32x16};
 
-use super::tile::{Column, GROUPS, Tile, WIDTH, load};
+use super::tile::{Column, GROUPS, Tile, WIDTH, load, reach_of};
 use crate::accel::arena::{Patch, Ref, View};
 use crate::accel::query::Query;
-use crate::accel::tree::BEYOND;
 use crate::accel::{Hit, TestCounts};
+use crate::kernels::precision::Arithmetic;
+use crate::kernels::triangle::fast;
 use crate::kernels::triangle::lanes::{ORDERS, Range, decide, edges};
 use crate::math::simd::{LANES, Lanes};
 
@@ -129,7 +130,7 @@ impl Groups {
 
     /// Tests all that wait, and lists what single precision leaves open.
     #[inline(always)]
-    pub(super) fn test<S: Lanes, Q: Query>(
+    pub(super) fn test<S: Lanes, Q: Query, P: Arithmetic>(
         &mut self,
         simd: S,
         arena: View<'_>,
@@ -144,7 +145,9 @@ impl Groups {
             arena.prefetch_numbers(leaf.first);
             tests.triangles += u64::from(leaf.count * group.used.count_ones());
             let tile = &tiles[group.tile];
-            if tile.beam.has_one_origin {
+            if P::IS_FAST {
+                see_rays(simd, tile, group);
+            } else if tile.beam.has_one_origin {
                 see::<S, true>(simd, leaf, tile, group);
             } else {
                 see::<S, false>(simd, leaf, tile, group);
@@ -155,8 +158,8 @@ impl Groups {
             }
             count += leaf.count as usize & 15;
         }
-        let all = count;
-        count = 0;
+        // The fast test has no step to leave triangles out by.
+        let all = if P::IS_FAST { 0 } else { std::mem::take(&mut count) };
         for i in 0..all {
             let pair = self.pairs[i];
             let group = &groups[usize::from(pair.group) % MOST];
@@ -168,11 +171,15 @@ impl Groups {
         }
         for pair in &self.pairs[..count] {
             let group = &mut groups[usize::from(pair.group) % MOST];
-            meet::<S, Q>(simd, arena, group, *pair);
+            if P::IS_FAST {
+                meet_fast::<S, Q>(simd, arena, group, *pair);
+            } else {
+                meet::<S, Q>(simd, arena, group, *pair);
+            }
         }
         for group in groups {
             if group.is_whole {
-                tell_whole::<S, Q>(simd, &mut tiles[group.tile], group);
+                tell_whole::<S, Q, P>(simd, &mut tiles[group.tile], group);
             } else if Q::ANY {
                 let mut hit = group.hit;
                 while hit != 0 {
@@ -181,7 +188,7 @@ impl Groups {
                     tiles[group.tile].set_done(group.positions[lane] as usize);
                 }
             } else {
-                tell(&mut tiles[group.tile], group);
+                tell::<P>(&mut tiles[group.tile], group);
             }
             let mut open = group.open;
             while open != 0 {
@@ -263,13 +270,26 @@ fn meet<S: Lanes, Q: Query>(simd: S, arena: View<'_>, group: &mut Group, pair: P
     let (t, certain, open) = decide(xy, z, edges, range, u32::from(pair.inside));
     group.open |= open;
     group.left[usize::from(pair.triangle) % LANES] = open;
+    note::<S, Q>(simd, arena, group, pair.triangle, (t, certain));
+}
+
+/// Notes the rays that `certain`ly meet the triangle, at `t`.
+#[inline(always)]
+fn note<S: Lanes, Q: Query>(
+    simd: S,
+    arena: View<'_>,
+    group: &mut Group,
+    triangle: u8,
+    (t, certain): (f32x16<S>, u32),
+) {
     if Q::ANY {
         group.hit |= certain;
         return;
     }
+    let leaf = arena.patch(group.place);
     let best: f32x16<S> = group.best.simd_into(simd);
     let primitive: u32x16<S> = group.primitive.simd_into(simd);
-    let number = arena.number(leaf.first, usize::from(pair.triangle));
+    let number = arena.number(leaf.first, usize::from(triangle));
     let closer = t.simd_lt(best) | (t.simd_eq(best) & primitive.simd_gt(number));
     let closer = closer & mask32x16::from_bitmask(simd, u64::from(certain));
     group.best = closer.select(t, best).into();
@@ -277,9 +297,71 @@ fn meet<S: Lanes, Q: Query>(simd: S, arena: View<'_>, group: &mut Group, pair: P
     group.hit |= closer.to_bitmask() as u32;
 }
 
+/// As [`see`], for the fast test: the rays themselves, with origins in the place of the first vertex
+/// and directions in that of the second.
+#[inline(always)]
+fn see_rays<S: Lanes>(simd: S, tile: &Tile, group: &mut Group) {
+    let g = group.positions[0] as usize / WIDTH;
+    for k in 0..3 {
+        let (origin, direction) = (&tile.origin[k], &tile.direction[k]);
+        group.vertices[0][k] = row(simd, origin, group, g);
+        group.vertices[1][k] = row(simd, direction, group, g);
+    }
+    group.t_min = row(simd, &tile.t_min, group, g);
+    group.t_max = row(simd, &tile.t_max, group, g);
+    group.best = row(simd, &tile.best, group, g);
+    group.primitive = if group.is_whole {
+        tile.primitive[g % GROUPS]
+    } else {
+        let primitive: u32x16<S> =
+            simd.pick(bytemuck::cast_ref(&tile.primitive), group.positions).bitcast();
+        primitive.into()
+    };
+    (group.hit, group.open, group.left) = (0, 0, [0; LANES]);
+}
+
+/// What a column has for the group's rays; `g` says which of the tile's groups, if it is a whole one.
+#[inline(always)]
+fn row<S: Lanes>(simd: S, column: &Column, group: &Group, g: usize) -> Row {
+    if group.is_whole {
+        return column[g % GROUPS];
+    }
+    simd.pick(column, group.positions).into()
+}
+
+/// As [`meet`], for the fast test.
+#[inline(always)]
+fn meet_fast<S: Lanes, Q: Query>(simd: S, arena: View<'_>, group: &mut Group, pair: Pair) {
+    let leaf = arena.patch(group.place);
+    let at = u32::from(4 * pair.triangle) % u32::BITS;
+    let [a, b, c] = leaf.corners;
+    let a = corner(simd, leaf, a >> at);
+    let b = corner(simd, leaf, b >> at);
+    let c = corner(simd, leaf, c >> at);
+    let [origin, direction, ..] = &group.vertices;
+    let rays = (vector(simd, origin), vector(simd, direction));
+    let one = f32x16::splat(simd, 1.0);
+    let range = [group.t_min.simd_into(simd), group.t_max.simd_into(simd), one];
+    let (t, hits) = fast::lanes(rays, [a, b, c], range, group.used);
+    note::<S, Q>(simd, arena, group, pair.triangle, (t, hits));
+}
+
+/// A vertex of the patch, in each lane.
+#[inline(always)]
+fn corner<S: Lanes>(simd: S, leaf: &Patch, index: u32) -> [f32x16<S>; 3] {
+    let i = index as usize % LANES;
+    let [x, y, z] = &leaf.positions;
+    [f32x16::splat(simd, x[i]), f32x16::splat(simd, y[i]), f32x16::splat(simd, z[i])]
+}
+
+#[inline(always)]
+fn vector<S: Lanes>(simd: S, [x, y, z]: &[Row; 3]) -> [f32x16<S>; 3] {
+    [(*x).simd_into(simd), (*y).simd_into(simd), (*z).simd_into(simd)]
+}
+
 /// Tells the tile what the group's rays have found: another group may have found more.
 #[inline(always)]
-fn tell(tile: &mut Tile, group: &Group) {
+fn tell<P: Arithmetic>(tile: &mut Tile, group: &Group) {
     let mut hit = group.hit;
     while hit != 0 {
         let lane = hit.trailing_zeros() as usize % WIDTH;
@@ -288,13 +370,13 @@ fn tell(tile: &mut Tile, group: &Group) {
         let (old, new) =
             (tile.best(i), Hit { t: group.best[lane], primitive: group.primitive[lane] });
         let is_closer = new.t < old.t || (new.t == old.t && new.primitive < old.primitive);
-        tile.set_best(i, if is_closer { new } else { old });
+        tile.set_best::<P>(i, if is_closer { new } else { old });
     }
 }
 
 /// As [`tell`], for a group of the tile itself.
 #[inline(always)]
-fn tell_whole<S: Lanes, Q: Query>(simd: S, tile: &mut Tile, group: &Group) {
+fn tell_whole<S: Lanes, Q: Query, P: Arithmetic>(simd: S, tile: &mut Tile, group: &Group) {
     let g = group.positions[0] as usize / WIDTH % GROUPS;
     if Q::ANY {
         tile.done |= u64::from(group.hit) << (g * WIDTH);
@@ -305,7 +387,7 @@ fn tell_whole<S: Lanes, Q: Query>(simd: S, tile: &mut Tile, group: &Group) {
     let primitive: u32x16<S> = group.primitive.simd_into(simd);
     let closer = new.simd_lt(old) | (new.simd_eq(old) & primitive.simd_lt(old_primitive));
     let closer = closer & mask32x16::from_bitmask(simd, u64::from(group.hit));
-    let reach = closer.select(new + new.abs() * BEYOND, load(simd, &tile.reach, g));
+    let reach = closer.select(reach_of::<S, P>(new), load(simd, &tile.reach, g));
     tile.best[g] = closer.select(new, old).into();
     tile.primitive[g] = closer.select(primitive, old_primitive).into();
     tile.reach[g] = reach.into();

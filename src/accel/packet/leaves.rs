@@ -10,6 +10,8 @@ use crate::accel::query::Query;
 use crate::accel::rays::Rays;
 use crate::accel::stream::Found;
 use crate::accel::{Hit, TestCounts, leaf};
+use crate::kernels::precision::Arithmetic;
+use crate::kernels::triangle::fast;
 use crate::math::simd::{LANES, Lanes};
 
 /// So many rays, or fewer, are tested each for itself.
@@ -33,7 +35,7 @@ pub(super) struct Alone {
     ray: u8,
 }
 
-impl<Q: Query, R: Rays + ?Sized> Batch<'_, Q, R> {
+impl<Q: Query, P: Arithmetic, R: Rays + ?Sized> Batch<'_, Q, P, R> {
     /// Visits the leaves that tiles have met.
     #[inline(always)]
     pub(super) fn visit_leaves<S: Lanes>(
@@ -67,7 +69,7 @@ impl<Q: Query, R: Rays + ?Sized> Batch<'_, Q, R> {
         match at.kind() {
             Kind::Patch => {
                 tests.leaves += u64::from(rays.count_ones());
-                if !tile.is_sheared {
+                if !P::IS_FAST && !tile.is_sheared {
                     tile.shear(simd);
                 }
                 let mut rest = rays;
@@ -104,15 +106,23 @@ impl<Q: Query, R: Rays + ?Sized> Batch<'_, Q, R> {
                 while rest != 0 {
                     let i = rest.trailing_zeros() as usize & (TILE - 1);
                     rest &= rest - 1;
-                    let ray = PreparedRay::new(&self.rays.ray(tile.start + number_of(i)));
+                    let ray = PreparedRay::of::<P>(&self.rays.ray(tile.start + number_of(i)));
                     if Q::ANY {
-                        if leaf::occluded(simd, arena, self.geometry, &ray, at, tests) {
+                        if leaf::occluded::<S, P>(simd, arena, self.geometry, &ray, at, tests) {
                             tile.set_done(i);
                         }
                     } else {
                         let mut best = tile.best(i);
-                        if leaf::closest(simd, arena, self.geometry, &ray, at, &mut best, tests) {
-                            tile.set_best(i, best);
+                        if leaf::closest::<S, P>(
+                            simd,
+                            arena,
+                            self.geometry,
+                            &ray,
+                            at,
+                            &mut best,
+                            tests,
+                        ) {
+                            tile.set_best::<P>(i, best);
                         }
                     }
                 }
@@ -133,8 +143,13 @@ impl<Q: Query, R: Rays + ?Sized> Batch<'_, Q, R> {
             arena.prefetch_numbers(leaf.first);
             tests.triangles += u64::from(leaf.count);
             let used = (1 << (leaf.count & 15)) - 1;
-            let space = tile.space(alone.ray as usize);
-            found.hits = space.intersect_patch(simd, &leaf.positions, leaf.corners, used);
+            let i = alone.ray as usize;
+            let (positions, corners) = (&leaf.positions, leaf.corners);
+            found.hits = if P::IS_FAST {
+                fast::intersect_patch(simd, &tile.ray(i), positions, corners, used)
+            } else {
+                tile.space(i).intersect_patch(simd, positions, corners, used)
+            };
             found.first = leaf.first;
         }
         for n in 0..self.alone.len() {
@@ -159,7 +174,7 @@ impl<Q: Query, R: Rays + ?Sized> Batch<'_, Q, R> {
                     }
                 }
                 if best != before {
-                    tile.set_best(i, best);
+                    tile.set_best::<P>(i, best);
                 }
             }
             if hits.open != 0 {
@@ -173,7 +188,7 @@ impl<Q: Query, R: Rays + ?Sized> Batch<'_, Q, R> {
     #[inline(always)]
     fn test_groups<S: Lanes>(&mut self, simd: S, tiles: &mut [Tile], tests: &mut TestCounts) {
         let arena = self.tree.arena.view();
-        self.groups.test::<S, Q>(simd, arena, tiles, self.asks, tests);
+        self.groups.test::<S, Q, P>(simd, arena, tiles, self.asks, tests);
         while let Some(Open { tile, place, triangles, ray }) = self.asks.pop() {
             self.ask_again(&mut tiles[tile], arena, arena.patch(place), triangles, ray);
         }
@@ -190,18 +205,18 @@ impl<Q: Query, R: Rays + ?Sized> Batch<'_, Q, R> {
         mut triangles: u32,
         i: usize,
     ) {
-        let ray = PreparedRay::new(&self.rays.ray(tile.start + number_of(i)));
+        let ray = PreparedRay::of::<P>(&self.rays.ray(tile.start + number_of(i)));
         while triangles != 0 {
             let number = arena.number(leaf.first, triangles.trailing_zeros() as usize);
             triangles &= triangles - 1;
-            let Some(t) = self.geometry.hit_again(number, &ray) else { continue };
+            let Some(t) = self.geometry.hit_again::<P>(number, &ray) else { continue };
             if Q::ANY {
                 tile.set_done(i);
                 return;
             }
             let best = tile.best(i);
             if t < best.t || (t == best.t && number < best.primitive) {
-                tile.set_best(i, Hit { t, primitive: number });
+                tile.set_best::<P>(i, Hit { t, primitive: number });
             }
         }
     }

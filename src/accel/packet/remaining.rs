@@ -6,6 +6,7 @@ use crate::accel::query::Query;
 use crate::accel::rays::Rays;
 use crate::accel::stream::{FromRoot, Slot, Source};
 use crate::accel::tree::reach;
+use crate::kernels::precision::Arithmetic;
 
 /// A place that a ray was handed over with, and the one before.
 #[derive(Clone, Copy, Debug)]
@@ -23,7 +24,7 @@ pub(super) struct Remaining<'a, R: ?Sized> {
     pub(super) rest: FromRoot<'a, R>,
 }
 
-impl<Q: Query, R: Rays + ?Sized> Source<Q> for Remaining<'_, R> {
+impl<Q: Query, P: Arithmetic, R: Rays + ?Sized> Source<Q, P> for Remaining<'_, R> {
     #[inline(always)]
     fn next(
         &mut self,
@@ -38,9 +39,9 @@ impl<Q: Query, R: Rays + ?Sized> Source<Q> for Remaining<'_, R> {
                 answers[number] = Q::NONE;
                 continue;
             }
-            slot.ray = PreparedRay::new(&ray);
+            slot.ray = PreparedRay::of::<P>(&ray);
             let Some(best) = Q::resume(answers[number], &slot.ray) else { continue };
-            let reach = reach(best.t);
+            let reach = reach::<P>(best.t);
             let mut entries = 0;
             let mut place = self.last[number].0;
             // From the farthest to the nearest, which is then the last.
@@ -50,10 +51,10 @@ impl<Q: Query, R: Rays + ?Sized> Source<Q> for Remaining<'_, R> {
                 place = handed.before;
             }
             if entries > 0 {
-                slot.begin(number, best);
+                slot.begin::<P>(number, best);
                 return Some(entries);
             }
         }
-        <FromRoot<'_, R> as Source<Q>>::next(&mut self.rest, answers, stack, slot)
+        <FromRoot<'_, R> as Source<Q, P>>::next(&mut self.rest, answers, stack, slot)
     }
 }

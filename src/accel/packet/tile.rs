@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, u32x16};
+use glam::Vec3;
 
 use super::beam::{Beam, Extents, longest};
 use super::{TILE, Visit};
@@ -11,9 +12,11 @@ use crate::accel::query::Query;
 use crate::accel::rays::{BLOCK_EDGE, Rays};
 use crate::accel::tree::{BEYOND, reach};
 use crate::accel::{Hit, NO_PRIMITIVE};
+use crate::kernels::precision::Arithmetic;
 use crate::kernels::slab::PADDING;
 use crate::kernels::triangle::lanes::{self, ORDERS};
 use crate::kernels::triangle::{Axis, ShearedSpace};
+use crate::math::ray::Ray;
 use crate::math::simd::Lanes;
 
 /// Rays tested at a time.
@@ -105,7 +108,7 @@ impl Tile {
     /// Takes the rays of `range`, at least one. Whether they are fit for a packet: all valid, of one
     /// sign along each axis, and longest along the same axis.
     #[inline(always)]
-    pub(super) fn load<S: Lanes>(
+    pub(super) fn load<S: Lanes, P: Arithmetic>(
         &mut self,
         simd: S,
         rays: &(impl Rays + ?Sized),
@@ -138,7 +141,7 @@ impl Tile {
         self.done = 0;
         self.height = 0;
         (self.start, self.count) = (range.start, range.len());
-        let Some(beam) = extents.beam() else { return false };
+        let Some(beam) = extents.beam::<P>() else { return false };
         let Some(longest) = longest(beam.reciprocal) else { return false };
         self.longest = longest;
         self.beam = beam;
@@ -182,11 +185,11 @@ impl Tile {
     }
 
     #[inline(always)]
-    pub(super) fn set_best(&mut self, i: usize, hit: Hit) {
+    pub(super) fn set_best<P: Arithmetic>(&mut self, i: usize, hit: Hit) {
         let (g, l) = (i / WIDTH, i % WIDTH);
         self.best[g][l] = hit.t;
         self.primitive[g][l] = hit.primitive;
-        self.reach[g][l] = reach(hit.t);
+        self.reach[g][l] = reach::<P>(hit.t);
     }
 
     /// Writes what is known of its rays.
@@ -214,13 +217,17 @@ impl Tile {
     /// Fills what follows from origins, directions and ranges, as
     /// [`crate::kernels::slab::SlabRay::new`] does for one ray.
     #[inline(always)]
-    pub(super) fn prepare<S: Lanes>(&mut self, simd: S) {
+    pub(super) fn prepare<S: Lanes, P: Arithmetic>(&mut self, simd: S) {
         let negative = self.beam.negative;
         for g in 0..GROUPS {
             let x = load(simd, &self.origin[0], g);
             let y = load(simd, &self.origin[1], g);
             let z = load(simd, &self.origin[2], g);
-            let pad = (x.abs().max(y.abs().max(z.abs())) * PADDING).max(f32::MIN_POSITIVE);
+            let pad = if P::IS_FAST {
+                f32x16::splat(simd, 0.0)
+            } else {
+                (x.abs().max(y.abs().max(z.abs())) * PADDING).max(f32::MIN_POSITIVE)
+            };
             let axes = [x, y, z];
             for k in 0..3 {
                 let one = f32x16::splat(simd, 1.0);
@@ -231,7 +238,7 @@ impl Tile {
             }
             let t_max = load(simd, &self.t_max, g);
             self.best[g] = [f32::INFINITY; WIDTH];
-            self.reach[g] = (t_max + t_max.abs() * BEYOND).into();
+            self.reach[g] = reach_of::<S, P>(t_max).into();
             self.primitive[g] = [NO_PRIMITIVE; WIDTH];
         }
     }
@@ -265,6 +272,19 @@ impl Tile {
             [self.shear[0][g][l], self.shear[1][g][l], self.shear[2][g][l]],
             [self.t_min[g][l], self.t_max[g][l]],
         )
+    }
+
+    /// The `i`th ray.
+    #[inline(always)]
+    pub(super) fn ray(&self, i: usize) -> Ray {
+        let (g, l) = (i / WIDTH % GROUPS, i % WIDTH);
+        let at = |[x, y, z]: &[Column; 3]| Vec3::new(x[g][l], y[g][l], z[g][l]);
+        Ray {
+            origin: at(&self.origin),
+            t_min: self.t_min[g][l],
+            direction: at(&self.direction),
+            t_max: self.t_max[g][l],
+        }
     }
 
     /// The rays at `positions`, with the axes in `order`; without origins if they have `ONE`.
@@ -341,6 +361,12 @@ pub(super) struct RayGroup<S: Lanes> {
     pub(super) range: lanes::Range<f32x16<S>>,
     pub(super) best: f32x16<S>,
     pub(super) primitive: u32x16<S>,
+}
+
+/// See [`reach`].
+#[inline(always)]
+pub(super) fn reach_of<S: Lanes, P: Arithmetic>(t: f32x16<S>) -> f32x16<S> {
+    if P::IS_FAST { t } else { t + t.abs() * BEYOND }
 }
 
 /// The least and the greatest.

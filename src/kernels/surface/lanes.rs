@@ -5,6 +5,8 @@ use fearless_simd::prelude::*;
 use fearless_simd::{f32x8, f64x8, mask32x8};
 use glam::Vec3;
 
+use super::FAST_ERROR;
+use crate::kernels::precision::Arithmetic;
 use crate::kernels::triangle::ShearedSpace;
 use crate::math::lanes::{DVec3x8, Vec3x8, narrow, rounding_error, widen};
 use crate::math::ray::Ray;
@@ -21,6 +23,57 @@ pub struct Surfaces<S: Lanes> {
     pub normal: Vec3x8<S>,
     /// Barycentric coordinates of the second and the third corner.
     pub barycentric: [f32x8<S>; 2],
+}
+
+/// As [`super::triangle_at`] in each lane. `corners` has a corner and an axis a row.
+#[inline(always)]
+pub fn triangles_at<S: Lanes, P: Arithmetic>(
+    simd: S,
+    (origin, direction): (Vec3x8<S>, Vec3x8<S>),
+    t: f32x8<S>,
+    corners: &[[[f32; LANES]; 3]; 3],
+) -> Surfaces<S> {
+    if !P::IS_FAST {
+        return triangles(simd, origin, direction, corners);
+    }
+    let a = Vec3x8::load(simd, &corners[0]);
+    let (e1, e2) = (Vec3x8::load(simd, &corners[1]) - a, Vec3x8::load(simd, &corners[2]) - a);
+    // `triangle::fast::crossing`.
+    let p = direction.cross(e2);
+    let inverse = f32x8::splat(simd, 1.0) / e1.dot(p);
+    let s = origin - a;
+    let u = s.dot(p) * inverse;
+    let v = direction.dot(s.cross(e1)) * inverse;
+    fast(simd, origin + direction.scale(t), e1.cross(e2), [u, v])
+}
+
+/// As [`super::sphere_at`] in each lane.
+#[inline(always)]
+pub fn spheres_at<S: Lanes, P: Arithmetic>(
+    simd: S,
+    (origin, direction): (Vec3x8<S>, Vec3x8<S>),
+    t: f32x8<S>,
+    center: Vec3x8<S>,
+    radius: f32x8<S>,
+) -> Surfaces<S> {
+    if !P::IS_FAST {
+        return spheres(simd, origin, direction, center, radius);
+    }
+    let point = origin + direction.scale(t);
+    let zero = f32x8::splat(simd, 0.0);
+    fast(simd, point, point - center, [zero, zero])
+}
+
+/// As fast arithmetic has them.
+#[inline(always)]
+fn fast<S: Lanes>(
+    simd: S,
+    point: Vec3x8<S>,
+    normal: Vec3x8<S>,
+    barycentric: [f32x8<S>; 2],
+) -> Surfaces<S> {
+    let error = Vec3x8::splat(simd, Vec3::splat(FAST_ERROR));
+    Surfaces { point, error, normal: normal.normalize(), barycentric }
 }
 
 /// Where rays meet triangles, each its own. `corners` has a corner and an axis a row.

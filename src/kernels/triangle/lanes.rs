@@ -19,6 +19,14 @@ pub struct LaneHits {
     pub open: u32,
 }
 
+impl LaneHits {
+    /// Nothing is known of the `used` ones.
+    #[inline(always)]
+    pub(crate) fn open(used: u32) -> Self {
+        Self { open: used, ..Self::default() }
+    }
+}
+
 /// The axes by the longest, so that it is the last ([`Axis::to_last`]).
 pub(crate) const ORDERS: [[usize; 3]; 3] = [[1, 2, 0], [2, 0, 1], [0, 1, 2]];
 

@@ -14,7 +14,7 @@
 //!
 //! | key of a scene | unit | meaning |
 //! |---|---|---|
-//! | `scene`, `seed`, `batch`, `simd`, `kernel` | | what was run |
+//! | `scene`, `seed`, `batch`, `simd`, `kernel`, `precision` | | what was run |
 //! | `image.width`, `.height`, `.samples_per_pixel` | pixels, rays | the image |
 //! | `triangles`, `quads`, `spheres`, `lights`, `dropped.degenerate` | | what is in the scene, and what was left out |
 //! | `preset` | | how the tree was built |
@@ -56,6 +56,7 @@ use serde_json::{Map, Value, json};
 use crate::accel::KernelChoice;
 use crate::accel::build::Preset;
 use crate::counters::Counters;
+use crate::kernels::precision::Precision;
 use crate::math::simd::Level;
 use crate::prepared::{Dropped, PreparedScene};
 use crate::report::statistics::{ImageSize, KernelUse, Memory, Rays, Tests};
@@ -94,6 +95,7 @@ pub struct SceneBench {
     pub batch: usize,
     pub simd: Level,
     pub kernel: KernelChoice,
+    pub precision: Precision,
     pub image: ImageSize,
     pub triangles: usize,
     pub quads: usize,
@@ -179,6 +181,8 @@ pub struct Setting {
     pub simd: Level,
     /// How the wavefront's rays are taken through the tree.
     pub kernel: KernelChoice,
+    /// How exactly hits are found.
+    pub precision: Precision,
     /// How the tree was built.
     pub preset: Preset,
     /// How long it took to get there.
@@ -239,6 +243,7 @@ impl SceneBench {
             batch: setting.batch,
             simd: setting.simd,
             kernel: setting.kernel,
+            precision: setting.precision,
             image: ImageSize { width, height, samples_per_pixel: scene.camera.rays_per_pixel() },
             triangles: geometry.triangles.len(),
             quads: geometry.quads.len(),

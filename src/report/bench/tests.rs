@@ -37,6 +37,7 @@ fn setting(name: &str) -> Setting {
         batch: 64,
         simd: Level::best(),
         kernel: KernelChoice::Auto,
+        precision: Precision::Robust,
         preset: Preset::Fast,
         time: Preparation { load: 0.5, build: 0.25 },
         predicted: 1000,
@@ -93,7 +94,7 @@ fn the_json_has_the_documented_keys() {
     let scene = &json["scenes"][0];
     assert_eq!(
         keys(scene).join(" "),
-        "scene seed batch simd kernel image triangles quads spheres lights dropped preset time memory equal \
+        "scene seed batch simd kernel precision image triangles quads spheres lights dropped preset time memory equal \
          difference rays invalid wavefront recursive ratio comparisons warnings"
     );
     assert_eq!((scene["equal"].clone(), scene["difference"].clone()), (true.into(), Value::Null));
