@@ -113,10 +113,10 @@ fn time<A: Clone>(
 
 #[divan::bench(args = cases(), sample_count = 30, sample_size = 1)]
 fn closest(bencher: Bencher<'_, '_>, case: &Case) {
-    time(bencher, case, Hit::MISS, Accel::closest_of);
+    time(bencher, case, Hit::MISS, |a, r, h, t| a.closest_of(r, h, t));
 }
 
 #[divan::bench(args = cases(), sample_count = 30, sample_size = 1)]
 fn occluded(bencher: Bencher<'_, '_>, case: &Case) {
-    time(bencher, case, false, Accel::occluded_of);
+    time(bencher, case, false, |a, r, h, t| a.occluded_of(r, h, t));
 }

@@ -38,7 +38,8 @@ use stream::Flight;
 use tree::Tree;
 
 pub use choice::{KernelChoice, KernelCounts, Kernels};
-pub use rays::{BLOCK_EDGE, RayLanes, Rays};
+use rays::BLOCK_EDGE;
+pub use rays::{RayColumns, Rays};
 
 /// The number of no primitive.
 pub const NO_PRIMITIVE: u32 = u32::MAX;
@@ -221,19 +222,20 @@ impl Accel {
     }
 
     /// The closest hits on many rays, of light shapes too.
-    pub fn closest_of<R: Rays + ?Sized>(
+    pub fn closest_of<'a>(
         &self,
-        rays: &R,
+        rays: impl Into<Rays<'a>>,
         answers: &mut [Hit],
         traversal: &mut Traversal,
     ) {
+        let rays = rays.into();
         match (&self.tree, self.many()) {
             (Some(tree), Some(Precision::Fast)) => {
-                let many = Many::<_, Closest, Fast>::new(self, tree, rays, answers, traversal);
+                let many = Many::<Closest, Fast>::new(self, tree, rays, answers, traversal);
                 dispatch(self.level, many);
             }
             (Some(tree), Some(_)) => {
-                let many = Many::<_, Closest, Robust>::new(self, tree, rays, answers, traversal);
+                let many = Many::<Closest, Robust>::new(self, tree, rays, answers, traversal);
                 dispatch(self.level, many);
             }
             _ => {
@@ -245,19 +247,20 @@ impl Accel {
     }
 
     /// For many rays, whether anything is on each, light shapes apart.
-    pub fn occluded_of<R: Rays + ?Sized>(
+    pub fn occluded_of<'a>(
         &self,
-        rays: &R,
+        rays: impl Into<Rays<'a>>,
         answers: &mut [bool],
         traversal: &mut Traversal,
     ) {
+        let rays = rays.into();
         match (&self.tree, self.many()) {
             (Some(tree), Some(Precision::Fast)) => {
-                let many = Many::<_, Occluded, Fast>::new(self, tree, rays, answers, traversal);
+                let many = Many::<Occluded, Fast>::new(self, tree, rays, answers, traversal);
                 dispatch(self.level, many);
             }
             (Some(tree), Some(_)) => {
-                let many = Many::<_, Occluded, Robust>::new(self, tree, rays, answers, traversal);
+                let many = Many::<Occluded, Robust>::new(self, tree, rays, answers, traversal);
                 dispatch(self.level, many);
             }
             _ => {
@@ -331,22 +334,22 @@ impl<P: Arithmetic> Kernel for One<'_, Occluded, P> {
 }
 
 /// Many rays, in flight together.
-struct Many<'a, R: ?Sized, Q: Query, P> {
+struct Many<'a, Q: Query, P> {
     tree: &'a Tree,
     geometry: &'a Geometry,
-    rays: &'a R,
+    rays: Rays<'a>,
     answers: &'a mut [Q::Answer],
     traversal: &'a mut Traversal,
     choice: KernelChoice,
     precision: PhantomData<P>,
 }
 
-impl<'a, R: ?Sized, Q: Query, P> Many<'a, R, Q, P> {
+impl<'a, Q: Query, P> Many<'a, Q, P> {
     #[inline(always)]
     fn new(
         accel: &'a Accel,
         tree: &'a Tree,
-        rays: &'a R,
+        rays: Rays<'a>,
         answers: &'a mut [Q::Answer],
         traversal: &'a mut Traversal,
     ) -> Self {
@@ -355,7 +358,7 @@ impl<'a, R: ?Sized, Q: Query, P> Many<'a, R, Q, P> {
     }
 }
 
-impl<R: Rays + ?Sized, Q: Query, P: Arithmetic> Kernel for Many<'_, R, Q, P> {
+impl<Q: Query, P: Arithmetic> Kernel for Many<'_, Q, P> {
     type Output = ();
 
     #[inline(always)]
@@ -365,7 +368,7 @@ impl<R: Rays + ?Sized, Q: Query, P: Arithmetic> Kernel for Many<'_, R, Q, P> {
         let memory = (packets, flight, stack.as_mut_slice());
         let counts = (tests, if Q::ANY { &mut kernels.shadow } else { &mut kernels.closest });
         let rays = (rays, choice);
-        packet::trace::<S, Q, P, R>(simd, tree, geometry, rays, answers, memory, counts);
+        packet::trace::<S, Q, P>(simd, tree, geometry, rays, answers, memory, counts);
     }
 }
 

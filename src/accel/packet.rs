@@ -98,11 +98,11 @@ pub(super) struct Packets {
 
 /// Answers all rays: by packets as long as `choice` has it so, the others in flight.
 #[inline(always)]
-pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic, R: Rays + ?Sized>(
+pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
     simd: S,
     tree: &Tree,
     geometry: &Geometry,
-    (rays, choice): (&R, KernelChoice),
+    (rays, choice): (Rays<'_>, KernelChoice),
     answers: &mut [Q::Answer],
     (packets, flight, stack): (&mut Packets, &mut Flight, &mut [u64]),
     (tests, counts): (&mut TestCounts, &mut KernelCounts),
@@ -122,7 +122,7 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic, R: Rays + ?Sized>(
     queue.clear();
     last.clear();
     last.resize(rays.count(), (FIRST, 0));
-    let mut batch = Batch::<Q, P, R> {
+    let mut batch = Batch::<Q, P> {
         tree,
         geometry,
         rays,
@@ -194,10 +194,10 @@ impl Judged {
 }
 
 /// The tiles of a batch of rays.
-struct Batch<'a, Q, P, R: ?Sized> {
+struct Batch<'a, Q, P> {
     tree: &'a Tree,
     geometry: &'a Geometry,
-    rays: &'a R,
+    rays: Rays<'a>,
     choice: KernelChoice,
     root: Root,
     /// The first ray that no tile has seen.
@@ -217,7 +217,7 @@ struct Batch<'a, Q, P, R: ?Sized> {
     query: PhantomData<(Q, P)>,
 }
 
-impl<Q: Query, P: Arithmetic, R: Rays + ?Sized> Batch<'_, Q, P, R> {
+impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
     /// Puts the next tile that can meet anything at its beginning. Whether there is one.
     #[inline(always)]
     fn begin<S: Lanes>(&mut self, simd: S, tile: &mut Tile, answers: &mut [Q::Answer]) -> bool {
@@ -228,7 +228,7 @@ impl<Q: Query, P: Arithmetic, R: Rays + ?Sized> Batch<'_, Q, P, R> {
             self.rays.prefetch(
                 self.next + (AHEAD - 1) * TILE..(self.next + AHEAD * TILE).min(self.rays.count()),
             );
-            if !tile.load::<S, P>(simd, self.rays, start..start + count) {
+            if !tile.load::<S, P>(simd, &self.rays, start..start + count) {
                 // These go from the root, as the rest will.
                 answers[start..start + count].fill(Q::NONE);
                 self.unfit += count;

@@ -2,76 +2,150 @@
 
 use std::ops::Range;
 
-use fearless_simd::f32x16;
 use fearless_simd::prelude::*;
+use fearless_simd::{f32x4, f32x16};
+use glam::Vec3;
 
 use super::arena::prefetch;
 use crate::math::ray::Ray;
 use crate::math::simd::Lanes;
 
-/// Rays in a row.
-pub trait Rays {
+/// Rays in a row, wherever they lie. Kernels are compiled once for both kinds: what is asked of sixteen
+/// rays at a time can afford to ask which.
+#[derive(Clone, Copy, Debug)]
+pub enum Rays<'a> {
+    /// One after the other.
+    Rows(&'a [Ray]),
+    /// A column for each component.
+    Columns(RayColumns<'a>),
+}
+
+/// Rays by column, with t from 0 to the same `t_max`.
+#[derive(Clone, Copy, Debug)]
+pub struct RayColumns<'a> {
+    /// How many there are: columns may be longer.
+    pub count: usize,
+    /// Where they start, an axis each.
+    pub origin: [&'a [f32]; 3],
+    /// Where they go, an axis each.
+    pub direction: [&'a [f32]; 3],
+    /// Hits at or after this t do not count.
+    pub t_max: f32,
+}
+
+impl<'a> From<&'a [Ray]> for Rays<'a> {
+    fn from(rays: &'a [Ray]) -> Self {
+        Self::Rows(rays)
+    }
+}
+
+impl Rays<'_> {
     /// How many.
-    fn count(&self) -> usize;
+    #[inline(always)]
+    pub fn count(&self) -> usize {
+        match self {
+            Self::Rows(rays) => rays.len(),
+            Self::Columns(columns) => columns.count,
+        }
+    }
 
     /// The `i`th.
-    fn ray(&self, i: usize) -> Ray;
+    #[inline(always)]
+    pub fn ray(&self, i: usize) -> Ray {
+        match self {
+            Self::Rows(rays) => rays[i],
+            Self::Columns(RayColumns { origin, direction, t_max, .. }) => {
+                let at = |[x, y, z]: &[&[f32]; 3]| Vec3::new(x[i], y[i], z[i]);
+                Ray { t_max: *t_max, ..Ray::new(at(origin), at(direction)) }
+            }
+        }
+    }
 
     /// Sixteen rays, all of which there are: four from the `i`th on, and four from each of the places
     /// that are once, twice and three times `stride` behind it.
-    fn block<S: Lanes>(&self, simd: S, i: usize, stride: usize) -> RayLanes<S>;
-
-    /// Asks for the memory of the rays of `range`, if they may not be in a cache.
     #[inline(always)]
-    fn prefetch(&self, _: Range<usize>) {}
+    pub(super) fn block<S: Lanes>(&self, simd: S, i: usize, stride: usize) -> RayLanes<S> {
+        match self {
+            Self::Rows(rays) => of_rows(simd, rays, i, stride),
+            Self::Columns(columns) => of_columns(simd, columns, i, stride),
+        }
+    }
+
+    /// Asks for the memory of the rays of `range`, if they may not be in a cache: columns are those of
+    /// a batch, which is.
+    #[inline(always)]
+    pub(super) fn prefetch(&self, range: Range<usize>) {
+        if let Self::Rows(rays) = self {
+            for two in rays.get(range).unwrap_or_default().chunks(2) {
+                prefetch(two.as_ptr().cast());
+            }
+        }
+    }
 }
 
 /// Rays of a row of a block.
-pub const BLOCK_EDGE: usize = 4;
+pub(super) const BLOCK_EDGE: usize = 4;
 
 /// Sixteen rays, a component each.
 #[derive(Clone, Copy)]
-pub struct RayLanes<S: Lanes> {
+pub(super) struct RayLanes<S: Lanes> {
     /// Where they start.
-    pub origin: [f32x16<S>; 3],
+    pub(super) origin: [f32x16<S>; 3],
     /// Where they go.
-    pub direction: [f32x16<S>; 3],
+    pub(super) direction: [f32x16<S>; 3],
     /// The ranges of t.
-    pub t_min: f32x16<S>,
+    pub(super) t_min: f32x16<S>,
     /// The ranges of t.
-    pub t_max: f32x16<S>,
+    pub(super) t_max: f32x16<S>,
 }
 
-impl Rays for [Ray] {
-    fn count(&self) -> usize {
-        self.len()
+#[inline(always)]
+fn of_columns<S: Lanes>(
+    simd: S,
+    RayColumns { origin, direction, t_max, .. }: &RayColumns<'_>,
+    i: usize,
+    stride: usize,
+) -> RayLanes<S> {
+    let [ox, oy, oz] = origin;
+    let [dx, dy, dz] = direction;
+    RayLanes {
+        origin: [
+            four_rows(simd, ox, i, stride),
+            four_rows(simd, oy, i, stride),
+            four_rows(simd, oz, i, stride),
+        ],
+        direction: [
+            four_rows(simd, dx, i, stride),
+            four_rows(simd, dy, i, stride),
+            four_rows(simd, dz, i, stride),
+        ],
+        t_min: f32x16::splat(simd, 0.0),
+        t_max: f32x16::splat(simd, *t_max),
     }
+}
 
-    #[inline(always)]
-    fn ray(&self, i: usize) -> Ray {
-        self[i]
-    }
+/// Four numbers from the `i`th on, and from each of three rows behind.
+#[inline(always)]
+fn four_rows<S: Lanes>(simd: S, column: &[f32], i: usize, stride: usize) -> f32x16<S> {
+    let a = f32x4::from_slice(simd, &column[i..i + BLOCK_EDGE]);
+    let b = f32x4::from_slice(simd, &column[i + stride..i + stride + BLOCK_EDGE]);
+    let c = f32x4::from_slice(simd, &column[i + 2 * stride..i + 2 * stride + BLOCK_EDGE]);
+    let d = f32x4::from_slice(simd, &column[i + 3 * stride..i + 3 * stride + BLOCK_EDGE]);
+    a.combine(b).combine(c.combine(d))
+}
 
-    #[inline(always)]
-    fn block<S: Lanes>(&self, simd: S, i: usize, stride: usize) -> RayLanes<S> {
-        let (a, b) = row(simd, &self[i..i + BLOCK_EDGE]);
-        let (c, d) = row(simd, &self[i + stride..i + stride + BLOCK_EDGE]);
-        let (e, f) = row(simd, &self[i + 2 * stride..i + 2 * stride + BLOCK_EDGE]);
-        let (g, h) = row(simd, &self[i + 3 * stride..i + 3 * stride + BLOCK_EDGE]);
-        // Numbers of a vector have the bits of their ray above those of their component. Each round
-        // turns the lowest bit to the front, and after three the components are above.
-        let (a, b, c, d, e, f, g, h) = part(a, b, c, d, e, f, g, h);
-        let (a, b, c, d, e, f, g, h) = part(a, b, c, d, e, f, g, h);
-        let (ox, oy, oz, t_min, dx, dy, dz, t_max) = part(a, b, c, d, e, f, g, h);
-        RayLanes { origin: [ox, oy, oz], direction: [dx, dy, dz], t_min, t_max }
-    }
-
-    #[inline(always)]
-    fn prefetch(&self, range: Range<usize>) {
-        for two in self.get(range).unwrap_or_default().chunks(2) {
-            prefetch(two.as_ptr().cast());
-        }
-    }
+#[inline(always)]
+fn of_rows<S: Lanes>(simd: S, rays: &[Ray], i: usize, stride: usize) -> RayLanes<S> {
+    let (a, b) = row(simd, &rays[i..i + BLOCK_EDGE]);
+    let (c, d) = row(simd, &rays[i + stride..i + stride + BLOCK_EDGE]);
+    let (e, f) = row(simd, &rays[i + 2 * stride..i + 2 * stride + BLOCK_EDGE]);
+    let (g, h) = row(simd, &rays[i + 3 * stride..i + 3 * stride + BLOCK_EDGE]);
+    // Numbers of a vector have the bits of their ray above those of their component. Each round
+    // turns the lowest bit to the front, and after three the components are above.
+    let (a, b, c, d, e, f, g, h) = part(a, b, c, d, e, f, g, h);
+    let (a, b, c, d, e, f, g, h) = part(a, b, c, d, e, f, g, h);
+    let (ox, oy, oz, t_min, dx, dy, dz, t_max) = part(a, b, c, d, e, f, g, h);
+    RayLanes { origin: [ox, oy, oz], direction: [dx, dy, dz], t_min, t_max }
 }
 
 /// Four rays, as they lie.

@@ -128,13 +128,13 @@ pub(super) trait Source<Q: Query, P: Arithmetic> {
 }
 
 /// Rays of a batch from `next` on, each from the root.
-pub(super) struct FromRoot<'a, R: ?Sized> {
-    pub(super) rays: &'a R,
+pub(super) struct FromRoot<'a> {
+    pub(super) rays: Rays<'a>,
     pub(super) next: usize,
     pub(super) root: Root,
 }
 
-impl<Q: Query, P: Arithmetic, R: Rays + ?Sized> Source<Q, P> for FromRoot<'_, R> {
+impl<Q: Query, P: Arithmetic> Source<Q, P> for FromRoot<'_> {
     #[inline(always)]
     fn next(
         &mut self,

@@ -51,7 +51,7 @@ impl SceneOptions {
 
     /// Runs the systems on `loaded` but for the last.
     pub fn extract(&self, mut loaded: LoadedScene) -> Result<Extracted> {
-        Ok(systems::extract(&mut loaded.world)?.with_precision(self.precision))
+        systems::extract_in(&mut loaded.world, self.precision)
     }
 
     /// Tells warnings, unless asked to be quiet.

@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
+use glam::DVec3;
 use serde::Serialize;
 
 use super::common::{SceneOptions, print, to_json};
@@ -39,6 +40,9 @@ struct Explanation {
     passes: Vec<Pass>,
     plan: Plan,
     precision: Precision,
+    /// How far the scene is moved towards the origin, if it is.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    moved_by: Option<[f64; 3]>,
     bvh: Choice,
     bytes_per_path: Vec<Column>,
     memory: Prediction,
@@ -94,6 +98,7 @@ fn explain(extracted: &Extracted, args: &ExplainArgs) -> Explanation {
         passes: passes(scene),
         plan: scene.plan.clone(),
         precision: args.scene_options.precision,
+        moved_by: (scene.origin != DVec3::ZERO).then(|| (-scene.origin).to_array()),
         bytes_per_path: columns.into_iter().map(|(name, bytes)| Column { name, bytes }).collect(),
         memory_total: memory.total(),
         memory,
@@ -150,6 +155,9 @@ fn text(e: &Explanation) -> String {
     }
     let precision = e.precision;
     let _ = writeln!(text, "precision\n    {:<16}{}", precision.name(), precision.meaning());
+    if let Some([x, y, z]) = e.moved_by {
+        let _ = writeln!(text, "    {:<16}moved by {x}, {y}, {z} towards the camera", "");
+    }
     let _ = writeln!(text, "bvh\n    {:<16}{}", e.bvh.preset.name(), e.bvh.reason);
     if let Some(rule) = &e.bvh.rule {
         let _ = writeln!(text, "    {:<16}{rule}", "");

@@ -7,16 +7,21 @@ use serde::Serialize;
 
 use super::common::{Threads, print, progress_bar, to_json};
 use crate::error::{Error, ErrorKind, Result};
+use crate::kernels::precision::Precision;
 use crate::selftest::{CASES, Case, Count, Effort, Outcome, case};
 
 /// Tries what breaks ray tracers: every kernel, with all instructions that the processor has.
 ///
-/// Exits with 1 if a case does not hold.
+/// Exits with 1 if a case does not hold in robust or exact arithmetic. What fast arithmetic fails is told,
+/// and is its price.
 #[derive(Clone, Debug, clap::Args)]
 pub struct SelftestArgs {
     /// Try this case alone; may be given several times
     #[arg(long = "case", value_name = "NUMBER")]
     pub cases: Vec<u32>,
+    /// Try this precision alone; may be given several times
+    #[arg(long, value_name = "PRECISION", value_enum)]
+    pub precision: Vec<Precision>,
     /// Try as much as each bound speaks of: minutes, not seconds
     #[arg(long)]
     pub full: bool,
@@ -34,15 +39,25 @@ pub struct SelftestArgs {
     pub threads: Threads,
 }
 
+/// What came of a case in a precision.
+#[derive(Serialize)]
+struct Trial {
+    precision: Precision,
+    holds: bool,
+    #[serde(flatten)]
+    outcome: Outcome,
+    /// Time for an answer, as a multiple of what fast arithmetic takes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    times_fast: Option<f64>,
+}
+
 /// A case and what came of it.
 #[derive(Serialize)]
 struct Row {
     case: u32,
     name: &'static str,
     bound: &'static str,
-    holds: bool,
-    #[serde(flatten)]
-    outcome: Outcome,
+    trials: Vec<Trial>,
     seconds: f64,
 }
 
@@ -62,20 +77,24 @@ struct Scoreboard {
 pub fn run(args: &SelftestArgs) -> Result<bool> {
     let cases = named(&args.cases)?;
     let count = if args.full { Count::Full } else { Count::Quick };
-    let effort = Effort { seed: args.seed, count };
+    let mut precisions = args.precision.clone();
+    if precisions.is_empty() {
+        precisions.extend(Precision::ALL);
+    }
     let bar = progress_bar(args.quiet, "{wide_bar} {pos}/{len} {msg}");
     bar.set_length(cases.len() as u64);
     let rows = args.threads.run(|| {
         let rows = cases.iter().map(|case| {
             bar.set_message(case.name);
-            let row = row(case, &effort);
+            let row = row(case, (args.seed, count), &precisions);
             bar.inc(1);
             row
         });
         Ok(rows.collect::<Vec<_>>())
     })?;
     bar.finish_and_clear();
-    let all_hold = rows.iter().all(|row| row.holds);
+    let mut trials = rows.iter().flat_map(|row| &row.trials);
+    let all_hold = trials.all(|trial| trial.holds || trial.precision == Precision::Fast);
     let text = if args.json {
         let version = env!("CARGO_PKG_VERSION");
         to_json(&Scoreboard { version, seed: args.seed, full: args.full, cases: rows })?
@@ -102,36 +121,63 @@ fn named(numbers: &[u32]) -> Result<Vec<&'static Case>> {
     numbers.iter().map(find).collect()
 }
 
-fn row(case: &Case, effort: &Effort) -> Row {
+fn row(case: &Case, (seed, count): (u64, Count), precisions: &[Precision]) -> Row {
     let start = Instant::now();
-    let outcome = case.run(effort);
-    Row {
-        case: case.number,
-        name: case.name,
-        bound: case.bound,
-        holds: outcome.holds(),
-        outcome,
-        seconds: start.elapsed().as_secs_f64(),
+    let mut trials: Vec<Trial> = Vec::new();
+    for &precision in precisions {
+        let outcome = case.run(&Effort { precision, seed, count });
+        let fast = trials.iter().find(|trial| trial.precision == Precision::Fast);
+        let fast = fast.map_or(outcome.nanoseconds(), |trial| trial.outcome.nanoseconds());
+        let times_fast = match (outcome.nanoseconds(), fast) {
+            (Some(own), Some(fast)) if precisions.contains(&Precision::Fast) => Some(own / fast),
+            _ => None,
+        };
+        trials.push(Trial { precision, holds: outcome.holds(), outcome, times_fast });
     }
+    let Case { number, name, bound, .. } = *case;
+    Row { case: number, name, bound, trials, seconds: start.elapsed().as_secs_f64() }
 }
 
-/// A line for each case, and below it what failed.
+/// A paragraph for each case, with a line for each precision; and how many cases hold in each.
 fn text(rows: &[Row], args: &SelftestArgs) -> String {
     let mut text = String::new();
     for row in rows {
-        let verdict = if row.holds { "holds" } else { "FAILS" };
-        let Outcome { tried, failed, first } = &row.outcome;
-        let _ = writeln!(
-            text,
-            "{:>2}  {verdict}  {tried:>11} asked {:>8.2} s  {}: {}",
-            row.case, row.seconds, row.name, row.bound
-        );
-        if let Some(first) = first {
-            let again = format!("wavecrest selftest --case {} --seed {}", row.case, args.seed);
-            let full = if args.full { " --full" } else { "" };
-            let _ =
-                writeln!(text, "    {failed} failed. The first: {first}\n    Again: {again}{full}");
+        let _ = writeln!(text, "{:>2}  {}: {}", row.case, row.name, row.bound);
+        for trial in &row.trials {
+            write_trial(&mut text, row, trial, args);
         }
     }
+    let mut precisions: Vec<Precision> = Vec::new();
+    for trial in rows.iter().flat_map(|row| &row.trials) {
+        if !precisions.contains(&trial.precision) {
+            precisions.push(trial.precision);
+        }
+    }
+    for precision in precisions {
+        let trials = rows.iter().flat_map(|row| &row.trials);
+        let trials = trials.filter(|trial| trial.precision == precision);
+        let (all, holding) = trials
+            .fold((0, 0), |(all, holding), trial| (all + 1, holding + usize::from(trial.holds)));
+        let _ = writeln!(text, "{:<7}{holding} of {all} cases hold", precision.name());
+    }
     text
+}
+
+fn write_trial(text: &mut String, row: &Row, trial: &Trial, args: &SelftestArgs) {
+    let Outcome { tried, failed, first, .. } = &trial.outcome;
+    let precision = trial.precision.name();
+    let verdict = if trial.holds { "holds" } else { "FAILS" };
+    let time = trial.outcome.nanoseconds().map_or(String::new(), |ns| format!("{ns:>9.1} ns each"));
+    let ratio = trial.times_fast.map_or(String::new(), |times| format!("  {times:>5.2} x fast"));
+    let _ =
+        writeln!(text, "    {precision:<7}{verdict}{failed:>11} of {tried:>11} wrong{time}{ratio}");
+    if let Some(first) = first {
+        let full = if args.full { " --full" } else { "" };
+        let _ = writeln!(
+            text,
+            "      the first: {first}\n      again: wavecrest selftest --case {} --precision {precision} \
+             --seed {}{full}",
+            row.case, args.seed
+        );
+    }
 }

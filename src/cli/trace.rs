@@ -249,7 +249,14 @@ fn pass_closest(
     answers: &mut [Hit],
     traversals: &mut [Traversal],
 ) -> Work {
-    pass(args, accel, (file, answers), traversals, Accel::closest_of, Accel::closest)
+    pass(
+        args,
+        accel,
+        (file, answers),
+        traversals,
+        |a, r, h, t| a.closest_of(r, h, t),
+        Accel::closest,
+    )
 }
 
 fn pass_occluded(
@@ -259,7 +266,14 @@ fn pass_occluded(
     answers: &mut [bool],
     traversals: &mut [Traversal],
 ) -> Work {
-    pass(args, accel, (file, answers), traversals, Accel::occluded_of, Accel::occluded)
+    pass(
+        args,
+        accel,
+        (file, answers),
+        traversals,
+        |a, r, h, t| a.occluded_of(r, h, t),
+        Accel::occluded,
+    )
 }
 
 /// Asks of every ray, block by block, a thread for each of `traversals`.

@@ -4,7 +4,7 @@ mod arrival;
 
 use std::ops::Range;
 
-use glam::{Mat3, Vec2, Vec3};
+use glam::{DVec3, Mat3, Vec2, Vec3};
 
 pub use arrival::Arrival;
 
@@ -20,6 +20,8 @@ use crate::plan::Plan;
 pub struct PreparedScene {
     /// What is simulated.
     pub plan: Plan,
+    /// Where the origin of all coordinates here lies in the scene's, in scene units.
+    pub origin: DVec3,
     /// Where rays start.
     pub camera: Camera,
     /// What they hit.

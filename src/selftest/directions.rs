@@ -4,9 +4,9 @@ use glam::Vec3;
 
 use super::ways::{Numbers, every_way};
 use super::{Effort, Outcome};
+use crate::accel::Hit;
 use crate::accel::build::Preset;
 use crate::accel::geometry::Geometry;
-use crate::accel::{Accel, Hit};
 use crate::math::ray::Ray;
 
 /// A grid of `n` by `n` by `n` cubes with sides of half the distance between them, each of twelve
@@ -65,7 +65,7 @@ pub(super) fn along_axes(effort: &Effort) -> Outcome {
             }
         }
     }
-    every_way(Accel::new(geometry, Preset::VeryFast), &rays, |_, _, hit| {
+    every_way(effort.accel(geometry, Preset::VeryFast), &rays, |_, _, hit| {
         hit.is_miss().then(|| "it hits nothing".to_owned())
     })
 }
@@ -88,12 +88,12 @@ pub(super) fn signed_zeros(effort: &Effort) -> Outcome {
     };
     let positive: Vec<Ray> = (0..pairs).map(|n| make(n, 0.0)).collect();
     let negative: Vec<Ray> = (0..pairs).map(|n| make(n, -0.0)).collect();
-    let accel = Accel::new(geometry.clone(), Preset::VeryFast);
+    let accel = effort.accel(geometry.clone(), Preset::VeryFast);
     let mut expected = vec![Hit::MISS; pairs];
     accel.closest_of(&positive[..], &mut expected, &mut accel.traversal());
     let mut outcome = Outcome::default();
     for rays in [&positive, &negative] {
-        let accel = Accel::new(geometry.clone(), Preset::VeryFast);
+        let accel = effort.accel(geometry.clone(), Preset::VeryFast);
         outcome.add(every_way(accel, rays, |i, _, hit| {
             (hit != expected[i]).then(|| format!("{hit:?} and not {:?}", expected[i]))
         }));
@@ -128,7 +128,7 @@ pub(super) fn tiny_components(effort: &Effort) -> Outcome {
             Ray::new(origin.as_vec3(), direction)
         })
         .collect();
-    every_way(Accel::new(geometry, Preset::VeryFast), &rays, |_, _, hit| {
+    every_way(effort.accel(geometry, Preset::VeryFast), &rays, |_, _, hit| {
         hit.is_miss().then(|| "it misses its cube".to_owned())
     })
 }
@@ -136,7 +136,7 @@ pub(super) fn tiny_components(effort: &Effort) -> Outcome {
 /// Rays that are none.
 pub(super) fn invalid(effort: &Effort) -> Outcome {
     let wrong = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY];
-    let accel = Accel::new(cubes(3, 2.0), Preset::VeryFast);
+    let accel = effort.accel(cubes(3, 2.0), Preset::VeryFast);
     let mut outcome = Outcome::default();
     for n in 0..effort.of(100_000) as usize {
         let mut numbers = Numbers::new(effort, 26, n);

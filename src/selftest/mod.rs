@@ -1,7 +1,8 @@
 //! The hard cases: inputs that break ray tracers, tried on the machine at hand.
 //!
-//! Each [`Case`] is a question with a stated bound, asked of every kernel with all instructions that
-//! the processor has. Its inputs follow from a seed, so that whoever sees it fail can see it again.
+//! Each [`Case`] is a question with a stated bound, asked in a precision of every kernel with all
+//! instructions that the processor has. All hold in robust and in exact arithmetic; what fast arithmetic
+//! fails is the price of its speed. Its inputs follow from a seed, so that whoever sees it fail can see it again.
 //! What is expected is worked out in double precision or follows from how the input was made, and
 //! shares no code with what is tested.
 
@@ -12,6 +13,11 @@ mod surfaces;
 mod trees;
 mod watertight;
 mod ways;
+
+use crate::accel::Accel;
+use crate::accel::build::Preset;
+use crate::accel::geometry::Geometry;
+use crate::kernels::precision::Precision;
 
 /// How much is tried.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,6 +31,8 @@ pub enum Count {
 /// How a case is run.
 #[derive(Clone, Copy, Debug)]
 pub struct Effort {
+    /// The arithmetic that is tried.
+    pub precision: Precision,
     /// What its inputs follow from.
     pub seed: u64,
     /// How many there are.
@@ -32,6 +40,11 @@ pub struct Effort {
 }
 
 impl Effort {
+    /// What finds hits on `geometry` in the precision that is tried.
+    fn accel(&self, geometry: Geometry, preset: Preset) -> Accel {
+        Accel::new(Geometry { precision: self.precision, ..geometry }, preset)
+    }
+
     /// `full`, or a hundredth of it.
     fn of(&self, full: u32) -> u32 {
         match self.count {
@@ -50,9 +63,18 @@ pub struct Outcome {
     pub failed: u64,
     /// The first of these, in words.
     pub first: Option<String>,
+    /// Answers whose time was taken.
+    pub timed: u64,
+    /// Seconds that these took, summed over threads.
+    pub seconds: f64,
 }
 
 impl Outcome {
+    /// Nanoseconds for an answer; `None` where no time was taken.
+    pub fn nanoseconds(&self) -> Option<f64> {
+        (self.timed > 0).then(|| self.seconds * 1e9 / self.timed as f64)
+    }
+
     /// Whether it was tried, and the bound held.
     pub fn holds(&self) -> bool {
         self.tried > 0 && self.failed == 0
@@ -71,6 +93,8 @@ impl Outcome {
     fn add(&mut self, other: Self) {
         self.tried += other.tried;
         self.failed += other.failed;
+        self.timed += other.timed;
+        self.seconds += other.seconds;
         if self.first.is_none() {
             self.first = other.first;
         }

@@ -4,9 +4,9 @@ use glam::{DVec3, Vec3};
 
 use super::ways::{Numbers, every_way};
 use super::{Effort, Outcome};
+use crate::accel::Hit;
 use crate::accel::build::Preset;
 use crate::accel::geometry::Geometry;
-use crate::accel::{Accel, Hit};
 use crate::math::ray::Ray;
 
 /// Spheres of a case, each with as many rays.
@@ -75,7 +75,7 @@ fn each_sphere(
             .map(|n| ray(&mut Numbers::new(effort, case, s * count + n), &sphere))
             .collect();
         let spheres = vec![(sphere.center, sphere.radius)];
-        let accel = Accel::new(Geometry { spheres, ..Geometry::default() }, Preset::VeryFast);
+        let accel = effort.accel(Geometry { spheres, ..Geometry::default() }, Preset::VeryFast);
         let told =
             |failure| format!("centre {}, radius {}: {failure}", sphere.center, sphere.radius);
         outcome.add(every_way(accel, &rays, |_, ray, hit| judge(&sphere, ray, hit).map(told)));

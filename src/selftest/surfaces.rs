@@ -3,15 +3,13 @@
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-use super::ways::{Numbers, every_way};
+use super::ways::{Numbers, Tests, every_way};
 use super::{Effort, Outcome};
-use crate::accel::Accel;
 use crate::accel::build::Preset;
 use crate::accel::geometry::Geometry;
 use crate::kernels::shade::SHADOW_END;
-use crate::kernels::sphere;
-use crate::kernels::surface::{self, Surface};
-use crate::kernels::triangle::{ShearedSpace, is_degenerate};
+use crate::kernels::surface::Surface;
+use crate::kernels::triangle::is_degenerate;
 use crate::math::float::{normalize, offset_end, offset_origin};
 use crate::math::ray::Ray;
 
@@ -46,28 +44,29 @@ fn wide_point(numbers: &mut Numbers) -> DVec3 {
 }
 
 /// Where a ray hits the triangle: somewhere within.
-fn on_triangle(numbers: &mut Numbers, corners: &[Vec3; 3]) -> Option<Surface> {
+fn on_triangle(tests: Tests, numbers: &mut Numbers, corners: &[Vec3; 3]) -> Option<Surface> {
     let [a, b, c] = corners.map(|v| v.as_dvec3());
     let (u, v) = (numbers.one(), numbers.one());
     let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
     let target = a + (b - a) * u + (c - a) * v;
     let origin = (target + numbers.direction() * target.length().max(1e-3)).as_vec3();
     let ray = Ray::new(origin, target.as_vec3() - origin);
-    ShearedSpace::new(&ray).intersect(corners)?;
-    Some(surface::triangle(&ray, corners))
+    let t = tests.triangle(&ray, corners)?;
+    Some(tests.surface(&ray, t, corners))
 }
 
 /// Row 9.
 pub(super) fn leaving(effort: &Effort) -> Outcome {
+    let tests = Tests(effort.precision);
     each(effort, 9, effort.of(1_000_000), |numbers| {
         if numbers.below(2) == 0 {
             let corners = [(); 3].map(|()| wide_point(numbers).as_vec3());
             if is_degenerate(&corners) {
                 return None;
             }
-            let surface = on_triangle(numbers, &corners)?;
+            let surface = on_triangle(tests, numbers, &corners)?;
             Some(leave(numbers, &surface, |ray, _| {
-                ShearedSpace::new(ray).intersect(&corners).map(|t| format!("{corners:?} at {t}"))
+                tests.triangle(ray, &corners).map(|t| format!("{corners:?} at {t}"))
             }))
         } else {
             let center = wide_point(numbers).as_vec3();
@@ -75,11 +74,11 @@ pub(super) fn leaving(effort: &Effort) -> Outcome {
             let away = numbers.direction() * (2.0 * f64::from(radius));
             let outside = (center.as_dvec3() + away).as_vec3();
             let ray = Ray::new(outside, center - outside);
-            sphere::intersect(&ray, center, radius)?;
-            let surface = surface::sphere(&ray, center, radius);
+            let t = tests.sphere(&ray, center, radius)?;
+            let surface = tests.sphere_surface(&ray, t, center, radius);
             Some(leave(numbers, &surface, |ray, is_outward| {
                 // Inwards it meets the other side.
-                let t = sphere::intersect(ray, center, radius).filter(|_| is_outward)?;
+                let t = tests.sphere(ray, center, radius).filter(|_| is_outward)?;
                 Some(format!("sphere {center} {radius} at {t}"))
             }))
         }
@@ -125,6 +124,7 @@ fn ulp(size: f32) -> f32 {
 
 /// Row 10.
 pub(super) fn contact(effort: &Effort) -> Outcome {
+    let tests = Tests(effort.precision);
     let mut outcome = Outcome::default();
     let scenes = 200;
     for s in 0..scenes {
@@ -140,7 +140,7 @@ pub(super) fn contact(effort: &Effort) -> Outcome {
             .filter_map(|n| {
                 let mut numbers = Numbers::new(effort, 10, s * 100_000 + n);
                 let corners = lower.triangle(numbers.below(2));
-                let found = on_triangle(&mut numbers, &corners)?;
+                let found = on_triangle(tests, &mut numbers, &corners)?;
                 let light = axis * (11.0 * height) + numbers.direction().as_vec3() * height;
                 let to_light = normalize(light - found.point);
                 let origin = offset_origin(found.point, found.error, found.normal, to_light);
@@ -150,7 +150,7 @@ pub(super) fn contact(effort: &Effort) -> Outcome {
         for (geometry, name, is_blocked) in
             [(lower, "the plate it starts from", false), (both, "the plate above", true)]
         {
-            let accel = Accel::new(geometry, Preset::VeryFast);
+            let accel = effort.accel(geometry, Preset::VeryFast);
             outcome.add(every_way(accel, &rays, |_, _, hit| {
                 let told = || format!("gap {gap} at {height}: {name} is at {}", hit.t);
                 (hit.is_miss() == is_blocked).then(told)
@@ -178,19 +178,20 @@ fn apart(numbers: &mut Numbers) -> (Vec3, DVec3) {
 
 /// Row 11.
 pub(super) fn towards_a_light_on_a_surface(effort: &Effort) -> Outcome {
+    let tests = Tests(effort.precision);
     each(effort, 11, effort.of(10_000_000), |numbers| {
         let (from, light) = apart(numbers);
         let direction = light - from.as_dvec3();
         let size = direction.length() * numbers.magnitude(1e-3, 1.0);
         let corners = facing(numbers, light, direction, size);
-        let found = on_triangle(numbers, &corners)?;
+        let found = on_triangle(tests, numbers, &corners)?;
         let back = normalize(from - found.point);
         let end = offset_end(found.point, found.error, found.normal, back);
         let ray = Ray { t_max: SHADOW_END, ..Ray::new(from, end - from) };
         let mut outcome = Outcome::default();
         // Flatter segments run along the light's own surface.
         if normalize(ray.direction).dot(found.normal).abs() > 0.1 {
-            let hit = ShearedSpace::new(&ray).intersect(&corners);
+            let hit = tests.triangle(&ray, &corners);
             let told = |t| format!("{ray:?} is blocked at {t} by the light's own {corners:?}");
             outcome.count(hit.filter(|&t| t < ray.t_max).map(told));
         }
@@ -200,6 +201,7 @@ pub(super) fn towards_a_light_on_a_surface(effort: &Effort) -> Outcome {
 
 /// Row 12.
 pub(super) fn just_before_a_light(effort: &Effort) -> Outcome {
+    let tests = Tests(effort.precision);
     each(effort, 12, effort.of(1_000_000), |numbers| {
         let (from, light) = apart(numbers);
         let light = light.as_vec3();
@@ -214,7 +216,7 @@ pub(super) fn just_before_a_light(effort: &Effort) -> Outcome {
             *corner = (upright + light.as_dvec3() - before).as_vec3();
         }
         let ray = Ray { t_max: SHADOW_END, ..Ray::new(from, light - from) };
-        let hit = ShearedSpace::new(&ray).intersect(&corners).filter(|&t| t < ray.t_max);
+        let hit = tests.triangle(&ray, &corners).filter(|&t| t < ray.t_max);
         let mut outcome = Outcome::default();
         let told = || format!("{ray:?} is not blocked by {corners:?}");
         outcome.count(hit.is_none().then(told));

@@ -5,14 +5,14 @@ use glam::Vec3;
 use super::directions::cubes;
 use super::ways::{Numbers, every_way};
 use super::{Effort, Outcome};
+use crate::accel::Hit;
 use crate::accel::build::Preset;
 use crate::accel::geometry::Geometry;
-use crate::accel::{Accel, Hit};
 use crate::math::ray::Ray;
 
 /// What brute force finds.
-fn by_brute_force(geometry: &Geometry, rays: &[Ray]) -> Vec<Hit> {
-    let accel = Accel::new(geometry.clone(), Preset::Brute);
+fn by_brute_force(effort: &Effort, geometry: &Geometry, rays: &[Ray]) -> Vec<Hit> {
+    let accel = effort.accel(geometry.clone(), Preset::Brute);
     let mut hits = vec![Hit::MISS; rays.len()];
     let threads = rayon::current_num_threads();
     let block = rays.len().div_ceil(16 * threads).max(1);
@@ -26,10 +26,16 @@ fn by_brute_force(geometry: &Geometry, rays: &[Ray]) -> Vec<Hit> {
 }
 
 /// Asks every preset in every way, and compares with what is expected.
-fn compare(geometry: &Geometry, rays: &[Ray], expected: &[Hit], presets: &[Preset]) -> Outcome {
+fn compare(
+    effort: &Effort,
+    geometry: &Geometry,
+    rays: &[Ray],
+    expected: &[Hit],
+    presets: &[Preset],
+) -> Outcome {
     let mut outcome = Outcome::default();
     for &preset in presets {
-        outcome.add(every_way(Accel::new(geometry.clone(), preset), rays, |i, _, hit| {
+        outcome.add(every_way(effort.accel(geometry.clone(), preset), rays, |i, _, hit| {
             let told = || format!("{}: {hit:?} and not {:?}", preset.name(), expected[i]);
             (hit != expected[i]).then(told)
         }));
@@ -71,9 +77,9 @@ pub(super) fn boxes(effort: &Effort) -> Outcome {
                 Ray::new(origin * scale, (target - origin) * scale)
             })
             .collect();
-        let expected = by_brute_force(&geometry, &rays);
+        let expected = by_brute_force(effort, &geometry, &rays);
         let presets = &Preset::ALL[1..];
-        outcome.add(compare(&geometry, &rays, &expected, presets));
+        outcome.add(compare(effort, &geometry, &rays, &expected, presets));
     }
     outcome
 }
@@ -101,8 +107,8 @@ pub(super) fn in_the_plane(effort: &Effort) -> Outcome {
                 Ray::new(origin, a * whole() + b * whole())
             })
             .collect();
-        let expected = by_brute_force(&geometry, &rays);
-        outcome.add(every_way(Accel::new(geometry, Preset::VeryFast), &rays, |i, _, hit| {
+        let expected = by_brute_force(effort, &geometry, &rays);
+        outcome.add(every_way(effort.accel(geometry, Preset::VeryFast), &rays, |i, _, hit| {
             let is_right = hit == expected[i] && (hit.is_miss() || hit.t.is_finite());
             (!is_right).then(|| format!("{hit:?} and not {:?}", expected[i]))
         }));
@@ -114,7 +120,7 @@ pub(super) fn in_the_plane(effort: &Effort) -> Outcome {
 pub(super) fn duplicates(effort: &Effort) -> Outcome {
     let mut outcome = Outcome::default();
     let base = cubes(3, 0.75);
-    let expected_of = |rays: &[Ray]| by_brute_force(&base, rays);
+    let expected_of = |rays: &[Ray]| by_brute_force(effort, &base, rays);
     let rays: Vec<Ray> = (0..effort.of(1_000_000) as usize)
         .map(|n| {
             let mut numbers = Numbers::new(effort, 21, n);
@@ -133,7 +139,7 @@ pub(super) fn duplicates(effort: &Effort) -> Outcome {
         let triangles = which.iter().map(|&i| base.triangles[i]).collect();
         let geometry = Geometry { triangles, ..base.clone() };
         for preset in [Preset::Fastest, Preset::Medium] {
-            outcome.add(every_way(Accel::new(geometry.clone(), preset), &rays, |i, _, hit| {
+            outcome.add(every_way(effort.accel(geometry.clone(), preset), &rays, |i, _, hit| {
                 // Of all at this distance the first in the shuffled order; edges have two triangles.
                 let is_first = |number: u32| {
                     let own = which[number as usize];
@@ -171,9 +177,9 @@ pub(super) fn one_centroid(effort: &Effort) -> Outcome {
                 Ray::new(origin, numbers.direction().as_vec3() * 10.0 - origin)
             })
             .collect();
-        let expected = by_brute_force(&geometry, &rays);
-        outcome.add(compare(&geometry, &rays, &expected, &[Preset::VeryFast]));
-        let accel = Accel::new(geometry, Preset::VeryFast);
+        let expected = by_brute_force(effort, &geometry, &rays);
+        outcome.add(compare(effort, &geometry, &rays, &expected, &[Preset::VeryFast]));
+        let accel = effort.accel(geometry, Preset::VeryFast);
         for ray in &rays {
             let mut traversal = accel.traversal();
             accel.closest(ray, &mut traversal);
@@ -213,6 +219,12 @@ pub(super) fn nested(effort: &Effort) -> Outcome {
             Ray::new(origin.as_vec3(), (target - origin).as_vec3())
         })
         .collect();
-    let expected = by_brute_force(&geometry, &rays);
-    compare(&geometry, &rays, &expected, &[Preset::Fastest, Preset::VeryFast, Preset::Medium])
+    let expected = by_brute_force(effort, &geometry, &rays);
+    compare(
+        effort,
+        &geometry,
+        &rays,
+        &expected,
+        &[Preset::Fastest, Preset::VeryFast, Preset::Medium],
+    )
 }

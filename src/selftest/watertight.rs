@@ -6,7 +6,6 @@ use rayon::prelude::*;
 use super::closed::{Closed, globe};
 use super::ways::{Numbers, every_way};
 use super::{Effort, Outcome};
-use crate::accel::Accel;
 use crate::accel::build::Preset;
 use crate::math::ray::Ray;
 
@@ -62,7 +61,7 @@ fn aimed(effort: &Effort, aim: Aim) -> Outcome {
             for (preset, rays) in
                 [(Preset::VeryFast, &rays), (Preset::Medium, &few), (Preset::Brute, &few)]
             {
-                let accel = Accel::new(closed.geometry.clone(), preset);
+                let accel = effort.accel(closed.geometry.clone(), preset);
                 let told = |failure: &str| {
                     format!("globe {size:?} at {place:?}, {}: {failure}", preset.name())
                 };

@@ -1,9 +1,16 @@
 //! Every way in which a question about rays can be asked.
 
+use std::time::Instant;
+
+use glam::Vec3;
 use rayon::prelude::*;
 
 use super::{Effort, Outcome};
 use crate::accel::{Accel, Hit, KernelChoice};
+use crate::kernels::precision::{Fast, Precision};
+use crate::kernels::sphere;
+use crate::kernels::surface::{self, Surface};
+use crate::kernels::triangle::{ShearedSpace, exact, fast};
 use crate::math::random::Stream;
 use crate::math::ray::Ray;
 use crate::math::simd::Level;
@@ -22,7 +29,10 @@ pub(super) fn every_way(
     for level in Level::available() {
         let Some(token) = level.token() else { continue };
         accel.level = token;
-        for kernel in KernelChoice::ALL {
+        // Exact arithmetic takes every ray alone.
+        let is_exact = accel.geometry.precision == Precision::Exact;
+        let kernels: &[_] = if is_exact { &[KernelChoice::Single] } else { &KernelChoice::ALL };
+        for &kernel in kernels {
             accel.kernel = kernel;
             let told = |failure| format!("{} {}: {failure}", level.name(), kernel.name());
             outcome.add(ask(&accel, rays, |i, ray, hit| judge(i, ray, hit).map(told)));
@@ -45,8 +55,11 @@ fn ask(
         .enumerate()
         .map(|(block, rays)| {
             let mut hits = vec![Hit::MISS; rays.len()];
-            accel.closest_of(rays, &mut hits, &mut accel.traversal());
-            let mut outcome = Outcome::default();
+            let mut traversal = accel.traversal();
+            let start = Instant::now();
+            accel.closest_of(rays, &mut hits, &mut traversal);
+            let seconds = start.elapsed().as_secs_f64();
+            let mut outcome = Outcome { timed: rays.len() as u64, seconds, ..Outcome::default() };
             for (i, (ray, &hit)) in rays.iter().zip(&hits).enumerate() {
                 let number = block * BLOCK + i;
                 let told = |failure| format!("ray {number}, {ray:?}: {failure}");
@@ -60,6 +73,46 @@ fn ask(
             all.add(one);
             all
         })
+}
+
+/// The tests of one primitive, and the points found by them, in a precision.
+#[derive(Clone, Copy)]
+pub(super) struct Tests(pub(super) Precision);
+
+impl Tests {
+    /// The t at which the ray meets the triangle.
+    pub(super) fn triangle(self, ray: &Ray, corners: &[Vec3; 3]) -> Option<f32> {
+        let t = match self.0 {
+            Precision::Fast => fast::intersect(ray, corners)?,
+            Precision::Robust => return ShearedSpace::new(ray).intersect(corners),
+            Precision::Exact => exact::intersect(ray, corners)? as f32,
+        };
+        (t > ray.t_min).then_some(t)
+    }
+
+    /// The t at which the ray meets the sphere.
+    pub(super) fn sphere(self, ray: &Ray, center: Vec3, radius: f32) -> Option<f32> {
+        if self.0 == Precision::Fast {
+            return sphere::intersect_fast(ray, center, radius);
+        }
+        sphere::intersect(ray, center, radius)
+    }
+
+    /// Where the ray meets the triangle.
+    pub(super) fn surface(self, ray: &Ray, t: f32, corners: &[Vec3; 3]) -> Surface {
+        if self.0 == Precision::Fast {
+            return surface::triangle_at::<Fast>(ray, t, corners);
+        }
+        surface::triangle(ray, corners)
+    }
+
+    /// Where the ray meets the sphere.
+    pub(super) fn sphere_surface(self, ray: &Ray, t: f32, center: Vec3, radius: f32) -> Surface {
+        if self.0 == Precision::Fast {
+            return surface::sphere_at::<Fast>(ray, t, center, radius);
+        }
+        surface::sphere(ray, center, radius)
+    }
 }
 
 /// Random numbers for the `index`th input of a case.

@@ -1,5 +1,6 @@
 //! The camera: from the view and its lens to a ray generator.
 
+use glam::DVec3;
 use hecs::World;
 
 use super::missing;
@@ -7,13 +8,13 @@ use crate::error::Result;
 use crate::kernels::camera::{Camera, Lens, Placement};
 use crate::scene::components::{ThinLens, View};
 
-/// The camera of the world. A lens of aperture 0 is a pinhole, to the last bit.
-pub fn run(world: &World) -> Result<Camera> {
+/// The camera of the world, moved by `-origin`. A lens of aperture 0 is a pinhole, to the last bit.
+pub fn run(world: &World, origin: DVec3) -> Result<Camera> {
     let mut query = world.query::<(&View, Option<&ThinLens>)>();
     let (view, lens) = query.iter().next().ok_or_else(|| missing("View"))?;
     let placement = Placement {
-        location: view.location,
-        look: view.look,
+        location: view.location - origin,
+        look: view.look - origin,
         up: view.up,
         fov_degrees: view.fov_degrees,
         fov_axis: view.fov_axis,

@@ -48,9 +48,9 @@ pub struct Output {
     pub meshes: Vec<MeshAttributes>,
 }
 
-/// Turns every shape into primitives.
-pub fn run(world: &mut World) -> Result<Output> {
-    let mut builder = Builder { room: Room::of(world), ..Builder::default() };
+/// Turns every shape into primitives, and moves all by `-origin`.
+pub fn run(world: &mut World, origin: DVec3) -> Result<Output> {
+    let mut builder = Builder { origin, room: Room::of(world), ..Builder::default() };
     for entity in entities::<hecs::Or<&Mesh, &Triangle>>(world) {
         builder.add_triangles(world, entity)?;
     }
@@ -79,6 +79,7 @@ fn entities<Q: hecs::Query>(world: &World) -> Vec<Entity> {
 
 #[derive(Default)]
 struct Builder {
+    origin: DVec3,
     room: Room,
     geometry: Geometry,
     shapes: Vec<ShapeOutput>,
@@ -97,11 +98,13 @@ struct Common {
 }
 
 impl Common {
-    fn of(world: &World, entity: Entity) -> Self {
+    fn of(world: &World, entity: Entity, origin: DVec3) -> Self {
         let light = world.get::<&AreaLight>(entity).ok();
         let is_shape = light.is_none();
+        let mut transform = world.get::<&Transform>(entity).map_or(DAffine3::IDENTITY, |t| t.0);
+        transform.translation -= origin;
         Self {
-            transform: world.get::<&Transform>(entity).map_or(DAffine3::IDENTITY, |t| t.0),
+            transform,
             facing: world.get::<&Facing>(entity).ok().map(|f| *f),
             sides: world.get::<&Sides>(entity).map_or(Sides::Both, |s| *s),
             smooth: is_shape && world.get::<&Shading>(entity).is_ok_and(|s| *s == Shading::Smooth),
@@ -141,8 +144,12 @@ impl Common {
 }
 
 impl Builder {
+    fn common(&self, world: &World, entity: Entity) -> Common {
+        Common::of(world, entity, self.origin)
+    }
+
     fn add_triangles(&mut self, world: &World, entity: Entity) -> Result<()> {
-        let common = Common::of(world, entity);
+        let common = self.common(world, entity);
         if let Ok(triangle) = world.get::<&Triangle>(entity) {
             return self.add_triangle(entity, &common, &triangle.points);
         }
@@ -198,7 +205,7 @@ impl Builder {
     }
 
     fn add_quad(&mut self, world: &World, entity: Entity) -> Result<()> {
-        let common = Common::of(world, entity);
+        let common = self.common(world, entity);
         let Ok(points) = world.get::<&Quad>(entity).map(|q| q.points) else { return Ok(()) };
         let number = (self.geometry.triangles.len() + self.geometry.quads.len()) as u32;
         let first = self.add_points(&common, &points)?;
@@ -215,7 +222,7 @@ impl Builder {
     }
 
     fn add_sphere(&mut self, world: &World, entity: Entity) -> Result<()> {
-        let common = Common::of(world, entity);
+        let common = self.common(world, entity);
         let Ok(sphere) = world.get::<&Sphere>(entity).map(|s| *s) else { return Ok(()) };
         let center = common.transform.transform_point3(sphere.center);
         let turn = common.transform.matrix3;

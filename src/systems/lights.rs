@@ -24,11 +24,16 @@ pub struct LightsOutput {
     pub count: usize,
 }
 
-/// The lights of the world.
-pub fn run(world: &World, extracted: &Output, settings: &Settings) -> Result<LightsOutput> {
+/// The lights of the world, moved by `-origin` as its shapes are.
+pub fn run(
+    world: &World,
+    extracted: &Output,
+    settings: &Settings,
+    origin: DVec3,
+) -> Result<LightsOutput> {
     let mut found: Vec<(Order, Entity, Light)> = Vec::new();
     for (entity, order, light) in world.query::<(Entity, &Order, &PointLight)>().iter() {
-        found.push((*order, entity, point_light(light)));
+        found.push((*order, entity, point_light(light, origin)));
     }
     let shapes: HashMap<Entity, &Shape> =
         extracted.shapes.iter().map(|output| (output.entity, &output.shape)).collect();
@@ -54,9 +59,9 @@ pub fn run(world: &World, extracted: &Output, settings: &Settings) -> Result<Lig
     Ok(LightsOutput { lights, count })
 }
 
-fn point_light(light: &PointLight) -> Light {
+fn point_light(light: &PointLight, origin: DVec3) -> Light {
     Light {
-        emitter: Emitter::Point(super::single(light.position)),
+        emitter: Emitter::Point(super::single(light.position - origin)),
         power: power(light.intensity, light.color),
         falloff: light.falloff,
         sampling: Sampling::Random,

@@ -3,6 +3,7 @@
 //! | system | reads | makes |
 //! |---|---|---|
 //! | [`census`] | every component | the plan: which effects the scene calls for |
+//! | [`frame`] | the view | how far the scene is moved |
 //! | [`geometry`] | shapes, transforms | positions, triangles, quads, spheres, mesh attributes |
 //! | [`materials`] | materials | one row of numbers a shape |
 //! | [`textures`] | texture references | decoded images, each once |
@@ -14,6 +15,7 @@
 
 pub mod camera;
 pub mod census;
+pub mod frame;
 pub mod geometry;
 pub mod lights;
 pub mod materials;
@@ -41,20 +43,29 @@ pub struct Extracted {
     file: PathBuf,
 }
 
-/// Runs every system but the last. The meshes are moved out of the `world`.
+/// Runs every system but the last, for robust arithmetic. The meshes are moved out of the `world`.
 pub fn extract(world: &mut World) -> Result<Extracted> {
+    extract_in(world, Precision::default())
+}
+
+/// As [`extract`], for this precision.
+pub fn extract_in(world: &mut World, precision: Precision) -> Result<Extracted> {
     let settings = settings(world)?;
     let plan = census::run(world);
-    let mut extracted = geometry::run(world).map_err(|e| e.in_file(&settings.file))?;
+    // Fast arithmetic takes coordinates as they are.
+    let origin = if precision == Precision::Fast { DVec3::ZERO } else { frame::run(world)? };
+    let mut extracted = geometry::run(world, origin).map_err(|e| e.in_file(&settings.file))?;
+    extracted.geometry.precision = precision;
     let materials = materials::run(world, &extracted.shapes);
     let images = textures::run(world, &plan, &mut extracted.shapes)?;
-    let lights::LightsOutput { lights, count } = lights::run(world, &extracted, &settings)?;
-    let camera = camera::run(world)?;
+    let lights::LightsOutput { lights, count } = lights::run(world, &extracted, &settings, origin)?;
+    let camera = camera::run(world, origin)?;
     let mirrors = plan.has(Effect::Mirrors);
     let geometry::Output { geometry, shapes, meshes } = extracted;
     let shapes = shapes.into_iter().map(|s| s.shape).collect();
     let scene = PreparedScene {
         plan,
+        origin,
         camera,
         accel: Accel::new(geometry, Preset::Brute),
         looks: Looks { shapes, materials, images, meshes },
@@ -71,13 +82,6 @@ impl Extracted {
     /// The geometry that the tree is to be built over.
     pub fn geometry(&self) -> &Geometry {
         &self.scene.accel.geometry
-    }
-
-    /// With hits found in this precision.
-    #[must_use]
-    pub fn with_precision(mut self, precision: Precision) -> Self {
-        self.scene.accel.geometry.precision = precision;
-        self
     }
 
     /// The scene, which has no tree yet.

@@ -7,10 +7,10 @@
 mod columns;
 
 use fearless_simd::prelude::*;
-use fearless_simd::{f32x16, mask32x8, u32x8};
+use fearless_simd::{mask32x8, u32x8};
 use glam::Vec3;
 
-use crate::accel::{Hit, RayLanes, Rays as RayColumns};
+use crate::accel::{Hit, RayColumns, Rays as AllRays};
 use crate::kernels::blinn_phong::lanes::Reflection;
 use crate::kernels::shade::SHADOW_END;
 use crate::kernels::shade::lanes::{LitPoints as LitLanes, Mirrored, ShadowRequests};
@@ -37,36 +37,29 @@ columns! {
     }
 }
 
-impl RayColumns for Rays {
-    fn count(&self) -> usize {
-        self.rows
-    }
-
+impl Rays {
+    /// The `i`th.
     #[inline(always)]
-    fn ray(&self, i: usize) -> Ray {
+    pub fn ray(&self, i: usize) -> Ray {
         Ray::new(self.origin.get(i), self.direction.get(i))
-    }
-
-    #[inline(always)]
-    fn block<S: Lanes>(&self, simd: S, i: usize, stride: usize) -> RayLanes<S> {
-        block(simd, (&self.origin, &self.direction), (i, stride), f32::INFINITY)
     }
 }
 
-/// Sixteen rays as of [`RayColumns::block`], with t from 0 to `t_max`.
-#[inline(always)]
-fn block<S: Lanes>(
-    simd: S,
-    (origin, direction): (&Vectors, &Vectors),
-    (i, stride): (usize, usize),
-    t_max: f32,
-) -> RayLanes<S> {
-    RayLanes {
-        origin: origin.block(simd, i, stride),
-        direction: direction.block(simd, i, stride),
-        t_min: f32x16::splat(simd, 0.0),
-        t_max: f32x16::splat(simd, t_max),
+impl<'a> From<&'a Rays> for AllRays<'a> {
+    fn from(rays: &'a Rays) -> Self {
+        columns_of(rays.rows, &rays.origin, &rays.direction, f32::INFINITY)
     }
+}
+
+/// As kernels read them.
+fn columns_of<'a>(
+    count: usize,
+    origin: &'a Vectors,
+    direction: &'a Vectors,
+    t_max: f32,
+) -> AllRays<'a> {
+    let (origin, direction) = (origin.columns(), direction.columns());
+    AllRays::Columns(RayColumns { count, origin, direction, t_max })
 }
 
 impl Rays {
@@ -197,19 +190,9 @@ columns! {
     }
 }
 
-impl RayColumns for ShadowRays {
-    fn count(&self) -> usize {
-        self.rows
-    }
-
-    #[inline(always)]
-    fn ray(&self, i: usize) -> Ray {
-        Ray { t_max: SHADOW_END, ..Ray::new(self.origin.get(i), self.direction.get(i)) }
-    }
-
-    #[inline(always)]
-    fn block<S: Lanes>(&self, simd: S, i: usize, stride: usize) -> RayLanes<S> {
-        block(simd, (&self.origin, &self.direction), (i, stride), SHADOW_END)
+impl<'a> From<&'a ShadowRays> for AllRays<'a> {
+    fn from(rays: &'a ShadowRays) -> Self {
+        columns_of(rays.rows, &rays.origin, &rays.direction, SHADOW_END)
     }
 }
 

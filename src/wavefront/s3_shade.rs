@@ -12,7 +12,7 @@ use fearless_simd::{f32x8, mask32x8, u32x8};
 use glam::{Vec2, Vec3};
 
 use super::batch::{Batch, Vectors};
-use crate::accel::{NO_PRIMITIVE, Rays};
+use crate::accel::NO_PRIMITIVE;
 use crate::counters::Counters;
 use crate::kernels::blinn_phong::lanes::Reflection;
 use crate::kernels::precision::Arithmetic;

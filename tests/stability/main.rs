@@ -3,6 +3,7 @@
 //! `cargo test --test stability` runs the first, `cargo test --release --test stability -- --ignored`
 //! the second.
 
+use wavecrest::kernels::precision::Precision;
 use wavecrest::selftest::{CASES, Count, Effort, case};
 
 /// The seed of every run; a failing input is told with its number.
@@ -11,15 +12,30 @@ const SEED: u64 = 1;
 #[allow(clippy::expect_used, reason = "it fails as the tests do that call it")]
 fn run(number: u32, count: Count) {
     let case = case(number).expect("the table below names cases that there are");
-    let outcome = case.run(&Effort { seed: SEED, count });
-    assert!(
-        outcome.holds(),
-        "{}: {} of {} failed, seed {SEED}, first {}",
-        case.name,
-        outcome.failed,
-        outcome.tried,
-        outcome.first.unwrap_or_default()
-    );
+    for precision in [Precision::Robust, Precision::Exact] {
+        let outcome = case.run(&Effort { precision, seed: SEED, count });
+        let full = if count == Count::Full { " --full" } else { "" };
+        assert!(
+            outcome.holds(),
+            "{}: {} of {} failed; the first: {}\nagain: wavecrest selftest --case {number} \
+             --precision {} --seed {SEED}{full}",
+            case.name,
+            outcome.failed,
+            outcome.tried,
+            outcome.first.unwrap_or_default(),
+            precision.name()
+        );
+    }
+}
+
+/// What fast arithmetic is known to lose: were it to lose nothing, the cases would see nothing.
+#[test]
+fn fast_arithmetic_leaks_at_edges_and_vertices() {
+    for number in [1, 2] {
+        let case = case(number).expect("it is among those below");
+        let effort = Effort { precision: Precision::Fast, seed: SEED, count: Count::Quick };
+        assert!(case.run(&effort).failed > 1000, "{}", case.name);
+    }
 }
 
 /// Two tests for each case.

@@ -7,7 +7,6 @@ use super::{Batch, TILE};
 use crate::accel::arena::{Kind, Patch, Ref, View};
 use crate::accel::geometry::PreparedRay;
 use crate::accel::query::Query;
-use crate::accel::rays::Rays;
 use crate::accel::stream::Found;
 use crate::accel::{Hit, TestCounts, leaf};
 use crate::kernels::precision::Arithmetic;
@@ -35,7 +34,7 @@ pub(super) struct Alone {
     ray: u8,
 }
 
-impl<Q: Query, P: Arithmetic, R: Rays + ?Sized> Batch<'_, Q, P, R> {
+impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
     /// Visits the leaves that tiles have met.
     #[inline(always)]
     pub(super) fn visit_leaves<S: Lanes>(

@@ -16,15 +16,15 @@ pub(super) struct Handed {
 }
 
 /// Rays that packets have handed over, and then those that no packet has seen.
-pub(super) struct Remaining<'a, R: ?Sized> {
+pub(super) struct Remaining<'a> {
     pub(super) queue: &'a mut Vec<u32>,
     pub(super) handed: &'a [Handed],
     pub(super) last: &'a [(u32, u32)],
-    pub(super) rays: &'a R,
-    pub(super) rest: FromRoot<'a, R>,
+    pub(super) rays: Rays<'a>,
+    pub(super) rest: FromRoot<'a>,
 }
 
-impl<Q: Query, P: Arithmetic, R: Rays + ?Sized> Source<Q, P> for Remaining<'_, R> {
+impl<Q: Query, P: Arithmetic> Source<Q, P> for Remaining<'_> {
     #[inline(always)]
     fn next(
         &mut self,
@@ -55,6 +55,6 @@ impl<Q: Query, P: Arithmetic, R: Rays + ?Sized> Source<Q, P> for Remaining<'_, R
                 return Some(entries);
             }
         }
-        <FromRoot<'_, R> as Source<Q, P>>::next(&mut self.rest, answers, stack, slot)
+        <FromRoot<'_> as Source<Q, P>>::next(&mut self.rest, answers, stack, slot)
     }
 }

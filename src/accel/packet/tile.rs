@@ -111,7 +111,7 @@ impl Tile {
     pub(super) fn load<S: Lanes, P: Arithmetic>(
         &mut self,
         simd: S,
-        rays: &(impl Rays + ?Sized),
+        rays: &Rays<'_>,
         range: Range<usize>,
     ) -> bool {
         let mut extents = Extents::new(simd);
@@ -126,7 +126,7 @@ impl Tile {
                     let number = range.start + number_of(g * WIDTH + i);
                     *ray = rays.ray(number.min(range.end - 1));
                 }
-                block[..].block(simd, 0, BLOCK_EDGE)
+                Rays::Rows(&block).block(simd, 0, BLOCK_EDGE)
             };
             for k in 0..3 {
                 self.origin[k][g] = block.origin[k].into();

@@ -1,10 +1,10 @@
 //! What columns are made of.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{f32x4, f32x8, f32x16, mask32x8, u32x8};
+use fearless_simd::{f32x8, mask32x8, u32x8};
 use glam::Vec3;
 
-use crate::accel::{BLOCK_EDGE, Hit};
+use crate::accel::Hit;
 use crate::math::lanes::Vec3x8;
 use crate::math::simd::{LANES, Lanes};
 
@@ -129,14 +129,9 @@ impl Vectors {
         Vec3x8::new(x, y, f32x8::from_slice(simd, &self.z[i..i + LANES]))
     }
 
-    /// Four vectors from the `i`th on, and from each of three rows behind, a coordinate each.
-    #[inline(always)]
-    pub(super) fn block<S: Lanes>(&self, simd: S, i: usize, stride: usize) -> [f32x16<S>; 3] {
-        [
-            block(simd, &self.x, i, stride),
-            block(simd, &self.y, i, stride),
-            block(simd, &self.z, i, stride),
-        ]
+    /// A column for each axis.
+    pub(super) fn columns(&self) -> [&[f32]; 3] {
+        [&self.x, &self.y, &self.z]
     }
 
     /// Replaces the vectors from the `i`th on.
@@ -164,16 +159,6 @@ impl Vectors {
         let v = Vec3x8::new(v.x.compress(mask), v.y.compress(mask), v.z.compress(mask));
         self.store(i, v);
     }
-}
-
-/// Four numbers from the `i`th on, and from each of three rows behind.
-#[inline(always)]
-fn block<S: Lanes>(simd: S, column: &[f32], i: usize, stride: usize) -> f32x16<S> {
-    let a = f32x4::from_slice(simd, &column[i..i + BLOCK_EDGE]);
-    let b = f32x4::from_slice(simd, &column[i + stride..i + stride + BLOCK_EDGE]);
-    let c = f32x4::from_slice(simd, &column[i + 2 * stride..i + 2 * stride + BLOCK_EDGE]);
-    let d = f32x4::from_slice(simd, &column[i + 3 * stride..i + 3 * stride + BLOCK_EDGE]);
-    a.combine(b).combine(c.combine(d))
 }
 
 /// As [`Vectors::pack`], for numbers of paths.
