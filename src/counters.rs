@@ -23,9 +23,28 @@ pub struct Counters {
     pub kernels: Kernels,
     /// Samples that were not finite, and count as black.
     pub invalid: u64,
+    /// The first of these, by pixel.
+    pub first_invalid: Option<Sample>,
     /// Shadow rays to a light within the rounding error of the surface: its distance was taken to
     /// be that error.
     pub lights_at_surface: u64,
+}
+
+/// A sample of a pixel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
+pub struct Sample {
+    /// The pixel: its row times the image's width plus its column.
+    pub pixel: u32,
+    /// The camera ray within the pixel.
+    pub sample: u32,
+}
+
+impl Counters {
+    /// Counts samples that were not finite, given the first of them.
+    pub fn add_invalid(&mut self, count: u64, first: Option<Sample>) {
+        self.invalid += count;
+        self.first_invalid = [self.first_invalid, first].into_iter().flatten().min();
+    }
 }
 
 impl std::ops::AddAssign for Counters {
@@ -38,7 +57,7 @@ impl std::ops::AddAssign for Counters {
         self.texels += other.texels;
         self.tests += other.tests;
         self.kernels += other.kernels;
-        self.invalid += other.invalid;
+        self.add_invalid(other.invalid, other.first_invalid);
         self.lights_at_surface += other.lights_at_surface;
     }
 }

@@ -11,6 +11,7 @@ pub mod math;
 pub mod memory;
 pub mod plan;
 pub mod prepared;
+pub mod probe;
 pub mod ray_file;
 pub mod recursive;
 pub mod render;

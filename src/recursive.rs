@@ -10,11 +10,13 @@ use std::time::Instant;
 
 use glam::Vec3;
 
-use crate::accel::Traversal;
-use crate::counters::Counters;
+use crate::accel::{Hit, TestCounts, Traversal};
+use crate::counters::{Counters, Sample};
+use crate::kernels::light::LightPoint;
 use crate::kernels::precision::Arithmetic;
-use crate::kernels::shade::{self, ShadingPoint};
+use crate::kernels::shade::{self, ShadingPoint, ShadowRequest};
 use crate::math::random::Stream;
+use crate::math::ray::Ray;
 use crate::prepared::{Arrival, PreparedScene};
 use crate::tile::{Tile, TraceSettings, Tracer, add_sample};
 
@@ -46,8 +48,9 @@ impl<P: Arithmetic> Tracer for Recursive<P> {
             let (x, y) = tile.pixel(index as u32);
             for sample in 0..scene.camera.rays_per_pixel() {
                 let stream = Stream { seed: self.seed, pixel: y * width + x, sample, bounce: 0 };
-                let radiance = self.path(scene, x, y, stream);
-                add_sample(sum, radiance.to_array(), &mut self.counters);
+                let radiance = self.path(scene, [x, y], stream, &mut ());
+                let sample = Sample { pixel: stream.pixel, sample };
+                add_sample(sum, radiance.to_array(), sample, &mut self.counters);
             }
         }
         self.seconds += start.elapsed().as_secs_f64();
@@ -63,33 +66,89 @@ impl<P: Arithmetic> Tracer for Recursive<P> {
     }
 }
 
+/// Who is told what happens to a path, for a story of it. Rendering tells nobody.
+pub trait Observer {
+    /// A ray has been traced, to this hit, with this work.
+    fn ray(&mut self, _: &Ray, _: &Hit, _: TestCounts) {}
+
+    /// It arrives here, at a surface; what it gathers without further rays is added.
+    fn surface(&mut self, _: &ShadingPoint, _: Vec3) {}
+
+    /// What the `index`th point of the `light`th light does for the surface: whether something is in the
+    /// way, where a shadow ray is asked for.
+    fn light(&mut self, _: [usize; 2], _: &LightPoint, _: Option<(&ShadowRequest, bool)>) {}
+
+    /// The bounce is over: what the path has gathered, and why it ends unless it goes on.
+    fn done(&mut self, _: Vec3, _: Option<End>) {}
+}
+
+impl Observer for () {}
+
+/// Why a path ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum End {
+    /// Its ray meets nothing.
+    Nothing,
+    /// Its ray meets the shape of a light.
+    Light,
+    /// It has made as many bounces as the scene allows.
+    LastBounce,
+    /// The surface is no mirror, or a mirror ray could add nothing.
+    NoMirror,
+}
+
 impl<P: Arithmetic> Recursive<P> {
-    /// The radiance along one camera ray.
-    fn path(&mut self, scene: &PreparedScene, x: u32, y: u32, mut stream: Stream) -> Vec3 {
+    /// The radiance along the camera ray that `stream` names, through the pixel (`x`, `y`).
+    pub fn path(
+        &mut self,
+        scene: &PreparedScene,
+        [x, y]: [u32; 2],
+        mut stream: Stream,
+        observer: &mut impl Observer,
+    ) -> Vec3 {
         let mut ray = scene.camera.ray(x, y, &stream);
         self.counters.primary_rays += 1;
         self.counters.lens_samples += u64::from(scene.camera.has_lens());
         let mut throughput = Vec3::ONE;
         let mut radiance = Vec3::ZERO;
         loop {
+            let before = self.traversal.tests;
             let hit = scene.accel.closest(&ray, &mut self.traversal);
-            let point = match scene.arrival::<P>(&ray, &hit, &mut self.counters.texels) {
-                Arrival::Surface(point) => point,
-                Arrival::Light(color) => return radiance + throughput * color,
-                Arrival::Nothing if stream.bounce == 0 => return radiance + scene.background,
-                Arrival::Nothing => return radiance,
+            observer.ray(&ray, &hit, self.traversal.tests - before);
+            let end = match scene.arrival::<P>(&ray, &hit, &mut self.counters.texels) {
+                Arrival::Surface(point) => {
+                    radiance += throughput * shade::local_light(&point, scene.ambient);
+                    observer.surface(&point, radiance);
+                    if point.lit {
+                        let gathered = (throughput, &mut radiance);
+                        self.direct_light(scene, &point, &stream, gathered, observer);
+                    }
+                    if stream.bounce == scene.bounces {
+                        End::LastBounce
+                    } else if let Some((next, weight)) = shade::mirror(&point, throughput) {
+                        observer.done(radiance, None);
+                        self.counters.secondary_rays += 1;
+                        (ray, throughput) = (next, weight);
+                        stream.bounce += 1;
+                        continue;
+                    } else {
+                        End::NoMirror
+                    }
+                }
+                Arrival::Light(color) => {
+                    radiance += throughput * color;
+                    End::Light
+                }
+                Arrival::Nothing => {
+                    if stream.bounce == 0 {
+                        radiance += scene.background;
+                    }
+                    End::Nothing
+                }
             };
-            radiance += throughput * shade::local_light(&point, scene.ambient);
-            if point.lit {
-                self.direct_light(scene, &point, throughput, &stream, &mut radiance);
-            }
-            if stream.bounce == scene.bounces {
-                return radiance;
-            }
-            let Some((next, weight)) = shade::mirror(&point, throughput) else { return radiance };
-            self.counters.secondary_rays += 1;
-            (ray, throughput) = (next, weight);
-            stream.bounce += 1;
+            observer.done(radiance, Some(end));
+            return radiance;
         }
     }
 
@@ -99,20 +158,24 @@ impl<P: Arithmetic> Recursive<P> {
         &mut self,
         scene: &PreparedScene,
         point: &ShadingPoint,
-        throughput: Vec3,
         stream: &Stream,
-        radiance: &mut Vec3,
+        (throughput, radiance): (Vec3, &mut Vec3),
+        observer: &mut impl Observer,
     ) {
-        for light in &scene.lights {
+        for (number, light) in scene.lights.iter().enumerate() {
             for index in 0..light.samples() {
+                let place = [number, index as usize];
                 let target = light.point(index, stream);
                 self.counters.light_samples += u64::from(light.is_sampled());
                 let Some(request) = shade::shadow_request(point, throughput, light, &target) else {
+                    observer.light(place, &target, None);
                     continue;
                 };
                 self.counters.shadow_rays += 1;
                 self.counters.lights_at_surface += u64::from(request.at_light);
-                if !scene.accel.occluded(&request.ray, &mut self.traversal) {
+                let occluded = scene.accel.occluded(&request.ray, &mut self.traversal);
+                observer.light(place, &target, Some((&request, occluded)));
+                if !occluded {
                     *radiance += request.contribution;
                 }
             }

@@ -1,6 +1,6 @@
 //! Tiles: what one thread renders at a time, and what a tracer is.
 
-use crate::counters::Counters;
+use crate::counters::{Counters, Sample};
 use crate::prepared::PreparedScene;
 
 /// A rectangle of pixels of the image.
@@ -59,14 +59,14 @@ pub trait Tracer: Send {
     fn pass_seconds(&self) -> Vec<(&'static str, f64)>;
 }
 
-/// Adds a sample to its pixel's sum. One that is not finite counts as black, and is counted.
+/// Adds the radiance of a sample to its pixel's sum. One that is not finite counts as black, and is counted.
 #[inline]
-pub fn add_sample(sum: &mut [f64; 3], radiance: [f32; 3], counters: &mut Counters) {
+pub fn add_sample(sum: &mut [f64; 3], radiance: [f32; 3], sample: Sample, counters: &mut Counters) {
     if radiance.iter().all(|c| c.is_finite()) {
         for (sum, value) in sum.iter_mut().zip(radiance) {
             *sum += f64::from(value);
         }
     } else {
-        counters.invalid += 1;
+        counters.add_invalid(1, Some(sample));
     }
 }

@@ -3,7 +3,7 @@
 //! | exit code | meaning |
 //! |---|---|
 //! | 0 | done; for `diff`, the images are equal |
-//! | 1 | for `diff`, the images differ; for `bench`, the tracers disagree; for `selftest`, a case fails |
+//! | 1 | for `diff`, the images differ; for `bench`, the tracers disagree; for `selftest`, a case fails; for `probe`, the tracers tell different stories |
 //! | 2 | an error, told on standard error |
 
 pub mod bench;
@@ -12,6 +12,7 @@ pub mod common;
 pub mod diff;
 pub mod explain;
 pub mod generate;
+pub mod probe;
 pub mod render;
 pub mod selftest;
 pub mod trace;
@@ -40,6 +41,7 @@ enum Command {
     Render(render::RenderArgs),
     Check(check::CheckArgs),
     Explain(explain::ExplainArgs),
+    Probe(probe::ProbeArgs),
     Generate(generate::GenerateArgs),
     Trace(trace::TraceArgs),
     Diff(diff::DiffArgs),
@@ -79,6 +81,7 @@ fn dispatch(command: &Command) -> Result<bool> {
         Command::Render(args) => render::run(args).map(|()| true),
         Command::Check(args) => check::run(args).map(|()| true),
         Command::Explain(args) => explain::run(args).map(|()| true),
+        Command::Probe(args) => probe::run(args),
         Command::Generate(args) => generate::run(args).map(|()| true),
         Command::Trace(args) => trace::run(args).map(|()| true),
         Command::Diff(args) => diff::run(args),

@@ -214,6 +214,16 @@ impl ShearedSpace {
         (t > self.t_min).then_some(t)
     }
 
+    /// Bound on the error of a `t` that [`Self::intersect`] gives for `triangle`: what single precision
+    /// does to it, or [`T_TOLERANCE`] of it where double precision was asked.
+    pub fn error_of(&self, triangle: &[Vec3; 3], t: f32) -> f32 {
+        let stated = T_TOLERANCE * t.abs();
+        let Some(hit) = self.passes_through(triangle) else { return stated };
+        let [a, b, c] = hit.vertices.map(|v| v.z);
+        let own = self.error_bound(&hit, min(a, min(b, c)), max(a, max(b, c)));
+        if own <= stated { own } else { stated }
+    }
+
     /// Bound on the error of t, after the module documentation. A NaN where nothing is known.
     #[inline(always)]
     fn error_bound(&self, hit: &Sheared, near: f32, far: f32) -> f32 {

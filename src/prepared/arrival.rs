@@ -24,6 +24,20 @@ pub enum Arrival {
 }
 
 impl PreparedScene {
+    /// The point of the surface that `ray` hits.
+    #[inline]
+    pub fn surface<P: Arithmetic>(&self, ray: &Ray, hit: &Hit) -> Surface {
+        let geometry = &self.accel.geometry;
+        match geometry.primitive(hit.primitive) {
+            Primitive::Triangle(i) => surface::triangle_at::<P>(ray, hit.t, &geometry.triangle(i)),
+            Primitive::Quad(i) => surface::quad_at::<P>(ray, hit.t, &geometry.quad(i)),
+            Primitive::Sphere(i) => {
+                let (center, radius) = geometry.spheres[i];
+                surface::sphere_at::<P>(ray, hit.t, center, radius)
+            }
+        }
+    }
+
     /// Where `ray` arrives with `hit`. Texels read are added to `texels`.
     #[inline]
     pub fn arrival<P: Arithmetic>(&self, ray: &Ray, hit: &Hit, texels: &mut u64) -> Arrival {
@@ -36,7 +50,7 @@ impl PreparedScene {
             return Arrival::Light(color);
         }
         let geometry = &self.accel.geometry;
-        let surface = rebuild::<P>(geometry, ray, hit);
+        let surface = self.surface::<P>(ray, hit);
         let outward = if shape.flipped { -surface.normal } else { surface.normal };
         let at_back = outward.dot(ray.direction) > 0.0;
         let normal = if at_back { -outward } else { outward };
@@ -58,17 +72,6 @@ impl PreparedScene {
             material,
             lit: shape.two_sided || !at_back,
         })
-    }
-}
-
-fn rebuild<P: Arithmetic>(geometry: &Geometry, ray: &Ray, hit: &Hit) -> Surface {
-    match geometry.primitive(hit.primitive) {
-        Primitive::Triangle(i) => surface::triangle_at::<P>(ray, hit.t, &geometry.triangle(i)),
-        Primitive::Quad(i) => surface::quad_at::<P>(ray, hit.t, &geometry.quad(i)),
-        Primitive::Sphere(i) => {
-            let (center, radius) = geometry.spheres[i];
-            surface::sphere_at::<P>(ray, hit.t, center, radius)
-        }
     }
 }
 

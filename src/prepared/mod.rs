@@ -56,6 +56,8 @@ pub struct Looks {
     pub shapes: Vec<Shape>,
     /// What shapes are made of, one for each shape.
     pub materials: Vec<Material>,
+    /// Where shapes come from: for each the path of its entry in the scene file.
+    pub places: Vec<String>,
     /// The images, each once.
     pub images: Vec<Image>,
     /// The attributes of meshes that have any that is used.

@@ -33,7 +33,7 @@ use crate::error::{Error, ErrorKind, Result, Warning};
 use crate::kernels::precision::Precision;
 use crate::plan::Effect;
 use crate::prepared::{Dropped, Looks, PreparedScene};
-use crate::scene::components::Settings;
+use crate::scene::components::{JsonPath, Settings};
 
 /// The scene without its tree: enough to tell what a render will do.
 #[derive(Debug)]
@@ -62,13 +62,17 @@ pub fn extract_in(world: &mut World, precision: Precision) -> Result<Extracted> 
     let camera = camera::run(world, origin)?;
     let mirrors = plan.has(Effect::Mirrors);
     let geometry::Output { geometry, shapes, meshes } = extracted;
+    let place = |output: &geometry::ShapeOutput| {
+        world.get::<&JsonPath>(output.entity).map_or_else(|_| String::new(), |p| p.0.clone())
+    };
+    let places = shapes.iter().map(place).collect();
     let shapes = shapes.into_iter().map(|s| s.shape).collect();
     let scene = PreparedScene {
         plan,
         origin,
         camera,
         accel: Accel::new(geometry, Preset::Brute),
-        looks: Looks { shapes, materials, images, meshes },
+        looks: Looks { shapes, materials, places, images, meshes },
         lights,
         background: settings.background.as_vec3(),
         ambient: settings.ambient as f32 * count as f32,

@@ -77,22 +77,7 @@ impl<P: Arithmetic> Tracer for Wavefront<P> {
     }
 
     fn render(&mut self, scene: &PreparedScene, tile: &Tile, sums: &mut [[f64; 3]]) {
-        let paths = tile.len() as u64 * u64::from(scene.camera.rays_per_pixel());
-        let mut start = 0;
-        while start < paths {
-            let end = paths.min(start + self.batch.capacity() as u64);
-            self.generate(scene, tile, start..end);
-            for bounce in 0..=scene.bounces {
-                self.intersect(scene);
-                self.shade(scene, bounce);
-                self.shadow(scene, bounce);
-                if !self.batch.advance() {
-                    break;
-                }
-            }
-            self.resolve(sums);
-            start = end;
-        }
+        self.render_watched(scene, tile, sums, |_, _| {});
     }
 
     fn counters(&self) -> Counters {
@@ -107,6 +92,33 @@ impl<P: Arithmetic> Tracer for Wavefront<P> {
 
 /// The passes over the batch, each with its time.
 impl<P: Arithmetic> Wavefront<P> {
+    /// As [`Tracer::render`]; `watch` sees the batch after each bounce, with the bounce's number.
+    pub fn render_watched(
+        &mut self,
+        scene: &PreparedScene,
+        tile: &Tile,
+        sums: &mut [[f64; 3]],
+        mut watch: impl FnMut(u32, &Batch),
+    ) {
+        let paths = tile.len() as u64 * u64::from(scene.camera.rays_per_pixel());
+        let mut start = 0;
+        while start < paths {
+            let end = paths.min(start + self.batch.capacity() as u64);
+            self.generate(scene, tile, start..end);
+            for bounce in 0..=scene.bounces {
+                self.intersect(scene);
+                self.shade(scene, bounce);
+                self.shadow(scene, bounce);
+                watch(bounce, &self.batch);
+                if !self.batch.advance() {
+                    break;
+                }
+            }
+            self.resolve(sums);
+            start = end;
+        }
+    }
+
     /// Fills the batch with the camera rays of the tile's `paths`, at most as many as it holds.
     pub fn generate(&mut self, scene: &PreparedScene, tile: &Tile, paths: Range<u64>) {
         let Self { seed, batch, counters, clock, .. } = self;

@@ -1,7 +1,7 @@
 //! Pass 5: finished paths become parts of pixels.
 
 use super::batch::Batch;
-use crate::counters::Counters;
+use crate::counters::{Counters, Sample};
 use crate::tile::add_sample;
 
 /// Adds the radiance of every path to its pixel's sum. Paths are in the order of samples.
@@ -9,6 +9,7 @@ pub(super) fn run(batch: &Batch, sums: &mut [[f64; 3]], counters: &mut Counters)
     for path in 0..batch.paths.len() {
         let place = batch.paths.place[path] as usize;
         let radiance = batch.paths.radiance.get(path).to_array();
-        add_sample(&mut sums[place], radiance, counters);
+        let sample = Sample { pixel: batch.paths.pixel[path], sample: batch.paths.sample[path] };
+        add_sample(&mut sums[place], radiance, sample, counters);
     }
 }

@@ -1,0 +1,361 @@
+//! The story of a pixel: what each of its rays meets, and what every light says to it.
+//!
+//! The recursive tracer is watched while it renders the pixel, and so is the wavefront. Both must have
+//! traced the same rays to the same hits and gathered the same light, to the last bit.
+
+use glam::{DVec3, Vec3};
+use serde::Serialize;
+
+use crate::accel::geometry::{Geometry, PreparedRay, Primitive};
+use crate::accel::{Accel, Hit, TestCounts, Traversal};
+use crate::counters::Sample;
+use crate::kernels::light::LightPoint;
+use crate::kernels::precision::{Arithmetic, Fast, Precision, Robust};
+use crate::kernels::quad;
+use crate::kernels::shade::{ShadingPoint, ShadowRequest};
+use crate::kernels::triangle::T_TOLERANCE;
+use crate::math::float::{UNIT_ROUNDOFF, normalize};
+use crate::math::random::Stream;
+use crate::math::ray::Ray;
+use crate::prepared::PreparedScene;
+use crate::recursive::{End, Observer, Recursive};
+use crate::tile::{Tile, TraceSettings, Tracer};
+use crate::wavefront::{DEFAULT_BATCH, Wavefront};
+
+/// What happens to a path.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Path {
+    /// The camera ray within the pixel.
+    pub sample: u32,
+    /// What happens, from the camera on.
+    pub bounces: Vec<Bounce>,
+    /// What it adds to the pixel: linear red, green and blue.
+    pub radiance: Vec3,
+}
+
+impl Path {
+    /// The first bounce after which what was gathered is not finite.
+    pub fn first_invalid(&self) -> Option<&Bounce> {
+        self.bounces.iter().find(|bounce| !bounce.radiance.is_finite())
+    }
+}
+
+/// A ray, and what comes of it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Bounce {
+    /// Where the ray starts, in scene units.
+    pub origin: DVec3,
+    /// Where it goes, of unit length.
+    pub direction: Vec3,
+    /// Inner nodes visited.
+    pub nodes: u64,
+    /// Leaves visited.
+    pub leaves: u64,
+    /// Primitives of all kinds tested.
+    pub primitives: u64,
+    /// What it meets.
+    pub met: Option<Met>,
+    /// What the path has gathered when this bounce is over.
+    pub radiance: Vec3,
+    /// Why the path ends here, if it does.
+    pub end: Option<End>,
+}
+
+/// A hit.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Met {
+    /// The primitive, by its number in the scene.
+    pub primitive: u32,
+    /// Triangle, quad or sphere.
+    pub kind: &'static str,
+    /// The shape's entry in the scene file.
+    pub shape: String,
+    /// Where on the ray.
+    pub t: f32,
+    /// Bound on the error of t; fast arithmetic has none.
+    pub t_error: Option<f32>,
+    /// Barycentric coordinates of the second and third corner; zero but on triangles.
+    pub uv: [f32; 2],
+    /// Where it is, in scene units.
+    pub point: DVec3,
+    /// Bound on the error of each coordinate.
+    pub error: Vec3,
+    /// On the viewer's side; of a light's shape, as its winding has it.
+    pub normal: Vec3,
+    /// What it is lit with.
+    pub shading_normal: Vec3,
+    /// Whether lights reach this side.
+    pub lit: bool,
+    /// What the lights do.
+    pub lights: Vec<Light>,
+}
+
+/// A point of a light, seen from a hit.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Light {
+    /// The light, by its place among those with power.
+    pub light: usize,
+    /// Which of its points.
+    pub index: usize,
+    /// How far it is, in scene units.
+    pub distance: f32,
+    /// What comes of it.
+    pub verdict: Verdict,
+    /// What it adds to the path.
+    pub adds: Vec3,
+}
+
+/// What comes of a point of a light.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Verdict {
+    /// It is behind the surface.
+    Behind,
+    /// Nothing of it would be reflected to the viewer.
+    NotReflected,
+    /// A shadow ray meets this primitive at this part of the way.
+    Occluded {
+        /// By its number; none where only an any-hit query finds it.
+        primitive: Option<u32>,
+        /// The shape's entry in the scene file.
+        shape: String,
+        /// 1 is at the light.
+        t: f32,
+    },
+    /// Nothing is in the way.
+    Visible,
+}
+
+/// What both tracers have to agree on: for each bounce the ray, the hit, and what is gathered.
+type Step = (Ray, Hit, Vec3);
+
+/// The story of a pixel.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Story {
+    /// Column and row.
+    pub pixel: [u32; 2],
+    /// Its paths, sample by sample.
+    pub paths: Vec<Path>,
+    /// Where the wavefront tells another story: sample and bounce. `None` where both tell the same.
+    pub differs: Option<[u32; 2]>,
+}
+
+/// Tells the story of a pixel of the image.
+pub fn pixel(scene: &PreparedScene, pixel: [u32; 2], seed: u64) -> Story {
+    if scene.accel.geometry.precision == Precision::Fast {
+        pixel_in::<Fast>(scene, pixel, seed)
+    } else {
+        pixel_in::<Robust>(scene, pixel, seed)
+    }
+}
+
+/// Tells the story of one sample.
+pub fn sample(scene: &PreparedScene, sample: Sample, seed: u64) -> Path {
+    let width = scene.camera.size()[0];
+    let pixel = [sample.pixel % width, sample.pixel / width];
+    let settings = TraceSettings { seed, batch: 1 };
+    if scene.accel.geometry.precision == Precision::Fast {
+        follow(scene, &mut Recursive::<Fast>::new(scene, &settings), pixel, sample.sample, seed).0
+    } else {
+        follow(scene, &mut Recursive::<Robust>::new(scene, &settings), pixel, sample.sample, seed).0
+    }
+}
+
+fn pixel_in<P: Arithmetic>(scene: &PreparedScene, pixel: [u32; 2], seed: u64) -> Story {
+    let settings = TraceSettings { seed, batch: DEFAULT_BATCH };
+    let mut tracer = Recursive::<P>::new(scene, &settings);
+    let samples = 0..scene.camera.rays_per_pixel();
+    let (paths, steps): (Vec<_>, Vec<_>) =
+        samples.map(|sample| follow(scene, &mut tracer, pixel, sample, seed)).unzip();
+    let others = wavefront_steps::<P>(scene, pixel, &settings);
+    Story { pixel, paths, differs: difference(&steps, &others) }
+}
+
+/// Follows a path with the recursive tracer.
+fn follow<P: Arithmetic>(
+    scene: &PreparedScene,
+    tracer: &mut Recursive<P>,
+    pixel: [u32; 2],
+    sample: u32,
+    seed: u64,
+) -> (Path, Vec<Step>) {
+    let number = pixel[1] * scene.camera.size()[0] + pixel[0];
+    let stream = Stream { seed, pixel: number, sample, bounce: 0 };
+    let mut teller = Teller {
+        scene,
+        traversal: scene.accel.traversal(),
+        path: Path { sample, ..Path::default() },
+        steps: Vec::new(),
+    };
+    teller.path.radiance = tracer.path(scene, pixel, stream, &mut teller);
+    (teller.path, teller.steps)
+}
+
+/// What the wavefront does, for each sample.
+fn wavefront_steps<P: Arithmetic>(
+    scene: &PreparedScene,
+    [x, y]: [u32; 2],
+    settings: &TraceSettings,
+) -> Vec<Vec<Step>> {
+    let mut steps = vec![Vec::new(); scene.camera.rays_per_pixel() as usize];
+    let tile = Tile { x, y, width: 1, height: 1 };
+    let mut tracer = Wavefront::<P>::new(scene, settings);
+    tracer.render_watched(scene, &tile, &mut [[0.0; 3]], |_, batch| {
+        for i in 0..batch.rays.len() {
+            let path = batch.rays.path[i] as usize;
+            let step = (batch.rays.ray(i), batch.hits.hit[i], batch.paths.radiance.get(path));
+            steps[batch.paths.sample[path] as usize].push(step);
+        }
+    });
+    steps
+}
+
+/// The first sample and bounce at which the stories differ.
+fn difference(ones: &[Vec<Step>], others: &[Vec<Step>]) -> Option<[u32; 2]> {
+    let pairs = ones.iter().zip(others).enumerate();
+    pairs.into_iter().find_map(|(sample, (one, other))| {
+        let same = |(a, b): (&Step, &Step)| {
+            // What is no number equals itself here.
+            (a.0, a.1) == (b.0, b.1) && bits(a.2) == bits(b.2)
+        };
+        let bounce = one.iter().zip(other).position(|pair| !same(pair));
+        let bounce = bounce.or((one.len() != other.len()).then(|| one.len().min(other.len())));
+        Some([sample as u32, bounce? as u32])
+    })
+}
+
+fn bits(v: Vec3) -> [u32; 3] {
+    v.to_array().map(f32::to_bits)
+}
+
+/// Writes down what the recursive tracer does.
+struct Teller<'a> {
+    scene: &'a PreparedScene,
+    /// For questions of our own, which count for nobody.
+    traversal: Traversal,
+    path: Path,
+    steps: Vec<Step>,
+}
+
+impl Teller<'_> {
+    fn place_of(&self, primitive: u32) -> String {
+        let looks = &self.scene.looks;
+        looks.places.get(looks.shape_of(primitive)).cloned().unwrap_or_default()
+    }
+
+    fn met(&self, ray: &Ray, hit: &Hit) -> Met {
+        let geometry = &self.scene.accel.geometry;
+        let found = if geometry.precision == Precision::Fast {
+            self.scene.surface::<Fast>(ray, hit)
+        } else {
+            self.scene.surface::<Robust>(ray, hit)
+        };
+        Met {
+            primitive: hit.primitive,
+            kind: kind(geometry, hit.primitive),
+            shape: self.place_of(hit.primitive),
+            t: hit.t,
+            t_error: t_error(geometry, ray, hit),
+            uv: found.barycentric.to_array(),
+            point: found.point.as_dvec3() + self.scene.origin,
+            error: found.error,
+            normal: found.normal,
+            shading_normal: found.normal,
+            lit: false,
+            lights: Vec::new(),
+        }
+    }
+
+    fn last_met(&mut self) -> Option<&mut Met> {
+        self.path.bounces.last_mut()?.met.as_mut()
+    }
+
+    /// What blocks a shadow ray.
+    fn occluder(&mut self, ray: &Ray) -> Verdict {
+        let accel: &Accel = &self.scene.accel;
+        let mut hit = accel.closest(ray, &mut self.traversal);
+        // Light passes the shapes of lights.
+        let mut rest = *ray;
+        while !hit.is_miss() && accel.geometry.is_light(hit.primitive) {
+            rest.t_min = hit.t;
+            hit = accel.closest(&rest, &mut self.traversal);
+        }
+        let primitive = (!hit.is_miss()).then_some(hit.primitive);
+        let shape = primitive.map_or_else(String::new, |number| self.place_of(number));
+        Verdict::Occluded { primitive, shape, t: hit.t }
+    }
+}
+
+impl Observer for Teller<'_> {
+    fn ray(&mut self, ray: &Ray, hit: &Hit, tests: TestCounts) {
+        let met = (!hit.is_miss()).then(|| self.met(ray, hit));
+        self.steps.push((*ray, *hit, Vec3::ZERO));
+        self.path.bounces.push(Bounce {
+            origin: ray.origin.as_dvec3() + self.scene.origin,
+            direction: ray.direction,
+            nodes: tests.nodes,
+            leaves: tests.leaves,
+            primitives: tests.triangles + tests.quads + tests.spheres,
+            met,
+            radiance: Vec3::ZERO,
+            end: None,
+        });
+    }
+
+    fn surface(&mut self, point: &ShadingPoint, _: Vec3) {
+        let Some(met) = self.last_met() else { return };
+        (met.normal, met.shading_normal, met.lit) = (point.normal, point.shading_normal, point.lit);
+    }
+
+    fn light(
+        &mut self,
+        [light, index]: [usize; 2],
+        target: &LightPoint,
+        request: Option<(&ShadowRequest, bool)>,
+    ) {
+        let occluder =
+            request.filter(|(_, is)| *is).map(|(request, _)| self.occluder(&request.ray));
+        let origin = self.scene.origin;
+        let Some(met) = self.last_met() else { return };
+        let towards = target.position - (met.point - origin).as_vec3();
+        let behind = met.normal.dot(normalize(towards)) <= 0.0;
+        let (verdict, adds) = match (request, occluder) {
+            (None, _) if behind => (Verdict::Behind, Vec3::ZERO),
+            (None, _) => (Verdict::NotReflected, Vec3::ZERO),
+            (Some(_), Some(occluded)) => (occluded, Vec3::ZERO),
+            (Some((request, _)), None) => (Verdict::Visible, request.contribution),
+        };
+        met.lights.push(Light { light, index, distance: towards.length(), verdict, adds });
+    }
+
+    fn done(&mut self, radiance: Vec3, end: Option<End>) {
+        if let (Some(bounce), Some(step)) = (self.path.bounces.last_mut(), self.steps.last_mut()) {
+            (bounce.radiance, bounce.end) = (radiance, end);
+            step.2 = radiance;
+        }
+    }
+}
+
+fn kind(geometry: &Geometry, primitive: u32) -> &'static str {
+    match geometry.primitive(primitive) {
+        Primitive::Triangle(_) => "triangle",
+        Primitive::Quad(_) => "quad",
+        Primitive::Sphere(_) => "sphere",
+    }
+}
+
+/// Bound on the error of a hit's t.
+fn t_error(geometry: &Geometry, ray: &Ray, hit: &Hit) -> Option<f32> {
+    let rounded = UNIT_ROUNDOFF * hit.t.abs();
+    let space = PreparedRay::new(ray).space;
+    match (geometry.precision, geometry.primitive(hit.primitive)) {
+        (Precision::Fast, _) => None,
+        (Precision::Exact, _) | (_, Primitive::Sphere(_)) => Some(rounded),
+        (_, Primitive::Triangle(i)) => Some(space.error_of(&geometry.triangle(i), hit.t)),
+        (_, Primitive::Quad(i)) => {
+            let halves = quad::halves(&geometry.quad(i));
+            let of = halves.map(|half| space.error_of(&half, hit.t));
+            Some(of[0].max(of[1]).min(T_TOLERANCE * hit.t.abs()))
+        }
+    }
+}
