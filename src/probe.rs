@@ -33,13 +33,6 @@ pub struct Path {
     pub radiance: Vec3,
 }
 
-impl Path {
-    /// The first bounce after which what was gathered is not finite.
-    pub fn first_invalid(&self) -> Option<&Bounce> {
-        self.bounces.iter().find(|bounce| !bounce.radiance.is_finite())
-    }
-}
-
 /// A ray, and what comes of it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Bounce {
@@ -126,6 +119,51 @@ pub enum Verdict {
     Visible,
 }
 
+/// A sample that is not finite, by name.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Invalid {
+    /// Column of the pixel.
+    pub x: u32,
+    /// Row of the pixel.
+    pub y: u32,
+    /// The camera ray within the pixel.
+    pub sample: u32,
+    /// The mirror bounces before the light that is not finite.
+    pub bounce: usize,
+    /// The primitive that was hit there, by its number.
+    pub primitive: Option<u32>,
+    /// Its shape's entry in the scene file.
+    pub shape: String,
+}
+
+impl std::fmt::Display for Invalid {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self { x, y, sample, bounce, primitive, shape } = self;
+        write!(f, "pixel {x},{y}, sample {sample}, bounce {bounce}")?;
+        match primitive {
+            Some(number) => write!(f, ", primitive {number} of {shape}"),
+            None => Ok(()),
+        }
+    }
+}
+
+/// Names where a sample ceases to be finite, by following it once more.
+pub fn name_invalid(scene: &PreparedScene, at: Sample, seed: u64) -> Invalid {
+    let path = sample(scene, at, seed);
+    let bounce = path.bounces.iter().position(|bounce| !bounce.radiance.is_finite());
+    let bounce = bounce.unwrap_or(path.bounces.len().saturating_sub(1));
+    let met = path.bounces.get(bounce).and_then(|bounce| bounce.met.as_ref());
+    let width = scene.camera.size()[0];
+    Invalid {
+        x: at.pixel % width,
+        y: at.pixel / width,
+        sample: at.sample,
+        bounce,
+        primitive: met.map(|met| met.primitive),
+        shape: met.map_or_else(String::new, |met| met.shape.clone()),
+    }
+}
+
 /// What both tracers have to agree on: for each bounce the ray, the hit, and what is gathered.
 type Step = (Ray, Hit, Vec3);
 
@@ -149,8 +187,8 @@ pub fn pixel(scene: &PreparedScene, pixel: [u32; 2], seed: u64) -> Story {
     }
 }
 
-/// Tells the story of one sample.
-pub fn sample(scene: &PreparedScene, sample: Sample, seed: u64) -> Path {
+/// Follows one sample.
+fn sample(scene: &PreparedScene, sample: Sample, seed: u64) -> Path {
     let width = scene.camera.size()[0];
     let pixel = [sample.pixel % width, sample.pixel / width];
     let settings = TraceSettings { seed, batch: 1 };

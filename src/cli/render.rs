@@ -9,6 +9,7 @@ use crate::error::{Error, ErrorKind, Result};
 use crate::image::write::{Transfer, check_writable, write};
 use crate::memory;
 use crate::prepared::PreparedScene;
+use crate::probe::{self, Invalid};
 use crate::render::{RenderOptions, Rendered, TracerKind, render};
 use crate::replace::{check_differs, check_replaceable, replace_file, write_error};
 use crate::report::statistics::{Bvh, ImageSize, Memory, Statistics, Time, pass_map};
@@ -46,6 +47,9 @@ pub struct RenderArgs {
     /// How the tree is searched
     #[command(flatten)]
     pub search: SearchOptions,
+    /// Write no image if a sample is not finite, but say which; without this it counts as black
+    #[arg(long)]
+    pub trap_invalid: bool,
     /// How linear colours become 8-bit levels (.ppm, .png)
     #[arg(long, value_enum, default_value_t)]
     pub transfer: Transfer,
@@ -101,18 +105,38 @@ fn run_here(args: &RenderArgs, output: &Path) -> Result<()> {
     args.scene_options.warn(&systems::warnings(scene.dropped, &file));
     args.search.apply(&mut scene.accel);
     let rendered = timed(&mut time.trace, || trace(args, &scene))?;
+    let first = rendered.counters.first_invalid;
+    let invalid = first.map(|sample| probe::name_invalid(&scene, sample, args.seed));
+    if let (Some(invalid), true) = (&invalid, args.trap_invalid) {
+        return Err(trapped(args, invalid));
+    }
     timed(&mut time.write, || write(&rendered.film, output, args.transfer))?;
     time.total = start.elapsed().as_secs_f64();
     time.passes = pass_map(&rendered.pass_seconds);
-    if rendered.counters.invalid > 0 && !args.scene_options.quiet {
-        tell(&format!("warning: {} samples were not finite", rendered.counters.invalid));
+    if let (Some(invalid), false) = (&invalid, args.scene_options.quiet) {
+        let count = rendered.counters.invalid;
+        tell(&format!(
+            "warning: {count} samples were not finite and count as black: first {invalid}"
+        ));
     }
     match &args.stats {
         Some(file) => {
-            write_statistics(file, &statistics(args, &scene, preset, &rendered, time, predicted))
+            let mut statistics = statistics(args, &scene, preset, &rendered, time, predicted);
+            statistics.first_invalid = invalid;
+            write_statistics(file, &statistics)
         }
         None => Ok(()),
     }
+}
+
+fn trapped(args: &RenderArgs, invalid: &Invalid) -> Error {
+    let Invalid { x, y, .. } = invalid;
+    let scene = args.scene.display();
+    Error::new(ErrorKind::Scene, "a sample is not finite")
+        .in_file(&args.scene)
+        .at(&invalid.shape)
+        .value(invalid)
+        .remedy(format!("look at it with: wavecrest probe {scene} --pixel {x},{y}"))
 }
 
 /// Runs `work` and notes its seconds.
@@ -162,6 +186,7 @@ fn statistics(
         kernels: counters.into(),
         dropped: scene.dropped,
         invalid: counters.invalid,
+        first_invalid: None,
         lights_at_surface: counters.lights_at_surface,
         time,
         memory: Memory { predicted, peak: memory::peak() },

@@ -1,10 +1,14 @@
 //! `selftest`: the hard cases, on this machine.
 
+mod examine;
+
 use std::fmt::Write as _;
+use std::path::PathBuf;
 use std::time::Instant;
 
 use serde::Serialize;
 
+use self::examine::Examined;
 use super::common::{Threads, print, progress_bar, to_json};
 use crate::error::{Error, ErrorKind, Result};
 use crate::kernels::precision::Precision;
@@ -16,6 +20,8 @@ use crate::selftest::{CASES, Case, Count, Effort, Outcome, case};
 /// and is its price.
 #[derive(Clone, Debug, clap::Args)]
 pub struct SelftestArgs {
+    /// Try this scene too, or this mesh (.ply, .obj): leaks, self-hits, samples that are not finite
+    pub scene: Option<PathBuf>,
     /// Try this case alone; may be given several times
     #[arg(long = "case", value_name = "NUMBER")]
     pub cases: Vec<u32>,
@@ -68,6 +74,8 @@ struct Scoreboard {
     seed: u64,
     full: bool,
     cases: Vec<Row>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    scene: Option<Examined>,
 }
 
 /// Tries the cases that the arguments name. Whether all hold.
@@ -83,23 +91,28 @@ pub fn run(args: &SelftestArgs) -> Result<bool> {
     }
     let bar = progress_bar(args.quiet, "{wide_bar} {pos}/{len} {msg}");
     bar.set_length(cases.len() as u64);
-    let rows = args.threads.run(|| {
+    let (rows, scene) = args.threads.run(|| {
         let rows = cases.iter().map(|case| {
             bar.set_message(case.name);
             let row = row(case, (args.seed, count), &precisions);
             bar.inc(1);
             row
         });
-        Ok(rows.collect::<Vec<_>>())
+        let rows = rows.collect::<Vec<_>>();
+        bar.set_message("the scene");
+        let file = args.scene.as_deref();
+        let scene = file.map(|file| examine::run(file, (args.seed, count), &precisions));
+        Ok((rows, scene.transpose()?))
     })?;
     bar.finish_and_clear();
     let mut trials = rows.iter().flat_map(|row| &row.trials);
-    let all_hold = trials.all(|trial| trial.holds || trial.precision == Precision::Fast);
+    let all_hold = trials.all(|trial| trial.holds || trial.precision == Precision::Fast)
+        && scene.as_ref().is_none_or(Examined::holds);
     let text = if args.json {
         let version = env!("CARGO_PKG_VERSION");
-        to_json(&Scoreboard { version, seed: args.seed, full: args.full, cases: rows })?
+        to_json(&Scoreboard { version, seed: args.seed, full: args.full, cases: rows, scene })?
     } else {
-        text(&rows, args)
+        text(&rows, args) + &scene.as_ref().map_or_else(String::new, Examined::text)
     };
     print(&text)?;
     Ok(all_hold)

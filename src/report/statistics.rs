@@ -3,7 +3,7 @@
 //! | key | unit | meaning |
 //! |---|---|---|
 //! | `version`, `scene`, `tracer`, `threads`, `seed` | | what was run |
-//! | `simd`, `kernel` | | the vector instructions, and the kernel chosen for batches of rays |
+//! | `simd`, `kernel`, `precision` | | the vector instructions, the kernel chosen for batches of rays, and how exactly hits are found |
 //! | `image.width`, `.height`, `.samples_per_pixel` | pixels, rays | the image, or the part of it |
 //! | `rays.primary`, `.secondary`, `.shadow` | rays | camera, mirror and shadow rays traced |
 //! | `samples.lens`, `.light`, `.texels` | | points chosen on the lens and on area lights; texels read |
@@ -15,6 +15,7 @@
 //! | `kernels.shadow.…` | | the same of shadow rays |
 //! | `dropped.degenerate` | triangles | left out for want of an area |
 //! | `invalid` | samples | not finite, and counted as black |
+//! | `first_invalid.x`, `.y`, `.sample`, `.bounce`, `.primitive`, `.shape` | | where the first of them ceases to be finite (`null` without any) |
 //! | `lights_at_surface` | rays | lights nearer than the rounding error of the surface |
 //! | `time.load`, `.build`, `.trace`, `.write`, `.total` | seconds | by stage, on the clock |
 //! | `time.passes` | seconds | by pass, summed over threads |
@@ -32,6 +33,7 @@ use crate::kernels::precision::Precision;
 use crate::math::simd::Level;
 use crate::plan::Plan;
 use crate::prepared::Dropped;
+use crate::probe::Invalid;
 use crate::render::TracerKind;
 
 /// See the module documentation: fields are named as in the JSON.
@@ -53,6 +55,7 @@ pub struct Statistics {
     pub kernels: KernelUse,
     pub dropped: Dropped,
     pub invalid: u64,
+    pub first_invalid: Option<Invalid>,
     pub lights_at_surface: u64,
     pub time: Time,
     pub memory: Memory,

@@ -8,8 +8,10 @@
 
 mod closed;
 mod directions;
+pub mod examine;
 mod spheres;
 mod surfaces;
+mod topology;
 mod trees;
 mod watertight;
 mod ways;

@@ -21,6 +21,10 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("tile", &["counters", "prepared"]),
     ("wavefront", &["accel", "counters", "kernels", "math", "prepared", "tile"]),
     ("recursive", &["accel", "counters", "kernels", "math", "prepared", "tile"]),
+    (
+        "probe",
+        &["accel", "counters", "kernels", "math", "prepared", "recursive", "tile", "wavefront"],
+    ),
     ("image", &["error", "replace"]),
     (
         "render",
@@ -48,6 +52,7 @@ const ARROWS: &[(&str, &[&str])] = &[
             "memory",
             "plan",
             "prepared",
+            "probe",
             "ray_file",
             "render",
             "replace",

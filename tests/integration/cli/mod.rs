@@ -15,6 +15,9 @@ mod commands;
 // The commands that measure: bench, trace.
 mod measuring;
 
+// The command that tells the story of a pixel.
+mod probing;
+
 // The command that tries hard cases.
 mod selftest;
 

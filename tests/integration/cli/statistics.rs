@@ -42,6 +42,8 @@ const STATISTICS: [&str; 53] = [
     "/kernels/shadow/rays_a_round",
     "/dropped/degenerate",
     "/invalid",
+    "/first_invalid",
+    "/precision",
     "/lights_at_surface",
     "/time/load",
     "/time/build",

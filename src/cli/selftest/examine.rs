@@ -1,0 +1,146 @@
+//! The part of `selftest` that tries a user's own scene or mesh.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use serde::Serialize;
+
+use crate::accel::Accel;
+use crate::accel::build::Preset;
+use crate::accel::geometry::Geometry;
+use crate::error::Result;
+use crate::kernels::precision::Precision;
+use crate::render::{RenderOptions, TracerKind, render};
+use crate::scene::load::{LoadOptions, load};
+use crate::scene::mesh;
+use crate::selftest::examine::{Bvh, Shape, Trial, bvh, shape, trial};
+use crate::selftest::{Count, Effort};
+use crate::systems;
+
+/// The longer side of the image that is looked through for samples that are not finite, in pixels.
+const SIDE: u32 = 128;
+
+/// What came of a scene.
+#[derive(Serialize)]
+pub(super) struct Examined {
+    file: String,
+    shape: Shape,
+    bvh: Option<Bvh>,
+    trials: Vec<Tried>,
+}
+
+/// What came of it in a precision.
+#[derive(Serialize)]
+struct Tried {
+    precision: Precision,
+    #[serde(flatten)]
+    trial: Trial,
+    /// Time for a ray, as a multiple of what fast arithmetic takes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    times_fast: Option<f64>,
+    /// Samples of a small image that are not finite, by either tracer; none of a mesh.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    invalid: Option<u64>,
+}
+
+impl Examined {
+    /// Whether nothing is wrong, apart from fast arithmetic.
+    pub(super) fn holds(&self) -> bool {
+        self.trials.iter().filter(|tried| tried.precision != Precision::Fast).all(|tried| {
+            let Trial { leaks, self_hits, .. } = &tried.trial;
+            leaks.failed == 0 && self_hits.failed == 0 && tried.invalid.is_none_or(|n| n == 0)
+        })
+    }
+
+    /// In words.
+    pub(super) fn text(&self) -> String {
+        let Shape { triangles, dropped, slivers, longest, borders, crowded } = &self.shape;
+        let mut text = format!(
+            "{}: {triangles} triangles, {dropped} without area left out; {slivers} slivers, the thinnest \
+             {longest:.0} times as long as high;\n  {borders} edges where it ends, {crowded} of more than two \
+             triangles\n",
+            self.file
+        );
+        if let Some(Bvh { preset, nodes, depth, overlap }) = &self.bvh {
+            let _ = writeln!(
+                text,
+                "  bvh {}: {nodes} nodes, {depth} deep, {overlap:.2} leaves about a point of the surface",
+                preset.name()
+            );
+        }
+        for Tried { precision, trial, times_fast, invalid } in &self.trials {
+            let Trial { leaks, self_hits, nanoseconds } = trial;
+            let ratio = times_fast.map_or(String::new(), |t| format!("  {t:>5.2} x fast"));
+            let invalid = invalid.map_or(String::new(), |n| format!(", {n} samples not finite"));
+            let _ = writeln!(
+                text,
+                "    {:<7}{} of {} rays leak, {} of {} meet their own triangle{invalid} \
+                 {nanoseconds:>8.1} ns each{ratio}",
+                precision.name(),
+                leaks.failed,
+                leaks.tried,
+                self_hits.failed,
+                self_hits.tried,
+            );
+            for first in [&leaks.first, &self_hits.first].into_iter().flatten() {
+                let _ = writeln!(text, "      the first: {first}");
+            }
+        }
+        text
+    }
+}
+
+/// Tries the scene or mesh in `file`.
+pub(super) fn run(
+    file: &Path,
+    (seed, count): (u64, Count),
+    precisions: &[Precision],
+) -> Result<Examined> {
+    let is_mesh = file
+        .extension()
+        .is_some_and(|e| ["ply", "obj"].iter().any(|known| e.eq_ignore_ascii_case(known)));
+    let mut examined: Option<Examined> = None;
+    for &precision in precisions {
+        let effort = Effort { precision, seed, count };
+        let (accel, preset, invalid) =
+            if is_mesh { of_mesh(file, precision)? } else { of_scene(file, precision, seed)? };
+        let trial = trial(&accel, &effort);
+        let examined = examined.get_or_insert_with(|| Examined {
+            file: file.display().to_string(),
+            shape: shape(&accel.geometry, &accel),
+            bvh: bvh(&accel, preset, &effort),
+            trials: Vec::new(),
+        });
+        let first = examined.trials.first().map(|tried| (tried.precision, tried.trial.nanoseconds));
+        let (fastest, nanoseconds) = first.unwrap_or((precision, trial.nanoseconds));
+        let times_fast = (fastest == Precision::Fast).then(|| trial.nanoseconds / nanoseconds);
+        examined.trials.push(Tried { precision, trial, times_fast, invalid });
+    }
+    examined.ok_or_else(|| {
+        crate::error::Error::new(crate::error::ErrorKind::Usage, "no precision is named")
+    })
+}
+
+/// What finds hits, how it was built, and how many samples are not finite.
+type Ready = (Accel, Preset, Option<u64>);
+
+fn of_mesh(file: &Path, precision: Precision) -> Result<Ready> {
+    let data = mesh::load(file)?.mesh;
+    let (positions, triangles) = (data.positions, data.triangles);
+    let geometry = Geometry { positions, triangles, precision, ..Geometry::default() };
+    Ok((Accel::new(geometry, Preset::VeryFast), Preset::VeryFast, None))
+}
+
+fn of_scene(file: &Path, precision: Precision, seed: u64) -> Result<Ready> {
+    let options = LoadOptions { width: Some(SIDE), height: Some(SIDE), ..LoadOptions::default() };
+    let mut loaded = load(file, &options)?;
+    let extracted = systems::extract_in(&mut loaded.world, precision)?;
+    let preset = extracted.preset();
+    let scene = extracted.build(preset);
+    let mut invalid = 0;
+    for tracer in [TracerKind::Wavefront, TracerKind::Recursive] {
+        let options = RenderOptions { tracer, seed, ..RenderOptions::default() };
+        invalid += render(&scene, &options, &|_, _| {})?.counters.invalid;
+    }
+    Ok((scene.accel, preset, Some(invalid)))
+}

@@ -1,0 +1,104 @@
+//! `probe`, and what becomes of samples that are not finite.
+
+use serde_json::Value;
+
+use super::{run, run_silently, with_ball};
+
+/// A ball above a mirror; its lights are so strong that two of them are no number together.
+fn scene(intensity: f64, bounces: u32) -> String {
+    format!(
+        r#"{{
+    "nbounces": {bounces},
+    "camera": {{"type": "pinhole", "width": 32, "height": 24, "fov": 60,
+               "location": [0, 1, 5], "look": [0, 0, 0], "antialias": 2}},
+    "scene": {{
+        "backgroundcolor": [0.1, 0.2, 0.3],
+        "lightsources": [
+            {{"type": "pointlight", "intensity": {intensity:e}, "position": [2, 3, 5], "color": [1, 1, 1],
+             "falloff": "none"}},
+            {{"type": "pointlight", "intensity": {intensity:e}, "position": [2, 3, 6], "color": [1, 1, 1],
+             "falloff": "none"}},
+            {{"type": "pointlight", "intensity": {intensity:e}, "position": [2, 4, 5], "color": [1, 1, 1],
+             "falloff": "none"}}],
+        "shapes": [
+            {{"type": "sphere", "center": [0, 0, 0], "radius": 1,
+             "material": {{"ks": 0.2, "kd": 0.8, "specularexponent": 20, "diffusecolor": [1, 0, 0]}}}},
+            {{"type": "plane", "points": [[-4, -1, 4], [-4, -1, -4], [4, -1, -4], [4, -1, 4]],
+             "material": {{"ks": 0.2, "kd": 0.8, "specularexponent": 20, "diffusecolor": [1, 1, 1],
+                          "kr": 0.5}}}}]
+    }}
+}}"#
+    )
+}
+
+#[test]
+fn both_tracers_tell_the_story_of_every_kind_of_pixel() {
+    let folder = with_ball();
+    std::fs::write(folder.path().join("mirror.json"), scene(0.5, 3)).unwrap();
+    let (mut ends, mut verdicts) = (Vec::new(), Vec::new());
+    for pixel in ["16,11", "16,20", "0,0", "2,20", "10,16", "22,18"] {
+        for precision in ["fast", "robust", "exact"] {
+            let arguments =
+                ["probe", "mirror.json", "--pixel", pixel, "--json", "--precision", precision];
+            let output = run(folder.path(), &arguments);
+            assert!(output.status.success(), "{pixel} {precision}");
+            let story: Value = serde_json::from_slice(&output.stdout).unwrap();
+            let paths = story["paths"].as_array().unwrap();
+            assert_eq!((paths.len(), &story["differs"]), (4, &Value::Null));
+            for bounce in paths.iter().flat_map(|path| path["bounces"].as_array().unwrap()) {
+                ends.push(bounce["end"].to_string());
+                let lights = bounce["met"]["lights"].as_array().into_iter().flatten();
+                verdicts.extend(lights.map(|light| light["verdict"].to_string()));
+                let bound = &bounce["met"]["t_error"];
+                assert_eq!(bound.is_number(), bounce["met"].is_object() && precision != "fast");
+            }
+        }
+    }
+    for end in ["null", "\"nothing\"", "\"no-mirror\""] {
+        assert!(ends.iter().any(|found| found == end), "{end}");
+    }
+    for verdict in ["\"visible\"", "\"behind\"", "occluded"] {
+        assert!(verdicts.iter().any(|found| found.contains(verdict)), "{verdict}");
+    }
+}
+
+#[test]
+fn the_story_in_words_has_the_radiance_that_is_rendered() {
+    let folder = with_ball();
+    let output = run(folder.path(), &["probe", "ball.json", "--pixel", "12,8", "--sample", "0"]);
+    assert!(output.status.success());
+    let words = String::from_utf8(output.stdout).unwrap();
+    for part in ["camera ray", "meets sphere 0 of scene.shapes[0]", "light 0", "Both tracers"] {
+        assert!(words.contains(part), "{part} in {words}");
+    }
+    let output = run(folder.path(), &["probe", "ball.json", "--pixel", "5000,8"]);
+    let error = String::from_utf8(output.stderr).unwrap();
+    assert!(output.status.code() == Some(2) && error.contains("the image is"), "{error}");
+}
+
+#[test]
+fn samples_that_are_not_finite_are_counted_named_and_trapped() {
+    let folder = with_ball();
+    std::fs::write(folder.path().join("strong.json"), scene(2e38, 1)).unwrap();
+    let mut named = Vec::new();
+    for tracer in ["wavefront", "recursive"] {
+        let stats = format!("{tracer}.json");
+        let arguments =
+            ["-q", "strong.json", "out.pfm", "--tracer", tracer, "--stats", stats.as_str()];
+        run_silently(folder.path(), &arguments);
+        let text = std::fs::read_to_string(folder.path().join(&stats)).unwrap();
+        let found: Value = serde_json::from_str(&text).unwrap();
+        assert!(found["invalid"].as_u64().unwrap() > 100);
+        assert!(found["first_invalid"]["primitive"].is_number(), "{found}");
+        named.push((found["invalid"].clone(), found["first_invalid"].clone()));
+        let image = std::fs::read(folder.path().join("out.pfm")).unwrap();
+        let pixels = &image[image.len() - 32 * 24 * 12..];
+        assert!(pixels.chunks(4).all(|c| f32::from_le_bytes(c.try_into().unwrap()).is_finite()));
+    }
+    assert_eq!(named[0], named[1]);
+    let output = run(folder.path(), &["strong.json", "trapped.png", "--trap-invalid"]);
+    let error = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(2));
+    assert!(error.contains("not finite") && error.contains("wavecrest probe"), "{error}");
+    assert!(!folder.path().join("trapped.png").exists());
+}
