@@ -107,7 +107,8 @@ pub(super) fn slivers(effort: &Effort) -> Outcome {
             .map(|n| grazing(&mut Numbers::new(effort, 19, s * 100_000 + n), &geometry, unit))
             .collect();
         let met = by_brute_force(&geometry, &rays).iter().filter(|hit| !hit.is_miss()).count();
-        outcome.count((met < rays.len() / 2).then(|| format!("{met} rays hit anything")));
+        // Those that pass by were aimed at an edge, by rounding; a fifth would be far too few.
+        outcome.count((met < rays.len() / 5).then(|| format!("{met} rays hit anything")));
         for preset in [Preset::Brute, Preset::VeryFast, Preset::Slow] {
             let accel = scenes::search(effort, geometry.clone(), preset);
             outcome.add(every_way(accel, &rays, |_, ray, hit| {

@@ -23,8 +23,9 @@ const KD: f64 = 0.7;
 
 /// Row 35.
 pub(super) fn facing(effort: &Effort) -> Outcome {
-    let bounces: Vec<u32> = effort
-        .either(vec![0, 1, 2, 7, 100, 1000], (0..=100).chain((200..=1000).step_by(100)).collect());
+    let few = vec![0, 1, 2, 7, 100, 1000];
+    let many = (0..=20).chain((100..=1000).step_by(100)).collect();
+    let bounces: Vec<u32> = effort.either(few, many);
     let asked = bounces.into_iter().flat_map(|n| [(n, 0.5), (n, 0.99), (n, 1.0)]);
     let all = asked.collect::<Vec<_>>().into_par_iter().map(|(bounces, kr)| {
         let told = || format!("{bounces} bounces of {kr}");
@@ -39,7 +40,7 @@ fn between(effort: &Effort, bounces: u32, kr: f64) -> Outcome {
         look: DVec3::new(0.13, 0.19, 1.0),
         up: DVec3::Y,
         fov: 8.0,
-        size: effort.either([4, 3], [9, 8]),
+        size: effort.either([4, 3], [6, 5]),
     };
     let walls = [0, 1].map(|i| {
         let at = |x: f64, y: f64| DVec3::new(x, y, PLACES[i]) * DVec3::new(1e4, 1e4, 1.0);
