@@ -96,8 +96,10 @@ fn edge_on_point(numbers: &mut Numbers) -> Outcome {
     let stream = Stream { seed: 0, pixel: numbers.below(1 << 20) as u32, sample: 0, bounce: 0 };
     let request = shadow_request(&point, Vec3::ONE, &light, &light.point(0, &stream));
     let failure = request.filter(|request| {
-        !(request.contribution.is_finite() && request.contribution.min_element() >= 0.0)
-            || !request.ray.direction.is_finite()
+        let is_right = request.contribution.is_finite()
+            && request.contribution.min_element() >= 0.0
+            && request.ray.direction.is_finite();
+        !is_right
     });
     outcome.count(failure.map(|request| format!("{request:?} from {point:?} to {shape:?}")));
     outcome

@@ -197,10 +197,10 @@ pub(super) fn crooked_quads(effort: &Effort) -> Outcome {
                     continue;
                 }
             };
-            for side in 0..sides.len() {
+            for (side, points) in sides.iter().enumerate() {
                 let named = format!("scene.shapes[{side}].points: the four points are not in one");
                 let is_told = prepared.warnings.iter().any(|w| w.contains(&named));
-                outcome.count((!is_told).then(|| format!("no warning of {:?}", sides[side])));
+                outcome.count((!is_told).then(|| format!("no warning of {points:?}")));
             }
             outcome.add(every_way(prepared.scene.accel, &rays, |_, _, hit| {
                 let is_right = (0.999..1.001).contains(&hit.t);

@@ -281,7 +281,8 @@ impl Faulty {
             [(); 3].map(|()| {
                 let value = f32::from_bits(bits(numbers));
                 // Else next to none of them would be a mesh.
-                if tame && !(value.abs() < 1e12) { 0.25 } else { value }
+                let is_usual = value.abs() < 1e12;
+                if is_usual || !tame { value } else { 0.25 }
             })
         });
         let positions = positions.collect();

@@ -148,7 +148,8 @@ fn not_orthonormal(basis: [DVec3; 3]) -> Option<String> {
     for (i, a) in basis.iter().enumerate() {
         for (j, b) in basis.iter().enumerate() {
             let error = a.dot(*b) - f64::from(u8::from(i == j));
-            if !(error.abs() <= MOST) {
+            let is_within = error.abs() <= MOST;
+            if !is_within {
                 return Some(format!("{basis:?}: vectors {i} and {j} are off by {error:e}"));
             }
         }
@@ -241,7 +242,7 @@ pub(super) fn lenses(effort: &Effort) -> Outcome {
         let light = scenes::point_light(50.0, numbers.direction() * 8.0, "linear");
         let mut camera = eye.json();
         camera["antialias"] = json!(1 + numbers.below(3));
-        let pinhole = scenes::scene(0, &camera, &[light.clone()], &shapes);
+        let pinhole = scenes::scene(0, &camera, std::slice::from_ref(&light), &shapes);
         camera["type"] = json!("thinlens");
         camera["aperture"] = json!(0);
         camera["focal"] = json!(numbers.magnitude(1e-6, 1e9));
