@@ -100,6 +100,11 @@ impl Camera {
         self.size
     }
 
+    /// To the right, up and forward: of unit length, at right angles.
+    pub fn basis(&self) -> [Vec3; 3] {
+        [self.right, self.up, self.forward]
+    }
+
     /// Number of rays for each pixel.
     pub fn rays_per_pixel(&self) -> u32 {
         self.antialias * self.antialias * self.lens_points()

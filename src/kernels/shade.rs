@@ -94,7 +94,9 @@ pub fn shadow_request(
     let origin = offset_origin(point.point, point.error, point.normal, to_light);
     let end = offset_end(target.position, target.error, target.normal, -to_light);
     let ray = Ray { t_max: SHADOW_END, ..Ray::new(origin, end - origin) };
-    ray.is_valid().then_some(ShadowRequest { ray, contribution, at_light: distance < least })
+    // Where the ray starts at the light itself it has no direction, and nothing is on it.
+    let is_finite = ray.origin.is_finite() && ray.direction.is_finite();
+    is_finite.then_some(ShadowRequest { ray, contribution, at_light: distance < least })
 }
 
 /// The mirror ray and its throughput, if the surface is a mirror on this side and what comes back
@@ -182,6 +184,14 @@ mod tests {
                 assert!(r.contribution.is_finite() && r.at_light, "{height}");
             }
         }
+    }
+
+    #[test]
+    fn hc32_a_light_where_the_ray_starts_is_not_left_out() {
+        let point = point();
+        let origin = offset_origin(point.point, point.error, point.normal, Vec3::Y);
+        let r = request(&point, origin).expect("a request");
+        assert!(r.ray.direction == Vec3::ZERO && r.contribution.min_element() > 0.0, "{r:?}");
     }
 
     #[test]

@@ -7,12 +7,21 @@
 //! shares no code with what is tested.
 
 mod closed;
+mod convex;
 mod directions;
 pub mod examine;
+mod lights;
+mod meshes;
+mod mirrors;
+mod moved;
+mod refused;
+mod scenes;
 mod spheres;
 mod surfaces;
+mod textures;
 mod topology;
 mod trees;
+mod views;
 mod watertight;
 mod ways;
 
@@ -54,6 +63,14 @@ impl Effort {
             Count::Full => full,
         }
     }
+
+    /// One of these.
+    fn either<T>(&self, quick: T, full: T) -> T {
+        match self.count {
+            Count::Quick => quick,
+            Count::Full => full,
+        }
+    }
 }
 
 /// What came of a case.
@@ -82,6 +99,11 @@ impl Outcome {
         self.tried > 0 && self.failed == 0
     }
 
+    /// A question that could not even be asked.
+    fn failure(why: String) -> Self {
+        Self { tried: 1, failed: 1, first: Some(why), ..Self::default() }
+    }
+
     /// Counts an answer; `failure` says what is wrong with it, if anything is.
     fn count(&mut self, failure: Option<String>) {
         self.tried += 1;
@@ -89,6 +111,19 @@ impl Outcome {
             self.failed += 1;
             self.first.get_or_insert(failure);
         }
+    }
+
+    /// With the first failure told after what `told` says.
+    fn told(self, told: impl Fn() -> String) -> Self {
+        Self { first: self.first.map(|first| format!("{}, {first}", told())), ..self }
+    }
+
+    /// With all failures forgiven that are no more than this share of the answers.
+    fn allowing(self, share: f64) -> Self {
+        if self.failed as f64 > share * self.tried as f64 {
+            return self;
+        }
+        Self { failed: 0, first: None, ..self }
     }
 
     /// Counts what another has counted.
@@ -161,6 +196,18 @@ pub const CASES: &[Case] = &[
         run: directions::tiny_components,
     },
     Case {
+        number: 7,
+        name: "scenes moved by up to 2^17",
+        bound: "at most 1 of 10 000 pixels shows another primitive, none that faces a light is dark",
+        run: moved::moved,
+    },
+    Case {
+        number: 8,
+        name: "scenes scaled by 2^-20 to 2^20, and with the axes turned",
+        bound: "the same image to the last bit; turned, the same hits",
+        run: moved::scaled,
+    },
+    Case {
         number: 9,
         name: "rays that leave a surface",
         bound: "none meets it again",
@@ -209,6 +256,24 @@ pub const CASES: &[Case] = &[
         run: spheres::from_inside,
     },
     Case {
+        number: 17,
+        name: "radii that are none",
+        bound: "refused, and the sphere named",
+        run: refused::radii,
+    },
+    Case {
+        number: 18,
+        name: "triangles without area among others",
+        bound: "counted, and the image as without them",
+        run: meshes::without_area,
+    },
+    Case {
+        number: 19,
+        name: "slivers of 1 to 1 000 000, seen along their planes",
+        bound: "no hit more than 8 ulp outside the triangle's box",
+        run: meshes::slivers,
+    },
+    Case {
         number: 20,
         name: "rays in a triangle's plane",
         bound: "a number or no hit, the same in every way",
@@ -233,10 +298,82 @@ pub const CASES: &[Case] = &[
         run: trees::nested,
     },
     Case {
+        number: 24,
+        name: "scenes with one shape or none, with one light or none",
+        bound: "the background where nothing is, and black where no light is",
+        run: views::next_to_nothing,
+    },
+    Case {
+        number: 25,
+        name: "meshes that are broken, or of random bits",
+        bound: "refused with file and place, or rendered",
+        run: refused::meshes,
+    },
+    Case {
         number: 26,
         name: "rays that are not numbers, or go nowhere",
         bound: "they visit no node and hit nothing",
         run: directions::invalid,
+    },
+    Case {
+        number: 27,
+        name: "cameras that look along their up",
+        bound: "at right angles within 4 ulp, and the user is told",
+        run: views::upright,
+    },
+    Case {
+        number: 28,
+        name: "angles of view of 0.001 to 179 degrees, images of one row",
+        bound: "every ray has a direction",
+        run: views::angles,
+    },
+    Case {
+        number: 29,
+        name: "lenses without an extent, and without a focus",
+        bound: "the pinhole's image; refused, and the key named",
+        run: views::lenses,
+    },
+    Case {
+        number: 30,
+        name: "textures at their ends and repeated a million times",
+        bound: "within a texel",
+        run: textures::look_ups,
+    },
+    Case {
+        number: 31,
+        name: "lights without area, or seen edge on",
+        bound: "refused, and the light named; a number",
+        run: lights::edge_on,
+    },
+    Case {
+        number: 32,
+        name: "point lights at a surface",
+        bound: "no stronger than at the rounding error, and counted",
+        run: lights::at_the_surface,
+    },
+    Case {
+        number: 33,
+        name: "smooth normals where the light sets",
+        bound: "no face that the light is behind is lit",
+        run: lights::horizon,
+    },
+    Case {
+        number: 34,
+        name: "quads that are not flat",
+        bound: "told, divided from the first corner to the third, and no ray leaves",
+        run: meshes::crooked_quads,
+    },
+    Case {
+        number: 35,
+        name: "mirrors that face each other, for up to 1000 bounces",
+        bound: "within 1e-4 of the sum worked out, the same with both tracers",
+        run: mirrors::facing,
+    },
+    Case {
+        number: 36,
+        name: "exponents of 0 to 1 000 000, light against the view",
+        bound: "a number, no more than the material returns",
+        run: lights::highlights,
     },
 ];
 

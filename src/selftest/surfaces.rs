@@ -44,7 +44,11 @@ fn wide_point(numbers: &mut Numbers) -> DVec3 {
 }
 
 /// Where a ray hits the triangle: somewhere within.
-fn on_triangle(tests: Tests, numbers: &mut Numbers, corners: &[Vec3; 3]) -> Option<Surface> {
+pub(super) fn on_triangle(
+    tests: Tests,
+    numbers: &mut Numbers,
+    corners: &[Vec3; 3],
+) -> Option<Surface> {
     let [a, b, c] = corners.map(|v| v.as_dvec3());
     let (u, v) = (numbers.one(), numbers.one());
     let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };

@@ -11,7 +11,7 @@ use crate::accel::geometry::Geometry;
 use crate::math::ray::Ray;
 
 /// What brute force finds.
-fn by_brute_force(effort: &Effort, geometry: &Geometry, rays: &[Ray]) -> Vec<Hit> {
+pub(super) fn by_brute_force(effort: &Effort, geometry: &Geometry, rays: &[Ray]) -> Vec<Hit> {
     let accel = effort.accel(geometry.clone(), Preset::Brute);
     let mut hits = vec![Hit::MISS; rays.len()];
     let threads = rayon::current_num_threads();

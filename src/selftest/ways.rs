@@ -51,28 +51,42 @@ fn ask(
     rays: &[Ray],
     judge: impl Fn(usize, &Ray, Hit) -> Option<String> + Sync,
 ) -> Outcome {
-    rays.par_chunks(BLOCK)
-        .enumerate()
-        .map(|(block, rays)| {
-            let mut hits = vec![Hit::MISS; rays.len()];
-            let mut traversal = accel.traversal();
-            let start = Instant::now();
-            accel.closest_of(rays, &mut hits, &mut traversal);
-            let seconds = start.elapsed().as_secs_f64();
-            let mut outcome = Outcome { timed: rays.len() as u64, seconds, ..Outcome::default() };
-            for (i, (ray, &hit)) in rays.iter().zip(&hits).enumerate() {
-                let number = block * BLOCK + i;
-                let told = |failure| format!("ray {number}, {ray:?}: {failure}");
-                outcome.count(judge(number, ray, hit).map(told));
-            }
-            outcome
-        })
-        .collect::<Vec<_>>()
-        .into_iter()
-        .fold(Outcome::default(), |mut all, one| {
-            all.add(one);
-            all
-        })
+    let blocks = rays.par_chunks(BLOCK).enumerate().map(|(block, rays)| {
+        let mut hits = vec![Hit::MISS; rays.len()];
+        let mut traversal = accel.traversal();
+        let start = Instant::now();
+        accel.closest_of(rays, &mut hits, &mut traversal);
+        let seconds = start.elapsed().as_secs_f64();
+        let mut outcome = Outcome { timed: rays.len() as u64, seconds, ..Outcome::default() };
+        for (i, (ray, &hit)) in rays.iter().zip(&hits).enumerate() {
+            let number = block * BLOCK + i;
+            let told = |failure| format!("ray {number}, {ray:?}: {failure}");
+            outcome.count(judge(number, ray, hit).map(told));
+        }
+        outcome
+    });
+    sum(blocks.collect())
+}
+
+/// Asks `count` questions on all threads, and adds up what comes of them, in order.
+pub(super) fn in_blocks(count: u32, ask: impl Fn(usize) -> Outcome + Sync) -> Outcome {
+    let blocks = (0..count as usize).step_by(BLOCK).collect::<Vec<_>>().into_par_iter();
+    let block = |start: usize| {
+        let mut outcome = Outcome::default();
+        for n in start..(start + BLOCK).min(count as usize) {
+            outcome.add(ask(n).told(|| format!("input {n}")));
+        }
+        outcome
+    };
+    sum(blocks.map(block).collect())
+}
+
+/// What came of all of them together.
+pub(super) fn sum(outcomes: Vec<Outcome>) -> Outcome {
+    outcomes.into_iter().fold(Outcome::default(), |mut all, one| {
+        all.add(one);
+        all
+    })
 }
 
 /// The tests of one primitive, and the points found by them, in a precision.

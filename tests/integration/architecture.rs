@@ -35,7 +35,10 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("memory", &["accel", "prepared", "render", "systems", "wavefront"]),
     ("generate", &["error", "replace", "scene"]),
     ("ray_file", &["accel", "error", "math", "replace"]),
-    ("selftest", &["accel", "kernels", "math"]),
+    (
+        "selftest",
+        &["accel", "error", "image", "kernels", "math", "prepared", "render", "scene", "systems"],
+    ),
     (
         "report",
         &["accel", "counters", "error", "image", "kernels", "math", "plan", "prepared", "render"],
@@ -75,7 +78,7 @@ const CRATES: &[(&str, &[&str])] = &[
     // Whatever is shown on a terminal.
     ("indicatif", &["cli", "generate"]),
     // Files that appear whole or not at all.
-    ("tempfile", &["replace"]),
+    ("tempfile", &["replace", "selftest"]),
     // Line ends of meshes in text.
     ("memchr", &["scene"]),
     // Numbers come from one place, as functions of where they are used.

@@ -69,6 +69,8 @@ cases! {
     4 hc04_along_axes hc04_along_axes_full;
     5 hc05_signed_zeros hc05_signed_zeros_full;
     6 hc06_tiny_components hc06_tiny_components_full;
+    7 hc07_moved hc07_moved_full;
+    8 hc08_scaled hc08_scaled_full;
     9 hc09_leaving hc09_leaving_full;
     10 hc10_contact hc10_contact_full;
     11 hc11_own_light hc11_own_light_full;
@@ -77,9 +79,24 @@ cases! {
     14 hc14_huge_spheres hc14_huge_spheres_full;
     15 hc15_grazed_spheres hc15_grazed_spheres_full;
     16 hc16_inside_spheres hc16_inside_spheres_full;
+    17 hc17_radii hc17_radii_full;
+    18 hc18_without_area hc18_without_area_full;
+    19 hc19_slivers hc19_slivers_full;
     20 hc20_in_the_plane hc20_in_the_plane_full;
     21 hc21_duplicates hc21_duplicates_full;
     22 hc22_one_centroid hc22_one_centroid_full;
     23 hc23_nested hc23_nested_full;
+    24 hc24_next_to_nothing hc24_next_to_nothing_full;
+    25 hc25_meshes hc25_meshes_full;
     26 hc26_invalid_rays hc26_invalid_rays_full;
+    27 hc27_upright hc27_upright_full;
+    28 hc28_angles hc28_angles_full;
+    29 hc29_lenses hc29_lenses_full;
+    30 hc30_look_ups hc30_look_ups_full;
+    31 hc31_edge_on_lights hc31_edge_on_lights_full;
+    32 hc32_lights_at_surfaces hc32_lights_at_surfaces_full;
+    33 hc33_horizon hc33_horizon_full;
+    34 hc34_crooked_quads hc34_crooked_quads_full;
+    35 hc35_facing_mirrors hc35_facing_mirrors_full;
+    36 hc36_highlights hc36_highlights_full;
 }

@@ -77,9 +77,9 @@ pub fn shadow_requests<S: Lanes>(
     let origin = points.point.offset_origin(points.error, points.normal, to_light);
     let end = target.position.offset_end(target.error, target.normal, -to_light);
     let direction = end - origin;
-    let valid = is_valid(origin, direction);
+    let finite = origin.is_finite() & direction.is_finite();
     let at_light = distance.simd_lt(least);
-    let asked = in_front & contribution.is_not_zero() & valid;
+    let asked = in_front & contribution.is_not_zero() & finite;
     ShadowRequests { origin, direction, contribution, at_light, asked }
 }
 
