@@ -5,7 +5,7 @@ pub mod lanes;
 
 use glam::Vec3;
 
-use crate::math::float::normalize;
+use crate::math::float::{dot, normalize};
 
 /// A material's numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,13 +26,13 @@ pub struct Material {
 /// light of strength 1: kd D max(0, N.L) + ks max(0, N.H)^exponent.
 #[inline]
 pub fn reflect(material: &Material, color: Vec3, normal: Vec3, view: Vec3, to_light: Vec3) -> Vec3 {
-    let diffuse = color * (material.kd * normal.dot(to_light).max(0.0));
+    let diffuse = color * (material.kd * dot(normal, to_light).max(0.0));
     if material.ks == 0.0 {
         return diffuse;
     }
     // Opposite directions have no half vector: `normalize` gives zero, and no highlight.
     let half = normalize(view + to_light);
-    diffuse + Vec3::splat(material.ks * power(normal.dot(half).clamp(0.0, 1.0), material.exponent))
+    diffuse + Vec3::splat(material.ks * power(dot(normal, half).clamp(0.0, 1.0), material.exponent))
 }
 
 /// `base` in 0 to 1 to the power of `exponent` >= 0, the same on every machine.

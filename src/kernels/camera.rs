@@ -6,7 +6,7 @@ pub mod lanes;
 
 use glam::{DVec3, Vec2, Vec3};
 
-use crate::math::float::{normalize, normalize_f64};
+use crate::math::float::{dot, normalize, normalize_f64};
 use crate::math::random::Stream;
 use crate::math::ray::Ray;
 use crate::math::sampling::{self, Sampling};
@@ -156,7 +156,7 @@ impl Camera {
         let square = lens.sampling.point(index, lens.grid[0], lens.grid[1], random);
         let disk = sampling::disk(square) * lens.radius;
         let offset = self.right * disk.x + self.up * disk.y;
-        let focus = direction * (lens.focal / direction.dot(self.forward));
+        let focus = direction * (lens.focal / dot(direction, self.forward));
         Ray::new(self.origin + offset, normalize(focus - offset))
     }
 }

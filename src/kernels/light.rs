@@ -5,7 +5,7 @@ use std::f32::consts::PI;
 use glam::{DVec3, Vec2, Vec3};
 
 use super::triangle;
-use crate::math::float::{max, max_abs, normalize_f64, rounding_error};
+use crate::math::float::{dot_f64, max, max_abs, normalize_f64, rounding_error};
 use crate::math::random::Stream;
 use crate::math::sampling::{self, Sampling};
 
@@ -64,7 +64,8 @@ impl Triangles {
     pub fn new(corners: Vec<[Vec3; 3]>) -> Option<Self> {
         let areas = corners.iter().map(|[a, b, c]| {
             let (ab, ac) = ((b - a).as_dvec3(), (c - a).as_dvec3());
-            0.5 * ab.cross(ac).length()
+            let cross = ab.cross(ac);
+            0.5 * dot_f64(cross, cross).sqrt()
         });
         let sums: Vec<f64> = areas
             .scan(0.0, |sum, area| {

@@ -11,7 +11,7 @@ use glam::Vec3;
 
 use super::blinn_phong::{self, Material};
 use super::light::{Light, LightPoint};
-use crate::math::float::{gamma, max_abs, normalize, offset_end, offset_origin};
+use crate::math::float::{dot, gamma, max_abs, normalize, offset_end, offset_origin};
 use crate::math::ray::Ray;
 
 /// A hit made ready to be shaded.
@@ -74,11 +74,11 @@ pub fn shadow_request(
 ) -> Option<ShadowRequest> {
     let towards = target.position - point.point;
     let to_light = normalize(towards);
-    if !point.lit || point.normal.dot(to_light) <= 0.0 {
+    if !point.lit || dot(point.normal, to_light) <= 0.0 {
         return None;
     }
     let least = max_abs(point.error);
-    let distance = towards.length();
+    let distance = dot(towards, towards).sqrt();
     let reflected = blinn_phong::reflect(
         &point.material,
         point.color,
@@ -109,7 +109,7 @@ pub fn mirror(point: &ShadingPoint, throughput: Vec3) -> Option<(Ray, Vec3)> {
     let smooth = reflection(point.view, point.shading_normal);
     // An interpolated normal can send the ray into the surface: the geometric one cannot.
     let direction =
-        if smooth.dot(point.normal) > 0.0 { smooth } else { reflection(point.view, point.normal) };
+        if dot(smooth, point.normal) > 0.0 { smooth } else { reflection(point.view, point.normal) };
     let weight = throughput * point.material.kr;
     if weight == Vec3::ZERO {
         return None;
@@ -122,7 +122,7 @@ pub fn mirror(point: &ShadingPoint, throughput: Vec3) -> Option<(Ray, Vec3)> {
 /// `view` turned about `normal`, of unit length.
 #[inline]
 fn reflection(view: Vec3, normal: Vec3) -> Vec3 {
-    normalize(normal * (2.0 * view.dot(normal)) - view)
+    normalize(normal * (2.0 * dot(view, normal)) - view)
 }
 
 #[cfg(test)]

@@ -8,7 +8,7 @@
 
 use glam::Vec3;
 
-use crate::math::float::stable_roots;
+use crate::math::float::{dot_f64, stable_roots};
 use crate::math::ray::Ray;
 
 /// The smallest t > t_min at which the ray meets the sphere, from outside or from inside.
@@ -24,14 +24,14 @@ pub fn intersect_f64(ray: &Ray, center: Vec3, radius: f32) -> Option<f64> {
     let d = ray.direction.as_dvec3();
     let f = ray.origin.as_dvec3() - center.as_dvec3();
     let r = f64::from(radius);
-    let a = d.dot(d);
-    let b = -f.dot(d);
+    let a = dot_f64(d, d);
+    let b = -dot_f64(f, d);
     let nearest = f + d * (b / a);
-    let discriminant = r * r - nearest.dot(nearest);
+    let discriminant = r * r - dot_f64(nearest, nearest);
     if discriminant < 0.0 {
         return None;
     }
-    let c = f.dot(f) - r * r;
+    let c = dot_f64(f, f) - r * r;
     let (near, far) = stable_roots(a, b, c, (a * discriminant).sqrt());
     // As they will be once rounded: the near one must not round to t_min and hide the far one.
     [near, far].into_iter().find(|&t| t as f32 > ray.t_min)

@@ -4,6 +4,8 @@ use std::f32::consts::{PI, TAU};
 
 use glam::{Vec2, Vec3};
 
+use crate::math::float::{dot, dot_f64};
+
 /// How a look-up between texels is answered.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Filter {
@@ -149,7 +151,7 @@ impl PlanarMap {
     pub fn new(origin: Vec3, u_edge: Vec3, v_edge: Vec3) -> Self {
         let scaled = |edge: Vec3| {
             let e = edge.as_dvec3();
-            (e / e.length_squared().max(f64::MIN_POSITIVE)).as_vec3()
+            (e / dot_f64(e, e).max(f64::MIN_POSITIVE)).as_vec3()
         };
         Self { origin, u: scaled(u_edge), v: scaled(v_edge) }
     }
@@ -158,7 +160,7 @@ impl PlanarMap {
     #[inline]
     pub fn uv(&self, point: Vec3) -> Vec2 {
         let p = point - self.origin;
-        Vec2::new(p.dot(self.u), p.dot(self.v))
+        Vec2::new(dot(p, self.u), dot(p, self.v))
     }
 }
 

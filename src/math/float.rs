@@ -50,6 +50,34 @@ pub fn rounding_error(point: DVec3, size: f32) -> Vec3 {
     point.as_vec3().abs() * gamma(2) + DOUBLE_ROUNDINGS * size
 }
 
+/// `a + b + c`, the same bits in whatever order they are given: no axis of space is the first.
+#[inline(always)]
+pub fn sum(a: f32, b: f32, c: f32) -> f32 {
+    let (low, high) = (min(a, b), max(a, b));
+    (min(low, c) + max(low, min(high, c))) + max(high, c)
+}
+
+/// As [`sum`], in double precision.
+#[inline(always)]
+pub fn sum_f64(a: f64, b: f64, c: f64) -> f64 {
+    let min = |a: f64, b: f64| if a < b { a } else { b };
+    let max = |a: f64, b: f64| if a > b { a } else { b };
+    let (low, high) = (min(a, b), max(a, b));
+    (min(low, c) + max(low, min(high, c))) + max(high, c)
+}
+
+/// The scalar product, added by [`sum`].
+#[inline(always)]
+pub fn dot(a: Vec3, b: Vec3) -> f32 {
+    sum(a.x * b.x, a.y * b.y, a.z * b.z)
+}
+
+/// The scalar product, added by [`sum_f64`].
+#[inline(always)]
+pub fn dot_f64(a: DVec3, b: DVec3) -> f64 {
+    sum_f64(a.x * b.x, a.y * b.y, a.z * b.z)
+}
+
 /// `v` with length 1, or zero where `v` has no direction.
 ///
 /// The length is taken in double precision, so that neither tiny nor huge vectors lose it.
@@ -57,7 +85,7 @@ pub fn rounding_error(point: DVec3, size: f32) -> Vec3 {
 pub fn normalize(v: Vec3) -> Vec3 {
     // No square of a single-precision number overflows or vanishes in double precision.
     let v = v.as_dvec3();
-    let length = v.dot(v).sqrt();
+    let length = dot_f64(v, v).sqrt();
     if length > 0.0 && length.is_finite() { (v / length).as_vec3() } else { Vec3::ZERO }
 }
 
@@ -69,7 +97,7 @@ pub fn normalize_f64(v: DVec3) -> DVec3 {
         return DVec3::ZERO;
     }
     let scaled = v / size;
-    scaled / scaled.dot(scaled).sqrt()
+    scaled / dot_f64(scaled, scaled).sqrt()
 }
 
 /// Both roots of a t^2 - 2 b t + c = 0 in rising order, given b, c, a > 0 and `root` =
@@ -100,7 +128,7 @@ pub(super) const STEEPEST_CREASE: f32 = 4.0;
 /// before that one too. Each coordinate is then rounded away from the surface.
 #[inline]
 pub fn offset_origin(point: Vec3, error: Vec3, normal: Vec3, direction: Vec3) -> Vec3 {
-    move_along(point, normal, direction, STEEPEST_CREASE * error.element_sum())
+    move_along(point, normal, direction, STEEPEST_CREASE * sum(error.x, error.y, error.z))
 }
 
 /// The error of each coordinate that [`offset_origin`] moves a point by `distance` for.
@@ -112,14 +140,14 @@ pub const fn error_of_offset(distance: f32) -> f32 {
 /// what rises beside it may be met, so the error box's extent along the normal is enough.
 #[inline]
 pub fn offset_end(point: Vec3, error: Vec3, normal: Vec3, direction: Vec3) -> Vec3 {
-    move_along(point, normal, direction, normal.abs().dot(error))
+    move_along(point, normal, direction, dot(normal.abs(), error))
 }
 
 /// `point` moved by `distance` along `normal`, to the side that `direction` points to, and rounded
 /// away from where it was.
 #[inline(always)]
 fn move_along(point: Vec3, normal: Vec3, direction: Vec3, distance: f32) -> Vec3 {
-    let side = if direction.dot(normal) < 0.0 { -distance } else { distance };
+    let side = if dot(direction, normal) < 0.0 { -distance } else { distance };
     let shift = normal * side;
     Vec3::new(
         round_away(point.x + shift.x, shift.x),
@@ -150,6 +178,27 @@ mod tests {
         let single: f32 = terms.iter().sum();
         let double: f64 = terms.iter().map(|&x| f64::from(x)).sum();
         assert!((f64::from(single) - double).abs() <= f64::from(gamma(99)) * double);
+    }
+
+    #[test]
+    fn hc08_sums_of_three_do_not_depend_on_their_order() {
+        for i in 0..10_000 {
+            let stream = crate::math::random::Stream { seed: 8, pixel: i, sample: 0, bounce: 0 };
+            let [a, b, c, d] = stream.uniform(0);
+            let (a, b, c) =
+                (a - 0.5, (b - 0.5) * 1e-3, (c - 0.5) * if d < 0.5 { 1.0 } else { 1e3 });
+            let orders = [[a, b, c], [a, c, b], [b, a, c], [b, c, a], [c, a, b], [c, b, a]];
+            for [x, y, z] in orders {
+                assert_eq!(sum(x, y, z), sum(a, b, c));
+                let wide = [x, y, z].map(|v| f64::from(v) / 3.0);
+                let first = [a, b, c].map(|v| f64::from(v) / 3.0);
+                let sums = [wide, first].map(|[x, y, z]| sum_f64(x, y, z));
+                assert_eq!(sums[0], sums[1]);
+            }
+            let exact = f64::from(a) + f64::from(b) + f64::from(c);
+            let size = a.abs() + b.abs() + c.abs();
+            assert!((f64::from(sum(a, b, c)) - exact).abs() <= f64::from(gamma(2) * size));
+        }
     }
 
     #[test]

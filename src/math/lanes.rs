@@ -99,15 +99,23 @@ impl<S: Lanes> Vec3x8<S> {
         Self::new(self.x.abs(), self.y.abs(), self.z.abs())
     }
 
-    /// x + y + z.
+    /// See [`super::float::sum`], of the components.
     #[inline(always)]
     pub fn element_sum(self) -> f32x8<S> {
-        self.x + self.y + self.z
+        let Self { x, y, z } = self;
+        let (low, high) = (x.min(y), x.max(y));
+        (low.min(z) + low.max(high.min(z))) + high.max(z)
     }
 
-    /// The scalar product.
+    /// See [`super::float::dot`].
     #[inline(always)]
     pub fn dot(self, other: Self) -> f32x8<S> {
+        (self * other).element_sum()
+    }
+
+    /// The scalar product, added in the order of the axes.
+    #[inline(always)]
+    pub fn dot_in_order(self, other: Self) -> f32x8<S> {
         self.x * other.x + self.y * other.y + self.z * other.z
     }
 
@@ -255,10 +263,12 @@ impl<S: Lanes> DVec3x8<S> {
         Self { x: self.x * by, y: self.y * by, z: self.z * by }
     }
 
-    /// The scalar product.
+    /// See [`super::float::dot_f64`].
     #[inline(always)]
     pub fn dot(self, other: Self) -> f64x8<S> {
-        self.x * other.x + self.y * other.y + self.z * other.z
+        let (x, y, z) = (self.x * other.x, self.y * other.y, self.z * other.z);
+        let (low, high) = (x.min(y), x.max(y));
+        (low.min(z) + low.max(high.min(z))) + high.max(z)
     }
 
     /// The vector product.

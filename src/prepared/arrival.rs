@@ -9,7 +9,7 @@ use crate::kernels::precision::Arithmetic;
 use crate::kernels::shade::ShadingPoint;
 use crate::kernels::surface::{self, Surface};
 use crate::kernels::texture;
-use crate::math::float::normalize;
+use crate::math::float::{dot, normalize};
 use crate::math::ray::Ray;
 
 /// Where a ray that was traced arrives.
@@ -52,7 +52,7 @@ impl PreparedScene {
         let geometry = &self.accel.geometry;
         let surface = self.surface::<P>(ray, hit);
         let outward = if shape.flipped { -surface.normal } else { surface.normal };
-        let at_back = outward.dot(ray.direction) > 0.0;
+        let at_back = dot(outward, ray.direction) > 0.0;
         let normal = if at_back { -outward } else { outward };
         let material = self.looks.materials[index];
         let color = match &shape.texture {
@@ -96,7 +96,7 @@ impl Looks {
             })
             .filter(|&n| n != Vec3::ZERO);
         match interpolated {
-            Some(n) if n.dot(normal) < 0.0 => -n,
+            Some(n) if dot(n, normal) < 0.0 => -n,
             Some(n) => n,
             None => normal,
         }

@@ -204,7 +204,7 @@ pub const CASES: &[Case] = &[
     Case {
         number: 8,
         name: "scenes scaled by 2^-20 to 2^20, and with the axes turned",
-        bound: "the same image to the last bit; turned, the same hits",
+        bound: "the same image to the last bit",
         run: moved::scaled,
     },
     Case {

@@ -40,10 +40,10 @@ pub fn triangles_at<S: Lanes, P: Arithmetic>(
     let (e1, e2) = (Vec3x8::load(simd, &corners[1]) - a, Vec3x8::load(simd, &corners[2]) - a);
     // `triangle::fast::crossing`.
     let p = direction.cross(e2);
-    let inverse = f32x8::splat(simd, 1.0) / e1.dot(p);
+    let inverse = f32x8::splat(simd, 1.0) / e1.dot_in_order(p);
     let s = origin - a;
-    let u = s.dot(p) * inverse;
-    let v = direction.dot(s.cross(e1)) * inverse;
+    let u = s.dot_in_order(p) * inverse;
+    let v = direction.dot_in_order(s.cross(e1)) * inverse;
     fast(simd, origin + direction.scale(t), e1.cross(e2), [u, v])
 }
 
