@@ -33,10 +33,10 @@ impl Sum {
 
     /// Adds `a . (b x c)`: six products.
     pub fn add_volume(&mut self, a: [f32; 3], b: [f32; 3], c: [f32; 3]) {
-        for k in 0..3 {
+        for (k, &x) in a.iter().enumerate() {
             let (i, j) = ((k + 1) % 3, (k + 2) % 3);
-            self.add_product(a[k], b[i], c[j]);
-            self.add_product(-a[k], b[j], c[i]);
+            self.add_product(x, b[i], c[j]);
+            self.add_product(-x, b[j], c[i]);
         }
     }
 

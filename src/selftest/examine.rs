@@ -192,9 +192,9 @@ fn leaking(
 /// What a ray meets later than this part of its way to an edge, it met by passing that.
 const BEYOND: f32 = 1.0 + 1.0 / 1024.0;
 
-/// So many ulp is the least height, as the ray sees it, of triangles that are aimed between: rounding
-/// then puts the target into one of them or the other.
-const LEAST_HEIGHT: f64 = 64.0;
+/// So many ulp away from the ray are the least that the triangles' other edges may be, as the ray sees
+/// them: rounding then puts it through one of the triangles or the other.
+const LEAST_DISTANCE: f64 = 32.0;
 
 /// A ray from `from` that meets the edge at `part` of it, if its triangles lie on both sides of it as
 /// seen from there.
@@ -204,25 +204,26 @@ fn edge_ray(
     from: Vec3,
     part: f64,
 ) -> Option<Ray> {
-    let at = |v: u32| geometry.positions[v as usize];
-    let (a, b) = (at(p).as_dvec3(), at(q).as_dvec3());
-    let target = (a + (b - a) * part).as_vec3();
+    let at = |v: u32| geometry.positions[v as usize].as_dvec3();
     let o = from.as_dvec3();
-    // The plane through the edge and the origin, and on which side of it the third corners lie.
-    let normal = (a - o).cross(b - o);
-    let heights = triangles.map(|t| {
-        let far = |v: Vec3| normal.dot(v.as_dvec3() - o) / normal.length();
-        geometry
-            .triangle(t as usize)
-            .map(far)
-            .into_iter()
-            .fold(0.0, |most: f64, h: f64| if h.abs() > most.abs() { h } else { most })
-    });
+    let target = (at(p) + (at(q) - at(p)) * part).as_vec3();
+    let d = (target.as_dvec3() - o).normalize();
+    // From the ray to the line through two points, as seen along the ray.
+    let distance = |a: DVec3, b: DVec3| {
+        let side = (a - o).cross(b - o).dot(d);
+        (side / (b - a).cross(d).length()).abs()
+    };
     let ulp = f64::from(f32::EPSILON) * target.as_dvec3().abs().max(o.abs()).max_element();
-    let visible = heights[0] * heights[1] < 0.0
-        && heights.iter().all(|h| h.abs() > LEAST_HEIGHT * ulp)
-        && (b - a).length() > LEAST_HEIGHT * ulp;
-    visible.then(|| Ray::new(from, target - from))
+    let (a, b) = (at(p), at(q));
+    let plane = (a - o).cross(b - o);
+    let sides = triangles.map(|triangle| {
+        let corners = geometry.triangle(triangle as usize).map(|v| v.as_dvec3());
+        let c = corners.into_iter().find(|&c| c != a && c != b)?;
+        let is_wide = distance(a, c).min(distance(b, c)) > LEAST_DISTANCE * ulp;
+        is_wide.then(|| plane.dot(c - o))
+    });
+    let [Some(one), Some(other)] = sides else { return None };
+    (one * other < 0.0).then(|| Ray::new(from, target - from))
 }
 
 /// Rays that leave triangles in all directions, to the side from which these were hit.
