@@ -41,7 +41,10 @@ const ARROWS: &[(&str, &[&str])] = &[
     ),
     (
         "report",
-        &["accel", "counters", "error", "image", "kernels", "math", "plan", "prepared", "render"],
+        &[
+            "accel", "counters", "error", "image", "kernels", "math", "plan", "prepared", "probe",
+            "render",
+        ],
     ),
     (
         "cli",
@@ -261,6 +264,44 @@ fn one_file_has_unsafe_code() {
     let found: Vec<PathBuf> =
         sources().into_iter().filter(|s| words(&s.code)).map(|s| s.path).collect();
     assert_eq!(found, [PathBuf::from(UNSAFE)]);
+}
+
+/// Where numbers decide what is hit and what is seen.
+const NUMERIC: &[&str] =
+    &["math", "kernels", "accel", "prepared", "wavefront", "recursive", "systems", "scene"];
+
+/// The numbers written with digits in a line of code.
+fn literals(line: &str) -> Vec<f64> {
+    let is_part = |c: char| c.is_ascii_alphanumeric() || matches!(c, '.' | '_');
+    let joined = line.replace("e-", "e\u{2212}");
+    let words = joined.split(|c: char| !(is_part(c) || c == '\u{2212}'));
+    let numbers = words.filter(|word| word.starts_with(|c: char| c.is_ascii_digit()));
+    let plain = |word: &str| {
+        let word = word.replace('\u{2212}', "-").replace('_', "");
+        word.trim_end_matches("f32").trim_end_matches("f64").parse().ok()
+    };
+    numbers.filter_map(plain).collect()
+}
+
+/// A tolerance has a name, and beside the name stands where it comes from.
+#[test]
+fn no_small_constant_is_unexplained() {
+    assert_eq!(literals("let x = 1.5e-6_f32 * y1 + 0x10 as f32 - 2.0;"), [1.5e-6, 2.0]);
+    let is_small = |x: &f64| (*x > 0.0 && *x < 0.01) || (*x > 1.0 && *x < 1.01);
+    let mut found = 0;
+    for source in sources().iter().filter(|s| NUMERIC.contains(&s.module.as_str())) {
+        let text = std::fs::read_to_string(repository("src").join(&source.path)).expect("a file");
+        let lines: Vec<&str> = without_tests(&text).lines().map(str::trim_start).collect();
+        for (number, line) in lines.iter().enumerate() {
+            if line.starts_with("//") || !literals(line).iter().any(is_small) {
+                continue;
+            }
+            found += 1;
+            let is_named = line.contains("const ") && lines[number - 1].starts_with("//");
+            assert!(is_named, "{}, line {}: {line}", source.path.display(), number + 1);
+        }
+    }
+    assert!(found > 3, "it sees {found} only");
 }
 
 #[test]

@@ -8,7 +8,7 @@ use crate::accel::rays::RayLanes;
 use crate::accel::tree::reach;
 use crate::kernels::precision::Arithmetic;
 use crate::kernels::slab::{Aabb, PADDING};
-use crate::math::float::{max, min};
+use crate::math::float::{gamma, max, min};
 use crate::math::simd::{LANES, Lanes};
 
 /// What bounds the rays seen so far.
@@ -161,12 +161,14 @@ fn is_one_sign([low, high]: [f32; 2]) -> bool {
     low > f32::MIN_POSITIVE || high < -f32::MIN_POSITIVE
 }
 
-/// The axis along which every direction is longest, given the extents of the reciprocals. The
-/// margin is for their rounding.
+/// By what factor reciprocals have to differ, for rounding not to have put them in their order.
+const APART: f32 = 1.0 + gamma(4);
+
+/// The axis along which every direction is longest, given the extents of the reciprocals.
 #[inline(always)]
 pub(super) fn longest([x, y, z]: [[f32; 2]; 3]) -> Option<usize> {
     let (x0, y0, z0) = (least(x), least(y), least(z));
-    let (x1, y1, z1) = (greatest(x) * 1.000_001, greatest(y) * 1.000_001, greatest(z) * 1.000_001);
+    let (x1, y1, z1) = (greatest(x) * APART, greatest(y) * APART, greatest(z) * APART);
     if x1 < min(y0, z0) {
         Some(0)
     } else if y1 < min(x0, z0) {
