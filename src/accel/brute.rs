@@ -14,7 +14,7 @@ pub fn closest<P: Arithmetic>(
     for number in 0..geometry.len() as u32 {
         if let Some(t) = geometry.hit::<P>(number, ray, tests)
             && t < best.t
-            && !geometry.is_degenerate(number)
+            && geometry.can_be_hit(number)
         {
             best = Hit { t, primitive: number };
         }
@@ -31,6 +31,6 @@ pub fn occluded<P: Arithmetic>(
     (0..geometry.len() as u32).any(|number| {
         geometry.hit::<P>(number, ray, tests).is_some()
             && !geometry.is_light(number)
-            && !geometry.is_degenerate(number)
+            && geometry.can_be_hit(number)
     })
 }

@@ -7,7 +7,7 @@ use std::ops::Range;
 
 use glam::Vec3;
 
-use super::TestCounts;
+use super::{Hit, TestCounts};
 use crate::kernels::precision::{Arithmetic, Precision, Robust};
 use crate::kernels::slab::{Aabb, SlabRay};
 use crate::kernels::triangle::{self, ShearedSpace, exact, fast};
@@ -29,6 +29,9 @@ pub struct Geometry {
     pub lights: Vec<Range<u32>>,
     /// How exactly they are tested, and with that how their boxes are padded.
     pub precision: Precision,
+    /// Triangles without area that keep the mesh tight, each with the one that it stands for, in rising
+    /// order. To be left empty: they are found when the tree is built.
+    pub seals: Vec<[u32; 2]>,
 }
 
 /// A primitive, by its kind and its place in that kind's array.
@@ -121,7 +124,31 @@ impl Geometry {
         if self.precision == Precision::Fast { bounds } else { bounds.padded() }
     }
 
-    /// Whether the primitive can be hit: triangles without area cannot.
+    /// Whether the primitive can be hit: triangles without area cannot, unless they seal a gap.
+    pub(super) fn can_be_hit(&self, number: u32) -> bool {
+        !self.is_degenerate(number) || self.seal(number).is_some()
+    }
+
+    /// What the triangle of that number stands for, if it is a seal.
+    #[inline(always)]
+    pub(super) fn seal(&self, number: u32) -> Option<u32> {
+        if self.seals.is_empty() {
+            return None;
+        }
+        let place = self.seals.binary_search_by_key(&number, |&[own, _]| own).ok()?;
+        Some(self.seals[place][1])
+    }
+
+    /// The hit, on what a seal stands for if it is on one.
+    #[inline(always)]
+    pub(super) fn unsealed(&self, hit: Hit) -> Hit {
+        match self.seal(hit.primitive) {
+            Some(primitive) => Hit { primitive, ..hit },
+            None => hit,
+        }
+    }
+
+    /// Whether the primitive is a triangle without area.
     pub fn is_degenerate(&self, number: u32) -> bool {
         match self.primitive(number) {
             Primitive::Triangle(i) => triangle::is_degenerate(&self.triangle(i)),

@@ -17,6 +17,7 @@ mod node;
 mod packet;
 mod query;
 mod rays;
+mod seals;
 mod single;
 mod stream;
 pub mod tree;
@@ -142,16 +143,33 @@ pub struct Accel {
 impl Accel {
     /// Builds the structure that `preset` names over `geometry`, to be searched with the best
     /// instructions that the processor has.
-    pub fn new(geometry: Geometry, preset: Preset) -> Self {
-        let tree = (preset != Preset::Brute).then(|| build::build(&geometry, preset));
+    pub fn new(mut geometry: Geometry, preset: Preset) -> Self {
+        let build =
+            |geometry: &Geometry| (preset != Preset::Brute).then(|| build::build(geometry, preset));
+        let mut tree = build(&geometry);
+        // Fast arithmetic leaks anyway.
+        let is_whole = tree.as_ref().is_some_and(|tree| tree.kept == geometry.len() as u64);
+        if !is_whole && geometry.precision != Precision::Fast {
+            geometry.seals = seals::find(&geometry);
+            if !geometry.seals.is_empty() {
+                // Scans with collapsed triangles are rare: they are built once more.
+                drop(tree);
+                tree = build(&geometry);
+            }
+        }
+        Self { tree, ..Self::unbuilt(geometry) }
+    }
+
+    /// The primitives alone, not yet to be searched.
+    pub fn unbuilt(geometry: Geometry) -> Self {
         let (level, kernel) = (fearless_simd::Level::new(), KernelChoice::default());
-        Self { geometry, tree, level, kernel }
+        Self { geometry, tree: None, level, kernel }
     }
 
     /// How many triangles no ray can hit, since they have no area.
     pub fn left_out(&self) -> u64 {
         match &self.tree {
-            Some(tree) => self.geometry.len() as u64 - tree.kept,
+            Some(tree) => self.geometry.len() as u64 - tree.kept + self.geometry.seals.len() as u64,
             None => {
                 let numbers = (0..self.geometry.len() as u32).into_par_iter();
                 numbers.filter(|&number| self.geometry.is_degenerate(number)).count() as u64
@@ -176,11 +194,12 @@ impl Accel {
         if !ray.is_valid() {
             return Hit::MISS;
         }
-        match self.geometry.precision {
+        let hit = match self.geometry.precision {
             Precision::Fast => self.closest_in::<Fast>(ray, traversal),
             Precision::Robust => self.closest_in::<Robust>(ray, traversal),
             Precision::Exact => self.closest_in::<Exact>(ray, traversal),
-        }
+        };
+        self.geometry.unsealed(hit)
     }
 
     #[inline(always)]
@@ -237,6 +256,9 @@ impl Accel {
             (Some(tree), Some(_)) => {
                 let many = Many::<Closest, Robust>::new(self, tree, rays, answers, traversal);
                 dispatch(self.level, many);
+                if !self.geometry.seals.is_empty() {
+                    answers.iter_mut().for_each(|hit| *hit = self.geometry.unsealed(*hit));
+                }
             }
             _ => {
                 for (i, answer) in answers.iter_mut().enumerate() {

@@ -246,7 +246,12 @@ impl ShearedSpace {
         let vertices = triangle.map(|v| self.shear_f64(v));
         let z = vertices.map(|v| v.z);
         let sideways = self.sideways(triangle);
-        let weights = weights(&vertices, sideways)?;
+        // A triangle without area, which seals a gap, has no plane.
+        let is_seal = is_degenerate(triangle);
+        let weights = match weights(&vertices, sideways) {
+            None if is_seal => nearest_on_boundary(&vertices),
+            weights => weights?,
+        };
         if !is_beside(&vertices, weights, sideways) {
             return None;
         }
@@ -254,7 +259,13 @@ impl ShearedSpace {
         let (near, far) = (z[0].min(z[1]).min(z[2]), z[0].max(z[1]).max(z[2]));
         let t = t.clamp(near, far);
         let from_start = t - f64::from(self.t_min);
-        (from_start.abs() > self.error_bound_f64(&vertices, far - near)).then_some(t as f32)
+        // Nor has it edge functions that t depends on.
+        let bound = if is_seal {
+            f64::from(gamma(8)) * far.abs().max(near.abs())
+        } else {
+            self.error_bound_f64(&vertices, far - near)
+        };
+        (from_start.abs() > bound).then_some(t as f32)
     }
 
     /// The most by which single precision places vertices sideways: what [`crate::kernels::slab`]

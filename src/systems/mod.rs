@@ -71,7 +71,7 @@ pub fn extract_in(world: &mut World, precision: Precision) -> Result<Extracted> 
         plan,
         origin,
         camera,
-        accel: Accel::new(geometry, Preset::Brute),
+        accel: Accel::unbuilt(geometry),
         looks: Looks { shapes, materials, places, images, meshes },
         lights,
         background: settings.background.as_vec3(),

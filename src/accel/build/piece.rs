@@ -129,7 +129,7 @@ impl Piece {
             let (corners, bounds) = match geometry.primitive(number) {
                 Primitive::Triangle(i) => {
                     let triangle = geometry.triangle(i);
-                    if is_degenerate(&triangle) {
+                    if is_degenerate(&triangle) && geometry.seal(number).is_none() {
                         continue;
                     }
                     (geometry.triangles[i], geometry.padded(Aabb::around(triangle)))

@@ -1,0 +1,178 @@
+//! Seals: triangles without area that keep a mesh tight.
+//!
+//! Scans whose vertices have been rounded hold triangles whose corners a, m, b lie on one line. Nothing of
+//! such a triangle can be seen; but the neighbour across ab has one edge where those across am and mb
+//! have two, and single precision places m a little beside the edge ab, as a ray sees it. A ray would
+//! slip through there. So the triangle stays in the tree, tested like any other with the corners that
+//! its neighbours share, and a hit on it counts as one on the neighbour across its longest edge. Without
+//! that neighbour it closes nothing and is left out, as are triangles with two corners at one place.
+
+use std::collections::HashMap;
+
+use glam::Vec3;
+use rayon::prelude::*;
+
+use super::geometry::Geometry;
+use crate::kernels::triangle::is_degenerate;
+
+/// The bits of an edge's ends, the lower ones first.
+type Edge = [[u32; 3]; 2];
+
+/// How many seals may lie between another and a triangle with an area.
+const MOST_BETWEEN: usize = 64;
+
+/// The seals of a mesh, by number, each with the triangle that it stands for.
+pub(super) fn find(geometry: &Geometry) -> Vec<[u32; 2]> {
+    let triangles = 0..geometry.triangles.len() as u32;
+    let pinched: Vec<u32> =
+        triangles.clone().into_par_iter().filter(|&number| is_pinched(geometry, number)).collect();
+    if pinched.is_empty() {
+        return Vec::new();
+    }
+    let longest: HashMap<Edge, Vec<u32>> =
+        pinched.iter().fold(HashMap::new(), |mut longest: HashMap<_, Vec<_>>, &number| {
+            longest.entry(longest_edge(geometry, number)).or_default().push(number);
+            longest
+        });
+    // The neighbours across longest edges.
+    let mut neighbours: Vec<(u32, u32)> = triangles
+        .into_par_iter()
+        .flat_map_iter(|other| {
+            let found = edges(geometry, other).into_iter().filter_map(|edge| longest.get(&edge));
+            let pairs = found.flatten().filter(move |&&number| number != other);
+            pairs.map(move |&number| (number, other))
+        })
+        .collect();
+    neighbours.par_sort_unstable();
+    let mut seals: HashMap<u32, u32> = HashMap::new();
+    for &(number, other) in &neighbours {
+        if !geometry.is_degenerate(other) {
+            seals.entry(number).or_insert(other);
+        }
+    }
+    // Others lie beside a seal.
+    for _ in 0..MOST_BETWEEN {
+        let more: Vec<(u32, u32)> = neighbours
+            .iter()
+            .filter(|(number, _)| !seals.contains_key(number))
+            .filter_map(|(number, other)| seals.get(other).map(|&other| (*number, other)))
+            .collect();
+        if more.is_empty() {
+            break;
+        }
+        for (number, other) in more {
+            seals.entry(number).or_insert(other);
+        }
+    }
+    let mut seals: Vec<[u32; 2]> =
+        seals.into_iter().map(|(number, other)| [number, other]).collect();
+    seals.sort_unstable();
+    seals
+}
+
+/// Whether the triangle has no area but three corners.
+fn is_pinched(geometry: &Geometry, number: u32) -> bool {
+    let corners = geometry.triangle(number as usize);
+    let [a, b, c] = corners;
+    is_degenerate(&corners) && a != b && b != c && c != a
+}
+
+fn edges(geometry: &Geometry, number: u32) -> [Edge; 3] {
+    let [a, b, c] = geometry.triangle(number as usize);
+    [edge(a, b), edge(b, c), edge(c, a)]
+}
+
+fn edge(a: Vec3, b: Vec3) -> Edge {
+    // Zeros of both signs are at one place.
+    let [a, b] = [a, b].map(|v| v.to_array().map(|x| (x + 0.0).to_bits()));
+    if a < b { [a, b] } else { [b, a] }
+}
+
+fn longest_edge(geometry: &Geometry, number: u32) -> Edge {
+    let [a, b, c] = geometry.triangle(number as usize);
+    let length = |p: Vec3, q: Vec3| p.as_dvec3().distance_squared(q.as_dvec3());
+    let (ab, bc, ca) = (length(a, b), length(b, c), length(c, a));
+    if ab >= bc && ab >= ca {
+        edge(a, b)
+    } else if bc >= ca {
+        edge(b, c)
+    } else {
+        edge(c, a)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::accel::build::Preset;
+    use crate::accel::{Accel, Hit, KernelChoice};
+    use crate::math::random::Stream;
+    use crate::math::ray::Ray;
+
+    /// A tetrahedron; an edge of it has a vertex that one of the faces there lacks, and a triangle
+    /// without area between. Its numbers have few bits, so that the three are on one line.
+    fn pinched_tetrahedron(offset: f32) -> Geometry {
+        let at = |x: f32, y: f32, z: f32| Vec3::new(x, y, z) + offset;
+        let positions = vec![
+            at(-7.0, -5.0, -9.0),
+            at(9.0, 7.0, -5.0),
+            at(-3.0, -2.0, -8.0),
+            at(3.0, -11.0, 9.0),
+            at(-9.0, 10.0, 8.0),
+        ];
+        let triangles = vec![[0, 1, 3], [0, 2, 1], [0, 4, 2], [2, 4, 1], [1, 4, 3], [0, 3, 4]];
+        Geometry { positions, triangles, ..Geometry::default() }
+    }
+
+    #[test]
+    fn hc18_a_triangle_without_area_closes_the_gap_beside_it() {
+        for offset in [0.0, 1000.0] {
+            let geometry = pinched_tetrahedron(offset);
+            let [a, b] = [geometry.positions[0], geometry.positions[1]].map(|v| v.as_dvec3());
+            assert!(geometry.is_degenerate(1));
+            let rays: Vec<Ray> = (0..200_000)
+                .map(|i| {
+                    let [x, y, z, part] =
+                        Stream { seed: 4, pixel: i, sample: 0, bounce: 0 }.uniform(0);
+                    let origin = Vec3::new(x, y, z) * 0.5 - 0.25 + offset;
+                    let target = (a + (b - a) * f64::from(part)).as_vec3();
+                    Ray::new(origin, target - origin)
+                })
+                .collect();
+            let mut accel = Accel::new(geometry.clone(), Preset::VeryFast);
+            assert_eq!((accel.left_out(), accel.geometry.seals.as_slice()), (1, &[[1, 0]][..]));
+            for preset in [Preset::Brute, Preset::Medium] {
+                let accel = Accel::new(geometry.clone(), preset);
+                let (_, seals) = (accel.left_out(), &accel.geometry.seals);
+                assert_eq!(seals.as_slice(), &[[1, 0]]);
+            }
+            let mut hits = vec![Hit::MISS; rays.len()];
+            for kernel in KernelChoice::ALL {
+                accel.kernel = kernel;
+                accel.closest_of(&rays[..], &mut hits, &mut accel.traversal());
+                for (ray, hit) in rays.iter().zip(&hits) {
+                    let is_right =
+                        !hit.is_miss() && hit.primitive != 1 && (hit.t - 1.0).abs() < 1e-3;
+                    assert!(is_right, "{offset}, {kernel:?}: {ray:?} {hit:?}");
+                }
+            }
+            // Without the seal there is a gap.
+            let mut triangles = geometry.triangles.clone();
+            triangles.remove(1);
+            let open = Accel::new(Geometry { triangles, ..geometry }, Preset::VeryFast);
+            open.closest_of(&rays[..], &mut hits, &mut open.traversal());
+            assert!(hits.iter().any(Hit::is_miss));
+        }
+    }
+
+    #[test]
+    fn hc18_a_triangle_without_area_or_neighbours_is_left_out() {
+        let positions = vec![Vec3::ZERO, Vec3::X, Vec3::X * 2.0, Vec3::Y];
+        let triangles = vec![[0, 1, 2], [1, 1, 3]];
+        let geometry = Geometry { positions, triangles, ..Geometry::default() };
+        let accel = Accel::new(geometry, Preset::VeryFast);
+        assert_eq!((accel.left_out(), accel.geometry.seals.len()), (2, 0));
+        let ray = Ray::new(Vec3::new(0.5, 0.0, 1.0), Vec3::NEG_Z);
+        assert!(accel.closest(&ray, &mut accel.traversal()).is_miss());
+    }
+}
