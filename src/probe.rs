@@ -389,11 +389,13 @@ fn t_error(geometry: &Geometry, ray: &Ray, hit: &Hit) -> Option<f32> {
     match (geometry.precision, geometry.primitive(hit.primitive)) {
         (Precision::Fast, _) => None,
         (Precision::Exact, _) | (_, Primitive::Sphere(_)) => Some(rounded),
-        (_, Primitive::Triangle(i)) => Some(space.error_of(&geometry.triangle(i), hit.t)),
+        (_, Primitive::Triangle(i)) => {
+            // One that stands for a seal is passed by.
+            Some(space.error_of(&geometry.triangle(i), hit.t).unwrap_or(T_TOLERANCE * hit.t.abs()))
+        }
         (_, Primitive::Quad(i)) => {
             let halves = quad::halves(&geometry.quad(i));
-            let of = halves.map(|half| space.error_of(&half, hit.t));
-            Some(of[0].max(of[1]).min(T_TOLERANCE * hit.t.abs()))
+            halves.iter().filter_map(|half| space.error_of(half, hit.t)).reduce(f32::max)
         }
     }
 }

@@ -215,13 +215,14 @@ impl ShearedSpace {
     }
 
     /// Bound on the error of a `t` that [`Self::intersect`] gives for `triangle`: what single precision
-    /// does to it, or [`T_TOLERANCE`] of it where double precision was asked.
-    pub fn error_of(&self, triangle: &[Vec3; 3], t: f32) -> f32 {
+    /// does to it, or [`T_TOLERANCE`] of it where double precision was asked. `None` if the ray does not
+    /// pass through.
+    pub fn error_of(&self, triangle: &[Vec3; 3], t: f32) -> Option<f32> {
         let stated = T_TOLERANCE * t.abs();
-        let Some(hit) = self.passes_through(triangle) else { return stated };
+        let hit = self.passes_through(triangle)?;
         let [a, b, c] = hit.vertices.map(|v| v.z);
         let own = self.error_bound(&hit, min(a, min(b, c)), max(a, max(b, c)));
-        if own <= stated { own } else { stated }
+        Some(if own <= stated { own } else { stated })
     }
 
     /// Bound on the error of t, after the module documentation. A NaN where nothing is known.

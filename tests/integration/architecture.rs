@@ -60,6 +60,7 @@ const ARROWS: &[(&str, &[&str])] = &[
             "prepared",
             "probe",
             "ray_file",
+            "recursive",
             "render",
             "replace",
             "report",

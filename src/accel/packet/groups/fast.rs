@@ -1,0 +1,73 @@
+//! The same with the fast test, which needs no sheared space.
+
+use fearless_simd::prelude::*;
+use fearless_simd::{f32x16, u32x16};
+
+use super::{Group, Pair, Row, note};
+use crate::accel::arena::{Patch, View};
+use crate::accel::packet::tile::{Column, GROUPS, Tile, WIDTH};
+use crate::accel::query::Query;
+use crate::kernels::triangle::fast;
+use crate::math::simd::{LANES, Lanes};
+
+/// As [`super::see`]: the rays themselves, with origins in the place of the first vertex
+/// and directions in that of the second.
+#[inline(always)]
+pub(super) fn see<S: Lanes>(simd: S, tile: &Tile, group: &mut Group) {
+    let g = group.positions[0] as usize / WIDTH;
+    for k in 0..3 {
+        let (origin, direction) = (&tile.origin[k], &tile.direction[k]);
+        group.vertices[0][k] = row(simd, origin, group, g);
+        group.vertices[1][k] = row(simd, direction, group, g);
+    }
+    group.t_min = row(simd, &tile.t_min, group, g);
+    group.t_max = row(simd, &tile.t_max, group, g);
+    group.best = row(simd, &tile.best, group, g);
+    group.primitive = if group.is_whole {
+        tile.primitive[g % GROUPS]
+    } else {
+        let primitive: u32x16<S> =
+            simd.pick(bytemuck::cast_ref(&tile.primitive), group.positions).bitcast();
+        primitive.into()
+    };
+    (group.hit, group.open, group.left) = (0, 0, [0; LANES]);
+}
+
+/// What a column has for the group's rays; `g` says which of the tile's groups, if it is a whole one.
+#[inline(always)]
+fn row<S: Lanes>(simd: S, column: &Column, group: &Group, g: usize) -> Row {
+    if group.is_whole {
+        return column[g % GROUPS];
+    }
+    simd.pick(column, group.positions).into()
+}
+
+/// As [`super::meet`].
+#[inline(always)]
+pub(super) fn meet<S: Lanes, Q: Query>(simd: S, arena: View<'_>, group: &mut Group, pair: Pair) {
+    let leaf = arena.patch(group.place);
+    let at = u32::from(4 * pair.triangle) % u32::BITS;
+    let [a, b, c] = leaf.corners;
+    let a = corner(simd, leaf, a >> at);
+    let b = corner(simd, leaf, b >> at);
+    let c = corner(simd, leaf, c >> at);
+    let [origin, direction, ..] = &group.vertices;
+    let rays = (vector(simd, origin), vector(simd, direction));
+    let one = f32x16::splat(simd, 1.0);
+    let range = [group.t_min.simd_into(simd), group.t_max.simd_into(simd), one];
+    let (t, hits) = fast::lanes(rays, [a, b, c], range, group.used);
+    note::<S, Q>(simd, arena, group, pair.triangle, (t, hits));
+}
+
+/// A vertex of the patch, in each lane.
+#[inline(always)]
+fn corner<S: Lanes>(simd: S, leaf: &Patch, index: u32) -> [f32x16<S>; 3] {
+    let i = index as usize % LANES;
+    let [x, y, z] = &leaf.positions;
+    [f32x16::splat(simd, x[i]), f32x16::splat(simd, y[i]), f32x16::splat(simd, z[i])]
+}
+
+#[inline(always)]
+fn vector<S: Lanes>(simd: S, [x, y, z]: &[Row; 3]) -> [f32x16<S>; 3] {
+    [(*x).simd_into(simd), (*y).simd_into(simd), (*z).simd_into(simd)]
+}
