@@ -324,7 +324,7 @@ pub(super) fn child_of(node: &Node, place: Ref, lane: usize) -> Ref {
 }
 
 /// Asks for a cache line.
-#[cfg(target_arch = "x86_64")]
+#[cfg(all(target_arch = "x86_64", not(miri)))]
 #[inline(always)]
 pub(super) fn prefetch(address: *const i8) {
     use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
@@ -333,7 +333,7 @@ pub(super) fn prefetch(address: *const i8) {
 }
 
 /// Asks for a cache line, where that can be said.
-#[cfg(not(target_arch = "x86_64"))]
+#[cfg(any(not(target_arch = "x86_64"), miri))]
 #[inline(always)]
 pub(super) fn prefetch(_: *const i8) {}
 

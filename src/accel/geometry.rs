@@ -14,7 +14,8 @@ use crate::kernels::triangle::{self, ShearedSpace, exact, fast};
 use crate::kernels::{quad, sphere};
 use crate::math::ray::Ray;
 
-/// The primitives of a scene, in world space.
+/// The primitives of a scene, in world space. Coordinates and radii are finite, and no larger than
+/// [`MAX_COORDINATE`](crate::math::float::MAX_COORDINATE).
 #[derive(Clone, Debug, Default)]
 pub struct Geometry {
     /// Vertices of triangles and quads.

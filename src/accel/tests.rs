@@ -300,3 +300,21 @@ fn fast_hits_are_nearly_the_robust_ones_in_every_way() {
         }
     }
 }
+
+/// What boxes are padded by would overflow, and children that are not there be met.
+#[test]
+fn hc26_rays_from_the_farthest_places_there_are_come_to_an_end() {
+    let mut numbers = Numbers(70_000);
+    let geometry = cloud(&mut numbers, 1.0);
+    let far = f32::MAX;
+    let rays: Vec<Ray> = (0..300)
+        .map(|i| {
+            let mut any = || [far, -far, 16.0, 0.7 * far][numbers.below(4)];
+            let mut origin = Vec3::new(any(), any(), any());
+            origin[i % 3] = far;
+            let direction = if i % 2 == 0 { -origin } else { numbers.vector() - origin };
+            Ray::new(origin, direction)
+        })
+        .collect();
+    assert_eq!(compare("farthest", &geometry, &rays), 0);
+}

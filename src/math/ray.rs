@@ -3,6 +3,11 @@
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec3, Vec3A};
 
+/// The farthest coordinate, either way, that a ray may start at: 2^127. What is added to an origin for
+/// its rounding, or taken from it for a plane's distance, is then finite as well. Planes of boxes that
+/// are not there are told by being infinite, and infinity less infinity would be no number.
+pub const FARTHEST_ORIGIN: f32 = (1_u128 << 127) as f32;
+
 /// The points `origin + t direction` with `t_min` < t < `t_max`.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
@@ -24,11 +29,14 @@ impl Ray {
         Self { origin, direction, t_min: 0.0, t_max: f32::INFINITY }
     }
 
-    /// Whether the ray can be traced: finite, and of a direction other than zero.
+    /// Whether the ray can be traced: finite, from no farther than [`FARTHEST_ORIGIN`], and of a
+    /// direction other than zero.
     #[inline(always)]
     pub fn is_valid(&self) -> bool {
         let (origin, direction) = (Vec3A::from(self.origin), Vec3A::from(self.direction));
-        let finite = origin.is_finite_mask() & direction.is_finite_mask();
+        // A NaN compares false, so that it is caught by the same test.
+        let near = origin.abs().cmple(Vec3A::splat(FARTHEST_ORIGIN));
+        let finite = near & direction.is_finite_mask();
         finite.all() & (direction != Vec3A::ZERO) & (self.t_min <= self.t_max)
     }
 }

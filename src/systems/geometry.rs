@@ -229,14 +229,12 @@ impl Builder {
         let scale = turn.x_axis.length();
         let radius = (sphere.radius * scale) as f32;
         check_point(&common, center)?;
-        if !(radius > 0.0 && radius.is_finite()) {
-            return Err(Error::new(
-                ErrorKind::Scene,
-                "the radius is 0 or infinite once it is rounded",
-            )
-            .at(format!("{}.radius", common.place))
-            .value(sphere.radius * scale)
-            .remedy("give the scene another unit of length"));
+        check_radius(&common, sphere.radius * scale)?;
+        if radius == 0.0 {
+            return Err(Error::new(ErrorKind::Scene, "the radius is 0 once it is rounded")
+                .at(format!("{}.radius", common.place))
+                .value(sphere.radius * scale)
+                .remedy("give the scene another unit of length"));
         }
         let number = self.geometry.len() as u32;
         self.geometry.spheres.push((center.as_vec3(), radius));
@@ -298,6 +296,17 @@ fn check_point(common: &Common, point: DVec3) -> Result<()> {
         .at(format!("{}.transform", common.place))
         .value(format!("a coordinate of {:e}", point.abs().max_element()))
         .remedy(format!("keep coordinates within {MAX_COORDINATE:e}")))
+}
+
+/// A sphere that is larger has boxes of infinite area, which say nothing of a tree's cost.
+fn check_radius(common: &Common, radius: f64) -> Result<()> {
+    if radius <= f64::from(MAX_COORDINATE) {
+        return Ok(());
+    }
+    Err(Error::new(ErrorKind::Scene, "the transform makes the sphere too large")
+        .at(format!("{}.transform", common.place))
+        .value(format!("a radius of {radius:e}"))
+        .remedy(format!("keep it within {MAX_COORDINATE:e}")))
 }
 
 fn check_count(common: &Common, count: usize, what: &str) -> Result<()> {

@@ -380,3 +380,22 @@ fn limits_are_told_with_what_was_asked_for_and_what_is_allowed() {
         )
     );
 }
+
+/// As large as a radius in the file may be; the transform makes it larger.
+#[test]
+fn hc14_a_sphere_that_a_transform_makes_too_large_is_refused() {
+    let sphere = |scale: f64| {
+        with_mesh(json!({"type": "sphere", "center": [0, 0, 0], "radius": 1e12,
+                         "transform": {"scale": scale}, "material": matte(0.8, [1.0; 3])}))
+    };
+    assert_eq!(
+        told(&sphere(1e10), folder().path()),
+        (
+            ErrorKind::Scene,
+            "s.json: scene.shapes[0].transform: the transform makes the sphere too large, \
+             found a radius of 1e22; keep it within 1.0995116e12"
+                .to_owned()
+        )
+    );
+    render(&sphere(1.0), folder().path());
+}

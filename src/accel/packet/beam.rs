@@ -9,6 +9,7 @@ use crate::accel::tree::reach;
 use crate::kernels::precision::Arithmetic;
 use crate::kernels::slab::{Aabb, PADDING};
 use crate::math::float::{gamma, max, min};
+use crate::math::ray::FARTHEST_ORIGIN;
 use crate::math::simd::{LANES, Lanes};
 
 /// What bounds the rays seen so far.
@@ -63,6 +64,9 @@ impl<S: Lanes> Extents<S> {
             return None;
         }
         let farthest = max(greatest(ox), max(greatest(oy), greatest(oz)));
+        if farthest > FARTHEST_ORIGIN {
+            return None;
+        }
         let pad = if P::IS_FAST { 0.0 } else { max(PADDING * farthest, f32::MIN_POSITIVE) };
         let negative = [x[1] < 0.0, y[1] < 0.0, z[1] < 0.0];
         let has_one_origin = ox[0] == ox[1] && oy[0] == oy[1] && oz[0] == oz[1];

@@ -84,7 +84,29 @@ pub fn load(path: &Path) -> Result<LoadedMesh> {
         Format::Ply => ply::read(&file, length),
         Format::Obj => obj::read(&file, length),
     };
-    let (mesh, notes) = loaded.map_err(|error| error.in_file(path))?;
+    named(loaded, path)
+}
+
+/// As [`load`], of a file that holds `bytes`, no more than about `portion` of them at a time. What
+/// is read does not depend on `portion`: tests use it to have small inputs cut as large files are.
+///
+/// # Errors
+///
+/// As [`load`].
+#[doc(hidden)]
+pub fn load_bytes(path: &Path, bytes: &[u8], portion: usize) -> Result<LoadedMesh> {
+    let portion = portion.max(1);
+    let length = bytes.len() as u64;
+    let loaded = match Format::of(path)? {
+        Format::Ply => ply::read_from(bytes, length, portion),
+        Format::Obj => obj::read_from(bytes, length, portion, portion.div_ceil(4)),
+    };
+    named(loaded, path)
+}
+
+/// Names the file in what was read from it.
+fn named(read: Result<Read>, path: &Path) -> Result<LoadedMesh> {
+    let (mesh, notes) = read.map_err(|error| error.in_file(path))?;
     let warnings = notes.into_iter().map(|n| Warning::from_error(&n.in_file(path))).collect();
     Ok(LoadedMesh { mesh, warnings })
 }

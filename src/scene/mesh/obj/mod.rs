@@ -36,7 +36,7 @@ pub(super) fn read(file: &std::fs::File, length: u64) -> Result<Read> {
     read_from(file, length, BLOCK, PIECE)
 }
 
-fn read_from<F: ReadAt + ?Sized>(
+pub(super) fn read_from<F: ReadAt + ?Sized>(
     file: &F,
     length: u64,
     block: usize,

@@ -40,7 +40,7 @@ pub(super) fn read(file: &std::fs::File, length: u64) -> Result<Read> {
     read_from(file, length, BUFFER)
 }
 
-fn read_from<F: ReadAt + ?Sized>(file: &F, length: u64, buffer: usize) -> Result<Read> {
+pub(super) fn read_from<F: ReadAt + ?Sized>(file: &F, length: u64, buffer: usize) -> Result<Read> {
     let buffered = |place| BufReader::with_capacity(buffer, Section::new(file, place, length));
     let header = header::read(&mut buffered(0))?;
     let left = length.saturating_sub(header.bytes);

@@ -1,0 +1,129 @@
+//! What must hold for any bytes whatever. Each function takes an input, panics where something does
+//! not hold, and says whether the input was accepted. The fuzzers of `fuzz/` and the tests beside
+//! this file call the same ones.
+
+use std::path::{Path, PathBuf};
+use std::sync::LazyLock;
+
+use rayon::{ThreadPool, ThreadPoolBuilder};
+use wavecrest::accel::build::Preset;
+use wavecrest::accel::{Accel, Hit, KernelChoice};
+use wavecrest::math::ray::Ray;
+use wavecrest::math::simd::Level;
+use wavecrest::render::{RenderOptions, TracerKind, render};
+use wavecrest::scene::load::{LoadOptions, load_str};
+use wavecrest::scene::mesh::{self, LoadedMesh};
+use wavecrest::systems;
+
+use crate::rays::{Question, question};
+
+/// The most primitives, and rays, of a scene that is rendered.
+const MOST_PRIMITIVES: usize = 1000;
+const MOST_RAYS: u64 = 4000;
+
+/// The most mirror bounces.
+const MOST_BOUNCES: u32 = 3;
+
+/// One thread: to hand small inputs to others takes longer than to read them.
+fn alone<T: Send>(work: impl FnOnce() -> T + Send) -> T {
+    static POOL: LazyLock<ThreadPool> =
+        LazyLock::new(|| ThreadPoolBuilder::new().num_threads(1).build().expect("a thread"));
+    POOL.install(work)
+}
+
+/// A folder with a mesh and a texture that scenes can name.
+fn files() -> PathBuf {
+    let within = "tests/fuzz/files";
+    let folders = Path::new(env!("CARGO_MANIFEST_DIR")).ancestors().map(|f| f.join(within));
+    folders.filter(|folder| folder.is_dir()).last().expect("the repository has these files")
+}
+
+/// A scene in JSON is refused in words, or it can be rendered: to one image, by either tracer, of
+/// which every pixel is a number.
+pub(crate) fn scene(bytes: &[u8]) -> bool {
+    alone(|| is_scene(bytes))
+}
+
+fn is_scene(bytes: &[u8]) -> bool {
+    let Ok(text) = std::str::from_utf8(bytes) else { return false };
+    let options = LoadOptions { width: Some(5), height: Some(4), ..LoadOptions::default() };
+    let Ok(mut loaded) = load_str(text, &files().join("scene.json"), &options) else {
+        return false;
+    };
+    let Ok(extracted) = systems::extract(&mut loaded.world) else { return false };
+    let rays = extracted.expected_rays();
+    if extracted.geometry().len() > MOST_PRIMITIVES || rays > MOST_RAYS {
+        return true;
+    }
+    let mut scene = extracted.build(Preset::Medium);
+    scene.bounces = scene.bounces.min(MOST_BOUNCES);
+    let film = |tracer| {
+        let options = RenderOptions { tracer, ..RenderOptions::default() };
+        render(&scene, &options, &|_, _| {}).expect("the whole of a small image").film
+    };
+    let (wavefront, recursive) = (film(TracerKind::Wavefront), film(TracerKind::Recursive));
+    assert!(!wavefront.pixels().as_flattened().iter().any(|x| x.is_nan()), "a pixel is no number");
+    assert!(wavefront.same_bits(&recursive), "the tracers differ");
+    true
+}
+
+/// A PLY file is refused in words, or it is a sound mesh.
+pub(crate) fn ply(bytes: &[u8]) -> bool {
+    alone(|| is_mesh("mesh.ply", bytes))
+}
+
+/// An OBJ file is refused in words, or it is a sound mesh.
+pub(crate) fn obj(bytes: &[u8]) -> bool {
+    alone(|| is_mesh("mesh.obj", bytes))
+}
+
+/// What is read is sound, and does not depend on how much of the file is read at a time.
+fn is_mesh(name: &str, bytes: &[u8]) -> bool {
+    let path = Path::new(name);
+    let told = |portion| mesh::load_bytes(path, bytes, portion).map_err(|e| e.to_string());
+    let whole = told(1 << 14);
+    if let Ok(LoadedMesh { mesh, .. }) = &whole {
+        assert!(mesh::validate(mesh, path).is_ok(), "a mesh was read that is not sound");
+    }
+    for portion in [64, 200, 1000] {
+        assert_eq!(whole, told(portion), "read in portions of {portion}");
+    }
+    whole.is_ok()
+}
+
+/// A mesh of any bits is refused, or a tree is built in which rays of any bits find what brute force
+/// finds, with every kernel and all instructions.
+pub(crate) fn accel(bytes: &[u8]) -> bool {
+    alone(|| is_answered(bytes))
+}
+
+fn is_answered(bytes: &[u8]) -> bool {
+    let Some(Question { geometry, rays, preset }) = question(bytes) else { return false };
+    let brute = Accel::new(geometry.clone(), Preset::Brute);
+    let expected = answers(&brute, &rays);
+    let mut accel = Accel::new(geometry, preset);
+    let levels = if cfg!(fuzzing) { vec![Level::best()] } else { Level::available() };
+    for level in levels {
+        accel.level = level.token().expect("it is available");
+        for kernel in KernelChoice::ALL {
+            accel.kernel = kernel;
+            let found = answers(&accel, &rays);
+            for (i, ray) in rays.iter().enumerate() {
+                let (found, expected) = (found(i), expected(i));
+                let place = (preset, level, kernel);
+                assert!(found == expected, "{place:?}, {ray:?}: {found:?} and not {expected:?}");
+            }
+        }
+    }
+    true
+}
+
+/// The closest hits and whether rays are occluded, by the number of the ray. A t is compared by
+/// its bits.
+fn answers(accel: &Accel, rays: &[Ray]) -> impl Fn(usize) -> (u32, u32, bool) + use<> {
+    let mut traversal = accel.traversal();
+    let (mut hits, mut occluded) = (vec![Hit::MISS; rays.len()], vec![false; rays.len()]);
+    accel.closest_of(rays, &mut hits, &mut traversal);
+    accel.occluded_of(rays, &mut occluded, &mut traversal);
+    move |i| (hits[i].t.to_bits(), hits[i].primitive, occluded[i])
+}

@@ -1,0 +1,33 @@
+//! Rational numbers, of which none is rounded.
+
+use glam::Vec3;
+use num_rational::BigRational;
+use num_traits::ToPrimitive;
+
+pub(crate) type Exact = BigRational;
+
+/// The number that `x` is, which must be finite.
+pub(crate) fn exact(x: f32) -> Exact {
+    Exact::from_float(x).expect("it is finite")
+}
+
+pub(crate) fn exact3(v: Vec3) -> [Exact; 3] {
+    v.to_array().map(exact)
+}
+
+/// Rounded once.
+pub(crate) fn rounded(x: &Exact) -> f64 {
+    x.to_f64().expect("every rational number is near some")
+}
+
+pub(crate) fn minus([ax, ay, az]: &[Exact; 3], [bx, by, bz]: &[Exact; 3]) -> [Exact; 3] {
+    [ax - bx, ay - by, az - bz]
+}
+
+pub(crate) fn dot([ax, ay, az]: &[Exact; 3], [bx, by, bz]: &[Exact; 3]) -> Exact {
+    ax * bx + ay * by + az * bz
+}
+
+pub(crate) fn cross([ax, ay, az]: &[Exact; 3], [bx, by, bz]: &[Exact; 3]) -> [Exact; 3] {
+    [ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx]
+}

@@ -1,0 +1,49 @@
+//! What the kernels claim, tried with numbers of every size. A failure is made as small as it can be
+//! and told. References are exact, or in double precision, and share no code with what is tried.
+//!
+//! `PROPTEST_CASES=100000 cargo test --release --test properties` tries more, and
+//! `PROPTEST_RNG_SEED=2` others.
+
+#![allow(
+    clippy::expect_used,
+    reason = "helpers of tests fail as tests do; clippy knows only the test functions themselves"
+)]
+
+// Numbers, vectors and rays to try, and exact arithmetic.
+mod exact;
+mod inputs;
+
+// The ray-triangle test and the exact orientation.
+mod triangle;
+
+// The slab test loses nothing.
+mod slab;
+
+// Where rays meet spheres.
+mod sphere;
+
+// Moved origins leave the surface behind.
+mod offsets;
+
+// Random numbers, and the maps to shapes.
+mod numbers;
+
+// Texture look-ups.
+mod texture;
+
+// Neither the order of triangles and rays nor the octant decides.
+mod order;
+
+use proptest::test_runner::{Config, RngSeed};
+
+/// Tries the same inputs in every run, unless somebody asks for others.
+fn config() -> Config {
+    let default = Config::default();
+    let rng_seed = match default.rng_seed {
+        RngSeed::Random => RngSeed::Fixed(1),
+        fixed => fixed,
+    };
+    let asked = std::env::var_os("PROPTEST_CASES").is_some();
+    let cases = if asked { default.cases } else { 2000 };
+    Config { rng_seed, cases, failure_persistence: None, ..default }
+}

@@ -1,0 +1,93 @@
+use glam::Vec2;
+use proptest::prelude::*;
+use wavecrest::math::random::{Stream, philox_4x32_10, unit_interval};
+use wavecrest::math::sampling::{Sampling, disk, sphere, triangle};
+
+/// A number in \[0, 1), as streams give them; often the first or the last.
+fn fraction() -> impl Strategy<Value = f32> {
+    prop_oneof![any::<u32>(), Just(0), Just(u32::MAX)].prop_map(unit_interval)
+}
+
+fn square() -> impl Strategy<Value = Vec2> {
+    (fraction(), fraction()).prop_map(Vec2::from)
+}
+
+proptest! {
+    #![proptest_config(crate::config())]
+
+    #[test]
+    fn uniform_numbers_are_from_0_up_to_1(
+        seed: u64, pixel: u32, sample: u32, bounce: u32, dimension: u32,
+    ) {
+        for x in (Stream { seed, pixel, sample, bounce }).uniform(dimension) {
+            prop_assert!((0.0..1.0).contains(&x), "{}", x);
+            let steps = f64::from(x) * f64::from(1 << 24);
+            prop_assert_eq!(steps, steps.floor());
+        }
+    }
+
+    /// Philox can be undone, round by round: no two counters share their words.
+    #[test]
+    fn no_two_places_share_their_words(counter: [u32; 4], key: [u32; 2]) {
+        prop_assert_eq!(undone(philox_4x32_10(counter, key), key), counter);
+    }
+
+    #[test]
+    fn a_jittered_point_is_in_its_own_cell(
+        index: u32, columns in 1_u32..4096, rows in 1_u32..4096, random in [fraction(), fraction()],
+    ) {
+        let index = index % (columns * rows);
+        let p = Sampling::Jittered.point(index, columns, rows, random).as_dvec2();
+        let (column, row) = (f64::from(index % columns), f64::from(index / columns));
+        // Sum and quotient are rounded once each, relative to the result.
+        let (w, h, u) = (f64::from(columns), f64::from(rows), f64::from(f32::EPSILON));
+        prop_assert!(p.x >= column / w * (1.0 - u) && p.x <= (column + 1.0) / w * (1.0 + u));
+        prop_assert!(p.y >= row / h * (1.0 - u) && p.y <= (row + 1.0) / h * (1.0 + u));
+        prop_assert!(p.max_element() < 1.0);
+    }
+
+    /// Sine, cosine, root and products are off by a few roundings.
+    #[test]
+    fn maps_stay_on_their_shapes(square in square()) {
+        let u = f64::from(f32::EPSILON);
+        let on_disk = disk(square).as_dvec2();
+        prop_assert!(on_disk.length() <= 1.0 + 4.0 * u, "{}", on_disk);
+        let on_sphere = sphere(square).as_dvec3();
+        prop_assert!((on_sphere.length() - 1.0).abs() <= 4.0 * u, "{}", on_sphere);
+        let in_triangle = triangle(square);
+        prop_assert!(in_triangle.min_element() >= 0.0, "{}", in_triangle);
+        prop_assert!(in_triangle.as_dvec2().element_sum() <= 1.0 + 2.0 * u, "{}", in_triangle);
+    }
+
+    /// The share of the area within is what was asked for.
+    #[test]
+    fn maps_keep_area_everywhere(square in square()) {
+        let u = f64::from(f32::EPSILON);
+        let share = disk(square).as_dvec2().length_squared();
+        prop_assert!((share - f64::from(square.y)).abs() <= 8.0 * u, "{}", share);
+        let share = 0.5 * (f64::from(sphere(square).y) + 1.0);
+        prop_assert!((share - f64::from(square.y)).abs() <= 8.0 * u, "{}", share);
+        let sum = triangle(square).as_dvec2().element_sum();
+        prop_assert!((sum * sum - f64::from(square.x)).abs() <= 8.0 * u, "{}", sum);
+    }
+}
+
+/// The counter whose words these are.
+fn undone(mut words: [u32; 4], key: [u32; 2]) -> [u32; 4] {
+    const MULTIPLIER: [u32; 2] = [0xD251_1F53, 0xCD9E_8D57];
+    const WEYL: [u32; 2] = [0x9E37_79B9, 0xBB67_AE85];
+    let inverse = MULTIPLIER.map(|m| {
+        // Newton's method in the ring of words: each step doubles the bits that are right.
+        (0..5).fold(m, |x: u32, _| x.wrapping_mul(2_u32.wrapping_sub(m.wrapping_mul(x))))
+    });
+    for round in (0..10_u32).rev() {
+        let keys = [0, 1].map(|i| key[i].wrapping_add(WEYL[i].wrapping_mul(round)));
+        let [w0, w1, w2, w3] = words;
+        let (c0, c2) = (w3.wrapping_mul(inverse[0]), w1.wrapping_mul(inverse[1]));
+        let high = |m: u32, c: u32| ((u64::from(m) * u64::from(c)) >> 32) as u32;
+        let (c1, c3) =
+            (w0 ^ high(MULTIPLIER[1], c2) ^ keys[0], w2 ^ high(MULTIPLIER[0], c0) ^ keys[1]);
+        words = [c0, c1, c2, c3];
+    }
+    words
+}

@@ -1,0 +1,93 @@
+use glam::{Vec2, Vec3};
+use proptest::prelude::*;
+use wavecrest::kernels::texture::{Filter, Image, Texels, Wrap, sphere_uv};
+
+use crate::inputs::unit;
+
+fn image() -> impl Strategy<Value = Image> {
+    (1_u32..9, 1_u32..9).prop_flat_map(|(width, height)| {
+        let count = (width * height) as usize;
+        let bytes = prop::collection::vec(any::<[u8; 4]>(), count).prop_map(Texels::Bytes);
+        let floats = prop::collection::vec(prop::array::uniform3(-10.0_f32..10.0), count)
+            .prop_map(Texels::Floats);
+        prop_oneof![bytes, floats].prop_map(move |texels| Image { width, height, texels })
+    })
+}
+
+fn texels(image: &Image) -> Vec<Vec3> {
+    match &image.texels {
+        Texels::Bytes(texels) => texels
+            .iter()
+            .map(|&[r, g, b, _]| Vec3::new(f32::from(r), f32::from(g), f32::from(b)) / 255.0)
+            .collect(),
+        Texels::Floats(texels) => texels.iter().map(|&t| Vec3::from(t)).collect(),
+    }
+}
+
+/// Any bits.
+fn bits() -> impl Strategy<Value = f32> {
+    any::<u32>().prop_map(f32::from_bits)
+}
+
+fn coordinate() -> impl Strategy<Value = f32> {
+    prop_oneof![
+        bits(),
+        -2.0_f32..2.0,
+        (-40_i32..=40).prop_map(|x| x as f32 / 8.0),
+        prop_oneof![Just(f32::NAN), Just(f32::INFINITY), Just(-1e-30), Just(0.999_999_94)],
+    ]
+}
+
+fn wrap() -> impl Strategy<Value = Wrap> {
+    prop_oneof![Just(Wrap::Repeat), Just(Wrap::Clamp)]
+}
+
+proptest! {
+    #![proptest_config(crate::config())]
+
+    /// Of whatever bits the coordinates are, the colour is one of the texels', or between them.
+    #[test]
+    fn colours_are_among_the_texels(
+        image in image(), uv in (coordinate(), coordinate()), wrap in wrap(),
+    ) {
+        let (uv, texels) = (Vec2::from(uv), texels(&image));
+        let nearest = image.look_up(uv, Filter::Nearest, wrap);
+        prop_assert!(texels.contains(&nearest), "{}", nearest);
+        let between = image.look_up(uv, Filter::Bilinear, wrap);
+        let low = texels.iter().copied().reduce(Vec3::min).expect("there is a texel");
+        let high = texels.iter().copied().reduce(Vec3::max).expect("there is a texel");
+        // Three interpolations, of a few roundings each.
+        let room = 8.0 * f32::EPSILON * low.abs().max(high.abs());
+        let inside = between.cmpge(low - room).all() && between.cmple(high + room).all();
+        prop_assert!(inside, "{} of {} to {}", between, low, high);
+    }
+
+    /// A repeated image looks the same one image farther on. Eighths are exact.
+    #[test]
+    fn a_repeated_image_repeats(
+        image in image(), eighths in (1_i32..8, 1_i32..8), images in (-50_i32..50, -50_i32..50),
+    ) {
+        let uv = Vec2::new(eighths.0 as f32, eighths.1 as f32) / 8.0;
+        let farther = uv + Vec2::new(images.0 as f32, images.1 as f32);
+        for filter in [Filter::Nearest, Filter::Bilinear] {
+            let [here, there] = [uv, farther].map(|uv| image.look_up(uv, filter, Wrap::Repeat));
+            prop_assert_eq!(here, there);
+        }
+    }
+
+    #[test]
+    fn a_clamped_image_goes_on_with_its_edge(image in image(), uv in (1.0_f32..1e30, -1e30_f32..0.0)) {
+        for filter in [Filter::Nearest, Filter::Bilinear] {
+            let beyond = image.look_up(Vec2::from(uv), filter, Wrap::Clamp);
+            let corner = image.look_up(Vec2::new(1.0, 0.0), filter, Wrap::Clamp);
+            prop_assert_eq!(beyond, corner);
+        }
+    }
+
+    #[test]
+    fn coordinates_of_a_sphere_are_from_0_to_1(normal in unit()) {
+        let uv = sphere_uv(normal);
+        let bound = 1.0 + f32::EPSILON;
+        prop_assert!(uv.min_element() >= -f32::EPSILON && uv.max_element() <= bound, "{}", uv);
+    }
+}
