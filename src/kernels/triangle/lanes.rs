@@ -55,10 +55,6 @@ impl ShearedSpace {
             [simd.permute(x, c), simd.permute(y, c)],
         ];
         let (edges, candidates) = edges(xy, used);
-        // Most leaves are visited in vain, and so this is easily foretold.
-        if candidates == 0 {
-            return LaneHits::default();
-        }
         let z = z * self.shear[2];
         let z = [simd.permute(z, a), simd.permute(z, b), simd.permute(z, c)];
         self.intersect_lanes(simd, xy, z, edges, candidates)
