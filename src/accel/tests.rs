@@ -4,6 +4,7 @@ use glam::Vec3;
 
 use super::*;
 use crate::math::random::Stream;
+use crate::math::ray::FARTHEST_ORIGIN;
 use crate::math::simd::Level;
 
 /// Numbers one after the other.
@@ -306,13 +307,15 @@ fn fast_hits_are_nearly_the_robust_ones_in_every_way() {
 fn hc26_rays_from_the_farthest_places_there_are_come_to_an_end() {
     let mut numbers = Numbers(70_000);
     let geometry = cloud(&mut numbers, 1.0);
-    let far = f32::MAX;
-    let rays: Vec<Ray> = (0..300)
+    let (far, farthest) = (f32::MAX, FARTHEST_ORIGIN);
+    let rays: Vec<Ray> = (0..600)
         .map(|i| {
-            let mut any = || [far, -far, 16.0, 0.7 * far][numbers.below(4)];
+            // Half of them start where rays just may.
+            let most = if i % 2 == 0 { far } else { farthest };
+            let mut any = || [most, -most, 16.0, 0.7 * most][numbers.below(4)];
             let mut origin = Vec3::new(any(), any(), any());
-            origin[i % 3] = far;
-            let direction = if i % 2 == 0 { -origin } else { numbers.vector() - origin };
+            origin[i % 3] = most;
+            let direction = if i % 4 < 2 { -origin } else { numbers.vector() - origin };
             Ray::new(origin, direction)
         })
         .collect();
