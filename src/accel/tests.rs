@@ -312,7 +312,7 @@ fn hc26_rays_from_the_farthest_places_there_are_come_to_an_end() {
             let mut any = || [most, -most, 16.0, 0.7 * most][numbers.below(4)];
             let mut origin = Vec3::new(any(), any(), any());
             origin[i % 3] = most;
-            let direction = if i % 2 == 0 { -origin } else { numbers.vector() - origin };
+            let direction = if i.is_multiple_of(2) { -origin } else { numbers.vector() - origin };
             Ray::new(origin, direction)
         };
         (0..300).map(&mut ray).collect()
