@@ -9,11 +9,15 @@ use glam::{DVec3, Vec2, Vec3};
 use crate::math::float::{dot, normalize, normalize_f64};
 use crate::math::random::Stream;
 use crate::math::ray::Ray;
-use crate::math::sampling::{self, Sampling};
+use crate::math::sampling::{self, Points, Sampling};
 
 /// The dimension of [`Stream`] whose four numbers a camera ray may draw: two for its place in the
 /// pixel, two for its place on the lens.
 pub const DIMENSION: u32 = 0;
+
+/// The dimension that scrambles the Sobol points of the lens, as [`DIMENSION`] does those of the pixel. It
+/// is no light's.
+const LENS_DIMENSION: u32 = u32::MAX;
 
 /// The side of the image across which the angle of view is measured.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -72,13 +76,20 @@ pub struct Camera {
     size: [u32; 2],
     /// Side of the grid of rays within a pixel; 1 is its centre.
     antialias: u32,
+    /// How places within a pixel are chosen.
+    sampling: Sampling,
     lens: Option<Lens>,
 }
 
 impl Camera {
-    /// The camera at `placement`, with `antialias` squared rays through each pixel (1: its centre)
-    /// for each point of the `lens`.
-    pub fn new(placement: &Placement, antialias: u32, lens: Option<Lens>) -> Self {
+    /// The camera at `placement`, with `antialias` squared rays through each pixel (1: its centre), which
+    /// `sampling` spreads, for each point of the `lens`.
+    pub fn new(
+        placement: &Placement,
+        antialias: u32,
+        sampling: Sampling,
+        lens: Option<Lens>,
+    ) -> Self {
         let forward = normalize_f64(placement.look - placement.location);
         let right = normalize_f64(forward.cross(placement.up));
         let up = right.cross(forward);
@@ -91,6 +102,7 @@ impl Camera {
             half: [(right * half[0]).as_vec3(), (up * half[1]).as_vec3()],
             size: placement.size,
             antialias,
+            sampling,
             lens,
         }
     }
@@ -110,6 +122,23 @@ impl Camera {
         self.antialias * self.antialias * self.lens_points()
     }
 
+    /// The camera with other points in the pixel and on the lens, where any are given.
+    pub fn resampled(&self, pixel: Option<Points>, lens: Option<Points>) -> Self {
+        let mut camera = *self;
+        if let Some(points) = pixel {
+            (camera.antialias, camera.sampling) = (points.side, points.sampling);
+        }
+        if let (Some(points), Some(lens)) = (lens, &mut camera.lens) {
+            (lens.sampling, lens.grid) = (points.sampling, [points.side; 2]);
+        }
+        camera
+    }
+
+    /// Side of the grid of rays within a pixel.
+    pub fn antialias(&self) -> u32 {
+        self.antialias
+    }
+
     /// Whether a ray draws random numbers for its place on the lens.
     pub fn has_lens(&self) -> bool {
         self.lens.is_some()
@@ -126,21 +155,27 @@ impl Camera {
             return Ray::new(self.origin, self.direction(x, y, Vec2::splat(0.5)));
         }
         let random = stream.uniform(DIMENSION);
-        let place = self.place_in_pixel(stream.sample / self.lens_points(), [random[0], random[1]]);
+        let place = self.place_in_pixel(stream, || [random[0], random[1]]);
         let direction = self.direction(x, y, place);
         match &self.lens {
             None => Ray::new(self.origin, direction),
             Some(lens) => {
-                let index = stream.sample % self.lens_points();
-                self.through_lens(lens, direction, index, [random[2], random[3]])
+                let index = (stream.sample % self.lens_points(), stream.sample);
+                let random = || [random[2], random[3]];
+                let scramble = || stream.scramble(LENS_DIMENSION);
+                let square = lens.sampling.point(index, lens.grid, random, scramble);
+                self.through_lens(lens, direction, square)
             }
         }
     }
 
-    fn place_in_pixel(&self, index: u32, random: [f32; 2]) -> Vec2 {
+    fn place_in_pixel(&self, stream: &Stream, random: impl FnOnce() -> [f32; 2]) -> Vec2 {
         match self.antialias {
             1 => Vec2::splat(0.5),
-            n => Sampling::Jittered.point(index, n, n, random),
+            n => {
+                let index = (stream.sample / self.lens_points(), stream.sample);
+                self.sampling.point(index, [n, n], random, || stream.scramble(DIMENSION))
+            }
         }
     }
 
@@ -151,9 +186,8 @@ impl Camera {
         normalize(self.forward + self.half[0] * s + self.half[1] * t)
     }
 
-    /// The ray from a point of the lens to where the ray through its centre is in focus.
-    fn through_lens(&self, lens: &Lens, direction: Vec3, index: u32, random: [f32; 2]) -> Ray {
-        let square = lens.sampling.point(index, lens.grid[0], lens.grid[1], random);
+    /// The ray from the point `square` of the lens to where the ray through its centre is in focus.
+    fn through_lens(&self, lens: &Lens, direction: Vec3, square: Vec2) -> Ray {
         let disk = sampling::disk(square) * lens.radius;
         let offset = self.right * disk.x + self.up * disk.y;
         let focus = direction * (lens.focal / dot(direction, self.forward));
@@ -199,7 +233,7 @@ mod tests {
 
     #[test]
     fn the_image_is_upright_and_unmirrored() {
-        let camera = Camera::new(&placement([4, 2]), 1, None);
+        let camera = Camera::new(&placement([4, 2]), 1, Sampling::Jittered, None);
         let corner = camera.ray(0, 0, &stream(0)).direction;
         assert!(corner.x < 0.0 && corner.y > 0.0 && corner.z < 0.0, "{corner}");
         // The angle spans the shorter side: its edge pixels are centred at half of tan 45 degrees.
@@ -211,7 +245,7 @@ mod tests {
     #[test]
     fn every_lens_ray_meets_the_plane_in_focus_at_one_point() {
         let lens = Lens { radius: 0.5, focal: 3.0, sampling: Sampling::Jittered, grid: [4, 4] };
-        let camera = Camera::new(&placement([64, 48]), 1, Some(lens));
+        let camera = Camera::new(&placement([64, 48]), 1, Sampling::Jittered, Some(lens));
         let focus = |sample| {
             let ray = camera.ray(50, 7, &stream(sample));
             ray.origin + ray.direction * ((2.0 - ray.origin.z) / ray.direction.z)
@@ -222,13 +256,38 @@ mod tests {
     }
 
     #[test]
-    fn jittered_rays_stay_in_their_pixel() {
-        let camera = Camera::new(&placement([8, 8]), 3, None);
-        for sample in 0..9 {
-            let d = camera.ray(2, 5, &stream(sample)).direction;
-            let column = (d.x / -d.z + 1.0) * 4.0;
-            let row = (1.0 - d.y / -d.z) * 4.0;
-            assert!((2.0..=3.0).contains(&column) && (5.0..=6.0).contains(&row), "{column} {row}");
+    fn rays_stay_in_their_pixel_and_jittered_ones_in_their_cell() {
+        for sampling in Sampling::ALL {
+            let camera = Camera::new(&placement([8, 8]), 4, sampling, None);
+            let mut cells = [0; 16];
+            for sample in 0..16 {
+                let d = camera.ray(2, 5, &stream(sample)).direction;
+                let column = (d.x / -d.z + 1.0) * 4.0;
+                let row = (1.0 - d.y / -d.z) * 4.0;
+                assert!(
+                    (2.0..3.0).contains(&column) && (5.0..6.0).contains(&row),
+                    "{column} {row}"
+                );
+                cells[((row - 5.0) * 4.0) as usize * 4 + ((column - 2.0) * 4.0) as usize] += 1;
+            }
+            let is_even = cells.iter().all(|&n| n == 1);
+            assert_eq!(is_even, sampling != Sampling::Random, "{cells:?}");
+        }
+    }
+
+    /// Places in the pixel and on the lens, 16 of each: both have one in each cell, in unrelated order.
+    #[test]
+    fn sobol_points_are_even_in_the_pixel_and_on_the_lens() {
+        let lens = Lens { radius: 0.5, focal: 3.0, sampling: Sampling::Sobol, grid: [2, 2] };
+        let camera = Camera::new(&placement([8, 8]), 2, Sampling::Sobol, Some(lens));
+        let quadrants: Vec<[bool; 2]> = (0..16)
+            .map(|sample| {
+                let offset = camera.ray(0, 0, &stream(sample)).origin - camera.origin;
+                [offset.x > 0.0, offset.y > 0.0]
+            })
+            .collect();
+        for quadrant in [[false, false], [false, true], [true, false], [true, true]] {
+            assert_eq!(quadrants.iter().filter(|&&q| q == quadrant).count(), 4, "{quadrants:?}");
         }
     }
 }

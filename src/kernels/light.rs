@@ -149,8 +149,14 @@ impl Light {
     /// Where its `index`th point is in the unit square.
     #[inline]
     fn square(&self, index: u32, stream: &Stream) -> Vec2 {
-        let [u, v, ..] = stream.uniform(self.dimension + index);
-        self.sampling.point(index, self.grid[0], self.grid[1], [u, v])
+        let random = || {
+            let [u, v, ..] = stream.uniform(self.dimension + index);
+            [u, v]
+        };
+        // All samples of the pixel share one sequence, so that few points a sample do as well as many.
+        let number = stream.sample.wrapping_mul(self.samples()).wrapping_add(index);
+        let scramble = || stream.scramble(self.dimension);
+        self.sampling.point((index, number), self.grid, random, scramble)
     }
 
     /// Its `index`th point.
@@ -203,7 +209,7 @@ mod tests {
             [Vec3::ZERO, Vec3::X * 3.0, Vec3::Y],
             [Vec3::X * 3.0, Vec3::new(3.0, 1.0 / 3.0, 0.0), Vec3::Y],
         ];
-        for sampling in [Sampling::Random, Sampling::Jittered] {
+        for sampling in Sampling::ALL {
             let emitter = Emitter::Triangles(Triangles::new(corners.clone()).expect("area"));
             let all = points(&area_light(emitter, sampling, [8, 8]), 200);
             let first = all.iter().filter(|p| p.x / 3.0 + p.y < 1.0).count() as f64;

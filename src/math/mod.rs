@@ -7,3 +7,4 @@ pub mod random;
 pub mod ray;
 pub mod sampling;
 pub mod simd;
+pub mod sobol;

@@ -36,6 +36,14 @@ impl Stream {
         self.words(dimension).map(unit_interval)
     }
 
+    /// The numbers that scramble a set of points which all samples of the pixel and bounce share: those of
+    /// a sample that no camera ray has.
+    #[inline]
+    pub fn scramble(&self, dimension: u32) -> [u32; 3] {
+        let [a, b, c, _] = Self { sample: u32::MAX, ..*self }.words(dimension);
+        [a, b, c]
+    }
+
     /// A generator for the `rand` crate: the words from `dimension` on, one after the other.
     pub fn generator(self, dimension: u32) -> Generator {
         Generator { stream: self, dimension, words: [0; 4], used: 4 }

@@ -5,6 +5,8 @@ use std::f32::consts::TAU;
 
 use glam::{Vec2, Vec3};
 
+use super::sobol;
+
 /// How a set of sample points is spread over the unit square.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Sampling {
@@ -12,20 +14,61 @@ pub enum Sampling {
     Random,
     /// One point in each cell of a grid, anywhere in the cell.
     Jittered,
+    /// The points of a scrambled Sobol sequence: see [`super::sobol`].
+    Sobol,
 }
 
 impl Sampling {
-    /// The `index`th point of a set of `columns` times `rows`, given two random numbers in
-    /// \[0, 1). Both results are in \[0, 1).
-    #[inline]
-    pub fn point(self, index: u32, columns: u32, rows: u32, random: [f32; 2]) -> Vec2 {
+    /// Every way, in the order in which they came to be.
+    pub const ALL: [Self; 3] = [Self::Random, Self::Jittered, Self::Sobol];
+
+    /// What scene files call it.
+    pub fn name(self) -> &'static str {
         match self {
-            Self::Random => Vec2::from(random),
-            Self::Jittered => {
-                let (column, row) = (index % columns, index / columns);
-                Vec2::new(cell(column, columns, random[0]), cell(row, rows, random[1]))
-            }
+            Self::Random => "random",
+            Self::Jittered => "jittered",
+            Self::Sobol => "sobol",
         }
+    }
+
+    /// The point number `index.0` of the `columns` times `rows` that `stream` has at `dimension`. Both
+    /// coordinates are in \[0, 1).
+    ///
+    /// Random and jittered points draw the two numbers `random` of the stream. Sobol points of all
+    /// samples of a pixel are one sequence: `index.1` is the point's number in it.
+    #[inline]
+    pub fn point(
+        self,
+        index: (u32, u32),
+        [columns, rows]: [u32; 2],
+        random: impl FnOnce() -> [f32; 2],
+        seeds: impl FnOnce() -> [u32; 3],
+    ) -> Vec2 {
+        match self {
+            Self::Random => Vec2::from(random()),
+            Self::Jittered => {
+                let (column, row) = (index.0 % columns, index.0 / columns);
+                let [x, y] = random();
+                Vec2::new(cell(column, columns, x), cell(row, rows, y))
+            }
+            Self::Sobol => sobol::point(index.1, seeds()),
+        }
+    }
+}
+
+/// A set of points: so many along each side of a square grid, spread so.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Points {
+    /// How they are spread.
+    pub sampling: Sampling,
+    /// Its square is their number, whether there is a grid or not.
+    pub side: u32,
+}
+
+impl Points {
+    /// Their number.
+    pub fn count(self) -> u32 {
+        self.side * self.side
     }
 }
 
@@ -69,7 +112,7 @@ mod tests {
     fn jittered_points_fill_every_cell_once() {
         let mut seen = [false; 12];
         for index in 0..12 {
-            let p = Sampling::Jittered.point(index, 4, 3, [0.999, 0.0]);
+            let p = Sampling::Jittered.point((index, 0), [4, 3], || [0.999, 0.0], || [0; 3]);
             assert!(p.x < 1.0 && p.y < 1.0);
             let cell = (p.y * 3.0 + 0.5) as usize * 4 + (p.x * 4.0) as usize;
             assert!(!std::mem::replace(&mut seen[cell], true), "cell {cell} twice");

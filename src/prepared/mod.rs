@@ -1,12 +1,14 @@
 //! The scene as the tracers see it: dense arrays, a tree and a plan, immutable while rendering.
 
 mod arrival;
+mod resample;
 
 use std::ops::Range;
 
 use glam::{DVec3, Mat3, Vec2, Vec3};
 
 pub use arrival::Arrival;
+pub use resample::{Original, Samples};
 
 use crate::accel::Accel;
 use crate::kernels::blinn_phong::Material;

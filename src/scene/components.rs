@@ -161,7 +161,7 @@ pub struct AreaLight {
     pub falloff: Falloff,
     /// How points are chosen on it.
     pub sampling: Sampling,
-    /// Number of points: all of them (random), or along each side of a square grid (jittered).
+    /// Number of points: all of them (random, sobol), or along each side of a square grid (jittered).
     pub samples: u32,
 }
 
@@ -182,8 +182,10 @@ pub struct View {
     pub width: u32,
     /// Height of the image in pixels.
     pub height: u32,
-    /// Side of the grid of jittered rays in each pixel; 1 is a single ray through the centre.
+    /// Side of the grid of rays in each pixel; 1 is a single ray through the centre.
     pub antialias: u32,
+    /// How rays are spread over a pixel.
+    pub sampling: Sampling,
 }
 
 pub use crate::kernels::camera::FovAxis;

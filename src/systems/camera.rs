@@ -26,5 +26,5 @@ pub fn run(world: &World, origin: DVec3) -> Result<Camera> {
         sampling: l.sampling,
         grid: [l.samples_x, l.samples_y],
     });
-    Ok(Camera::new(&placement, view.antialias, lens))
+    Ok(Camera::new(&placement, view.antialias, view.sampling, lens))
 }

@@ -72,7 +72,7 @@ fn point_light(light: &PointLight, origin: DVec3) -> Light {
 
 fn area_light(light: &AreaLight, emitter: Emitter) -> Light {
     let grid = match light.sampling {
-        Sampling::Random => [light.samples, 1],
+        Sampling::Random | Sampling::Sobol => [light.samples, 1],
         Sampling::Jittered => [light.samples, light.samples],
     };
     let power = power(light.intensity, light.color);

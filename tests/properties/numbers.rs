@@ -37,7 +37,7 @@ proptest! {
         index: u32, columns in 1_u32..4096, rows in 1_u32..4096, random in [fraction(), fraction()],
     ) {
         let index = index % (columns * rows);
-        let p = Sampling::Jittered.point(index, columns, rows, random).as_dvec2();
+        let p = Sampling::Jittered.point((index, 0), [columns, rows], || random, || [0; 3]).as_dvec2();
         let (column, row) = (f64::from(index % columns), f64::from(index / columns));
         // Sum and quotient are rounded once each, relative to the result.
         let (w, h, u) = (f64::from(columns), f64::from(rows), f64::from(f32::EPSILON));

@@ -23,8 +23,10 @@ impl Camera {
         if self.antialias == 1 {
             return Vec2::splat(0.5);
         }
-        let [u, v, ..] = stream.uniform(DIMENSION);
-        self.place_in_pixel(stream.sample, [u, v])
+        self.place_in_pixel(stream, || {
+            let [u, v, ..] = stream.uniform(DIMENSION);
+            [u, v]
+        })
     }
 
     /// The directions, of unit length, through the places (`x`, `y`) of the image in pixels.

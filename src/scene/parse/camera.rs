@@ -11,7 +11,7 @@ use crate::scene::schema::Camera;
 
 use super::light::SAMPLINGS;
 
-const KEYS: [&str; 12] = [
+const KEYS: [&str; 13] = [
     "type",
     "width",
     "height",
@@ -24,8 +24,9 @@ const KEYS: [&str; 12] = [
     "up",
     "fovaxis",
     "antialias",
+    "sampling",
 ];
-const LENS_KEYS: [&str; 5] = ["aperture", "focal", "sampling", "nsamplesx", "nsamplesy"];
+const LENS_KEYS: [&str; 4] = ["aperture", "focal", "nsamplesx", "nsamplesy"];
 
 /// Greatest width and height of the image.
 const LONGEST_SIDE: u32 = 65_536;
@@ -61,7 +62,11 @@ pub(super) fn camera(cursor: &Cursor<'_>, options: &LoadOptions) -> Result<Camer
     } else {
         cursor.object("a pinhole camera", KEYS.into())?
     };
-    let view = view(&object, options)?;
+    let mut view = view(&object, options)?;
+    if has_lens && view.sampling == Sampling::Random {
+        // The report's key is about the lens: a pixel's rays are jittered whatever it says of that.
+        view.sampling = Sampling::Jittered;
+    }
     let lens = has_lens.then(|| lens(&object)).transpose()?;
     check_rays(&object, &view, lens.as_ref())?;
     Ok(Camera { view, lens })
@@ -75,7 +80,8 @@ fn view(object: &Object<'_>, options: &LoadOptions) -> Result<View> {
     let look = look(object, location)?;
     let up = up(object, look - location)?;
     let antialias = object.count_or("antialias", MOST_ANTIALIAS, 1)?;
-    Ok(View { location, look, up, fov_degrees, fov_axis, width, height, antialias })
+    let sampling = sampling(object)?;
+    Ok(View { location, look, up, fov_degrees, fov_axis, width, height, antialias, sampling })
 }
 
 fn size(object: &Object<'_>, options: &LoadOptions) -> Result<(u32, u32)> {
@@ -162,7 +168,6 @@ fn lens(object: &Object<'_>) -> Result<ThinLens> {
 }
 
 fn sampling(object: &Object<'_>) -> Result<Sampling> {
-    super::light::refuse_sobol(object)?;
     object.choice_or("sampling", &SAMPLINGS, Sampling::Jittered)
 }
 

@@ -22,8 +22,8 @@ const FALLOFFS: [(&str, Falloff); 3] = [
 ];
 
 /// How sample points are chosen, by name.
-pub(super) const SAMPLINGS: [(&str, Sampling); 2] =
-    [("random", Sampling::Random), ("jittered", Sampling::Jittered)];
+pub(super) const SAMPLINGS: [(&str, Sampling); 3] =
+    [("random", Sampling::Random), ("jittered", Sampling::Jittered), ("sobol", Sampling::Sobol)];
 
 #[derive(Clone, Copy)]
 enum Kind {
@@ -54,7 +54,6 @@ fn point_light(object: &Object<'_>) -> Result<Light> {
 fn area_light(object: &Object<'_>) -> Result<Light> {
     // The report's format has it, but the shape says where the light is.
     object.get("position").map(|cursor| cursor.point()).transpose()?;
-    refuse_sobol(object)?;
     let sampling = object.choice("sampling", &SAMPLINGS)?;
     let light = AreaLight {
         intensity: object.number("intensity", Range::NOT_NEGATIVE)?,
@@ -71,17 +70,11 @@ fn area_light(object: &Object<'_>) -> Result<Light> {
 fn samples(object: &Object<'_>, sampling: Sampling) -> Result<u32> {
     let samples = object.integer("samples", 1, MOST_SAMPLES)?;
     let points = u64::from(samples) * u64::from(samples);
-    if sampling == Sampling::Random || points <= MOST_POINTS {
+    if sampling != Sampling::Jittered || points <= MOST_POINTS {
         return Ok(samples);
     }
     let message = format!("jittered sampling would take {samples} x {samples} = {points} points");
     let cursor = object.need("samples", "an integer")?;
     let error = cursor.error_of(ErrorKind::Limit, message);
     Err(error.remedy(format!("at most {MOST_POINTS} (2^24) are allowed")))
-}
-
-/// Refuses the sampling that the format has but that we do not do.
-pub(super) fn refuse_sobol(object: &Object<'_>) -> Result<()> {
-    let remedy = "use \"random\" or \"jittered\"";
-    object.get("sampling").map_or(Ok(()), |cursor| cursor.refuse(&["sobol"], remedy))
 }

@@ -34,6 +34,7 @@ fn thin_lens() {
         width: 640,
         height: 480,
         antialias: 2,
+        sampling: Sampling::Jittered,
     };
     assert_eq!(only::<View>(&scene), view);
     let lens = ThinLens {
@@ -55,6 +56,22 @@ fn thin_lens_defaults() {
     });
     let lens: ThinLens = only(&accepted("camera", camera));
     assert_eq!((lens.sampling, lens.samples_x, lens.samples_y), (Sampling::Jittered, 4, 4));
+}
+
+/// The report's key is about the lens; a Sobol sequence is one for pixel and lens.
+#[test]
+fn sampling_of_a_pixel() {
+    let of = |camera: serde_json::Value, sampling: &str| {
+        let mut camera = camera;
+        camera["sampling"] = sampling.into();
+        only::<View>(&accepted("camera", camera)).sampling
+    };
+    assert_eq!(of(pinhole(), "random"), Sampling::Random);
+    assert_eq!(of(pinhole(), "sobol"), Sampling::Sobol);
+    let mut lens = pinhole();
+    (lens["type"], lens["aperture"], lens["focal"]) = (json!("thinlens"), json!(1), json!(1));
+    assert_eq!(of(lens.clone(), "random"), Sampling::Jittered);
+    assert_eq!(of(lens, "sobol"), Sampling::Sobol);
 }
 
 fn pinhole() -> serde_json::Value {

@@ -126,13 +126,8 @@ fn camera_words() {
     refused(
         "camera.sampling",
         json!("jitered"),
-        "camera.sampling: must be \"random\" or \"jittered\", found \"jitered\"; \
+        "camera.sampling: must be \"random\", \"jittered\" or \"sobol\", found \"jitered\"; \
          did you mean \"jittered\"?",
-    );
-    refused(
-        "camera.sampling",
-        json!("sobol"),
-        "camera.sampling: is not supported yet, found \"sobol\"; use \"random\" or \"jittered\"",
     );
 }
 
@@ -212,9 +207,9 @@ fn lights() {
     );
     refused(
         &format!("{second}.sampling"),
-        json!("sobol"),
+        json!("halton"),
         &format!(
-            "{second}.sampling: is not supported yet, found \"sobol\"; use \"random\" or \"jittered\""
+            "{second}.sampling: must be \"random\", \"jittered\" or \"sobol\", found \"halton\""
         ),
     );
     refused(

@@ -1,0 +1,142 @@
+//! The first two dimensions of Sobol's sequence, with Owen's scrambling.
+//!
+//! The sequence is a (0, 2)-sequence in base 2: each aligned run of 2^m of its points has one point
+//! in every box of area 2^-m whose sides are parts of \[0, 1) halved again and again. Owen, *Randomly
+//! permuted (t,m,s)-nets and (t,s)-sequences* (1995), keeps that and makes each point uniform, so
+//! that a mean over the points has no bias; where the integrand is smooth its error then falls as
+//! n^-3/2 (Owen, *Scrambled net variance for integrals of smooth functions*, 1997).
+//!
+//! Scrambling, and the shuffling of the order that lets pairs of dimensions be put beside each other,
+//! are by hashes: Burley, *Practical Hash-based Owen Scrambling*, JCGT 9(4), 2020, with the constants
+//! that Vegdahl found to mix better (*Building a Better LK Hash*, 2021).
+
+use glam::Vec2;
+
+use super::random::unit_interval;
+
+/// Point `index` of the set that `seeds` scramble, each coordinate in \[0, 1). The first seed decides the
+/// order of the points, the second their x, the third their y.
+#[inline]
+pub fn point(index: u32, seeds: [u32; 3]) -> Vec2 {
+    // The bits of the shuffled index from the last to the first: van der Corput's sequence.
+    let first = permute(index.reverse_bits(), seeds[0]);
+    let second = second_dimension(first.reverse_bits());
+    Vec2::new(
+        unit_interval(permute(first.reverse_bits(), seeds[1]).reverse_bits()),
+        unit_interval(permute(second.reverse_bits(), seeds[2]).reverse_bits()),
+    )
+}
+
+/// The second dimension of Sobol's sequence, as a fraction of 2^32. Its direction numbers are the rows of
+/// Pascal's triangle modulo 2.
+#[inline]
+fn second_dimension(mut index: u32) -> u32 {
+    let mut direction = 1_u32 << 31;
+    let mut sum = 0;
+    while index != 0 {
+        if index & 1 == 1 {
+            sum ^= direction;
+        }
+        direction ^= direction >> 1;
+        index >>= 1;
+    }
+    sum
+}
+
+/// A permutation in which each bit depends on those below it alone (Laine and Karras, *Stratified
+/// Sampling for Stochastic Transparency*, 2011). On a fraction whose bits are reversed that is Owen's
+/// scrambling.
+#[inline]
+fn permute(mut x: u32, seed: u32) -> u32 {
+    x ^= x.wrapping_mul(0x3D20_ADEA);
+    x = x.wrapping_add(seed);
+    x = x.wrapping_mul((seed >> 16) | 1);
+    x ^= x.wrapping_mul(0x0552_6C56);
+    x ^ x.wrapping_mul(0x53A2_2864)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::random::Stream;
+
+    fn seeds(pixel: u32) -> [u32; 3] {
+        let [a, b, c, _] = Stream { seed: 5, pixel, sample: 0, bounce: 0 }.words(0);
+        [a, b, c]
+    }
+
+    /// Every aligned run of 2^m points has one in each box of area 2^-m: of all shapes of boxes.
+    #[test]
+    fn every_run_is_a_net() {
+        for pixel in 0..20 {
+            for (m, run) in [(3, 0), (5, 1), (8, 3), (10, 0), (10, 7)] {
+                let points: Vec<Vec2> =
+                    (0..1 << m).map(|i| point((run << m) + i, seeds(pixel))).collect();
+                for columns in 0..=m {
+                    let mut seen = vec![false; 1 << m];
+                    for p in &points {
+                        let column = (p.x * (1_u32 << columns) as f32) as usize;
+                        let row = (p.y * (1_u32 << (m - columns)) as f32) as usize;
+                        let cell = (row << columns) + column;
+                        assert!(!std::mem::replace(&mut seen[cell], true), "{m} {columns}");
+                    }
+                }
+            }
+        }
+    }
+
+    /// Each bit of the permutation depends on lower bits alone, and no two numbers go to one.
+    #[test]
+    fn the_permutation_is_nested() {
+        for seed in (0..200).flat_map(seeds) {
+            for bit in 0..32 {
+                let (x, flipped) = (seed.rotate_left(7), seed.rotate_left(7) ^ (1 << bit));
+                let changed = permute(x, seed) ^ permute(flipped, seed);
+                assert_eq!(changed.trailing_zeros(), bit);
+            }
+        }
+    }
+
+    /// Without scrambling: the sequence as Sobol published it, in the order of the van der Corput sequence.
+    #[test]
+    fn the_directions_are_sobols() {
+        let first: Vec<f64> =
+            (0..8).map(|i| f64::from(second_dimension(i)) / 4_294_967_296.0).collect();
+        assert_eq!(first, [0.0, 0.5, 0.75, 0.25, 0.625, 0.125, 0.375, 0.875]);
+    }
+
+    /// The mean over pixels of one point of the set is that of uniform numbers, and so is the covariance.
+    #[test]
+    fn every_point_is_uniform() {
+        let pixels = 20_000;
+        for index in [0, 1, 2, 17] {
+            let points: Vec<_> =
+                (0..pixels).map(|pixel| point(index, seeds(pixel)).as_dvec2() - 0.5).collect();
+            let mean = points.iter().sum::<glam::DVec2>() / f64::from(pixels);
+            let product = points.iter().map(|p| p.x * p.y).sum::<f64>() / f64::from(pixels);
+            // Five standard errors: the variances are 1/12, and 1/144 for the product.
+            let n = f64::from(pixels);
+            assert!(mean.abs().max_element() < 5.0 / (12.0 * n).sqrt(), "{index}: {mean}");
+            assert!(product.abs() < 5.0 / (144.0 * n).sqrt(), "{index}: {product}");
+        }
+    }
+
+    /// Pairs of one index but other seeds are independent: their sets can be put beside each other.
+    #[test]
+    fn pairs_of_dimensions_are_independent() {
+        let n = 256;
+        let mut worst = 0.0_f64;
+        for pixel in 0..200 {
+            let (a, b) = (seeds(pixel), seeds(pixel + 1000));
+            let sum: f64 = (0..n)
+                .map(|i| {
+                    let (p, q) = (point(i, a), point(i, b));
+                    f64::from(p.x - 0.5) * f64::from(q.x - 0.5)
+                })
+                .sum();
+            worst = worst.max((sum / f64::from(n)).abs());
+        }
+        // Six standard errors of a mean of independent products, of 200 tries.
+        assert!(worst < 6.0 / (144.0 * f64::from(n)).sqrt(), "{worst}");
+    }
+}

@@ -1,0 +1,53 @@
+//! Other samples of the same scene: what a sweep over samplers and their counts changes.
+
+use super::PreparedScene;
+use crate::kernels::camera::{Camera, DIMENSION};
+use crate::kernels::light::Light;
+use crate::math::sampling::{Points, Sampling};
+
+/// How a scene is sampled. What is `None` stays as it is in the scene.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct Samples {
+    /// On each light that has a shape, for each lit hit.
+    pub lights: Option<Points>,
+    /// On the lens, for each place in the pixel; no matter for a pinhole.
+    pub lens: Option<Points>,
+    /// In the pixel. A single point is its centre.
+    pub pixel: Option<Points>,
+}
+
+/// The camera and the lights of a scene as its file has them.
+#[derive(Clone, Debug)]
+pub struct Original {
+    camera: Camera,
+    lights: Vec<Light>,
+}
+
+impl PreparedScene {
+    /// What [`PreparedScene::resample`] starts from.
+    pub fn original(&self) -> Original {
+        Original { camera: self.camera, lights: self.lights.clone() }
+    }
+
+    /// Has the scene, whose file had `original`, sampled as `samples` say. It is the scene that a file with
+    /// these samples would make, to the last bit of its image.
+    pub fn resample(&mut self, original: &Original, samples: &Samples) {
+        self.camera = original.camera.resampled(samples.pixel, samples.lens);
+        self.lights.clone_from(&original.lights);
+        let mut dimension = DIMENSION + 1;
+        for light in self.lights.iter_mut() {
+            light.dimension = dimension;
+            if !light.is_sampled() {
+                continue;
+            }
+            if let Some(points) = samples.lights {
+                light.sampling = points.sampling;
+                light.grid = match points.sampling {
+                    Sampling::Jittered => [points.side, points.side],
+                    Sampling::Random | Sampling::Sobol => [points.count(), 1],
+                };
+            }
+            dimension = dimension.saturating_add(light.samples());
+        }
+    }
+}
