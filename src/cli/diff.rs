@@ -7,20 +7,25 @@ use serde::Serialize;
 
 use super::common::print;
 use crate::error::{Error, ErrorKind, Result};
-use crate::image::compare::{Comparison, compare, difference_image};
+use crate::image::Film;
+use crate::image::compare::{Channel, Comparison, compare};
+use crate::image::error_map::{MapKind, error_map, flip_map};
+use crate::image::flip::{DEFAULT_PIXELS_PER_DEGREE, Flip, flip};
 use crate::image::read::read;
-use crate::image::write::{Transfer, check_writable, write};
+use crate::image::write::{Transfer, check_writable, srgb_decode, write};
 use crate::replace::check_differs;
 
-/// Compares two pictures and tells by how much they differ.
+/// Compares a picture with a reference and tells by how much they differ.
 ///
 /// PPM, PNG, EXR, PFM and most other formats are read; whole numbers count as 0 to 1, without a
-/// transfer curve.
+/// transfer curve. With A the first picture and B the second, the reference: MSE is the mean of (A -
+/// B)^2, relative MSE that of (A - B)^2 / (B^2 + 0.01), the bias that of A - B, positive where A is
+/// brighter. FLIP is the mean difference that is seen, from 0 to 1, by one who looks at both in turn.
 #[derive(Clone, Debug, clap::Args)]
 pub struct DiffArgs {
     /// The first picture
     pub a: PathBuf,
-    /// The second picture, of the same size
+    /// The second picture, of the same size: the reference
     pub b: PathBuf,
     /// The largest difference of two values at which the pictures still count as equal
     #[arg(long, value_name = "MAX", default_value = "0", value_parser = not_negative)]
@@ -28,13 +33,23 @@ pub struct DiffArgs {
     /// Print JSON
     #[arg(long)]
     pub json: bool,
-    /// Write a picture of the absolute difference (.ppm, .png, .exr or .pfm)
+    /// Write a picture of the difference (.ppm, .png, .exr or .pfm)
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
-    /// Multiply the picture of the difference by this, to see small ones
+    /// What that picture shows: all but the first in false colours
+    #[arg(long, value_name = "KIND", value_enum, default_value_t, requires = "output")]
+    pub map: MapKind,
+    /// Multiply the difference in the picture by this, to see small ones
     #[arg(long, value_name = "FACTOR", default_value = "1", value_parser = not_negative,
           requires = "output")]
     pub gain: f64,
+    /// For FLIP, how many pixels lie within a degree of the viewer's field of view; the default is a
+    /// display 0.7 m wide with 3840 pixels in a row, 0.7 m away
+    #[arg(long, value_name = "PIXELS", default_value_t = DEFAULT_PIXELS_PER_DEGREE)]
+    pub pixels_per_degree: f64,
+    /// The curve that the values of both pictures carry, which FLIP undoes
+    #[arg(long, value_name = "CURVE", value_enum, default_value_t)]
+    pub transfer: Transfer,
 }
 
 /// Compares the two pictures, prints what was found, and returns whether they count as equal: no
@@ -49,30 +64,62 @@ pub fn run(args: &DiffArgs) -> Result<bool> {
         check_differs(output, &args.b, "one of the pictures")?;
     }
     let (a, b) = (read(&args.a)?, read(&args.b)?);
-    let report = Report::new(args, compare(&a, &b).map_err(|e| e.in_file(&args.b))?);
+    let comparison = compare(&a, &b).map_err(|e| e.in_file(&args.b))?;
+    let seen = seen(args, &a, &b)?;
+    let report = Report::new(args, comparison, &seen);
     if let Some(output) = &args.output {
-        let difference = difference_image(&a, &b, args.gain as f32)?;
-        write(&difference, output, Transfer::Linear)?;
+        let gain = args.gain as f32;
+        let map = match args.map {
+            MapKind::Flip => flip_map(&seen, gain)?,
+            kind => error_map(&a, &b, kind, gain)?,
+        };
+        write(&map, output, Transfer::Linear)?;
     }
     print(&if args.json { report.json()? } else { report.text() })?;
     Ok(report.within_tolerance)
 }
 
-/// What is printed.
+/// The difference that is seen.
+fn seen(args: &DiffArgs, a: &Film, b: &Film) -> Result<Flip> {
+    match args.transfer {
+        Transfer::Linear => flip(a, b, args.pixels_per_degree),
+        Transfer::Srgb => flip(&decoded(a), &decoded(b), args.pixels_per_degree),
+    }
+}
+
+fn decoded(film: &Film) -> Film {
+    let mut film = film.clone();
+    let values = film.pixels_mut().as_flattened_mut().iter_mut();
+    values.for_each(|value| *value = srgb_decode(*value));
+    film
+}
+
+/// What is printed. The keys of the JSON are the names here.
 #[derive(Serialize)]
 struct Report<'a> {
     a: &'a Path,
     b: &'a Path,
     #[serde(flatten)]
     comparison: Comparison,
+    /// The mean of FLIP.
+    flip: f64,
+    flip_pixels_per_degree: f64,
     tolerance: f64,
     within_tolerance: bool,
 }
 
 impl<'a> Report<'a> {
-    fn new(args: &'a DiffArgs, comparison: Comparison) -> Self {
+    fn new(args: &'a DiffArgs, comparison: Comparison, seen: &Flip) -> Self {
         let within_tolerance = comparison.largest <= args.tolerance;
-        Self { a: &args.a, b: &args.b, comparison, tolerance: args.tolerance, within_tolerance }
+        Self {
+            a: &args.a,
+            b: &args.b,
+            comparison,
+            flip: seen.mean,
+            flip_pixels_per_degree: seen.pixels_per_degree,
+            tolerance: args.tolerance,
+            within_tolerance,
+        }
     }
 
     fn json(&self) -> Result<String> {
@@ -91,6 +138,9 @@ impl<'a> Report<'a> {
         line(&mut text, "MSE", &number(found.mse));
         line(&mut text, "RMSE", &number(found.rmse));
         line(&mut text, "PSNR", &decibels(found.psnr));
+        line(&mut text, "relative MSE", &number(found.relative_mse));
+        line(&mut text, "bias", &self.bias());
+        line(&mut text, "FLIP", &self.flip());
         line(&mut text, "largest difference", &self.largest());
         line(&mut text, "different pixels", &share(found, found.different_pixels));
         if found.nonfinite > 0 {
@@ -98,6 +148,19 @@ impl<'a> Report<'a> {
         }
         line(&mut text, "result", &self.verdict());
         text
+    }
+
+    fn bias(&self) -> String {
+        let found = &self.comparison;
+        let mut text = number(found.bias);
+        for (channel, &bias) in Channel::ALL.into_iter().zip(&found.channel_bias) {
+            let _ = write!(text, ", {} {}", channel.name(), number(bias));
+        }
+        text
+    }
+
+    fn flip(&self) -> String {
+        format!("{} at {:.2} pixels per degree", number(self.flip), self.flip_pixels_per_degree)
     }
 
     fn largest(&self) -> String {
@@ -127,9 +190,11 @@ fn line(text: &mut String, name: &str, value: &str) {
 fn number(value: f64) -> String {
     if value == 0.0 {
         "0".into()
+    } else if value.is_nan() {
+        "unknown".into()
     } else if value.is_infinite() {
-        "infinite".into()
-    } else if (1e-3..1e6).contains(&value) {
+        if value > 0.0 { "infinite".into() } else { "-infinite".into() }
+    } else if (1e-3..1e6).contains(&value.abs()) {
         format!("{value:.6}")
     } else {
         format!("{value:.5e}")
@@ -178,7 +243,7 @@ mod tests {
         let a = Film::new(2, 2).unwrap();
         let mut b = a.clone();
         b.pixels_mut()[2][1] = changed;
-        Report::new(args, compare(&a, &b).unwrap())
+        Report::new(args, compare(&a, &b).unwrap(), &seen(args, &a, &b).unwrap())
     }
 
     #[test]
@@ -190,6 +255,9 @@ mod tests {
              MSE                 0.020833\n\
              RMSE                0.144338\n\
              PSNR                16.81 dB\n\
+             relative MSE        0.080128\n\
+             bias                -0.041667, red 0, green -0.125000, blue 0\n\
+             FLIP                FLIPMEAN at 67.02 pixels per degree\n\
              largest difference  0.500000, green at column 0, row 1\n\
              different pixels    1 of 4 (25.000 %)\n\
              result              different by more than 0\n"
@@ -219,6 +287,65 @@ mod tests {
         assert_eq!(json["largest_at"], serde_json::json!([0, 1]));
         assert_eq!(json["largest_channel"], "green");
         assert_eq!(json["within_tolerance"], false);
+        assert_eq!(json["channel_bias"], serde_json::json!([0.0, -0.125, 0.0]));
+        assert_eq!(json["flip_pixels_per_degree"], DEFAULT_PIXELS_PER_DEGREE);
+        let keys: Vec<&str> = json.as_object().unwrap().keys().map(String::as_str).collect();
+        assert_eq!(
+            keys,
+            [
+                "a",
+                "b",
+                "width",
+                "height",
+                "mse",
+                "rmse",
+                "psnr",
+                "relative_mse",
+                "bias",
+                "channel_bias",
+                "largest",
+                "largest_at",
+                "largest_channel",
+                "different_pixels",
+                "nonfinite",
+                "equal",
+                "flip",
+                "flip_pixels_per_degree",
+                "tolerance",
+                "within_tolerance"
+            ]
+        );
+    }
+
+    #[test]
+    fn flip_asks_for_light() {
+        let args = |transfer| parse(&["a", "b", "--transfer", transfer]).unwrap();
+        let (linear, srgb) = (args("linear"), args("srgb"));
+        // The curve has its say between the ends of the scale, and none at them.
+        assert_ne!(report(&linear, 0.5).flip, report(&srgb, 0.5).flip);
+        assert_eq!(report(&linear, 1.0).flip, report(&srgb, 1.0).flip);
+        assert_eq!(report(&srgb, 0.5).flip, report(&linear, srgb_decode(0.5)).flip);
+        assert_eq!(report(&srgb, 0.5).comparison, report(&linear, 0.5).comparison);
+    }
+
+    #[test]
+    fn pixels_per_degree_are_those_asked_for() {
+        let args = |pixels| parse(&["a", "b", "--pixels-per-degree", pixels]).unwrap();
+        let (few, many) = (args("10"), args("200"));
+        let (few, many) = (report(&few, 0.5), report(&many, 0.5));
+        assert_eq!((few.flip_pixels_per_degree, many.flip_pixels_per_degree), (10.0, 200.0));
+        // From farther away the change lies within the blur of the eye.
+        assert!(few.flip > many.flip, "{} {}", few.flip, many.flip);
+        let film = Film::new(1, 1).unwrap();
+        assert!(seen(&args("0.5"), &film, &film).is_err());
+    }
+
+    #[test]
+    fn a_map_needs_a_picture_to_be() {
+        assert!(parse(&["a", "b", "--map", "flip"]).is_err());
+        let parsed = parse(&["a", "b", "-o", "c.png", "--map", "signed"]).unwrap();
+        assert_eq!(parsed.map, MapKind::Signed);
+        assert_eq!(parse(&["a", "b", "-o", "c.png"]).unwrap().map, MapKind::Absolute);
     }
 
     #[test]
@@ -239,16 +366,16 @@ mod tests {
         b.pixels_mut()[4] = [0.25, 0.0, 0.0];
         write(&a, &at("a.exr"), Transfer::Linear).unwrap();
         write(&b, &at("b.pfm"), Transfer::Linear).unwrap();
-        let mut args = DiffArgs {
-            a: at("a.exr"),
-            b: at("b.pfm"),
-            tolerance: 0.0,
-            json: false,
-            output: Some(at("d.pfm")),
-            gain: 2.0,
-        };
+        let mut args = parse(&["a", "b", "-o", "d", "--gain", "2"]).unwrap();
+        (args.a, args.b, args.output) = (at("a.exr"), at("b.pfm"), Some(at("d.pfm")));
         assert!(!run(&args).unwrap());
         assert_eq!(read(&at("d.pfm")).unwrap().pixels()[4], [0.5, 0.0, 0.0]);
+        for kind in <MapKind as clap::ValueEnum>::value_variants() {
+            args.map = *kind;
+            assert!(!run(&args).unwrap());
+            let found = read(&at("d.pfm")).unwrap();
+            assert!(found.same_bits(&error_map(&a, &b, *kind, 2.0).unwrap()), "{kind:?}");
+        }
         args.tolerance = 0.25;
         args.json = true;
         assert!(run(&args).unwrap());
@@ -260,7 +387,8 @@ mod tests {
         let (a, b) = (folder.path().join("a.ppm"), folder.path().join("b.ppm"));
         write(&Film::new(1, 2).unwrap(), &a, Transfer::Linear).unwrap();
         write(&Film::new(2, 2).unwrap(), &b, Transfer::Linear).unwrap();
-        let args = DiffArgs { a, b, tolerance: 0.0, json: false, output: None, gain: 1.0 };
+        let mut args = parse(&["a", "b"]).unwrap();
+        (args.a, args.b) = (a, b);
         assert_eq!(
             run(&args).unwrap_err().to_string(),
             format!(

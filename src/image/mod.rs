@@ -3,11 +3,18 @@
 //! * [`film`]: the pixels of a picture, as linear floating-point colours.
 //! * [`mod@write`]: a film becomes a PPM, PNG, EXR or PFM file, whole or not at all.
 //! * [`mod@read`]: any picture becomes a film again.
-//! * [`mod@compare`]: by how much two films differ.
+//! * [`mod@compare`]: by how much two films differ, as numbers.
+//! * [`mod@flip`]: by how much they seem to differ to one who looks at them in turn.
+//! * [`mod@error_map`]: pictures of where they differ, with the colours of [`colormap`].
+//! * `color`: spaces of colour.
 //! * `netpbm`: the byte layouts of PPM and PFM, which are simple enough to be our own.
 
+mod color;
+pub mod colormap;
 pub mod compare;
+pub mod error_map;
 pub mod film;
+pub mod flip;
 mod netpbm;
 pub mod read;
 pub mod write;

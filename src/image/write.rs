@@ -172,6 +172,11 @@ pub fn srgb_encode(value: f32) -> f32 {
     }
 }
 
+/// The inverse of [`srgb_encode`]: encoded in and linear out.
+pub fn srgb_decode(value: f32) -> f32 {
+    if value <= 0.040_45 { value / 12.92 } else { libm::powf((value + 0.055) / 1.055, 2.4) }
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::read::read;
@@ -254,6 +259,15 @@ mod tests {
         }
         assert_eq!(level(f32::NAN), 0);
         assert_eq!(srgb_encode(0.5).to_bits(), 0.735_356_9_f32.to_bits());
+    }
+
+    #[test]
+    fn the_srgb_curve_can_be_undone() {
+        for level in 0..=255 {
+            let encoded = level as f32 / 255.0;
+            assert!((srgb_encode(srgb_decode(encoded)) - encoded).abs() < 1e-6, "{level}");
+        }
+        assert_eq!(srgb_decode(0.5).to_bits(), 0.214_041_1_f32.to_bits());
     }
 
     #[test]

@@ -5,6 +5,8 @@ use std::process::{Command, Stdio};
 
 use serde_json::{Value, json};
 use wavecrest::image::Film;
+use wavecrest::image::colormap::{diverging, magma};
+use wavecrest::image::error_map::{MapKind, error_map};
 use wavecrest::image::read::read;
 use wavecrest::image::write::{Transfer, write};
 
@@ -157,6 +159,63 @@ fn diff_says_where_and_by_how_much() {
     let difference = read(&folder.path().join("d.exr")).expect("an image");
     assert_eq!(difference.pixel(2, 1), Some([0.0, 0.5, 0.0]));
     assert_eq!(difference.pixel(1, 1), Some([0.0; 3]));
+}
+
+#[test]
+fn diff_tells_what_is_seen_and_which_picture_is_brighter() {
+    let folder = folder();
+    write_pair(folder.path());
+    let found = |arguments: &[&str]| -> Value {
+        let (_, found) = answer(folder.path(), &[&["diff", "--json"], arguments].concat());
+        serde_json::from_str(&found).expect("JSON")
+    };
+    let (there, back) = (found(&["a.exr", "b.pfm"]), found(&["b.pfm", "a.exr"]));
+    assert_eq!(there["channel_bias"], json!([0.0, -0.25 / 12.0, 0.0]));
+    assert_eq!(back["channel_bias"], json!([0.0, 0.25 / 12.0, 0.0]));
+    let relative = |found: &Value| found["relative_mse"].as_f64().expect("a number");
+    // 0.0625 / (0.75^2 + 0.01) / 36, or of 0.5^2, as the second picture is the reference.
+    assert!((relative(&there) - 0.0625 / 0.5725 / 36.0).abs() < 1e-15);
+    assert!((relative(&back) - 0.0625 / 0.26 / 36.0).abs() < 1e-15);
+    assert_eq!(there["flip"], back["flip"]);
+    assert!(there["flip"].as_f64().is_some_and(|flip| flip > 0.0 && flip < 0.5), "{there}");
+    assert_eq!(found(&["a.exr", "a.exr"])["flip"], 0.0);
+    let close = found(&["a.exr", "b.pfm", "--pixels-per-degree", "10"]);
+    assert_eq!(close["flip_pixels_per_degree"], 10.0);
+    assert_ne!(close["flip"], there["flip"]);
+}
+
+#[test]
+fn diff_writes_maps_of_errors_in_colours() {
+    let folder = folder();
+    write_pair(folder.path());
+    for (kind, middle) in [
+        ("squared", magma(0.0625 / 3.0 * 4.0)),
+        ("relative", magma(0.0625 / 0.5725 / 3.0 * 4.0)),
+        ("signed", diverging(-0.25 / 3.0 * 4.0)),
+    ] {
+        let arguments = ["diff", "a.exr", "b.pfm", "--map", kind, "--gain", "4", "-o", "d.png"];
+        assert_eq!(answer(folder.path(), &arguments).0, 1);
+        let map = read(&folder.path().join("d.png")).expect("an image");
+        let pixel = map.pixel(2, 1).expect("a pixel");
+        for (found, expected) in pixel.into_iter().zip(middle) {
+            assert!((found - expected).abs() <= 0.51 / 255.0, "{kind}: {found} {expected}");
+        }
+        let other = if kind == "signed" { diverging(0.0) } else { magma(0.0) };
+        assert_eq!(map.pixel(1, 1), Some(other.map(|v| (v * 255.0).round() / 255.0)));
+    }
+    answer(folder.path(), &["diff", "a.exr", "b.pfm", "--map", "flip", "-o", "d.pfm"]);
+    let map = read(&folder.path().join("d.pfm")).expect("an image");
+    let (a, b) = ("a.exr", "b.pfm");
+    let film = |name: &str| read(&folder.path().join(name)).expect("an image");
+    assert!(map.same_bits(&error_map(&film(a), &film(b), MapKind::Flip, 1.0).expect("a map")));
+    let output = run(folder.path(), &["diff", "a.exr", "b.pfm", "--map", "hue", "-o", "d.png"]);
+    assert_eq!(output.status.code(), Some(2));
+    let output = run(folder.path(), &["diff", "a.exr", "b.pfm", "--pixels-per-degree", "0"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert_eq!(
+        text(&output.stderr),
+        "error: pixels per degree are out of bounds, found 0; use 1 to 1000\n"
+    );
 }
 
 #[test]

@@ -1,0 +1,147 @@
+//! Spaces of colour: linear light with the primaries of sRGB, XYZ, and CIELAB.
+//!
+//! XYZ is told as parts of white's, here and wherever it is used: white is (1, 1, 1). No
+//! adaptation to another white is then needed, and the matrix follows from the primaries and the
+//! white D65 of sRGB (IEC 61966-2-1) as ratios of whole numbers, each row divided by its sum.
+//!
+//! CIELAB is that of CIE 15. All in double precision, with functions of `libm`: no bit depends on
+//! the machine.
+
+/// How much of X, Y and Z comes from red, green and blue: each row is to be divided by its sum.
+///
+/// From the chromaticities (0.64, 0.33), (0.30, 0.60), (0.15, 0.06) and (0.3127, 0.3290), whose
+/// decimal digits make the matrix rational.
+const WEIGHTS: [[f64; 3]; 3] = [
+    [10_135_552.0, 8_788_810.0, 4_435_075.0],
+    [2_613_072.0, 8_788_810.0, 887_015.0],
+    [1_425_312.0, 8_788_810.0, 70_074_185.0],
+];
+
+const TO_XYZ: [[f64; 3]; 3] = [parts(WEIGHTS[0]), parts(WEIGHTS[1]), parts(WEIGHTS[2])];
+
+const TO_RGB: [[f64; 3]; 3] = inverse(TO_XYZ);
+
+/// Where the cube root of CIELAB gives way to a straight line, as a root.
+const KNEE: f64 = 6.0 / 29.0;
+
+/// Linear red, green and blue as XYZ, in parts of white's.
+pub(super) fn rgb_to_xyz(rgb: [f64; 3]) -> [f64; 3] {
+    times(&TO_XYZ, rgb)
+}
+
+/// The inverse of [`rgb_to_xyz`].
+pub(super) fn xyz_to_rgb(xyz: [f64; 3]) -> [f64; 3] {
+    times(&TO_RGB, xyz)
+}
+
+/// XYZ, in parts of white's, as L* from 0 to 100, a* and b*.
+pub(super) fn xyz_to_lab(xyz: [f64; 3]) -> [f64; 3] {
+    let [x, y, z] = xyz.map(|value| {
+        if value > KNEE * KNEE * KNEE {
+            libm::cbrt(value)
+        } else {
+            value / (3.0 * KNEE * KNEE) + 4.0 / 29.0
+        }
+    });
+    opponents([x, y, z])
+}
+
+/// The inverse of [`xyz_to_lab`].
+pub(super) fn lab_to_xyz(lab: [f64; 3]) -> [f64; 3] {
+    from_opponents(lab).map(|root| {
+        if root > KNEE { root * root * root } else { (root - 4.0 / 29.0) * (3.0 * KNEE * KNEE) }
+    })
+}
+
+/// The three opponent channels, lightness, red against green, and yellow against blue, that
+/// CIELAB makes of the roots of XYZ, and YCxCz of XYZ itself.
+pub(super) fn opponents([x, y, z]: [f64; 3]) -> [f64; 3] {
+    [116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)]
+}
+
+/// The inverse of [`opponents`].
+pub(super) fn from_opponents([lightness, red_green, yellow_blue]: [f64; 3]) -> [f64; 3] {
+    let y = (lightness + 16.0) / 116.0;
+    [y + red_green / 500.0, y, y - yellow_blue / 200.0]
+}
+
+fn times(matrix: &[[f64; 3]; 3], v: [f64; 3]) -> [f64; 3] {
+    matrix.map(|row| row[0] * v[0] + row[1] * v[1] + row[2] * v[2])
+}
+
+const fn parts([a, b, c]: [f64; 3]) -> [f64; 3] {
+    let whole = a + b + c;
+    [a / whole, b / whole, c / whole]
+}
+
+/// The inverse of a matrix, from its cofactors.
+const fn inverse(m: [[f64; 3]; 3]) -> [[f64; 3]; 3] {
+    let mut found = [[0.0; 3]; 3];
+    let mut row = 0;
+    while row < 3 {
+        let mut column = 0;
+        while column < 3 {
+            let (r1, r2) = ((column + 1) % 3, (column + 2) % 3);
+            let (c1, c2) = ((row + 1) % 3, (row + 2) % 3);
+            found[row][column] = m[r1][c1] * m[r2][c2] - m[r1][c2] * m[r2][c1];
+            column += 1;
+        }
+        row += 1;
+    }
+    let determinant = m[0][0] * found[0][0] + m[0][1] * found[1][0] + m[0][2] * found[2][0];
+    let mut row = 0;
+    while row < 3 {
+        let [a, b, c] = found[row];
+        found[row] = [a / determinant, b / determinant, c / determinant];
+        row += 1;
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn near(found: [f64; 3], expected: [f64; 3], tolerance: f64) {
+        for (f, e) in found.into_iter().zip(expected) {
+            assert!((f - e).abs() <= tolerance, "{found:?} is not {expected:?}");
+        }
+    }
+
+    #[test]
+    fn the_matrix_is_that_of_the_primaries() {
+        // Each primary alone lies at its chromaticity once the parts of white are made whole.
+        let white = [0.3127 / 0.3290, 1.0, (1.0 - 0.3127 - 0.3290) / 0.3290];
+        let primaries = [[0.64, 0.33], [0.30, 0.60], [0.15, 0.06]];
+        for (i, [x, y]) in primaries.into_iter().enumerate() {
+            let mut rgb = [0.0; 3];
+            rgb[i] = 1.0;
+            let xyz = rgb_to_xyz(rgb);
+            let whole = [0, 1, 2].map(|j| xyz[j] * white[j]);
+            let sum: f64 = whole.iter().sum();
+            near(whole.map(|v| v / sum), [x, y, 1.0 - x - y], 1e-12);
+        }
+        near(rgb_to_xyz([1.0; 3]), [1.0; 3], 1e-15);
+    }
+
+    #[test]
+    fn every_way_leads_back() {
+        for i in 0..1000 {
+            let rgb = [i % 10, i / 10 % 10, i / 100].map(|part| f64::from(part) / 9.0);
+            let xyz = rgb_to_xyz(rgb);
+            near(xyz_to_rgb(xyz), rgb, 1e-14);
+            near(lab_to_xyz(xyz_to_lab(xyz)), xyz, 1e-14);
+            near(from_opponents(opponents(xyz)), xyz, 1e-14);
+        }
+    }
+
+    #[test]
+    fn white_is_100_and_the_curve_has_no_step() {
+        near(xyz_to_lab([1.0; 3]), [100.0, 0.0, 0.0], 1e-12);
+        near(xyz_to_lab([0.0; 3]), [0.0; 3], 1e-12);
+        let knee = KNEE * KNEE * KNEE;
+        near(xyz_to_lab([knee.next_up(); 3]), xyz_to_lab([knee.next_down(); 3]), 1e-12);
+        // The middle of the scale of lightness is some 18.4 per cent of white's light.
+        assert!((xyz_to_lab([0.184_186_518_5; 3])[0] - 50.0).abs() < 1e-7);
+    }
+}

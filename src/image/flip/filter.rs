@@ -1,0 +1,229 @@
+//! The weights of the filters, and how they are applied.
+//!
+//! A filter is a row of weights. Applied along the rows of a picture and then along its columns,
+//! two of them make a filter of the plane. That of yellow against blue is a sum of two such
+//! products, as the eye's contrast sensitivity there is a sum of two Gaussians (section 4.1.1 of
+//! the paper, with numbers from Johnson and Fairchild, *On contrast sensitivity in an image
+//! difference model*, 2001); detectors of edges and points are derivatives of a Gaussian across
+//! the feature and the Gaussian along it (section 4.2).
+
+use std::f64::consts::PI;
+
+/// A term a exp(-b f^2) of a contrast sensitivity, f in cycles per degree.
+struct Sensitivity {
+    a: f64,
+    b: f64,
+}
+
+const LIGHTNESS: Sensitivity = Sensitivity { a: 1.0, b: 0.0047 };
+const RED_GREEN: Sensitivity = Sensitivity { a: 1.0, b: 0.0053 };
+/// The sum of two.
+const YELLOW_BLUE: [Sensitivity; 2] =
+    [Sensitivity { a: 34.1, b: 0.04 }, Sensitivity { a: 13.5, b: 0.025 }];
+
+/// The width of the features that are detected, in degrees.
+const FEATURE_WIDTH: f64 = 0.082;
+
+/// Weights end at so many standard deviations of the widest Gaussian.
+const REACH: f64 = 3.0;
+
+/// How many results are summed at a time: as many as processors keep in registers.
+const LANES: usize = 8;
+
+/// All filters for a number of pixels per degree.
+pub(super) struct Filters {
+    /// What the eye resolves of lightness.
+    pub(super) lightness: Filter,
+    /// Of red against green.
+    pub(super) red_green: Filter,
+    /// Of yellow against blue: each is applied along rows and columns, and the two are added.
+    pub(super) yellow_blue: [Filter; 2],
+    /// The Gaussian of the detectors.
+    pub(super) smooth: Filter,
+    /// Its first derivative, which finds edges.
+    pub(super) edge: Filter,
+    /// Its second derivative, which finds points.
+    pub(super) point: Filter,
+}
+
+/// An odd number of weights, the middle one for the pixel itself.
+pub(super) struct Filter(Vec<f64>);
+
+impl Filters {
+    pub(super) fn new(pixels_per_degree: f64) -> Self {
+        let (lightness, red_green, yellow_blue) = of_the_eye(pixels_per_degree);
+        let [smooth, edge, point] = of_features(0.5 * FEATURE_WIDTH * pixels_per_degree);
+        Self { lightness, red_green, yellow_blue, smooth, edge, point }
+    }
+
+    /// To how many pixels on each side the widest filter reaches.
+    pub(super) fn radius(&self) -> usize {
+        self.lightness.radius().max(self.smooth.radius())
+    }
+}
+
+impl Filter {
+    /// To how many pixels on each side it reaches.
+    pub(super) fn radius(&self) -> usize {
+        self.0.len() / 2
+    }
+
+    /// Sums of neighbours: `out[i]` is the sum over all weights `w[k]` of `w[k] * values[i + k *
+    /// step]`. Along a row `step` is 1; along columns it is the number of values in a row.
+    pub(super) fn apply(&self, values: &[f64], step: usize, out: &mut [f64]) {
+        for (block, start) in out.chunks_mut(LANES).zip((0..).step_by(LANES)) {
+            let mut sums = [0.0; LANES];
+            for (k, &weight) in self.0.iter().enumerate() {
+                let values = &values[start + k * step..];
+                match values.first_chunk::<LANES>() {
+                    Some(lanes) => add(&mut sums, weight, lanes),
+                    None => add(&mut sums, weight, values),
+                }
+            }
+            block.copy_from_slice(&sums[..block.len()]);
+        }
+    }
+
+    /// The values of `of` from `-radius` to `radius`.
+    fn sampled(radius: i32, of: impl Fn(f64) -> f64) -> Self {
+        Self((-radius..=radius).map(|x| of(f64::from(x))).collect())
+    }
+
+    fn scaled(mut self, factor: f64) -> Self {
+        self.0.iter_mut().for_each(|weight| *weight *= factor);
+        self
+    }
+
+    fn sum(&self) -> f64 {
+        self.0.iter().sum()
+    }
+
+    /// Positive weights divided by their sum, and negative ones by theirs.
+    fn balanced(mut self) -> Self {
+        let positive: f64 = self.0.iter().filter(|w| **w > 0.0).sum();
+        let negative: f64 = self.0.iter().filter(|w| **w < 0.0).sum();
+        for weight in &mut self.0 {
+            if *weight > 0.0 {
+                *weight /= positive;
+            } else if *weight < 0.0 {
+                *weight /= -negative;
+            }
+        }
+        self
+    }
+}
+
+/// Adds `weight` times the values to the sums. Where `values` is an array its length is known, and
+/// the loop becomes a few vector instructions.
+#[inline(always)]
+fn add(sums: &mut [f64; LANES], weight: f64, values: &[f64]) {
+    sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += weight * value);
+}
+
+impl Sensitivity {
+    /// Its inverse Fourier transform at `x` degrees: a sqrt(pi / b) exp(-pi^2 x^2 / b).
+    fn at(&self, x: f64) -> f64 {
+        self.height() * libm::exp(-PI * PI * x * x / self.b)
+    }
+
+    fn height(&self) -> f64 {
+        self.a * (PI / self.b).sqrt()
+    }
+
+    /// The standard deviation of that, in degrees.
+    fn deviation(&self) -> f64 {
+        (self.b / (2.0 * PI * PI)).sqrt()
+    }
+}
+
+/// Filters of lightness, red against green, and yellow against blue. All reach as far as the
+/// widest; each has the sum 1.
+fn of_the_eye(pixels_per_degree: f64) -> (Filter, Filter, [Filter; 2]) {
+    let widest = YELLOW_BLUE[0].deviation();
+    let radius = (REACH * widest * pixels_per_degree).ceil() as i32;
+    let single = |part: &Sensitivity| {
+        let filter = Filter::sampled(radius, |x| part.at(x / pixels_per_degree));
+        let sum = filter.sum();
+        filter.scaled(1.0 / sum)
+    };
+    // Applied along rows and along columns, the factor of each counts twice.
+    let double = YELLOW_BLUE.map(|part| {
+        let root = part.height().sqrt();
+        Filter::sampled(radius, |x| part.at(x / pixels_per_degree) / root)
+    });
+    let sum = double.iter().map(|filter| filter.sum() * filter.sum()).sum::<f64>().sqrt();
+    (single(&LIGHTNESS), single(&RED_GREEN), double.map(|filter| filter.scaled(1.0 / sum)))
+}
+
+/// The Gaussian of this standard deviation in pixels, with the sum 1, and its first and second
+/// derivatives, whose positive weights have the sum 1 and whose negative ones -1.
+fn of_features(deviation: f64) -> [Filter; 3] {
+    let radius = (REACH * deviation).ceil() as i32;
+    let squared = deviation * deviation;
+    let gaussian = |x: f64| libm::exp(-x * x / (2.0 * squared));
+    let smooth = Filter::sampled(radius, gaussian);
+    let sum = smooth.sum();
+    let edge = Filter::sampled(radius, |x| -x * gaussian(x));
+    let point = Filter::sampled(radius, |x| (x * x / squared - 1.0) * gaussian(x));
+    [smooth.scaled(1.0 / sum), edge.balanced(), point.balanced()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{DEFAULT_PIXELS_PER_DEGREE, MAX_PIXELS_PER_DEGREE, MIN_PIXELS_PER_DEGREE};
+    use super::*;
+
+    const BOUNDS: [f64; 3] =
+        [MIN_PIXELS_PER_DEGREE, DEFAULT_PIXELS_PER_DEGREE, MAX_PIXELS_PER_DEGREE];
+
+    #[test]
+    fn a_constant_picture_stays_as_it_is_and_has_no_features() {
+        for pixels_per_degree in BOUNDS {
+            let filters = Filters::new(pixels_per_degree);
+            let is = |filter: &Filter, sum: f64| assert!((filter.sum() - sum).abs() < 1e-14);
+            is(&filters.lightness, 1.0);
+            is(&filters.red_green, 1.0);
+            is(&filters.smooth, 1.0);
+            is(&filters.edge, 0.0);
+            is(&filters.point, 0.0);
+            let [a, b] = &filters.yellow_blue;
+            assert!((a.sum() * a.sum() + b.sum() * b.sum() - 1.0).abs() < 1e-14);
+        }
+    }
+
+    #[test]
+    fn derivatives_have_the_sum_1_on_either_side() {
+        for pixels_per_degree in BOUNDS {
+            let filters = Filters::new(pixels_per_degree);
+            for Filter(weights) in [filters.edge, filters.point] {
+                let positive: f64 = weights.iter().filter(|w| **w > 0.0).sum();
+                assert!((positive - 1.0).abs() < 1e-14, "{pixels_per_degree}: {positive}");
+                assert!(weights.iter().all(|w| w.is_finite()));
+            }
+        }
+    }
+
+    #[test]
+    fn filters_reach_as_far_as_they_say() {
+        // 3 sqrt(0.04 / (2 pi^2)) and 3 * 0.041 degrees, at 67.02 pixels each.
+        let filters = Filters::new(DEFAULT_PIXELS_PER_DEGREE);
+        assert_eq!((filters.lightness.radius(), filters.smooth.radius()), (10, 9));
+        assert_eq!(filters.radius(), 10);
+        assert_eq!(Filters::new(MAX_PIXELS_PER_DEGREE).radius(), 136);
+    }
+
+    #[test]
+    fn sums_of_neighbours_are_those_found_by_hand() {
+        let filter = Filter(vec![1.0, 10.0, 100.0]);
+        for length in [1, 7, 8, 9, 20] {
+            let values: Vec<f64> = (0..length + 2).map(f64::from).collect();
+            let mut out = vec![0.0; length as usize];
+            filter.apply(&values, 1, &mut out);
+            let expected: Vec<f64> = (0..length).map(|i| f64::from(111 * i + 210)).collect();
+            assert_eq!(out, expected);
+        }
+        let mut out = [0.0; 2];
+        filter.apply(&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0], 2, &mut out);
+        assert_eq!(out, [531.0, 642.0]);
+    }
+}
