@@ -1,5 +1,7 @@
 //! What a render tells about itself.
 
 pub mod bench;
+pub mod page;
+pub mod plot;
 pub mod statistics;
 pub mod summary;
