@@ -1,6 +1,7 @@
 //! wavecrest: a data-oriented ray tracer for large triangle-mesh scenes.
 
 pub mod accel;
+pub mod accuracy;
 pub mod cli;
 pub mod counters;
 pub mod error;

@@ -6,6 +6,7 @@
 //! | 1 | for `diff`, the images differ; for `bench`, the tracers disagree; for `selftest`, a case fails; for `probe`, the tracers tell different stories |
 //! | 2 | an error, told on standard error |
 
+pub mod accuracy;
 pub mod bench;
 pub mod check;
 pub mod common;
@@ -47,6 +48,7 @@ enum Command {
     Diff(diff::DiffArgs),
     Bench(bench::BenchArgs),
     Selftest(selftest::SelftestArgs),
+    Accuracy(accuracy::AccuracyArgs),
 }
 
 /// Runs the command that the process's arguments ask for.
@@ -87,5 +89,6 @@ fn dispatch(command: &Command) -> Result<bool> {
         Command::Diff(args) => diff::run(args),
         Command::Bench(args) => bench::run(args),
         Command::Selftest(args) => selftest::run(args),
+        Command::Accuracy(args) => accuracy::run(args),
     }
 }

@@ -3,6 +3,10 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+mod goal;
+
+use goal::Traced;
+
 use super::common::{SceneOptions, SearchOptions, crop, progress_bar, tell, to_json};
 use crate::accel::build::Preset;
 use crate::error::{Error, ErrorKind, Result};
@@ -53,6 +57,12 @@ pub struct RenderArgs {
     /// How linear colours become 8-bit levels (.ppm, .png)
     #[arg(long, value_enum, default_value_t)]
     pub transfer: Transfer,
+    /// Choose sampler and samples for this error, the root mean square of linear values
+    #[arg(long, value_name = "ERROR", value_parser = above_zero, conflicts_with_all = ["crop", "time_budget"])]
+    pub target_error: Option<f64>,
+    /// Choose sampler and samples for this many seconds from start to end
+    #[arg(long, value_name = "SECONDS", value_parser = above_zero, conflicts_with = "crop")]
+    pub time_budget: Option<f64>,
     /// Write statistics as JSON
     #[arg(long, value_name = "FILE")]
     pub stats: Option<PathBuf>,
@@ -104,7 +114,8 @@ fn run_here(args: &RenderArgs, output: &Path) -> Result<()> {
     let mut scene = timed(&mut time.build, || extracted.build(preset));
     args.scene_options.warn(&systems::warnings(scene.dropped, &file));
     args.search.apply(&mut scene.accel);
-    let rendered = timed(&mut time.trace, || trace(args, &scene))?;
+    let traced = timed(&mut time.trace, || goal::trace(args, &mut scene, preset, start))?;
+    let Traced { rendered, preset, goal } = traced;
     let first = rendered.counters.first_invalid;
     let invalid = first.map(|sample| probe::name_invalid(&scene, sample, args.seed));
     if let (Some(invalid), true) = (&invalid, args.trap_invalid) {
@@ -122,10 +133,17 @@ fn run_here(args: &RenderArgs, output: &Path) -> Result<()> {
     match &args.stats {
         Some(file) => {
             let mut statistics = statistics(args, &scene, preset, &rendered, time, predicted);
-            statistics.first_invalid = invalid;
+            (statistics.first_invalid, statistics.goal) = (invalid, goal);
             write_statistics(file, &statistics)
         }
         None => Ok(()),
+    }
+}
+
+fn above_zero(text: &str) -> std::result::Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value.is_finite() && value > 0.0 => Ok(value),
+        _ => Err("use a number above 0, such as 0.01".to_owned()),
     }
 }
 
@@ -191,6 +209,7 @@ fn statistics(
         time,
         memory: Memory { predicted, peak: memory::peak() },
         bvh: Bvh::of(&scene.accel, preset),
+        goal: None,
         plan: scene.plan.clone(),
     }
 }

@@ -87,6 +87,19 @@ impl Film {
         self.pixels.chunks_exact_mut(self.width as usize)
     }
 
+    /// The part `[x, y, width, height]`, in pixels from the top left; what lies beyond the image is left out.
+    ///
+    /// # Errors
+    /// When nothing of it lies within the image.
+    pub fn part(&self, [x, y, width, height]: [u32; 4]) -> Result<Self> {
+        let end = |start: u32, length: u32, all: u32| start.saturating_add(length).min(all);
+        let (x_end, y_end) = (end(x, width, self.width), end(y, height, self.height));
+        let rows = self.rows().take(y_end as usize).skip(y as usize);
+        let pixels =
+            rows.flat_map(|row| row.get(x as usize..x_end as usize).unwrap_or(&[]).to_vec());
+        Self::from_pixels(x_end.saturating_sub(x), y_end.saturating_sub(y), pixels.collect())
+    }
+
     /// Whether the sizes and the bits of every value are the same. Unlike `==` on numbers, this
     /// tells 0 from -0, and a value that is not a number equals itself.
     pub fn same_bits(&self, other: &Self) -> bool {

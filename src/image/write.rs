@@ -98,6 +98,30 @@ pub fn write(film: &Film, path: &Path, transfer: Transfer) -> Result<()> {
     })
 }
 
+/// `film` as the bytes of a PNG.
+///
+/// # Errors
+/// When the encoder has no memory for it.
+pub fn png(film: &Film, transfer: Transfer) -> Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    encode_png(&mut bytes, film, transfer).map_err(|e| encode_error("a PNG".as_ref(), e))?;
+    Ok(bytes)
+}
+
+fn encode_png(
+    sink: impl Write,
+    film: &Film,
+    transfer: Transfer,
+) -> std::result::Result<(), ImageError> {
+    let bytes: Vec<u8> = film.rows().flat_map(|row| row_to_bytes(row, transfer)).collect();
+    PngEncoder::new_with_quality(sink, CompressionType::Fast, FilterType::Adaptive).write_image(
+        &bytes,
+        film.width(),
+        film.height(),
+        ExtendedColorType::Rgb8,
+    )
+}
+
 /// Whether [`write()`] could write at `path` as things are now: to be asked before a long render.
 ///
 /// # Errors
@@ -117,11 +141,7 @@ fn encode(
     match format {
         Format::Ppm => Ok(netpbm::write_ppm(sink, film, transfer)?),
         Format::Pfm => Ok(netpbm::write_pfm(sink, film)?),
-        Format::Png => {
-            let bytes: Vec<u8> = film.rows().flat_map(|row| row_to_bytes(row, transfer)).collect();
-            PngEncoder::new_with_quality(sink, CompressionType::Fast, FilterType::Adaptive)
-                .write_image(&bytes, width, height, ExtendedColorType::Rgb8)
-        }
+        Format::Png => encode_png(sink, film, transfer),
         Format::Exr => {
             // To memory first: the encoder turns the system's errors, such as a full disk, into
             // text. It is also spared from seeking in the file.

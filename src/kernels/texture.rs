@@ -17,6 +17,17 @@ pub enum Filter {
 }
 
 impl Filter {
+    /// Every filter, from the plainest on.
+    pub const ALL: [Self; 2] = [Self::Nearest, Self::Bilinear];
+
+    /// What scene files call it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Nearest => "nearest",
+            Self::Bilinear => "bilinear",
+        }
+    }
+
     /// Number of texels that one look-up reads.
     pub fn texels(self) -> u64 {
         match self {

@@ -1,6 +1,7 @@
 //! The scene as the tracers see it: dense arrays, a tree and a plan, immutable while rendering.
 
 mod arrival;
+mod fingerprint;
 mod resample;
 
 use std::ops::Range;

@@ -1,6 +1,8 @@
 //! Other samples of the same scene: what a sweep over samplers and their counts changes.
 
 use super::PreparedScene;
+use crate::accel::Accel;
+use crate::accel::build::Preset;
 use crate::kernels::camera::{Camera, DIMENSION};
 use crate::kernels::light::Light;
 use crate::math::sampling::{Points, Sampling};
@@ -27,6 +29,24 @@ impl PreparedScene {
     /// What [`PreparedScene::resample`] starts from.
     pub fn original(&self) -> Original {
         Original { camera: self.camera, lights: self.lights.clone() }
+    }
+
+    /// The rays that a render casts at most: what the choice of a preset rests on.
+    pub fn expected_rays(&self) -> u64 {
+        let lights: u64 = self.lights.iter().map(|l| u64::from(l.samples())).sum();
+        let pixels: u64 = self.camera.size().map(u64::from).iter().product();
+        // Mirrors beyond the first bounce are rare.
+        let bounces = u64::from(self.bounces.min(1));
+        let paths = pixels.saturating_mul(u64::from(self.camera.rays_per_pixel()));
+        paths.saturating_mul(1 + lights).saturating_mul(1 + bounces)
+    }
+
+    /// Builds another tree over the same primitives.
+    pub fn rebuild(&mut self, preset: Preset) {
+        let Accel { kernel, level, .. } = self.accel;
+        let mut geometry = std::mem::take(&mut self.accel.geometry);
+        geometry.seals.clear();
+        self.accel = Accel { kernel, level, ..Accel::new(geometry, preset) };
     }
 
     /// Has the scene, whose file had `original`, sampled as `samples` say. It is the scene that a file with

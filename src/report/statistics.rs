@@ -21,6 +21,7 @@
 //! | `time.passes` | seconds | by pass, summed over threads |
 //! | `memory.predicted`, `.peak` | bytes | peak of the process: foretold, and measured (`null` where the system does not tell) |
 //! | `bvh.preset`, `.nodes`, `.depth`, `.bytes` | | the tree |
+//! | `goal.asked`, `.samples`, `.expected_error`, `.expected_seconds`, `.found_error`, `.renders` | | what was chosen for a target error or a time budget, and what came of it (`null` where neither was asked for) |
 //! | `plan` | | each effect, whether it is simulated, and why |
 
 use serde::Serialize;
@@ -60,7 +61,20 @@ pub struct Statistics {
     pub time: Time,
     pub memory: Memory,
     pub bvh: Bvh,
+    pub goal: Option<Goal>,
     pub plan: Plan,
+}
+
+/// What was chosen for an error or a time, and what came of it.
+#[derive(Clone, Debug, Serialize)]
+#[allow(missing_docs, reason = "see the module documentation")]
+pub struct Goal {
+    pub asked: String,
+    pub samples: String,
+    pub expected_error: f64,
+    pub expected_seconds: f64,
+    pub found_error: f64,
+    pub renders: u32,
 }
 
 /// The size of what was rendered.

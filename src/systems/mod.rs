@@ -19,6 +19,7 @@ pub mod frame;
 pub mod geometry;
 pub mod lights;
 pub mod materials;
+pub mod overrides;
 pub mod textures;
 
 use std::path::{Path, PathBuf};
@@ -100,11 +101,7 @@ impl Extracted {
 
     /// The rays that a render will cast at most: what the choice of a preset rests on.
     pub fn expected_rays(&self) -> u64 {
-        let lights: u64 = self.scene.lights.iter().map(|l| u64::from(l.samples())).sum();
-        let paths = self.pixels() * u64::from(self.scene.camera.rays_per_pixel());
-        // Mirrors beyond the first bounce are rare.
-        let bounces = u64::from(self.scene.bounces.min(1));
-        paths.saturating_mul(1 + lights).saturating_mul(1 + bounces)
+        self.scene.expected_rays()
     }
 
     /// The preset that is likely to finish first.

@@ -47,9 +47,29 @@ const ARROWS: &[(&str, &[&str])] = &[
         ],
     ),
     (
+        "accuracy",
+        &[
+            "accel",
+            "error",
+            "image",
+            "kernels",
+            "math",
+            "prepared",
+            "render",
+            "replace",
+            "report",
+            "scene",
+            "selftest",
+            "systems",
+            "tile",
+            "wavefront",
+        ],
+    ),
+    (
         "cli",
         &[
             "accel",
+            "accuracy",
             "error",
             "generate",
             "image",
@@ -92,7 +112,9 @@ const CRATES: &[(&str, &[&str])] = &[
     // Memory of the tree on huge pages. No file is mapped.
     ("memmap2", &["accel"]),
     // Plain data as bytes: the arena, rays, files.
-    ("bytemuck", &["accel", "image", "math", "scene"]),
+    ("bytemuck", &["accel", "image", "math", "prepared", "scene"]),
+    // What tells scenes apart.
+    ("xxhash_rust", &["prepared"]),
 ];
 
 /// The one file with `unsafe` code.

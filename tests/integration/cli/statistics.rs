@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use super::{run_silently, with_ball};
 
 /// Every key that the documentation of the statistics names, as JSON pointers.
-const STATISTICS: [&str; 55] = [
+const STATISTICS: [&str; 56] = [
     "/version",
     "/scene",
     "/tracer",
@@ -61,6 +61,7 @@ const STATISTICS: [&str; 55] = [
     "/bvh/nodes",
     "/bvh/depth",
     "/bvh/bytes",
+    "/goal",
     "/plan/0/effect",
     "/plan/0/reason",
 ];
