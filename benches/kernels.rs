@@ -143,11 +143,8 @@ fn blinn_phong(bencher: Bencher<'_, '_>, kind: &str) {
 
 #[divan::bench(args = [Filter::Nearest, Filter::Bilinear])]
 fn texture_look_up(bencher: Bencher<'_, '_>, filter: Filter) {
-    let image = Image {
-        width: 256,
-        height: 256,
-        texels: Texels::Bytes((0..256 * 256_u32).map(u32::to_le_bytes).collect()),
-    };
+    let texels = (0..256 * 256_u32).map(u32::to_le_bytes).collect();
+    let image = Image::new(256, 256, Texels::Bytes(texels));
     let inputs = inputs(|point| Vec2::new(point(0).x, point(0).y));
     each(bencher, &inputs, |uv| image.look_up(*uv, filter, Wrap::Repeat));
 }

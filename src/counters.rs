@@ -17,6 +17,9 @@ pub struct Counters {
     pub light_samples: u64,
     /// Texels read.
     pub texels: u64,
+    /// Footprints of rays on surfaces: one for each look-up in a trilinear texture, and one for each
+    /// mirror ray where there are such textures.
+    pub footprints: u64,
     /// Tests of boxes and primitives.
     pub tests: TestCounts,
     /// Rays by the kernel that took them through the tree.
@@ -55,6 +58,7 @@ impl std::ops::AddAssign for Counters {
         self.lens_samples += other.lens_samples;
         self.light_samples += other.light_samples;
         self.texels += other.texels;
+        self.footprints += other.footprints;
         self.tests += other.tests;
         self.kernels += other.kernels;
         self.add_invalid(other.invalid, other.first_invalid);

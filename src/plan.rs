@@ -19,6 +19,8 @@ pub enum Effect {
     SmoothShading,
     /// Texture look-ups.
     Textures,
+    /// What rays spread over, for textures that are filtered accordingly.
+    RayDifferentials,
     /// Light from points, with a shadow ray each.
     PointLights,
     /// Light from shapes, with a shadow ray for each sample.
@@ -33,7 +35,7 @@ pub enum Effect {
 
 impl Effect {
     /// Every effect, in the order in which a ray meets them.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::Antialiasing,
         Self::DepthOfField,
         Self::Triangles,
@@ -41,6 +43,7 @@ impl Effect {
         Self::Spheres,
         Self::SmoothShading,
         Self::Textures,
+        Self::RayDifferentials,
         Self::PointLights,
         Self::AreaLights,
         Self::Mirrors,
@@ -54,6 +57,7 @@ impl Effect {
             Self::Spheres => "spheres",
             Self::SmoothShading => "smooth shading",
             Self::Textures => "textures",
+            Self::RayDifferentials => "ray differentials",
             Self::PointLights => "point lights",
             Self::AreaLights => "area lights",
             Self::Mirrors => "mirrors",

@@ -12,12 +12,14 @@ use glam::Vec3;
 
 use crate::accel::{Hit, TestCounts, Traversal};
 use crate::counters::{Counters, Sample};
+use crate::kernels::differential::Differential;
 use crate::kernels::light::LightPoint;
 use crate::kernels::precision::Arithmetic;
 use crate::kernels::shade::{self, ShadingPoint, ShadowRequest};
 use crate::math::random::Stream;
 use crate::math::ray::Ray;
-use crate::prepared::{Arrival, PreparedScene};
+use crate::plan::Effect;
+use crate::prepared::{Arrival, LookUps, MirrorPoint, PreparedScene};
 use crate::tile::{Tile, TraceSettings, Tracer, add_sample};
 
 /// The tracer.
@@ -25,6 +27,9 @@ use crate::tile::{Tile, TraceSettings, Tracer, add_sample};
 pub struct Recursive<P> {
     seed: u64,
     traversal: Traversal,
+    /// Whether the scene calls for ray differentials.
+    differentials: bool,
+    look_ups: LookUps,
     counters: Counters,
     seconds: f64,
     precision: PhantomData<P>,
@@ -35,6 +40,8 @@ impl<P: Arithmetic> Tracer for Recursive<P> {
         Self {
             seed: settings.seed,
             traversal: scene.accel.traversal(),
+            differentials: scene.plan.has(Effect::RayDifferentials),
+            look_ups: LookUps::default(),
             counters: Counters::default(),
             seconds: 0.0,
             precision: PhantomData,
@@ -58,7 +65,8 @@ impl<P: Arithmetic> Tracer for Recursive<P> {
 
     fn counters(&self) -> Counters {
         let Traversal { tests, kernels, .. } = self.traversal;
-        Counters { tests, kernels, ..self.counters }
+        let LookUps { texels, footprints } = self.look_ups;
+        Counters { tests, kernels, texels, footprints, ..self.counters }
     }
 
     fn pass_seconds(&self) -> Vec<(&'static str, f64)> {
@@ -112,11 +120,15 @@ impl<P: Arithmetic> Recursive<P> {
         self.counters.lens_samples += u64::from(scene.camera.has_lens());
         let mut throughput = Vec3::ONE;
         let mut radiance = Vec3::ZERO;
+        // Of a mirror ray; that of a camera ray follows from its direction.
+        let mut carried: Option<Differential> = None;
         loop {
             let before = self.traversal.tests;
             let hit = scene.accel.closest(&ray, &mut self.traversal);
             observer.ray(&ray, &hit, self.traversal.tests - before);
-            let end = match scene.arrival::<P>(&ray, &hit, &mut self.counters.texels) {
+            let differential =
+                || carried.unwrap_or_else(|| scene.camera.differential(ray.direction));
+            let end = match scene.arrival::<P>(&ray, &hit, differential, &mut self.look_ups) {
                 Arrival::Surface(point) => {
                     radiance += throughput * shade::local_light(&point, scene.ambient);
                     observer.surface(&point, radiance);
@@ -129,6 +141,12 @@ impl<P: Arithmetic> Recursive<P> {
                     } else if let Some((next, weight)) = shade::mirror(&point, throughput) {
                         observer.done(radiance, None);
                         self.counters.secondary_rays += 1;
+                        if self.differentials {
+                            let found = &mut self.look_ups;
+                            let mirror = MirrorPoint::of(&point);
+                            let from = differential();
+                            carried = Some(scene.mirrored(&from, &ray, &hit, &mirror, found));
+                        }
                         (ray, throughput) = (next, weight);
                         stream.bounce += 1;
                         continue;

@@ -2,6 +2,7 @@
 //!
 //! The image is upright and unmirrored: the first pixel is top left, x runs to the camera's right.
 
+mod differential;
 pub mod lanes;
 
 use glam::{DVec3, Vec2, Vec3};

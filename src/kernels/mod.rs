@@ -6,6 +6,7 @@
 
 pub mod blinn_phong;
 pub mod camera;
+pub mod differential;
 pub mod light;
 pub mod precision;
 pub mod quad;

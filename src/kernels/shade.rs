@@ -106,10 +106,7 @@ pub fn mirror(point: &ShadingPoint, throughput: Vec3) -> Option<(Ray, Vec3)> {
     if !point.lit || point.material.kr <= 0.0 {
         return None;
     }
-    let smooth = reflection(point.view, point.shading_normal);
-    // An interpolated normal can send the ray into the surface: the geometric one cannot.
-    let direction =
-        if dot(smooth, point.normal) > 0.0 { smooth } else { reflection(point.view, point.normal) };
+    let (direction, _) = mirrored(point.view, point.shading_normal, point.normal);
     let weight = throughput * point.material.kr;
     if weight == Vec3::ZERO {
         return None;
@@ -117,6 +114,14 @@ pub fn mirror(point: &ShadingPoint, throughput: Vec3) -> Option<(Ray, Vec3)> {
     let origin = offset_origin(point.point, point.error, point.normal, direction);
     let ray = Ray::new(origin, direction);
     ray.is_valid().then_some((ray, weight))
+}
+
+/// `view` turned about the shading normal, and whether it was that; else about the geometric normal.
+/// An interpolated normal can send the ray into the surface, where the geometric one cannot.
+#[inline]
+pub fn mirrored(view: Vec3, shading_normal: Vec3, normal: Vec3) -> (Vec3, bool) {
+    let smooth = reflection(view, shading_normal);
+    if dot(smooth, normal) > 0.0 { (smooth, true) } else { (reflection(view, normal), false) }
 }
 
 /// `view` turned about `normal`, of unit length.

@@ -1,10 +1,13 @@
 //! Texture coordinates and texture look-up.
 
+mod pyramid;
+
 use std::f32::consts::{PI, TAU};
 
-use glam::{Vec2, Vec3};
+use glam::{DVec2, DVec3, Vec2, Vec3};
 
 use crate::math::float::{dot, dot_f64};
+use pyramid::Level;
 
 /// How a look-up between texels is answered.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -14,25 +17,21 @@ pub enum Filter {
     /// The four texels around the point, weighted.
     #[default]
     Bilinear,
+    /// As [`Filter::Bilinear`] in each of the two levels of the image's pyramid whose texels are
+    /// next in size to what the look-up is for, and between these. See [`Image::level`].
+    Trilinear,
 }
 
 impl Filter {
     /// Every filter, from the plainest on.
-    pub const ALL: [Self; 2] = [Self::Nearest, Self::Bilinear];
+    pub const ALL: [Self; 3] = [Self::Nearest, Self::Bilinear, Self::Trilinear];
 
     /// What scene files call it.
     pub fn name(self) -> &'static str {
         match self {
             Self::Nearest => "nearest",
             Self::Bilinear => "bilinear",
-        }
-    }
-
-    /// Number of texels that one look-up reads.
-    pub fn texels(self) -> u64 {
-        match self {
-            Self::Nearest => 1,
-            Self::Bilinear => 4,
+            Self::Trilinear => "trilinear",
         }
     }
 }
@@ -65,15 +64,36 @@ pub struct Image {
     pub height: u32,
     /// `width` times `height` of them.
     pub texels: Texels,
+    /// The levels of the pyramid above the texels, down to one texel; none where it is not built.
+    levels: Vec<Level>,
 }
 
 impl Image {
-    /// Bytes held.
+    /// An image without pyramid. `width` and `height` are at least 1, and there are as many
+    /// `texels` as they say.
+    pub fn new(width: u32, height: u32, texels: Texels) -> Self {
+        Self { width, height, texels, levels: Vec::new() }
+    }
+
+    /// Builds the pyramid, unless it is there: see [`pyramid`].
+    pub fn build_pyramid(&mut self) {
+        if self.levels.is_empty() {
+            self.levels = pyramid::levels(self.width, self.height, |x, y| self.texel(x, y));
+        }
+    }
+
+    /// Bytes held, those of the pyramid counted.
     pub fn bytes(&self) -> usize {
-        match &self.texels {
+        let texels = match &self.texels {
             Texels::Bytes(texels) => size_of_val(texels.as_slice()),
             Texels::Floats(texels) => size_of_val(texels.as_slice()),
-        }
+        };
+        texels + self.levels.iter().map(Level::bytes).sum::<usize>()
+    }
+
+    /// The greatest level of detail: 0 without a pyramid.
+    pub fn coarsest(&self) -> u32 {
+        self.levels.len() as u32
     }
 
     #[inline]
@@ -89,22 +109,99 @@ impl Image {
     }
 
     /// The colour at `uv`: u from left to right, v from bottom to top, both 0 to 1 across the
-    /// image. Coordinates that are not finite count as 0.
+    /// image. Coordinates that are not finite count as 0. Trilinear, where nothing is said of a
+    /// level, is bilinear.
     #[inline]
     pub fn look_up(&self, uv: Vec2, filter: Filter, wrap: Wrap) -> Vec3 {
-        let x = position(uv.x, self.width, wrap);
-        let y = position(1.0 - uv.y, self.height, wrap);
         match filter {
-            Filter::Nearest => self.texel(below(x, self.width), below(y, self.height)),
-            Filter::Bilinear => {
-                let (x0, x1, fx) = neighbours(x, self.width, wrap);
-                let (y0, y1, fy) = neighbours(y, self.height, wrap);
-                let top = self.texel(x0, y0).lerp(self.texel(x1, y0), fx);
-                let bottom = self.texel(x0, y1).lerp(self.texel(x1, y1), fx);
-                top.lerp(bottom, fy)
+            Filter::Nearest => {
+                let x = position(uv.x, self.width, wrap);
+                let y = position(1.0 - uv.y, self.height, wrap);
+                self.texel(below(x, self.width), below(y, self.height))
+            }
+            Filter::Bilinear | Filter::Trilinear => {
+                bilinear([self.width, self.height], uv, wrap, |x, y| self.texel(x, y))
             }
         }
     }
+
+    /// The level of detail for a look-up that stands for a parallelogram, whose sides in texture
+    /// coordinates are `footprint`: the binary logarithm of the longer side in texels, from 0 to
+    /// [`Image::coarsest`] (Williams, *Pyramidal Parametrics*, SIGGRAPH 1983; the longer side as in
+    /// Heckbert, *Survey of Texture Mapping*, 1986). What is longer on one side than on the other
+    /// is thus rather blurred than aliased. Where a side is not finite, as where a ray grazes its
+    /// surface, the level is the coarsest.
+    pub fn level(&self, footprint: &[Vec2; 2]) -> f32 {
+        let coarsest = self.coarsest() as f32;
+        let size = DVec2::new(f64::from(self.width), f64::from(self.height));
+        // No square of a single-precision number overflows in double precision.
+        let [x, y] = footprint.map(|side| (side.as_dvec2() * size).length_squared());
+        if !(x.is_finite() && y.is_finite()) {
+            return coarsest;
+        }
+        let longer = if x > y { x } else { y };
+        // The logarithm of 0 is infinite, below every level.
+        (0.5 * libm::log2(longer)).clamp(0.0, f64::from(coarsest)) as f32
+    }
+
+    /// The colour at `uv`, bilinear in the level of detail and, where that lies between two levels,
+    /// linear between their answers; and the number of texels read, 4 or 8. A level below 0 counts
+    /// as 0; one above [`Image::coarsest`], or one that is no number, as that.
+    pub fn look_up_at(&self, uv: Vec2, level: f32, wrap: Wrap) -> (Vec3, u64) {
+        let coarsest = self.coarsest() as f32;
+        let level = if level < coarsest { level.max(0.0) } else { coarsest };
+        let finer = level.floor();
+        let color = self.look_up_in(finer as usize, uv, wrap);
+        if level == finer {
+            return (color, TEXELS_BETWEEN);
+        }
+        let coarser = self.look_up_in(finer as usize + 1, uv, wrap);
+        (mix(color, coarser, level - finer), 2 * TEXELS_BETWEEN)
+    }
+
+    /// As [`Image::look_up_at`] of a whole number.
+    #[inline]
+    fn look_up_in(&self, level: usize, uv: Vec2, wrap: Wrap) -> Vec3 {
+        match level.checked_sub(1).and_then(|above| self.levels.get(above)) {
+            None => self.look_up(uv, Filter::Bilinear, wrap),
+            Some(level) => bilinear(level.size, uv, wrap, |x, y| level.texel(x, y)),
+        }
+    }
+}
+
+/// Texels that a bilinear look-up reads.
+const TEXELS_BETWEEN: u64 = 4;
+
+impl Filter {
+    /// Number of texels that one look-up in one level reads.
+    pub fn texels(self) -> u64 {
+        match self {
+            Self::Nearest => 1,
+            Self::Bilinear | Self::Trilinear => TEXELS_BETWEEN,
+        }
+    }
+}
+
+/// The four texels about `uv` of an image of this size, weighted.
+#[inline]
+fn bilinear(
+    [width, height]: [u32; 2],
+    uv: Vec2,
+    wrap: Wrap,
+    texel: impl Fn(u32, u32) -> Vec3,
+) -> Vec3 {
+    let (x0, x1, fx) = neighbours(position(uv.x, width, wrap), width, wrap);
+    let (y0, y1, fy) = neighbours(position(1.0 - uv.y, height, wrap), height, wrap);
+    let top = mix(texel(x0, y0), texel(x1, y0), fx);
+    let bottom = mix(texel(x0, y1), texel(x1, y1), fx);
+    mix(top, bottom, fy)
+}
+
+/// From `a` to `b` by `fraction`, below 1. Between equal colours it is that colour: the weights, once
+/// rounded, need not add up to 1.
+#[inline]
+fn mix(a: Vec3, b: Vec3, fraction: f32) -> Vec3 {
+    if a == b { a } else { a.lerp(b, fraction) }
 }
 
 /// The place of `coordinate` along `count` texels: in \[0, count\].
@@ -148,6 +245,23 @@ pub fn sphere_uv(normal: Vec3) -> Vec2 {
     Vec2::new(u, v)
 }
 
+/// How the coordinates of [`sphere_uv`] change where the normal, of unit length, changes by `turn`.
+///
+/// All u meet at a pole, so that near it their derivative has no bound. The change of u is therefore
+/// the angle that `turn` is seen under from the axis: the derivative where `turn` is short, and a
+/// quarter of a turn at most, which is what a step away from the pole itself is taken for. That u
+/// begins again behind the sphere changes nothing here.
+pub fn sphere_uv_change(normal: Vec3, turn: Vec3) -> Vec2 {
+    let (n, turn) = (normal.as_dvec3(), turn.as_dvec3());
+    let from_axis = (n.x * n.x + n.z * n.z).sqrt();
+    let (sin, cos) = if from_axis > 0.0 { (n.x / from_axis, n.z / from_axis) } else { (0.0, 1.0) };
+    let along_parallel = DVec3::new(cos, 0.0, -sin);
+    let along_meridian = DVec3::new(-sin * n.y, from_axis, -cos * n.y);
+    let u = libm::atan2(dot_f64(turn, along_parallel), from_axis) / std::f64::consts::TAU;
+    let v = dot_f64(turn, along_meridian) / std::f64::consts::PI;
+    DVec2::new(u, v).as_vec2()
+}
+
 /// Texture coordinates on a plane: projections on two of its edges.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlanarMap {
@@ -170,8 +284,13 @@ impl PlanarMap {
     /// The coordinates of `point`.
     #[inline]
     pub fn uv(&self, point: Vec3) -> Vec2 {
-        let p = point - self.origin;
-        Vec2::new(dot(p, self.u), dot(p, self.v))
+        self.change(point - self.origin)
+    }
+
+    /// How the coordinates change with the point.
+    #[inline]
+    pub fn change(&self, step: Vec3) -> Vec2 {
+        Vec2::new(dot(step, self.u), dot(step, self.v))
     }
 }
 
@@ -182,7 +301,8 @@ mod tests {
     /// Red grows along x by tenths, green down y.
     fn gradient(width: u32, height: u32) -> Image {
         let texel = |i: u32| [(i % width) as f32 / 10.0, (i / width) as f32 / 10.0, 0.0];
-        Image { width, height, texels: Texels::Floats((0..width * height).map(texel).collect()) }
+        let texels = (0..width * height).map(texel).collect();
+        Image::new(width, height, Texels::Floats(texels))
     }
 
     #[test]

@@ -2,13 +2,14 @@
 
 use glam::{Vec2, Vec3};
 
-use super::{Looks, PreparedScene, Shape, Texture, UvMap};
+use super::{LookUps, Looks, PreparedScene, Shape, Texture, UvMap};
 use crate::accel::Hit;
 use crate::accel::geometry::{Geometry, Primitive};
+use crate::kernels::differential::Differential;
 use crate::kernels::precision::Arithmetic;
 use crate::kernels::shade::ShadingPoint;
 use crate::kernels::surface::{self, Surface};
-use crate::kernels::texture;
+use crate::kernels::texture::{self, Filter};
 use crate::math::float::{dot, normalize};
 use crate::math::ray::Ray;
 
@@ -38,9 +39,15 @@ impl PreparedScene {
         }
     }
 
-    /// Where `ray` arrives with `hit`. Texels read are added to `texels`.
+    /// Where `ray` arrives with `hit`. Its `differential` is asked for where a texture needs it.
     #[inline]
-    pub fn arrival<P: Arithmetic>(&self, ray: &Ray, hit: &Hit, texels: &mut u64) -> Arrival {
+    pub fn arrival<P: Arithmetic>(
+        &self,
+        ray: &Ray,
+        hit: &Hit,
+        differential: impl FnOnce() -> Differential,
+        look_ups: &mut LookUps,
+    ) -> Arrival {
         if hit.is_miss() {
             return Arrival::Nothing;
         }
@@ -58,8 +65,12 @@ impl PreparedScene {
         let color = match &shape.texture {
             None => material.color,
             Some(texture) => {
-                *texels += texture.filter.texels();
-                self.looks.texture_color(texture, shape, geometry, hit.primitive, &surface)
+                let face = (shape, hit.primitive);
+                let footprint = || {
+                    let steps = differential().at(ray, hit.t, surface.normal);
+                    self.looks.footprint(texture, geometry, face, &surface, steps)
+                };
+                self.looks.texture_color(texture, geometry, face, &surface, footprint, look_ups)
             }
         };
         Arrival::Surface(ShadingPoint {
@@ -108,26 +119,46 @@ impl Looks {
         self.corners(shape, geometry, primitive, |mesh| mesh.normals.as_ref())
     }
 
-    /// The colour that a texture gives the point `surface` of the primitive.
+    /// The colour that a texture gives the point `surface` of the shape's primitive. Its footprint in
+    /// texture coordinates is asked for where the filter needs it.
+    #[inline]
     pub fn texture_color(
         &self,
         texture: &Texture,
-        shape: &Shape,
         geometry: &Geometry,
-        primitive: u32,
+        (shape, primitive): (&Shape, u32),
         surface: &Surface,
+        footprint: impl FnOnce() -> [Vec2; 2],
+        look_ups: &mut LookUps,
     ) -> Vec3 {
         let uv = match &texture.map {
             UvMap::Planar(map) => map.uv(surface.point),
             UvMap::Sphere(to_own) => texture::sphere_uv(normalize(*to_own * surface.normal)),
-            UvMap::Mesh => self
-                .corners(shape, geometry, primitive, |mesh| mesh.uvs.as_ref())
-                .map_or(Vec2::ZERO, |corners| {
-                    let [wa, wb, wc] = weights(surface.barycentric);
-                    corners[0] * wa + corners[1] * wb + corners[2] * wc
-                }),
+            UvMap::Mesh => self.uvs(shape, geometry, primitive).map_or(Vec2::ZERO, |corners| {
+                let [wa, wb, wc] = weights(surface.barycentric);
+                corners[0] * wa + corners[1] * wb + corners[2] * wc
+            }),
         };
-        self.images[texture.image as usize].look_up(uv, texture.filter, texture.wrap)
+        let image = &self.images[texture.image as usize];
+        if texture.filter != Filter::Trilinear {
+            look_ups.texels += texture.filter.texels();
+            return image.look_up(uv, texture.filter, texture.wrap);
+        }
+        look_ups.footprints += 1;
+        let (color, texels) = image.look_up_at(uv, image.level(&footprint()), texture.wrap);
+        look_ups.texels += texels;
+        color
+    }
+
+    /// The texture coordinates at the corners of a triangle of a mesh.
+    #[inline(always)]
+    pub(super) fn uvs(
+        &self,
+        shape: &Shape,
+        geometry: &Geometry,
+        primitive: u32,
+    ) -> Option<[Vec2; 3]> {
+        self.corners(shape, geometry, primitive, |mesh| mesh.uvs.as_ref())
     }
 
     /// The values of an attribute at the corners of a triangle of a mesh.

@@ -2,6 +2,7 @@
 
 mod arrival;
 mod fingerprint;
+mod footprint;
 mod resample;
 
 use std::ops::Range;
@@ -9,6 +10,7 @@ use std::ops::Range;
 use glam::{DVec3, Mat3, Vec2, Vec3};
 
 pub use arrival::Arrival;
+pub use footprint::MirrorPoint;
 pub use resample::{Original, Samples};
 
 use crate::accel::Accel;
@@ -50,6 +52,16 @@ pub struct PreparedScene {
 pub struct Dropped {
     /// Triangles without area.
     pub degenerate: u64,
+}
+
+/// Work done to find out what surfaces look like, for the statistics.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct LookUps {
+    /// Texels read.
+    pub texels: u64,
+    /// Footprints of rays: one for each look-up in a trilinear texture, and one for each mirror ray
+    /// where there are such textures.
+    pub footprints: u64,
 }
 
 /// The looks of the primitives: shapes, what they are made of, and their textures.

@@ -7,6 +7,7 @@
 //! | `image.width`, `.height`, `.samples_per_pixel` | pixels, rays | the image, or the part of it |
 //! | `rays.primary`, `.secondary`, `.shadow` | rays | camera, mirror and shadow rays traced |
 //! | `samples.lens`, `.light`, `.texels` | | points chosen on the lens and on area lights; texels read |
+//! | `samples.footprints` | | footprints of rays on surfaces, for trilinear textures and for mirrors that may show them |
 //! | `tests.nodes` | nodes | inner nodes visited, by a ray or by many together, each testing eight boxes |
 //! | `tests.primitives.triangles`, `.quads`, `.spheres` | tests | tests of primitives |
 //! | `kernels.closest.packet`, `.stream`, `.single` | rays | camera and mirror rays by the kernel that took them first: a packet, many in flight, one alone |
@@ -102,6 +103,7 @@ pub struct Samples {
     pub lens: u64,
     pub light: u64,
     pub texels: u64,
+    pub footprints: u64,
 }
 
 /// Tests by kind.
@@ -198,7 +200,12 @@ impl Rays {
 
 impl From<&Counters> for Samples {
     fn from(c: &Counters) -> Self {
-        Self { lens: c.lens_samples, light: c.light_samples, texels: c.texels }
+        Self {
+            lens: c.lens_samples,
+            light: c.light_samples,
+            texels: c.texels,
+            footprints: c.footprints,
+        }
     }
 }
 

@@ -19,7 +19,7 @@ fn waves(width: u32, height: u32, is_bytes: bool) -> Image {
     } else {
         Texels::Floats(each.map(|[x, y]| [x as f32 * STEP, y as f32 * STEP, 0.0]).collect())
     };
-    Image { width, height, texels }
+    Image::new(width, height, texels)
 }
 
 /// A coordinate: an end, next to one, far out, or of random bits.
@@ -58,7 +58,7 @@ fn value(coordinate: f32, count: u32, filter: Filter, wrap: Wrap) -> f64 {
     };
     match filter {
         Filter::Nearest => texel(at.floor() as i64),
-        Filter::Bilinear => {
+        Filter::Bilinear | Filter::Trilinear => {
             let first = (at - 0.5).floor();
             let between = at - 0.5 - first;
             let first = first as i64;

@@ -5,8 +5,8 @@ use hecs::World;
 
 use crate::plan::{Decision, Effect, Plan};
 use crate::scene::components::{
-    AreaLight, Material, Mesh, PointLight, Quad, Settings, Shading, Sphere, TextureRef, ThinLens,
-    Triangle, View,
+    AreaLight, Filter, Material, Mesh, PointLight, Quad, Settings, Shading, Sphere, TextureRef,
+    ThinLens, Triangle, View,
 };
 
 /// Decides every effect.
@@ -21,6 +21,7 @@ fn decide(world: &World, effect: Effect) -> Decision {
         Effect::Spheres => count(spheres(world), "sphere", "no shape is a sphere"),
         Effect::SmoothShading => smooth(world),
         Effect::Textures => count(textured(world), "textured shape", "no shape has a texture"),
+        Effect::RayDifferentials => ray_differentials(world),
         Effect::PointLights => {
             count(point_lights(world), "point light", "no point light has power")
         }
@@ -67,6 +68,12 @@ fn smooth(world: &World) -> (bool, String) {
 
 fn textured(world: &World) -> usize {
     world.query::<&TextureRef>().without::<&AreaLight>().iter().count()
+}
+
+fn ray_differentials(world: &World) -> (bool, String) {
+    let mut textures = world.query::<&TextureRef>().without::<&AreaLight>();
+    let n = textures.iter().filter(|texture| texture.filter == Filter::Trilinear).count();
+    count(n, "trilinear texture", "no texture is trilinear")
 }
 
 /// A light of no intensity or of a black colour lights nothing.

@@ -8,7 +8,7 @@ use hecs::World;
 
 use super::geometry::ShapeOutput;
 use crate::error::{Error, ErrorKind, Result};
-use crate::kernels::texture::{Image, Texels};
+use crate::kernels::texture::{Filter, Image, Texels};
 use crate::plan::{Effect, Plan};
 use crate::prepared::{Texture, UvMap};
 use crate::scene::components::{JsonPath, TextureRef};
@@ -18,7 +18,8 @@ const MAX_SIDE: u32 = 1 << 16;
 /// The largest image that is decoded, in bytes.
 const MAX_BYTES: u64 = 4 << 30;
 
-/// Decodes the images that `shapes` wear and notes in each shape which it is.
+/// Decodes the images that `shapes` wear and notes in each shape which it is. Those that a shape
+/// wears with trilinear filter get a pyramid.
 pub fn run(world: &World, plan: &Plan, shapes: &mut [ShapeOutput]) -> Result<Vec<Image>> {
     let mut images = Vec::new();
     if !plan.has(Effect::Textures) {
@@ -36,6 +37,9 @@ pub fn run(world: &World, plan: &Plan, shapes: &mut [ShapeOutput]) -> Result<Vec
                 number
             }
         };
+        if reference.filter == Filter::Trilinear {
+            images[number as usize].build_pyramid();
+        }
         shape.shape.texture = Some(Texture {
             image: number,
             filter: reference.filter,
@@ -83,7 +87,7 @@ pub fn decode(path: &Path) -> Result<Image> {
         let message = format!("the texture {} has no texels", path.display());
         return Err(Error::new(ErrorKind::Texture, message).value(format!("{width} x {height}")));
     }
-    Ok(Image { width, height, texels: texels(decoded) })
+    Ok(Image::new(width, height, texels(decoded)))
 }
 
 fn texels(decoded: image::DynamicImage) -> Texels {

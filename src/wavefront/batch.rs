@@ -12,11 +12,13 @@ use glam::Vec3;
 
 use crate::accel::{Hit, RayColumns, Rays as AllRays};
 use crate::kernels::blinn_phong::lanes::Reflection;
+use crate::kernels::differential::Differential;
 use crate::kernels::shade::SHADOW_END;
 use crate::kernels::shade::lanes::{LitPoints as LitLanes, Mirrored, ShadowRequests};
 use crate::math::lanes::Vec3x8;
 use crate::math::ray::Ray;
 use crate::math::simd::{LANES, Lanes};
+use crate::plan::Effect;
 use crate::prepared::PreparedScene;
 use columns::{Column, count, pack};
 
@@ -104,6 +106,42 @@ impl Rays {
         let count = count(rays.asked);
         self.rows += count;
         count
+    }
+}
+
+columns! {
+    /// Differentials of mirror rays, a row for each of [`Rays`], where the scene calls for them. Those
+    /// of camera rays follow from their directions and have no rows. Written and read by shade.
+    Differentials {
+        /// Change of the origin for a step to the right, in scene units.
+        origin_right: Vectors,
+        /// The same for a step down.
+        origin_down: Vectors,
+        /// Change of the direction for a step to the right.
+        direction_right: Vectors,
+        /// The same for a step down.
+        direction_down: Vectors,
+    }
+}
+
+impl Differentials {
+    /// The `i`th.
+    pub fn get(&self, i: usize) -> Differential {
+        Differential {
+            origin: [self.origin_right.get(i), self.origin_down.get(i)],
+            direction: [self.direction_right.get(i), self.direction_down.get(i)],
+        }
+    }
+
+    /// Appends one.
+    pub fn push(&mut self, differential: &Differential) {
+        let i = self.rows;
+        let Differential { origin, direction } = *differential;
+        self.origin_right.set(i, origin[0]);
+        self.origin_down.set(i, origin[1]);
+        self.direction_right.set(i, direction[0]);
+        self.direction_down.set(i, direction[1]);
+        self.rows += 1;
     }
 }
 
@@ -259,6 +297,10 @@ pub struct Batch {
     pub shadows: ShadowRays,
     /// The rays of the next bounce.
     pub next: Rays,
+    /// The differentials of the rays, after the first bounce.
+    pub differentials: Differentials,
+    /// Those of the next rays.
+    pub next_differentials: Differentials,
 }
 
 impl Batch {
@@ -267,6 +309,7 @@ impl Batch {
         let capacity = capacity.max(1);
         let lights = if scene.plan.has_shadows() { capacity } else { 0 };
         let mirrors = if scene.bounces > 0 { capacity } else { 0 };
+        let differentials = if carries_differentials(scene) { capacity } else { 0 };
         Self {
             capacity,
             paths: Paths::with_capacity(capacity),
@@ -275,6 +318,8 @@ impl Batch {
             lit: LitPoints::with_capacity(lights),
             shadows: ShadowRays::with_capacity(lights),
             next: Rays::with_capacity(mirrors),
+            differentials: Differentials::with_capacity(differentials),
+            next_differentials: Differentials::with_capacity(differentials),
         }
     }
 
@@ -291,6 +336,8 @@ impl Batch {
         }
         std::mem::swap(&mut self.rays, &mut self.next);
         self.next.clear();
+        std::mem::swap(&mut self.differentials, &mut self.next_differentials);
+        self.next_differentials.clear();
         true
     }
 
@@ -305,6 +352,14 @@ impl Batch {
         if scene.bounces > 0 {
             groups.push(("next rays", Rays::ROW_BYTES));
         }
+        if carries_differentials(scene) {
+            groups.push(("differentials", 2 * Differentials::ROW_BYTES));
+        }
         groups
     }
+}
+
+/// Whether mirror rays have differentials.
+pub(super) fn carries_differentials(scene: &PreparedScene) -> bool {
+    scene.bounces > 0 && scene.plan.has(Effect::RayDifferentials)
 }

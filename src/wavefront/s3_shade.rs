@@ -11,16 +11,18 @@ use fearless_simd::prelude::*;
 use fearless_simd::{f32x8, mask32x8, u32x8};
 use glam::{Vec2, Vec3};
 
-use super::batch::{Batch, Vectors};
-use crate::accel::NO_PRIMITIVE;
+use super::batch::{Batch, Vectors, carries_differentials};
+use crate::accel::{Hit, NO_PRIMITIVE};
 use crate::counters::Counters;
 use crate::kernels::blinn_phong::lanes::Reflection;
+use crate::kernels::differential::Differential;
 use crate::kernels::precision::Arithmetic;
 use crate::kernels::shade::lanes::{LitPoints, mirrors};
 use crate::kernels::surface::lanes::{Surfaces, interpolated_normal, spheres_at, triangles_at};
 use crate::math::lanes::Vec3x8;
+use crate::math::ray::Ray;
 use crate::math::simd::{Kernel, LANES, Lanes, dispatch};
-use crate::prepared::PreparedScene;
+use crate::prepared::{LookUps, MirrorPoint, PreparedScene};
 use faces::{Face, Faces, Group};
 
 /// Which of the lists of waiting hits is that of spheres; the other is of triangles and quads.
@@ -36,15 +38,19 @@ pub(super) fn run<P: Arithmetic>(
 ) {
     batch.lit.clear();
     batch.next.clear();
+    batch.next_differentials.clear();
+    let differentials = carries_differentials(scene);
     dispatch(
         scene.accel.level,
-        Shade::<P> { scene, bounce, batch, counters, precision: PhantomData },
+        Shade::<P> { scene, bounce, differentials, batch, counters, precision: PhantomData },
     );
 }
 
 struct Shade<'a, P> {
     scene: &'a PreparedScene,
     bounce: u32,
+    /// Whether mirror rays have differentials.
+    differentials: bool,
     batch: &'a mut Batch,
     counters: &'a mut Counters,
     precision: PhantomData<P>,
@@ -169,6 +175,9 @@ impl<P: Arithmetic> Shade<'_, P> {
             let mut next = mirrors(&points, kr);
             next.asked &= lit;
             self.counters.secondary_rays += self.batch.next.push_lanes(&next, path) as u64;
+            if self.differentials {
+                self.mirror_differentials(group, &points, next.asked);
+            }
         }
     }
 
@@ -204,11 +213,9 @@ impl<P: Arithmetic> Shade<'_, P> {
     /// Replaces the colours of hits on shapes with textures.
     fn textures<S: Lanes>(&mut self, group: &Group, surfaces: &Surfaces<S>, color: &mut Vec3x8<S>) {
         let (looks, geometry) = (&self.scene.looks, &self.scene.accel.geometry);
-        let mut textured = group.textured & group.used;
-        while textured != 0 {
-            let lane = textured.trailing_zeros() as usize & (LANES - 1);
-            textured &= textured - 1;
-            let Face { primitive, shape, .. } = group.faces[lane];
+        let mut look_ups = LookUps::default();
+        for lane in lanes(group.textured & group.used) {
+            let Face { ray, primitive, shape } = group.faces[lane];
             let shape = &looks.shapes[shape as usize];
             let Some(texture) = &shape.texture else { continue };
             let [y, z] = surfaces.barycentric;
@@ -219,11 +226,66 @@ impl<P: Arithmetic> Shade<'_, P> {
                 surfaces.normal.lane(lane),
                 Vec2::new(y[lane], z[lane]),
             );
-            self.counters.texels += texture.filter.texels();
-            let found = looks.texture_color(texture, shape, geometry, primitive, &surface);
+            let face = (shape, primitive);
+            let footprint = || {
+                let (differential, ray, hit) = self.arriving(ray);
+                let steps = differential.at(&ray, hit.t, surface.normal);
+                looks.footprint(texture, geometry, face, &surface, steps)
+            };
+            let found =
+                looks.texture_color(texture, geometry, face, &surface, footprint, &mut look_ups);
             color.set_lane(lane, found);
         }
+        self.count(look_ups);
     }
+
+    /// Appends the differentials of the mirror rays that there are.
+    #[inline(never)]
+    fn mirror_differentials<S: Lanes>(
+        &mut self,
+        group: &Group,
+        points: &LitPoints<S>,
+        asked: mask32x8<S>,
+    ) {
+        let mut look_ups = LookUps::default();
+        for lane in lanes((asked.to_bitmask() & 0xFF) as u32) {
+            let (differential, ray, hit) = self.arriving(group.rays[lane]);
+            let point = MirrorPoint {
+                point: points.point.lane(lane),
+                normal: points.normal.lane(lane),
+                shading_normal: points.shading_normal.lane(lane),
+            };
+            let next = self.scene.mirrored(&differential, &ray, &hit, &point, &mut look_ups);
+            self.batch.next_differentials.push(&next);
+        }
+        self.count(look_ups);
+    }
+
+    /// A ray of that number, with its differential and its hit.
+    fn arriving(&self, ray: u32) -> (Differential, Ray, Hit) {
+        let number = ray as usize;
+        let (ray, hit) = (self.batch.rays.ray(number), self.batch.hits.hit[number]);
+        let differential = match self.bounce {
+            0 => self.scene.camera.differential(ray.direction),
+            _ => self.batch.differentials.get(number),
+        };
+        (differential, ray, hit)
+    }
+
+    fn count(&mut self, look_ups: LookUps) {
+        self.counters.texels += look_ups.texels;
+        self.counters.footprints += look_ups.footprints;
+    }
+}
+
+/// The lanes whose bits are set, one after the other.
+#[inline(always)]
+fn lanes(mut bits: u32) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let lane = bits.trailing_zeros() as usize;
+        bits &= bits.wrapping_sub(1);
+        (lane < LANES).then_some(lane)
+    })
 }
 
 /// The lanes whose bits are set.

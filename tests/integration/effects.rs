@@ -243,6 +243,7 @@ fn what_a_plan_leaves_out_is_not_counted_in_any_scene() {
             (Effect::Quads, found.tests.quads),
             (Effect::Spheres, found.tests.spheres),
             (Effect::Textures, found.texels),
+            (Effect::RayDifferentials, found.footprints),
             (Effect::AreaLights, found.light_samples),
             (Effect::Mirrors, found.secondary_rays),
             (Effect::DepthOfField, found.lens_samples),
@@ -265,4 +266,42 @@ fn columns_that_a_scene_does_not_need_have_no_storage() {
     assert_eq!(groups(0, &[light()]), ["paths", "rays", "hits", "lit points", "shadow rays"]);
     let all = groups(2, &[light()]);
     assert_eq!(all, ["paths", "rays", "hits", "lit points", "shadow rays", "next rays"]);
+}
+
+#[test]
+fn differentials_have_storage_where_a_trilinear_texture_can_be_mirrored() {
+    let folder = folder();
+    let film = Film::from_pixels(2, 2, vec![[0.5; 3]; 4]).expect("a film");
+    write(&film, &folder.path().join("grey.png"), Transfer::Linear).expect("a file");
+    let of = |bounces, filter: &str| {
+        let worn = with(with(mirror(), "texture", "grey.png"), "filter", filter);
+        let scene = scene(bounces, &camera(), &[], &[worn, behind()]);
+        let prepared = try_prepare(&scene, &folder.path().join("scene.json")).expect("a scene");
+        let groups = Batch::bytes_per_path(&prepared);
+        let bytes = groups.into_iter().find(|(name, _)| *name == "differentials");
+        let batch = Batch::new(&prepared, 100);
+        let held =
+            [&batch.differentials, &batch.next_differentials].map(|d| d.direction_down.room());
+        assert_eq!(held.iter().all(|&rows| rows >= 100), bytes.is_some());
+        assert_eq!(held.iter().all(|&rows| rows == 0), bytes.is_none());
+        let is_planned = prepared.plan.has(Effect::RayDifferentials);
+        (is_planned, bytes.map_or(0, |(_, bytes)| bytes), counters(&prepared).footprints)
+    };
+    for filter in ["nearest", "bilinear"] {
+        assert_eq!(of(2, filter), (false, 0, 0), "{filter}");
+    }
+    assert_eq!(of(0, "trilinear"), (true, 0, PIXELS), "camera rays need no column");
+    // Each look-up counts once, and so does each mirror ray, which meets the other wall.
+    assert_eq!(of(2, "trilinear"), (true, 96, 2 * PIXELS));
+}
+
+/// Only what is seen counts: lights show their own colour.
+#[test]
+fn the_filter_of_a_light_asks_for_nothing() {
+    let mut light = area_light(30.0);
+    light["shape"]["texture"] = "missing.png".into();
+    light["shape"]["filter"] = "trilinear".into();
+    let prepared = prepare(&scene(1, &camera(), &[light], &[mirror()]));
+    assert!(!prepared.plan.has(Effect::RayDifferentials));
+    assert_eq!(counters(&prepared).footprints, 0);
 }

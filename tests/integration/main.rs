@@ -24,6 +24,9 @@ mod closed_form;
 // A scene pays for the effects that it shows and for no others; the counters prove it.
 mod effects;
 
+// Textures over what rays spread to: against references of many rays, and what they cost.
+mod filtering;
+
 // The modules import each other in one direction alone, and files stay short.
 mod architecture;
 

@@ -15,8 +15,8 @@ use wavecrest::render::RenderOptions;
 use wavecrest::tile::Tile;
 
 use crate::support::{
-    TRACERS, extract_small, image, matte, options, pinhole, point_light, render_on, scene,
-    scene_files, with,
+    TRACERS, extract_small, image, matte, options, pinhole, point_light, prepare, render_on, scene,
+    scene_files, sphere, wall, with,
 };
 
 /// The longest side of the images, in pixels: several tiles, and no multiple of one.
@@ -190,6 +190,68 @@ fn the_seed_changes_only_images_of_scenes_that_draw_random_numbers() {
             _ => Ok(()),
         }
     });
+}
+
+/// Trilinear textures on every kind of shape, in mirrors of every kind, through a lens, with several
+/// rays a pixel: all that differentials go through.
+fn filtered() -> Value {
+    let trilinear = |shape: Value, image: &str| {
+        with(with(shape, "texture", format!("textures/{image}.png")), "filter", "trilinear")
+    };
+    let kr = |kr: f64| with(matte(0.7, [0.9, 0.8, 0.7]), "kr", kr);
+    let floor = json!({"type": "trimesh", "material": kr(0.2),
+                       "points": [[-60, -1, 6], [-60, -1, -90], [60, -1, -90], [60, -1, 6]],
+                       "indices": [[0, 1, 2], [0, 2, 3]],
+                       "uvs": [[-15, 0], [-15, 24], [15, 24], [15, 0]]});
+    let smooth = json!({"type": "trimesh", "material": kr(0.6), "shading": "smooth", "sides": "both",
+                        "points": [[1, -1, 0], [1.4, 1.5, -1], [2.5, 1.4, -0.5], [2.4, -1, 0.5]],
+                        "indices": [[0, 1, 2], [0, 2, 3]],
+                        "normals": [[-0.6, 0, 0.8], [-0.4, 0.4, 0.8], [0.3, 0.4, 0.8], [0.5, 0, 0.9]]});
+    let triangle = json!({"type": "triangle", "material": kr(0.0),
+                          "points": [[-3, -1, -2], [-2.5, 2, -2], [-1.2, -1, -1]]});
+    let shapes = [
+        trilinear(floor, "checker"),
+        trilinear(sphere([-0.4, 0.0, 0.0], 1.0, kr(0.4)), "globe"),
+        with(trilinear(sphere([0.9, -0.6, 1.5], 0.4, kr(0.0)), "uvgrid"), "wrap", "clamp"),
+        smooth,
+        trilinear(triangle, "bricks"),
+        trilinear(wall(4.0, -6.0, kr(0.5)), "picture"),
+    ];
+    let lens = [
+        ("type", json!("thinlens")),
+        ("aperture", json!(0.2)),
+        ("focal", json!(6)),
+        ("nsamplesx", json!(2)),
+        ("nsamplesy", json!(1)),
+        ("antialias", json!(2)),
+    ];
+    let camera = pinhole([45, 37], 45.0, 6.0);
+    let camera = lens.into_iter().fold(camera, |camera, (key, value)| with(camera, key, value));
+    scene(3, &camera, &[point_light(60.0, [3.0, 5.0, 6.0], [1.0; 3])], &shapes)
+}
+
+#[test]
+fn trilinear_textures_look_the_same_however_they_are_traced() {
+    let mut scene = prepare(&filtered());
+    let usual = render_on(1, &scene, &options());
+    let counted = usual.counters.footprints;
+    assert!(counted > usual.counters.secondary_rays && usual.counters.invalid == 0);
+    for level in Level::available() {
+        scene.accel.level = level.token().expect("it is available");
+        for tracer in TRACERS {
+            for batch in [1, 3, 7, 8, 9, 64, 65, 1001, 1024, 5000] {
+                let found = render_on(1, &scene, &RenderOptions { tracer, batch, ..options() });
+                let what = format!("{tracer:?}, {}, {batch}", level.name());
+                same(&usual.film, &found.film, &what).unwrap_or_else(|why| panic!("{why}"));
+                assert_eq!(found.counters.footprints, counted, "{what}");
+                assert_eq!(found.counters.texels, usual.counters.texels, "{what}");
+            }
+        }
+    }
+    // The filter does something in this scene: bilinear is another image.
+    let bilinear = filtered().to_string().replace("trilinear", "bilinear");
+    let bilinear = image(&serde_json::from_str(&bilinear).expect("JSON"));
+    assert!(!bilinear.same_bits(&usual.film));
 }
 
 /// Four coplanar shapes that overlap in part, each of a colour of its own, in the order given.

@@ -10,7 +10,7 @@ fn image() -> impl Strategy<Value = Image> {
         let bytes = prop::collection::vec(any::<[u8; 4]>(), count).prop_map(Texels::Bytes);
         let floats = prop::collection::vec(prop::array::uniform3(-10.0_f32..10.0), count)
             .prop_map(Texels::Floats);
-        prop_oneof![bytes, floats].prop_map(move |texels| Image { width, height, texels })
+        prop_oneof![bytes, floats].prop_map(move |texels| Image::new(width, height, texels))
     })
 }
 

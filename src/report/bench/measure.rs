@@ -210,7 +210,7 @@ pub(super) fn difference(
 }
 
 /// Every count but tests and kernels: how the tree is searched is each tracer's own affair.
-fn work(counters: &Counters) -> [(&'static str, u64); 8] {
+fn work(counters: &Counters) -> [(&'static str, u64); 9] {
     let c = counters;
     [
         ("primary_rays", c.primary_rays),
@@ -219,6 +219,7 @@ fn work(counters: &Counters) -> [(&'static str, u64); 8] {
         ("lens_samples", c.lens_samples),
         ("light_samples", c.light_samples),
         ("texels", c.texels),
+        ("footprints", c.footprints),
         ("invalid", c.invalid),
         ("lights_at_surface", c.lights_at_surface),
     ]

@@ -11,7 +11,11 @@ const KEYS: [&str; 5] = ["ks", "kd", "specularexponent", "diffusecolor", "kr"];
 /// Exponents of the highlight. At a million it is a fraction of a pixel wide.
 const EXPONENT: Range = Range::new(0.0, 1e6);
 
-const FILTERS: [(&str, Filter); 2] = [("nearest", Filter::Nearest), ("bilinear", Filter::Bilinear)];
+const FILTERS: [(&str, Filter); 3] = [
+    ("nearest", Filter::Nearest),
+    ("bilinear", Filter::Bilinear),
+    ("trilinear", Filter::Trilinear),
+];
 const WRAPS: [(&str, Wrap); 2] = [("repeat", Wrap::Repeat), ("clamp", Wrap::Clamp)];
 
 /// Reads the `material` of a shape.
@@ -47,9 +51,6 @@ fn warn_above_1(object: &Object<'_>) {
 
 /// Reads the texture of a shape, with the keys that say how it is looked up.
 pub(super) fn texture(object: &Object<'_>) -> Result<Option<TextureRef>> {
-    if let Some(cursor) = object.get("filter") {
-        cursor.refuse(&["trilinear"], "use \"nearest\" or \"bilinear\"")?;
-    }
     let filter = object.choice_or("filter", &FILTERS, Filter::default())?;
     let wrap = object.choice_or("wrap", &WRAPS, Wrap::default())?;
     let Some(cursor) = object.get("texture") else {

@@ -187,16 +187,6 @@ impl<'a> Cursor<'a> {
         })
     }
 
-    /// Refuses words that the format has but that we do not do.
-    pub(crate) fn refuse(&self, words: &[&str], remedy: &str) -> Result<()> {
-        match self.value.as_str() {
-            Some(word) if words.contains(&word) => {
-                Err(self.error("is not supported yet").remedy(remedy))
-            }
-            _ => Ok(()),
-        }
-    }
-
     /// An object that has no keys but `keys`, the keys of `kind` ("a sphere").
     pub(crate) fn object(&self, kind: &'a str, keys: Vec<&'static str>) -> Result<Object<'a>> {
         let object = self.any_object(kind, keys)?;

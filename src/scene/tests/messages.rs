@@ -298,9 +298,8 @@ fn textures() {
     );
     refused(
         "scene.shapes[0].filter",
-        json!("trilinear"),
-        "scene.shapes[0].filter: is not supported yet, found \"trilinear\"; \
-         use \"nearest\" or \"bilinear\"",
+        json!("bicubic"),
+        "scene.shapes[0].filter: must be \"nearest\", \"bilinear\" or \"trilinear\", found \"bicubic\"",
     );
     refused(
         "scene.shapes[0].wrap",

@@ -99,6 +99,11 @@ pub struct Vectors {
 }
 
 impl Vectors {
+    /// Number of rows that there is room for.
+    pub fn room(&self) -> usize {
+        self.x.len()
+    }
+
     /// The `i`th vector.
     #[inline(always)]
     pub fn get(&self, i: usize) -> Vec3 {

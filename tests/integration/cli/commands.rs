@@ -102,7 +102,7 @@ fn explain_says_it_in_json_too() {
         pass["runs"].as_bool().expect("yes or no")
     };
     assert!(runs("shadow") && runs("resolve") && !runs("mirror bounces"));
-    assert_eq!(found["plan"].as_array().map(Vec::len), Some(10));
+    assert_eq!(found["plan"].as_array().map(Vec::len), Some(11));
     let all = ["geometry", "looks", "tree", "program"];
     let lasting: u64 = all.iter().map(|key| found["memory"][key].as_u64().expect("bytes")).sum();
     assert!(found["memory_total"].as_u64().expect("bytes") >= lasting);

@@ -1,0 +1,106 @@
+//! Ray differentials: how a ray changes from one sample of the image to the next, and what it spreads
+//! over on the surfaces that it meets (Igehy, *Tracing Ray Differentials*, SIGGRAPH 1999).
+//!
+//! A differential is a pair of derivatives, for a step to the right and a step down in the image.
+//! Every function here takes the derivative of what a ray does: it is made by the camera
+//! ([`Camera::differential`]), taken along to where the ray meets a surface ([`Differential::at`]),
+//! and turned where it is reflected ([`Differential::reflected`]). There the change of the point
+//! becomes one of texture coordinates: [`PlanarMap::change`], [`sphere_uv_change`] and
+//! [`uv_change`].
+//!
+//! All is computed in double precision and rounded once a step. Where a ray grazes its surface the
+//! derivative has no bound, and what follows from it may be infinite or no number. It is never
+//! mended here: textures take what is not finite for the coarsest level ([`Image::level`]).
+//!
+//! [`Camera::differential`]: super::camera::Camera::differential
+//! [`PlanarMap::change`]: super::texture::PlanarMap::change
+//! [`sphere_uv_change`]: super::texture::sphere_uv_change
+//! [`Image::level`]: super::texture::Image::level
+
+use glam::{DVec3, Vec2, Vec3};
+
+use crate::math::float::dot_f64;
+use crate::math::ray::Ray;
+
+/// How a ray changes: for a step to the right and for one down.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Differential {
+    /// Of the origin, in scene units.
+    pub origin: [Vec3; 2],
+    /// Of the direction, which is of unit length.
+    pub direction: [Vec3; 2],
+}
+
+impl Differential {
+    /// The change of the point at `t` of `ray`, where it meets a surface of this geometric normal, on
+    /// either side: the neighbouring rays meet the plane through the point.
+    pub fn at(&self, ray: &Ray, t: f32, normal: Vec3) -> [Vec3; 2] {
+        let (direction, normal) = (ray.direction.as_dvec3(), normal.as_dvec3());
+        let towards = dot_f64(direction, normal);
+        [0, 1].map(|axis| {
+            let sideways =
+                self.origin[axis].as_dvec3() + self.direction[axis].as_dvec3() * f64::from(t);
+            let farther = -dot_f64(sideways, normal) / towards;
+            (sideways + direction * farther).as_vec3()
+        })
+    }
+
+    /// The differential of the mirror ray of `ray` about `normal`, of unit length, where points
+    /// change by `steps` and the normal by `turns`.
+    pub fn reflected(&self, ray: &Ray, steps: [Vec3; 2], normal: Vec3, turns: [Vec3; 2]) -> Self {
+        let (direction, normal) = (ray.direction.as_dvec3(), normal.as_dvec3());
+        let along = dot_f64(direction, normal);
+        let turned = [0, 1].map(|axis| {
+            let (change, turn) = (self.direction[axis].as_dvec3(), turns[axis].as_dvec3());
+            let along_changes = dot_f64(change, normal) + dot_f64(direction, turn);
+            (change - (turn * along + normal * along_changes) * 2.0).as_vec3()
+        });
+        Self { origin: steps, direction: turned }
+    }
+}
+
+/// How the interpolated normal of a triangle changes with the point.
+///
+/// `normals` are the values at the `corners`, and `normal` the interpolated one at `point`, of unit
+/// length and on either side. Zero where the values have no direction between them.
+pub fn turn_between(
+    corners: &[Vec3; 3],
+    normals: &[Vec3; 3],
+    point: Vec3,
+    step: Vec3,
+    normal: Vec3,
+) -> Vec3 {
+    let [a, b, c] = normals.map(|n| n.as_dvec3());
+    let [y, z] = weights(corners, point - corners[0]);
+    let sum = a * (1.0 - y - z) + b * y + c * z;
+    let length = dot_f64(sum, sum).sqrt();
+    if length == 0.0 {
+        return Vec3::ZERO;
+    }
+    let [y, z] = weights(corners, step);
+    let change = (b - a) * y + (c - a) * z;
+    let unit = sum / length;
+    let turn = (change - unit * dot_f64(unit, change)) / length;
+    if dot_f64(unit, normal.as_dvec3()) < 0.0 { -turn.as_vec3() } else { turn.as_vec3() }
+}
+
+/// How texture coordinates change with the point of a triangle, from `uvs` at its `corners`.
+pub fn uv_change(corners: &[Vec3; 3], uvs: &[Vec2; 3], step: Vec3) -> Vec2 {
+    let [a, b, c] = uvs.map(|uv| uv.as_dvec2());
+    let [y, z] = weights(corners, step);
+    ((b - a) * y + (c - a) * z).as_vec2()
+}
+
+/// How much `step` goes along the edges from the first corner to the second and to the third: what
+/// it changes the barycentric coordinates of these by.
+fn weights(corners: &[Vec3; 3], step: Vec3) -> [f64; 2] {
+    let [a, b, c] = corners.map(|corner| corner.as_dvec3());
+    let (to_b, to_c, step) = (b - a, c - a, step.as_dvec3());
+    let normal = to_b.cross(to_c);
+    let area = dot_f64(normal, normal);
+    let part = |across: DVec3| dot_f64(across, normal) / area;
+    [part(step.cross(to_c)), part(to_b.cross(step))]
+}
+
+#[cfg(test)]
+mod tests;

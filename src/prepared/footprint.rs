@@ -1,0 +1,117 @@
+//! What the differential of a ray becomes where the ray meets the scene: a footprint in a texture, or
+//! the differential of a mirror ray.
+//!
+//! Both tracers call these functions hit by hit, for trilinear textures and for mirrors alone.
+
+use glam::{Vec2, Vec3};
+
+use super::{LookUps, Looks, PreparedScene, Shape, Texture, UvMap};
+use crate::accel::Hit;
+use crate::accel::geometry::{Geometry, Primitive};
+use crate::kernels::differential::{Differential, turn_between, uv_change};
+use crate::kernels::shade::{self, ShadingPoint};
+use crate::kernels::surface::Surface;
+use crate::kernels::texture::sphere_uv_change;
+use crate::math::float::{dot, normalize};
+use crate::math::ray::Ray;
+
+/// A point of a mirror.
+#[derive(Clone, Copy, Debug)]
+pub struct MirrorPoint {
+    /// In world space.
+    pub point: Vec3,
+    /// Geometric normal of unit length, on the viewer's side.
+    pub normal: Vec3,
+    /// The normal that the surface is lit with, of unit length, on the viewer's side.
+    pub shading_normal: Vec3,
+}
+
+impl MirrorPoint {
+    /// What a mirror's differentials want of `point`.
+    pub fn of(point: &ShadingPoint) -> Self {
+        let ShadingPoint { point, normal, shading_normal, .. } = *point;
+        Self { point, normal, shading_normal }
+    }
+}
+
+impl Looks {
+    /// How texture coordinates change with the point `surface` of the shape's primitive, by `steps`.
+    /// Not finite where a step is not.
+    pub fn footprint(
+        &self,
+        texture: &Texture,
+        geometry: &Geometry,
+        (shape, primitive): (&Shape, u32),
+        surface: &Surface,
+        steps: [Vec3; 2],
+    ) -> [Vec2; 2] {
+        match &texture.map {
+            UvMap::Planar(map) => steps.map(|step| map.change(step)),
+            UvMap::Sphere(to_own) => {
+                let normal = normalize(*to_own * surface.normal);
+                steps.map(|step| {
+                    let turn = turn_of_sphere(geometry, primitive, step);
+                    sphere_uv_change(normal, *to_own * turn)
+                })
+            }
+            UvMap::Mesh => match self.uvs(shape, geometry, primitive) {
+                Some(uvs) => {
+                    let corners = geometry.triangle(primitive as usize);
+                    steps.map(|step| uv_change(&corners, &uvs, step))
+                }
+                None => [Vec2::ZERO; 2],
+            },
+        }
+    }
+}
+
+impl PreparedScene {
+    /// The differential of the ray that the mirror at `point` sends on, from that of `ray`, which
+    /// arrives there with `hit`.
+    pub fn mirrored(
+        &self,
+        differential: &Differential,
+        ray: &Ray,
+        hit: &Hit,
+        point: &MirrorPoint,
+        look_ups: &mut LookUps,
+    ) -> Differential {
+        look_ups.footprints += 1;
+        let MirrorPoint { normal, shading_normal, .. } = *point;
+        let steps = differential.at(ray, hit.t, normal);
+        let (_, smooth) = shade::mirrored(-normalize(ray.direction), shading_normal, normal);
+        let about = if smooth { shading_normal } else { normal };
+        let turns = steps.map(|step| self.turn(hit.primitive, point, step, smooth));
+        differential.reflected(ray, steps, about, turns)
+    }
+
+    /// How the normal that a mirror turns about changes with its point.
+    fn turn(&self, primitive: u32, point: &MirrorPoint, step: Vec3, smooth: bool) -> Vec3 {
+        let geometry = &self.accel.geometry;
+        match geometry.primitive(primitive) {
+            Primitive::Sphere(i) => {
+                let turn = turn_of_sphere(geometry, primitive, step);
+                let outward = point.point - geometry.spheres[i].0;
+                if dot(outward, point.normal) < 0.0 { -turn } else { turn }
+            }
+            Primitive::Triangle(i) if smooth => {
+                let shape = &self.looks.shapes[self.looks.shape_of(primitive)];
+                let normals =
+                    shape.smooth.then(|| self.looks.normals(shape, geometry, primitive)).flatten();
+                normals.map_or(Vec3::ZERO, |normals| {
+                    let corners = geometry.triangle(i);
+                    turn_between(&corners, &normals, point.point, step, point.shading_normal)
+                })
+            }
+            Primitive::Triangle(_) | Primitive::Quad(_) => Vec3::ZERO,
+        }
+    }
+}
+
+/// How the outward normal of a sphere changes with its point; that of anything else does not.
+fn turn_of_sphere(geometry: &Geometry, primitive: u32, step: Vec3) -> Vec3 {
+    match geometry.primitive(primitive) {
+        Primitive::Sphere(i) => step / geometry.spheres[i].1,
+        Primitive::Triangle(_) | Primitive::Quad(_) => Vec3::ZERO,
+    }
+}
