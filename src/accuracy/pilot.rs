@@ -18,10 +18,10 @@ use crate::render::{RenderOptions, render};
 use crate::tile::Tile;
 
 /// Side of a window, in pixels.
-const WINDOW: u32 = 16;
+const WINDOW: u32 = 8;
 
 /// Windows along each side of the image: one somewhere in each part of a grid.
-const WINDOWS: u32 = 7;
+const WINDOWS: u32 = 12;
 
 /// Sides of the grids that the pilot tries.
 const SIDES: [u32; 3] = [2, 4, 8];

@@ -1,15 +1,18 @@
 //! `accuracy`: error against time, swept and reported.
 
 use std::cell::RefCell;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use indicatif::ProgressBar;
 
-use super::common::{Threads, print, progress_bar};
+use super::common::{Threads, above_zero, print, progress_bar};
 use crate::accuracy::Findings;
+use crate::accuracy::pilot::Pilot;
 use crate::accuracy::store::{Circumstances, Header, Record, Store};
 use crate::accuracy::sweep::{Options, Progress, run as sweep};
 use crate::error::Result;
+use crate::scene::load::{LoadOptions, load};
+use crate::systems::extract_in;
 
 /// What the progress bar shows.
 const PROGRESS: &str = "{msg} {wide_bar} {pos}/{len}, {eta} left";
@@ -23,8 +26,15 @@ pub struct AccuracyArgs {
     #[arg(required = true)]
     pub scenes: Vec<PathBuf>,
     /// The folder for results and report
-    #[arg(short, long, value_name = "FOLDER")]
-    pub output: PathBuf,
+    #[arg(short, long, value_name = "FOLDER", required_unless_present = "advise")]
+    pub output: Option<PathBuf>,
+    /// Sweep nothing, but say with which samples each sampler reaches an error, from a short pilot at full
+    /// size, and which is the cheapest
+    #[arg(long, requires = "target_error", conflicts_with = "output")]
+    pub advise: bool,
+    /// The error that advice is wanted for: the root mean square of linear values
+    #[arg(long, value_name = "ERROR", value_parser = above_zero, requires = "advise")]
+    pub target_error: Option<f64>,
     /// The longer side of images, at most, in pixels
     #[arg(long, value_name = "PIXELS", default_value_t = 160, value_parser = clap::value_parser!(u32).range(1..=65536))]
     pub longest: u32,
@@ -71,30 +81,54 @@ impl Progress for Shown {
 /// When a scene cannot be rendered, the folder has the results of another sweep, or results cannot be
 /// written.
 pub fn run(args: &AccuracyArgs) -> Result<bool> {
-    args.threads.run(|| {
-        let options = Options {
-            longest: args.longest,
-            seeds: args.seeds,
-            most: args.most,
-            least: args.reference,
-        };
-        let mut store = Store::open(&args.output, &Header::new(&options))?;
-        store.add(Record::Circumstances(Circumstances::here()))?;
-        let shown = Shown { bar: RefCell::new(ProgressBar::hidden()), quiet: args.quiet };
-        let swept = sweep(&args.scenes, &options, &mut store, &shown)?;
-        shown.bar.borrow().finish_and_clear();
-        let findings = Findings::new(&options, &store, &swept);
-        findings.write(&args.output)?;
-        if !args.quiet {
-            print(&text(&findings))?;
-            print(&format!("{}\n", args.output.join("accuracy.json").display()))?;
-        }
-        Ok(findings
-            .scenes
-            .iter()
-            .flat_map(|s| &s.neutral)
-            .all(|n| n.equal && n.error_change == 0.0))
+    args.threads.run(|| match (&args.output, args.target_error) {
+        (Some(folder), _) => run_sweep(args, folder),
+        (None, error) => advise(args, error.unwrap_or_default()).map(|()| true),
     })
+}
+
+/// Says what each sampler takes to an error.
+fn advise(args: &AccuracyArgs, error: f64) -> Result<()> {
+    for file in &args.scenes {
+        let mut loaded = load(file, &LoadOptions::default())?;
+        let extracted = extract_in(&mut loaded.world, Default::default())?;
+        let preset = extracted.preset();
+        let mut scene = extracted.build(preset);
+        let original = scene.original();
+        let pilot = Pilot::run(&mut scene, &original, 0)?;
+        let best = pilot.for_error(error).map(|choice| choice.points.sampling);
+        let mut text = format!("{}\n", file.display());
+        if best.is_none() {
+            text += "  nothing is left to chance: the error is 0\n";
+        }
+        for curve in &pilot.curves {
+            let mark = if best == Some(curve.sampling) { '*' } else { ' ' };
+            text += &format!("{mark} {}\n", curve.for_error(error));
+        }
+        print(&text)?;
+    }
+    Ok(())
+}
+
+fn run_sweep(args: &AccuracyArgs, folder: &Path) -> Result<bool> {
+    let options = Options {
+        longest: args.longest,
+        seeds: args.seeds,
+        most: args.most,
+        least: args.reference,
+    };
+    let mut store = Store::open(folder, &Header::new(&options))?;
+    store.add(Record::Circumstances(Circumstances::here()))?;
+    let shown = Shown { bar: RefCell::new(ProgressBar::hidden()), quiet: args.quiet };
+    let swept = sweep(&args.scenes, &options, &mut store, &shown)?;
+    shown.bar.borrow().finish_and_clear();
+    let findings = Findings::new(&options, &store, &swept);
+    findings.write(folder)?;
+    if !args.quiet {
+        print(&text(&findings))?;
+        print(&format!("{}\n", folder.join("accuracy.json").display()))?;
+    }
+    Ok(findings.scenes.iter().flat_map(|s| &s.neutral).all(|n| n.equal && n.error_change == 0.0))
 }
 
 /// The slopes, in words.

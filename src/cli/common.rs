@@ -164,3 +164,11 @@ pub fn crop(text: &str) -> std::result::Result<Tile, String> {
         _ => Err("write four whole numbers: x,y,width,height, such as 0,0,64,64".to_owned()),
     }
 }
+
+/// A number above 0.
+pub fn above_zero(text: &str) -> std::result::Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value.is_finite() && value > 0.0 => Ok(value),
+        _ => Err("use a number above 0, such as 0.01".to_owned()),
+    }
+}

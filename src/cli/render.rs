@@ -7,7 +7,7 @@ mod goal;
 
 use goal::Traced;
 
-use super::common::{SceneOptions, SearchOptions, crop, progress_bar, tell, to_json};
+use super::common::{SceneOptions, SearchOptions, above_zero, crop, progress_bar, tell, to_json};
 use crate::accel::build::Preset;
 use crate::error::{Error, ErrorKind, Result};
 use crate::image::write::{Transfer, check_writable, write};
@@ -137,13 +137,6 @@ fn run_here(args: &RenderArgs, output: &Path) -> Result<()> {
             write_statistics(file, &statistics)
         }
         None => Ok(()),
-    }
-}
-
-fn above_zero(text: &str) -> std::result::Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(value) if value.is_finite() && value > 0.0 => Ok(value),
-        _ => Err("use a number above 0, such as 0.01".to_owned()),
     }
 }
 

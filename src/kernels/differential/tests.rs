@@ -98,7 +98,8 @@ impl View {
     }
 
     fn differential(&self, direction: Vec3) -> Differential {
-        Camera::new(&self.placement, self.antialias, Sampling::Jittered, None).differential(direction)
+        Camera::new(&self.placement, self.antialias, Sampling::Jittered, None)
+            .differential(direction)
     }
 }
 
