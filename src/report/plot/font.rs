@@ -1,0 +1,112 @@
+//! The font of a drawing: how wide a text is, and its outlines.
+//!
+//! Noto Sans, under the SIL Open Font License, is part of the program, so that a drawing is laid out
+//! alike everywhere. A browser may have to take another font for an SVG: there is some room around
+//! every text.
+
+use std::sync::OnceLock;
+
+use ttf_parser::{Face, OutlineBuilder};
+
+/// The font, read once.
+fn face() -> Option<&'static Face<'static>> {
+    static FACE: OnceLock<Option<Face<'static>>> = OnceLock::new();
+    FACE.get_or_init(|| Face::parse(notosans::REGULAR_TTF, 0).ok()).as_ref()
+}
+
+/// The width of a letter that the font does not have, as a share of the size.
+const UNKNOWN: f64 = 0.6;
+
+/// How wide `text` is, where `size` is the height of a line's letters (the em).
+pub(super) fn width(text: &str, size: f64) -> f64 {
+    text.chars().map(|letter| size * advance(letter)).sum()
+}
+
+fn advance(letter: char) -> f64 {
+    let known = face().and_then(|face| {
+        let glyph = face.glyph_index(letter)?;
+        Some(f64::from(face.glyph_hor_advance(glyph)?) / f64::from(face.units_per_em()))
+    });
+    known.unwrap_or(UNKNOWN)
+}
+
+/// Hands the outlines of each letter to `draw`, with where it begins, from 0 on, and the size of the
+/// font's unit. Outlines are in these units, with y upward from the base line.
+pub(super) fn outlines<O: OutlineBuilder>(
+    text: &str,
+    size: f64,
+    outline: &mut O,
+    mut start: impl FnMut(&mut O, f64, f64),
+) {
+    let Some(face) = face() else { return };
+    let unit = size / f64::from(face.units_per_em());
+    let mut x = 0.0;
+    for letter in text.chars() {
+        if let Some(glyph) = face.glyph_index(letter) {
+            start(outline, x, unit);
+            face.outline_glyph(glyph, outline);
+        }
+        x += size * advance(letter);
+    }
+}
+
+/// `text`, or as much of its end as is no wider than `most`, after an ellipsis: the end of a path
+/// tells more than its start.
+pub(super) fn shortened(text: &str, size: f64, most: f64) -> String {
+    if width(text, size) <= most {
+        return text.to_owned();
+    }
+    let starts = text.char_indices().map(|(at, _)| format!("…{}", &text[at..]));
+    let mut fitting = starts.skip(1).filter(|rest| width(rest, size) <= most);
+    fitting.next().unwrap_or_else(|| "…".to_owned())
+}
+
+/// `text` in lines no wider than `most`, where its words allow.
+pub(super) fn wrapped(text: &str, size: f64, most: f64) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    for word in text.split_whitespace() {
+        match lines.last_mut() {
+            Some(line) if width(line, size) + width(" ", size) + width(word, size) <= most => {
+                line.push(' ');
+                line.push_str(word);
+            }
+            _ => lines.push(word.to_owned()),
+        }
+    }
+    lines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_font_has_what_numbers_are_written_with() {
+        let face = face().expect("the font is sound");
+        for letter in "0123456789⁰¹²³⁴⁵⁶⁷⁸⁹⁻−×.…µ()%/ abcXYZ\u{202f}".chars()
+        {
+            assert!(face.glyph_index(letter).is_some(), "{letter:?}");
+        }
+    }
+
+    #[test]
+    fn widths_are_those_of_the_font() {
+        // 572 of 1000 units for every digit.
+        assert!((width("0123456789", 10.0) - 57.2).abs() < 1e-9, "{}", width("0123456789", 10.0));
+        assert_eq!(width("", 10.0), 0.0);
+        assert!(width("W", 10.0) > width("i", 10.0));
+    }
+
+    #[test]
+    fn text_is_made_to_fit() {
+        assert_eq!(shortened("short", 10.0, 100.0), "short");
+        let found = shortened("scenes/large/knot-of-ten-million.json", 10.0, 100.0);
+        assert!(found.starts_with('…') && found.ends_with("million.json"), "{found}");
+        assert!(width(&found, 10.0) <= 100.0);
+        assert_eq!(shortened("much", 10.0, 1.0), "…");
+        let lines = wrapped("two words and some more of them", 10.0, 60.0);
+        assert!(lines.len() > 2 && lines.iter().all(|line| width(line, 10.0) <= 60.0), "{lines:?}");
+        assert_eq!(lines.join(" "), "two words and some more of them");
+        assert!(wrapped(" ", 10.0, 60.0).is_empty());
+    }
+}
