@@ -1,11 +1,8 @@
 //! [`StackedBars`] on a picture: names down the left, bars in segments, their sums at the end.
 
-use std::cell::RefCell;
-use std::rc::Rc;
 use std::slice;
 
 use plotters::chart::{ChartBuilder, LabelAreaPosition};
-use plotters::drawing::DrawingArea;
 use plotters::element::{Drawable, PointCollection};
 use plotters::style::text_anchor::{HPos, VPos};
 use plotters_backend::BackendCoord;
@@ -36,8 +33,7 @@ pub(super) fn draw(bars: &StackedBars, frame: Frame) -> Drawn<Picture> {
     let field_height = ROW * bars.bars.len().max(1) as f64;
     let head = frame.title_height() + legend.height();
     let foot = LABEL + 2.0 * GAP + HEADING + NOTE * 1.5 * notes.len() as f64;
-    let picture = Rc::new(RefCell::new(Picture::new(frame.width, head + field_height + foot)));
-    let root = DrawingArea::from(&picture);
+    let (picture, root) = frame.sheet(head + field_height + foot)?;
     frame.title(&root, &bars.title)?;
     legend.draw(&root, frame.title_height())?;
 

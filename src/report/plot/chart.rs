@@ -1,8 +1,5 @@
 //! A [`Chart`] on a picture: title, legend, axes, guides, series, notes, from back to front.
 
-use std::cell::RefCell;
-use std::rc::Rc;
-
 use plotters::chart::{ChartBuilder, ChartContext, LabelAreaPosition};
 use plotters::coord::Shift;
 use plotters::coord::cartesian::Cartesian2d;
@@ -78,14 +75,14 @@ pub(super) fn draw(chart: &Chart, frame: Frame) -> Drawn<Picture> {
         Scale::Names(names) => ROW * names.len().max(1) as f64,
         _ => frame.field_height(),
     };
-    let head = frame.title_height() + legend.height() + heading_height(down);
+    let names = marks::GuideNames::of(chart, turned);
+    let head = frame.title_height() + legend.height() + heading_height(down) + names.above;
     let foot = LABEL + 2.0 * GAP + heading_height(along) + NOTE * 1.5 * notes.len() as f64;
-    let picture = Rc::new(RefCell::new(Picture::new(frame.width, head + field_height + foot)));
-    let root = DrawingArea::from(&picture);
+    let (picture, root) = frame.sheet(head + field_height + foot)?;
     frame.title(&root, &chart.title)?;
     legend.draw(&root, frame.title_height())?;
     let bottom = head + field_height + LABEL + 2.0 * GAP;
-    let layout = Layout { head, field_height, foot, bottom };
+    let layout = Layout { head, field_height, foot, bottom, names };
     draw_field(chart, axes, &frame, &root, &layout, [along, down])?;
     frame.write_notes(&root, &notes, bottom + heading_height(along))?;
     Ok(picture.take())
@@ -98,6 +95,8 @@ struct Layout {
     foot: f64,
     /// Where the heading of the axis along begins.
     bottom: f64,
+    /// Room for the names of guides.
+    names: marks::GuideNames,
 }
 
 fn draw_field(
@@ -109,9 +108,11 @@ fn draw_field(
     [along, down]: [&Axis; 2],
 ) -> Drawn {
     let left = mark_down(&mut axes.down, layout.field_height, frame.width);
-    let right = mark_along(&mut axes.along, frame.width - left - GAP);
-    letter(root, &down.heading(), (0.0, layout.head - heading_height(down)), &heading())?;
-    let start = (frame.width - font::width(&along.heading(), LABEL) - GAP).max(0.0);
+    let beside = layout.names.beside;
+    let right = mark_along(&mut axes.along, frame.width - left - beside - GAP).max(beside);
+    let top = layout.head - layout.names.above - heading_height(down);
+    letter(root, &down.heading(), (0.0, top), &heading())?;
+    let start = (frame.width - right - font::width(&along.heading(), LABEL)).max(0.0);
     letter(root, &along.heading(), (start, layout.bottom), &heading())?;
     let mut field = ChartBuilder::on(root)
         .margin_top(pixels(layout.head))

@@ -6,7 +6,7 @@
 
 use std::sync::OnceLock;
 
-use ttf_parser::{Face, OutlineBuilder};
+use ttf_parser::{Face, GlyphId, OutlineBuilder};
 
 /// The font, read once.
 fn face() -> Option<&'static Face<'static>> {
@@ -19,34 +19,55 @@ const UNKNOWN: f64 = 0.6;
 
 /// How wide `text` is, where `size` is the height of a line's letters (the em).
 pub(super) fn width(text: &str, size: f64) -> f64 {
-    text.chars().map(|letter| size * advance(letter)).sum()
+    text.chars().map(|letter| size * Form::of(letter).advance).sum()
 }
 
-fn advance(letter: char) -> f64 {
-    let known = face().and_then(|face| {
-        let glyph = face.glyph_index(letter)?;
-        Some(f64::from(face.glyph_hor_advance(glyph)?) / f64::from(face.units_per_em()))
-    });
-    known.unwrap_or(UNKNOWN)
+/// What is drawn for a letter, in parts of the size.
+struct Form {
+    glyph: Option<GlyphId>,
+    advance: f64,
+    scale: f64,
+    raised: f64,
 }
 
-/// Hands the outlines of each letter to `draw`, with where it begins, from 0 on, and the size of the
-/// font's unit. Outlines are in these units, with y upward from the base line.
+impl Form {
+    fn of(letter: char) -> Self {
+        let of = |letter: char, scale: f64, raised: f64| {
+            let face = face()?;
+            let glyph = face.glyph_index(letter)?;
+            let advance = f64::from(face.glyph_hor_advance(glyph)?);
+            let advance = scale * advance / f64::from(face.units_per_em());
+            Some(Self { glyph: Some(glyph), advance, scale, raised })
+        };
+        let blank = |advance| Self { glyph: None, advance, scale: 1.0, raised: 0.0 };
+        of(letter, 1.0, 0.0).unwrap_or_else(|| match letter {
+            // The font has superscript digits, and no minus for them.
+            '⁻' => of('−', 0.6, 0.36).unwrap_or(blank(UNKNOWN)),
+            // A third of the usual space is narrow.
+            '\u{202f}' => blank(0.16),
+            _ => blank(UNKNOWN),
+        })
+    }
+}
+
+/// Hands the outlines of each letter to `draw`: first to `start`, where it begins, right of the start
+/// of the text and above its base line, and the size of the font's unit. Outlines are in these units,
+/// with y upward from there.
 pub(super) fn outlines<O: OutlineBuilder>(
     text: &str,
     size: f64,
     outline: &mut O,
-    mut start: impl FnMut(&mut O, f64, f64),
+    mut start: impl FnMut(&mut O, [f64; 2], f64),
 ) {
     let Some(face) = face() else { return };
     let unit = size / f64::from(face.units_per_em());
     let mut x = 0.0;
-    for letter in text.chars() {
-        if let Some(glyph) = face.glyph_index(letter) {
-            start(outline, x, unit);
+    for form in text.chars().map(Form::of) {
+        if let Some(glyph) = form.glyph {
+            start(outline, [x, size * form.raised], unit * form.scale);
             face.outline_glyph(glyph, outline);
         }
-        x += size * advance(letter);
+        x += size * form.advance;
     }
 }
 
@@ -82,17 +103,16 @@ mod tests {
 
     #[test]
     fn the_font_has_what_numbers_are_written_with() {
-        let face = face().expect("the font is sound");
-        for letter in "0123456789⁰¹²³⁴⁵⁶⁷⁸⁹⁻−×.…µ()%/ abcXYZ\u{202f}".chars()
-        {
-            assert!(face.glyph_index(letter).is_some(), "{letter:?}");
+        for letter in "0123456789⁰¹²³⁴⁵⁶⁷⁸⁹⁻−×.…µ()%/ abcXYZ".chars() {
+            assert!(Form::of(letter).glyph.is_some(), "{letter:?}");
         }
+        assert!(width("\u{202f}", 10.0) < width(" ", 10.0));
     }
 
     #[test]
     fn widths_are_those_of_the_font() {
-        // 572 of 1000 units for every digit.
-        assert!((width("0123456789", 10.0) - 57.2).abs() < 1e-9, "{}", width("0123456789", 10.0));
+        // 1171 of 2048 units for every digit.
+        assert_eq!(width("0123456789", 2048.0), 11710.0);
         assert_eq!(width("", 10.0), 0.0);
         assert!(width("W", 10.0) > width("i", 10.0));
     }

@@ -1,5 +1,8 @@
 //! How large a drawing is, and what stands around it.
 
+use std::cell::RefCell;
+use std::rc::Rc;
+
 use plotters::coord::Shift;
 use plotters::drawing::DrawingArea;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
@@ -27,8 +30,11 @@ pub(in crate::report) struct Frame {
     pub whole: bool,
 }
 
-/// A drawing that stands alone.
-pub(super) const ALONE: Frame = Frame { width: 720.0, whole: true };
+/// The margin of a drawing that stands alone, in pixels.
+const MARGIN: f64 = 20.0;
+
+/// A drawing that stands alone: as wide as the others with its margins.
+pub(super) const ALONE: Frame = Frame { width: 680.0, whole: true };
 /// A drawing in a page.
 pub(super) const WIDE: Frame = Frame { width: 720.0, whole: false };
 /// A drawing in a page on a narrow screen.
@@ -53,17 +59,33 @@ impl Frame {
         if self.width < 500.0 { 230.0 } else { 330.0 }
     }
 
+    /// An empty picture with room for so many pixels in height, and what is drawn on: all of it, or
+    /// all but a margin.
+    pub(super) fn sheet(
+        &self,
+        height: f64,
+    ) -> Drawn<(Rc<RefCell<Picture>>, DrawingArea<Picture, Shift>)> {
+        let margin = if self.whole { MARGIN } else { 0.0 };
+        let picture = Picture::new(self.width + 2.0 * margin, height + 2.0 * margin);
+        let picture = Rc::new(RefCell::new(picture));
+        let sheet = DrawingArea::from(&picture);
+        if self.whole {
+            sheet.fill(&Paint::Paper.color())?;
+        }
+        let margin = pixels(margin);
+        Ok((picture, sheet.margin(margin, margin, margin, margin)))
+    }
+
     /// The height of the title, if there is one.
     pub(super) fn title_height(&self) -> f64 {
         if self.whole { TITLE + UNDER_TITLE } else { 0.0 }
     }
 
-    /// Paper and title, for a drawing that stands alone.
+    /// The title, for a drawing that stands alone.
     pub(super) fn title(&self, root: &DrawingArea<Picture, Shift>, title: &str) -> Drawn {
         if !self.whole {
             return Ok(());
         }
-        root.fill(&Paint::Paper.color())?;
         let title = font::shortened(title, TITLE, self.width);
         letter(root, &title, (0.0, 0.0), &style(TITLE, Paint::Ink))
     }

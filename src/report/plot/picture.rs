@@ -17,7 +17,8 @@ use super::paint::Paint;
 pub(super) const STEPS: i32 = 10;
 
 /// What drawing through plotters gives.
-pub(in crate::report) type Drawn<T = ()> = Result<T, plotters::drawing::DrawingAreaErrorKind<Infallible>>;
+pub(in crate::report) type Drawn<T = ()> =
+    Result<T, plotters::drawing::DrawingAreaErrorKind<Infallible>>;
 
 /// What drawing on the backend itself gives.
 pub(super) type OnBackend = Result<(), DrawingErrorKind<Infallible>>;
@@ -94,7 +95,7 @@ pub(super) struct Mark {
 pub(in crate::report) struct Picture {
     /// Width and height in steps.
     pub size: [u32; 2],
-    pub shapes: Vec<Shape>,
+    pub(super) shapes: Vec<Shape>,
     /// Whether lines are dashed from now on.
     pub dashed: bool,
 }

@@ -14,6 +14,9 @@ const MARGIN: f64 = 0.04;
 /// closer numbers have no round ones between them.
 const NARROWEST: f64 = 1e-6;
 
+/// Linear values no larger than this are shown as 0: so close to it numbers have fewer digits.
+const NOTHING: f64 = 1e-300;
+
 /// As many decades an axis shows at least: one, about a single value.
 const FEWEST_DECADES: f64 = 0.02;
 
@@ -99,8 +102,8 @@ fn linear_range(low: f64, high: f64) -> (f64, f64) {
     // Halves, as the span of the largest numbers is none.
     let (half, size) = (high / 2.0 - low / 2.0, low.abs().max(high.abs()));
     let margin = match half {
-        _ if size == 0.0 => 1.0,
-        _ if half < NARROWEST / 2.0 * size => (0.1 * size).max(f64::MIN_POSITIVE),
+        _ if size <= NOTHING => 1.0,
+        _ if half < NARROWEST / 2.0 * size => 0.1 * size,
         half => 2.0 * MARGIN * half,
     };
     ((low - margin).max(-f64::MAX), (high + margin).min(f64::MAX))
@@ -108,7 +111,7 @@ fn linear_range(low: f64, high: f64) -> (f64, f64) {
 
 /// As [`linear_range`], with 0 at the end or in between.
 fn from_zero(low: f64, high: f64) -> (f64, f64) {
-    if low == 0.0 && high == 0.0 {
+    if low.abs().max(high.abs()) <= NOTHING {
         return (0.0, 1.0);
     }
     let (below, above) = linear_range(low.min(0.0), high.max(0.0));

@@ -86,8 +86,8 @@ impl Canvas {
     fn letter(&mut self, lettering: &Lettering) {
         let Lettering { text, at, size, ink, rim, .. } = lettering;
         let mut outline = Outline::default();
-        font::outlines(text, *size, &mut outline, |outline, x, unit| {
-            (outline.x, outline.y) = ((at[0] + x) as f32, at[1] as f32);
+        font::outlines(text, *size, &mut outline, |outline, [x, up], unit| {
+            (outline.x, outline.y) = ((at[0] + x) as f32, (at[1] - up) as f32);
             outline.unit = unit as f32;
         });
         let path = outline.path.finish();
