@@ -4,12 +4,13 @@
 //! [`setting`] says what is varied; [`sweep`] renders it, many seeds in random order, and writes each
 //! record to a [`store`] as it comes; errors are measured against a [`reference`] whose own error is
 //! known; [`neutral`] tries what must change nothing. [`findings`] sums the records up with intervals
-//! ([`fit`]), and are written as JSON.
+//! ([`fit`]), and [`page`] shows them.
 
 pub mod crops;
 pub mod findings;
 pub mod fit;
 pub mod neutral;
+pub mod page;
 pub mod pilot;
 pub mod reference;
 pub mod setting;

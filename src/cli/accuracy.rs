@@ -6,10 +6,10 @@ use std::path::{Path, PathBuf};
 use indicatif::ProgressBar;
 
 use super::common::{Threads, above_zero, print, progress_bar};
-use crate::accuracy::Findings;
 use crate::accuracy::pilot::Pilot;
 use crate::accuracy::store::{Circumstances, Header, Record, Store};
 use crate::accuracy::sweep::{Options, Progress, run as sweep};
+use crate::accuracy::{Findings, page};
 use crate::error::Result;
 use crate::scene::load::{LoadOptions, load};
 use crate::systems::extract_in;
@@ -120,13 +120,14 @@ fn run_sweep(args: &AccuracyArgs, folder: &Path) -> Result<bool> {
     let mut store = Store::open(folder, &Header::new(&options))?;
     store.add(Record::Circumstances(Circumstances::here()))?;
     let shown = Shown { bar: RefCell::new(ProgressBar::hidden()), quiet: args.quiet };
-    let swept = sweep(&args.scenes, &options, &mut store, &shown)?;
+    let mut swept = sweep(&args.scenes, &options, &mut store, &shown)?;
     shown.bar.borrow().finish_and_clear();
     let findings = Findings::new(&options, &store, &swept);
     findings.write(folder)?;
+    page::write(&findings, &mut swept, folder)?;
     if !args.quiet {
         print(&text(&findings))?;
-        print(&format!("{}\n", folder.join("accuracy.json").display()))?;
+        print(&format!("{}\n", folder.join("report.html").display()))?;
     }
     Ok(findings.scenes.iter().flat_map(|s| &s.neutral).all(|n| n.equal && n.error_change == 0.0))
 }

@@ -1,6 +1,7 @@
 //! What a render tells about itself.
 
 pub mod bench;
+mod markup;
 pub mod page;
 pub mod plot;
 pub mod statistics;

@@ -6,7 +6,18 @@
 //! points of a chart, pictures can be compared under a divide that moves, tables can be sorted, and
 //! light or dark can be chosen against what the system prefers.
 
+mod blocks;
+mod document;
+mod figures;
+#[cfg(test)]
+mod tests;
+
+use std::io::Write as _;
+use std::path::Path;
+
 use super::plot::{Chart, StackedBars};
+use crate::error::Result;
+use crate::replace::{replace_file, write_error};
 
 /// The whole report.
 #[derive(Clone, Debug, Default)]
@@ -136,6 +147,27 @@ pub struct Details {
     pub summary: String,
     /// What it holds.
     pub blocks: Vec<Block>,
+}
+
+impl Page {
+    /// The page as HTML.
+    ///
+    /// # Errors
+    /// When a chart cannot be laid out.
+    pub fn html(&self) -> Result<String> {
+        document::write(self)
+    }
+
+    /// Writes the page to a file, whole or not at all.
+    ///
+    /// # Errors
+    /// As [`Page::html`], and when the file cannot be written.
+    pub fn write(&self, path: &Path) -> Result<()> {
+        let html = self.html()?;
+        replace_file(path, |sink| {
+            sink.write_all(html.as_bytes()).map_err(|error| write_error(path, error))
+        })
+    }
 }
 
 impl Section {

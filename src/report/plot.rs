@@ -11,7 +11,27 @@
 //!
 //! The JSON of a chart has the names of the fields below.
 
+mod bars;
+mod chart;
+mod font;
+mod frame;
+mod legend;
+mod marks;
+pub mod number;
+mod output;
+mod paint;
+mod picture;
+mod place;
+mod raster;
+mod svg;
+#[cfg(test)]
+mod tests;
+mod ticks;
+
 use serde::{Deserialize, Serialize};
+
+pub(in crate::report) use output::Figure;
+pub(in crate::report) use svg::STYLE;
 
 /// Series of points over two axes.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -88,10 +108,10 @@ pub enum Draw {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Point {
     /// Where it is along `x`; a value that is not finite is `null` in JSON, and not drawn.
-    #[serde(with = "number")]
+    #[serde(with = "finite")]
     pub x: f64,
     /// Where it is along `y`.
-    #[serde(with = "number")]
+    #[serde(with = "finite")]
     pub y: f64,
     /// The lower end of the interval in `y`, if there is one.
     pub low: Option<f64>,
@@ -154,7 +174,7 @@ pub struct Segment {
     /// The stage.
     pub stage: String,
     /// Its time in seconds, 0 or more.
-    #[serde(with = "number")]
+    #[serde(with = "finite")]
     pub seconds: f64,
 }
 
@@ -200,7 +220,7 @@ impl Bar {
 }
 
 /// A number that JSON has no word for is `null` there, and read again as one that is not a number.
-mod number {
+mod finite {
     use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
     pub(super) fn serialize<S: Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::Error> {

@@ -1,0 +1,132 @@
+//! The font of a drawing: how wide a text is, and its outlines.
+//!
+//! Noto Sans, under the SIL Open Font License, is part of the program, so that a drawing is laid out
+//! alike everywhere. A browser may have to take another font for an SVG: there is some room around
+//! every text.
+
+use std::sync::OnceLock;
+
+use ttf_parser::{Face, GlyphId, OutlineBuilder};
+
+/// The font, read once.
+fn face() -> Option<&'static Face<'static>> {
+    static FACE: OnceLock<Option<Face<'static>>> = OnceLock::new();
+    FACE.get_or_init(|| Face::parse(notosans::REGULAR_TTF, 0).ok()).as_ref()
+}
+
+/// The width of a letter that the font does not have, as a share of the size.
+const UNKNOWN: f64 = 0.6;
+
+/// How wide `text` is, where `size` is the height of a line's letters (the em).
+pub(super) fn width(text: &str, size: f64) -> f64 {
+    text.chars().map(|letter| size * Form::of(letter).advance).sum()
+}
+
+/// What is drawn for a letter, in parts of the size.
+struct Form {
+    glyph: Option<GlyphId>,
+    advance: f64,
+    scale: f64,
+    raised: f64,
+}
+
+impl Form {
+    fn of(letter: char) -> Self {
+        let of = |letter: char, scale: f64, raised: f64| {
+            let face = face()?;
+            let glyph = face.glyph_index(letter)?;
+            let advance = f64::from(face.glyph_hor_advance(glyph)?);
+            let advance = scale * advance / f64::from(face.units_per_em());
+            Some(Self { glyph: Some(glyph), advance, scale, raised })
+        };
+        let blank = |advance| Self { glyph: None, advance, scale: 1.0, raised: 0.0 };
+        of(letter, 1.0, 0.0).unwrap_or_else(|| match letter {
+            // The font has superscript digits, and no minus for them.
+            '⁻' => of('−', 0.6, 0.36).unwrap_or(blank(UNKNOWN)),
+            // A third of the usual space is narrow.
+            '\u{202f}' => blank(0.16),
+            _ => blank(UNKNOWN),
+        })
+    }
+}
+
+/// Hands the outlines of each letter to `draw`: first to `start`, where it begins, right of the start
+/// of the text and above its base line, and the size of the font's unit. Outlines are in these units,
+/// with y upward from there.
+pub(super) fn outlines<O: OutlineBuilder>(
+    text: &str,
+    size: f64,
+    outline: &mut O,
+    mut start: impl FnMut(&mut O, [f64; 2], f64),
+) {
+    let Some(face) = face() else { return };
+    let unit = size / f64::from(face.units_per_em());
+    let mut x = 0.0;
+    for form in text.chars().map(Form::of) {
+        if let Some(glyph) = form.glyph {
+            start(outline, [x, size * form.raised], unit * form.scale);
+            face.outline_glyph(glyph, outline);
+        }
+        x += size * form.advance;
+    }
+}
+
+/// `text`, or as much of its end as is no wider than `most`, after an ellipsis: the end of a path
+/// tells more than its start.
+pub(super) fn shortened(text: &str, size: f64, most: f64) -> String {
+    if width(text, size) <= most {
+        return text.to_owned();
+    }
+    let starts = text.char_indices().map(|(at, _)| format!("…{}", &text[at..]));
+    let mut fitting = starts.skip(1).filter(|rest| width(rest, size) <= most);
+    fitting.next().unwrap_or_else(|| "…".to_owned())
+}
+
+/// `text` in lines no wider than `most`, where its words allow.
+pub(super) fn wrapped(text: &str, size: f64, most: f64) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    for word in text.split_whitespace() {
+        match lines.last_mut() {
+            Some(line) if width(line, size) + width(" ", size) + width(word, size) <= most => {
+                line.push(' ');
+                line.push_str(word);
+            }
+            _ => lines.push(word.to_owned()),
+        }
+    }
+    lines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_font_has_what_numbers_are_written_with() {
+        for letter in "0123456789⁰¹²³⁴⁵⁶⁷⁸⁹⁻−×.…µ()%/ abcXYZ".chars() {
+            assert!(Form::of(letter).glyph.is_some(), "{letter:?}");
+        }
+        assert!(width("\u{202f}", 10.0) < width(" ", 10.0));
+    }
+
+    #[test]
+    fn widths_are_those_of_the_font() {
+        // 1171 of 2048 units for every digit.
+        assert_eq!(width("0123456789", 2048.0), 11710.0);
+        assert_eq!(width("", 10.0), 0.0);
+        assert!(width("W", 10.0) > width("i", 10.0));
+    }
+
+    #[test]
+    fn text_is_made_to_fit() {
+        assert_eq!(shortened("short", 10.0, 100.0), "short");
+        let found = shortened("scenes/large/knot-of-ten-million.json", 10.0, 100.0);
+        assert!(found.starts_with('…') && found.ends_with("million.json"), "{found}");
+        assert!(width(&found, 10.0) <= 100.0);
+        assert_eq!(shortened("much", 10.0, 1.0), "…");
+        let lines = wrapped("two words and some more of them", 10.0, 60.0);
+        assert!(lines.len() > 2 && lines.iter().all(|line| width(line, 10.0) <= 60.0), "{lines:?}");
+        assert_eq!(lines.join(" "), "two words and some more of them");
+        assert!(wrapped(" ", 10.0, 60.0).is_empty());
+    }
+}

@@ -1,0 +1,162 @@
+//! Numbers as they are read: a few digits, powers of ten in superscript, and in CSV all there is.
+
+/// The digits that are told of a number.
+const DIGITS: usize = 4;
+
+/// Numbers of at least this size are told as a power of ten.
+const LARGEST_PLAIN: f64 = 1e6;
+
+/// The smallest exponent of ten that is told without one: 0.001.
+const SMALLEST_PLAIN: i32 = -3;
+
+/// A number in four digits, such as "0.0123", "1 234 567" or "6.02×10²³".
+///
+/// Whole numbers below 10^15 are told in full, as they are counts.
+pub fn figure(value: f64) -> String {
+    if !value.is_finite() {
+        return "not finite".to_owned();
+    }
+    let is_count = value.fract() == 0.0 && value.abs() < 1e15;
+    if is_count {
+        return minus(&grouped(&format!("{value:.0}")));
+    }
+    let (mantissa, exponent) = scientific(value, DIGITS);
+    if value.abs() >= LARGEST_PLAIN || exponent < SMALLEST_PLAIN {
+        return minus(&format!("{}×{}", trimmed(&mantissa), power_of_ten(exponent)));
+    }
+    let decimals = (DIGITS as i32 - 1 - exponent).max(0) as usize;
+    minus(&grouped(trimmed(&format!("{value:.decimals$}"))))
+}
+
+/// A number and its unit; a plain number where there is none.
+pub fn quantity(value: f64, unit: &str) -> String {
+    let space = if unit.is_empty() || unit == "%" { "" } else { "\u{202f}" };
+    format!("{}{space}{unit}", figure(value))
+}
+
+/// A time in the unit that suits it, such as "12.3 ms".
+pub fn seconds(seconds: f64) -> String {
+    let (scale, unit) = time_unit(seconds.abs());
+    quantity(seconds * scale, unit)
+}
+
+/// The unit in which so many seconds are told, and what to multiply them by.
+pub fn time_unit(seconds: f64) -> (f64, &'static str) {
+    match seconds {
+        0.0 => (1.0, "s"),
+        ..1e-3 => (1e6, "µs"),
+        ..1.0 => (1e3, "ms"),
+        _ => (1.0, "s"),
+    }
+}
+
+/// A number in as many digits as give it back to the bit; nothing where it is not finite.
+pub fn exact(value: f64) -> String {
+    if !value.is_finite() {
+        return String::new();
+    }
+    let text = format!("{value:?}");
+    text.strip_suffix(".0").map_or(text.clone(), str::to_owned)
+}
+
+/// Ten to the power of `exponent`: "10⁻³".
+pub(super) fn power_of_ten(exponent: i32) -> String {
+    let superscript = |c| match c {
+        '-' => '⁻',
+        '1' => '¹',
+        '2' => '²',
+        '3' => '³',
+        digit => char::from_u32('⁰' as u32 + (digit as u32 - '0' as u32)).unwrap_or(digit),
+    };
+    let digits: String = exponent.to_string().chars().map(superscript).collect();
+    format!("10{digits}")
+}
+
+/// `value` rounded to `digits`, as a mantissa from 1 to 10 and the exponent of ten.
+fn scientific(value: f64, digits: usize) -> (String, i32) {
+    let text = format!("{value:.*e}", digits - 1);
+    let (mantissa, exponent) = text.split_once('e').unwrap_or((&text, "0"));
+    (mantissa.to_owned(), exponent.parse().unwrap_or_default())
+}
+
+/// Without the zeros that end a fraction.
+pub(super) fn trimmed(text: &str) -> &str {
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { text }
+}
+
+/// With a narrow space between groups of three digits, from five digits on.
+fn grouped(text: &str) -> String {
+    let (whole, fraction) = text.split_at(text.find('.').unwrap_or(text.len()));
+    let (sign, digits) = whole.split_at(usize::from(whole.starts_with('-')));
+    if digits.len() < 5 {
+        return text.to_owned();
+    }
+    let mut out = sign.to_owned();
+    for (index, digit) in digits.chars().enumerate() {
+        if index > 0 && (digits.len() - index).is_multiple_of(3) {
+            out.push('\u{202f}');
+        }
+        out.push(digit);
+    }
+    out + fraction
+}
+
+/// With a minus sign in place of each hyphen.
+pub(super) fn minus(text: &str) -> String {
+    text.replace('-', "−")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_told_in_a_few_digits() {
+        for (value, expected) in [
+            (0.0, "0"),
+            (1.0, "1"),
+            (-2.0, "−2"),
+            (0.1 + 0.2, "0.3"),
+            (1.23456, "1.235"),
+            (999.96, "1000"),
+            (0.001, "0.001"),
+            (0.000_999_96, "0.001"),
+            (0.000_123_4, "1.234×10⁻⁴"),
+            (123_456.7, "123\u{202f}457"),
+            (1_234_567.0, "1\u{202f}234\u{202f}567"),
+            (1_234_567.8, "1.235×10⁶"),
+            (1e15, "10¹⁵"),
+            (6.022e23, "6.022×10²³"),
+            (-1.5e-300, "−1.5×10⁻³⁰⁰"),
+            (f64::MAX, "1.798×10³⁰⁸"),
+            (5e-324, "4.941×10⁻³²⁴"),
+            (f64::NAN, "not finite"),
+            (f64::INFINITY, "not finite"),
+        ] {
+            let found = figure(value);
+            assert_eq!(found.trim_start_matches("1×"), expected, "{value:e}");
+        }
+    }
+
+    #[test]
+    fn times_have_units() {
+        for (value, expected) in [
+            (0.0, "0\u{202f}s"),
+            (1.5e-7, "0.15\u{202f}µs"),
+            (0.0123, "12.3\u{202f}ms"),
+            (61.0, "61\u{202f}s"),
+        ] {
+            assert_eq!(seconds(value), expected);
+        }
+        assert_eq!(quantity(12.0, ""), "12");
+        assert_eq!(quantity(12.0, "%"), "12%");
+    }
+
+    #[test]
+    fn nothing_is_lost_in_csv() {
+        for value in [0.1, 1.0 / 3.0, 1e300, 5e-324, -0.25, 123_456_789.0, f64::MAX] {
+            assert_eq!(exact(value).parse::<f64>().unwrap(), value);
+        }
+        assert_eq!((exact(2.0), exact(f64::NAN)), ("2".to_owned(), String::new()));
+    }
+}

@@ -1,0 +1,154 @@
+//! The colours of a drawing, by what they are for.
+//!
+//! On its way through plotters a colour is three bytes, so that no two paints may have the same.
+//! These are the colours on white paper; `chart.css` has those on a dark one under the same names.
+
+use plotters::style::RGBColor;
+
+/// What a shape is painted with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Paint {
+    /// Text that is read first.
+    Ink,
+    /// Text and marks that are read when looked for.
+    Muted,
+    /// Lines to compare with.
+    Guide,
+    /// Lines at the labels of an axis.
+    Grid,
+    /// Lines between them.
+    Faint,
+    /// What is drawn on.
+    Paper,
+    /// One of the series, counted from 0.
+    Series(usize),
+}
+
+/// How many series have a colour of their own.
+pub(super) const COLOURS: usize = 7;
+
+/// Okabe and Ito's colours, those first that stand out most from white paper. Their yellow does not
+/// at all, and is left out.
+const SERIES: [(&str, [u8; 3]); COLOURS] = [
+    ("s0", [0, 114, 178]),
+    ("s1", [213, 94, 0]),
+    ("s2", [0, 158, 115]),
+    ("s3", [204, 121, 167]),
+    ("s4", [0, 0, 0]),
+    ("s5", [230, 159, 0]),
+    ("s6", [86, 180, 233]),
+];
+
+impl Paint {
+    /// All of them.
+    pub(super) fn all() -> impl Iterator<Item = Self> {
+        let others = [Self::Ink, Self::Muted, Self::Guide, Self::Grid, Self::Faint, Self::Paper];
+        others.into_iter().chain((0..COLOURS).map(Self::Series))
+    }
+
+    /// Its name in style sheets, and the colour on white paper.
+    fn entry(self) -> (&'static str, [u8; 3]) {
+        match self {
+            Self::Ink => ("ink", [26, 28, 32]),
+            Self::Muted => ("muted", [92, 97, 105]),
+            Self::Guide => ("guide", [120, 125, 133]),
+            Self::Grid => ("grid", [215, 218, 223]),
+            Self::Faint => ("faint", [238, 239, 242]),
+            Self::Paper => ("paper", [255, 255, 255]),
+            Self::Series(index) => SERIES[index % COLOURS],
+        }
+    }
+
+    /// Its name in style sheets.
+    pub(super) fn name(self) -> &'static str {
+        self.entry().0
+    }
+
+    /// Red, green and blue on white paper.
+    pub(super) fn rgb(self) -> [u8; 3] {
+        self.entry().1
+    }
+
+    /// For plotters.
+    pub(super) fn color(self) -> RGBColor {
+        let [r, g, b] = self.rgb();
+        RGBColor(r, g, b)
+    }
+
+    /// The paint of this colour; ink where there is none.
+    pub(super) fn of((r, g, b): (u8, u8, u8)) -> Self {
+        Self::all().find(|paint| paint.rgb() == [r, g, b]).unwrap_or(Self::Ink)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_colour_tells_its_paint() {
+        for paint in Paint::all() {
+            let [r, g, b] = paint.rgb();
+            assert_eq!(Paint::of((r, g, b)), paint);
+        }
+        assert_eq!(Paint::Series(COLOURS).name(), "s0", "then they begin again");
+    }
+
+    #[test]
+    fn the_style_sheet_knows_every_paint() {
+        let css = include_str!("chart.css");
+        for paint in Paint::all() {
+            let name = paint.name();
+            let [r, g, b] = paint.rgb();
+            let light = format!("--{name}: light-dark(#{r:02x}{g:02x}{b:02x}, #");
+            assert_eq!(css.matches(&light).count(), 1, "{light}");
+            for (class, property) in [("f", "fill"), ("k", "stroke")] {
+                let rule = format!(".{class}-{name} {{ {property}: var(--{name}); }}");
+                assert_eq!(css.matches(&rule).count(), 1, "{rule}");
+            }
+        }
+    }
+
+    /// Web Content Accessibility Guidelines 2.2, "relative luminance" and "contrast ratio".
+    fn contrast(a: [u8; 3], b: [u8; 3]) -> f64 {
+        let luminance = |rgb: [u8; 3]| {
+            let linear = rgb.map(|byte| {
+                let c = f64::from(byte) / 255.0;
+                if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
+            });
+            0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+        };
+        let (a, b) = (luminance(a), luminance(b));
+        (a.max(b) + 0.05) / (a.min(b) + 0.05)
+    }
+
+    /// The colour of this name on dark paper.
+    fn dark(name: &str) -> [u8; 3] {
+        let css = include_str!("chart.css");
+        let both = css.split_once(&format!("--{name}: light-dark(")).unwrap().1;
+        let rest = both.split_once(", #").unwrap().1;
+        let byte = |at: usize| u8::from_str_radix(&rest[at..at + 2], 16).unwrap();
+        [byte(0), byte(2), byte(4)]
+    }
+
+    #[test]
+    fn text_and_series_stand_out_from_either_paper() {
+        let papers = [Paint::Paper.rgb(), dark("paper")];
+        for paint in [Paint::Ink, Paint::Muted] {
+            let colours = [paint.rgb(), dark(paint.name())];
+            for (colour, paper) in colours.into_iter().zip(papers) {
+                assert!(contrast(colour, paper) >= 4.5, "{paint:?} {}", contrast(colour, paper));
+            }
+        }
+        for series in (0..COLOURS).map(Paint::Series) {
+            let found = contrast(dark(series.name()), papers[1]);
+            assert!(found >= 3.0, "{series:?} {found}");
+        }
+        // The colours of Okabe and Ito as they are: the last two are for many series, and the marker
+        // tells those apart as well.
+        for series in [0, 1, 2, 4].map(Paint::Series) {
+            let found = contrast(series.rgb(), papers[0]);
+            assert!(found >= 3.0, "{series:?} {found}");
+        }
+    }
+}
