@@ -24,6 +24,9 @@ mod closed_form;
 // A scene pays for the effects that it shows and for no others; the counters prove it.
 mod effects;
 
+// Error against time: slopes, sweeps that go on, errors that come out as asked for.
+mod accuracy;
+
 // Textures over what rays spread to: against references of many rays, and what they cost.
 mod filtering;
 

@@ -1,0 +1,198 @@
+//! Error against time: the slopes that theory has, sweeps that go on where they stopped, and errors that come
+//! out as they were asked for.
+
+use std::path::Path;
+
+use serde_json::{Value, json};
+use wavecrest::accel::build::Preset;
+use wavecrest::accuracy::Findings;
+use wavecrest::accuracy::findings::FamilyFindings;
+use wavecrest::accuracy::pilot::Pilot;
+use wavecrest::accuracy::store::{FILE, Header, Record, Store};
+use wavecrest::accuracy::sweep::{Options, Progress, run};
+use wavecrest::image::compare::compare;
+use wavecrest::math::sampling::{Points, Sampling};
+use wavecrest::prepared::{PreparedScene, Samples};
+use wavecrest::render::RenderOptions;
+
+use crate::support::{
+    extract_small, folder, image_of, matte, options, pinhole, prepare, render_on, repository,
+    scene, sphere, wall, with,
+};
+
+/// Tells nobody.
+struct Silent;
+
+impl Progress for Silent {
+    fn stage(&self, _: &str, _: u64) {}
+    fn step(&self) {}
+}
+
+const OPTIONS: Options = Options { longest: 40, seeds: 4, most: 121, least: 2025 };
+
+fn findings(options: &Options, file: &Path, folder: &Path) -> Findings {
+    let mut store = Store::open(folder, &Header::new(options)).expect("a folder");
+    let swept = run(&[file.to_owned()], options, &mut store, &Silent).expect("a sweep");
+    Findings::new(options, &store, &swept)
+}
+
+fn family<'a>(findings: &'a Findings, name: &str) -> &'a FamilyFindings {
+    findings.scenes[0].families.iter().find(|f| f.name == name).expect("a family")
+}
+
+/// Independent points: the variance of their mean. Stratified points lose most of it but at edges, of which
+/// the penumbra is made.
+#[test]
+fn errors_fall_as_theory_has_it() {
+    let folder = folder();
+    let found = findings(&OPTIONS, &repository("scenes/testareajitter.json"), folder.path());
+    let lights = family(&found, "lights");
+    let slope = |sampling: Sampling| {
+        let series = lights.series.iter().find(|s| s.name == sampling.name()).expect("a series");
+        series.slope.expect("a slope").value
+    };
+    assert!((slope(Sampling::Random) + 1.0).abs() < 0.05, "{}", slope(Sampling::Random));
+    assert!(slope(Sampling::Jittered) < -1.3, "{}", slope(Sampling::Jittered));
+    assert!(slope(Sampling::Sobol) < -1.3, "{}", slope(Sampling::Sobol));
+    // No sampler has a bias: the mean signed error is within its own spread of 0.
+    for point in lights.series.iter().flat_map(|series| &series.points) {
+        assert!(point.bias.abs() <= point.rmse.value / 4.0, "{}: {}", point.key, point.bias);
+    }
+    for choice in &found.scenes[0].neutral {
+        assert!(choice.equal && choice.error_change == 0.0, "{choice:?}");
+    }
+}
+
+#[test]
+fn a_sweep_goes_on_where_it_stopped() {
+    let (folder, file) = (folder(), repository("scenes/hard/edge-on-light.json"));
+    let options = Options { longest: 8, seeds: 2, most: 4, least: 16 };
+    let first = findings(&options, &file, folder.path());
+    let path = folder.path().join(FILE);
+    let whole = std::fs::read_to_string(&path).expect("records");
+    // Again: nothing is left to do.
+    findings(&options, &file, folder.path());
+    assert_eq!(std::fs::read_to_string(&path).expect("records"), whole);
+    // Cut in the middle of a line: what is missing is made again, and says the same but for its times.
+    let cut = whole.len() * 2 / 3;
+    std::fs::write(&path, &whole[..cut]).expect("a file");
+    let again = findings(&options, &file, folder.path());
+    let errors = |found: &Findings| -> Vec<(String, f64)> {
+        let series = found.scenes[0].families.iter().flat_map(|family| &family.series);
+        series.flat_map(|s| &s.points).map(|p| (p.key.clone(), p.mse)).collect()
+    };
+    let (mut one, mut other) = (errors(&first), errors(&again));
+    one.sort_by(|a, b| a.partial_cmp(b).expect("numbers"));
+    other.sort_by(|a, b| a.partial_cmp(b).expect("numbers"));
+    assert_eq!(one.len(), other.len());
+    for (a, b) in one.iter().zip(&other) {
+        // The mean is taken in the order of the records.
+        assert!(a.0 == b.0 && (a.1 - b.1).abs() <= 1e-12 * a.1.abs(), "{a:?} {b:?}");
+    }
+    let text = std::fs::read_to_string(&path).expect("records");
+    let points = |text: &str| text.lines().filter(|line| line.contains("\"point\"")).count();
+    assert_eq!(points(&text), points(&whole));
+    // Records are what their type says.
+    let records: Vec<Record> =
+        text.lines().map(|line| serde_json::from_str(line).expect("a record")).collect();
+    assert!(matches!(records[0], Record::Header(_)));
+}
+
+/// A square light above a ball: seen from the side, its shadow is soft.
+fn square_light(sampling: &str, samples: u32) -> Value {
+    let corners = json!([[-1, 4, -1], [-1, 4, 1], [1, 4, 1], [1, 4, -1]]);
+    json!({"type": "arealight", "intensity": 60, "color": [1, 1, 1], "sampling": sampling,
+           "samples": samples, "shape": {"type": "plane", "points": corners}})
+}
+
+fn round_light(sampling: &str, samples: u32) -> Value {
+    json!({"type": "arealight", "intensity": 40, "color": [1, 0.9, 0.8], "sampling": sampling,
+           "samples": samples, "shape": {"type": "sphere", "center": [2, 3, 3], "radius": 0.7}})
+}
+
+fn lens(sampling: &str, side: u32) -> Value {
+    let mut camera = pinhole([40, 30], 45.0, 6.0);
+    let keys = [("type", json!("thinlens")), ("aperture", json!(0.8)), ("focal", json!(6.5))];
+    for (key, value) in keys {
+        camera[key] = value;
+    }
+    with(with(with(camera, "sampling", sampling), "nsamplesx", side), "nsamplesy", side)
+}
+
+fn shown(camera: &Value, lights: &[Value]) -> Value {
+    let ball = sphere([0.0, 0.3, 0.5], 1.0, matte(0.8, [0.9, 0.4, 0.2]));
+    scene(0, camera, lights, &[ball, wall(5.0, -1.5, matte(0.8, [0.3, 0.5, 0.9]))])
+}
+
+/// A scene that is sampled anew is the scene whose file says so.
+#[test]
+fn resampling_gives_what_the_file_would() {
+    let lights = |sampling: &str, n| [round_light(sampling, n), square_light(sampling, n)];
+    let pixel = |mut camera: Value, sampling: &str, side: u32| {
+        (camera["antialias"], camera["sampling"]) = (side.into(), sampling.into());
+        camera
+    };
+    let base = pixel(pinhole([40, 30], 45.0, 6.0), "jittered", 2);
+    for sampling in Sampling::ALL {
+        let name = sampling.name();
+        let side = 3;
+        let count = if sampling == Sampling::Jittered { side } else { side * side };
+        let points = Some(Points { sampling, side });
+        let mut scene = prepare(&shown(&base, &lights("random", 2)));
+        let original = scene.original();
+        let samples = Samples { lights: points, pixel: points, lens: None };
+        scene.resample(&original, &samples);
+        let file = pixel(pinhole([40, 30], 45.0, 6.0), name, side);
+        let expected = image_of(&prepare(&shown(&file, &lights(name, count))), 3);
+        assert!(image_of(&scene, 3).same_bits(&expected), "{name}");
+        scene.resample(&original, &Samples::default());
+        let usual = image_of(&prepare(&shown(&base, &lights("random", 2))), 3);
+        assert!(image_of(&scene, 3).same_bits(&usual), "{name}: not as it was");
+
+        let mut scene = prepare(&shown(&lens("random", 2), &[]));
+        let original = scene.original();
+        scene.resample(&original, &Samples { lens: points, ..Samples::default() });
+        // A lens's own key is no matter for a pixel of one ray.
+        let expected = image_of(&prepare(&shown(&lens(name, side), &[])), 3);
+        assert!(image_of(&scene, 3).same_bits(&expected), "{name}: lens");
+    }
+}
+
+/// Five scenes: what the pilot chooses has no more than 1.25 times the error that was asked for, against
+/// references that it knows nothing of.
+#[test]
+fn an_error_that_is_asked_for_comes_out() {
+    let small = |name: &str| extract_small(&repository(name), 64, u64::MAX).build(Preset::Fast);
+    let mut smooth = pinhole([64, 48], 45.0, 6.0);
+    smooth["antialias"] = 2.into();
+    let scenes: [(&str, PreparedScene); 5] = [
+        ("a square light", small("scenes/testareajitter.json")),
+        ("a lens", small("scenes/DoF.json")),
+        (
+            "a round light",
+            prepare(&shown(&pinhole([64, 48], 45.0, 6.0), &[round_light("random", 4)])),
+        ),
+        (
+            "a lens under a light",
+            prepare(&shown(&lens("jittered", 2), &[square_light("random", 4)])),
+        ),
+        ("pixels with a light", prepare(&shown(&smooth, &[square_light("jittered", 2)]))),
+    ];
+    for (name, mut scene) in scenes {
+        let original = scene.original();
+        let pilot = Pilot::run(&mut scene, &original, 0).expect("a pilot");
+        let reference = pilot.for_error(0.001).expect("samples");
+        scene.resample(&original, &reference.samples());
+        let reference = render_on(2, &scene, &RenderOptions { seed: 99, ..options() }).film;
+        for asked in [0.02, 0.006] {
+            let choice = pilot.for_error(asked).expect("samples");
+            scene.resample(&original, &choice.samples());
+            let film = image_of(&scene, 0);
+            let reached = compare(&film, &reference).expect("a comparison").rmse;
+            assert!(reached <= 1.25 * asked, "{name}: {asked} asked, {reached} reached, {choice}");
+            // Nor is much more done than is asked for, but where one point does already.
+            let is_close = reached >= asked / 4.0 || choice.points.side <= 2;
+            assert!(is_close, "{name}: {asked} asked, {reached} reached, {choice}");
+        }
+    }
+}
