@@ -141,10 +141,24 @@ fn blinn_phong(bencher: Bencher<'_, '_>, kind: &str) {
     });
 }
 
+fn texture() -> Image {
+    let texels = (0..256 * 256_u32).map(u32::to_le_bytes).collect();
+    Image::new(256, 256, Texels::Bytes(texels))
+}
+
 #[divan::bench(args = [Filter::Nearest, Filter::Bilinear])]
 fn texture_look_up(bencher: Bencher<'_, '_>, filter: Filter) {
-    let texels = (0..256 * 256_u32).map(u32::to_le_bytes).collect();
-    let image = Image::new(256, 256, Texels::Bytes(texels));
+    let image = texture();
     let inputs = inputs(|point| Vec2::new(point(0).x, point(0).y));
     each(bencher, &inputs, |uv| image.look_up(*uv, filter, Wrap::Repeat));
+}
+
+/// With the footprint's level: within one level, and between two.
+#[divan::bench(args = [1.0, 2.5])]
+fn trilinear_look_up(bencher: Bencher<'_, '_>, texels: f32) {
+    let mut image = texture();
+    image.build_pyramid();
+    let footprint = [Vec2::X, Vec2::Y].map(|side| side * (texels / 256.0));
+    let inputs = inputs(|point| Vec2::new(point(0).x, point(0).y));
+    each(bencher, &inputs, |uv| image.look_up_at(*uv, image.level(&footprint), Wrap::Repeat).0);
 }

@@ -18,7 +18,6 @@ use crate::kernels::precision::Arithmetic;
 use crate::kernels::shade::{self, ShadingPoint, ShadowRequest};
 use crate::math::random::Stream;
 use crate::math::ray::Ray;
-use crate::plan::Effect;
 use crate::prepared::{Arrival, LookUps, MirrorPoint, PreparedScene};
 use crate::tile::{Tile, TraceSettings, Tracer, add_sample};
 
@@ -27,7 +26,7 @@ use crate::tile::{Tile, TraceSettings, Tracer, add_sample};
 pub struct Recursive<P> {
     seed: u64,
     traversal: Traversal,
-    /// Whether the scene calls for ray differentials.
+    /// Whether mirror rays have differentials.
     differentials: bool,
     look_ups: LookUps,
     counters: Counters,
@@ -40,7 +39,7 @@ impl<P: Arithmetic> Tracer for Recursive<P> {
         Self {
             seed: settings.seed,
             traversal: scene.accel.traversal(),
-            differentials: scene.plan.has(Effect::RayDifferentials),
+            differentials: scene.carries_differentials(),
             look_ups: LookUps::default(),
             counters: Counters::default(),
             seconds: 0.0,

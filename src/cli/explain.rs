@@ -150,8 +150,8 @@ fn text(e: &Explanation) -> String {
     }
     let _ = writeln!(text, "effects");
     for decision in e.plan.decisions() {
-        let name = decision.effect.name();
-        let _ = writeln!(text, "  {} {name:<18}{}", mark(decision.present), decision.reason);
+        let name = format!("{} ", decision.effect.name());
+        let _ = writeln!(text, "  {} {name:<16}{}", mark(decision.present), decision.reason);
     }
     let precision = e.precision;
     let _ = writeln!(text, "precision\n    {:<16}{}", precision.name(), precision.meaning());

@@ -325,7 +325,8 @@ mod tests {
 
     #[test]
     fn hc30_every_coordinate_is_in_bounds() {
-        let image = gradient(3, 5);
+        let mut image = gradient(3, 5);
+        image.build_pyramid();
         let odd = [
             0.0,
             1.0,
@@ -340,13 +341,58 @@ mod tests {
         ];
         for &u in &odd {
             for &v in &odd {
-                for filter in [Filter::Nearest, Filter::Bilinear] {
-                    for wrap in [Wrap::Repeat, Wrap::Clamp] {
+                for wrap in [Wrap::Repeat, Wrap::Clamp] {
+                    for filter in [Filter::Nearest, Filter::Bilinear] {
                         assert!(image.look_up(Vec2::new(u, v), filter, wrap).is_finite());
+                    }
+                    for &level in &odd {
+                        assert!(image.look_up_at(Vec2::new(u, v), level, wrap).0.is_finite());
                     }
                 }
             }
         }
+    }
+
+    #[test]
+    fn the_level_is_the_logarithm_of_the_longer_side_in_texels() {
+        let mut image = gradient(64, 32);
+        let level = |image: &Image, x: [f32; 2], y: [f32; 2]| {
+            image.level(&[Vec2::from(x) / 64.0, Vec2::from(y) / 32.0])
+        };
+        assert_eq!(level(&image, [64.0, 0.0], [0.0, 32.0]), 0.0, "without a pyramid");
+        image.build_pyramid();
+        assert_eq!(image.coarsest(), 6);
+        assert_eq!(level(&image, [1.0, 0.0], [0.0, 0.5]), 0.0);
+        assert_eq!(level(&image, [0.3, 0.0], [0.0, 0.5]), 0.0);
+        assert_eq!(level(&image, [0.0, 0.0], [0.0, 0.0]), 0.0);
+        assert_eq!(level(&image, [2.0, 0.0], [0.0, 0.5]), 1.0);
+        assert_eq!(level(&image, [-2.0, 0.0], [0.0, 4.0]), 2.0, "v counts in rows");
+        assert_eq!(level(&image, [1e30, 0.0], [0.0, 0.5]), 6.0);
+        for side in [f32::INFINITY, f32::NEG_INFINITY, f32::NAN] {
+            assert_eq!(level(&image, [1.0, 0.0], [side, 0.0]), 6.0, "{side}");
+            assert_eq!(level(&image, [1.0, side], [1.0, 0.0]), 6.0, "{side}");
+        }
+    }
+
+    #[test]
+    fn levels_are_bilinear_and_between_them_linear() {
+        let mut image = gradient(7, 5);
+        image.build_pyramid();
+        let uv = Vec2::new(0.4, 0.7);
+        let at = |level| image.look_up_at(uv, level, Wrap::Repeat);
+        let finest = image.look_up(uv, Filter::Bilinear, Wrap::Repeat);
+        for below in [0.0, -1.0, f32::NEG_INFINITY] {
+            assert_eq!(at(below), (finest, 4));
+        }
+        // The mean of 0 to 0.6 and of 0 to 0.4.
+        let (mean, texels) = at(2.0);
+        assert!(mean.distance(Vec3::new(0.3, 0.2, 0.0)) < 1e-6 && texels == 4, "{mean}");
+        for above in [2.5, 1e30, f32::INFINITY, f32::NAN] {
+            assert_eq!(at(above), (mean, 4));
+        }
+        let (half, texels) = at(0.5);
+        assert!(half.distance((finest + at(1.0).0) / 2.0) < 1e-6 && texels == 8, "{half}");
+        assert_eq!(gradient(7, 5).look_up_at(uv, 1.5, Wrap::Repeat), (finest, 4), "no pyramid");
     }
 
     #[test]

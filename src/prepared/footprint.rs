@@ -14,6 +14,7 @@ use crate::kernels::surface::Surface;
 use crate::kernels::texture::sphere_uv_change;
 use crate::math::float::{dot, normalize};
 use crate::math::ray::Ray;
+use crate::plan::Effect;
 
 /// A point of a mirror.
 #[derive(Clone, Copy, Debug)]
@@ -66,6 +67,13 @@ impl Looks {
 }
 
 impl PreparedScene {
+    /// Whether mirror rays have differentials. Those of camera rays follow from their directions
+    /// ([`Camera::differential`](crate::kernels::camera::Camera::differential)) where they are asked
+    /// for, and are never kept.
+    pub fn carries_differentials(&self) -> bool {
+        self.bounces > 0 && self.plan.has(Effect::RayDifferentials)
+    }
+
     /// The differential of the ray that the mirror at `point` sends on, from that of `ray`, which
     /// arrives there with `hit`.
     pub fn mirrored(

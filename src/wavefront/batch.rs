@@ -18,7 +18,6 @@ use crate::kernels::shade::lanes::{LitPoints as LitLanes, Mirrored, ShadowReques
 use crate::math::lanes::Vec3x8;
 use crate::math::ray::Ray;
 use crate::math::simd::{LANES, Lanes};
-use crate::plan::Effect;
 use crate::prepared::PreparedScene;
 use columns::{Column, count, pack};
 
@@ -309,7 +308,7 @@ impl Batch {
         let capacity = capacity.max(1);
         let lights = if scene.plan.has_shadows() { capacity } else { 0 };
         let mirrors = if scene.bounces > 0 { capacity } else { 0 };
-        let differentials = if carries_differentials(scene) { capacity } else { 0 };
+        let differentials = if scene.carries_differentials() { capacity } else { 0 };
         Self {
             capacity,
             paths: Paths::with_capacity(capacity),
@@ -352,14 +351,9 @@ impl Batch {
         if scene.bounces > 0 {
             groups.push(("next rays", Rays::ROW_BYTES));
         }
-        if carries_differentials(scene) {
+        if scene.carries_differentials() {
             groups.push(("differentials", 2 * Differentials::ROW_BYTES));
         }
         groups
     }
-}
-
-/// Whether mirror rays have differentials.
-pub(super) fn carries_differentials(scene: &PreparedScene) -> bool {
-    scene.bounces > 0 && scene.plan.has(Effect::RayDifferentials)
 }

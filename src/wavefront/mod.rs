@@ -11,7 +11,8 @@
 //!
 //! A batch has [`DEFAULT_BATCH`] paths unless asked otherwise, so that its columns stay in the
 //! second-level cache. What the plan leaves out has no column: no lit points without lights, no next
-//! rays without mirrors. All passes but the last work on eight rows at a time, as vectors.
+//! rays without mirrors, no differentials without trilinear textures that mirrors could show. All
+//! passes but the last work on eight rows at a time, as vectors.
 
 pub mod batch;
 mod s1_generate;

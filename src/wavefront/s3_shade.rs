@@ -11,7 +11,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{f32x8, mask32x8, u32x8};
 use glam::{Vec2, Vec3};
 
-use super::batch::{Batch, Vectors, carries_differentials};
+use super::batch::{Batch, Vectors};
 use crate::accel::{Hit, NO_PRIMITIVE};
 use crate::counters::Counters;
 use crate::kernels::blinn_phong::lanes::Reflection;
@@ -39,7 +39,7 @@ pub(super) fn run<P: Arithmetic>(
     batch.lit.clear();
     batch.next.clear();
     batch.next_differentials.clear();
-    let differentials = carries_differentials(scene);
+    let differentials = scene.carries_differentials();
     dispatch(
         scene.accel.level,
         Shade::<P> { scene, bounce, differentials, batch, counters, precision: PhantomData },

@@ -38,6 +38,11 @@ fn coordinate() -> impl Strategy<Value = f32> {
     ]
 }
 
+/// Of detail: within the pyramid, or any bits.
+fn level() -> impl Strategy<Value = f32> {
+    prop_oneof![-1.0_f32..5.0, bits()]
+}
+
 fn wrap() -> impl Strategy<Value = Wrap> {
     prop_oneof![Just(Wrap::Repeat), Just(Wrap::Clamp)]
 }
@@ -48,18 +53,22 @@ proptest! {
     /// Of whatever bits the coordinates are, the colour is one of the texels', or between them.
     #[test]
     fn colours_are_among_the_texels(
-        image in image(), uv in (coordinate(), coordinate()), wrap in wrap(),
+        mut image in image(), uv in (coordinate(), coordinate()), wrap in wrap(), level in level(),
     ) {
+        image.build_pyramid();
         let (uv, texels) = (Vec2::from(uv), texels(&image));
         let nearest = image.look_up(uv, Filter::Nearest, wrap);
         prop_assert!(texels.contains(&nearest), "{}", nearest);
         let between = image.look_up(uv, Filter::Bilinear, wrap);
+        let (filtered, _) = image.look_up_at(uv, level, wrap);
         let low = texels.iter().copied().reduce(Vec3::min).expect("there is a texel");
         let high = texels.iter().copied().reduce(Vec3::max).expect("there is a texel");
-        // Three interpolations, of a few roundings each.
-        let room = 8.0 * f32::EPSILON * low.abs().max(high.abs());
-        let inside = between.cmpge(low - room).all() && between.cmple(high + room).all();
-        prop_assert!(inside, "{} of {} to {}", between, low, high);
+        // Up to seven interpolations, of a few roundings each.
+        let room = 16.0 * f32::EPSILON * low.abs().max(high.abs());
+        for found in [between, filtered] {
+            let inside = found.cmpge(low - room).all() && found.cmple(high + room).all();
+            prop_assert!(inside, "{} of {} to {}", found, low, high);
+        }
     }
 
     /// A repeated image looks the same one image farther on. Eighths are exact.
