@@ -11,7 +11,7 @@ use crate::accel::build::Preset;
 use crate::error::Result;
 use crate::kernels::precision::Precision;
 use crate::memory::{self, Prediction};
-use crate::plan::{Effect, Plan};
+use crate::plan::{Plan, schedule};
 use crate::prepared::PreparedScene;
 use crate::systems::{self, Extracted};
 use crate::wavefront::DEFAULT_BATCH;
@@ -53,6 +53,9 @@ struct Explanation {
 #[derive(Serialize)]
 struct Pass {
     name: &'static str,
+    /// The pass that it is a part of, unless it is a whole one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    part_of: Option<&'static str>,
     runs: bool,
     reason: String,
 }
@@ -121,32 +124,21 @@ fn choice(extracted: &Extracted, asked: Option<Preset>) -> Choice {
 }
 
 fn passes(scene: &PreparedScene) -> Vec<Pass> {
-    let always = |name| Pass { name, runs: true, reason: "every scene".to_owned() };
-    let shadows = scene.plan.has_shadows();
-    let mirrors = scene.plan.decisions().iter().find(|d| d.effect == Effect::Mirrors);
-    vec![
-        always("generate"),
-        always("intersect"),
-        always("shade"),
-        Pass {
-            name: "shadow",
-            runs: shadows,
-            reason: if shadows { "lights have power" } else { "no light has power" }.to_owned(),
-        },
-        Pass {
-            name: "mirror bounces",
-            runs: scene.bounces > 0,
-            reason: mirrors.map_or_else(String::new, |d| d.reason.clone()),
-        },
-        always("resolve"),
-    ]
+    let row = |pass: &schedule::Pass| Pass {
+        name: pass.name,
+        part_of: pass.part_of.map(|whole| schedule::PASSES[whole as usize].name),
+        runs: scene.plan.schedule().runs(pass.step),
+        reason: scene.plan.reason(pass),
+    };
+    schedule::PASSES.iter().map(row).collect()
 }
 
 fn text(e: &Explanation) -> String {
     let mut text = String::new();
     let _ = writeln!(text, "passes");
     for pass in &e.passes {
-        let _ = writeln!(text, "  {} {:<16}{}", mark(pass.runs), pass.name, pass.reason);
+        let name = format!("{}{}", if pass.part_of.is_some() { "  " } else { "" }, pass.name);
+        let _ = writeln!(text, "  {} {name:<16}{}", mark(pass.runs), pass.reason);
     }
     let _ = writeln!(text, "effects");
     for decision in e.plan.decisions() {

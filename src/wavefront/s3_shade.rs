@@ -161,7 +161,7 @@ impl<P: Arithmetic> Shade<'_, P> {
         };
         let lit = used & (mask(simd, group.two_sided) | !at_back);
         let path: u32x8<S> = path.simd_into(simd);
-        if self.scene.plan.has_shadows() {
+        if self.scene.plan.schedule().has_shadows() {
             self.batch.lit.push_lanes(&points, path, lit);
         }
         let kr: f32x8<S> = group.kr.simd_into(simd);

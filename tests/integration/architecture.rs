@@ -19,7 +19,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("counters", &["accel"]),
     ("prepared", &["accel", "kernels", "math", "plan"]),
     ("tile", &["counters", "prepared"]),
-    ("wavefront", &["accel", "counters", "kernels", "math", "prepared", "tile"]),
+    ("wavefront", &["accel", "counters", "kernels", "math", "plan", "prepared", "tile"]),
     ("recursive", &["accel", "counters", "kernels", "math", "prepared", "tile"]),
     (
         "probe",

@@ -73,7 +73,7 @@ fn a_scene_without_lights_casts_no_shadow_ray() {
     assert_eq!((lit.primary_rays, lit.shadow_rays), (PIXELS, PIXELS), "with a light: one each");
     let dark = prepare(&scene(0, &camera(), &[], &[mirror()]));
     assert_eq!(counters(&dark).shadow_rays, 0);
-    assert!(!dark.plan.has_shadows());
+    assert!(!dark.plan.schedule().has_shadows());
 }
 
 #[test]
@@ -250,7 +250,7 @@ fn what_a_plan_leaves_out_is_not_counted_in_any_scene() {
         for (effect, count) in costs {
             assert!(count == 0 || scene.plan.has(effect), "{name}: {}, {count}", effect.name());
         }
-        assert!(found.shadow_rays == 0 || scene.plan.has_shadows(), "{name}");
+        assert!(found.shadow_rays == 0 || scene.plan.schedule().has_shadows(), "{name}");
     }
 }
 
