@@ -11,6 +11,7 @@ use crate::kernels::surface::{self, Surface};
 use crate::kernels::texture;
 use crate::math::float::{dot, normalize};
 use crate::math::ray::Ray;
+use crate::variant::Effects;
 
 /// Where a ray that was traced arrives.
 #[derive(Clone, Copy, Debug)]
@@ -40,7 +41,12 @@ impl PreparedScene {
 
     /// Where `ray` arrives with `hit`. Texels read are added to `texels`.
     #[inline]
-    pub fn arrival<P: Arithmetic>(&self, ray: &Ray, hit: &Hit, texels: &mut u64) -> Arrival {
+    pub fn arrival<P: Arithmetic, E: Effects>(
+        &self,
+        ray: &Ray,
+        hit: &Hit,
+        texels: &mut u64,
+    ) -> Arrival {
         if hit.is_miss() {
             return Arrival::Nothing;
         }
@@ -57,6 +63,7 @@ impl PreparedScene {
         let material = self.looks.materials[index];
         let color = match &shape.texture {
             None => material.color,
+            Some(_) if !E::LOOKS => material.color,
             Some(texture) => {
                 *texels += texture.filter.texels();
                 self.looks.texture_color(texture, shape, geometry, hit.primitive, &surface)
@@ -66,7 +73,11 @@ impl PreparedScene {
             point: surface.point,
             error: surface.error,
             normal,
-            shading_normal: self.looks.shading_normal(shape, geometry, hit, &surface, normal),
+            shading_normal: if E::LOOKS {
+                self.looks.shading_normal(shape, geometry, hit, &surface, normal)
+            } else {
+                normal
+            },
             view: -normalize(ray.direction),
             color,
             material,
