@@ -302,14 +302,12 @@ fn without(needs: Needs, effect: Effect) -> Needs {
     Needs::Any(Vec::leak(others))
 }
 
-/// A scene that shows `effect`, with as few others as it takes.
+/// A scene that shows `effect`, of shapes of every kind and, unless that is the effect, under a light.
 fn scene_of(effect: Effect, folder: &Path) -> Value {
     let light = if effect == Effect::AreaLights { effect } else { Effect::PointLights };
-    Set::of(&match effect == light {
-        true => vec![Effect::Triangles, light],
-        false => vec![Effect::Triangles, light, effect],
-    })
-    .scene(folder)
+    let mut effects = vec![Effect::Triangles, Effect::Quads, Effect::Spheres, light];
+    effects.extend((effect != light).then_some(effect));
+    Set::of(&effects).scene(folder)
 }
 
 /// What a table makes of a scene: `None` where it is refused.

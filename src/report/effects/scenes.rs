@@ -27,6 +27,12 @@ pub struct Variant {
 const HILLS: f64 = 4.0;
 const CORNERS: u32 = 48;
 
+/// Places of lights: above the field to either side; and below it and behind the wall, where no front is
+/// turned to.
+const ABOVE: [f64; 3] = [3.0, 4.0, 2.0];
+const LEFT: [f64; 3] = [-3.0, 4.0, 2.0];
+const BELOW: [f64; 3] = [0.0, -6.0, -3.0];
+
 /// Texels along each side of the texture, and of its squares.
 const TEXELS: u32 = 64;
 const SQUARE: u32 = 8;
@@ -41,15 +47,15 @@ pub fn variants(folder: &Path) -> Result<Vec<Variant>> {
     let picture = picture.display().to_string();
     let mut list = List::default();
     let dark = list.first("no light", base());
-    let ambient = list.first("ambient light", with_lights(base(), [lamp(0.0, 3.0)]));
+    let ambient = list.first("ambient light", with_lights(base(), [lamp(0.0, ABOVE)]));
     let lit = list.add("a point light", ambient, |scene| {
-        *scene = with_lights(base(), [lamp(60.0, 3.0)]);
+        *scene = with_lights(base(), [lamp(60.0, ABOVE)]);
     });
     list.add("an area light, 4 x 4", ambient, |scene| {
-        *scene = with_lights(base(), [panel([-0.5, 0.5], 3.0)]);
+        *scene = with_lights(base(), [panel()]);
     });
     list.add("a second point light", lit, |scene| {
-        *scene = with_lights(base(), [lamp(60.0, 3.0), lamp(60.0, -3.0)]);
+        *scene = with_lights(base(), [lamp(60.0, ABOVE), lamp(60.0, LEFT)]);
     });
     list.add("smooth shading", lit, smooth);
     list.add("mirrors, 1 bounce", lit, |scene| mirrors(scene, 0.5, 1));
@@ -66,10 +72,10 @@ pub fn variants(folder: &Path) -> Result<Vec<Variant>> {
     list.without("bounces without a mirror", lit, |scene| mirrors(scene, 0.0, 8));
     list.without("a lens of aperture 0", lit, |scene| lens(scene, 0.0, 4));
     list.without("a light without power", lit, |scene| {
-        *scene = with_lights(base(), [lamp(60.0, 3.0), lamp(0.0, -3.0)]);
+        *scene = with_lights(base(), [lamp(60.0, ABOVE), lamp(0.0, LEFT)]);
     });
     list.without("a light behind everything", lit, |scene| {
-        *scene = with_lights(base(), [panel([-0.5, 0.5], -6.0), lamp(60.0, 3.0)]);
+        *scene = with_lights(base(), [lamp(60.0, BELOW), lamp(60.0, ABOVE)]);
     });
     list.without("a textured triangle without area", lit, |scene| {
         let points = [[0, 0, 0], [1, 1, 1], [2, 2, 2]];
@@ -182,19 +188,13 @@ fn with_lights<const N: usize>(mut scene: Value, lights: [Value; N]) -> Value {
     scene
 }
 
-/// Above the field, to the right by `x`.
-fn lamp(intensity: f64, x: f64) -> Value {
-    json!({"type": "pointlight", "intensity": intensity, "position": [x, 4.0, 2.0],
-           "color": [1, 1, 1]})
+fn lamp(intensity: f64, position: [f64; 3]) -> Value {
+    json!({"type": "pointlight", "intensity": intensity, "position": position, "color": [1, 1, 1]})
 }
 
-/// A square at this height, its corners at these x and z. Below the field it is out of sight, and behind
-/// the front of every hill; the wall's front it is behind too, as it ends before it does.
-fn panel([low, high]: [f64; 2], height: f64) -> Value {
-    // Behind the wall where it is below.
-    let z = if height < 0.0 { -3.0 } else { 1.0 };
-    let corners = [[low, z + low], [low, z + high], [high, z + high], [high, z + low]];
-    let points = corners.map(|[x, z]| [x, height, z]);
+/// A square above the field.
+fn panel() -> Value {
+    let points = [[-0.5, 3.0, 0.5], [-0.5, 3.0, 1.5], [0.5, 3.0, 1.5], [0.5, 3.0, 0.5]];
     json!({"type": "arealight", "intensity": 60.0, "color": [1, 1, 1], "sampling": "jittered",
            "samples": 4, "shape": {"type": "plane", "points": points}})
 }
