@@ -16,7 +16,11 @@ use wavecrest::prepared::PreparedScene;
 use wavecrest::scene::load::load_str;
 use wavecrest::systems;
 use wavecrest::tile::{Tile, TraceSettings, Tracer};
+use wavecrest::variant::Every;
 use wavecrest::wavefront::{DEFAULT_BATCH, Wavefront};
+
+/// The variant with every effect.
+type Passes = Wavefront<Robust, Every>;
 
 /// Everything but the shapes.
 const SCENE: &str = r#"{
@@ -81,24 +85,23 @@ fn time(
     bencher: Bencher<'_, '_>,
     name: &str,
     before: usize,
-    pass: impl Fn(&mut Wavefront<Robust>, &PreparedScene),
+    pass: impl Fn(&mut Passes, &PreparedScene),
 ) {
     let prepared = prepare(name);
     assert!(prepared.is_ok(), "{name}: {prepared:?}");
     let Ok(scene) = prepared else { return };
     let settings = TraceSettings { seed: 0, batch: DEFAULT_BATCH };
-    let mut wavefront = Wavefront::<Robust>::new(&scene, &settings);
-    let passes =
-        [generate_all, Wavefront::intersect, |w: &mut Wavefront<Robust>, s: &PreparedScene| {
-            w.shade(s, 0);
-        }];
+    let mut wavefront = Passes::new(&scene, &settings);
+    let passes = [generate_all, Passes::intersect, |w: &mut Passes, s: &PreparedScene| {
+        w.shade(s, 0);
+    }];
     for earlier in passes.iter().take(before) {
         earlier(&mut wavefront, &scene);
     }
     bencher.counter(ItemsCount::new(TILE.len())).bench_local(|| pass(&mut wavefront, &scene));
 }
 
-fn generate_all(wavefront: &mut Wavefront<Robust>, scene: &PreparedScene) {
+fn generate_all(wavefront: &mut Passes, scene: &PreparedScene) {
     wavefront.generate(scene, &TILE, 0..TILE.len() as u64);
 }
 
@@ -109,7 +112,7 @@ fn s1_generate(bencher: Bencher<'_, '_>, name: &str) {
 
 #[divan::bench(args = SCENES)]
 fn s2_intersect(bencher: Bencher<'_, '_>, name: &str) {
-    time(bencher, name, 1, Wavefront::intersect);
+    time(bencher, name, 1, Passes::intersect);
 }
 
 #[divan::bench(args = SCENES)]
@@ -128,8 +131,7 @@ fn s5_resolve(bencher: Bencher<'_, '_>, name: &str) {
     let prepared = prepare(name);
     assert!(prepared.is_ok(), "{name}: {prepared:?}");
     let Ok(scene) = prepared else { return };
-    let mut wavefront =
-        Wavefront::<Robust>::new(&scene, &TraceSettings { seed: 0, batch: DEFAULT_BATCH });
+    let mut wavefront = Passes::new(&scene, &TraceSettings { seed: 0, batch: DEFAULT_BATCH });
     generate_all(&mut wavefront, &scene);
     bencher.counter(ItemsCount::new(TILE.len())).bench_local(|| wavefront.resolve(&mut sums));
 }

@@ -22,4 +22,5 @@ pub mod scene;
 pub mod selftest;
 pub mod systems;
 pub mod tile;
+pub mod variant;
 pub mod wavefront;

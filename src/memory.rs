@@ -70,14 +70,14 @@ pub fn predict(extracted: &Extracted, pixels: u64, preset: Preset, batch: usize)
     let scene: &PreparedScene = extracted.scene();
     let geometry = extracted.geometry();
     let primitives = geometry.len() as u64;
-    let path: usize = Batch::bytes_per_path(scene).iter().map(|(_, bytes)| bytes).sum();
+    let threads = rayon::current_num_threads() as u64;
     Prediction {
         geometry: geometry.bytes(),
         looks: scene.looks.bytes(),
         tree: primitives * tree_bytes(preset),
         build: build_bytes(preset, primitives),
         film: pixels * size_of::<[f32; 3]>() as u64,
-        batches: (path * batch_size(scene, batch) * rayon::current_num_threads()) as u64,
+        batches: Batch::bytes_foretold(scene, batch_size(scene, batch)) * threads,
         program: PROGRAM,
         so_far: peak().unwrap_or(0),
     }

@@ -1,9 +1,14 @@
-//! The plan: which effects a scene calls for, and why each other one is left out.
+//! The plan: which effects a scene calls for, why each other one is left out, and what that makes of
+//! the passes.
 //!
 //! The census ([`crate::systems::census`]) makes it once. What it leaves out is not simulated:
 //! its pass is not run, its queue has no storage, its random numbers are not drawn.
 
+pub mod schedule;
+
 use serde::Serialize;
+
+use schedule::{Needs, PASSES, Pass, Schedule};
 
 /// Something that costs time only in scenes that show it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
@@ -78,17 +83,26 @@ pub struct Decision {
     pub reason: String,
 }
 
-/// The decisions of the census, one for each effect.
+/// The decisions of the census, one for each effect, and the schedule that follows from them.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(transparent)]
 pub struct Plan {
     decisions: Vec<Decision>,
+    #[serde(skip)]
+    schedule: Schedule,
 }
 
 impl Plan {
     /// The plan of these decisions.
     pub fn new(decisions: Vec<Decision>) -> Self {
-        Self { decisions }
+        Self::of(decisions, &PASSES)
+    }
+
+    /// As [`Plan::new`], by another table than [`PASSES`]: for tests of the table itself, and for
+    /// renders that leave nothing out ([`schedule::unplanned`]).
+    pub fn of(decisions: Vec<Decision>, passes: &[Pass]) -> Self {
+        let schedule = Schedule::new(passes, &decisions);
+        Self { decisions, schedule }
     }
 
     /// All decisions.
@@ -96,13 +110,24 @@ impl Plan {
         &self.decisions
     }
 
-    /// Whether the scene calls for `effect`.
+    /// Whether the scene calls for `effect`. Not to be asked ray by ray: [`Schedule`] is.
     pub fn has(&self, effect: Effect) -> bool {
         self.decisions.iter().any(|d| d.effect == effect && d.present)
     }
 
-    /// Whether any light casts shadow rays.
-    pub fn has_shadows(&self) -> bool {
-        self.has(Effect::PointLights) || self.has(Effect::AreaLights)
+    /// Which steps run, and which columns have storage.
+    #[inline(always)]
+    pub fn schedule(&self) -> Schedule {
+        self.schedule
+    }
+
+    /// Why the pass runs, or does not: what decided the effects that it needs.
+    pub fn reason(&self, pass: &Pass) -> String {
+        let Needs::Any(effects) = pass.needs else { return "every scene".to_owned() };
+        let runs = self.schedule.runs(pass.step);
+        let asked = self.decisions.iter().filter(|d| effects.contains(&d.effect));
+        let reasons: Vec<&str> =
+            asked.filter(|d| d.present == runs).map(|d| d.reason.as_str()).collect();
+        reasons.join(", ")
     }
 }

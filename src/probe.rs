@@ -21,6 +21,7 @@ use crate::math::ray::Ray;
 use crate::prepared::PreparedScene;
 use crate::recursive::{End, Observer, Recursive};
 use crate::tile::{Tile, TraceSettings, Tracer};
+use crate::variant::{self, Effects, Work};
 use crate::wavefront::{DEFAULT_BATCH, Wavefront};
 
 pub use story::{Bounce, Invalid, Light, Met, Path, Story, Verdict};
@@ -47,39 +48,64 @@ type Step = (Ray, Hit, Vec3);
 
 /// Tells the story of a pixel of the image.
 pub fn pixel(scene: &PreparedScene, pixel: [u32; 2], seed: u64) -> Story {
-    if scene.accel.geometry.precision == Precision::Fast {
-        pixel_in::<Fast>(scene, pixel, seed)
-    } else {
-        pixel_in::<Robust>(scene, pixel, seed)
-    }
+    choose(scene, Tell { scene, pixel, seed })
+}
+
+/// The variant that renders the scene tells its story.
+fn choose<W: Work>(scene: &PreparedScene, work: W) -> W::Output {
+    variant::choose(scene.accel.geometry.precision, scene.plan.schedule(), work)
+}
+
+/// Tells of all samples of a pixel.
+struct Tell<'a> {
+    scene: &'a PreparedScene,
+    pixel: [u32; 2],
+    seed: u64,
+}
+
+/// Tells of one sample.
+struct TellOne<'a> {
+    of: Tell<'a>,
+    sample: u32,
 }
 
 /// Follows one sample.
 fn sample(scene: &PreparedScene, sample: Sample, seed: u64) -> Path {
     let width = scene.camera.size()[0];
     let pixel = [sample.pixel % width, sample.pixel / width];
-    let settings = TraceSettings { seed, batch: 1 };
-    if scene.accel.geometry.precision == Precision::Fast {
-        follow(scene, &mut Recursive::<Fast>::new(scene, &settings), pixel, sample.sample, seed).0
-    } else {
-        follow(scene, &mut Recursive::<Robust>::new(scene, &settings), pixel, sample.sample, seed).0
+    choose(scene, TellOne { of: Tell { scene, pixel, seed }, sample: sample.sample })
+}
+
+impl Work for TellOne<'_> {
+    type Output = Path;
+
+    fn with<P: Arithmetic, E: Effects>(self) -> Path {
+        let Tell { scene, pixel, seed } = self.of;
+        let settings = TraceSettings { seed, batch: 1 };
+        let mut tracer = Recursive::<P, E>::new(scene, &settings);
+        follow(scene, &mut tracer, pixel, self.sample, seed).0
     }
 }
 
-fn pixel_in<P: Arithmetic>(scene: &PreparedScene, pixel: [u32; 2], seed: u64) -> Story {
-    let settings = TraceSettings { seed, batch: DEFAULT_BATCH };
-    let mut tracer = Recursive::<P>::new(scene, &settings);
-    let samples = 0..scene.camera.rays_per_pixel();
-    let (paths, steps): (Vec<_>, Vec<_>) =
-        samples.map(|sample| follow(scene, &mut tracer, pixel, sample, seed)).unzip();
-    let others = wavefront_steps::<P>(scene, pixel, &settings);
-    Story { pixel, paths, differs: difference(&steps, &others) }
+impl Work for Tell<'_> {
+    type Output = Story;
+
+    fn with<P: Arithmetic, E: Effects>(self) -> Story {
+        let Self { scene, pixel, seed } = self;
+        let settings = TraceSettings { seed, batch: DEFAULT_BATCH };
+        let mut tracer = Recursive::<P, E>::new(scene, &settings);
+        let samples = 0..scene.camera.rays_per_pixel();
+        let (paths, steps): (Vec<_>, Vec<_>) =
+            samples.map(|sample| follow(scene, &mut tracer, pixel, sample, seed)).unzip();
+        let others = wavefront_steps::<P, E>(scene, pixel, &settings);
+        Story { pixel, paths, differs: difference(&steps, &others) }
+    }
 }
 
 /// Follows a path with the recursive tracer.
-fn follow<P: Arithmetic>(
+fn follow<P: Arithmetic, E: Effects>(
     scene: &PreparedScene,
-    tracer: &mut Recursive<P>,
+    tracer: &mut Recursive<P, E>,
     pixel: [u32; 2],
     sample: u32,
     seed: u64,
@@ -97,14 +123,14 @@ fn follow<P: Arithmetic>(
 }
 
 /// What the wavefront does, for each sample.
-fn wavefront_steps<P: Arithmetic>(
+fn wavefront_steps<P: Arithmetic, E: Effects>(
     scene: &PreparedScene,
     [x, y]: [u32; 2],
     settings: &TraceSettings,
 ) -> Vec<Vec<Step>> {
     let mut steps = vec![Vec::new(); scene.camera.rays_per_pixel() as usize];
     let tile = Tile { x, y, width: 1, height: 1 };
-    let mut tracer = Wavefront::<P>::new(scene, settings);
+    let mut tracer = Wavefront::<P, E>::new(scene, settings);
     tracer.render_watched(scene, &tile, &mut [[0.0; 3]], |_, batch| {
         for i in 0..batch.rays.len() {
             let path = batch.rays.path[i] as usize;

@@ -18,32 +18,36 @@ use crate::kernels::precision::Arithmetic;
 use crate::kernels::shade::{self, ShadingPoint, ShadowRequest};
 use crate::math::random::Stream;
 use crate::math::ray::Ray;
+use crate::plan::schedule::Schedule;
 use crate::prepared::{Arrival, LookUps, MirrorPoint, PreparedScene};
 use crate::tile::{Tile, TraceSettings, Tracer, add_sample};
+use crate::variant::Effects;
 
 /// The tracer.
 #[derive(Debug)]
-pub struct Recursive<P> {
+pub struct Recursive<P, E> {
     seed: u64,
+    schedule: Schedule,
     traversal: Traversal,
     /// Whether mirror rays have differentials.
     differentials: bool,
     look_ups: LookUps,
     counters: Counters,
     seconds: f64,
-    precision: PhantomData<P>,
+    variant: PhantomData<(P, E)>,
 }
 
-impl<P: Arithmetic> Tracer for Recursive<P> {
+impl<P: Arithmetic, E: Effects> Tracer for Recursive<P, E> {
     fn new(scene: &PreparedScene, settings: &TraceSettings) -> Self {
         Self {
             seed: settings.seed,
+            schedule: scene.plan.schedule(),
             traversal: scene.accel.traversal(),
             differentials: scene.carries_differentials(),
             look_ups: LookUps::default(),
             counters: Counters::default(),
             seconds: 0.0,
-            precision: PhantomData,
+            variant: PhantomData,
         }
     }
 
@@ -60,6 +64,11 @@ impl<P: Arithmetic> Tracer for Recursive<P> {
             }
         }
         self.seconds += start.elapsed().as_secs_f64();
+    }
+
+    /// A path is a few numbers on the stack.
+    fn bytes(&self) -> u64 {
+        0
     }
 
     fn counters(&self) -> Counters {
@@ -105,7 +114,7 @@ pub enum End {
     NoMirror,
 }
 
-impl<P: Arithmetic> Recursive<P> {
+impl<P: Arithmetic, E: Effects> Recursive<P, E> {
     /// The radiance along the camera ray that `stream` names, through the pixel (`x`, `y`).
     pub fn path(
         &mut self,
@@ -117,6 +126,8 @@ impl<P: Arithmetic> Recursive<P> {
         let mut ray = scene.camera.ray(x, y, &stream);
         self.counters.primary_rays += 1;
         self.counters.lens_samples += u64::from(scene.camera.has_lens());
+        let shadows = E::SHADOWS && self.schedule.has_shadows();
+        let bounces = if E::MIRRORS && self.schedule.has_mirrors() { scene.bounces } else { 0 };
         let mut throughput = Vec3::ONE;
         let mut radiance = Vec3::ZERO;
         // Of a mirror ray; that of a camera ray follows from its direction.
@@ -127,15 +138,15 @@ impl<P: Arithmetic> Recursive<P> {
             observer.ray(&ray, &hit, self.traversal.tests - before);
             let differential =
                 || carried.unwrap_or_else(|| scene.camera.differential(ray.direction));
-            let end = match scene.arrival::<P>(&ray, &hit, differential, &mut self.look_ups) {
+            let end = match scene.arrival::<P, E>(&ray, &hit, differential, &mut self.look_ups) {
                 Arrival::Surface(point) => {
                     radiance += throughput * shade::local_light(&point, scene.ambient);
                     observer.surface(&point, radiance);
-                    if point.lit {
+                    if shadows && point.lit {
                         let gathered = (throughput, &mut radiance);
                         self.direct_light(scene, &point, &stream, gathered, observer);
                     }
-                    if stream.bounce == scene.bounces {
+                    if !E::MIRRORS || stream.bounce == bounces {
                         End::LastBounce
                     } else if let Some((next, weight)) = shade::mirror(&point, throughput) {
                         observer.done(radiance, None);

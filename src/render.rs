@@ -9,10 +9,12 @@ use rayon::prelude::*;
 use crate::counters::Counters;
 use crate::error::{Error, ErrorKind, Result};
 use crate::image::Film;
-use crate::kernels::precision::{Fast, Precision, Robust};
+use crate::kernels::precision::Arithmetic;
+use crate::plan::schedule::Flaw;
 use crate::prepared::PreparedScene;
 use crate::recursive::Recursive;
 use crate::tile::{Tile, TraceSettings, Tracer};
+use crate::variant::{self, Effects, Work};
 use crate::wavefront::{DEFAULT_BATCH, Wavefront};
 
 /// The tracers.
@@ -53,6 +55,8 @@ pub struct Rendered {
     pub film: Film,
     /// The work done.
     pub counters: Counters,
+    /// Bytes of the columns of all threads' batches.
+    pub columns: u64,
     /// Seconds in each pass, summed over threads.
     pub pass_seconds: Vec<(&'static str, f64)>,
     /// Seconds from start to end.
@@ -88,31 +92,18 @@ pub struct Rendered {
 /// ```
 ///
 /// # Errors
-/// When the crop is not within the image, or there is no memory for the film.
+/// When the crop is not within the image, there is no memory for the film, or the table that the plan was
+/// made by does not hang together.
 pub fn render(
     scene: &PreparedScene,
     options: &RenderOptions,
     progress: &(dyn Fn(u64, u64) + Sync),
 ) -> Result<Rendered> {
-    // Exact hits are shaded at robust points, which are in double precision already.
-    let is_fast = scene.accel.geometry.precision == Precision::Fast;
-    match (options.tracer, is_fast) {
-        (TracerKind::Wavefront, true) => render_with::<Wavefront<Fast>>(scene, options, progress),
-        (TracerKind::Wavefront, false) => {
-            render_with::<Wavefront<Robust>>(scene, options, progress)
-        }
-        (TracerKind::Recursive, true) => render_with::<Recursive<Fast>>(scene, options, progress),
-        (TracerKind::Recursive, false) => {
-            render_with::<Recursive<Robust>>(scene, options, progress)
-        }
+    let schedule = scene.plan.schedule();
+    if let Some(flaw) = schedule.flaw() {
+        return Err(refused(flaw));
     }
-}
-
-fn render_with<T: Tracer>(
-    scene: &PreparedScene,
-    options: &RenderOptions,
-    progress: &(dyn Fn(u64, u64) + Sync),
-) -> Result<Rendered> {
+    let make = variant::choose(scene.accel.geometry.precision, schedule, options.tracer);
     let start = Instant::now();
     let window = window(scene, options.crop)?;
     let film = Mutex::new(Film::new(window.width, window.height)?);
@@ -120,7 +111,10 @@ fn render_with<T: Tracer>(
     let settings = TraceSettings { seed: options.seed, batch: batch_size(scene, options.batch) };
     // One worker a thread, made before the first ray.
     let threads = rayon::current_num_threads();
-    let worker = || Mutex::new(Worker::<T>::new(scene, &settings, edge));
+    let worker = || {
+        let sums = vec![[0.0; 3]; edge as usize * edge as usize];
+        Mutex::new(Worker { tracer: make(scene, &settings), sums })
+    };
     let workers: Vec<_> = (0..threads).map(|_| worker()).collect();
     let all = window.len() as u64;
     let done = AtomicU64::new(0);
@@ -142,25 +136,47 @@ fn render_with<T: Tracer>(
 }
 
 /// A tracer, and the sums of the tile in its hands.
-struct Worker<T> {
-    tracer: T,
+struct Worker {
+    tracer: Box<dyn Tracer>,
     sums: Vec<[f64; 3]>,
 }
 
-impl<T: Tracer> Worker<T> {
-    fn new(scene: &PreparedScene, settings: &TraceSettings, edge: u32) -> Self {
-        let sums = vec![[0.0; 3]; edge as usize * edge as usize];
-        Self { tracer: T::new(scene, settings), sums }
+/// Makes a tracer of the variant chosen.
+type Make = fn(&PreparedScene, &TraceSettings) -> Box<dyn Tracer>;
+
+impl Work for TracerKind {
+    type Output = Make;
+
+    fn with<P: Arithmetic, E: Effects>(self) -> Make {
+        match self {
+            Self::Wavefront => make::<Wavefront<P, E>>,
+            Self::Recursive => make::<Recursive<P, E>>,
+        }
     }
 }
 
+fn make<T: Tracer + 'static>(scene: &PreparedScene, settings: &TraceSettings) -> Box<dyn Tracer> {
+    Box::new(T::new(scene, settings))
+}
+
+/// A table of passes that does not hang together would give a wrong image.
+fn refused(flaw: Flaw) -> Error {
+    let Flaw { step, column } = flaw;
+    let message = format!("the plan leaves {} without a writer or a reader", column.name());
+    Error::new(ErrorKind::Usage, message)
+        .at(format!("{step:?}"))
+        .remedy("mend the table of passes, or use plan::schedule::PASSES")
+}
+
 /// Adds up what the tracers counted.
-fn gather<T: Tracer>(film: Film, workers: Vec<Mutex<Worker<T>>>, start: Instant) -> Rendered {
+fn gather(film: Film, workers: Vec<Mutex<Worker>>, start: Instant) -> Rendered {
     let mut counters = Counters::default();
     let mut pass_seconds: Vec<(&'static str, f64)> = Vec::new();
+    let mut columns = 0;
     for worker in workers {
         let Worker { tracer, .. } = worker.into_inner().unwrap_or_else(PoisonError::into_inner);
         counters += tracer.counters();
+        columns += tracer.bytes();
         for (index, (name, seconds)) in tracer.pass_seconds().into_iter().enumerate() {
             match pass_seconds.get_mut(index) {
                 Some(sum) => sum.1 += seconds,
@@ -168,7 +184,7 @@ fn gather<T: Tracer>(film: Film, workers: Vec<Mutex<Worker<T>>>, start: Instant)
             }
         }
     }
-    Rendered { film, counters, pass_seconds, seconds: start.elapsed().as_secs_f64() }
+    Rendered { film, counters, columns, pass_seconds, seconds: start.elapsed().as_secs_f64() }
 }
 
 /// The part of the image to render.

@@ -46,11 +46,16 @@ pub struct TraceSettings {
 /// A way to schedule the kernels. Every tracer gives the same sums, bit for bit.
 pub trait Tracer: Send {
     /// A tracer with the memory that one thread needs; rendering then allocates nothing.
-    fn new(scene: &PreparedScene, settings: &TraceSettings) -> Self;
+    fn new(scene: &PreparedScene, settings: &TraceSettings) -> Self
+    where
+        Self: Sized;
 
     /// Adds the samples of each pixel of `tile` to `sums`, in the order of the samples, red, green
     /// and blue, in linear radiance.
     fn render(&mut self, scene: &PreparedScene, tile: &Tile, sums: &mut [[f64; 3]]);
+
+    /// Bytes of the columns that it holds.
+    fn bytes(&self) -> u64;
 
     /// The work done so far.
     fn counters(&self) -> Counters;

@@ -1,6 +1,8 @@
 //! `bench`: both tracers timed against each other, once their images are known to be the same, and
 //! the wavefront against itself.
 
+mod effects;
+
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -8,6 +10,8 @@ use std::time::Instant;
 use super::common::{SceneOptions, SearchOptions, print, progress_bar, tell, to_json};
 use crate::error::Result;
 use crate::memory;
+use crate::plan::Plan;
+use crate::plan::schedule::{PASSES, unplanned};
 use crate::prepared::PreparedScene;
 use crate::render::{RenderOptions, Rendered, TracerKind, render};
 use crate::replace::{check_replaceable, replace_file, write_error};
@@ -19,12 +23,16 @@ use crate::wavefront::DEFAULT_BATCH;
 
 /// Times both tracers on each scene, after checking that their images are the same bit for bit.
 ///
-/// The answer is no (exit code 1) where they are not.
+/// The answer is no (exit code 1) where they are not. With `--effects` no scene is read: what each effect
+/// costs is measured on scenes of the program's own, one effect added at a time.
 #[derive(Clone, Debug, clap::Args)]
 pub struct BenchArgs {
     /// The scenes, in JSON
-    #[arg(required = true, value_name = "SCENE")]
+    #[arg(required_unless_present = "effects", value_name = "SCENE")]
     pub scenes: Vec<PathBuf>,
+    /// Print the price of each effect instead: time and memory of scenes that each add one
+    #[arg(long, conflicts_with_all = ["scenes", "compare"])]
+    pub effects: bool,
     /// Timed pairs of runs at most; fewer where --min-time is reached, but then at least 6
     #[arg(long, value_name = "N", default_value_t = 50,
           value_parser = clap::value_parser!(u16).range(1..=10_000))]
@@ -36,8 +44,8 @@ pub struct BenchArgs {
     /// Time that each tracer is to run for in all, as far as --repeats allows
     #[arg(long, value_name = "SECONDS", default_value = "1", value_parser = seconds)]
     pub min_time: f64,
-    /// Compare the wavefront with other kernels, vector instructions or sizes of batches as well,
-    /// separated by commas
+    /// Compare the wavefront with other kernels, vector instructions or sizes of batches as well, or with
+    /// itself when it leaves nothing out (plan), separated by commas
     #[arg(long, value_name = "WHAT", value_enum, value_delimiter = ',')]
     pub compare: Vec<Axis>,
     /// Print JSON
@@ -80,7 +88,11 @@ pub fn run(args: &BenchArgs) -> Result<bool> {
     if let Some(output) = &args.output {
         check_replaceable(output)?;
     }
-    args.scene_options.threads.run(|| run_here(args))
+    args.scene_options.threads.run(
+        || {
+            if args.effects { effects::run(args) } else { run_here(args) }
+        },
+    )
 }
 
 fn run_here(args: &BenchArgs) -> Result<bool> {
@@ -171,11 +183,14 @@ fn count(runs: &mut Runs, run: impl FnOnce() -> Result<Rendered>) -> Result<()> 
 
 fn compare_scene(args: &BenchArgs, scene: &mut PreparedScene, axis: Axis) -> Result<Comparison> {
     let SearchOptions { simd, kernel } = args.search;
-    let usual = Variant { kernel, simd, batch: args.batch as usize };
+    let usual = Variant { kernel, simd, batch: args.batch as usize, planned: true };
+    let planned = scene.plan.clone();
+    let unplanned = Plan::of(planned.decisions().to_vec(), &unplanned(&PASSES));
     let bar =
         progress_bar(args.scene_options.quiet, "{wide_bar} {pos} of {len} rounds, {eta} left");
     let trace = |variant: &Variant| {
         SearchOptions { simd: variant.simd, kernel: variant.kernel }.apply(&mut scene.accel);
+        scene.plan.clone_from(if variant.planned { &planned } else { &unplanned });
         let options = RenderOptions { batch: variant.batch, ..args.options(TracerKind::Wavefront) };
         render(scene, &options, &|_, _| {})
     };
@@ -186,6 +201,7 @@ fn compare_scene(args: &BenchArgs, scene: &mut PreparedScene, axis: Axis) -> Res
         });
     bar.finish_and_clear();
     args.search.apply(&mut scene.accel);
+    scene.plan = planned;
     compared
 }
 

@@ -3,10 +3,13 @@
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
+use glam::Vec3;
+
 use super::common::{SceneOptions, print};
 use crate::error::Result;
+use crate::plan::schedule::{PASSES, unplanned};
 use crate::prepared::Dropped;
-use crate::systems::{self, Extracted};
+use crate::systems::{self, Extracted, Options};
 
 /// Reads a scene with all its meshes and textures, and says what is in it.
 #[derive(Clone, Debug, clap::Args)]
@@ -25,7 +28,10 @@ pub struct CheckArgs {
 pub fn run(args: &CheckArgs) -> Result<()> {
     args.scene_options.threads.run(|| {
         let mut loaded = args.scene_options.load(&args.scene)?;
-        let extracted = systems::extract(&mut loaded.world)?;
+        // Every file is read, whether or not it is needed for the picture.
+        let passes = unplanned(&PASSES);
+        let options = Options { passes: &passes, ..Options::default() };
+        let extracted = systems::extract_with(&mut loaded.world, options)?;
         let dropped = extracted.dropped();
         args.scene_options.warn(&systems::warnings(dropped, extracted.file()));
         let text = summary(&extracted, dropped);
@@ -42,6 +48,7 @@ fn summary(extracted: &Extracted, dropped: Dropped) -> String {
     let scene = extracted.scene();
     let geometry = extracted.geometry();
     let [width, height] = scene.camera.size();
+    let lights = scene.lights.iter().filter(|light| light.power != Vec3::ZERO);
     let lines = [
         ("image", format!("{width} x {height}, {} rays a pixel", scene.camera.rays_per_pixel())),
         ("shapes", format!("{}", scene.looks.shapes.len() - geometry.lights.len())),
@@ -50,7 +57,7 @@ fn summary(extracted: &Extracted, dropped: Dropped) -> String {
         ("vertices", format!("{}", geometry.positions.len())),
         ("quads", format!("{}", geometry.quads.len())),
         ("spheres", format!("{}", geometry.spheres.len())),
-        ("lights with power", format!("{}", scene.lights.len())),
+        ("lights with power", format!("{}", lights.count())),
         ("textures", format!("{}", scene.looks.images.len())),
         ("bounces", format!("{}", scene.bounces)),
     ];

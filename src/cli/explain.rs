@@ -1,4 +1,4 @@
-//! `explain`: the plan of a render, without rendering.
+//! `explain`: the plan of a render, and on demand what the render then did.
 
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -11,17 +11,26 @@ use crate::accel::build::Preset;
 use crate::error::Result;
 use crate::kernels::precision::Precision;
 use crate::memory::{self, Prediction};
-use crate::plan::{Effect, Plan};
+use crate::plan::Plan;
+use crate::plan::schedule::{self, Column, PASSES};
 use crate::prepared::PreparedScene;
+use crate::render::{RenderOptions, Rendered, render};
+use crate::report::foretold::Foretold;
+use crate::report::statistics::{Rays, Samples};
 use crate::systems::{self, Extracted};
 use crate::wavefront::DEFAULT_BATCH;
 use crate::wavefront::batch::Batch;
 
 /// Says which passes a render runs, why the others are left out, and what it will need.
+///
+/// With `--render` the scene is rendered, and what was foretold is told beside what came of it.
 #[derive(Clone, Debug, clap::Args)]
 pub struct ExplainArgs {
     /// The scene, in JSON
     pub scene: PathBuf,
+    /// Render the scene, keep no image, and tell what was counted beside what was foretold
+    #[arg(long)]
+    pub render: bool,
     /// Print JSON
     #[arg(long)]
     pub json: bool,
@@ -44,15 +53,35 @@ struct Explanation {
     #[serde(skip_serializing_if = "Option::is_none")]
     moved_by: Option<[f64; 3]>,
     bvh: Choice,
-    bytes_per_path: Vec<Column>,
+    bytes_per_path: Vec<Buffer>,
     memory: Prediction,
     memory_total: u64,
+    /// What the render will do at most.
+    foretold: Foretold,
+    /// What it did, where it was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    rendered: Option<Found>,
+}
+
+/// What a render did.
+#[derive(Serialize)]
+struct Found {
+    rays: Rays,
+    samples: Samples,
+    /// Bytes of the tree, and of the batches of all threads.
+    tree: u64,
+    batches: u64,
+    /// Bytes that the process held at its peak, where the system tells.
+    peak: Option<u64>,
 }
 
 /// A pass, and whether it runs.
 #[derive(Serialize)]
 struct Pass {
     name: &'static str,
+    /// The pass that it is a part of, unless it is a whole one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    part_of: Option<&'static str>,
     runs: bool,
     reason: String,
 }
@@ -67,11 +96,15 @@ struct Choice {
     rule: Option<String>,
 }
 
-/// A group of columns.
+/// A group of columns of the wavefront's batch.
 #[derive(Serialize)]
-struct Column {
+struct Buffer {
     name: &'static str,
+    /// For each path; 0 where it has no storage.
     bytes: usize,
+    /// The passes and parts of passes that write it, and those that read it, whether or not they run.
+    written_by: Vec<&'static str>,
+    read_by: Vec<&'static str>,
 }
 
 /// Explains as the arguments say.
@@ -84,7 +117,10 @@ pub fn run(args: &ExplainArgs) -> Result<()> {
         let extracted = args.scene_options.extract(loaded)?;
         let warnings = systems::warnings(extracted.dropped(), extracted.file());
         args.scene_options.warn(&warnings);
-        let explanation = explain(&extracted, args);
+        let mut explanation = explain(&extracted, args);
+        if args.render {
+            explanation.rendered = Some(trace(extracted, explanation.bvh.preset, args)?);
+        }
         print(&if args.json { to_json(&explanation)? } else { text(&explanation) })
     })
 }
@@ -93,17 +129,47 @@ fn explain(extracted: &Extracted, args: &ExplainArgs) -> Explanation {
     let scene = extracted.scene();
     let bvh = choice(extracted, args.scene_options.bvh);
     let memory = memory::predict(extracted, extracted.pixels(), bvh.preset, args.batch as usize);
-    let columns = Batch::bytes_per_path(scene);
     Explanation {
         passes: passes(scene),
         plan: scene.plan.clone(),
         precision: args.scene_options.precision,
         moved_by: (scene.origin != DVec3::ZERO).then(|| (-scene.origin).to_array()),
-        bytes_per_path: columns.into_iter().map(|(name, bytes)| Column { name, bytes }).collect(),
+        bytes_per_path: Column::ALL.into_iter().map(|column| buffer(scene, column)).collect(),
         memory_total: memory.total(),
         memory,
         bvh,
+        foretold: Foretold::of(scene, extracted.pixels()),
+        rendered: None,
     }
+}
+
+fn buffer(scene: &PreparedScene, column: Column) -> Buffer {
+    let name = column.name();
+    let held = Batch::bytes_per_path(scene).into_iter().find(|(held, _)| *held == name);
+    let by = |columns: fn(&schedule::Pass) -> &'static [Column]| {
+        let passes = PASSES.iter().filter(|pass| columns(pass).contains(&column));
+        passes.map(|pass| pass.name).collect()
+    };
+    Buffer {
+        name,
+        bytes: held.map_or(0, |(_, bytes)| bytes),
+        written_by: by(|pass| pass.writes),
+        read_by: by(|pass| pass.reads),
+    }
+}
+
+/// Renders the scene and says what was done.
+fn trace(extracted: Extracted, preset: Preset, args: &ExplainArgs) -> Result<Found> {
+    let scene = extracted.build(preset);
+    let options = RenderOptions { batch: args.batch as usize, ..RenderOptions::default() };
+    let Rendered { counters, columns, .. } = render(&scene, &options, &|_, _| {})?;
+    Ok(Found {
+        rays: (&counters).into(),
+        samples: (&counters).into(),
+        tree: scene.accel.tree_bytes(),
+        batches: columns,
+        peak: memory::peak(),
+    })
 }
 
 fn choice(extracted: &Extracted, asked: Option<Preset>) -> Choice {
@@ -121,32 +187,21 @@ fn choice(extracted: &Extracted, asked: Option<Preset>) -> Choice {
 }
 
 fn passes(scene: &PreparedScene) -> Vec<Pass> {
-    let always = |name| Pass { name, runs: true, reason: "every scene".to_owned() };
-    let shadows = scene.plan.has_shadows();
-    let mirrors = scene.plan.decisions().iter().find(|d| d.effect == Effect::Mirrors);
-    vec![
-        always("generate"),
-        always("intersect"),
-        always("shade"),
-        Pass {
-            name: "shadow",
-            runs: shadows,
-            reason: if shadows { "lights have power" } else { "no light has power" }.to_owned(),
-        },
-        Pass {
-            name: "mirror bounces",
-            runs: scene.bounces > 0,
-            reason: mirrors.map_or_else(String::new, |d| d.reason.clone()),
-        },
-        always("resolve"),
-    ]
+    let row = |pass: &schedule::Pass| Pass {
+        name: pass.name,
+        part_of: pass.part_of.map(|whole| PASSES[whole as usize].name),
+        runs: scene.plan.schedule().runs(pass.step),
+        reason: scene.plan.reason(pass),
+    };
+    PASSES.iter().map(row).collect()
 }
 
 fn text(e: &Explanation) -> String {
     let mut text = String::new();
     let _ = writeln!(text, "passes");
     for pass in &e.passes {
-        let _ = writeln!(text, "  {} {:<16}{}", mark(pass.runs), pass.name, pass.reason);
+        let name = format!("{}{}", if pass.part_of.is_some() { "  " } else { "" }, pass.name);
+        let _ = writeln!(text, "  {} {name:<16}{}", mark(pass.runs), pass.reason);
     }
     let _ = writeln!(text, "effects");
     for decision in e.plan.decisions() {
@@ -162,27 +217,71 @@ fn text(e: &Explanation) -> String {
     if let Some(rule) = &e.bvh.rule {
         let _ = writeln!(text, "    {:<16}{rule}", "");
     }
-    let _ = writeln!(text, "bytes for each path");
-    for column in &e.bytes_per_path {
-        let _ = writeln!(text, "    {:<16}{:>6}", column.name, column.bytes);
+    text += &buffers(&e.bytes_per_path);
+    text += &work(&e.foretold, e.rendered.as_ref());
+    text += &memory_text(e);
+    text
+}
+
+fn buffers(buffers: &[Buffer]) -> String {
+    let mut text = "bytes for each path\n".to_owned();
+    for Buffer { name, bytes, written_by, read_by } in buffers {
+        let (written, read) = (written_by.join(", "), read_by.join(", "));
+        let mark = mark(*bytes > 0);
+        let _ = writeln!(text, "  {mark} {name:<16}{bytes:>6}  from {written} to {read}");
     }
-    let all: usize = e.bytes_per_path.iter().map(|c| c.bytes).sum();
+    let all: usize = buffers.iter().map(|c| c.bytes).sum();
     let _ = writeln!(text, "    {:<16}{all:>6}", "together");
-    let _ = writeln!(text, "memory predicted");
+    text
+}
+
+/// What is foretold, beside what was counted if it was.
+fn work(foretold: &Foretold, found: Option<&Found>) -> String {
+    let rows = |rays: &Rays, samples: &Samples| {
+        [
+            ("camera rays", rays.primary),
+            ("mirror rays", rays.secondary),
+            ("shadow rays", rays.shadow),
+            ("lens numbers", samples.lens),
+            ("light numbers", samples.light),
+            ("texels", samples.texels),
+        ]
+    };
+    let counted = found.map(|found| rows(&found.rays, &found.samples));
+    let title = if counted.is_some() { "           counted" } else { "" };
+    let mut text = format!("work{:>32}{title}\n", "at most");
+    for (index, (name, most)) in rows(&foretold.rays, &foretold.samples).into_iter().enumerate() {
+        let _ = write!(text, "    {name:<16}{most:>16}");
+        if let Some(counted) = counted {
+            let _ = write!(text, "  {:>16}", counted[index].1);
+        }
+        text.push('\n');
+    }
+    text
+}
+
+fn memory_text(e: &Explanation) -> String {
     let m = &e.memory;
+    let found = e.rendered.as_ref();
     let uses = [
-        ("geometry", m.geometry),
-        ("looks", m.looks),
-        ("tree", m.tree),
-        ("building it", m.build),
-        ("film", m.film),
-        ("batches", m.batches),
-        ("program", m.program),
-        ("reading", m.so_far),
-        ("peak", e.memory_total),
+        ("geometry", m.geometry, None),
+        ("looks", m.looks, None),
+        ("tree", m.tree, found.map(|found| found.tree)),
+        ("building it", m.build, None),
+        ("film", m.film, None),
+        ("batches", m.batches, found.map(|found| found.batches)),
+        ("program", m.program, None),
+        ("reading", m.so_far, None),
+        ("peak", e.memory_total, found.and_then(|found| found.peak)),
     ];
-    for (name, bytes) in uses {
-        let _ = writeln!(text, "    {name:<16}{:>10.1} MB", bytes as f64 / 1e6);
+    let title = if found.is_some() { "          measured" } else { "" };
+    let mut text = format!("memory{:>30}{title}\n", "predicted");
+    for (name, bytes, measured) in uses {
+        let _ = write!(text, "    {name:<16}{:>13.3} MB", bytes as f64 / 1e6);
+        if let Some(measured) = measured {
+            let _ = write!(text, "{:>15.3} MB", measured as f64 / 1e6);
+        }
+        text.push('\n');
     }
     text
 }

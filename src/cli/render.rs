@@ -11,12 +11,13 @@ use super::common::{SceneOptions, SearchOptions, above_zero, crop, progress_bar,
 use crate::accel::build::Preset;
 use crate::error::{Error, ErrorKind, Result};
 use crate::image::write::{Transfer, check_writable, write};
-use crate::memory;
+use crate::memory::{self, Prediction};
 use crate::prepared::PreparedScene;
 use crate::probe::{self, Invalid};
 use crate::render::{RenderOptions, Rendered, TracerKind, render};
 use crate::replace::{check_differs, check_replaceable, replace_file, write_error};
-use crate::report::statistics::{Bvh, ImageSize, Memory, Statistics, Time, pass_map};
+use crate::report::foretold::Foretold;
+use crate::report::statistics::{Bvh, Columns, ImageSize, Memory, Statistics, Time, pass_map};
 use crate::systems;
 use crate::tile::Tile;
 use crate::wavefront::DEFAULT_BATCH;
@@ -108,7 +109,7 @@ fn run_here(args: &RenderArgs, output: &Path) -> Result<()> {
     let extracted = args.scene_options.extract(loaded)?;
     let preset = args.scene_options.bvh.unwrap_or_else(|| extracted.preset());
     let pixels = args.crop.map_or(extracted.pixels(), |crop| crop.len() as u64);
-    let predicted = memory::predict(&extracted, pixels, preset, args.batch as usize).total();
+    let predicted = memory::predict(&extracted, pixels, preset, args.batch as usize);
     time.load = start.elapsed().as_secs_f64();
     let file = extracted.file().to_owned();
     let mut scene = timed(&mut time.build, || extracted.build(preset));
@@ -174,9 +175,11 @@ fn statistics(
     preset: Preset,
     rendered: &Rendered,
     time: Time,
-    predicted: u64,
+    predicted: Prediction,
 ) -> Statistics {
     let counters = &rendered.counters;
+    let pixels = rendered.film.pixels().len() as u64;
+    let has_columns = args.tracer == TracerKind::Wavefront;
     Statistics {
         version: env!("CARGO_PKG_VERSION"),
         scene: args.scene.display().to_string(),
@@ -193,6 +196,7 @@ fn statistics(
         },
         rays: counters.into(),
         samples: counters.into(),
+        foretold: Foretold::of(scene, pixels),
         tests: counters.into(),
         kernels: counters.into(),
         dropped: scene.dropped,
@@ -200,7 +204,11 @@ fn statistics(
         first_invalid: None,
         lights_at_surface: counters.lights_at_surface,
         time,
-        memory: Memory { predicted, peak: memory::peak() },
+        memory: Memory { predicted: predicted.total(), peak: memory::peak() },
+        columns: Columns {
+            foretold: if has_columns { predicted.batches } else { 0 },
+            held: rendered.columns,
+        },
         bvh: Bvh::of(&scene.accel, preset),
         goal: None,
         plan: scene.plan.clone(),

@@ -54,7 +54,7 @@ pub struct Placement {
 /// A lens with an extent.
 #[derive(Clone, Copy, Debug)]
 pub struct Lens {
-    /// Radius of its disk.
+    /// Radius of its disk, 0 or more.
     pub radius: f32,
     /// Distance of the plane in focus along the view axis.
     pub focal: f32,
@@ -187,8 +187,12 @@ impl Camera {
         normalize(self.forward + self.half[0] * s + self.half[1] * t)
     }
 
-    /// The ray from the point `square` of the lens to where the ray through its centre is in focus.
+    /// The ray from the point `square` of the lens to where the ray through its centre is in focus. A lens of
+    /// no extent is a pinhole, to the last bit.
     fn through_lens(&self, lens: &Lens, direction: Vec3, square: Vec2) -> Ray {
+        if lens.radius == 0.0 {
+            return Ray::new(self.origin, direction);
+        }
         let disk = sampling::disk(square) * lens.radius;
         let offset = self.right * disk.x + self.up * disk.y;
         let focus = direction * (lens.focal / dot(direction, self.forward));

@@ -79,6 +79,11 @@ impl Triangles {
         (total > 0.0 && total.is_finite()).then_some(Self { corners, normals, cumulative })
     }
 
+    /// Their corners.
+    pub fn corners(&self) -> &[[Vec3; 3]] {
+        &self.corners
+    }
+
     /// The point for `square`: its x chooses the triangle and, stretched, a place in it.
     #[inline]
     fn point(&self, square: Vec2) -> LightPoint {

@@ -180,6 +180,14 @@ impl Filter {
             Self::Bilinear | Self::Trilinear => TEXELS_BETWEEN,
         }
     }
+
+    /// Number of levels that one look-up reads at most.
+    pub fn levels(self) -> u64 {
+        match self {
+            Self::Nearest | Self::Bilinear => 1,
+            Self::Trilinear => 2,
+        }
+    }
 }
 
 /// The four texels about `uv` of an image of this size, weighted.

@@ -12,6 +12,7 @@ use crate::kernels::surface::{self, Surface};
 use crate::kernels::texture::{self, Filter};
 use crate::math::float::{dot, normalize};
 use crate::math::ray::Ray;
+use crate::variant::Effects;
 
 /// Where a ray that was traced arrives.
 #[derive(Clone, Copy, Debug)]
@@ -41,7 +42,7 @@ impl PreparedScene {
 
     /// Where `ray` arrives with `hit`. Its `differential` is asked for where a texture needs it.
     #[inline]
-    pub fn arrival<P: Arithmetic>(
+    pub fn arrival<P: Arithmetic, E: Effects>(
         &self,
         ray: &Ray,
         hit: &Hit,
@@ -64,6 +65,7 @@ impl PreparedScene {
         let material = self.looks.materials[index];
         let color = match &shape.texture {
             None => material.color,
+            Some(_) if !E::LOOKS => material.color,
             Some(texture) => {
                 let face = (shape, hit.primitive);
                 let footprint = || {
@@ -77,7 +79,11 @@ impl PreparedScene {
             point: surface.point,
             error: surface.error,
             normal,
-            shading_normal: self.looks.shading_normal(shape, geometry, hit, &surface, normal),
+            shading_normal: if E::LOOKS {
+                self.looks.shading_normal(shape, geometry, hit, &surface, normal)
+            } else {
+                normal
+            },
             view: -normalize(ray.direction),
             color,
             material,

@@ -14,7 +14,7 @@ use crate::kernels::surface::Surface;
 use crate::kernels::texture::sphere_uv_change;
 use crate::math::float::{dot, normalize};
 use crate::math::ray::Ray;
-use crate::plan::Effect;
+use crate::plan::schedule::Step;
 
 /// A point of a mirror.
 #[derive(Clone, Copy, Debug)]
@@ -71,7 +71,7 @@ impl PreparedScene {
     /// ([`Camera::differential`](crate::kernels::camera::Camera::differential)) where they are asked
     /// for, and are never kept.
     pub fn carries_differentials(&self) -> bool {
-        self.bounces > 0 && self.plan.has(Effect::RayDifferentials)
+        self.bounces > 0 && self.plan.schedule().runs(Step::Differentials)
     }
 
     /// The differential of the ray that the mirror at `point` sends on, from that of `ray`, which

@@ -1,6 +1,8 @@
 //! What a render tells about itself.
 
 pub mod bench;
+pub mod effects;
+pub mod foretold;
 mod markup;
 pub mod page;
 pub mod plot;

@@ -8,6 +8,7 @@
 //! | `rays.primary`, `.secondary`, `.shadow` | rays | camera, mirror and shadow rays traced |
 //! | `samples.lens`, `.light`, `.texels` | | points chosen on the lens and on area lights; texels read |
 //! | `samples.footprints` | | footprints of rays on surfaces, for trilinear textures and for mirrors that may show them |
+//! | `foretold.rays`, `.samples` | | bounds on these, told before the first ray: see [`crate::report::foretold`] |
 //! | `tests.nodes` | nodes | inner nodes visited, by a ray or by many together, each testing eight boxes |
 //! | `tests.primitives.triangles`, `.quads`, `.spheres` | tests | tests of primitives |
 //! | `kernels.closest.packet`, `.stream`, `.single` | rays | camera and mirror rays by the kernel that took them first: a packet, many in flight, one alone |
@@ -21,6 +22,7 @@
 //! | `time.load`, `.build`, `.trace`, `.write`, `.total` | seconds | by stage, on the clock |
 //! | `time.passes` | seconds | by pass, summed over threads |
 //! | `memory.predicted`, `.peak` | bytes | peak of the process: foretold, and measured (`null` where the system does not tell) |
+//! | `columns.foretold`, `.held` | bytes | columns of the wavefront's batches on all threads: foretold, and held (the recursive tracer has none) |
 //! | `bvh.preset`, `.nodes`, `.depth`, `.bytes` | | the tree |
 //! | `goal.asked`, `.samples`, `.expected_error`, `.expected_seconds`, `.found_error`, `.renders` | | what was chosen for a target error or a time budget, and what came of it (`null` where neither was asked for) |
 //! | `plan` | | each effect, whether it is simulated, and why |
@@ -28,6 +30,7 @@
 use serde::Serialize;
 use serde_json::{Map, Value};
 
+use super::foretold::Foretold;
 use crate::accel::build::Preset;
 use crate::accel::{Accel, KernelChoice, KernelCounts};
 use crate::counters::Counters;
@@ -53,6 +56,7 @@ pub struct Statistics {
     pub image: ImageSize,
     pub rays: Rays,
     pub samples: Samples,
+    pub foretold: Foretold,
     pub tests: Tests,
     pub kernels: KernelUse,
     pub dropped: Dropped,
@@ -61,6 +65,7 @@ pub struct Statistics {
     pub lights_at_surface: u64,
     pub time: Time,
     pub memory: Memory,
+    pub columns: Columns,
     pub bvh: Bvh,
     pub goal: Option<Goal>,
     pub plan: Plan,
@@ -161,6 +166,14 @@ pub struct Time {
 pub struct Memory {
     pub predicted: u64,
     pub peak: Option<u64>,
+}
+
+/// Bytes of the columns of all batches.
+#[derive(Clone, Copy, Debug, Serialize)]
+#[allow(missing_docs, reason = "see the module documentation")]
+pub struct Columns {
+    pub foretold: u64,
+    pub held: u64,
 }
 
 /// The tree.

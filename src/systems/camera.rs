@@ -6,10 +6,15 @@ use hecs::World;
 use super::missing;
 use crate::error::Result;
 use crate::kernels::camera::{Camera, Lens, Placement};
+use crate::math::sampling::Sampling;
+use crate::plan::schedule::{Schedule, Step};
 use crate::scene::components::{ThinLens, View};
 
+/// A pinhole as a lens.
+const PINHOLE: Lens = Lens { radius: 0.0, focal: 1.0, sampling: Sampling::Random, grid: [1, 1] };
+
 /// The camera of the world, moved by `-origin`. A lens of aperture 0 is a pinhole, to the last bit.
-pub fn run(world: &World, origin: DVec3) -> Result<Camera> {
+pub fn run(world: &World, origin: DVec3, schedule: Schedule) -> Result<Camera> {
     let mut query = world.query::<(&View, Option<&ThinLens>)>();
     let (view, lens) = query.iter().next().ok_or_else(|| missing("View"))?;
     let placement = Placement {
@@ -20,11 +25,21 @@ pub fn run(world: &World, origin: DVec3) -> Result<Camera> {
         fov_axis: view.fov_axis,
         size: [view.width, view.height],
     };
-    let lens = lens.filter(|l| l.aperture > 0.0).map(|l| Lens {
-        radius: (l.aperture / 2.0) as f32,
-        focal: l.focal as f32,
-        sampling: l.sampling,
-        grid: [l.samples_x, l.samples_y],
-    });
-    Ok(Camera::new(&placement, view.antialias, view.sampling, lens))
+    let lens = schedule.runs(Step::Lens).then(|| lens.map_or(PINHOLE, of_extent));
+    let antialias = if schedule.runs(Step::Jitter) { view.antialias } else { 1 };
+    Ok(Camera::new(&placement, antialias, view.sampling, lens))
+}
+
+/// The radius of a lens, as rays are made with it.
+pub(super) fn radius(lens: &ThinLens) -> f32 {
+    (lens.aperture / 2.0) as f32
+}
+
+fn of_extent(lens: &ThinLens) -> Lens {
+    let radius = radius(lens);
+    if radius == 0.0 {
+        return PINHOLE;
+    }
+    let grid = [lens.samples_x, lens.samples_y];
+    Lens { radius, focal: lens.focal as f32, sampling: lens.sampling, grid }
 }

@@ -13,6 +13,7 @@ use crate::accel::geometry::Geometry;
 use crate::error::{Error, ErrorKind, Result};
 use crate::kernels::texture::PlanarMap;
 use crate::math::float::MAX_COORDINATE;
+use crate::plan::schedule::{Schedule, Step};
 use crate::prepared::{CornerValues, MeshAttributes, Shape, UvMap};
 use crate::scene::components::{
     AreaLight, Facing, JsonPath, Mesh, Order, Quad, Shading, Sides, Sphere, TextureRef, Transform,
@@ -46,6 +47,22 @@ pub struct Output {
     pub shapes: Vec<ShapeOutput>,
     /// Attributes of meshes.
     pub meshes: Vec<MeshAttributes>,
+}
+
+impl Output {
+    /// Drops what the schedule has nobody look at: normals, and texture coordinates of shapes whose
+    /// texture was not decoded.
+    pub(super) fn drop_unused(&mut self, schedule: Schedule) {
+        let normals = schedule.runs(Step::Normals);
+        for ShapeOutput { shape, .. } in &mut self.shapes {
+            shape.smooth &= normals;
+            let Some(mesh) = shape.mesh.and_then(|i| self.meshes.get_mut(i as usize)) else {
+                continue;
+            };
+            mesh.normals = mesh.normals.take().filter(|_| normals);
+            mesh.uvs = mesh.uvs.take().filter(|_| shape.texture.is_some());
+        }
+    }
 }
 
 /// Turns every shape into primitives, and moves all by `-origin`.

@@ -12,51 +12,74 @@ use crate::kernels::camera;
 use crate::kernels::light::{Emitter, Light, Triangles};
 use crate::kernels::quad;
 use crate::math::sampling::Sampling;
+use crate::plan::schedule::{Schedule, Step};
 use crate::prepared::Shape;
 use crate::scene::components::{AreaLight, JsonPath, Order, PointLight, Settings};
 
-/// What this system makes.
+/// A light of the world.
 #[derive(Debug)]
-pub struct LightsOutput {
-    /// The lights with power.
-    pub lights: Vec<Light>,
-    /// Number of lights, with or without power: each adds its ambient part.
-    pub count: usize,
+pub struct Found {
+    /// Its entity.
+    entity: Entity,
+    /// Its place among the lights of the file.
+    order: Order,
+    /// The light, with no dimension of its own yet.
+    pub light: Light,
 }
 
-/// The lights of the world, moved by `-origin` as its shapes are.
+/// The lights of the world in the order of the file, moved by `-origin` as its shapes are.
 pub fn run(
     world: &World,
     extracted: &Output,
     settings: &Settings,
     origin: DVec3,
-) -> Result<LightsOutput> {
-    let mut found: Vec<(Order, Entity, Light)> = Vec::new();
-    for (entity, order, light) in world.query::<(Entity, &Order, &PointLight)>().iter() {
-        found.push((*order, entity, point_light(light, origin)));
+) -> Result<Vec<Found>> {
+    let mut found: Vec<Found> = Vec::new();
+    for (entity, &order, light) in world.query::<(Entity, &Order, &PointLight)>().iter() {
+        found.push(Found { entity, order, light: point_light(light, origin) });
     }
     let shapes: HashMap<Entity, &Shape> =
         extracted.shapes.iter().map(|output| (output.entity, &output.shape)).collect();
-    for (entity, order, light) in world.query::<(Entity, &Order, &AreaLight)>().iter() {
+    for (entity, &order, light) in world.query::<(Entity, &Order, &AreaLight)>().iter() {
         let shape = shapes.get(&entity);
         let emitter = shape
             .and_then(|shape| emitter(&extracted.geometry, shape))
             .ok_or_else(|| no_area(world, entity, settings))?;
-        found.push((*order, entity, area_light(light, emitter)));
+        found.push(Found { entity, order, light: area_light(light, emitter) });
     }
-    found.sort_by_key(|(order, ..)| *order);
-    let count = found.len();
-    let mut lights = Vec::new();
+    found.sort_by_key(|found| found.order);
+    Ok(found)
+}
+
+/// The lights that are to be simulated, each with dimensions of its own: those that have `reached` a
+/// surface where the schedule leaves the others out.
+///
+/// A light that reaches nothing draws its numbers, if it draws any, after all others: it changes none of
+/// theirs by being there.
+pub fn keep(
+    world: &World,
+    settings: &Settings,
+    schedule: Schedule,
+    found: Vec<Found>,
+    reached: &[bool],
+) -> Result<Vec<Light>> {
+    if !schedule.has_shadows() {
+        return Ok(Vec::new());
+    }
+    let all = schedule.is_needless(Step::Shadow);
+    let mut kept: Vec<(bool, Found)> =
+        reached.iter().copied().zip(found).filter(|(reached, _)| *reached || all).collect();
     let mut dimension = camera::DIMENSION + 1;
-    for (_, entity, mut light) in found.into_iter().filter(|(.., l)| l.power != Vec3::ZERO) {
-        light.dimension = dimension;
-        let drawn = if light.is_sampled() { light.samples() } else { 0 };
-        dimension = dimension
-            .checked_add(drawn)
-            .ok_or_else(|| too_many_samples(world, entity, settings))?;
-        lights.push(light);
+    for turn in [true, false] {
+        for (_, Found { entity, light, .. }) in kept.iter_mut().filter(|(r, _)| *r == turn) {
+            light.dimension = dimension;
+            let drawn = if light.is_sampled() { light.samples() } else { 0 };
+            dimension = dimension
+                .checked_add(drawn)
+                .ok_or_else(|| too_many_samples(world, *entity, settings))?;
+        }
     }
-    Ok(LightsOutput { lights, count })
+    Ok(kept.into_iter().map(|(_, found)| found.light).collect())
 }
 
 fn point_light(light: &PointLight, origin: DVec3) -> Light {

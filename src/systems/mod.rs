@@ -2,14 +2,17 @@
 //!
 //! | system | reads | makes |
 //! |---|---|---|
-//! | [`census`] | every component | the plan: which effects the scene calls for |
 //! | [`frame`] | the view | how far the scene is moved |
 //! | [`geometry`] | shapes, transforms | positions, triangles, quads, spheres, mesh attributes |
 //! | [`materials`] | materials | one row of numbers a shape |
-//! | [`textures`] | texture references | decoded images, each once |
 //! | [`lights`] | lights and their shapes | emitters with what is needed to sample them |
+//! | [`census`] | all of these | the plan: which effects the scene calls for |
+//! | [`textures`] | texture references that show | decoded images, each once |
 //! | [`camera`] | the view, pinhole or thin lens | the ray generator |
 //! | [`crate::accel`] | the geometry | the tree |
+//!
+//! What the plan leaves out goes no further than the census: lights that reach nothing, textures and
+//! normals that nothing shows.
 //!
 //! Only this module and [`crate::scene`] know the world; nothing after them queries it.
 
@@ -20,6 +23,7 @@ pub mod geometry;
 pub mod lights;
 pub mod materials;
 pub mod overrides;
+pub mod reach;
 pub mod textures;
 
 use std::path::{Path, PathBuf};
@@ -32,7 +36,8 @@ use crate::accel::build::Preset;
 use crate::accel::geometry::Geometry;
 use crate::error::{Error, ErrorKind, Result, Warning};
 use crate::kernels::precision::Precision;
-use crate::plan::Effect;
+use crate::plan::Plan;
+use crate::plan::schedule::{PASSES, Pass};
 use crate::prepared::{Dropped, Looks, PreparedScene};
 use crate::scene::components::{JsonPath, Settings};
 
@@ -44,24 +49,57 @@ pub struct Extracted {
     file: PathBuf,
 }
 
+/// How a scene is to be made ready.
+#[derive(Clone, Copy, Debug)]
+pub struct Options<'a> {
+    /// How exactly hits are to be found.
+    pub precision: Precision,
+    /// The table that the plan follows: [`PASSES`], or what [`unplanned`](crate::plan::schedule::unplanned) makes of it to leave nothing
+    /// out, neither passes and columns nor lights, textures and normals that nothing shows.
+    pub passes: &'a [Pass],
+}
+
+impl Default for Options<'_> {
+    fn default() -> Self {
+        Self { precision: Precision::default(), passes: &PASSES }
+    }
+}
+
 /// Runs every system but the last, for robust arithmetic. The meshes are moved out of the `world`.
 pub fn extract(world: &mut World) -> Result<Extracted> {
-    extract_in(world, Precision::default())
+    extract_with(world, Options::default())
 }
 
 /// As [`extract`], for this precision.
 pub fn extract_in(world: &mut World, precision: Precision) -> Result<Extracted> {
+    extract_with(world, Options { precision, ..Options::default() })
+}
+
+/// As [`extract`], with these options.
+pub fn extract_with(world: &mut World, options: Options<'_>) -> Result<Extracted> {
+    let Options { precision, passes } = options;
     let settings = settings(world)?;
-    let plan = census::run(world);
     // Fast arithmetic takes coordinates as they are.
     let origin = if precision == Precision::Fast { DVec3::ZERO } else { frame::run(world)? };
     let mut extracted = geometry::run(world, origin).map_err(|e| e.in_file(&settings.file))?;
     extracted.geometry.precision = precision;
     let materials = materials::run(world, &extracted.shapes);
-    let images = textures::run(world, &plan, &mut extracted.shapes)?;
-    let lights::LightsOutput { lights, count } = lights::run(world, &extracted, &settings, origin)?;
-    let camera = camera::run(world, origin)?;
-    let mirrors = plan.has(Effect::Mirrors);
+    let lights = lights::run(world, &extracted, &settings, origin)?;
+    let ambient = settings.ambient as f32 * lights.len() as f32;
+    let found = census::run(census::Census {
+        world,
+        settings: &settings,
+        extracted: &extracted,
+        materials: &materials,
+        lights: &lights,
+        ambient,
+    });
+    let plan = Plan::of(found.decisions, passes);
+    let schedule = plan.schedule();
+    let lights = lights::keep(world, &settings, schedule, lights, &found.reached)?;
+    let images = textures::run(world, schedule, &found.textured, &mut extracted.shapes)?;
+    extracted.drop_unused(schedule);
+    let camera = camera::run(world, origin, schedule)?;
     let geometry::Output { geometry, shapes, meshes } = extracted;
     let place = |output: &geometry::ShapeOutput| {
         world.get::<&JsonPath>(output.entity).map_or_else(|_| String::new(), |p| p.0.clone())
@@ -76,8 +114,8 @@ pub fn extract_in(world: &mut World, precision: Precision) -> Result<Extracted> 
         looks: Looks { shapes, materials, places, images, meshes },
         lights,
         background: settings.background.as_vec3(),
-        ambient: settings.ambient as f32 * count as f32,
-        bounces: if mirrors { settings.bounces } else { 0 },
+        ambient,
+        bounces: if schedule.has_mirrors() { settings.bounces } else { 0 },
         dropped: Dropped::default(),
     };
     Ok(Extracted { scene, file: settings.file })

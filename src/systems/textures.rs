@@ -9,7 +9,7 @@ use hecs::World;
 use super::geometry::ShapeOutput;
 use crate::error::{Error, ErrorKind, Result};
 use crate::kernels::texture::{Filter, Image, Texels};
-use crate::plan::{Effect, Plan};
+use crate::plan::schedule::{Schedule, Step};
 use crate::prepared::{Texture, UvMap};
 use crate::scene::components::{JsonPath, TextureRef};
 
@@ -18,15 +18,25 @@ const MAX_SIDE: u32 = 1 << 16;
 /// The largest image that is decoded, in bytes.
 const MAX_BYTES: u64 = 4 << 30;
 
-/// Decodes the images that `shapes` wear and notes in each shape which it is. Those that a shape
-/// wears with trilinear filter get a pyramid.
-pub fn run(world: &World, plan: &Plan, shapes: &mut [ShapeOutput]) -> Result<Vec<Image>> {
+/// Decodes the images that `shapes` wear and notes in each shape which it is; those that a shape wears
+/// with trilinear filter get a pyramid. Of those that are not `shown` none is opened, unless the schedule
+/// has it so.
+pub fn run(
+    world: &World,
+    schedule: Schedule,
+    shown: &[bool],
+    shapes: &mut [ShapeOutput],
+) -> Result<Vec<Image>> {
     let mut images = Vec::new();
-    if !plan.has(Effect::Textures) {
+    if !schedule.runs(Step::Texels) {
         return Ok(images);
     }
+    let all = schedule.is_needless(Step::Texels);
     let mut numbers: HashMap<PathBuf, u32> = HashMap::new();
-    for shape in shapes.iter_mut().filter(|s| s.shape.emission.is_none()) {
+    for (shape, _) in shapes.iter_mut().zip(shown).filter(|(_, shown)| **shown || all) {
+        if shape.shape.emission.is_some() {
+            continue;
+        }
         let Ok(reference) = world.get::<&TextureRef>(shape.entity) else { continue };
         let number = match numbers.get(&reference.path) {
             Some(&number) => number,

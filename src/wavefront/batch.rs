@@ -18,6 +18,7 @@ use crate::kernels::shade::lanes::{LitPoints as LitLanes, Mirrored, ShadowReques
 use crate::math::lanes::Vec3x8;
 use crate::math::ray::Ray;
 use crate::math::simd::{LANES, Lanes};
+use crate::plan::schedule::Column as Group;
 use crate::prepared::PreparedScene;
 use columns::{Column, count, pack};
 
@@ -303,22 +304,21 @@ pub struct Batch {
 }
 
 impl Batch {
-    /// A batch of up to `capacity` paths, with the columns that `scene` calls for.
+    /// A batch of up to `capacity` paths, with the columns that have storage in `scene`.
     pub fn new(scene: &PreparedScene, capacity: usize) -> Self {
         let capacity = capacity.max(1);
-        let lights = if scene.plan.has_shadows() { capacity } else { 0 };
-        let mirrors = if scene.bounces > 0 { capacity } else { 0 };
-        let differentials = if scene.carries_differentials() { capacity } else { 0 };
+        let schedule = scene.plan.schedule();
+        let room = |group: Group| if schedule.has(group) { capacity } else { 0 };
         Self {
             capacity,
-            paths: Paths::with_capacity(capacity),
-            rays: Rays::with_capacity(capacity),
-            hits: Hits::with_capacity(capacity),
-            lit: LitPoints::with_capacity(lights),
-            shadows: ShadowRays::with_capacity(lights),
-            next: Rays::with_capacity(mirrors),
-            differentials: Differentials::with_capacity(differentials),
-            next_differentials: Differentials::with_capacity(differentials),
+            paths: Paths::with_capacity(room(Group::Paths)),
+            rays: Rays::with_capacity(room(Group::Rays)),
+            hits: Hits::with_capacity(room(Group::Hits)),
+            lit: LitPoints::with_capacity(room(Group::LitPoints)),
+            shadows: ShadowRays::with_capacity(room(Group::ShadowRays)),
+            next: Rays::with_capacity(room(Group::NextRays)),
+            differentials: Differentials::with_capacity(room(Group::Differentials)),
+            next_differentials: Differentials::with_capacity(room(Group::Differentials)),
         }
     }
 
@@ -340,20 +340,37 @@ impl Batch {
         true
     }
 
-    /// Bytes for each path in the columns that `scene` calls for, by the column group's name.
+    /// Bytes for each path in the columns that have storage in `scene`, by the name of the group.
     pub fn bytes_per_path(scene: &PreparedScene) -> Vec<(&'static str, usize)> {
-        let mut groups =
-            vec![("paths", Paths::ROW_BYTES), ("rays", Rays::ROW_BYTES), ("hits", Hits::ROW_BYTES)];
-        if scene.plan.has_shadows() {
-            groups.push(("lit points", LitPoints::ROW_BYTES));
-            groups.push(("shadow rays", ShadowRays::ROW_BYTES));
-        }
-        if scene.bounces > 0 {
-            groups.push(("next rays", Rays::ROW_BYTES));
-        }
-        if scene.carries_differentials() {
-            groups.push(("differentials", 2 * Differentials::ROW_BYTES));
-        }
-        groups
+        let groups = scene.plan.schedule().columns();
+        groups.map(|group| (group.name(), row_bytes(group))).collect()
+    }
+
+    /// Bytes that a batch of up to `capacity` paths holds in its columns, foretold.
+    pub fn bytes_foretold(scene: &PreparedScene, capacity: usize) -> u64 {
+        let row: usize = scene.plan.schedule().columns().map(row_bytes).sum();
+        (row * columns::room(capacity.max(1))) as u64
+    }
+
+    /// Bytes that it holds in its columns, measured.
+    pub fn bytes(&self) -> u64 {
+        let Self { capacity: _, paths, rays, hits, lit, shadows, next, .. } = self;
+        let groups = [paths.bytes(), rays.bytes(), hits.bytes(), lit.bytes(), shadows.bytes()];
+        let differentials = [&self.differentials, &self.next_differentials].map(|d| d.bytes());
+        let all = groups.into_iter().chain(differentials).sum::<usize>() + next.bytes();
+        all as u64
+    }
+}
+
+/// Bytes of one row of a group of columns.
+fn row_bytes(group: Group) -> usize {
+    match group {
+        Group::Paths => Paths::ROW_BYTES,
+        Group::Rays | Group::NextRays => Rays::ROW_BYTES,
+        Group::Hits => Hits::ROW_BYTES,
+        Group::LitPoints => LitPoints::ROW_BYTES,
+        Group::ShadowRays => ShadowRays::ROW_BYTES,
+        // Those of this bounce and of the next.
+        Group::Differentials => 2 * Differentials::ROW_BYTES,
     }
 }

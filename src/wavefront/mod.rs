@@ -1,18 +1,12 @@
 //! The wavefront tracer: batches of paths go through one pass after the other, bounce after bounce
 //! (Laine, Karras and Aila, *Megakernels Considered Harmful*, HPG 2013).
 //!
-//! | pass | reads | writes |
-//! |---|---|---|
-//! | [`s1_generate`] | camera | rays |
-//! | [`s2_intersect`] | rays, tree | hits |
-//! | [`s3_shade`] | rays, hits, looks | radiance, lit points, next rays |
-//! | [`s4_shadow`] | lit points, lights, tree | radiance |
-//! | [`s5_resolve`] | radiance | pixels |
+//! [`crate::plan::schedule::PASSES`] has them with what each needs, reads and writes; [`s1_generate`],
+//! [`s2_intersect`], [`s3_shade`], [`s4_shadow`] and [`s5_resolve`] do them. What the schedule leaves out
+//! is not run and has no column: no lit points without lights, no next rays without mirrors.
 //!
 //! A batch has [`DEFAULT_BATCH`] paths unless asked otherwise, so that its columns stay in the
-//! second-level cache. What the plan leaves out has no column: no lit points without lights, no next
-//! rays without mirrors, no differentials without trilinear textures that mirrors could show. All
-//! passes but the last work on eight rows at a time, as vectors.
+//! second-level cache. All passes but the last work on eight rows at a time, as vectors.
 
 pub mod batch;
 mod s1_generate;
@@ -28,35 +22,38 @@ use std::time::Instant;
 use crate::accel::Traversal;
 use crate::counters::Counters;
 use crate::kernels::precision::Arithmetic;
+use crate::plan::schedule::Schedule;
 use crate::prepared::PreparedScene;
 use crate::tile::{Tile, TraceSettings, Tracer};
+use crate::variant::Effects;
 use batch::Batch;
 
 /// The number of paths that a batch holds unless asked otherwise.
 pub const DEFAULT_BATCH: usize = 1024;
 
-/// The passes, in order, by their names in statistics.
-pub const PASSES: [&str; 5] = ["generate", "intersect", "shade", "shadow", "resolve"];
+/// The passes whose time is taken, in order, by their names in statistics.
+pub const TIMED: [&str; 5] = ["generate", "intersect", "shade", "shadow", "resolve"];
 
 /// The tracer.
 #[derive(Debug)]
-pub struct Wavefront<P> {
+pub struct Wavefront<P, E> {
     seed: u64,
+    schedule: Schedule,
     batch: Batch,
     traversal: Traversal,
     counters: Counters,
     clock: Clock,
-    precision: PhantomData<P>,
+    variant: PhantomData<(P, E)>,
 }
 
 /// Time spent in each pass.
 #[derive(Debug, Default)]
 struct Clock {
-    seconds: [f64; PASSES.len()],
+    seconds: [f64; TIMED.len()],
 }
 
 impl Clock {
-    /// Runs `pass` and adds its time to the `index`th of [`PASSES`].
+    /// Runs `pass` and adds its time to the `index`th of [`TIMED`].
     #[inline]
     fn time(&mut self, index: usize, pass: impl FnOnce()) {
         let start = Instant::now();
@@ -65,20 +62,25 @@ impl Clock {
     }
 }
 
-impl<P: Arithmetic> Tracer for Wavefront<P> {
+impl<P: Arithmetic, E: Effects> Tracer for Wavefront<P, E> {
     fn new(scene: &PreparedScene, settings: &TraceSettings) -> Self {
         Self {
             seed: settings.seed,
+            schedule: scene.plan.schedule(),
             batch: Batch::new(scene, settings.batch),
             traversal: scene.accel.traversal(),
             counters: Counters::default(),
             clock: Clock::default(),
-            precision: PhantomData,
+            variant: PhantomData,
         }
     }
 
     fn render(&mut self, scene: &PreparedScene, tile: &Tile, sums: &mut [[f64; 3]]) {
         self.render_watched(scene, tile, sums, |_, _| {});
+    }
+
+    fn bytes(&self) -> u64 {
+        self.batch.bytes()
     }
 
     fn counters(&self) -> Counters {
@@ -87,12 +89,12 @@ impl<P: Arithmetic> Tracer for Wavefront<P> {
     }
 
     fn pass_seconds(&self) -> Vec<(&'static str, f64)> {
-        PASSES.into_iter().zip(self.clock.seconds).collect()
+        TIMED.into_iter().zip(self.clock.seconds).collect()
     }
 }
 
 /// The passes over the batch, each with its time.
-impl<P: Arithmetic> Wavefront<P> {
+impl<P: Arithmetic, E: Effects> Wavefront<P, E> {
     /// As [`Tracer::render`]; `watch` sees the batch after each bounce, with the bounce's number.
     pub fn render_watched(
         &mut self,
@@ -109,9 +111,12 @@ impl<P: Arithmetic> Wavefront<P> {
             for bounce in 0..=scene.bounces {
                 self.intersect(scene);
                 self.shade(scene, bounce);
-                self.shadow(scene, bounce);
+                if E::SHADOWS && self.schedule.has_shadows() {
+                    self.shadow(scene, bounce);
+                }
                 watch(bounce, &self.batch);
-                if !self.batch.advance() {
+                let mirrors = E::MIRRORS && self.schedule.has_mirrors();
+                if !(mirrors && self.batch.advance()) {
                     break;
                 }
             }
@@ -135,7 +140,7 @@ impl<P: Arithmetic> Wavefront<P> {
     /// Adds the light that hits show at once, and collects what they ask for.
     pub fn shade(&mut self, scene: &PreparedScene, bounce: u32) {
         let Self { batch, counters, clock, .. } = self;
-        clock.time(2, || s3_shade::run::<P>(scene, bounce, batch, counters));
+        clock.time(2, || s3_shade::run::<P, E>(scene, bounce, batch, counters));
     }
 
     /// Adds the light that arrives from lights.

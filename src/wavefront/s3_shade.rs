@@ -23,6 +23,7 @@ use crate::math::lanes::Vec3x8;
 use crate::math::ray::Ray;
 use crate::math::simd::{Kernel, LANES, Lanes, dispatch};
 use crate::prepared::{LookUps, MirrorPoint, PreparedScene};
+use crate::variant::Effects;
 use faces::{Face, Faces, Group};
 
 /// Which of the lists of waiting hits is that of spheres; the other is of triangles and quads.
@@ -30,7 +31,7 @@ const SPHERES: usize = 1;
 
 /// Adds background, emitted and ambient light to the paths; collects points that lights reach and,
 /// while bounces are left, mirror rays.
-pub(super) fn run<P: Arithmetic>(
+pub(super) fn run<P: Arithmetic, E: Effects>(
     scene: &PreparedScene,
     bounce: u32,
     batch: &mut Batch,
@@ -39,24 +40,34 @@ pub(super) fn run<P: Arithmetic>(
     batch.lit.clear();
     batch.next.clear();
     batch.next_differentials.clear();
-    let differentials = scene.carries_differentials();
-    dispatch(
-        scene.accel.level,
-        Shade::<P> { scene, bounce, differentials, batch, counters, precision: PhantomData },
-    );
+    let schedule = scene.plan.schedule();
+    let shade = Shade::<P, E> {
+        scene,
+        bounce,
+        differentials: scene.carries_differentials(),
+        batch,
+        counters,
+        shadows: E::SHADOWS && schedule.has_shadows(),
+        mirrors: E::MIRRORS && schedule.has_mirrors() && bounce < scene.bounces,
+        variant: PhantomData,
+    };
+    dispatch(scene.accel.level, shade);
 }
 
-struct Shade<'a, P> {
+struct Shade<'a, P, E> {
     scene: &'a PreparedScene,
     bounce: u32,
     /// Whether mirror rays have differentials.
     differentials: bool,
     batch: &'a mut Batch,
     counters: &'a mut Counters,
-    precision: PhantomData<P>,
+    /// Whether points that lights reach are asked for, as is whether mirror rays are.
+    shadows: bool,
+    mirrors: bool,
+    variant: PhantomData<(P, E)>,
 }
 
-impl<P: Arithmetic> Kernel for Shade<'_, P> {
+impl<P: Arithmetic, E: Effects> Kernel for Shade<'_, P, E> {
     type Output = ();
 
     #[inline(always)]
@@ -91,7 +102,7 @@ impl<P: Arithmetic> Kernel for Shade<'_, P> {
     }
 }
 
-impl<P: Arithmetic> Shade<'_, P> {
+impl<P: Arithmetic, E: Effects> Shade<'_, P, E> {
     #[inline(always)]
     fn miss(&mut self, i: usize) {
         if self.bounce == 0 {
@@ -109,7 +120,8 @@ impl<P: Arithmetic> Shade<'_, P> {
     #[inline(always)]
     fn block<S: Lanes>(&mut self, simd: S, faces: &mut Faces, spheres: bool) {
         let rays = &self.batch.rays;
-        let groups = faces.take(&self.scene.accel.geometry, &self.scene.looks, |i| rays.ray(i));
+        let (geometry, looks) = (&self.scene.accel.geometry, &self.scene.looks);
+        let groups = faces.take::<E>(geometry, looks, |i| rays.ray(i));
         for group in groups {
             self.group(simd, group, spheres);
         }
@@ -119,10 +131,16 @@ impl<P: Arithmetic> Shade<'_, P> {
     #[inline(always)]
     fn group<S: Lanes>(&mut self, simd: S, group: &Group, of_spheres: bool) {
         let rays = &self.batch.rays;
-        let used = mask(simd, group.used);
-        let direction = fetch(simd, &rays.direction, &group.rays);
         let throughput = fetch(simd, &rays.throughput, &group.rays);
         let path = group.rays.map(|ray| rays.path[ray as usize]);
+        let mut color = Vec3x8::load(simd, &group.color);
+        let ambient = f32x8::splat(simd, self.scene.ambient);
+        if !E::HAS_ANY {
+            self.add(group.used, &path, throughput * color.scale(ambient));
+            return;
+        }
+        let used = mask(simd, group.used);
+        let direction = fetch(simd, &rays.direction, &group.rays);
         let origin = fetch(simd, &rays.origin, &group.rays);
         let t = self.distances(simd, group);
         let surfaces = if of_spheres {
@@ -137,18 +155,16 @@ impl<P: Arithmetic> Shade<'_, P> {
         let outward = surfaces.normal.scale(group.side.simd_into(simd));
         let at_back = outward.dot(direction).simd_gt(0.0);
         let normal = (-outward).or(at_back, outward);
-        let shading_normal = if group.smooth == 0 {
+        let shading_normal = if !E::LOOKS || group.smooth == 0 {
             normal
         } else {
             let (values, smooth) = (&group.normals, mask(simd, group.smooth));
             interpolated_normal(simd, values, surfaces.barycentric, normal, smooth)
         };
-        let mut color = Vec3x8::load(simd, &group.color);
-        if group.textured & group.used != 0 {
+        if E::LOOKS && group.textured & group.used != 0 {
             self.textures(group, &surfaces, &mut color);
         }
-        let local = throughput * color.scale(f32x8::splat(simd, self.scene.ambient));
-        self.add(group.used, &path, local);
+        self.add(group.used, &path, throughput * color.scale(ambient));
 
         let [ks, kd, exponent] = group.reflection;
         let points = LitPoints {
@@ -167,11 +183,11 @@ impl<P: Arithmetic> Shade<'_, P> {
         };
         let lit = used & (mask(simd, group.two_sided) | !at_back);
         let path: u32x8<S> = path.simd_into(simd);
-        if self.scene.plan.has_shadows() {
+        if E::SHADOWS && self.shadows {
             self.batch.lit.push_lanes(&points, path, lit);
         }
         let kr: f32x8<S> = group.kr.simd_into(simd);
-        if self.bounce < self.scene.bounces && kr.simd_gt(0.0).to_bitmask() & 0xFF != 0 {
+        if E::MIRRORS && self.mirrors && kr.simd_gt(0.0).to_bitmask() & 0xFF != 0 {
             let mut next = mirrors(&points, kr);
             next.asked &= lit;
             self.counters.secondary_rays += self.batch.next.push_lanes(&next, path) as u64;
@@ -266,8 +282,8 @@ impl<P: Arithmetic> Shade<'_, P> {
         let number = ray as usize;
         let (ray, hit) = (self.batch.rays.ray(number), self.batch.hits.hit[number]);
         let differential = match self.bounce {
-            0 => self.scene.camera.differential(ray.direction),
-            _ => self.batch.differentials.get(number),
+            1.. if self.differentials => self.batch.differentials.get(number),
+            _ => self.scene.camera.differential(ray.direction),
         };
         (differential, ray, hit)
     }

@@ -17,18 +17,40 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("kernels", &["math"]),
     ("accel", &["kernels", "math"]),
     ("counters", &["accel"]),
-    ("prepared", &["accel", "kernels", "math", "plan"]),
+    ("variant", &["kernels", "plan"]),
+    ("prepared", &["accel", "kernels", "math", "plan", "variant"]),
     ("tile", &["counters", "prepared"]),
-    ("wavefront", &["accel", "counters", "kernels", "math", "prepared", "tile"]),
-    ("recursive", &["accel", "counters", "kernels", "math", "prepared", "tile"]),
+    ("wavefront", &["accel", "counters", "kernels", "math", "plan", "prepared", "tile", "variant"]),
+    ("recursive", &["accel", "counters", "kernels", "math", "plan", "prepared", "tile", "variant"]),
     (
         "probe",
-        &["accel", "counters", "kernels", "math", "prepared", "recursive", "tile", "wavefront"],
+        &[
+            "accel",
+            "counters",
+            "kernels",
+            "math",
+            "prepared",
+            "recursive",
+            "tile",
+            "variant",
+            "wavefront",
+        ],
     ),
     ("image", &["error", "replace"]),
     (
         "render",
-        &["counters", "error", "image", "kernels", "prepared", "recursive", "tile", "wavefront"],
+        &[
+            "counters",
+            "error",
+            "image",
+            "kernels",
+            "plan",
+            "prepared",
+            "recursive",
+            "tile",
+            "variant",
+            "wavefront",
+        ],
     ),
     ("scene", &["error", "kernels", "math"]),
     ("systems", &["accel", "error", "kernels", "math", "plan", "prepared", "scene"]),
@@ -42,8 +64,17 @@ const ARROWS: &[(&str, &[&str])] = &[
     (
         "report",
         &[
-            "accel", "counters", "error", "image", "kernels", "math", "plan", "prepared", "probe",
+            "accel",
+            "counters",
+            "error",
+            "image",
+            "kernels",
+            "math",
+            "plan",
+            "prepared",
+            "probe",
             "render",
+            "wavefront",
         ],
     ),
     (
@@ -101,8 +132,8 @@ const CRATES: &[(&str, &[&str])] = &[
     ("obvhs", &["accel"]),
     // Whatever is shown on a terminal.
     ("indicatif", &["cli", "generate"]),
-    // Files that appear whole or not at all.
-    ("tempfile", &["replace", "selftest"]),
+    // Files that appear whole or not at all, and scenes of the program's own.
+    ("tempfile", &["cli", "replace", "selftest"]),
     // Line ends of meshes in text.
     ("memchr", &["scene"]),
     // Numbers come from one place, as functions of where they are used.

@@ -73,7 +73,7 @@ fn a_scene_without_lights_casts_no_shadow_ray() {
     assert_eq!((lit.primary_rays, lit.shadow_rays), (PIXELS, PIXELS), "with a light: one each");
     let dark = prepare(&scene(0, &camera(), &[], &[mirror()]));
     assert_eq!(counters(&dark).shadow_rays, 0);
-    assert!(!dark.plan.has_shadows());
+    assert!(!dark.plan.schedule().has_shadows());
 }
 
 #[test]
@@ -115,7 +115,8 @@ fn bounces_are_not_counted_beyond_the_last() {
     let wide = |z| wall(1e4, z, with(matte(0.8, [0.5; 3]), "kr", 0.5));
     let away = with(wide(9.0), "normal", -1);
     for bounces in [1, 2, 5, 40] {
-        let scene = scene(bounces, &camera(), &[], &[wide(0.0), away.clone()]);
+        let dark = with(light(), "intensity", 0);
+        let scene = scene(bounces, &camera(), &[dark], &[wide(0.0), away.clone()]);
         let found = counters(&prepare(&scene)).secondary_rays;
         assert_eq!(found, PIXELS * u64::from(bounces), "{bounces} bounces");
     }
@@ -251,7 +252,7 @@ fn what_a_plan_leaves_out_is_not_counted_in_any_scene() {
         for (effect, count) in costs {
             assert!(count == 0 || scene.plan.has(effect), "{name}: {}, {count}", effect.name());
         }
-        assert!(found.shadow_rays == 0 || scene.plan.has_shadows(), "{name}");
+        assert!(found.shadow_rays == 0 || scene.plan.schedule().has_shadows(), "{name}");
     }
 }
 
@@ -261,8 +262,10 @@ fn columns_that_a_scene_does_not_need_have_no_storage() {
         let prepared = prepare(&scene(bounces, &camera(), lights, &[mirror()]));
         Batch::bytes_per_path(&prepared).into_iter().map(|(name, _)| name).collect::<Vec<_>>()
     };
+    let dark = with(light(), "intensity", 0);
     assert_eq!(groups(0, &[]), ["paths", "rays", "hits"]);
-    assert_eq!(groups(2, &[]), ["paths", "rays", "hits", "next rays"]);
+    assert_eq!(groups(2, &[]), ["paths", "rays", "hits"], "nothing to be seen in the mirror");
+    assert_eq!(groups(2, &[dark]), ["paths", "rays", "hits", "next rays"]);
     assert_eq!(groups(0, &[light()]), ["paths", "rays", "hits", "lit points", "shadow rays"]);
     let all = groups(2, &[light()]);
     assert_eq!(all, ["paths", "rays", "hits", "lit points", "shadow rays", "next rays"]);

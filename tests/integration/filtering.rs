@@ -15,6 +15,7 @@ use wavecrest::memory::predict;
 use wavecrest::prepared::{Arrival, LookUps, MirrorPoint, PreparedScene};
 use wavecrest::scene::load::{LoadOptions, load_str};
 use wavecrest::systems::extract;
+use wavecrest::variant::Every;
 
 use crate::support::{
     BACKGROUND, folder, image_of, matte, options, pinhole, point_light, prepare, render_on, scene,
@@ -237,7 +238,7 @@ fn mirror_ray(scene: &PreparedScene, x: u32, y: u32) -> (Ray, [Vec3; 2], [Vec3; 
     let hit = scene.accel.closest(&ray, &mut scene.accel.traversal());
     let differential = scene.camera.differential(ray.direction);
     let mut look_ups = LookUps::default();
-    let arrival = scene.arrival::<Robust>(&ray, &hit, || differential, &mut look_ups);
+    let arrival = scene.arrival::<Robust, Every>(&ray, &hit, || differential, &mut look_ups);
     let Arrival::Surface(point) = arrival else { panic!("({x}, {y}) meets no surface") };
     let (next, _) = shade::mirror(&point, Vec3::ONE).expect("a mirror ray");
     let mirror = MirrorPoint::of(&point);

@@ -29,6 +29,8 @@ mod accuracy;
 
 // Textures over what rays spread to: against references of many rays, and what they cost.
 mod filtering;
+// Leaving out what a scene does not call for changes no bit, and every row of the table of passes counts.
+mod planning;
 
 // The modules import each other in one direction alone, and files stay short.
 mod architecture;

@@ -1,5 +1,5 @@
-//! The wavefront against itself: with each kernel, each set of vector instructions, or batches of
-//! several sizes.
+//! The wavefront against itself: with each kernel, each set of vector instructions, batches of several
+//! sizes, or with nothing left out.
 //!
 //! Each choice runs once a round, so that what slows the machine down for a while slows all of them
 //! down, and who goes first takes turns. The ratio of each to the usual choice is taken round by
@@ -29,6 +29,8 @@ pub enum Axis {
     Levels,
     /// The paths in a batch.
     Batches,
+    /// Whether what the scene does not call for is left out.
+    Plan,
 }
 
 /// One choice.
@@ -40,6 +42,8 @@ pub struct Variant {
     pub simd: Level,
     /// Paths in a batch.
     pub batch: usize,
+    /// Whether passes, columns and code that the scene does not call for are left out.
+    pub planned: bool,
 }
 
 impl Axis {
@@ -53,6 +57,7 @@ impl Axis {
                 Level::available().into_iter().map(|simd| Variant { simd, ..usual }).collect()
             }
             Self::Batches => BATCHES.into_iter().map(|batch| Variant { batch, ..usual }).collect(),
+            Self::Plan => vec![Variant { planned: !usual.planned, ..usual }],
         };
         let others = others.into_iter().filter(|other| *other != usual);
         std::iter::once(usual).chain(others).collect()
@@ -64,6 +69,7 @@ impl Axis {
             Self::Kernels => "kernels",
             Self::Levels => "levels",
             Self::Batches => "batches",
+            Self::Plan => "plan",
         }
     }
 
@@ -73,6 +79,7 @@ impl Axis {
             Self::Kernels => variant.kernel.name().to_owned(),
             Self::Levels => variant.simd.name().to_owned(),
             Self::Batches => variant.batch.to_string(),
+            Self::Plan => if variant.planned { "planned" } else { "everything" }.to_owned(),
         }
     }
 }

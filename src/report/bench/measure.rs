@@ -30,7 +30,7 @@ pub struct Schedule {
 impl Schedule {
     /// The pairs to be timed in all, as the `pairs` so far foretell, of which the quicker runs took
     /// `shorter` seconds: enough for an interval, and for the seconds asked for.
-    pub(super) fn planned(&self, pairs: usize, shorter: f64) -> usize {
+    pub(in crate::report) fn planned(&self, pairs: usize, shorter: f64) -> usize {
         let wanted = match pairs {
             0 => 1,
             _ if shorter >= self.seconds => pairs,
@@ -183,7 +183,7 @@ pub fn measure(
 }
 
 /// Who goes first takes turns.
-fn order(pair: usize) -> [TracerKind; 2] {
+pub(in crate::report) fn order(pair: usize) -> [TracerKind; 2] {
     if pair.is_multiple_of(2) {
         [TracerKind::Wavefront, TracerKind::Recursive]
     } else {
@@ -192,7 +192,7 @@ fn order(pair: usize) -> [TracerKind; 2] {
 }
 
 /// How `run` differs from the `first`, if it does.
-pub(super) fn difference(
+pub(in crate::report) fn difference(
     tracer: TracerKind,
     first: &Rendered,
     run: &Rendered,
@@ -243,7 +243,7 @@ mod tests {
         let mut film = Film::new(3, 2).unwrap();
         film.pixel_mut(1, 1).unwrap()[2] = pixel;
         let counters = Counters { primary_rays: 6, ..Counters::default() };
-        Rendered { film, counters, pass_seconds: vec![("all", seconds)], seconds }
+        Rendered { film, counters, columns: 0, pass_seconds: vec![("all", seconds)], seconds }
     }
 
     fn schedule(warmup: usize, most: usize, seconds: f64) -> Schedule {

@@ -35,8 +35,8 @@
 //! | `.hardware.cycles`, `.instructions`, `.cache_references`, `.cache_misses`, `.branch_misses` | | counted by the processor in a run of its own, all threads together; each `null`, or all of `.hardware`, where it does not count |
 //! | `ratio.median`, `.low`, `.high`, `.confidence`, `.pairs`, `.method` | | how many times as fast as the recursive tracer the wavefront is: seconds of the recursive run over seconds of the wavefront's, pair by pair; `null` where the images differ |
 //! | `comparisons` | | one entry for each thing that was to be compared, see [`compare::Comparison`]: |
-//! | `.of`, `.rounds` | | `kernels`, `levels` or `batches`; timed rounds, each of one run of every choice |
-//! | `.variants` | | the usual choice, then the others: `kernel`, `simd`, `batch`, all keys of `wavefront`, and `ratio`, how many times as fast as the usual choice it is, round by round; empty where images differ |
+//! | `.of`, `.rounds` | | `kernels`, `levels`, `batches` or `plan`; timed rounds, each of one run of every choice |
+//! | `.variants` | | the usual choice, then the others: `kernel`, `simd`, `batch`, `planned`, all keys of `wavefront`, and `ratio`, how many times as fast as the usual choice it is, round by round; empty where images differ |
 //! | `.difference` | | the choice whose image differs, and how, or `null` |
 //! | `warnings` | | what to know before believing it |
 //!
@@ -315,7 +315,7 @@ impl Ratio {
     }
 
     /// The seconds of one over those of another, run by run: how many times as fast the other is.
-    fn of(one: &[f64], other: &[f64]) -> Option<Self> {
+    pub(in crate::report) fn of(one: &[f64], other: &[f64]) -> Option<Self> {
         let ratios: Vec<f64> = one.iter().zip(other).map(|(one, other)| one / other).collect();
         let interval = MedianInterval::of(&ratios)?;
         Some(Self { interval, pairs: ratios.len(), method: METHOD })

@@ -107,7 +107,7 @@ fn the_json_has_the_documented_keys() {
         keys(&wavefront["seconds"]),
         ["median", "min", "max", "first_quartile", "third_quartile", "mad", "each"]
     );
-    assert_eq!(keys(&wavefront["passes"]), crate::wavefront::PASSES);
+    assert_eq!(keys(&wavefront["passes"]), crate::wavefront::TIMED);
     assert_eq!(keys(&scene["recursive"]["passes"]), ["recursive"]);
     let ratio = &scene["ratio"];
     assert_eq!(keys(ratio), ["median", "low", "high", "confidence", "pairs", "method"]);

@@ -24,8 +24,7 @@ macro_rules! columns {
         impl $name {
             /// Columns with room for `capacity` rows.
             pub fn with_capacity(capacity: usize) -> Self {
-                // Where no row is ever written, no vector is either.
-                let room = if capacity == 0 { 0 } else { capacity + LANES };
+                let room = $crate::wavefront::batch::columns::room(capacity);
                 Self { $( $field: Column::with_rows(room), )+ rows: 0 }
             }
 
@@ -44,10 +43,20 @@ macro_rules! columns {
                 self.rows == 0
             }
 
+            /// Bytes held.
+            pub fn bytes(&self) -> usize {
+                0 $( + self.$field.rows() * <$kind as Column>::ITEM_BYTES )+
+            }
+
             /// Bytes that one row takes.
             pub const ROW_BYTES: usize = 0 $( + <$kind as Column>::ITEM_BYTES )+;
         }
     };
+}
+
+/// Rows set aside for `capacity` of them. Where no row is ever written, no vector is either.
+pub(super) const fn room(capacity: usize) -> usize {
+    if capacity == 0 { 0 } else { capacity + LANES }
 }
 
 /// A column: one value, or three of a vector, for each row.
@@ -55,6 +64,9 @@ pub(super) trait Column {
     const ITEM_BYTES: usize;
 
     fn with_rows(rows: usize) -> Self;
+
+    /// Rows that there is room for.
+    fn rows(&self) -> usize;
 }
 
 impl<T: Copy + Blank> Column for Vec<T> {
@@ -63,6 +75,10 @@ impl<T: Copy + Blank> Column for Vec<T> {
     fn with_rows(rows: usize) -> Self {
         vec![T::BLANK; rows]
     }
+
+    fn rows(&self) -> usize {
+        self.len()
+    }
 }
 
 impl Column for Vectors {
@@ -70,6 +86,10 @@ impl Column for Vectors {
 
     fn with_rows(rows: usize) -> Self {
         Self { x: vec![0.0; rows], y: vec![0.0; rows], z: vec![0.0; rows] }
+    }
+
+    fn rows(&self) -> usize {
+        self.x.len()
     }
 }
 

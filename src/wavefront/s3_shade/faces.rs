@@ -11,6 +11,7 @@ use crate::kernels::surface::{self, Surface};
 use crate::math::ray::Ray;
 use crate::math::simd::LANES;
 use crate::prepared::{Looks, Shape};
+use crate::variant::Effects;
 
 /// Groups in a block.
 pub(super) const GROUPS: usize = 8;
@@ -63,7 +64,7 @@ pub(super) struct Group {
 impl Group {
     /// Fetches all but corners and normals.
     #[inline(always)]
-    fn begin(&mut self, faces: &[Face], looks: &Looks) {
+    fn begin<E: Effects>(&mut self, faces: &[Face], looks: &Looks) {
         let last = faces[faces.len() - 1];
         self.used = ((1_u64 << faces.len()) - 1) as u32;
         (self.two_sided, self.textured, self.smooth, self.quads) = (0, 0, 0, 0);
@@ -72,25 +73,33 @@ impl Group {
             let face = faces.get(lane).copied().unwrap_or(last);
             self.faces[lane] = face;
             self.rays[lane] = face.ray;
-            let shape = &looks.shapes[face.shape as usize];
-            self.two_sided |= u32::from(shape.two_sided) << lane;
-            self.textured |= u32::from(shape.texture.is_some()) << lane;
-            self.side[lane] = if shape.flipped { -1.0 } else { 1.0 };
-            self.set_material(lane, &looks.materials[face.shape as usize]);
+            if E::HAS_ANY {
+                let shape = &looks.shapes[face.shape as usize];
+                self.two_sided |= u32::from(shape.two_sided) << lane;
+                self.side[lane] = if shape.flipped { -1.0 } else { 1.0 };
+                if E::LOOKS {
+                    self.textured |= u32::from(shape.texture.is_some()) << lane;
+                }
+            }
+            self.set_material::<E>(lane, &looks.materials[face.shape as usize]);
         }
     }
 
     #[inline(always)]
-    fn set_material(&mut self, lane: usize, material: &Material) {
+    fn set_material<E: Effects>(&mut self, lane: usize, material: &Material) {
         let Material { ks, kd, exponent, color, kr } = *material;
         set(&mut self.color, lane, color);
-        set(&mut self.reflection, lane, Vec3::new(ks, kd, exponent));
-        self.kr[lane] = kr;
+        if E::SHADOWS {
+            set(&mut self.reflection, lane, Vec3::new(ks, kd, exponent));
+        }
+        if E::MIRRORS {
+            self.kr[lane] = kr;
+        }
     }
 
     /// Fetches the corners and normals of one hit.
     #[inline(always)]
-    fn fetch(
+    fn fetch<E: Effects>(
         &mut self,
         lane: usize,
         geometry: &Geometry,
@@ -104,9 +113,11 @@ impl Group {
                 surface::quad_half(&ray(number as usize), &geometry.quad(i))
             }
             Primitive::Triangle(i) => {
-                let shape = &looks.shapes[shape as usize];
-                if shape.smooth {
-                    self.fetch_normals(lane, shape, primitive, geometry, looks);
+                if E::LOOKS {
+                    let shape = &looks.shapes[shape as usize];
+                    if shape.smooth {
+                        self.fetch_normals(lane, shape, primitive, geometry, looks);
+                    }
                 }
                 geometry.triangle(i)
             }
@@ -179,7 +190,7 @@ impl Faces {
 
     /// Fetches what the hits need, and empties the block.
     #[inline(always)]
-    pub(super) fn take(
+    pub(super) fn take<E: Effects>(
         &mut self,
         geometry: &Geometry,
         looks: &Looks,
@@ -188,11 +199,13 @@ impl Faces {
         let count = self.count.div_ceil(LANES).min(GROUPS);
         let waiting = &self.waiting[..self.count.min(BLOCK)];
         for (group, faces) in self.groups.iter_mut().zip(waiting.chunks(LANES)) {
-            group.begin(faces, looks);
+            group.begin::<E>(faces, looks);
         }
-        for group in &mut self.groups[..count] {
+        // Nothing else asks for corners.
+        let asked = if E::HAS_ANY { count } else { 0 };
+        for group in &mut self.groups[..asked] {
             for lane in 0..LANES {
-                group.fetch(lane, geometry, looks, ray);
+                group.fetch::<E>(lane, geometry, looks, ray);
             }
         }
         self.count = 0;

@@ -75,8 +75,10 @@ fn explain_says_which_passes_run_and_why() {
     let (code, found) = answer(folder.path(), &["explain", "s.json"]);
     assert_eq!(code, 0);
     for line in [
-        "  + shadow          lights have power",
-        "  + mirror bounces  1 with kr above 0, nbounces 2",
+        "  + shadow          1 point light",
+        "  +   mirror        1 with kr above 0, nbounces 2",
+        "  + advance         1 with kr above 0, nbounces 2",
+        "  -   lens          the camera is a pinhole",
         "  - textures        no shape has a texture",
         "  + spheres         1 sphere",
         "  - depth of field  the camera is a pinhole",
@@ -86,7 +88,8 @@ fn explain_says_which_passes_run_and_why() {
     }
     write_scene(folder.path(), &mirror_ball(0.0));
     let (_, found) = answer(folder.path(), &["explain", "s.json"]);
-    assert!(found.contains("  - mirror bounces  no material has kr above 0\n"), "{found}");
+    assert!(found.contains("  - advance         no material has kr above 0\n"), "{found}");
+    assert!(found.contains("  - next rays            0  from mirror to advance\n"), "{found}");
 }
 
 #[test]
@@ -101,12 +104,50 @@ fn explain_says_it_in_json_too() {
         let pass = passes.iter().find(|pass| pass["name"] == name).expect("the pass");
         pass["runs"].as_bool().expect("yes or no")
     };
-    assert!(runs("shadow") && runs("resolve") && !runs("mirror bounces"));
+    assert!(runs("shadow") && runs("resolve") && !runs("mirror") && !runs("advance"));
     assert_eq!(found["plan"].as_array().map(Vec::len), Some(11));
     let all = ["geometry", "looks", "tree", "program"];
     let lasting: u64 = all.iter().map(|key| found["memory"][key].as_u64().expect("bytes")).sum();
     assert!(found["memory_total"].as_u64().expect("bytes") >= lasting);
-    assert!(found["bytes_per_path"].as_array().is_some_and(|columns| columns.len() == 5));
+    let columns = found["bytes_per_path"].as_array().expect("columns");
+    let bytes = |name: &str| {
+        let column = columns.iter().find(|column| column["name"] == name).expect("the column");
+        column["bytes"].as_u64().expect("bytes")
+    };
+    assert!(bytes("lit points") > 0 && bytes("next rays") == 0);
+    assert_eq!(found["rendered"], Value::Null);
+}
+
+#[test]
+fn explain_tells_what_a_render_did_beside_what_was_foretold() {
+    let folder = folder();
+    write_scene(folder.path(), &mirror_ball(0.5));
+    let (code, found) = answer(folder.path(), &["explain", "s.json", "--render", "--json"]);
+    let found: Value = serde_json::from_str(&found).expect("JSON");
+    assert_eq!(code, 0);
+    let (foretold, rendered) = (&found["foretold"], &found["rendered"]);
+    assert_eq!(
+        (&foretold["rays"]["primary"], &rendered["rays"]["primary"]),
+        (&json!(192), &json!(192))
+    );
+    assert_eq!(
+        (&foretold["rays"]["secondary"], &foretold["rays"]["shadow"]),
+        (&json!(384), &json!(576))
+    );
+    let counted = |key: &str| rendered["rays"][key].as_u64().expect("rays");
+    assert!((1..=384).contains(&counted("secondary")) && (1..=576).contains(&counted("shadow")));
+    for key in ["lens", "light", "texels"] {
+        let samples = (&foretold["samples"][key], &rendered["samples"][key]);
+        assert_eq!(samples, (&json!(0), &json!(0)), "{key}");
+    }
+    assert_eq!(found["memory"]["batches"], rendered["batches"]);
+    let (_, text) = answer(folder.path(), &["explain", "s.json", "--render"]);
+    let line = |name: &str| {
+        let line = text.lines().find(|line| line.trim_start().starts_with(name));
+        line.unwrap_or_else(|| panic!("{name}\n{text}")).split_whitespace().collect::<Vec<_>>()
+    };
+    assert_eq!(line("camera rays"), ["camera", "rays", "192", "192"]);
+    assert_eq!(line("mirror rays")[3], counted("secondary").to_string());
 }
 
 #[test]

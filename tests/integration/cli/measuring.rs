@@ -51,6 +51,33 @@ fn bench_times_both_tracers_on_equal_images() {
 }
 
 #[test]
+fn bench_prices_effects() {
+    let folder = folder();
+    let options = ["--repeats", "1", "--min-time", "0", "--width", "16", "--height", "12"];
+    let arguments = [&["bench", "--effects", "--json", "-o", "prices.json"], &options[..]].concat();
+    let found = json_of(folder.path(), &arguments);
+    assert_eq!((&found["difference"], &found["rounds"]), (&Value::Null, &json!(1)));
+    assert_eq!(found["image"], json!({"width": 16, "height": 12}));
+    let effects = found["effects"].as_array().expect("effects");
+    for effect in effects {
+        let has_base = effect["added_to"].is_string();
+        for tracer in ["wavefront", "recursive"] {
+            assert_eq!(effect[tracer]["price"].is_object(), has_base, "{effect}");
+            assert!(effect[tracer]["seconds_per_mray"].as_f64() > Some(0.0), "{effect}");
+        }
+    }
+    assert!(effects.iter().any(|effect| effect["reached"] == false));
+    let text = std::fs::read_to_string(folder.path().join("prices.json")).expect("a report");
+    assert_eq!(serde_json::from_str::<Value>(&text).expect("JSON"), found);
+    for both in [&["bench", "--effects", "s.json"][..], &["bench"]] {
+        assert_eq!(
+            wavecrest(folder.path()).args(both).output().expect("it runs").status.code(),
+            Some(2)
+        );
+    }
+}
+
+#[test]
 fn bench_compares_kernels_levels_and_batches() {
     let folder = folder();
     write_scene(folder.path());

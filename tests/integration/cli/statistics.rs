@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use super::{run_silently, with_ball};
 
 /// Every key that the documentation of the statistics names, as JSON pointers.
-const STATISTICS: [&str; 57] = [
+const STATISTICS: [&str; 65] = [
     "/version",
     "/scene",
     "/tracer",
@@ -25,6 +25,12 @@ const STATISTICS: [&str; 57] = [
     "/samples/light",
     "/samples/texels",
     "/samples/footprints",
+    "/foretold/rays/primary",
+    "/foretold/rays/secondary",
+    "/foretold/rays/shadow",
+    "/foretold/samples/lens",
+    "/foretold/samples/light",
+    "/foretold/samples/texels",
     "/tests/nodes",
     "/tests/primitives/triangles",
     "/tests/primitives/quads",
@@ -58,6 +64,8 @@ const STATISTICS: [&str; 57] = [
     "/time/passes/resolve",
     "/memory/predicted",
     "/memory/peak",
+    "/columns/foretold",
+    "/columns/held",
     "/bvh/preset",
     "/bvh/nodes",
     "/bvh/depth",
@@ -89,6 +97,12 @@ fn statistics_have_every_key_that_their_documentation_names() {
     assert!(secondary > 0 && secondary < 16 * 12, "only the ball mirrors: {secondary}");
     let time = |key: &str| found["time"][key].as_f64().expect("seconds");
     assert!(time("total") >= time("trace"));
+    let foretold = &found["foretold"]["rays"];
+    assert_eq!(foretold["primary"], found["rays"]["primary"]);
+    for key in ["secondary", "shadow"] {
+        assert!(foretold[key].as_u64() >= found["rays"][key].as_u64(), "{key}");
+    }
+    assert_eq!(found["columns"]["foretold"], found["columns"]["held"]);
 }
 
 #[test]

@@ -25,7 +25,7 @@ const SCENE: &str = r#"{
 }"#;
 
 fn usual() -> Variant {
-    Variant { kernel: KernelChoice::Auto, simd: Level::best(), batch: 1024 }
+    Variant { kernel: KernelChoice::Auto, simd: Level::best(), batch: 1024, planned: true }
 }
 
 fn prepared() -> PreparedScene {

@@ -1,0 +1,291 @@
+//! The passes of a render as a table: what each needs, reads and writes; and what of it runs.
+//!
+//! [`PASSES`] is the only place that knows which effect calls for which work. The census decides the
+//! effects; from these and the table follows the [`Schedule`]: the steps that run and the columns that
+//! have storage. Systems, both tracers, the batch and what foretells memory ask it, and nothing else.
+
+use super::{Decision, Effect};
+
+/// A group of columns in the wavefront's batch. Their widths are the batch's own affair.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Column {
+    /// What paths have gathered, and where it goes.
+    Paths,
+    /// The rays of this bounce.
+    Rays,
+    /// Their hits.
+    Hits,
+    /// Points that lights reach.
+    LitPoints,
+    /// Shadow rays on their way.
+    ShadowRays,
+    /// The rays of the next bounce.
+    NextRays,
+    /// The differentials of mirror rays, of this bounce and of the next.
+    Differentials,
+}
+
+impl Column {
+    /// Every group, in the order in which a batch holds them.
+    pub const ALL: [Self; 7] = [
+        Self::Paths,
+        Self::Rays,
+        Self::Hits,
+        Self::LitPoints,
+        Self::ShadowRays,
+        Self::NextRays,
+        Self::Differentials,
+    ];
+
+    /// What it is called in messages.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Paths => "paths",
+            Self::Rays => "rays",
+            Self::Hits => "hits",
+            Self::LitPoints => "lit points",
+            Self::ShadowRays => "shadow rays",
+            Self::NextRays => "next rays",
+            Self::Differentials => "differentials",
+        }
+    }
+}
+
+/// What a scene can do without: a pass, or a part of one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Step {
+    /// Camera rays.
+    Generate,
+    /// Places of rays within their pixel.
+    Jitter,
+    /// Places of rays on the lens.
+    Lens,
+    /// Closest hits.
+    Intersect,
+    /// What hits show at once.
+    Shade,
+    /// Interpolated normals.
+    Normals,
+    /// Texture look-ups.
+    Texels,
+    /// Points that lights are to be asked for.
+    Collect,
+    /// Mirror rays.
+    Mirror,
+    /// Their differentials.
+    Differentials,
+    /// Shadow rays, and the light that arrives.
+    Shadow,
+    /// The next bounce.
+    Advance,
+    /// Pixels.
+    Resolve,
+}
+
+/// Which effects a step serves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Needs {
+    /// It runs in every scene, and for all that is in it.
+    Nothing,
+    /// It runs where one of these is present, and for what shows it.
+    Any(&'static [Effect]),
+    /// It runs where all of these are.
+    All(&'static [Effect]),
+}
+
+impl Needs {
+    /// Whether they are met.
+    pub fn met(self, present: impl Fn(Effect) -> bool) -> bool {
+        match self {
+            Self::Nothing => true,
+            Self::Any(effects) => effects.iter().any(|&effect| present(effect)),
+            Self::All(effects) => effects.iter().all(|&effect| present(effect)),
+        }
+    }
+
+    /// The effects that are named.
+    pub fn effects(self) -> &'static [Effect] {
+        match self {
+            Self::Nothing => &[],
+            Self::Any(effects) | Self::All(effects) => effects,
+        }
+    }
+}
+
+/// A row of [`PASSES`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Pass {
+    /// What is done.
+    pub step: Step,
+    /// What it is called in messages.
+    pub name: &'static str,
+    /// The pass that it is a part of, unless it is a pass itself.
+    pub part_of: Option<Step>,
+    /// What it is done for.
+    pub needs: Needs,
+    /// The columns that it reads.
+    pub reads: &'static [Column],
+    /// The columns that it writes.
+    pub writes: &'static [Column],
+}
+
+/// All lights: whatever the kind, their points are asked for in the same way.
+const LIGHTS: Needs = Needs::Any(&[Effect::PointLights, Effect::AreaLights]);
+
+/// The passes in the order in which they run, each followed by its parts.
+///
+/// Kinds of shapes have no row: no pass asks for a kind, so that one which is absent costs nothing by
+/// having no primitive.
+pub const PASSES: [Pass; 13] = {
+    use Column::{Differentials, Hits, LitPoints, NextRays, Paths, Rays, ShadowRays};
+    [
+        pass(Step::Generate, "generate", Needs::Nothing, &[], &[Paths, Rays]),
+        part(Step::Jitter, "jitter", Step::Generate, &[Effect::Antialiasing], &[], &[Rays]),
+        part(Step::Lens, "lens", Step::Generate, &[Effect::DepthOfField], &[], &[Rays]),
+        pass(Step::Intersect, "intersect", Needs::Nothing, &[Rays], &[Hits]),
+        pass(Step::Shade, "shade", Needs::Nothing, &[Paths, Rays, Hits], &[Paths]),
+        part(Step::Normals, "normals", Step::Shade, &[Effect::SmoothShading], &[Hits], &[]),
+        part(Step::Texels, "texels", Step::Shade, &[Effect::Textures], &[Hits], &[]),
+        Pass {
+            part_of: Some(Step::Shade),
+            ..pass(Step::Collect, "lit points", LIGHTS, &[Rays, Hits], &[LitPoints])
+        },
+        part(Step::Mirror, "mirror", Step::Shade, &[Effect::Mirrors], &[Rays, Hits], &[NextRays]),
+        Pass {
+            part_of: Some(Step::Shade),
+            ..pass(
+                Step::Differentials,
+                "differentials",
+                Needs::All(&[Effect::RayDifferentials, Effect::Mirrors]),
+                &[Rays, Hits, Differentials],
+                &[Differentials],
+            )
+        },
+        pass(Step::Shadow, "shadow", LIGHTS, &[LitPoints, ShadowRays], &[ShadowRays, Paths]),
+        pass(Step::Advance, "advance", Needs::Any(&[Effect::Mirrors]), &[NextRays], &[Rays]),
+        pass(Step::Resolve, "resolve", Needs::Nothing, &[Paths], &[]),
+    ]
+};
+
+const fn pass(
+    step: Step,
+    name: &'static str,
+    needs: Needs,
+    reads: &'static [Column],
+    writes: &'static [Column],
+) -> Pass {
+    Pass { step, name, part_of: None, needs, reads, writes }
+}
+
+const fn part(
+    step: Step,
+    name: &'static str,
+    of: Step,
+    needs: &'static [Effect],
+    reads: &'static [Column],
+    writes: &'static [Column],
+) -> Pass {
+    let needs = Needs::Any(needs);
+    Pass { step, name, part_of: Some(of), needs, reads, writes }
+}
+
+/// `passes` with every need taken away: all that is done for any scene is done for every scene. The
+/// image is the same, since what a scene does not call for adds nothing to it.
+pub fn unplanned(passes: &[Pass]) -> Vec<Pass> {
+    passes.iter().map(|&pass| Pass { needs: Needs::Nothing, ..pass }).collect()
+}
+
+/// Which steps run, and which columns have storage.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Schedule {
+    /// A bit for each [`Step`], as are the following.
+    running: u16,
+    /// Those that run whatever the scene shows.
+    needless: u16,
+    /// A bit for each [`Column`].
+    columns: u16,
+    /// What is wrong with the table, for these effects.
+    flaw: Option<Flaw>,
+}
+
+/// A column that is read without being written, or written without being read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Flaw {
+    /// The step that runs in vain.
+    pub step: Step,
+    /// Its column.
+    pub column: Column,
+}
+
+impl Schedule {
+    /// What runs of `passes` where the effects are as decided.
+    pub(super) fn new(passes: &[Pass], decisions: &[Decision]) -> Self {
+        let present = |effect| decisions.iter().any(|d| d.effect == effect && d.present);
+        let runs = |pass: &&Pass| pass.needs.met(present);
+        let running: Vec<&Pass> = passes.iter().filter(runs).collect();
+        let is_needless = |pass: &&&Pass| pass.needs == Needs::Nothing;
+        Self {
+            running: steps(running.iter().copied()),
+            needless: steps(running.iter().filter(is_needless).copied()),
+            columns: running.iter().flat_map(|p| p.writes).fold(0, |all, &c| all | 1 << c as u16),
+            flaw: flaw(&running),
+        }
+    }
+
+    /// Whether the step is done.
+    #[inline(always)]
+    pub fn runs(self, step: Step) -> bool {
+        self.running >> step as u16 & 1 == 1
+    }
+
+    /// Whether the step is done whatever the scene calls for, and so for all that is in it.
+    pub fn is_needless(self, step: Step) -> bool {
+        self.needless >> step as u16 & 1 == 1
+    }
+
+    /// Whether shadow rays are cast.
+    #[inline(always)]
+    pub fn has_shadows(self) -> bool {
+        self.runs(Step::Collect) && self.runs(Step::Shadow)
+    }
+
+    /// Whether mirror rays are cast.
+    #[inline(always)]
+    pub fn has_mirrors(self) -> bool {
+        self.runs(Step::Mirror) && self.runs(Step::Advance)
+    }
+
+    /// Whether the column has storage.
+    pub fn has(self, column: Column) -> bool {
+        self.columns >> column as u16 & 1 == 1
+    }
+
+    /// The columns that have storage.
+    pub fn columns(self) -> impl Iterator<Item = Column> {
+        Column::ALL.into_iter().filter(move |&column| self.has(column))
+    }
+
+    /// What is wrong with the table, for these effects: a render would be, too.
+    pub fn flaw(self) -> Option<Flaw> {
+        self.flaw
+    }
+}
+
+fn steps<'a>(passes: impl Iterator<Item = &'a Pass>) -> u16 {
+    passes.fold(0, |all, pass| all | 1 << pass.step as u16)
+}
+
+fn flaw(running: &[&Pass]) -> Option<Flaw> {
+    let any = |columns: fn(&Pass) -> &'static [Column], column| {
+        running.iter().any(|pass| columns(pass).contains(column))
+    };
+    running.iter().find_map(|pass| {
+        let unwritten = pass.reads.iter().find(|column| !any(|pass| pass.writes, column));
+        let unread = pass.writes.iter().find(|column| !any(|pass| pass.reads, column));
+        let column = *unwritten.or(unread)?;
+        Some(Flaw { step: pass.step, column })
+    })
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,62 @@
+use super::*;
+
+fn decisions(present: impl Fn(Effect) -> bool) -> Vec<Decision> {
+    let decide = |effect| Decision { effect, present: present(effect), reason: String::new() };
+    Effect::ALL.into_iter().map(decide).collect()
+}
+
+fn schedule(passes: &[Pass], present: impl Fn(Effect) -> bool) -> Schedule {
+    Schedule::new(passes, &decisions(present))
+}
+
+#[test]
+fn every_step_has_one_row_and_parts_follow_their_pass() {
+    for (index, pass) in PASSES.iter().enumerate() {
+        assert_eq!(PASSES.iter().filter(|other| other.step == pass.step).count(), 1);
+        assert_eq!(pass.step as usize, index, "bits are steps in the order of the table");
+        if let Some(whole) = pass.part_of {
+            let before = PASSES[..index].iter().rev().find(|other| other.part_of.is_none());
+            assert_eq!(before.map(|pass| pass.step), Some(whole), "{}", pass.name);
+        }
+    }
+}
+
+#[test]
+fn no_combination_of_effects_runs_anything_in_vain() {
+    for set in 0..1_u32 << Effect::ALL.len() {
+        let present =
+            |effect| set >> Effect::ALL.iter().position(|&e| e == effect).unwrap() & 1 == 1;
+        let found = schedule(&PASSES, present);
+        assert_eq!(found.flaw(), None, "{set:b}");
+        // A step that runs serves an effect that is there.
+        for pass in PASSES {
+            assert_eq!(found.runs(pass.step), pass.needs.met(present));
+        }
+    }
+}
+
+#[test]
+fn nothing_but_what_every_scene_needs_runs_without_effects() {
+    let found = schedule(&PASSES, |_| false);
+    let running: Vec<_> = PASSES.iter().filter(|p| found.runs(p.step)).map(|p| p.name).collect();
+    assert_eq!(running, ["generate", "intersect", "shade", "resolve"]);
+    assert_eq!(found.columns().collect::<Vec<_>>(), [Column::Paths, Column::Rays, Column::Hits]);
+}
+
+#[test]
+fn without_needs_everything_runs_and_every_column_has_storage() {
+    let found = schedule(&unplanned(&PASSES), |_| false);
+    assert_eq!(found.flaw(), None);
+    assert!(PASSES.iter().all(|pass| found.runs(pass.step) && found.is_needless(pass.step)));
+    assert_eq!(found.columns().collect::<Vec<_>>(), Column::ALL);
+}
+
+#[test]
+fn a_queue_without_writer_or_reader_is_told() {
+    let one = |effect| effect == Effect::Mirrors;
+    for (left_out, found_at) in [(Step::Mirror, Step::Advance), (Step::Advance, Step::Mirror)] {
+        let passes: Vec<Pass> = PASSES.into_iter().filter(|p| p.step != left_out).collect();
+        let flaw = Flaw { step: found_at, column: Column::NextRays };
+        assert_eq!(schedule(&passes, one).flaw(), Some(flaw));
+    }
+}

@@ -1,0 +1,445 @@
+//! The plan: leaving out what a scene does not call for changes no bit of an image, and every row of the
+//! table of passes is there for a reason.
+
+use std::path::Path;
+
+use rayon::prelude::*;
+use serde_json::{Value, json};
+use wavecrest::accel::build::Preset;
+use wavecrest::counters::Counters;
+use wavecrest::error::Result;
+use wavecrest::image::Film;
+use wavecrest::image::write::{Transfer, write};
+use wavecrest::plan::schedule::{Needs, PASSES, Pass, unplanned};
+use wavecrest::plan::{Effect, Plan};
+use wavecrest::prepared::PreparedScene;
+use wavecrest::render::{RenderOptions, Rendered, TracerKind, render};
+use wavecrest::report::effects::scenes::{Variant, variants};
+use wavecrest::report::foretold::Foretold;
+use wavecrest::scene::load::{LoadOptions, load, load_str};
+use wavecrest::systems::{self, Options};
+use wavecrest::wavefront::batch::Batch;
+
+use crate::support::{
+    TRACERS, extract_small, folder, matte, options, pinhole, point_light, scene, scene_files,
+    sphere, with,
+};
+
+/// A set of effects: a bit for each, in the order of [`Effect::ALL`].
+#[derive(Clone, Copy)]
+struct Set(u32);
+
+impl Set {
+    const NUMBER: u32 = 1 << Effect::ALL.len();
+
+    fn of(effects: &[Effect]) -> Self {
+        let bit = |effect: &Effect| 1 << Effect::ALL.iter().position(|e| e == effect).expect("one");
+        Self(effects.iter().map(bit).sum())
+    }
+
+    fn has(self, effect: Effect) -> bool {
+        self.0 & Self::of(&[effect]).0 != 0
+    }
+
+    fn names(self) -> Vec<&'static str> {
+        Effect::ALL.into_iter().filter(|&e| self.has(e)).map(Effect::name).collect()
+    }
+
+    /// A scene of these effects, as far as they can be seen. Its texture is in `folder`.
+    fn scene(self, folder: &Path) -> Value {
+        let mut camera = pinhole([8, 6], 40.0, 5.0);
+        if self.has(Effect::Antialiasing) {
+            camera["antialias"] = 2.into();
+        }
+        if self.has(Effect::DepthOfField) {
+            let lens = json!({"type": "thinlens", "aperture": 0.5, "focal": 4, "nsamplesx": 2,
+                              "nsamplesy": 1});
+            camera
+                .as_object_mut()
+                .expect("an object")
+                .extend(lens.as_object().cloned().expect("one"));
+        }
+        // By it surfaces show their colours even where no other light is.
+        let mut lights = vec![point_light(0.0, [0.0, 9.0, 9.0], [1.0; 3])];
+        if self.has(Effect::PointLights) {
+            lights.push(point_light(30.0, [2.0, 3.0, 4.0], [1.0, 0.9, 0.8]));
+        }
+        if self.has(Effect::AreaLights) {
+            lights.push(json!({"type": "arealight", "intensity": 20, "color": [0.8, 0.9, 1.0],
+                               "sampling": "random", "samples": 2, "shape": self.light_shape()}));
+        }
+        let mut shapes = Vec::new();
+        if self.has(Effect::Triangles) {
+            let mut mesh = json!({
+                "type": "trimesh", "indices": [[0, 1, 2], [0, 2, 3]],
+                "points": [[-2, -2, 0], [-2, 2, -0.5], [2, 2, 0], [2, -2, -0.5]],
+                "uvs": [[0, 0], [0, 1], [1, 1], [1, 0]],
+                "normals": [[-1, -1, 3], [-1, 1, 3], [1, 1, 3], [1, -1, 3]],
+            });
+            if self.has(Effect::SmoothShading) {
+                mesh["shading"] = "smooth".into();
+            }
+            shapes.push(mesh);
+        }
+        if self.has(Effect::Quads) {
+            let points =
+                [[-2.0, -1.5, -1.0], [-2.0, -1.5, -3.0], [2.0, -1.0, -3.0], [2.0, -1.0, 1.5]];
+            shapes.push(json!({"type": "plane", "points": points}));
+        }
+        if self.has(Effect::Spheres) {
+            shapes.push(sphere([0.3, 0.2, 0.8], 0.7, Value::Null));
+        }
+        for shape in &mut shapes {
+            let kr = if self.has(Effect::Mirrors) { 0.5 } else { 0.0 };
+            shape["material"] = with(with(matte(0.7, [0.9, 0.6, 0.3]), "kr", kr), "ks", 0.3);
+            if self.has(Effect::Textures) {
+                shape["texture"] = folder.join("t.png").display().to_string().into();
+                if self.has(Effect::RayDifferentials) {
+                    shape["filter"] = "trilinear".into();
+                }
+            }
+        }
+        scene(2, &camera, &lights, &shapes)
+    }
+
+    /// A shape for the area light, of a kind that is there in any case, if one is.
+    fn light_shape(self) -> Value {
+        if self.has(Effect::Triangles) {
+            json!({"type": "triangle", "points": [[-3, 3, 3], [-2, 3, 3], [-3, 3, 2]]})
+        } else if self.has(Effect::Quads) {
+            json!({"type": "plane", "points": [[-3, 3, 3], [-2, 3, 3], [-2, 3, 2], [-3, 3, 2]]})
+        } else {
+            json!({"type": "sphere", "center": [-3, 3, 3], "radius": 0.5})
+        }
+    }
+
+    /// Which of them a plan has to find: those that something leads to.
+    fn expected(self, effect: Effect) -> bool {
+        let kinds = [Effect::Triangles, Effect::Quads, Effect::Spheres];
+        let surfaces = kinds.into_iter().any(|kind| self.has(kind));
+        match effect {
+            Effect::Spheres => self.has(effect) || !surfaces && self.has(Effect::AreaLights),
+            Effect::Textures | Effect::PointLights | Effect::AreaLights | Effect::Mirrors => {
+                self.has(effect) && surfaces
+            }
+            Effect::RayDifferentials => self.has(effect) && self.has(Effect::Textures) && surfaces,
+            Effect::SmoothShading => {
+                let asking = [Effect::PointLights, Effect::AreaLights, Effect::Mirrors];
+                let is_asked_for = asking.into_iter().any(|asks| self.has(asks));
+                self.has(effect) && self.has(Effect::Triangles) && is_asked_for
+            }
+            _ => self.has(effect),
+        }
+    }
+}
+
+fn write_texture(folder: &Path) {
+    let pixels = vec![[0.9, 0.1, 0.1], [0.1, 0.9, 0.1], [0.1, 0.1, 0.9], [0.9, 0.9, 0.1]];
+    let film = Film::from_pixels(2, 2, pixels).expect("a film");
+    write(&film, &folder.join("t.png"), Transfer::Linear).expect("a file");
+}
+
+/// A scene made ready by a table.
+fn prepare_by(passes: &[Pass], scene: &Value) -> PreparedScene {
+    let loaded = load_str(&scene.to_string(), Path::new("test.json"), &LoadOptions::default());
+    let mut world = loaded.unwrap_or_else(|error| panic!("{error}")).world;
+    let extracted = systems::extract_with(&mut world, Options { passes, ..Options::default() });
+    extracted.unwrap_or_else(|error| panic!("{error}")).build(Preset::Fast)
+}
+
+fn try_render(scene: &PreparedScene, tracer: TracerKind) -> Result<Rendered> {
+    // Of a size that is no multiple of a vector.
+    render(scene, &RenderOptions { tracer, batch: 29, ..options() }, &|_, _| {})
+}
+
+fn render_both(scene: &PreparedScene) -> [Rendered; 2] {
+    TRACERS.map(|tracer| try_render(scene, tracer).unwrap_or_else(|error| panic!("{error}")))
+}
+
+/// All that is counted but how hits are searched for, which is each tracer's own affair.
+fn work(counters: &Counters) -> Counters {
+    Counters { tests: Default::default(), kernels: Default::default(), ..*counters }
+}
+
+/// Checks that what is absent is not counted, and that no more is than was foretold.
+fn check_work(what: &str, scene: &PreparedScene, rendered: &Rendered) {
+    let c = &rendered.counters;
+    let foretold = Foretold::of(scene, rendered.film.pixels().len() as u64);
+    let (rays, samples) = (foretold.rays, foretold.samples);
+    assert_eq!((c.primary_rays, c.lens_samples), (rays.primary, samples.lens), "{what}");
+    let schedule = scene.plan.schedule();
+    for (counted, most, called_for) in [
+        (c.secondary_rays, rays.secondary, schedule.has_mirrors()),
+        (c.shadow_rays, rays.shadow, schedule.has_shadows()),
+        (c.light_samples, samples.light, scene.plan.has(Effect::AreaLights)),
+        (c.texels, samples.texels, scene.plan.has(Effect::Textures)),
+        (c.lens_samples, samples.lens, scene.plan.has(Effect::DepthOfField)),
+        (c.footprints, u64::MAX, scene.plan.has(Effect::RayDifferentials)),
+        (c.tests.triangles, u64::MAX, scene.plan.has(Effect::Triangles)),
+        (c.tests.quads, u64::MAX, scene.plan.has(Effect::Quads)),
+        (c.tests.spheres, u64::MAX, scene.plan.has(Effect::Spheres)),
+    ] {
+        assert!(counted <= most && (called_for || counted == 0), "{what}: {c:?}, {foretold:?}");
+    }
+}
+
+#[test]
+fn every_combination_of_effects_gives_one_image_planned_or_not_with_either_tracer() {
+    let folder = folder();
+    write_texture(folder.path());
+    let everything = unplanned(&PASSES);
+    (0..Set::NUMBER).into_par_iter().map(Set).for_each(|set| {
+        let json = set.scene(folder.path());
+        let what = format!("{:?}", set.names());
+        let mut scene = prepare_by(&PASSES, &json);
+        for effect in Effect::ALL {
+            let found = scene.plan.has(effect);
+            assert_eq!(found, set.expected(effect), "{what}: {}", effect.name());
+        }
+        let planned = render_both(&scene);
+        for rendered in &planned {
+            check_work(&what, &scene, rendered);
+            assert!(rendered.film.same_bits(&planned[0].film), "{what}: the tracers differ");
+            assert_eq!(work(&rendered.counters), work(&planned[0].counters), "{what}");
+            assert_eq!(rendered.counters.invalid, 0, "{what}");
+        }
+        // Everything is prepared, run and stored; or prepared as planned, and then run and stored.
+        let all = prepare_by(&everything, &json);
+        scene.plan = Plan::of(scene.plan.decisions().to_vec(), &everything);
+        for (scene, how) in [(all, "unplanned"), (scene, "planned, all of it run")] {
+            for rendered in render_both(&scene) {
+                assert!(rendered.film.same_bits(&planned[0].film), "{what}: {how}");
+            }
+        }
+    });
+}
+
+#[test]
+fn every_scene_gives_one_image_planned_or_not() {
+    let everything = unplanned(&PASSES);
+    let failures: Vec<String> = scene_files()
+        .par_iter()
+        .filter_map(|(name, path)| {
+            let planned = extract_small(path, 32, 60_000).build(Preset::Fast);
+            let [width, height] = planned.camera.size().map(Some);
+            let mut world =
+                load(path, &LoadOptions { strict: true, width, height }).expect(name).world;
+            let options = Options { passes: &everything, ..Options::default() };
+            let all = systems::extract_with(&mut world, options).expect(name).build(Preset::Fast);
+            let film = try_render(&planned, TracerKind::Wavefront).expect(name).film;
+            let same = |rendered: Rendered| rendered.film.same_bits(&film);
+            (!render_both(&all).into_iter().all(same)).then(|| name.clone())
+        })
+        .collect();
+    assert_eq!(failures, [""; 0]);
+}
+
+#[test]
+fn columns_are_as_large_as_foretold() {
+    let folder = folder();
+    write_texture(folder.path());
+    let all = Set(Set::NUMBER - 1);
+    for set in [Set::of(&[]), Set::of(&[Effect::Spheres, Effect::PointLights]), all] {
+        let scene = prepare_by(&PASSES, &set.scene(folder.path()));
+        let [wavefront, recursive] = render_both(&scene);
+        let threads = rayon::current_num_threads() as u64;
+        assert_eq!(wavefront.columns, Batch::bytes_foretold(&scene, 29) * threads);
+        assert_eq!(recursive.columns, 0);
+    }
+}
+
+/// The scenes of the price list, smaller.
+fn price_list(folder: &Path) -> Vec<Variant> {
+    let smaller = |mut variant: Variant| {
+        variant.scene["camera"]["width"] = 32.into();
+        variant.scene["camera"]["height"] = 24.into();
+        variant
+    };
+    variants(folder).expect("scenes").into_iter().map(smaller).collect()
+}
+
+#[test]
+fn an_effect_that_nothing_leads_to_changes_no_bit_and_no_count() {
+    let folder = folder();
+    let list = price_list(folder.path());
+    let mut pairs = 0;
+    for variant in list.iter().filter(|variant| !variant.reached) {
+        let base = &list[variant.added_to.expect("it is added to a scene")];
+        let [scene, before] = [variant, base].map(|v| prepare_by(&PASSES, &v.scene));
+        assert_eq!(scene.plan.schedule(), before.plan.schedule(), "{}", variant.name);
+        assert_eq!(Batch::bytes_per_path(&scene), Batch::bytes_per_path(&before));
+        assert_eq!(scene.looks.bytes(), before.looks.bytes(), "{}", variant.name);
+        for (rendered, expected) in render_both(&scene).iter().zip(&render_both(&before)) {
+            assert!(rendered.film.same_bits(&expected.film), "{}", variant.name);
+            // Whatever is counted, tests of boxes too.
+            assert_eq!(rendered.counters, expected.counters, "{}", variant.name);
+        }
+        pairs += 1;
+    }
+    assert!(pairs >= 9, "{pairs}");
+}
+
+#[test]
+fn effects_of_the_price_list_are_those_that_the_plan_finds() {
+    let folder = folder();
+    let list = price_list(folder.path());
+    let plans: Vec<Plan> = list.iter().map(|v| prepare_by(&PASSES, &v.scene).plan).collect();
+    for effect in Effect::ALL {
+        let added = list.iter().zip(&plans).any(|(variant, plan)| {
+            let before = variant.added_to.map(|base| &plans[base]);
+            plan.has(effect) && before.is_none_or(|before| !before.has(effect))
+        });
+        assert!(added, "no scene of the list adds {}", effect.name());
+    }
+}
+
+/// The table with `change` made to the needs of the rows that `of` chooses.
+fn table(of: impl Fn(&Pass) -> bool, change: impl Fn(Needs) -> Needs) -> Vec<Pass> {
+    let row =
+        |pass: Pass| if of(&pass) { Pass { needs: change(pass.needs), ..pass } } else { pass };
+    PASSES.into_iter().map(row).collect()
+}
+
+/// `needs` but `effect`; those of which all must be met never are without it.
+fn without(needs: Needs, effect: Effect) -> Needs {
+    let effects = match needs {
+        Needs::All(effects) if effects.contains(&effect) => return Needs::Any(&[]),
+        Needs::Any(effects) => effects,
+        Needs::All(_) | Needs::Nothing => return needs,
+    };
+    let others: Vec<Effect> = effects.iter().copied().filter(|&e| e != effect).collect();
+    Needs::Any(Vec::leak(others))
+}
+
+/// A scene that shows `effect` and whatever else `needs` must have, of shapes of every kind and, unless
+/// that is the effect, under a light.
+fn scene_of(effect: Effect, needs: Needs, folder: &Path) -> Value {
+    let light = if effect == Effect::AreaLights { effect } else { Effect::PointLights };
+    let mut effects = vec![Effect::Triangles, Effect::Quads, Effect::Spheres, light];
+    effects.extend((effect != light).then_some(effect));
+    if let Needs::All(all) = needs {
+        effects.extend(all.iter().copied().filter(|&other| other != effect));
+        effects.push(Effect::Textures);
+    }
+    Set::of(&effects).scene(folder)
+}
+
+/// What a table makes of a scene: `None` where it is refused.
+fn films(passes: &[Pass], scene: &Value) -> Option<[Film; 2]> {
+    let scene = prepare_by(passes, scene);
+    let [wavefront, recursive] = TRACERS.map(|tracer| try_render(&scene, tracer).ok());
+    assert_eq!(wavefront.is_none(), recursive.is_none(), "both tracers follow the table");
+    Some([wavefront?.film, recursive?.film])
+}
+
+#[test]
+fn a_need_taken_out_of_the_table_is_missed() {
+    let folder = folder();
+    write_texture(folder.path());
+    let mut needs = 0;
+    for pass in PASSES {
+        for &effect in pass.needs.effects() {
+            let json = scene_of(effect, pass.needs, folder.path());
+            let [right, _] = films(&PASSES, &json).expect("the table is right");
+            let differs = |passes: &[Pass]| {
+                let films = films(passes, &json);
+                let same = |films: [Film; 2]| films.iter().any(|film| film.same_bits(&right));
+                (films.is_some(), !films.is_some_and(same))
+            };
+            // In this row alone; then in all, so that no queue is left without a reader.
+            let one = table(|other| other.step == pass.step, |needs| without(needs, effect));
+            let what = format!("{}: {}", pass.name, effect.name());
+            assert!(differs(&one).1, "{what} is not missed");
+            let all = table(|_| true, |needs| without(needs, effect));
+            assert_eq!(differs(&all), (true, true), "{what} is not missed in any row");
+            needs += 1;
+        }
+    }
+    assert_eq!(needs, 12);
+}
+
+/// What a scene costs that shows nothing of it.
+fn cost(scene: &PreparedScene, rendered: &Rendered) -> [u64; 7] {
+    let c = &rendered.counters;
+    let numbers = [c.lens_samples, c.light_samples, c.texels];
+    let bytes = [rendered.columns, scene.looks.bytes()];
+    [numbers[0], numbers[1], numbers[2], c.footprints, c.secondary_rays, bytes[0], bytes[1]]
+}
+
+#[test]
+fn a_row_that_runs_without_need_costs_something_and_shows_nothing() {
+    let folder = folder();
+    let list = price_list(folder.path());
+    for pass in PASSES.into_iter().filter(|pass| pass.needs != Needs::Nothing) {
+        // With those that serve the same effects, so that no queue is left without a reader.
+        let passes = table(|other| other.needs == pass.needs, |_| Needs::Nothing);
+        let mut dearer = 0;
+        for variant in &list {
+            let [scene, planned] = [&passes[..], &PASSES].map(|p| prepare_by(p, &variant.scene));
+            let [rendered, right] = [&scene, &planned].map(render_both);
+            for (rendered, right) in rendered.iter().zip(&right) {
+                let what = format!("{}, {}", pass.name, variant.name);
+                assert!(rendered.film.same_bits(&right.film), "{what}");
+                let (cost, usual) = (cost(&scene, rendered), cost(&planned, right));
+                assert!(cost.iter().zip(&usual).all(|(cost, usual)| cost >= usual), "{what}");
+                dearer += usize::from(cost != usual);
+            }
+        }
+        // A grid of one ray a pixel is the ray through its centre, which draws no number.
+        let is_free = pass.name == "jitter";
+        assert_eq!(dearer == 0, is_free, "{}", pass.name);
+    }
+}
+
+#[test]
+fn a_queue_without_a_reader_is_refused() {
+    let folder = folder();
+    let scene = Set::of(&[Effect::Spheres, Effect::Mirrors]).scene(folder.path());
+    for name in ["mirror", "advance"] {
+        let passes = table(|pass| pass.name == name, |_| Needs::Any(&[]));
+        let scene = prepare_by(&passes, &scene);
+        for tracer in TRACERS {
+            let error = try_render(&scene, tracer).expect_err("a queue is left over").to_string();
+            assert!(error.contains("leaves next rays without a writer or a reader"), "{error}");
+        }
+    }
+}
+
+/// A floor that is lit from above alone, and lights below it: nothing is asked of them, and their ambient
+/// part stays.
+#[test]
+fn lights_behind_every_surface_add_their_ambient_part_alone() {
+    let floor = json!({"type": "plane", "material": matte(0.8, [0.5; 3]), "normal": [0, 1, 0],
+                       "points": [[-9, -1, 9], [-9, -1, -9], [9, -1, -9], [9, -1, 9]]});
+    let below = point_light(50.0, [0.0, -3.0, 0.0], [1.0; 3]);
+    let panel = |y: f64| {
+        let points = [[-1.0, y, 1.0], [-1.0, y, -1.0], [1.0, y, -1.0], [1.0, y, 1.0]];
+        json!({"type": "arealight", "intensity": 50, "color": [1, 1, 1], "sampling": "jittered",
+               "samples": 2, "shape": {"type": "plane", "points": points}})
+    };
+    let camera = with(pinhole([16, 12], 40.0, 5.0), "location", json!([0, 3, 5]));
+    let of = |lights: &[Value], floor: &Value| {
+        let json = scene(0, &camera, lights, std::slice::from_ref(floor));
+        let planned = prepare_by(&PASSES, &json);
+        let all = prepare_by(&unplanned(&PASSES), &json);
+        let [wavefront, _] = render_both(&planned);
+        for rendered in render_both(&all) {
+            assert!(rendered.film.same_bits(&wavefront.film));
+        }
+        let middle = wavefront.film.pixel(8, 10).expect("a pixel");
+        (wavefront.counters.shadow_rays, planned.lights.len(), middle)
+    };
+    let ambient = |lights: f32| [0.5 * 0.08 * lights; 3];
+    assert_eq!(of(&[below.clone(), panel(-2.0)], &floor), (0, 0, ambient(2.0)));
+    let both = with(floor.clone(), "sides", "both");
+    assert_eq!(of(std::slice::from_ref(&below), &both).1, 1, "its back is lit");
+    let turned = with(floor.clone(), "normal", json!([0, -1, 0]));
+    assert_eq!(of(std::slice::from_ref(&below), &turned).1, 1, "its front is below");
+    let (rays, lights, found) = of(&[below.clone(), panel(2.0)], &floor);
+    assert!(rays > 0 && found[0] > 2.0 * ambient(2.0)[0], "{found:?}");
+    assert_eq!(lights, 1, "one of two");
+    // Random numbers of the light that is left are its own, whatever lights are left out.
+    let alone = of(&[panel(2.0), with(below.clone(), "intensity", 0)], &floor);
+    let after = of(&[panel(-2.0), panel(2.0)], &floor);
+    assert_eq!((after.0, after.2), (alone.0, alone.2));
+}
