@@ -43,7 +43,7 @@ const ARROWS: &[(&str, &[&str])] = &[
         "report",
         &[
             "accel", "counters", "error", "image", "kernels", "math", "plan", "prepared", "probe",
-            "render",
+            "render", "replace",
         ],
     ),
     (
@@ -93,6 +93,13 @@ const CRATES: &[(&str, &[&str])] = &[
     ("memmap2", &["accel"]),
     // Plain data as bytes: the arena, rays, files.
     ("bytemuck", &["accel", "image", "math", "scene"]),
+    // Charts: laid out, lettered, and as pixels; and what a page holds in itself.
+    ("plotters", &["report"]),
+    ("plotters_backend", &["report"]),
+    ("ttf_parser", &["report"]),
+    ("notosans", &["report"]),
+    ("tiny_skia", &["report"]),
+    ("base64", &["report"]),
 ];
 
 /// The one file with `unsafe` code.
