@@ -115,7 +115,9 @@ fn draw_field(
         letter(root, &down.heading(), (0.0, top), &heading())?;
     }
     let start = (frame.width - right - font::width(&along.heading(), LABEL)).max(0.0);
-    letter(root, &along.heading(), (start, layout.bottom), &heading())?;
+    if heading_height(along) > 0.0 {
+        letter(root, &along.heading(), (start, layout.bottom), &heading())?;
+    }
     let mut field = ChartBuilder::on(root)
         .margin_top(pixels(layout.head))
         .margin_bottom(pixels(layout.foot - LABEL - 2.0 * GAP))
