@@ -291,5 +291,18 @@ mod tests {
         assert_eq!(written["scenes"][1]["equal"], true);
         assert_eq!(written["scenes"][1]["ratio"]["pairs"], 6);
         assert_eq!(written["scenes"][1]["rays"]["primary"], 64);
+
+        let page = folder.path().join("page.html");
+        let p = page.display();
+        let args = parse(&format!("{s} -q --min-time 0 --repeats 2 --page {p}")).unwrap();
+        assert!(run(&args).unwrap());
+        let html = std::fs::read_to_string(&page).unwrap();
+        assert!(
+            html.starts_with("<!doctype html>") && html.contains("Wavefront against recursive")
+        );
+        let args = parse(&format!("{s} -q -o {p} --page {p}")).unwrap();
+        let error = run(&args).unwrap_err().to_string();
+        assert!(error.contains("this file is the JSON too"), "{error}");
+        assert_eq!(std::fs::read_to_string(&page).unwrap(), html, "it is as it was");
     }
 }

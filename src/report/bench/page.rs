@@ -246,4 +246,12 @@ fn quoted(word: &str) -> String {
 }
 
 #[cfg(test)]
-mod tests;
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_shell_takes_each_word_for_one() {
+        let words = ["a/b.json", "two words", "it's", "", "$x"].map(quoted);
+        assert_eq!(words, ["a/b.json", "'two words'", "'it'\\''s'", "''", "'$x'"]);
+    }
+}
