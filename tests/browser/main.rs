@@ -183,6 +183,7 @@ fn values_are_shown_under_the_pointer_and_the_keyboard() {
     browser.mouse("mouseMoved", at);
     let told = "stratified\nsamples: 4\nerror: 0.25 (0.2 to 0.35)";
     assert_eq!(browser.evaluate(tip), told);
+    browser.picture(&pictures().join("value.png"));
     assert_eq!(
         browser.evaluate("document.querySelectorAll('svg title').length"),
         0,

@@ -35,12 +35,10 @@ fn lead(scenes: &[SceneBench]) -> String {
             let most = medians.fold(0.0, f64::max);
             sentences.push(format!(
                 "Of {}, the wavefront is faster in {wavefront} and the recursive tracer in \
-                 {recursive}; in {} neither is shown to be. The wavefront is {} to {} times as \
-                 fast as the recursive tracer.",
+                 {recursive}; in {} neither is shown to be. The wavefront is {least:.3} to \
+                 {most:.3} times as fast as the recursive tracer.",
                 plural(ratios.len(), "scene"),
                 ratios.len() - wavefront - recursive,
-                figure(least),
-                figure(most),
             ));
         }
     }
@@ -59,8 +57,8 @@ fn lead(scenes: &[SceneBench]) -> String {
 /// One ratio in a sentence.
 fn speed(ratio: &Ratio) -> String {
     format!(
-        "The wavefront is {} times as fast as the recursive tracer ({}): {}.",
-        figure(ratio.interval.median),
+        "The wavefront is {:.3} times as fast as the recursive tracer ({}): {}.",
+        ratio.interval.median,
         interval(ratio),
         ratio.verdict()
     )
@@ -68,14 +66,9 @@ fn speed(ratio: &Ratio) -> String {
 
 /// Where a median is, and how surely.
 fn interval(ratio: &Ratio) -> String {
-    let i = &ratio.interval;
+    let (i, pairs) = (&ratio.interval, plural(ratio.pairs, "pair"));
     let percent = 100.0 * i.confidence;
-    let pairs = plural(ratio.pairs, "pair");
-    format!(
-        "{} to {} with {percent:.1} % confidence, {pairs} of runs",
-        figure(i.low),
-        figure(i.high)
-    )
+    format!("{:.3} to {:.3} with {percent:.1} % confidence, {pairs} of runs", i.low, i.high)
 }
 
 /// All scenes side by side.
@@ -136,7 +129,7 @@ fn ratio_chart(title: &str, caption: &str, x: Axis, points: Vec<Point>) -> Chart
         x,
         y: Axis::new("times as fast", "", Scale::Linear),
         series: vec![Series { name: String::new(), draw: Draw::Points, points }],
-        guides: vec![Guide { name: "as fast".to_owned(), course: Course::AtY(1.0) }],
+        guides: vec![Guide { name: "equally fast".to_owned(), course: Course::AtY(1.0) }],
         caption: caption.to_owned(),
     }
 }

@@ -211,13 +211,17 @@ fn section<'a>(page: &'a Page, title: &str) -> &'a Section {
 }
 
 fn charts(section: &Section) -> Vec<&Chart> {
-    let chart = |block| if let Block::Chart(chart) = block { Some(chart) } else { None };
-    section.blocks.iter().filter_map(chart).collect()
+    let blocks = section.blocks.iter();
+    blocks
+        .filter_map(|block| if let Block::Chart(found) = block { Some(found) } else { None })
+        .collect()
 }
 
 fn bars(section: &Section) -> Vec<&StackedBars> {
-    let bars = |block| if let Block::Bars(bars) = block { Some(bars) } else { None };
-    section.blocks.iter().filter_map(bars).collect()
+    let blocks = section.blocks.iter();
+    blocks
+        .filter_map(|block| if let Block::Bars(found) = block { Some(found) } else { None })
+        .collect()
 }
 
 #[test]
@@ -229,7 +233,7 @@ fn the_page_has_the_figures_of_the_report() {
     let page = page(&report);
     assert_eq!(
         page.lead,
-        "The wavefront is 1.25 times as fast as the recursive tracer (1.25 to 1.25 with 96.9 % \
+        "The wavefront is 1.250 times as fast as the recursive tracer (1.250 to 1.250 with 96.9 % \
          confidence, 6 pairs of runs): the wavefront is faster. Every image was the same to the \
          last bit."
     );
@@ -271,7 +275,7 @@ fn the_page_tells_of_several_scenes_and_of_those_that_disagree() {
     assert_eq!(
         page.lead,
         "Of 2 scenes, the wavefront is faster in 1 and the recursive tracer in 1; in 0 neither is \
-         shown to be. The wavefront is 0.5 to 1.25 times as fast as the recursive tracer. The \
+         shown to be. The wavefront is 0.500 to 1.250 times as fast as the recursive tracer. The \
          tracers disagree in 1 scene: there no time is told."
     );
     assert_eq!(charts(section(&page, "Speed"))[0].series[0].points.len(), 2);
