@@ -14,9 +14,10 @@ use crate::plan::Plan;
 use crate::plan::schedule::{PASSES, unplanned};
 use crate::prepared::PreparedScene;
 use crate::render::{RenderOptions, Rendered, TracerKind, render};
-use crate::replace::{check_replaceable, replace_file, write_error};
+use crate::replace::{check_differs, check_replaceable, replace_file, write_error};
 use crate::report::bench::compare::{Axis, Comparison, Variant, compare};
 use crate::report::bench::measure::{Measured, Runs, Schedule, measure};
+use crate::report::bench::page::page;
 use crate::report::bench::{BenchReport, Preparation, SceneBench, Setting, hardware, text};
 use crate::systems;
 use crate::wavefront::DEFAULT_BATCH;
@@ -54,6 +55,9 @@ pub struct BenchArgs {
     /// Write the JSON to a file, after every scene
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
+    /// Write a page with charts, in one HTML file, after every scene
+    #[arg(long, value_name = "FILE")]
+    pub page: Option<PathBuf>,
     /// Paths in a batch of the wavefront
     #[arg(long, value_name = "PATHS", default_value_t = DEFAULT_BATCH as u32,
           value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
@@ -85,8 +89,9 @@ impl BenchArgs {
 /// # Errors
 /// When a scene cannot be loaded or prepared, or the report cannot be written.
 pub fn run(args: &BenchArgs) -> Result<bool> {
-    if let Some(output) = &args.output {
-        check_replaceable(output)?;
+    args.output.iter().chain(&args.page).try_for_each(|file| check_replaceable(file))?;
+    if let (Some(output), Some(page)) = (&args.output, &args.page) {
+        check_differs(page, output, "the JSON")?;
     }
     args.scene_options.threads.run(
         || {
@@ -224,6 +229,9 @@ fn tell_scene(args: &BenchArgs, scene: &SceneBench) -> Result<()> {
 }
 
 fn export(args: &BenchArgs, report: &BenchReport) -> Result<()> {
+    if let Some(file) = &args.page {
+        page(report).write(file)?;
+    }
     let Some(file) = &args.output else { return Ok(()) };
     let json = to_json(report)?;
     write_text(file, &json)
@@ -299,5 +307,18 @@ mod tests {
         assert_eq!(written["scenes"][1]["equal"], true);
         assert_eq!(written["scenes"][1]["ratio"]["pairs"], 6);
         assert_eq!(written["scenes"][1]["rays"]["primary"], 64);
+
+        let page = folder.path().join("page.html");
+        let p = page.display();
+        let args = parse(&format!("{s} -q --min-time 0 --repeats 2 --page {p}")).unwrap();
+        assert!(run(&args).unwrap());
+        let html = std::fs::read_to_string(&page).unwrap();
+        assert!(
+            html.starts_with("<!doctype html>") && html.contains("Wavefront against recursive")
+        );
+        let args = parse(&format!("{s} -q -o {p} --page {p}")).unwrap();
+        let error = run(&args).unwrap_err().to_string();
+        assert!(error.contains("this file is the JSON too"), "{error}");
+        assert_eq!(std::fs::read_to_string(&page).unwrap(), html, "it is as it was");
     }
 }

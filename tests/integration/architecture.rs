@@ -74,6 +74,7 @@ const ARROWS: &[(&str, &[&str])] = &[
             "prepared",
             "probe",
             "render",
+            "replace",
             "wavefront",
         ],
     ),
@@ -146,6 +147,13 @@ const CRATES: &[(&str, &[&str])] = &[
     ("bytemuck", &["accel", "image", "math", "prepared", "scene"]),
     // What tells scenes apart.
     ("xxhash_rust", &["prepared"]),
+    // Charts: laid out, lettered, and as pixels; and what a page holds in itself.
+    ("plotters", &["report"]),
+    ("plotters_backend", &["report"]),
+    ("ttf_parser", &["report"]),
+    ("notosans", &["report"]),
+    ("tiny_skia", &["report"]),
+    ("base64", &["report"]),
 ];
 
 /// The one file with `unsafe` code.

@@ -2,7 +2,7 @@
 //!
 //! [`measure`] runs them and checks their images; [`crate::report::summary`] says what a median,
 //! its interval and a spread are; [`advice`] says what is wrong with a measurement and what to do
-//! about it; [`text`] writes it all for a terminal. [`compare`] times the wavefront against itself,
+//! about it; [`text`] writes it all for a terminal, and [`page`] as a page with charts. [`compare`] times the wavefront against itself,
 //! and [`hardware`] asks the processor what it counted.
 //!
 //! | key | unit | meaning |
@@ -46,6 +46,8 @@ pub mod advice;
 pub mod compare;
 pub mod hardware;
 pub mod measure;
+pub mod page;
+mod rows;
 #[cfg(test)]
 mod tests;
 pub mod text;

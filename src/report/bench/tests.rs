@@ -4,10 +4,14 @@ use std::path::Path;
 
 use serde_json::Value;
 
+use super::compare::{Axis, Variant, compare};
 use super::measure::{Schedule, measure};
+use super::page::page;
 use super::*;
 use crate::error::Result;
 use crate::render::{RenderOptions, Rendered, TracerKind, render};
+use crate::report::page::{Block, Page, Section};
+use crate::report::plot::{Chart, StackedBars};
 use crate::scene::load::load_str;
 use crate::systems;
 
@@ -194,4 +198,124 @@ fn the_processor_is_found_where_it_is_named() {
     assert_eq!(processor(text).as_deref(), Some("Some CPU @ 2 GHz"));
     assert_eq!(processor("model name\t:\n"), None);
     assert_eq!(processor("CPU part : 0xd40\n"), None);
+}
+
+/// The report of these scenes.
+fn report_of(scenes: Vec<SceneBench>) -> BenchReport {
+    BenchReport { scenes, ..BenchReport::new(vec!["bench".to_owned(), "a scene.json".to_owned()]) }
+}
+
+fn section<'a>(page: &'a Page, title: &str) -> &'a Section {
+    let found = page.sections.iter().find(|section| section.title == title);
+    found.unwrap_or_else(|| panic!("no section {title}"))
+}
+
+fn charts(section: &Section) -> Vec<&Chart> {
+    let blocks = section.blocks.iter();
+    blocks
+        .filter_map(|block| if let Block::Chart(found) = block { Some(found) } else { None })
+        .collect()
+}
+
+fn bars(section: &Section) -> Vec<&StackedBars> {
+    let blocks = section.blocks.iter();
+    blocks
+        .filter_map(|block| if let Block::Bars(found) = block { Some(found) } else { None })
+        .collect()
+}
+
+#[test]
+fn the_page_has_the_figures_of_the_report() {
+    let report = report_of(vec![steady()]);
+    let scene = &report.scenes[0];
+    let (wavefront, recursive) =
+        (scene.wavefront.as_ref().unwrap(), scene.recursive.as_ref().unwrap());
+    let page = page(&report);
+    assert_eq!(
+        page.lead,
+        "The wavefront is 1.250 times as fast as the recursive tracer (1.250 to 1.250 with 96.9 % \
+         confidence, 6 pairs of runs): the wavefront is faster. Every image was the same to the \
+         last bit."
+    );
+    let [ratio, rates] = charts(section(&page, "Speed"))[..] else { panic!("two charts") };
+    let point = &ratio.series[0].points[0];
+    let interval = scene.ratio.unwrap().interval;
+    assert_eq!(
+        (point.y, point.low, point.high),
+        (interval.median, Some(interval.low), Some(interval.high))
+    );
+    let drawn: Vec<f64> = rates.series.iter().flat_map(|s| s.points.iter().map(|p| p.y)).collect();
+    let rate = |tracer: &TracerBench| [tracer.rays_s.primary / 1e6, tracer.rays_s.shadow / 1e6];
+    assert_eq!(drawn, [rate(wavefront), rate(recursive)].concat(), "no row for rays that are none");
+
+    let own = section(&page, "`ball.json`");
+    let passes = bars(own)[0];
+    let stages: Vec<_> = passes.bars[0].segments.iter().map(|s| s.stage.as_str()).collect();
+    assert_eq!(stages, crate::wavefront::PASSES);
+    let seconds = wavefront.passes["intersect"]["seconds"].as_f64().unwrap();
+    assert_eq!(passes.bars[0].segments[1].seconds, seconds);
+    let runs = charts(own)[0];
+    assert_eq!(runs.y.unit, "ms");
+    let each: Vec<f64> = runs.series[1].points.iter().map(|point| point.y).collect();
+    assert_eq!(each, [125.0; 6]);
+    let html = page.html().unwrap();
+    for words in [
+        "<td class=\"right\" data-value=\"125\">125.000</td>",
+        "wavecrest bench &#39;a scene.json&#39;",
+    ] {
+        assert!(html.contains(words), "{words}");
+    }
+}
+
+#[test]
+fn the_page_tells_of_several_scenes_and_of_those_that_disagree() {
+    let slow = report(6, |tracer, _| if tracer == TracerKind::Wavefront { 0.2 } else { 0.1 });
+    let slow = SceneBench { scene: "slow.json".to_owned(), ..slow };
+    let page = page(&report_of(vec![steady(), slow, different()]));
+    assert_eq!(
+        page.lead,
+        "Of 2 scenes, the wavefront is faster in 1 and the recursive tracer in 1; in 0 neither is \
+         shown to be. The wavefront is 0.500 to 1.250 times as fast as the recursive tracer. The \
+         tracers disagree in 1 scene: there no time is told."
+    );
+    assert_eq!(charts(section(&page, "Speed"))[0].series[0].points.len(), 2);
+    let wrong = section(&page, "`b.json`");
+    assert!(charts(wrong).is_empty() && bars(wrong).is_empty());
+    let html = page.html().unwrap();
+    assert!(html.contains("THE IMAGES DIFFER"));
+    let nothing = super::page::page(&report_of(vec![different()]));
+    assert!(nothing.sections.iter().all(|section| section.title != "Speed"));
+    assert_eq!(super::page::page(&report_of(Vec::new())).lead, "Nothing was measured.");
+}
+
+/// Each choice takes a quarter longer than the one before.
+#[test]
+fn the_page_has_comparisons_and_what_the_processor_counted() {
+    let mut scene = steady();
+    let usual = Variant { kernel: KernelChoice::Auto, simd: Level::best(), batch: 1024 };
+    let variants = Axis::Kernels.variants(usual);
+    let prepared = prepared();
+    let trace = |variant: &Variant| -> Result<Rendered> {
+        let place = variants.iter().position(|v| v == variant).unwrap();
+        let run = render(&prepared, &RenderOptions::default(), &|_, _| {})?;
+        Ok(Rendered { seconds: 0.1 * 1.25_f64.powi(place as i32), ..run })
+    };
+    let schedule = Schedule { warmup: 1, most: 6, seconds: 0.0 };
+    let mut found = compare(Axis::Kernels, &variants, &schedule, trace, &mut |_, _| {}).unwrap();
+    let rays = scene.rays.all();
+    let counts = HardwareCounts { cycles: Some(7 * rays), ..HardwareCounts::default() };
+    found.variants.iter_mut().for_each(|each| each.bench.hardware = Some(counts));
+    scene.wavefront.as_mut().unwrap().hardware = Some(counts);
+    scene.recursive.as_mut().unwrap().hardware = Some(counts);
+    scene.comparisons.push(found);
+    let page = page(&report_of(vec![scene]));
+    let own = section(&page, "`ball.json`");
+    let compared = charts(own)[1];
+    let medians: Vec<f64> = compared.series[0].points.iter().map(|point| point.y).collect();
+    assert_eq!(medians.len(), variants.len());
+    assert!(medians[0] == 1.0 && medians.is_sorted_by(|a, b| a > b), "{medians:?}");
+    assert_eq!(bars(own)[1].bars.len(), variants.len());
+    let html = page.html().unwrap();
+    assert!(html.contains("cycles a ray</th><td class=\"right\" data-value=\"7\">7.000</td>"));
+    assert_eq!(html.matches("data-value=\"7\">7.000").count(), 2 + variants.len());
 }

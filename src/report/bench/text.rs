@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 
 use super::measure::{Difference, Pixel};
+use super::rows::{Row, rows, unit};
 use super::{Machine, Ratio, SceneBench, TracerBench};
 use crate::report::statistics::ClassUse;
 
@@ -116,7 +117,8 @@ fn head(report: &SceneBench) -> String {
     text
 }
 
-fn contents(report: &SceneBench) -> String {
+/// What is in the scene.
+pub(super) fn contents(report: &SceneBench) -> String {
     let kinds = [
         (report.triangles, "triangle"),
         (report.quads, "quad"),
@@ -131,37 +133,8 @@ fn contents(report: &SceneBench) -> String {
 /// Time, rate and tests of the two side by side.
 fn table(report: &SceneBench, wavefront: &TracerBench, recursive: &TracerBench) -> String {
     let mut text = format!("\n  {:<24}{:>12}{:>12}\n", "", "wavefront", "recursive");
-    let both = |value: fn(&TracerBench) -> f64| [value(wavefront), value(recursive)];
-    let medians = both(|t| t.seconds.median);
-    let (scale, second) = unit(f64::max(medians[0], medians[1]));
-    let mut row = |name: &str, values: [f64; 2], scale: f64, unit: &str| {
-        let [a, b] = values.map(|v| v * scale);
+    for Row { name, values: [a, b], unit } in rows(report, wavefront, recursive) {
         let _ = writeln!(text, "  {name:<24}{a:>12.3}{b:>12.3}  {unit}");
-    };
-    row("median", medians, scale, second);
-    row("fastest", both(|t| t.seconds.min), scale, second);
-    row("first quartile", both(|t| t.seconds.first_quartile), scale, second);
-    row("third quartile", both(|t| t.seconds.third_quartile), scale, second);
-    row("slowest", both(|t| t.seconds.max), scale, second);
-    row("median deviation", both(|t| t.seconds.mad), scale, second);
-    row("all rays", both(|t| t.mrays_s), 1.0, "Mrays/s");
-    row("primary rays", both(|t| t.rays_s.primary), 1e-6, "Mrays/s");
-    if report.rays.secondary > 0 {
-        row("secondary rays", both(|t| t.rays_s.secondary), 1e-6, "Mrays/s");
-    }
-    if report.rays.shadow > 0 {
-        row("shadow rays", both(|t| t.rays_s.shadow), 1e-6, "Mrays/s");
-    }
-    row("nodes a ray", both(|t| t.tests_per_ray.nodes), 1.0, "tests");
-    row("primitives a ray", both(|t| t.tests_per_ray.primitives), 1.0, "tests");
-    let rays = report.rays.all().max(1) as f64;
-    let counted = |tracer: &TracerBench| tracer.hardware.map(|counts| counts.each());
-    if let (Some(a), Some(b)) = (counted(wavefront), counted(recursive)) {
-        for ((name, a), (_, b)) in a.into_iter().zip(b) {
-            if let (Some(a), Some(b)) = (a, b) {
-                row(&format!("{name} a ray"), [a as f64, b as f64], 1.0 / rays, "");
-            }
-        }
     }
     text
 }
@@ -219,15 +192,7 @@ fn pixel(pixel: &Pixel) -> String {
     format!("{r:?} {g:?} {b:?} (bits {bits})")
 }
 
-/// The unit in which so many seconds are told, and what to multiply them by.
-fn unit(seconds: f64) -> (f64, &'static str) {
-    match seconds {
-        ..1e-3 => (1e6, "us"),
-        ..1.0 => (1e3, "ms"),
-        _ => (1.0, "s"),
-    }
-}
-
-fn plural(count: usize, name: &str) -> String {
+/// A number of things by name.
+pub(super) fn plural(count: usize, name: &str) -> String {
     if count == 1 { format!("1 {name}") } else { format!("{count} {name}s") }
 }

@@ -113,7 +113,9 @@ pub(super) fn inline(text: &str) -> String {
         match index {
             _ if index >= paired => out.push('`'),
             _ if index % 2 == 1 => {
-                out.push_str(&format!("<code>{}</code>", escape(part)));
+                // A path may be broken between its parts, and only there.
+                let code = escape(part).replace('/', "/<wbr>");
+                out.push_str(&format!("<code>{code}</code>"));
                 continue;
             }
             _ => {}
@@ -132,6 +134,7 @@ mod tests {
         assert_eq!(inline("run `a<b` & go"), "run <code>a&lt;b</code> &amp; go");
         assert_eq!(inline("a ` b"), "a ` b");
         assert_eq!(inline("`a` and `b"), "<code>a</code> and `b");
+        assert_eq!(inline("`a/b`/c"), "<code>a/<wbr>b</code>/c");
         assert_eq!((inline(""), inline("``")), (String::new(), "<code></code>".to_owned()));
     }
 

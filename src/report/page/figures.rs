@@ -17,7 +17,7 @@ pub(super) fn drawing(writer: &mut Writer, figure: &impl Figure) -> Result<()> {
     for note in figure.notes() {
         writer.element("p class=\"note\"", &note);
     }
-    writer.add("<details class=\"figures\">\n<summary>Figures</summary>\n<div>\n");
+    writer.add("<details class=\"figures\">\n<summary>Values</summary>\n<div>\n");
     table(writer, &table_of(figure));
     let json = serde_json::to_string_pretty(figure)
         .map_err(|e| Error::new(ErrorKind::Io, format!("cannot write JSON: {e}")).because(e))?;

@@ -7,14 +7,14 @@
   const dark = matchMedia("(prefers-color-scheme: dark)");
   const isDark = () => (root.dataset.theme ? root.dataset.theme === "dark" : dark.matches);
   const kept = (write) => { try { return write(localStorage); } catch { return null; } };
-  const theme = kept((store) => store.getItem("theme"));
+  const theme = kept((store) => store.getItem("wavecrest-theme"));
   if (theme === "light" || theme === "dark") root.dataset.theme = theme;
   const toggle = make("button", { type: "button", className: "theme" });
   const name = () => { toggle.textContent = isDark() ? "Light" : "Dark"; };
   toggle.setAttribute("aria-label", "Change between light and dark");
   toggle.addEventListener("click", () => {
     root.dataset.theme = isDark() ? "light" : "dark";
-    kept((store) => store.setItem("theme", root.dataset.theme));
+    kept((store) => store.setItem("wavecrest-theme", root.dataset.theme));
     name();
   });
   dark.addEventListener("change", name);

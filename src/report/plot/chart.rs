@@ -110,10 +110,14 @@ fn draw_field(
     let left = mark_down(&mut axes.down, layout.field_height, frame.width);
     let beside = layout.names.beside;
     let right = mark_along(&mut axes.along, frame.width - left - beside - GAP).max(beside);
-    let top = layout.head - layout.names.above - heading_height(down);
-    letter(root, &down.heading(), (0.0, top), &heading())?;
+    if heading_height(down) > 0.0 {
+        let top = layout.head - layout.names.above - heading_height(down);
+        letter(root, &down.heading(), (0.0, top), &heading())?;
+    }
     let start = (frame.width - right - font::width(&along.heading(), LABEL)).max(0.0);
-    letter(root, &along.heading(), (start, layout.bottom), &heading())?;
+    if heading_height(along) > 0.0 {
+        letter(root, &along.heading(), (start, layout.bottom), &heading())?;
+    }
     let mut field = ChartBuilder::on(root)
         .margin_top(pixels(layout.head))
         .margin_bottom(pixels(layout.foot - LABEL - 2.0 * GAP))
@@ -151,8 +155,10 @@ pub(super) fn draw_axes(field: &mut Field<'_, '_>, turned: bool) -> Drawn {
     mesh.draw()
 }
 
+/// The room for an axis' heading. Names speak for themselves.
 fn heading_height(axis: &Axis) -> f64 {
-    if axis.heading().is_empty() { 0.0 } else { HEADING }
+    let has_names = matches!(axis.scale, Scale::Names(_));
+    if axis.heading().is_empty() || has_names { 0.0 } else { HEADING }
 }
 
 /// The axes with room for all that is to be seen.

@@ -18,8 +18,10 @@ const ROW: f64 = 22.0;
 const GAP: f64 = 7.0;
 /// From one entry to the next.
 const BETWEEN: f64 = 22.0;
-/// The width of a sample.
-const SAMPLE: f64 = 24.0;
+/// The width of a sample with a line.
+const LINE: f64 = 24.0;
+/// The width of a sample without.
+const BLOCK: f64 = 12.0;
 /// Space below the last row.
 const BELOW: f64 = 6.0;
 
@@ -35,6 +37,13 @@ pub(super) struct Entry<'a> {
     pub block: bool,
 }
 
+impl Entry<'_> {
+    /// The width of its sample, in pixels.
+    fn sample(&self) -> f64 {
+        if self.line { LINE } else { BLOCK }
+    }
+}
+
 /// Entries with their places.
 pub(super) struct Legend<'a> {
     /// Each entry, where it begins, and its name as far as it fits.
@@ -48,8 +57,9 @@ impl<'a> Legend<'a> {
         let (mut x, mut rows) = (0.0, usize::from(!entries.is_empty()));
         let mut placed = Vec::new();
         for entry in entries {
-            let name = font::shortened(entry.name, LABEL, width - SAMPLE - GAP);
-            let wide = SAMPLE + GAP + font::width(&name, LABEL);
+            let sample = entry.sample();
+            let name = font::shortened(entry.name, LABEL, width - sample - GAP);
+            let wide = sample + GAP + font::width(&name, LABEL);
             if x > 0.0 && x + wide > width {
                 (x, rows) = (0.0, rows + 1);
             }
@@ -68,20 +78,20 @@ impl<'a> Legend<'a> {
     pub(super) fn draw(&self, root: &DrawingArea<Picture, Shift>, top: f64) -> Drawn {
         let style = style(LABEL, Paint::Ink).pos(Pos::new(HPos::Left, VPos::Center));
         for (entry, [x, y], name) in &self.placed {
-            let (x, y) = (pixels(*x), pixels(top + y));
-            let middle = (x + pixels(SAMPLE / 2.0), y);
+            let (x, y, sample) = (pixels(*x), pixels(top + y), entry.sample());
+            let middle = (x + pixels(sample / 2.0), y);
             if entry.block {
-                let (half, color) = (pixels(6.0), Paint::Series(entry.index).color());
+                let (half, color) = (pixels(BLOCK / 2.0), Paint::Series(entry.index).color());
                 let corners = [(middle.0 - half, y - half), (middle.0 + half, y + half)];
                 root.draw(&Rectangle::new(corners, color.filled()))?;
             }
             if entry.line {
-                root.draw(&Stroke::of(entry.index, vec![(x, y), (x + pixels(SAMPLE), y)]))?;
+                root.draw(&Stroke::of(entry.index, vec![(x, y), (x + pixels(sample), y)]))?;
             }
             if entry.marker {
                 root.draw(&Marker { at: middle, index: entry.index, hollow: false })?;
             }
-            root.draw_text(name, &style, (x + pixels(SAMPLE + GAP), y))?;
+            root.draw_text(name, &style, (x + pixels(sample + GAP), y))?;
         }
         Ok(())
     }

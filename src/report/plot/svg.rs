@@ -11,6 +11,10 @@ use super::paint::Paint;
 use super::picture::{Ink, Lettering, Mark, Picture, STEPS, Shape};
 use crate::report::markup::escape;
 
+/// Texts wider than this have their width prescribed, in pixels: a browser without the font would
+/// have them reach into what stands beside them.
+const LONG: f64 = 60.0;
+
 /// How near a pointer has to come to a mark, in pixels.
 const NEAR: f64 = 10.0;
 
@@ -101,6 +105,12 @@ fn write_text(text: &mut String, lettering: &Lettering) -> std::fmt::Result {
         _ => " text-anchor=\"middle\"",
     };
     let (size, letters) = (steps_to_text(*size), escape(&lettering.text));
+    let length = match width / f64::from(STEPS) > LONG {
+        true => {
+            format!(" textLength=\"{}\" lengthAdjust=\"spacingAndGlyphs\"", steps_to_text(*width))
+        }
+        false => String::new(),
+    };
     let mut fill = fill(*ink);
     if *rim {
         let [r, g, b] = Paint::Paper.rgb();
@@ -108,7 +118,10 @@ fn write_text(text: &mut String, lettering: &Lettering) -> std::fmt::Result {
         let _ = write!(fill, " stroke=\"#{r:02x}{g:02x}{b:02x}\" stroke-width=\"4\"");
         fill.push_str(" stroke-linejoin=\"round\" paint-order=\"stroke\"");
     }
-    writeln!(text, "<text x=\"{x}\" y=\"{y}\" font-size=\"{size}\"{anchor} {fill}>{letters}</text>")
+    writeln!(
+        text,
+        "<text x=\"{x}\" y=\"{y}\" font-size=\"{size}\"{anchor}{length} {fill}>{letters}</text>"
+    )
 }
 
 fn path(points: &[BackendCoord]) -> String {

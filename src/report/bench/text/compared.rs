@@ -2,8 +2,9 @@
 
 use std::fmt::Write as _;
 
-use super::{average, plural, unit, verdict};
+use super::{average, plural, verdict};
 use crate::report::bench::compare::{Axis, Comparison, VariantBench};
+use crate::report::bench::rows::unit;
 
 /// The table of one comparison.
 pub fn comparison(compared: &Comparison) -> String {

@@ -1,0 +1,350 @@
+//! What a reader of a page meets, in a real browser.
+//!
+//! `cargo test --test browser` needs Chromium, and says so where there is none. Screenshots are left
+//! in `target/tmp/browser/`.
+
+#![cfg(unix)]
+#![allow(
+    clippy::expect_used,
+    clippy::panic,
+    reason = "helpers of tests fail as tests do; clippy knows only the test functions themselves"
+)]
+
+mod chromium;
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use chromium::Browser;
+use serde_json::json;
+use tempfile::TempDir;
+use wavecrest::report::page::{
+    Block, Cell, Column, Compare, Details, Fact, Page, Picture, Section, Table,
+};
+use wavecrest::report::plot::{
+    Axis, Bar, Chart, Course, Draw, Guide, Point, Scale, Segment, Series, StackedBars,
+};
+
+/// Where screenshots are left.
+fn pictures() -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("browser");
+    std::fs::create_dir_all(&folder).expect("the folder can be made");
+    folder
+}
+
+/// A picture of one colour.
+fn picture(name: &str, rgb: [u8; 3]) -> Picture {
+    let image = image::RgbImage::from_pixel(320, 200, image::Rgb(rgb));
+    let mut png = std::io::Cursor::new(Vec::new());
+    image.write_to(&mut png, image::ImageFormat::Png).expect("a picture");
+    let (alt, caption) = (format!("all {name}"), name.to_owned());
+    Picture { png: png.into_inner(), alt, caption, pixels: false }
+}
+
+/// A page with every block. Its words are told apart by their numbers.
+fn page() -> Page {
+    let error = |n: i32| {
+        let x = 4.0_f64.powi(n);
+        Point::new(x, 0.5 / x.sqrt()).within(0.4 / x.sqrt(), 0.7 / x.sqrt())
+    };
+    let chart = Chart {
+        title: "Error against samples".to_owned(),
+        x: Axis::new("samples", "", Scale::Log),
+        y: Axis::new("error", "", Scale::Log),
+        series: vec![Series {
+            name: "stratified".to_owned(),
+            draw: Draw::Line,
+            points: (0..6).map(error).collect(),
+        }],
+        guides: vec![Guide {
+            name: "−1/2".to_owned(),
+            course: Course::Power { slope: -0.5, through: [1.0, 0.6] },
+        }],
+        caption: "Words in a caption.".to_owned(),
+    };
+    let segment = |stage: &str, seconds| Segment { stage: stage.to_owned(), seconds };
+    let bars = StackedBars {
+        title: "Time by stage".to_owned(),
+        bars: vec![Bar {
+            name: "one".to_owned(),
+            segments: vec![segment("load", 0.25), segment("trace", 0.75)],
+        }],
+        caption: String::new(),
+    };
+    let rows = [("b", 2.0), ("a", 10.0), ("c", 1.0)];
+    let row = |(name, value): (&str, f64)| {
+        vec![Cell::text(name), Cell::number(value, format!("{value}"))]
+    };
+    let table = Table {
+        caption: "Words over a table.".to_owned(),
+        columns: vec![Column::words("name"), Column::numbers("value")],
+        rows: rows.into_iter().map(row).collect(),
+    };
+    let compare = Compare {
+        left: picture("red", [200, 0, 0]),
+        right: picture("blue", [0, 0, 200]),
+        caption: "Words at two pictures.".to_owned(),
+    };
+    let green = picture("green", [0, 160, 0]);
+    Page {
+        title: "A page of everything".to_owned(),
+        lead: "Words that lead in.".to_owned(),
+        sections: vec![
+            Section::new(
+                "Charts",
+                vec![Block::Chart(chart), Block::Bars(bars), Block::Table(table)],
+            ),
+            Section::new("Pictures", vec![Block::Compare(compare), Block::Pictures(vec![green])]),
+            Section::new(
+                "The rest",
+                vec![
+                    Block::paragraph("Words in a paragraph."),
+                    Block::Warning("Words that warn.".to_owned()),
+                    Block::Facts(vec![Fact::new("a name", "Words that are known.")]),
+                    Block::Code(format!("wavecrest {}", "bench ".repeat(60))),
+                    Block::Details(Details {
+                        summary: "More".to_owned(),
+                        blocks: vec![Block::paragraph("Words when asked for.")],
+                    }),
+                ],
+            ),
+        ],
+    }
+}
+
+/// The page in a file, in a folder that is removed when the test ends.
+fn written() -> (TempDir, PathBuf) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("page.html");
+    page().write(&file).expect("a page");
+    (folder, file)
+}
+
+/// The page in a browser, in a window of this width.
+fn opened(test: &str, width: u32) -> Option<(TempDir, Browser)> {
+    let mut browser = Browser::start(test)?;
+    let (folder, file) = written();
+    browser.resize(width, 900);
+    browser.prefer("light");
+    browser.open(&file);
+    Some((folder, browser))
+}
+
+#[test]
+fn a_page_of_bench_opens_without_complaint_and_asks_no_network() {
+    let Some(mut browser) = Browser::start("a page of bench") else { return };
+    let folder = tempfile::tempdir().expect("a folder");
+    let scene = json!({
+        "nbounces": 1,
+        "camera": {"type": "pinhole", "width": 24, "height": 16, "fov": 60,
+                   "location": [0, 0, 5], "look": [0, 0, 0]},
+        "scene": {
+            "backgroundcolor": [0, 0, 0],
+            "lightsources": [{"type": "pointlight", "intensity": 40, "position": [2, 3, 5],
+                              "color": [1, 1, 1]}],
+            "shapes": [{"type": "sphere", "center": [0, 0, 0], "radius": 1,
+                        "material": {"ks": 0.2, "kd": 0.8, "specularexponent": 20,
+                                     "diffusecolor": [1, 0, 0]}}]
+        }
+    });
+    std::fs::write(folder.path().join("s.json"), scene.to_string()).expect("a file");
+    let options = ["--repeats", "2", "--min-time", "0", "--compare", "kernels", "--page", "p.html"];
+    let status = Command::new(env!("CARGO_BIN_EXE_wavecrest"))
+        .current_dir(folder.path())
+        .args(["bench", "s.json", "-q", "-o", "bench.json"])
+        .args(options)
+        .stdout(std::process::Stdio::null())
+        .status()
+        .expect("it runs");
+    assert!(status.success());
+    browser.resize(1100, 900);
+    browser.open(&folder.path().join("p.html"));
+    assert_eq!(browser.complaints, Vec::<String>::new());
+    // The page has the figures of the JSON.
+    let text = std::fs::read_to_string(folder.path().join("bench.json")).expect("a report");
+    let report: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    let ratio = &report["scenes"][0]["ratio"];
+    for (key, name) in [("median", "y"), ("low", "low"), ("high", "high")] {
+        let found =
+            browser.evaluate(&format!("Number(document.querySelector('.mark').dataset.{name})"));
+        assert_eq!(found, ratio[key], "{key}");
+    }
+    let picture = browser.picture(&pictures().join("bench.png"));
+    assert!(picture.height() > 1000);
+}
+
+#[test]
+fn values_are_shown_under_the_pointer_and_the_keyboard() {
+    let Some((_folder, mut browser)) = opened("values of points", 1100) else { return };
+    let tip =
+        "document.querySelector('.tip').hidden ? '' : document.querySelector('.tip').textContent";
+    assert_eq!(browser.evaluate(tip), "");
+    let at = browser.middle(".chart.wide .mark:nth-of-type(2) .near");
+    browser.mouse("mouseMoved", at);
+    let told = "stratified\nsamples: 4\nerror: 0.25 (0.2 to 0.35)";
+    assert_eq!(browser.evaluate(tip), told);
+    browser.picture(&pictures().join("value.png"));
+    assert_eq!(
+        browser.evaluate("document.querySelectorAll('svg title').length"),
+        0,
+        "one tip only"
+    );
+    browser.mouse("mouseMoved", [1.0, 1.0]);
+    assert_eq!(browser.evaluate(tip), "");
+
+    // One stop for each chart; arrows lead from point to point.
+    let stops = "document.querySelectorAll('.chart.wide [tabindex=\"0\"]').length";
+    assert_eq!(browser.evaluate(stops), 2);
+    browser.evaluate("document.querySelector('.chart.wide .mark').focus()");
+    let first = browser.evaluate(tip);
+    assert!(first.as_str().is_some_and(|tip| tip.contains("samples: 1\n")), "{first}");
+    browser.press("ArrowRight", 39);
+    assert_eq!(browser.evaluate(tip), told);
+    assert_eq!(browser.evaluate("document.activeElement.getAttribute('aria-label')"), told);
+    assert_eq!(browser.evaluate(stops), 2);
+    browser.press("Escape", 27);
+    assert_eq!(browser.evaluate(tip), "");
+    assert_eq!(browser.complaints, Vec::<String>::new());
+}
+
+#[test]
+fn the_divide_between_two_pictures_moves() {
+    let Some((_folder, mut browser)) = opened("the divide", 1100) else { return };
+    let at_middle = browser.middle(".pair");
+    let [x, y] = at_middle;
+    // Red on the left of the divide, blue on the right.
+    let colours = |browser: &mut Browser, name: &str| {
+        let scroll = browser.evaluate("scrollY").as_f64().unwrap_or_default();
+        let picture = browser.picture(&pictures().join(name));
+        [x - 100.0, x + 100.0].map(|x| picture.get_pixel(x as u32, (y + scroll) as u32).0)
+    };
+    let (red, blue) = ([200, 0, 0], [0, 0, 200]);
+    assert_eq!(colours(&mut browser, "divide-middle.png"), [red, blue]);
+
+    browser.mouse("mousePressed", at_middle);
+    browser.mouse("mouseMoved", [x + 150.0, y]);
+    browser.mouse("mouseReleased", [x + 150.0, y]);
+    assert_eq!(colours(&mut browser, "divide-right.png"), [red, red]);
+    browser.mouse("mouseMoved", [x - 200.0, y]);
+    assert_eq!(colours(&mut browser, "divide-right.png"), [red, red], "it was let go");
+
+    browser.evaluate("document.querySelector('.divide').focus()");
+    browser.press("Home", 36);
+    assert_eq!(browser.evaluate("document.querySelector('.divide').value"), "0");
+    assert_eq!(colours(&mut browser, "divide-left.png"), [blue, blue]);
+    let told = browser.evaluate("document.querySelector('.divide').ariaValueText");
+    assert_eq!(told, "0% red");
+    assert_eq!(browser.complaints, Vec::<String>::new());
+}
+
+#[test]
+fn rows_are_sorted_by_a_column() {
+    let Some((_folder, mut browser)) = opened("sorted rows", 1100) else { return };
+    let names = "[...document.querySelectorAll('section > .scroll tbody th')].map(c => c.textContent).join('')";
+    let click = |column: u32| {
+        format!("document.querySelector('section > .scroll th:nth-child({column}) button').click()")
+    };
+    assert_eq!(browser.evaluate(names), "bac");
+    for (column, expected) in [(1, "abc"), (1, "cba"), (2, "cba"), (2, "abc")] {
+        browser.evaluate(&click(column));
+        assert_eq!(browser.evaluate(names), expected);
+    }
+}
+
+#[test]
+fn without_javascript_everything_is_there() {
+    let Some(mut browser) = Browser::start("a page without JavaScript") else { return };
+    let (_folder, file) = written();
+    browser.resize(1100, 900);
+    browser.prefer("light");
+    browser.allow_script(false);
+    browser.open(&file);
+    let picture = browser.picture(&pictures().join("no-script.png"));
+    let text = browser.evaluate("document.body.innerText");
+    let text = text.as_str().expect("text");
+    for words in [
+        "A page of everything",
+        "Words that lead in.",
+        "Words in a caption.",
+        "Words over a table.",
+        "Words at two pictures.",
+        "Words in a paragraph.",
+        "Words that warn.",
+        "Words that are known.",
+        "wavecrest bench",
+        "red",
+        "blue",
+        "More",
+    ] {
+        assert!(text.contains(words), "{words}\n{text}");
+    }
+    assert_eq!(browser.evaluate("document.querySelectorAll('.theme, .divide, .tip').length"), 0);
+    // Values are in titles, which the browser itself shows.
+    let title = browser.evaluate("document.querySelector('.mark title').textContent");
+    assert_eq!(title, "stratified\nsamples: 1\nerror: 0.5 (0.4 to 0.7)");
+    // Both pictures are seen, side by side.
+    for (selector, rgb) in [(".left img", [200, 0, 0]), (".right img", [0, 0, 200])] {
+        let [x, y] = browser.middle(selector);
+        let scroll = browser.evaluate("scrollY").as_f64().unwrap_or_default();
+        assert_eq!(picture.get_pixel(x as u32, (y + scroll) as u32).0, rgb, "{selector}");
+    }
+    // What is shown when asked for needs no script to be asked.
+    browser.evaluate("document.querySelector('details.aside').open = true");
+    let text = browser.evaluate("document.body.innerText");
+    assert!(text.as_str().is_some_and(|text| text.contains("Words when asked for.")));
+}
+
+#[test]
+fn light_dark_and_narrow() {
+    let Some((_folder, mut browser)) = opened("light, dark and narrow", 1100) else { return };
+    let corner = |picture: &image::RgbImage| picture.get_pixel(2, 2).0;
+    let paper = [[255; 3], [21, 23, 27]];
+    assert_eq!(corner(&browser.picture(&pictures().join("light.png"))), paper[0]);
+    browser.prefer("dark");
+    assert_eq!(corner(&browser.picture(&pictures().join("dark.png"))), paper[1]);
+    // The reader's choice goes before the system's.
+    browser.evaluate("document.querySelector('.theme').click()");
+    assert_eq!(corner(&browser.picture(&pictures().join("chosen.png"))), paper[0]);
+    browser.evaluate("document.querySelector('.theme').click()");
+    assert_eq!(corner(&browser.picture(&pictures().join("chosen.png"))), paper[1]);
+    browser.prefer("light");
+    browser.evaluate("document.querySelector('.theme').click()");
+
+    let shown = "['wide', 'narrow'].map(c => getComputedStyle(document.querySelector('.chart.' + c)).display)";
+    assert_eq!(browser.evaluate(shown), json!(["block", "none"]));
+    browser.resize(360, 740);
+    let picture = browser.picture(&pictures().join("narrow.png"));
+    assert_eq!(picture.width(), 360, "nothing stands out at the side");
+    assert_eq!(browser.evaluate("document.documentElement.scrollWidth"), 360);
+    assert_eq!(browser.evaluate(shown), json!(["none", "block"]));
+    // Text in a chart is as large as it is meant to be.
+    let scale = browser.evaluate(
+        "(c => c.getBoundingClientRect().width / c.viewBox.baseVal.width)\
+         (document.querySelector('.chart.narrow'))",
+    );
+    assert!(scale.as_f64().is_some_and(|scale| scale > 0.9), "{scale}");
+    assert_eq!(browser.complaints, Vec::<String>::new());
+}
+
+#[test]
+fn on_paper_all_is_dark_on_white_and_open() {
+    let Some((_folder, mut browser)) = opened("a page on paper", 1100) else { return };
+    let pdf = browser.print();
+    assert!(pdf.starts_with(b"%PDF"));
+    std::fs::write(pictures().join("paper.pdf"), pdf).expect("the folder is there");
+    let dark = json!([{"name": "prefers-color-scheme", "value": "dark"}]);
+    browser.call("Emulation.setEmulatedMedia", json!({"media": "print", "features": dark}));
+    let picture = browser.picture(&pictures().join("paper.png"));
+    assert_eq!(picture.get_pixel(2, 2).0, [255; 3]);
+    let hidden = "[...document.querySelectorAll('.theme, .divide, .figures, .narrow')]\
+                  .every(e => getComputedStyle(e).display === 'none')";
+    assert_eq!(browser.evaluate(hidden), true);
+    let height = "document.querySelector('details.aside p').getBoundingClientRect().height";
+    assert!(browser.evaluate(height).as_f64().is_some_and(|height| height > 0.0), "it is open");
+    // Both pictures are seen, side by side.
+    for (selector, rgb) in [(".left img", [200, 0, 0]), (".right img", [0, 0, 200])] {
+        let [x, y] = browser.middle(selector);
+        let scroll = browser.evaluate("scrollY").as_f64().unwrap_or_default();
+        assert_eq!(picture.get_pixel(x as u32, (y + scroll) as u32).0, rgb, "{selector}");
+    }
+}
