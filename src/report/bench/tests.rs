@@ -251,7 +251,7 @@ fn the_page_has_the_figures_of_the_report() {
     let own = section(&page, "`ball.json`");
     let passes = bars(own)[0];
     let stages: Vec<_> = passes.bars[0].segments.iter().map(|s| s.stage.as_str()).collect();
-    assert_eq!(stages, crate::wavefront::PASSES);
+    assert_eq!(stages, ["generate", "intersect", "shade", "shadow", "resolve"]);
     let seconds = wavefront.passes["intersect"]["seconds"].as_f64().unwrap();
     assert_eq!(passes.bars[0].segments[1].seconds, seconds);
     let runs = charts(own)[0];
@@ -292,7 +292,8 @@ fn the_page_tells_of_several_scenes_and_of_those_that_disagree() {
 #[test]
 fn the_page_has_comparisons_and_what_the_processor_counted() {
     let mut scene = steady();
-    let usual = Variant { kernel: KernelChoice::Auto, simd: Level::best(), batch: 1024 };
+    let usual =
+        Variant { kernel: KernelChoice::Auto, simd: Level::best(), batch: 1024, planned: true };
     let variants = Axis::Kernels.variants(usual);
     let prepared = prepared();
     let trace = |variant: &Variant| -> Result<Rendered> {

@@ -54,6 +54,7 @@ fn name(of: Compared) -> &'static str {
         Compared::Kernels => "kernel",
         Compared::Levels => "set of vector instructions",
         Compared::Batches => "size of batches",
+        Compared::Plan => "plan",
     }
 }
 
