@@ -12,7 +12,7 @@ use crate::math::sampling::Sampling;
 /// How far a derivative may be from the difference, in parts of its length, at 60 degrees or less
 /// from the normal: directions, distances and normals are rounded to single precision, and a few
 /// such errors add up over the surfaces on the way.
-const RELATIVE_ERROR: f64 = 5e-6;
+const RELATIVE_ERROR: f64 = 2e-5;
 
 /// Width of the central difference in samples: errors of the second order are below the bound.
 const STEP: f64 = 1e-3;
