@@ -1,9 +1,7 @@
 //! A [`Chart`] on a picture: title, legend, axes, guides, series, notes, from back to front.
 
 use plotters::chart::{ChartBuilder, ChartContext, LabelAreaPosition};
-use plotters::coord::Shift;
 use plotters::coord::cartesian::Cartesian2d;
-use plotters::drawing::DrawingArea;
 use plotters::style::{Color, TextStyle};
 
 use super::font;
@@ -11,7 +9,7 @@ use super::frame::{Frame, LABEL, NOTE, letter, pixels, style};
 use super::legend::{Entry, Legend};
 use super::marks;
 use super::paint::Paint;
-use super::picture::{Drawn, Picture};
+use super::picture::{Drawn, Picture, Sheet};
 use super::place::Place;
 use super::{Axis, Chart, Course, Draw, Scale};
 
@@ -103,7 +101,7 @@ fn draw_field(
     chart: &Chart,
     mut axes: Axes<'_>,
     frame: &Frame,
-    root: &DrawingArea<Picture, Shift>,
+    root: &Sheet,
     layout: &Layout,
     [along, down]: [&Axis; 2],
 ) -> Drawn {

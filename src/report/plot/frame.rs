@@ -3,14 +3,12 @@
 use std::cell::RefCell;
 use std::rc::Rc;
 
-use plotters::coord::Shift;
-use plotters::drawing::DrawingArea;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{Color, IntoFont, TextStyle};
 
 use super::font;
 use super::paint::Paint;
-use super::picture::{Drawn, Picture, STEPS};
+use super::picture::{Drawn, Picture, STEPS, Sheet};
 
 /// The size of labels, in pixels.
 pub(super) const LABEL: f64 = 12.5;
@@ -61,14 +59,11 @@ impl Frame {
 
     /// An empty picture with room for so many pixels in height, and what is drawn on: all of it, or
     /// all but a margin.
-    pub(super) fn sheet(
-        &self,
-        height: f64,
-    ) -> Drawn<(Rc<RefCell<Picture>>, DrawingArea<Picture, Shift>)> {
+    pub(super) fn sheet(&self, height: f64) -> Drawn<(Rc<RefCell<Picture>>, Sheet)> {
         let margin = if self.whole { MARGIN } else { 0.0 };
         let picture = Picture::new(self.width + 2.0 * margin, height + 2.0 * margin);
         let picture = Rc::new(RefCell::new(picture));
-        let sheet = DrawingArea::from(&picture);
+        let sheet = Sheet::from(&picture);
         if self.whole {
             sheet.fill(&Paint::Paper.color())?;
         }
@@ -82,7 +77,7 @@ impl Frame {
     }
 
     /// The title, for a drawing that stands alone.
-    pub(super) fn title(&self, root: &DrawingArea<Picture, Shift>, title: &str) -> Drawn {
+    pub(super) fn title(&self, root: &Sheet, title: &str) -> Drawn {
         if !self.whole {
             return Ok(());
         }
@@ -96,12 +91,7 @@ impl Frame {
     }
 
     /// Writes lines of notes from `top` on, in pixels.
-    pub(super) fn write_notes(
-        &self,
-        root: &DrawingArea<Picture, Shift>,
-        lines: &[String],
-        top: f64,
-    ) -> Drawn {
+    pub(super) fn write_notes(&self, root: &Sheet, lines: &[String], top: f64) -> Drawn {
         let style = style(NOTE, Paint::Muted);
         lines.iter().enumerate().try_for_each(|(index, line)| {
             letter(root, line, (0.0, top + 1.5 * NOTE * index as f64), &style)
@@ -110,11 +100,6 @@ impl Frame {
 }
 
 /// Writes a text at a place in pixels.
-pub(super) fn letter(
-    root: &DrawingArea<Picture, Shift>,
-    text: &str,
-    (x, y): (f64, f64),
-    style: &TextStyle<'_>,
-) -> Drawn {
+pub(super) fn letter(root: &Sheet, text: &str, (x, y): (f64, f64), style: &TextStyle<'_>) -> Drawn {
     root.draw_text(text, style, (pixels(x), pixels(y)))
 }

@@ -1,7 +1,5 @@
 //! Names of series beside their markers, in as many rows as they need.
 
-use plotters::coord::Shift;
-use plotters::drawing::DrawingArea;
 use plotters::element::Rectangle;
 use plotters::style::Color;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
@@ -10,7 +8,7 @@ use super::font;
 use super::frame::{LABEL, pixels, style};
 use super::marks::{Marker, Stroke};
 use super::paint::Paint;
-use super::picture::{Drawn, Picture};
+use super::picture::{Drawn, Sheet};
 
 /// The height of a row, in pixels.
 const ROW: f64 = 22.0;
@@ -75,7 +73,7 @@ impl<'a> Legend<'a> {
     }
 
     /// Draws it from `top` on, in pixels.
-    pub(super) fn draw(&self, root: &DrawingArea<Picture, Shift>, top: f64) -> Drawn {
+    pub(super) fn draw(&self, root: &Sheet, top: f64) -> Drawn {
         let style = style(LABEL, Paint::Ink).pos(Pos::new(HPos::Left, VPos::Center));
         for (entry, [x, y], name) in &self.placed {
             let (x, y, sample) = (pixels(*x), pixels(top + y), entry.sample());

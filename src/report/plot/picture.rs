@@ -20,6 +20,9 @@ pub(super) const STEPS: i32 = 10;
 pub(in crate::report) type Drawn<T = ()> =
     Result<T, plotters::drawing::DrawingAreaErrorKind<Infallible>>;
 
+/// A picture, or a part of it, as plotters draws on it in steps.
+pub(super) type Sheet = plotters::drawing::DrawingArea<Picture, plotters::coord::Shift>;
+
 /// What drawing on the backend itself gives.
 pub(super) type OnBackend = Result<(), DrawingErrorKind<Infallible>>;
 
