@@ -12,6 +12,7 @@ pub mod fit;
 pub mod neutral;
 pub mod page;
 pub mod pilot;
+pub mod prices;
 pub mod reference;
 pub mod setting;
 pub mod store;

@@ -8,6 +8,7 @@ use std::path::Path;
 use super::Findings;
 use super::crops::{Crop, equal_time};
 use super::findings::{FamilyFindings, SceneFindings};
+use super::prices::{folder, prices};
 use super::sweep::Swept;
 use crate::error::{Error, Result};
 use crate::image::Film;
@@ -19,18 +20,24 @@ use crate::report::plot::Chart;
 /// The width of charts as PNG, in pixels.
 const CHART_WIDTH: u32 = 1200;
 
-/// Writes `findings` into `folder`: `report.html`, and each chart in four forms.
+/// Writes `findings` into the folder `results`: `report.html`, and each chart in four forms. What each effect
+/// costs is measured for it.
 ///
 /// # Errors
 /// When a file cannot be written, or a scene can no longer be rendered for its pictures.
-pub fn write(findings: &Findings, swept: &mut [Swept], folder: &Path) -> Result<()> {
+pub fn write(findings: &Findings, swept: &mut [Swept], results: &Path) -> Result<()> {
     let mut sections = vec![about(findings)];
     for (scene, swept) in findings.scenes.iter().zip(swept) {
-        sections.push(section(scene, swept, folder)?);
+        sections.push(section(scene, swept, results)?);
     }
+    let prices = prices(folder()?.path())?;
+    let json = serde_json::to_string_pretty(&prices)
+        .map_err(|e| Error::io("cannot write JSON", results, e.into()))?;
+    write_text(&results.join("effects.json"), &(json + "\n"))?;
+    sections.push(Section::new("What each effect costs", tables::prices(&prices)));
     let page =
         Page { title: "What accuracy costs in time".to_owned(), lead: lead(findings), sections };
-    write_text(&folder.join("report.html"), &page.html()?)
+    write_text(&results.join("report.html"), &page.html()?)
 }
 
 fn write_text(path: &Path, text: &str) -> Result<()> {
@@ -40,11 +47,14 @@ fn write_text(path: &Path, text: &str) -> Result<()> {
 
 fn lead(findings: &Findings) -> String {
     format!(
-        "Error against time for {} scenes. Each setting was rendered {} times with random numbers of its \
+        "Error against time for {}. Each setting was rendered {} times with random numbers of its \
          own, all settings of a scene in random order; errors are against a reference in exact arithmetic, \
          and no point within three standard errors of the reference is believed. Intervals hold the true \
          value with 95 per cent.",
-        findings.scenes.len(),
+        match findings.scenes.len() {
+            1 => "one scene".to_owned(),
+            n => format!("{n} scenes"),
+        },
         findings.seeds
     )
 }

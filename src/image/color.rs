@@ -1,16 +1,16 @@
 //! Spaces of colour: linear light with the primaries of sRGB, XYZ, and CIELAB.
 //!
-//! XYZ is told as parts of white's, here and wherever it is used: white is (1, 1, 1). No
-//! adaptation to another white is then needed, and the matrix follows from the primaries and the
-//! white D65 of sRGB (IEC 61966-2-1) as ratios of whole numbers, each row divided by its sum.
+//! XYZ is told as parts of white's, here and wherever it is used: white is (1, 1, 1). The matrix
+//! follows from the primaries of sRGB (IEC 61966-2-1) and its white D65 as ratios of whole numbers,
+//! each row divided by its sum.
 //!
 //! CIELAB is that of CIE 15. All in double precision, with functions of `libm`: no bit depends on
 //! the machine.
 
 /// How much of X, Y and Z comes from red, green and blue: each row is to be divided by its sum.
 ///
-/// From the chromaticities (0.64, 0.33), (0.30, 0.60), (0.15, 0.06) and (0.3127, 0.3290), whose
-/// decimal digits make the matrix rational.
+/// The numbers are those of the authors of FLIP: primaries at (0.64, 0.33), (0.30, 0.60) and (0.15,
+/// 0.06), and a white that is (0.3127, 0.3290) when rounded.
 const WEIGHTS: [[f64; 3]; 3] = [
     [10_135_552.0, 8_788_810.0, 4_435_075.0],
     [2_613_072.0, 8_788_810.0, 887_015.0],
@@ -110,16 +110,18 @@ mod tests {
 
     #[test]
     fn the_matrix_is_that_of_the_primaries() {
-        // Each primary alone lies at its chromaticity once the parts of white are made whole.
-        let white = [0.3127 / 0.3290, 1.0, (1.0 - 0.3127 - 0.3290) / 0.3290];
+        // White, with Y = 1: the three rows were parts of these numbers.
+        let sums = WEIGHTS.map(|row| row.iter().sum::<f64>());
+        let white = [sums[0] / 24_577_794.0, sums[1] / 12_288_897.0, sums[2] / 73_733_382.0];
+        let chromaticity = |xyz: [f64; 3]| xyz.map(|value| value / xyz.iter().sum::<f64>());
+        near(chromaticity(white), [0.3127, 0.3290, 0.3583], 5e-5);
         let primaries = [[0.64, 0.33], [0.30, 0.60], [0.15, 0.06]];
         for (i, [x, y]) in primaries.into_iter().enumerate() {
             let mut rgb = [0.0; 3];
             rgb[i] = 1.0;
             let xyz = rgb_to_xyz(rgb);
             let whole = [0, 1, 2].map(|j| xyz[j] * white[j]);
-            let sum: f64 = whole.iter().sum();
-            near(whole.map(|v| v / sum), [x, y, 1.0 - x - y], 1e-12);
+            near(chromaticity(whole), [x, y, 1.0 - x - y], 1e-7);
         }
         near(rgb_to_xyz([1.0; 3]), [1.0; 3], 1e-15);
     }

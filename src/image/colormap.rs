@@ -135,11 +135,12 @@ mod tests {
     #[test]
     fn magma_rises_in_lightness_at_an_even_pace() {
         let colors: Vec<[f64; 3]> = (0..=32).map(|i| lab(magma(i as f32 / 32.0))).collect();
-        let pace = 100.0 / 32.0;
-        for pair in colors.windows(2) {
-            let rise = pair[1][0] - pair[0][0];
-            assert!((0.5 * pace..1.5 * pace).contains(&rise), "{rise}");
-        }
+        let steps: Vec<f64> = colors.windows(2).map(|pair| pair[1][0] - pair[0][0]).collect();
+        let pace = steps.iter().sum::<f64>() / 32.0;
+        // The scale of lightness stretches what is nearly black: there the pace is told differently.
+        assert!(steps.iter().all(|rise| *rise > 0.0), "{steps:?}");
+        assert!(steps[2..].iter().all(|rise| (0.8..1.4).contains(&(rise / pace))), "{steps:?}");
+        assert!(colors[0][0] < 0.5 && colors[32][0] > 97.0);
     }
 
     #[test]

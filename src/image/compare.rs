@@ -181,8 +181,8 @@ fn distance(signed: f64) -> f64 {
 
 fn relative_to(b: f32, squared: f64) -> f64 {
     let b = f64::from(b);
-    // What is infinite stays so, however large the reference is.
-    if squared.is_finite() { squared / (b * b + RELATIVE_OFFSET) } else { squared }
+    // Where nothing differs the reference may be anything, and what is infinite stays so.
+    if squared > 0.0 && squared.is_finite() { squared / (b * b + RELATIVE_OFFSET) } else { squared }
 }
 
 /// What is found so far.

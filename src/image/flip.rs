@@ -18,9 +18,9 @@
 //! The metric asks what a display shows. A film's values are linear, and are taken here as the
 //! light of a display with the primaries of sRGB, 1 being its brightest: values are clamped to 0
 //! to 1, and what is not a number is black, as in a PNG. So this is the metric of pictures that
-//! are shown as they should be, such as those written with [`Transfer::Srgb`]. Values that carry
-//! the curve of sRGB are to be made linear first, by [`srgb_decode`]: the reference
-//! implementation does so with every PNG.
+//! are shown as they should be, such as those written with [`Transfer::Srgb`]; one that is written
+//! without the curve looks darker on a screen that expects it. Values that carry the curve are to
+//! be made linear first, by [`srgb_decode`]: the reference implementation does so with every PNG.
 //!
 //! [`Transfer::Srgb`]: super::Transfer::Srgb
 //! [`srgb_decode`]: super::write::srgb_decode

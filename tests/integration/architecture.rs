@@ -134,7 +134,7 @@ const CRATES: &[(&str, &[&str])] = &[
     // Whatever is shown on a terminal.
     ("indicatif", &["cli", "generate"]),
     // Files that appear whole or not at all, and scenes of the program's own.
-    ("tempfile", &["cli", "replace", "selftest"]),
+    ("tempfile", &["accuracy", "replace", "selftest"]),
     // Line ends of meshes in text.
     ("memchr", &["scene"]),
     // Numbers come from one place, as functions of where they are used.

@@ -53,7 +53,7 @@ fn against_samples(family: &FamilyFindings, scene: &SceneFindings) -> Chart {
         y: log("RMSE", ""),
         series: family.series.iter().map(|series| line(series, |p| p.x)).collect(),
         guides,
-        caption: "Dashed lines have the slopes of theory: \u{2212}1/2 for independent points, \u{2212}3/4 for \
+        caption: "Thin lines have the slopes of theory: \u{2212}1/2 for independent points, \u{2212}3/4 for \
                   jittered ones across an edge, \u{2212}1 for these where the integrand is smooth. Below the \
                   floor an error is not told from the reference's own."
             .to_owned(),

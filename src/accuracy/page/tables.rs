@@ -1,6 +1,7 @@
 //! Findings as tables.
 
 use crate::accuracy::findings::{FamilyFindings, PointFindings, SceneFindings, SeriesFindings};
+use crate::report::effects::{Cost, Price, PriceList};
 use crate::report::page::{Block, Cell, Column, Details, Table};
 
 /// Errors for which the time is told: so many, from the largest that all samplers reach to the smallest.
@@ -63,7 +64,7 @@ fn slopes(family: &FamilyFindings) -> Option<Table> {
     };
     let rows: Vec<_> = family.series.iter().filter_map(row).collect();
     (!rows.is_empty()).then(|| Table {
-        caption: format!("The power of {} with which the error falls", family.counted),
+        caption: format!("How quickly the error falls: as a power of the {}", family.counted),
         columns: vec![
             Column::words("sampler"),
             Column::numbers("slope of MSE"),
@@ -241,4 +242,55 @@ pub(super) fn neutral(scene: &SceneFindings) -> Vec<Block> {
     };
     let first = if wrong == 0 { Block::paragraph(verdict) } else { Block::Warning(verdict) };
     vec![first, Block::Table(table)]
+}
+
+/// What each effect adds to the scene that it is added to, with both tracers.
+pub(super) fn prices(list: &PriceList) -> Vec<Block> {
+    let price = |cost: &Cost| match &cost.price {
+        Some(ratio) => {
+            let of = ratio.interval;
+            let text = format!("{:.3} ({:.3} to {:.3})", of.median, of.low, of.high);
+            Cell::number(of.median, text)
+        }
+        None => Cell::text("1"),
+    };
+    let row = |p: &Price| {
+        let per_ray = |cost: &Cost| {
+            Cell::number(cost.seconds_per_mray, format!("{:.1}", cost.seconds_per_mray * 1e3))
+        };
+        vec![
+            Cell::text(p.effect),
+            Cell::text(p.added_to.unwrap_or("nothing")),
+            price(&p.wavefront),
+            per_ray(&p.wavefront),
+            price(&p.recursive),
+            per_ray(&p.recursive),
+            Cell::number(p.bytes_per_path as f64, p.bytes_per_path.to_string()),
+        ]
+    };
+    let table = |caption: &str, reached: bool| {
+        Block::Table(Table {
+            caption: caption.to_owned(),
+            columns: vec![
+                Column::words("effect"),
+                Column::words("added to"),
+                Column::numbers("wavefront, ratio"),
+                Column::numbers("ns a ray"),
+                Column::numbers("recursive, ratio"),
+                Column::numbers("ns a ray"),
+                Column::numbers("bytes a path"),
+            ],
+            rows: list.effects.iter().filter(|p| p.reached == reached).map(row).collect(),
+        })
+    };
+    let lead = format!(
+        "One effect at a time, added to a small scene of {} x {} pixels: the ratio of the times, round by round, in {} \
+         rounds. Bytes are those of the wavefront's columns.",
+        list.image.width, list.image.height, list.rounds
+    );
+    vec![
+        Block::paragraph(lead),
+        table("Effects that are seen", true),
+        table("Effects that nothing leads to: the same image, the same work", false),
+    ]
 }

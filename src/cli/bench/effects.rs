@@ -4,8 +4,9 @@ use std::path::Path;
 
 use super::{BenchArgs, write_text};
 use crate::accel::build::Preset;
+use crate::accuracy::prices::folder;
 use crate::cli::common::{SearchOptions, print, progress_bar, tell, to_json};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::render::render;
 use crate::report::effects::scenes::{Variant, variants};
 use crate::report::effects::{Entry, Setting, measure, text};
@@ -13,8 +14,7 @@ use crate::scene::load::{LoadOptions, load_str};
 
 /// Measures every effect, tells what was found, and returns whether all images were as they should be.
 pub(super) fn run(args: &BenchArgs) -> Result<bool> {
-    let folder = tempfile::tempdir()
-        .map_err(|e| Error::io("cannot make a folder for the texture", std::env::temp_dir(), e))?;
+    let folder = folder()?;
     let variants = variants(folder.path())?.into_iter();
     let entries: Vec<Entry> =
         variants.map(|variant| prepare(args, variant, folder.path())).collect::<Result<_>>()?;
