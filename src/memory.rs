@@ -53,7 +53,7 @@ const fn tree_bytes(preset: Preset) -> u64 {
 }
 
 /// What the program holds with an empty scene: measured.
-const PROGRAM: u64 = 8 << 20;
+const PROGRAM: u64 = 10 << 20;
 
 impl Prediction {
     /// The peak: while reading, while building or while tracing.

@@ -320,7 +320,9 @@ fn crates_are_named_only_where_they_belong() {
 #[test]
 fn one_file_has_unsafe_code() {
     let words = |code: &str| {
-        code.split(|c: char| !(c.is_alphanumeric() || c == '_'))
+        // The policies of a page have words of their own.
+        code.replace("unsafe-inline", "")
+            .split(|c: char| !(c.is_alphanumeric() || c == '_'))
             .any(|word| matches!(word, "unsafe" | "unsafe_code"))
     };
     let found: Vec<PathBuf> =

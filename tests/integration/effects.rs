@@ -278,7 +278,7 @@ fn differentials_have_storage_where_a_trilinear_texture_can_be_mirrored() {
     write(&film, &folder.path().join("grey.png"), Transfer::Linear).expect("a file");
     let of = |bounces, filter: &str| {
         let worn = with(with(mirror(), "texture", "grey.png"), "filter", filter);
-        let scene = scene(bounces, &camera(), &[], &[worn, behind()]);
+        let scene = scene(bounces, &camera(), &[light()], &[worn, behind()]);
         let prepared = try_prepare(&scene, &folder.path().join("scene.json")).expect("a scene");
         let groups = Batch::bytes_per_path(&prepared);
         let bytes = groups.into_iter().find(|(name, _)| *name == "differentials");

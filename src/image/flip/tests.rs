@@ -139,13 +139,8 @@ fn what_a_display_cannot_show_is_clamped_and_no_number_is_black() {
 #[test]
 fn every_error_lies_between_0_and_1() {
     let value = |x: u32| f32::from_bits(x.wrapping_mul(0x9e37_79b9) ^ (x << 7));
-<<<<<<< HEAD
-    let film = |seed| {
-        let pixels = (0_u32..90 * 70).map(|i| [0_u32, 1, 2].map(|c| value(seed + 3 * i + c)));
-=======
     let film = |seed: u32| {
-        let pixels = (0..90 * 70).map(|i| [0, 1, 2].map(|c: u32| value(seed + 3 * i + c)));
->>>>>>> h-metrics
+        let pixels = (0_u32..90 * 70).map(|i| [0_u32, 1, 2].map(|c| value(seed + 3 * i + c)));
         Film::from_pixels(90, 70, pixels.collect()).unwrap()
     };
     for pixels_per_degree in [MIN_PIXELS_PER_DEGREE, 3.0, 67.0, MAX_PIXELS_PER_DEGREE] {
