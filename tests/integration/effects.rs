@@ -189,6 +189,45 @@ fn the_texture_of_a_light_is_not_opened() {
 }
 
 #[test]
+fn a_texture_that_nothing_shows_is_not_opened() {
+    let folder = folder();
+    std::fs::write(folder.path().join("broken.png"), "no image").expect("a file");
+    let file = folder.path().join("scene.json");
+    let worn = |wall: Value| with(wall, "texture", "broken.png");
+    let by = |ambient: f64, lights: &[Value], shapes: &[Value]| {
+        let mut scene = scene(3, &camera(), lights, shapes);
+        scene["scene"]["ambient"] = ambient.into();
+        scene
+    };
+    let shiny = with(mirror(), "material", with(with(matte(0.0, [0.5; 3]), "ks", 0.8), "kr", 0.5));
+    let line = json!({"type": "triangle", "points": [[0, 0, 0], [1, 1, 1], [2, 2, 2]],
+                      "material": matte(0.8, [0.5; 3])});
+    let dark = with(light(), "intensity", 0);
+    let behind_it = with(light(), "position", json!([0, 0, -4]));
+    for (scene, why) in [
+        (by(0.08, &[], &[worn(mirror())]), "no light shows the colour of a texture"),
+        (
+            by(0.0, std::slice::from_ref(&dark), &[worn(mirror())]),
+            "no light shows the colour of a texture",
+        ),
+        (by(0.0, &[behind_it], &[worn(mirror())]), "no light shows the colour of a texture"),
+        (by(0.0, &[light()], &[worn(shiny.clone())]), "no surface shows the colour of its texture"),
+        (
+            by(0.08, &[light()], &[mirror(), worn(line)]),
+            "no surface shows the colour of its texture",
+        ),
+    ] {
+        let prepared = try_prepare(&scene, &file).unwrap_or_else(|error| panic!("{why}: {error}"));
+        let found = prepared.plan.decisions().iter().find(|d| d.effect == Effect::Textures);
+        assert_eq!(found.map(|d| (d.present, d.reason.as_str())), Some((false, why)));
+        assert_eq!(counters(&prepared).texels, 0);
+    }
+    for scene in [by(0.08, &[dark], &[worn(shiny)]), by(0.0, &[light()], &[worn(mirror())])] {
+        assert!(try_prepare(&scene, &file).is_err(), "its colour shows");
+    }
+}
+
+#[test]
 fn an_image_that_two_shapes_wear_is_decoded_once() {
     let folder = folder();
     let film = Film::from_pixels(1, 1, vec![[0.5; 3]]).expect("a film");
