@@ -130,6 +130,13 @@ fn opened(test: &str, width: u32) -> Option<(TempDir, Browser)> {
     Some((folder, browser))
 }
 
+/// The middle of an element on a picture of the whole page.
+fn on_page(browser: &mut Browser, selector: &str) -> [u32; 2] {
+    let [x, y] = browser.middle(selector);
+    let scroll = browser.evaluate("scrollY").as_f64().expect("a number");
+    [x as u32, (y + scroll) as u32]
+}
+
 #[test]
 fn a_page_of_bench_opens_without_complaint_and_asks_no_network() {
     let Some(mut browser) = Browser::start("a page of bench") else { return };
@@ -210,21 +217,21 @@ fn values_are_shown_under_the_pointer_and_the_keyboard() {
 #[test]
 fn the_divide_between_two_pictures_moves() {
     let Some((_folder, mut browser)) = opened("the divide", 1100) else { return };
-    let at_middle = browser.middle(".pair");
-    let [x, y] = at_middle;
     // Red on the left of the divide, blue on the right.
     let colours = |browser: &mut Browser, name: &str| {
-        let scroll = browser.evaluate("scrollY").as_f64().unwrap_or_default();
+        let [x, y] = on_page(browser, ".pair");
         let picture = browser.picture(&pictures().join(name));
-        [x - 100.0, x + 100.0].map(|x| picture.get_pixel(x as u32, (y + scroll) as u32).0)
+        [x - 100, x + 100].map(|x| picture.get_pixel(x, y).0)
     };
     let (red, blue) = ([200, 0, 0], [0, 0, 200]);
     assert_eq!(colours(&mut browser, "divide-middle.png"), [red, blue]);
 
-    browser.mouse("mousePressed", at_middle);
+    let [x, y] = browser.middle(".pair");
+    browser.mouse("mousePressed", [x, y]);
     browser.mouse("mouseMoved", [x + 150.0, y]);
     browser.mouse("mouseReleased", [x + 150.0, y]);
     assert_eq!(colours(&mut browser, "divide-right.png"), [red, red]);
+    let [x, y] = browser.middle(".pair");
     browser.mouse("mouseMoved", [x - 200.0, y]);
     assert_eq!(colours(&mut browser, "divide-right.png"), [red, red], "it was let go");
 
@@ -284,9 +291,8 @@ fn without_javascript_everything_is_there() {
     assert_eq!(title, "stratified\nsamples: 1\nerror: 0.5 (0.4 to 0.7)");
     // Both pictures are seen, side by side.
     for (selector, rgb) in [(".left img", [200, 0, 0]), (".right img", [0, 0, 200])] {
-        let [x, y] = browser.middle(selector);
-        let scroll = browser.evaluate("scrollY").as_f64().unwrap_or_default();
-        assert_eq!(picture.get_pixel(x as u32, (y + scroll) as u32).0, rgb, "{selector}");
+        let [x, y] = on_page(&mut browser, selector);
+        assert_eq!(picture.get_pixel(x, y).0, rgb, "{selector}");
     }
     // What is shown when asked for needs no script to be asked.
     browser.evaluate("document.querySelector('details.aside').open = true");
@@ -343,8 +349,7 @@ fn on_paper_all_is_dark_on_white_and_open() {
     assert!(browser.evaluate(height).as_f64().is_some_and(|height| height > 0.0), "it is open");
     // Both pictures are seen, side by side.
     for (selector, rgb) in [(".left img", [200, 0, 0]), (".right img", [0, 0, 200])] {
-        let [x, y] = browser.middle(selector);
-        let scroll = browser.evaluate("scrollY").as_f64().unwrap_or_default();
-        assert_eq!(picture.get_pixel(x as u32, (y + scroll) as u32).0, rgb, "{selector}");
+        let [x, y] = on_page(&mut browser, selector);
+        assert_eq!(picture.get_pixel(x, y).0, rgb, "{selector}");
     }
 }
