@@ -173,7 +173,12 @@ impl<'a> Facts<'a> {
             (false, false) => format!("no {thing} has power"),
             (false, true) => format!("no {thing} falls on a front that reflects it"),
         };
-        count(reached, thing, &none)
+        let (present, mut reason) = count(reached, thing, &none);
+        let others = lights.len() - reached;
+        if present && others > 0 {
+            reason += &format!(", {others} more with nothing but an ambient part");
+        }
+        (present, reason)
     }
 
     fn mirrors(&self) -> (bool, String) {

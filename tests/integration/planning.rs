@@ -429,6 +429,22 @@ fn lights_behind_every_surface_add_their_ambient_part_alone() {
         let middle = wavefront.film.pixel(8, 10).expect("a pixel");
         (wavefront.counters.shadow_rays, planned.lights.len(), middle)
     };
+    let reason = |lights: &[Value], effect| {
+        let json = scene(0, &camera, lights, std::slice::from_ref(&floor));
+        let plan = prepare_by(&PASSES, &json).plan;
+        let found = plan.decisions().iter().find(|d| d.effect == effect).cloned();
+        found.map_or_else(String::new, |found| found.reason)
+    };
+    let above = point_light(50.0, [0.0, 3.0, 0.0], [1.0; 3]);
+    assert_eq!(
+        reason(std::slice::from_ref(&below), Effect::PointLights),
+        "no point light falls on a front that reflects it"
+    );
+    assert_eq!(
+        reason(&[below.clone(), above], Effect::PointLights),
+        "1 point light, 1 more with nothing but an ambient part"
+    );
+    assert_eq!(reason(&[], Effect::AreaLights), "there is no area light");
     let ambient = |lights: f32| [0.5 * 0.08 * lights; 3];
     assert_eq!(of(&[below.clone(), panel(-2.0)], &floor), (0, 0, ambient(2.0)));
     let both = with(floor.clone(), "sides", "both");

@@ -18,10 +18,10 @@ pub fn text(list: &PriceList) -> String {
         format!("{} x {} pixels, {} rounds", list.image.width, list.image.height, list.rounds);
     let _ = writeln!(
         text,
-        "\n{image}\n{:<width$}{:>10}{:>7}{:>46}{:>46}",
+        "\n{image}\n{:<width$}{:>10}{:>7}{:>52}{:>52}",
         "", "rays", "bytes", "wavefront", "recursive"
     );
-    let of = format!("{:>10}{:>10}{:>26}", "s/Mpixel", "s/Mray", "price (interval)");
+    let of = format!("{:>11}{:>11}  {:>28}", "s/Mpixel", "s/Mray", "price (interval)");
     let _ = writeln!(text, "{:<width$}{:>10}{:>7}{of}{of}", "", "a pixel", "a path");
     let (reached, unreached): (Vec<&Price>, Vec<&Price>) =
         list.effects.iter().partition(|price| price.reached);
@@ -43,10 +43,8 @@ fn rows(text: &mut String, prices: &[&Price], width: usize, pixels: f64) {
         let name = format!("  {}", price.effect);
         let rays = price.rays.all() as f64 / pixels;
         let _ = write!(text, "{name:<width$}{rays:>10.2}{:>7}", price.bytes_per_path);
-        for cost in [&price.wavefront, &price.recursive] {
-            *text += &columns(cost);
-        }
-        text.push('\n');
+        let costs = [&price.wavefront, &price.recursive].map(columns).concat();
+        let _ = writeln!(text, "{}", costs.trim_end());
     }
 }
 
@@ -55,5 +53,5 @@ fn columns(cost: &Cost) -> String {
         let i = price.interval;
         format!("{:.3} ({:.3} to {:.3})", i.median, i.low, i.high)
     });
-    format!("{:>10.4}{:>10.4}{price:>26}", cost.seconds_per_mpixel, cost.seconds_per_mray)
+    format!("{:>11.4}{:>11.4}  {price:>28}", cost.seconds_per_mpixel, cost.seconds_per_mray)
 }

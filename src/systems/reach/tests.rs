@@ -67,7 +67,8 @@ fn near_plane(index: u32, corners: &[Vec3; 3], size: f32) -> Light {
         _ => {
             let corner = |d| place + random(index, d) * height;
             let corners = vec![[corner(23), corner(24), corner(25)]];
-            Emitter::Triangles(Triangles::new(corners).expect("an area"))
+            // Far out, corners so near to each other are one.
+            Triangles::new(corners).map_or(Emitter::Point(place), Emitter::Triangles)
         }
     })
 }
