@@ -199,8 +199,7 @@ impl Browser {
 
     /// Waits until the page has been drawn as it is now, whether it may run a script or not.
     fn settle(&mut self) {
-        let clip = json!({"x": 0, "y": 0, "width": 1, "height": 1, "scale": 1});
-        self.call("Page.captureScreenshot", json!({"clip": clip}));
+        self.call("Page.captureScreenshot", json!({"format": "jpeg", "quality": 1}));
     }
 
     /// The middle of an element, once it is in sight.
@@ -216,6 +215,12 @@ impl Browser {
         [0, 1].map(|index| found[index].as_f64().unwrap_or_else(|| panic!("no {selector}")))
     }
 
+    /// A picture of what the window shows, written to a file as well.
+    pub(crate) fn view(&mut self, file: &Path) -> image::RgbImage {
+        let taken = self.call("Page.captureScreenshot", json!({"format": "png"}));
+        kept(&taken, file)
+    }
+
     /// A picture of the whole page, written to a file as well.
     pub(crate) fn picture(&mut self, file: &Path) -> image::RgbImage {
         let size = self.call("Page.getLayoutMetrics", json!({}))["cssContentSize"].clone();
@@ -223,9 +228,7 @@ impl Browser {
             json!({"x": 0, "y": 0, "width": size["width"], "height": size["height"], "scale": 1});
         let parameters = json!({"format": "png", "clip": clip, "captureBeyondViewport": true});
         let taken = self.call("Page.captureScreenshot", parameters);
-        let bytes = decoded(&taken);
-        std::fs::write(file, &bytes).expect("the folder is there");
-        image::load_from_memory(&bytes).expect("a PNG").to_rgb8()
+        kept(&taken, file)
     }
 
     /// The page on paper, as PDF.
@@ -240,6 +243,13 @@ impl Drop for Browser {
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
+}
+
+/// The picture in an answer, once it is written to a file.
+fn kept(answer: &Value, file: &Path) -> image::RgbImage {
+    let bytes = decoded(answer);
+    std::fs::write(file, &bytes).expect("the folder is there");
+    image::load_from_memory(&bytes).expect("a PNG").to_rgb8()
 }
 
 fn decoded(answer: &Value) -> Vec<u8> {
