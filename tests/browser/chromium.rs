@@ -58,6 +58,8 @@ impl Browser {
             // It shows nothing but pages of these tests, and cannot lock itself up as root.
             .args(["--headless", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage"])
             .args(["--no-first-run", "--disable-extensions", "--hide-scrollbars"])
+            // A page that no window shows is drawn all the same.
+            .args(["--disable-backgrounding-occluded-windows", "--disable-renderer-backgrounding"])
             .args(["--remote-debugging-pipe", "--force-color-profile=srgb"])
             .arg(format!("--user-data-dir={}", profile.path().display()))
             .arg("about:blank")
@@ -89,14 +91,27 @@ impl Browser {
             complaints: Vec::new(),
             _profile: profile,
         };
-        let target = browser.call("Target.createTarget", json!({"url": "about:blank"}));
-        let target = json!({"targetId": target["targetId"], "flatten": true});
+        // The page that it opens with: another would be drawn behind it, perhaps never.
+        let target = browser.first_page();
+        let target = json!({"targetId": target, "flatten": true});
         let attached = browser.call("Target.attachToTarget", target);
         browser.session = attached["sessionId"].as_str().expect("a session").to_owned();
         for domain in ["Page", "Runtime", "Log", "Network"] {
             browser.call(&format!("{domain}.enable"), json!({}));
         }
         browser
+    }
+
+    /// The page that the browser opens with, once it is there.
+    fn first_page(&mut self) -> Value {
+        loop {
+            let targets = self.call("Target.getTargets", json!({}));
+            let all = targets["targetInfos"].as_array().into_iter().flatten();
+            if let Some(page) = all.into_iter().find(|target| target["type"] == "page") {
+                return page["targetId"].clone();
+            }
+            std::thread::yield_now();
+        }
     }
 
     /// Calls a method, and gives its result.

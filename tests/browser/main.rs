@@ -250,9 +250,9 @@ fn the_divide_between_two_pictures_moves() {
 #[test]
 fn rows_are_sorted_by_a_column() {
     let Some((_folder, mut browser)) = opened("sorted rows", 1100) else { return };
-    let names = "[...document.querySelectorAll('section > .scroll tbody th')].map(c => c.textContent).join('')";
+    let names = "[...document.querySelectorAll('section > .table tbody th')].map(c => c.textContent).join('')";
     let click = |column: u32| {
-        format!("document.querySelector('section > .scroll th:nth-child({column}) button').click()")
+        format!("document.querySelector('section > .table th:nth-child({column}) button').click()")
     };
     assert_eq!(browser.evaluate(names), "bac");
     for (column, expected) in [(1, "abc"), (1, "cba"), (2, "cba"), (2, "abc")] {
