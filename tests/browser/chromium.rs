@@ -58,6 +58,8 @@ impl Browser {
             // It shows nothing but pages of these tests, and cannot lock itself up as root.
             .args(["--headless", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage"])
             .args(["--no-first-run", "--disable-extensions", "--hide-scrollbars"])
+            // A page that no window shows is drawn all the same.
+            .args(["--disable-backgrounding-occluded-windows", "--disable-renderer-backgrounding"])
             .args(["--remote-debugging-pipe", "--force-color-profile=srgb"])
             .arg(format!("--user-data-dir={}", profile.path().display()))
             .arg("about:blank")
@@ -89,14 +91,27 @@ impl Browser {
             complaints: Vec::new(),
             _profile: profile,
         };
-        let target = browser.call("Target.createTarget", json!({"url": "about:blank"}));
-        let target = json!({"targetId": target["targetId"], "flatten": true});
+        // The page that it opens with: another would be drawn behind it, perhaps never.
+        let target = browser.first_page();
+        let target = json!({"targetId": target, "flatten": true});
         let attached = browser.call("Target.attachToTarget", target);
         browser.session = attached["sessionId"].as_str().expect("a session").to_owned();
         for domain in ["Page", "Runtime", "Log", "Network"] {
             browser.call(&format!("{domain}.enable"), json!({}));
         }
         browser
+    }
+
+    /// The page that the browser opens with, once it is there.
+    fn first_page(&mut self) -> Value {
+        loop {
+            let targets = self.call("Target.getTargets", json!({}));
+            let all = targets["targetInfos"].as_array().into_iter().flatten();
+            if let Some(page) = all.into_iter().find(|target| target["type"] == "page") {
+                return page["targetId"].clone();
+            }
+            std::thread::yield_now();
+        }
     }
 
     /// Calls a method, and gives its result.
@@ -199,8 +214,7 @@ impl Browser {
 
     /// Waits until the page has been drawn as it is now, whether it may run a script or not.
     fn settle(&mut self) {
-        let clip = json!({"x": 0, "y": 0, "width": 1, "height": 1, "scale": 1});
-        self.call("Page.captureScreenshot", json!({"clip": clip}));
+        self.call("Page.captureScreenshot", json!({"format": "jpeg", "quality": 1}));
     }
 
     /// The middle of an element, once it is in sight.
@@ -216,6 +230,12 @@ impl Browser {
         [0, 1].map(|index| found[index].as_f64().unwrap_or_else(|| panic!("no {selector}")))
     }
 
+    /// A picture of what the window shows, written to a file as well.
+    pub(crate) fn view(&mut self, file: &Path) -> image::RgbImage {
+        let taken = self.call("Page.captureScreenshot", json!({"format": "png"}));
+        kept(&taken, file)
+    }
+
     /// A picture of the whole page, written to a file as well.
     pub(crate) fn picture(&mut self, file: &Path) -> image::RgbImage {
         let size = self.call("Page.getLayoutMetrics", json!({}))["cssContentSize"].clone();
@@ -223,9 +243,7 @@ impl Browser {
             json!({"x": 0, "y": 0, "width": size["width"], "height": size["height"], "scale": 1});
         let parameters = json!({"format": "png", "clip": clip, "captureBeyondViewport": true});
         let taken = self.call("Page.captureScreenshot", parameters);
-        let bytes = decoded(&taken);
-        std::fs::write(file, &bytes).expect("the folder is there");
-        image::load_from_memory(&bytes).expect("a PNG").to_rgb8()
+        kept(&taken, file)
     }
 
     /// The page on paper, as PDF.
@@ -240,6 +258,13 @@ impl Drop for Browser {
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
+}
+
+/// The picture in an answer, once it is written to a file.
+fn kept(answer: &Value, file: &Path) -> image::RgbImage {
+    let bytes = decoded(answer);
+    std::fs::write(file, &bytes).expect("the folder is there");
+    image::load_from_memory(&bytes).expect("a PNG").to_rgb8()
 }
 
 fn decoded(answer: &Value) -> Vec<u8> {

@@ -132,9 +132,12 @@ fn opened(test: &str, width: u32) -> Option<(TempDir, Browser)> {
 
 /// The middle of an element on a picture of the whole page.
 fn on_page(browser: &mut Browser, selector: &str) -> [u32; 2] {
-    let [x, y] = browser.middle(selector);
-    let scroll = browser.evaluate("scrollY").as_f64().expect("a number");
-    [x as u32, (y + scroll) as u32]
+    let script = format!(
+        "(b => [b.x + b.width / 2 + scrollX, b.y + b.height / 2 + scrollY])\
+         (document.querySelector({selector:?}).getBoundingClientRect())"
+    );
+    let found = browser.evaluate(&script);
+    [0, 1].map(|index| found[index].as_f64().expect("a number") as u32)
 }
 
 #[test]
@@ -219,9 +222,9 @@ fn the_divide_between_two_pictures_moves() {
     let Some((_folder, mut browser)) = opened("the divide", 1100) else { return };
     // Red on the left of the divide, blue on the right.
     let colours = |browser: &mut Browser, name: &str| {
-        let [x, y] = on_page(browser, ".pair");
-        let picture = browser.picture(&pictures().join(name));
-        [x - 100, x + 100].map(|x| picture.get_pixel(x, y).0)
+        let [x, y] = browser.middle(".pair");
+        let picture = browser.view(&pictures().join(name));
+        [x - 100.0, x + 100.0].map(|x| picture.get_pixel(x as u32, y as u32).0)
     };
     let (red, blue) = ([200, 0, 0], [0, 0, 200]);
     assert_eq!(colours(&mut browser, "divide-middle.png"), [red, blue]);
@@ -247,9 +250,9 @@ fn the_divide_between_two_pictures_moves() {
 #[test]
 fn rows_are_sorted_by_a_column() {
     let Some((_folder, mut browser)) = opened("sorted rows", 1100) else { return };
-    let names = "[...document.querySelectorAll('section > .scroll tbody th')].map(c => c.textContent).join('')";
+    let names = "[...document.querySelectorAll('section > .table tbody th')].map(c => c.textContent).join('')";
     let click = |column: u32| {
-        format!("document.querySelector('section > .scroll th:nth-child({column}) button').click()")
+        format!("document.querySelector('section > .table th:nth-child({column}) button').click()")
     };
     assert_eq!(browser.evaluate(names), "bac");
     for (column, expected) in [(1, "abc"), (1, "cba"), (2, "cba"), (2, "abc")] {

@@ -68,7 +68,7 @@ fn speed(ratio: &Ratio) -> String {
 fn interval(ratio: &Ratio) -> String {
     let (i, pairs) = (&ratio.interval, plural(ratio.pairs, "pair"));
     let percent = 100.0 * i.confidence;
-    format!("{:.3} to {:.3} with {percent:.1} % confidence, {pairs} of runs", i.low, i.high)
+    format!("{:.3} to {:.3} with {percent:.1}\u{a0}% confidence, {pairs} of runs", i.low, i.high)
 }
 
 /// All scenes side by side.

@@ -233,7 +233,7 @@ fn the_page_has_the_figures_of_the_report() {
     let page = page(&report);
     assert_eq!(
         page.lead,
-        "The wavefront is 1.250 times as fast as the recursive tracer (1.250 to 1.250 with 96.9 % \
+        "The wavefront is 1.250 times as fast as the recursive tracer (1.250 to 1.250 with 96.9\u{a0}% \
          confidence, 6 pairs of runs): the wavefront is faster. Every image was the same to the \
          last bit."
     );

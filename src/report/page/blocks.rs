@@ -54,19 +54,30 @@ fn details(writer: &mut Writer, details: &Details) -> Result<()> {
     Ok(())
 }
 
-/// A table that can be moved to and fro where it is wider than the page.
+/// A table with its caption, if it has one. It can be moved to and fro where it is wider than the page;
+/// the caption stays.
 pub(super) fn table(writer: &mut Writer, table: &Table) {
-    let Table { caption, columns, rows } = table;
-    let label = if caption.is_empty() { "Table" } else { caption };
-    let label = escape(label);
-    writer.add(&format!(
-        "<div class=\"scroll\" role=\"region\" aria-label=\"{label}\" tabindex=\"0\">\n<table>\n"
-    ));
-    if !caption.is_empty() {
+    let name = if table.caption.is_empty() {
+        "aria-label=\"Values\"".to_owned()
+    } else {
         writer.tables += 1;
-        let (number, caption) = (writer.tables, inline(caption));
-        writer.add(&format!("<caption><b>Table {number}</b> {caption}</caption>\n"));
+        let (number, caption) = (writer.tables, inline(&table.caption));
+        writer.add(&format!(
+            "<figure class=\"table\">\n<figcaption id=\"table-{number}\">\
+             <b>Table {number}</b> {caption}</figcaption>\n"
+        ));
+        format!("aria-labelledby=\"table-{number}\"")
+    };
+    writer.add(&format!("<div class=\"scroll\" role=\"region\" {name} tabindex=\"0\">\n"));
+    writer.add(&format!("<table {name}>\n"));
+    rows(writer, table);
+    writer.add("</table>\n</div>\n");
+    if !table.caption.is_empty() {
+        writer.add("</figure>\n");
     }
+}
+
+fn rows(writer: &mut Writer, Table { columns, rows, .. }: &Table) {
     writer.add("<thead><tr>");
     for column in columns {
         let (class, name) = (class(Some(column)), inline(&column.name));
@@ -80,7 +91,7 @@ pub(super) fn table(writer: &mut Writer, table: &Table) {
         }
         writer.add("</tr>\n");
     }
-    writer.add("</tbody>\n</table>\n</div>\n");
+    writer.add("</tbody>\n");
 }
 
 fn cell(writer: &mut Writer, cell: &Cell, column: Option<&Column>, names_row: bool) {

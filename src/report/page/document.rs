@@ -12,8 +12,7 @@ const STYLE: &str = include_str!("style.css");
 const SCRIPT: &str = include_str!("script.js");
 
 /// A page asks for nothing outside itself; this has the browser see to it.
-const POLICY: &str = "default-src 'none'; img-src data:; style-src 'unsafe-inline'; \
-                      script-src 'unsafe-inline'; base-uri 'none'; form-action 'none'";
+const POLICY: &str = include_str!("policy.txt");
 
 /// What is written so far, and what is counted on the way.
 #[derive(Debug, Default)]
@@ -59,9 +58,10 @@ pub(super) fn write(page: &Page) -> Result<String> {
 
 fn head(writer: &mut Writer, page: &Page) {
     let (title, version) = (escape(&page.title), env!("CARGO_PKG_VERSION"));
+    let policy = escape(POLICY.trim());
     writer.add(&format!(
         "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-         <meta http-equiv=\"Content-Security-Policy\" content=\"{POLICY}\">\n\
+         <meta http-equiv=\"Content-Security-Policy\" content=\"{policy}\">\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
          <meta name=\"color-scheme\" content=\"light dark\">\n\
          <meta name=\"generator\" content=\"wavecrest {version}\">\n\

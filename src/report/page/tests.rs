@@ -89,7 +89,9 @@ fn every_element_that_is_opened_is_closed() {
 #[test]
 fn a_page_stands_alone() {
     let html = page("words").html().unwrap();
-    assert!(html.contains("Content-Security-Policy") && html.contains("default-src 'none'"));
+    assert!(
+        html.contains("Content-Security-Policy") && html.contains("default-src &#39;none&#39;")
+    );
     // Addresses outside itself: none but the name of a name space would be one.
     for bad in ["http://", "https://", "url(", "@import", "src=\"/", "href=\"/"] {
         assert!(!html.contains(bad), "{bad}");
