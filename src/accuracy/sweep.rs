@@ -166,6 +166,7 @@ fn points(
         .collect();
     all.sort_by(|a, b| (a.0.name(), &a.1).cmp(&(b.0.name(), &b.1)));
     all.dedup_by(|a, b| (a.0, &a.1) == (b.0, &b.1));
+    note_preparation(subject, all.iter().map(|(.., setting)| setting), store)?;
     progress.stage(&name, all.len() as u64 * u64::from(options.seeds));
     for seed in 0..u64::from(options.seeds) {
         Dice::new(seed).shuffle(&mut all);
@@ -173,7 +174,7 @@ fn points(
             if !store.has(&name, *target, key, seed)
                 && let Some(reference) = references.get(target.name())
             {
-                warm_up(subject, &setting.structure, store)?;
+                warm_up(subject, &setting.structure)?;
                 let options = RenderOptions { seed, ..RenderOptions::default() };
                 let rendered = subject.render(setting, &options)?;
                 let error = errors(&rendered.film, &reference.film)?;
@@ -206,17 +207,32 @@ fn point(
     }
 }
 
-/// Prepares a structure for the first time, notes how long that takes, and sends some rays through it, so
-/// that the first that is timed finds the memory as the others do.
-fn warm_up(subject: &mut Subject, structure: &Structure, store: &mut Store) -> Result<()> {
-    if subject.is_prepared(structure) {
-        return Ok(());
+/// Prepares a structure unless it is, and sends some rays through it, so that the first render that is timed
+/// finds the memory as the others do.
+fn warm_up(subject: &mut Subject, structure: &Structure) -> Result<()> {
+    if !subject.is_prepared(structure) {
+        let setting = Setting { structure: *structure, ..Setting::default() };
+        subject.render(&setting.least(), &RenderOptions::default())?;
     }
-    let time = subject.prepare(structure)?.time;
-    let setting = Setting { structure: *structure, ..Setting::default() }.least();
-    subject.render(&setting, &RenderOptions::default())?;
-    let key = Setting { structure: *structure, ..Setting::default() }.key();
-    store.add(Record::Prepared(PreparedRecord { scene: subject.name(), key, time }))
+    Ok(())
+}
+
+/// Notes how long it took to prepare each structure of `settings`, where that has not been noted.
+fn note_preparation<'a>(
+    subject: &mut Subject,
+    settings: impl Iterator<Item = &'a Setting>,
+    store: &mut Store,
+) -> Result<()> {
+    let scene = subject.name();
+    for setting in settings {
+        let key = Setting { samples: Default::default(), ..*setting }.key();
+        let is_it = |record: &Record| matches!(record, Record::Prepared(p) if p.scene == scene && p.key == key);
+        if !store.records.iter().any(is_it) {
+            let time = subject.prepare(&setting.structure)?.time;
+            store.add(Record::Prepared(PreparedRecord { scene: scene.clone(), key, time }))?;
+        }
+    }
+    Ok(())
 }
 
 /// How far `film` is from `reference`.

@@ -33,6 +33,10 @@ fn line(series: &SeriesFindings, x: fn(&PointFindings) -> f64) -> Series {
     Series { name: series.name.clone(), draw: Draw::Line, points }
 }
 
+/// What the guides are.
+const SLOPES: &str = "Thin lines have the slopes of theory: \u{2212}1/2 for independent points, \u{2212}3/4 for jittered \
+                      ones across an edge, \u{2212}1 for these where the integrand is smooth. ";
+
 /// The error against what is counted, with the slopes that theory has for it.
 fn against_samples(family: &FamilyFindings, scene: &SceneFindings) -> Chart {
     let mut guides = Vec::new();
@@ -47,16 +51,14 @@ fn against_samples(family: &FamilyFindings, scene: &SceneFindings) -> Chart {
     if floor > 0.0 {
         guides.push(Guide { name: "floor".to_owned(), course: Course::AtY(floor) });
     }
+    let theory = if family.series.iter().any(|line| line.slope.is_some()) { SLOPES } else { "" };
     Chart {
         title: format!("{}: error against {}", scene.scene.scene, family.counted),
         x: log(family.counted, ""),
         y: log("RMSE", ""),
         series: family.series.iter().map(|series| line(series, |p| p.x)).collect(),
         guides,
-        caption: "Thin lines have the slopes of theory: \u{2212}1/2 for independent points, \u{2212}3/4 for \
-                  jittered ones across an edge, \u{2212}1 for these where the integrand is smooth. Below the \
-                  floor an error is not told from the reference's own."
-            .to_owned(),
+        caption: format!("{theory}Below the floor an error is not told from the reference's own."),
     }
 }
 
