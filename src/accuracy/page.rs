@@ -21,20 +21,27 @@ use crate::report::plot::Chart;
 const CHART_WIDTH: u32 = 1200;
 
 /// Writes `findings` into the folder `results`: `report.html`, and each chart in four forms. What each effect
-/// costs is measured for it.
+/// costs is measured for it if `effects` are asked for.
 ///
 /// # Errors
 /// When a file cannot be written, or a scene can no longer be rendered for its pictures.
-pub fn write(findings: &Findings, swept: &mut [Swept], results: &Path) -> Result<()> {
+pub fn write(
+    findings: &Findings,
+    swept: &mut [Swept],
+    results: &Path,
+    effects: bool,
+) -> Result<()> {
     let mut sections = vec![about(findings)];
     for (scene, swept) in findings.scenes.iter().zip(swept) {
         sections.push(section(scene, swept, results)?);
     }
-    let prices = prices(folder()?.path())?;
-    let json = serde_json::to_string_pretty(&prices)
-        .map_err(|e| Error::io("cannot write JSON", results, e.into()))?;
-    write_text(&results.join("effects.json"), &(json + "\n"))?;
-    sections.push(Section::new("What each effect costs", tables::prices(&prices)));
+    if effects {
+        let prices = prices(folder()?.path())?;
+        let json = serde_json::to_string_pretty(&prices)
+            .map_err(|e| Error::io("cannot write JSON", results, e.into()))?;
+        write_text(&results.join("effects.json"), &(json + "\n"))?;
+        sections.push(Section::new("What each effect costs", tables::prices(&prices)));
+    }
     let page =
         Page { title: "What accuracy costs in time".to_owned(), lead: lead(findings), sections };
     write_text(&results.join("report.html"), &page.html()?)

@@ -47,6 +47,9 @@ pub struct AccuracyArgs {
     /// The fewest points in each render of the reference
     #[arg(long, value_name = "N", default_value_t = 5041, value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
     pub reference: u32,
+    /// Leave out what each effect costs, which is measured on scenes of its own
+    #[arg(long)]
+    pub no_effects: bool,
     /// On how many threads
     #[command(flatten)]
     pub threads: Threads,
@@ -124,7 +127,7 @@ fn run_sweep(args: &AccuracyArgs, folder: &Path) -> Result<bool> {
     shown.bar.borrow().finish_and_clear();
     let findings = Findings::new(&options, &store, &swept);
     findings.write(folder)?;
-    page::write(&findings, &mut swept, folder)?;
+    page::write(&findings, &mut swept, folder, !args.no_effects)?;
     if !args.quiet {
         print(&text(&findings))?;
         print(&format!("{}\n", folder.join("report.html").display()))?;

@@ -15,6 +15,9 @@ mod commands;
 // The commands that measure: bench, trace.
 mod measuring;
 
+// The command that sweeps error against time, and renders for an error or a time.
+mod accuracy;
+
 // The command that tells the story of a pixel.
 mod probing;
 
