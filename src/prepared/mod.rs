@@ -33,8 +33,8 @@ pub struct PreparedScene {
     pub accel: Accel,
     /// What they hit looks like.
     pub looks: Looks,
-    /// What lights it: the lights with power, in the order of the file. Contributions are added in
-    /// this order.
+    /// What lights it: the lights that can add more than their ambient part, in the order of the file.
+    /// Contributions are added in this order.
     pub lights: Vec<Light>,
     /// What a primary ray that hits nothing returns.
     pub background: Vec3,

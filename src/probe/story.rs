@@ -69,7 +69,7 @@ pub struct Met {
 /// A point of a light, seen from a hit.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Light {
-    /// The light, by its place among those with power.
+    /// The light, by its place among those that can add more than an ambient part.
     pub light: usize,
     /// Which of its points.
     pub index: usize,
