@@ -2,7 +2,7 @@
 //! not, with a report that can be published.
 //!
 //! [`setting`] says what is varied; [`sweep`] renders it, many seeds in random order, and writes each
-//! record to a [`store`] as it comes; errors are measured against a [`reference`] whose own error is
+//! record to a [`store`] as it comes; errors are measured against a [reference](mod@reference) whose own error is
 //! known; [`neutral`] tries what must change nothing. [`findings`] sums the records up with intervals
 //! ([`fit`]), and [`page`] shows them.
 

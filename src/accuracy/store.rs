@@ -27,7 +27,7 @@ pub struct Header {
     pub least: u32,
 }
 
-/// A session: the header's circumstances, which may change when a sweep is taken up again.
+/// Under which circumstances a sweep was begun, or taken up again.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Circumstances {
     /// The arguments.
