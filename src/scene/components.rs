@@ -12,6 +12,7 @@
 use std::path::PathBuf;
 
 use glam::{DAffine3, DVec3};
+use hecs::Entity;
 
 use super::mesh::MeshData;
 
@@ -74,6 +75,16 @@ pub struct Mesh {
     /// The file that it was read from, if one was.
     pub file: Option<PathBuf>,
 }
+
+/// The entity whose form (sphere, quad, triangle or mesh) this one shows too. The form is held once. All
+/// else is the instance's own: its [`Transform`] leads from the form's own space to the world's, that of
+/// the other entity plays no part.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct InstanceOf(pub Entity);
+
+/// Marks a shape that is not seen itself: only its instances are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Hidden;
 
 /// Which side of a [`Quad`] or a [`Triangle`] is its front. Absent: the one its winding gives.
 #[derive(Clone, Copy, Debug, PartialEq)]
