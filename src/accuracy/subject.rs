@@ -62,7 +62,7 @@ impl Subject {
             size,
             facts,
             fingerprint: full.scene().fingerprint(),
-            primitives: full.geometry().len() as u64,
+            primitives: full.geometry().held() as u64,
             preset: Preset::Fast,
             prepared: HashMap::new(),
         })

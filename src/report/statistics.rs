@@ -10,6 +10,7 @@
 //! | `samples.footprints` | | footprints of rays on surfaces, for trilinear textures and for mirrors that may show them |
 //! | `foretold.rays`, `.samples` | | bounds on these, told before the first ray: see [`crate::report::foretold`] |
 //! | `tests.nodes` | nodes | inner nodes visited, by a ray or by many together, each testing eight boxes |
+//! | `tests.instances` | visits | of an instance by a ray that meets its box |
 //! | `tests.primitives.triangles`, `.quads`, `.spheres` | tests | tests of primitives |
 //! | `kernels.closest.packet`, `.stream`, `.single` | rays | camera and mirror rays by the kernel that took them first: a packet, many in flight, one alone |
 //! | `kernels.closest.handed_over` | rays | those of the packets' rays that went on in flight |
@@ -116,6 +117,7 @@ pub struct Samples {
 #[allow(missing_docs, reason = "see the module documentation")]
 pub struct Tests {
     pub nodes: u64,
+    pub instances: u64,
     pub primitives: PrimitiveTests,
 }
 
@@ -227,7 +229,7 @@ impl From<&Counters> for Tests {
         let t = &c.tests;
         let primitives =
             PrimitiveTests { triangles: t.triangles, quads: t.quads, spheres: t.spheres };
-        Self { nodes: t.nodes, primitives }
+        Self { nodes: t.nodes, instances: t.instances, primitives }
     }
 }
 

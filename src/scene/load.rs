@@ -9,19 +9,21 @@ use std::fs::{self, File};
 use std::io::Read;
 use std::path::Path;
 
-use glam::DVec3;
-use hecs::{EntityBuilder, World};
+use glam::{DAffine3, DVec3};
+use hecs::{Entity, EntityBuilder, World};
 use serde_json::Value;
 
 use crate::error::{Error, ErrorKind, Result, Warning};
 
 use super::components::{
-    AreaLight, JsonPath, Mesh, Order, Pinhole, Quad, Shading, Sphere, TextureRef, Triangle,
+    AreaLight, Hidden, InstanceOf, JsonPath, Material, Mesh, Order, Pinhole, Quad, Shading, Sides,
+    Sphere, TextureRef, Transform, Triangle,
 };
 use super::mesh::{self, LoadedMesh, MeshData};
 use super::parse;
 use super::reader::{Cursor, Notes, Place, json};
-use super::schema::{Camera, Geometry, Light, SceneFile, Shape};
+use super::schema::{Camera, Geometry, Instance, Light, SceneFile, Shape};
+use super::survey::{self, Survey};
 
 /// Greatest length of a scene file in bytes, 256 MiB. JSON takes up to 25 times its length in
 /// memory while it is read; a larger mesh belongs in a file of its own.
@@ -97,6 +99,19 @@ pub(super) fn load_with(
     Ok(LoadedScene { world, warnings: notes.into_warnings() })
 }
 
+/// What the scene file at `path` calls for, told without reading a mesh or a texture into memory.
+///
+/// # Errors
+/// As [`load`], as far as the scene file itself and the headers of meshes go.
+pub fn survey(path: &Path, options: &LoadOptions) -> Result<Survey> {
+    let notes = Notes::new(path, options.strict);
+    let text = read_text(path)?;
+    let value = parse_json(&text, path)?;
+    let scene = parse::scene_file(&Cursor::new(&value, Place::Top, &notes), options)?;
+    drop(value);
+    survey::of(scene, text.len() as u64, &notes)
+}
+
 fn read_text(path: &Path) -> Result<String> {
     let cannot_read = |e| Error::io("cannot read the scene", path, e);
     check_length(path, fs::metadata(path).map_err(cannot_read)?.len())?;
@@ -160,10 +175,42 @@ impl<R: Fn(&Path) -> Result<LoadedMesh>> Spawner<'_, R> {
         for (order, light) in (0..).zip(scene.lights) {
             self.light(Order(order), light)?;
         }
-        for (order, shape) in (0..).zip(scene.shapes) {
-            self.shape(Order(order), shape)?;
+        let mut order = 0..;
+        let mut shapes = Vec::with_capacity(scene.shapes.len());
+        self.warn_of_unseen(&scene.shapes, &scene.instances);
+        for (order, shape) in (&mut order).zip(scene.shapes) {
+            shapes.push(self.shape(Order(order), shape)?);
+        }
+        for (order, instance) in order.zip(scene.instances) {
+            self.instance(Order(order), shapes[instance.shape], instance);
         }
         Ok(self.world)
+    }
+
+    /// A shape that only instances show, without any.
+    fn warn_of_unseen(&self, shapes: &[Shape], instances: &[Instance]) {
+        let mut shown = vec![false; shapes.len()];
+        instances.iter().for_each(|instance| shown[instance.shape] = true);
+        for (shape, _) in shapes.iter().zip(shown).filter(|(shape, shown)| shape.hidden && !shown) {
+            let error = self.error(&shape.path, "the shape is hidden and no instance shows it");
+            self.notes.warn(&error.remedy("add one to scene.instances, or remove \"hidden\""));
+        }
+    }
+
+    /// Shows the shape of the entity `of` once more.
+    fn instance(&mut self, order: Order, of: Entity, instance: Instance) {
+        let Instance { path, name, transform, material, .. } = instance;
+        let mut entity = EntityBuilder::new();
+        let own = |world: &World| world.get::<&Transform>(of).map_or(DAffine3::IDENTITY, |t| t.0);
+        let transform = Transform(transform * own(&self.world));
+        entity.add_bundle((order, JsonPath(path), InstanceOf(of), transform));
+        add_some(&mut entity, name);
+        let shape = &self.world;
+        add_some(&mut entity, material.or(shape.get::<&Material>(of).ok().map(|m| *m)));
+        add_some(&mut entity, shape.get::<&Sides>(of).ok().map(|sides| *sides));
+        add_some(&mut entity, shape.get::<&Shading>(of).ok().map(|shading| *shading));
+        add_some(&mut entity, shape.get::<&TextureRef>(of).ok().map(|texture| (*texture).clone()));
+        self.world.spawn(entity.build());
     }
 
     fn camera(&mut self, Camera { view, lens }: Camera) {
@@ -206,7 +253,7 @@ impl<R: Fn(&Path) -> Result<LoadedMesh>> Spawner<'_, R> {
         Ok(())
     }
 
-    fn shape(&mut self, order: Order, shape: Shape) -> Result<()> {
+    fn shape(&mut self, order: Order, shape: Shape) -> Result<Entity> {
         let form = self.read_mesh_file(&shape.path, shape.geometry)?;
         let mut shading = shape.shading;
         if let Form::Mesh(mesh) = &form {
@@ -221,8 +268,10 @@ impl<R: Fn(&Path) -> Result<LoadedMesh>> Spawner<'_, R> {
         add_some(&mut entity, shape.transform);
         add_some(&mut entity, shape.material);
         add_some(&mut entity, shape.texture);
-        self.world.spawn(entity.build());
-        Ok(())
+        if shape.hidden {
+            entity.add(Hidden);
+        }
+        Ok(self.world.spawn(entity.build()))
     }
 
     /// The shape's form, with its mesh file read, if it has one.

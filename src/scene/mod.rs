@@ -4,6 +4,7 @@ pub mod components;
 pub mod corners;
 pub mod load;
 pub mod mesh;
+pub mod survey;
 
 mod parse;
 mod reader;

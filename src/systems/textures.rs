@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use glam::Mat3;
 use hecs::World;
+use image::ImageDecoder as _;
 
 use super::geometry::ShapeOutput;
 use crate::error::{Error, ErrorKind, Result};
@@ -58,6 +59,25 @@ pub fn run(
         });
     }
     Ok(images)
+}
+
+/// Bytes of a texture, and what more there is while it is decoded, told by the head of its file; none where
+/// that cannot be read, which is said when it is decoded.
+pub fn survey(texture: &TextureRef) -> [u64; 2] {
+    let decoder = image::ImageReader::open(&texture.path)
+        .and_then(image::ImageReader::with_guessed_format)
+        .ok()
+        .and_then(|reader| reader.into_decoder().ok());
+    let Some(decoder) = decoder else { return [0; 2] };
+    let (width, height) = decoder.dimensions();
+    let color = decoder.color_type();
+    let is_bytes = color.bytes_per_pixel() == color.channel_count();
+    let texel = if is_bytes { size_of::<[u8; 4]>() } else { size_of::<[f32; 3]>() };
+    let texels = u64::from(width).saturating_mul(u64::from(height));
+    let finest = texels.saturating_mul(texel as u64);
+    // Each level of a pyramid has a quarter of the texels of the one before.
+    let coarser = if texture.filter == Filter::Trilinear { finest / 3 } else { 0 };
+    [finest.saturating_add(coarser), finest.saturating_add(decoder.total_bytes())]
 }
 
 fn at_shape(world: &World, shape: &ShapeOutput, error: Error) -> Error {

@@ -54,7 +54,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ),
     ("scene", &["error", "kernels", "math"]),
     ("systems", &["accel", "error", "kernels", "math", "plan", "prepared", "scene"]),
-    ("memory", &["accel", "prepared", "render", "systems", "wavefront"]),
+    ("memory", &["accel", "prepared", "render", "scene", "systems", "wavefront"]),
     ("generate", &["error", "replace", "scene"]),
     ("ray_file", &["accel", "error", "math", "replace"]),
     (

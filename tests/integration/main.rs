@@ -18,6 +18,12 @@ mod golden;
 // Tracer, threads, batch size, tree and crop do not change a bit of an image.
 mod parity;
 
+// Meshes that are held once and shown often: the answers of copies, whatever searches them, without leaks.
+mod instances;
+
+// Memory is foretold before anything large is read, and refused where it is too much.
+mod memory;
+
 // Images agree with formulas worked out here in double precision.
 mod closed_form;
 

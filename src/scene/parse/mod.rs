@@ -2,6 +2,7 @@
 //! texture or a mesh exists is looked up, but neither is read).
 
 mod camera;
+mod instance;
 mod light;
 mod material;
 mod mesh;
@@ -14,6 +15,7 @@ use super::components::Settings;
 use super::load::LoadOptions;
 use super::reader::{Cursor, Object, Range};
 use super::schema::SceneFile;
+use instance::Names;
 
 /// Greatest number of mirror bounces. Light that meets 10 000 mirrors is spent.
 const MOST_BOUNCES: u32 = 10_000;
@@ -31,11 +33,13 @@ pub(crate) fn scene_file(top: &Cursor<'_>, options: &LoadOptions) -> Result<Scen
     let camera = camera::camera(&object.need("camera", "an object { ... }")?, options)?;
     let scene = object.need("scene", "an object { ... }")?;
     let scene = scene.object("the scene", SCENE_KEYS.into())?;
-    refuse_instances(&scene)?;
     let settings = settings(&scene, bounces)?;
     let lights = list(&scene, "lightsources", "an array of lights", light::light)?;
     let shapes = list(&scene, "shapes", "an array of shapes", shape::shape)?;
-    Ok(SceneFile { settings, camera, lights, shapes })
+    let names = Names::of(&shapes);
+    let one = |cursor: &Cursor<'_>| instance::instance(cursor, &names);
+    let instances = list(&scene, "instances", "an array of instances", one)?;
+    Ok(SceneFile { settings, camera, lights, shapes, instances })
 }
 
 fn settings(scene: &Object<'_>, bounces: u32) -> Result<Settings> {
@@ -52,14 +56,7 @@ fn list<T>(
     scene: &Object<'_>,
     key: &'static str,
     what: &str,
-    read: fn(&Cursor<'_>) -> Result<T>,
+    read: impl Fn(&Cursor<'_>) -> Result<T>,
 ) -> Result<Vec<T>> {
     scene.get(key).map_or(Ok(Vec::new()), |cursor| cursor.each(what, |item| read(&item)))
-}
-
-/// Instances left out would leave a hole in the picture, so that a warning is not enough.
-fn refuse_instances(scene: &Object<'_>) -> Result<()> {
-    let Some(cursor) = scene.get("instances") else { return Ok(()) };
-    let error = cursor.error("instances are not supported yet");
-    Err(error.remedy("repeat the shape in scene.shapes, each time with its own \"transform\""))
 }

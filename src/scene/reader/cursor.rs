@@ -120,6 +120,11 @@ impl<'a> Cursor<'a> {
         Err(self.error_of(kind, format!("must be {}", integer_words(low, high))))
     }
 
+    /// Yes or no.
+    pub(crate) fn truth(&self) -> Result<bool> {
+        self.value.as_bool().ok_or_else(|| self.must_be("true or false"))
+    }
+
     /// A list of exactly `N` numbers in `range`; `what` describes it.
     pub(crate) fn numbers<const N: usize>(&self, what: &str, range: Range) -> Result<[f64; N]> {
         let items = self.array(what)?;
