@@ -23,6 +23,8 @@ mod instances;
 
 // Memory is foretold before anything large is read, and refused where it is too much.
 mod memory;
+// Renders in parts: who looks on, who ends them early, and samples in blocks.
+mod parts;
 
 // Images agree with formulas worked out here in double precision.
 mod closed_form;
