@@ -9,5 +9,7 @@ mod parse;
 mod reader;
 mod schema;
 
+pub use parse::json_schema;
+
 #[cfg(test)]
 mod tests;

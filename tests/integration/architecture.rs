@@ -133,6 +133,9 @@ const CRATES: &[(&str, &[&str])] = &[
     ("obvhs", &["accel"]),
     // Whatever is shown on a terminal.
     ("indicatif", &["cli", "generate"]),
+    // What shells and the manual are told of our arguments.
+    ("clap_complete", &["cli"]),
+    ("clap_mangen", &["cli"]),
     // Files that appear whole or not at all, and scenes of the program's own.
     ("tempfile", &["accuracy", "replace", "selftest"]),
     // Line ends of meshes in text.

@@ -39,5 +39,8 @@ mod architecture;
 // and every subcommand.
 mod cli;
 
+// The JSON Schema of scene files says what the parser does.
+mod schema;
+
 // What is said of scenes and meshes that are wrong, word for word.
 mod errors;

@@ -24,6 +24,9 @@ mod probing;
 // The command that tries hard cases.
 mod selftest;
 
+// Scripts for shells, and the manual.
+mod shells;
+
 use std::path::{Path, PathBuf};
 use std::process::Output;
 
