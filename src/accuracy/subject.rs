@@ -148,7 +148,7 @@ impl Subject {
     pub fn render(&mut self, setting: &Setting, options: &RenderOptions) -> Result<Rendered> {
         let Prepared { scene, original, .. } = self.prepare(&setting.structure)?;
         scene.resample(original, &setting.samples);
-        render(scene, options, &|_, _| {})
+        render(scene, options, &())
     }
 
     /// Forgets prepared scenes until another one has room.

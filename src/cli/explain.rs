@@ -162,7 +162,7 @@ fn buffer(scene: &PreparedScene, column: Column) -> Buffer {
 fn trace(extracted: Extracted, preset: Preset, args: &ExplainArgs) -> Result<Found> {
     let scene = extracted.build(preset);
     let options = RenderOptions { batch: args.batch as usize, ..RenderOptions::default() };
-    let Rendered { counters, columns, .. } = render(&scene, &options, &|_, _| {})?;
+    let Rendered { counters, columns, .. } = render(&scene, &options, &())?;
     Ok(Found {
         rays: (&counters).into(),
         samples: (&counters).into(),

@@ -14,7 +14,7 @@ use crate::image::write::{Transfer, check_writable, write};
 use crate::memory::{self, Prediction};
 use crate::prepared::PreparedScene;
 use crate::probe::{self, Invalid};
-use crate::render::{RenderOptions, Rendered, TracerKind, render};
+use crate::render::{Progress, RenderOptions, Rendered, TracerKind, render};
 use crate::replace::{check_differs, check_replaceable, replace_file, write_error};
 use crate::report::foretold::Foretold;
 use crate::report::statistics::{Bvh, Columns, ImageSize, Memory, Statistics, Time, pass_map};
@@ -161,10 +161,14 @@ fn timed<R>(seconds: &mut f64, work: impl FnOnce() -> R) -> R {
 
 fn trace(args: &RenderArgs, scene: &PreparedScene) -> Result<Rendered> {
     let bar = progress_bar(args.scene_options.quiet, PROGRESS);
-    let rendered = render(scene, &args.options(), &|done, all| {
-        bar.set_length(all);
-        bar.set_position(done);
-    });
+    let rendered = render(
+        scene,
+        &args.options(),
+        &Progress(|done, all| {
+            bar.set_length(all);
+            bar.set_position(done);
+        }),
+    );
     bar.finish_and_clear();
     rendered
 }

@@ -18,6 +18,9 @@ mod golden;
 // Tracer, threads, batch size, tree and crop do not change a bit of an image.
 mod parity;
 
+// Renders in parts: who looks on, who ends them early, and samples in blocks.
+mod parts;
+
 // Images agree with formulas worked out here in double precision.
 mod closed_form;
 
