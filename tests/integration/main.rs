@@ -42,6 +42,12 @@ mod architecture;
 // and every subcommand.
 mod cli;
 
+// Layers beside the colours, against what geometry says.
+mod aov;
+
+// The commands of GUIDE.md work as they stand there.
+mod guide;
+
 // The JSON Schema of scene files says what the parser does.
 mod schema;
 
