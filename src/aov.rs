@@ -15,6 +15,8 @@
 //! | samples | `samples.count` | samples of the pixel |
 //! | invalid | `invalid.mask` | 1 where a sample was not finite and counts as black, else 0 |
 //!
+//! What the plan leaves out, such as a texture where there is no light to show it, is left out here too.
+//!
 //! Means are over the samples that hit something. Which shape and which material a number stands for is told for
 //! the numbers that occur, as JSON in the entries `objects` and `materials`.
 

@@ -125,16 +125,14 @@ impl<'a> Outputs<'a> {
     /// When there is no memory for the layers, or a file cannot be written: those before it are then whole, and
     /// it and those after it are as they were.
     pub(super) fn write(&self, scene: &PreparedScene, rendered: &Rendered) -> Result<()> {
-        let layers = self.layers(scene, rendered)?;
-        let mut entries = self.entries(scene);
-        entries.extend(layers.entries);
+        let aov::Found { channels, entries: tables } = self.layers(scene, rendered)?;
+        let entries = self.entries(scene);
+        // What numbers stand for is of use beside the numbers alone.
+        let with_tables = [&entries[..], &tables].concat();
         self.paths.iter().try_for_each(|path| {
-            let channels = &layers.channels;
-            self.write_one(
-                &rendered.film,
-                path,
-                &Extras { entries: &entries, channels, ..self.extras() },
-            )
+            let entries = if is_exr(path) { &with_tables } else { &entries };
+            let extras = Extras { entries, channels: &channels, ..self.extras() };
+            self.write_one(&rendered.film, path, &extras)
         })
     }
 
@@ -168,7 +166,7 @@ impl<'a> Outputs<'a> {
     }
 
     fn has_exr(&self) -> bool {
-        self.paths.iter().any(|path| Format::from_path(path).is_ok_and(|f| f == Format::Exr))
+        self.paths.iter().any(|path| is_exr(path))
     }
 
     fn extras(&self) -> Extras<'_> {
@@ -202,6 +200,10 @@ impl<'a> Outputs<'a> {
         };
         provenance.entries()
     }
+}
+
+fn is_exr(path: &Path) -> bool {
+    Format::from_path(path).is_ok_and(|format| format == Format::Exr)
 }
 
 /// The command as it can be typed again.

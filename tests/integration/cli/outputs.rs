@@ -72,6 +72,8 @@ fn layers_lie_beside_the_colours_and_change_none() {
     let arguments = ["ball.json", "a.png", "--also", "b.exr", "--aov", "all"];
     run_silently(folder.path(), &arguments);
     assert!(film(folder.path().join("b.exr")).same_bits(&image(&ball())));
+    run_silently(folder.path(), &["ball.json", "c.png"]);
+    assert!(bytes(folder.path(), "a.png") == bytes(folder.path(), "c.png"));
     let found = read_first_flat_layer_from_file(folder.path().join("b.exr")).expect("an EXR");
     let channels = &found.layer_data.channel_data.list;
     let names: Vec<String> = channels.iter().map(|channel| channel.name.to_string()).collect();
