@@ -10,5 +10,7 @@ mod parse;
 mod reader;
 mod schema;
 
+pub use parse::json_schema;
+
 #[cfg(test)]
 mod tests;

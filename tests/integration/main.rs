@@ -47,5 +47,14 @@ mod architecture;
 // and every subcommand.
 mod cli;
 
+// Layers beside the colours, against what geometry says.
+mod aov;
+
+// The commands of GUIDE.md work as they stand there.
+mod guide;
+
+// The JSON Schema of scene files says what the parser does.
+mod schema;
+
 // What is said of scenes and meshes that are wrong, word for word.
 mod errors;

@@ -3,11 +3,14 @@
 
 mod camera;
 mod instance;
+mod json_schema;
 mod light;
 mod material;
 mod mesh;
 mod shape;
 mod transform;
+
+pub use json_schema::json_schema;
 
 use crate::error::Result;
 
@@ -23,12 +26,14 @@ const MOST_BOUNCES: u32 = 10_000;
 /// The report's "low value" by which a surface in shadow is multiplied.
 const AMBIENT: f64 = 0.08;
 
-const KEYS: [&str; 3] = ["nbounces", "camera", "scene"];
+const KEYS: [&str; 4] = ["$schema", "nbounces", "camera", "scene"];
 const SCENE_KEYS: [&str; 5] = ["backgroundcolor", "lightsources", "shapes", "ambient", "instances"];
 
 /// Reads a whole file from its top.
 pub(crate) fn scene_file(top: &Cursor<'_>, options: &LoadOptions) -> Result<SceneFile> {
     let object = top.object("a scene", KEYS.into())?;
+    // For the editor, which checks the file by the schema at this address.
+    object.get("$schema").map(|c| c.text("the address of a JSON schema")).transpose()?;
     let bounces = object.integer("nbounces", 0, MOST_BOUNCES)?;
     let camera = camera::camera(&object.need("camera", "an object { ... }")?, options)?;
     let scene = object.need("scene", "an object { ... }")?;

@@ -13,7 +13,7 @@ use crate::scene::schema::{Geometry, Shape};
 
 use super::{material, mesh, transform};
 
-const COMMON_KEYS: [&str; 10] = [
+pub(super) const COMMON_KEYS: [&str; 10] = [
     "type",
     "name",
     "id",
@@ -26,22 +26,27 @@ const COMMON_KEYS: [&str; 10] = [
     "shading",
 ];
 
+pub(super) const SPHERE_KEYS: [&str; 2] = ["center", "radius"];
+/// Of a plane and of a triangle.
+pub(super) const FLAT_KEYS: [&str; 2] = ["points", "normal"];
+
 /// Sine of the angle to the surface below which a `normal` does not tell the sides apart, in
 /// single precision.
 const IN_PLANE: f64 = 1e-6;
 
-const SIDES: [(&str, Sides); 2] = [("front", Sides::Front), ("both", Sides::Both)];
-const SHADINGS: [(&str, Shading); 2] = [("flat", Shading::Flat), ("smooth", Shading::Smooth)];
+pub(super) const SIDES: [(&str, Sides); 2] = [("front", Sides::Front), ("both", Sides::Both)];
+pub(super) const SHADINGS: [(&str, Shading); 2] =
+    [("flat", Shading::Flat), ("smooth", Shading::Smooth)];
 
 #[derive(Clone, Copy)]
-enum Kind {
+pub(super) enum Kind {
     Sphere,
     Plane,
     Triangle,
     Trimesh,
 }
 
-const KINDS: [(&str, Kind); 4] = [
+pub(super) const KINDS: [(&str, Kind); 4] = [
     ("sphere", Kind::Sphere),
     ("plane", Kind::Plane),
     ("triangle", Kind::Triangle),
@@ -74,9 +79,9 @@ pub(super) fn light_shape(cursor: &Cursor<'_>) -> Result<Shape> {
 /// The shape as an object with exactly the keys that its kind has, and `more`.
 fn open<'a>(cursor: &Cursor<'a>, more: &[&'static str]) -> Result<Object<'a>> {
     let (kind, own): (&str, &[&'static str]) = match cursor.kind("a shape", &KINDS)? {
-        Kind::Sphere => ("a sphere", &["center", "radius"]),
-        Kind::Plane => ("a plane", &["points", "normal"]),
-        Kind::Triangle => ("a triangle", &["points", "normal"]),
+        Kind::Sphere => ("a sphere", &SPHERE_KEYS),
+        Kind::Plane => ("a plane", &FLAT_KEYS),
+        Kind::Triangle => ("a triangle", &FLAT_KEYS),
         Kind::Trimesh => mesh::kind_and_keys(cursor)?,
     };
     cursor.object(kind, [&COMMON_KEYS[..], own, more].concat())

@@ -39,6 +39,11 @@ impl Range {
         (if self.open { x > self.low } else { x >= self.low }) && x <= self.high
     }
 
+    /// The least and the greatest number, and whether the least itself is left out.
+    pub(crate) fn bounds(self) -> (f64, f64, bool) {
+        (self.low, self.high, self.open)
+    }
+
     /// The range in words.
     pub(crate) fn words(self) -> String {
         let Self { low, high, open } = self;
