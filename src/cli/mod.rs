@@ -33,7 +33,7 @@ pub const EXIT_CODES: [(u8, &str); 3] = [
         "the answer is no: of diff, the images differ; of bench, the tracers disagree; of selftest, a case \
          fails; of probe, the tracers tell different stories",
     ),
-    (2, "an error, which is told on standard error; no output was touched"),
+    (2, "an error, which is told on standard error"),
 ];
 
 /// A ray tracer for large triangle meshes: wavefront and recursive tracing over one set of kernels.
