@@ -5,6 +5,7 @@ pub mod accuracy;
 pub mod cli;
 pub mod counters;
 pub mod error;
+pub mod farm;
 pub mod generate;
 pub mod image;
 pub mod kernels;

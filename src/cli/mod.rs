@@ -5,6 +5,8 @@
 //! | 0 | done; for `diff`, the images are equal |
 //! | 1 | for `diff`, the images differ; for `bench`, the tracers disagree; for `selftest`, a case fails; for `probe`, the tracers tell different stories |
 //! | 2 | an error, told on standard error |
+//! | 130 | a render was ended early by SIGINT (Ctrl-C); what was finished is kept as [`render`] says |
+//! | 143 | the same by SIGTERM |
 
 pub mod accuracy;
 pub mod bench;
@@ -13,6 +15,8 @@ pub mod common;
 pub mod diff;
 pub mod explain;
 pub mod generate;
+mod interrupt;
+pub mod merge;
 pub mod probe;
 pub mod render;
 pub mod selftest;
@@ -23,7 +27,7 @@ use std::process::ExitCode;
 
 use clap::{CommandFactory, Parser, Subcommand};
 
-use crate::error::Result;
+use crate::error::{Error, ErrorKind, Result};
 use common::tell;
 
 /// A ray tracer for large triangle meshes: wavefront and recursive tracing over one set of kernels.
@@ -40,6 +44,7 @@ struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     Render(render::RenderArgs),
+    Merge(merge::MergeArgs),
     Check(check::CheckArgs),
     Explain(explain::ExplainArgs),
     Probe(probe::ProbeArgs),
@@ -57,7 +62,18 @@ pub fn run() -> ExitCode {
     match dispatch(&cli.command) {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::from(1),
-        Err(error) => {
+        Err(error) => failed(&error),
+    }
+}
+
+/// Tells an error, and which exit code it has.
+fn failed(error: &Error) -> ExitCode {
+    match error.kind() {
+        ErrorKind::Interrupted(signal) => {
+            tell(&error.to_string());
+            ExitCode::from(interrupt::exit_code(signal))
+        }
+        _ => {
             tell(&format!("error: {error}"));
             ExitCode::from(2)
         }
@@ -81,6 +97,7 @@ fn with_command(mut arguments: Vec<OsString>) -> Vec<OsString> {
 fn dispatch(command: &Command) -> Result<bool> {
     match command {
         Command::Render(args) => render::run(args).map(|()| true),
+        Command::Merge(args) => merge::run(args).map(|()| true),
         Command::Check(args) => check::run(args).map(|()| true),
         Command::Explain(args) => explain::run(args).map(|()| true),
         Command::Probe(args) => probe::run(args),

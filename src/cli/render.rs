@@ -4,17 +4,22 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 mod goal;
+mod parts;
 
 use goal::Traced;
+use parts::PartOptions;
 
-use super::common::{SceneOptions, SearchOptions, above_zero, crop, progress_bar, tell, to_json};
+use super::common::{SceneOptions, SearchOptions, above_zero, crop, tell, to_json};
+use super::interrupt::Interrupt;
 use crate::accel::build::Preset;
+use crate::counters::Counters;
 use crate::error::{Error, ErrorKind, Result};
+use crate::farm::Shard;
 use crate::image::write::{Transfer, check_writable, write};
 use crate::memory::{self, Prediction};
 use crate::prepared::PreparedScene;
 use crate::probe::{self, Invalid};
-use crate::render::{Progress, RenderOptions, Rendered, TracerKind, render};
+use crate::render::{RenderOptions, Rendered, TracerKind};
 use crate::replace::{check_differs, check_replaceable, replace_file, write_error};
 use crate::report::foretold::Foretold;
 use crate::report::statistics::{Bvh, Columns, ImageSize, Memory, Statistics, Time, pass_map};
@@ -30,7 +35,7 @@ const PROGRESS: &str = "{wide_bar} {percent:>3} % {millions} Mpixels/s, {eta} le
 pub struct RenderArgs {
     /// The scene, in JSON
     pub scene: PathBuf,
-    /// The image to write: .ppm, .png, .exr or .pfm
+    /// The image to write: .ppm, .png, .exr or .pfm; for a shard, .part
     #[arg(value_name = "OUTPUT", required_unless_present = "output")]
     pub image: Option<PathBuf>,
     /// The image to write, named as an option
@@ -67,6 +72,9 @@ pub struct RenderArgs {
     /// Write statistics as JSON
     #[arg(long, value_name = "FILE")]
     pub stats: Option<PathBuf>,
+    /// What is kept, and which share is rendered
+    #[command(flatten)]
+    pub parts: PartOptions,
     /// What is read and how
     #[command(flatten)]
     pub scene_options: SceneOptions,
@@ -92,17 +100,19 @@ impl RenderArgs {
 /// When the scene cannot be loaded or prepared, or the image cannot be written.
 pub fn run(args: &RenderArgs) -> Result<()> {
     let output = args.output()?;
-    check_writable(output)?;
+    let shard = args.parts.shard()?;
+    args.parts.check(args, output)?;
+    if shard.is_some() { check_replaceable(output) } else { check_writable(output) }?;
     if let Some(stats) = &args.stats {
         check_replaceable(stats)?;
         check_differs(stats, output, "the image")?;
         check_differs(stats, &args.scene, "the scene")?;
     }
     check_differs(output, &args.scene, "the scene")?;
-    args.scene_options.threads.run(|| run_here(args, output))
+    args.scene_options.threads.run(|| run_here(args, output, shard))
 }
 
-fn run_here(args: &RenderArgs, output: &Path) -> Result<()> {
+fn run_here(args: &RenderArgs, output: &Path, shard: Option<Shard>) -> Result<()> {
     let start = Instant::now();
     let mut time = Time::default();
     let loaded = args.scene_options.load(&args.scene)?;
@@ -115,29 +125,56 @@ fn run_here(args: &RenderArgs, output: &Path) -> Result<()> {
     let mut scene = timed(&mut time.build, || extracted.build(preset));
     args.scene_options.warn(&systems::warnings(scene.dropped, &file));
     args.search.apply(&mut scene.accel);
-    let traced = timed(&mut time.trace, || goal::trace(args, &mut scene, preset, start))?;
-    let Traced { rendered, preset, goal } = traced;
-    let first = rendered.counters.first_invalid;
-    let invalid = first.map(|sample| probe::name_invalid(&scene, sample, args.seed));
-    if let (Some(invalid), true) = (&invalid, args.trap_invalid) {
-        return Err(trapped(args, invalid));
+    // Until here there was nothing to lose: a signal ended the process.
+    let interrupt = Interrupt::listen()?;
+    if let Some(shard) = shard {
+        return parts::write_shard(args, shard, &scene, output, &interrupt);
     }
+    let traced =
+        timed(&mut time.trace, || goal::trace(args, &mut scene, preset, &interrupt, start))?;
+    let Traced { rendered, preset, goal, resumed } = traced;
+    if !rendered.finished {
+        return Err(parts::interrupted(args, output, &rendered, &interrupt));
+    }
+    let invalid = find_invalid(args, &scene, &rendered.counters)?;
     timed(&mut time.write, || write(&rendered.film, output, args.transfer))?;
     time.total = start.elapsed().as_secs_f64();
     time.passes = pass_map(&rendered.pass_seconds);
-    if let (Some(invalid), false) = (&invalid, args.scene_options.quiet) {
-        let count = rendered.counters.invalid;
-        tell(&format!(
-            "warning: {count} samples were not finite and count as black: first {invalid}"
-        ));
-    }
+    tell_invalid(args, &rendered.counters, invalid.as_ref());
     match &args.stats {
         Some(file) => {
             let mut statistics = statistics(args, &scene, preset, &rendered, time, predicted);
             (statistics.first_invalid, statistics.goal) = (invalid, goal);
+            statistics.resumed = resumed;
             write_statistics(file, &statistics)
         }
         None => Ok(()),
+    }
+}
+
+/// The first sample that was not finite.
+///
+/// # Errors
+/// When there is one, and none is to be there.
+fn find_invalid(
+    args: &RenderArgs,
+    scene: &PreparedScene,
+    counters: &Counters,
+) -> Result<Option<Invalid>> {
+    let first = counters.first_invalid;
+    let invalid = first.map(|sample| probe::name_invalid(scene, sample, args.seed));
+    match invalid {
+        Some(invalid) if args.trap_invalid => Err(trapped(args, &invalid)),
+        invalid => Ok(invalid),
+    }
+}
+
+fn tell_invalid(args: &RenderArgs, counters: &Counters, first: Option<&Invalid>) {
+    if let (Some(first), false) = (first, args.scene_options.quiet) {
+        let count = counters.invalid;
+        tell(&format!(
+            "warning: {count} samples were not finite and count as black: first {first}"
+        ));
     }
 }
 
@@ -157,20 +194,6 @@ fn timed<R>(seconds: &mut f64, work: impl FnOnce() -> R) -> R {
     let result = work();
     *seconds = start.elapsed().as_secs_f64();
     result
-}
-
-fn trace(args: &RenderArgs, scene: &PreparedScene) -> Result<Rendered> {
-    let bar = progress_bar(args.scene_options.quiet, PROGRESS);
-    let rendered = render(
-        scene,
-        &args.options(),
-        &Progress(|done, all| {
-            bar.set_length(all);
-            bar.set_position(done);
-        }),
-    );
-    bar.finish_and_clear();
-    rendered
 }
 
 fn statistics(
@@ -215,6 +238,7 @@ fn statistics(
         },
         bvh: Bvh::of(&scene.accel, preset),
         goal: None,
+        resumed: 0.0,
         plan: scene.plan.clone(),
     }
 }

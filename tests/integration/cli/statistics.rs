@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use super::{run_silently, with_ball};
 
 /// Every key that the documentation of the statistics names, as JSON pointers.
-const STATISTICS: [&str; 65] = [
+const STATISTICS: [&str; 66] = [
     "/version",
     "/scene",
     "/tracer",
@@ -71,6 +71,7 @@ const STATISTICS: [&str; 65] = [
     "/bvh/depth",
     "/bvh/bytes",
     "/goal",
+    "/resumed",
     "/plan/0/effect",
     "/plan/0/reason",
 ];
