@@ -36,7 +36,7 @@ const ARROWS: &[(&str, &[&str])] = &[
             "wavefront",
         ],
     ),
-    ("image", &["error", "replace"]),
+    ("image", &["error", "math", "replace"]),
     (
         "render",
         &[
