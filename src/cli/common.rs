@@ -26,6 +26,9 @@ pub struct SceneOptions {
     /// Height of the image in pixels, instead of the scene's
     #[arg(long, value_name = "PIXELS")]
     pub height: Option<u32>,
+    /// The camera to take of a glTF file, by its name or its number [default: the first of the scene]
+    #[arg(long, value_name = "NAME")]
+    pub camera: Option<String>,
     /// How much work goes into the BVH [default: chosen from triangles and expected rays]
     #[arg(long, value_name = "PRESET", value_enum)]
     pub bvh: Option<Preset>,
@@ -43,9 +46,17 @@ pub struct SceneOptions {
 impl SceneOptions {
     /// Loads `scene` and tells its warnings.
     pub fn load(&self, scene: &Path) -> Result<LoadedScene> {
-        let options = LoadOptions { strict: self.strict, width: self.width, height: self.height };
+        let options = LoadOptions {
+            strict: self.strict,
+            width: self.width,
+            height: self.height,
+            camera: self.camera.clone(),
+        };
         let loaded = load(scene, &options)?;
         self.warn(&loaded.warnings);
+        if !self.quiet {
+            loaded.notes.iter().for_each(|note| tell(&format!("note: {note}")));
+        }
         Ok(loaded)
     }
 

@@ -18,6 +18,7 @@ use crate::render::{RenderOptions, Rendered, TracerKind, render};
 use crate::replace::{check_differs, check_replaceable, replace_file, write_error};
 use crate::report::foretold::Foretold;
 use crate::report::statistics::{Bvh, Columns, ImageSize, Memory, Statistics, Time, pass_map};
+use crate::scene::components::Encoding;
 use crate::systems;
 use crate::tile::Tile;
 use crate::wavefront::DEFAULT_BATCH;
@@ -55,9 +56,10 @@ pub struct RenderArgs {
     /// Write no image if a sample is not finite, but say which; without this it counts as black
     #[arg(long)]
     pub trap_invalid: bool,
-    /// How linear colours become 8-bit levels (.ppm, .png)
-    #[arg(long, value_enum, default_value_t)]
-    pub transfer: Transfer,
+    /// How linear colours become 8-bit levels (.ppm, .png) [default: linear for scenes in JSON, srgb for
+    /// glTF files and meshes]
+    #[arg(long, value_enum)]
+    pub transfer: Option<Transfer>,
     /// Choose sampler and samples for this error, the root mean square of linear values
     #[arg(long, value_name = "ERROR", value_parser = above_zero, conflicts_with_all = ["crop", "time_budget"])]
     pub target_error: Option<f64>,
@@ -106,6 +108,10 @@ fn run_here(args: &RenderArgs, output: &Path) -> Result<()> {
     let start = Instant::now();
     let mut time = Time::default();
     let loaded = args.scene_options.load(&args.scene)?;
+    let transfer = args.transfer.unwrap_or(match loaded.encoding {
+        Encoding::Linear => Transfer::Linear,
+        Encoding::Srgb => Transfer::Srgb,
+    });
     let extracted = args.scene_options.extract(loaded)?;
     let preset = args.scene_options.bvh.unwrap_or_else(|| extracted.preset());
     let pixels = args.crop.map_or(extracted.pixels(), |crop| crop.len() as u64);
@@ -122,7 +128,7 @@ fn run_here(args: &RenderArgs, output: &Path) -> Result<()> {
     if let (Some(invalid), true) = (&invalid, args.trap_invalid) {
         return Err(trapped(args, invalid));
     }
-    timed(&mut time.write, || write(&rendered.film, output, args.transfer))?;
+    timed(&mut time.write, || write(&rendered.film, output, transfer))?;
     time.total = start.elapsed().as_secs_f64();
     time.passes = pass_map(&rendered.pass_seconds);
     if let (Some(invalid), false) = (&invalid, args.scene_options.quiet) {

@@ -1,13 +1,16 @@
 //! From a scene file to a world of entities.
 
+mod alone;
 pub mod components;
 pub mod corners;
+pub mod gltf;
 pub mod load;
 pub mod mesh;
 
 mod parse;
 mod reader;
 mod schema;
+mod staging;
 
 #[cfg(test)]
 mod tests;

@@ -156,9 +156,8 @@ fn read_from(
     limits.max_alloc = Some(MAX_BYTES);
     reader.limits(limits);
     // The decoders are meant not to panic, but a damaged file must not end the program.
-    catch_unwind(AssertUnwindSafe(|| reader.decode())).unwrap_or_else(|_| {
-        Err(ImageError::IoError(std::io::Error::other("the decoder gave up")))
-    })
+    catch_unwind(AssertUnwindSafe(|| reader.decode()))
+        .unwrap_or_else(|_| Err(ImageError::IoError(std::io::Error::other("the decoder gave up"))))
 }
 
 fn texels(decoded: DynamicImage, encoding: Encoding, tint: DVec3) -> Texels {

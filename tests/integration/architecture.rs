@@ -153,7 +153,7 @@ const CRATES: &[(&str, &[&str])] = &[
     ("ttf_parser", &["report"]),
     ("notosans", &["report"]),
     ("tiny_skia", &["report"]),
-    ("base64", &["report"]),
+    ("base64", &["report", "scene"]),
 ];
 
 /// The one file with `unsafe` code.

@@ -67,7 +67,9 @@ pub(super) fn texture(object: &Object<'_>) -> Result<Option<TextureRef>> {
 }
 
 fn warn_without_texture(object: &Object<'_>) {
-    for cursor in ["filter", "wrap", "encoding", "tint"].into_iter().filter_map(|key| object.get(key)) {
+    for cursor in
+        ["filter", "wrap", "encoding", "tint"].into_iter().filter_map(|key| object.get(key))
+    {
         cursor.warn("does nothing without a texture", "add \"texture\", or remove it");
     }
 }

@@ -10,6 +10,8 @@ mod transform;
 
 use crate::error::Result;
 
+pub(super) use camera::{FOV, LONGEST_SIDE, check_size};
+
 use super::components::Settings;
 use super::load::LoadOptions;
 use super::reader::{Cursor, Object, Range};

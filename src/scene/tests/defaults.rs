@@ -7,9 +7,9 @@ use serde_json::json;
 
 use super::{accepted, at, complete, load, only, set, with, without};
 use crate::scene::components::{
-    AreaLight, Encoding, Facing, Falloff, Filter, FovAxis, JsonPath, Material, Mesh, Name, Order, Pinhole,
-    PointLight, Quad, Sampling, Settings, Shading, Sides, Sphere, TextureRef, TextureSource, ThinLens, Transform,
-    Triangle, View, Wrap,
+    AreaLight, Encoding, Facing, Falloff, Filter, FovAxis, JsonPath, Material, Mesh, Name, Order,
+    Pinhole, PointLight, Quad, Sampling, Settings, Shading, Sides, Sphere, TextureRef,
+    TextureSource, ThinLens, Transform, Triangle, View, Wrap,
 };
 
 #[test]
