@@ -49,6 +49,10 @@ impl PreparedScene {
         for image in &self.looks.images {
             match &image.texels {
                 Texels::Bytes(texels) => hasher.0.update(bytemuck::cast_slice(texels)),
+                Texels::Levels(texels, values) => {
+                    hasher.0.update(bytemuck::cast_slice(texels));
+                    hasher.0.update(bytemuck::cast_slice(values.as_slice()));
+                }
                 Texels::Floats(texels) => hasher.0.update(bytemuck::cast_slice(texels)),
             }
         }

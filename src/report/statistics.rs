@@ -22,7 +22,7 @@
 //! | `lights_at_surface` | rays | lights nearer than the rounding error of the surface |
 //! | `time.load`, `.build`, `.trace`, `.write`, `.total` | seconds | by stage, on the clock |
 //! | `time.passes` | seconds | by pass, summed over threads |
-//! | `memory.predicted`, `.peak` | bytes | peak of the process: foretold, and measured (`null` where the system does not tell) |
+//! | `memory.predicted`, `.peak` | bytes | peak of the process: foretold before a mesh or a texture is read, and measured (`null` where the system does not tell) |
 //! | `columns.foretold`, `.held` | bytes | columns of the wavefront's batches on all threads: foretold, and held (the recursive tracer has none) |
 //! | `bvh.preset`, `.nodes`, `.depth`, `.bytes` | | the tree |
 //! | `goal.asked`, `.samples`, `.expected_error`, `.expected_seconds`, `.found_error`, `.renders` | | what was chosen for a target error or a time budget, and what came of it (`null` where neither was asked for) |
