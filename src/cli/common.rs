@@ -29,6 +29,9 @@ pub struct SceneOptions {
     /// Height of the image in pixels, instead of the scene's
     #[arg(long, value_name = "PIXELS")]
     pub height: Option<u32>,
+    /// The camera to take of a glTF file, by its name or its number [default: the first of the scene]
+    #[arg(long, value_name = "NAME")]
+    pub camera: Option<String>,
     /// How much work goes into the BVH [default: chosen from triangles and expected rays]
     #[arg(long, value_name = "PRESET", value_enum)]
     pub bvh: Option<Preset>,
@@ -58,6 +61,9 @@ impl SceneOptions {
         }
         let loaded = load(scene, &options)?;
         self.warn(&loaded.warnings);
+        if !self.quiet {
+            loaded.notes.iter().for_each(|note| tell(&format!("note: {note}")));
+        }
         Ok(loaded)
     }
 
@@ -69,7 +75,12 @@ impl SceneOptions {
     }
 
     fn load_options(&self) -> LoadOptions {
-        LoadOptions { strict: self.strict, width: self.width, height: self.height }
+        LoadOptions {
+            strict: self.strict,
+            width: self.width,
+            height: self.height,
+            camera: self.camera.clone(),
+        }
     }
 
     /// Runs the systems on `loaded` but for the last.

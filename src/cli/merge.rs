@@ -21,9 +21,9 @@ pub struct MergeArgs {
     /// The image to write: .ppm, .png, .exr or .pfm
     #[arg(short, long, value_name = "OUTPUT")]
     pub output: PathBuf,
-    /// How linear colours become 8-bit levels (.ppm, .png)
-    #[arg(long, value_enum, default_value_t)]
-    pub transfer: Transfer,
+    /// How linear colours become 8-bit levels (.ppm, .png) [default: as the render would have it]
+    #[arg(long, value_enum)]
+    pub transfer: Option<Transfer>,
     /// What is said of the image
     #[command(flatten)]
     pub metadata: MetadataOptions,
@@ -41,10 +41,10 @@ pub fn run(args: &MergeArgs) -> Result<()> {
     for part in &args.parts {
         check_differs(&args.output, part, "a part")?;
     }
-    let Merged { identity, film, invalid } = merge(&args.parts)?;
+    let Merged { identity, transfer, film, invalid } = merge(&args.parts)?;
     let entries = args.metadata.entries(&identity);
     let extras = Extras { entries: &entries, ..args.metadata.extras() };
-    write_with(&film, &args.output, args.transfer, &extras)?;
+    write_with(&film, &args.output, args.transfer.unwrap_or(transfer), &extras)?;
     if invalid > 0 && !args.quiet {
         tell(&format!("warning: {invalid} samples were not finite and count as black"));
     }

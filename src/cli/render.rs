@@ -64,9 +64,10 @@ pub struct RenderArgs {
     /// Write no image if a sample is not finite, but say which; without this it counts as black
     #[arg(long)]
     pub trap_invalid: bool,
-    /// How linear colours become 8-bit levels (.ppm, .png)
-    #[arg(long, value_enum, default_value_t)]
-    pub transfer: Transfer,
+    /// How linear colours become 8-bit levels (.ppm, .png) [default: linear for scenes in JSON, srgb for
+    /// glTF files and meshes]
+    #[arg(long, value_enum)]
+    pub transfer: Option<Transfer>,
     /// What is written
     #[command(flatten)]
     pub outputs: OutputOptions,
@@ -144,11 +145,18 @@ fn run_here(
     let mut time = Time::default();
     reporter.started(args, &command(std::env::args_os()));
     reporter.stage(Stage::Load);
-    let loaded = args.scene_options.load(&args.scene)?;
+    let pixels = args.crop.map(|crop| crop.len() as u64);
+    let options = &args.scene_options;
+    let foretold = match &args.stats {
+        Some(_) => Some(options.foretell(&args.scene, pixels, args.batch as usize)?),
+        None => None,
+    };
+    let loaded = options.load(&args.scene)?;
     reporter.warnings(&loaded.warnings);
+    outputs.made_of(loaded.encoding);
     let extracted = args.scene_options.extract(loaded)?;
     let preset = args.scene_options.bvh.unwrap_or_else(|| extracted.preset());
-    let pixels = args.crop.map_or(extracted.pixels(), |crop| crop.len() as u64);
+    let pixels = pixels.unwrap_or_else(|| extracted.pixels());
     let predicted = memory::predict(&extracted, pixels, preset, args.batch as usize);
     time.load = start.elapsed().as_secs_f64();
     reporter.loaded(&extracted, time.load);
@@ -185,6 +193,7 @@ fn run_here(
             let mut statistics = statistics(args, &scene, preset, &rendered, time, predicted);
             (statistics.first_invalid, statistics.goal) = (invalid, goal);
             statistics.resumed = resumed;
+            statistics.memory.predicted = foretold.map_or(0, |foretold| foretold.total());
             write_statistics(file, &statistics)
         }
         None => Ok(()),

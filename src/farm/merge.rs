@@ -14,6 +14,7 @@ use super::identity::{Difference, Identity};
 use super::part::{Header, Reader, Unit};
 use crate::error::{Error, ErrorKind, Result};
 use crate::image::Film;
+use crate::image::write::Transfer;
 use crate::render::Canvas;
 use crate::render::units::{Blocks, Grid};
 use crate::render::work::{Summed, add};
@@ -27,6 +28,8 @@ const MOST_NAMED: usize = 8;
 pub struct Merged {
     /// What it follows from.
     pub identity: Identity,
+    /// How 8-bit images of it were to be written.
+    pub transfer: Transfer,
     /// The image.
     pub film: Film,
     /// Samples that were not finite, and count as black.
@@ -65,7 +68,7 @@ pub fn merge(paths: &[PathBuf]) -> Result<Merged> {
     }
     let finished = mosaic.finish().map_err(|gap| incomplete(&shards, Some(gap)))?;
     let Finished { film, invalid } = finished;
-    Ok(Merged { identity: header.identity, film, invalid })
+    Ok(Merged { identity: header.identity, transfer: header.transfer, film, invalid })
 }
 
 /// The length of all files.

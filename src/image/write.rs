@@ -14,10 +14,23 @@ use super::film::Film;
 use super::metadata::{Entry, Extras, full_name};
 use super::{netpbm, openexr};
 use crate::error::{Error, ErrorKind, Result, did_you_mean};
+pub use crate::math::srgb::{srgb_decode, srgb_encode};
 use crate::replace::{Sink, check_replaceable, replace_file, write_error};
 
 /// How a linear value from 0 to 1 becomes one of 256 levels. Float formats are always linear.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, clap::ValueEnum)]
+#[derive(
+    Clone,
+    Copy,
+    Debug,
+    Default,
+    PartialEq,
+    Eq,
+    Hash,
+    clap::ValueEnum,
+    serde::Serialize,
+    serde::Deserialize,
+)]
+#[serde(rename_all = "lowercase")]
 pub enum Transfer {
     /// Level 255 times the value.
     #[default]
@@ -205,21 +218,6 @@ pub(super) fn row_to_bytes(row: &[[f32; 3]], transfer: Transfer) -> Vec<u8> {
 fn linear_level(value: f32) -> u8 {
     // The conversion takes what is not a number to 0.
     (value.clamp(0.0, 1.0) * 255.0).round() as u8
-}
-
-/// The sRGB curve (IEC 61966-2-1) for one value, linear in and encoded out.
-pub fn srgb_encode(value: f32) -> f32 {
-    if value <= 0.003_130_8 {
-        12.92 * value
-    } else {
-        // The library's power function, not the machine's, which may differ in the last bit.
-        1.055 * libm::powf(value, 1.0 / 2.4) - 0.055
-    }
-}
-
-/// The inverse of [`srgb_encode`]: encoded in and linear out.
-pub fn srgb_decode(value: f32) -> f32 {
-    if value <= 0.040_45 { value / 12.92 } else { libm::powf((value + 0.055) / 1.055, 2.4) }
 }
 
 #[cfg(test)]

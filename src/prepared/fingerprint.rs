@@ -114,6 +114,10 @@ impl PreparedScene {
                 let _ = write!(hasher, "{:?}", [image.width, image.height, image.coarsest()]);
                 match &image.texels {
                     Texels::Bytes(texels) => hasher.list(texels),
+                    Texels::Levels(texels, values) => {
+                        hasher.list(texels);
+                        hasher.list(values.as_slice());
+                    }
                     Texels::Floats(texels) => hasher.list(texels),
                 }
             }

@@ -15,14 +15,17 @@ use serde_json::Value;
 
 use crate::error::{Error, ErrorKind, Result, Warning};
 
+use super::alone;
 use super::components::{
-    AreaLight, Hidden, InstanceOf, JsonPath, Material, Mesh, Order, Pinhole, Quad, Shading, Sides,
-    Sphere, TextureRef, Transform, Triangle,
+    AreaLight, Encoding, Hidden, InstanceOf, JsonPath, Material, Mesh, Order, Pinhole, Quad,
+    Shading, Sides, Sphere, TextureRef, Transform, Triangle,
 };
+use super::gltf;
 use super::mesh::{self, LoadedMesh, MeshData};
 use super::parse;
 use super::reader::{Cursor, Notes, Place, json};
 use super::schema::{Camera, Geometry, Instance, Light, SceneFile, Shape};
+use super::staging;
 use super::survey::{self, Survey};
 
 /// Greatest length of a scene file in bytes, 256 MiB. JSON takes up to 25 times its length in
@@ -30,7 +33,7 @@ use super::survey::{self, Survey};
 const LONGEST_FILE: u64 = 1 << 28;
 
 /// How a scene file is to be read.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct LoadOptions {
     /// Whether a key that the format does not have is an error rather than a warning.
     pub strict: bool,
@@ -38,6 +41,8 @@ pub struct LoadOptions {
     pub width: Option<u32>,
     /// The height of the image in pixels, in place of the file's.
     pub height: Option<u32>,
+    /// The camera to take of a file that may have several, by its name or its number.
+    pub camera: Option<String>,
 }
 
 /// A scene, and what its author should know about it.
@@ -46,15 +51,51 @@ pub struct LoadedScene {
     pub world: World,
     /// What is odd about the file, in its order; then what is odd about its meshes.
     pub warnings: Vec<Warning>,
+    /// What was chosen, where the file does not say: a camera, a light.
+    pub notes: Vec<Warning>,
+    /// How images of 8 bits are to be written, where nobody says.
+    pub encoding: Encoding,
 }
 
-/// Reads the scene file at `path`, and the meshes that it names.
+/// Reads the scene at `path`, and the files that it names: a scene file in JSON, a glTF file, or a mesh
+/// alone, by the ending of its name, and by what it begins with.
 ///
 /// # Errors
 /// The file, or a mesh, cannot be read or breaks its format; a texture is not there; a value is not
 /// one that the scene format allows; something is larger than allowed.
 pub fn load(path: &Path, options: &LoadOptions) -> Result<LoadedScene> {
-    load_str(&read_text(path)?, path, options)
+    match FileForm::of(path) {
+        FileForm::Scene => load_str(&read_text(path)?, path, options),
+        FileForm::Gltf => gltf::load(path, options),
+        FileForm::Mesh => alone::load(path, options),
+    }
+}
+
+/// The forms that a scene may have.
+enum FileForm {
+    Scene,
+    Gltf,
+    Mesh,
+}
+
+impl FileForm {
+    fn of(path: &Path) -> Self {
+        let extension = path.extension().unwrap_or_default().to_string_lossy();
+        match extension.to_ascii_lowercase().as_str() {
+            "gltf" | "glb" => Self::Gltf,
+            "ply" | "obj" => Self::Mesh,
+            _ if begins_as_glb(path) => Self::Gltf,
+            _ => Self::Scene,
+        }
+    }
+}
+
+/// Whether a regular file is a GLB file under another name.
+fn begins_as_glb(path: &Path) -> bool {
+    let mut start = [0; 4];
+    path.is_file()
+        && File::open(path).and_then(|mut file| file.read_exact(&mut start)).is_ok()
+        && gltf::is_binary(&start)
 }
 
 /// As [`load`], from text. Relative paths start from the folder of `file`, which need not exist.
@@ -89,6 +130,7 @@ pub(super) fn load_with(
     options: &LoadOptions,
     read_mesh: impl Fn(&Path) -> Result<LoadedMesh>,
 ) -> Result<LoadedScene> {
+    refuse_camera(file, options)?;
     let notes = Notes::new(file, options.strict);
     let value = parse_json(json, file)?;
     let scene = parse::scene_file(&Cursor::new(&value, Place::Top, &notes), options)?;
@@ -96,7 +138,18 @@ pub(super) fn load_with(
     drop(value);
     warn_of_equal_names(&scene.shapes, &notes);
     let world = Spawner { world: World::new(), notes: &notes, read_mesh }.spawn(scene)?;
-    Ok(LoadedScene { world, warnings: notes.into_warnings() })
+    Ok(LoadedScene {
+        world,
+        warnings: notes.into_warnings(),
+        notes: Vec::new(),
+        encoding: Encoding::Linear,
+    })
+}
+
+fn refuse_camera(file: &Path, options: &LoadOptions) -> Result<()> {
+    let Some(camera) = &options.camera else { return Ok(()) };
+    let error = Error::new(ErrorKind::Usage, "a scene file has one camera, and no other to choose");
+    Err(error.in_file(file).value(camera).remedy("leave --camera out"))
 }
 
 /// What the scene file at `path` calls for, told without reading a mesh or a texture into memory.
@@ -104,6 +157,14 @@ pub(super) fn load_with(
 /// # Errors
 /// As [`load`], as far as the scene file itself and the headers of meshes go.
 pub fn survey(path: &Path, options: &LoadOptions) -> Result<Survey> {
+    match FileForm::of(path) {
+        FileForm::Scene => {}
+        FileForm::Gltf => return gltf::survey(path, options),
+        FileForm::Mesh => {
+            let (width, height) = staging::size(options, None)?;
+            return survey::alone(path, [width, height]);
+        }
+    }
     let notes = Notes::new(path, options.strict);
     let text = read_text(path)?;
     let value = parse_json(&text, path)?;
@@ -138,7 +199,7 @@ fn check_length(path: &Path, length: u64) -> Result<()> {
     Err(error.remedy(format!("{allowed}: keep large meshes in files of their own")))
 }
 
-fn parse_json(text: &str, file: &Path) -> Result<Value> {
+pub(super) fn parse_json(text: &str, file: &Path) -> Result<Value> {
     // Some editors begin a file with a byte order mark, which JSON does not have.
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     json::parse(text).map_err(|e| {

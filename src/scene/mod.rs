@@ -1,7 +1,9 @@
 //! From a scene file to a world of entities.
 
+mod alone;
 pub mod components;
 pub mod corners;
+pub mod gltf;
 pub mod load;
 pub mod mesh;
 pub mod survey;
@@ -9,6 +11,7 @@ pub mod survey;
 mod parse;
 mod reader;
 mod schema;
+mod staging;
 
 pub use parse::json_schema;
 

@@ -1,5 +1,7 @@
 //! What a scene calls for, told before anything large is read: what memory is foretold by.
 
+use std::path::Path;
+
 use super::components::{Filter, Sampling, Shading, TextureRef};
 use super::mesh::{self, MeshData};
 use super::reader::Notes;
@@ -20,10 +22,12 @@ pub struct SurveyedMesh {
 }
 
 /// What a scene calls for.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Survey {
     /// Bytes of the scene file.
     pub text: u64,
+    /// Bytes of what is in memory as it lies in files while the scene is read.
+    pub raw: u64,
     /// Its meshes, shape by shape, those of lights too.
     pub meshes: Vec<SurveyedMesh>,
     /// Triangles, quads and spheres that are written out in the scene file.
@@ -40,6 +44,14 @@ pub struct Survey {
     pub light_samples: u64,
     /// Whether there are bounces.
     pub bounces: bool,
+}
+
+/// What the mesh file at `path` calls for where it is all there is, in an image of so many pixels.
+pub(super) fn alone(path: &Path, size: [u32; 2]) -> Result<Survey> {
+    let holds = mesh::survey(path)?;
+    let mesh = SurveyedMesh { holds, normals: true, uvs: false, shown: 1 };
+    let (meshes, rays_per_pixel, light_samples) = (vec![mesh], 1, 1);
+    Ok(Survey { meshes, size, rays_per_pixel, light_samples, ..Survey::default() })
 }
 
 /// What `scene` calls for, whose file has `text` bytes.
@@ -95,7 +107,7 @@ impl Survey {
 
     fn add_texture(&mut self, shape: &Shape) {
         let Some(texture) = &shape.texture else { return };
-        match self.textures.iter_mut().find(|known| known.path == texture.path) {
+        match self.textures.iter_mut().find(|known| known.source == texture.source) {
             Some(known) if texture.filter == Filter::Trilinear => known.filter = texture.filter,
             Some(_) => {}
             None => self.textures.push(texture.clone()),

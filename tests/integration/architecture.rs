@@ -36,7 +36,7 @@ const ARROWS: &[(&str, &[&str])] = &[
             "wavefront",
         ],
     ),
-    ("image", &["error", "replace"]),
+    ("image", &["error", "math", "replace"]),
     (
         "render",
         &[
@@ -182,7 +182,7 @@ const CRATES: &[(&str, &[&str])] = &[
     ("ttf_parser", &["report"]),
     ("notosans", &["report"]),
     ("tiny_skia", &["report"]),
-    ("base64", &["report"]),
+    ("base64", &["report", "scene"]),
 ];
 
 /// The one file with `unsafe` code.

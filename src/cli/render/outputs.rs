@@ -1,6 +1,7 @@
 //! The files that a render writes: one or several, with layers and with what is said of them.
 
 use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 
 use clap::ValueEnum;
 
@@ -10,11 +11,13 @@ use crate::cli::metadata::MetadataOptions;
 use crate::error::{Error, ErrorKind, Result, did_you_mean};
 use crate::farm::Identity;
 use crate::image::metadata::{Entry, Extras};
+use crate::image::write::Transfer;
 use crate::image::write::{check_writable, write_with};
 use crate::image::{Film, Format};
 use crate::prepared::PreparedScene;
 use crate::render::Rendered;
 use crate::replace::{check_differs, check_replaceable};
+use crate::scene::components::Encoding;
 
 /// Options on what is written.
 #[derive(Clone, Debug, clap::Args)]
@@ -63,6 +66,8 @@ fn layers(text: &str) -> std::result::Result<Layers, String> {
 pub(super) struct Outputs<'a> {
     args: &'a RenderArgs,
     paths: Vec<&'a Path>,
+    /// How 8-bit images are to be written, where nobody says; known once the scene is read.
+    encoding: OnceLock<Encoding>,
 }
 
 impl<'a> Outputs<'a> {
@@ -80,7 +85,7 @@ impl<'a> Outputs<'a> {
                 .iter()
                 .try_for_each(|other| check_differs(path, other, "another output"))?;
         }
-        let outputs = Self { args, paths };
+        let outputs = Self { args, paths, encoding: OnceLock::new() };
         if args.outputs.aov.is_some() && !outputs.has_exr() {
             return Err(Error::new(ErrorKind::Usage, "only an .exr image has layers")
                 .in_file(first)
@@ -95,6 +100,19 @@ impl<'a> Outputs<'a> {
     /// When it is.
     pub(super) fn check_apart(&self, file: &Path) -> Result<()> {
         self.paths.iter().try_for_each(|path| check_differs(file, path, "the image"))
+    }
+
+    /// Takes note of how the scene would have 8-bit images written.
+    pub(super) fn made_of(&self, encoding: Encoding) {
+        self.encoding.get_or_init(|| encoding);
+    }
+
+    /// How 8-bit levels are made.
+    pub(super) fn transfer(&self) -> Transfer {
+        self.args.transfer.unwrap_or(match self.encoding.get() {
+            Some(Encoding::Srgb) => Transfer::Srgb,
+            Some(Encoding::Linear) | None => Transfer::Linear,
+        })
     }
 
     /// Writes all of them; layers are made now, if any are asked for.
@@ -146,7 +164,7 @@ impl<'a> Outputs<'a> {
     }
 
     fn write_one(&self, film: &Film, path: &Path, extras: &Extras<'_>) -> Result<()> {
-        write_with(film, path, self.args.transfer, extras)
+        write_with(film, path, self.transfer(), extras)
     }
 
     fn has_exr(&self) -> bool {

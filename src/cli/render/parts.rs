@@ -114,7 +114,7 @@ pub(super) fn trace(
         return render(scene, &args.options(), &screen).map(|rendered| (rendered, 0.0));
     };
     let options = args.options();
-    let session = Session::begin(scene, &options, author(args), None, Some(&checkpoint))?;
+    let session = Session::begin(scene, &options, author(args, seen), None, Some(&checkpoint))?;
     tell_of_checkpoint(args, &checkpoint, &session);
     let rendered = session.render(&screen, &warn)?;
     Ok((rendered, session.resumed()))
@@ -129,7 +129,8 @@ pub(super) fn write_shard(
 ) -> Result<()> {
     let output = seen.outputs.first();
     let (options, checkpoint) = (args.options(), args.parts.checkpoint());
-    let session = Session::begin(scene, &options, author(args), Some(shard), checkpoint.as_ref())?;
+    let session =
+        Session::begin(scene, &options, author(args, seen), Some(shard), checkpoint.as_ref())?;
     if let Some(checkpoint) = &checkpoint {
         tell_of_checkpoint(args, checkpoint, &session);
     }
@@ -179,9 +180,10 @@ fn go_on(args: &RenderArgs) -> String {
     }
 }
 
-fn author(args: &RenderArgs) -> Author {
+fn author(args: &RenderArgs, seen: &Seen<'_>) -> Author {
     let command = std::env::args_os().map(|word| word.to_string_lossy().into_owned());
-    Author { scene: args.scene.display().to_string(), command: command.collect() }
+    let transfer = seen.outputs.transfer();
+    Author { scene: args.scene.display().to_string(), command: command.collect(), transfer }
 }
 
 fn tell_of_checkpoint(args: &RenderArgs, checkpoint: &Checkpoint, session: &Session<'_>) {

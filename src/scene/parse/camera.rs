@@ -29,7 +29,7 @@ pub(super) const KEYS: [&str; 13] = [
 pub(super) const LENS_KEYS: [&str; 4] = ["aperture", "focal", "nsamplesx", "nsamplesy"];
 
 /// Greatest width and height of the image.
-pub(super) const LONGEST_SIDE: u32 = 65_536;
+pub(crate) const LONGEST_SIDE: u32 = 65_536;
 /// Greatest number of pixels, 2^28: as floats, three gibibytes.
 const MOST_PIXELS: u64 = 1 << 28;
 /// Greatest number of rays through each pixel, 2^24.
@@ -41,7 +41,7 @@ pub(super) const MOST_LENS_SAMPLES: u32 = 4_096;
 /// Points on the lens along each side of the grid, where the file does not say.
 pub(super) const LENS_SAMPLES: u32 = 4;
 /// Angles of view, in degrees. At 180 the image plane would be at infinity.
-pub(super) const FOV: Range = Range::new(0.001, 179.0);
+pub(crate) const FOV: Range = Range::new(0.001, 179.0);
 /// Sine of the angle between `up` and the view below which they are taken as parallel: what is
 /// left of `up` across the view would then be mostly rounding, in single precision.
 const PARALLEL: f64 = 1e-6;
@@ -89,20 +89,44 @@ fn view(object: &Object<'_>, options: &LoadOptions) -> Result<View> {
 fn size(object: &Object<'_>, options: &LoadOptions) -> Result<(u32, u32)> {
     let width = side(object, "width", options.width)?;
     let height = side(object, "height", options.height)?;
-    let pixels = u64::from(width) * u64::from(height);
-    if pixels > MOST_PIXELS {
-        let message = format!("the image would have {width} x {height} = {pixels} pixels");
-        return Err(limit(object, message, format!("at most {MOST_PIXELS} (2^28) are allowed")));
+    match too_many_pixels(width, height) {
+        Some(message) => Err(limit(object, message, pixels_allowed())),
+        None => Ok((width, height)),
     }
-    Ok((width, height))
+}
+
+fn too_many_pixels(width: u32, height: u32) -> Option<String> {
+    let pixels = u64::from(width) * u64::from(height);
+    (pixels > MOST_PIXELS)
+        .then(|| format!("the image would have {width} x {height} = {pixels} pixels"))
+}
+
+fn pixels_allowed() -> String {
+    format!("at most {MOST_PIXELS} (2^28) are allowed")
+}
+
+/// Checks the size of an image that no scene file tells.
+pub(crate) fn check_size(width: u32, height: u32) -> Result<()> {
+    check_side("width", width)?;
+    check_side("height", height)?;
+    match too_many_pixels(width, height) {
+        Some(message) => Err(Error::new(ErrorKind::Limit, message).remedy(pixels_allowed())),
+        None => Ok(()),
+    }
 }
 
 /// A side of the image: the one asked for, if one is, but the file must be right all the same.
 fn side(object: &Object<'_>, key: &'static str, asked: Option<u32>) -> Result<u32> {
     let own = object.integer(key, 1, LONGEST_SIDE)?;
     let Some(asked) = asked else { return Ok(own) };
+    check_side(key, asked)?;
+    Ok(asked)
+}
+
+/// Checks a side that is asked for.
+fn check_side(key: &str, asked: u32) -> Result<()> {
     if (1..=LONGEST_SIDE).contains(&asked) {
-        return Ok(asked);
+        return Ok(());
     }
     let words = integer_words(1, LONGEST_SIDE);
     let message = format!("the {key} asked for in place of the scene's must be {words}");

@@ -2,8 +2,10 @@
 
 use std::path::PathBuf;
 
+use glam::DVec3;
+
 use crate::error::{ErrorKind, Result};
-use crate::scene::components::{Filter, Material, TextureRef, Wrap};
+use crate::scene::components::{Encoding, Filter, Material, TextureRef, TextureSource, Wrap};
 use crate::scene::reader::{Cursor, Object, Range};
 
 pub(super) const KEYS: [&str; 5] = ["ks", "kd", "specularexponent", "diffusecolor", "kr"];
@@ -17,6 +19,8 @@ pub(super) const FILTERS: [(&str, Filter); 3] = [
     ("trilinear", Filter::Trilinear),
 ];
 pub(super) const WRAPS: [(&str, Wrap); 2] = [("repeat", Wrap::Repeat), ("clamp", Wrap::Clamp)];
+pub(super) const ENCODINGS: [(&str, Encoding); 2] =
+    [("linear", Encoding::Linear), ("srgb", Encoding::Srgb)];
 
 /// Reads the `material` of a shape.
 pub(super) fn material(cursor: &Cursor<'_>) -> Result<Material> {
@@ -53,16 +57,20 @@ fn warn_above_1(object: &Object<'_>) {
 pub(super) fn texture(object: &Object<'_>) -> Result<Option<TextureRef>> {
     let filter = object.choice_or("filter", &FILTERS, Filter::default())?;
     let wrap = object.choice_or("wrap", &WRAPS, Wrap::default())?;
+    let encoding = object.choice_or("encoding", &ENCODINGS, Encoding::default())?;
+    let tint = object.get("tint").map_or(Ok(DVec3::ONE), |cursor| cursor.color())?;
     let Some(cursor) = object.get("texture") else {
         warn_without_texture(object);
         return Ok(None);
     };
     let path = existing_file(&cursor, "the path of an image")?;
-    Ok(Some(TextureRef { path, filter, wrap }))
+    Ok(Some(TextureRef { source: TextureSource::File(path), encoding, tint, filter, wrap }))
 }
 
 fn warn_without_texture(object: &Object<'_>) {
-    for cursor in ["filter", "wrap"].into_iter().filter_map(|key| object.get(key)) {
+    for cursor in
+        ["filter", "wrap", "encoding", "tint"].into_iter().filter_map(|key| object.get(key))
+    {
         cursor.warn("does nothing without a texture", "add \"texture\", or remove it");
     }
 }

@@ -14,6 +14,8 @@ pub use json_schema::json_schema;
 
 use crate::error::Result;
 
+pub(super) use camera::{FOV, LONGEST_SIDE, check_size};
+
 use super::components::Settings;
 use super::load::LoadOptions;
 use super::reader::{Cursor, Object, Range};

@@ -13,7 +13,7 @@ use crate::scene::schema::{Geometry, Shape};
 
 use super::{material, mesh, transform};
 
-pub(super) const COMMON_KEYS: [&str; 10] = [
+pub(super) const COMMON_KEYS: [&str; 12] = [
     "type",
     "name",
     "id",
@@ -21,6 +21,8 @@ pub(super) const COMMON_KEYS: [&str; 10] = [
     "texture",
     "filter",
     "wrap",
+    "encoding",
+    "tint",
     "transform",
     "sides",
     "shading",

@@ -35,7 +35,8 @@ impl Range {
         Self { low, high, open: false }
     }
 
-    fn contains(self, x: f64) -> bool {
+    /// Whether a number is one of them.
+    pub(crate) fn contains(self, x: f64) -> bool {
         (if self.open { x > self.low } else { x >= self.low }) && x <= self.high
     }
 

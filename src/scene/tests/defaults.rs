@@ -7,9 +7,9 @@ use serde_json::json;
 
 use super::{accepted, at, complete, load, only, set, with, without};
 use crate::scene::components::{
-    AreaLight, Facing, Falloff, Filter, FovAxis, JsonPath, Material, Mesh, Name, Order, Pinhole,
-    PointLight, Quad, Sampling, Settings, Shading, Sides, Sphere, TextureRef, ThinLens, Transform,
-    Triangle, View, Wrap,
+    AreaLight, Encoding, Facing, Falloff, Filter, FovAxis, JsonPath, Material, Mesh, Name, Order,
+    Pinhole, PointLight, Quad, Sampling, Settings, Shading, Sides, Sphere, TextureRef,
+    TextureSource, ThinLens, Transform, Triangle, View, Wrap,
 };
 
 #[test]
@@ -203,8 +203,13 @@ fn shapes() {
         kr: 0.25,
     };
     assert_eq!(at(&scene, ball), Some(material));
-    let path = PathBuf::from("Cargo.toml");
-    let texture = TextureRef { path, filter: Filter::Nearest, wrap: Wrap::Clamp };
+    let texture = TextureRef {
+        source: TextureSource::File(PathBuf::from("Cargo.toml")),
+        encoding: Encoding::Srgb,
+        tint: dvec3(0.5, 1.0, 0.25),
+        filter: Filter::Nearest,
+        wrap: Wrap::Clamp,
+    };
     assert_eq!(at(&scene, ball), Some(texture));
     assert_eq!(at(&scene, "scene.shapes[1]"), Some(Facing::Toward(DVec3::Z)));
     assert_eq!(at::<Facing>(&scene, "scene.shapes[2]"), None);
@@ -228,6 +233,7 @@ fn shape_defaults() {
     let scene = accepted("scene.shapes[3].texture", json!("Cargo.toml"));
     let texture: TextureRef = at(&scene, "scene.shapes[3]").unwrap();
     assert_eq!((texture.filter, texture.wrap), (Filter::Bilinear, Wrap::Repeat));
+    assert_eq!((texture.encoding, texture.tint), (Encoding::Linear, DVec3::ONE));
 }
 
 #[test]

@@ -59,7 +59,7 @@ pub(super) fn point(text: &str) -> Value {
     definition_of_with("point", text)
 }
 
-fn color(text: &str) -> Value {
+pub(super) fn color(text: &str) -> Value {
     definition_of_with("color", text)
 }
 

@@ -2,12 +2,12 @@
 
 use serde_json::{Value, json};
 
-use super::objects::{definition_of_with, not_both_names, point};
+use super::objects::{color, definition_of_with, not_both_names, point};
 use super::{
     Describe, about, by_type, definition_of, integer, list, number, object, or, text, tuple,
     where_all, word, word_or,
 };
-use crate::scene::components::{Filter, Shading, Wrap};
+use crate::scene::components::{Encoding, Filter, Shading, Wrap};
 use crate::scene::parse::{material, mesh, shape};
 use crate::scene::reader::Range;
 
@@ -64,7 +64,7 @@ fn any_mesh(name: &impl Fn(&str) -> String) -> Value {
 /// The keys of a light's shape, whose looks are not asked for.
 fn light_shape_key(key: &str) -> Option<Value> {
     match key {
-        "material" | "texture" | "filter" | "wrap" => {
+        "material" | "texture" | "filter" | "wrap" | "encoding" | "tint" => {
             Some(json!({"description": "Not looked at: the light has a colour of its own."}))
         }
         _ => shape_key(key),
@@ -93,6 +93,11 @@ fn shape_key(key: &str) -> Option<Value> {
             word_or(&material::WRAPS, Wrap::default()),
             "How coordinates outside 0 to 1 are taken.",
         ),
+        "encoding" => about(
+            word_or(&material::ENCODINGS, Encoding::default()),
+            "What the numbers of the texture stand for.",
+        ),
+        "tint" => or(color("What the colours of the texture are multiplied by."), json!([1, 1, 1])),
         "transform" => definition_of_with("transform", "From its own space to the world's."),
         "sides" => about(
             word(&shape::SIDES),
