@@ -5,6 +5,7 @@
 //! schema at once, and a test fails until [`objects`] says what it means. What depends on other values, such as
 //! a number of points, is left to `wavecrest check`.
 
+mod cameras;
 mod objects;
 
 use serde_json::{Map, Value, json};

@@ -3,12 +3,12 @@
 use serde_json::{Value, json};
 
 use super::{
-    Describe, about, by_type, definition_of, integer, list, number, object, one_of, or, text,
+    Describe, about, by_type, cameras, definition_of, integer, list, number, object, or, text,
     tuple, where_all, word, word_or,
 };
-use crate::scene::components::{Falloff, Filter, FovAxis, Sampling, Shading, Wrap};
+use crate::scene::components::{Falloff, Filter, Shading, Wrap};
 use crate::scene::parse::{
-    AMBIENT, KEYS, MOST_BOUNCES, SCENE_KEYS, camera, light, material, mesh, shape, transform,
+    AMBIENT, KEYS, MOST_BOUNCES, SCENE_KEYS, light, material, mesh, shape, transform,
 };
 use crate::scene::reader::Range;
 
@@ -36,9 +36,10 @@ pub(super) fn definitions() -> Vec<(String, Value)> {
         ("color", about(tuple(3, number(Range::NOT_NEGATIVE)), "A linear colour, [r, g, b].")),
         ("scene", scene()),
         ("instance", instance()),
-        ("camera", cameras()),
-        ("pinhole", pinhole()),
-        ("thinlens", thin_lens()),
+        ("camera", cameras::cameras()),
+        ("cameraPath", cameras::camera_path()),
+        ("pinhole", cameras::pinhole()),
+        ("thinlens", cameras::thin_lens()),
         ("light", by_type("A light.", &[("pointlight", "pointlight"), ("arealight", "arealight")])),
         ("pointlight", point_light()),
         ("arealight", area_light()),
@@ -55,7 +56,7 @@ fn definition_of_with(name: &str, text: &str) -> Value {
     about(definition_of(name), text)
 }
 
-fn point(text: &str) -> Value {
+pub(super) fn point(text: &str) -> Value {
     definition_of_with("point", text)
 }
 
@@ -93,73 +94,6 @@ fn instance() -> Value {
             "name" => about(text(), "A name for messages."),
             _ => return None,
         })
-    })
-}
-
-fn cameras() -> Value {
-    let kinds = camera::KINDS.map(|(word, _)| (word, word));
-    by_type("The camera and the size of the image.", &kinds)
-}
-
-const VIEW_REQUIRED: [&str; 4] = ["type", "width", "height", "fov"];
-
-/// The keys that have several names.
-fn view_names() -> Vec<Value> {
-    vec![one_of(&["location", "position"]), one_of(&["look", "lookat", "lookAt"])]
-}
-
-fn pinhole() -> Value {
-    let camera =
-        object("A camera that is sharp everywhere.", &camera::KEYS, &VIEW_REQUIRED, camera_key);
-    where_all(camera, view_names())
-}
-
-fn thin_lens() -> Value {
-    let keys = [&camera::KEYS[..], &camera::LENS_KEYS].concat();
-    let required = [&VIEW_REQUIRED[..], &["aperture", "focal"]].concat();
-    let camera = object("A camera that is sharp in one plane.", &keys, &required, camera_key);
-    where_all(camera, view_names())
-}
-
-fn camera_key(key: &str) -> Option<Value> {
-    let side = || integer(1, camera::LONGEST_SIDE);
-    let lens_side = || or(integer(1, camera::MOST_LENS_SAMPLES), camera::LENS_SAMPLES);
-    Some(match key {
-        "type" => about(word(&camera::KINDS), "Which kind of camera this is."),
-        "width" => about(side(), "Width of the image, in pixels."),
-        "height" => about(side(), "Height of the image, in pixels."),
-        "fov" => about(
-            number(camera::FOV),
-            "Full angle of view across one side of the image, in degrees.",
-        ),
-        "location" => point("Where the camera is."),
-        "position" => point("Another name of location."),
-        "look" => point("The point in the middle of the image."),
-        "lookat" | "lookAt" => point("Another name of look."),
-        "up" => or(point("Up in the image."), json!([0, 1, 0])),
-        "fovaxis" => about(
-            word_or(&camera::FOV_AXES, FovAxis::default()),
-            "The side that fov is measured across.",
-        ),
-        "antialias" => about(
-            or(integer(1, camera::MOST_ANTIALIAS), 1),
-            "Side of the grid of rays in each pixel; 1 is one ray through its centre.",
-        ),
-        "sampling" => about(
-            word_or(&light::SAMPLINGS, Sampling::Jittered),
-            "How rays are spread: over the pixel by a pinhole, over its lens by a thin lens.",
-        ),
-        "aperture" => about(number(Range::NOT_NEGATIVE), "Diameter of the lens; 0 is a pinhole."),
-        "focal" => {
-            about(number(Range::POSITIVE), "Distance of the plane in focus, along the view.")
-        }
-        "nsamplesx" => {
-            about(lens_side(), "Points on the lens: angles. Times nsamplesy, rays a pixel.")
-        }
-        "nsamplesy" => {
-            about(lens_side(), "Points on the lens: radii. Times nsamplesx, rays a pixel.")
-        }
-        _ => return None,
     })
 }
 
