@@ -54,7 +54,7 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    Render(render::RenderArgs),
+    Render(Box<render::RenderArgs>),
     Merge(merge::MergeArgs),
     Check(check::CheckArgs),
     Explain(explain::ExplainArgs),

@@ -229,6 +229,33 @@ pub struct View {
 }
 
 pub use crate::kernels::camera::FovAxis;
+pub use crate::kernels::camera::path::Interpolation;
+
+/// Where a camera is at a frame: what is not said here is as its [`View`] says.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CameraKey {
+    /// The frame.
+    pub frame: u32,
+    /// Its place.
+    pub location: DVec3,
+    /// A point in the middle of the image.
+    pub look: DVec3,
+    /// The direction that is up in the image.
+    pub up: DVec3,
+    /// Full angle of view in degrees.
+    pub fov_degrees: f64,
+    /// Distance of the plane in focus, along the view axis, above 0; no matter for a pinhole.
+    pub focal: f64,
+}
+
+/// How a camera moves: another component of its entity.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CameraPath {
+    /// Its keys, one at least, by rising frames.
+    pub keys: Vec<CameraKey>,
+    /// What lies between them.
+    pub interpolation: Interpolation,
+}
 
 /// A camera all of whose rays pass through its location.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

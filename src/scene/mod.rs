@@ -11,6 +11,7 @@ pub mod survey;
 mod parse;
 mod reader;
 mod schema;
+mod spawn;
 mod staging;
 
 pub use parse::json_schema;

@@ -9,8 +9,8 @@ use std::path::PathBuf;
 use glam::DAffine3;
 
 use super::components::{
-    AreaLight, Facing, Material, Name, PointLight, Quad, Settings, Shading, Sides, Sphere,
-    TextureRef, ThinLens, Transform, Triangle, View,
+    AreaLight, CameraPath, Facing, Material, Name, PointLight, Quad, Settings, Shading, Sides,
+    Sphere, TextureRef, ThinLens, Transform, Triangle, View,
 };
 use super::mesh::MeshData;
 
@@ -28,6 +28,8 @@ pub(crate) struct Camera {
     pub(crate) view: View,
     /// `None` for a pinhole.
     pub(crate) lens: Option<ThinLens>,
+    /// `None` where it does not move.
+    pub(crate) path: Option<CameraPath>,
 }
 
 /// An element of `scene.lightsources`.

@@ -104,6 +104,7 @@ pub fn extract_with(world: &mut World, options: Options<'_>) -> Result<Extracted
     let images = textures::run(world, schedule, &found.textured, &mut extracted.shapes)?;
     extracted.drop_unused(schedule);
     let camera = camera::run(world, origin, schedule)?;
+    let path = camera::path(world, origin, schedule);
     let geometry::Output { geometry, shapes, meshes } = extracted;
     let place = |output: &geometry::ShapeOutput| {
         world.get::<&JsonPath>(output.entity).map_or_else(|_| String::new(), |p| p.0.clone())
@@ -114,6 +115,7 @@ pub fn extract_with(world: &mut World, options: Options<'_>) -> Result<Extracted
         plan,
         origin,
         camera,
+        path,
         accel: Accel::unbuilt(geometry),
         looks: Looks { shapes, materials, places, images, meshes },
         lights,

@@ -1,6 +1,7 @@
 //! From a document to a world of entities.
 
 use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 
 use glam::{DAffine3, DVec3, Vec3};
 use hecs::{Entity, EntityBuilder, World};
@@ -114,10 +115,10 @@ fn forms(document: &Document, remarks: &Remarks<'_>) -> Result<Vec<Form>> {
             let message = "a mesh that a skeleton moves is shown as it is";
             remarks.once(&place, message, "export it in the pose that is wanted");
         }
-        if !numbers.contains_key(&mesh) {
+        if let Entry::Vacant(unread) = numbers.entry(mesh) {
             let first = forms.len();
             read(document, mesh, &mut reader, remarks, &mut forms)?;
-            numbers.insert(mesh, (first..forms.len()).collect());
+            unread.insert((first..forms.len()).collect());
         }
         let name = &document.nodes[*node].name;
         let numbers = numbers.get(&mesh).map_or(&[][..], Vec::as_slice);

@@ -3,7 +3,9 @@
 use glam::DVec3;
 
 use crate::error::{Error, ErrorKind, Result};
-use crate::scene::components::{FovAxis, Sampling, ThinLens, View};
+use crate::scene::components::{
+    CameraKey, CameraPath, FovAxis, Interpolation, Sampling, ThinLens, View,
+};
 use crate::scene::corners::direction;
 use crate::scene::load::LoadOptions;
 use crate::scene::reader::{Cursor, Object, Range, integer_words};
@@ -11,7 +13,7 @@ use crate::scene::schema::Camera;
 
 use super::light::SAMPLINGS;
 
-pub(super) const KEYS: [&str; 13] = [
+pub(super) const KEYS: [&str; 14] = [
     "type",
     "width",
     "height",
@@ -25,8 +27,21 @@ pub(super) const KEYS: [&str; 13] = [
     "fovaxis",
     "antialias",
     "sampling",
+    "path",
 ];
 pub(super) const LENS_KEYS: [&str; 4] = ["aperture", "focal", "nsamplesx", "nsamplesy"];
+
+/// Keys of the path of a camera.
+pub(super) const PATH_KEYS: [&str; 2] = ["keys", "interpolation"];
+pub(super) const INTERPOLATIONS: [(&str, Interpolation); 2] =
+    [("smooth", Interpolation::Smooth), ("linear", Interpolation::Linear)];
+
+/// Keys of where a camera is at a frame; of a pinhole, the first [`PINHOLE_FRAME_KEYS`].
+pub(super) const FRAME_KEYS: [&str; 6] = ["frame", "location", "look", "up", "fov", "focal"];
+pub(super) const PINHOLE_FRAME_KEYS: usize = 5;
+
+/// Greatest number of a frame.
+pub(super) const LAST_FRAME: u32 = 9_999_999;
 
 /// Greatest width and height of the image.
 pub(crate) const LONGEST_SIDE: u32 = 65_536;
@@ -71,7 +86,53 @@ pub(super) fn camera(cursor: &Cursor<'_>, options: &LoadOptions) -> Result<Camer
     }
     let lens = has_lens.then(|| lens(&object)).transpose()?;
     check_rays(&object, &view, lens.as_ref())?;
-    Ok(Camera { view, lens })
+    let path = object.get("path").map(|cursor| path(&cursor, &view, lens.as_ref())).transpose()?;
+    Ok(Camera { view, lens, path })
+}
+
+/// Reads the path of the camera, which is at `view` with `lens` where a key does not say otherwise.
+fn path(cursor: &Cursor<'_>, view: &View, lens: Option<&ThinLens>) -> Result<CameraPath> {
+    let object = cursor.object("the path of a camera", PATH_KEYS.into())?;
+    let interpolation =
+        object.choice_or("interpolation", &INTERPOLATIONS, Interpolation::default())?;
+    let what = "an array of keys, at least one";
+    let list = object.need("keys", what)?;
+    let mut keys: Vec<CameraKey> = Vec::new();
+    for item in list.items(list.array(what)?) {
+        let key = key(&item, view, lens)?;
+        if keys.last().is_some_and(|last| last.frame >= key.frame) {
+            let error = item.error("the frame must be greater than that of the key before");
+            return Err(error.remedy("put the keys in the order of their frames"));
+        }
+        keys.push(key);
+    }
+    if keys.is_empty() {
+        return Err(list.error(format!("must be {what}")));
+    }
+    Ok(CameraPath { keys, interpolation })
+}
+
+fn key(cursor: &Cursor<'_>, view: &View, lens: Option<&ThinLens>) -> Result<CameraKey> {
+    let keys = if lens.is_some() { &FRAME_KEYS[..] } else { &FRAME_KEYS[..PINHOLE_FRAME_KEYS] };
+    let object = cursor.object("a key of a camera's path", keys.to_vec())?;
+    let location = object.point_or("location", view.location)?;
+    let look = object.point_or("look", view.look)?;
+    if look == location {
+        let error = cursor.error("the camera looks at the point where it stands");
+        return Err(error.remedy("move \"look\" away from \"location\""));
+    }
+    let focal = lens.map_or(1.0, |lens| lens.focal);
+    Ok(CameraKey {
+        frame: object.integer("frame", 0, LAST_FRAME)?,
+        location,
+        look,
+        up: object.point_or("up", view.up)?,
+        fov_degrees: object.number_or("fov", FOV, view.fov_degrees)?,
+        focal: match lens {
+            Some(_) => object.number_or("focal", Range::POSITIVE, focal)?,
+            None => focal,
+        },
+    })
 }
 
 fn view(object: &Object<'_>, options: &LoadOptions) -> Result<View> {

@@ -3,12 +3,12 @@
 use serde_json::{Value, json};
 
 use super::{
-    about, by_type, definition_of, integer, list, number, object, one_of, or, shapes, text, tuple,
+    about, by_type, cameras, definition_of, integer, list, number, object, or, shapes, text, tuple,
     where_all, word, word_or,
 };
-use crate::scene::components::{Falloff, FovAxis, Sampling};
+use crate::scene::components::Falloff;
 use crate::scene::parse::{
-    AMBIENT, KEYS, MOST_BOUNCES, SCENE_KEYS, camera, instance, light, material, transform,
+    AMBIENT, KEYS, MOST_BOUNCES, SCENE_KEYS, instance, light, material, transform,
 };
 use crate::scene::reader::Range;
 
@@ -36,9 +36,9 @@ pub(super) fn definitions() -> Vec<(String, Value)> {
         ("color", about(tuple(3, number(Range::NOT_NEGATIVE)), "A linear colour, [r, g, b].")),
         ("scene", scene()),
         ("instance", instance()),
-        ("camera", cameras()),
-        ("pinhole", pinhole()),
-        ("thinlens", thin_lens()),
+        ("camera", cameras::cameras()),
+        ("pinhole", cameras::pinhole()),
+        ("thinlens", cameras::thin_lens()),
         ("light", by_type("A light.", &[("pointlight", "pointlight"), ("arealight", "arealight")])),
         ("pointlight", point_light()),
         ("arealight", area_light()),
@@ -48,7 +48,8 @@ pub(super) fn definitions() -> Vec<(String, Value)> {
         ("matrix", matrix()),
     ];
     let parts = parts.into_iter().map(|(name, value)| (name.to_owned(), value));
-    parts.chain(shapes::definitions()).collect()
+    let paths = cameras::paths().map(|(name, value)| (name.to_owned(), value));
+    parts.chain(paths).chain(shapes::definitions()).collect()
 }
 
 pub(super) fn definition_of_with(name: &str, text: &str) -> Value {
@@ -101,73 +102,6 @@ fn instance() -> Value {
 /// That a thing is not named twice.
 pub(super) fn not_both_names() -> Value {
     json!({"not": {"required": ["name", "id"]}})
-}
-
-fn cameras() -> Value {
-    let kinds = camera::KINDS.map(|(word, _)| (word, word));
-    by_type("The camera and the size of the image.", &kinds)
-}
-
-const VIEW_REQUIRED: [&str; 4] = ["type", "width", "height", "fov"];
-
-/// The keys that have several names.
-fn view_names() -> Vec<Value> {
-    vec![one_of(&["location", "position"]), one_of(&["look", "lookat", "lookAt"])]
-}
-
-fn pinhole() -> Value {
-    let camera =
-        object("A camera that is sharp everywhere.", &camera::KEYS, &VIEW_REQUIRED, camera_key);
-    where_all(camera, view_names())
-}
-
-fn thin_lens() -> Value {
-    let keys = [&camera::KEYS[..], &camera::LENS_KEYS].concat();
-    let required = [&VIEW_REQUIRED[..], &["aperture", "focal"]].concat();
-    let camera = object("A camera that is sharp in one plane.", &keys, &required, camera_key);
-    where_all(camera, view_names())
-}
-
-fn camera_key(key: &str) -> Option<Value> {
-    let side = || integer(1, camera::LONGEST_SIDE);
-    let lens_side = || or(integer(1, camera::MOST_LENS_SAMPLES), camera::LENS_SAMPLES);
-    Some(match key {
-        "type" => about(word(&camera::KINDS), "Which kind of camera this is."),
-        "width" => about(side(), "Width of the image, in pixels."),
-        "height" => about(side(), "Height of the image, in pixels."),
-        "fov" => about(
-            number(camera::FOV),
-            "Full angle of view across one side of the image, in degrees.",
-        ),
-        "location" => point("Where the camera is."),
-        "position" => point("Another name of location."),
-        "look" => point("The point in the middle of the image."),
-        "lookat" | "lookAt" => point("Another name of look."),
-        "up" => or(point("Up in the image."), json!([0, 1, 0])),
-        "fovaxis" => about(
-            word_or(&camera::FOV_AXES, FovAxis::default()),
-            "The side that fov is measured across.",
-        ),
-        "antialias" => about(
-            or(integer(1, camera::MOST_ANTIALIAS), 1),
-            "Side of the grid of rays in each pixel; 1 is one ray through its centre.",
-        ),
-        "sampling" => about(
-            word_or(&light::SAMPLINGS, Sampling::Jittered),
-            "How rays are spread: over the pixel by a pinhole, over its lens by a thin lens.",
-        ),
-        "aperture" => about(number(Range::NOT_NEGATIVE), "Diameter of the lens; 0 is a pinhole."),
-        "focal" => {
-            about(number(Range::POSITIVE), "Distance of the plane in focus, along the view.")
-        }
-        "nsamplesx" => {
-            about(lens_side(), "Points on the lens: angles. Times nsamplesy, rays a pixel.")
-        }
-        "nsamplesy" => {
-            about(lens_side(), "Points on the lens: radii. Times nsamplesx, rays a pixel.")
-        }
-        _ => return None,
-    })
 }
 
 fn point_light() -> Value {
