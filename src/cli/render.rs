@@ -29,7 +29,7 @@ const PROGRESS: &str = "{wide_bar} {percent:>3} % {millions} Mpixels/s, {eta} le
 /// Renders a scene to an image.
 #[derive(Clone, Debug, clap::Args)]
 pub struct RenderArgs {
-    /// The scene, in JSON
+    /// The scene: JSON, glTF (.gltf, .glb), or a mesh alone (.ply, .obj)
     pub scene: PathBuf,
     /// The image to write: .ppm, .png, .exr or .pfm
     #[arg(value_name = "OUTPUT", required_unless_present = "output")]

@@ -135,13 +135,9 @@ pub(super) fn load_with(
     // A mesh written out in JSON is many times larger there than as arrays.
     drop(value);
     warn_of_equal_names(&scene.shapes, &notes);
+    let encoding = scene.encoding;
     let world = Spawner { world: World::new(), notes: &notes, read_mesh }.spawn(scene)?;
-    Ok(LoadedScene {
-        world,
-        warnings: notes.into_warnings(),
-        notes: Vec::new(),
-        encoding: Encoding::Linear,
-    })
+    Ok(LoadedScene { world, warnings: notes.into_warnings(), notes: Vec::new(), encoding })
 }
 
 fn refuse_camera(file: &Path, options: &LoadOptions) -> Result<()> {

@@ -11,6 +11,7 @@ mod parse;
 mod reader;
 mod schema;
 mod staging;
+pub mod write;
 
 #[cfg(test)]
 mod tests;

@@ -7,8 +7,8 @@
 use std::path::PathBuf;
 
 use super::components::{
-    AreaLight, Facing, Material, Name, PointLight, Quad, Settings, Shading, Sides, Sphere,
-    TextureRef, ThinLens, Transform, Triangle, View,
+    AreaLight, Encoding, Facing, Material, Name, PointLight, Quad, Settings, Shading, Sides,
+    Sphere, TextureRef, ThinLens, Transform, Triangle, View,
 };
 use super::mesh::MeshData;
 
@@ -18,6 +18,8 @@ pub(crate) struct SceneFile {
     pub(crate) camera: Camera,
     pub(crate) lights: Vec<Light>,
     pub(crate) shapes: Vec<Shape>,
+    /// How images of 8 bits are to be written, where nobody says.
+    pub(crate) encoding: Encoding,
 }
 
 /// The camera.

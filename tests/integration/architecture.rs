@@ -52,7 +52,7 @@ const ARROWS: &[(&str, &[&str])] = &[
             "wavefront",
         ],
     ),
-    ("scene", &["error", "kernels", "math"]),
+    ("scene", &["error", "kernels", "math", "replace"]),
     ("systems", &["accel", "error", "kernels", "math", "plan", "prepared", "scene"]),
     ("memory", &["accel", "prepared", "render", "systems", "wavefront"]),
     ("generate", &["error", "replace", "scene"]),

@@ -129,7 +129,28 @@ fn forms(document: &Document, remarks: &Remarks<'_>) -> Result<Vec<Form>> {
             forms[number].uses.push(Use { path, name: name.clone(), world: *world });
         }
     }
+    check_unused(document, &numbers, &mut reader, remarks)?;
+    if forms.is_empty() {
+        let message = "there is nothing to see";
+        remarks.once("nodes", message, "no node of the scene has a mesh of triangles");
+    }
     Ok(forms)
+}
+
+/// A fault is told in a mesh, too, that no node of the scene shows.
+fn check_unused(
+    document: &Document,
+    used: &HashMap<usize, Vec<usize>>,
+    reader: &mut Reader<'_>,
+    remarks: &Remarks<'_>,
+) -> Result<()> {
+    let unused = (0..document.meshes.len()).filter(|mesh| !used.contains_key(mesh));
+    for mesh in unused {
+        let message = "a mesh is left out";
+        remarks.once(&format!("meshes[{mesh}]"), message, "no node of the scene shows it");
+        read(document, mesh, reader, remarks, &mut Vec::new())?;
+    }
+    Ok(())
 }
 
 /// Reads the primitives of a mesh.

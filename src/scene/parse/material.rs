@@ -18,7 +18,9 @@ const FILTERS: [(&str, Filter); 3] = [
     ("bilinear", Filter::Bilinear),
     ("trilinear", Filter::Trilinear),
 ];
-const ENCODINGS: [(&str, Encoding); 2] = [("linear", Encoding::Linear), ("srgb", Encoding::Srgb)];
+/// What numbers of colours stand for, by name.
+pub(super) const ENCODINGS: [(&str, Encoding); 2] =
+    [("linear", Encoding::Linear), ("srgb", Encoding::Srgb)];
 const WRAPS: [(&str, Wrap); 2] = [("repeat", Wrap::Repeat), ("clamp", Wrap::Clamp)];
 
 /// Reads the `material` of a shape.

@@ -12,7 +12,7 @@ use crate::error::Result;
 
 pub(super) use camera::{FOV, LONGEST_SIDE, check_size};
 
-use super::components::Settings;
+use super::components::{Encoding, Settings};
 use super::load::LoadOptions;
 use super::reader::{Cursor, Object, Range};
 use super::schema::SceneFile;
@@ -23,7 +23,7 @@ const MOST_BOUNCES: u32 = 10_000;
 /// The report's "low value" by which a surface in shadow is multiplied.
 const AMBIENT: f64 = 0.08;
 
-const KEYS: [&str; 3] = ["nbounces", "camera", "scene"];
+const KEYS: [&str; 4] = ["nbounces", "camera", "scene", "transfer"];
 const SCENE_KEYS: [&str; 5] = ["backgroundcolor", "lightsources", "shapes", "ambient", "instances"];
 
 /// Reads a whole file from its top.
@@ -37,7 +37,8 @@ pub(crate) fn scene_file(top: &Cursor<'_>, options: &LoadOptions) -> Result<Scen
     let settings = settings(&scene, bounces)?;
     let lights = list(&scene, "lightsources", "an array of lights", light::light)?;
     let shapes = list(&scene, "shapes", "an array of shapes", shape::shape)?;
-    Ok(SceneFile { settings, camera, lights, shapes })
+    let encoding = object.choice_or("transfer", &material::ENCODINGS, Encoding::default())?;
+    Ok(SceneFile { settings, camera, lights, shapes, encoding })
 }
 
 fn settings(scene: &Object<'_>, bounces: u32) -> Result<Settings> {
