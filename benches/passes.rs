@@ -15,7 +15,7 @@ use wavecrest::kernels::precision::Robust;
 use wavecrest::prepared::PreparedScene;
 use wavecrest::scene::load::load_str;
 use wavecrest::systems;
-use wavecrest::tile::{Tile, TraceSettings, Tracer};
+use wavecrest::tile::{Tile, TraceSettings, Tracer, Unit};
 use wavecrest::variant::Every;
 use wavecrest::wavefront::{DEFAULT_BATCH, Wavefront};
 
@@ -102,7 +102,7 @@ fn time(
 }
 
 fn generate_all(wavefront: &mut Passes, scene: &PreparedScene) {
-    wavefront.generate(scene, &TILE, 0..TILE.len() as u64);
+    wavefront.generate(scene, &Unit::whole(scene, TILE), 0..TILE.len() as u64);
 }
 
 #[divan::bench(args = SCENES)]

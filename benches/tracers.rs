@@ -73,7 +73,7 @@ fn prepare(name: &str) -> Result<PreparedScene> {
 }
 
 fn trace(scene: &PreparedScene, tracer: TracerKind) -> Result<Rendered> {
-    render(scene, &RenderOptions { tracer, ..RenderOptions::default() }, &|_, _| {})
+    render(scene, &RenderOptions { tracer, ..RenderOptions::default() }, &())
 }
 
 /// Times a tracer once it has been checked against the other.

@@ -20,7 +20,7 @@ use crate::math::random::Stream;
 use crate::math::ray::Ray;
 use crate::prepared::PreparedScene;
 use crate::recursive::{End, Observer, Recursive};
-use crate::tile::{Tile, TraceSettings, Tracer};
+use crate::tile::{Tile, TraceSettings, Tracer, Unit};
 use crate::variant::{self, Effects, Work};
 use crate::wavefront::{DEFAULT_BATCH, Wavefront};
 
@@ -129,9 +129,9 @@ fn wavefront_steps<P: Arithmetic, E: Effects>(
     settings: &TraceSettings,
 ) -> Vec<Vec<Step>> {
     let mut steps = vec![Vec::new(); scene.camera.rays_per_pixel() as usize];
-    let tile = Tile { x, y, width: 1, height: 1 };
+    let pixel = Unit::whole(scene, Tile { x, y, width: 1, height: 1 });
     let mut tracer = Wavefront::<P, E>::new(scene, settings);
-    tracer.render_watched(scene, &tile, &mut [[0.0; 3]], |_, batch| {
+    tracer.render_watched(scene, &pixel, &mut [[0.0; 3]], |_, batch| {
         for i in 0..batch.rays.len() {
             let path = batch.rays.path[i] as usize;
             let step = (batch.rays.ray(i), batch.hits.hit[i], batch.paths.radiance.get(path));
@@ -269,7 +269,7 @@ impl Observer for Teller<'_> {
 
 fn kind(geometry: &Geometry, primitive: u32) -> &'static str {
     match geometry.primitive(primitive) {
-        Primitive::Triangle(_) => "triangle",
+        Primitive::Triangle(_) | Primitive::Shown(_) => "triangle",
         Primitive::Quad(_) => "quad",
         Primitive::Sphere(_) => "sphere",
     }
@@ -285,6 +285,12 @@ fn t_error(geometry: &Geometry, ray: &Ray, hit: &Hit) -> Option<f32> {
         (_, Primitive::Triangle(i)) => {
             // One that stands for a seal is passed by.
             Some(space.error_of(&geometry.triangle(i), hit.t).unwrap_or(T_TOLERANCE * hit.t.abs()))
+        }
+        (_, Primitive::Shown(shown)) => {
+            let (instance, form) = geometry.instance(shown);
+            let space = PreparedRay::new(&instance.carried(ray)).space;
+            let corners = form.triangle(shown.triangle as usize);
+            Some(space.error_of(&corners, hit.t).unwrap_or(T_TOLERANCE * hit.t.abs()))
         }
         (_, Primitive::Quad(i)) => {
             let halves = quad::halves(&geometry.quad(i));

@@ -20,7 +20,7 @@ use crate::math::random::Stream;
 use crate::math::ray::Ray;
 use crate::plan::schedule::Schedule;
 use crate::prepared::{Arrival, LookUps, MirrorPoint, PreparedScene};
-use crate::tile::{Tile, TraceSettings, Tracer, add_sample};
+use crate::tile::{TraceSettings, Tracer, Unit, add_sample};
 use crate::variant::Effects;
 
 /// The tracer.
@@ -51,12 +51,12 @@ impl<P: Arithmetic, E: Effects> Tracer for Recursive<P, E> {
         }
     }
 
-    fn render(&mut self, scene: &PreparedScene, tile: &Tile, sums: &mut [[f64; 3]]) {
+    fn render(&mut self, scene: &PreparedScene, unit: &Unit, sums: &mut [[f64; 3]]) {
         let start = Instant::now();
         let width = scene.camera.size()[0];
         for (index, sum) in sums.iter_mut().enumerate() {
-            let (x, y) = tile.pixel(index as u32);
-            for sample in 0..scene.camera.rays_per_pixel() {
+            let (x, y) = unit.tile.pixel(index as u32);
+            for sample in unit.samples.clone() {
                 let stream = Stream { seed: self.seed, pixel: y * width + x, sample, bounce: 0 };
                 let radiance = self.path(scene, [x, y], stream, &mut ());
                 let sample = Sample { pixel: stream.pixel, sample };

@@ -1,21 +1,24 @@
-//! One render: the outer loop over tiles, and the one place where the tracer is chosen.
+//! One render: an image cut into tiles, and put together again.
+//!
+//! [`units`] says what is cut into what, [`work`] has the loop and chooses the tracer, and [`Canvas`] takes what
+//! is finished. Whoever renders a part of an image, or goes on with one, uses the same three.
 
-use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Mutex, PoisonError};
-use std::time::Instant;
-
-use rayon::prelude::*;
+mod canvas;
+pub mod units;
+mod watch;
+pub mod work;
 
 use crate::counters::Counters;
 use crate::error::{Error, ErrorKind, Result};
 use crate::image::Film;
-use crate::kernels::precision::Arithmetic;
-use crate::plan::schedule::Flaw;
 use crate::prepared::PreparedScene;
-use crate::recursive::Recursive;
-use crate::tile::{Tile, TraceSettings, Tracer};
-use crate::variant::{self, Effects, Work};
-use crate::wavefront::{DEFAULT_BATCH, Wavefront};
+use crate::tile::Tile;
+use crate::wavefront::DEFAULT_BATCH;
+use units::{Blocks, Grid};
+use work::{Done, Job, Task};
+
+pub use canvas::{Canvas, Painted};
+pub use watch::{Progress, Watch};
 
 /// The tracers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, clap::ValueEnum)]
@@ -51,8 +54,12 @@ impl Default for RenderOptions {
 /// The result of a render.
 #[derive(Clone, Debug)]
 pub struct Rendered {
-    /// The image, or the part that was asked for.
+    /// The image, or the part that was asked for; black where it is not finished.
     pub film: Film,
+    /// Whether all of it is there, and nothing was cancelled.
+    pub finished: bool,
+    /// The tiles that are there, row by row.
+    pub tiles: Vec<Tile>,
     /// The work done.
     pub counters: Counters,
     /// Bytes of the columns of all threads' batches.
@@ -63,8 +70,8 @@ pub struct Rendered {
     pub seconds: f64,
 }
 
-/// Renders `scene` on the threads of the current rayon pool. `progress` is told the number of
-/// pixels done and of all pixels, from any thread.
+/// Renders `scene` on the threads of the current rayon pool. `watch` is told of what is done, from any
+/// thread; `&()` is nobody. Where it cancels the render, what was finished is returned.
 ///
 /// ```
 /// use wavecrest::{render, scene, systems, accel::build::Preset};
@@ -84,7 +91,7 @@ pub struct Rendered {
 /// }"#;
 /// let mut loaded = scene::load::load_str(json, "ball.json".as_ref(), &Default::default())?;
 /// let (prepared, _) = systems::prepare(&mut loaded.world, Preset::Fast)?;
-/// let image = render::render(&prepared, &Default::default(), &|_, _| {})?;
+/// let image = render::render(&prepared, &Default::default(), &())?;
 /// let [red, green, _] = image.film.pixel(16, 12).unwrap();
 /// assert!(red > 0.1 && green < red);
 /// # Ok(())
@@ -97,98 +104,32 @@ pub struct Rendered {
 pub fn render(
     scene: &PreparedScene,
     options: &RenderOptions,
-    progress: &(dyn Fn(u64, u64) + Sync),
+    watch: &dyn Watch,
 ) -> Result<Rendered> {
-    let schedule = scene.plan.schedule();
-    if let Some(flaw) = schedule.flaw() {
-        return Err(refused(flaw));
-    }
-    let make = variant::choose(scene.accel.geometry.precision, schedule, options.tracer);
-    let start = Instant::now();
-    let window = window(scene, options.crop)?;
-    let film = Mutex::new(Film::new(window.width, window.height)?);
-    let edge = tile_edge(scene, options.batch);
-    let settings = TraceSettings { seed: options.seed, batch: batch_size(scene, options.batch) };
-    // One worker a thread, made before the first ray.
-    let threads = rayon::current_num_threads();
-    let worker = || {
-        let sums = vec![[0.0; 3]; edge as usize * edge as usize];
-        Mutex::new(Worker { tracer: make(scene, &settings), sums })
-    };
-    let workers: Vec<_> = (0..threads).map(|_| worker()).collect();
-    let all = window.len() as u64;
-    let done = AtomicU64::new(0);
-    tiles(&window, edge).par_iter().for_each(|tile| {
-        let index = rayon::current_thread_index().unwrap_or(0) % threads;
-        let mut worker = workers[index].lock().unwrap_or_else(PoisonError::into_inner);
-        let Worker { tracer, sums } = &mut *worker;
-        let sums = &mut sums[..tile.len()];
-        sums.fill([0.0; 3]);
-        tracer.render(scene, tile, sums);
-        let mut film = film.lock().unwrap_or_else(PoisonError::into_inner);
-        store(&mut film, &window, tile, sums, scene.camera.rays_per_pixel());
-        drop(film);
-        let pixels = tile.len() as u64;
-        progress(done.fetch_add(pixels, Ordering::Relaxed) + pixels, all);
-    });
-    let film = film.into_inner().unwrap_or_else(PoisonError::into_inner);
-    Ok(gather(film, workers, start))
+    let grid = Grid::new(window(scene, options.crop)?, tile_edge(scene, options.batch));
+    let blocks = Blocks::new(scene.camera.rays_per_pixel());
+    let canvas = Canvas::new(grid, blocks, watch)?;
+    let task = |tile| Task { tile: tile as u32, blocks: 0..blocks.count(), sums: None };
+    let job = Job { grid, blocks, count: grid.len() as usize, task: &task };
+    let done = work::run(scene, options, &job, watch, &|summed| canvas.keep(summed))?;
+    Ok(Rendered::new(canvas.finish(), done))
 }
 
-/// A tracer, and the sums of the tile in its hands.
-struct Worker {
-    tracer: Box<dyn Tracer>,
-    sums: Vec<[f64; 3]>,
-}
-
-/// Makes a tracer of the variant chosen.
-type Make = fn(&PreparedScene, &TraceSettings) -> Box<dyn Tracer>;
-
-impl Work for TracerKind {
-    type Output = Make;
-
-    fn with<P: Arithmetic, E: Effects>(self) -> Make {
-        match self {
-            Self::Wavefront => make::<Wavefront<P, E>>,
-            Self::Recursive => make::<Recursive<P, E>>,
-        }
+impl Rendered {
+    /// A render that painted this, with this work.
+    pub fn new(painted: Painted, done: Done) -> Self {
+        let Painted { film, tiles, pixels } = painted;
+        let Done { counters, columns, pass_seconds, seconds } = done;
+        let finished = pixels == film.pixels().len() as u64;
+        Self { film, finished, tiles, counters, columns, pass_seconds, seconds }
     }
 }
 
-fn make<T: Tracer + 'static>(scene: &PreparedScene, settings: &TraceSettings) -> Box<dyn Tracer> {
-    Box::new(T::new(scene, settings))
-}
-
-/// A table of passes that does not hang together would give a wrong image.
-fn refused(flaw: Flaw) -> Error {
-    let Flaw { step, column } = flaw;
-    let message = format!("the plan leaves {} without a writer or a reader", column.name());
-    Error::new(ErrorKind::Usage, message)
-        .at(format!("{step:?}"))
-        .remedy("mend the table of passes, or use plan::schedule::PASSES")
-}
-
-/// Adds up what the tracers counted.
-fn gather(film: Film, workers: Vec<Mutex<Worker>>, start: Instant) -> Rendered {
-    let mut counters = Counters::default();
-    let mut pass_seconds: Vec<(&'static str, f64)> = Vec::new();
-    let mut columns = 0;
-    for worker in workers {
-        let Worker { tracer, .. } = worker.into_inner().unwrap_or_else(PoisonError::into_inner);
-        counters += tracer.counters();
-        columns += tracer.bytes();
-        for (index, (name, seconds)) in tracer.pass_seconds().into_iter().enumerate() {
-            match pass_seconds.get_mut(index) {
-                Some(sum) => sum.1 += seconds,
-                None => pass_seconds.push((name, seconds)),
-            }
-        }
-    }
-    Rendered { film, counters, columns, pass_seconds, seconds: start.elapsed().as_secs_f64() }
-}
-
-/// The part of the image to render.
-fn window(scene: &PreparedScene, crop: Option<Tile>) -> Result<Tile> {
+/// The part of the image to render: `crop`, or all of it.
+///
+/// # Errors
+/// When the crop has no pixels or is not within the image.
+pub fn window(scene: &PreparedScene, crop: Option<Tile>) -> Result<Tile> {
     let [width, height] = scene.camera.size();
     let whole = Tile { x: 0, y: 0, width, height };
     let Some(crop) = crop else { return Ok(whole) };
@@ -205,38 +146,18 @@ fn window(scene: &PreparedScene, crop: Option<Tile>) -> Result<Tile> {
         .remedy(format!("the image is {width} x {height}; give x,y,width,height")))
 }
 
-/// The side of a tile: one that fills a batch, but small enough to share an image among threads.
-fn tile_edge(scene: &PreparedScene, batch: usize) -> u32 {
+/// The side of a tile in pixels: one that fills a batch, but small enough to share an image among threads.
+pub fn tile_edge(scene: &PreparedScene, batch: usize) -> u32 {
     let pixels = batch as u64 / u64::from(scene.camera.rays_per_pixel());
     let edge = pixels.isqrt().next_multiple_of(8);
     edge.clamp(8, 64) as u32
 }
 
-/// The number of paths that a batch can hold when up to `batch` are asked for: no more than a tile
-/// has.
+/// The number of paths that a batch can hold when up to `batch` are asked for: no more than a block of a
+/// tile's samples has.
 pub fn batch_size(scene: &PreparedScene, batch: usize) -> usize {
     let edge = u64::from(tile_edge(scene, batch));
-    let paths = edge * edge * u64::from(scene.camera.rays_per_pixel());
+    let samples = Blocks::new(scene.camera.rays_per_pixel()).longest();
+    let paths = edge * edge * u64::from(samples);
     paths.min(batch as u64) as usize
-}
-
-/// `window` cut into squares, row by row.
-fn tiles(window: &Tile, edge: u32) -> Vec<Tile> {
-    let starts = |from: u32, length: u32| (0..length.div_ceil(edge)).map(move |i| from + i * edge);
-    let (right, bottom) = (window.x + window.width, window.y + window.height);
-    starts(window.y, window.height)
-        .flat_map(|y| starts(window.x, window.width).map(move |x| (x, y)))
-        .map(|(x, y)| Tile { x, y, width: edge.min(right - x), height: edge.min(bottom - y) })
-        .collect()
-}
-
-/// Divides the sums by the number of samples and puts them where they belong.
-fn store(film: &mut Film, window: &Tile, tile: &Tile, sums: &[[f64; 3]], samples: u32) {
-    for (index, sum) in sums.iter().enumerate() {
-        let (x, y) = tile.pixel(index as u32);
-        let mean = sum.map(|s| (s / f64::from(samples)) as f32);
-        if let Some(pixel) = film.pixel_mut(x - window.x, y - window.y) {
-            *pixel = mean;
-        }
-    }
 }

@@ -1,5 +1,7 @@
 //! Tiles: what one thread renders at a time, and what a tracer is.
 
+use std::ops::Range;
+
 use crate::counters::{Counters, Sample};
 use crate::prepared::PreparedScene;
 
@@ -34,6 +36,27 @@ impl Tile {
     }
 }
 
+/// What a tracer is given at a time: a rectangle of pixels, and some of the samples of each.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Unit {
+    /// The pixels.
+    pub tile: Tile,
+    /// Which samples of each pixel, by number.
+    pub samples: Range<u32>,
+}
+
+impl Unit {
+    /// All samples of a tile in `scene`.
+    pub fn whole(scene: &PreparedScene, tile: Tile) -> Self {
+        Self { tile, samples: 0..scene.camera.rays_per_pixel() }
+    }
+
+    /// Number of paths: one for each sample of each pixel.
+    pub fn paths(&self) -> u64 {
+        self.tile.len() as u64 * self.samples.len() as u64
+    }
+}
+
 /// What a tracer needs to know besides the scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TraceSettings {
@@ -50,9 +73,9 @@ pub trait Tracer: Send {
     where
         Self: Sized;
 
-    /// Adds the samples of each pixel of `tile` to `sums`, in the order of the samples, red, green
-    /// and blue, in linear radiance.
-    fn render(&mut self, scene: &PreparedScene, tile: &Tile, sums: &mut [[f64; 3]]);
+    /// Adds the unit's samples of each pixel to `sums`, in the order of the samples, red, green
+    /// and blue, in linear radiance. There is a sum for each pixel of its tile, row by row.
+    fn render(&mut self, scene: &PreparedScene, unit: &Unit, sums: &mut [[f64; 3]]);
 
     /// Bytes of the columns that it holds.
     fn bytes(&self) -> u64;

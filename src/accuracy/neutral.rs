@@ -106,7 +106,7 @@ fn turned(subject: &mut Subject, knob: Knob) -> Result<Rendered> {
     let structure = Structure::default();
     let mut options = RenderOptions::default();
     if let Knob::Preset(preset) = knob {
-        return render(&subject.build(&structure, preset)?.scene, &options, &|_, _| {});
+        return render(&subject.build(&structure, preset)?.scene, &options, &());
     }
     let prepared = subject.prepare(&structure)?;
     prepared.scene.resample(&prepared.original, &Setting::default().samples);
@@ -124,7 +124,7 @@ fn turned(subject: &mut Subject, knob: Knob) -> Result<Rendered> {
         Knob::Threads(threads) => return on_threads(threads, scene, &options),
         Knob::Preset(_) => {}
     }
-    let rendered = render(scene, &options, &|_, _| {});
+    let rendered = render(scene, &options, &());
     (scene.accel.kernel, scene.accel.level) = (kernel, level);
     rendered
 }
@@ -133,5 +133,5 @@ fn on_threads(threads: usize, scene: &PreparedScene, options: &RenderOptions) ->
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(|e| {
         Error::new(ErrorKind::Usage, format!("cannot start {threads} threads: {e}"))
     })?;
-    pool.install(|| render(scene, options, &|_, _| {}))
+    pool.install(|| render(scene, options, &()))
 }

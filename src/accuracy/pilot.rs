@@ -214,7 +214,7 @@ fn curve(
     for (side, seconds) in TIMED.into_iter().zip(&mut times) {
         scene.resample(original, &axis.samples(Points { sampling, side }));
         let options = RenderOptions { seed: pilot_seed(seed, 0), ..RenderOptions::default() };
-        *seconds = render(scene, &options, &|_, _| {})?.seconds;
+        *seconds = render(scene, &options, &())?.seconds;
     }
     let [few, more] = TIMED.map(|side| f64::from(side * side));
     let each = ((times[1] - times[0]) / (more - few)).max(0.0);
@@ -246,7 +246,7 @@ pub fn error(scene: &PreparedScene, film: Option<&Film>, seed: u64) -> Result<f6
         let of = |number| {
             let seed = pilot_seed(seed, number);
             let options = RenderOptions { seed, crop: Some(tile), ..RenderOptions::default() };
-            render(scene, &options, &|_, _| {}).map(|rendered| rendered.film)
+            render(scene, &options, &()).map(|rendered| rendered.film)
         };
         let one = of(1)?;
         let other = match film {

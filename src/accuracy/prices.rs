@@ -34,7 +34,7 @@ pub fn prices(folder: &Path) -> Result<PriceList> {
         batch: DEFAULT_BATCH,
     };
     let trace = |scene: &_, tracer| {
-        render(scene, &RenderOptions { tracer, ..RenderOptions::default() }, &|_, _| {})
+        render(scene, &RenderOptions { tracer, ..RenderOptions::default() }, &())
     };
     measure(&entries, setting, &SCHEDULE, trace, &mut |_, _| {})
 }

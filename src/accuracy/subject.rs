@@ -62,7 +62,7 @@ impl Subject {
             size,
             facts,
             fingerprint: full.scene().fingerprint(),
-            primitives: full.geometry().len() as u64,
+            primitives: full.geometry().held() as u64,
             preset: Preset::Fast,
             prepared: HashMap::new(),
         })
@@ -149,7 +149,7 @@ impl Subject {
     pub fn render(&mut self, setting: &Setting, options: &RenderOptions) -> Result<Rendered> {
         let Prepared { scene, original, .. } = self.prepare(&setting.structure)?;
         scene.resample(original, &setting.samples);
-        render(scene, options, &|_, _| {})
+        render(scene, options, &())
     }
 
     /// Forgets prepared scenes until another one has room.

@@ -160,7 +160,7 @@ fn prepare(args: &BenchArgs, path: &Path) -> Result<(PreparedScene, Setting)> {
 fn measure_scene(args: &BenchArgs, scene: &PreparedScene) -> Result<Measured> {
     let bar = progress_bar(args.scene_options.quiet, "{wide_bar} {pos} of {len} pairs, {eta} left");
     // The bar moves between pairs alone: nothing but the tracers is at work while they are timed.
-    let trace = |tracer| render(scene, &args.options(tracer), &|_, _| {});
+    let trace = |tracer| render(scene, &args.options(tracer), &());
     let measured = measure(&args.schedule(), trace, &mut |done, planned| {
         bar.set_length(planned as u64);
         bar.set_position(done as u64);
@@ -169,10 +169,10 @@ fn measure_scene(args: &BenchArgs, scene: &PreparedScene) -> Result<Measured> {
     let mut measured = measured?;
     if measured.difference.is_none() && hardware::missing().is_none() {
         count(&mut measured.wavefront, || {
-            render(scene, &args.options(TracerKind::Wavefront), &|_, _| {})
+            render(scene, &args.options(TracerKind::Wavefront), &())
         })?;
         count(&mut measured.recursive, || {
-            render(scene, &args.options(TracerKind::Recursive), &|_, _| {})
+            render(scene, &args.options(TracerKind::Recursive), &())
         })?;
     }
     Ok(measured)
@@ -197,7 +197,7 @@ fn compare_scene(args: &BenchArgs, scene: &mut PreparedScene, axis: Axis) -> Res
         SearchOptions { simd: variant.simd, kernel: variant.kernel }.apply(&mut scene.accel);
         scene.plan.clone_from(if variant.planned { &planned } else { &unplanned });
         let options = RenderOptions { batch: variant.batch, ..args.options(TracerKind::Wavefront) };
-        render(scene, &options, &|_, _| {})
+        render(scene, &options, &())
     };
     let compared =
         compare(axis, &axis.variants(usual), &args.schedule(), trace, &mut |done, planned| {

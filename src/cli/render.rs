@@ -4,13 +4,19 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 mod goal;
+mod outputs;
+mod show;
 
 use goal::Traced;
+pub use outputs::{Layers, OutputOptions, Telling};
+use outputs::{Outputs, command};
+use show::{Reporter, Show, Stage};
+pub use show::{ShowOptions, Style};
 
-use super::common::{SceneOptions, SearchOptions, above_zero, crop, progress_bar, tell, to_json};
+use super::common::{SceneOptions, SearchOptions, above_zero, crop, tell, to_json};
 use crate::accel::build::Preset;
 use crate::error::{Error, ErrorKind, Result};
-use crate::image::write::{Transfer, check_writable, write};
+use crate::image::write::Transfer;
 use crate::memory::{self, Prediction};
 use crate::prepared::PreparedScene;
 use crate::probe::{self, Invalid};
@@ -18,13 +24,9 @@ use crate::render::{RenderOptions, Rendered, TracerKind, render};
 use crate::replace::{check_differs, check_replaceable, replace_file, write_error};
 use crate::report::foretold::Foretold;
 use crate::report::statistics::{Bvh, Columns, ImageSize, Memory, Statistics, Time, pass_map};
-use crate::scene::components::Encoding;
 use crate::systems;
 use crate::tile::Tile;
 use crate::wavefront::DEFAULT_BATCH;
-
-/// What the progress bar shows.
-const PROGRESS: &str = "{wide_bar} {percent:>3} % {millions} Mpixels/s, {eta} left";
 
 /// Renders a scene to an image.
 #[derive(Clone, Debug, clap::Args)]
@@ -60,6 +62,12 @@ pub struct RenderArgs {
     /// glTF files and meshes]
     #[arg(long, value_enum)]
     pub transfer: Option<Transfer>,
+    /// What is written
+    #[command(flatten)]
+    pub outputs: OutputOptions,
+    /// What is seen of it
+    #[command(flatten)]
+    pub show: ShowOptions,
     /// Choose sampler and samples for this error, the root mean square of linear values
     #[arg(long, value_name = "ERROR", value_parser = above_zero, conflicts_with_all = ["crop", "time_budget"])]
     pub target_error: Option<f64>,
@@ -94,43 +102,71 @@ impl RenderArgs {
 /// When the scene cannot be loaded or prepared, or the image cannot be written.
 pub fn run(args: &RenderArgs) -> Result<()> {
     let output = args.output()?;
-    check_writable(output)?;
+    let outputs = Outputs::check(args, output)?;
     if let Some(stats) = &args.stats {
         check_replaceable(stats)?;
-        check_differs(stats, output, "the image")?;
+        outputs.check_apart(stats)?;
         check_differs(stats, &args.scene, "the scene")?;
     }
-    check_differs(output, &args.scene, "the scene")?;
-    args.scene_options.threads.run(|| run_here(args, output))
+    if let Some(log) = &args.show.log {
+        outputs.check_apart(log)?;
+        check_differs(log, &args.scene, "the scene")?;
+    }
+    let reporter = Reporter::begin(args)?;
+    let seen = Seen { outputs: &outputs, reporter: &reporter };
+    let done = args.scene_options.threads.run(|| run_here(args, &seen));
+    done.inspect_err(|error| reporter.failed(error))
 }
 
-fn run_here(args: &RenderArgs, output: &Path) -> Result<()> {
+/// Where a render can be seen, while it is made and afterwards.
+struct Seen<'a> {
+    outputs: &'a Outputs<'a>,
+    reporter: &'a Reporter,
+}
+
+fn run_here(args: &RenderArgs, seen: &Seen<'_>) -> Result<()> {
+    let Seen { outputs, reporter } = *seen;
     let start = Instant::now();
     let mut time = Time::default();
-    let loaded = args.scene_options.load(&args.scene)?;
-    let transfer = args.transfer.unwrap_or(match loaded.encoding {
-        Encoding::Linear => Transfer::Linear,
-        Encoding::Srgb => Transfer::Srgb,
-    });
+    reporter.started(args, &command(std::env::args_os()));
+    reporter.stage(Stage::Load);
+    let pixels = args.crop.map(|crop| crop.len() as u64);
+    let options = &args.scene_options;
+    let foretold = match &args.stats {
+        Some(_) => Some(options.foretell(&args.scene, pixels, args.batch as usize)?),
+        None => None,
+    };
+    let loaded = options.load(&args.scene)?;
+    reporter.warnings(&loaded.warnings);
+    outputs.made_of(loaded.encoding);
     let extracted = args.scene_options.extract(loaded)?;
     let preset = args.scene_options.bvh.unwrap_or_else(|| extracted.preset());
-    let pixels = args.crop.map_or(extracted.pixels(), |crop| crop.len() as u64);
+    let pixels = pixels.unwrap_or_else(|| extracted.pixels());
     let predicted = memory::predict(&extracted, pixels, preset, args.batch as usize);
     time.load = start.elapsed().as_secs_f64();
+    reporter.loaded(&extracted, time.load);
+    reporter.stage(Stage::Build);
     let file = extracted.file().to_owned();
     let mut scene = timed(&mut time.build, || extracted.build(preset));
-    args.scene_options.warn(&systems::warnings(scene.dropped, &file));
+    let dropped = systems::warnings(scene.dropped, &file);
+    args.scene_options.warn(&dropped);
+    reporter.warnings(&dropped);
+    reporter.built(args, &scene, preset, time.build);
     args.search.apply(&mut scene.accel);
-    let traced = timed(&mut time.trace, || goal::trace(args, &mut scene, preset, start))?;
+    let traced = timed(&mut time.trace, || goal::trace(args, &mut scene, preset, seen, start))?;
     let Traced { rendered, preset, goal } = traced;
+    reporter.traced(&rendered, time.trace);
     let first = rendered.counters.first_invalid;
     let invalid = first.map(|sample| probe::name_invalid(&scene, sample, args.seed));
     if let (Some(invalid), true) = (&invalid, args.trap_invalid) {
         return Err(trapped(args, invalid));
     }
-    timed(&mut time.write, || write(&rendered.film, output, transfer))?;
+    reporter.stage(Stage::Write);
+    timed(&mut time.write, || outputs.write(&scene, &rendered))?;
     time.total = start.elapsed().as_secs_f64();
     time.passes = pass_map(&rendered.pass_seconds);
+    reporter.wrote(outputs.paths(), &time);
+    reporter.stage(Stage::Done);
     if let (Some(invalid), false) = (&invalid, args.scene_options.quiet) {
         let count = rendered.counters.invalid;
         tell(&format!(
@@ -141,6 +177,7 @@ fn run_here(args: &RenderArgs, output: &Path) -> Result<()> {
         Some(file) => {
             let mut statistics = statistics(args, &scene, preset, &rendered, time, predicted);
             (statistics.first_invalid, statistics.goal) = (invalid, goal);
+            statistics.memory.predicted = foretold.map_or(0, |foretold| foretold.total());
             write_statistics(file, &statistics)
         }
         None => Ok(()),
@@ -165,14 +202,9 @@ fn timed<R>(seconds: &mut f64, work: impl FnOnce() -> R) -> R {
     result
 }
 
-fn trace(args: &RenderArgs, scene: &PreparedScene) -> Result<Rendered> {
-    let bar = progress_bar(args.scene_options.quiet, PROGRESS);
-    let rendered = render(scene, &args.options(), &|done, all| {
-        bar.set_length(all);
-        bar.set_position(done);
-    });
-    bar.finish_and_clear();
-    rendered
+fn trace(args: &RenderArgs, scene: &PreparedScene, seen: &Seen<'_>) -> Result<Rendered> {
+    seen.reporter.stage(Stage::Trace);
+    render(scene, &args.options(), &Show::new(args, seen.outputs, scene, seen.reporter))
 }
 
 fn statistics(

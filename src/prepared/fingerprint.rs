@@ -28,6 +28,14 @@ impl PreparedScene {
         hasher.0.update(bytemuck::cast_slice(&geometry.positions));
         hasher.0.update(bytemuck::cast_slice(&geometry.triangles));
         hasher.0.update(bytemuck::cast_slice(&geometry.quads));
+        for form in &geometry.forms {
+            hasher.0.update(bytemuck::cast_slice(&form.positions));
+            hasher.0.update(bytemuck::cast_slice(&form.triangles));
+            let _ = write!(hasher, "{} {}", form.positions.len(), form.triangles.len());
+        }
+        for instance in &geometry.instances {
+            let _ = write!(hasher, "{} {:?}", instance.form(), instance.to_world());
+        }
         for mesh in &self.looks.meshes {
             if let Some(normals) = &mesh.normals {
                 hasher.0.update(bytemuck::cast_slice(&normals.values));
@@ -61,7 +69,6 @@ impl PreparedScene {
 
     /// Bytes held by geometry, tree, attributes and images.
     pub fn bytes(&self) -> u64 {
-        let tree = self.accel.tree.as_ref().map_or(0, |tree| tree.bytes());
-        self.accel.geometry.bytes() + tree + self.looks.bytes()
+        self.accel.geometry.bytes() + self.accel.tree_bytes() + self.looks.bytes()
     }
 }

@@ -9,22 +9,25 @@ use std::fs::{self, File};
 use std::io::Read;
 use std::path::Path;
 
-use glam::DVec3;
-use hecs::{EntityBuilder, World};
+use glam::{DAffine3, DVec3};
+use hecs::{Entity, EntityBuilder, World};
 use serde_json::Value;
 
 use crate::error::{Error, ErrorKind, Result, Warning};
 
 use super::alone;
 use super::components::{
-    AreaLight, Encoding, JsonPath, Mesh, Order, Pinhole, Quad, Shading, Sphere, TextureRef,
-    Triangle,
+    AreaLight, Encoding, Hidden, InstanceOf, JsonPath, Material, Mesh, Order, Pinhole, Quad,
+    Shading, Sides, Sphere, TextureRef, Transform, Triangle,
 };
+use super::form::FileForm;
 use super::gltf;
 use super::mesh::{self, LoadedMesh, MeshData};
 use super::parse;
 use super::reader::{Cursor, Notes, Place, json};
-use super::schema::{Camera, Geometry, Light, SceneFile, Shape};
+use super::schema::{Camera, Geometry, Instance, Light, SceneFile, Shape};
+use super::staging;
+use super::survey::{self, Survey};
 
 /// Greatest length of a scene file in bytes, 256 MiB. JSON takes up to 25 times its length in
 /// memory while it is read; a larger mesh belongs in a file of its own.
@@ -67,33 +70,6 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<LoadedScene> {
         FileForm::Gltf => gltf::load(path, options),
         FileForm::Mesh => alone::load(path, options),
     }
-}
-
-/// The forms that a scene may have.
-enum FileForm {
-    Scene,
-    Gltf,
-    Mesh,
-}
-
-impl FileForm {
-    fn of(path: &Path) -> Self {
-        let extension = path.extension().unwrap_or_default().to_string_lossy();
-        match extension.to_ascii_lowercase().as_str() {
-            "gltf" | "glb" => Self::Gltf,
-            "ply" | "obj" => Self::Mesh,
-            _ if begins_as_glb(path) => Self::Gltf,
-            _ => Self::Scene,
-        }
-    }
-}
-
-/// Whether a regular file is a GLB file under another name.
-fn begins_as_glb(path: &Path) -> bool {
-    let mut start = [0; 4];
-    path.is_file()
-        && File::open(path).and_then(|mut file| file.read_exact(&mut start)).is_ok()
-        && gltf::is_binary(&start)
 }
 
 /// As [`load`], from text. Relative paths start from the folder of `file`, which need not exist.
@@ -144,6 +120,27 @@ fn refuse_camera(file: &Path, options: &LoadOptions) -> Result<()> {
     let Some(camera) = &options.camera else { return Ok(()) };
     let error = Error::new(ErrorKind::Usage, "a scene file has one camera, and no other to choose");
     Err(error.in_file(file).value(camera).remedy("leave --camera out"))
+}
+
+/// What the scene file at `path` calls for, told without reading a mesh or a texture into memory.
+///
+/// # Errors
+/// As [`load`], as far as the scene file itself and the headers of meshes go.
+pub fn survey(path: &Path, options: &LoadOptions) -> Result<Survey> {
+    match FileForm::of(path) {
+        FileForm::Scene => {}
+        FileForm::Gltf => return gltf::survey(path, options),
+        FileForm::Mesh => {
+            let (width, height) = staging::size(options, None)?;
+            return survey::alone(path, [width, height]);
+        }
+    }
+    let notes = Notes::new(path, options.strict);
+    let text = read_text(path)?;
+    let value = parse_json(&text, path)?;
+    let scene = parse::scene_file(&Cursor::new(&value, Place::Top, &notes), options)?;
+    drop(value);
+    survey::of(scene, text.len() as u64, &notes)
 }
 
 fn read_text(path: &Path) -> Result<String> {
@@ -209,10 +206,42 @@ impl<R: Fn(&Path) -> Result<LoadedMesh>> Spawner<'_, R> {
         for (order, light) in (0..).zip(scene.lights) {
             self.light(Order(order), light)?;
         }
-        for (order, shape) in (0..).zip(scene.shapes) {
-            self.shape(Order(order), shape)?;
+        let mut order = 0..;
+        let mut shapes = Vec::with_capacity(scene.shapes.len());
+        self.warn_of_unseen(&scene.shapes, &scene.instances);
+        for (order, shape) in (&mut order).zip(scene.shapes) {
+            shapes.push(self.shape(Order(order), shape)?);
+        }
+        for (order, instance) in order.zip(scene.instances) {
+            self.instance(Order(order), shapes[instance.shape], instance);
         }
         Ok(self.world)
+    }
+
+    /// A shape that only instances show, without any.
+    fn warn_of_unseen(&self, shapes: &[Shape], instances: &[Instance]) {
+        let mut shown = vec![false; shapes.len()];
+        instances.iter().for_each(|instance| shown[instance.shape] = true);
+        for (shape, _) in shapes.iter().zip(shown).filter(|(shape, shown)| shape.hidden && !shown) {
+            let error = self.error(&shape.path, "the shape is hidden and no instance shows it");
+            self.notes.warn(&error.remedy("add one to scene.instances, or remove \"hidden\""));
+        }
+    }
+
+    /// Shows the shape of the entity `of` once more.
+    fn instance(&mut self, order: Order, of: Entity, instance: Instance) {
+        let Instance { path, name, transform, material, .. } = instance;
+        let mut entity = EntityBuilder::new();
+        let own = |world: &World| world.get::<&Transform>(of).map_or(DAffine3::IDENTITY, |t| t.0);
+        let transform = Transform(transform * own(&self.world));
+        entity.add_bundle((order, JsonPath(path), InstanceOf(of), transform));
+        add_some(&mut entity, name);
+        let shape = &self.world;
+        add_some(&mut entity, material.or(shape.get::<&Material>(of).ok().map(|m| *m)));
+        add_some(&mut entity, shape.get::<&Sides>(of).ok().map(|sides| *sides));
+        add_some(&mut entity, shape.get::<&Shading>(of).ok().map(|shading| *shading));
+        add_some(&mut entity, shape.get::<&TextureRef>(of).ok().map(|texture| (*texture).clone()));
+        self.world.spawn(entity.build());
     }
 
     fn camera(&mut self, Camera { view, lens }: Camera) {
@@ -255,7 +284,7 @@ impl<R: Fn(&Path) -> Result<LoadedMesh>> Spawner<'_, R> {
         Ok(())
     }
 
-    fn shape(&mut self, order: Order, shape: Shape) -> Result<()> {
+    fn shape(&mut self, order: Order, shape: Shape) -> Result<Entity> {
         let form = self.read_mesh_file(&shape.path, shape.geometry)?;
         let mut shading = shape.shading;
         if let Form::Mesh(mesh) = &form {
@@ -270,8 +299,10 @@ impl<R: Fn(&Path) -> Result<LoadedMesh>> Spawner<'_, R> {
         add_some(&mut entity, shape.transform);
         add_some(&mut entity, shape.material);
         add_some(&mut entity, shape.texture);
-        self.world.spawn(entity.build());
-        Ok(())
+        if shape.hidden {
+            entity.add(Hidden);
+        }
+        Ok(self.world.spawn(entity.build()))
     }
 
     /// The shape's form, with its mesh file read, if it has one.

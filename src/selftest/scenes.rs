@@ -72,7 +72,7 @@ pub(super) fn render(effort: &Effort, scene: &PreparedScene, way: Way) -> Result
     let pool = pool.map_err(|error| Error::new(ErrorKind::Usage, "no threads").because(error))?;
     let options =
         RenderOptions { tracer: way.tracer, seed: effort.seed, batch: way.batch, crop: None };
-    pool.install(|| render::render(scene, &options, &|_, _| {}))
+    pool.install(|| render::render(scene, &options, &()))
 }
 
 /// One image of the `scene`, with which others are compared.

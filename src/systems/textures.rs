@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 
 use glam::{DVec3, Mat3, Vec3};
 use hecs::World;
-use image::{DynamicImage, ImageError, ImageFormat, ImageReader};
+use image::{DynamicImage, ImageDecoder as _, ImageError, ImageFormat, ImageReader};
 
 use super::geometry::ShapeOutput;
 use crate::error::{Error, ErrorKind, Result};
@@ -62,6 +62,33 @@ pub fn run(
         });
     }
     Ok(images)
+}
+
+/// Bytes of a texture, and what more there is while it is decoded, told by the head of its file; none where
+/// that cannot be read, which is said when it is decoded.
+pub fn survey(texture: &TextureRef) -> [u64; 2] {
+    let head = match &texture.source {
+        TextureSource::File(path) => {
+            File::open(path).ok().and_then(|file| head(BufReader::new(file)))
+        }
+        TextureSource::Embedded { bytes, .. } => head(Cursor::new(bytes)),
+    };
+    let Some((width, height, is_bytes, decoded)) = head else { return [0; 2] };
+    let texel = if is_bytes { size_of::<[u8; 4]>() } else { size_of::<[f32; 3]>() };
+    let texels = u64::from(width).saturating_mul(u64::from(height));
+    let finest = texels.saturating_mul(texel as u64);
+    // Each level of a pyramid has a quarter of the texels of the one before.
+    let coarser = if texture.filter == Filter::Trilinear { finest / 3 } else { 0 };
+    [finest.saturating_add(coarser), finest.saturating_add(decoded)]
+}
+
+/// The size of an image, whether its numbers are bytes, and how many bytes it has when it is decoded.
+fn head(file: impl BufRead + Seek) -> Option<(u32, u32, bool, u64)> {
+    let decoder = ImageReader::new(file).with_guessed_format().ok()?.into_decoder().ok()?;
+    let (width, height) = decoder.dimensions();
+    let color = decoder.color_type();
+    let is_bytes = color.bytes_per_pixel() == color.channel_count();
+    Some((width, height, is_bytes, decoder.total_bytes()))
 }
 
 fn at_shape(world: &World, shape: &ShapeOutput, error: Error) -> Error {

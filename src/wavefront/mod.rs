@@ -24,7 +24,7 @@ use crate::counters::Counters;
 use crate::kernels::precision::Arithmetic;
 use crate::plan::schedule::Schedule;
 use crate::prepared::PreparedScene;
-use crate::tile::{Tile, TraceSettings, Tracer};
+use crate::tile::{TraceSettings, Tracer, Unit};
 use crate::variant::Effects;
 use batch::Batch;
 
@@ -75,8 +75,8 @@ impl<P: Arithmetic, E: Effects> Tracer for Wavefront<P, E> {
         }
     }
 
-    fn render(&mut self, scene: &PreparedScene, tile: &Tile, sums: &mut [[f64; 3]]) {
-        self.render_watched(scene, tile, sums, |_, _| {});
+    fn render(&mut self, scene: &PreparedScene, unit: &Unit, sums: &mut [[f64; 3]]) {
+        self.render_watched(scene, unit, sums, |_, _| {});
     }
 
     fn bytes(&self) -> u64 {
@@ -99,15 +99,15 @@ impl<P: Arithmetic, E: Effects> Wavefront<P, E> {
     pub fn render_watched(
         &mut self,
         scene: &PreparedScene,
-        tile: &Tile,
+        unit: &Unit,
         sums: &mut [[f64; 3]],
         mut watch: impl FnMut(u32, &Batch),
     ) {
-        let paths = tile.len() as u64 * u64::from(scene.camera.rays_per_pixel());
+        let paths = unit.paths();
         let mut start = 0;
         while start < paths {
             let end = paths.min(start + self.batch.capacity() as u64);
-            self.generate(scene, tile, start..end);
+            self.generate(scene, unit, start..end);
             for bounce in 0..=scene.bounces {
                 self.intersect(scene);
                 self.shade(scene, bounce);
@@ -125,10 +125,10 @@ impl<P: Arithmetic, E: Effects> Wavefront<P, E> {
         }
     }
 
-    /// Fills the batch with the camera rays of the tile's `paths`, at most as many as it holds.
-    pub fn generate(&mut self, scene: &PreparedScene, tile: &Tile, paths: Range<u64>) {
+    /// Fills the batch with the camera rays of the unit's `paths`, at most as many as it holds.
+    pub fn generate(&mut self, scene: &PreparedScene, unit: &Unit, paths: Range<u64>) {
         let Self { seed, batch, counters, clock, .. } = self;
-        clock.time(0, || s1_generate::run(scene, tile, *seed, paths, batch, counters));
+        clock.time(0, || s1_generate::run(scene, unit, *seed, paths, batch, counters));
     }
 
     /// Finds the closest hit of every ray.

@@ -12,14 +12,14 @@ use crate::counters::Counters;
 use crate::math::random::Stream;
 use crate::math::simd::{Kernel, LANES, Lanes, dispatch};
 use crate::prepared::PreparedScene;
-use crate::tile::Tile;
+use crate::tile::{Tile, Unit};
 use order::Walk;
 
-/// Fills the batch with the camera rays of the tile's `paths`, which are numbered pixel by pixel in
+/// Fills the batch with the camera rays of the unit's `paths`, which are numbered pixel by pixel in
 /// the order of [`Walk`] and, within a pixel, sample by sample.
 pub(super) fn run(
     scene: &PreparedScene,
-    tile: &Tile,
+    unit: &Unit,
     seed: u64,
     paths: Range<u64>,
     batch: &mut Batch,
@@ -28,7 +28,8 @@ pub(super) fn run(
     batch.paths.clear();
     batch.rays.clear();
     let count = paths.end - paths.start;
-    let next = Next::new(scene, tile, paths.start);
+    let next = Next::new(unit, paths.start);
+    let tile = &unit.tile;
     dispatch(scene.accel.level, Generate { scene, tile, seed, count: count as usize, next, batch });
     counters.primary_rays += count;
     counters.lens_samples += if scene.camera.has_lens() { count } else { 0 };
@@ -39,22 +40,23 @@ struct Next {
     walk: Walk,
     /// Of the pixel.
     sample: u32,
-    samples: u32,
+    samples: Range<u32>,
 }
 
 impl Next {
-    fn new(scene: &PreparedScene, tile: &Tile, path: u64) -> Self {
-        let samples = scene.camera.rays_per_pixel();
-        let taken = (path / u64::from(samples)) as u32;
-        let walk = Walk::new([tile.width, tile.height], taken);
-        Self { walk, sample: (path % u64::from(samples)) as u32, samples }
+    fn new(unit: &Unit, path: u64) -> Self {
+        let Unit { tile, samples } = unit;
+        let each = samples.len() as u64;
+        let walk = Walk::new([tile.width, tile.height], (path / each) as u32);
+        let sample = samples.start + (path % each) as u32;
+        Self { walk, sample, samples: samples.clone() }
     }
 
     #[inline(always)]
     fn advance(&mut self) {
         self.sample += 1;
-        if self.sample == self.samples {
-            self.sample = 0;
+        if self.sample == self.samples.end {
+            self.sample = self.samples.start;
             self.walk.advance();
         }
     }
@@ -108,7 +110,8 @@ impl Generate<'_> {
     /// Appends the next path. Its pixel, and where its random numbers come from.
     #[inline(always)]
     fn path(&mut self) -> (u32, u32, Stream) {
-        let Next { walk, sample, .. } = self.next;
+        let Next { walk, sample, .. } = &self.next;
+        let sample = *sample;
         let [x, y] = [self.tile.x + walk.pixel[0], self.tile.y + walk.pixel[1]];
         let pixel = y * self.scene.camera.size()[0] + x;
         self.batch.paths.push(pixel, sample, walk.place());

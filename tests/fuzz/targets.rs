@@ -71,7 +71,7 @@ fn is_rendered(mut loaded: LoadedScene) -> bool {
     scene.bounces = scene.bounces.min(MOST_BOUNCES);
     let film = |tracer| {
         let options = RenderOptions { tracer, ..RenderOptions::default() };
-        render(&scene, &options, &|_, _| {}).expect("the whole of a small image").film
+        render(&scene, &options, &()).expect("the whole of a small image").film
     };
     let (wavefront, recursive) = (film(TracerKind::Wavefront), film(TracerKind::Recursive));
     assert!(!wavefront.pixels().as_flattened().iter().any(|x| x.is_nan()), "a pixel is no number");

@@ -149,7 +149,7 @@ fn prepare_by(passes: &[Pass], scene: &Value) -> PreparedScene {
 
 fn try_render(scene: &PreparedScene, tracer: TracerKind) -> Result<Rendered> {
     // Of a size that is no multiple of a vector.
-    render(scene, &RenderOptions { tracer, batch: 29, ..options() }, &|_, _| {})
+    render(scene, &RenderOptions { tracer, batch: 29, ..options() }, &())
 }
 
 fn render_both(scene: &PreparedScene) -> [Rendered; 2] {

@@ -103,7 +103,7 @@ pub(crate) fn render_on(
     options: &RenderOptions,
 ) -> Rendered {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
-    let rendered = pool.install(|| render(scene, options, &|_, _| {}));
+    let rendered = pool.install(|| render(scene, options, &()));
     rendered.unwrap_or_else(|error| panic!("{error}"))
 }
 

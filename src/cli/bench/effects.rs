@@ -23,7 +23,7 @@ pub(super) fn run(args: &BenchArgs) -> Result<bool> {
     let setting = Setting { simd, kernel, precision, batch: args.batch as usize };
     let bar =
         progress_bar(args.scene_options.quiet, "{wide_bar} {pos} of {len} rounds, {eta} left");
-    let trace = |scene: &_, tracer| render(scene, &args.options(tracer), &|_, _| {});
+    let trace = |scene: &_, tracer| render(scene, &args.options(tracer), &());
     let list = measure(&entries, setting, &args.schedule(), trace, &mut |done, planned| {
         bar.set_length(planned as u64);
         bar.set_position(done as u64);

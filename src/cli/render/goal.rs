@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use super::{RenderArgs, trace as trace_once};
+use super::{RenderArgs, Seen, trace as trace_once};
 use crate::accel::build::Preset;
 use crate::accuracy::pilot::{Choice, Pilot, error};
 use crate::cli::common::tell;
@@ -29,15 +29,17 @@ pub(super) struct Traced {
     pub(super) goal: Option<Goal>,
 }
 
-/// Renders `scene`, whose tree `preset` built, as the arguments ask. `start` is when the command began.
+/// Renders `scene`, whose tree `preset` built, as the arguments ask, so that it is `seen`. `start` is when
+/// the command began.
 pub(super) fn trace(
     args: &RenderArgs,
     scene: &mut PreparedScene,
     mut preset: Preset,
+    seen: &Seen<'_>,
     start: Instant,
 ) -> Result<Traced> {
     if args.target_error.is_none() && args.time_budget.is_none() {
-        return Ok(Traced { rendered: trace_once(args, scene)?, preset, goal: None });
+        return Ok(Traced { rendered: trace_once(args, scene, seen)?, preset, goal: None });
     }
     let original = scene.original();
     let pilot = Pilot::run(scene, &original, args.seed)?;
@@ -49,20 +51,21 @@ pub(super) fn trace(
         (None, None) => None,
     };
     let say = |words: String| {
+        seen.reporter.note("choice", || words.clone());
         if !args.scene_options.quiet {
             tell(&words)
         }
     };
     let Some(mut choice) = chosen else {
         say("nothing in this scene is left to chance: its error is 0".to_owned());
-        return Ok(Traced { rendered: trace_once(args, scene)?, preset, goal: None });
+        return Ok(Traced { rendered: trace_once(args, scene, seen)?, preset, goal: None });
     };
     let mut renders = 0;
     loop {
         scene.resample(&original, &choice.samples());
         preset = choose_tree(args, scene, preset);
         say(format!("chosen: {choice}"));
-        let rendered = trace_once(args, scene)?;
+        let rendered = trace_once(args, scene, seen)?;
         renders += 1;
         let found = error(scene, Some(&rendered.film), args.seed)?;
         say(format!("error found: {found:.3e}"));
@@ -83,7 +86,7 @@ fn choose_tree(args: &RenderArgs, scene: &mut PreparedScene, preset: Preset) -> 
     if args.scene_options.bvh.is_some() {
         return preset;
     }
-    let best = Preset::choose(scene.accel.geometry.len() as u64, scene.expected_rays());
+    let best = Preset::choose(scene.accel.geometry.held() as u64, scene.expected_rays());
     if best != preset {
         scene.rebuild(best);
     }

@@ -140,7 +140,7 @@ fn of_scene(file: &Path, precision: Precision, seed: u64) -> Result<Ready> {
     let mut invalid = 0;
     for tracer in [TracerKind::Wavefront, TracerKind::Recursive] {
         let options = RenderOptions { tracer, seed, ..RenderOptions::default() };
-        invalid += render(&scene, &options, &|_, _| {})?.counters.invalid;
+        invalid += render(&scene, &options, &())?.counters.invalid;
     }
     Ok((scene.accel, preset, Some(invalid)))
 }

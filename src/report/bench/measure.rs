@@ -243,7 +243,15 @@ mod tests {
         let mut film = Film::new(3, 2).unwrap();
         film.pixel_mut(1, 1).unwrap()[2] = pixel;
         let counters = Counters { primary_rays: 6, ..Counters::default() };
-        Rendered { film, counters, columns: 0, pass_seconds: vec![("all", seconds)], seconds }
+        Rendered {
+            film,
+            finished: true,
+            tiles: Vec::new(),
+            counters,
+            columns: 0,
+            pass_seconds: vec![("all", seconds)],
+            seconds,
+        }
     }
 
     fn schedule(warmup: usize, most: usize, seconds: f64) -> Schedule {

@@ -56,7 +56,7 @@ fn report(pairs: usize, mut seconds: impl FnMut(TracerKind, usize) -> f64) -> Sc
         let options = RenderOptions { tracer, batch: 64, seed: 3, crop: None };
         let run = &mut runs[usize::from(tracer == TracerKind::Recursive)];
         *run += 1;
-        Ok(Rendered { seconds: seconds(tracer, *run), ..render(&scene, &options, &|_, _| {})? })
+        Ok(Rendered { seconds: seconds(tracer, *run), ..render(&scene, &options, &())? })
     };
     let schedule = Schedule { warmup: 1, most: pairs, seconds: 0.0 };
     let measured = measure(&schedule, trace, &mut |_, _| {}).unwrap();
@@ -72,7 +72,7 @@ fn steady() -> SceneBench {
 fn different() -> SceneBench {
     let scene = prepared();
     let trace = |tracer| {
-        let mut run = render(&scene, &RenderOptions { tracer, ..Default::default() }, &|_, _| {})?;
+        let mut run = render(&scene, &RenderOptions { tracer, ..Default::default() }, &())?;
         if tracer == TracerKind::Recursive {
             run.film.pixel_mut(5, 2).unwrap()[1] = 0.5;
         }
@@ -298,7 +298,7 @@ fn the_page_has_comparisons_and_what_the_processor_counted() {
     let prepared = prepared();
     let trace = |variant: &Variant| -> Result<Rendered> {
         let place = variants.iter().position(|v| v == variant).unwrap();
-        let run = render(&prepared, &RenderOptions::default(), &|_, _| {})?;
+        let run = render(&prepared, &RenderOptions::default(), &())?;
         Ok(Rendered { seconds: 0.1 * 1.25_f64.powi(place as i32), ..run })
     };
     let schedule = Schedule { warmup: 1, most: 6, seconds: 0.0 };

@@ -34,7 +34,7 @@ fn entries() -> Vec<Entry> {
 }
 
 fn trace(scene: &PreparedScene, tracer: TracerKind) -> Result<Rendered> {
-    render(scene, &RenderOptions { tracer, ..RenderOptions::default() }, &|_, _| {})
+    render(scene, &RenderOptions { tracer, ..RenderOptions::default() }, &())
 }
 
 #[test]

@@ -19,6 +19,14 @@ const HEADER_BYTES: usize = 12;
 /// What stands before a chunk's data: its length and its type.
 const CHUNK_HEADER_BYTES: usize = 8;
 
+/// How much of a GLB file stands before its JSON.
+pub(super) const GLB_START: usize = HEADER_BYTES + CHUNK_HEADER_BYTES;
+
+/// The length of the JSON of a GLB file that begins with `start`; `None` of another file.
+pub(super) fn json_length(start: &[u8]) -> Option<u32> {
+    start.starts_with(&MAGIC).then(|| word(start, HEADER_BYTES)).flatten()
+}
+
 /// Where in a file its parts are.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Parts {

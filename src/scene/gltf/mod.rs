@@ -22,6 +22,7 @@ mod mesh;
 mod node;
 mod notes;
 mod spawn;
+mod survey;
 mod texture;
 mod uri;
 
@@ -35,6 +36,8 @@ use super::reader::Notes;
 use buffer::Buffer;
 use document::Document;
 use notes::Remarks;
+
+pub(super) use survey::survey;
 
 /// Whether these first bytes of a file are those of a GLB file.
 pub(super) fn is_binary(bytes: &[u8]) -> bool {

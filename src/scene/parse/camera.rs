@@ -11,7 +11,7 @@ use crate::scene::schema::Camera;
 
 use super::light::SAMPLINGS;
 
-const KEYS: [&str; 13] = [
+pub(super) const KEYS: [&str; 13] = [
     "type",
     "width",
     "height",
@@ -26,7 +26,7 @@ const KEYS: [&str; 13] = [
     "antialias",
     "sampling",
 ];
-const LENS_KEYS: [&str; 4] = ["aperture", "focal", "nsamplesx", "nsamplesy"];
+pub(super) const LENS_KEYS: [&str; 4] = ["aperture", "focal", "nsamplesx", "nsamplesy"];
 
 /// Greatest width and height of the image.
 pub(crate) const LONGEST_SIDE: u32 = 65_536;
@@ -35,28 +35,30 @@ const MOST_PIXELS: u64 = 1 << 28;
 /// Greatest number of rays through each pixel, 2^24.
 const MOST_RAYS: u64 = 1 << 24;
 /// Greatest side of the grid of rays in each pixel.
-const MOST_ANTIALIAS: u32 = 64;
+pub(super) const MOST_ANTIALIAS: u32 = 64;
 /// Greatest number of angles or radii of points on the lens.
-const MOST_LENS_SAMPLES: u32 = 4_096;
+pub(super) const MOST_LENS_SAMPLES: u32 = 4_096;
 /// Points on the lens along each side of the grid, where the file does not say.
-const LENS_SAMPLES: u32 = 4;
+pub(super) const LENS_SAMPLES: u32 = 4;
 /// Angles of view, in degrees. At 180 the image plane would be at infinity.
 pub(crate) const FOV: Range = Range::new(0.001, 179.0);
 /// Sine of the angle between `up` and the view below which they are taken as parallel: what is
 /// left of `up` across the view would then be mostly rounding, in single precision.
 const PARALLEL: f64 = 1e-6;
 
-const FOV_AXES: [(&str, FovAxis); 4] = [
+pub(super) const FOV_AXES: [(&str, FovAxis); 4] = [
     ("x", FovAxis::X),
     ("y", FovAxis::Y),
     ("smaller", FovAxis::Smaller),
     ("larger", FovAxis::Larger),
 ];
 
+/// The cameras, and whether each has a lens.
+pub(super) const KINDS: [(&str, bool); 2] = [("pinhole", false), ("thinlens", true)];
+
 /// Reads the camera. The size that the `options` ask for takes the place of the file's.
 pub(super) fn camera(cursor: &Cursor<'_>, options: &LoadOptions) -> Result<Camera> {
-    let kinds = [("pinhole", false), ("thinlens", true)];
-    let has_lens = cursor.kind("the camera", &kinds)?;
+    let has_lens = cursor.kind("the camera", &KINDS)?;
     let object = if has_lens {
         cursor.object("a thin-lens camera", [&KEYS[..], &LENS_KEYS].concat())?
     } else {

@@ -8,20 +8,20 @@ use crate::error::{ErrorKind, Result};
 use crate::scene::components::{Encoding, Filter, Material, TextureRef, TextureSource, Wrap};
 use crate::scene::reader::{Cursor, Object, Range};
 
-const KEYS: [&str; 5] = ["ks", "kd", "specularexponent", "diffusecolor", "kr"];
+pub(super) const KEYS: [&str; 5] = ["ks", "kd", "specularexponent", "diffusecolor", "kr"];
 
 /// Exponents of the highlight. At a million it is a fraction of a pixel wide.
-const EXPONENT: Range = Range::new(0.0, 1e6);
+pub(super) const EXPONENT: Range = Range::new(0.0, 1e6);
 
-const FILTERS: [(&str, Filter); 3] = [
+pub(super) const FILTERS: [(&str, Filter); 3] = [
     ("nearest", Filter::Nearest),
     ("bilinear", Filter::Bilinear),
     ("trilinear", Filter::Trilinear),
 ];
+pub(super) const WRAPS: [(&str, Wrap); 2] = [("repeat", Wrap::Repeat), ("clamp", Wrap::Clamp)];
 /// What numbers of colours stand for, by name.
 pub(super) const ENCODINGS: [(&str, Encoding); 2] =
     [("linear", Encoding::Linear), ("srgb", Encoding::Srgb)];
-const WRAPS: [(&str, Wrap); 2] = [("repeat", Wrap::Repeat), ("clamp", Wrap::Clamp)];
 
 /// Reads the `material` of a shape.
 pub(super) fn material(cursor: &Cursor<'_>) -> Result<Material> {

@@ -17,8 +17,10 @@ use crate::scene::schema::Geometry;
 use super::material::existing_file;
 
 /// With those keys, too, that would make it another kind: they may be what a misspelt key means.
-const STRIP_KEYS: [&str; 7] = ["size", "points", "normal", "uvs", "normals", "indices", "file"];
-const INDEXED_KEYS: [&str; 6] = ["size", "points", "indices", "uvs", "normals", "file"];
+pub(super) const STRIP_KEYS: [&str; 7] =
+    ["size", "points", "normal", "uvs", "normals", "indices", "file"];
+pub(super) const INDEXED_KEYS: [&str; 6] = ["size", "points", "indices", "uvs", "normals", "file"];
+pub(super) const FILE_KEYS: [&str; 1] = ["file"];
 
 const POINTS: &str = "an array of at least three points [[x, y, z], ...]";
 const INDICES: &str = "an array of triangles [[a, b, c], ...], at least one";
@@ -31,7 +33,7 @@ pub(super) fn kind_and_keys(
     match (has("file"), has("points"), has("indices")) {
         (true, true, _) => Err(both(cursor, "points")),
         (true, _, true) => Err(both(cursor, "indices")),
-        (true, false, false) => Ok(("a trimesh from a file", &["file"])),
+        (true, false, false) => Ok(("a trimesh from a file", &FILE_KEYS)),
         (false, _, true) => Ok(("a trimesh with indices", &INDEXED_KEYS)),
         (false, _, false) => Ok(("a trimesh that is a strip", &STRIP_KEYS)),
     }

@@ -45,7 +45,7 @@ fn run(of: Axis, spoil: impl Fn(usize, &mut Rendered)) -> (Vec<Variant>, Compari
         scene.accel.level = variant.simd.token().unwrap();
         let options = RenderOptions { batch: variant.batch, ..RenderOptions::default() };
         let place = variants.iter().position(|v| v == variant).unwrap();
-        let mut run = render(&scene, &options, &|_, _| {})?;
+        let mut run = render(&scene, &options, &())?;
         run.seconds = 0.25 * f64::from(1 << place);
         spoil(log.len(), &mut run);
         Ok(run)
