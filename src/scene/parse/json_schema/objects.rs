@@ -6,7 +6,7 @@ use super::{
     Describe, about, by_type, cameras, definition_of, integer, list, number, object, or, text,
     tuple, where_all, word, word_or,
 };
-use crate::scene::components::{Falloff, Filter, Shading, Wrap};
+use crate::scene::components::{Encoding, Falloff, Filter, Shading, Wrap};
 use crate::scene::parse::{
     AMBIENT, KEYS, MOST_BOUNCES, SCENE_KEYS, light, material, mesh, shape, transform,
 };
@@ -23,6 +23,10 @@ pub(super) fn scene_file() -> Value {
             }
             "camera" => definition_of_with("camera", "Where the picture is taken from."),
             "scene" => definition_of_with("scene", "What is in the picture."),
+            "transfer" => {
+                let names = word_or(&material::ENCODINGS, Encoding::default());
+                about(names, "How images of 8 bits are written, where nobody says.")
+            }
             _ => return None,
         })
     })
@@ -222,7 +226,7 @@ fn any_mesh(name: &impl Fn(&str) -> String) -> Value {
 /// The keys of a light's shape, whose looks are not asked for.
 fn light_shape_key(key: &str) -> Option<Value> {
     match key {
-        "material" | "texture" | "filter" | "wrap" => {
+        "material" | "texture" | "filter" | "wrap" | "encoding" | "tint" => {
             Some(json!({"description": "Not looked at: the light has a colour of its own."}))
         }
         _ => shape_key(key),
@@ -251,6 +255,11 @@ fn shape_key(key: &str) -> Option<Value> {
             word_or(&material::WRAPS, Wrap::default()),
             "How coordinates outside 0 to 1 are taken.",
         ),
+        "encoding" => {
+            let names = word_or(&material::ENCODINGS, Encoding::default());
+            about(names, "What the texture's numbers stand for.")
+        }
+        "tint" => definition_of_with("color", "What the texture is multiplied by."),
         "transform" => definition_of_with("transform", "From its own space to the world's."),
         "sides" => about(
             word(&shape::SIDES),
