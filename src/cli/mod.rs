@@ -7,6 +7,7 @@ pub mod bench;
 pub mod check;
 pub mod common;
 pub mod completions;
+pub mod convert;
 pub mod diff;
 pub mod explain;
 pub mod generate;
@@ -57,6 +58,7 @@ enum Command {
     Render(Box<render::RenderArgs>),
     Merge(merge::MergeArgs),
     Check(check::CheckArgs),
+    Convert(convert::ConvertArgs),
     Explain(explain::ExplainArgs),
     Probe(probe::ProbeArgs),
     Generate(generate::GenerateArgs),
@@ -121,6 +123,7 @@ fn dispatch(command: &Command) -> Result<bool> {
         Command::Render(args) => render::run(args).map(|()| true),
         Command::Merge(args) => merge::run(args).map(|()| true),
         Command::Check(args) => check::run(args).map(|()| true),
+        Command::Convert(args) => convert::run(args).map(|()| true),
         Command::Explain(args) => explain::run(args).map(|()| true),
         Command::Probe(args) => probe::run(args),
         Command::Generate(args) => generate::run(args).map(|()| true),

@@ -37,7 +37,7 @@ use crate::wavefront::DEFAULT_BATCH;
 /// Renders a scene to an image.
 #[derive(Clone, Debug, clap::Args)]
 pub struct RenderArgs {
-    /// The scene, in JSON
+    /// The scene: JSON, glTF (.gltf, .glb), or a mesh alone (.ply, .obj)
     pub scene: PathBuf,
     /// The image to write: .ppm, .png, .exr or .pfm; for a shard, .part
     #[arg(value_name = "OUTPUT", required_unless_present = "output")]

@@ -16,6 +16,7 @@ use crate::error::{Error, ErrorKind, Result, Warning};
 
 use super::alone;
 use super::components::Encoding;
+use super::form::FileForm;
 use super::gltf;
 use super::mesh::{self, LoadedMesh};
 use super::parse;
@@ -68,33 +69,6 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<LoadedScene> {
     }
 }
 
-/// The forms that a scene may have.
-enum FileForm {
-    Scene,
-    Gltf,
-    Mesh,
-}
-
-impl FileForm {
-    fn of(path: &Path) -> Self {
-        let extension = path.extension().unwrap_or_default().to_string_lossy();
-        match extension.to_ascii_lowercase().as_str() {
-            "gltf" | "glb" => Self::Gltf,
-            "ply" | "obj" => Self::Mesh,
-            _ if begins_as_glb(path) => Self::Gltf,
-            _ => Self::Scene,
-        }
-    }
-}
-
-/// Whether a regular file is a GLB file under another name.
-fn begins_as_glb(path: &Path) -> bool {
-    let mut start = [0; 4];
-    path.is_file()
-        && File::open(path).and_then(|mut file| file.read_exact(&mut start)).is_ok()
-        && gltf::is_binary(&start)
-}
-
 /// As [`load`], from text. Relative paths start from the folder of `file`, which need not exist.
 ///
 /// # Errors
@@ -134,13 +108,9 @@ pub(super) fn load_with(
     // A mesh written out in JSON is many times larger there than as arrays.
     drop(value);
     warn_of_equal_names(&scene.shapes, &notes);
+    let encoding = scene.encoding;
     let world = spawn::world(scene, &notes, read_mesh)?;
-    Ok(LoadedScene {
-        world,
-        warnings: notes.into_warnings(),
-        notes: Vec::new(),
-        encoding: Encoding::Linear,
-    })
+    Ok(LoadedScene { world, warnings: notes.into_warnings(), notes: Vec::new(), encoding })
 }
 
 fn refuse_camera(file: &Path, options: &LoadOptions) -> Result<()> {

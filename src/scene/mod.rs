@@ -3,6 +3,7 @@
 mod alone;
 pub mod components;
 pub mod corners;
+mod form;
 pub mod gltf;
 pub mod load;
 pub mod mesh;
@@ -13,6 +14,7 @@ mod reader;
 mod schema;
 mod spawn;
 mod staging;
+pub mod write;
 
 pub use parse::json_schema;
 

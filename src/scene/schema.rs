@@ -9,8 +9,8 @@ use std::path::PathBuf;
 use glam::DAffine3;
 
 use super::components::{
-    AreaLight, CameraPath, Facing, Material, Name, PointLight, Quad, Settings, Shading, Sides,
-    Sphere, TextureRef, ThinLens, Transform, Triangle, View,
+    AreaLight, CameraPath, Encoding, Facing, Material, Name, PointLight, Quad, Settings, Shading,
+    Sides, Sphere, TextureRef, ThinLens, Transform, Triangle, View,
 };
 use super::mesh::MeshData;
 
@@ -21,6 +21,8 @@ pub(crate) struct SceneFile {
     pub(crate) lights: Vec<Light>,
     pub(crate) shapes: Vec<Shape>,
     pub(crate) instances: Vec<Instance>,
+    /// How images of 8 bits are to be written, where nobody says.
+    pub(crate) encoding: Encoding,
 }
 
 /// The camera.

@@ -67,7 +67,7 @@ const ARROWS: &[(&str, &[&str])] = &[
             "variant",
         ],
     ),
-    ("scene", &["error", "kernels", "math"]),
+    ("scene", &["error", "kernels", "math", "replace"]),
     ("systems", &["accel", "error", "kernels", "math", "plan", "prepared", "scene"]),
     ("memory", &["accel", "prepared", "render", "scene", "systems", "wavefront"]),
     ("farm", &["error", "image", "prepared", "render", "replace", "tile", "wavefront"]),

@@ -46,6 +46,9 @@ mod planning;
 // The modules import each other in one direction alone, and files stay short.
 mod architecture;
 
+// glTF files and meshes alone: what they become, what is refused, and that they convert to the same image.
+mod gltf;
+
 // The command: arguments, formats, statistics, exit codes, messages, what is left behind on failure,
 // and every subcommand.
 mod cli;

@@ -142,8 +142,10 @@ impl Accessor {
         let size = component.bytes() * width;
         let rows = view.map(|view| rows(fields, storage, view, offset, size, count)).transpose()?;
         let sparse = sparse(fields, storage, size, count)?;
+        check_extremes(fields, width)?;
         // What is nowhere in the file reads as zeros: as many as the file has bytes will do.
         let bytes: usize = storage.buffers.iter().map(|buffer| buffer.bytes().len()).sum();
+        let bytes = bytes.max(ZEROS_ANYHOW);
         let count = usize::try_from(count).unwrap_or(usize::MAX);
         if rows.is_none() && count > bytes {
             let cursor = fields.need("count", "a whole number")?;
@@ -168,6 +170,23 @@ impl Accessor {
     pub(super) fn cost(&self, count: usize) -> u64 {
         (count as u64).saturating_mul((self.component.bytes() * self.width) as u64)
     }
+}
+
+/// Elements that may be zeros in any case.
+const ZEROS_ANYHOW: usize = 1 << 16;
+
+/// Nothing goes by the least and the greatest elements; but where they are of another type than the
+/// elements, so may be what the file says of these.
+fn check_extremes(fields: &Fields<'_>, width: usize) -> Result<()> {
+    for cursor in ["min", "max"].into_iter().filter_map(|key| fields.get(key)) {
+        let numbers = cursor.value().as_array();
+        if !numbers.is_some_and(|all| all.len() == width && all.iter().all(|x| x.is_number())) {
+            return Err(
+                cursor.error(format!("must be a list of {width} numbers, as an element is"))
+            );
+        }
+    }
+    Ok(())
 }
 
 /// The rows of `count` elements of `size` bytes each, from `offset` on.

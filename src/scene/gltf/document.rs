@@ -65,8 +65,8 @@ impl Document {
         let accessors = top.list("accessors", "an accessor", |f| Accessor::read(f, storage))?;
         let images = top.list("images", "an image", |f| Image::read(f, storage))?;
         let samplers = top.list("samplers", "a sampler", |f| Sampler::read(f, remarks))?;
-        let textures =
-            top.list("textures", "a texture", |f| Texture::read(f, images.len(), samplers.len()))?;
+        let texture = |f: &Fields<'_>| Texture::read(f, images.len(), samplers.len(), remarks);
+        let textures = top.list("textures", "a texture", texture)?;
         let surface = |f: &Fields<'_>| Surface::read(f, textures.len(), remarks);
         let materials = top.list("materials", "a material", surface)?;
         let parts = |f: &Fields<'_>| MeshParts::read(f, accessors.len(), materials.len(), remarks);

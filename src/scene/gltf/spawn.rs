@@ -115,10 +115,10 @@ fn forms(document: &Document, remarks: &Remarks<'_>) -> Result<Vec<Form>> {
             let message = "a mesh that a skeleton moves is shown as it is";
             remarks.once(&place, message, "export it in the pose that is wanted");
         }
-        if let Entry::Vacant(unread) = numbers.entry(mesh) {
+        if let Entry::Vacant(entry) = numbers.entry(mesh) {
             let first = forms.len();
             read(document, mesh, &mut reader, remarks, &mut forms)?;
-            unread.insert((first..forms.len()).collect());
+            entry.insert((first..forms.len()).collect());
         }
         let name = &document.nodes[*node].name;
         let numbers = numbers.get(&mesh).map_or(&[][..], Vec::as_slice);
@@ -130,7 +130,28 @@ fn forms(document: &Document, remarks: &Remarks<'_>) -> Result<Vec<Form>> {
             forms[number].uses.push(Use { path, name: name.clone(), world: *world });
         }
     }
+    check_unused(document, &numbers, &mut reader, remarks)?;
+    if forms.is_empty() {
+        let message = "there is nothing to see";
+        remarks.once("nodes", message, "no node of the scene has a mesh of triangles");
+    }
     Ok(forms)
+}
+
+/// A fault is told in a mesh, too, that no node of the scene shows.
+fn check_unused(
+    document: &Document,
+    used: &HashMap<usize, Vec<usize>>,
+    reader: &mut Reader<'_>,
+    remarks: &Remarks<'_>,
+) -> Result<()> {
+    let unused = (0..document.meshes.len()).filter(|mesh| !used.contains_key(mesh));
+    for mesh in unused {
+        let message = "a mesh is left out";
+        remarks.once(&format!("meshes[{mesh}]"), message, "no node of the scene shows it");
+        read(document, mesh, reader, remarks, &mut Vec::new())?;
+    }
+    Ok(())
 }
 
 /// Reads the primitives of a mesh.

@@ -101,9 +101,18 @@ pub(super) struct Texture {
 
 impl Texture {
     /// Reads an element of `textures`, of a file with so many images and samplers.
-    pub(super) fn read(fields: &Fields<'_>, images: usize, samplers: usize) -> Result<Self> {
+    pub(super) fn read(
+        fields: &Fields<'_>,
+        images: usize,
+        samplers: usize,
+        remarks: &Remarks<'_>,
+    ) -> Result<Self> {
         Ok(Self {
-            image: fields.index("source", "images", images)?,
+            // Extensions that are not read may have images of their own, of which this is the number.
+            image: fields.index("source", "images", images).unwrap_or_else(|error| {
+                remarks.notes.warn(&error);
+                None
+            }),
             sampler: fields.index("sampler", "samplers", samplers)?,
         })
     }

@@ -51,6 +51,9 @@ fn data_uri(cursor: &Cursor<'_>, data: &str) -> Result<Vec<u8>> {
     let Some((kind, text)) = data.split_once(',') else {
         return Err(cursor.error("a data URI has a comma before its data"));
     };
+    if kind.split(';').skip(1).any(str::is_empty) {
+        return Err(cursor.error("what stands before the comma of a data URI has an empty part"));
+    }
     if !kind.ends_with(";base64") {
         return percent_bytes(text).ok_or_else(|| cursor.error("has a % that stands for no byte"));
     }
@@ -117,6 +120,7 @@ mod tests {
         assert_eq!(follow("data:,a%00b"), bytes(b"a\0b"));
         assert!(follow("data:;base64,A*E=").unwrap_err().contains("not base64"));
         assert!(follow("data:;base64").unwrap_err().contains("comma"));
+        assert!(follow("data:a/b;;base64,AA==").unwrap_err().contains("an empty part"));
         assert!(follow("data:,%0").unwrap_err().contains("stands for no byte"));
     }
 }

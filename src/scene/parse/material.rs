@@ -19,6 +19,7 @@ pub(super) const FILTERS: [(&str, Filter); 3] = [
     ("trilinear", Filter::Trilinear),
 ];
 pub(super) const WRAPS: [(&str, Wrap); 2] = [("repeat", Wrap::Repeat), ("clamp", Wrap::Clamp)];
+/// What numbers of colours stand for, by name.
 pub(super) const ENCODINGS: [(&str, Encoding); 2] =
     [("linear", Encoding::Linear), ("srgb", Encoding::Srgb)];
 

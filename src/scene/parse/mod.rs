@@ -16,7 +16,7 @@ use crate::error::Result;
 
 pub(super) use camera::{FOV, LONGEST_SIDE, check_size};
 
-use super::components::Settings;
+use super::components::{Encoding, Settings};
 use super::load::LoadOptions;
 use super::reader::{Cursor, Object, Range};
 use super::schema::SceneFile;
@@ -28,7 +28,7 @@ const MOST_BOUNCES: u32 = 10_000;
 /// The report's "low value" by which a surface in shadow is multiplied.
 const AMBIENT: f64 = 0.08;
 
-const KEYS: [&str; 4] = ["$schema", "nbounces", "camera", "scene"];
+const KEYS: [&str; 5] = ["$schema", "nbounces", "camera", "scene", "transfer"];
 const SCENE_KEYS: [&str; 5] = ["backgroundcolor", "lightsources", "shapes", "ambient", "instances"];
 
 /// Reads a whole file from its top.
@@ -43,10 +43,11 @@ pub(crate) fn scene_file(top: &Cursor<'_>, options: &LoadOptions) -> Result<Scen
     let settings = settings(&scene, bounces)?;
     let lights = list(&scene, "lightsources", "an array of lights", light::light)?;
     let shapes = list(&scene, "shapes", "an array of shapes", shape::shape)?;
+    let encoding = object.choice_or("transfer", &material::ENCODINGS, Encoding::default())?;
     let names = Names::of(&shapes);
     let one = |cursor: &Cursor<'_>| instance::instance(cursor, &names);
     let instances = list(&scene, "instances", "an array of instances", one)?;
-    Ok(SceneFile { settings, camera, lights, shapes, instances })
+    Ok(SceneFile { settings, camera, lights, shapes, instances, encoding })
 }
 
 fn settings(scene: &Object<'_>, bounces: u32) -> Result<Settings> {

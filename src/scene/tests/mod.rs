@@ -29,6 +29,7 @@ fn complete() -> Value {
     let quad = json!([[0, 0, 0], [0, 1, 0], [1, 1, 0], [1, 0, 0]]);
     json!({
         "nbounces": 3,
+        "transfer": "srgb",
         "camera": {
             "type": "thinlens", "width": 640, "height": 480, "fov": 60, "fovaxis": "x",
             "location": [0, 0, 5], "look": [0, 0, 0], "up": [0, 1, 0], "antialias": 2,

@@ -6,7 +6,7 @@ use super::{
     about, by_type, cameras, definition_of, integer, list, number, object, or, shapes, text, tuple,
     where_all, word, word_or,
 };
-use crate::scene::components::Falloff;
+use crate::scene::components::{Encoding, Falloff};
 use crate::scene::parse::{
     AMBIENT, KEYS, MOST_BOUNCES, SCENE_KEYS, instance, light, material, transform,
 };
@@ -23,6 +23,10 @@ pub(super) fn scene_file() -> Value {
             }
             "camera" => definition_of_with("camera", "Where the picture is taken from."),
             "scene" => definition_of_with("scene", "What is in the picture."),
+            "transfer" => {
+                let names = word_or(&material::ENCODINGS, Encoding::default());
+                about(names, "How images of 8 bits are written, where nobody says.")
+            }
             _ => return None,
         })
     })
