@@ -1,8 +1,11 @@
 //! The curve between light and the levels that screens and most image files have.
 
+/// Light up to which the curve is a line (IEC 61966-2-1).
+const LINE: f32 = 0.003_130_8;
+
 /// The sRGB curve (IEC 61966-2-1) for one value, linear in and encoded out.
 pub fn srgb_encode(value: f32) -> f32 {
-    if value <= 0.003_130_8 {
+    if value <= LINE {
         12.92 * value
     } else {
         // The library's power function, not the machine's, which may differ in the last bit.
