@@ -25,6 +25,8 @@ pub enum ErrorKind {
     Limit,
     /// A command line asks for what cannot be done.
     Usage,
+    /// A signal ended the work before its time: its number.
+    Interrupted(u8),
 }
 
 /// An error that names the file, the place, the value and the remedy, as far as each is known.

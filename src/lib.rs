@@ -124,6 +124,7 @@ pub mod aov;
 pub mod cli;
 pub mod counters;
 pub mod error;
+pub mod farm;
 pub mod generate;
 pub mod image;
 pub mod kernels;

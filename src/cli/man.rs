@@ -39,10 +39,9 @@ pub fn run(args: &ManArgs) -> Result<()> {
 
 /// The program and its commands, as they are to be told of.
 fn pages() -> Vec<Command> {
-    let mut program = super::program();
+    let mut program = super::program().disable_help_subcommand(true);
     program.build();
-    let commands: Vec<Command> =
-        program.get_subcommands().filter(|c| c.get_name() != "help").cloned().collect();
+    let commands: Vec<Command> = program.get_subcommands().cloned().collect();
     std::iter::once(program).chain(commands).collect()
 }
 

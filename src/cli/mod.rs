@@ -11,7 +11,10 @@ pub mod convert;
 pub mod diff;
 pub mod explain;
 pub mod generate;
+mod interrupt;
 pub mod man;
+pub mod merge;
+pub mod metadata;
 pub mod probe;
 pub mod render;
 pub mod schema;
@@ -23,18 +26,20 @@ use std::process::ExitCode;
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
-use crate::error::Result;
+use crate::error::{Error, ErrorKind, Result};
 use common::tell;
 
 /// Every code that the command ends with, and what it means: for the help, the manual and the README.
-pub const EXIT_CODES: [(u8, &str); 3] = [
+pub const EXIT_CODES: [(u8, &str); 5] = [
     (0, "done; of diff: the images are equal"),
     (
         1,
         "the answer is no: of diff, the images differ; of bench, the tracers disagree; of selftest, a case \
          fails; of probe, the tracers tell different stories",
     ),
-    (2, "an error, which is told on standard error; no output was touched"),
+    (2, "an error, which is told on standard error"),
+    (130, "SIGINT (Ctrl-C) ended a render early; what was finished is kept"),
+    (143, "SIGTERM did"),
 ];
 
 /// A ray tracer for large triangle meshes: wavefront and recursive tracing over one set of kernels.
@@ -50,7 +55,8 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    Render(render::RenderArgs),
+    Render(Box<render::RenderArgs>),
+    Merge(merge::MergeArgs),
     Check(check::CheckArgs),
     Convert(convert::ConvertArgs),
     Explain(explain::ExplainArgs),
@@ -74,7 +80,18 @@ pub fn run() -> ExitCode {
     match dispatch(&cli.command) {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::from(1),
-        Err(error) => {
+        Err(error) => failed(&error),
+    }
+}
+
+/// Tells an error, and which exit code it has.
+fn failed(error: &Error) -> ExitCode {
+    match error.kind() {
+        ErrorKind::Interrupted(signal) => {
+            tell(&error.to_string());
+            ExitCode::from(interrupt::exit_code(signal))
+        }
+        _ => {
             tell(&format!("error: {error}"));
             ExitCode::from(2)
         }
@@ -104,6 +121,7 @@ fn with_command(mut arguments: Vec<OsString>) -> Vec<OsString> {
 fn dispatch(command: &Command) -> Result<bool> {
     match command {
         Command::Render(args) => render::run(args).map(|()| true),
+        Command::Merge(args) => merge::run(args).map(|()| true),
         Command::Check(args) => check::run(args).map(|()| true),
         Command::Convert(args) => convert::run(args).map(|()| true),
         Command::Explain(args) => explain::run(args).map(|()| true),

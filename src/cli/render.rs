@@ -5,22 +5,28 @@ use std::time::Instant;
 
 mod goal;
 mod outputs;
+mod parts;
 mod show;
 
 use goal::Traced;
-pub use outputs::{Layers, OutputOptions, Telling};
-use outputs::{Outputs, command};
-use show::{Reporter, Show, Stage};
+use outputs::Outputs;
+pub use outputs::{Layers, OutputOptions};
+use parts::PartOptions;
+use show::{Reporter, Stage};
 pub use show::{ShowOptions, Style};
 
 use super::common::{SceneOptions, SearchOptions, above_zero, crop, tell, to_json};
+use super::interrupt::Interrupt;
+use super::metadata::command;
 use crate::accel::build::Preset;
+use crate::counters::Counters;
 use crate::error::{Error, ErrorKind, Result};
+use crate::farm::Shard;
 use crate::image::write::Transfer;
 use crate::memory::{self, Prediction};
 use crate::prepared::PreparedScene;
 use crate::probe::{self, Invalid};
-use crate::render::{RenderOptions, Rendered, TracerKind, render};
+use crate::render::{RenderOptions, Rendered, TracerKind};
 use crate::replace::{check_differs, check_replaceable, replace_file, write_error};
 use crate::report::foretold::Foretold;
 use crate::report::statistics::{Bvh, Columns, ImageSize, Memory, Statistics, Time, pass_map};
@@ -33,7 +39,7 @@ use crate::wavefront::DEFAULT_BATCH;
 pub struct RenderArgs {
     /// The scene: JSON, glTF (.gltf, .glb), or a mesh alone (.ply, .obj)
     pub scene: PathBuf,
-    /// The image to write: .ppm, .png, .exr or .pfm
+    /// The image to write: .ppm, .png, .exr or .pfm; for a shard, .part
     #[arg(value_name = "OUTPUT", required_unless_present = "output")]
     pub image: Option<PathBuf>,
     /// The image to write, named as an option
@@ -77,6 +83,9 @@ pub struct RenderArgs {
     /// Write statistics as JSON
     #[arg(long, value_name = "FILE")]
     pub stats: Option<PathBuf>,
+    /// What is kept, and which share is rendered
+    #[command(flatten)]
+    pub parts: PartOptions,
     /// What is read and how
     #[command(flatten)]
     pub scene_options: SceneOptions,
@@ -102,7 +111,9 @@ impl RenderArgs {
 /// When the scene cannot be loaded or prepared, or the image cannot be written.
 pub fn run(args: &RenderArgs) -> Result<()> {
     let output = args.output()?;
-    let outputs = Outputs::check(args, output)?;
+    let shard = args.parts.shard()?;
+    args.parts.check(args, output)?;
+    let outputs = Outputs::check(args, output, shard.is_some())?;
     if let Some(stats) = &args.stats {
         check_replaceable(stats)?;
         outputs.check_apart(stats)?;
@@ -113,19 +124,23 @@ pub fn run(args: &RenderArgs) -> Result<()> {
         check_differs(log, &args.scene, "the scene")?;
     }
     let reporter = Reporter::begin(args)?;
-    let seen = Seen { outputs: &outputs, reporter: &reporter };
-    let done = args.scene_options.threads.run(|| run_here(args, &seen));
+    let done = args.scene_options.threads.run(|| run_here(args, &outputs, &reporter, shard));
     done.inspect_err(|error| reporter.failed(error))
 }
 
-/// Where a render can be seen, while it is made and afterwards.
+/// Where a render can be seen, while it is made and afterwards, and what ends it early.
 struct Seen<'a> {
     outputs: &'a Outputs<'a>,
     reporter: &'a Reporter,
+    interrupt: &'a Interrupt,
 }
 
-fn run_here(args: &RenderArgs, seen: &Seen<'_>) -> Result<()> {
-    let Seen { outputs, reporter } = *seen;
+fn run_here(
+    args: &RenderArgs,
+    outputs: &Outputs<'_>,
+    reporter: &Reporter,
+    shard: Option<Shard>,
+) -> Result<()> {
     let start = Instant::now();
     let mut time = Time::default();
     reporter.started(args, &command(std::env::args_os()));
@@ -153,34 +168,61 @@ fn run_here(args: &RenderArgs, seen: &Seen<'_>) -> Result<()> {
     reporter.warnings(&dropped);
     reporter.built(args, &scene, preset, time.build);
     args.search.apply(&mut scene.accel);
-    let traced = timed(&mut time.trace, || goal::trace(args, &mut scene, preset, seen, start))?;
-    let Traced { rendered, preset, goal } = traced;
-    reporter.traced(&rendered, time.trace);
-    let first = rendered.counters.first_invalid;
-    let invalid = first.map(|sample| probe::name_invalid(&scene, sample, args.seed));
-    if let (Some(invalid), true) = (&invalid, args.trap_invalid) {
-        return Err(trapped(args, invalid));
+    // Until here there was nothing to lose: a signal ended the process.
+    let interrupt = &Interrupt::listen()?;
+    let seen = &Seen { outputs, reporter, interrupt };
+    if let Some(shard) = shard {
+        return parts::write_shard(args, shard, &scene, seen);
     }
+    let traced = timed(&mut time.trace, || goal::trace(args, &mut scene, preset, seen, start))?;
+    let Traced { rendered, preset, goal, resumed } = traced;
+    reporter.traced(&rendered, time.trace);
+    if !rendered.finished {
+        return Err(parts::interrupted(args, &scene, &rendered, seen));
+    }
+    let invalid = find_invalid(args, &scene, &rendered.counters)?;
     reporter.stage(Stage::Write);
     timed(&mut time.write, || outputs.write(&scene, &rendered))?;
     time.total = start.elapsed().as_secs_f64();
     time.passes = pass_map(&rendered.pass_seconds);
     reporter.wrote(outputs.paths(), &time);
     reporter.stage(Stage::Done);
-    if let (Some(invalid), false) = (&invalid, args.scene_options.quiet) {
-        let count = rendered.counters.invalid;
-        tell(&format!(
-            "warning: {count} samples were not finite and count as black: first {invalid}"
-        ));
-    }
+    tell_invalid(args, &rendered.counters, invalid.as_ref());
     match &args.stats {
         Some(file) => {
             let mut statistics = statistics(args, &scene, preset, &rendered, time, predicted);
             (statistics.first_invalid, statistics.goal) = (invalid, goal);
+            statistics.resumed = resumed;
             statistics.memory.predicted = foretold.map_or(0, |foretold| foretold.total());
             write_statistics(file, &statistics)
         }
         None => Ok(()),
+    }
+}
+
+/// The first sample that was not finite.
+///
+/// # Errors
+/// When there is one, and none is to be there.
+fn find_invalid(
+    args: &RenderArgs,
+    scene: &PreparedScene,
+    counters: &Counters,
+) -> Result<Option<Invalid>> {
+    let first = counters.first_invalid;
+    let invalid = first.map(|sample| probe::name_invalid(scene, sample, args.seed));
+    match invalid {
+        Some(invalid) if args.trap_invalid => Err(trapped(args, &invalid)),
+        invalid => Ok(invalid),
+    }
+}
+
+fn tell_invalid(args: &RenderArgs, counters: &Counters, first: Option<&Invalid>) {
+    if let (Some(first), false) = (first, args.scene_options.quiet) {
+        let count = counters.invalid;
+        tell(&format!(
+            "warning: {count} samples were not finite and count as black: first {first}"
+        ));
     }
 }
 
@@ -200,11 +242,6 @@ fn timed<R>(seconds: &mut f64, work: impl FnOnce() -> R) -> R {
     let result = work();
     *seconds = start.elapsed().as_secs_f64();
     result
-}
-
-fn trace(args: &RenderArgs, scene: &PreparedScene, seen: &Seen<'_>) -> Result<Rendered> {
-    seen.reporter.stage(Stage::Trace);
-    render(scene, &args.options(), &Show::new(args, seen.outputs, scene, seen.reporter))
 }
 
 fn statistics(
@@ -249,6 +286,7 @@ fn statistics(
         },
         bvh: Bvh::of(&scene.accel, preset),
         goal: None,
+        resumed: 0.0,
         plan: scene.plan.clone(),
     }
 }

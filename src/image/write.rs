@@ -18,7 +18,19 @@ pub use crate::math::srgb::{srgb_decode, srgb_encode};
 use crate::replace::{Sink, check_replaceable, replace_file, write_error};
 
 /// How a linear value from 0 to 1 becomes one of 256 levels. Float formats are always linear.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, clap::ValueEnum)]
+#[derive(
+    Clone,
+    Copy,
+    Debug,
+    Default,
+    PartialEq,
+    Eq,
+    Hash,
+    clap::ValueEnum,
+    serde::Serialize,
+    serde::Deserialize,
+)]
+#[serde(rename_all = "lowercase")]
 pub enum Transfer {
     /// Level 255 times the value.
     #[default]

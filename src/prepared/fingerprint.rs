@@ -10,10 +10,46 @@ use crate::kernels::texture::Texels;
 /// What is written is hashed.
 struct Hasher(Xxh3);
 
+impl Hasher {
+    /// Hashes a list: its length, so that it does not run into the next, and its bytes.
+    fn list<T: bytemuck::NoUninit>(&mut self, values: &[T]) {
+        self.0.update(&(values.len() as u64).to_le_bytes());
+        self.0.update(bytemuck::cast_slice(values));
+    }
+}
+
+/// The hash of what `fill` writes.
+fn hashed(fill: impl FnOnce(&mut Hasher)) -> u128 {
+    let mut hasher = Hasher(Xxh3::new());
+    fill(&mut hasher);
+    hasher.0.digest128()
+}
+
 impl fmt::Write for Hasher {
     fn write_str(&mut self, text: &str) -> fmt::Result {
         self.0.update(text.as_bytes());
         Ok(())
+    }
+}
+
+/// Numbers that tell scenes apart, one for each kind of thing that an image follows from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Fingerprints {
+    /// Primitives of all kinds, and the attributes of meshes.
+    pub geometry: u128,
+    /// The images.
+    pub textures: u128,
+    /// The camera, and where the origin lies.
+    pub camera: u128,
+    /// Materials and which shape has which, lights, background, ambient part, bounces.
+    pub looks: u128,
+}
+
+impl Fingerprints {
+    /// One number for all of them.
+    pub fn all(&self) -> u128 {
+        let Self { geometry, textures, camera, looks } = *self;
+        hashed(|hasher| hasher.0.update(bytemuck::cast_slice(&[geometry, textures, camera, looks])))
     }
 }
 
@@ -23,48 +59,69 @@ impl PreparedScene {
     /// order of a file's keys and the folder that it lies in do not count. It is no protection against
     /// someone who looks for a collision.
     pub fn fingerprint(&self) -> u128 {
-        let mut hasher = Hasher(Xxh3::new());
+        self.fingerprints().all()
+    }
+
+    /// As [`PreparedScene::fingerprint`], but told apart.
+    pub fn fingerprints(&self) -> Fingerprints {
+        Fingerprints {
+            geometry: self.geometry_fingerprint(),
+            textures: self.textures_fingerprint(),
+            camera: hashed(|hasher| {
+                // Numbers as text are the shortest that read back as the same: as good as their bits. A
+                // hasher takes all that is written.
+                let _ = write!(hasher, "{:?}{:?}", self.camera, self.origin);
+            }),
+            looks: hashed(|hasher| {
+                let _ = write!(hasher, "{:?}{:?}", self.looks.shapes, self.looks.materials);
+                let _ = write!(hasher, "{:?}{:?}", self.lights, self.background);
+                let _ = write!(hasher, "{:?} {:?}", self.ambient, self.bounces);
+            }),
+        }
+    }
+
+    fn geometry_fingerprint(&self) -> u128 {
         let geometry = &self.accel.geometry;
-        hasher.0.update(bytemuck::cast_slice(&geometry.positions));
-        hasher.0.update(bytemuck::cast_slice(&geometry.triangles));
-        hasher.0.update(bytemuck::cast_slice(&geometry.quads));
-        for form in &geometry.forms {
-            hasher.0.update(bytemuck::cast_slice(&form.positions));
-            hasher.0.update(bytemuck::cast_slice(&form.triangles));
-            let _ = write!(hasher, "{} {}", form.positions.len(), form.triangles.len());
-        }
-        for instance in &geometry.instances {
-            let _ = write!(hasher, "{} {:?}", instance.form(), instance.to_world());
-        }
-        for mesh in &self.looks.meshes {
-            if let Some(normals) = &mesh.normals {
-                hasher.0.update(bytemuck::cast_slice(&normals.values));
-                hasher.0.update(bytemuck::cast_slice(normals.indices.as_deref().unwrap_or(&[])));
+        hashed(|hasher| {
+            hasher.list(&geometry.positions);
+            hasher.list(&geometry.triangles);
+            hasher.list(&geometry.quads);
+            let _ = write!(hasher, "{:?}{:?}", geometry.spheres, geometry.lights);
+            for form in &geometry.forms {
+                hasher.list(&form.positions);
+                hasher.list(&form.triangles);
             }
-            if let Some(uvs) = &mesh.uvs {
-                hasher.0.update(bytemuck::cast_slice(&uvs.values));
-                hasher.0.update(bytemuck::cast_slice(uvs.indices.as_deref().unwrap_or(&[])));
+            for instance in &geometry.instances {
+                let _ = write!(hasher, "{} {:?}", instance.form(), instance.to_world());
             }
-        }
-        for image in &self.looks.images {
-            match &image.texels {
-                Texels::Bytes(texels) => hasher.0.update(bytemuck::cast_slice(texels)),
-                Texels::Levels(texels, values) => {
-                    hasher.0.update(bytemuck::cast_slice(texels));
-                    hasher.0.update(bytemuck::cast_slice(values.as_slice()));
+            for mesh in &self.looks.meshes {
+                let _ = write!(hasher, "{:?}", [mesh.first_triangle, mesh.first_position]);
+                if let Some(normals) = &mesh.normals {
+                    hasher.list(&normals.values);
+                    hasher.list(normals.indices.as_deref().unwrap_or(&[]));
                 }
-                Texels::Floats(texels) => hasher.0.update(bytemuck::cast_slice(texels)),
+                if let Some(uvs) = &mesh.uvs {
+                    hasher.list(&uvs.values);
+                    hasher.list(uvs.indices.as_deref().unwrap_or(&[]));
+                }
             }
-        }
-        // Numbers as text are the shortest that read back as the same: as good as their bits. A hasher
-        // takes all that is written.
-        let _ = write!(hasher, "{:?}{:?}", geometry.spheres, geometry.lights);
-        let _ = write!(hasher, "{:?}{:?}", self.looks.shapes, self.looks.materials);
-        let _ = write!(hasher, "{:?}{:?}{:?}", self.camera, self.lights, self.origin);
-        let _ = write!(hasher, "{:?}{}{}", self.background, self.ambient, self.bounces);
-        let lengths = [geometry.positions.len(), geometry.triangles.len(), geometry.quads.len()];
-        let _ = write!(hasher, "{lengths:?}");
-        hasher.0.digest128()
+        })
+    }
+
+    fn textures_fingerprint(&self) -> u128 {
+        hashed(|hasher| {
+            for image in &self.looks.images {
+                let _ = write!(hasher, "{:?}", [image.width, image.height, image.coarsest()]);
+                match &image.texels {
+                    Texels::Bytes(texels) => hasher.list(texels),
+                    Texels::Levels(texels, values) => {
+                        hasher.list(texels);
+                        hasher.list(values.as_slice());
+                    }
+                    Texels::Floats(texels) => hasher.list(texels),
+                }
+            }
+        })
     }
 
     /// Bytes held by geometry, tree, attributes and images.

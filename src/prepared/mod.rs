@@ -10,6 +10,7 @@ use std::ops::Range;
 use glam::{DVec3, Mat3, Vec2, Vec3};
 
 pub use arrival::Arrival;
+pub use fingerprint::Fingerprints;
 pub use footprint::MirrorPoint;
 pub use resample::{Original, Samples};
 

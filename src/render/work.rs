@@ -25,7 +25,7 @@ pub struct Task {
     pub tile: u32,
     /// The blocks. Where they begin with another than the first and no `sums` are given, there is one alone.
     pub blocks: Range<u32>,
-    /// For each pixel of the tile, what the blocks before these add up to.
+    /// For each pixel of the tile, what the blocks before these add up to; all their samples were finite.
     pub sums: Option<Vec<[f64; 3]>>,
 }
 
@@ -36,6 +36,8 @@ pub struct Summed<'a> {
     pub tile: u32,
     /// The blocks: all up to some block, or one alone.
     pub blocks: Range<u32>,
+    /// Samples among them, of any pixel, that were not finite.
+    pub invalid: u64,
     /// Their sums.
     pub sums: &'a [[f64; 3]],
 }
@@ -132,6 +134,7 @@ impl Worker {
             }
             None => task.blocks.start,
         };
+        let invalid = tracer.counters().invalid;
         for number in task.blocks.clone() {
             // Before the first, the loop over tasks has asked.
             if number > task.blocks.start && watch.cancelled() {
@@ -147,7 +150,8 @@ impl Worker {
                 tracer.render(scene, &unit, block);
                 add(sums, block);
             }
-            keep(&Summed { tile: task.tile, blocks: first..number + 1, sums });
+            let invalid = tracer.counters().invalid - invalid;
+            keep(&Summed { tile: task.tile, blocks: first..number + 1, invalid, sums });
         }
     }
 }

@@ -25,6 +25,7 @@
 //! | `memory.predicted`, `.peak` | bytes | peak of the process: foretold before a mesh or a texture is read, and measured (`null` where the system does not tell) |
 //! | `columns.foretold`, `.held` | bytes | columns of the wavefront's batches on all threads: foretold, and held (the recursive tracer has none) |
 //! | `bvh.preset`, `.nodes`, `.depth`, `.bytes` | | the tree |
+//! | `resumed` | | the part of the image that a checkpoint held (0 to 1): rays and all other work are those of this run alone |
 //! | `goal.asked`, `.samples`, `.expected_error`, `.expected_seconds`, `.found_error`, `.renders` | | what was chosen for a target error or a time budget, and what came of it (`null` where neither was asked for) |
 //! | `plan` | | each effect, whether it is simulated, and why |
 
@@ -69,6 +70,7 @@ pub struct Statistics {
     pub columns: Columns,
     pub bvh: Bvh,
     pub goal: Option<Goal>,
+    pub resumed: f64,
     pub plan: Plan,
 }
 

@@ -261,3 +261,28 @@ fn the_mask_is_set_where_a_sample_is_not_finite() {
     }
     assert!(marked > 10 && marked < 24 * 18, "{marked}");
 }
+
+#[test]
+fn instances_have_numbers_of_their_own() {
+    let corners = json!([[-1, -1, 0], [-1, 1, 0], [1, 1, 0], [1, -1, 0]]);
+    let mesh = json!({"type": "trimesh", "name": "tile", "hidden": true, "points": corners,
+                      "indices": [[0, 1, 2], [0, 2, 3]], "sides": "both",
+                      "material": matte(0.5, [0.25, 0.5, 0.75])});
+    let shown = |x: f64, z: f64| json!({"shape": "tile", "transform": {"translate": [x, 0, z]}});
+    let mut scene = scene(0, &pinhole(SIZE, 40.0, DISTANCE), &[lamp()], &[mesh]);
+    let red = with(shown(1.25, -1.0), "material", matte(0.5, [1.0, 0.0, 0.0]));
+    scene["scene"]["instances"] = json!([shown(-1.25, 0.5), red]);
+    let found = all(&prepare(&scene));
+    let table = found.entries.iter().find(|entry| entry.name == "objects").expect("a table");
+    let table: Value = serde_json::from_str(&table.text).expect("JSON");
+    let cases = [(12, "scene.instances[0]", 0.5, 0.25), (27, "scene.instances[1]", -1.0, 1.0)];
+    for (x, place, z, red) in cases {
+        let pixel = (15 * SIZE[0] + x) as usize;
+        let id = integers(&found, "object.id")[pixel].to_string();
+        assert_eq!(table[&id], place);
+        assert!((f64::from(floats(&found, "depth.Z")[pixel]) - (DISTANCE - z)).abs() < 1e-5);
+        assert!((vector(&found, "P", pixel).z - z).abs() < 1e-5);
+        assert!(vector(&found, "N", pixel).distance(DVec3::Z) < 1e-6);
+        assert_eq!(vector(&found, "albedo", pixel).x, red);
+    }
+}

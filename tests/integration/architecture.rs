@@ -70,6 +70,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("scene", &["error", "kernels", "math", "replace"]),
     ("systems", &["accel", "error", "kernels", "math", "plan", "prepared", "scene"]),
     ("memory", &["accel", "prepared", "render", "scene", "systems", "wavefront"]),
+    ("farm", &["error", "image", "prepared", "render", "replace", "tile", "wavefront"]),
     ("generate", &["error", "replace", "scene"]),
     ("ray_file", &["accel", "error", "math", "replace"]),
     (
@@ -118,7 +119,9 @@ const ARROWS: &[(&str, &[&str])] = &[
             "accel",
             "accuracy",
             "aov",
+            "counters",
             "error",
+            "farm",
             "generate",
             "image",
             "kernels",
@@ -168,9 +171,11 @@ const CRATES: &[(&str, &[&str])] = &[
     // Memory of the tree on huge pages. No file is mapped.
     ("memmap2", &["accel"]),
     // Plain data as bytes: the arena, rays, files.
-    ("bytemuck", &["accel", "image", "math", "prepared", "scene"]),
-    // What tells scenes apart.
-    ("xxhash_rust", &["prepared"]),
+    ("bytemuck", &["accel", "farm", "image", "math", "prepared", "scene"]),
+    // What tells scenes apart, and finds damage.
+    ("xxhash_rust", &["farm", "prepared"]),
+    // Signals that end a render early.
+    ("signal_hook", &["cli"]),
     // Charts: laid out, lettered, and as pixels; and what a page holds in itself.
     ("plotters", &["report"]),
     ("plotters_backend", &["report"]),

@@ -26,6 +26,9 @@ mod memory;
 // Renders in parts: who looks on, who ends them early, and samples in blocks.
 mod parts;
 
+// Shards and checkpoints: the image of one process, and what does not fit refused by name.
+mod farm;
+
 // Images agree with formulas worked out here in double precision.
 mod closed_form;
 

@@ -16,7 +16,7 @@ use crate::support::{
 };
 
 /// A ball before a wall, with so many samples a side for each pixel.
-fn ball(size: [u32; 2], antialias: u32) -> Value {
+pub(crate) fn ball(size: [u32; 2], antialias: u32) -> Value {
     let camera = with(pinhole(size, 40.0, 5.0), "antialias", antialias);
     let light = point_light(40.0, [2.0, 3.0, 4.0], [1.0; 3]);
     let mirror = with(matte(0.7, [0.9, 0.3, 0.1]), "kr", 0.25);

@@ -39,6 +39,11 @@ fn complete() -> Value {
         "scene": {
             "backgroundcolor": [0.1, 0.2, 0.3],
             "ambient": 0.1,
+            "instances": [
+                {"shape": "ball", "name": "twin", "transform": {"translate": [9, 0, 0]},
+                 "material": material},
+                {"shape": "floor", "id": "ceiling"}
+            ],
             "lightsources": [
                 {"type": "pointlight", "intensity": 50, "position": [1, 2, 3], "color": [1, 1, 1],
                  "falloff": "none"},
@@ -50,9 +55,10 @@ fn complete() -> Value {
             "shapes": [
                 {"type": "sphere", "name": "ball", "center": [1, 2, 3], "radius": 4,
                  "material": material, "texture": "texture.pnm", "filter": "nearest",
-                 "wrap": "clamp", "sides": "front", "shading": "flat",
+                 "wrap": "clamp", "encoding": "srgb",
+                 "tint": [0.5, 1, 2], "sides": "front", "shading": "flat",
                  "transform": {"translate": [1, 2, 3], "rotate": [0, 90, 0], "scale": 2}},
-                {"type": "plane", "id": "floor", "points": quad, "normal": [0, 0, 1],
+                {"type": "plane", "id": "floor", "hidden": true, "points": quad, "normal": [0, 0, 1],
                  "material": material, "transform": {"scale": [1, 2, 3]}},
                 {"type": "triangle", "points": corners, "normal": 1, "material": material,
                  "transform": [[2, 0, 0, 1], [0, 2, 0, 2], [0, 0, 2, 3], [0, 0, 0, 1]]},

@@ -2,7 +2,8 @@
 
 use std::time::Instant;
 
-use super::{RenderArgs, Seen, trace as trace_once};
+use super::parts::trace as trace_once;
+use super::{RenderArgs, Seen};
 use crate::accel::build::Preset;
 use crate::accuracy::pilot::{Choice, Pilot, error};
 use crate::cli::common::tell;
@@ -27,6 +28,8 @@ pub(super) struct Traced {
     pub(super) rendered: Rendered,
     pub(super) preset: Preset,
     pub(super) goal: Option<Goal>,
+    /// The part of it that a checkpoint held, from 0 to 1.
+    pub(super) resumed: f64,
 }
 
 /// Renders `scene`, whose tree `preset` built, as the arguments ask, so that it is `seen`. `start` is when
@@ -39,7 +42,7 @@ pub(super) fn trace(
     start: Instant,
 ) -> Result<Traced> {
     if args.target_error.is_none() && args.time_budget.is_none() {
-        return Ok(Traced { rendered: trace_once(args, scene, seen)?, preset, goal: None });
+        return plain(args, scene, preset, seen);
     }
     let original = scene.original();
     let pilot = Pilot::run(scene, &original, args.seed)?;
@@ -58,14 +61,17 @@ pub(super) fn trace(
     };
     let Some(mut choice) = chosen else {
         say("nothing in this scene is left to chance: its error is 0".to_owned());
-        return Ok(Traced { rendered: trace_once(args, scene, seen)?, preset, goal: None });
+        return plain(args, scene, preset, seen);
     };
     let mut renders = 0;
     loop {
         scene.resample(&original, &choice.samples());
         preset = choose_tree(args, scene, preset);
         say(format!("chosen: {choice}"));
-        let rendered = trace_once(args, scene, seen)?;
+        let (rendered, resumed) = trace_once(args, scene, seen)?;
+        if !rendered.finished {
+            return Ok(Traced { rendered, preset, goal: None, resumed });
+        }
         renders += 1;
         let found = error(scene, Some(&rendered.film), args.seed)?;
         say(format!("error found: {found:.3e}"));
@@ -74,10 +80,21 @@ pub(super) fn trace(
             Some(asked) if renders < MOST_RENDERS => choice = finer(&choice, found / asked),
             _ => {
                 let goal = Some(goal(args, &choice, found, renders));
-                return Ok(Traced { rendered, preset, goal });
+                return Ok(Traced { rendered, preset, goal, resumed });
             }
         }
     }
+}
+
+/// Renders with the samples that the scene asks for.
+fn plain(
+    args: &RenderArgs,
+    scene: &PreparedScene,
+    preset: Preset,
+    seen: &Seen<'_>,
+) -> Result<Traced> {
+    let (rendered, resumed) = trace_once(args, scene, seen)?;
+    Ok(Traced { rendered, preset, goal: None, resumed })
 }
 
 /// Another tree than that of `preset` where the rays that are now to come are worth it, and none was asked

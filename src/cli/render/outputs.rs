@@ -1,6 +1,5 @@
 //! The files that a render writes: one or several, with layers and with what is said of them.
 
-use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
@@ -8,14 +7,16 @@ use clap::ValueEnum;
 
 use super::RenderArgs;
 use crate::aov::{self, Layer};
+use crate::cli::metadata::MetadataOptions;
 use crate::error::{Error, ErrorKind, Result, did_you_mean};
-use crate::image::metadata::{Entry, Extras, Provenance};
+use crate::farm::Identity;
+use crate::image::metadata::{Entry, Extras};
 use crate::image::write::Transfer;
 use crate::image::write::{check_writable, write_with};
 use crate::image::{Film, Format};
 use crate::prepared::PreparedScene;
 use crate::render::Rendered;
-use crate::replace::check_differs;
+use crate::replace::{check_differs, check_replaceable};
 use crate::scene::components::Encoding;
 
 /// Options on what is written.
@@ -28,32 +29,9 @@ pub struct OutputOptions {
     /// parted by commas, or all
     #[arg(long, value_name = "LAYERS", value_parser = layers)]
     pub aov: Option<Layers>,
-    /// What files say of how the image was made
-    #[arg(long, value_enum, default_value_t)]
-    pub metadata: Telling,
-    /// Say nothing in files: --metadata none
-    #[arg(long, conflicts_with = "metadata")]
-    pub no_metadata: bool,
-}
-
-impl OutputOptions {
-    fn telling(&self) -> Telling {
-        if self.no_metadata { Telling::None } else { self.metadata }
-    }
-}
-
-/// What files say of how their image was made.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub enum Telling {
-    /// Program, scene, seed, samples and precision, in .exr and .png: the same for each way to the same image
-    #[default]
-    Auto,
-    /// The same in .ppm too, as comments that not every reader takes
-    Scene,
-    /// And the command
-    Full,
-    /// Nothing
-    None,
+    /// What is said of the image
+    #[command(flatten)]
+    pub metadata: MetadataOptions,
 }
 
 /// The layers asked for.
@@ -93,15 +71,15 @@ pub(super) struct Outputs<'a> {
 }
 
 impl<'a> Outputs<'a> {
-    /// The files that the arguments name, `first` and those besides.
+    /// The files that the arguments name, `first` and those besides. That of a shard is no image.
     ///
     /// # Errors
     /// When one cannot be written, is another or the scene, or layers are asked for that none can hold.
-    pub(super) fn check(args: &'a RenderArgs, first: &'a Path) -> Result<Self> {
+    pub(super) fn check(args: &'a RenderArgs, first: &'a Path, is_shard: bool) -> Result<Self> {
         let also = args.outputs.also.iter().map(PathBuf::as_path);
         let paths: Vec<&Path> = std::iter::once(first).chain(also).collect();
         for (index, path) in paths.iter().enumerate() {
-            check_writable(path)?;
+            if is_shard { check_replaceable(path) } else { check_writable(path) }?;
             check_differs(path, &args.scene, "the scene")?;
             paths[..index]
                 .iter()
@@ -129,7 +107,8 @@ impl<'a> Outputs<'a> {
         self.encoding.get_or_init(|| encoding);
     }
 
-    fn transfer(&self) -> Transfer {
+    /// How 8-bit levels are made.
+    pub(super) fn transfer(&self) -> Transfer {
         self.args.transfer.unwrap_or(match self.encoding.get() {
             Some(Encoding::Srgb) => Transfer::Srgb,
             Some(Encoding::Linear) | None => Transfer::Linear,
@@ -143,12 +122,13 @@ impl<'a> Outputs<'a> {
     /// it and those after it are as they were.
     pub(super) fn write(&self, scene: &PreparedScene, rendered: &Rendered) -> Result<()> {
         let aov::Found { channels, entries: tables } = self.layers(scene, rendered)?;
-        let entries = self.entries(scene);
+        let entries = self.entries(scene)?;
         // What numbers stand for is of use beside the numbers alone.
         let with_tables = [&entries[..], &tables].concat();
         self.paths.iter().try_for_each(|path| {
             let entries = if is_exr(path) { &with_tables } else { &entries };
-            let extras = Extras { entries, channels: &channels, ..self.extras() };
+            let extras =
+                Extras { entries, channels: &channels, ..self.args.outputs.metadata.extras() };
             self.write_one(&rendered.film, path, &extras)
         })
     }
@@ -164,13 +144,18 @@ impl<'a> Outputs<'a> {
             let percent = (share * 100.0).floor();
             entries.push(Entry { name: "unfinished", text: format!("{percent} % is rendered") });
         }
-        let extras = Extras { entries: &entries, ..self.extras() };
+        let extras = Extras { entries: &entries, ..self.args.outputs.metadata.extras() };
         self.paths.iter().try_for_each(|path| self.write_one(film, path, &extras))
     }
 
-    /// What a viewer calls the image.
+    /// What the image is called.
     pub(super) fn name(&self) -> String {
-        self.paths.first().map(|path| path.display().to_string()).unwrap_or_default()
+        self.first().display().to_string()
+    }
+
+    /// The first of the files.
+    pub(super) fn first(&self) -> &'a Path {
+        self.paths.first().copied().unwrap_or(Path::new(""))
     }
 
     /// The files.
@@ -186,11 +171,6 @@ impl<'a> Outputs<'a> {
         self.paths.iter().any(|path| is_exr(path))
     }
 
-    fn extras(&self) -> Extras<'_> {
-        let comments = matches!(self.args.outputs.telling(), Telling::Scene | Telling::Full);
-        Extras { comments, ..Extras::default() }
-    }
-
     fn layers(&self, scene: &PreparedScene, rendered: &Rendered) -> Result<aov::Found> {
         let Some(Layers(layers)) = &self.args.outputs.aov else { return Ok(aov::Found::default()) };
         let RenderArgs { crop, seed, .. } = *self.args;
@@ -199,40 +179,15 @@ impl<'a> Outputs<'a> {
     }
 
     /// How the image came about, as far as it is to be told.
-    pub(super) fn entries(&self, scene: &PreparedScene) -> Vec<Entry> {
-        let telling = self.args.outputs.telling();
-        if telling == Telling::None {
-            return Vec::new();
-        }
-        let crop = self.args.crop.map(|tile| [tile.x, tile.y, tile.width, tile.height]);
-        let precision = self.args.scene_options.precision.to_possible_value();
-        let provenance = Provenance {
-            version: env!("CARGO_PKG_VERSION").to_owned(),
-            scene: scene.fingerprint(),
-            seed: self.args.seed,
-            samples: scene.camera.rays_per_pixel(),
-            precision: precision.map(|p| p.get_name().to_owned()).unwrap_or_default(),
-            crop,
-            command: (telling == Telling::Full).then(|| command(std::env::args_os())),
-        };
-        provenance.entries()
+    ///
+    /// # Errors
+    /// When the crop is not within the image.
+    pub(super) fn entries(&self, scene: &PreparedScene) -> Result<Vec<Entry>> {
+        let identity = Identity::of(scene, &self.args.options())?;
+        Ok(self.args.outputs.metadata.entries(&identity))
     }
 }
 
 fn is_exr(path: &Path) -> bool {
     Format::from_path(path).is_ok_and(|format| format == Format::Exr)
-}
-
-/// The command as it can be typed again.
-pub(super) fn command(words: impl IntoIterator<Item = OsString>) -> String {
-    let word = |word: OsString| {
-        let word = word.to_string_lossy();
-        let is_plain = |c: char| c.is_alphanumeric() || "-_./,:=+@%".contains(c);
-        if !word.is_empty() && word.chars().all(is_plain) {
-            word.into_owned()
-        } else {
-            format!("'{}'", word.replace('\'', r"'\''"))
-        }
-    };
-    words.into_iter().map(word).collect::<Vec<_>>().join(" ")
 }

@@ -91,7 +91,9 @@ impl Reporter {
     /// A stage begins.
     pub(super) fn stage(&self, stage: Stage) {
         self.progress.stage(stage);
-        self.log.line(stage.name(), || "begins".to_owned());
+        if stage != Stage::Done {
+            self.log.line(stage.name(), || "begins".to_owned());
+        }
     }
 
     /// Something for the log alone.

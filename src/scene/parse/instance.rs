@@ -10,7 +10,7 @@ use crate::scene::schema::{Geometry, Instance, Shape};
 
 use super::{material, shape, transform};
 
-const KEYS: [&str; 5] = ["shape", "transform", "material", "name", "id"];
+pub(super) const KEYS: [&str; 5] = ["shape", "transform", "material", "name", "id"];
 
 /// The shapes of a file by name. A name that several have leads nowhere.
 pub(super) struct Names<'a> {

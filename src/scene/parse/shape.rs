@@ -28,6 +28,8 @@ pub(super) const COMMON_KEYS: [&str; 12] = [
     "shading",
 ];
 
+/// Of a shape of the scene, and not of one of a light.
+pub(super) const SCENE_KEYS: [&str; 1] = ["hidden"];
 pub(super) const SPHERE_KEYS: [&str; 2] = ["center", "radius"];
 /// Of a plane and of a triangle.
 pub(super) const FLAT_KEYS: [&str; 2] = ["points", "normal"];
@@ -57,7 +59,7 @@ pub(super) const KINDS: [(&str, Kind); 4] = [
 
 /// Reads an element of `scene.shapes`.
 pub(super) fn shape(cursor: &Cursor<'_>) -> Result<Shape> {
-    let object = open(cursor, &["hidden"])?;
+    let object = open(cursor, &SCENE_KEYS)?;
     let hidden = object.get("hidden").map_or(Ok(false), |cursor| cursor.truth())?;
     let material = material::material(&object.need("material", "an object { ... }")?)?;
     let texture = material::texture(&object)?;

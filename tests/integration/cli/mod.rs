@@ -9,6 +9,9 @@ mod outputs;
 // Exit codes, messages, and what is left behind when something fails.
 mod failures;
 
+// Shards, merge, checkpoints, signals.
+mod farm;
+
 // The JSON of `--stats`.
 mod statistics;
 

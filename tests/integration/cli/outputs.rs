@@ -210,3 +210,24 @@ fn the_scene_that_is_told_is_the_scene_that_was_rendered() {
     assert_eq!(told(&text), told(&text.replace(',', " ,\n")), "white space is no part of it");
     assert_ne!(told(&text), told(&text.replace("40.0", "41.0")));
 }
+
+#[test]
+fn a_merge_of_parts_is_the_file_of_one_process() {
+    let folder = with_ball();
+    let options = ["--transfer", "srgb", "--seed", "7", "--crop", "1,1,14,10"];
+    for shard in ["1/2", "2/2"] {
+        let part = format!("{}.part", &shard[..1]);
+        let arguments = ["ball.json", part.as_str(), "--shard", shard];
+        run_silently(folder.path(), &[&arguments[..], &options].concat());
+    }
+    for name in ["a.exr", "a.png", "a.ppm", "a.pfm"] {
+        for metadata in ["auto", "scene", "none"] {
+            let one = [&["ball.json", name, "--metadata", metadata][..], &options].concat();
+            run_silently(folder.path(), &one);
+            let expected = bytes(folder.path(), name);
+            let merge = ["merge", "2.part", "1.part", "-o", name, "--metadata", metadata];
+            run_silently(folder.path(), &merge);
+            assert!(bytes(folder.path(), name) == expected, "{name} {metadata}");
+        }
+    }
+}

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use super::{run_silently, with_ball};
 
 /// Every key that the documentation of the statistics names, as JSON pointers.
-const STATISTICS: [&str; 66] = [
+const STATISTICS: [&str; 67] = [
     "/version",
     "/scene",
     "/tracer",
@@ -72,6 +72,7 @@ const STATISTICS: [&str; 66] = [
     "/bvh/depth",
     "/bvh/bytes",
     "/goal",
+    "/resumed",
     "/plan/0/effect",
     "/plan/0/reason",
 ];

@@ -46,7 +46,7 @@ impl<'a> Saver<'a> {
         let kept = Mutex::new(Kept { film, pixels: 0, saved: Instant::now() });
         // Longer than can be said is never.
         let every = Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX);
-        let entries = outputs.entries(scene);
+        let entries = outputs.entries(scene)?;
         Ok(Self { outputs, entries, window, every, kept, writing: AtomicBool::new(false) })
     }
 

@@ -3,12 +3,12 @@
 use serde_json::{Value, json};
 
 use super::{
-    Describe, about, by_type, cameras, definition_of, integer, list, number, object, or, text,
-    tuple, where_all, word, word_or,
+    about, by_type, cameras, definition_of, integer, list, number, object, or, shapes, text, tuple,
+    where_all, word, word_or,
 };
-use crate::scene::components::{Encoding, Falloff, Filter, Shading, Wrap};
+use crate::scene::components::{Encoding, Falloff};
 use crate::scene::parse::{
-    AMBIENT, KEYS, MOST_BOUNCES, SCENE_KEYS, light, material, mesh, shape, transform,
+    AMBIENT, KEYS, MOST_BOUNCES, SCENE_KEYS, instance, light, material, transform,
 };
 use crate::scene::reader::Range;
 
@@ -53,10 +53,10 @@ pub(super) fn definitions() -> Vec<(String, Value)> {
         ("matrix", matrix()),
     ];
     let parts = parts.into_iter().map(|(name, value)| (name.to_owned(), value));
-    parts.chain(shapes("", shape_key)).chain(shapes("lit-", light_shape_key)).collect()
+    parts.chain(shapes::definitions()).collect()
 }
 
-fn definition_of_with(name: &str, text: &str) -> Value {
+pub(super) fn definition_of_with(name: &str, text: &str) -> Value {
     about(definition_of(name), text)
 }
 
@@ -64,7 +64,7 @@ pub(super) fn point(text: &str) -> Value {
     definition_of_with("point", text)
 }
 
-fn color(text: &str) -> Value {
+pub(super) fn color(text: &str) -> Value {
     definition_of_with("color", text)
 }
 
@@ -87,18 +87,25 @@ fn scene() -> Value {
 }
 
 fn instance() -> Value {
-    let keys = ["shape", "transform", "material", "name"];
-    object("A shape shown once more.", &keys, &["shape", "transform"], |key| {
+    let instance = object("A shape shown once more.", &instance::KEYS, &["shape"], |key| {
         Some(match key {
             "shape" => about(text(), "The name of the shape."),
-            "transform" => {
-                definition_of_with("transform", "From the shape's own space to the world's.")
-            }
+            "transform" => definition_of_with(
+                "transform",
+                "Where it is, from where the shape stands in the scene.",
+            ),
             "material" => definition_of_with("material", "In place of the shape's own."),
-            "name" => about(text(), "A name for messages."),
+            "name" => about(text(), "A name, for messages."),
+            "id" => about(text(), "Another name of name."),
             _ => return None,
         })
-    })
+    });
+    where_all(instance, vec![not_both_names()])
+}
+
+/// That a thing is not named twice.
+pub(super) fn not_both_names() -> Value {
+    json!({"not": {"required": ["name", "id"]}})
 }
 
 fn point_light() -> Value {
@@ -178,155 +185,5 @@ fn matrix() -> Value {
         "description": "Four rows; it acts on columns, so that the last column is the translation.",
         "type": "array", "prefixItems": [row(), row(), row(), {"const": [0, 0, 0, 1]}],
         "minItems": 4, "maxItems": 4
-    })
-}
-
-/// A shape, and each kind of shape, whose names begin with `prefix`.
-fn shapes(prefix: &str, common: Describe) -> Vec<(String, Value)> {
-    // The shape of a light needs no material.
-    let always = if prefix.is_empty() { &["type", "material"][..] } else { &["type"] };
-    let kind = |about: &str, keys: &[&'static str], own: Describe, required: &[&str]| {
-        let keys = [&shape::COMMON_KEYS[..], keys].concat();
-        let describe = |key: &str| own(key).or_else(|| common(key));
-        let not_both = json!({"not": {"required": ["name", "id"]}});
-        let required = [always, required].concat();
-        where_all(object(about, &keys, &required, describe), vec![not_both])
-    };
-    let (sphere, flat) = (&shape::SPHERE_KEYS, &shape::FLAT_KEYS);
-    let (indexed, strip) = (&mesh::INDEXED_KEYS, &mesh::STRIP_KEYS);
-    let name = |name: &str| format!("{prefix}{name}");
-    vec![
-        (name("shape"), any_shape(&name)),
-        (name("sphere"), kind("A sphere.", sphere, sphere_key, &["center", "radius"])),
-        (name("plane"), kind("A plane quad.", flat, plane_key, &["points"])),
-        (name("triangle"), kind("A triangle.", flat, triangle_key, &["points"])),
-        (name("trimesh"), any_mesh(&name)),
-        (name("meshFile"), kind("A mesh from a file.", &mesh::FILE_KEYS, mesh_key, &["file"])),
-        (name("meshIndexed"), kind("A mesh.", indexed, mesh_key, &["points", "indices"])),
-        (name("meshStrip"), kind("A strip of triangles.", strip, mesh_key, &["points"])),
-    ]
-}
-
-fn any_shape(name: &impl Fn(&str) -> String) -> Value {
-    let kinds = shape::KINDS.map(|(word, _)| (word, name(word)));
-    let kinds: Vec<_> = kinds.iter().map(|(word, name)| (*word, name.as_str())).collect();
-    by_type("A shape.", &kinds)
-}
-
-/// Which kind of mesh it is follows from the keys that are there.
-fn any_mesh(name: &impl Fn(&str) -> String) -> Value {
-    let to = |kind: &str| definition_of(&name(kind));
-    json!({
-        "description": "A mesh of triangles: from a file, with indices, or a strip.",
-        "if": {"required": ["file"]}, "then": to("meshFile"),
-        "else": {"if": {"required": ["indices"]}, "then": to("meshIndexed"), "else": to("meshStrip")}
-    })
-}
-
-/// The keys of a light's shape, whose looks are not asked for.
-fn light_shape_key(key: &str) -> Option<Value> {
-    match key {
-        "material" | "texture" | "filter" | "wrap" | "encoding" | "tint" => {
-            Some(json!({"description": "Not looked at: the light has a colour of its own."}))
-        }
-        _ => shape_key(key),
-    }
-}
-
-/// The keys of all shapes.
-fn shape_key(key: &str) -> Option<Value> {
-    Some(match key {
-        "type" => about(word(&shape::KINDS), "Which kind of shape this is."),
-        "name" => about(text(), "A name, for messages and for instances."),
-        "id" => about(text(), "Another name of name."),
-        "hidden" => {
-            about(or(json!({"type": "boolean"}), false), "Whether its instances alone are seen.")
-        }
-        "material" => definition_of_with("material", "What it is made of."),
-        "texture" => about(
-            text(),
-            "An image in place of the diffuse colour: a path from the scene's folder.",
-        ),
-        "filter" => about(
-            word_or(&material::FILTERS, Filter::default()),
-            "What a look-up between texels shows.",
-        ),
-        "wrap" => about(
-            word_or(&material::WRAPS, Wrap::default()),
-            "How coordinates outside 0 to 1 are taken.",
-        ),
-        "encoding" => {
-            let names = word_or(&material::ENCODINGS, Encoding::default());
-            about(names, "What the texture's numbers stand for.")
-        }
-        "tint" => definition_of_with("color", "What the texture is multiplied by."),
-        "transform" => definition_of_with("transform", "From its own space to the world's."),
-        "sides" => about(
-            word(&shape::SIDES),
-            "Which sides lights reach; absent, both of spheres and meshes from files, and the \
-             front of others.",
-        ),
-        "shading" => about(
-            word_or(&shape::SHADINGS, Shading::Flat),
-            "Whether a mesh is lit with its triangles' normals or with its own.",
-        ),
-        _ => return None,
-    })
-}
-
-fn sphere_key(key: &str) -> Option<Value> {
-    Some(match key {
-        "center" => point("The centre."),
-        "radius" => about(number(Range::POSITIVE), "The radius."),
-        _ => return None,
-    })
-}
-
-fn plane_key(key: &str) -> Option<Value> {
-    Some(match key {
-        "points" => about(
-            tuple(4, definition_of("point")),
-            "Bottom left, top left, top right, bottom right, as seen from the front.",
-        ),
-        _ => return flat_key(key),
-    })
-}
-
-fn triangle_key(key: &str) -> Option<Value> {
-    Some(match key {
-        "points" => about(
-            tuple(3, definition_of("point")),
-            "The corners, clockwise as seen from the front.",
-        ),
-        _ => return flat_key(key),
-    })
-}
-
-fn flat_key(key: &str) -> Option<Value> {
-    let side = json!({"if": {"type": "array"}, "then": definition_of("point"),
-                      "else": {"enum": [1, -1]}});
-    (key == "normal").then(|| about(side, "-1 turns the front away; a vector points to it."))
-}
-
-fn mesh_key(key: &str) -> Option<Value> {
-    let points = || list(3, definition_of("point"));
-    Some(match key {
-        "points" => about(points(), "The points of the mesh."),
-        "size" => about(integer(0, u32::MAX), "The number of points, if it is to be checked."),
-        "normal" => about(
-            list(1, json!({"enum": [0, -1]})),
-            "For each triangle of a strip 0, which keeps its winding, or -1, which turns it.",
-        ),
-        "indices" => about(
-            list(1, tuple(3, integer(0, u32::MAX))),
-            "Triangles, by the numbers of their points from 0, clockwise as seen from the front.",
-        ),
-        "uvs" => about(
-            list(3, tuple(2, definition_of("number"))),
-            "Texture coordinates, for each point.",
-        ),
-        "normals" => about(points(), "Normals for smooth shading, for each point."),
-        "file" => about(text(), "A mesh file: a path from the scene's folder."),
-        _ => return None,
     })
 }

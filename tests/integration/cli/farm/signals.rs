@@ -1,0 +1,195 @@
+//! What SIGINT, SIGTERM and SIGKILL leave behind.
+
+use std::path::Path;
+use std::process::{Child, Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+use tempfile::TempDir;
+
+use super::super::film;
+use super::{bytes, files, long, run_silently, text, with_scene};
+
+/// How long to wait for a file, at most: machines may be slow.
+const PATIENCE: Duration = Duration::from_secs(120);
+
+/// A command that is running.
+struct Running(Child);
+
+impl Running {
+    fn start(folder: &Path, arguments: &[&str]) -> Self {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_wavecrest"));
+        command.current_dir(folder).args(arguments).stdout(Stdio::piped()).stderr(Stdio::piped());
+        Self(command.spawn().expect("the command runs"))
+    }
+
+    /// Waits until the file is there.
+    fn wait_for(&mut self, file: &Path) {
+        let start = Instant::now();
+        while !file.exists() {
+            assert!(self.0.try_wait().expect("a child").is_none(), "it ended too early");
+            assert!(start.elapsed() < PATIENCE, "there is no {}", file.display());
+            std::thread::sleep(Duration::from_millis(2));
+        }
+    }
+
+    fn signal(&self, name: &str) {
+        let id = self.0.id().to_string();
+        let sent = Command::new("kill").args(["-s", name, &id]).status().expect("kill runs");
+        assert!(sent.success());
+    }
+
+    fn finish(self) -> Output {
+        self.0.wait_with_output().expect("a child")
+    }
+}
+
+/// A folder with a long scene, and its image as one process makes it.
+fn with_long() -> (TempDir, Vec<u8>) {
+    let folder = with_scene(&long().to_string());
+    run_silently(folder.path(), &["ball.json", "usual.exr"]);
+    let usual = bytes(folder.path(), "usual.exr");
+    (folder, usual)
+}
+
+const RENDER: [&str; 8] =
+    ["ball.json", "out.exr", "--checkpoint", "kept", "--every", "0.001", "--threads", "1"];
+
+#[test]
+fn a_signal_ends_a_render_with_what_is_finished_and_it_goes_on_to_the_same_bytes() {
+    let (folder, usual) = with_long();
+    let at = |name: &str| folder.path().join(name);
+    let whole = film(at("usual.exr"));
+    for (signal, code) in [("INT", 130), ("TERM", 143)] {
+        std::fs::write(at("out.exr"), "an older image").expect("a file");
+        let mut running = Running::start(folder.path(), &RENDER);
+        running.wait_for(&at("kept"));
+        // The first writing of the checkpoint holds little; the next follow each other.
+        std::thread::sleep(Duration::from_millis(50));
+        running.signal(signal);
+        let output = running.finish();
+        let told = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(code), "{told}");
+        let percent = told
+            .strip_prefix(&format!("SIG{signal} ended the render when "))
+            .and_then(|rest| rest.split_once(" % of it was done; "));
+        let (percent, rest) = percent.expect(told);
+        let percent: f64 = percent.parse().expect(told);
+        let go_on = "; go on with --checkpoint kept --resume\n";
+        assert!(rest.ends_with(go_on), "{told}");
+        if rest.starts_with("out.exr holds it, black elsewhere") {
+            let part = film(at("out.exr"));
+            let pairs = || part.pixels().iter().zip(whole.pixels());
+            assert!(pairs().all(|(a, b)| a == b || *a == [0.0; 3]), "black or as it will be");
+            let same = pairs().filter(|(a, b)| a == b).count() as f64 / (64.0 * 64.0);
+            assert!((same * 100.0 - percent).abs() < 5.0, "{same}: {told}");
+        } else {
+            assert_eq!(percent, 0.0, "{told}");
+            assert_eq!(bytes(folder.path(), "out.exr"), b"an older image");
+        }
+        assert_eq!(files(folder.path()), ["ball.json", "kept", "out.exr", "usual.exr"]);
+        let resumed = [&RENDER[..], &["--resume", "-q"]].concat();
+        run_silently(folder.path(), &resumed);
+        assert!(bytes(folder.path(), "out.exr") == usual, "after SIG{signal}");
+        std::fs::remove_file(at("kept")).expect("it is there");
+    }
+}
+
+#[test]
+fn a_shard_that_a_signal_ends_is_kept_and_not_written() {
+    let folder = with_scene(&long().to_string());
+    let at = |name: &str| folder.path().join(name);
+    let shard = |number: &'static str, name: &'static str| {
+        let rest = ["--shard", number, "--checkpoint", "kept", "--every", "0.001"];
+        [&["ball.json", name, "--threads", "1"][..], &rest].concat()
+    };
+    let mut running = Running::start(folder.path(), &shard("1/2", "1.part"));
+    running.wait_for(&at("kept"));
+    running.signal("TERM");
+    let output = running.finish();
+    let told = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(143), "{told}");
+    assert!(told.contains("; 1.part is not written; go on with --checkpoint kept"), "{told}");
+    assert_eq!(files(folder.path()), ["ball.json", "kept"]);
+    run_silently(folder.path(), &[&shard("1/2", "1.part")[..], &["--resume", "-q"]].concat());
+    run_silently(folder.path(), &["ball.json", "2.part", "--shard", "2/2"]);
+    run_silently(folder.path(), &["merge", "1.part", "2.part", "-o", "out.exr"]);
+    run_silently(folder.path(), &["ball.json", "usual.exr"]);
+    assert!(bytes(folder.path(), "out.exr") == bytes(folder.path(), "usual.exr"));
+}
+
+/// The numbers below 1 that a test tries: others in each run.
+fn random() -> impl FnMut() -> f64 {
+    use std::hash::{BuildHasher, Hasher};
+    let mut state = std::collections::hash_map::RandomState::new().build_hasher().finish();
+    move || {
+        // Knuth's linear congruential generator.
+        state =
+            state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1_u64 << 53) as f64
+    }
+}
+
+/// How often a process is killed: `WAVECREST_KILLS`, or a few times.
+fn kills() -> u32 {
+    let asked = std::env::var("WAVECREST_KILLS").ok();
+    asked.map_or(8, |count| count.parse().expect("WAVECREST_KILLS is a number"))
+}
+
+/// Only temporary files may be left besides `names`.
+fn check_left(folder: &Path, names: &[&str]) {
+    let all = files(folder);
+    let is_known = |name: &String| {
+        names.contains(&name.as_str())
+            || (name.starts_with(".wavecrest-") && name.ends_with(".part"))
+    };
+    assert!(all.iter().all(is_known), "{all:?}");
+}
+
+#[test]
+fn a_process_that_is_killed_leaves_the_older_image_or_the_new_one() {
+    // Quick to render and slow to write: a third of the time goes into the file.
+    let folder = with_scene(&crate::parts::ball([700, 700], 1).to_string());
+    run_silently(folder.path(), &["ball.json", "old.pfm", "--seed", "1", "--crop", "0,0,600,700"]);
+    let start = Instant::now();
+    run_silently(folder.path(), &["ball.json", "new.pfm"]);
+    let whole = start.elapsed().as_secs_f64();
+    let (old, new) = (bytes(folder.path(), "old.pfm"), bytes(folder.path(), "new.pfm"));
+    let mut random = random();
+    let (mut olds, mut news) = (0, 0);
+    for _ in 0..kills() {
+        std::fs::write(folder.path().join("out.pfm"), &old).expect("a file");
+        let mut running = Running::start(folder.path(), &["ball.json", "out.pfm"]);
+        let moment = random() * whole * 1.2;
+        std::thread::sleep(Duration::from_secs_f64(moment));
+        running.0.kill().expect("it is killed");
+        running.finish();
+        let found = bytes(folder.path(), "out.pfm");
+        assert!(found == old || found == new, "neither, after {moment} s");
+        if found == old {
+            olds += 1
+        } else {
+            news += 1
+        }
+        check_left(folder.path(), &["ball.json", "old.pfm", "new.pfm", "out.pfm"]);
+    }
+    println!("killed {} times: {olds} times the older image, {news} times the new one", kills());
+}
+
+#[test]
+fn a_render_that_is_killed_again_and_again_goes_on_to_the_same_bytes() {
+    let (folder, usual) = with_long();
+    let resume = [&RENDER[..], &["--resume", "-q"]].concat();
+    let mut random = random();
+    for _ in 0..kills() {
+        let mut running = Running::start(folder.path(), &resume);
+        std::thread::sleep(Duration::from_secs_f64(0.05 + random() * 0.3));
+        running.0.kill().expect("it is killed");
+        running.finish();
+        check_left(folder.path(), &["ball.json", "usual.exr", "kept", "out.exr"]);
+        if folder.path().join("out.exr").exists() {
+            assert!(bytes(folder.path(), "out.exr") == usual, "it was finished in between");
+        }
+    }
+    run_silently(folder.path(), &resume);
+    assert!(bytes(folder.path(), "out.exr") == usual);
+}

@@ -1,0 +1,97 @@
+//! A disk that is full and a folder that takes nothing cost no file that was there.
+
+#![cfg(target_os = "linux")]
+
+use std::path::Path;
+use std::process::Command;
+
+use super::{bytes, files, run, run_silently, run_wrongly, text, with_ball, with_scene};
+
+/// Runs `script` where `disk` is a disk of 64 KiB, or says why not.
+#[allow(clippy::print_stdout, reason = "a test that is skipped says so")]
+fn on_small_disk(folder: &Path, script: &str) -> Option<String> {
+    std::fs::create_dir(folder.join("disk")).expect("a folder");
+    let script = format!("mount -t tmpfs -o size=64k none disk || exit 77\nset -e\n{script}");
+    let output = Command::new("unshare")
+        .args(["--user", "--map-root-user", "--mount", "sh", "-c", &script])
+        .env("WAVECREST", env!("CARGO_BIN_EXE_wavecrest"))
+        .current_dir(folder)
+        .output();
+    let output = match output {
+        Ok(output) => output,
+        Err(error) => {
+            println!("SKIPPED: there is no unshare: {error}");
+            return None;
+        }
+    };
+    let (out, err) = (text(&output.stdout), text(&output.stderr));
+    match output.status.code() {
+        Some(0) => Some(out.to_owned()),
+        // Its own code, or that of the script, where the system does not let us have a disk.
+        Some(1 | 77) if err.contains("unshare") || err.contains("mount") => {
+            println!("SKIPPED: no small disk can be made here: {err}");
+            None
+        }
+        code => panic!("{code:?}: {out}{err}"),
+    }
+}
+
+#[test]
+fn a_full_disk_leaves_the_older_image_and_nothing_else() {
+    let folder = with_scene(&crate::parts::ball([200, 100], 1).to_string());
+    // 240000 bytes do not fit, 64 x 48 pixels do.
+    let script = "\
+        $WAVECREST ball.json disk/out.pfm --width 64 --height 48\n\
+        cp disk/out.pfm older.pfm\n\
+        $WAVECREST ball.json disk/out.pfm 2>told && exit 3\n\
+        cat told\n\
+        cmp disk/out.pfm older.pfm\n\
+        ls -A disk";
+    let Some(said) = on_small_disk(folder.path(), script) else { return };
+    assert_eq!(
+        said,
+        "error: disk/out.pfm: cannot write the file: No space left on device (os error 28); \
+         free some space or write to another disk\nout.pfm\n"
+    );
+}
+
+/// The render goes on without its checkpoint, and says so.
+#[test]
+fn a_checkpoint_that_does_not_fit_costs_no_image() {
+    let folder = with_scene(&crate::parts::ball([100, 100], 1).to_string());
+    run_silently(folder.path(), &["ball.json", "usual.exr"]);
+    let script = "\
+        $WAVECREST ball.json out.exr --checkpoint disk/kept 2>told\n\
+        cat told\n\
+        ls -A disk";
+    let Some(said) = on_small_disk(folder.path(), script) else { return };
+    assert_eq!(
+        said,
+        "warning: disk/kept: cannot write the file: No space left on device (os error 28); \
+         free some space or write to another disk\n"
+    );
+    assert!(bytes(folder.path(), "out.exr") == bytes(folder.path(), "usual.exr"));
+}
+
+#[test]
+fn what_cannot_be_written_is_told_before_the_scene_is_read() {
+    let folder = with_ball();
+    for arguments in [
+        &["no.json", "/proc/out.part", "--shard", "1/2"][..],
+        &["no.json", "out.png", "--checkpoint", "/proc/kept"],
+        &["merge", "no.part", "-o", "/proc/out.png"],
+    ] {
+        let output = run(folder.path(), arguments);
+        let told = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{told}");
+        assert!(told.starts_with("error: /proc/"), "{told}");
+        assert!(told.contains(": cannot write the file: "), "{told}");
+    }
+    run_wrongly(
+        folder.path(),
+        &["ball.json", "out.png", "--checkpoint", "/dev/full"],
+        "/dev/full: cannot write the file: this is neither a file nor a folder; \
+         name an ordinary file",
+    );
+    assert_eq!(files(folder.path()), ["ball.json"]);
+}

@@ -1,0 +1,251 @@
+//! Images in parts: shards, checkpoints, and what becomes of parts that do not fit.
+
+mod refusals;
+
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Duration;
+
+use wavecrest::error::{Error, Result};
+use wavecrest::farm::checkpoint::Checkpoint;
+use wavecrest::farm::merge::merge;
+use wavecrest::farm::{Author, Identity, Session, Shard};
+use wavecrest::prepared::PreparedScene;
+use wavecrest::render::{RenderOptions, Watch};
+
+use crate::parts::ball;
+use crate::support::{TRACERS, folder, options, prepare, render_on};
+
+/// Ends a render after so many units.
+struct EndAfter {
+    asked: AtomicUsize,
+    most: usize,
+}
+
+impl EndAfter {
+    fn new(most: usize) -> Self {
+        Self { asked: AtomicUsize::new(0), most }
+    }
+}
+
+impl Watch for EndAfter {
+    fn cancelled(&self) -> bool {
+        self.asked.fetch_add(1, Ordering::Relaxed) >= self.most
+    }
+}
+
+/// A warning would be a checkpoint that cannot be written.
+fn no_warning(error: &Error) {
+    panic!("{error}");
+}
+
+fn shard(number: u32, count: u32) -> Shard {
+    Shard::new(number, count).expect("there is such a shard")
+}
+
+/// Renders a shard and writes its part.
+fn write_part(scene: &PreparedScene, shard: Shard, file: &Path) {
+    let options = options();
+    let session =
+        Session::begin(scene, &options, Author::default(), Some(shard), None).expect("a session");
+    session.render_units(&(), &no_warning).expect("the units");
+    session.write(file).expect("a part");
+}
+
+/// Renders a shard in two goes, the first of which is ended after one unit.
+fn write_part_in_two(scene: &PreparedScene, shard: Shard, file: &Path) {
+    let options = options();
+    let at = |resume| checkpoint(&file.with_extension("kept"), resume);
+    let go = |checkpoint: &Checkpoint, watch: &dyn Watch| {
+        let author = Author::default();
+        let session = Session::begin(scene, &options, author, Some(shard), Some(checkpoint));
+        let session = session.expect("a session");
+        let done = session.render_units(watch, &no_warning).expect("the units");
+        (session.share(), session.write(file), done.counters.primary_rays)
+    };
+    let (share, _, first) = go(&at(false), &EndAfter::new(1));
+    assert!(share > 0.0, "one unit is there");
+    let (share, written, second) = go(&at(true), &());
+    assert_eq!(share, 1.0);
+    written.expect("a part");
+    let (_, _, third) = go(&at(true), &());
+    assert_eq!(third, 0, "everything is there");
+    assert!(first > 0, "{first} rays, then {second}");
+}
+
+fn checkpoint(file: &Path, resume: bool) -> Checkpoint {
+    Checkpoint { file: file.to_owned(), every: Duration::from_secs(3600), resume }
+}
+
+/// Scenes whose pixels have one block of samples, and three.
+fn scenes() -> [PreparedScene; 2] {
+    [([90, 70], 2), ([11, 9], 29)].map(|(size, antialias)| prepare(&ball(size, antialias)))
+}
+
+/// Numbers below `count` in an order that is neither theirs nor its reverse.
+fn shuffled(count: u32) -> Vec<u32> {
+    let step = if count.is_multiple_of(5) { 3 } else { 5 };
+    (0..count).map(|i| (i * step + 2) % count).collect()
+}
+
+#[test]
+fn parts_in_any_order_make_the_image_of_one_process() {
+    for (which, scene) in scenes().iter().enumerate() {
+        let whole = render_on(2, scene, &options()).film;
+        for count in [1, 2, 7, 64] {
+            let folder = folder();
+            let name = |number: u32| folder.path().join(format!("{number}.part"));
+            for number in 1..=count {
+                if number == count.min(2) {
+                    write_part_in_two(scene, shard(number, count), &name(number));
+                } else {
+                    write_part(scene, shard(number, count), &name(number));
+                }
+            }
+            let mut parts: Vec<PathBuf> = shuffled(count).iter().map(|i| name(i + 1)).collect();
+            let copy = folder.path().join("again.part");
+            std::fs::copy(name(count), &copy).expect("a copy");
+            parts.insert(0, copy);
+            let merged = merge(&parts).unwrap_or_else(|error| panic!("{error}"));
+            assert!(merged.film.same_bits(&whole), "scene {which}, {count} shards");
+        }
+    }
+}
+
+#[test]
+fn parts_of_a_crop_make_the_crop() {
+    let scene = &scenes()[0];
+    let crop = Some(wavecrest::tile::Tile { x: 13, y: 5, width: 41, height: 33 });
+    for tracer in TRACERS {
+        let options = RenderOptions { tracer, crop, ..options() };
+        let folder = folder();
+        let parts: Vec<PathBuf> = (1..=3)
+            .map(|number| {
+                let file = folder.path().join(format!("{number}.part"));
+                let author = Author::default();
+                let session = Session::begin(scene, &options, author, Some(shard(number, 3)), None)
+                    .expect("a session");
+                session.render_units(&(), &no_warning).expect("the units");
+                session.write(&file).expect("a part");
+                file
+            })
+            .collect();
+        let merged = merge(&parts).unwrap_or_else(|error| panic!("{error}"));
+        assert!(merged.film.same_bits(&render_on(1, scene, &options).film), "{tracer:?}");
+    }
+}
+
+/// Every block of every tile is dealt once, shares are equal, and each has some of every quarter.
+#[test]
+fn shards_have_equal_shares_of_every_part_of_the_image() {
+    let scene = prepare(&ball([640, 480], 1));
+    let identity = Identity::of(&scene, &options()).expect("an image");
+    let (grid, blocks) = (identity.grid(), identity.blocks());
+    assert!(grid.len() >= 1024, "{} tiles", grid.len());
+    for count in [1, 2, 3, 7, 8, 30, 40, 64] {
+        let mut dealt = vec![0; grid.len() as usize];
+        for number in 1..=count {
+            let tasks = shard(number, count).tasks(&grid, blocks);
+            let pixels: usize = tasks.iter().map(|task| grid.tile(task.tile).len()).sum();
+            let fair = f64::from(640 * 480) / f64::from(count);
+            assert!((pixels as f64 / fair - 1.0).abs() < 0.1, "{number}/{count}: {pixels} pixels");
+            let mut quarters = [0; 4];
+            for task in &tasks {
+                dealt[task.tile as usize] += 1;
+                let tile = grid.tile(task.tile);
+                quarters[usize::from(tile.x >= 320) + 2 * usize::from(tile.y >= 240)] += 1;
+            }
+            let fair = tasks.len() as f64 / 4.0;
+            for quarter in quarters {
+                let near = (f64::from(quarter) - fair).abs() < fair.max(8.0) * 0.25;
+                assert!(near, "{number}/{count}: {quarters:?}");
+            }
+        }
+        assert!(dealt.iter().all(|times| *times == 1), "{count} shards");
+    }
+}
+
+#[test]
+fn few_tiles_are_shared_by_their_samples() {
+    let scene = prepare(&ball([8, 8], 64));
+    let identity = Identity::of(&scene, &options()).expect("an image");
+    let (grid, blocks) = (identity.grid(), identity.blocks());
+    assert_eq!((grid.len(), blocks.count()), (1, 16));
+    let shares = [1, 2, 3, 4, 5].map(|number| shard(number, 5).tasks(&grid, blocks).len());
+    assert_eq!(shares, [4, 3, 3, 3, 3]);
+    assert_eq!(Shard::WHOLE.tasks(&grid, blocks).len(), 1);
+    assert!(shard(20, 20).tasks(&grid, blocks).is_empty());
+}
+
+#[test]
+fn a_render_that_was_ended_goes_on_to_the_same_bits() {
+    for scene in &scenes() {
+        for tracer in TRACERS {
+            let options = RenderOptions { tracer, seed: 4, ..options() };
+            let whole = render_on(1, scene, &options);
+            let folder = folder();
+            let file = folder.path().join("a.kept");
+            let mut rays = 0;
+            for (resume, most) in [(false, 2), (true, 3), (true, 0), (true, usize::MAX)] {
+                let checkpoint = checkpoint(&file, resume);
+                let author = Author::default();
+                let session = Session::begin(scene, &options, author, None, Some(&checkpoint))
+                    .unwrap_or_else(|error| panic!("{error}"));
+                let rendered = session.render(&EndAfter::new(most), &no_warning).expect("a film");
+                rays += rendered.counters.primary_rays;
+                assert_eq!(rendered.finished, most == usize::MAX);
+                if rendered.finished {
+                    assert!(rendered.film.same_bits(&whole.film), "{tracer:?}");
+                }
+            }
+            // Nothing was rendered twice.
+            assert_eq!(rays, whole.counters.primary_rays);
+            let checkpoint = checkpoint(&file, true);
+            let before = std::fs::read(&file).expect("a checkpoint");
+            let session =
+                Session::begin(scene, &options, Author::default(), None, Some(&checkpoint));
+            let again = session.expect("a session").render(&(), &no_warning).expect("a film");
+            assert_eq!(again.counters.primary_rays, 0);
+            assert!(again.finished && again.film.same_bits(&whole.film));
+            assert_eq!(std::fs::read(&file).expect("a checkpoint"), before);
+        }
+    }
+}
+
+/// A finished checkpoint is a part like any other.
+#[test]
+fn a_finished_checkpoint_can_be_merged() -> Result<()> {
+    let scene = &scenes()[1];
+    let folder = folder();
+    let kept = checkpoint(&folder.path().join("a.kept"), false);
+    let options = options();
+    let session = Session::begin(scene, &options, Author::default(), None, Some(&kept))?;
+    let film = session.render(&(), &no_warning)?.film;
+    assert!(merge(&[kept.file])?.film.same_bits(&film));
+    Ok(())
+}
+
+/// Samples that are not finite are counted in whoever renders them, and again by who goes on.
+#[test]
+fn units_with_samples_that_are_not_finite_are_rendered_again() {
+    use serde_json::json;
+    let mut bright = ball([20, 20], 1);
+    // Light beyond what single precision holds.
+    bright["scene"]["lightsources"][0]["intensity"] = json!(1e38);
+    bright["scene"]["lightsources"][0]["falloff"] = json!("none");
+    bright["scene"]["lightsources"][0]["color"] = json!([1e30, 1.0, 1.0]);
+    let Ok(scene) = crate::support::try_prepare(&bright, "bright.json".as_ref()) else {
+        panic!("the light is within what a scene may have");
+    };
+    let invalid = render_on(1, &scene, &options()).counters.invalid;
+    assert!(invalid > 0, "the scene shows no such sample");
+    let folder = folder();
+    let file = folder.path().join("a.kept");
+    for resume in [false, true] {
+        let (checkpoint, options) = (checkpoint(&file, resume), options());
+        let session = Session::begin(&scene, &options, Author::default(), None, Some(&checkpoint));
+        let rendered = session.expect("a session").render(&(), &no_warning).expect("a film");
+        assert_eq!(rendered.counters.invalid, invalid);
+    }
+    assert_eq!(merge(&[file]).expect("an image").invalid, invalid);
+}
