@@ -31,10 +31,15 @@ fn complete() -> Value {
     json!({
         "$schema": "scene.schema.json",
         "nbounces": 3,
+        "transfer": "srgb",
         "camera": {
             "type": "thinlens", "width": 640, "height": 480, "fov": 60, "fovaxis": "x",
             "location": [0, 0, 5], "look": [0, 0, 0], "up": [0, 1, 0], "antialias": 2,
-            "aperture": 2, "focal": 10, "sampling": "random", "nsamplesx": 5, "nsamplesy": 6
+            "aperture": 2, "focal": 10, "sampling": "random", "nsamplesx": 5, "nsamplesy": 6,
+            "path": {"interpolation": "linear", "keys": [
+                {"frame": 1, "location": [0, 0, 6], "look": [1, 0, 0], "up": [0, 1, 0], "fov": 50,
+                 "focal": 9}
+            ]}
         },
         "scene": {
             "backgroundcolor": [0.1, 0.2, 0.3],
@@ -78,7 +83,8 @@ fn complete() -> Value {
 fn with_pinhole() -> Value {
     let mut scene = complete();
     scene["camera"] = json!({"type": "pinhole", "width": 64, "height": 48, "fov": 60,
-                             "position": [0, 0, 5], "lookat": [0, 0, 0], "sampling": "sobol"});
+                             "position": [0, 0, 5], "lookat": [0, 0, 0], "sampling": "sobol",
+                             "path": {"keys": [{"frame": 3, "location": [0, 0, 7]}]}});
     scene
 }
 

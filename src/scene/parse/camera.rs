@@ -38,7 +38,7 @@ pub(super) const INTERPOLATIONS: [(&str, Interpolation); 2] =
 
 /// Keys of where a camera is at a frame; of a pinhole, the first [`PINHOLE_FRAME_KEYS`].
 pub(super) const FRAME_KEYS: [&str; 6] = ["frame", "location", "look", "up", "fov", "focal"];
-const PINHOLE_FRAME_KEYS: usize = 5;
+pub(super) const PINHOLE_FRAME_KEYS: usize = 5;
 
 /// Greatest number of a frame.
 pub(super) const LAST_FRAME: u32 = 9_999_999;

@@ -2,8 +2,8 @@
 //! written.
 //!
 //! Keys, ranges and words are those that the parser itself goes by. So a key that the parser learns is in the
-//! schema at once, and a test fails until [`objects`] or [`shapes`] says what it means. What depends on other values, such as
-//! a number of points, is left to `wavecrest check`.
+//! schema at once, and a test fails until [`objects`], [`cameras`] or [`shapes`] says what it means. What depends on
+//! other values, such as a number of points, is left to `wavecrest check`.
 
 mod cameras;
 mod objects;

@@ -2,11 +2,8 @@
 
 use serde_json::{Value, json};
 
-use super::objects::point;
-use super::{
-    about, by_type, definition_of, integer, list, number, object, one_of, or, where_all, word,
-    word_or,
-};
+use super::objects::{definition_of_with, point};
+use super::{about, by_type, integer, list, number, object, one_of, or, where_all, word, word_or};
 use crate::scene::components::{FovAxis, Interpolation, Sampling};
 use crate::scene::parse::{camera, light};
 use crate::scene::reader::Range;
@@ -24,8 +21,11 @@ fn view_names() -> Vec<Value> {
 }
 
 pub(super) fn pinhole() -> Value {
-    let camera =
-        object("A camera that is sharp everywhere.", &camera::KEYS, &VIEW_REQUIRED, camera_key);
+    let about = "A camera that is sharp everywhere.";
+    let camera = object(about, &camera::KEYS, &VIEW_REQUIRED, |key| match key {
+        "path" => Some(definition_of_with("pinholePath", "How the camera moves, frame by frame.")),
+        _ => camera_key(key),
+    });
     where_all(camera, view_names())
 }
 
@@ -64,7 +64,7 @@ fn camera_key(key: &str) -> Option<Value> {
             word_or(&light::SAMPLINGS, Sampling::Jittered),
             "How rays are spread: over the pixel by a pinhole, over its lens by a thin lens.",
         ),
-        "path" => definition_of("cameraPath"),
+        "path" => definition_of_with("cameraPath", "How the camera moves, frame by frame."),
         "aperture" => about(number(Range::NOT_NEGATIVE), "Diameter of the lens; 0 is a pinhole."),
         "focal" => {
             about(number(Range::POSITIVE), "Distance of the plane in focus, along the view.")
@@ -79,11 +79,19 @@ fn camera_key(key: &str) -> Option<Value> {
     })
 }
 
-pub(super) fn camera_path() -> Value {
+/// How a camera moves: that of a pinhole, and that of a thin lens, whose frames have a focus too.
+pub(super) fn paths() -> [(&'static str, Value); 2] {
+    let pinhole = &camera::FRAME_KEYS[..camera::PINHOLE_FRAME_KEYS];
+    [("pinholePath", path(pinhole)), ("cameraPath", path(&camera::FRAME_KEYS))]
+}
+
+fn path(frame_keys: &[&'static str]) -> Value {
     let required = ["keys"];
     object("How the camera moves, frame by frame.", &camera::PATH_KEYS, &required, |key| {
         Some(match key {
-            "keys" => about(list(1, camera_frame()), "Where it is at some frames, in their order."),
+            "keys" => {
+                about(list(1, frame(frame_keys)), "Where it is at some frames, in their order.")
+            }
             "interpolation" => about(
                 word_or(&camera::INTERPOLATIONS, Interpolation::default()),
                 "How it moves between these frames.",
@@ -93,9 +101,9 @@ pub(super) fn camera_path() -> Value {
     })
 }
 
-fn camera_frame() -> Value {
+fn frame(keys: &[&'static str]) -> Value {
     let about_frame = "Where the camera is at a frame; what is absent is as the camera says.";
-    object(about_frame, &camera::FRAME_KEYS, &["frame"], |key| {
+    object(about_frame, keys, &["frame"], |key| {
         Some(match key {
             "frame" => about(integer(0, camera::LAST_FRAME), "The frame."),
             "up" => point("Up in the image."),

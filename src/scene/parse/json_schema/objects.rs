@@ -41,7 +41,6 @@ pub(super) fn definitions() -> Vec<(String, Value)> {
         ("scene", scene()),
         ("instance", instance()),
         ("camera", cameras::cameras()),
-        ("cameraPath", cameras::camera_path()),
         ("pinhole", cameras::pinhole()),
         ("thinlens", cameras::thin_lens()),
         ("light", by_type("A light.", &[("pointlight", "pointlight"), ("arealight", "arealight")])),
@@ -53,7 +52,8 @@ pub(super) fn definitions() -> Vec<(String, Value)> {
         ("matrix", matrix()),
     ];
     let parts = parts.into_iter().map(|(name, value)| (name.to_owned(), value));
-    parts.chain(shapes::definitions()).collect()
+    let paths = cameras::paths().map(|(name, value)| (name.to_owned(), value));
+    parts.chain(paths).chain(shapes::definitions()).collect()
 }
 
 pub(super) fn definition_of_with(name: &str, text: &str) -> Value {
