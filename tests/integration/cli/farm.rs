@@ -201,6 +201,11 @@ fn a_checkpoint_goes_on_to_nothing_when_all_is_there() {
         &command[..4],
         "kept: there is a checkpoint already; go on with it: --resume; or remove it first",
     );
+    run_wrongly(
+        folder.path(),
+        &["no.json", "out.exr", "--checkpoint", "kept"],
+        "kept: there is a checkpoint already; go on with it: --resume; or remove it first",
+    );
     run_silently(folder.path(), &[&command[..], &["-q"]].concat());
 }
 

@@ -142,10 +142,14 @@ fn a_header_that_claims_too_much_sets_no_memory_aside() {
     let folder = folder();
     let file = folder.path().join("large.part");
     std::fs::write(&file, with(&large)).expect("a file");
+    let length = file.metadata().expect("a file").len();
     let error = merge(&[file]).expect_err("nothing is there").to_string();
     assert_eq!(
         error,
-        "the parts do not make a whole image; render what is missing, and put all parts together"
+        format!(
+            "the parts do not make a whole image, found {length} bytes of parts for 268435456 pixels; \
+             render what is missing, and put all parts together"
+        )
     );
 }
 
