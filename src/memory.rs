@@ -131,7 +131,7 @@ pub fn foretell(survey: &Survey, asked: Asked) -> Prediction {
     let text = survey.text.saturating_mul(TEXT);
     let lasting = found.geometry.saturating_add(found.looks).saturating_add(found.program);
     let read =
-        [survey.raw, BUFFERS, found.program, text].into_iter().fold(reading, u64::saturating_add);
+        [survey.raw, reading.min(BUFFERS), found.program, text].into_iter().fold(reading, u64::saturating_add);
     found.loading = read.max(lasting.saturating_add(taking).saturating_add(decoding));
     let [width, height] = survey.size.map(u64::from);
     let rays = expected_rays(survey);
