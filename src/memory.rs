@@ -130,8 +130,9 @@ pub fn foretell(survey: &Survey, asked: Asked) -> Prediction {
     let taking = if own > 1 { greatest } else { 0 };
     let text = survey.text.saturating_mul(TEXT);
     let lasting = found.geometry.saturating_add(found.looks).saturating_add(found.program);
-    let read =
-        [survey.raw, BUFFERS, found.program, text].into_iter().fold(reading, u64::saturating_add);
+    let read = [survey.raw, reading.min(BUFFERS), found.program, text]
+        .into_iter()
+        .fold(reading, u64::saturating_add);
     found.loading = read.max(lasting.saturating_add(taking).saturating_add(decoding));
     let [width, height] = survey.size.map(u64::from);
     let rays = expected_rays(survey);

@@ -3,11 +3,13 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+mod frames;
 mod goal;
 mod outputs;
 mod parts;
 mod show;
 
+use frames::FrameOptions;
 use goal::Traced;
 use outputs::Outputs;
 pub use outputs::{Layers, OutputOptions};
@@ -86,6 +88,9 @@ pub struct RenderArgs {
     /// What is kept, and which share is rendered
     #[command(flatten)]
     pub parts: PartOptions,
+    /// Which frames of a camera that moves
+    #[command(flatten)]
+    pub frames: FrameOptions,
     /// What is read and how
     #[command(flatten)]
     pub scene_options: SceneOptions,
@@ -112,6 +117,9 @@ impl RenderArgs {
 pub fn run(args: &RenderArgs) -> Result<()> {
     let output = args.output()?;
     let shard = args.parts.shard()?;
+    if let Some(frames) = args.frames.frames {
+        return frames::run(args, frames, shard);
+    }
     args.parts.check(args, output)?;
     let outputs = Outputs::check(args, output, shard.is_some())?;
     if let Some(stats) = &args.stats {
@@ -168,6 +176,9 @@ fn run_here(
     reporter.warnings(&dropped);
     reporter.built(args, &scene, preset, time.build);
     args.search.apply(&mut scene.accel);
+    if let Some(frame) = args.frames.frame {
+        frames::place(&mut scene, frame, &args.scene)?;
+    }
     // Until here there was nothing to lose: a signal ended the process.
     let interrupt = &Interrupt::listen()?;
     let seen = &Seen { outputs, reporter, interrupt };

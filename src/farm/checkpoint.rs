@@ -29,13 +29,22 @@ impl Checkpoint {
     /// When the file is damaged or of another render, and when it is there though nobody asked to go on:
     /// work is not thrown away.
     pub(super) fn load(&self, header: &Header) -> Result<Option<Store>> {
-        match (self.file.try_exists(), self.resume) {
-            (Err(error), _) => Err(Error::io("cannot read the checkpoint", &self.file, error)),
-            (Ok(false), _) => Ok(None),
-            (Ok(true), false) => Err(Error::new(ErrorKind::Usage, "there is a checkpoint already")
-                .in_file(&self.file)
-                .remedy("go on with it: --resume; or remove it first")),
-            (Ok(true), true) => load(&self.file, header).map(Some),
+        if self.check()? { load(&self.file, header).map(Some) } else { Ok(None) }
+    }
+
+    /// Whether there is a file to go on with: to be asked before long work.
+    ///
+    /// # Errors
+    /// When the file is there though nobody asked to go on: work is not thrown away.
+    pub fn check(&self) -> Result<bool> {
+        match self.file.try_exists() {
+            Err(error) => Err(Error::io("cannot read the checkpoint", &self.file, error)),
+            Ok(true) if !self.resume => {
+                Err(Error::new(ErrorKind::Usage, "there is a checkpoint already")
+                    .in_file(&self.file)
+                    .remedy("go on with it: --resume; or remove it first"))
+            }
+            Ok(exists) => Ok(exists),
         }
     }
 }

@@ -55,8 +55,9 @@ pub fn merge(paths: &[PathBuf]) -> Result<Merged> {
     }
     let (grid, blocks) = (header.identity.grid(), header.identity.blocks());
     // Memory is set aside for an image that the parts can fill, not for one that they speak of.
-    if bytes(paths)? < grid.window().len() as u64 * size_of::<[f64; 3]>() as u64 {
-        return Err(incomplete(&shards, None));
+    let (held, pixels) = (bytes(paths)?, grid.window().len() as u64);
+    if held < pixels * size_of::<[f64; 3]>() as u64 {
+        return Err(incomplete(&shards, format!("{held} bytes of parts for {pixels} pixels")));
     }
     let mut mosaic = Mosaic::new(Canvas::new(grid, blocks, &())?, paths, grid, blocks);
     for (number, path) in paths.iter().enumerate() {
@@ -66,7 +67,9 @@ pub fn merge(paths: &[PathBuf]) -> Result<Merged> {
             mosaic.put(number, unit)?;
         }
     }
-    let finished = mosaic.finish().map_err(|gap| incomplete(&shards, Some(gap)))?;
+    let finished = mosaic.finish().map_err(|Gap { tile: [x, y], tiles }| {
+        incomplete(&shards, format!("{tiles} tiles that are not finished, the first at {x},{y}"))
+    })?;
     let Finished { film, invalid } = finished;
     Ok(Merged { identity: header.identity, transfer: header.transfer, film, invalid })
 }
@@ -95,18 +98,13 @@ fn check_same(path: &Path, other: &Header, first: &Path, header: &Header) -> Res
     })
 }
 
-/// Something is missing: which shards, or what comes first in the image.
-fn incomplete(shards: &[Option<Shard>], gap: Option<Gap>) -> Error {
-    let error = Error::new(ErrorKind::Usage, "the parts do not make a whole image");
+/// Something is missing: whole shards, or else what `found` says.
+fn incomplete(shards: &[Option<Shard>], found: String) -> Error {
     let missing = missing(shards);
-    let remedy = "render what is missing, and put all parts together";
-    match (missing.as_slice(), gap) {
-        ([_, ..], _) => error.value(format!("no {}", list(&missing))).remedy(remedy),
-        ([], Some(Gap { tile: [x, y], tiles })) => error
-            .value(format!("{tiles} tiles that are not finished, the first at {x},{y}"))
-            .remedy(remedy),
-        ([], None) => error.remedy(remedy),
-    }
+    let found = if missing.is_empty() { found } else { format!("no {}", list(&missing)) };
+    Error::new(ErrorKind::Usage, "the parts do not make a whole image")
+        .value(found)
+        .remedy("render what is missing, and put all parts together")
 }
 
 /// The shards that no part is of, where all parts are of shards of as many.

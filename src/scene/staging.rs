@@ -121,6 +121,11 @@ pub(crate) fn size(options: &LoadOptions, aspect: Option<f64>) -> Result<(u32, u
     Ok((width, height))
 }
 
+/// Rays of each pixel.
+pub(crate) fn rays_per_pixel() -> u64 {
+    u64::from(ANTIALIAS).pow(2)
+}
+
 /// A view of this size whose place is yet to be found.
 pub(crate) fn view(width: u32, height: u32) -> View {
     View {

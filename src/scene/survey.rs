@@ -50,7 +50,8 @@ pub struct Survey {
 pub(super) fn alone(path: &Path, size: [u32; 2]) -> Result<Survey> {
     let holds = mesh::survey(path)?;
     let mesh = SurveyedMesh { holds, normals: true, uvs: false, shown: 1 };
-    let (meshes, rays_per_pixel, light_samples) = (vec![mesh], 1, 1);
+    let (rays_per_pixel, light_samples) = (super::staging::rays_per_pixel(), 1);
+    let meshes = vec![mesh];
     Ok(Survey { meshes, size, rays_per_pixel, light_samples, ..Survey::default() })
 }
 

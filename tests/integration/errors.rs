@@ -220,8 +220,9 @@ fn other_formats_are_refused_by_their_names() {
         (kind, message.as_str()),
         (
             ErrorKind::Scene,
-            "s.json: scene.shapes[0].file: glTF meshes are not supported yet, found \"m.gltf\"; \
-             convert it to PLY or OBJ"
+            "s.json: scene.shapes[0].file: a glTF file is a scene of its own, and no shape, found \
+             \"m.gltf\"; convert it, and name the meshes that this writes: wavecrest convert IN \
+             OUT.json"
         )
     );
 }

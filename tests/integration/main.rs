@@ -29,6 +29,9 @@ mod parts;
 // Shards and checkpoints: the image of one process, and what does not fit refused by name.
 mod farm;
 
+// Cameras that move: frames are the same alone, in a range and in shares of it.
+mod frames;
+
 // Images agree with formulas worked out here in double precision.
 mod closed_form;
 

@@ -61,7 +61,10 @@ impl PartOptions {
         check_replaceable(file)?;
         check_differs(file, output, "the output")?;
         check_differs(file, &args.scene, "the scene")?;
-        args.stats.as_ref().map_or(Ok(()), |stats| check_differs(file, stats, "the statistics"))
+        if let Some(stats) = &args.stats {
+            check_differs(file, stats, "the statistics")?;
+        }
+        self.checkpoint().map_or(Ok(()), |checkpoint| checkpoint.check().map(drop))
     }
 
     fn checkpoint(&self) -> Option<Checkpoint> {

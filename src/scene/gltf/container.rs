@@ -44,6 +44,14 @@ pub(super) fn parts(bytes: &[u8]) -> Result<Parts> {
     if bytes.starts_with(&MAGIC) {
         return glb(bytes);
     }
+    // A byte order mark may come first.
+    let text = bytes.strip_prefix("\u{feff}".as_bytes()).unwrap_or(bytes).trim_ascii_start();
+    if !matches!(text.first(), Some(b'{' | b'[')) {
+        let error =
+            broken("a file must begin with \"{\", as JSON does, or with \"glTF\", as GLB does");
+        return Err(error
+            .value(bytes.iter().take(MAGIC.len()).copied().collect::<Vec<u8>>().escape_ascii()));
+    }
     Ok(Parts { json: 0..bytes.len(), binary: None })
 }
 

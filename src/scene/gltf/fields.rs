@@ -3,7 +3,7 @@
 //! Unlike in a scene file, a key that is not known says nothing: glTF files carry what other programs
 //! put there.
 
-use crate::error::{Error, Result};
+use crate::error::{Error, ErrorKind, Result};
 use crate::scene::reader::{Cursor, Place, Range};
 
 /// The greatest count or offset: JSON numbers are exact up to 2^53.
@@ -44,7 +44,7 @@ impl<'a> Fields<'a> {
     pub(super) fn need<'s>(&'s self, key: &'s str, what: &str) -> Result<Cursor<'s>> {
         self.get(key).ok_or_else(|| {
             let place = Place::Key(self.cursor.place(), key).to_string();
-            let kind = crate::error::ErrorKind::Scene;
+            let kind = ErrorKind::Scene;
             let error = self.cursor.notes().error(kind, &place, "is missing".to_owned());
             error.remedy(format!("it should be {what}"))
         })
@@ -145,7 +145,7 @@ impl<'a> Fields<'a> {
 
     /// An error about the object, which it does not show: it may be long.
     pub(super) fn error(&self, message: impl Into<String>) -> Error {
-        let kind = crate::error::ErrorKind::Scene;
+        let kind = ErrorKind::Scene;
         self.cursor.notes().error(kind, &self.path(), message.into())
     }
 }

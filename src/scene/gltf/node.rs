@@ -6,7 +6,7 @@
 
 use glam::{DAffine3, DMat3, DQuat, DVec3, DVec4};
 
-use crate::error::Result;
+use crate::error::{Error, ErrorKind, Result};
 use crate::math::float::MAX_COORDINATE;
 use crate::scene::corners::direction;
 use crate::scene::reader::Range;
@@ -198,8 +198,8 @@ fn check_tree(top: &Fields<'_>, nodes: &[Node]) -> Result<()> {
     Ok(())
 }
 
-fn at(top: &Fields<'_>, place: &str, message: String) -> crate::error::Error {
-    top.cursor().notes().error(crate::error::ErrorKind::Scene, place, message)
+fn at(top: &Fields<'_>, place: &str, message: String) -> Error {
+    top.cursor().notes().error(ErrorKind::Scene, place, message)
 }
 
 fn check_place(top: &Fields<'_>, node: usize, world: &DAffine3) -> Result<()> {

@@ -1,12 +1,11 @@
 //! From a document to a world of entities.
 
-use std::collections::HashMap;
-use std::collections::hash_map::Entry;
+use std::ops::Range;
 
 use glam::{DAffine3, DVec3, Vec3};
 use hecs::{Entity, EntityBuilder, World};
 
-use crate::error::Result;
+use crate::error::{ErrorKind, Result, Warning};
 use crate::scene::components::{
     AreaLight, Encoding, Falloff, Hidden, InstanceOf, JsonPath, Mesh, Name, Order, Pinhole,
     PointLight, Sampling, Shading, TextureRef, Transform,
@@ -57,6 +56,7 @@ pub(super) fn world(
     let mut lights = lights(&document, &bounds, remarks);
     let mut spawner = Spawner { world: World::new(), lights: 0, shapes: 0 };
     let glowing: usize = forms.iter().filter(|f| f.surface.is_light()).map(|f| f.uses.len()).sum();
+    check_lights(&forms, remarks)?;
     let has_lights = !lights.is_empty() || glowing > 0;
     let exposure = light::exposure(shown(&lights, &forms, &bounds));
     for (_, light) in &mut lights {
@@ -70,19 +70,29 @@ pub(super) fn world(
     lights.into_iter().for_each(|(path, light)| spawner.point_light(path, light));
     spawner.forms(forms, exposure);
     let told = told(has_camera, has_lights.then_some(exposure));
-    let note = |text: String| {
-        crate::error::Warning::from_error(&remarks.notes.error(
-            crate::error::ErrorKind::Scene,
-            "",
-            text,
-        ))
-    };
+    let note = |text: String| Warning::from_error(&remarks.notes.error(ErrorKind::Scene, "", text));
     Ok(LoadedScene {
         world: spawner.world,
         warnings: Vec::new(),
         notes: told.into_iter().map(note).collect(),
         encoding: Encoding::Srgb,
     })
+}
+
+/// The most triangles of lights: each node that shows one holds a copy.
+const MOST_LIGHT_TRIANGLES: usize = 1 << 22;
+
+fn check_lights(forms: &[Form], remarks: &Remarks<'_>) -> Result<()> {
+    let lights = forms.iter().filter(|form| form.surface.is_light());
+    let triangles = |form: &Form| form.mesh.triangles.len().saturating_mul(form.uses.len());
+    let all = lights.map(triangles).fold(0, usize::saturating_add);
+    if all <= MOST_LIGHT_TRIANGLES {
+        return Ok(());
+    }
+    let message = "the meshes that give off light have too many triangles".to_owned();
+    let error = remarks.notes.error(ErrorKind::Limit, "materials", message).value(all);
+    Err(error
+        .remedy(format!("at most {MOST_LIGHT_TRIANGLES} are allowed: set emissiveFactor to 0")))
 }
 
 /// What was chosen for the user.
@@ -101,7 +111,8 @@ fn told(has_camera: bool, exposure: Option<f64>) -> Option<String> {
 /// The forms that the nodes of the scene show, in the order in which they are met.
 fn forms(document: &Document, remarks: &Remarks<'_>) -> Result<Vec<Form>> {
     let mut reader = Reader::new(document, remarks);
-    let mut numbers: HashMap<usize, Vec<usize>> = HashMap::new();
+    // Which forms each mesh has, once it is read.
+    let mut known: Vec<Option<Range<usize>>> = vec![None; document.meshes.len()];
     let mut forms: Vec<Form> = Vec::new();
     for Placed { node, world } in &document.placed {
         let Some(mesh) = document.nodes[*node].mesh else { continue };
@@ -115,22 +126,25 @@ fn forms(document: &Document, remarks: &Remarks<'_>) -> Result<Vec<Form>> {
             let message = "a mesh that a skeleton moves is shown as it is";
             remarks.once(&place, message, "export it in the pose that is wanted");
         }
-        if let Entry::Vacant(entry) = numbers.entry(mesh) {
-            let first = forms.len();
-            read(document, mesh, &mut reader, remarks, &mut forms)?;
-            entry.insert((first..forms.len()).collect());
-        }
+        let numbers = match &known[mesh] {
+            Some(numbers) => numbers.clone(),
+            None => {
+                let first = forms.len();
+                read(document, mesh, &mut reader, remarks, &mut forms)?;
+                known[mesh].insert(first..forms.len()).clone()
+            }
+        };
         let name = &document.nodes[*node].name;
-        let numbers = numbers.get(&mesh).map_or(&[][..], Vec::as_slice);
-        for &number in numbers {
-            let path = match numbers.len() {
+        let count = numbers.len();
+        for number in numbers {
+            let path = match count {
                 1 => place.clone(),
                 _ => format!("{place}, {}", forms[number].path),
             };
             forms[number].uses.push(Use { path, name: name.clone(), world: *world });
         }
     }
-    check_unused(document, &numbers, &mut reader, remarks)?;
+    check_unused(document, &known, &mut reader, remarks)?;
     if forms.is_empty() {
         let message = "there is nothing to see";
         remarks.once("nodes", message, "no node of the scene has a mesh of triangles");
@@ -141,12 +155,11 @@ fn forms(document: &Document, remarks: &Remarks<'_>) -> Result<Vec<Form>> {
 /// A fault is told in a mesh, too, that no node of the scene shows.
 fn check_unused(
     document: &Document,
-    used: &HashMap<usize, Vec<usize>>,
+    known: &[Option<Range<usize>>],
     reader: &mut Reader<'_>,
     remarks: &Remarks<'_>,
 ) -> Result<()> {
-    let unused = (0..document.meshes.len()).filter(|mesh| !used.contains_key(mesh));
-    for mesh in unused {
+    for mesh in (0..known.len()).filter(|&mesh| known[mesh].is_none()) {
         let message = "a mesh is left out";
         remarks.once(&format!("meshes[{mesh}]"), message, "no node of the scene shows it");
         read(document, mesh, reader, remarks, &mut Vec::new())?;

@@ -30,7 +30,7 @@ pub(in crate::scene) fn survey(path: &Path, options: &LoadOptions) -> Result<Sur
         text: text.len() as u64,
         raw,
         size: [width, height],
-        rays_per_pixel: 1,
+        rays_per_pixel: staging::rays_per_pixel(),
         light_samples: 1,
         bounces: true,
         ..Survey::default()

@@ -161,7 +161,7 @@ fn explain_and_the_statistics_of_a_render_agree_on_the_plan() {
     let rendered: Value = serde_json::from_str(&text).expect("JSON");
     assert_eq!(explained["plan"], rendered["plan"]);
     assert_eq!(explained["bvh"]["preset"], rendered["bvh"]["preset"]);
-    assert_eq!(explained["memory_total"], rendered["memory"]["predicted"]);
+    assert_eq!(explained["foretold_total"], rendered["memory"]["predicted"]);
 }
 
 /// Two pictures that differ in one value.

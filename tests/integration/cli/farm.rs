@@ -9,7 +9,7 @@ use serde_json::Value;
 
 use super::{files, run, run_silently, run_wrongly, text, with_ball, with_scene};
 use crate::parts::ball;
-use crate::support::wavecrest;
+use crate::support::{folder, wavecrest};
 
 /// A scene whose render takes some seconds of a processor: 64 x 64 pixels of 576 samples, in two blocks.
 fn long() -> Value {
@@ -201,5 +201,43 @@ fn a_checkpoint_goes_on_to_nothing_when_all_is_there() {
         &command[..4],
         "kept: there is a checkpoint already; go on with it: --resume; or remove it first",
     );
+    run_wrongly(
+        folder.path(),
+        &["no.json", "out.exr", "--checkpoint", "kept"],
+        "kept: there is a checkpoint already; go on with it: --resume; or remove it first",
+    );
     run_silently(folder.path(), &[&command[..], &["-q"]].concat());
+}
+
+/// Samples that are not finite are counted by whoever renders them, again by who goes on, and by who merges.
+#[test]
+fn samples_that_are_not_finite_are_told_however_an_image_comes_together() {
+    let folder = folder();
+    let scene = super::probing::scene(1e-15, 1e12);
+    std::fs::write(folder.path().join("strong.json"), scene).expect("a file");
+    let warning = |arguments: &[&str]| {
+        let output = run(folder.path(), &[arguments, &["--seed", "2"]].concat());
+        assert_eq!(output.status.code(), Some(0), "{arguments:?}");
+        let told = text(&output.stderr).lines().find(|line| line.starts_with("warning: "));
+        told.expect("a warning").to_owned()
+    };
+    let count = |warning: &str| -> u64 {
+        let number = warning.split(' ').nth(1).expect("a number");
+        number.parse().expect("a number")
+    };
+    let plain = warning(&["strong.json", "plain.exr"]);
+    assert!(count(&plain) > 100 && plain.contains("count as black: first "), "{plain}");
+    for resume in [&["--checkpoint", "kept"][..], &["--checkpoint", "kept", "--resume"]] {
+        assert_eq!(warning(&[&["strong.json", "kept.exr"], resume].concat()), plain);
+    }
+    let shards = ["1/2", "2/2"].map(|shard| {
+        count(&warning(&["strong.json", &format!("{}.part", &shard[..1]), "--shard", shard]))
+    });
+    assert_eq!(shards.iter().sum::<u64>(), count(&plain));
+    let output = run(folder.path(), &["merge", "1.part", "2.part", "-o", "merged.exr"]);
+    let told = format!("warning: {} samples were not finite and count as black\n", count(&plain));
+    assert_eq!((output.status.code(), text(&output.stderr)), (Some(0), told.as_str()));
+    for name in ["kept.exr", "merged.exr"] {
+        assert!(bytes(folder.path(), name) == bytes(folder.path(), "plain.exr"), "{name}");
+    }
 }

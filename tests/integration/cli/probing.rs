@@ -5,7 +5,7 @@ use serde_json::Value;
 use super::{run, run_silently, with_ball};
 
 /// A ball on a mirror, of some size; one light is behind them.
-fn scene(size: f64, intensity: f64) -> String {
+pub(super) fn scene(size: f64, intensity: f64) -> String {
     let at = |x: f64, y: f64, z: f64| format!("[{:e}, {:e}, {:e}]", x * size, y * size, z * size);
     let (camera, origin) = (at(0.0, 1.0, 5.0), at(0.0, 0.0, 0.0));
     let lights = [at(2.0, 3.0, 5.0), at(6.0, 3.0, 0.0), at(-2.0, -4.0, -5.0)].map(|position| {

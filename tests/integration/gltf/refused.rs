@@ -234,7 +234,7 @@ fn binary_files_that_are_cut_or_wrong_are_refused() {
         ),
         (20, &[255], "a.glb: the JSON is not UTF-8 text from byte 0 on"),
         (20, b"[", "not valid JSON"),
-        (0, b"glTX", "not valid JSON"),
+        (0, b"glTX", "a.glb: a file must begin with"),
     ] {
         let text = with(place, bytes);
         assert!(text.contains(words), "{text}");

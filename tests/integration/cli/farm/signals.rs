@@ -4,6 +4,7 @@ use std::path::Path;
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
+use serde_json::json;
 use tempfile::TempDir;
 
 use super::super::film;
@@ -115,6 +116,40 @@ fn a_shard_that_a_signal_ends_is_kept_and_not_written() {
     run_silently(folder.path(), &["merge", "1.part", "2.part", "-o", "out.exr"]);
     run_silently(folder.path(), &["ball.json", "usual.exr"]);
     assert!(bytes(folder.path(), "out.exr") == bytes(folder.path(), "usual.exr"));
+}
+
+/// A scene of which one tile takes minutes.
+fn endless() -> String {
+    let mut scene = crate::parts::ball([8, 8], 64);
+    let corners = [[-1.0, 4.0, -1.0], [-1.0, 4.0, 1.0], [1.0, 4.0, 1.0], [1.0, 4.0, -1.0]];
+    scene["scene"]["lightsources"][0] = json!({
+        "type": "arealight", "intensity": 40.0, "position": [0.0, 4.0, 0.0], "color": [1.0, 1.0, 1.0],
+        "sampling": "random", "samples": 20_000, "shape": {"type": "plane", "points": corners}
+    });
+    scene.to_string()
+}
+
+#[test]
+fn a_second_signal_ends_the_process_at_once() {
+    let folder = with_scene(&endless());
+    // Before the first ray, the first signal ends the process: then it was sent too early.
+    for wait in [0.5, 2.0, 8.0, 30.0] {
+        let mut running = Running::start(folder.path(), &["ball.json", "out.exr"]);
+        std::thread::sleep(Duration::from_secs_f64(wait));
+        running.signal("INT");
+        std::thread::sleep(Duration::from_millis(300));
+        if running.0.try_wait().expect("a child").is_some() {
+            assert_eq!(running.finish().status.code(), None, "a signal ended it");
+            continue;
+        }
+        let start = Instant::now();
+        running.signal("TERM");
+        assert_eq!(running.finish().status.code(), Some(143));
+        assert!(start.elapsed() < Duration::from_secs(20), "{:?}", start.elapsed());
+        assert_eq!(files(folder.path()), ["ball.json"]);
+        return;
+    }
+    panic!("no ray was traced in half a minute");
 }
 
 /// The numbers below 1 that a test tries: others in each run.
