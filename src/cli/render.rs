@@ -119,7 +119,8 @@ fn run_here(args: &RenderArgs, output: &Path, shard: Option<Shard>) -> Result<()
     let extracted = args.scene_options.extract(loaded)?;
     let preset = args.scene_options.bvh.unwrap_or_else(|| extracted.preset());
     let pixels = args.crop.map_or(extracted.pixels(), |crop| crop.len() as u64);
-    let predicted = memory::predict(&extracted, pixels, preset, args.batch as usize);
+    let mut predicted = memory::predict(&extracted, pixels, preset, args.batch as usize);
+    predicted.film += args.parts.kept_bytes(pixels);
     time.load = start.elapsed().as_secs_f64();
     let file = extracted.file().to_owned();
     let mut scene = timed(&mut time.build, || extracted.build(preset));

@@ -12,7 +12,7 @@ use crate::cli::common::{above_zero, progress_bar, tell};
 use crate::cli::interrupt::Interrupt;
 use crate::error::{Error, ErrorKind, Result};
 use crate::farm::checkpoint::Checkpoint;
-use crate::farm::{Author, Session, Shard};
+use crate::farm::{Author, Shard, Stint};
 use crate::image::write::write;
 use crate::prepared::PreparedScene;
 use crate::render::{Rendered, Watch, render};
@@ -68,6 +68,12 @@ impl PartOptions {
         self.checkpoint().map_or(Ok(()), |checkpoint| checkpoint.check().map(drop))
     }
 
+    /// Bytes held for a checkpoint of so many pixels: their sums, beside the image.
+    pub(super) fn kept_bytes(&self, pixels: u64) -> u64 {
+        let each = if self.checkpoint.is_some() { size_of::<[f64; 3]>() as u64 } else { 0 };
+        pixels * each
+    }
+
     fn checkpoint(&self) -> Option<Checkpoint> {
         let every = self.every.unwrap_or(EVERY);
         Some(Checkpoint {
@@ -119,10 +125,10 @@ pub(super) fn trace(
         return render(scene, &args.options(), &screen).map(|rendered| (rendered, 0.0));
     };
     let options = args.options();
-    let session = Session::begin(scene, &options, author(args), None, Some(&checkpoint))?;
-    tell_of_checkpoint(args, &checkpoint, &session);
-    let rendered = session.render(&screen, &warn)?;
-    Ok((rendered, session.resumed()))
+    let stint = Stint::begin(scene, &options, author(args), None, Some(&checkpoint))?;
+    tell_of_checkpoint(args, &checkpoint, &stint);
+    let rendered = stint.render(&screen, &warn)?;
+    Ok((rendered, stint.resumed()))
 }
 
 /// Renders a shard and writes its part.
@@ -134,20 +140,20 @@ pub(super) fn write_shard(
     interrupt: &Interrupt,
 ) -> Result<()> {
     let (options, checkpoint) = (args.options(), args.parts.checkpoint());
-    let session = Session::begin(scene, &options, author(args), Some(shard), checkpoint.as_ref())?;
+    let stint = Stint::begin(scene, &options, author(args), Some(shard), checkpoint.as_ref())?;
     if let Some(checkpoint) = &checkpoint {
-        tell_of_checkpoint(args, checkpoint, &session);
+        tell_of_checkpoint(args, checkpoint, &stint);
     }
     let screen = Screen::new(args, interrupt);
-    let done = session.render_units(&screen, &warn)?;
+    let done = stint.render_units(&screen, &warn)?;
     drop(screen);
-    if session.share() < 1.0 {
+    if stint.share() < 1.0 {
         let what = format!("{} is not written", output.display());
-        return Err(interrupt.error(session.share()).remedy(what + &go_on(args)));
+        return Err(interrupt.error(stint.share()).remedy(what + &go_on(args)));
     }
     let invalid = super::find_invalid(args, scene, &done.counters)?;
     super::tell_invalid(args, &done.counters, invalid.as_ref());
-    session.write(output)
+    stint.write(output)
 }
 
 /// Writes what there is of an image that a signal ended; the error says what was done.
@@ -184,13 +190,13 @@ fn author(args: &RenderArgs) -> Author {
     Author { scene: args.scene.display().to_string(), command: command.collect() }
 }
 
-fn tell_of_checkpoint(args: &RenderArgs, checkpoint: &Checkpoint, session: &Session<'_>) {
+fn tell_of_checkpoint(args: &RenderArgs, checkpoint: &Checkpoint, stint: &Stint<'_>) {
     if !checkpoint.resume || args.scene_options.quiet {
         return;
     }
     let file = checkpoint.file.display();
-    if session.has_checkpoint() {
-        let percent = (session.resumed() * 1000.0).floor() / 10.0;
+    if stint.has_checkpoint() {
+        let percent = (stint.resumed() * 1000.0).floor() / 10.0;
         tell(&format!("going on with {file}, which holds {percent} %"));
     } else {
         tell(&format!("there is no checkpoint {file} yet: rendering from the start"));
