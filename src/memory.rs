@@ -3,7 +3,8 @@
 use crate::accel::build::Preset;
 use crate::prepared::PreparedScene;
 use crate::render::batch_size;
-use crate::systems::Extracted;
+use crate::scene::survey::Survey;
+use crate::systems::{Extracted, textures};
 use crate::wavefront::batch::Batch;
 
 /// Bytes by use.
@@ -23,8 +24,8 @@ pub struct Prediction {
     pub batches: u64,
     /// The program itself.
     pub program: u64,
-    /// What was held at the peak so far, while reading the scene: measured.
-    pub so_far: u64,
+    /// While reading the scene, at the peak: foretold, or measured where that is over.
+    pub loading: u64,
 }
 
 /// Bytes at the peak of building a tree over so many primitives, the tree counted, on the threads of
@@ -60,7 +61,7 @@ impl Prediction {
     pub fn total(&self) -> u64 {
         let lasting = self.geometry + self.looks + self.program;
         let ahead = lasting + self.build.max(self.tree + self.film + self.batches);
-        ahead.max(self.so_far)
+        ahead.max(self.loading)
     }
 }
 
@@ -69,7 +70,7 @@ impl Prediction {
 pub fn predict(extracted: &Extracted, pixels: u64, preset: Preset, batch: usize) -> Prediction {
     let scene: &PreparedScene = extracted.scene();
     let geometry = extracted.geometry();
-    let primitives = geometry.len() as u64;
+    let primitives = geometry.held() as u64;
     let threads = rayon::current_num_threads() as u64;
     Prediction {
         geometry: geometry.bytes(),
@@ -79,9 +80,87 @@ pub fn predict(extracted: &Extracted, pixels: u64, preset: Preset, batch: usize)
         film: pixels * size_of::<[f32; 3]>() as u64,
         batches: Batch::bytes_foretold(scene, batch_size(scene, batch)) * threads,
         program: PROGRAM,
-        so_far: peak().unwrap_or(0),
+        loading: peak().unwrap_or(0),
     }
 }
+
+/// What is to be rendered of a scene, and how, as far as memory goes.
+#[derive(Clone, Copy, Debug)]
+pub struct Asked {
+    /// Pixels to be rendered; those of the whole image if `None`.
+    pub pixels: Option<u64>,
+    /// The preset; the one that would be chosen if `None`.
+    pub preset: Option<Preset>,
+    /// Paths in a batch.
+    pub batch: usize,
+    /// Whether meshes are copied to where they are shown.
+    pub flat: bool,
+}
+
+/// Foretells the peak of a render before any mesh or texture is read, on the threads of the current
+/// pool.
+pub fn foretell(survey: &Survey, asked: Asked) -> Prediction {
+    let mut found = Prediction { program: PROGRAM, ..Prediction::default() };
+    let mut primitives = survey.others;
+    let (mut reading, mut own, mut greatest) = (0_u64, 0_u64, 0_u64);
+    for mesh in &survey.meshes {
+        let is_shared = mesh.shown > 1 && !asked.flat;
+        let copies = if is_shared { 1 } else { mesh.shown };
+        primitives = primitives.saturating_add(mesh.holds.triangles.saturating_mul(copies));
+        let form = mesh.holds.form_bytes().saturating_mul(copies);
+        let normals = if mesh.normals { mesh.holds.normal_bytes() } else { 0 };
+        let uvs = if mesh.uvs { mesh.holds.uv_bytes() } else { 0 };
+        found.geometry = found.geometry.saturating_add(form);
+        found.looks = found.looks.saturating_add((normals + uvs).saturating_mul(copies));
+        reading = reading.saturating_add(mesh.holds.bytes());
+        if !is_shared {
+            own += 1;
+            greatest = greatest.max(mesh.holds.form_bytes());
+        }
+    }
+    found.geometry = found.geometry.saturating_add(survey.instances * INSTANCE);
+    let textures = survey.textures.iter().map(textures::survey);
+    let mut decoding = 0;
+    for [held, more] in textures {
+        found.looks = found.looks.saturating_add(held);
+        decoding = decoding.max(more);
+    }
+    // All meshes are read before the first is taken in, which is then lengthened for the others; the last
+    // of these is still there when its copy is whole.
+    let taking = if own > 1 { greatest } else { 0 };
+    let text = survey.text.saturating_mul(TEXT);
+    let lasting = found.geometry.saturating_add(found.looks).saturating_add(found.program);
+    let read =
+        [survey.raw, BUFFERS, found.program, text].into_iter().fold(reading, u64::saturating_add);
+    found.loading = read.max(lasting.saturating_add(taking).saturating_add(decoding));
+    let [width, height] = survey.size.map(u64::from);
+    let rays = expected_rays(survey);
+    let preset = asked.preset.unwrap_or_else(|| Preset::choose(primitives, rays));
+    found.tree = primitives.saturating_mul(tree_bytes(preset));
+    found.build = build_bytes(preset, primitives);
+    let pixels = asked.pixels.unwrap_or(width * height);
+    found.film = pixels * size_of::<[f32; 3]>() as u64;
+    found.batches = Batch::bytes_at_most(asked.batch) * rayon::current_num_threads() as u64;
+    found
+}
+
+/// The rays that a render casts at most, as
+/// [`PreparedScene::expected_rays`](crate::prepared::PreparedScene::expected_rays) has it.
+fn expected_rays(survey: &Survey) -> u64 {
+    let pixels: u64 = survey.size.map(u64::from).iter().product();
+    let paths = pixels.saturating_mul(survey.rays_per_pixel);
+    let hits = paths.saturating_mul(1 + u64::from(survey.bounces));
+    hits.saturating_mul(1 + survey.light_samples)
+}
+
+/// Bytes of an instance: its transforms, its shape and material, its node of the tree over instances.
+const INSTANCE: u64 = 600;
+
+/// Bytes that readers hold besides what they have read: blocks of text and what is found in them.
+const BUFFERS: u64 = 24 << 20;
+
+/// Bytes that JSON takes for each byte of its text while it is read, at most.
+const TEXT: u64 = 25;
 
 /// The largest number of bytes that this process has held in memory so far, where the system tells.
 pub fn peak() -> Option<u64> {

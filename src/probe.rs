@@ -269,7 +269,7 @@ impl Observer for Teller<'_> {
 
 fn kind(geometry: &Geometry, primitive: u32) -> &'static str {
     match geometry.primitive(primitive) {
-        Primitive::Triangle(_) => "triangle",
+        Primitive::Triangle(_) | Primitive::Shown(_) => "triangle",
         Primitive::Quad(_) => "quad",
         Primitive::Sphere(_) => "sphere",
     }
@@ -285,6 +285,12 @@ fn t_error(geometry: &Geometry, ray: &Ray, hit: &Hit) -> Option<f32> {
         (_, Primitive::Triangle(i)) => {
             // One that stands for a seal is passed by.
             Some(space.error_of(&geometry.triangle(i), hit.t).unwrap_or(T_TOLERANCE * hit.t.abs()))
+        }
+        (_, Primitive::Shown(shown)) => {
+            let (instance, form) = geometry.instance(shown);
+            let space = PreparedRay::new(&instance.carried(ray)).space;
+            let corners = form.triangle(shown.triangle as usize);
+            Some(space.error_of(&corners, hit.t).unwrap_or(T_TOLERANCE * hit.t.abs()))
         }
         (_, Primitive::Quad(i)) => {
             let halves = quad::halves(&geometry.quad(i));

@@ -1,12 +1,14 @@
 //! The primitives as dense arrays, and what it is for a ray to hit one.
 //!
 //! Primitives are numbered: triangles first, then quads, then spheres, each kind in the order of
-//! the scene file. The number alone tells the kind.
+//! the scene file, then those of instances. The number alone tells the kind.
 
 use std::ops::Range;
 
 use glam::Vec3;
+use rayon::prelude::*;
 
+use super::instance::{Instance, Shown};
 use super::{Hit, TestCounts};
 use crate::kernels::precision::{Arithmetic, Precision, Robust};
 use crate::kernels::slab::{Aabb, SlabRay};
@@ -33,6 +35,11 @@ pub struct Geometry {
     /// Triangles without area that keep the mesh tight, each with the one that it stands for, in rising
     /// order. To be left empty: they are found when the tree is built.
     pub seals: Vec<[u32; 2]>,
+    /// Meshes that are shown by instances, each in its own space. They have triangles alone.
+    pub forms: Vec<Geometry>,
+    /// Where forms are shown. Their primitives' numbers follow those of the scene's own, instance by
+    /// instance.
+    pub instances: Vec<Instance>,
 }
 
 /// A primitive, by its kind and its place in that kind's array.
@@ -44,6 +51,8 @@ pub enum Primitive {
     Quad(usize),
     /// In [`Geometry::spheres`].
     Sphere(usize),
+    /// A triangle of an instance.
+    Shown(Shown),
 }
 
 /// A ray with what the tests derive from it once.
@@ -73,9 +82,29 @@ impl PreparedRay {
 }
 
 impl Geometry {
-    /// Number of primitives of every kind, degenerate triangles counted.
+    /// Number of primitives of every kind, degenerate triangles counted, and those of instances as often as
+    /// they are shown.
     pub fn len(&self) -> usize {
+        self.instances
+            .last()
+            .map_or(self.own(), |last| last.first() as usize + self.forms[last.form()].own())
+    }
+
+    /// Number of primitives that are not instances'.
+    #[inline]
+    pub fn own(&self) -> usize {
         self.triangles.len() + self.quads.len() + self.spheres.len()
+    }
+
+    /// Number of primitives that are held: those of a form once, however often it is shown.
+    pub fn held(&self) -> usize {
+        self.own() + self.forms.iter().map(Self::own).sum::<usize>()
+    }
+
+    /// Has it tested with this precision.
+    pub fn set_precision(&mut self, precision: Precision) {
+        self.precision = precision;
+        self.forms.iter_mut().for_each(|form| form.precision = precision);
     }
 
     /// Whether there is none.
@@ -92,8 +121,39 @@ impl Geometry {
             Primitive::Triangle(index)
         } else if index < triangles + quads {
             Primitive::Quad(index - triangles)
-        } else {
+        } else if index < triangles + quads + self.spheres.len() {
             Primitive::Sphere(index - triangles - quads)
+        } else {
+            Primitive::Shown(self.shown(number))
+        }
+    }
+
+    /// The primitive of an instance that has that number.
+    fn shown(&self, number: u32) -> Shown {
+        let after = self.instances.partition_point(|instance| instance.first() <= number);
+        let instance = after.saturating_sub(1) as u32;
+        let first = self.instances.get(instance as usize).map_or(0, Instance::first);
+        Shown { instance, triangle: number - first }
+    }
+
+    /// The instance that shows a primitive, and the form that it shows.
+    #[inline]
+    pub fn instance(&self, shown: Shown) -> (&Instance, &Self) {
+        let instance = &self.instances[shown.instance as usize];
+        (instance, &self.forms[instance.form()])
+    }
+
+    /// The corners of a triangle of a mesh, in the world; of an instance's, too. `None` for another kind of
+    /// primitive.
+    #[inline]
+    pub fn mesh_triangle(&self, number: u32) -> Option<[Vec3; 3]> {
+        match self.primitive(number) {
+            Primitive::Triangle(i) => Some(self.triangle(i)),
+            Primitive::Shown(shown) => {
+                let (instance, form) = self.instance(shown);
+                Some(form.triangle(shown.triangle as usize).map(|corner| instance.point(corner)))
+            }
+            Primitive::Quad(_) | Primitive::Sphere(_) => None,
         }
     }
 
@@ -109,13 +169,15 @@ impl Geometry {
         self.quads[index].map(|v| self.positions[v as usize])
     }
 
-    /// The padded box that contains every hit on the primitive; or its own, if tests are to be fast.
+    /// The padded box that contains every hit on the primitive; or its own, if tests are to be fast. Not for
+    /// those of instances, whose boxes are around a whole form.
     #[inline]
     pub fn bounds(&self, number: u32) -> Aabb {
         self.padded(match self.primitive(number) {
             Primitive::Triangle(i) => Aabb::around(self.triangle(i)),
             Primitive::Quad(i) => Aabb::around(self.quad(i)),
             Primitive::Sphere(i) => sphere_bounds(self.spheres[i]),
+            Primitive::Shown(_) => Aabb::EMPTY,
         })
     }
 
@@ -127,6 +189,9 @@ impl Geometry {
 
     /// Whether the primitive can be hit: triangles without area cannot, unless they seal a gap.
     pub(super) fn can_be_hit(&self, number: u32) -> bool {
+        if let Primitive::Shown(shown) = self.primitive(number) {
+            return self.instance(shown).1.can_be_hit(shown.triangle);
+        }
         !self.is_degenerate(number) || self.seal(number).is_some()
     }
 
@@ -143,6 +208,12 @@ impl Geometry {
     /// The hit, on what a seal stands for if it is on one.
     #[inline(always)]
     pub(super) fn unsealed(&self, hit: Hit) -> Hit {
+        if hit.primitive as usize >= self.own() && !hit.is_miss() && !self.instances.is_empty() {
+            let shown = self.shown(hit.primitive);
+            let (instance, form) = self.instance(shown);
+            let of_form = form.unsealed(Hit { primitive: shown.triangle, ..hit });
+            return Hit { primitive: instance.first() + of_form.primitive, ..hit };
+        }
         match self.seal(hit.primitive) {
             Some(primitive) => Hit { primitive, ..hit },
             None => hit,
@@ -154,6 +225,19 @@ impl Geometry {
         match self.primitive(number) {
             Primitive::Triangle(i) => triangle::is_degenerate(&self.triangle(i)),
             Primitive::Quad(_) | Primitive::Sphere(_) => false,
+            Primitive::Shown(shown) => self.instance(shown).1.is_degenerate(shown.triangle),
+        }
+    }
+
+    /// How many triangles no ray can hit, those of forms apart; `kept` is the number of primitives in the
+    /// tree, if there is one.
+    pub(super) fn left_out(&self, kept: Option<u64>) -> u64 {
+        match kept {
+            Some(kept) => self.own() as u64 - kept + self.seals.len() as u64,
+            None => {
+                let numbers = (0..self.own() as u32).into_par_iter();
+                numbers.filter(|&number| self.is_degenerate(number)).count() as u64
+            }
         }
     }
 
@@ -181,7 +265,7 @@ impl Geometry {
         tests: &mut TestCounts,
     ) -> Option<f32> {
         match self.primitive(number) {
-            Primitive::Triangle(_) => tests.triangles += 1,
+            Primitive::Triangle(_) | Primitive::Shown(_) => tests.triangles += 1,
             Primitive::Quad(_) => tests.quads += 1,
             Primitive::Sphere(_) => tests.spheres += 1,
         }
@@ -208,16 +292,30 @@ impl Geometry {
                     sphere::intersect(&ray.ray, center, radius)
                 }
             }
+            Primitive::Shown(shown) => return self.shown_test::<P>(shown, ray),
         }?;
         (t > ray.ray.t_min && t < ray.ray.t_max).then_some(t)
     }
 
+    /// As [`Self::test`], of a triangle of an instance: the ray is carried into the space of the form.
+    #[cold]
+    #[inline(never)]
+    fn shown_test<P: Arithmetic>(&self, shown: Shown, ray: &PreparedRay) -> Option<f32> {
+        let (instance, form) = self.instance(shown);
+        let carried = instance.carried(&ray.ray);
+        let corners = form.triangle(shown.triangle as usize);
+        let t = triangle_test::<P>(&PreparedRay::of::<P>(&carried), &corners);
+        t.filter(|&t| carried.is_valid() && t > carried.t_min && t < carried.t_max)
+    }
+
     /// Bytes held.
     pub fn bytes(&self) -> u64 {
-        (size_of_val(self.positions.as_slice())
+        let own = size_of_val(self.positions.as_slice())
             + size_of_val(self.triangles.as_slice())
             + size_of_val(self.quads.as_slice())
-            + size_of_val(self.spheres.as_slice())) as u64
+            + size_of_val(self.spheres.as_slice())
+            + size_of_val(self.instances.as_slice());
+        own as u64 + self.forms.iter().map(Self::bytes).sum::<u64>()
     }
 }
 

@@ -5,40 +5,48 @@
 //! traverses it for one ray, [`stream`] for many in flight, [`packet`] for tiles of rays that go
 //! nearly the same way. [`brute`] asks every primitive and is the reference. All of them give the
 //! same answers to the last bit, with any instructions: [`crate::kernels::slab`] says why.
+//!
+//! A mesh that is shown in several places is held once, as a form with a tree of its own; each showing is
+//! an [`instance`], which rays visit after the scene's own primitives.
 
 pub mod arena;
 pub mod brute;
 pub mod build;
 mod choice;
 mod coincident;
+mod counts;
 pub mod geometry;
+pub mod instance;
+mod instances;
 mod leaf;
 mod node;
 mod packet;
 mod query;
 mod rays;
 mod seals;
+mod search;
 mod single;
 mod stream;
+mod top;
 pub mod tree;
 mod units;
 mod wide;
-
-use std::marker::PhantomData;
 
 use rayon::prelude::*;
 
 use crate::kernels::precision::{Arithmetic, Exact, Fast, Precision, Robust};
 use crate::math::ray::Ray;
-use crate::math::simd::{Kernel, Lanes, dispatch};
 use build::Preset;
 use geometry::{Geometry, PreparedRay};
+use instances::Ways;
 use packet::Packets;
-use query::{Closest, Occluded, Query};
+use query::{Closest, Occluded};
 use stream::Flight;
+use top::Top;
 use tree::Tree;
 
 pub use choice::{KernelChoice, KernelCounts, Kernels};
+pub use counts::TestCounts;
 use rays::BLOCK_EDGE;
 pub use rays::{RayColumns, Rays};
 
@@ -66,61 +74,13 @@ impl Hit {
     }
 }
 
-/// Work counted while tracing, exactly.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct TestCounts {
-    /// Inner nodes visited, each testing the boxes of its children.
-    pub nodes: u64,
-    /// Leaves visited.
-    pub leaves: u64,
-    /// Triangles tested.
-    pub triangles: u64,
-    /// Quads tested.
-    pub quads: u64,
-    /// Spheres tested.
-    pub spheres: u64,
-}
-
-impl TestCounts {
-    fn zip(self, other: Self, f: impl Fn(u64, u64) -> u64) -> Self {
-        Self {
-            nodes: f(self.nodes, other.nodes),
-            leaves: f(self.leaves, other.leaves),
-            triangles: f(self.triangles, other.triangles),
-            quads: f(self.quads, other.quads),
-            spheres: f(self.spheres, other.spheres),
-        }
-    }
-}
-
-impl std::ops::Add for TestCounts {
-    type Output = Self;
-
-    fn add(self, other: Self) -> Self {
-        self.zip(other, |a, b| a + b)
-    }
-}
-
-impl std::ops::Sub for TestCounts {
-    type Output = Self;
-
-    fn sub(self, other: Self) -> Self {
-        self.zip(other, |a, b| a - b)
-    }
-}
-
-impl std::ops::AddAssign for TestCounts {
-    fn add_assign(&mut self, other: Self) {
-        *self = *self + other;
-    }
-}
-
 /// What one thread needs to trace: stacks that fit the tree, and its counters.
 #[derive(Clone, Debug, Default)]
 pub struct Traversal {
     stack: Vec<u64>,
     flight: Flight,
     packets: Packets,
+    ways: Ways,
     /// Tests made so far.
     pub tests: TestCounts,
     /// Rays taken so far, by kernel.
@@ -134,6 +94,10 @@ pub struct Accel {
     pub geometry: Geometry,
     /// The tree, or `None` for the brute-force reference.
     pub tree: Option<Tree>,
+    /// A tree for each form; none for the reference.
+    form_trees: Vec<Tree>,
+    /// Over the instances.
+    top: Top,
     /// The instructions to search it with.
     pub level: fearless_simd::Level,
     /// The kernel that many rays are searched with.
@@ -144,47 +108,43 @@ impl Accel {
     /// Builds the structure that `preset` names over `geometry`, to be searched with the best
     /// instructions that the processor has.
     pub fn new(mut geometry: Geometry, preset: Preset) -> Self {
-        let build =
-            |geometry: &Geometry| (preset != Preset::Brute).then(|| build::build(geometry, preset));
-        let mut tree = build(&geometry);
-        // Fast arithmetic leaks anyway.
-        let is_whole = tree.as_ref().is_some_and(|tree| tree.kept == geometry.len() as u64);
-        if !is_whole && geometry.precision != Precision::Fast {
-            geometry.seals = seals::find(&geometry);
-            if !geometry.seals.is_empty() {
-                // Scans with collapsed triangles are rare: they are built once more.
-                drop(tree);
-                tree = build(&geometry);
-            }
+        if preset == Preset::Brute {
+            find_all_seals(&mut geometry);
+            return Self::unbuilt(geometry);
         }
-        Self { tree, ..Self::unbuilt(geometry) }
+        let tree = tight(&mut geometry, preset);
+        let mut forms = std::mem::take(&mut geometry.forms);
+        let form_trees = build_forms(&mut forms, preset);
+        geometry.forms = forms;
+        let boxes = |form: usize| {
+            let tree: &Tree = &form_trees[form];
+            tree.upper_boxes()
+        };
+        let top = Top::new(&geometry.instances, boxes);
+        Self { tree: Some(tree), form_trees, top, ..Self::unbuilt(geometry) }
     }
 
     /// The primitives alone, not yet to be searched.
     pub fn unbuilt(geometry: Geometry) -> Self {
         let (level, kernel) = (fearless_simd::Level::new(), KernelChoice::default());
-        Self { geometry, tree: None, level, kernel }
+        Self { geometry, tree: None, form_trees: Vec::new(), top: Top::default(), level, kernel }
     }
 
-    /// How many triangles no ray can hit, since they have no area.
+    /// How many triangles no ray can hit, since they have no area. Those of a form count once.
     pub fn left_out(&self) -> u64 {
-        match &self.tree {
-            Some(tree) => self.geometry.len() as u64 - tree.kept + self.geometry.seals.len() as u64,
-            None => {
-                let numbers = (0..self.geometry.len() as u32).into_par_iter();
-                numbers.filter(|&number| self.geometry.is_degenerate(number)).count() as u64
-            }
-        }
+        let of_forms = self.geometry.forms.iter().enumerate();
+        let of_forms: u64 =
+            of_forms.map(|(i, form)| form.left_out(self.form_trees.get(i).map(|t| t.kept))).sum();
+        self.geometry.left_out(self.tree.as_ref().map(|tree| tree.kept)) + of_forms
     }
 
     /// Scratch memory for one thread: traversal then allocates nothing.
     pub fn traversal(&self) -> Traversal {
-        let Some(tree) = &self.tree else { return Traversal::default() };
-        Traversal {
-            stack: vec![0; tree.stack_entries()],
-            flight: Flight::new(tree),
-            ..Traversal::default()
-        }
+        let trees = self.tree.iter().chain(&self.form_trees);
+        let Some(entries) = trees.map(Tree::stack_entries).max() else {
+            return Traversal::default();
+        };
+        Traversal { stack: vec![0; entries], flight: Flight::new(entries), ..Traversal::default() }
     }
 
     /// The closest hit on `ray`, of light shapes too.
@@ -194,12 +154,11 @@ impl Accel {
         if !ray.is_valid() {
             return Hit::MISS;
         }
-        let hit = match self.geometry.precision {
+        match self.geometry.precision {
             Precision::Fast => self.closest_in::<Fast>(ray, traversal),
             Precision::Robust => self.closest_in::<Robust>(ray, traversal),
             Precision::Exact => self.closest_in::<Exact>(ray, traversal),
-        };
-        self.geometry.unsealed(hit)
+        }
     }
 
     #[inline(always)]
@@ -207,10 +166,18 @@ impl Accel {
         let ray = PreparedRay::of::<P>(ray);
         match &self.tree {
             Some(tree) => {
-                let one = One::<Closest, P>::new(tree, &self.geometry, &ray, traversal);
-                dispatch(self.level, one)
+                let searched = (tree, &self.geometry);
+                let best = search::closest::<P>(self.level, searched, &ray, traversal);
+                let best = self.geometry.unsealed(best);
+                if self.geometry.instances.is_empty() {
+                    return best;
+                }
+                self.among_instances::<Closest, P>(&ray.ray, best, traversal)
             }
-            None => brute::closest::<P>(&self.geometry, &ray, &mut traversal.tests),
+            None => {
+                let hit = brute::closest::<P>(&self.geometry, &ray, &mut traversal.tests);
+                self.geometry.unsealed(hit)
+            }
         }
     }
 
@@ -233,8 +200,12 @@ impl Accel {
         let ray = PreparedRay::of::<P>(ray);
         match &self.tree {
             Some(tree) => {
-                let one = One::<Occluded, P>::new(tree, &self.geometry, &ray, traversal);
-                dispatch(self.level, one)
+                let searched = (tree, &self.geometry);
+                let occluded = search::occluded::<P>(self.level, searched, &ray, traversal);
+                if occluded || self.geometry.instances.is_empty() {
+                    return occluded;
+                }
+                !self.among_instances::<Occluded, P>(&ray.ray, Hit::MISS, traversal).is_miss()
             }
             None => brute::occluded::<P>(&self.geometry, &ray, &mut traversal.tests),
         }
@@ -250,21 +221,33 @@ impl Accel {
         let rays = rays.into();
         match (&self.tree, self.many()) {
             (Some(tree), Some(Precision::Fast)) => {
-                let many = Many::<Closest, Fast>::new(self, tree, rays, answers, traversal);
-                dispatch(self.level, many);
+                self.closest_of_in::<Fast>(tree, rays, answers, traversal);
             }
             (Some(tree), Some(_)) => {
-                let many = Many::<Closest, Robust>::new(self, tree, rays, answers, traversal);
-                dispatch(self.level, many);
-                if !self.geometry.seals.is_empty() {
-                    answers.iter_mut().for_each(|hit| *hit = self.geometry.unsealed(*hit));
-                }
+                self.closest_of_in::<Robust>(tree, rays, answers, traversal);
             }
             _ => {
                 for (i, answer) in answers.iter_mut().enumerate() {
                     *answer = self.closest(&rays.ray(i), traversal);
                 }
             }
+        }
+    }
+
+    fn closest_of_in<P: Arithmetic>(
+        &self,
+        tree: &Tree,
+        rays: Rays<'_>,
+        answers: &mut [Hit],
+        traversal: &mut Traversal,
+    ) {
+        let how = (self.level, self.kernel);
+        search::many::<Closest, P>(how, (tree, &self.geometry), rays, answers, traversal);
+        if !self.geometry.seals.is_empty() {
+            answers.iter_mut().for_each(|hit| *hit = self.geometry.unsealed(*hit));
+        }
+        if !self.geometry.instances.is_empty() {
+            self.all_among_instances::<Closest, P>(rays, answers, traversal);
         }
     }
 
@@ -278,18 +261,30 @@ impl Accel {
         let rays = rays.into();
         match (&self.tree, self.many()) {
             (Some(tree), Some(Precision::Fast)) => {
-                let many = Many::<Occluded, Fast>::new(self, tree, rays, answers, traversal);
-                dispatch(self.level, many);
+                self.occluded_of_in::<Fast>(tree, rays, answers, traversal);
             }
             (Some(tree), Some(_)) => {
-                let many = Many::<Occluded, Robust>::new(self, tree, rays, answers, traversal);
-                dispatch(self.level, many);
+                self.occluded_of_in::<Robust>(tree, rays, answers, traversal);
             }
             _ => {
                 for (i, answer) in answers.iter_mut().enumerate() {
                     *answer = self.occluded(&rays.ray(i), traversal);
                 }
             }
+        }
+    }
+
+    fn occluded_of_in<P: Arithmetic>(
+        &self,
+        tree: &Tree,
+        rays: Rays<'_>,
+        answers: &mut [bool],
+        traversal: &mut Traversal,
+    ) {
+        let how = (self.level, self.kernel);
+        search::many::<Occluded, P>(how, (tree, &self.geometry), rays, answers, traversal);
+        if !self.geometry.instances.is_empty() {
+            self.all_among_instances::<Occluded, P>(rays, answers, traversal);
         }
     }
 
@@ -301,96 +296,46 @@ impl Accel {
         (!is_one && precision != Precision::Exact).then_some(precision)
     }
 
-    /// Bytes held by the tree.
+    /// Bytes held by all trees.
     pub fn tree_bytes(&self) -> u64 {
-        self.tree.as_ref().map_or(0, Tree::bytes)
+        self.tree.iter().chain(&self.form_trees).map(Tree::bytes).sum::<u64>() + self.top.bytes()
     }
 }
 
-/// One ray, traced alone.
-struct One<'a, Q, P> {
-    tree: &'a Tree,
-    geometry: &'a Geometry,
-    ray: &'a PreparedRay,
-    traversal: &'a mut Traversal,
-    query: PhantomData<(Q, P)>,
-}
-
-impl<'a, Q, P> One<'a, Q, P> {
-    #[inline(always)]
-    fn new(
-        tree: &'a Tree,
-        geometry: &'a Geometry,
-        ray: &'a PreparedRay,
-        traversal: &'a mut Traversal,
-    ) -> Self {
-        Self { tree, geometry, ray, traversal, query: PhantomData }
+/// The tree over the primitives that `geometry` holds itself, tight where precision asks for it.
+fn tight(geometry: &mut Geometry, preset: Preset) -> Tree {
+    let tree = build::build(geometry, preset);
+    // Fast arithmetic leaks anyway.
+    if tree.kept == geometry.own() as u64 || geometry.precision == Precision::Fast {
+        return tree;
     }
-}
-
-impl<P: Arithmetic> Kernel for One<'_, Closest, P> {
-    type Output = Hit;
-
-    #[inline(always)]
-    fn run<S: Lanes>(self, simd: S) -> Hit {
-        let Traversal { stack, tests, .. } = self.traversal;
-        let height = single::start::<P>(self.tree, self.ray, stack);
-        let best = single::no_hit(self.ray);
-        let stack = (stack.as_mut_slice(), height);
-        let ray = self.ray;
-        let best = single::closest::<S, P>(simd, self.tree, self.geometry, ray, best, stack, tests);
-        single::or_miss(best)
+    geometry.seals = seals::find(geometry);
+    if geometry.seals.is_empty() {
+        return tree;
     }
+    // Scans with collapsed triangles are rare: they are built once more.
+    drop(tree);
+    build::build(geometry, preset)
 }
 
-impl<P: Arithmetic> Kernel for One<'_, Occluded, P> {
-    type Output = bool;
-
-    #[inline(always)]
-    fn run<S: Lanes>(self, simd: S) -> bool {
-        let Traversal { stack, tests, .. } = self.traversal;
-        let height = single::start::<P>(self.tree, self.ray, stack);
-        let stack = (stack.as_mut_slice(), height);
-        single::occluded::<S, P>(simd, self.tree, self.geometry, self.ray, stack, tests)
+/// A tree for each form: large ones one after the other, each on all threads, small ones side by side.
+fn build_forms(forms: &mut [Geometry], preset: Preset) -> Vec<Tree> {
+    let is_large = |form: &Geometry| form.own() > preset.chunk();
+    let mut trees: Vec<Option<Tree>> =
+        forms.par_iter_mut().map(|form| (!is_large(form)).then(|| tight(form, preset))).collect();
+    for (form, tree) in forms.iter_mut().zip(&mut trees) {
+        tree.get_or_insert_with(|| tight(form, preset));
     }
+    trees.into_iter().map(Option::unwrap_or_default).collect()
 }
 
-/// Many rays, in flight together.
-struct Many<'a, Q: Query, P> {
-    tree: &'a Tree,
-    geometry: &'a Geometry,
-    rays: Rays<'a>,
-    answers: &'a mut [Q::Answer],
-    traversal: &'a mut Traversal,
-    choice: KernelChoice,
-    precision: PhantomData<P>,
-}
-
-impl<'a, Q: Query, P> Many<'a, Q, P> {
-    #[inline(always)]
-    fn new(
-        accel: &'a Accel,
-        tree: &'a Tree,
-        rays: Rays<'a>,
-        answers: &'a mut [Q::Answer],
-        traversal: &'a mut Traversal,
-    ) -> Self {
-        let (geometry, choice) = (&accel.geometry, accel.kernel);
-        Self { tree, geometry, rays, answers, traversal, choice, precision: PhantomData }
-    }
-}
-
-impl<Q: Query, P: Arithmetic> Kernel for Many<'_, Q, P> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<S: Lanes>(self, simd: S) {
-        let Traversal { flight, packets, stack, tests, kernels } = self.traversal;
-        let Self { tree, geometry, rays, answers, choice, .. } = self;
-        let memory = (packets, flight, stack.as_mut_slice());
-        let counts = (tests, if Q::ANY { &mut kernels.shadow } else { &mut kernels.closest });
-        let rays = (rays, choice);
-        packet::trace::<S, Q, P>(simd, tree, geometry, rays, answers, memory, counts);
+/// The seals of the scene's own triangles and of those of forms.
+fn find_all_seals(geometry: &mut Geometry) {
+    if geometry.precision != Precision::Fast {
+        geometry.seals = seals::find(geometry);
+        for form in &mut geometry.forms {
+            form.seals = seals::find(form);
+        }
     }
 }
 

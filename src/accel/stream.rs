@@ -93,10 +93,10 @@ pub(super) struct Flight {
 }
 
 impl Flight {
-    /// Memory for rays in `tree`.
-    pub(super) fn new(tree: &Tree) -> Self {
+    /// Memory for rays in trees whose stacks take so many entries.
+    pub(super) fn new(entries: usize) -> Self {
         // The end of the stack, and what a packet hands over.
-        Self::of_stride(tree.stack_entries() + 1 + MOST_HANDED)
+        Self::of_stride(entries + 1 + MOST_HANDED)
     }
 
     fn of_stride(stride: usize) -> Self {

@@ -1,8 +1,6 @@
 //! The tree: an arena, and where to begin.
 
-use glam::Vec3;
-
-use super::arena::{Arena, Census, Kind, Ref, child_of};
+use super::arena::{Arena, Census, Kind, Node, Ref, child_of};
 use super::geometry::PreparedRay;
 use crate::kernels::precision::Arithmetic;
 use crate::kernels::slab::Aabb;
@@ -60,6 +58,18 @@ impl Tree {
         self.arena.bytes()
     }
 
+    /// The boxes of the root's children, or of a root that is a leaf: together they hold every hit, more
+    /// tightly than the root's own.
+    pub(super) fn upper_boxes(&self) -> Vec<Aabb> {
+        let Some(root) = self.root else { return Vec::new() };
+        if root.place.kind() != Kind::Node {
+            return vec![root.bounds];
+        }
+        let arena = self.arena.view();
+        let node = arena.node(root.place);
+        (0..node.count as usize).map(|lane| child_box(node, lane)).collect()
+    }
+
     /// Calls `visit` with the box of each leaf, and that of every node around it cut to it, and the
     /// primitives in it.
     pub fn for_each_leaf(&self, mut visit: impl FnMut(&Aabb, &[u32])) {
@@ -71,11 +81,9 @@ impl Tree {
                 Kind::Node => {
                     let node = arena.node(place);
                     for lane in 0..node.count as usize {
-                        let plane = |side: usize| {
-                            Vec3::from([0, 1, 2].map(|axis: usize| node.planes[axis][side][lane]))
-                        };
+                        let own = child_box(node, lane);
                         let child =
-                            Aabb { low: plane(0).max(bounds.low), high: plane(1).min(bounds.high) };
+                            Aabb { low: own.low.max(bounds.low), high: own.high.min(bounds.high) };
                         waiting.push((child_of(node, place, lane), child));
                     }
                 }
@@ -97,6 +105,12 @@ impl Tree {
     pub(super) fn stack_entries(&self) -> usize {
         (LANES - 1) * self.census.depth + 2 * LANES
     }
+}
+
+/// The box of a node's child.
+fn child_box(node: &Node, lane: usize) -> Aabb {
+    let plane = |side: usize| [0, 1, 2].map(|axis: usize| node.planes[axis][side][lane]);
+    Aabb { low: plane(0).into(), high: plane(1).into() }
 }
 
 /// How far beyond a hit at `t` boxes are still visited.

@@ -62,7 +62,7 @@ impl Subject {
             size,
             facts,
             fingerprint: full.scene().fingerprint(),
-            primitives: full.geometry().len() as u64,
+            primitives: full.geometry().held() as u64,
             preset: Preset::Fast,
             prepared: HashMap::new(),
         })
@@ -130,7 +130,8 @@ impl Subject {
     pub fn build(&self, structure: &Structure, preset: Preset) -> Result<Prepared> {
         let [width, height] = self.size.map(Some);
         let start = Instant::now();
-        let mut loaded = load(&self.file, &LoadOptions { width, height, strict: false })?;
+        let mut loaded =
+            load(&self.file, &LoadOptions { width, height, ..LoadOptions::default() })?;
         overrides::apply(&mut loaded.world, &structure.overrides);
         let extracted = extract_in(&mut loaded.world, structure.precision)?;
         let load = start.elapsed().as_secs_f64();

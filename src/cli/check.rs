@@ -14,7 +14,7 @@ use crate::systems::{self, Extracted, Options};
 /// Reads a scene with all its meshes and textures, and says what is in it.
 #[derive(Clone, Debug, clap::Args)]
 pub struct CheckArgs {
-    /// The scene, in JSON
+    /// The scene: JSON, glTF (.gltf, .glb), or a mesh alone (.ply, .obj)
     pub scene: PathBuf,
     /// What is read and how
     #[command(flatten)]

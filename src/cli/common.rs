@@ -3,6 +3,7 @@
 use std::io::{ErrorKind as IoKind, IsTerminal, Write};
 use std::path::Path;
 
+use bytesize::ByteSize;
 use indicatif::{ProgressBar, ProgressState, ProgressStyle};
 
 use crate::accel::build::Preset;
@@ -10,9 +11,11 @@ use crate::accel::{Accel, KernelChoice};
 use crate::error::{Error, ErrorKind, Result, Warning};
 use crate::kernels::precision::Precision;
 use crate::math::simd::Level;
-use crate::scene::load::{LoadOptions, LoadedScene, load};
+use crate::memory::{self, Prediction};
+use crate::scene::load::{LoadOptions, LoadedScene, load, survey};
 use crate::systems::{self, Extracted};
 use crate::tile::Tile;
+use crate::wavefront::DEFAULT_BATCH;
 
 /// Options on what scene is read and how.
 #[derive(Clone, Debug, clap::Args)]
@@ -26,12 +29,21 @@ pub struct SceneOptions {
     /// Height of the image in pixels, instead of the scene's
     #[arg(long, value_name = "PIXELS")]
     pub height: Option<u32>,
+    /// The camera to take of a glTF file, by its name or its number [default: the first of the scene]
+    #[arg(long, value_name = "NAME")]
+    pub camera: Option<String>,
     /// How much work goes into the BVH [default: chosen from triangles and expected rays]
     #[arg(long, value_name = "PRESET", value_enum)]
     pub bvh: Option<Preset>,
     /// How exactly hits are found: fast leaks, exact takes its time
     #[arg(long, value_name = "PRECISION", value_enum, default_value_t)]
     pub precision: Precision,
+    /// Copy meshes that instances show to where they are shown, rather than hold them once
+    #[arg(long)]
+    pub flatten: bool,
+    /// Refuse what would take more memory than this, such as 8GiB, before anything large is read
+    #[arg(long, value_name = "SIZE", value_parser = bytes)]
+    pub memory_limit: Option<ByteSize>,
     /// On how many threads
     #[command(flatten)]
     pub threads: Threads,
@@ -43,15 +55,39 @@ pub struct SceneOptions {
 impl SceneOptions {
     /// Loads `scene` and tells its warnings.
     pub fn load(&self, scene: &Path) -> Result<LoadedScene> {
-        let options = LoadOptions { strict: self.strict, width: self.width, height: self.height };
+        let options = self.load_options();
+        if let Some(limit) = self.memory_limit {
+            check_memory(scene, &self.foretell(scene, None, DEFAULT_BATCH)?, limit)?;
+        }
         let loaded = load(scene, &options)?;
         self.warn(&loaded.warnings);
+        if !self.quiet {
+            loaded.notes.iter().for_each(|note| tell(&format!("note: {note}")));
+        }
         Ok(loaded)
+    }
+
+    /// Foretells the memory of a render of so many `pixels`, of all if `None`, before anything large is read.
+    pub fn foretell(&self, scene: &Path, pixels: Option<u64>, batch: usize) -> Result<Prediction> {
+        let survey = survey(scene, &self.load_options())?;
+        let asked = memory::Asked { pixels, preset: self.bvh, batch, flat: self.flatten };
+        Ok(memory::foretell(&survey, asked))
+    }
+
+    fn load_options(&self) -> LoadOptions {
+        LoadOptions {
+            strict: self.strict,
+            width: self.width,
+            height: self.height,
+            camera: self.camera.clone(),
+        }
     }
 
     /// Runs the systems on `loaded` but for the last.
     pub fn extract(&self, mut loaded: LoadedScene) -> Result<Extracted> {
-        systems::extract_in(&mut loaded.world, self.precision)
+        let (precision, flat) = (self.precision, self.flatten);
+        let options = systems::Options { precision, flat, ..Default::default() };
+        systems::extract_with(&mut loaded.world, options)
     }
 
     /// Tells warnings, unless asked to be quiet.
@@ -154,6 +190,45 @@ pub fn progress_bar(quiet: bool, template: &str) -> ProgressBar {
             let _ = write!(text, "{:.2}", state.per_sec() / 1e6);
         });
     ProgressBar::new(0).with_style(style)
+}
+
+/// Refuses a scene whose peak is foretold to be above `limit`.
+fn check_memory(scene: &Path, foretold: &Prediction, limit: ByteSize) -> Result<()> {
+    if foretold.total() <= limit.as_u64() {
+        return Ok(());
+    }
+    let Prediction { geometry, looks, tree, build, film, batches, loading, .. } = *foretold;
+    let uses = [
+        ("reading", loading),
+        ("geometry", geometry),
+        ("normals and textures", looks),
+        ("building the tree", build),
+        ("the tree", tree),
+        ("the image", film),
+        ("batches", batches),
+    ];
+    let uses = uses.map(|(name, bytes)| format!("{name} {}", in_words(bytes)));
+    let message = format!("the render would take more memory than {}", in_words(limit.as_u64()));
+    Err(Error::new(ErrorKind::Limit, message)
+        .in_file(scene)
+        .value(format!("about {}", in_words(foretold.total())))
+        .remedy(format!(
+            "raise --memory-limit, or make the scene or the image smaller (at their peaks: {})",
+            uses.join(", ")
+        )))
+}
+
+/// So many bytes.
+fn in_words(bytes: u64) -> String {
+    ByteSize::b(bytes).display().iec().to_string()
+}
+
+/// A number of bytes, with or without a unit.
+fn bytes(text: &str) -> std::result::Result<ByteSize, String> {
+    let size: std::result::Result<ByteSize, _> = text.parse();
+    size.ok().filter(|size| size.as_u64() > 0).ok_or_else(|| {
+        "write a number of bytes above 0, such as 8GiB, 500MB or 1000000000".to_owned()
+    })
 }
 
 /// `x,y,width,height` in pixels.

@@ -54,6 +54,9 @@ struct Explanation {
     moved_by: Option<[f64; 3]>,
     bvh: Choice,
     bytes_per_path: Vec<Buffer>,
+    /// As it was foretold before a mesh or a texture was read.
+    foretold_memory: Prediction,
+    foretold_total: u64,
     memory: Prediction,
     memory_total: u64,
     /// What the render will do at most.
@@ -113,11 +116,12 @@ struct Buffer {
 /// When the scene cannot be rendered.
 pub fn run(args: &ExplainArgs) -> Result<()> {
     args.scene_options.threads.run(|| {
+        let foretold = args.scene_options.foretell(&args.scene, None, args.batch as usize)?;
         let loaded = args.scene_options.load(&args.scene)?;
         let extracted = args.scene_options.extract(loaded)?;
         let warnings = systems::warnings(extracted.dropped(), extracted.file());
         args.scene_options.warn(&warnings);
-        let mut explanation = explain(&extracted, args);
+        let mut explanation = explain(&extracted, foretold, args);
         if args.render {
             explanation.rendered = Some(trace(extracted, explanation.bvh.preset, args)?);
         }
@@ -125,7 +129,7 @@ pub fn run(args: &ExplainArgs) -> Result<()> {
     })
 }
 
-fn explain(extracted: &Extracted, args: &ExplainArgs) -> Explanation {
+fn explain(extracted: &Extracted, foretold: Prediction, args: &ExplainArgs) -> Explanation {
     let scene = extracted.scene();
     let bvh = choice(extracted, args.scene_options.bvh);
     let memory = memory::predict(extracted, extracted.pixels(), bvh.preset, args.batch as usize);
@@ -135,6 +139,8 @@ fn explain(extracted: &Extracted, args: &ExplainArgs) -> Explanation {
         precision: args.scene_options.precision,
         moved_by: (scene.origin != DVec3::ZERO).then(|| (-scene.origin).to_array()),
         bytes_per_path: Column::ALL.into_iter().map(|column| buffer(scene, column)).collect(),
+        foretold_total: foretold.total(),
+        foretold_memory: foretold,
         memory_total: memory.total(),
         memory,
         bvh,
@@ -176,7 +182,8 @@ fn choice(extracted: &Extracted, asked: Option<Preset>) -> Choice {
     match asked {
         Some(preset) => Choice { preset, reason: "asked for".to_owned(), rule: None },
         None => {
-            let (primitives, rays) = (extracted.geometry().len() as u64, extracted.expected_rays());
+            let (primitives, rays) =
+                (extracted.geometry().held() as u64, extracted.expected_rays());
             Choice {
                 preset: extracted.preset(),
                 reason: format!("{primitives} primitives, up to {rays} rays"),
@@ -263,23 +270,26 @@ fn work(foretold: &Foretold, found: Option<&Found>) -> String {
 fn memory_text(e: &Explanation) -> String {
     let m = &e.memory;
     let found = e.rendered.as_ref();
+    let f = &e.foretold_memory;
     let uses = [
-        ("geometry", m.geometry, None),
-        ("looks", m.looks, None),
-        ("tree", m.tree, found.map(|found| found.tree)),
-        ("building it", m.build, None),
-        ("film", m.film, None),
-        ("batches", m.batches, found.map(|found| found.batches)),
-        ("program", m.program, None),
-        ("reading", m.so_far, None),
-        ("peak", e.memory_total, found.and_then(|found| found.peak)),
+        ("geometry", f.geometry, m.geometry, None),
+        ("looks", f.looks, m.looks, None),
+        ("tree", f.tree, m.tree, found.map(|found| found.tree)),
+        ("building it", f.build, m.build, None),
+        ("film", f.film, m.film, None),
+        ("batches", f.batches, m.batches, found.map(|found| found.batches)),
+        ("program", f.program, m.program, None),
+        ("reading", f.loading, m.loading, None),
+        ("peak", e.foretold_total, e.memory_total, found.and_then(|found| found.peak)),
     ];
     let title = if found.is_some() { "          measured" } else { "" };
-    let mut text = format!("memory{:>30}{title}\n", "predicted");
-    for (name, bytes, measured) in uses {
-        let _ = write!(text, "    {name:<16}{:>13.3} MB", bytes as f64 / 1e6);
+    let mut text = format!("memory{:>30}{:>18}{title}\n", "before reading", "once read");
+    for (name, before, bytes, measured) in uses {
+        let megabytes = |bytes: u64| bytes as f64 / 1e6;
+        let _ = write!(text, "    {name:<16}{:>13.3} MB", megabytes(before));
+        let _ = write!(text, "{:>15.3} MB", megabytes(bytes));
         if let Some(measured) = measured {
-            let _ = write!(text, "{:>15.3} MB", measured as f64 / 1e6);
+            let _ = write!(text, "{:>15.3} MB", megabytes(measured));
         }
         text.push('\n');
     }

@@ -3,9 +3,11 @@
 use std::path::PathBuf;
 
 use super::common::tell;
+use super::metadata::MetadataOptions;
 use crate::error::Result;
 use crate::farm::merge::{Merged, merge};
-use crate::image::write::{Transfer, check_writable, write};
+use crate::image::metadata::Extras;
+use crate::image::write::{Transfer, check_writable, write_with};
 use crate::replace::check_differs;
 
 /// Puts the parts of an image together that `render --shard` made.
@@ -19,9 +21,12 @@ pub struct MergeArgs {
     /// The image to write: .ppm, .png, .exr or .pfm
     #[arg(short, long, value_name = "OUTPUT")]
     pub output: PathBuf,
-    /// How linear colours become 8-bit levels (.ppm, .png)
-    #[arg(long, value_enum, default_value_t)]
-    pub transfer: Transfer,
+    /// How linear colours become 8-bit levels (.ppm, .png) [default: as the render would have it]
+    #[arg(long, value_enum)]
+    pub transfer: Option<Transfer>,
+    /// What is said of the image
+    #[command(flatten)]
+    pub metadata: MetadataOptions,
     /// Say nothing but errors
     #[arg(short, long)]
     pub quiet: bool,
@@ -36,8 +41,10 @@ pub fn run(args: &MergeArgs) -> Result<()> {
     for part in &args.parts {
         check_differs(&args.output, part, "a part")?;
     }
-    let Merged { film, invalid } = merge(&args.parts)?;
-    write(&film, &args.output, args.transfer)?;
+    let Merged { identity, transfer, film, invalid } = merge(&args.parts)?;
+    let entries = args.metadata.entries(&identity);
+    let extras = Extras { entries: &entries, ..args.metadata.extras() };
+    write_with(&film, &args.output, args.transfer.unwrap_or(transfer), &extras)?;
     if invalid > 0 && !args.quiet {
         tell(&format!("warning: {invalid} samples were not finite and count as black"));
     }

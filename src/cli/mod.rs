@@ -1,34 +1,46 @@
 //! The command line: `wavecrest SCENE OUTPUT`, and a subcommand for everything else.
 //!
-//! | exit code | meaning |
-//! |---|---|
-//! | 0 | done; for `diff`, the images are equal |
-//! | 1 | for `diff`, the images differ; for `bench`, the tracers disagree; for `selftest`, a case fails; for `probe`, the tracers tell different stories |
-//! | 2 | an error, told on standard error |
-//! | 130 | a render was ended early by SIGINT (Ctrl-C); what was finished is kept as [`render`] says |
-//! | 143 | the same by SIGTERM |
+//! [`EXIT_CODES`] says how it ends.
 
 pub mod accuracy;
 pub mod bench;
 pub mod check;
 pub mod common;
+pub mod completions;
+pub mod convert;
 pub mod diff;
 pub mod explain;
 pub mod generate;
 mod interrupt;
+pub mod man;
 pub mod merge;
+pub mod metadata;
 pub mod probe;
 pub mod render;
+pub mod schema;
 pub mod selftest;
 pub mod trace;
 
 use std::ffi::OsString;
 use std::process::ExitCode;
 
-use clap::{CommandFactory, Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use crate::error::{Error, ErrorKind, Result};
 use common::tell;
+
+/// Every code that the command ends with, and what it means: for the help, the manual and the README.
+pub const EXIT_CODES: [(u8, &str); 5] = [
+    (0, "done; of diff: the images are equal"),
+    (
+        1,
+        "the answer is no: of diff, the images differ; of bench, the tracers disagree; of selftest, a case \
+         fails; of probe, the tracers tell different stories",
+    ),
+    (2, "an error, which is told on standard error"),
+    (130, "SIGINT (Ctrl-C) ended a render early; what was finished is kept"),
+    (143, "SIGTERM did"),
+];
 
 /// A ray tracer for large triangle meshes: wavefront and recursive tracing over one set of kernels.
 ///
@@ -43,9 +55,10 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    Render(render::RenderArgs),
+    Render(Box<render::RenderArgs>),
     Merge(merge::MergeArgs),
     Check(check::CheckArgs),
+    Convert(convert::ConvertArgs),
     Explain(explain::ExplainArgs),
     Probe(probe::ProbeArgs),
     Generate(generate::GenerateArgs),
@@ -54,11 +67,16 @@ enum Command {
     Bench(bench::BenchArgs),
     Selftest(selftest::SelftestArgs),
     Accuracy(accuracy::AccuracyArgs),
+    Schema(schema::SchemaArgs),
+    Completions(completions::CompletionsArgs),
+    Man(man::ManArgs),
 }
 
 /// Runs the command that the process's arguments ask for.
 pub fn run() -> ExitCode {
-    let cli = Cli::parse_from(with_command(std::env::args_os().collect()));
+    let arguments = with_command(std::env::args_os().collect());
+    let matches = program().get_matches_from(arguments);
+    let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
     match dispatch(&cli.command) {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::from(1),
@@ -80,6 +98,12 @@ fn failed(error: &Error) -> ExitCode {
     }
 }
 
+/// The command line as clap has it.
+fn program() -> clap::Command {
+    let codes = EXIT_CODES.map(|(code, meaning)| format!("\n  {code}  {meaning}"));
+    Cli::command().after_help(format!("Exit codes:{}", codes.concat()))
+}
+
 /// The arguments, with `render` put in where they name no command.
 fn with_command(mut arguments: Vec<OsString>) -> Vec<OsString> {
     let named =
@@ -99,6 +123,7 @@ fn dispatch(command: &Command) -> Result<bool> {
         Command::Render(args) => render::run(args).map(|()| true),
         Command::Merge(args) => merge::run(args).map(|()| true),
         Command::Check(args) => check::run(args).map(|()| true),
+        Command::Convert(args) => convert::run(args).map(|()| true),
         Command::Explain(args) => explain::run(args).map(|()| true),
         Command::Probe(args) => probe::run(args),
         Command::Generate(args) => generate::run(args).map(|()| true),
@@ -107,5 +132,8 @@ fn dispatch(command: &Command) -> Result<bool> {
         Command::Bench(args) => bench::run(args),
         Command::Selftest(args) => selftest::run(args),
         Command::Accuracy(args) => accuracy::run(args),
+        Command::Schema(args) => schema::run(args).map(|()| true),
+        Command::Completions(args) => completions::run(args).map(|()| true),
+        Command::Man(args) => man::run(args).map(|()| true),
     }
 }

@@ -3,19 +3,28 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+mod frames;
 mod goal;
+mod outputs;
 mod parts;
+mod show;
 
+use frames::FrameOptions;
 use goal::Traced;
+use outputs::Outputs;
+pub use outputs::{Layers, OutputOptions};
 use parts::PartOptions;
+use show::{Reporter, Stage};
+pub use show::{ShowOptions, Style};
 
 use super::common::{SceneOptions, SearchOptions, above_zero, crop, tell, to_json};
 use super::interrupt::Interrupt;
+use super::metadata::command;
 use crate::accel::build::Preset;
 use crate::counters::Counters;
 use crate::error::{Error, ErrorKind, Result};
 use crate::farm::Shard;
-use crate::image::write::{Transfer, check_writable, write};
+use crate::image::write::Transfer;
 use crate::memory::{self, Prediction};
 use crate::prepared::PreparedScene;
 use crate::probe::{self, Invalid};
@@ -27,13 +36,10 @@ use crate::systems;
 use crate::tile::Tile;
 use crate::wavefront::DEFAULT_BATCH;
 
-/// What the progress bar shows.
-const PROGRESS: &str = "{wide_bar} {percent:>3} % {millions} Mpixels/s, {eta} left";
-
 /// Renders a scene to an image.
 #[derive(Clone, Debug, clap::Args)]
 pub struct RenderArgs {
-    /// The scene, in JSON
+    /// The scene: JSON, glTF (.gltf, .glb), or a mesh alone (.ply, .obj)
     pub scene: PathBuf,
     /// The image to write: .ppm, .png, .exr or .pfm; for a shard, .part
     #[arg(value_name = "OUTPUT", required_unless_present = "output")]
@@ -60,9 +66,16 @@ pub struct RenderArgs {
     /// Write no image if a sample is not finite, but say which; without this it counts as black
     #[arg(long)]
     pub trap_invalid: bool,
-    /// How linear colours become 8-bit levels (.ppm, .png)
-    #[arg(long, value_enum, default_value_t)]
-    pub transfer: Transfer,
+    /// How linear colours become 8-bit levels (.ppm, .png) [default: linear for scenes in JSON, srgb for
+    /// glTF files and meshes]
+    #[arg(long, value_enum)]
+    pub transfer: Option<Transfer>,
+    /// What is written
+    #[command(flatten)]
+    pub outputs: OutputOptions,
+    /// What is seen of it
+    #[command(flatten)]
+    pub show: ShowOptions,
     /// Choose sampler and samples for this error, the root mean square of linear values
     #[arg(long, value_name = "ERROR", value_parser = above_zero, conflicts_with_all = ["crop", "time_budget"])]
     pub target_error: Option<f64>,
@@ -75,6 +88,9 @@ pub struct RenderArgs {
     /// What is kept, and which share is rendered
     #[command(flatten)]
     pub parts: PartOptions,
+    /// Which frames of a camera that moves
+    #[command(flatten)]
+    pub frames: FrameOptions,
     /// What is read and how
     #[command(flatten)]
     pub scene_options: SceneOptions,
@@ -101,52 +117,95 @@ impl RenderArgs {
 pub fn run(args: &RenderArgs) -> Result<()> {
     let output = args.output()?;
     let shard = args.parts.shard()?;
+    if let Some(frames) = args.frames.frames {
+        return frames::run(args, frames, shard);
+    }
     args.parts.check(args, output)?;
-    if shard.is_some() { check_replaceable(output) } else { check_writable(output) }?;
+    let outputs = Outputs::check(args, output, shard.is_some())?;
     if let Some(stats) = &args.stats {
         check_replaceable(stats)?;
-        check_differs(stats, output, "the image")?;
+        outputs.check_apart(stats)?;
         check_differs(stats, &args.scene, "the scene")?;
     }
-    check_differs(output, &args.scene, "the scene")?;
-    args.scene_options.threads.run(|| run_here(args, output, shard))
+    if let Some(log) = &args.show.log {
+        outputs.check_apart(log)?;
+        check_differs(log, &args.scene, "the scene")?;
+    }
+    let reporter = Reporter::begin(args)?;
+    let done = args.scene_options.threads.run(|| run_here(args, &outputs, &reporter, shard));
+    done.inspect_err(|error| reporter.failed(error))
 }
 
-fn run_here(args: &RenderArgs, output: &Path, shard: Option<Shard>) -> Result<()> {
+/// Where a render can be seen, while it is made and afterwards, and what ends it early.
+struct Seen<'a> {
+    outputs: &'a Outputs<'a>,
+    reporter: &'a Reporter,
+    interrupt: &'a Interrupt,
+}
+
+fn run_here(
+    args: &RenderArgs,
+    outputs: &Outputs<'_>,
+    reporter: &Reporter,
+    shard: Option<Shard>,
+) -> Result<()> {
     let start = Instant::now();
     let mut time = Time::default();
-    let loaded = args.scene_options.load(&args.scene)?;
+    reporter.started(args, &command(std::env::args_os()));
+    reporter.stage(Stage::Load);
+    let pixels = args.crop.map(|crop| crop.len() as u64);
+    let options = &args.scene_options;
+    let foretold = match &args.stats {
+        Some(_) => Some(options.foretell(&args.scene, pixels, args.batch as usize)?),
+        None => None,
+    };
+    let loaded = options.load(&args.scene)?;
+    reporter.warnings(&loaded.warnings);
+    outputs.made_of(loaded.encoding);
     let extracted = args.scene_options.extract(loaded)?;
     let preset = args.scene_options.bvh.unwrap_or_else(|| extracted.preset());
-    let pixels = args.crop.map_or(extracted.pixels(), |crop| crop.len() as u64);
+    let pixels = pixels.unwrap_or_else(|| extracted.pixels());
     let mut predicted = memory::predict(&extracted, pixels, preset, args.batch as usize);
     predicted.film += args.parts.kept_bytes(pixels);
     time.load = start.elapsed().as_secs_f64();
+    reporter.loaded(&extracted, time.load);
+    reporter.stage(Stage::Build);
     let file = extracted.file().to_owned();
     let mut scene = timed(&mut time.build, || extracted.build(preset));
-    args.scene_options.warn(&systems::warnings(scene.dropped, &file));
+    let dropped = systems::warnings(scene.dropped, &file);
+    args.scene_options.warn(&dropped);
+    reporter.warnings(&dropped);
+    reporter.built(args, &scene, preset, time.build);
     args.search.apply(&mut scene.accel);
-    // Until here there was nothing to lose: a signal ended the process.
-    let interrupt = Interrupt::listen()?;
-    if let Some(shard) = shard {
-        return parts::write_shard(args, shard, &scene, output, &interrupt);
+    if let Some(frame) = args.frames.frame {
+        frames::place(&mut scene, frame, &args.scene)?;
     }
-    let traced =
-        timed(&mut time.trace, || goal::trace(args, &mut scene, preset, &interrupt, start))?;
+    // Until here there was nothing to lose: a signal ended the process.
+    let interrupt = &Interrupt::listen()?;
+    let seen = &Seen { outputs, reporter, interrupt };
+    if let Some(shard) = shard {
+        return parts::write_shard(args, shard, &scene, seen);
+    }
+    let traced = timed(&mut time.trace, || goal::trace(args, &mut scene, preset, seen, start))?;
     let Traced { rendered, preset, goal, resumed } = traced;
+    reporter.traced(&rendered, time.trace);
     if !rendered.finished {
-        return Err(parts::interrupted(args, output, &rendered, &interrupt));
+        return Err(parts::interrupted(args, &scene, &rendered, seen));
     }
     let invalid = find_invalid(args, &scene, &rendered.counters)?;
-    timed(&mut time.write, || write(&rendered.film, output, args.transfer))?;
+    reporter.stage(Stage::Write);
+    timed(&mut time.write, || outputs.write(&scene, &rendered))?;
     time.total = start.elapsed().as_secs_f64();
     time.passes = pass_map(&rendered.pass_seconds);
+    reporter.wrote(outputs.paths(), &time);
+    reporter.stage(Stage::Done);
     tell_invalid(args, &rendered.counters, invalid.as_ref());
     match &args.stats {
         Some(file) => {
             let mut statistics = statistics(args, &scene, preset, &rendered, time, predicted);
             (statistics.first_invalid, statistics.goal) = (invalid, goal);
             statistics.resumed = resumed;
+            statistics.memory.predicted = foretold.map_or(0, |foretold| foretold.total());
             write_statistics(file, &statistics)
         }
         None => Ok(()),

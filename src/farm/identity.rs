@@ -4,7 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, ErrorKind, Result};
 use crate::image::film::checked_pixel_count;
-use crate::prepared::PreparedScene;
+use crate::image::metadata::Provenance;
+use crate::prepared::{Fingerprints, PreparedScene};
 use crate::render::units::{Blocks, Grid};
 use crate::render::{RenderOptions, tile_edge, window};
 use crate::tile::Tile;
@@ -77,6 +78,28 @@ impl Identity {
             textures: hex(hashes.textures),
             looks: hex(hashes.looks),
         })
+    }
+
+    /// What a file says of the image.
+    pub fn provenance(&self) -> Provenance {
+        let [width, height] = self.image;
+        // What is no number was not written by this program, and tells nothing.
+        let number = |hash: &str| u128::from_str_radix(hash, 16).unwrap_or_default();
+        let hashes = Fingerprints {
+            geometry: number(&self.geometry),
+            textures: number(&self.textures),
+            camera: number(&self.camera),
+            looks: number(&self.looks),
+        };
+        Provenance {
+            version: self.program.clone(),
+            scene: hashes.all(),
+            seed: self.seed,
+            samples: self.samples,
+            precision: self.precision.clone(),
+            crop: Some(self.window).filter(|window| *window != [0, 0, width, height]),
+            command: None,
+        }
     }
 
     /// The tiles, which do not depend on how they are rendered.

@@ -10,10 +10,11 @@ use std::path::{Path, PathBuf};
 use xxhash_rust::xxh3::xxh3_64;
 
 use super::Shard;
-use super::identity::Difference;
+use super::identity::{Difference, Identity};
 use super::part::{Header, Reader, Unit};
 use crate::error::{Error, ErrorKind, Result};
 use crate::image::Film;
+use crate::image::write::Transfer;
 use crate::render::Canvas;
 use crate::render::units::{Blocks, Grid};
 use crate::render::work::{Summed, add};
@@ -25,6 +26,10 @@ const MOST_NAMED: usize = 8;
 /// The image that parts make.
 #[derive(Clone, Debug)]
 pub struct Merged {
+    /// What it follows from.
+    pub identity: Identity,
+    /// How 8-bit images of it were to be written.
+    pub transfer: Transfer,
     /// The image.
     pub film: Film,
     /// Samples that were not finite, and count as black.
@@ -62,9 +67,11 @@ pub fn merge(paths: &[PathBuf]) -> Result<Merged> {
             mosaic.put(number, unit)?;
         }
     }
-    mosaic.finish().map_err(|Gap { tile: [x, y], tiles }| {
+    let finished = mosaic.finish().map_err(|Gap { tile: [x, y], tiles }| {
         incomplete(&shards, format!("{tiles} tiles that are not finished, the first at {x},{y}"))
-    })
+    })?;
+    let Finished { film, invalid } = finished;
+    Ok(Merged { identity: header.identity, transfer: header.transfer, film, invalid })
 }
 
 /// The length of all files.
@@ -119,6 +126,12 @@ fn list(shards: &[Shard]) -> String {
         shards.iter().take(MOST_NAMED).map(|shard| format!("shard {shard}")).collect();
     let more = if shards.len() > MOST_NAMED { " and others" } else { "" };
     format!("{}{more}", names.join(", "))
+}
+
+/// An image that lacks nothing.
+struct Finished {
+    film: Film,
+    invalid: u64,
 }
 
 /// What an image lacks.
@@ -226,10 +239,10 @@ impl<'a> Mosaic<'a> {
             .remedy("leave one of the two out, or render both again")
     }
 
-    fn finish(self) -> std::result::Result<Merged, Gap> {
+    fn finish(self) -> std::result::Result<Finished, Gap> {
         let tiles = u64::from(self.grid.len()) - self.finished;
         if tiles == 0 {
-            return Ok(Merged { film: self.canvas.finish().film, invalid: self.invalid });
+            return Ok(Finished { film: self.canvas.finish().film, invalid: self.invalid });
         }
         let painted: BTreeSet<(u32, u32)> =
             self.canvas.finish().tiles.iter().map(|tile| (tile.x, tile.y)).collect();

@@ -26,6 +26,7 @@ use xxhash_rust::xxh3::xxh3_64_with_seed;
 
 use super::{Identity, Shard};
 use crate::error::{Error, ErrorKind, Result};
+use crate::image::write::Transfer;
 use crate::render::units::{Blocks, Grid};
 use crate::replace::{Sink, replace_file, write_error};
 
@@ -52,6 +53,8 @@ pub struct Header {
     pub scene: String,
     /// The command that made it: for the reader, nothing follows from it.
     pub command: Vec<String>,
+    /// How 8-bit images were to be written: a merge writes them so where nobody says otherwise.
+    pub transfer: Transfer,
     /// Number of units in the file.
     pub units: u64,
 }

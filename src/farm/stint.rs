@@ -9,6 +9,7 @@ use super::part::{self, Header, Unit};
 use super::store::Store;
 use super::{Identity, Shard};
 use crate::error::{Error, Result};
+use crate::image::write::Transfer;
 use crate::prepared::PreparedScene;
 use crate::render::units::{Blocks, Grid};
 use crate::render::work::{Done, Job, Summed, Task, run};
@@ -39,6 +40,8 @@ pub struct Author {
     pub scene: String,
     /// The command.
     pub command: Vec<String>,
+    /// How 8-bit images were to be written.
+    pub transfer: Transfer,
 }
 
 impl<'a> Stint<'a> {
@@ -54,10 +57,10 @@ impl<'a> Stint<'a> {
         shard: Option<Shard>,
         checkpoint: Option<&'a Checkpoint>,
     ) -> Result<Self> {
-        let Author { scene: file, command } = author;
+        let Author { scene: file, command, transfer } = author;
         let identity = Identity::of(scene, options)?;
         let (grid, blocks) = (identity.grid(), identity.blocks());
-        let header = Header { identity, shard, scene: file, command, units: 0 };
+        let header = Header { identity, shard, scene: file, command, transfer, units: 0 };
         let held = checkpoint.map_or(Ok(None), |checkpoint| checkpoint.load(&header))?;
         let has_checkpoint = held.is_some();
         let store = held.unwrap_or_default();

@@ -1,6 +1,7 @@
 //! Images: what a render fills, how it is written, and how two are compared.
 //!
 //! * [`film`]: the pixels of a picture, as linear floating-point colours.
+//! * [`metadata`]: what a file says of how its image was made, and further channels.
 //! * [`mod@write`]: a film becomes a PPM, PNG, EXR or PFM file, whole or not at all.
 //! * [`mod@read`]: any picture becomes a film again.
 //! * [`mod@compare`]: by how much two films differ, as numbers.
@@ -8,6 +9,7 @@
 //! * [`mod@error_map`]: pictures of where they differ, with the colours of [`colormap`].
 //! * `color`: spaces of colour.
 //! * `netpbm`: the byte layouts of PPM and PFM, which are simple enough to be our own.
+//! * `openexr`: colours and further channels as an EXR.
 
 mod color;
 pub mod colormap;
@@ -15,7 +17,9 @@ pub mod compare;
 pub mod error_map;
 pub mod film;
 pub mod flip;
+pub mod metadata;
 mod netpbm;
+mod openexr;
 pub mod read;
 pub mod write;
 

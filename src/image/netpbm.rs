@@ -11,15 +11,27 @@
 use std::io::{BufRead, Result as IoResult, Write};
 
 use super::film::{Film, checked_pixel_count, reserve};
+use super::metadata::{Entry, full_name};
 use super::write::{Transfer, row_to_bytes};
 use crate::error::{Error, ErrorKind, Result};
 
 /// The longest word that a header may hold.
 const LONGEST_WORD: usize = 32;
 
-/// Writes a binary PPM with 8 bits a value.
-pub(super) fn write_ppm(sink: &mut impl Write, film: &Film, transfer: Transfer) -> IoResult<()> {
-    write!(sink, "P6\n{} {}\n255\n", film.width(), film.height())?;
+/// Writes a binary PPM with 8 bits a value, and a comment for each entry.
+pub(super) fn write_ppm(
+    sink: &mut impl Write,
+    film: &Film,
+    transfer: Transfer,
+    comments: &[Entry],
+) -> IoResult<()> {
+    sink.write_all(b"P6\n")?;
+    for Entry { name, text } in comments {
+        // A line must not end early: what follows would be read as the size.
+        let line = text.replace(char::is_control, " ");
+        writeln!(sink, "# {}: {line}", full_name(name))?;
+    }
+    write!(sink, "{} {}\n255\n", film.width(), film.height())?;
     film.rows().try_for_each(|row| sink.write_all(&row_to_bytes(row, transfer)))
 }
 
@@ -228,7 +240,7 @@ mod tests {
     #[test]
     fn a_ppm_is_a_header_and_bytes_from_the_top() {
         let mut bytes = Vec::new();
-        write_ppm(&mut bytes, &film(), Transfer::Linear).unwrap();
+        write_ppm(&mut bytes, &film(), Transfer::Linear, &[]).unwrap();
         assert_eq!(bytes[..11], *b"P6\n2 3\n255\n");
         assert_eq!(
             bytes[11..],

@@ -2,24 +2,35 @@
 //! float.
 //!
 //! The file appears whole or not at all (see [`crate::replace`]), and its bytes depend on the
-//! film alone, not on the machine.
+//! film and on what is said of it alone, not on the machine.
 
 use std::ffi::OsStr;
-use std::io::{Cursor, Write};
+use std::io::Write;
 use std::path::Path;
 
-use bytemuck::cast_slice;
-use image::codecs::openexr::OpenExrEncoder;
-use image::codecs::png::{CompressionType, FilterType, PngEncoder};
-use image::{ExtendedColorType, ImageEncoder, ImageError};
+use image::ImageError;
 
 use super::film::Film;
-use super::netpbm;
+use super::metadata::{Entry, Extras, full_name};
+use super::{netpbm, openexr};
 use crate::error::{Error, ErrorKind, Result, did_you_mean};
+pub use crate::math::srgb::{srgb_decode, srgb_encode};
 use crate::replace::{Sink, check_replaceable, replace_file, write_error};
 
 /// How a linear value from 0 to 1 becomes one of 256 levels. Float formats are always linear.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, clap::ValueEnum)]
+#[derive(
+    Clone,
+    Copy,
+    Debug,
+    Default,
+    PartialEq,
+    Eq,
+    Hash,
+    clap::ValueEnum,
+    serde::Serialize,
+    serde::Deserialize,
+)]
+#[serde(rename_all = "lowercase")]
 pub enum Transfer {
     /// Level 255 times the value.
     #[default]
@@ -92,9 +103,17 @@ impl Format {
 /// When the extension is unknown, and when the folder is missing or may not be written to, the
 /// disk is full, or `path` is a folder, a device or a read-only file.
 pub fn write(film: &Film, path: &Path, transfer: Transfer) -> Result<()> {
+    write_with(film, path, transfer, &Extras::default())
+}
+
+/// As [`write()`], with what the format has room for of the `extras`.
+///
+/// # Errors
+/// As [`write()`], and when a channel has not as many values as the film has pixels.
+pub fn write_with(film: &Film, path: &Path, transfer: Transfer, extras: &Extras<'_>) -> Result<()> {
     let format = Format::from_path(path)?;
     replace_file(path, |sink| {
-        encode(sink, film, format, transfer).map_err(|error| encode_error(path, error))
+        encode(sink, film, format, transfer, extras).map_err(|error| encode_error(path, error))
     })
 }
 
@@ -104,7 +123,7 @@ pub fn write(film: &Film, path: &Path, transfer: Transfer) -> Result<()> {
 /// When the encoder has no memory for it.
 pub fn png(film: &Film, transfer: Transfer) -> Result<Vec<u8>> {
     let mut bytes = Vec::new();
-    encode_png(&mut bytes, film, transfer).map_err(|e| encode_error("a PNG".as_ref(), e))?;
+    encode_png(&mut bytes, film, transfer, &[]).map_err(|e| encode_error("a PNG".as_ref(), e))?;
     Ok(bytes)
 }
 
@@ -112,14 +131,41 @@ fn encode_png(
     sink: impl Write,
     film: &Film,
     transfer: Transfer,
+    entries: &[Entry],
 ) -> std::result::Result<(), ImageError> {
     let bytes: Vec<u8> = film.rows().flat_map(|row| row_to_bytes(row, transfer)).collect();
-    PngEncoder::new_with_quality(sink, CompressionType::Fast, FilterType::Adaptive).write_image(
-        &bytes,
-        film.width(),
-        film.height(),
-        ExtendedColorType::Rgb8,
-    )
+    let mut encoder = png::Encoder::new(sink, film.width(), film.height());
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_compression(png::Compression::Fast);
+    encoder.set_filter(png::Filter::Adaptive);
+    for entry in entries {
+        add_text(&mut encoder, entry).map_err(png_error)?;
+    }
+    let mut writer = encoder.write_header().map_err(png_error)?;
+    writer.write_image_data(&bytes).map_err(png_error)?;
+    writer.finish().map_err(png_error)
+}
+
+/// Adds a text chunk; one in Unicode, which fewer programs show, only where it has to be.
+fn add_text(
+    encoder: &mut png::Encoder<'_, impl Write>,
+    Entry { name, text }: &Entry,
+) -> std::result::Result<(), png::EncodingError> {
+    // The format has a name of its own for the program.
+    let name = if *name == "software" { "Software".to_owned() } else { full_name(name) };
+    if text.is_ascii() {
+        encoder.add_text_chunk(name, text.clone())
+    } else {
+        encoder.add_itxt_chunk(name, text.clone())
+    }
+}
+
+fn png_error(error: png::EncodingError) -> ImageError {
+    match error {
+        png::EncodingError::IoError(io) => ImageError::IoError(io),
+        other => ImageError::IoError(other.into()),
+    }
 }
 
 /// Whether [`write()`] could write at `path` as things are now: to be asked before a long render.
@@ -136,24 +182,16 @@ fn encode(
     film: &Film,
     format: Format,
     transfer: Transfer,
+    extras: &Extras<'_>,
 ) -> std::result::Result<(), ImageError> {
-    let (width, height) = (film.width(), film.height());
+    let comments = if extras.comments { extras.entries } else { &[] };
     match format {
-        Format::Ppm => Ok(netpbm::write_ppm(sink, film, transfer)?),
+        Format::Ppm => Ok(netpbm::write_ppm(sink, film, transfer, comments)?),
         Format::Pfm => Ok(netpbm::write_pfm(sink, film)?),
-        Format::Png => encode_png(sink, film, transfer),
-        Format::Exr => {
-            // To memory first: the encoder turns the system's errors, such as a full disk, into
-            // text. It is also spared from seeking in the file.
-            let mut bytes = Cursor::new(Vec::new());
-            OpenExrEncoder::new(&mut bytes).write_image(
-                cast_slice(film.pixels()),
-                width,
-                height,
-                ExtendedColorType::Rgb32F,
-            )?;
-            Ok(sink.write_all(bytes.get_ref())?)
-        }
+        Format::Png => encode_png(sink, film, transfer, extras.entries),
+        // To memory first: the encoder turns the system's errors, such as a full disk, into
+        // text. It is also spared from seeking in the file.
+        Format::Exr => Ok(sink.write_all(&openexr::encode(film, extras)?)?),
     }
 }
 
@@ -180,21 +218,6 @@ pub(super) fn row_to_bytes(row: &[[f32; 3]], transfer: Transfer) -> Vec<u8> {
 fn linear_level(value: f32) -> u8 {
     // The conversion takes what is not a number to 0.
     (value.clamp(0.0, 1.0) * 255.0).round() as u8
-}
-
-/// The sRGB curve (IEC 61966-2-1) for one value, linear in and encoded out.
-pub fn srgb_encode(value: f32) -> f32 {
-    if value <= 0.003_130_8 {
-        12.92 * value
-    } else {
-        // The library's power function, not the machine's, which may differ in the last bit.
-        1.055 * libm::powf(value, 1.0 / 2.4) - 0.055
-    }
-}
-
-/// The inverse of [`srgb_encode`]: encoded in and linear out.
-pub fn srgb_decode(value: f32) -> f32 {
-    if value <= 0.040_45 { value / 12.92 } else { libm::powf((value + 0.055) / 1.055, 2.4) }
 }
 
 #[cfg(test)]
@@ -237,6 +260,32 @@ mod tests {
                 let levels = eight_bit(&back, Transfer::Linear);
                 assert_eq!(levels, eight_bit(&film(), transfer), "{name}");
             }
+        }
+    }
+
+    #[test]
+    fn a_png_has_the_bytes_of_the_crate_image_where_nothing_is_said() {
+        use image::codecs::png::{CompressionType, FilterType, PngEncoder};
+        use image::{ExtendedColorType, ImageEncoder};
+        let (film, mut bytes) = (film(), Vec::new());
+        PngEncoder::new_with_quality(&mut bytes, CompressionType::Fast, FilterType::Adaptive)
+            .write_image(&eight_bit(&film, Transfer::Linear), 7, 5, ExtendedColorType::Rgb8)
+            .unwrap();
+        assert_eq!(png(&film, Transfer::Linear).unwrap(), bytes);
+    }
+
+    #[test]
+    fn what_is_said_of_an_image_changes_no_pixel() {
+        let folder = tempfile::tempdir().unwrap();
+        let entry = |name, text: &str| Entry { name, text: text.to_owned() };
+        let entries = [entry("software", "w 1"), entry("seed", "7"), entry("command", "ж\nb")];
+        let extras = Extras { entries: &entries, comments: true, channels: &[] };
+        for format in Format::ALL {
+            let path = folder.path().join(format!("a.{}", format.extension()));
+            write_with(&film(), &path, Transfer::Linear, &extras).unwrap();
+            let found = read(&path).unwrap();
+            write(&film(), &path, Transfer::Linear).unwrap();
+            assert!(found.same_bits(&read(&path).unwrap()), "{format:?}");
         }
     }
 
@@ -349,7 +398,8 @@ mod tests {
         write(&film(), &path, Transfer::Linear).unwrap();
         let old = std::fs::read(&path).unwrap();
         let failed = replace_file(&path, |sink| {
-            encode(sink, &Film::new(64, 64).unwrap(), Format::Exr, Transfer::Linear).unwrap();
+            let film = Film::new(64, 64).unwrap();
+            encode(sink, &film, Format::Exr, Transfer::Linear, &Extras::default()).unwrap();
             let full = std::io::Error::from(std::io::ErrorKind::StorageFull);
             Err(encode_error(&path, ImageError::IoError(full)))
         });
@@ -371,7 +421,8 @@ mod tests {
         for format in Format::ALL {
             let mut sink = std::io::BufWriter::new(&device);
             let film = Film::new(64, 64).unwrap();
-            let text = match encode(&mut sink, &film, format, Transfer::Linear) {
+            let extras = Extras::default();
+            let text = match encode(&mut sink, &film, format, Transfer::Linear, &extras) {
                 Err(error) => encode_error(Path::new("a"), error).to_string(),
                 // A small file may rest in the buffer until the flush.
                 Ok(()) => write_error(Path::new("a"), sink.flush().unwrap_err()).to_string(),

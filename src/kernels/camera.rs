@@ -4,6 +4,7 @@
 
 mod differential;
 pub mod lanes;
+pub mod path;
 
 use glam::{DVec3, Vec2, Vec3};
 

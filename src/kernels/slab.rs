@@ -142,10 +142,16 @@ impl SlabRay {
         if P::IS_FAST {
             return Self::unpadded(ray);
         }
+        Self::widened(ray, 1.0)
+    }
+
+    /// Prepares `ray` for boxes whose content may be off by `factor` times as much as primitives are.
+    #[inline(always)]
+    pub fn widened(ray: &Ray, factor: f32) -> Self {
         let (origin, direction) = (Vec3A::from(ray.origin), Vec3A::from(ray.direction));
         let reciprocal = direction.recip();
         let negative = reciprocal.cmplt(Vec3A::ZERO);
-        let pad = max(PADDING * origin.abs().max_element(), f32::MIN_POSITIVE);
+        let pad = max(factor * PADDING * origin.abs().max_element(), f32::MIN_POSITIVE);
         let shift = Vec3A::select(negative, Vec3A::splat(-pad), Vec3A::splat(pad));
         let mut slab = Self {
             reciprocal,

@@ -51,6 +51,9 @@ pub enum Wrap {
 pub enum Texels {
     /// 8 bits a channel, 255 being 1; the fourth byte is padding.
     Bytes(Vec<[u8; 4]>),
+    /// 8 bits a channel again, each byte standing for the value that its channel has there in a table:
+    /// what is encoded with a curve, or tinted, takes no more room than what is neither.
+    Levels(Vec<[u8; 4]>, Box<[Vec3; 256]>),
     /// Floating point, for formats of more than 8 bits.
     Floats(Vec<[f32; 3]>),
 }
@@ -86,6 +89,9 @@ impl Image {
     pub fn bytes(&self) -> usize {
         let texels = match &self.texels {
             Texels::Bytes(texels) => size_of_val(texels.as_slice()),
+            Texels::Levels(texels, values) => {
+                size_of_val(texels.as_slice()) + size_of_val(values.as_slice())
+            }
             Texels::Floats(texels) => size_of_val(texels.as_slice()),
         };
         texels + self.levels.iter().map(Level::bytes).sum::<usize>()
@@ -103,6 +109,10 @@ impl Image {
             Texels::Bytes(texels) => {
                 let [r, g, b, _] = texels[index];
                 Vec3::new(f32::from(r), f32::from(g), f32::from(b)) / 255.0
+            }
+            Texels::Levels(texels, values) => {
+                let [r, g, b, _] = texels[index].map(usize::from);
+                Vec3::new(values[r].x, values[g].y, values[b].z)
             }
             Texels::Floats(texels) => Vec3::from(texels[index]),
         }

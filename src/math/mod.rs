@@ -1,4 +1,4 @@
-//! Numbers: rounding-error bounds, rays, random numbers, and maps from the unit square to shapes.
+//! Numbers: rounding-error bounds, rays, random numbers, maps from the unit square to shapes, and the sRGB curve.
 
 pub mod exact;
 pub mod float;
@@ -8,3 +8,4 @@ pub mod ray;
 pub mod sampling;
 pub mod simd;
 pub mod sobol;
+pub mod srgb;

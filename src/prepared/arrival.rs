@@ -37,6 +37,12 @@ impl PreparedScene {
                 let (center, radius) = geometry.spheres[i];
                 surface::sphere_at::<P>(ray, hit.t, center, radius)
             }
+            Primitive::Shown(shown) => {
+                let (instance, form) = geometry.instance(shown);
+                let corners = form.triangle(shown.triangle as usize);
+                let carried = instance.carried(ray);
+                instance.surface(&surface::triangle_at::<P>(&carried, hit.t, &corners))
+            }
         }
     }
 
@@ -122,7 +128,14 @@ impl Looks {
     /// The shading normals at the corners of a triangle of a mesh.
     #[inline(always)]
     pub fn normals(&self, shape: &Shape, geometry: &Geometry, primitive: u32) -> Option<[Vec3; 3]> {
-        self.corners(shape, geometry, primitive, |mesh| mesh.normals.as_ref())
+        let normals = self.corners(shape, geometry, primitive, |mesh| mesh.normals.as_ref())?;
+        Some(match geometry.primitive(primitive) {
+            Primitive::Shown(shown) => {
+                let (instance, _) = geometry.instance(shown);
+                normals.map(|normal| instance.shading_normal(normal))
+            }
+            _ => normals,
+        })
     }
 
     /// The colour that a texture gives the point `surface` of the shape's primitive. Its footprint in
@@ -177,6 +190,11 @@ impl Looks {
         attribute: impl Fn(&'a super::MeshAttributes) -> Option<&'a super::CornerValues<T>>,
     ) -> Option<[T; 3]> {
         let mesh = &self.meshes[shape.mesh? as usize];
+        if let Primitive::Shown(shown) = geometry.primitive(primitive) {
+            let triangle = shown.triangle as usize;
+            let (_, form) = geometry.instance(shown);
+            return attribute(mesh)?.corners(triangle, form.triangles[triangle]);
+        }
         let positions = geometry.triangles[primitive as usize].map(|v| v - mesh.first_position);
         attribute(mesh)?.corners((primitive - mesh.first_triangle) as usize, positions)
     }

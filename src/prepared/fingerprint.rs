@@ -45,16 +45,21 @@ pub struct Fingerprints {
     pub looks: u128,
 }
 
+impl Fingerprints {
+    /// One number for all of them.
+    pub fn all(&self) -> u128 {
+        let Self { geometry, textures, camera, looks } = *self;
+        hashed(|hasher| hasher.0.update(bytemuck::cast_slice(&[geometry, textures, camera, looks])))
+    }
+}
+
 impl PreparedScene {
     /// A hash (XXH3) of all that its image follows from: primitives, attributes, textures, materials,
     /// lights, camera. Scenes that differ in any of it have different ones, but for a chance of 2^-64; the
     /// order of a file's keys and the folder that it lies in do not count. It is no protection against
     /// someone who looks for a collision.
     pub fn fingerprint(&self) -> u128 {
-        let Fingerprints { geometry, textures, camera, looks } = self.fingerprints();
-        let mut hasher = Hasher(Xxh3::new());
-        hasher.0.update(bytemuck::cast_slice(&[geometry, textures, camera, looks]));
-        hasher.0.digest128()
+        self.fingerprints().all()
     }
 
     /// As [`PreparedScene::fingerprint`], but told apart.
@@ -82,6 +87,13 @@ impl PreparedScene {
             hasher.list(&geometry.triangles);
             hasher.list(&geometry.quads);
             let _ = write!(hasher, "{:?}{:?}", geometry.spheres, geometry.lights);
+            for form in &geometry.forms {
+                hasher.list(&form.positions);
+                hasher.list(&form.triangles);
+            }
+            for instance in &geometry.instances {
+                let _ = write!(hasher, "{} {:?}", instance.form(), instance.to_world());
+            }
             for mesh in &self.looks.meshes {
                 let _ = write!(hasher, "{:?}", [mesh.first_triangle, mesh.first_position]);
                 if let Some(normals) = &mesh.normals {
@@ -102,6 +114,10 @@ impl PreparedScene {
                 let _ = write!(hasher, "{:?}", [image.width, image.height, image.coarsest()]);
                 match &image.texels {
                     Texels::Bytes(texels) => hasher.list(texels),
+                    Texels::Levels(texels, values) => {
+                        hasher.list(texels);
+                        hasher.list(values.as_slice());
+                    }
                     Texels::Floats(texels) => hasher.list(texels),
                 }
             }
@@ -110,7 +126,6 @@ impl PreparedScene {
 
     /// Bytes held by geometry, tree, attributes and images.
     pub fn bytes(&self) -> u64 {
-        let tree = self.accel.tree.as_ref().map_or(0, |tree| tree.bytes());
-        self.accel.geometry.bytes() + tree + self.looks.bytes()
+        self.accel.geometry.bytes() + self.accel.tree_bytes() + self.looks.bytes()
     }
 }

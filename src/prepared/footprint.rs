@@ -55,13 +55,13 @@ impl Looks {
                     sphere_uv_change(normal, *to_own * turn)
                 })
             }
-            UvMap::Mesh => match self.uvs(shape, geometry, primitive) {
-                Some(uvs) => {
-                    let corners = geometry.triangle(primitive as usize);
-                    steps.map(|step| uv_change(&corners, &uvs, step))
-                }
-                None => [Vec2::ZERO; 2],
-            },
+            UvMap::Mesh => {
+                let uvs = self.uvs(shape, geometry, primitive);
+                uvs.zip(geometry.mesh_triangle(primitive))
+                    .map_or([Vec2::ZERO; 2], |(uvs, corners)| {
+                        steps.map(|step| uv_change(&corners, &uvs, step))
+                    })
+            }
         }
     }
 }
@@ -102,16 +102,16 @@ impl PreparedScene {
                 let outward = point.point - geometry.spheres[i].0;
                 if dot(outward, point.normal) < 0.0 { -turn } else { turn }
             }
-            Primitive::Triangle(i) if smooth => {
+            Primitive::Triangle(_) | Primitive::Shown(_) if smooth => {
                 let shape = &self.looks.shapes[self.looks.shape_of(primitive)];
                 let normals =
                     shape.smooth.then(|| self.looks.normals(shape, geometry, primitive)).flatten();
-                normals.map_or(Vec3::ZERO, |normals| {
-                    let corners = geometry.triangle(i);
+                let corners = geometry.mesh_triangle(primitive);
+                normals.zip(corners).map_or(Vec3::ZERO, |(normals, corners)| {
                     turn_between(&corners, &normals, point.point, step, point.shading_normal)
                 })
             }
-            Primitive::Triangle(_) | Primitive::Quad(_) => Vec3::ZERO,
+            Primitive::Triangle(_) | Primitive::Quad(_) | Primitive::Shown(_) => Vec3::ZERO,
         }
     }
 }
@@ -120,6 +120,6 @@ impl PreparedScene {
 fn turn_of_sphere(geometry: &Geometry, primitive: u32, step: Vec3) -> Vec3 {
     match geometry.primitive(primitive) {
         Primitive::Sphere(i) => step / geometry.spheres[i].1,
-        Primitive::Triangle(_) | Primitive::Quad(_) => Vec3::ZERO,
+        Primitive::Triangle(_) | Primitive::Quad(_) | Primitive::Shown(_) => Vec3::ZERO,
     }
 }

@@ -17,6 +17,7 @@ pub use resample::{Original, Samples};
 use crate::accel::Accel;
 use crate::kernels::blinn_phong::Material;
 use crate::kernels::camera::Camera;
+use crate::kernels::camera::path::Path;
 use crate::kernels::light::Light;
 use crate::kernels::texture::{Filter, Image, PlanarMap, Wrap};
 use crate::plan::Plan;
@@ -30,6 +31,9 @@ pub struct PreparedScene {
     pub origin: DVec3,
     /// Where rays start.
     pub camera: Camera,
+    /// How the camera moves, if it does. A frame is rendered once its camera has taken the place of
+    /// [`Self::camera`].
+    pub path: Option<Path>,
     /// What they hit.
     pub accel: Accel,
     /// What they hit looks like.

@@ -46,7 +46,9 @@ impl PreparedScene {
         let Accel { kernel, level, .. } = self.accel;
         let mut geometry = std::mem::take(&mut self.accel.geometry);
         geometry.seals.clear();
-        self.accel = Accel { kernel, level, ..Accel::new(geometry, preset) };
+        geometry.forms.iter_mut().for_each(|form| form.seals.clear());
+        self.accel = Accel::new(geometry, preset);
+        (self.accel.kernel, self.accel.level) = (kernel, level);
     }
 
     /// Has the scene, whose file had `original`, sampled as `samples` say. It is the scene that a file with

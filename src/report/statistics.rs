@@ -10,6 +10,7 @@
 //! | `samples.footprints` | | footprints of rays on surfaces, for trilinear textures and for mirrors that may show them |
 //! | `foretold.rays`, `.samples` | | bounds on these, told before the first ray: see [`crate::report::foretold`] |
 //! | `tests.nodes` | nodes | inner nodes visited, by a ray or by many together, each testing eight boxes |
+//! | `tests.instances` | visits | of an instance by a ray that meets its box |
 //! | `tests.primitives.triangles`, `.quads`, `.spheres` | tests | tests of primitives |
 //! | `kernels.closest.packet`, `.stream`, `.single` | rays | camera and mirror rays by the kernel that took them first: a packet, many in flight, one alone |
 //! | `kernels.closest.handed_over` | rays | those of the packets' rays that went on in flight |
@@ -21,7 +22,7 @@
 //! | `lights_at_surface` | rays | lights nearer than the rounding error of the surface |
 //! | `time.load`, `.build`, `.trace`, `.write`, `.total` | seconds | by stage, on the clock |
 //! | `time.passes` | seconds | by pass, summed over threads |
-//! | `memory.predicted`, `.peak` | bytes | peak of the process: foretold, and measured (`null` where the system does not tell) |
+//! | `memory.predicted`, `.peak` | bytes | peak of the process: foretold before a mesh or a texture is read, and measured (`null` where the system does not tell) |
 //! | `columns.foretold`, `.held` | bytes | columns of the wavefront's batches on all threads: foretold, and held (the recursive tracer has none) |
 //! | `bvh.preset`, `.nodes`, `.depth`, `.bytes` | | the tree |
 //! | `resumed` | | the part of the image that a checkpoint held (0 to 1): rays and all other work are those of this run alone |
@@ -118,6 +119,7 @@ pub struct Samples {
 #[allow(missing_docs, reason = "see the module documentation")]
 pub struct Tests {
     pub nodes: u64,
+    pub instances: u64,
     pub primitives: PrimitiveTests,
 }
 
@@ -229,7 +231,7 @@ impl From<&Counters> for Tests {
         let t = &c.tests;
         let primitives =
             PrimitiveTests { triangles: t.triangles, quads: t.quads, spheres: t.spheres };
-        Self { nodes: t.nodes, primitives }
+        Self { nodes: t.nodes, instances: t.instances, primitives }
     }
 }
 

@@ -10,6 +10,7 @@
 //! the file; the systems round them once, after the transform.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use glam::{DAffine3, DVec3};
 use hecs::Entity;
@@ -133,10 +134,14 @@ pub struct Material {
 }
 
 /// A texture in place of the diffuse colour.
-#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct TextureRef {
-    /// The image file, already joined to the scene file's folder.
-    pub path: PathBuf,
+    /// Where the image is.
+    pub source: TextureSource,
+    /// What its numbers stand for.
+    pub encoding: Encoding,
+    /// What every texel is multiplied by, once it is linear.
+    pub tint: DVec3,
     /// How a look-up between texels is answered.
     pub filter: Filter,
     /// How coordinates outside 0 to 1 are taken.
@@ -144,6 +149,30 @@ pub struct TextureRef {
 }
 
 pub use crate::kernels::texture::{Filter, Wrap};
+
+/// Where the image of a texture is.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum TextureSource {
+    /// In a file of its own: the path, already joined to the scene file's folder.
+    File(PathBuf),
+    /// Within the scene file.
+    Embedded {
+        /// Where there, such as `images[2]`: one name for one image.
+        place: String,
+        /// A file of any image format.
+        bytes: Arc<[u8]>,
+    },
+}
+
+/// What the numbers of an image stand for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Encoding {
+    /// Light, as they are.
+    #[default]
+    Linear,
+    /// Light behind the sRGB curve, as in most photographs and painted textures.
+    Srgb,
+}
 
 pub use crate::kernels::light::Falloff;
 pub use crate::math::sampling::Sampling;
@@ -200,6 +229,33 @@ pub struct View {
 }
 
 pub use crate::kernels::camera::FovAxis;
+pub use crate::kernels::camera::path::Interpolation;
+
+/// Where a camera is at a frame: what is not said here is as its [`View`] says.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CameraKey {
+    /// The frame.
+    pub frame: u32,
+    /// Its place.
+    pub location: DVec3,
+    /// A point in the middle of the image.
+    pub look: DVec3,
+    /// The direction that is up in the image.
+    pub up: DVec3,
+    /// Full angle of view in degrees.
+    pub fov_degrees: f64,
+    /// Distance of the plane in focus, along the view axis, above 0; no matter for a pinhole.
+    pub focal: f64,
+}
+
+/// How a camera moves: another component of its entity.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CameraPath {
+    /// Its keys, one at least, by rising frames.
+    pub keys: Vec<CameraKey>,
+    /// What lies between them.
+    pub interpolation: Interpolation,
+}
 
 /// A camera all of whose rays pass through its location.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

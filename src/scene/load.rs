@@ -9,26 +9,29 @@ use std::fs::{self, File};
 use std::io::Read;
 use std::path::Path;
 
-use glam::DVec3;
-use hecs::{EntityBuilder, World};
+use hecs::World;
 use serde_json::Value;
 
 use crate::error::{Error, ErrorKind, Result, Warning};
 
-use super::components::{
-    AreaLight, JsonPath, Mesh, Order, Pinhole, Quad, Shading, Sphere, TextureRef, Triangle,
-};
-use super::mesh::{self, LoadedMesh, MeshData};
+use super::alone;
+use super::components::Encoding;
+use super::form::FileForm;
+use super::gltf;
+use super::mesh::{self, LoadedMesh};
 use super::parse;
 use super::reader::{Cursor, Notes, Place, json};
-use super::schema::{Camera, Geometry, Light, SceneFile, Shape};
+use super::schema::Shape;
+use super::spawn;
+use super::staging;
+use super::survey::{self, Survey};
 
 /// Greatest length of a scene file in bytes, 256 MiB. JSON takes up to 25 times its length in
 /// memory while it is read; a larger mesh belongs in a file of its own.
 const LONGEST_FILE: u64 = 1 << 28;
 
 /// How a scene file is to be read.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct LoadOptions {
     /// Whether a key that the format does not have is an error rather than a warning.
     pub strict: bool,
@@ -36,6 +39,8 @@ pub struct LoadOptions {
     pub width: Option<u32>,
     /// The height of the image in pixels, in place of the file's.
     pub height: Option<u32>,
+    /// The camera to take of a file that may have several, by its name or its number.
+    pub camera: Option<String>,
 }
 
 /// A scene, and what its author should know about it.
@@ -44,15 +49,24 @@ pub struct LoadedScene {
     pub world: World,
     /// What is odd about the file, in its order; then what is odd about its meshes.
     pub warnings: Vec<Warning>,
+    /// What was chosen, where the file does not say: a camera, a light.
+    pub notes: Vec<Warning>,
+    /// How images of 8 bits are to be written, where nobody says.
+    pub encoding: Encoding,
 }
 
-/// Reads the scene file at `path`, and the meshes that it names.
+/// Reads the scene at `path`, and the files that it names: a scene file in JSON, a glTF file, or a mesh
+/// alone, by the ending of its name, and by what it begins with.
 ///
 /// # Errors
 /// The file, or a mesh, cannot be read or breaks its format; a texture is not there; a value is not
 /// one that the scene format allows; something is larger than allowed.
 pub fn load(path: &Path, options: &LoadOptions) -> Result<LoadedScene> {
-    load_str(&read_text(path)?, path, options)
+    match FileForm::of(path) {
+        FileForm::Scene => load_str(&read_text(path)?, path, options),
+        FileForm::Gltf => gltf::load(path, options),
+        FileForm::Mesh => alone::load(path, options),
+    }
 }
 
 /// As [`load`], from text. Relative paths start from the folder of `file`, which need not exist.
@@ -87,14 +101,43 @@ pub(super) fn load_with(
     options: &LoadOptions,
     read_mesh: impl Fn(&Path) -> Result<LoadedMesh>,
 ) -> Result<LoadedScene> {
+    refuse_camera(file, options)?;
     let notes = Notes::new(file, options.strict);
     let value = parse_json(json, file)?;
     let scene = parse::scene_file(&Cursor::new(&value, Place::Top, &notes), options)?;
     // A mesh written out in JSON is many times larger there than as arrays.
     drop(value);
     warn_of_equal_names(&scene.shapes, &notes);
-    let world = Spawner { world: World::new(), notes: &notes, read_mesh }.spawn(scene)?;
-    Ok(LoadedScene { world, warnings: notes.into_warnings() })
+    let encoding = scene.encoding;
+    let world = spawn::world(scene, &notes, read_mesh)?;
+    Ok(LoadedScene { world, warnings: notes.into_warnings(), notes: Vec::new(), encoding })
+}
+
+fn refuse_camera(file: &Path, options: &LoadOptions) -> Result<()> {
+    let Some(camera) = &options.camera else { return Ok(()) };
+    let error = Error::new(ErrorKind::Usage, "a scene file has one camera, and no other to choose");
+    Err(error.in_file(file).value(camera).remedy("leave --camera out"))
+}
+
+/// What the scene file at `path` calls for, told without reading a mesh or a texture into memory.
+///
+/// # Errors
+/// As [`load`], as far as the scene file itself and the headers of meshes go.
+pub fn survey(path: &Path, options: &LoadOptions) -> Result<Survey> {
+    match FileForm::of(path) {
+        FileForm::Scene => {}
+        FileForm::Gltf => return gltf::survey(path, options),
+        FileForm::Mesh => {
+            let (width, height) = staging::size(options, None)?;
+            return survey::alone(path, [width, height]);
+        }
+    }
+    let notes = Notes::new(path, options.strict);
+    let text = read_text(path)?;
+    let value = parse_json(&text, path)?;
+    let scene = parse::scene_file(&Cursor::new(&value, Place::Top, &notes), options)?;
+    drop(value);
+    survey::of(scene, text.len() as u64, &notes)
 }
 
 fn read_text(path: &Path) -> Result<String> {
@@ -123,7 +166,7 @@ fn check_length(path: &Path, length: u64) -> Result<()> {
     Err(error.remedy(format!("{allowed}: keep large meshes in files of their own")))
 }
 
-fn parse_json(text: &str, file: &Path) -> Result<Value> {
+pub(super) fn parse_json(text: &str, file: &Path) -> Result<Value> {
     // Some editors begin a file with a byte order mark, which JSON does not have.
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     json::parse(text).map_err(|e| {
@@ -144,160 +187,4 @@ fn warn_of_equal_names(shapes: &[Shape], notes: &Notes<'_>) {
             notes.warn(&error.remedy("give each shape a name of its own"));
         }
     }
-}
-
-/// Makes entities of a scene file's parts.
-struct Spawner<'a, R> {
-    world: World,
-    notes: &'a Notes<'a>,
-    read_mesh: R,
-}
-
-impl<R: Fn(&Path) -> Result<LoadedMesh>> Spawner<'_, R> {
-    fn spawn(mut self, scene: SceneFile) -> Result<World> {
-        self.world.spawn((scene.settings,));
-        self.camera(scene.camera);
-        for (order, light) in (0..).zip(scene.lights) {
-            self.light(Order(order), light)?;
-        }
-        for (order, shape) in (0..).zip(scene.shapes) {
-            self.shape(Order(order), shape)?;
-        }
-        Ok(self.world)
-    }
-
-    fn camera(&mut self, Camera { view, lens }: Camera) {
-        match lens {
-            Some(lens) => self.world.spawn((view, lens)),
-            None => self.world.spawn((view, Pinhole)),
-        };
-    }
-
-    fn light(&mut self, order: Order, light: Light) -> Result<()> {
-        match light {
-            Light::Point { path, light } => {
-                self.world.spawn((order, JsonPath(path), light));
-            }
-            Light::Area { path, light, shape } => self.area_light(order, path, light, *shape)?,
-        }
-        Ok(())
-    }
-
-    fn area_light(
-        &mut self,
-        order: Order,
-        path: String,
-        light: AreaLight,
-        shape: Shape,
-    ) -> Result<()> {
-        let mut entity = EntityBuilder::new();
-        entity.add_bundle((order, JsonPath(path), light));
-        let form = self.read_mesh_file(&shape.path, shape.geometry)?;
-        if let Form::Mesh(mesh) = &form
-            && !has_area(&mesh.data)
-        {
-            return Err(self.error(&shape.path, "a light must have an area"));
-        }
-        add_form(&mut entity, form);
-        add_some(&mut entity, shape.name);
-        add_some(&mut entity, shape.facing);
-        add_some(&mut entity, shape.transform);
-        self.world.spawn(entity.build());
-        Ok(())
-    }
-
-    fn shape(&mut self, order: Order, shape: Shape) -> Result<()> {
-        let form = self.read_mesh_file(&shape.path, shape.geometry)?;
-        let mut shading = shape.shading;
-        if let Form::Mesh(mesh) = &form {
-            self.check_uvs(&shape.path, shape.texture.as_ref(), &mesh.data)?;
-            shading = self.possible_shading(&shape.path, shading, &mesh.data);
-        }
-        let mut entity = EntityBuilder::new();
-        entity.add_bundle((order, JsonPath(shape.path), shape.sides, shading));
-        add_form(&mut entity, form);
-        add_some(&mut entity, shape.name);
-        add_some(&mut entity, shape.facing);
-        add_some(&mut entity, shape.transform);
-        add_some(&mut entity, shape.material);
-        add_some(&mut entity, shape.texture);
-        self.world.spawn(entity.build());
-        Ok(())
-    }
-
-    /// The shape's form, with its mesh file read, if it has one.
-    fn read_mesh_file(&self, path: &str, geometry: Geometry) -> Result<Form> {
-        Ok(match geometry {
-            Geometry::Sphere(sphere) => Form::Sphere(sphere),
-            Geometry::Quad(quad) => Form::Quad(quad),
-            Geometry::Triangle(triangle) => Form::Triangle(triangle),
-            Geometry::Mesh(data) => Form::Mesh(Mesh { data, file: None }),
-            Geometry::MeshFile(file) => {
-                let loaded = (self.read_mesh)(&file).map_err(|e| self.mesh_error(path, e))?;
-                loaded.warnings.into_iter().for_each(|warning| self.notes.pass_on(warning));
-                Form::Mesh(Mesh { data: loaded.mesh, file: Some(file) })
-            }
-        })
-    }
-
-    /// The error of a mesh reader, after the place in the scene that asked for the mesh.
-    fn mesh_error(&self, path: &str, cause: Error) -> Error {
-        let message = format!("cannot read the mesh: {cause}");
-        self.notes.error(cause.kind(), &format!("{path}.file"), message).because(cause)
-    }
-
-    fn error(&self, place: &str, message: &str) -> Error {
-        self.notes.error(ErrorKind::Scene, place, message.to_owned())
-    }
-
-    fn check_uvs(&self, path: &str, texture: Option<&TextureRef>, mesh: &MeshData) -> Result<()> {
-        if texture.is_none() || mesh.uvs.is_some() {
-            return Ok(());
-        }
-        let message = "the mesh has no texture coordinates, which a texture needs";
-        let error = self.error(&format!("{path}.texture"), message);
-        Err(error.remedy("give it \"uvs\", or remove the texture"))
-    }
-
-    /// The shading asked for, as far as the mesh has what it needs.
-    fn possible_shading(&self, path: &str, asked: Shading, mesh: &MeshData) -> Shading {
-        if asked == Shading::Smooth && mesh.normals.is_none() {
-            let message = "the mesh has no normals, which smooth shading needs";
-            let error = self.error(&format!("{path}.shading"), message);
-            self.notes.warn(&error.remedy("shading stays flat"));
-            return Shading::Flat;
-        }
-        asked
-    }
-}
-
-/// The component that says where a shape is, whichever it has.
-enum Form {
-    Sphere(Sphere),
-    Quad(Quad),
-    Triangle(Triangle),
-    Mesh(Mesh),
-}
-
-fn add_form(entity: &mut EntityBuilder, form: Form) {
-    match form {
-        Form::Sphere(sphere) => entity.add(sphere),
-        Form::Quad(quad) => entity.add(quad),
-        Form::Triangle(triangle) => entity.add(triangle),
-        Form::Mesh(mesh) => entity.add(mesh),
-    };
-}
-
-fn add_some<C: hecs::Component>(entity: &mut EntityBuilder, component: Option<C>) {
-    if let Some(component) = component {
-        entity.add(component);
-    }
-}
-
-/// Whether any triangle of a mesh has an area.
-fn has_area(mesh: &MeshData) -> bool {
-    mesh.triangles.iter().any(|triangle| {
-        let [a, b, c] = triangle.map(|i| mesh.positions[i as usize].as_dvec3());
-        (b - a).cross(c - a) != DVec3::ZERO
-    })
 }

@@ -6,9 +6,11 @@
 
 use std::path::PathBuf;
 
+use glam::DAffine3;
+
 use super::components::{
-    AreaLight, Facing, Material, Name, PointLight, Quad, Settings, Shading, Sides, Sphere,
-    TextureRef, ThinLens, Transform, Triangle, View,
+    AreaLight, CameraPath, Encoding, Facing, Material, Name, PointLight, Quad, Settings, Shading,
+    Sides, Sphere, TextureRef, ThinLens, Transform, Triangle, View,
 };
 use super::mesh::MeshData;
 
@@ -18,6 +20,9 @@ pub(crate) struct SceneFile {
     pub(crate) camera: Camera,
     pub(crate) lights: Vec<Light>,
     pub(crate) shapes: Vec<Shape>,
+    pub(crate) instances: Vec<Instance>,
+    /// How images of 8 bits are to be written, where nobody says.
+    pub(crate) encoding: Encoding,
 }
 
 /// The camera.
@@ -25,6 +30,8 @@ pub(crate) struct Camera {
     pub(crate) view: View,
     /// `None` for a pinhole.
     pub(crate) lens: Option<ThinLens>,
+    /// `None` where it does not move.
+    pub(crate) path: Option<CameraPath>,
 }
 
 /// An element of `scene.lightsources`.
@@ -51,9 +58,24 @@ pub(crate) struct Shape {
     pub(crate) transform: Option<Transform>,
     pub(crate) sides: Sides,
     pub(crate) shading: Shading,
+    /// Whether only its instances are seen.
+    pub(crate) hidden: bool,
     /// `None` for an area light's shape alone.
     pub(crate) material: Option<Material>,
     pub(crate) texture: Option<TextureRef>,
+}
+
+/// An element of `scene.instances`.
+pub(crate) struct Instance {
+    /// Its JSON path.
+    pub(crate) path: String,
+    pub(crate) name: Option<Name>,
+    /// The place of the shape that it shows among the file's.
+    pub(crate) shape: usize,
+    /// Where it shows the shape, from where that stands in the scene.
+    pub(crate) transform: DAffine3,
+    /// `None` for the shape's own.
+    pub(crate) material: Option<Material>,
 }
 
 /// The form of a shape.

@@ -90,7 +90,7 @@ pub(super) fn look_ups(effort: &Effort) -> Outcome {
 
 fn step(image: &Image) -> f32 {
     match image.texels {
-        Texels::Bytes(_) => 1.0 / 255.0,
+        Texels::Bytes(_) | Texels::Levels(..) => 1.0 / 255.0,
         Texels::Floats(_) => STEP,
     }
 }

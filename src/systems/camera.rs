@@ -5,10 +5,11 @@ use hecs::World;
 
 use super::missing;
 use crate::error::Result;
+use crate::kernels::camera::path::{Key, Path};
 use crate::kernels::camera::{Camera, Lens, Placement};
 use crate::math::sampling::Sampling;
 use crate::plan::schedule::{Schedule, Step};
-use crate::scene::components::{ThinLens, View};
+use crate::scene::components::{CameraKey, CameraPath, ThinLens, View};
 
 /// A pinhole as a lens.
 const PINHOLE: Lens = Lens { radius: 0.0, focal: 1.0, sampling: Sampling::Random, grid: [1, 1] };
@@ -28,6 +29,28 @@ pub fn run(world: &World, origin: DVec3, schedule: Schedule) -> Result<Camera> {
     let lens = schedule.runs(Step::Lens).then(|| lens.map_or(PINHOLE, of_extent));
     let antialias = if schedule.runs(Step::Jitter) { view.antialias } else { 1 };
     Ok(Camera::new(&placement, antialias, view.sampling, lens))
+}
+
+/// The path of the world's camera, moved by `-origin`, if it has one.
+pub fn path(world: &World, origin: DVec3, schedule: Schedule) -> Option<Path> {
+    let mut query = world.query::<(&View, Option<&ThinLens>, &CameraPath)>();
+    let (view, lens, path) = query.iter().next()?;
+    let key = |key: &CameraKey| Key {
+        frame: key.frame,
+        placement: Placement {
+            location: key.location - origin,
+            look: key.look - origin,
+            up: key.up,
+            fov_degrees: key.fov_degrees,
+            fov_axis: view.fov_axis,
+            size: [view.width, view.height],
+        },
+        focal: key.focal as f32,
+    };
+    let keys = path.keys.iter().map(key).collect();
+    let lens = schedule.runs(Step::Lens).then(|| lens.map_or(PINHOLE, of_extent));
+    let antialias = if schedule.runs(Step::Jitter) { view.antialias } else { 1 };
+    Some(Path::new(keys, path.interpolation, (antialias, view.sampling), lens))
 }
 
 /// The radius of a lens, as rays are made with it.

@@ -98,12 +98,24 @@ impl<'a> Facts<'a> {
         Self { census, visible, reached, shows_texture, shines }
     }
 
+    fn triangles(&self) -> (bool, String) {
+        let geometry = &self.census.extracted.geometry;
+        let own = geometry.triangles.len();
+        if geometry.instances.is_empty() {
+            return count(own, "triangle", "no shape is a triangle or a mesh");
+        }
+        let held: usize = geometry.forms.iter().map(|form| form.triangles.len()).sum();
+        let shown = geometry.len() - geometry.own();
+        let (_, meshes) = count(geometry.forms.len(), "mesh", "");
+        let (_, instances) = count(geometry.instances.len(), "instance", "");
+        let meshes = meshes.replace("meshs", "meshes");
+        (own + shown > 0, format!("{own}, and {held} in {meshes} that {instances} show as {shown}"))
+    }
+
     fn decide(&self, effect: Effect) -> Decision {
         let geometry = &self.census.extracted.geometry;
         let (present, reason) = match effect {
-            Effect::Triangles => {
-                count(geometry.triangles.len(), "triangle", "no shape is a triangle or a mesh")
-            }
+            Effect::Triangles => self.triangles(),
             Effect::Quads => count(geometry.quads.len(), "quad", "no shape is a plane"),
             Effect::Spheres => count(geometry.spheres.len(), "sphere", "no shape is a sphere"),
             Effect::SmoothShading => self.smooth_shading(),

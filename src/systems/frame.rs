@@ -25,7 +25,7 @@ pub fn run(world: &World) -> Result<DVec3> {
 }
 
 /// The multiple of the next greater power of two that is nearest to `place`.
-fn nearest(place: DVec3, distance: f64) -> DVec3 {
+pub(super) fn nearest(place: DVec3, distance: f64) -> DVec3 {
     let (_, exponent) = libm::frexp(distance);
     let step = libm::ldexp(1.0, exponent);
     (place / step).round() * step

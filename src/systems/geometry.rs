@@ -2,8 +2,10 @@
 //!
 //! Shapes keep the order of the file within their kind, and shapes of lights come after the rest.
 //! Meshes are moved, not copied: the first one's arrays become the scene's, are lengthened once, and
-//! take the others in, each of which is dropped before the next is looked at.
+//! take the others in, each of which is dropped before the next is looked at. A mesh that is shown more than
+//! once stays by itself, for instances ([`forms`]).
 
+mod forms;
 mod meshes;
 
 use glam::{DAffine3, DVec3, Mat3, Vec3};
@@ -16,11 +18,11 @@ use crate::math::float::MAX_COORDINATE;
 use crate::plan::schedule::{Schedule, Step};
 use crate::prepared::{CornerValues, MeshAttributes, Shape, UvMap};
 use crate::scene::components::{
-    AreaLight, Facing, JsonPath, Mesh, Order, Quad, Shading, Sides, Sphere, TextureRef, Transform,
-    Triangle,
+    AreaLight, Facing, JsonPath, Quad, Shading, Sides, Sphere, TextureRef, Transform, Triangle,
 };
 use crate::scene::corners;
 use crate::scene::mesh::{Attribute, MeshData};
+use forms::{Showing, Showings};
 use meshes::{Room, append, transform_mesh};
 
 /// Numbers of primitives and vertices stay below this, so that they fit 32 bits and leave one
@@ -54,44 +56,37 @@ impl Output {
     /// texture was not decoded.
     pub(super) fn drop_unused(&mut self, schedule: Schedule) {
         let normals = schedule.runs(Step::Normals);
+        let mut textured = vec![false; self.meshes.len()];
         for ShapeOutput { shape, .. } in &mut self.shapes {
             shape.smooth &= normals;
-            let Some(mesh) = shape.mesh.and_then(|i| self.meshes.get_mut(i as usize)) else {
-                continue;
-            };
+            if let Some(mesh) = shape.mesh.and_then(|i| textured.get_mut(i as usize)) {
+                *mesh |= shape.texture.is_some();
+            }
+        }
+        for (mesh, textured) in self.meshes.iter_mut().zip(textured) {
             mesh.normals = mesh.normals.take().filter(|_| normals);
-            mesh.uvs = mesh.uvs.take().filter(|_| shape.texture.is_some());
+            mesh.uvs = mesh.uvs.take().filter(|_| textured);
         }
     }
 }
 
-/// Turns every shape into primitives, and moves all by `-origin`.
-pub fn run(world: &mut World, origin: DVec3) -> Result<Output> {
-    let mut builder = Builder { origin, room: Room::of(world), ..Builder::default() };
-    for entity in entities::<hecs::Or<&Mesh, &Triangle>>(world) {
-        builder.add_triangles(world, entity)?;
+/// Turns every shape into primitives, and moves all by `-origin`. Meshes that are shown more than once are
+/// held once, unless all is to be `flat`.
+pub fn run(world: &mut World, origin: DVec3, flat: bool) -> Result<Output> {
+    let mut showings = Showings::of(world, flat);
+    let room = Room::of(world, &showings);
+    let mut builder = Builder { origin, room, ..Builder::default() };
+    for showing in showings.triangles(world) {
+        builder.add_triangles(world, showing, &mut showings)?;
     }
-    for entity in entities::<&Quad>(world) {
-        builder.add_quad(world, entity)?;
+    for showing in showings.quads(world) {
+        builder.add_quad(world, showing)?;
     }
-    for entity in entities::<&Sphere>(world) {
-        builder.add_sphere(world, entity)?;
+    for showing in showings.spheres(world) {
+        builder.add_sphere(world, showing)?;
     }
+    builder.add_instances(world, &mut showings)?;
     Ok(builder.finish())
-}
-
-/// The entities that match, shapes before lights, in the order of the file.
-fn entities<Q: hecs::Query>(world: &World) -> Vec<Entity> {
-    let mut found: Vec<(bool, Order, Entity)> = world
-        .query::<(Entity, Option<&Order>, Option<&AreaLight>)>()
-        .with::<Q>()
-        .iter()
-        .map(|(entity, order, light)| {
-            (light.is_some(), order.copied().unwrap_or(Order(u32::MAX)), entity)
-        })
-        .collect();
-    found.sort_by_key(|&(light, order, _)| (light, order));
-    found.into_iter().map(|(.., entity)| entity).collect()
 }
 
 #[derive(Default)]
@@ -115,14 +110,14 @@ struct Common {
 }
 
 impl Common {
-    fn of(world: &World, entity: Entity, origin: DVec3) -> Self {
+    fn of(world: &World, Showing { entity, form, .. }: Showing, origin: DVec3) -> Self {
         let light = world.get::<&AreaLight>(entity).ok();
         let is_shape = light.is_none();
         let mut transform = world.get::<&Transform>(entity).map_or(DAffine3::IDENTITY, |t| t.0);
         transform.translation -= origin;
         Self {
             transform,
-            facing: world.get::<&Facing>(entity).ok().map(|f| *f),
+            facing: world.get::<&Facing>(form).ok().map(|f| *f),
             sides: world.get::<&Sides>(entity).map_or(Sides::Both, |s| *s),
             smooth: is_shape && world.get::<&Shading>(entity).is_ok_and(|s| *s == Shading::Smooth),
             textured: is_shape && world.get::<&TextureRef>(entity).is_ok(),
@@ -161,17 +156,21 @@ impl Common {
 }
 
 impl Builder {
-    fn common(&self, world: &World, entity: Entity) -> Common {
-        Common::of(world, entity, self.origin)
+    fn common(&self, world: &World, showing: Showing) -> Common {
+        Common::of(world, showing, self.origin)
     }
 
-    fn add_triangles(&mut self, world: &World, entity: Entity) -> Result<()> {
-        let common = self.common(world, entity);
-        if let Ok(triangle) = world.get::<&Triangle>(entity) {
-            return self.add_triangle(entity, &common, &triangle.points);
+    fn add_triangles(
+        &mut self,
+        world: &World,
+        showing: Showing,
+        showings: &mut Showings,
+    ) -> Result<()> {
+        let common = self.common(world, showing);
+        if let Ok(triangle) = world.get::<&Triangle>(showing.form) {
+            return self.add_triangle(showing.entity, &common, &triangle.points);
         }
-        let Ok(mut mesh) = world.get::<&mut Mesh>(entity) else { return Ok(()) };
-        self.add_mesh(entity, &common, std::mem::take(&mut mesh.data))
+        self.add_mesh(showing.entity, &common, showings.take(world, showing.form))
     }
 
     fn add_triangle(&mut self, entity: Entity, common: &Common, points: &[DVec3; 3]) -> Result<()> {
@@ -221,9 +220,9 @@ impl Builder {
         Ok(())
     }
 
-    fn add_quad(&mut self, world: &World, entity: Entity) -> Result<()> {
-        let common = self.common(world, entity);
-        let Ok(points) = world.get::<&Quad>(entity).map(|q| q.points) else { return Ok(()) };
+    fn add_quad(&mut self, world: &World, showing: Showing) -> Result<()> {
+        let common = self.common(world, showing);
+        let Ok(points) = world.get::<&Quad>(showing.form).map(|q| q.points) else { return Ok(()) };
         let number = (self.geometry.triangles.len() + self.geometry.quads.len()) as u32;
         let first = self.add_points(&common, &points)?;
         let [p0, p1, _, p3] = self.geometry.positions[first as usize..] else { return Ok(()) };
@@ -231,16 +230,16 @@ impl Builder {
         self.geometry.quads.push([0, 1, 2, 3].map(|k| first + (k + turn) % 4));
         let flipped = common.flipped(corners::quad_normal(&points));
         self.shapes.push(ShapeOutput {
-            entity,
+            entity: showing.entity,
             shape: common.shape(number..number + 1, flipped),
             uv_map: Some(UvMap::Planar(PlanarMap::new(p0, p3 - p0, p1 - p0))),
         });
         Ok(())
     }
 
-    fn add_sphere(&mut self, world: &World, entity: Entity) -> Result<()> {
-        let common = self.common(world, entity);
-        let Ok(sphere) = world.get::<&Sphere>(entity).map(|s| *s) else { return Ok(()) };
+    fn add_sphere(&mut self, world: &World, showing: Showing) -> Result<()> {
+        let common = self.common(world, showing);
+        let Ok(sphere) = world.get::<&Sphere>(showing.form).map(|s| *s) else { return Ok(()) };
         let center = common.transform.transform_point3(sphere.center);
         let turn = common.transform.matrix3;
         let scale = turn.x_axis.length();
@@ -253,11 +252,11 @@ impl Builder {
                 .value(sphere.radius * scale)
                 .remedy("give the scene another unit of length"));
         }
-        let number = self.geometry.len() as u32;
+        let number = self.geometry.own() as u32;
         self.geometry.spheres.push((center.as_vec3(), radius));
         let to_own = (turn * (1.0 / scale)).transpose();
         self.shapes.push(ShapeOutput {
-            entity,
+            entity: showing.entity,
             shape: common.shape(number..number + 1, false),
             uv_map: Some(UvMap::Sphere(Mat3::from_cols(
                 to_own.x_axis.as_vec3(),

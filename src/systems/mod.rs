@@ -57,11 +57,14 @@ pub struct Options<'a> {
     /// The table that the plan follows: [`PASSES`], or what [`unplanned`](crate::plan::schedule::unplanned) makes of it to leave nothing
     /// out, neither passes and columns nor lights, textures and normals that nothing shows.
     pub passes: &'a [Pass],
+    /// Whether meshes that are shown more than once are to be copied to where they are shown, rather than
+    /// held once for instances.
+    pub flat: bool,
 }
 
 impl Default for Options<'_> {
     fn default() -> Self {
-        Self { precision: Precision::default(), passes: &PASSES }
+        Self { precision: Precision::default(), passes: &PASSES, flat: false }
     }
 }
 
@@ -77,12 +80,13 @@ pub fn extract_in(world: &mut World, precision: Precision) -> Result<Extracted> 
 
 /// As [`extract`], with these options.
 pub fn extract_with(world: &mut World, options: Options<'_>) -> Result<Extracted> {
-    let Options { precision, passes } = options;
+    let Options { precision, passes, flat } = options;
     let settings = settings(world)?;
     // Fast arithmetic takes coordinates as they are.
     let origin = if precision == Precision::Fast { DVec3::ZERO } else { frame::run(world)? };
-    let mut extracted = geometry::run(world, origin).map_err(|e| e.in_file(&settings.file))?;
-    extracted.geometry.precision = precision;
+    let mut extracted =
+        geometry::run(world, origin, flat).map_err(|e| e.in_file(&settings.file))?;
+    extracted.geometry.set_precision(precision);
     let materials = materials::run(world, &extracted.shapes);
     let lights = lights::run(world, &extracted, &settings, origin)?;
     let ambient = settings.ambient as f32 * lights.len() as f32;
@@ -100,6 +104,7 @@ pub fn extract_with(world: &mut World, options: Options<'_>) -> Result<Extracted
     let images = textures::run(world, schedule, &found.textured, &mut extracted.shapes)?;
     extracted.drop_unused(schedule);
     let camera = camera::run(world, origin, schedule)?;
+    let path = camera::path(world, origin, schedule);
     let geometry::Output { geometry, shapes, meshes } = extracted;
     let place = |output: &geometry::ShapeOutput| {
         world.get::<&JsonPath>(output.entity).map_or_else(|_| String::new(), |p| p.0.clone())
@@ -110,6 +115,7 @@ pub fn extract_with(world: &mut World, options: Options<'_>) -> Result<Extracted
         plan,
         origin,
         camera,
+        path,
         accel: Accel::unbuilt(geometry),
         looks: Looks { shapes, materials, places, images, meshes },
         lights,
@@ -144,7 +150,7 @@ impl Extracted {
 
     /// The preset that is likely to finish first.
     pub fn preset(&self) -> Preset {
-        Preset::choose(self.geometry().len() as u64, self.expected_rays())
+        Preset::choose(self.geometry().held() as u64, self.expected_rays())
     }
 
     /// What will be left out: every triangle is looked at.

@@ -352,6 +352,12 @@ impl Batch {
         (row * columns::room(capacity.max(1))) as u64
     }
 
+    /// Bytes that a batch of up to `capacity` paths holds in its columns in any scene, at most.
+    pub fn bytes_at_most(capacity: usize) -> u64 {
+        let row: usize = GROUPS.into_iter().map(row_bytes).sum();
+        (row * columns::room(capacity.max(1))) as u64
+    }
+
     /// Bytes that it holds in its columns, measured.
     pub fn bytes(&self) -> u64 {
         let Self { capacity: _, paths, rays, hits, lit, shadows, next, .. } = self;
@@ -361,6 +367,17 @@ impl Batch {
         all as u64
     }
 }
+
+/// Every group.
+const GROUPS: [Group; 7] = [
+    Group::Paths,
+    Group::Rays,
+    Group::Hits,
+    Group::LitPoints,
+    Group::ShadowRays,
+    Group::NextRays,
+    Group::Differentials,
+];
 
 /// Bytes of one row of a group of columns.
 fn row_bytes(group: Group) -> usize {

@@ -1,7 +1,7 @@
 //! Pass 3: what every hit shows at once, and what it asks for.
 //!
-//! Hits are told apart by what they need. Misses and lights are dealt with at once; hits on spheres,
-//! and hits on triangles and quads, wait in [`faces`] and are shaded eight at a time.
+//! Hits are told apart by what they need. Misses and lights are dealt with at once; hits on spheres, on
+//! instances, and on triangles and quads, wait in [`faces`] and are shaded eight at a time.
 
 mod faces;
 
@@ -26,8 +26,15 @@ use crate::prepared::{LookUps, MirrorPoint, PreparedScene};
 use crate::variant::Effects;
 use faces::{Face, Faces, Group};
 
-/// Which of the lists of waiting hits is that of spheres; the other is of triangles and quads.
-const SPHERES: usize = 1;
+/// What the hits of a list are on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum On {
+    /// Triangles and quads.
+    Flat,
+    Spheres,
+    /// Triangles of instances.
+    Instances,
+}
 
 /// Adds background, emitted and ambient light to the paths; collects points that lights reach and,
 /// while bounces are left, mirror rays.
@@ -72,10 +79,12 @@ impl<P: Arithmetic, E: Effects> Kernel for Shade<'_, P, E> {
 
     #[inline(always)]
     fn run<S: Lanes>(mut self, simd: S) {
-        let mut waiting = [Faces::new(), Faces::new()];
         let looks = &self.scene.looks;
         let geometry = &self.scene.accel.geometry;
         let first_sphere = geometry.triangles.len() + geometry.quads.len();
+        let first_shown = geometry.own();
+        let (mut flat, mut spheres) = (Faces::new(), Faces::new());
+        let mut shown = (!geometry.instances.is_empty()).then(Faces::new);
         // The shape that was hit last: the next hit is likely to be there too.
         let mut last = 0;
         for i in 0..self.batch.rays.len() {
@@ -91,13 +100,20 @@ impl<P: Arithmetic, E: Effects> Kernel for Shade<'_, P, E> {
                 self.light(i, color);
                 continue;
             }
-            let kind = usize::from(primitive as usize >= first_sphere);
-            if waiting[kind].push(Face { ray: i as u32, primitive, shape: last as u32 }) {
-                self.block(simd, &mut waiting[kind], kind == SPHERES);
+            let (faces, on) = match (primitive as usize, &mut shown) {
+                (number, Some(shown)) if number >= first_shown => (shown, On::Instances),
+                (number, _) if number >= first_sphere => (&mut spheres, On::Spheres),
+                _ => (&mut flat, On::Flat),
+            };
+            if faces.push(Face { ray: i as u32, primitive, shape: last as u32 }) {
+                self.block(simd, faces, on);
             }
         }
-        for (kind, faces) in waiting.iter_mut().enumerate() {
-            self.block(simd, faces, kind == SPHERES);
+        let rest = [(Some(&mut flat), On::Flat), (Some(&mut spheres), On::Spheres)];
+        for (faces, on) in rest.into_iter().chain([(shown.as_mut(), On::Instances)]) {
+            if let Some(faces) = faces {
+                self.block(simd, faces, on);
+            }
         }
     }
 }
@@ -118,18 +134,18 @@ impl<P: Arithmetic, E: Effects> Shade<'_, P, E> {
     }
 
     #[inline(always)]
-    fn block<S: Lanes>(&mut self, simd: S, faces: &mut Faces, spheres: bool) {
+    fn block<S: Lanes>(&mut self, simd: S, faces: &mut Faces, on: On) {
         let rays = &self.batch.rays;
         let (geometry, looks) = (&self.scene.accel.geometry, &self.scene.looks);
         let groups = faces.take::<E>(geometry, looks, |i| rays.ray(i));
         for group in groups {
-            self.group(simd, group, spheres);
+            self.group(simd, group, on);
         }
     }
 
     /// Up to eight hits on surfaces of one kind.
     #[inline(always)]
-    fn group<S: Lanes>(&mut self, simd: S, group: &Group, of_spheres: bool) {
+    fn group<S: Lanes>(&mut self, simd: S, group: &Group, on: On) {
         let rays = &self.batch.rays;
         let throughput = fetch(simd, &rays.throughput, &group.rays);
         let path = group.rays.map(|ray| rays.path[ray as usize]);
@@ -143,13 +159,20 @@ impl<P: Arithmetic, E: Effects> Shade<'_, P, E> {
         let direction = fetch(simd, &rays.direction, &group.rays);
         let origin = fetch(simd, &rays.origin, &group.rays);
         let t = self.distances(simd, group);
-        let surfaces = if of_spheres {
-            let [center, [radius, ..], _] = &group.corners;
-            let center = Vec3x8::load(simd, center);
-            let radius = (*radius).simd_into(simd);
-            spheres_at::<S, P>(simd, (origin, direction), t, center, radius)
-        } else {
-            triangles_at::<S, P>(simd, (origin, direction), t, &group.corners)
+        let surfaces = match on {
+            On::Flat => triangles_at::<S, P>(simd, (origin, direction), t, &group.corners),
+            On::Spheres => {
+                let [center, [radius, ..], _] = &group.corners;
+                let center = Vec3x8::load(simd, center);
+                let radius = (*radius).simd_into(simd);
+                spheres_at::<S, P>(simd, (origin, direction), t, center, radius)
+            }
+            On::Instances => {
+                let [origin, direction] = &group.carried;
+                let carried = (Vec3x8::load(simd, origin), Vec3x8::load(simd, direction));
+                let found = triangles_at::<S, P>(simd, carried, t, &group.corners);
+                group.in_world(simd, &found, &self.scene.accel.geometry)
+            }
         };
 
         let outward = surfaces.normal.scale(group.side.simd_into(simd));

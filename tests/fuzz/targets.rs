@@ -11,7 +11,8 @@ use wavecrest::accel::{Accel, Hit, KernelChoice};
 use wavecrest::math::ray::Ray;
 use wavecrest::math::simd::Level;
 use wavecrest::render::{RenderOptions, TracerKind, render};
-use wavecrest::scene::load::{LoadOptions, load_str};
+use wavecrest::scene::gltf;
+use wavecrest::scene::load::{LoadOptions, LoadedScene, load_str};
 use wavecrest::scene::mesh::{self, LoadedMesh};
 use wavecrest::systems;
 
@@ -47,9 +48,20 @@ pub(crate) fn scene(bytes: &[u8]) -> bool {
 fn is_scene(bytes: &[u8]) -> bool {
     let Ok(text) = std::str::from_utf8(bytes) else { return false };
     let options = LoadOptions { width: Some(5), height: Some(4), ..LoadOptions::default() };
-    let Ok(mut loaded) = load_str(text, &files().join("scene.json"), &options) else {
-        return false;
-    };
+    load_str(text, &files().join("scene.json"), &options).is_ok_and(is_rendered)
+}
+
+/// A glTF file, as text or binary, is refused in words, or it can be rendered likewise.
+pub(crate) fn gltf(bytes: &[u8]) -> bool {
+    alone(|| {
+        let options = LoadOptions { width: Some(5), height: Some(4), ..LoadOptions::default() };
+        let loaded = gltf::load_bytes(bytes.to_vec(), &files().join("scene.gltf"), &options);
+        loaded.is_ok_and(is_rendered)
+    })
+}
+
+/// Whether a scene can be made ready; if so, both tracers have one image of it, all numbers.
+fn is_rendered(mut loaded: LoadedScene) -> bool {
     let Ok(extracted) = systems::extract(&mut loaded.world) else { return false };
     let rays = extracted.expected_rays();
     if extracted.geometry().len() > MOST_PRIMITIVES || rays > MOST_RAYS {

@@ -36,7 +36,7 @@ const ARROWS: &[(&str, &[&str])] = &[
             "wavefront",
         ],
     ),
-    ("image", &["error", "replace"]),
+    ("image", &["error", "math", "replace"]),
     (
         "render",
         &[
@@ -52,9 +52,24 @@ const ARROWS: &[(&str, &[&str])] = &[
             "wavefront",
         ],
     ),
-    ("scene", &["error", "kernels", "math"]),
+    (
+        "aov",
+        &[
+            "accel",
+            "error",
+            "image",
+            "kernels",
+            "math",
+            "prepared",
+            "recursive",
+            "render",
+            "tile",
+            "variant",
+        ],
+    ),
+    ("scene", &["error", "kernels", "math", "replace"]),
     ("systems", &["accel", "error", "kernels", "math", "plan", "prepared", "scene"]),
-    ("memory", &["accel", "prepared", "render", "systems", "wavefront"]),
+    ("memory", &["accel", "prepared", "render", "scene", "systems", "wavefront"]),
     ("farm", &["error", "image", "prepared", "render", "replace", "tile", "wavefront"]),
     ("generate", &["error", "replace", "scene"]),
     ("ray_file", &["accel", "error", "math", "replace"]),
@@ -103,6 +118,7 @@ const ARROWS: &[(&str, &[&str])] = &[
         &[
             "accel",
             "accuracy",
+            "aov",
             "counters",
             "error",
             "farm",
@@ -136,6 +152,14 @@ const CRATES: &[(&str, &[&str])] = &[
     ("obvhs", &["accel"]),
     // Whatever is shown on a terminal.
     ("indicatif", &["cli", "generate"]),
+    // Files of images with more than colours.
+    ("exr", &["image"]),
+    ("png", &["image"]),
+    // A viewer that shows an image while it is rendered.
+    ("tev_client", &["cli"]),
+    // What shells and the manual are told of our arguments.
+    ("clap_complete", &["cli"]),
+    ("clap_mangen", &["cli"]),
     // Files that appear whole or not at all, and scenes of the program's own.
     ("tempfile", &["accuracy", "replace", "selftest"]),
     // Line ends of meshes in text.
@@ -158,7 +182,7 @@ const CRATES: &[(&str, &[&str])] = &[
     ("ttf_parser", &["report"]),
     ("notosans", &["report"]),
     ("tiny_skia", &["report"]),
-    ("base64", &["report"]),
+    ("base64", &["report", "scene"]),
 ];
 
 /// The one file with `unsafe` code.

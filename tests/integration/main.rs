@@ -18,11 +18,19 @@ mod golden;
 // Tracer, threads, batch size, tree and crop do not change a bit of an image.
 mod parity;
 
+// Meshes that are held once and shown often: the answers of copies, whatever searches them, without leaks.
+mod instances;
+
+// Memory is foretold before anything large is read, and refused where it is too much.
+mod memory;
 // Renders in parts: who looks on, who ends them early, and samples in blocks.
 mod parts;
 
 // Shards and checkpoints: the image of one process, and what does not fit refused by name.
 mod farm;
+
+// Cameras that move: frames are the same alone, in a range and in shares of it.
+mod frames;
 
 // Images agree with formulas worked out here in double precision.
 mod closed_form;
@@ -41,9 +49,21 @@ mod planning;
 // The modules import each other in one direction alone, and files stay short.
 mod architecture;
 
+// glTF files and meshes alone: what they become, what is refused, and that they convert to the same image.
+mod gltf;
+
 // The command: arguments, formats, statistics, exit codes, messages, what is left behind on failure,
 // and every subcommand.
 mod cli;
+
+// Layers beside the colours, against what geometry says.
+mod aov;
+
+// The commands of GUIDE.md work as they stand there.
+mod guide;
+
+// The JSON Schema of scene files says what the parser does.
+mod schema;
 
 // What is said of scenes and meshes that are wrong, word for word.
 mod errors;

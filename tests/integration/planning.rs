@@ -223,7 +223,9 @@ fn every_scene_gives_one_image_planned_or_not() {
             let planned = extract_small(path, 32, 60_000).build(Preset::Fast);
             let [width, height] = planned.camera.size().map(Some);
             let mut world =
-                load(path, &LoadOptions { strict: true, width, height }).expect(name).world;
+                load(path, &LoadOptions { strict: true, width, height, ..LoadOptions::default() })
+                    .expect(name)
+                    .world;
             let options = Options { passes: &everything, ..Options::default() };
             let all = systems::extract_with(&mut world, options).expect(name).build(Preset::Fast);
             let film = try_render(&planned, TracerKind::Wavefront).expect(name).film;

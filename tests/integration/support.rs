@@ -61,7 +61,15 @@ pub(crate) fn extract_small(path: &Path, longest: u32, most_rays: u64) -> Extrac
     let longest_affordable = (most_rays as f64 / rays_a_pixel).sqrt();
     let scale = f64::from(longest).min(longest_affordable) / f64::from(width.max(height));
     let side = |length: u32| Some(((f64::from(length) * scale.min(1.0)).round() as u32).max(1));
-    extract_file(path, LoadOptions { width: side(width), height: side(height), strict: true })
+    extract_file(
+        path,
+        LoadOptions {
+            width: side(width),
+            height: side(height),
+            strict: true,
+            ..LoadOptions::default()
+        },
+    )
 }
 
 fn extract_file(path: &Path, options: LoadOptions) -> Extracted {

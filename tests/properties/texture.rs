@@ -10,7 +10,12 @@ fn image() -> impl Strategy<Value = Image> {
         let bytes = prop::collection::vec(any::<[u8; 4]>(), count).prop_map(Texels::Bytes);
         let floats = prop::collection::vec(prop::array::uniform3(-10.0_f32..10.0), count)
             .prop_map(Texels::Floats);
-        prop_oneof![bytes, floats].prop_map(move |texels| Image::new(width, height, texels))
+        let levels = prop::collection::vec(any::<[u8; 4]>(), count);
+        let levels = (levels, -10.0_f32..10.0).prop_map(|(texels, tint)| {
+            let value = |level: usize| Vec3::new(1.0, 2.0, tint) * level as f32;
+            Texels::Levels(texels, Box::new(std::array::from_fn(value)))
+        });
+        prop_oneof![bytes, levels, floats].prop_map(move |texels| Image::new(width, height, texels))
     })
 }
 
@@ -19,6 +24,11 @@ fn texels(image: &Image) -> Vec<Vec3> {
         Texels::Bytes(texels) => texels
             .iter()
             .map(|&[r, g, b, _]| Vec3::new(f32::from(r), f32::from(g), f32::from(b)) / 255.0)
+            .collect(),
+        Texels::Levels(texels, values) => texels
+            .iter()
+            .map(|texel| texel.map(usize::from))
+            .map(|[r, g, b, _]| Vec3::new(values[r].x, values[g].y, values[b].z))
             .collect(),
         Texels::Floats(texels) => texels.iter().map(|&t| Vec3::from(t)).collect(),
     }

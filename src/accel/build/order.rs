@@ -37,7 +37,7 @@ pub(super) struct Chunks {
 
 /// Orders the primitives and cuts them into chunks of at most `most`.
 pub(super) fn chunks(geometry: &Geometry, most: usize) -> Chunks {
-    let count = geometry.len();
+    let count = geometry.own();
     if count > most {
         return arrange(geometry, &Members::All(count), &extents(geometry), most, 0);
     }
@@ -115,6 +115,8 @@ fn point(geometry: &Geometry, number: u32) -> Vec3 {
         Primitive::Triangle(i) => geometry.positions[geometry.triangles[i][0] as usize],
         Primitive::Quad(i) => geometry.positions[geometry.quads[i][0] as usize],
         Primitive::Sphere(i) => geometry.spheres[i].0,
+        // Instances have a tree of their own.
+        Primitive::Shown(_) => Vec3::ZERO,
     }
 }
 

@@ -43,7 +43,7 @@ pub(super) fn run(args: &BenchArgs) -> Result<bool> {
 
 fn prepare(args: &BenchArgs, variant: Variant, folder: &Path) -> Result<Entry> {
     let (width, height) = (args.scene_options.width, args.scene_options.height);
-    let options = LoadOptions { strict: true, width, height };
+    let options = LoadOptions { strict: true, width, height, ..LoadOptions::default() };
     // Warnings would be about scenes of our own.
     let loaded = load_str(&variant.scene.to_string(), &folder.join("effect.json"), &options)?;
     let extracted = args.scene_options.extract(loaded)?;

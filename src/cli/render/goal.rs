@@ -2,12 +2,11 @@
 
 use std::time::Instant;
 
-use super::RenderArgs;
 use super::parts::trace as trace_once;
+use super::{RenderArgs, Seen};
 use crate::accel::build::Preset;
 use crate::accuracy::pilot::{Choice, Pilot, error};
 use crate::cli::common::tell;
-use crate::cli::interrupt::Interrupt;
 use crate::error::Result;
 use crate::math::sampling::Points;
 use crate::prepared::PreparedScene;
@@ -33,17 +32,17 @@ pub(super) struct Traced {
     pub(super) resumed: f64,
 }
 
-/// Renders `scene`, whose tree `preset` built, as the arguments ask, until `interrupt` has a signal. `start` is
-/// when the command began.
+/// Renders `scene`, whose tree `preset` built, as the arguments ask, so that it is `seen`. `start` is when
+/// the command began.
 pub(super) fn trace(
     args: &RenderArgs,
     scene: &mut PreparedScene,
     mut preset: Preset,
-    interrupt: &Interrupt,
+    seen: &Seen<'_>,
     start: Instant,
 ) -> Result<Traced> {
     if args.target_error.is_none() && args.time_budget.is_none() {
-        return plain(args, scene, preset, interrupt);
+        return plain(args, scene, preset, seen);
     }
     let original = scene.original();
     let pilot = Pilot::run(scene, &original, args.seed)?;
@@ -55,20 +54,21 @@ pub(super) fn trace(
         (None, None) => None,
     };
     let say = |words: String| {
+        seen.reporter.note("choice", || words.clone());
         if !args.scene_options.quiet {
             tell(&words)
         }
     };
     let Some(mut choice) = chosen else {
         say("nothing in this scene is left to chance: its error is 0".to_owned());
-        return plain(args, scene, preset, interrupt);
+        return plain(args, scene, preset, seen);
     };
     let mut renders = 0;
     loop {
         scene.resample(&original, &choice.samples());
         preset = choose_tree(args, scene, preset);
         say(format!("chosen: {choice}"));
-        let (rendered, resumed) = trace_once(args, scene, interrupt)?;
+        let (rendered, resumed) = trace_once(args, scene, seen)?;
         if !rendered.finished {
             return Ok(Traced { rendered, preset, goal: None, resumed });
         }
@@ -91,9 +91,9 @@ fn plain(
     args: &RenderArgs,
     scene: &PreparedScene,
     preset: Preset,
-    interrupt: &Interrupt,
+    seen: &Seen<'_>,
 ) -> Result<Traced> {
-    let (rendered, resumed) = trace_once(args, scene, interrupt)?;
+    let (rendered, resumed) = trace_once(args, scene, seen)?;
     Ok(Traced { rendered, preset, goal: None, resumed })
 }
 
@@ -103,7 +103,7 @@ fn choose_tree(args: &RenderArgs, scene: &mut PreparedScene, preset: Preset) -> 
     if args.scene_options.bvh.is_some() {
         return preset;
     }
-    let best = Preset::choose(scene.accel.geometry.len() as u64, scene.expected_rays());
+    let best = Preset::choose(scene.accel.geometry.held() as u64, scene.expected_rays());
     if best != preset {
         scene.rebuild(best);
     }

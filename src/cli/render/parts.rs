@@ -5,18 +5,17 @@ mod array;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use indicatif::ProgressBar;
-
-use super::{PROGRESS, RenderArgs};
-use crate::cli::common::{above_zero, progress_bar, tell};
+use super::show::{Show, Stage};
+use super::{RenderArgs, Seen};
+use crate::cli::common::{above_zero, tell};
 use crate::cli::interrupt::Interrupt;
 use crate::error::{Error, ErrorKind, Result};
 use crate::farm::checkpoint::Checkpoint;
 use crate::farm::{Author, Shard, Stint};
-use crate::image::write::write;
 use crate::prepared::PreparedScene;
 use crate::render::{Rendered, Watch, render};
 use crate::replace::{check_differs, check_replaceable};
+use crate::tile::Tile;
 use array::Choice;
 
 /// Seconds between two checkpoints unless asked otherwise.
@@ -39,7 +38,7 @@ pub struct PartOptions {
     pub resume: bool,
     /// Render the I-th of N equal shares and write it as a part (.part) for `wavecrest merge`; auto or
     /// auto/N takes I from the array job of a scheduler
-    #[arg(long, value_name = "I/N", conflicts_with_all = ["target_error", "time_budget", "stats"])]
+    #[arg(long, value_name = "I/N", conflicts_with_all = ["target_error", "time_budget", "stats", "also", "aov", "save_every"])]
     pub shard: Option<Choice>,
 }
 
@@ -85,28 +84,27 @@ impl PartOptions {
     }
 }
 
-/// Shows progress, and ends the render when a signal has come.
+/// Shows the render, and ends it when a signal has come.
 struct Screen<'a> {
-    bar: ProgressBar,
+    show: Show<'a>,
     interrupt: &'a Interrupt,
 }
 
 impl<'a> Screen<'a> {
-    fn new(args: &RenderArgs, interrupt: &'a Interrupt) -> Self {
-        Self { bar: progress_bar(args.scene_options.quiet, PROGRESS), interrupt }
-    }
-}
-
-impl Drop for Screen<'_> {
-    fn drop(&mut self) {
-        self.bar.finish_and_clear();
+    fn new(args: &RenderArgs, scene: &PreparedScene, seen: &Seen<'a>) -> Self {
+        seen.reporter.stage(Stage::Trace);
+        let show = Show::new(args, seen.outputs, scene, seen.reporter);
+        Self { show, interrupt: seen.interrupt }
     }
 }
 
 impl Watch for Screen<'_> {
     fn progress(&self, done: u64, all: u64) {
-        self.bar.set_length(all);
-        self.bar.set_position(done);
+        self.show.progress(done, all);
+    }
+
+    fn tile(&self, tile: &Tile, pixels: &[[f32; 3]]) {
+        self.show.tile(tile, pixels);
     }
 
     fn cancelled(&self) -> bool {
@@ -118,14 +116,14 @@ impl Watch for Screen<'_> {
 pub(super) fn trace(
     args: &RenderArgs,
     scene: &PreparedScene,
-    interrupt: &Interrupt,
+    seen: &Seen<'_>,
 ) -> Result<(Rendered, f64)> {
-    let screen = Screen::new(args, interrupt);
+    let screen = Screen::new(args, scene, seen);
     let Some(checkpoint) = args.parts.checkpoint() else {
         return render(scene, &args.options(), &screen).map(|rendered| (rendered, 0.0));
     };
     let options = args.options();
-    let stint = Stint::begin(scene, &options, author(args), None, Some(&checkpoint))?;
+    let stint = Stint::begin(scene, &options, author(args, seen), None, Some(&checkpoint))?;
     tell_of_checkpoint(args, &checkpoint, &stint);
     let rendered = stint.render(&screen, &warn)?;
     Ok((rendered, stint.resumed()))
@@ -136,40 +134,46 @@ pub(super) fn write_shard(
     args: &RenderArgs,
     shard: Shard,
     scene: &PreparedScene,
-    output: &Path,
-    interrupt: &Interrupt,
+    seen: &Seen<'_>,
 ) -> Result<()> {
+    let output = seen.outputs.first();
     let (options, checkpoint) = (args.options(), args.parts.checkpoint());
-    let stint = Stint::begin(scene, &options, author(args), Some(shard), checkpoint.as_ref())?;
+    let stint =
+        Stint::begin(scene, &options, author(args, seen), Some(shard), checkpoint.as_ref())?;
     if let Some(checkpoint) = &checkpoint {
         tell_of_checkpoint(args, checkpoint, &stint);
     }
-    let screen = Screen::new(args, interrupt);
+    let screen = Screen::new(args, scene, seen);
     let done = stint.render_units(&screen, &warn)?;
     drop(screen);
     if stint.share() < 1.0 {
         let what = format!("{} is not written", output.display());
-        return Err(interrupt.error(stint.share()).remedy(what + &go_on(args)));
+        return Err(seen.interrupt.error(stint.share()).remedy(what + &go_on(args)));
     }
     let invalid = super::find_invalid(args, scene, &done.counters)?;
     super::tell_invalid(args, &done.counters, invalid.as_ref());
-    stint.write(output)
+    stint.write(output)?;
+    seen.reporter.note("write", || output.display().to_string());
+    seen.reporter.stage(Stage::Done);
+    Ok(())
 }
 
 /// Writes what there is of an image that a signal ended; the error says what was done.
 pub(super) fn interrupted(
     args: &RenderArgs,
-    output: &Path,
+    scene: &PreparedScene,
     rendered: &Rendered,
-    interrupt: &Interrupt,
+    seen: &Seen<'_>,
 ) -> Error {
     let pixels: usize = rendered.tiles.iter().map(|tile| tile.len()).sum();
-    let error = interrupt.error(pixels as f64 / rendered.film.pixels().len() as f64);
-    let name = output.display();
+    let share = pixels as f64 / rendered.film.pixels().len() as f64;
+    let error = seen.interrupt.error(share);
+    let name = seen.outputs.name();
     let written = if pixels == 0 {
         format!("{name} is left as it was")
     } else {
-        match write(&rendered.film, output, args.transfer) {
+        let entries = seen.outputs.entries(scene);
+        match entries.and_then(|e| seen.outputs.write_part(&rendered.film, &e, share)) {
             Ok(()) => format!("{name} holds it, black elsewhere"),
             Err(error) => return error,
         }
@@ -185,9 +189,10 @@ fn go_on(args: &RenderArgs) -> String {
     }
 }
 
-fn author(args: &RenderArgs) -> Author {
+fn author(args: &RenderArgs, seen: &Seen<'_>) -> Author {
     let command = std::env::args_os().map(|word| word.to_string_lossy().into_owned());
-    Author { scene: args.scene.display().to_string(), command: command.collect() }
+    let transfer = seen.outputs.transfer();
+    Author { scene: args.scene.display().to_string(), command: command.collect(), transfer }
 }
 
 fn tell_of_checkpoint(args: &RenderArgs, checkpoint: &Checkpoint, stint: &Stint<'_>) {

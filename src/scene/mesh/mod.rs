@@ -16,6 +16,7 @@ mod obj;
 mod place;
 mod ply;
 mod polygon;
+mod survey;
 mod validate;
 
 use std::fs::File;
@@ -25,6 +26,7 @@ use glam::{Vec2, Vec3};
 
 use crate::error::{Error, ErrorKind, Result, Warning};
 
+pub use survey::{Survey, survey};
 pub use validate::validate;
 
 /// A value for each corner of a mesh's triangles.

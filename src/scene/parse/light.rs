@@ -7,15 +7,15 @@ use crate::scene::schema::Light;
 
 use super::shape::light_shape;
 
-const COMMON_KEYS: [&str; 5] = ["type", "intensity", "position", "color", "falloff"];
-const AREA_KEYS: [&str; 3] = ["sampling", "samples", "shape"];
+pub(super) const COMMON_KEYS: [&str; 5] = ["type", "intensity", "position", "color", "falloff"];
+pub(super) const AREA_KEYS: [&str; 3] = ["sampling", "samples", "shape"];
 
 /// Greatest value of `samples`.
-const MOST_SAMPLES: u32 = 65_536;
+pub(super) const MOST_SAMPLES: u32 = 65_536;
 /// Greatest number of points on a light, 2^24.
 const MOST_POINTS: u64 = 1 << 24;
 
-const FALLOFFS: [(&str, Falloff); 3] = [
+pub(super) const FALLOFFS: [(&str, Falloff); 3] = [
     ("linear", Falloff::Linear),
     ("inverse-square", Falloff::InverseSquare),
     ("none", Falloff::None),
@@ -26,14 +26,17 @@ pub(super) const SAMPLINGS: [(&str, Sampling); 3] =
     [("random", Sampling::Random), ("jittered", Sampling::Jittered), ("sobol", Sampling::Sobol)];
 
 #[derive(Clone, Copy)]
-enum Kind {
+pub(super) enum Kind {
     Point,
     Area,
 }
 
+pub(super) const KINDS: [(&str, Kind); 2] =
+    [("pointlight", Kind::Point), ("arealight", Kind::Area)];
+
 /// Reads an element of `scene.lightsources`.
 pub(super) fn light(cursor: &Cursor<'_>) -> Result<Light> {
-    match cursor.kind("a light", &[("pointlight", Kind::Point), ("arealight", Kind::Area)])? {
+    match cursor.kind("a light", &KINDS)? {
         Kind::Point => point_light(&cursor.object("a point light", COMMON_KEYS.into())?),
         Kind::Area => {
             area_light(&cursor.object("an area light", [&COMMON_KEYS[..], &AREA_KEYS].concat())?)

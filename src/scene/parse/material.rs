@@ -2,21 +2,26 @@
 
 use std::path::PathBuf;
 
+use glam::DVec3;
+
 use crate::error::{ErrorKind, Result};
-use crate::scene::components::{Filter, Material, TextureRef, Wrap};
+use crate::scene::components::{Encoding, Filter, Material, TextureRef, TextureSource, Wrap};
 use crate::scene::reader::{Cursor, Object, Range};
 
-const KEYS: [&str; 5] = ["ks", "kd", "specularexponent", "diffusecolor", "kr"];
+pub(super) const KEYS: [&str; 5] = ["ks", "kd", "specularexponent", "diffusecolor", "kr"];
 
 /// Exponents of the highlight. At a million it is a fraction of a pixel wide.
-const EXPONENT: Range = Range::new(0.0, 1e6);
+pub(super) const EXPONENT: Range = Range::new(0.0, 1e6);
 
-const FILTERS: [(&str, Filter); 3] = [
+pub(super) const FILTERS: [(&str, Filter); 3] = [
     ("nearest", Filter::Nearest),
     ("bilinear", Filter::Bilinear),
     ("trilinear", Filter::Trilinear),
 ];
-const WRAPS: [(&str, Wrap); 2] = [("repeat", Wrap::Repeat), ("clamp", Wrap::Clamp)];
+pub(super) const WRAPS: [(&str, Wrap); 2] = [("repeat", Wrap::Repeat), ("clamp", Wrap::Clamp)];
+/// What numbers of colours stand for, by name.
+pub(super) const ENCODINGS: [(&str, Encoding); 2] =
+    [("linear", Encoding::Linear), ("srgb", Encoding::Srgb)];
 
 /// Reads the `material` of a shape.
 pub(super) fn material(cursor: &Cursor<'_>) -> Result<Material> {
@@ -53,16 +58,20 @@ fn warn_above_1(object: &Object<'_>) {
 pub(super) fn texture(object: &Object<'_>) -> Result<Option<TextureRef>> {
     let filter = object.choice_or("filter", &FILTERS, Filter::default())?;
     let wrap = object.choice_or("wrap", &WRAPS, Wrap::default())?;
+    let encoding = object.choice_or("encoding", &ENCODINGS, Encoding::default())?;
+    let tint = object.get("tint").map_or(Ok(DVec3::ONE), |cursor| cursor.color())?;
     let Some(cursor) = object.get("texture") else {
         warn_without_texture(object);
         return Ok(None);
     };
     let path = existing_file(&cursor, "the path of an image")?;
-    Ok(Some(TextureRef { path, filter, wrap }))
+    Ok(Some(TextureRef { source: TextureSource::File(path), encoding, tint, filter, wrap }))
 }
 
 fn warn_without_texture(object: &Object<'_>) {
-    for cursor in ["filter", "wrap"].into_iter().filter_map(|key| object.get(key)) {
+    for cursor in
+        ["filter", "wrap", "encoding", "tint"].into_iter().filter_map(|key| object.get(key))
+    {
         cursor.warn("does nothing without a texture", "add \"texture\", or remove it");
     }
 }

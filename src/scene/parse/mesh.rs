@@ -17,8 +17,10 @@ use crate::scene::schema::Geometry;
 use super::material::existing_file;
 
 /// With those keys, too, that would make it another kind: they may be what a misspelt key means.
-const STRIP_KEYS: [&str; 7] = ["size", "points", "normal", "uvs", "normals", "indices", "file"];
-const INDEXED_KEYS: [&str; 6] = ["size", "points", "indices", "uvs", "normals", "file"];
+pub(super) const STRIP_KEYS: [&str; 7] =
+    ["size", "points", "normal", "uvs", "normals", "indices", "file"];
+pub(super) const INDEXED_KEYS: [&str; 6] = ["size", "points", "indices", "uvs", "normals", "file"];
+pub(super) const FILE_KEYS: [&str; 1] = ["file"];
 
 const POINTS: &str = "an array of at least three points [[x, y, z], ...]";
 const INDICES: &str = "an array of triangles [[a, b, c], ...], at least one";
@@ -31,7 +33,7 @@ pub(super) fn kind_and_keys(
     match (has("file"), has("points"), has("indices")) {
         (true, true, _) => Err(both(cursor, "points")),
         (true, _, true) => Err(both(cursor, "indices")),
-        (true, false, false) => Ok(("a trimesh from a file", &["file"])),
+        (true, false, false) => Ok(("a trimesh from a file", &FILE_KEYS)),
         (false, _, true) => Ok(("a trimesh with indices", &INDEXED_KEYS)),
         (false, _, false) => Ok(("a trimesh that is a strip", &STRIP_KEYS)),
     }
@@ -64,8 +66,10 @@ fn mesh_file(cursor: &Cursor<'_>) -> Result<Geometry> {
     let name = cursor.text("the path of a mesh")?;
     let extension = Path::new(name).extension().and_then(|e| e.to_str()).unwrap_or_default();
     if ["gltf", "glb"].contains(&extension.to_ascii_lowercase().as_str()) {
-        let error = cursor.error("glTF meshes are not supported yet");
-        return Err(error.remedy("convert it to PLY or OBJ"));
+        let error = cursor.error("a glTF file is a scene of its own, and no shape");
+        return Err(error.remedy(
+            "convert it, and name the meshes that this writes: wavecrest convert IN OUT.json",
+        ));
     }
     Ok(Geometry::MeshFile(existing_file(cursor, "the path of a mesh")?))
 }

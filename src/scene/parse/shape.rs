@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::scene::components::{Facing, Name, Quad, Shading, Sides, Sphere, Transform, Triangle};
 use crate::scene::corners::{
     direction, quad_has_area, quad_is_planar, quad_is_simple, quad_normal, quad_repeats_a_corner,
@@ -13,7 +13,7 @@ use crate::scene::schema::{Geometry, Shape};
 
 use super::{material, mesh, transform};
 
-const COMMON_KEYS: [&str; 10] = [
+pub(super) const COMMON_KEYS: [&str; 12] = [
     "type",
     "name",
     "id",
@@ -21,27 +21,36 @@ const COMMON_KEYS: [&str; 10] = [
     "texture",
     "filter",
     "wrap",
+    "encoding",
+    "tint",
     "transform",
     "sides",
     "shading",
 ];
 
+/// Of a shape of the scene, and not of one of a light.
+pub(super) const SCENE_KEYS: [&str; 1] = ["hidden"];
+pub(super) const SPHERE_KEYS: [&str; 2] = ["center", "radius"];
+/// Of a plane and of a triangle.
+pub(super) const FLAT_KEYS: [&str; 2] = ["points", "normal"];
+
 /// Sine of the angle to the surface below which a `normal` does not tell the sides apart, in
 /// single precision.
 const IN_PLANE: f64 = 1e-6;
 
-const SIDES: [(&str, Sides); 2] = [("front", Sides::Front), ("both", Sides::Both)];
-const SHADINGS: [(&str, Shading); 2] = [("flat", Shading::Flat), ("smooth", Shading::Smooth)];
+pub(super) const SIDES: [(&str, Sides); 2] = [("front", Sides::Front), ("both", Sides::Both)];
+pub(super) const SHADINGS: [(&str, Shading); 2] =
+    [("flat", Shading::Flat), ("smooth", Shading::Smooth)];
 
 #[derive(Clone, Copy)]
-enum Kind {
+pub(super) enum Kind {
     Sphere,
     Plane,
     Triangle,
     Trimesh,
 }
 
-const KINDS: [(&str, Kind); 4] = [
+pub(super) const KINDS: [(&str, Kind); 4] = [
     ("sphere", Kind::Sphere),
     ("plane", Kind::Plane),
     ("triangle", Kind::Triangle),
@@ -50,15 +59,17 @@ const KINDS: [(&str, Kind); 4] = [
 
 /// Reads an element of `scene.shapes`.
 pub(super) fn shape(cursor: &Cursor<'_>) -> Result<Shape> {
-    let object = open(cursor)?;
+    let object = open(cursor, &SCENE_KEYS)?;
+    let hidden = object.get("hidden").map_or(Ok(false), |cursor| cursor.truth())?;
     let material = material::material(&object.need("material", "an object { ... }")?)?;
-    Ok(Shape { material: Some(material), texture: material::texture(&object)?, ..form(&object)? })
+    let texture = material::texture(&object)?;
+    Ok(Shape { hidden, material: Some(material), texture, ..form(&object)? })
 }
 
 /// Reads the `shape` of an area light. It shines with the light's own colour, so that its material
 /// and its texture are not looked at.
 pub(super) fn light_shape(cursor: &Cursor<'_>) -> Result<Shape> {
-    let object = open(cursor)?;
+    let object = open(cursor, &[])?;
     let shape = form(&object)?;
     if let Geometry::Triangle(triangle) = &shape.geometry
         && !triangle_has_area(&triangle.points)
@@ -69,15 +80,15 @@ pub(super) fn light_shape(cursor: &Cursor<'_>) -> Result<Shape> {
     Ok(shape)
 }
 
-/// The shape as an object with exactly the keys that its kind has.
-fn open<'a>(cursor: &Cursor<'a>) -> Result<Object<'a>> {
+/// The shape as an object with exactly the keys that its kind has, and `more`.
+fn open<'a>(cursor: &Cursor<'a>, more: &[&'static str]) -> Result<Object<'a>> {
     let (kind, own): (&str, &[&'static str]) = match cursor.kind("a shape", &KINDS)? {
-        Kind::Sphere => ("a sphere", &["center", "radius"]),
-        Kind::Plane => ("a plane", &["points", "normal"]),
-        Kind::Triangle => ("a triangle", &["points", "normal"]),
+        Kind::Sphere => ("a sphere", &SPHERE_KEYS),
+        Kind::Plane => ("a plane", &FLAT_KEYS),
+        Kind::Triangle => ("a triangle", &FLAT_KEYS),
         Kind::Trimesh => mesh::kind_and_keys(cursor)?,
     };
-    cursor.object(kind, [&COMMON_KEYS[..], own].concat())
+    cursor.object(kind, [&COMMON_KEYS[..], own, more].concat())
 }
 
 /// All of a shape but its material and texture.
@@ -102,12 +113,13 @@ fn form(object: &Object<'_>) -> Result<Shape> {
         transform: transform.map(Transform),
         sides: object.choice_or("sides", &SIDES, default_sides)?,
         shading: object.choice_or("shading", &SHADINGS, Shading::Flat)?,
+        hidden: false,
         material: None,
         texture: None,
     })
 }
 
-fn name(object: &Object<'_>) -> Result<Option<Name>> {
+pub(super) fn name(object: &Object<'_>) -> Result<Option<Name>> {
     let Some(cursor) = object.one_of(&["name", "id"])? else { return Ok(None) };
     Ok(Some(Name(cursor.text("a text that is not empty")?.to_owned())))
 }
@@ -116,11 +128,16 @@ fn sphere(object: &Object<'_>, transform: Option<glam::DAffine3>) -> Result<Geom
     if let Some(cursor) = object.get("transform")
         && transform.is_some_and(|t| !transform::is_uniform(&t))
     {
-        let error = cursor.error("a sphere cannot be sheared, nor scaled by unequal factors");
-        return Err(error.remedy("scale it evenly, or use a trimesh"));
+        return Err(uneven(&cursor));
     }
     let center = object.point(&["center"])?;
     Ok(Geometry::Sphere(Sphere { center, radius: object.number("radius", Range::POSITIVE)? }))
+}
+
+/// The transform at `cursor` would make something else of a sphere.
+pub(super) fn uneven(cursor: &Cursor<'_>) -> Error {
+    let error = cursor.error("a sphere cannot be sheared, nor scaled by unequal factors");
+    error.remedy("scale it evenly, or use a trimesh")
 }
 
 fn quad(object: &Object<'_>) -> Result<(Geometry, Option<Facing>)> {

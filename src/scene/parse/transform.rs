@@ -9,13 +9,15 @@ use crate::scene::reader::{Cursor, Object, Range};
 /// even: eight times the rounding of single precision, in which the scene is drawn.
 const EVEN: f64 = 1e-6;
 
+pub(super) const PARTS: [&str; 3] = ["translate", "rotate", "scale"];
+
 /// Reads a transform: a matrix, or its parts.
 pub(super) fn transform(cursor: &Cursor<'_>) -> Result<DAffine3> {
     let transform = if cursor.value().is_array() {
         matrix(cursor)?
     } else {
         let kind = "a transform (or a matrix of 4 rows)";
-        parts(&cursor.object(kind, vec!["translate", "rotate", "scale"])?)?
+        parts(&cursor.object(kind, PARTS.into())?)?
     };
     if is_singular(transform.matrix3) {
         let error = cursor.error("the transform flattens space, so that it cannot be undone");

@@ -35,8 +35,14 @@ impl Range {
         Self { low, high, open: false }
     }
 
-    fn contains(self, x: f64) -> bool {
+    /// Whether a number is one of them.
+    pub(crate) fn contains(self, x: f64) -> bool {
         (if self.open { x > self.low } else { x >= self.low }) && x <= self.high
+    }
+
+    /// The least and the greatest number, and whether the least itself is left out.
+    pub(crate) fn bounds(self) -> (f64, f64, bool) {
+        (self.low, self.high, self.open)
     }
 
     /// The range in words.
@@ -118,6 +124,11 @@ impl<'a> Cursor<'a> {
         let too_large = number.is_some_and(|x| x > high.into());
         let kind = if too_large { ErrorKind::Limit } else { ErrorKind::Scene };
         Err(self.error_of(kind, format!("must be {}", integer_words(low, high))))
+    }
+
+    /// Yes or no.
+    pub(crate) fn truth(&self) -> Result<bool> {
+        self.value.as_bool().ok_or_else(|| self.must_be("true or false"))
     }
 
     /// A list of exactly `N` numbers in `range`; `what` describes it.

@@ -7,9 +7,9 @@ use serde_json::json;
 
 use super::{accepted, at, complete, load, only, set, with, without};
 use crate::scene::components::{
-    AreaLight, Facing, Falloff, Filter, FovAxis, JsonPath, Material, Mesh, Name, Order, Pinhole,
-    PointLight, Quad, Sampling, Settings, Shading, Sides, Sphere, TextureRef, ThinLens, Transform,
-    Triangle, View, Wrap,
+    AreaLight, Encoding, Facing, Falloff, Filter, FovAxis, JsonPath, Material, Mesh, Name, Order,
+    Pinhole, PointLight, Quad, Sampling, Settings, Shading, Sides, Sphere, TextureRef,
+    TextureSource, ThinLens, Transform, Triangle, View, Wrap,
 };
 
 #[test]
@@ -18,6 +18,8 @@ fn settings() {
     let background = dvec3(0.1, 0.2, 0.3);
     let file = PathBuf::from("s.json");
     assert_eq!(settings, Settings { file, bounces: 3, background, ambient: 0.1 });
+    assert_eq!(load(&complete()).unwrap().encoding, Encoding::Srgb);
+    assert_eq!(load(&without("transfer")).unwrap().encoding, Encoding::Linear);
     let settings: Settings = only(&load(&without("scene.ambient")).unwrap());
     assert_eq!(settings.ambient, 0.08);
 }
@@ -203,8 +205,13 @@ fn shapes() {
         kr: 0.25,
     };
     assert_eq!(at(&scene, ball), Some(material));
-    let path = PathBuf::from("Cargo.toml");
-    let texture = TextureRef { path, filter: Filter::Nearest, wrap: Wrap::Clamp };
+    let texture = TextureRef {
+        source: TextureSource::File(PathBuf::from("Cargo.toml")),
+        encoding: Encoding::Srgb,
+        tint: dvec3(0.5, 1.0, 0.25),
+        filter: Filter::Nearest,
+        wrap: Wrap::Clamp,
+    };
     assert_eq!(at(&scene, ball), Some(texture));
     assert_eq!(at(&scene, "scene.shapes[1]"), Some(Facing::Toward(DVec3::Z)));
     assert_eq!(at::<Facing>(&scene, "scene.shapes[2]"), None);
@@ -228,6 +235,7 @@ fn shape_defaults() {
     let scene = accepted("scene.shapes[3].texture", json!("Cargo.toml"));
     let texture: TextureRef = at(&scene, "scene.shapes[3]").unwrap();
     assert_eq!((texture.filter, texture.wrap), (Filter::Bilinear, Wrap::Repeat));
+    assert_eq!((texture.encoding, texture.tint), (Encoding::Linear, DVec3::ONE));
 }
 
 #[test]

@@ -8,7 +8,7 @@ use tempfile::TempDir;
 
 use super::{complete, one_triangle, set};
 use crate::error::{Error, ErrorKind, Result, Warning};
-use crate::scene::components::{Mesh, TextureRef};
+use crate::scene::components::{Mesh, TextureRef, TextureSource};
 use crate::scene::load::{LoadOptions, LoadedScene, load, load_str, load_with};
 use crate::scene::mesh::LoadedMesh;
 
@@ -97,9 +97,9 @@ fn paths_start_from_the_scene_files_folder() {
         one_triangle(file)
     });
     let world = scene.unwrap().world;
-    let textures: Vec<PathBuf> =
-        world.query::<&TextureRef>().iter().map(|texture| texture.path.clone()).collect();
-    assert_eq!(textures, [folder.path().join("wood.png")]);
+    let textures: Vec<TextureSource> =
+        world.query::<&TextureRef>().iter().map(|texture| texture.source.clone()).collect();
+    assert_eq!(textures, [TextureSource::File(folder.path().join("wood.png"))]);
     let found = world.query::<&Mesh>().iter().filter_map(|mesh| mesh.file.clone()).next();
     assert_eq!(found, Some(mesh.clone()));
 }

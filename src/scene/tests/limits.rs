@@ -88,7 +88,7 @@ fn rays() {
 }
 
 fn sized(width: u32, height: u32) -> LoadOptions {
-    LoadOptions { width: Some(width), height: Some(height), strict: false }
+    LoadOptions { width: Some(width), height: Some(height), ..LoadOptions::default() }
 }
 
 #[test]

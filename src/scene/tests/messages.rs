@@ -36,9 +36,8 @@ fn top_level() {
     );
     refused(
         "scene.instances",
-        json!([]),
-        "scene.instances: instances are not supported yet, found []; repeat the shape in \
-         scene.shapes, each time with its own \"transform\"",
+        json!({}),
+        "scene.instances: must be an array of instances, found {}",
     );
 }
 

@@ -29,6 +29,7 @@ fn complete() -> Value {
     let quad = json!([[0, 0, 0], [0, 1, 0], [1, 1, 0], [1, 0, 0]]);
     json!({
         "nbounces": 3,
+        "transfer": "srgb",
         "camera": {
             "type": "thinlens", "width": 640, "height": 480, "fov": 60, "fovaxis": "x",
             "location": [0, 0, 5], "look": [0, 0, 0], "up": [0, 1, 0], "antialias": 2,
@@ -47,7 +48,7 @@ fn complete() -> Value {
             "shapes": [
                 { "type": "sphere", "name": "ball", "center": [1, 2, 3], "radius": 4,
                   "material": material, "texture": "Cargo.toml", "filter": "nearest",
-                  "wrap": "clamp", "sides": "front", "shading": "flat",
+                  "wrap": "clamp", "encoding": "srgb", "tint": [0.5, 1, 0.25], "sides": "front", "shading": "flat",
                   "transform": { "translate": [1, 2, 3], "rotate": [0, 90, 0], "scale": 2 } },
                 { "type": "plane", "points": quad, "normal": [0, 0, 1], "material": material },
                 { "type": "triangle", "points": [[0, 0, 0], [0, 1, 0], [1, 0, 0]], "normal": 1,

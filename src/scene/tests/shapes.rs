@@ -237,7 +237,8 @@ fn mesh_sources() {
             "file",
             json!(file),
             &format!(
-                "glTF meshes are not supported yet, found \"{file}\"; convert it to PLY or OBJ"
+                "a glTF file is a scene of its own, and no shape, found \"{file}\"; convert it, and name the \
+                 meshes that this writes: wavecrest convert IN OUT.json"
             ),
         );
     }

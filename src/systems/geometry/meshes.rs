@@ -5,10 +5,11 @@ use glam::{DAffine3, Vec3};
 use hecs::World;
 use rayon::prelude::*;
 
+use super::forms::Showings;
 use super::{Common, check_point, in_range};
 use crate::error::Result;
 use crate::math::float::normalize_f64;
-use crate::scene::components::{Mesh, Quad, Triangle};
+use crate::scene::components::Mesh;
 use crate::scene::mesh::MeshData;
 
 /// How long the arrays will be.
@@ -19,12 +20,13 @@ pub(super) struct Room {
 }
 
 impl Room {
-    /// For everything that the world has.
-    pub(super) fn of(world: &World) -> Self {
-        let triangles = world.query::<&Triangle>().iter().count();
-        let quads = world.query::<&Quad>().iter().count();
+    /// For everything that the world shows but instances.
+    pub(super) fn of(world: &World, showings: &Showings) -> Self {
+        let meshes = showings.own_meshes(world);
+        let triangles = showings.triangles(world).len() - meshes.len();
+        let quads = showings.quads(world).len();
         let mut room = Self { positions: 3 * triangles + 4 * quads, triangles };
-        for mesh in world.query::<&Mesh>().iter() {
+        for mesh in meshes.into_iter().filter_map(|entity| world.get::<&Mesh>(entity).ok()) {
             room.positions += mesh.data.positions.len();
             room.triangles += mesh.data.triangles.len();
         }

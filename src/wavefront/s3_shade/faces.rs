@@ -7,9 +7,11 @@ use glam::{Vec2, Vec3};
 
 use crate::accel::geometry::{Geometry, Primitive};
 use crate::kernels::blinn_phong::Material;
+use crate::kernels::surface::lanes::Surfaces;
 use crate::kernels::surface::{self, Surface};
+use crate::math::lanes::Vec3x8;
 use crate::math::ray::Ray;
-use crate::math::simd::LANES;
+use crate::math::simd::{LANES, Lanes};
 use crate::prepared::{Looks, Shape};
 use crate::variant::Effects;
 
@@ -48,8 +50,11 @@ pub(super) struct Group {
     pub(super) smooth: u32,
     /// Hits on quads.
     pub(super) quads: u32,
-    /// Corners of the triangles; or centres, and radii in each row of the second.
+    /// Corners of the triangles, those of instances in the space of their form; or centres, and radii in
+    /// each row of the second.
     pub(super) corners: [Rows; 3],
+    /// Origins and directions of rays to instances, in the space of the form.
+    pub(super) carried: [Rows; 2],
     /// Normals at the corners, where there are any.
     pub(super) normals: [Rows; 3],
     /// -1 where the front is where the winding runs clockwise, else 1.
@@ -107,19 +112,22 @@ impl Group {
         ray: impl Fn(usize) -> Ray,
     ) {
         let Face { ray: number, primitive, shape } = self.faces[lane];
+        if E::LOOKS && looks.shapes[shape as usize].smooth {
+            let shape = &looks.shapes[shape as usize];
+            self.fetch_normals(lane, shape, primitive, geometry, looks);
+        }
         let corners = match geometry.primitive(primitive) {
             Primitive::Quad(i) => {
                 self.quads |= 1 << lane;
                 surface::quad_half(&ray(number as usize), &geometry.quad(i))
             }
-            Primitive::Triangle(i) => {
-                if E::LOOKS {
-                    let shape = &looks.shapes[shape as usize];
-                    if shape.smooth {
-                        self.fetch_normals(lane, shape, primitive, geometry, looks);
-                    }
-                }
-                geometry.triangle(i)
+            Primitive::Triangle(i) => geometry.triangle(i),
+            Primitive::Shown(shown) => {
+                let (instance, form) = geometry.instance(shown);
+                let carried = instance.carried(&ray(number as usize));
+                set(&mut self.carried[0], lane, carried.origin);
+                set(&mut self.carried[1], lane, carried.direction);
+                form.triangle(shown.triangle as usize)
             }
             Primitive::Sphere(i) => {
                 let (center, radius) = geometry.spheres[i];
@@ -144,6 +152,39 @@ impl Group {
         self.smooth |= 1 << lane;
         for (rows, normal) in self.normals.iter_mut().zip(normals) {
             set(rows, lane, normal);
+        }
+    }
+
+    /// Points of instances, from the space of the form to the world's.
+    #[inline(always)]
+    pub(super) fn in_world<S: Lanes>(
+        &self,
+        simd: S,
+        found: &Surfaces<S>,
+        geometry: &Geometry,
+    ) -> Surfaces<S> {
+        let mut rows = [Rows::default(); 3];
+        for lane in 0..LANES {
+            let Primitive::Shown(shown) = geometry.primitive(self.faces[lane].primitive) else {
+                continue;
+            };
+            let of_form = Surface {
+                point: found.point.lane(lane),
+                error: found.error.lane(lane),
+                normal: found.normal.lane(lane),
+                barycentric: Vec2::ZERO,
+            };
+            let world = geometry.instance(shown).0.surface(&of_form);
+            for (rows, v) in rows.iter_mut().zip([world.point, world.error, world.normal]) {
+                set(rows, lane, v);
+            }
+        }
+        let [point, error, normal] = &rows;
+        Surfaces {
+            point: Vec3x8::load(simd, point),
+            error: Vec3x8::load(simd, error),
+            normal: Vec3x8::load(simd, normal),
+            barycentric: found.barycentric,
         }
     }
 

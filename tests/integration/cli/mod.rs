@@ -3,6 +3,9 @@
 // Arguments, formats, what changes the image and what does not, names of files.
 mod rendering;
 
+// Several outputs, layers, and what files say of how they were made.
+mod outputs;
+
 // Exit codes, messages, and what is left behind when something fails.
 mod failures;
 
@@ -26,6 +29,15 @@ mod probing;
 
 // The command that tries hard cases.
 mod selftest;
+
+// Progress, the log, the image while it is not finished, and a viewer.
+mod showing;
+
+// Exit codes, and where they are told.
+mod exits;
+
+// Scripts for shells, and the manual.
+mod shells;
 
 use std::path::{Path, PathBuf};
 use std::process::Output;

@@ -64,7 +64,7 @@ fn no_choice_of_how_to_render_changes_a_byte() {
         &["--tracer", "wavefront", "--batch", "7"],
         &["--threads", "1"],
         &["--threads", "3", "--bvh", "brute"],
-        &["--bvh", "very-slow", "--seed", "9"],
+        &["--bvh", "very-slow"],
         &["--kernel", "auto", "--simd", "auto"],
         &["--kernel", "packet"],
         &["--kernel", "stream", "--batch", "50"],

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use super::{run_silently, with_ball};
 
 /// Every key that the documentation of the statistics names, as JSON pointers.
-const STATISTICS: [&str; 66] = [
+const STATISTICS: [&str; 67] = [
     "/version",
     "/scene",
     "/tracer",
@@ -32,6 +32,7 @@ const STATISTICS: [&str; 66] = [
     "/foretold/samples/light",
     "/foretold/samples/texels",
     "/tests/nodes",
+    "/tests/instances",
     "/tests/primitives/triangles",
     "/tests/primitives/quads",
     "/tests/primitives/spheres",

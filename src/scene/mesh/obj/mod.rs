@@ -14,6 +14,7 @@
 mod corners;
 mod lines;
 mod piece;
+mod survey;
 
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
@@ -24,6 +25,8 @@ use super::validate::{bad_index, first_with, note_zeroed, zero_bad_normals, zero
 use super::{Attribute, MeshData, NO_VALUE, Read, check_count, no_triangles, read_failure};
 use crate::error::{Error, ErrorKind, Result};
 use piece::{Count, Piece};
+
+pub(super) use survey::survey;
 
 /// How much text is in memory at once, unless a statement is longer.
 const BLOCK: usize = 1 << 24;

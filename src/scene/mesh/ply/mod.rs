@@ -22,6 +22,7 @@ mod header;
 mod layout;
 mod polygons;
 mod source;
+mod survey;
 mod triangles;
 mod vertices;
 
@@ -31,6 +32,8 @@ use super::Read;
 use super::place::{ReadAt, Section};
 use crate::error::Result;
 use header::Encoding;
+
+pub(super) use survey::survey;
 
 /// How much of a body that is read number by number is in memory at once.
 const BUFFER: usize = 1 << 17;

@@ -2,7 +2,7 @@ use glam::{DMat3, DVec3};
 
 use super::*;
 use crate::math::float::MAX_COORDINATE;
-use crate::scene::components::{JsonPath, Order, Transform};
+use crate::scene::components::{JsonPath, Order, Transform, Triangle};
 use crate::scene::mesh::Attribute;
 use crate::systems::geometry::{Output, run};
 
@@ -21,7 +21,7 @@ fn spawn(world: &mut World, order: u32, data: MeshData) -> hecs::Entity {
 }
 
 fn made(world: &mut World) -> Output {
-    run(world, DVec3::ZERO).unwrap()
+    run(world, DVec3::ZERO, false).unwrap()
 }
 
 #[test]
@@ -92,7 +92,7 @@ fn the_first_position_that_is_carried_too_far_is_told() {
     data.positions[50_000].x = MAX_COORDINATE;
     let entity = spawn(&mut world, 0, data);
     world.insert_one(entity, Transform(DAffine3::from_scale(DVec3::splat(4.0)))).unwrap();
-    let error = run(&mut world, DVec3::ZERO).unwrap_err().to_string();
+    let error = run(&mut world, DVec3::ZERO, false).unwrap_err().to_string();
     let value = format!("found a coordinate of {:e}", f64::from(MAX_COORDINATE) * 2.0);
     assert!(error.starts_with("scene.shapes[0].transform: ") && error.contains(&value), "{error}");
 }

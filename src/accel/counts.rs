@@ -1,0 +1,53 @@
+//! Counts of the work done while searching.
+
+/// Work counted while tracing, exactly.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct TestCounts {
+    /// Inner nodes visited, each testing the boxes of its children.
+    pub nodes: u64,
+    /// Leaves visited.
+    pub leaves: u64,
+    /// Triangles tested.
+    pub triangles: u64,
+    /// Quads tested.
+    pub quads: u64,
+    /// Spheres tested.
+    pub spheres: u64,
+    /// Instances visited, each by one ray.
+    pub instances: u64,
+}
+
+impl TestCounts {
+    fn zip(self, other: Self, f: impl Fn(u64, u64) -> u64) -> Self {
+        Self {
+            nodes: f(self.nodes, other.nodes),
+            leaves: f(self.leaves, other.leaves),
+            triangles: f(self.triangles, other.triangles),
+            quads: f(self.quads, other.quads),
+            spheres: f(self.spheres, other.spheres),
+            instances: f(self.instances, other.instances),
+        }
+    }
+}
+
+impl std::ops::Add for TestCounts {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        self.zip(other, |a, b| a + b)
+    }
+}
+
+impl std::ops::Sub for TestCounts {
+    type Output = Self;
+
+    fn sub(self, other: Self) -> Self {
+        self.zip(other, |a, b| a - b)
+    }
+}
+
+impl std::ops::AddAssign for TestCounts {
+    fn add_assign(&mut self, other: Self) {
+        *self = *self + other;
+    }
+}

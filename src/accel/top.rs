@@ -1,0 +1,256 @@
+//! The tree over instances: a leaf for each of them.
+//!
+//! A binary tree divided from the top by the surface-area heuristic over bins (Wald, *On fast Construction
+//! of SAH-based Bounding Volume Hierarchies*, 2007). Instances are few beside the triangles in them: the tree
+//! is simple, and so built that no scene makes it deep.
+
+use super::instance::Instance;
+use super::tree::reach;
+use crate::kernels::precision::Arithmetic;
+use crate::kernels::slab::{Aabb, SlabRay};
+use crate::math::float::{max, min};
+use crate::math::ray::Ray;
+
+/// Bins along an axis.
+const BINS: usize = 16;
+
+/// From this depth on, halves have equally many instances: no stack needs more than this and 32 entries.
+const DEEPEST: usize = 64;
+
+/// A node, or a leaf.
+#[derive(Clone, Copy, Debug)]
+struct Node {
+    bounds: Aabb,
+    /// The first of two children; of a leaf, the instance.
+    index: u32,
+    is_leaf: bool,
+}
+
+/// A tree over instances.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Top {
+    /// The root first, children side by side.
+    nodes: Vec<Node>,
+    /// How many times as far as for other boxes the origins of rays are moved.
+    widening: f32,
+    depth: usize,
+}
+
+/// An instance that a ray may meet, or a node on the way there.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Entry {
+    /// Where the ray enters its box, at the earliest.
+    near: f32,
+    node: u32,
+}
+
+/// An instance on its way into the tree.
+#[derive(Clone, Copy)]
+struct Item {
+    instance: u32,
+    bounds: Aabb,
+}
+
+impl Item {
+    /// Twice the middle of its box along `axis`.
+    fn middle(&self, axis: usize) -> f32 {
+        self.bounds.low[axis] + self.bounds.high[axis]
+    }
+}
+
+impl Top {
+    /// Over `instances`, of which `boxes` gives those of each form.
+    pub(super) fn new(instances: &[Instance], boxes: impl Fn(usize) -> Vec<Aabb>) -> Self {
+        let mut forms: Vec<Option<Vec<Aabb>>> = Vec::new();
+        let mut items: Vec<Item> = Vec::with_capacity(instances.len());
+        for (number, instance) in (0..).zip(instances) {
+            let form = instance.form();
+            if forms.len() <= form {
+                forms.resize(form + 1, None);
+            }
+            let of_form = forms[form].get_or_insert_with(|| boxes(form));
+            if !of_form.is_empty() {
+                items.push(Item { instance: number, bounds: instance.bounds(of_form) });
+            }
+        }
+        let widening = instances.iter().map(Instance::widening).fold(1.0, f32::max);
+        let mut top = Self { nodes: Vec::with_capacity(2 * items.len()), widening, depth: 0 };
+        top.build(&mut items);
+        top
+    }
+
+    /// Bytes held.
+    pub(super) fn bytes(&self) -> u64 {
+        size_of_val(self.nodes.as_slice()) as u64
+    }
+
+    /// Entries that the stack of a ray must have room for.
+    pub(super) fn stack_entries(&self) -> usize {
+        self.depth + 2
+    }
+
+    fn build(&mut self, items: &mut [Item]) {
+        if items.is_empty() {
+            return;
+        }
+        let empty = Node { bounds: Aabb::EMPTY, index: 0, is_leaf: true };
+        self.nodes.push(empty);
+        let mut waiting = vec![(0, 0..items.len(), 0)];
+        while let Some((place, range, depth)) = waiting.pop() {
+            self.depth = self.depth.max(depth);
+            let here = &mut items[range.clone()];
+            let bounds = here.iter().fold(Aabb::EMPTY, |all, item| all.union(item.bounds));
+            if let [item] = here {
+                self.nodes[place] = Node { bounds, index: item.instance, is_leaf: true };
+                continue;
+            }
+            let middle = range.start + divide(here, depth);
+            let children = self.nodes.len();
+            self.nodes[place] = Node { bounds, index: children as u32, is_leaf: false };
+            self.nodes.extend([empty; 2]);
+            waiting.push((children, range.start..middle, depth + 1));
+            waiting.push((children + 1, middle..range.end, depth + 1));
+        }
+    }
+
+    /// `ray` as the boxes want it.
+    #[inline]
+    pub(super) fn slab(&self, ray: &Ray) -> SlabRay {
+        SlabRay::widened(ray, self.widening)
+    }
+
+    /// Puts the root on an empty stack if the ray meets it. The height.
+    #[inline]
+    pub(super) fn start<P: Arithmetic>(
+        &self,
+        ray: &Ray,
+        slab: &SlabRay,
+        t: f32,
+        stack: &mut [Entry],
+    ) -> usize {
+        if self.nodes.is_empty() {
+            return 0;
+        }
+        self.push::<P>(0, ray, slab, t, (stack, 0))
+    }
+
+    /// The next instance that the ray may meet no later than at `t`, nearer ones mostly first; and what is
+    /// then the height of the stack.
+    #[inline]
+    pub(super) fn next<P: Arithmetic>(
+        &self,
+        ray: &Ray,
+        slab: &SlabRay,
+        t: f32,
+        (stack, mut height): (&mut [Entry], usize),
+    ) -> (Option<u32>, usize) {
+        while height > 0 {
+            height -= 1;
+            let Entry { near, node } = stack[height];
+            if near > reach::<P>(t) {
+                continue;
+            }
+            let node = self.nodes[node as usize];
+            if node.is_leaf {
+                return (Some(node.index), height);
+            }
+            let before = height;
+            height = self.push::<P>(node.index, ray, slab, t, (stack, height));
+            height = self.push::<P>(node.index + 1, ray, slab, t, (stack, height));
+            if height == before + 2 && stack[before].near < stack[before + 1].near {
+                stack.swap(before, before + 1);
+            }
+        }
+        (None, 0)
+    }
+
+    #[inline]
+    fn push<P: Arithmetic>(
+        &self,
+        node: u32,
+        ray: &Ray,
+        slab: &SlabRay,
+        t: f32,
+        (stack, height): (&mut [Entry], usize),
+    ) -> usize {
+        let interval = slab.interval(&self.nodes[node as usize].bounds);
+        let near = max(interval.near, ray.t_min);
+        if near > min(interval.far, reach::<P>(t)) {
+            return height;
+        }
+        stack[height] = Entry { near, node };
+        height + 1
+    }
+}
+
+/// Puts the items of the left half before those of the right one. How many they are: not all, nor none.
+fn divide(items: &mut [Item], depth: usize) -> usize {
+    let (low, high) =
+        items.iter().fold(([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]), |(low, high), item| {
+            let at = |k: usize| item.middle(k);
+            ([0, 1, 2].map(|k| low[k].min(at(k))), [0, 1, 2].map(|k| high[k].max(at(k))))
+        });
+    let extent = |k: usize| high[k] - low[k];
+    let axis = (1..3).fold(0, |best, k| if extent(k) > extent(best) { k } else { best });
+    let half = items.len() / 2;
+    if depth < DEEPEST && extent(axis) > 0.0 {
+        let bin = |item: &Item| {
+            let part = (item.middle(axis) - low[axis]) / extent(axis);
+            ((part * BINS as f32) as usize).min(BINS - 1)
+        };
+        let border = cheapest(items, bin);
+        let left = partition(items, |item| bin(item) < border);
+        if left > 0 && left < items.len() {
+            return left;
+        }
+    }
+    // As many on either side: of equal middles the lower numbers.
+    let key = |item: &Item| (item.middle(axis), item.instance);
+    items.select_nth_unstable_by(half, |a, b| {
+        let ((a, i), (b, j)) = (key(a), key(b));
+        a.total_cmp(&b).then(i.cmp(&j))
+    });
+    half
+}
+
+/// The first bin of the right half, by the surface-area heuristic.
+fn cheapest(items: &[Item], bin: impl Fn(&Item) -> usize) -> usize {
+    let mut bins = [(Aabb::EMPTY, 0.0_f32); BINS];
+    for item in items {
+        let (bounds, count) = &mut bins[bin(item)];
+        *bounds = bounds.union(item.bounds);
+        *count += 1.0;
+    }
+    let mut costs = [0.0; BINS];
+    let mut sweep = |order: &mut dyn Iterator<Item = usize>, after: usize| {
+        let (mut bounds, mut count) = (Aabb::EMPTY, 0.0);
+        for k in order {
+            bounds = bounds.union(bins[k].0);
+            count += bins[k].1;
+            // A border lies before bin k + after.
+            if let Some(cost) = costs.get_mut(k + after).filter(|_| count > 0.0) {
+                *cost += half_area(&bounds) * count;
+            }
+        }
+    };
+    sweep(&mut (0..BINS), 1);
+    sweep(&mut (0..BINS).rev(), 0);
+    (2..BINS).fold(1, |best, k| if costs[k] < costs[best] { k } else { best })
+}
+
+fn half_area(bounds: &Aabb) -> f32 {
+    let size = bounds.high - bounds.low;
+    size.x * size.y + size.y * size.z + size.z * size.x
+}
+
+/// Brings the items that are `first` before the others. How many they are.
+fn partition(items: &mut [Item], first: impl Fn(&Item) -> bool) -> usize {
+    let mut count = 0;
+    for i in 0..items.len() {
+        if first(&items[i]) {
+            items.swap(i, count);
+            count += 1;
+        }
+    }
+    count
+}

@@ -1,0 +1,321 @@
+//! Progress, the log, the image while it is not finished, and a viewer.
+
+use std::io::{Read, Write as _};
+use std::net::{TcpListener, TcpStream};
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+use serde_json::{Value, json};
+use wavecrest::image::Film;
+
+use super::{ball, film, run, run_silently, run_wrongly, text, with_ball, with_scene};
+use crate::support::{image, with};
+
+/// The ball in so many pixels.
+fn of_size(width: u32, height: u32) -> Value {
+    let mut scene = ball();
+    scene["camera"] = with(with(scene["camera"].clone(), "width", width), "height", height);
+    scene
+}
+
+#[test]
+fn progress_is_told_in_lines_of_json() {
+    let folder = with_scene(&of_size(170, 130).to_string());
+    let start = Instant::now();
+    let output = run(folder.path(), &["ball.json", "out.exr", "--progress", "json", "--quiet"]);
+    let spent = start.elapsed().as_secs_f64();
+    assert_eq!((output.status.code(), text(&output.stdout)), (Some(0), ""));
+    let parse = |line: &str| serde_json::from_str::<Value>(line).expect("JSON");
+    let lines: Vec<Value> = text(&output.stderr).lines().map(parse).collect();
+    let mut stages: Vec<&str> = lines.iter().map(|l| l["stage"].as_str().expect("text")).collect();
+    stages.dedup();
+    assert_eq!(stages, ["load", "build", "trace", "write", "done"]);
+    assert!((lines.len() as f64) < 10.0 * spent + 8.0, "{} lines in {spent} s", lines.len());
+    let seconds = |line: &Value| line["seconds"].as_f64().expect("a number");
+    assert!(lines.windows(2).all(|pair| seconds(&pair[0]) <= seconds(&pair[1])));
+    let traced: Vec<_> = lines.iter().filter(|line| line["stage"] == "trace").collect();
+    assert_eq!((&traced[0]["done"], &traced[0]["all"]), (&json!(0), &Value::Null));
+    let last = traced[traced.len() - 1];
+    assert_eq!((&last["done"], &last["all"]), (&json!(170 * 130), &json!(170 * 130)));
+    assert_eq!(last["left"], 0.0);
+    for line in &lines {
+        let keys: Vec<_> = line.as_object().expect("an object").keys().collect();
+        assert_eq!(keys, ["stage", "done", "all", "seconds", "left"]);
+    }
+}
+
+#[test]
+fn a_bar_is_for_terminals() {
+    let folder = with_ball();
+    for style in ["auto", "bar", "none"] {
+        run_silently(folder.path(), &["ball.json", "out.exr", "--progress", style]);
+    }
+}
+
+fn log(folder: &Path) -> Vec<String> {
+    let text = std::fs::read_to_string(folder.join("log.txt")).expect("a log");
+    text.lines().map(str::to_owned).collect()
+}
+
+/// What a line of the log is about.
+fn topic(line: &str) -> &str {
+    line.split_whitespace().nth(2).expect("a topic")
+}
+
+#[test]
+fn the_log_tells_what_is_done_chosen_and_found() {
+    let mut scene = ball();
+    scene["camera"]["colour"] = json!(1);
+    let folder = with_scene(&scene.to_string());
+    let arguments = ["ball.json", "out.exr", "--log", "log.txt", "-q"];
+    run_silently(folder.path(), &arguments);
+    let lines = log(folder.path());
+    let mut topics: Vec<&str> = lines.iter().map(|line| topic(line)).collect();
+    topics.dedup();
+    let expected = [
+        "program", "machine", "choice", "load", "warning", "load", "effect", "build", "choice",
+        "build", "trace", "write", "done",
+    ];
+    assert_eq!(topics, expected);
+    let has = |words: &str| lines.iter().any(|line| line.contains(words));
+    for words in [
+        "ball.json out.exr --log log.txt -q",
+        "wavefront tracer, robust precision",
+        "ball.json: 16 x 12 pixels, 1 rays each, 0 triangles, 1 quads, 1 spheres, 1 lights",
+        "camera.colour: is not a key of a pinhole camera",
+        "+ mirrors: 1 with kr above 0",
+        "192 camera rays",
+        "out.exr: ",
+    ] {
+        assert!(has(words), "{words}\n{}", lines.join("\n"));
+    }
+    // The next render adds its lines, a failure too.
+    let output = run(folder.path(), &[&arguments[..], &["--crop", "9,9,99,9"]].concat());
+    assert_eq!(output.status.code(), Some(2));
+    let more = log(folder.path());
+    assert_eq!(more[..lines.len()], lines);
+    assert!(topic(&more[more.len() - 1]) == "error" && more[more.len() - 1].contains("the crop"));
+}
+
+#[test]
+fn a_log_may_go_to_standard_output_and_over_no_other_file() {
+    let folder = with_ball();
+    let output = run(folder.path(), &["ball.json", "out.exr", "--log", "-"]);
+    assert_eq!((output.status.code(), text(&output.stderr)), (Some(0), ""));
+    assert!(text(&output.stdout).lines().last().is_some_and(|line| topic(line) == "done"));
+    run_wrongly(
+        folder.path(),
+        &["ball.json", "out.exr", "--log", "ball.json"],
+        "ball.json: this file is the scene too; write to another file",
+    );
+    run_wrongly(
+        folder.path(),
+        &["ball.json", "out.exr", "--log", "out.exr"],
+        "out.exr: this file is the image too; write to another file",
+    );
+    let output = run(folder.path(), &["ball.json", "out.exr", "--log", "none/log.txt"]);
+    assert!(text(&output.stderr).contains("none/log.txt: cannot write the log"));
+}
+
+/// A child that is killed when the test ends.
+struct Killed(Child);
+
+impl Drop for Killed {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+#[test]
+fn the_image_is_written_while_it_is_rendered() {
+    // So many rays that the test is over before the render is.
+    let mut scene = of_size(200, 150);
+    scene["camera"]["antialias"] = json!(64);
+    let folder = with_scene(&scene.to_string());
+    let mut command = Command::new(env!("CARGO_BIN_EXE_wavecrest"));
+    command.args(["ball.json", "out.pfm", "--also", "out.exr", "--save-every", "0.05", "-q"]);
+    let child = command.current_dir(folder.path()).stderr(Stdio::piped()).spawn();
+    let _child = Killed(child.expect("the command starts"));
+    let start = Instant::now();
+    // The second output is there as soon as the first is whole.
+    while !folder.path().join("out.exr").exists() {
+        assert!(start.elapsed() < Duration::from_secs(120), "no image is written");
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    let found = film(folder.path().join("out.exr"));
+    assert_eq!((found.width(), found.height()), (200, 150));
+    let done = found.pixels().iter().filter(|pixel| **pixel != [0.0; 3]).count();
+    assert!(done > 0 && done < 200 * 150, "{done}");
+    let bytes = std::fs::read(folder.path().join("out.exr")).expect("an image");
+    let said = String::from_utf8_lossy(&bytes);
+    assert!(said.contains("wavecrest.unfinished") && said.contains("% is rendered"));
+    assert!(folder.path().join("out.pfm").exists());
+}
+
+#[test]
+fn an_image_that_is_saved_often_is_the_same_in_the_end() {
+    let folder = with_scene(&of_size(90, 70).to_string());
+    run_silently(folder.path(), &["ball.json", "a.exr"]);
+    run_silently(folder.path(), &["ball.json", "b.exr", "--save-every", "1e-9"]);
+    let bytes = |name: &str| std::fs::read(folder.path().join(name)).expect("an image");
+    assert!(bytes("a.exr") == bytes("b.exr"));
+}
+
+/// What a viewer was told: the names and the pixels of its images.
+#[derive(Default)]
+struct Viewer {
+    name: String,
+    size: [u32; 2],
+    pixels: Vec<f32>,
+    updates: usize,
+}
+
+/// Reads the protocol of the viewer tev: packets of a length, a kind, and what belongs to it.
+struct Packet<'a>(&'a [u8]);
+
+impl Packet<'_> {
+    fn take<const N: usize>(&mut self) -> [u8; N] {
+        let (head, rest) = self.0.split_first_chunk::<N>().expect("the packet goes on");
+        self.0 = rest;
+        *head
+    }
+
+    fn number(&mut self) -> u32 {
+        u32::from_le_bytes(self.take())
+    }
+
+    fn long(&mut self) -> u64 {
+        u64::from_le_bytes(self.take())
+    }
+
+    fn text(&mut self) -> String {
+        let end = self.0.iter().position(|&byte| byte == 0).expect("a text ends");
+        let text = text(&self.0[..end]).to_owned();
+        self.0 = &self.0[end + 1..];
+        text
+    }
+}
+
+impl Viewer {
+    fn take(&mut self, bytes: &[u8]) {
+        let mut rest = bytes;
+        while !rest.is_empty() {
+            let length = Packet(rest).number() as usize;
+            let mut packet = Packet(&rest[4..length]);
+            rest = &rest[length..];
+            match packet.take() {
+                [4] => self.create(&mut packet),
+                [6] => self.update(&mut packet),
+                kind => panic!("an unknown packet {kind:?}"),
+            }
+            assert!(packet.0.is_empty(), "a packet is longer than what is in it");
+        }
+    }
+
+    fn create(&mut self, packet: &mut Packet<'_>) {
+        let _: [u8; 1] = packet.take();
+        self.name = packet.text();
+        self.size = [packet.number(), packet.number()];
+        let channels: Vec<_> = (0..packet.number()).map(|_| packet.text()).collect();
+        assert_eq!(channels, ["R", "G", "B"]);
+        self.pixels = vec![0.0; (self.size[0] * self.size[1] * 3) as usize];
+    }
+
+    fn update(&mut self, packet: &mut Packet<'_>) {
+        let _: [u8; 1] = packet.take();
+        assert_eq!(packet.text(), self.name);
+        let channels = packet.number() as usize;
+        let names: Vec<_> = (0..channels).map(|_| packet.text()).collect();
+        assert_eq!(names, ["R", "G", "B"]);
+        let [x, y, width, height] = [0; 4].map(|_| packet.number());
+        let offsets: Vec<u64> = (0..channels).map(|_| packet.long()).collect();
+        let strides: Vec<u64> = (0..channels).map(|_| packet.long()).collect();
+        let values: Vec<f32> = packet
+            .0
+            .chunks_exact(4)
+            .map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]]))
+            .collect();
+        packet.0 = &[];
+        for i in 0..width * height {
+            let place = ((y + i / width) * self.size[0] + x + i % width) as usize * 3;
+            for channel in 0..channels {
+                let from = offsets[channel] + u64::from(i) * strides[channel];
+                self.pixels[place + channel] = values[from as usize];
+            }
+        }
+        self.updates += 1;
+    }
+
+    fn film(self) -> Film {
+        let pixels = self.pixels.as_chunks::<3>().0.to_vec();
+        Film::from_pixels(self.size[0], self.size[1], pixels).expect("a film")
+    }
+}
+
+/// A viewer's port, and what it does with the connection that comes.
+fn listen<T: Send + 'static>(
+    serve: impl FnOnce(TcpStream) -> T + Send + 'static,
+) -> (String, std::thread::JoinHandle<T>) {
+    let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
+    let address = listener.local_addr().expect("an address").to_string();
+    (address, std::thread::spawn(move || serve(listener.accept().expect("a connection").0)))
+}
+
+#[test]
+fn a_viewer_is_sent_the_image_tile_by_tile() {
+    let scene = of_size(150, 100);
+    let folder = with_scene(&scene.to_string());
+    let read_all = |mut stream: TcpStream| {
+        let mut bytes = Vec::new();
+        stream.read_to_end(&mut bytes).expect("what is sent");
+        bytes
+    };
+    for (options, part) in
+        [(&[][..], [0, 0, 150, 100]), (&["--crop", "30,9,80,70"], [30, 9, 80, 70])]
+    {
+        let (address, viewer) = listen(read_all);
+        let tev = format!("--tev={address}");
+        run_silently(folder.path(), &[&["ball.json", "out.exr", tev.as_str()], options].concat());
+        let mut shown = Viewer::default();
+        shown.take(&viewer.join().expect("the viewer saw no fault"));
+        assert_eq!((shown.name.as_str(), shown.updates > 1), ("out.exr", true));
+        let expected = image(&scene).part(part).expect("a part");
+        assert!(shown.film().same_bits(&expected), "{options:?}");
+    }
+}
+
+#[test]
+fn no_viewer_costs_no_render() {
+    let folder = with_scene(&of_size(150, 100).to_string());
+    let expected = image(&of_size(150, 100));
+    // A port at which nobody listens.
+    let port = TcpListener::bind("127.0.0.1:0").expect("a port").local_addr().expect("an address");
+    let output = run(folder.path(), &["ball.json", "out.exr", &format!("--tev={port}")]);
+    assert_eq!(output.status.code(), Some(0));
+    let told = text(&output.stderr);
+    let words = format!("warning: {port}: cannot reach the viewer: ");
+    assert!(told.starts_with(&words) && told.lines().count() == 1, "{told}");
+    assert!(film(folder.path().join("out.exr")).same_bits(&expected));
+}
+
+#[test]
+fn a_viewer_that_leaves_costs_no_render() {
+    let folder = with_scene(&of_size(300, 200).to_string());
+    let expected = image(&of_size(300, 200));
+    let (address, viewer) = listen(|mut stream: TcpStream| {
+        let mut some = [0; 10];
+        stream.read_exact(&mut some).expect("the first bytes");
+        let _ = stream.write_all(b"no more");
+    });
+    let output = run(folder.path(), &["ball.json", "out.exr", &format!("--tev={address}")]);
+    viewer.join().expect("it left");
+    assert_eq!(output.status.code(), Some(0));
+    let told = text(&output.stderr);
+    assert!(
+        told.is_empty() || told.starts_with("warning: the viewer is no longer there"),
+        "{told}"
+    );
+    assert!(film(folder.path().join("out.exr")).same_bits(&expected));
+}

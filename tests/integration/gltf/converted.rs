@@ -1,0 +1,148 @@
+//! Conversion to scene files: the same image to the last bit.
+
+use std::path::Path;
+
+use serde_json::{Value, json};
+use wavecrest::image::Film;
+use wavecrest::image::read::read;
+use wavecrest::scene::load::{LoadOptions, load};
+use wavecrest::scene::write::write;
+
+use super::images::textured;
+use super::{SIZE, loaded, rendered, square};
+use crate::support::{folder, wavecrest};
+
+/// What a file is rendered to, once it has been converted in a folder of its own.
+fn converted(file: &Path) -> (Film, Value) {
+    let folder = folder();
+    let out = folder.path().join("out.json");
+    let scene = load(file, &SIZE).unwrap_or_else(|error| panic!("{error}"));
+    write(scene, &out, false).unwrap_or_else(|error| panic!("{error}"));
+    let json = serde_json::from_slice(&std::fs::read(&out).expect("a file")).expect("JSON");
+    let again = load(&out, &LoadOptions { strict: true, ..LoadOptions::default() });
+    assert!(again.as_ref().is_ok_and(|scene| scene.warnings.is_empty()));
+    (rendered(again), json)
+}
+
+/// With a turned and mirrored node, smooth normals, a texture and its tint, a sun and a glowing mesh.
+#[test]
+fn a_converted_file_has_the_same_image() {
+    let mut file = textured();
+    file.json["materials"][0]["pbrMetallicRoughness"]["baseColorFactor"] =
+        json!([0.3, 0.9, 0.7, 1]);
+    let normals =
+        file.floats(&[[0.1, 0.2, 0.9], [0.3, 0.0, 1.0], [0.0, -0.1, 0.7], [0.0, 0.0, 1.0]]);
+    file.json["meshes"][0]["primitives"][0]["attributes"]["NORMAL"] = normals.into();
+    file.json["nodes"][0] = json!({
+        "mesh": 0, "name": "square", "rotation": [0.1, 0.2, 0.3, 0.9], "scale": [-0.9, 1.1, 1.3], "translation": [0.1, 0.2, 0.3]
+    });
+    let mut lamp = file.json["meshes"][0].clone();
+    lamp["primitives"][0]["material"] =
+        file.push("materials", json!({"emissiveFactor": [3, 2, 1]})).into();
+    let lamp = file.push("meshes", lamp);
+    file.node(json!({"mesh": lamp, "translation": [0, 3, 1], "rotation": [0.6, 0, 0, 0.8]}));
+    file.light(
+        json!({"type": "directional", "intensity": 0.123_456_789}),
+        json!({"rotation": [0.3, 0.1, 0, 0.9]}),
+    );
+    let folder = folder();
+    let path = folder.path().join("a.glb");
+    std::fs::write(&path, file.glb()).expect("a file");
+    let (film, json) = converted(&path);
+    assert!(film.same_bits(&rendered(loaded(&file))));
+    assert_eq!(json["transfer"], "srgb");
+    assert_eq!(json["scene"]["shapes"][0]["name"], "square");
+    assert_eq!(json["scene"]["shapes"][0]["encoding"], "srgb");
+}
+
+/// Normals and coordinates of their own at each corner, and none at some.
+#[test]
+fn a_converted_mesh_has_the_same_image() {
+    let obj = "v -1 -1 0\nv 1 -1 0\nv 1 1 0.25\nv -1 1 0\nvn 0 0 1\nvn 0.3 0.1 1\nvn -0.2 0.5 0.8\n\
+               vt 0 0\nvt 1 0.5\nf 1/1/1 2/2/2 3//3\nf 1//2 3//1 4\n";
+    let ply = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+               element face 1\nproperty list uchar int vertex_indices\nend_header\n0.1 0 0\n1 0.3 0\n0 1 -0.7\n3 0 1 2\n";
+    for (name, text) in [("m.obj", obj), ("m.ply", ply)] {
+        let folder = folder();
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).expect("a file");
+        let alone = load(&path, &SIZE);
+        assert!(
+            alone.as_ref().is_ok_and(|scene| scene.notes[0].to_string().contains("a mesh alone"))
+        );
+        let (film, _) = converted(&path);
+        let alone = rendered(alone);
+        assert!(film.same_bits(&alone), "{name}");
+        let lit = alone.pixels().iter().filter(|pixel| pixel[0] > 0.2).count();
+        assert!(lit > 20, "{name} fills {lit} pixels only");
+    }
+}
+
+/// A shape that instances alone show, and an instance for each node, at its place.
+#[test]
+fn shared_meshes_are_written_as_instances() {
+    let mut file = square();
+    file.json["meshes"][0]["name"] = json!("tile");
+    file.node(json!({"mesh": 0, "translation": [0, 2, 0]}));
+    let folder = folder();
+    let out = folder.path().join("out.json");
+    let written = write(loaded(&file).expect("it is right"), &out, false).expect("it is written");
+    assert_eq!(written, [folder.path().join("out-mesh0.ply"), out.clone()]);
+    let json: Value = serde_json::from_slice(&std::fs::read(&out).expect("a file")).expect("JSON");
+    let shapes = json["scene"]["shapes"].as_array().expect("a list");
+    assert_eq!(
+        (shapes.len(), &shapes[0]["hidden"], &shapes[0]["name"]),
+        (1, &json!(true), &json!("tile"))
+    );
+    let row = |y: f64| {
+        json!([
+            [1.0, 0.0, 0.0, 0.0],
+            [0.0, 1.0, 0.0, y],
+            [0.0, 0.0, 1.0, 0.0],
+            [0.0, 0.0, 0.0, 1.0]
+        ])
+    };
+    let instance = |y: f64| json!({"shape": "tile", "transform": row(y)});
+    assert_eq!(json["scene"]["instances"], json!([instance(0.0), instance(2.0)]));
+}
+
+#[test]
+fn the_command_writes_nothing_over_unless_told_to() {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name);
+    std::fs::write(at("a.glb"), textured().glb()).expect("a file");
+    let run = |arguments: &[&str]| {
+        let output = wavecrest(folder.path()).args(arguments).output().expect("the command runs");
+        (output.status.code(), String::from_utf8(output.stderr).expect("UTF-8"))
+    };
+    let (code, told) = run(&["convert", "a.glb", "b.json", "--width", "20", "--height", "10"]);
+    assert_eq!(code, Some(0), "{told}");
+    assert!(told.contains("wrote b.json") && told.contains("wrote b-image0.png"), "{told}");
+    std::fs::remove_file(at("b.json")).expect("it is there");
+    let (code, told) = run(&["convert", "a.glb", "b.json"]);
+    assert_eq!(code, Some(2));
+    assert!(told.contains("b-mesh0.ply: the file is there already"), "{told}");
+    assert!(!at("b.json").exists());
+    assert_eq!(
+        run(&["convert", "a.glb", "b.json", "--force", "-q", "--width", "20"]),
+        (Some(0), String::new())
+    );
+    // Both are written with the sRGB curve, and are the same files.
+    assert_eq!(run(&["a.glb", "a.png", "-q", "--width", "20"]), (Some(0), String::new()));
+    assert_eq!(run(&["b.json", "b.png"]), (Some(0), String::new()));
+    let film = |name: &str| read(&at(name)).unwrap_or_else(|error| panic!("{error}"));
+    assert!(film("a.png").same_bits(&film("b.png")));
+    assert_eq!(run(&["b.json", "c.png", "--transfer", "linear"]), (Some(0), String::new()));
+    assert!(!film("c.png").same_bits(&film("b.png")));
+    for (arguments, words) in [
+        (&["convert", "a.glb", "a.ply"][..], "a.ply: the name of a scene must end in .json"),
+        (
+            &["convert", "a.glb", "d.json", "--camera", "x"],
+            "a.glb: no such camera is in the scene, found x",
+        ),
+        (&["b.json", "c.png", "--camera", "x"], "b.json: a scene file has one camera"),
+    ] {
+        let (code, told) = run(arguments);
+        assert!(code == Some(2) && told.contains(words), "{told}");
+    }
+}

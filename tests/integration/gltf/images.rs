@@ -1,0 +1,325 @@
+//! What each part of a file becomes, as its image shows it.
+
+use glam::{Quat, Vec3};
+use serde_json::json;
+use wavecrest::scene::components::{AreaLight, Hidden, InstanceOf, Mesh, Order, PointLight, View};
+use wavecrest::scene::load::{LoadOptions, load};
+
+use super::{File, SIZE, SQUARE, image, loaded, rendered, square};
+use crate::support::{assert_near, folder, pixel, repository};
+
+#[test]
+fn all_forms_of_a_file_are_one_scene() {
+    let file = square();
+    let expected = image(&file);
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name);
+    std::fs::write(at("a b.bin"), &file.bytes).expect("a file");
+    std::fs::write(at("outside.gltf"), file.text("a%20b.bin")).expect("a file");
+    std::fs::write(at("inside.GLTF"), file.embedded()).expect("a file");
+    std::fs::write(at("binary.glb"), file.glb()).expect("a file");
+    std::fs::write(at("binary.scene"), file.glb()).expect("a file");
+    for name in ["outside.gltf", "inside.GLTF", "binary.glb", "binary.scene"] {
+        assert!(rendered(load(&at(name), &SIZE)).same_bits(&expected), "{name}");
+    }
+}
+
+/// The light is scaled so that it shows 1 on white in the middle, 21^0.5 away, at this angle.
+#[test]
+fn a_matte_surface_shows_what_the_rule_says() {
+    let color = [0.8, 0.2, 0.1].map(|c| c * (4.0 / 21.0_f64.sqrt() + 0.08));
+    let film = image(
+        &square()
+            .with("/materials/0/pbrMetallicRoughness/baseColorFactor", json!([0.8, 0.2, 0.1, 1])),
+    );
+    let middle = pixel(&film, 12, 9);
+    assert_near(middle, color, 0.02, "the middle of the square");
+    assert_near(pixel(&film, 0, 0), [0.05; 3], 1e-6, "beside it");
+}
+
+/// Triangles, strips and fans, with and without indices, of every type; strides; zeros with a sparse part.
+#[test]
+fn every_way_to_write_a_square_is_that_square() {
+    let expected = image(&square());
+    let primitive = "/meshes/0/primitives/0";
+    for (mode, order) in [(4, vec![0, 1, 2, 0, 2, 3]), (5, vec![1, 2, 0, 3]), (6, vec![0, 1, 2, 3])]
+    {
+        let mut file = square();
+        let bytes: Vec<u8> = order.iter().map(|&i| i as u8).collect();
+        let words: Vec<u8> = order.iter().flat_map(|&i: &usize| (i as u32).to_le_bytes()).collect();
+        let points: Vec<[f32; 3]> = order.iter().map(|&i| SQUARE[i]).collect();
+        let (bytes, words) = (
+            file.accessor(&bytes, 5121, order.len(), "SCALAR"),
+            file.accessor(&words, 5125, order.len(), "SCALAR"),
+        );
+        let points = file.floats(&points);
+        let by = |indices: usize| json!({"attributes": {"POSITION": 0}, "indices": indices, "mode": mode});
+        let bare = json!({"attributes": {"POSITION": points}, "mode": mode});
+        for mut parts in [by(bytes), by(words), bare] {
+            parts["material"] = 0.into();
+            let film = image(&file.with(primitive, parts.clone()));
+            // Other triangles round in another way.
+            let near = film.pixels().iter().zip(expected.pixels());
+            let worst =
+                near.flat_map(|(a, b)| (0..3).map(|k| (a[k] - b[k]).abs())).fold(0.0, f32::max);
+            assert!(worst < 1e-3, "mode {mode}, {parts}: {worst}");
+        }
+    }
+}
+
+#[test]
+fn interleaved_sparse_and_shared_positions_are_the_same_bits() {
+    let file = square();
+    let expected = image(&file);
+    let mut interleaved = file.clone();
+    let rows = SQUARE.iter().flat_map(|p| [p[0], p[1], p[2], 9.0, f32::NAN]);
+    let bytes: Vec<u8> = rows.flat_map(f32::to_le_bytes).collect();
+    let number = interleaved.accessor(&bytes, 5126, 4, "VEC3");
+    interleaved.json["bufferViews"][number]["byteStride"] = 20.into();
+    let of = "/meshes/0/primitives/0/attributes/POSITION";
+    assert!(image(&interleaved.with(of, number)).same_bits(&expected));
+
+    let mut sparse = file.clone();
+    let which = sparse.view(&[0, 1, 2, 3]);
+    let values =
+        sparse.view(&SQUARE.iter().flatten().flat_map(|x| x.to_le_bytes()).collect::<Vec<u8>>());
+    let number = sparse.push("accessors", json!({
+        "componentType": 5126, "count": 4, "type": "VEC3", "sparse": {
+            "count": 4, "indices": {"bufferView": which, "componentType": 5121}, "values": {"bufferView": values}
+        }
+    }));
+    assert!(image(&sparse.with(of, number)).same_bits(&expected));
+
+    // Among many vertices that no triangle has.
+    let mut shared = file.clone();
+    let mut points = vec![[7.0; 3]; 100];
+    points.extend(SQUARE);
+    let number = shared.floats(&points);
+    let indices = shared.indices(&[100, 101, 102, 100, 102, 103]);
+    let shared = shared.with(
+        "/meshes/0/primitives/0",
+        json!({
+            "attributes": {"POSITION": number}, "indices": indices, "material": 0
+        }),
+    );
+    assert!(image(&shared).same_bits(&expected));
+    let mut world = loaded(&shared).expect("it is right").world;
+    let held: Vec<usize> =
+        world.query_mut::<&Mesh>().into_iter().map(|m| m.data.positions.len()).collect();
+    assert_eq!(held, [4]);
+}
+
+/// A parent that moves and a child that mirrors and turns, as a matrix and as parts.
+#[test]
+fn transforms_of_nodes_are_nested() {
+    let turn = Quat::from_rotation_z(0.5);
+    let scale = Vec3::new(-0.5, 0.7, 1.0);
+    let mut parts = square();
+    parts.json["nodes"][0] = json!({
+        "mesh": 0, "rotation": turn.to_array(), "scale": scale.to_array(), "translation": [0.25, 0, 0]
+    });
+    let parent = parts.push("nodes", json!({"children": [0], "translation": [0.25, -0.5, 0.125]}));
+    parts.json["scenes"][0]["nodes"][0] = parent.into();
+    let mut whole = square();
+    let matrix =
+        glam::Mat4::from_scale_rotation_translation(scale, turn, Vec3::new(0.5, -0.5, 0.125));
+    whole.json["nodes"][0] = json!({"mesh": 0, "matrix": matrix.to_cols_array()});
+    let (parts, whole) = (image(&parts), image(&whole));
+    let worst = parts.pixels().iter().flatten().zip(whole.pixels().iter().flatten());
+    assert!(worst.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max) < 1e-2);
+    assert!(!parts.same_bits(&image(&square())));
+    // A front that is mirrored is a front still: single-sided surfaces are lit.
+    assert!(pixel(&parts, 15, 11)[0] > 0.3, "{:?}", pixel(&parts, 15, 11));
+}
+
+/// A PNG of 2 x 2 texels, top row first.
+pub(super) fn png(texels: [[u8; 3]; 4]) -> Vec<u8> {
+    use image::ImageEncoder as _;
+    let mut bytes = Vec::new();
+    image::codecs::png::PngEncoder::new(&mut bytes)
+        .write_image(texels.as_flattened(), 2, 2, image::ExtendedColorType::Rgb8)
+        .expect("a PNG");
+    bytes
+}
+
+/// The square with a texture within the file.
+pub(super) fn textured() -> File {
+    textured_with([[255, 0, 0], [0, 255, 0], [0, 0, 255], [188; 3]])
+}
+
+fn textured_with(texels: [[u8; 3]; 4]) -> File {
+    let mut file = square();
+    let view = file.view(&png(texels));
+    for (list, value) in [
+        ("images", json!({"bufferView": view, "mimeType": "image/png"})),
+        ("samplers", json!({"magFilter": 9728, "wrapS": 33071, "wrapT": 33071})),
+        ("textures", json!({"source": 0, "sampler": 0})),
+    ] {
+        file.json[list] = json!([value]);
+    }
+    file.json["materials"][0]["pbrMetallicRoughness"] =
+        json!({"metallicFactor": 0, "baseColorTexture": {"index": 0}});
+    file
+}
+
+/// Its levels are behind the sRGB curve, its first row is at the top, the factor tints it.
+#[test]
+fn a_texture_is_decoded_tinted_and_the_right_way_up() {
+    let film = image(&textured());
+    let at = |x, y| {
+        let color = pixel(&film, x, y);
+        color.map(|c| c / color.into_iter().fold(0.0, f64::max))
+    };
+    assert_near(at(9, 6), [1.0, 0.0, 0.0], 1e-6, "top left");
+    assert_near(at(14, 6), [0.0, 1.0, 0.0], 1e-6, "top right");
+    assert_near(at(9, 11), [0.0, 0.0, 1.0], 1e-6, "bottom left");
+    assert_near(at(14, 11), [1.0; 3], 1e-6, "bottom right");
+    let [grey, white] = [188, 255].map(|level| image(&textured_with([[level; 3]; 4])));
+    let (grey, white) = (pixel(&grey, 12, 9)[0], pixel(&white, 12, 9)[0]);
+    assert!((grey / white - 0.502_886).abs() < 1e-4, "half the light: {grey} and {white}");
+    let mut tinted = textured();
+    tinted.json["materials"][0]["pbrMetallicRoughness"]["baseColorFactor"] =
+        json!([0.5, 1, 0.25, 1]);
+    let tinted = image(&tinted);
+    for (k, factor) in [0.5, 1.0, 0.25].into_iter().enumerate() {
+        let (found, plain) = (pixel(&tinted, 14, 11)[k], pixel(&film, 14, 11)[k]);
+        assert!((found - factor * plain).abs() < 1e-5, "{found} and {plain}");
+    }
+}
+
+#[test]
+fn normalized_coordinates_and_texture_transforms_are_the_same_places() {
+    let expected = image(&textured());
+    let mut bytes = textured();
+    let corners = super::SQUARE_UVS.as_flattened().iter().map(|x| (x * 255.0) as u8);
+    let number = bytes.accessor(&corners.collect::<Vec<u8>>(), 5121, 4, "VEC2");
+    bytes.json["accessors"][number]["normalized"] = true.into();
+    let bytes = bytes.with("/meshes/0/primitives/0/attributes/TEXCOORD_0", number);
+    assert!(image(&bytes).same_bits(&expected));
+    // Halved coordinates, scaled and moved back.
+    let mut halved = textured();
+    let halves = super::SQUARE_UVS.map(|uv| uv.map(|x| x / 2.0 + 1.0));
+    let number = halved.floats(&halves);
+    halved.json["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_3"] = number.into();
+    halved.json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"] = json!({
+        "index": 0, "extensions": {"KHR_texture_transform": {"texCoord": 3, "scale": [2, 2], "offset": [-2, -2]}}
+    });
+    assert!(image(&halved).same_bits(&expected));
+}
+
+/// Zero normals and such that are no numbers: `image` checks that all samples are numbers.
+#[test]
+fn bad_normals_are_passed_over() {
+    let flat = image(&square());
+    let mut file = square();
+    let normals =
+        file.floats(&[[0.0; 3], [f32::NAN, 0.0, 1.0], [f32::INFINITY, 1.0, 0.0], [0.0; 3]]);
+    file.json["meshes"][0]["primitives"][0]["attributes"]["NORMAL"] = normals.into();
+    assert!(image(&file).same_bits(&flat));
+    let warnings = loaded(&file).expect("it is right").warnings;
+    assert!(warnings.iter().any(|w| w.to_string().contains("normals")), "{warnings:?}");
+}
+
+#[test]
+fn a_mesh_of_several_nodes_is_held_once() {
+    let mut file = square();
+    file.node(json!({"mesh": 0, "translation": [0, 2, 0]}));
+    file.node(json!({"mesh": 0, "scale": [2, 2, 2]}));
+    let mut world = loaded(&file).expect("it is right").world;
+    assert_eq!(world.query_mut::<&Mesh>().into_iter().count(), 1);
+    assert_eq!(world.query_mut::<(&Mesh, &Hidden, &Order)>().into_iter().count(), 1);
+    assert_eq!(world.query_mut::<(&InstanceOf, &Order)>().into_iter().count(), 3);
+}
+
+#[test]
+fn a_surface_that_gives_off_light_is_a_light() {
+    let mut file = square();
+    file.json["materials"][0] = json!({
+        "emissiveFactor": [1, 0.5, 0], "doubleSided": true,
+        "extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": 3}}
+    });
+    let mut world = loaded(&file).expect("it is right").world;
+    let lights: Vec<AreaLight> = world.query_mut::<&AreaLight>().into_iter().copied().collect();
+    assert_eq!(lights.len(), 1);
+    assert!((lights[0].intensity - 4.0).abs() < 1e-12, "its area");
+    let color = lights[0].color;
+    assert!((color.y / color.x - 0.5).abs() < 1e-12 && color.z == 0.0);
+    let film = image(&file);
+    assert_near(pixel(&film, 12, 9), color.to_array(), 1e-5, "it shows its colour");
+}
+
+/// Lamps show 4 I / (4 pi d^2), the sun E / pi, together 1: with a sun alone its intensity is of no account.
+#[test]
+fn the_sun_shines_alike_however_bright_it_is() {
+    let sun = |intensity: f64| {
+        let mut file = square();
+        file.json["extensions"] = json!({});
+        file.json["nodes"].as_array_mut().expect("a list").truncate(2);
+        file.json["scenes"][0]["nodes"] = json!([0, 1]);
+        file.light(json!({"type": "directional", "intensity": intensity}), json!({}));
+        image(&file)
+    };
+    let film = sun(100_000.0);
+    assert_near(
+        pixel(&film, 12, 9),
+        [0.8, 0.2, 0.1].map(|c| c * 1.08),
+        1e-3,
+        "straight from before",
+    );
+    let other = sun(2.0);
+    assert_near(pixel(&other, 12, 9), pixel(&film, 12, 9), 1e-5, "a weaker sun");
+}
+
+#[test]
+fn a_camera_is_chosen_by_name_or_number() {
+    let mut file = square();
+    let camera = json!({"name": "far", "type": "perspective", "perspective": {"yfov": 0.6, "aspectRatio": 2}});
+    let number = file.push("cameras", camera);
+    file.node(json!({"camera": number, "translation": [0, 0, 9], "name": "tower"}));
+    let flat = json!({"type": "orthographic", "orthographic": {"xmag": 2, "ymag": 1, "zfar": 9, "znear": 0}});
+    let number = file.push("cameras", flat);
+    file.node(json!({"camera": number, "translation": [0, 0, 3]}));
+    let view = |camera: Option<&str>| {
+        let options = LoadOptions { camera: camera.map(str::to_owned), ..LoadOptions::default() };
+        let loaded = super::load_bytes(file.glb(), std::path::Path::new("a.glb"), &options);
+        loaded.map(|mut loaded| {
+            *loaded.world.query_mut::<&View>().into_iter().next().expect("a view")
+        })
+    };
+    let place = |camera| {
+        let view: View = view(camera).expect("it is there");
+        (view.location.z, view.width, view.height)
+    };
+    assert_eq!(place(None), (5.0, 1024, 768));
+    for name in ["far", "tower", "1"] {
+        assert_eq!(place(Some(name)), (9.0, 1024, 512), "{name}");
+    }
+    // Very far away: half its height is 1 in the middle of the scene.
+    let flat = view(Some("2")).expect("it is there");
+    let half = (flat.fov_degrees / 2.0).to_radians().tan() * flat.location.z;
+    assert!((half - 1.0).abs() < 1e-9 && flat.location.z > 100.0, "{half}");
+    let error = view(Some("near")).expect_err("there is none").to_string();
+    assert!(error.contains("found near; it has 0, 1 (far), 2"), "{error}");
+}
+
+#[test]
+fn without_camera_and_light_all_is_seen() {
+    let mut file = square();
+    file.json["scenes"][0]["nodes"] = json!([0]);
+    let mut found = loaded(&file).expect("it is right");
+    let lights: Vec<PointLight> =
+        found.world.query_mut::<&PointLight>().into_iter().copied().collect();
+    assert_eq!(lights.len(), 1);
+    let notes: Vec<String> = found.notes.iter().map(ToString::to_string).collect();
+    assert!(notes[0].contains("no camera") && notes[0].contains("no light"), "{notes:?}");
+    let film = image(&file);
+    assert!(pixel(&film, 12, 9)[0] > 0.2, "{:?}", pixel(&film, 12, 9));
+    assert_near(pixel(&film, 0, 0), [0.05; 3], 1e-6, "the background");
+}
+
+#[test]
+fn the_scene_of_the_repository_loads_without_a_word() {
+    let loaded = load(&repository("scenes/gltf/stones.gltf"), &SIZE).expect("it is right");
+    assert!(loaded.warnings.is_empty(), "{:?}", loaded.warnings);
+    rendered(Ok(loaded));
+}

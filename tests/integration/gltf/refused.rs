@@ -1,0 +1,307 @@
+//! What is refused, and in which words; what is warned of.
+
+use std::path::Path;
+
+use serde_json::{Value, json};
+
+use super::{File, SIZE, load_bytes, loaded, square};
+use crate::support::folder;
+
+#[track_caller]
+fn refusal(file: &File) -> String {
+    loaded(file).map(|_| ()).expect_err("it is wrong").to_string()
+}
+
+fn refused_bytes(bytes: &[u8]) -> String {
+    let loaded = load_bytes(bytes.to_vec(), Path::new("a.glb"), &SIZE);
+    loaded.map(|_| ()).expect_err("it is wrong").to_string()
+}
+
+/// Each names the file, the place in it, and what is wrong there.
+#[test]
+fn faults_are_told_with_their_places() {
+    let mesh = "/meshes/0/primitives/0";
+    let cases: Vec<(&str, Value, &str)> = vec![
+        ("/asset/version", json!("1.0"), "asset.version: only glTF 2.0 is read, found \"1.0\""),
+        (
+            "/nodes/0/mesh",
+            json!(7),
+            "nodes[0].mesh: must be the index of one of the meshes, found 7; the file has 1",
+        ),
+        ("/nodes/0/mesh", json!("x"), "nodes[0].mesh: must be the index"),
+        (
+            "/nodes/0",
+            json!({"mesh": 0, "children": [0]}),
+            "nodes[0]: the node is its own descendant",
+        ),
+        (
+            "/nodes/0",
+            json!({"mesh": 0, "children": [9]}),
+            "nodes[0].children[0]: must be the index of one of the nodes",
+        ),
+        (
+            "/nodes/0",
+            json!({"children": [1, 1]}),
+            "nodes[0].children[1]: node 1 is a child of node 0 already",
+        ),
+        ("/nodes/0", json!({"children": [1]}), "scenes[0]: node 1 must stand at one place"),
+        ("/nodes/0", json!({"matrix": [1, 2]}), "nodes[0].matrix: must be 16 numbers"),
+        (
+            "/nodes/0",
+            json!({"scale": [1, 1, 1], "matrix": [1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1]}),
+            "nodes[0]: has a matrix and a scale too",
+        ),
+        (
+            "/nodes/0",
+            json!({"matrix": [1,0,0,5,0,1,0,0,0,0,1,0,0,0,0,1]}),
+            "nodes[0].matrix: the last row must be",
+        ),
+        ("/nodes/0", json!({"rotation": [0, 0, 0, 0]}), "nodes[0].rotation: must be a quaternion"),
+        ("/nodes", json!({}), "nodes: must be a list"),
+        ("/meshes/0", json!({}), "meshes[0].primitives: is missing"),
+        ("/meshes/0/primitives", json!({"a": 1}), "meshes[0].primitives: must be a list"),
+        (
+            mesh,
+            json!({"attributes": {"POSITION": 3}}),
+            "meshes[0].primitives[0].attributes.POSITION: must be the index of one of the accessors, found 3",
+        ),
+        (
+            mesh,
+            json!({"attributes": {"POSITION": 1}}),
+            "meshes[0].primitives[0].attributes.POSITION: must be VEC3 of floats, found accessors[1]",
+        ),
+        (
+            mesh,
+            json!({"attributes": {"POSITION": 0}, "indices": 1}),
+            "meshes[0].primitives[0].indices: indices must be plain numbers",
+        ),
+        (
+            mesh,
+            json!({"attributes": {"POSITION": 0}, "mode": 7}),
+            "meshes[0].primitives[0].mode: must be a whole number from 0 to 6",
+        ),
+        (
+            mesh,
+            json!({"attributes": {"POSITION": 0}, "material": 1}),
+            "meshes[0].primitives[0].material: must be the index",
+        ),
+        (
+            "/accessors/0/count",
+            json!(5),
+            "accessors[0]: needs 60 bytes of a buffer view that has 48",
+        ),
+        ("/accessors/0/count", json!(9_007_199_254_740_991_u64), "accessors[0]: needs"),
+        ("/accessors/0/count", json!(-1), "accessors[0].count: must be a whole number"),
+        ("/accessors/0/componentType", json!(5124), "accessors[0].componentType: must be 5120"),
+        ("/accessors/0/type", json!("VEC5"), "accessors[0].type: must be \"SCALAR\""),
+        ("/accessors/0/bufferView", Value::Null, "accessors[0].bufferView: must be the index"),
+        (
+            "/bufferViews/0/byteLength",
+            json!(1_000_000_000),
+            "bufferViews[0]: ends at byte 1000000000 of a buffer of 92",
+        ),
+        (
+            "/bufferViews/0/byteOffset",
+            json!(1e300),
+            "bufferViews[0].byteOffset: must be a whole number",
+        ),
+        (
+            "/bufferViews/0/buffer",
+            json!(1),
+            "bufferViews[0].buffer: must be the index of one of the buffers",
+        ),
+        (
+            "/cameras/0/perspective/yfov",
+            json!(3.2),
+            "cameras[0].perspective.yfov: in degrees, must be",
+        ),
+        ("/cameras/0/type", json!("fisheye"), "cameras[0].type: must be"),
+        (
+            "/materials/0/pbrMetallicRoughness/metallicFactor",
+            json!(2),
+            "materials[0].pbrMetallicRoughness.metallicFactor: must be a number from 0 to 1",
+        ),
+        ("/scene", json!(1), "scene: must be the index of one of the scenes"),
+    ];
+    for (place, value, words) in cases {
+        let text = refusal(&square().with(place, value.clone()));
+        assert!(text.starts_with("a.glb: ") && text.contains(words), "{place} {value}: {text}");
+    }
+}
+
+#[test]
+fn indices_and_positions_that_are_wrong_are_named() {
+    let mut file = square();
+    let number = file.indices(&[0, 1, 4]);
+    let text = refusal(&file.with("/meshes/0/primitives/0/indices", number));
+    assert!(text.contains("indices[2]: there is no such vertex, found 4; there are 4"), "{text}");
+    let number = file.indices(&[0, 1, 65_535]);
+    let text = refusal(&file.with("/meshes/0/primitives/0/indices", number));
+    assert!(text.contains("indices[2]: the greatest number of a type is no index"), "{text}");
+    for bad in [f32::NAN, f32::INFINITY, 1e13] {
+        let mut points = super::SQUARE;
+        points[2][1] = bad;
+        let mut file = square();
+        let number = file.floats(&points);
+        let text = refusal(&file.with("/meshes/0/primitives/0/attributes/POSITION", number));
+        assert!(text.contains("attributes.POSITION[2]: a vertex must have finite"), "{text}");
+    }
+    let mut file = square();
+    let short = file.floats(&super::SQUARE_UVS[..3]);
+    file.json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"] = json!({"index": 0});
+    file.json["textures"] = json!([{"source": 0}]);
+    file.json["images"] = json!([{"bufferView": 0}]);
+    let text = refusal(&file.with("/meshes/0/primitives/0/attributes/TEXCOORD_0", short));
+    assert!(
+        text.contains("TEXCOORD_0: must have as many elements as POSITION, 4, found 3"),
+        "{text}"
+    );
+}
+
+#[test]
+fn sparse_parts_that_are_wrong_are_refused() {
+    for (which, count) in [([3, 3], 4), ([2, 1], 4), ([2, 4], 4)] {
+        let mut file = square();
+        let indices = file.view(&which);
+        file.json["accessors"][0]["sparse"] = json!({
+            "count": 2, "indices": {"bufferView": indices, "componentType": 5121}, "values": {"bufferView": 0}
+        });
+        let text = refusal(&file);
+        let words = format!(
+            "accessors[0].sparse.indices: must rise, and stay below the accessor's count of {count}"
+        );
+        assert!(text.contains(&words), "{text}");
+    }
+    let mut file = square();
+    file.json["accessors"][0] =
+        json!({"componentType": 5126, "count": 4_000_000_000_u64, "type": "VEC3"});
+    assert!(refusal(&file).contains("accessors[0].count: there are no bytes for as many elements"));
+}
+
+/// A small file that names the same bytes again and again.
+#[test]
+fn memory_is_not_set_aside_by_what_a_file_claims() {
+    let mut file = File::new();
+    let bytes = vec![0; 3 << 20];
+    let view = file.view(&bytes);
+    let indices = file.push(
+        "accessors",
+        json!({"bufferView": view, "componentType": 5121, "count": 3 << 20, "type": "SCALAR"}),
+    );
+    let positions = file.floats(&super::SQUARE);
+    let primitive = json!({"attributes": {"POSITION": positions}, "indices": indices});
+    file.push("meshes", json!({"primitives": vec![primitive; 200]}));
+    file.node(json!({"mesh": 0}));
+    let text = refusal(&file);
+    assert!(text.contains("the file has the same bytes read too often"), "{text}");
+}
+
+#[test]
+fn extensions_that_are_required_must_be_known() {
+    let mut file = square();
+    file.json["extensionsRequired"] =
+        json!(["KHR_texture_transform", "KHR_draco_mesh_compression", "X_y"]);
+    let text = refusal(&file);
+    let words = "extensionsRequired: the file requires extensions that are not read, found \
+                 KHR_draco_mesh_compression, X_y; export it without compression";
+    assert!(text.contains(words), "{text}");
+    file.json["extensionsRequired"] = json!([]);
+    file.json["extensionsUsed"] = json!(["A_b", "KHR_lights_punctual", "C_d"]);
+    let warnings = loaded(&file).expect("it is right").warnings;
+    assert_eq!(warnings.len(), 1);
+    assert!(warnings[0].to_string().contains("extensions are ignored: A_b, C_d"), "{warnings:?}");
+}
+
+#[test]
+fn binary_files_that_are_cut_or_wrong_are_refused() {
+    let whole = square().glb();
+    for length in 0..whole.len() {
+        refused_bytes(&whole[..length]);
+    }
+    let with = |place: usize, bytes: &[u8]| {
+        let mut wrong = whole.clone();
+        wrong[place..place + bytes.len()].copy_from_slice(bytes);
+        refused_bytes(&wrong)
+    };
+    for (place, bytes, words) in [
+        (4, &[1_u8][..], "a.glb: byte 4: only version 2 of GLB is read, found 1"),
+        (8, &[0; 4], "a.glb: byte 8: the file must be as long as its header says"),
+        (12, &[255; 4], "a.glb: byte 12: the chunk is longer than the file"),
+        (
+            16,
+            b"TEXT",
+            "a.glb: byte 12: the first chunk of a GLB file must be of the type JSON, found TEXT",
+        ),
+        (20, &[255], "a.glb: the JSON is not UTF-8 text from byte 0 on"),
+        (20, b"[", "not valid JSON"),
+        (0, b"glTX", "a.glb: a file must begin with"),
+    ] {
+        let text = with(place, bytes);
+        assert!(text.contains(words), "{text}");
+    }
+    assert!(refused_bytes(b"").contains("the file is empty"));
+    assert!(refused_bytes(b"[]").contains("must be a glTF file, an object"));
+    assert!(refused_bytes(b"{}").contains("asset: is missing"));
+    assert!(refused_bytes(&b"[".repeat(100_000)).contains("recursion limit"));
+}
+
+#[test]
+fn buffers_that_are_not_there_are_refused() {
+    let folder = folder();
+    let path = folder.path().join("a.gltf");
+    std::fs::write(folder.path().join("short.bin"), [0; 10]).expect("a file");
+    let refused = |text: String| {
+        let loaded = load_bytes(text.into_bytes(), &path, &SIZE);
+        loaded.map(|_| ()).expect_err("it is wrong").to_string()
+    };
+    let file = square();
+    for (uri, words) in [
+        ("none.bin", "buffers[0].uri: cannot read the buffer"),
+        ("short.bin", "buffers[0].byteLength: the buffer must have as many bytes as it says"),
+        (".", "is not a regular file"),
+        ("/etc/hostname", "buffers[0].uri: only files beside the glTF file are read"),
+        ("https://x.y/z.bin", "only files beside the glTF file are read"),
+        ("data:application/octet-stream;base64,!!", "buffers[0].uri: the data is not base64"),
+    ] {
+        let text = refused(file.text(uri));
+        assert!(
+            text.starts_with(&format!("{}: ", path.display())) && text.contains(words),
+            "{text}"
+        );
+    }
+    let mut json: Value = serde_json::from_str(&file.embedded()).expect("JSON");
+    json["buffers"][0].as_object_mut().expect("an object").remove("uri");
+    assert!(refused(json.to_string()).contains("buffers[0]: has no uri"));
+}
+
+/// Each kind of thing that is left out is told once.
+#[test]
+fn what_is_left_out_is_told_once() {
+    let mut file = square();
+    let primitive = file.json["meshes"][0]["primitives"][0].clone();
+    let mut lines = primitive.clone();
+    lines["mode"] = 1.into();
+    let mut colored = primitive.clone();
+    colored["attributes"]["COLOR_0"] = 0.into();
+    file.json["meshes"][0]["primitives"] = json!([primitive, lines, lines, colored]);
+    file.json["materials"][0]["alphaMode"] = json!("BLEND");
+    file.push("materials", json!({"alphaMode": "MASK", "normalTexture": {"index": 0}}));
+    file.json["animations"] = json!([{}]);
+    file.light(json!({"type": "spot", "spot": {}}), json!({"translation": [0, 0, 9]}));
+    file.light(json!({"type": "moon"}), json!({}));
+    file.node(json!({"mesh": 0, "scale": [1, 0, 1]}));
+    let warnings = loaded(&file).expect("it is right").warnings;
+    for words in [
+        "points and lines are left out",
+        "colours of vertices",
+        "alpha is ignored",
+        "textures of normals",
+        "animations are ignored",
+        "the cone of a spot light",
+        "of a type that is not known",
+        "flattens space",
+    ] {
+        let told = warnings.iter().filter(|w| w.to_string().contains(words)).count();
+        assert_eq!(told, 1, "{words}: {warnings:?}");
+    }
+}

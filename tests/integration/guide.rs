@@ -1,0 +1,119 @@
+//! The guide says what works: its commands are run, one after the other, in one folder with its scenes.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use crate::support::{folder, repository};
+
+/// A fenced part of the guide.
+struct Block {
+    /// What follows the fence: the language, and what is to be done with it.
+    mark: String,
+    text: String,
+    line: usize,
+}
+
+fn blocks() -> Vec<Block> {
+    let guide = std::fs::read_to_string(repository("GUIDE.md")).expect("the guide");
+    let mut blocks: Vec<Block> = Vec::new();
+    let mut is_open = false;
+    for (number, line) in guide.lines().enumerate() {
+        match (line.strip_prefix("```"), is_open) {
+            (Some(mark), false) => {
+                blocks.push(Block { mark: mark.to_owned(), text: String::new(), line: number + 1 });
+                is_open = true;
+            }
+            (Some(_), true) => is_open = false,
+            (None, true) => {
+                let block = blocks.last_mut().expect("one is open");
+                block.text += line;
+                block.text.push('\n');
+            }
+            (None, false) => {}
+        }
+    }
+    assert!(!is_open, "the last block is not closed");
+    blocks
+}
+
+/// A folder in which `wavecrest` is the program.
+#[cfg(unix)]
+fn programs(folder: &Path) -> PathBuf {
+    let programs = folder.join("programs");
+    std::fs::create_dir(&programs).expect("a folder");
+    std::os::unix::fs::symlink(env!("CARGO_BIN_EXE_wavecrest"), programs.join("wavecrest"))
+        .expect("a link");
+    programs
+}
+
+/// Runs a line as a shell does.
+fn run(line: &str, folder: &Path, programs: &Path) -> Output {
+    let path = std::env::var_os("PATH").unwrap_or_default();
+    let all = std::iter::once(programs.to_owned()).chain(std::env::split_paths(&path));
+    let path = std::env::join_paths(all).expect("folders");
+    let mut shell = Command::new("sh");
+    shell.args(["-euc", line]).env("PATH", path).current_dir(folder);
+    shell.output().expect("the shell runs")
+}
+
+#[test]
+#[cfg(unix)]
+fn every_command_of_the_guide_works() {
+    let (programs_folder, folder) = (folder(), folder());
+    let programs = programs(programs_folder.path());
+    let mut commands = 0;
+    for Block { mark, text, line } in blocks() {
+        match mark.split_whitespace().collect::<Vec<_>>()[..] {
+            ["json", file] => std::fs::write(folder.path().join(file), text).expect("a file"),
+            ["sh", "run"] => {
+                for command in text.lines() {
+                    let output = run(command, folder.path(), &programs);
+                    let told = String::from_utf8_lossy(&output.stderr);
+                    let code = output.status.code();
+                    assert_eq!(code, Some(0), "GUIDE.md, line {line}: {command}\n{told}");
+                    assert!(!told.contains("warning"), "GUIDE.md, line {line}: {command}\n{told}");
+                    commands += 1;
+                }
+            }
+            ["sh"] => {}
+            _ => panic!("GUIDE.md, line {line}: what is to be done with {mark:?}?"),
+        }
+    }
+    assert!(commands > 25, "{commands} commands only");
+    for file in ["ball.png", "knot.png", "all.exr", "map.png", "bench.html", "render.log"] {
+        assert!(folder.path().join(file).is_file(), "{file}");
+    }
+}
+
+/// Commands that are not run, for they take minutes or need another program, are few.
+#[test]
+fn most_commands_of_the_guide_are_tried() {
+    let count = |mark: &str| {
+        let blocks = blocks().into_iter().filter(|block| block.mark == mark);
+        blocks.map(|block| block.text.lines().count()).sum::<usize>()
+    };
+    let (tried, not) = (count("sh run"), count("sh"));
+    assert!(tried > 5 * not, "{tried} tried and {not} not");
+}
+
+/// What cannot be run is at least understood: each command and option is there.
+#[test]
+fn commands_that_are_not_tried_have_no_unknown_option() {
+    let folder = folder();
+    for Block { mark, text, line } in blocks() {
+        for command in text.lines().filter(|_| mark == "sh") {
+            let words: Vec<&str> = command.split_whitespace().collect();
+            let ["wavecrest", first, ..] = words[..] else {
+                panic!("GUIDE.md, line {line}: {command}")
+            };
+            let name = if first.contains('.') { "render" } else { first };
+            let mut help = crate::support::wavecrest(folder.path());
+            let output = help.args([name, "--help"]).output().expect("the command runs");
+            let help = String::from_utf8_lossy(&output.stdout).into_owned();
+            let options = words.iter().filter(|word| word.starts_with("--"));
+            for option in options.filter_map(|word| word.split('=').next()) {
+                assert!(help.contains(option), "GUIDE.md, line {line}: {option}");
+            }
+        }
+    }
+}

@@ -1,0 +1,314 @@
+//! Instances: a mesh that is held once looks as its copies would, to rounding; and what holds of any hit
+//! holds of theirs, whatever the transform.
+
+use glam::{DAffine3, DMat3, DVec3, Vec3};
+use serde_json::{Value, json};
+use wavecrest::accel::build::Preset;
+use wavecrest::accel::geometry::Geometry;
+use wavecrest::accel::instance::Instance;
+use wavecrest::accel::{Accel, Hit, KernelChoice};
+use wavecrest::generate::{self, Model, Recipe};
+use wavecrest::kernels::precision::Precision;
+use wavecrest::kernels::slab::Aabb;
+use wavecrest::math::float::offset_origin;
+use wavecrest::math::random::Stream;
+use wavecrest::math::ray::Ray;
+use wavecrest::math::simd::Level;
+use wavecrest::prepared::PreparedScene;
+use wavecrest::render::RenderOptions;
+use wavecrest::scene::load::{LoadOptions, load_str};
+use wavecrest::systems::{self, Options};
+
+use crate::support::{TRACERS, options, refusal, render_on, repository, try_prepare};
+
+/// The scene of `scenes/instances.json`, with this many pixels across.
+fn stones(width: u32) -> Value {
+    let text = std::fs::read_to_string(repository("scenes/instances.json")).expect("it is there");
+    let mut scene: Value = serde_json::from_str(&text).expect("it is JSON");
+    scene["camera"]["width"] = json!(width);
+    scene["camera"]["height"] = json!(width * 5 / 8);
+    scene
+}
+
+fn prepared(scene: &Value, precision: Precision, flat: bool, preset: Preset) -> PreparedScene {
+    let file = repository("scenes/instances.json");
+    let loaded = load_str(&scene.to_string(), &file, &LoadOptions::default());
+    let mut world = loaded.unwrap_or_else(|error| panic!("{error}")).world;
+    let options = Options { precision, flat, ..Options::default() };
+    let extracted = systems::extract_with(&mut world, options);
+    extracted.unwrap_or_else(|error| panic!("{error}")).build(preset)
+}
+
+#[test]
+fn a_mesh_is_held_once_and_looks_as_its_copies_do() {
+    let scene = stones(160);
+    for precision in [Precision::Robust, Precision::Exact] {
+        let [held, flat] =
+            [false, true].map(|flat| prepared(&scene, precision, flat, Preset::Fast));
+        let geometry = &held.accel.geometry;
+        assert_eq!((geometry.forms.len(), geometry.instances.len()), (2, 35));
+        assert_eq!((geometry.held(), geometry.len()), (401, 7001));
+        assert_eq!(flat.accel.geometry.len(), 7001);
+        let [a, b] = [&held, &flat].map(|scene| render_on(1, scene, &options()));
+        assert!(a.counters.tests.instances > 10_000, "{}", a.counters.tests.instances);
+        assert_eq!(b.counters.tests.instances, 0);
+        // What is rounded differently shows at silhouettes and at the ends of shadows alone.
+        let far = |(a, b): (&[f32; 3], &[f32; 3])| (0..3).any(|k| (a[k] - b[k]).abs() > 1e-3);
+        let pairs = a.film.pixels().iter().zip(b.film.pixels());
+        let differing = pairs.filter(|&pair| far(pair)).count();
+        assert!(differing <= 4, "{precision:?}: {differing} of {} pixels", a.film.pixels().len());
+    }
+}
+
+#[test]
+fn the_image_is_the_same_whatever_searches() {
+    let scene = stones(96);
+    for precision in [Precision::Fast, Precision::Robust, Precision::Exact] {
+        let mut ready = prepared(&scene, precision, false, Preset::Fast);
+        let expected = render_on(1, &ready, &options()).film;
+        let check = |ready: &PreparedScene, batch: usize, what: &str| {
+            for tracer in TRACERS {
+                let found = render_on(2, ready, &RenderOptions { tracer, batch, ..options() });
+                let same = found.film.same_bits(&expected);
+                assert!(same, "{precision:?}, {tracer:?}, batch {batch}, {what}");
+            }
+        };
+        check(&ready, 1024, "itself");
+        check(&ready, 37, "small batches");
+        for kernel in KernelChoice::ALL {
+            ready.accel.kernel = kernel;
+            check(&ready, 1024, &format!("{kernel:?}"));
+        }
+        ready.accel.kernel = KernelChoice::default();
+        for level in Level::available() {
+            ready.accel.level = level.token().expect("it is available");
+            check(&ready, 1024, level.name());
+        }
+        // Fast arithmetic leaks where boxes do, and these are the tree's.
+        if precision != Precision::Fast {
+            for preset in [Preset::Fastest, Preset::Slow, Preset::Brute] {
+                check(&prepared(&scene, precision, false, preset), 1024, preset.name());
+            }
+        }
+    }
+}
+
+/// A number from 0 to 1 for each of the names.
+fn numbers(index: u32, dimension: u32) -> [f64; 4] {
+    Stream { seed: 3, pixel: index, sample: 0, bounce: 0 }.uniform(dimension).map(f64::from)
+}
+
+/// Any turn, scales from 1e-3 to 1e3 with up to a factor of 16 between axes, a shear, a mirror or none, and a
+/// place up to a hundred sizes away.
+fn transform(index: u32) -> DAffine3 {
+    let [a, b, c, d] = numbers(index, 0);
+    let [e, f, g, h] = numbers(index, 1);
+    let [i, j, k, l] = numbers(index, 2);
+    let size = 10_f64.powf(6.0 * a - 3.0);
+    let scale =
+        DVec3::new(size, size * 2_f64.powf(4.0 * b - 2.0), size * 2_f64.powf(4.0 * c - 2.0));
+    let mirror = if d < 0.5 { DVec3::new(-1.0, 1.0, 1.0) } else { DVec3::ONE };
+    let turn = DMat3::from_euler(glam::EulerRot::XYZ, 6.3 * e, 6.3 * f, 6.3 * g);
+    let shear = DMat3::from_cols(DVec3::X, DVec3::new(h - 0.5, 1.0, 0.0), DVec3::Z);
+    let place = DVec3::new(i - 0.5, j - 0.5, k - 0.5) * size * 10_f64.powf(4.0 * l - 2.0);
+    DAffine3 { matrix3: turn * shear * DMat3::from_diagonal(scale * mirror), translation: place }
+}
+
+/// A closed mesh, bumpy and about the origin.
+fn closed() -> Geometry {
+    let mesh = generate::mesh(&Recipe::new(Model::Sphere, 2000)).expect("a mesh");
+    Geometry { positions: mesh.positions, triangles: mesh.triangles, ..Geometry::default() }
+}
+
+fn bounds(form: &Geometry) -> Aabb {
+    form.positions.iter().fold(Aabb::EMPTY, |all, &p| all.union(Aabb { low: p, high: p }))
+}
+
+fn shown(form: &Geometry, to_world: DAffine3) -> Accel {
+    let instances = vec![Instance::new(0, 0, to_world, &bounds(form))];
+    let geometry = Geometry { forms: vec![form.clone()], instances, ..Geometry::default() };
+    Accel::new(geometry, Preset::Fast)
+}
+
+/// Rays from within go through edges and vertices of the form, as the world sees them.
+#[test]
+fn no_ray_leaves_an_instance_that_is_closed() {
+    let form = closed();
+    let mut aimed = 0_u64;
+    for index in 0..60 {
+        let to_world = transform(index);
+        let accel = shown(&form, to_world);
+        let mut traversal = accel.traversal();
+        let from = to_world.transform_point3(DVec3::new(0.05, -0.03, 0.02)).as_vec3();
+        let targets = form.triangles.iter().flat_map(|&[a, b, c]| {
+            let [a, b, c] = [a, b, c].map(|i| form.positions[i as usize].as_dvec3());
+            [a, (a + b) / 2.0, b * 0.3 + c * 0.7]
+        });
+        let rays: Vec<Ray> = targets
+            .map(|p| Ray::new(from, to_world.transform_point3(p).as_vec3() - from))
+            .collect();
+        let mut hits = vec![Hit::MISS; rays.len()];
+        accel.closest_of(&rays[..], &mut hits, &mut traversal);
+        for (ray, many) in rays.iter().zip(&hits) {
+            let one = accel.closest(ray, &mut traversal);
+            assert!(!one.is_miss(), "transform {index}: {ray:?} slips through");
+            assert_eq!(one, *many, "transform {index}: {ray:?}");
+            assert!(accel.occluded(ray, &mut traversal));
+            assert!((one.t - 1.0).abs() < 0.2, "transform {index}: t is {}", one.t);
+        }
+        aimed += rays.len() as u64;
+    }
+    assert!(aimed > 300_000, "{aimed}");
+}
+
+/// A ray that leaves a convex instance outward meets nothing more.
+#[test]
+fn no_ray_meets_the_surface_that_it_leaves() {
+    let mut recipe = Recipe::new(Model::Sphere, 2000);
+    recipe.displacement = 0.0;
+    let mesh = generate::mesh(&recipe).expect("a mesh");
+    let form =
+        Geometry { positions: mesh.positions, triangles: mesh.triangles, ..Geometry::default() };
+    let mut left = 0_u64;
+    for index in 100..160 {
+        let to_world = transform(index);
+        let accel = shown(&form, to_world);
+        let mut traversal = accel.traversal();
+        for k in 0..2000 {
+            let [a, b, c, d] = numbers(1000 * index + k, 7);
+            let [e, f, ..] = numbers(1000 * index + k, 8);
+            let direction = DVec3::new(a - 0.5, b - 0.5, c - 0.5).normalize();
+            let outside = to_world.transform_point3(direction * (2.0 + 100.0 * d)).as_vec3();
+            let inside = to_world.transform_point3(DVec3::new(e, f, a) * 0.5).as_vec3();
+            let ray = Ray::new(outside, inside - outside);
+            let hit = accel.closest(&ray, &mut traversal);
+            assert!(!hit.is_miss(), "transform {index}, ray {k}");
+            let (instance, of_form) = match accel.geometry.primitive(hit.primitive) {
+                wavecrest::accel::geometry::Primitive::Shown(shown) => {
+                    let corners = form.triangle(shown.triangle as usize);
+                    (&accel.geometry.instances[0], corners)
+                }
+                other => panic!("{other:?}"),
+            };
+            let carried = instance.carried(&ray);
+            let surface =
+                instance.surface(&wavecrest::kernels::surface::triangle(&carried, &of_form));
+            let outward = if surface.normal.dot(ray.direction) > 0.0 {
+                -surface.normal
+            } else {
+                surface.normal
+            };
+            for sample in 0..8 {
+                let [x, y, z, graze] = numbers(1000 * index + k, 20 + sample);
+                let random = Vec3::new(x as f32 - 0.5, y as f32 - 0.5, z as f32 - 0.5).normalize();
+                let along = random - outward * random.dot(outward);
+                let up = random.dot(outward).abs() * if graze < 0.5 { 1e-3 } else { 1.0 };
+                let direction = (along + outward * up).normalize();
+                let origin = offset_origin(surface.point, surface.error, outward, direction);
+                let next = Ray::new(
+                    origin,
+                    direction * instance.to_world().matrix3.x_axis.length() as f32,
+                );
+                // Neighbours of the triangle lie behind its plane: the form is convex.
+                let again = accel.closest(&next, &mut traversal);
+                let own = again.primitive == hit.primitive;
+                assert!(!own, "transform {index}, ray {k}: meets its own triangle at {}", again.t);
+                left += 1;
+            }
+        }
+    }
+    assert!(left > 900_000, "{left}");
+}
+
+/// A scene of one triangle that is shown twice at one place: neither is before the other.
+#[test]
+fn of_instances_at_one_place_the_first_is_seen() {
+    let material =
+        |color: [f64; 3]| json!({"ks": 0, "kd": 1, "specularexponent": 1, "diffusecolor": color});
+    let scene = json!({
+        "nbounces": 0,
+        "camera": {"type": "pinhole", "width": 24, "height": 16, "fov": 60, "location": [0.3, 0.2, 5], "look": [0.3, 0.3, 0]},
+        "scene": {
+            "backgroundcolor": [0, 0, 0],
+            "ambient": 1,
+            "lightsources": [{"type": "pointlight", "intensity": 0, "position": [0, 0, 9], "color": [1, 1, 1]}],
+            "shapes": [{
+                "type": "trimesh", "name": "a", "hidden": true, "material": material([0.0, 0.0, 1.0]),
+                "points": [[0, 0, 0], [0, 1, 0], [1, 1, 0], [1, 0, 0]], "indices": [[0, 1, 2], [0, 2, 3]]
+            }],
+            "instances": [
+                {"shape": "a", "transform": {"rotate": [0, 0, 30]}, "material": material([1.0, 0.0, 0.0])},
+                {"shape": "a", "transform": {"rotate": [0, 0, 30]}, "material": material([0.0, 1.0, 0.0])}
+            ]
+        }
+    });
+    let ready = try_prepare(&scene, &repository("test.json")).unwrap_or_else(|e| panic!("{e}"));
+    for tracer in TRACERS {
+        let film = render_on(1, &ready, &RenderOptions { tracer, ..options() }).film;
+        let [red, green]: [usize; 2] =
+            [0, 1].map(|k| film.pixels().iter().filter(|p| p[k] > 0.0).count());
+        assert!(red > 4 && green == 0, "{tracer:?}: {red} red, {green} green");
+    }
+}
+
+#[test]
+fn instances_that_are_wrong_are_refused_in_words() {
+    let file = repository("scenes/instances.json");
+    let said = |change: &dyn Fn(&mut Value)| {
+        let mut scene = stones(32);
+        change(&mut scene);
+        let text = refusal(&scene, &file).to_string();
+        text.split_once("instances.json: ").expect("it names the file").1.to_owned()
+    };
+    let text = said(&|scene| scene["scene"]["instances"][2]["shape"] = json!("stome"));
+    assert_eq!(
+        text,
+        "scene.instances[2].shape: no shape of scene.shapes has this name, found \"stome\"; did you \
+         mean \"stone\"?"
+    );
+    let text = said(&|scene| scene["scene"]["shapes"][1]["name"] = json!("worn stone"));
+    assert!(text.contains("several shapes have this name, found \"worn stone\""), "{text}");
+    let text = said(&|scene| scene["scene"]["instances"][0]["transform"]["scale"] = json!(0));
+    assert!(
+        text.starts_with("scene.instances[0].transform: the transform flattens space"),
+        "{text}"
+    );
+    let text = said(&|scene| {
+        scene["scene"]["instances"][0]["transform"]["translate"] = json!([1e30, 0, 0])
+    });
+    assert!(text.starts_with("scene.instances[0].transform"), "{text}");
+    let text = said(&|scene| scene["scene"]["shapes"][1]["hidden"] = json!("yes"));
+    assert!(
+        text.contains("scene.shapes[1].hidden: must be true or false, found \"yes\""),
+        "{text}"
+    );
+    let text = said(&|scene| {
+        scene["scene"]["shapes"][1] = json!({"type": "sphere", "name": "stone", "center": [0, 0, 0],
+            "radius": 1, "material": {"ks": 0, "kd": 1, "specularexponent": 1, "diffusecolor": [1, 1, 1]}});
+    });
+    assert!(text.contains("a sphere cannot be sheared, nor scaled by unequal factors"), "{text}");
+}
+
+/// Other forms than meshes, and a mesh that is shown once, are primitives of the scene's own.
+#[test]
+fn small_forms_are_copied_to_where_they_are_shown() {
+    let material = json!({"ks": 0, "kd": 1, "specularexponent": 1, "diffusecolor": [1, 1, 1]});
+    let shapes = json!([
+        {"type": "sphere", "name": "ball", "center": [0, 0, 0], "radius": 1, "material": material},
+        {"type": "plane", "name": "tile", "points": [[0, 0, 0], [0, 1, 0], [1, 1, 0], [1, 0, 0]], "material": material},
+        {"type": "triangle", "name": "flag", "points": [[0, 0, 0], [0, 1, 0], [1, 1, 0]], "material": material},
+        {"type": "trimesh", "name": "once", "hidden": true, "points": [[0, 0, 0], [0, 1, 0], [1, 1, 0]], "material": material}
+    ]);
+    let at = |name: &str| json!({"shape": name, "transform": {"translate": [3, 0, 0], "scale": 2}});
+    let mut scene = stones(32);
+    scene["scene"]["shapes"] = shapes;
+    scene["scene"]["instances"] = json!([at("ball"), at("tile"), at("flag"), at("once")]);
+    let ready = try_prepare(&scene, &repository("test.json")).unwrap_or_else(|e| panic!("{e}"));
+    let geometry = &ready.accel.geometry;
+    assert_eq!((geometry.instances.len(), geometry.forms.len()), (0, 0));
+    let counts = [geometry.triangles.len(), geometry.quads.len(), geometry.spheres.len()];
+    assert_eq!(counts, [3, 2, 2]);
+    assert_eq!(geometry.spheres[1], (Vec3::new(3.0, 0.0, 0.0), 2.0));
+    let places: Vec<&str> = ready.looks.places.iter().map(String::as_str).collect();
+    assert!(places.contains(&"scene.instances[3]") && !places.contains(&"scene.shapes[3]"));
+}
