@@ -165,7 +165,8 @@ fn run_here(
     let extracted = args.scene_options.extract(loaded)?;
     let preset = args.scene_options.bvh.unwrap_or_else(|| extracted.preset());
     let pixels = pixels.unwrap_or_else(|| extracted.pixels());
-    let predicted = memory::predict(&extracted, pixels, preset, args.batch as usize);
+    let mut predicted = memory::predict(&extracted, pixels, preset, args.batch as usize);
+    predicted.film += args.parts.kept_bytes(pixels);
     time.load = start.elapsed().as_secs_f64();
     reporter.loaded(&extracted, time.load);
     reporter.stage(Stage::Build);

@@ -11,7 +11,7 @@ use crate::cli::common::{above_zero, tell};
 use crate::cli::interrupt::Interrupt;
 use crate::error::{Error, ErrorKind, Result};
 use crate::farm::checkpoint::Checkpoint;
-use crate::farm::{Author, Session, Shard};
+use crate::farm::{Author, Shard, Stint};
 use crate::prepared::PreparedScene;
 use crate::render::{Rendered, Watch, render};
 use crate::replace::{check_differs, check_replaceable};
@@ -67,6 +67,12 @@ impl PartOptions {
         self.checkpoint().map_or(Ok(()), |checkpoint| checkpoint.check().map(drop))
     }
 
+    /// Bytes held for a checkpoint of so many pixels: their sums, beside the image.
+    pub(super) fn kept_bytes(&self, pixels: u64) -> u64 {
+        let each = if self.checkpoint.is_some() { size_of::<[f64; 3]>() as u64 } else { 0 };
+        pixels * each
+    }
+
     fn checkpoint(&self) -> Option<Checkpoint> {
         let every = self.every.unwrap_or(EVERY);
         Some(Checkpoint {
@@ -117,10 +123,10 @@ pub(super) fn trace(
         return render(scene, &args.options(), &screen).map(|rendered| (rendered, 0.0));
     };
     let options = args.options();
-    let session = Session::begin(scene, &options, author(args, seen), None, Some(&checkpoint))?;
-    tell_of_checkpoint(args, &checkpoint, &session);
-    let rendered = session.render(&screen, &warn)?;
-    Ok((rendered, session.resumed()))
+    let stint = Stint::begin(scene, &options, author(args, seen), None, Some(&checkpoint))?;
+    tell_of_checkpoint(args, &checkpoint, &stint);
+    let rendered = stint.render(&screen, &warn)?;
+    Ok((rendered, stint.resumed()))
 }
 
 /// Renders a shard and writes its part.
@@ -132,21 +138,21 @@ pub(super) fn write_shard(
 ) -> Result<()> {
     let output = seen.outputs.first();
     let (options, checkpoint) = (args.options(), args.parts.checkpoint());
-    let session =
-        Session::begin(scene, &options, author(args, seen), Some(shard), checkpoint.as_ref())?;
+    let stint =
+        Stint::begin(scene, &options, author(args, seen), Some(shard), checkpoint.as_ref())?;
     if let Some(checkpoint) = &checkpoint {
-        tell_of_checkpoint(args, checkpoint, &session);
+        tell_of_checkpoint(args, checkpoint, &stint);
     }
     let screen = Screen::new(args, scene, seen);
-    let done = session.render_units(&screen, &warn)?;
+    let done = stint.render_units(&screen, &warn)?;
     drop(screen);
-    if session.share() < 1.0 {
+    if stint.share() < 1.0 {
         let what = format!("{} is not written", output.display());
-        return Err(seen.interrupt.error(session.share()).remedy(what + &go_on(args)));
+        return Err(seen.interrupt.error(stint.share()).remedy(what + &go_on(args)));
     }
     let invalid = super::find_invalid(args, scene, &done.counters)?;
     super::tell_invalid(args, &done.counters, invalid.as_ref());
-    session.write(output)?;
+    stint.write(output)?;
     seen.reporter.note("write", || output.display().to_string());
     seen.reporter.stage(Stage::Done);
     Ok(())
@@ -189,13 +195,13 @@ fn author(args: &RenderArgs, seen: &Seen<'_>) -> Author {
     Author { scene: args.scene.display().to_string(), command: command.collect(), transfer }
 }
 
-fn tell_of_checkpoint(args: &RenderArgs, checkpoint: &Checkpoint, session: &Session<'_>) {
+fn tell_of_checkpoint(args: &RenderArgs, checkpoint: &Checkpoint, stint: &Stint<'_>) {
     if !checkpoint.resume || args.scene_options.quiet {
         return;
     }
     let file = checkpoint.file.display();
-    if session.has_checkpoint() {
-        let percent = (session.resumed() * 1000.0).floor() / 10.0;
+    if stint.has_checkpoint() {
+        let percent = (stint.resumed() * 1000.0).floor() / 10.0;
         tell(&format!("going on with {file}, which holds {percent} %"));
     } else {
         tell(&format!("there is no checkpoint {file} yet: rendering from the start"));

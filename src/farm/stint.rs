@@ -1,4 +1,5 @@
-//! A render, or a shard of one, that is kept while it is made and may go on from what was kept.
+//! A render, or a shard of one, that is kept while it is made and may go on from what was kept: each run of the
+//! program that works on it is a stint.
 
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -15,7 +16,7 @@ use crate::render::work::{Done, Job, Summed, Task, run};
 use crate::render::{Canvas, RenderOptions, Rendered, Watch};
 
 /// What is to be rendered, and what there is of it.
-pub struct Session<'a> {
+pub struct Stint<'a> {
     scene: &'a PreparedScene,
     options: &'a RenderOptions,
     header: Header,
@@ -43,7 +44,7 @@ pub struct Author {
     pub transfer: Transfer,
 }
 
-impl<'a> Session<'a> {
+impl<'a> Stint<'a> {
     /// Begins a render of `shard`, or of all, or goes on with one. `checkpoint` is where it is kept.
     ///
     /// # Errors
@@ -125,7 +126,7 @@ impl<'a> Session<'a> {
     }
 
     /// Renders the units alone, or what is missing of them, and says what work that was. `warn` as for
-    /// [`Session::render`].
+    /// [`Stint::render`].
     ///
     /// # Errors
     /// When the table that the plan was made by does not hang together.
