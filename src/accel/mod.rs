@@ -140,8 +140,7 @@ impl Accel {
 
     /// Scratch memory for one thread: traversal then allocates nothing.
     pub fn traversal(&self) -> Traversal {
-        let trees = self.tree.iter().chain(&self.form_trees);
-        let Some(entries) = trees.map(Tree::stack_entries).max() else {
+        let Some(entries) = self.trees().map(Tree::stack_entries).max() else {
             return Traversal::default();
         };
         Traversal { stack: vec![0; entries], flight: Flight::new(entries), ..Traversal::default() }
@@ -296,9 +295,14 @@ impl Accel {
         (!is_one && precision != Precision::Exact).then_some(precision)
     }
 
+    /// The tree over the scene's own primitives, if there is one, and those of forms.
+    pub fn trees(&self) -> impl Iterator<Item = &Tree> {
+        self.tree.iter().chain(&self.form_trees)
+    }
+
     /// Bytes held by all trees.
     pub fn tree_bytes(&self) -> u64 {
-        self.tree.iter().chain(&self.form_trees).map(Tree::bytes).sum::<u64>() + self.top.bytes()
+        self.trees().map(Tree::bytes).sum::<u64>() + self.top.bytes()
     }
 }
 

@@ -24,7 +24,7 @@
 //! | `time.passes` | seconds | by pass, summed over threads |
 //! | `memory.predicted`, `.peak` | bytes | peak of the process: foretold before a mesh or a texture is read, and measured (`null` where the system does not tell) |
 //! | `columns.foretold`, `.held` | bytes | columns of the wavefront's batches on all threads: foretold, and held (the recursive tracer has none) |
-//! | `bvh.preset`, `.nodes`, `.depth`, `.bytes` | | the tree |
+//! | `bvh.preset`, `.nodes`, `.depth`, `.bytes` | | the trees: nodes of all, the greatest depth |
 //! | `resumed` | | the part of the image that a checkpoint held (0 to 1): rays and all other work are those of this run alone |
 //! | `goal.asked`, `.samples`, `.expected_error`, `.expected_seconds`, `.found_error`, `.renders` | | what was chosen for a target error or a time budget, and what came of it (`null` where neither was asked for) |
 //! | `plan` | | each effect, whether it is simulated, and why |
@@ -34,6 +34,7 @@ use serde_json::{Map, Value};
 
 use super::foretold::Foretold;
 use crate::accel::build::Preset;
+use crate::accel::tree::Tree;
 use crate::accel::{Accel, KernelChoice, KernelCounts};
 use crate::counters::Counters;
 use crate::kernels::precision::Precision;
@@ -193,10 +194,11 @@ pub struct Bvh {
 impl Bvh {
     /// What `accel`, built with `preset`, holds.
     pub fn of(accel: &Accel, preset: Preset) -> Self {
+        let census = || accel.trees().map(Tree::census);
         Self {
             preset,
-            nodes: accel.tree.as_ref().map_or(0, |tree| tree.census().nodes as usize),
-            depth: accel.tree.as_ref().map_or(0, |tree| tree.census().depth),
+            nodes: census().map(|census| census.nodes as usize).sum(),
+            depth: census().map(|census| census.depth).max().unwrap_or(0),
             bytes: accel.tree_bytes(),
         }
     }

@@ -202,11 +202,12 @@ impl<'a> Reader<'a> {
         }
         self.pay(primitive, accessor, accessor.count)?;
         let corners = accessor.elements(self.document.storage()).indices();
-        let Some(at) = corners.iter().position(|&i| i as usize >= count) else {
+        let restart = accessor.component.restart();
+        let Some(at) = corners.iter().position(|&i| i as usize >= count || i == restart) else {
             return Ok(corners);
         };
         let place = format!("{}[{at}]", place());
-        if corners[at] == accessor.component.restart() {
+        if corners[at] == restart {
             let error = self.error(
                 &place,
                 "the greatest number of a type is no index: it would begin a new strip",

@@ -138,6 +138,14 @@ fn indices_and_positions_that_are_wrong_are_named() {
     let number = file.indices(&[0, 1, 65_535]);
     let text = refusal(&file.with("/meshes/0/primitives/0/indices", number));
     assert!(text.contains("indices[2]: the greatest number of a type is no index"), "{text}");
+    // Though there is such a vertex.
+    let mut file = square();
+    let positions = file.accessor(&vec![0; 65_536 * 12], 5126, 65_536, "VEC3");
+    let indices = file.indices(&[0, 1, 65_535]);
+    file.json["meshes"][0]["primitives"][0] =
+        json!({"attributes": {"POSITION": positions}, "indices": indices});
+    let text = refusal(&file);
+    assert!(text.contains("indices[2]: the greatest number of a type is no index"), "{text}");
     for bad in [f32::NAN, f32::INFINITY, 1e13] {
         let mut points = super::SQUARE;
         points[2][1] = bad;
