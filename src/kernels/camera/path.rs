@@ -128,16 +128,19 @@ impl Path {
 fn across(up: DVec3, forward: DVec3) -> DVec3 {
     match up.try_normalize() {
         Some(unit) if unit.cross(forward).length() >= PARALLEL => up,
-        _ => {
-            let v = forward.abs();
-            if v.x <= v.y && v.x <= v.z {
-                DVec3::X
-            } else if v.y <= v.z {
-                DVec3::Y
-            } else {
-                DVec3::Z
-            }
-        }
+        _ => least_aligned_axis(forward),
+    }
+}
+
+/// The axis that makes the greatest angle with `v`; of equals the first.
+pub fn least_aligned_axis(v: DVec3) -> DVec3 {
+    let v = v.abs();
+    if v.x <= v.y && v.x <= v.z {
+        DVec3::X
+    } else if v.y <= v.z {
+        DVec3::Y
+    } else {
+        DVec3::Z
     }
 }
 

@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use crate::error::{Error, ErrorKind, Result};
+use crate::kernels::camera::path::least_aligned_axis;
 use crate::scene::components::{
     CameraKey, CameraPath, FovAxis, Interpolation, Sampling, ThinLens, View,
 };
@@ -222,18 +223,6 @@ fn up(object: &Object<'_>, view: DVec3) -> Result<DVec3> {
     let axis = least_aligned_axis(view);
     warn_of_up(object, up, axis);
     Ok(axis)
-}
-
-/// The axis that makes the greatest angle with `v`; of equals the first.
-fn least_aligned_axis(v: DVec3) -> DVec3 {
-    let v = v.abs();
-    if v.x <= v.y && v.x <= v.z {
-        DVec3::X
-    } else if v.y <= v.z {
-        DVec3::Y
-    } else {
-        DVec3::Z
-    }
 }
 
 fn warn_of_up(object: &Object<'_>, up: DVec3, axis: DVec3) {
