@@ -8,10 +8,10 @@ use std::sync::LazyLock;
 use divan::Bencher;
 use divan::counter::ItemsCount;
 
-use wavecrest::accel::Accel;
-use wavecrest::accel::build::Preset;
-use wavecrest::accel::geometry::Geometry;
-use wavecrest::generate::{Model, Recipe, mesh};
+use wavecrest_core::accel::Accel;
+use wavecrest_core::accel::build::Preset;
+use wavecrest_core::accel::geometry::Geometry;
+use wavecrest_scene::generate::{Model, Recipe, mesh};
 
 static GEOMETRY: LazyLock<Geometry> = LazyLock::new(|| {
     let triangles = std::env::var("WAVECREST_BENCH_TRIANGLES");

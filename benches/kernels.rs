@@ -6,14 +6,14 @@ use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
 use glam::{Vec2, Vec3};
 
-use wavecrest::kernels::blinn_phong::{self, Material};
-use wavecrest::kernels::slab::{Aabb, SlabRay};
-use wavecrest::kernels::texture::{Filter, Image, Texels, Wrap};
-use wavecrest::kernels::triangle::{self, ShearedSpace};
-use wavecrest::kernels::{quad, sphere, surface};
-use wavecrest::math::float::normalize;
-use wavecrest::math::random::{Stream, philox_4x32_10};
-use wavecrest::math::ray::Ray;
+use wavecrest_core::kernels::blinn_phong::{self, Material};
+use wavecrest_core::kernels::slab::{Aabb, SlabRay};
+use wavecrest_core::kernels::texture::{Filter, Image, Texels, Wrap};
+use wavecrest_core::kernels::triangle::{self, ShearedSpace};
+use wavecrest_core::kernels::{quad, sphere, surface};
+use wavecrest_core::math::float::normalize;
+use wavecrest_core::math::random::{Stream, philox_4x32_10};
+use wavecrest_core::math::ray::Ray;
 
 /// Inputs of one sample: few enough for the first-level cache.
 const INPUTS: u32 = 256;

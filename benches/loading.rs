@@ -11,11 +11,11 @@ use divan::Bencher;
 use divan::counter::BytesCount;
 use tempfile::TempDir;
 
-use wavecrest::error::{Error, Result};
-use wavecrest::generate::{Model, Recipe, mesh, write_ply};
-use wavecrest::scene::load::{LoadOptions, load_str};
-use wavecrest::scene::mesh::{MeshData, load};
-use wavecrest::systems::{Extracted, extract};
+use wavecrest_base::error::{Error, Result};
+use wavecrest_scene::generate::{Model, Recipe, mesh, write_ply};
+use wavecrest_scene::load::{LoadOptions, load_str};
+use wavecrest_scene::mesh::{MeshData, load};
+use wavecrest_scene::systems::{Extracted, extract};
 
 const TRIANGLES: u64 = 1_000_000;
 

@@ -8,16 +8,16 @@ use divan::Bencher;
 use divan::counter::ItemsCount;
 use serde_json::{Value, json};
 
-use wavecrest::accel::build::Preset;
-use wavecrest::error::Result;
-use wavecrest::generate::{Model, Recipe, mesh};
-use wavecrest::kernels::precision::Robust;
-use wavecrest::prepared::PreparedScene;
-use wavecrest::scene::load::load_str;
-use wavecrest::systems;
-use wavecrest::tile::{Tile, TraceSettings, Tracer, Unit};
-use wavecrest::variant::Every;
-use wavecrest::wavefront::{DEFAULT_BATCH, Wavefront};
+use wavecrest_base::error::Result;
+use wavecrest_core::accel::build::Preset;
+use wavecrest_core::kernels::precision::Robust;
+use wavecrest_core::prepared::PreparedScene;
+use wavecrest_core::tile::{Tile, TraceSettings, Tracer, Unit};
+use wavecrest_core::variant::Every;
+use wavecrest_core::wavefront::{DEFAULT_BATCH, Wavefront};
+use wavecrest_scene::generate::{Model, Recipe, mesh};
+use wavecrest_scene::load::load_str;
+use wavecrest_scene::systems;
 
 /// The variant with every effect.
 type Passes = Wavefront<Robust, Every>;

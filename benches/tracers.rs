@@ -9,13 +9,13 @@ use divan::Bencher;
 use divan::counter::ItemsCount;
 use serde_json::{Value, json};
 
-use wavecrest::accel::build::Preset;
-use wavecrest::error::Result;
-use wavecrest::generate::{Model, Recipe, mesh};
-use wavecrest::prepared::PreparedScene;
-use wavecrest::render::{RenderOptions, Rendered, TracerKind, render};
-use wavecrest::scene::load::load_str;
-use wavecrest::systems;
+use wavecrest_base::error::Result;
+use wavecrest_core::accel::build::Preset;
+use wavecrest_core::prepared::PreparedScene;
+use wavecrest_core::render::{RenderOptions, Rendered, TracerKind, render};
+use wavecrest_scene::generate::{Model, Recipe, mesh};
+use wavecrest_scene::load::load_str;
+use wavecrest_scene::systems;
 
 /// Everything but the shapes.
 const SCENE: &str = r#"{

@@ -13,14 +13,14 @@ use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
 use glam::Vec3;
 
-use wavecrest::accel::build::Preset;
-use wavecrest::accel::geometry::Geometry;
-use wavecrest::accel::{Accel, Hit, KernelChoice, Traversal};
-use wavecrest::generate::{Model, Recipe, mesh};
-use wavecrest::math::random::Stream;
-use wavecrest::math::ray::Ray;
-use wavecrest::math::simd::Level;
-use wavecrest::wavefront::DEFAULT_BATCH;
+use wavecrest_core::accel::build::Preset;
+use wavecrest_core::accel::geometry::Geometry;
+use wavecrest_core::accel::{Accel, Hit, KernelChoice, Traversal};
+use wavecrest_core::math::random::Stream;
+use wavecrest_core::math::ray::Ray;
+use wavecrest_core::math::simd::Level;
+use wavecrest_core::wavefront::DEFAULT_BATCH;
+use wavecrest_scene::generate::{Model, Recipe, mesh};
 
 /// Rays in a row and in a column of the coherent ones; there are as many random ones.
 const SIDE: u32 = 128;

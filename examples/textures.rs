@@ -7,9 +7,10 @@
 use std::path::{Path, PathBuf};
 
 use glam::{Vec2, Vec3, vec2, vec3};
-use wavecrest::error::Result;
-use wavecrest::image::write::write;
-use wavecrest::image::{Film, Transfer};
+use wavecrest_base::error::Result;
+use wavecrest_core::film::Film;
+use wavecrest_image::Transfer;
+use wavecrest_image::write::write;
 
 fn main() -> Result<()> {
     let folder =

@@ -1,7 +1,139 @@
-//! The `wavecrest` command: everything it does is in the library's [`wavecrest::cli`].
+//! The command line: `wavecrest SCENE OUTPUT`, and a subcommand for everything else.
+//!
+//! [`EXIT_CODES`] says how it ends.
 
+mod accuracy;
+mod bench;
+mod check;
+mod choice;
+mod common;
+mod completions;
+mod convert;
+mod diff;
+mod explain;
+mod generate;
+mod interrupt;
+mod man;
+mod merge;
+mod metadata;
+mod probe;
+mod render;
+mod schema;
+mod selftest;
+mod trace;
+
+use std::ffi::OsString;
 use std::process::ExitCode;
 
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
+
+use common::tell;
+use wavecrest_base::error::{Error, ErrorKind, Result};
+
+/// Every code that the command ends with, and what it means: for the help, the manual and the README.
+pub(crate) const EXIT_CODES: [(u8, &str); 5] = [
+    (0, "done; of diff: the images are equal"),
+    (
+        1,
+        "the answer is no: of diff, the images differ; of bench, the tracers disagree; of selftest, a case \
+         fails; of probe, the tracers tell different stories",
+    ),
+    (2, "an error, which is told on standard error"),
+    (130, "SIGINT (Ctrl-C) ended a render early; what was finished is kept"),
+    (143, "SIGTERM did"),
+];
+
+/// A ray tracer for large triangle meshes: wavefront and recursive tracing over one set of kernels.
+///
+/// Without a command it renders: `wavecrest SCENE OUTPUT` is `wavecrest render SCENE OUTPUT`.
+#[derive(Debug, Parser)]
+#[command(name = "wavecrest", version, arg_required_else_help = true)]
+#[command(override_usage = "wavecrest [OPTIONS] <SCENE> <OUTPUT>\n       wavecrest <COMMAND>")]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Render(Box<render::RenderArgs>),
+    Merge(merge::MergeArgs),
+    Check(check::CheckArgs),
+    Convert(convert::ConvertArgs),
+    Explain(explain::ExplainArgs),
+    Probe(probe::ProbeArgs),
+    Generate(generate::GenerateArgs),
+    Trace(trace::TraceArgs),
+    Diff(diff::DiffArgs),
+    Bench(bench::BenchArgs),
+    Selftest(selftest::SelftestArgs),
+    Accuracy(accuracy::AccuracyArgs),
+    Schema(schema::SchemaArgs),
+    Completions(completions::CompletionsArgs),
+    Man(man::ManArgs),
+}
+
 fn main() -> ExitCode {
-    wavecrest::cli::run()
+    let arguments = with_command(std::env::args_os().collect());
+    let matches = program().get_matches_from(arguments);
+    let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
+    match dispatch(&cli.command) {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::from(1),
+        Err(error) => failed(&error),
+    }
+}
+
+/// Tells an error, and which exit code it has.
+fn failed(error: &Error) -> ExitCode {
+    match error.kind() {
+        ErrorKind::Interrupted(signal) => {
+            tell(&error.to_string());
+            ExitCode::from(interrupt::exit_code(signal))
+        }
+        _ => {
+            tell(&format!("error: {error}"));
+            ExitCode::from(2)
+        }
+    }
+}
+
+/// The command line as clap has it.
+fn program() -> clap::Command {
+    let codes = EXIT_CODES.map(|(code, meaning)| format!("\n  {code}  {meaning}"));
+    Cli::command().after_help(format!("Exit codes:{}", codes.concat()))
+}
+
+/// The arguments, with `render` put in where they name no command.
+fn with_command(mut arguments: Vec<OsString>) -> Vec<OsString> {
+    let named =
+        arguments.get(1).and_then(|first| first.to_str()).map_or(arguments.len() < 2, |first| {
+            matches!(first, "help" | "-h" | "--help" | "-V" | "--version")
+                || Cli::command().find_subcommand(first).is_some()
+        });
+    if !named {
+        arguments.insert(1, "render".into());
+    }
+    arguments
+}
+
+/// Runs `command`; false is the answer "no" of a command that asks something.
+fn dispatch(command: &Command) -> Result<bool> {
+    match command {
+        Command::Render(args) => render::run(args).map(|()| true),
+        Command::Merge(args) => merge::run(args).map(|()| true),
+        Command::Check(args) => check::run(args).map(|()| true),
+        Command::Convert(args) => convert::run(args).map(|()| true),
+        Command::Explain(args) => explain::run(args).map(|()| true),
+        Command::Probe(args) => probe::run(args),
+        Command::Generate(args) => generate::run(args).map(|()| true),
+        Command::Trace(args) => trace::run(args).map(|()| true),
+        Command::Diff(args) => diff::run(args),
+        Command::Bench(args) => bench::run(args),
+        Command::Selftest(args) => selftest::run(args),
+        Command::Accuracy(args) => accuracy::run(args),
+        Command::Schema(args) => schema::run(args).map(|()| true),
+        Command::Completions(args) => completions::run(args).map(|()| true),
+        Command::Man(args) => man::run(args).map(|()| true),
+    }
 }

@@ -18,10 +18,10 @@ use std::process::Command;
 use chromium::Browser;
 use serde_json::json;
 use tempfile::TempDir;
-use wavecrest::report::page::{
+use wavecrest_report::page::{
     Block, Cell, Column, Compare, Details, Fact, Page, Picture, Section, Table,
 };
-use wavecrest::report::plot::{
+use wavecrest_report::plot::{
     Axis, Bar, Chart, Course, Draw, Guide, Point, Scale, Segment, Series, StackedBars,
 };
 

@@ -32,7 +32,7 @@ type Target = fn(&[u8]) -> bool;
 const PATIENCE: Duration = Duration::from_secs(60);
 
 fn folder(kind: &str, name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fuzz").join(kind).join(name)
+    Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/fuzz")).join(kind).join(name)
 }
 
 /// Every file of a folder, by name; none if there is no such folder.

@@ -1,7 +1,7 @@
 //! Inputs that are nearly right: changed at random from some that are, each as a function of a seed.
 
 use serde_json::Value;
-use wavecrest::math::random::Stream;
+use wavecrest_core::math::random::Stream;
 
 /// Words that may stand where another did.
 const WORDS: [&str; 28] = [

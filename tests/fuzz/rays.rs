@@ -3,12 +3,12 @@
 use std::path::Path;
 
 use glam::Vec3;
-use wavecrest::accel::build::Preset;
-use wavecrest::accel::geometry::Geometry;
-use wavecrest::kernels::precision::Precision;
-use wavecrest::math::float::MAX_COORDINATE;
-use wavecrest::math::ray::Ray;
-use wavecrest::scene::mesh::{MeshData, validate};
+use wavecrest_core::accel::build::Preset;
+use wavecrest_core::accel::geometry::Geometry;
+use wavecrest_core::kernels::precision::Precision;
+use wavecrest_core::math::float::MAX_COORDINATE;
+use wavecrest_core::math::ray::Ray;
+use wavecrest_scene::mesh::{MeshData, validate};
 
 /// What is asked of the tree.
 pub(crate) struct Question {

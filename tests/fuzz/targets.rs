@@ -6,15 +6,15 @@ use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 
 use rayon::{ThreadPool, ThreadPoolBuilder};
-use wavecrest::accel::build::Preset;
-use wavecrest::accel::{Accel, Hit, KernelChoice};
-use wavecrest::math::ray::Ray;
-use wavecrest::math::simd::Level;
-use wavecrest::render::{RenderOptions, TracerKind, render};
-use wavecrest::scene::gltf;
-use wavecrest::scene::load::{LoadOptions, LoadedScene, load_str};
-use wavecrest::scene::mesh::{self, LoadedMesh};
-use wavecrest::systems;
+use wavecrest_core::accel::build::Preset;
+use wavecrest_core::accel::{Accel, Hit, KernelChoice};
+use wavecrest_core::math::ray::Ray;
+use wavecrest_core::math::simd::Level;
+use wavecrest_core::render::{RenderOptions, TracerKind, render};
+use wavecrest_scene::gltf;
+use wavecrest_scene::load::{LoadOptions, LoadedScene, load_str};
+use wavecrest_scene::mesh::{self, LoadedMesh};
+use wavecrest_scene::systems;
 
 use crate::rays::{Question, question};
 

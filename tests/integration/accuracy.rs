@@ -4,16 +4,16 @@
 use std::path::Path;
 
 use serde_json::{Value, json};
-use wavecrest::accel::build::Preset;
-use wavecrest::accuracy::Findings;
-use wavecrest::accuracy::findings::FamilyFindings;
-use wavecrest::accuracy::pilot::Pilot;
-use wavecrest::accuracy::store::{FILE, Header, Record, Store};
-use wavecrest::accuracy::sweep::{Options, Progress, run};
-use wavecrest::image::compare::compare;
-use wavecrest::math::sampling::{Points, Sampling};
-use wavecrest::prepared::{PreparedScene, Samples};
-use wavecrest::render::RenderOptions;
+use wavecrest_core::accel::build::Preset;
+use wavecrest_core::math::sampling::{Points, Sampling};
+use wavecrest_core::prepared::{PreparedScene, Samples};
+use wavecrest_core::render::RenderOptions;
+use wavecrest_image::compare::compare;
+use wavecrest_report::accuracy::Findings;
+use wavecrest_report::accuracy::findings::FamilyFindings;
+use wavecrest_report::accuracy::pilot::Pilot;
+use wavecrest_report::accuracy::store::{FILE, Header, Record, Store};
+use wavecrest_report::accuracy::sweep::{Options, Progress, run};
 
 use crate::support::{
     extract_small, folder, image_of, matte, options, pinhole, prepare, render_on, repository,

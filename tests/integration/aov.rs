@@ -2,11 +2,11 @@
 
 use glam::DVec3;
 use serde_json::{Value, json};
-use wavecrest::aov::{Found, Layer, Request, layers};
-use wavecrest::image::metadata::Values;
-use wavecrest::prepared::PreparedScene;
-use wavecrest::render::{RenderOptions, TracerKind};
-use wavecrest::tile::Tile;
+use wavecrest_core::prepared::PreparedScene;
+use wavecrest_core::render::{RenderOptions, TracerKind};
+use wavecrest_core::tile::Tile;
+use wavecrest_image::aov::{Found, Layer, Request, layers};
+use wavecrest_image::metadata::Values;
 
 use crate::support::{
     matte, options, pinhole, point_light, prepare, render_on, scene, sphere, wall, with,

@@ -1,14 +1,14 @@
 //! Effects: a scene pays for what it shows. The counters are exact, so that "nothing" is 0.
 
 use serde_json::{Value, json};
-use wavecrest::accel::build::Preset;
-use wavecrest::counters::Counters;
-use wavecrest::image::Film;
-use wavecrest::image::write::{Transfer, write};
-use wavecrest::plan::Effect;
-use wavecrest::prepared::PreparedScene;
-use wavecrest::render::RenderOptions;
-use wavecrest::wavefront::batch::Batch;
+use wavecrest_core::accel::build::Preset;
+use wavecrest_core::counters::Counters;
+use wavecrest_core::film::Film;
+use wavecrest_core::plan::Effect;
+use wavecrest_core::prepared::PreparedScene;
+use wavecrest_core::render::RenderOptions;
+use wavecrest_core::wavefront::batch::Batch;
+use wavecrest_image::write::{Transfer, write};
 
 use crate::support::{
     TRACERS, extract_small, folder, matte, options, pinhole, point_light, prepare, refusal,

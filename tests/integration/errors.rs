@@ -4,11 +4,11 @@
 use std::path::Path;
 
 use serde_json::{Value, json};
-use wavecrest::accel::build::Preset;
-use wavecrest::error::{ErrorKind, Warning};
-use wavecrest::image::Film;
-use wavecrest::scene::load::{LoadOptions, load_str};
-use wavecrest::systems::prepare;
+use wavecrest_base::error::{ErrorKind, Warning};
+use wavecrest_core::accel::build::Preset;
+use wavecrest_core::film::Film;
+use wavecrest_scene::load::{LoadOptions, load_str};
+use wavecrest_scene::systems::prepare;
 
 use crate::support::{
     BACKGROUND, folder, image_of, matte, pinhole, point_light, refusal, repository, scene, with,

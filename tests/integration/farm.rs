@@ -6,12 +6,12 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 
-use wavecrest::error::{Error, Result};
-use wavecrest::farm::checkpoint::Checkpoint;
-use wavecrest::farm::merge::merge;
-use wavecrest::farm::{Author, Identity, Shard, Stint};
-use wavecrest::prepared::PreparedScene;
-use wavecrest::render::{RenderOptions, Watch};
+use wavecrest_base::error::{Error, Result};
+use wavecrest_core::prepared::PreparedScene;
+use wavecrest_core::render::{RenderOptions, Watch};
+use wavecrest_image::farm::checkpoint::Checkpoint;
+use wavecrest_image::farm::merge::merge;
+use wavecrest_image::farm::{Author, Identity, Shard, Stint};
 
 use crate::parts::ball;
 use crate::support::{TRACERS, folder, options, prepare, render_on};
@@ -115,7 +115,7 @@ fn parts_in_any_order_make_the_image_of_one_process() {
 #[test]
 fn parts_of_a_crop_make_the_crop() {
     let scene = &scenes()[0];
-    let crop = Some(wavecrest::tile::Tile { x: 13, y: 5, width: 41, height: 33 });
+    let crop = Some(wavecrest_core::tile::Tile { x: 13, y: 5, width: 41, height: 33 });
     for tracer in TRACERS {
         let options = RenderOptions { tracer, crop, ..options() };
         let folder = folder();

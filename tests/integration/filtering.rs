@@ -5,17 +5,17 @@ use std::path::Path;
 
 use glam::Vec3;
 use serde_json::{Value, json};
-use wavecrest::image::Film;
-use wavecrest::image::write::{Transfer, write};
-use wavecrest::kernels::precision::Robust;
-use wavecrest::kernels::shade;
-use wavecrest::math::random::Stream;
-use wavecrest::math::ray::Ray;
-use wavecrest::memory::predict;
-use wavecrest::prepared::{Arrival, LookUps, MirrorPoint, PreparedScene};
-use wavecrest::scene::load::{LoadOptions, load_str};
-use wavecrest::systems::extract;
-use wavecrest::variant::Every;
+use wavecrest_core::film::Film;
+use wavecrest_core::kernels::precision::Robust;
+use wavecrest_core::kernels::shade;
+use wavecrest_core::math::random::Stream;
+use wavecrest_core::math::ray::Ray;
+use wavecrest_core::prepared::{Arrival, LookUps, MirrorPoint, PreparedScene};
+use wavecrest_core::variant::Every;
+use wavecrest_image::write::{Transfer, write};
+use wavecrest_scene::load::{LoadOptions, load_str};
+use wavecrest_scene::memory::predict;
+use wavecrest_scene::systems::extract;
 
 use crate::support::{
     BACKGROUND, folder, image_of, matte, options, pinhole, point_light, prepare, render_on, scene,

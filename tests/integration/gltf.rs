@@ -13,11 +13,11 @@ use std::path::Path;
 
 use base64::Engine as _;
 use serde_json::{Value, json};
-use wavecrest::error::Result;
-use wavecrest::image::Film;
-use wavecrest::scene::gltf::load_bytes;
-use wavecrest::scene::load::{LoadOptions, LoadedScene};
-use wavecrest::systems;
+use wavecrest_base::error::Result;
+use wavecrest_core::film::Film;
+use wavecrest_scene::gltf::load_bytes;
+use wavecrest_scene::load::{LoadOptions, LoadedScene};
+use wavecrest_scene::systems;
 
 use crate::support::image_of;
 
@@ -146,7 +146,7 @@ fn loaded(file: &File) -> Result<LoadedScene> {
 fn rendered(loaded: Result<LoadedScene>) -> Film {
     let mut loaded = loaded.unwrap_or_else(|error| panic!("{error}"));
     let extracted = systems::extract(&mut loaded.world).unwrap_or_else(|error| panic!("{error}"));
-    image_of(&extracted.build(wavecrest::accel::build::Preset::Fast), 0)
+    image_of(&extracted.build(wavecrest_core::accel::build::Preset::Fast), 0)
 }
 
 fn image(file: &File) -> Film {

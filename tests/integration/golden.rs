@@ -6,11 +6,11 @@
 use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
-use wavecrest::accel::build::Preset;
-use wavecrest::image::Film;
-use wavecrest::image::compare::{compare, difference_image};
-use wavecrest::image::read::read;
-use wavecrest::image::write::{Transfer, write};
+use wavecrest_core::accel::build::Preset;
+use wavecrest_core::film::Film;
+use wavecrest_image::compare::{compare, difference_image};
+use wavecrest_image::read::read;
+use wavecrest_image::write::{Transfer, write};
 
 use crate::support::{blessing, extract_small, files_in, image_of, repository, scene_files, stem};
 
@@ -89,7 +89,7 @@ fn bless(found: &Film, golden: &Path) -> Result<(), String> {
 /// Writes the image found and, where there can be one, the picture of the difference.
 fn leave_pictures(name: &str, expected: &Film, found: &Film) -> Result<String, String> {
     let beside = |suffix: &str| repository("tests/golden").join(format!("{name}.{suffix}"));
-    let text = |error: wavecrest::error::Error| error.to_string();
+    let text = |error: wavecrest_base::error::Error| error.to_string();
     write(found, &beside("actual.exr"), Transfer::Linear).map_err(text)?;
     let mut seen = format!("see tests/golden/{name}.actual.exr");
     if let Ok(difference) = difference_image(expected, found, GAIN) {

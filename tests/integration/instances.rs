@@ -3,21 +3,21 @@
 
 use glam::{DAffine3, DMat3, DVec3, Vec3};
 use serde_json::{Value, json};
-use wavecrest::accel::build::Preset;
-use wavecrest::accel::geometry::Geometry;
-use wavecrest::accel::instance::Instance;
-use wavecrest::accel::{Accel, Hit, KernelChoice};
-use wavecrest::generate::{self, Model, Recipe};
-use wavecrest::kernels::precision::Precision;
-use wavecrest::kernels::slab::Aabb;
-use wavecrest::math::float::offset_origin;
-use wavecrest::math::random::Stream;
-use wavecrest::math::ray::Ray;
-use wavecrest::math::simd::Level;
-use wavecrest::prepared::PreparedScene;
-use wavecrest::render::RenderOptions;
-use wavecrest::scene::load::{LoadOptions, load_str};
-use wavecrest::systems::{self, Options};
+use wavecrest_core::accel::build::Preset;
+use wavecrest_core::accel::geometry::Geometry;
+use wavecrest_core::accel::instance::Instance;
+use wavecrest_core::accel::{Accel, Hit, KernelChoice};
+use wavecrest_core::kernels::precision::Precision;
+use wavecrest_core::kernels::slab::Aabb;
+use wavecrest_core::math::float::offset_origin;
+use wavecrest_core::math::random::Stream;
+use wavecrest_core::math::ray::Ray;
+use wavecrest_core::math::simd::Level;
+use wavecrest_core::prepared::PreparedScene;
+use wavecrest_core::render::RenderOptions;
+use wavecrest_scene::generate::{self, Model, Recipe};
+use wavecrest_scene::load::{LoadOptions, load_str};
+use wavecrest_scene::systems::{self, Options};
 
 use crate::support::{TRACERS, options, refusal, render_on, repository, try_prepare};
 
@@ -184,7 +184,7 @@ fn no_ray_meets_the_surface_that_it_leaves() {
             let hit = accel.closest(&ray, &mut traversal);
             assert!(!hit.is_miss(), "transform {index}, ray {k}");
             let (instance, of_form) = match accel.geometry.primitive(hit.primitive) {
-                wavecrest::accel::geometry::Primitive::Shown(shown) => {
+                wavecrest_core::accel::geometry::Primitive::Shown(shown) => {
                     let corners = form.triangle(shown.triangle as usize);
                     (&accel.geometry.instances[0], corners)
                 }
@@ -192,7 +192,7 @@ fn no_ray_meets_the_surface_that_it_leaves() {
             };
             let carried = instance.carried(&ray);
             let surface =
-                instance.surface(&wavecrest::kernels::surface::triangle(&carried, &of_form));
+                instance.surface(&wavecrest_core::kernels::surface::triangle(&carried, &of_form));
             let outward = if surface.normal.dot(ray.direction) > 0.0 {
                 -surface.normal
             } else {

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use serde_json::{Value, json};
-use wavecrest::generate::{self, Model, Recipe};
-use wavecrest::scene::mesh::{self, MeshData, Survey};
+use wavecrest_scene::generate::{self, Model, Recipe};
+use wavecrest_scene::mesh::{self, MeshData, Survey};
 
 use crate::support::{folder, matte, pinhole, point_light, scene, wavecrest};
 

@@ -5,14 +5,14 @@ use std::path::Path;
 
 use rayon::prelude::*;
 use serde_json::{Value, json};
-use wavecrest::accel::KernelChoice;
-use wavecrest::accel::build::Preset;
-use wavecrest::image::Film;
-use wavecrest::math::simd::Level;
-use wavecrest::plan::Effect;
-use wavecrest::prepared::PreparedScene;
-use wavecrest::render::RenderOptions;
-use wavecrest::tile::Tile;
+use wavecrest_core::accel::KernelChoice;
+use wavecrest_core::accel::build::Preset;
+use wavecrest_core::film::Film;
+use wavecrest_core::math::simd::Level;
+use wavecrest_core::plan::Effect;
+use wavecrest_core::prepared::PreparedScene;
+use wavecrest_core::render::RenderOptions;
+use wavecrest_core::tile::Tile;
 
 use crate::support::{
     TRACERS, extract_small, image, matte, options, pinhole, point_light, prepare, render_on, scene,

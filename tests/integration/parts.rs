@@ -6,10 +6,10 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 
 use serde_json::Value;
-use wavecrest::image::Film;
-use wavecrest::render::units::Blocks;
-use wavecrest::render::{RenderOptions, Rendered, Watch, render};
-use wavecrest::tile::Tile;
+use wavecrest_core::film::Film;
+use wavecrest_core::render::units::Blocks;
+use wavecrest_core::render::{RenderOptions, Rendered, Watch, render};
+use wavecrest_core::tile::Tile;
 
 use crate::support::{
     TRACERS, matte, options, pinhole, point_light, prepare, render_on, scene, sphere, wall, with,

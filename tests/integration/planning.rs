@@ -5,20 +5,20 @@ use std::path::Path;
 
 use rayon::prelude::*;
 use serde_json::{Value, json};
-use wavecrest::accel::build::Preset;
-use wavecrest::counters::Counters;
-use wavecrest::error::Result;
-use wavecrest::image::Film;
-use wavecrest::image::write::{Transfer, write};
-use wavecrest::plan::schedule::{Needs, PASSES, Pass, unplanned};
-use wavecrest::plan::{Effect, Plan};
-use wavecrest::prepared::PreparedScene;
-use wavecrest::render::{RenderOptions, Rendered, TracerKind, render};
-use wavecrest::report::effects::scenes::{Variant, variants};
-use wavecrest::report::foretold::Foretold;
-use wavecrest::scene::load::{LoadOptions, load, load_str};
-use wavecrest::systems::{self, Options};
-use wavecrest::wavefront::batch::Batch;
+use wavecrest_base::error::Result;
+use wavecrest_core::accel::build::Preset;
+use wavecrest_core::counters::Counters;
+use wavecrest_core::film::Film;
+use wavecrest_core::plan::schedule::{Needs, PASSES, Pass, unplanned};
+use wavecrest_core::plan::{Effect, Plan};
+use wavecrest_core::prepared::PreparedScene;
+use wavecrest_core::render::{RenderOptions, Rendered, TracerKind, render};
+use wavecrest_core::wavefront::batch::Batch;
+use wavecrest_image::write::{Transfer, write};
+use wavecrest_report::effects::scenes::{Variant, variants};
+use wavecrest_report::foretold::Foretold;
+use wavecrest_scene::load::{LoadOptions, load, load_str};
+use wavecrest_scene::systems::{self, Options};
 
 use crate::support::{
     TRACERS, extract_small, folder, matte, options, pinhole, point_light, scene, scene_files,

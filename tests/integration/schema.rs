@@ -3,9 +3,9 @@
 use jsonschema::Validator;
 use jsonschema::error::ValidationErrorKind;
 use serde_json::{Value, json};
-use wavecrest::error::Error;
-use wavecrest::scene::json_schema;
-use wavecrest::scene::load::{LoadOptions, load_str};
+use wavecrest_base::error::Error;
+use wavecrest_scene::json_schema;
+use wavecrest_scene::load::{LoadOptions, load_str};
 
 use crate::support::{files_in, folder, repository, scene_files, wavecrest};
 

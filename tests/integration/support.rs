@@ -6,13 +6,13 @@ use std::sync::OnceLock;
 use assert_cmd::Command;
 use serde_json::{Value, json};
 use tempfile::TempDir;
-use wavecrest::accel::build::Preset;
-use wavecrest::error::{Error, Result};
-use wavecrest::image::Film;
-use wavecrest::prepared::PreparedScene;
-use wavecrest::render::{RenderOptions, Rendered, TracerKind, render};
-use wavecrest::scene::load::{LoadOptions, LoadedScene, load, load_str};
-use wavecrest::systems::{self, Extracted};
+use wavecrest_base::error::{Error, Result};
+use wavecrest_core::accel::build::Preset;
+use wavecrest_core::film::Film;
+use wavecrest_core::prepared::PreparedScene;
+use wavecrest_core::render::{RenderOptions, Rendered, TracerKind, render};
+use wavecrest_scene::load::{LoadOptions, LoadedScene, load, load_str};
+use wavecrest_scene::systems::{self, Extracted};
 
 /// Both tracers.
 pub(crate) const TRACERS: [TracerKind; 2] = [TracerKind::Wavefront, TracerKind::Recursive];

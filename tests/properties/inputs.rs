@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 use proptest::prelude::*;
-use wavecrest::math::float::{MAX_COORDINATE, normalize};
+use wavecrest_core::math::float::{MAX_COORDINATE, normalize};
 
 /// Of either sign, every power of two from `low` to `high` as likely.
 pub(crate) fn magnitude(low: i32, high: i32) -> impl Strategy<Value = f32> {

@@ -1,6 +1,6 @@
 use glam::Vec3;
 use proptest::prelude::*;
-use wavecrest::math::float::{max_abs, offset_end, offset_origin, rounding_error};
+use wavecrest_core::math::float::{max_abs, offset_end, offset_origin, rounding_error};
 
 use crate::inputs::{coordinate, moderate, unit, vector};
 

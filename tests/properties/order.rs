@@ -1,9 +1,9 @@
 use glam::Vec3;
 use proptest::prelude::*;
-use wavecrest::accel::build::Preset;
-use wavecrest::accel::geometry::Geometry;
-use wavecrest::accel::{Accel, Hit, KernelChoice};
-use wavecrest::math::ray::Ray;
+use wavecrest_core::accel::build::Preset;
+use wavecrest_core::accel::geometry::Geometry;
+use wavecrest_core::accel::{Accel, Hit, KernelChoice};
+use wavecrest_core::math::ray::Ray;
 
 use crate::inputs::{moderate, vector};
 

@@ -1,8 +1,8 @@
 use glam::Vec3;
 use num_traits::Signed;
 use proptest::prelude::*;
-use wavecrest::kernels::slab::{Aabb, SlabRay};
-use wavecrest::math::ray::Ray;
+use wavecrest_core::kernels::slab::{Aabb, SlabRay};
+use wavecrest_core::math::ray::Ray;
 
 use crate::exact::{Exact, exact, rounded};
 use crate::inputs::{coordinate, magnitude, moderate, vector};

@@ -1,8 +1,8 @@
 use glam::Vec3;
 use num_traits::Signed;
 use proptest::prelude::*;
-use wavecrest::kernels::sphere::intersect;
-use wavecrest::math::ray::Ray;
+use wavecrest_core::kernels::sphere::intersect;
+use wavecrest_core::math::ray::Ray;
 
 use crate::exact::{dot, exact, exact3, minus, rounded};
 use crate::inputs::{magnitude, moderate, unit, vector};

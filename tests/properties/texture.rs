@@ -1,6 +1,6 @@
 use glam::{Vec2, Vec3};
 use proptest::prelude::*;
-use wavecrest::kernels::texture::{Filter, Image, Texels, Wrap, sphere_uv};
+use wavecrest_core::kernels::texture::{Filter, Image, Texels, Wrap, sphere_uv};
 
 use crate::inputs::unit;
 

@@ -1,9 +1,9 @@
 use glam::{DVec2, Vec3};
 use num_traits::{Signed, Zero};
 use proptest::prelude::*;
-use wavecrest::kernels::triangle::{ShearedSpace, T_TOLERANCE, is_degenerate};
-use wavecrest::math::float::{UNIT_ROUNDOFF, max_abs};
-use wavecrest::math::ray::Ray;
+use wavecrest_core::kernels::triangle::{ShearedSpace, T_TOLERANCE, is_degenerate};
+use wavecrest_core::math::float::{UNIT_ROUNDOFF, max_abs};
+use wavecrest_core::math::ray::Ray;
 
 use crate::exact::{Exact, cross, exact, exact3, minus, rounded};
 use crate::inputs::{coordinate, moderate, vector};
@@ -16,7 +16,7 @@ fn corners() -> impl Strategy<Value = [Vec3; 3]> {
     });
     let any = [vector(coordinate), vector(coordinate), vector(coordinate)];
     prop_oneof![any, on_a_line].prop_filter("coordinates that may be", |corners| {
-        corners.iter().all(|&c| max_abs(c) <= wavecrest::math::float::MAX_COORDINATE)
+        corners.iter().all(|&c| max_abs(c) <= wavecrest_core::math::float::MAX_COORDINATE)
     })
 }
 

@@ -3,8 +3,8 @@
 //! `cargo test --test stability` runs the first, `cargo test --release --test stability -- --ignored`
 //! the second.
 
-use wavecrest::kernels::precision::Precision;
-use wavecrest::selftest::{CASES, Count, Effort, case};
+use wavecrest_core::kernels::precision::Precision;
+use wavecrest_report::selftest::{CASES, Count, Effort, case};
 
 /// The seed of every run; a failing input is told with its number.
 const SEED: u64 = 1;

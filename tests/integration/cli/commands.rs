@@ -4,11 +4,11 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 
 use serde_json::{Value, json};
-use wavecrest::image::Film;
-use wavecrest::image::colormap::{diverging, magma};
-use wavecrest::image::error_map::{MapKind, error_map};
-use wavecrest::image::read::read;
-use wavecrest::image::write::{Transfer, write};
+use wavecrest_core::film::Film;
+use wavecrest_image::colormap::{diverging, magma};
+use wavecrest_image::error_map::{MapKind, error_map};
+use wavecrest_image::read::read;
+use wavecrest_image::write::{Transfer, write};
 
 use super::{run, text};
 use crate::support::{folder, matte, pinhole, point_light, scene, sphere, with};

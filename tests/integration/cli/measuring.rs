@@ -5,9 +5,9 @@ use std::path::Path;
 
 use glam::Vec3;
 use serde_json::{Value, json};
-use wavecrest::accel::Hit;
-use wavecrest::math::ray::Ray;
-use wavecrest::ray_file::RayFile;
+use wavecrest_core::accel::Hit;
+use wavecrest_core::math::ray::Ray;
+use wavecrest_report::ray_file::RayFile;
 
 use crate::support::{folder, matte, pinhole, point_light, scene, sphere, wall, wavecrest, with};
 

@@ -6,9 +6,9 @@ use exr::prelude::{
     AnyChannels, AttributeValue, FlatSamples, Image, Layer, read_first_flat_layer_from_file,
 };
 use serde_json::Value;
-use wavecrest::accel::build::Preset;
-use wavecrest::scene::load::load;
-use wavecrest::systems;
+use wavecrest_core::accel::build::Preset;
+use wavecrest_scene::load::load;
+use wavecrest_scene::systems;
 
 use super::{ball, files, film, run_silently, run_wrongly, with_ball, with_scene};
 use crate::support::image;

@@ -1,7 +1,7 @@
 //! `wavecrest SCENE OUTPUT`.
 
 use serde_json::json;
-use wavecrest::math::simd::Level;
+use wavecrest_core::math::simd::Level;
 
 use super::{ball, files, film, run_silently, text, with_ball};
 use crate::support::{folder, image, matte, pinhole, scene, wavecrest};

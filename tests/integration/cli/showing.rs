@@ -7,7 +7,7 @@ use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
-use wavecrest::image::Film;
+use wavecrest_core::film::Film;
 
 use super::{ball, film, run, run_silently, run_wrongly, text, with_ball, with_scene};
 use crate::support::{image, with};

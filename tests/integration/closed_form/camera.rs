@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 use serde_json::{Value, json};
-use wavecrest::image::Film;
+use wavecrest_core::film::Film;
 
 use super::Eye;
 use crate::support::{

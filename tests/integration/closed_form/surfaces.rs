@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use serde_json::{Value, json};
-use wavecrest::image::Film;
-use wavecrest::image::write::{Transfer, write};
+use wavecrest_core::film::Film;
+use wavecrest_image::write::{Transfer, write};
 
 use super::Eye;
 use crate::support::{

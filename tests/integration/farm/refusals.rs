@@ -4,15 +4,15 @@ use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
 use tempfile::TempDir;
-use wavecrest::error::Error;
-use wavecrest::farm::merge::merge;
-use wavecrest::farm::part::Reader;
-use wavecrest::farm::{Author, Stint};
-use wavecrest::kernels::precision::Precision;
-use wavecrest::prepared::PreparedScene;
-use wavecrest::render::RenderOptions;
-use wavecrest::scene::load::{LoadOptions, load_str};
-use wavecrest::systems;
+use wavecrest_base::error::Error;
+use wavecrest_core::kernels::precision::Precision;
+use wavecrest_core::prepared::PreparedScene;
+use wavecrest_core::render::RenderOptions;
+use wavecrest_image::farm::merge::merge;
+use wavecrest_image::farm::part::Reader;
+use wavecrest_image::farm::{Author, Stint};
+use wavecrest_scene::load::{LoadOptions, load_str};
+use wavecrest_scene::systems;
 
 use super::{checkpoint, no_warning, shard};
 use crate::parts::ball;
@@ -258,9 +258,9 @@ fn strangers() -> Vec<(&'static str, Stranger)> {
         let loaded = load_str(&text, &repository("test.json"), &LoadOptions::default());
         let mut loaded = loaded.expect("a scene");
         let extracted = systems::extract_in(&mut loaded.world, Precision::Exact);
-        extracted.expect("a scene").build(wavecrest::accel::build::Preset::Fast)
+        extracted.expect("a scene").build(wavecrest_core::accel::build::Preset::Fast)
     };
-    let crop = wavecrest::tile::Tile { x: 2, y: 1, width: 9, height: 8 };
+    let crop = wavecrest_core::tile::Tile { x: 2, y: 1, width: 9, height: 8 };
     let usual = || prepare(&strangers_scene());
     vec![
         ("seed", Stranger { scene: usual(), options: RenderOptions { seed: 5, ..options() } }),

@@ -3,10 +3,10 @@
 use std::path::Path;
 
 use serde_json::{Value, json};
-use wavecrest::image::Film;
-use wavecrest::image::read::read;
-use wavecrest::scene::load::{LoadOptions, load};
-use wavecrest::scene::write::write;
+use wavecrest_core::film::Film;
+use wavecrest_image::read::read;
+use wavecrest_scene::load::{LoadOptions, load};
+use wavecrest_scene::write::write;
 
 use super::images::textured;
 use super::{SIZE, loaded, rendered, square};

@@ -2,8 +2,8 @@
 
 use glam::{Quat, Vec3};
 use serde_json::json;
-use wavecrest::scene::components::{AreaLight, Hidden, InstanceOf, Mesh, Order, PointLight, View};
-use wavecrest::scene::load::{LoadOptions, load};
+use wavecrest_scene::components::{AreaLight, Hidden, InstanceOf, Mesh, Order, PointLight, View};
+use wavecrest_scene::load::{LoadOptions, load};
 
 use super::{File, SIZE, SQUARE, image, loaded, rendered, square};
 use crate::support::{assert_near, folder, pixel, repository};

@@ -1,0 +1,120 @@
+//! Which kernel searches the tree, and what each of them had to do.
+
+use super::packet::TILE;
+
+wavecrest_base::choices! {
+    /// Which kernel takes many rays through the tree. The answers are the same.
+    ///
+    /// A ray that is asked for alone, as the recursive tracer does, is always taken alone; and without
+    /// a tree there is nothing to choose.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub enum KernelChoice {
+        /// Packets as long as these are coherent, then rays in flight.
+        #[default]
+        Auto = "auto",
+        /// Packets, however little their rays share. What these leave goes on in flight.
+        Packet = "packet",
+        /// Rays in flight.
+        Stream = "stream",
+        /// One ray after the other.
+        Single = "single",
+    }
+}
+
+impl KernelChoice {
+    /// Whether a packet is to take the next of `left` rays, where those before were coherent or not.
+    #[inline(always)]
+    pub(super) fn packs(self, left: usize, coherent: bool) -> bool {
+        match self {
+            // A tile that is not full shares less, but costs as much.
+            Self::Auto => coherent && left >= TILE / 2,
+            Self::Packet => left > 0,
+            Self::Stream | Self::Single => false,
+        }
+    }
+}
+
+/// What the kernels did for rays of one class, exactly. Every ray was first taken by one of them:
+/// `packet`, `stream` and `single` sum up to all rays.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct KernelCounts {
+    /// Rays taken by packets.
+    pub packet: u64,
+    /// Rays of those that packets handed over, to go on in flight.
+    pub handed_over: u64,
+    /// Rays that were in flight from their start.
+    pub stream: u64,
+    /// Rays taken alone.
+    pub single: u64,
+    /// Nodes visited by packets.
+    pub packet_nodes: u64,
+    /// Rays of the packet that visited, over all those nodes.
+    pub packet_rays: u64,
+    /// Rounds of rays in flight.
+    pub rounds: u64,
+    /// Rays in flight, over all rounds.
+    pub in_flight: u64,
+}
+
+impl KernelCounts {
+    /// Rays of the class.
+    pub fn rays(&self) -> u64 {
+        self.packet + self.stream + self.single
+    }
+
+    /// Rays of a packet that visit a node together, on average; `None` without packets.
+    pub fn rays_a_node(&self) -> Option<f64> {
+        average(self.packet_rays, self.packet_nodes)
+    }
+
+    /// Rays in flight in a round, on average; `None` where none were.
+    pub fn rays_a_round(&self) -> Option<f64> {
+        average(self.in_flight, self.rounds)
+    }
+}
+
+fn average(sum: u64, count: u64) -> Option<f64> {
+    (count > 0).then(|| sum as f64 / count as f64)
+}
+
+impl std::ops::AddAssign for KernelCounts {
+    fn add_assign(&mut self, other: Self) {
+        self.packet += other.packet;
+        self.handed_over += other.handed_over;
+        self.stream += other.stream;
+        self.single += other.single;
+        self.packet_nodes += other.packet_nodes;
+        self.packet_rays += other.packet_rays;
+        self.rounds += other.rounds;
+        self.in_flight += other.in_flight;
+    }
+}
+
+/// What the kernels did, by the question that was asked.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Kernels {
+    /// For rays that look for the closest hit: of cameras and mirrors.
+    pub closest: KernelCounts,
+    /// For rays that look for any hit: those to lights.
+    pub shadow: KernelCounts,
+}
+
+impl Kernels {
+    /// What was done for rays of both classes.
+    pub fn both(&self) -> KernelCounts {
+        let mut both = self.closest;
+        both += self.shadow;
+        both
+    }
+}
+
+impl std::ops::AddAssign for Kernels {
+    fn add_assign(&mut self, other: Self) {
+        self.closest += other.closest;
+        self.shadow += other.shadow;
+    }
+}
+
+#[cfg(test)]
+mod tests;

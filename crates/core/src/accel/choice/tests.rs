@@ -1,0 +1,149 @@
+//! Every choice gives the same answers, and says truly who took which rays.
+
+use std::f32::consts::{PI, TAU};
+
+use glam::Vec3;
+
+use crate::accel::build::Preset;
+use crate::accel::geometry::Geometry;
+use crate::accel::{Accel, Hit, KernelChoice, KernelCounts, Kernels, Traversal};
+use crate::math::random::Stream;
+use crate::math::ray::Ray;
+use crate::math::simd::Level;
+
+/// A sphere of radius 1 with bumps, of `n` times `n` pairs of triangles.
+fn bumpy_sphere(n: u32) -> Geometry {
+    let position = |i: u32| {
+        let (u, v) = (i % (n + 1), i / (n + 1));
+        let (longitude, latitude) = (u as f32 / n as f32 * TAU, v as f32 / n as f32 * PI);
+        let radius = 1.0 + 0.1 * (7.0 * longitude).sin() * (5.0 * latitude).sin();
+        let (around, height) = latitude.sin_cos();
+        radius * Vec3::new(around * longitude.cos(), around * longitude.sin(), height)
+    };
+    let triangles = (0..n * n).flat_map(|i| {
+        let a = i / n * (n + 1) + i % n;
+        [[a, a + 1, a + n + 2], [a, a + n + 2, a + n + 1]]
+    });
+    let positions = (0..(n + 1) * (n + 1)).map(position).collect();
+    Geometry { positions, triangles: triangles.collect(), ..Geometry::default() }
+}
+
+fn accel() -> Accel {
+    Accel::new(bumpy_sphere(50), Preset::Fast)
+}
+
+/// From one point, in blocks of 8 by 8, all to one side of it along each axis. They are no
+/// multiple of a block.
+fn coherent() -> Vec<Ray> {
+    let ray = |i: u32| {
+        let (block, within) = (i / 64, i % 64);
+        let (x, y) = (block % 8 * 8 + within % 8, block / 8 * 8 + within / 8);
+        let target = Vec3::new(x as f32 - 32.0, y as f32 - 32.0, 0.0) / 24.0;
+        let origin = Vec3::new(-3.0, -3.0, 6.0);
+        Ray::new(origin, target - origin)
+    };
+    (0..64 * 64 - 7).map(ray).collect()
+}
+
+fn random() -> Vec<Ray> {
+    let ray = |pixel| {
+        let stream = Stream { seed: 2, pixel, sample: 0, bounce: 0 };
+        let point = |dimension| {
+            let [x, y, z, _] = stream.uniform(dimension);
+            Vec3::new(x, y, z) * 4.0 - 2.0
+        };
+        Ray::new(point(0), point(1) - point(0))
+    };
+    (0..2000).map(ray).collect()
+}
+
+fn answers(accel: &Accel, rays: &[Ray], traversal: &mut Traversal) -> (Vec<Hit>, Vec<bool>) {
+    // Whatever was there before is written over.
+    let mut hits = vec![Hit { t: 0.5, primitive: 0 }; rays.len()];
+    let mut occluded = vec![true; rays.len()];
+    accel.closest_of(rays, &mut hits, traversal);
+    accel.occluded_of(rays, &mut occluded, traversal);
+    (hits, occluded)
+}
+
+/// What was counted with each choice.
+fn counted(rays: &[Ray]) -> [Kernels; 4] {
+    let mut accel = accel();
+    let mut usual = None;
+    KernelChoice::ALL.map(|kernel| {
+        accel.kernel = kernel;
+        let mut counted = None;
+        for level in Level::available() {
+            accel.level = level.token().unwrap();
+            let mut traversal = accel.traversal();
+            let found = answers(&accel, rays, &mut traversal);
+            assert!(*usual.get_or_insert(found.clone()) == found, "{kernel:?} {level:?}");
+            let found = traversal.kernels;
+            assert_eq!(*counted.get_or_insert(found), found, "{kernel:?} {level:?}");
+            for class in [found.closest, found.shadow] {
+                assert_eq!(class.rays(), rays.len() as u64, "{kernel:?}");
+                assert!(class.handed_over <= class.packet);
+            }
+        }
+        counted.unwrap()
+    })
+}
+
+fn average(value: Option<f64>) -> f64 {
+    value.unwrap_or_default()
+}
+
+#[test]
+fn coherent_rays_are_taken_by_whom_was_chosen() {
+    let rays = coherent();
+    let all = rays.len() as u64;
+    let [auto, packet, stream, single] = counted(&rays);
+    for class in [auto.closest, auto.shadow, packet.closest, packet.shadow] {
+        assert_eq!(class.packet, all, "a last tile of more than half is a packet's");
+        assert!(class.handed_over > 0);
+        assert!((8.0..=64.0).contains(&average(class.rays_a_node())), "{class:?}");
+    }
+    for class in [stream.closest, stream.shadow] {
+        assert_eq!((class.stream, class.packet_nodes), (all, 0));
+        assert!((48.0..=64.0).contains(&average(class.rays_a_round())), "{class:?}");
+    }
+    let alone = KernelCounts { single: all, ..KernelCounts::default() };
+    assert_eq!([single.closest, single.shadow], [alone; 2]);
+}
+
+#[test]
+fn rays_with_nothing_in_common_are_taken_by_packets_only_where_that_is_asked() {
+    let rays = random();
+    let [auto, packet, ..] = counted(&rays);
+    for class in [auto.closest, auto.shadow, packet.closest, packet.shadow] {
+        // Directions of either sign, or longest along different axes, are unfit for a packet.
+        assert_eq!((class.packet, class.stream), (0, 2000), "{class:?}");
+    }
+    // Of one sign, and longest along one axis, but crossing each other.
+    let one_sided: Vec<Ray> = rays
+        .iter()
+        .map(|ray| {
+            let direction = ray.direction.abs().max(Vec3::splat(1e-3)) + 4.0 * Vec3::Z;
+            Ray::new(ray.origin - direction.normalize() * 4.0, direction)
+        })
+        .collect();
+    let [auto, packet, ..] = counted(&one_sided);
+    assert!(auto.closest.packet < 2000, "{auto:?}");
+    assert_eq!(packet.closest.packet, 2000, "{packet:?}");
+}
+
+#[test]
+fn rays_are_counted_without_a_tree_and_without_primitives() {
+    let rays = random();
+    for preset in [Preset::Brute, Preset::Fast] {
+        for kernel in KernelChoice::ALL {
+            let mut accel = Accel::new(Geometry::default(), preset);
+            accel.kernel = kernel;
+            let mut traversal = accel.traversal();
+            let (hits, occluded) = answers(&accel, &rays, &mut traversal);
+            assert!(hits.iter().all(Hit::is_miss) && !occluded.contains(&true));
+            assert_eq!(traversal.kernels.both().rays(), 2 * rays.len() as u64);
+            assert_eq!(traversal.kernels.both().rays_a_round(), None);
+        }
+    }
+}

@@ -1,0 +1,67 @@
+//! How exactly hits and points are computed: a choice with a price.
+//!
+//! - [`Fast`] is what most renderers do, kept as the honest rival: single precision, the triangle test
+//!   of Möller and Trumbore, boxes as they are, and origins moved off surfaces by a fixed length.
+//! - [`Robust`] is the default: no ray slips through an edge or is lost in a box, and origins are moved
+//!   by a bound on their error.
+//! - [`Exact`] decides in double precision, and where that leaves a sign open without any rounding: the
+//!   reference. Points of surfaces are those of [`Robust`], which are in double precision too.
+
+wavecrest_base::choices! {
+    /// The choice at run time.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub enum Precision {
+        /// Single precision, without care: leaks, and acne far from the origin.
+        Fast = "fast",
+        /// Single precision with error bounds, and double precision where they leave a question open.
+        #[default]
+        Robust = "robust",
+        /// Double precision, and exact signs.
+        Exact = "exact",
+    }
+}
+
+impl Precision {
+    /// What it does, in a line.
+    pub fn meaning(self) -> &'static str {
+        match self {
+            Self::Fast => "single precision without bounds: rays slip through edges",
+            Self::Robust => "watertight, with bounds on every error",
+            Self::Exact => "double precision and exact signs, one ray after the other",
+        }
+    }
+}
+
+/// The choice at compile time: kernels are generic over it.
+pub trait Arithmetic: Copy + std::fmt::Debug + Send + Sync + 'static {
+    /// Which it is.
+    const PRECISION: Precision;
+
+    /// Whether it is [`Fast`].
+    const IS_FAST: bool = matches!(Self::PRECISION, Precision::Fast);
+}
+
+/// See [`Precision::Fast`].
+#[derive(Clone, Copy, Debug)]
+pub struct Fast;
+
+/// See [`Precision::Robust`].
+#[derive(Clone, Copy, Debug)]
+pub struct Robust;
+
+/// See [`Precision::Exact`].
+#[derive(Clone, Copy, Debug)]
+pub struct Exact;
+
+impl Arithmetic for Fast {
+    const PRECISION: Precision = Precision::Fast;
+}
+
+impl Arithmetic for Robust {
+    const PRECISION: Precision = Precision::Robust;
+}
+
+impl Arithmetic for Exact {
+    const PRECISION: Precision = Precision::Exact;
+}

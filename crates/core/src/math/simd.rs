@@ -1,0 +1,226 @@
+//! SIMD levels and the few operations on lanes that `fearless_simd` does not name.
+//!
+//! Kernels are generic over [`Lanes`] and compiled once for each level; which one runs is decided
+//! at run time, by the processor or by the user. Every level computes the same numbers: lanes add,
+//! multiply, divide and compare as single values do, and nothing fuses.
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x8, f32x16, u32x8};
+use serde::Serialize;
+
+wavecrest_base::choices! {
+    /// A set of vector instructions.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub enum Level {
+        /// What every x86-64 processor has.
+        Sse2 = "sse2",
+        /// x86-64-v2.
+        Sse42 = "sse42",
+        /// x86-64-v3.
+        Avx2 = "avx2",
+        /// AVX-512 as of Ice Lake and Zen 4.
+        Avx512 = "avx512",
+        /// What every AArch64 processor has.
+        Neon = "neon",
+        /// Another instruction set of this crate's target, or none.
+        Other = "other",
+    }
+}
+
+impl Level {
+    /// The best that this processor has.
+    pub fn best() -> Self {
+        Self::name_of(fearless_simd::Level::new())
+    }
+
+    /// All that this processor has, the best last.
+    pub fn available() -> Vec<Self> {
+        let all = [Self::Sse2, Self::Sse42, Self::Avx2, Self::Avx512, Self::Neon, Self::Other];
+        all.into_iter().filter(|level| level.token().is_some()).collect()
+    }
+
+    #[allow(unreachable_patterns, reason = "which levels there are depends on the target")]
+    fn name_of(level: fearless_simd::Level) -> Self {
+        match level {
+            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            fearless_simd::Level::Sse2(_) => Self::Sse2,
+            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            fearless_simd::Level::Sse4_2(_) => Self::Sse42,
+            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            fearless_simd::Level::Avx2(_) => Self::Avx2,
+            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            fearless_simd::Level::Avx512(_) => Self::Avx512,
+            #[cfg(target_arch = "aarch64")]
+            fearless_simd::Level::Neon(_) => Self::Neon,
+            _ => Self::Other,
+        }
+    }
+
+    /// The proof that this processor has the level, or `None` where it has not.
+    pub fn token(self) -> Option<fearless_simd::Level> {
+        let best = fearless_simd::Level::new();
+        match self {
+            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            Self::Sse2 => best.as_sse2().map(fearless_simd::Level::Sse2),
+            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            Self::Sse42 => best.as_sse4_2().map(fearless_simd::Level::Sse4_2),
+            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            Self::Avx2 => best.as_avx2().map(fearless_simd::Level::Avx2),
+            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            Self::Avx512 => best.as_avx512().map(fearless_simd::Level::Avx512),
+            other => (Self::name_of(best) == other).then_some(best),
+        }
+    }
+}
+
+/// Work that is compiled once for each level.
+pub trait Kernel {
+    /// What it returns.
+    type Output;
+
+    /// Does the work. `#[inline(always)]`, as is all that it calls in its hot part: code takes
+    /// over the instructions of the function that it is inlined into.
+    fn run<S: Lanes>(self, simd: S) -> Self::Output;
+}
+
+/// Runs `kernel` with the instructions of `level`.
+#[inline]
+#[allow(unreachable_patterns, reason = "which levels there are depends on the target")]
+pub fn dispatch<K: Kernel>(level: fearless_simd::Level, kernel: K) -> K::Output {
+    #[inline(always)]
+    fn run<S: Lanes, K: Kernel>(simd: S, kernel: K) -> K::Output {
+        simd.vectorize(
+            #[inline(always)]
+            || kernel.run(simd),
+        )
+    }
+    // Fuzzers try one level: with sanitizers, each takes longer to compile than all do without.
+    #[cfg(all(fuzzing, target_arch = "x86_64"))]
+    if let Some(simd) = fearless_simd::Level::new().as_avx2() {
+        return run(simd, kernel);
+    }
+    match level {
+        #[cfg(all(any(target_arch = "x86", target_arch = "x86_64"), not(fuzzing)))]
+        fearless_simd::Level::Avx512(simd) => run(simd, kernel),
+        #[cfg(all(any(target_arch = "x86", target_arch = "x86_64"), not(fuzzing)))]
+        fearless_simd::Level::Avx2(simd) => run(simd, kernel),
+        #[cfg(all(any(target_arch = "x86", target_arch = "x86_64"), not(fuzzing)))]
+        fearless_simd::Level::Sse4_2(simd) => run(simd, kernel),
+        #[cfg(all(any(target_arch = "x86", target_arch = "x86_64"), not(fuzzing)))]
+        fearless_simd::Level::Sse2(simd) => run(simd, kernel),
+        #[cfg(target_arch = "aarch64")]
+        fearless_simd::Level::Neon(simd) => run(simd, kernel),
+        #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+        fearless_simd::Level::WasmSimd128(simd) => run(simd, kernel),
+        #[cfg(not(any(
+            target_arch = "x86",
+            target_arch = "x86_64",
+            target_arch = "aarch64",
+            all(target_arch = "wasm32", target_feature = "simd128"),
+        )))]
+        fearless_simd::Level::Fallback(simd) => run(simd, kernel),
+        _ => unreachable!("the target has no other level"),
+    }
+}
+
+/// Number of lanes that kernels work with, whatever the width of a register.
+pub const LANES: usize = 8;
+
+/// What the kernels need of a level besides arithmetic.
+pub trait Lanes: Simd {
+    /// Lane i of the result is lane `indices[i]` of `values`; indices below 8.
+    #[inline(always)]
+    fn permute(self, values: f32x8<Self>, indices: u32x8<Self>) -> f32x8<Self> {
+        // Each index becomes those of its four bytes: i -> 4 i, 4 i + 1, 4 i + 2, 4 i + 3.
+        let bytes = indices * u32x8::splat(self, 0x0404_0404) + u32x8::splat(self, 0x0302_0100);
+        values.swizzle_dyn(bytes.to_bytes())
+    }
+
+    /// Eight stack entries ([`entry`]).
+    #[inline(always)]
+    fn entries(self, near: f32x8<Self>, children: u32x8<Self>) -> [u64; LANES] {
+        let near = near.to_bits();
+        let (low, high) = (children.zip_low(near), children.zip_high(near));
+        bytemuck::cast([<[u32; LANES]>::from(low), <[u32; LANES]>::from(high)])
+    }
+
+    /// Writes the `entries` whose bit in `mask` is 1, the nearest last. What is written beyond them
+    /// has no meaning.
+    #[inline(always)]
+    fn far_to_near(self, entries: &[u64; LANES], mask: u8, sorted: &mut [u64; LANES]) {
+        let mut bits = u32::from(mask);
+        let mut count = 0;
+        while bits != 0 {
+            let new = entries[bits.trailing_zeros() as usize & (LANES - 1)];
+            bits &= bits - 1;
+            let mut place = count;
+            while place > 0 && sorted[place - 1] < new {
+                sorted[place] = sorted[place - 1];
+                place -= 1;
+            }
+            sorted[place] = new;
+            count += 1;
+        }
+    }
+
+    /// Where the first sixteen bits of `mask` are, or all if it has fewer.
+    #[inline(always)]
+    fn positions(self, mask: u64) -> [u32; 16] {
+        let (mut positions, mut rest) = ([0; 16], mask);
+        for position in &mut positions {
+            *position = rest.trailing_zeros() % 64;
+            rest &= rest.wrapping_sub(1);
+        }
+        positions
+    }
+
+    /// Lane i of the result is `column[positions[i]]`; positions below 64.
+    #[inline(always)]
+    fn pick(self, column: &[[f32; 16]; 4], positions: [u32; 16]) -> f32x16<Self> {
+        let mut picked = [0.0; 16];
+        for (picked, position) in picked.iter_mut().zip(positions) {
+            *picked = column.as_flattened()[position as usize % 64];
+        }
+        picked.simd_into(self)
+    }
+
+    /// As [`Lanes::far_to_near`], in the order in which they are.
+    #[inline(always)]
+    fn compress(self, entries: &[u64; LANES], mask: u8, compressed: &mut [u64; LANES]) {
+        let mut bits = u32::from(mask);
+        let mut count = 0;
+        while bits != 0 {
+            compressed[count & (LANES - 1)] = entries[bits.trailing_zeros() as usize & (LANES - 1)];
+            bits &= bits - 1;
+            count += 1;
+        }
+    }
+}
+
+/// What waits on a stack: a child, and above it where the ray enters it, so that whole entries
+/// compare as their distances do where these are not negative.
+#[inline(always)]
+pub fn entry(near: f32, child: u32) -> u64 {
+    u64::from(near.to_bits()) << 32 | u64::from(child)
+}
+
+#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+mod x86;
+
+#[cfg(target_arch = "aarch64")]
+impl Lanes for fearless_simd::Neon {}
+
+#[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+impl Lanes for fearless_simd::WasmSimd128 {}
+
+#[cfg(not(any(
+    target_arch = "x86",
+    target_arch = "x86_64",
+    target_arch = "aarch64",
+    all(target_arch = "wasm32", target_feature = "simd128"),
+)))]
+impl Lanes for fearless_simd::Fallback {}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,133 @@
+//! The plan: which effects a scene calls for, why each other one is left out, and what that makes of
+//! the passes.
+//!
+//! The census ([`wavecrest_scene::systems::census`]) makes it once. What it leaves out is not simulated:
+//! its pass is not run, its queue has no storage, its random numbers are not drawn.
+
+pub mod schedule;
+
+use serde::Serialize;
+
+use schedule::{Needs, PASSES, Pass, Schedule};
+
+/// Something that costs time only in scenes that show it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Effect {
+    /// Triangles, alone or in meshes.
+    Triangles,
+    /// Quads.
+    Quads,
+    /// Spheres.
+    Spheres,
+    /// Interpolated normals.
+    SmoothShading,
+    /// Texture look-ups.
+    Textures,
+    /// What rays spread over, for textures that are filtered accordingly.
+    RayDifferentials,
+    /// Light from points, with a shadow ray each.
+    PointLights,
+    /// Light from shapes, with a shadow ray for each sample.
+    AreaLights,
+    /// Mirror rays.
+    Mirrors,
+    /// A lens with an extent.
+    DepthOfField,
+    /// More than one ray through different places of a pixel.
+    Antialiasing,
+}
+
+impl Effect {
+    /// Every effect, in the order in which a ray meets them.
+    pub const ALL: [Self; 11] = [
+        Self::Antialiasing,
+        Self::DepthOfField,
+        Self::Triangles,
+        Self::Quads,
+        Self::Spheres,
+        Self::SmoothShading,
+        Self::Textures,
+        Self::RayDifferentials,
+        Self::PointLights,
+        Self::AreaLights,
+        Self::Mirrors,
+    ];
+
+    /// What it is called in messages.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Triangles => "triangles",
+            Self::Quads => "quads",
+            Self::Spheres => "spheres",
+            Self::SmoothShading => "smooth shading",
+            Self::Textures => "textures",
+            Self::RayDifferentials => "ray differentials",
+            Self::PointLights => "point lights",
+            Self::AreaLights => "area lights",
+            Self::Mirrors => "mirrors",
+            Self::DepthOfField => "depth of field",
+            Self::Antialiasing => "antialiasing",
+        }
+    }
+}
+
+/// Whether an effect is simulated, and why.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Decision {
+    /// The effect.
+    pub effect: Effect,
+    /// Whether the scene calls for it.
+    pub present: bool,
+    /// What in the scene decided it.
+    pub reason: String,
+}
+
+/// The decisions of the census, one for each effect, and the schedule that follows from them.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
+#[serde(transparent)]
+pub struct Plan {
+    decisions: Vec<Decision>,
+    #[serde(skip)]
+    schedule: Schedule,
+}
+
+impl Plan {
+    /// The plan of these decisions.
+    pub fn new(decisions: Vec<Decision>) -> Self {
+        Self::of(decisions, &PASSES)
+    }
+
+    /// As [`Plan::new`], by another table than [`PASSES`]: for tests of the table itself, and for
+    /// renders that leave nothing out ([`schedule::unplanned`]).
+    pub fn of(decisions: Vec<Decision>, passes: &[Pass]) -> Self {
+        let schedule = Schedule::new(passes, &decisions);
+        Self { decisions, schedule }
+    }
+
+    /// All decisions.
+    pub fn decisions(&self) -> &[Decision] {
+        &self.decisions
+    }
+
+    /// Whether the scene calls for `effect`. Not to be asked ray by ray: [`Schedule`] is.
+    pub fn has(&self, effect: Effect) -> bool {
+        self.decisions.iter().any(|d| d.effect == effect && d.present)
+    }
+
+    /// Which steps run, and which columns have storage.
+    #[inline(always)]
+    pub fn schedule(&self) -> Schedule {
+        self.schedule
+    }
+
+    /// Why the pass runs, or does not: what decided the effects that it needs.
+    pub fn reason(&self, pass: &Pass) -> String {
+        let Needs::Any(effects) = pass.needs else { return "every scene".to_owned() };
+        let runs = self.schedule.runs(pass.step);
+        let asked = self.decisions.iter().filter(|d| effects.contains(&d.effect));
+        let reasons: Vec<&str> =
+            asked.filter(|d| d.present == runs).map(|d| d.reason.as_str()).collect();
+        reasons.join(", ")
+    }
+}

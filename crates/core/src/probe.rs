@@ -1,0 +1,300 @@
+//! The story of a pixel: what each of its rays meets, and what every light says to it.
+//!
+//! The recursive tracer is watched while it renders the pixel, and so is the wavefront. Both must have
+//! traced the same rays to the same hits and gathered the same light, to the last bit.
+
+mod story;
+
+use glam::Vec3;
+
+use crate::accel::geometry::{Geometry, PreparedRay, Primitive};
+use crate::accel::{Accel, Hit, TestCounts, Traversal};
+use crate::counters::Sample;
+use crate::kernels::light::LightPoint;
+use crate::kernels::precision::{Arithmetic, Fast, Precision, Robust};
+use crate::kernels::quad;
+use crate::kernels::shade::{ShadingPoint, ShadowRequest};
+use crate::kernels::triangle::T_TOLERANCE;
+use crate::math::float::{UNIT_ROUNDOFF, normalize};
+use crate::math::random::Stream;
+use crate::math::ray::Ray;
+use crate::prepared::PreparedScene;
+use crate::recursive::{End, Observer, Recursive};
+use crate::tile::{Tile, TraceSettings, Tracer, Unit};
+use crate::variant::{self, Effects, Work};
+use crate::wavefront::{DEFAULT_BATCH, Wavefront};
+
+pub use story::{Bounce, Invalid, Light, Met, Path, Story, Verdict};
+
+/// Names where a sample ceases to be finite, by following it once more.
+pub fn name_invalid(scene: &PreparedScene, at: Sample, seed: u64) -> Invalid {
+    let path = sample(scene, at, seed);
+    let bounce = path.bounces.iter().position(|bounce| !bounce.radiance.is_finite());
+    let bounce = bounce.unwrap_or(path.bounces.len().saturating_sub(1));
+    let met = path.bounces.get(bounce).and_then(|bounce| bounce.met.as_ref());
+    let width = scene.camera.size()[0];
+    Invalid {
+        x: at.pixel % width,
+        y: at.pixel / width,
+        sample: at.sample,
+        bounce,
+        primitive: met.map(|met| met.primitive),
+        shape: met.map_or_else(String::new, |met| met.shape.clone()),
+    }
+}
+
+/// What both tracers have to agree on: for each bounce the ray, the hit, and what is gathered.
+type Step = (Ray, Hit, Vec3);
+
+/// Tells the story of a pixel of the image.
+pub fn pixel(scene: &PreparedScene, pixel: [u32; 2], seed: u64) -> Story {
+    choose(scene, Tell { scene, pixel, seed })
+}
+
+/// The variant that renders the scene tells its story.
+fn choose<W: Work>(scene: &PreparedScene, work: W) -> W::Output {
+    variant::choose(scene.accel.geometry.precision, scene.plan.schedule(), work)
+}
+
+/// Tells of all samples of a pixel.
+struct Tell<'a> {
+    scene: &'a PreparedScene,
+    pixel: [u32; 2],
+    seed: u64,
+}
+
+/// Tells of one sample.
+struct TellOne<'a> {
+    of: Tell<'a>,
+    sample: u32,
+}
+
+/// Follows one sample.
+fn sample(scene: &PreparedScene, sample: Sample, seed: u64) -> Path {
+    let width = scene.camera.size()[0];
+    let pixel = [sample.pixel % width, sample.pixel / width];
+    choose(scene, TellOne { of: Tell { scene, pixel, seed }, sample: sample.sample })
+}
+
+impl Work for TellOne<'_> {
+    type Output = Path;
+
+    fn with<P: Arithmetic, E: Effects>(self) -> Path {
+        let Tell { scene, pixel, seed } = self.of;
+        let settings = TraceSettings { seed, batch: 1 };
+        let mut tracer = Recursive::<P, E>::new(scene, &settings);
+        follow(scene, &mut tracer, pixel, self.sample, seed).0
+    }
+}
+
+impl Work for Tell<'_> {
+    type Output = Story;
+
+    fn with<P: Arithmetic, E: Effects>(self) -> Story {
+        let Self { scene, pixel, seed } = self;
+        let settings = TraceSettings { seed, batch: DEFAULT_BATCH };
+        let mut tracer = Recursive::<P, E>::new(scene, &settings);
+        let samples = 0..scene.camera.rays_per_pixel();
+        let (paths, steps): (Vec<_>, Vec<_>) =
+            samples.map(|sample| follow(scene, &mut tracer, pixel, sample, seed)).unzip();
+        let others = wavefront_steps::<P, E>(scene, pixel, &settings);
+        Story { pixel, paths, differs: difference(&steps, &others) }
+    }
+}
+
+/// Follows a path with the recursive tracer.
+fn follow<P: Arithmetic, E: Effects>(
+    scene: &PreparedScene,
+    tracer: &mut Recursive<P, E>,
+    pixel: [u32; 2],
+    sample: u32,
+    seed: u64,
+) -> (Path, Vec<Step>) {
+    let number = pixel[1] * scene.camera.size()[0] + pixel[0];
+    let stream = Stream { seed, pixel: number, sample, bounce: 0 };
+    let mut teller = Teller {
+        scene,
+        traversal: scene.accel.traversal(),
+        path: Path { sample, ..Path::default() },
+        steps: Vec::new(),
+    };
+    teller.path.radiance = tracer.path(scene, pixel, stream, &mut teller);
+    (teller.path, teller.steps)
+}
+
+/// What the wavefront does, for each sample.
+fn wavefront_steps<P: Arithmetic, E: Effects>(
+    scene: &PreparedScene,
+    [x, y]: [u32; 2],
+    settings: &TraceSettings,
+) -> Vec<Vec<Step>> {
+    let mut steps = vec![Vec::new(); scene.camera.rays_per_pixel() as usize];
+    let pixel = Unit::whole(scene, Tile { x, y, width: 1, height: 1 });
+    let mut tracer = Wavefront::<P, E>::new(scene, settings);
+    tracer.render_watched(scene, &pixel, &mut [[0.0; 3]], |_, batch| {
+        for i in 0..batch.rays.len() {
+            let path = batch.rays.path[i] as usize;
+            let step = (batch.rays.ray(i), batch.hits.hit[i], batch.paths.radiance.get(path));
+            steps[batch.paths.sample[path] as usize].push(step);
+        }
+    });
+    steps
+}
+
+/// The first sample and bounce at which the stories differ.
+fn difference(ones: &[Vec<Step>], others: &[Vec<Step>]) -> Option<[u32; 2]> {
+    let pairs = ones.iter().zip(others).enumerate();
+    pairs.into_iter().find_map(|(sample, (one, other))| {
+        let same = |(a, b): (&Step, &Step)| {
+            // What is no number equals itself here.
+            (a.0, a.1) == (b.0, b.1) && bits(a.2) == bits(b.2)
+        };
+        let bounce = one.iter().zip(other).position(|pair| !same(pair));
+        let bounce = bounce.or((one.len() != other.len()).then(|| one.len().min(other.len())));
+        Some([sample as u32, bounce? as u32])
+    })
+}
+
+fn bits(v: Vec3) -> [u32; 3] {
+    v.to_array().map(f32::to_bits)
+}
+
+/// Writes down what the recursive tracer does.
+struct Teller<'a> {
+    scene: &'a PreparedScene,
+    /// For questions of our own, which count for nobody.
+    traversal: Traversal,
+    path: Path,
+    steps: Vec<Step>,
+}
+
+impl Teller<'_> {
+    fn place_of(&self, primitive: u32) -> String {
+        let looks = &self.scene.looks;
+        looks.places.get(looks.shape_of(primitive)).cloned().unwrap_or_default()
+    }
+
+    fn met(&self, ray: &Ray, hit: &Hit) -> Met {
+        let geometry = &self.scene.accel.geometry;
+        let found = if geometry.precision == Precision::Fast {
+            self.scene.surface::<Fast>(ray, hit)
+        } else {
+            self.scene.surface::<Robust>(ray, hit)
+        };
+        Met {
+            primitive: hit.primitive,
+            kind: kind(geometry, hit.primitive),
+            shape: self.place_of(hit.primitive),
+            t: hit.t,
+            t_error: t_error(geometry, ray, hit),
+            uv: found.barycentric.to_array(),
+            point: found.point.as_dvec3() + self.scene.origin,
+            error: found.error,
+            normal: found.normal,
+            shading_normal: found.normal,
+            lit: false,
+            lights: Vec::new(),
+        }
+    }
+
+    fn last_met(&mut self) -> Option<&mut Met> {
+        self.path.bounces.last_mut()?.met.as_mut()
+    }
+
+    /// What blocks a shadow ray.
+    fn occluder(&mut self, ray: &Ray) -> Verdict {
+        let accel: &Accel = &self.scene.accel;
+        let mut hit = accel.closest(ray, &mut self.traversal);
+        // Light passes the shapes of lights.
+        let mut rest = *ray;
+        while !hit.is_miss() && accel.geometry.is_light(hit.primitive) {
+            rest.t_min = hit.t;
+            hit = accel.closest(&rest, &mut self.traversal);
+        }
+        let primitive = (!hit.is_miss()).then_some(hit.primitive);
+        let shape = primitive.map_or_else(String::new, |number| self.place_of(number));
+        Verdict::Occluded { primitive, shape, t: hit.t }
+    }
+}
+
+impl Observer for Teller<'_> {
+    fn ray(&mut self, ray: &Ray, hit: &Hit, tests: TestCounts) {
+        let met = (!hit.is_miss()).then(|| self.met(ray, hit));
+        self.steps.push((*ray, *hit, Vec3::ZERO));
+        self.path.bounces.push(Bounce {
+            origin: ray.origin.as_dvec3() + self.scene.origin,
+            direction: ray.direction,
+            nodes: tests.nodes,
+            leaves: tests.leaves,
+            primitives: tests.triangles + tests.quads + tests.spheres,
+            met,
+            radiance: Vec3::ZERO,
+            end: None,
+        });
+    }
+
+    fn surface(&mut self, point: &ShadingPoint, _: Vec3) {
+        let Some(met) = self.last_met() else { return };
+        (met.normal, met.shading_normal, met.lit) = (point.normal, point.shading_normal, point.lit);
+    }
+
+    fn light(
+        &mut self,
+        [light, index]: [usize; 2],
+        target: &LightPoint,
+        request: Option<(&ShadowRequest, bool)>,
+    ) {
+        let occluder =
+            request.filter(|(_, is)| *is).map(|(request, _)| self.occluder(&request.ray));
+        let origin = self.scene.origin;
+        let Some(met) = self.last_met() else { return };
+        let towards = target.position - (met.point - origin).as_vec3();
+        let behind = met.normal.dot(normalize(towards)) <= 0.0;
+        let (verdict, adds) = match (request, occluder) {
+            (None, _) if behind => (Verdict::Behind, Vec3::ZERO),
+            (None, _) => (Verdict::NotReflected, Vec3::ZERO),
+            (Some(_), Some(occluded)) => (occluded, Vec3::ZERO),
+            (Some((request, _)), None) => (Verdict::Visible, request.contribution),
+        };
+        met.lights.push(Light { light, index, distance: towards.length(), verdict, adds });
+    }
+
+    fn done(&mut self, radiance: Vec3, end: Option<End>) {
+        if let (Some(bounce), Some(step)) = (self.path.bounces.last_mut(), self.steps.last_mut()) {
+            (bounce.radiance, bounce.end) = (radiance, end);
+            step.2 = radiance;
+        }
+    }
+}
+
+fn kind(geometry: &Geometry, primitive: u32) -> &'static str {
+    match geometry.primitive(primitive) {
+        Primitive::Triangle(_) | Primitive::Shown(_) => "triangle",
+        Primitive::Quad(_) => "quad",
+        Primitive::Sphere(_) => "sphere",
+    }
+}
+
+/// Bound on the error of a hit's t.
+fn t_error(geometry: &Geometry, ray: &Ray, hit: &Hit) -> Option<f32> {
+    let rounded = UNIT_ROUNDOFF * hit.t.abs();
+    let space = PreparedRay::new(ray).space;
+    match (geometry.precision, geometry.primitive(hit.primitive)) {
+        (Precision::Fast, _) => None,
+        (Precision::Exact, _) | (_, Primitive::Sphere(_)) => Some(rounded),
+        (_, Primitive::Triangle(i)) => {
+            // One that stands for a seal is passed by.
+            Some(space.error_of(&geometry.triangle(i), hit.t).unwrap_or(T_TOLERANCE * hit.t.abs()))
+        }
+        (_, Primitive::Shown(shown)) => {
+            let (instance, form) = geometry.instance(shown);
+            let space = PreparedRay::new(&instance.carried(ray)).space;
+            let corners = form.triangle(shown.triangle as usize);
+            Some(space.error_of(&corners, hit.t).unwrap_or(T_TOLERANCE * hit.t.abs()))
+        }
+        (_, Primitive::Quad(i)) => {
+            let halves = quad::halves(&geometry.quad(i));
+            halves.iter().filter_map(|half| space.error_of(half, hit.t)).reduce(f32::max)
+        }
+    }
+}

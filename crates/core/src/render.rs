@@ -1,0 +1,165 @@
+//! One render: an image cut into tiles, and put together again.
+//!
+//! [`units`] says what is cut into what, [`work`] has the loop and chooses the tracer, and [`Canvas`] takes what
+//! is finished. Whoever renders a part of an image, or goes on with one, uses the same three.
+
+mod canvas;
+pub mod units;
+mod watch;
+pub mod work;
+
+use crate::counters::Counters;
+use crate::film::Film;
+use crate::prepared::PreparedScene;
+use crate::tile::Tile;
+use crate::wavefront::DEFAULT_BATCH;
+use units::{Blocks, Grid};
+use wavecrest_base::error::{Error, ErrorKind, Result};
+use work::{Done, Job, Task};
+
+pub use canvas::{Canvas, Painted};
+pub use watch::{Progress, Watch};
+
+wavecrest_base::choices! {
+    /// The tracers.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub enum TracerKind {
+        /// Batches of rays, pass by pass.
+        #[default]
+        Wavefront = "wavefront",
+        /// Path by path, depth first.
+        Recursive = "recursive",
+    }
+}
+
+/// How to render. No choice here changes the image but `crop` and `seed`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RenderOptions {
+    /// Which tracer.
+    pub tracer: TracerKind,
+    /// The part of the image to render; all of it if `None`.
+    pub crop: Option<Tile>,
+    /// Chooses the random numbers.
+    pub seed: u64,
+    /// Number of paths in a batch of the wavefront, at most: a batch is no larger than a tile of
+    /// 64 x 64 pixels.
+    pub batch: usize,
+}
+
+impl Default for RenderOptions {
+    fn default() -> Self {
+        Self { tracer: TracerKind::default(), crop: None, seed: 0, batch: DEFAULT_BATCH }
+    }
+}
+
+/// The result of a render.
+#[derive(Clone, Debug)]
+pub struct Rendered {
+    /// The image, or the part that was asked for; black where it is not finished.
+    pub film: Film,
+    /// Whether all of it is there, and nothing was cancelled.
+    pub finished: bool,
+    /// The tiles that are there, row by row.
+    pub tiles: Vec<Tile>,
+    /// The work done.
+    pub counters: Counters,
+    /// Bytes of the columns of all threads' batches.
+    pub columns: u64,
+    /// Seconds in each pass, summed over threads.
+    pub pass_seconds: Vec<(&'static str, f64)>,
+    /// Seconds from start to end.
+    pub seconds: f64,
+}
+
+/// Renders `scene` on the threads of the current rayon pool. `watch` is told of what is done, from any
+/// thread; `&()` is nobody. Where it cancels the render, what was finished is returned.
+///
+/// ```
+/// use wavecrest::{render, scene, systems, accel::build::Preset};
+/// # fn main() -> wavecrest::error::Result<()> {
+/// let json = r#"{
+///     "nbounces": 0,
+///     "camera": {"type": "pinhole", "width": 32, "height": 24, "fov": 60,
+///                "location": [0, 0, 5], "look": [0, 0, 0]},
+///     "scene": {
+///         "backgroundcolor": [0, 0, 0],
+///         "lightsources": [{"type": "pointlight", "intensity": 40, "position": [2, 3, 5],
+///                           "color": [1, 1, 1]}],
+///         "shapes": [{"type": "sphere", "center": [0, 0, 0], "radius": 1,
+///                     "material": {"ks": 0.2, "kd": 0.8, "specularexponent": 20,
+///                                  "diffusecolor": [1, 0, 0]}}]
+///     }
+/// }"#;
+/// let mut loaded = scene::load::load_str(json, "ball.json".as_ref(), &Default::default())?;
+/// let (prepared, _) = systems::prepare(&mut loaded.world, Preset::Fast)?;
+/// let image = render::render(&prepared, &Default::default(), &())?;
+/// let [red, green, _] = image.film.pixel(16, 12).unwrap();
+/// assert!(red > 0.1 && green < red);
+/// # Ok(())
+/// # }
+/// ```
+///
+/// # Errors
+/// When the crop is not within the image, there is no memory for the film, or the table that the plan was
+/// made by does not hang together.
+pub fn render(
+    scene: &PreparedScene,
+    options: &RenderOptions,
+    watch: &dyn Watch,
+) -> Result<Rendered> {
+    let grid = Grid::new(window(scene, options.crop)?, tile_edge(scene, options.batch));
+    let blocks = Blocks::new(scene.camera.rays_per_pixel());
+    let canvas = Canvas::new(grid, blocks, watch)?;
+    let task = |tile| Task { tile: tile as u32, blocks: 0..blocks.count(), sums: None };
+    let job = Job { grid, blocks, count: grid.len() as usize, task: &task };
+    let done = work::run(scene, options, &job, watch, &|summed| canvas.keep(summed))?;
+    Ok(Rendered::new(canvas.finish(), done))
+}
+
+impl Rendered {
+    /// A render that painted this, with this work.
+    pub fn new(painted: Painted, done: Done) -> Self {
+        let Painted { film, tiles, pixels } = painted;
+        let Done { counters, columns, pass_seconds, seconds } = done;
+        let finished = pixels == film.pixels().len() as u64;
+        Self { film, finished, tiles, counters, columns, pass_seconds, seconds }
+    }
+}
+
+/// The part of the image to render: `crop`, or all of it.
+///
+/// # Errors
+/// When the crop has no pixels or is not within the image.
+pub fn window(scene: &PreparedScene, crop: Option<Tile>) -> Result<Tile> {
+    let [width, height] = scene.camera.size();
+    let whole = Tile { x: 0, y: 0, width, height };
+    let Some(crop) = crop else { return Ok(whole) };
+    let end = |start: u32, length: u32| u64::from(start) + u64::from(length);
+    let fits = !crop.is_empty()
+        && end(crop.x, crop.width) <= u64::from(width)
+        && end(crop.y, crop.height) <= u64::from(height);
+    if fits {
+        return Ok(crop);
+    }
+    let Tile { x, y, width: w, height: h } = crop;
+    Err(Error::new(ErrorKind::Usage, "the crop must have pixels and lie within the image")
+        .value(format!("{x},{y},{w},{h}"))
+        .remedy(format!("the image is {width} x {height}; give x,y,width,height")))
+}
+
+/// The side of a tile in pixels: one that fills a batch, but small enough to share an image among threads.
+pub fn tile_edge(scene: &PreparedScene, batch: usize) -> u32 {
+    let pixels = batch as u64 / u64::from(scene.camera.rays_per_pixel());
+    let edge = pixels.isqrt().next_multiple_of(8);
+    edge.clamp(8, 64) as u32
+}
+
+/// The number of paths that a batch can hold when up to `batch` are asked for: no more than a block of a
+/// tile's samples has.
+pub fn batch_size(scene: &PreparedScene, batch: usize) -> usize {
+    let edge = u64::from(tile_edge(scene, batch));
+    let samples = Blocks::new(scene.camera.rays_per_pixel()).longest();
+    let paths = edge * edge * u64::from(samples);
+    paths.min(batch as u64) as usize
+}

@@ -1,0 +1,78 @@
+//! The film while it is painted: finished tiles find their place there, whatever thread brings them.
+
+use std::sync::{Mutex, PoisonError};
+
+use super::Watch;
+use super::units::{Blocks, Grid};
+use super::work::Summed;
+use crate::film::Film;
+use crate::tile::Tile;
+use wavecrest_base::error::Result;
+
+/// A film of a grid's window, and which of its tiles are there.
+pub struct Canvas<'a> {
+    grid: Grid,
+    blocks: Blocks,
+    watch: &'a dyn Watch,
+    painted: Mutex<Painted>,
+}
+
+/// What there is of the image.
+pub struct Painted {
+    /// The film, black where nothing has been rendered.
+    pub film: Film,
+    /// The tiles that are finished.
+    pub tiles: Vec<Tile>,
+    /// Number of their pixels.
+    pub pixels: u64,
+}
+
+impl<'a> Canvas<'a> {
+    /// A black one. `watch` is told of tiles and progress.
+    ///
+    /// # Errors
+    /// When there is no memory for the film.
+    pub fn new(grid: Grid, blocks: Blocks, watch: &'a dyn Watch) -> Result<Self> {
+        let film = Film::new(grid.window().width, grid.window().height)?;
+        let painted = Mutex::new(Painted { film, tiles: Vec::new(), pixels: 0 });
+        Ok(Self { grid, blocks, watch, painted })
+    }
+
+    /// Paints a tile, if all its blocks are there.
+    pub fn keep(&self, summed: &Summed<'_>) {
+        if summed.blocks != (0..self.blocks.count()) {
+            return;
+        }
+        let tile = self.grid.tile(summed.tile);
+        let samples = f64::from(self.blocks.samples());
+        let mean = |sum: &[f64; 3]| sum.map(|s| (s / samples) as f32);
+        let means: Vec<[f32; 3]> = summed.sums.iter().map(mean).collect();
+        self.watch.tile(&tile, &means);
+        let mut painted = self.painted.lock().unwrap_or_else(PoisonError::into_inner);
+        let done = painted.put(self.grid.window(), tile, &means);
+        drop(painted);
+        self.watch.progress(done, self.grid.window().len() as u64);
+    }
+
+    /// What has been painted, the tiles in the order of the grid.
+    pub fn finish(self) -> Painted {
+        let mut painted = self.painted.into_inner().unwrap_or_else(PoisonError::into_inner);
+        painted.tiles.sort_unstable_by_key(|tile| (tile.y, tile.x));
+        painted
+    }
+}
+
+impl Painted {
+    /// Puts a tile where it belongs; the number of pixels that are then done.
+    fn put(&mut self, window: &Tile, tile: Tile, means: &[[f32; 3]]) -> u64 {
+        let (left, top) = ((tile.x - window.x) as usize, (tile.y - window.y) as usize);
+        let width = tile.width as usize;
+        let rows = self.film.rows_mut().skip(top);
+        for (row, means) in rows.zip(means.chunks_exact(width)) {
+            row[left..left + width].copy_from_slice(means);
+        }
+        self.tiles.push(tile);
+        self.pixels += tile.len() as u64;
+        self.pixels
+    }
+}

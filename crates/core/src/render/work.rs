@@ -1,0 +1,210 @@
+//! The loop over what there is to render, on all threads, each with a tracer of its own.
+
+use std::ops::Range;
+use std::sync::{Mutex, PoisonError};
+use std::time::Instant;
+
+use rayon::prelude::*;
+
+use super::units::{Blocks, Grid};
+use super::{RenderOptions, TracerKind, Watch, batch_size};
+use crate::counters::Counters;
+use crate::kernels::precision::Arithmetic;
+use crate::plan::schedule::Flaw;
+use crate::prepared::PreparedScene;
+use crate::recursive::Recursive;
+use crate::tile::{TraceSettings, Tracer, Unit};
+use crate::variant::{self, Effects, Work};
+use crate::wavefront::Wavefront;
+use wavecrest_base::error::{Error, ErrorKind, Result};
+
+/// Blocks of samples to be rendered for the pixels of a tile.
+#[derive(Clone, Debug)]
+pub struct Task {
+    /// The tile's number in the grid.
+    pub tile: u32,
+    /// The blocks. Where they begin with another than the first and no `sums` are given, there is one alone.
+    pub blocks: Range<u32>,
+    /// For each pixel of the tile, what the blocks before these add up to; all their samples were finite.
+    pub sums: Option<Vec<[f64; 3]>>,
+}
+
+/// What has been rendered of a tile so far: blocks, and their sum for each pixel, row by row.
+#[derive(Clone, Debug)]
+pub struct Summed<'a> {
+    /// The tile's number in the grid.
+    pub tile: u32,
+    /// The blocks: all up to some block, or one alone.
+    pub blocks: Range<u32>,
+    /// Samples among them, of any pixel, that were not finite.
+    pub invalid: u64,
+    /// Their sums.
+    pub sums: &'a [[f64; 3]],
+}
+
+/// What is to be rendered: `count` tasks, by number.
+pub struct Job<'a> {
+    /// The tiles.
+    pub grid: Grid,
+    /// The blocks of each pixel.
+    pub blocks: Blocks,
+    /// Number of tasks.
+    pub count: usize,
+    /// A task by its number. No two are of the same blocks of one tile.
+    pub task: &'a (dyn Fn(usize) -> Task + Sync),
+}
+
+/// Work done.
+#[derive(Clone, Debug)]
+pub struct Done {
+    /// The work, counted.
+    pub counters: Counters,
+    /// Bytes of the columns of all threads' batches.
+    pub columns: u64,
+    /// Seconds in each pass, summed over threads.
+    pub pass_seconds: Vec<(&'static str, f64)>,
+    /// Seconds from start to end.
+    pub seconds: f64,
+}
+
+/// Renders what `job` says on the threads of the current pool, and gives `keep` what there is of a tile after
+/// each block. It ends before its time when `watch` says so.
+///
+/// # Errors
+/// When the table that the plan was made by does not hang together.
+pub fn run(
+    scene: &PreparedScene,
+    options: &RenderOptions,
+    job: &Job<'_>,
+    watch: &dyn Watch,
+    keep: &(dyn Fn(&Summed<'_>) + Sync),
+) -> Result<Done> {
+    let schedule = scene.plan.schedule();
+    if let Some(flaw) = schedule.flaw() {
+        return Err(refused(flaw));
+    }
+    let make = variant::choose(scene.accel.geometry.precision, schedule, options.tracer);
+    let start = Instant::now();
+    let settings = TraceSettings { seed: options.seed, batch: batch_size(scene, options.batch) };
+    // One worker a thread, made before the first ray.
+    let threads = rayon::current_num_threads();
+    let worker = || Mutex::new(Worker::new(make(scene, &settings), job));
+    let workers: Vec<_> = (0..threads).map(|_| worker()).collect();
+    (0..job.count).into_par_iter().for_each(|number| {
+        if watch.cancelled() {
+            return;
+        }
+        let index = rayon::current_thread_index().unwrap_or(0) % threads;
+        let mut worker = workers[index].lock().unwrap_or_else(PoisonError::into_inner);
+        worker.render(scene, job, &(job.task)(number), watch, keep);
+    });
+    Ok(gather(workers, start))
+}
+
+/// A tracer, and the sums of the tile in its hands.
+struct Worker {
+    tracer: Box<dyn Tracer>,
+    sums: Vec<[f64; 3]>,
+    /// Those of the block in hand, where there is more than one.
+    block: Vec<[f64; 3]>,
+}
+
+impl Worker {
+    fn new(tracer: Box<dyn Tracer>, job: &Job<'_>) -> Self {
+        let pixels = job.grid.edge() as usize * job.grid.edge() as usize;
+        let block = if job.blocks.count() > 1 { pixels } else { 0 };
+        Self { tracer, sums: vec![[0.0; 3]; pixels], block: vec![[0.0; 3]; block] }
+    }
+
+    fn render(
+        &mut self,
+        scene: &PreparedScene,
+        job: &Job<'_>,
+        task: &Task,
+        watch: &dyn Watch,
+        keep: &(dyn Fn(&Summed<'_>) + Sync),
+    ) {
+        let tile = job.grid.tile(task.tile);
+        let Self { tracer, sums, block } = self;
+        let sums = &mut sums[..tile.len()];
+        let first = match &task.sums {
+            Some(before) => {
+                sums.copy_from_slice(before);
+                0
+            }
+            None => task.blocks.start,
+        };
+        let invalid = tracer.counters().invalid;
+        for number in task.blocks.clone() {
+            // Before the first, the loop over tasks has asked.
+            if number > task.blocks.start && watch.cancelled() {
+                return;
+            }
+            let unit = Unit { tile, samples: job.blocks.range(number) };
+            if number == first {
+                sums.fill([0.0; 3]);
+                tracer.render(scene, &unit, sums);
+            } else {
+                let block = &mut block[..tile.len()];
+                block.fill([0.0; 3]);
+                tracer.render(scene, &unit, block);
+                add(sums, block);
+            }
+            let invalid = tracer.counters().invalid - invalid;
+            keep(&Summed { tile: task.tile, blocks: first..number + 1, invalid, sums });
+        }
+    }
+}
+
+/// Adds a block to the blocks before it.
+pub fn add(sums: &mut [[f64; 3]], block: &[[f64; 3]]) {
+    for (sum, value) in sums.as_flattened_mut().iter_mut().zip(block.as_flattened()) {
+        *sum += value;
+    }
+}
+
+/// Makes a tracer of the variant chosen.
+type Make = fn(&PreparedScene, &TraceSettings) -> Box<dyn Tracer>;
+
+impl Work for TracerKind {
+    type Output = Make;
+
+    fn with<P: Arithmetic, E: Effects>(self) -> Make {
+        match self {
+            Self::Wavefront => make::<Wavefront<P, E>>,
+            Self::Recursive => make::<Recursive<P, E>>,
+        }
+    }
+}
+
+fn make<T: Tracer + 'static>(scene: &PreparedScene, settings: &TraceSettings) -> Box<dyn Tracer> {
+    Box::new(T::new(scene, settings))
+}
+
+/// A table of passes that does not hang together would give a wrong image.
+fn refused(flaw: Flaw) -> Error {
+    let Flaw { step, column } = flaw;
+    let message = format!("the plan leaves {} without a writer or a reader", column.name());
+    Error::new(ErrorKind::Usage, message)
+        .at(format!("{step:?}"))
+        .remedy("mend the table of passes, or use plan::schedule::PASSES")
+}
+
+/// Adds up what the tracers counted.
+fn gather(workers: Vec<Mutex<Worker>>, start: Instant) -> Done {
+    let mut counters = Counters::default();
+    let mut pass_seconds: Vec<(&'static str, f64)> = Vec::new();
+    let mut columns = 0;
+    for worker in workers {
+        let Worker { tracer, .. } = worker.into_inner().unwrap_or_else(PoisonError::into_inner);
+        counters += tracer.counters();
+        columns += tracer.bytes();
+        for (index, (name, seconds)) in tracer.pass_seconds().into_iter().enumerate() {
+            match pass_seconds.get_mut(index) {
+                Some(sum) => sum.1 += seconds,
+                None => pass_seconds.push((name, seconds)),
+            }
+        }
+    }
+    Done { counters, columns, pass_seconds, seconds: start.elapsed().as_secs_f64() }
+}

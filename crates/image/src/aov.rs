@@ -1,0 +1,216 @@
+//! Layers beside the colours, for compositing and for looking closer: what the camera rays of each pixel meet.
+//!
+//! They come from a pass of their own over the camera rays of the render, which are the same to the last bit,
+//! through the same kernels. It runs only where a layer is asked for, and sums up only what is. Every value is a
+//! function of scene, seed and pixel: threads and crops change nothing.
+//!
+//! | layer | channels | value |
+//! |---|---|---|
+//! | depth | `depth.Z` | distance along the view axis, the mean of the samples that hit; 0 where none does |
+//! | normal | `N.X`, `N.Y`, `N.Z` | the normal that the surface is lit with, on the viewer's side: the mean, not made unit again |
+//! | albedo | `albedo.R`, `.G`, `.B` | the diffuse colour or the texture's; of a light the colour that it shows: the mean |
+//! | position | `P.X`, `P.Y`, `P.Z` | the point in the space of the scene: the mean |
+//! | object | `object.id` | number of the shape that the first sample hits, from 1; 0 for nothing |
+//! | material | `material.id` | number of its material, from 1; equal materials have one number; 0 for nothing and lights |
+//! | samples | `samples.count` | samples of the pixel |
+//! | invalid | `invalid.mask` | 1 where a sample was not finite and counts as black, else 0 |
+//!
+//! What the plan leaves out, such as a texture where there is no light to show it, is left out here too.
+//!
+//! Means are over the samples that hit something. Which shape and which material a number stands for is told for
+//! the numbers that occur, as JSON in the entries `objects` and `materials`.
+
+mod invalid;
+mod names;
+mod pass;
+
+use crate::metadata::{Channel, Entry, Values};
+use wavecrest_base::error::{Error, ErrorKind, Result};
+use wavecrest_core::prepared::PreparedScene;
+use wavecrest_core::render;
+use wavecrest_core::tile::Tile;
+
+use names::Names;
+use pass::Sums;
+
+wavecrest_base::choices! {
+    /// A layer.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+    pub enum Layer {
+        /// Distance along the view axis.
+        Depth = "depth",
+        /// The normal that surfaces are lit with.
+        Normal = "normal",
+        /// Diffuse colour or texture.
+        Albedo = "albedo",
+        /// The point in the scene.
+        Position = "position",
+        /// The number of the shape.
+        Object = "object",
+        /// The number of the material.
+        Material = "material",
+        /// The number of samples.
+        Samples = "samples",
+        /// Where samples were not finite.
+        Invalid = "invalid",
+    }
+}
+
+impl Layer {
+    /// The names of its channels, as compositing programs expect them.
+    pub fn channels(self) -> &'static [&'static str] {
+        match self {
+            Self::Depth => &["depth.Z"],
+            Self::Normal => &["N.X", "N.Y", "N.Z"],
+            Self::Albedo => &["albedo.R", "albedo.G", "albedo.B"],
+            Self::Position => &["P.X", "P.Y", "P.Z"],
+            Self::Object => &["object.id"],
+            Self::Material => &["material.id"],
+            Self::Samples => &["samples.count"],
+            Self::Invalid => &["invalid.mask"],
+        }
+    }
+
+    /// Whether its channels hold whole numbers.
+    fn is_integer(self) -> bool {
+        matches!(self, Self::Object | Self::Material | Self::Samples)
+    }
+}
+
+/// Which layers, of what.
+#[derive(Clone, Debug)]
+pub struct Request<'a> {
+    /// The layers; one that is named twice is there once.
+    pub layers: &'a [Layer],
+    /// The part of the image; all of it if `None`.
+    pub crop: Option<Tile>,
+    /// The seed of the render.
+    pub seed: u64,
+    /// How many samples of the render were not finite. Where any were, [`Layer::Invalid`] looks for them.
+    pub invalid: u64,
+}
+
+/// The layers of an image.
+#[derive(Clone, Debug, Default)]
+pub struct Found {
+    /// Their channels.
+    pub channels: Vec<Channel>,
+    /// What numbers stand for.
+    pub entries: Vec<Entry>,
+}
+
+/// Makes the layers of `scene` on the threads of the current rayon pool.
+///
+/// # Errors
+/// When the crop is not within the image, or there is no memory for the channels.
+pub fn layers(scene: &PreparedScene, request: &Request<'_>) -> Result<Found> {
+    let mut layers = request.layers.to_vec();
+    layers.sort_unstable();
+    layers.dedup();
+    let window = render::window(scene, request.crop)?;
+    let names = Names::of(scene);
+    let mut channels = Vec::new();
+    for &layer in &layers {
+        for name in layer.channels() {
+            channels.push(Channel { name: (*name).to_owned(), values: room(layer, window.len())? });
+        }
+    }
+    if layers.iter().any(|layer| !matches!(layer, Layer::Samples | Layer::Invalid)) {
+        pass::run(scene, &window, request.seed, &names, &mut |at, sums| {
+            put(&layers, &mut channels, at, sums);
+        });
+    }
+    for (layer, channel) in first_channels(&layers, &mut channels) {
+        match (layer, &mut channel.values) {
+            (Layer::Samples, Values::Integers(counts)) => {
+                counts.fill(scene.camera.rays_per_pixel())
+            }
+            (Layer::Invalid, Values::Floats(mask)) if request.invalid > 0 => {
+                invalid::mark(scene, &window, request, mask);
+            }
+            _ => {}
+        }
+    }
+    let entries = entries(&layers, &mut channels, &names);
+    Ok(Found { channels, entries })
+}
+
+/// A channel of zeros.
+fn room(layer: Layer, pixels: usize) -> Result<Values> {
+    fn zeros<T: Copy + Default>(count: usize) -> Result<Vec<T>> {
+        let mut values = Vec::new();
+        values.try_reserve_exact(count).map_err(|cause| {
+            let bytes = count.saturating_mul(size_of::<T>());
+            Error::new(ErrorKind::Limit, format!("there is not memory enough for {bytes} bytes"))
+                .remedy("ask for fewer layers, or for a part of the image")
+                .because(cause)
+        })?;
+        values.resize(count, T::default());
+        Ok(values)
+    }
+    if layer.is_integer() {
+        zeros(pixels).map(Values::Integers)
+    } else {
+        zeros(pixels).map(Values::Floats)
+    }
+}
+
+/// Each layer with its first channel.
+fn first_channels<'a>(
+    layers: &'a [Layer],
+    channels: &'a mut [Channel],
+) -> impl Iterator<Item = (Layer, &'a mut Channel)> {
+    let is_first =
+        |channel: &Channel| layers.iter().find(|l| l.channels()[0] == channel.name).copied();
+    channels.iter_mut().filter_map(move |channel| Some((is_first(channel)?, channel)))
+}
+
+/// Puts what a pixel's samples met where it belongs.
+fn put(layers: &[Layer], channels: &mut [Channel], at: usize, sums: &Sums) {
+    let mut channels = channels.iter_mut();
+    for layer in layers {
+        for axis in 0..layer.channels().len() {
+            match channels.next().map(|channel| &mut channel.values) {
+                Some(Values::Floats(values)) => values[at] = quantity(*layer, sums, axis),
+                Some(Values::Integers(values)) => values[at] = number(*layer, sums),
+                None => {}
+            }
+        }
+    }
+}
+
+fn quantity(layer: Layer, sums: &Sums, axis: usize) -> f32 {
+    let sum = match layer {
+        Layer::Depth => sums.depth,
+        Layer::Normal => sums.normal[axis],
+        Layer::Albedo => sums.albedo[axis],
+        Layer::Position => sums.position[axis],
+        _ => 0.0,
+    };
+    if sums.hits == 0 { 0.0 } else { (sum / f64::from(sums.hits)) as f32 }
+}
+
+fn number(layer: Layer, sums: &Sums) -> u32 {
+    match layer {
+        Layer::Object => sums.object,
+        Layer::Material => sums.material,
+        _ => 0,
+    }
+}
+
+/// What the numbers that occur stand for.
+fn entries(layers: &[Layer], channels: &mut [Channel], names: &Names) -> Vec<Entry> {
+    let mut entries = Vec::new();
+    for (layer, channel) in first_channels(layers, channels) {
+        match (layer, &channel.values) {
+            (Layer::Object, Values::Integers(numbers)) => {
+                entries.push(Entry { name: "objects", text: names.objects(numbers) });
+            }
+            (Layer::Material, Values::Integers(numbers)) => {
+                entries.push(Entry { name: "materials", text: names.materials(numbers) });
+            }
+            _ => {}
+        }
+    }
+    entries
+}

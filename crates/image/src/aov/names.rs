@@ -1,0 +1,68 @@
+//! Numbers for shapes and materials, and what each stands for.
+
+use std::collections::{BTreeSet, HashMap};
+
+use serde_json::{Map, Value};
+
+use wavecrest_core::prepared::{Looks, PreparedScene};
+
+/// The numbers of a scene's shapes and materials.
+pub(super) struct Names<'a> {
+    looks: &'a Looks,
+    /// For each shape the number of its material; 0 of a light.
+    materials: Vec<u32>,
+    /// For each material, from 1 on, the first shape that is made of it.
+    first: Vec<usize>,
+}
+
+impl<'a> Names<'a> {
+    pub(super) fn of(scene: &'a PreparedScene) -> Self {
+        let looks = &scene.looks;
+        let mut names = Self { looks, materials: Vec::new(), first: Vec::new() };
+        let mut known = HashMap::new();
+        for (index, shape) in looks.shapes.iter().enumerate() {
+            if shape.emission.is_some() {
+                names.materials.push(0);
+                continue;
+            }
+            let texture = shape.texture.as_ref().map(|t| (t.image, t.filter, t.wrap));
+            // As text, numbers are as good as their bits.
+            let look = format!("{:?} {texture:?}", looks.materials.get(index));
+            let number = *known.entry(look).or_insert_with(|| {
+                names.first.push(index);
+                names.first.len() as u32
+            });
+            names.materials.push(number);
+        }
+        names
+    }
+
+    /// The numbers of a shape and of its material.
+    pub(super) fn numbers(&self, shape: usize) -> (u32, u32) {
+        (shape as u32 + 1, self.materials.get(shape).copied().unwrap_or_default())
+    }
+
+    /// The shapes that occur, as JSON: by number, where each stands in the scene.
+    pub(super) fn objects(&self, numbers: &[u32]) -> String {
+        table(numbers, |number| self.place(number as usize - 1))
+    }
+
+    /// The materials that occur, as JSON: by number, where each stands in the scene first.
+    pub(super) fn materials(&self, numbers: &[u32]) -> String {
+        table(numbers, |number| {
+            let shape = self.first.get(number as usize - 1).copied().unwrap_or_default();
+            format!("{}.material", self.place(shape))
+        })
+    }
+
+    fn place(&self, shape: usize) -> String {
+        self.looks.places.get(shape).cloned().unwrap_or_default()
+    }
+}
+
+/// What each number but 0 stands for.
+fn table(numbers: &[u32], name: impl Fn(u32) -> String) -> String {
+    let seen: BTreeSet<u32> = numbers.iter().copied().filter(|&number| number > 0).collect();
+    let entries = seen.into_iter().map(|number| (number.to_string(), Value::from(name(number))));
+    Value::Object(entries.collect::<Map<_, _>>()).to_string()
+}

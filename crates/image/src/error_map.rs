@@ -1,0 +1,132 @@
+//! Pictures of where two others differ.
+
+use rayon::prelude::*;
+
+use super::colormap::{diverging, magma};
+use super::compare::{
+    check_sizes, difference_image, relative_difference, signed_difference, squared_difference,
+};
+use super::flip::{DEFAULT_PIXELS_PER_DEGREE, Flip, flip};
+use wavecrest_base::error::Result;
+use wavecrest_core::film::Film;
+
+wavecrest_base::choices! {
+    /// What a picture of errors shows of a pixel of `a` and of the reference `b`. All but the first
+    /// take one number of a pixel, of its three values the mean, and show it in false colours.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+    pub enum MapKind {
+        /// |a - b|, in red, green and blue.
+        #[default]
+        Absolute = "absolute",
+        /// (a - b)^2, from black (0) to light yellow (1).
+        Squared = "squared",
+        /// (a - b)^2 / (b^2 + 0.01), from black (0) to light yellow (1).
+        Relative = "relative",
+        /// The difference that is seen, FLIP, from black (0) to light yellow (1).
+        Flip = "flip",
+        /// a - b, from blue (-1, too dark) over grey (0) to red (1, too bright).
+        Signed = "signed",
+    }
+}
+
+/// The picture of the errors of `a` against `b`, the reference. Errors are multiplied by `gain`
+/// before they become colours; [`MapKind::Flip`] is told at [`DEFAULT_PIXELS_PER_DEGREE`].
+///
+/// False colours are those that a display is sent (see [`colormap`](super::colormap)): the film is
+/// to be written with [`Transfer::Linear`](super::Transfer::Linear). What is infinite has the
+/// colour of the end; a signed error that cannot be told, as of a value that is not a number, is
+/// black.
+///
+/// # Errors
+/// When the sizes of the two differ or there is not memory enough.
+pub fn error_map(a: &Film, b: &Film, kind: MapKind, gain: f32) -> Result<Film> {
+    match kind {
+        MapKind::Absolute => difference_image(a, b, gain),
+        MapKind::Squared => colored(a, b, gain, squared_difference, magma),
+        MapKind::Relative => colored(a, b, gain, relative_difference, magma),
+        MapKind::Flip => flip_map(&flip(a, b, DEFAULT_PIXELS_PER_DEGREE)?, gain),
+        MapKind::Signed => colored(a, b, gain, signed_difference, diverging),
+    }
+}
+
+/// The picture of [`MapKind::Flip`] for what was found before.
+///
+/// # Errors
+/// When there is not memory enough.
+pub fn flip_map(flip: &Flip, gain: f32) -> Result<Film> {
+    let mut film = Film::new(flip.width, flip.height)?;
+    let pixels = film.pixels_mut().par_iter_mut().zip(&flip.map);
+    pixels.for_each(|(out, error)| *out = magma(error * gain));
+    Ok(film)
+}
+
+/// The mean of a pixel's three errors, in colours.
+fn colored(
+    a: &Film,
+    b: &Film,
+    gain: f32,
+    error: fn(f32, f32) -> f64,
+    color: fn(f32) -> [f32; 3],
+) -> Result<Film> {
+    check_sizes(a, b)?;
+    let mut film = Film::new(a.width(), a.height())?;
+    let pixels = film.pixels_mut().par_iter_mut().zip(a.pixels()).zip(b.pixels());
+    pixels.for_each(|((out, a), b)| {
+        let sum = error(a[0], b[0]) + error(a[1], b[1]) + error(a[2], b[2]);
+        *out = color((sum / 3.0 * f64::from(gain)) as f32);
+    });
+    Ok(film)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn film(pixels: &[[f32; 3]]) -> Film {
+        Film::from_pixels(pixels.len() as u32, 1, pixels.to_vec()).unwrap()
+    }
+
+    #[test]
+    fn each_kind_shows_its_own_number() {
+        let a = film(&[[0.5; 3], [0.25, 0.5, 0.75], [1.0; 3]]);
+        let b = film(&[[0.5; 3], [0.75, 0.5, 0.25], [0.5; 3]]);
+        let found = |kind, gain| error_map(&a, &b, kind, gain).unwrap().into_pixels();
+        assert_eq!(found(MapKind::Absolute, 2.0), [[0.0; 3], [1.0, 0.0, 1.0], [1.0; 3]]);
+        let squared = [0.0, 0.5 / 3.0, 0.25].map(magma);
+        assert_eq!(found(MapKind::Squared, 1.0), squared);
+        assert_eq!(found(MapKind::Squared, 2.0)[2], magma(0.5));
+        let relative = [0.0, (0.25 / 0.5725 + 0.25 / 0.0725) / 3.0 / 8.0, 0.25 / 0.26 / 8.0];
+        assert_eq!(found(MapKind::Relative, 0.125), relative.map(|v: f64| magma(v as f32)));
+        assert_eq!(found(MapKind::Signed, 1.0), [0.0, 0.0, 0.5].map(diverging));
+        let back = error_map(&b, &a, MapKind::Signed, 1.0).unwrap().into_pixels();
+        assert_eq!(back, [0.0, 0.0, -0.5].map(diverging));
+    }
+
+    #[test]
+    fn flip_is_shown_in_the_colours_of_its_map() {
+        let (a, b) = (film(&[[0.5; 3], [0.0; 3]]), film(&[[0.5; 3], [1.0; 3]]));
+        let seen = flip(&a, &b, DEFAULT_PIXELS_PER_DEGREE).unwrap();
+        let expected: Vec<[f32; 3]> = seen.map.iter().map(|&v| magma(0.5 * v)).collect();
+        assert_eq!(error_map(&a, &b, MapKind::Flip, 0.5).unwrap().into_pixels(), expected);
+        assert!(seen.map[1] > 0.0);
+    }
+
+    #[test]
+    fn what_is_not_finite_stands_out() {
+        let a = film(&[[f32::NAN, 0.0, 0.0], [f32::INFINITY, 0.0, 0.0], [0.0; 3]]);
+        let b = film(&[[0.0; 3], [0.0; 3], [f32::INFINITY, 0.0, 0.0]]);
+        let found = |kind| error_map(&a, &b, kind, 1.0).unwrap().into_pixels();
+        assert_eq!(found(MapKind::Squared), [magma(1.0); 3]);
+        assert_eq!(found(MapKind::Relative), [magma(1.0); 3]);
+        assert_eq!(found(MapKind::Signed), [[0.0; 3], diverging(1.0), diverging(-1.0)]);
+    }
+
+    #[test]
+    fn sizes_must_be_the_same() {
+        let (a, b) = (Film::new(3, 2).unwrap(), Film::new(2, 3).unwrap());
+        for kind in &MapKind::ALL {
+            let error = error_map(&a, &b, *kind, 1.0).unwrap_err().to_string();
+            assert!(error.contains("found 3 x 2 and 2 x 3"), "{kind:?}: {error}");
+        }
+    }
+}

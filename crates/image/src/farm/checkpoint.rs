@@ -1,0 +1,135 @@
+//! Checkpoints: what there is of a render, written now and then and read when it goes on.
+
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use super::identity::Difference;
+use super::part::{self, Header, Reader};
+use super::store::Store;
+use wavecrest_base::error::{Error, ErrorKind, Result};
+
+/// Where a render is kept while it is made.
+#[derive(Clone, Debug)]
+pub struct Checkpoint {
+    /// The part file.
+    pub file: PathBuf,
+    /// The time between two writings of it, at least: it is written when a unit is finished, and less often
+    /// where writing takes long.
+    pub every: Duration,
+    /// Whether to go on with what the file holds. Where there is no file, everything is rendered.
+    pub resume: bool,
+}
+
+impl Checkpoint {
+    /// What the file holds of the render that `header` names, whose units with samples that are not finite
+    /// are left out: they are rendered again, so that these samples are counted and named again.
+    ///
+    /// # Errors
+    /// When the file is damaged or of another render, and when it is there though nobody asked to go on:
+    /// work is not thrown away.
+    pub(super) fn load(&self, header: &Header) -> Result<Option<Store>> {
+        if self.check()? { load(&self.file, header).map(Some) } else { Ok(None) }
+    }
+
+    /// Whether there is a file to go on with: to be asked before long work.
+    ///
+    /// # Errors
+    /// When the file is there though nobody asked to go on: work is not thrown away.
+    pub fn check(&self) -> Result<bool> {
+        match self.file.try_exists() {
+            Err(error) => Err(Error::io("cannot read the checkpoint", &self.file, error)),
+            Ok(true) if !self.resume => {
+                Err(Error::new(ErrorKind::Usage, "there is a checkpoint already")
+                    .in_file(&self.file)
+                    .remedy("go on with it: --resume; or remove it first"))
+            }
+            Ok(exists) => Ok(exists),
+        }
+    }
+}
+
+fn load(file: &Path, header: &Header) -> Result<Store> {
+    let mut reader = Reader::open(file)?;
+    check_same(file, reader.header(), header)?;
+    let store = Store::default();
+    while let Some(unit) = reader.next_unit()? {
+        if unit.invalid == 0 {
+            store.put(unit);
+        }
+    }
+    Ok(store)
+}
+
+/// Refuses a checkpoint of another render.
+fn check_same(file: &Path, found: &Header, header: &Header) -> Result<()> {
+    let refuse = |message: String| Error::new(ErrorKind::Usage, message).in_file(file);
+    if let Some(Difference { what, values }) = found.identity.difference(&header.identity) {
+        return Err(match values {
+            Some([found, asked]) => refuse(format!("the checkpoint has another {what}"))
+                .value(found)
+                .remedy(format!("this render has {asked}: ask for the same, or use another file")),
+            None => refuse(format!("the scene has changed: the checkpoint has another {what}"))
+                .remedy("go on with the scene as it was, or use another file"),
+        });
+    }
+    if found.shard != header.shard {
+        let name = |header: &Header| {
+            header.shard.map_or("the whole image".to_owned(), |shard| format!("shard {shard}"))
+        };
+        return Err(refuse("the checkpoint is of another share of the image".to_owned())
+            .value(name(found))
+            .remedy(format!("this is {}: use a checkpoint for each", name(header))));
+    }
+    Ok(())
+}
+
+/// The time between two writings is at least so many times as long as a writing takes: the render of a huge
+/// image does not spend its time on its checkpoint.
+const LEAST_PAUSE: u32 = 10;
+
+/// Writes the checkpoint when its time has come.
+pub(super) struct Saver<'a> {
+    checkpoint: &'a Checkpoint,
+    header: &'a Header,
+    last: Mutex<Saved>,
+}
+
+/// When the checkpoint was written last, and how long to wait until it is written again.
+struct Saved {
+    at: Instant,
+    pause: Duration,
+}
+
+impl<'a> Saver<'a> {
+    pub(super) fn new(checkpoint: &'a Checkpoint, header: &'a Header) -> Self {
+        let last = Saved { at: Instant::now(), pause: checkpoint.every };
+        Self { checkpoint, header, last: Mutex::new(last) }
+    }
+
+    /// Writes what there is if it is time. Others go on meanwhile; none of them writes too.
+    pub(super) fn save_if_due(&self, store: &Store) -> Result<()> {
+        let Ok(mut last) = self.last.try_lock() else { return Ok(()) };
+        if last.at.elapsed() < last.pause {
+            return Ok(());
+        }
+        let start = Instant::now();
+        let saved = self.write(store);
+        let took = start.elapsed();
+        let pause = self.checkpoint.every.max(took.saturating_mul(LEAST_PAUSE));
+        *last = Saved { at: Instant::now(), pause };
+        saved
+    }
+
+    /// Writes what there is.
+    pub(super) fn save(&self, store: &Store) -> Result<()> {
+        let _last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
+        self.write(store)
+    }
+
+    fn write(&self, store: &Store) -> Result<()> {
+        let units = store.all();
+        let header = Header { units: units.len() as u64, ..self.header.clone() };
+        part::write(&self.checkpoint.file, &header, units.iter().map(|unit| &**unit))
+    }
+}

@@ -1,0 +1,182 @@
+//! What an image follows from: parts that agree in all of it belong together.
+
+use serde::{Deserialize, Serialize};
+
+use crate::metadata::Provenance;
+use wavecrest_base::error::{Error, ErrorKind, Result};
+use wavecrest_core::film::checked_pixel_count;
+use wavecrest_core::prepared::{Fingerprints, PreparedScene};
+use wavecrest_core::render::units::{Blocks, Grid};
+use wavecrest_core::render::{RenderOptions, tile_edge, window};
+use wavecrest_core::tile::Tile;
+use wavecrest_core::wavefront::DEFAULT_BATCH;
+
+/// Fewer tiles than this are made smaller, so that a small image can be shared among many machines.
+const FEW_TILES: u32 = 1024;
+
+/// The sides that a tile may have, in pixels: what the tracers' order of pixels favours.
+const EDGES: [u32; 4] = [8, 16, 32, 64];
+
+/// Samples of a pixel, at most: as many as a scene may ask for.
+const MOST_SAMPLES: u32 = 1 << 24;
+
+/// What an image follows from.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Identity {
+    /// The program's version.
+    pub program: String,
+    /// The precision's name.
+    pub precision: String,
+    /// Width and height of the whole image, in pixels.
+    pub image: [u32; 2],
+    /// The part of it that is rendered: x, y, width and height, in pixels from the top left.
+    pub window: [u32; 4],
+    /// Camera rays for each pixel.
+    pub samples: u32,
+    /// Chooses the random numbers.
+    pub seed: u64,
+    /// The side of a tile, in pixels.
+    pub edge: u32,
+    /// Hashes of the scene, in hexadecimal: see [`wavecrest_core::prepared::Fingerprints`].
+    pub camera: String,
+    #[allow(missing_docs, reason = "as camera")]
+    pub geometry: String,
+    #[allow(missing_docs, reason = "as camera")]
+    pub textures: String,
+    #[allow(missing_docs, reason = "as camera")]
+    pub looks: String,
+}
+
+/// How two identities differ.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Difference {
+    /// In what, as the end of "it has another ...".
+    pub what: &'static str,
+    /// What each of the two has, where it tells a reader something.
+    pub values: Option<[String; 2]>,
+}
+
+impl Identity {
+    /// That of a render of `scene`.
+    ///
+    /// # Errors
+    /// When the crop has no pixels or is not within the image.
+    pub fn of(scene: &PreparedScene, options: &RenderOptions) -> Result<Self> {
+        let Tile { x, y, width, height } = window(scene, options.crop)?;
+        let hashes = scene.fingerprints();
+        let hex = |hash: u128| format!("{hash:032x}");
+        Ok(Self {
+            program: env!("CARGO_PKG_VERSION").to_owned(),
+            precision: scene.accel.geometry.precision.name().to_owned(),
+            image: scene.camera.size(),
+            window: [x, y, width, height],
+            samples: scene.camera.rays_per_pixel(),
+            seed: options.seed,
+            edge: edge(scene, [width, height]),
+            camera: hex(hashes.camera),
+            geometry: hex(hashes.geometry),
+            textures: hex(hashes.textures),
+            looks: hex(hashes.looks),
+        })
+    }
+
+    /// What a file says of the image.
+    pub fn provenance(&self) -> Provenance {
+        let [width, height] = self.image;
+        // What is no number was not written by this program, and tells nothing.
+        let number = |hash: &str| u128::from_str_radix(hash, 16).unwrap_or_default();
+        let hashes = Fingerprints {
+            geometry: number(&self.geometry),
+            textures: number(&self.textures),
+            camera: number(&self.camera),
+            looks: number(&self.looks),
+        };
+        Provenance {
+            version: self.program.clone(),
+            scene: hashes.all(),
+            seed: self.seed,
+            samples: self.samples,
+            precision: self.precision.clone(),
+            crop: Some(self.window).filter(|window| *window != [0, 0, width, height]),
+            command: None,
+        }
+    }
+
+    /// The tiles, which do not depend on how they are rendered.
+    pub fn grid(&self) -> Grid {
+        let [x, y, width, height] = self.window;
+        Grid::new(Tile { x, y, width, height }, self.edge)
+    }
+
+    /// The blocks of a pixel's samples.
+    pub fn blocks(&self) -> Blocks {
+        Blocks::new(self.samples)
+    }
+
+    /// In what `other` differs first: what a user chose comes before what follows from files.
+    pub fn difference(&self, other: &Self) -> Option<Difference> {
+        // The text of a hash tells a reader nothing.
+        let hash = |text: &str| (text.to_owned(), false);
+        let said = |text: String| (text, true);
+        let all = |identity: &Self| {
+            let Self { program, precision, image, window, samples, seed, .. } = identity;
+            let [width, height] = image;
+            let [x, y, w, h] = window;
+            [
+                ("version of the program", said(program.clone())),
+                ("precision", said(precision.clone())),
+                ("image size", said(format!("{width} x {height}"))),
+                ("part of the image", said(format!("{x},{y},{w},{h}"))),
+                ("number of samples a pixel", said(samples.to_string())),
+                ("seed", said(seed.to_string())),
+                ("size of tiles", said(identity.edge.to_string())),
+                ("camera", hash(&identity.camera)),
+                ("geometry (shapes or meshes)", hash(&identity.geometry)),
+                ("texture", hash(&identity.textures)),
+                ("look (materials, lights, background or bounces)", hash(&identity.looks)),
+            ]
+        };
+        let mut pairs = all(self).into_iter().zip(all(other));
+        let ((what, (one, is_said)), (_, (other, _))) = pairs.find(|(one, other)| one != other)?;
+        Some(Difference { what, values: is_said.then_some([one, other]) })
+    }
+
+    /// Whether the numbers are such as a render can have: what is read from a file may be anything.
+    ///
+    /// # Errors
+    /// When they are not, with the place and the value.
+    pub fn check(&self) -> Result<()> {
+        let wrong = |place: &str, value: String, remedy: &str| {
+            Err(Error::new(ErrorKind::Syntax, "this cannot be part of a render")
+                .at(place)
+                .value(value)
+                .remedy(remedy))
+        };
+        let [width, height] = self.image;
+        checked_pixel_count(width, height).map_err(|error| error.at("identity.image"))?;
+        let [x, y, w, h] = self.window.map(u64::from);
+        let fits = w > 0 && h > 0 && x + w <= u64::from(width) && y + h <= u64::from(height);
+        if !fits {
+            let remedy = "it must have pixels and lie within the image";
+            return wrong("identity.window", format!("{:?}", self.window), remedy);
+        }
+        if self.samples == 0 || self.samples > MOST_SAMPLES {
+            let remedy = "a pixel has 1 to 2^24 samples";
+            return wrong("identity.samples", self.samples.to_string(), remedy);
+        }
+        if !EDGES.contains(&self.edge) {
+            let remedy = "a tile has 8, 16, 32 or 64 pixels a side";
+            return wrong("identity.edge", self.edge.to_string(), remedy);
+        }
+        Ok(())
+    }
+}
+
+/// The side of a tile: what fills a batch of the usual size, and less where there would be few tiles.
+fn edge(scene: &PreparedScene, [width, height]: [u32; 2]) -> u32 {
+    let usual = tile_edge(scene, DEFAULT_BATCH);
+    let window = Tile { x: 0, y: 0, width, height };
+    let fits = |edge: &&u32| **edge <= usual;
+    let mut edges = EDGES.iter().rev().filter(fits).copied();
+    edges.find(|edge| Grid::new(window, *edge).len() >= FEW_TILES).unwrap_or(EDGES[0])
+}

@@ -1,0 +1,268 @@
+//! Parts put together: one image, if they are of one image and leave nothing out.
+//!
+//! Parts are read one after the other in any order, unit by unit. A tile whose blocks all come in one unit is
+//! painted at once; blocks that come apart wait until those before them are there, as they are added in order.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use xxhash_rust::xxh3::xxh3_64;
+
+use super::Shard;
+use super::identity::{Difference, Identity};
+use super::part::{Header, Reader, Unit};
+use crate::write::Transfer;
+use wavecrest_base::error::{Error, ErrorKind, Result};
+use wavecrest_core::film::Film;
+use wavecrest_core::render::Canvas;
+use wavecrest_core::render::units::{Blocks, Grid};
+use wavecrest_core::render::work::{Summed, add};
+use wavecrest_core::tile::Tile;
+
+/// Shards that a message names, at most.
+const MOST_NAMED: usize = 8;
+
+/// The image that parts make.
+#[derive(Clone, Debug)]
+pub struct Merged {
+    /// What it follows from.
+    pub identity: Identity,
+    /// How 8-bit images of it were to be written.
+    pub transfer: Transfer,
+    /// The image.
+    pub film: Film,
+    /// Samples that were not finite, and count as black.
+    pub invalid: u64,
+}
+
+/// Puts the parts at `paths` together. A part that is there twice counts once.
+///
+/// # Errors
+/// When a part cannot be read, is damaged, or is of another image than the first; when two differ where they
+/// overlap; and when something is missing.
+pub fn merge(paths: &[PathBuf]) -> Result<Merged> {
+    let Some((first, rest)) = paths.split_first() else {
+        return Err(Error::new(ErrorKind::Usage, "there is no part to put together")
+            .remedy("name the parts that wavecrest wrote with --shard"));
+    };
+    let header = Reader::open(first)?.header().clone();
+    let mut shards = vec![header.shard];
+    for path in rest {
+        let other = Reader::open(path)?.header().clone();
+        check_same(path, &other, first, &header)?;
+        shards.push(other.shard);
+    }
+    let (grid, blocks) = (header.identity.grid(), header.identity.blocks());
+    // Memory is set aside for an image that the parts can fill, not for one that they speak of.
+    let (held, pixels) = (bytes(paths)?, grid.window().len() as u64);
+    if held < pixels * size_of::<[f64; 3]>() as u64 {
+        return Err(incomplete(&shards, format!("{held} bytes of parts for {pixels} pixels")));
+    }
+    let mut mosaic = Mosaic::new(Canvas::new(grid, blocks, &())?, paths, grid, blocks);
+    for (number, path) in paths.iter().enumerate() {
+        let mut reader = Reader::open(path)?;
+        check_same(path, reader.header(), first, &header)?;
+        while let Some(unit) = reader.next_unit()? {
+            mosaic.put(number, unit)?;
+        }
+    }
+    let finished = mosaic.finish().map_err(|Gap { tile: [x, y], tiles }| {
+        incomplete(&shards, format!("{tiles} tiles that are not finished, the first at {x},{y}"))
+    })?;
+    let Finished { film, invalid } = finished;
+    Ok(Merged { identity: header.identity, transfer: header.transfer, film, invalid })
+}
+
+/// The length of all files.
+fn bytes(paths: &[PathBuf]) -> Result<u64> {
+    let length = |path: &PathBuf| {
+        let data = path.metadata().map_err(|e| Error::io("cannot read the part", path, e))?;
+        Ok(data.len())
+    };
+    paths.iter().map(length).sum()
+}
+
+fn check_same(path: &Path, other: &Header, first: &Path, header: &Header) -> Result<()> {
+    let Some(Difference { what, values }) = other.identity.difference(&header.identity) else {
+        return Ok(());
+    };
+    let first = first.display();
+    let message = format!("it has another {what} than {first}");
+    let error = Error::new(ErrorKind::Usage, message).in_file(path);
+    Err(match values {
+        Some([found, expected]) => error
+            .value(found)
+            .remedy(format!("that of {first} is {expected}: put parts of one image together")),
+        None => error.remedy("put parts of one scene together, rendered while it stays as it is"),
+    })
+}
+
+/// Something is missing: whole shards, or else what `found` says.
+fn incomplete(shards: &[Option<Shard>], found: String) -> Error {
+    let missing = missing(shards);
+    let found = if missing.is_empty() { found } else { format!("no {}", list(&missing)) };
+    Error::new(ErrorKind::Usage, "the parts do not make a whole image")
+        .value(found)
+        .remedy("render what is missing, and put all parts together")
+}
+
+/// The shards that no part is of, where all parts are of shards of as many.
+fn missing(shards: &[Option<Shard>]) -> Vec<Shard> {
+    let there: Option<BTreeSet<(u32, u32)>> =
+        shards.iter().map(|shard| shard.map(|s| (s.count(), s.number()))).collect();
+    let Some(there) = there else { return Vec::new() };
+    let Some(&(count, _)) = there.first() else { return Vec::new() };
+    if there.iter().any(|(other, _)| *other != count) {
+        return Vec::new();
+    }
+    let absent = (1..=count).filter(|number| !there.contains(&(count, *number)));
+    absent.take(MOST_NAMED + 1).filter_map(|number| Shard::new(number, count)).collect()
+}
+
+/// `shard 2/7, shard 3/7`.
+fn list(shards: &[Shard]) -> String {
+    let names: Vec<String> =
+        shards.iter().take(MOST_NAMED).map(|shard| format!("shard {shard}")).collect();
+    let more = if shards.len() > MOST_NAMED { " and others" } else { "" };
+    format!("{}{more}", names.join(", "))
+}
+
+/// An image that lacks nothing.
+struct Finished {
+    film: Film,
+    invalid: u64,
+}
+
+/// What an image lacks.
+struct Gap {
+    /// Left and top pixel of the first tile that is not finished.
+    tile: [u32; 2],
+    /// Number of tiles that are not.
+    tiles: u64,
+}
+
+/// The image that comes together.
+struct Mosaic<'a> {
+    canvas: Canvas<'static>,
+    paths: &'a [PathBuf],
+    grid: Grid,
+    blocks: Blocks,
+    /// What has been there, by tile and first block.
+    seen: BTreeMap<(u32, u32), Seen>,
+    /// Tiles whose blocks come apart.
+    waiting: BTreeMap<u32, Waiting>,
+    /// Tiles that are finished.
+    finished: u64,
+    invalid: u64,
+}
+
+/// A unit that has been there: the block after its last, the hash of its sums, and the number of its part.
+type Seen = (u32, u64, usize);
+
+/// The blocks of a tile so far.
+#[derive(Default)]
+struct Waiting {
+    /// Number of blocks from the first on that are added up.
+    ready: u32,
+    sums: Vec<[f64; 3]>,
+    /// Those that come later, by their first.
+    later: BTreeMap<u32, Unit>,
+}
+
+impl<'a> Mosaic<'a> {
+    fn new(canvas: Canvas<'static>, paths: &'a [PathBuf], grid: Grid, blocks: Blocks) -> Self {
+        Self {
+            canvas,
+            paths,
+            grid,
+            blocks,
+            seen: BTreeMap::new(),
+            waiting: BTreeMap::new(),
+            finished: 0,
+            invalid: 0,
+        }
+    }
+
+    /// Puts a unit of the `number`th part in its place.
+    fn put(&mut self, number: usize, unit: Unit) -> Result<()> {
+        if self.is_known(number, &unit)? {
+            return Ok(());
+        }
+        self.invalid += unit.invalid;
+        if unit.blocks == (0..self.blocks.count()) {
+            self.paint(unit.tile, &unit.sums);
+            return Ok(());
+        }
+        let tile = unit.tile;
+        let waiting = self.waiting.entry(tile).or_default();
+        waiting.later.insert(unit.blocks.start, unit);
+        waiting.add_up();
+        if waiting.ready == self.blocks.count() {
+            let sums = std::mem::take(&mut waiting.sums);
+            self.waiting.remove(&tile);
+            self.paint(tile, &sums);
+        }
+        Ok(())
+    }
+
+    fn paint(&mut self, tile: u32, sums: &[[f64; 3]]) {
+        let blocks = 0..self.blocks.count();
+        self.canvas.keep(&Summed { tile, blocks, invalid: 0, sums });
+        self.finished += 1;
+    }
+
+    /// Whether the unit has been there already, to the last bit; it is noted if not.
+    fn is_known(&mut self, number: usize, unit: &Unit) -> Result<bool> {
+        let Unit { tile, blocks: Range { start, end }, .. } = *unit;
+        let hash = xxh3_64(bytemuck::cast_slice(&unit.sums));
+        let others = self.seen.range((tile, 0)..(tile, end));
+        let overlaps = |&((_, from), (to, ..)): &(&(u32, u32), &Seen)| *from < end && *to > start;
+        if let Some(((_, from), (to, known, other))) = others.rev().find(overlaps) {
+            return match (*from, *to) == (start, end) {
+                true if hash == *known => Ok(true),
+                true => Err(self.conflict(number, *other, tile, "it differs from")),
+                false => Err(self.conflict(number, *other, tile, "its blocks overlap those of")),
+            };
+        }
+        self.seen.insert((tile, start), (end, hash, number));
+        Ok(false)
+    }
+
+    fn conflict(&self, number: usize, other: usize, tile: u32, how: &str) -> Error {
+        let Tile { x, y, .. } = self.grid.tile(tile);
+        let name = |number: usize| self.paths.get(number).cloned().unwrap_or_default();
+        let other = name(other);
+        Error::new(ErrorKind::Usage, format!("{how} {}", other.display()))
+            .in_file(name(number))
+            .at(format!("tile at {x},{y}"))
+            .remedy("leave one of the two out, or render both again")
+    }
+
+    fn finish(self) -> std::result::Result<Finished, Gap> {
+        let tiles = u64::from(self.grid.len()) - self.finished;
+        if tiles == 0 {
+            return Ok(Finished { film: self.canvas.finish().film, invalid: self.invalid });
+        }
+        let painted: BTreeSet<(u32, u32)> =
+            self.canvas.finish().tiles.iter().map(|tile| (tile.x, tile.y)).collect();
+        let all = (0..self.grid.len()).map(|number| self.grid.tile(number));
+        let mut gaps = all.filter(|tile| !painted.contains(&(tile.x, tile.y)));
+        let tile = gaps.next().map_or([0; 2], |tile| [tile.x, tile.y]);
+        Err(Gap { tile, tiles })
+    }
+}
+
+impl Waiting {
+    /// Adds the blocks whose turn it is.
+    fn add_up(&mut self) {
+        while let Some(unit) = self.later.remove(&self.ready) {
+            if self.ready == 0 {
+                self.sums = unit.sums;
+            } else {
+                add(&mut self.sums, &unit.sums);
+            }
+            self.ready = unit.blocks.end;
+        }
+    }
+}

@@ -1,0 +1,283 @@
+//! The part file: sums of finished units, and what image they belong to.
+//!
+//! | bytes | what |
+//! |---|---|
+//! | 8 | `WAVEPART` |
+//! | 4 | the version of the form, 1 |
+//! | 4 | the length of the header |
+//! | ... | the [`Header`], in JSON |
+//! | 8 | the hash of all above |
+//! | | and for each unit, in the order of tiles and, within a tile, of blocks: |
+//! | 4, 4, 4, 4 | tile, first block, the block after its last, number of pixels |
+//! | 8 | samples that were not finite |
+//! | 24 for each pixel | the sums, row by row: red, green and blue, as 64-bit floats |
+//! | 8 | the hash of the unit, which begins with that of the header |
+//!
+//! All numbers have their least byte first; hashes are XXH3 with 64 bits. They find damage, and not an attack.
+//! Memory is set aside for one unit at a time when a part is read, and a unit is no longer than its tile says.
+
+use std::fs::File;
+use std::io::{BufReader, ErrorKind as IoKind, Read, Write};
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+use xxhash_rust::xxh3::xxh3_64_with_seed;
+
+use super::{Identity, Shard};
+use crate::write::Transfer;
+use wavecrest_base::error::{Error, ErrorKind, Result};
+use wavecrest_base::replace::{Sink, replace_file, write_error};
+use wavecrest_core::render::units::{Blocks, Grid};
+
+/// What a part begins with.
+const MAGIC: &[u8; 8] = b"WAVEPART";
+
+/// The version of the form.
+const VERSION: u32 = 1;
+
+/// Bytes of a header, at most: a command line is no longer than the system lets it be, 2 MiB.
+const MOST_HEADER: u32 = 4 << 20;
+
+/// Bytes of a unit besides its sums.
+const UNIT_BYTES: u64 = 4 * 4 + 8 + 8;
+
+/// What a part says of itself.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Header {
+    /// What image it is part of.
+    pub identity: Identity,
+    /// Which share of it was to be rendered; `None` for all.
+    pub shard: Option<Shard>,
+    /// The scene's file, as it was named: for the reader, nothing follows from it.
+    pub scene: String,
+    /// The command that made it: for the reader, nothing follows from it.
+    pub command: Vec<String>,
+    /// How 8-bit images were to be written: a merge writes them so where nobody says otherwise.
+    pub transfer: Transfer,
+    /// Number of units in the file.
+    pub units: u64,
+}
+
+/// Blocks of samples of a tile, summed for each pixel.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Unit {
+    /// The tile's number in [`Identity::grid`].
+    pub tile: u32,
+    /// The blocks: all up to some block, or one alone.
+    pub blocks: Range<u32>,
+    /// Samples that were not finite.
+    pub invalid: u64,
+    /// The sums, row by row.
+    pub sums: Vec<[f64; 3]>,
+}
+
+/// Writes a part with these units, which are in order, or leaves what is at `path` as it was.
+///
+/// # Errors
+/// As [`replace_file`].
+pub fn write<'a>(
+    path: &Path,
+    header: &Header,
+    units: impl IntoIterator<Item = &'a Unit>,
+) -> Result<()> {
+    replace_file(path, |sink| {
+        let json = serde_json::to_vec(header).map_err(|error| {
+            Error::new(ErrorKind::Io, format!("cannot write JSON: {error}")).because(error)
+        })?;
+        let length = json.len() as u32;
+        let bytes = [&MAGIC[..], &VERSION.to_le_bytes(), &length.to_le_bytes(), &json].concat();
+        let seed = put(sink, path, 0, &bytes)?;
+        units.into_iter().try_for_each(|unit| put(sink, path, seed, &unit.bytes()).map(drop))
+    })
+}
+
+/// Writes bytes and their hash, which it returns.
+fn put(sink: &mut Sink<'_>, path: &Path, seed: u64, bytes: &[u8]) -> Result<u64> {
+    let hash = xxh3_64_with_seed(bytes, seed);
+    let written = sink.write_all(bytes).and_then(|()| sink.write_all(&hash.to_le_bytes()));
+    written.map(|()| hash).map_err(|error| write_error(path, error))
+}
+
+impl Unit {
+    fn bytes(&self) -> Vec<u8> {
+        let Self { tile, blocks, invalid, sums } = self;
+        let numbers = [*tile, blocks.start, blocks.end, sums.len() as u32];
+        let mut bytes = numbers.map(u32::to_le_bytes).concat();
+        bytes.extend(invalid.to_le_bytes());
+        bytes.extend(sums.as_flattened().iter().flat_map(|sum| sum.to_le_bytes()));
+        bytes
+    }
+}
+
+/// A part that is being read, unit by unit.
+#[derive(Debug)]
+pub struct Reader {
+    path: PathBuf,
+    header: Header,
+    grid: Grid,
+    blocks: Blocks,
+    file: BufReader<File>,
+    /// The hash of the header.
+    seed: u64,
+    read: u64,
+    /// Where the last unit began, and its last block.
+    last: Option<(u32, u32)>,
+}
+
+impl Reader {
+    /// Reads the header of the part at `path`.
+    ///
+    /// # Errors
+    /// When the file cannot be read, is no part, has another version, or is damaged.
+    pub fn open(path: &Path) -> Result<Self> {
+        Self::open_it(path).map_err(|error| error.in_file(path))
+    }
+
+    fn open_it(path: &Path) -> Result<Self> {
+        let file = File::open(path).map_err(|e| Error::io("cannot read the part", path, e))?;
+        let data = file.metadata().map_err(|e| Error::io("cannot read the part", path, e))?;
+        if !data.is_file() {
+            let message = "cannot read the part: this is not an ordinary file";
+            return Err(Error::new(ErrorKind::Io, message).remedy("name a part"));
+        }
+        let mut file = BufReader::new(file);
+        let (header, seed) = header(&mut file, data.len())?;
+        header.identity.check()?;
+        let (grid, blocks) = (header.identity.grid(), header.identity.blocks());
+        let path = path.to_owned();
+        Ok(Self { path, header, grid, blocks, file, seed, read: 0, last: None })
+    }
+
+    /// What the part says of itself.
+    pub fn header(&self) -> &Header {
+        &self.header
+    }
+
+    /// The next unit, or `None` after the last.
+    ///
+    /// # Errors
+    /// When the file is cut short or damaged, or goes on after its last unit.
+    pub fn next_unit(&mut self) -> Result<Option<Unit>> {
+        let place = format!("unit {} of {}", self.read + 1, self.header.units);
+        self.read_unit().map_err(|error| error.in_file(&self.path).at(place))
+    }
+
+    fn read_unit(&mut self) -> Result<Option<Unit>> {
+        if self.read == self.header.units {
+            let mut more = [0];
+            return match self.file.read(&mut more) {
+                Ok(0) => Ok(None),
+                Ok(_) => Err(damaged("it goes on after its last unit")),
+                Err(error) => Err(read_error(error)),
+            };
+        }
+        let mut bytes = vec![0; 4 * 4 + 8];
+        fill(&mut self.file, &mut bytes)?;
+        let [tile, first, end, pixels] = [0, 4, 8, 12].map(|at| number(&bytes[at..]));
+        let invalid = long(&bytes[16..]);
+        let length = self.length(tile, first..end, pixels)?;
+        let start = bytes.len();
+        bytes.resize(start + length * size_of::<[f64; 3]>(), 0);
+        fill(&mut self.file, &mut bytes[start..])?;
+        check_hash(&mut self.file, &bytes, self.seed)?;
+        let sums = bytes[start..].chunks_exact(size_of::<[f64; 3]>()).map(sum).collect();
+        self.read += 1;
+        self.last = Some((tile, end));
+        Ok(Some(Unit { tile, blocks: first..end, invalid, sums }))
+    }
+
+    /// The number of pixels of a unit, if there can be such a unit at this place.
+    fn length(&self, tile: u32, blocks: Range<u32>, pixels: u32) -> Result<usize> {
+        let follows = self.last.is_none_or(|(last, end)| (last, end) <= (tile, blocks.start));
+        let is_one = blocks.start == 0 || blocks.len() == 1;
+        if tile >= self.grid.len() || blocks.is_empty() || blocks.end > self.blocks.count() {
+            return Err(damaged("there is no such unit in its image"));
+        }
+        let length = self.grid.tile(tile).len();
+        if !follows || !is_one || pixels as usize != length {
+            return Err(damaged("the unit is not as it should be"));
+        }
+        Ok(length)
+    }
+}
+
+/// The header and its hash, from a file of `length` bytes.
+fn header(file: &mut BufReader<File>, length: u64) -> Result<(Header, u64)> {
+    let foreign = || {
+        Error::new(ErrorKind::Syntax, "is not a part of a render: it does not begin as one")
+            .remedy("name a file that wavecrest wrote with --shard or --checkpoint")
+    };
+    let mut bytes = vec![0; 16];
+    if length < bytes.len() as u64 {
+        return Err(foreign());
+    }
+    fill(file, &mut bytes)?;
+    let [version, json] = [8, 12].map(|at| number(&bytes[at..]));
+    if &bytes[..8] != MAGIC {
+        return Err(foreign());
+    }
+    if version != VERSION {
+        return Err(Error::new(ErrorKind::Syntax, "is a part of another version of the form")
+            .value(version)
+            .remedy(format!("this program reads version {VERSION}: render it again")));
+    }
+    if json > MOST_HEADER || u64::from(json) + 16 > length {
+        return Err(damaged("its header is longer than it can be"));
+    }
+    bytes.resize(16 + json as usize, 0);
+    fill(file, &mut bytes[16..])?;
+    let hash = check_hash(file, &bytes, 0)?;
+    let header: Header = serde_json::from_slice(&bytes[16..]).map_err(|error| {
+        Error::new(ErrorKind::Syntax, format!("the header is not one of a part: {error}"))
+            .remedy("render it again")
+            .because(error)
+    })?;
+    let rest = length - bytes.len() as u64;
+    if header.units > rest / UNIT_BYTES {
+        return Err(damaged("it is cut short").value(format!("{length} bytes")));
+    }
+    Ok((header, hash))
+}
+
+/// Reads the hash that follows `bytes` in the file and holds it against theirs.
+fn check_hash(file: &mut impl Read, bytes: &[u8], seed: u64) -> Result<u64> {
+    let mut found = [0; 8];
+    fill(file, &mut found)?;
+    let hash = xxh3_64_with_seed(bytes, seed);
+    if u64::from_le_bytes(found) == hash {
+        return Ok(hash);
+    }
+    Err(damaged("its bytes are not those that were written"))
+}
+
+fn fill(file: &mut impl Read, bytes: &mut [u8]) -> Result<()> {
+    file.read_exact(bytes).map_err(read_error)
+}
+
+fn read_error(error: std::io::Error) -> Error {
+    if error.kind() == IoKind::UnexpectedEof {
+        return damaged("it is cut short");
+    }
+    Error::new(ErrorKind::Io, format!("cannot read the part: {error}")).because(error)
+}
+
+fn damaged(how: &str) -> Error {
+    Error::new(ErrorKind::Syntax, format!("the part is damaged: {how}")).remedy("render it again")
+}
+
+/// The number that `bytes` begin with; missing bytes count as 0.
+fn number(bytes: &[u8]) -> u32 {
+    long(&bytes[..bytes.len().min(4)]) as u32
+}
+
+fn long(bytes: &[u8]) -> u64 {
+    let mut word = [0; 8];
+    let length = bytes.len().min(8);
+    word[..length].copy_from_slice(&bytes[..length]);
+    u64::from_le_bytes(word)
+}
+
+fn sum(bytes: &[u8]) -> [f64; 3] {
+    [0, 8, 16].map(|at| f64::from_bits(long(bytes.get(at..).unwrap_or(&[]))))
+}

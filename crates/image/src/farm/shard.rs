@@ -1,0 +1,86 @@
+//! Shards: which process renders which units.
+//!
+//! Tiles are taken along a Z, so that any run of them lies close together, and dealt one by one. So every shard
+//! has a tile in each part of the image: equal shares, of the easy parts and of the hard ones. Where tiles are
+//! few, the blocks of their samples are dealt instead.
+
+use std::fmt;
+use std::str::FromStr;
+
+use serde::{Deserialize, Serialize};
+
+use wavecrest_core::render::units::{Blocks, Grid};
+use wavecrest_core::render::work::Task;
+
+/// Tiles for each shard, at least, where whole tiles are dealt: then no shard has more than a quarter too many.
+const FEW_TILES: u64 = 4;
+
+/// One of so many equal shares of a render.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Shard {
+    number: u32,
+    count: u32,
+}
+
+impl Shard {
+    /// All of it.
+    pub const WHOLE: Self = Self { number: 1, count: 1 };
+
+    /// The `number`th of `count`, counted from 1; `None` where there is no such.
+    pub fn new(number: u32, count: u32) -> Option<Self> {
+        (1..=count).contains(&number).then_some(Self { number, count })
+    }
+
+    /// Which it is, from 1.
+    pub fn number(self) -> u32 {
+        self.number
+    }
+
+    /// Of how many.
+    pub fn count(self) -> u32 {
+        self.count
+    }
+
+    /// Its share of an image, in the order of tiles and blocks.
+    pub fn tasks(self, grid: &Grid, blocks: Blocks) -> Vec<Task> {
+        let mut tiles: Vec<u32> = (0..grid.len()).collect();
+        tiles.sort_by_key(|tile| along_z(tile % grid.columns(), tile / grid.columns()));
+        let are_few = (tiles.len() as u64) < FEW_TILES * u64::from(self.count);
+        let step = if are_few && self.count > 1 { 1 } else { blocks.count() };
+        let units = tiles.into_iter().flat_map(|tile| {
+            let starts = (0..blocks.count()).step_by(step as usize);
+            starts.map(move |start| Task { tile, blocks: start..start + step, sums: None })
+        });
+        let (first, count) = (self.number as usize - 1, self.count as usize);
+        let mut tasks: Vec<Task> = units.skip(first).step_by(count).collect();
+        tasks.sort_by_key(|task| (task.tile, task.blocks.start));
+        tasks
+    }
+}
+
+/// The bits of column and row in turn: the order of a Z.
+fn along_z(column: u32, row: u32) -> u64 {
+    let spread = |value: u32| {
+        (0..u32::BITS).fold(0, |all, bit| all | u64::from(value >> bit & 1) << (2 * bit))
+    };
+    spread(column) | spread(row) << 1
+}
+
+impl fmt::Display for Shard {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}/{}", self.number, self.count)
+    }
+}
+
+/// `I/N`, such as `3/7`.
+impl FromStr for Shard {
+    type Err = String;
+
+    fn from_str(text: &str) -> std::result::Result<Self, String> {
+        let numbers = text.split_once('/').map(|(one, other)| (one.parse(), other.parse()));
+        let Some((Ok(number), Ok(count))) = numbers else {
+            return Err("write its number and how many there are, such as 3/7".to_owned());
+        };
+        Self::new(number, count).ok_or_else(|| format!("shards are numbered from 1 to {count}"))
+    }
+}

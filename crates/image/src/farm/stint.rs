@@ -1,0 +1,175 @@
+//! A render, or a shard of one, that is kept while it is made and may go on from what was kept: each run of the
+//! program that works on it is a stint.
+
+use std::path::Path;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use super::checkpoint::{Checkpoint, Saver};
+use super::part::{self, Header, Unit};
+use super::store::Store;
+use super::{Identity, Shard};
+use crate::write::Transfer;
+use wavecrest_base::error::{Error, Result};
+use wavecrest_core::prepared::PreparedScene;
+use wavecrest_core::render::units::{Blocks, Grid};
+use wavecrest_core::render::work::{Done, Job, Summed, Task, run};
+use wavecrest_core::render::{Canvas, RenderOptions, Rendered, Watch};
+
+/// What is to be rendered, and what there is of it.
+pub struct Stint<'a> {
+    scene: &'a PreparedScene,
+    options: &'a RenderOptions,
+    header: Header,
+    checkpoint: Option<&'a Checkpoint>,
+    grid: Grid,
+    blocks: Blocks,
+    store: Store,
+    todo: Vec<Task>,
+    /// Pixels times blocks: all, and those that are done.
+    all: u64,
+    done: AtomicU64,
+    /// Of `done`, what a checkpoint held.
+    resumed: u64,
+    has_checkpoint: bool,
+}
+
+/// Who asks for a render: told in its files, for their reader.
+#[derive(Clone, Debug, Default)]
+pub struct Author {
+    /// The scene's file, as it was named.
+    pub scene: String,
+    /// The command.
+    pub command: Vec<String>,
+    /// How 8-bit images were to be written.
+    pub transfer: Transfer,
+}
+
+impl<'a> Stint<'a> {
+    /// Begins a render of `shard`, or of all, or goes on with one. `checkpoint` is where it is kept.
+    ///
+    /// # Errors
+    /// When the crop is not within the image, and when the checkpoint is damaged, of another render, or
+    /// there though nobody asked to go on.
+    pub fn begin(
+        scene: &'a PreparedScene,
+        options: &'a RenderOptions,
+        author: Author,
+        shard: Option<Shard>,
+        checkpoint: Option<&'a Checkpoint>,
+    ) -> Result<Self> {
+        let Author { scene: file, command, transfer } = author;
+        let identity = Identity::of(scene, options)?;
+        let (grid, blocks) = (identity.grid(), identity.blocks());
+        let header = Header { identity, shard, scene: file, command, transfer, units: 0 };
+        let held = checkpoint.map_or(Ok(None), |checkpoint| checkpoint.load(&header))?;
+        let has_checkpoint = held.is_some();
+        let store = held.unwrap_or_default();
+        let tasks = shard.unwrap_or(Shard::WHOLE).tasks(&grid, blocks);
+        let size = |tasks: &[Task]| -> u64 {
+            let one = |task: &Task| grid.tile(task.tile).len() as u64 * task.blocks.len() as u64;
+            tasks.iter().map(one).sum()
+        };
+        let all = size(&tasks);
+        let todo: Vec<Task> = tasks.into_iter().filter_map(|task| store.rest(task)).collect();
+        let resumed = all - size(&todo);
+        let done = AtomicU64::new(resumed);
+        Ok(Self {
+            scene,
+            options,
+            header,
+            checkpoint,
+            grid,
+            blocks,
+            store,
+            todo,
+            all,
+            done,
+            resumed,
+            has_checkpoint,
+        })
+    }
+
+    /// Whether a checkpoint was found.
+    pub fn has_checkpoint(&self) -> bool {
+        self.has_checkpoint
+    }
+
+    /// The part of the work that the checkpoint held, from 0 to 1.
+    pub fn resumed(&self) -> f64 {
+        self.part_of_all(self.resumed)
+    }
+
+    /// The part of the work that is done, from 0 to 1.
+    pub fn share(&self) -> f64 {
+        self.part_of_all(self.done.load(Ordering::Relaxed))
+    }
+
+    /// A share without any work is done.
+    fn part_of_all(&self, part: u64) -> f64 {
+        if self.all == 0 { 1.0 } else { part as f64 / self.all as f64 }
+    }
+
+    /// Renders the whole image, or what is missing of it. A checkpoint that cannot be written is told by
+    /// `warn`, and the render goes on.
+    ///
+    /// # Errors
+    /// When there is no memory for the film, or the table that the plan was made by does not hang together.
+    pub fn render(&self, watch: &dyn Watch, warn: &(dyn Fn(&Error) + Sync)) -> Result<Rendered> {
+        let canvas = Canvas::new(self.grid, self.blocks, watch)?;
+        for unit in self.store.all() {
+            let Unit { tile, blocks, invalid, sums } = &*unit;
+            let blocks = blocks.clone();
+            canvas.keep(&Summed { tile: *tile, blocks, invalid: *invalid, sums });
+        }
+        let done = self.run(watch, warn, &|summed| canvas.keep(summed))?;
+        Ok(Rendered::new(canvas.finish(), done))
+    }
+
+    /// Renders the units alone, or what is missing of them, and says what work that was. `warn` as for
+    /// [`Stint::render`].
+    ///
+    /// # Errors
+    /// When the table that the plan was made by does not hang together.
+    pub fn render_units(&self, watch: &dyn Watch, warn: &(dyn Fn(&Error) + Sync)) -> Result<Done> {
+        let each = u64::from(self.blocks.count());
+        self.run(watch, warn, &|_| {
+            watch.progress(self.done.load(Ordering::Relaxed) / each, self.all.div_ceil(each));
+        })
+    }
+
+    /// Writes the units that are there as a part.
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub fn write(&self, path: &Path) -> Result<()> {
+        let units = self.store.all();
+        let header = Header { units: units.len() as u64, ..self.header.clone() };
+        part::write(path, &header, units.iter().map(|unit| &**unit))
+    }
+
+    fn run(
+        &self,
+        watch: &dyn Watch,
+        warn: &(dyn Fn(&Error) + Sync),
+        told: &(dyn Fn(&Summed<'_>) + Sync),
+    ) -> Result<Done> {
+        let saver = self.checkpoint.map(|checkpoint| Saver::new(checkpoint, &self.header));
+        let keep = |summed: &Summed<'_>| {
+            self.store.keep(summed);
+            let pixels = self.grid.tile(summed.tile).len() as u64;
+            self.done.fetch_add(pixels, Ordering::Relaxed);
+            told(summed);
+            let saved = saver.as_ref().map_or(Ok(()), |saver| saver.save_if_due(&self.store));
+            saved.unwrap_or_else(|error| warn(&error));
+        };
+        let task = |number: usize| self.todo[number].clone();
+        let job = Job { grid: self.grid, blocks: self.blocks, count: self.todo.len(), task: &task };
+        let done = run(self.scene, self.options, &job, watch, &keep)?;
+        // A checkpoint that held everything stays as it is.
+        let is_new = !self.todo.is_empty() || !self.has_checkpoint;
+        if let Some(saver) = saver.filter(|_| is_new) {
+            saver.save(&self.store).unwrap_or_else(|error| warn(&error));
+        }
+        Ok(done)
+    }
+}

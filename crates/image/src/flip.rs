@@ -1,0 +1,105 @@
+//! FLIP: how far apart two pictures look to one who sees them in turn at one place.
+//!
+//! After Andersson, Nilsson, Akenine-Möller, Oskarsson, Åström and Fairchild, "FLIP: A Difference
+//! Evaluator for Alternating Images", High-Performance Graphics 2020: the metric for pictures of
+//! low dynamic range. Both pictures go
+//!
+//! 1. through what the eye resolves of lightness, red against green, and yellow against blue at
+//!    the given number of pixels per degree ([`filter`]), into CIELAB, where their distance is the
+//!    difference of colour ([`difference`]);
+//! 2. and through detectors of edges and of points, whose difference makes that of colour larger.
+//!
+//! Filters are separable and run over tiles of the picture ([`tile`]), so that the memory needed
+//! is that of the result. Arithmetic is in double precision and in a fixed order; the result does
+//! not depend on the number of threads.
+//!
+//! # From values to light
+//!
+//! The metric asks what a display shows. A film's values are linear, and are taken here as the
+//! light of a display with the primaries of sRGB, 1 being its brightest: values are clamped to 0
+//! to 1, and what is not a number is black, as in a PNG. So this is the metric of pictures that
+//! are shown as they should be, such as those written with [`Transfer::Srgb`]; one that is written
+//! without the curve looks darker on a screen that expects it. Values that carry the curve are to
+//! be made linear first, by [`srgb_decode`]: the reference implementation does so with every PNG.
+//!
+//! [`Transfer::Srgb`]: super::Transfer::Srgb
+//! [`srgb_decode`]: super::write::srgb_decode
+
+mod difference;
+mod filter;
+mod tile;
+
+use rayon::prelude::*;
+
+use super::compare::check_sizes;
+use filter::Filters;
+use tile::Tiles;
+use wavecrest_base::error::{Error, ErrorKind, Result};
+use wavecrest_core::film::{Film, reserve};
+
+/// The paper's viewing conditions: a display 0.7 m wide with 3840 pixels in a row, 0.7 m away.
+pub const DEFAULT_PIXELS_PER_DEGREE: f64 = pixels_per_degree(0.7, 0.7, 3840);
+
+/// The fewest pixels per degree that are allowed: detectors of edges need neighbours to see.
+pub const MIN_PIXELS_PER_DEGREE: f64 = 1.0;
+
+/// The most pixels per degree that are allowed, several times what an eye resolves. Filters then
+/// reach 136 pixels to every side.
+pub const MAX_PIXELS_PER_DEGREE: f64 = 1000.0;
+
+/// The difference that is seen between two pictures.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Flip {
+    /// The mean of [`map`](Self::map).
+    pub mean: f64,
+    /// The difference at each pixel, from 0 to 1, the top row first.
+    pub map: Vec<f32>,
+    /// The number of pixels in a row.
+    pub width: u32,
+    /// The number of rows.
+    pub height: u32,
+    /// At how many pixels per degree of the field of view.
+    pub pixels_per_degree: f64,
+}
+
+/// How many pixels lie within a degree in the middle of a display that is `width` wide, has
+/// `pixels` in a row and is seen from `distance`; both lengths in the same unit.
+///
+/// ```
+/// // A display that is half as wide, with as many pixels.
+/// let found = wavecrest::image::flip::pixels_per_degree(0.7, 0.35, 3840);
+/// assert_eq!(found, 2.0 * wavecrest::image::flip::DEFAULT_PIXELS_PER_DEGREE);
+/// ```
+pub const fn pixels_per_degree(distance: f64, width: f64, pixels: u32) -> f64 {
+    // The paper's formula: a degree is taken as its arc.
+    distance * (pixels as f64 / width) * (std::f64::consts::PI / 180.0)
+}
+
+/// Compares `a` with `reference` as they are seen at `pixels_per_degree`. The metric is
+/// symmetric: which of the two is the reference changes no bit.
+///
+/// # Errors
+/// When their sizes differ, when `pixels_per_degree` is not from [`MIN_PIXELS_PER_DEGREE`] to
+/// [`MAX_PIXELS_PER_DEGREE`], or when there is not memory enough for the map.
+pub fn flip(a: &Film, reference: &Film, pixels_per_degree: f64) -> Result<Flip> {
+    check_sizes(a, reference)?;
+    if !(MIN_PIXELS_PER_DEGREE..=MAX_PIXELS_PER_DEGREE).contains(&pixels_per_degree) {
+        return Err(Error::new(ErrorKind::Usage, "pixels per degree are out of bounds")
+            .value(pixels_per_degree)
+            .remedy(format!("use {MIN_PIXELS_PER_DEGREE} to {MAX_PIXELS_PER_DEGREE}")));
+    }
+    let (width, height) = (a.width(), a.height());
+    let mut map: Vec<f32> = reserve(a.pixels().len())?;
+    map.resize(a.pixels().len(), 0.0);
+    let tiles = Tiles::new(Filters::new(pixels_per_degree), [a, reference]);
+    let bands = map.par_chunks_mut(width as usize * tiles.side()).enumerate();
+    bands.for_each(|(band, out)| tiles.band(band, out));
+    // A row has a sum of its own, so that less is lost where there are many pixels.
+    let rows = map.chunks_exact(width as usize);
+    let sum: f64 = rows.map(|row| row.iter().map(|&v| f64::from(v)).sum::<f64>()).sum();
+    let mean = sum / map.len() as f64;
+    Ok(Flip { mean, map, width, height, pixels_per_degree })
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,26 @@
+//! Images: what a render fills, how it is written, and how two are compared.
+//!
+//! * [`metadata`]: what a file says of how its image was made, and further channels.
+//! * [`mod@write`]: a film becomes a PPM, PNG, EXR or PFM file, whole or not at all.
+//! * [`mod@read`]: any picture becomes a film again.
+//! * [`mod@compare`]: by how much two films differ, as numbers.
+//! * [`mod@flip`]: by how much they seem to differ to one who looks at them in turn.
+//! * [`mod@error_map`]: pictures of where they differ, with the colours of [`colormap`].
+//! * `color`: spaces of colour.
+//! * `netpbm`: the byte layouts of PPM and PFM, which are simple enough to be our own.
+//! * `openexr`: colours and further channels as an EXR.
+
+pub mod aov;
+mod color;
+pub mod colormap;
+pub mod compare;
+pub mod error_map;
+pub mod farm;
+pub mod flip;
+pub mod metadata;
+mod netpbm;
+mod openexr;
+pub mod read;
+pub mod write;
+
+pub use write::{Format, Transfer};

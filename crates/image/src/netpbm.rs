@@ -1,0 +1,316 @@
+//! The byte layouts of the Netpbm family: binary PGM and PPM (`P5`, `P6`) and PFM (`Pf`, `PF`).
+//!
+//! All have a header of words parted by white space, then rows of numbers. PPM is written with 8
+//! bits a value, the top row first; PFM is 32-bit floats, the bottom row first, whose header ends
+//! in a number that is negative where the floats are little-endian. The size of that number is a
+//! unit of light which programs agree to pass over, and so does this reader.
+//!
+//! Formats: <https://netpbm.sourceforge.net/doc/ppm.html> and
+//! <https://netpbm.sourceforge.net/doc/pfm.html>.
+
+use std::io::{BufRead, Result as IoResult, Write};
+
+use super::metadata::{Entry, full_name};
+use super::write::{Transfer, row_to_bytes};
+use wavecrest_base::error::{Error, ErrorKind, Result};
+use wavecrest_core::film::{Film, checked_pixel_count, reserve};
+
+/// The longest word that a header may hold.
+const LONGEST_WORD: usize = 32;
+
+/// Writes a binary PPM with 8 bits a value, and a comment for each entry.
+pub(super) fn write_ppm(
+    sink: &mut impl Write,
+    film: &Film,
+    transfer: Transfer,
+    comments: &[Entry],
+) -> IoResult<()> {
+    sink.write_all(b"P6\n")?;
+    for Entry { name, text } in comments {
+        // A line must not end early: what follows would be read as the size.
+        let line = text.replace(char::is_control, " ");
+        writeln!(sink, "# {}: {line}", full_name(name))?;
+    }
+    write!(sink, "{} {}\n255\n", film.width(), film.height())?;
+    film.rows().try_for_each(|row| sink.write_all(&row_to_bytes(row, transfer)))
+}
+
+/// Writes a little-endian colour PFM.
+pub(super) fn write_pfm(sink: &mut impl Write, film: &Film) -> IoResult<()> {
+    write!(sink, "PF\n{} {}\n-1.0\n", film.width(), film.height())?;
+    for value in film.rows().rev().flatten().flatten() {
+        sink.write_all(&value.to_le_bytes())?;
+    }
+    Ok(())
+}
+
+/// Whether a file that starts so is one that [`read`] reads.
+pub(super) fn is_netpbm(start: &[u8]) -> bool {
+    matches!(start, [b'P', b'5' | b'6' | b'f' | b'F', after, ..] if after.is_ascii_whitespace())
+}
+
+/// Reads a binary PGM or PPM (as 0 to 1) or a PFM (as it is) from a file of `length` bytes.
+pub(super) fn read(source: &mut impl BufRead, length: u64) -> Result<Film> {
+    let mut header = Header { source, taken: 0 };
+    let layout = Layout::read(&mut header)?;
+    let count = checked_pixel_count(layout.width, layout.height)?;
+    let (needed, left) = (layout.bytes(), length.saturating_sub(header.taken));
+    if needed > left {
+        let (width, height) = (layout.width, layout.height);
+        let message =
+            format!("an image of {width} x {height} pixels needs {needed} bytes after its header");
+        return Err(syntax(message).value(left).remedy("the file may have been cut short"));
+    }
+    let mut pixels = reserve(count)?;
+    let mut row = vec![0; layout.row_bytes()];
+    for _ in 0..layout.height {
+        source.read_exact(&mut row).map_err(read_error)?;
+        pixels.extend(row.chunks_exact(layout.pixel_bytes()).map(|bytes| layout.pixel(bytes)));
+    }
+    let mut film = Film::from_pixels(layout.width, layout.height, pixels)?;
+    if layout.bottom_first() {
+        turn_upside_down(&mut film);
+    }
+    Ok(film)
+}
+
+fn turn_upside_down(film: &mut Film) {
+    let (width, height) = (film.width() as usize, film.height() as usize);
+    let (upper, lower) = film.pixels_mut().split_at_mut(height / 2 * width);
+    let below = lower.chunks_exact_mut(width).rev();
+    upper.chunks_exact_mut(width).zip(below).for_each(|(a, b)| a.swap_with_slice(b));
+}
+
+/// How the numbers of a file are laid out.
+struct Layout {
+    width: u32,
+    height: u32,
+    channels: usize,
+    sample: Sample,
+}
+
+/// How one number is stored.
+enum Sample {
+    /// An integer of one byte, or of two in big-endian order, whose value for white this is.
+    Integer(u16),
+    /// A little-endian float.
+    Little,
+    /// A big-endian float.
+    Big,
+}
+
+impl Layout {
+    fn read(header: &mut Header<'_, impl BufRead>) -> Result<Self> {
+        let magic = header.word()?;
+        let channels = if matches!(magic.as_str(), "P6" | "PF") { 3 } else { 1 };
+        let (width, height) = (header.number("width")?, header.number("height")?);
+        let last = header.word()?;
+        let sample = match magic.as_str() {
+            "P5" | "P6" => white_value(&last)?,
+            "Pf" | "PF" => byte_order(&last)?,
+            _ => return Err(syntax("not a binary PGM, PPM or PFM image").value(magic)),
+        };
+        Ok(Self { width, height, channels, sample })
+    }
+
+    fn bottom_first(&self) -> bool {
+        !matches!(self.sample, Sample::Integer(_))
+    }
+
+    fn sample_bytes(&self) -> usize {
+        match self.sample {
+            Sample::Integer(..=255) => 1,
+            Sample::Integer(_) => 2,
+            Sample::Little | Sample::Big => 4,
+        }
+    }
+
+    fn pixel_bytes(&self) -> usize {
+        self.channels * self.sample_bytes()
+    }
+
+    fn row_bytes(&self) -> usize {
+        self.width as usize * self.pixel_bytes()
+    }
+
+    fn bytes(&self) -> u64 {
+        u64::from(self.width) * u64::from(self.height) * self.pixel_bytes() as u64
+    }
+
+    fn pixel(&self, bytes: &[u8]) -> [f32; 3] {
+        let mut values = bytes.chunks_exact(self.sample_bytes()).map(|b| self.sample.value(b));
+        let first = values.next().unwrap_or(0.0);
+        [first, values.next().unwrap_or(first), values.next().unwrap_or(first)]
+    }
+}
+
+impl Sample {
+    fn value(&self, bytes: &[u8]) -> f32 {
+        match (self, bytes) {
+            (Self::Integer(white), &[a]) => fraction(u16::from(a), *white),
+            (Self::Integer(white), &[a, b]) => fraction(u16::from_be_bytes([a, b]), *white),
+            (Self::Little, &[a, b, c, d]) => f32::from_le_bytes([a, b, c, d]),
+            (Self::Big, &[a, b, c, d]) => f32::from_be_bytes([a, b, c, d]),
+            _ => 0.0,
+        }
+    }
+}
+
+fn fraction(value: u16, white: u16) -> f32 {
+    f32::from(value.min(white)) / f32::from(white)
+}
+
+fn white_value(word: &str) -> Result<Sample> {
+    match word.parse() {
+        Ok(white) if white > 0 => Ok(Sample::Integer(white)),
+        _ => Err(syntax("the value of white must be a whole number from 1 to 65535").value(word)),
+    }
+}
+
+fn byte_order(word: &str) -> Result<Sample> {
+    match word.parse::<f32>() {
+        Ok(scale) if scale < 0.0 => Ok(Sample::Little),
+        Ok(scale) if scale > 0.0 => Ok(Sample::Big),
+        _ => Err(syntax("the scale of a PFM image must be a number other than 0").value(word)),
+    }
+}
+
+/// Reads the words of a header and counts its bytes.
+struct Header<'a, R> {
+    source: &'a mut R,
+    taken: u64,
+}
+
+impl<R: BufRead> Header<'_, R> {
+    /// The next word, and with it the one white space that ends it: after the last word the
+    /// numbers follow at once. A `#` before a word starts a comment.
+    fn word(&mut self) -> Result<String> {
+        let mut word = String::new();
+        loop {
+            match self.byte()? {
+                b'#' if word.is_empty() => while self.byte()? != b'\n' {},
+                space if space.is_ascii_whitespace() && word.is_empty() => {}
+                space if space.is_ascii_whitespace() => return Ok(word),
+                other => word.push(char::from(other)),
+            }
+            if word.len() > LONGEST_WORD {
+                return Err(syntax("a word of the image's header is too long").value(word));
+            }
+        }
+    }
+
+    fn number(&mut self, name: &str) -> Result<u32> {
+        let word = self.word()?;
+        word.parse()
+            .map_err(|_| syntax(format!("the {name} of an image must be a number")).value(word))
+    }
+
+    fn byte(&mut self) -> Result<u8> {
+        let mut byte = [0];
+        self.source.read_exact(&mut byte).map_err(read_error)?;
+        self.taken += 1;
+        Ok(byte[0])
+    }
+}
+
+fn syntax(message: impl Into<String>) -> Error {
+    Error::new(ErrorKind::Syntax, message)
+}
+
+fn read_error(error: std::io::Error) -> Error {
+    if error.kind() == std::io::ErrorKind::UnexpectedEof {
+        return syntax("the image ends too early").remedy("the file may have been cut short");
+    }
+    Error::new(ErrorKind::Io, format!("cannot read the image: {error}")).because(error)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parse(bytes: &[u8]) -> Result<Film> {
+        read(&mut { bytes }, bytes.len() as u64)
+    }
+
+    fn film() -> Film {
+        let pixel = |i: u8| [f32::from(i) / 255.0, 0.2, 0.4];
+        Film::from_pixels(2, 3, (0..6).map(pixel).collect()).unwrap()
+    }
+
+    #[test]
+    fn a_ppm_is_a_header_and_bytes_from_the_top() {
+        let mut bytes = Vec::new();
+        write_ppm(&mut bytes, &film(), Transfer::Linear, &[]).unwrap();
+        assert_eq!(bytes[..11], *b"P6\n2 3\n255\n");
+        assert_eq!(
+            bytes[11..],
+            [0, 51, 102, 1, 51, 102, 2, 51, 102, 3, 51, 102, 4, 51, 102, 5, 51, 102]
+        );
+        assert!(is_netpbm(&bytes));
+        assert!(parse(&bytes).unwrap().same_bits(&film()));
+    }
+
+    #[test]
+    fn a_pfm_is_little_endian_from_the_bottom() {
+        let mut bytes = Vec::new();
+        write_pfm(&mut bytes, &film()).unwrap();
+        assert_eq!(bytes[..12], *b"PF\n2 3\n-1.0\n");
+        assert_eq!(bytes[12..16], (4.0f32 / 255.0).to_le_bytes());
+        assert_eq!(bytes.len(), 12 + 6 * 12);
+        assert!(parse(&bytes).unwrap().same_bits(&film()));
+    }
+
+    #[test]
+    fn a_grey_big_endian_pfm_is_read() {
+        let mut bytes = b"Pf\n1 2\n1.0\n".to_vec();
+        bytes.extend(0.25f32.to_be_bytes());
+        bytes.extend(7.5f32.to_be_bytes());
+        assert_eq!(parse(&bytes).unwrap().pixels(), [[7.5; 3], [0.25; 3]]);
+    }
+
+    #[test]
+    fn white_may_be_any_number_and_comments_are_passed_over() {
+        let grey = parse(b"P5 # a comment\n#another\n 3\t1 15\n\x00\x03\xff").unwrap();
+        assert_eq!(grey.pixels(), [[0.0; 3], [0.2; 3], [1.0; 3]]);
+        let wide = parse(b"P6\n1 1\n65535\n\x00\x00\xff\xff\x33\x33").unwrap();
+        assert_eq!(wide.pixels(), [[0.0, 1.0, 0.2]]);
+    }
+
+    #[test]
+    fn pixels_may_look_like_white_space_or_a_comment() {
+        let film = parse(b"P5\n3 1\n255\n\n# ").unwrap();
+        assert_eq!(film.pixels()[1], [f32::from(b'#') / 255.0; 3]);
+    }
+
+    #[test]
+    fn bad_files_have_their_messages() {
+        let cases: [(&[u8], &str); 9] = [
+            (b"", "the image ends too early; the file may have been cut short"),
+            (b"P6\n2 2", "the image ends too early; the file may have been cut short"),
+            (b"P9\n2 2\n255\n", "not a binary PGM, PPM or PFM image, found P9"),
+            (b"P6\n-2 2\n255\n", "the width of an image must be a number, found -2"),
+            (b"P6\n2 2\n0\n", "the value of white must be a whole number from 1 to 65535, found 0"),
+            (
+                b"PF\n2 2\nnan\n",
+                "the scale of a PFM image must be a number other than 0, found nan",
+            ),
+            (
+                b"PF 99999 99999 -1 ",
+                "an image has too many pixels, found 99999 x 99999 = 9999800001; \
+                 at most 268435456 are allowed (such as 16384 x 16384)",
+            ),
+            (
+                b"PF\n2 2\n-1\n1234",
+                "an image of 2 x 2 pixels needs 48 bytes after its header, found 4; \
+                 the file may have been cut short",
+            ),
+            (
+                b"P6 0000000000000000000000000000000000000000001 1 255\n123",
+                "a word of the image's header is too long, found 000000000000000000000000000000000",
+            ),
+        ];
+        for (bytes, text) in cases {
+            assert_eq!(parse(bytes).unwrap_err().to_string(), text);
+        }
+    }
+}

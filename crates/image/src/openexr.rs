@@ -1,0 +1,160 @@
+//! OpenEXR: colours, further channels and attributes, as 32-bit values in one part.
+//!
+//! The crate `exr` writes it. It keeps attributes that are not its own in a table without order, so that they are
+//! put in the order of their names afterwards: the bytes of a file follow from what is in it alone.
+
+use std::io::Cursor;
+
+use exr::prelude::{
+    AnyChannel, AnyChannels, AttributeValue, Encoding, FlatSamples, Image, Layer, LayerAttributes,
+    SmallVec, Text, WritableImage as _,
+};
+use image::error::{EncodingError, ImageFormatHint};
+use image::{ImageError, ImageFormat};
+
+use super::metadata::{Channel, Entry, Extras, Values, full_name};
+use wavecrest_core::film::Film;
+
+/// The entry for which the format has a name of its own.
+const SOFTWARE: &str = "software";
+
+/// `film`, with what goes with it, as the bytes of a file.
+pub(super) fn encode(film: &Film, extras: &Extras<'_>) -> Result<Vec<u8>, ImageError> {
+    let size = (film.width() as usize, film.height() as usize);
+    let color = |i: usize| film.pixels().iter().map(|pixel| pixel[i]).collect();
+    let colors = [("R", 0), ("G", 1), ("B", 2)];
+    let colors = colors.map(|(name, i)| AnyChannel::new(name, FlatSamples::F32(color(i))));
+    let mut channels: SmallVec<[AnyChannel<FlatSamples>; 4]> = colors.into_iter().collect();
+    for channel in extras.channels {
+        if channel.values.len() != film.pixels().len() {
+            return Err(failed(format!("{} is of another size", channel.name)));
+        }
+        channels.push(with_samples(channel));
+    }
+    let attributes = attributes(extras.entries);
+    let layer = Layer::new(size, attributes, Encoding::default(), AnyChannels::sort(channels));
+    let mut bytes = Cursor::new(Vec::new());
+    Image::from_layer(layer).write().to_buffered(&mut bytes).map_err(failed)?;
+    let mut bytes = bytes.into_inner();
+    if !extras.entries.is_empty() {
+        sort_attributes(&mut bytes).ok_or_else(|| failed("its header is odd"))?;
+    }
+    Ok(bytes)
+}
+
+fn failed(cause: impl Into<Box<dyn std::error::Error + Send + Sync>>) -> ImageError {
+    ImageError::Encoding(EncodingError::new(ImageFormatHint::Exact(ImageFormat::OpenExr), cause))
+}
+
+fn with_samples(channel: &Channel) -> AnyChannel<FlatSamples> {
+    let samples = match &channel.values {
+        Values::Floats(values) => FlatSamples::F32(values.clone()),
+        Values::Integers(values) => FlatSamples::U32(values.clone()),
+    };
+    let mut channel = AnyChannel::new(text(&channel.name), samples);
+    channel.quantize_linearly = false;
+    channel
+}
+
+/// Text of the format, which is bytes: those of UTF-8.
+fn text(utf8: &str) -> Text {
+    let bytes: String = utf8.bytes().map(char::from).collect();
+    // Each is a letter of one byte, so that there is always a text.
+    Text::new_or_none(bytes).unwrap_or_default()
+}
+
+fn attributes(entries: &[Entry]) -> LayerAttributes {
+    let mut attributes = LayerAttributes::default();
+    for Entry { name, text: words } in entries {
+        if *name == SOFTWARE {
+            attributes.software_name = Some(text(words));
+        } else {
+            attributes.other.insert(text(&full_name(name)), AttributeValue::Text(text(words)));
+        }
+    }
+    attributes
+}
+
+/// Bytes before the first attribute: the mark of the format, and its version.
+const PREAMBLE: usize = 8;
+
+/// Puts the attributes of the header in the order of their names. `None` where there is no such header.
+fn sort_attributes(bytes: &mut [u8]) -> Option<()> {
+    let mut all = Vec::new();
+    let mut at = PREAMBLE;
+    while *bytes.get(at)? != 0 {
+        let end = end_of_attribute(bytes, at)?;
+        all.push(bytes.get(at..end)?.to_vec());
+        at = end;
+    }
+    // An attribute begins with its name.
+    all.sort();
+    bytes.get_mut(PREAMBLE..at)?.copy_from_slice(&all.concat());
+    Some(())
+}
+
+/// Where the attribute that begins at `at` ends: after its name, its type, its length and its value.
+fn end_of_attribute(bytes: &[u8], at: usize) -> Option<usize> {
+    let after_word = |at: usize| {
+        let length = bytes.get(at..)?.iter().position(|&byte| byte == 0)?;
+        Some(at + length + 1)
+    };
+    let length_at = after_word(after_word(at)?)?;
+    let length = bytes.get(length_at..)?.first_chunk::<4>()?;
+    let value_at = length_at + length.len();
+    value_at.checked_add(u32::from_le_bytes(*length) as usize)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use image::codecs::openexr::OpenExrEncoder;
+    use image::{ExtendedColorType, ImageEncoder};
+
+    fn film() -> Film {
+        let pixel = |i: u32| [i as f32 / 37.0, 1.5 - i as f32 / 10.0, f32::from_bits(i << 20)];
+        Film::from_pixels(97, 65, (0..97 * 65).map(pixel).collect()).unwrap()
+    }
+
+    #[test]
+    fn without_extras_the_bytes_are_those_of_the_crate_image() {
+        let film = film();
+        let mut bytes = Cursor::new(Vec::new());
+        let encoder = OpenExrEncoder::new(&mut bytes);
+        let pixels = bytemuck::cast_slice(film.pixels());
+        encoder.write_image(pixels, 97, 65, ExtendedColorType::Rgb32F).unwrap();
+        assert!(encode(&film, &Extras::default()).unwrap() == bytes.into_inner());
+    }
+
+    #[test]
+    fn the_bytes_follow_from_the_entries_and_not_from_chance() {
+        let names = ["software", "seed", "scene", "crop", "command", "samples", "precision"];
+        let entries = names.map(|name| Entry { name, text: format!("of {name}: \u{434}") });
+        let film = film();
+        let extras = Extras { entries: &entries, ..Extras::default() };
+        let first = encode(&film, &extras).unwrap();
+        for _ in 0..20 {
+            assert!(encode(&film, &extras).unwrap() == first);
+        }
+        let place = |text: &str| first.windows(text.len()).position(|w| w == text.as_bytes());
+        assert!(place("wavecrest.command") < place("wavecrest.crop"));
+        assert!(place("of seed: \u{434}").is_some() && place("software\0string\0").is_some());
+    }
+
+    #[test]
+    fn a_channel_of_another_size_is_refused() {
+        let channel = Channel { name: "a".into(), values: Values::Integers(vec![1; 3]) };
+        let extras = Extras { channels: &[channel], ..Extras::default() };
+        let told = encode(&film(), &extras).unwrap_err().to_string();
+        assert!(told.contains("a is of another size"), "{told}");
+    }
+
+    #[test]
+    fn a_header_that_is_cut_short_is_no_header() {
+        let mut whole = encode(&film(), &Extras::default()).unwrap();
+        whole.truncate(40);
+        for length in 0..whole.len() {
+            assert_eq!(sort_attributes(&mut whole[..length]), None);
+        }
+    }
+}

@@ -1,0 +1,425 @@
+//! Writing a film: as a PPM or a PNG with 8 bits a value, or as an EXR or a PFM that keeps every
+//! float.
+//!
+//! The file appears whole or not at all (see [`wavecrest_base::replace`]), and its bytes depend on the
+//! film and on what is said of it alone, not on the machine.
+
+use std::ffi::OsStr;
+use std::io::Write;
+use std::path::Path;
+
+use image::ImageError;
+
+use super::metadata::{Entry, Extras, full_name};
+use super::{netpbm, openexr};
+use wavecrest_base::error::{Error, ErrorKind, Result, did_you_mean};
+use wavecrest_base::replace::{Sink, check_replaceable, replace_file, write_error};
+use wavecrest_core::film::Film;
+pub use wavecrest_core::math::srgb::{srgb_decode, srgb_encode};
+
+wavecrest_base::choices! {
+    /// How a linear value from 0 to 1 becomes one of 256 levels. Float formats are always linear.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+    #[serde(rename_all = "lowercase")]
+    pub enum Transfer {
+        /// Level 255 times the value.
+        #[default]
+        Linear = "linear",
+        /// The sRGB curve first, which is what screens expect.
+        Srgb = "srgb",
+    }
+}
+
+/// The formats that can be written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Format {
+    /// Binary PPM (`P6`), 8 bits a value.
+    Ppm,
+    /// PNG, 8 bits a value.
+    Png,
+    /// OpenEXR, 32-bit floats.
+    Exr,
+    /// Portable float map, 32-bit floats.
+    Pfm,
+}
+
+impl Format {
+    /// Every format.
+    pub const ALL: [Self; 4] = [Self::Ppm, Self::Png, Self::Exr, Self::Pfm];
+
+    /// The extension of its files, in lower case.
+    pub fn extension(self) -> &'static str {
+        match self {
+            Self::Ppm => "ppm",
+            Self::Png => "png",
+            Self::Exr => "exr",
+            Self::Pfm => "pfm",
+        }
+    }
+
+    /// The format that the extension of `path` names, in capitals or not.
+    ///
+    /// # Errors
+    /// When there is no extension or when it names none of the four.
+    pub fn from_path(path: &Path) -> Result<Self> {
+        const FORMATS: &str = "use .ppm, .png, .exr or .pfm";
+        let usage = |message: &str| Error::new(ErrorKind::Usage, message).in_file(path);
+        if path == Path::new("-") {
+            return Err(usage("an image cannot be written to standard output")
+                .remedy("name a file that ends in .ppm, .png, .exr or .pfm"));
+        }
+        let Some(extension) = path.extension().map(OsStr::to_string_lossy) else {
+            return Err(usage("the name of an image must end in its format").remedy(FORMATS));
+        };
+        let lower = extension.to_lowercase();
+        Self::ALL.into_iter().find(|format| format.extension() == lower).ok_or_else(|| {
+            let error = usage("unknown image format").value(format!(".{extension}"));
+            match did_you_mean(&lower, Self::ALL.map(Self::extension)) {
+                Some(near) => error.remedy(format!("did you mean .{near}? {FORMATS}")),
+                None => error.remedy(FORMATS),
+            }
+        })
+    }
+
+    /// Whether it keeps floats as they are, so that [`Transfer`] plays no part.
+    pub fn is_float(self) -> bool {
+        matches!(self, Self::Exr | Self::Pfm)
+    }
+}
+
+/// Writes `film` at `path` in the format that the extension names. A file that is there already
+/// stays as it was until the new one is whole.
+///
+/// # Errors
+/// When the extension is unknown, and when the folder is missing or may not be written to, the
+/// disk is full, or `path` is a folder, a device or a read-only file.
+pub fn write(film: &Film, path: &Path, transfer: Transfer) -> Result<()> {
+    write_with(film, path, transfer, &Extras::default())
+}
+
+/// As [`write()`], with what the format has room for of the `extras`.
+///
+/// # Errors
+/// As [`write()`], and when a channel has not as many values as the film has pixels.
+pub fn write_with(film: &Film, path: &Path, transfer: Transfer, extras: &Extras<'_>) -> Result<()> {
+    let format = Format::from_path(path)?;
+    replace_file(path, |sink| {
+        encode(sink, film, format, transfer, extras).map_err(|error| encode_error(path, error))
+    })
+}
+
+/// `film` as the bytes of a PNG.
+///
+/// # Errors
+/// When the encoder has no memory for it.
+pub fn png(film: &Film, transfer: Transfer) -> Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    encode_png(&mut bytes, film, transfer, &[]).map_err(|e| encode_error("a PNG".as_ref(), e))?;
+    Ok(bytes)
+}
+
+fn encode_png(
+    sink: impl Write,
+    film: &Film,
+    transfer: Transfer,
+    entries: &[Entry],
+) -> std::result::Result<(), ImageError> {
+    let bytes: Vec<u8> = film.rows().flat_map(|row| row_to_bytes(row, transfer)).collect();
+    let mut encoder = png::Encoder::new(sink, film.width(), film.height());
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_compression(png::Compression::Fast);
+    encoder.set_filter(png::Filter::Adaptive);
+    for entry in entries {
+        add_text(&mut encoder, entry).map_err(png_error)?;
+    }
+    let mut writer = encoder.write_header().map_err(png_error)?;
+    writer.write_image_data(&bytes).map_err(png_error)?;
+    writer.finish().map_err(png_error)
+}
+
+/// Adds a text chunk; one in Unicode, which fewer programs show, only where it has to be.
+fn add_text(
+    encoder: &mut png::Encoder<'_, impl Write>,
+    Entry { name, text }: &Entry,
+) -> std::result::Result<(), png::EncodingError> {
+    // The format has a name of its own for the program.
+    let name = if *name == "software" { "Software".to_owned() } else { full_name(name) };
+    if text.is_ascii() {
+        encoder.add_text_chunk(name, text.clone())
+    } else {
+        encoder.add_itxt_chunk(name, text.clone())
+    }
+}
+
+fn png_error(error: png::EncodingError) -> ImageError {
+    match error {
+        png::EncodingError::IoError(io) => ImageError::IoError(io),
+        other => ImageError::IoError(other.into()),
+    }
+}
+
+/// Whether [`write()`] could write at `path` as things are now: to be asked before a long render.
+///
+/// # Errors
+/// As [`write()`], but for a disk that is full.
+pub fn check_writable(path: &Path) -> Result<()> {
+    Format::from_path(path)?;
+    check_replaceable(path)
+}
+
+fn encode(
+    sink: &mut Sink<'_>,
+    film: &Film,
+    format: Format,
+    transfer: Transfer,
+    extras: &Extras<'_>,
+) -> std::result::Result<(), ImageError> {
+    let comments = if extras.comments { extras.entries } else { &[] };
+    match format {
+        Format::Ppm => Ok(netpbm::write_ppm(sink, film, transfer, comments)?),
+        Format::Pfm => Ok(netpbm::write_pfm(sink, film)?),
+        Format::Png => encode_png(sink, film, transfer, extras.entries),
+        // To memory first: the encoder turns the system's errors, such as a full disk, into
+        // text. It is also spared from seeking in the file.
+        Format::Exr => Ok(sink.write_all(&openexr::encode(film, extras)?)?),
+    }
+}
+
+/// The system's own error where there is one: it tells what to do.
+fn encode_error(path: &Path, error: ImageError) -> Error {
+    match error {
+        ImageError::IoError(io) => write_error(path, io),
+        other => {
+            Error::new(ErrorKind::Io, format!("cannot write the image: {other}")).because(other)
+        }
+    }
+}
+
+/// A row of pixels as 8-bit values.
+pub(super) fn row_to_bytes(row: &[[f32; 3]], transfer: Transfer) -> Vec<u8> {
+    let level = match transfer {
+        Transfer::Linear => linear_level,
+        Transfer::Srgb => |value| linear_level(srgb_encode(value)),
+    };
+    row.as_flattened().iter().map(|&value| level(value)).collect()
+}
+
+/// The nearest of 256 levels; a value that is not a number is black.
+fn linear_level(value: f32) -> u8 {
+    // The conversion takes what is not a number to 0.
+    (value.clamp(0.0, 1.0) * 255.0).round() as u8
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::read::read;
+    use super::*;
+
+    fn film() -> Film {
+        let pixel = |i: u32| [i as f32 / 37.0, 1.5 - i as f32 / 10.0, f32::from_bits(i << 20)];
+        Film::from_pixels(7, 5, (0..35).map(pixel).collect()).unwrap()
+    }
+
+    fn eight_bit(film: &Film, transfer: Transfer) -> Vec<u8> {
+        film.rows().flat_map(|row| row_to_bytes(row, transfer)).collect()
+    }
+
+    fn written(name: &str, film: &Film, transfer: Transfer) -> Film {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join(name);
+        check_writable(&path).unwrap();
+        write(film, &path, transfer).unwrap();
+        read(&path).unwrap()
+    }
+
+    #[test]
+    fn float_formats_keep_every_bit_whatever_the_transfer() {
+        let mut film = film();
+        film.pixels_mut()[3] = [f32::INFINITY, f32::from_bits(0x7fc0_1234), -0.0];
+        for name in ["a.exr", "a.pfm", "a.PFM"] {
+            assert!(written(name, &film, Transfer::Srgb).same_bits(&film), "{name}");
+        }
+    }
+
+    #[test]
+    fn eight_bit_formats_keep_the_levels() {
+        for transfer in [Transfer::Linear, Transfer::Srgb] {
+            for name in ["a.ppm", "a.png"] {
+                let back = written(name, &film(), transfer);
+                assert_eq!((back.width(), back.height()), (7, 5));
+                let levels = eight_bit(&back, Transfer::Linear);
+                assert_eq!(levels, eight_bit(&film(), transfer), "{name}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_png_has_the_bytes_of_the_crate_image_where_nothing_is_said() {
+        use image::codecs::png::{CompressionType, FilterType, PngEncoder};
+        use image::{ExtendedColorType, ImageEncoder};
+        let (film, mut bytes) = (film(), Vec::new());
+        PngEncoder::new_with_quality(&mut bytes, CompressionType::Fast, FilterType::Adaptive)
+            .write_image(&eight_bit(&film, Transfer::Linear), 7, 5, ExtendedColorType::Rgb8)
+            .unwrap();
+        assert_eq!(png(&film, Transfer::Linear).unwrap(), bytes);
+    }
+
+    #[test]
+    fn what_is_said_of_an_image_changes_no_pixel() {
+        let folder = tempfile::tempdir().unwrap();
+        let entry = |name, text: &str| Entry { name, text: text.to_owned() };
+        let entries = [entry("software", "w 1"), entry("seed", "7"), entry("command", "ж\nb")];
+        let extras = Extras { entries: &entries, comments: true, channels: &[] };
+        for format in Format::ALL {
+            let path = folder.path().join(format!("a.{}", format.extension()));
+            write_with(&film(), &path, Transfer::Linear, &extras).unwrap();
+            let found = read(&path).unwrap();
+            write(&film(), &path, Transfer::Linear).unwrap();
+            assert!(found.same_bits(&read(&path).unwrap()), "{format:?}");
+        }
+    }
+
+    #[test]
+    fn one_pixel_is_image_enough() {
+        let film = Film::from_pixels(1, 1, vec![[1.0, 0.0, 0.2]]).unwrap();
+        for format in Format::ALL {
+            let back = written(&format!("a.{}", format.extension()), &film, Transfer::Linear);
+            assert!(back.same_bits(&film), "{format:?}");
+        }
+    }
+
+    #[test]
+    fn levels_round_and_clamp() {
+        let level = |value| row_to_bytes(&[[value; 3]], Transfer::Linear)[0];
+        let cases = [
+            (0.0, 0),
+            (1.0, 255),
+            (0.5, 128),
+            (1.4 / 255.0, 1),
+            (1.6 / 255.0, 2),
+            (-3.0, 0),
+            (7.0, 255),
+            (f32::INFINITY, 255),
+            (f32::NEG_INFINITY, 0),
+            (f32::NAN, 0),
+        ];
+        for (value, expected) in cases {
+            assert_eq!(level(value), expected, "{value}");
+        }
+    }
+
+    #[test]
+    fn the_srgb_curve_has_its_known_levels() {
+        let level = |value| row_to_bytes(&[[value; 3]], Transfer::Srgb)[0];
+        for (value, expected) in
+            [(0.0, 0), (0.001, 3), (0.2159, 128), (0.5, 188), (1.0, 255), (2.0, 255), (-1.0, 0)]
+        {
+            assert_eq!(level(value), expected, "{value}");
+        }
+        assert_eq!(level(f32::NAN), 0);
+        assert_eq!(srgb_encode(0.5).to_bits(), 0.735_356_9_f32.to_bits());
+    }
+
+    #[test]
+    fn the_srgb_curve_can_be_undone() {
+        for level in 0..=255 {
+            let encoded = level as f32 / 255.0;
+            assert!((srgb_encode(srgb_decode(encoded)) - encoded).abs() < 1e-6, "{level}");
+        }
+        // ((0.5 + 0.055) / 1.055)^2.4
+        assert!((srgb_decode(0.5) - 0.214_041_14).abs() < 1e-7);
+    }
+
+    #[test]
+    fn the_extension_names_the_format_in_either_case() {
+        for (name, format) in [
+            ("a.ppm", Format::Ppm),
+            ("b.c.PNG", Format::Png),
+            ("/x/a.Exr", Format::Exr),
+            ("a.pFm", Format::Pfm),
+        ] {
+            assert_eq!(Format::from_path(Path::new(name)).unwrap(), format);
+            assert_eq!(format.is_float(), matches!(format, Format::Exr | Format::Pfm));
+        }
+    }
+
+    #[test]
+    fn other_names_have_their_messages() {
+        let text = |name: &str| Format::from_path(Path::new(name)).unwrap_err().to_string();
+        assert_eq!(
+            text("out.pmp"),
+            "out.pmp: unknown image format, found .pmp; \
+             did you mean .ppm? use .ppm, .png, .exr or .pfm"
+        );
+        assert_eq!(
+            text("out.JPEG"),
+            "out.JPEG: unknown image format, found .JPEG; use .ppm, .png, .exr or .pfm"
+        );
+        assert_eq!(
+            text("out"),
+            "out: the name of an image must end in its format; use .ppm, .png, .exr or .pfm"
+        );
+        assert_eq!(
+            text("-"),
+            "-: an image cannot be written to standard output; \
+             name a file that ends in .ppm, .png, .exr or .pfm"
+        );
+        assert_eq!(Format::from_path(Path::new("a")).unwrap_err().kind(), ErrorKind::Usage);
+    }
+
+    #[test]
+    fn a_missing_folder_is_found_before_and_after_the_render() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("no").join("a.png");
+        let text = format!(
+            "{}: cannot write the file: there is no folder {}; \
+             create it first or name one that exists",
+            path.display(),
+            path.parent().unwrap().display()
+        );
+        assert_eq!(check_writable(&path).unwrap_err().to_string(), text);
+        assert_eq!(write(&film(), &path, Transfer::Linear).unwrap_err().to_string(), text);
+    }
+
+    #[test]
+    fn a_failed_write_leaves_the_old_image() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.ppm");
+        write(&film(), &path, Transfer::Linear).unwrap();
+        let old = std::fs::read(&path).unwrap();
+        let failed = replace_file(&path, |sink| {
+            let film = Film::new(64, 64).unwrap();
+            encode(sink, &film, Format::Exr, Transfer::Linear, &Extras::default()).unwrap();
+            let full = std::io::Error::from(std::io::ErrorKind::StorageFull);
+            Err(encode_error(&path, ImageError::IoError(full)))
+        });
+        assert_eq!(
+            failed.unwrap_err().to_string(),
+            format!(
+                "{}: cannot write the file: no storage space; \
+                 free some space or write to another disk",
+                path.display()
+            )
+        );
+        assert_eq!(std::fs::read(&path).unwrap(), old);
+    }
+
+    #[test]
+    #[cfg(target_os = "linux")]
+    fn a_full_disk_is_told_as_such_in_every_format() {
+        let device = std::fs::File::options().write(true).open("/dev/full").unwrap();
+        for format in Format::ALL {
+            let mut sink = std::io::BufWriter::new(&device);
+            let film = Film::new(64, 64).unwrap();
+            let extras = Extras::default();
+            let text = match encode(&mut sink, &film, format, Transfer::Linear, &extras) {
+                Err(error) => encode_error(Path::new("a"), error).to_string(),
+                // A small file may rest in the buffer until the flush.
+                Ok(()) => write_error(Path::new("a"), sink.flush().unwrap_err()).to_string(),
+            };
+            assert!(text.ends_with("; free some space or write to another disk"), "{text}");
+            let _ = sink.into_parts();
+        }
+    }
+}

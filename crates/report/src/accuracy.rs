@@ -1,0 +1,112 @@
+//! What accuracy costs in time: a sweep over all that moves the error of a picture, and over all that must
+//! not, with a report that can be published.
+//!
+//! [`setting`] says what is varied; [`sweep`] renders it, many seeds in random order, and writes each
+//! record to a [`store`] as it comes; errors are measured against a [reference](mod@reference) whose own error is
+//! known; [`neutral`] tries what must change nothing. [`findings`] sums the records up with intervals
+//! ([`fit`]), and [`page`] shows them.
+
+pub mod crops;
+pub mod findings;
+pub mod fit;
+pub mod neutral;
+pub mod page;
+pub mod pilot;
+pub mod prices;
+pub mod reference;
+pub mod setting;
+pub mod store;
+pub mod subject;
+pub mod sweep;
+
+use std::io::Write as _;
+use std::path::Path;
+use std::process::Command;
+
+use serde::Serialize;
+
+use findings::SceneFindings;
+use store::{Circumstances, Header, Record, Store};
+use sweep::Options;
+
+use crate::bench::Machine;
+use wavecrest_base::error::{Error, Result};
+use wavecrest_base::replace::{replace_file, write_error};
+
+/// All that was found: `accuracy.json`.
+#[derive(Clone, Debug, Serialize)]
+pub struct Findings {
+    /// The sweep.
+    #[serde(flatten)]
+    pub header: Header,
+    /// Renders of each setting.
+    pub seeds: u32,
+    /// Under which circumstances: an entry for each time that the sweep was taken up.
+    pub circumstances: Vec<Circumstances>,
+    /// Each scene: see [`findings`].
+    pub scenes: Vec<SceneFindings>,
+}
+
+impl Header {
+    /// Of a sweep by this program.
+    pub fn new(options: &Options) -> Self {
+        let &Options { longest, most, least, .. } = options;
+        Self { version: env!("CARGO_PKG_VERSION").to_owned(), longest, most, least }
+    }
+}
+
+impl Circumstances {
+    /// Those of this process.
+    pub fn here() -> Self {
+        let machine = serde_json::to_value(Machine::this()).unwrap_or_default();
+        Self { command: std::env::args().collect(), commit: commit(), machine }
+    }
+}
+
+impl Findings {
+    /// Sums up what `store` has of the `swept` scenes.
+    pub fn new(options: &Options, store: &Store, swept: &[sweep::Swept]) -> Self {
+        let circumstances = store.records.iter().filter_map(|record| match record {
+            Record::Circumstances(circumstances) => Some(circumstances.clone()),
+            _ => None,
+        });
+        Self {
+            header: Header::new(options),
+            seeds: options.seeds,
+            circumstances: circumstances.collect(),
+            scenes: swept.iter().filter_map(|s| SceneFindings::of(s, &store.records)).collect(),
+        }
+    }
+}
+
+impl Findings {
+    /// Writes them as `accuracy.json` into `folder`.
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub fn write(&self, folder: &Path) -> Result<()> {
+        let path = folder.join("accuracy.json");
+        let json = serde_json::to_string_pretty(self)
+            .map_err(|e| Error::io("cannot write JSON", path.as_path(), e.into()))?;
+        replace_file(&path, |sink| {
+            sink.write_all((json + "\n").as_bytes()).map_err(|e| write_error(&path, e))
+        })
+    }
+}
+
+/// The commit of the checkout that this program lies in, with a `+` where files of it are changed; `None`
+/// where it lies in none, or there is no git to ask.
+fn commit() -> Option<String> {
+    let program = std::env::current_exe().ok()?;
+    let folder = program.parent()?;
+    let head = git(folder, &["rev-parse", "HEAD"])?;
+    let changed = git(folder, &["status", "--porcelain", "--untracked-files=no"])?;
+    Some(if changed.is_empty() { head } else { head + "+" })
+}
+
+/// What git says in `folder`.
+fn git(folder: &Path, arguments: &[&str]) -> Option<String> {
+    let output = Command::new("git").arg("-C").arg(folder).args(arguments).output().ok()?;
+    let text = String::from_utf8(output.stdout).ok()?;
+    output.status.success().then(|| text.trim().to_owned())
+}

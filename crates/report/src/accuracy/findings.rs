@@ -1,0 +1,249 @@
+//! What a sweep found: its records summed up, in the form in which they are kept as JSON and shown.
+//!
+//! | key of a scene | unit | meaning |
+//! |---|---|---|
+//! | `scene`, `file`, `fingerprint`, `size`, `primitives` | | what was rendered, and at how many pixels |
+//! | `references` | | what errors are against: samples of each kind in a pixel, renders, standard error (root mean square), seconds |
+//! | `families` | | what was varied: `name`, `title`, what is `counted`, the `target`, and `series`: |
+//! | `.slope` | | power with which the mean squared error falls with what is counted, from [`SLOPE_FROM`] on, with its interval; `null` where too few points are believed |
+//! | `.points[].x`, `.label`, `.key` | | what is counted, and the setting |
+//! | `.points[].seconds` | seconds | from the first ray to the last: median with its interval |
+//! | `.points[].rmse` | | root of the mean of the squared errors of all seeds, with its interval |
+//! | `.points[].mse`, `.relative_mse`, `.psnr`, `.flip`, `.bias` | | means over seeds; see [`wavecrest_image::compare`] |
+//! | `.points[].rays` | rays | of every kind, mean over seeds |
+//! | `.points[].believed` | | whether the error is at least three standard errors of the reference |
+//! | `.points[].front` | | whether no other believed point of the family is both quicker and nearer |
+//! | `stages` | seconds | by precision: loading, building, and each pass at the scene's own samples, summed over threads: medians |
+//! | `neutral` | | what must not change the picture: the error's change, and whether the bits are equal |
+//! | `trials` | | by precision: rays at edges and how many leak, rays that leave and how many hit themselves, nanoseconds a ray |
+
+use serde::Serialize;
+
+use super::fit::{self, Interval};
+use super::setting::{Family, Line, Target};
+use super::store::{NeutralRecord, PointRecord, Record, ReferenceRecord, SceneRecord, TrialRecord};
+use super::subject::Stages;
+use super::sweep::Swept;
+use crate::summary::{MedianInterval, median};
+use wavecrest_image::compare::psnr;
+
+/// Slopes are of points from this many on: with one or two points nothing is stratified yet.
+pub const SLOPE_FROM: f64 = 4.0;
+
+/// See the module documentation.
+#[derive(Clone, Debug, Serialize)]
+#[allow(missing_docs, reason = "the table above says it once, for the JSON and for the fields")]
+pub struct SceneFindings {
+    #[serde(flatten)]
+    pub scene: SceneRecord,
+    pub references: Vec<ReferenceRecord>,
+    pub families: Vec<FamilyFindings>,
+    pub stages: Vec<StageFindings>,
+    pub neutral: Vec<NeutralRecord>,
+    pub trials: Vec<TrialRecord>,
+}
+
+/// What was varied.
+#[derive(Clone, Debug, Serialize)]
+#[allow(missing_docs, reason = "see the module documentation")]
+pub struct FamilyFindings {
+    pub name: &'static str,
+    pub title: &'static str,
+    pub counted: &'static str,
+    pub target: Target,
+    pub series: Vec<SeriesFindings>,
+}
+
+/// Settings in the order of what is counted.
+#[derive(Clone, Debug, Serialize)]
+#[allow(missing_docs, reason = "see the module documentation")]
+pub struct SeriesFindings {
+    pub name: String,
+    pub slope: Option<Interval>,
+    pub points: Vec<PointFindings>,
+}
+
+/// A setting.
+#[derive(Clone, Debug, Serialize)]
+#[allow(missing_docs, reason = "see the module documentation")]
+pub struct PointFindings {
+    pub x: f64,
+    pub label: String,
+    pub key: String,
+    pub seconds: MedianInterval,
+    pub rmse: Interval,
+    pub mse: f64,
+    pub relative_mse: f64,
+    pub psnr: Option<f64>,
+    pub flip: f64,
+    pub bias: f64,
+    pub rays: f64,
+    pub believed: bool,
+    pub front: bool,
+    /// The squared error of each seed.
+    #[serde(skip)]
+    pub each: Vec<f64>,
+}
+
+/// Where the time of a render goes.
+#[derive(Clone, Debug, Serialize)]
+#[allow(missing_docs, reason = "see the module documentation")]
+pub struct StageFindings {
+    pub precision: String,
+    #[serde(flatten)]
+    pub before: Stages,
+    pub passes: Vec<(String, f64)>,
+}
+
+impl SceneFindings {
+    /// Sums up what `records` say of `swept`.
+    pub fn of(swept: &Swept, records: &[Record]) -> Option<Self> {
+        let name = swept.subject.name();
+        let scene = records.iter().find_map(|record| match record {
+            Record::Scene(scene) if scene.scene == name => Some(scene.clone()),
+            _ => None,
+        })?;
+        let mut found = Self {
+            scene,
+            references: Vec::new(),
+            families: Vec::new(),
+            stages: Vec::new(),
+            neutral: Vec::new(),
+            trials: Vec::new(),
+        };
+        for record in records {
+            match record {
+                Record::Reference(r) if r.scene == name => found.references.push(r.clone()),
+                Record::Neutral(n) if n.scene == name => found.neutral.push(n.clone()),
+                Record::Trial(t) if t.scene == name => found.trials.push(t.clone()),
+                _ => {}
+            }
+        }
+        found.families = swept.families.iter().map(|f| found.family(f, &name, records)).collect();
+        found.stages = stages(swept, &name, records);
+        Some(found)
+    }
+
+    /// The standard error of the reference of `target`.
+    pub fn standard_error(&self, target: Target) -> f64 {
+        let of = self.references.iter().find(|reference| reference.target == target);
+        of.map_or(0.0, |reference| reference.standard_error)
+    }
+
+    fn family(&self, family: &Family, scene: &str, records: &[Record]) -> FamilyFindings {
+        let floor = super::reference::FLOOR * self.standard_error(family.target);
+        let line = |line: &Line| {
+            let points = line.points.iter().filter_map(|(x, label, setting)| {
+                let records = of_setting(scene, family.target, &setting.key(), records);
+                PointFindings::of((*x, label, &setting.key()), &records, floor)
+            });
+            SeriesFindings { name: line.name.clone(), slope: None, points: points.collect() }
+        };
+        let mut series: Vec<SeriesFindings> = family.series.iter().map(line).collect();
+        for line in series.iter_mut().filter(|_| family.has_slope) {
+            line.slope = line.fit();
+        }
+        mark_front(&mut series);
+        let Family { name, title, counted, target, .. } = *family;
+        FamilyFindings { name, title, counted, target, series }
+    }
+}
+
+/// The renders of a setting.
+fn of_setting<'a>(
+    scene: &str,
+    target: Target,
+    key: &str,
+    records: &'a [Record],
+) -> Vec<&'a PointRecord> {
+    let is_it = |p: &PointRecord| p.scene == scene && p.target == target && p.key == key;
+    records
+        .iter()
+        .filter_map(|record| match record {
+            Record::Point(point) if is_it(point) => Some(point),
+            _ => None,
+        })
+        .collect()
+}
+
+impl SeriesFindings {
+    fn fit(&self) -> Option<Interval> {
+        let counts = |p: &&PointFindings| p.believed && p.x >= SLOPE_FROM;
+        let points: Vec<_> =
+            self.points.iter().filter(counts).map(|p| (p.x, p.each.clone())).collect();
+        fit::slope(&points)
+    }
+}
+
+impl PointFindings {
+    fn of(
+        (x, label, key): (f64, &str, &str),
+        records: &[&PointRecord],
+        floor: f64,
+    ) -> Option<Self> {
+        let all =
+            |of: fn(&PointRecord) -> f64| -> Vec<f64> { records.iter().map(|r| of(r)).collect() };
+        let mean = |of: fn(&PointRecord) -> f64| all(of).iter().sum::<f64>() / records.len() as f64;
+        let each = all(|r| r.error.mse);
+        let seconds = MedianInterval::of(&all(|r| r.seconds))?;
+        let rmse = fit::rmse(&each);
+        let mse = mean(|r| r.error.mse);
+        Some(Self {
+            x,
+            label: label.to_owned(),
+            key: key.to_owned(),
+            seconds,
+            rmse,
+            mse,
+            relative_mse: mean(|r| r.error.relative_mse),
+            psnr: (mse > 0.0).then(|| psnr(mse)),
+            flip: mean(|r| r.error.flip),
+            bias: mean(|r| r.error.bias),
+            rays: mean(|r| r.rays as f64),
+            believed: rmse.value >= floor,
+            front: false,
+            each,
+        })
+    }
+}
+
+fn mark_front(series: &mut [SeriesFindings]) {
+    let mut points: Vec<&mut PointFindings> =
+        series.iter_mut().flat_map(|line| &mut line.points).filter(|p| p.believed).collect();
+    let places: Vec<(f64, f64)> = points.iter().map(|p| (p.seconds.median, p.rmse.value)).collect();
+    for (point, front) in points.iter_mut().zip(fit::front(&places)) {
+        point.front = front;
+    }
+}
+
+fn stages(swept: &Swept, scene: &str, records: &[Record]) -> Vec<StageFindings> {
+    let Some(family) = swept.families.iter().find(|family| family.name == "precision") else {
+        return Vec::new();
+    };
+    let of = |setting: &super::setting::Setting| {
+        let structure = super::setting::Setting { samples: Default::default(), ..*setting };
+        let before: Vec<Stages> = records
+            .iter()
+            .filter_map(|record| match record {
+                Record::Prepared(p) if p.scene == scene && p.key == structure.key() => Some(p.time),
+                _ => None,
+            })
+            .collect();
+        let renders = of_setting(scene, family.target, &setting.key(), records);
+        let first = renders.first()?;
+        let pass = |index: usize| {
+            let each: Vec<f64> =
+                renders.iter().filter_map(|r| r.passes.get(index).map(|p| p.1)).collect();
+            median(&each)
+        };
+        let passes = first.passes.iter().enumerate().map(|(i, p)| (p.0.clone(), pass(i))).collect();
+        let each = |of: fn(&Stages) -> f64| median(&before.iter().map(of).collect::<Vec<_>>());
+        Some(StageFindings {
+            precision: setting.structure.precision.name().to_owned(),
+            before: Stages { load: each(|s| s.load), build: each(|s| s.build) },
+            passes,
+        })
+    };
+    let points = family.series.iter().flat_map(|line| &line.points);
+    points.filter_map(|(.., setting)| of(setting)).collect()
+}

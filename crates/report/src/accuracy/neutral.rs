@@ -1,0 +1,137 @@
+//! What must not change a picture: how the tree is built, who traces, in which batches, with which kernel
+//! and instructions, on how many threads. Each is tried, and the error's change is to be exactly 0.
+
+use super::reference::Reference;
+use super::setting::{Setting, Structure};
+use super::store::{NeutralRecord, Record, Store};
+use super::subject::Subject;
+use super::sweep::Progress;
+use wavecrest_base::error::{Error, ErrorKind, Result};
+use wavecrest_core::accel::KernelChoice;
+use wavecrest_core::accel::build::Preset;
+use wavecrest_core::math::simd::Level;
+use wavecrest_core::prepared::PreparedScene;
+use wavecrest_core::render::{RenderOptions, Rendered, TracerKind, render};
+use wavecrest_core::wavefront::DEFAULT_BATCH;
+use wavecrest_image::compare::compare;
+
+/// One try.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Knob {
+    Preset(Preset),
+    Tracer(TracerKind),
+    Batch(usize),
+    Kernel(KernelChoice),
+    Level(Level),
+    Threads(usize),
+}
+
+/// Brute force asks every primitive: it is tried where there are at most so many.
+const MOST_BRUTE: u64 = 1000;
+
+impl Knob {
+    /// All that a scene of so many primitives is tried with.
+    fn all(primitives: u64) -> Vec<Self> {
+        let presets =
+            Preset::ALL.into_iter().filter(|&p| p != Preset::Brute || primitives <= MOST_BRUTE);
+        let batches = [DEFAULT_BATCH / 8, DEFAULT_BATCH / 2 + 1, 4 * DEFAULT_BATCH];
+        let cores = std::thread::available_parallelism().map_or(1, usize::from);
+        let mut threads = vec![1, 2, 3, cores];
+        threads.sort_unstable();
+        threads.dedup();
+        let mut all: Vec<Self> = presets.map(Self::Preset).collect();
+        all.extend([TracerKind::Wavefront, TracerKind::Recursive].map(Self::Tracer));
+        all.extend(batches.map(Self::Batch));
+        all.extend(KernelChoice::ALL.map(Self::Kernel));
+        all.extend(Level::available().iter().copied().map(Self::Level));
+        all.extend(threads.into_iter().map(Self::Threads));
+        all
+    }
+
+    /// What it is called, and its value.
+    fn words(self) -> (&'static str, String) {
+        match self {
+            Self::Preset(preset) => ("BVH preset", preset.name().to_owned()),
+            Self::Tracer(TracerKind::Wavefront) => ("tracer", "wavefront".to_owned()),
+            Self::Tracer(TracerKind::Recursive) => ("tracer", "recursive".to_owned()),
+            Self::Batch(paths) => ("batch", paths.to_string()),
+            Self::Kernel(kernel) => ("kernel", kernel.name().to_owned()),
+            Self::Level(level) => ("instructions", level.name().to_owned()),
+            Self::Threads(threads) => ("threads", threads.to_string()),
+        }
+    }
+}
+
+/// Tries every knob on the scene as its file has it, unless it has been tried.
+///
+/// # Errors
+/// When the scene can no longer be rendered, or a record cannot be written.
+pub fn run(
+    subject: &mut Subject,
+    reference: Option<&Reference>,
+    store: &mut Store,
+    progress: &dyn Progress,
+) -> Result<()> {
+    let Some(reference) = reference else { return Ok(()) };
+    let name = subject.name();
+    let knobs = Knob::all(subject.primitives());
+    progress.stage(&format!("{name}: what must not matter"), knobs.len() as u64);
+    let usual = subject.render(&Setting::default(), &RenderOptions::default())?;
+    let usual_error = compare(&usual.film, &reference.film)?.rmse;
+    for knob in knobs {
+        let (what, value) = knob.words();
+        let is_known = |record: &Record| {
+            matches!(record, Record::Neutral(n)
+                if n.scene == name && n.knob == what && n.value == value)
+        };
+        if !store.records.iter().any(is_known) {
+            let rendered = turned(subject, knob)?;
+            let error = compare(&rendered.film, &reference.film)?.rmse;
+            store.add(Record::Neutral(NeutralRecord {
+                scene: name.clone(),
+                knob: what.to_owned(),
+                value,
+                seconds: rendered.seconds,
+                error_change: error - usual_error,
+                equal: rendered.film.same_bits(&usual.film),
+            }))?;
+        }
+        progress.step();
+    }
+    Ok(())
+}
+
+/// The scene rendered with one knob turned.
+fn turned(subject: &mut Subject, knob: Knob) -> Result<Rendered> {
+    let structure = Structure::default();
+    let mut options = RenderOptions::default();
+    if let Knob::Preset(preset) = knob {
+        return render(&subject.build(&structure, preset)?.scene, &options, &());
+    }
+    let prepared = subject.prepare(&structure)?;
+    prepared.scene.resample(&prepared.original, &Setting::default().samples);
+    let scene = &mut prepared.scene;
+    let (kernel, level) = (scene.accel.kernel, scene.accel.level);
+    match knob {
+        Knob::Tracer(tracer) => options.tracer = tracer,
+        Knob::Batch(batch) => options.batch = batch,
+        Knob::Kernel(kernel) => scene.accel.kernel = kernel,
+        Knob::Level(level) => {
+            if let Some(token) = level.token() {
+                scene.accel.level = token;
+            }
+        }
+        Knob::Threads(threads) => return on_threads(threads, scene, &options),
+        Knob::Preset(_) => {}
+    }
+    let rendered = render(scene, &options, &());
+    (scene.accel.kernel, scene.accel.level) = (kernel, level);
+    rendered
+}
+
+fn on_threads(threads: usize, scene: &PreparedScene, options: &RenderOptions) -> Result<Rendered> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(|e| {
+        Error::new(ErrorKind::Usage, format!("cannot start {threads} threads: {e}"))
+    })?;
+    pool.install(|| render(scene, options, &()))
+}

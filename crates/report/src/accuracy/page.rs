@@ -1,0 +1,178 @@
+//! The report: a page for people, beside charts as SVG, PNG, CSV and JSON of the same figures.
+
+mod charts;
+mod tables;
+
+use std::path::Path;
+
+use super::Findings;
+use super::crops::{Crop, equal_time};
+use super::findings::{FamilyFindings, SceneFindings};
+use super::prices::{folder, prices};
+use super::sweep::Swept;
+use crate::page::{Block, Compare, Details, Fact, Page, Picture, Section};
+use crate::plot::Chart;
+use wavecrest_base::error::{Error, Result};
+use wavecrest_base::replace::{replace_file, write_error};
+use wavecrest_core::film::Film;
+use wavecrest_image::write::{Transfer, png};
+
+/// The width of charts as PNG, in pixels.
+const CHART_WIDTH: u32 = 1200;
+
+/// Writes `findings` into the folder `results`: `report.html`, and each chart in four forms. What each effect
+/// costs is measured for it if `effects` are asked for.
+///
+/// # Errors
+/// When a file cannot be written, or a scene can no longer be rendered for its pictures.
+pub fn write(
+    findings: &Findings,
+    swept: &mut [Swept],
+    results: &Path,
+    effects: bool,
+) -> Result<()> {
+    let mut sections = vec![about(findings)];
+    for (scene, swept) in findings.scenes.iter().zip(swept) {
+        sections.push(section(scene, swept, results)?);
+    }
+    if effects {
+        let prices = prices(folder()?.path())?;
+        let json = serde_json::to_string_pretty(&prices)
+            .map_err(|e| Error::io("cannot write JSON", results, e.into()))?;
+        write_text(&results.join("effects.json"), &(json + "\n"))?;
+        sections.push(Section::new("What each effect costs", tables::prices(&prices)));
+    }
+    let page =
+        Page { title: "What accuracy costs in time".to_owned(), lead: lead(findings), sections };
+    write_text(&results.join("report.html"), &page.html()?)
+}
+
+fn write_text(path: &Path, text: &str) -> Result<()> {
+    use std::io::Write as _;
+    replace_file(path, |sink| sink.write_all(text.as_bytes()).map_err(|e| write_error(path, e)))
+}
+
+fn lead(findings: &Findings) -> String {
+    format!(
+        "Error against time for {}. Each setting was rendered {} times with random numbers of its \
+         own, all settings of a scene in random order; errors are against a reference in exact arithmetic, \
+         and no point within three standard errors of the reference is believed. Intervals hold the true \
+         value with 95 per cent.",
+        match findings.scenes.len() {
+            1 => "one scene".to_owned(),
+            n => format!("{n} scenes"),
+        },
+        findings.seeds
+    )
+}
+
+/// Who measured, with what, by which command.
+fn about(findings: &Findings) -> Section {
+    let mut blocks = Vec::new();
+    for circumstances in &findings.circumstances {
+        let of = |key: &str| match &circumstances.machine[key] {
+            serde_json::Value::Null => "not told".to_owned(),
+            serde_json::Value::String(text) => text.clone(),
+            other => other.to_string(),
+        };
+        blocks.push(Block::Facts(vec![
+            Fact::new("Processor", of("processor")),
+            Fact::new("Cores, threads", format!("{}, {}", of("cores"), of("threads"))),
+            Fact::new("System", of("os")),
+            Fact::new("wavecrest", findings.header.version.clone()),
+            Fact::new("Commit", circumstances.commit.clone().unwrap_or_else(|| "not told".into())),
+        ]));
+        blocks.push(Block::Code(command(&circumstances.command)));
+    }
+    Section::new("Machine and command", blocks)
+}
+
+/// The arguments as one would type them, the program by its name alone.
+fn command(arguments: &[String]) -> String {
+    let mut words = vec!["wavecrest".to_owned()];
+    for argument in arguments.iter().skip(1) {
+        let is_plain = argument.chars().all(|c| c.is_ascii_alphanumeric() || "-_./,=:".contains(c));
+        words.push(if is_plain { argument.clone() } else { format!("'{argument}'") });
+    }
+    words.join(" ")
+}
+
+fn section(scene: &SceneFindings, swept: &mut Swept, folder: &Path) -> Result<Section> {
+    let [width, height] = scene.scene.size;
+    let mut blocks = vec![Block::paragraph(format!(
+        "{width} x {height} pixels, {} primitives. {}",
+        scene.scene.primitives,
+        tables::references(scene)
+    ))];
+    for family in &scene.families {
+        blocks.push(Block::Heading(family.title.to_owned()));
+        for (name, chart) in charts::of(family, scene) {
+            write_chart(&chart, &folder.join(format!("{}-{name}", scene.scene.scene)))?;
+            blocks.push(Block::Chart(chart));
+        }
+        blocks.extend(tables::of(family));
+        blocks.extend(pictures(family, swept)?);
+    }
+    blocks.push(Block::Heading("Where the time goes".to_owned()));
+    blocks.push(Block::Bars(charts::stages(scene)));
+    blocks.push(Block::Heading("What precision costs, and what it saves".to_owned()));
+    blocks.extend(tables::precision(scene));
+    blocks.push(Block::Heading("What must not matter".to_owned()));
+    blocks.extend(tables::neutral(scene));
+    Ok(Section::new(scene.scene.scene.clone(), blocks))
+}
+
+/// A chart in four forms.
+fn write_chart(chart: &Chart, stem: &Path) -> Result<()> {
+    let with = |extension: &str| stem.with_extension(extension);
+    write_text(&with("svg"), &chart.svg()?)?;
+    write_text(&with("csv"), &chart.csv())?;
+    let json = serde_json::to_string_pretty(chart)
+        .map_err(|e| Error::io("cannot write JSON", stem, e.into()))?;
+    write_text(&with("json"), &(json + "\n"))?;
+    chart.png(&with("png"), CHART_WIDTH)
+}
+
+/// The samplers of a family in equal time.
+fn pictures(found: &FamilyFindings, swept: &mut Swept) -> Result<Vec<Block>> {
+    let Swept { subject, families, references } = swept;
+    let Some(family) = families.iter().find(|f| f.name == found.name && f.has_slope) else {
+        return Ok(Vec::new());
+    };
+    let Some(reference) = references.get(found.target.name()) else { return Ok(Vec::new()) };
+    let Some((cut, crops)) = equal_time(subject, family, found, reference)? else {
+        return Ok(Vec::new());
+    };
+    let mut row = vec![picture(&cut, "reference".to_owned())?];
+    let mut maps = Vec::new();
+    for crop in &crops {
+        row.push(picture(&crop.film, words(crop))?);
+        maps.push(picture(&crop.map, format!("{}: FLIP", crop.name))?);
+    }
+    let mut blocks = vec![
+        Block::paragraph(
+            "The same part of the picture in equal time, where the first sampler errs most; below, the \
+             difference that is seen (FLIP): black for none, bright for much.",
+        ),
+        Block::Pictures(row),
+        Block::Pictures(maps),
+    ];
+    if let [first, .., last] = crops.as_slice() {
+        blocks.push(Block::Compare(Compare {
+            left: picture(&first.whole, words(first))?,
+            right: picture(&last.whole, words(last))?,
+            caption: "The whole picture in equal time.".to_owned(),
+        }));
+    }
+    Ok(vec![Block::Details(Details { summary: "Pictures in equal time".to_owned(), blocks })])
+}
+
+fn words(crop: &Crop) -> String {
+    let point = &crop.point;
+    format!("{}, {} points, {:.1} ms", crop.name, point.label, point.seconds.median * 1e3)
+}
+
+fn picture(film: &Film, caption: String) -> Result<Picture> {
+    let alt = format!("Rendered picture: {caption}");
+    Ok(Picture { png: png(film, Transfer::Linear)?, alt, caption, pixels: true })
+}

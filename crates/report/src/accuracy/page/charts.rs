@@ -1,0 +1,113 @@
+//! Findings as charts.
+
+use crate::accuracy::findings::{FamilyFindings, PointFindings, SceneFindings, SeriesFindings};
+use crate::plot::{
+    Axis, Bar, Chart, Course, Draw, Guide, Point, Scale, Segment, Series, StackedBars,
+};
+
+/// The charts of a family, each with its name in files.
+pub(super) fn of(family: &FamilyFindings, scene: &SceneFindings) -> Vec<(String, Chart)> {
+    let name = family.name;
+    match name {
+        "precision" => Vec::new(),
+        "bounces" => vec![(name.to_owned(), bounces(family))],
+        _ => vec![
+            (format!("{name}-samples"), against_samples(family, scene)),
+            (format!("{name}-time"), against_time(family)),
+        ],
+    }
+}
+
+fn log(label: &str, unit: &str) -> Axis {
+    Axis { label: label.to_owned(), unit: unit.to_owned(), scale: Scale::Log }
+}
+
+fn point(p: &PointFindings, x: f64) -> Point {
+    let believed = if p.believed { "" } else { ", within the reference's own error" };
+    let label = format!("{} points, {:.3} ms{believed}", p.label, p.seconds.median * 1e3);
+    Point { x, y: p.rmse.value, low: Some(p.rmse.low), high: Some(p.rmse.high), label }
+}
+
+fn line(series: &SeriesFindings, x: fn(&PointFindings) -> f64) -> Series {
+    let points = series.points.iter().map(|p| point(p, x(p))).collect();
+    Series { name: series.name.clone(), draw: Draw::Line, points }
+}
+
+/// What the guides are.
+const SLOPES: &str = "Thin lines have the slopes of theory: \u{2212}1/2 for independent points, \u{2212}3/4 for jittered \
+                      ones across an edge, \u{2212}1 for these where the integrand is smooth. ";
+
+/// The error against what is counted, with the slopes that theory has for it.
+fn against_samples(family: &FamilyFindings, scene: &SceneFindings) -> Chart {
+    let mut guides = Vec::new();
+    let first = family.series.first().and_then(|line| line.points.first());
+    if let Some(first) = first.filter(|_| family.series.iter().any(|line| line.slope.is_some())) {
+        let through = [first.x, first.rmse.value];
+        for (name, slope) in [("\u{2212}1/2", -0.5), ("\u{2212}3/4", -0.75), ("\u{2212}1", -1.0)] {
+            guides.push(Guide { name: name.to_owned(), course: Course::Power { slope, through } });
+        }
+    }
+    let floor = crate::accuracy::reference::FLOOR * scene.standard_error(family.target);
+    if floor > 0.0 {
+        guides.push(Guide { name: "floor".to_owned(), course: Course::AtY(floor) });
+    }
+    let theory = if family.series.iter().any(|line| line.slope.is_some()) { SLOPES } else { "" };
+    Chart {
+        title: format!("{}: error against {}", scene.scene.scene, family.counted),
+        x: log(family.counted, ""),
+        y: log("RMSE", ""),
+        series: family.series.iter().map(|series| line(series, |p| p.x)).collect(),
+        guides,
+        caption: format!("{theory}Below the floor an error is not told from the reference's own."),
+    }
+}
+
+/// The error against time, and what nothing beats.
+fn against_time(family: &FamilyFindings) -> Chart {
+    let mut series: Vec<Series> =
+        family.series.iter().map(|series| line(series, |p| p.seconds.median)).collect();
+    let all = family.series.iter().flat_map(|series| &series.points);
+    let mut front: Vec<Point> =
+        all.filter(|p| p.front).map(|p| point(p, p.seconds.median)).collect();
+    front.sort_by(|a, b| a.x.total_cmp(&b.x));
+    series.push(Series { name: "Pareto front".to_owned(), draw: Draw::Front, points: front });
+    Chart {
+        title: format!("{}: error against time", family.title),
+        x: log("time", "s"),
+        y: log("RMSE", ""),
+        series,
+        guides: Vec::new(),
+        caption: "Median time of tracing, without loading and building. The Pareto front joins the settings \
+                  that no other beats in both."
+            .to_owned(),
+    }
+}
+
+fn bounces(family: &FamilyFindings) -> Chart {
+    Chart {
+        title: "Error against the number of mirror bounces".to_owned(),
+        x: Axis { label: family.counted.to_owned(), ..Axis::default() },
+        y: log("RMSE", ""),
+        series: family.series.iter().map(|series| line(series, |p| p.x)).collect(),
+        guides: Vec::new(),
+        caption: "At the scene's own samples: the last point is what these leave.".to_owned(),
+    }
+}
+
+/// Seconds by stage for each precision: before the first ray, and in each pass.
+pub(super) fn stages(scene: &SceneFindings) -> StackedBars {
+    let bar = |found: &crate::accuracy::findings::StageFindings| {
+        let segment = |name: &str, seconds: f64| Segment { stage: name.to_owned(), seconds };
+        let mut segments =
+            vec![segment("load", found.before.load), segment("build", found.before.build)];
+        segments.extend(found.passes.iter().map(|(name, seconds)| segment(name, *seconds)));
+        Bar { name: found.precision.clone(), segments }
+    };
+    StackedBars {
+        title: "Time by stage".to_owned(),
+        bars: scene.stages.iter().map(bar).collect(),
+        caption: "At the scene's own samples. Passes are summed over threads; loading and building are by the \
+                  clock."
+            .to_owned(),
+    }
+}

@@ -1,0 +1,296 @@
+//! Findings as tables.
+
+use crate::accuracy::findings::{FamilyFindings, PointFindings, SceneFindings, SeriesFindings};
+use crate::effects::{Cost, Price, PriceList};
+use crate::page::{Block, Cell, Column, Details, Table};
+
+/// Errors for which the time is told: so many, from the largest that all samplers reach to the smallest.
+const ERRORS: usize = 4;
+
+/// What errors of the scene are against, in a sentence.
+pub(super) fn references(scene: &SceneFindings) -> String {
+    let of = |r: &crate::accuracy::store::ReferenceRecord| {
+        format!(
+            "The reference for the {} has {} points of each kind in a pixel, in {} renders; its standard error is \
+             {:.2e}.",
+            r.target.name(),
+            r.samples,
+            r.replicates,
+            r.standard_error
+        )
+    };
+    scene.references.iter().map(of).collect::<Vec<_>>().join(" ")
+}
+
+/// A number with so many digits that count.
+fn digits(value: f64) -> Cell {
+    let text = match value.abs() {
+        0.0 => "0".to_owned(),
+        v if (1e-2..1e4).contains(&v) => format!("{value:.4}"),
+        _ => format!("{value:.3e}"),
+    };
+    Cell::number(value, text)
+}
+
+fn milliseconds(seconds: f64) -> Cell {
+    Cell::number(seconds, format!("{:.2}", seconds * 1e3))
+}
+
+/// The tables of a family.
+pub(super) fn of(family: &FamilyFindings) -> Vec<Block> {
+    let mut blocks = Vec::new();
+    blocks.extend(slopes(family).map(Block::Table));
+    blocks.extend(time_to_error(family).map(Block::Table));
+    let points = Block::Table(points(family));
+    blocks.push(if family.series.len() > 1 {
+        Block::Details(Details { summary: "Every setting".to_owned(), blocks: vec![points] })
+    } else {
+        points
+    });
+    blocks
+}
+
+fn slopes(family: &FamilyFindings) -> Option<Table> {
+    let row = |series: &SeriesFindings| {
+        let slope = series.slope?;
+        let half = |x: f64| format!("{:.3}", x / 2.0);
+        Some(vec![
+            Cell::text(series.name.clone()),
+            Cell::number(slope.value, format!("{:.3}", slope.value)),
+            Cell::text(format!("{:.3} to {:.3}", slope.low, slope.high)),
+            Cell::number(slope.value / 2.0, half(slope.value)),
+            Cell::text(format!("{} to {}", half(slope.low), half(slope.high))),
+        ])
+    };
+    let rows: Vec<_> = family.series.iter().filter_map(row).collect();
+    (!rows.is_empty()).then(|| Table {
+        caption: format!("How quickly the error falls: as a power of the {}", family.counted),
+        columns: vec![
+            Column::words("sampler"),
+            Column::numbers("slope of MSE"),
+            Column::numbers("interval"),
+            Column::numbers("slope of RMSE"),
+            Column::numbers("interval"),
+        ],
+        rows,
+    })
+}
+
+/// Times at which samplers reach some errors, between the settings that were measured.
+fn time_to_error(family: &FamilyFindings) -> Option<Table> {
+    let errors = common_errors(family)?;
+    let first = family.series.first()?;
+    let row = |series: &SeriesFindings| {
+        let mut cells = vec![Cell::text(series.name.clone())];
+        for &error in &errors {
+            let time = time_at(series, error);
+            let ratio = time.zip(time_at(first, error)).map(|(time, first)| first / time);
+            cells.push(match (time, ratio) {
+                (Some(time), Some(ratio)) => {
+                    Cell::number(time, format!("{:.2} ({ratio:.2} x)", time * 1e3))
+                }
+                (Some(time), None) => milliseconds(time),
+                _ => Cell::text("not reached"),
+            });
+        }
+        cells
+    };
+    let mut columns = vec![Column::words("sampler")];
+    columns.extend(errors.iter().map(|error| Column::numbers(format!("RMSE {error:.2e}"))));
+    Some(Table {
+        caption: format!(
+            "Milliseconds to reach an error, and how many times as fast as {} that is",
+            first.name
+        ),
+        columns,
+        rows: family.series.iter().map(row).collect(),
+    })
+}
+
+/// Errors that the first sampler reaches, in equal ratios.
+fn common_errors(family: &FamilyFindings) -> Option<Vec<f64>> {
+    let points = &family.series.first().filter(|series| series.slope.is_some())?.points;
+    let believed: Vec<f64> = points.iter().filter(|p| p.believed).map(|p| p.rmse.value).collect();
+    let (&most, &least) = (believed.first()?, believed.last()?);
+    if believed.len() < 3 || least >= most {
+        return None;
+    }
+    let ratio = libm::log(least / most) / ERRORS as f64;
+    Some((1..=ERRORS).map(|i| most * libm::exp(ratio * i as f64)).collect())
+}
+
+/// The time at which a sampler reaches `error`, by the line between the logarithms of two settings.
+fn time_at(series: &SeriesFindings, error: f64) -> Option<f64> {
+    let believed: Vec<&PointFindings> = series.points.iter().filter(|p| p.believed).collect();
+    believed.windows(2).find_map(|pair| {
+        let [a, b] = pair else { return None };
+        let (high, low) = (a.rmse.value, b.rmse.value);
+        // The least bit of rounding must not lose the ends.
+        let slack = 1.0 + f64::EPSILON * 8.0;
+        if !(low / slack..=high * slack).contains(&error) || low >= high {
+            return None;
+        }
+        let share = libm::log(high / error) / libm::log(high / low);
+        let (first, last) = (a.seconds.median, b.seconds.median);
+        Some(first * libm::exp(share * libm::log(last / first)))
+    })
+}
+
+fn points(family: &FamilyFindings) -> Table {
+    let columns = vec![
+        Column::words("setting"),
+        Column::numbers("time, ms"),
+        Column::numbers("RMSE"),
+        Column::numbers("interval"),
+        Column::numbers("relative MSE"),
+        Column::numbers("PSNR, dB"),
+        Column::numbers("FLIP"),
+        Column::numbers("bias"),
+        Column::words("believed"),
+        Column::words("front"),
+    ];
+    let mark = |yes: bool| Cell::text(if yes { "yes" } else { "no" });
+    let row = |series: &SeriesFindings, p: &PointFindings| {
+        let name = if family.series.len() > 1 {
+            format!("{} {}", series.name, p.label)
+        } else {
+            p.label.clone()
+        };
+        vec![
+            Cell::text(name),
+            milliseconds(p.seconds.median),
+            digits(p.rmse.value),
+            Cell::text(format!("{:.2e} to {:.2e}", p.rmse.low, p.rmse.high)),
+            digits(p.relative_mse),
+            p.psnr.map_or(Cell::text("none differs"), |v| Cell::number(v, format!("{v:.2}"))),
+            digits(p.flip),
+            digits(p.bias),
+            mark(p.believed),
+            mark(p.front),
+        ]
+    };
+    let rows = family.series.iter().flat_map(|s| s.points.iter().map(move |p| row(s, p))).collect();
+    Table { caption: String::new(), columns, rows }
+}
+
+/// Time and error of each precision, and what its rays do at edges and on faces.
+pub(super) fn precision(scene: &SceneFindings) -> Vec<Block> {
+    let family = scene.families.iter().find(|family| family.name == "precision");
+    let Some(points) = family.and_then(|f| f.series.first()).map(|series| &series.points) else {
+        return Vec::new();
+    };
+    let fast = points.first().map_or(1.0, |p| p.seconds.median);
+    let share =
+        |[tried, failed]: [u64; 2]| Cell::number(failed as f64, format!("{failed} of {tried}"));
+    let row = |p: &PointFindings| {
+        let trial = scene.trials.iter().find(|trial| trial.precision == p.label);
+        let missing = || Cell::text("no triangles");
+        let ratio = p.seconds.median / fast;
+        vec![
+            Cell::text(p.label.clone()),
+            Cell::number(ratio, format!("{ratio:.2}")),
+            digits(p.rmse.value),
+            trial.map_or_else(missing, |t| share(t.leaks)),
+            trial.map_or_else(missing, |t| share(t.self_hits)),
+            trial.map_or_else(missing, |t| {
+                Cell::number(t.nanoseconds, format!("{:.0}", t.nanoseconds))
+            }),
+        ]
+    };
+    vec![Block::Table(Table {
+        caption: "Leaks are rays aimed at edges that pass between two triangles; rays that leave a triangle and \
+                  meet it again are acne."
+            .to_owned(),
+        columns: vec![
+            Column::words("precision"),
+            Column::numbers("time over fast"),
+            Column::numbers("RMSE"),
+            Column::numbers("leaks"),
+            Column::numbers("self-hits"),
+            Column::numbers("ns a ray"),
+        ],
+        rows: points.iter().map(row).collect(),
+    })]
+}
+
+/// What must not change the picture.
+pub(super) fn neutral(scene: &SceneFindings) -> Vec<Block> {
+    let row = |n: &crate::accuracy::store::NeutralRecord| {
+        vec![
+            Cell::text(n.knob.clone()),
+            Cell::text(n.value.clone()),
+            digits(n.error_change),
+            Cell::text(if n.equal { "every bit" } else { "NO" }),
+            milliseconds(n.seconds),
+        ]
+    };
+    let wrong = scene.neutral.iter().filter(|n| !n.equal || n.error_change != 0.0).count();
+    let verdict = match wrong {
+        0 => format!("All {} choices give the same picture, bit for bit.", scene.neutral.len()),
+        n => format!("{n} of {} choices change the picture.", scene.neutral.len()),
+    };
+    let table = Table {
+        caption: String::new(),
+        columns: vec![
+            Column::words("choice"),
+            Column::words("value"),
+            Column::numbers("change of error"),
+            Column::words("equal"),
+            Column::numbers("time, ms"),
+        ],
+        rows: scene.neutral.iter().map(row).collect(),
+    };
+    let first = if wrong == 0 { Block::paragraph(verdict) } else { Block::Warning(verdict) };
+    vec![first, Block::Table(table)]
+}
+
+/// What each effect adds to the scene that it is added to, with both tracers.
+pub(super) fn prices(list: &PriceList) -> Vec<Block> {
+    let price = |cost: &Cost| match &cost.price {
+        Some(ratio) => {
+            let of = ratio.interval;
+            let text = format!("{:.3} ({:.3} to {:.3})", of.median, of.low, of.high);
+            Cell::number(of.median, text)
+        }
+        None => Cell::text("1"),
+    };
+    let row = |p: &Price| {
+        let per_ray = |cost: &Cost| {
+            Cell::number(cost.seconds_per_mray, format!("{:.1}", cost.seconds_per_mray * 1e3))
+        };
+        vec![
+            Cell::text(p.effect),
+            Cell::text(p.added_to.unwrap_or("nothing")),
+            price(&p.wavefront),
+            per_ray(&p.wavefront),
+            price(&p.recursive),
+            per_ray(&p.recursive),
+            Cell::number(p.bytes_per_path as f64, p.bytes_per_path.to_string()),
+        ]
+    };
+    let table = |caption: &str, reached: bool| {
+        Block::Table(Table {
+            caption: caption.to_owned(),
+            columns: vec![
+                Column::words("effect"),
+                Column::words("added to"),
+                Column::numbers("wavefront, ratio"),
+                Column::numbers("ns a ray"),
+                Column::numbers("recursive, ratio"),
+                Column::numbers("ns a ray"),
+                Column::numbers("bytes a path"),
+            ],
+            rows: list.effects.iter().filter(|p| p.reached == reached).map(row).collect(),
+        })
+    };
+    let lead = format!(
+        "One effect at a time, added to a small scene of {} x {} pixels: the ratio of the times, round by round, in {} \
+         rounds. Bytes are those of the wavefront's columns.",
+        list.image.width, list.image.height, list.rounds
+    );
+    vec![
+        Block::paragraph(lead),
+        table("Effects that are seen", true),
+        table("Effects that nothing leads to: the same image, the same work", false),
+    ]
+}

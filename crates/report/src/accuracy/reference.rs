@@ -1,0 +1,160 @@
+//! The picture that errors are measured against, and how far it may itself be off.
+//!
+//! It is the mean of several renders in exact arithmetic that differ in nothing but their random numbers.
+//! Each is without bias, so that the spread between them tells how far their mean is from the truth: the
+//! standard error, as a root mean square over all values of the picture. What lies within [`FLOOR`] of
+//! these is not believed; renders are added until the picture is good enough for what is to be compared
+//! with it, or until there are [`MOST_REPLICATES`].
+
+use super::setting::{Setting, Structure, Target};
+use super::subject::Subject;
+use wavecrest_base::error::Result;
+use wavecrest_core::film::Film;
+use wavecrest_core::kernels::precision::Precision;
+use wavecrest_core::math::sampling::{Points, Sampling};
+use wavecrest_core::prepared::Samples;
+use wavecrest_core::render::RenderOptions;
+
+/// An error is believed where it is at least this many standard errors of the reference.
+pub const FLOOR: f64 = 3.0;
+
+/// Renders that a reference is made of, at least: fewer would not tell their spread.
+const LEAST_REPLICATES: u32 = 4;
+
+/// Renders that it is made of at most.
+const MOST_REPLICATES: u32 = 32;
+
+/// Their seeds begin here, where those of other renders never come.
+const FIRST_SEED: u64 = 1 << 63;
+
+/// A reference picture.
+#[derive(Clone, Debug)]
+pub struct Reference {
+    /// The mean.
+    pub film: Film,
+    /// Points of each kind in each pixel, all renders together.
+    pub samples: u64,
+    /// The number of renders.
+    pub replicates: u32,
+    /// Root mean square, over all values, of the standard error of the mean.
+    pub standard_error: f64,
+    /// Seconds that it took.
+    pub seconds: f64,
+}
+
+impl Reference {
+    /// Whether `rmse`, an error against it, says something about the picture that has it.
+    pub fn believes(&self, rmse: f64) -> bool {
+        rmse >= FLOOR * self.standard_error
+    }
+}
+
+/// Sums over renders.
+struct Sums {
+    sum: Vec<[f64; 3]>,
+    squares: Vec<[f64; 3]>,
+    count: u32,
+}
+
+impl Sums {
+    fn new(pixels: usize) -> Self {
+        Self { sum: vec![[0.0; 3]; pixels], squares: vec![[0.0; 3]; pixels], count: 0 }
+    }
+
+    fn add(&mut self, film: &Film) {
+        self.count += 1;
+        let rows = self.sum.iter_mut().zip(&mut self.squares).zip(film.pixels());
+        for ((sum, squares), pixel) in rows {
+            for ((sum, squares), &value) in sum.iter_mut().zip(squares).zip(pixel) {
+                *sum += f64::from(value);
+                *squares += f64::from(value) * f64::from(value);
+            }
+        }
+    }
+
+    fn mean(&self, [width, height]: [u32; 2]) -> Result<Film> {
+        let n = f64::from(self.count);
+        let pixels = self.sum.iter().map(|sum| sum.map(|s| (s / n) as f32)).collect();
+        Film::from_pixels(width, height, pixels)
+    }
+
+    /// See [`Reference::standard_error`].
+    fn standard_error(&self) -> f64 {
+        let n = f64::from(self.count);
+        let mut variances = 0.0;
+        for (sum, squares) in self.sum.iter().zip(&self.squares) {
+            for (sum, squares) in sum.iter().zip(squares) {
+                variances += ((squares - sum * sum / n) / (n - 1.0)).max(0.0);
+            }
+        }
+        (variances / n / (3 * self.sum.len()).max(1) as f64).sqrt()
+    }
+}
+
+/// How the reference of `target` is sampled, and the number of points of each kind that the scene has: at
+/// least `least` where there is something to sample.
+fn setting(subject: &Subject, target: Target, least: u32) -> (Setting, u32) {
+    let facts = subject.facts();
+    let structure = Structure { precision: Precision::Exact, ..Structure::default() };
+    let mut samples = Samples::default();
+    let mut count = 1;
+    if facts.is_sampled(target) {
+        let many = Points { sampling: Sampling::Sobol, side: least.isqrt() };
+        let many = if many.count() < least { Points { side: many.side + 1, ..many } } else { many };
+        count = many.count();
+        let one = Some(Points { side: 1, ..many });
+        let many = Some(many);
+        // Wherever the many rays of a pixel come from, each has a point of the sequence on each light and
+        // on the lens.
+        samples = if target == Target::Pixel || facts.antialias > 1 {
+            Samples { pixel: many, lens: one, lights: one }
+        } else if facts.has_lens {
+            Samples { pixel: None, lens: many, lights: one }
+        } else {
+            Samples { pixel: None, lens: None, lights: many }
+        };
+    }
+    (Setting { structure, samples }, count)
+}
+
+/// Makes the reference of `target`, of at least `least` points of each kind, until errors of `smallest` are
+/// believed. `progress` is told after each render.
+///
+/// # Errors
+/// When the scene can no longer be rendered.
+pub fn make(
+    subject: &mut Subject,
+    target: Target,
+    least: u32,
+    smallest: impl Fn(&mut Subject, &Film) -> Result<f64>,
+    progress: &dyn Fn(),
+) -> Result<Reference> {
+    let (setting, count) = setting(subject, target, least);
+    let is_sampled = subject.facts().is_sampled(target);
+    let [width, height] = subject.size();
+    let mut sums = Sums::new(width as usize * height as usize);
+    let mut seconds = 0.0;
+    loop {
+        let seed = FIRST_SEED + u64::from(sums.count);
+        let options = RenderOptions { seed, ..RenderOptions::default() };
+        let rendered = subject.render(&setting, &options)?;
+        seconds += rendered.seconds;
+        sums.add(&rendered.film);
+        progress();
+        let enough = if is_sampled { LEAST_REPLICATES } else { 1 };
+        if sums.count < enough {
+            continue;
+        }
+        let standard_error = if is_sampled { sums.standard_error() } else { 0.0 };
+        let samples = u64::from(sums.count) * u64::from(count);
+        let film = sums.mean([width, height])?;
+        let replicates = sums.count;
+        let made = Reference { film, samples, replicates, standard_error, seconds };
+        let done = standard_error == 0.0
+            || replicates >= MOST_REPLICATES
+            || made.believes(smallest(subject, &made.film)?);
+        if done {
+            return Ok(made);
+        }
+    }
+}

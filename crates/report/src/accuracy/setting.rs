@@ -1,0 +1,240 @@
+//! What a sweep tries: settings, one by one, and the families that they form.
+
+use std::fmt::Write as _;
+
+use wavecrest_core::kernels::precision::Precision;
+use wavecrest_core::math::sampling::{Points, Sampling};
+use wavecrest_core::prepared::{PreparedScene, Samples};
+use wavecrest_scene::components::Filter;
+use wavecrest_scene::systems::overrides::Overrides;
+
+/// What has to be decided before a scene is prepared.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct Structure {
+    /// How exactly hits are found.
+    pub precision: Precision,
+    /// What is not as in the scene's file.
+    pub overrides: Overrides,
+}
+
+/// One way to render a scene. What is `None` is as in the scene's file.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct Setting {
+    /// What is decided before the scene is prepared.
+    pub structure: Structure,
+    /// What is decided for each render.
+    pub samples: Samples,
+}
+
+impl Setting {
+    /// The same with one point of each kind: the quickest render of its structure.
+    pub fn least(self) -> Self {
+        let one = Some(Points { sampling: Sampling::Random, side: 1 });
+        Self { samples: Samples { lights: one, lens: one, pixel: one }, ..self }
+    }
+
+    /// The setting in a few words that no other has: the key of its records.
+    pub fn key(&self) -> String {
+        let mut key = self.structure.precision.name().to_owned();
+        let mut add = |name: &str, value: String| {
+            // Writing to a string cannot fail.
+            let _ = write!(key, " {name}={value}");
+        };
+        let points = |p: Points| format!("{}:{}", p.sampling.name(), p.side);
+        let Samples { lights, lens, pixel } = self.samples;
+        for (name, value) in [("lights", lights), ("lens", lens), ("pixel", pixel)] {
+            value.into_iter().for_each(|value| add(name, points(value)));
+        }
+        let Overrides { bounces, filter } = self.structure.overrides;
+        bounces.into_iter().for_each(|n| add("bounces", n.to_string()));
+        filter.into_iter().for_each(|filter| add("filter", filter.name().to_owned()));
+        key
+    }
+}
+
+/// The picture that a setting approaches.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Target {
+    /// The scene as its file has it, with as many samples as one likes where it has any.
+    Scene,
+    /// The mean over the area of each pixel, even where the file asks for its centre.
+    Pixel,
+}
+
+impl Target {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::Scene, Self::Pixel];
+
+    /// What it is called in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Scene => "scene",
+            Self::Pixel => "pixel",
+        }
+    }
+}
+
+/// Settings that differ in one thing.
+#[derive(Clone, Debug)]
+pub struct Family {
+    /// Its name in files.
+    pub name: &'static str,
+    /// What differs, as a heading.
+    pub title: &'static str,
+    /// What is counted along the axis.
+    pub counted: &'static str,
+    /// What the settings approach.
+    pub target: Target,
+    /// Whether the error is expected to follow a power of what is counted.
+    pub has_slope: bool,
+    /// The settings by what else differs.
+    pub series: Vec<Line>,
+}
+
+/// Settings in the order of what is counted.
+#[derive(Clone, Debug)]
+pub struct Line {
+    /// What these have in common.
+    pub name: String,
+    /// What is counted, in words, and the setting.
+    pub points: Vec<(f64, String, Setting)>,
+}
+
+/// What of a scene can be varied at all.
+#[derive(Clone, Copy, Debug)]
+pub struct Facts {
+    /// Whether any light has a shape.
+    pub has_area_lights: bool,
+    /// Whether the camera has a lens with an extent.
+    pub has_lens: bool,
+    /// Whether a surface has a texture.
+    pub has_textures: bool,
+    /// Side of the grid of rays in a pixel.
+    pub antialias: u32,
+    /// Mirror bounces that the scene makes use of, at most.
+    pub bounces: u32,
+}
+
+impl Facts {
+    /// Those of a scene.
+    pub fn of(scene: &PreparedScene) -> Self {
+        Self {
+            has_area_lights: scene.lights.iter().any(|light| light.is_sampled()),
+            has_lens: scene.camera.has_lens(),
+            has_textures: scene.looks.shapes.iter().any(|shape| shape.texture.is_some()),
+            antialias: scene.camera.antialias(),
+            bounces: scene.bounces,
+        }
+    }
+
+    /// Whether anything about `target` is left to chance.
+    pub fn is_sampled(&self, target: Target) -> bool {
+        self.has_area_lights || self.has_lens || self.antialias > 1 || target == Target::Pixel
+    }
+}
+
+/// Sides of square grids, about as far apart as each other in their number of points.
+const SIDES: [u32; 12] = [1, 2, 3, 4, 5, 6, 8, 11, 16, 23, 32, 45];
+
+/// Sides of grids of rays in a pixel when textures are compared.
+const FILTER_SIDES: [u32; 3] = [1, 2, 4];
+
+/// What can be varied in a scene that has `facts`, with up to `most` points of a kind.
+pub fn families(facts: &Facts, most: u32) -> Vec<Family> {
+    let mut families = Vec::new();
+    let sampled = |name, title, counted, target, samples: fn(Points) -> Samples| {
+        let line = |sampling: Sampling| {
+            let sides = SIDES.into_iter().filter(|side| side * side <= most);
+            let point = |side: u32| {
+                let points = Points { sampling, side };
+                let setting = Setting { samples: samples(points), ..Setting::default() };
+                (f64::from(points.count()), points.count().to_string(), setting)
+            };
+            Line { name: sampling.name().to_owned(), points: sides.map(point).collect() }
+        };
+        let series = Sampling::ALL.map(line).to_vec();
+        Family { name, title, counted, target, has_slope: true, series }
+    };
+    if facts.has_area_lights {
+        let samples = |points| Samples { lights: Some(points), ..Samples::default() };
+        let title = "Points on area lights";
+        families.push(sampled("lights", title, "points on each light", Target::Scene, samples));
+    }
+    if facts.has_lens {
+        let samples = |points| Samples { lens: Some(points), ..Samples::default() };
+        families.push(sampled(
+            "lens",
+            "Points on the lens",
+            "points on the lens",
+            Target::Scene,
+            samples,
+        ));
+    }
+    let samples = |points: Points| {
+        let one = Some(Points { side: 1, ..points });
+        Samples { lights: one, lens: one, pixel: Some(points) }
+    };
+    families.push(sampled("pixel", "Rays in a pixel", "rays a pixel", Target::Pixel, samples));
+    if facts.bounces > 0 {
+        families.push(bounces(facts.bounces));
+    }
+    families.push(precisions());
+    if facts.has_textures {
+        families.push(filters());
+    }
+    families
+}
+
+/// A family of one line, whose points are not expected to follow a power.
+fn single(
+    name: &'static str,
+    title: &'static str,
+    counted: &'static str,
+    points: Vec<(f64, String, Setting)>,
+) -> Family {
+    let series = vec![Line { name: counted.to_owned(), points }];
+    Family { name, title, counted, target: Target::Scene, has_slope: false, series }
+}
+
+/// Up to 16 different numbers of bounces.
+const MOST_BOUNCES: u32 = 16;
+
+fn bounces(all: u32) -> Family {
+    let step = all.div_ceil(MOST_BOUNCES).max(1);
+    let mut counts: Vec<u32> = (0..all).step_by(step as usize).collect();
+    counts.push(all);
+    let point = |n: u32| {
+        let mut setting = Setting::default();
+        setting.structure.overrides.bounces = Some(n);
+        (f64::from(n), n.to_string(), setting)
+    };
+    single("bounces", "Mirror bounces", "bounces", counts.into_iter().map(point).collect())
+}
+
+fn precisions() -> Family {
+    let point = |(i, precision): (usize, Precision)| {
+        let mut setting = Setting::default();
+        setting.structure.precision = precision;
+        (i as f64, precision.name().to_owned(), setting)
+    };
+    let points = Precision::ALL.into_iter().enumerate().map(point).collect();
+    single("precision", "Precision", "precision", points)
+}
+
+fn filters() -> Family {
+    let line = |filter: Filter| {
+        let point = |side: u32| {
+            let points = Points { sampling: Sampling::Jittered, side };
+            let mut setting = Setting::default();
+            setting.structure.overrides.filter = Some(filter);
+            setting.samples.pixel = Some(points);
+            (f64::from(points.count()), points.count().to_string(), setting)
+        };
+        let points = FILTER_SIDES.into_iter().map(point).collect();
+        Line { name: filter.name().to_owned(), points }
+    };
+    let series = Filter::ALL.into_iter().map(line).collect();
+    let (target, title, counted) = (Target::Pixel, "Texture filters", "rays a pixel");
+    Family { name: "filter", title, counted, target, has_slope: false, series }
+}

@@ -1,0 +1,343 @@
+//! What a sweep has found so far: a file of JSON lines, one for each thing measured, written as it comes.
+//!
+//! A sweep that was interrupted finds its records there and makes only what is missing. A last line that
+//! was cut off counts as not written.
+
+use std::collections::HashSet;
+use std::fs::{File, OpenOptions};
+use std::io::{Read as _, Seek as _, SeekFrom, Write as _};
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use super::setting::Target;
+use super::subject::Stages;
+use wavecrest_base::error::{Error, ErrorKind, Result};
+
+/// What is the same for all records of a file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Header {
+    /// The program's version.
+    pub version: String,
+    /// The longer side of images, at most, in pixels.
+    pub longest: u32,
+    /// The most points of a kind.
+    pub most: u32,
+    /// The fewest points of a render of the reference.
+    pub least: u32,
+}
+
+/// Under which circumstances a sweep was begun, or taken up again.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Circumstances {
+    /// The arguments.
+    pub command: Vec<String>,
+    /// The commit of the checkout that the program lies in, with a `+` where it was changed.
+    pub commit: Option<String>,
+    /// As in the reports of `bench`.
+    pub machine: serde_json::Value,
+}
+
+/// A scene of the sweep.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SceneRecord {
+    /// Its name.
+    pub scene: String,
+    /// Its file.
+    pub file: PathBuf,
+    /// See [`wavecrest_core::prepared::PreparedScene::fingerprint`], in hexadecimal.
+    pub fingerprint: String,
+    /// Width and height of the images, in pixels.
+    pub size: [u32; 2],
+    /// Triangles, quads and spheres.
+    pub primitives: u64,
+}
+
+/// A scene was prepared.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PreparedRecord {
+    /// The scene's name.
+    pub scene: String,
+    /// The setting whose structure it has.
+    pub key: String,
+    /// How long it took.
+    #[serde(flatten)]
+    pub time: Stages,
+}
+
+/// A reference was made, and lies in a file beside this one.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[allow(missing_docs, reason = "as in reference::Reference")]
+pub struct ReferenceRecord {
+    pub scene: String,
+    pub target: Target,
+    pub file: String,
+    pub samples: u64,
+    pub replicates: u32,
+    pub standard_error: f64,
+    pub seconds: f64,
+}
+
+/// A setting was rendered once.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PointRecord {
+    /// The scene's name.
+    pub scene: String,
+    /// What it is compared with.
+    pub target: Target,
+    /// The setting.
+    pub key: String,
+    /// Of its random numbers.
+    pub seed: u64,
+    /// From the first ray to the last.
+    pub seconds: f64,
+    /// Seconds in each pass, summed over threads.
+    pub passes: Vec<(String, f64)>,
+    /// Rays of every kind.
+    pub rays: u64,
+    /// Against the reference, as in [`wavecrest_image::compare`].
+    #[serde(flatten)]
+    pub error: Errors,
+}
+
+/// How far a picture is from the reference.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Errors {
+    /// Mean squared error.
+    pub mse: f64,
+    /// Mean squared error relative to the square of the reference.
+    pub relative_mse: f64,
+    /// Mean signed error.
+    pub bias: f64,
+    /// Mean FLIP.
+    pub flip: f64,
+}
+
+/// Something that must not change the picture was tried.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct NeutralRecord {
+    /// The scene's name.
+    pub scene: String,
+    /// What was changed.
+    pub knob: String,
+    /// To what.
+    pub value: String,
+    /// From the first ray to the last.
+    pub seconds: f64,
+    /// The root mean square error against the reference, less that of the usual choice.
+    pub error_change: f64,
+    /// Whether the picture has the same bits as with the usual choice.
+    pub equal: bool,
+}
+
+/// A precision was tried on a scene's triangles.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TrialRecord {
+    /// The scene's name.
+    pub scene: String,
+    /// The precision.
+    pub precision: String,
+    /// Rays at edges, and how many passed between two triangles.
+    pub leaks: [u64; 2],
+    /// Rays that leave a triangle, and how many met it again: acne.
+    pub self_hits: [u64; 2],
+    /// Nanoseconds for each of these rays.
+    pub nanoseconds: f64,
+}
+
+/// A line of the file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "record", rename_all = "kebab-case")]
+#[allow(missing_docs, reason = "each says what it is")]
+pub enum Record {
+    Header(Header),
+    Circumstances(Circumstances),
+    Scene(SceneRecord),
+    Prepared(PreparedRecord),
+    Reference(ReferenceRecord),
+    Point(PointRecord),
+    Neutral(NeutralRecord),
+    Trial(TrialRecord),
+}
+
+/// The records of a sweep, in a folder.
+#[derive(Debug)]
+pub struct Store {
+    folder: PathBuf,
+    file: File,
+    path: PathBuf,
+    /// All of them, in the order in which they were made.
+    pub records: Vec<Record>,
+    points: HashSet<(String, Target, String, u64)>,
+}
+
+/// The name of the file.
+pub const FILE: &str = "results.jsonl";
+
+impl Store {
+    /// Opens the records of a sweep in `folder`, which is made if it is not there, or begins them.
+    ///
+    /// # Errors
+    /// When the folder has the records of a sweep with another `header`, or cannot be written.
+    pub fn open(folder: &Path, header: &Header) -> Result<Self> {
+        std::fs::create_dir_all(folder)
+            .map_err(|e| Error::io("cannot make the folder", folder, e))?;
+        let path = folder.join(FILE);
+        let failed = |e| Error::io("cannot open the records", path.as_path(), e);
+        let mut options = OpenOptions::new();
+        let file = options.read(true).write(true).create(true).truncate(false);
+        let mut file = file.open(&path).map_err(failed)?;
+        let mut text = String::new();
+        file.read_to_string(&mut text).map_err(failed)?;
+        let whole = text.rfind('\n').map_or(0, |end| end + 1);
+        let mut records = Vec::new();
+        for (number, line) in text[..whole].lines().enumerate() {
+            let record = serde_json::from_str(line).map_err(|e| {
+                Error::new(ErrorKind::Io, format!("line {} is no record: {e}", number + 1))
+                    .in_file(&path)
+                    .remedy("remove the file to begin again")
+            })?;
+            records.push(record);
+        }
+        file.set_len(whole as u64).map_err(failed)?;
+        file.seek(SeekFrom::End(0)).map_err(failed)?;
+        let mut store = Self {
+            folder: folder.to_owned(),
+            file,
+            path,
+            records: Vec::new(),
+            points: HashSet::new(),
+        };
+        match records.first() {
+            None => store.add(Record::Header(header.clone()))?,
+            Some(Record::Header(found)) if found == header => {}
+            Some(_) => return Err(store.other_sweep()),
+        }
+        for record in records {
+            store.remember(record);
+        }
+        Ok(store)
+    }
+
+    /// The folder.
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
+    /// Appends a record, on the disk too.
+    ///
+    /// # Errors
+    /// When it cannot be written.
+    pub fn add(&mut self, record: Record) -> Result<()> {
+        let failed = |e| Error::io("cannot write a record", self.path.as_path(), e);
+        let line = serde_json::to_string(&record).map_err(|e| failed(e.into()))?;
+        self.file.write_all(format!("{line}\n").as_bytes()).map_err(failed)?;
+        self.file.flush().map_err(failed)?;
+        self.remember(record);
+        Ok(())
+    }
+
+    /// Whether a setting has been rendered with a seed.
+    pub fn has(&self, scene: &str, target: Target, key: &str, seed: u64) -> bool {
+        self.points.contains(&(scene.to_owned(), target, key.to_owned(), seed))
+    }
+
+    fn remember(&mut self, record: Record) {
+        if let Record::Point(p) = &record {
+            self.points.insert((p.scene.clone(), p.target, p.key.clone(), p.seed));
+        }
+        self.records.push(record);
+    }
+
+    fn other_sweep(&self) -> Error {
+        Error::new(ErrorKind::Usage, "the folder has records of another sweep")
+            .in_file(&self.path)
+            .remedy("use the options that it was begun with, or another folder")
+    }
+
+    /// Refuses scenes that share a name or have changed since records of them were made.
+    ///
+    /// # Errors
+    /// When `scene` is not the one of that name in the records.
+    pub fn admit(&mut self, scene: SceneRecord) -> Result<()> {
+        let known = self.records.iter().find_map(|record| match record {
+            Record::Scene(known) if known.scene == scene.scene => Some(known),
+            _ => None,
+        });
+        match known {
+            None => self.add(Record::Scene(scene)),
+            Some(known) if known.fingerprint == scene.fingerprint => Ok(()),
+            Some(_) => Err(Error::new(
+                ErrorKind::Usage,
+                "the records have another scene of this name, or it has changed since",
+            )
+            .in_file(&scene.file)
+            .value(scene.scene)
+            .remedy("give it another name, or the results another folder")),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn header() -> Header {
+        Header { version: "1".into(), longest: 8, most: 4, least: 16 }
+    }
+
+    fn point(seed: u64) -> Record {
+        let error = Errors { mse: 0.25, relative_mse: 0.5, bias: -0.1, flip: 0.3 };
+        Record::Point(PointRecord {
+            scene: "a".into(),
+            target: Target::Scene,
+            key: "robust".into(),
+            seed,
+            seconds: 0.1,
+            passes: vec![("shade".into(), 0.05)],
+            rays: 7,
+            error,
+        })
+    }
+
+    #[test]
+    fn records_are_found_again_and_a_cut_line_is_not() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut store = Store::open(folder.path(), &header()).unwrap();
+        store.add(point(1)).unwrap();
+        store.add(point(2)).unwrap();
+        drop(store);
+        let path = folder.path().join(FILE);
+        let text = std::fs::read_to_string(&path).unwrap();
+        std::fs::write(&path, &text[..text.len() - 5]).unwrap();
+        let mut store = Store::open(folder.path(), &header()).unwrap();
+        assert!(store.has("a", Target::Scene, "robust", 1));
+        assert!(!store.has("a", Target::Scene, "robust", 2));
+        assert!(!store.has("a", Target::Pixel, "robust", 1));
+        store.add(point(2)).unwrap();
+        drop(store);
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), text);
+    }
+
+    #[test]
+    fn another_sweep_or_scene_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut store = Store::open(folder.path(), &header()).unwrap();
+        let scene = |fingerprint: &str| SceneRecord {
+            scene: "a".into(),
+            file: "a.json".into(),
+            fingerprint: fingerprint.into(),
+            size: [4, 3],
+            primitives: 1,
+        };
+        store.admit(scene("12")).unwrap();
+        store.admit(scene("12")).unwrap();
+        let changed = store.admit(scene("13")).unwrap_err().to_string();
+        assert!(changed.starts_with("a.json: the records have another scene"), "{changed}");
+        assert_eq!(store.records.len(), 2);
+        drop(store);
+        let other = Header { most: 9, ..header() };
+        let error = Store::open(folder.path(), &other).unwrap_err().to_string();
+        assert!(error.contains("records of another sweep"), "{error}");
+    }
+}

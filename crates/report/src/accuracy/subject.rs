@@ -1,0 +1,176 @@
+//! A scene that is rendered in many ways: prepared once for each structure, and sampled anew for each
+//! render.
+
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use super::setting::{Facts, Setting, Structure};
+use wavecrest_base::error::Result;
+use wavecrest_core::accel::build::Preset;
+use wavecrest_core::prepared::{Original, PreparedScene};
+use wavecrest_core::render::{RenderOptions, Rendered, render};
+use wavecrest_scene::load::{LoadOptions, load};
+use wavecrest_scene::systems::{extract_in, overrides};
+
+/// A scene's file, and what has been made of it so far.
+#[derive(Debug)]
+pub struct Subject {
+    file: PathBuf,
+    size: [u32; 2],
+    facts: Facts,
+    fingerprint: u128,
+    primitives: u64,
+    preset: Preset,
+    prepared: HashMap<Structure, Prepared>,
+}
+
+/// A scene prepared in one structure.
+#[derive(Debug)]
+pub struct Prepared {
+    /// The scene, sampled as the last render asked.
+    pub scene: PreparedScene,
+    /// As it was.
+    pub original: Original,
+    /// How long it took.
+    pub time: Stages,
+}
+
+/// Seconds before the first ray.
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Stages {
+    /// Reading the file and what it names, and making arrays of it.
+    pub load: f64,
+    /// Building the tree.
+    pub build: f64,
+}
+
+/// As many prepared scenes are kept as together hold this many bytes, and one in any case: 4 GiB.
+const MOST_BYTES: u64 = 4 << 30;
+
+impl Subject {
+    /// The scene of `file`, at a size whose longer side is at most `longest` pixels.
+    ///
+    /// # Errors
+    /// When it cannot be loaded or prepared.
+    pub fn open(file: &Path, longest: u32) -> Result<Self> {
+        let full = extract_in(&mut load(file, &LoadOptions::default())?.world, Default::default())?;
+        let facts = Facts::of(full.scene());
+        let size = within(full.scene().camera.size(), longest);
+        Ok(Self {
+            file: file.to_owned(),
+            size,
+            facts,
+            fingerprint: full.scene().fingerprint(),
+            primitives: full.geometry().held() as u64,
+            preset: Preset::Fast,
+            prepared: HashMap::new(),
+        })
+    }
+
+    /// The scene's file.
+    pub fn file(&self) -> &Path {
+        &self.file
+    }
+
+    /// The name of the file without folder and ending.
+    pub fn name(&self) -> String {
+        self.file.file_stem().unwrap_or_default().to_string_lossy().into_owned()
+    }
+
+    /// Width and height of its images.
+    pub fn size(&self) -> [u32; 2] {
+        self.size
+    }
+
+    /// What can be varied.
+    pub fn facts(&self) -> Facts {
+        self.facts
+    }
+
+    /// Tells the scene from others: see [`PreparedScene::fingerprint`].
+    pub fn fingerprint(&self) -> u128 {
+        self.fingerprint
+    }
+
+    /// Number of triangles, quads and spheres.
+    pub fn primitives(&self) -> u64 {
+        self.primitives
+    }
+
+    /// Whether a structure has been prepared and is still held.
+    pub fn is_prepared(&self, structure: &Structure) -> bool {
+        self.prepared.contains_key(structure)
+    }
+
+    /// The preset of its trees.
+    pub fn preset(&self) -> Preset {
+        self.preset
+    }
+
+    /// The scene in `structure`, prepared unless it is.
+    ///
+    /// # Errors
+    /// When it can no longer be loaded or prepared.
+    pub fn prepare(&mut self, structure: &Structure) -> Result<&mut Prepared> {
+        let prepared = match self.prepared.remove(structure) {
+            Some(prepared) => prepared,
+            None => {
+                self.make_room();
+                self.build(structure, self.preset)?
+            }
+        };
+        Ok(self.prepared.entry(*structure).or_insert(prepared))
+    }
+
+    /// Prepares the scene with another preset, and keeps nothing.
+    ///
+    /// # Errors
+    /// When it can no longer be loaded or prepared.
+    pub fn build(&self, structure: &Structure, preset: Preset) -> Result<Prepared> {
+        let [width, height] = self.size.map(Some);
+        let start = Instant::now();
+        let mut loaded =
+            load(&self.file, &LoadOptions { width, height, ..LoadOptions::default() })?;
+        overrides::apply(&mut loaded.world, &structure.overrides);
+        let extracted = extract_in(&mut loaded.world, structure.precision)?;
+        let load = start.elapsed().as_secs_f64();
+        let start = Instant::now();
+        let scene = extracted.build(preset);
+        let build = start.elapsed().as_secs_f64();
+        let original = scene.original();
+        Ok(Prepared { scene, original, time: Stages { load, build } })
+    }
+
+    /// Renders it.
+    ///
+    /// # Errors
+    /// When it can no longer be prepared, or there is no memory for the image.
+    pub fn render(&mut self, setting: &Setting, options: &RenderOptions) -> Result<Rendered> {
+        let Prepared { scene, original, .. } = self.prepare(&setting.structure)?;
+        scene.resample(original, &setting.samples);
+        render(scene, options, &())
+    }
+
+    /// Forgets prepared scenes until another one has room.
+    fn make_room(&mut self) {
+        let bytes = |prepared: &Prepared| prepared.scene.bytes();
+        let largest = self.prepared.values().map(bytes).max().unwrap_or(0);
+        while self.prepared.values().map(bytes).sum::<u64>() + largest > MOST_BYTES {
+            let Some(&first) = self.prepared.keys().next() else { return };
+            self.prepared.remove(&first);
+        }
+    }
+}
+
+/// The size in the same proportions whose longer side is at most `longest`.
+fn within([width, height]: [u32; 2], longest: u32) -> [u32; 2] {
+    let side = width.max(height);
+    if side <= longest {
+        return [width, height];
+    }
+    [width, height].map(|n| {
+        let scaled = u64::from(n) * u64::from(longest) / u64::from(side);
+        scaled.max(1) as u32
+    })
+}

@@ -1,0 +1,271 @@
+//! The sweep itself: what is rendered, in which order, and what is noted of it.
+//!
+//! For each seed, all settings of a scene are rendered in an order of their own, drawn at random, so that
+//! neither a slow minute of the machine nor what ran before favours one of them.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use super::fit::Dice;
+use super::neutral;
+use super::reference::{self, Reference};
+use super::setting::{Family, Setting, Structure, Target, families};
+use super::store::{
+    Errors, PointRecord, PreparedRecord, Record, ReferenceRecord, SceneRecord, Store, TrialRecord,
+};
+use super::subject::Subject;
+use crate::selftest::examine::trial;
+use crate::selftest::{Count, Effort};
+use wavecrest_base::error::Result;
+use wavecrest_core::film::Film;
+use wavecrest_core::kernels::precision::Precision;
+use wavecrest_core::render::{RenderOptions, Rendered};
+use wavecrest_image::compare::compare;
+use wavecrest_image::flip::{DEFAULT_PIXELS_PER_DEGREE, flip};
+use wavecrest_image::read::read;
+use wavecrest_image::write::{Transfer, write};
+
+/// How much is swept.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Options {
+    /// The longer side of images, at most, in pixels.
+    pub longest: u32,
+    /// Renders of each setting, with a seed each.
+    pub seeds: u32,
+    /// The most points of a kind.
+    pub most: u32,
+    /// The fewest points of a render of the reference.
+    pub least: u32,
+}
+
+/// Who is told how far a sweep has come.
+pub trait Progress {
+    /// The next stage begins, of so many steps.
+    fn stage(&self, name: &str, steps: u64);
+    /// One of its steps is done.
+    fn step(&self);
+}
+
+/// A scene with its references, as a report needs it again.
+#[derive(Debug)]
+pub struct Swept {
+    /// The scene.
+    pub subject: Subject,
+    /// What was varied.
+    pub families: Vec<Family>,
+    /// What errors were measured against.
+    pub references: BTreeMap<&'static str, Reference>,
+}
+
+/// Sweeps the scenes of `files`, one after the other; what `store` has already is not done again.
+///
+/// # Errors
+/// When a scene cannot be rendered, or a record or a reference cannot be written.
+pub fn run(
+    files: &[PathBuf],
+    options: &Options,
+    store: &mut Store,
+    progress: &dyn Progress,
+) -> Result<Vec<Swept>> {
+    files.iter().map(|file| scene(file, options, store, progress)).collect()
+}
+
+fn scene(
+    file: &std::path::Path,
+    options: &Options,
+    store: &mut Store,
+    progress: &dyn Progress,
+) -> Result<Swept> {
+    let mut subject = Subject::open(file, options.longest)?;
+    store.admit(SceneRecord {
+        scene: subject.name(),
+        file: file.to_owned(),
+        fingerprint: format!("{:032x}", subject.fingerprint()),
+        size: subject.size(),
+        primitives: subject.primitives(),
+    })?;
+    let families = families(&subject.facts(), options.most);
+    let mut references = BTreeMap::new();
+    for target in Target::ALL {
+        let approached: Vec<&Family> = families.iter().filter(|f| f.target == target).collect();
+        if !approached.is_empty() {
+            let found = reference(&mut subject, target, &approached, options, store, progress)?;
+            references.insert(target.name(), found);
+        }
+    }
+    points(&mut subject, &families, &references, options, store, progress)?;
+    neutral::run(&mut subject, references.get(Target::Scene.name()), store, progress)?;
+    trials(&mut subject, store, progress)?;
+    Ok(Swept { subject, families, references })
+}
+
+/// The reference of `target`, from the folder if it is there.
+fn reference(
+    subject: &mut Subject,
+    target: Target,
+    families: &[&Family],
+    options: &Options,
+    store: &mut Store,
+    progress: &dyn Progress,
+) -> Result<Reference> {
+    let name = subject.name();
+    let known = store.records.iter().find_map(|record| match record {
+        Record::Reference(known) if known.scene == name && known.target == target => Some(known),
+        _ => None,
+    });
+    if let Some(known) = known {
+        let film = read(&store.folder().join(&known.file))?;
+        let &ReferenceRecord { samples, replicates, standard_error, seconds, .. } = known;
+        return Ok(Reference { film, samples, replicates, standard_error, seconds });
+    }
+    progress.stage(&format!("{name}: reference ({})", target.name()), 0);
+    // What comes nearest to it: the last setting of each line that converges.
+    let nearest: Vec<Setting> = families
+        .iter()
+        .filter(|family| family.has_slope)
+        .flat_map(|family| family.series.iter().filter_map(|line| line.points.last()))
+        .map(|(.., setting)| *setting)
+        .collect();
+    let smallest = |subject: &mut Subject, film: &Film| {
+        let mut smallest = f64::INFINITY;
+        for setting in &nearest {
+            let rendered = subject.render(setting, &RenderOptions::default())?;
+            smallest = smallest.min(compare(&rendered.film, film)?.rmse);
+        }
+        Ok(smallest)
+    };
+    let made = reference::make(subject, target, options.least, smallest, &|| progress.step())?;
+    let file = format!("{name}-{}.exr", target.name());
+    write(&made.film, &store.folder().join(&file), Transfer::Linear)?;
+    store.add(Record::Reference(ReferenceRecord {
+        scene: name,
+        target,
+        file,
+        samples: made.samples,
+        replicates: made.replicates,
+        standard_error: made.standard_error,
+        seconds: made.seconds,
+    }))?;
+    Ok(made)
+}
+
+/// Renders every setting with every seed.
+fn points(
+    subject: &mut Subject,
+    families: &[Family],
+    references: &BTreeMap<&'static str, Reference>,
+    options: &Options,
+    store: &mut Store,
+    progress: &dyn Progress,
+) -> Result<()> {
+    let name = subject.name();
+    let mut all: Vec<(Target, String, Setting)> = families
+        .iter()
+        .flat_map(|family| family.series.iter().map(move |line| (family.target, line)))
+        .flat_map(|(target, line)| line.points.iter().map(move |(.., s)| (target, s.key(), *s)))
+        .collect();
+    all.sort_by(|a, b| (a.0.name(), &a.1).cmp(&(b.0.name(), &b.1)));
+    all.dedup_by(|a, b| (a.0, &a.1) == (b.0, &b.1));
+    note_preparation(subject, all.iter().map(|(.., setting)| setting), store)?;
+    progress.stage(&name, all.len() as u64 * u64::from(options.seeds));
+    for seed in 0..u64::from(options.seeds) {
+        Dice::new(seed).shuffle(&mut all);
+        for (target, key, setting) in &all {
+            if !store.has(&name, *target, key, seed)
+                && let Some(reference) = references.get(target.name())
+            {
+                warm_up(subject, &setting.structure)?;
+                let options = RenderOptions { seed, ..RenderOptions::default() };
+                let rendered = subject.render(setting, &options)?;
+                let error = errors(&rendered.film, &reference.film)?;
+                let record = point(&name, (*target, key.clone(), seed), &rendered, error);
+                store.add(Record::Point(record))?;
+            }
+            progress.step();
+        }
+    }
+    Ok(())
+}
+
+fn point(
+    scene: &str,
+    (target, key, seed): (Target, String, u64),
+    rendered: &Rendered,
+    error: Errors,
+) -> PointRecord {
+    let c = &rendered.counters;
+    let passes = rendered.pass_seconds.iter().map(|(name, s)| ((*name).to_owned(), *s)).collect();
+    PointRecord {
+        scene: scene.to_owned(),
+        target,
+        key,
+        seed,
+        seconds: rendered.seconds,
+        passes,
+        rays: c.primary_rays + c.secondary_rays + c.shadow_rays,
+        error,
+    }
+}
+
+/// Prepares a structure unless it is, and sends some rays through it, so that the first render that is timed
+/// finds the memory as the others do.
+fn warm_up(subject: &mut Subject, structure: &Structure) -> Result<()> {
+    if !subject.is_prepared(structure) {
+        let setting = Setting { structure: *structure, ..Setting::default() };
+        subject.render(&setting.least(), &RenderOptions::default())?;
+    }
+    Ok(())
+}
+
+/// Notes how long it took to prepare each structure of `settings`, where that has not been noted.
+fn note_preparation<'a>(
+    subject: &mut Subject,
+    settings: impl Iterator<Item = &'a Setting>,
+    store: &mut Store,
+) -> Result<()> {
+    let scene = subject.name();
+    for setting in settings {
+        let key = Setting { samples: Default::default(), ..*setting }.key();
+        let is_it = |record: &Record| matches!(record, Record::Prepared(p) if p.scene == scene && p.key == key);
+        if !store.records.iter().any(is_it) {
+            let time = subject.prepare(&setting.structure)?.time;
+            store.add(Record::Prepared(PreparedRecord { scene: scene.clone(), key, time }))?;
+        }
+    }
+    Ok(())
+}
+
+/// How far `film` is from `reference`.
+///
+/// # Errors
+/// When their sizes differ.
+pub fn errors(film: &Film, reference: &Film) -> Result<Errors> {
+    let found = compare(film, reference)?;
+    let flip = flip(film, reference, DEFAULT_PIXELS_PER_DEGREE)?.mean;
+    Ok(Errors { mse: found.mse, relative_mse: found.relative_mse, bias: found.bias, flip })
+}
+
+/// What every precision does at the edges and on the faces of the scene's triangles.
+fn trials(subject: &mut Subject, store: &mut Store, progress: &dyn Progress) -> Result<()> {
+    let name = subject.name();
+    let is_mine = |record: &Record| matches!(record, Record::Trial(t) if t.scene == name);
+    let done = store.records.iter().filter(|record| is_mine(record)).count();
+    progress.stage(&format!("{name}: leaks and self-hits"), Precision::ALL.len() as u64);
+    for precision in Precision::ALL.into_iter().skip(done) {
+        let structure = Structure { precision, ..Structure::default() };
+        let accel = &subject.prepare(&structure)?.scene.accel;
+        if accel.geometry.triangles.is_empty() {
+            return Ok(());
+        }
+        let found = trial(accel, &Effort { precision, seed: 1, count: Count::Quick });
+        store.add(Record::Trial(TrialRecord {
+            scene: name.clone(),
+            precision: precision.name().to_owned(),
+            leaks: [found.leaks.tried, found.leaks.failed],
+            self_hits: [found.self_hits.tried, found.self_hits.failed],
+            nanoseconds: found.nanoseconds,
+        }))?;
+        progress.step();
+    }
+    Ok(())
+}

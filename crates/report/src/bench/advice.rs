@@ -1,0 +1,86 @@
+//! What is wrong with a measurement, and what to do about it.
+//!
+//! The kinds of warnings are those of hyperfine (Peter, *hyperfine*, 2018-): runs too short, a slow
+//! first run, outliers. Each names what was seen and the option that helps.
+
+use super::{SceneBench, TracerBench};
+use crate::summary::{CONFIDENCE, ENOUGH};
+
+/// A run shorter than this is mostly the start of threads and the making of buffers, in seconds.
+const SHORT: f64 = 0.005;
+/// Quartiles further apart than this share of the median are far apart.
+const WIDE: f64 = 0.1;
+/// A first run is slow if it is further above the median than so many median absolute deviations:
+/// ten standard deviations of a normal distribution ...
+const SLOW_DEVIATIONS: f64 = 14.826;
+/// ... and more than this share of the median: where all runs are alike, a little is not slow.
+const SLOW_SHARE: f64 = 0.1;
+
+/// The warnings that a report calls for.
+pub fn warnings(report: &SceneBench) -> Vec<String> {
+    let mut warnings = Vec::new();
+    if cfg!(debug_assertions) {
+        warnings.push("this program is built to be debugged: build it with --release".to_owned());
+    }
+    if report.invalid > 0 {
+        let invalid = report.invalid;
+        warnings.push(format!("{invalid} samples were not finite: run check on the scene"));
+    }
+    let tracers = [("wavefront", &report.wavefront), ("recursive tracer", &report.recursive)];
+    for (name, tracer) in tracers {
+        if let Some(tracer) = tracer {
+            warnings.extend(short(name, tracer));
+            warnings.extend(slow_start(name, tracer));
+            warnings.extend(wide(name, tracer));
+        }
+    }
+    warnings.extend(few(report));
+    warnings
+}
+
+fn short(name: &str, tracer: &TracerBench) -> Option<String> {
+    let median = tracer.seconds.median;
+    (median < SHORT).then(|| {
+        format!(
+            "a run of the {name} takes {:.2} ms, of which much is its start: \
+             ask for a larger image with --width and --height",
+            median * 1e3
+        )
+    })
+}
+
+fn slow_start(name: &str, tracer: &TracerBench) -> Option<String> {
+    let s = &tracer.seconds;
+    let first = *s.each.first()?;
+    let above = first - s.median;
+    (above > SLOW_DEVIATIONS * s.mad && above > SLOW_SHARE * s.median).then(|| {
+        format!(
+            "the first run of the {name} took {:.2} times the median: \
+             warm up for longer with --warmup",
+            first / s.median
+        )
+    })
+}
+
+fn wide(name: &str, tracer: &TracerBench) -> Option<String> {
+    let spread = tracer.seconds.spread();
+    (spread > WIDE).then(|| {
+        format!(
+            "the quartiles of the {name} are {:.0} % of the median apart: \
+             close other programs, or run for longer with --min-time",
+            100.0 * spread
+        )
+    })
+}
+
+fn few(report: &SceneBench) -> Option<String> {
+    let ratio = report.ratio.as_ref()?;
+    (ratio.pairs < ENOUGH).then(|| {
+        let (pairs, percent) = (ratio.pairs, 100.0 * CONFIDENCE);
+        let s = if pairs == 1 { "" } else { "s" };
+        format!(
+            "{pairs} pair{s} of runs cannot give {percent:.0} % confidence: \
+             allow {ENOUGH} or more with --repeats"
+        )
+    })
+}

@@ -1,0 +1,335 @@
+//! Running both tracers in turn, and checking every image.
+//!
+//! The runs go in pairs, one of each tracer, so that what slows the machine down for a while slows
+//! both down; and whoever is second in a pair is first in the next, so that neither always finds
+//! the caches and the clock as the other left them. Nothing is timed before the warm-up has shown
+//! that the images are the same, and a run that differs ends the measurement: how fast a wrong
+//! image was made is of no interest.
+
+use serde::Serialize;
+
+use super::hardware::HardwareCounts;
+use crate::summary::ENOUGH;
+use wavecrest_base::error::Result;
+use wavecrest_core::accel::{Kernels, TestCounts};
+use wavecrest_core::counters::Counters;
+use wavecrest_core::film::Film;
+use wavecrest_core::render::{Rendered, TracerKind};
+
+/// How often to run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Schedule {
+    /// Pairs before the first that is timed, at least 1.
+    pub warmup: usize,
+    /// Timed pairs at most.
+    pub most: usize,
+    /// Seconds that each tracer is to run for in all, as far as `most` allows.
+    pub seconds: f64,
+}
+
+impl Schedule {
+    /// The pairs to be timed in all, as the `pairs` so far foretell, of which the quicker runs took
+    /// `shorter` seconds: enough for an interval, and for the seconds asked for.
+    pub(crate) fn planned(&self, pairs: usize, shorter: f64) -> usize {
+        let wanted = match pairs {
+            0 => 1,
+            _ if shorter >= self.seconds => pairs,
+            _ => (self.seconds / shorter * pairs as f64).ceil().max(pairs as f64 + 1.0) as usize,
+        };
+        wanted.max(ENOUGH).min(self.most.max(1))
+    }
+}
+
+/// The runs of one tracer.
+#[derive(Clone, Debug, Default)]
+pub struct Runs {
+    /// Seconds of each run.
+    pub seconds: Vec<f64>,
+    /// Seconds of each pass in each run, summed over threads.
+    pub passes: Vec<(&'static str, Vec<f64>)>,
+    /// Tests in one run.
+    pub tests: TestCounts,
+    /// Rays by kernel in one run.
+    pub kernels: Kernels,
+    /// What the processor counted in a run of its own, where it counts.
+    pub hardware: Option<HardwareCounts>,
+}
+
+impl Runs {
+    pub(super) fn add(&mut self, run: &Rendered) {
+        // A clock that did not move still moved by less than its step.
+        self.seconds.push(run.seconds.max(1e-9));
+        (self.tests, self.kernels) = (run.counters.tests, run.counters.kernels);
+        if self.passes.is_empty() {
+            self.passes = run.pass_seconds.iter().map(|&(name, _)| (name, Vec::new())).collect();
+        }
+        for ((_, all), &(_, seconds)) in self.passes.iter_mut().zip(&run.pass_seconds) {
+            all.push(seconds);
+        }
+    }
+}
+
+/// What was found.
+#[derive(Clone, Debug, Default)]
+pub struct Measured {
+    /// The work of one run; its tests are those of the first run, a wavefront's.
+    pub counters: Counters,
+    /// The timed runs of the wavefront.
+    pub wavefront: Runs,
+    /// The timed runs of the recursive tracer, pair by pair with the wavefront's.
+    pub recursive: Runs,
+    /// What ended the measurement, if anything did: the tracers disagree.
+    pub difference: Option<Difference>,
+}
+
+impl Measured {
+    /// The number of whole timed pairs.
+    pub fn pairs(&self) -> usize {
+        self.wavefront.seconds.len().min(self.recursive.seconds.len())
+    }
+
+    /// Seconds of all timed runs of the quicker tracer.
+    fn shorter(&self) -> f64 {
+        let [a, b] = [&self.wavefront, &self.recursive].map(|runs| runs.seconds.iter().sum());
+        f64::min(a, b)
+    }
+
+    fn runs(&mut self, tracer: TracerKind) -> &mut Runs {
+        match tracer {
+            TracerKind::Wavefront => &mut self.wavefront,
+            TracerKind::Recursive => &mut self.recursive,
+        }
+    }
+}
+
+/// How a run differs from the first.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(tag = "what", rename_all = "kebab-case")]
+pub enum Difference {
+    /// In its image.
+    Pixel {
+        /// The tracer of the run that differs.
+        tracer: TracerKind,
+        /// The first pixel that differs, row by row from the top: its column.
+        x: u32,
+        /// Its row.
+        y: u32,
+        /// Its value in the first image, a wavefront's.
+        expected: Pixel,
+        /// Its value in the image that differs.
+        found: Pixel,
+    },
+    /// In its work alone.
+    Work {
+        /// The tracer of the run that differs.
+        tracer: TracerKind,
+        /// The first count that differs, by its name in [`Counters`].
+        count: &'static str,
+        /// That count in the first run, a wavefront's.
+        expected: u64,
+        /// That count in the run that differs.
+        found: u64,
+    },
+}
+
+/// A pixel to the last bit.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Pixel {
+    /// Red, green and blue.
+    pub values: [f32; 3],
+    /// The bits of each, in hexadecimal.
+    pub bits: [String; 3],
+}
+
+impl Pixel {
+    fn new(values: [f32; 3]) -> Self {
+        Self { values, bits: values.map(|v| format!("{:08x}", v.to_bits())) }
+    }
+}
+
+/// Runs `trace` with one tracer and the other as `schedule` says. `progress` is told the pairs
+/// timed and those to be timed in all.
+///
+/// # Errors
+/// Those of `trace`.
+pub fn measure(
+    schedule: &Schedule,
+    mut trace: impl FnMut(TracerKind) -> Result<Rendered>,
+    progress: &mut dyn FnMut(usize, usize),
+) -> Result<Measured> {
+    let first = trace(TracerKind::Wavefront)?;
+    let mut measured = Measured { counters: first.counters, ..Measured::default() };
+    for pair in 0.. {
+        for tracer in order(pair) {
+            if pair == 0 && tracer == TracerKind::Wavefront {
+                continue; // That was the first run.
+            }
+            let run = trace(tracer)?;
+            measured.difference = difference(tracer, &first, &run);
+            if measured.difference.is_some() {
+                return Ok(measured);
+            }
+            if pair >= schedule.warmup.max(1) {
+                measured.runs(tracer).add(&run);
+            }
+        }
+        let planned = schedule.planned(measured.pairs(), measured.shorter());
+        progress(measured.pairs(), planned);
+        if measured.pairs() >= planned {
+            break;
+        }
+    }
+    Ok(measured)
+}
+
+/// Who goes first takes turns.
+pub(crate) fn order(pair: usize) -> [TracerKind; 2] {
+    if pair.is_multiple_of(2) {
+        [TracerKind::Wavefront, TracerKind::Recursive]
+    } else {
+        [TracerKind::Recursive, TracerKind::Wavefront]
+    }
+}
+
+/// How `run` differs from the `first`, if it does.
+pub(crate) fn difference(
+    tracer: TracerKind,
+    first: &Rendered,
+    run: &Rendered,
+) -> Option<Difference> {
+    if !first.film.same_bits(&run.film) {
+        return Some(first_pixel(tracer, &first.film, &run.film));
+    }
+    let mut counts = work(&first.counters).into_iter().zip(work(&run.counters));
+    counts.find(|(a, b)| a != b).map(|((count, expected), (_, found))| Difference::Work {
+        tracer,
+        count,
+        expected,
+        found,
+    })
+}
+
+/// Every count but tests and kernels: how the tree is searched is each tracer's own affair.
+fn work(counters: &Counters) -> [(&'static str, u64); 9] {
+    let c = counters;
+    [
+        ("primary_rays", c.primary_rays),
+        ("secondary_rays", c.secondary_rays),
+        ("shadow_rays", c.shadow_rays),
+        ("lens_samples", c.lens_samples),
+        ("light_samples", c.light_samples),
+        ("texels", c.texels),
+        ("footprints", c.footprints),
+        ("invalid", c.invalid),
+        ("lights_at_surface", c.lights_at_surface),
+    ]
+}
+
+/// The first pixel in which two images of one size differ, which they do.
+fn first_pixel(tracer: TracerKind, expected: &Film, found: &Film) -> Difference {
+    let same = |(a, b): (&[f32; 3], &[f32; 3])| a.map(f32::to_bits) == b.map(f32::to_bits);
+    let pairs = expected.pixels().iter().zip(found.pixels());
+    let index = pairs.take_while(|&pair| same(pair)).count() as u32;
+    let (x, y) = (index % expected.width(), index / expected.width());
+    let pixel = |film: &Film| Pixel::new(film.pixel(x, y).unwrap_or_default());
+    Difference::Pixel { tracer, x, y, expected: pixel(expected), found: pixel(found) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn rendered(seconds: f64, pixel: f32) -> Rendered {
+        let mut film = Film::new(3, 2).unwrap();
+        film.pixel_mut(1, 1).unwrap()[2] = pixel;
+        let counters = Counters { primary_rays: 6, ..Counters::default() };
+        Rendered {
+            film,
+            finished: true,
+            tiles: Vec::new(),
+            counters,
+            columns: 0,
+            pass_seconds: vec![("all", seconds)],
+            seconds,
+        }
+    }
+
+    fn schedule(warmup: usize, most: usize, seconds: f64) -> Schedule {
+        Schedule { warmup, most, seconds }
+    }
+
+    /// The tracers in the order in which they ran, and what was measured.
+    fn run(schedule: Schedule, seconds: f64) -> (String, Measured) {
+        let mut log = String::new();
+        let trace = |tracer| {
+            log.push(if tracer == TracerKind::Wavefront { 'W' } else { 'R' });
+            Ok(rendered(seconds, 0.5))
+        };
+        let measured = measure(&schedule, trace, &mut |_, _| {}).unwrap();
+        (log, measured)
+    }
+
+    #[test]
+    fn runs_are_interleaved_and_take_turns() {
+        let (log, measured) = run(schedule(1, 4, 0.0), 1.0);
+        assert_eq!(log, "WRRWWRRWWR");
+        assert_eq!((measured.pairs(), measured.difference), (4, None));
+        assert_eq!(measured.wavefront.seconds, [1.0; 4]);
+        assert_eq!(measured.recursive.passes, [("all", vec![1.0; 4])]);
+    }
+
+    #[test]
+    fn short_runs_are_repeated_until_there_are_seconds_enough() {
+        assert_eq!(run(schedule(1, 50, 1.0), 10.0).1.pairs(), ENOUGH);
+        assert_eq!(run(schedule(1, 50, 1.0), 0.0625).1.pairs(), 16);
+        assert_eq!(run(schedule(3, 50, 1.0), 0.001).1.pairs(), 50);
+        assert_eq!(run(schedule(1, 2, 1.0), 10.0).1.pairs(), 2);
+        assert_eq!(run(schedule(1, 50, 1.0), 0.0).1.pairs(), 50);
+        assert_eq!(run(schedule(0, 1, 0.0), 1.0).0, "WRRW", "never without a warm-up");
+    }
+
+    #[test]
+    fn progress_rises_to_what_is_planned() {
+        let mut told = Vec::new();
+        let trace = |_| Ok(rendered(0.25, 0.0));
+        measure(&schedule(1, 50, 2.0), trace, &mut |done, all| told.push((done, all))).unwrap();
+        assert_eq!(
+            told.first(),
+            Some(&(0, ENOUGH)),
+            "nothing is known before the first timed pair"
+        );
+        assert_eq!(told[1..3], [(1, 8), (2, 8)]);
+        assert_eq!(told.last(), Some(&(8, 8)));
+    }
+
+    #[test]
+    fn the_first_pixel_that_differs_ends_it() {
+        let mut count = 0;
+        let trace = |_| {
+            count += 1;
+            Ok(rendered(1.0, if count == 7 { -0.0 } else { 0.0 }))
+        };
+        let measured = measure(&schedule(1, 50, 0.0), trace, &mut |_, _| {}).unwrap();
+        assert_eq!(count, 7);
+        let Some(Difference::Pixel { tracer, x, y, expected, found }) = measured.difference else {
+            panic!("{measured:?}")
+        };
+        assert_eq!((tracer, x, y), (TracerKind::Recursive, 1, 1));
+        assert_eq!((expected.bits[2].as_str(), found.bits[2].as_str()), ("00000000", "80000000"));
+    }
+
+    #[test]
+    fn work_that_differs_ends_it_too() {
+        let trace = |tracer| {
+            let mut run = rendered(1.0, 0.0);
+            run.counters.tests.nodes = if tracer == TracerKind::Wavefront { 3 } else { 4 };
+            run.counters.shadow_rays = u64::from(tracer == TracerKind::Recursive);
+            Ok(run)
+        };
+        let measured = measure(&schedule(1, 50, 0.0), trace, &mut |_, _| {}).unwrap();
+        let (tracer, count) = (TracerKind::Recursive, "shadow_rays");
+        let difference = Difference::Work { tracer, count, expected: 0, found: 1 };
+        assert_eq!(measured.difference, Some(difference));
+        assert_eq!(measured.pairs(), 0);
+    }
+}

@@ -1,0 +1,250 @@
+//! A benchmark as a page: what was found, then each scene, then how it was measured.
+
+mod compared;
+mod scene;
+
+use super::measure::Difference;
+use super::text::plural;
+use super::{BenchReport, METHOD, Machine, Ratio, SceneBench, TracerBench};
+use crate::page::{Block, Cell, Column, Fact, Page, Section, Table};
+use crate::plot::number::figure;
+use crate::plot::{Axis, Chart, Course, Draw, Guide, Point, Scale, Series};
+
+/// The page of a report.
+pub fn page(report: &BenchReport) -> Page {
+    let mut sections = Vec::new();
+    sections.extend(overview(&report.scenes));
+    sections.extend(report.scenes.iter().map(scene::section));
+    sections.push(measured(report));
+    Page { title: "Wavefront against recursive".to_owned(), lead: lead(&report.scenes), sections }
+}
+
+/// What was found, in a few sentences.
+fn lead(scenes: &[SceneBench]) -> String {
+    let ratios: Vec<&Ratio> = scenes.iter().filter_map(|scene| scene.ratio.as_ref()).collect();
+    let mut sentences = Vec::new();
+    match ratios[..] {
+        [] => {}
+        [only] => sentences.push(speed(only)),
+        _ => {
+            let faster = |is_so: fn(&Ratio) -> bool| ratios.iter().filter(|r| is_so(r)).count();
+            let wavefront = faster(|r| r.verdict() == "the wavefront is faster");
+            let recursive = faster(|r| r.verdict() == "the recursive tracer is faster");
+            let medians = ratios.iter().map(|ratio| ratio.interval.median);
+            let least = medians.clone().fold(f64::INFINITY, f64::min);
+            let most = medians.fold(0.0, f64::max);
+            sentences.push(format!(
+                "Of {}, the wavefront is faster in {wavefront} and the recursive tracer in \
+                 {recursive}; in {} neither is shown to be. The wavefront is {least:.3} to \
+                 {most:.3} times as fast as the recursive tracer.",
+                plural(ratios.len(), "scene"),
+                ratios.len() - wavefront - recursive,
+            ));
+        }
+    }
+    let different = scenes.iter().filter(|scene| !scene.equal).count();
+    sentences.push(match different {
+        0 if scenes.is_empty() => "Nothing was measured.".to_owned(),
+        0 => "Every image was the same to the last bit.".to_owned(),
+        _ => format!(
+            "The tracers disagree in {}: there no time is told.",
+            plural(different, "scene")
+        ),
+    });
+    sentences.join(" ")
+}
+
+/// One ratio in a sentence.
+fn speed(ratio: &Ratio) -> String {
+    format!(
+        "The wavefront is {:.3} times as fast as the recursive tracer ({}): {}.",
+        ratio.interval.median,
+        interval(ratio),
+        ratio.verdict()
+    )
+}
+
+/// Where a median is, and how surely.
+fn interval(ratio: &Ratio) -> String {
+    let (i, pairs) = (&ratio.interval, plural(ratio.pairs, "pair"));
+    let percent = 100.0 * i.confidence;
+    format!("{:.3} to {:.3} with {percent:.1}\u{a0}% confidence, {pairs} of runs", i.low, i.high)
+}
+
+/// All scenes side by side.
+fn overview(scenes: &[SceneBench]) -> Option<Section> {
+    let measured: Vec<Both<'_>> = scenes.iter().filter_map(Both::of).collect();
+    if measured.is_empty() {
+        return None;
+    }
+    let blocks = vec![
+        Block::paragraph(
+            "Both tracers render each scene in turn, pair by pair, so that what slows the machine \
+             down for a while slows both down. The ratio of their times is taken pair by pair.",
+        ),
+        Block::Chart(ratios(&measured)),
+        Block::Table(table(&measured)),
+        Block::Chart(rates(&measured)),
+    ];
+    Some(Section::new("Speed", blocks))
+}
+
+/// A scene in which both were timed.
+struct Both<'a> {
+    scene: &'a SceneBench,
+    wavefront: &'a TracerBench,
+    recursive: &'a TracerBench,
+    ratio: &'a Ratio,
+}
+
+impl<'a> Both<'a> {
+    fn of(scene: &'a SceneBench) -> Option<Self> {
+        let (wavefront, recursive) = (scene.wavefront.as_ref()?, scene.recursive.as_ref()?);
+        Some(Self { scene, wavefront, recursive, ratio: scene.ratio.as_ref()? })
+    }
+}
+
+fn ratios(measured: &[Both<'_>]) -> Chart {
+    let points = measured.iter().enumerate().map(|(row, both)| {
+        let i = &both.ratio.interval;
+        let label = format!("{}; {}", interval(both.ratio), both.ratio.verdict());
+        Point::new(row as f64, i.median).within(i.low, i.high).labelled(label)
+    });
+    let names = measured.iter().map(|both| both.scene.scene.clone()).collect();
+    ratio_chart(
+        "Speed of the wavefront over that of the recursive tracer",
+        &format!(
+            "A point is the median of the pairs, its whiskers an interval that holds the true \
+             median, by {METHOD}. Right of the line the wavefront is faster."
+        ),
+        Axis::new("scene", "", Scale::Names(names)),
+        points.collect(),
+    )
+}
+
+/// Ratios of speeds, a row each, and a line where both are as fast.
+fn ratio_chart(title: &str, caption: &str, x: Axis, points: Vec<Point>) -> Chart {
+    Chart {
+        title: title.to_owned(),
+        x,
+        y: Axis::new("times as fast", "", Scale::Linear),
+        series: vec![Series { name: String::new(), draw: Draw::Points, points }],
+        guides: vec![Guide { name: "equally fast".to_owned(), course: Course::AtY(1.0) }],
+        caption: caption.to_owned(),
+    }
+}
+
+/// Rays of each kind a second.
+fn rates(measured: &[Both<'_>]) -> Chart {
+    let (mut names, mut wavefront, mut recursive) = (Vec::new(), Vec::new(), Vec::new());
+    for both in measured {
+        let rays = &both.scene.rays;
+        let (w, r) = (&both.wavefront.rays_s, &both.recursive.rays_s);
+        let kinds = [
+            ("primary", rays.primary, w.primary, r.primary),
+            ("secondary", rays.secondary, w.secondary, r.secondary),
+            ("shadow", rays.shadow, w.shadow, r.shadow),
+        ];
+        for (kind, count, w, r) in kinds.into_iter().filter(|(_, count, ..)| *count > 0) {
+            let row = names.len() as f64;
+            let label = format!("{} rays in a run", figure(count as f64));
+            wavefront.push(Point::new(row, w / 1e6).labelled(label.clone()));
+            recursive.push(Point::new(row, r / 1e6).labelled(label));
+            names.push(match measured {
+                [_] => kind.to_owned(),
+                _ => format!("{}, {kind}", both.scene.scene),
+            });
+        }
+    }
+    let series = |name: &str, points| Series { name: name.to_owned(), draw: Draw::Points, points };
+    Chart {
+        title: "Rays by kind".to_owned(),
+        x: Axis::new("rays", "", Scale::Names(names)),
+        y: Axis::new("million rays a second", "", Scale::FromZero),
+        series: vec![series("wavefront", wavefront), series("recursive", recursive)],
+        guides: Vec::new(),
+        caption: "Rays of a kind in the median time of a whole run, the other kinds included."
+            .to_owned(),
+    }
+}
+
+fn table(measured: &[Both<'_>]) -> Table {
+    let row = |both: &Both<'_>| {
+        let Both { scene, wavefront, recursive, ratio } = both;
+        let whole = |count: u64| Cell::number(count as f64, figure(count as f64));
+        vec![
+            Cell::text(format!("`{}`", scene.scene)),
+            whole(scene.triangles as u64),
+            whole(scene.rays.all()),
+            Cell::number(wavefront.mrays_s, format!("{:.3}", wavefront.mrays_s)),
+            Cell::number(recursive.mrays_s, format!("{:.3}", recursive.mrays_s)),
+            ratio_cell(ratio),
+        ]
+    };
+    Table {
+        caption:
+            "Rays of every kind, in millions a second by the median time, and the ratio of the \
+                  speeds with its interval."
+                .to_owned(),
+        columns: vec![
+            Column::words("scene"),
+            Column::numbers("triangles"),
+            Column::numbers("rays"),
+            Column::numbers("wavefront"),
+            Column::numbers("recursive"),
+            Column::numbers("ratio"),
+        ],
+        rows: measured.iter().map(row).collect(),
+    }
+}
+
+fn ratio_cell(ratio: &Ratio) -> Cell {
+    let i = &ratio.interval;
+    Cell::number(i.median, format!("{:.3} ({:.3} to {:.3})", i.median, i.low, i.high))
+}
+
+/// What a difference is, in words.
+fn verdict(difference: &Difference) -> String {
+    super::text::verdict(difference)
+}
+
+/// The machine, the program and the command.
+fn measured(report: &BenchReport) -> Section {
+    let Machine { processor, cores, threads, os, hardware_missing } = &report.machine;
+    let mut facts = vec![
+        Fact::new("processor", processor.as_deref().unwrap_or("unknown")),
+        Fact::new("cores", cores.to_string()),
+        Fact::new("threads", threads.to_string()),
+        Fact::new("system", os),
+        Fact::new("wavecrest", report.version),
+    ];
+    let why = hardware_missing
+        .iter()
+        .map(|why| Fact::new("counts of the processor", format!("none: {why}")));
+    facts.extend(why);
+    let words: Vec<String> = report.command.iter().map(|word| quoted(word)).collect();
+    Section::new(
+        "How it was measured",
+        vec![Block::Facts(facts), Block::Code(format!("wavecrest {}", words.join(" ")))],
+    )
+}
+
+/// A word of a command, as a shell takes it for one word.
+fn quoted(word: &str) -> String {
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_./,=:+%@".contains(c);
+    if !word.is_empty() && word.chars().all(is_plain) {
+        return word.to_owned();
+    }
+    format!("'{}'", word.replace('\'', "'\\''"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_shell_takes_each_word_for_one() {
+        let words = ["a/b.json", "two words", "it's", "", "$x"].map(quoted);
+        assert_eq!(words, ["a/b.json", "'two words'", "'it'\\''s'", "''", "'$x'"]);
+    }
+}

@@ -1,0 +1,126 @@
+//! The wavefront against itself, on the page.
+
+use super::scene::{average, bar};
+use super::{interval, ratio_cell, ratio_chart, verdict};
+use crate::bench::SceneBench;
+use crate::bench::compare::{Axis as Compared, Comparison, VariantBench};
+use crate::bench::rows::unit;
+use crate::bench::text::plural;
+use crate::page::{Block, Cell, Column, Table};
+use crate::plot::{Axis, Point, Scale, StackedBars};
+
+/// What was found of several choices.
+pub(super) fn blocks(scene: &SceneBench, found: &Comparison) -> Vec<Block> {
+    let name = name(found.of);
+    let mut blocks = vec![Block::Heading(format!("The wavefront by {name}"))];
+    if let Some(different) = &found.difference {
+        let label = found.of.label(&different.variant);
+        let text = format!("With {label}: {}", verdict(&different.difference));
+        blocks.push(Block::Warning(text));
+        return blocks;
+    }
+    let labels: Vec<String> =
+        found.variants.iter().map(|each| found.of.label(&each.variant)).collect();
+    let points = found.variants.iter().enumerate().map(|(row, each)| {
+        let i = &each.ratio.interval;
+        Point::new(row as f64, i.median).within(i.low, i.high).labelled(interval(&each.ratio))
+    });
+    let usual = labels.first().cloned().unwrap_or_default();
+    blocks.push(Block::Chart(ratio_chart(
+        &format!("Speed by {name}"),
+        &format!(
+            "Over that of {usual}, the usual choice, round by round: {}, every image the same. \
+             Right of the line a choice is faster.",
+            plural(found.rounds, "round")
+        ),
+        Axis::new(name, "", Scale::Names(labels.clone())),
+        points.collect(),
+    )));
+    blocks.push(Block::Table(times(found)));
+    let bars = found.variants.iter().zip(&labels);
+    blocks.push(Block::Bars(StackedBars {
+        title: format!("Time by pass, for each {name}"),
+        bars: bars.map(|(each, label)| bar(label, &each.bench.passes)).collect(),
+        caption: "Medians of the runs, summed over threads.".to_owned(),
+    }));
+    blocks.push(Block::Table(work(found)));
+    blocks.extend(hardware(scene, found).map(Block::Table));
+    blocks
+}
+
+/// What is compared, as the name of one choice.
+fn name(of: Compared) -> &'static str {
+    match of {
+        Compared::Kernels => "kernel",
+        Compared::Levels => "set of vector instructions",
+        Compared::Batches => "size of batches",
+        Compared::Plan => "plan",
+    }
+}
+
+/// A table with a row for each choice.
+fn table<const N: usize>(
+    found: &Comparison,
+    caption: &str,
+    names: [&str; N],
+    cells: impl Fn(&VariantBench) -> [Cell; N],
+) -> Table {
+    let row = |each: &VariantBench| {
+        let label = Cell::text(found.of.label(&each.variant));
+        std::iter::once(label).chain(cells(each)).collect()
+    };
+    let first = Column::words(name(found.of));
+    Table {
+        caption: caption.to_owned(),
+        columns: std::iter::once(first).chain(names.map(Column::numbers)).collect(),
+        rows: found.variants.iter().map(row).collect(),
+    }
+}
+
+fn times(found: &Comparison) -> Table {
+    let longest = found.variants.iter().map(|each| each.bench.seconds.median).fold(0.0, f64::max);
+    let (scale, second) = unit(longest);
+    let caption = "Medians of the runs, how far their quartiles are apart, and the ratio of the \
+                   speeds with its interval.";
+    let names = [&format!("median, {second}"), "spread", "Mrays/s", "ratio"];
+    table(found, caption, names, |each| {
+        let bench = &each.bench;
+        let (median, spread) = (scale * bench.seconds.median, 100.0 * bench.seconds.spread());
+        [
+            Cell::number(median, format!("{median:.3}")),
+            Cell::number(spread, format!("{spread:.1} %")),
+            Cell::number(bench.mrays_s, format!("{:.3}", bench.mrays_s)),
+            ratio_cell(&each.ratio),
+        ]
+    })
+}
+
+fn work(found: &Comparison) -> Table {
+    let caption = "Tests for each ray, and how many of the rays that look for the closest hit go \
+                   together: of a packet at a node, and in flight in a round.";
+    let names = ["nodes a ray", "primitives a ray", "at a node", "in a round"];
+    table(found, caption, names, |each| {
+        let tests = &each.bench.tests_per_ray;
+        let [nodes, primitives] =
+            [tests.nodes, tests.primitives].map(|tests| Cell::number(tests, format!("{tests:.2}")));
+        let closest = &each.bench.kernels.closest;
+        [nodes, primitives, average(closest.rays_a_node), average(closest.rays_a_round)]
+    })
+}
+
+/// What the processor counted, for each ray, where it did.
+fn hardware(scene: &SceneBench, found: &Comparison) -> Option<Table> {
+    let names = found.variants.first()?.bench.hardware?.each().map(|(name, _)| name);
+    let rays = scene.rays.all().max(1) as f64;
+    let cell = |count: Option<u64>| match count {
+        Some(count) => {
+            let value = count as f64 / rays;
+            Cell::number(value, format!("{value:.3}"))
+        }
+        None => Cell::text("–"),
+    };
+    Some(table(found, "Counted by the processor, for each ray.", names, |each| {
+        let counts = each.bench.hardware.unwrap_or_default().each();
+        counts.map(|(_, count)| cell(count))
+    }))
+}

@@ -1,0 +1,169 @@
+//! One scene on the page.
+
+use serde_json::{Map, Value};
+
+use super::{Both, compared, speed, verdict};
+use crate::bench::rows::{Row, rows};
+use crate::bench::text::{contents, plural};
+use crate::bench::{SceneBench, TracerBench};
+use crate::page::{Block, Cell, Column, Details, Fact, Section, Table};
+use crate::plot::number::{figure, time_unit};
+use crate::plot::{
+    Axis, Bar, Chart, Course, Draw, Guide, Point, Scale, Segment, Series, StackedBars,
+};
+use crate::statistics::ClassUse;
+
+/// The section of a scene.
+pub(super) fn section(scene: &SceneBench) -> Section {
+    let mut blocks = Vec::new();
+    if let Some(difference) = &scene.difference {
+        blocks.push(Block::Warning(verdict(difference)));
+    }
+    let both = Both::of(scene);
+    if let Some(both) = &both {
+        blocks.push(Block::Paragraph(speed(both.ratio)));
+    }
+    blocks.extend(scene.warnings.iter().cloned().map(Block::Warning));
+    if let Some(both) = &both {
+        let tracers = [("wavefront", both.wavefront), ("recursive", both.recursive)];
+        let bars = tracers.map(|(name, tracer)| bar(name, &tracer.passes));
+        blocks.push(Block::Bars(StackedBars {
+            title: "Time by pass".to_owned(),
+            bars: bars.to_vec(),
+            caption:
+                "Medians of the runs, summed over threads. The recursive tracer has no passes."
+                    .to_owned(),
+        }));
+        blocks.push(Block::Chart(runs(both)));
+        blocks.push(Block::Table(table(both)));
+    }
+    blocks.push(Block::Facts(facts(scene)));
+    if let Some(both) = &both {
+        blocks.push(Block::Details(kernels(scene, both.wavefront)));
+    }
+    scene.comparisons.iter().for_each(|found| blocks.extend(compared::blocks(scene, found)));
+    Section::new(format!("`{}`", scene.scene), blocks)
+}
+
+/// The time of each pass.
+pub(super) fn bar(name: &str, passes: &Map<String, Value>) -> Bar {
+    let segment = |(stage, pass): (&String, &Value)| {
+        let seconds = pass["seconds"].as_f64().unwrap_or_default();
+        Segment { stage: stage.clone(), seconds }
+    };
+    Bar { name: name.to_owned(), segments: passes.iter().map(segment).collect() }
+}
+
+/// Every run, in the order in which they were made.
+fn runs(both: &Both<'_>) -> Chart {
+    let slower = f64::max(both.wavefront.seconds.median, both.recursive.seconds.median);
+    let (scale, unit) = time_unit(slower);
+    let series = |name: &str, tracer: &TracerBench| {
+        let each = tracer.seconds.each.iter().enumerate();
+        let points = each.map(|(run, seconds)| Point::new(run as f64 + 1.0, seconds * scale));
+        Series { name: name.to_owned(), draw: Draw::Points, points: points.collect() }
+    };
+    let median = |name: &str, tracer: &TracerBench| Guide {
+        name: name.to_owned(),
+        course: Course::AtY(tracer.seconds.median * scale),
+    };
+    Chart {
+        title: "Each run".to_owned(),
+        x: Axis::new("pair of runs", "", Scale::Linear),
+        y: Axis::new("time", unit, Scale::FromZero),
+        series: vec![series("wavefront", both.wavefront), series("recursive", both.recursive)],
+        guides: vec![median("median", both.wavefront), median("median", both.recursive)],
+        caption:
+            "Time on the clock, in the order in which the pairs were run; lines at the medians."
+                .to_owned(),
+    }
+}
+
+fn table(both: &Both<'_>) -> Table {
+    let cell = |value: f64| Cell::number(value, format!("{value:.3}"));
+    let row = |Row { name, values: [a, b], unit }: Row| {
+        vec![Cell::text(name), cell(a), cell(b), Cell::text(unit)]
+    };
+    Table {
+        caption: "Time, work and rate of one run.".to_owned(),
+        columns: vec![
+            Column::words(""),
+            Column::numbers("wavefront"),
+            Column::numbers("recursive"),
+            Column::words("unit"),
+        ],
+        rows: rows(both.scene, both.wavefront, both.recursive).into_iter().map(row).collect(),
+    }
+}
+
+/// What was run.
+fn facts(scene: &SceneBench) -> Vec<Fact> {
+    let image = &scene.image;
+    let samples = plural(image.samples_per_pixel as usize, "camera ray");
+    let rays = &scene.rays;
+    let [primary, secondary, shadow] =
+        [rays.primary, rays.secondary, rays.shadow].map(|count| figure(count as f64));
+    let time = &scene.time;
+    let preset = scene.preset.name();
+    let mut facts = vec![
+        Fact::new("image", format!("{} × {} pixels, {samples} each", image.width, image.height)),
+        Fact::new("scene", contents(scene)),
+        Fact::new(
+            "rays in a run",
+            format!("{primary} primary, {secondary} secondary, {shadow} shadow"),
+        ),
+        Fact::new(
+            "prepared",
+            format!("loaded in {:.3} s, tree ({preset}) built in {:.3} s", time.load, time.build),
+        ),
+    ];
+    facts.extend(scene.memory.peak.map(|peak| {
+        Fact::new("peak memory", format!("{:.1} MB, of the program so far", peak as f64 / 1e6))
+    }));
+    facts.extend([
+        Fact::new("kernel", scene.kernel.name()),
+        Fact::new("vector instructions", scene.simd.name()),
+        Fact::new("precision", scene.precision.name()),
+        Fact::new("paths in a batch", scene.batch.to_string()),
+        Fact::new("seed", scene.seed.to_string()),
+    ]);
+    facts
+}
+
+/// Who takes the wavefront's rays through the tree.
+fn kernels(scene: &SceneBench, wavefront: &TracerBench) -> Details {
+    let rays = &scene.rays;
+    let classes = [
+        ("closest hit", rays.primary + rays.secondary, &wavefront.kernels.closest),
+        ("shadow", rays.shadow, &wavefront.kernels.shadow),
+    ];
+    let row = |(name, _, used): (&str, u64, &ClassUse)| {
+        let counts = [used.packet, used.handed_over, used.stream, used.single];
+        let counts = counts.map(|count| Cell::number(count as f64, figure(count as f64)));
+        let together = [used.rays_a_node, used.rays_a_round].map(average);
+        [vec![Cell::text(name)], counts.to_vec(), together.to_vec()].concat()
+    };
+    let rows = classes.into_iter().filter(|(_, rays, _)| *rays > 0).map(row).collect();
+    let names = [
+        "in packets",
+        "handed over",
+        "in flight",
+        "alone",
+        "of a packet at a node",
+        "in flight in a round",
+    ];
+    let columns = std::iter::once(Column::words("rays")).chain(names.map(Column::numbers));
+    let table = Table { caption: String::new(), columns: columns.collect(), rows };
+    Details {
+        summary: "Rays of the wavefront by kernel".to_owned(),
+        blocks: vec![Block::Table(table)],
+    }
+}
+
+/// A number of rays, where there are any.
+pub(super) fn average(rays: Option<f64>) -> Cell {
+    match rays {
+        Some(rays) => Cell::number(rays, format!("{rays:.1}")),
+        None => Cell::text("–"),
+    }
+}

@@ -1,0 +1,198 @@
+//! A benchmark as text: aligned tables for a terminal, with the work beside the time.
+
+use std::fmt::Write as _;
+
+use super::measure::{Difference, Pixel};
+use super::rows::{Row, rows, unit};
+use super::{Machine, Ratio, SceneBench, TracerBench};
+use crate::statistics::ClassUse;
+
+mod compared;
+
+pub use compared::comparison;
+
+/// The machine on one line.
+pub fn machine(machine: &Machine) -> String {
+    let processor = machine.processor.as_deref().unwrap_or("unknown processor");
+    let Machine { cores, threads, os, .. } = machine;
+    let (cores, threads) = (plural(*cores, "core"), plural(*threads, "thread"));
+    let mut text = format!("{processor}, {cores}, {threads}, {os}\n");
+    if let Some(why) = &machine.hardware_missing {
+        let _ = writeln!(text, "no counts of the processor: {why}");
+    }
+    text
+}
+
+/// The table of one scene.
+pub fn scene(report: &SceneBench) -> String {
+    let mut text = head(report);
+    match &report.difference {
+        Some(difference) => {
+            let _ = writeln!(text, "\n{}", verdict(difference));
+        }
+        None => {
+            if let (Some(wavefront), Some(recursive)) = (&report.wavefront, &report.recursive) {
+                text += &table(report, wavefront, recursive);
+                text += &passes(wavefront);
+                text += &kernels(report, wavefront);
+            }
+            if let Some(ratio) = &report.ratio {
+                let _ = writeln!(text, "  speed of the wavefront over the recursive tracer");
+                let _ = writeln!(text, "    {}; {}", interval(ratio), ratio.verdict());
+            }
+            report.comparisons.iter().for_each(|compared| text += &comparison(compared));
+        }
+    }
+    text
+}
+
+/// How the tracers differ, in words.
+pub fn verdict(difference: &Difference) -> String {
+    match difference {
+        Difference::Pixel { tracer, x, y, expected, found } => format!(
+            "THE IMAGES DIFFER: the first pixel that a {tracer:?} run has otherwise than the first \
+             Wavefront run is at column {x}, row {y}:\n  {}, where the first has\n  {}",
+            pixel(found),
+            pixel(expected)
+        ),
+        Difference::Work { tracer, count, expected, found } => format!(
+            "THE WORK DIFFERS: a {tracer:?} run counts {found} {count}, where the first Wavefront \
+             run counts {expected}; the images are the same"
+        ),
+    }
+}
+
+/// One line a scene, for when there are several.
+pub fn summary(reports: &[SceneBench]) -> String {
+    let names = reports.iter().map(|r| r.scene.chars().count());
+    let width = names.max().unwrap_or(0).max("scene".len());
+    let mut text = format!(
+        "{:<width$}{:>12}{:>12}{:>14}{:>14}  wavefront / recursive (interval)\n",
+        "scene", "triangles", "rays", "wavefront", "recursive"
+    );
+    let _ = writeln!(text, "{:<width$}{:>12}{:>12}{:>14}{:>14}", "", "", "", "Mrays/s", "Mrays/s");
+    for report in reports {
+        let (name, triangles, rays) = (&report.scene, report.triangles, report.rays.all());
+        let _ = write!(text, "{name:<width$}{triangles:>12}{rays:>12}");
+        let _ = match (&report.wavefront, &report.recursive, &report.ratio) {
+            (Some(w), Some(r), Some(ratio)) => {
+                let (w, r, i) = (w.mrays_s, r.mrays_s, &ratio.interval);
+                writeln!(
+                    text,
+                    "{w:>14.3}{r:>14.3}  {:.3} ({:.3} to {:.3})",
+                    i.median, i.low, i.high
+                )
+            }
+            _ => writeln!(text, "{:>14}{:>14}  THE TRACERS DISAGREE", "-", "-"),
+        };
+    }
+    text
+}
+
+fn head(report: &SceneBench) -> String {
+    let image = &report.image;
+    let mut text = format!("{}\n", report.scene);
+    let mut row = |name: &str, value: String| {
+        let _ = writeln!(text, "  {name:<14}{value}");
+    };
+    let size = format!("{} x {} pixels", image.width, image.height);
+    row("image", format!("{size}, {}", plural(image.samples_per_pixel as usize, "camera ray")));
+    row("scene", contents(report));
+    let seconds = &report.time;
+    let preset = report.preset.name();
+    row(
+        "prepared",
+        format!("loaded in {:.3} s, tree ({preset}) built in {:.3} s", seconds.load, seconds.build),
+    );
+    if let Some(peak) = report.memory.peak {
+        row("peak memory", format!("{:.1} MB, of the program so far", peak as f64 / 1e6));
+    }
+    let rays = &report.rays;
+    let (primary, secondary, shadow) = (rays.primary, rays.secondary, rays.shadow);
+    row("rays a run", format!("{primary} primary, {secondary} secondary, {shadow} shadow"));
+    if let Some(ratio) = &report.ratio {
+        let pairs = plural(ratio.pairs, "pair");
+        row("runs", format!("{pairs}, every image the same to the last bit"));
+    }
+    text
+}
+
+/// What is in the scene.
+pub(super) fn contents(report: &SceneBench) -> String {
+    let kinds = [
+        (report.triangles, "triangle"),
+        (report.quads, "quad"),
+        (report.spheres, "sphere"),
+        (report.lights, "light"),
+    ];
+    let present = kinds.iter().filter(|(count, _)| *count > 0);
+    let words: Vec<_> = present.map(|(count, name)| plural(*count, name)).collect();
+    if words.is_empty() { "nothing".to_owned() } else { words.join(", ") }
+}
+
+/// Time, rate and tests of the two side by side.
+fn table(report: &SceneBench, wavefront: &TracerBench, recursive: &TracerBench) -> String {
+    let mut text = format!("\n  {:<24}{:>12}{:>12}\n", "", "wavefront", "recursive");
+    for Row { name, values: [a, b], unit } in rows(report, wavefront, recursive) {
+        let _ = writeln!(text, "  {name:<24}{a:>12.3}{b:>12.3}  {unit}");
+    }
+    text
+}
+
+/// Where the wavefront's time goes.
+fn passes(wavefront: &TracerBench) -> String {
+    let number = |pass: &serde_json::Value, key| pass[key].as_f64().unwrap_or_default();
+    let seconds = wavefront.passes.values().map(|pass| number(pass, "seconds"));
+    let (scale, second) = unit(seconds.fold(0.0, f64::max));
+    let mut text = "  passes of the wavefront, summed over threads\n".to_owned();
+    for (name, pass) in &wavefront.passes {
+        let (time, share) = (scale * number(pass, "seconds"), 100.0 * number(pass, "share"));
+        let _ = writeln!(text, "    {name:<22}{time:>12.3} {second:<2}{share:>8.1} %");
+    }
+    text
+}
+
+/// Who takes the wavefront's rays through the tree.
+fn kernels(report: &SceneBench, wavefront: &TracerBench) -> String {
+    let (kernel, simd) = (report.kernel.name(), report.simd.name());
+    let mut text = format!("  rays of the wavefront by kernel ({kernel}, {simd})\n");
+    let mut class = |name: &str, rays: u64, used: &ClassUse| {
+        if rays == 0 {
+            return;
+        }
+        let ClassUse { packet, handed_over, stream, single, .. } = used;
+        let _ = writeln!(
+            text,
+            "    {name:<14}{packet} in packets ({handed_over} handed over), {stream} in flight, \
+             {single} alone\n    {:<14}{} rays of a packet at a node, {} in flight in a round",
+            "",
+            average(used.rays_a_node),
+            average(used.rays_a_round)
+        );
+    };
+    let (rays, used) = (&report.rays, &wavefront.kernels);
+    class("closest hit", rays.primary + rays.secondary, &used.closest);
+    class("shadow", rays.shadow, &used.shadow);
+    text
+}
+
+/// A number of rays, where there are any.
+fn average(rays: Option<f64>) -> String {
+    rays.map_or_else(|| "-".to_owned(), |rays| format!("{rays:.1}"))
+}
+
+fn interval(ratio: &Ratio) -> String {
+    let (i, n) = (&ratio.interval, plural(ratio.pairs, "pair"));
+    let percent = 100.0 * i.confidence;
+    format!("{:.3} ({:.3} to {:.3} with {percent:.1} % confidence, {n})", i.median, i.low, i.high)
+}
+
+fn pixel(pixel: &Pixel) -> String {
+    let ([r, g, b], bits) = (pixel.values, pixel.bits.join(" "));
+    format!("{r:?} {g:?} {b:?} (bits {bits})")
+}
+
+/// A number of things by name.
+pub(super) fn plural(count: usize, name: &str) -> String {
+    if count == 1 { format!("1 {name}") } else { format!("{count} {name}s") }
+}

@@ -1,0 +1,251 @@
+//! What each effect costs: a price list, measured on this machine.
+//!
+//! [`scenes`] makes a small scene, and variants of it that each add one effect. All variants run in turn,
+//! with both tracers, round by round, so that what slows the machine down for a while slows all of them
+//! down. The price of an effect is the ratio of its scene's time to that of the scene that it was added to,
+//! round by round. Images are checked: both tracers give the same, in every round, and an effect that
+//! nothing leads to gives the image and the work of the scene without it.
+//!
+//! | key | unit | meaning |
+//! |---|---|---|
+//! | `version`, `machine` | | as in [`super::bench`] |
+//! | `image.width`, `.height` | pixels | the size of all images |
+//! | `simd`, `kernel`, `precision`, `batch` | | how they were made |
+//! | `rounds` | | timed rounds, each of one run of every scene with each tracer |
+//! | `difference` | | what ended it, or `null`: the effect, the tracer, and how its image or its work differs |
+//! | `effects` | | one entry for each scene, empty where images differ: |
+//! | `.effect`, `.added_to` | | what was added, and to what (`null` for the first scenes) |
+//! | `.reached` | | whether anything shows it |
+//! | `.simulated` | | the effects that the plan has for it |
+//! | `.rays`, `.samples` | | what one render of it counts |
+//! | `.bytes_per_path` | bytes | in the columns of the wavefront |
+//! | `.wavefront`, `.recursive` | | what it costs with this tracer: |
+//! | `.seconds` | seconds | of a run, as in [`super::bench`] |
+//! | `.seconds_per_mpixel`, `.seconds_per_mray` | seconds | the median for 10^6 pixels, and for 10^6 rays of any kind |
+//! | `.price` | | seconds over those of the scene that it was added to: median and interval, as in [`super::bench`]; `null` for the first scenes |
+
+pub mod scenes;
+mod text;
+
+use serde::Serialize;
+
+use crate::bench::measure::{Difference, Schedule, difference, order};
+use crate::bench::{Machine, Ratio};
+use crate::statistics::{Rays, Samples};
+use crate::summary::Summary;
+use scenes::Variant;
+use wavecrest_base::error::Result;
+use wavecrest_core::accel::KernelChoice;
+use wavecrest_core::counters::Counters;
+use wavecrest_core::kernels::precision::Precision;
+use wavecrest_core::math::simd::Level;
+use wavecrest_core::prepared::PreparedScene;
+use wavecrest_core::render::{Rendered, TracerKind};
+use wavecrest_core::wavefront::batch::Batch;
+
+pub use text::text;
+
+/// See the module documentation: fields are named as in the JSON.
+#[derive(Clone, Debug, Serialize)]
+#[allow(missing_docs, reason = "the table above says it once, for the JSON and for the fields")]
+pub struct PriceList {
+    pub version: &'static str,
+    pub machine: Machine,
+    pub image: Size,
+    #[serde(flatten)]
+    pub setting: Setting,
+    pub rounds: usize,
+    pub difference: Option<EffectDifference>,
+    pub effects: Vec<Price>,
+}
+
+/// The size of all images.
+#[derive(Clone, Copy, Debug, Serialize)]
+#[allow(missing_docs, reason = "see the module documentation")]
+pub struct Size {
+    pub width: u32,
+    pub height: u32,
+}
+
+/// How images are made.
+#[derive(Clone, Copy, Debug, Serialize)]
+#[allow(missing_docs, reason = "see the module documentation")]
+pub struct Setting {
+    pub simd: Level,
+    pub kernel: KernelChoice,
+    pub precision: Precision,
+    pub batch: usize,
+}
+
+/// What one effect costs.
+#[derive(Clone, Debug, Serialize)]
+#[allow(missing_docs, reason = "see the module documentation")]
+pub struct Price {
+    pub effect: &'static str,
+    pub added_to: Option<&'static str>,
+    pub reached: bool,
+    pub simulated: Vec<&'static str>,
+    pub rays: Rays,
+    pub samples: Samples,
+    pub bytes_per_path: usize,
+    pub wavefront: Cost,
+    pub recursive: Cost,
+}
+
+/// What it costs with one tracer.
+#[derive(Clone, Debug, Serialize)]
+#[allow(missing_docs, reason = "see the module documentation")]
+pub struct Cost {
+    pub seconds: Summary,
+    pub seconds_per_mpixel: f64,
+    pub seconds_per_mray: f64,
+    pub price: Option<Ratio>,
+}
+
+/// What ended the measurement.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct EffectDifference {
+    /// The effect whose scene differs.
+    pub effect: &'static str,
+    /// How.
+    pub difference: Difference,
+}
+
+/// A scene of the list, made ready.
+#[derive(Debug)]
+pub struct Entry {
+    /// What it shows.
+    pub variant: Variant,
+    /// The scene.
+    pub scene: PreparedScene,
+}
+
+/// What has been found of an entry: its first render, and the seconds of each timed run.
+struct Runs {
+    first: Option<Rendered>,
+    seconds: [Vec<f64>; TRACERS.len()],
+}
+
+const TRACERS: [TracerKind; 2] = [TracerKind::Wavefront, TracerKind::Recursive];
+
+/// Runs `trace` on all `entries` in turn as `schedule` says, with rounds in place of pairs. `progress` is
+/// told the rounds timed and those to be timed in all.
+///
+/// # Errors
+/// Those of `trace`.
+pub fn measure(
+    entries: &[Entry],
+    setting: Setting,
+    schedule: &Schedule,
+    mut trace: impl FnMut(&PreparedScene, TracerKind) -> Result<Rendered>,
+    progress: &mut dyn FnMut(usize, usize),
+) -> Result<PriceList> {
+    let new = || Runs { first: None, seconds: Default::default() };
+    let mut runs: Vec<Runs> = entries.iter().map(|_| new()).collect();
+    for round in 0.. {
+        for turn in 0..entries.len() {
+            let index = (turn + round) % entries.len();
+            for tracer in order(round) {
+                let run = trace(&entries[index].scene, tracer)?;
+                if let Some(difference) = runs[index].add(tracer, run, round >= schedule.warmup) {
+                    return Ok(differs(entries, setting, index, difference));
+                }
+            }
+        }
+        if let Some((index, difference)) = unreached_differs(entries, &runs) {
+            return Ok(differs(entries, setting, index, difference));
+        }
+        let done = runs.first().map_or(0, |runs| runs.seconds[0].len());
+        let sums = runs.iter().flat_map(|runs| &runs.seconds).map(|seconds| seconds.iter().sum());
+        let planned = schedule.planned(done, sums.reduce(f64::min).unwrap_or_default());
+        progress(done, planned);
+        if done >= planned || entries.is_empty() {
+            break;
+        }
+    }
+    let prices = (0..entries.len()).filter_map(|index| price(entries, &runs, index)).collect();
+    let rounds = runs.first().map_or(0, |runs| runs.seconds[0].len());
+    Ok(list(entries, setting, rounds, prices))
+}
+
+impl Runs {
+    /// Adds a run, and says how it differs from the first.
+    fn add(&mut self, tracer: TracerKind, run: Rendered, timed: bool) -> Option<Difference> {
+        if timed {
+            // A clock that did not move still moved by less than its step.
+            self.seconds[tracer as usize].push(run.seconds.max(1e-9));
+        }
+        match &self.first {
+            Some(first) => difference(tracer, first, &run),
+            None => {
+                self.first = Some(run);
+                None
+            }
+        }
+    }
+}
+
+/// The first effect that nothing leads to and that is seen all the same, in the image or in the work.
+fn unreached_differs(entries: &[Entry], runs: &[Runs]) -> Option<(usize, Difference)> {
+    entries.iter().enumerate().filter(|(_, entry)| !entry.variant.reached).find_map(|(index, e)| {
+        let base = runs[e.variant.added_to?].first.as_ref()?;
+        let run = runs[index].first.as_ref()?;
+        Some((index, difference(TracerKind::Wavefront, base, run)?))
+    })
+}
+
+fn differs(entries: &[Entry], setting: Setting, index: usize, difference: Difference) -> PriceList {
+    let effect = entries[index].variant.name;
+    let difference = Some(EffectDifference { effect, difference });
+    PriceList { difference, ..list(entries, setting, 0, Vec::new()) }
+}
+
+fn list(entries: &[Entry], setting: Setting, rounds: usize, effects: Vec<Price>) -> PriceList {
+    let [width, height] = entries.first().map_or([0; 2], |entry| entry.scene.camera.size());
+    let (version, machine) = (env!("CARGO_PKG_VERSION"), Machine::this());
+    let image = Size { width, height };
+    PriceList { version, machine, image, setting, rounds, difference: None, effects }
+}
+
+fn price(entries: &[Entry], runs: &[Runs], index: usize) -> Option<Price> {
+    let Entry { variant, scene } = &entries[index];
+    let counters = &runs[index].first.as_ref()?.counters;
+    let [wavefront, recursive] = TRACERS.map(|tracer| {
+        let seconds = |index: usize| runs[index].seconds[tracer as usize].as_slice();
+        Cost::new(seconds(index), variant.added_to.map(seconds), scene, counters)
+    });
+    let present = scene.plan.decisions().iter().filter(|decision| decision.present);
+    Some(Price {
+        effect: variant.name,
+        added_to: variant.added_to.map(|base| entries[base].variant.name),
+        reached: variant.reached,
+        simulated: present.map(|decision| decision.effect.name()).collect(),
+        rays: counters.into(),
+        samples: counters.into(),
+        bytes_per_path: Batch::bytes_per_path(scene).iter().map(|(_, bytes)| bytes).sum(),
+        wavefront: wavefront?,
+        recursive: recursive?,
+    })
+}
+
+impl Cost {
+    fn new(
+        seconds: &[f64],
+        base: Option<&[f64]>,
+        scene: &PreparedScene,
+        counters: &Counters,
+    ) -> Option<Self> {
+        let pixels: u64 = scene.camera.size().map(u64::from).iter().product();
+        let summary = Summary::of(seconds)?;
+        let per_million = |count: u64| summary.median / count.max(1) as f64 * 1e6;
+        Some(Self {
+            seconds_per_mpixel: per_million(pixels),
+            seconds_per_mray: per_million(Rays::from(counters).all()),
+            price: base.and_then(|base| Ratio::of(seconds, base)),
+            seconds: summary,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,44 @@
+//! What a render will do at most, told before the first ray.
+
+use serde::Serialize;
+
+use super::statistics::{Rays, Samples};
+use wavecrest_core::kernels::texture::Filter;
+use wavecrest_core::prepared::PreparedScene;
+
+/// Bounds on the work of a render: what it counts is no more, and nothing where nothing is foretold.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Foretold {
+    /// Rays by kind. Camera rays are exact.
+    pub rays: Rays,
+    /// Samples by kind. Those on the lens are exact.
+    pub samples: Samples,
+}
+
+impl Foretold {
+    /// Of a render of so many `pixels` of `scene`: every camera ray meets a mirror and goes on for as many
+    /// bounces as there may be, every hit asks all lights, and every hit wears the texture that takes the
+    /// most texels.
+    pub fn of(scene: &PreparedScene, pixels: u64) -> Self {
+        let primary = pixels * u64::from(scene.camera.rays_per_pixel());
+        let secondary = primary.saturating_mul(u64::from(scene.bounces));
+        let hits = primary.saturating_add(secondary);
+        let points = |sampled_alone: bool| -> u64 {
+            let lights = scene.lights.iter().filter(|l| !sampled_alone || l.is_sampled());
+            lights.map(|light| u64::from(light.samples())).sum()
+        };
+        let worn = scene.looks.shapes.iter().filter_map(|shape| shape.texture.as_ref());
+        let read = |filter: Filter| filter.texels() * filter.levels();
+        let texels = worn.clone().map(|texture| read(texture.filter)).max().unwrap_or(0);
+        let spreads = worn.into_iter().any(|texture| texture.filter == Filter::Trilinear);
+        let carried = if scene.carries_differentials() { secondary } else { 0 };
+        let footprints = if spreads { hits.saturating_add(carried) } else { carried };
+        let shadow = hits.saturating_mul(points(false));
+        let light = hits.saturating_mul(points(true));
+        let lens = if scene.camera.has_lens() { primary } else { 0 };
+        Self {
+            rays: Rays { primary, secondary, shadow },
+            samples: Samples { lens, light, texels: hits.saturating_mul(texels), footprints },
+        }
+    }
+}

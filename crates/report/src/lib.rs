@@ -1,0 +1,13 @@
+//! What renders tell about themselves: benchmarks, sweeps of error against time, hard cases, pages and charts.
+
+pub mod accuracy;
+pub mod bench;
+pub mod effects;
+pub mod foretold;
+mod markup;
+pub mod page;
+pub mod plot;
+pub mod ray_file;
+pub mod selftest;
+pub mod statistics;
+pub mod summary;

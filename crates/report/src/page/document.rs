@@ -1,0 +1,150 @@
+//! The page around its blocks: head, title, contents, sections.
+
+use super::{Page, blocks};
+use crate::markup::escape;
+use crate::plot::STYLE as CHART_STYLE;
+use wavecrest_base::error::Result;
+
+/// The style sheet of a page, besides that of its charts.
+const STYLE: &str = include_str!("style.css");
+
+/// What a page can do with JavaScript.
+const SCRIPT: &str = include_str!("script.js");
+
+/// A page asks for nothing outside itself; this has the browser see to it.
+const POLICY: &str = include_str!("policy.txt");
+
+/// What is written so far, and what is counted on the way.
+#[derive(Debug, Default)]
+pub(super) struct Writer {
+    pub text: String,
+    /// Numbered figures so far.
+    pub figures: usize,
+    /// Numbered tables so far.
+    pub tables: usize,
+}
+
+impl Writer {
+    /// Adds markup.
+    pub(super) fn add(&mut self, markup: &str) {
+        self.text.push_str(markup);
+    }
+
+    /// Adds text between the tags of an element.
+    pub(super) fn element(&mut self, tag: &str, text: &str) {
+        let name = tag.split(' ').next().unwrap_or(tag);
+        self.add(&format!("<{tag}>{}</{name}>\n", inline(text)));
+    }
+}
+
+/// The whole page.
+pub(super) fn write(page: &Page) -> Result<String> {
+    let mut writer = Writer::default();
+    head(&mut writer, page);
+    let names = names(page.sections.iter().map(|section| section.title.as_str()));
+    contents(&mut writer, page, &names);
+    writer.add("<main id=\"content\">\n");
+    for (section, name) in page.sections.iter().zip(&names) {
+        let title = inline(&section.title);
+        writer.add(&format!("<section id=\"{name}\" aria-labelledby=\"{name}-title\">\n"));
+        writer.add(&format!("<h2 id=\"{name}-title\"><a href=\"#{name}\">{title}</a></h2>\n"));
+        blocks::all(&mut writer, &section.blocks)?;
+        writer.add("</section>\n");
+    }
+    writer.add("</main>\n");
+    writer.add(&format!("<script>\n{SCRIPT}</script>\n</body>\n</html>\n"));
+    Ok(writer.text)
+}
+
+fn head(writer: &mut Writer, page: &Page) {
+    let (title, version) = (escape(&page.title), env!("CARGO_PKG_VERSION"));
+    let policy = escape(POLICY.trim());
+    writer.add(&format!(
+        "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+         <meta http-equiv=\"Content-Security-Policy\" content=\"{policy}\">\n\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+         <meta name=\"color-scheme\" content=\"light dark\">\n\
+         <meta name=\"generator\" content=\"wavecrest {version}\">\n\
+         <link rel=\"icon\" href=\"data:,\">\n<title>{title}</title>\n\
+         <style>\n{CHART_STYLE}{STYLE}</style>\n</head>\n<body>\n\
+         <a class=\"skip\" href=\"#content\">Skip to the report</a>\n<header>\n"
+    ));
+    writer.element("h1", &page.title);
+    if !page.lead.is_empty() {
+        writer.element("p class=\"lead\"", &page.lead);
+    }
+    writer.add("</header>\n");
+}
+
+fn contents(writer: &mut Writer, page: &Page, names: &[String]) {
+    if page.sections.is_empty() {
+        return;
+    }
+    writer.add("<nav aria-labelledby=\"contents\">\n<p id=\"contents\">Contents</p>\n<ol>\n");
+    for (section, name) in page.sections.iter().zip(names) {
+        let title = inline(&section.title);
+        writer.add(&format!("<li><a href=\"#{name}\">{title}</a></li>\n"));
+    }
+    writer.add("</ol>\n</nav>\n");
+}
+
+/// A name for each title that an address can end in, all of them different.
+fn names<'a>(titles: impl Iterator<Item = &'a str>) -> Vec<String> {
+    let mut names: Vec<String> = Vec::new();
+    for title in titles {
+        let letters = title.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { ' ' });
+        let words: String = letters.collect::<String>().to_ascii_lowercase();
+        let words: Vec<&str> = words.split_whitespace().collect();
+        let base = format!("s-{}", words.join("-"));
+        let mut numbered =
+            std::iter::once(base.clone()).chain((2..).map(|number| format!("{base}-{number}")));
+        names.extend(numbered.find(|name| !names.contains(name)));
+    }
+    names
+}
+
+/// Text as markup, with words between backticks as code.
+pub(super) fn inline(text: &str) -> String {
+    let parts: Vec<&str> = text.split('`').collect();
+    // With an odd number of backticks the last one is a backtick.
+    let paired = parts.len() - usize::from(parts.len().is_multiple_of(2));
+    let mut out = String::new();
+    for (index, part) in parts.iter().enumerate() {
+        match index {
+            _ if index >= paired => out.push('`'),
+            _ if index % 2 == 1 => {
+                // A path may be broken between its parts, and only there.
+                let code = escape(part).replace('/', "/<wbr>");
+                out.push_str(&format!("<code>{code}</code>"));
+                continue;
+            }
+            _ => {}
+        }
+        out.push_str(&escape(part));
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_between_backticks_are_code() {
+        assert_eq!(inline("run `a<b` & go"), "run <code>a&lt;b</code> &amp; go");
+        assert_eq!(inline("a ` b"), "a ` b");
+        assert_eq!(inline("`a` and `b"), "<code>a</code> and `b");
+        assert_eq!(inline("`a/b`/c"), "<code>a/<wbr>b</code>/c");
+        assert_eq!((inline(""), inline("``")), (String::new(), "<code></code>".to_owned()));
+    }
+
+    #[test]
+    fn every_section_has_an_address_of_its_own() {
+        let found =
+            names(["Time by pass", "Time, by pass!", "", "Größe", "time by pass 2"].into_iter());
+        assert_eq!(
+            found,
+            ["s-time-by-pass", "s-time-by-pass-2", "s-", "s-gr-e", "s-time-by-pass-2-2"]
+        );
+    }
+}

@@ -1,0 +1,171 @@
+//! What a page holds, for readers with and without JavaScript, and for nobody else.
+
+use super::*;
+use crate::plot::{Axis, Bar, Point, Scale, Segment, Series};
+
+/// A PNG of two pixels by one.
+fn png() -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let encoder = image::codecs::png::PngEncoder::new(&mut bytes);
+    let colour = image::ExtendedColorType::Rgb8;
+    image::ImageEncoder::write_image(encoder, &[255, 0, 0, 0, 255, 0], 2, 1, colour).unwrap();
+    bytes
+}
+
+fn picture(words: &str) -> Picture {
+    Picture { png: png(), alt: words.to_owned(), caption: words.to_owned(), pixels: true }
+}
+
+fn chart(words: &str) -> Chart {
+    let points = vec![Point::new(1.0, 2.0).labelled(words), Point::new(2.0, 3.0)];
+    let series = Series { name: words.to_owned(), points, ..Series::default() };
+    Chart {
+        title: words.to_owned(),
+        x: Axis::new(words, words, Scale::Linear),
+        y: Axis::new(words, words, Scale::Linear),
+        series: vec![series],
+        caption: words.to_owned(),
+        ..Chart::default()
+    }
+}
+
+/// A page with every block, all of whose text is `words`.
+fn page(words: &str) -> Page {
+    let text = || words.to_owned();
+    let segments = vec![Segment { stage: text(), seconds: 1.0 }];
+    let bars = vec![Bar { name: text(), segments }];
+    let compare = Compare { left: picture(words), right: picture(words), caption: text() };
+    let blocks = vec![
+        Block::Heading(text()),
+        Block::paragraph(words),
+        Block::Warning(text()),
+        Block::Chart(chart(words)),
+        Block::Bars(StackedBars { title: text(), bars, caption: text() }),
+        Block::Table(Table {
+            caption: text(),
+            columns: vec![Column::words(words), Column::numbers(words)],
+            rows: vec![vec![Cell::text(words), Cell::number(1.5, words)]],
+        }),
+        Block::Compare(compare),
+        Block::Pictures(vec![picture(words), picture(words)]),
+        Block::Code(text()),
+        Block::Facts(vec![Fact::new(words, words)]),
+        Block::Details(Details { summary: text(), blocks: vec![Block::paragraph(words)] }),
+    ];
+    Page { title: text(), lead: text(), sections: vec![Section::new(words, blocks)] }
+}
+
+#[test]
+fn all_text_is_escaped() {
+    let html = page("<img src=x onerror=\"alert('1')\">&amp;\u{0}").html().unwrap();
+    let body = html.split("<body>").nth(1).unwrap().split("<script>").next().unwrap();
+    let escaped = "&lt;img src=x onerror=&quot;alert(&#39;1&#39;)&quot;&gt;&amp;amp;\u{fffd}";
+    assert!(body.matches(escaped).count() > 30, "{}", body.matches(escaped).count());
+    assert!(!body.contains("<img src=x") && !body.contains("\"alert") && !body.contains('\u{0}'));
+    // Each quote that opens an attribute is closed before its tag ends.
+    for tag in body.split('<').skip(1).filter_map(|rest| rest.split('>').next()) {
+        assert!(tag.matches('"').count().is_multiple_of(2), "<{tag}>");
+    }
+}
+
+#[test]
+fn every_element_that_is_opened_is_closed() {
+    let html = page("words").html().unwrap();
+    let body = html.split("<body>").nth(1).unwrap().split("</body>").next().unwrap();
+    let (before, after) = body.split_once("<script>").unwrap();
+    let body = format!("{before}{}", after.split_once("</script>").unwrap().1);
+    let mut open = Vec::new();
+    for tag in body.split('<').skip(1).filter_map(|rest| rest.split('>').next()) {
+        let name = tag.trim_start_matches('/').split([' ', '\n', '/']).next().unwrap();
+        match tag.starts_with('/') {
+            true => assert_eq!(open.pop(), Some(name), "</{name}>"),
+            false if tag.ends_with('/') || matches!(name, "img" | "wbr") => {}
+            false => open.push(name),
+        }
+    }
+    assert!(open.is_empty(), "{open:?} are not closed");
+}
+
+#[test]
+fn a_page_stands_alone() {
+    let html = page("words").html().unwrap();
+    assert!(
+        html.contains("Content-Security-Policy") && html.contains("default-src &#39;none&#39;")
+    );
+    // Addresses outside itself: none but the name of a name space would be one.
+    for bad in ["http://", "https://", "url(", "@import", "src=\"/", "href=\"/"] {
+        assert!(!html.contains(bad), "{bad}");
+    }
+    let sources = html.split(" src=\"").skip(1);
+    assert!(
+        sources.clone().count() == 4 && sources.clone().all(|s| s.starts_with("data:image/png"))
+    );
+}
+
+#[test]
+fn the_parts_have_names_that_lead_to_them() {
+    let mut page = page("Some words");
+    page.sections.push(Section::new("Some words", Vec::new()));
+    let html = page.html().unwrap();
+    for id in ["s-some-words", "s-some-words-2"] {
+        assert_eq!(html.matches(&format!("id=\"{id}\"")).count(), 1);
+        assert_eq!(html.matches(&format!("href=\"#{id}\"")).count(), 2, "contents and heading");
+    }
+    let ids: Vec<&str> =
+        html.split(" id=\"").skip(1).filter_map(|rest| rest.split('"').next()).collect();
+    let distinct: std::collections::BTreeSet<_> = ids.iter().collect();
+    assert_eq!(ids.len(), distinct.len(), "{ids:?}");
+    assert!(html.contains("<b>Figure 5</b>") && html.contains("<b>Table 1</b>"));
+    assert!(!html.contains("<b>Table 2</b>"), "tables of values have no number");
+}
+
+#[test]
+fn pictures_have_their_size_and_words() {
+    let html = page("words").html().unwrap();
+    let tag = "<img class=\"pixels\" width=\"2\" height=\"1\" alt=\"words\" src=\"data:image/png";
+    assert_eq!(html.matches(tag).count(), 4);
+    let broken = Picture { png: vec![1, 2, 3], ..picture("words") };
+    let page = Page {
+        sections: vec![Section::new("", vec![Block::Pictures(vec![broken])])],
+        ..Page::default()
+    };
+    assert!(page.html().unwrap().contains("<img class=\"pixels\" alt=\"words\" src="));
+}
+
+/// The figures that can be saved are those of the chart.
+#[test]
+fn figures_can_be_saved() {
+    use base64::Engine as _;
+    let chart = chart("words");
+    let page = Page {
+        sections: vec![Section::new("", vec![Block::Chart(chart.clone())])],
+        ..Page::default()
+    };
+    let html = page.html().unwrap();
+    let saved = |kind: &str| {
+        let data = html.split(kind).nth(1).unwrap().split('"').next().unwrap();
+        let bytes = base64::engine::general_purpose::STANDARD.decode(data).unwrap();
+        String::from_utf8(bytes).unwrap()
+    };
+    assert_eq!(saved("data:text/csv;charset=utf-8;base64,"), chart.csv());
+    let json = saved("data:application/json;base64,");
+    assert_eq!(serde_json::from_str::<Chart>(&json).unwrap(), chart);
+    assert!(html.contains("download=\"words.csv\""));
+}
+
+#[test]
+fn an_empty_page_is_a_page() {
+    let html = Page::default().html().unwrap();
+    assert!(html.starts_with("<!doctype html>") && html.ends_with("</html>\n"));
+    assert!(!html.contains("<nav"), "there is nothing to lead to");
+}
+
+#[test]
+fn a_page_replaces_another_whole() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("page.html");
+    std::fs::write(&path, "old").unwrap();
+    page("words").write(&path).unwrap();
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), page("words").html().unwrap());
+    assert!(page("words").write(&folder.path().join("no/page.html")).is_err());
+}

@@ -1,0 +1,233 @@
+//! Charts as data, and what is made of them: SVG, PNG, CSV and JSON of the same figures.
+//!
+//! A [`Chart`] says what was measured and how it is to be read; [`StackedBars`] say where time went.
+//! Neither knows how it is drawn. plotters lays them out, on a canvas that keeps what is drawn as a
+//! list of shapes; one writer makes SVG of that list and another the pixels of a PNG, so that both
+//! show the same. Widths of text are those of a font that is part of the program: nothing is asked of
+//! the system, and the bytes are the same on every machine.
+//!
+//! Colours are those of Okabe and Ito (*Color Universal Design*, 2008), which people see apart
+//! whatever their eyes; a marker tells each series as well.
+//!
+//! The JSON of a chart has the names of the fields below.
+
+mod bars;
+mod chart;
+mod font;
+mod frame;
+mod legend;
+mod marks;
+pub mod number;
+mod output;
+mod paint;
+mod picture;
+mod place;
+mod raster;
+mod svg;
+#[cfg(test)]
+mod tests;
+mod ticks;
+
+use serde::{Deserialize, Serialize};
+
+pub(crate) use output::Figure;
+pub(crate) use svg::STYLE;
+
+/// Series of points over two axes.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Chart {
+    /// What is shown, in a few words.
+    pub title: String,
+    /// The axis from left to right; one of names runs down the left instead, and `y` to the right.
+    pub x: Axis,
+    /// The other axis.
+    pub y: Axis,
+    /// What is drawn, the most important first: it gets the clearest colour.
+    pub series: Vec<Series>,
+    /// Lines to compare with.
+    pub guides: Vec<Guide>,
+    /// How to read it, in a sentence or two; told beside the drawing, not in it.
+    pub caption: String,
+}
+
+/// What a coordinate means.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Axis {
+    /// What it is, such as "time".
+    pub label: String,
+    /// In what it is measured, such as "s"; empty for a plain number.
+    pub unit: String,
+    /// How values take their places.
+    pub scale: Scale,
+}
+
+/// How the values of an axis take their places.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Scale {
+    /// Equal differences, equal distances.
+    #[default]
+    Linear,
+    /// As [`Scale::Linear`], and 0 is in sight.
+    FromZero,
+    /// Equal ratios, equal distances. There is no place for 0 or less: such points are not drawn, and
+    /// a note says how many.
+    Log,
+    /// Names for the values 0, 1, 2 and so on. For `x` alone.
+    Names(Vec<String>),
+}
+
+/// Points that belong together.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Series {
+    /// Its name in the legend.
+    pub name: String,
+    /// How its points are drawn.
+    pub draw: Draw,
+    /// The points, in the order in which a line joins them.
+    pub points: Vec<Point>,
+}
+
+/// How points are drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Draw {
+    /// Markers, with whiskers for intervals.
+    #[default]
+    Points,
+    /// Markers with whiskers, joined by a line.
+    Line,
+    /// A line within a band made of the intervals.
+    Band,
+    /// Markers with whiskers, and a step along those that no other beats in both: the Pareto front,
+    /// where less is better on either axis.
+    Front,
+}
+
+/// One measurement.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Point {
+    /// Where it is along `x`; a value that is not finite is `null` in JSON, and not drawn.
+    #[serde(with = "finite")]
+    pub x: f64,
+    /// Where it is along `y`.
+    #[serde(with = "finite")]
+    pub y: f64,
+    /// The lower end of the interval in `y`, if there is one.
+    pub low: Option<f64>,
+    /// The upper end.
+    pub high: Option<f64>,
+    /// What is told of it besides its values; may be empty.
+    pub label: String,
+}
+
+/// A line to compare with.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Guide {
+    /// What is written at it, such as "−1/2".
+    pub name: String,
+    /// Where it runs.
+    pub course: Course,
+}
+
+/// Where a [`Guide`] runs.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Course {
+    /// `y` is in proportion to `x` to the power of `slope`, and the line goes through a point. For
+    /// two logarithmic axes alone.
+    Power {
+        /// The power: -0.5 for an error that falls with the root of the samples.
+        slope: f64,
+        /// A point on it, as `[x, y]`.
+        through: [f64; 2],
+    },
+    /// `x` has this value.
+    AtX(f64),
+    /// `y` has this value.
+    AtY(f64),
+}
+
+/// Where time went: a bar for each thing measured, in segments by stage.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct StackedBars {
+    /// What is shown, in a few words.
+    pub title: String,
+    /// The bars, from top to bottom.
+    pub bars: Vec<Bar>,
+    /// How to read it; told beside the drawing, not in it.
+    pub caption: String,
+}
+
+/// What was measured of one thing.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Bar {
+    /// Its name.
+    pub name: String,
+    /// Its parts, from left to right. Stages of one name have one colour in all bars.
+    pub segments: Vec<Segment>,
+}
+
+/// The time of one stage.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Segment {
+    /// The stage.
+    pub stage: String,
+    /// Its time in seconds, 0 or more.
+    #[serde(with = "finite")]
+    pub seconds: f64,
+}
+
+impl Axis {
+    /// An axis of this scale.
+    pub fn new(label: impl Into<String>, unit: impl Into<String>, scale: Scale) -> Self {
+        Self { label: label.into(), unit: unit.into(), scale }
+    }
+
+    /// Label and unit, as written at the axis: "time (s)".
+    pub fn heading(&self) -> String {
+        if self.unit.is_empty() {
+            return self.label.clone();
+        }
+        format!("{} ({})", self.label, self.unit)
+    }
+}
+
+impl Point {
+    /// A point without interval or label.
+    pub fn new(x: f64, y: f64) -> Self {
+        Self { x, y, ..Self::default() }
+    }
+
+    /// With an interval in `y`.
+    #[must_use]
+    pub fn within(self, low: f64, high: f64) -> Self {
+        Self { low: Some(low), high: Some(high), ..self }
+    }
+
+    /// With something to tell of it.
+    #[must_use]
+    pub fn labelled(self, label: impl Into<String>) -> Self {
+        Self { label: label.into(), ..self }
+    }
+}
+
+impl Bar {
+    /// The sum of all segments, in seconds.
+    pub fn seconds(&self) -> f64 {
+        self.segments.iter().map(|segment| segment.seconds).sum()
+    }
+}
+
+/// A number that JSON has no word for is `null` there, and read again as one that is not a number.
+mod finite {
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    pub(super) fn serialize<S: Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::Error> {
+        value.is_finite().then_some(*value).serialize(serializer)
+    }
+
+    pub(super) fn deserialize<'d, D: Deserializer<'d>>(deserializer: D) -> Result<f64, D::Error> {
+        Ok(Option::deserialize(deserializer)?.unwrap_or(f64::NAN))
+    }
+}

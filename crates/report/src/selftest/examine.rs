@@ -1,0 +1,291 @@
+//! The hard cases as a user's own mesh has them: are its edges tight, do rays that leave it meet it
+//! again, and what is it like.
+
+use std::time::Instant;
+
+use glam::{DVec3, Vec3};
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::topology::Topology;
+use super::ways::{Numbers, Tests};
+use super::{Count, Effort, Outcome};
+use wavecrest_core::accel::build::Preset;
+use wavecrest_core::accel::geometry::{Geometry, Primitive};
+use wavecrest_core::accel::{Accel, Hit, Traversal};
+use wavecrest_core::kernels::slab::Aabb;
+use wavecrest_core::math::float::{normalize, offset_origin};
+use wavecrest_core::math::ray::Ray;
+
+/// Rays of each kind, in full.
+const RAYS: u32 = 10_000_000;
+
+/// Points at which leaves are counted.
+const POINTS: usize = 256;
+
+/// A triangle this many times as long as high is a sliver.
+const SLIVER: f64 = 1000.0;
+
+/// What a mesh is like, whatever it is tested with.
+#[derive(Clone, Debug, Serialize)]
+pub struct Shape {
+    /// Triangles, those without area too.
+    pub triangles: usize,
+    /// Those without area, which are left out.
+    pub dropped: u64,
+    /// Those at least 1000 times as long as high.
+    pub slivers: u64,
+    /// The greatest ratio of length to height.
+    pub longest: f64,
+    /// Edges of one triangle: where the mesh ends.
+    pub borders: u64,
+    /// Edges of more than two triangles.
+    pub crowded: u64,
+}
+
+/// A tree over a mesh.
+#[derive(Clone, Debug, Serialize)]
+pub struct Bvh {
+    /// How it was built.
+    pub preset: Preset,
+    /// Its inner nodes.
+    pub nodes: u64,
+    /// Inner nodes above the deepest leaf.
+    pub depth: usize,
+    /// The leaves around a point of the surface, on average: 1 is without overlap.
+    pub overlap: f64,
+}
+
+/// What came of a mesh in a precision.
+#[derive(Clone, Debug, Serialize)]
+pub struct Trial {
+    /// Rays at edges between two triangles that face apart as the ray sees them: one that passes
+    /// between them has leaked.
+    pub leaks: Outcome,
+    /// Rays that leave a triangle: one that meets the same again is a self-hit.
+    pub self_hits: Outcome,
+    /// Nanoseconds for each of those rays.
+    pub nanoseconds: f64,
+}
+
+/// Looks at a mesh.
+pub fn shape(geometry: &Geometry, accel: &Accel) -> Shape {
+    let topology = Topology::new(geometry);
+    let ratios = (0..geometry.triangles.len()).into_par_iter().map(|i| {
+        let [a, b, c] = geometry.triangle(i).map(|v| v.as_dvec3());
+        let longest =
+            (b - a).length_squared().max((c - b).length_squared().max((a - c).length_squared()));
+        // Twice the area is length times height. A triangle without any is counted elsewhere.
+        let doubled = (b - a).cross(c - a).length();
+        if doubled > 0.0 { longest / doubled } else { 0.0 }
+    });
+    let of = |ratio: f64| (u64::from(ratio >= SLIVER), ratio);
+    let (slivers, longest) =
+        ratios.map(of).reduce(|| (0, 0.0), |a, b| (a.0 + b.0, f64::max(a.1, b.1)));
+    Shape {
+        triangles: geometry.triangles.len(),
+        dropped: accel.left_out(),
+        slivers,
+        longest,
+        borders: topology.borders,
+        crowded: topology.crowded,
+    }
+}
+
+/// Looks at the tree over a mesh.
+pub fn bvh(accel: &Accel, preset: Preset, effort: &Effort) -> Option<Bvh> {
+    let tree = accel.tree.as_ref()?;
+    let geometry = &accel.geometry;
+    if geometry.triangles.is_empty() {
+        return None;
+    }
+    let points: Vec<Vec3> = (0..POINTS)
+        .map(|n| point_on(geometry, &mut Numbers::new(effort, EXAMINED, n)).1.as_vec3())
+        .collect();
+    let mut around = 0_u64;
+    tree.for_each_leaf(|bounds, _| {
+        let inside = |p: &&Vec3| bounds.low.cmple(**p).all() && bounds.high.cmpge(**p).all();
+        around += points.iter().filter(inside).count() as u64;
+    });
+    let census = tree.census();
+    let overlap = around as f64 / POINTS as f64;
+    Some(Bvh { preset, nodes: census.nodes, depth: census.depth, overlap })
+}
+
+/// Random numbers of this stand where a case's number does.
+const EXAMINED: u32 = 100;
+
+/// A triangle, and a point of it.
+fn point_on(geometry: &Geometry, numbers: &mut Numbers) -> (u32, DVec3) {
+    let number = numbers.below(geometry.triangles.len());
+    let [a, b, c] = geometry.triangle(number).map(|v| v.as_dvec3());
+    let (u, v) = (numbers.one(), numbers.one());
+    let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
+    (number as u32, a + (b - a) * u + (c - a) * v)
+}
+
+/// Tries the mesh that `accel` is over, in its precision.
+pub fn trial(accel: &Accel, effort: &Effort) -> Trial {
+    let geometry = &accel.geometry;
+    let topology = Topology::new(geometry);
+    let size = extent(geometry);
+    let (mut leaks, leak_time) = leaking(accel, &topology, size, effort);
+    let (mut self_hits, self_time) = leaving(accel, size, effort);
+    let asked = (leaks.tried + self_hits.tried).max(1);
+    let nanoseconds = (leak_time + self_time) * 1e9 / asked as f64;
+    for outcome in [&mut leaks, &mut self_hits] {
+        (outcome.timed, outcome.seconds) = (0, 0.0);
+    }
+    Trial { leaks, self_hits, nanoseconds }
+}
+
+/// The middle of the mesh's box, and half of its diagonal.
+fn extent(geometry: &Geometry) -> (DVec3, f64) {
+    // As they are, and not padded: the same rays are asked in every precision.
+    let all = (0..geometry.triangles.len()).map(|i| Aabb::around(geometry.triangle(i)));
+    let all = all.reduce(|a, b| a.union(b));
+    all.map_or((DVec3::ZERO, 1.0), |b| {
+        let (low, high) = (b.low.as_dvec3(), b.high.as_dvec3());
+        ((low + high) / 2.0, (high - low).length() / 2.0)
+    })
+}
+
+/// How many rays of a kind, and how many of them a thread makes at a time.
+fn blocks(effort: &Effort) -> impl ParallelIterator<Item = std::ops::Range<usize>> {
+    const BLOCK: usize = 1 << 12;
+    let count = match effort.count {
+        Count::Full => RAYS as usize,
+        Count::Quick => RAYS as usize / 25,
+    };
+    let block = move |b: usize| b * BLOCK..((b + 1) * BLOCK).min(count);
+    (0..count.div_ceil(BLOCK)).into_par_iter().map(block)
+}
+
+/// Rays at edges, from anywhere about the mesh.
+fn leaking(
+    accel: &Accel,
+    topology: &Topology,
+    size: (DVec3, f64),
+    effort: &Effort,
+) -> (Outcome, f64) {
+    if topology.len() == 0 {
+        return (Outcome::default(), 0.0);
+    }
+    ask(
+        accel,
+        effort,
+        |n, _| {
+            let mut numbers = Numbers::new(effort, EXAMINED + 1, n);
+            let (ends, triangles) = topology.edge(numbers.below(topology.len()))?;
+            let from = size.0 + numbers.direction() * (size.1 * (0.1 + 2.0 * numbers.one()));
+            let part = 0.1 + 0.8 * numbers.one();
+            let ray = edge_ray(&accel.geometry, (ends, triangles), from.as_vec3(), part)?;
+            Some((ray, triangles))
+        },
+        |ray, triangles, hit| {
+            // A face that is seen nearly edge on is met a good way behind its edge.
+            let is_own = triangles.contains(&hit.primitive);
+            let passes = !is_own && (hit.is_miss() || hit.t > BEYOND);
+            passes.then(|| format!("{ray:?} passes between two triangles: {hit:?}"))
+        },
+    )
+}
+
+/// What a ray meets later than this part of its way to an edge, it met by passing that.
+const BEYOND: f32 = 1.0 + 1.0 / 1024.0;
+
+/// So many ulp away from the ray are the least that the triangles' other edges may be, as the ray sees
+/// them: rounding then puts it through one of the triangles or the other.
+const LEAST_DISTANCE: f64 = 32.0;
+
+/// A ray from `from` that meets the edge at `part` of it, if its triangles lie on both sides of it as
+/// seen from there.
+fn edge_ray(
+    geometry: &Geometry,
+    ([p, q], triangles): ([u32; 2], [u32; 2]),
+    from: Vec3,
+    part: f64,
+) -> Option<Ray> {
+    let at = |v: u32| geometry.positions[v as usize].as_dvec3();
+    let o = from.as_dvec3();
+    let target = (at(p) + (at(q) - at(p)) * part).as_vec3();
+    let d = (target.as_dvec3() - o).normalize();
+    // From the ray to the line through two points, as seen along the ray.
+    let distance = |a: DVec3, b: DVec3| {
+        let side = (a - o).cross(b - o).dot(d);
+        (side / (b - a).cross(d).length()).abs()
+    };
+    let ulp = f64::from(f32::EPSILON) * target.as_dvec3().abs().max(o.abs()).max_element();
+    let (a, b) = (at(p), at(q));
+    let plane = (a - o).cross(b - o);
+    let sides = triangles.map(|triangle| {
+        let corners = geometry.triangle(triangle as usize).map(|v| v.as_dvec3());
+        let c = corners.into_iter().find(|&c| c != a && c != b)?;
+        let is_wide = distance(a, c).min(distance(b, c)) > LEAST_DISTANCE * ulp;
+        is_wide.then(|| plane.dot(c - o))
+    });
+    let [Some(one), Some(other)] = sides else { return None };
+    (one * other < 0.0).then(|| Ray::new(from, target - from))
+}
+
+/// Rays that leave triangles in all directions, to the side from which these were hit.
+fn leaving(accel: &Accel, size: (DVec3, f64), effort: &Effort) -> (Outcome, f64) {
+    let geometry = &accel.geometry;
+    if geometry.triangles.is_empty() {
+        return (Outcome::default(), 0.0);
+    }
+    ask(
+        accel,
+        effort,
+        |n, traversal| {
+            let mut numbers = Numbers::new(effort, EXAMINED + 2, n);
+            let (_, target) = point_on(geometry, &mut numbers);
+            let from =
+                (size.0 + numbers.direction() * (size.1 * (0.1 + 2.0 * numbers.one()))).as_vec3();
+            let ray = Ray::new(from, normalize(target.as_vec3() - from));
+            let hit = Some(accel.closest(&ray, traversal)).filter(|hit| !hit.is_miss())?;
+            let Primitive::Triangle(i) = geometry.primitive(hit.primitive) else { return None };
+            let surface = Tests(geometry.precision).surface(&ray, hit.t, &geometry.triangle(i));
+            let side = if surface.normal.dot(ray.direction) > 0.0 { -1.0 } else { 1.0 };
+            let normal = surface.normal * side;
+            let direction = normalize(numbers.direction().as_vec3() + normal);
+            let origin = offset_origin(surface.point, surface.error, normal, direction);
+            let leaves = direction.dot(normal) > 1e-3;
+            leaves.then(|| (Ray::new(origin, direction), [hit.primitive; 2]))
+        },
+        |ray, [own, _], hit| {
+            (hit.primitive == own)
+                .then(|| format!("{ray:?} meets triangle {own} again at {}", hit.t))
+        },
+    )
+}
+
+/// Asks about the rays that `make` makes, each with two numbers that go with it, and has the answers
+/// judged. What came of it, and the seconds that the answers took, summed over threads.
+fn ask(
+    accel: &Accel,
+    effort: &Effort,
+    make: impl Fn(usize, &mut Traversal) -> Option<(Ray, [u32; 2])> + Sync,
+    judge: impl Fn(&Ray, [u32; 2], Hit) -> Option<String> + Sync,
+) -> (Outcome, f64) {
+    let parts: Vec<(Outcome, f64)> = blocks(effort)
+        .map(|block| {
+            let mut traversal = accel.traversal();
+            let made = block.filter_map(|n| make(n, &mut traversal));
+            let (rays, numbers): (Vec<Ray>, Vec<[u32; 2]>) = made.unzip();
+            let mut hits = vec![Hit::MISS; rays.len()];
+            let start = Instant::now();
+            accel.closest_of(&rays[..], &mut hits, &mut traversal);
+            let seconds = start.elapsed().as_secs_f64();
+            let mut outcome = Outcome::default();
+            for ((ray, &number), &hit) in rays.iter().zip(&numbers).zip(&hits) {
+                outcome.count(judge(ray, number, hit));
+            }
+            (outcome, seconds)
+        })
+        .collect();
+    parts.into_iter().fold((Outcome::default(), 0.0), |(mut all, time), (one, seconds)| {
+        all.add(one);
+        (all, time + seconds)
+    })
+}

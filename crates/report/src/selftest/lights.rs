@@ -1,0 +1,314 @@
+//! Lights where they can hardly be, and surfaces that hardly reflect them.
+
+use glam::{DVec3, Vec3};
+use serde_json::{Value, json};
+
+use super::convex::globe;
+use super::scenes::{self, Eye, PRESETS, every_image, pixels};
+use super::surfaces::on_triangle;
+use super::ways::{Numbers, Tests, in_blocks};
+use super::{Effort, Outcome, refused};
+use wavecrest_core::accel::build::Preset;
+use wavecrest_core::kernels::blinn_phong::{Material, reflect};
+use wavecrest_core::kernels::light::{Emitter, Falloff, Light, Triangles};
+use wavecrest_core::kernels::shade::{ShadingPoint, shadow_request};
+use wavecrest_core::kernels::surface::Surface;
+use wavecrest_core::math::float::max_abs;
+use wavecrest_core::math::random::Stream;
+use wavecrest_core::math::sampling::Sampling;
+
+const FALLOFFS: [Falloff; 3] = [Falloff::Linear, Falloff::InverseSquare, Falloff::None];
+const FALLOFF_NAMES: [&str; 3] = ["linear", "inverse-square", "none"];
+
+/// The power of the lights that kernels are asked about.
+const POWER: f32 = 10.0;
+
+const MATERIAL: Material = Material { ks: 0.5, kd: 0.5, exponent: 8.0, color: Vec3::ONE, kr: 0.0 };
+
+/// The point of a triangle, seen from its front.
+fn shading_point(numbers: &mut Numbers, surface: &Surface) -> ShadingPoint {
+    let view = numbers.direction().as_vec3();
+    ShadingPoint {
+        point: surface.point,
+        error: surface.error,
+        normal: surface.normal,
+        shading_normal: surface.normal,
+        view: if view.dot(surface.normal) < 0.0 { -view } else { view },
+        color: Vec3::ONE,
+        material: MATERIAL,
+        lit: true,
+    }
+}
+
+fn light(emitter: Emitter, falloff: Falloff) -> Light {
+    let sampling = Sampling::Jittered;
+    Light { emitter, power: Vec3::splat(POWER), falloff, sampling, grid: [1, 1], dimension: 1 }
+}
+
+/// A triangle with corners up to `unit` from 0.
+fn random_triangle(numbers: &mut Numbers, unit: f64) -> [Vec3; 3] {
+    [(); 3].map(|()| (numbers.direction() * (unit * numbers.one())).as_vec3())
+}
+
+/// Row 31.
+pub(super) fn edge_on(effort: &Effort) -> Outcome {
+    let mut outcome = refused::lights(effort);
+    outcome.add(in_blocks(effort.of(1_000_000), |n| {
+        edge_on_point(Tests(effort.precision), &mut Numbers::new(effort, 31, n))
+    }));
+    for shape in hardly_lights() {
+        for falloff in FALLOFF_NAMES {
+            let light = json!({"type": "arealight", "intensity": 10, "color": [1, 1, 1],
+                               "falloff": falloff, "sampling": "jittered", "samples": 2,
+                               "shape": shape});
+            let scene = over_a_floor(effort, &[light]);
+            let images = every_image(effort, &scene, &[Preset::VeryFast], |rendered| {
+                pixels(&rendered.film, |_, _, pixel| {
+                    let is_below_0 = pixel.iter().any(|value| *value < 0.0);
+                    is_below_0.then(|| "below 0".to_owned())
+                })
+            });
+            outcome.add(images.told(|| format!("a light of the shape {shape}, {falloff}")));
+        }
+    }
+    outcome
+}
+
+/// A point, and a light in whose plane it is, on which it is, or which is a needle.
+fn edge_on_point(tests: Tests, numbers: &mut Numbers) -> Outcome {
+    let mut outcome = Outcome::default();
+    let unit = numbers.magnitude(1e-3, 1e3);
+    let corners = random_triangle(numbers, unit);
+    let Some(surface) = on_triangle(tests, numbers, &corners) else { return outcome };
+    let point = shading_point(numbers, &surface);
+    let near = surface.point;
+    let [p, q] = [(); 2].map(|()| near + (numbers.direction() * unit).as_vec3());
+    let shape = match numbers.below(4) {
+        // In the light's plane, off it and at its corner.
+        0 => [p, q, p + (p - near)],
+        1 => [near, p, q],
+        // The point's own surface.
+        2 => corners,
+        _ => [p, q, q + (numbers.direction() * (1e-6 * unit)).as_vec3()],
+    };
+    let falloff = FALLOFFS[numbers.below(3)];
+    let Some(triangles) = Triangles::new(vec![shape]) else { return outcome };
+    let light = light(Emitter::Triangles(triangles), falloff);
+    let stream = Stream { seed: 0, pixel: numbers.below(1 << 20) as u32, sample: 0, bounce: 0 };
+    let request = shadow_request(&point, Vec3::ONE, &light, &light.point(0, &stream));
+    let failure = request.filter(|request| {
+        let is_right = request.contribution.is_finite()
+            && request.contribution.min_element() >= 0.0
+            && request.ray.direction.is_finite();
+        !is_right
+    });
+    outcome.count(failure.map(|request| format!("{request:?} from {point:?} to {shape:?}")));
+    outcome
+}
+
+/// Shapes of lights that some points of the floor see edge on, or are on.
+fn hardly_lights() -> Vec<Value> {
+    vec![
+        json!({"type": "plane", "points": [[-1, 0, -1], [-1, 0, 1], [1, 0, 1], [1, 0, -1]]}),
+        json!({"type": "plane", "points": [[0, 0, -1], [0, 1, -1], [0, 1, 1], [0, 0, 1]]}),
+        json!({"type": "triangle", "points": [[-1, 0, 0], [1, 0, 0], [0, 1, 0]]}),
+        json!({"type": "triangle", "points": [[-1, 1, 0], [1, 1, 0], [1, 1.000_001, 0]]}),
+        json!({"type": "trimesh", "points": [[-1, 1, 0], [1, 1, 0], [0, 2, 0]],
+               "indices": [[0, 0, 1], [0, 1, 2], [1, 1, 1]]}),
+        json!({"type": "sphere", "center": [0, 1, 0], "radius": 1}),
+        json!({"type": "sphere", "center": [0, 0, 0], "radius": 1e-6}),
+    ]
+}
+
+/// These lights over a floor, of which a pixel's centre is at the origin.
+fn over_a_floor(effort: &Effort, lights: &[Value]) -> Value {
+    let size = effort.either([17, 17], [65, 65]);
+    let location = DVec3::new(0.0, 5.0, 0.0);
+    let eye = Eye { location, look: DVec3::ZERO, up: DVec3::Z, fov: 50.0, size };
+    let at = |x: f64, z: f64| DVec3::new(3.0 * x, 0.0, 3.0 * z);
+    let floor = [at(-1.0, -1.0), at(-1.0, 1.0), at(1.0, 1.0), at(1.0, -1.0)];
+    scenes::scene(0, &eye.json(), lights, &[scenes::plane(floor, scenes::matte([1.0; 3]))])
+}
+
+/// Row 32.
+pub(super) fn at_the_surface(effort: &Effort) -> Outcome {
+    let mut outcome = in_blocks(effort.of(1_000_000), |n| {
+        light_at_a_point(Tests(effort.precision), &mut Numbers::new(effort, 32, n))
+    });
+    // A wall at z = 1.5, where the middle of the image is hit: the numbers there are 2^-23 apart.
+    let ulp = f64::from(1.5_f32.next_up() - 1.5);
+    // Next to it the light is within the rounding error of the wall, and some ulp off it is just where
+    // the shadow ray starts.
+    for height in -2..=9 {
+        let count = u64::from(height == 1);
+        for falloff in FALLOFF_NAMES {
+            let size = effort.either([9, 9], [65, 65]);
+            let location = DVec3::new(0.0, 0.0, 5.0);
+            let eye = Eye { location, look: DVec3::ZERO, up: DVec3::Y, fov: 50.0, size };
+            let at = |x: f64, y: f64| DVec3::new(x, y, 1.5);
+            let wall = [at(-1.0, -1.0), at(-1.0, 1.0), at(1.0, 1.0), at(1.0, -1.0)];
+            let light = scenes::point_light(
+                10.0,
+                at(0.0, 0.0) + DVec3::Z * (ulp * f64::from(height)),
+                falloff,
+            );
+            let wall = scenes::plane(wall, scenes::matte([1.0; 3]));
+            let scene = scenes::scene(0, &eye.json(), &[light], &[wall]);
+            let images = every_image(effort, &scene, &[Preset::VeryFast], |rendered| {
+                let found = rendered.counters.lights_at_surface;
+                let mut outcome = Outcome::default();
+                outcome.count((found != count).then(|| format!("{found} counted, not {count}")));
+                let middle = rendered.film.pixel(size[0] / 2, size[1] / 2).unwrap_or_default();
+                let is_right = (middle[0] > 0.0) == (height > 0);
+                outcome.count((!is_right).then(|| format!("{middle:?} below the light")));
+                outcome
+            });
+            outcome.add(images.told(|| format!("a light {height} ulp before a wall, {falloff}")));
+        }
+    }
+    outcome
+}
+
+/// A point light at a point, or within a few of its rounding errors.
+fn light_at_a_point(tests: Tests, numbers: &mut Numbers) -> Outcome {
+    let mut outcome = Outcome::default();
+    let unit = numbers.magnitude(1e-6, 1e6);
+    let corners = random_triangle(numbers, unit);
+    let Some(surface) = on_triangle(tests, numbers, &corners) else { return outcome };
+    let point = shading_point(numbers, &surface);
+    let least = f64::from(max_abs(surface.error));
+    let away = match numbers.below(4) {
+        0 => DVec3::ZERO,
+        1 => surface.normal.as_dvec3() * (least * numbers.magnitude(1e-3, 10.0)),
+        2 => numbers.direction() * (least * numbers.magnitude(1e-3, 10.0)),
+        _ => numbers.direction() * (unit * numbers.magnitude(1e-9, 1e-5)),
+    };
+    let position = (surface.point.as_dvec3() + away).as_vec3();
+    let falloff = FALLOFFS[numbers.below(3)];
+    let light = light(Emitter::Point(position), falloff);
+    let stream = Stream { seed: 0, pixel: 0, sample: 0, bounce: 0 };
+    let request = shadow_request(&point, Vec3::ONE, &light, &light.point(0, &stream));
+    let towards = position.as_dvec3() - surface.point.as_dvec3();
+    let distance = towards.length();
+    let told = || format!("{request:?} from {point:?} to {position}");
+    match &request {
+        None => {
+            let height = surface.normal.as_dvec3().dot(towards);
+            let is_before = height > 1e-5 * distance && distance > 0.0;
+            outcome.count(is_before.then(|| format!("it is left out: {}", told())));
+        }
+        Some(request) => {
+            let nearest = distance.max(least);
+            let falls = match falloff {
+                Falloff::Linear => 1.0 / (4.0 * std::f64::consts::PI * nearest),
+                Falloff::InverseSquare => 1.0 / (4.0 * std::f64::consts::PI * nearest * nearest),
+                Falloff::None => 1.0,
+            };
+            let most = f64::from(POWER * (MATERIAL.kd + MATERIAL.ks)) * falls * 1.0001;
+            let is_bounded = request.contribution.is_finite()
+                && f64::from(request.contribution.max_element()) <= most;
+            outcome.count((!is_bounded).then(|| format!("more than {most}: {}", told())));
+            let is_doubtful = (distance / least - 1.0).abs() < 1e-5;
+            let is_counted = request.at_light == (distance < least) || is_doubtful;
+            outcome.count((!is_counted).then(|| format!("{distance}, {least}: {}", told())));
+        }
+    }
+    outcome
+}
+
+/// Row 33.
+pub(super) fn horizon(effort: &Effort) -> Outcome {
+    let mut outcome = Outcome::default();
+    let mut asked = 0_u64;
+    for n in 0..effort.either(6, 200) {
+        let mut numbers = Numbers::new(effort, 33, n);
+        let mesh = globe([1, 2, 4][numbers.below(3)], 64.0, 1.0 / 64.0);
+        let light = numbers.direction() * 64.0 * numbers.magnitude(1.1, 10.0);
+        let location = numbers.direction() * 200.0;
+        let size = [32, 32];
+        let eye = Eye { location, look: DVec3::ZERO, up: DVec3::Y, fov: 40.0, size };
+        // Up to nearly along the surface.
+        let tilt = [0.0, 0.5, 3.0][numbers.below(3)];
+        let normals = mesh.positions.iter().map(|p| {
+            let normal = p.as_dvec3().normalize() + numbers.direction() * tilt;
+            normal.normalize().to_array()
+        });
+        let normals: Vec<[f64; 3]> = normals.collect();
+        let shiny = json!({"ks": 1, "kd": 1, "specularexponent": 2, "diffusecolor": [1, 1, 1]});
+        let mut shape = scenes::mesh(&mesh.positions, &mesh.triangles, shiny);
+        shape["shading"] = json!("smooth");
+        shape["normals"] = json!(normals);
+        let lights = [scenes::point_light(100.0, light, "none")];
+        let scene = scenes::scene(0, &eye.json(), &lights, &[shape]);
+        // Nearer to a face's plane than this, and rounding decides whether the light is before it.
+        let doubtful = 64.0 * f64::from(f32::EPSILON) * light.length();
+        let is_behind = |x, y| {
+            let triangle = mesh.seen(location, eye.direction(x, y));
+            triangle.is_some_and(|triangle| mesh.height(triangle, light) < -doubtful)
+        };
+        asked += eye.pixels().filter(|&(x, y)| is_behind(x, y)).count() as u64;
+        let images = every_image(effort, &scene, &PRESETS, |rendered| {
+            pixels(&rendered.film, |x, y, pixel| {
+                let is_lit = pixel != [0.0; 3];
+                (is_lit && is_behind(x, y)).then(|| "lit from behind".to_owned())
+            })
+        });
+        outcome.add(images.told(|| format!("light at {light}, seen from {location}, tilt {tilt}")));
+    }
+    outcome.count((asked == 0).then(|| "no face has the light behind it".to_owned()));
+    outcome
+}
+
+/// Exponents, the ends of what a scene may say among them.
+fn exponent(numbers: &mut Numbers) -> f32 {
+    let of_any_size = numbers.magnitude(1e-6, 1e6) as f32;
+    [0.0, 1e-30, 1.0, 1e6, 999_999.5, of_any_size.round(), of_any_size][numbers.below(7)]
+}
+
+/// Row 36.
+pub(super) fn highlights(effort: &Effort) -> Outcome {
+    let mut outcome = in_blocks(effort.of(10_000_000), |n| {
+        let mut numbers = Numbers::new(effort, 36, n);
+        let normal = numbers.direction().as_vec3();
+        let view = [numbers.direction().as_vec3(), normal][numbers.below(2)];
+        let nearly = (numbers.direction() * numbers.magnitude(1e-9, 1e-5)).as_vec3();
+        let to_light = match numbers.below(4) {
+            0 => -view,
+            1 => wavecrest_core::math::float::normalize(nearly - view),
+            2 => view,
+            _ => numbers.direction().as_vec3(),
+        };
+        let [ks, kd] = [(); 2].map(|()| [0.0, 1.0, numbers.one() as f32][numbers.below(3)]);
+        let material = Material { ks, kd, exponent: exponent(&mut numbers), ..MATERIAL };
+        let found = reflect(&material, Vec3::ONE, normal, view, to_light);
+        let is_right = found.is_finite()
+            && found.min_element() >= 0.0
+            && f64::from(found.max_element()) <= f64::from(ks + kd) * 1.00001;
+        let mut outcome = Outcome::default();
+        outcome.count((!is_right).then(|| {
+            format!("{found} of {material:?}, normal {normal}, view {view}, light {to_light}")
+        }));
+        outcome
+    });
+    for exponent in [0.0, 1e-30, 0.5, 1.0, 999_999.5, 1e6] {
+        let mut shiny = scenes::matte([0.5; 3]);
+        shiny["ks"] = json!(1);
+        shiny["specularexponent"] = json!(exponent);
+        let location = DVec3::new(0.0, 0.0, 4.0);
+        let size = [24, 24];
+        let eye = Eye { location, look: DVec3::ZERO, up: DVec3::Y, fov: 40.0, size };
+        // At the eye, where the half vector is the view, and behind what it sees.
+        let lights = [location, -location, DVec3::Z * 1.5]
+            .map(|position| scenes::point_light(40.0, position, "linear"));
+        let ball = scenes::sphere(DVec3::ZERO, 1.0, shiny);
+        let scene = scenes::scene(0, &eye.json(), &lights, &[ball]);
+        let images = match scenes::image(effort, &scene, Preset::Brute) {
+            Err(error) => Outcome::failure(error.to_string()),
+            Ok(expected) => every_image(effort, &scene, &[Preset::VeryFast], |rendered| {
+                scenes::same(&rendered.film, &expected)
+            }),
+        };
+        outcome.add(images.told(|| format!("exponent {exponent}")));
+    }
+    outcome
+}

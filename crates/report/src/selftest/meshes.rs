@@ -1,0 +1,227 @@
+//! Triangles that hardly are, and quads that are not flat.
+
+use glam::{DVec3, Vec3};
+use rayon::prelude::*;
+use serde_json::json;
+
+use super::convex::globe;
+use super::scenes::{self, Eye, PRESETS, every_image};
+use super::trees::by_brute_force;
+use super::ways::{Numbers, every_way};
+use super::{Effort, Outcome};
+use wavecrest_core::accel::build::Preset;
+use wavecrest_core::accel::geometry::Geometry;
+use wavecrest_core::math::ray::Ray;
+
+/// Row 18.
+pub(super) fn without_area(effort: &Effort) -> Outcome {
+    let size = effort.either([40, 30], [160, 120]);
+    let location = DVec3::new(120.0, 80.0, 150.0);
+    let eye = Eye { location, look: DVec3::ZERO, up: DVec3::Y, fov: 40.0, size };
+    // Halves of its sides are numbers of single precision too.
+    let mut clean = globe(6, 64.0, 1.0 / 64.0);
+    let lights = [scenes::point_light(1000.0, DVec3::new(-40.0, 190.0, 160.0), "none")];
+    let scene = |mesh| scenes::scene(0, &eye.json(), &lights, &[mesh]);
+    let shiny =
+        json!({"ks": 0.5, "kd": 0.5, "specularexponent": 9.5, "diffusecolor": [1, 0.7, 0.4]});
+    let cleaned = scene(scenes::mesh(&clean.positions, &clean.triangles, shiny.clone()));
+    let expected = match scenes::image(effort, &cleaned, Preset::Brute) {
+        Ok(expected) => expected,
+        Err(error) => return Outcome::failure(error.to_string()),
+    };
+    let count = effort.of(100_000);
+    let mut mixed = Vec::new();
+    let triangles = std::mem::take(&mut clean.triangles);
+    let mut positions = clean.positions.clone();
+    let mut numbers = Numbers::new(effort, 18, 0);
+    let mut left = count;
+    for (i, triangle) in triangles.iter().enumerate() {
+        // The last of them come after the last triangle.
+        let share = left / (triangles.len() - i) as u32;
+        for _ in 0..share {
+            mixed.push(nothing(&mut numbers, &mut positions, triangle));
+        }
+        left -= share;
+        mixed.push(*triangle);
+    }
+    let scene = scene(scenes::mesh(&positions, &mixed, shiny));
+    let mut outcome = every_image(effort, &scene, &PRESETS, |r| scenes::same(&r.film, &expected));
+    match scenes::prepare(effort, &scene, Preset::Medium) {
+        Err(error) => outcome.count(Some(error.to_string())),
+        Ok(prepared) => {
+            let found = prepared.scene.dropped.degenerate;
+            let is_told =
+                prepared.warnings.iter().any(|w| w.contains(&format!(" {count} triangles")));
+            let is_right = found == u64::from(count) && is_told;
+            let told = || format!("{found} of {count} are counted, {:?}", prepared.warnings);
+            outcome.count((!is_right).then(told));
+        }
+    }
+    outcome
+}
+
+/// A triangle without area at a `triangle` of these positions.
+fn nothing(numbers: &mut Numbers, positions: &mut Vec<Vec3>, &[a, b, c]: &[u32; 3]) -> [u32; 3] {
+    let first = positions.len() as u32;
+    let [p, q] = [a, b].map(|v| positions[v as usize]);
+    match numbers.below(6) {
+        0 => [a, a, a],
+        1 => [b, c, c],
+        2 => [c, a, c],
+        // Three vertices at one place.
+        3 => {
+            positions.extend([p, p]);
+            [first, a, first + 1]
+        }
+        // The middle of a side, or as far again beyond its end.
+        4 => {
+            positions.push((p + q) * 0.5);
+            [a, first, b]
+        }
+        _ => {
+            positions.push(q + (q - p));
+            [first, a, b]
+        }
+    }
+}
+
+/// Row 19. An ulp is that of the largest coordinate met: of the ray's origin and of the triangle.
+pub(super) fn slivers(effort: &Effort) -> Outcome {
+    const MOST: f64 = 8.0;
+    let mut outcome = Outcome::default();
+    let scenes = 100;
+    for s in 0..scenes {
+        let mut numbers = Numbers::new(effort, 19, usize::MAX - s);
+        let mut geometry = Geometry::default();
+        let unit = numbers.magnitude(1e-3, 1e3);
+        for _ in 0..20 {
+            let first = geometry.positions.len() as u32;
+            let at = numbers.direction() * (unit * numbers.one());
+            let along = numbers.direction();
+            let aside = along.cross(numbers.direction()).normalize() * 1e-6;
+            let apex = at + along * (unit * numbers.one()) + aside * unit;
+            geometry.positions.extend([at, at + along * unit, apex].map(|p| p.as_vec3()));
+            geometry.triangles.push([first, first + 1, first + 2]);
+        }
+        let rays: Vec<Ray> = (0..effort.of(1_000_000) as usize / scenes)
+            .map(|n| grazing(&mut Numbers::new(effort, 19, s * 100_000 + n), &geometry, unit))
+            .collect();
+        let met =
+            by_brute_force(effort, &geometry, &rays).iter().filter(|hit| !hit.is_miss()).count();
+        // Those that pass by were aimed at an edge, by rounding; a fifth would be far too few.
+        outcome.count((met < rays.len() / 5).then(|| format!("{met} rays hit anything")));
+        for preset in [Preset::Brute, Preset::VeryFast, Preset::Slow] {
+            let accel = effort.accel(geometry.clone(), preset);
+            outcome.add(every_way(accel, &rays, |_, ray, hit| {
+                if hit.is_miss() {
+                    return None;
+                }
+                let corners = geometry.triangle(hit.primitive as usize).map(|v| v.as_dvec3());
+                let (low, high) = (
+                    corners[0].min(corners[1]).min(corners[2]),
+                    corners[0].max(corners[1]).max(corners[2]),
+                );
+                let (origin, direction) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
+                let point = origin + direction * f64::from(hit.t);
+                let largest = origin.abs().max(low.abs()).max(high.abs()).max_element() as f32;
+                let ulp = f64::from(largest.next_up() - largest);
+                let outside = (low - point).max(point - high).max_element() / ulp;
+                let is_within = outside <= MOST;
+                (!is_within).then(|| format!("{hit:?} is {outside} ulp outside {corners:?}"))
+            }));
+        }
+    }
+    outcome
+}
+
+/// A ray at a point of a triangle, nearly in its plane.
+fn grazing(numbers: &mut Numbers, geometry: &Geometry, unit: f64) -> Ray {
+    let corners = geometry.triangle(numbers.below(geometry.triangles.len()));
+    let [a, b, c] = corners.map(|v| v.as_dvec3());
+    let (u, v) = (numbers.one(), numbers.one());
+    let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
+    let target = a + (b - a) * u + (c - a) * v;
+    let normal = (b - a).cross(c - a).normalize();
+    let turned = numbers.direction();
+    // Half of them along the sliver, too.
+    let within = match numbers.below(2) {
+        0 => (b - a).normalize() + turned * numbers.magnitude(1e-7, 1e-1),
+        _ => turned,
+    };
+    let flat = within - normal * within.dot(normal);
+    let sign = [1.0, -1.0][numbers.below(2)];
+    let direction = flat.normalize() + normal * (sign * numbers.magnitude(1e-7, 1e-1));
+    let origin = (target - direction * (unit * numbers.magnitude(1e-2, 10.0))).as_vec3();
+    Ray::new(origin, target.as_vec3() - origin)
+}
+
+/// A cube's corners, moved by up to a tenth: none of its sides is flat. The corner `i` has the higher
+/// x, y and z where the bits 0, 1 and 2 of `i` are 1.
+fn crooked(numbers: &mut Numbers, scale: f64) -> [DVec3; 8] {
+    std::array::from_fn(|i| {
+        let bit = |k: usize| f64::from(u8::from(i >> k & 1 == 1)) * 2.0 - 1.0;
+        let corner = DVec3::new(bit(0), bit(1), bit(2)) + numbers.direction() * 0.1;
+        (corner * scale).as_vec3().as_dvec3()
+    })
+}
+
+/// The sides of a cube.
+const SIDES: [[usize; 4]; 6] =
+    [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+
+/// Row 34.
+pub(super) fn crooked_quads(effort: &Effort) -> Outcome {
+    let mut outcome = Outcome::default();
+    let boxes = effort.either(10, 100);
+    for s in 0..boxes {
+        let mut numbers = Numbers::new(effort, 34, usize::MAX - s);
+        let scale = numbers.magnitude(1e-3, 1e3);
+        let corners = crooked(&mut numbers, scale);
+        // Where each side begins is left to chance, and with it its diagonal.
+        let sides = SIDES.map(|mut side| {
+            side.rotate_left(numbers.below(4));
+            side.map(|corner| corners[corner])
+        });
+        let shapes = sides.map(|points| scenes::plane(points, scenes::matte([1.0; 3])));
+        let eye =
+            Eye { location: DVec3::ZERO, look: DVec3::X, up: DVec3::Y, fov: 60.0, size: [4, 4] };
+        let scene = scenes::scene(0, &eye.json(), &[], &shapes);
+        let rays: Vec<Ray> = (0..effort.of(1_000_000) as usize / boxes)
+            .into_par_iter()
+            .map(|n| from_inside(&mut Numbers::new(effort, 34, s * 100_000 + n), &sides))
+            .collect();
+        for preset in [Preset::Brute, Preset::VeryFast, Preset::Slow] {
+            let prepared = match scenes::prepare(effort, &scene, preset) {
+                Ok(prepared) => prepared,
+                Err(error) => {
+                    outcome.count(Some(error.to_string()));
+                    continue;
+                }
+            };
+            for (side, points) in sides.iter().enumerate() {
+                let named = format!("scene.shapes[{side}].points: the four points are not in one");
+                let is_told = prepared.warnings.iter().any(|w| w.contains(&named));
+                outcome.count((!is_told).then(|| format!("no warning of {points:?}")));
+            }
+            outcome.add(every_way(prepared.scene.accel, &rays, |_, _, hit| {
+                let is_right = (0.999..1.001).contains(&hit.t);
+                (!is_right).then(|| format!("{hit:?} and not 1, in {corners:?}"))
+            }));
+        }
+    }
+    outcome
+}
+
+/// A ray from about the middle of the box that meets an edge, a corner or the diagonal from the first
+/// corner to the third, at t = 1.
+fn from_inside(numbers: &mut Numbers, sides: &[[DVec3; 4]; 6]) -> Ray {
+    let points = sides[numbers.below(6)];
+    let origin = (numbers.direction() * (0.3 * numbers.one() * points[0].length())).as_vec3();
+    let first = numbers.below(4);
+    let (a, b) = match numbers.below(2) {
+        0 => (points[first], points[(first + 1) % 4]),
+        _ => (points[0], points[2]),
+    };
+    let along = [0.0, numbers.one(), numbers.magnitude(1e-7, 1.0)][numbers.below(3)];
+    Ray::new(origin, (a + (b - a) * along).as_vec3() - origin)
+}

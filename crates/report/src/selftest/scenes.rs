@@ -1,0 +1,243 @@
+//! Scenes made by code, and their images in every way in which one can be made.
+
+use std::path::Path;
+
+use glam::{DVec3, Vec3};
+use serde_json::{Value, json};
+
+use super::{Effort, Outcome};
+use wavecrest_base::error::{Error, ErrorKind, Result};
+use wavecrest_core::accel::build::Preset;
+use wavecrest_core::film::Film;
+use wavecrest_core::math::random::Stream;
+use wavecrest_core::math::ray::Ray;
+use wavecrest_core::math::simd::Level;
+use wavecrest_core::prepared::PreparedScene;
+use wavecrest_core::render::{self, RenderOptions, Rendered, TracerKind};
+use wavecrest_scene::load::{LoadOptions, load_str};
+use wavecrest_scene::systems;
+
+/// Presets of which each builds in another way.
+pub(super) const PRESETS: [Preset; 3] = [Preset::Fastest, Preset::Medium, Preset::Slow];
+
+/// A scene made ready, and the warnings that came with it.
+pub(super) struct Prepared {
+    pub(super) scene: PreparedScene,
+    pub(super) warnings: Vec<String>,
+}
+
+/// The scene of `json`, with paths that start from the folder of `file`.
+pub(super) fn prepare_text(
+    effort: &Effort,
+    json: &str,
+    file: &Path,
+    preset: Preset,
+) -> Result<Prepared> {
+    let mut loaded = load_str(json, file, &LoadOptions::default())?;
+    let extracted = systems::extract_in(&mut loaded.world, effort.precision)?;
+    let file = extracted.file().to_owned();
+    let scene = extracted.build(preset);
+    let more = systems::warnings(scene.dropped, &file);
+    let warnings = loaded.warnings.iter().chain(&more).map(ToString::to_string).collect();
+    Ok(Prepared { scene, warnings })
+}
+
+/// The `scene` made ready.
+pub(super) fn prepare(effort: &Effort, scene: &Value, preset: Preset) -> Result<Prepared> {
+    prepare_text(effort, &scene.to_string(), Path::new("scene.json"), preset)
+}
+
+/// How an image is made. Nothing of it may show.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Way {
+    tracer: TracerKind,
+    threads: usize,
+    batch: usize,
+}
+
+impl Way {
+    /// Both tracers, on one thread and on several, in batches of the usual size and in small ones that
+    /// are no multiple of a vector.
+    const ALL: [Self; 4] = [
+        Self { tracer: TracerKind::Wavefront, threads: 1, batch: 1024 },
+        Self { tracer: TracerKind::Wavefront, threads: 3, batch: 13 },
+        Self { tracer: TracerKind::Recursive, threads: 1, batch: 1024 },
+        Self { tracer: TracerKind::Recursive, threads: 2, batch: 1024 },
+    ];
+}
+
+/// Renders the `scene`.
+pub(super) fn render(effort: &Effort, scene: &PreparedScene, way: Way) -> Result<Rendered> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(way.threads).build();
+    let pool = pool.map_err(|error| Error::new(ErrorKind::Usage, "no threads").because(error))?;
+    let options =
+        RenderOptions { tracer: way.tracer, seed: effort.seed, batch: way.batch, crop: None };
+    pool.install(|| render::render(scene, &options, &()))
+}
+
+/// One image of the `scene`, with which others are compared.
+pub(super) fn image(effort: &Effort, scene: &Value, preset: Preset) -> Result<Film> {
+    let prepared = prepare(effort, scene, preset)?;
+    Ok(render(effort, &prepared.scene, Way::ALL[0])?.film)
+}
+
+/// Has the image of `scene` judged: built with each of the presets, and rendered in every way, with
+/// all instructions there are. Every pixel has to be a number, besides.
+pub(super) fn every_image(
+    effort: &Effort,
+    scene: &Value,
+    presets: &[Preset],
+    judge: impl Fn(&Rendered) -> Outcome,
+) -> Outcome {
+    let mut outcome = Outcome::default();
+    for &preset in presets {
+        match prepare(effort, scene, preset) {
+            Ok(prepared) => {
+                let told = every_way_to_render(effort, prepared.scene, &judge);
+                outcome.add(told.told(|| preset.name().to_owned()));
+            }
+            Err(error) => outcome.count(Some(format!("the scene is refused: {error}"))),
+        }
+    }
+    outcome
+}
+
+/// As [`every_image`], of a scene that is ready.
+pub(super) fn every_way_to_render(
+    effort: &Effort,
+    mut scene: PreparedScene,
+    judge: &impl Fn(&Rendered) -> Outcome,
+) -> Outcome {
+    let mut outcome = Outcome::default();
+    for level in Level::available() {
+        let Some(token) = level.token() else { continue };
+        scene.accel.level = token;
+        for way in Way::ALL {
+            let told = || format!("{} {way:?}", level.name());
+            match render(effort, &scene, way) {
+                Ok(rendered) => {
+                    let mut one = pixels(&rendered.film, |_, _, pixel| {
+                        let is_number = pixel.iter().all(|value| value.is_finite());
+                        (!is_number).then(|| "no number".to_owned())
+                    });
+                    let invalid = rendered.counters.invalid;
+                    one.count((invalid > 0).then(|| format!("{invalid} samples are no numbers")));
+                    one.add(judge(&rendered));
+                    outcome.add(one.told(told));
+                }
+                Err(error) => outcome.count(Some(format!("{}: {error}", told()))),
+            }
+        }
+    }
+    outcome
+}
+
+/// Has every pixel judged. `judge` says what is wrong with the pixel in that column and row, if
+/// anything is.
+pub(super) fn pixels(film: &Film, judge: impl Fn(u32, u32, [f32; 3]) -> Option<String>) -> Outcome {
+    let mut outcome = Outcome::default();
+    for (index, &pixel) in (0_u32..).zip(film.pixels()) {
+        let (x, y) = (index % film.width(), index / film.width());
+        let told = |failure| format!("pixel ({x}, {y}) is {pixel:?}: {failure}");
+        outcome.count(judge(x, y, pixel).map(told));
+    }
+    outcome
+}
+
+/// Compares every pixel with that of `expected`, to the last bit.
+pub(super) fn same(film: &Film, expected: &Film) -> Outcome {
+    pixels(film, |x, y, pixel| {
+        let right = expected.pixel(x, y)?;
+        let is_same = pixel.map(f32::to_bits) == right.map(f32::to_bits);
+        (!is_same).then(|| format!("not {right:?}"))
+    })
+}
+
+/// A pinhole camera, and where its rays go, worked out in double precision.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Eye {
+    pub(super) location: DVec3,
+    pub(super) look: DVec3,
+    pub(super) up: DVec3,
+    /// Degrees across the shorter side.
+    pub(super) fov: f64,
+    pub(super) size: [u32; 2],
+}
+
+impl Eye {
+    pub(super) fn json(&self) -> Value {
+        json!({
+            "type": "pinhole", "width": self.size[0], "height": self.size[1], "fov": self.fov,
+            "location": self.location.to_array(), "look": self.look.to_array(),
+            "up": self.up.to_array()
+        })
+    }
+
+    /// Columns and rows.
+    pub(super) fn pixels(&self) -> impl Iterator<Item = (u32, u32)> {
+        let [width, height] = self.size;
+        (0..width * height).map(move |i| (i % width, i / width))
+    }
+
+    /// The direction through the centre of a pixel, of unit length.
+    pub(super) fn direction(&self, x: u32, y: u32) -> DVec3 {
+        let [width, height] = self.size.map(f64::from);
+        let forward = (self.look - self.location).normalize();
+        let right = forward.cross(self.up).normalize();
+        let up = right.cross(forward);
+        let edge = 2.0 * libm::tan(self.fov.to_radians() / 2.0) / width.min(height);
+        let across = (f64::from(x) + 0.5 - width / 2.0) * edge;
+        let upward = (height / 2.0 - f64::from(y) - 0.5) * edge;
+        (forward + right * across + up * upward).normalize()
+    }
+}
+
+/// The camera's ray through the centre of each pixel.
+pub(super) fn camera_rays(scene: &PreparedScene) -> Vec<Ray> {
+    let [width, height] = scene.camera.size();
+    let pixels = (0..width * height).map(|i| (i % width, i / width));
+    let stream = Stream { seed: 0, pixel: 0, sample: 0, bounce: 0 };
+    pixels.map(|(x, y)| scene.camera.ray(x, y, &stream)).collect()
+}
+
+/// The color of the background where a case does not choose one: no surface has it.
+pub(super) const BACKGROUND: [f64; 3] = [0.125, 0.25, 0.5];
+
+/// A scene of these parts, without ambient light: what no light reaches is black.
+pub(super) fn scene(bounces: u32, camera: &Value, lights: &[Value], shapes: &[Value]) -> Value {
+    json!({
+        "nbounces": bounces,
+        "camera": camera,
+        "scene": {"backgroundcolor": BACKGROUND, "ambient": 0, "lightsources": lights,
+                  "shapes": shapes}
+    })
+}
+
+/// A white point light.
+pub(super) fn point_light(intensity: f64, position: DVec3, falloff: &str) -> Value {
+    json!({"type": "pointlight", "intensity": intensity, "position": position.to_array(),
+           "color": [1, 1, 1], "falloff": falloff})
+}
+
+/// A material without highlight or mirror.
+pub(super) fn matte(color: [f64; 3]) -> Value {
+    json!({"ks": 0, "kd": 0.8, "specularexponent": 1, "diffusecolor": color})
+}
+
+/// A sphere.
+pub(super) fn sphere(center: DVec3, radius: f64, material: Value) -> Value {
+    json!({"type": "sphere", "center": center.to_array(), "radius": radius, "material": material})
+}
+
+/// A plane, lit from both sides.
+pub(super) fn plane(points: [DVec3; 4], material: Value) -> Value {
+    json!({"type": "plane", "points": points.map(|p| p.to_array()), "sides": "both",
+           "material": material})
+}
+
+/// A mesh, lit from both sides.
+pub(super) fn mesh(positions: &[Vec3], triangles: &[[u32; 3]], material: Value) -> Value {
+    let points: Vec<[f64; 3]> = positions.iter().map(|p| p.as_dvec3().to_array()).collect();
+    json!({"type": "trimesh", "points": points, "indices": triangles, "sides": "both",
+           "material": material})
+}

@@ -1,0 +1,229 @@
+//! Rays that start or end on a surface.
+
+use glam::{DVec3, Vec3};
+use rayon::prelude::*;
+
+use super::ways::{Numbers, Tests, every_way};
+use super::{Effort, Outcome};
+use wavecrest_core::accel::build::Preset;
+use wavecrest_core::accel::geometry::Geometry;
+use wavecrest_core::kernels::shade::SHADOW_END;
+use wavecrest_core::kernels::surface::Surface;
+use wavecrest_core::kernels::triangle::is_degenerate;
+use wavecrest_core::math::float::{normalize, offset_end, offset_origin};
+use wavecrest_core::math::ray::Ray;
+
+/// Rays from each surface of row 9.
+const FROM_EACH: u32 = 100;
+
+/// Asks `count` questions on all threads. `ask` says of each input what is wrong with the answer, if
+/// anything is; `None` for inputs of which nothing is asked.
+fn each(
+    effort: &Effort,
+    case: u32,
+    count: u32,
+    ask: impl Fn(&mut Numbers) -> Option<Outcome> + Sync,
+) -> Outcome {
+    let ask = |n: usize| ask(&mut Numbers::new(effort, case, n));
+    let all = (0..count as usize).into_par_iter().filter_map(ask);
+    // In order, for the first failure to be the first.
+    all.collect::<Vec<_>>().into_iter().fold(Outcome::default(), |mut all, one| {
+        all.add(one);
+        all
+    })
+}
+
+/// A number of either sign, of any magnitude from 1e-8 to 1e8.
+fn wide(numbers: &mut Numbers) -> f64 {
+    let sign = if numbers.below(2) == 0 { 1.0 } else { -1.0 };
+    sign * numbers.magnitude(1e-8, 1e8)
+}
+
+fn wide_point(numbers: &mut Numbers) -> DVec3 {
+    DVec3::from([(); 3].map(|()| wide(numbers)))
+}
+
+/// Where a ray hits the triangle: somewhere within.
+pub(super) fn on_triangle(
+    tests: Tests,
+    numbers: &mut Numbers,
+    corners: &[Vec3; 3],
+) -> Option<Surface> {
+    let [a, b, c] = corners.map(|v| v.as_dvec3());
+    let (u, v) = (numbers.one(), numbers.one());
+    let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
+    let target = a + (b - a) * u + (c - a) * v;
+    let origin = (target + numbers.direction() * target.length().max(1e-3)).as_vec3();
+    let ray = Ray::new(origin, target.as_vec3() - origin);
+    let t = tests.triangle(&ray, corners)?;
+    Some(tests.surface(&ray, t, corners))
+}
+
+/// Row 9.
+pub(super) fn leaving(effort: &Effort) -> Outcome {
+    let tests = Tests(effort.precision);
+    each(effort, 9, effort.of(1_000_000), |numbers| {
+        if numbers.below(2) == 0 {
+            let corners = [(); 3].map(|()| wide_point(numbers).as_vec3());
+            if is_degenerate(&corners) {
+                return None;
+            }
+            let surface = on_triangle(tests, numbers, &corners)?;
+            Some(leave(numbers, &surface, |ray, _| {
+                tests.triangle(ray, &corners).map(|t| format!("{corners:?} at {t}"))
+            }))
+        } else {
+            let center = wide_point(numbers).as_vec3();
+            let radius = numbers.magnitude(1e-8, 1e8) as f32;
+            let away = numbers.direction() * (2.0 * f64::from(radius));
+            let outside = (center.as_dvec3() + away).as_vec3();
+            let ray = Ray::new(outside, center - outside);
+            let t = tests.sphere(&ray, center, radius)?;
+            let surface = tests.sphere_surface(&ray, t, center, radius);
+            Some(leave(numbers, &surface, |ray, is_outward| {
+                // Inwards it meets the other side.
+                let t = tests.sphere(ray, center, radius).filter(|_| is_outward)?;
+                Some(format!("sphere {center} {radius} at {t}"))
+            }))
+        }
+    })
+}
+
+/// Rays leave the surface to both sides. `again` says what they meet again.
+fn leave(
+    numbers: &mut Numbers,
+    surface: &Surface,
+    again: impl Fn(&Ray, bool) -> Option<String>,
+) -> Outcome {
+    let mut outcome = Outcome::default();
+    for k in 0..FROM_EACH {
+        let tilted = numbers.direction();
+        let normal = surface.normal.as_dvec3();
+        // Half of the rays graze the surface.
+        let along = tilted - normal * tilted.dot(normal);
+        let direction = if k % 2 == 0 { tilted } else { along + normal * 1e-4 };
+        let direction = normalize(direction.as_vec3());
+        let origin = offset_origin(surface.point, surface.error, surface.normal, direction);
+        let ray = Ray::new(origin, direction);
+        let cosine = direction.dot(surface.normal);
+        if cosine.abs() > 1e-6 && ray.is_valid() {
+            let told = |what| format!("{ray:?} meets {what} again");
+            outcome.count(again(&ray, cosine > 0.0).map(told));
+        }
+    }
+    outcome
+}
+
+/// A square of two triangles about `center`, across the axis `k`.
+fn add_plate(geometry: &mut Geometry, center: Vec3, k: usize, size: f32) {
+    let first = geometry.positions.len() as u32;
+    let (a, b) = (Vec3::AXES[(k + 1) % 3] * size, Vec3::AXES[(k + 2) % 3] * size);
+    geometry.positions.extend([center - a - b, center + a - b, center + a + b, center - a + b]);
+    geometry.triangles.extend([[first, first + 1, first + 2], [first, first + 2, first + 3]]);
+}
+
+fn ulp(size: f32) -> f32 {
+    size.next_up() - size
+}
+
+/// Row 10.
+pub(super) fn contact(effort: &Effort) -> Outcome {
+    let tests = Tests(effort.precision);
+    let mut outcome = Outcome::default();
+    let scenes = 200;
+    for s in 0..scenes {
+        let mut numbers = Numbers::new(effort, 10, usize::MAX - s);
+        let (k, height) = (numbers.below(3), numbers.magnitude(1e-3, 1e6) as f32);
+        let gap = ulp(height) * (64.0 + 192.0 * numbers.one() as f32).round();
+        let axis = Vec3::AXES[k];
+        let mut lower = Geometry::default();
+        add_plate(&mut lower, axis * height, k, height);
+        let mut both = lower.clone();
+        add_plate(&mut both, axis * (height + gap), k, 2.0 * height);
+        let rays: Vec<Ray> = (0..effort.of(1_000_000) as usize / scenes)
+            .filter_map(|n| {
+                let mut numbers = Numbers::new(effort, 10, s * 100_000 + n);
+                let corners = lower.triangle(numbers.below(2));
+                let found = on_triangle(tests, &mut numbers, &corners)?;
+                let light = axis * (11.0 * height) + numbers.direction().as_vec3() * height;
+                let to_light = normalize(light - found.point);
+                let origin = offset_origin(found.point, found.error, found.normal, to_light);
+                Some(Ray { t_max: SHADOW_END, ..Ray::new(origin, light - origin) })
+            })
+            .collect();
+        for (geometry, name, is_blocked) in
+            [(lower, "the plate it starts from", false), (both, "the plate above", true)]
+        {
+            let accel = effort.accel(geometry, Preset::VeryFast);
+            outcome.add(every_way(accel, &rays, |_, _, hit| {
+                let told = || format!("gap {gap} at {height}: {name} is at {}", hit.t);
+                (hit.is_miss() == is_blocked).then(told)
+            }));
+        }
+    }
+    outcome
+}
+
+/// A triangle about `at`, tilted against `direction`, with sides of about `size`.
+fn facing(numbers: &mut Numbers, at: DVec3, direction: DVec3, size: f64) -> [Vec3; 3] {
+    let aside = direction.cross(numbers.direction()).normalize();
+    let other = direction.cross(aside).normalize();
+    let tilt = direction.normalize() * (0.5 * (numbers.one() - 0.5));
+    let (a, b) = ((aside + tilt) * size, other * size);
+    [at - a - b, at + a - b, at + b * 2.0].map(|v| v.as_vec3())
+}
+
+/// Two points at a distance of 1e-3 to 1e6, with coordinates up to a few times that.
+fn apart(numbers: &mut Numbers) -> (Vec3, DVec3) {
+    let distance = numbers.magnitude(1e-3, 1e6);
+    let from = (numbers.direction() * (distance * (1.0 + numbers.one()))).as_vec3();
+    (from, from.as_dvec3() + numbers.direction() * distance)
+}
+
+/// Row 11.
+pub(super) fn towards_a_light_on_a_surface(effort: &Effort) -> Outcome {
+    let tests = Tests(effort.precision);
+    each(effort, 11, effort.of(10_000_000), |numbers| {
+        let (from, light) = apart(numbers);
+        let direction = light - from.as_dvec3();
+        let size = direction.length() * numbers.magnitude(1e-3, 1.0);
+        let corners = facing(numbers, light, direction, size);
+        let found = on_triangle(tests, numbers, &corners)?;
+        let back = normalize(from - found.point);
+        let end = offset_end(found.point, found.error, found.normal, back);
+        let ray = Ray { t_max: SHADOW_END, ..Ray::new(from, end - from) };
+        let mut outcome = Outcome::default();
+        // Flatter segments run along the light's own surface.
+        if normalize(ray.direction).dot(found.normal).abs() > 0.1 {
+            let hit = tests.triangle(&ray, &corners);
+            let told = |t| format!("{ray:?} is blocked at {t} by the light's own {corners:?}");
+            outcome.count(hit.filter(|&t| t < ray.t_max).map(told));
+        }
+        Some(outcome)
+    })
+}
+
+/// Row 12.
+pub(super) fn just_before_a_light(effort: &Effort) -> Outcome {
+    let tests = Tests(effort.precision);
+    each(effort, 12, effort.of(1_000_000), |numbers| {
+        let (from, light) = apart(numbers);
+        let light = light.as_vec3();
+        let direction = light.as_dvec3() - from.as_dvec3();
+        let size = light.abs().max_element().max(from.abs().max_element());
+        let before = direction.normalize() * (64.0 * f64::from(ulp(size)));
+        // Upright, for all of it to be as far before the light.
+        let mut corners = facing(numbers, DVec3::ZERO, direction, f64::from(size));
+        for corner in &mut corners {
+            let upright = corner.as_dvec3()
+                - direction * corner.as_dvec3().dot(direction) / direction.length_squared();
+            *corner = (upright + light.as_dvec3() - before).as_vec3();
+        }
+        let ray = Ray { t_max: SHADOW_END, ..Ray::new(from, light - from) };
+        let hit = tests.triangle(&ray, &corners).filter(|&t| t < ray.t_max);
+        let mut outcome = Outcome::default();
+        let told = || format!("{ray:?} is not blocked by {corners:?}");
+        outcome.count(hit.is_none().then(told));
+        Some(outcome)
+    })
+}

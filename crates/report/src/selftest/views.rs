@@ -1,0 +1,261 @@
+//! Cameras at the ends of what they can be, and scenes with next to nothing in them.
+
+use glam::DVec3;
+use serde_json::{Value, json};
+
+use super::scenes::{self, BACKGROUND, Eye, every_image, pixels};
+use super::ways::Numbers;
+use super::{Effort, Outcome, refused};
+use wavecrest_core::accel::build::Preset;
+use wavecrest_core::math::random::Stream;
+
+/// Every preset, testing everything among them.
+const PRESETS: &[Preset] = &Preset::ALL;
+
+fn color(numbers: &mut Numbers) -> [f64; 3] {
+    [(); 3].map(|()| numbers.one())
+}
+
+/// Row 24.
+pub(super) fn next_to_nothing(effort: &Effort) -> Outcome {
+    let mut outcome = Outcome::default();
+    let mut shown = 0_u64;
+    for n in 0..effort.either(3, 100) {
+        let mut numbers = Numbers::new(effort, 24, n);
+        let turn = numbers.direction();
+        let size = [1 + numbers.below(24) as u32, 1 + numbers.below(24) as u32];
+        let eye = Eye { location: turn * 4.0, look: DVec3::ZERO, up: DVec3::Y, fov: 50.0, size };
+        let background = color(&mut numbers);
+        let right = background.map(|c| c as f32);
+        let lights = [scenes::point_light(50.0, numbers.direction() * 9.0, "linear")];
+        for (name, shapes) in alone(&mut numbers) {
+            let is_seen = |&(x, y): &(u32, u32)| {
+                sees(&shapes, eye.location, eye.direction(x, y)) == Some(true)
+            };
+            shown += eye.pixels().filter(is_seen).count() as u64;
+            for lights in [&lights[..], &[]] {
+                let bounces = [0, 5][numbers.below(2)];
+                let mut scene = scenes::scene(bounces, &eye.json(), lights, &shapes);
+                scene["scene"]["backgroundcolor"] = json!(background);
+                let images = every_image(effort, &scene, PRESETS, |rendered| {
+                    pixels(&rendered.film, |x, y, pixel| {
+                        let direction = eye.direction(x, y);
+                        let seen = sees(&shapes, eye.location, direction);
+                        let failure = match seen {
+                            Some(false) => pixel != right,
+                            Some(true) => pixel == right || lights.is_empty() && pixel != [0.0; 3],
+                            None => false,
+                        };
+                        failure.then(|| format!("{seen:?} of background {right:?}"))
+                    })
+                });
+                outcome.add(images.told(|| format!("{name}, {} lights", lights.len())));
+            }
+        }
+    }
+    outcome.count((shown == 0).then(|| "no shape is to be seen".to_owned()));
+    outcome
+}
+
+/// No shape, and one of each kind.
+fn alone(numbers: &mut Numbers) -> Vec<(&'static str, Vec<Value>)> {
+    let mut corner = || numbers.direction() * 1.2;
+    let [a, b, c] = [(); 3].map(|()| corner());
+    let mut shiny = scenes::matte([0.9, 0.8, 0.7]);
+    shiny["kr"] = json!(0.5);
+    let triangle = json!({"type": "triangle", "sides": "both", "material": shiny,
+                          "points": [a.to_array(), b.to_array(), c.to_array()]});
+    let mesh = scenes::mesh(&[a, b, c].map(|p| p.as_vec3()), &[[0, 1, 2]], shiny.clone());
+    let sphere = scenes::sphere(a * 0.5, 0.7, shiny.clone());
+    let plane = scenes::plane([a, b, c, a + c - b], shiny);
+    vec![
+        ("nothing", vec![]),
+        ("a triangle", vec![triangle]),
+        ("a mesh", vec![mesh]),
+        ("a sphere", vec![sphere]),
+        ("a plane", vec![plane]),
+    ]
+}
+
+/// Whether the ray meets the one shape that there is, in double precision; `None` beside its edge.
+fn sees(shapes: &[Value], origin: DVec3, direction: DVec3) -> Option<bool> {
+    const EDGE: f64 = 1e-4;
+    let Some(shape) = shapes.first() else { return Some(false) };
+    let vector = |value: &Value| {
+        let at = |i: usize| value[i].as_f64().unwrap_or(f64::NAN);
+        DVec3::new(at(0), at(1), at(2)) - origin
+    };
+    if let Some(radius) = shape["radius"].as_f64() {
+        let center = vector(&shape["center"]);
+        let beside = center.cross(direction).length() - radius;
+        return (beside.abs() > EDGE).then_some(beside < 0.0);
+    }
+    let points: Vec<DVec3> = shape["points"].as_array()?.iter().map(vector).collect();
+    // The ray passes every edge on the same side.
+    let sides = (0..points.len()).map(|i| {
+        let (p, q) = (points[i], points[(i + 1) % points.len()]);
+        p.cross(q).dot(direction) / (q - p).length()
+    });
+    let sides: Vec<f64> = sides.collect();
+    let is_doubtful = sides.iter().any(|s| s.abs() < EDGE);
+    let is_inside = sides.iter().all(|s| *s > 0.0) || sides.iter().all(|s| *s < 0.0);
+    (!is_doubtful).then_some(is_inside)
+}
+
+/// Row 27.
+pub(super) fn upright(effort: &Effort) -> Outcome {
+    let mut outcome = Outcome::default();
+    for n in 0..effort.of(100_000) as usize {
+        let mut numbers = Numbers::new(effort, 27, n);
+        let location = numbers.direction() * numbers.magnitude(1e-3, 1e6);
+        let along = match numbers.below(2) {
+            0 => DVec3::AXES[numbers.below(3)] * [1.0, -1.0][numbers.below(2)],
+            _ => numbers.direction(),
+        };
+        let view = along * numbers.magnitude(1e-3, 1e6);
+        let look = location + view;
+        // What the file says, not what was meant: the sum is rounded.
+        let view = look - location;
+        let off = [0.0, 1e-7, 1e-5, 1.0][numbers.below(4)];
+        let aside = view.normalize().cross(numbers.direction()).normalize();
+        let sign = [1.0, -1.0][numbers.below(2)];
+        let up = (view.normalize() + aside * off) * sign * numbers.magnitude(1e-3, 1e3);
+        let eye = Eye { location, look, up, fov: 40.0, size: [4, 3] };
+        let told = || format!("location {location}, look {look}, up {up}");
+        let scene = scenes::scene(0, &eye.json(), &[], &[]);
+        match scenes::prepare(effort, &scene, Preset::VeryFast) {
+            Err(error) => outcome.count(Some(format!("{}: {error}", told()))),
+            Ok(prepared) => {
+                let is_warned = prepared.warnings.iter().any(|w| w.contains("camera.up"));
+                let wrong = is_warned != (off < 1e-6);
+                outcome.count(wrong.then(|| format!("{}: warned {is_warned}", told())));
+                let basis = prepared.scene.camera.basis().map(|v| v.as_dvec3());
+                let failure = not_orthonormal(basis);
+                outcome.count(failure.map(|failure| format!("{}: {failure}", told())));
+            }
+        }
+        // And a camera that looks at itself.
+        let scene = scenes::scene(0, &Eye { look: location, ..eye }.json(), &[], &[]);
+        let refusal = scenes::prepare(effort, &scene, Preset::VeryFast);
+        outcome.add(refused::names(refusal, "camera.look").told(told));
+    }
+    outcome
+}
+
+/// What is wrong with unit vectors that are to be at right angles, within 4 ulp of 1.
+fn not_orthonormal(basis: [DVec3; 3]) -> Option<String> {
+    const MOST: f64 = 4.0 * f32::EPSILON as f64;
+    for (i, a) in basis.iter().enumerate() {
+        for (j, b) in basis.iter().enumerate() {
+            let error = a.dot(*b) - f64::from(u8::from(i == j));
+            let is_within = error.abs() <= MOST;
+            if !is_within {
+                return Some(format!("{basis:?}: vectors {i} and {j} are off by {error:e}"));
+            }
+        }
+    }
+    None
+}
+
+/// Row 28.
+pub(super) fn angles(effort: &Effort) -> Outcome {
+    let mut outcome = Outcome::default();
+    for n in 0..effort.of(10_000) as usize {
+        let mut numbers = Numbers::new(effort, 28, n);
+        let fov = match numbers.below(3) {
+            0 => [0.001, 179.0][numbers.below(2)],
+            _ => numbers.magnitude(0.001, 179.0).clamp(0.001, 179.0),
+        };
+        let long = [1, 2, 7, 100, 65_536][numbers.below(5)];
+        let size = if numbers.below(2) == 0 { [1, long] } else { [long, 1] };
+        let axis = ["x", "y", "smaller", "larger"][numbers.below(4)];
+        let look = numbers.direction();
+        let eye = Eye { location: DVec3::ZERO, look, up: numbers.direction(), fov, size };
+        let mut camera = eye.json();
+        camera["fovaxis"] = json!(axis);
+        if numbers.below(2) == 0 {
+            camera["antialias"] = json!(2);
+        }
+        let scene = scenes::scene(0, &camera, &[], &[]);
+        let told = || format!("{fov} degrees along {axis}, {size:?}, towards {look}");
+        match scenes::prepare(effort, &scene, Preset::VeryFast) {
+            Err(error) => outcome.count(Some(format!("{}: {error}", told()))),
+            Ok(prepared) => {
+                for _ in 0..100 {
+                    let (x, y) = (numbers.below(size[0] as usize), numbers.below(size[1] as usize));
+                    let stream = Stream { seed: effort.seed, pixel: 0, sample: 0, bounce: 0 };
+                    let ray = prepared.scene.camera.ray(x as u32, y as u32, &stream);
+                    let is_unit = (ray.direction.as_dvec3().length() - 1.0).abs()
+                        < 4.0 * f64::from(f32::EPSILON);
+                    outcome.count(
+                        (!(ray.is_valid() && is_unit))
+                            .then(|| format!("{}: pixel ({x}, {y}) has the ray {ray:?}", told())),
+                    );
+                }
+            }
+        }
+    }
+    for size in [[1, 33], [33, 1], [1, 1]] {
+        for fov in [0.001, 1.0, 90.0, 179.0] {
+            outcome.add(thin_image(effort, size, fov));
+        }
+    }
+    for fov in [0.0, -1.0, 0.000_999, 179.001, 180.0, 1e9] {
+        let size = [3, 3];
+        let eye = Eye { location: DVec3::ZERO, look: DVec3::X, up: DVec3::Y, fov, size };
+        let scene = scenes::scene(0, &eye.json(), &[], &[]);
+        let refusal = scenes::prepare(effort, &scene, Preset::VeryFast);
+        outcome.add(refused::names(refusal, "camera.fov").told(|| format!("{fov} degrees")));
+    }
+    outcome
+}
+
+/// An image of one pixel across, which every way has to make to the last bit.
+fn thin_image(effort: &Effort, size: [u32; 2], fov: f64) -> Outcome {
+    let location = DVec3::new(0.0, 0.0, 4.0);
+    let eye = Eye { location, look: DVec3::ZERO, up: DVec3::Y, fov, size };
+    let shapes = [scenes::sphere(DVec3::ZERO, 1.5, scenes::matte([1.0; 3]))];
+    let light = scenes::point_light(50.0, DVec3::new(3.0, 4.0, 5.0), "linear");
+    let scene = scenes::scene(0, &eye.json(), &[light], &shapes);
+    let told = || format!("{size:?} at {fov} degrees");
+    match scenes::image(effort, &scene, Preset::Brute) {
+        Err(error) => Outcome::failure(error.to_string()),
+        Ok(expected) => {
+            every_image(effort, &scene, &[Preset::VeryFast], |r| scenes::same(&r.film, &expected))
+        }
+    }
+    .told(told)
+}
+
+/// Row 29.
+pub(super) fn lenses(effort: &Effort) -> Outcome {
+    let mut outcome = refused::lenses(effort);
+    for n in 0..effort.either(4, 100) {
+        let mut numbers = Numbers::new(effort, 29 + 32, n);
+        let location = numbers.direction() * 5.0;
+        let size = [20, 15];
+        let eye = Eye { location, look: DVec3::ZERO, up: DVec3::Y, fov: 45.0, size };
+        let shapes = [
+            scenes::sphere(DVec3::ZERO, 1.0, scenes::matte([0.9, 0.5, 0.1])),
+            scenes::sphere(DVec3::new(1.5, 0.2, 0.3), 0.7, scenes::matte(BACKGROUND)),
+        ];
+        let light = scenes::point_light(50.0, numbers.direction() * 8.0, "linear");
+        let mut camera = eye.json();
+        camera["antialias"] = json!(1 + numbers.below(3));
+        let pinhole = scenes::scene(0, &camera, std::slice::from_ref(&light), &shapes);
+        camera["type"] = json!("thinlens");
+        camera["aperture"] = json!(0);
+        camera["focal"] = json!(numbers.magnitude(1e-6, 1e9));
+        let closed = scenes::scene(0, &camera, &[light], &shapes);
+        match scenes::image(effort, &pinhole, Preset::Brute) {
+            Err(error) => outcome.count(Some(error.to_string())),
+            Ok(expected) => {
+                let presets = &[Preset::VeryFast];
+                outcome.add(every_image(effort, &closed, presets, |r| {
+                    scenes::same(&r.film, &expected)
+                }));
+            }
+        }
+    }
+    outcome
+}

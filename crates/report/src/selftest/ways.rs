@@ -1,0 +1,168 @@
+//! Every way in which a question about rays can be asked.
+
+use std::time::Instant;
+
+use glam::Vec3;
+use rayon::prelude::*;
+
+use super::{Effort, Outcome};
+use wavecrest_core::accel::{Accel, Hit, KernelChoice};
+use wavecrest_core::kernels::precision::{Fast, Precision};
+use wavecrest_core::kernels::sphere;
+use wavecrest_core::kernels::surface::{self, Surface};
+use wavecrest_core::kernels::triangle::{ShearedSpace, exact, fast};
+use wavecrest_core::math::random::Stream;
+use wavecrest_core::math::ray::Ray;
+use wavecrest_core::math::simd::Level;
+
+/// Rays that a thread asks about at a time.
+const BLOCK: usize = 1 << 13;
+
+/// Has the `accel`'s answers for all rays judged, for every kernel with all instructions there are.
+/// `judge` says what is wrong with the answer for the ray of that number, if anything is.
+pub(super) fn every_way(
+    mut accel: Accel,
+    rays: &[Ray],
+    judge: impl Fn(usize, &Ray, Hit) -> Option<String> + Sync,
+) -> Outcome {
+    let mut outcome = Outcome::default();
+    for level in Level::available() {
+        let Some(token) = level.token() else { continue };
+        accel.level = token;
+        // Exact arithmetic takes every ray alone.
+        let is_exact = accel.geometry.precision == Precision::Exact;
+        let kernels: &[_] = if is_exact { &[KernelChoice::Single] } else { &KernelChoice::ALL };
+        for &kernel in kernels {
+            accel.kernel = kernel;
+            let told = |failure| format!("{} {}: {failure}", level.name(), kernel.name());
+            outcome.add(ask(&accel, rays, |i, ray, hit| judge(i, ray, hit).map(told)));
+        }
+        if accel.tree.is_none() {
+            // Nothing is left to choose.
+            break;
+        }
+    }
+    outcome
+}
+
+/// Has the `accel`'s answers for all rays judged.
+fn ask(
+    accel: &Accel,
+    rays: &[Ray],
+    judge: impl Fn(usize, &Ray, Hit) -> Option<String> + Sync,
+) -> Outcome {
+    let blocks = rays.par_chunks(BLOCK).enumerate().map(|(block, rays)| {
+        let mut hits = vec![Hit::MISS; rays.len()];
+        let mut traversal = accel.traversal();
+        let start = Instant::now();
+        accel.closest_of(rays, &mut hits, &mut traversal);
+        let seconds = start.elapsed().as_secs_f64();
+        let mut outcome = Outcome { timed: rays.len() as u64, seconds, ..Outcome::default() };
+        for (i, (ray, &hit)) in rays.iter().zip(&hits).enumerate() {
+            let number = block * BLOCK + i;
+            let told = |failure| format!("ray {number}, {ray:?}: {failure}");
+            outcome.count(judge(number, ray, hit).map(told));
+        }
+        outcome
+    });
+    sum(blocks.collect())
+}
+
+/// Asks `count` questions on all threads, and adds up what comes of them, in order.
+pub(super) fn in_blocks(count: u32, ask: impl Fn(usize) -> Outcome + Sync) -> Outcome {
+    let blocks = (0..count as usize).step_by(BLOCK).collect::<Vec<_>>().into_par_iter();
+    let block = |start: usize| {
+        let mut outcome = Outcome::default();
+        for n in start..(start + BLOCK).min(count as usize) {
+            outcome.add(ask(n).told(|| format!("input {n}")));
+        }
+        outcome
+    };
+    sum(blocks.map(block).collect())
+}
+
+/// What came of all of them together.
+pub(super) fn sum(outcomes: Vec<Outcome>) -> Outcome {
+    outcomes.into_iter().fold(Outcome::default(), |mut all, one| {
+        all.add(one);
+        all
+    })
+}
+
+/// The tests of one primitive, and the points found by them, in a precision.
+#[derive(Clone, Copy)]
+pub(super) struct Tests(pub(super) Precision);
+
+impl Tests {
+    /// The t at which the ray meets the triangle.
+    pub(super) fn triangle(self, ray: &Ray, corners: &[Vec3; 3]) -> Option<f32> {
+        let t = match self.0 {
+            Precision::Fast => fast::intersect(ray, corners)?,
+            Precision::Robust => return ShearedSpace::new(ray).intersect(corners),
+            Precision::Exact => exact::intersect(ray, corners)? as f32,
+        };
+        (t > ray.t_min).then_some(t)
+    }
+
+    /// The t at which the ray meets the sphere.
+    pub(super) fn sphere(self, ray: &Ray, center: Vec3, radius: f32) -> Option<f32> {
+        if self.0 == Precision::Fast {
+            return sphere::intersect_fast(ray, center, radius);
+        }
+        sphere::intersect(ray, center, radius)
+    }
+
+    /// Where the ray meets the triangle.
+    pub(super) fn surface(self, ray: &Ray, t: f32, corners: &[Vec3; 3]) -> Surface {
+        if self.0 == Precision::Fast {
+            return surface::triangle_at::<Fast>(ray, t, corners);
+        }
+        surface::triangle(ray, corners)
+    }
+
+    /// Where the ray meets the sphere.
+    pub(super) fn sphere_surface(self, ray: &Ray, t: f32, center: Vec3, radius: f32) -> Surface {
+        if self.0 == Precision::Fast {
+            return surface::sphere_at::<Fast>(ray, t, center, radius);
+        }
+        surface::sphere(ray, center, radius)
+    }
+}
+
+/// Random numbers for the `index`th input of a case.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Numbers {
+    stream: Stream,
+    dimension: u32,
+}
+
+impl Numbers {
+    pub(super) fn new(effort: &Effort, case: u32, index: usize) -> Self {
+        let stream = Stream { seed: effort.seed, pixel: index as u32, sample: case, bounce: 0 };
+        Self { stream, dimension: 0 }
+    }
+
+    /// From 0 to 1.
+    pub(super) fn one(&mut self) -> f64 {
+        self.dimension += 1;
+        let [high, low, ..] = self.stream.words(self.dimension);
+        (f64::from(high) + f64::from(low) / 4_294_967_296.0) / 4_294_967_296.0
+    }
+
+    /// From `low` to `high`, every power of ten as likely.
+    pub(super) fn magnitude(&mut self, low: f64, high: f64) -> f64 {
+        libm::pow(10.0, libm::log10(low) + self.one() * libm::log10(high / low))
+    }
+
+    /// Less than `end`.
+    pub(super) fn below(&mut self, end: usize) -> usize {
+        ((self.one() * end as f64) as usize).min(end - 1)
+    }
+
+    /// On the unit sphere.
+    pub(super) fn direction(&mut self) -> glam::DVec3 {
+        let (z, turn) = (2.0 * self.one() - 1.0, std::f64::consts::TAU * self.one());
+        let r = (1.0 - z * z).max(0.0).sqrt();
+        glam::DVec3::new(r * libm::cos(turn), r * libm::sin(turn), z)
+    }
+}

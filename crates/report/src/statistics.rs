@@ -1,0 +1,262 @@
+//! The statistics of one render, in a stable JSON form.
+//!
+//! | key | unit | meaning |
+//! |---|---|---|
+//! | `version`, `scene`, `tracer`, `threads`, `seed` | | what was run |
+//! | `simd`, `kernel`, `precision` | | the vector instructions, the kernel chosen for batches of rays, and how exactly hits are found |
+//! | `image.width`, `.height`, `.samples_per_pixel` | pixels, rays | the image, or the part of it |
+//! | `rays.primary`, `.secondary`, `.shadow` | rays | camera, mirror and shadow rays traced |
+//! | `samples.lens`, `.light`, `.texels` | | points chosen on the lens and on area lights; texels read |
+//! | `samples.footprints` | | footprints of rays on surfaces, for trilinear textures and for mirrors that may show them |
+//! | `foretold.rays`, `.samples` | | bounds on these, told before the first ray: see [`crate::foretold`] |
+//! | `tests.nodes` | nodes | inner nodes visited, by a ray or by many together, each testing eight boxes |
+//! | `tests.instances` | visits | of an instance by a ray that meets its box |
+//! | `tests.primitives.triangles`, `.quads`, `.spheres` | tests | tests of primitives |
+//! | `kernels.closest.packet`, `.stream`, `.single` | rays | camera and mirror rays by the kernel that took them first: a packet, many in flight, one alone |
+//! | `kernels.closest.handed_over` | rays | those of the packets' rays that went on in flight |
+//! | `kernels.closest.rays_a_node`, `.rays_a_round` | rays | of a packet at a node that it visits, and in flight in a round, on average (`null` where there was none) |
+//! | `kernels.shadow.…` | | the same of shadow rays |
+//! | `dropped.degenerate` | triangles | left out for want of an area |
+//! | `invalid` | samples | not finite, and counted as black |
+//! | `first_invalid.x`, `.y`, `.sample`, `.bounce`, `.primitive`, `.shape` | | where the first of them ceases to be finite (`null` without any) |
+//! | `lights_at_surface` | rays | lights nearer than the rounding error of the surface |
+//! | `time.load`, `.build`, `.trace`, `.write`, `.total` | seconds | by stage, on the clock |
+//! | `time.passes` | seconds | by pass, summed over threads |
+//! | `memory.predicted`, `.peak` | bytes | peak of the process: foretold before a mesh or a texture is read, and measured (`null` where the system does not tell) |
+//! | `columns.foretold`, `.held` | bytes | columns of the wavefront's batches on all threads: foretold, and held (the recursive tracer has none) |
+//! | `bvh.preset`, `.nodes`, `.depth`, `.bytes` | | the trees: nodes of all, the greatest depth |
+//! | `resumed` | | the part of the image that a checkpoint held (0 to 1): rays and all other work are those of this run alone |
+//! | `goal.asked`, `.samples`, `.expected_error`, `.expected_seconds`, `.found_error`, `.renders` | | what was chosen for a target error or a time budget, and what came of it (`null` where neither was asked for) |
+//! | `plan` | | each effect, whether it is simulated, and why |
+
+use serde::Serialize;
+use serde_json::{Map, Value};
+
+use super::foretold::Foretold;
+use wavecrest_core::accel::build::Preset;
+use wavecrest_core::accel::tree::Tree;
+use wavecrest_core::accel::{Accel, KernelChoice, KernelCounts};
+use wavecrest_core::counters::Counters;
+use wavecrest_core::kernels::precision::Precision;
+use wavecrest_core::math::simd::Level;
+use wavecrest_core::plan::Plan;
+use wavecrest_core::prepared::Dropped;
+use wavecrest_core::probe::Invalid;
+use wavecrest_core::render::TracerKind;
+
+/// See the module documentation: fields are named as in the JSON.
+#[derive(Clone, Debug, Serialize)]
+#[allow(missing_docs, reason = "the table above says it once, for the JSON and for the fields")]
+pub struct Statistics {
+    pub version: &'static str,
+    pub scene: String,
+    pub tracer: TracerKind,
+    pub threads: usize,
+    pub seed: u64,
+    pub simd: Level,
+    pub kernel: KernelChoice,
+    pub precision: Precision,
+    pub image: ImageSize,
+    pub rays: Rays,
+    pub samples: Samples,
+    pub foretold: Foretold,
+    pub tests: Tests,
+    pub kernels: KernelUse,
+    pub dropped: Dropped,
+    pub invalid: u64,
+    pub first_invalid: Option<Invalid>,
+    pub lights_at_surface: u64,
+    pub time: Time,
+    pub memory: Memory,
+    pub columns: Columns,
+    pub bvh: Bvh,
+    pub goal: Option<Goal>,
+    pub resumed: f64,
+    pub plan: Plan,
+}
+
+/// What was chosen for an error or a time, and what came of it.
+#[derive(Clone, Debug, Serialize)]
+#[allow(missing_docs, reason = "see the module documentation")]
+pub struct Goal {
+    pub asked: String,
+    pub samples: String,
+    pub expected_error: f64,
+    pub expected_seconds: f64,
+    pub found_error: f64,
+    pub renders: u32,
+}
+
+/// The size of what was rendered.
+#[derive(Clone, Copy, Debug, Serialize)]
+#[allow(missing_docs, reason = "see the module documentation")]
+pub struct ImageSize {
+    pub width: u32,
+    pub height: u32,
+    pub samples_per_pixel: u32,
+}
+
+/// Rays by kind.
+#[derive(Clone, Copy, Debug, Serialize)]
+#[allow(missing_docs, reason = "see the module documentation")]
+pub struct Rays {
+    pub primary: u64,
+    pub secondary: u64,
+    pub shadow: u64,
+}
+
+/// Samples by kind.
+#[derive(Clone, Copy, Debug, Serialize)]
+#[allow(missing_docs, reason = "see the module documentation")]
+pub struct Samples {
+    pub lens: u64,
+    pub light: u64,
+    pub texels: u64,
+    pub footprints: u64,
+}
+
+/// Tests by kind.
+#[derive(Clone, Copy, Debug, Serialize)]
+#[allow(missing_docs, reason = "see the module documentation")]
+pub struct Tests {
+    pub nodes: u64,
+    pub instances: u64,
+    pub primitives: PrimitiveTests,
+}
+
+/// Tests of primitives by kind.
+#[derive(Clone, Copy, Debug, Serialize)]
+#[allow(missing_docs, reason = "see the module documentation")]
+pub struct PrimitiveTests {
+    pub triangles: u64,
+    pub quads: u64,
+    pub spheres: u64,
+}
+
+/// Rays by kernel, of either class.
+#[derive(Clone, Copy, Debug, Serialize)]
+#[allow(missing_docs, reason = "see the module documentation")]
+pub struct KernelUse {
+    pub closest: ClassUse,
+    pub shadow: ClassUse,
+}
+
+/// Rays of one class by kernel.
+#[derive(Clone, Copy, Debug, Serialize)]
+#[allow(missing_docs, reason = "see the module documentation")]
+pub struct ClassUse {
+    pub packet: u64,
+    pub handed_over: u64,
+    pub stream: u64,
+    pub single: u64,
+    pub rays_a_node: Option<f64>,
+    pub rays_a_round: Option<f64>,
+}
+
+/// Seconds by stage.
+#[derive(Clone, Debug, Default, Serialize)]
+#[allow(missing_docs, reason = "see the module documentation")]
+pub struct Time {
+    pub load: f64,
+    pub build: f64,
+    pub trace: f64,
+    pub write: f64,
+    pub total: f64,
+    pub passes: Map<String, Value>,
+}
+
+/// Bytes at the peak.
+#[derive(Clone, Copy, Debug, Serialize)]
+#[allow(missing_docs, reason = "see the module documentation")]
+pub struct Memory {
+    pub predicted: u64,
+    pub peak: Option<u64>,
+}
+
+/// Bytes of the columns of all batches.
+#[derive(Clone, Copy, Debug, Serialize)]
+#[allow(missing_docs, reason = "see the module documentation")]
+pub struct Columns {
+    pub foretold: u64,
+    pub held: u64,
+}
+
+/// The tree.
+#[derive(Clone, Copy, Debug, Serialize)]
+#[allow(missing_docs, reason = "see the module documentation")]
+pub struct Bvh {
+    pub preset: Preset,
+    pub nodes: usize,
+    pub depth: usize,
+    pub bytes: u64,
+}
+
+impl Bvh {
+    /// What `accel`, built with `preset`, holds.
+    pub fn of(accel: &Accel, preset: Preset) -> Self {
+        let census = || accel.trees().map(Tree::census);
+        Self {
+            preset,
+            nodes: census().map(|census| census.nodes as usize).sum(),
+            depth: census().map(|census| census.depth).max().unwrap_or(0),
+            bytes: accel.tree_bytes(),
+        }
+    }
+}
+
+impl From<&Counters> for Rays {
+    fn from(c: &Counters) -> Self {
+        Self { primary: c.primary_rays, secondary: c.secondary_rays, shadow: c.shadow_rays }
+    }
+}
+
+impl Rays {
+    /// Rays of every kind.
+    pub fn all(&self) -> u64 {
+        self.primary + self.secondary + self.shadow
+    }
+}
+
+impl From<&Counters> for Samples {
+    fn from(c: &Counters) -> Self {
+        Self {
+            lens: c.lens_samples,
+            light: c.light_samples,
+            texels: c.texels,
+            footprints: c.footprints,
+        }
+    }
+}
+
+impl From<&Counters> for Tests {
+    fn from(c: &Counters) -> Self {
+        let t = &c.tests;
+        let primitives =
+            PrimitiveTests { triangles: t.triangles, quads: t.quads, spheres: t.spheres };
+        Self { nodes: t.nodes, instances: t.instances, primitives }
+    }
+}
+
+impl From<&Counters> for KernelUse {
+    fn from(c: &Counters) -> Self {
+        Self { closest: (&c.kernels.closest).into(), shadow: (&c.kernels.shadow).into() }
+    }
+}
+
+impl From<&KernelCounts> for ClassUse {
+    fn from(c: &KernelCounts) -> Self {
+        Self {
+            packet: c.packet,
+            handed_over: c.handed_over,
+            stream: c.stream,
+            single: c.single,
+            rays_a_node: c.rays_a_node(),
+            rays_a_round: c.rays_a_round(),
+        }
+    }
+}
+
+/// Seconds by pass as a JSON object.
+pub fn pass_map(passes: &[(&'static str, f64)]) -> Map<String, Value> {
+    passes.iter().map(|&(name, seconds)| (name.to_owned(), seconds.into())).collect()
+}

@@ -1,0 +1,210 @@
+//! Repeated measurements in a few numbers that one bad run does not move.
+//!
+//! Times of a program have a floor and a long tail upward: other programs can only slow it down.
+//! So the centre is the median, and the spread is told by quartiles and by the median absolute
+//! deviation, of which half the runs may be spoilt before they say nonsense (Hampel, *The
+//! Influence Curve and Its Role in Robust Estimation*, 1974).
+//!
+//! The uncertainty of a median is an interval between two of the measurements themselves, the
+//! `k`th smallest and the `k`th largest (Thompson, *On Confidence Ranges for the Median*, Annals of
+//! Mathematical Statistics, 1936; Le Boudec, *Performance Evaluation of Computer and Communication
+//! Systems*, 2010, section 2.2). The true median is outside only if fewer than `k` of `n`
+//! independent measurements fall on one side of it, of which the chance is that of fewer than `k`
+//! heads in `n` throws of a coin, twice. Nothing is assumed of the distribution, nothing is drawn
+//! at random, and for few measurements the interval is still true: it is then the whole range,
+//! and says with what confidence.
+
+use serde::Serialize;
+
+/// The confidence that intervals have at least, where there are measurements enough.
+pub const CONFIDENCE: f64 = 0.95;
+
+/// The fewest measurements whose range holds the median with [`CONFIDENCE`]: 1 - 2^-5 = 0.969.
+pub const ENOUGH: usize = 6;
+
+/// Measurements of one thing.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Summary {
+    /// The middle one, or the mean of the two in the middle.
+    pub median: f64,
+    /// The smallest.
+    pub min: f64,
+    /// The largest.
+    pub max: f64,
+    /// A quarter of the measurements is below this.
+    pub first_quartile: f64,
+    /// A quarter of the measurements is above this.
+    pub third_quartile: f64,
+    /// Median absolute deviation: the median of the distances to the median.
+    pub mad: f64,
+    /// Every measurement, in the order in which they were made.
+    pub each: Vec<f64>,
+}
+
+impl Summary {
+    /// Sums up `each`, finite numbers; `None` where there is none.
+    pub fn of(each: &[f64]) -> Option<Self> {
+        let sorted = sorted(each);
+        let (&min, &max) = (sorted.first()?, sorted.last()?);
+        let median = quantile(&sorted, 0.5);
+        let distances: Vec<f64> = each.iter().map(|x| (x - median).abs()).collect();
+        Some(Self {
+            median,
+            min,
+            max,
+            first_quartile: quantile(&sorted, 0.25),
+            third_quartile: quantile(&sorted, 0.75),
+            mad: quantile(&self::sorted(&distances), 0.5),
+            each: each.to_vec(),
+        })
+    }
+
+    /// The distance between the quartiles as a share of the median.
+    pub fn spread(&self) -> f64 {
+        (self.third_quartile - self.first_quartile) / self.median
+    }
+}
+
+/// A median and where the true one is.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct MedianInterval {
+    /// The median of the measurements.
+    pub median: f64,
+    /// One end of the interval.
+    pub low: f64,
+    /// The other end.
+    pub high: f64,
+    /// The chance that such an interval holds the true median: [`CONFIDENCE`] or more where there
+    /// are at least [`ENOUGH`] measurements, and what the whole range gives where there are fewer.
+    pub confidence: f64,
+}
+
+impl MedianInterval {
+    /// The narrowest interval of the module documentation with at least [`CONFIDENCE`], or the
+    /// whole range; `None` where there is no measurement.
+    pub fn of(each: &[f64]) -> Option<Self> {
+        let sorted = sorted(each);
+        let n = sorted.len();
+        let outermost = (1, confidence(n, 1));
+        // The first k, then those further in for as long as they are confident.
+        let (k, confidence) = (2..=n / 2)
+            .map(|k| (k, confidence(n, k)))
+            .take_while(|(_, confidence)| *confidence >= CONFIDENCE)
+            .last()
+            .unwrap_or(outermost);
+        let (&low, &high) = (sorted.get(k - 1)?, sorted.get(n - k)?);
+        Some(Self { median: quantile(&sorted, 0.5), low, high, confidence })
+    }
+}
+
+/// The median of `each`; 0 where there is none.
+pub fn median(each: &[f64]) -> f64 {
+    quantile(&sorted(each), 0.5)
+}
+
+/// The chance that the median is between the `k`th smallest and the `k`th largest of `n`:
+/// 1 - 2 P(fewer than `k` heads in `n` throws).
+fn confidence(n: usize, k: usize) -> f64 {
+    // By logarithms, so that 2^-n does not vanish where n is large.
+    let mut logarithm = -(n as f64) * std::f64::consts::LN_2;
+    let mut below = 0.0;
+    for heads in 0..k.min(n) {
+        below += libm::exp(logarithm);
+        logarithm += libm::log((n - heads) as f64 / (heads + 1) as f64);
+    }
+    (1.0 - 2.0 * below).max(0.0)
+}
+
+fn sorted(each: &[f64]) -> Vec<f64> {
+    let mut sorted = each.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    sorted
+}
+
+/// The value below which a `share` of `sorted` lies, between neighbours in proportion (the seventh
+/// definition of Hyndman and Fan, *Sample Quantiles in Statistical Packages*, 1996).
+fn quantile(sorted: &[f64], share: f64) -> f64 {
+    let place = share * sorted.len().saturating_sub(1) as f64;
+    let at = |index: f64| sorted.get(index as usize).copied().unwrap_or_default();
+    let (below, above) = (at(place.floor()), at(place.ceil()));
+    below + (above - below) * place.fract()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use wavecrest_core::math::random::Stream;
+
+    #[test]
+    fn known_medians_and_quartiles() {
+        let s = Summary::of(&[5.0, 1.0, 4.0, 2.0, 3.0]).unwrap();
+        assert_eq!((s.median, s.min, s.max), (3.0, 1.0, 5.0));
+        assert_eq!((s.first_quartile, s.third_quartile, s.mad), (2.0, 4.0, 1.0));
+        assert_eq!(s.each, [5.0, 1.0, 4.0, 2.0, 3.0], "in the order of the runs");
+        assert_eq!(s.spread(), 2.0 / 3.0);
+        let s = Summary::of(&[4.0, 1.0, 2.0, 100.0]).unwrap();
+        assert_eq!((s.median, s.first_quartile, s.third_quartile), (3.0, 1.75, 28.0));
+        assert_eq!(s.mad, 1.5, "of 1, 2, 1 and 97");
+    }
+
+    #[test]
+    fn one_measurement_or_none_is_no_trouble() {
+        let s = Summary::of(&[2.5]).unwrap();
+        assert_eq!((s.median, s.min, s.max, s.mad), (2.5, 2.5, 2.5, 0.0));
+        let i = MedianInterval::of(&[2.5]).unwrap();
+        assert_eq!((i.median, i.low, i.high, i.confidence), (2.5, 2.5, 2.5, 0.0));
+        assert!(Summary::of(&[]).is_none());
+        assert!(MedianInterval::of(&[]).is_none());
+        assert_eq!(median(&[]), 0.0);
+    }
+
+    #[test]
+    fn confidences_are_those_of_the_tables() {
+        // Le Boudec 2010, appendix A: n, k, confidence.
+        for (n, k, expected) in
+            [(2, 1, 0.5), (5, 1, 0.9375), (6, 1, 0.96875), (9, 2, 0.961), (31, 10, 0.971)]
+        {
+            assert!((confidence(n, k) - expected).abs() < 5e-4, "{n} {k}: {}", confidence(n, k));
+        }
+        assert!(confidence(5, 1) < CONFIDENCE && confidence(ENOUGH, 1) >= CONFIDENCE);
+    }
+
+    #[test]
+    fn the_interval_is_the_narrowest_that_is_confident() {
+        let upto = |n: u32| (1..=n).map(f64::from).collect::<Vec<_>>();
+        for (n, low, high) in [(3, 1.0, 3.0), (6, 1.0, 6.0), (9, 2.0, 8.0), (31, 10.0, 22.0)] {
+            let found = MedianInterval::of(&upto(n)).unwrap();
+            assert_eq!((found.low, found.high), (low, high), "{n}");
+        }
+        let many = MedianInterval::of(&upto(5000)).unwrap();
+        assert!((0.95..0.953).contains(&many.confidence), "{many:?}");
+        assert!((many.low - 2431.0).abs() <= 1.0, "{many:?}");
+    }
+
+    /// Of many sets of skewed measurements, the share whose interval holds the true median is the
+    /// confidence.
+    #[test]
+    fn intervals_cover_the_true_median_as_often_as_they_say() {
+        const SETS: u32 = 4000;
+        for n in [3_u32, 6, 10, 25] {
+            let mut covered = 0;
+            let mut stated = 0.0;
+            for set in 0..SETS {
+                let time = |i| {
+                    let stream = Stream { seed: 11, pixel: set, sample: i, bounce: n };
+                    // A floor of 1 and a long tail; the median is 1 + 0.5^4 / 0.5.
+                    let u = f64::from(stream.uniform(0)[0]);
+                    1.0 + u.powi(4) / (1.0 - u)
+                };
+                let each: Vec<f64> = (0..n).map(time).collect();
+                let interval = MedianInterval::of(&each).unwrap();
+                covered += u32::from((interval.low..=interval.high).contains(&1.125));
+                stated = interval.confidence;
+            }
+            let share = f64::from(covered) / f64::from(SETS);
+            // Four standard deviations of a share of so many sets.
+            let chance = 4.0 * (stated * (1.0 - stated) / f64::from(SETS)).sqrt();
+            assert!((share - stated).abs() <= chance, "{n}: {share} for {stated}");
+        }
+    }
+}

@@ -1,0 +1,194 @@
+//! A generated mesh as a binary little-endian PLY file (Turk 1994), streamed.
+//!
+//! Vertices and faces are records of one size, so a stretch of the file can be made anywhere in
+//! a buffer by any thread. Two buffers of fixed size take turns: one is written while the other
+//! is filled. Memory is bounded whatever the size of the mesh and the number of threads, and the
+//! bytes do not depend on either.
+//!
+//! The file appears whole or not at all (see [`wavecrest_base::replace`]).
+
+use std::io::{self, Write};
+use std::path::Path;
+
+use rayon::prelude::*;
+
+use super::{Recipe, Surface, rounded};
+use wavecrest_base::error::{Error, Result};
+use wavecrest_base::replace::replace_file;
+
+/// The size of each of the two buffers.
+const BUFFER_BYTES: usize = 8 << 20;
+/// Records that one task makes: enough to outweigh the cost of a task, few enough to share out.
+const RECORDS_PER_TASK: usize = 4096;
+/// A face: the count 3, then three indices.
+const FACE_BYTES: usize = 1 + 3 * 4;
+/// A position or a normal.
+const VECTOR_BYTES: usize = 3 * 4;
+
+/// What [`write_ply`] wrote.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Written {
+    /// Vertices in the file.
+    pub vertices: u64,
+    /// Triangles in the file.
+    pub triangles: u64,
+    /// The size of the file.
+    pub bytes: u64,
+}
+
+/// Writes the mesh of `recipe` to the file `path`, replacing it. `progress` is told, from time to
+/// time, how many bytes are written and how many there will be.
+///
+/// # Errors
+/// As for [`mesh`](super::mesh), and when the file cannot be written.
+pub fn write_ply(
+    recipe: &Recipe,
+    path: &Path,
+    progress: &mut dyn FnMut(u64, u64),
+) -> Result<Written> {
+    let surface = recipe.surface()?;
+    let layout = Layout::new(recipe, surface.as_ref());
+    replace_file(path, |file| {
+        let sink = Sink { file, written: 0, total: layout.bytes(), progress };
+        layout.write(surface.as_ref(), sink).map_err(|e| {
+            Error::io("cannot write the mesh", path, e).remedy(format!(
+                "the file needs {} free in its folder; make room, or ask for fewer triangles",
+                size(layout.bytes())
+            ))
+        })
+    })?;
+    let (vertices, triangles) = (layout.vertices, layout.triangles);
+    Ok(Written { vertices, triangles, bytes: layout.bytes() })
+}
+
+/// A number of bytes as a reader would say it.
+fn size(bytes: u64) -> String {
+    format!("{bytes} bytes ({})", indicatif::HumanBytes(bytes))
+}
+
+/// What stands where in the file.
+struct Layout {
+    header: String,
+    vertices: u64,
+    triangles: u64,
+    normals: bool,
+}
+
+impl Layout {
+    fn new(recipe: &Recipe, surface: &dyn Surface) -> Self {
+        let (vertices, triangles) = (surface.vertices(), surface.triangles());
+        let header = header(recipe, vertices, triangles);
+        Self { header, vertices, triangles, normals: recipe.normals }
+    }
+
+    fn vertex_bytes(&self) -> usize {
+        if self.normals { 2 * VECTOR_BYTES } else { VECTOR_BYTES }
+    }
+
+    fn bytes(&self) -> u64 {
+        self.header.len() as u64
+            + self.vertices * self.vertex_bytes() as u64
+            + self.triangles * FACE_BYTES as u64
+    }
+
+    /// Writes the header, every vertex and every face.
+    fn write<W: Write + Send>(
+        &self,
+        surface: &dyn Surface,
+        mut sink: Sink<'_, W>,
+    ) -> io::Result<()> {
+        sink.file.write_all(self.header.as_bytes())?;
+        sink.advance(self.header.len());
+        stream(&mut sink, self.vertices, self.vertex_bytes(), |v, record| {
+            let (position, normal) = record.split_at_mut(VECTOR_BYTES);
+            put(position, rounded(surface.position(v)).to_array().map(f32::to_le_bytes));
+            if self.normals {
+                put(normal, rounded(surface.normal(v)).to_array().map(f32::to_le_bytes));
+            }
+        })?;
+        stream(&mut sink, self.triangles, FACE_BYTES, |t, record| {
+            let (count, indices) = record.split_at_mut(1);
+            count[0] = 3;
+            put(indices, surface.triangle(t).map(u32::to_le_bytes));
+        })
+    }
+}
+
+/// The header, with the recipe as a comment so that the file says how to make it again.
+fn header(recipe: &Recipe, vertices: u64, triangles: u64) -> String {
+    let Recipe { model, triangles: asked, seed, displacement, normals } = recipe;
+    let flag = if *normals { " --normals" } else { "" };
+    let normals =
+        if *normals { "property float nx\nproperty float ny\nproperty float nz\n" } else { "" };
+    format!(
+        "ply\nformat binary_little_endian 1.0\n\
+         comment wavecrest generate {model} --triangles {asked} --seed {seed} \
+         --displacement {displacement}{flag}\n\
+         element vertex {vertices}\n\
+         property float x\nproperty float y\nproperty float z\n{normals}\
+         element face {triangles}\n\
+         property list uchar int vertex_indices\n\
+         end_header\n"
+    )
+}
+
+/// Puts three four-byte numbers into their place in a record.
+fn put(place: &mut [u8], numbers: [[u8; 4]; 3]) {
+    place.copy_from_slice(numbers.as_flattened());
+}
+
+/// The file, and who is told how far it has come.
+struct Sink<'a, W> {
+    file: &'a mut W,
+    written: u64,
+    total: u64,
+    progress: &'a mut dyn FnMut(u64, u64),
+}
+
+impl<W> Sink<'_, W> {
+    fn advance(&mut self, bytes: usize) {
+        self.written += bytes as u64;
+        (self.progress)(self.written, self.total);
+    }
+}
+
+/// Writes `count` records of `record_bytes` each, made by `make` from their number.
+fn stream<W: Write + Send>(
+    sink: &mut Sink<'_, W>,
+    count: u64,
+    record_bytes: usize,
+    make: impl Fn(u64, &mut [u8]) + Sync,
+) -> io::Result<()> {
+    let at_once = (BUFFER_BYTES / record_bytes) as u64;
+    let (mut full, mut next) = (Vec::new(), Vec::new());
+    let mut first = 0;
+    loop {
+        let records = at_once.min(count - first);
+        next.resize(records as usize * record_bytes, 0);
+        let file = &mut *sink.file;
+        let (written, ()) =
+            rayon::join(|| file.write_all(&full), || fill(&mut next, first, record_bytes, &make));
+        written?;
+        sink.advance(full.len());
+        std::mem::swap(&mut full, &mut next);
+        if records == 0 {
+            return Ok(());
+        }
+        first += records;
+    }
+}
+
+/// Fills `buffer` with the records from number `first` on, in parallel.
+fn fill(
+    buffer: &mut [u8],
+    first: u64,
+    record_bytes: usize,
+    make: &(impl Fn(u64, &mut [u8]) + Sync),
+) {
+    buffer.par_chunks_mut(RECORDS_PER_TASK * record_bytes).enumerate().for_each(|(task, chunk)| {
+        let start = first + (task * RECORDS_PER_TASK) as u64;
+        for (number, record) in (start..).zip(chunk.chunks_exact_mut(record_bytes)) {
+            make(number, record);
+        }
+    });
+}

@@ -1,0 +1,87 @@
+//! glTF 2.0, as text (`.gltf`) and as one binary file (`.glb`): to the entities that a scene file makes.
+//!
+//! Method: the Khronos Group's *glTF 2.0 Specification*, with the extensions that
+//! [`document`] lists. The file's JSON is read member by member with the readers of scene files, and not
+//! by a crate's typed model, so that every fault has its file, its path, its value and a remedy; and every
+//! index and every range of bytes is checked before anything follows it.
+//!
+//! A mesh that several nodes use is held once: as a shape that is not seen itself, of which each node has
+//! an instance. One that gives off light is an area light, with a copy of its own for each node.
+//! [`material`] and [`light`] state how materials and units are taken; [`staging`](super::staging) what is
+//! put where the file has no camera or no light.
+
+mod accessor;
+mod buffer;
+mod camera;
+mod container;
+mod document;
+mod fields;
+mod light;
+mod material;
+mod mesh;
+mod node;
+mod notes;
+mod spawn;
+mod survey;
+mod texture;
+mod uri;
+
+use std::path::Path;
+use std::sync::Arc;
+
+use wavecrest_base::error::{Error, ErrorKind, Result};
+
+use super::load::{LoadOptions, LoadedScene, parse_json};
+use super::reader::Notes;
+use buffer::Buffer;
+use document::Document;
+use notes::Remarks;
+
+pub(super) use survey::survey;
+
+/// Whether these first bytes of a file are those of a GLB file.
+pub(super) fn is_binary(bytes: &[u8]) -> bool {
+    bytes.starts_with(&container::MAGIC)
+}
+
+/// Reads the file at `path`, and the buffers that it names.
+///
+/// # Errors
+/// As [`super::load::load`].
+pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<LoadedScene> {
+    let metadata = path.metadata().map_err(|e| Error::io("cannot read the scene", path, e))?;
+    if !metadata.is_file() {
+        let error = Error::new(ErrorKind::Io, "not a regular file").in_file(path);
+        return Err(error.remedy("name a glTF file, not a folder or a device"));
+    }
+    let bytes = std::fs::read(path).map_err(|e| Error::io("cannot read the scene", path, e))?;
+    load_bytes(bytes, path, options)
+}
+
+/// As [`load`], of a file that holds `bytes`. Relative names start from the folder of `path`.
+///
+/// # Errors
+/// As [`load`].
+#[doc(hidden)]
+pub fn load_bytes(bytes: Vec<u8>, path: &Path, options: &LoadOptions) -> Result<LoadedScene> {
+    let parts = container::parts(&bytes).map_err(|e| e.in_file(path))?;
+    let bytes = Arc::new(bytes);
+    let binary = parts.binary.map(|range| Buffer::part(bytes.clone(), range));
+    let json = text(&bytes[parts.json], path)?;
+    let value = parse_json(json, path)?;
+    let notes = Notes::new(path, options.strict);
+    let remarks = Remarks::new(&notes);
+    let document = Document::read(&value, binary.as_ref(), &remarks)?;
+    // Data within the text is many times larger there than as bytes.
+    drop(value);
+    let spawned = spawn::world(document, options, &remarks)?;
+    Ok(LoadedScene { warnings: notes.into_warnings(), ..spawned })
+}
+
+fn text<'b>(bytes: &'b [u8], path: &Path) -> Result<&'b str> {
+    std::str::from_utf8(bytes).map_err(|e| {
+        let message = format!("the JSON is not UTF-8 text from byte {} on", e.valid_up_to());
+        let error = Error::new(ErrorKind::Syntax, message).in_file(path);
+        error.remedy("export the file again").because(e)
+    })
+}

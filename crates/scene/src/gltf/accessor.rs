@@ -1,0 +1,306 @@
+//! Accessors: what the bytes of a view stand for, and how they are read.
+//!
+//! An accessor is checked when it is met: its last element ends within its view, and its sparse part
+//! changes only elements that it has. After that an element is a look-up that cannot fail, so that those
+//! of a large mesh are read on all threads.
+
+use rayon::prelude::*;
+
+use wavecrest_base::error::Result;
+
+use super::buffer::{Buffer, View, missing_bytes};
+use super::fields::Fields;
+
+/// The type of a number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Component {
+    I8,
+    U8,
+    I16,
+    U16,
+    U32,
+    F32,
+}
+
+impl Component {
+    /// The numbers that the format gives the types.
+    const ALL: [(u64, Self); 6] = [
+        (5120, Self::I8),
+        (5121, Self::U8),
+        (5122, Self::I16),
+        (5123, Self::U16),
+        (5125, Self::U32),
+        (5126, Self::F32),
+    ];
+
+    fn read(fields: &Fields<'_>) -> Result<Self> {
+        let cursor = fields.need("componentType", "5120 to 5123, 5125 or 5126")?;
+        let number = cursor.value().as_u64();
+        let found = Self::ALL.iter().find(|(known, _)| number == Some(*known));
+        found.map(|(_, component)| *component).ok_or_else(|| {
+            cursor.error(
+                "must be 5120 (i8), 5121 (u8), 5122 (i16), 5123 (u16), 5125 (u32) or 5126 (f32)",
+            )
+        })
+    }
+
+    fn bytes(self) -> usize {
+        match self {
+            Self::I8 | Self::U8 => 1,
+            Self::I16 | Self::U16 => 2,
+            Self::U32 | Self::F32 => 4,
+        }
+    }
+
+    /// Whether it is an unsigned whole number, as an index is.
+    pub(super) fn is_index(self) -> bool {
+        matches!(self, Self::U8 | Self::U16 | Self::U32)
+    }
+
+    /// The greatest number of an index type: as an index it begins a new strip.
+    pub(super) fn restart(self) -> u32 {
+        match self {
+            Self::U8 => u32::from(u8::MAX),
+            Self::U16 => u32::from(u16::MAX),
+            _ => u32::MAX,
+        }
+    }
+
+    /// The number at the start of some bytes, as it is.
+    fn number(self, bytes: &[u8]) -> Option<f64> {
+        Some(match (self, bytes) {
+            (Self::I8, &[a, ..]) => f64::from(i8::from_le_bytes([a])),
+            (Self::U8, &[a, ..]) => f64::from(a),
+            (Self::I16, &[a, b, ..]) => f64::from(i16::from_le_bytes([a, b])),
+            (Self::U16, &[a, b, ..]) => f64::from(u16::from_le_bytes([a, b])),
+            (Self::U32, &[a, b, c, d, ..]) => f64::from(u32::from_le_bytes([a, b, c, d])),
+            (Self::F32, &[a, b, c, d, ..]) => f64::from(f32::from_le_bytes([a, b, c, d])),
+            _ => return None,
+        })
+    }
+
+    /// The number that stands for 1, where whole numbers are parts of it.
+    fn one(self) -> f64 {
+        match self {
+            Self::I8 => f64::from(i8::MAX),
+            Self::U8 => f64::from(u8::MAX),
+            Self::I16 => f64::from(i16::MAX),
+            Self::U16 => f64::from(u16::MAX),
+            Self::U32 => f64::from(u32::MAX),
+            Self::F32 => 1.0,
+        }
+    }
+}
+
+/// How many numbers an element has, by the name of its type.
+const TYPES: [(&str, usize); 7] =
+    [("SCALAR", 1), ("VEC2", 2), ("VEC3", 3), ("VEC4", 4), ("MAT2", 4), ("MAT3", 9), ("MAT4", 16)];
+
+/// Elements in a row in a view.
+#[derive(Clone, Debug)]
+struct Rows {
+    view: usize,
+    offset: usize,
+    stride: usize,
+}
+
+/// Elements that are not those of the rows.
+#[derive(Clone, Debug)]
+struct Sparse {
+    /// Which elements, in rising order.
+    which: Vec<u32>,
+    values: Rows,
+}
+
+/// A list of elements of some numbers each.
+#[derive(Clone, Debug)]
+pub(super) struct Accessor {
+    rows: Option<Rows>,
+    sparse: Option<Sparse>,
+    pub(super) count: usize,
+    pub(super) component: Component,
+    /// How many numbers an element has.
+    pub(super) width: usize,
+    pub(super) normalized: bool,
+}
+
+/// Where the elements of accessors are.
+#[derive(Clone, Copy)]
+pub(super) struct Storage<'a> {
+    pub(super) buffers: &'a [Buffer],
+    pub(super) views: &'a [View],
+}
+
+impl Accessor {
+    /// Reads an element of `accessors`, and checks that its elements are there.
+    pub(super) fn read(fields: &Fields<'_>, storage: Storage<'_>) -> Result<Self> {
+        let component = Component::read(fields)?;
+        let width = fields.need("type", "\"SCALAR\", \"VEC2\", ...")?.choice(&TYPES)?;
+        let count = fields.need_count("count")?;
+        let view = fields.index("bufferView", "bufferViews", storage.views.len())?;
+        let offset = fields.count("byteOffset")?.unwrap_or(0);
+        let size = component.bytes() * width;
+        let rows = view.map(|view| rows(fields, storage, view, offset, size, count)).transpose()?;
+        let sparse = sparse(fields, storage, size, count)?;
+        check_extremes(fields, width)?;
+        // What is nowhere in the file reads as zeros: as many as the file has bytes will do.
+        let bytes: usize = storage.buffers.iter().map(|buffer| buffer.bytes().len()).sum();
+        let bytes = bytes.max(ZEROS_ANYHOW);
+        let count = usize::try_from(count).unwrap_or(usize::MAX);
+        if rows.is_none() && count > bytes {
+            let cursor = fields.need("count", "a whole number")?;
+            let error = cursor.error("there are no bytes for as many elements");
+            return Err(error.remedy("give the accessor a bufferView"));
+        }
+        let normalized = fields.flag("normalized")? && component != Component::F32;
+        Ok(Self { rows, sparse, count, component, width, normalized })
+    }
+
+    /// A way to its elements.
+    pub(super) fn elements<'a>(&'a self, storage: Storage<'a>) -> Elements<'a> {
+        let bytes = |rows: &Rows| storage.views[rows.view].bytes(storage.buffers);
+        Elements {
+            accessor: self,
+            rows: self.rows.as_ref().map(bytes),
+            values: self.sparse.as_ref().map(|sparse| bytes(&sparse.values)),
+        }
+    }
+
+    /// Bytes that it takes to read `count` elements.
+    pub(super) fn cost(&self, count: usize) -> u64 {
+        (count as u64).saturating_mul((self.component.bytes() * self.width) as u64)
+    }
+}
+
+/// Elements that may be zeros in any case.
+const ZEROS_ANYHOW: usize = 1 << 16;
+
+/// Nothing goes by the least and the greatest elements; but where they are of another type than the
+/// elements, so may be what the file says of these.
+fn check_extremes(fields: &Fields<'_>, width: usize) -> Result<()> {
+    for cursor in ["min", "max"].into_iter().filter_map(|key| fields.get(key)) {
+        let numbers = cursor.value().as_array();
+        if !numbers.is_some_and(|all| all.len() == width && all.iter().all(|x| x.is_number())) {
+            return Err(
+                cursor.error(format!("must be a list of {width} numbers, as an element is"))
+            );
+        }
+    }
+    Ok(())
+}
+
+/// The rows of `count` elements of `size` bytes each, from `offset` on.
+fn rows(
+    fields: &Fields<'_>,
+    storage: Storage<'_>,
+    view: usize,
+    offset: u64,
+    size: usize,
+    count: u64,
+) -> Result<Rows> {
+    let found = &storage.views[view];
+    let stride = found.stride.unwrap_or(size);
+    // All are at most 2^53.
+    let last = u128::from(count.saturating_sub(1)) * stride as u128;
+    let end = u128::from(offset) + if count == 0 { 0 } else { last + size as u128 };
+    if end > found.len() as u128 {
+        return Err(missing_bytes(fields, end, found.len()));
+    }
+    Ok(Rows { view, offset: offset as usize, stride })
+}
+
+fn sparse(
+    fields: &Fields<'_>,
+    storage: Storage<'_>,
+    size: usize,
+    count: u64,
+) -> Result<Option<Sparse>> {
+    let Some(sparse) = fields.object("sparse")? else { return Ok(None) };
+    let changed = sparse.need_count("count")?;
+    let place = |fields: &Fields<'_>, size: usize| {
+        let view = fields.need_index("bufferView", "bufferViews", storage.views.len())?;
+        let offset = fields.count("byteOffset")?.unwrap_or(0);
+        rows(fields, storage, view, offset, size, changed)
+    };
+    let cursor = sparse.need("indices", "an object { ... }")?;
+    let indices = Fields::new(cursor, "an object")?;
+    let component = Component::read(&indices)?;
+    if !component.is_index() {
+        let cursor = indices.need("componentType", "a type of indices")?;
+        return Err(cursor.error("an index must be of the type 5121, 5123 or 5125"));
+    }
+    let at = place(&indices, component.bytes())?;
+    let cursor = sparse.need("values", "an object { ... }")?;
+    let values = place(&Fields::new(cursor, "an object")?, size)?;
+    let bytes = storage.views[at.view].bytes(storage.buffers);
+    // As many as were just found to be there.
+    let which: Vec<u32> = (0..changed as usize)
+        .filter_map(|i| component.number(bytes.get(at.offset + i * at.stride..)?))
+        .map(|index| index as u32)
+        .collect();
+    let rises = which.windows(2).all(|pair| pair[0] < pair[1]);
+    if !rises || which.last().is_some_and(|&last| u64::from(last) >= count) {
+        let error =
+            indices.error(format!("must rise, and stay below the accessor's count of {count}"));
+        return Err(error.remedy("export the file again"));
+    }
+    Ok(Some(Sparse { which, values }))
+}
+
+/// The elements of an accessor.
+#[derive(Clone, Copy)]
+pub(super) struct Elements<'a> {
+    accessor: &'a Accessor,
+    rows: Option<&'a [u8]>,
+    values: Option<&'a [u8]>,
+}
+
+impl Elements<'_> {
+    /// The first `N` numbers of element `i`; zeros for what is not there.
+    pub(super) fn get<const N: usize>(&self, i: usize) -> [f64; N] {
+        let component = self.accessor.component;
+        let bytes = self.bytes_of(i);
+        let number = |k: usize| component.number(bytes?.get(k * component.bytes()..)?);
+        let scale = |x: f64| match self.accessor.normalized {
+            // The least signed number stands a little below -1, and for it.
+            true => (x / component.one()).max(-1.0),
+            false => x,
+        };
+        std::array::from_fn(|k| number(k).map_or(0.0, scale))
+    }
+
+    /// The whole number that element `i` is.
+    pub(super) fn index(&self, i: usize) -> u32 {
+        let bytes = self.bytes_of(i);
+        // Exact: it is asked for where the type is that of indices.
+        bytes.and_then(|bytes| self.accessor.component.number(bytes)).map_or(0, |x| x as u32)
+    }
+
+    fn bytes_of(&self, i: usize) -> Option<&[u8]> {
+        let (bytes, rows, i) = match &self.accessor.sparse {
+            Some(sparse) => match u32::try_from(i).map(|i| sparse.which.binary_search(&i)) {
+                Ok(Ok(at)) => (self.values?, &sparse.values, at),
+                _ => (self.rows?, self.accessor.rows.as_ref()?, i),
+            },
+            None => (self.rows?, self.accessor.rows.as_ref()?, i),
+        };
+        bytes.get(rows.offset + i * rows.stride..)
+    }
+
+    /// The elements that `which` names, or all, each as `make` has it, on all threads.
+    pub(super) fn each<T: Send, const N: usize>(
+        &self,
+        which: Option<&[u32]>,
+        make: impl Fn([f64; N]) -> T + Sync + Send,
+    ) -> Vec<T> {
+        match which {
+            Some(which) => which.par_iter().map(|&i| make(self.get(i as usize))).collect(),
+            None => (0..self.accessor.count).into_par_iter().map(|i| make(self.get(i))).collect(),
+        }
+    }
+
+    /// All elements as whole numbers, on all threads.
+    pub(super) fn indices(&self) -> Vec<u32> {
+        (0..self.accessor.count).into_par_iter().map(|i| self.index(i)).collect()
+    }
+}

@@ -1,0 +1,130 @@
+//! The two forms of a glTF file: JSON as text, and GLB, which holds the JSON and one buffer.
+//!
+//! A GLB file is a header and chunks, each with a length and a type (glTF 2.0 specification, section 4).
+//! Every length is held against the file before anything is taken from it.
+
+use std::ops::Range;
+
+use wavecrest_base::error::{Error, ErrorKind, Result};
+
+/// What a GLB file begins with.
+pub(crate) const MAGIC: [u8; 4] = *b"glTF";
+/// The type of the first chunk.
+const JSON: [u8; 4] = *b"JSON";
+/// The type of the chunk that is the first buffer.
+const BIN: [u8; 4] = *b"BIN\0";
+
+/// The header: magic, version, length of the file.
+const HEADER_BYTES: usize = 12;
+/// What stands before a chunk's data: its length and its type.
+const CHUNK_HEADER_BYTES: usize = 8;
+
+/// How much of a GLB file stands before its JSON.
+pub(super) const GLB_START: usize = HEADER_BYTES + CHUNK_HEADER_BYTES;
+
+/// The length of the JSON of a GLB file that begins with `start`; `None` of another file.
+pub(super) fn json_length(start: &[u8]) -> Option<u32> {
+    start.starts_with(&MAGIC).then(|| word(start, HEADER_BYTES)).flatten()
+}
+
+/// Where in a file its parts are.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Parts {
+    /// The JSON.
+    pub(super) json: Range<usize>,
+    /// The binary chunk of a GLB file, if it has one.
+    pub(super) binary: Option<Range<usize>>,
+}
+
+/// Finds the parts of a file.
+pub(super) fn parts(bytes: &[u8]) -> Result<Parts> {
+    if bytes.is_empty() {
+        return Err(broken("the file is empty").remedy("export it again"));
+    }
+    if bytes.starts_with(&MAGIC) {
+        return glb(bytes);
+    }
+    // A byte order mark may come first.
+    let text = bytes.strip_prefix("\u{feff}".as_bytes()).unwrap_or(bytes).trim_ascii_start();
+    if !matches!(text.first(), Some(b'{' | b'[')) {
+        let error =
+            broken("a file must begin with \"{\", as JSON does, or with \"glTF\", as GLB does");
+        return Err(error
+            .value(bytes.iter().take(MAGIC.len()).copied().collect::<Vec<u8>>().escape_ascii()));
+    }
+    Ok(Parts { json: 0..bytes.len(), binary: None })
+}
+
+fn glb(bytes: &[u8]) -> Result<Parts> {
+    check_header(bytes)?;
+    let json = chunk(bytes, HEADER_BYTES)?;
+    if json.kind != JSON {
+        let error = broken("the first chunk of a GLB file must be of the type JSON");
+        return Err(error.at(place(HEADER_BYTES)).value(json.kind.escape_ascii()));
+    }
+    let mut parts = Parts { json: json.data.clone(), binary: None };
+    let mut next = json.data.end;
+    // Chunks of other types are for later versions of the format: they are passed over.
+    while next < bytes.len() {
+        let found = chunk(bytes, next)?;
+        next = found.data.end;
+        if found.kind == BIN && parts.binary.is_none() {
+            parts.binary = Some(found.data);
+        }
+    }
+    Ok(parts)
+}
+
+fn check_header(bytes: &[u8]) -> Result<()> {
+    let (Some(version), Some(length)) = (word(bytes, 4), word(bytes, 8)) else {
+        return Err(broken("a GLB file begins with 12 bytes, of which some are missing")
+            .value(format_args!("{} bytes", bytes.len())));
+    };
+    if version != 2 {
+        return Err(broken("only version 2 of GLB is read")
+            .at(place(4))
+            .value(version)
+            .remedy("export it as glTF 2.0"));
+    }
+    if length as usize != bytes.len() {
+        let message = "the file must be as long as its header says";
+        let found = format!("{length} in the header of a file of {} bytes", bytes.len());
+        return Err(broken(message).at(place(8)).value(found));
+    }
+    Ok(())
+}
+
+struct Chunk {
+    kind: [u8; 4],
+    data: Range<usize>,
+}
+
+/// The chunk whose header stands at `start`.
+fn chunk(bytes: &[u8], start: usize) -> Result<Chunk> {
+    let header = bytes.get(start..start + CHUNK_HEADER_BYTES);
+    let (Some(length), Some(&[_, _, _, _, a, b, c, d])) = (word(bytes, start), header) else {
+        return Err(broken("the file ends within the header of a chunk").at(place(start)));
+    };
+    let data = start + CHUNK_HEADER_BYTES;
+    let left = bytes.len() - data;
+    if length as usize > left {
+        let found = format!("{length} bytes where {left} are left");
+        return Err(broken("the chunk is longer than the file").at(place(start)).value(found));
+    }
+    Ok(Chunk { kind: [a, b, c, d], data: data..data + length as usize })
+}
+
+/// The little-endian number at a place.
+fn word(bytes: &[u8], at: usize) -> Option<u32> {
+    let found = bytes.get(at..at + 4)?;
+    found.try_into().ok().map(u32::from_le_bytes)
+}
+
+fn place(byte: usize) -> String {
+    format!("byte {byte}")
+}
+
+fn broken(message: &str) -> Error {
+    Error::new(ErrorKind::Syntax, message)
+        .remedy("check that the file is whole, or export it again")
+}

@@ -1,0 +1,167 @@
+//! The whole of a file as typed values, every index and every range of bytes checked.
+
+use serde_json::Value;
+
+use crate::reader::{Cursor, Place};
+use wavecrest_base::error::{Error, ErrorKind, Result};
+
+use super::accessor::{Accessor, Storage};
+use super::buffer::{Buffer, View};
+use super::camera::Camera;
+use super::fields::Fields;
+use super::light::Light;
+use super::material::Surface;
+use super::mesh::MeshParts;
+use super::node::{self, Lengths, Node, Placed};
+use super::notes::Remarks;
+use super::texture::{Image, Sampler, Texture};
+
+/// The extensions that are read.
+const EXTENSIONS: [&str; 5] = [
+    "KHR_lights_punctual",
+    "KHR_materials_emissive_strength",
+    "KHR_materials_unlit",
+    "KHR_mesh_quantization",
+    "KHR_texture_transform",
+];
+
+/// A file.
+pub(super) struct Document {
+    pub(super) buffers: Vec<Buffer>,
+    views: Vec<View>,
+    pub(super) accessors: Vec<Accessor>,
+    pub(super) images: Vec<Image>,
+    pub(super) samplers: Vec<Sampler>,
+    pub(super) textures: Vec<Texture>,
+    pub(super) materials: Vec<Surface>,
+    pub(super) meshes: Vec<MeshParts>,
+    pub(super) cameras: Vec<Camera>,
+    /// `None` for those of a type that is not known.
+    pub(super) lights: Vec<Option<Light>>,
+    pub(super) nodes: Vec<Node>,
+    /// The nodes of the scene that is shown.
+    pub(super) placed: Vec<Placed>,
+    /// Whether attributes may be whole numbers: the extension `KHR_mesh_quantization`.
+    pub(super) is_quantized: bool,
+}
+
+impl Document {
+    /// Reads the JSON of a file, whose buffer without a name is `binary`.
+    pub(super) fn read(
+        json: &Value,
+        binary: Option<&Buffer>,
+        remarks: &Remarks<'_>,
+    ) -> Result<Self> {
+        let top = Fields::new(Cursor::new(json, Place::Top, remarks.notes), "a glTF file")?;
+        check_asset(&top)?;
+        let extensions = check_extensions(&top, remarks)?;
+        let mut number = 0;
+        let buffers = top.list("buffers", "a buffer", |fields| {
+            number += 1;
+            Buffer::read(fields, binary.filter(|_| number == 1))
+        })?;
+        let views = top.list("bufferViews", "a buffer view", |f| View::read(f, &buffers))?;
+        let storage = Storage { buffers: &buffers, views: &views };
+        let accessors = top.list("accessors", "an accessor", |f| Accessor::read(f, storage))?;
+        let images = top.list("images", "an image", |f| Image::read(f, storage))?;
+        let samplers = top.list("samplers", "a sampler", |f| Sampler::read(f, remarks))?;
+        let texture = |f: &Fields<'_>| Texture::read(f, images.len(), samplers.len(), remarks);
+        let textures = top.list("textures", "a texture", texture)?;
+        let surface = |f: &Fields<'_>| Surface::read(f, textures.len(), remarks);
+        let materials = top.list("materials", "a material", surface)?;
+        let parts = |f: &Fields<'_>| MeshParts::read(f, accessors.len(), materials.len(), remarks);
+        let meshes = top.list("meshes", "a mesh", parts)?;
+        let cameras = top.list("cameras", "a camera", Camera::read)?;
+        let lights = top.extension("KHR_lights_punctual", |found| {
+            found.list("lights", "a light", |f| Light::read(f, remarks))
+        })?;
+        let lights = lights.unwrap_or_default();
+        let lengths = Lengths {
+            nodes: top.length("nodes"),
+            meshes: meshes.len(),
+            cameras: cameras.len(),
+            lights: lights.len(),
+        };
+        let nodes = top.list("nodes", "a node", |f| Node::read(f, lengths))?;
+        let placed = node::placed(&top, &nodes)?;
+        remark(&top, remarks);
+        Ok(Self {
+            is_quantized: extensions.iter().any(|name| name == "KHR_mesh_quantization"),
+            buffers,
+            views,
+            accessors,
+            images,
+            samplers,
+            textures,
+            materials,
+            meshes,
+            cameras,
+            lights,
+            nodes,
+            placed,
+        })
+    }
+
+    /// Where elements are.
+    pub(super) fn storage(&self) -> Storage<'_> {
+        Storage { buffers: &self.buffers, views: &self.views }
+    }
+}
+
+fn check_asset(top: &Fields<'_>) -> Result<()> {
+    let asset = Fields::new(top.need("asset", "an object with the version")?, "an object")?;
+    for key in ["version", "minVersion"] {
+        let found = match key {
+            "version" => Some(asset.need(key, "\"2.0\"")?),
+            _ => asset.get(key),
+        };
+        let Some(cursor) = found else { continue };
+        // A later 2.x adds nothing that must be understood; a version that must be, is 2.0.
+        let is_known = match (key, cursor.value().as_str()) {
+            ("version", Some(text)) => text == "2" || text.starts_with("2."),
+            (_, text) => text == Some("2.0"),
+        };
+        if !is_known {
+            let error = cursor.error("only glTF 2.0 is read");
+            return Err(error.remedy("export the file as glTF 2.0"));
+        }
+    }
+    Ok(())
+}
+
+/// The extensions that the file uses, all of which it may require.
+fn check_extensions(top: &Fields<'_>, remarks: &Remarks<'_>) -> Result<Vec<String>> {
+    let used = top.texts("extensionsUsed")?;
+    let required = top.texts("extensionsRequired")?;
+    let unknown = |names: &[String]| -> Vec<String> {
+        names.iter().filter(|name| !EXTENSIONS.contains(&name.as_str())).cloned().collect()
+    };
+    let missing = unknown(&required);
+    if !missing.is_empty() {
+        let message = "the file requires extensions that are not read";
+        let error = Error::new(ErrorKind::Scene, message).in_file(remarks.notes.file());
+        let error = error.at("extensionsRequired").value(missing.join(", "));
+        let is_packed =
+            missing.iter().any(|name| name.contains("compression") || name.contains("basisu"));
+        return Err(error.remedy(match is_packed {
+            true => "export it without compression",
+            false => "export it without them",
+        }));
+    }
+    let ignored = unknown(&used);
+    if !ignored.is_empty() {
+        let message = format!("extensions are ignored: {}", ignored.join(", "));
+        remarks.once("extensionsUsed", &message, "what they add is not shown");
+    }
+    Ok([used, required].concat())
+}
+
+/// Tells what of the file as a whole is left out.
+fn remark(top: &Fields<'_>, remarks: &Remarks<'_>) {
+    for (key, message) in [("animations", "animations are ignored"), ("skins", "skins are ignored")]
+    {
+        if top.length(key) > 0 {
+            remarks.once(key, message, "meshes are shown where their nodes are");
+        }
+    }
+}

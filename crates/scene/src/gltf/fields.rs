@@ -1,0 +1,172 @@
+//! The members of a JSON object, read one by one, each fault with its path.
+//!
+//! Unlike in a scene file, a key that is not known says nothing: glTF files carry what other programs
+//! put there.
+
+use crate::reader::{Cursor, Place, Range};
+use wavecrest_base::error::{Error, ErrorKind, Result};
+
+/// The greatest count or offset: JSON numbers are exact up to 2^53.
+const GREATEST_COUNT: f64 = 9_007_199_254_740_992.0;
+
+/// An object of the file.
+#[derive(Clone, Copy)]
+pub(super) struct Fields<'a> {
+    cursor: Cursor<'a>,
+}
+
+impl<'a> Fields<'a> {
+    /// The object at a place; `what` says which it should be ("a node").
+    pub(super) fn new(cursor: Cursor<'a>, what: &str) -> Result<Self> {
+        if cursor.value().is_object() {
+            return Ok(Self { cursor });
+        }
+        Err(cursor.error(format!("must be {what}, an object {{ ... }}")))
+    }
+
+    /// The object as a value.
+    pub(super) fn cursor(&self) -> &Cursor<'a> {
+        &self.cursor
+    }
+
+    /// Where it stands.
+    pub(super) fn path(&self) -> String {
+        self.cursor.path()
+    }
+
+    /// The value of `key`, if it is there.
+    pub(super) fn get<'s>(&'s self, key: &'s str) -> Option<Cursor<'s>> {
+        let value = self.cursor.value().get(key)?;
+        Some(Cursor::new(value, Place::Key(self.cursor.place(), key), self.cursor.notes()))
+    }
+
+    /// The value of `key`, which must be there; `what` says what it takes.
+    pub(super) fn need<'s>(&'s self, key: &'s str, what: &str) -> Result<Cursor<'s>> {
+        self.get(key).ok_or_else(|| {
+            let place = Place::Key(self.cursor.place(), key).to_string();
+            let kind = ErrorKind::Scene;
+            let error = self.cursor.notes().error(kind, &place, "is missing".to_owned());
+            error.remedy(format!("it should be {what}"))
+        })
+    }
+
+    /// The object under `key`, if it is there.
+    pub(super) fn object<'s>(&'s self, key: &'s str) -> Result<Option<Fields<'s>>> {
+        self.get(key).map(|cursor| Fields::new(cursor, "an object")).transpose()
+    }
+
+    /// The object of an extension, if it is there.
+    pub(super) fn extension<T>(
+        &self,
+        name: &str,
+        read: impl FnOnce(&Fields<'_>) -> Result<T>,
+    ) -> Result<Option<T>> {
+        let Some(extensions) = self.object("extensions")? else { return Ok(None) };
+        extensions.object(name)?.map(|found| read(&found)).transpose()
+    }
+
+    /// A number, or `default`.
+    pub(super) fn number_or(&self, key: &str, range: Range, default: f64) -> Result<f64> {
+        self.get(key).map_or(Ok(default), |cursor| cursor.number(range))
+    }
+
+    /// A list of `N` numbers, if it is there.
+    pub(super) fn numbers<const N: usize>(
+        &self,
+        key: &str,
+        range: Range,
+    ) -> Result<Option<[f64; N]>> {
+        let what = format!("{N} numbers");
+        self.get(key).map(|cursor| cursor.numbers(&what, range)).transpose()
+    }
+
+    /// A count or an offset, if it is there.
+    pub(super) fn count(&self, key: &str) -> Result<Option<u64>> {
+        self.get(key).map(|cursor| count(&cursor)).transpose()
+    }
+
+    /// A count or an offset that must be there.
+    pub(super) fn need_count(&self, key: &str) -> Result<u64> {
+        count(&self.need(key, "a whole number, 0 or more")?)
+    }
+
+    /// Which of `length` things of the list `list` is meant, if any is.
+    pub(super) fn index(&self, key: &str, list: &str, length: usize) -> Result<Option<usize>> {
+        self.get(key).map(|cursor| index(&cursor, list, length)).transpose()
+    }
+
+    /// As [`Fields::index`], where one must be.
+    pub(super) fn need_index(&self, key: &str, list: &str, length: usize) -> Result<usize> {
+        index(&self.need(key, &format!("an index into {list}"))?, list, length)
+    }
+
+    /// A text, if it is there.
+    pub(super) fn text(&self, key: &str) -> Result<Option<String>> {
+        let Some(cursor) = self.get(key) else { return Ok(None) };
+        match cursor.value().as_str() {
+            Some(text) => Ok(Some(text.to_owned())),
+            None => Err(cursor.error("must be a text")),
+        }
+    }
+
+    /// Yes or no; no where nothing is said.
+    pub(super) fn flag(&self, key: &str) -> Result<bool> {
+        let Some(cursor) = self.get(key) else { return Ok(false) };
+        cursor.value().as_bool().ok_or_else(|| cursor.error("must be true or false"))
+    }
+
+    /// The objects of a list, each read by `read`; none where there is no list.
+    pub(super) fn list<T>(
+        &self,
+        key: &str,
+        what: &str,
+        mut read: impl FnMut(&Fields<'_>) -> Result<T>,
+    ) -> Result<Vec<T>> {
+        let Some(cursor) = self.get(key) else { return Ok(Vec::new()) };
+        cursor.each("a list [...]", |item| read(&Fields::new(item, what)?))
+    }
+
+    /// How long a list is; 0 where there is none.
+    pub(super) fn length(&self, key: &str) -> usize {
+        self.cursor.value().get(key).and_then(|list| list.as_array()).map_or(0, Vec::len)
+    }
+
+    /// A list of indices; none where there is no list.
+    pub(super) fn indices(&self, key: &str, list: &str, length: usize) -> Result<Vec<usize>> {
+        let Some(cursor) = self.get(key) else { return Ok(Vec::new()) };
+        cursor.each("a list of indices", |item| index(&item, list, length))
+    }
+
+    /// A list of texts; none where there is no list.
+    pub(super) fn texts(&self, key: &str) -> Result<Vec<String>> {
+        let Some(cursor) = self.get(key) else { return Ok(Vec::new()) };
+        cursor.each("a list of texts", |item| item.text("a text").map(str::to_owned))
+    }
+
+    /// An error about the object, which it does not show: it may be long.
+    pub(super) fn error(&self, message: impl Into<String>) -> Error {
+        let kind = ErrorKind::Scene;
+        self.cursor.notes().error(kind, &self.path(), message.into())
+    }
+}
+
+fn count(cursor: &Cursor<'_>) -> Result<u64> {
+    let whole = cursor.value().as_f64().filter(|x| x.fract() == 0.0);
+    match whole.filter(|x| (0.0..=GREATEST_COUNT).contains(x)) {
+        // Exact, as it is whole and no greater than 2^53.
+        Some(x) => Ok(x as u64),
+        None => Err(cursor.error("must be a whole number, 0 or more")),
+    }
+}
+
+/// The index that a value is, into the list `list` of `length` things.
+pub(super) fn index(cursor: &Cursor<'_>, list: &str, length: usize) -> Result<usize> {
+    let found = cursor.value().as_u64().and_then(|i| usize::try_from(i).ok());
+    found.filter(|&i| i < length).ok_or_else(|| {
+        let must = cursor.error(format!("must be the index of one of the {list}"));
+        match length {
+            0 => must.remedy(format!("the file has no {list}")),
+            n => must.remedy(format!("the file has {n}, counted from 0")),
+        }
+    })
+}

@@ -1,0 +1,407 @@
+//! Primitives of meshes: from accessors to the arrays of a mesh.
+
+use std::collections::BTreeMap;
+
+use glam::Vec3;
+
+use crate::mesh::{Attribute, MeshData};
+use wavecrest_base::error::{Error, ErrorKind, Result};
+use wavecrest_core::math::float::MAX_COORDINATE;
+
+use super::accessor::{Accessor, Component};
+use super::document::Document;
+use super::fields::Fields;
+use super::notes::Remarks;
+use super::texture::TextureInfo;
+
+/// How the vertices of a primitive make triangles.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Mode {
+    Triangles,
+    Strip,
+    Fan,
+}
+
+/// A part of a mesh that has one material.
+#[derive(Clone, Debug)]
+pub(super) struct Primitive {
+    /// Where it stands in the file.
+    pub(super) path: String,
+    /// `None` for points and lines.
+    mode: Option<Mode>,
+    /// Accessors by the name of the attribute.
+    attributes: BTreeMap<String, usize>,
+    indices: Option<usize>,
+    /// Which material, or the default one.
+    pub(super) material: Option<usize>,
+}
+
+/// An element of `meshes`.
+#[derive(Clone, Debug)]
+pub(super) struct MeshParts {
+    pub(super) name: Option<String>,
+    pub(super) primitives: Vec<Primitive>,
+}
+
+impl MeshParts {
+    /// Reads an element of `meshes`, of a file with so many accessors and materials.
+    pub(super) fn read(
+        fields: &Fields<'_>,
+        accessors: usize,
+        materials: usize,
+        remarks: &Remarks<'_>,
+    ) -> Result<Self> {
+        if fields.get("weights").is_some() {
+            let message = "morph targets are ignored";
+            remarks.once(&fields.path(), message, "the mesh has the form that it begins with");
+        }
+        fields.need("primitives", "a list of objects")?;
+        let read = |part: &Fields<'_>| Primitive::read(part, accessors, materials, remarks);
+        Ok(Self {
+            name: fields.text("name")?.filter(|name| !name.is_empty()),
+            primitives: fields.list("primitives", "a primitive", read)?,
+        })
+    }
+}
+
+impl Primitive {
+    fn read(
+        fields: &Fields<'_>,
+        accessors: usize,
+        materials: usize,
+        remarks: &Remarks<'_>,
+    ) -> Result<Self> {
+        let mode = mode(fields)?;
+        let path = fields.path();
+        if mode.is_none() {
+            remarks.once(&path, "points and lines are left out", "only triangles are rendered");
+        }
+        let own = Fields::new(fields.need("attributes", "an object { ... }")?, "attributes")?;
+        let names = own.cursor().value().as_object().map(|map| map.keys().cloned());
+        let mut attributes = BTreeMap::new();
+        for name in names.into_iter().flatten() {
+            let accessor = own.need_index(&name, "accessors", accessors)?;
+            if name.starts_with("COLOR_") {
+                remarks.once(
+                    &path,
+                    "colours of vertices are ignored",
+                    "the material has the colour",
+                );
+            }
+            attributes.insert(name, accessor);
+        }
+        Ok(Self {
+            path,
+            mode,
+            attributes,
+            indices: fields.index("indices", "accessors", accessors)?,
+            material: fields.index("material", "materials", materials)?,
+        })
+    }
+}
+
+fn mode(fields: &Fields<'_>) -> Result<Option<Mode>> {
+    /// Triangles, where nothing is said.
+    const DEFAULT: u64 = 4;
+    let Some(cursor) = fields.get("mode") else { return Ok(Some(Mode::Triangles)) };
+    match cursor.value().as_u64() {
+        Some(0..=3) => Ok(None),
+        Some(DEFAULT) => Ok(Some(Mode::Triangles)),
+        Some(5) => Ok(Some(Mode::Strip)),
+        Some(6) => Ok(Some(Mode::Fan)),
+        _ => {
+            Err(cursor.error("must be a whole number from 0 to 6: 4 for triangles, 5 strip, 6 fan"))
+        }
+    }
+}
+
+/// What reads primitives, and counts what it has read.
+pub(super) struct Reader<'a> {
+    document: &'a Document,
+    remarks: &'a Remarks<'a>,
+    /// Bytes that may still be read. Accessors may share bytes: without a bound, a small file could
+    /// name the same ones any number of times.
+    left: u64,
+}
+
+/// Bytes that may be read in any case, 64 MiB.
+const READ_ANYHOW: u64 = 1 << 26;
+/// How often all bytes of all buffers may be read. Files that share vertices among primitives read each a
+/// few times.
+const READ_AGAIN: u64 = 64;
+
+impl<'a> Reader<'a> {
+    /// Reads primitives of a file.
+    pub(super) fn new(document: &'a Document, remarks: &'a Remarks<'a>) -> Self {
+        let bytes: usize = document.buffers.iter().map(|buffer| buffer.bytes().len()).sum();
+        let left = READ_ANYHOW.saturating_add(READ_AGAIN.saturating_mul(bytes as u64));
+        Self { document, remarks, left }
+    }
+
+    /// The arrays of a primitive, with the coordinates that a texture goes by, if one is given. `None` for
+    /// what has no triangles.
+    pub(super) fn mesh(
+        &mut self,
+        primitive: &Primitive,
+        texture: Option<&TextureInfo>,
+    ) -> Result<Option<MeshData>> {
+        let Some(mode) = primitive.mode else { return Ok(None) };
+        let Some(&positions) = primitive.attributes.get("POSITION") else {
+            let message = "a primitive without positions is left out";
+            self.remarks.once(&primitive.path, message, "give it the attribute POSITION");
+            return Ok(None);
+        };
+        let count = self.accessor(positions).count;
+        let corners = self.corners(primitive, count)?;
+        let (corners, used) = compacted(corners, count);
+        let mut triangles = triangles(mode, &corners, self.remarks, &primitive.path);
+        if triangles.is_empty() {
+            let message = "a primitive without a triangle is left out";
+            self.remarks.once(&primitive.path, message, "a triangle needs three vertices");
+            return Ok(None);
+        }
+        triangles.shrink_to_fit();
+        let used = used.as_deref();
+        let normals = self.normals(primitive, count, used)?;
+        let uvs = texture.map(|info| self.uvs(primitive, count, used, info)).transpose()?.flatten();
+        let positions = self.positions(primitive, positions, used)?;
+        Ok(Some(MeshData { positions, triangles, normals, uvs }))
+    }
+
+    fn accessor(&self, index: usize) -> &'a Accessor {
+        &self.document.accessors[index]
+    }
+
+    /// Makes sure that `count` elements may be read.
+    fn pay(&mut self, primitive: &Primitive, accessor: &Accessor, count: usize) -> Result<()> {
+        match self.left.checked_sub(accessor.cost(count)) {
+            Some(left) => {
+                self.left = left;
+                Ok(())
+            }
+            None => Err(self
+                .error(&primitive.path, "the file has the same bytes read too often")
+                .remedy("give each mesh bytes of its own, or use one mesh in several nodes")),
+        }
+    }
+
+    /// The vertices at the corners, in a row.
+    fn corners(&mut self, primitive: &Primitive, count: usize) -> Result<Vec<u32>> {
+        let place = || format!("{}.indices", primitive.path);
+        let Some(index) = primitive.indices else {
+            // As a vertex has bytes, or the file as many: see `Accessor::read`.
+            self.pay(primitive, self.accessor(primitive.attributes["POSITION"]), count)?;
+            let all = u32::try_from(count).map_err(|_| too_many(&primitive.path, count))?;
+            return Ok((0..all).collect());
+        };
+        let accessor = self.accessor(index);
+        if !accessor.component.is_index() || accessor.width != 1 || accessor.normalized {
+            let message =
+                "indices must be plain numbers: of the type SCALAR, and 5121, 5123 or 5125";
+            return Err(self.error(&place(), message).value(format!("accessors[{index}]")));
+        }
+        self.pay(primitive, accessor, accessor.count)?;
+        let corners = accessor.elements(self.document.storage()).indices();
+        let restart = accessor.component.restart();
+        let Some(at) = corners.iter().position(|&i| i as usize >= count || i == restart) else {
+            return Ok(corners);
+        };
+        let place = format!("{}[{at}]", place());
+        if corners[at] == restart {
+            let error = self.error(
+                &place,
+                "the greatest number of a type is no index: it would begin a new strip",
+            );
+            return Err(error.value(corners[at]).remedy("divide the mesh into several primitives"));
+        }
+        let error = self.error(&place, "there is no such vertex").value(corners[at]);
+        Err(error
+            .remedy(format!("there are {count}, counted from 0: check that the file is whole")))
+    }
+
+    /// An attribute's accessor, whose elements have so many numbers and are as many as there are vertices.
+    fn attribute(
+        &mut self,
+        primitive: &Primitive,
+        name: &str,
+        count: usize,
+        width: usize,
+        types: &[(Component, bool)],
+    ) -> Result<Option<&'a Accessor>> {
+        let Some(&index) = primitive.attributes.get(name) else { return Ok(None) };
+        let accessor = self.accessor(index);
+        let place = format!("{}.attributes.{name}", primitive.path);
+        let is_known = types.contains(&(accessor.component, accessor.normalized))
+            || self.document.is_quantized && accessor.component != Component::U32;
+        if accessor.width != width || !is_known {
+            let types = if types.len() > 1 {
+                "of floats or of normalized whole numbers"
+            } else {
+                "of floats"
+            };
+            let error = self.error(&place, &format!("must be VEC{width} {types}"));
+            return Err(error.value(format!("accessors[{index}]")).remedy("export the file again"));
+        }
+        if accessor.count != count {
+            let error =
+                self.error(&place, &format!("must have as many elements as POSITION, {count}"));
+            return Err(error.value(accessor.count));
+        }
+        Ok(Some(accessor))
+    }
+
+    fn positions(
+        &mut self,
+        primitive: &Primitive,
+        index: usize,
+        used: Option<&[u32]>,
+    ) -> Result<Vec<Vec3>> {
+        let count = self.accessor(index).count;
+        let types = [(Component::F32, false)];
+        let Some(accessor) = self.attribute(primitive, "POSITION", count, 3, &types)? else {
+            return Ok(Vec::new());
+        };
+        self.pay(primitive, accessor, used.map_or(count, <[u32]>::len))?;
+        let elements = accessor.elements(self.document.storage());
+        let points = elements.each(used, |[x, y, z]| Vec3::new(x as f32, y as f32, z as f32));
+        let is_good = |p: &Vec3| p.abs().cmple(Vec3::splat(MAX_COORDINATE)).all();
+        let Some(bad) = points.iter().position(|p| !is_good(p)) else { return Ok(points) };
+        let number = used.map_or(bad, |used| used[bad] as usize);
+        let place = format!("{}.attributes.POSITION[{number}]", primitive.path);
+        let p = points[bad];
+        Err(self
+            .error(&place, "a vertex must have finite coordinates of at most 2^40 in size")
+            .value(format!("({}, {}, {})", p.x, p.y, p.z))
+            .remedy("repair the vertex, or scale the mesh down"))
+    }
+
+    fn normals(
+        &mut self,
+        primitive: &Primitive,
+        count: usize,
+        used: Option<&[u32]>,
+    ) -> Result<Option<Attribute<Vec3>>> {
+        let types = [(Component::F32, false), (Component::I8, true), (Component::I16, true)];
+        let types = if self.document.is_quantized { &types[..] } else { &types[..1] };
+        let Some(accessor) = self.attribute(primitive, "NORMAL", count, 3, types)? else {
+            return Ok(None);
+        };
+        self.pay(primitive, accessor, used.map_or(count, <[u32]>::len))?;
+        let elements = accessor.elements(self.document.storage());
+        let values: Vec<Vec3> = elements.each(used, |[x, y, z]| {
+            let normal = Vec3::new(x as f32, y as f32, z as f32);
+            // A zero vector is a normal that is not known.
+            if normal.is_finite() { normal } else { Vec3::ZERO }
+        });
+        if values.contains(&Vec3::ZERO) {
+            let message = "some normals are zero or not finite";
+            self.remarks.once(&primitive.path, message, "triangles there are lit with their own");
+        }
+        Ok(Some(Attribute { values, indices: None }))
+    }
+
+    fn uvs(
+        &mut self,
+        primitive: &Primitive,
+        count: usize,
+        used: Option<&[u32]>,
+        info: &TextureInfo,
+    ) -> Result<Option<Attribute<glam::Vec2>>> {
+        let name = format!("TEXCOORD_{}", info.set);
+        let types = [(Component::F32, false), (Component::U8, true), (Component::U16, true)];
+        let Some(accessor) = self.attribute(primitive, &name, count, 2, &types)? else {
+            let message = "a mesh has no coordinates for its texture";
+            let remedy = format!("it has the colour alone; give it the attribute {name}");
+            self.remarks.once(&primitive.path, message, &remedy);
+            return Ok(None);
+        };
+        self.pay(primitive, accessor, used.map_or(count, <[u32]>::len))?;
+        let elements = accessor.elements(self.document.storage());
+        let values = elements.each(used, |uv| {
+            let uv = info.placing.apply(uv);
+            if uv.is_finite() { uv } else { glam::Vec2::ZERO }
+        });
+        Ok(Some(Attribute { values, indices: None }))
+    }
+
+    fn error(&self, place: &str, message: &str) -> Error {
+        self.remarks.notes.error(ErrorKind::Mesh, place, message.to_owned())
+    }
+}
+
+fn too_many(path: &str, count: usize) -> Error {
+    let error = Error::new(ErrorKind::Limit, "a mesh has too many vertices").at(path).value(count);
+    error.remedy("split the mesh into several")
+}
+
+/// The corners by numbers that leave out vertices at no corner, and the vertices that are left, where
+/// most are left out: primitives often share the vertices of a whole scene.
+fn compacted(mut corners: Vec<u32>, count: usize) -> (Vec<u32>, Option<Vec<u32>>) {
+    if corners.len() >= count / 2 {
+        return (corners, None);
+    }
+    let mut used = corners.clone();
+    used.sort_unstable();
+    used.dedup();
+    for corner in &mut corners {
+        // Each is among them, and they are fewer than the corners, which have 32 bits.
+        *corner = used.binary_search(corner).unwrap_or(0) as u32;
+    }
+    (corners, Some(used))
+}
+
+/// The triangles of vertices in a row, counter-clockwise from the front.
+fn triangles(mode: Mode, corners: &[u32], remarks: &Remarks<'_>, path: &str) -> Vec<[u32; 3]> {
+    match mode {
+        Mode::Triangles => {
+            let (triangles, rest) = corners.as_chunks::<3>();
+            if !rest.is_empty() {
+                let message = "some vertices are left over";
+                remarks.once(path, message, "the number of corners should be divisible by 3");
+            }
+            triangles.to_vec()
+        }
+        // Each second one is turned, so that all have one front.
+        Mode::Strip => {
+            let turned = |(i, t): (usize, &[u32])| match i % 2 {
+                0 => [t[0], t[1], t[2]],
+                _ => [t[0], t[2], t[1]],
+            };
+            corners.windows(3).enumerate().map(turned).collect()
+        }
+        Mode::Fan => match corners.split_first() {
+            Some((first, rest)) => rest.windows(2).map(|t| [t[0], t[1], *first]).collect(),
+            None => Vec::new(),
+        },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use crate::reader::Notes;
+
+    fn made(mode: Mode, corners: &[u32]) -> Vec<[u32; 3]> {
+        let notes = Notes::new(Path::new("a.gltf"), false);
+        triangles(mode, corners, &Remarks::new(&notes), "meshes[0]")
+    }
+
+    #[test]
+    fn strips_and_fans_keep_one_front() {
+        assert_eq!(made(Mode::Triangles, &[5, 6, 7, 8]), [[5, 6, 7]]);
+        assert_eq!(made(Mode::Strip, &[0, 1, 2, 3, 4]), [[0, 1, 2], [1, 3, 2], [2, 3, 4]]);
+        assert_eq!(made(Mode::Fan, &[0, 1, 2, 3]), [[1, 2, 0], [2, 3, 0]]);
+        for mode in [Mode::Triangles, Mode::Strip, Mode::Fan] {
+            assert!(made(mode, &[]).is_empty() && made(mode, &[1, 2]).is_empty());
+        }
+    }
+
+    #[test]
+    fn vertices_at_no_corner_are_left_out_where_they_are_most() {
+        let corners = vec![90, 7, 90, 30];
+        assert_eq!(compacted(corners.clone(), 8), (corners.clone(), None));
+        assert_eq!(compacted(corners, 100), (vec![2, 0, 2, 1], Some(vec![7, 30, 90])));
+    }
+}

@@ -1,0 +1,224 @@
+//! Nodes: the tree that says where meshes, cameras and lights are.
+//!
+//! The format asks for a tree; files from elsewhere may hold loops, or a node with two parents. Both are
+//! refused before the tree is walked, and the walk keeps a list of its own, so that no depth of a file
+//! ends the program.
+
+use glam::{DAffine3, DMat3, DQuat, DVec3, DVec4};
+
+use crate::corners::direction;
+use crate::reader::Range;
+use wavecrest_base::error::{Error, ErrorKind, Result};
+use wavecrest_core::math::float::MAX_COORDINATE;
+
+use super::fields::Fields;
+
+/// A node.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Node {
+    pub(super) name: Option<String>,
+    pub(super) mesh: Option<usize>,
+    pub(super) camera: Option<usize>,
+    pub(super) light: Option<usize>,
+    pub(super) is_skinned: bool,
+    children: Vec<usize>,
+    /// To the space of its parent.
+    local: DAffine3,
+}
+
+/// How long the lists are that a node has indices into.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Lengths {
+    pub(super) nodes: usize,
+    pub(super) meshes: usize,
+    pub(super) cameras: usize,
+    pub(super) lights: usize,
+}
+
+impl Node {
+    /// Reads an element of `nodes`.
+    pub(super) fn read(fields: &Fields<'_>, lengths: Lengths) -> Result<Self> {
+        let light = fields.extension("KHR_lights_punctual", |found| {
+            found.need_index("light", "lights", lengths.lights)
+        });
+        Ok(Self {
+            name: fields.text("name")?.filter(|name| !name.is_empty()),
+            mesh: fields.index("mesh", "meshes", lengths.meshes)?,
+            camera: fields.index("camera", "cameras", lengths.cameras)?,
+            light: light?,
+            is_skinned: fields.get("skin").is_some(),
+            children: fields.indices("children", "nodes", lengths.nodes)?,
+            local: local(fields)?,
+        })
+    }
+}
+
+fn local(fields: &Fields<'_>) -> Result<DAffine3> {
+    let parts = ["translation", "rotation", "scale"];
+    let part = parts.into_iter().find(|part| fields.get(part).is_some());
+    let matrix = fields.numbers::<16>("matrix", Range::COORDINATE)?;
+    match (matrix, part) {
+        (Some(_), Some(part)) => Err(fields
+            .error(format!("has a matrix and a {part} too"))
+            .remedy("keep the matrix, or translation, rotation and scale")),
+        (Some(matrix), None) => affine(fields, &matrix),
+        (None, _) => translation_rotation_scale(fields),
+    }
+}
+
+/// A matrix, column by column.
+fn affine(fields: &Fields<'_>, m: &[f64; 16]) -> Result<DAffine3> {
+    if [m[3], m[7], m[11], m[15]] != [0.0, 0.0, 0.0, 1.0] {
+        let cursor = fields.need("matrix", "16 numbers")?;
+        let error = cursor.error("the last row must be 0, 0, 0, 1");
+        return Err(error.remedy("the numbers stand column by column: the translation comes last"));
+    }
+    let column = |i: usize| DVec3::new(m[i], m[i + 1], m[i + 2]);
+    let matrix3 = DMat3::from_cols(column(0), column(4), column(8));
+    Ok(DAffine3 { matrix3, translation: column(12) })
+}
+
+fn translation_rotation_scale(fields: &Fields<'_>) -> Result<DAffine3> {
+    let vector = |key: &str| fields.numbers::<3>(key, Range::COORDINATE);
+    let translation = vector("translation")?.map_or(DVec3::ZERO, DVec3::from_array);
+    let scale = vector("scale")?.map_or(DVec3::ONE, DVec3::from_array);
+    let rotation = match fields.numbers::<4>("rotation", Range::COORDINATE)? {
+        None => DMat3::IDENTITY,
+        Some(parts) => {
+            let parts = DVec4::from_array(parts);
+            let length = parts.length();
+            if !(length > 0.0 && length.is_finite()) {
+                let cursor = fields.need("rotation", "a quaternion")?;
+                let error = cursor.error("must be a quaternion of length 1");
+                return Err(error.remedy("write [0, 0, 0, 1] for no rotation"));
+            }
+            DMat3::from_quat(DQuat::from_vec4(parts / length))
+        }
+    };
+    Ok(DAffine3 { matrix3: rotation * DMat3::from_diagonal(scale), translation })
+}
+
+/// A node of the scene, and where it is.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Placed {
+    /// Which node.
+    pub(super) node: usize,
+    /// From its own space to the world's.
+    pub(super) world: DAffine3,
+}
+
+/// The nodes of the scene that is shown, each before its children, in the order of the file.
+///
+/// # Errors
+/// Where the nodes are no tree.
+pub(super) fn placed(top: &Fields<'_>, nodes: &[Node]) -> Result<Vec<Placed>> {
+    check_tree(top, nodes)?;
+    let mut found = Vec::new();
+    // What is yet to be visited, the next one last.
+    let identity = |node| Placed { node, world: DAffine3::IDENTITY };
+    let mut left: Vec<Placed> = roots(top, nodes)?.into_iter().rev().map(identity).collect();
+    while let Some(Placed { node, world: parent }) = left.pop() {
+        let world = parent * nodes[node].local;
+        check_place(top, node, &world)?;
+        found.push(Placed { node, world });
+        left.extend(nodes[node].children.iter().rev().map(|&node| Placed { node, world }));
+    }
+    Ok(found)
+}
+
+/// The nodes that the scene begins with: those of the scene that the file names, else of the first one,
+/// else all that are no children.
+fn roots(top: &Fields<'_>, nodes: &[Node]) -> Result<Vec<usize>> {
+    let count = top.length("scenes");
+    let chosen = top.index("scene", "scenes", count)?;
+    let scenes = top.list("scenes", "a scene", |scene| {
+        let roots = scene.indices("nodes", "nodes", nodes.len())?;
+        check_roots(scene, &roots, nodes)?;
+        Ok(roots)
+    })?;
+    if let Some(roots) = scenes.into_iter().nth(chosen.unwrap_or(0)) {
+        return Ok(roots);
+    }
+    let parents = parents(nodes);
+    Ok((0..nodes.len()).filter(|&node| parents[node].is_none()).collect())
+}
+
+/// A node that a scene names twice, or that another holds already, would be there twice.
+fn check_roots(scene: &Fields<'_>, roots: &[usize], nodes: &[Node]) -> Result<()> {
+    let mut sorted = roots.to_vec();
+    sorted.sort_unstable();
+    let parents = parents(nodes);
+    let twice = sorted.windows(2).find(|pair| pair[0] == pair[1]).map(|pair| pair[0]);
+    let held = || roots.iter().copied().find(|&root| parents[root].is_some());
+    match twice.or_else(held) {
+        None => Ok(()),
+        Some(node) => Err(scene
+            .error(format!("node {node} must stand at one place, and at the top of the scene"))
+            .remedy("name it once, and no node that is another's child")),
+    }
+}
+
+/// The parent of each node, the last one where there are several.
+fn parents(nodes: &[Node]) -> Vec<Option<usize>> {
+    let mut parents = vec![None; nodes.len()];
+    for (number, node) in nodes.iter().enumerate() {
+        node.children.iter().for_each(|&child| parents[child] = Some(number));
+    }
+    parents
+}
+
+fn check_tree(top: &Fields<'_>, nodes: &[Node]) -> Result<()> {
+    let mut parents: Vec<Option<usize>> = vec![None; nodes.len()];
+    for (number, node) in nodes.iter().enumerate() {
+        for (place, &child) in node.children.iter().enumerate() {
+            if let Some(other) = parents[child] {
+                let message = format!("node {child} is a child of node {other} already");
+                return Err(at(top, &format!("nodes[{number}].children[{place}]"), message)
+                    .remedy("give each node one parent; a mesh may be used by several nodes"));
+            }
+            parents[child] = Some(number);
+        }
+    }
+    // Each has one parent at most. Who is in a circle, or below one, never comes to a top.
+    let mut is_sound = vec![false; nodes.len()];
+    for start in 0..nodes.len() {
+        let mut path = Vec::new();
+        let mut next = Some(start);
+        while let Some(node) = next.filter(|&node| !is_sound[node]) {
+            if path.len() == nodes.len() {
+                let message = "the node is its own descendant".to_owned();
+                return Err(at(top, &format!("nodes[{node}]"), message)
+                    .remedy("take it out of the children of those below it"));
+            }
+            path.push(node);
+            next = parents[node];
+        }
+        path.into_iter().for_each(|node| is_sound[node] = true);
+    }
+    Ok(())
+}
+
+fn at(top: &Fields<'_>, place: &str, message: String) -> Error {
+    top.cursor().notes().error(ErrorKind::Scene, place, message)
+}
+
+fn check_place(top: &Fields<'_>, node: usize, world: &DAffine3) -> Result<()> {
+    let numbers = world.to_cols_array();
+    let greatest = numbers.iter().fold(0.0_f64, |a, x| a.max(x.abs()));
+    if numbers.iter().all(|x| x.is_finite()) && greatest <= f64::from(MAX_COORDINATE) {
+        return Ok(());
+    }
+    let message = "the transforms of the node and of those above it are too large together";
+    Err(at(top, &format!("nodes[{node}]"), message.to_owned()).value(format!("{greatest:e}")))
+}
+
+/// Whether a transform leaves no room to anything.
+pub(super) fn flattens(world: &DAffine3) -> bool {
+    let m = world.matrix3;
+    match [m.x_axis, m.y_axis, m.z_axis].map(direction) {
+        // As in scene files: each of the six products of the determinant is rounded five times, and
+        // none is larger than 1.
+        [Some(x), Some(y), Some(z)] => x.dot(y.cross(z)).abs() <= 4.0 * f64::EPSILON * 6.0,
+        _ => true,
+    }
+}

@@ -1,0 +1,385 @@
+//! From a document to a world of entities.
+
+use std::ops::Range;
+
+use glam::{DAffine3, DVec3, Vec3};
+use hecs::{Entity, EntityBuilder, World};
+
+use crate::components::{
+    AreaLight, Encoding, Falloff, Hidden, InstanceOf, JsonPath, Mesh, Name, Order, Pinhole,
+    PointLight, Sampling, Shading, TextureRef, Transform,
+};
+use crate::load::{LoadOptions, LoadedScene};
+use crate::mesh::MeshData;
+use crate::staging::{self, Sphere};
+use wavecrest_base::error::{ErrorKind, Result, Warning};
+
+use super::camera;
+use super::document::Document;
+use super::light;
+use super::material::{self, Surface};
+use super::mesh::Reader;
+use super::node::{Placed, flattens};
+use super::notes::Remarks;
+
+/// Points along each side of the grid on a light that is a mesh; each pixel has several rays.
+const LIGHT_SAMPLES: u32 = 3;
+
+/// A primitive with triangles, and where it is seen.
+struct Form {
+    path: String,
+    name: Option<String>,
+    mesh: MeshData,
+    surface: Surface,
+    texture: Option<TextureRef>,
+    uses: Vec<Use>,
+}
+
+/// A node that shows a form.
+struct Use {
+    path: String,
+    name: Option<String>,
+    world: DAffine3,
+}
+
+/// Makes the entities of a document.
+pub(super) fn world(
+    document: Document,
+    options: &LoadOptions,
+    remarks: &Remarks<'_>,
+) -> Result<LoadedScene> {
+    let forms = forms(&document, remarks)?;
+    let bounds = bounds(&forms);
+    let view = camera::chosen(&document, &document.placed, &bounds, options, remarks)?;
+    let has_camera = view.is_some();
+    let view = view.map_or_else(|| staging::framed(&bounds, options), Ok)?;
+    let mut lights = lights(&document, &bounds, remarks);
+    let mut spawner = Spawner { world: World::new(), lights: 0, shapes: 0 };
+    let glowing: usize = forms.iter().filter(|f| f.surface.is_light()).map(|f| f.uses.len()).sum();
+    check_lights(&forms, remarks)?;
+    let has_lights = !lights.is_empty() || glowing > 0;
+    let exposure = light::exposure(shown(&lights, &forms, &bounds));
+    for (_, light) in &mut lights {
+        light.intensity *= exposure;
+    }
+    if !has_lights {
+        lights.push(("the light".to_owned(), staging::light(&view, &bounds)));
+    }
+    spawner.world.spawn((staging::settings(remarks.notes.file(), lights.len() + glowing),));
+    spawner.world.spawn((view, Pinhole));
+    lights.into_iter().for_each(|(path, light)| spawner.point_light(path, light));
+    spawner.forms(forms, exposure);
+    let told = told(has_camera, has_lights.then_some(exposure));
+    let note = |text: String| Warning::from_error(&remarks.notes.error(ErrorKind::Scene, "", text));
+    Ok(LoadedScene {
+        world: spawner.world,
+        warnings: Vec::new(),
+        notes: told.into_iter().map(note).collect(),
+        encoding: Encoding::Srgb,
+    })
+}
+
+/// The most triangles of lights: each node that shows one holds a copy.
+const MOST_LIGHT_TRIANGLES: usize = 1 << 22;
+
+fn check_lights(forms: &[Form], remarks: &Remarks<'_>) -> Result<()> {
+    let lights = forms.iter().filter(|form| form.surface.is_light());
+    let triangles = |form: &Form| form.mesh.triangles.len().saturating_mul(form.uses.len());
+    let all = lights.map(triangles).fold(0, usize::saturating_add);
+    if all <= MOST_LIGHT_TRIANGLES {
+        return Ok(());
+    }
+    let message = "the meshes that give off light have too many triangles".to_owned();
+    let error = remarks.notes.error(ErrorKind::Limit, "materials", message).value(all);
+    Err(error
+        .remedy(format!("at most {MOST_LIGHT_TRIANGLES} are allowed: set emissiveFactor to 0")))
+}
+
+/// What was chosen for the user.
+fn told(has_camera: bool, exposure: Option<f64>) -> Option<String> {
+    let light = match exposure {
+        None => "no light: one shines from behind the camera's left shoulder".to_owned(),
+        Some(factor) => format!("all light is multiplied by {factor:.3e}, the exposure"),
+    };
+    let camera = match has_camera {
+        true => "",
+        false => "no camera: one is put where it sees all; ",
+    };
+    Some(format!("{camera}{light}"))
+}
+
+/// The forms that the nodes of the scene show, in the order in which they are met.
+fn forms(document: &Document, remarks: &Remarks<'_>) -> Result<Vec<Form>> {
+    let mut reader = Reader::new(document, remarks);
+    // Which forms each mesh has, once it is read.
+    let mut known: Vec<Option<Range<usize>>> = vec![None; document.meshes.len()];
+    let mut forms: Vec<Form> = Vec::new();
+    for Placed { node, world } in &document.placed {
+        let Some(mesh) = document.nodes[*node].mesh else { continue };
+        let place = format!("nodes[{node}]");
+        if flattens(world) {
+            let message = "a node whose transform flattens space is left out";
+            remarks.once(&place, message, "give every axis a scale other than 0");
+            continue;
+        }
+        if document.nodes[*node].is_skinned {
+            let message = "a mesh that a skeleton moves is shown as it is";
+            remarks.once(&place, message, "export it in the pose that is wanted");
+        }
+        let numbers = match &known[mesh] {
+            Some(numbers) => numbers.clone(),
+            None => {
+                let first = forms.len();
+                read(document, mesh, &mut reader, remarks, &mut forms)?;
+                known[mesh].insert(first..forms.len()).clone()
+            }
+        };
+        let name = &document.nodes[*node].name;
+        let count = numbers.len();
+        for number in numbers {
+            let path = match count {
+                1 => place.clone(),
+                _ => format!("{place}, {}", forms[number].path),
+            };
+            forms[number].uses.push(Use { path, name: name.clone(), world: *world });
+        }
+    }
+    check_unused(document, &known, &mut reader, remarks)?;
+    if forms.is_empty() {
+        let message = "there is nothing to see";
+        remarks.once("nodes", message, "no node of the scene has a mesh of triangles");
+    }
+    Ok(forms)
+}
+
+/// A fault is told in a mesh, too, that no node of the scene shows.
+fn check_unused(
+    document: &Document,
+    known: &[Option<Range<usize>>],
+    reader: &mut Reader<'_>,
+    remarks: &Remarks<'_>,
+) -> Result<()> {
+    for mesh in (0..known.len()).filter(|&mesh| known[mesh].is_none()) {
+        let message = "a mesh is left out";
+        remarks.once(&format!("meshes[{mesh}]"), message, "no node of the scene shows it");
+        read(document, mesh, reader, remarks, &mut Vec::new())?;
+    }
+    Ok(())
+}
+
+/// Reads the primitives of a mesh.
+fn read(
+    document: &Document,
+    mesh: usize,
+    reader: &mut Reader<'_>,
+    remarks: &Remarks<'_>,
+    forms: &mut Vec<Form>,
+) -> Result<()> {
+    let parts = &document.meshes[mesh];
+    for primitive in &parts.primitives {
+        let surface = primitive.material.map_or(&Surface::DEFAULT, |i| &document.materials[i]);
+        let texture = texture(document, surface, remarks);
+        let info = surface.texture.as_ref().filter(|_| texture.is_some());
+        let Some(mesh) = reader.mesh(primitive, info)? else { continue };
+        forms.push(Form {
+            path: primitive.path.clone(),
+            name: parts.name.clone(),
+            texture: texture.filter(|_| mesh.uvs.is_some()),
+            mesh,
+            surface: surface.clone(),
+            uses: Vec::new(),
+        });
+    }
+    Ok(())
+}
+
+/// The texture of a surface, if its image is there.
+fn texture(document: &Document, surface: &Surface, remarks: &Remarks<'_>) -> Option<TextureRef> {
+    let Document { textures, samplers, images, .. } = document;
+    let found =
+        material::texture(surface, |info, tint| info.reference(tint, textures, samplers, images));
+    let image = surface.texture.as_ref()?.image(textures);
+    if image.is_none() {
+        let message = "a texture names no image that could be read";
+        remarks.once("textures", message, "the material has its colour alone");
+    }
+    if let Some((number, path)) = image.and_then(|i| Some((i, images.get(i)?.missing()?))) {
+        let message = format!("there is no image {}", path.display());
+        remarks.once(&format!("images[{number}]"), &message, "the material has its colour alone");
+        return None;
+    }
+    found
+}
+
+/// The sphere about all that is seen.
+fn bounds(forms: &[Form]) -> Sphere {
+    // Corners of boxes stand for what is seen more than once: there may be many of it.
+    let corners: Vec<Vec<Vec3>> = forms
+        .iter()
+        .map(
+            |form| {
+                if form.uses.len() > 1 { staging::corners(&form.mesh.positions) } else { vec![] }
+            },
+        )
+        .collect();
+    let mut all = Vec::new();
+    for (form, corners) in forms.iter().zip(&corners) {
+        let points = if form.uses.len() > 1 { corners } else { &form.mesh.positions };
+        all.extend(form.uses.iter().map(|found| staging::Placed { points, world: found.world }));
+    }
+    staging::bounds(&all)
+}
+
+/// The lights of the scene's nodes, with their paths.
+fn lights(
+    document: &Document,
+    bounds: &Sphere,
+    remarks: &Remarks<'_>,
+) -> Vec<(String, PointLight)> {
+    let placed = |place: &Placed| {
+        let light = document.lights[document.nodes[place.node].light?]?;
+        let path = format!("nodes[{}]", place.node);
+        let found = light.placed(&place.world, bounds);
+        if found.is_none() {
+            let message = "a light's node leaves it no direction";
+            remarks.once(&path, message, "it is left out; give the node a scale other than 0");
+        }
+        Some((path, found?))
+    };
+    document.placed.iter().filter_map(placed).collect()
+}
+
+/// What all lights show together on a white surface in the middle.
+fn shown(lights: &[(String, PointLight)], forms: &[Form], bounds: &Sphere) -> f64 {
+    let points = lights.iter().map(|(_, light)| {
+        light::shown(light.color * light.intensity, light.falloff, light.position, bounds)
+    });
+    let meshes = forms.iter().filter(|form| form.surface.is_light()).flat_map(|form| {
+        form.uses.iter().map(|found| {
+            let (area, middle) = extent(&form.mesh, &found.world);
+            let strength = form.surface.emission * area;
+            light::shown(strength, Falloff::InverseSquare, middle, bounds)
+        })
+    });
+    points.chain(meshes).sum()
+}
+
+/// The area of a mesh, and the middle of its triangles by their area.
+fn extent(mesh: &MeshData, world: &DAffine3) -> (f64, DVec3) {
+    let mut area = 0.0;
+    let mut middle = DVec3::ZERO;
+    for triangle in &mesh.triangles {
+        let point = |i: u32| world.transform_point3(mesh.positions[i as usize].as_dvec3());
+        let [a, b, c] = triangle.map(point);
+        let own = (b - a).cross(c - a).length() / 2.0;
+        area += own;
+        middle += (a + b + c) * (own / 3.0);
+    }
+    (area, if area > 0.0 { middle / area } else { world.translation })
+}
+
+struct Spawner {
+    world: World,
+    lights: u32,
+    shapes: u32,
+}
+
+impl Spawner {
+    fn light_order(&mut self) -> Order {
+        self.lights += 1;
+        Order(self.lights - 1)
+    }
+
+    fn shape_order(&mut self) -> Order {
+        self.shapes += 1;
+        Order(self.shapes - 1)
+    }
+
+    fn point_light(&mut self, path: String, light: PointLight) {
+        let order = self.light_order();
+        self.world.spawn((order, JsonPath(path), light));
+    }
+
+    /// Shapes come before instances, as in a scene file.
+    fn forms(&mut self, forms: Vec<Form>, exposure: f64) {
+        let mut shared: Vec<(Entity, Form)> = Vec::new();
+        for mut form in forms {
+            if form.surface.is_light() {
+                self.area_lights(form, exposure);
+                continue;
+            }
+            let mesh = std::mem::take(&mut form.mesh);
+            let mut entity = form.bundle(self.shape_order(), mesh.normals.is_some());
+            entity.add(Mesh { data: mesh, file: None });
+            match &form.uses[..] {
+                [only] => {
+                    only.add_to(&mut entity);
+                    self.world.spawn(entity.build());
+                }
+                _ => {
+                    entity.add_bundle((Hidden, JsonPath(form.path.clone())));
+                    add_name(&mut entity, form.name.as_ref());
+                    let hidden = self.world.spawn(entity.build());
+                    shared.push((hidden, form));
+                }
+            }
+        }
+        for (of, form) in shared {
+            let is_smooth = self.world.get::<&Shading>(of).is_ok_and(|s| *s == Shading::Smooth);
+            for found in &form.uses {
+                let mut entity = form.bundle(self.shape_order(), is_smooth);
+                entity.add(InstanceOf(of));
+                found.add_to(&mut entity);
+                self.world.spawn(entity.build());
+            }
+        }
+    }
+
+    /// A light for each node that shows the form. One without area gives no light.
+    fn area_lights(&mut self, form: Form, exposure: f64) {
+        for found in &form.uses {
+            let (area, _) = extent(&form.mesh, &found.world);
+            if area == 0.0 {
+                continue;
+            }
+            let light = AreaLight {
+                intensity: area,
+                color: form.surface.emission * exposure,
+                falloff: Falloff::InverseSquare,
+                sampling: Sampling::Jittered,
+                samples: LIGHT_SAMPLES,
+            };
+            let mut entity = EntityBuilder::new();
+            let data = MeshData { normals: None, uvs: None, ..form.mesh.clone() };
+            entity.add_bundle((self.light_order(), light, Mesh { data, file: None }));
+            found.add_to(&mut entity);
+            self.world.spawn(entity.build());
+        }
+    }
+}
+
+impl Form {
+    /// What a shape of this form has, wherever it is.
+    fn bundle(&self, order: Order, is_smooth: bool) -> EntityBuilder {
+        let shading = if is_smooth { Shading::Smooth } else { Shading::Flat };
+        let mut entity = EntityBuilder::new();
+        entity.add_bundle((order, self.surface.sides, shading, self.surface.material()));
+        if let Some(texture) = &self.texture {
+            entity.add(texture.clone());
+        }
+        entity
+    }
+}
+
+impl Use {
+    fn add_to(&self, entity: &mut EntityBuilder) {
+        entity.add_bundle((Transform(self.world), JsonPath(self.path.clone())));
+        add_name(entity, self.name.as_ref());
+    }
+}
+
+fn add_name(entity: &mut EntityBuilder, name: Option<&String>) {
+    if let Some(name) = name {
+        entity.add(Name(name.clone()));
+    }
+}

@@ -1,0 +1,102 @@
+//! What a glTF file calls for, told by its JSON alone.
+//!
+//! What is wrong with the file is said when it is loaded: here a number that is not there counts as none. The
+//! counts that it claims are held against the length of its buffers.
+
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+use serde_json::Value;
+
+use super::container::{GLB_START, json_length};
+use crate::load::LoadOptions;
+use crate::mesh;
+use crate::staging;
+use crate::survey::{Survey, SurveyedMesh};
+use wavecrest_base::error::{Error, Result};
+
+/// What the file at `path` calls for.
+///
+/// # Errors
+/// When it cannot be read.
+pub(crate) fn survey(path: &Path, options: &LoadOptions) -> Result<Survey> {
+    let text = json(path).map_err(|e| Error::io("cannot read the scene", path, e))?;
+    let length = path.metadata().map_or(0, |metadata| metadata.len());
+    let value: Value = serde_json::from_slice(&text).unwrap_or_default();
+    let (width, height) = staging::size(options, None)?;
+    let raw = length.saturating_add(sizes(&value, "buffers", "byteLength"));
+    let mut survey = Survey {
+        text: text.len() as u64,
+        raw,
+        size: [width, height],
+        rays_per_pixel: staging::rays_per_pixel(),
+        light_samples: 1,
+        bounces: true,
+        ..Survey::default()
+    };
+    for (number, mesh) in items(&value, "meshes").iter().enumerate() {
+        let uses = |node: &&Value| node["mesh"].as_u64() == Some(number as u64);
+        let shown = items(&value, "nodes").iter().filter(uses).count() as u64;
+        for primitive in items(mesh, "primitives") {
+            survey.meshes.push(SurveyedMesh {
+                holds: holds(&value, primitive, raw),
+                normals: true,
+                uvs: true,
+                shown,
+            });
+        }
+        survey.instances = survey.instances.saturating_add(shown);
+    }
+    Ok(survey)
+}
+
+/// The JSON of a file of either form.
+fn json(path: &Path) -> std::io::Result<Vec<u8>> {
+    let mut file = File::open(path)?;
+    let mut start = Vec::new();
+    file.by_ref().take(GLB_START as u64).read_to_end(&mut start)?;
+    match json_length(&start) {
+        Some(length) => {
+            let mut text = Vec::new();
+            file.take(length.into()).read_to_end(&mut text)?;
+            Ok(text)
+        }
+        None => {
+            file.read_to_end(&mut start)?;
+            Ok(start)
+        }
+    }
+}
+
+fn items<'a>(value: &'a Value, key: &str) -> &'a [Value] {
+    value[key].as_array().map_or(&[], Vec::as_slice)
+}
+
+/// The sum of a number that all items of a list have.
+fn sizes(value: &Value, list: &str, key: &str) -> u64 {
+    items(value, list).iter().filter_map(|item| item[key].as_u64()).fold(0, u64::saturating_add)
+}
+
+/// What a primitive holds, of no more than `most` numbers.
+fn holds(value: &Value, primitive: &Value, most: u64) -> mesh::Survey {
+    let count = |accessor: &Value| {
+        let accessor = accessor.as_u64().and_then(|index| value["accessors"].get(index as usize));
+        accessor.and_then(|accessor| accessor["count"].as_u64()).map(|count| count.min(most))
+    };
+    let attribute = |name: &str| count(&primitive["attributes"][name]).unwrap_or(0);
+    let positions = attribute("POSITION");
+    let corners = count(&primitive["indices"]).unwrap_or(positions);
+    let triangles = match primitive["mode"].as_u64() {
+        None | Some(4) => corners / 3,
+        Some(5 | 6) => corners.saturating_sub(2),
+        Some(_) => 0,
+    };
+    mesh::Survey {
+        positions,
+        triangles,
+        normals: attribute("NORMAL"),
+        uvs: attribute("TEXCOORD_0"),
+        ..mesh::Survey::default()
+    }
+}

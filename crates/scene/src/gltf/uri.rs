@@ -1,0 +1,126 @@
+//! What a URI of a glTF file leads to: bytes within the file itself, or a file beside it.
+//!
+//! A name is relative to the glTF file, may lead upward (`../textures/a.png`), and may have characters
+//! written as `%20`. Nothing else is followed: neither an absolute path nor a scheme such as `http:`.
+
+use std::path::{Path, PathBuf};
+
+use base64::Engine as _;
+use base64::engine::general_purpose::{STANDARD, STANDARD_NO_PAD};
+
+use crate::reader::Cursor;
+use wavecrest_base::error::Result;
+
+/// What a URI leads to.
+#[derive(Debug, PartialEq, Eq)]
+pub(super) enum Target {
+    /// A file.
+    File(PathBuf),
+    /// What the URI itself holds.
+    Bytes(Vec<u8>),
+}
+
+/// Follows the URI that the value of `cursor` is.
+pub(super) fn target(cursor: &Cursor<'_>) -> Result<Target> {
+    let uri = cursor.text("a URI: the name of a file, or data:...")?;
+    if let Some(data) = uri.strip_prefix("data:") {
+        return data_uri(cursor, data).map(Target::Bytes);
+    }
+    let folder = cursor.notes().file().parent().unwrap_or(Path::new("")).to_owned();
+    let name = decoded(uri).ok_or_else(|| {
+        cursor.error("is not UTF-8 text once its % are decoded").remedy("rename the file")
+    })?;
+    if scheme(uri) || Path::new(&name).has_root() || Path::new(&name).is_absolute() {
+        let error = cursor.error("only files beside the glTF file are read");
+        return Err(error.remedy("copy it there, and name it relative to the glTF file"));
+    }
+    let path = folder.join(name);
+    // Some exporters write a % as it is.
+    let literal = folder.join(uri);
+    Ok(Target::File(if !path.exists() && literal.exists() { literal } else { path }))
+}
+
+/// Whether a URI begins with a scheme. One letter is the name of a drive.
+fn scheme(uri: &str) -> bool {
+    let Some((scheme, _)) = uri.split_once(':') else { return false };
+    !scheme.is_empty() && scheme.chars().all(|c| c.is_ascii_alphanumeric() || "+-.".contains(c))
+}
+
+/// The bytes of a data URI, whose part after `data:` this is.
+fn data_uri(cursor: &Cursor<'_>, data: &str) -> Result<Vec<u8>> {
+    let Some((kind, text)) = data.split_once(',') else {
+        return Err(cursor.error("a data URI has a comma before its data"));
+    };
+    if kind.split(';').skip(1).any(str::is_empty) {
+        return Err(cursor.error("what stands before the comma of a data URI has an empty part"));
+    }
+    if !kind.ends_with(";base64") {
+        return percent_bytes(text).ok_or_else(|| cursor.error("has a % that stands for no byte"));
+    }
+    let engine = if text.ends_with('=') { STANDARD } else { STANDARD_NO_PAD };
+    engine.decode(text).map_err(|e| {
+        let error = cursor.error(format!("the data is not base64: {e}"));
+        error.remedy("check that the file is whole, or export it again")
+    })
+}
+
+/// The text with its `%20` decoded; a `%` that stands for no byte stays as it is.
+fn decoded(text: &str) -> Option<String> {
+    match percent_bytes(text) {
+        Some(bytes) => String::from_utf8(bytes).ok(),
+        None => Some(text.to_owned()),
+    }
+}
+
+/// The bytes that a text with `%20` in it stands for, if each `%` is right.
+fn percent_bytes(text: &str) -> Option<Vec<u8>> {
+    let mut bytes = Vec::with_capacity(text.len());
+    let mut rest = text.bytes();
+    let digit = |byte: Option<u8>| char::from(byte?).to_digit(16);
+    while let Some(byte) = rest.next() {
+        bytes.push(match byte {
+            // Both are below 16, so that their number is a byte.
+            b'%' => (digit(rest.next())? * 16 + digit(rest.next())?) as u8,
+            plain => plain,
+        });
+    }
+    Some(bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::reader::{Notes, Place};
+
+    fn follow(uri: &str) -> std::result::Result<Target, String> {
+        let notes = Notes::new(Path::new("a/b.gltf"), false);
+        let value = serde_json::Value::from(uri);
+        target(&Cursor::new(&value, Place::Top, &notes)).map_err(|e| e.to_string())
+    }
+
+    #[test]
+    fn names_are_decoded_and_stay_beside_the_file() {
+        let file = |name: &str| Ok(Target::File(Path::new("a").join(name)));
+        assert_eq!(follow("c%20d.bin"), file("c d.bin"));
+        assert_eq!(follow("%C3%A9.bin"), file("\u{e9}.bin"));
+        assert_eq!(follow("100%.bin"), file("100%.bin"));
+        assert_eq!(follow("../c.bin"), file("../c.bin"));
+        for uri in ["/etc/passwd", "%2Fetc/passwd", "http://x/y.bin", "file:///y.bin"] {
+            assert!(follow(uri).unwrap_err().contains("only files beside"), "{uri}");
+        }
+        assert!(follow("%FF.bin").unwrap_err().contains("not UTF-8"));
+        assert!(follow("").unwrap_err().contains("must be a URI"));
+    }
+
+    #[test]
+    fn data_is_decoded_with_and_without_padding() {
+        let bytes = |bytes: &[u8]| Ok(Target::Bytes(bytes.to_vec()));
+        assert_eq!(follow("data:application/octet-stream;base64,AAE="), bytes(&[0, 1]));
+        assert_eq!(follow("data:;base64,AAE"), bytes(&[0, 1]));
+        assert_eq!(follow("data:,a%00b"), bytes(b"a\0b"));
+        assert!(follow("data:;base64,A*E=").unwrap_err().contains("not base64"));
+        assert!(follow("data:;base64").unwrap_err().contains("comma"));
+        assert!(follow("data:a/b;;base64,AA==").unwrap_err().contains("an empty part"));
+        assert!(follow("data:,%0").unwrap_err().contains("stands for no byte"));
+    }
+}

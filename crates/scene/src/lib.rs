@@ -1,0 +1,28 @@
+//! From a scene file to what the tracers read.
+//!
+//! [`load`] reads a file into a hecs world, [`systems`] turn that into a
+//! [`PreparedScene`](wavecrest_core::prepared::PreparedScene), and [`write`](mod@write) goes the other way.
+
+mod alone;
+pub mod components;
+pub mod corners;
+mod form;
+pub mod generate;
+pub mod gltf;
+pub mod load;
+pub mod memory;
+pub mod mesh;
+pub mod survey;
+
+mod parse;
+mod reader;
+mod schema;
+mod spawn;
+mod staging;
+pub mod systems;
+pub mod write;
+
+pub use parse::json_schema;
+
+#[cfg(test)]
+mod tests;

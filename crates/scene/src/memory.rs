@@ -1,0 +1,172 @@
+//! Memory: what a render of a scene will hold at its peak, foretold and measured.
+
+use crate::survey::Survey;
+use crate::systems::{Extracted, textures};
+use wavecrest_core::accel::build::Preset;
+use wavecrest_core::prepared::PreparedScene;
+use wavecrest_core::render::batch_size;
+use wavecrest_core::wavefront::batch::Batch;
+
+/// Bytes by use.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+pub struct Prediction {
+    /// Positions, indices, spheres.
+    pub geometry: u64,
+    /// Mesh attributes and decoded textures.
+    pub looks: u64,
+    /// The tree, once built.
+    pub tree: u64,
+    /// What building the tree needs at its peak, the tree counted.
+    pub build: u64,
+    /// The image.
+    pub film: u64,
+    /// The wavefronts' columns, one wavefront a thread.
+    pub batches: u64,
+    /// The program itself.
+    pub program: u64,
+    /// While reading the scene, at the peak: foretold, or measured where that is over.
+    pub loading: u64,
+}
+
+/// Bytes at the peak of building a tree over so many primitives, the tree counted, on the threads of
+/// the current pool: measured on meshes of 1, 4 and 18 million triangles. A tree in chunks is hardly
+/// more than itself and what each thread needs for a chunk; one in one piece is held with boxes,
+/// hierarchy and costs together.
+fn build_bytes(preset: Preset, primitives: u64) -> u64 {
+    let chunk = preset.chunk() as u64;
+    match preset {
+        Preset::Brute => 0,
+        _ if primitives > chunk => {
+            let threads = (rayon::current_num_threads() as u64).min(primitives.div_ceil(chunk));
+            primitives * 60 + threads * chunk * 600
+        }
+        _ => primitives * 320,
+    }
+}
+
+/// Bytes of our nodes and leaves for each primitive, measured: a leaf holds three or four triangles.
+const fn tree_bytes(preset: Preset) -> u64 {
+    match preset {
+        Preset::Brute => 0,
+        Preset::Fastest | Preset::VeryFast => 50,
+        _ => 47,
+    }
+}
+
+/// What the program holds with an empty scene: measured.
+const PROGRAM: u64 = 10 << 20;
+
+impl Prediction {
+    /// The peak: while reading, while building or while tracing.
+    pub fn total(&self) -> u64 {
+        let lasting = self.geometry + self.looks + self.program;
+        let ahead = lasting + self.build.max(self.tree + self.film + self.batches);
+        ahead.max(self.loading)
+    }
+}
+
+/// Foretells the peak of a render of `pixels` with `preset` and batches of `batch` paths, on the
+/// threads of the current pool.
+pub fn predict(extracted: &Extracted, pixels: u64, preset: Preset, batch: usize) -> Prediction {
+    let scene: &PreparedScene = extracted.scene();
+    let geometry = extracted.geometry();
+    let primitives = geometry.held() as u64;
+    let threads = rayon::current_num_threads() as u64;
+    Prediction {
+        geometry: geometry.bytes(),
+        looks: scene.looks.bytes(),
+        tree: primitives * tree_bytes(preset),
+        build: build_bytes(preset, primitives),
+        film: pixels * size_of::<[f32; 3]>() as u64,
+        batches: Batch::bytes_foretold(scene, batch_size(scene, batch)) * threads,
+        program: PROGRAM,
+        loading: peak().unwrap_or(0),
+    }
+}
+
+/// What is to be rendered of a scene, and how, as far as memory goes.
+#[derive(Clone, Copy, Debug)]
+pub struct Asked {
+    /// Pixels to be rendered; those of the whole image if `None`.
+    pub pixels: Option<u64>,
+    /// The preset; the one that would be chosen if `None`.
+    pub preset: Option<Preset>,
+    /// Paths in a batch.
+    pub batch: usize,
+    /// Whether meshes are copied to where they are shown.
+    pub flat: bool,
+}
+
+/// Foretells the peak of a render before any mesh or texture is read, on the threads of the current
+/// pool.
+pub fn foretell(survey: &Survey, asked: Asked) -> Prediction {
+    let mut found = Prediction { program: PROGRAM, ..Prediction::default() };
+    let mut primitives = survey.others;
+    let (mut reading, mut own, mut greatest) = (0_u64, 0_u64, 0_u64);
+    for mesh in &survey.meshes {
+        let is_shared = mesh.shown > 1 && !asked.flat;
+        let copies = if is_shared { 1 } else { mesh.shown };
+        primitives = primitives.saturating_add(mesh.holds.triangles.saturating_mul(copies));
+        let form = mesh.holds.form_bytes().saturating_mul(copies);
+        let normals = if mesh.normals { mesh.holds.normal_bytes() } else { 0 };
+        let uvs = if mesh.uvs { mesh.holds.uv_bytes() } else { 0 };
+        found.geometry = found.geometry.saturating_add(form);
+        found.looks = found.looks.saturating_add((normals + uvs).saturating_mul(copies));
+        reading = reading.saturating_add(mesh.holds.bytes());
+        if !is_shared {
+            own += 1;
+            greatest = greatest.max(mesh.holds.form_bytes());
+        }
+    }
+    found.geometry = found.geometry.saturating_add(survey.instances * INSTANCE);
+    let textures = survey.textures.iter().map(textures::survey);
+    let mut decoding = 0;
+    for [held, more] in textures {
+        found.looks = found.looks.saturating_add(held);
+        decoding = decoding.max(more);
+    }
+    // All meshes are read before the first is taken in, which is then lengthened for the others; the last
+    // of these is still there when its copy is whole.
+    let taking = if own > 1 { greatest } else { 0 };
+    let text = survey.text.saturating_mul(TEXT);
+    let lasting = found.geometry.saturating_add(found.looks).saturating_add(found.program);
+    let read = [survey.raw, reading.min(BUFFERS), found.program, text]
+        .into_iter()
+        .fold(reading, u64::saturating_add);
+    found.loading = read.max(lasting.saturating_add(taking).saturating_add(decoding));
+    let [width, height] = survey.size.map(u64::from);
+    let rays = expected_rays(survey);
+    let preset = asked.preset.unwrap_or_else(|| Preset::choose(primitives, rays));
+    found.tree = primitives.saturating_mul(tree_bytes(preset));
+    found.build = build_bytes(preset, primitives);
+    let pixels = asked.pixels.unwrap_or(width * height);
+    found.film = pixels * size_of::<[f32; 3]>() as u64;
+    found.batches = Batch::bytes_at_most(asked.batch) * rayon::current_num_threads() as u64;
+    found
+}
+
+/// The rays that a render casts at most, as
+/// [`PreparedScene::expected_rays`](wavecrest_core::prepared::PreparedScene::expected_rays) has it.
+fn expected_rays(survey: &Survey) -> u64 {
+    let pixels: u64 = survey.size.map(u64::from).iter().product();
+    let paths = pixels.saturating_mul(survey.rays_per_pixel);
+    let hits = paths.saturating_mul(1 + u64::from(survey.bounces));
+    hits.saturating_mul(1 + survey.light_samples)
+}
+
+/// Bytes of an instance: its transforms, its shape and material, its node of the tree over instances.
+const INSTANCE: u64 = 600;
+
+/// Bytes that readers hold besides what they have read: blocks of text and what is found in them.
+const BUFFERS: u64 = 24 << 20;
+
+/// Bytes that JSON takes for each byte of its text while it is read, at most.
+const TEXT: u64 = 25;
+
+/// The largest number of bytes that this process has held in memory so far, where the system tells.
+pub fn peak() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    let kib: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
+    Some(kib * 1024)
+}

@@ -1,0 +1,241 @@
+//! Triangle meshes: the arrays that a mesh is, and the readers that make them from files.
+//!
+//! [`load`] reads Stanford PLY and Wavefront OBJ. Both readers check everything that later work
+//! relies on, once, so that no kernel has to: every index is in range, every position is finite and
+//! at most [`MAX_COORDINATE`](wavecrest_core::math::float::MAX_COORDINATE) in size. What a file promises is held against its size before memory
+//! is set aside for it, and a fault is an [`Error`] that names its place.
+//!
+//! Files are read on all threads, each at a place of its own ([`place`]); neither the arrays nor the
+//! faults that are told depend on how many threads there are.
+//!
+//! Elements of PLY files are counted from 0, as the files themselves do; faults in OBJ files name
+//! the line.
+
+mod number;
+mod obj;
+mod place;
+mod ply;
+mod polygon;
+mod survey;
+mod validate;
+
+use std::fs::File;
+use std::path::Path;
+
+use glam::{Vec2, Vec3};
+
+use wavecrest_base::error::{Error, ErrorKind, Result, Warning};
+
+pub use survey::{Survey, survey};
+pub use validate::validate;
+
+/// A value for each corner of a mesh's triangles.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Attribute<T> {
+    /// The distinct values.
+    pub values: Vec<T>,
+    /// For each triangle, which value each of its corners has ([`NO_VALUE`] for none). `None`
+    /// says that values go with positions: corner `c` has the value of position `c`.
+    pub indices: Option<Vec<[u32; 3]>>,
+}
+
+/// In [`Attribute::indices`]: this corner has no value.
+pub const NO_VALUE: u32 = u32::MAX;
+
+/// The greatest number of vertices, of faces or of triangles, so that each has an index and
+/// [`NO_VALUE`] is none of them.
+pub const MAX_COUNT: u64 = NO_VALUE as u64 - 1;
+
+/// A mesh as arrays. Every index is in range and every position finite; degenerate triangles are
+/// still there (the geometry system counts them and leaves them out), so that the number of a
+/// triangle is its number in the file.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct MeshData {
+    /// Vertex positions, in the mesh's own space.
+    pub positions: Vec<Vec3>,
+    /// Three positions a triangle, counter-clockwise as seen from the front.
+    pub triangles: Vec<[u32; 3]>,
+    /// Shading normals, not necessarily of unit length; a zero vector is a normal not known.
+    pub normals: Option<Attribute<Vec3>>,
+    /// Texture coordinates, v upward.
+    pub uvs: Option<Attribute<Vec2>>,
+}
+
+/// A mesh from a file, and what the user should know about that file.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LoadedMesh {
+    /// The arrays, already checked.
+    pub mesh: MeshData,
+    /// Oddities that did not stop the reading.
+    pub warnings: Vec<Warning>,
+}
+
+/// Reads the mesh file at `path`: PLY or OBJ, by the extension of its name, in any case.
+///
+/// A mesh without a triangle is an error, as nothing of it could be seen.
+///
+/// # Errors
+///
+/// Of kind [`ErrorKind::Io`] where the system refuses, [`ErrorKind::Syntax`] where the file breaks
+/// its format, [`ErrorKind::Mesh`] where what it says makes no mesh and [`ErrorKind::Limit`] where
+/// it has too much.
+pub fn load(path: &Path) -> Result<LoadedMesh> {
+    let format = Format::of(path)?;
+    let (file, length) = open(path)?;
+    let loaded = match format {
+        Format::Ply => ply::read(&file, length),
+        Format::Obj => obj::read(&file, length),
+    };
+    named(loaded, path)
+}
+
+/// As [`load`], of a file that holds `bytes`, no more than about `portion` of them at a time. What
+/// is read does not depend on `portion`: tests use it to have small inputs cut as large files are.
+///
+/// # Errors
+///
+/// As [`load`].
+#[doc(hidden)]
+pub fn load_bytes(path: &Path, bytes: &[u8], portion: usize) -> Result<LoadedMesh> {
+    let portion = portion.max(1);
+    let length = bytes.len() as u64;
+    let loaded = match Format::of(path)? {
+        Format::Ply => ply::read_from(bytes, length, portion),
+        Format::Obj => obj::read_from(bytes, length, portion, portion.div_ceil(4)),
+    };
+    named(loaded, path)
+}
+
+/// Names the file in what was read from it.
+fn named(read: Result<Read>, path: &Path) -> Result<LoadedMesh> {
+    let (mesh, notes) = read.map_err(|error| error.in_file(path))?;
+    let warnings = notes.into_iter().map(|n| Warning::from_error(&n.in_file(path))).collect();
+    Ok(LoadedMesh { mesh, warnings })
+}
+
+/// What a reader returns: the arrays, and warnings that do not name the file yet.
+type Read = (MeshData, Vec<Error>);
+
+/// A mesh format that is read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Format {
+    Ply,
+    Obj,
+}
+
+impl Format {
+    /// The format that the name of `path` tells.
+    fn of(path: &Path) -> Result<Self> {
+        let extension = path.extension().unwrap_or_default().to_string_lossy();
+        match extension.to_ascii_lowercase().as_str() {
+            "ply" => Ok(Self::Ply),
+            "obj" => Ok(Self::Obj),
+            _ => Err(Error::new(ErrorKind::Mesh, "the name does not end as a mesh file's does")
+                .in_file(path)
+                .value(format_args!("the extension \"{extension}\""))
+                .remedy("give a .ply or an .obj file; no other mesh format is read")),
+        }
+    }
+}
+
+/// Opens a regular file and tells its length. Anything else is refused: the length of a pipe or a
+/// device says nothing, and to open one can block.
+fn open(path: &Path) -> Result<(File, u64)> {
+    let describe = |error| Error::io("cannot open the mesh file", path, error);
+    let metadata = std::fs::metadata(path).map_err(describe)?;
+    if !metadata.is_file() {
+        return Err(Error::new(ErrorKind::Io, "not a regular file")
+            .in_file(path)
+            .remedy("name a mesh file, not a folder or a device"));
+    }
+    Ok((File::open(path).map_err(describe)?, metadata.len()))
+}
+
+/// A failure of the system while the file was read; the caller names the file.
+fn read_failure(error: std::io::Error) -> Error {
+    Error::new(ErrorKind::Io, format!("cannot read the file: {error}")).because(error)
+}
+
+/// The error of a file that is well formed but has nothing to show.
+fn no_triangles() -> Error {
+    Error::new(ErrorKind::Mesh, "the mesh has no triangles")
+        .remedy("export it with its faces; points, lines and curves alone are not rendered")
+}
+
+/// Checks that `count` things of the kind `what` can be numbered.
+fn check_count(what: &str, count: u64) -> Result<()> {
+    if count > MAX_COUNT {
+        return Err(Error::new(ErrorKind::Limit, format!("a mesh has at most {MAX_COUNT} {what}"))
+            .value(count)
+            .remedy("split the mesh into several files"));
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_extension_chooses_the_format_in_any_case() {
+        assert_eq!(Format::of(Path::new("a/b.PLY")).unwrap(), Format::Ply);
+        assert_eq!(Format::of(Path::new("b.x.Obj")).unwrap(), Format::Obj);
+        for name in ["b.stl", "ply", "b.", "b"] {
+            let error = Format::of(Path::new(name)).unwrap_err().to_string();
+            assert!(error.contains(".ply") && error.contains(".obj"), "{error}");
+        }
+    }
+
+    #[test]
+    fn a_file_is_loaded_and_its_faults_name_it() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("m.OBJ");
+        std::fs::write(&path, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1//1 2//2 3//3\n").unwrap();
+        let loaded = load(&path).unwrap();
+        assert_eq!(loaded.mesh.triangles, [[0, 1, 2]]);
+        assert_eq!(loaded.warnings.len(), 1);
+        assert!(loaded.warnings[0].to_string().contains("m.OBJ"));
+
+        std::fs::write(&path, "v 0 0 0\nf 1 2 3\n").unwrap();
+        let error = load(&path).unwrap_err();
+        assert_eq!((error.file(), error.place()), (Some(path.as_path()), Some("line 2")));
+    }
+
+    #[test]
+    fn a_folder_and_a_missing_file_are_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("folder.ply");
+        assert_eq!(load(&path).unwrap_err().kind(), ErrorKind::Io);
+        std::fs::create_dir(&path).unwrap();
+        assert_eq!(load(&path).unwrap_err().kind(), ErrorKind::Io);
+    }
+
+    /// To open a pipe that nobody writes to would wait for ever, and a device may have no end.
+    #[cfg(unix)]
+    #[test]
+    fn a_pipe_a_socket_and_a_device_are_refused_at_once() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        let made = std::process::Command::new("mkfifo").arg(at("pipe.ply")).status();
+        let mut names = vec!["device.ply", "socket.obj"];
+        names.extend(made.is_ok_and(|status| status.success()).then_some("pipe.ply"));
+        std::os::unix::fs::symlink("/dev/zero", at("device.ply")).unwrap();
+        let _socket = std::os::unix::net::UnixListener::bind(at("socket.obj")).unwrap();
+        for name in names {
+            let error = load(&at(name)).unwrap_err();
+            assert_eq!((error.kind(), error.file()), (ErrorKind::Io, Some(&*at(name))));
+            assert!(error.to_string().contains("not a regular file"), "{error}");
+        }
+    }
+
+    #[test]
+    fn an_empty_file_is_refused_in_words() {
+        let folder = tempfile::tempdir().unwrap();
+        for (name, words) in [("m.ply", "the file is empty"), ("m.obj", "has no triangles")] {
+            let path = folder.path().join(name);
+            std::fs::write(&path, "").unwrap();
+            let error = load(&path).unwrap_err().to_string();
+            assert!(error.contains(words), "{error}");
+        }
+    }
+}

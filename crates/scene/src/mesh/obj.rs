@@ -1,0 +1,265 @@
+//! Wavefront OBJ: a text of statements, of which `v`, `vt`, `vn` and `f` are read. Materials,
+//! groups, points, lines and curves are passed over, and so is what is not known.
+//!
+//! The file is read in blocks of whole statements, so that the text of a large one is never all in
+//! memory. A block is cut into pieces and these are read in parallel ([`piece::Piece`]), each
+//! without knowing what comes before it. Where that matters, for an index that counts backward or
+//! for the line of a fault, the piece is read once more when the statements of those before have
+//! been counted ([`piece::Count`]). The pieces are then joined in order; the result does not depend
+//! on where the cuts fell.
+//!
+//! The crate `tobj` reads the same format, on one thread. It was not used because its errors name
+//! no line, and because it makes one mesh of each group.
+
+mod corners;
+mod lines;
+mod piece;
+mod survey;
+
+use glam::{Vec2, Vec3};
+use rayon::prelude::*;
+
+use super::place::{ReadAt, fill};
+use super::polygon::{self, Polygon};
+use super::validate::{bad_index, first_with, note_zeroed, zero_bad_normals, zero_bad_uvs};
+use super::{Attribute, MeshData, NO_VALUE, Read, check_count, no_triangles, read_failure};
+use piece::{Count, Piece};
+use wavecrest_base::error::{Error, ErrorKind, Result};
+
+pub(super) use survey::survey;
+
+/// How much text is in memory at once, unless a statement is longer.
+const BLOCK: usize = 1 << 24;
+
+/// About how much text one task reads.
+const PIECE: usize = 1 << 17;
+
+/// Reads a file of `length` bytes.
+pub(super) fn read(file: &std::fs::File, length: u64) -> Result<Read> {
+    read_from(file, length, BLOCK, PIECE)
+}
+
+pub(super) fn read_from<F: ReadAt + ?Sized>(
+    file: &F,
+    length: u64,
+    block: usize,
+    piece: usize,
+) -> Result<Read> {
+    let mut parts = Parts::default();
+    each_block(file, length, block, |text| parts.add_block(text, piece))?;
+    if let Some(error) = parts.first_bad_index() {
+        return Err(find_bad_face(file, length, block, parts.start)?.unwrap_or(error));
+    }
+    parts.finish()
+}
+
+/// Gives the text to `take`, in blocks that end where a statement does.
+fn each_block<F: ReadAt + ?Sized>(
+    file: &F,
+    length: u64,
+    size: usize,
+    mut take: impl FnMut(&[u8]) -> Result<()>,
+) -> Result<()> {
+    let mut text = Vec::new();
+    let mut place = 0;
+    loop {
+        // What is left of the block before is the beginning of a statement.
+        let begun = text.len();
+        let read = (length - place).min(size as u64) as usize;
+        text.resize(begun + read, 0);
+        fill(file, place, &mut text[begun..]).map_err(read_failure)?;
+        if place == 0 {
+            check_encoding(&mut text)?;
+        }
+        place += read as u64;
+        let end = if place == length { text.len() } else { lines::last_end(&text) };
+        take(&text[..end])?;
+        if place == length {
+            return Ok(());
+        }
+        text.drain(..end);
+    }
+}
+
+/// Refuses UTF-16, whose every second byte is no text here, and drops the mark that some programs
+/// put before UTF-8.
+fn check_encoding(text: &mut Vec<u8>) -> Result<()> {
+    let utf16 = matches!(text[..], [0xFE, 0xFF, ..] | [0xFF, 0xFE, ..])
+        || text.iter().take(64).any(|&byte| byte == 0);
+    if utf16 {
+        return Err(Error::new(ErrorKind::Syntax, "the text is UTF-16 or binary")
+            .at("line 1")
+            .remedy("save the file as ASCII or UTF-8"));
+    }
+    if text.starts_with(&[0xEF, 0xBB, 0xBF]) {
+        text.drain(..3);
+    }
+    Ok(())
+}
+
+/// Cuts a block into pieces of about `size` that end where a statement does.
+fn cut(mut text: &[u8], size: usize) -> Vec<&[u8]> {
+    let mut pieces = Vec::new();
+    while !text.is_empty() {
+        let (piece, rest) = text.split_at(lines::first_end(text, size));
+        pieces.push(piece);
+        text = rest;
+    }
+    pieces
+}
+
+/// The mesh so far.
+#[derive(Debug, Default)]
+struct Parts {
+    /// What came before the next block.
+    start: Count,
+    positions: Vec<Vec3>,
+    uvs: Vec<Vec2>,
+    normals: Vec<Vec3>,
+    triangles: Vec<[u32; 3]>,
+    /// Empty as long as no corner has texture coordinates.
+    uv_indices: Vec<[u32; 3]>,
+    /// Empty as long as no corner has a normal.
+    normal_indices: Vec<[u32; 3]>,
+    polygons: Vec<Polygon>,
+}
+
+impl Parts {
+    fn add_block(&mut self, text: &[u8], piece: usize) -> Result<()> {
+        let pieces = cut(text, piece);
+        let read: Vec<(Count, Option<Piece>)> =
+            pieces.par_iter().map(|text| Piece::read_anywhere(text)).collect();
+        let mut starts = Vec::with_capacity(read.len());
+        for (count, _) in &read {
+            starts.push(self.start);
+            self.start = self.start.plus(*count);
+        }
+        check_count("vertices", self.start.positions)?;
+        check_count("texture coordinates", self.start.uvs)?;
+        check_count("normals", self.start.normals)?;
+        let again = |(((_, piece), text), start): (((_, Option<Piece>), &&[u8]), Count)| {
+            piece.map_or_else(|| Piece::read(text, start), Ok)
+        };
+        let read: Vec<Result<Piece>> =
+            read.into_par_iter().zip(&pieces).zip(starts).map(again).collect();
+        read.into_iter().try_for_each(|piece| self.add(piece?))
+    }
+
+    fn add(&mut self, piece: Piece) -> Result<()> {
+        let before = self.triangles.len();
+        let after = before + piece.triangles.len();
+        check_count("triangles", after as u64)?;
+        // The count fits `u32`, as just checked.
+        let shift = |p: Polygon| Polygon { first: p.first + before as u32, ..p };
+        self.polygons.extend(piece.polygons.into_iter().map(shift));
+        self.positions.extend(piece.positions);
+        self.uvs.extend(piece.uvs);
+        self.normals.extend(piece.normals);
+        self.triangles.extend(piece.triangles);
+        add_indices(&mut self.uv_indices, piece.uv_indices, before, after);
+        add_indices(&mut self.normal_indices, piece.normal_indices, before, after);
+        Ok(())
+    }
+
+    /// The error of an index that names nothing in the whole file: an index may name what comes
+    /// later.
+    fn first_bad_index(&self) -> Option<Error> {
+        let columns = [
+            ("vertex", &self.triangles, self.positions.len()),
+            ("texture coordinate", &self.uv_indices, self.uvs.len()),
+            ("normal", &self.normal_indices, self.normals.len()),
+        ];
+        columns.into_iter().find_map(|(what, indices, count)| {
+            // Attributes that are never given are taken as absent, not as out of range.
+            let given = count > 0 || what == "vertex";
+            let bad = |i: u32| given && i != NO_VALUE && i as usize >= count;
+            let (_, index) = first_with(indices, bad)?;
+            Some(bad_index(what, u64::from(index) + 1, count))
+        })
+    }
+
+    fn finish(mut self) -> Result<Read> {
+        if self.triangles.is_empty() {
+            return Err(no_triangles());
+        }
+        let mut notes = Vec::new();
+        notes.extend(drop_absent("vt", self.uvs.len(), &mut self.uv_indices));
+        notes.extend(drop_absent("vn", self.normals.len(), &mut self.normal_indices));
+        let attributes: [&mut [_]; 2] = [&mut self.uv_indices, &mut self.normal_indices];
+        let mut attributes = attributes.into_iter().filter(|a| !a.is_empty()).collect::<Vec<_>>();
+        let large =
+            polygon::split(&self.polygons, &self.positions, &mut self.triangles, &mut attributes);
+        notes.extend(polygon::note_large(large));
+        notes.extend(note_zeroed("normals", zero_bad_normals(&mut self.normals)));
+        notes.extend(note_zeroed("texture coordinates", zero_bad_uvs(&mut self.uvs)));
+        self.positions.shrink_to_fit();
+        self.triangles.shrink_to_fit();
+        let count = self.positions.len();
+        let uvs = attribute(self.uvs, self.uv_indices, &self.triangles, count);
+        let normals = attribute(self.normals, self.normal_indices, &self.triangles, count);
+        let (positions, triangles) = (self.positions, self.triangles);
+        Ok((MeshData { positions, triangles, normals, uvs }, notes))
+    }
+}
+
+/// Joins the indices of an attribute to those before; triangles without it have [`NO_VALUE`].
+fn add_indices(to: &mut Vec<[u32; 3]>, from: Option<Vec<[u32; 3]>>, before: usize, after: usize) {
+    match from {
+        Some(indices) => {
+            to.resize(before, [NO_VALUE; 3]);
+            to.extend(indices);
+        }
+        None if to.is_empty() => {}
+        None => to.resize(after, [NO_VALUE; 3]),
+    }
+}
+
+/// Drops the indices of an attribute of which the file gives no value, with a warning.
+fn drop_absent(keyword: &str, values: usize, indices: &mut Vec<[u32; 3]>) -> Option<Error> {
+    if values > 0 || indices.is_empty() {
+        return None;
+    }
+    *indices = Vec::new();
+    let message = format!("faces have indices of \"{keyword}\", of which there is none");
+    Some(Error::new(ErrorKind::Mesh, message).remedy("they are ignored"))
+}
+
+/// An attribute that some corner has. Indices equal to those of the positions are not kept.
+fn attribute<T>(
+    mut values: Vec<T>,
+    mut indices: Vec<[u32; 3]>,
+    triangles: &[[u32; 3]],
+    positions: usize,
+) -> Option<Attribute<T>> {
+    if indices.is_empty() {
+        return None;
+    }
+    values.shrink_to_fit();
+    indices.shrink_to_fit();
+    let same = values.len() == positions && indices == triangles;
+    Some(Attribute { values, indices: (!same).then_some(indices) })
+}
+
+/// The error of the first face with an index that names nothing in the whole file, found by reading
+/// the file again: to keep the line of every face for an error that is rare would cost memory in
+/// every load.
+fn find_bad_face<F: ReadAt + ?Sized>(
+    file: &F,
+    length: u64,
+    block: usize,
+    whole: Count,
+) -> Result<Option<Error>> {
+    let mut found = None;
+    let mut start = Count::default();
+    each_block(file, length, block, |text| {
+        if found.is_none() {
+            found = piece::find_bad_face(text, start, whole);
+            start = start.plus(Count::of(text));
+        }
+        Ok(())
+    })?;
+    Ok(found)
+}
+
+#[cfg(test)]
+mod tests;

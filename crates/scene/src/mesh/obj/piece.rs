@@ -1,0 +1,209 @@
+//! A piece of an OBJ text: its statements, counted and read.
+
+use glam::{Vec2, Vec3};
+
+use super::corners::Corners;
+use super::lines::{Keyword, Statement, first_word, is_blank, statements};
+use crate::mesh::NO_VALUE;
+use crate::mesh::number;
+use crate::mesh::polygon::{self, Polygon};
+use crate::mesh::validate::{bad_position, is_good_position};
+use wavecrest_base::error::{Error, ErrorKind, Result};
+
+/// How many lines and values there are in some text.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Count {
+    pub(super) lines: u64,
+    pub(super) positions: u64,
+    pub(super) uvs: u64,
+    pub(super) normals: u64,
+}
+
+impl Count {
+    pub(super) fn of(text: &[u8]) -> Self {
+        let mut count = Self::default();
+        let mut all = statements(text);
+        for statement in all.by_ref() {
+            count.add(statement.keyword);
+        }
+        count.lines = all.lines;
+        count
+    }
+
+    fn add(&mut self, keyword: Keyword) {
+        match keyword {
+            Keyword::Position => self.positions += 1,
+            Keyword::Uv => self.uvs += 1,
+            Keyword::Normal => self.normals += 1,
+            Keyword::Face | Keyword::Other => {}
+        }
+    }
+
+    pub(super) fn plus(self, other: Self) -> Self {
+        Self {
+            lines: self.lines + other.lines,
+            positions: self.positions + other.positions,
+            uvs: self.uvs + other.uvs,
+            normals: self.normals + other.normals,
+        }
+    }
+}
+
+/// What a piece gives. Indices count from the beginning of the file.
+#[derive(Debug, Default)]
+pub(super) struct Piece {
+    pub(super) positions: Vec<Vec3>,
+    pub(super) uvs: Vec<Vec2>,
+    pub(super) normals: Vec<Vec3>,
+    pub(super) triangles: Vec<[u32; 3]>,
+    /// As many as triangles, if any corner has texture coordinates.
+    pub(super) uv_indices: Option<Vec<[u32; 3]>>,
+    /// As many as triangles, if any corner has a normal.
+    pub(super) normal_indices: Option<Vec<[u32; 3]>>,
+    /// Counted from the first triangle of the piece.
+    pub(super) polygons: Vec<Polygon>,
+}
+
+impl Piece {
+    /// Reads a piece that begins after `start`.
+    pub(super) fn read(text: &[u8], start: Count) -> Result<Self> {
+        let mut piece = Self::default();
+        let mut corners = Corners::default();
+        let mut count = start;
+        for statement in statements(text) {
+            piece
+                .statement(statement, Some(count), &mut corners)
+                .map_err(|error| error.at(format!("line {}", start.lines + statement.line + 1)))?;
+            count.add(statement.keyword);
+        }
+        Ok(piece)
+    }
+
+    /// Counts what is in a piece, and reads it if this can be done without knowing what comes
+    /// before: where no index counts backward, and where there is no fault to be told the line of.
+    pub(super) fn read_anywhere(text: &[u8]) -> (Count, Option<Self>) {
+        let mut piece = Some(Self::default());
+        let mut corners = Corners::default();
+        let mut count = Count::default();
+        let mut all = statements(text);
+        for statement in all.by_ref() {
+            // A piece that cannot be read so is only counted from there on.
+            if let Some(read) = &mut piece
+                && read.statement(statement, None, &mut corners).is_err()
+            {
+                piece = None;
+            }
+            count.add(statement.keyword);
+        }
+        count.lines = all.lines;
+        (count, piece)
+    }
+
+    fn statement(
+        &mut self,
+        Statement { keyword, rest, .. }: Statement,
+        count: Option<Count>,
+        corners: &mut Corners,
+    ) -> Result<()> {
+        match keyword {
+            Keyword::Position => self.positions.push(position(rest)?),
+            Keyword::Uv => {
+                let [u, v] = numbers(rest, 1, "vt")?;
+                self.uvs.push(Vec2::new(u, v));
+            }
+            Keyword::Normal => self.normals.push(Vec3::from(numbers::<3>(rest, 3, "vn")?)),
+            Keyword::Face => {
+                corners.read(rest, count)?;
+                self.push_face(corners);
+            }
+            Keyword::Other => {}
+        }
+        Ok(())
+    }
+
+    fn push_face(&mut self, corners: &Corners) {
+        let before = self.triangles.len();
+        if corners.positions.len() > 3 {
+            // A piece is in memory, so that its triangles are fewer than 2^32; the sum over the
+            // pieces is checked where they are joined.
+            let (first, corners) = (before as u32, corners.positions.len() as u32);
+            self.polygons.push(Polygon { first, corners });
+        }
+        self.triangles.extend(polygon::fan(&corners.positions));
+        push_indices(&mut self.uv_indices, &corners.uvs, before);
+        push_indices(&mut self.normal_indices, &corners.normals, before);
+    }
+}
+
+/// Adds a face's indices of one attribute, of which the triangles `before` had none if there is no
+/// list yet.
+fn push_indices(to: &mut Option<Vec<[u32; 3]>>, corners: &[u32], before: usize) {
+    if to.is_none() && corners.iter().all(|&i| i == NO_VALUE) {
+        return;
+    }
+    to.get_or_insert_with(|| vec![[NO_VALUE; 3]; before]).extend(polygon::fan(corners));
+}
+
+/// A vertex position. What follows the third number is a weight or a colour and is not read.
+fn position(rest: &[u8]) -> Result<Vec3> {
+    let position = Vec3::from(numbers::<3>(rest, 3, "v")?);
+    if is_good_position(position) { Ok(position) } else { Err(bad_position(position)) }
+}
+
+/// The first `N` numbers of a statement. The first `needed` must be there, the others are 0 if they
+/// are not.
+fn numbers<const N: usize>(rest: &[u8], needed: usize, keyword: &str) -> Result<[f32; N]> {
+    let mut numbers = [0.0; N];
+    let mut found = 0;
+    let mut rest = rest;
+    while found < N
+        && let Some(word) = first_word(rest)
+    {
+        let (value, length) = match number::leading(word) {
+            Some((value, length)) if word.get(length).is_none_or(|&b| is_blank(b)) => {
+                (value, length)
+            }
+            _ => {
+                let length = word.iter().position(|&b| is_blank(b)).unwrap_or(word.len());
+                let word = &word[..length];
+                let fault = || malformed("a number", word, "write it as 12 or -0.5e3");
+                (number::parse(word).ok_or_else(fault)?, length)
+            }
+        };
+        numbers[found] = value;
+        found += 1;
+        rest = &word[length..];
+    }
+    if found < needed {
+        return Err(Error::new(
+            ErrorKind::Syntax,
+            format!("\"{keyword}\" needs at least {needed} numbers"),
+        )
+        .value(found)
+        .remedy("complete the line; the file may have been cut off"));
+    }
+    Ok(numbers)
+}
+
+pub(super) fn malformed(what: &str, word: &[u8], remedy: &str) -> Error {
+    Error::new(ErrorKind::Syntax, format!("{what} is malformed"))
+        .value(format_args!("\"{}\"", String::from_utf8_lossy(word)))
+        .remedy(remedy)
+}
+
+/// The error of the first face of a text that names a value beyond those of the `whole` file. The
+/// text begins after `start`, and [`Piece::read`] has found no fault in it.
+pub(super) fn find_bad_face(text: &[u8], start: Count, whole: Count) -> Option<Error> {
+    let mut corners = Corners::default();
+    let mut count = start;
+    for statement in statements(text) {
+        if statement.keyword == Keyword::Face && corners.read(statement.rest, Some(count)).is_ok() {
+            let error = corners.first_beyond(whole);
+            if let Some(error) = error {
+                return Some(error.at(format!("line {}", start.lines + statement.line + 1)));
+            }
+        }
+        count.add(statement.keyword);
+    }
+    None
+}

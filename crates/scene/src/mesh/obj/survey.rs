@@ -1,0 +1,59 @@
+//! How much an OBJ file holds.
+
+use rayon::prelude::*;
+
+use super::lines::{Keyword, is_blank, statements};
+use super::{BLOCK, PIECE, cut, each_block};
+use crate::mesh::place::ReadAt;
+use crate::mesh::survey::Survey;
+use wavecrest_base::error::Result;
+
+/// What the file of `length` bytes holds: a pass over its text.
+pub(in crate::mesh) fn survey<F: ReadAt + ?Sized>(file: &F, length: u64) -> Result<Survey> {
+    let mut all = Survey::default();
+    each_block(file, length, BLOCK, |text| {
+        let parts = cut(text, PIECE);
+        let found = parts.par_iter().map(|part| of(part)).reduce(Survey::default, plus);
+        all = plus(all, found);
+        Ok(())
+    })?;
+    Ok(all)
+}
+
+fn of(text: &[u8]) -> Survey {
+    let mut found = Survey::default();
+    for statement in statements(text) {
+        match statement.keyword {
+            Keyword::Position => found.positions += 1,
+            Keyword::Uv => found.uvs += 1,
+            Keyword::Normal => found.normals += 1,
+            Keyword::Face => face(statement.rest, &mut found),
+            Keyword::Other => {}
+        }
+    }
+    found
+}
+
+/// A face has two corners more than triangles. Which numbers its corners have, its first one tells.
+fn face(rest: &[u8], found: &mut Survey) {
+    let mut corners = rest
+        .split(|&byte| is_blank(byte))
+        .take_while(|word| !word.starts_with(b"#"))
+        .filter(|word| !word.is_empty());
+    let Some(first) = corners.next() else { return };
+    let mut numbers = first.split(|&byte| byte == b'/').skip(1);
+    found.uv_indices |= numbers.next().is_some_and(|number| !number.is_empty());
+    found.normal_indices |= numbers.next().is_some_and(|number| !number.is_empty());
+    found.triangles += (corners.count() as u64).saturating_sub(1);
+}
+
+fn plus(a: Survey, b: Survey) -> Survey {
+    Survey {
+        positions: a.positions + b.positions,
+        triangles: a.triangles + b.triangles,
+        normals: a.normals + b.normals,
+        uvs: a.uvs + b.uvs,
+        normal_indices: a.normal_indices || b.normal_indices,
+        uv_indices: a.uv_indices || b.uv_indices,
+    }
+}

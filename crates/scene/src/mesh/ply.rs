@@ -1,0 +1,63 @@
+//! Stanford PLY: a text header that declares elements and their properties, then the elements, as
+//! text or as binary numbers of either byte order.
+//!
+//! Any header is followed: properties in any order and of any type, elements of any name. What a
+//! mesh has no use for is passed over. [`header`] reads the declarations and [`layout`] finds in
+//! them what a mesh needs; a [`source::Source`] yields the numbers of the body, from text
+//! ([`ascii`]) or binary ([`binary`]); [`body`] walks the elements over any source, once.
+//!
+//! Binary rows have short cuts that take many rows at once on all threads: [`vertices`] where rows
+//! have one length, [`triangles`] where all faces are triangles, [`polygons`] for other faces. A
+//! short cut reads what is right and stops at the first row that is not; [`body`] reads that row
+//! again, number by number, and says what is wrong with it. So there is one place that judges, and
+//! the fault that is told is the first, whatever the threads did.
+//!
+//! No crate is used: those that read the format hand over every property of every row, where the
+//! common form is better read as a block, and their errors do not name the element and its number.
+
+mod ascii;
+mod binary;
+mod body;
+mod header;
+mod layout;
+mod polygons;
+mod source;
+mod survey;
+mod triangles;
+mod vertices;
+
+use std::io::BufReader;
+
+use super::Read;
+use super::place::{ReadAt, Section};
+use header::Encoding;
+use wavecrest_base::error::Result;
+
+pub(super) use survey::survey;
+
+/// How much of a body that is read number by number is in memory at once.
+const BUFFER: usize = 1 << 17;
+
+/// Reads a file of `length` bytes.
+pub(super) fn read(file: &std::fs::File, length: u64) -> Result<Read> {
+    read_from(file, length, BUFFER)
+}
+
+pub(super) fn read_from<F: ReadAt + ?Sized>(file: &F, length: u64, buffer: usize) -> Result<Read> {
+    let buffered = |place| BufReader::with_capacity(buffer, Section::new(file, place, length));
+    let header = header::read(&mut buffered(0))?;
+    let left = length.saturating_sub(header.bytes);
+    let body = buffered(header.bytes);
+    match header.encoding {
+        Encoding::Ascii => body::read(&header, ascii::Ascii::new(body, left, header.lines)),
+        Encoding::LittleEndian => {
+            body::read(&header, binary::Binary::<F, false>::new(file, body, length, left))
+        }
+        Encoding::BigEndian => {
+            body::read(&header, binary::Binary::<F, true>::new(file, body, length, left))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,149 @@
+//! The body of a PLY file in binary numbers of either byte order.
+//!
+//! Number by number here; rows of the common forms, many at once, in [`vertices`], [`triangles`]
+//! and [`polygons`].
+
+use std::io::{BufReader, Read as _};
+
+use super::header::{Property, Scalar};
+use super::layout::{VertexLayout, stride};
+use super::source::{Bulk, FaceRows, Faces, Fault, Source, Vertices};
+use super::{polygons, triangles, vertices};
+use crate::mesh::place::{ReadAt, Section};
+
+/// How many times the buffer a window of faces is. A longer face is read number by number.
+const WINDOW: usize = 32;
+
+/// A binary body; `BIG` for big-endian.
+#[derive(Debug)]
+pub(super) struct Binary<'a, F: ?Sized, const BIG: bool> {
+    file: &'a F,
+    /// Stands at the next number.
+    reader: BufReader<Section<'a, F>>,
+    /// Where the body ends.
+    end: u64,
+    left: u64,
+}
+
+impl<'a, F: ReadAt + ?Sized, const BIG: bool> Binary<'a, F, BIG> {
+    /// The body of `left` bytes that ends at `end` of the `file`, and a reader of it.
+    pub(super) fn new(file: &'a F, reader: BufReader<Section<'a, F>>, end: u64, left: u64) -> Self {
+        Self { file, reader, end, left }
+    }
+
+    /// The next `N` bytes, the least significant first.
+    fn bytes<const N: usize>(&mut self) -> Result<[u8; N], Fault> {
+        let mut bytes = [0; N];
+        if N as u64 > self.left {
+            return Err(Fault::End);
+        }
+        self.reader.read_exact(&mut bytes)?;
+        self.left -= N as u64;
+        if BIG {
+            bytes.reverse();
+        }
+        Ok(bytes)
+    }
+
+    /// Where in the file the next number is.
+    fn place(&self) -> u64 {
+        self.end - self.left
+    }
+
+    /// How many bytes a thread reads at once.
+    fn block(&self) -> usize {
+        self.reader.capacity()
+    }
+
+    /// Passes over bytes.
+    fn advance(&mut self, bytes: u64) -> Result<(), Fault> {
+        if bytes > self.left {
+            return Err(Fault::End);
+        }
+        self.reader.seek_relative(bytes.cast_signed())?;
+        self.left -= bytes;
+        Ok(())
+    }
+}
+
+impl<F: ReadAt + ?Sized, const BIG: bool> Source for Binary<'_, F, BIG> {
+    fn value(&mut self, kind: Scalar) -> Result<f64, Fault> {
+        Ok(match kind {
+            Scalar::I8 => f64::from(i8::from_le_bytes(self.bytes()?)),
+            Scalar::U8 => f64::from(u8::from_le_bytes(self.bytes()?)),
+            Scalar::I16 => f64::from(i16::from_le_bytes(self.bytes()?)),
+            Scalar::U16 => f64::from(u16::from_le_bytes(self.bytes()?)),
+            Scalar::I32 => f64::from(i32::from_le_bytes(self.bytes()?)),
+            Scalar::U32 => f64::from(u32::from_le_bytes(self.bytes()?)),
+            Scalar::F32 => f64::from(f32::from_le_bytes(self.bytes()?)),
+            Scalar::F64 => f64::from_le_bytes(self.bytes()?),
+        })
+    }
+
+    fn skip(&mut self, kind: Scalar, count: u64) -> Result<(), Fault> {
+        self.advance(self.least(kind, count))
+    }
+
+    fn end_row(&mut self) -> Result<(), Fault> {
+        Ok(())
+    }
+
+    fn left(&self) -> u64 {
+        self.left
+    }
+
+    fn least(&self, kind: Scalar, count: u64) -> u64 {
+        count.saturating_mul(kind.size() as u64)
+    }
+
+    fn trailing(&mut self) -> Result<u64, Fault> {
+        Ok(self.left)
+    }
+
+    fn vertices(&mut self, layout: &VertexLayout, into: &mut Vertices) -> Bulk {
+        let block = self.block();
+        let bulk = vertices::read::<F, BIG>(self.file, self.place(), layout, block, into);
+        let Some(stride) = layout.stride.filter(|_| matches!(bulk, Bulk::Done)) else {
+            return bulk;
+        };
+        match self.advance((stride * into.positions.len()) as u64) {
+            Ok(()) => bulk,
+            Err(fault) => Bulk::Failed(0, fault),
+        }
+    }
+
+    fn faces(
+        &mut self,
+        rows: FaceRows<'_>,
+        most: u64,
+        vertices: usize,
+        into: &mut Faces,
+    ) -> Result<u64, Fault> {
+        let mut read = 0;
+        // At the first face: the others of a file that has other faces go the longer way.
+        if most == rows.element.count && into.triangles.is_empty() {
+            let (place, left, block) = (self.place(), self.left, self.block());
+            let all = triangles::read::<F, BIG>(self.file, place, left, rows, vertices, block);
+            if let Some((triangles, bytes)) = all {
+                read = triangles.len() as u64;
+                into.triangles = triangles;
+                self.advance(bytes)?;
+            }
+        }
+        if read < most {
+            let (place, left, window) = (self.place(), self.left, WINDOW * self.block());
+            let next = (rows, most - read);
+            let (faces, bytes) =
+                polygons::read::<F, BIG>(self.file, place, left, next, vertices, window, into);
+            read += faces;
+            self.advance(bytes)?;
+        }
+        Ok(read)
+    }
+
+    fn pass_over(&mut self, properties: &[Property], count: u64) -> Result<bool, Fault> {
+        let Some(stride) = stride(properties) else { return Ok(false) };
+        self.advance(count.saturating_mul(stride as u64))?;
+        Ok(true)
+    }
+}

@@ -1,0 +1,336 @@
+//! The header of a PLY file: which elements follow, how many of each, and what each is made of.
+//!
+//! Lines may end in CR LF, begin and end with blanks, be empty or be comments. A header is at most
+//! [`MAX_HEADER`] long, so that a large file without one is not read to its end.
+
+use std::io::{BufRead, Read as _};
+
+use crate::mesh::{MAX_COUNT, check_count, read_failure};
+use wavecrest_base::error::{Error, ErrorKind, Result, did_you_mean};
+
+/// The greatest length of a header in bytes.
+const MAX_HEADER: u64 = 1 << 20;
+
+/// How the body is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Encoding {
+    Ascii,
+    LittleEndian,
+    BigEndian,
+}
+
+/// The type of a number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Scalar {
+    I8,
+    U8,
+    I16,
+    U16,
+    I32,
+    U32,
+    F32,
+    F64,
+}
+
+/// The names of the types, the older and the newer.
+const TYPE_NAMES: [(&str, &str, Scalar); 8] = [
+    ("char", "int8", Scalar::I8),
+    ("uchar", "uint8", Scalar::U8),
+    ("short", "int16", Scalar::I16),
+    ("ushort", "uint16", Scalar::U16),
+    ("int", "int32", Scalar::I32),
+    ("uint", "uint32", Scalar::U32),
+    ("float", "float32", Scalar::F32),
+    ("double", "float64", Scalar::F64),
+];
+
+const KEYWORDS: [&str; 6] = ["format", "comment", "obj_info", "element", "property", "end_header"];
+
+impl Scalar {
+    /// Bytes that a binary number of this type takes.
+    pub(super) fn size(self) -> usize {
+        match self {
+            Self::I8 | Self::U8 => 1,
+            Self::I16 | Self::U16 => 2,
+            Self::I32 | Self::U32 | Self::F32 => 4,
+            Self::F64 => 8,
+        }
+    }
+
+    fn from_name(name: &str) -> Option<Self> {
+        TYPE_NAMES.iter().find(|t| t.0 == name || t.1 == name).map(|t| t.2)
+    }
+}
+
+/// What a property holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Shape {
+    One(Scalar),
+    List { count: Scalar, item: Scalar },
+}
+
+/// A named part of an element.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Property {
+    pub(super) name: String,
+    pub(super) shape: Shape,
+}
+
+/// A table of the body: `count` rows of the same properties.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Element {
+    pub(super) name: String,
+    pub(super) count: u64,
+    pub(super) properties: Vec<Property>,
+    /// The line that declares it.
+    pub(super) line: u64,
+}
+
+/// A whole header.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Header {
+    pub(super) encoding: Encoding,
+    pub(super) elements: Vec<Element>,
+    /// Its length: where the body begins.
+    pub(super) bytes: u64,
+    /// Its number of lines.
+    pub(super) lines: u64,
+}
+
+/// The place of `line` in messages.
+pub(super) fn place(line: u64) -> String {
+    format!("header line {line}")
+}
+
+fn fault(message: impl Into<String>) -> Error {
+    Error::new(ErrorKind::Syntax, message)
+}
+
+/// Reads up to the end of the line `end_header`.
+pub(super) fn read(reader: &mut impl BufRead) -> Result<Header> {
+    let mut lines = Lines { reader: reader.take(MAX_HEADER), bytes: 0, lines: 0 };
+    check_magic(lines.next()?)?;
+    let mut encoding = None;
+    let mut elements = Vec::new();
+    loop {
+        let Some(line) = lines.next()? else { return Err(end_missing(&lines)) };
+        let words: Vec<&str> = line.split_ascii_whitespace().collect();
+        let number = lines.lines;
+        match statement(&words, number, &mut encoding, &mut elements) {
+            Ok(false) => {}
+            Ok(true) => break,
+            Err(error) => return Err(error.at(place(number))),
+        }
+    }
+    let encoding = encoding.ok_or_else(|| {
+        fault("the header has no format line").remedy("add one, such as \"format ascii 1.0\"")
+    })?;
+    Ok(Header { encoding, elements, bytes: lines.bytes, lines: lines.lines })
+}
+
+/// The lines of a header, counted.
+struct Lines<R> {
+    reader: std::io::Take<R>,
+    bytes: u64,
+    lines: u64,
+}
+
+impl<R: BufRead> Lines<R> {
+    /// The next line, or `None` at the end of the file or of what a header may take.
+    fn next(&mut self) -> Result<Option<String>> {
+        let mut line = Vec::new();
+        let length = self.reader.read_until(b'\n', &mut line).map_err(read_failure)?;
+        self.bytes += length as u64;
+        self.lines += 1;
+        Ok((length > 0).then(|| String::from_utf8_lossy(&line).into_owned()))
+    }
+}
+
+fn check_magic(line: Option<String>) -> Result<()> {
+    match line {
+        Some(line) if line.trim() == "ply" => Ok(()),
+        None => Err(fault("the file is empty").remedy("give a PLY file")),
+        Some(line) => Err(fault("a PLY file begins with the line \"ply\"")
+            .at(place(1))
+            .value(format_args!("{:?}", line.trim()))
+            .remedy("check that the file is a PLY file and that its lines end in LF or CR LF")),
+    }
+}
+
+fn end_missing<R>(lines: &Lines<R>) -> Error {
+    let error = fault("the header does not end").at(place(lines.lines));
+    if lines.bytes >= MAX_HEADER {
+        return error.remedy(format!("end it by \"end_header\" within {MAX_HEADER} bytes"));
+    }
+    error.remedy("end it by a line \"end_header\"; the file may have been cut off")
+}
+
+/// Takes in one line of the header; true for its last.
+fn statement(
+    words: &[&str],
+    line: u64,
+    encoding: &mut Option<Encoding>,
+    elements: &mut Vec<Element>,
+) -> Result<bool> {
+    match words {
+        [] | ["comment" | "obj_info", ..] => {}
+        ["end_header"] => return Ok(true),
+        ["format", rest @ ..] if encoding.is_none() => *encoding = Some(format(rest)?),
+        ["format", ..] => return Err(fault("the format is given twice").remedy("keep one line")),
+        ["element", rest @ ..] => elements.push(element(rest, line, elements)?),
+        ["property", rest @ ..] => {
+            let property = property(rest)?;
+            let Some(element) = elements.last_mut() else {
+                return Err(fault("a property must come after the element that it is part of")
+                    .value(&property.name)
+                    .remedy("put an \"element\" line before it"));
+            };
+            element.properties.push(property);
+        }
+        [other, ..] => {
+            return Err(unknown("the header has a line of an unknown kind", other, KEYWORDS));
+        }
+    }
+    Ok(false)
+}
+
+fn format(words: &[&str]) -> Result<Encoding> {
+    let encoding = match words {
+        ["ascii", _] => Encoding::Ascii,
+        ["binary_little_endian", _] => Encoding::LittleEndian,
+        ["binary_big_endian", _] => Encoding::BigEndian,
+        _ => {
+            let right = "use ascii, binary_little_endian or binary_big_endian, and then 1.0";
+            return Err(fault("the format is not known").value(words.join(" ")).remedy(right));
+        }
+    };
+    match words {
+        [_, "1.0"] => Ok(encoding),
+        _ => Err(fault("the version is not known").value(words.join(" ")).remedy("use 1.0")),
+    }
+}
+
+fn element(words: &[&str], line: u64, before: &[Element]) -> Result<Element> {
+    let [name, digits] = words else {
+        return Err(fault("an element needs a name and a count")
+            .value(words.join(" "))
+            .remedy("write \"element vertex 8\""));
+    };
+    if digits.is_empty() || !digits.bytes().all(|b| b.is_ascii_digit()) {
+        return Err(fault("the count of an element must be a whole number, 0 or more")
+            .value(digits)
+            .remedy("write \"element vertex 8\""));
+    }
+    // Digits alone that do not fit are a number too large.
+    let Ok(count) = digits.parse() else {
+        return Err(Error::new(
+            ErrorKind::Limit,
+            format!("an element has at most {MAX_COUNT} rows"),
+        )
+        .value(digits)
+        .remedy("check the count"));
+    };
+    check_count(&format!("rows of the element \"{name}\""), count)?;
+    if before.iter().any(|e| e.name == *name) {
+        return Err(fault("an element is declared twice").value(name).remedy("join the two"));
+    }
+    Ok(Element { name: (*name).to_owned(), count, properties: Vec::new(), line })
+}
+
+fn property(words: &[&str]) -> Result<Property> {
+    let (name, shape) = match words {
+        ["list", count, item, name] => {
+            (name, Shape::List { count: scalar(count)?, item: scalar(item)? })
+        }
+        [kind, name] => (name, Shape::One(scalar(kind)?)),
+        _ => {
+            return Err(fault("a property needs a type and a name").value(words.join(" ")).remedy(
+                "write \"property float x\" or \"property list uchar int vertex_indices\"",
+            ));
+        }
+    };
+    Ok(Property { name: (*name).to_owned(), shape })
+}
+
+fn scalar(name: &str) -> Result<Scalar> {
+    let names = TYPE_NAMES.iter().flat_map(|t| [t.0, t.1]);
+    Scalar::from_name(name)
+        .ok_or_else(|| unknown("the type of a property is not known", name, names))
+}
+
+/// The error of a word that is none of `names`.
+fn unknown<'a>(message: &str, word: &str, names: impl IntoIterator<Item = &'a str>) -> Error {
+    let names: Vec<&str> = names.into_iter().collect();
+    let remedy = match did_you_mean(word, names.iter().copied()) {
+        Some(near) => format!("did you mean {near}?"),
+        None => format!("use one of {}", names.join(", ")),
+    };
+    fault(message).value(word).remedy(remedy)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parse(text: &str) -> Result<Header> {
+        read(&mut text.as_bytes())
+    }
+
+    fn message(text: &str) -> String {
+        parse(text).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn blanks_comments_and_both_families_of_names_are_read() {
+        let text = "ply\r\n \tcomment a \r\n\r\n\t format   binary_big_endian\t1.0 \r\nobj_info x\r\n\
+                    element  vertex 7\r\nproperty\tfloat32 x\r\n  property list uint8  int w\r\n\
+                    comment b\r\nelement face 0\r\n end_header \r\nBODY";
+        let header = parse(text).unwrap();
+        assert_eq!(header.encoding, Encoding::BigEndian);
+        assert_eq!((header.bytes, header.lines), (text.len() as u64 - 4, 11));
+        assert_eq!(header.elements.len(), 2);
+        let vertex = &header.elements[0];
+        assert_eq!((vertex.name.as_str(), vertex.count, vertex.line), ("vertex", 7, 6));
+        assert_eq!(vertex.properties[0].shape, Shape::One(Scalar::F32));
+        let list = Shape::List { count: Scalar::U8, item: Scalar::I32 };
+        assert_eq!(vertex.properties[1], Property { name: "w".into(), shape: list });
+    }
+
+    #[test]
+    fn faults_name_the_line_and_the_word() {
+        for (body, line, word) in [
+            ("format binary_mixed 1.0", 2, "binary_mixed"),
+            ("format ascii 2.0", 2, "2.0"),
+            ("format ascii 1.0\nformat ascii 1.0", 3, "twice"),
+            ("property float x", 2, "element"),
+            ("element vertex -1", 2, "-1"),
+            ("element vertex", 2, "vertex"),
+            ("element vertex 1\nelement vertex 1", 3, "twice"),
+            ("element vertex 1\nproperty flaot x", 3, "float"),
+            ("element vertex 1\nproperty list int x", 3, "list int x"),
+            ("elemnt vertex 1", 2, "did you mean element"),
+        ] {
+            let text = message(&format!("ply\n{body}\nend_header\n"));
+            assert!(text.starts_with(&format!("header line {line}: ")), "{text}");
+            assert!(text.contains(word), "{text}");
+        }
+    }
+
+    #[test]
+    fn a_header_without_its_parts_is_refused() {
+        assert!(message("").contains("empty"));
+        assert!(message("plyx\n").contains("\"plyx\""));
+        assert!(message("ply\nend_header\n").contains("format"));
+        assert!(message("ply\nformat ascii 1.0\n").contains("end_header"));
+        let long = format!("ply\ncomment {}", "x".repeat(2 << 20));
+        assert!(message(&long).contains("1048576"));
+    }
+
+    #[test]
+    fn a_count_that_has_no_index_is_a_limit() {
+        for count in ["4294967295", "4294967296", "99999999999999999999999"] {
+            let text = format!("ply\nformat ascii 1.0\nelement face {count}\n");
+            assert_eq!(parse(&text).unwrap_err().kind(), ErrorKind::Limit);
+        }
+    }
+}

@@ -1,0 +1,165 @@
+//! What a mesh needs of the elements that a header declares, and where in a row it lies.
+
+use super::header::{Element, Property, Scalar, Shape, place};
+use wavecrest_base::error::{Error, ErrorKind, Result};
+
+/// The numbers of a vertex that are kept, in the order of their slots.
+pub(super) const SLOTS: usize = 8;
+const POSITION: [&str; 3] = ["x", "y", "z"];
+const NORMAL: [&str; 3] = ["nx", "ny", "nz"];
+/// The names under which programs write texture coordinates.
+const UV: [[&str; 2]; 4] =
+    [["u", "v"], ["s", "t"], ["texture_u", "texture_v"], ["texture_s", "texture_t"]];
+const LISTS: [&str; 2] = ["vertex_indices", "vertex_index"];
+
+/// Where a number of a vertex comes from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Column {
+    /// Which number: 0 to 2 are the position, 3 to 5 the normal, 6 and 7 the texture coordinates.
+    pub(super) slot: usize,
+    pub(super) kind: Scalar,
+    /// Where it begins in a binary row that has no lists.
+    pub(super) offset: usize,
+    /// What it is multiplied by.
+    pub(super) scale: f32,
+}
+
+/// The rows of the element `vertex`.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct VertexLayout {
+    /// For each property, the column that it is, if it is kept.
+    pub(super) columns: Vec<Option<Column>>,
+    /// The length of a binary row, if no list makes it vary.
+    pub(super) stride: Option<usize>,
+    pub(super) normals: bool,
+    pub(super) uvs: bool,
+}
+
+impl VertexLayout {
+    pub(super) fn of(element: &Element) -> Result<Self> {
+        let at = |error: Error| error.at(place(element.line));
+        let found = find_all(element, &POSITION).map_err(at)?;
+        let Some(position) = found else { return Err(at(no_position(element))) };
+        let normal = find_all(element, &NORMAL).map_err(at)?;
+        let mut uv = None;
+        for names in UV {
+            uv = uv.or(find_all(element, &names).map_err(at)?);
+        }
+        let mut layout = Self {
+            columns: vec![None; element.properties.len()],
+            stride: stride(&element.properties),
+            normals: normal.is_some(),
+            uvs: uv.is_some(),
+        };
+        layout.add(element, &position, 0);
+        layout.add(element, &normal.unwrap_or_default(), 3);
+        layout.add(element, &uv.unwrap_or_default(), 6);
+        Ok(layout)
+    }
+
+    /// Gives the `properties` the slots from `first` on.
+    fn add(&mut self, element: &Element, properties: &[usize], first: usize) {
+        for (slot, &p) in (first..).zip(properties) {
+            let Shape::One(kind) = element.properties[p].shape else { continue };
+            let offset = stride(&element.properties[..p]).unwrap_or(0);
+            let scale = if slot < 6 { 1.0 } else { uv_scale(kind) };
+            self.columns[p] = Some(Column { slot, kind, offset, scale });
+        }
+    }
+
+    /// The columns of the `N` slots from `first` on, in their order; none if the file has not all.
+    pub(super) fn slots<const N: usize>(&self, first: usize) -> Option<[Column; N]> {
+        let column = |slot| self.columns.iter().flatten().find(|c| c.slot == slot).copied();
+        let found: Vec<Column> = (first..first + N).filter_map(column).collect();
+        found.try_into().ok()
+    }
+
+    /// Whether a binary row is three floats, x, y, z, and no more.
+    pub(super) fn is_packed(&self) -> bool {
+        let place = |(slot, column): (usize, &Option<Column>)| {
+            *column == Some(Column { slot, kind: Scalar::F32, offset: 4 * slot, scale: 1.0 })
+        };
+        self.stride == Some(12) && self.columns.iter().enumerate().all(place)
+    }
+}
+
+/// Texture coordinates in small integers are fractions of the greatest value: whole numbers would
+/// all name the same corner of the texture.
+fn uv_scale(kind: Scalar) -> f32 {
+    match kind {
+        Scalar::I8 => 1.0 / f32::from(i8::MAX),
+        Scalar::U8 => 1.0 / f32::from(u8::MAX),
+        Scalar::I16 => 1.0 / f32::from(i16::MAX),
+        Scalar::U16 => 1.0 / f32::from(u16::MAX),
+        Scalar::I32 | Scalar::U32 | Scalar::F32 | Scalar::F64 => 1.0,
+    }
+}
+
+/// The properties of these names, if all are there.
+fn find_all(element: &Element, names: &[&str]) -> Result<Option<Vec<usize>>> {
+    names.iter().map(|name| find(element, name)).collect()
+}
+
+/// The property of this name, if it is there: a single number, declared once.
+fn find(element: &Element, name: &str) -> Result<Option<usize>> {
+    let mut all = (0..element.properties.len()).filter(|&i| element.properties[i].name == name);
+    let first = all.next();
+    if all.next().is_some() {
+        return Err(Error::new(ErrorKind::Syntax, "a property of the vertices is declared twice")
+            .value(name)
+            .remedy("rename one of the two"));
+    }
+    match first.map(|i| element.properties[i].shape) {
+        Some(Shape::List { .. }) => {
+            Err(Error::new(ErrorKind::Syntax, "a property of the vertices must be a single number")
+                .value(format_args!("a list \"{name}\""))
+                .remedy(format!("declare it as \"property float {name}\"")))
+        }
+        _ => Ok(first),
+    }
+}
+
+fn no_position(element: &Element) -> Error {
+    let names: Vec<&str> = element.properties.iter().map(|p| p.name.as_str()).collect();
+    Error::new(ErrorKind::Syntax, "the vertices need the properties x, y and z")
+        .value(if names.is_empty() { "none".to_owned() } else { names.join(", ") })
+        .remedy("declare each, as in \"property float x\"")
+}
+
+/// The binary length of these properties, if none is a list.
+pub(super) fn stride(properties: &[Property]) -> Option<usize> {
+    let size = |p: &Property| match p.shape {
+        Shape::One(kind) => Some(kind.size()),
+        Shape::List { .. } => None,
+    };
+    properties.iter().map(size).sum()
+}
+
+/// The rows of an element whose lists name vertices: `face` or `tristrips`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct ListLayout {
+    /// Which property is the list.
+    pub(super) property: usize,
+    pub(super) count: Scalar,
+    pub(super) item: Scalar,
+}
+
+impl ListLayout {
+    pub(super) fn of(element: &Element) -> Result<Self> {
+        let mut lists = (0..).zip(&element.properties).filter_map(|(property, p)| {
+            let Shape::List { count, item } = p.shape else { return None };
+            let layout = Self { property, count, item };
+            LISTS.contains(&p.name.as_str()).then_some(layout)
+        });
+        match (lists.next(), lists.next()) {
+            (Some(layout), None) => Ok(layout),
+            (found, _) => Err(Error::new(
+                ErrorKind::Syntax,
+                format!("the element \"{}\" needs one list vertex_indices", element.name),
+            )
+            .at(place(element.line))
+            .value(if found.is_some() { "two" } else { "none" })
+            .remedy("declare \"property list uchar int vertex_indices\"")),
+        }
+    }
+}

@@ -1,0 +1,150 @@
+//! The numbers of a PLY body, one after another, however they are written.
+
+use glam::{Vec2, Vec3};
+
+use super::header::{Element, Property, Scalar};
+use super::layout::{ListLayout, VertexLayout};
+use crate::mesh::polygon::Polygon;
+
+/// Why a number could not be had.
+#[derive(Debug)]
+pub(super) enum Fault {
+    /// The file ends before it, or inside it.
+    End,
+    /// This is no number.
+    Malformed(String),
+    /// A row of text goes on after its last value.
+    LongRow,
+    /// The system failed.
+    Io(std::io::Error),
+}
+
+impl From<std::io::Error> for Fault {
+    /// A file can shrink while it is read: that too is an end.
+    fn from(error: std::io::Error) -> Self {
+        match error.kind() {
+            std::io::ErrorKind::UnexpectedEof => Self::End,
+            _ => Self::Io(error),
+        }
+    }
+}
+
+/// A body that is being read.
+pub(super) trait Source {
+    /// The next number, which is of the type `kind`. `f64` holds every value of every type.
+    fn value(&mut self, kind: Scalar) -> Result<f64, Fault>;
+
+    /// Passes over `count` numbers of the type `kind`.
+    fn skip(&mut self, kind: Scalar, count: u64) -> Result<(), Fault>;
+
+    /// Marks the end of a row.
+    fn end_row(&mut self) -> Result<(), Fault>;
+
+    /// How many bytes of the file are not read yet.
+    fn left(&self) -> u64;
+
+    /// The fewest bytes that `count` numbers of the type `kind` can take.
+    fn least(&self, kind: Scalar, count: u64) -> u64;
+
+    /// How many bytes remain that mean something, at the end of the body.
+    fn trailing(&mut self) -> Result<u64, Fault>;
+
+    /// The line being read, in a text.
+    fn line(&self) -> Option<u64> {
+        None
+    }
+
+    /// Reads all vertices at once and checks their positions, if this source can do so for such
+    /// rows.
+    fn vertices(&mut self, _: &VertexLayout, _: &mut Vertices) -> Bulk {
+        Bulk::Not
+    }
+
+    /// Reads some of the next `most` faces, as long as they name the first `vertices` vertices, and
+    /// returns how many: perhaps none. A face at fault is left to be read again.
+    fn faces(
+        &mut self,
+        _rows: FaceRows<'_>,
+        _most: u64,
+        _vertices: usize,
+        _into: &mut Faces,
+    ) -> Result<u64, Fault> {
+        Ok(0)
+    }
+
+    /// Passes over all rows of these properties at once, if this source can.
+    fn pass_over(&mut self, _: &[Property], _count: u64) -> Result<bool, Fault> {
+        Ok(false)
+    }
+
+    /// The fewest bytes that a row of these properties can take: its lists may be empty.
+    fn least_row(&self, properties: &[Property]) -> u64 {
+        use super::header::Shape;
+        let least = |p: &Property| match p.shape {
+            Shape::One(kind) | Shape::List { count: kind, .. } => self.least(kind, 1),
+        };
+        properties.iter().map(least).sum()
+    }
+}
+
+/// What became of the attempt to read all rows of an element at once.
+#[derive(Debug)]
+pub(super) enum Bulk {
+    /// Nothing was read: such rows are read one by one.
+    Not,
+    /// All was read, and every position is good.
+    Done,
+    /// The position of this row is not good; it and those before it were read.
+    Bad(usize),
+    /// This row could not be read.
+    Failed(u64, Fault),
+}
+
+/// The rows of the element `face`.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct FaceRows<'a> {
+    pub(super) element: &'a Element,
+    pub(super) layout: ListLayout,
+    /// About how many triangles they make together; the file has room for so many.
+    pub(super) likely: usize,
+}
+
+/// The faces so far.
+#[derive(Debug, Default)]
+pub(super) struct Faces {
+    pub(super) triangles: Vec<[u32; 3]>,
+    /// Those of more than three corners.
+    pub(super) polygons: Vec<Polygon>,
+}
+
+/// The vertices that are being filled in. All rows are there from the start, as zeros.
+#[derive(Debug, Default)]
+pub(super) struct Vertices {
+    pub(super) positions: Vec<Vec3>,
+    /// Empty if the file has none.
+    pub(super) normals: Vec<Vec3>,
+    /// Empty if the file has none.
+    pub(super) uvs: Vec<Vec2>,
+}
+
+impl Vertices {
+    /// Room for `count` vertices. The caller has held the count against the size of the file.
+    pub(super) fn new(count: usize, layout: &VertexLayout) -> Self {
+        Self {
+            // The system hands out zeros, and the thread that fills a page is the first to touch
+            // it: `vec!` would write each vector once more.
+            positions: bytemuck::zeroed_vec(count),
+            normals: bytemuck::zeroed_vec(if layout.normals { count } else { 0 }),
+            uvs: bytemuck::zeroed_vec(if layout.uvs { count } else { 0 }),
+        }
+    }
+
+    /// Sets the number `slot` of the vertex `row`.
+    pub(super) fn set(&mut self, row: usize, slot: usize, value: f32) {
+        match slot {
+            0..3 => self.positions[row][slot] = value,
+            3..6 => self.normals[row][slot - 3] = value,
+            _ => self.uvs[row][slot - 6] = value,
+        }
+    }
+}

@@ -1,0 +1,80 @@
+//! How much a PLY file holds.
+
+use std::io::BufReader;
+
+use super::header::{self, Element, Encoding, Header, Shape};
+use super::layout::{ListLayout, VertexLayout, stride};
+use crate::mesh::place::{ReadAt, Section};
+use crate::mesh::read_failure;
+use crate::mesh::survey::{Survey, words_of_lines};
+use wavecrest_base::error::Result;
+
+/// What the file of `length` bytes holds.
+pub(in crate::mesh) fn survey<F: ReadAt + ?Sized>(file: &F, length: u64) -> Result<Survey> {
+    let header = header::read(&mut BufReader::new(Section::new(file, 0, length)))?;
+    let left = length.saturating_sub(header.bytes);
+    let mut survey = Survey::default();
+    if let Some(vertex) = header.elements.iter().find(|element| element.name == "vertex") {
+        let layout = VertexLayout::of(vertex)?;
+        // No row is shorter than a byte for each property.
+        let most = left / (vertex.properties.len() as u64).max(1);
+        survey.positions = vertex.count.min(most);
+        survey.normals = if layout.normals { survey.positions } else { 0 };
+        survey.uvs = if layout.uvs { survey.positions } else { 0 };
+    }
+    let is_list = |element: &&Element| element.name == "face" || element.name == "tristrips";
+    let corners = match header.encoding {
+        Encoding::Ascii => in_text(&header, Section::new(file, header.bytes, length))?,
+        _ => header.elements.iter().find(is_list).map_or(0, |element| {
+            let others = header.elements.iter().filter(|other| other.name != element.name);
+            in_rows(element, left.saturating_sub(others.map(fixed_bytes).sum()))
+        }),
+    };
+    survey.triangles = corners;
+    Ok(survey)
+}
+
+/// Bytes of an element's rows, lists taken to be empty.
+fn fixed_bytes(element: &Element) -> u64 {
+    let row: usize = stride(&element.properties).unwrap_or_else(|| {
+        let size = |shape: Shape| match shape {
+            Shape::One(kind) | Shape::List { count: kind, .. } => kind.size(),
+        };
+        element.properties.iter().map(|property| size(property.shape)).sum()
+    });
+    element.count.saturating_mul(row as u64)
+}
+
+/// Triangles of binary faces or strips that take `bytes`: each list has two corners more than triangles.
+fn in_rows(element: &Element, bytes: u64) -> u64 {
+    let Ok(ListLayout { item, .. }) = ListLayout::of(element) else { return 0 };
+    let fixed = fixed_bytes(element).min(bytes);
+    triangles((bytes - fixed) / item.size() as u64, element.count.min(bytes))
+}
+
+/// Of lists with so many corners in all.
+fn triangles(corners: u64, lists: u64) -> u64 {
+    corners.saturating_sub(lists.saturating_mul(2))
+}
+
+/// Triangles of a text.
+fn in_text<F: ReadAt + ?Sized>(header: &Header, body: Section<'_, F>) -> Result<u64> {
+    let mut rows = header.elements.iter().filter(|element| !element.properties.is_empty());
+    let mut current = rows.next();
+    let (mut left, mut corners, mut lists) = (current.map_or(0, |e| e.count), 0, 0);
+    let all = header.elements.iter().map(|element| element.count).fold(0, u64::saturating_add);
+    words_of_lines(body, all, |words| {
+        while left == 0 && current.is_some() {
+            current = rows.next();
+            left = current.map_or(0, |element| element.count);
+        }
+        left = left.saturating_sub(1);
+        if let Some(element) = current.filter(|e| e.name == "face" || e.name == "tristrips") {
+            // Each property has a word of its own; a list has its count.
+            corners += words.saturating_sub(element.properties.len() as u64);
+            lists += 1;
+        }
+    })
+    .map_err(read_failure)?;
+    Ok(triangles(corners, lists))
+}

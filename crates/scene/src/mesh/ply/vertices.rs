@@ -1,0 +1,179 @@
+//! Binary vertices whose rows have one length, read on all threads.
+//!
+//! Each thread takes the next block of rows: it reads the block into memory that stays in its
+//! cache, takes it apart into the arrays and looks at the positions while they are there. Rows of
+//! three floats and no more need no taking apart and are read where they belong.
+
+use glam::{Vec2, Vec3};
+use rayon::prelude::*;
+
+use super::header::Scalar;
+use super::layout::{Column, VertexLayout};
+use super::source::{Bulk, Vertices};
+use crate::mesh::place::ReadAt;
+use crate::mesh::validate::is_good_position;
+
+/// Reads all rows from `place` on into `vertices`, which has room for them; a thread reads about
+/// `block` bytes at once.
+pub(super) fn read<F: ReadAt + ?Sized, const BIG: bool>(
+    file: &F,
+    place: u64,
+    layout: &VertexLayout,
+    block: usize,
+    vertices: &mut Vertices,
+) -> Bulk {
+    let Some(rows) = Rows::of(layout) else { return Bulk::Not };
+    let per_task = (block / rows.stride).max(1);
+    let mut tasks = tasks(vertices, per_task, place, rows.stride);
+    let read = |buffer: &mut Vec<u8>, task: &mut Task<'_>| rows.read::<F, BIG>(file, task, buffer);
+    let found = tasks
+        .par_iter_mut()
+        .map_init(Vec::new, read)
+        .find_first(|outcome| !matches!(outcome, Bulk::Done));
+    found.unwrap_or(Bulk::Done)
+}
+
+/// A block of rows, and where they go.
+struct Task<'a> {
+    first: usize,
+    place: u64,
+    positions: &'a mut [Vec3],
+    normals: &'a mut [Vec3],
+    uvs: &'a mut [Vec2],
+}
+
+fn tasks(vertices: &mut Vertices, rows: usize, place: u64, stride: usize) -> Vec<Task<'_>> {
+    let mut normals = vertices.normals.chunks_mut(rows);
+    let mut uvs = vertices.uvs.chunks_mut(rows);
+    let task = |(number, positions)| Task {
+        first: number * rows,
+        place: place + (number * rows * stride) as u64,
+        positions,
+        normals: normals.next().unwrap_or_default(),
+        uvs: uvs.next().unwrap_or_default(),
+    };
+    vertices.positions.chunks_mut(rows).enumerate().map(task).collect()
+}
+
+/// Where in a row the numbers are.
+struct Rows {
+    stride: usize,
+    packed: bool,
+    position: [Column; 3],
+    normal: Option<[Column; 3]>,
+    uv: Option<[Column; 2]>,
+}
+
+impl Rows {
+    fn of(layout: &VertexLayout) -> Option<Self> {
+        Some(Self {
+            stride: layout.stride?,
+            packed: layout.is_packed(),
+            position: layout.slots(0)?,
+            normal: layout.slots(3),
+            uv: layout.slots(6),
+        })
+    }
+
+    fn read<F: ReadAt + ?Sized, const BIG: bool>(
+        &self,
+        file: &F,
+        task: &mut Task<'_>,
+        buffer: &mut Vec<u8>,
+    ) -> Bulk {
+        let read = if self.packed {
+            let done = file.read_exact_at(bytemuck::cast_slice_mut(task.positions), task.place);
+            to_native::<BIG>(task.positions);
+            done
+        } else {
+            buffer.resize(task.positions.len() * self.stride, 0);
+            let done = file.read_exact_at(buffer, task.place);
+            self.take_apart::<BIG>(buffer, task);
+            done
+        };
+        if let Err(error) = read {
+            return Bulk::Failed(task.first as u64, error.into());
+        }
+        match task.positions.iter().position(|p| !is_good_position(*p)) {
+            Some(row) => Bulk::Bad(task.first + row),
+            None => Bulk::Done,
+        }
+    }
+
+    fn take_apart<const BIG: bool>(&self, rows: &[u8], task: &mut Task<'_>) {
+        take_columns::<_, 3, BIG>(rows, self.stride, &self.position, task.positions);
+        if let Some(columns) = &self.normal {
+            take_columns::<_, 3, BIG>(rows, self.stride, columns, task.normals);
+        }
+        if let Some(columns) = &self.uv {
+            take_columns::<_, 2, BIG>(rows, self.stride, columns, task.uvs);
+        }
+    }
+}
+
+/// Turns numbers that were read as they stood to this machine's byte order.
+fn to_native<const BIG: bool>(positions: &mut [Vec3]) {
+    if BIG != cfg!(target_endian = "big") {
+        let numbers: &mut [u32] = bytemuck::cast_slice_mut(positions);
+        numbers.iter_mut().for_each(|n| *n = n.swap_bytes());
+    }
+}
+
+/// `N` bytes of a row from `offset` on, the least significant first.
+#[inline(always)]
+pub(super) fn part<const N: usize, const BIG: bool>(row: &[u8], offset: usize) -> [u8; N] {
+    let mut bytes = [0; N];
+    bytes.copy_from_slice(&row[offset..offset + N]);
+    if BIG {
+        bytes.reverse();
+    }
+    bytes
+}
+
+/// Takes `columns` out of `rows`, as vectors.
+fn take_columns<T: AsMut<[f32; N]>, const N: usize, const BIG: bool>(
+    rows: &[u8],
+    stride: usize,
+    columns: &[Column; N],
+    to: &mut [T],
+) {
+    // Nearly every file has floats: these go a row at a time.
+    if columns.iter().all(|c| c.kind == Scalar::F32) {
+        let offsets = columns.map(|c| c.offset);
+        for (to, row) in to.iter_mut().zip(rows.chunks_exact(stride)) {
+            *to.as_mut() = offsets.map(|at| f32::from_le_bytes(part::<4, BIG>(row, at)));
+        }
+        return;
+    }
+    for (number, column) in columns.iter().enumerate() {
+        take_column::<_, N, BIG>(rows, stride, *column, to, number);
+    }
+}
+
+/// Takes one column out of `rows`. The type is looked at once, not in every row.
+fn take_column<T: AsMut<[f32; N]>, const N: usize, const BIG: bool>(
+    rows: &[u8],
+    stride: usize,
+    Column { kind, offset, scale, .. }: Column,
+    to: &mut [T],
+    number: usize,
+) {
+    macro_rules! take {
+        ($type:ty) => {
+            for (to, row) in to.iter_mut().zip(rows.chunks_exact(stride)) {
+                let value = <$type>::from_le_bytes(part::<_, BIG>(row, offset));
+                to.as_mut()[number] = value as f32 * scale;
+            }
+        };
+    }
+    match kind {
+        Scalar::I8 => take!(i8),
+        Scalar::U8 => take!(u8),
+        Scalar::I16 => take!(i16),
+        Scalar::U16 => take!(u16),
+        Scalar::I32 => take!(i32),
+        Scalar::U32 => take!(u32),
+        Scalar::F32 => take!(f32),
+        Scalar::F64 => take!(f64),
+    }
+}

@@ -1,0 +1,341 @@
+//! From polygons to triangles.
+//!
+//! Readers write each polygon as a fan from its first corner at once, since a file may give faces
+//! before the vertices that they name, and note those with more than three corners as [`Polygon`]s.
+//! A fan keeps every corner in order, so that [`split`] can come back when all positions are known
+//! and replace those fans that are wrong. A polygon of `n` corners is `n - 2` triangles either way,
+//! so that nothing moves.
+//!
+//! A fan is right where all its triangles have the polygon's own winding, as in every strictly
+//! convex polygon. Otherwise the polygon is concave, or some corners lie on a line; ears are then
+//! cut off it (the `earcut` crate), in the coordinate plane that it faces most. The choice rests on
+//! exact orientation tests (the `robust` crate), not on a tolerance. A polygon without area keeps
+//! its fan.
+
+use std::ops::Range;
+
+use earcut::Earcut;
+use glam::{DVec2, DVec3, Vec3};
+use rayon::prelude::*;
+use robust::Coord;
+
+use wavecrest_base::error::{Error, ErrorKind};
+
+/// Above so many corners a polygon that is not convex keeps its fan: to cut ears takes time that
+/// grows with the square of the corners, or faster where the outline crosses itself, and a file
+/// must not be able to ask for hours.
+pub(super) const MAX_EAR_CORNERS: usize = 1 << 14;
+
+/// A face of more than three corners.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Polygon {
+    /// The first triangle of its fan.
+    pub(super) first: u32,
+    /// How many corners it has.
+    pub(super) corners: u32,
+}
+
+impl Polygon {
+    /// The triangles that it is made of.
+    fn range(self) -> Range<usize> {
+        let first = self.first as usize;
+        first..first + self.corners as usize - 2
+    }
+
+    /// Its corners, from the fan that holds them.
+    fn corners_of(self, triangles: &[[u32; 3]]) -> Vec<u32> {
+        let fan = &triangles[self.range()];
+        let start = fan.first().map(|t| [t[0], t[1]]).into_iter().flatten();
+        start.chain(fan.iter().map(|t| t[2])).collect()
+    }
+}
+
+/// The triangles of the fan from the first of `corners`.
+pub(super) fn fan<T: Copy>(corners: &[T]) -> impl Iterator<Item = [T; 3]> {
+    let (first, rest) = corners.split_at(corners.len().min(1));
+    let first = first.first().copied();
+    rest.windows(2).filter_map(move |pair| Some([first?, pair[0], pair[1]]))
+}
+
+/// Replaces the fans of those `polygons` for which a fan is wrong, in `triangles` and alike in the
+/// index arrays of `attributes`. Indices must be in range and positions finite. Returns how many
+/// polygons kept a fan for having more than [`MAX_EAR_CORNERS`] corners.
+pub(super) fn split(
+    polygons: &[Polygon],
+    positions: &[Vec3],
+    triangles: &mut [[u32; 3]],
+    attributes: &mut [&mut [[u32; 3]]],
+) -> usize {
+    let mut too_large = 0;
+    // In batches, so that what is to be replaced is never large beside the mesh.
+    for batch in polygons.chunks(BATCH) {
+        for (polygon, outcome) in repair_all(batch, positions, triangles) {
+            let Outcome::Replace(split) = outcome else {
+                too_large += 1;
+                continue;
+            };
+            rewrite(polygon, &split, triangles);
+            attributes.iter_mut().for_each(|indices| rewrite(polygon, &split, indices));
+        }
+    }
+    too_large
+}
+
+/// How many polygons are split before the triangles of any are written.
+const BATCH: usize = 1 << 15;
+
+/// The polygons whose fans do not simply stay.
+fn repair_all(
+    polygons: &[Polygon],
+    positions: &[Vec3],
+    fans: &[[u32; 3]],
+) -> Vec<(Polygon, Outcome)> {
+    polygons
+        .par_iter()
+        .map_init(Earcut::new, |earcut, &p| (p, repair(earcut, p, positions, fans)))
+        .filter(|(_, outcome)| !matches!(outcome, Outcome::KeepFan))
+        .collect()
+}
+
+/// What becomes of the fan of a polygon.
+#[derive(Debug, PartialEq)]
+enum Outcome {
+    /// It is right, or no other triangles are better.
+    KeepFan,
+    /// It is wrong, but the polygon has too many corners.
+    TooLarge,
+    /// These triangles take its place. They count the corners of the polygon from 0.
+    Replace(Vec<[u32; 3]>),
+}
+
+fn repair(
+    earcut: &mut Earcut<f64>,
+    polygon: Polygon,
+    positions: &[Vec3],
+    fans: &[[u32; 3]],
+) -> Outcome {
+    let corners = polygon.corners_of(fans);
+    let Some(flat) = flatten(corners.iter().map(|&i| positions[i as usize].as_dvec3())) else {
+        return Outcome::KeepFan;
+    };
+    if fan(&flat).all(|t| orientation(t) > 0.0) {
+        return Outcome::KeepFan;
+    }
+    if corners.len() > MAX_EAR_CORNERS {
+        return Outcome::TooLarge;
+    }
+    cut_ears(earcut, &flat).map_or(Outcome::KeepFan, Outcome::Replace)
+}
+
+/// The corners in the coordinate plane that the polygon faces most, counter-clockwise there.
+/// `None` for a polygon without area.
+fn flatten(corners: impl Iterator<Item = DVec3> + Clone) -> Option<Vec<DVec2>> {
+    let origin = corners.clone().next()?;
+    let around = corners.map(|c| c - origin);
+    // Newell's normal: its length is twice the area, also where the corners are not in one plane.
+    let next = around.clone().skip(1);
+    let normal: DVec3 = around.clone().zip(next).map(|(a, b)| a.cross(b)).sum();
+    let size = normal.abs();
+    if size.max_element() == 0.0 {
+        return None;
+    }
+    let project = |c: DVec3| match size.max_position() {
+        0 => DVec2::new(c.y, c.z) * DVec2::new(normal.x.signum(), 1.0),
+        1 => DVec2::new(c.z, c.x) * DVec2::new(normal.y.signum(), 1.0),
+        _ => DVec2::new(c.x, c.y) * DVec2::new(normal.z.signum(), 1.0),
+    };
+    Some(around.map(project).collect())
+}
+
+/// Positive for a triangle that runs counter-clockwise; 0 for one without area. Its sign is exact.
+fn orientation([a, b, c]: [DVec2; 3]) -> f64 {
+    let coord = |p: DVec2| Coord { x: p.x, y: p.y };
+    robust::orient2d(coord(a), coord(b), coord(c))
+}
+
+/// Cuts ears off the polygon `flat`. `None` where there are none to be cut.
+fn cut_ears(earcut: &mut Earcut<f64>, flat: &[DVec2]) -> Option<Vec<[u32; 3]>> {
+    let mut indices: Vec<u32> = Vec::new();
+    earcut.earcut(flat.iter().map(|p| p.to_array()), &[], &mut indices);
+    let mut triangles: Vec<[u32; 3]> = indices.as_chunks::<3>().0.to_vec();
+    let wanted = flat.len() - 2;
+    if triangles.is_empty() || triangles.len() > wanted {
+        return None;
+    }
+    for t in &mut triangles {
+        if orientation(t.map(|i| flat[i as usize])) < 0.0 {
+            t.swap(1, 2);
+        }
+    }
+    fill_up(&mut triangles, flat.len());
+    Some(triangles)
+}
+
+/// Adds a triangle, degenerate or nearly so, at each corner that no triangle uses, until there are
+/// `corners - 2`. Ears are not cut at corners that lie on a line with their neighbours or repeat
+/// one; the added triangles join those corners to the rest.
+fn fill_up(triangles: &mut Vec<[u32; 3]>, corners: usize) {
+    let wanted = corners - 2;
+    let mut used = vec![false; corners];
+    triangles.iter().flatten().for_each(|&i| used[i as usize] = true);
+    let around = |i: usize| [(i + corners - 1) % corners, i, (i + 1) % corners].map(|i| i as u32);
+    let missing = wanted - triangles.len();
+    triangles.extend((0..corners).filter(|&i| !used[i]).map(around).take(missing));
+    triangles.resize(wanted, [0; 3]);
+}
+
+/// Writes `split`, which counts the polygon's corners from 0, over the polygon's fan.
+fn rewrite(polygon: Polygon, split: &[[u32; 3]], indices: &mut [[u32; 3]]) {
+    let corners = polygon.corners_of(indices);
+    for (to, from) in indices[polygon.range()].iter_mut().zip(split) {
+        *to = from.map(|i| corners[i as usize]);
+    }
+}
+
+/// The warning that `count` polygons were too large to be cut into ears, if any were.
+pub(super) fn note_large(count: usize) -> Option<Error> {
+    (count > 0).then(|| {
+        let message = format!(
+            "polygons of over {MAX_EAR_CORNERS} corners that are not convex are split as fans"
+        );
+        Error::new(ErrorKind::Mesh, message).value(count).remedy("triangulate them in the file")
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The triangles of one polygon through `points`.
+    fn triangulate(points: &[Vec3]) -> Vec<[u32; 3]> {
+        let corners: Vec<u32> = (0..points.len() as u32).collect();
+        let mut triangles: Vec<_> = fan(&corners).collect();
+        let polygon = Polygon { first: 0, corners: points.len() as u32 };
+        split(&[polygon], points, &mut triangles, &mut []);
+        triangles
+    }
+
+    fn area(points: &[Vec3], triangles: &[[u32; 3]]) -> (Vec3, f32) {
+        let of = |t: &[u32; 3]| {
+            let [a, b, c] = t.map(|i| points[i as usize]);
+            (b - a).cross(c - a) / 2.0
+        };
+        (triangles.iter().map(of).sum(), triangles.iter().map(|t| of(t).length()).sum())
+    }
+
+    /// A star with `2 * spikes` corners, in the plane that `place` puts it in.
+    fn star(spikes: usize, place: impl Fn(f32, f32) -> Vec3) -> Vec<Vec3> {
+        let corner = |i: usize| {
+            let angle = i as f32 * std::f32::consts::PI / spikes as f32;
+            let radius = if i.is_multiple_of(2) { 3.0 } else { 1.0 };
+            place(radius * angle.cos(), radius * angle.sin())
+        };
+        (0..2 * spikes).map(corner).collect()
+    }
+
+    #[test]
+    fn convex_polygons_keep_their_fan() {
+        let quad = [Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1.0, 0.0), Vec3::Y];
+        assert_eq!(triangulate(&quad), [[0, 1, 2], [0, 2, 3]]);
+        let hexagon: Vec<_> =
+            (0..6).map(|i| Vec3::new(0.0, (i as f32).cos(), (i as f32).sin())).collect();
+        assert_eq!(triangulate(&hexagon), [[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 5]]);
+    }
+
+    #[test]
+    fn a_quad_with_a_dent_splits_through_the_dent() {
+        for dent in 0..4_usize {
+            let mut quad = [Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1.0, 0.0), Vec3::Y];
+            quad[dent] = Vec3::new(0.5, 0.5, 0.0) + (quad[(dent + 2) % 4] - 0.5) * 0.5;
+            quad[dent].z = 0.0;
+            let triangles = triangulate(&quad);
+            for t in &triangles {
+                assert!(t.contains(&(dent as u32)), "{dent}: {triangles:?}");
+            }
+            let (vector, total) = area(&quad, &triangles);
+            assert!((vector.z - total).abs() < 1e-6 && total < 1.0);
+        }
+    }
+
+    #[test]
+    fn stars_are_covered_once_in_any_plane() {
+        type Place = fn(f32, f32) -> Vec3;
+        let places: [Place; 6] = [
+            |u, v| Vec3::new(u, v, 0.0),
+            |u, v| Vec3::new(v, u, 5.0),
+            |u, v| Vec3::new(1.0, u, v),
+            |u, v| Vec3::new(1.0, v, u),
+            |u, v| Vec3::new(u, -2.0, v),
+            |u, v| Vec3::new(u + 100.0, v - u, v + 1000.0),
+        ];
+        for place in places {
+            for spikes in [3, 5, 50] {
+                let points = star(spikes, place);
+                let triangles = triangulate(&points);
+                assert_eq!(triangles.len(), 2 * spikes - 2);
+                // All triangles have the polygon's winding, so that their area is the polygon's.
+                let (vector, total) = area(&points, &triangles);
+                let corners: Vec<u32> = (0..points.len() as u32).collect();
+                let (right, _) = area(&points, &fan(&corners).collect::<Vec<_>>());
+                assert!((vector - right).length() < 1e-3 * total);
+                assert!((vector.length() - total).abs() < 1e-3 * total, "{spikes}");
+            }
+        }
+    }
+
+    #[test]
+    fn corners_on_a_line_are_not_lost() {
+        let p = |x: f32, y: f32| Vec3::new(x, y, 0.0);
+        let square = [p(0., 0.), p(1., 0.), p(2., 0.), p(2., 1.), p(2., 2.), p(0., 2.), p(0., 1.)];
+        let triangles = triangulate(&square);
+        assert_eq!(triangles.len(), 5);
+        assert_eq!(area(&square, &triangles), (Vec3::new(0.0, 0.0, 4.0), 4.0));
+        let used = |i: u32| triangles.iter().flatten().any(|&j| i == j);
+        assert!((0..7).all(used));
+    }
+
+    #[test]
+    fn polygons_without_area_keep_their_fan() {
+        let same = [Vec3::ONE; 5];
+        assert_eq!(triangulate(&same), [[0, 1, 2], [0, 2, 3], [0, 3, 4]]);
+        let line: Vec<_> = (0..4).map(|i| Vec3::X * i as f32).collect();
+        assert_eq!(triangulate(&line), [[0, 1, 2], [0, 2, 3]]);
+    }
+
+    #[test]
+    fn repeated_corners_and_crossing_outlines_give_valid_indices() {
+        let p = |x: f32, y: f32| Vec3::new(x, y, 0.0);
+        let repeated =
+            [p(0., 0.), p(2., 0.), p(2., 0.), p(1., 0.2), p(2., 2.), p(0., 2.), p(0., 2.)];
+        let crossing = [p(0., 0.), p(3., 3.), p(3., 0.), p(0., 2.), p(1., 4.), p(1., -1.)];
+        for points in [&repeated[..], &crossing[..]] {
+            let triangles = triangulate(points);
+            assert_eq!(triangles.len(), points.len() - 2);
+            assert!(triangles.iter().flatten().all(|&i| (i as usize) < points.len()));
+        }
+        let (_, total) = area(&repeated, &triangulate(&repeated));
+        assert!((total - 3.1).abs() < 0.11, "{total}");
+    }
+
+    #[test]
+    fn attributes_follow_their_corners() {
+        let points = star(4, |u, v| Vec3::new(u, v, 0.0));
+        let corners: Vec<u32> = (0..8).collect();
+        let mut triangles: Vec<_> = fan(&corners).collect();
+        let mut attribute: Vec<_> = triangles.iter().map(|t| t.map(|i| i + 100)).collect();
+        let polygon = Polygon { first: 0, corners: 8 };
+        split(&[polygon], &points, &mut triangles, &mut [&mut attribute]);
+        assert_ne!(triangles[..], fan(&corners).collect::<Vec<_>>()[..]);
+        assert!(triangles.iter().zip(&attribute).all(|(t, a)| t.map(|i| i + 100) == *a));
+    }
+
+    #[test]
+    fn a_concave_polygon_with_too_many_corners_keeps_its_fan() {
+        let points = star(MAX_EAR_CORNERS, |u, v| Vec3::new(u, v, 0.0));
+        let corners: Vec<u32> = (0..points.len() as u32).collect();
+        let mut triangles: Vec<_> = fan(&corners).collect();
+        let polygon = Polygon { first: 0, corners: points.len() as u32 };
+        assert_eq!(split(&[polygon], &points, &mut triangles, &mut []), 1);
+        assert_eq!(triangles[..], fan(&corners).collect::<Vec<_>>()[..]);
+    }
+}

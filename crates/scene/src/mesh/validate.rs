@@ -1,0 +1,228 @@
+//! What every mesh must satisfy before it is traced.
+//!
+//! A NaN or an index out of range found later would be found in the middle of a build or of a ray,
+//! where nobody can say any more which vertex it was. Each check is one parallel pass that stops
+//! early at a fault and reports the fault with the lowest number, whatever the threads did.
+
+use std::path::Path;
+
+use glam::{Vec2, Vec3};
+use rayon::prelude::*;
+
+use super::{Attribute, MeshData, NO_VALUE, check_count};
+use wavecrest_base::error::{Error, ErrorKind, Result};
+use wavecrest_core::math::float::MAX_COORDINATE;
+
+/// Below this many items a pass is over before other threads wake.
+const PARALLEL_FROM: usize = 1 << 15;
+
+/// Checks a mesh from any source: counts, positions, indices.
+///
+/// # Errors
+///
+/// Of kind [`ErrorKind::Mesh`] or [`ErrorKind::Limit`], naming `file` and the first vertex or
+/// triangle at fault.
+pub fn validate(mesh: &MeshData, file: &Path) -> Result<()> {
+    check_all(mesh).map_err(|error| error.in_file(file))
+}
+
+fn check_all(mesh: &MeshData) -> Result<()> {
+    check_count("vertices", mesh.positions.len() as u64)?;
+    check_count("triangles", mesh.triangles.len() as u64)?;
+    check_positions(&mesh.positions)?;
+    check_triangles("vertex", &mesh.triangles, mesh.positions.len())?;
+    check_attribute("normal", mesh, mesh.normals.as_ref())?;
+    check_attribute("texture coordinate", mesh, mesh.uvs.as_ref())
+}
+
+/// Checks that every position is finite and not too large.
+pub(super) fn check_positions(positions: &[Vec3]) -> Result<()> {
+    match find_first(positions, |p| !is_good_position(*p)) {
+        Some(i) => Err(bad_vertex(positions, i)),
+        None => Ok(()),
+    }
+}
+
+/// The error of the vertex `i`, whose position is not good.
+pub(super) fn bad_vertex(positions: &[Vec3], i: usize) -> Error {
+    bad_position(positions[i]).at(format!("vertex {i}"))
+}
+
+/// Whether a vertex may stand at `p`.
+pub(super) fn is_good_position(p: Vec3) -> bool {
+    // A NaN compares false, so that it is caught by the same test.
+    p.abs().cmple(Vec3::splat(MAX_COORDINATE)).all()
+}
+
+/// The error of a position that is not good; the caller names the place.
+pub(super) fn bad_position(p: Vec3) -> Error {
+    Error::new(ErrorKind::Mesh, "a vertex must have finite coordinates of at most 2^40 in size")
+        .value(format_args!("({}, {}, {})", p.x, p.y, p.z))
+        .remedy("repair the vertex, or scale the mesh down")
+}
+
+/// The error of an index that names none of the `count` things of the kind `what`.
+pub(super) fn bad_index(what: &str, index: impl std::fmt::Display, count: usize) -> Error {
+    Error::new(ErrorKind::Mesh, format!("the {what} index is out of range"))
+        .value(index)
+        .remedy(format!("the mesh has {count}: check that the file is whole"))
+}
+
+fn check_triangles(what: &str, triangles: &[[u32; 3]], count: usize) -> Result<()> {
+    let bad = |i: u32| i as usize >= count;
+    match first_with(triangles, bad) {
+        Some((t, index)) => Err(bad_index(what, index, count).at(format!("triangle {t}"))),
+        None => Ok(()),
+    }
+}
+
+fn check_attribute<T: Sync>(
+    what: &str,
+    mesh: &MeshData,
+    found: Option<&Attribute<T>>,
+) -> Result<()> {
+    let Some(Attribute { values, indices }) = found else { return Ok(()) };
+    let Some(indices) = indices else {
+        return check_length(what, "vertices", values.len(), mesh.positions.len());
+    };
+    check_length(what, "triangles", indices.len(), mesh.triangles.len())?;
+    let count = values.len();
+    match first_with(indices, |i| i != NO_VALUE && i as usize >= count) {
+        Some((t, index)) => Err(bad_index(what, index, count).at(format!("triangle {t}"))),
+        None => Ok(()),
+    }
+}
+
+fn check_length(what: &str, of: &str, found: usize, right: usize) -> Result<()> {
+    if found == right {
+        return Ok(());
+    }
+    Err(Error::new(ErrorKind::Mesh, format!("there must be as many {what} entries as {of}"))
+        .value(found)
+        .remedy(format!("give {right}, or none")))
+}
+
+/// The first triangle with a corner that is `bad`, and that corner's index.
+pub(super) fn first_with(
+    triangles: &[[u32; 3]],
+    bad: impl Fn(u32) -> bool + Sync + Send,
+) -> Option<(usize, u32)> {
+    let triangle = find_first(triangles, |t| t.iter().any(|&i| bad(i)))?;
+    let index = triangles[triangle].into_iter().find(|&i| bad(i))?;
+    Some((triangle, index))
+}
+
+/// Makes zero vectors of normals that are not finite, and tells how many there were. Files do hold
+/// them, where an exporter divided by the area of a triangle without any; they do not make the mesh
+/// unusable, as a zero normal is one not known.
+pub(super) fn zero_bad_normals(normals: &mut [Vec3]) -> usize {
+    zero_bad(normals, |n| n.is_finite(), Vec3::ZERO)
+}
+
+/// Likewise for texture coordinates.
+pub(super) fn zero_bad_uvs(uvs: &mut [Vec2]) -> usize {
+    zero_bad(uvs, |uv| uv.is_finite(), Vec2::ZERO)
+}
+
+/// The warning that `count` values of the kind `what` were not finite, if any were.
+pub(super) fn note_zeroed(what: &str, count: usize) -> Option<Error> {
+    (count > 0).then(|| {
+        let message = format!("some {what} are not finite and are taken as zero");
+        Error::new(ErrorKind::Mesh, message).value(count).remedy("export them again")
+    })
+}
+
+fn zero_bad<T: Send + Sync + Copy>(values: &mut [T], good: fn(T) -> bool, zero: T) -> usize {
+    let fix = |value: &mut T| {
+        let bad = !good(*value);
+        if bad {
+            *value = zero;
+        }
+        usize::from(bad)
+    };
+    if values.len() < PARALLEL_FROM {
+        return values.iter_mut().map(fix).sum();
+    }
+    values.par_iter_mut().with_min_len(PARALLEL_FROM).map(fix).sum()
+}
+
+fn find_first<T: Sync>(items: &[T], bad: impl Fn(&T) -> bool + Sync + Send) -> Option<usize> {
+    if items.len() < PARALLEL_FROM {
+        return items.iter().position(bad);
+    }
+    items.par_iter().with_min_len(PARALLEL_FROM).position_first(bad)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn strip(count: u32) -> MeshData {
+        MeshData {
+            positions: (0..count + 2).map(|i| Vec3::new(i as f32, (i % 2) as f32, 0.0)).collect(),
+            triangles: (0..count).map(|i| [i, i + 1, i + 2]).collect(),
+            ..MeshData::default()
+        }
+    }
+
+    #[test]
+    fn a_sound_mesh_passes_at_any_size() {
+        for count in [1, 100, 70_000] {
+            validate(&strip(count), Path::new("m.ply")).unwrap();
+        }
+    }
+
+    #[test]
+    fn the_first_bad_vertex_is_named() {
+        for (index, value) in [(3, f32::NAN), (69_999, f32::INFINITY), (40_000, 1.2e12)] {
+            let mut mesh = strip(70_000);
+            mesh.positions[index].y = value;
+            mesh.positions[70_001].z = f32::NAN;
+            let error = validate(&mesh, Path::new("m.ply")).unwrap_err();
+            assert_eq!(error.kind(), ErrorKind::Mesh);
+            assert_eq!(error.place(), Some(format!("vertex {index}").as_str()));
+            assert_eq!(error.file(), Some(Path::new("m.ply")));
+        }
+    }
+
+    #[test]
+    fn the_greatest_coordinate_passes() {
+        let mut mesh = strip(1);
+        mesh.positions[0] = Vec3::splat(-MAX_COORDINATE);
+        validate(&mesh, Path::new("m")).unwrap();
+        mesh.positions[0].x = MAX_COORDINATE.next_up();
+        validate(&mesh, Path::new("m")).unwrap_err();
+    }
+
+    #[test]
+    fn an_index_out_of_range_is_named() {
+        let mut mesh = strip(50_000);
+        mesh.triangles[41_234][2] = 50_002;
+        mesh.triangles[41_235][0] = 60_000;
+        let error = validate(&mesh, Path::new("m.ply")).unwrap_err().to_string();
+        assert!(error.contains("triangle 41234") && error.contains("found 50002"), "{error}");
+    }
+
+    #[test]
+    fn attributes_fit_the_mesh() {
+        let mut mesh = strip(2);
+        mesh.uvs = Some(Attribute { values: vec![Vec2::ZERO; 3], indices: None });
+        assert!(validate(&mesh, Path::new("m")).unwrap_err().to_string().contains("vertices"));
+        let indices = Some(vec![[0, 1, 2], [NO_VALUE; 3]]);
+        mesh.uvs = Some(Attribute { values: vec![Vec2::ZERO; 3], indices });
+        validate(&mesh, Path::new("m")).unwrap();
+        let indices = Some(vec![[0, 1, 2], [0, 3, 1]]);
+        mesh.uvs = Some(Attribute { values: vec![Vec2::ZERO; 3], indices });
+        let error = validate(&mesh, Path::new("m")).unwrap_err().to_string();
+        assert!(error.contains("texture coordinate index"), "{error}");
+    }
+
+    #[test]
+    fn bad_normals_become_zero() {
+        let mut normals = vec![Vec3::X, Vec3::NAN, Vec3::new(0.0, f32::INFINITY, 0.0)];
+        assert_eq!(zero_bad_normals(&mut normals), 2);
+        assert_eq!(normals, [Vec3::X, Vec3::ZERO, Vec3::ZERO]);
+        assert!(note_zeroed("normals", 0).is_none());
+        assert!(note_zeroed("normals", 2).is_some());
+    }
+}

@@ -1,0 +1,76 @@
+//! Instances: shapes shown once more, elsewhere.
+
+use std::collections::HashMap;
+
+use glam::DAffine3;
+
+use crate::reader::{Cursor, Object};
+use crate::schema::{Geometry, Instance, Shape};
+use wavecrest_base::error::{Result, did_you_mean};
+
+use super::{material, shape, transform};
+
+pub(super) const KEYS: [&str; 5] = ["shape", "transform", "material", "name", "id"];
+
+/// The shapes of a file by name. A name that several have leads nowhere.
+pub(super) struct Names<'a> {
+    shapes: &'a [Shape],
+    places: HashMap<&'a str, Option<usize>>,
+}
+
+impl<'a> Names<'a> {
+    /// Of `shapes`.
+    pub(super) fn of(shapes: &'a [Shape]) -> Self {
+        let mut places: HashMap<&str, Option<usize>> = HashMap::new();
+        for (i, shape) in shapes.iter().enumerate() {
+            if let Some(name) = &shape.name {
+                places.entry(&name.0).and_modify(|place| *place = None).or_insert(Some(i));
+            }
+        }
+        Self { shapes, places }
+    }
+
+    /// The place of the shape that the value of a key `shape` names.
+    fn find(&self, cursor: &Cursor<'_>) -> Result<usize> {
+        let name = cursor.text("the name of a shape of scene.shapes")?;
+        match self.places.get(name) {
+            Some(Some(place)) => Ok(*place),
+            Some(None) => {
+                let error = cursor.error("several shapes have this name");
+                Err(error.remedy("give each shape a name of its own"))
+            }
+            None => {
+                let error = cursor.error("no shape of scene.shapes has this name");
+                let near = did_you_mean(name, self.places.keys().copied());
+                Err(error.remedy(near.map_or_else(
+                    || "give the shape a \"name\"".to_owned(),
+                    |near| format!("did you mean {near:?}?"),
+                )))
+            }
+        }
+    }
+}
+
+/// Reads an element of `scene.instances`.
+pub(super) fn instance(cursor: &Cursor<'_>, names: &Names<'_>) -> Result<Instance> {
+    let object = cursor.object("an instance", KEYS.into())?;
+    let place = names.find(&object.need("shape", "the name of a shape of scene.shapes")?)?;
+    let material = object.get("material").map(|cursor| material::material(&cursor)).transpose()?;
+    Ok(Instance {
+        path: cursor.path(),
+        name: shape::name(&object)?,
+        shape: place,
+        transform: moved(&object, &names.shapes[place])?,
+        material,
+    })
+}
+
+/// The instance's transform: of the shape as it stands in the scene.
+fn moved(object: &Object<'_>, shape: &Shape) -> Result<DAffine3> {
+    let Some(cursor) = object.get("transform") else { return Ok(DAffine3::IDENTITY) };
+    let transform = transform::transform(&cursor)?;
+    if matches!(shape.geometry, Geometry::Sphere(_)) && !transform::is_uniform(&transform) {
+        return Err(shape::uneven(&cursor));
+    }
+    Ok(transform)
+}

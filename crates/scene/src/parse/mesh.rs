@@ -1,0 +1,176 @@
+//! Triangle meshes: written out as a strip or with indices, or kept in a file.
+//!
+//! In a scene file the front of a triangle is where its corners run clockwise, as for a plane whose
+//! points go round from bottom left to bottom right. [`MeshData`] has it the other way round, as mesh
+//! files do; the corners are put in that order here, and nowhere else.
+
+use std::path::Path;
+
+use glam::{DVec3, Vec2, Vec3};
+use serde_json::Value;
+
+use crate::mesh::{Attribute, MeshData};
+use crate::reader::{Cursor, Object, Range};
+use crate::schema::Geometry;
+use wavecrest_base::error::Result;
+
+use super::material::existing_file;
+
+/// With those keys, too, that would make it another kind: they may be what a misspelt key means.
+pub(super) const STRIP_KEYS: [&str; 7] =
+    ["size", "points", "normal", "uvs", "normals", "indices", "file"];
+pub(super) const INDEXED_KEYS: [&str; 6] = ["size", "points", "indices", "uvs", "normals", "file"];
+pub(super) const FILE_KEYS: [&str; 1] = ["file"];
+
+const POINTS: &str = "an array of at least three points [[x, y, z], ...]";
+const INDICES: &str = "an array of triangles [[a, b, c], ...], at least one";
+
+/// Which mesh this is, and which keys it has beside those of all shapes.
+pub(super) fn kind_and_keys(
+    cursor: &Cursor<'_>,
+) -> Result<(&'static str, &'static [&'static str])> {
+    let has = |key: &str| cursor.value().get(key).is_some();
+    match (has("file"), has("points"), has("indices")) {
+        (true, true, _) => Err(both(cursor, "points")),
+        (true, _, true) => Err(both(cursor, "indices")),
+        (true, false, false) => Ok(("a trimesh from a file", &FILE_KEYS)),
+        (false, _, true) => Ok(("a trimesh with indices", &INDEXED_KEYS)),
+        (false, _, false) => Ok(("a trimesh that is a strip", &STRIP_KEYS)),
+    }
+}
+
+fn both(cursor: &Cursor<'_>, other: &str) -> wavecrest_base::error::Error {
+    let error = cursor.error(format!("a trimesh has \"file\" or {other:?}, not both"));
+    error.remedy("remove one of them")
+}
+
+/// Reads a mesh, or the path of one.
+pub(super) fn mesh(object: &Object<'_>) -> Result<Geometry> {
+    if let Some(file) = object.get("file") {
+        return mesh_file(&file);
+    }
+    let cursor = object.need("points", &format!("{POINTS}, or the path of a mesh as \"file\""))?;
+    let points = points(&cursor)?;
+    check_size(object, points.len())?;
+    let triangles = match object.get("indices") {
+        Some(indices) => self::indices(&indices, points.len())?,
+        None => strip(object, points.len())?,
+    };
+    let uvs = object.get("uvs").map(|c| uvs(&c, points.len())).transpose()?;
+    let normals = object.get("normals").map(|c| normals(&c, points.len())).transpose()?;
+    let positions = points.into_iter().map(|p| p.as_vec3()).collect();
+    Ok(Geometry::Mesh(MeshData { positions, triangles, normals, uvs }))
+}
+
+fn mesh_file(cursor: &Cursor<'_>) -> Result<Geometry> {
+    let name = cursor.text("the path of a mesh")?;
+    let extension = Path::new(name).extension().and_then(|e| e.to_str()).unwrap_or_default();
+    if ["gltf", "glb"].contains(&extension.to_ascii_lowercase().as_str()) {
+        let error = cursor.error("a glTF file is a scene of its own, and no shape");
+        return Err(error.remedy(
+            "convert it, and name the meshes that this writes: wavecrest convert IN OUT.json",
+        ));
+    }
+    Ok(Geometry::MeshFile(existing_file(cursor, "the path of a mesh")?))
+}
+
+fn points(cursor: &Cursor<'_>) -> Result<Vec<DVec3>> {
+    let points = cursor.each(POINTS, |item| item.point())?;
+    if points.len() < 3 {
+        return Err(cursor.error(format!("must be {POINTS}")));
+    }
+    Ok(points)
+}
+
+fn check_size(object: &Object<'_>, points: usize) -> Result<()> {
+    let Some(cursor) = object.get("size") else { return Ok(()) };
+    if usize::try_from(cursor.integer(0, u32::MAX)?).is_ok_and(|size| size == points) {
+        return Ok(());
+    }
+    let error = cursor.error("must be the number of points");
+    Err(error.remedy(format!("\"points\" has {points}")))
+}
+
+/// The triangles of a strip: every three points in a row.
+fn strip(object: &Object<'_>, points: usize) -> Result<Vec<[u32; 3]>> {
+    let count = points - 2;
+    let flips = object.get("normal").map(|cursor| flips(&cursor, count)).transpose()?;
+    let turned = |i: usize| flips.as_ref().map_or(i % 2 == 1, |flips| flips[i]);
+    let triangle = |(i, first): (usize, u32)| {
+        let clockwise = [first, first + 1, first + 2];
+        if turned(i) { clockwise } else { reversed(clockwise) }
+    };
+    // A file of 256 MiB has fewer than 2^32 points.
+    Ok((0..count).zip(0_u32..).map(triangle).collect())
+}
+
+/// The `normal` of a strip: which of its triangles are turned.
+fn flips(cursor: &Cursor<'_>, triangles: usize) -> Result<Vec<bool>> {
+    let what =
+        format!("an array of {triangles} numbers, one for each triangle: 0, or -1 to flip it");
+    let flips = cursor.each(&what, |item| match item.value().as_f64() {
+        Some(0.0) => Ok(false),
+        Some(-1.0) => Ok(true),
+        _ => Err(item.error("must be 0 to keep the triangle's winding, or -1 to flip it")),
+    })?;
+    if flips.len() != triangles {
+        return Err(cursor.error(format!("must be {what}")));
+    }
+    Ok(flips)
+}
+
+fn indices(cursor: &Cursor<'_>, points: usize) -> Result<Vec<[u32; 3]>> {
+    let triangles = cursor.each(INDICES, |item| triangle(&item, points))?;
+    if triangles.is_empty() {
+        return Err(cursor.error(format!("must be {INDICES}")));
+    }
+    Ok(triangles)
+}
+
+fn triangle(cursor: &Cursor<'_>, points: usize) -> Result<[u32; 3]> {
+    let corner = |value: &Value| {
+        let index = value.as_u64().filter(|&i| i < points as u64)?;
+        u32::try_from(index).ok()
+    };
+    let corners: Option<Vec<u32>> =
+        cursor.value().as_array().and_then(|items| items.iter().map(corner).collect());
+    match corners.as_deref() {
+        Some(&[a, b, c]) => Ok(reversed([a, b, c])),
+        _ => {
+            let last = points - 1;
+            Err(cursor.error(format!("must be three indices [a, b, c], each from 0 to {last}")))
+        }
+    }
+}
+
+/// The same corner first, the other way round.
+fn reversed([a, b, c]: [u32; 3]) -> [u32; 3] {
+    [a, c, b]
+}
+
+fn uvs(cursor: &Cursor<'_>, points: usize) -> Result<Attribute<Vec2>> {
+    let read = |item: Cursor<'_>| {
+        let [u, v] = item.numbers("two numbers [u, v]", Range::COORDINATE)?;
+        Ok(Vec2::new(u as f32, v as f32))
+    };
+    attribute(cursor, "[u, v]", points, read)
+}
+
+fn normals(cursor: &Cursor<'_>, points: usize) -> Result<Attribute<Vec3>> {
+    attribute(cursor, "[x, y, z]", points, |item| Ok(item.point()?.as_vec3()))
+}
+
+/// A value for each point.
+fn attribute<T>(
+    cursor: &Cursor<'_>,
+    form: &str,
+    points: usize,
+    read: impl FnMut(Cursor<'_>) -> Result<T>,
+) -> Result<Attribute<T>> {
+    let what = format!("an array of {points} times {form}, one for each point");
+    let values = cursor.each(&what, read)?;
+    if values.len() != points {
+        return Err(cursor.error(format!("must be {what}")));
+    }
+    Ok(Attribute { values, indices: None })
+}

@@ -1,0 +1,266 @@
+//! One JSON value, its path, and the checks that turn it into numbers, points, words and lists.
+
+use std::io::{self, Write};
+
+use glam::DVec3;
+use serde_json::Value;
+
+use super::{Notes, Object, Place};
+use wavecrest_base::error::{Error, ErrorKind, Result, did_you_mean};
+use wavecrest_core::math::float::MAX_COORDINATE;
+
+/// The largest number that the format takes, 2^40. The product of three such numbers still fits
+/// single precision, so that no colour and no determinant overflows.
+const LARGEST: f64 = MAX_COORDINATE as f64;
+
+/// The numbers that a key takes.
+#[derive(Clone, Copy)]
+pub(crate) struct Range {
+    low: f64,
+    high: f64,
+    /// Whether `low` itself is left out.
+    open: bool,
+}
+
+impl Range {
+    /// Anything: a coordinate.
+    pub(crate) const COORDINATE: Self = Self::new(-LARGEST, LARGEST);
+    /// 0 or more: a weight, a colour.
+    pub(crate) const NOT_NEGATIVE: Self = Self::new(0.0, LARGEST);
+    /// Above 0: a length.
+    pub(crate) const POSITIVE: Self = Self { open: true, ..Self::NOT_NEGATIVE };
+
+    /// From `low` to `high`, both included.
+    pub(crate) const fn new(low: f64, high: f64) -> Self {
+        Self { low, high, open: false }
+    }
+
+    /// Whether a number is one of them.
+    pub(crate) fn contains(self, x: f64) -> bool {
+        (if self.open { x > self.low } else { x >= self.low }) && x <= self.high
+    }
+
+    /// The least and the greatest number, and whether the least itself is left out.
+    pub(crate) fn bounds(self) -> (f64, f64, bool) {
+        (self.low, self.high, self.open)
+    }
+
+    /// The range in words.
+    pub(crate) fn words(self) -> String {
+        let Self { low, high, open } = self;
+        if open {
+            return format!("a number above {low} and at most {high}");
+        }
+        format!("a number from {low} to {high}")
+    }
+}
+
+/// A JSON value that knows where it stands.
+#[derive(Clone, Copy)]
+pub(crate) struct Cursor<'a> {
+    value: &'a Value,
+    place: Place<'a>,
+    notes: &'a Notes<'a>,
+}
+
+impl<'a> Cursor<'a> {
+    /// The `value` at `place`.
+    pub(crate) fn new(value: &'a Value, place: Place<'a>, notes: &'a Notes<'a>) -> Self {
+        Self { value, place, notes }
+    }
+
+    /// The value itself.
+    pub(crate) fn value(&self) -> &'a Value {
+        self.value
+    }
+
+    /// What the file's cursors share.
+    pub(crate) fn notes(&self) -> &'a Notes<'a> {
+        self.notes
+    }
+
+    /// The JSON path.
+    pub(crate) fn path(&self) -> String {
+        self.place.to_string()
+    }
+
+    /// The borrowed form of the path.
+    pub(crate) fn place(&self) -> &Place<'a> {
+        &self.place
+    }
+
+    /// An error about this value, which it shows.
+    pub(crate) fn error(&self, message: impl Into<String>) -> Error {
+        self.error_of(ErrorKind::Scene, message)
+    }
+
+    /// An error of a given kind about this value, which it shows.
+    pub(crate) fn error_of(&self, kind: ErrorKind, message: impl Into<String>) -> Error {
+        self.notes.error(kind, &self.path(), message.into()).value(brief(self.value))
+    }
+
+    /// Keeps a warning about this value, which it shows.
+    pub(crate) fn warn(&self, message: impl Into<String>, remedy: &str) {
+        self.notes.warn(&self.error(message).remedy(remedy));
+    }
+
+    fn must_be(&self, what: &str) -> Error {
+        self.error(format!("must be {what}"))
+    }
+
+    /// A finite number in `range`.
+    pub(crate) fn number(&self, range: Range) -> Result<f64> {
+        let number = self.value.as_f64().filter(|x| range.contains(*x));
+        number.ok_or_else(|| self.must_be(&range.words()))
+    }
+
+    /// An integer from `low` to `high`; `8.0` is one. One that is too large is over a limit.
+    pub(crate) fn integer(&self, low: u32, high: u32) -> Result<u32> {
+        let number = self.value.as_f64().filter(|x| x.fract() == 0.0);
+        if let Some(x) = number.filter(|x| (low.into()..=high.into()).contains(x)) {
+            // Exact: it is an integer of the range of u32.
+            return Ok(x as u32);
+        }
+        let too_large = number.is_some_and(|x| x > high.into());
+        let kind = if too_large { ErrorKind::Limit } else { ErrorKind::Scene };
+        Err(self.error_of(kind, format!("must be {}", integer_words(low, high))))
+    }
+
+    /// Yes or no.
+    pub(crate) fn truth(&self) -> Result<bool> {
+        self.value.as_bool().ok_or_else(|| self.must_be("true or false"))
+    }
+
+    /// A list of exactly `N` numbers in `range`; `what` describes it.
+    pub(crate) fn numbers<const N: usize>(&self, what: &str, range: Range) -> Result<[f64; N]> {
+        let items = self.array(what)?;
+        if items.len() != N {
+            return Err(self.must_be(what));
+        }
+        let mut numbers = [0.0; N];
+        for (number, item) in numbers.iter_mut().zip(self.items(items)) {
+            *number = item.number(range)?;
+        }
+        Ok(numbers)
+    }
+
+    /// A point or a direction.
+    pub(crate) fn point(&self) -> Result<DVec3> {
+        self.numbers(POINT, Range::COORDINATE).map(DVec3::from_array)
+    }
+
+    /// A colour: none of its parts is negative.
+    pub(crate) fn color(&self) -> Result<DVec3> {
+        self.numbers(COLOR, Range::NOT_NEGATIVE).map(DVec3::from_array)
+    }
+
+    /// A list; `what` describes it.
+    pub(crate) fn array(&self, what: &str) -> Result<&'a [Value]> {
+        self.value.as_array().map(Vec::as_slice).ok_or_else(|| self.must_be(what))
+    }
+
+    /// Cursors to the elements of this list.
+    pub(crate) fn items<'s>(&'s self, items: &'s [Value]) -> impl Iterator<Item = Cursor<'s>> {
+        let step = |(i, value)| Cursor::new(value, Place::Index(&self.place, i), self.notes);
+        items.iter().enumerate().map(step)
+    }
+
+    /// A list read element by element; `what` describes it.
+    pub(crate) fn each<T>(
+        &self,
+        what: &str,
+        read: impl FnMut(Cursor<'_>) -> Result<T>,
+    ) -> Result<Vec<T>> {
+        self.items(self.array(what)?).map(read).collect()
+    }
+
+    /// A list of exactly `N` points.
+    pub(crate) fn points<const N: usize>(&self, what: &str) -> Result<[DVec3; N]> {
+        let points = self.each(what, |item| item.point())?;
+        points.try_into().map_err(|_| self.must_be(what))
+    }
+
+    /// A text that is not empty; `what` describes it.
+    pub(crate) fn text(&self, what: &str) -> Result<&'a str> {
+        self.value.as_str().filter(|s| !s.is_empty()).ok_or_else(|| self.must_be(what))
+    }
+
+    /// One of a few words, in exactly this spelling.
+    pub(crate) fn choice<T: Copy>(&self, options: &[(&'static str, T)]) -> Result<T> {
+        let word = self.value.as_str().unwrap_or_default();
+        if let Some((_, meaning)) = options.iter().find(|(name, _)| *name == word) {
+            return Ok(*meaning);
+        }
+        let error = self.must_be(&words_of(options));
+        Err(match did_you_mean(word, options.iter().map(|(name, _)| *name)) {
+            Some(meant) => error.remedy(format!("did you mean {meant:?}?")),
+            None => error,
+        })
+    }
+
+    /// An object that has no keys but `keys`, the keys of `kind` ("a sphere").
+    pub(crate) fn object(&self, kind: &'a str, keys: Vec<&'static str>) -> Result<Object<'a>> {
+        let object = self.any_object(kind, keys)?;
+        object.check_keys()?;
+        Ok(object)
+    }
+
+    /// Which of a few kinds of object this is, by its key `type`.
+    pub(crate) fn kind<T: Copy>(&self, what: &str, options: &[(&'static str, T)]) -> Result<T> {
+        self.any_object(what, vec!["type"])?.choice("type", options)
+    }
+
+    fn any_object<'k>(&self, kind: &'k str, keys: Vec<&'static str>) -> Result<Object<'k>>
+    where
+        'a: 'k,
+    {
+        let what = || self.must_be(&format!("{kind}, an object {{ ... }}"));
+        let map = self.value.as_object().ok_or_else(what)?;
+        Ok(Object::new(*self, map, kind, keys))
+    }
+}
+
+/// What a point looks like.
+pub(crate) const POINT: &str = "three numbers [x, y, z]";
+
+/// What a colour looks like.
+pub(crate) const COLOR: &str = "three numbers [r, g, b]";
+
+/// The integers from `low` to `high` in words.
+pub(crate) fn integer_words(low: u32, high: u32) -> String {
+    format!("an integer from {low} to {high}")
+}
+
+/// The words that a choice takes: `"a", "b" or "c"`.
+pub(crate) fn words_of<T>(options: &[(&'static str, T)]) -> String {
+    let quoted: Vec<String> = options.iter().map(|(name, _)| format!("{name:?}")).collect();
+    match quoted.split_last() {
+        Some((last, rest)) if !rest.is_empty() => format!("{} or {last}", rest.join(", ")),
+        _ => quoted.concat(),
+    }
+}
+
+/// The start of a value as JSON. Messages show 80 characters, so that writing out a whole mesh
+/// would be a waste.
+pub(super) fn brief(value: &Value) -> String {
+    let mut start = Start(Vec::new());
+    // The writer fails when it has enough; that is no error.
+    let _ = serde_json::to_writer(&mut start, value);
+    String::from_utf8_lossy(&start.0).into_owned()
+}
+
+/// A writer that keeps the first few hundred bytes, then refuses more.
+struct Start(Vec<u8>);
+
+impl Write for Start {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        const ENOUGH: usize = 400;
+        let room = ENOUGH.saturating_sub(self.0.len()).min(bytes.len());
+        self.0.extend_from_slice(&bytes[..room]);
+        Ok(room)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}

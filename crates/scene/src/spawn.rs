@@ -1,0 +1,219 @@
+//! Entities of the parts of a scene file.
+
+use std::path::Path;
+
+use glam::{DAffine3, DVec3};
+use hecs::{Entity, EntityBuilder, World};
+
+use wavecrest_base::error::{Error, ErrorKind, Result};
+
+use super::components::{
+    AreaLight, Hidden, InstanceOf, JsonPath, Material, Mesh, Order, Pinhole, Quad, Shading, Sides,
+    Sphere, TextureRef, Transform, Triangle,
+};
+use super::mesh::{LoadedMesh, MeshData};
+use super::reader::Notes;
+use super::schema::{Camera, Geometry, Instance, Light, SceneFile, Shape};
+
+/// The world of `scene`, whose mesh files `read_mesh` reads.
+pub(super) fn world(
+    scene: SceneFile,
+    notes: &Notes<'_>,
+    read_mesh: impl Fn(&Path) -> Result<LoadedMesh>,
+) -> Result<World> {
+    Spawner { world: World::new(), notes, read_mesh }.spawn(scene)
+}
+
+/// Makes entities of a scene file's parts.
+struct Spawner<'a, R> {
+    world: World,
+    notes: &'a Notes<'a>,
+    read_mesh: R,
+}
+
+impl<R: Fn(&Path) -> Result<LoadedMesh>> Spawner<'_, R> {
+    fn spawn(mut self, scene: SceneFile) -> Result<World> {
+        self.world.spawn((scene.settings,));
+        self.camera(scene.camera);
+        for (order, light) in (0..).zip(scene.lights) {
+            self.light(Order(order), light)?;
+        }
+        let mut order = 0..;
+        let mut shapes = Vec::with_capacity(scene.shapes.len());
+        self.warn_of_unseen(&scene.shapes, &scene.instances);
+        for (order, shape) in (&mut order).zip(scene.shapes) {
+            shapes.push(self.shape(Order(order), shape)?);
+        }
+        for (order, instance) in order.zip(scene.instances) {
+            self.instance(Order(order), shapes[instance.shape], instance);
+        }
+        Ok(self.world)
+    }
+
+    /// A shape that only instances show, without any.
+    fn warn_of_unseen(&self, shapes: &[Shape], instances: &[Instance]) {
+        let mut shown = vec![false; shapes.len()];
+        instances.iter().for_each(|instance| shown[instance.shape] = true);
+        for (shape, _) in shapes.iter().zip(shown).filter(|(shape, shown)| shape.hidden && !shown) {
+            let error = self.error(&shape.path, "the shape is hidden and no instance shows it");
+            self.notes.warn(&error.remedy("add one to scene.instances, or remove \"hidden\""));
+        }
+    }
+
+    /// Shows the shape of the entity `of` once more.
+    fn instance(&mut self, order: Order, of: Entity, instance: Instance) {
+        let Instance { path, name, transform, material, .. } = instance;
+        let mut entity = EntityBuilder::new();
+        let own = |world: &World| world.get::<&Transform>(of).map_or(DAffine3::IDENTITY, |t| t.0);
+        let transform = Transform(transform * own(&self.world));
+        entity.add_bundle((order, JsonPath(path), InstanceOf(of), transform));
+        add_some(&mut entity, name);
+        let shape = &self.world;
+        add_some(&mut entity, material.or(shape.get::<&Material>(of).ok().map(|m| *m)));
+        add_some(&mut entity, shape.get::<&Sides>(of).ok().map(|sides| *sides));
+        add_some(&mut entity, shape.get::<&Shading>(of).ok().map(|shading| *shading));
+        add_some(&mut entity, shape.get::<&TextureRef>(of).ok().map(|texture| (*texture).clone()));
+        self.world.spawn(entity.build());
+    }
+
+    fn camera(&mut self, Camera { view, lens, path }: Camera) {
+        let mut entity = EntityBuilder::new();
+        entity.add(view);
+        match lens {
+            Some(lens) => entity.add(lens),
+            None => entity.add(Pinhole),
+        };
+        add_some(&mut entity, path);
+        self.world.spawn(entity.build());
+    }
+
+    fn light(&mut self, order: Order, light: Light) -> Result<()> {
+        match light {
+            Light::Point { path, light } => {
+                self.world.spawn((order, JsonPath(path), light));
+            }
+            Light::Area { path, light, shape } => self.area_light(order, path, light, *shape)?,
+        }
+        Ok(())
+    }
+
+    fn area_light(
+        &mut self,
+        order: Order,
+        path: String,
+        light: AreaLight,
+        shape: Shape,
+    ) -> Result<()> {
+        let mut entity = EntityBuilder::new();
+        entity.add_bundle((order, JsonPath(path), light));
+        let form = self.read_mesh_file(&shape.path, shape.geometry)?;
+        if let Form::Mesh(mesh) = &form
+            && !has_area(&mesh.data)
+        {
+            return Err(self.error(&shape.path, "a light must have an area"));
+        }
+        add_form(&mut entity, form);
+        add_some(&mut entity, shape.name);
+        add_some(&mut entity, shape.facing);
+        add_some(&mut entity, shape.transform);
+        self.world.spawn(entity.build());
+        Ok(())
+    }
+
+    fn shape(&mut self, order: Order, shape: Shape) -> Result<Entity> {
+        let form = self.read_mesh_file(&shape.path, shape.geometry)?;
+        let mut shading = shape.shading;
+        if let Form::Mesh(mesh) = &form {
+            self.check_uvs(&shape.path, shape.texture.as_ref(), &mesh.data)?;
+            shading = self.possible_shading(&shape.path, shading, &mesh.data);
+        }
+        let mut entity = EntityBuilder::new();
+        entity.add_bundle((order, JsonPath(shape.path), shape.sides, shading));
+        add_form(&mut entity, form);
+        add_some(&mut entity, shape.name);
+        add_some(&mut entity, shape.facing);
+        add_some(&mut entity, shape.transform);
+        add_some(&mut entity, shape.material);
+        add_some(&mut entity, shape.texture);
+        if shape.hidden {
+            entity.add(Hidden);
+        }
+        Ok(self.world.spawn(entity.build()))
+    }
+
+    /// The shape's form, with its mesh file read, if it has one.
+    fn read_mesh_file(&self, path: &str, geometry: Geometry) -> Result<Form> {
+        Ok(match geometry {
+            Geometry::Sphere(sphere) => Form::Sphere(sphere),
+            Geometry::Quad(quad) => Form::Quad(quad),
+            Geometry::Triangle(triangle) => Form::Triangle(triangle),
+            Geometry::Mesh(data) => Form::Mesh(Mesh { data, file: None }),
+            Geometry::MeshFile(file) => {
+                let loaded = (self.read_mesh)(&file).map_err(|e| self.mesh_error(path, e))?;
+                loaded.warnings.into_iter().for_each(|warning| self.notes.pass_on(warning));
+                Form::Mesh(Mesh { data: loaded.mesh, file: Some(file) })
+            }
+        })
+    }
+
+    /// The error of a mesh reader, after the place in the scene that asked for the mesh.
+    fn mesh_error(&self, path: &str, cause: Error) -> Error {
+        let message = format!("cannot read the mesh: {cause}");
+        self.notes.error(cause.kind(), &format!("{path}.file"), message).because(cause)
+    }
+
+    fn error(&self, place: &str, message: &str) -> Error {
+        self.notes.error(ErrorKind::Scene, place, message.to_owned())
+    }
+
+    fn check_uvs(&self, path: &str, texture: Option<&TextureRef>, mesh: &MeshData) -> Result<()> {
+        if texture.is_none() || mesh.uvs.is_some() {
+            return Ok(());
+        }
+        let message = "the mesh has no texture coordinates, which a texture needs";
+        let error = self.error(&format!("{path}.texture"), message);
+        Err(error.remedy("give it \"uvs\", or remove the texture"))
+    }
+
+    /// The shading asked for, as far as the mesh has what it needs.
+    fn possible_shading(&self, path: &str, asked: Shading, mesh: &MeshData) -> Shading {
+        if asked == Shading::Smooth && mesh.normals.is_none() {
+            let message = "the mesh has no normals, which smooth shading needs";
+            let error = self.error(&format!("{path}.shading"), message);
+            self.notes.warn(&error.remedy("shading stays flat"));
+            return Shading::Flat;
+        }
+        asked
+    }
+}
+
+/// The component that says where a shape is, whichever it has.
+enum Form {
+    Sphere(Sphere),
+    Quad(Quad),
+    Triangle(Triangle),
+    Mesh(Mesh),
+}
+
+fn add_form(entity: &mut EntityBuilder, form: Form) {
+    match form {
+        Form::Sphere(sphere) => entity.add(sphere),
+        Form::Quad(quad) => entity.add(quad),
+        Form::Triangle(triangle) => entity.add(triangle),
+        Form::Mesh(mesh) => entity.add(mesh),
+    };
+}
+
+fn add_some<C: hecs::Component>(entity: &mut EntityBuilder, component: Option<C>) {
+    if let Some(component) = component {
+        entity.add(component);
+    }
+}
+
+/// Whether any triangle of a mesh has an area.
+fn has_area(mesh: &MeshData) -> bool {
+    mesh.triangles.iter().any(|triangle| {
+        let [a, b, c] = triangle.map(|i| mesh.positions[i as usize].as_dvec3());
+        (b - a).cross(c - a) != DVec3::ZERO
+    })
+}

@@ -1,0 +1,129 @@
+//! What a scene calls for, told before anything large is read: what memory is foretold by.
+
+use std::path::Path;
+
+use super::components::{Filter, Sampling, Shading, TextureRef};
+use super::mesh::{self, MeshData};
+use super::reader::Notes;
+use super::schema::{Geometry, Light, SceneFile, Shape};
+use wavecrest_base::error::Result;
+
+/// A mesh that a shape has.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct SurveyedMesh {
+    /// What is in it.
+    pub holds: mesh::Survey,
+    /// Whether its normals are kept for smooth shading.
+    pub normals: bool,
+    /// Whether its texture coordinates are kept for a texture.
+    pub uvs: bool,
+    /// How often it is shown.
+    pub shown: u64,
+}
+
+/// What a scene calls for.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Survey {
+    /// Bytes of the scene file.
+    pub text: u64,
+    /// Bytes of what is in memory as it lies in files while the scene is read.
+    pub raw: u64,
+    /// Its meshes, shape by shape, those of lights too.
+    pub meshes: Vec<SurveyedMesh>,
+    /// Triangles, quads and spheres that are written out in the scene file.
+    pub others: u64,
+    /// Its textures, each once, trilinear if anything shows it so.
+    pub textures: Vec<TextureRef>,
+    /// Entries of `scene.instances`.
+    pub instances: u64,
+    /// The size of the image in pixels.
+    pub size: [u32; 2],
+    /// Camera rays for each pixel.
+    pub rays_per_pixel: u64,
+    /// Shadow rays for each hit, at most.
+    pub light_samples: u64,
+    /// Whether there are bounces.
+    pub bounces: bool,
+}
+
+/// What the mesh file at `path` calls for where it is all there is, in an image of so many pixels.
+pub(super) fn alone(path: &Path, size: [u32; 2]) -> Result<Survey> {
+    let holds = mesh::survey(path)?;
+    let mesh = SurveyedMesh { holds, normals: true, uvs: false, shown: 1 };
+    let (rays_per_pixel, light_samples) = (super::staging::rays_per_pixel(), 1);
+    let meshes = vec![mesh];
+    Ok(Survey { meshes, size, rays_per_pixel, light_samples, ..Survey::default() })
+}
+
+/// What `scene` calls for, whose file has `text` bytes.
+pub(super) fn of(scene: SceneFile, text: u64, notes: &Notes<'_>) -> Result<Survey> {
+    let view = scene.camera.view;
+    let on_lens = scene.camera.lens.map_or(1, |l| u64::from(l.samples_x) * u64::from(l.samples_y));
+    let mut survey = Survey {
+        text,
+        instances: scene.instances.len() as u64,
+        size: [view.width, view.height],
+        rays_per_pixel: u64::from(view.antialias).pow(2).saturating_mul(on_lens),
+        bounces: scene.settings.bounces > 0,
+        ..Survey::default()
+    };
+    let mut shown: Vec<u64> = scene.shapes.iter().map(|shape| u64::from(!shape.hidden)).collect();
+    scene.instances.iter().for_each(|instance| shown[instance.shape] += 1);
+    for (shape, shown) in scene.shapes.iter().zip(shown) {
+        survey.add(shape, shown, notes)?;
+    }
+    for light in &scene.lights {
+        match light {
+            Light::Point { .. } => survey.light_samples += 1,
+            Light::Area { light, shape, .. } => {
+                let side = u64::from(light.samples);
+                let is_grid = light.sampling == Sampling::Jittered;
+                survey.light_samples += if is_grid { side * side } else { side };
+                survey.add(shape, 1, notes)?;
+            }
+        }
+    }
+    Ok(survey)
+}
+
+impl Survey {
+    fn add(&mut self, shape: &Shape, shown: u64, notes: &Notes<'_>) -> Result<()> {
+        let holds = match &shape.geometry {
+            Geometry::Sphere(_) | Geometry::Quad(_) | Geometry::Triangle(_) => {
+                self.others += shown;
+                self.add_texture(shape);
+                return Ok(());
+            }
+            Geometry::Mesh(data) => of_mesh(data),
+            Geometry::MeshFile(file) => mesh::survey(file).map_err(|cause| {
+                let message = format!("cannot read the mesh: {cause}");
+                notes.error(cause.kind(), &format!("{}.file", shape.path), message).because(cause)
+            })?,
+        };
+        let (normals, uvs) = (shape.shading == Shading::Smooth, shape.texture.is_some());
+        self.meshes.push(SurveyedMesh { holds, normals, uvs, shown });
+        self.add_texture(shape);
+        Ok(())
+    }
+
+    fn add_texture(&mut self, shape: &Shape) {
+        let Some(texture) = &shape.texture else { return };
+        match self.textures.iter_mut().find(|known| known.source == texture.source) {
+            Some(known) if texture.filter == Filter::Trilinear => known.filter = texture.filter,
+            Some(_) => {}
+            None => self.textures.push(texture.clone()),
+        }
+    }
+}
+
+/// What a mesh holds that is in memory.
+fn of_mesh(data: &MeshData) -> mesh::Survey {
+    mesh::Survey {
+        positions: data.positions.len() as u64,
+        triangles: data.triangles.len() as u64,
+        normals: data.normals.as_ref().map_or(0, |n| n.values.len() as u64),
+        uvs: data.uvs.as_ref().map_or(0, |uv| uv.values.len() as u64),
+        normal_indices: data.normals.as_ref().is_some_and(|n| n.indices.is_some()),
+        uv_indices: data.uvs.as_ref().is_some_and(|uv| uv.indices.is_some()),
+    }
+}

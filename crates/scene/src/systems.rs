@@ -1,0 +1,214 @@
+//! From a world of entities to a [`PreparedScene`]: the systems, in the order in which they run.
+//!
+//! | system | reads | makes |
+//! |---|---|---|
+//! | [`frame`] | the view | how far the scene is moved |
+//! | [`geometry`] | shapes, transforms | positions, triangles, quads, spheres, mesh attributes |
+//! | [`materials`] | materials | one row of numbers a shape |
+//! | [`lights`] | lights and their shapes | emitters with what is needed to sample them |
+//! | [`census`] | all of these | the plan: which effects the scene calls for |
+//! | [`textures`] | texture references that show | decoded images, each once |
+//! | [`camera`] | the view, pinhole or thin lens | the ray generator |
+//! | [`wavecrest_core::accel`] | the geometry | the tree |
+//!
+//! What the plan leaves out goes no further than the census: lights that reach nothing, textures and
+//! normals that nothing shows.
+//!
+//! Only this module and [`crate`] know the world; nothing after them queries it.
+
+pub mod camera;
+pub mod census;
+pub mod frame;
+pub mod geometry;
+pub mod lights;
+pub mod materials;
+pub mod overrides;
+pub mod reach;
+pub mod textures;
+
+use std::path::{Path, PathBuf};
+
+use glam::DVec3;
+use hecs::World;
+
+use crate::components::{JsonPath, Settings};
+use wavecrest_base::error::{Error, ErrorKind, Result, Warning};
+use wavecrest_core::accel::Accel;
+use wavecrest_core::accel::build::Preset;
+use wavecrest_core::accel::geometry::Geometry;
+use wavecrest_core::kernels::precision::Precision;
+use wavecrest_core::plan::Plan;
+use wavecrest_core::plan::schedule::{PASSES, Pass};
+use wavecrest_core::prepared::{Dropped, Looks, PreparedScene};
+
+/// The scene without its tree: enough to tell what a render will do.
+#[derive(Debug)]
+pub struct Extracted {
+    scene: PreparedScene,
+    /// The file that the scene came from, for messages.
+    file: PathBuf,
+}
+
+/// How a scene is to be made ready.
+#[derive(Clone, Copy, Debug)]
+pub struct Options<'a> {
+    /// How exactly hits are to be found.
+    pub precision: Precision,
+    /// The table that the plan follows: [`PASSES`], or what [`unplanned`](wavecrest_core::plan::schedule::unplanned) makes of it to leave nothing
+    /// out, neither passes and columns nor lights, textures and normals that nothing shows.
+    pub passes: &'a [Pass],
+    /// Whether meshes that are shown more than once are to be copied to where they are shown, rather than
+    /// held once for instances.
+    pub flat: bool,
+}
+
+impl Default for Options<'_> {
+    fn default() -> Self {
+        Self { precision: Precision::default(), passes: &PASSES, flat: false }
+    }
+}
+
+/// Runs every system but the last, for robust arithmetic. The meshes are moved out of the `world`.
+pub fn extract(world: &mut World) -> Result<Extracted> {
+    extract_with(world, Options::default())
+}
+
+/// As [`extract`], for this precision.
+pub fn extract_in(world: &mut World, precision: Precision) -> Result<Extracted> {
+    extract_with(world, Options { precision, ..Options::default() })
+}
+
+/// As [`extract`], with these options.
+pub fn extract_with(world: &mut World, options: Options<'_>) -> Result<Extracted> {
+    let Options { precision, passes, flat } = options;
+    let settings = settings(world)?;
+    // Fast arithmetic takes coordinates as they are.
+    let origin = if precision == Precision::Fast { DVec3::ZERO } else { frame::run(world)? };
+    let mut extracted =
+        geometry::run(world, origin, flat).map_err(|e| e.in_file(&settings.file))?;
+    extracted.geometry.set_precision(precision);
+    let materials = materials::run(world, &extracted.shapes);
+    let lights = lights::run(world, &extracted, &settings, origin)?;
+    let ambient = settings.ambient as f32 * lights.len() as f32;
+    let found = census::run(census::Census {
+        world,
+        settings: &settings,
+        extracted: &extracted,
+        materials: &materials,
+        lights: &lights,
+        ambient,
+    });
+    let plan = Plan::of(found.decisions, passes);
+    let schedule = plan.schedule();
+    let lights = lights::keep(world, &settings, schedule, lights, &found.reached)?;
+    let images = textures::run(world, schedule, &found.textured, &mut extracted.shapes)?;
+    extracted.drop_unused(schedule);
+    let camera = camera::run(world, origin, schedule)?;
+    let path = camera::path(world, origin, schedule);
+    let geometry::Output { geometry, shapes, meshes } = extracted;
+    let place = |output: &geometry::ShapeOutput| {
+        world.get::<&JsonPath>(output.entity).map_or_else(|_| String::new(), |p| p.0.clone())
+    };
+    let places = shapes.iter().map(place).collect();
+    let shapes = shapes.into_iter().map(|s| s.shape).collect();
+    let scene = PreparedScene {
+        plan,
+        origin,
+        camera,
+        path,
+        accel: Accel::unbuilt(geometry),
+        looks: Looks { shapes, materials, places, images, meshes },
+        lights,
+        background: settings.background.as_vec3(),
+        ambient,
+        bounces: if schedule.has_mirrors() { settings.bounces } else { 0 },
+        dropped: Dropped::default(),
+    };
+    Ok(Extracted { scene, file: settings.file })
+}
+
+impl Extracted {
+    /// The geometry that the tree is to be built over.
+    pub fn geometry(&self) -> &Geometry {
+        &self.scene.accel.geometry
+    }
+
+    /// The scene, which has no tree yet.
+    pub fn scene(&self) -> &PreparedScene {
+        &self.scene
+    }
+
+    /// Number of pixels of the whole image.
+    pub fn pixels(&self) -> u64 {
+        self.scene.camera.size().map(u64::from).iter().product()
+    }
+
+    /// The rays that a render will cast at most: what the choice of a preset rests on.
+    pub fn expected_rays(&self) -> u64 {
+        self.scene.expected_rays()
+    }
+
+    /// The preset that is likely to finish first.
+    pub fn preset(&self) -> Preset {
+        Preset::choose(self.geometry().held() as u64, self.expected_rays())
+    }
+
+    /// What will be left out: every triangle is looked at.
+    pub fn dropped(&self) -> Dropped {
+        Dropped { degenerate: self.scene.accel.left_out() }
+    }
+
+    /// The file that the scene came from.
+    pub fn file(&self) -> &Path {
+        &self.file
+    }
+
+    /// Builds the tree: the last system.
+    pub fn build(mut self, preset: Preset) -> PreparedScene {
+        let geometry = std::mem::take(&mut self.scene.accel.geometry);
+        self.scene.accel = Accel::new(geometry, preset);
+        self.scene.dropped = self.dropped();
+        self.scene
+    }
+}
+
+/// What the user should know of what was left out of the scene of `file`.
+pub fn warnings(dropped: Dropped, file: &Path) -> Vec<Warning> {
+    let message = match dropped.degenerate {
+        0 => return Vec::new(),
+        1 => "1 triangle has no area and is left out".to_owned(),
+        n => format!("{n} triangles have no area and are left out"),
+    };
+    let warning = Error::new(ErrorKind::Mesh, message).in_file(file);
+    vec![Warning::from_error(&warning)]
+}
+
+/// Runs every system.
+pub fn prepare(world: &mut World, preset: Preset) -> Result<(PreparedScene, Vec<Warning>)> {
+    let extracted = extract(world)?;
+    let file = extracted.file.clone();
+    let scene = extracted.build(preset);
+    let warnings = warnings(scene.dropped, &file);
+    Ok((scene, warnings))
+}
+
+fn settings(world: &mut World) -> Result<Settings> {
+    let found = world.query_mut::<&Settings>().into_iter().next().cloned();
+    found.ok_or_else(|| missing("Settings"))
+}
+
+/// A world that was not made by [`crate::load`] lacks something.
+fn missing(component: &str) -> Error {
+    Error::new(ErrorKind::Scene, format!("the world has no entity with {component}"))
+        .remedy("spawn one, as scene::load does")
+}
+
+/// The file that the scene came from, for messages.
+fn scene_file(world: &World) -> PathBuf {
+    world.query::<&Settings>().iter().next().map_or_else(PathBuf::new, |s| s.file.clone())
+}
+
+/// A colour or a position, rounded once.
+fn single(v: DVec3) -> glam::Vec3 {
+    v.as_vec3()
+}

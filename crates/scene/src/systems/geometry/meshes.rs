@@ -1,0 +1,90 @@
+//! Meshes on their way into the scene's arrays: carried to world space where they are, moved where
+//! they can be, and copied by all threads where they cannot.
+
+use glam::{DAffine3, Vec3};
+use hecs::World;
+use rayon::prelude::*;
+
+use super::forms::Showings;
+use super::{Common, check_point, in_range};
+use crate::components::Mesh;
+use crate::mesh::MeshData;
+use wavecrest_base::error::Result;
+use wavecrest_core::math::float::normalize_f64;
+
+/// How long the arrays will be.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Room {
+    pub(super) positions: usize,
+    pub(super) triangles: usize,
+}
+
+impl Room {
+    /// For everything that the world shows but instances.
+    pub(super) fn of(world: &World, showings: &Showings) -> Self {
+        let meshes = showings.own_meshes(world);
+        let triangles = showings.triangles(world).len() - meshes.len();
+        let quads = showings.quads(world).len();
+        let mut room = Self { positions: 3 * triangles + 4 * quads, triangles };
+        for mesh in meshes.into_iter().filter_map(|entity| world.get::<&Mesh>(entity).ok()) {
+            room.positions += mesh.data.positions.len();
+            room.triangles += mesh.data.triangles.len();
+        }
+        room
+    }
+}
+
+/// Moves `more` to the end of `all`, which will have `room` items in the end, each of them `shifted`
+/// by the number of positions `before` it: without a copy where there are none.
+pub(super) fn append<T: Send>(
+    all: &mut Vec<T>,
+    more: Vec<T>,
+    room: usize,
+    before: u32,
+    shifted: impl Fn(T, u32) -> T + Sync + Send,
+) {
+    if before == 0 {
+        // No triangle is there either: it would need positions.
+        *all = more;
+        // Once, and not by doubling. Large arrays are not copied for it: the system moves pages.
+        all.reserve_exact(room.saturating_sub(all.len()));
+    } else {
+        all.par_extend(more.into_par_iter().map(|item| shifted(item, before)));
+    }
+}
+
+/// Takes positions and normals to world space, in double precision, rounding once.
+pub(super) fn transform_mesh(mesh: &mut MeshData, common: &Common) -> Result<()> {
+    if common.transform == DAffine3::IDENTITY {
+        return Ok(());
+    }
+    let transform = common.transform;
+    let carry = |p: &mut Vec3| {
+        *p = transform.transform_point3(p.as_dvec3()).as_vec3();
+        in_range(p.as_dvec3())
+    };
+    // Every one is carried, even where one before is out of range: `all` would stop there.
+    let kept = mesh.positions.par_iter_mut().map(carry).reduce(|| true, |a, b| a & b);
+    if !kept && let Some(point) = mesh.positions.iter().find(|p| !in_range(p.as_dvec3())) {
+        check_point(common, point.as_dvec3())?;
+    }
+    // Normals are carried by the cofactors: the inverse transpose without its division.
+    let m = transform.matrix3;
+    let sign = if common.mirrors() { -1.0 } else { 1.0 };
+    let cofactors = [
+        m.y_axis.cross(m.z_axis) * sign,
+        m.z_axis.cross(m.x_axis) * sign,
+        m.x_axis.cross(m.y_axis) * sign,
+    ];
+    if let Some(normals) = &mut mesh.normals {
+        normals.values.par_iter_mut().for_each(|n| {
+            let v = n.as_dvec3();
+            let turned = cofactors[0] * v.x + cofactors[1] * v.y + cofactors[2] * v.z;
+            *n = normalize_f64(turned).as_vec3();
+        });
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,145 @@
+//! Lights: emitters with what is needed to sample them, in the order of the file.
+
+use std::collections::HashMap;
+
+use glam::{DVec3, Vec3};
+use hecs::{Entity, World};
+
+use super::geometry::Output;
+use crate::components::{AreaLight, JsonPath, Order, PointLight, Settings};
+use wavecrest_base::error::{Error, ErrorKind, Result};
+use wavecrest_core::accel::geometry::{Geometry, Primitive};
+use wavecrest_core::kernels::camera;
+use wavecrest_core::kernels::light::{Emitter, Light, Triangles};
+use wavecrest_core::kernels::quad;
+use wavecrest_core::math::sampling::Sampling;
+use wavecrest_core::plan::schedule::{Schedule, Step};
+use wavecrest_core::prepared::Shape;
+
+/// A light of the world.
+#[derive(Debug)]
+pub struct Found {
+    /// Its entity.
+    entity: Entity,
+    /// Its place among the lights of the file.
+    order: Order,
+    /// The light, with no dimension of its own yet.
+    pub light: Light,
+}
+
+/// The lights of the world in the order of the file, moved by `-origin` as its shapes are.
+pub fn run(
+    world: &World,
+    extracted: &Output,
+    settings: &Settings,
+    origin: DVec3,
+) -> Result<Vec<Found>> {
+    let mut found: Vec<Found> = Vec::new();
+    for (entity, &order, light) in world.query::<(Entity, &Order, &PointLight)>().iter() {
+        found.push(Found { entity, order, light: point_light(light, origin) });
+    }
+    let shapes: HashMap<Entity, &Shape> =
+        extracted.shapes.iter().map(|output| (output.entity, &output.shape)).collect();
+    for (entity, &order, light) in world.query::<(Entity, &Order, &AreaLight)>().iter() {
+        let shape = shapes.get(&entity);
+        let emitter = shape
+            .and_then(|shape| emitter(&extracted.geometry, shape))
+            .ok_or_else(|| no_area(world, entity, settings))?;
+        found.push(Found { entity, order, light: area_light(light, emitter) });
+    }
+    found.sort_by_key(|found| found.order);
+    Ok(found)
+}
+
+/// The lights that are to be simulated, each with dimensions of its own: those that have `reached` a
+/// surface where the schedule leaves the others out.
+///
+/// A light that reaches nothing draws its numbers, if it draws any, after all others: it changes none of
+/// theirs by being there.
+pub fn keep(
+    world: &World,
+    settings: &Settings,
+    schedule: Schedule,
+    found: Vec<Found>,
+    reached: &[bool],
+) -> Result<Vec<Light>> {
+    if !schedule.has_shadows() {
+        return Ok(Vec::new());
+    }
+    let all = schedule.is_needless(Step::Shadow);
+    let mut kept: Vec<(bool, Found)> =
+        reached.iter().copied().zip(found).filter(|(reached, _)| *reached || all).collect();
+    let mut dimension = camera::DIMENSION + 1;
+    for turn in [true, false] {
+        for (_, Found { entity, light, .. }) in kept.iter_mut().filter(|(r, _)| *r == turn) {
+            light.dimension = dimension;
+            let drawn = if light.is_sampled() { light.samples() } else { 0 };
+            dimension = dimension
+                .checked_add(drawn)
+                .ok_or_else(|| too_many_samples(world, *entity, settings))?;
+        }
+    }
+    Ok(kept.into_iter().map(|(_, found)| found.light).collect())
+}
+
+fn point_light(light: &PointLight, origin: DVec3) -> Light {
+    Light {
+        emitter: Emitter::Point(super::single(light.position - origin)),
+        power: power(light.intensity, light.color),
+        falloff: light.falloff,
+        sampling: Sampling::Random,
+        grid: [1, 1],
+        dimension: 0,
+    }
+}
+
+fn area_light(light: &AreaLight, emitter: Emitter) -> Light {
+    let grid = match light.sampling {
+        Sampling::Random | Sampling::Sobol => [light.samples, 1],
+        Sampling::Jittered => [light.samples, light.samples],
+    };
+    let power = power(light.intensity, light.color);
+    Light { emitter, power, falloff: light.falloff, sampling: light.sampling, grid, dimension: 0 }
+}
+
+fn power(intensity: f64, color: DVec3) -> Vec3 {
+    super::single(color * intensity)
+}
+
+/// The shape of a light, as something to choose points on.
+fn emitter(geometry: &Geometry, shape: &Shape) -> Option<Emitter> {
+    let range = shape.primitives.clone();
+    if let Primitive::Sphere(i) = geometry.primitive(range.start) {
+        let (center, radius) = geometry.spheres[i];
+        return Some(Emitter::Sphere { center, radius });
+    }
+    let corners = range.flat_map(|number| triangles(geometry, number)).collect();
+    Triangles::new(corners).map(Emitter::Triangles)
+}
+
+fn triangles(geometry: &Geometry, number: u32) -> Vec<[Vec3; 3]> {
+    match geometry.primitive(number) {
+        Primitive::Triangle(i) => vec![geometry.triangle(i)],
+        Primitive::Quad(i) => quad::halves(&geometry.quad(i)).to_vec(),
+        Primitive::Sphere(_) | Primitive::Shown(_) => vec![],
+    }
+}
+
+fn place(world: &World, entity: Entity) -> String {
+    world.get::<&JsonPath>(entity).map_or_else(|_| String::new(), |p| p.0.clone())
+}
+
+fn no_area(world: &World, entity: Entity, settings: &Settings) -> Error {
+    Error::new(ErrorKind::Scene, "the shape of an area light must have an area")
+        .in_file(&settings.file)
+        .at(format!("{}.shape", place(world, entity)))
+        .remedy("give it corners that are not on one line, or use a point light")
+}
+
+/// Each sample has random numbers of its own, and these are numbered in 32 bits.
+fn too_many_samples(world: &World, entity: Entity, settings: &Settings) -> Error {
+    Error::new(ErrorKind::Limit, "the lights have too many samples together")
+        .in_file(&settings.file)
+        .at(format!("{}.samples", place(world, entity)))
+        .remedy(format!("at most {} are allowed", u32::MAX - 1))
+}

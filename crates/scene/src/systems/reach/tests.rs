@@ -1,0 +1,172 @@
+use glam::Vec3;
+
+use super::*;
+use wavecrest_core::kernels::light::{Falloff, Triangles};
+use wavecrest_core::kernels::shade::{ShadingPoint, shadow_request};
+use wavecrest_core::kernels::surface;
+use wavecrest_core::math::float::{dot, normalize};
+use wavecrest_core::math::random::Stream;
+use wavecrest_core::math::ray::Ray;
+use wavecrest_core::math::sampling::Sampling;
+
+const WHITE: Material = Material { ks: 0.5, kd: 0.5, exponent: 8.0, color: Vec3::ONE, kr: 0.0 };
+
+fn light(emitter: Emitter) -> Light {
+    let (falloff, sampling) = (Falloff::Linear, Sampling::Random);
+    Light { emitter, power: Vec3::ONE, falloff, sampling, grid: [1, 1], dimension: 7 }
+}
+
+fn shape(two_sided: bool, flipped: bool) -> Shape {
+    let (emission, smooth, texture, mesh) = (None, false, None, None);
+    Shape { primitives: 0..1, emission, flipped, two_sided, smooth, texture, mesh }
+}
+
+fn of_triangle(corners: [Vec3; 3]) -> Geometry {
+    Geometry { positions: corners.to_vec(), triangles: vec![[0, 1, 2]], ..Geometry::default() }
+}
+
+fn reaches(light: &Light, shape: &Shape, material: &Material, geometry: &Geometry) -> bool {
+    let surface = Surface { shape, material, textured: false };
+    run(&[light], &[surface], geometry)[0]
+}
+
+fn random(index: u32, dimension: u32) -> Vec3 {
+    let [x, y, z, _] = Stream { seed: 3, pixel: index, sample: 0, bounce: 0 }.uniform(dimension);
+    Vec3::new(x, y, z) - 0.5
+}
+
+/// Whether the shading step asks the light for anything where `ray` arrives.
+fn asks(light: &Light, at: surface::Surface, flipped: bool, ray: &Ray, index: u32) -> bool {
+    let outward = if flipped { -at.normal } else { at.normal };
+    let is_front = dot(outward, ray.direction) < 0.0;
+    let point = ShadingPoint {
+        point: at.point,
+        error: at.error,
+        normal: if is_front { outward } else { -outward },
+        shading_normal: outward,
+        view: -ray.direction,
+        color: Vec3::ONE,
+        material: WHITE,
+        lit: is_front,
+    };
+    let stream = Stream { seed: 5, pixel: index, sample: 0, bounce: 0 };
+    shadow_request(&point, Vec3::ONE, light, &light.point(0, &stream)).is_some()
+}
+
+/// A light near the plane of a triangle somewhere, on either side: at a point, on a sphere, on a triangle.
+fn near_plane(index: u32, corners: &[Vec3; 3], size: f32) -> Light {
+    let [a, b, c] = *corners;
+    let normal = triangle::normal(corners).as_vec3();
+    let height = libm::exp2f(-24.0 * (random(index, 20).x + 0.5)) * size;
+    let side = if random(index, 20).y < 0.0 { -height } else { height };
+    let place = a + (b - a) * random(index, 21).x * 3.0 + (c - a) * random(index, 21).y * 3.0;
+    let place = place + normal * side;
+    light(match index % 3 {
+        0 => Emitter::Point(place),
+        1 => Emitter::Sphere { center: place, radius: height * (random(index, 22).x + 0.5) },
+        _ => {
+            let corner = |d| place + random(index, d) * height;
+            let corners = vec![[corner(23), corner(24), corner(25)]];
+            // Far out, corners so near to each other are one.
+            Triangles::new(corners).map_or(Emitter::Point(place), Emitter::Triangles)
+        }
+    })
+}
+
+#[test]
+fn what_a_light_is_left_out_for_never_asks_it() {
+    let (mut left_out, mut asked) = (0, 0);
+    for index in 0..20_000 {
+        let size = libm::exp2f(40.0 * random(index, 1).x);
+        let offset = random(index, 2) * size * libm::exp2f(20.0 * random(index, 3).x);
+        let corners = [10, 11, 12].map(|d| offset + random(index, d) * size);
+        let geometry = of_triangle(corners);
+        if geometry.is_degenerate(0) {
+            continue;
+        }
+        let light = near_plane(index, &corners, size);
+        let shape = shape(false, index % 2 == 0);
+        let out = !reaches(&light, &shape, &WHITE, &geometry);
+        left_out += u32::from(out);
+        for turn in 0..8 {
+            let weights = random(index, 30 + turn).abs() * 2.0;
+            let weights = weights / (weights.x + weights.y + weights.z);
+            let target = corners[0] * weights.x + corners[1] * weights.y + corners[2] * weights.z;
+            let origin = target + random(index, 40 + turn) * size;
+            let ray = Ray::new(origin, normalize(target - origin));
+            let asks = ray.is_valid()
+                && asks(&light, surface::triangle(&ray, &corners), shape.flipped, &ray, index);
+            asked += u32::from(asks);
+            assert!(!(out && asks), "{index}: {light:?} {corners:?}");
+        }
+    }
+    assert!(left_out > 4000 && asked > 10_000, "{left_out} left out, asked {asked} times");
+}
+
+#[test]
+fn a_light_within_a_sphere_reaches_none_of_its_outside() {
+    let (mut left_out, mut asked) = (0, 0);
+    for index in 0..20_000 {
+        let radius = libm::exp2f(20.0 * random(index, 1).x);
+        let center = random(index, 2) * radius * libm::exp2f(16.0 * random(index, 3).x + 4.0);
+        let geometry = Geometry { spheres: vec![(center, radius)], ..Geometry::default() };
+        let depth = libm::exp2f(-20.0 * (random(index, 4).x + 0.5));
+        let outward = normalize(random(index, 5));
+        let side = if index % 2 == 0 { 1.0 - depth } else { 1.0 + depth };
+        let light = light(Emitter::Point(center + outward * (radius * side)));
+        let shape = shape(false, false);
+        let out = !reaches(&light, &shape, &WHITE, &geometry);
+        left_out += u32::from(out);
+        for turn in 0..8 {
+            // Half of the hits are where the light is nearest.
+            let there = if turn % 2 == 0 { outward } else { normalize(random(index, 30 + turn)) };
+            let target = center + there * radius;
+            let origin = target + (there + random(index, 40 + turn)) * radius;
+            let ray = Ray::new(origin, normalize(target - origin));
+            let asks = ray.is_valid()
+                && asks(&light, surface::sphere(&ray, center, radius), false, &ray, index);
+            asked += u32::from(asks);
+            assert!(!(out && asks), "{index}: {light:?} {center} {radius}");
+        }
+    }
+    assert!(left_out > 3000 && asked > 10_000, "{left_out} left out, asked {asked} times");
+}
+
+/// A triangle in the plane z = 0 whose front, as in mesh files, is on +z.
+fn facing_z() -> Geometry {
+    of_triangle([Vec3::ZERO, Vec3::X, Vec3::Y])
+}
+
+#[test]
+fn a_light_is_kept_unless_all_of_it_is_behind() {
+    let below = light(Emitter::Point(Vec3::new(0.2, 0.2, -1.0)));
+    assert!(!reaches(&below, &shape(false, false), &WHITE, &facing_z()));
+    assert!(reaches(&below, &shape(true, false), &WHITE, &facing_z()), "both sides");
+    assert!(reaches(&below, &shape(false, true), &WHITE, &facing_z()), "turned");
+    let fast = Geometry { precision: Precision::Fast, ..facing_z() };
+    assert!(reaches(&below, &shape(false, false), &WHITE, &fast), "nothing is certain");
+    let sphere = |radius| light(Emitter::Sphere { center: Vec3::NEG_Z, radius });
+    assert!(!reaches(&sphere(0.9), &shape(false, false), &WHITE, &facing_z()));
+    assert!(reaches(&sphere(1.1), &shape(false, false), &WHITE, &facing_z()), "a part of it");
+    let upright = |top| {
+        let corners = vec![[Vec3::NEG_Z, Vec3::new(1.0, 0.0, -1.0), Vec3::new(0.0, 0.0, top)]];
+        light(Emitter::Triangles(Triangles::new(corners).expect("an area")))
+    };
+    assert!(!reaches(&upright(-0.1), &shape(false, false), &WHITE, &facing_z()));
+    assert!(reaches(&upright(0.1), &shape(false, false), &WHITE, &facing_z()), "a corner of it");
+}
+
+#[test]
+fn a_light_is_kept_only_for_what_reflects_its_colour() {
+    let red = Light { power: Vec3::X, ..light(Emitter::Point(Vec3::Z)) };
+    let seen = |material: &Material| reaches(&red, &shape(false, false), material, &facing_z());
+    assert!(seen(&WHITE));
+    assert!(!seen(&Material { ks: 0.0, kd: 0.0, ..WHITE }));
+    assert!(!seen(&Material { ks: 0.0, color: Vec3::new(0.0, 1.0, 1.0), ..WHITE }));
+    assert!(seen(&Material { color: Vec3::ZERO, ..WHITE }), "highlights are of the light's colour");
+    let black = Light { power: Vec3::ZERO, ..red.clone() };
+    assert!(!reaches(&black, &shape(true, false), &WHITE, &facing_z()));
+    let green = Material { ks: 0.0, color: Vec3::Y, ..WHITE };
+    let surface = Surface { shape: &shape(false, false), material: &green, textured: true };
+    assert_eq!(run(&[&red], &[surface], &facing_z()), [true], "a texture may be of any colour");
+}

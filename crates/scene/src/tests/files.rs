@@ -1,0 +1,143 @@
+//! Files: what is no JSON, what is not there, and what paths start from.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use serde_json::json;
+use tempfile::TempDir;
+
+use super::{complete, one_triangle, set};
+use crate::components::{Mesh, TextureRef, TextureSource};
+use crate::load::{LoadOptions, LoadedScene, load, load_str, load_with};
+use crate::mesh::LoadedMesh;
+use wavecrest_base::error::{Error, ErrorKind, Result, Warning};
+
+fn syntax(json: &str) -> String {
+    let error = load_str(json, Path::new("s.json"), &LoadOptions::default()).err().unwrap();
+    assert_eq!(error.kind(), ErrorKind::Syntax);
+    error.to_string()
+}
+
+#[test]
+fn json_that_is_not() {
+    assert_eq!(
+        syntax("{\n  \"nbounces\": ,\n}"),
+        "s.json: line 2 column 15: not valid JSON: expected value"
+    );
+    assert_eq!(syntax(""), "s.json: line 1 column 0: not valid JSON: EOF while parsing a value");
+    assert_eq!(
+        syntax("{\"nbounces\": 1e999}"),
+        "s.json: line 1 column 18: not valid JSON: number out of range"
+    );
+    assert!(syntax("{\"nbounces\": NaN}").contains("expected value"));
+    assert!(syntax("{} {}").contains("trailing characters"));
+    assert!(syntax(&"[".repeat(100_000)).contains("recursion limit exceeded"));
+}
+
+fn in_folder(name: &str, bytes: &[u8]) -> (TempDir, PathBuf) {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join(name);
+    fs::write(&path, bytes).unwrap();
+    (folder, path)
+}
+
+#[test]
+fn a_byte_order_mark_is_skipped() {
+    let (_folder, path) = in_folder("s.json", "\u{feff}[]".as_bytes());
+    let text = load(&path, &LoadOptions::default()).err().unwrap().to_string();
+    assert_eq!(text, format!("{}: must be a scene, an object {{ ... }}, found []", path.display()));
+}
+
+#[test]
+fn text_must_be_utf_8() {
+    let (_folder, path) = in_folder("s.json", b"{\"a\": \"\xff\"}");
+    let error = load(&path, &LoadOptions::default()).err().unwrap();
+    let reason = "the scene is not UTF-8 text from byte 7 on; save it as UTF-8";
+    assert_eq!(error.to_string(), format!("{}: {reason}", path.display()));
+    assert_eq!(error.kind(), ErrorKind::Syntax);
+}
+
+#[test]
+fn a_scene_that_is_not_there() {
+    let error = load(Path::new("no/such.json"), &LoadOptions::default()).err().unwrap();
+    assert_eq!(error.kind(), ErrorKind::Io);
+    assert!(error.to_string().starts_with("no/such.json: cannot read the scene: "), "{error}");
+    assert!(load(Path::new("src"), &LoadOptions::default()).is_err());
+}
+
+#[test]
+#[cfg(unix)]
+fn a_scene_file_that_is_too_long_is_not_read() {
+    let (_folder, path) = in_folder("s.json", b"{}");
+    // Sparse: it takes no room on the disk.
+    let file = fs::OpenOptions::new().write(true).open(&path).unwrap();
+    file.set_len((1 << 28) + 1).unwrap();
+    let error = load(&path, &LoadOptions::default()).err().unwrap();
+    assert_eq!(error.kind(), ErrorKind::Limit);
+    assert_eq!(
+        error.to_string(),
+        format!(
+            "{}: the scene file has 268435457 bytes or more; at most 268435456 (256 MiB) are allowed: \
+             keep large meshes in files of their own",
+            path.display()
+        )
+    );
+}
+
+#[test]
+fn paths_start_from_the_scene_files_folder() {
+    let (folder, path) = in_folder("s.json", b"");
+    fs::write(folder.path().join("wood.png"), b"").unwrap();
+    let scene = set(complete(), "scene.shapes[0].texture", json!("wood.png"));
+    let mesh = folder.path().join("bunny.ply");
+    fs::write(&mesh, b"").unwrap();
+    let scene = set(scene, "scene.shapes[5].file", json!("bunny.ply"));
+    let scene = load_with(&scene.to_string(), &path, &LoadOptions::default(), |file| {
+        assert_eq!(file, mesh);
+        one_triangle(file)
+    });
+    let world = scene.unwrap().world;
+    let textures: Vec<TextureSource> =
+        world.query::<&TextureRef>().iter().map(|texture| texture.source.clone()).collect();
+    assert_eq!(textures, [TextureSource::File(folder.path().join("wood.png"))]);
+    let found = world.query::<&Mesh>().iter().filter_map(|mesh| mesh.file.clone()).next();
+    assert_eq!(found, Some(mesh.clone()));
+}
+
+fn with_reader(reader: impl Fn(&Path) -> Result<LoadedMesh>) -> Result<LoadedScene> {
+    let json = complete().to_string();
+    load_with(&json, Path::new("s.json"), &LoadOptions::default(), reader)
+}
+
+#[test]
+fn a_mesh_that_cannot_be_read() {
+    let broken = |file: &Path| {
+        Err(Error::new(ErrorKind::Mesh, "is not finite").in_file(file).at("vertex 3").value("inf"))
+    };
+    let error = with_reader(broken).err().unwrap();
+    assert_eq!(error.kind(), ErrorKind::Mesh);
+    assert_eq!(
+        error.to_string(),
+        "s.json: scene.shapes[5].file: cannot read the mesh: \
+         Cargo.lock: vertex 3: is not finite, found inf"
+    );
+}
+
+#[test]
+fn the_warnings_of_a_mesh_are_passed_on() {
+    let odd = |file: &Path| {
+        let warning = Warning::from_error(&Error::new(ErrorKind::Mesh, "odd").in_file(file));
+        Ok(LoadedMesh { warnings: vec![warning], ..one_triangle(file)? })
+    };
+    assert_eq!(with_reader(odd).unwrap().warnings[0].to_string(), "Cargo.lock: odd");
+}
+
+#[test]
+fn a_light_of_a_mesh_without_triangles() {
+    let empty = |_: &Path| Ok(LoadedMesh::default());
+    let shape = json!({"type": "trimesh", "file": "Cargo.lock"});
+    let scene = set(complete(), "scene.lightsources[1].shape", shape).to_string();
+    let loaded = load_with(&scene, Path::new("s.json"), &LoadOptions::default(), empty);
+    let text = "s.json: scene.lightsources[1].shape: a light must have an area";
+    assert_eq!(loaded.err().unwrap().to_string(), text);
+}

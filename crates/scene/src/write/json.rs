@@ -1,0 +1,270 @@
+//! The JSON of a scene file, from the entities of a world.
+
+use std::collections::{HashMap, HashSet};
+
+use glam::{DAffine3, DVec3};
+use hecs::{Entity, EntityRef, World};
+use serde_json::{Map, Value, json};
+
+use crate::components::{
+    AreaLight, Encoding, Falloff, Filter, FovAxis, Hidden, InstanceOf, Material, Mesh, Name, Order,
+    PointLight, Quad, Sampling, Settings, Shading, Sides, Sphere, TextureRef, ThinLens, Transform,
+    Triangle, View, Wrap,
+};
+use wavecrest_base::error::{Error, ErrorKind, Result};
+
+use super::Beside;
+
+/// The whole file. Meshes are moved out of the world.
+pub(super) fn scene(
+    world: &mut World,
+    encoding: Encoding,
+    beside: &mut Beside<'_>,
+) -> Result<Value> {
+    check_kinds(world)?;
+    let settings = world.query_mut::<&Settings>().into_iter().next().cloned();
+    let settings = settings.ok_or_else(|| incomplete("Settings"))?;
+    let view = world.query_mut::<&View>().into_iter().next().copied();
+    let view = view.ok_or_else(|| incomplete("View"))?;
+    let lights = lights(world, beside)?;
+    let names = names(world);
+    let shapes = ordered::<hecs::Without<&Mesh, hecs::Or<&AreaLight, &InstanceOf>>>(world);
+    let shapes: Vec<Value> = shapes
+        .into_iter()
+        .map(|entity| shape(world, entity, names.get(&entity), beside))
+        .collect::<Result<_>>()?;
+    let instances: Vec<Value> = ordered::<&InstanceOf>(world)
+        .into_iter()
+        .filter_map(|entity| instance(world, entity, &names))
+        .collect();
+    let mut inner = Map::new();
+    inner.insert("backgroundcolor".into(), vector(settings.background));
+    inner.insert("ambient".into(), settings.ambient.into());
+    inner.insert("lightsources".into(), lights.into());
+    inner.insert("shapes".into(), shapes.into());
+    if !instances.is_empty() {
+        inner.insert("instances".into(), instances.into());
+    }
+    Ok(json!({
+        "nbounces": settings.bounces,
+        "transfer": encoding_name(encoding),
+        "camera": camera(&view),
+        "scene": inner,
+    }))
+}
+
+/// Refuses what comes from scene files alone.
+fn check_kinds(world: &mut World) -> Result<()> {
+    let others =
+        world.query_mut::<hecs::Or<hecs::Or<&Sphere, &Quad>, hecs::Or<&Triangle, &ThinLens>>>();
+    if others.into_iter().next().is_none() {
+        return Ok(());
+    }
+    let error = Error::new(ErrorKind::Usage, "this is a scene file already");
+    Err(error.remedy("convert glTF files and meshes"))
+}
+
+fn incomplete(component: &str) -> Error {
+    Error::new(ErrorKind::Scene, format!("the world has no entity with {component}"))
+}
+
+/// The entities that match, in the order of the file.
+fn ordered<Q: hecs::Query>(world: &World) -> Vec<Entity> {
+    let mut found: Vec<(Order, Entity)> = world
+        .query::<(Entity, &Order)>()
+        .with::<Q>()
+        .iter()
+        .map(|(entity, order)| (*order, entity))
+        .collect();
+    found.sort_unstable_by_key(|(order, _)| *order);
+    found.into_iter().map(|(_, entity)| entity).collect()
+}
+
+/// A name of its own for each shape that has one, and for each that instances need by name.
+fn names(world: &World) -> HashMap<Entity, String> {
+    let mut used = HashSet::new();
+    let mut names = HashMap::new();
+    for entity in ordered::<&Mesh>(world) {
+        let own = world.get::<&Name>(entity).map(|name| name.0.clone());
+        let is_hidden = world.get::<&Hidden>(entity).is_ok();
+        let Some(wanted) = own.ok().or_else(|| is_hidden.then(|| "shape".to_owned())) else {
+            continue;
+        };
+        let numbered = (2_u32..).map(|n| format!("{wanted}-{n}"));
+        let free =
+            std::iter::once(wanted.clone()).chain(numbered).find(|name| used.insert(name.clone()));
+        names.extend(free.map(|name| (entity, name)));
+    }
+    names
+}
+
+fn lights(world: &mut World, beside: &mut Beside<'_>) -> Result<Vec<Value>> {
+    let mut found = Vec::new();
+    for entity in ordered::<hecs::Or<&PointLight, &AreaLight>>(world) {
+        let point = world.get::<&PointLight>(entity).map(|light| *light);
+        found.push(match point {
+            Ok(light) => point_light(&light),
+            Err(_) => area_light(world, entity, beside)?,
+        });
+    }
+    Ok(found)
+}
+
+fn point_light(light: &PointLight) -> Value {
+    json!({
+        "type": "pointlight",
+        "intensity": light.intensity,
+        "position": vector(light.position),
+        "color": vector(light.color),
+        "falloff": falloff(light.falloff),
+    })
+}
+
+fn area_light(world: &mut World, entity: Entity, beside: &mut Beside<'_>) -> Result<Value> {
+    let light = world.get::<&AreaLight>(entity).map(|light| *light);
+    let light = light.map_err(|_| incomplete("AreaLight"))?;
+    let mut shape = Map::new();
+    form(world, entity, beside, &mut shape);
+    Ok(json!({
+        "type": "arealight",
+        "intensity": light.intensity,
+        "color": vector(light.color),
+        "falloff": falloff(light.falloff),
+        "sampling": sampling(light.sampling),
+        "samples": light.samples,
+        "shape": shape,
+    }))
+}
+
+/// What says where a mesh is.
+fn form(world: &mut World, entity: Entity, beside: &mut Beside<'_>, to: &mut Map<String, Value>) {
+    to.insert("type".into(), "trimesh".into());
+    if let Ok(mut mesh) = world.get::<&mut Mesh>(entity) {
+        let name = beside.mesh(std::mem::take(&mut mesh.data));
+        to.insert("file".into(), name.into());
+    }
+    if let Ok(Transform(transform)) = world.get::<&Transform>(entity).map(|t| *t)
+        && transform != DAffine3::IDENTITY
+    {
+        to.insert("transform".into(), matrix(&transform));
+    }
+}
+
+fn shape(
+    world: &mut World,
+    entity: Entity,
+    name: Option<&String>,
+    beside: &mut Beside<'_>,
+) -> Result<Value> {
+    let mut to = Map::new();
+    form(world, entity, beside, &mut to);
+    if let Some(name) = name {
+        to.insert("name".into(), name.clone().into());
+    }
+    let Ok(entity) = world.entity(entity) else { return Ok(to.into()) };
+    let is_smooth = entity.get::<&Shading>().is_some_and(|s| *s == Shading::Smooth);
+    to.insert("shading".into(), if is_smooth { "smooth" } else { "flat" }.into());
+    let is_front = entity.get::<&Sides>().is_some_and(|s| *s == Sides::Front);
+    to.insert("sides".into(), if is_front { "front" } else { "both" }.into());
+    if entity.has::<Hidden>() {
+        to.insert("hidden".into(), true.into());
+    }
+    texture(entity, beside, &mut to)?;
+    to.insert("material".into(), material(entity));
+    Ok(to.into())
+}
+
+fn texture(
+    entity: EntityRef<'_>,
+    beside: &mut Beside<'_>,
+    to: &mut Map<String, Value>,
+) -> Result<()> {
+    let Some(texture) = entity.get::<&TextureRef>() else { return Ok(()) };
+    to.insert("texture".into(), beside.image(&texture)?.into());
+    to.insert("encoding".into(), encoding_name(texture.encoding).into());
+    if texture.tint != DVec3::ONE {
+        to.insert("tint".into(), vector(texture.tint));
+    }
+    to.insert("filter".into(), Filter::name(texture.filter).into());
+    let wrap = match texture.wrap {
+        Wrap::Repeat => "repeat",
+        Wrap::Clamp => "clamp",
+    };
+    to.insert("wrap".into(), wrap.into());
+    Ok(())
+}
+
+fn material(entity: EntityRef<'_>) -> Value {
+    entity.get::<&Material>().map_or(Value::Null, |material| {
+        json!({
+            "ks": material.ks,
+            "kd": material.kd,
+            "specularexponent": material.specular_exponent,
+            "diffusecolor": vector(material.diffuse_color),
+            "kr": material.kr,
+        })
+    })
+}
+
+/// An instance of a shape that has a name, where it stands. Its looks are the shape's.
+fn instance(world: &World, entity: Entity, names: &HashMap<Entity, String>) -> Option<Value> {
+    let of = world.get::<&InstanceOf>(entity).ok()?.0;
+    let name = names.get(&of)?;
+    let transform = world.get::<&Transform>(entity).map_or(DAffine3::IDENTITY, |t| t.0);
+    Some(json!({ "shape": name, "transform": matrix(&transform) }))
+}
+
+fn camera(view: &View) -> Value {
+    let axis = match view.fov_axis {
+        FovAxis::X => "x",
+        FovAxis::Y => "y",
+        FovAxis::Smaller => "smaller",
+        FovAxis::Larger => "larger",
+    };
+    json!({
+        "type": "pinhole",
+        "width": view.width,
+        "height": view.height,
+        "fov": view.fov_degrees,
+        "fovaxis": axis,
+        "location": vector(view.location),
+        "look": vector(view.look),
+        "up": vector(view.up),
+        "antialias": view.antialias,
+        "sampling": sampling(view.sampling),
+    })
+}
+
+fn vector(v: DVec3) -> Value {
+    v.to_array().to_vec().into()
+}
+
+/// Four rows, for columns.
+fn matrix(transform: &DAffine3) -> Value {
+    let [x, y, z] = [transform.matrix3.x_axis, transform.matrix3.y_axis, transform.matrix3.z_axis];
+    let t = transform.translation;
+    json!([[x.x, y.x, z.x, t.x], [x.y, y.y, z.y, t.y], [x.z, y.z, z.z, t.z], [0.0, 0.0, 0.0, 1.0],])
+}
+
+fn falloff(falloff: Falloff) -> &'static str {
+    match falloff {
+        Falloff::Linear => "linear",
+        Falloff::InverseSquare => "inverse-square",
+        Falloff::None => "none",
+    }
+}
+
+fn sampling(sampling: Sampling) -> &'static str {
+    match sampling {
+        Sampling::Random => "random",
+        Sampling::Jittered => "jittered",
+        Sampling::Sobol => "sobol",
+    }
+}
+
+fn encoding_name(encoding: Encoding) -> &'static str {
+    match encoding {
+        Encoding::Linear => "linear",
+        Encoding::Srgb => "srgb",
+    }
+}

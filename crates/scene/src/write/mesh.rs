@@ -1,0 +1,94 @@
+//! A mesh as a binary little-endian PLY file, each number as it is.
+
+use std::collections::HashMap;
+use std::io::{self, Write};
+
+use glam::{Vec2, Vec3};
+
+use crate::mesh::{Attribute, MeshData, NO_VALUE};
+
+/// Writes a mesh.
+pub(super) fn write(mesh: &MeshData, sink: &mut impl Write) -> io::Result<()> {
+    let is_by_vertex = mesh.normals.as_ref().is_none_or(|n| n.indices.is_none())
+        && mesh.uvs.as_ref().is_none_or(|uvs| uvs.indices.is_none());
+    if is_by_vertex {
+        return write_by_vertex(mesh, sink);
+    }
+    write_by_vertex(&with_vertices(mesh), sink)
+}
+
+fn write_by_vertex(mesh: &MeshData, sink: &mut impl Write) -> io::Result<()> {
+    sink.write_all(header(mesh).as_bytes())?;
+    for (i, position) in mesh.positions.iter().enumerate() {
+        sink.write_all(position.to_array().map(f32::to_le_bytes).as_flattened())?;
+        if let Some(normals) = &mesh.normals {
+            sink.write_all(normals.values[i].to_array().map(f32::to_le_bytes).as_flattened())?;
+        }
+        if let Some(uvs) = &mesh.uvs {
+            sink.write_all(uvs.values[i].to_array().map(f32::to_le_bytes).as_flattened())?;
+        }
+    }
+    for triangle in &mesh.triangles {
+        sink.write_all(&[3])?;
+        sink.write_all(triangle.map(u32::to_le_bytes).as_flattened())?;
+    }
+    Ok(())
+}
+
+fn header(mesh: &MeshData) -> String {
+    let (vertices, triangles) = (mesh.positions.len(), mesh.triangles.len());
+    let mut header = format!("ply\nformat binary_little_endian 1.0\nelement vertex {vertices}\n");
+    let mut names = vec!["x", "y", "z"];
+    if mesh.normals.is_some() {
+        names.extend(["nx", "ny", "nz"]);
+    }
+    if mesh.uvs.is_some() {
+        names.extend(["s", "t"]);
+    }
+    names.iter().for_each(|name| header += &format!("property float {name}\n"));
+    header += &format!("element face {triangles}\nproperty list uchar uint vertex_indices\n");
+    header + "end_header\n"
+}
+
+/// The mesh with a vertex for each position, normal and pair of coordinates that meet at a corner. A
+/// triangle that lacks a value at one corner has none at all, as is the rule where meshes are shaded; a zero
+/// vector is then a normal not known, and zeros are the coordinates.
+fn with_vertices(mesh: &MeshData) -> MeshData {
+    let mut known: HashMap<[u32; 3], u32> = HashMap::new();
+    let mut which: Vec<[u32; 3]> = Vec::new();
+    let mut vertex = |key: [u32; 3]| {
+        *known.entry(key).or_insert_with(|| {
+            which.push(key);
+            which.len() as u32 - 1
+        })
+    };
+    let triangles = (0..mesh.triangles.len()).map(|t| {
+        let positions = mesh.triangles[t];
+        let normals = values_of(mesh.normals.as_ref(), t, positions);
+        let uvs = values_of(mesh.uvs.as_ref(), t, positions);
+        [0, 1, 2].map(|k| vertex([positions[k], normals[k], uvs[k]]))
+    });
+    let triangles = triangles.collect();
+    let values = |part: usize| which.iter().map(move |key| key[part] as usize);
+    let zero = |v: Option<&Vec3>| v.copied().unwrap_or(Vec3::ZERO);
+    let normals = mesh.normals.as_ref().map(|n| values(1).map(|i| zero(n.values.get(i))).collect());
+    let uv = |v: Option<&Vec2>| v.copied().unwrap_or(Vec2::ZERO);
+    let uvs = mesh.uvs.as_ref().map(|uvs| values(2).map(|i| uv(uvs.values.get(i))).collect());
+    MeshData {
+        positions: values(0).map(|i| mesh.positions[i]).collect(),
+        triangles,
+        normals: normals.map(|values| Attribute { values, indices: None }),
+        uvs: uvs.map(|values| Attribute { values, indices: None }),
+    }
+}
+
+/// Which values the corners of a triangle have: [`NO_VALUE`] for all where one has none.
+fn values_of<T>(
+    attribute: Option<&Attribute<T>>,
+    triangle: usize,
+    positions: [u32; 3],
+) -> [u32; 3] {
+    let Some(attribute) = attribute else { return [NO_VALUE; 3] };
+    let values = attribute.indices.as_ref().map_or(positions, |indices| indices[triangle]);
+    if values.contains(&NO_VALUE) { [NO_VALUE; 3] } else { values }
+}

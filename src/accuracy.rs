@@ -1,0 +1,159 @@
+//! `accuracy`: error against time, swept and reported.
+
+use std::cell::RefCell;
+use std::path::{Path, PathBuf};
+
+use indicatif::ProgressBar;
+
+use super::common::{Threads, above_zero, print, progress_bar};
+use wavecrest_base::error::Result;
+use wavecrest_report::accuracy::pilot::Pilot;
+use wavecrest_report::accuracy::store::{Circumstances, Header, Record, Store};
+use wavecrest_report::accuracy::sweep::{Options, Progress, run as sweep};
+use wavecrest_report::accuracy::{Findings, page};
+use wavecrest_scene::load::{LoadOptions, load};
+use wavecrest_scene::systems::extract_in;
+
+/// What the progress bar shows.
+const PROGRESS: &str = "{msg} {wide_bar} {pos}/{len}, {eta} left";
+
+/// Sweeps what may move the error of a scene's picture, and what must not, and reports error against time.
+///
+/// Results are written as they come: the same command goes on where it was interrupted.
+#[derive(Clone, Debug, clap::Args)]
+pub(crate) struct AccuracyArgs {
+    /// The scenes, in JSON
+    #[arg(required = true)]
+    pub(crate) scenes: Vec<PathBuf>,
+    /// The folder for results and report
+    #[arg(short, long, value_name = "FOLDER", required_unless_present = "advise")]
+    pub(crate) output: Option<PathBuf>,
+    /// Sweep nothing, but say with which samples each sampler reaches an error, from a short pilot at full
+    /// size, and which is the cheapest
+    #[arg(long, requires = "target_error", conflicts_with = "output")]
+    pub(crate) advise: bool,
+    /// The error that advice is wanted for: the root mean square of linear values
+    #[arg(long, value_name = "ERROR", value_parser = above_zero, requires = "advise")]
+    pub(crate) target_error: Option<f64>,
+    /// The longer side of images, at most, in pixels
+    #[arg(long, value_name = "PIXELS", default_value_t = 160, value_parser = clap::value_parser!(u32).range(1..=65536))]
+    pub(crate) longest: u32,
+    /// Renders of each setting, with random numbers of their own
+    #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(2..=4096))]
+    pub(crate) seeds: u32,
+    /// The most points of a kind, on a light, the lens or in a pixel
+    #[arg(long, value_name = "N", default_value_t = 2025, value_parser = clap::value_parser!(u32).range(1..=65536))]
+    pub(crate) most: u32,
+    /// The fewest points in each render of the reference
+    #[arg(long, value_name = "N", default_value_t = 5041, value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
+    pub(crate) reference: u32,
+    /// Leave out what each effect costs, which is measured on scenes of its own
+    #[arg(long)]
+    pub(crate) no_effects: bool,
+    /// On how many threads
+    #[command(flatten)]
+    pub(crate) threads: Threads,
+    /// Say nothing but errors
+    #[arg(short, long)]
+    pub(crate) quiet: bool,
+}
+
+/// Shows a sweep's progress as a bar.
+struct Shown {
+    bar: RefCell<ProgressBar>,
+    quiet: bool,
+}
+
+impl Progress for Shown {
+    fn stage(&self, name: &str, steps: u64) {
+        self.bar.borrow().finish_and_clear();
+        let bar = progress_bar(self.quiet, PROGRESS);
+        bar.set_length(steps);
+        bar.set_message(name.to_owned());
+        self.bar.replace(bar);
+    }
+
+    fn step(&self) {
+        self.bar.borrow().inc(1);
+    }
+}
+
+/// Sweeps as the arguments say, and returns whether what must not change a picture did not.
+///
+/// # Errors
+/// When a scene cannot be rendered, the folder has the results of another sweep, or results cannot be
+/// written.
+pub(crate) fn run(args: &AccuracyArgs) -> Result<bool> {
+    args.threads.run(|| match (&args.output, args.target_error) {
+        (Some(folder), _) => run_sweep(args, folder),
+        (None, error) => advise(args, error.unwrap_or_default()).map(|()| true),
+    })
+}
+
+/// Says what each sampler takes to an error.
+fn advise(args: &AccuracyArgs, error: f64) -> Result<()> {
+    for file in &args.scenes {
+        let mut loaded = load(file, &LoadOptions::default())?;
+        let extracted = extract_in(&mut loaded.world, Default::default())?;
+        let preset = extracted.preset();
+        let mut scene = extracted.build(preset);
+        let original = scene.original();
+        let pilot = Pilot::run(&mut scene, &original, 0)?;
+        let best = pilot.for_error(error).map(|choice| choice.points.sampling);
+        let mut text = format!("{}\n", file.display());
+        if best.is_none() {
+            text += "  nothing is left to chance: the error is 0\n";
+        }
+        for curve in &pilot.curves {
+            let mark = if best == Some(curve.sampling) { '*' } else { ' ' };
+            text += &format!("{mark} {}\n", curve.for_error(error));
+        }
+        print(&text)?;
+    }
+    Ok(())
+}
+
+fn run_sweep(args: &AccuracyArgs, folder: &Path) -> Result<bool> {
+    let options = Options {
+        longest: args.longest,
+        seeds: args.seeds,
+        most: args.most,
+        least: args.reference,
+    };
+    let mut store = Store::open(folder, &Header::new(&options))?;
+    store.add(Record::Circumstances(Circumstances::here()))?;
+    let shown = Shown { bar: RefCell::new(ProgressBar::hidden()), quiet: args.quiet };
+    let mut swept = sweep(&args.scenes, &options, &mut store, &shown)?;
+    shown.bar.borrow().finish_and_clear();
+    let findings = Findings::new(&options, &store, &swept);
+    findings.write(folder)?;
+    page::write(&findings, &mut swept, folder, !args.no_effects)?;
+    if !args.quiet {
+        print(&text(&findings))?;
+        print(&format!("{}\n", folder.join("report.html").display()))?;
+    }
+    Ok(findings.scenes.iter().flat_map(|s| &s.neutral).all(|n| n.equal && n.error_change == 0.0))
+}
+
+/// The slopes, in words.
+fn text(findings: &Findings) -> String {
+    use std::fmt::Write as _;
+    let mut text = String::new();
+    for scene in &findings.scenes {
+        let _ = writeln!(text, "{}", scene.scene.scene);
+        for family in &scene.families {
+            for series in &family.series {
+                let Some(slope) = series.slope else { continue };
+                let _ = writeln!(
+                    text,
+                    "  {:<24}{:<10}MSE falls with the power {:.3} ({:.3} to {:.3})",
+                    family.counted, series.name, slope.value, slope.low, slope.high
+                );
+            }
+        }
+        let wrong = scene.neutral.iter().filter(|n| !n.equal || n.error_change != 0.0).count();
+        let all = scene.neutral.len();
+        let _ = writeln!(text, "  {} of {all} choices that must not matter do not", all - wrong);
+    }
+    text
+}

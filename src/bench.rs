@@ -1,0 +1,325 @@
+//! `bench`: both tracers timed against each other, once their images are known to be the same, and
+//! the wavefront against itself.
+
+mod effects;
+
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use super::common::{SceneOptions, SearchOptions, print, progress_bar, tell, to_json};
+use crate::choice::choice;
+use wavecrest_base::error::Result;
+use wavecrest_base::replace::{check_differs, check_replaceable, replace_file, write_error};
+use wavecrest_core::plan::Plan;
+use wavecrest_core::plan::schedule::{PASSES, unplanned};
+use wavecrest_core::prepared::PreparedScene;
+use wavecrest_core::render::{RenderOptions, Rendered, TracerKind, render};
+use wavecrest_core::wavefront::DEFAULT_BATCH;
+use wavecrest_report::bench::compare::{Axis, Comparison, Variant, compare};
+use wavecrest_report::bench::measure::{Measured, Runs, Schedule, measure};
+use wavecrest_report::bench::page::page;
+use wavecrest_report::bench::{BenchReport, Preparation, SceneBench, Setting, hardware, text};
+use wavecrest_scene::memory;
+use wavecrest_scene::systems;
+
+/// Times both tracers on each scene, after checking that their images are the same bit for bit.
+///
+/// The answer is no (exit code 1) where they are not. With `--effects` no scene is read: what each effect
+/// costs is measured on scenes of the program's own, one effect added at a time.
+#[derive(Clone, Debug, clap::Args)]
+pub(crate) struct BenchArgs {
+    /// The scenes, in JSON
+    #[arg(required_unless_present = "effects", value_name = "SCENE")]
+    pub(crate) scenes: Vec<PathBuf>,
+    /// Print the price of each effect instead: time and memory of scenes that each add one
+    #[arg(long, conflicts_with_all = ["scenes", "compare"])]
+    pub(crate) effects: bool,
+    /// Timed pairs of runs at most; fewer where --min-time is reached, but then at least 6
+    #[arg(long, value_name = "N", default_value_t = 50,
+          value_parser = clap::value_parser!(u16).range(1..=10_000))]
+    pub(crate) repeats: u16,
+    /// Pairs of runs before the first that is timed
+    #[arg(long, value_name = "N", default_value_t = 1,
+          value_parser = clap::value_parser!(u16).range(1..=10_000))]
+    pub(crate) warmup: u16,
+    /// Time that each tracer is to run for in all, as far as --repeats allows
+    #[arg(long, value_name = "SECONDS", default_value = "1", value_parser = seconds)]
+    pub(crate) min_time: f64,
+    /// Compare the wavefront with other kernels, vector instructions or sizes of batches as well, or with
+    /// itself when it leaves nothing out (plan), separated by commas
+    #[arg(long, value_name = "WHAT", value_parser = choice::<Axis>(), value_delimiter = ',')]
+    pub(crate) compare: Vec<Axis>,
+    /// Print JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// Write the JSON to a file, after every scene
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) output: Option<PathBuf>,
+    /// Write a page with charts, in one HTML file, after every scene
+    #[arg(long, value_name = "FILE")]
+    pub(crate) page: Option<PathBuf>,
+    /// Paths in a batch of the wavefront
+    #[arg(long, value_name = "PATHS", default_value_t = DEFAULT_BATCH as u32,
+          value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
+    pub(crate) batch: u32,
+    /// Choose other random numbers
+    #[arg(long, default_value_t = 0)]
+    pub(crate) seed: u64,
+    /// How the tree is searched
+    #[command(flatten)]
+    pub(crate) search: SearchOptions,
+    /// What is read and how
+    #[command(flatten)]
+    pub(crate) scene_options: SceneOptions,
+}
+
+impl BenchArgs {
+    fn schedule(&self) -> Schedule {
+        let (warmup, most) = (usize::from(self.warmup), usize::from(self.repeats));
+        Schedule { warmup, most, seconds: self.min_time }
+    }
+
+    fn options(&self, tracer: TracerKind) -> RenderOptions {
+        RenderOptions { tracer, crop: None, seed: self.seed, batch: self.batch as usize }
+    }
+}
+
+/// Measures every scene, tells what was found, and returns whether all images were the same.
+///
+/// # Errors
+/// When a scene cannot be loaded or prepared, or the report cannot be written.
+pub(crate) fn run(args: &BenchArgs) -> Result<bool> {
+    args.output.iter().chain(&args.page).try_for_each(|file| check_replaceable(file))?;
+    if let (Some(output), Some(page)) = (&args.output, &args.page) {
+        check_differs(page, output, "the JSON")?;
+    }
+    args.scene_options.threads.run(
+        || {
+            if args.effects { effects::run(args) } else { run_here(args) }
+        },
+    )
+}
+
+fn run_here(args: &BenchArgs) -> Result<bool> {
+    let command = std::env::args_os().skip(1).map(|a| a.to_string_lossy().into_owned());
+    let mut report = BenchReport::new(command.collect());
+    if !args.json {
+        print(&text::machine(&report.machine))?;
+    }
+    let outcome = args.scenes.iter().try_for_each(|path| {
+        let scene = bench(args, path)?;
+        tell_scene(args, &scene)?;
+        report.scenes.push(scene);
+        // After every scene, so that nothing is lost if the next one fails.
+        export(args, &report)
+    });
+    if args.json {
+        print(&to_json(&report)?)?;
+    } else if report.scenes.len() > 1 {
+        print(&format!("\n{}", text::summary(&report.scenes)))?;
+    }
+    outcome.map(|()| report.equal())
+}
+
+/// Prepares a scene once and runs both tracers on it.
+fn bench(args: &BenchArgs, path: &Path) -> Result<SceneBench> {
+    let (mut scene, setting) = prepare(args, path)?;
+    let measured = measure_scene(args, &scene)?;
+    let mut report = SceneBench::new(setting, &scene, &measured, memory::peak());
+    if report.equal {
+        for &axis in &args.compare {
+            report.comparisons.push(compare_scene(args, &mut scene, axis)?);
+        }
+    }
+    Ok(report)
+}
+
+fn prepare(args: &BenchArgs, path: &Path) -> Result<(PreparedScene, Setting)> {
+    let start = Instant::now();
+    let loaded = args.scene_options.load(path)?;
+    let extracted = args.scene_options.extract(loaded)?;
+    let load = start.elapsed().as_secs_f64();
+    let preset = args.scene_options.bvh.unwrap_or_else(|| extracted.preset());
+    let batch = args.batch as usize;
+    let predicted = memory::predict(&extracted, extracted.pixels(), preset, batch).total();
+    let start = Instant::now();
+    let file = extracted.file().to_owned();
+    let mut scene = extracted.build(preset);
+    let time = Preparation { load, build: start.elapsed().as_secs_f64() };
+    args.scene_options.warn(&systems::warnings(scene.dropped, &file));
+    args.search.apply(&mut scene.accel);
+    let name = path.display().to_string();
+    let SearchOptions { simd, kernel } = args.search;
+    let seed = args.seed;
+    let precision = args.scene_options.precision;
+    let setting =
+        Setting { scene: name, seed, batch, simd, kernel, precision, preset, time, predicted };
+    Ok((scene, setting))
+}
+
+fn measure_scene(args: &BenchArgs, scene: &PreparedScene) -> Result<Measured> {
+    let bar = progress_bar(args.scene_options.quiet, "{wide_bar} {pos} of {len} pairs, {eta} left");
+    // The bar moves between pairs alone: nothing but the tracers is at work while they are timed.
+    let trace = |tracer| render(scene, &args.options(tracer), &());
+    let measured = measure(&args.schedule(), trace, &mut |done, planned| {
+        bar.set_length(planned as u64);
+        bar.set_position(done as u64);
+    });
+    bar.finish_and_clear();
+    let mut measured = measured?;
+    if measured.difference.is_none() && hardware::missing().is_none() {
+        count(&mut measured.wavefront, || {
+            render(scene, &args.options(TracerKind::Wavefront), &())
+        })?;
+        count(&mut measured.recursive, || {
+            render(scene, &args.options(TracerKind::Recursive), &())
+        })?;
+    }
+    Ok(measured)
+}
+
+/// Has the processor count in a run of its own, so that counting slows none that is timed.
+fn count(runs: &mut Runs, run: impl FnOnce() -> Result<Rendered>) -> Result<()> {
+    let (rendered, counted) = hardware::count(run);
+    rendered?;
+    runs.hardware = counted.ok();
+    Ok(())
+}
+
+fn compare_scene(args: &BenchArgs, scene: &mut PreparedScene, axis: Axis) -> Result<Comparison> {
+    let SearchOptions { simd, kernel } = args.search;
+    let usual = Variant { kernel, simd, batch: args.batch as usize, planned: true };
+    let planned = scene.plan.clone();
+    let unplanned = Plan::of(planned.decisions().to_vec(), &unplanned(&PASSES));
+    let bar =
+        progress_bar(args.scene_options.quiet, "{wide_bar} {pos} of {len} rounds, {eta} left");
+    let trace = |variant: &Variant| {
+        SearchOptions { simd: variant.simd, kernel: variant.kernel }.apply(&mut scene.accel);
+        scene.plan.clone_from(if variant.planned { &planned } else { &unplanned });
+        let options = RenderOptions { batch: variant.batch, ..args.options(TracerKind::Wavefront) };
+        render(scene, &options, &())
+    };
+    let compared =
+        compare(axis, &axis.variants(usual), &args.schedule(), trace, &mut |done, planned| {
+            bar.set_length(planned as u64);
+            bar.set_position(done as u64);
+        });
+    bar.finish_and_clear();
+    args.search.apply(&mut scene.accel);
+    scene.plan = planned;
+    compared
+}
+
+fn tell_scene(args: &BenchArgs, scene: &SceneBench) -> Result<()> {
+    if !args.json {
+        print(&format!("\n{}", text::scene(scene)))?;
+    }
+    if let Some(difference) = &scene.difference {
+        // However quiet: a wrong image is never passed over in silence.
+        tell(&format!("error: {}: {}", scene.scene, text::verdict(difference)));
+    }
+    for compared in scene.comparisons.iter().filter(|compared| compared.difference.is_some()) {
+        tell(&format!("error: {}: {}", scene.scene, text::comparison(compared).trim()));
+    }
+    if !args.scene_options.quiet {
+        let name = &scene.scene;
+        scene.warnings.iter().for_each(|warning| tell(&format!("warning: {name}: {warning}")));
+    }
+    Ok(())
+}
+
+fn export(args: &BenchArgs, report: &BenchReport) -> Result<()> {
+    if let Some(file) = &args.page {
+        page(report).write(file)?;
+    }
+    let Some(file) = &args.output else { return Ok(()) };
+    let json = to_json(report)?;
+    write_text(file, &json)
+}
+
+fn write_text(file: &Path, text: &str) -> Result<()> {
+    replace_file(file, |sink| sink.write_all(text.as_bytes()).map_err(|e| write_error(file, e)))
+}
+
+/// A number of seconds, 0 or more.
+fn seconds(text: &str) -> std::result::Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value.is_finite() && value >= 0.0 => Ok(value),
+        _ => Err("use a number of seconds, such as 2.5".into()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser;
+
+    use super::*;
+
+    #[derive(Parser)]
+    struct Whole {
+        #[command(flatten)]
+        args: BenchArgs,
+    }
+
+    fn parse(line: &str) -> std::result::Result<BenchArgs, clap::Error> {
+        Whole::try_parse_from(std::iter::once("bench").chain(line.split_whitespace()))
+            .map(|whole| whole.args)
+    }
+
+    #[test]
+    fn scenes_and_options_are_read() {
+        let args = parse("a.json b.json --repeats 3 --min-time 0.5 -o out.json -q").unwrap();
+        assert_eq!(args.compare, []);
+        let compared = parse("a --compare kernels,batches --compare levels").unwrap().compare;
+        assert_eq!(compared, [Axis::Kernels, Axis::Batches, Axis::Levels]);
+        assert_eq!(args.scenes, ["a.json", "b.json"].map(PathBuf::from));
+        assert_eq!(args.schedule(), Schedule { warmup: 1, most: 3, seconds: 0.5 });
+        for bad in [
+            "",
+            "a --repeats 0",
+            "a --warmup 0",
+            "a --min-time=-1",
+            "a --min-time nan",
+            "a --compare trees",
+        ] {
+            assert!(parse(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn scenes_are_measured_and_written_as_json() {
+        let folder = tempfile::tempdir().unwrap();
+        let (scene, output) = (folder.path().join("s.json"), folder.path().join("out.json"));
+        let json = r#"{
+            "nbounces": 0,
+            "camera": {"type": "pinhole", "width": 8, "height": 8, "fov": 60,
+                       "location": [0, 0, 5], "look": [0, 0, 0]},
+            "scene": {"backgroundcolor": [0.5, 0, 0], "lightsources": [], "shapes": []}
+        }"#;
+        std::fs::write(&scene, json).unwrap();
+        let (s, o) = (scene.display(), output.display());
+        let args = parse(&format!("{s} {s} -q --min-time 0 --threads 2 -o {o}")).unwrap();
+        assert!(run(&args).unwrap());
+        let text = std::fs::read_to_string(&output).unwrap();
+        let written: serde_json::Value = serde_json::from_str(&text).unwrap();
+        assert_eq!(written["machine"]["threads"], 2);
+        assert_eq!(written["scenes"].as_array().unwrap().len(), 2);
+        assert_eq!(written["scenes"][1]["equal"], true);
+        assert_eq!(written["scenes"][1]["ratio"]["pairs"], 6);
+        assert_eq!(written["scenes"][1]["rays"]["primary"], 64);
+
+        let page = folder.path().join("page.html");
+        let p = page.display();
+        let args = parse(&format!("{s} -q --min-time 0 --repeats 2 --page {p}")).unwrap();
+        assert!(run(&args).unwrap());
+        let html = std::fs::read_to_string(&page).unwrap();
+        assert!(
+            html.starts_with("<!doctype html>") && html.contains("Wavefront against recursive")
+        );
+        let args = parse(&format!("{s} -q -o {p} --page {p}")).unwrap();
+        let error = run(&args).unwrap_err().to_string();
+        assert!(error.contains("this file is the JSON too"), "{error}");
+        assert_eq!(std::fs::read_to_string(&page).unwrap(), html, "it is as it was");
+    }
+}

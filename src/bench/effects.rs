@@ -1,0 +1,54 @@
+//! `bench --effects`: the price list of the effects.
+
+use std::path::Path;
+
+use super::{BenchArgs, write_text};
+use crate::common::{SearchOptions, print, progress_bar, tell, to_json};
+use wavecrest_base::error::Result;
+use wavecrest_core::accel::build::Preset;
+use wavecrest_core::render::render;
+use wavecrest_report::accuracy::prices::folder;
+use wavecrest_report::effects::scenes::{Variant, variants};
+use wavecrest_report::effects::{Entry, Setting, measure, text};
+use wavecrest_scene::load::{LoadOptions, load_str};
+
+/// Measures every effect, tells what was found, and returns whether all images were as they should be.
+pub(super) fn run(args: &BenchArgs) -> Result<bool> {
+    let folder = folder()?;
+    let variants = variants(folder.path())?.into_iter();
+    let entries: Vec<Entry> =
+        variants.map(|variant| prepare(args, variant, folder.path())).collect::<Result<_>>()?;
+    let SearchOptions { simd, kernel } = args.search;
+    let precision = args.scene_options.precision;
+    let setting = Setting { simd, kernel, precision, batch: args.batch as usize };
+    let bar =
+        progress_bar(args.scene_options.quiet, "{wide_bar} {pos} of {len} rounds, {eta} left");
+    let trace = |scene: &_, tracer| render(scene, &args.options(tracer), &());
+    let list = measure(&entries, setting, &args.schedule(), trace, &mut |done, planned| {
+        bar.set_length(planned as u64);
+        bar.set_position(done as u64);
+    });
+    bar.finish_and_clear();
+    let list = list?;
+    if let Some(differs) = &list.difference {
+        tell(&format!("error: {}: the image or the work is not as it should be", differs.effect));
+    }
+    let json = to_json(&list)?;
+    if let Some(file) = &args.output {
+        write_text(file, &json)?;
+    }
+    print(&if args.json { json } else { text(&list) })?;
+    Ok(list.difference.is_none())
+}
+
+fn prepare(args: &BenchArgs, variant: Variant, folder: &Path) -> Result<Entry> {
+    let (width, height) = (args.scene_options.width, args.scene_options.height);
+    let options = LoadOptions { strict: true, width, height, ..LoadOptions::default() };
+    // Warnings would be about scenes of our own.
+    let loaded = load_str(&variant.scene.to_string(), &folder.join("effect.json"), &options)?;
+    let extracted = args.scene_options.extract(loaded)?;
+    // The same for all, so that no effect has the better tree.
+    let mut scene = extracted.build(args.scene_options.bvh.unwrap_or(Preset::Medium));
+    args.search.apply(&mut scene.accel);
+    Ok(Entry { variant, scene })
+}

@@ -1,0 +1,18 @@
+//! Options whose values are chosen by name.
+
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use wavecrest_base::choice::Choice;
+
+/// Reads a value by its name; the help lists every one with what it means.
+pub(crate) fn choice<T: Choice>() -> impl TypedValueParser<Value = T> {
+    let listed = T::VALUES
+        .iter()
+        .map(|value| PossibleValue::new(value.name()).help(value.help().trim_end_matches('.')));
+    PossibleValuesParser::new(listed)
+        .try_map(|name| by_name(&name).ok_or("it is none of the values listed"))
+}
+
+/// The value of that name.
+pub(crate) fn by_name<T: Choice>(name: &str) -> Option<T> {
+    T::VALUES.iter().copied().find(|value| value.name() == name)
+}

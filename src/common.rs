@@ -1,0 +1,255 @@
+//! What several commands share: options, output, progress.
+
+use std::io::{ErrorKind as IoKind, IsTerminal, Write};
+use std::path::Path;
+
+use bytesize::ByteSize;
+use indicatif::{ProgressBar, ProgressState, ProgressStyle};
+
+use crate::choice::{by_name, choice};
+use wavecrest_base::error::{Error, ErrorKind, Result, Warning};
+use wavecrest_core::accel::build::Preset;
+use wavecrest_core::accel::{Accel, KernelChoice};
+use wavecrest_core::kernels::precision::Precision;
+use wavecrest_core::math::simd::Level;
+use wavecrest_core::tile::Tile;
+use wavecrest_core::wavefront::DEFAULT_BATCH;
+use wavecrest_scene::load::{LoadOptions, LoadedScene, load, survey};
+use wavecrest_scene::memory::{self, Prediction};
+use wavecrest_scene::systems::{self, Extracted};
+
+/// Options on what scene is read and how.
+#[derive(Clone, Debug, clap::Args)]
+pub(crate) struct SceneOptions {
+    /// Take warnings about unknown keys for errors
+    #[arg(long)]
+    pub(crate) strict: bool,
+    /// Width of the image in pixels, instead of the scene's
+    #[arg(long, value_name = "PIXELS")]
+    pub(crate) width: Option<u32>,
+    /// Height of the image in pixels, instead of the scene's
+    #[arg(long, value_name = "PIXELS")]
+    pub(crate) height: Option<u32>,
+    /// The camera to take of a glTF file, by its name or its number [default: the first of the scene]
+    #[arg(long, value_name = "NAME")]
+    pub(crate) camera: Option<String>,
+    /// How much work goes into the BVH [default: chosen from triangles and expected rays]
+    #[arg(long, value_name = "PRESET", value_parser = choice::<Preset>())]
+    pub(crate) bvh: Option<Preset>,
+    /// How exactly hits are found: fast leaks, exact takes its time
+    #[arg(long, value_name = "PRECISION", value_parser = choice::<Precision>(), default_value_t)]
+    pub(crate) precision: Precision,
+    /// Copy meshes that instances show to where they are shown, rather than hold them once
+    #[arg(long)]
+    pub(crate) flatten: bool,
+    /// Refuse what would take more memory than this, such as 8GiB, before anything large is read
+    #[arg(long, value_name = "SIZE", value_parser = bytes)]
+    pub(crate) memory_limit: Option<ByteSize>,
+    /// On how many threads
+    #[command(flatten)]
+    pub(crate) threads: Threads,
+    /// Say nothing but errors
+    #[arg(short, long)]
+    pub(crate) quiet: bool,
+}
+
+impl SceneOptions {
+    /// Loads `scene` and tells its warnings.
+    pub(crate) fn load(&self, scene: &Path) -> Result<LoadedScene> {
+        let options = self.load_options();
+        if let Some(limit) = self.memory_limit {
+            check_memory(scene, &self.foretell(scene, None, DEFAULT_BATCH)?, limit)?;
+        }
+        let loaded = load(scene, &options)?;
+        self.warn(&loaded.warnings);
+        if !self.quiet {
+            loaded.notes.iter().for_each(|note| tell(&format!("note: {note}")));
+        }
+        Ok(loaded)
+    }
+
+    /// Foretells the memory of a render of so many `pixels`, of all if `None`, before anything large is read.
+    pub(crate) fn foretell(
+        &self,
+        scene: &Path,
+        pixels: Option<u64>,
+        batch: usize,
+    ) -> Result<Prediction> {
+        let survey = survey(scene, &self.load_options())?;
+        let asked = memory::Asked { pixels, preset: self.bvh, batch, flat: self.flatten };
+        Ok(memory::foretell(&survey, asked))
+    }
+
+    fn load_options(&self) -> LoadOptions {
+        LoadOptions {
+            strict: self.strict,
+            width: self.width,
+            height: self.height,
+            camera: self.camera.clone(),
+        }
+    }
+
+    /// Runs the systems on `loaded` but for the last.
+    pub(crate) fn extract(&self, mut loaded: LoadedScene) -> Result<Extracted> {
+        let (precision, flat) = (self.precision, self.flatten);
+        let options = systems::Options { precision, flat, ..Default::default() };
+        systems::extract_with(&mut loaded.world, options)
+    }
+
+    /// Tells warnings, unless asked to be quiet.
+    pub(crate) fn warn(&self, warnings: &[Warning]) {
+        if !self.quiet {
+            warnings.iter().for_each(|warning| tell(&format!("warning: {warning}")));
+        }
+    }
+}
+
+/// Options on how the tree is searched, which change no answer.
+#[derive(Clone, Copy, Debug, clap::Args)]
+pub(crate) struct SearchOptions {
+    /// Vector instructions: auto for the best that this processor has, or sse2, sse42, avx2, avx512
+    /// or neon; the image is the same
+    #[arg(long, value_name = "LEVEL", default_value = "auto", value_parser = simd)]
+    pub(crate) simd: Level,
+    /// How a batch of rays is taken through the tree; the image is the same
+    #[arg(long, value_name = "KERNEL", value_parser = choice::<KernelChoice>(), default_value_t)]
+    pub(crate) kernel: KernelChoice,
+}
+
+impl SearchOptions {
+    /// Has `accel` searched as the options say.
+    pub(crate) fn apply(&self, accel: &mut Accel) {
+        accel.kernel = self.kernel;
+        if let Some(level) = self.simd.token() {
+            accel.level = level;
+        }
+    }
+}
+
+/// A set of vector instructions that this processor has.
+fn simd(text: &str) -> std::result::Result<Level, String> {
+    if text == "auto" {
+        return Ok(Level::best());
+    }
+    let available = Level::available();
+    available.iter().copied().find(|level| level.name() == text).ok_or_else(|| {
+        let names: Vec<_> = available.iter().map(|level| level.name()).collect();
+        let is_known = by_name::<Level>(text).is_some();
+        let what =
+            if is_known { "this processor does not have it" } else { "there is no such level" };
+        format!("{what}; use auto, {}", names.join(", "))
+    })
+}
+
+/// How many threads to work on.
+#[derive(Clone, Copy, Debug, clap::Args)]
+pub(crate) struct Threads {
+    /// Number of threads [default: one for each core]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=4096))]
+    pub(crate) threads: Option<u16>,
+}
+
+impl Threads {
+    /// Runs `work` on the threads asked for.
+    pub(crate) fn run<R: Send>(&self, work: impl FnOnce() -> Result<R> + Send) -> Result<R> {
+        let threads = self.threads.map_or(0, usize::from);
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(|e| {
+            Error::new(ErrorKind::Usage, format!("cannot start the threads: {e}"))
+                .remedy("ask for fewer with --threads")
+        })?;
+        pool.install(work)
+    }
+}
+
+/// Writes to standard output. A reader that has seen enough, such as `head`, is no error.
+pub(crate) fn print(text: &str) -> Result<()> {
+    let mut output = std::io::stdout().lock();
+    match output.write_all(text.as_bytes()).and_then(|()| output.flush()) {
+        Err(error) if error.kind() != IoKind::BrokenPipe => {
+            Err(Error::io("cannot write the result", "standard output", error))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Writes a line to standard error. Where that is closed there is nobody to tell.
+pub(crate) fn tell(line: &str) {
+    let _ = writeln!(std::io::stderr(), "{line}");
+}
+
+/// A value as lines of JSON.
+pub(crate) fn to_json(value: &impl serde::Serialize) -> Result<String> {
+    let json = serde_json::to_string_pretty(value)
+        .map_err(|e| Error::new(ErrorKind::Io, format!("cannot write JSON: {e}")).because(e))?;
+    Ok(json + "\n")
+}
+
+/// A bar on a terminal, and nothing anywhere else. Besides the keys of indicatif, `template` may
+/// have `millions`: how many millions are done a second.
+pub(crate) fn progress_bar(quiet: bool, template: &str) -> ProgressBar {
+    if quiet || !std::io::stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let style = ProgressStyle::with_template(template)
+        .unwrap_or_else(|_| ProgressStyle::default_bar())
+        .with_key("millions", |state: &ProgressState, text: &mut dyn std::fmt::Write| {
+            let _ = write!(text, "{:.2}", state.per_sec() / 1e6);
+        });
+    ProgressBar::new(0).with_style(style)
+}
+
+/// Refuses a scene whose peak is foretold to be above `limit`.
+fn check_memory(scene: &Path, foretold: &Prediction, limit: ByteSize) -> Result<()> {
+    if foretold.total() <= limit.as_u64() {
+        return Ok(());
+    }
+    let Prediction { geometry, looks, tree, build, film, batches, loading, .. } = *foretold;
+    let uses = [
+        ("reading", loading),
+        ("geometry", geometry),
+        ("normals and textures", looks),
+        ("building the tree", build),
+        ("the tree", tree),
+        ("the image", film),
+        ("batches", batches),
+    ];
+    let uses = uses.map(|(name, bytes)| format!("{name} {}", in_words(bytes)));
+    let message = format!("the render would take more memory than {}", in_words(limit.as_u64()));
+    Err(Error::new(ErrorKind::Limit, message)
+        .in_file(scene)
+        .value(format!("about {}", in_words(foretold.total())))
+        .remedy(format!(
+            "raise --memory-limit, or make the scene or the image smaller (at their peaks: {})",
+            uses.join(", ")
+        )))
+}
+
+/// So many bytes.
+fn in_words(bytes: u64) -> String {
+    ByteSize::b(bytes).display().iec().to_string()
+}
+
+/// A number of bytes, with or without a unit.
+fn bytes(text: &str) -> std::result::Result<ByteSize, String> {
+    let size: std::result::Result<ByteSize, _> = text.parse();
+    size.ok().filter(|size| size.as_u64() > 0).ok_or_else(|| {
+        "write a number of bytes above 0, such as 8GiB, 500MB or 1000000000".to_owned()
+    })
+}
+
+/// `x,y,width,height` in pixels.
+pub(crate) fn crop(text: &str) -> std::result::Result<Tile, String> {
+    let numbers: Option<Vec<u32>> = text.split(',').map(|part| part.trim().parse().ok()).collect();
+    match numbers.as_deref() {
+        Some(&[x, y, width, height]) => Ok(Tile { x, y, width, height }),
+        _ => Err("write four whole numbers: x,y,width,height, such as 0,0,64,64".to_owned()),
+    }
+}
+
+/// A number above 0.
+pub(crate) fn above_zero(text: &str) -> std::result::Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value.is_finite() && value > 0.0 => Ok(value),
+        _ => Err("use a number above 0, such as 0.01".to_owned()),
+    }
+}

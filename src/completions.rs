@@ -1,0 +1,28 @@
+//! `completions`: what a shell needs to complete our arguments.
+
+use clap_complete::{Shell, generate};
+
+use super::common::print;
+use wavecrest_base::error::{Error, ErrorKind, Result};
+
+/// Writes a script to standard output with which a shell completes wavecrest's arguments.
+#[derive(Clone, Copy, Debug, clap::Args)]
+pub(crate) struct CompletionsArgs {
+    /// The shell
+    #[arg(value_enum)]
+    pub(crate) shell: Shell,
+}
+
+/// Prints the script.
+///
+/// # Errors
+/// When standard output cannot be written to.
+pub(crate) fn run(args: &CompletionsArgs) -> Result<()> {
+    let mut script = Vec::new();
+    let mut program = super::program();
+    let name = program.get_name().to_owned();
+    generate(args.shell, &mut program, name, &mut script);
+    let text = String::from_utf8(script)
+        .map_err(|cause| Error::new(ErrorKind::Usage, "the script is not text").because(cause))?;
+    print(&text)
+}

@@ -1,0 +1,191 @@
+//! `wavecrest generate`: writes a mesh made from a recipe to a PLY file.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use indicatif::HumanBytes;
+
+use super::common::{progress_bar, tell};
+use crate::choice::choice;
+use wavecrest_base::error::{Error, ErrorKind, Result};
+use wavecrest_scene::generate::{Model, Recipe, Written, write_ply};
+
+/// Make a large mesh and write it as binary PLY, the same bytes on every machine.
+#[derive(Clone, Debug, clap::Args)]
+pub(crate) struct GenerateArgs {
+    /// What to make
+    #[arg(value_parser = choice::<Model>())]
+    pub(crate) model: Model,
+
+    /// The PLY file to write, replaced if it is there
+    #[arg(value_name = "OUTPUT", required_unless_present = "output")]
+    pub(crate) file: Option<PathBuf>,
+
+    /// The PLY file to write, named as an option
+    #[arg(short, long, value_name = "OUTPUT", conflicts_with = "file")]
+    pub(crate) output: Option<PathBuf>,
+
+    /// Triangles to make, at least: 1000000, 18k, 2.5M
+    #[arg(short = 'n', long, value_name = "COUNT", default_value = "1M", value_parser = count)]
+    pub(crate) triangles: u64,
+
+    /// Which of the random shapes to make
+    #[arg(long, default_value_t = 1)]
+    pub(crate) seed: u64,
+
+    /// How far to move the surface: a share of the radius (sphere, knot) or a height (terrain)
+    #[arg(long, value_name = "NUMBER")]
+    pub(crate) displacement: Option<f64>,
+
+    /// Write a normal with each vertex
+    #[arg(long)]
+    pub(crate) normals: bool,
+
+    /// Say nothing but errors
+    #[arg(short, long)]
+    pub(crate) quiet: bool,
+}
+
+impl GenerateArgs {
+    fn recipe(&self) -> Recipe {
+        let usual = Recipe::new(self.model, self.triangles);
+        Recipe {
+            seed: self.seed,
+            displacement: self.displacement.unwrap_or(usual.displacement),
+            normals: self.normals,
+            ..usual
+        }
+    }
+
+    /// The file to write, which must be called a PLY file: that is how readers tell.
+    fn path(&self) -> Result<&Path> {
+        let Some(path) = self.output.as_deref().or(self.file.as_deref()) else {
+            return Err(Error::new(ErrorKind::Usage, "no file to write is named")
+                .remedy("name one, such as mesh.ply"));
+        };
+        if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("ply")) {
+            return Ok(path);
+        }
+        Err(Error::new(ErrorKind::Usage, "a mesh is written as PLY, and its name must say so")
+            .in_file(path)
+            .remedy(format!("name it {}", path.with_extension("ply").display())))
+    }
+}
+
+/// Writes the mesh asked for.
+///
+/// # Errors
+/// When the recipe asks for what cannot be made, or the file cannot be written.
+pub(crate) fn run(args: &GenerateArgs) -> Result<()> {
+    let (recipe, path) = (args.recipe(), args.path()?);
+    let start = Instant::now();
+    let bar = progress_bar(args.quiet, "{wide_bar} {bytes} of {total_bytes}, {eta} left");
+    let written = write_ply(&recipe, path, &mut |done, total| {
+        bar.set_length(total);
+        bar.set_position(done);
+    });
+    bar.finish_and_clear();
+    let line = summary(path, &written?, start.elapsed().as_secs_f64());
+    if !args.quiet {
+        tell(&line);
+    }
+    Ok(())
+}
+
+fn summary(path: &Path, written: &Written, seconds: f64) -> String {
+    let Written { vertices, triangles, bytes } = written;
+    format!(
+        "{}: {vertices} vertices, {triangles} triangles, {bytes} bytes ({}), {seconds:.2} s",
+        path.display(),
+        HumanBytes(*bytes)
+    )
+}
+
+/// A whole number, which may be written with `_` between digits, with a decimal point, and with
+/// `k`, `M` or `G` for thousands, millions or thousands of millions.
+fn count(text: &str) -> std::result::Result<u64, String> {
+    let wrong = || "write a whole number, such as 1000000, 18k or 2.5M".to_owned();
+    let (number, zeros) = match text.char_indices().last() {
+        Some((at, 'k' | 'K')) => (&text[..at], 3),
+        Some((at, 'm' | 'M')) => (&text[..at], 6),
+        Some((at, 'g' | 'G')) => (&text[..at], 9),
+        _ => (text, 0),
+    };
+    let (whole, part) = number.split_once('.').unwrap_or((number, ""));
+    let part = part.trim_end_matches('0');
+    if part.len() > zeros || whole.is_empty() {
+        return Err(wrong());
+    }
+    // In digits, not in floats: what is written is what is meant.
+    let digits: String = whole.chars().filter(|c| *c != '_').chain(part.chars()).collect();
+    let padded = format!("{digits}{}", "0".repeat(zeros - part.len()));
+    if !padded.bytes().all(|b| b.is_ascii_digit()) {
+        return Err(wrong());
+    }
+    padded.parse().map_err(|_| wrong())
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser;
+
+    use super::*;
+
+    #[derive(Parser)]
+    struct Whole {
+        #[command(flatten)]
+        args: GenerateArgs,
+    }
+
+    fn parse(line: &str) -> std::result::Result<GenerateArgs, clap::Error> {
+        Whole::try_parse_from(std::iter::once("generate").chain(line.split_whitespace()))
+            .map(|whole| whole.args)
+    }
+
+    #[test]
+    fn counts_are_read_exactly() {
+        for (text, number) in [
+            ("20", 20),
+            ("1_000_000", 1_000_000),
+            ("1M", 1_000_000),
+            ("2.5M", 2_500_000),
+            ("18k", 18_000),
+            ("1.10k", 1100),
+            ("0.000002G", 2000),
+            ("7.0", 7),
+        ] {
+            assert_eq!(count(text), Ok(number), "{text}");
+        }
+        for text in
+            ["", "M", ".5M", "1.5", "-3", "+3", "1e6", "1.23456k", "nan", "99999999999G", "é"]
+        {
+            assert!(count(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn the_output_is_named_either_way() {
+        let args = parse("sphere a.ply --triangles 18k --seed 7 --normals").unwrap();
+        assert_eq!(args.path().unwrap(), Path::new("a.ply"));
+        let recipe = args.recipe();
+        assert_eq!((recipe.triangles, recipe.seed, recipe.normals), (18_000, 7, true));
+        assert_eq!(recipe.displacement, Model::Sphere.usual_displacement());
+        let args = parse("knot -o b.PLY --displacement 0.1").unwrap();
+        assert_eq!(args.path().unwrap(), Path::new("b.PLY"));
+        assert_eq!(args.recipe().displacement, 0.1);
+        assert!(parse("knot").is_err());
+        assert!(parse("knot a.ply -o b.ply").is_err());
+        assert!(parse("teapot a.ply").is_err());
+        let error = parse("terrain hills.obj").unwrap().path().unwrap_err();
+        assert!(error.to_string().contains("hills.ply"), "{error}");
+    }
+
+    #[test]
+    fn a_mesh_is_written() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("sphere.ply");
+        let line = format!("sphere {} -n 1k -q", path.display());
+        run(&parse(&line).unwrap()).unwrap();
+        assert!(std::fs::read(&path).unwrap().starts_with(b"ply\nformat binary_little_endian"));
+    }
+}

@@ -1,0 +1,83 @@
+//! `man`: the manual, a page for each command.
+
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+
+use clap::Command;
+use clap::builder::Resettable;
+use clap_mangen::Man;
+
+use super::EXIT_CODES;
+use super::common::print;
+use wavecrest_base::error::{Error, ErrorKind, Result, did_you_mean};
+use wavecrest_base::replace::{check_replaceable, replace_file, write_error};
+
+/// Writes the manual: a page to standard output, or all pages to a folder.
+#[derive(Clone, Debug, clap::Args)]
+pub(crate) struct ManArgs {
+    /// The command to tell of [default: wavecrest itself]
+    pub(crate) command: Option<String>,
+    /// Write a page for each command to this folder, such as ~/.local/share/man/man1
+    #[arg(short, long, value_name = "FOLDER", conflicts_with = "command")]
+    pub(crate) output: Option<PathBuf>,
+}
+
+/// Writes the pages that are asked for.
+///
+/// # Errors
+/// When there is no such command, or a page cannot be written.
+pub(crate) fn run(args: &ManArgs) -> Result<()> {
+    let pages = pages();
+    match &args.output {
+        Some(folder) => write_all(&pages, folder),
+        None => {
+            let page = find(&pages, args.command.as_deref())?;
+            print(&String::from_utf8_lossy(&render(page)?))
+        }
+    }
+}
+
+/// The program and its commands, as they are to be told of.
+fn pages() -> Vec<Command> {
+    let mut program = super::program().disable_help_subcommand(true);
+    program.build();
+    let commands: Vec<Command> = program.get_subcommands().cloned().collect();
+    std::iter::once(program).chain(commands).collect()
+}
+
+fn find<'a>(pages: &'a [Command], name: Option<&str>) -> Result<&'a Command> {
+    let names = || pages.iter().map(Command::get_name);
+    let wanted = name.or_else(|| names().next()).unwrap_or_default();
+    pages.iter().find(|page| page.get_name() == wanted).ok_or_else(|| {
+        let error = Error::new(ErrorKind::Usage, "there is no such command").value(wanted);
+        match did_you_mean(wanted, names()) {
+            Some(near) => error.remedy(format!("did you mean {near}?")),
+            None => error.remedy("wavecrest --help lists them"),
+        }
+    })
+}
+
+fn render(page: &Command) -> Result<Vec<u8>> {
+    let mut text = Vec::new();
+    let cannot = |cause| Error::io("cannot write the page", page.get_name(), cause);
+    // The codes have a section of their own.
+    Man::new(page.clone().after_help(Resettable::Reset)).render(&mut text).map_err(cannot)?;
+    write_exit_codes(&mut text).map_err(cannot)?;
+    Ok(text)
+}
+
+/// The codes, as a list in the language of manuals.
+fn write_exit_codes(page: &mut Vec<u8>) -> std::io::Result<()> {
+    writeln!(page, ".SH \"EXIT CODES\"")?;
+    EXIT_CODES.iter().try_for_each(|(code, meaning)| writeln!(page, ".TP\n{code}\n{meaning}"))
+}
+
+/// Writes every page, once it is known that all can be.
+fn write_all(pages: &[Command], folder: &Path) -> Result<()> {
+    let file = |page: &Command| folder.join(Man::new(page.clone()).get_filename());
+    pages.iter().try_for_each(|page| check_replaceable(&file(page)))?;
+    pages.iter().try_for_each(|page| {
+        let (file, text) = (file(page), render(page)?);
+        replace_file(&file, |sink| sink.write_all(&text).map_err(|e| write_error(&file, e)))
+    })
+}

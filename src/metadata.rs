@@ -1,0 +1,68 @@
+//! What files say of how their image was made, as the arguments ask.
+
+use std::ffi::OsString;
+
+use clap::ValueEnum;
+
+use wavecrest_image::farm::Identity;
+use wavecrest_image::metadata::{Entry, Extras, Provenance};
+
+/// Options on what is said.
+#[derive(Clone, Copy, Debug, clap::Args)]
+pub(crate) struct MetadataOptions {
+    /// What files say of how the image was made
+    #[arg(long, value_enum, default_value_t)]
+    pub(crate) metadata: Telling,
+    /// Say nothing in files: --metadata none
+    #[arg(long, conflicts_with = "metadata")]
+    pub(crate) no_metadata: bool,
+}
+
+/// What files say of how their image was made.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Telling {
+    /// Program, scene, seed, samples and precision, in .exr and .png: the same for each way to the same image
+    #[default]
+    Auto,
+    /// The same in .ppm too, as comments that not every reader takes
+    Scene,
+    /// And the command
+    Full,
+    /// Nothing
+    None,
+}
+
+impl MetadataOptions {
+    fn telling(&self) -> Telling {
+        if self.no_metadata { Telling::None } else { self.metadata }
+    }
+
+    /// How the image of this identity came about, as far as it is to be told.
+    pub(super) fn entries(&self, identity: &Identity) -> Vec<Entry> {
+        let command = || (self.telling() == Telling::Full).then(|| command(std::env::args_os()));
+        match self.telling() {
+            Telling::None => Vec::new(),
+            _ => Provenance { command: command(), ..identity.provenance() }.entries(),
+        }
+    }
+
+    /// How entries are written.
+    pub(super) fn extras(&self) -> Extras<'static> {
+        let comments = matches!(self.telling(), Telling::Scene | Telling::Full);
+        Extras { comments, ..Extras::default() }
+    }
+}
+
+/// The command as it can be typed again.
+pub(super) fn command(words: impl IntoIterator<Item = OsString>) -> String {
+    let word = |word: OsString| {
+        let word = word.to_string_lossy();
+        let is_plain = |c: char| c.is_alphanumeric() || "-_./,:=+@%".contains(c);
+        if !word.is_empty() && word.chars().all(is_plain) {
+            word.into_owned()
+        } else {
+            format!("'{}'", word.replace('\'', r"'\''"))
+        }
+    };
+    words.into_iter().map(word).collect::<Vec<_>>().join(" ")
+}

@@ -1,0 +1,179 @@
+//! Frames of a camera that moves: one of them, or a range, an image each.
+
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+use super::show::{Reporter, Stage};
+use super::{Outputs, RenderArgs, Seen, parts};
+use crate::interrupt::Interrupt;
+use wavecrest_base::error::{Error, ErrorKind, Result};
+use wavecrest_core::prepared::PreparedScene;
+use wavecrest_image::farm::Shard;
+use wavecrest_scene::systems;
+
+/// Digits of a frame's number in the name of its image, at least, where the name does not say.
+const DIGITS: usize = 4;
+
+/// The most frames of a range.
+const MOST_FRAMES: u32 = 1_000_000;
+
+/// Options on frames.
+#[derive(Clone, Debug, clap::Args)]
+pub(crate) struct FrameOptions {
+    /// Render as the camera is at this frame of its path
+    #[arg(long, value_name = "N")]
+    pub(crate) frame: Option<u32>,
+    /// Render the frames from A to B, an image each: # in the name of the output stands for a digit of the
+    /// frame's number; a shard renders whole frames
+    #[arg(long, value_name = "A..B", conflicts_with_all = ["frame", "stats", "checkpoint", "target_error", "time_budget", "save_every"])]
+    pub(crate) frames: Option<Frames>,
+}
+
+/// A range of frames, both ends counted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Frames {
+    first: u32,
+    last: u32,
+}
+
+impl FromStr for Frames {
+    type Err = String;
+
+    fn from_str(text: &str) -> std::result::Result<Self, String> {
+        let parsed = text.split_once("..").and_then(|(first, last)| {
+            let (first, last) = (first.trim().parse().ok()?, last.trim().parse().ok()?);
+            (first <= last && last - first < MOST_FRAMES).then_some(Self { first, last })
+        });
+        parsed.ok_or_else(|| {
+            format!("write the first frame and the last, such as 1..24; at most {MOST_FRAMES}")
+        })
+    }
+}
+
+impl Frames {
+    /// The frames of a share: each machine takes every so-manieth.
+    fn of(self, shard: Option<Shard>) -> Vec<u32> {
+        let (number, count) = shard.map_or((1, 1), |shard| (shard.number(), shard.count()));
+        (self.first..=self.last).skip(number as usize - 1).step_by(count as usize).collect()
+    }
+}
+
+/// Has the camera take its place at `frame`.
+///
+/// # Errors
+/// When it has no path, or would stand where it looks.
+pub(super) fn place(scene: &mut PreparedScene, frame: u32, file: &Path) -> Result<()> {
+    let at = |message: &str| Error::new(ErrorKind::Scene, message).in_file(file).at("camera.path");
+    let Some(path) = &scene.path else {
+        return Err(at("the camera has no path, and so no frames").remedy(
+            "give it keys: \"path\": {\"keys\": [{\"frame\": 1, \"location\": ...}, ...]}",
+        ));
+    };
+    scene.camera = path.at(frame).ok_or_else(|| {
+        at("the camera would stand at the point that it looks at")
+            .value(format!("frame {frame}"))
+            .remedy("move the keys before or after it")
+    })?;
+    Ok(())
+}
+
+/// Renders the frames of a range, or of the shard's share of it.
+///
+/// # Errors
+/// When one cannot be rendered or written: those before it are whole then.
+pub(super) fn run(args: &RenderArgs, frames: Frames, shard: Option<Shard>) -> Result<()> {
+    let of_frame = |frame| Ok((frame, args.of_frame(args.output()?, frame)));
+    let all: Vec<(u32, RenderArgs)> =
+        frames.of(shard).into_iter().map(of_frame).collect::<Result<_>>()?;
+    for (_, one) in &all {
+        Outputs::check(one, one.output()?, false)?;
+    }
+    let reporter = Reporter::begin(args)?;
+    let done = args.scene_options.threads.run(|| run_here(args, &all, &reporter));
+    done.inspect_err(|error| reporter.failed(error))
+}
+
+fn run_here(args: &RenderArgs, all: &[(u32, RenderArgs)], reporter: &Reporter) -> Result<()> {
+    reporter.stage(Stage::Load);
+    let options = &args.scene_options;
+    let loaded = options.load(&args.scene)?;
+    reporter.warnings(&loaded.warnings);
+    let encoding = loaded.encoding;
+    let extracted = options.extract(loaded)?;
+    let preset = options.bvh.unwrap_or_else(|| extracted.preset());
+    let file = extracted.file().to_owned();
+    reporter.stage(Stage::Build);
+    let mut scene = extracted.build(preset);
+    options.warn(&systems::warnings(scene.dropped, &file));
+    args.search.apply(&mut scene.accel);
+    let interrupt = Interrupt::listen()?;
+    for (frame, one) in all {
+        place(&mut scene, *frame, &args.scene)?;
+        let outputs = Outputs::check(one, one.output()?, false)?;
+        outputs.made_of(encoding);
+        let seen = Seen { outputs: &outputs, reporter, interrupt: &interrupt };
+        let (rendered, _) = parts::trace(one, &scene, &seen)?;
+        if !rendered.finished {
+            let name = outputs.name();
+            let error = interrupt.error(0.0);
+            return Err(error.remedy(format!("{name} is not written, the frames before it are")));
+        }
+        let invalid = super::find_invalid(one, &scene, &rendered.counters)?;
+        reporter.stage(Stage::Write);
+        outputs.write(&scene, &rendered)?;
+        reporter.note("frame", || format!("{frame}: {}", outputs.name()));
+        super::tell_invalid(one, &rendered.counters, invalid.as_ref());
+    }
+    reporter.stage(Stage::Done);
+    Ok(())
+}
+
+impl RenderArgs {
+    /// The same for one frame: its own outputs.
+    fn of_frame(&self, output: &Path, frame: u32) -> Self {
+        let mut args = self.clone();
+        (args.image, args.output) = (Some(numbered(output, frame)), None);
+        args.outputs.also.iter_mut().for_each(|path| *path = numbered(path, frame));
+        args
+    }
+}
+
+/// `path` with the number of the frame: for the last # in its name, or before its extension.
+fn numbered(path: &Path, frame: u32) -> PathBuf {
+    let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    if let Some(end) = name.rfind('#') {
+        let start = name[..end].trim_end_matches('#').len();
+        let width = end + 1 - start;
+        let number = format!("{frame:0width$}");
+        return path.with_file_name(format!("{}{number}{}", &name[..start], &name[end + 1..]));
+    }
+    let number = format!("{frame:0DIGITS$}");
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let extension = path.extension().map(|e| format!(".{}", e.to_string_lossy()));
+    path.with_file_name(format!("{stem}.{number}{}", extension.unwrap_or_default()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_frame_has_its_number_in_its_name() {
+        let name = |path: &str| numbered(Path::new(path), 37).display().to_string();
+        assert_eq!(name("a/b.png"), "a/b.0037.png");
+        assert_eq!(name("a#/b##x###.png"), "a#/b##x037.png");
+        assert_eq!(name("#.exr"), "37.exr");
+    }
+
+    #[test]
+    fn shards_take_every_frame_once() {
+        let frames: Frames = "3..12".parse().unwrap();
+        let mut all: Vec<u32> =
+            (1..=4).flat_map(|i| frames.of(Some(Shard::new(i, 4).unwrap()))).collect();
+        all.sort_unstable();
+        assert_eq!(all, (3..=12).collect::<Vec<_>>());
+        for wrong in ["12..3", "1", "a..b", "0..1000000", "-1..3"] {
+            assert!(wrong.parse::<Frames>().is_err(), "{wrong}");
+        }
+    }
+}

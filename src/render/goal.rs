@@ -1,0 +1,136 @@
+//! Renders for an error or for a time: a pilot chooses, says what it expects, and is held to what came out.
+
+use std::time::Instant;
+
+use super::parts::trace as trace_once;
+use super::{RenderArgs, Seen};
+use crate::common::tell;
+use wavecrest_base::error::Result;
+use wavecrest_core::accel::build::Preset;
+use wavecrest_core::math::sampling::Points;
+use wavecrest_core::prepared::PreparedScene;
+use wavecrest_core::render::Rendered;
+use wavecrest_report::accuracy::pilot::{Choice, Pilot, error};
+use wavecrest_report::statistics::Goal;
+
+/// Renders made for one target error at most.
+const MOST_RENDERS: u32 = 3;
+
+/// An error so many times as large as the one asked for is still accepted.
+const ACCEPTED: f64 = 1.1;
+
+/// Of the time that is left, the part that is planned for: the rest is for writing and for the pilot's own
+/// error.
+const SHARE: f64 = 0.9;
+
+/// A render, by which tree, and what was chosen for it.
+pub(super) struct Traced {
+    pub(super) rendered: Rendered,
+    pub(super) preset: Preset,
+    pub(super) goal: Option<Goal>,
+    /// The part of it that a checkpoint held, from 0 to 1.
+    pub(super) resumed: f64,
+}
+
+/// Renders `scene`, whose tree `preset` built, as the arguments ask, so that it is `seen`. `start` is when
+/// the command began.
+pub(super) fn trace(
+    args: &RenderArgs,
+    scene: &mut PreparedScene,
+    mut preset: Preset,
+    seen: &Seen<'_>,
+    start: Instant,
+) -> Result<Traced> {
+    if args.target_error.is_none() && args.time_budget.is_none() {
+        return plain(args, scene, preset, seen);
+    }
+    let original = scene.original();
+    let pilot = Pilot::run(scene, &original, args.seed)?;
+    let chosen = match (args.target_error, args.time_budget) {
+        (Some(error), _) => pilot.for_error(error),
+        (None, Some(budget)) => {
+            pilot.for_time((budget - start.elapsed().as_secs_f64()).max(0.0) * SHARE)
+        }
+        (None, None) => None,
+    };
+    let say = |words: String| {
+        seen.reporter.note("choice", || words.clone());
+        if !args.scene_options.quiet {
+            tell(&words)
+        }
+    };
+    let Some(mut choice) = chosen else {
+        say("nothing in this scene is left to chance: its error is 0".to_owned());
+        return plain(args, scene, preset, seen);
+    };
+    let mut renders = 0;
+    loop {
+        scene.resample(&original, &choice.samples());
+        preset = choose_tree(args, scene, preset);
+        say(format!("chosen: {choice}"));
+        let (rendered, resumed) = trace_once(args, scene, seen)?;
+        if !rendered.finished {
+            return Ok(Traced { rendered, preset, goal: None, resumed });
+        }
+        renders += 1;
+        let found = error(scene, Some(&rendered.film), args.seed)?;
+        say(format!("error found: {found:.3e}"));
+        let more = args.target_error.filter(|asked| found > asked * ACCEPTED);
+        match more {
+            Some(asked) if renders < MOST_RENDERS => choice = finer(&choice, found / asked),
+            _ => {
+                let goal = Some(goal(args, &choice, found, renders));
+                return Ok(Traced { rendered, preset, goal, resumed });
+            }
+        }
+    }
+}
+
+/// Renders with the samples that the scene asks for.
+fn plain(
+    args: &RenderArgs,
+    scene: &PreparedScene,
+    preset: Preset,
+    seen: &Seen<'_>,
+) -> Result<Traced> {
+    let (rendered, resumed) = trace_once(args, scene, seen)?;
+    Ok(Traced { rendered, preset, goal: None, resumed })
+}
+
+/// Another tree than that of `preset` where the rays that are now to come are worth it, and none was asked
+/// for. The preset of the tree that there is then.
+fn choose_tree(args: &RenderArgs, scene: &mut PreparedScene, preset: Preset) -> Preset {
+    if args.scene_options.bvh.is_some() {
+        return preset;
+    }
+    let best = Preset::choose(scene.accel.geometry.held() as u64, scene.expected_rays());
+    if best != preset {
+        scene.rebuild(best);
+    }
+    best
+}
+
+/// More points after an error `excess` times as large as the one asked for, as if points were independent:
+/// that is enough for any sampler.
+fn finer(choice: &Choice, excess: f64) -> Choice {
+    let side = (f64::from(choice.points.side) * excess).ceil() as u32;
+    let points = Points { side: side.max(choice.points.side + 1), ..choice.points };
+    let more = f64::from(points.count()) / f64::from(choice.points.count());
+    Choice { points, error: choice.error / excess, seconds: choice.seconds * more, ..*choice }
+}
+
+fn goal(args: &RenderArgs, choice: &Choice, found: f64, renders: u32) -> Goal {
+    let asked = match (args.target_error, args.time_budget) {
+        (Some(error), _) => format!("error {error}"),
+        (None, Some(seconds)) => format!("{seconds} s"),
+        (None, None) => String::new(),
+    };
+    Goal {
+        asked,
+        samples: choice.to_string(),
+        expected_error: choice.error,
+        expected_seconds: choice.seconds,
+        found_error: found,
+        renders,
+    }
+}

@@ -1,0 +1,192 @@
+//! The files that a render writes: one or several, with layers and with what is said of them.
+
+use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
+
+use super::RenderArgs;
+use crate::choice::by_name;
+use crate::metadata::MetadataOptions;
+use wavecrest_base::error::{Error, ErrorKind, Result, did_you_mean};
+use wavecrest_base::replace::{check_differs, check_replaceable};
+use wavecrest_core::film::Film;
+use wavecrest_core::prepared::PreparedScene;
+use wavecrest_core::render::Rendered;
+use wavecrest_image::Format;
+use wavecrest_image::aov::{self, Layer};
+use wavecrest_image::farm::Identity;
+use wavecrest_image::metadata::{Entry, Extras};
+use wavecrest_image::write::Transfer;
+use wavecrest_image::write::{check_writable, write_with};
+use wavecrest_scene::components::Encoding;
+
+/// Options on what is written.
+#[derive(Clone, Debug, clap::Args)]
+pub(crate) struct OutputOptions {
+    /// Write the image to this file too; may be given several times
+    #[arg(long, value_name = "FILE")]
+    pub(crate) also: Vec<PathBuf>,
+    /// Add layers to .exr outputs: depth, normal, albedo, position, object, material, samples and invalid,
+    /// parted by commas, or all
+    #[arg(long, value_name = "LAYERS", value_parser = layers)]
+    pub(crate) aov: Option<Layers>,
+    /// What is said of the image
+    #[command(flatten)]
+    pub(crate) metadata: MetadataOptions,
+}
+
+/// The layers asked for.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Layers(pub Vec<Layer>);
+
+/// `depth,normal`, or `all`.
+fn layers(text: &str) -> std::result::Result<Layers, String> {
+    if text == "all" {
+        return Ok(Layers(Layer::ALL.to_vec()));
+    }
+    let names = || Layer::ALL.map(Layer::name).into_iter();
+    let layer = |word: &str| {
+        by_name::<Layer>(word).ok_or_else(|| match did_you_mean(word, names()) {
+            Some(near) => format!("there is no layer {word:?}; did you mean {near}?"),
+            None => {
+                format!(
+                    "there is no layer {word:?}; use all, {}",
+                    names().collect::<Vec<_>>().join(", ")
+                )
+            }
+        })
+    };
+    text.split(',')
+        .map(|word| layer(word.trim()))
+        .collect::<std::result::Result<_, _>>()
+        .map(Layers)
+}
+
+/// The outputs of a render, known to be writable.
+pub(super) struct Outputs<'a> {
+    args: &'a RenderArgs,
+    paths: Vec<&'a Path>,
+    /// How 8-bit images are to be written, where nobody says; known once the scene is read.
+    encoding: OnceLock<Encoding>,
+}
+
+impl<'a> Outputs<'a> {
+    /// The files that the arguments name, `first` and those besides. That of a shard is no image.
+    ///
+    /// # Errors
+    /// When one cannot be written, is another or the scene, or layers are asked for that none can hold.
+    pub(super) fn check(args: &'a RenderArgs, first: &'a Path, is_shard: bool) -> Result<Self> {
+        let also = args.outputs.also.iter().map(PathBuf::as_path);
+        let paths: Vec<&Path> = std::iter::once(first).chain(also).collect();
+        for (index, path) in paths.iter().enumerate() {
+            if is_shard { check_replaceable(path) } else { check_writable(path) }?;
+            check_differs(path, &args.scene, "the scene")?;
+            paths[..index]
+                .iter()
+                .try_for_each(|other| check_differs(path, other, "another output"))?;
+        }
+        let outputs = Self { args, paths, encoding: OnceLock::new() };
+        if args.outputs.aov.is_some() && !outputs.has_exr() {
+            return Err(Error::new(ErrorKind::Usage, "only an .exr image has layers")
+                .in_file(first)
+                .remedy("add --also and a name that ends in .exr"));
+        }
+        Ok(outputs)
+    }
+
+    /// Refuses `file` where it is one of the outputs.
+    ///
+    /// # Errors
+    /// When it is.
+    pub(super) fn check_apart(&self, file: &Path) -> Result<()> {
+        self.paths.iter().try_for_each(|path| check_differs(file, path, "the image"))
+    }
+
+    /// Takes note of how the scene would have 8-bit images written.
+    pub(super) fn made_of(&self, encoding: Encoding) {
+        self.encoding.get_or_init(|| encoding);
+    }
+
+    /// How 8-bit levels are made.
+    pub(super) fn transfer(&self) -> Transfer {
+        self.args.transfer.unwrap_or(match self.encoding.get() {
+            Some(Encoding::Srgb) => Transfer::Srgb,
+            Some(Encoding::Linear) | None => Transfer::Linear,
+        })
+    }
+
+    /// Writes all of them; layers are made now, if any are asked for.
+    ///
+    /// # Errors
+    /// When there is no memory for the layers, or a file cannot be written: those before it are then whole, and
+    /// it and those after it are as they were.
+    pub(super) fn write(&self, scene: &PreparedScene, rendered: &Rendered) -> Result<()> {
+        let aov::Found { channels, entries: tables } = self.layers(scene, rendered)?;
+        let entries = self.entries(scene)?;
+        // What numbers stand for is of use beside the numbers alone.
+        let with_tables = [&entries[..], &tables].concat();
+        self.paths.iter().try_for_each(|path| {
+            let entries = if is_exr(path) { &with_tables } else { &entries };
+            let extras =
+                Extras { entries, channels: &channels, ..self.args.outputs.metadata.extras() };
+            self.write_one(&rendered.film, path, &extras)
+        })
+    }
+
+    /// Writes a film of which only a `share`, from 0 to 1, is rendered, without layers.
+    ///
+    /// # Errors
+    /// When a file cannot be written.
+    pub(super) fn write_part(&self, film: &Film, entries: &[Entry], share: f64) -> Result<()> {
+        let mut entries = entries.to_vec();
+        if !entries.is_empty() {
+            // Rounded down: what is not finished is not called 100 %.
+            let percent = (share * 100.0).floor();
+            entries.push(Entry { name: "unfinished", text: format!("{percent} % is rendered") });
+        }
+        let extras = Extras { entries: &entries, ..self.args.outputs.metadata.extras() };
+        self.paths.iter().try_for_each(|path| self.write_one(film, path, &extras))
+    }
+
+    /// What the image is called.
+    pub(super) fn name(&self) -> String {
+        self.first().display().to_string()
+    }
+
+    /// The first of the files.
+    pub(super) fn first(&self) -> &'a Path {
+        self.paths.first().copied().unwrap_or(Path::new(""))
+    }
+
+    /// The files.
+    pub(super) fn paths(&self) -> &[&'a Path] {
+        &self.paths
+    }
+
+    fn write_one(&self, film: &Film, path: &Path, extras: &Extras<'_>) -> Result<()> {
+        write_with(film, path, self.transfer(), extras)
+    }
+
+    fn has_exr(&self) -> bool {
+        self.paths.iter().any(|path| is_exr(path))
+    }
+
+    fn layers(&self, scene: &PreparedScene, rendered: &Rendered) -> Result<aov::Found> {
+        let Some(Layers(layers)) = &self.args.outputs.aov else { return Ok(aov::Found::default()) };
+        let RenderArgs { crop, seed, .. } = *self.args;
+        let invalid = rendered.counters.invalid;
+        aov::layers(scene, &aov::Request { layers, crop, seed, invalid })
+    }
+
+    /// How the image came about, as far as it is to be told.
+    ///
+    /// # Errors
+    /// When the crop is not within the image.
+    pub(super) fn entries(&self, scene: &PreparedScene) -> Result<Vec<Entry>> {
+        let identity = Identity::of(scene, &self.args.options())?;
+        Ok(self.args.outputs.metadata.entries(&identity))
+    }
+}
+
+fn is_exr(path: &Path) -> bool {
+    Format::from_path(path).is_ok_and(|format| format == Format::Exr)
+}

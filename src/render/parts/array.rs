@@ -1,0 +1,159 @@
+//! Which shard a process is of: said outright, or by the scheduler whose array job it is in.
+
+use std::str::FromStr;
+
+use wavecrest_base::error::{Error, ErrorKind, Result};
+use wavecrest_image::farm::Shard;
+
+/// What `--shard` asks for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Choice {
+    /// This one.
+    Given(Shard),
+    /// The one that the scheduler says, of so many if that is said here.
+    Auto(Option<u32>),
+}
+
+/// How a scheduler tells a process which task of an array it is.
+struct Scheduler {
+    /// The variable that has the task's number.
+    task: &'static str,
+    numbering: Numbering,
+}
+
+/// How the tasks of an array are numbered.
+enum Numbering {
+    /// As the user likes: variables with the first number and the last, and one that must be there as it is
+    /// where none is left out between them.
+    Between([&'static str; 2], Whole),
+    /// From 0: a variable with their number, if there is one.
+    FromZero(Option<&'static str>),
+    /// As the user likes, and nothing tells how.
+    Unsaid,
+}
+
+/// How a scheduler tells whether numbers are left out.
+enum Whole {
+    /// The variable has how many there are.
+    Count(&'static str),
+    /// The variable has the step from one to the next.
+    Step(&'static str),
+}
+
+/// The schedulers, in the order in which they are asked.
+const SCHEDULERS: [Scheduler; 7] = [
+    Scheduler {
+        task: "SLURM_ARRAY_TASK_ID",
+        numbering: Numbering::Between(
+            ["SLURM_ARRAY_TASK_MIN", "SLURM_ARRAY_TASK_MAX"],
+            Whole::Count("SLURM_ARRAY_TASK_COUNT"),
+        ),
+    },
+    // Grid Engine. Outside an array the variable says "undefined".
+    Scheduler {
+        task: "SGE_TASK_ID",
+        numbering: Numbering::Between(
+            ["SGE_TASK_FIRST", "SGE_TASK_LAST"],
+            Whole::Step("SGE_TASK_STEPSIZE"),
+        ),
+    },
+    Scheduler {
+        task: "AWS_BATCH_JOB_ARRAY_INDEX",
+        numbering: Numbering::FromZero(Some("AWS_BATCH_JOB_ARRAY_SIZE")),
+    },
+    // Google Cloud Batch.
+    Scheduler {
+        task: "BATCH_TASK_INDEX",
+        numbering: Numbering::FromZero(Some("BATCH_TASK_COUNT")),
+    },
+    // Kubernetes.
+    Scheduler { task: "JOB_COMPLETION_INDEX", numbering: Numbering::FromZero(None) },
+    Scheduler { task: "PBS_ARRAY_INDEX", numbering: Numbering::Unsaid },
+    // LSF. Outside an array the variable says 0.
+    Scheduler { task: "LSB_JOBINDEX", numbering: Numbering::Unsaid },
+];
+
+impl FromStr for Choice {
+    type Err = String;
+
+    fn from_str(text: &str) -> std::result::Result<Self, String> {
+        match text.strip_prefix("auto") {
+            Some("") => Ok(Self::Auto(None)),
+            Some(rest) => {
+                let count = rest.strip_prefix('/').and_then(|count| count.parse().ok());
+                let count = count.filter(|count| *count > 0);
+                let wrong = || "write how many shards there are, such as auto/7".to_owned();
+                count.map(|count| Self::Auto(Some(count))).ok_or_else(wrong)
+            }
+            None => text.parse().map(Self::Given),
+        }
+    }
+}
+
+impl Choice {
+    /// The shard, given the environment's variables.
+    ///
+    /// # Errors
+    /// When there is no array job, or it says not how many tasks it has or has no task of this number.
+    pub(super) fn resolve(self, variable: impl Fn(&str) -> Option<String>) -> Result<Shard> {
+        let count = match self {
+            Self::Given(shard) => return Ok(shard),
+            Self::Auto(count) => count,
+        };
+        let number = |name: &str| variable(name)?.trim().parse::<u64>().ok();
+        let found = SCHEDULERS.iter().find_map(|one| Some((one, number(one.task)?)));
+        let Some((scheduler, task)) = found else {
+            let names: Vec<&str> = SCHEDULERS.iter().map(|one| one.task).collect();
+            return Err(Error::new(ErrorKind::Usage, "no scheduler says which shard this is")
+                .value(format!("none of {}", names.join(", ")))
+                .remedy("name the shard, such as --shard 3/7"));
+        };
+        let (first, tasks) = scheduler.range(count, number)?;
+        let index = task.checked_sub(first).and_then(|index| u32::try_from(index + 1).ok());
+        let shard = index.and_then(|index| Shard::new(index, tasks));
+        shard.ok_or_else(|| {
+            let last = first + u64::from(tasks) - 1;
+            Error::new(ErrorKind::Usage, format!("there is no shard for {}", scheduler.task))
+                .value(task)
+                .remedy(format!("number the tasks of the array from {first} to {last}"))
+        })
+    }
+}
+
+impl Scheduler {
+    /// The number of the first task, and how many there are.
+    fn range(
+        &self,
+        count: Option<u32>,
+        number: impl Fn(&str) -> Option<u64>,
+    ) -> Result<(u64, u32)> {
+        let unknown = || {
+            Error::new(ErrorKind::Usage, "the scheduler does not say how many shards there are")
+                .value(self.task)
+                .remedy("say it, such as --shard auto/7, and number the tasks from 1")
+        };
+        match (&self.numbering, count) {
+            (Numbering::FromZero(_), Some(count)) => Ok((0, count)),
+            (_, Some(count)) => Ok((1, count)),
+            (Numbering::FromZero(Some(name)), None) => {
+                let count = number(name).and_then(|count| u32::try_from(count).ok());
+                count.map(|count| (0, count)).ok_or_else(unknown)
+            }
+            (Numbering::FromZero(None) | Numbering::Unsaid, None) => Err(unknown()),
+            (Numbering::Between([first, last], whole), None) => {
+                let (first, last) = number(first).zip(number(last)).ok_or_else(unknown)?;
+                let count = last.checked_sub(first).and_then(|count| count.checked_add(1));
+                let is_whole = match whole {
+                    Whole::Count(name) => number(name) == count,
+                    Whole::Step(name) => number(name) == Some(1),
+                };
+                let count = count.filter(|_| is_whole).and_then(|count| u32::try_from(count).ok());
+                count.map(|count| (first, count)).ok_or_else(|| {
+                    Error::new(ErrorKind::Usage, "the numbers of the array's tasks have gaps")
+                        .value(format!("{first} to {last}, some left out"))
+                        .remedy("number them one by one, or say how many: --shard auto/7")
+                })
+            }
+        }
+    }
+}

@@ -1,0 +1,174 @@
+//! Seeing a render happen: progress, a log, a viewer, and the image while it is not finished.
+//!
+//! None of it costs a render: what cannot be shown is a warning at most.
+
+mod live;
+mod log;
+mod progress;
+mod saver;
+mod story;
+
+use std::path::PathBuf;
+
+use super::{Outputs, RenderArgs};
+use crate::common::{above_zero, tell};
+use live::Live;
+use log::Log;
+use progress::Progress;
+use saver::Saver;
+use wavecrest_base::error::{Error, Result, Warning};
+use wavecrest_core::prepared::PreparedScene;
+use wavecrest_core::render::Watch;
+use wavecrest_core::tile::Tile;
+
+pub(crate) use progress::Style;
+
+/// Where tev listens unless it is told otherwise.
+const TEV: &str = "127.0.0.1:14158";
+
+/// Options on what is seen of a render.
+#[derive(Clone, Debug, clap::Args)]
+pub(crate) struct ShowOptions {
+    /// How progress is told on standard error
+    #[arg(long, value_enum, default_value_t)]
+    pub(crate) progress: Style,
+    /// Add what is done, chosen and found to the end of this file; - is standard output
+    #[arg(long, value_name = "FILE")]
+    pub(crate) log: Option<PathBuf>,
+    /// Write the image as far as it is every so many seconds
+    #[arg(long, value_name = "SECONDS", value_parser = above_zero)]
+    pub(crate) save_every: Option<f64>,
+    /// Show the image in the viewer tev while it is rendered
+    #[arg(long, value_name = "HOST:PORT", num_args = 0..=1, require_equals = true,
+          default_missing_value = TEV)]
+    pub(crate) tev: Option<String>,
+}
+
+/// What a render is at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Stage {
+    /// Reading the scene and its meshes.
+    Load,
+    /// Building the tree.
+    Build,
+    /// Following rays.
+    Trace,
+    /// Writing files.
+    Write,
+    /// Nothing any more.
+    Done,
+}
+
+impl Stage {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Load => "load",
+            Self::Build => "build",
+            Self::Trace => "trace",
+            Self::Write => "write",
+            Self::Done => "done",
+        }
+    }
+}
+
+/// Tells of a command from its start to its end.
+pub(super) struct Reporter {
+    progress: Progress,
+    log: Log,
+}
+
+impl Reporter {
+    /// Starts to tell, as the arguments ask.
+    ///
+    /// # Errors
+    /// When the log cannot be written to.
+    pub(super) fn begin(args: &RenderArgs) -> Result<Self> {
+        let log = Log::open(args.show.log.as_deref())?;
+        let progress = Progress::new(args.show.progress, args.scene_options.quiet);
+        Ok(Self { progress, log })
+    }
+
+    /// A stage begins.
+    pub(super) fn stage(&self, stage: Stage) {
+        self.progress.stage(stage);
+        if stage != Stage::Done {
+            self.log.line(stage.name(), || "begins".to_owned());
+        }
+    }
+
+    /// Something for the log alone.
+    pub(super) fn note(&self, topic: &str, text: impl FnOnce() -> String) {
+        self.log.line(topic, text);
+    }
+
+    /// Warnings that have been told already, for the log.
+    pub(super) fn warnings(&self, warnings: &[Warning]) {
+        warnings.iter().for_each(|warning| self.note("warning", || warning.to_string()));
+    }
+
+    /// What was made; why it was not, as a warning.
+    fn or_warn<T>(&self, made: Result<T>) -> Option<T> {
+        made.map_err(|error| self.warn(&error)).ok()
+    }
+
+    /// A warning, told even to who wants quiet.
+    pub(super) fn warn(&self, error: &Error) {
+        tell(&format!("warning: {error}"));
+        self.note("warning", || error.to_string());
+    }
+}
+
+/// Shows one render: whatever of the reporter's channels, the viewer and the file is asked for.
+pub(super) struct Show<'a> {
+    reporter: &'a Reporter,
+    live: Option<Live>,
+    saver: Option<Saver<'a>>,
+}
+
+impl<'a> Show<'a> {
+    /// Gets ready to show the render of `scene`.
+    pub(super) fn new(
+        args: &RenderArgs,
+        outputs: &'a Outputs<'a>,
+        scene: &PreparedScene,
+        reporter: &'a Reporter,
+    ) -> Self {
+        let [width, height] = scene.camera.size();
+        let window = args.crop.unwrap_or(Tile { x: 0, y: 0, width, height });
+        let live =
+            args.show.tev.as_ref().and_then(|address| {
+                reporter.or_warn(Live::connect(address, &outputs.name(), window))
+            });
+        let saver = args
+            .show
+            .save_every
+            .and_then(|seconds| reporter.or_warn(Saver::new(outputs, scene, window, seconds)));
+        Self { reporter, live, saver }
+    }
+}
+
+impl Watch for Show<'_> {
+    fn progress(&self, done: u64, all: u64) {
+        self.reporter.progress.update(done, all);
+    }
+
+    fn tile(&self, tile: &Tile, pixels: &[[f32; 3]]) {
+        if let Some(live) = &self.live {
+            live.send(tile, pixels);
+        }
+        if let Some(saver) = &self.saver
+            && let Err(error) = saver.keep(tile, pixels)
+        {
+            self.reporter.warn(&error);
+        }
+    }
+}
+
+impl Drop for Show<'_> {
+    fn drop(&mut self) {
+        self.reporter.progress.pause();
+        if let Some(error) = self.live.take().and_then(Live::finish) {
+            self.reporter.warn(&error);
+        }
+    }
+}
