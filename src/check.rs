@@ -51,14 +51,14 @@ fn summary(extracted: &Extracted, dropped: Dropped) -> String {
     let lights = scene.lights.iter().filter(|light| light.power != Vec3::ZERO);
     let lines = [
         ("image", format!("{width} x {height}, {} rays a pixel", scene.camera.rays_per_pixel())),
-        ("shapes", format!("{}", scene.looks.shapes.len() - geometry.lights.len())),
+        ("shapes", format!("{}", scene.appearance.shapes.len() - geometry.lights.len())),
         ("triangles", format!("{}", geometry.triangles.len())),
         ("without area", format!("{}", dropped.degenerate)),
         ("vertices", format!("{}", geometry.positions.len())),
         ("quads", format!("{}", geometry.quads.len())),
         ("spheres", format!("{}", geometry.spheres.len())),
         ("lights with power", format!("{}", lights.count())),
-        ("textures", format!("{}", scene.looks.images.len())),
+        ("textures", format!("{}", scene.appearance.images.len())),
         ("bounces", format!("{}", scene.bounces)),
     ];
     lines.iter().fold(String::new(), |mut text, (name, value)| {

@@ -58,7 +58,7 @@ impl SceneOptions {
     pub(crate) fn load(&self, scene: &Path) -> Result<LoadedScene> {
         let options = self.load_options();
         if let Some(limit) = self.memory_limit {
-            check_memory(scene, &self.foretell(scene, None, DEFAULT_BATCH)?, limit)?;
+            check_memory(scene, &self.estimate(scene, None, DEFAULT_BATCH)?, limit)?;
         }
         let loaded = load(scene, &options)?;
         self.warn(&loaded.warnings);
@@ -68,8 +68,8 @@ impl SceneOptions {
         Ok(loaded)
     }
 
-    /// Foretells the memory of a render of so many `pixels`, of all if `None`, before anything large is read.
-    pub(crate) fn foretell(
+    /// Estimates the memory of a render of so many `pixels`, of all if `None`, before anything large is read.
+    pub(crate) fn estimate(
         &self,
         scene: &Path,
         pixels: Option<u64>,
@@ -77,7 +77,7 @@ impl SceneOptions {
     ) -> Result<Prediction> {
         let survey = survey(scene, &self.load_options())?;
         let asked = memory::Asked { pixels, preset: self.bvh, batch, flat: self.flatten };
-        Ok(memory::foretell(&survey, asked))
+        Ok(memory::estimate(&survey, asked))
     }
 
     fn load_options(&self) -> LoadOptions {
@@ -198,16 +198,16 @@ pub(crate) fn progress_bar(quiet: bool, template: &str) -> ProgressBar {
     ProgressBar::new(0).with_style(style)
 }
 
-/// Refuses a scene whose peak is foretold to be above `limit`.
-fn check_memory(scene: &Path, foretold: &Prediction, limit: ByteSize) -> Result<()> {
-    if foretold.total() <= limit.as_u64() {
+/// Refuses a scene whose peak is estimated to be above `limit`.
+fn check_memory(scene: &Path, estimated: &Prediction, limit: ByteSize) -> Result<()> {
+    if estimated.total() <= limit.as_u64() {
         return Ok(());
     }
-    let Prediction { geometry, looks, tree, build, film, batches, loading, .. } = *foretold;
+    let Prediction { geometry, appearance, tree, build, film, batches, loading, .. } = *estimated;
     let uses = [
         ("reading", loading),
         ("geometry", geometry),
-        ("normals and textures", looks),
+        ("normals and textures", appearance),
         ("building the tree", build),
         ("the tree", tree),
         ("the image", film),
@@ -217,7 +217,7 @@ fn check_memory(scene: &Path, foretold: &Prediction, limit: ByteSize) -> Result<
     let message = format!("the render would take more memory than {}", in_words(limit.as_u64()));
     Err(Error::new(ErrorKind::Limit, message)
         .in_file(scene)
-        .value(format!("about {}", in_words(foretold.total())))
+        .value(format!("about {}", in_words(estimated.total())))
         .remedy(format!(
             "raise --memory-limit, or make the scene or the image smaller (at their peaks: {})",
             uses.join(", ")

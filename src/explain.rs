@@ -16,19 +16,19 @@ use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::{RenderOptions, Rendered, render};
 use wavecrest_core::wavefront::DEFAULT_BATCH;
 use wavecrest_core::wavefront::batch::Batch;
-use wavecrest_report::foretold::Foretold;
+use wavecrest_report::estimate::Estimated;
 use wavecrest_report::statistics::{Rays, Samples};
 use wavecrest_scene::memory::{self, Prediction};
 use wavecrest_scene::systems::{self, Extracted};
 
 /// Says which passes a render runs, why the others are left out, and what it will need.
 ///
-/// With `--render` the scene is rendered, and what was foretold is told beside what came of it.
+/// With `--render` the scene is rendered, and what was estimated is told beside what came of it.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct ExplainArgs {
     /// The scene, in JSON
     pub(crate) scene: PathBuf,
-    /// Render the scene, keep no image, and tell what was counted beside what was foretold
+    /// Render the scene, keep no image, and tell what was counted beside what was estimated
     #[arg(long)]
     pub(crate) render: bool,
     /// Print JSON
@@ -54,13 +54,13 @@ struct Explanation {
     moved_by: Option<[f64; 3]>,
     bvh: Choice,
     bytes_per_path: Vec<Buffer>,
-    /// As it was foretold before a mesh or a texture was read.
-    foretold_memory: Prediction,
-    foretold_total: u64,
+    /// As it was estimated before a mesh or a texture was read.
+    estimated_memory: Prediction,
+    estimated_total: u64,
     memory: Prediction,
     memory_total: u64,
     /// What the render will do at most.
-    foretold: Foretold,
+    estimated: Estimated,
     /// What it did, where it was asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     rendered: Option<Found>,
@@ -116,12 +116,12 @@ struct Buffer {
 /// When the scene cannot be rendered.
 pub(crate) fn run(args: &ExplainArgs) -> Result<()> {
     args.scene_options.threads.run(|| {
-        let foretold = args.scene_options.foretell(&args.scene, None, args.batch as usize)?;
+        let estimated = args.scene_options.estimate(&args.scene, None, args.batch as usize)?;
         let loaded = args.scene_options.load(&args.scene)?;
         let extracted = args.scene_options.extract(loaded)?;
         let warnings = systems::warnings(extracted.dropped(), extracted.file());
         args.scene_options.warn(&warnings);
-        let mut explanation = explain(&extracted, foretold, args);
+        let mut explanation = explain(&extracted, estimated, args);
         if args.render {
             explanation.rendered = Some(trace(extracted, explanation.bvh.preset, args)?);
         }
@@ -129,7 +129,7 @@ pub(crate) fn run(args: &ExplainArgs) -> Result<()> {
     })
 }
 
-fn explain(extracted: &Extracted, foretold: Prediction, args: &ExplainArgs) -> Explanation {
+fn explain(extracted: &Extracted, estimated: Prediction, args: &ExplainArgs) -> Explanation {
     let scene = extracted.scene();
     let bvh = choice(extracted, args.scene_options.bvh);
     let memory = memory::predict(extracted, extracted.pixels(), bvh.preset, args.batch as usize);
@@ -139,12 +139,12 @@ fn explain(extracted: &Extracted, foretold: Prediction, args: &ExplainArgs) -> E
         precision: args.scene_options.precision,
         moved_by: (scene.origin != DVec3::ZERO).then(|| (-scene.origin).to_array()),
         bytes_per_path: Column::ALL.into_iter().map(|column| buffer(scene, column)).collect(),
-        foretold_total: foretold.total(),
-        foretold_memory: foretold,
+        estimated_total: estimated.total(),
+        estimated_memory: estimated,
         memory_total: memory.total(),
         memory,
         bvh,
-        foretold: Foretold::of(scene, extracted.pixels()),
+        estimated: Estimated::of(scene, extracted.pixels()),
         rendered: None,
     }
 }
@@ -225,7 +225,7 @@ fn text(e: &Explanation) -> String {
         let _ = writeln!(text, "    {:<16}{rule}", "");
     }
     text += &buffers(&e.bytes_per_path);
-    text += &work(&e.foretold, e.rendered.as_ref());
+    text += &work(&e.estimated, e.rendered.as_ref());
     text += &memory_text(e);
     text
 }
@@ -242,8 +242,8 @@ fn buffers(buffers: &[Buffer]) -> String {
     text
 }
 
-/// What is foretold, beside what was counted if it was.
-fn work(foretold: &Foretold, found: Option<&Found>) -> String {
+/// What is estimated, beside what was counted if it was.
+fn work(estimated: &Estimated, found: Option<&Found>) -> String {
     let rows = |rays: &Rays, samples: &Samples| {
         [
             ("camera rays", rays.primary),
@@ -257,7 +257,7 @@ fn work(foretold: &Foretold, found: Option<&Found>) -> String {
     let counted = found.map(|found| rows(&found.rays, &found.samples));
     let title = if counted.is_some() { "           counted" } else { "" };
     let mut text = format!("work{:>32}{title}\n", "at most");
-    for (index, (name, most)) in rows(&foretold.rays, &foretold.samples).into_iter().enumerate() {
+    for (index, (name, most)) in rows(&estimated.rays, &estimated.samples).into_iter().enumerate() {
         let _ = write!(text, "    {name:<16}{most:>16}");
         if let Some(counted) = counted {
             let _ = write!(text, "  {:>16}", counted[index].1);
@@ -270,17 +270,17 @@ fn work(foretold: &Foretold, found: Option<&Found>) -> String {
 fn memory_text(e: &Explanation) -> String {
     let m = &e.memory;
     let found = e.rendered.as_ref();
-    let f = &e.foretold_memory;
+    let f = &e.estimated_memory;
     let uses = [
         ("geometry", f.geometry, m.geometry, None),
-        ("looks", f.looks, m.looks, None),
+        ("appearance", f.appearance, m.appearance, None),
         ("tree", f.tree, m.tree, found.map(|found| found.tree)),
         ("building it", f.build, m.build, None),
         ("film", f.film, m.film, None),
         ("batches", f.batches, m.batches, found.map(|found| found.batches)),
         ("program", f.program, m.program, None),
         ("reading", f.loading, m.loading, None),
-        ("peak", e.foretold_total, e.memory_total, found.and_then(|found| found.peak)),
+        ("peak", e.estimated_total, e.memory_total, found.and_then(|found| found.peak)),
     ];
     let title = if found.is_some() { "          measured" } else { "" };
     let mut text = format!("memory{:>30}{:>18}{title}\n", "before reading", "once read");

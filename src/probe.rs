@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use super::common::{SceneOptions, SearchOptions, print, to_json};
 use wavecrest_base::error::{Error, ErrorKind, Result};
-use wavecrest_core::probe::{Bounce, Light, Met, Path, Story, Verdict, pixel};
+use wavecrest_core::probe::{Bounce, Light, Met, Path, PixelRecord, Verdict, pixel};
 
 /// Says what happens to the rays of a pixel: what they meet, and what every light does there.
 ///
@@ -56,12 +56,12 @@ pub(crate) fn run(args: &ProbeArgs) -> Result<bool> {
         args.search.apply(&mut scene.accel);
         let (size, samples) = (scene.camera.size(), scene.camera.rays_per_pixel());
         check(args, size, samples)?;
-        let mut story = pixel(&scene, args.pixel, args.seed);
+        let mut record = pixel(&scene, args.pixel, args.seed);
         if let Some(sample) = args.sample {
-            story.paths.retain(|path| path.sample == sample);
+            record.paths.retain(|path| path.sample == sample);
         }
-        print(&if args.json { to_json(&story)? } else { text(&story) })?;
-        Ok(story.differs.is_none())
+        print(&if args.json { to_json(&record)? } else { text(&record) })?;
+        Ok(record.differs.is_none())
     })
 }
 
@@ -82,12 +82,12 @@ fn check(args: &ProbeArgs, [width, height]: [u32; 2], samples: u32) -> Result<()
     }
 }
 
-fn text(story: &Story) -> String {
+fn text(record: &PixelRecord) -> String {
     let mut text = String::new();
-    for path in &story.paths {
-        write_path(&mut text, story.pixel, path);
+    for path in &record.paths {
+        write_path(&mut text, record.pixel, path);
     }
-    let _ = match story.differs {
+    let _ = match record.differs {
         None => writeln!(text, "Both tracers tell this story, to the last bit."),
         Some([sample, bounce]) => {
             writeln!(

@@ -32,7 +32,7 @@ use wavecrest_core::tile::Tile;
 use wavecrest_core::wavefront::DEFAULT_BATCH;
 use wavecrest_image::farm::Shard;
 use wavecrest_image::write::Transfer;
-use wavecrest_report::foretold::Foretold;
+use wavecrest_report::estimate::Estimated;
 use wavecrest_report::statistics::{Bvh, Columns, ImageSize, Memory, Statistics, Time, pass_map};
 use wavecrest_scene::memory::{self, Prediction};
 use wavecrest_scene::systems;
@@ -156,8 +156,8 @@ fn run_here(
     reporter.stage(Stage::Load);
     let pixels = args.crop.map(|crop| crop.len() as u64);
     let options = &args.scene_options;
-    let foretold = match &args.stats {
-        Some(_) => Some(options.foretell(&args.scene, pixels, args.batch as usize)?),
+    let estimated = match &args.stats {
+        Some(_) => Some(options.estimate(&args.scene, pixels, args.batch as usize)?),
         None => None,
     };
     let loaded = options.load(&args.scene)?;
@@ -206,7 +206,7 @@ fn run_here(
             let mut statistics = statistics(args, &scene, preset, &rendered, time, predicted);
             (statistics.first_invalid, statistics.goal) = (invalid, goal);
             statistics.resumed = resumed;
-            statistics.memory.predicted = foretold.map_or(0, |foretold| foretold.total());
+            statistics.memory.predicted = estimated.map_or(0, |estimated| estimated.total());
             write_statistics(file, &statistics)
         }
         None => Ok(()),
@@ -284,7 +284,7 @@ fn statistics(
         },
         rays: counters.into(),
         samples: counters.into(),
-        foretold: Foretold::of(scene, pixels),
+        estimated: Estimated::of(scene, pixels),
         tests: counters.into(),
         kernels: counters.into(),
         dropped: scene.dropped,
@@ -294,7 +294,7 @@ fn statistics(
         time,
         memory: Memory { predicted: predicted.total(), peak: memory::peak() },
         columns: Columns {
-            foretold: if has_columns { predicted.batches } else { 0 },
+            estimated: if has_columns { predicted.batches } else { 0 },
             held: rendered.columns,
         },
         bvh: Bvh::of(&scene.accel, preset),

@@ -16,7 +16,7 @@ use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::{Rendered, Watch, render};
 use wavecrest_core::tile::Tile;
 use wavecrest_image::farm::checkpoint::Checkpoint;
-use wavecrest_image::farm::{Author, Shard, Stint};
+use wavecrest_image::farm::{Author, Session, Shard};
 
 /// Seconds between two checkpoints unless asked otherwise.
 const EVERY: f64 = 60.0;
@@ -123,10 +123,10 @@ pub(super) fn trace(
         return render(scene, &args.options(), &screen).map(|rendered| (rendered, 0.0));
     };
     let options = args.options();
-    let stint = Stint::begin(scene, &options, author(args, seen), None, Some(&checkpoint))?;
-    tell_of_checkpoint(args, &checkpoint, &stint);
-    let rendered = stint.render(&screen, &warn)?;
-    Ok((rendered, stint.resumed()))
+    let session = Session::begin(scene, &options, author(args, seen), None, Some(&checkpoint))?;
+    tell_of_checkpoint(args, &checkpoint, &session);
+    let rendered = session.render(&screen, &warn)?;
+    Ok((rendered, session.resumed()))
 }
 
 /// Renders a shard and writes its part.
@@ -138,21 +138,21 @@ pub(super) fn write_shard(
 ) -> Result<()> {
     let output = seen.outputs.first();
     let (options, checkpoint) = (args.options(), args.parts.checkpoint());
-    let stint =
-        Stint::begin(scene, &options, author(args, seen), Some(shard), checkpoint.as_ref())?;
+    let session =
+        Session::begin(scene, &options, author(args, seen), Some(shard), checkpoint.as_ref())?;
     if let Some(checkpoint) = &checkpoint {
-        tell_of_checkpoint(args, checkpoint, &stint);
+        tell_of_checkpoint(args, checkpoint, &session);
     }
     let screen = Screen::new(args, scene, seen);
-    let done = stint.render_units(&screen, &warn)?;
+    let done = session.render_units(&screen, &warn)?;
     drop(screen);
-    if stint.share() < 1.0 {
+    if session.share() < 1.0 {
         let what = format!("{} is not written", output.display());
-        return Err(seen.interrupt.error(stint.share()).remedy(what + &go_on(args)));
+        return Err(seen.interrupt.error(session.share()).remedy(what + &go_on(args)));
     }
     let invalid = super::find_invalid(args, scene, &done.counters)?;
     super::tell_invalid(args, &done.counters, invalid.as_ref());
-    stint.write(output)?;
+    session.write(output)?;
     seen.reporter.note("write", || output.display().to_string());
     seen.reporter.stage(Stage::Done);
     Ok(())
@@ -195,13 +195,13 @@ fn author(args: &RenderArgs, seen: &Seen<'_>) -> Author {
     Author { scene: args.scene.display().to_string(), command: command.collect(), transfer }
 }
 
-fn tell_of_checkpoint(args: &RenderArgs, checkpoint: &Checkpoint, stint: &Stint<'_>) {
+fn tell_of_checkpoint(args: &RenderArgs, checkpoint: &Checkpoint, session: &Session<'_>) {
     if !checkpoint.resume || args.scene_options.quiet {
         return;
     }
     let file = checkpoint.file.display();
-    if stint.has_checkpoint() {
-        let percent = (stint.resumed() * 1000.0).floor() / 10.0;
+    if session.has_checkpoint() {
+        let percent = (session.resumed() * 1000.0).floor() / 10.0;
         tell(&format!("going on with {file}, which holds {percent} %"));
     } else {
         tell(&format!("there is no checkpoint {file} yet: rendering from the start"));

@@ -5,8 +5,8 @@
 mod live;
 mod log;
 mod progress;
+mod recorder;
 mod saver;
-mod story;
 
 use std::path::PathBuf;
 

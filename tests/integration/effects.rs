@@ -160,7 +160,7 @@ fn texels_are_read_only_for_what_is_textured() {
     let of = |wall: Value| {
         let scene = scene(0, &camera(), &[light()], &[wall]);
         let prepared = try_prepare(&scene, &folder.path().join("scene.json")).expect("a scene");
-        (counters(&prepared).texels, prepared.looks.images.len())
+        (counters(&prepared).texels, prepared.appearance.images.len())
     };
     assert_eq!(of(mirror()), (0, 0));
     let textured = with(mirror(), "texture", "grey.png");
@@ -184,7 +184,7 @@ fn the_texture_of_a_light_is_not_opened() {
         light["shape"]["texture"] = texture.into();
         let scene = scene(0, &camera(), &[light], &[mirror()]);
         let prepared = try_prepare(&scene, &file).expect("the light needs no image");
-        assert!(prepared.looks.images.is_empty() && !prepared.plan.has(Effect::Textures));
+        assert!(prepared.appearance.images.is_empty() && !prepared.plan.has(Effect::Textures));
     }
 }
 
@@ -235,7 +235,7 @@ fn an_image_that_two_shapes_wear_is_decoded_once() {
     let worn = with(mirror(), "texture", "grey.png");
     let scene = scene(0, &camera(), &[light()], &[worn.clone(), with(worn, "filter", "nearest")]);
     let prepared = try_prepare(&scene, &folder.path().join("scene.json")).expect("a scene");
-    assert_eq!(prepared.looks.images.len(), 1);
+    assert_eq!(prepared.appearance.images.len(), 1);
 }
 
 #[test]

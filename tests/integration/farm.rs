@@ -11,7 +11,7 @@ use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::{RenderOptions, Watch};
 use wavecrest_image::farm::checkpoint::Checkpoint;
 use wavecrest_image::farm::merge::merge;
-use wavecrest_image::farm::{Author, Identity, Shard, Stint};
+use wavecrest_image::farm::{Author, Identity, Session, Shard};
 
 use crate::parts::ball;
 use crate::support::{TRACERS, folder, options, prepare, render_on};
@@ -46,10 +46,10 @@ fn shard(number: u32, count: u32) -> Shard {
 /// Renders a shard and writes its part.
 fn write_part(scene: &PreparedScene, shard: Shard, file: &Path) {
     let options = options();
-    let stint =
-        Stint::begin(scene, &options, Author::default(), Some(shard), None).expect("a stint");
-    stint.render_units(&(), &no_warning).expect("the units");
-    stint.write(file).expect("a part");
+    let session =
+        Session::begin(scene, &options, Author::default(), Some(shard), None).expect("a session");
+    session.render_units(&(), &no_warning).expect("the units");
+    session.write(file).expect("a part");
 }
 
 /// Renders a shard in two goes, the first of which is ended after one unit.
@@ -58,10 +58,10 @@ fn write_part_in_two(scene: &PreparedScene, shard: Shard, file: &Path) {
     let at = |resume| checkpoint(&file.with_extension("kept"), resume);
     let go = |checkpoint: &Checkpoint, watch: &dyn Watch| {
         let author = Author::default();
-        let stint = Stint::begin(scene, &options, author, Some(shard), Some(checkpoint));
-        let stint = stint.expect("a stint");
-        let done = stint.render_units(watch, &no_warning).expect("the units");
-        (stint.share(), stint.write(file), done.counters.primary_rays)
+        let session = Session::begin(scene, &options, author, Some(shard), Some(checkpoint));
+        let session = session.expect("a session");
+        let done = session.render_units(watch, &no_warning).expect("the units");
+        (session.share(), session.write(file), done.counters.primary_rays)
     };
     let (share, _, first) = go(&at(false), &EndAfter::new(1));
     assert!(share > 0.0, "one unit is there");
@@ -123,10 +123,10 @@ fn parts_of_a_crop_make_the_crop() {
             .map(|number| {
                 let file = folder.path().join(format!("{number}.part"));
                 let author = Author::default();
-                let stint = Stint::begin(scene, &options, author, Some(shard(number, 3)), None)
-                    .expect("a stint");
-                stint.render_units(&(), &no_warning).expect("the units");
-                stint.write(&file).expect("a part");
+                let session = Session::begin(scene, &options, author, Some(shard(number, 3)), None)
+                    .expect("a session");
+                session.render_units(&(), &no_warning).expect("the units");
+                session.write(&file).expect("a part");
                 file
             })
             .collect();
@@ -189,9 +189,9 @@ fn a_render_that_was_ended_goes_on_to_the_same_bits() {
             for (resume, most) in [(false, 2), (true, 3), (true, 0), (true, usize::MAX)] {
                 let checkpoint = checkpoint(&file, resume);
                 let author = Author::default();
-                let stint = Stint::begin(scene, &options, author, None, Some(&checkpoint))
+                let session = Session::begin(scene, &options, author, None, Some(&checkpoint))
                     .unwrap_or_else(|error| panic!("{error}"));
-                let rendered = stint.render(&EndAfter::new(most), &no_warning).expect("a film");
+                let rendered = session.render(&EndAfter::new(most), &no_warning).expect("a film");
                 rays += rendered.counters.primary_rays;
                 assert_eq!(rendered.finished, most == usize::MAX);
                 if rendered.finished {
@@ -202,8 +202,9 @@ fn a_render_that_was_ended_goes_on_to_the_same_bits() {
             assert_eq!(rays, whole.counters.primary_rays);
             let checkpoint = checkpoint(&file, true);
             let before = std::fs::read(&file).expect("a checkpoint");
-            let stint = Stint::begin(scene, &options, Author::default(), None, Some(&checkpoint));
-            let again = stint.expect("a stint").render(&(), &no_warning).expect("a film");
+            let session =
+                Session::begin(scene, &options, Author::default(), None, Some(&checkpoint));
+            let again = session.expect("a session").render(&(), &no_warning).expect("a film");
             assert_eq!(again.counters.primary_rays, 0);
             assert!(again.finished && again.film.same_bits(&whole.film));
             assert_eq!(std::fs::read(&file).expect("a checkpoint"), before);
@@ -218,8 +219,8 @@ fn a_finished_checkpoint_can_be_merged() -> Result<()> {
     let folder = folder();
     let kept = checkpoint(&folder.path().join("a.kept"), false);
     let options = options();
-    let stint = Stint::begin(scene, &options, Author::default(), None, Some(&kept))?;
-    let film = stint.render(&(), &no_warning)?.film;
+    let session = Session::begin(scene, &options, Author::default(), None, Some(&kept))?;
+    let film = session.render(&(), &no_warning)?.film;
     assert!(merge(&[kept.file])?.film.same_bits(&film));
     Ok(())
 }

@@ -10,7 +10,7 @@ use wavecrest_core::kernels::precision::Robust;
 use wavecrest_core::kernels::shade;
 use wavecrest_core::math::random::Stream;
 use wavecrest_core::math::ray::Ray;
-use wavecrest_core::prepared::{Arrival, LookUps, MirrorPoint, PreparedScene};
+use wavecrest_core::prepared::{Interaction, LookUps, MirrorPoint, PreparedScene};
 use wavecrest_core::variant::Every;
 use wavecrest_image::write::{Transfer, write};
 use wavecrest_scene::load::{LoadOptions, load_str};
@@ -221,8 +221,8 @@ fn pyramids_are_built_where_a_shape_is_trilinear_and_nowhere_else() {
         let mut loaded = load_str(&scene.to_string(), &file, &LoadOptions::default())
             .unwrap_or_else(|error| panic!("{error}"));
         let extracted = extract(&mut loaded.world).unwrap_or_else(|error| panic!("{error}"));
-        let bytes = extracted.scene().looks.images[0].bytes() as u64;
-        assert_eq!(predict(&extracted, 64, extracted.preset(), 64).looks, bytes);
+        let bytes = extracted.scene().appearance.images[0].bytes() as u64;
+        assert_eq!(predict(&extracted, 64, extracted.preset(), 64).appearance, bytes);
         bytes
     };
     let image = 4 * 64 * 32;
@@ -238,8 +238,8 @@ fn mirror_ray(scene: &PreparedScene, x: u32, y: u32) -> (Ray, [Vec3; 2], [Vec3; 
     let hit = scene.accel.closest(&ray, &mut scene.accel.traversal());
     let differential = scene.camera.differential(ray.direction);
     let mut look_ups = LookUps::default();
-    let arrival = scene.arrival::<Robust, Every>(&ray, &hit, || differential, &mut look_ups);
-    let Arrival::Surface(point) = arrival else { panic!("({x}, {y}) meets no surface") };
+    let arrival = scene.interaction::<Robust, Every>(&ray, &hit, || differential, &mut look_ups);
+    let Interaction::Surface(point) = arrival else { panic!("({x}, {y}) meets no surface") };
     let (next, _) = shade::mirror(&point, Vec3::ONE).expect("a mirror ray");
     let mirror = MirrorPoint::of(&point);
     let found = scene.mirrored(&differential, &ray, &hit, &mirror, &mut look_ups);

@@ -46,7 +46,7 @@ fn a_mesh_is_held_once_and_looks_as_its_copies_do() {
         let [held, flat] =
             [false, true].map(|flat| prepared(&scene, precision, flat, Preset::Fast));
         let geometry = &held.accel.geometry;
-        assert_eq!((geometry.forms.len(), geometry.instances.len()), (2, 35));
+        assert_eq!((geometry.prototypes.len(), geometry.instances.len()), (2, 35));
         assert_eq!((geometry.held(), geometry.len()), (401, 7001));
         assert_eq!(flat.accel.geometry.len(), 7001);
         let [a, b] = [&held, &flat].map(|scene| render_on(1, scene, &options()));
@@ -120,28 +120,29 @@ fn closed() -> Geometry {
     Geometry { positions: mesh.positions, triangles: mesh.triangles, ..Geometry::default() }
 }
 
-fn bounds(form: &Geometry) -> Aabb {
-    form.positions.iter().fold(Aabb::EMPTY, |all, &p| all.union(Aabb { low: p, high: p }))
+fn bounds(prototype: &Geometry) -> Aabb {
+    prototype.positions.iter().fold(Aabb::EMPTY, |all, &p| all.union(Aabb { low: p, high: p }))
 }
 
-fn shown(form: &Geometry, to_world: DAffine3) -> Accel {
-    let instances = vec![Instance::new(0, 0, to_world, &bounds(form))];
-    let geometry = Geometry { forms: vec![form.clone()], instances, ..Geometry::default() };
+fn shown(prototype: &Geometry, to_world: DAffine3) -> Accel {
+    let instances = vec![Instance::new(0, 0, to_world, &bounds(prototype))];
+    let geometry =
+        Geometry { prototypes: vec![prototype.clone()], instances, ..Geometry::default() };
     Accel::new(geometry, Preset::Fast)
 }
 
-/// Rays from within go through edges and vertices of the form, as the world sees them.
+/// Rays from within go through edges and vertices of the prototype, as the world sees them.
 #[test]
 fn no_ray_leaves_an_instance_that_is_closed() {
-    let form = closed();
+    let prototype = closed();
     let mut aimed = 0_u64;
     for index in 0..60 {
         let to_world = transform(index);
-        let accel = shown(&form, to_world);
+        let accel = shown(&prototype, to_world);
         let mut traversal = accel.traversal();
         let from = to_world.transform_point3(DVec3::new(0.05, -0.03, 0.02)).as_vec3();
-        let targets = form.triangles.iter().flat_map(|&[a, b, c]| {
-            let [a, b, c] = [a, b, c].map(|i| form.positions[i as usize].as_dvec3());
+        let targets = prototype.triangles.iter().flat_map(|&[a, b, c]| {
+            let [a, b, c] = [a, b, c].map(|i| prototype.positions[i as usize].as_dvec3());
             [a, (a + b) / 2.0, b * 0.3 + c * 0.7]
         });
         let rays: Vec<Ray> = targets
@@ -167,12 +168,12 @@ fn no_ray_meets_the_surface_that_it_leaves() {
     let mut recipe = Recipe::new(Model::Sphere, 2000);
     recipe.displacement = 0.0;
     let mesh = generate::mesh(&recipe).expect("a mesh");
-    let form =
+    let prototype =
         Geometry { positions: mesh.positions, triangles: mesh.triangles, ..Geometry::default() };
     let mut left = 0_u64;
     for index in 100..160 {
         let to_world = transform(index);
-        let accel = shown(&form, to_world);
+        let accel = shown(&prototype, to_world);
         let mut traversal = accel.traversal();
         for k in 0..2000 {
             let [a, b, c, d] = numbers(1000 * index + k, 7);
@@ -183,16 +184,16 @@ fn no_ray_meets_the_surface_that_it_leaves() {
             let ray = Ray::new(outside, inside - outside);
             let hit = accel.closest(&ray, &mut traversal);
             assert!(!hit.is_miss(), "transform {index}, ray {k}");
-            let (instance, of_form) = match accel.geometry.primitive(hit.primitive) {
-                wavecrest_core::accel::geometry::Primitive::Shown(shown) => {
-                    let corners = form.triangle(shown.triangle as usize);
+            let (instance, of_prototype) = match accel.geometry.primitive(hit.primitive) {
+                wavecrest_core::accel::geometry::Primitive::Instanced(shown) => {
+                    let corners = prototype.triangle(shown.triangle as usize);
                     (&accel.geometry.instances[0], corners)
                 }
                 other => panic!("{other:?}"),
             };
             let carried = instance.carried(&ray);
-            let surface =
-                instance.surface(&wavecrest_core::kernels::surface::triangle(&carried, &of_form));
+            let surface = instance
+                .surface(&wavecrest_core::kernels::surface::triangle(&carried, &of_prototype));
             let outward = if surface.normal.dot(ray.direction) > 0.0 {
                 -surface.normal
             } else {
@@ -209,7 +210,7 @@ fn no_ray_meets_the_surface_that_it_leaves() {
                     origin,
                     direction * instance.to_world().matrix3.x_axis.length() as f32,
                 );
-                // Neighbours of the triangle lie behind its plane: the form is convex.
+                // Neighbours of the triangle lie behind its plane: the prototype is convex.
                 let again = accel.closest(&next, &mut traversal);
                 let own = again.primitive == hit.primitive;
                 assert!(!own, "transform {index}, ray {k}: meets its own triangle at {}", again.t);
@@ -289,7 +290,7 @@ fn instances_that_are_wrong_are_refused_in_words() {
     assert!(text.contains("a sphere cannot be sheared, nor scaled by unequal factors"), "{text}");
 }
 
-/// Other forms than meshes, and a mesh that is shown once, are primitives of the scene's own.
+/// Other prototypes than meshes, and a mesh that is shown once, are primitives of the scene's own.
 #[test]
 fn small_forms_are_copied_to_where_they_are_shown() {
     let material = json!({"ks": 0, "kd": 1, "specularexponent": 1, "diffusecolor": [1, 1, 1]});
@@ -305,10 +306,10 @@ fn small_forms_are_copied_to_where_they_are_shown() {
     scene["scene"]["instances"] = json!([at("ball"), at("tile"), at("flag"), at("once")]);
     let ready = try_prepare(&scene, &repository("test.json")).unwrap_or_else(|e| panic!("{e}"));
     let geometry = &ready.accel.geometry;
-    assert_eq!((geometry.instances.len(), geometry.forms.len()), (0, 0));
+    assert_eq!((geometry.instances.len(), geometry.prototypes.len()), (0, 0));
     let counts = [geometry.triangles.len(), geometry.quads.len(), geometry.spheres.len()];
     assert_eq!(counts, [3, 2, 2]);
     assert_eq!(geometry.spheres[1], (Vec3::new(3.0, 0.0, 0.0), 2.0));
-    let places: Vec<&str> = ready.looks.places.iter().map(String::as_str).collect();
+    let places: Vec<&str> = ready.appearance.places.iter().map(String::as_str).collect();
     assert!(places.contains(&"scene.instances[3]") && !places.contains(&"scene.shapes[3]"));
 }

@@ -21,7 +21,7 @@ mod parity;
 // Meshes that are held once and shown often: the answers of copies, whatever searches them, without leaks.
 mod instances;
 
-// Memory is foretold before anything large is read, and refused where it is too much.
+// Memory is estimated before anything large is read, and refused where it is too much.
 mod memory;
 // Renders in parts: who looks on, who ends them early, and samples in blocks.
 mod parts;

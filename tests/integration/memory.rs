@@ -133,7 +133,7 @@ fn more_memory_than_allowed_is_refused_before_anything_is_read() {
 }
 
 #[test]
-fn what_is_foretold_before_reading_is_near_what_is_held() {
+fn what_is_estimated_before_reading_is_near_what_is_held() {
     let folder = folder();
     let path = knot_scene(folder.path(), 300_000);
     let found =
@@ -143,11 +143,11 @@ fn what_is_foretold_before_reading_is_near_what_is_held() {
     let number = |pointer: &str| explained.pointer(pointer).and_then(Value::as_f64).expect(pointer);
     for part in ["geometry", "tree", "build", "film"] {
         let [before, after] =
-            ["foretold_memory", "memory"].map(|when| number(&format!("/{when}/{part}")));
+            ["estimated_memory", "memory"].map(|when| number(&format!("/{when}/{part}")));
         assert_eq!(before, after, "{part}");
     }
     // Without optimisation the program itself is larger.
-    let (foretold, peak) = (number("/foretold_total"), number("/rendered/peak"));
-    assert!(peak < foretold * 1.1 + 30e6, "{peak} bytes where {foretold} were foretold");
-    assert!(peak > foretold * 0.6, "{peak} bytes where {foretold} were foretold");
+    let (estimated, peak) = (number("/estimated_total"), number("/rendered/peak"));
+    assert!(peak < estimated * 1.1 + 30e6, "{peak} bytes where {estimated} were estimated");
+    assert!(peak > estimated * 0.6, "{peak} bytes where {estimated} were estimated");
 }

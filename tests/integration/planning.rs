@@ -16,7 +16,7 @@ use wavecrest_core::render::{RenderOptions, Rendered, TracerKind, render};
 use wavecrest_core::wavefront::batch::Batch;
 use wavecrest_image::write::{Transfer, write};
 use wavecrest_report::effects::scenes::{Variant, variants};
-use wavecrest_report::foretold::Foretold;
+use wavecrest_report::estimate::Estimated;
 use wavecrest_scene::load::{LoadOptions, load, load_str};
 use wavecrest_scene::systems::{self, Options};
 
@@ -161,11 +161,11 @@ fn work(counters: &Counters) -> Counters {
     Counters { tests: Default::default(), kernels: Default::default(), ..*counters }
 }
 
-/// Checks that what is absent is not counted, and that no more is than was foretold.
+/// Checks that what is absent is not counted, and that no more is than was estimated.
 fn check_work(what: &str, scene: &PreparedScene, rendered: &Rendered) {
     let c = &rendered.counters;
-    let foretold = Foretold::of(scene, rendered.film.pixels().len() as u64);
-    let (rays, samples) = (foretold.rays, foretold.samples);
+    let estimated = Estimated::of(scene, rendered.film.pixels().len() as u64);
+    let (rays, samples) = (estimated.rays, estimated.samples);
     assert_eq!((c.primary_rays, c.lens_samples), (rays.primary, samples.lens), "{what}");
     let schedule = scene.plan.schedule();
     for (counted, most, called_for) in [
@@ -179,7 +179,7 @@ fn check_work(what: &str, scene: &PreparedScene, rendered: &Rendered) {
         (c.tests.quads, u64::MAX, scene.plan.has(Effect::Quads)),
         (c.tests.spheres, u64::MAX, scene.plan.has(Effect::Spheres)),
     ] {
-        assert!(counted <= most && (called_for || counted == 0), "{what}: {c:?}, {foretold:?}");
+        assert!(counted <= most && (called_for || counted == 0), "{what}: {c:?}, {estimated:?}");
     }
 }
 
@@ -237,7 +237,7 @@ fn every_scene_gives_one_image_planned_or_not() {
 }
 
 #[test]
-fn columns_are_as_large_as_foretold() {
+fn columns_are_as_large_as_estimated() {
     let folder = folder();
     write_texture(folder.path());
     let all = Set(Set::NUMBER - 1);
@@ -245,7 +245,7 @@ fn columns_are_as_large_as_foretold() {
         let scene = prepare_by(&PASSES, &set.scene(folder.path()));
         let [wavefront, recursive] = render_both(&scene);
         let threads = rayon::current_num_threads() as u64;
-        assert_eq!(wavefront.columns, Batch::bytes_foretold(&scene, 29) * threads);
+        assert_eq!(wavefront.columns, Batch::estimated_bytes(&scene, 29) * threads);
         assert_eq!(recursive.columns, 0);
     }
 }
@@ -270,7 +270,7 @@ fn an_effect_that_nothing_leads_to_changes_no_bit_and_no_count() {
         let [scene, before] = [variant, base].map(|v| prepare_by(&PASSES, &v.scene));
         assert_eq!(scene.plan.schedule(), before.plan.schedule(), "{}", variant.name);
         assert_eq!(Batch::bytes_per_path(&scene), Batch::bytes_per_path(&before));
-        assert_eq!(scene.looks.bytes(), before.looks.bytes(), "{}", variant.name);
+        assert_eq!(scene.appearance.bytes(), before.appearance.bytes(), "{}", variant.name);
         for (rendered, expected) in render_both(&scene).iter().zip(&render_both(&before)) {
             assert!(rendered.film.same_bits(&expected.film), "{}", variant.name);
             // Whatever is counted, tests of boxes too.
@@ -364,7 +364,7 @@ fn a_need_taken_out_of_the_table_is_missed() {
 fn cost(scene: &PreparedScene, rendered: &Rendered) -> [u64; 7] {
     let c = &rendered.counters;
     let numbers = [c.lens_samples, c.light_samples, c.texels];
-    let bytes = [rendered.columns, scene.looks.bytes()];
+    let bytes = [rendered.columns, scene.appearance.bytes()];
     [numbers[0], numbers[1], numbers[2], c.footprints, c.secondary_rays, bytes[0], bytes[1]]
 }
 

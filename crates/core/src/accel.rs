@@ -6,7 +6,7 @@
 //! nearly the same way. [`brute`] asks every primitive and is the reference. All of them give the
 //! same answers to the last bit, with any instructions: [`crate::kernels::slab`] says why.
 //!
-//! A mesh that is shown in several places is held once, as a form with a tree of its own; each showing is
+//! A mesh that is shown in several places is held once, as a prototype with a tree of its own; each showing is
 //! an [`instance`], which rays visit after the scene's own primitives.
 
 pub mod arena;
@@ -27,7 +27,7 @@ mod seals;
 mod search;
 mod single;
 mod stream;
-mod top;
+mod tlas;
 pub mod tree;
 mod units;
 mod wide;
@@ -42,7 +42,7 @@ use instances::Ways;
 use packet::Packets;
 use query::{Closest, Occluded};
 use stream::Flight;
-use top::Top;
+use tlas::Tlas;
 use tree::Tree;
 
 pub use choice::{KernelChoice, KernelCounts, Kernels};
@@ -94,10 +94,10 @@ pub struct Accel {
     pub geometry: Geometry,
     /// The tree, or `None` for the brute-force reference.
     pub tree: Option<Tree>,
-    /// A tree for each form; none for the reference.
-    form_trees: Vec<Tree>,
+    /// A tree for each prototype; none for the reference.
+    blas: Vec<Tree>,
     /// Over the instances.
-    top: Top,
+    tlas: Tlas,
     /// The instructions to search it with.
     pub level: fearless_simd::Level,
     /// The kernel that many rays are searched with.
@@ -113,29 +113,30 @@ impl Accel {
             return Self::unbuilt(geometry);
         }
         let tree = tight(&mut geometry, preset);
-        let mut forms = std::mem::take(&mut geometry.forms);
-        let form_trees = build_forms(&mut forms, preset);
-        geometry.forms = forms;
-        let boxes = |form: usize| {
-            let tree: &Tree = &form_trees[form];
+        let mut prototypes = std::mem::take(&mut geometry.prototypes);
+        let blas = build_blas(&mut prototypes, preset);
+        geometry.prototypes = prototypes;
+        let boxes = |prototype: usize| {
+            let tree: &Tree = &blas[prototype];
             tree.upper_boxes()
         };
-        let top = Top::new(&geometry.instances, boxes);
-        Self { tree: Some(tree), form_trees, top, ..Self::unbuilt(geometry) }
+        let tlas = Tlas::new(&geometry.instances, boxes);
+        Self { tree: Some(tree), blas, tlas, ..Self::unbuilt(geometry) }
     }
 
     /// The primitives alone, not yet to be searched.
     pub fn unbuilt(geometry: Geometry) -> Self {
         let (level, kernel) = (fearless_simd::Level::new(), KernelChoice::default());
-        Self { geometry, tree: None, form_trees: Vec::new(), top: Top::default(), level, kernel }
+        Self { geometry, tree: None, blas: Vec::new(), tlas: Tlas::default(), level, kernel }
     }
 
-    /// How many triangles no ray can hit, since they have no area. Those of a form count once.
+    /// How many triangles no ray can hit, since they have no area. Those of a prototype count once.
     pub fn left_out(&self) -> u64 {
-        let of_forms = self.geometry.forms.iter().enumerate();
-        let of_forms: u64 =
-            of_forms.map(|(i, form)| form.left_out(self.form_trees.get(i).map(|t| t.kept))).sum();
-        self.geometry.left_out(self.tree.as_ref().map(|tree| tree.kept)) + of_forms
+        let of_prototype = self.geometry.prototypes.iter().enumerate();
+        let of_prototype: u64 = of_prototype
+            .map(|(i, prototype)| prototype.left_out(self.blas.get(i).map(|t| t.kept)))
+            .sum();
+        self.geometry.left_out(self.tree.as_ref().map(|tree| tree.kept)) + of_prototype
     }
 
     /// Scratch memory for one thread: traversal then allocates nothing.
@@ -295,14 +296,14 @@ impl Accel {
         (!is_one && precision != Precision::Exact).then_some(precision)
     }
 
-    /// The tree over the scene's own primitives, if there is one, and those of forms.
+    /// The tree over the scene's own primitives, if there is one, and those of prototypes.
     pub fn trees(&self) -> impl Iterator<Item = &Tree> {
-        self.tree.iter().chain(&self.form_trees)
+        self.tree.iter().chain(&self.blas)
     }
 
     /// Bytes held by all trees.
     pub fn tree_bytes(&self) -> u64 {
-        self.trees().map(Tree::bytes).sum::<u64>() + self.top.bytes()
+        self.trees().map(Tree::bytes).sum::<u64>() + self.tlas.bytes()
     }
 }
 
@@ -322,23 +323,25 @@ fn tight(geometry: &mut Geometry, preset: Preset) -> Tree {
     build::build(geometry, preset)
 }
 
-/// A tree for each form: large ones one after the other, each on all threads, small ones side by side.
-fn build_forms(forms: &mut [Geometry], preset: Preset) -> Vec<Tree> {
-    let is_large = |form: &Geometry| form.own() > preset.chunk();
-    let mut trees: Vec<Option<Tree>> =
-        forms.par_iter_mut().map(|form| (!is_large(form)).then(|| tight(form, preset))).collect();
-    for (form, tree) in forms.iter_mut().zip(&mut trees) {
-        tree.get_or_insert_with(|| tight(form, preset));
+/// A tree for each prototype: large ones one after the other, each on all threads, small ones side by side.
+fn build_blas(prototypes: &mut [Geometry], preset: Preset) -> Vec<Tree> {
+    let is_large = |prototype: &Geometry| prototype.own() > preset.chunk();
+    let mut trees: Vec<Option<Tree>> = prototypes
+        .par_iter_mut()
+        .map(|prototype| (!is_large(prototype)).then(|| tight(prototype, preset)))
+        .collect();
+    for (prototype, tree) in prototypes.iter_mut().zip(&mut trees) {
+        tree.get_or_insert_with(|| tight(prototype, preset));
     }
     trees.into_iter().map(Option::unwrap_or_default).collect()
 }
 
-/// The seals of the scene's own triangles and of those of forms.
+/// The seals of the scene's own triangles and of those of prototypes.
 fn find_all_seals(geometry: &mut Geometry) {
     if geometry.precision != Precision::Fast {
         geometry.seals = seals::find(geometry);
-        for form in &mut geometry.forms {
-            form.seals = seals::find(form);
+        for prototype in &mut geometry.prototypes {
+            prototype.seals = seals::find(prototype);
         }
     }
 }

@@ -1,17 +1,17 @@
 //! The scene as the tracers see it: dense arrays, a tree and a plan, immutable while rendering.
 
-mod arrival;
 mod fingerprint;
 mod footprint;
+mod interaction;
 mod resample;
 
 use std::ops::Range;
 
 use glam::{DVec3, Mat3, Vec2, Vec3};
 
-pub use arrival::Arrival;
 pub use fingerprint::Fingerprints;
 pub use footprint::MirrorPoint;
+pub use interaction::Interaction;
 pub use resample::{Original, Samples};
 
 use crate::accel::Accel;
@@ -37,7 +37,7 @@ pub struct PreparedScene {
     /// What they hit.
     pub accel: Accel,
     /// What they hit looks like.
-    pub looks: Looks,
+    pub appearance: Appearance,
     /// What lights it: the lights that can add more than their ambient part, in the order of the file.
     /// Contributions are added in this order.
     pub lights: Vec<Light>,
@@ -71,7 +71,7 @@ pub struct LookUps {
 
 /// The looks of the primitives: shapes, what they are made of, and their textures.
 #[derive(Clone, Debug, Default)]
-pub struct Looks {
+pub struct Appearance {
     /// The shapes by the number of their first primitive, in rising order.
     pub shapes: Vec<Shape>,
     /// What shapes are made of, one for each shape.
@@ -99,14 +99,14 @@ pub struct Shape {
     pub smooth: bool,
     /// The image in place of its diffuse colour.
     pub texture: Option<Texture>,
-    /// The mesh's entry in [`Looks::meshes`].
+    /// The mesh's entry in [`Appearance::meshes`].
     pub mesh: Option<u32>,
 }
 
 /// An image and how a shape wears it.
 #[derive(Clone, Debug)]
 pub struct Texture {
-    /// Which of [`Looks::images`].
+    /// Which of [`Appearance::images`].
     pub image: u32,
     /// How a look-up between texels is answered.
     pub filter: Filter,
@@ -164,8 +164,8 @@ impl<T: Copy> CornerValues<T> {
     }
 }
 
-impl Looks {
-    /// The shape that the primitive belongs to, by its place in [`Looks::shapes`].
+impl Appearance {
+    /// The shape that the primitive belongs to, by its place in [`Appearance::shapes`].
     #[inline]
     pub fn shape_of(&self, primitive: u32) -> usize {
         self.shapes.partition_point(|shape| shape.primitives.start <= primitive) - 1

@@ -3,7 +3,7 @@
 //! The recursive tracer is watched while it renders the pixel, and so is the wavefront. Both must have
 //! traced the same rays to the same hits and gathered the same light, to the last bit.
 
-mod story;
+mod record;
 
 use glam::Vec3;
 
@@ -24,7 +24,7 @@ use crate::tile::{Tile, TraceSettings, Tracer, Unit};
 use crate::variant::{self, Effects, Work};
 use crate::wavefront::{DEFAULT_BATCH, Wavefront};
 
-pub use story::{Bounce, Invalid, Light, Met, Path, Story, Verdict};
+pub use record::{Bounce, Invalid, Light, Met, Path, PixelRecord, Verdict};
 
 /// Names where a sample ceases to be finite, by following it once more.
 pub fn name_invalid(scene: &PreparedScene, at: Sample, seed: u64) -> Invalid {
@@ -47,7 +47,7 @@ pub fn name_invalid(scene: &PreparedScene, at: Sample, seed: u64) -> Invalid {
 type Step = (Ray, Hit, Vec3);
 
 /// Tells the story of a pixel of the image.
-pub fn pixel(scene: &PreparedScene, pixel: [u32; 2], seed: u64) -> Story {
+pub fn pixel(scene: &PreparedScene, pixel: [u32; 2], seed: u64) -> PixelRecord {
     choose(scene, Tell { scene, pixel, seed })
 }
 
@@ -88,9 +88,9 @@ impl Work for TellOne<'_> {
 }
 
 impl Work for Tell<'_> {
-    type Output = Story;
+    type Output = PixelRecord;
 
-    fn with<P: Arithmetic, E: Effects>(self) -> Story {
+    fn with<P: Arithmetic, E: Effects>(self) -> PixelRecord {
         let Self { scene, pixel, seed } = self;
         let settings = TraceSettings { seed, batch: DEFAULT_BATCH };
         let mut tracer = Recursive::<P, E>::new(scene, &settings);
@@ -98,7 +98,7 @@ impl Work for Tell<'_> {
         let (paths, steps): (Vec<_>, Vec<_>) =
             samples.map(|sample| follow(scene, &mut tracer, pixel, sample, seed)).unzip();
         let others = wavefront_steps::<P, E>(scene, pixel, &settings);
-        Story { pixel, paths, differs: difference(&steps, &others) }
+        PixelRecord { pixel, paths, differs: difference(&steps, &others) }
     }
 }
 
@@ -112,14 +112,14 @@ fn follow<P: Arithmetic, E: Effects>(
 ) -> (Path, Vec<Step>) {
     let number = pixel[1] * scene.camera.size()[0] + pixel[0];
     let stream = Stream { seed, pixel: number, sample, bounce: 0 };
-    let mut teller = Teller {
+    let mut recorder = Recorder {
         scene,
         traversal: scene.accel.traversal(),
         path: Path { sample, ..Path::default() },
         steps: Vec::new(),
     };
-    teller.path.radiance = tracer.path(scene, pixel, stream, &mut teller);
-    (teller.path, teller.steps)
+    recorder.path.radiance = tracer.path(scene, pixel, stream, &mut recorder);
+    (recorder.path, recorder.steps)
 }
 
 /// What the wavefront does, for each sample.
@@ -160,7 +160,7 @@ fn bits(v: Vec3) -> [u32; 3] {
 }
 
 /// Writes down what the recursive tracer does.
-struct Teller<'a> {
+struct Recorder<'a> {
     scene: &'a PreparedScene,
     /// For questions of our own, which count for nobody.
     traversal: Traversal,
@@ -168,10 +168,10 @@ struct Teller<'a> {
     steps: Vec<Step>,
 }
 
-impl Teller<'_> {
+impl Recorder<'_> {
     fn place_of(&self, primitive: u32) -> String {
-        let looks = &self.scene.looks;
-        looks.places.get(looks.shape_of(primitive)).cloned().unwrap_or_default()
+        let appearance = &self.scene.appearance;
+        appearance.places.get(appearance.shape_of(primitive)).cloned().unwrap_or_default()
     }
 
     fn met(&self, ray: &Ray, hit: &Hit) -> Met {
@@ -217,7 +217,7 @@ impl Teller<'_> {
     }
 }
 
-impl Observer for Teller<'_> {
+impl Observer for Recorder<'_> {
     fn ray(&mut self, ray: &Ray, hit: &Hit, tests: TestCounts) {
         let met = (!hit.is_miss()).then(|| self.met(ray, hit));
         self.steps.push((*ray, *hit, Vec3::ZERO));
@@ -269,7 +269,7 @@ impl Observer for Teller<'_> {
 
 fn kind(geometry: &Geometry, primitive: u32) -> &'static str {
     match geometry.primitive(primitive) {
-        Primitive::Triangle(_) | Primitive::Shown(_) => "triangle",
+        Primitive::Triangle(_) | Primitive::Instanced(_) => "triangle",
         Primitive::Quad(_) => "quad",
         Primitive::Sphere(_) => "sphere",
     }
@@ -286,10 +286,10 @@ fn t_error(geometry: &Geometry, ray: &Ray, hit: &Hit) -> Option<f32> {
             // One that stands for a seal is passed by.
             Some(space.error_of(&geometry.triangle(i), hit.t).unwrap_or(T_TOLERANCE * hit.t.abs()))
         }
-        (_, Primitive::Shown(shown)) => {
-            let (instance, form) = geometry.instance(shown);
+        (_, Primitive::Instanced(instanced)) => {
+            let (instance, prototype) = geometry.instance(instanced);
             let space = PreparedRay::new(&instance.carried(ray)).space;
-            let corners = form.triangle(shown.triangle as usize);
+            let corners = prototype.triangle(instanced.triangle as usize);
             Some(space.error_of(&corners, hit.t).unwrap_or(T_TOLERANCE * hit.t.abs()))
         }
         (_, Primitive::Quad(i)) => {

@@ -19,7 +19,7 @@ use crate::kernels::shade::{self, ShadingPoint, ShadowRequest};
 use crate::math::random::Stream;
 use crate::math::ray::Ray;
 use crate::plan::schedule::Schedule;
-use crate::prepared::{Arrival, LookUps, MirrorPoint, PreparedScene};
+use crate::prepared::{Interaction, LookUps, MirrorPoint, PreparedScene};
 use crate::tile::{TraceSettings, Tracer, Unit, add_sample};
 use crate::variant::Effects;
 
@@ -138,8 +138,9 @@ impl<P: Arithmetic, E: Effects> Recursive<P, E> {
             observer.ray(&ray, &hit, self.traversal.tests - before);
             let differential =
                 || carried.unwrap_or_else(|| scene.camera.differential(ray.direction));
-            let end = match scene.arrival::<P, E>(&ray, &hit, differential, &mut self.look_ups) {
-                Arrival::Surface(point) => {
+            let end = match scene.interaction::<P, E>(&ray, &hit, differential, &mut self.look_ups)
+            {
+                Interaction::Surface(point) => {
                     radiance += throughput * shade::local_light(&point, scene.ambient);
                     observer.surface(&point, radiance);
                     if shadows && point.lit {
@@ -164,11 +165,11 @@ impl<P: Arithmetic, E: Effects> Recursive<P, E> {
                         End::NoMirror
                     }
                 }
-                Arrival::Light(color) => {
+                Interaction::Light(color) => {
                     radiance += throughput * color;
                     End::Light
                 }
-                Arrival::Nothing => {
+                Interaction::Nothing => {
                     if stream.bounce == 0 {
                         radiance += scene.background;
                     }

@@ -26,10 +26,10 @@ pub trait Effects: Copy + std::fmt::Debug + Send + Sync + 'static {
     const MIRRORS: bool;
 
     /// Textures and interpolated normals.
-    const LOOKS: bool;
+    const APPEARANCE: bool;
 
     /// Whether hits are asked for more than their colour.
-    const HAS_ANY: bool = Self::SHADOWS || Self::MIRRORS || Self::LOOKS;
+    const HAS_ANY: bool = Self::SHADOWS || Self::MIRRORS || Self::APPEARANCE;
 }
 
 /// Nothing but background, ambient and emitted light.
@@ -47,19 +47,19 @@ pub struct Every;
 impl Effects for Ambient {
     const SHADOWS: bool = false;
     const MIRRORS: bool = false;
-    const LOOKS: bool = false;
+    const APPEARANCE: bool = false;
 }
 
 impl Effects for Direct {
     const SHADOWS: bool = true;
     const MIRRORS: bool = false;
-    const LOOKS: bool = false;
+    const APPEARANCE: bool = false;
 }
 
 impl Effects for Every {
     const SHADOWS: bool = true;
     const MIRRORS: bool = true;
-    const LOOKS: bool = true;
+    const APPEARANCE: bool = true;
 }
 
 /// Something to be done with the variant for a scene.
@@ -81,8 +81,8 @@ pub fn choose<W: Work>(precision: Precision, schedule: Schedule, work: W) -> W::
 }
 
 fn choose_effects<P: Arithmetic, W: Work>(schedule: Schedule, work: W) -> W::Output {
-    let looks = schedule.runs(Step::Normals) || schedule.runs(Step::Texels);
-    if schedule.has_mirrors() || looks {
+    let appearance = schedule.runs(Step::Normals) || schedule.runs(Step::Texels);
+    if schedule.has_mirrors() || appearance {
         work.with::<P, Every>()
     } else if schedule.has_shadows() {
         work.with::<P, Direct>()

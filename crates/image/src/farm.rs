@@ -13,10 +13,10 @@ pub mod checkpoint;
 mod identity;
 pub mod merge;
 pub mod part;
+mod session;
 pub mod shard;
-mod stint;
 mod store;
 
 pub use identity::Identity;
+pub use session::{Author, Session};
 pub use shard::Shard;
-pub use stint::{Author, Stint};

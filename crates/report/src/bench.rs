@@ -19,7 +19,7 @@
 //! | `triangles`, `quads`, `spheres`, `lights`, `dropped.degenerate` | | what is in the scene, and what was left out |
 //! | `preset` | | how the tree was built |
 //! | `time.load`, `.build` | seconds | reading and preparing, and building the tree: done once |
-//! | `memory.predicted`, `.peak` | bytes | foretold for a render; measured for the process so far, earlier scenes counted (`null` where the system does not tell) |
+//! | `memory.predicted`, `.peak` | bytes | estimated for a render; measured for the process so far, earlier scenes counted (`null` where the system does not tell) |
 //! | `equal` | | whether every image was the same to the last bit, and all work but tests the same |
 //! | `difference` | | how not, or `null`: see [`measure::Difference`] |
 //! | `rays.primary`, `.secondary`, `.shadow` | rays | in one run, of either tracer |
@@ -189,7 +189,7 @@ pub struct Setting {
     pub preset: Preset,
     /// How long it took to get there.
     pub time: Preparation,
-    /// Memory foretold, in bytes.
+    /// Memory estimated, in bytes.
     pub predicted: u64,
 }
 

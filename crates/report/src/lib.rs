@@ -3,7 +3,7 @@
 pub mod accuracy;
 pub mod bench;
 pub mod effects;
-pub mod foretold;
+pub mod estimate;
 mod markup;
 pub mod page;
 pub mod plot;

@@ -8,7 +8,7 @@
 //! | `rays.primary`, `.secondary`, `.shadow` | rays | camera, mirror and shadow rays traced |
 //! | `samples.lens`, `.light`, `.texels` | | points chosen on the lens and on area lights; texels read |
 //! | `samples.footprints` | | footprints of rays on surfaces, for trilinear textures and for mirrors that may show them |
-//! | `foretold.rays`, `.samples` | | bounds on these, told before the first ray: see [`crate::foretold`] |
+//! | `estimated.rays`, `.samples` | | bounds on these, told before the first ray: see [`crate::estimated`] |
 //! | `tests.nodes` | nodes | inner nodes visited, by a ray or by many together, each testing eight boxes |
 //! | `tests.instances` | visits | of an instance by a ray that meets its box |
 //! | `tests.primitives.triangles`, `.quads`, `.spheres` | tests | tests of primitives |
@@ -22,8 +22,8 @@
 //! | `lights_at_surface` | rays | lights nearer than the rounding error of the surface |
 //! | `time.load`, `.build`, `.trace`, `.write`, `.total` | seconds | by stage, on the clock |
 //! | `time.passes` | seconds | by pass, summed over threads |
-//! | `memory.predicted`, `.peak` | bytes | peak of the process: foretold before a mesh or a texture is read, and measured (`null` where the system does not tell) |
-//! | `columns.foretold`, `.held` | bytes | columns of the wavefront's batches on all threads: foretold, and held (the recursive tracer has none) |
+//! | `memory.predicted`, `.peak` | bytes | peak of the process: estimated before a mesh or a texture is read, and measured (`null` where the system does not tell) |
+//! | `columns.estimated`, `.held` | bytes | columns of the wavefront's batches on all threads: estimated, and held (the recursive tracer has none) |
 //! | `bvh.preset`, `.nodes`, `.depth`, `.bytes` | | the trees: nodes of all, the greatest depth |
 //! | `resumed` | | the part of the image that a checkpoint held (0 to 1): rays and all other work are those of this run alone |
 //! | `goal.asked`, `.samples`, `.expected_error`, `.expected_seconds`, `.found_error`, `.renders` | | what was chosen for a target error or a time budget, and what came of it (`null` where neither was asked for) |
@@ -32,7 +32,7 @@
 use serde::Serialize;
 use serde_json::{Map, Value};
 
-use super::foretold::Foretold;
+use super::estimate::Estimated;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::accel::tree::Tree;
 use wavecrest_core::accel::{Accel, KernelChoice, KernelCounts};
@@ -59,7 +59,7 @@ pub struct Statistics {
     pub image: ImageSize,
     pub rays: Rays,
     pub samples: Samples,
-    pub foretold: Foretold,
+    pub estimated: Estimated,
     pub tests: Tests,
     pub kernels: KernelUse,
     pub dropped: Dropped,
@@ -177,7 +177,7 @@ pub struct Memory {
 #[derive(Clone, Copy, Debug, Serialize)]
 #[allow(missing_docs, reason = "see the module documentation")]
 pub struct Columns {
-    pub foretold: u64,
+    pub estimated: u64,
     pub held: u64,
 }
 

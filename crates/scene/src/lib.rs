@@ -3,15 +3,15 @@
 //! [`load`] reads a file into a hecs world, [`systems`] turn that into a
 //! [`PreparedScene`](wavecrest_core::prepared::PreparedScene), and [`write`](mod@write) goes the other way.
 
-mod alone;
 pub mod components;
 pub mod corners;
-mod form;
+mod format;
 pub mod generate;
 pub mod gltf;
 pub mod load;
 pub mod memory;
 pub mod mesh;
+mod standalone;
 pub mod survey;
 
 mod parse;

@@ -14,9 +14,8 @@ use serde_json::Value;
 
 use wavecrest_base::error::{Error, ErrorKind, Result, Warning};
 
-use super::alone;
 use super::components::Encoding;
-use super::form::FileForm;
+use super::format::FileFormat;
 use super::gltf;
 use super::mesh::{self, LoadedMesh};
 use super::parse;
@@ -24,6 +23,7 @@ use super::reader::{Cursor, Notes, Place, json};
 use super::schema::Shape;
 use super::spawn;
 use super::staging;
+use super::standalone;
 use super::survey::{self, Survey};
 
 /// Greatest length of a scene file in bytes, 256 MiB. JSON takes up to 25 times its length in
@@ -62,10 +62,10 @@ pub struct LoadedScene {
 /// The file, or a mesh, cannot be read or breaks its format; a texture is not there; a value is not
 /// one that the scene format allows; something is larger than allowed.
 pub fn load(path: &Path, options: &LoadOptions) -> Result<LoadedScene> {
-    match FileForm::of(path) {
-        FileForm::Scene => load_str(&read_text(path)?, path, options),
-        FileForm::Gltf => gltf::load(path, options),
-        FileForm::Mesh => alone::load(path, options),
+    match FileFormat::of(path) {
+        FileFormat::Scene => load_str(&read_text(path)?, path, options),
+        FileFormat::Gltf => gltf::load(path, options),
+        FileFormat::Mesh => standalone::load(path, options),
     }
 }
 
@@ -124,12 +124,12 @@ fn refuse_camera(file: &Path, options: &LoadOptions) -> Result<()> {
 /// # Errors
 /// As [`load`], as far as the scene file itself and the headers of meshes go.
 pub fn survey(path: &Path, options: &LoadOptions) -> Result<Survey> {
-    match FileForm::of(path) {
-        FileForm::Scene => {}
-        FileForm::Gltf => return gltf::survey(path, options),
-        FileForm::Mesh => {
+    match FileFormat::of(path) {
+        FileFormat::Scene => {}
+        FileFormat::Gltf => return gltf::survey(path, options),
+        FileFormat::Mesh => {
             let (width, height) = staging::size(options, None)?;
-            return survey::alone(path, [width, height]);
+            return survey::standalone(path, [width, height]);
         }
     }
     let notes = Notes::new(path, options.strict);

@@ -1,4 +1,4 @@
-//! Memory: what a render of a scene will hold at its peak, foretold and measured.
+//! Memory: what a render of a scene will hold at its peak, estimated and measured.
 
 use crate::survey::Survey;
 use crate::systems::{Extracted, textures};
@@ -13,7 +13,7 @@ pub struct Prediction {
     /// Positions, indices, spheres.
     pub geometry: u64,
     /// Mesh attributes and decoded textures.
-    pub looks: u64,
+    pub appearance: u64,
     /// The tree, once built.
     pub tree: u64,
     /// What building the tree needs at its peak, the tree counted.
@@ -24,7 +24,7 @@ pub struct Prediction {
     pub batches: u64,
     /// The program itself.
     pub program: u64,
-    /// While reading the scene, at the peak: foretold, or measured where that is over.
+    /// While reading the scene, at the peak: estimated, or measured where that is over.
     pub loading: u64,
 }
 
@@ -59,13 +59,13 @@ const PROGRAM: u64 = 10 << 20;
 impl Prediction {
     /// The peak: while reading, while building or while tracing.
     pub fn total(&self) -> u64 {
-        let lasting = self.geometry + self.looks + self.program;
+        let lasting = self.geometry + self.appearance + self.program;
         let ahead = lasting + self.build.max(self.tree + self.film + self.batches);
         ahead.max(self.loading)
     }
 }
 
-/// Foretells the peak of a render of `pixels` with `preset` and batches of `batch` paths, on the
+/// Estimates the peak of a render of `pixels` with `preset` and batches of `batch` paths, on the
 /// threads of the current pool.
 pub fn predict(extracted: &Extracted, pixels: u64, preset: Preset, batch: usize) -> Prediction {
     let scene: &PreparedScene = extracted.scene();
@@ -74,11 +74,11 @@ pub fn predict(extracted: &Extracted, pixels: u64, preset: Preset, batch: usize)
     let threads = rayon::current_num_threads() as u64;
     Prediction {
         geometry: geometry.bytes(),
-        looks: scene.looks.bytes(),
+        appearance: scene.appearance.bytes(),
         tree: primitives * tree_bytes(preset),
         build: build_bytes(preset, primitives),
         film: pixels * size_of::<[f32; 3]>() as u64,
-        batches: Batch::bytes_foretold(scene, batch_size(scene, batch)) * threads,
+        batches: Batch::estimated_bytes(scene, batch_size(scene, batch)) * threads,
         program: PROGRAM,
         loading: peak().unwrap_or(0),
     }
@@ -97,9 +97,9 @@ pub struct Asked {
     pub flat: bool,
 }
 
-/// Foretells the peak of a render before any mesh or texture is read, on the threads of the current
+/// Estimates the peak of a render before any mesh or texture is read, on the threads of the current
 /// pool.
-pub fn foretell(survey: &Survey, asked: Asked) -> Prediction {
+pub fn estimate(survey: &Survey, asked: Asked) -> Prediction {
     let mut found = Prediction { program: PROGRAM, ..Prediction::default() };
     let mut primitives = survey.others;
     let (mut reading, mut own, mut greatest) = (0_u64, 0_u64, 0_u64);
@@ -107,29 +107,29 @@ pub fn foretell(survey: &Survey, asked: Asked) -> Prediction {
         let is_shared = mesh.shown > 1 && !asked.flat;
         let copies = if is_shared { 1 } else { mesh.shown };
         primitives = primitives.saturating_add(mesh.holds.triangles.saturating_mul(copies));
-        let form = mesh.holds.form_bytes().saturating_mul(copies);
+        let form = mesh.holds.prototype_bytes().saturating_mul(copies);
         let normals = if mesh.normals { mesh.holds.normal_bytes() } else { 0 };
         let uvs = if mesh.uvs { mesh.holds.uv_bytes() } else { 0 };
         found.geometry = found.geometry.saturating_add(form);
-        found.looks = found.looks.saturating_add((normals + uvs).saturating_mul(copies));
+        found.appearance = found.appearance.saturating_add((normals + uvs).saturating_mul(copies));
         reading = reading.saturating_add(mesh.holds.bytes());
         if !is_shared {
             own += 1;
-            greatest = greatest.max(mesh.holds.form_bytes());
+            greatest = greatest.max(mesh.holds.prototype_bytes());
         }
     }
     found.geometry = found.geometry.saturating_add(survey.instances * INSTANCE);
     let textures = survey.textures.iter().map(textures::survey);
     let mut decoding = 0;
     for [held, more] in textures {
-        found.looks = found.looks.saturating_add(held);
+        found.appearance = found.appearance.saturating_add(held);
         decoding = decoding.max(more);
     }
     // All meshes are read before the first is taken in, which is then lengthened for the others; the last
     // of these is still there when its copy is whole.
     let taking = if own > 1 { greatest } else { 0 };
     let text = survey.text.saturating_mul(TEXT);
-    let lasting = found.geometry.saturating_add(found.looks).saturating_add(found.program);
+    let lasting = found.geometry.saturating_add(found.appearance).saturating_add(found.program);
     let read = [survey.raw, reading.min(BUFFERS), found.program, text]
         .into_iter()
         .fold(reading, u64::saturating_add);

@@ -106,13 +106,13 @@ impl<R: Fn(&Path) -> Result<LoadedMesh>> Spawner<'_, R> {
     ) -> Result<()> {
         let mut entity = EntityBuilder::new();
         entity.add_bundle((order, JsonPath(path), light));
-        let form = self.read_mesh_file(&shape.path, shape.geometry)?;
-        if let Form::Mesh(mesh) = &form
+        let loaded = self.read_mesh_file(&shape.path, shape.geometry)?;
+        if let Loaded::Mesh(mesh) = &loaded
             && !has_area(&mesh.data)
         {
             return Err(self.error(&shape.path, "a light must have an area"));
         }
-        add_form(&mut entity, form);
+        add_loaded(&mut entity, loaded);
         add_some(&mut entity, shape.name);
         add_some(&mut entity, shape.facing);
         add_some(&mut entity, shape.transform);
@@ -121,15 +121,15 @@ impl<R: Fn(&Path) -> Result<LoadedMesh>> Spawner<'_, R> {
     }
 
     fn shape(&mut self, order: Order, shape: Shape) -> Result<Entity> {
-        let form = self.read_mesh_file(&shape.path, shape.geometry)?;
+        let loaded = self.read_mesh_file(&shape.path, shape.geometry)?;
         let mut shading = shape.shading;
-        if let Form::Mesh(mesh) = &form {
+        if let Loaded::Mesh(mesh) = &loaded {
             self.check_uvs(&shape.path, shape.texture.as_ref(), &mesh.data)?;
             shading = self.possible_shading(&shape.path, shading, &mesh.data);
         }
         let mut entity = EntityBuilder::new();
         entity.add_bundle((order, JsonPath(shape.path), shape.sides, shading));
-        add_form(&mut entity, form);
+        add_loaded(&mut entity, loaded);
         add_some(&mut entity, shape.name);
         add_some(&mut entity, shape.facing);
         add_some(&mut entity, shape.transform);
@@ -141,17 +141,17 @@ impl<R: Fn(&Path) -> Result<LoadedMesh>> Spawner<'_, R> {
         Ok(self.world.spawn(entity.build()))
     }
 
-    /// The shape's form, with its mesh file read, if it has one.
-    fn read_mesh_file(&self, path: &str, geometry: Geometry) -> Result<Form> {
+    /// The shape's loaded, with its mesh file read, if it has one.
+    fn read_mesh_file(&self, path: &str, geometry: Geometry) -> Result<Loaded> {
         Ok(match geometry {
-            Geometry::Sphere(sphere) => Form::Sphere(sphere),
-            Geometry::Quad(quad) => Form::Quad(quad),
-            Geometry::Triangle(triangle) => Form::Triangle(triangle),
-            Geometry::Mesh(data) => Form::Mesh(Mesh { data, file: None }),
+            Geometry::Sphere(sphere) => Loaded::Sphere(sphere),
+            Geometry::Quad(quad) => Loaded::Quad(quad),
+            Geometry::Triangle(triangle) => Loaded::Triangle(triangle),
+            Geometry::Mesh(data) => Loaded::Mesh(Mesh { data, file: None }),
             Geometry::MeshFile(file) => {
                 let loaded = (self.read_mesh)(&file).map_err(|e| self.mesh_error(path, e))?;
                 loaded.warnings.into_iter().for_each(|warning| self.notes.pass_on(warning));
-                Form::Mesh(Mesh { data: loaded.mesh, file: Some(file) })
+                Loaded::Mesh(Mesh { data: loaded.mesh, file: Some(file) })
             }
         })
     }
@@ -188,19 +188,19 @@ impl<R: Fn(&Path) -> Result<LoadedMesh>> Spawner<'_, R> {
 }
 
 /// The component that says where a shape is, whichever it has.
-enum Form {
+enum Loaded {
     Sphere(Sphere),
     Quad(Quad),
     Triangle(Triangle),
     Mesh(Mesh),
 }
 
-fn add_form(entity: &mut EntityBuilder, form: Form) {
-    match form {
-        Form::Sphere(sphere) => entity.add(sphere),
-        Form::Quad(quad) => entity.add(quad),
-        Form::Triangle(triangle) => entity.add(triangle),
-        Form::Mesh(mesh) => entity.add(mesh),
+fn add_loaded(entity: &mut EntityBuilder, loaded: Loaded) {
+    match loaded {
+        Loaded::Sphere(sphere) => entity.add(sphere),
+        Loaded::Quad(quad) => entity.add(quad),
+        Loaded::Triangle(triangle) => entity.add(triangle),
+        Loaded::Mesh(mesh) => entity.add(mesh),
     };
 }
 

@@ -1,4 +1,4 @@
-//! What a scene calls for, told before anything large is read: what memory is foretold by.
+//! What a scene calls for, told before anything large is read: what memory is estimated by.
 
 use std::path::Path;
 
@@ -47,7 +47,7 @@ pub struct Survey {
 }
 
 /// What the mesh file at `path` calls for where it is all there is, in an image of so many pixels.
-pub(super) fn alone(path: &Path, size: [u32; 2]) -> Result<Survey> {
+pub(super) fn standalone(path: &Path, size: [u32; 2]) -> Result<Survey> {
     let holds = mesh::survey(path)?;
     let mesh = SurveyedMesh { holds, normals: true, uvs: false, shown: 1 };
     let (rays_per_pixel, light_samples) = (super::staging::rays_per_pixel(), 1);

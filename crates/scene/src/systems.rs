@@ -39,7 +39,7 @@ use wavecrest_core::accel::geometry::Geometry;
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::plan::Plan;
 use wavecrest_core::plan::schedule::{PASSES, Pass};
-use wavecrest_core::prepared::{Dropped, Looks, PreparedScene};
+use wavecrest_core::prepared::{Appearance, Dropped, PreparedScene};
 
 /// The scene without its tree: enough to tell what a render will do.
 #[derive(Debug)]
@@ -117,7 +117,7 @@ pub fn extract_with(world: &mut World, options: Options<'_>) -> Result<Extracted
         camera,
         path,
         accel: Accel::unbuilt(geometry),
-        looks: Looks { shapes, materials, places, images, meshes },
+        appearance: Appearance { shapes, materials, places, images, meshes },
         lights,
         background: settings.background.as_vec3(),
         ambient,

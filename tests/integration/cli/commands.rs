@@ -106,7 +106,7 @@ fn explain_says_it_in_json_too() {
     };
     assert!(runs("shadow") && runs("resolve") && !runs("mirror") && !runs("advance"));
     assert_eq!(found["plan"].as_array().map(Vec::len), Some(11));
-    let all = ["geometry", "looks", "tree", "program"];
+    let all = ["geometry", "appearance", "tree", "program"];
     let lasting: u64 = all.iter().map(|key| found["memory"][key].as_u64().expect("bytes")).sum();
     assert!(found["memory_total"].as_u64().expect("bytes") >= lasting);
     let columns = found["bytes_per_path"].as_array().expect("columns");
@@ -119,25 +119,25 @@ fn explain_says_it_in_json_too() {
 }
 
 #[test]
-fn explain_tells_what_a_render_did_beside_what_was_foretold() {
+fn explain_tells_what_a_render_did_beside_what_was_estimated() {
     let folder = folder();
     write_scene(folder.path(), &mirror_ball(0.5));
     let (code, found) = answer(folder.path(), &["explain", "s.json", "--render", "--json"]);
     let found: Value = serde_json::from_str(&found).expect("JSON");
     assert_eq!(code, 0);
-    let (foretold, rendered) = (&found["foretold"], &found["rendered"]);
+    let (estimated, rendered) = (&found["estimated"], &found["rendered"]);
     assert_eq!(
-        (&foretold["rays"]["primary"], &rendered["rays"]["primary"]),
+        (&estimated["rays"]["primary"], &rendered["rays"]["primary"]),
         (&json!(192), &json!(192))
     );
     assert_eq!(
-        (&foretold["rays"]["secondary"], &foretold["rays"]["shadow"]),
+        (&estimated["rays"]["secondary"], &estimated["rays"]["shadow"]),
         (&json!(384), &json!(576))
     );
     let counted = |key: &str| rendered["rays"][key].as_u64().expect("rays");
     assert!((1..=384).contains(&counted("secondary")) && (1..=576).contains(&counted("shadow")));
     for key in ["lens", "light", "texels"] {
-        let samples = (&foretold["samples"][key], &rendered["samples"][key]);
+        let samples = (&estimated["samples"][key], &rendered["samples"][key]);
         assert_eq!(samples, (&json!(0), &json!(0)), "{key}");
     }
     assert_eq!(found["memory"]["batches"], rendered["batches"]);
@@ -161,7 +161,7 @@ fn explain_and_the_statistics_of_a_render_agree_on_the_plan() {
     let rendered: Value = serde_json::from_str(&text).expect("JSON");
     assert_eq!(explained["plan"], rendered["plan"]);
     assert_eq!(explained["bvh"]["preset"], rendered["bvh"]["preset"]);
-    assert_eq!(explained["foretold_total"], rendered["memory"]["predicted"]);
+    assert_eq!(explained["estimated_total"], rendered["memory"]["predicted"]);
 }
 
 /// Two pictures that differ in one value.

@@ -48,9 +48,9 @@ fn both_tracers_tell_the_story_of_every_kind_of_pixel() {
                 ["probe", "mirror.json", "--pixel", pixel, "--json", "--precision", precision];
             let output = run(folder.path(), &arguments);
             assert!(output.status.success(), "{pixel} {precision}");
-            let story: Value = serde_json::from_slice(&output.stdout).unwrap();
-            let paths = story["paths"].as_array().unwrap();
-            assert_eq!((paths.len(), &story["differs"]), (4, &Value::Null));
+            let record: Value = serde_json::from_slice(&output.stdout).unwrap();
+            let paths = record["paths"].as_array().unwrap();
+            assert_eq!((paths.len(), &record["differs"]), (4, &Value::Null));
             for bounce in paths.iter().flat_map(|path| path["bounces"].as_array().unwrap()) {
                 ends.push(bounce["end"].to_string());
                 let lights = bounce["met"]["lights"].as_array().into_iter().flatten();

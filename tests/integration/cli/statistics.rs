@@ -25,12 +25,12 @@ const STATISTICS: [&str; 67] = [
     "/samples/light",
     "/samples/texels",
     "/samples/footprints",
-    "/foretold/rays/primary",
-    "/foretold/rays/secondary",
-    "/foretold/rays/shadow",
-    "/foretold/samples/lens",
-    "/foretold/samples/light",
-    "/foretold/samples/texels",
+    "/estimated/rays/primary",
+    "/estimated/rays/secondary",
+    "/estimated/rays/shadow",
+    "/estimated/samples/lens",
+    "/estimated/samples/light",
+    "/estimated/samples/texels",
     "/tests/nodes",
     "/tests/instances",
     "/tests/primitives/triangles",
@@ -65,7 +65,7 @@ const STATISTICS: [&str; 67] = [
     "/time/passes/resolve",
     "/memory/predicted",
     "/memory/peak",
-    "/columns/foretold",
+    "/columns/estimated",
     "/columns/held",
     "/bvh/preset",
     "/bvh/nodes",
@@ -99,12 +99,12 @@ fn statistics_have_every_key_that_their_documentation_names() {
     assert!(secondary > 0 && secondary < 16 * 12, "only the ball mirrors: {secondary}");
     let time = |key: &str| found["time"][key].as_f64().expect("seconds");
     assert!(time("total") >= time("trace"));
-    let foretold = &found["foretold"]["rays"];
-    assert_eq!(foretold["primary"], found["rays"]["primary"]);
+    let estimated = &found["estimated"]["rays"];
+    assert_eq!(estimated["primary"], found["rays"]["primary"]);
     for key in ["secondary", "shadow"] {
-        assert!(foretold[key].as_u64() >= found["rays"][key].as_u64(), "{key}");
+        assert!(estimated[key].as_u64() >= found["rays"][key].as_u64(), "{key}");
     }
-    assert_eq!(found["columns"]["foretold"], found["columns"]["held"]);
+    assert_eq!(found["columns"]["estimated"], found["columns"]["held"]);
 }
 
 #[test]

@@ -10,7 +10,7 @@ use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::RenderOptions;
 use wavecrest_image::farm::merge::merge;
 use wavecrest_image::farm::part::Reader;
-use wavecrest_image::farm::{Author, Stint};
+use wavecrest_image::farm::{Author, Session};
 use wavecrest_scene::load::{LoadOptions, load_str};
 use wavecrest_scene::systems;
 
@@ -184,9 +184,9 @@ fn what_is_not_finished_is_placed() {
     let scene = prepare(&ball([80, 80], 1));
     let kept = checkpoint(&folder.path().join("a.kept"), false);
     let options = options();
-    let stint = Stint::begin(&scene, &options, Author::default(), None, Some(&kept));
-    let stint = stint.expect("a stint");
-    stint.render(&super::EndAfter::new(99), &no_warning).expect("a part");
+    let session = Session::begin(&scene, &options, Author::default(), None, Some(&kept));
+    let session = session.expect("a session");
+    session.render(&super::EndAfter::new(99), &no_warning).expect("a part");
     let error = merge(&[kept.file]).expect_err("a gap").to_string();
     assert!(
         error.starts_with(
@@ -302,10 +302,10 @@ fn strangers_are_refused_by_what_they_have_otherwise() {
     super::write_part(&prepare(&strangers_scene()), shard(1, 2), &name("1.part"));
     for (what, Stranger { scene, options }) in strangers() {
         let author = Author::default();
-        let stint = Stint::begin(&scene, &options, author, Some(shard(2, 2)), None);
-        let stint = stint.expect("a stint");
-        stint.render_units(&(), &no_warning).expect("units");
-        stint.write(&name("2.part")).expect("a part");
+        let session = Session::begin(&scene, &options, author, Some(shard(2, 2)), None);
+        let session = session.expect("a session");
+        session.render_units(&(), &no_warning).expect("units");
+        session.write(&name("2.part")).expect("a part");
         let told = merge(&[name("1.part"), name("2.part")]).expect_err(what).to_string();
         assert!(told.contains("2.part: it has another "), "{told}");
         assert!(told.contains(&format!("it has another {what}")), "{what}: {told}");
@@ -320,8 +320,8 @@ fn checkpoints_of_another_render_are_refused_by_what_has_changed() {
     let scene = prepare(&strangers_scene());
     let begin = |scene: &PreparedScene, options: &RenderOptions, resume: bool| {
         let kept = checkpoint(&kept.file, resume);
-        let stint = Stint::begin(scene, options, Author::default(), None, Some(&kept));
-        stint.map(|stint| stint.render(&(), &no_warning).map(drop)).map(drop)
+        let session = Session::begin(scene, options, Author::default(), None, Some(&kept));
+        session.map(|session| session.render(&(), &no_warning).map(drop)).map(drop)
     };
     begin(&scene, &options(), false).expect("it is kept");
     begin(&scene, &options(), true).expect("it goes on");
@@ -337,7 +337,7 @@ fn checkpoints_of_another_render_are_refused_by_what_has_changed() {
     ));
     let options = options();
     let kept = checkpoint(&kept.file, true);
-    let other = Stint::begin(&scene, &options, Author::default(), Some(shard(1, 2)), Some(&kept));
+    let other = Session::begin(&scene, &options, Author::default(), Some(shard(1, 2)), Some(&kept));
     let told = other.map(drop).expect_err("another share").to_string();
     assert!(told.contains("of another share of the image, found the whole image"), "{told}");
     assert_eq!(std::fs::read(&kept.file).expect("a checkpoint"), before);

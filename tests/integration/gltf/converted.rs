@@ -68,7 +68,9 @@ fn a_converted_mesh_has_the_same_image() {
         std::fs::write(&path, text).expect("a file");
         let alone = load(&path, &SIZE);
         assert!(
-            alone.as_ref().is_ok_and(|scene| scene.notes[0].to_string().contains("a mesh alone"))
+            alone
+                .as_ref()
+                .is_ok_and(|scene| scene.notes[0].to_string().contains("a standalone mesh"))
         );
         let (film, _) = converted(&path);
         let alone = rendered(alone);

@@ -8,7 +8,7 @@ use std::ops::Range;
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::instance::{Instance, Shown};
+use super::instance::{Instance, Instanced};
 use super::{Hit, TestCounts};
 use crate::kernels::precision::{Arithmetic, Precision, Robust};
 use crate::kernels::slab::{Aabb, SlabRay};
@@ -36,8 +36,8 @@ pub struct Geometry {
     /// order. To be left empty: they are found when the tree is built.
     pub seals: Vec<[u32; 2]>,
     /// Meshes that are shown by instances, each in its own space. They have triangles alone.
-    pub forms: Vec<Geometry>,
-    /// Where forms are shown. Their primitives' numbers follow those of the scene's own, instance by
+    pub prototypes: Vec<Geometry>,
+    /// Where prototypes are shown. Their primitives' numbers follow those of the scene's own, instance by
     /// instance.
     pub instances: Vec<Instance>,
 }
@@ -52,7 +52,7 @@ pub enum Primitive {
     /// In [`Geometry::spheres`].
     Sphere(usize),
     /// A triangle of an instance.
-    Shown(Shown),
+    Instanced(Instanced),
 }
 
 /// A ray with what the tests derive from it once.
@@ -85,9 +85,9 @@ impl Geometry {
     /// Number of primitives of every kind, degenerate triangles counted, and those of instances as often as
     /// they are shown.
     pub fn len(&self) -> usize {
-        self.instances
-            .last()
-            .map_or(self.own(), |last| last.first() as usize + self.forms[last.form()].own())
+        self.instances.last().map_or(self.own(), |last| {
+            last.first() as usize + self.prototypes[last.prototype()].own()
+        })
     }
 
     /// Number of primitives that are not instances'.
@@ -96,15 +96,15 @@ impl Geometry {
         self.triangles.len() + self.quads.len() + self.spheres.len()
     }
 
-    /// Number of primitives that are held: those of a form once, however often it is shown.
+    /// Number of primitives that are held: those of a prototype once, however often it is shown.
     pub fn held(&self) -> usize {
-        self.own() + self.forms.iter().map(Self::own).sum::<usize>()
+        self.own() + self.prototypes.iter().map(Self::own).sum::<usize>()
     }
 
     /// Has it tested with this precision.
     pub fn set_precision(&mut self, precision: Precision) {
         self.precision = precision;
-        self.forms.iter_mut().for_each(|form| form.precision = precision);
+        self.prototypes.iter_mut().for_each(|prototype| prototype.precision = precision);
     }
 
     /// Whether there is none.
@@ -124,23 +124,23 @@ impl Geometry {
         } else if index < triangles + quads + self.spheres.len() {
             Primitive::Sphere(index - triangles - quads)
         } else {
-            Primitive::Shown(self.shown(number))
+            Primitive::Instanced(self.instanced(number))
         }
     }
 
     /// The primitive of an instance that has that number.
-    fn shown(&self, number: u32) -> Shown {
+    fn instanced(&self, number: u32) -> Instanced {
         let after = self.instances.partition_point(|instance| instance.first() <= number);
         let instance = after.saturating_sub(1) as u32;
         let first = self.instances.get(instance as usize).map_or(0, Instance::first);
-        Shown { instance, triangle: number - first }
+        Instanced { instance, triangle: number - first }
     }
 
-    /// The instance that shows a primitive, and the form that it shows.
+    /// The instance that shows a primitive, and the prototype that it shows.
     #[inline]
-    pub fn instance(&self, shown: Shown) -> (&Instance, &Self) {
-        let instance = &self.instances[shown.instance as usize];
-        (instance, &self.forms[instance.form()])
+    pub fn instance(&self, instanced: Instanced) -> (&Instance, &Self) {
+        let instance = &self.instances[instanced.instance as usize];
+        (instance, &self.prototypes[instance.prototype()])
     }
 
     /// The corners of a triangle of a mesh, in the world; of an instance's, too. `None` for another kind of
@@ -149,9 +149,13 @@ impl Geometry {
     pub fn mesh_triangle(&self, number: u32) -> Option<[Vec3; 3]> {
         match self.primitive(number) {
             Primitive::Triangle(i) => Some(self.triangle(i)),
-            Primitive::Shown(shown) => {
-                let (instance, form) = self.instance(shown);
-                Some(form.triangle(shown.triangle as usize).map(|corner| instance.point(corner)))
+            Primitive::Instanced(instanced) => {
+                let (instance, prototype) = self.instance(instanced);
+                Some(
+                    prototype
+                        .triangle(instanced.triangle as usize)
+                        .map(|corner| instance.point(corner)),
+                )
             }
             Primitive::Quad(_) | Primitive::Sphere(_) => None,
         }
@@ -170,14 +174,14 @@ impl Geometry {
     }
 
     /// The padded box that contains every hit on the primitive; or its own, if tests are to be fast. Not for
-    /// those of instances, whose boxes are around a whole form.
+    /// those of instances, whose boxes are around a whole prototype.
     #[inline]
     pub fn bounds(&self, number: u32) -> Aabb {
         self.padded(match self.primitive(number) {
             Primitive::Triangle(i) => Aabb::around(self.triangle(i)),
             Primitive::Quad(i) => Aabb::around(self.quad(i)),
             Primitive::Sphere(i) => sphere_bounds(self.spheres[i]),
-            Primitive::Shown(_) => Aabb::EMPTY,
+            Primitive::Instanced(_) => Aabb::EMPTY,
         })
     }
 
@@ -189,8 +193,8 @@ impl Geometry {
 
     /// Whether the primitive can be hit: triangles without area cannot, unless they seal a gap.
     pub(super) fn can_be_hit(&self, number: u32) -> bool {
-        if let Primitive::Shown(shown) = self.primitive(number) {
-            return self.instance(shown).1.can_be_hit(shown.triangle);
+        if let Primitive::Instanced(instanced) = self.primitive(number) {
+            return self.instance(instanced).1.can_be_hit(instanced.triangle);
         }
         !self.is_degenerate(number) || self.seal(number).is_some()
     }
@@ -209,10 +213,10 @@ impl Geometry {
     #[inline(always)]
     pub(super) fn unsealed(&self, hit: Hit) -> Hit {
         if hit.primitive as usize >= self.own() && !hit.is_miss() && !self.instances.is_empty() {
-            let shown = self.shown(hit.primitive);
-            let (instance, form) = self.instance(shown);
-            let of_form = form.unsealed(Hit { primitive: shown.triangle, ..hit });
-            return Hit { primitive: instance.first() + of_form.primitive, ..hit };
+            let instanced = self.instanced(hit.primitive);
+            let (instance, prototype) = self.instance(instanced);
+            let of_prototype = prototype.unsealed(Hit { primitive: instanced.triangle, ..hit });
+            return Hit { primitive: instance.first() + of_prototype.primitive, ..hit };
         }
         match self.seal(hit.primitive) {
             Some(primitive) => Hit { primitive, ..hit },
@@ -225,11 +229,13 @@ impl Geometry {
         match self.primitive(number) {
             Primitive::Triangle(i) => triangle::is_degenerate(&self.triangle(i)),
             Primitive::Quad(_) | Primitive::Sphere(_) => false,
-            Primitive::Shown(shown) => self.instance(shown).1.is_degenerate(shown.triangle),
+            Primitive::Instanced(instanced) => {
+                self.instance(instanced).1.is_degenerate(instanced.triangle)
+            }
         }
     }
 
-    /// How many triangles no ray can hit, those of forms apart; `kept` is the number of primitives in the
+    /// How many triangles no ray can hit, those of prototypes apart; `kept` is the number of primitives in the
     /// tree, if there is one.
     pub(super) fn left_out(&self, kept: Option<u64>) -> u64 {
         match kept {
@@ -265,7 +271,7 @@ impl Geometry {
         tests: &mut TestCounts,
     ) -> Option<f32> {
         match self.primitive(number) {
-            Primitive::Triangle(_) | Primitive::Shown(_) => tests.triangles += 1,
+            Primitive::Triangle(_) | Primitive::Instanced(_) => tests.triangles += 1,
             Primitive::Quad(_) => tests.quads += 1,
             Primitive::Sphere(_) => tests.spheres += 1,
         }
@@ -292,18 +298,22 @@ impl Geometry {
                     sphere::intersect(&ray.ray, center, radius)
                 }
             }
-            Primitive::Shown(shown) => return self.shown_test::<P>(shown, ray),
+            Primitive::Instanced(instanced) => return self.instanced_test::<P>(instanced, ray),
         }?;
         (t > ray.ray.t_min && t < ray.ray.t_max).then_some(t)
     }
 
-    /// As [`Self::test`], of a triangle of an instance: the ray is carried into the space of the form.
+    /// As [`Self::test`], of a triangle of an instance: the ray is carried into the space of the prototype.
     #[cold]
     #[inline(never)]
-    fn shown_test<P: Arithmetic>(&self, shown: Shown, ray: &PreparedRay) -> Option<f32> {
-        let (instance, form) = self.instance(shown);
+    fn instanced_test<P: Arithmetic>(
+        &self,
+        instanced: Instanced,
+        ray: &PreparedRay,
+    ) -> Option<f32> {
+        let (instance, prototype) = self.instance(instanced);
         let carried = instance.carried(&ray.ray);
-        let corners = form.triangle(shown.triangle as usize);
+        let corners = prototype.triangle(instanced.triangle as usize);
         let t = triangle_test::<P>(&PreparedRay::of::<P>(&carried), &corners);
         t.filter(|&t| carried.is_valid() && t > carried.t_min && t < carried.t_max)
     }
@@ -315,7 +325,7 @@ impl Geometry {
             + size_of_val(self.quads.as_slice())
             + size_of_val(self.spheres.as_slice())
             + size_of_val(self.instances.as_slice());
-        own as u64 + self.forms.iter().map(Self::bytes).sum::<u64>()
+        own as u64 + self.prototypes.iter().map(Self::bytes).sum::<u64>()
     }
 }
 

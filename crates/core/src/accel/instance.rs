@@ -1,16 +1,16 @@
 //! Instances: meshes that are held once and shown in many places.
 //!
-//! An instance has no triangles of its own. A ray that may meet it is carried into the space of its form,
+//! An instance has no triangles of its own. A ray that may meet it is carried into the space of its prototype,
 //! where it keeps its t, and is searched there. Primitives of instances have numbers like any other: each
-//! instance has a range of as many as its form has triangles, behind the scene's own.
+//! instance has a range of as many as its prototype has triangles, behind the scene's own.
 //!
 //! # The bound
 //!
 //! Transforms are applied in double precision and rounded once, with unit roundoff u. With M the matrix to
 //! the world, T its translation, o and o' the origin of the ray in both spaces, and S the largest
-//! coordinate of the form, a point of the carried ray at the height of the form is off by at most
+//! coordinate of the prototype, a point of the carried ray at the height of the prototype is off by at most
 //! 4 u (S + |o'|): a rounding of the origin, and one of the direction over the way from there. The test in
-//! the form's space is off by [`PADDING`] (S + |o'|), so that both together stay below twice that; and
+//! the prototype's space is off by [`PADDING`] (S + |o'|), so that both together stay below twice that; and
 //! |o'| is at most |M^-1| (|o| + |T|), in largest norms. Seen from the world that is |M| times as much. The
 //! part that the ray has no share in is added to the instance's box once; the other is
 //! [`Instance::widening`] times the |o| by which the origin of a ray is moved for every other box too.
@@ -22,44 +22,44 @@ use crate::kernels::surface::Surface;
 use crate::math::float::{UNIT_ROUNDOFF, max_abs, normalize_f64};
 use crate::math::ray::Ray;
 
-/// One showing of a form.
+/// One showing of a prototype.
 #[derive(Clone, Debug)]
 pub struct Instance {
-    /// Which form.
-    form: u32,
+    /// Which prototype.
+    prototype: u32,
     /// The number of its first primitive.
     first: u32,
     to_world: DAffine3,
-    to_form: DAffine3,
+    to_prototype: DAffine3,
     /// By what points of its surface may be off, for each coordinate, on top of what they are off by in
-    /// the form's space.
+    /// the prototype's space.
     error: Vec3,
 }
 
 /// A primitive of an instance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Shown {
+pub struct Instanced {
     /// Which instance.
     pub instance: u32,
-    /// Which triangle of its form.
+    /// Which triangle of its prototype.
     pub triangle: u32,
 }
 
 impl Instance {
-    /// The form of that number, whose coordinates lie in `bounds`, shown where `to_world` leads; its
+    /// The prototype of that number, whose coordinates lie in `bounds`, shown where `to_world` leads; its
     /// primitives begin with the number `first`.
-    pub fn new(form: u32, first: u32, to_world: DAffine3, bounds: &Aabb) -> Self {
-        let to_form = to_world.inverse();
+    pub fn new(prototype: u32, first: u32, to_world: DAffine3, bounds: &Aabb) -> Self {
+        let to_prototype = to_world.inverse();
         let farthest = bounds.low.abs().max(bounds.high.abs()).as_dvec3();
-        // A rounding of the point itself in the form's space, and one of the origin of the next ray.
+        // A rounding of the point itself in the prototype's space, and one of the origin of the next ray.
         let error = rows(&to_world).map(|row| 2.0 * f64::from(UNIT_ROUNDOFF) * row.dot(farthest));
-        Self { form, first, to_world, to_form, error: DVec3::from_array(error).as_vec3() }
+        Self { prototype, first, to_world, to_prototype, error: DVec3::from_array(error).as_vec3() }
     }
 
-    /// Which form it shows.
+    /// Which prototype it shows.
     #[inline]
-    pub fn form(&self) -> usize {
-        self.form as usize
+    pub fn prototype(&self) -> usize {
+        self.prototype as usize
     }
 
     /// The number of its first primitive.
@@ -68,28 +68,28 @@ impl Instance {
         self.first
     }
 
-    /// From the form's space to the world's.
+    /// From the prototype's space to the world's.
     pub fn to_world(&self) -> &DAffine3 {
         &self.to_world
     }
 
-    /// `ray` in the form's space: its t are the same.
+    /// `ray` in the prototype's space: its t are the same.
     #[inline]
     pub fn carried(&self, ray: &Ray) -> Ray {
         Ray {
-            origin: self.to_form.transform_point3(ray.origin.as_dvec3()).as_vec3(),
-            direction: self.to_form.transform_vector3(ray.direction.as_dvec3()).as_vec3(),
+            origin: self.to_prototype.transform_point3(ray.origin.as_dvec3()).as_vec3(),
+            direction: self.to_prototype.transform_vector3(ray.direction.as_dvec3()).as_vec3(),
             ..*ray
         }
     }
 
-    /// A point of the form in the world.
+    /// A point of the prototype in the world.
     #[inline]
     pub fn point(&self, point: Vec3) -> Vec3 {
         self.to_world.transform_point3(point.as_dvec3()).as_vec3()
     }
 
-    /// A normal of the form in the world, of unit length. It stays on the side that the winding gives: that
+    /// A normal of the prototype in the world, of unit length. It stays on the side that the winding gives: that
     /// turns about where the instance is mirrored, and the normal with it.
     #[inline]
     pub fn normal(&self, normal: Vec3) -> Vec3 {
@@ -98,7 +98,7 @@ impl Instance {
         normalize_f64(x * n.x + y * n.y + z * n.z).as_vec3()
     }
 
-    /// A shading normal of the form in the world, of unit length: on the same side of the surface.
+    /// A shading normal of the prototype in the world, of unit length: on the same side of the surface.
     #[inline]
     pub fn shading_normal(&self, normal: Vec3) -> Vec3 {
         let turned = self.normal(normal);
@@ -111,7 +111,7 @@ impl Instance {
         self.to_world.matrix3.determinant() < 0.0
     }
 
-    /// A point of the form's surface in the world, with all that it may be off by.
+    /// A point of the prototype's surface in the world, with all that it may be off by.
     #[inline]
     pub fn surface(&self, surface: &Surface) -> Surface {
         let point = self.to_world.transform_point3(surface.point.as_dvec3());
@@ -126,7 +126,7 @@ impl Instance {
         }
     }
 
-    /// The padded box around the form, which lies in `boxes`, as rays see it that start at the origin.
+    /// The padded box around the prototype, which lies in `boxes`, as rays see it that start at the origin.
     pub fn bounds(&self, boxes: &[Aabb]) -> Aabb {
         let mut world = Aabb::EMPTY;
         let mut size = 0.0;
@@ -137,13 +137,13 @@ impl Instance {
         for bounds in boxes {
             size = f64::max(size, f64::from(max_abs(bounds.low).max(max_abs(bounds.high))));
         }
-        let far = norm(&self.to_form) * self.to_world.translation.abs().max_element();
+        let far = norm(&self.to_prototype) * self.to_world.translation.abs().max_element();
         let pad = 2.0 * f64::from(PADDING) * norm(&self.to_world) * (size + far);
         let pad = (pad * GENEROUS) as f32 + PADDING * max_abs(world.low).max(max_abs(world.high));
         Aabb { low: world.low - pad, high: world.high + pad }
     }
 
-    /// The smallest box in the world around a box of the form.
+    /// The smallest box in the world around a box of the prototype.
     fn carried_box(&self, bounds: &Aabb) -> Aabb {
         let (low, high) = (bounds.low.as_dvec3(), bounds.high.as_dvec3());
         let (center, half) = ((low + high) / 2.0, (high - low) / 2.0);
@@ -154,7 +154,7 @@ impl Instance {
 
     /// How many times as far as for other boxes the origin of a ray is to be moved for the instance's box.
     pub fn widening(&self) -> f32 {
-        (2.0 * GENEROUS * norm(&self.to_world) * norm(&self.to_form)).max(1.0) as f32
+        (2.0 * GENEROUS * norm(&self.to_world) * norm(&self.to_prototype)).max(1.0) as f32
     }
 }
 

@@ -11,7 +11,7 @@
 //! to share little on average, the rest of the batch goes there at once.
 //!
 //! [`TILES`] tiles are on their way at a time, and what they have to test goes through the same short
-//! loops: the processor then has many tests to work on, and few branches to foretell.
+//! loops: the processor then has many tests to work on, and few branches to estimate.
 //!
 //! All of it computes the numbers that one ray computes, so that the answers are the same bits.
 
@@ -37,7 +37,7 @@ use crate::kernels::precision::Arithmetic;
 use crate::math::simd::{Lanes, entry};
 use children::Children;
 use groups::{Groups, Open};
-use leaves::Alone;
+use leaves::SingleTest;
 use remaining::{Handed, Remaining};
 use tile::{Tile, extent, number_of};
 
@@ -92,7 +92,7 @@ pub(super) struct Packets {
     /// The rays that were handed over.
     queue: Vec<u32>,
     /// Rays in front of leaves, each alone, and what they have found there.
-    alone: Vec<Alone>,
+    singles: Vec<SingleTest>,
     found: Vec<Found>,
 }
 
@@ -115,7 +115,7 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
     // Packets do not ask which triangle is a light's.
     let is_any_equal = !Q::ANY || geometry.lights.is_empty();
     let choice = if is_any_equal { choice } else { KernelChoice::Stream };
-    let Packets { tiles, groups, asks, handed, last, queue, alone, found } = packets;
+    let Packets { tiles, groups, asks, handed, last, queue, singles, found } = packets;
     tiles.resize(TILES, Tile::EMPTY);
     tiles.iter_mut().for_each(|tile| tile.visits.resize(tree.stack_entries(), Visit::NONE));
     handed.clear();
@@ -137,7 +137,7 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
         groups,
         asks,
         children: Children::NONE,
-        alone,
+        singles,
         found,
         stack,
         query: PhantomData,
@@ -211,7 +211,7 @@ struct Batch<'a, Q, P> {
     groups: &'a mut Groups,
     asks: &'a mut Vec<Open>,
     children: Children,
-    alone: &'a mut Vec<Alone>,
+    singles: &'a mut Vec<SingleTest>,
     found: &'a mut Vec<Found>,
     stack: &'a mut [u64],
     query: PhantomData<(Q, P)>,

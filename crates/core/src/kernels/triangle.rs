@@ -52,7 +52,7 @@ pub(crate) enum Axis {
 
 impl Axis {
     /// The axis along which `d` is longest. Each choice is one instruction: rays differ, and a
-    /// branch would be foretold wrongly.
+    /// branch would be estimated wrongly.
     #[inline(always)]
     fn longest(d: Vec3) -> Self {
         let size = d.abs();

@@ -2,7 +2,7 @@
 //!
 //! [`PASSES`] is the only place that knows which effect calls for which work. The census decides the
 //! effects; from these and the table follows the [`Schedule`]: the steps that run and the columns that
-//! have storage. Systems, both tracers, the batch and what foretells memory ask it, and nothing else.
+//! have storage. Systems, both tracers, the batch and what estimates memory ask it, and nothing else.
 
 use super::{Decision, Effect};
 

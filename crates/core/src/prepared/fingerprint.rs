@@ -42,14 +42,16 @@ pub struct Fingerprints {
     /// The camera, and where the origin lies.
     pub camera: u128,
     /// Materials and which shape has which, lights, background, ambient part, bounces.
-    pub looks: u128,
+    pub appearance: u128,
 }
 
 impl Fingerprints {
     /// One number for all of them.
     pub fn all(&self) -> u128 {
-        let Self { geometry, textures, camera, looks } = *self;
-        hashed(|hasher| hasher.0.update(bytemuck::cast_slice(&[geometry, textures, camera, looks])))
+        let Self { geometry, textures, camera, appearance } = *self;
+        hashed(|hasher| {
+            hasher.0.update(bytemuck::cast_slice(&[geometry, textures, camera, appearance]))
+        })
     }
 }
 
@@ -72,8 +74,9 @@ impl PreparedScene {
                 // hasher takes all that is written.
                 let _ = write!(hasher, "{:?}{:?}", self.camera, self.origin);
             }),
-            looks: hashed(|hasher| {
-                let _ = write!(hasher, "{:?}{:?}", self.looks.shapes, self.looks.materials);
+            appearance: hashed(|hasher| {
+                let _ =
+                    write!(hasher, "{:?}{:?}", self.appearance.shapes, self.appearance.materials);
                 let _ = write!(hasher, "{:?}{:?}", self.lights, self.background);
                 let _ = write!(hasher, "{:?} {:?}", self.ambient, self.bounces);
             }),
@@ -87,14 +90,14 @@ impl PreparedScene {
             hasher.list(&geometry.triangles);
             hasher.list(&geometry.quads);
             let _ = write!(hasher, "{:?}{:?}", geometry.spheres, geometry.lights);
-            for form in &geometry.forms {
-                hasher.list(&form.positions);
-                hasher.list(&form.triangles);
+            for prototype in &geometry.prototypes {
+                hasher.list(&prototype.positions);
+                hasher.list(&prototype.triangles);
             }
             for instance in &geometry.instances {
-                let _ = write!(hasher, "{} {:?}", instance.form(), instance.to_world());
+                let _ = write!(hasher, "{} {:?}", instance.prototype(), instance.to_world());
             }
-            for mesh in &self.looks.meshes {
+            for mesh in &self.appearance.meshes {
                 let _ = write!(hasher, "{:?}", [mesh.first_triangle, mesh.first_position]);
                 if let Some(normals) = &mesh.normals {
                     hasher.list(&normals.values);
@@ -110,7 +113,7 @@ impl PreparedScene {
 
     fn textures_fingerprint(&self) -> u128 {
         hashed(|hasher| {
-            for image in &self.looks.images {
+            for image in &self.appearance.images {
                 let _ = write!(hasher, "{:?}", [image.width, image.height, image.coarsest()]);
                 match &image.texels {
                     Texels::Bytes(texels) => hasher.list(texels),
@@ -126,6 +129,6 @@ impl PreparedScene {
 
     /// Bytes held by geometry, tree, attributes and images.
     pub fn bytes(&self) -> u64 {
-        self.accel.geometry.bytes() + self.accel.tree_bytes() + self.looks.bytes()
+        self.accel.geometry.bytes() + self.accel.tree_bytes() + self.appearance.bytes()
     }
 }

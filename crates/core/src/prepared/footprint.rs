@@ -5,7 +5,7 @@
 
 use glam::{Vec2, Vec3};
 
-use super::{LookUps, Looks, PreparedScene, Shape, Texture, UvMap};
+use super::{Appearance, LookUps, PreparedScene, Shape, Texture, UvMap};
 use crate::accel::Hit;
 use crate::accel::geometry::{Geometry, Primitive};
 use crate::kernels::differential::{Differential, turn_between, uv_change};
@@ -35,7 +35,7 @@ impl MirrorPoint {
     }
 }
 
-impl Looks {
+impl Appearance {
     /// How texture coordinates change with the point `surface` of the shape's primitive, by `steps`.
     /// Not finite where a step is not.
     pub fn footprint(
@@ -102,16 +102,18 @@ impl PreparedScene {
                 let outward = point.point - geometry.spheres[i].0;
                 if dot(outward, point.normal) < 0.0 { -turn } else { turn }
             }
-            Primitive::Triangle(_) | Primitive::Shown(_) if smooth => {
-                let shape = &self.looks.shapes[self.looks.shape_of(primitive)];
-                let normals =
-                    shape.smooth.then(|| self.looks.normals(shape, geometry, primitive)).flatten();
+            Primitive::Triangle(_) | Primitive::Instanced(_) if smooth => {
+                let shape = &self.appearance.shapes[self.appearance.shape_of(primitive)];
+                let normals = shape
+                    .smooth
+                    .then(|| self.appearance.normals(shape, geometry, primitive))
+                    .flatten();
                 let corners = geometry.mesh_triangle(primitive);
                 normals.zip(corners).map_or(Vec3::ZERO, |(normals, corners)| {
                     turn_between(&corners, &normals, point.point, step, point.shading_normal)
                 })
             }
-            Primitive::Triangle(_) | Primitive::Quad(_) | Primitive::Shown(_) => Vec3::ZERO,
+            Primitive::Triangle(_) | Primitive::Quad(_) | Primitive::Instanced(_) => Vec3::ZERO,
         }
     }
 }
@@ -120,6 +122,6 @@ impl PreparedScene {
 fn turn_of_sphere(geometry: &Geometry, primitive: u32, step: Vec3) -> Vec3 {
     match geometry.primitive(primitive) {
         Primitive::Sphere(i) => step / geometry.spheres[i].1,
-        Primitive::Triangle(_) | Primitive::Quad(_) | Primitive::Shown(_) => Vec3::ZERO,
+        Primitive::Triangle(_) | Primitive::Quad(_) | Primitive::Instanced(_) => Vec3::ZERO,
     }
 }

@@ -46,7 +46,7 @@ impl PreparedScene {
         let Accel { kernel, level, .. } = self.accel;
         let mut geometry = std::mem::take(&mut self.accel.geometry);
         geometry.seals.clear();
-        geometry.forms.iter_mut().for_each(|form| form.seals.clear());
+        geometry.prototypes.iter_mut().for_each(|prototype| prototype.seals.clear());
         self.accel = Accel::new(geometry, preset);
         (self.accel.kernel, self.accel.level) = (kernel, level);
     }

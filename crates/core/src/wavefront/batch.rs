@@ -346,8 +346,8 @@ impl Batch {
         groups.map(|group| (group.name(), row_bytes(group))).collect()
     }
 
-    /// Bytes that a batch of up to `capacity` paths holds in its columns, foretold.
-    pub fn bytes_foretold(scene: &PreparedScene, capacity: usize) -> u64 {
+    /// Bytes that a batch of up to `capacity` paths holds in its columns, estimated.
+    pub fn estimated_bytes(scene: &PreparedScene, capacity: usize) -> u64 {
         let row: usize = scene.plan.schedule().columns().map(row_bytes).sum();
         (row * columns::room(capacity.max(1))) as u64
     }

@@ -79,12 +79,12 @@ impl<P: Arithmetic, E: Effects> Kernel for Shade<'_, P, E> {
 
     #[inline(always)]
     fn run<S: Lanes>(mut self, simd: S) {
-        let looks = &self.scene.looks;
+        let appearance = &self.scene.appearance;
         let geometry = &self.scene.accel.geometry;
         let first_sphere = geometry.triangles.len() + geometry.quads.len();
-        let first_shown = geometry.own();
+        let first_instanced = geometry.own();
         let (mut flat, mut spheres) = (Faces::new(), Faces::new());
-        let mut shown = (!geometry.instances.is_empty()).then(Faces::new);
+        let mut instanced = (!geometry.instances.is_empty()).then(Faces::new);
         // The shape that was hit last: the next hit is likely to be there too.
         let mut last = 0;
         for i in 0..self.batch.rays.len() {
@@ -93,15 +93,17 @@ impl<P: Arithmetic, E: Effects> Kernel for Shade<'_, P, E> {
                 self.miss(i);
                 continue;
             }
-            if !looks.shapes[last].primitives.contains(&primitive) {
-                last = looks.shape_of(primitive);
+            if !appearance.shapes[last].primitives.contains(&primitive) {
+                last = appearance.shape_of(primitive);
             }
-            if let Some(color) = looks.shapes[last].emission {
+            if let Some(color) = appearance.shapes[last].emission {
                 self.light(i, color);
                 continue;
             }
-            let (faces, on) = match (primitive as usize, &mut shown) {
-                (number, Some(shown)) if number >= first_shown => (shown, On::Instances),
+            let (faces, on) = match (primitive as usize, &mut instanced) {
+                (number, Some(instanced)) if number >= first_instanced => {
+                    (instanced, On::Instances)
+                }
                 (number, _) if number >= first_sphere => (&mut spheres, On::Spheres),
                 _ => (&mut flat, On::Flat),
             };
@@ -110,7 +112,7 @@ impl<P: Arithmetic, E: Effects> Kernel for Shade<'_, P, E> {
             }
         }
         let rest = [(Some(&mut flat), On::Flat), (Some(&mut spheres), On::Spheres)];
-        for (faces, on) in rest.into_iter().chain([(shown.as_mut(), On::Instances)]) {
+        for (faces, on) in rest.into_iter().chain([(instanced.as_mut(), On::Instances)]) {
             if let Some(faces) = faces {
                 self.block(simd, faces, on);
             }
@@ -136,8 +138,8 @@ impl<P: Arithmetic, E: Effects> Shade<'_, P, E> {
     #[inline(always)]
     fn block<S: Lanes>(&mut self, simd: S, faces: &mut Faces, on: On) {
         let rays = &self.batch.rays;
-        let (geometry, looks) = (&self.scene.accel.geometry, &self.scene.looks);
-        let groups = faces.take::<E>(geometry, looks, |i| rays.ray(i));
+        let (geometry, appearance) = (&self.scene.accel.geometry, &self.scene.appearance);
+        let groups = faces.take::<E>(geometry, appearance, |i| rays.ray(i));
         for group in groups {
             self.group(simd, group, on);
         }
@@ -178,13 +180,13 @@ impl<P: Arithmetic, E: Effects> Shade<'_, P, E> {
         let outward = surfaces.normal.scale(group.side.simd_into(simd));
         let at_back = outward.dot(direction).simd_gt(0.0);
         let normal = (-outward).or(at_back, outward);
-        let shading_normal = if !E::LOOKS || group.smooth == 0 {
+        let shading_normal = if !E::APPEARANCE || group.smooth == 0 {
             normal
         } else {
             let (values, smooth) = (&group.normals, mask(simd, group.smooth));
             interpolated_normal(simd, values, surfaces.barycentric, normal, smooth)
         };
-        if E::LOOKS && group.textured & group.used != 0 {
+        if E::APPEARANCE && group.textured & group.used != 0 {
             self.textures(group, &surfaces, &mut color);
         }
         self.add(group.used, &path, throughput * color.scale(ambient));
@@ -251,11 +253,11 @@ impl<P: Arithmetic, E: Effects> Shade<'_, P, E> {
 
     /// Replaces the colours of hits on shapes with textures.
     fn textures<S: Lanes>(&mut self, group: &Group, surfaces: &Surfaces<S>, color: &mut Vec3x8<S>) {
-        let (looks, geometry) = (&self.scene.looks, &self.scene.accel.geometry);
+        let (appearance, geometry) = (&self.scene.appearance, &self.scene.accel.geometry);
         let mut look_ups = LookUps::default();
         for lane in lanes(group.textured & group.used) {
             let Face { ray, primitive, shape } = group.faces[lane];
-            let shape = &looks.shapes[shape as usize];
+            let shape = &appearance.shapes[shape as usize];
             let Some(texture) = &shape.texture else { continue };
             let [y, z] = surfaces.barycentric;
             let surface = group.surface(
@@ -269,10 +271,16 @@ impl<P: Arithmetic, E: Effects> Shade<'_, P, E> {
             let footprint = || {
                 let (differential, ray, hit) = self.arriving(ray);
                 let steps = differential.at(&ray, hit.t, surface.normal);
-                looks.footprint(texture, geometry, face, &surface, steps)
+                appearance.footprint(texture, geometry, face, &surface, steps)
             };
-            let found =
-                looks.texture_color(texture, geometry, face, &surface, footprint, &mut look_ups);
+            let found = appearance.texture_color(
+                texture,
+                geometry,
+                face,
+                &surface,
+                footprint,
+                &mut look_ups,
+            );
             color.set_lane(lane, found);
         }
         self.count(look_ups);

@@ -4,11 +4,11 @@ use std::collections::{BTreeSet, HashMap};
 
 use serde_json::{Map, Value};
 
-use wavecrest_core::prepared::{Looks, PreparedScene};
+use wavecrest_core::prepared::{Appearance, PreparedScene};
 
 /// The numbers of a scene's shapes and materials.
 pub(super) struct Names<'a> {
-    looks: &'a Looks,
+    appearance: &'a Appearance,
     /// For each shape the number of its material; 0 of a light.
     materials: Vec<u32>,
     /// For each material, from 1 on, the first shape that is made of it.
@@ -17,17 +17,17 @@ pub(super) struct Names<'a> {
 
 impl<'a> Names<'a> {
     pub(super) fn of(scene: &'a PreparedScene) -> Self {
-        let looks = &scene.looks;
-        let mut names = Self { looks, materials: Vec::new(), first: Vec::new() };
+        let appearance = &scene.appearance;
+        let mut names = Self { appearance, materials: Vec::new(), first: Vec::new() };
         let mut known = HashMap::new();
-        for (index, shape) in looks.shapes.iter().enumerate() {
+        for (index, shape) in appearance.shapes.iter().enumerate() {
             if shape.emission.is_some() {
                 names.materials.push(0);
                 continue;
             }
             let texture = shape.texture.as_ref().map(|t| (t.image, t.filter, t.wrap));
             // As text, numbers are as good as their bits.
-            let look = format!("{:?} {texture:?}", looks.materials.get(index));
+            let look = format!("{:?} {texture:?}", appearance.materials.get(index));
             let number = *known.entry(look).or_insert_with(|| {
                 names.first.push(index);
                 names.first.len() as u32
@@ -56,7 +56,7 @@ impl<'a> Names<'a> {
     }
 
     fn place(&self, shape: usize) -> String {
-        self.looks.places.get(shape).cloned().unwrap_or_default()
+        self.appearance.places.get(shape).cloned().unwrap_or_default()
     }
 }
 

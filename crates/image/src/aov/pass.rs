@@ -12,7 +12,7 @@ use wavecrest_core::kernels::precision::Arithmetic;
 use wavecrest_core::math::float::dot;
 use wavecrest_core::math::random::Stream;
 use wavecrest_core::math::ray::Ray;
-use wavecrest_core::prepared::{Arrival, LookUps, PreparedScene};
+use wavecrest_core::prepared::{Interaction, LookUps, PreparedScene};
 use wavecrest_core::tile::Tile;
 use wavecrest_core::variant::{self, Effects, Work};
 
@@ -138,11 +138,11 @@ fn add<P: Arithmetic, E: Effects>(
 ) {
     let [_, _, forward] = scene.camera.basis();
     let differential = || scene.camera.differential(ray.direction);
-    let arrival = scene.arrival::<P, E>(ray, hit, differential, &mut LookUps::default());
+    let arrival = scene.interaction::<P, E>(ray, hit, differential, &mut LookUps::default());
     let (point, normal, albedo) = match arrival {
-        Arrival::Nothing => return,
-        Arrival::Surface(at) => (at.point, at.shading_normal, at.color),
-        Arrival::Light(color) => {
+        Interaction::Nothing => return,
+        Interaction::Surface(at) => (at.point, at.shading_normal, at.color),
+        Interaction::Light(color) => {
             let surface = scene.surface::<P>(ray, hit);
             (surface.point, towards(ray, surface.normal), color)
         }
@@ -153,7 +153,7 @@ fn add<P: Arithmetic, E: Effects>(
     add_to(&mut sums.albedo, albedo.to_array().map(f64::from));
     add_to(&mut sums.position, (point.as_dvec3() + scene.origin).to_array());
     if is_first {
-        (sums.object, sums.material) = names.numbers(scene.looks.shape_of(hit.primitive));
+        (sums.object, sums.material) = names.numbers(scene.appearance.shape_of(hit.primitive));
     }
 }
 

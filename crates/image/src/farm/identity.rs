@@ -44,7 +44,7 @@ pub struct Identity {
     #[allow(missing_docs, reason = "as camera")]
     pub textures: String,
     #[allow(missing_docs, reason = "as camera")]
-    pub looks: String,
+    pub appearance: String,
 }
 
 /// How two identities differ.
@@ -76,7 +76,7 @@ impl Identity {
             camera: hex(hashes.camera),
             geometry: hex(hashes.geometry),
             textures: hex(hashes.textures),
-            looks: hex(hashes.looks),
+            appearance: hex(hashes.appearance),
         })
     }
 
@@ -89,7 +89,7 @@ impl Identity {
             geometry: number(&self.geometry),
             textures: number(&self.textures),
             camera: number(&self.camera),
-            looks: number(&self.looks),
+            appearance: number(&self.appearance),
         };
         Provenance {
             version: self.program.clone(),
@@ -133,7 +133,7 @@ impl Identity {
                 ("camera", hash(&identity.camera)),
                 ("geometry (shapes or meshes)", hash(&identity.geometry)),
                 ("texture", hash(&identity.textures)),
-                ("look (materials, lights, background or bounces)", hash(&identity.looks)),
+                ("look (materials, lights, background or bounces)", hash(&identity.appearance)),
             ]
         };
         let mut pairs = all(self).into_iter().zip(all(other));

@@ -40,7 +40,7 @@ const LEAST_SHARE: f64 = 0.25;
 /// The largest side that is chosen.
 const MOST_SIDE: u32 = 1024;
 
-/// The error is foretold so much too small or too large, now and then: what is asked for is undercut by
+/// The error is estimated so much too small or too large, now and then: what is asked for is undercut by
 /// as much.
 const MARGIN: f64 = 1.1;
 
@@ -78,9 +78,9 @@ pub struct Choice {
     pub points: Points,
     /// What is sampled so.
     pub axis: Axis,
-    /// Its error, as foretold: root mean square of linear values.
+    /// Its error, as estimated: root mean square of linear values.
     pub error: f64,
-    /// Its seconds of tracing, as foretold.
+    /// Its seconds of tracing, as estimated.
     pub seconds: f64,
 }
 

@@ -122,7 +122,7 @@ impl Facts {
         Self {
             has_area_lights: scene.lights.iter().any(|light| light.is_sampled()),
             has_lens: scene.camera.has_lens(),
-            has_textures: scene.looks.shapes.iter().any(|shape| shape.texture.is_some()),
+            has_textures: scene.appearance.shapes.iter().any(|shape| shape.texture.is_some()),
             antialias: scene.camera.antialias(),
             bounces: scene.bounces,
         }

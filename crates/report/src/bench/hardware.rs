@@ -16,7 +16,7 @@ pub struct HardwareCounts {
     pub cache_references: Option<u64>,
     /// Those that had to go to memory.
     pub cache_misses: Option<u64>,
-    /// Branches that were foretold wrongly.
+    /// Branches that were estimated wrongly.
     pub branch_misses: Option<u64>,
 }
 

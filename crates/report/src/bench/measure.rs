@@ -28,7 +28,7 @@ pub struct Schedule {
 }
 
 impl Schedule {
-    /// The pairs to be timed in all, as the `pairs` so far foretell, of which the quicker runs took
+    /// The pairs to be timed in all, as the `pairs` so far estimate, of which the quicker runs took
     /// `shorter` seconds: enough for an interval, and for the seconds asked for.
     pub(crate) fn planned(&self, pairs: usize, shorter: f64) -> usize {
         let wanted = match pairs {

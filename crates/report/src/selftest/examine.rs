@@ -68,7 +68,7 @@ pub struct Trial {
     pub nanoseconds: f64,
 }
 
-/// Looks at a mesh.
+/// Appearance at a mesh.
 pub fn shape(geometry: &Geometry, accel: &Accel) -> Shape {
     let topology = Topology::new(geometry);
     let ratios = (0..geometry.triangles.len()).into_par_iter().map(|i| {
@@ -92,7 +92,7 @@ pub fn shape(geometry: &Geometry, accel: &Accel) -> Shape {
     }
 }
 
-/// Looks at the tree over a mesh.
+/// Appearance at the tree over a mesh.
 pub fn bvh(accel: &Accel, preset: Preset, effort: &Effort) -> Option<Bvh> {
     let tree = accel.tree.as_ref()?;
     let geometry = &accel.geometry;

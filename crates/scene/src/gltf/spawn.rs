@@ -26,7 +26,7 @@ use super::notes::Remarks;
 const LIGHT_SAMPLES: u32 = 3;
 
 /// A primitive with triangles, and where it is seen.
-struct Form {
+struct Primitive {
     path: String,
     name: Option<String>,
     mesh: MeshData,
@@ -35,7 +35,7 @@ struct Form {
     uses: Vec<Use>,
 }
 
-/// A node that shows a form.
+/// A node that shows a primitive.
 struct Use {
     path: String,
     name: Option<String>,
@@ -48,17 +48,18 @@ pub(super) fn world(
     options: &LoadOptions,
     remarks: &Remarks<'_>,
 ) -> Result<LoadedScene> {
-    let forms = forms(&document, remarks)?;
-    let bounds = bounds(&forms);
+    let primitives = primitives(&document, remarks)?;
+    let bounds = bounds(&primitives);
     let view = camera::chosen(&document, &document.placed, &bounds, options, remarks)?;
     let has_camera = view.is_some();
     let view = view.map_or_else(|| staging::framed(&bounds, options), Ok)?;
     let mut lights = lights(&document, &bounds, remarks);
     let mut spawner = Spawner { world: World::new(), lights: 0, shapes: 0 };
-    let glowing: usize = forms.iter().filter(|f| f.surface.is_light()).map(|f| f.uses.len()).sum();
-    check_lights(&forms, remarks)?;
+    let glowing: usize =
+        primitives.iter().filter(|f| f.surface.is_light()).map(|f| f.uses.len()).sum();
+    check_lights(&primitives, remarks)?;
     let has_lights = !lights.is_empty() || glowing > 0;
-    let exposure = light::exposure(shown(&lights, &forms, &bounds));
+    let exposure = light::exposure(shown(&lights, &primitives, &bounds));
     for (_, light) in &mut lights {
         light.intensity *= exposure;
     }
@@ -68,7 +69,7 @@ pub(super) fn world(
     spawner.world.spawn((staging::settings(remarks.notes.file(), lights.len() + glowing),));
     spawner.world.spawn((view, Pinhole));
     lights.into_iter().for_each(|(path, light)| spawner.point_light(path, light));
-    spawner.forms(forms, exposure);
+    spawner.primitives(primitives, exposure);
     let told = told(has_camera, has_lights.then_some(exposure));
     let note = |text: String| Warning::from_error(&remarks.notes.error(ErrorKind::Scene, "", text));
     Ok(LoadedScene {
@@ -82,9 +83,10 @@ pub(super) fn world(
 /// The most triangles of lights: each node that shows one holds a copy.
 const MOST_LIGHT_TRIANGLES: usize = 1 << 22;
 
-fn check_lights(forms: &[Form], remarks: &Remarks<'_>) -> Result<()> {
-    let lights = forms.iter().filter(|form| form.surface.is_light());
-    let triangles = |form: &Form| form.mesh.triangles.len().saturating_mul(form.uses.len());
+fn check_lights(primitives: &[Primitive], remarks: &Remarks<'_>) -> Result<()> {
+    let lights = primitives.iter().filter(|primitive| primitive.surface.is_light());
+    let triangles =
+        |primitive: &Primitive| primitive.mesh.triangles.len().saturating_mul(primitive.uses.len());
     let all = lights.map(triangles).fold(0, usize::saturating_add);
     if all <= MOST_LIGHT_TRIANGLES {
         return Ok(());
@@ -108,12 +110,12 @@ fn told(has_camera: bool, exposure: Option<f64>) -> Option<String> {
     Some(format!("{camera}{light}"))
 }
 
-/// The forms that the nodes of the scene show, in the order in which they are met.
-fn forms(document: &Document, remarks: &Remarks<'_>) -> Result<Vec<Form>> {
+/// The primitives that the nodes of the scene show, in the order in which they are met.
+fn primitives(document: &Document, remarks: &Remarks<'_>) -> Result<Vec<Primitive>> {
     let mut reader = Reader::new(document, remarks);
-    // Which forms each mesh has, once it is read.
+    // Which primitives each mesh has, once it is read.
     let mut known: Vec<Option<Range<usize>>> = vec![None; document.meshes.len()];
-    let mut forms: Vec<Form> = Vec::new();
+    let mut primitives: Vec<Primitive> = Vec::new();
     for Placed { node, world } in &document.placed {
         let Some(mesh) = document.nodes[*node].mesh else { continue };
         let place = format!("nodes[{node}]");
@@ -129,9 +131,9 @@ fn forms(document: &Document, remarks: &Remarks<'_>) -> Result<Vec<Form>> {
         let numbers = match &known[mesh] {
             Some(numbers) => numbers.clone(),
             None => {
-                let first = forms.len();
-                read(document, mesh, &mut reader, remarks, &mut forms)?;
-                known[mesh].insert(first..forms.len()).clone()
+                let first = primitives.len();
+                read(document, mesh, &mut reader, remarks, &mut primitives)?;
+                known[mesh].insert(first..primitives.len()).clone()
             }
         };
         let name = &document.nodes[*node].name;
@@ -139,17 +141,17 @@ fn forms(document: &Document, remarks: &Remarks<'_>) -> Result<Vec<Form>> {
         for number in numbers {
             let path = match count {
                 1 => place.clone(),
-                _ => format!("{place}, {}", forms[number].path),
+                _ => format!("{place}, {}", primitives[number].path),
             };
-            forms[number].uses.push(Use { path, name: name.clone(), world: *world });
+            primitives[number].uses.push(Use { path, name: name.clone(), world: *world });
         }
     }
     check_unused(document, &known, &mut reader, remarks)?;
-    if forms.is_empty() {
+    if primitives.is_empty() {
         let message = "there is nothing to see";
         remarks.once("nodes", message, "no node of the scene has a mesh of triangles");
     }
-    Ok(forms)
+    Ok(primitives)
 }
 
 /// A fault is told in a mesh, too, that no node of the scene shows.
@@ -173,7 +175,7 @@ fn read(
     mesh: usize,
     reader: &mut Reader<'_>,
     remarks: &Remarks<'_>,
-    forms: &mut Vec<Form>,
+    primitives: &mut Vec<Primitive>,
 ) -> Result<()> {
     let parts = &document.meshes[mesh];
     for primitive in &parts.primitives {
@@ -181,7 +183,7 @@ fn read(
         let texture = texture(document, surface, remarks);
         let info = surface.texture.as_ref().filter(|_| texture.is_some());
         let Some(mesh) = reader.mesh(primitive, info)? else { continue };
-        forms.push(Form {
+        primitives.push(Primitive {
             path: primitive.path.clone(),
             name: parts.name.clone(),
             texture: texture.filter(|_| mesh.uvs.is_some()),
@@ -212,20 +214,24 @@ fn texture(document: &Document, surface: &Surface, remarks: &Remarks<'_>) -> Opt
 }
 
 /// The sphere about all that is seen.
-fn bounds(forms: &[Form]) -> Sphere {
+fn bounds(primitives: &[Primitive]) -> Sphere {
     // Corners of boxes stand for what is seen more than once: there may be many of it.
-    let corners: Vec<Vec<Vec3>> = forms
+    let corners: Vec<Vec<Vec3>> = primitives
         .iter()
-        .map(
-            |form| {
-                if form.uses.len() > 1 { staging::corners(&form.mesh.positions) } else { vec![] }
-            },
-        )
+        .map(|primitive| {
+            if primitive.uses.len() > 1 {
+                staging::corners(&primitive.mesh.positions)
+            } else {
+                vec![]
+            }
+        })
         .collect();
     let mut all = Vec::new();
-    for (form, corners) in forms.iter().zip(&corners) {
-        let points = if form.uses.len() > 1 { corners } else { &form.mesh.positions };
-        all.extend(form.uses.iter().map(|found| staging::Placed { points, world: found.world }));
+    for (primitive, corners) in primitives.iter().zip(&corners) {
+        let points = if primitive.uses.len() > 1 { corners } else { &primitive.mesh.positions };
+        all.extend(
+            primitive.uses.iter().map(|found| staging::Placed { points, world: found.world }),
+        );
     }
     staging::bounds(&all)
 }
@@ -250,17 +256,18 @@ fn lights(
 }
 
 /// What all lights show together on a white surface in the middle.
-fn shown(lights: &[(String, PointLight)], forms: &[Form], bounds: &Sphere) -> f64 {
+fn shown(lights: &[(String, PointLight)], primitives: &[Primitive], bounds: &Sphere) -> f64 {
     let points = lights.iter().map(|(_, light)| {
         light::shown(light.color * light.intensity, light.falloff, light.position, bounds)
     });
-    let meshes = forms.iter().filter(|form| form.surface.is_light()).flat_map(|form| {
-        form.uses.iter().map(|found| {
-            let (area, middle) = extent(&form.mesh, &found.world);
-            let strength = form.surface.emission * area;
-            light::shown(strength, Falloff::InverseSquare, middle, bounds)
-        })
-    });
+    let meshes =
+        primitives.iter().filter(|primitive| primitive.surface.is_light()).flat_map(|primitive| {
+            primitive.uses.iter().map(|found| {
+                let (area, middle) = extent(&primitive.mesh, &found.world);
+                let strength = primitive.surface.emission * area;
+                light::shown(strength, Falloff::InverseSquare, middle, bounds)
+            })
+        });
     points.chain(meshes).sum()
 }
 
@@ -301,33 +308,33 @@ impl Spawner {
     }
 
     /// Shapes come before instances, as in a scene file.
-    fn forms(&mut self, forms: Vec<Form>, exposure: f64) {
-        let mut shared: Vec<(Entity, Form)> = Vec::new();
-        for mut form in forms {
-            if form.surface.is_light() {
-                self.area_lights(form, exposure);
+    fn primitives(&mut self, primitives: Vec<Primitive>, exposure: f64) {
+        let mut shared: Vec<(Entity, Primitive)> = Vec::new();
+        for mut primitive in primitives {
+            if primitive.surface.is_light() {
+                self.area_lights(primitive, exposure);
                 continue;
             }
-            let mesh = std::mem::take(&mut form.mesh);
-            let mut entity = form.bundle(self.shape_order(), mesh.normals.is_some());
+            let mesh = std::mem::take(&mut primitive.mesh);
+            let mut entity = primitive.bundle(self.shape_order(), mesh.normals.is_some());
             entity.add(Mesh { data: mesh, file: None });
-            match &form.uses[..] {
+            match &primitive.uses[..] {
                 [only] => {
                     only.add_to(&mut entity);
                     self.world.spawn(entity.build());
                 }
                 _ => {
-                    entity.add_bundle((Hidden, JsonPath(form.path.clone())));
-                    add_name(&mut entity, form.name.as_ref());
+                    entity.add_bundle((Hidden, JsonPath(primitive.path.clone())));
+                    add_name(&mut entity, primitive.name.as_ref());
                     let hidden = self.world.spawn(entity.build());
-                    shared.push((hidden, form));
+                    shared.push((hidden, primitive));
                 }
             }
         }
-        for (of, form) in shared {
+        for (of, primitive) in shared {
             let is_smooth = self.world.get::<&Shading>(of).is_ok_and(|s| *s == Shading::Smooth);
-            for found in &form.uses {
-                let mut entity = form.bundle(self.shape_order(), is_smooth);
+            for found in &primitive.uses {
+                let mut entity = primitive.bundle(self.shape_order(), is_smooth);
                 entity.add(InstanceOf(of));
                 found.add_to(&mut entity);
                 self.world.spawn(entity.build());
@@ -335,22 +342,22 @@ impl Spawner {
         }
     }
 
-    /// A light for each node that shows the form. One without area gives no light.
-    fn area_lights(&mut self, form: Form, exposure: f64) {
-        for found in &form.uses {
-            let (area, _) = extent(&form.mesh, &found.world);
+    /// A light for each node that shows the primitive. One without area gives no light.
+    fn area_lights(&mut self, primitive: Primitive, exposure: f64) {
+        for found in &primitive.uses {
+            let (area, _) = extent(&primitive.mesh, &found.world);
             if area == 0.0 {
                 continue;
             }
             let light = AreaLight {
                 intensity: area,
-                color: form.surface.emission * exposure,
+                color: primitive.surface.emission * exposure,
                 falloff: Falloff::InverseSquare,
                 sampling: Sampling::Jittered,
                 samples: LIGHT_SAMPLES,
             };
             let mut entity = EntityBuilder::new();
-            let data = MeshData { normals: None, uvs: None, ..form.mesh.clone() };
+            let data = MeshData { normals: None, uvs: None, ..primitive.mesh.clone() };
             entity.add_bundle((self.light_order(), light, Mesh { data, file: None }));
             found.add_to(&mut entity);
             self.world.spawn(entity.build());
@@ -358,8 +365,8 @@ impl Spawner {
     }
 }
 
-impl Form {
-    /// What a shape of this form has, wherever it is.
+impl Primitive {
+    /// What a shape of this primitive has, wherever it is.
     fn bundle(&self, order: Order, is_smooth: bool) -> EntityBuilder {
         let shading = if is_smooth { Shading::Smooth } else { Shading::Flat };
         let mut entity = EntityBuilder::new();

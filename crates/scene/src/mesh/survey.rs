@@ -40,7 +40,7 @@ const PAIR: u64 = size_of::<[f32; 2]>() as u64;
 
 impl Survey {
     /// Bytes of positions and triangles.
-    pub fn form_bytes(&self) -> u64 {
+    pub fn prototype_bytes(&self) -> u64 {
         TRIPLE.saturating_mul(self.positions.saturating_add(self.triangles))
     }
 
@@ -58,7 +58,7 @@ impl Survey {
 
     /// Bytes of all that is held when the mesh has been read.
     pub fn bytes(&self) -> u64 {
-        self.form_bytes().saturating_add(self.normal_bytes()).saturating_add(self.uv_bytes())
+        self.prototype_bytes().saturating_add(self.normal_bytes()).saturating_add(self.uv_bytes())
     }
 }
 

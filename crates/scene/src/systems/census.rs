@@ -104,9 +104,10 @@ impl<'a> Facts<'a> {
         if geometry.instances.is_empty() {
             return count(own, "triangle", "no shape is a triangle or a mesh");
         }
-        let held: usize = geometry.forms.iter().map(|form| form.triangles.len()).sum();
+        let held: usize =
+            geometry.prototypes.iter().map(|prototype| prototype.triangles.len()).sum();
         let shown = geometry.len() - geometry.own();
-        let (_, meshes) = count(geometry.forms.len(), "mesh", "");
+        let (_, meshes) = count(geometry.prototypes.len(), "mesh", "");
         let (_, instances) = count(geometry.instances.len(), "instance", "");
         let meshes = meshes.replace("meshs", "meshes");
         (own + shown > 0, format!("{own}, and {held} in {meshes} that {instances} show as {shown}"))

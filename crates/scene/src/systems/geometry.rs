@@ -3,10 +3,10 @@
 //! Shapes keep the order of the file within their kind, and shapes of lights come after the rest.
 //! Meshes are moved, not copied: the first one's arrays become the scene's, are lengthened once, and
 //! take the others in, each of which is dropped before the next is looked at. A mesh that is shown more than
-//! once stays by itself, for instances ([`forms`]).
+//! once stays by itself, for instances ([`prototypes`]).
 
-mod forms;
 mod meshes;
+mod prototypes;
 
 use glam::{DAffine3, DVec3, Mat3, Vec3};
 use hecs::{Entity, World};
@@ -16,8 +16,8 @@ use crate::components::{
 };
 use crate::corners;
 use crate::mesh::{Attribute, MeshData};
-use forms::{Showing, Showings};
 use meshes::{Room, append, transform_mesh};
+use prototypes::{Occurrence, Occurrences};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::accel::geometry::Geometry;
 use wavecrest_core::kernels::texture::PlanarMap;
@@ -73,19 +73,19 @@ impl Output {
 /// Turns every shape into primitives, and moves all by `-origin`. Meshes that are shown more than once are
 /// held once, unless all is to be `flat`.
 pub fn run(world: &mut World, origin: DVec3, flat: bool) -> Result<Output> {
-    let mut showings = Showings::of(world, flat);
-    let room = Room::of(world, &showings);
+    let mut occurrences = Occurrences::of(world, flat);
+    let room = Room::of(world, &occurrences);
     let mut builder = Builder { origin, room, ..Builder::default() };
-    for showing in showings.triangles(world) {
-        builder.add_triangles(world, showing, &mut showings)?;
+    for occurrence in occurrences.triangles(world) {
+        builder.add_triangles(world, occurrence, &mut occurrences)?;
     }
-    for showing in showings.quads(world) {
-        builder.add_quad(world, showing)?;
+    for occurrence in occurrences.quads(world) {
+        builder.add_quad(world, occurrence)?;
     }
-    for showing in showings.spheres(world) {
-        builder.add_sphere(world, showing)?;
+    for occurrence in occurrences.spheres(world) {
+        builder.add_sphere(world, occurrence)?;
     }
-    builder.add_instances(world, &mut showings)?;
+    builder.add_instances(world, &mut occurrences)?;
     Ok(builder.finish())
 }
 
@@ -110,14 +110,14 @@ struct Common {
 }
 
 impl Common {
-    fn of(world: &World, Showing { entity, form, .. }: Showing, origin: DVec3) -> Self {
+    fn of(world: &World, Occurrence { entity, prototype, .. }: Occurrence, origin: DVec3) -> Self {
         let light = world.get::<&AreaLight>(entity).ok();
         let is_shape = light.is_none();
         let mut transform = world.get::<&Transform>(entity).map_or(DAffine3::IDENTITY, |t| t.0);
         transform.translation -= origin;
         Self {
             transform,
-            facing: world.get::<&Facing>(form).ok().map(|f| *f),
+            facing: world.get::<&Facing>(prototype).ok().map(|f| *f),
             sides: world.get::<&Sides>(entity).map_or(Sides::Both, |s| *s),
             smooth: is_shape && world.get::<&Shading>(entity).is_ok_and(|s| *s == Shading::Smooth),
             textured: is_shape && world.get::<&TextureRef>(entity).is_ok(),
@@ -156,21 +156,21 @@ impl Common {
 }
 
 impl Builder {
-    fn common(&self, world: &World, showing: Showing) -> Common {
-        Common::of(world, showing, self.origin)
+    fn common(&self, world: &World, occurrence: Occurrence) -> Common {
+        Common::of(world, occurrence, self.origin)
     }
 
     fn add_triangles(
         &mut self,
         world: &World,
-        showing: Showing,
-        showings: &mut Showings,
+        occurrence: Occurrence,
+        occurrences: &mut Occurrences,
     ) -> Result<()> {
-        let common = self.common(world, showing);
-        if let Ok(triangle) = world.get::<&Triangle>(showing.form) {
-            return self.add_triangle(showing.entity, &common, &triangle.points);
+        let common = self.common(world, occurrence);
+        if let Ok(triangle) = world.get::<&Triangle>(occurrence.prototype) {
+            return self.add_triangle(occurrence.entity, &common, &triangle.points);
         }
-        self.add_mesh(showing.entity, &common, showings.take(world, showing.form))
+        self.add_mesh(occurrence.entity, &common, occurrences.take(world, occurrence.prototype))
     }
 
     fn add_triangle(&mut self, entity: Entity, common: &Common, points: &[DVec3; 3]) -> Result<()> {
@@ -220,9 +220,11 @@ impl Builder {
         Ok(())
     }
 
-    fn add_quad(&mut self, world: &World, showing: Showing) -> Result<()> {
-        let common = self.common(world, showing);
-        let Ok(points) = world.get::<&Quad>(showing.form).map(|q| q.points) else { return Ok(()) };
+    fn add_quad(&mut self, world: &World, occurrence: Occurrence) -> Result<()> {
+        let common = self.common(world, occurrence);
+        let Ok(points) = world.get::<&Quad>(occurrence.prototype).map(|q| q.points) else {
+            return Ok(());
+        };
         let number = (self.geometry.triangles.len() + self.geometry.quads.len()) as u32;
         let first = self.add_points(&common, &points)?;
         let [p0, p1, _, p3] = self.geometry.positions[first as usize..] else { return Ok(()) };
@@ -230,16 +232,18 @@ impl Builder {
         self.geometry.quads.push([0, 1, 2, 3].map(|k| first + (k + turn) % 4));
         let flipped = common.flipped(corners::quad_normal(&points));
         self.shapes.push(ShapeOutput {
-            entity: showing.entity,
+            entity: occurrence.entity,
             shape: common.shape(number..number + 1, flipped),
             uv_map: Some(UvMap::Planar(PlanarMap::new(p0, p3 - p0, p1 - p0))),
         });
         Ok(())
     }
 
-    fn add_sphere(&mut self, world: &World, showing: Showing) -> Result<()> {
-        let common = self.common(world, showing);
-        let Ok(sphere) = world.get::<&Sphere>(showing.form).map(|s| *s) else { return Ok(()) };
+    fn add_sphere(&mut self, world: &World, occurrence: Occurrence) -> Result<()> {
+        let common = self.common(world, occurrence);
+        let Ok(sphere) = world.get::<&Sphere>(occurrence.prototype).map(|s| *s) else {
+            return Ok(());
+        };
         let center = common.transform.transform_point3(sphere.center);
         let turn = common.transform.matrix3;
         let scale = turn.x_axis.length();
@@ -256,7 +260,7 @@ impl Builder {
         self.geometry.spheres.push((center.as_vec3(), radius));
         let to_own = (turn * (1.0 / scale)).transpose();
         self.shapes.push(ShapeOutput {
-            entity: showing.entity,
+            entity: occurrence.entity,
             shape: common.shape(number..number + 1, false),
             uv_map: Some(UvMap::Sphere(Mat3::from_cols(
                 to_own.x_axis.as_vec3(),

@@ -121,7 +121,7 @@ fn triangles(geometry: &Geometry, number: u32) -> Vec<[Vec3; 3]> {
     match geometry.primitive(number) {
         Primitive::Triangle(i) => vec![geometry.triangle(i)],
         Primitive::Quad(i) => quad::halves(&geometry.quad(i)).to_vec(),
-        Primitive::Sphere(_) | Primitive::Shown(_) => vec![],
+        Primitive::Sphere(_) | Primitive::Instanced(_) => vec![],
     }
 }
 

@@ -80,7 +80,7 @@ fn is_behind(shape: &Shape, light: &Extent, geometry: &Geometry, number: u32) ->
     };
     match geometry.primitive(number) {
         // In doubt: its points are rounded once more than others.
-        Primitive::Shown(_) => geometry.is_degenerate(number),
+        Primitive::Instanced(_) => geometry.is_degenerate(number),
         // What has no area is not hit.
         Primitive::Triangle(i) => geometry.is_degenerate(number) || behind(&geometry.triangle(i)),
         Primitive::Quad(i) => quad::halves(&geometry.quad(i)).iter().all(behind),

@@ -9,7 +9,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use super::join;
 use super::order::Chunks;
-use super::piece::{Crown, Piece, Plan};
+use super::piece::{Piece, Plan, UpperNodes};
 use crate::accel::arena::{self, Arena, Kind, NODE_UNITS, Unit};
 use crate::accel::tree::{Root, Tree};
 use crate::accel::units::Units;
@@ -52,13 +52,13 @@ pub(super) fn build(plan: &Plan, chunks: Chunks, parts: usize) -> Option<Tree> {
             build_chunk(plan, parts, &mut piece, task, &assembly);
         }
     });
-    let Assembly { used, crowns, .. } =
+    let Assembly { used, upper_nodes, .. } =
         assembly.into_inner().unwrap_or_else(PoisonError::into_inner);
-    let (start, bounds) = join::join(plan.geometry, &crowns, top)?;
+    let (start, bounds) = join::join(plan.geometry, &upper_nodes, top)?;
     units.keep(start..used);
     let place = arena::root_of(Kind::Node);
     let (arena, census) = Arena::new(units, numbers, place)?;
-    let kept = crowns.iter().map(|crown| crown.kept).sum();
+    let kept = upper_nodes.iter().map(|upper| upper.kept).sum();
     Some(Tree { arena, root: Some(Root { place, bounds }), census, kept })
 }
 
@@ -99,11 +99,12 @@ fn build_chunk(
     piece.output.numbers.clear();
     piece.output.first_number = task.first;
     let has_any = piece.build(plan, task.numbers);
-    let crown = if has_any { piece.emit_crown(plan.geometry, parts) } else { Crown::default() };
+    let upper =
+        if has_any { piece.emit_upper(plan.geometry, parts) } else { UpperNodes::default() };
     // Only triangles that can be hit have their numbers there: the rest stays as it is.
     let leaves = &piece.output.numbers;
     task.numbers[..leaves.len()].copy_from_slice(leaves);
-    place(assembly, task.chunk, &mut piece.output.units, crown);
+    place(assembly, task.chunk, &mut piece.output.units, upper);
 }
 
 /// Chunks finding their place.
@@ -115,18 +116,18 @@ struct Assembly<'a> {
     rest: &'a mut [Unit],
     used: usize,
     /// Chunks that were finished before the next was.
-    early: BTreeMap<usize, (Vec<Unit>, Crown)>,
+    early: BTreeMap<usize, (Vec<Unit>, UpperNodes)>,
     /// The tops of the chunks that were placed.
-    crowns: Vec<Crown>,
+    upper_nodes: Vec<UpperNodes>,
 }
 
 impl<'a> Assembly<'a> {
     /// Sets room aside for the next chunk.
-    fn claim(&mut self, units: usize, mut crown: Crown) -> &'a mut [Unit] {
+    fn claim(&mut self, units: usize, mut upper: UpperNodes) -> &'a mut [Unit] {
         let (room, rest) = std::mem::take(&mut self.rest).split_at_mut(units);
         self.rest = rest;
-        crown.parts.iter_mut().for_each(|part| part.unit += self.used);
-        self.crowns.push(crown);
+        upper.parts.iter_mut().for_each(|part| part.unit += self.used);
+        self.upper_nodes.push(upper);
         self.used += units;
         self.next += 1;
         room
@@ -134,18 +135,18 @@ impl<'a> Assembly<'a> {
 }
 
 /// Copies a chunk to its place, and those that waited for it; or lets it wait.
-fn place(assembly: &Mutex<Assembly>, chunk: usize, units: &mut Vec<Unit>, crown: Crown) {
+fn place(assembly: &Mutex<Assembly>, chunk: usize, units: &mut Vec<Unit>, upper: UpperNodes) {
     let mut waited = Vec::new();
     let room = {
         let mut assembly = lock(assembly);
         if chunk != assembly.next {
-            assembly.early.insert(chunk, (std::mem::take(units), crown));
+            assembly.early.insert(chunk, (std::mem::take(units), upper));
             return;
         }
-        let room = assembly.claim(units.len(), crown);
+        let room = assembly.claim(units.len(), upper);
         let mut next = assembly.next;
-        while let Some((units, crown)) = assembly.early.remove(&next) {
-            waited.push((assembly.claim(units.len(), crown), units));
+        while let Some((units, upper)) = assembly.early.remove(&next) {
+            waited.push((assembly.claim(units.len(), upper), units));
             next = assembly.next;
         }
         room

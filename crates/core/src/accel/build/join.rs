@@ -10,7 +10,7 @@ use obvhs::bvh2::node::Bvh2Node;
 use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
 use obvhs::ploc::{PlocBuilder, PlocSearchDistance};
 
-use super::piece::{Crown, view};
+use super::piece::{UpperNodes, view};
 use crate::accel::arena::Unit;
 use crate::accel::geometry::Geometry;
 use crate::accel::wide::{Converter, Output, Owner, Part};
@@ -22,7 +22,7 @@ const SEEDS: usize = 8;
 /// Of the nodes above the parts, how many are reinserted at a time: more brought nothing.
 const REINSERTED: f32 = 0.2;
 
-/// A subtree of a chunk: which chunk, and which node of its crown.
+/// A subtree of a chunk: which chunk, and which node of its upper.
 #[derive(Clone, Copy)]
 struct Seed {
     chunk: usize,
@@ -33,14 +33,15 @@ struct Seed {
 /// box is around all.
 pub(super) fn join(
     geometry: &Geometry,
-    crowns: &[Crown],
+    upper_nodes: &[UpperNodes],
     top: &mut [Unit],
 ) -> Option<(usize, Aabb)> {
-    let parts: Vec<Part> = crowns.iter().flat_map(|crown| crown.parts.iter().copied()).collect();
+    let parts: Vec<Part> =
+        upper_nodes.iter().flat_map(|upper| upper.parts.iter().copied()).collect();
     if parts.is_empty() {
         return None;
     }
-    let bvh = hierarchy(crowns, parts.len());
+    let bvh = hierarchy(upper_nodes, parts.len());
     let mut converter = Converter::default();
     converter.evaluate(view(&bvh), |owner| Owner::Part(parts[owner as usize]));
     // Where the nodes begin, follows from how many they are: they are written twice.
@@ -61,10 +62,10 @@ pub(super) fn join(
 }
 
 /// One binary hierarchy whose leaves are parts.
-fn hierarchy(crowns: &[Crown], parts: usize) -> Bvh2 {
+fn hierarchy(upper_nodes: &[UpperNodes], parts: usize) -> Bvh2 {
     let seeds: Vec<Seed> =
-        crowns.iter().enumerate().flat_map(|(chunk, crown)| seeds(chunk, crown)).collect();
-    let node = |seed: &Seed| &crowns[seed.chunk].nodes[seed.place as usize];
+        upper_nodes.iter().enumerate().flat_map(|(chunk, upper)| seeds(chunk, upper)).collect();
+    let node = |seed: &Seed| &upper_nodes[seed.chunk].nodes[seed.place as usize];
     let boxes: Vec<_> = seeds.iter().map(|seed| *node(seed).aabb()).collect();
     let parameters = BvhBuildParams::medium_build();
     let mut bvh = PlocBuilder::new().build(
@@ -74,7 +75,7 @@ fn hierarchy(crowns: &[Crown], parts: usize) -> Bvh2 {
         parameters.sort_precision,
         0,
     );
-    expand(&mut bvh.nodes, &seeds, crowns);
+    expand(&mut bvh.nodes, &seeds, upper_nodes);
     bvh.primitive_indices = (0..parts as u32).collect();
     bvh.max_depth = bvh.max_depth.max(2 * depth(&bvh.nodes));
     ReinsertionOptimizer::default().run(&mut bvh, REINSERTED, None);
@@ -82,18 +83,18 @@ fn hierarchy(crowns: &[Crown], parts: usize) -> Bvh2 {
 }
 
 /// Some subtrees of a chunk, those of largest boxes opened first.
-fn seeds(chunk: usize, crown: &Crown) -> Vec<Seed> {
-    let area = |seed: &Seed| crown.nodes[seed.place as usize].aabb().half_area();
-    if crown.nodes.is_empty() {
+fn seeds(chunk: usize, upper: &UpperNodes) -> Vec<Seed> {
+    let area = |seed: &Seed| upper.nodes[seed.place as usize].aabb().half_area();
+    if upper.nodes.is_empty() {
         return Vec::new();
     }
     let mut seeds = vec![Seed { chunk, place: 0 }];
     while seeds.len() < SEEDS {
-        let inner = |seed: &Seed| !crown.nodes[seed.place as usize].is_leaf();
+        let inner = |seed: &Seed| !upper.nodes[seed.place as usize].is_leaf();
         let open = (0..seeds.len()).filter(|&i| inner(&seeds[i]));
         let larger = |a: usize, b: usize| if area(&seeds[b]) > area(&seeds[a]) { b } else { a };
         let Some(largest) = open.reduce(larger) else { break };
-        let left = crown.nodes[seeds[largest].place as usize].first_index;
+        let left = upper.nodes[seeds[largest].place as usize].first_index;
         seeds[largest].place = left;
         seeds.push(Seed { chunk, place: left + 1 });
     }
@@ -101,10 +102,10 @@ fn seeds(chunk: usize, crown: &Crown) -> Vec<Seed> {
 }
 
 /// Replaces each leaf by the subtree of the seed that it stands for.
-fn expand(nodes: &mut Vec<Bvh2Node>, seeds: &[Seed], crowns: &[Crown]) {
-    let firsts: Vec<u32> = crowns
+fn expand(nodes: &mut Vec<Bvh2Node>, seeds: &[Seed], upper_nodes: &[UpperNodes]) {
+    let firsts: Vec<u32> = upper_nodes
         .iter()
-        .scan(0, |sum, crown| Some(std::mem::replace(sum, *sum + crown.parts.len() as u32)))
+        .scan(0, |sum, upper| Some(std::mem::replace(sum, *sum + upper.parts.len() as u32)))
         .collect();
     let mut waiting: Vec<(usize, Seed)> = nodes
         .iter()
@@ -113,7 +114,7 @@ fn expand(nodes: &mut Vec<Bvh2Node>, seeds: &[Seed], crowns: &[Crown]) {
         .map(|(place, node)| (place, seeds[node.first_index as usize]))
         .collect();
     while let Some((copy, Seed { chunk, place })) = waiting.pop() {
-        let mut node = crowns[chunk].nodes[place as usize];
+        let mut node = upper_nodes[chunk].nodes[place as usize];
         if node.is_leaf() {
             node.first_index += firsts[chunk];
         } else {

@@ -116,7 +116,7 @@ fn point(geometry: &Geometry, number: u32) -> Vec3 {
         Primitive::Quad(i) => geometry.positions[geometry.quads[i][0] as usize],
         Primitive::Sphere(i) => geometry.spheres[i].0,
         // Instances have a tree of their own.
-        Primitive::Shown(_) => Vec3::ZERO,
+        Primitive::Instanced(_) => Vec3::ZERO,
     }
 }
 

@@ -46,7 +46,7 @@ pub(super) struct Piece {
 
 /// The top of a piece that was cut into parts.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Crown {
+pub(super) struct UpperNodes {
     /// Binary nodes, the root first; the leaves' indices are those of parts.
     pub(super) nodes: Vec<Bvh2Node>,
     pub(super) parts: Vec<Part>,
@@ -214,26 +214,26 @@ impl Piece {
     /// Parts are nodes and leaves as they would be in the piece as a whole, so that a tree in which
     /// other nodes stand above them has about the same below. Largest boxes are opened first: a
     /// large triangle among small ones is then not in a box with them.
-    pub(super) fn emit_crown(&mut self, geometry: &Geometry, parts: usize) -> Crown {
+    pub(super) fn emit_upper(&mut self, geometry: &Geometry, parts: usize) -> UpperNodes {
         self.cut_off(parts);
         let nodes = vec![Bvh2Node::default()];
-        let mut crown = Crown { nodes, parts: Vec::new(), kept: self.kept };
+        let mut upper = UpperNodes { nodes, parts: Vec::new(), kept: self.kept };
         let mut waiting = vec![(0, 0)];
         while let Some((place, copy)) = waiting.pop() {
             let node = self.bvh.nodes[place as usize];
             if self.cut.binary_search(&place).is_ok() {
-                crown.nodes[copy] = Bvh2Node::new(*node.aabb(), 1, crown.parts.len() as u32);
+                upper.nodes[copy] = Bvh2Node::new(*node.aabb(), 1, upper.parts.len() as u32);
                 let part = self.emit(geometry, place);
-                crown.parts.push(part);
+                upper.parts.push(part);
             } else {
-                let pair = crown.nodes.len();
-                crown.nodes[copy] = Bvh2Node::new(*node.aabb(), 0, pair as u32);
-                crown.nodes.extend([Bvh2Node::default(); 2]);
+                let pair = upper.nodes.len();
+                upper.nodes[copy] = Bvh2Node::new(*node.aabb(), 0, pair as u32);
+                upper.nodes.extend([Bvh2Node::default(); 2]);
                 waiting.push((node.first_index + 1, pair + 1));
                 waiting.push((node.first_index, pair));
             }
         }
-        crown
+        upper
     }
 
     /// Puts the places of about `parts` into `cut`, in rising order.

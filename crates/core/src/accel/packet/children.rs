@@ -71,7 +71,7 @@ impl Children {
         let some = some.to_bitmask() as u8;
         simd.far_to_near(&simd.entries(near, lanes), some, &mut met);
         let all = all.to_bitmask();
-        // All eight are written, for the processor to have no branch to foretell.
+        // All eight are written, for the processor to have no branch to estimate.
         if let Some(room) = self.children[self.count..].first_chunk_mut::<LANES>() {
             for (child, entry) in room.iter_mut().zip(met) {
                 let by_all = all >> (entry & 7) & 1 == 1;

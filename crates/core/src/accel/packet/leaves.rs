@@ -28,7 +28,7 @@ fn groups_in(rays: u64) -> u32 {
 
 /// A ray of a tile that is to be tested alone with a patch.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Alone {
+pub(super) struct SingleTest {
     place: Ref,
     tile: u8,
     ray: u8,
@@ -97,7 +97,7 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
                 while rest != 0 {
                     let ray = rest.trailing_zeros() as u8;
                     rest &= rest - 1;
-                    self.alone.push(Alone { place: at, tile: k as u8, ray });
+                    self.singles.push(SingleTest { place: at, tile: k as u8, ray });
                 }
             }
             _ => {
@@ -135,14 +135,14 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
     fn test_alone<S: Lanes>(&mut self, simd: S, tiles: &mut [Tile], tests: &mut TestCounts) {
         let arena = self.tree.arena.view();
         // Two loops: the first has no branches that depend on what is found.
-        self.found.resize(self.alone.len().max(self.found.len()), Found::default());
-        for (alone, found) in self.alone.iter().zip(self.found.iter_mut()) {
-            let tile = &tiles[alone.tile as usize];
-            let leaf = arena.patch(alone.place);
+        self.found.resize(self.singles.len().max(self.found.len()), Found::default());
+        for (single, found) in self.singles.iter().zip(self.found.iter_mut()) {
+            let tile = &tiles[single.tile as usize];
+            let leaf = arena.patch(single.place);
             arena.prefetch_numbers(leaf.first);
             tests.triangles += u64::from(leaf.count);
             let used = (1 << (leaf.count & 15)) - 1;
-            let i = alone.ray as usize;
+            let i = single.ray as usize;
             let (positions, corners) = (&leaf.positions, leaf.corners);
             found.hits = if P::IS_FAST {
                 fast::intersect_patch(simd, &tile.ray(i), positions, corners, used)
@@ -151,9 +151,9 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
             };
             found.first = leaf.first;
         }
-        for n in 0..self.alone.len() {
-            let (Alone { place, tile, ray }, Found { hits, first }) =
-                (self.alone[n], self.found[n]);
+        for n in 0..self.singles.len() {
+            let (SingleTest { place, tile, ray }, Found { hits, first }) =
+                (self.singles[n], self.found[n]);
             let (tile, i) = (&mut tiles[tile as usize], ray as usize);
             if Q::ANY {
                 tile.done |= u64::from(hits.certain != 0) << i;
@@ -180,7 +180,7 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
                 self.ask_again(tile, arena, arena.patch(place), hits.open, i);
             }
         }
-        self.alone.clear();
+        self.singles.clear();
     }
 
     /// Tests all groups of rays that wait.

@@ -12,7 +12,7 @@ use crate::kernels::surface::{self, Surface};
 use crate::math::lanes::Vec3x8;
 use crate::math::ray::Ray;
 use crate::math::simd::{LANES, Lanes};
-use crate::prepared::{Looks, Shape};
+use crate::prepared::{Appearance, Shape};
 use crate::variant::Effects;
 
 /// Groups in a block.
@@ -27,7 +27,7 @@ pub(super) struct Face {
     /// The ray, by its number.
     pub(super) ray: u32,
     pub(super) primitive: u32,
-    /// By its place in [`Looks::shapes`].
+    /// By its place in [`Appearance::shapes`].
     pub(super) shape: u32,
 }
 
@@ -50,10 +50,10 @@ pub(super) struct Group {
     pub(super) smooth: u32,
     /// Hits on quads.
     pub(super) quads: u32,
-    /// Corners of the triangles, those of instances in the space of their form; or centres, and radii in
+    /// Corners of the triangles, those of instances in the space of their prototype; or centres, and radii in
     /// each row of the second.
     pub(super) corners: [Rows; 3],
-    /// Origins and directions of rays to instances, in the space of the form.
+    /// Origins and directions of rays to instances, in the space of the prototype.
     pub(super) carried: [Rows; 2],
     /// Normals at the corners, where there are any.
     pub(super) normals: [Rows; 3],
@@ -69,7 +69,7 @@ pub(super) struct Group {
 impl Group {
     /// Fetches all but corners and normals.
     #[inline(always)]
-    fn begin<E: Effects>(&mut self, faces: &[Face], looks: &Looks) {
+    fn begin<E: Effects>(&mut self, faces: &[Face], appearance: &Appearance) {
         let last = faces[faces.len() - 1];
         self.used = ((1_u64 << faces.len()) - 1) as u32;
         (self.two_sided, self.textured, self.smooth, self.quads) = (0, 0, 0, 0);
@@ -79,14 +79,14 @@ impl Group {
             self.faces[lane] = face;
             self.rays[lane] = face.ray;
             if E::HAS_ANY {
-                let shape = &looks.shapes[face.shape as usize];
+                let shape = &appearance.shapes[face.shape as usize];
                 self.two_sided |= u32::from(shape.two_sided) << lane;
                 self.side[lane] = if shape.flipped { -1.0 } else { 1.0 };
-                if E::LOOKS {
+                if E::APPEARANCE {
                     self.textured |= u32::from(shape.texture.is_some()) << lane;
                 }
             }
-            self.set_material::<E>(lane, &looks.materials[face.shape as usize]);
+            self.set_material::<E>(lane, &appearance.materials[face.shape as usize]);
         }
     }
 
@@ -108,13 +108,13 @@ impl Group {
         &mut self,
         lane: usize,
         geometry: &Geometry,
-        looks: &Looks,
+        appearance: &Appearance,
         ray: impl Fn(usize) -> Ray,
     ) {
         let Face { ray: number, primitive, shape } = self.faces[lane];
-        if E::LOOKS && looks.shapes[shape as usize].smooth {
-            let shape = &looks.shapes[shape as usize];
-            self.fetch_normals(lane, shape, primitive, geometry, looks);
+        if E::APPEARANCE && appearance.shapes[shape as usize].smooth {
+            let shape = &appearance.shapes[shape as usize];
+            self.fetch_normals(lane, shape, primitive, geometry, appearance);
         }
         let corners = match geometry.primitive(primitive) {
             Primitive::Quad(i) => {
@@ -122,12 +122,12 @@ impl Group {
                 surface::quad_half(&ray(number as usize), &geometry.quad(i))
             }
             Primitive::Triangle(i) => geometry.triangle(i),
-            Primitive::Shown(shown) => {
-                let (instance, form) = geometry.instance(shown);
+            Primitive::Instanced(instanced) => {
+                let (instance, prototype) = geometry.instance(instanced);
                 let carried = instance.carried(&ray(number as usize));
                 set(&mut self.carried[0], lane, carried.origin);
                 set(&mut self.carried[1], lane, carried.direction);
-                form.triangle(shown.triangle as usize)
+                prototype.triangle(instanced.triangle as usize)
             }
             Primitive::Sphere(i) => {
                 let (center, radius) = geometry.spheres[i];
@@ -146,16 +146,16 @@ impl Group {
         shape: &Shape,
         primitive: u32,
         geometry: &Geometry,
-        looks: &Looks,
+        appearance: &Appearance,
     ) {
-        let Some(normals) = looks.normals(shape, geometry, primitive) else { return };
+        let Some(normals) = appearance.normals(shape, geometry, primitive) else { return };
         self.smooth |= 1 << lane;
         for (rows, normal) in self.normals.iter_mut().zip(normals) {
             set(rows, lane, normal);
         }
     }
 
-    /// Points of instances, from the space of the form to the world's.
+    /// Points of instances, from the space of the prototype to the world's.
     #[inline(always)]
     pub(super) fn in_world<S: Lanes>(
         &self,
@@ -165,16 +165,17 @@ impl Group {
     ) -> Surfaces<S> {
         let mut rows = [Rows::default(); 3];
         for lane in 0..LANES {
-            let Primitive::Shown(shown) = geometry.primitive(self.faces[lane].primitive) else {
+            let Primitive::Instanced(instanced) = geometry.primitive(self.faces[lane].primitive)
+            else {
                 continue;
             };
-            let of_form = Surface {
+            let of_prototype = Surface {
                 point: found.point.lane(lane),
                 error: found.error.lane(lane),
                 normal: found.normal.lane(lane),
                 barycentric: Vec2::ZERO,
             };
-            let world = geometry.instance(shown).0.surface(&of_form);
+            let world = geometry.instance(instanced).0.surface(&of_prototype);
             for (rows, v) in rows.iter_mut().zip([world.point, world.error, world.normal]) {
                 set(rows, lane, v);
             }
@@ -234,19 +235,19 @@ impl Faces {
     pub(super) fn take<E: Effects>(
         &mut self,
         geometry: &Geometry,
-        looks: &Looks,
+        appearance: &Appearance,
         ray: impl Fn(usize) -> Ray + Copy,
     ) -> &[Group] {
         let count = self.count.div_ceil(LANES).min(GROUPS);
         let waiting = &self.waiting[..self.count.min(BLOCK)];
         for (group, faces) in self.groups.iter_mut().zip(waiting.chunks(LANES)) {
-            group.begin::<E>(faces, looks);
+            group.begin::<E>(faces, appearance);
         }
         // Nothing else asks for corners.
         let asked = if E::HAS_ANY { count } else { 0 };
         for group in &mut self.groups[..asked] {
             for lane in 0..LANES {
-                group.fetch::<E>(lane, geometry, looks, ray);
+                group.fetch::<E>(lane, geometry, appearance, ray);
             }
         }
         self.count = 0;

@@ -5,7 +5,7 @@ use glam::{DAffine3, Vec3};
 use hecs::World;
 use rayon::prelude::*;
 
-use super::forms::Showings;
+use super::prototypes::Occurrences;
 use super::{Common, check_point, in_range};
 use crate::components::Mesh;
 use crate::mesh::MeshData;
@@ -21,10 +21,10 @@ pub(super) struct Room {
 
 impl Room {
     /// For everything that the world shows but instances.
-    pub(super) fn of(world: &World, showings: &Showings) -> Self {
-        let meshes = showings.own_meshes(world);
-        let triangles = showings.triangles(world).len() - meshes.len();
-        let quads = showings.quads(world).len();
+    pub(super) fn of(world: &World, occurrences: &Occurrences) -> Self {
+        let meshes = occurrences.own_meshes(world);
+        let triangles = occurrences.triangles(world).len() - meshes.len();
+        let quads = occurrences.quads(world).len();
         let mut room = Self { positions: 3 * triangles + 4 * quads, triangles };
         for mesh in meshes.into_iter().filter_map(|entity| world.get::<&Mesh>(entity).ok()) {
             room.positions += mesh.data.positions.len();

@@ -8,7 +8,7 @@ use super::gltf;
 
 /// The forms that a scene may have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum FileForm {
+pub(super) enum FileFormat {
     /// JSON of our own.
     Scene,
     /// glTF, as text or binary.
@@ -17,7 +17,7 @@ pub(super) enum FileForm {
     Mesh,
 }
 
-impl FileForm {
+impl FileFormat {
     /// The form of a file, by the ending of its name, and by what it begins with.
     pub(super) fn of(path: &Path) -> Self {
         let extension = path.extension().unwrap_or_default().to_string_lossy();

@@ -2,7 +2,7 @@
 
 use glam::{Vec2, Vec3};
 
-use super::{LookUps, Looks, PreparedScene, Shape, Texture, UvMap};
+use super::{Appearance, LookUps, PreparedScene, Shape, Texture, UvMap};
 use crate::accel::Hit;
 use crate::accel::geometry::{Geometry, Primitive};
 use crate::kernels::differential::Differential;
@@ -16,7 +16,7 @@ use crate::variant::Effects;
 
 /// Where a ray that was traced arrives.
 #[derive(Clone, Copy, Debug)]
-pub enum Arrival {
+pub enum Interaction {
     /// At nothing.
     Nothing,
     /// At the shape of a light, which shows this colour.
@@ -37,9 +37,9 @@ impl PreparedScene {
                 let (center, radius) = geometry.spheres[i];
                 surface::sphere_at::<P>(ray, hit.t, center, radius)
             }
-            Primitive::Shown(shown) => {
-                let (instance, form) = geometry.instance(shown);
-                let corners = form.triangle(shown.triangle as usize);
+            Primitive::Instanced(instanced) => {
+                let (instance, prototype) = geometry.instance(instanced);
+                let corners = prototype.triangle(instanced.triangle as usize);
                 let carried = instance.carried(ray);
                 instance.surface(&surface::triangle_at::<P>(&carried, hit.t, &corners))
             }
@@ -48,45 +48,46 @@ impl PreparedScene {
 
     /// Where `ray` arrives with `hit`. Its `differential` is asked for where a texture needs it.
     #[inline]
-    pub fn arrival<P: Arithmetic, E: Effects>(
+    pub fn interaction<P: Arithmetic, E: Effects>(
         &self,
         ray: &Ray,
         hit: &Hit,
         differential: impl FnOnce() -> Differential,
         look_ups: &mut LookUps,
-    ) -> Arrival {
+    ) -> Interaction {
         if hit.is_miss() {
-            return Arrival::Nothing;
+            return Interaction::Nothing;
         }
-        let index = self.looks.shape_of(hit.primitive);
-        let shape = &self.looks.shapes[index];
+        let index = self.appearance.shape_of(hit.primitive);
+        let shape = &self.appearance.shapes[index];
         if let Some(color) = shape.emission {
-            return Arrival::Light(color);
+            return Interaction::Light(color);
         }
         let geometry = &self.accel.geometry;
         let surface = self.surface::<P>(ray, hit);
         let outward = if shape.flipped { -surface.normal } else { surface.normal };
         let at_back = dot(outward, ray.direction) > 0.0;
         let normal = if at_back { -outward } else { outward };
-        let material = self.looks.materials[index];
+        let material = self.appearance.materials[index];
         let color = match &shape.texture {
             None => material.color,
-            Some(_) if !E::LOOKS => material.color,
+            Some(_) if !E::APPEARANCE => material.color,
             Some(texture) => {
                 let face = (shape, hit.primitive);
                 let footprint = || {
                     let steps = differential().at(ray, hit.t, surface.normal);
-                    self.looks.footprint(texture, geometry, face, &surface, steps)
+                    self.appearance.footprint(texture, geometry, face, &surface, steps)
                 };
-                self.looks.texture_color(texture, geometry, face, &surface, footprint, look_ups)
+                self.appearance
+                    .texture_color(texture, geometry, face, &surface, footprint, look_ups)
             }
         };
-        Arrival::Surface(ShadingPoint {
+        Interaction::Surface(ShadingPoint {
             point: surface.point,
             error: surface.error,
             normal,
-            shading_normal: if E::LOOKS {
-                self.looks.shading_normal(shape, geometry, hit, &surface, normal)
+            shading_normal: if E::APPEARANCE {
+                self.appearance.shading_normal(shape, geometry, hit, &surface, normal)
             } else {
                 normal
             },
@@ -98,7 +99,7 @@ impl PreparedScene {
     }
 }
 
-impl Looks {
+impl Appearance {
     /// The interpolated normal on the side of `normal`, or `normal` itself.
     fn shading_normal(
         &self,
@@ -130,8 +131,8 @@ impl Looks {
     pub fn normals(&self, shape: &Shape, geometry: &Geometry, primitive: u32) -> Option<[Vec3; 3]> {
         let normals = self.corners(shape, geometry, primitive, |mesh| mesh.normals.as_ref())?;
         Some(match geometry.primitive(primitive) {
-            Primitive::Shown(shown) => {
-                let (instance, _) = geometry.instance(shown);
+            Primitive::Instanced(instanced) => {
+                let (instance, _) = geometry.instance(instanced);
                 normals.map(|normal| instance.shading_normal(normal))
             }
             _ => normals,
@@ -190,10 +191,10 @@ impl Looks {
         attribute: impl Fn(&'a super::MeshAttributes) -> Option<&'a super::CornerValues<T>>,
     ) -> Option<[T; 3]> {
         let mesh = &self.meshes[shape.mesh? as usize];
-        if let Primitive::Shown(shown) = geometry.primitive(primitive) {
-            let triangle = shown.triangle as usize;
-            let (_, form) = geometry.instance(shown);
-            return attribute(mesh)?.corners(triangle, form.triangles[triangle]);
+        if let Primitive::Instanced(instanced) = geometry.primitive(primitive) {
+            let triangle = instanced.triangle as usize;
+            let (_, prototype) = geometry.instance(instanced);
+            return attribute(mesh)?.corners(triangle, prototype.triangles[triangle]);
         }
         let positions = geometry.triangles[primitive as usize].map(|v| v - mesh.first_position);
         attribute(mesh)?.corners((primitive - mesh.first_triangle) as usize, positions)

@@ -28,7 +28,7 @@ struct Node {
 
 /// A tree over instances.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Top {
+pub(super) struct Tlas {
     /// The root first, children side by side.
     nodes: Vec<Node>,
     /// How many times as far as for other boxes the origins of rays are moved.
@@ -58,19 +58,19 @@ impl Item {
     }
 }
 
-impl Top {
-    /// Over `instances`, of which `boxes` gives those of each form.
+impl Tlas {
+    /// Over `instances`, of which `boxes` gives those of each prototype.
     pub(super) fn new(instances: &[Instance], boxes: impl Fn(usize) -> Vec<Aabb>) -> Self {
-        let mut forms: Vec<Option<Vec<Aabb>>> = Vec::new();
+        let mut prototypes: Vec<Option<Vec<Aabb>>> = Vec::new();
         let mut items: Vec<Item> = Vec::with_capacity(instances.len());
         for (number, instance) in (0..).zip(instances) {
-            let form = instance.form();
-            if forms.len() <= form {
-                forms.resize(form + 1, None);
+            let prototype = instance.prototype();
+            if prototypes.len() <= prototype {
+                prototypes.resize(prototype + 1, None);
             }
-            let of_form = forms[form].get_or_insert_with(|| boxes(form));
-            if !of_form.is_empty() {
-                items.push(Item { instance: number, bounds: instance.bounds(of_form) });
+            let of_prototype = prototypes[prototype].get_or_insert_with(|| boxes(prototype));
+            if !of_prototype.is_empty() {
+                items.push(Item { instance: number, bounds: instance.bounds(of_prototype) });
             }
         }
         let widening = instances.iter().map(Instance::widening).fold(1.0, f32::max);

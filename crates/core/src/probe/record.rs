@@ -132,7 +132,7 @@ impl std::fmt::Display for Invalid {
 
 /// The story of a pixel.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Story {
+pub struct PixelRecord {
     /// Column and row.
     pub pixel: [u32; 2],
     /// Its paths, sample by sample.

@@ -6,16 +6,16 @@ use super::statistics::{Rays, Samples};
 use wavecrest_core::kernels::texture::Filter;
 use wavecrest_core::prepared::PreparedScene;
 
-/// Bounds on the work of a render: what it counts is no more, and nothing where nothing is foretold.
+/// Bounds on the work of a render: what it counts is no more, and nothing where nothing is estimated.
 #[derive(Clone, Copy, Debug, Serialize)]
-pub struct Foretold {
+pub struct Estimated {
     /// Rays by kind. Camera rays are exact.
     pub rays: Rays,
     /// Samples by kind. Those on the lens are exact.
     pub samples: Samples,
 }
 
-impl Foretold {
+impl Estimated {
     /// Of a render of so many `pixels` of `scene`: every camera ray meets a mirror and goes on for as many
     /// bounces as there may be, every hit asks all lights, and every hit wears the texture that takes the
     /// most texels.
@@ -27,7 +27,7 @@ impl Foretold {
             let lights = scene.lights.iter().filter(|l| !sampled_alone || l.is_sampled());
             lights.map(|light| u64::from(light.samples())).sum()
         };
-        let worn = scene.looks.shapes.iter().filter_map(|shape| shape.texture.as_ref());
+        let worn = scene.appearance.shapes.iter().filter_map(|shape| shape.texture.as_ref());
         let read = |filter: Filter| filter.texels() * filter.levels();
         let texels = worn.clone().map(|texture| read(texture.filter)).max().unwrap_or(0);
         let spreads = worn.into_iter().any(|texture| texture.filter == Filter::Trilinear);

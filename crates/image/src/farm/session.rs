@@ -1,5 +1,5 @@
 //! A render, or a shard of one, that is kept while it is made and may go on from what was kept: each run of the
-//! program that works on it is a stint.
+//! program that works on it is a session.
 
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -16,7 +16,7 @@ use wavecrest_core::render::work::{Done, Job, Summed, Task, run};
 use wavecrest_core::render::{Canvas, RenderOptions, Rendered, Watch};
 
 /// What is to be rendered, and what there is of it.
-pub struct Stint<'a> {
+pub struct Session<'a> {
     scene: &'a PreparedScene,
     options: &'a RenderOptions,
     header: Header,
@@ -44,7 +44,7 @@ pub struct Author {
     pub transfer: Transfer,
 }
 
-impl<'a> Stint<'a> {
+impl<'a> Session<'a> {
     /// Begins a render of `shard`, or of all, or goes on with one. `checkpoint` is where it is kept.
     ///
     /// # Errors
@@ -126,7 +126,7 @@ impl<'a> Stint<'a> {
     }
 
     /// Renders the units alone, or what is missing of them, and says what work that was. `warn` as for
-    /// [`Stint::render`].
+    /// [`Session::render`].
     ///
     /// # Errors
     /// When the table that the plan was made by does not hang together.

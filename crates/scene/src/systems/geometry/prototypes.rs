@@ -1,7 +1,7 @@
-//! What is shown where: shapes that have a form of their own, and instances, which show another's.
+//! What is shown where: shapes that have a prototype of their own, and instances, which show another's.
 //!
-//! A mesh that shapes show in two places or more is held once, in its own space, and becomes a form with
-//! instances. Other forms are a few numbers, and a mesh that is shown once is best held where it is shown:
+//! A mesh that shapes show in two places or more is held once, in its own space, and becomes a prototype with
+//! instances. Other prototypes are a few numbers, and a mesh that is shown once is best held where it is shown:
 //! these become primitives of the scene's own. So do shapes of lights, whose triangles are sampled.
 
 use std::collections::HashMap;
@@ -20,86 +20,88 @@ use wavecrest_core::accel::instance::Instance;
 use wavecrest_core::kernels::slab::Aabb;
 use wavecrest_core::prepared::{MeshAttributes, Shape, UvMap};
 
-/// A form whose middle is this many times as far from its origin as it is large has lost two bits: it is
+/// A prototype whose middle is this many times as far from its origin as it is large has lost two bits: it is
 /// moved there, so that rays are carried to small coordinates.
 const FAR: f64 = 4.0;
 
 /// A shape, or a light's, and what it shows.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Showing {
+pub(super) struct Occurrence {
     /// The shape, or the instance.
     pub(super) entity: Entity,
-    /// The entity that has the form: the same but for instances.
-    pub(super) form: Entity,
+    /// The entity that has the prototype: the same but for instances.
+    pub(super) prototype: Entity,
     is_light: bool,
 }
 
 /// Everything that is shown, shapes before lights, in the order of the file.
 #[derive(Debug)]
-pub(super) struct Showings {
-    all: Vec<Showing>,
+pub(super) struct Occurrences {
+    all: Vec<Occurrence>,
     /// How often each mesh is still to be taken.
     uses: HashMap<Entity, usize>,
     /// Meshes that instances show, in the order in which they are first shown.
     shared: Vec<Entity>,
 }
 
-impl Showings {
+impl Occurrences {
     /// What the world shows; `flatten` has instances become primitives of the scene's own.
     pub(super) fn of(world: &World, flatten: bool) -> Self {
-        let mut all: Vec<(bool, Order, Showing)> = world
+        let mut all: Vec<(bool, Order, Occurrence)> = world
             .query::<(Entity, Option<&Order>, Option<&AreaLight>, Option<&InstanceOf>)>()
             .iter()
             .filter(|(entity, .., instance)| {
                 instance.is_some() || world.get::<&Hidden>(*entity).is_err()
             })
             .map(|(entity, order, light, instance)| {
-                let form = instance.map_or(entity, |InstanceOf(form)| *form);
-                let showing = Showing { entity, form, is_light: light.is_some() };
-                (light.is_some(), order.copied().unwrap_or(Order(u32::MAX)), showing)
+                let prototype = instance.map_or(entity, |InstanceOf(prototype)| *prototype);
+                let occurrence = Occurrence { entity, prototype, is_light: light.is_some() };
+                (light.is_some(), order.copied().unwrap_or(Order(u32::MAX)), occurrence)
             })
             .collect();
         all.sort_by_key(|&(light, order, _)| (light, order));
-        let all: Vec<Showing> = all.into_iter().map(|(.., showing)| showing).collect();
+        let all: Vec<Occurrence> = all.into_iter().map(|(.., occurrence)| occurrence).collect();
         let mut uses: HashMap<Entity, usize> = HashMap::new();
         let mut shown: HashMap<Entity, usize> = HashMap::new();
         let mut shared = Vec::new();
-        for showing in all.iter().filter(|showing| has::<Mesh>(world, showing.form)) {
-            *uses.entry(showing.form).or_default() += 1;
-            let shown = shown.entry(showing.form).or_default();
-            *shown += usize::from(!showing.is_light);
-            if *shown == 2 && !showing.is_light && !flatten {
-                shared.push(showing.form);
+        for occurrence in all.iter().filter(|occurrence| has::<Mesh>(world, occurrence.prototype)) {
+            *uses.entry(occurrence.prototype).or_default() += 1;
+            let shown = shown.entry(occurrence.prototype).or_default();
+            *shown += usize::from(!occurrence.is_light);
+            if *shown == 2 && !occurrence.is_light && !flatten {
+                shared.push(occurrence.prototype);
             }
         }
         Self { all, uses, shared }
     }
 
     /// Those that become triangles of the scene's own, as do those that become quads and spheres.
-    pub(super) fn triangles(&self, world: &World) -> Vec<Showing> {
-        let is_own = |showing: &Showing| showing.is_light || !self.shared.contains(&showing.form);
-        self.pick(|showing| {
-            has::<Triangle>(world, showing.form)
-                || has::<Mesh>(world, showing.form) && is_own(showing)
+    pub(super) fn triangles(&self, world: &World) -> Vec<Occurrence> {
+        let is_own = |occurrence: &Occurrence| {
+            occurrence.is_light || !self.shared.contains(&occurrence.prototype)
+        };
+        self.pick(|occurrence| {
+            has::<Triangle>(world, occurrence.prototype)
+                || has::<Mesh>(world, occurrence.prototype) && is_own(occurrence)
         })
     }
 
-    pub(super) fn quads(&self, world: &World) -> Vec<Showing> {
-        self.pick(|showing| has::<Quad>(world, showing.form))
+    pub(super) fn quads(&self, world: &World) -> Vec<Occurrence> {
+        self.pick(|occurrence| has::<Quad>(world, occurrence.prototype))
     }
 
-    pub(super) fn spheres(&self, world: &World) -> Vec<Showing> {
-        self.pick(|showing| has::<Sphere>(world, showing.form))
+    pub(super) fn spheres(&self, world: &World) -> Vec<Occurrence> {
+        self.pick(|occurrence| has::<Sphere>(world, occurrence.prototype))
     }
 
-    fn pick(&self, is: impl Fn(&Showing) -> bool) -> Vec<Showing> {
+    fn pick(&self, is: impl Fn(&Occurrence) -> bool) -> Vec<Occurrence> {
         self.all.iter().copied().filter(is).collect()
     }
 
-    /// The mesh of `form`: moved out when nobody else will ask for it, copied before.
-    pub(super) fn take(&mut self, world: &World, form: Entity) -> MeshData {
-        let Ok(mut mesh) = world.get::<&mut Mesh>(form) else { return MeshData::default() };
-        match self.uses.get_mut(&form) {
+    /// The mesh of `prototype`: moved out when nobody else will ask for it, copied before.
+    pub(super) fn take(&mut self, world: &World, prototype: Entity) -> MeshData {
+        let Ok(mut mesh) = world.get::<&mut Mesh>(prototype) else { return MeshData::default() };
+        match self.uses.get_mut(&prototype) {
             Some(uses) if *uses > 1 => {
                 *uses -= 1;
                 mesh.data.clone()
@@ -110,8 +112,8 @@ impl Showings {
 
     /// Meshes that become the scene's own triangles, as often as they do.
     pub(super) fn own_meshes(&self, world: &World) -> Vec<Entity> {
-        let own = self.triangles(world).into_iter().map(|showing| showing.form);
-        own.filter(|&form| has::<Mesh>(world, form)).collect()
+        let own = self.triangles(world).into_iter().map(|occurrence| occurrence.prototype);
+        own.filter(|&prototype| has::<Mesh>(world, prototype)).collect()
     }
 }
 
@@ -119,8 +121,8 @@ fn has<C: hecs::Component>(world: &World, entity: Entity) -> bool {
     world.get::<&C>(entity).is_ok()
 }
 
-/// A form that was taken in.
-struct Form {
+/// A prototype that was taken in.
+struct Prototype {
     number: u32,
     triangles: usize,
     bounds: Aabb,
@@ -132,37 +134,48 @@ struct Form {
 
 impl Builder {
     /// Takes in the meshes that are shown more than once, and shows them.
-    pub(super) fn add_instances(&mut self, world: &World, showings: &mut Showings) -> Result<()> {
-        let shared = std::mem::take(&mut showings.shared);
-        let mut forms: HashMap<Entity, Form> = HashMap::new();
-        for &form in &shared {
-            let of_form = |showing: &&Showing| showing.form == form && !showing.is_light;
-            let shown: Vec<Common> = showings
+    pub(super) fn add_instances(
+        &mut self,
+        world: &World,
+        occurrences: &mut Occurrences,
+    ) -> Result<()> {
+        let shared = std::mem::take(&mut occurrences.shared);
+        let mut prototypes: HashMap<Entity, Prototype> = HashMap::new();
+        for &prototype in &shared {
+            let of_prototype = |occurrence: &&Occurrence| {
+                occurrence.prototype == prototype && !occurrence.is_light
+            };
+            let shown: Vec<Common> = occurrences
                 .all
                 .iter()
-                .filter(of_form)
-                .map(|showing| self.common(world, *showing))
+                .filter(of_prototype)
+                .map(|occurrence| self.common(world, *occurrence))
                 .collect();
             let smooth = shown.iter().any(|common| common.smooth);
             let textured = shown.iter().any(|common| common.textured);
-            let mut mesh = showings.take(world, form);
+            let mut mesh = occurrences.take(world, prototype);
             mesh.normals = mesh.normals.filter(|_| smooth);
             mesh.uvs = mesh.uvs.filter(|_| textured);
-            forms.insert(form, self.add_form(mesh));
+            prototypes.insert(prototype, self.add_prototype(mesh));
         }
         let mut next = self.geometry.own();
-        for showing in showings.all.iter().filter(|showing| !showing.is_light) {
-            let Some(form) = forms.get(&showing.form) else { continue };
-            let common = self.common(world, *showing);
-            next += form.triangles;
+        for occurrence in occurrences.all.iter().filter(|occurrence| !occurrence.is_light) {
+            let Some(prototype) = prototypes.get(&occurrence.prototype) else { continue };
+            let common = self.common(world, *occurrence);
+            next += prototype.triangles;
             check_count(&common, next, "triangles")?;
-            self.add_instance(showing.entity, &common, form, (next - form.triangles) as u32)?;
+            self.add_instance(
+                occurrence.entity,
+                &common,
+                prototype,
+                (next - prototype.triangles) as u32,
+            )?;
         }
-        showings.shared = shared;
+        occurrences.shared = shared;
         Ok(())
     }
 
-    fn add_form(&mut self, mut mesh: MeshData) -> Form {
+    fn add_prototype(&mut self, mut mesh: MeshData) -> Prototype {
         let bounds = |positions: &[glam::Vec3]| {
             let point = |&p: &glam::Vec3| Aabb { low: p, high: p };
             positions.par_iter().map(point).reduce(|| Aabb::EMPTY, Aabb::union)
@@ -176,8 +189,8 @@ impl Builder {
             mesh.positions.par_iter_mut().for_each(|p| *p = (p.as_dvec3() - origin).as_vec3());
         }
         let attributes = mesh.normals.is_some() || mesh.uvs.is_some();
-        let form = Form {
-            number: self.geometry.forms.len() as u32,
+        let prototype = Prototype {
+            number: self.geometry.prototypes.len() as u32,
             triangles: mesh.triangles.len(),
             bounds: if origin == DVec3::ZERO { found } else { bounds(&mesh.positions) },
             origin,
@@ -191,21 +204,22 @@ impl Builder {
             });
         }
         let MeshData { positions, triangles, .. } = mesh;
-        self.geometry.forms.push(Geometry { positions, triangles, ..Geometry::default() });
-        form
+        self.geometry.prototypes.push(Geometry { positions, triangles, ..Geometry::default() });
+        prototype
     }
 
     fn add_instance(
         &mut self,
         entity: Entity,
         common: &Common,
-        form: &Form,
+        prototype: &Prototype,
         first: u32,
     ) -> Result<()> {
-        let to_world = common.transform * DAffine3::from_translation(form.origin);
+        let to_world = common.transform * DAffine3::from_translation(prototype.origin);
         for corner in 0..8 {
-            let pick =
-                |k: usize| if corner >> k & 1 == 0 { form.bounds.low } else { form.bounds.high };
+            let pick = |k: usize| {
+                if corner >> k & 1 == 0 { prototype.bounds.low } else { prototype.bounds.high }
+            };
             let corner = DVec3::new(pick(0).x.into(), pick(1).y.into(), pick(2).z.into());
             check_point(common, to_world.transform_point3(corner))?;
         }
@@ -215,14 +229,19 @@ impl Builder {
                 .at(format!("{}.transform", common.place))
                 .remedy("give every axis a scale other than 0"));
         }
-        let range = first..first + form.triangles as u32;
-        let has_normals = form.mesh.is_some_and(|i| self.meshes[i as usize].normals.is_some());
+        let range = first..first + prototype.triangles as u32;
+        let has_normals = prototype.mesh.is_some_and(|i| self.meshes[i as usize].normals.is_some());
         let shape = Shape {
             smooth: common.smooth && has_normals,
-            mesh: form.mesh,
+            mesh: prototype.mesh,
             ..common.shape(range, common.mirrors())
         };
-        self.geometry.instances.push(Instance::new(form.number, first, to_world, &form.bounds));
+        self.geometry.instances.push(Instance::new(
+            prototype.number,
+            first,
+            to_world,
+            &prototype.bounds,
+        ));
         self.shapes.push(ShapeOutput { entity, shape, uv_map: Some(UvMap::Mesh) });
         Ok(())
     }

@@ -45,7 +45,7 @@ pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<LoadedScene> {
     let shape = world.spawn(shape);
     // The entity is there: it was just made.
     let _ = world.insert(shape, (MATERIAL, mesh));
-    let message = "a mesh alone: camera, light and material are chosen";
+    let message = "a standalone mesh: camera, light and material are chosen";
     let note = Error::new(ErrorKind::Scene, message).in_file(path);
     Ok(LoadedScene {
         world,
