@@ -13,14 +13,13 @@ use wavecrest_core::accel::build::Preset;
 use wavecrest_core::kernels::precision::Robust;
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::tile::{Tile, TraceSettings, Tracer, Unit};
-use wavecrest_core::variant::Every;
 use wavecrest_core::wavefront::{DEFAULT_BATCH, Wavefront};
 use wavecrest_scene::generate::{Model, Recipe, mesh};
 use wavecrest_scene::load::load_str;
 use wavecrest_scene::systems;
 
 /// The variant with every effect.
-type Passes = Wavefront<Robust, Every>;
+type Passes = Wavefront<Robust>;
 
 /// Everything but the shapes.
 const SCENE: &str = r#"{

@@ -103,9 +103,9 @@ fn choose_tree(args: &RenderArgs, scene: &mut PreparedScene, preset: Preset) -> 
     if args.scene_options.bvh.is_some() {
         return preset;
     }
-    let best = Preset::choose(scene.accel.geometry.held() as u64, scene.expected_rays());
+    let best = Preset::choose(scene.accel.geometry().held() as u64, scene.expected_rays());
     if best != preset {
-        scene.rebuild(best);
+        scene.accel.rebuild(best);
     }
     best
 }

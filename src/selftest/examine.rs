@@ -107,7 +107,7 @@ pub(super) fn run(
         let trial = trial(&accel, &effort);
         let examined = examined.get_or_insert_with(|| Examined {
             file: file.display().to_string(),
-            shape: shape(&accel.geometry, &accel),
+            shape: shape(accel.geometry(), &accel),
             bvh: bvh(&accel, preset, &effort),
             trials: Vec::new(),
         });

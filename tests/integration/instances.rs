@@ -45,10 +45,10 @@ fn a_mesh_is_held_once_and_looks_as_its_copies_do() {
     for precision in [Precision::Robust, Precision::Exact] {
         let [held, flat] =
             [false, true].map(|flat| prepared(&scene, precision, flat, Preset::Fast));
-        let geometry = &held.accel.geometry;
+        let geometry = held.accel.geometry();
         assert_eq!((geometry.prototypes.len(), geometry.instances.len()), (2, 35));
         assert_eq!((geometry.held(), geometry.len()), (401, 7001));
-        assert_eq!(flat.accel.geometry.len(), 7001);
+        assert_eq!(flat.accel.geometry().len(), 7001);
         let [a, b] = [&held, &flat].map(|scene| render_on(1, scene, &options()));
         assert!(a.counters.tests.instances > 10_000, "{}", a.counters.tests.instances);
         assert_eq!(b.counters.tests.instances, 0);
@@ -184,10 +184,10 @@ fn no_ray_meets_the_surface_that_it_leaves() {
             let ray = Ray::new(outside, inside - outside);
             let hit = accel.closest(&ray, &mut traversal);
             assert!(!hit.is_miss(), "transform {index}, ray {k}");
-            let (instance, of_prototype) = match accel.geometry.primitive(hit.primitive) {
+            let (instance, of_prototype) = match accel.geometry().primitive(hit.primitive) {
                 wavecrest_core::accel::geometry::Primitive::Instanced(shown) => {
                     let corners = prototype.triangle(shown.triangle as usize);
-                    (&accel.geometry.instances[0], corners)
+                    (&accel.geometry().instances[0], corners)
                 }
                 other => panic!("{other:?}"),
             };
@@ -305,7 +305,7 @@ fn small_forms_are_copied_to_where_they_are_shown() {
     scene["scene"]["shapes"] = shapes;
     scene["scene"]["instances"] = json!([at("ball"), at("tile"), at("flag"), at("once")]);
     let ready = try_prepare(&scene, &repository("test.json")).unwrap_or_else(|e| panic!("{e}"));
-    let geometry = &ready.accel.geometry;
+    let geometry = ready.accel.geometry();
     assert_eq!((geometry.instances.len(), geometry.prototypes.len()), (0, 0));
     let counts = [geometry.triangles.len(), geometry.quads.len(), geometry.spheres.len()];
     assert_eq!(counts, [3, 2, 2]);

@@ -10,10 +10,11 @@
 //! an [`instance`], which rays visit after the scene's own primitives.
 
 pub mod arena;
-pub mod brute;
+mod brute;
 pub mod build;
 mod choice;
 mod coincident;
+mod compiled;
 mod counts;
 pub mod geometry;
 pub mod instance;
@@ -32,15 +33,17 @@ pub mod tree;
 mod units;
 mod wide;
 
+use std::marker::PhantomData;
+
 use rayon::prelude::*;
 
-use crate::kernels::precision::{Arithmetic, Exact, Fast, Precision, Robust};
+use crate::kernels::precision::{Arithmetic, Precision};
 use crate::math::ray::Ray;
+use crate::with_precision;
 use build::Preset;
-use geometry::{Geometry, PreparedRay};
-use instances::Ways;
+use geometry::Geometry;
+use instances::Walks;
 use packet::Packets;
-use query::{Closest, Occluded};
 use stream::Flight;
 use tlas::Tlas;
 use tree::Tree;
@@ -49,6 +52,7 @@ pub use choice::{KernelChoice, KernelCounts, Kernels};
 pub use counts::TestCounts;
 use rays::BLOCK_EDGE;
 pub use rays::{RayColumns, Rays};
+pub use search::Search;
 
 /// The number of no primitive.
 pub const NO_PRIMITIVE: u32 = u32::MAX;
@@ -80,7 +84,7 @@ pub struct Traversal {
     stack: Vec<u64>,
     flight: Flight,
     packets: Packets,
-    ways: Ways,
+    walks: Walks,
     /// Tests made so far.
     pub tests: TestCounts,
     /// Rays taken so far, by kernel.
@@ -90,38 +94,26 @@ pub struct Traversal {
 /// The primitives and how they are searched.
 #[derive(Debug)]
 pub struct Accel {
-    /// The primitives.
-    pub geometry: Geometry,
-    /// The tree, or `None` for the brute-force reference.
-    pub tree: Option<Tree>,
-    /// A tree for each prototype; none for the reference.
+    geometry: Geometry,
+    /// `None` for the brute-force reference.
+    tree: Option<Tree>,
+    /// A bottom-level tree for each prototype; none for the reference.
     blas: Vec<Tree>,
-    /// Over the instances.
+    /// The top-level tree, over the instances.
     tlas: Tlas,
-    /// The instructions to search it with.
+    /// The instructions to search with. No answer depends on them.
     pub level: fearless_simd::Level,
-    /// The kernel that many rays are searched with.
+    /// The kernel that takes batches of rays. No answer depends on it.
     pub kernel: KernelChoice,
 }
 
 impl Accel {
     /// Builds the structure that `preset` names over `geometry`, to be searched with the best
     /// instructions that the processor has.
-    pub fn new(mut geometry: Geometry, preset: Preset) -> Self {
-        if preset == Preset::Brute {
-            find_all_seals(&mut geometry);
-            return Self::unbuilt(geometry);
-        }
-        let tree = tight(&mut geometry, preset);
-        let mut prototypes = std::mem::take(&mut geometry.prototypes);
-        let blas = build_blas(&mut prototypes, preset);
-        geometry.prototypes = prototypes;
-        let boxes = |prototype: usize| {
-            let tree: &Tree = &blas[prototype];
-            tree.upper_boxes()
-        };
-        let tlas = Tlas::new(&geometry.instances, boxes);
-        Self { tree: Some(tree), blas, tlas, ..Self::unbuilt(geometry) }
+    pub fn new(geometry: Geometry, preset: Preset) -> Self {
+        let mut accel = Self::unbuilt(geometry);
+        accel.rebuild(preset);
+        accel
     }
 
     /// The primitives alone, not yet to be searched.
@@ -130,13 +122,38 @@ impl Accel {
         Self { geometry, tree: None, blas: Vec::new(), tlas: Tlas::default(), level, kernel }
     }
 
+    /// Builds another structure over the same primitives.
+    pub fn rebuild(&mut self, preset: Preset) {
+        let geometry = &mut self.geometry;
+        geometry.seals.clear();
+        geometry.prototypes.iter_mut().for_each(|prototype| prototype.seals.clear());
+        (self.tree, self.blas, self.tlas) = (None, Vec::new(), Tlas::default());
+        if preset == Preset::Brute {
+            find_all_seals(geometry);
+            return;
+        }
+        self.tree = Some(tight(geometry, preset));
+        self.blas = build_blas(&mut geometry.prototypes, preset);
+        self.tlas = Tlas::new(&geometry.instances, |prototype| self.blas[prototype].upper_boxes());
+    }
+
+    /// The primitives.
+    #[inline(always)]
+    pub fn geometry(&self) -> &Geometry {
+        &self.geometry
+    }
+
+    /// The tree over the scene's own primitives, or `None` for the brute-force reference.
+    pub fn tree(&self) -> Option<&Tree> {
+        self.tree.as_ref()
+    }
+
     /// How many triangles no ray can hit, since they have no area. Those of a prototype count once.
     pub fn left_out(&self) -> u64 {
-        let of_prototype = self.geometry.prototypes.iter().enumerate();
-        let of_prototype: u64 = of_prototype
-            .map(|(i, prototype)| prototype.left_out(self.blas.get(i).map(|t| t.kept)))
-            .sum();
-        self.geometry.left_out(self.tree.as_ref().map(|tree| tree.kept)) + of_prototype
+        let prototypes = self.geometry.prototypes.iter().enumerate();
+        let of_prototypes: u64 =
+            prototypes.map(|(i, own)| own.left_out(self.blas.get(i).map(|tree| tree.kept))).sum();
+        self.geometry.left_out(self.tree.as_ref().map(|tree| tree.kept)) + of_prototypes
     }
 
     /// Scratch memory for one thread: traversal then allocates nothing.
@@ -147,68 +164,20 @@ impl Accel {
         Traversal { stack: vec![0; entries], flight: Flight::new(entries), ..Traversal::default() }
     }
 
-    /// The closest hit on `ray`, of light shapes too.
-    #[inline]
-    pub fn closest(&self, ray: &Ray, traversal: &mut Traversal) -> Hit {
-        traversal.kernels.closest.single += 1;
-        if !ray.is_valid() {
-            return Hit::MISS;
-        }
-        match self.geometry.precision {
-            Precision::Fast => self.closest_in::<Fast>(ray, traversal),
-            Precision::Robust => self.closest_in::<Robust>(ray, traversal),
-            Precision::Exact => self.closest_in::<Exact>(ray, traversal),
-        }
+    /// The searches of precision `P`, for those who know it: the geometry's.
+    #[inline(always)]
+    pub fn search<P: Arithmetic>(&self) -> Search<'_, P> {
+        Search { accel: self, precision: PhantomData }
     }
 
-    #[inline(always)]
-    fn closest_in<P: Arithmetic>(&self, ray: &Ray, traversal: &mut Traversal) -> Hit {
-        let ray = PreparedRay::of::<P>(ray);
-        match &self.tree {
-            Some(tree) => {
-                let searched = (tree, &self.geometry);
-                let best = search::closest::<P>(self.level, searched, &ray, traversal);
-                let best = self.geometry.unsealed(best);
-                if self.geometry.instances.is_empty() {
-                    return best;
-                }
-                self.among_instances::<Closest, P>(&ray.ray, best, traversal)
-            }
-            None => {
-                let hit = brute::closest::<P>(&self.geometry, &ray, &mut traversal.tests);
-                self.geometry.unsealed(hit)
-            }
-        }
+    /// The closest hit on `ray`, of light shapes too.
+    pub fn closest(&self, ray: &Ray, traversal: &mut Traversal) -> Hit {
+        with_precision!(self.geometry.precision, P => self.search::<P>().closest(ray, traversal))
     }
 
     /// Whether anything is on `ray`, light shapes apart: light passes them.
-    #[inline]
     pub fn occluded(&self, ray: &Ray, traversal: &mut Traversal) -> bool {
-        traversal.kernels.shadow.single += 1;
-        if !ray.is_valid() {
-            return false;
-        }
-        match self.geometry.precision {
-            Precision::Fast => self.occluded_in::<Fast>(ray, traversal),
-            Precision::Robust => self.occluded_in::<Robust>(ray, traversal),
-            Precision::Exact => self.occluded_in::<Exact>(ray, traversal),
-        }
-    }
-
-    #[inline(always)]
-    fn occluded_in<P: Arithmetic>(&self, ray: &Ray, traversal: &mut Traversal) -> bool {
-        let ray = PreparedRay::of::<P>(ray);
-        match &self.tree {
-            Some(tree) => {
-                let searched = (tree, &self.geometry);
-                let occluded = search::occluded::<P>(self.level, searched, &ray, traversal);
-                if occluded || self.geometry.instances.is_empty() {
-                    return occluded;
-                }
-                !self.among_instances::<Occluded, P>(&ray.ray, Hit::MISS, traversal).is_miss()
-            }
-            None => brute::occluded::<P>(&self.geometry, &ray, &mut traversal.tests),
-        }
+        with_precision!(self.geometry.precision, P => self.search::<P>().occluded(ray, traversal))
     }
 
     /// The closest hits on many rays, of light shapes too.
@@ -219,36 +188,8 @@ impl Accel {
         traversal: &mut Traversal,
     ) {
         let rays = rays.into();
-        match (&self.tree, self.many()) {
-            (Some(tree), Some(Precision::Fast)) => {
-                self.closest_of_in::<Fast>(tree, rays, answers, traversal);
-            }
-            (Some(tree), Some(_)) => {
-                self.closest_of_in::<Robust>(tree, rays, answers, traversal);
-            }
-            _ => {
-                for (i, answer) in answers.iter_mut().enumerate() {
-                    *answer = self.closest(&rays.ray(i), traversal);
-                }
-            }
-        }
-    }
-
-    fn closest_of_in<P: Arithmetic>(
-        &self,
-        tree: &Tree,
-        rays: Rays<'_>,
-        answers: &mut [Hit],
-        traversal: &mut Traversal,
-    ) {
-        let how = (self.level, self.kernel);
-        search::many::<Closest, P>(how, (tree, &self.geometry), rays, answers, traversal);
-        if !self.geometry.seals.is_empty() {
-            answers.iter_mut().for_each(|hit| *hit = self.geometry.unsealed(*hit));
-        }
-        if !self.geometry.instances.is_empty() {
-            self.all_among_instances::<Closest, P>(rays, answers, traversal);
-        }
+        with_precision!(self.geometry.precision, P =>
+            self.search::<P>().closest_of(rays, answers, traversal));
     }
 
     /// For many rays, whether anything is on each, light shapes apart.
@@ -259,41 +200,8 @@ impl Accel {
         traversal: &mut Traversal,
     ) {
         let rays = rays.into();
-        match (&self.tree, self.many()) {
-            (Some(tree), Some(Precision::Fast)) => {
-                self.occluded_of_in::<Fast>(tree, rays, answers, traversal);
-            }
-            (Some(tree), Some(_)) => {
-                self.occluded_of_in::<Robust>(tree, rays, answers, traversal);
-            }
-            _ => {
-                for (i, answer) in answers.iter_mut().enumerate() {
-                    *answer = self.occluded(&rays.ray(i), traversal);
-                }
-            }
-        }
-    }
-
-    fn occluded_of_in<P: Arithmetic>(
-        &self,
-        tree: &Tree,
-        rays: Rays<'_>,
-        answers: &mut [bool],
-        traversal: &mut Traversal,
-    ) {
-        let how = (self.level, self.kernel);
-        search::many::<Occluded, P>(how, (tree, &self.geometry), rays, answers, traversal);
-        if !self.geometry.instances.is_empty() {
-            self.all_among_instances::<Occluded, P>(rays, answers, traversal);
-        }
-    }
-
-    /// The precision in which rays are searched many at a time; `None` if each is searched alone. What
-    /// is exact has no use for lanes.
-    fn many(&self) -> Option<Precision> {
-        let is_one = self.kernel == KernelChoice::Single;
-        let precision = self.geometry.precision;
-        (!is_one && precision != Precision::Exact).then_some(precision)
+        with_precision!(self.geometry.precision, P =>
+            self.search::<P>().occluded_of(rays, answers, traversal));
     }
 
     /// The tree over the scene's own primitives, if there is one, and those of prototypes.

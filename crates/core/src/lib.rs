@@ -15,5 +15,4 @@ pub mod probe;
 pub mod recursive;
 pub mod render;
 pub mod tile;
-pub mod variant;
 pub mod wavefront;

@@ -11,7 +11,7 @@ use crate::accel::geometry::{Geometry, PreparedRay, Primitive};
 use crate::accel::{Accel, Hit, TestCounts, Traversal};
 use crate::counters::Sample;
 use crate::kernels::light::LightPoint;
-use crate::kernels::precision::{Arithmetic, Fast, Precision, Robust};
+use crate::kernels::precision::{Arithmetic, Precision};
 use crate::kernels::quad;
 use crate::kernels::shade::{ShadingPoint, ShadowRequest};
 use crate::kernels::triangle::T_TOLERANCE;
@@ -21,8 +21,8 @@ use crate::math::ray::Ray;
 use crate::prepared::PreparedScene;
 use crate::recursive::{End, Observer, Recursive};
 use crate::tile::{Tile, TraceSettings, Tracer, Unit};
-use crate::variant::{self, Effects, Work};
 use crate::wavefront::{DEFAULT_BATCH, Wavefront};
+use crate::with_precision;
 
 pub use record::{Bounce, Invalid, Light, Met, Path, PixelRecord, Verdict};
 
@@ -48,64 +48,35 @@ type Step = (Ray, Hit, Vec3);
 
 /// Tells the story of a pixel of the image.
 pub fn pixel(scene: &PreparedScene, pixel: [u32; 2], seed: u64) -> PixelRecord {
-    choose(scene, Tell { scene, pixel, seed })
-}
-
-/// The variant that renders the scene tells its story.
-fn choose<W: Work>(scene: &PreparedScene, work: W) -> W::Output {
-    variant::choose(scene.accel.geometry.precision, scene.plan.schedule(), work)
-}
-
-/// Tells of all samples of a pixel.
-struct Tell<'a> {
-    scene: &'a PreparedScene,
-    pixel: [u32; 2],
-    seed: u64,
-}
-
-/// Tells of one sample.
-struct TellOne<'a> {
-    of: Tell<'a>,
-    sample: u32,
+    with_precision!(scene.accel.geometry().precision, P => record::<P>(scene, pixel, seed))
 }
 
 /// Follows one sample.
 fn sample(scene: &PreparedScene, sample: Sample, seed: u64) -> Path {
     let width = scene.camera.size()[0];
     let pixel = [sample.pixel % width, sample.pixel / width];
-    choose(scene, TellOne { of: Tell { scene, pixel, seed }, sample: sample.sample })
-}
-
-impl Work for TellOne<'_> {
-    type Output = Path;
-
-    fn with<P: Arithmetic, E: Effects>(self) -> Path {
-        let Tell { scene, pixel, seed } = self.of;
+    with_precision!(scene.accel.geometry().precision, P => {
         let settings = TraceSettings { seed, batch: 1 };
-        let mut tracer = Recursive::<P, E>::new(scene, &settings);
-        follow(scene, &mut tracer, pixel, self.sample, seed).0
-    }
+        let mut tracer = Recursive::<P>::new(scene, &settings);
+        follow(scene, &mut tracer, pixel, sample.sample, seed).0
+    })
 }
 
-impl Work for Tell<'_> {
-    type Output = PixelRecord;
-
-    fn with<P: Arithmetic, E: Effects>(self) -> PixelRecord {
-        let Self { scene, pixel, seed } = self;
-        let settings = TraceSettings { seed, batch: DEFAULT_BATCH };
-        let mut tracer = Recursive::<P, E>::new(scene, &settings);
-        let samples = 0..scene.camera.rays_per_pixel();
-        let (paths, steps): (Vec<_>, Vec<_>) =
-            samples.map(|sample| follow(scene, &mut tracer, pixel, sample, seed)).unzip();
-        let others = wavefront_steps::<P, E>(scene, pixel, &settings);
-        PixelRecord { pixel, paths, differs: difference(&steps, &others) }
-    }
+/// What happens to every sample of a pixel, with both tracers.
+fn record<P: Arithmetic>(scene: &PreparedScene, pixel: [u32; 2], seed: u64) -> PixelRecord {
+    let settings = TraceSettings { seed, batch: DEFAULT_BATCH };
+    let mut tracer = Recursive::<P>::new(scene, &settings);
+    let samples = 0..scene.camera.rays_per_pixel();
+    let (paths, steps): (Vec<_>, Vec<_>) =
+        samples.map(|sample| follow(scene, &mut tracer, pixel, sample, seed)).unzip();
+    let others = wavefront_steps::<P>(scene, pixel, &settings);
+    PixelRecord { pixel, paths, differs: difference(&steps, &others) }
 }
 
 /// Follows a path with the recursive tracer.
-fn follow<P: Arithmetic, E: Effects>(
+fn follow<P: Arithmetic>(
     scene: &PreparedScene,
-    tracer: &mut Recursive<P, E>,
+    tracer: &mut Recursive<P>,
     pixel: [u32; 2],
     sample: u32,
     seed: u64,
@@ -123,14 +94,14 @@ fn follow<P: Arithmetic, E: Effects>(
 }
 
 /// What the wavefront does, for each sample.
-fn wavefront_steps<P: Arithmetic, E: Effects>(
+fn wavefront_steps<P: Arithmetic>(
     scene: &PreparedScene,
     [x, y]: [u32; 2],
     settings: &TraceSettings,
 ) -> Vec<Vec<Step>> {
     let mut steps = vec![Vec::new(); scene.camera.rays_per_pixel() as usize];
     let pixel = Unit::whole(scene, Tile { x, y, width: 1, height: 1 });
-    let mut tracer = Wavefront::<P, E>::new(scene, settings);
+    let mut tracer = Wavefront::<P>::new(scene, settings);
     tracer.render_watched(scene, &pixel, &mut [[0.0; 3]], |_, batch| {
         for i in 0..batch.rays.len() {
             let path = batch.rays.path[i] as usize;
@@ -175,12 +146,8 @@ impl Recorder<'_> {
     }
 
     fn met(&self, ray: &Ray, hit: &Hit) -> Met {
-        let geometry = &self.scene.accel.geometry;
-        let found = if geometry.precision == Precision::Fast {
-            self.scene.surface::<Fast>(ray, hit)
-        } else {
-            self.scene.surface::<Robust>(ray, hit)
-        };
+        let geometry = self.scene.accel.geometry();
+        let found = with_precision!(geometry.precision, P => self.scene.surface::<P>(ray, hit));
         Met {
             primitive: hit.primitive,
             kind: kind(geometry, hit.primitive),
@@ -207,7 +174,7 @@ impl Recorder<'_> {
         let mut hit = accel.closest(ray, &mut self.traversal);
         // Light passes the shapes of lights.
         let mut rest = *ray;
-        while !hit.is_miss() && accel.geometry.is_light(hit.primitive) {
+        while !hit.is_miss() && accel.geometry().is_light(hit.primitive) {
             rest.t_min = hit.t;
             hit = accel.closest(&rest, &mut self.traversal);
         }

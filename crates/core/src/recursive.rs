@@ -21,11 +21,10 @@ use crate::math::ray::Ray;
 use crate::plan::schedule::Schedule;
 use crate::prepared::{Interaction, LookUps, MirrorPoint, PreparedScene};
 use crate::tile::{TraceSettings, Tracer, Unit, add_sample};
-use crate::variant::Effects;
 
 /// The tracer.
 #[derive(Debug)]
-pub struct Recursive<P, E> {
+pub struct Recursive<P> {
     seed: u64,
     schedule: Schedule,
     traversal: Traversal,
@@ -34,10 +33,10 @@ pub struct Recursive<P, E> {
     look_ups: LookUps,
     counters: Counters,
     seconds: f64,
-    variant: PhantomData<(P, E)>,
+    variant: PhantomData<P>,
 }
 
-impl<P: Arithmetic, E: Effects> Tracer for Recursive<P, E> {
+impl<P: Arithmetic> Tracer for Recursive<P> {
     fn new(scene: &PreparedScene, settings: &TraceSettings) -> Self {
         Self {
             seed: settings.seed,
@@ -114,7 +113,7 @@ pub enum End {
     NoMirror,
 }
 
-impl<P: Arithmetic, E: Effects> Recursive<P, E> {
+impl<P: Arithmetic> Recursive<P> {
     /// The radiance along the camera ray that `stream` names, through the pixel (`x`, `y`).
     pub fn path(
         &mut self,
@@ -126,20 +125,24 @@ impl<P: Arithmetic, E: Effects> Recursive<P, E> {
         let mut ray = scene.camera.ray(x, y, &stream);
         self.counters.primary_rays += 1;
         self.counters.lens_samples += u64::from(scene.camera.has_lens());
-        let shadows = E::SHADOWS && self.schedule.has_shadows();
-        let bounces = if E::MIRRORS && self.schedule.has_mirrors() { scene.bounces } else { 0 };
+        let shadows = self.schedule.has_shadows();
+        let bounces = if self.schedule.has_mirrors() { scene.bounces } else { 0 };
         let mut throughput = Vec3::ONE;
         let mut radiance = Vec3::ZERO;
         // Of a mirror ray; that of a camera ray follows from its direction.
         let mut carried: Option<Differential> = None;
         loop {
             let before = self.traversal.tests;
-            let hit = scene.accel.closest(&ray, &mut self.traversal);
+            let hit = scene.accel.search::<P>().closest(&ray, &mut self.traversal);
             observer.ray(&ray, &hit, self.traversal.tests - before);
             let differential =
                 || carried.unwrap_or_else(|| scene.camera.differential(ray.direction));
-            let end = match scene.interaction::<P, E>(&ray, &hit, differential, &mut self.look_ups)
-            {
+            let end = match scene.interaction::<P::Points>(
+                &ray,
+                &hit,
+                differential,
+                &mut self.look_ups,
+            ) {
                 Interaction::Surface(point) => {
                     radiance += throughput * shade::local_light(&point, scene.ambient);
                     observer.surface(&point, radiance);
@@ -147,7 +150,7 @@ impl<P: Arithmetic, E: Effects> Recursive<P, E> {
                         let gathered = (throughput, &mut radiance);
                         self.direct_light(scene, &point, &stream, gathered, observer);
                     }
-                    if !E::MIRRORS || stream.bounce == bounces {
+                    if stream.bounce == bounces {
                         End::LastBounce
                     } else if let Some((next, weight)) = shade::mirror(&point, throughput) {
                         observer.done(radiance, None);
@@ -202,7 +205,8 @@ impl<P: Arithmetic, E: Effects> Recursive<P, E> {
                 };
                 self.counters.shadow_rays += 1;
                 self.counters.lights_at_surface += u64::from(request.at_light);
-                let occluded = scene.accel.occluded(&request.ray, &mut self.traversal);
+                let occluded =
+                    scene.accel.search::<P>().occluded(&request.ray, &mut self.traversal);
                 observer.light(place, &target, Some((&request, occluded)));
                 if !occluded {
                     *radiance += request.contribution;

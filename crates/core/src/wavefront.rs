@@ -25,7 +25,6 @@ use crate::kernels::precision::Arithmetic;
 use crate::plan::schedule::Schedule;
 use crate::prepared::PreparedScene;
 use crate::tile::{TraceSettings, Tracer, Unit};
-use crate::variant::Effects;
 use batch::Batch;
 
 /// The number of paths that a batch holds unless asked otherwise.
@@ -36,14 +35,14 @@ pub const TIMED: [&str; 5] = ["generate", "intersect", "shade", "shadow", "resol
 
 /// The tracer.
 #[derive(Debug)]
-pub struct Wavefront<P, E> {
+pub struct Wavefront<P> {
     seed: u64,
     schedule: Schedule,
     batch: Batch,
     traversal: Traversal,
     counters: Counters,
     clock: Clock,
-    variant: PhantomData<(P, E)>,
+    variant: PhantomData<P>,
 }
 
 /// Time spent in each pass.
@@ -62,7 +61,7 @@ impl Clock {
     }
 }
 
-impl<P: Arithmetic, E: Effects> Tracer for Wavefront<P, E> {
+impl<P: Arithmetic> Tracer for Wavefront<P> {
     fn new(scene: &PreparedScene, settings: &TraceSettings) -> Self {
         Self {
             seed: settings.seed,
@@ -94,7 +93,7 @@ impl<P: Arithmetic, E: Effects> Tracer for Wavefront<P, E> {
 }
 
 /// The passes over the batch, each with its time.
-impl<P: Arithmetic, E: Effects> Wavefront<P, E> {
+impl<P: Arithmetic> Wavefront<P> {
     /// As [`Tracer::render`]; `watch` sees the batch after each bounce, with the bounce's number.
     pub fn render_watched(
         &mut self,
@@ -111,11 +110,11 @@ impl<P: Arithmetic, E: Effects> Wavefront<P, E> {
             for bounce in 0..=scene.bounces {
                 self.intersect(scene);
                 self.shade(scene, bounce);
-                if E::SHADOWS && self.schedule.has_shadows() {
+                if self.schedule.has_shadows() {
                     self.shadow(scene, bounce);
                 }
                 watch(bounce, &self.batch);
-                let mirrors = E::MIRRORS && self.schedule.has_mirrors();
+                let mirrors = self.schedule.has_mirrors();
                 if !(mirrors && self.batch.advance()) {
                     break;
                 }
@@ -134,19 +133,19 @@ impl<P: Arithmetic, E: Effects> Wavefront<P, E> {
     /// Finds the closest hit of every ray.
     pub fn intersect(&mut self, scene: &PreparedScene) {
         let Self { batch, traversal, clock, .. } = self;
-        clock.time(1, || s2_intersect::run(scene, batch, traversal));
+        clock.time(1, || s2_intersect::run::<P>(scene, batch, traversal));
     }
 
     /// Adds the light that hits show at once, and collects what they ask for.
     pub fn shade(&mut self, scene: &PreparedScene, bounce: u32) {
         let Self { batch, counters, clock, .. } = self;
-        clock.time(2, || s3_shade::run::<P, E>(scene, bounce, batch, counters));
+        clock.time(2, || s3_shade::run::<P::Points>(scene, bounce, batch, counters));
     }
 
     /// Adds the light that arrives from lights.
     pub fn shadow(&mut self, scene: &PreparedScene, bounce: u32) {
         let Self { seed, batch, traversal, counters, clock, .. } = self;
-        clock.time(3, || s4_shadow::run(scene, *seed, bounce, batch, traversal, counters));
+        clock.time(3, || s4_shadow::run::<P>(scene, *seed, bounce, batch, traversal, counters));
     }
 
     /// Adds the paths to their pixels' `sums`.

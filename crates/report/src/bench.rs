@@ -238,7 +238,7 @@ impl SceneBench {
         let equal = measured.difference.is_none();
         let tracer = |runs| if equal { TracerBench::new(runs, &measured.counters) } else { None };
         let [width, height] = scene.camera.size();
-        let geometry = &scene.accel.geometry;
+        let geometry = scene.accel.geometry();
         let mut report = Self {
             scene: setting.scene,
             seed: setting.seed,

@@ -130,7 +130,7 @@ pub fn extract_with(world: &mut World, options: Options<'_>) -> Result<Extracted
 impl Extracted {
     /// The geometry that the tree is to be built over.
     pub fn geometry(&self) -> &Geometry {
-        &self.scene.accel.geometry
+        self.scene.accel.geometry()
     }
 
     /// The scene, which has no tree yet.
@@ -165,8 +165,7 @@ impl Extracted {
 
     /// Builds the tree: the last system.
     pub fn build(mut self, preset: Preset) -> PreparedScene {
-        let geometry = std::mem::take(&mut self.scene.accel.geometry);
-        self.scene.accel = Accel::new(geometry, preset);
+        self.scene.accel.rebuild(preset);
         self.scene.dropped = self.dropped();
         self.scene
     }

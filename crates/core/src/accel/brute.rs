@@ -1,11 +1,12 @@
 //! Every primitive, one after the other: the reference that the tree is checked against.
 
 use super::geometry::{Geometry, PreparedRay};
+use super::query::Query;
 use super::{Hit, TestCounts};
 use crate::kernels::precision::Arithmetic;
 
-/// The closest hit of all.
-pub fn closest<P: Arithmetic>(
+/// The hit that `Q` asks for.
+pub(super) fn hit<Q: Query, P: Arithmetic>(
     geometry: &Geometry,
     ray: &PreparedRay,
     tests: &mut TestCounts,
@@ -14,23 +15,14 @@ pub fn closest<P: Arithmetic>(
     for number in 0..geometry.len() as u32 {
         if let Some(t) = geometry.hit::<P>(number, ray, tests)
             && t < best.t
+            && !(Q::ANY && geometry.is_light(number))
             && geometry.can_be_hit(number)
         {
             best = Hit { t, primitive: number };
+            if Q::ANY {
+                break;
+            }
         }
     }
     best
-}
-
-/// Whether anything but a light's shape is hit.
-pub fn occluded<P: Arithmetic>(
-    geometry: &Geometry,
-    ray: &PreparedRay,
-    tests: &mut TestCounts,
-) -> bool {
-    (0..geometry.len() as u32).any(|number| {
-        geometry.hit::<P>(number, ray, tests).is_some()
-            && !geometry.is_light(number)
-            && geometry.can_be_hit(number)
-    })
 }

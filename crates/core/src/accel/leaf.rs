@@ -5,6 +5,7 @@
 
 use super::arena::{Kind, Ref, View};
 use super::geometry::{Geometry, PreparedRay};
+use super::query::{ANY_HIT, Query};
 use super::{Hit, TestCounts};
 use crate::kernels::precision::{Arithmetic, Precision};
 use crate::kernels::triangle::{LaneHits, fast};
@@ -16,9 +17,10 @@ fn first_lanes(count: u32) -> u32 {
     (1 << count) - 1
 }
 
-/// Replaces `best` by the closest hit in the leaf, if that is closer. Whether it did.
+/// Looks in the leaf for the hit that `Q` asks for: replaces `best` by it if it is closer, or by any. Whether it
+/// did.
 #[inline(always)]
-pub(super) fn closest<S: Lanes, P: Arithmetic>(
+pub(super) fn visit<S: Lanes, Q: Query, P: Arithmetic>(
     simd: S,
     arena: View<'_>,
     geometry: &Geometry,
@@ -27,30 +29,37 @@ pub(super) fn closest<S: Lanes, P: Arithmetic>(
     best: &mut Hit,
     tests: &mut TestCounts,
 ) -> bool {
-    match triangles::<S, P>(simd, arena, ray, place, tests) {
-        Some((hits, first)) => is_closer::<P>(arena, geometry, ray, (&hits, first), best),
-        None => {
-            let before = *best;
-            for &number in arena.list(place) {
-                if let Some(t) = geometry.hit::<P>(number, ray, tests) {
-                    offer(best, t, number);
-                }
-            }
-            *best != before
-        }
+    if let Some((hits, first)) = triangles::<S, P>(simd, arena, ray, place, tests) {
+        return take::<Q, P>(arena, geometry, ray, (&hits, first), best);
     }
+    let before = *best;
+    for &number in arena.list(place) {
+        let Some(t) = geometry.hit::<P>(number, ray, tests) else { continue };
+        if Q::ANY && !geometry.is_light(number) {
+            *best = ANY_HIT;
+            return true;
+        }
+        offer::<Q>(best, t, number);
+    }
+    *best != before
 }
 
-/// Replaces `best` by the closest of the hits on triangles whose numbers begin at `first`, if that
-/// is closer. Whether it did.
+/// As [`visit`], of the hits on triangles whose numbers begin at `first`.
 #[inline(always)]
-pub(super) fn is_closer<P: Arithmetic>(
+pub(super) fn take<Q: Query, P: Arithmetic>(
     arena: View<'_>,
     geometry: &Geometry,
     ray: &PreparedRay,
     (hits, first): (&LaneHits, u32),
     best: &mut Hit,
 ) -> bool {
+    if Q::ANY {
+        let found = is_any::<P>(arena, geometry, ray, (hits, first));
+        if found {
+            *best = ANY_HIT;
+        }
+        return found;
+    }
     let before = *best;
     let (mut certain, mut open) = (hits.certain, hits.open);
     while certain != 0 {
@@ -58,48 +67,30 @@ pub(super) fn is_closer<P: Arithmetic>(
         certain &= certain - 1;
         // The number is read only where it can matter: it is seldom in the cache.
         if hits.t[lane] <= before.t {
-            offer(best, hits.t[lane], arena.number(first, lane));
+            offer::<Q>(best, hits.t[lane], arena.number(first, lane));
         }
     }
     while open != 0 {
         let number = arena.number(first, open.trailing_zeros() as usize & 7);
         open &= open - 1;
         if let Some(t) = geometry.hit_again::<P>(number, ray) {
-            offer(best, t, number);
+            offer::<Q>(best, t, number);
         }
     }
     *best != before
 }
 
-/// Replaces `best` by a hit that is closer, or as close and of a lower number.
+/// Replaces `best` by a hit that is closer, or as close and of a lower number. Any hit has been taken before.
 #[inline(always)]
-fn offer(best: &mut Hit, t: f32, number: u32) {
-    if t < best.t || (t == best.t && number < best.primitive) {
+fn offer<Q: Query>(best: &mut Hit, t: f32, number: u32) {
+    if !Q::ANY && (t < best.t || (t == best.t && number < best.primitive)) {
         *best = Hit { t, primitive: number };
-    }
-}
-
-/// Whether anything in the leaf but a light's shape is hit.
-#[inline(always)]
-pub(super) fn occluded<S: Lanes, P: Arithmetic>(
-    simd: S,
-    arena: View<'_>,
-    geometry: &Geometry,
-    ray: &PreparedRay,
-    place: Ref,
-    tests: &mut TestCounts,
-) -> bool {
-    match triangles::<S, P>(simd, arena, ray, place, tests) {
-        Some((hits, first)) => is_any::<P>(arena, geometry, ray, (&hits, first)),
-        None => arena.list(place).iter().any(|&number| {
-            geometry.hit::<P>(number, ray, tests).is_some() && !geometry.is_light(number)
-        }),
     }
 }
 
 /// Whether there is a hit on a triangle that is no light's; their numbers begin at `first`.
 #[inline(always)]
-pub(super) fn is_any<P: Arithmetic>(
+fn is_any<P: Arithmetic>(
     arena: View<'_>,
     geometry: &Geometry,
     ray: &PreparedRay,

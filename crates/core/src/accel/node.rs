@@ -4,6 +4,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{f32x8, mask32x8, u32x8};
 
 use super::arena::{Node, Ref, base};
+use super::query::Query;
 use crate::kernels::slab::SlabRay;
 use crate::math::simd::{LANES, Lanes};
 
@@ -40,9 +41,9 @@ fn axis<S: Lanes>(
 }
 
 /// Appends the children that the ray meets to its stack of entries, whose length is `height`, the
-/// nearest last, or in any order. The new height.
+/// nearest last, or in any order where any hit will do. The new height.
 #[inline(always)]
-pub(super) fn push<S: Lanes, const SORTED: bool>(
+pub(super) fn push<S: Lanes, Q: Query>(
     simd: S,
     node: &Node,
     place: Ref,
@@ -53,12 +54,12 @@ pub(super) fn push<S: Lanes, const SORTED: bool>(
 ) -> usize {
     let (near, mask) = children(simd, node, ray, t_min, reach);
     let entries = simd.entries(near, places(simd, node, place));
-    append::<S, SORTED>(simd, &entries, mask.to_bitmask() as u8, stack, height)
+    append::<S, Q>(simd, &entries, mask.to_bitmask() as u8, stack, height)
 }
 
 /// Appends the `entries` whose bit in `mask` is 1 as [`push`] does.
 #[inline(always)]
-pub(super) fn append<S: Lanes, const SORTED: bool>(
+pub(super) fn append<S: Lanes, Q: Query>(
     simd: S,
     entries: &[u64; LANES],
     mask: u8,
@@ -68,10 +69,10 @@ pub(super) fn append<S: Lanes, const SORTED: bool>(
     let Some(room) = stack.get_mut(height..).and_then(|s| s.first_chunk_mut::<LANES>()) else {
         return height;
     };
-    if SORTED {
-        simd.far_to_near(entries, mask, room);
-    } else {
+    if Q::ANY {
         simd.compress(entries, mask, room);
+    } else {
+        simd.far_to_near(entries, mask, room);
     }
     height + mask.count_ones() as usize
 }

@@ -27,14 +27,13 @@ use std::marker::PhantomData;
 use super::arena::Kind;
 use super::geometry::{Geometry, PreparedRay};
 use super::node::{distance, place};
-use super::query::Query;
+use super::query::{Query, no_hit};
 use super::rays::Rays;
-use super::single::no_hit;
 use super::stream::{self, Flight, Found, FromRoot};
 use super::tree::{Root, Tree};
 use super::{KernelChoice, KernelCounts, TestCounts, single};
 use crate::kernels::precision::Arithmetic;
-use crate::math::simd::{Lanes, entry};
+use crate::math::simd::{Lanes, entry, outlined};
 use children::Children;
 use groups::{Groups, Open};
 use leaves::SingleTest;
@@ -221,35 +220,42 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
     /// Puts the next tile that can meet anything at its beginning. Whether there is one.
     #[inline(always)]
     fn begin<S: Lanes>(&mut self, simd: S, tile: &mut Tile, answers: &mut [Q::Answer]) -> bool {
-        while self.choice.packs(self.rays.count() - self.next, self.judged.is_coherent()) {
-            let start = self.next;
-            let count = TILE.min(self.rays.count() - start);
-            self.next += count;
-            self.rays.prefetch(
-                self.next + (AHEAD - 1) * TILE..(self.next + AHEAD * TILE).min(self.rays.count()),
-            );
-            if !tile.load::<S, P>(simd, &self.rays, start..start + count) {
-                // These go from the root, as the rest will.
-                answers[start..start + count].fill(Q::NONE);
-                self.unfit += count;
-                for number in start..start + count {
-                    self.last[number] = (self.handed.len() as u32, 1);
-                    let entry = entry(f32::NEG_INFINITY, self.root.place.bits());
-                    self.handed.push(Handed { entry, before: FIRST });
-                    self.queue.push(number as u32);
+        outlined(
+            simd,
+            #[inline(always)]
+            || {
+                while self.choice.packs(self.rays.count() - self.next, self.judged.is_coherent()) {
+                    let start = self.next;
+                    let count = TILE.min(self.rays.count() - start);
+                    self.next += count;
+                    self.rays.prefetch(
+                        self.next + (AHEAD - 1) * TILE
+                            ..(self.next + AHEAD * TILE).min(self.rays.count()),
+                    );
+                    if !tile.load::<S, P>(simd, &self.rays, start..start + count) {
+                        // These go from the root, as the rest will.
+                        answers[start..start + count].fill(Q::NONE);
+                        self.unfit += count;
+                        for number in start..start + count {
+                            self.last[number] = (self.handed.len() as u32, 1);
+                            let entry = entry(f32::NEG_INFINITY, self.root.place.bits());
+                            self.handed.push(Handed { entry, before: FIRST });
+                            self.queue.push(number as u32);
+                        }
+                    } else if tile.beam.meets(&self.root.bounds) {
+                        self.judged.tiles += 1;
+                        tile.prepare::<S, P>(simd);
+                        let entry = entry(f32::NEG_INFINITY, self.root.place.bits());
+                        tile.push(true, Visit { entry, rays: tile.all() });
+                        return true;
+                    } else {
+                        self.judged.tiles += 1;
+                        answers[start..start + count].fill(Q::NONE);
+                    }
                 }
-            } else if tile.beam.meets(&self.root.bounds) {
-                self.judged.tiles += 1;
-                tile.prepare::<S, P>(simd);
-                let entry = entry(f32::NEG_INFINITY, self.root.place.bits());
-                tile.push(true, Visit { entry, rays: tile.all() });
-                return true;
-            } else {
-                self.judged.tiles += 1;
-                answers[start..start + count].fill(Q::NONE);
-            }
-        }
-        false
+                false
+            },
+        )
     }
 
     /// Takes a tile on through leaves and one node. Whether there was a node left.
@@ -331,23 +337,27 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
         i: usize,
         tests: &mut TestCounts,
     ) {
-        let ray = PreparedRay::of::<P>(&self.rays.ray(tile.start + number_of(i)));
-        let before = tile.best(i);
-        let best = if before.is_miss() { no_hit(&ray) } else { before };
-        self.stack[0] = place;
-        let stack = (&mut *self.stack, 1);
-        if Q::ANY {
-            if single::occluded::<S, P>(simd, self.tree, self.geometry, &ray, stack, tests) {
-                tile.set_done(i);
-            }
-        } else {
-            let best =
-                single::closest::<S, P>(simd, self.tree, self.geometry, &ray, best, stack, tests);
-            if !best.is_miss() {
-                tile.set_best::<P>(i, best);
-                tile.is_reach_stale = true;
-            }
-        }
+        outlined(
+            simd,
+            #[inline(always)]
+            || {
+                let ray = PreparedRay::of::<P>(&self.rays.ray(tile.start + number_of(i)));
+                let before = tile.best(i);
+                let best = if before.is_miss() { no_hit(&ray.ray) } else { before };
+                self.stack[0] = place;
+                let (searched, stack) = ((self.tree, self.geometry), (&mut *self.stack, 1));
+                let best = single::trace::<S, Q, P>(simd, searched, &ray, best, stack, tests);
+                if best.is_miss() {
+                    return;
+                }
+                if Q::ANY {
+                    tile.set_done(i);
+                } else {
+                    tile.set_best::<P>(i, best);
+                    tile.is_reach_stale = true;
+                }
+            },
+        )
     }
 }
 

@@ -3,9 +3,9 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x4, u32x4};
 
-use super::geometry::PreparedRay;
-use super::single::{no_hit, or_miss};
-use super::{BLOCK_EDGE, Hit};
+use super::geometry::Geometry;
+use super::{BLOCK_EDGE, Hit, KernelCounts, Kernels, NO_PRIMITIVE};
+use crate::math::ray::Ray;
 use crate::math::simd::Lanes;
 
 /// A question about a ray.
@@ -22,6 +22,9 @@ pub(super) trait Query {
     /// The answer, once the ray is done.
     fn answer(best: Hit) -> Self::Answer;
 
+    /// A hit that has this answer.
+    fn hit(answer: Self::Answer) -> Hit;
+
     /// Writes the answers for a row of rays that a packet is done with: what each has found, and in
     /// the lowest bits of `done` those for which any hit was enough.
     fn write<S: Lanes>(
@@ -32,8 +35,46 @@ pub(super) trait Query {
         answers: &mut [Self::Answer; BLOCK_EDGE],
     );
 
-    /// The hit to go on with where a packet has answered so far; `None` if that is the answer.
-    fn resume(answer: Self::Answer, ray: &PreparedRay) -> Option<Hit>;
+    /// The hit to go on with where `answer` has been found so far; `None` if nothing more can come.
+    #[inline(always)]
+    fn resume(answer: Self::Answer, ray: &Ray) -> Option<Hit> {
+        match Self::hit(answer) {
+            hit if hit.is_miss() => Some(no_hit(ray)),
+            _ if Self::ANY => None,
+            hit => Some(hit),
+        }
+    }
+
+    /// The hit, on what a seal stands for if it is on one and that matters.
+    #[inline(always)]
+    fn unsealed(geometry: &Geometry, hit: Hit) -> Hit {
+        if Self::ANY { hit } else { geometry.unsealed(hit) }
+    }
+
+    /// Where its rays are counted.
+    fn counts(kernels: &mut Kernels) -> &mut KernelCounts;
+
+    /// Memory for its answers.
+    fn of(answers: &mut Answers) -> &mut Vec<Self::Answer>;
+}
+
+/// Memory for answers of any kind.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Answers {
+    hits: Vec<Hit>,
+    occluded: Vec<bool>,
+}
+
+/// The hit that stands for none yet on `ray`.
+#[inline(always)]
+pub(super) fn no_hit(ray: &Ray) -> Hit {
+    Hit { t: ray.t_max, primitive: NO_PRIMITIVE }
+}
+
+/// `best`, or a miss if nothing was found.
+#[inline(always)]
+pub(super) fn or_miss(best: Hit) -> Hit {
+    if best.is_miss() { Hit::MISS } else { best }
 }
 
 /// Which primitive is hit first.
@@ -47,6 +88,11 @@ impl Query for Closest {
     #[inline(always)]
     fn answer(best: Hit) -> Hit {
         or_miss(best)
+    }
+
+    #[inline(always)]
+    fn hit(answer: Hit) -> Hit {
+        answer
     }
 
     // In vectors: what is written number by number is not copied well afterwards.
@@ -66,8 +112,12 @@ impl Query for Closest {
     }
 
     #[inline(always)]
-    fn resume(answer: Hit, ray: &PreparedRay) -> Option<Hit> {
-        Some(if answer.is_miss() { no_hit(ray) } else { answer })
+    fn counts(kernels: &mut Kernels) -> &mut KernelCounts {
+        &mut kernels.closest
+    }
+
+    fn of(answers: &mut Answers) -> &mut Vec<Hit> {
+        &mut answers.hits
     }
 }
 
@@ -85,6 +135,11 @@ impl Query for Occluded {
     }
 
     #[inline(always)]
+    fn hit(answer: bool) -> Hit {
+        if answer { ANY_HIT } else { Hit::MISS }
+    }
+
+    #[inline(always)]
     fn write<S: Lanes>(
         _: S,
         _: &[f32; BLOCK_EDGE],
@@ -98,7 +153,14 @@ impl Query for Occluded {
     }
 
     #[inline(always)]
-    fn resume(answer: bool, ray: &PreparedRay) -> Option<Hit> {
-        if answer { None } else { Some(no_hit(ray)) }
+    fn counts(kernels: &mut Kernels) -> &mut KernelCounts {
+        &mut kernels.shadow
+    }
+
+    fn of(answers: &mut Answers) -> &mut Vec<bool> {
+        &mut answers.occluded
     }
 }
+
+/// Stands for a hit where any is as good.
+pub(super) const ANY_HIT: Hit = Hit { t: 0.0, primitive: 0 };

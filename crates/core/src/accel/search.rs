@@ -1,127 +1,153 @@
-//! Searching a tree with the instructions of a level.
-//!
-//! The functions here are the one place where kernels are compiled, once for each level: hence they are never
-//! inlined. To call one costs less than a visit of a node.
+//! The ways to ask an [`Accel`]: for one ray or for many, for the closest hit or for any.
 
 use std::marker::PhantomData;
-
-use fearless_simd::Level;
 
 use super::geometry::{Geometry, PreparedRay};
 use super::query::{Closest, Occluded, Query};
 use super::rays::Rays;
 use super::tree::Tree;
-use super::{Hit, KernelChoice, Traversal, packet, single};
-use crate::kernels::precision::Arithmetic;
-use crate::math::simd::{Kernel, Lanes, dispatch};
+use super::{Accel, Hit, KernelChoice, Traversal, brute, compiled};
+use crate::kernels::precision::{Arithmetic, Precision};
+use crate::math::ray::Ray;
 
-/// What is searched.
-pub(super) type Searched<'a> = (&'a Tree, &'a Geometry);
-
-/// The closest hit on `ray`, of seals too.
-#[inline(never)]
-pub(super) fn closest<P: Arithmetic>(
-    level: Level,
-    searched: Searched<'_>,
-    ray: &PreparedRay,
-    traversal: &mut Traversal,
-) -> Hit {
-    dispatch(level, One::<Closest, P>::new(searched, ray, traversal))
+/// The searches of an [`Accel`] whose geometry has precision `P`.
+#[derive(Clone, Copy, Debug)]
+pub struct Search<'a, P> {
+    pub(super) accel: &'a Accel,
+    pub(super) precision: PhantomData<P>,
 }
 
-/// Whether anything but a light's shape is on `ray`.
-#[inline(never)]
-pub(super) fn occluded<P: Arithmetic>(
-    level: Level,
-    searched: Searched<'_>,
-    ray: &PreparedRay,
-    traversal: &mut Traversal,
-) -> bool {
-    dispatch(level, One::<Occluded, P>::new(searched, ray, traversal))
-}
-
-/// Asks many rays, with the kernel of `choice`.
-#[inline(never)]
-pub(super) fn many<Q: Query, P: Arithmetic>(
-    (level, choice): (Level, KernelChoice),
-    (tree, geometry): Searched<'_>,
-    rays: Rays<'_>,
-    answers: &mut [Q::Answer],
-    traversal: &mut Traversal,
-) {
-    let precision = PhantomData::<P>;
-    let many = Many::<Q, P> { tree, geometry, rays, answers, traversal, choice, precision };
-    dispatch(level, many);
-}
-
-/// One ray, traced alone.
-struct One<'a, Q, P> {
-    tree: &'a Tree,
-    geometry: &'a Geometry,
-    ray: &'a PreparedRay,
-    traversal: &'a mut Traversal,
-    query: PhantomData<(Q, P)>,
-}
-
-impl<'a, Q, P> One<'a, Q, P> {
-    #[inline(always)]
-    fn new(
-        (tree, geometry): Searched<'a>,
-        ray: &'a PreparedRay,
-        traversal: &'a mut Traversal,
-    ) -> Self {
-        Self { tree, geometry, ray, traversal, query: PhantomData }
+impl<P: Arithmetic> Search<'_, P> {
+    /// See [`Accel::closest`].
+    #[inline]
+    pub fn closest(&self, ray: &Ray, traversal: &mut Traversal) -> Hit {
+        traversal.kernels.closest.single += 1;
+        self.one::<Closest>(ray, traversal)
     }
-}
 
-impl<P: Arithmetic> Kernel for One<'_, Closest, P> {
-    type Output = Hit;
-
-    #[inline(always)]
-    fn run<S: Lanes>(self, simd: S) -> Hit {
-        let Traversal { stack, tests, .. } = self.traversal;
-        let height = single::start::<P>(self.tree, self.ray, stack);
-        let best = single::no_hit(self.ray);
-        let stack = (stack.as_mut_slice(), height);
-        let ray = self.ray;
-        let best = single::closest::<S, P>(simd, self.tree, self.geometry, ray, best, stack, tests);
-        single::or_miss(best)
+    /// See [`Accel::occluded`].
+    #[inline]
+    pub fn occluded(&self, ray: &Ray, traversal: &mut Traversal) -> bool {
+        traversal.kernels.shadow.single += 1;
+        self.one::<Occluded>(ray, traversal)
     }
-}
 
-impl<P: Arithmetic> Kernel for One<'_, Occluded, P> {
-    type Output = bool;
-
-    #[inline(always)]
-    fn run<S: Lanes>(self, simd: S) -> bool {
-        let Traversal { stack, tests, .. } = self.traversal;
-        let height = single::start::<P>(self.tree, self.ray, stack);
-        let stack = (stack.as_mut_slice(), height);
-        single::occluded::<S, P>(simd, self.tree, self.geometry, self.ray, stack, tests)
+    /// See [`Accel::closest_of`].
+    pub fn closest_of<'a>(
+        &self,
+        rays: impl Into<Rays<'a>>,
+        answers: &mut [Hit],
+        traversal: &mut Traversal,
+    ) {
+        self.many::<Closest>(rays.into(), answers, traversal);
     }
-}
 
-/// Many rays, in flight together.
-struct Many<'a, Q: Query, P> {
-    tree: &'a Tree,
-    geometry: &'a Geometry,
-    rays: Rays<'a>,
-    answers: &'a mut [Q::Answer],
-    traversal: &'a mut Traversal,
-    choice: KernelChoice,
-    precision: PhantomData<P>,
-}
-
-impl<Q: Query, P: Arithmetic> Kernel for Many<'_, Q, P> {
-    type Output = ();
+    /// See [`Accel::occluded_of`].
+    pub fn occluded_of<'a>(
+        &self,
+        rays: impl Into<Rays<'a>>,
+        answers: &mut [bool],
+        traversal: &mut Traversal,
+    ) {
+        self.many::<Occluded>(rays.into(), answers, traversal);
+    }
 
     #[inline(always)]
-    fn run<S: Lanes>(self, simd: S) {
-        let Traversal { flight, packets, stack, tests, kernels, .. } = self.traversal;
-        let Self { tree, geometry, rays, answers, choice, .. } = self;
-        let memory = (packets, flight, stack.as_mut_slice());
-        let counts = (tests, if Q::ANY { &mut kernels.shadow } else { &mut kernels.closest });
-        let rays = (rays, choice);
-        packet::trace::<S, Q, P>(simd, tree, geometry, rays, answers, memory, counts);
+    fn one<Q: Query>(&self, ray: &Ray, traversal: &mut Traversal) -> Q::Answer {
+        if !ray.is_valid() {
+            return Q::NONE;
+        }
+        let Accel { geometry, tree, .. } = self.accel;
+        let prepared = PreparedRay::of::<P>(ray);
+        let Some(tree) = tree else {
+            let best = brute::hit::<Q, P>(geometry, &prepared, &mut traversal.tests);
+            return Q::answer(Q::unsealed(geometry, best));
+        };
+        let best = self.in_tree::<Q>((tree, geometry), &prepared, traversal);
+        if geometry.instances.is_empty() || Q::ANY && !best.is_miss() {
+            return Q::answer(best);
+        }
+        Q::answer(self.among_instances::<Q>(ray, best, traversal))
+    }
+
+    fn many<Q: Query>(&self, rays: Rays<'_>, answers: &mut [Q::Answer], traversal: &mut Traversal) {
+        let Accel { geometry, tree, .. } = self.accel;
+        let (Some(tree), true) = (tree, self.has_batches()) else {
+            Q::counts(&mut traversal.kernels).single += answers.len() as u64;
+            for (i, answer) in answers.iter_mut().enumerate() {
+                *answer = self.one::<Q>(&rays.ray(i), traversal);
+            }
+            return;
+        };
+        self.all_in_tree::<Q>((tree, geometry), rays, answers, traversal);
+        if !geometry.instances.is_empty() {
+            self.all_among_instances::<Q>(rays, answers, traversal);
+        }
+    }
+
+    /// Whether many rays are searched together. What is exact has no use for lanes.
+    fn has_batches(&self) -> bool {
+        let Accel { kernel, level, .. } = self.accel;
+        P::PRECISION != Precision::Exact
+            && *kernel != KernelChoice::Single
+            && compiled::has_batches(*level)
+    }
+
+    /// What a ray meets in the tree of a prototype, by its own numbers.
+    pub(super) fn in_prototype<Q: Query>(
+        &self,
+        number: usize,
+        ray: &Ray,
+        traversal: &mut Traversal,
+    ) -> Hit {
+        if !ray.is_valid() {
+            return Hit::MISS;
+        }
+        self.in_tree::<Q>(self.prototype(number), &PreparedRay::of::<P>(ray), traversal)
+    }
+
+    /// As [`Self::in_prototype`], for many rays.
+    pub(super) fn all_in_prototype<Q: Query>(
+        &self,
+        number: usize,
+        rays: &[Ray],
+        answers: &mut [Q::Answer],
+        traversal: &mut Traversal,
+    ) {
+        // A ray counts once, where it is asked of the scene.
+        let kernels = traversal.kernels;
+        self.all_in_tree::<Q>(self.prototype(number), rays.into(), answers, traversal);
+        traversal.kernels = kernels;
+    }
+
+    fn prototype(&self, number: usize) -> (&Tree, &Geometry) {
+        (&self.accel.blas[number], &self.accel.geometry.prototypes[number])
+    }
+
+    /// The hit in a tree that `Q` asks for.
+    #[inline(always)]
+    fn in_tree<Q: Query>(
+        &self,
+        (tree, geometry): (&Tree, &Geometry),
+        ray: &PreparedRay,
+        traversal: &mut Traversal,
+    ) -> Hit {
+        let found = compiled::one::<Q, P>(self.accel.level, (tree, geometry), ray, traversal);
+        Q::unsealed(geometry, found)
+    }
+
+    fn all_in_tree<Q: Query>(
+        &self,
+        (tree, geometry): (&Tree, &Geometry),
+        rays: Rays<'_>,
+        answers: &mut [Q::Answer],
+        traversal: &mut Traversal,
+    ) {
+        let how = (self.accel.level, self.accel.kernel);
+        compiled::many::<Q, P>(how, (tree, geometry), rays, answers, traversal);
+        if !geometry.seals.is_empty() {
+            let found = answers.iter_mut();
+            found.for_each(|answer| *answer = Q::answer(Q::unsealed(geometry, Q::hit(*answer))));
+        }
     }
 }

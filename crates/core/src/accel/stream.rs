@@ -18,9 +18,8 @@ use super::arena::{Kind, Ref};
 use super::geometry::{Geometry, PreparedRay};
 use super::node::{self, distance, place};
 use super::packet::MOST_HANDED;
-use super::query::Query;
+use super::query::{Query, no_hit};
 use super::rays::Rays;
-use super::single::no_hit;
 use super::tree::{Root, Tree, reach};
 use super::{Hit, KernelCounts, TestCounts, leaf};
 use crate::kernels::precision::Arithmetic;
@@ -56,6 +55,22 @@ impl Slot {
         self.best = best;
         self.reach = reach::<P>(best.t);
         self.number = number as u32;
+    }
+
+    /// Clears its stack, from `bottom` to `top`, of what lies beyond the hit just found: of all if any is
+    /// enough. The top that is left.
+    #[inline(always)]
+    fn closer<Q: Query, P: Arithmetic>(
+        &mut self,
+        stacks: &mut [u64],
+        bottom: usize,
+        top: usize,
+    ) -> usize {
+        if Q::ANY {
+            return bottom + 1;
+        }
+        self.reach = reach::<P>(self.best.t);
+        clear(stacks, bottom, top, self.reach)
     }
 }
 
@@ -156,7 +171,7 @@ impl<Q: Query, P: Arithmetic> Source<Q, P> for FromRoot<'_> {
                 continue;
             }
             stack[0] = entry(f32::NEG_INFINITY, self.root.place.bits());
-            slot.begin::<P>(number, no_hit(&slot.ray));
+            slot.begin::<P>(number, no_hit(&ray));
             return Some(1);
         }
         None
@@ -205,11 +220,7 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
         // and where to go next.
         for (i, Met { entries, mask }) in met.iter().enumerate().take(nodes) {
             let index = next.get(Kind::Node, i).slot();
-            let top = if Q::ANY {
-                node::append::<S, false>(simd, entries, *mask, stacks, tops[index])
-            } else {
-                node::append::<S, true>(simd, entries, *mask, stacks, tops[index])
-            } - 1;
+            let top = node::append::<S, Q>(simd, entries, *mask, stacks, tops[index]) - 1;
             tops[index] = top;
             next.push(arena, index, place(stacks[top]));
         }
@@ -225,15 +236,8 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
         for (i, Found { hits, first }) in found.iter().enumerate().take(patches) {
             let index = next.get(Kind::Patch, i).slot();
             let slot = &mut slots[index];
-            let hits = (hits, *first);
-            if Q::ANY {
-                if leaf::is_any::<P>(arena, geometry, &slot.ray, hits) {
-                    slot.best.primitive = 0;
-                    tops[index] = index * *stride + 1;
-                }
-            } else if leaf::is_closer::<P>(arena, geometry, &slot.ray, hits, &mut slot.best) {
-                slot.reach = reach::<P>(slot.best.t);
-                tops[index] = clear(stacks, index * *stride, tops[index], slot.reach);
+            if leaf::take::<Q, P>(arena, geometry, &slot.ray, (hits, *first), &mut slot.best) {
+                tops[index] = slot.closer::<Q, P>(stacks, index * *stride, tops[index]);
             }
             tops[index] -= 1;
             next.push(arena, index, place(stacks[tops[index]]));
@@ -255,22 +259,9 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
                     }
                     continue;
                 }
-                if Q::ANY {
-                    if leaf::occluded::<S, P>(simd, arena, geometry, &slot.ray, at, tests) {
-                        slot.best.primitive = 0;
-                        tops[index] = index * *stride + 1;
-                    }
-                } else if leaf::closest::<S, P>(
-                    simd,
-                    arena,
-                    geometry,
-                    &slot.ray,
-                    at,
-                    &mut slot.best,
-                    tests,
-                ) {
-                    slot.reach = reach::<P>(slot.best.t);
-                    tops[index] = clear(stacks, index * *stride, tops[index], slot.reach);
+                let Slot { ray, best, .. } = slot;
+                if leaf::visit::<S, Q, P>(simd, arena, geometry, ray, at, best, tests) {
+                    tops[index] = slot.closer::<Q, P>(stacks, index * *stride, tops[index]);
                 }
                 tops[index] -= 1;
                 next.push(arena, index, place(stacks[tops[index]]));

@@ -1,9 +1,10 @@
-//! The tree over instances: a leaf for each of them.
+//! The top-level tree, over instances, and how rays walk through it.
 //!
 //! A binary tree divided from the top by the surface-area heuristic over bins (Wald, *On fast Construction
 //! of SAH-based Bounding Volume Hierarchies*, 2007). Instances are few beside the triangles in them: the tree
 //! is simple, and so built that no scene makes it deep.
 
+use super::Hit;
 use super::instance::Instance;
 use super::tree::reach;
 use crate::kernels::precision::Arithmetic;
@@ -74,9 +75,9 @@ impl Tlas {
             }
         }
         let widening = instances.iter().map(Instance::widening).fold(1.0, f32::max);
-        let mut top = Self { nodes: Vec::with_capacity(2 * items.len()), widening, depth: 0 };
-        top.build(&mut items);
-        top
+        let mut tlas = Self { nodes: Vec::with_capacity(2 * items.len()), widening, depth: 0 };
+        tlas.build(&mut items);
+        tlas
     }
 
     /// Bytes held.
@@ -112,74 +113,73 @@ impl Tlas {
             waiting.push((children + 1, middle..range.end, depth + 1));
         }
     }
+}
 
-    /// `ray` as the boxes want it.
-    #[inline]
-    pub(super) fn slab(&self, ray: &Ray) -> SlabRay {
-        SlabRay::widened(ray, self.widening)
-    }
+/// A ray on its way from instance to instance, and the closest hit so far. Its stack lies elsewhere.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Walk {
+    pub(super) ray: Ray,
+    pub(super) best: Hit,
+    slab: SlabRay,
+    height: u32,
+}
 
-    /// Puts the root on an empty stack if the ray meets it. The height.
+impl Walk {
+    /// The ray before its first instance.
     #[inline]
-    pub(super) fn start<P: Arithmetic>(
-        &self,
+    pub(super) fn new<P: Arithmetic>(
+        tlas: &Tlas,
         ray: &Ray,
-        slab: &SlabRay,
-        t: f32,
+        best: Hit,
         stack: &mut [Entry],
-    ) -> usize {
-        if self.nodes.is_empty() {
-            return 0;
+    ) -> Self {
+        let slab = SlabRay::widened(ray, tlas.widening);
+        let mut walk = Self { ray: *ray, best, slab, height: 0 };
+        if !tlas.nodes.is_empty() {
+            walk.push::<P>(tlas, 0, stack);
         }
-        self.push::<P>(0, ray, slab, t, (stack, 0))
+        walk
     }
 
-    /// The next instance that the ray may meet no later than at `t`, nearer ones mostly first; and what is
-    /// then the height of the stack.
+    /// The next instance that the ray may meet before its closest hit, nearer ones mostly first.
     #[inline]
-    pub(super) fn next<P: Arithmetic>(
-        &self,
-        ray: &Ray,
-        slab: &SlabRay,
-        t: f32,
-        (stack, mut height): (&mut [Entry], usize),
-    ) -> (Option<u32>, usize) {
-        while height > 0 {
-            height -= 1;
-            let Entry { near, node } = stack[height];
-            if near > reach::<P>(t) {
+    pub(super) fn next<P: Arithmetic>(&mut self, tlas: &Tlas, stack: &mut [Entry]) -> Option<u32> {
+        while self.height > 0 {
+            self.height -= 1;
+            let Entry { near, node } = stack[self.height as usize];
+            if near > self.reach::<P>() {
                 continue;
             }
-            let node = self.nodes[node as usize];
+            let node = tlas.nodes[node as usize];
             if node.is_leaf {
-                return (Some(node.index), height);
+                return Some(node.index);
             }
-            let before = height;
-            height = self.push::<P>(node.index, ray, slab, t, (stack, height));
-            height = self.push::<P>(node.index + 1, ray, slab, t, (stack, height));
-            if height == before + 2 && stack[before].near < stack[before + 1].near {
+            let before = self.height as usize;
+            self.push::<P>(tlas, node.index, stack);
+            self.push::<P>(tlas, node.index + 1, stack);
+            let has_both = self.height as usize == before + 2;
+            if has_both && stack[before].near < stack[before + 1].near {
                 stack.swap(before, before + 1);
             }
         }
-        (None, 0)
+        None
     }
 
+    /// How far boxes are visited.
     #[inline]
-    fn push<P: Arithmetic>(
-        &self,
-        node: u32,
-        ray: &Ray,
-        slab: &SlabRay,
-        t: f32,
-        (stack, height): (&mut [Entry], usize),
-    ) -> usize {
-        let interval = slab.interval(&self.nodes[node as usize].bounds);
-        let near = max(interval.near, ray.t_min);
-        if near > min(interval.far, reach::<P>(t)) {
-            return height;
+    fn reach<P: Arithmetic>(&self) -> f32 {
+        reach::<P>(min(self.best.t, self.ray.t_max))
+    }
+
+    /// Puts a node on the stack if the ray meets its box.
+    #[inline]
+    fn push<P: Arithmetic>(&mut self, tlas: &Tlas, node: u32, stack: &mut [Entry]) {
+        let interval = self.slab.interval(&tlas.nodes[node as usize].bounds);
+        let near = max(interval.near, self.ray.t_min);
+        if near <= min(interval.far, self.reach::<P>()) {
+            stack[self.height as usize] = Entry { near, node };
+            self.height += 1;
         }
-        stack[height] = Entry { near, node };
-        height + 1
     }
 }
 

@@ -38,6 +38,9 @@ pub trait Arithmetic: Copy + std::fmt::Debug + Send + Sync + 'static {
     /// Which it is.
     const PRECISION: Precision;
 
+    /// Points of surfaces are computed with: those of [`Exact`] are [`Robust`]'s.
+    type Points: Arithmetic;
+
     /// Whether it is [`Fast`].
     const IS_FAST: bool = matches!(Self::PRECISION, Precision::Fast);
 }
@@ -56,12 +59,48 @@ pub struct Exact;
 
 impl Arithmetic for Fast {
     const PRECISION: Precision = Precision::Fast;
+
+    type Points = Fast;
 }
 
 impl Arithmetic for Robust {
     const PRECISION: Precision = Precision::Robust;
+
+    type Points = Robust;
 }
 
 impl Arithmetic for Exact {
     const PRECISION: Precision = Precision::Exact;
+
+    type Points = Robust;
+}
+
+/// Evaluates an expression with a type parameter that stands for a precision known at run time: the one place
+/// where kernels are chosen by precision.
+///
+/// ```
+/// use wavecrest_core::kernels::precision::{Arithmetic, Precision};
+/// fn is_fast<P: Arithmetic>() -> bool {
+///     P::IS_FAST
+/// }
+/// assert!(wavecrest_core::with_precision!(Precision::Fast, P => is_fast::<P>()));
+/// ```
+#[macro_export]
+macro_rules! with_precision {
+    ($precision:expr, $kind:ident => $value:expr) => {
+        match $precision {
+            $crate::kernels::precision::Precision::Fast => {
+                type $kind = $crate::kernels::precision::Fast;
+                $value
+            }
+            $crate::kernels::precision::Precision::Robust => {
+                type $kind = $crate::kernels::precision::Robust;
+                $value
+            }
+            $crate::kernels::precision::Precision::Exact => {
+                type $kind = $crate::kernels::precision::Exact;
+                $value
+            }
+        }
+    };
 }

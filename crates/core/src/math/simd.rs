@@ -88,13 +88,45 @@ pub trait Kernel {
 #[inline]
 #[allow(unreachable_patterns, reason = "which levels there are depends on the target")]
 pub fn dispatch<K: Kernel>(level: fearless_simd::Level, kernel: K) -> K::Output {
-    #[inline(always)]
-    fn run<S: Lanes, K: Kernel>(simd: S, kernel: K) -> K::Output {
-        simd.vectorize(
-            #[inline(always)]
-            || kernel.run(simd),
-        )
+    if is_wide(level) {
+        return dispatch_wide(level, kernel);
     }
+    match level {
+        #[cfg(all(any(target_arch = "x86", target_arch = "x86_64"), not(fuzzing)))]
+        fearless_simd::Level::Sse4_2(simd) => run(simd, kernel),
+        #[cfg(all(any(target_arch = "x86", target_arch = "x86_64"), not(fuzzing)))]
+        fearless_simd::Level::Sse2(simd) => run(simd, kernel),
+        #[cfg(not(any(
+            target_arch = "x86",
+            target_arch = "x86_64",
+            target_arch = "aarch64",
+            all(target_arch = "wasm32", target_feature = "simd128"),
+        )))]
+        fearless_simd::Level::Fallback(simd) => run(simd, kernel),
+        _ => unreachable!("the target has no other level"),
+    }
+}
+
+/// Whether the level is one of those that [`dispatch_wide`] knows.
+#[inline]
+#[allow(unreachable_patterns, reason = "which levels there are depends on the target")]
+pub fn is_wide(level: fearless_simd::Level) -> bool {
+    match level {
+        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+        fearless_simd::Level::Avx512(_) | fearless_simd::Level::Avx2(_) => true,
+        #[cfg(target_arch = "aarch64")]
+        fearless_simd::Level::Neon(_) => true,
+        #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+        fearless_simd::Level::WasmSimd128(_) => true,
+        _ => false,
+    }
+}
+
+/// As [`dispatch`], for kernels that are compiled for the wide levels alone ([`is_wide`]): those with vectors of
+/// eight numbers, and the one level of other targets.
+#[inline]
+#[allow(unreachable_patterns, reason = "which levels there are depends on the target")]
+pub fn dispatch_wide<K: Kernel>(level: fearless_simd::Level, kernel: K) -> K::Output {
     // Fuzzers try one level: with sanitizers, each takes longer to compile than all do without.
     #[cfg(all(fuzzing, target_arch = "x86_64"))]
     if let Some(simd) = fearless_simd::Level::new().as_avx2() {
@@ -105,23 +137,27 @@ pub fn dispatch<K: Kernel>(level: fearless_simd::Level, kernel: K) -> K::Output 
         fearless_simd::Level::Avx512(simd) => run(simd, kernel),
         #[cfg(all(any(target_arch = "x86", target_arch = "x86_64"), not(fuzzing)))]
         fearless_simd::Level::Avx2(simd) => run(simd, kernel),
-        #[cfg(all(any(target_arch = "x86", target_arch = "x86_64"), not(fuzzing)))]
-        fearless_simd::Level::Sse4_2(simd) => run(simd, kernel),
-        #[cfg(all(any(target_arch = "x86", target_arch = "x86_64"), not(fuzzing)))]
-        fearless_simd::Level::Sse2(simd) => run(simd, kernel),
         #[cfg(target_arch = "aarch64")]
         fearless_simd::Level::Neon(simd) => run(simd, kernel),
         #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
         fearless_simd::Level::WasmSimd128(simd) => run(simd, kernel),
-        #[cfg(not(any(
-            target_arch = "x86",
-            target_arch = "x86_64",
-            target_arch = "aarch64",
-            all(target_arch = "wasm32", target_feature = "simd128"),
-        )))]
-        fearless_simd::Level::Fallback(simd) => run(simd, kernel),
-        _ => unreachable!("the target has no other level"),
+        _ => unreachable!("the kernel is not compiled for this level"),
     }
+}
+
+/// Runs `work` in a function of its own with the instructions of `simd`: what a kernel calls from several places
+/// then exists once.
+#[inline(never)]
+pub fn outlined<S: Lanes, R>(simd: S, work: impl FnOnce() -> R) -> R {
+    simd.vectorize(work)
+}
+
+#[inline(always)]
+fn run<S: Lanes, K: Kernel>(simd: S, kernel: K) -> K::Output {
+    simd.vectorize(
+        #[inline(always)]
+        || kernel.run(simd),
+    )
 }
 
 /// Number of lanes that kernels work with, whatever the width of a register.

@@ -84,7 +84,7 @@ impl PreparedScene {
     }
 
     fn geometry_fingerprint(&self) -> u128 {
-        let geometry = &self.accel.geometry;
+        let geometry = self.accel.geometry();
         hashed(|hasher| {
             hasher.list(&geometry.positions);
             hasher.list(&geometry.triangles);
@@ -129,6 +129,6 @@ impl PreparedScene {
 
     /// Bytes held by geometry, tree, attributes and images.
     pub fn bytes(&self) -> u64 {
-        self.accel.geometry.bytes() + self.accel.tree_bytes() + self.appearance.bytes()
+        self.accel.geometry().bytes() + self.accel.tree_bytes() + self.appearance.bytes()
     }
 }

@@ -95,7 +95,7 @@ impl PreparedScene {
 
     /// How the normal that a mirror turns about changes with its point.
     fn turn(&self, primitive: u32, point: &MirrorPoint, step: Vec3, smooth: bool) -> Vec3 {
-        let geometry = &self.accel.geometry;
+        let geometry = self.accel.geometry();
         match geometry.primitive(primitive) {
             Primitive::Sphere(i) => {
                 let turn = turn_of_sphere(geometry, primitive, step);

@@ -12,7 +12,6 @@ use crate::kernels::surface::{self, Surface};
 use crate::kernels::texture::{self, Filter};
 use crate::math::float::{dot, normalize};
 use crate::math::ray::Ray;
-use crate::variant::Effects;
 
 /// Where a ray that was traced arrives.
 #[derive(Clone, Copy, Debug)]
@@ -29,7 +28,7 @@ impl PreparedScene {
     /// The point of the surface that `ray` hits.
     #[inline]
     pub fn surface<P: Arithmetic>(&self, ray: &Ray, hit: &Hit) -> Surface {
-        let geometry = &self.accel.geometry;
+        let geometry = self.accel.geometry();
         match geometry.primitive(hit.primitive) {
             Primitive::Triangle(i) => surface::triangle_at::<P>(ray, hit.t, &geometry.triangle(i)),
             Primitive::Quad(i) => surface::quad_at::<P>(ray, hit.t, &geometry.quad(i)),
@@ -48,7 +47,7 @@ impl PreparedScene {
 
     /// Where `ray` arrives with `hit`. Its `differential` is asked for where a texture needs it.
     #[inline]
-    pub fn interaction<P: Arithmetic, E: Effects>(
+    pub fn interaction<P: Arithmetic>(
         &self,
         ray: &Ray,
         hit: &Hit,
@@ -63,7 +62,7 @@ impl PreparedScene {
         if let Some(color) = shape.emission {
             return Interaction::Light(color);
         }
-        let geometry = &self.accel.geometry;
+        let geometry = self.accel.geometry();
         let surface = self.surface::<P>(ray, hit);
         let outward = if shape.flipped { -surface.normal } else { surface.normal };
         let at_back = dot(outward, ray.direction) > 0.0;
@@ -71,7 +70,6 @@ impl PreparedScene {
         let material = self.appearance.materials[index];
         let color = match &shape.texture {
             None => material.color,
-            Some(_) if !E::APPEARANCE => material.color,
             Some(texture) => {
                 let face = (shape, hit.primitive);
                 let footprint = || {
@@ -86,11 +84,7 @@ impl PreparedScene {
             point: surface.point,
             error: surface.error,
             normal,
-            shading_normal: if E::APPEARANCE {
-                self.appearance.shading_normal(shape, geometry, hit, &surface, normal)
-            } else {
-                normal
-            },
+            shading_normal: self.appearance.shading_normal(shape, geometry, hit, &surface, normal),
             view: -normalize(ray.direction),
             color,
             material,

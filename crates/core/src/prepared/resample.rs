@@ -1,8 +1,6 @@
 //! Other samples of the same scene: what a sweep over samplers and their counts changes.
 
 use super::PreparedScene;
-use crate::accel::Accel;
-use crate::accel::build::Preset;
 use crate::kernels::camera::{Camera, DIMENSION};
 use crate::kernels::light::Light;
 use crate::math::sampling::{Points, Sampling};
@@ -39,16 +37,6 @@ impl PreparedScene {
         let bounces = u64::from(self.bounces.min(1));
         let paths = pixels.saturating_mul(u64::from(self.camera.rays_per_pixel()));
         paths.saturating_mul(1 + lights).saturating_mul(1 + bounces)
-    }
-
-    /// Builds another tree over the same primitives.
-    pub fn rebuild(&mut self, preset: Preset) {
-        let Accel { kernel, level, .. } = self.accel;
-        let mut geometry = std::mem::take(&mut self.accel.geometry);
-        geometry.seals.clear();
-        geometry.prototypes.iter_mut().for_each(|prototype| prototype.seals.clear());
-        self.accel = Accel::new(geometry, preset);
-        (self.accel.kernel, self.accel.level) = (kernel, level);
     }
 
     /// Has the scene, whose file had `original`, sampled as `samples` say. It is the scene that a file with

@@ -9,13 +9,12 @@ use rayon::prelude::*;
 use super::units::{Blocks, Grid};
 use super::{RenderOptions, TracerKind, Watch, batch_size};
 use crate::counters::Counters;
-use crate::kernels::precision::Arithmetic;
 use crate::plan::schedule::Flaw;
 use crate::prepared::PreparedScene;
 use crate::recursive::Recursive;
 use crate::tile::{TraceSettings, Tracer, Unit};
-use crate::variant::{self, Effects, Work};
 use crate::wavefront::Wavefront;
+use crate::with_precision;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
 /// Blocks of samples to be rendered for the pixels of a tile.
@@ -83,12 +82,11 @@ pub fn run(
     if let Some(flaw) = schedule.flaw() {
         return Err(refused(flaw));
     }
-    let make = variant::choose(scene.accel.geometry.precision, schedule, options.tracer);
     let start = Instant::now();
     let settings = TraceSettings { seed: options.seed, batch: batch_size(scene, options.batch) };
     // One worker a thread, made before the first ray.
     let threads = rayon::current_num_threads();
-    let worker = || Mutex::new(Worker::new(make(scene, &settings), job));
+    let worker = || Mutex::new(Worker::new(tracer(scene, options.tracer, &settings), job));
     let workers: Vec<_> = (0..threads).map(|_| worker()).collect();
     (0..job.count).into_par_iter().for_each(|number| {
         if watch.cancelled() {
@@ -163,22 +161,16 @@ pub fn add(sums: &mut [[f64; 3]], block: &[[f64; 3]]) {
     }
 }
 
-/// Makes a tracer of the variant chosen.
-type Make = fn(&PreparedScene, &TraceSettings) -> Box<dyn Tracer>;
-
-impl Work for TracerKind {
-    type Output = Make;
-
-    fn with<P: Arithmetic, E: Effects>(self) -> Make {
-        match self {
-            Self::Wavefront => make::<Wavefront<P, E>>,
-            Self::Recursive => make::<Recursive<P, E>>,
-        }
-    }
-}
-
-fn make<T: Tracer + 'static>(scene: &PreparedScene, settings: &TraceSettings) -> Box<dyn Tracer> {
-    Box::new(T::new(scene, settings))
+/// A tracer of that kind for the scene, compiled for its precision.
+pub fn tracer(
+    scene: &PreparedScene,
+    kind: TracerKind,
+    settings: &TraceSettings,
+) -> Box<dyn Tracer> {
+    with_precision!(scene.accel.geometry().precision, P => match kind {
+        TracerKind::Wavefront => Box::new(Wavefront::<P>::new(scene, settings)),
+        TracerKind::Recursive => Box::new(Recursive::<P>::new(scene, settings)),
+    })
 }
 
 /// A table of passes that does not hang together would give a wrong image.

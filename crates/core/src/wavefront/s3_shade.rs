@@ -22,8 +22,8 @@ use crate::kernels::surface::lanes::{Surfaces, interpolated_normal, spheres_at, 
 use crate::math::lanes::Vec3x8;
 use crate::math::ray::Ray;
 use crate::math::simd::{Kernel, LANES, Lanes, dispatch};
+use crate::plan::schedule::Step;
 use crate::prepared::{LookUps, MirrorPoint, PreparedScene};
-use crate::variant::Effects;
 use faces::{Face, Faces, Group};
 
 /// What the hits of a list are on.
@@ -38,7 +38,7 @@ enum On {
 
 /// Adds background, emitted and ambient light to the paths; collects points that lights reach and,
 /// while bounces are left, mirror rays.
-pub(super) fn run<P: Arithmetic, E: Effects>(
+pub(super) fn run<P: Arithmetic>(
     scene: &PreparedScene,
     bounce: u32,
     batch: &mut Batch,
@@ -48,39 +48,46 @@ pub(super) fn run<P: Arithmetic, E: Effects>(
     batch.next.clear();
     batch.next_differentials.clear();
     let schedule = scene.plan.schedule();
-    let shade = Shade::<P, E> {
+    let appearance = schedule.runs(Step::Normals) || schedule.runs(Step::Texels);
+    let shade = Shade::<P> {
         scene,
         bounce,
         differentials: scene.carries_differentials(),
         batch,
         counters,
-        shadows: E::SHADOWS && schedule.has_shadows(),
-        mirrors: E::MIRRORS && schedule.has_mirrors() && bounce < scene.bounces,
+        has_any: schedule.has_shadows() || schedule.has_mirrors() || appearance,
+        appearance,
+        shadows: schedule.has_shadows(),
+        mirrors: schedule.has_mirrors() && bounce < scene.bounces,
         variant: PhantomData,
     };
     dispatch(scene.accel.level, shade);
 }
 
-struct Shade<'a, P, E> {
+struct Shade<'a, P> {
     scene: &'a PreparedScene,
     bounce: u32,
     /// Whether mirror rays have differentials.
     differentials: bool,
     batch: &'a mut Batch,
     counters: &'a mut Counters,
+    /// Whether hits are asked for more than their colour.
+    has_any: bool,
+    /// Whether textures and interpolated normals are.
+    appearance: bool,
     /// Whether points that lights reach are asked for, as is whether mirror rays are.
     shadows: bool,
     mirrors: bool,
-    variant: PhantomData<(P, E)>,
+    variant: PhantomData<P>,
 }
 
-impl<P: Arithmetic, E: Effects> Kernel for Shade<'_, P, E> {
+impl<P: Arithmetic> Kernel for Shade<'_, P> {
     type Output = ();
 
     #[inline(always)]
     fn run<S: Lanes>(mut self, simd: S) {
         let appearance = &self.scene.appearance;
-        let geometry = &self.scene.accel.geometry;
+        let geometry = self.scene.accel.geometry();
         let first_sphere = geometry.triangles.len() + geometry.quads.len();
         let first_instanced = geometry.own();
         let (mut flat, mut spheres) = (Faces::new(), Faces::new());
@@ -120,7 +127,7 @@ impl<P: Arithmetic, E: Effects> Kernel for Shade<'_, P, E> {
     }
 }
 
-impl<P: Arithmetic, E: Effects> Shade<'_, P, E> {
+impl<P: Arithmetic> Shade<'_, P> {
     #[inline(always)]
     fn miss(&mut self, i: usize) {
         if self.bounce == 0 {
@@ -138,8 +145,8 @@ impl<P: Arithmetic, E: Effects> Shade<'_, P, E> {
     #[inline(always)]
     fn block<S: Lanes>(&mut self, simd: S, faces: &mut Faces, on: On) {
         let rays = &self.batch.rays;
-        let (geometry, appearance) = (&self.scene.accel.geometry, &self.scene.appearance);
-        let groups = faces.take::<E>(geometry, appearance, |i| rays.ray(i));
+        let (geometry, appearance) = (self.scene.accel.geometry(), &self.scene.appearance);
+        let groups = faces.take(self.has_any, geometry, appearance, |i| rays.ray(i));
         for group in groups {
             self.group(simd, group, on);
         }
@@ -153,7 +160,7 @@ impl<P: Arithmetic, E: Effects> Shade<'_, P, E> {
         let path = group.rays.map(|ray| rays.path[ray as usize]);
         let mut color = Vec3x8::load(simd, &group.color);
         let ambient = f32x8::splat(simd, self.scene.ambient);
-        if !E::HAS_ANY {
+        if !self.has_any {
             self.add(group.used, &path, throughput * color.scale(ambient));
             return;
         }
@@ -173,20 +180,20 @@ impl<P: Arithmetic, E: Effects> Shade<'_, P, E> {
                 let [origin, direction] = &group.carried;
                 let carried = (Vec3x8::load(simd, origin), Vec3x8::load(simd, direction));
                 let found = triangles_at::<S, P>(simd, carried, t, &group.corners);
-                group.in_world(simd, &found, &self.scene.accel.geometry)
+                group.in_world(simd, &found, self.scene.accel.geometry())
             }
         };
 
         let outward = surfaces.normal.scale(group.side.simd_into(simd));
         let at_back = outward.dot(direction).simd_gt(0.0);
         let normal = (-outward).or(at_back, outward);
-        let shading_normal = if !E::APPEARANCE || group.smooth == 0 {
+        let shading_normal = if !self.appearance || group.smooth == 0 {
             normal
         } else {
             let (values, smooth) = (&group.normals, mask(simd, group.smooth));
             interpolated_normal(simd, values, surfaces.barycentric, normal, smooth)
         };
-        if E::APPEARANCE && group.textured & group.used != 0 {
+        if self.appearance && group.textured & group.used != 0 {
             self.textures(group, &surfaces, &mut color);
         }
         self.add(group.used, &path, throughput * color.scale(ambient));
@@ -208,11 +215,11 @@ impl<P: Arithmetic, E: Effects> Shade<'_, P, E> {
         };
         let lit = used & (mask(simd, group.two_sided) | !at_back);
         let path: u32x8<S> = path.simd_into(simd);
-        if E::SHADOWS && self.shadows {
+        if self.shadows {
             self.batch.lit.push_lanes(&points, path, lit);
         }
         let kr: f32x8<S> = group.kr.simd_into(simd);
-        if E::MIRRORS && self.mirrors && kr.simd_gt(0.0).to_bitmask() & 0xFF != 0 {
+        if self.mirrors && kr.simd_gt(0.0).to_bitmask() & 0xFF != 0 {
             let mut next = mirrors(&points, kr);
             next.asked &= lit;
             self.counters.secondary_rays += self.batch.next.push_lanes(&next, path) as u64;
@@ -253,7 +260,7 @@ impl<P: Arithmetic, E: Effects> Shade<'_, P, E> {
 
     /// Replaces the colours of hits on shapes with textures.
     fn textures<S: Lanes>(&mut self, group: &Group, surfaces: &Surfaces<S>, color: &mut Vec3x8<S>) {
-        let (appearance, geometry) = (&self.scene.appearance, &self.scene.accel.geometry);
+        let (appearance, geometry) = (&self.scene.appearance, self.scene.accel.geometry());
         let mut look_ups = LookUps::default();
         for lane in lanes(group.textured & group.used) {
             let Face { ray, primitive, shape } = group.faces[lane];

@@ -11,6 +11,7 @@ use super::batch::{Batch, ShadowRays};
 use crate::accel::Traversal;
 use crate::counters::Counters;
 use crate::kernels::light::{Emitter, Light};
+use crate::kernels::precision::Arithmetic;
 use crate::kernels::shade::lanes::{LightPoints, LitPoints, shadow_requests};
 use crate::math::lanes::Vec3x8;
 use crate::math::random::Stream;
@@ -18,7 +19,7 @@ use crate::math::simd::{Kernel, LANES, Lanes, dispatch};
 use crate::prepared::PreparedScene;
 
 /// Adds every light's contributions to the paths.
-pub(super) fn run(
+pub(super) fn run<P: Arithmetic>(
     scene: &PreparedScene,
     seed: u64,
     bounce: u32,
@@ -31,7 +32,7 @@ pub(super) fn run(
         while next.point < batch.lit.len() {
             let request = Request { light, seed, bounce, batch, counters, next };
             next = dispatch(scene.accel.level, request);
-            trace(scene, batch, traversal);
+            trace::<P>(scene, batch, traversal);
         }
     }
 }
@@ -124,10 +125,10 @@ fn targets<S: Lanes>(
 }
 
 /// Traces the queue and adds what arrives.
-fn trace(scene: &PreparedScene, batch: &mut Batch, traversal: &mut Traversal) {
+fn trace<P: Arithmetic>(scene: &PreparedScene, batch: &mut Batch, traversal: &mut Traversal) {
     let mut occluded = std::mem::take(&mut batch.shadows.occluded);
     let answers = &mut occluded[..batch.shadows.len()];
-    scene.accel.occluded_of(&batch.shadows, answers, traversal);
+    scene.accel.search::<P>().occluded_of(&batch.shadows, answers, traversal);
     let shadows: &ShadowRays = &batch.shadows;
     for (i, _) in answers.iter().enumerate().filter(|(_, occluded)| !**occluded) {
         batch.paths.radiance.add(shadows.path[i] as usize, shadows.contribution.get(i));

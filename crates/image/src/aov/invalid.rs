@@ -9,50 +9,32 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use rayon::prelude::*;
 
 use super::Request;
-use wavecrest_core::kernels::precision::Arithmetic;
 use wavecrest_core::prepared::PreparedScene;
-use wavecrest_core::recursive::Recursive;
-use wavecrest_core::tile::{Tile, TraceSettings, Tracer, Unit};
-use wavecrest_core::variant::{self, Effects, Work};
+use wavecrest_core::render::TracerKind;
+use wavecrest_core::render::work::tracer;
+use wavecrest_core::tile::{Tile, TraceSettings, Unit};
 
 /// Sets the `mask` of `window` to 1 where a sample is not finite.
 pub(super) fn mark(scene: &PreparedScene, window: &Tile, request: &Request<'_>, mask: &mut [f32]) {
-    let search = Search { scene, window, request, mask };
-    variant::choose(scene.accel.geometry.precision, scene.plan.schedule(), search);
-}
-
-struct Search<'a> {
-    scene: &'a PreparedScene,
-    window: &'a Tile,
-    request: &'a Request<'a>,
-    mask: &'a mut [f32],
-}
-
-impl Work for Search<'_> {
-    type Output = ();
-
-    fn with<P: Arithmetic, E: Effects>(self) {
-        let Self { scene, window, request, mask } = self;
-        let left = AtomicU64::new(request.invalid);
-        // One path at a time: the batch says nothing.
-        let settings = TraceSettings { seed: request.seed, batch: 1 };
-        let rows = mask.par_chunks_mut(window.width as usize).enumerate();
-        rows.for_each(|(row, mask)| {
-            let mut tracer = Recursive::<P, E>::new(scene, &settings);
-            for (column, marked) in mask.iter_mut().enumerate() {
-                if left.load(Ordering::Relaxed) == 0 {
-                    return;
-                }
-                let (x, y) = (window.x + column as u32, window.y + row as u32);
-                let pixel = Unit::whole(scene, Tile { x, y, width: 1, height: 1 });
-                let before = tracer.counters().invalid;
-                tracer.render(scene, &pixel, &mut [[0.0; 3]]);
-                let found = tracer.counters().invalid - before;
-                if found > 0 {
-                    *marked = 1.0;
-                    left.fetch_sub(found, Ordering::Relaxed);
-                }
+    let left = AtomicU64::new(request.invalid);
+    // One path at a time: the batch says nothing.
+    let settings = TraceSettings { seed: request.seed, batch: 1 };
+    let rows = mask.par_chunks_mut(window.width as usize).enumerate();
+    rows.for_each(|(row, mask)| {
+        let mut tracer = tracer(scene, TracerKind::Recursive, &settings);
+        for (column, marked) in mask.iter_mut().enumerate() {
+            if left.load(Ordering::Relaxed) == 0 {
+                return;
             }
-        });
-    }
+            let (x, y) = (window.x + column as u32, window.y + row as u32);
+            let pixel = Unit::whole(scene, Tile { x, y, width: 1, height: 1 });
+            let before = tracer.counters().invalid;
+            tracer.render(scene, &pixel, &mut [[0.0; 3]]);
+            let found = tracer.counters().invalid - before;
+            if found > 0 {
+                *marked = 1.0;
+                left.fetch_sub(found, Ordering::Relaxed);
+            }
+        }
+    });
 }

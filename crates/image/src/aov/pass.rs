@@ -14,7 +14,7 @@ use wavecrest_core::math::random::Stream;
 use wavecrest_core::math::ray::Ray;
 use wavecrest_core::prepared::{Interaction, LookUps, PreparedScene};
 use wavecrest_core::tile::Tile;
-use wavecrest_core::variant::{self, Effects, Work};
+use wavecrest_core::with_precision;
 
 /// The side of a tile in pixels: rays that go together meet the same things.
 const EDGE: u32 = 64;
@@ -45,33 +45,17 @@ pub(super) fn run(
     names: &Names<'_>,
     put: &mut dyn FnMut(usize, &Sums),
 ) {
-    let job = Job { scene, window, seed, names, put };
-    variant::choose(scene.accel.geometry.precision, scene.plan.schedule(), job);
-}
-
-struct Job<'a> {
-    scene: &'a PreparedScene,
-    window: &'a Tile,
-    seed: u64,
-    names: &'a Names<'a>,
-    put: &'a mut dyn FnMut(usize, &Sums),
-}
-
-impl Work for Job<'_> {
-    type Output = ();
-
-    fn with<P: Arithmetic, E: Effects>(self) {
-        let Self { scene, window, seed, names, put } = self;
-        for y in (0..window.height).step_by(EDGE as usize) {
-            let tiles: Vec<Tile> = band(window, y).collect();
-            let follow = |tile: &Tile| follow::<P, E>(scene, tile, seed, names);
-            let found: Vec<Vec<Sums>> = tiles.par_iter().map(follow).collect();
-            for (tile, pixels) in tiles.iter().zip(&found) {
-                for (index, sums) in pixels.iter().enumerate() {
-                    let (x, y) = tile.pixel(index as u32);
-                    let row = (y - window.y) as usize * window.width as usize;
-                    put(row + (x - window.x) as usize, sums);
-                }
+    for y in (0..window.height).step_by(EDGE as usize) {
+        let tiles: Vec<Tile> = band(window, y).collect();
+        let precision = scene.accel.geometry().precision;
+        let follow =
+            |tile: &Tile| with_precision!(precision, P => follow::<P>(scene, tile, seed, names));
+        let found: Vec<Vec<Sums>> = tiles.par_iter().map(follow).collect();
+        for (tile, pixels) in tiles.iter().zip(&found) {
+            for (index, sums) in pixels.iter().enumerate() {
+                let (x, y) = tile.pixel(index as u32);
+                let row = (y - window.y) as usize * window.width as usize;
+                put(row + (x - window.x) as usize, sums);
             }
         }
     }
@@ -90,7 +74,7 @@ fn band(window: &Tile, y: u32) -> impl Iterator<Item = Tile> + use<> {
 }
 
 /// What the samples of the tile's pixels meet.
-fn follow<P: Arithmetic, E: Effects>(
+fn follow<P: Arithmetic>(
     scene: &PreparedScene,
     tile: &Tile,
     seed: u64,
@@ -112,24 +96,18 @@ fn follow<P: Arithmetic, E: Effects>(
         }));
         hits.clear();
         hits.resize(rays.len(), Hit::MISS);
-        scene.accel.closest_of(&rays[..], &mut hits, &mut traversal);
+        scene.accel.search::<P>().closest_of(&rays[..], &mut hits, &mut traversal);
         for (path, (ray, hit)) in some.zip(rays.iter().zip(&hits)) {
             let is_first = path % samples == 0;
             if !hit.is_miss() {
-                add::<P, E>(
-                    scene,
-                    (ray, hit),
-                    names,
-                    is_first,
-                    &mut sums[(path / samples) as usize],
-                );
+                add::<P>(scene, (ray, hit), names, is_first, &mut sums[(path / samples) as usize]);
             }
         }
     }
     sums
 }
 
-fn add<P: Arithmetic, E: Effects>(
+fn add<P: Arithmetic>(
     scene: &PreparedScene,
     (ray, hit): (&Ray, &Hit),
     names: &Names<'_>,
@@ -138,7 +116,7 @@ fn add<P: Arithmetic, E: Effects>(
 ) {
     let [_, _, forward] = scene.camera.basis();
     let differential = || scene.camera.differential(ray.direction);
-    let arrival = scene.interaction::<P, E>(ray, hit, differential, &mut LookUps::default());
+    let arrival = scene.interaction::<P>(ray, hit, differential, &mut LookUps::default());
     let (point, normal, albedo) = match arrival {
         Interaction::Nothing => return,
         Interaction::Surface(at) => (at.point, at.shading_normal, at.color),

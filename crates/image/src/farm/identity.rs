@@ -67,7 +67,7 @@ impl Identity {
         let hex = |hash: u128| format!("{hash:032x}");
         Ok(Self {
             program: env!("CARGO_PKG_VERSION").to_owned(),
-            precision: scene.accel.geometry.precision.name().to_owned(),
+            precision: scene.accel.geometry().precision.name().to_owned(),
             image: scene.camera.size(),
             window: [x, y, width, height],
             samples: scene.camera.rays_per_pixel(),

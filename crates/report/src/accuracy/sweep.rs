@@ -254,7 +254,7 @@ fn trials(subject: &mut Subject, store: &mut Store, progress: &dyn Progress) -> 
     for precision in Precision::ALL.into_iter().skip(done) {
         let structure = Structure { precision, ..Structure::default() };
         let accel = &subject.prepare(&structure)?.scene.accel;
-        if accel.geometry.triangles.is_empty() {
+        if accel.geometry().triangles.is_empty() {
             return Ok(());
         }
         let found = trial(accel, &Effort { precision, seed: 1, count: Count::Quick });

@@ -94,8 +94,8 @@ pub fn shape(geometry: &Geometry, accel: &Accel) -> Shape {
 
 /// Appearance at the tree over a mesh.
 pub fn bvh(accel: &Accel, preset: Preset, effort: &Effort) -> Option<Bvh> {
-    let tree = accel.tree.as_ref()?;
-    let geometry = &accel.geometry;
+    let tree = accel.tree()?;
+    let geometry = accel.geometry();
     if geometry.triangles.is_empty() {
         return None;
     }
@@ -126,7 +126,7 @@ fn point_on(geometry: &Geometry, numbers: &mut Numbers) -> (u32, DVec3) {
 
 /// Tries the mesh that `accel` is over, in its precision.
 pub fn trial(accel: &Accel, effort: &Effort) -> Trial {
-    let geometry = &accel.geometry;
+    let geometry = accel.geometry();
     let topology = Topology::new(geometry);
     let size = extent(geometry);
     let (mut leaks, leak_time) = leaking(accel, &topology, size, effort);
@@ -179,7 +179,7 @@ fn leaking(
             let (ends, triangles) = topology.edge(numbers.below(topology.len()))?;
             let from = size.0 + numbers.direction() * (size.1 * (0.1 + 2.0 * numbers.one()));
             let part = 0.1 + 0.8 * numbers.one();
-            let ray = edge_ray(&accel.geometry, (ends, triangles), from.as_vec3(), part)?;
+            let ray = edge_ray(accel.geometry(), (ends, triangles), from.as_vec3(), part)?;
             Some((ray, triangles))
         },
         |ray, triangles, hit| {
@@ -230,7 +230,7 @@ fn edge_ray(
 
 /// Rays that leave triangles in all directions, to the side from which these were hit.
 fn leaving(accel: &Accel, size: (DVec3, f64), effort: &Effort) -> (Outcome, f64) {
-    let geometry = &accel.geometry;
+    let geometry = accel.geometry();
     if geometry.triangles.is_empty() {
         return (Outcome::default(), 0.0);
     }

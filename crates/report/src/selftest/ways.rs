@@ -30,14 +30,14 @@ pub(super) fn every_way(
         let Some(token) = level.token() else { continue };
         accel.level = token;
         // Exact arithmetic takes every ray alone.
-        let is_exact = accel.geometry.precision == Precision::Exact;
+        let is_exact = accel.geometry().precision == Precision::Exact;
         let kernels: &[_] = if is_exact { &[KernelChoice::Single] } else { &KernelChoice::ALL };
         for &kernel in kernels {
             accel.kernel = kernel;
             let told = |failure| format!("{} {}: {failure}", level.name(), kernel.name());
             outcome.add(ask(&accel, rays, |i, ray, hit| judge(i, ray, hit).map(told)));
         }
-        if accel.tree.is_none() {
+        if accel.tree().is_none() {
             // Nothing is left to choose.
             break;
         }

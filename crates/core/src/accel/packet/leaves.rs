@@ -11,7 +11,7 @@ use crate::accel::stream::Found;
 use crate::accel::{Hit, TestCounts, leaf};
 use crate::kernels::precision::Arithmetic;
 use crate::kernels::triangle::fast;
-use crate::math::simd::{LANES, Lanes};
+use crate::math::simd::{LANES, Lanes, outlined};
 
 /// So many rays, or fewer, are tested each for itself.
 const ALONE: u32 = 5;
@@ -64,70 +64,76 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
         rays: u64,
         tests: &mut TestCounts,
     ) {
-        let tile = &mut tiles[k];
-        match at.kind() {
-            Kind::Patch => {
-                tests.leaves += u64::from(rays.count_ones());
-                if !P::IS_FAST && !tile.is_sheared {
-                    tile.shear(simd);
-                }
-                let mut rest = rays;
-                if rest.count_ones() > ALONE && rest.count_ones() > WHOLE * groups_in(rest) {
-                    for g in 0..GROUPS {
-                        let used = (rest >> (g * WIDTH)) as u32 & 0xFFFF;
-                        if used != 0 {
+        outlined(
+            simd,
+            #[inline(always)]
+            || {
+                let tile = &mut tiles[k];
+                match at.kind() {
+                    Kind::Patch => {
+                        tests.leaves += u64::from(rays.count_ones());
+                        if !P::IS_FAST && !tile.is_sheared {
+                            tile.shear(simd);
+                        }
+                        let mut rest = rays;
+                        if rest.count_ones() > ALONE && rest.count_ones() > WHOLE * groups_in(rest)
+                        {
+                            for g in 0..GROUPS {
+                                let used = (rest >> (g * WIDTH)) as u32 & 0xFFFF;
+                                if used != 0 {
+                                    if self.groups.is_full() {
+                                        self.test_groups(simd, tiles, tests);
+                                    }
+                                    self.groups.add_whole(k, at, g, used);
+                                }
+                            }
+                            rest = 0;
+                        }
+                        while rest.count_ones() > ALONE {
                             if self.groups.is_full() {
                                 self.test_groups(simd, tiles, tests);
                             }
-                            self.groups.add_whole(k, at, g, used);
+                            let used = rest.count_ones().min(WIDTH as u32);
+                            let positions = simd.positions(rest);
+                            self.groups.add(k, at, positions, (1 << used) - 1);
+                            let last = positions[used as usize - 1];
+                            rest &= (u64::MAX << (last % u64::BITS)) << 1;
+                        }
+                        while rest != 0 {
+                            let ray = rest.trailing_zeros() as u8;
+                            rest &= rest - 1;
+                            self.singles.push(SingleTest { place: at, tile: k as u8, ray });
                         }
                     }
-                    rest = 0;
-                }
-                while rest.count_ones() > ALONE {
-                    if self.groups.is_full() {
-                        self.test_groups(simd, tiles, tests);
-                    }
-                    let used = rest.count_ones().min(WIDTH as u32);
-                    let positions = simd.positions(rest);
-                    self.groups.add(k, at, positions, (1 << used) - 1);
-                    let last = positions[used as usize - 1];
-                    rest &= (u64::MAX << (last % u64::BITS)) << 1;
-                }
-                while rest != 0 {
-                    let ray = rest.trailing_zeros() as u8;
-                    rest &= rest - 1;
-                    self.singles.push(SingleTest { place: at, tile: k as u8, ray });
-                }
-            }
-            _ => {
-                let mut rest = rays;
-                while rest != 0 {
-                    let i = rest.trailing_zeros() as usize & (TILE - 1);
-                    rest &= rest - 1;
-                    let ray = PreparedRay::of::<P>(&self.rays.ray(tile.start + number_of(i)));
-                    if Q::ANY {
-                        if leaf::occluded::<S, P>(simd, arena, self.geometry, &ray, at, tests) {
-                            tile.set_done(i);
-                        }
-                    } else {
-                        let mut best = tile.best(i);
-                        if leaf::closest::<S, P>(
-                            simd,
-                            arena,
-                            self.geometry,
-                            &ray,
-                            at,
-                            &mut best,
-                            tests,
-                        ) {
-                            tile.set_best::<P>(i, best);
+                    _ => {
+                        let mut rest = rays;
+                        while rest != 0 {
+                            let i = rest.trailing_zeros() as usize & (TILE - 1);
+                            rest &= rest - 1;
+                            let ray =
+                                PreparedRay::of::<P>(&self.rays.ray(tile.start + number_of(i)));
+                            let mut best = tile.best(i);
+                            if leaf::visit::<S, Q, P>(
+                                simd,
+                                arena,
+                                self.geometry,
+                                &ray,
+                                at,
+                                &mut best,
+                                tests,
+                            ) {
+                                if Q::ANY {
+                                    tile.set_done(i);
+                                } else {
+                                    tile.set_best::<P>(i, best);
+                                }
+                            }
                         }
                     }
                 }
-            }
-        }
-        tiles[k].is_reach_stale = true;
+                tiles[k].is_reach_stale = true;
+            },
+        )
     }
 
     /// Tests all triangles of patches at once with each ray that waits alone.
@@ -186,11 +192,17 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
     /// Tests all groups of rays that wait.
     #[inline(always)]
     fn test_groups<S: Lanes>(&mut self, simd: S, tiles: &mut [Tile], tests: &mut TestCounts) {
-        let arena = self.tree.arena.view();
-        self.groups.test::<S, Q, P>(simd, arena, tiles, self.asks, tests);
-        while let Some(Open { tile, place, triangles, ray }) = self.asks.pop() {
-            self.ask_again(&mut tiles[tile], arena, arena.patch(place), triangles, ray);
-        }
+        outlined(
+            simd,
+            #[inline(always)]
+            || {
+                let arena = self.tree.arena.view();
+                self.groups.test::<S, Q, P>(simd, arena, tiles, self.asks, tests);
+                while let Some(Open { tile, place, triangles, ray }) = self.asks.pop() {
+                    self.ask_again(&mut tiles[tile], arena, arena.patch(place), triangles, ray);
+                }
+            },
+        );
     }
 
     /// Tests those of a patch's `triangles`, a bit each, with the `i`th ray, each alone.

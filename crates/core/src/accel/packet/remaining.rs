@@ -40,7 +40,7 @@ impl<Q: Query, P: Arithmetic> Source<Q, P> for Remaining<'_> {
                 continue;
             }
             slot.ray = PreparedRay::of::<P>(&ray);
-            let Some(best) = Q::resume(answers[number], &slot.ray) else { continue };
+            let Some(best) = Q::resume(answers[number], &ray) else { continue };
             let reach = reach::<P>(best.t);
             let mut entries = 0;
             let mut place = self.last[number].0;

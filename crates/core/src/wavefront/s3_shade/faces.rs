@@ -13,7 +13,6 @@ use crate::math::lanes::Vec3x8;
 use crate::math::ray::Ray;
 use crate::math::simd::{LANES, Lanes};
 use crate::prepared::{Appearance, Shape};
-use crate::variant::Effects;
 
 /// Groups in a block.
 pub(super) const GROUPS: usize = 8;
@@ -69,7 +68,7 @@ pub(super) struct Group {
 impl Group {
     /// Fetches all but corners and normals.
     #[inline(always)]
-    fn begin<E: Effects>(&mut self, faces: &[Face], appearance: &Appearance) {
+    fn begin(&mut self, faces: &[Face], appearance: &Appearance) {
         let last = faces[faces.len() - 1];
         self.used = ((1_u64 << faces.len()) - 1) as u32;
         (self.two_sided, self.textured, self.smooth, self.quads) = (0, 0, 0, 0);
@@ -78,33 +77,25 @@ impl Group {
             let face = faces.get(lane).copied().unwrap_or(last);
             self.faces[lane] = face;
             self.rays[lane] = face.ray;
-            if E::HAS_ANY {
-                let shape = &appearance.shapes[face.shape as usize];
-                self.two_sided |= u32::from(shape.two_sided) << lane;
-                self.side[lane] = if shape.flipped { -1.0 } else { 1.0 };
-                if E::APPEARANCE {
-                    self.textured |= u32::from(shape.texture.is_some()) << lane;
-                }
-            }
-            self.set_material::<E>(lane, &appearance.materials[face.shape as usize]);
+            let shape = &appearance.shapes[face.shape as usize];
+            self.two_sided |= u32::from(shape.two_sided) << lane;
+            self.side[lane] = if shape.flipped { -1.0 } else { 1.0 };
+            self.textured |= u32::from(shape.texture.is_some()) << lane;
+            self.set_material(lane, &appearance.materials[face.shape as usize]);
         }
     }
 
     #[inline(always)]
-    fn set_material<E: Effects>(&mut self, lane: usize, material: &Material) {
+    fn set_material(&mut self, lane: usize, material: &Material) {
         let Material { ks, kd, exponent, color, kr } = *material;
         set(&mut self.color, lane, color);
-        if E::SHADOWS {
-            set(&mut self.reflection, lane, Vec3::new(ks, kd, exponent));
-        }
-        if E::MIRRORS {
-            self.kr[lane] = kr;
-        }
+        set(&mut self.reflection, lane, Vec3::new(ks, kd, exponent));
+        self.kr[lane] = kr;
     }
 
     /// Fetches the corners and normals of one hit.
     #[inline(always)]
-    fn fetch<E: Effects>(
+    fn fetch(
         &mut self,
         lane: usize,
         geometry: &Geometry,
@@ -112,7 +103,7 @@ impl Group {
         ray: impl Fn(usize) -> Ray,
     ) {
         let Face { ray: number, primitive, shape } = self.faces[lane];
-        if E::APPEARANCE && appearance.shapes[shape as usize].smooth {
+        if appearance.shapes[shape as usize].smooth {
             let shape = &appearance.shapes[shape as usize];
             self.fetch_normals(lane, shape, primitive, geometry, appearance);
         }
@@ -230,10 +221,11 @@ impl Faces {
         self.count >= BLOCK
     }
 
-    /// Fetches what the hits need, and empties the block.
+    /// Fetches what the hits need, corners where they are asked for, and empties the block.
     #[inline(always)]
-    pub(super) fn take<E: Effects>(
+    pub(super) fn take(
         &mut self,
+        with_corners: bool,
         geometry: &Geometry,
         appearance: &Appearance,
         ray: impl Fn(usize) -> Ray + Copy,
@@ -241,13 +233,12 @@ impl Faces {
         let count = self.count.div_ceil(LANES).min(GROUPS);
         let waiting = &self.waiting[..self.count.min(BLOCK)];
         for (group, faces) in self.groups.iter_mut().zip(waiting.chunks(LANES)) {
-            group.begin::<E>(faces, appearance);
+            group.begin(faces, appearance);
         }
-        // Nothing else asks for corners.
-        let asked = if E::HAS_ANY { count } else { 0 };
+        let asked = if with_corners { count } else { 0 };
         for group in &mut self.groups[..asked] {
             for lane in 0..LANES {
-                group.fetch::<E>(lane, geometry, appearance, ray);
+                group.fetch(lane, geometry, appearance, ray);
             }
         }
         self.count = 0;
