@@ -7,6 +7,7 @@ use divan::{Bencher, black_box};
 use glam::{Vec2, Vec3};
 
 use wavecrest_core::kernels::blinn_phong::{self, Material};
+use wavecrest_core::kernels::precision::Robust;
 use wavecrest_core::kernels::slab::{Aabb, SlabRay};
 use wavecrest_core::kernels::texture::{Filter, Image, Texels, Wrap};
 use wavecrest_core::kernels::triangle::{self, ShearedSpace};
@@ -14,6 +15,7 @@ use wavecrest_core::kernels::{quad, sphere, surface};
 use wavecrest_core::math::float::normalize;
 use wavecrest_core::math::random::{Stream, philox_4x32_10};
 use wavecrest_core::math::ray::Ray;
+use wavecrest_core::math::vector::{Line, Vector};
 
 /// Inputs of one sample: few enough for the first-level cache.
 const INPUTS: u32 = 256;
@@ -72,7 +74,10 @@ fn triangle_prepare_ray(bencher: Bencher<'_, '_>) {
 
 #[divan::bench]
 fn triangle_surface(bencher: Bencher<'_, '_>) {
-    each(bencher, &rays_and_corners(), |(ray, corners)| surface::triangle(ray, corners));
+    each(bencher, &rays_and_corners(), |(ray, corners)| {
+        let corners = corners.map(Vector::from);
+        surface::triangle_at::<f32, Robust>(&Line::from(ray), 0.0, &corners)
+    });
 }
 
 #[divan::bench]
@@ -102,7 +107,9 @@ fn sphere_intersect(bencher: Bencher<'_, '_>) {
 
 #[divan::bench]
 fn sphere_surface(bencher: Bencher<'_, '_>) {
-    each(bencher, &rays_and_corners(), |(ray, [center])| surface::sphere(ray, *center, 0.5));
+    each(bencher, &rays_and_corners(), |(ray, [center])| {
+        surface::sphere_at::<f32, Robust>(&Line::from(ray), 0.0, (*center).into(), 0.5)
+    });
 }
 
 #[divan::bench]

@@ -10,6 +10,7 @@ use wavecrest_core::kernels::precision::Robust;
 use wavecrest_core::kernels::shade;
 use wavecrest_core::math::random::Stream;
 use wavecrest_core::math::ray::Ray;
+use wavecrest_core::math::vector::Line;
 use wavecrest_core::prepared::{Interaction, LookUps, MirrorPoint, PreparedScene};
 use wavecrest_image::write::{Transfer, write};
 use wavecrest_scene::load::{LoadOptions, load_str};
@@ -239,7 +240,9 @@ fn mirror_ray(scene: &PreparedScene, x: u32, y: u32) -> (Ray, [Vec3; 2], [Vec3; 
     let mut look_ups = LookUps::default();
     let arrival = scene.interaction::<Robust>(&ray, &hit, || differential, &mut look_ups);
     let Interaction::Surface(point) = arrival else { panic!("({x}, {y}) meets no surface") };
-    let (next, _) = shade::mirror(&point, Vec3::ONE).expect("a mirror ray");
+    let request = shade::mirror_request(&point, Vec3::ONE.into()).expect("a mirror ray");
+    let Line { origin, direction } = request.line;
+    let next = Ray::new(origin.into(), direction.into());
     let mirror = MirrorPoint::of(&point);
     let found = scene.mirrored(&differential, &ray, &hit, &mirror, &mut look_ups);
     (next, found.origin, found.direction)

@@ -8,11 +8,14 @@ use wavecrest_core::accel::geometry::Geometry;
 use wavecrest_core::accel::instance::Instance;
 use wavecrest_core::accel::{Accel, Hit, KernelChoice};
 use wavecrest_core::kernels::precision::Precision;
+use wavecrest_core::kernels::precision::Robust;
 use wavecrest_core::kernels::slab::Aabb;
+use wavecrest_core::kernels::surface::triangle_at;
 use wavecrest_core::math::float::offset_origin;
 use wavecrest_core::math::random::Stream;
 use wavecrest_core::math::ray::Ray;
 use wavecrest_core::math::simd::Level;
+use wavecrest_core::math::vector::{Line, Vector};
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::RenderOptions;
 use wavecrest_scene::generate::{self, Model, Recipe};
@@ -192,20 +195,18 @@ fn no_ray_meets_the_surface_that_it_leaves() {
                 other => panic!("{other:?}"),
             };
             let carried = instance.carried(&ray);
-            let surface = instance
-                .surface(&wavecrest_core::kernels::surface::triangle(&carried, &of_prototype));
-            let outward = if surface.normal.dot(ray.direction) > 0.0 {
-                -surface.normal
-            } else {
-                surface.normal
-            };
+            let line = Line::from(&carried);
+            let corners = of_prototype.map(Vector::from);
+            let surface = instance.surface(&triangle_at::<f32, Robust>(&line, 0.0, &corners));
+            let [point, error, normal] = surface.vectors();
+            let outward = if normal.dot(ray.direction) > 0.0 { -normal } else { normal };
             for sample in 0..8 {
                 let [x, y, z, graze] = numbers(1000 * index + k, 20 + sample);
                 let random = Vec3::new(x as f32 - 0.5, y as f32 - 0.5, z as f32 - 0.5).normalize();
                 let along = random - outward * random.dot(outward);
                 let up = random.dot(outward).abs() * if graze < 0.5 { 1e-3 } else { 1.0 };
                 let direction = (along + outward * up).normalize();
-                let origin = offset_origin(surface.point, surface.error, outward, direction);
+                let origin = offset_origin(point, error, outward, direction);
                 let next = Ray::new(
                     origin,
                     direction * instance.to_world().matrix3.x_axis.length() as f32,

@@ -1,5 +1,6 @@
 //! The scene as the tracers see it: dense arrays, a tree and a plan, immutable while rendering.
 
+mod appearance;
 mod fingerprint;
 mod footprint;
 mod interaction;
@@ -11,7 +12,7 @@ use glam::{DVec3, Mat3, Vec2, Vec3};
 
 pub use fingerprint::Fingerprints;
 pub use footprint::MirrorPoint;
-pub use interaction::Interaction;
+pub use interaction::{Face, Group, Interaction, lanes};
 pub use resample::{Original, Samples};
 
 use crate::accel::Accel;

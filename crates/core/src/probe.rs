@@ -154,11 +154,11 @@ impl Recorder<'_> {
             shape: self.place_of(hit.primitive),
             t: hit.t,
             t_error: t_error(geometry, ray, hit),
-            uv: found.barycentric.to_array(),
-            point: found.point.as_dvec3() + self.scene.origin,
-            error: found.error,
-            normal: found.normal,
-            shading_normal: found.normal,
+            uv: found.barycentric,
+            point: Vec3::from(found.point).as_dvec3() + self.scene.origin,
+            error: found.error.into(),
+            normal: found.normal.into(),
+            shading_normal: found.normal.into(),
             lit: false,
             lights: Vec::new(),
         }
@@ -200,28 +200,29 @@ impl Observer for Recorder<'_> {
         });
     }
 
-    fn surface(&mut self, point: &ShadingPoint, _: Vec3) {
+    fn surface(&mut self, point: &ShadingPoint<f32>, _: Vec3) {
         let Some(met) = self.last_met() else { return };
-        (met.normal, met.shading_normal, met.lit) = (point.normal, point.shading_normal, point.lit);
+        (met.normal, met.shading_normal) = (point.normal.into(), point.shading_normal.into());
+        met.lit = point.lit;
     }
 
     fn light(
         &mut self,
         [light, index]: [usize; 2],
-        target: &LightPoint,
-        request: Option<(&ShadowRequest, bool)>,
+        target: &LightPoint<f32>,
+        request: Option<(&ShadowRequest<f32>, bool)>,
     ) {
         let occluder =
-            request.filter(|(_, is)| *is).map(|(request, _)| self.occluder(&request.ray));
+            request.filter(|(_, is)| *is).map(|(request, _)| self.occluder(&request.ray()));
         let origin = self.scene.origin;
         let Some(met) = self.last_met() else { return };
-        let towards = target.position - (met.point - origin).as_vec3();
+        let towards = Vec3::from(target.position) - (met.point - origin).as_vec3();
         let behind = met.normal.dot(normalize(towards)) <= 0.0;
         let (verdict, adds) = match (request, occluder) {
             (None, _) if behind => (Verdict::Behind, Vec3::ZERO),
             (None, _) => (Verdict::NotReflected, Vec3::ZERO),
             (Some(_), Some(occluded)) => (occluded, Vec3::ZERO),
-            (Some((request, _)), None) => (Verdict::Visible, request.contribution),
+            (Some((request, _)), None) => (Verdict::Visible, request.contribution.into()),
         };
         met.lights.push(Light { light, index, distance: towards.length(), verdict, adds });
     }

@@ -18,6 +18,7 @@ use crate::kernels::precision::Arithmetic;
 use crate::kernels::shade::{self, ShadingPoint, ShadowRequest};
 use crate::math::random::Stream;
 use crate::math::ray::Ray;
+use crate::math::vector::Line;
 use crate::plan::schedule::Schedule;
 use crate::prepared::{Interaction, LookUps, MirrorPoint, PreparedScene};
 use crate::tile::{TraceSettings, Tracer, Unit, add_sample};
@@ -87,11 +88,17 @@ pub trait Observer {
     fn ray(&mut self, _: &Ray, _: &Hit, _: TestCounts) {}
 
     /// It arrives here, at a surface; what it gathers without further rays is added.
-    fn surface(&mut self, _: &ShadingPoint, _: Vec3) {}
+    fn surface(&mut self, _: &ShadingPoint<f32>, _: Vec3) {}
 
     /// What the `index`th point of the `light`th light does for the surface: whether something is in the
     /// way, where a shadow ray is asked for.
-    fn light(&mut self, _: [usize; 2], _: &LightPoint, _: Option<(&ShadowRequest, bool)>) {}
+    fn light(
+        &mut self,
+        _: [usize; 2],
+        _: &LightPoint<f32>,
+        _: Option<(&ShadowRequest<f32>, bool)>,
+    ) {
+    }
 
     /// The bounce is over: what the path has gathered, and why it ends unless it goes on.
     fn done(&mut self, _: Vec3, _: Option<End>) {}
@@ -144,7 +151,7 @@ impl<P: Arithmetic> Recursive<P> {
                 &mut self.look_ups,
             ) {
                 Interaction::Surface(point) => {
-                    radiance += throughput * shade::local_light(&point, scene.ambient);
+                    radiance += throughput * Vec3::from(point.local_light(scene.ambient));
                     observer.surface(&point, radiance);
                     if shadows && point.lit {
                         let gathered = (throughput, &mut radiance);
@@ -152,7 +159,7 @@ impl<P: Arithmetic> Recursive<P> {
                     }
                     if stream.bounce == bounces {
                         End::LastBounce
-                    } else if let Some((next, weight)) = shade::mirror(&point, throughput) {
+                    } else if let Some(next) = mirror_ray(&point, throughput) {
                         observer.done(radiance, None);
                         self.counters.secondary_rays += 1;
                         if self.differentials {
@@ -161,7 +168,7 @@ impl<P: Arithmetic> Recursive<P> {
                             let from = differential();
                             carried = Some(scene.mirrored(&from, &ray, &hit, &mirror, found));
                         }
-                        (ray, throughput) = (next, weight);
+                        (ray, throughput) = next;
                         stream.bounce += 1;
                         continue;
                     } else {
@@ -189,7 +196,7 @@ impl<P: Arithmetic> Recursive<P> {
     fn direct_light(
         &mut self,
         scene: &PreparedScene,
-        point: &ShadingPoint,
+        point: &ShadingPoint<f32>,
         stream: &Stream,
         (throughput, radiance): (Vec3, &mut Vec3),
         observer: &mut impl Observer,
@@ -199,19 +206,28 @@ impl<P: Arithmetic> Recursive<P> {
                 let place = [number, index as usize];
                 let target = light.point(index, stream);
                 self.counters.light_samples += u64::from(light.is_sampled());
-                let Some(request) = shade::shadow_request(point, throughput, light, &target) else {
+                let request = shade::shadow_request(point, throughput.into(), light, &target);
+                let Some(request) = request else {
                     observer.light(place, &target, None);
                     continue;
                 };
                 self.counters.shadow_rays += 1;
                 self.counters.lights_at_surface += u64::from(request.at_light);
                 let occluded =
-                    scene.accel.search::<P>().occluded(&request.ray, &mut self.traversal);
+                    scene.accel.search::<P>().occluded(&request.ray(), &mut self.traversal);
                 observer.light(place, &target, Some((&request, occluded)));
                 if !occluded {
-                    *radiance += request.contribution;
+                    *radiance += Vec3::from(request.contribution);
                 }
             }
         }
     }
+}
+
+/// The mirror ray of a point and what it counts for, if there is one.
+#[inline(always)]
+fn mirror_ray(point: &ShadingPoint<f32>, throughput: Vec3) -> Option<(Ray, Vec3)> {
+    let request = shade::mirror_request(point, throughput.into())?;
+    let Line { origin, direction } = request.line;
+    Some((Ray::new(origin.into(), direction.into()), request.throughput.into()))
 }

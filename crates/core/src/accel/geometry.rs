@@ -15,6 +15,7 @@ use crate::kernels::slab::{Aabb, SlabRay};
 use crate::kernels::triangle::{self, ShearedSpace, exact, fast};
 use crate::kernels::{quad, sphere};
 use crate::math::ray::Ray;
+use crate::math::vector::{Line, Vector};
 
 /// The primitives of a scene, in world space. Coordinates and radii are finite, and no larger than
 /// [`MAX_COORDINATE`](crate::math::float::MAX_COORDINATE).
@@ -53,6 +54,17 @@ pub enum Primitive {
     Sphere(usize),
     /// A triangle of an instance.
     Instanced(Instanced),
+}
+
+/// Primitives whose hits are shaded alike.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// Triangles and quads.
+    Flat,
+    /// Spheres.
+    Spheres,
+    /// Triangles of instances.
+    Instances,
 }
 
 /// A ray with what the tests derive from it once.
@@ -125,6 +137,19 @@ impl Geometry {
             Primitive::Sphere(index - triangles - quads)
         } else {
             Primitive::Instanced(self.instanced(number))
+        }
+    }
+
+    /// What surfaces of that primitive are shaded as.
+    #[inline(always)]
+    pub fn kind(&self, number: u32) -> Kind {
+        let index = number as usize;
+        if index >= self.own() {
+            Kind::Instances
+        } else if index >= self.triangles.len() + self.quads.len() {
+            Kind::Spheres
+        } else {
+            Kind::Flat
         }
     }
 
@@ -333,7 +358,11 @@ impl Geometry {
 #[inline(always)]
 fn triangle_test<P: Arithmetic>(ray: &PreparedRay, corners: &[Vec3; 3]) -> Option<f32> {
     let t = match P::PRECISION {
-        Precision::Fast => fast::intersect(&ray.ray, corners)?,
+        Precision::Fast => {
+            let corners = corners.map(Vector::from);
+            let (t, is_hit) = fast::intersect(&Line::from(&ray.ray), &corners);
+            is_hit.then_some(t)?
+        }
         Precision::Robust => return ray.space.intersect(corners),
         Precision::Exact => exact::intersect(&ray.ray, corners)? as f32,
     };

@@ -113,17 +113,17 @@ impl Instance {
 
     /// A point of the prototype's surface in the world, with all that it may be off by.
     #[inline]
-    pub fn surface(&self, surface: &Surface) -> Surface {
-        let point = self.to_world.transform_point3(surface.point.as_dvec3());
-        let carried = rows(&self.to_world).map(|row| row.dot(surface.error.as_dvec3()));
+    pub fn surface(&self, surface: &Surface<f32>) -> Surface<f32> {
+        let point = Vec3::from(surface.point).as_dvec3();
+        let point = self.to_world.transform_point3(point).as_vec3();
+        let error = Vec3::from(surface.error).as_dvec3();
+        let carried = rows(&self.to_world).map(|row| row.dot(error));
         // Rounding the sum down by an ulp is far less than the origin of the next ray is given here.
-        let rounded = 2.0 * UNIT_ROUNDOFF * point.as_vec3().abs();
-        Surface {
-            point: point.as_vec3(),
-            error: DVec3::from_array(carried).as_vec3() + self.error + rounded,
-            normal: self.normal(surface.normal),
-            barycentric: surface.barycentric,
-        }
+        let rounded = 2.0 * UNIT_ROUNDOFF * point.abs();
+        let error = DVec3::from_array(carried).as_vec3() + self.error + rounded;
+        let normal = self.normal(surface.normal.into()).into();
+        let barycentric = surface.barycentric;
+        Surface { point: point.into(), error: error.into(), normal, barycentric }
     }
 
     /// The padded box around the prototype, which lies in `boxes`, as rays see it that start at the origin.

@@ -18,9 +18,9 @@ pub(super) fn children<S: Lanes>(
     t_min: f32,
     reach: f32,
 ) -> (f32x8<S>, mask32x8<S>) {
-    let (x0, x1) = axis(simd, &node.planes[0], ray, 0);
-    let (y0, y1) = axis(simd, &node.planes[1], ray, 1);
-    let (z0, z1) = axis(simd, &node.planes[2], ray, 2);
+    let [x0, x1] = axis(simd, &node.planes[0], ray, 0);
+    let [y0, y1] = axis(simd, &node.planes[1], ray, 1);
+    let [z0, z1] = axis(simd, &node.planes[2], ray, 2);
     let near = x0.max(y0).max(z0.max(f32x8::splat(simd, t_min)));
     let far = x1.min(y1).min(z1.min(f32x8::splat(simd, reach)));
     (near, near.simd_le(far))
@@ -28,16 +28,10 @@ pub(super) fn children<S: Lanes>(
 
 /// Where the ray meets the children's first and last planes across an axis.
 #[inline(always)]
-fn axis<S: Lanes>(
-    simd: S,
-    planes: &[[f32; LANES]; 2],
-    ray: &SlabRay,
-    k: usize,
-) -> (f32x8<S>, f32x8<S>) {
+fn axis<S: Lanes>(simd: S, planes: &[[f32; LANES]; 2], ray: &SlabRay, k: usize) -> [f32x8<S>; 2] {
     let first: f32x8<S> = planes[usize::from(ray.negative[k])].simd_into(simd);
     let last: f32x8<S> = planes[usize::from(!ray.negative[k])].simd_into(simd);
-    let reciprocal = f32x8::splat(simd, ray.reciprocal[k]);
-    ((first - ray.near_origin[k]) * reciprocal, (last - ray.far_origin[k]) * reciprocal)
+    ray.crossings(k, first, last)
 }
 
 /// Appends the children that the ray meets to its stack of entries, whose length is `height`, the

@@ -1,11 +1,10 @@
 //! The reflection model of Blinn (*Models of Light Reflection for Computer Synthesized Pictures*,
 //! 1977): a diffuse term and a highlight about the half vector.
 
-pub mod lanes;
-
 use glam::Vec3;
 
-use crate::math::float::{dot, normalize};
+use crate::math::real::{Mask, Real, Single};
+use crate::math::vector::Vector;
 
 /// A material's numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,43 +21,106 @@ pub struct Material {
     pub kr: f32,
 }
 
+/// What a material says of reflection.
+#[derive(Clone, Copy, Debug)]
+pub struct Reflection<F> {
+    /// Weight of the highlight.
+    pub ks: F,
+    /// Weight of the diffuse reflection.
+    pub kd: F,
+    /// Exponent of the highlight.
+    pub exponent: F,
+}
+
 /// Light reflected to `view` from `to_light` (both of unit length, away from the surface), for a
 /// light of strength 1: kd D max(0, N.L) + ks max(0, N.H)^exponent.
-#[inline]
-pub fn reflect(material: &Material, color: Vec3, normal: Vec3, view: Vec3, to_light: Vec3) -> Vec3 {
-    let diffuse = color * (material.kd * dot(normal, to_light).max(0.0));
-    if material.ks == 0.0 {
+#[inline(always)]
+pub fn reflect<F: Single>(
+    material: &Reflection<F>,
+    color: Vector<F>,
+    normal: Vector<F>,
+    view: Vector<F>,
+    to_light: Vector<F>,
+) -> Vector<F> {
+    let zero = color.x.zero();
+    let cosine = normal.dot(to_light);
+    let diffuse = color.scale(material.kd * F::select(cosine.gt(zero), cosine, zero));
+    let is_shiny = material.ks.ne(zero);
+    if !is_shiny.any() {
         return diffuse;
     }
     // Opposite directions have no half vector: `normalize` gives zero, and no highlight.
-    let half = normalize(view + to_light);
-    diffuse + Vec3::splat(material.ks * power(dot(normal, half).clamp(0.0, 1.0), material.exponent))
+    let half = (view + to_light).normalize();
+    let cosine = normal.dot(half);
+    let cosine = F::select(cosine.lt(zero), zero, cosine);
+    let one = zero.same(1.0);
+    let cosine = F::select(cosine.gt(one), one, cosine);
+    let highlight = material.ks * power(cosine, material.exponent);
+    let both = diffuse + Vector::new(highlight, highlight, highlight);
+    Vector::select(is_shiny, both, diffuse)
 }
 
 /// `base` in 0 to 1 to the power of `exponent` >= 0, the same on every machine.
 ///
 /// Whole exponents, which nearly all are, go by repeated squaring in double precision: exponents
 /// up to 10^6 keep single precision.
-#[inline]
-fn power(base: f32, exponent: f32) -> f32 {
-    let whole = exponent as u32;
-    if whole as f32 != exponent {
-        return libm::powf(base, exponent);
+#[inline(always)]
+fn power<F: Single>(base: F, exponent: F) -> F {
+    let first = exponent.lane(0);
+    if is_whole(first) && !exponent.ne(exponent.same(first)).any() {
+        return F::narrow(whole_power(base.widen(), first as u32));
     }
-    let (mut square, mut product, mut left) = (f64::from(base), 1.0_f64, whole);
+    // Materials differ, or the exponent is not whole.
+    let mut powers = base;
+    for lane in 0..F::LANES {
+        powers.set_lane(lane, power_of_one(base.lane(lane), exponent.lane(lane)));
+    }
+    powers
+}
+
+#[inline]
+fn power_of_one(base: f32, exponent: f32) -> f32 {
+    if is_whole(exponent) {
+        return whole_power(f64::from(base), exponent as u32) as f32;
+    }
+    libm::powf(base, exponent)
+}
+
+#[inline(always)]
+fn is_whole(exponent: f32) -> bool {
+    exponent as u32 as f32 == exponent
+}
+
+#[inline(always)]
+fn whole_power<F: Real<Element = f64>>(base: F, whole: u32) -> F {
+    let (mut square, mut product, mut left) = (base, base.same(1.0), whole);
     while left > 0 {
         if left & 1 == 1 {
-            product *= square;
+            product = product * square;
         }
-        square *= square;
+        square = square * square;
         left >>= 1;
     }
-    product as f32
+    product
+}
+
+impl Material {
+    /// What it says of reflection.
+    pub fn reflection(&self) -> Reflection<f32> {
+        Reflection { ks: self.ks, kd: self.kd, exponent: self.exponent }
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::float::normalize;
+
+    /// As [`super::reflect`], for a material and glam's vectors.
+    fn reflect(material: &Material, color: Vec3, normal: Vec3, view: Vec3, to_light: Vec3) -> Vec3 {
+        let [color, normal, view, to_light] = [color, normal, view, to_light].map(Vector::from);
+        super::reflect(&material.reflection(), color, normal, view, to_light).into()
+    }
 
     const MATTE: Material = Material { ks: 0.0, kd: 0.5, exponent: 1.0, color: Vec3::ONE, kr: 0.0 };
 

@@ -3,7 +3,6 @@
 //! The image is upright and unmirrored: the first pixel is top left, x runs to the camera's right.
 
 mod differential;
-pub mod lanes;
 pub mod path;
 
 use glam::{DVec3, Vec2, Vec3};
@@ -11,7 +10,9 @@ use glam::{DVec3, Vec2, Vec3};
 use crate::math::float::{dot, normalize, normalize_f64};
 use crate::math::random::Stream;
 use crate::math::ray::Ray;
+use crate::math::real::Single;
 use crate::math::sampling::{self, Points, Sampling};
+use crate::math::vector::Vector;
 
 /// The dimension of [`Stream`] whose four numbers a camera ray may draw: two for its place in the
 /// pixel, two for its place on the lens.
@@ -183,9 +184,35 @@ impl Camera {
 
     #[inline]
     fn direction(&self, x: u32, y: u32, place: Vec2) -> Vec3 {
-        let s = 2.0 * (x as f32 + place.x) / self.size[0] as f32 - 1.0;
-        let t = 1.0 - 2.0 * (y as f32 + place.y) / self.size[1] as f32;
-        normalize(self.forward + self.half[0] * s + self.half[1] * t)
+        self.directions(x as f32 + place.x, y as f32 + place.y).into()
+    }
+
+    /// The directions, of unit length, through the places (`x`, `y`) of the image in pixels.
+    #[inline(always)]
+    pub fn directions<F: Single>(&self, x: F, y: F) -> Vector<F> {
+        let [width, height] = self.size.map(|side| x.same(side as f32));
+        let one = x.same(1.0);
+        let s = x.times(2.0) / width - one;
+        let t = one - y.times(2.0) / height;
+        let forward = Vector::splat(x.token(), self.forward);
+        let right = Vector::splat(x.token(), self.half[0]).scale(s);
+        let up = Vector::splat(x.token(), self.half[1]).scale(t);
+        (forward + right + up).normalize()
+    }
+
+    /// Where all rays start, if they start in one point.
+    #[inline]
+    pub fn pinhole(&self) -> Option<Vec3> {
+        self.lens.is_none().then_some(self.origin)
+    }
+
+    /// Where in its pixel, from 0 to 1, the `stream.sample`th ray of a pinhole goes through.
+    #[inline(always)]
+    pub fn place_of(&self, stream: &Stream) -> Vec2 {
+        self.place_in_pixel(stream, || {
+            let [u, v, ..] = stream.uniform(DIMENSION);
+            [u, v]
+        })
     }
 
     /// The ray from the point `square` of the lens to where the ray through its centre is in focus. A lens of

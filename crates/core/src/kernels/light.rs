@@ -5,9 +5,11 @@ use std::f32::consts::PI;
 use glam::{DVec3, Vec2, Vec3};
 
 use super::triangle;
-use crate::math::float::{dot_f64, max, max_abs, normalize_f64, rounding_error};
+use crate::math::float::{dot_f64, max, max_abs, normalize_f64};
 use crate::math::random::Stream;
+use crate::math::real::Single;
 use crate::math::sampling::{self, Sampling};
+use crate::math::vector::Vector;
 
 /// How the strength of a light falls with the distance d to it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -23,12 +25,13 @@ pub enum Falloff {
 
 impl Falloff {
     /// The factor at `distance` > 0.
-    #[inline]
-    pub fn at(self, distance: f32) -> f32 {
+    #[inline(always)]
+    pub fn at<F: Single>(self, distance: F) -> F {
+        let (one, around) = (distance.same(1.0), distance.same(4.0 * PI));
         match self {
-            Self::Linear => 1.0 / (4.0 * PI * distance),
-            Self::InverseSquare => 1.0 / (4.0 * PI * distance * distance),
-            Self::None => 1.0,
+            Self::Linear => one / (around * distance),
+            Self::InverseSquare => one / (around * distance * distance),
+            Self::None => one,
         }
     }
 }
@@ -86,7 +89,7 @@ impl Triangles {
 
     /// The point for `square`: its x chooses the triangle and, stretched, a place in it.
     #[inline]
-    fn point(&self, square: Vec2) -> LightPoint {
+    fn point(&self, square: Vec2) -> LightPoint<f32> {
         let last = self.corners.len() - 1;
         let index = self.cumulative.partition_point(|&end| end <= square.x).min(last);
         let start = if index == 0 { 0.0 } else { self.cumulative[index - 1] };
@@ -103,21 +106,30 @@ impl Triangles {
 
 /// A point of a light.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LightPoint {
+pub struct LightPoint<F> {
     /// In world space.
-    pub position: Vec3,
+    pub position: Vector<F>,
     /// Bound on the distance of `position` to the exact shape, for each coordinate.
-    pub error: Vec3,
+    pub error: Vector<F>,
     /// Normal of the shape, of unit length; zero for a point light, which has no shape.
-    pub normal: Vec3,
+    pub normal: Vector<F>,
 }
 
-impl LightPoint {
+impl<F: Single> LightPoint<F> {
+    /// A point light at `position`.
+    #[inline(always)]
+    pub fn of_point(token: F::Token, position: Vec3) -> Self {
+        let zero = Vector::splat(token, Vec3::ZERO);
+        Self { position: Vector::splat(token, position), error: zero, normal: zero }
+    }
+}
+
+impl LightPoint<f32> {
     /// The point computed as `position` from coordinates up to `size`.
     #[inline]
     fn new(position: DVec3, size: f32, normal: Vec3) -> Self {
-        let error = rounding_error(position, size);
-        Self { position: position.as_vec3(), error, normal }
+        let position = Vector::from(position.as_vec3());
+        Self { position, error: position.rounding_error(size), normal: normal.into() }
     }
 }
 
@@ -166,11 +178,9 @@ impl Light {
 
     /// Its `index`th point.
     #[inline]
-    pub fn point(&self, index: u32, stream: &Stream) -> LightPoint {
+    pub fn point(&self, index: u32, stream: &Stream) -> LightPoint<f32> {
         match &self.emitter {
-            Emitter::Point(position) => {
-                LightPoint { position: *position, error: Vec3::ZERO, normal: Vec3::ZERO }
-            }
+            Emitter::Point(position) => LightPoint::of_point((), *position),
             Emitter::Sphere { center, radius } => {
                 let normal = sampling::sphere(self.square(index, stream));
                 // Its length is not quite 1: that would take the point off the sphere.
@@ -195,7 +205,7 @@ mod tests {
         (0..pixels)
             .flat_map(|pixel| {
                 let stream = Stream { seed: 2, pixel, sample: 0, bounce: 0 };
-                (0..light.samples()).map(move |i| light.point(i, &stream).position)
+                (0..light.samples()).map(move |i| light.point(i, &stream).position.into())
             })
             .collect()
     }

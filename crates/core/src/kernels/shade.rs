@@ -1,56 +1,69 @@
 //! The shading step that both tracers take at every hit.
 //!
-//! It returns requests and never traces: light that is there at once ([`local_light`]), a shadow
+//! It returns requests and never traces: light that is there at once ([`ShadingPoint::local_light`]), a shadow
 //! ray for each point of each light with what it adds if nothing is in the way
-//! ([`shadow_request`]), and the mirror ray ([`mirror`]). Whitted, *An Improved Illumination Model
+//! ([`shadow_request`]), and the mirror ray ([`mirror_request`]). Whitted, *An Improved Illumination Model
 //! for Shaded Display* (1980).
 
-pub mod lanes;
-
-use glam::Vec3;
-
-use super::blinn_phong::{self, Material};
+use super::blinn_phong::{self, Reflection};
 use super::light::{Light, LightPoint};
-use crate::math::float::{dot, gamma, max_abs, normalize, offset_end, offset_origin};
+use crate::math::float::gamma;
 use crate::math::ray::Ray;
+use crate::math::real::{Mask, Single};
+use crate::math::vector::{Line, Vector};
 
 /// A hit made ready to be shaded.
 #[derive(Clone, Copy, Debug)]
-pub struct ShadingPoint {
+pub struct ShadingPoint<F: Single> {
     /// The point, in world space.
-    pub point: Vec3,
+    pub point: Vector<F>,
     /// Bound on its rounding error, for each coordinate.
-    pub error: Vec3,
+    pub error: Vector<F>,
     /// Geometric normal of unit length, on the viewer's side.
-    pub normal: Vec3,
+    pub normal: Vector<F>,
     /// The normal that the surface is lit with, of unit length, on the viewer's side.
-    pub shading_normal: Vec3,
+    pub shading_normal: Vector<F>,
     /// Direction to where the ray came from, of unit length.
-    pub view: Vec3,
+    pub view: Vector<F>,
     /// Diffuse colour, from the material or a texture.
-    pub color: Vec3,
-    /// What the surface is made of.
-    pub material: Material,
+    pub color: Vector<F>,
+    /// How light is reflected.
+    pub reflection: Reflection<F>,
+    /// Weight of the mirror ray.
+    pub kr: F,
     /// Whether lights reach this side.
-    pub lit: bool,
+    pub lit: F::Mask,
+}
+
+impl<F: Single> ShadingPoint<F> {
+    /// The light a hit shows without any ray: the ambient part of all lights together.
+    #[inline(always)]
+    pub fn local_light(&self, ambient: f32) -> Vector<F> {
+        self.color.scale(self.kr.same(ambient))
+    }
 }
 
 /// A shadow ray and what it is worth.
 #[derive(Clone, Copy, Debug)]
-pub struct ShadowRequest {
+pub struct ShadowRequest<F: Single> {
     /// From the surface, t = 1 at the light.
-    pub ray: Ray,
+    pub line: Line<F>,
     /// What to add if nothing is on it.
-    pub contribution: Vec3,
+    pub contribution: Vector<F>,
     /// Whether the light is nearer than the point's own error, so that its distance was taken to
     /// be that error.
-    pub at_light: bool,
+    pub at_light: F::Mask,
+    /// Where there is a request.
+    pub asked: F::Mask,
 }
 
-/// The light a hit shows without any ray: the ambient part of all lights together.
-#[inline]
-pub fn local_light(point: &ShadingPoint, ambient: f32) -> Vec3 {
-    point.color * ambient
+impl ShadowRequest<f32> {
+    /// The ray to be traced.
+    #[inline(always)]
+    pub fn ray(&self) -> Ray {
+        let Line { origin, direction } = self.line;
+        Ray { t_max: SHADOW_END, ..Ray::new(origin.into(), direction.into()) }
+    }
 }
 
 /// Where a shadow ray ends, in parts of the way to the light.
@@ -60,92 +73,122 @@ pub fn local_light(point: &ShadingPoint, ambient: f32) -> Vec3 {
 /// segment meets at more than 4 degrees, and an occluder 32 ulp before the light is still met.
 pub const SHADOW_END: f32 = 1.0 - 16.0 * gamma(2);
 
-/// The shadow ray to `target`, a point of `light`, unless it could add nothing: the light is
-/// behind the surface, has no strength, or is not reflected to the viewer.
+/// The shadow ray from a lit point, which counts for `throughput`, to `target`, a point of `light`; `None` where no
+/// lane asks for one. None is asked for that could add nothing: the light is behind the surface, has no strength, or is not reflected to the viewer.
 ///
 /// A light on the surface itself would be infinitely strong. Its distance is taken to be at least
 /// the point's error bound; at no distance at all it has no direction and adds nothing.
-#[inline]
-pub fn shadow_request(
-    point: &ShadingPoint,
-    throughput: Vec3,
+#[inline(always)]
+pub fn shadow_request<F: Single>(
+    point: &ShadingPoint<F>,
+    throughput: Vector<F>,
     light: &Light,
-    target: &LightPoint,
-) -> Option<ShadowRequest> {
+    target: &LightPoint<F>,
+) -> Option<ShadowRequest<F>> {
+    let zero = point.kr.zero();
     let towards = target.position - point.point;
-    let to_light = normalize(towards);
-    if !point.lit || dot(point.normal, to_light) <= 0.0 {
+    let to_light = towards.normalize();
+    let asked = point.lit & point.normal.dot(to_light).gt(zero);
+    if !asked.any() {
         return None;
     }
-    let least = max_abs(point.error);
-    let distance = dot(towards, towards).sqrt();
+    let least = point.error.max_abs();
+    let distance = towards.dot(towards).sqrt();
     let reflected = blinn_phong::reflect(
-        &point.material,
+        &point.reflection,
         point.color,
         point.shading_normal,
         point.view,
         to_light,
     );
-    let strength = light.falloff.at(distance.max(least)) / light.samples() as f32;
-    let contribution = throughput * (reflected * (light.power * strength));
-    if contribution == Vec3::ZERO {
+    let strength = light.falloff.at(distance.max(least)) / zero.same(light.samples() as f32);
+    let power = Vector::splat(zero.token(), light.power).scale(strength);
+    let contribution = throughput * (reflected * power);
+    let asked = asked & contribution.is_not_zero();
+    if !asked.any() {
         return None;
     }
-    let origin = offset_origin(point.point, point.error, point.normal, to_light);
-    let end = offset_end(target.position, target.error, target.normal, -to_light);
-    let ray = Ray { t_max: SHADOW_END, ..Ray::new(origin, end - origin) };
+    let origin = point.point.offset_origin(point.error, point.normal, to_light);
+    let end = target.position.offset_end(target.error, target.normal, -to_light);
+    let line = Line { origin, direction: end - origin };
     // Where the ray starts at the light itself it has no direction, and nothing is on it.
-    let is_finite = ray.origin.is_finite() && ray.direction.is_finite();
-    is_finite.then_some(ShadowRequest { ray, contribution, at_light: distance < least })
+    let asked = asked & line.origin.is_finite() & line.direction.is_finite();
+    let request = ShadowRequest { line, contribution, at_light: distance.lt(least), asked };
+    asked.any().then_some(request)
 }
 
-/// The mirror ray and its throughput, if the surface is a mirror on this side and what comes back
-/// can still count.
-#[inline]
-pub fn mirror(point: &ShadingPoint, throughput: Vec3) -> Option<(Ray, Vec3)> {
-    if !point.lit || point.material.kr <= 0.0 {
+/// A mirror ray and what it counts for.
+#[derive(Clone, Copy, Debug)]
+pub struct MirrorRequest<F: Single> {
+    /// The ray; its direction is of unit length.
+    pub line: Line<F>,
+    /// What the light along it counts for in its path.
+    pub throughput: Vector<F>,
+    /// Where there is a request.
+    pub asked: F::Mask,
+}
+
+/// The mirror ray of a point that counts for `throughput`, if the surface is a mirror on this side and what comes
+/// back can still count.
+#[inline(always)]
+pub fn mirror_request<F: Single>(
+    point: &ShadingPoint<F>,
+    throughput: Vector<F>,
+) -> Option<MirrorRequest<F>> {
+    let asked = point.lit & point.kr.gt(point.kr.zero());
+    if !asked.any() {
         return None;
     }
     let (direction, _) = mirrored(point.view, point.shading_normal, point.normal);
-    let weight = throughput * point.material.kr;
-    if weight == Vec3::ZERO {
-        return None;
-    }
-    let origin = offset_origin(point.point, point.error, point.normal, direction);
-    let ray = Ray::new(origin, direction);
-    ray.is_valid().then_some((ray, weight))
+    let throughput = throughput.scale(point.kr);
+    let origin = point.point.offset_origin(point.error, point.normal, direction);
+    let line = Line { origin, direction };
+    let asked = asked & throughput.is_not_zero() & line.is_valid();
+    asked.any().then_some(MirrorRequest { line, throughput, asked })
 }
 
 /// `view` turned about the shading normal, and whether it was that; else about the geometric normal.
 /// An interpolated normal can send the ray into the surface, where the geometric one cannot.
-#[inline]
-pub fn mirrored(view: Vec3, shading_normal: Vec3, normal: Vec3) -> (Vec3, bool) {
+#[inline(always)]
+pub fn mirrored<F: Single>(
+    view: Vector<F>,
+    shading_normal: Vector<F>,
+    normal: Vector<F>,
+) -> (Vector<F>, F::Mask) {
     let smooth = reflection(view, shading_normal);
-    if dot(smooth, normal) > 0.0 { (smooth, true) } else { (reflection(view, normal), false) }
+    let leaves = smooth.dot(normal).gt(view.x.zero());
+    if !(!leaves).any() {
+        return (smooth, leaves);
+    }
+    (Vector::select(leaves, smooth, reflection(view, normal)), leaves)
 }
 
 /// `view` turned about `normal`, of unit length.
-#[inline]
-fn reflection(view: Vec3, normal: Vec3) -> Vec3 {
-    normalize(normal * (2.0 * dot(view, normal)) - view)
+#[inline(always)]
+fn reflection<F: Single>(view: Vector<F>, normal: Vector<F>) -> Vector<F> {
+    (normal.scale(view.dot(normal).times(2.0)) - view).normalize()
 }
 
 #[cfg(test)]
 mod tests {
+    use glam::Vec3;
+
     use super::*;
     use crate::kernels::light::{Emitter, Falloff};
+    use crate::math::float::normalize;
     use crate::math::random::Stream;
     use crate::math::sampling::Sampling;
 
-    fn point() -> ShadingPoint {
+    fn point() -> ShadingPoint<f32> {
         ShadingPoint {
-            point: Vec3::ZERO,
-            error: Vec3::splat(1e-6),
-            normal: Vec3::Y,
-            shading_normal: Vec3::Y,
-            view: normalize(Vec3::new(1.0, 1.0, 0.0)),
-            color: Vec3::ONE,
-            material: Material { ks: 0.0, kd: 1.0, exponent: 1.0, color: Vec3::ONE, kr: 0.5 },
+            point: Vec3::ZERO.into(),
+            error: Vec3::splat(1e-6).into(),
+            normal: Vec3::Y.into(),
+            shading_normal: Vec3::Y.into(),
+            view: normalize(Vec3::new(1.0, 1.0, 0.0)).into(),
+            color: Vec3::ONE.into(),
+            reflection: Reflection { ks: 0.0, kd: 1.0, exponent: 1.0 },
+            kr: 0.5,
             lit: true,
         }
     }
@@ -161,24 +204,25 @@ mod tests {
         }
     }
 
-    fn request(point: &ShadingPoint, target: Vec3) -> Option<ShadowRequest> {
+    fn request(point: &ShadingPoint<f32>, target: Vec3) -> Option<ShadowRequest<f32>> {
         let light = light(target);
         let stream = Stream { seed: 0, pixel: 0, sample: 0, bounce: 0 };
-        shadow_request(point, Vec3::ONE, &light, &light.point(0, &stream))
+        let target = light.point(0, &stream);
+        shadow_request(point, Vec3::ONE.into(), &light, &target)
     }
 
     #[test]
     fn a_light_overhead_adds_its_falloff() {
         let r = request(&point(), Vec3::Y * 2.0).expect("a request");
         assert!((r.contribution.x - 10.0 / (16.0 * std::f32::consts::PI)).abs() < 1e-6);
-        assert!(!r.at_light && r.ray.origin.y > 0.0 && r.ray.t_max < 1.0);
+        assert!(!r.at_light && r.line.origin.y > 0.0 && r.ray().t_max < 1.0);
     }
 
     #[test]
     fn no_ray_is_cast_that_could_add_nothing() {
         assert!(request(&point(), Vec3::NEG_Y).is_none(), "behind");
         assert!(request(&ShadingPoint { lit: false, ..point() }, Vec3::Y).is_none(), "unlit side");
-        let black = ShadingPoint { color: Vec3::ZERO, ..point() };
+        let black = ShadingPoint { color: Vec3::ZERO.into(), ..point() };
         assert!(request(&black, Vec3::Y).is_none(), "black");
     }
 
@@ -186,7 +230,7 @@ mod tests {
     fn hc32_a_light_on_the_surface_is_finite() {
         for height in [0.0, 1e-30, 1e-9, 1e-7] {
             if let Some(r) = request(&point(), Vec3::Y * height) {
-                assert!(r.contribution.is_finite() && r.at_light, "{height}");
+                assert!(Vec3::from(r.contribution).is_finite() && r.at_light, "{height}");
             }
         }
     }
@@ -194,20 +238,21 @@ mod tests {
     #[test]
     fn hc32_a_light_where_the_ray_starts_is_not_left_out() {
         let point = point();
-        let origin = offset_origin(point.point, point.error, point.normal, Vec3::Y);
-        let r = request(&point, origin).expect("a request");
-        assert!(r.ray.direction == Vec3::ZERO && r.contribution.min_element() > 0.0, "{r:?}");
+        let origin = point.point.offset_origin(point.error, point.normal, Vec3::Y.into());
+        let r = request(&point, origin.into()).expect("a request");
+        let contribution = Vec3::from(r.contribution);
+        assert!(r.ray().direction == Vec3::ZERO && contribution.min_element() > 0.0, "{r:?}");
     }
 
     #[test]
     fn hc33_a_mirror_ray_never_enters_the_surface() {
         let leaning = ShadingPoint {
-            shading_normal: normalize(Vec3::new(1.0, 0.1, 0.0)),
-            view: normalize(Vec3::new(-1.0, 0.2, 0.0)),
+            shading_normal: normalize(Vec3::new(1.0, 0.1, 0.0)).into(),
+            view: normalize(Vec3::new(-1.0, 0.2, 0.0)).into(),
             ..point()
         };
-        let (ray, throughput) = mirror(&leaning, Vec3::ONE).expect("a mirror ray");
-        assert!(ray.direction.y > 0.0);
-        assert_eq!(throughput, Vec3::splat(0.5));
+        let request = mirror_request(&leaning, Vec3::ONE.into()).expect("a mirror ray");
+        assert!(request.asked && request.line.direction.y > 0.0);
+        assert_eq!(Vec3::from(request.throughput), Vec3::splat(0.5));
     }
 }

@@ -46,6 +46,7 @@ use glam::{Vec3, Vec3A};
 use super::precision::{Arithmetic, Robust};
 use crate::math::float::{UNIT_ROUNDOFF, max, max_abs, min};
 use crate::math::ray::Ray;
+use crate::math::real::Real;
 
 /// The error bound of the module documentation, relative to coordinates.
 pub const PADDING: f32 = 16.0 * UNIT_ROUNDOFF;
@@ -197,17 +198,20 @@ impl SlabRay {
     #[inline(always)]
     pub fn interval(&self, bounds: &Aabb) -> Interval {
         let axis = |k: usize| {
-            let (first, last) = if self.negative[k] {
-                (bounds.high[k], bounds.low[k])
-            } else {
-                (bounds.low[k], bounds.high[k])
-            };
-            let near = (first - self.near_origin[k]) * self.reciprocal[k];
-            let far = (last - self.far_origin[k]) * self.reciprocal[k];
-            (near, far)
+            let (low, high) = (bounds.low[k], bounds.high[k]);
+            let [first, last] = if self.negative[k] { [high, low] } else { [low, high] };
+            self.crossings(k, first, last)
         };
-        let ((x0, x1), (y0, y1), (z0, z1)) = (axis(0), axis(1), axis(2));
+        let ([x0, x1], [y0, y1], [z0, z1]) = (axis(0), axis(1), axis(2));
         Interval { near: max(x0, max(y0, z0)), far: min(x1, min(y1, z1)) }
+    }
+
+    /// Where the ray crosses the planes across axis `k` that it meets first and last, of one box or of several.
+    #[inline(always)]
+    pub fn crossings<F: Real<Element = f32>>(&self, k: usize, first: F, last: F) -> [F; 2] {
+        let near = first - first.same(self.near_origin[k]);
+        let far = last - last.same(self.far_origin[k]);
+        [near.times(self.reciprocal[k]), far.times(self.reciprocal[k])]
     }
 }
 

@@ -8,33 +8,40 @@
 
 use glam::Vec3;
 
-use crate::math::float::{dot_f64, stable_roots};
+use crate::math::float::stable_roots;
 use crate::math::ray::Ray;
+use crate::math::real::{Real, Single};
+use crate::math::vector::{Line, Vector};
 
 /// The smallest t > t_min at which the ray meets the sphere, from outside or from inside.
 #[inline]
 pub fn intersect(ray: &Ray, center: Vec3, radius: f32) -> Option<f32> {
-    let t = intersect_f64(ray, center, radius)? as f32;
-    (t > ray.t_min).then_some(t)
+    let (t, is_hit) = distance(&Line::from(ray), center.into(), radius, ray.t_min);
+    is_hit.then_some(t as f32)
 }
 
-/// As [`intersect`], before rounding.
-#[inline]
-pub fn intersect_f64(ray: &Ray, center: Vec3, radius: f32) -> Option<f64> {
-    let d = ray.direction.as_dvec3();
-    let f = ray.origin.as_dvec3() - center.as_dvec3();
-    let r = f64::from(radius);
-    let a = dot_f64(d, d);
-    let b = -dot_f64(f, d);
-    let nearest = f + d * (b / a);
-    let discriminant = r * r - dot_f64(nearest, nearest);
-    if discriminant < 0.0 {
-        return None;
-    }
-    let c = dot_f64(f, f) - r * r;
+/// As [`intersect`], before rounding; and where there is such a t.
+#[inline(always)]
+pub fn distance<F: Single>(
+    line: &Line<F>,
+    center: Vector<F>,
+    radius: F,
+    t_min: F,
+) -> (F::Double, <F::Double as Real>::Mask) {
+    let d = line.direction.widen();
+    let f = line.origin.widen() - center.widen();
+    let r = radius.widen();
+    let a = d.dot(d);
+    let b = -f.dot(d);
+    let nearest = f + d.scale(b / a);
+    let discriminant = r * r - nearest.dot(nearest);
+    let c = f.dot(f) - r * r;
     let (near, far) = stable_roots(a, b, c, (a * discriminant).sqrt());
     // As they will be once rounded: the near one must not round to t_min and hide the far one.
-    [near, far].into_iter().find(|&t| t as f32 > ray.t_min)
+    let t_min = t_min.widen();
+    let counts = |t: F::Double| F::narrow(t).widen().gt(t_min);
+    let t = Real::select(counts(near), near, far);
+    (t, counts(t) & !discriminant.lt(discriminant.zero()))
 }
 
 /// As [`intersect`] by the textbook's quadratic in single precision: what most renderers use. Small

@@ -3,16 +3,16 @@
 //! Points are computed in double precision and rounded once, so that the bound is little more than
 //! half an ulp and the origins of the next rays stay as near to the surface as they can.
 
-pub mod lanes;
-
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 
 use super::precision::Arithmetic;
 use super::quad;
 use super::sphere;
-use super::triangle::{self, ShearedSpace, fast};
-use crate::math::float::{error_of_offset, max, max_abs, normalize, normalize_f64, rounding_error};
+use super::triangle::{ShearedSpace, fast};
+use crate::math::float::error_of_offset;
 use crate::math::ray::Ray;
+use crate::math::real::{Mask, Real, Single};
+use crate::math::vector::{Line, Vector};
 
 /// How far fast arithmetic moves origins off surfaces, in scene units: a fixed length, as in most
 /// renderers. It is too little far from the origin, and too much in small scenes.
@@ -23,65 +23,180 @@ pub(crate) const FAST_ERROR: f32 = error_of_offset(FAST_OFFSET);
 
 /// A point of a surface, apart from what the surface is made of.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Surface {
+pub struct Surface<F> {
     /// The point, in world space.
-    pub point: Vec3,
+    pub point: Vector<F>,
     /// Bound on the distance of `point` to the exact surface, for each coordinate.
-    pub error: Vec3,
+    pub error: Vector<F>,
     /// The geometric normal, of unit length, on the side that the winding gives.
-    pub normal: Vec3,
+    pub normal: Vector<F>,
     /// Barycentric coordinates of the second and third corner (triangles), else zero.
-    pub barycentric: Vec2,
+    pub barycentric: [F; 2],
 }
 
-impl Surface {
-    /// The point at `t`, as fast arithmetic has it.
-    #[inline]
-    fn fast(ray: &Ray, t: f32, normal: impl Fn(Vec3) -> Vec3, barycentric: Vec2) -> Self {
-        let point = ray.origin + ray.direction * t;
-        let error = Vec3::splat(FAST_ERROR);
-        Self { point, error, normal: normalize(normal(point)), barycentric }
+impl<F: Single> Surface<F> {
+    /// As fast arithmetic has it.
+    #[inline(always)]
+    fn fast(point: Vector<F>, normal: Vector<F>, barycentric: [F; 2]) -> Self {
+        let error = point.x.same(FAST_ERROR);
+        let error = Vector::new(error, error, error);
+        Self { point, error, normal: normal.normalize(), barycentric }
+    }
+
+    /// That of one lane.
+    #[inline(always)]
+    pub fn lane(&self, i: usize) -> Surface<f32> {
+        Surface {
+            point: self.point.lane(i).into(),
+            error: self.error.lane(i).into(),
+            normal: self.normal.lane(i).into(),
+            barycentric: self.barycentric.map(|weight| weight.lane(i)),
+        }
     }
 }
 
-/// Where `ray` meets `corners`: at `t`, which fast arithmetic takes as it is.
-#[inline]
-pub fn triangle_at<P: Arithmetic>(ray: &Ray, t: f32, corners: &[Vec3; 3]) -> Surface {
+impl Surface<f32> {
+    /// The point, its error and the normal, as glam has vectors.
+    pub fn vectors(&self) -> [Vec3; 3] {
+        [self.point, self.error, self.normal].map(Vec3::from)
+    }
+}
+
+/// Where rays meet triangles, each its own: at `t`, which fast arithmetic takes as it is.
+#[inline(always)]
+pub fn triangle_at<F: Single, P: Arithmetic>(
+    line: &Line<F>,
+    t: F,
+    corners: &[Vector<F>; 3],
+) -> Surface<F> {
     if !P::IS_FAST {
-        return triangle(ray, corners);
+        return triangle(line, corners);
     }
-    let fast::Crossing { u, v, .. } = fast::crossing(ray, corners);
     let [a, b, c] = *corners;
-    Surface::fast(ray, t, |_| (b - a).cross(c - a), Vec2::new(u, v))
+    let fast::Crossing { u, v, .. } = fast::crossing(line, corners);
+    Surface::fast(line.at(t), (b - a).cross(c - a), [u, v])
 }
 
-/// Where `ray` meets the quad `corners`, at `t`.
-#[inline]
-pub fn quad_at<P: Arithmetic>(ray: &Ray, t: f32, corners: &[Vec3; 4]) -> Surface {
-    let half = quad_half(ray, corners);
-    Surface { barycentric: Vec2::ZERO, ..triangle_at::<P>(ray, t, &half) }
-}
-
-/// Where `ray` meets the sphere, at `t`; the normal points outward.
-#[inline]
-pub fn sphere_at<P: Arithmetic>(ray: &Ray, t: f32, center: Vec3, radius: f32) -> Surface {
+/// Where rays meet spheres, each its own, at `t`; the normal points outward.
+#[inline(always)]
+pub fn sphere_at<F: Single, P: Arithmetic>(
+    line: &Line<F>,
+    t: F,
+    center: Vector<F>,
+    radius: F,
+) -> Surface<F> {
     if !P::IS_FAST {
-        return sphere(ray, center, radius);
+        return sphere(line, center, radius);
     }
-    Surface::fast(ray, t, |point| point - center, Vec2::ZERO)
+    let point = line.at(t);
+    Surface::fast(point, point - center, [t.zero(); 2])
 }
 
-/// Where `ray` meets `corners`.
-pub fn triangle(ray: &Ray, corners: &[Vec3; 3]) -> Surface {
-    let weights = ShearedSpace::new(ray).barycentric(corners);
-    let [a, b, c] = corners.map(|v| v.as_dvec3());
-    let point = a * weights.x + b * weights.y + c * weights.z;
-    let size = corners.iter().fold(0.0, |m, &v| max(m, max_abs(v)));
+#[inline(always)]
+fn triangle<F: Single>(line: &Line<F>, corners: &[Vector<F>; 3]) -> Surface<F> {
+    let [a, b, c] = *corners;
+    let size = a.max_abs().max(b.max_abs()).max(c.max_abs());
+    let [wa, wb, wc] = weights(line, corners, size);
+    let (a, b, c) = (a.widen(), b.widen(), c.widen());
+    let point = Vector::narrow(a.scale(wa) + b.scale(wb) + c.scale(wc));
     Surface {
-        point: point.as_vec3(),
-        error: rounding_error(point, size),
-        normal: triangle::normal(corners).as_vec3(),
-        barycentric: Vec2::new(weights.y as f32, weights.z as f32),
+        point,
+        error: point.rounding_error(size),
+        normal: Vector::narrow((b - a).cross(c - a).normalize_wide()),
+        barycentric: [F::narrow(wb), F::narrow(wc)],
+    }
+}
+
+/// See [`ShearedSpace::barycentric`], which is asked lane by lane where the point is not certainly within the
+/// triangle. Corners have coordinates up to `size`.
+#[inline(always)]
+fn weights<F: Single>(line: &Line<F>, corners: &[Vector<F>; 3], size: F) -> [F::Double; 3] {
+    let space = Sheared::new(line);
+    let [(ax, ay), (bx, by), (cx, cy)] =
+        [space.shear(corners[0]), space.shear(corners[1]), space.shear(corners[2])];
+    let e0 = cx * by - cy * bx;
+    let e1 = ax * cy - ay * cx;
+    let e2 = bx * ay - by * ax;
+    let sum = e0 + e1 + e2;
+    let (mut wa, mut wb, mut wc) = (e0 / sum, e1 / sum, e2 / sum);
+    let zero = sum.zero();
+    // False also where the sum is zero and the quotients are no numbers.
+    let inside = wa.ge(zero) & wb.ge(zero) & wc.ge(zero) & sum.ne(zero);
+    let sideways = ShearedSpace::sideways_of(size, line.origin.max_abs());
+    let (x, y) = (ax * wa + bx * wb + cx * wc, ay * wa + by * wb + cy * wc);
+    let beside = x.abs().le(sideways) & y.abs().le(sideways);
+    let mut open = !(inside & beside).bits() & (u32::MAX >> (32 - F::LANES));
+    while open != 0 {
+        let lane = open.trailing_zeros() as usize % F::LANES;
+        open &= open - 1;
+        let corners = corners.map(|corner| corner.lane(lane));
+        let [x, y, z] = weights_of_one(line.origin.lane(lane), line.direction.lane(lane), &corners);
+        wa.set_lane(lane, x);
+        wb.set_lane(lane, y);
+        wc.set_lane(lane, z);
+    }
+    [wa, wb, wc]
+}
+
+#[cold]
+#[inline(never)]
+fn weights_of_one(origin: Vec3, direction: Vec3, corners: &[Vec3; 3]) -> [f64; 3] {
+    ShearedSpace::new(&Ray::new(origin, direction)).barycentric(corners).to_array()
+}
+
+/// The space of a ray in double precision: see [`ShearedSpace`].
+struct Sheared<F: Single> {
+    along_x: F::Mask,
+    along_y: F::Mask,
+    /// Turned so that the longest axis is the last, as are the following.
+    origin: Vector<F::Double>,
+    direction: Vector<F::Double>,
+}
+
+impl<F: Single> Sheared<F> {
+    #[inline(always)]
+    fn new(line: &Line<F>) -> Self {
+        let Vector { x, y, z } = line.direction.abs();
+        let along_x = x.ge(y) & x.ge(z);
+        let along_y = !along_x & y.ge(z);
+        let turn = |v| turn(along_x, along_y, v);
+        let (origin, direction) = (turn(line.origin).widen(), turn(line.direction).widen());
+        Self { along_x, along_y, origin, direction }
+    }
+
+    /// x and y of a corner of each lane's triangle.
+    #[inline(always)]
+    fn shear(&self, corner: Vector<F>) -> (F::Double, F::Double) {
+        let v = turn(self.along_x, self.along_y, corner).widen() - self.origin;
+        let t = v.z / self.direction.z;
+        (v.x - self.direction.x * t, v.y - self.direction.y * t)
+    }
+}
+
+/// The coordinates turned so that the longest axis is the last.
+#[inline(always)]
+fn turn<F: Real>(along_x: F::Mask, along_y: F::Mask, v: Vector<F>) -> Vector<F> {
+    Vector::new(
+        F::select(along_x, v.y, F::select(along_y, v.z, v.x)),
+        F::select(along_x, v.z, F::select(along_y, v.x, v.y)),
+        F::select(along_x, v.x, F::select(along_y, v.y, v.z)),
+    )
+}
+
+#[inline(always)]
+fn sphere<F: Single>(line: &Line<F>, center: Vector<F>, radius: F) -> Surface<F> {
+    let zero = radius.zero();
+    let (t, is_hit) = sphere::distance(line, center, radius, zero);
+    let t = Real::select(is_hit, t, t.zero());
+    let wide = center.widen();
+    let hit = line.origin.widen() + line.direction.widen().scale(t);
+    let normal = (hit - wide).normalize_wide();
+    let point = Vector::narrow(wide + normal.scale(radius.widen()));
+    Surface {
+        point,
+        error: point.rounding_error(center.max_abs().max(radius)),
+        normal: Vector::narrow(normal),
+        barycentric: [zero; 2],
     }
 }
 
@@ -104,23 +219,27 @@ pub fn quad_half(ray: &Ray, corners: &[Vec3; 4]) -> [Vec3; 3] {
     }
 }
 
-/// Where `ray` meets the sphere; the normal points outward.
-pub fn sphere(ray: &Ray, center: Vec3, radius: f32) -> Surface {
-    let t = sphere::intersect_f64(ray, center, radius).unwrap_or(0.0);
-    let hit = ray.origin.as_dvec3() + ray.direction.as_dvec3() * t;
-    let normal = normalize_f64(hit - center.as_dvec3());
-    let point = center.as_dvec3() + normal * f64::from(radius);
-    Surface {
-        point: point.as_vec3(),
-        error: rounding_error(point, max(max_abs(center), radius)),
-        normal: normal.as_vec3(),
-        barycentric: Vec2::ZERO,
-    }
+/// The normals between those of three corners at points of `barycentric`, of unit length and on the side of
+/// `normal`. That itself where none is `smooth`, or where they cancel out.
+#[inline(always)]
+pub fn interpolated_normal<F: Single>(
+    corners: &[Vector<F>; 3],
+    [y, z]: [F; 2],
+    normal: Vector<F>,
+    smooth: F::Mask,
+) -> Vector<F> {
+    let x = y.same(1.0) - y - z;
+    let [a, b, c] = corners;
+    let unit = (a.scale(x) + b.scale(y) + c.scale(z)).normalize();
+    let behind = unit.dot(normal).lt(x.zero());
+    let sided = Vector::select(behind, -unit, unit);
+    Vector::select(smooth & unit.is_not_zero(), sided, normal)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::kernels::triangle::is_degenerate;
     use crate::math::float::{normalize, offset_origin};
     use crate::math::random::Stream;
 
@@ -135,17 +254,18 @@ mod tests {
     }
 
     /// Rays leave `surface` to its front and to its back; none may meet what `hit` tests again.
-    fn leave(surface: &Surface, index: u32, hit: impl Fn(&Ray) -> Option<f32>) -> usize {
+    fn leave(surface: &Surface<f32>, index: u32, hit: impl Fn(&Ray) -> Option<f32>) -> usize {
+        let [point, error, normal] = surface.vectors();
         (0..20)
             .filter(|&k| {
                 let [x, y, z, _] = random(index, 100 + k);
                 let tilted = normalize(Vec3::new(x, y, z) - 0.5);
                 // Half of the rays graze the surface.
-                let along = tilted - surface.normal * tilted.dot(surface.normal);
-                let direction = if k % 2 == 0 { tilted } else { along + surface.normal * 1e-4 };
-                let origin = offset_origin(surface.point, surface.error, surface.normal, direction);
+                let along = tilted - normal * tilted.dot(normal);
+                let direction = if k % 2 == 0 { tilted } else { along + normal * 1e-4 };
+                let origin = offset_origin(point, error, normal, direction);
                 let ray = Ray::new(origin, normalize(direction));
-                let leaves = ray.direction.dot(surface.normal).abs() > 1e-6;
+                let leaves = ray.direction.dot(normal).abs() > 1e-6;
                 leaves && ray.is_valid() && hit(&ray).is_some()
             })
             .count()
@@ -159,7 +279,7 @@ mod tests {
                 let ([a, b, c, d], [e, f, _, _]) = (random(i, 2 * k), random(i, 2 * k + 1));
                 Vec3::new(wide(a, d), wide(b, e), wide(c, f))
             });
-            if triangle::is_degenerate(&corners) {
+            if is_degenerate(&corners) {
                 continue;
             }
             let target = corners[0] * 0.3 + corners[1] * 0.3 + corners[2] * 0.4;
@@ -170,7 +290,7 @@ mod tests {
                 continue;
             }
             tried += 1;
-            let surface = triangle(&ray, &corners);
+            let surface = triangle(&Line::from(&ray), &corners.map(Vector::from));
             let again = leave(&surface, i, |ray| ShearedSpace::new(ray).intersect(&corners));
             assert_eq!(again, 0, "triangle {i}: {corners:?}");
         }
@@ -185,12 +305,13 @@ mod tests {
             let (center, radius) = (Vec3::new(wide(a, e), wide(b, f), wide(c, g)), wide(d, 1.0));
             let [x, y, z, _] = random(i, 2);
             let outside = center + normalize(Vec3::new(x, y, z) - 0.5) * (radius * (2.0 + h));
-            let surface = sphere(&Ray::new(outside, center - outside), center, radius);
-            if sphere::intersect(&Ray::new(outside, center - outside), center, radius).is_none() {
+            let ray = Ray::new(outside, center - outside);
+            let surface = sphere(&Line::from(&ray), center.into(), radius);
+            if sphere::intersect(&ray, center, radius).is_none() {
                 continue;
             }
             let outward = |ray: &Ray| {
-                let leaves = ray.direction.dot(surface.normal) > 0.0;
+                let leaves = ray.direction.dot(surface.normal.into()) > 0.0;
                 leaves.then(|| sphere::intersect(ray, center, radius)).flatten()
             };
             assert_eq!(leave(&surface, i, outward), 0, "sphere {i}: {center} {radius}");

@@ -28,12 +28,17 @@ use glam::{DVec3, Vec3};
 
 use crate::math::float::{gamma, max, max_abs, min};
 use crate::math::ray::Ray;
+use crate::math::real::{Real, Single};
 
+mod edges;
 pub mod exact;
 pub mod fast;
 pub(crate) mod lanes;
 
+pub(crate) use edges::{Decision, Edges, RayRange, Sheared, decide};
 pub use lanes::LaneHits;
+
+use edges::{Distance, distance};
 
 /// Bound on what underflow adds to the error of a sum of a few products: far more than it can, but
 /// the least number that is not subnormal. Processors divide those a hundred times slower.
@@ -98,13 +103,6 @@ pub struct ShearedSpace {
     t_max: f32,
 }
 
-/// A triangle in sheared space, with the values of its edge functions.
-struct Sheared {
-    vertices: [Vec3; 3],
-    edges: [f32; 3],
-    determinant: f32,
-}
-
 impl ShearedSpace {
     /// The space of `ray`.
     #[inline(always)]
@@ -167,27 +165,23 @@ impl ShearedSpace {
         DVec3::new(v.x - d[0] * t, v.y - d[1] * t, t)
     }
 
-    /// The triangle as the ray sees it, if the ray passes through.
+    /// The corners of a triangle in this space.
     #[inline(always)]
-    fn passes_through(&self, triangle: &[Vec3; 3]) -> Option<Sheared> {
-        let vertices = self.longest.corners_to_last(triangle).map(|v| self.shear(v));
-        let [a, b, c] = vertices;
-        let edges = [c.x * b.y - c.y * b.x, a.x * c.y - a.y * c.x, b.x * a.y - b.y * a.x];
-        let [e0, e1, e2] = edges;
-        if e0 == 0.0 || e1 == 0.0 || e2 == 0.0 {
-            return passes_on_an_edge(vertices);
-        }
-        let inside = (e0 > 0.0) == (e1 > 0.0) && (e1 > 0.0) == (e2 > 0.0);
-        inside.then_some(Sheared { vertices, edges, determinant: e0 + e1 + e2 })
+    fn sheared(&self, triangle: &[Vec3; 3]) -> Sheared<f32> {
+        let [a, b, c] = self.longest.corners_to_last(triangle).map(|v| self.shear(v));
+        Sheared { xy: [[a.x, a.y], [b.x, b.y], [c.x, c.y]], z: [a.z, b.z, c.z] }
     }
 
-    /// Whether the ray misses `triangle` for certain: [`Self::intersect`] is then `None`. Two edge
-    /// functions of opposite signs say so, as rounding turns no sign.
+    #[inline(always)]
+    fn range(&self) -> RayRange<f32> {
+        let Self { t_min, t_max, direction, .. } = *self;
+        RayRange { depth: direction[2].abs(), t_min, t_max }
+    }
+
+    /// Whether the ray misses `triangle` for certain: [`Self::intersect`] is then `None`.
     #[inline(always)]
     pub fn passes_by(&self, triangle: &[Vec3; 3]) -> bool {
-        let [a, b, c] = self.longest.corners_to_last(triangle).map(|v| self.shear(v));
-        let [e0, e1, e2] = [c.x * b.y - c.y * b.x, a.x * c.y - a.y * c.x, b.x * a.y - b.y * a.x];
-        (e0 < 0.0 || e1 < 0.0 || e2 < 0.0) && (e0 > 0.0 || e1 > 0.0 || e2 > 0.0)
+        Edges::outside_of(&self.sheared(triangle).xy)
     }
 
     /// The t at which the ray meets `triangle`, from either side, if it does and t > t_min.
@@ -195,16 +189,30 @@ impl ShearedSpace {
     /// The relative error of t is at most [`T_TOLERANCE`].
     #[inline(always)]
     pub fn intersect(&self, triangle: &[Vec3; 3]) -> Option<f32> {
-        let hit = self.passes_through(triangle)?;
-        let [a, b, c] = hit.vertices;
-        let far = max(a.z, max(b.z, c.z));
-        if far < 0.0 {
+        let sheared = self.sheared(triangle);
+        let edges = Edges::new(&sheared.xy);
+        if edges.outside() {
             return None;
         }
-        let near = min(a.z, min(b.z, c.z));
-        let [e0, e1, e2] = hit.edges;
-        let t = (e0 * a.z + e1 * b.z + e2 * c.z) / hit.determinant;
-        let bound = self.error_bound(&hit, near, far);
+        let Decision { t, certain, open } = decide(&sheared, &edges, &self.range());
+        if open { self.intersect_open(triangle, &sheared, &edges) } else { certain.then_some(t) }
+    }
+
+    /// As [`Self::intersect`], where single precision has not decided.
+    #[inline(never)]
+    fn intersect_open(
+        &self,
+        triangle: &[Vec3; 3],
+        sheared: &Sheared<f32>,
+        edges: &Edges<f32>,
+    ) -> Option<f32> {
+        let on_an_edge = edges.all.contains(&0.0);
+        let edges = if on_an_edge { passes_on_an_edge(sheared)? } else { *edges };
+        let found = distance(sheared, &edges, self.range().depth);
+        if found.far < 0.0 {
+            return None;
+        }
+        let Distance { t, bound, near, far } = found;
         let decided = (t - self.t_max).abs() > bound && (t - self.t_min).abs() > bound;
         if decided && !(t > self.t_min && t < self.t_max) {
             return None;
@@ -219,23 +227,16 @@ impl ShearedSpace {
     /// pass through.
     pub fn error_of(&self, triangle: &[Vec3; 3], t: f32) -> Option<f32> {
         let stated = T_TOLERANCE * t.abs();
-        let hit = self.passes_through(triangle)?;
-        let [a, b, c] = hit.vertices.map(|v| v.z);
-        let own = self.error_bound(&hit, min(a, min(b, c)), max(a, max(b, c)));
+        let sheared = self.sheared(triangle);
+        let mut edges = Edges::new(&sheared.xy);
+        if edges.outside() {
+            return None;
+        }
+        if edges.all.contains(&0.0) {
+            edges = passes_on_an_edge(&sheared)?;
+        }
+        let own = distance(&sheared, &edges, self.range().depth).bound;
         Some(if own <= stated { own } else { stated })
-    }
-
-    /// Bound on the error of t, after the module documentation. A NaN where nothing is known.
-    #[inline(always)]
-    fn error_bound(&self, hit: &Sheared, near: f32, far: f32) -> f32 {
-        let [a, b, c] = hit.vertices;
-        let x = max(a.x.abs(), max(b.x.abs(), c.x.abs()));
-        let y = max(a.y.abs(), max(b.y.abs(), c.y.abs()));
-        let z = max(near.abs(), far.abs());
-        let depth = z * self.direction[2].abs();
-        let edge = 2.0 * (gamma(2) * x * y + gamma(5) * ((x + depth) * y + (y + depth) * x));
-        let sum = 3.0 * (edge + UNDERFLOW) * (far - near) + UNDERFLOW;
-        sum / hit.determinant.abs() + gamma(8) * z
     }
 
     /// t in double precision, or `None` where the ray lies in the triangle's plane or starts on the
@@ -273,8 +274,15 @@ impl ShearedSpace {
     /// leaves room for.
     fn sideways(&self, triangle: &[Vec3; 3]) -> f64 {
         let size = triangle.iter().fold(0.0, |size, &v| max(size, max_abs(v)));
-        let origin = max_abs(Vec3::from(self.origin));
-        f64::from(gamma(10)) * (f64::from(size) + f64::from(origin)) + f64::from(UNDERFLOW)
+        Self::sideways_of(size, max_abs(Vec3::from(self.origin)))
+    }
+
+    /// As [`Self::sideways`], of corners with coordinates up to `size` and rays that start at coordinates up to
+    /// `origin`.
+    #[inline(always)]
+    pub(super) fn sideways_of<F: Single>(size: F, origin: F) -> F::Double {
+        let sum = size.widen() + origin.widen();
+        sum.times(f64::from(gamma(10))) + sum.same(f64::from(UNDERFLOW))
     }
 
     /// As [`Self::error_bound`], for the arithmetic of [`Self::distance_f64`].
@@ -299,18 +307,19 @@ impl ShearedSpace {
 /// The edge functions' signs in double precision: exact, as a product of two `f32` is.
 #[cold]
 #[inline(never)]
-fn passes_on_an_edge(vertices: [Vec3; 3]) -> Option<Sheared> {
-    let edges = edges_f64(&vertices.map(|v| v.as_dvec3()));
+fn passes_on_an_edge(sheared: &Sheared<f32>) -> Option<Edges<f32>> {
+    let wide = |k: usize| {
+        let ([x, y], z) = (sheared.xy[k], sheared.z[k]);
+        Vec3::new(x, y, z).as_dvec3()
+    };
+    let edges = edges_f64(&[wide(0), wide(1), wide(2)]);
     let outside = edges.iter().any(|&e| e < 0.0) && edges.iter().any(|&e| e > 0.0);
     let determinant = edges[0] + edges[1] + edges[2];
     // A determinant that is zero only once it is rounded leaves the error bound infinite, and t to
     // double precision.
-    let (rounded, single) = (edges.map(|e| e as f32), determinant as f32);
-    (!outside && determinant != 0.0).then_some(Sheared {
-        vertices,
-        edges: rounded,
-        determinant: single,
-    })
+    let all = edges.map(|e| e as f32);
+    let known = Edges { all, determinant: determinant as f32, low: 0.0, high: 0.0 };
+    (!outside && determinant != 0.0).then_some(known)
 }
 
 fn edges_f64([a, b, c]: &[DVec3; 3]) -> [f64; 3] {

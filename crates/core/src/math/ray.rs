@@ -3,6 +3,8 @@
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec3, Vec3A};
 
+use super::vector::Line;
+
 /// The farthest coordinate, either way, that a ray may start at: 2^127. What is added to an origin for
 /// its rounding, or taken from it for a plane's distance, is then finite as well. Planes of boxes that
 /// are not there are told by being infinite, and infinity less infinity would be no number.
@@ -38,5 +40,12 @@ impl Ray {
         let near = origin.abs().cmple(Vec3A::splat(FARTHEST_ORIGIN));
         let finite = near & direction.is_finite_mask();
         finite.all() & (direction != Vec3A::ZERO) & (self.t_min <= self.t_max)
+    }
+}
+
+impl From<&Ray> for Line<f32> {
+    #[inline(always)]
+    fn from(ray: &Ray) -> Self {
+        Self { origin: ray.origin.into(), direction: ray.direction.into() }
     }
 }

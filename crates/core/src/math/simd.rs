@@ -8,6 +8,8 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8, f32x16, u32x8};
 use serde::Serialize;
 
+use super::real::Single;
+
 wavecrest_base::choices! {
     /// A set of vector instructions.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
@@ -143,6 +145,33 @@ pub fn dispatch_wide<K: Kernel>(level: fearless_simd::Level, kernel: K) -> K::Ou
         fearless_simd::Level::WasmSimd128(simd) => run(simd, kernel),
         _ => unreachable!("the kernel is not compiled for this level"),
     }
+}
+
+/// Work over numbers of some width, which is compiled for eight at a time with the instructions of each wide level
+/// ([`is_wide`]), and for one at a time.
+pub trait Pass {
+    /// What it returns.
+    type Output;
+
+    /// Does the work. `#[inline(always)]`, as [`Kernel::run`] is.
+    fn run<F: Single>(self, token: F::Token) -> Self::Output;
+}
+
+/// Runs `pass` with the instructions of `level`: eight numbers at a time where it is wide, else one.
+#[inline]
+pub fn dispatch_pass<T: Pass>(level: fearless_simd::Level, pass: T) -> T::Output {
+    struct Eight<T>(T);
+
+    impl<T: Pass> Kernel for Eight<T> {
+        type Output = T::Output;
+
+        #[inline(always)]
+        fn run<S: Lanes>(self, simd: S) -> T::Output {
+            self.0.run::<f32x8<S>>(simd)
+        }
+    }
+
+    if is_wide(level) { dispatch_wide(level, Eight(pass)) } else { pass.run::<f32>(()) }
 }
 
 /// Runs `work` in a function of its own with the instructions of `simd`: what a kernel calls from several places

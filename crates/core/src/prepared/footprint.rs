@@ -29,8 +29,9 @@ pub struct MirrorPoint {
 
 impl MirrorPoint {
     /// What a mirror's differentials want of `point`.
-    pub fn of(point: &ShadingPoint) -> Self {
+    pub fn of(point: &ShadingPoint<f32>) -> Self {
         let ShadingPoint { point, normal, shading_normal, .. } = *point;
+        let [point, normal, shading_normal] = [point, normal, shading_normal].map(Vec3::from);
         Self { point, normal, shading_normal }
     }
 }
@@ -43,13 +44,13 @@ impl Appearance {
         texture: &Texture,
         geometry: &Geometry,
         (shape, primitive): (&Shape, u32),
-        surface: &Surface,
+        surface: &Surface<f32>,
         steps: [Vec3; 2],
     ) -> [Vec2; 2] {
         match &texture.map {
             UvMap::Planar(map) => steps.map(|step| map.change(step)),
             UvMap::Sphere(to_own) => {
-                let normal = normalize(*to_own * surface.normal);
+                let normal = normalize(*to_own * Vec3::from(surface.normal));
                 steps.map(|step| {
                     let turn = turn_of_sphere(geometry, primitive, step);
                     sphere_uv_change(normal, *to_own * turn)
@@ -87,7 +88,8 @@ impl PreparedScene {
         look_ups.footprints += 1;
         let MirrorPoint { normal, shading_normal, .. } = *point;
         let steps = differential.at(ray, hit.t, normal);
-        let (_, smooth) = shade::mirrored(-normalize(ray.direction), shading_normal, normal);
+        let view = -normalize(ray.direction);
+        let (_, smooth) = shade::mirrored::<f32>(view.into(), shading_normal.into(), normal.into());
         let about = if smooth { shading_normal } else { normal };
         let turns = steps.map(|step| self.turn(hit.primitive, point, step, smooth));
         differential.reflected(ray, steps, about, turns)

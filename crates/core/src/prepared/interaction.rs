@@ -1,200 +1,326 @@
-//! From a hit to a point ready to be shaded.
+//! From hits to points ready to be shaded: one at a time, or eight of a kind.
+//!
+//! What hits need lies far apart in memory. A [`Group`] has it fetched, and the same code then computes with one
+//! hit or with eight.
 
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 
-use super::{Appearance, LookUps, PreparedScene, Shape, Texture, UvMap};
+use super::{Appearance, LookUps, PreparedScene, Shape};
 use crate::accel::Hit;
-use crate::accel::geometry::{Geometry, Primitive};
+use crate::accel::geometry::{Geometry, Kind, Primitive};
+use crate::kernels::blinn_phong::{Material, Reflection};
 use crate::kernels::differential::Differential;
 use crate::kernels::precision::Arithmetic;
 use crate::kernels::shade::ShadingPoint;
 use crate::kernels::surface::{self, Surface};
-use crate::kernels::texture::{self, Filter};
-use crate::math::float::{dot, normalize};
 use crate::math::ray::Ray;
+use crate::math::real::Single;
+use crate::math::simd::LANES;
+use crate::math::vector::{Line, Vector};
 
-/// Where a ray that was traced arrives.
+/// What a ray that was traced meets.
 #[derive(Clone, Copy, Debug)]
 pub enum Interaction {
-    /// At nothing.
+    /// Nothing.
     Nothing,
-    /// At the shape of a light, which shows this colour.
+    /// The shape of a light, which shows this colour.
     Light(Vec3),
-    /// At a surface.
-    Surface(ShadingPoint),
+    /// A surface.
+    Surface(ShadingPoint<f32>),
 }
 
-impl PreparedScene {
-    /// The point of the surface that `ray` hits.
-    #[inline]
-    pub fn surface<P: Arithmetic>(&self, ray: &Ray, hit: &Hit) -> Surface {
-        let geometry = self.accel.geometry();
-        match geometry.primitive(hit.primitive) {
-            Primitive::Triangle(i) => surface::triangle_at::<P>(ray, hit.t, &geometry.triangle(i)),
-            Primitive::Quad(i) => surface::quad_at::<P>(ray, hit.t, &geometry.quad(i)),
-            Primitive::Sphere(i) => {
-                let (center, radius) = geometry.spheres[i];
-                surface::sphere_at::<P>(ray, hit.t, center, radius)
+/// A hit on a surface.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Face {
+    /// The ray, by its number.
+    pub ray: u32,
+    /// The primitive, by its number.
+    pub primitive: u32,
+    /// By its place in [`Appearance::shapes`].
+    pub shape: u32,
+}
+
+/// A row for each axis.
+type Rows<F> = [<F as Single>::Row; 3];
+
+/// What is known about a hit of one kind, or about up to as many as there are lanes.
+#[derive(Clone, Copy, Debug)]
+pub struct Group<F: Single> {
+    /// The hits, of which there are as many as lanes; those out of use repeat the last one.
+    pub faces: [Face; LANES],
+    /// Hits in use, a bit each, as are the following.
+    pub used: u32,
+    /// Hits on shapes whose back lights reach.
+    two_sided: u32,
+    /// Hits on shapes with a texture.
+    textured: u32,
+    /// Hits on triangles that have normals.
+    smooth: u32,
+    /// Hits on quads.
+    quads: u32,
+    /// Corners of the triangles, those of instances in the space of their prototype; or centres, and radii in
+    /// each row of the second.
+    corners: [Rows<F>; 3],
+    /// Origins and directions of rays to instances, in the space of the prototype.
+    carried: [Rows<F>; 2],
+    /// Normals at the corners, where there are any.
+    normals: [Rows<F>; 3],
+    /// -1 where the front is where the winding runs clockwise, else 1.
+    side: F::Row,
+    /// Diffuse colours of materials.
+    color: Rows<F>,
+    /// Weights of the highlight and of the diffuse part, and the highlight's exponent.
+    reflection: Rows<F>,
+    /// Weight of the mirror ray.
+    kr: F::Row,
+}
+
+impl<F: Single> Default for Group<F> {
+    fn default() -> Self {
+        Self {
+            faces: [Face::default(); LANES],
+            used: 0,
+            two_sided: 0,
+            textured: 0,
+            smooth: 0,
+            quads: 0,
+            corners: Default::default(),
+            carried: Default::default(),
+            normals: Default::default(),
+            side: F::Row::default(),
+            color: Default::default(),
+            reflection: Default::default(),
+            kr: F::Row::default(),
+        }
+    }
+}
+
+impl<F: Single> Group<F> {
+    /// Begins with up to as many `faces` as there are lanes, at least one: fetches all but corners and normals.
+    #[inline(always)]
+    pub fn begin(&mut self, faces: &[Face], appearance: &Appearance) {
+        let last = faces[faces.len() - 1];
+        self.used = ((1_u64 << faces.len()) - 1) as u32;
+        (self.two_sided, self.textured, self.smooth, self.quads) = (0, 0, 0, 0);
+        for lane in 0..F::LANES {
+            // Lanes out of use compute nothing out of the way.
+            let face = faces.get(lane).copied().unwrap_or(last);
+            self.faces[lane] = face;
+            let shape = &appearance.shapes[face.shape as usize];
+            self.two_sided |= u32::from(shape.two_sided) << lane;
+            self.textured |= u32::from(shape.texture.is_some()) << lane;
+            self.side.as_mut()[lane] = if shape.flipped { -1.0 } else { 1.0 };
+            let material = &appearance.materials[face.shape as usize];
+            let Material { ks, kd, exponent, color, kr } = *material;
+            set::<F>(&mut self.color, lane, color);
+            set::<F>(&mut self.reflection, lane, Vec3::new(ks, kd, exponent));
+            self.kr.as_mut()[lane] = kr;
+        }
+    }
+
+    /// Fetches the corners and normals of one hit, which `ray` met.
+    #[inline(always)]
+    pub fn fetch(
+        &mut self,
+        lane: usize,
+        geometry: &Geometry,
+        appearance: &Appearance,
+        ray: impl Fn() -> Ray,
+    ) {
+        let Face { primitive, shape, .. } = self.faces[lane];
+        let shape = &appearance.shapes[shape as usize];
+        if shape.smooth {
+            self.fetch_normals(lane, shape, primitive, geometry, appearance);
+        }
+        let corners = match geometry.primitive(primitive) {
+            Primitive::Quad(i) => {
+                self.quads |= 1 << lane;
+                surface::quad_half(&ray(), &geometry.quad(i))
             }
+            Primitive::Triangle(i) => geometry.triangle(i),
             Primitive::Instanced(instanced) => {
                 let (instance, prototype) = geometry.instance(instanced);
-                let corners = prototype.triangle(instanced.triangle as usize);
-                let carried = instance.carried(ray);
-                instance.surface(&surface::triangle_at::<P>(&carried, hit.t, &corners))
+                let carried = instance.carried(&ray());
+                set::<F>(&mut self.carried[0], lane, carried.origin);
+                set::<F>(&mut self.carried[1], lane, carried.direction);
+                prototype.triangle(instanced.triangle as usize)
+            }
+            Primitive::Sphere(i) => {
+                let (center, radius) = geometry.spheres[i];
+                [center, Vec3::splat(radius), Vec3::ZERO]
+            }
+        };
+        for (rows, corner) in self.corners.iter_mut().zip(corners) {
+            set::<F>(rows, lane, corner);
+        }
+    }
+
+    #[inline(always)]
+    fn fetch_normals(
+        &mut self,
+        lane: usize,
+        shape: &Shape,
+        primitive: u32,
+        geometry: &Geometry,
+        appearance: &Appearance,
+    ) {
+        let Some(normals) = appearance.normals(shape, geometry, primitive) else { return };
+        self.smooth |= 1 << lane;
+        for (rows, normal) in self.normals.iter_mut().zip(normals) {
+            set::<F>(rows, lane, normal);
+        }
+    }
+
+    /// Diffuse colours of materials.
+    #[inline(always)]
+    pub fn colors(&self, token: F::Token) -> Vector<F> {
+        Vector::load(token, &self.color)
+    }
+
+    /// The points where `line` meets what the hits are on, at `t`.
+    #[inline(always)]
+    pub fn surfaces<P: Arithmetic>(
+        &self,
+        kind: Kind,
+        line: &Line<F>,
+        t: F,
+        geometry: &Geometry,
+    ) -> Surface<F> {
+        let token = t.token();
+        let corners = self.corners.each_ref().map(|rows| Vector::load(token, rows));
+        match kind {
+            Kind::Flat => {
+                let mut found = surface::triangle_at::<F, P>(line, t, &corners);
+                if self.quads != 0 {
+                    let quads = F::mask(token, self.quads);
+                    found.barycentric = found.barycentric.map(|w| F::select(quads, t.zero(), w));
+                }
+                found
+            }
+            Kind::Spheres => surface::sphere_at::<F, P>(line, t, corners[0], corners[1].x),
+            Kind::Instances => {
+                let [origin, direction] = &self.carried;
+                let origin = Vector::load(token, origin);
+                let carried = Line { origin, direction: Vector::load(token, direction) };
+                self.in_world(surface::triangle_at::<F, P>(&carried, t, &corners), geometry)
             }
         }
     }
 
-    /// Where `ray` arrives with `hit`. Its `differential` is asked for where a texture needs it.
+    /// Points of instances, from the space of the prototype to the world's.
+    #[inline(always)]
+    fn in_world(&self, mut found: Surface<F>, geometry: &Geometry) -> Surface<F> {
+        for lane in 0..F::LANES {
+            let primitive = geometry.primitive(self.faces[lane].primitive);
+            let Primitive::Instanced(instanced) = primitive else { continue };
+            let world = geometry.instance(instanced).0.surface(&found.lane(lane));
+            found.point.set_lane(lane, world.point.into());
+            found.error.set_lane(lane, world.error.into());
+            found.normal.set_lane(lane, world.normal.into());
+        }
+        found
+    }
+
+    /// The points ready to be shaded, where `line` meets what the hits are on at `t`. `texture` gives the colour of
+    /// a hit on a shape with a texture, by its lane and its point.
+    #[inline(always)]
+    pub fn shading_points<P: Arithmetic>(
+        &self,
+        kind: Kind,
+        line: &Line<F>,
+        t: F,
+        geometry: &Geometry,
+        mut texture: impl FnMut(usize, &Surface<f32>) -> Vec3,
+    ) -> ShadingPoint<F> {
+        let token = t.token();
+        let surfaces = self.surfaces::<P>(kind, line, t, geometry);
+        let outward = surfaces.normal.scale(F::load(token, &self.side));
+        let at_back = outward.dot(line.direction).gt(t.zero());
+        let normal = Vector::select(at_back, -outward, outward);
+        let mut shading_normal = normal;
+        if self.smooth != 0 {
+            let corners = self.normals.each_ref().map(|rows| Vector::load(token, rows));
+            let smooth = F::mask(token, self.smooth);
+            shading_normal =
+                surface::interpolated_normal(&corners, surfaces.barycentric, normal, smooth);
+        }
+        let mut color = self.colors(token);
+        for lane in lanes(self.textured & self.used) {
+            color.set_lane(lane, texture(lane, &surfaces.lane(lane)));
+        }
+        let [ks, kd, exponent] = self.reflection.each_ref().map(|row| F::load(token, row));
+        ShadingPoint {
+            point: surfaces.point,
+            error: surfaces.error,
+            normal,
+            shading_normal,
+            view: -line.direction.normalize(),
+            color,
+            reflection: Reflection { ks, kd, exponent },
+            kr: F::load(token, &self.kr),
+            lit: F::mask(token, self.used) & (F::mask(token, self.two_sided) | !at_back),
+        }
+    }
+}
+
+#[inline(always)]
+fn set<F: Single>([x, y, z]: &mut Rows<F>, lane: usize, v: Vec3) {
+    (x.as_mut()[lane], y.as_mut()[lane], z.as_mut()[lane]) = (v.x, v.y, v.z);
+}
+
+/// The lanes whose bits are set, one after the other.
+#[inline(always)]
+pub fn lanes(mut bits: u32) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let lane = bits.trailing_zeros() as usize;
+        bits &= bits.wrapping_sub(1);
+        (lane < LANES).then_some(lane)
+    })
+}
+
+impl PreparedScene {
+    /// The point of the surface that `ray` hits.
+    pub fn surface<P: Arithmetic>(&self, ray: &Ray, hit: &Hit) -> Surface<f32> {
+        let geometry = self.accel.geometry();
+        let group = self.group(ray, hit, self.appearance.shape_of(hit.primitive));
+        group.surfaces::<P>(geometry.kind(hit.primitive), &Line::from(ray), hit.t, geometry)
+    }
+
+    /// What `ray` meets with `hit`. Its `differential` is asked for where a texture needs it.
     #[inline]
     pub fn interaction<P: Arithmetic>(
         &self,
         ray: &Ray,
         hit: &Hit,
-        differential: impl FnOnce() -> Differential,
+        differential: impl Fn() -> Differential,
         look_ups: &mut LookUps,
     ) -> Interaction {
         if hit.is_miss() {
             return Interaction::Nothing;
         }
-        let index = self.appearance.shape_of(hit.primitive);
-        let shape = &self.appearance.shapes[index];
+        let (appearance, geometry) = (&self.appearance, self.accel.geometry());
+        let index = appearance.shape_of(hit.primitive);
+        let shape = &appearance.shapes[index];
         if let Some(color) = shape.emission {
             return Interaction::Light(color);
         }
-        let geometry = self.accel.geometry();
-        let surface = self.surface::<P>(ray, hit);
-        let outward = if shape.flipped { -surface.normal } else { surface.normal };
-        let at_back = dot(outward, ray.direction) > 0.0;
-        let normal = if at_back { -outward } else { outward };
-        let material = self.appearance.materials[index];
-        let color = match &shape.texture {
-            None => material.color,
-            Some(texture) => {
-                let face = (shape, hit.primitive);
-                let footprint = || {
-                    let steps = differential().at(ray, hit.t, surface.normal);
-                    self.appearance.footprint(texture, geometry, face, &surface, steps)
-                };
-                self.appearance
-                    .texture_color(texture, geometry, face, &surface, footprint, look_ups)
-            }
+        let texture = |_, surface: &Surface<f32>| {
+            let arriving = || (differential(), *ray, *hit);
+            appearance.texture_at(shape, hit.primitive, geometry, surface, arriving, look_ups)
         };
-        Interaction::Surface(ShadingPoint {
-            point: surface.point,
-            error: surface.error,
-            normal,
-            shading_normal: self.appearance.shading_normal(shape, geometry, hit, &surface, normal),
-            view: -normalize(ray.direction),
-            color,
-            material,
-            lit: shape.two_sided || !at_back,
-        })
-    }
-}
-
-impl Appearance {
-    /// The interpolated normal on the side of `normal`, or `normal` itself.
-    fn shading_normal(
-        &self,
-        shape: &Shape,
-        geometry: &Geometry,
-        hit: &Hit,
-        surface: &Surface,
-        normal: Vec3,
-    ) -> Vec3 {
-        if !shape.smooth {
-            return normal;
-        }
-        let interpolated = self
-            .normals(shape, geometry, hit.primitive)
-            .map(|corners| {
-                let [wa, wb, wc] = weights(surface.barycentric);
-                normalize(corners[0] * wa + corners[1] * wb + corners[2] * wc)
-            })
-            .filter(|&n| n != Vec3::ZERO);
-        match interpolated {
-            Some(n) if dot(n, normal) < 0.0 => -n,
-            Some(n) => n,
-            None => normal,
-        }
+        let (kind, line) = (geometry.kind(hit.primitive), Line::from(ray));
+        let group = self.group(ray, hit, index);
+        let point = group.shading_points::<P>(kind, &line, hit.t, geometry, texture);
+        Interaction::Surface(point)
     }
 
-    /// The shading normals at the corners of a triangle of a mesh.
+    /// The group of one hit, on the shape at `index`.
     #[inline(always)]
-    pub fn normals(&self, shape: &Shape, geometry: &Geometry, primitive: u32) -> Option<[Vec3; 3]> {
-        let normals = self.corners(shape, geometry, primitive, |mesh| mesh.normals.as_ref())?;
-        Some(match geometry.primitive(primitive) {
-            Primitive::Instanced(instanced) => {
-                let (instance, _) = geometry.instance(instanced);
-                normals.map(|normal| instance.shading_normal(normal))
-            }
-            _ => normals,
-        })
+    fn group(&self, ray: &Ray, hit: &Hit, index: usize) -> Group<f32> {
+        let face = Face { ray: 0, primitive: hit.primitive, shape: index as u32 };
+        let mut group = Group::default();
+        group.begin(&[face], &self.appearance);
+        group.fetch(0, self.accel.geometry(), &self.appearance, || *ray);
+        group
     }
-
-    /// The colour that a texture gives the point `surface` of the shape's primitive. Its footprint in
-    /// texture coordinates is asked for where the filter needs it.
-    #[inline]
-    pub fn texture_color(
-        &self,
-        texture: &Texture,
-        geometry: &Geometry,
-        (shape, primitive): (&Shape, u32),
-        surface: &Surface,
-        footprint: impl FnOnce() -> [Vec2; 2],
-        look_ups: &mut LookUps,
-    ) -> Vec3 {
-        let uv = match &texture.map {
-            UvMap::Planar(map) => map.uv(surface.point),
-            UvMap::Sphere(to_own) => texture::sphere_uv(normalize(*to_own * surface.normal)),
-            UvMap::Mesh => self.uvs(shape, geometry, primitive).map_or(Vec2::ZERO, |corners| {
-                let [wa, wb, wc] = weights(surface.barycentric);
-                corners[0] * wa + corners[1] * wb + corners[2] * wc
-            }),
-        };
-        let image = &self.images[texture.image as usize];
-        if texture.filter != Filter::Trilinear {
-            look_ups.texels += texture.filter.texels();
-            return image.look_up(uv, texture.filter, texture.wrap);
-        }
-        look_ups.footprints += 1;
-        let (color, texels) = image.look_up_at(uv, image.level(&footprint()), texture.wrap);
-        look_ups.texels += texels;
-        color
-    }
-
-    /// The texture coordinates at the corners of a triangle of a mesh.
-    #[inline(always)]
-    pub(super) fn uvs(
-        &self,
-        shape: &Shape,
-        geometry: &Geometry,
-        primitive: u32,
-    ) -> Option<[Vec2; 3]> {
-        self.corners(shape, geometry, primitive, |mesh| mesh.uvs.as_ref())
-    }
-
-    /// The values of an attribute at the corners of a triangle of a mesh.
-    #[inline(always)]
-    fn corners<'a, T: Copy + 'a>(
-        &'a self,
-        shape: &Shape,
-        geometry: &Geometry,
-        primitive: u32,
-        attribute: impl Fn(&'a super::MeshAttributes) -> Option<&'a super::CornerValues<T>>,
-    ) -> Option<[T; 3]> {
-        let mesh = &self.meshes[shape.mesh? as usize];
-        if let Primitive::Instanced(instanced) = geometry.primitive(primitive) {
-            let triangle = instanced.triangle as usize;
-            let (_, prototype) = geometry.instance(instanced);
-            return attribute(mesh)?.corners(triangle, prototype.triangles[triangle]);
-        }
-        let positions = geometry.triangles[primitive as usize].map(|v| v - mesh.first_position);
-        attribute(mesh)?.corners((primitive - mesh.first_triangle) as usize, positions)
-    }
-}
-
-fn weights(barycentric: Vec2) -> [f32; 3] {
-    [1.0 - barycentric.x - barycentric.y, barycentric.x, barycentric.y]
 }

@@ -6,21 +6,19 @@
 #[macro_use]
 mod columns;
 
-use fearless_simd::prelude::*;
-use fearless_simd::{mask32x8, u32x8};
 use glam::Vec3;
 
 use crate::accel::{Hit, RayColumns, Rays as AllRays};
-use crate::kernels::blinn_phong::lanes::Reflection;
+use crate::kernels::blinn_phong::Reflection;
 use crate::kernels::differential::Differential;
-use crate::kernels::shade::SHADOW_END;
-use crate::kernels::shade::lanes::{LitPoints as LitLanes, Mirrored, ShadowRequests};
-use crate::math::lanes::Vec3x8;
+use crate::kernels::shade::{MirrorRequest, SHADOW_END, ShadingPoint, ShadowRequest};
 use crate::math::ray::Ray;
-use crate::math::simd::{LANES, Lanes};
+use crate::math::real::{Mask, Single};
+use crate::math::simd::LANES;
+use crate::math::vector::Vector;
 use crate::plan::schedule::Column as Group;
 use crate::prepared::PreparedScene;
-use columns::{Column, count, pack};
+use columns::Column;
 
 pub use columns::Vectors;
 
@@ -78,32 +76,32 @@ impl Rays {
 
     /// Appends camera rays of the paths from `path` on, of which the first `count` lanes are real.
     #[inline(always)]
-    pub fn push_camera<S: Lanes>(
+    pub fn push_camera<F: Single>(
         &mut self,
-        simd: S,
         origin: Vec3,
-        direction: Vec3x8<S>,
+        direction: Vector<F>,
         path: u32,
         count: usize,
     ) {
-        let i = self.rows;
-        self.origin.store(i, Vec3x8::splat(simd, origin));
+        let (i, token) = (self.rows, direction.x.token());
+        self.origin.store::<F>(i, Vector::splat(token, origin));
         self.direction.store(i, direction);
-        self.throughput.store(i, Vec3x8::splat(simd, Vec3::ONE));
-        let lanes: u32x8<S> = [0, 1, 2, 3, 4, 5, 6, 7].simd_into(simd);
-        (lanes + path).store_slice(&mut self.path[i..i + LANES]);
+        self.throughput.store::<F>(i, Vector::splat(token, Vec3::ONE));
+        for (row, path) in self.path[i..i + F::LANES].iter_mut().zip(path..) {
+            *row = path;
+        }
         self.rows += count;
     }
 
-    /// Appends the mirror rays that there are.
+    /// Appends the mirror rays that there are, of these paths. Their number.
     #[inline(always)]
-    pub fn push_lanes<S: Lanes>(&mut self, rays: &Mirrored<S>, path: u32x8<S>) -> usize {
-        let i = self.rows;
-        self.origin.pack(i, rays.origin, rays.asked);
-        self.direction.pack(i, rays.direction, rays.asked);
-        self.throughput.pack(i, rays.throughput, rays.asked);
-        pack(&mut self.path, i, path, rays.asked);
-        let count = count(rays.asked);
+    pub fn push_lanes<F: Single>(&mut self, rays: &MirrorRequest<F>, path: &[u32; LANES]) -> usize {
+        let (i, asked) = (self.rows, rays.asked);
+        self.origin.pack(i, rays.line.origin, asked);
+        self.direction.pack(i, rays.line.direction, asked);
+        self.throughput.pack(i, rays.throughput, asked);
+        F::pack_words(rays.throughput.x.token(), path, asked, &mut self.path[i..i + F::LANES]);
+        let count = asked.bits().count_ones() as usize;
         self.rows += count;
         count
     }
@@ -178,37 +176,49 @@ columns! {
 }
 
 impl LitPoints {
-    /// Appends the points of `mask`.
+    /// Appends the points that lights reach, of these paths.
     #[inline(always)]
-    pub fn push_lanes<S: Lanes>(&mut self, p: &LitLanes<S>, path: u32x8<S>, mask: mask32x8<S>) {
-        let i = self.rows;
+    pub fn push_lanes<F: Single>(
+        &mut self,
+        p: &ShadingPoint<F>,
+        throughput: Vector<F>,
+        path: &[u32; LANES],
+    ) {
+        let (i, lit) = (self.rows, p.lit);
         let Reflection { ks, kd, exponent } = p.reflection;
-        self.point.pack(i, p.point, mask);
-        self.error.pack(i, p.error, mask);
-        self.normal.pack(i, p.normal, mask);
-        self.shading_normal.pack(i, p.shading_normal, mask);
-        self.view.pack(i, p.view, mask);
-        self.color.pack(i, p.color, mask);
-        self.throughput.pack(i, p.throughput, mask);
-        self.reflection.pack(i, Vec3x8::new(ks, kd, exponent), mask);
-        pack(&mut self.path, i, path, mask);
-        self.rows += count(mask);
+        self.point.pack(i, p.point, lit);
+        self.error.pack(i, p.error, lit);
+        self.normal.pack(i, p.normal, lit);
+        self.shading_normal.pack(i, p.shading_normal, lit);
+        self.view.pack(i, p.view, lit);
+        self.color.pack(i, p.color, lit);
+        self.throughput.pack(i, throughput, lit);
+        self.reflection.pack(i, Vector::new(ks, kd, exponent), lit);
+        F::pack_words(p.kr.token(), path, lit, &mut self.path[i..i + F::LANES]);
+        self.rows += lit.bits().count_ones() as usize;
     }
 
-    /// The points from the `i`th on.
+    /// The points from the `i`th on, those of `used`, and what they count for. They are no mirrors here.
     #[inline(always)]
-    pub fn load<S: Lanes>(&self, simd: S, i: usize) -> LitLanes<S> {
-        let reflection = self.reflection.load(simd, i);
-        LitLanes {
-            point: self.point.load(simd, i),
-            error: self.error.load(simd, i),
-            normal: self.normal.load(simd, i),
-            shading_normal: self.shading_normal.load(simd, i),
-            view: self.view.load(simd, i),
-            color: self.color.load(simd, i),
-            throughput: self.throughput.load(simd, i),
+    pub fn load<F: Single>(
+        &self,
+        token: F::Token,
+        i: usize,
+        used: u32,
+    ) -> (ShadingPoint<F>, Vector<F>) {
+        let reflection = self.reflection.load::<F>(token, i);
+        let point = ShadingPoint {
+            point: self.point.load(token, i),
+            error: self.error.load(token, i),
+            normal: self.normal.load(token, i),
+            shading_normal: self.shading_normal.load(token, i),
+            view: self.view.load(token, i),
+            color: self.color.load(token, i),
             reflection: Reflection { ks: reflection.x, kd: reflection.y, exponent: reflection.z },
-        }
+            kr: F::splat(token, 0.0),
+            lit: F::mask(token, used),
+        };
+        (point, self.throughput.load(token, i))
     }
 }
 
@@ -235,20 +245,16 @@ impl<'a> From<&'a ShadowRays> for AllRays<'a> {
 }
 
 impl ShadowRays {
-    /// Appends the requests of `mask`. Their number.
+    /// Appends the requests that there are, of these paths. Their number.
     #[inline(always)]
-    pub fn push_lanes<S: Lanes>(
-        &mut self,
-        requests: &ShadowRequests<S>,
-        path: u32x8<S>,
-        mask: mask32x8<S>,
-    ) -> usize {
-        let i = self.rows;
-        self.origin.pack(i, requests.origin, mask);
-        self.direction.pack(i, requests.direction, mask);
-        self.contribution.pack(i, requests.contribution, mask);
-        pack(&mut self.path, i, path, mask);
-        let count = count(mask);
+    pub fn push_lanes<F: Single>(&mut self, requests: &ShadowRequest<F>, path: &[u32]) -> usize {
+        let (i, asked) = (self.rows, requests.asked);
+        self.origin.pack(i, requests.line.origin, asked);
+        self.direction.pack(i, requests.line.direction, asked);
+        self.contribution.pack(i, requests.contribution, asked);
+        let token = requests.contribution.x.token();
+        F::pack_words(token, path, asked, &mut self.path[i..i + F::LANES]);
+        let count = asked.bits().count_ones() as usize;
         self.rows += count;
         count
     }

@@ -4,13 +4,13 @@ mod order;
 
 use std::ops::Range;
 
-use fearless_simd::prelude::*;
 use glam::Vec3;
 
 use super::batch::Batch;
 use crate::counters::Counters;
 use crate::math::random::Stream;
-use crate::math::simd::{Kernel, LANES, Lanes, dispatch};
+use crate::math::real::Single;
+use crate::math::simd::{Pass, dispatch_pass};
 use crate::prepared::PreparedScene;
 use crate::tile::{Tile, Unit};
 use order::Walk;
@@ -30,7 +30,10 @@ pub(super) fn run(
     let count = paths.end - paths.start;
     let next = Next::new(unit, paths.start);
     let tile = &unit.tile;
-    dispatch(scene.accel.level, Generate { scene, tile, seed, count: count as usize, next, batch });
+    dispatch_pass(
+        scene.accel.level,
+        Generate { scene, tile, seed, count: count as usize, next, batch },
+    );
     counters.primary_rays += count;
     counters.lens_samples += if scene.camera.has_lens() { count } else { 0 };
 }
@@ -71,13 +74,13 @@ struct Generate<'a> {
     batch: &'a mut Batch,
 }
 
-impl Kernel for Generate<'_> {
+impl Pass for Generate<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn run<S: Lanes>(mut self, simd: S) {
+    fn run<F: Single>(mut self, token: F::Token) {
         match self.scene.camera.pinhole() {
-            Some(origin) => self.through_pinhole(simd, origin),
+            Some(origin) => self.through_pinhole::<F>(token, origin),
             None => {
                 for path in 0..self.count {
                     let (x, y, stream) = self.path();
@@ -91,19 +94,19 @@ impl Kernel for Generate<'_> {
 
 impl Generate<'_> {
     #[inline(always)]
-    fn through_pinhole<S: Lanes>(&mut self, simd: S, origin: Vec3) {
+    fn through_pinhole<F: Single>(&mut self, token: F::Token, origin: Vec3) {
         let camera = &self.scene.camera;
-        for first in (0..self.count).step_by(LANES) {
-            let count = LANES.min(self.count - first);
-            let (mut x, mut y) = ([0.0; LANES], [0.0; LANES]);
+        for first in (0..self.count).step_by(F::LANES) {
+            let count = F::LANES.min(self.count - first);
+            let [mut x, mut y] = <[F::Row; 2]>::default();
             for lane in 0..count {
                 let (column, row, stream) = self.path();
                 let place = camera.place_of(&stream);
-                x[lane] = column as f32 + place.x;
-                y[lane] = row as f32 + place.y;
+                x.as_mut()[lane] = column as f32 + place.x;
+                y.as_mut()[lane] = row as f32 + place.y;
             }
-            let directions = camera.directions(simd, x.simd_into(simd), y.simd_into(simd));
-            self.batch.rays.push_camera(simd, origin, directions, first as u32, count);
+            let directions = camera.directions(F::load(token, &x), F::load(token, &y));
+            self.batch.rays.push_camera(origin, directions, first as u32, count);
         }
     }
 

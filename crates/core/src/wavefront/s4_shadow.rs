@@ -4,18 +4,16 @@
 //! is full. A path thus gets its contributions in the order of lights and samples, whatever the
 //! size of the queue.
 
-use fearless_simd::prelude::*;
-use fearless_simd::{mask32x8, u32x8};
-
 use super::batch::{Batch, ShadowRays};
 use crate::accel::Traversal;
 use crate::counters::Counters;
-use crate::kernels::light::{Emitter, Light};
+use crate::kernels::light::{Emitter, Light, LightPoint};
 use crate::kernels::precision::Arithmetic;
-use crate::kernels::shade::lanes::{LightPoints, LitPoints, shadow_requests};
-use crate::math::lanes::Vec3x8;
+use crate::kernels::shade::shadow_request;
 use crate::math::random::Stream;
-use crate::math::simd::{Kernel, LANES, Lanes, dispatch};
+use crate::math::real::{Mask, Single};
+use crate::math::simd::{Pass, dispatch_pass};
+use crate::math::vector::Vector;
 use crate::prepared::PreparedScene;
 
 /// Adds every light's contributions to the paths.
@@ -31,7 +29,7 @@ pub(super) fn run<P: Arithmetic>(
         let mut next = Next::default();
         while next.point < batch.lit.len() {
             let request = Request { light, seed, bounce, batch, counters, next };
-            next = dispatch(scene.accel.level, request);
+            next = dispatch_pass(scene.accel.level, request);
             trace::<P>(scene, batch, traversal);
         }
     }
@@ -55,23 +53,22 @@ struct Request<'a> {
     next: Next,
 }
 
-impl Kernel for Request<'_> {
+impl Pass for Request<'_> {
     type Output = Next;
 
     #[inline(always)]
-    fn run<S: Lanes>(self, simd: S) -> Next {
+    fn run<F: Single>(self, token: F::Token) -> Next {
         let Self { light, counters, batch, mut next, .. } = self;
         let capacity = batch.capacity();
         let Batch { lit, paths, shadows, .. } = batch;
         let (samples, sampled) = (light.samples(), light.is_sampled());
         while next.point < lit.len() {
-            let count = LANES.min(lit.len() - next.point);
-            let used = mask32x8::from_bitmask(simd, (1 << count) - 1);
-            let points: LitPoints<S> = lit.load(simd, next.point);
-            let rows = next.point..next.point + LANES;
-            let path = u32x8::from_slice(simd, &lit.path[rows]);
+            let count = F::LANES.min(lit.len() - next.point);
+            let used = (1_u64 << count) - 1;
+            let (points, throughput) = lit.load::<F>(token, next.point, used as u32);
+            let path = &lit.path[next.point..next.point + F::LANES];
             let stream = |lane: usize| {
-                let path = lit.path[next.point + lane] as usize;
+                let path = path[lane] as usize;
                 let (pixel, sample) = (paths.pixel[path], paths.sample[path]);
                 Stream { seed: self.seed, pixel, sample, bounce: self.bounce }
             };
@@ -79,16 +76,16 @@ impl Kernel for Request<'_> {
                 if shadows.len() >= capacity {
                     return next;
                 }
-                let targets = targets(simd, light, next.index, count, stream);
+                let targets = targets::<F>(token, light, next.index, count, stream);
                 counters.light_samples += if sampled { count as u64 } else { 0 };
-                let requests = shadow_requests(&points, light, &targets);
-                let asked = requests.asked & used;
-                counters.shadow_rays += shadows.push_lanes(&requests, path, asked) as u64;
-                let at_light = (requests.at_light & asked).to_bitmask() & 0xFF;
-                counters.lights_at_surface += u64::from(at_light.count_ones());
                 next.index += 1;
+                let request = shadow_request(&points, throughput, light, &targets);
+                let Some(request) = request else { continue };
+                counters.shadow_rays += shadows.push_lanes(&request, path) as u64;
+                let at_light = (request.at_light & request.asked).bits();
+                counters.lights_at_surface += u64::from(at_light.count_ones());
             }
-            next = Next { point: next.point + LANES, index: 0 };
+            next = Next { point: next.point + F::LANES, index: 0 };
         }
         next
     }
@@ -96,32 +93,26 @@ impl Kernel for Request<'_> {
 
 /// The light's `index`th point for each of `count` lanes.
 #[inline(always)]
-fn targets<S: Lanes>(
-    simd: S,
+fn targets<F: Single>(
+    token: F::Token,
     light: &Light,
     index: u32,
     count: usize,
     stream: impl Fn(usize) -> Stream,
-) -> LightPoints<S> {
+) -> LightPoint<F> {
     if let Emitter::Point(position) = light.emitter {
-        return LightPoints::same(simd, position);
+        return LightPoint::of_point(token, position);
     }
-    let mut rows = [[[0.0; LANES]; 3]; 3];
+    let mut rows = <[[F::Row; 3]; 3]>::default();
     for lane in 0..count {
         let target = light.point(index, &stream(lane));
         let values = [target.position, target.error, target.normal];
-        for (rows, value) in rows.iter_mut().zip(values) {
-            for (row, value) in rows.iter_mut().zip(value.to_array()) {
-                row[lane] = value;
-            }
+        for ([x, y, z], value) in rows.iter_mut().zip(values) {
+            (x.as_mut()[lane], y.as_mut()[lane], z.as_mut()[lane]) = (value.x, value.y, value.z);
         }
     }
-    let [position, error, normal] = &rows;
-    LightPoints {
-        position: Vec3x8::load(simd, position),
-        error: Vec3x8::load(simd, error),
-        normal: Vec3x8::load(simd, normal),
-    }
+    let [position, error, normal] = rows.each_ref().map(|rows| Vector::load(token, rows));
+    LightPoint { position, error, normal }
 }
 
 /// Traces the queue and adds what arrives.

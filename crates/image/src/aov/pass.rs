@@ -119,10 +119,12 @@ fn add<P: Arithmetic>(
     let arrival = scene.interaction::<P>(ray, hit, differential, &mut LookUps::default());
     let (point, normal, albedo) = match arrival {
         Interaction::Nothing => return,
-        Interaction::Surface(at) => (at.point, at.shading_normal, at.color),
+        Interaction::Surface(at) => {
+            (at.point.into(), Vec3::from(at.shading_normal), Vec3::from(at.color))
+        }
         Interaction::Light(color) => {
             let surface = scene.surface::<P>(ray, hit);
-            (surface.point, towards(ray, surface.normal), color)
+            (Vec3::from(surface.point), towards(ray, surface.normal.into()), color)
         }
     };
     sums.hits += 1;

@@ -246,10 +246,10 @@ fn leaving(accel: &Accel, size: (DVec3, f64), effort: &Effort) -> (Outcome, f64)
             let hit = Some(accel.closest(&ray, traversal)).filter(|hit| !hit.is_miss())?;
             let Primitive::Triangle(i) = geometry.primitive(hit.primitive) else { return None };
             let surface = Tests(geometry.precision).surface(&ray, hit.t, &geometry.triangle(i));
-            let side = if surface.normal.dot(ray.direction) > 0.0 { -1.0 } else { 1.0 };
-            let normal = surface.normal * side;
+            let [point, error, normal] = surface.vectors();
+            let normal = if normal.dot(ray.direction) > 0.0 { -normal } else { normal };
             let direction = normalize(numbers.direction().as_vec3() + normal);
-            let origin = offset_origin(surface.point, surface.error, normal, direction);
+            let origin = offset_origin(point, error, normal, direction);
             let leaves = direction.dot(normal) > 1e-3;
             leaves.then(|| (Ray::new(origin, direction), [hit.primitive; 2]))
         },

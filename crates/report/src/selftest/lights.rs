@@ -13,9 +13,9 @@ use wavecrest_core::kernels::blinn_phong::{Material, reflect};
 use wavecrest_core::kernels::light::{Emitter, Falloff, Light, Triangles};
 use wavecrest_core::kernels::shade::{ShadingPoint, shadow_request};
 use wavecrest_core::kernels::surface::Surface;
-use wavecrest_core::math::float::max_abs;
 use wavecrest_core::math::random::Stream;
 use wavecrest_core::math::sampling::Sampling;
+use wavecrest_core::math::vector::Vector;
 
 const FALLOFFS: [Falloff; 3] = [Falloff::Linear, Falloff::InverseSquare, Falloff::None];
 const FALLOFF_NAMES: [&str; 3] = ["linear", "inverse-square", "none"];
@@ -26,16 +26,17 @@ const POWER: f32 = 10.0;
 const MATERIAL: Material = Material { ks: 0.5, kd: 0.5, exponent: 8.0, color: Vec3::ONE, kr: 0.0 };
 
 /// The point of a triangle, seen from its front.
-fn shading_point(numbers: &mut Numbers, surface: &Surface) -> ShadingPoint {
+fn shading_point(numbers: &mut Numbers, surface: &Surface<f32>) -> ShadingPoint<f32> {
     let view = numbers.direction().as_vec3();
     ShadingPoint {
         point: surface.point,
         error: surface.error,
         normal: surface.normal,
         shading_normal: surface.normal,
-        view: if view.dot(surface.normal) < 0.0 { -view } else { view },
-        color: Vec3::ONE,
-        material: MATERIAL,
+        view: if view.dot(surface.normal.into()) < 0.0 { -view } else { view }.into(),
+        color: Vec3::ONE.into(),
+        reflection: MATERIAL.reflection(),
+        kr: MATERIAL.kr,
         lit: true,
     }
 }
@@ -81,7 +82,7 @@ fn edge_on_point(tests: Tests, numbers: &mut Numbers) -> Outcome {
     let corners = random_triangle(numbers, unit);
     let Some(surface) = on_triangle(tests, numbers, &corners) else { return outcome };
     let point = shading_point(numbers, &surface);
-    let near = surface.point;
+    let near = Vec3::from(surface.point);
     let [p, q] = [(); 2].map(|()| near + (numbers.direction() * unit).as_vec3());
     let shape = match numbers.below(4) {
         // In the light's plane, off it and at its corner.
@@ -95,11 +96,12 @@ fn edge_on_point(tests: Tests, numbers: &mut Numbers) -> Outcome {
     let Some(triangles) = Triangles::new(vec![shape]) else { return outcome };
     let light = light(Emitter::Triangles(triangles), falloff);
     let stream = Stream { seed: 0, pixel: numbers.below(1 << 20) as u32, sample: 0, bounce: 0 };
-    let request = shadow_request(&point, Vec3::ONE, &light, &light.point(0, &stream));
+    let request = shadow_request(&point, Vec3::ONE.into(), &light, &light.point(0, &stream));
     let failure = request.filter(|request| {
-        let is_right = request.contribution.is_finite()
-            && request.contribution.min_element() >= 0.0
-            && request.ray.direction.is_finite();
+        let contribution = Vec3::from(request.contribution);
+        let is_right = contribution.is_finite()
+            && contribution.min_element() >= 0.0
+            && request.ray().direction.is_finite();
         !is_right
     });
     outcome.count(failure.map(|request| format!("{request:?} from {point:?} to {shape:?}")));
@@ -176,24 +178,25 @@ fn light_at_a_point(tests: Tests, numbers: &mut Numbers) -> Outcome {
     let corners = random_triangle(numbers, unit);
     let Some(surface) = on_triangle(tests, numbers, &corners) else { return outcome };
     let point = shading_point(numbers, &surface);
-    let least = f64::from(max_abs(surface.error));
+    let least = f64::from(surface.error.max_abs());
+    let [at, normal] = [surface.point, surface.normal].map(|v| Vec3::from(v).as_dvec3());
     let away = match numbers.below(4) {
         0 => DVec3::ZERO,
-        1 => surface.normal.as_dvec3() * (least * numbers.magnitude(1e-3, 10.0)),
+        1 => normal * (least * numbers.magnitude(1e-3, 10.0)),
         2 => numbers.direction() * (least * numbers.magnitude(1e-3, 10.0)),
         _ => numbers.direction() * (unit * numbers.magnitude(1e-9, 1e-5)),
     };
-    let position = (surface.point.as_dvec3() + away).as_vec3();
+    let position = (at + away).as_vec3();
     let falloff = FALLOFFS[numbers.below(3)];
     let light = light(Emitter::Point(position), falloff);
     let stream = Stream { seed: 0, pixel: 0, sample: 0, bounce: 0 };
-    let request = shadow_request(&point, Vec3::ONE, &light, &light.point(0, &stream));
-    let towards = position.as_dvec3() - surface.point.as_dvec3();
+    let request = shadow_request(&point, Vec3::ONE.into(), &light, &light.point(0, &stream));
+    let towards = position.as_dvec3() - at;
     let distance = towards.length();
     let told = || format!("{request:?} from {point:?} to {position}");
     match &request {
         None => {
-            let height = surface.normal.as_dvec3().dot(towards);
+            let height = normal.dot(towards);
             let is_before = height > 1e-5 * distance && distance > 0.0;
             outcome.count(is_before.then(|| format!("it is left out: {}", told())));
         }
@@ -205,8 +208,9 @@ fn light_at_a_point(tests: Tests, numbers: &mut Numbers) -> Outcome {
                 Falloff::None => 1.0,
             };
             let most = f64::from(POWER * (MATERIAL.kd + MATERIAL.ks)) * falls * 1.0001;
-            let is_bounded = request.contribution.is_finite()
-                && f64::from(request.contribution.max_element()) <= most;
+            let contribution = Vec3::from(request.contribution);
+            let is_bounded =
+                contribution.is_finite() && f64::from(contribution.max_element()) <= most;
             outcome.count((!is_bounded).then(|| format!("more than {most}: {}", told())));
             let is_doubtful = (distance / least - 1.0).abs() < 1e-5;
             let is_counted = request.at_light == (distance < least) || is_doubtful;
@@ -280,7 +284,10 @@ pub(super) fn highlights(effort: &Effort) -> Outcome {
         };
         let [ks, kd] = [(); 2].map(|()| [0.0, 1.0, numbers.one() as f32][numbers.below(3)]);
         let material = Material { ks, kd, exponent: exponent(&mut numbers), ..MATERIAL };
-        let found = reflect(&material, Vec3::ONE, normal, view, to_light);
+        let [to, from] = [to_light, view].map(Vector::from);
+        let white = Vec3::ONE.into();
+        let found = reflect(&material.reflection(), white, normal.into(), from, to);
+        let found = Vec3::from(found);
         let is_right = found.is_finite()
             && found.min_element() >= 0.0
             && f64::from(found.max_element()) <= f64::from(ks + kd) * 1.00001;

@@ -48,7 +48,7 @@ pub(super) fn on_triangle(
     tests: Tests,
     numbers: &mut Numbers,
     corners: &[Vec3; 3],
-) -> Option<Surface> {
+) -> Option<Surface<f32>> {
     let [a, b, c] = corners.map(|v| v.as_dvec3());
     let (u, v) = (numbers.one(), numbers.one());
     let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
@@ -92,20 +92,21 @@ pub(super) fn leaving(effort: &Effort) -> Outcome {
 /// Rays leave the surface to both sides. `again` says what they meet again.
 fn leave(
     numbers: &mut Numbers,
-    surface: &Surface,
+    surface: &Surface<f32>,
     again: impl Fn(&Ray, bool) -> Option<String>,
 ) -> Outcome {
     let mut outcome = Outcome::default();
     for k in 0..FROM_EACH {
         let tilted = numbers.direction();
-        let normal = surface.normal.as_dvec3();
+        let [point, error, unit] = surface.vectors();
+        let normal = unit.as_dvec3();
         // Half of the rays graze the surface.
         let along = tilted - normal * tilted.dot(normal);
         let direction = if k % 2 == 0 { tilted } else { along + normal * 1e-4 };
         let direction = normalize(direction.as_vec3());
-        let origin = offset_origin(surface.point, surface.error, surface.normal, direction);
+        let origin = offset_origin(point, error, unit, direction);
         let ray = Ray::new(origin, direction);
-        let cosine = direction.dot(surface.normal);
+        let cosine = direction.dot(unit);
         if cosine.abs() > 1e-6 && ray.is_valid() {
             let told = |what| format!("{ray:?} meets {what} again");
             outcome.count(again(&ray, cosine > 0.0).map(told));
@@ -145,9 +146,10 @@ pub(super) fn contact(effort: &Effort) -> Outcome {
                 let mut numbers = Numbers::new(effort, 10, s * 100_000 + n);
                 let corners = lower.triangle(numbers.below(2));
                 let found = on_triangle(tests, &mut numbers, &corners)?;
+                let [point, error, normal] = found.vectors();
                 let light = axis * (11.0 * height) + numbers.direction().as_vec3() * height;
-                let to_light = normalize(light - found.point);
-                let origin = offset_origin(found.point, found.error, found.normal, to_light);
+                let to_light = normalize(light - point);
+                let origin = offset_origin(point, error, normal, to_light);
                 Some(Ray { t_max: SHADOW_END, ..Ray::new(origin, light - origin) })
             })
             .collect();
@@ -188,13 +190,12 @@ pub(super) fn towards_a_light_on_a_surface(effort: &Effort) -> Outcome {
         let direction = light - from.as_dvec3();
         let size = direction.length() * numbers.magnitude(1e-3, 1.0);
         let corners = facing(numbers, light, direction, size);
-        let found = on_triangle(tests, numbers, &corners)?;
-        let back = normalize(from - found.point);
-        let end = offset_end(found.point, found.error, found.normal, back);
+        let [point, error, normal] = on_triangle(tests, numbers, &corners)?.vectors();
+        let end = offset_end(point, error, normal, normalize(from - point));
         let ray = Ray { t_max: SHADOW_END, ..Ray::new(from, end - from) };
         let mut outcome = Outcome::default();
         // Flatter segments run along the light's own surface.
-        if normalize(ray.direction).dot(found.normal).abs() > 0.1 {
+        if normalize(ray.direction).dot(normal).abs() > 0.1 {
             let hit = tests.triangle(&ray, &corners);
             let told = |t| format!("{ray:?} is blocked at {t} by the light's own {corners:?}");
             outcome.count(hit.filter(|&t| t < ray.t_max).map(told));

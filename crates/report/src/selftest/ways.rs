@@ -7,13 +7,15 @@ use rayon::prelude::*;
 
 use super::{Effort, Outcome};
 use wavecrest_core::accel::{Accel, Hit, KernelChoice};
-use wavecrest_core::kernels::precision::{Fast, Precision};
+use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::kernels::sphere;
 use wavecrest_core::kernels::surface::{self, Surface};
 use wavecrest_core::kernels::triangle::{ShearedSpace, exact, fast};
 use wavecrest_core::math::random::Stream;
 use wavecrest_core::math::ray::Ray;
 use wavecrest_core::math::simd::Level;
+use wavecrest_core::math::vector::{Line, Vector};
+use wavecrest_core::with_precision;
 
 /// Rays that a thread asks about at a time.
 const BLOCK: usize = 1 << 13;
@@ -97,7 +99,10 @@ impl Tests {
     /// The t at which the ray meets the triangle.
     pub(super) fn triangle(self, ray: &Ray, corners: &[Vec3; 3]) -> Option<f32> {
         let t = match self.0 {
-            Precision::Fast => fast::intersect(ray, corners)?,
+            Precision::Fast => {
+                let (t, is_hit) = fast::intersect(&Line::from(ray), &corners.map(Vector::from));
+                is_hit.then_some(t)?
+            }
             Precision::Robust => return ShearedSpace::new(ray).intersect(corners),
             Precision::Exact => exact::intersect(ray, corners)? as f32,
         };
@@ -113,19 +118,21 @@ impl Tests {
     }
 
     /// Where the ray meets the triangle.
-    pub(super) fn surface(self, ray: &Ray, t: f32, corners: &[Vec3; 3]) -> Surface {
-        if self.0 == Precision::Fast {
-            return surface::triangle_at::<Fast>(ray, t, corners);
-        }
-        surface::triangle(ray, corners)
+    pub(super) fn surface(self, ray: &Ray, t: f32, corners: &[Vec3; 3]) -> Surface<f32> {
+        let (line, corners) = (Line::from(ray), corners.map(Vector::from));
+        with_precision!(self.0, P => surface::triangle_at::<f32, P>(&line, t, &corners))
     }
 
     /// Where the ray meets the sphere.
-    pub(super) fn sphere_surface(self, ray: &Ray, t: f32, center: Vec3, radius: f32) -> Surface {
-        if self.0 == Precision::Fast {
-            return surface::sphere_at::<Fast>(ray, t, center, radius);
-        }
-        surface::sphere(ray, center, radius)
+    pub(super) fn sphere_surface(
+        self,
+        ray: &Ray,
+        t: f32,
+        center: Vec3,
+        radius: f32,
+    ) -> Surface<f32> {
+        let line = Line::from(ray);
+        with_precision!(self.0, P => surface::sphere_at::<f32, P>(&line, t, center.into(), radius))
     }
 }
 

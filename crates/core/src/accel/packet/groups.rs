@@ -15,7 +15,9 @@ use crate::accel::arena::{Patch, Ref, View};
 use crate::accel::query::Query;
 use crate::accel::{Hit, TestCounts};
 use crate::kernels::precision::Arithmetic;
-use crate::kernels::triangle::lanes::{ORDERS, Range, decide, edges};
+use crate::kernels::triangle::lanes::ORDERS;
+use crate::kernels::triangle::{Edges, RayRange, Sheared, decide};
+use crate::math::real::Mask;
 use crate::math::simd::{LANES, Lanes};
 
 /// So many tests can wait.
@@ -166,7 +168,7 @@ impl Groups {
             let group = &groups[usize::from(pair.group) % MOST];
             let [a, b, c] = corners(arena.patch(group.place), group, pair.triangle);
             let xy = [plane(simd, a), plane(simd, b), plane(simd, c)];
-            let (_, inside) = edges(xy, group.used);
+            let inside = group.used & !Edges::outside_of(&xy).bits();
             self.pairs[count] = Pair { inside: inside as u16, ..pair };
             count += usize::from(inside != 0);
         }
@@ -262,16 +264,17 @@ fn meet<S: Lanes, Q: Query>(simd: S, arena: View<'_>, group: &mut Group, pair: P
     let [a, b, c] = corners(leaf, group, pair.triangle);
     let xy = [plane(simd, a), plane(simd, b), plane(simd, c)];
     let z = [a[2].simd_into(simd), b[2].simd_into(simd), c[2].simd_into(simd)];
-    let range = Range {
+    let range = RayRange {
         depth: group.depth.simd_into(simd),
         t_min: group.t_min.simd_into(simd),
         t_max: group.t_max.simd_into(simd),
     };
-    let (edges, _) = edges(xy, group.used);
-    let (t, certain, open) = decide(xy, z, edges, range, u32::from(pair.inside));
+    let sheared = Sheared { xy, z };
+    let decision = decide(&sheared, &Edges::new(&sheared.xy), &range);
+    let (certain, open) = decision.among(u32::from(pair.inside));
     group.open |= open;
     group.left[usize::from(pair.triangle) % LANES] = open;
-    note::<S, Q>(simd, arena, group, pair.triangle, (t, certain));
+    note::<S, Q>(simd, arena, group, pair.triangle, (decision.t, certain));
 }
 
 /// Notes the rays that `certain`ly meet the triangle, at `t`.

@@ -14,8 +14,8 @@ use crate::accel::tree::{BEYOND, reach};
 use crate::accel::{Hit, NO_PRIMITIVE};
 use crate::kernels::precision::Arithmetic;
 use crate::kernels::slab::PADDING;
-use crate::kernels::triangle::lanes::{self, ORDERS};
-use crate::kernels::triangle::{Axis, ShearedSpace};
+use crate::kernels::triangle::lanes::ORDERS;
+use crate::kernels::triangle::{Axis, RayRange, ShearedSpace};
 use crate::math::ray::Ray;
 use crate::math::simd::Lanes;
 
@@ -312,7 +312,7 @@ impl Tile {
                 simd.pick(&self.shear[1], positions),
                 simd.pick(&self.shear[2], positions),
             ],
-            range: lanes::Range {
+            range: RayRange {
                 depth: simd.pick(&self.direction[kz.min(2)], positions).abs(),
                 t_min: simd.pick(&self.t_min, positions),
                 t_max: simd.pick(&self.t_max, positions),
@@ -342,7 +342,7 @@ impl Tile {
                 load(simd, &self.shear[1], g),
                 load(simd, &self.shear[2], g),
             ],
-            range: lanes::Range {
+            range: RayRange {
                 depth: load(simd, &self.direction[kz.min(2)], g).abs(),
                 t_min: load(simd, &self.t_min, g),
                 t_max: load(simd, &self.t_max, g),
@@ -358,7 +358,7 @@ pub(super) struct RayGroup<S: Lanes> {
     /// With the longest axis last.
     pub(super) origin: [f32x16<S>; 3],
     pub(super) shear: [f32x16<S>; 3],
-    pub(super) range: lanes::Range<f32x16<S>>,
+    pub(super) range: RayRange<f32x16<S>>,
     pub(super) best: f32x16<S>,
     pub(super) primitive: u32x16<S>,
 }

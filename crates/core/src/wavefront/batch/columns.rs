@@ -1,12 +1,11 @@
 //! What columns are made of.
 
-use fearless_simd::prelude::*;
-use fearless_simd::{f32x8, mask32x8, u32x8};
 use glam::Vec3;
 
 use crate::accel::Hit;
-use crate::math::lanes::Vec3x8;
-use crate::math::simd::{LANES, Lanes};
+use crate::math::real::Single;
+use crate::math::simd::LANES;
+use crate::math::vector::Vector;
 
 /// Declares a structure of arrays: a column for each field, all of the same length.
 macro_rules! columns {
@@ -148,10 +147,9 @@ impl Vectors {
 
     /// The vectors from the `i`th on.
     #[inline(always)]
-    pub fn load<S: Lanes>(&self, simd: S, i: usize) -> Vec3x8<S> {
-        let (x, y) = (&self.x[i..i + LANES], &self.y[i..i + LANES]);
-        let (x, y) = (f32x8::from_slice(simd, x), f32x8::from_slice(simd, y));
-        Vec3x8::new(x, y, f32x8::from_slice(simd, &self.z[i..i + LANES]))
+    pub fn load<F: Single>(&self, token: F::Token, i: usize) -> Vector<F> {
+        let from = |values: &[f32]| F::from_slice(token, &values[i..i + F::LANES]);
+        Vector::new(from(&self.x), from(&self.y), from(&self.z))
     }
 
     /// A column for each axis.
@@ -161,39 +159,29 @@ impl Vectors {
 
     /// Replaces the vectors from the `i`th on.
     #[inline(always)]
-    pub fn store<S: Lanes>(&mut self, i: usize, v: Vec3x8<S>) {
-        v.x.store_slice(&mut self.x[i..i + LANES]);
-        v.y.store_slice(&mut self.y[i..i + LANES]);
-        v.z.store_slice(&mut self.z[i..i + LANES]);
+    pub fn store<F: Single>(&mut self, i: usize, v: Vector<F>) {
+        v.x.store(&mut self.x[i..i + F::LANES]);
+        v.y.store(&mut self.y[i..i + F::LANES]);
+        v.z.store(&mut self.z[i..i + F::LANES]);
     }
 
-    /// The vectors of these rows.
+    /// The vectors of these rows, of which there are as many as lanes.
     #[inline(always)]
-    pub fn gather<S: Lanes>(&self, simd: S, rows: &[u32; LANES]) -> Vec3x8<S> {
-        let (mut x, mut y, mut z) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
-        for (lane, &row) in rows.iter().enumerate() {
+    pub fn gather<F: Single>(&self, token: F::Token, rows: &[u32; LANES]) -> Vector<F> {
+        let mut gathered = <[F::Row; 3]>::default();
+        let [x, y, z] = &mut gathered;
+        for (lane, &row) in rows.iter().enumerate().take(F::LANES) {
             let v = self.get(row as usize);
-            (x[lane], y[lane], z[lane]) = (v.x, v.y, v.z);
+            (x.as_mut()[lane], y.as_mut()[lane], z.as_mut()[lane]) = (v.x, v.y, v.z);
         }
-        Vec3x8::new(x.simd_into(simd), y.simd_into(simd), z.simd_into(simd))
+        Vector::load(token, &gathered)
     }
 
     /// Replaces the vectors from the `i`th on by those of `mask`, one after the other.
     #[inline(always)]
-    pub(super) fn pack<S: Lanes>(&mut self, i: usize, v: Vec3x8<S>, mask: mask32x8<S>) {
-        let v = Vec3x8::new(v.x.compress(mask), v.y.compress(mask), v.z.compress(mask));
-        self.store(i, v);
+    pub(super) fn pack<F: Single>(&mut self, i: usize, v: Vector<F>, mask: F::Mask) {
+        v.x.pack(mask, &mut self.x[i..i + F::LANES]);
+        v.y.pack(mask, &mut self.y[i..i + F::LANES]);
+        v.z.pack(mask, &mut self.z[i..i + F::LANES]);
     }
-}
-
-/// As [`Vectors::pack`], for numbers of paths.
-#[inline(always)]
-pub(super) fn pack<S: Lanes>(column: &mut [u32], i: usize, v: u32x8<S>, mask: mask32x8<S>) {
-    v.compress(mask).store_slice(&mut column[i..i + LANES]);
-}
-
-/// How many lanes `mask` has.
-#[inline(always)]
-pub(super) fn count<S: Lanes>(mask: mask32x8<S>) -> usize {
-    (mask.to_bitmask() & 0xFF).count_ones() as usize
 }

@@ -2,12 +2,14 @@ use glam::Vec3;
 
 use super::*;
 use wavecrest_core::kernels::light::{Falloff, Triangles};
+use wavecrest_core::kernels::precision::Robust;
 use wavecrest_core::kernels::shade::{ShadingPoint, shadow_request};
 use wavecrest_core::kernels::surface;
 use wavecrest_core::math::float::{dot, normalize};
 use wavecrest_core::math::random::Stream;
 use wavecrest_core::math::ray::Ray;
 use wavecrest_core::math::sampling::Sampling;
+use wavecrest_core::math::vector::{Line, Vector};
 
 const WHITE: Material = Material { ks: 0.5, kd: 0.5, exponent: 8.0, color: Vec3::ONE, kr: 0.0 };
 
@@ -35,22 +37,31 @@ fn random(index: u32, dimension: u32) -> Vec3 {
     Vec3::new(x, y, z) - 0.5
 }
 
+fn triangle_at(ray: &Ray, corners: &[Vec3; 3]) -> surface::Surface<f32> {
+    surface::triangle_at::<f32, Robust>(&Line::from(ray), 0.0, &corners.map(Vector::from))
+}
+
+fn sphere_at(ray: &Ray, center: Vec3, radius: f32) -> surface::Surface<f32> {
+    surface::sphere_at::<f32, Robust>(&Line::from(ray), 0.0, center.into(), radius)
+}
+
 /// Whether the shading step asks the light for anything where `ray` arrives.
-fn asks(light: &Light, at: surface::Surface, flipped: bool, ray: &Ray, index: u32) -> bool {
+fn asks(light: &Light, at: surface::Surface<f32>, flipped: bool, ray: &Ray, index: u32) -> bool {
     let outward = if flipped { -at.normal } else { at.normal };
-    let is_front = dot(outward, ray.direction) < 0.0;
+    let is_front = dot(outward.into(), ray.direction) < 0.0;
     let point = ShadingPoint {
         point: at.point,
         error: at.error,
         normal: if is_front { outward } else { -outward },
         shading_normal: outward,
-        view: -ray.direction,
-        color: Vec3::ONE,
-        material: WHITE,
+        view: (-ray.direction).into(),
+        color: Vec3::ONE.into(),
+        reflection: WHITE.reflection(),
+        kr: WHITE.kr,
         lit: is_front,
     };
     let stream = Stream { seed: 5, pixel: index, sample: 0, bounce: 0 };
-    shadow_request(&point, Vec3::ONE, light, &light.point(0, &stream)).is_some()
+    shadow_request(&point, Vec3::ONE.into(), light, &light.point(0, &stream)).is_some()
 }
 
 /// A light near the plane of a triangle somewhere, on either side: at a point, on a sphere, on a triangle.
@@ -95,7 +106,7 @@ fn what_a_light_is_left_out_for_never_asks_it() {
             let origin = target + random(index, 40 + turn) * size;
             let ray = Ray::new(origin, normalize(target - origin));
             let asks = ray.is_valid()
-                && asks(&light, surface::triangle(&ray, &corners), shape.flipped, &ray, index);
+                && asks(&light, triangle_at(&ray, &corners), shape.flipped, &ray, index);
             asked += u32::from(asks);
             assert!(!(out && asks), "{index}: {light:?} {corners:?}");
         }
@@ -123,8 +134,8 @@ fn a_light_within_a_sphere_reaches_none_of_its_outside() {
             let target = center + there * radius;
             let origin = target + (there + random(index, 40 + turn)) * radius;
             let ray = Ray::new(origin, normalize(target - origin));
-            let asks = ray.is_valid()
-                && asks(&light, surface::sphere(&ray, center, radius), false, &ray, index);
+            let asks =
+                ray.is_valid() && asks(&light, sphere_at(&ray, center, radius), false, &ray, index);
             asked += u32::from(asks);
             assert!(!(out && asks), "{index}: {light:?} {center} {radius}");
         }

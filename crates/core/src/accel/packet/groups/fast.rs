@@ -8,7 +8,9 @@ use crate::accel::arena::{Patch, View};
 use crate::accel::packet::tile::{Column, GROUPS, Tile, WIDTH};
 use crate::accel::query::Query;
 use crate::kernels::triangle::fast;
+use crate::math::real::Mask;
 use crate::math::simd::{LANES, Lanes};
+use crate::math::vector::{Line, Vector};
 
 /// As [`super::see`]: the rays themselves, with origins in the place of the first vertex
 /// and directions in that of the second.
@@ -52,22 +54,22 @@ pub(super) fn meet<S: Lanes, Q: Query>(simd: S, arena: View<'_>, group: &mut Gro
     let b = corner(simd, leaf, b >> at);
     let c = corner(simd, leaf, c >> at);
     let [origin, direction, ..] = &group.vertices;
-    let rays = (vector(simd, origin), vector(simd, direction));
-    let one = f32x16::splat(simd, 1.0);
-    let range = [group.t_min.simd_into(simd), group.t_max.simd_into(simd), one];
-    let (t, hits) = fast::lanes(rays, [a, b, c], range, group.used);
+    let line = Line { origin: vector(simd, origin), direction: vector(simd, direction) };
+    let (t, inside) = fast::intersect(&line, &[a, b, c]);
+    let within = t.simd_gt(group.t_min) & t.simd_lt(group.t_max);
+    let hits = (inside & within).bits() & group.used;
     note::<S, Q>(simd, arena, group, pair.triangle, (t, hits));
 }
 
 /// A vertex of the patch, in each lane.
 #[inline(always)]
-fn corner<S: Lanes>(simd: S, leaf: &Patch, index: u32) -> [f32x16<S>; 3] {
+fn corner<S: Lanes>(simd: S, leaf: &Patch, index: u32) -> Vector<f32x16<S>> {
     let i = index as usize % LANES;
     let [x, y, z] = &leaf.positions;
-    [f32x16::splat(simd, x[i]), f32x16::splat(simd, y[i]), f32x16::splat(simd, z[i])]
+    Vector::new(f32x16::splat(simd, x[i]), f32x16::splat(simd, y[i]), f32x16::splat(simd, z[i]))
 }
 
 #[inline(always)]
-fn vector<S: Lanes>(simd: S, [x, y, z]: &[Row; 3]) -> [f32x16<S>; 3] {
-    [(*x).simd_into(simd), (*y).simd_into(simd), (*z).simd_into(simd)]
+fn vector<S: Lanes>(simd: S, [x, y, z]: &[Row; 3]) -> Vector<f32x16<S>> {
+    Vector::new((*x).simd_into(simd), (*y).simd_into(simd), (*z).simd_into(simd))
 }

@@ -1,7 +1,8 @@
 use super::*;
 use crate::math::float::{self, normalize, offset_end, offset_origin};
 use crate::math::random::Stream;
-use crate::math::simd::{Kernel, Level, dispatch};
+use crate::math::simd::{Kernel, LANES, Lanes, Level, dispatch};
+use fearless_simd::f32x8;
 
 /// Numbers of every size, and zeros of both signs.
 fn vector(index: u32, dimension: u32) -> Vec3 {
@@ -29,15 +30,15 @@ impl Kernel for All {
     type Output = [[Vec3; LANES]; 5];
 
     fn run<S: Lanes>(self, simd: S) -> Self::Output {
-        let load = |v: [Vec3; LANES]| Vec3x8::load(simd, &rows(v));
+        let load = |v: [Vec3; LANES]| Vector::<f32x8<S>>::load(simd, &rows(v));
         let [point, error, normal, direction] = self.0.map(load);
         let error = error.abs();
         let results = [
             point.normalize(),
-            point.widen().normalize().narrow(),
+            Vector::narrow(point.widen().normalize_wide()),
             point.offset_origin(error, normal, direction),
             point.offset_end(error, normal, direction),
-            rounding_error(point, error.max_abs()),
+            point.rounding_error(error.max_abs()),
         ];
         results.map(|v| std::array::from_fn(|lane| v.lane(lane)))
     }
@@ -50,7 +51,7 @@ fn expected([p, e, n, d]: [Vec3; 4]) -> [Vec3; 5] {
         float::normalize_f64(p.as_dvec3()).as_vec3(),
         offset_origin(p, e, n, d),
         offset_end(p, e, n, d),
-        float::rounding_error(p.as_dvec3(), float::max_abs(e)),
+        float::rounding_error(p, float::max_abs(e)),
     ]
 }
 

@@ -1,0 +1,128 @@
+//! The watertight test itself, for pairs of a ray and a triangle: one pair, or eight or sixteen at a time.
+
+use super::{T_TOLERANCE, UNDERFLOW};
+use crate::math::float::gamma;
+use crate::math::real::{Mask, Real};
+
+/// The corners of a triangle in the sheared space of its ray.
+#[derive(Clone, Copy)]
+pub(crate) struct Sheared<F> {
+    pub(crate) xy: [[F; 2]; 3],
+    /// What t would be at the corners.
+    pub(crate) z: [F; 3],
+}
+
+/// Edge functions of a pair, the least and the greatest of them, and their sum.
+#[derive(Clone, Copy)]
+pub(crate) struct Edges<F> {
+    pub(crate) all: [F; 3],
+    pub(super) determinant: F,
+    pub(super) low: F,
+    pub(super) high: F,
+}
+
+/// Of the ray of a pair: by how much z in sheared space is to be scaled to be a depth, and the range of t.
+#[derive(Clone, Copy)]
+pub(crate) struct RayRange<F> {
+    pub(crate) depth: F,
+    pub(crate) t_min: F,
+    pub(crate) t_max: F,
+}
+
+/// Where a ray meets a triangle's plane.
+pub(super) struct Distance<F> {
+    pub(super) t: F,
+    /// Bound on the error of t.
+    pub(super) bound: F,
+    /// The least and the greatest t of the corners.
+    pub(super) near: F,
+    pub(super) far: F,
+}
+
+/// What single precision says of pairs that do not pass by each other.
+pub(crate) struct Decision<F: Real> {
+    pub(crate) t: F,
+    /// Pairs that certainly meet at t, within the ray's range.
+    pub(crate) certain: F::Mask,
+    /// Pairs that are left to the test of one.
+    pub(crate) open: F::Mask,
+}
+
+impl<F: Real<Element = f32>> Edges<F> {
+    #[inline(always)]
+    pub(crate) fn new([[ax, ay], [bx, by], [cx, cy]]: &[[F; 2]; 3]) -> Self {
+        let e0 = *cx * *by - *cy * *bx;
+        let e1 = *ax * *cy - *ay * *cx;
+        let e2 = *bx * *ay - *by * *ax;
+        let low = e0.min(e1.min(e2));
+        let high = e0.max(e1.max(e2));
+        Self { all: [e0, e1, e2], determinant: e0 + e1 + e2, low, high }
+    }
+
+    /// Where the ray certainly passes by: two edge functions of opposite signs say so, as rounding turns no sign.
+    /// What is not a number is not outside.
+    #[inline(always)]
+    pub(crate) fn outside(&self) -> F::Mask {
+        let zero = self.low.zero();
+        self.low.lt(zero) & self.high.gt(zero)
+    }
+
+    /// Of corners with these x and y.
+    #[inline(always)]
+    pub(crate) fn outside_of(xy: &[[F; 2]; 3]) -> F::Mask {
+        Self::new(xy).outside()
+    }
+}
+
+/// Where rays meet the planes of their triangles, with the error bound of the module documentation. A NaN where
+/// nothing is known.
+#[inline(always)]
+pub(super) fn distance<F: Real<Element = f32>>(
+    Sheared { xy: [[ax, ay], [bx, by], [cx, cy]], z: [az, bz, cz] }: &Sheared<F>,
+    Edges { all: [e0, e1, e2], determinant, .. }: &Edges<F>,
+    depth: F,
+) -> Distance<F> {
+    let far = az.max(bz.max(*cz));
+    let near = az.min(bz.min(*cz));
+    let t = (*e0 * *az + *e1 * *bz + *e2 * *cz) / *determinant;
+    let x = ax.abs().max(bx.abs().max(cx.abs()));
+    let y = ay.abs().max(by.abs().max(cy.abs()));
+    let z = near.abs().max(far.abs());
+    let depth = z * depth;
+    let products = x.times(gamma(2)) * y + ((x + depth) * y + (y + depth) * x).times(gamma(5));
+    let edge = products.times(2.0);
+    let underflow = t.same(UNDERFLOW);
+    let sum = (edge + underflow).times(3.0) * (far - near) + underflow;
+    let bound = sum / determinant.abs() + z.times(gamma(8));
+    Distance { t, bound, near, far }
+}
+
+/// Decides on pairs that do not certainly pass by each other.
+#[inline(always)]
+pub(crate) fn decide<F: Real<Element = f32>>(
+    sheared: &Sheared<F>,
+    edges: &Edges<F>,
+    RayRange { depth, t_min, t_max }: &RayRange<F>,
+) -> Decision<F> {
+    let Distance { t, bound, near, far } = distance(sheared, edges, *depth);
+    let zero = t.zero();
+    let inside = edges.low.gt(zero) | edges.high.lt(zero);
+    let within = t.gt(*t_min) & t.lt(*t_max);
+    let decided = inside & (t - *t_max).abs().gt(bound) & (t - *t_min).abs().gt(bound);
+    let exact = bound.le(t.abs().times(T_TOLERANCE));
+    // What is not a number is not behind: the test of one decides.
+    let ahead = !far.lt(zero);
+    Decision {
+        t: t.max(near).min(far),
+        certain: ahead & decided & within & exact,
+        open: ahead & !(decided & (!within | exact)),
+    }
+}
+
+impl<F: Real<Element = f32>> Decision<F> {
+    /// Of the `candidates`, those that meet and those that are left open, a bit each.
+    #[inline(always)]
+    pub(crate) fn among(&self, candidates: u32) -> (u32, u32) {
+        (candidates & self.certain.bits(), candidates & self.open.bits())
+    }
+}

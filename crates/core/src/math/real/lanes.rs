@@ -1,0 +1,182 @@
+//! Eight or sixteen numbers at a time.
+
+use fearless_simd::ExtractToken;
+use fearless_simd::prelude::*;
+use fearless_simd::{f32x8, f32x16, f64x8, mask32x8, mask32x16, mask64x8, u32x8};
+
+use super::{Mask, Real, Single};
+use crate::math::simd::{LANES, Lanes, outlined};
+
+macro_rules! mask {
+    ($mask:ident, $lanes:literal) => {
+        impl<S: Lanes> Mask for $mask<S> {
+            #[inline(always)]
+            fn bits(self) -> u32 {
+                // What lies beyond the lanes has no meaning.
+                self.to_bitmask() as u32 & (u32::MAX >> (32 - $lanes))
+            }
+        }
+    };
+}
+
+mask!(mask32x8, 8);
+mask!(mask64x8, 8);
+mask!(mask32x16, 16);
+
+macro_rules! lanes {
+    ($float:ident, $element:ty, $mask:ident, $lanes:literal) => {
+        impl<S: Lanes> Real for $float<S> {
+            type Element = $element;
+            type Mask = $mask<S>;
+            const LANES: usize = $lanes;
+
+            #[inline(always)]
+            fn same(self, value: $element) -> Self {
+                <Self as SimdBase<S>>::splat(ExtractToken::token(&self), value)
+            }
+
+            #[inline(always)]
+            fn lane(self, i: usize) -> $element {
+                self[i]
+            }
+
+            #[inline(always)]
+            fn set_lane(&mut self, i: usize, value: $element) {
+                self[i] = value;
+            }
+
+            #[inline(always)]
+            fn abs(self) -> Self {
+                SimdBase::abs(self)
+            }
+
+            #[inline(always)]
+            fn sqrt(self) -> Self {
+                SimdFloat::sqrt(self)
+            }
+
+            #[inline(always)]
+            fn copysign(self, sign: Self) -> Self {
+                SimdFloat::copysign(self, sign)
+            }
+
+            #[inline(always)]
+            fn min(self, other: Self) -> Self {
+                <Self as SimdBase<S>>::min(self, other)
+            }
+
+            #[inline(always)]
+            fn max(self, other: Self) -> Self {
+                <Self as SimdBase<S>>::max(self, other)
+            }
+
+            #[inline(always)]
+            fn lt(self, other: Self) -> $mask<S> {
+                self.simd_lt(other)
+            }
+
+            #[inline(always)]
+            fn le(self, other: Self) -> $mask<S> {
+                self.simd_le(other)
+            }
+
+            #[inline(always)]
+            fn eq(self, other: Self) -> $mask<S> {
+                self.simd_eq(other)
+            }
+
+            #[inline(always)]
+            fn select(mask: $mask<S>, a: Self, b: Self) -> Self {
+                mask.select(a, b)
+            }
+
+            #[inline(always)]
+            fn zero(self) -> Self {
+                self.same(0.0)
+            }
+        }
+    };
+}
+
+lanes!(f32x8, f32, mask32x8, 8);
+lanes!(f32x16, f32, mask32x16, 16);
+lanes!(f64x8, f64, mask64x8, 8);
+
+impl<S: Lanes> Single for f32x8<S> {
+    type Double = f64x8<S>;
+    type Token = S;
+    type Row = [f32; LANES];
+
+    #[inline(always)]
+    fn token(self) -> S {
+        ExtractToken::token(&self)
+    }
+
+    #[inline(always)]
+    fn splat(simd: S, value: f32) -> Self {
+        <Self as SimdBase<S>>::splat(simd, value)
+    }
+
+    #[inline(always)]
+    fn load(simd: S, row: &[f32; LANES]) -> Self {
+        (*row).simd_into(simd)
+    }
+
+    #[inline(always)]
+    fn from_slice(simd: S, values: &[f32]) -> Self {
+        <Self as SimdBase<S>>::from_slice(simd, &values[..LANES])
+    }
+
+    #[inline(always)]
+    fn store(self, values: &mut [f32]) {
+        self.store_slice(&mut values[..LANES]);
+    }
+
+    #[inline(always)]
+    fn pack(self, mask: mask32x8<S>, values: &mut [f32]) {
+        self.compress(mask).store_slice(&mut values[..LANES]);
+    }
+
+    #[inline(always)]
+    fn pack_words(simd: S, words: &[u32], mask: mask32x8<S>, values: &mut [u32]) {
+        let words: u32x8<S> = <u32x8<S> as SimdBase<S>>::from_slice(simd, &words[..LANES]);
+        words.compress(mask).store_slice(&mut values[..LANES]);
+    }
+
+    #[inline(always)]
+    fn mask(simd: S, bits: u32) -> mask32x8<S> {
+        mask32x8::from_bitmask(simd, u64::from(bits))
+    }
+
+    #[inline(always)]
+    fn widen(self) -> f64x8<S> {
+        let (low, high) = <Self as SimdWiden<S>>::widen(self);
+        low.combine(high)
+    }
+
+    #[inline(always)]
+    fn narrow(wide: f64x8<S>) -> Self {
+        let (low, high) = wide.split();
+        low.narrow(high)
+    }
+
+    #[inline(always)]
+    fn outlined<R>(simd: S, work: impl FnOnce() -> R) -> R {
+        outlined(simd, work)
+    }
+
+    #[inline(always)]
+    fn round_away(self, shift: Self) -> Self {
+        const SIGN: u32 = 1 << 31;
+        let simd = ExtractToken::token(&self);
+        let bits: u32x8<S> = self.bitcast();
+        let sign = shift.bitcast::<u32x8<S>>() & SIGN;
+        // Of numbers of the shift's sign the neighbour away from zero is the one of the next pattern.
+        let outward = ((bits ^ sign) & SIGN).simd_eq(u32x8::splat(simd, 0));
+        let next = outward.select(bits + 1, bits - 1);
+        let from_zero = sign | 1;
+        let next = self.simd_eq(0.0).select(from_zero, next);
+        let moves = shift.simd_ne(0.0) & SimdBase::abs(self).simd_lt(f32::INFINITY);
+        moves.select(next, bits).bitcast()
+    }
+}

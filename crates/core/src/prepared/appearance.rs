@@ -1,0 +1,116 @@
+//! What surfaces look like where they are hit: textures and the attributes of meshes.
+
+use glam::{Vec2, Vec3};
+
+use super::{Appearance, CornerValues, LookUps, MeshAttributes, Shape, Texture, UvMap};
+use crate::accel::Hit;
+use crate::accel::geometry::{Geometry, Primitive};
+use crate::kernels::differential::Differential;
+use crate::kernels::surface::Surface;
+use crate::kernels::texture::{self, Filter};
+use crate::math::float::normalize;
+use crate::math::ray::Ray;
+
+impl Appearance {
+    /// The shading normals at the corners of a triangle of a mesh.
+    #[inline(always)]
+    pub fn normals(&self, shape: &Shape, geometry: &Geometry, primitive: u32) -> Option<[Vec3; 3]> {
+        let normals = self.corners(shape, geometry, primitive, |mesh| mesh.normals.as_ref())?;
+        Some(match geometry.primitive(primitive) {
+            Primitive::Instanced(instanced) => {
+                let (instance, _) = geometry.instance(instanced);
+                normals.map(|normal| instance.shading_normal(normal))
+            }
+            _ => normals,
+        })
+    }
+
+    /// The colour of the point `surface` of the shape's primitive, from its texture if it has one. `arriving` gives
+    /// the ray's differential, the ray and its hit, where the filter needs them.
+    #[inline]
+    pub fn texture_at(
+        &self,
+        shape: &Shape,
+        primitive: u32,
+        geometry: &Geometry,
+        surface: &Surface<f32>,
+        arriving: impl FnOnce() -> (Differential, Ray, Hit),
+        look_ups: &mut LookUps,
+    ) -> Vec3 {
+        let Some(texture) = &shape.texture else { return Vec3::ZERO };
+        let face = (shape, primitive);
+        let footprint = || {
+            let (differential, ray, hit) = arriving();
+            let steps = differential.at(&ray, hit.t, surface.normal.into());
+            self.footprint(texture, geometry, face, surface, steps)
+        };
+        self.texture_color(texture, geometry, face, surface, footprint, look_ups)
+    }
+
+    /// The colour that a texture gives the point `surface` of the shape's primitive. Its footprint in
+    /// texture coordinates is asked for where the filter needs it.
+    #[inline]
+    fn texture_color(
+        &self,
+        texture: &Texture,
+        geometry: &Geometry,
+        (shape, primitive): (&Shape, u32),
+        surface: &Surface<f32>,
+        footprint: impl FnOnce() -> [Vec2; 2],
+        look_ups: &mut LookUps,
+    ) -> Vec3 {
+        let uv = match &texture.map {
+            UvMap::Planar(map) => map.uv(surface.point.into()),
+            UvMap::Sphere(to_own) => {
+                texture::sphere_uv(normalize(*to_own * Vec3::from(surface.normal)))
+            }
+            UvMap::Mesh => self.uvs(shape, geometry, primitive).map_or(Vec2::ZERO, |corners| {
+                let [wa, wb, wc] = weights(surface.barycentric);
+                corners[0] * wa + corners[1] * wb + corners[2] * wc
+            }),
+        };
+        let image = &self.images[texture.image as usize];
+        if texture.filter != Filter::Trilinear {
+            look_ups.texels += texture.filter.texels();
+            return image.look_up(uv, texture.filter, texture.wrap);
+        }
+        look_ups.footprints += 1;
+        let (color, texels) = image.look_up_at(uv, image.level(&footprint()), texture.wrap);
+        look_ups.texels += texels;
+        color
+    }
+
+    /// The texture coordinates at the corners of a triangle of a mesh.
+    #[inline(always)]
+    pub(super) fn uvs(
+        &self,
+        shape: &Shape,
+        geometry: &Geometry,
+        primitive: u32,
+    ) -> Option<[Vec2; 3]> {
+        self.corners(shape, geometry, primitive, |mesh| mesh.uvs.as_ref())
+    }
+
+    /// The values of an attribute at the corners of a triangle of a mesh.
+    #[inline(always)]
+    fn corners<'a, T: Copy + 'a>(
+        &'a self,
+        shape: &Shape,
+        geometry: &Geometry,
+        primitive: u32,
+        attribute: impl Fn(&'a MeshAttributes) -> Option<&'a CornerValues<T>>,
+    ) -> Option<[T; 3]> {
+        let mesh = &self.meshes[shape.mesh? as usize];
+        if let Primitive::Instanced(instanced) = geometry.primitive(primitive) {
+            let triangle = instanced.triangle as usize;
+            let (_, prototype) = geometry.instance(instanced);
+            return attribute(mesh)?.corners(triangle, prototype.triangles[triangle]);
+        }
+        let positions = geometry.triangles[primitive as usize].map(|v| v - mesh.first_position);
+        attribute(mesh)?.corners((primitive - mesh.first_triangle) as usize, positions)
+    }
+}
+
+fn weights([y, z]: [f32; 2]) -> [f32; 3] {
+    [1.0 - y - z, y, z]
+}
