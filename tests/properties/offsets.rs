@@ -24,7 +24,7 @@ proptest! {
         direction in vector(moderate),
         size in 1.0_f32..4.0,
     ) {
-        let error = rounding_error(point.as_dvec3(), max_abs(point) * size);
+        let error = rounding_error(point, max_abs(point) * size);
         for moved in [
             offset_origin(point, error, normal, direction),
             offset_end(point, error, normal, direction),
@@ -42,7 +42,7 @@ proptest! {
         normal in unit(),
         direction in vector(moderate),
     ) {
-        let error = rounding_error(point.as_dvec3(), max_abs(point));
+        let error = rounding_error(point, max_abs(point));
         let moved = offset_origin(point, error, normal, direction);
         let bound = 4.001 * error.as_dvec3().element_sum()
             + 2.0 * f64::from(f32::EPSILON) * f64::from(max_abs(point))

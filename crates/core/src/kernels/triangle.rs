@@ -26,7 +26,7 @@
 
 use glam::{DVec3, Vec3};
 
-use crate::math::float::{gamma, max, max_abs, min};
+use crate::math::float::{gamma, max, max_abs};
 use crate::math::ray::Ray;
 use crate::math::real::{Real, Single};
 
@@ -35,10 +35,10 @@ pub mod exact;
 pub mod fast;
 pub(crate) mod lanes;
 
-pub(crate) use edges::{Decision, Edges, RayRange, Sheared, decide};
+pub(crate) use edges::{Edges, RayRange, Sheared, decide};
 pub use lanes::LaneHits;
 
-use edges::{Distance, distance};
+use edges::distance;
 
 /// Bound on what underflow adds to the error of a sum of a few products: far more than it can, but
 /// the least number that is not subnormal. Processors divide those a hundred times slower.
@@ -190,35 +190,18 @@ impl ShearedSpace {
     #[inline(always)]
     pub fn intersect(&self, triangle: &[Vec3; 3]) -> Option<f32> {
         let sheared = self.sheared(triangle);
-        let edges = Edges::new(&sheared.xy);
-        if edges.outside() {
-            return None;
-        }
-        let Decision { t, certain, open } = decide(&sheared, &edges, &self.range());
-        if open { self.intersect_open(triangle, &sheared, &edges) } else { certain.then_some(t) }
-    }
-
-    /// As [`Self::intersect`], where single precision has not decided.
-    #[inline(never)]
-    fn intersect_open(
-        &self,
-        triangle: &[Vec3; 3],
-        sheared: &Sheared<f32>,
-        edges: &Edges<f32>,
-    ) -> Option<f32> {
-        let on_an_edge = edges.all.contains(&0.0);
-        let edges = if on_an_edge { passes_on_an_edge(sheared)? } else { *edges };
-        let found = distance(sheared, &edges, self.range().depth);
+        let edges = edges_of_one(&sheared)?;
+        let range = self.range();
+        let found = distance(&sheared, &edges, range.depth);
         if found.far < 0.0 {
             return None;
         }
-        let Distance { t, bound, near, far } = found;
-        let decided = (t - self.t_max).abs() > bound && (t - self.t_min).abs() > bound;
-        if decided && !(t > self.t_min && t < self.t_max) {
+        let is_decided = found.is_decided(&range);
+        if is_decided && !found.is_within(&range) {
             return None;
         }
-        let certain = decided && bound <= T_TOLERANCE * t.abs();
-        let t = if certain { min(max(t, near), far) } else { self.distance_f64(triangle)? };
+        let is_certain = is_decided && found.is_exact();
+        let t = if is_certain { found.clamped() } else { self.distance_f64(triangle)? };
         (t > self.t_min).then_some(t)
     }
 
@@ -228,13 +211,7 @@ impl ShearedSpace {
     pub fn error_of(&self, triangle: &[Vec3; 3], t: f32) -> Option<f32> {
         let stated = T_TOLERANCE * t.abs();
         let sheared = self.sheared(triangle);
-        let mut edges = Edges::new(&sheared.xy);
-        if edges.outside() {
-            return None;
-        }
-        if edges.all.contains(&0.0) {
-            edges = passes_on_an_edge(&sheared)?;
-        }
+        let edges = edges_of_one(&sheared)?;
         let own = distance(&sheared, &edges, self.range().depth).bound;
         Some(if own <= stated { own } else { stated })
     }
@@ -302,6 +279,16 @@ impl ShearedSpace {
         let vertices = triangle.map(|v| self.shear_f64(v));
         weights(&vertices, self.sideways(triangle)).unwrap_or(DVec3::splat(1.0 / 3.0))
     }
+}
+
+/// The edge functions of a ray that passes through its triangle.
+#[inline(always)]
+fn edges_of_one(sheared: &Sheared<f32>) -> Option<Edges<f32>> {
+    let edges = Edges::new(&sheared.xy);
+    if edges.all.contains(&0.0) {
+        return passes_on_an_edge(sheared);
+    }
+    (!edges.outside()).then_some(edges)
 }
 
 /// The edge functions' signs in double precision: exact, as a product of two `f32` is.

@@ -97,23 +97,49 @@ pub(super) fn distance<F: Real<Element = f32>>(
     Distance { t, bound, near, far }
 }
 
+impl<F: Real<Element = f32>> Distance<F> {
+    /// Where the bound leaves no doubt whether t is within the range.
+    #[inline(always)]
+    pub(super) fn is_decided(&self, range: &RayRange<F>) -> F::Mask {
+        let from = |end: F| (self.t - end).abs().gt(self.bound);
+        from(range.t_max) & from(range.t_min)
+    }
+
+    /// Where t is within the range.
+    #[inline(always)]
+    pub(super) fn is_within(&self, range: &RayRange<F>) -> F::Mask {
+        self.t.gt(range.t_min) & self.t.lt(range.t_max)
+    }
+
+    /// Where t has the stated tolerance.
+    #[inline(always)]
+    pub(super) fn is_exact(&self) -> F::Mask {
+        self.bound.le(self.t.abs().times(T_TOLERANCE))
+    }
+
+    /// t, no less than at the nearest corner and no more than at the farthest.
+    #[inline(always)]
+    pub(super) fn clamped(&self) -> F {
+        self.t.max(self.near).min(self.far)
+    }
+}
+
 /// Decides on pairs that do not certainly pass by each other.
 #[inline(always)]
 pub(crate) fn decide<F: Real<Element = f32>>(
     sheared: &Sheared<F>,
     edges: &Edges<F>,
-    RayRange { depth, t_min, t_max }: &RayRange<F>,
+    range: &RayRange<F>,
 ) -> Decision<F> {
-    let Distance { t, bound, near, far } = distance(sheared, edges, *depth);
-    let zero = t.zero();
+    let found = distance(sheared, edges, range.depth);
+    let zero = found.t.zero();
     let inside = edges.low.gt(zero) | edges.high.lt(zero);
-    let within = t.gt(*t_min) & t.lt(*t_max);
-    let decided = inside & (t - *t_max).abs().gt(bound) & (t - *t_min).abs().gt(bound);
-    let exact = bound.le(t.abs().times(T_TOLERANCE));
+    let decided = inside & found.is_decided(range);
+    let (within, exact) = (found.is_within(range), found.is_exact());
     // What is not a number is not behind: the test of one decides.
-    let ahead = !far.lt(zero);
+    let ahead = !found.far.lt(zero);
     Decision {
-        t: t.max(near).min(far),
+        t: found.clamped(),
         certain: ahead & decided & within & exact,
         open: ahead & !(decided & (!within | exact)),
     }
