@@ -8,34 +8,40 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use rayon::prelude::*;
 
-use super::Request;
 use wavecrest_core::kernels::precision::Arithmetic;
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::recursive::Recursive;
 use wavecrest_core::tile::{Tile, TraceSettings, Tracer, Unit};
 use wavecrest_core::variant::{self, Effects, Work};
 
-/// Sets the `mask` of `window` to 1 where a sample is not finite.
-pub(super) fn mark(scene: &PreparedScene, window: &Tile, request: &Request<'_>, mask: &mut [f32]) {
-    let search = Search { scene, window, request, mask };
-    variant::choose(scene.accel.geometry.precision, scene.plan.schedule(), search);
+/// The samples of a window that are not finite.
+pub(super) struct Search<'a> {
+    pub(super) scene: &'a PreparedScene,
+    pub(super) window: &'a Tile,
+    /// The seed of the render.
+    pub(super) seed: u64,
+    /// How many such samples there are.
+    pub(super) count: u64,
+    /// The window's pixels, which are set to 1 where one is found.
+    pub(super) mask: &'a mut [f32],
 }
 
-struct Search<'a> {
-    scene: &'a PreparedScene,
-    window: &'a Tile,
-    request: &'a Request<'a>,
-    mask: &'a mut [f32],
+impl Search<'_> {
+    /// Sets the mask.
+    pub(super) fn run(self) {
+        let scene = self.scene;
+        variant::choose(scene.accel.geometry.precision, scene.plan.schedule(), self);
+    }
 }
 
 impl Work for Search<'_> {
     type Output = ();
 
     fn with<P: Arithmetic, E: Effects>(self) {
-        let Self { scene, window, request, mask } = self;
-        let left = AtomicU64::new(request.invalid);
+        let Self { scene, window, seed, count, mask } = self;
+        let left = AtomicU64::new(count);
         // One path at a time: the batch says nothing.
-        let settings = TraceSettings { seed: request.seed, batch: 1 };
+        let settings = TraceSettings { seed, batch: 1 };
         let rows = mask.par_chunks_mut(window.width as usize).enumerate();
         rows.for_each(|(row, mask)| {
             let mut tracer = Recursive::<P, E>::new(scene, &settings);
