@@ -1,8 +1,8 @@
 //! wavecrest as a library: a data-oriented ray tracer for large triangle-mesh scenes.
 //!
-//! A scene goes three steps: [`load()`] reads a file into a world of entities, [`prepare`] turns that into a
-//! [`PreparedScene`], which nothing changes any more, and [`render()`] makes a [`Film`] of it. Work is done on the
-//! threads of the current rayon pool.
+//! A scene goes four steps: [`load()`] reads a file into a world of entities, [`extract`] turns that into dense arrays,
+//! [`Extracted::build`] builds the tree over them, and [`render()`] makes a [`Film`] of the [`PreparedScene`]. Work is
+//! done on the threads of the current rayon pool.
 //!
 //! The crate re-exports what a program needs of those that it stands on, and has no code of its own. It brings
 //! neither the command line nor the reports of the command `wavecrest`.
@@ -10,7 +10,7 @@
 //! # Render to a buffer
 //!
 //! ```
-//! use wavecrest_api::{Preset, RenderOptions, load_str, prepare, render};
+//! use wavecrest_api::{RenderOptions, extract, load_str, render};
 //!
 //! # fn main() -> wavecrest_api::Result<()> {
 //! let json = r#"{
@@ -28,8 +28,10 @@
 //! }"#;
 //! // Relative paths in the scene would start from the folder of this file, which need not exist.
 //! let mut loaded = load_str(json, "ball.json".as_ref(), &Default::default())?;
-//! let (prepared, warnings) = prepare(&mut loaded.world, Preset::Fast)?;
-//! assert!(loaded.warnings.is_empty() && warnings.is_empty());
+//! assert!(loaded.warnings.is_empty());
+//! let extracted = extract(&mut loaded.world, Default::default())?;
+//! let preset = extracted.preset();
+//! let prepared = extracted.build(preset);
 //!
 //! let image = render(&prepared, &RenderOptions::default(), &())?.film;
 //! // Red, green and blue of each pixel, the top row first, linear.
@@ -80,7 +82,7 @@
 //! ```
 //! use std::sync::atomic::{AtomicUsize, Ordering};
 //! use wavecrest_api::{RenderOptions, Tile, Watch, render};
-//! # use wavecrest_api::{Preset, load_str, prepare};
+//! # use wavecrest_api::{Preset, extract, load_str};
 //!
 //! /// Lets three tiles be rendered.
 //! #[derive(Default)]
@@ -102,7 +104,7 @@
 //! # let json = r#"{"nbounces": 0, "camera": {"type": "pinhole", "width": 512, "height": 512, "fov": 40,
 //! #     "location": [0, 0, 5], "look": [0, 0, 0]}, "scene": {"backgroundcolor": [1, 1, 1]}}"#;
 //! # let mut loaded = load_str(json, "empty.json".as_ref(), &Default::default())?;
-//! # let (prepared, _) = prepare(&mut loaded.world, Preset::Fast)?;
+//! # let prepared = extract(&mut loaded.world, Default::default())?.build(Preset::Fast);
 //! let rendered = render(&prepared, &RenderOptions::default(), &Few::default())?;
 //! assert!(!rendered.finished && rendered.tiles.len() >= 3);
 //! // What was not rendered is black.
@@ -123,7 +125,7 @@ pub use wavecrest_base::error::{Error, ErrorKind, Result, Warning};
 // From a scene file to a prepared scene.
 pub use wavecrest_core::prepared::PreparedScene;
 pub use wavecrest_scene::load::{LoadOptions, LoadedScene, load, load_str};
-pub use wavecrest_scene::systems::{Extracted, Options as PrepareOptions, extract_with, prepare};
+pub use wavecrest_scene::systems::{Extracted, Options as ExtractOptions, extract_with as extract};
 
 // From a prepared scene to pixels.
 pub use wavecrest_core::counters::Counters;
