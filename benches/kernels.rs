@@ -144,7 +144,8 @@ fn blinn_phong(bencher: Bencher<'_, '_>, kind: &str) {
     };
     let inputs = inputs(|point| [0, 1, 2].map(|k| normalize(point(k) + Vec3::Z)));
     each(bencher, &inputs, |[normal, view, light]| {
-        blinn_phong::reflect(&material, material.color, *normal, *view, *light)
+        let [normal, view, light] = [*normal, *view, *light].map(Vector::from);
+        blinn_phong::reflect(&material.reflection(), material.color.into(), normal, view, light)
     });
 }
 

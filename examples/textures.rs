@@ -1,6 +1,6 @@
 //! Paints the small pictures in `textures/` that the scenes use.
 //!
-//! `cargo run --example textures [FOLDER]` writes them again, byte for byte the same: every colour
+//! `cargo run -p wavecrest-scene --example textures [FOLDER]` writes them again, byte for byte the same: every colour
 //! is a formula of the place in the picture. Edges are antialiased by the signed distance to them,
 //! in pixels. Places are in pixels from the top left; textures are stored without transfer curve.
 
@@ -9,8 +9,7 @@ use std::path::{Path, PathBuf};
 use glam::{Vec2, Vec3, vec2, vec3};
 use wavecrest_base::error::Result;
 use wavecrest_core::film::Film;
-use wavecrest_image::Transfer;
-use wavecrest_image::write::write;
+use wavecrest_image::write::{Transfer, write};
 
 fn main() -> Result<()> {
     let folder =

@@ -1,89 +1,27 @@
 //! `bench`: both tracers timed against each other, once their images are known to be the same, and
 //! the wavefront against itself.
 
+mod args;
 mod effects;
 
-use std::io::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Instant;
 
-use super::common::{SceneOptions, SearchOptions, print, progress_bar, tell, to_json};
-use crate::choice::choice;
+pub(crate) use args::BenchArgs;
+
+use super::common::{SearchOptions, print, progress_bar, tell, to_json, write_text};
 use wavecrest_base::error::Result;
-use wavecrest_base::replace::{check_differs, check_replaceable, replace_file, write_error};
+use wavecrest_base::replace::{check_differs, check_replaceable};
 use wavecrest_core::plan::Plan;
 use wavecrest_core::plan::schedule::{PASSES, unplanned};
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::{RenderOptions, Rendered, TracerKind, render};
-use wavecrest_core::wavefront::DEFAULT_BATCH;
 use wavecrest_report::bench::compare::{Axis, Comparison, Variant, compare};
-use wavecrest_report::bench::measure::{Measured, Runs, Schedule, measure};
+use wavecrest_report::bench::measure::{Measured, Runs, measure};
 use wavecrest_report::bench::page::page;
 use wavecrest_report::bench::{BenchReport, Preparation, SceneBench, Setting, hardware, text};
 use wavecrest_scene::memory;
 use wavecrest_scene::systems;
-
-/// Times both tracers on each scene, after checking that their images are the same bit for bit.
-///
-/// The answer is no (exit code 1) where they are not. With `--effects` no scene is read: what each effect
-/// costs is measured on scenes of the program's own, one effect added at a time.
-#[derive(Clone, Debug, clap::Args)]
-pub(crate) struct BenchArgs {
-    /// The scenes, in JSON
-    #[arg(required_unless_present = "effects", value_name = "SCENE")]
-    pub(crate) scenes: Vec<PathBuf>,
-    /// Print the price of each effect instead: time and memory of scenes that each add one
-    #[arg(long, conflicts_with_all = ["scenes", "compare"])]
-    pub(crate) effects: bool,
-    /// Timed pairs of runs at most; fewer where --min-time is reached, but then at least 6
-    #[arg(long, value_name = "N", default_value_t = 50,
-          value_parser = clap::value_parser!(u16).range(1..=10_000))]
-    pub(crate) repeats: u16,
-    /// Pairs of runs before the first that is timed
-    #[arg(long, value_name = "N", default_value_t = 1,
-          value_parser = clap::value_parser!(u16).range(1..=10_000))]
-    pub(crate) warmup: u16,
-    /// Time that each tracer is to run for in all, as far as --repeats allows
-    #[arg(long, value_name = "SECONDS", default_value = "1", value_parser = seconds)]
-    pub(crate) min_time: f64,
-    /// Compare the wavefront with other kernels, vector instructions or sizes of batches as well, or with
-    /// itself when it leaves nothing out (plan), separated by commas
-    #[arg(long, value_name = "WHAT", value_parser = choice::<Axis>(), value_delimiter = ',')]
-    pub(crate) compare: Vec<Axis>,
-    /// Print JSON
-    #[arg(long)]
-    pub(crate) json: bool,
-    /// Write the JSON to a file, after every scene
-    #[arg(short, long, value_name = "FILE")]
-    pub(crate) output: Option<PathBuf>,
-    /// Write a page with charts, in one HTML file, after every scene
-    #[arg(long, value_name = "FILE")]
-    pub(crate) page: Option<PathBuf>,
-    /// Paths in a batch of the wavefront
-    #[arg(long, value_name = "PATHS", default_value_t = DEFAULT_BATCH as u32,
-          value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
-    pub(crate) batch: u32,
-    /// Choose other random numbers
-    #[arg(long, default_value_t = 0)]
-    pub(crate) seed: u64,
-    /// How the tree is searched
-    #[command(flatten)]
-    pub(crate) search: SearchOptions,
-    /// What is read and how
-    #[command(flatten)]
-    pub(crate) scene_options: SceneOptions,
-}
-
-impl BenchArgs {
-    fn schedule(&self) -> Schedule {
-        let (warmup, most) = (usize::from(self.warmup), usize::from(self.repeats));
-        Schedule { warmup, most, seconds: self.min_time }
-    }
-
-    fn options(&self, tracer: TracerKind) -> RenderOptions {
-        RenderOptions { tracer, crop: None, seed: self.seed, batch: self.batch as usize }
-    }
-}
 
 /// Measures every scene, tells what was found, and returns whether all images were the same.
 ///
@@ -238,54 +176,10 @@ fn export(args: &BenchArgs, report: &BenchReport) -> Result<()> {
     write_text(file, &json)
 }
 
-fn write_text(file: &Path, text: &str) -> Result<()> {
-    replace_file(file, |sink| sink.write_all(text.as_bytes()).map_err(|e| write_error(file, e)))
-}
-
-/// A number of seconds, 0 or more.
-fn seconds(text: &str) -> std::result::Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(value) if value.is_finite() && value >= 0.0 => Ok(value),
-        _ => Err("use a number of seconds, such as 2.5".into()),
-    }
-}
-
 #[cfg(test)]
 mod tests {
-    use clap::Parser;
-
+    use super::args::tests::parse;
     use super::*;
-
-    #[derive(Parser)]
-    struct Whole {
-        #[command(flatten)]
-        args: BenchArgs,
-    }
-
-    fn parse(line: &str) -> std::result::Result<BenchArgs, clap::Error> {
-        Whole::try_parse_from(std::iter::once("bench").chain(line.split_whitespace()))
-            .map(|whole| whole.args)
-    }
-
-    #[test]
-    fn scenes_and_options_are_read() {
-        let args = parse("a.json b.json --repeats 3 --min-time 0.5 -o out.json -q").unwrap();
-        assert_eq!(args.compare, []);
-        let compared = parse("a --compare kernels,batches --compare levels").unwrap().compare;
-        assert_eq!(compared, [Axis::Kernels, Axis::Batches, Axis::Levels]);
-        assert_eq!(args.scenes, ["a.json", "b.json"].map(PathBuf::from));
-        assert_eq!(args.schedule(), Schedule { warmup: 1, most: 3, seconds: 0.5 });
-        for bad in [
-            "",
-            "a --repeats 0",
-            "a --warmup 0",
-            "a --min-time=-1",
-            "a --min-time nan",
-            "a --compare trees",
-        ] {
-            assert!(parse(bad).is_err(), "{bad}");
-        }
-    }
 
     #[test]
     fn scenes_are_measured_and_written_as_json() {

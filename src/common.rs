@@ -8,6 +8,7 @@ use indicatif::{ProgressBar, ProgressState, ProgressStyle};
 
 use crate::choice::{by_name, choice};
 use wavecrest_base::error::{Error, ErrorKind, Result, Warning};
+use wavecrest_base::replace::{replace_file, write_error};
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::accel::{Accel, KernelChoice};
 use wavecrest_core::kernels::precision::Precision;
@@ -182,6 +183,14 @@ pub(crate) fn to_json(value: &impl serde::Serialize) -> Result<String> {
     let json = serde_json::to_string_pretty(value)
         .map_err(|e| Error::new(ErrorKind::Io, format!("cannot write JSON: {e}")).because(e))?;
     Ok(json + "\n")
+}
+
+/// Writes `text` to `file`, or leaves what is there as it was.
+///
+/// # Errors
+/// When it cannot be written.
+pub(crate) fn write_text(file: &Path, text: &str) -> Result<()> {
+    replace_file(file, |sink| sink.write_all(text.as_bytes()).map_err(|e| write_error(file, e)))
 }
 
 /// A bar on a terminal, and nothing anywhere else. Besides the keys of indicatif, `template` may

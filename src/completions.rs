@@ -1,5 +1,6 @@
 //! `completions`: what a shell needs to complete our arguments.
 
+use clap::Command;
 use clap_complete::{Shell, generate};
 
 use super::common::print;
@@ -13,13 +14,12 @@ pub(crate) struct CompletionsArgs {
     pub(crate) shell: Shell,
 }
 
-/// Prints the script.
+/// Prints the script for `program`.
 ///
 /// # Errors
 /// When standard output cannot be written to.
-pub(crate) fn run(args: &CompletionsArgs) -> Result<()> {
+pub(crate) fn run(args: &CompletionsArgs, mut program: Command) -> Result<()> {
     let mut script = Vec::new();
-    let mut program = super::program();
     let name = program.get_name().to_owned();
     generate(args.shell, &mut program, name, &mut script);
     let text = String::from_utf8(script)

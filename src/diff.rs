@@ -10,11 +10,12 @@ use crate::choice::choice;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_base::replace::check_differs;
 use wavecrest_core::film::Film;
+use wavecrest_core::math::srgb::srgb_decode;
 use wavecrest_image::compare::{Channel, Comparison, compare};
 use wavecrest_image::error_map::{MapKind, error_map, flip_map};
 use wavecrest_image::flip::{DEFAULT_PIXELS_PER_DEGREE, Flip, flip};
 use wavecrest_image::read::read;
-use wavecrest_image::write::{Transfer, check_writable, srgb_decode, write};
+use wavecrest_image::write::{Transfer, check_writable, write};
 
 /// Compares a picture with a reference and tells by how much they differ.
 ///

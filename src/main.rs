@@ -1,6 +1,6 @@
 //! The command line: `wavecrest SCENE OUTPUT`, and a subcommand for everything else.
 //!
-//! [`EXIT_CODES`] says how it ends.
+//! [`exit::CODES`] says how it ends.
 
 mod accuracy;
 mod bench;
@@ -10,6 +10,7 @@ mod common;
 mod completions;
 mod convert;
 mod diff;
+mod exit;
 mod explain;
 mod generate;
 mod interrupt;
@@ -29,19 +30,6 @@ use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use common::tell;
 use wavecrest_base::error::{Error, ErrorKind, Result};
-
-/// Every code that the command ends with, and what it means: for the help, the manual and the README.
-pub(crate) const EXIT_CODES: [(u8, &str); 5] = [
-    (0, "done; of diff: the images are equal"),
-    (
-        1,
-        "the answer is no: of diff, the images differ; of bench, the tracers disagree; of selftest, a case \
-         fails; of probe, the tracers tell different stories",
-    ),
-    (2, "an error, which is told on standard error"),
-    (130, "SIGINT (Ctrl-C) ended a render early; what was finished is kept"),
-    (143, "SIGTERM did"),
-];
 
 /// A ray tracer for large triangle meshes: wavefront and recursive tracing over one set of kernels.
 ///
@@ -100,7 +88,7 @@ fn failed(error: &Error) -> ExitCode {
 
 /// The command line as clap has it.
 fn program() -> clap::Command {
-    let codes = EXIT_CODES.map(|(code, meaning)| format!("\n  {code}  {meaning}"));
+    let codes = exit::CODES.map(|(code, meaning)| format!("\n  {code}  {meaning}"));
     Cli::command().after_help(format!("Exit codes:{}", codes.concat()))
 }
 
@@ -133,7 +121,7 @@ fn dispatch(command: &Command) -> Result<bool> {
         Command::Selftest(args) => selftest::run(args),
         Command::Accuracy(args) => accuracy::run(args),
         Command::Schema(args) => schema::run(args).map(|()| true),
-        Command::Completions(args) => completions::run(args).map(|()| true),
-        Command::Man(args) => man::run(args).map(|()| true),
+        Command::Completions(args) => completions::run(args, program()).map(|()| true),
+        Command::Man(args) => man::run(args, program()).map(|()| true),
     }
 }

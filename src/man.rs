@@ -7,8 +7,8 @@ use clap::Command;
 use clap::builder::Resettable;
 use clap_mangen::Man;
 
-use super::EXIT_CODES;
 use super::common::print;
+use super::exit;
 use wavecrest_base::error::{Error, ErrorKind, Result, did_you_mean};
 use wavecrest_base::replace::{check_replaceable, replace_file, write_error};
 
@@ -22,12 +22,12 @@ pub(crate) struct ManArgs {
     pub(crate) output: Option<PathBuf>,
 }
 
-/// Writes the pages that are asked for.
+/// Writes the pages of `program` that are asked for.
 ///
 /// # Errors
 /// When there is no such command, or a page cannot be written.
-pub(crate) fn run(args: &ManArgs) -> Result<()> {
-    let pages = pages();
+pub(crate) fn run(args: &ManArgs, program: Command) -> Result<()> {
+    let pages = pages(program);
     match &args.output {
         Some(folder) => write_all(&pages, folder),
         None => {
@@ -38,8 +38,8 @@ pub(crate) fn run(args: &ManArgs) -> Result<()> {
 }
 
 /// The program and its commands, as they are to be told of.
-fn pages() -> Vec<Command> {
-    let mut program = super::program().disable_help_subcommand(true);
+fn pages(program: Command) -> Vec<Command> {
+    let mut program = program.disable_help_subcommand(true);
     program.build();
     let commands: Vec<Command> = program.get_subcommands().cloned().collect();
     std::iter::once(program).chain(commands).collect()
@@ -69,7 +69,7 @@ fn render(page: &Command) -> Result<Vec<u8>> {
 /// The codes, as a list in the language of manuals.
 fn write_exit_codes(page: &mut Vec<u8>) -> std::io::Result<()> {
     writeln!(page, ".SH \"EXIT CODES\"")?;
-    EXIT_CODES.iter().try_for_each(|(code, meaning)| writeln!(page, ".TP\n{code}\n{meaning}"))
+    exit::CODES.iter().try_for_each(|(code, meaning)| writeln!(page, ".TP\n{code}\n{meaning}"))
 }
 
 /// Writes every page, once it is known that all can be.

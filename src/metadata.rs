@@ -12,7 +12,7 @@ use wavecrest_image::metadata::{Entry, Extras, Provenance};
 pub(crate) struct MetadataOptions {
     /// What files say of how the image was made
     #[arg(long, value_enum, default_value_t)]
-    pub(crate) metadata: Telling,
+    pub(crate) metadata: MetadataKind,
     /// Say nothing in files: --metadata none
     #[arg(long, conflicts_with = "metadata")]
     pub(crate) no_metadata: bool,
@@ -20,7 +20,7 @@ pub(crate) struct MetadataOptions {
 
 /// What files say of how their image was made.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Telling {
+pub(crate) enum MetadataKind {
     /// Program, scene, seed, samples and precision, in .exr and .png: the same for each way to the same image
     #[default]
     Auto,
@@ -33,22 +33,22 @@ pub(crate) enum Telling {
 }
 
 impl MetadataOptions {
-    fn telling(&self) -> Telling {
-        if self.no_metadata { Telling::None } else { self.metadata }
+    fn kind(&self) -> MetadataKind {
+        if self.no_metadata { MetadataKind::None } else { self.metadata }
     }
 
     /// How the image of this identity came about, as far as it is to be told.
     pub(super) fn entries(&self, identity: &Identity) -> Vec<Entry> {
-        let command = || (self.telling() == Telling::Full).then(|| command(std::env::args_os()));
-        match self.telling() {
-            Telling::None => Vec::new(),
+        let command = || (self.kind() == MetadataKind::Full).then(|| command(std::env::args_os()));
+        match self.kind() {
+            MetadataKind::None => Vec::new(),
             _ => Provenance { command: command(), ..identity.provenance() }.entries(),
         }
     }
 
     /// How entries are written.
     pub(super) fn extras(&self) -> Extras<'static> {
-        let comments = matches!(self.telling(), Telling::Scene | Telling::Full);
+        let comments = matches!(self.kind(), MetadataKind::Scene | MetadataKind::Full);
         Extras { comments, ..Extras::default() }
     }
 }

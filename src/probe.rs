@@ -1,4 +1,4 @@
-//! `probe`: the story of a pixel.
+//! `probe`: what the rays of a pixel meet.
 
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -43,7 +43,7 @@ fn place(text: &str) -> std::result::Result<[u32; 2], String> {
     }
 }
 
-/// Tells the story of the pixel. Whether both tracers tell the same.
+/// Prints what the rays of the pixel meet, and returns whether both tracers agree.
 ///
 /// # Errors
 /// When the scene cannot be prepared, or has no such pixel or sample.

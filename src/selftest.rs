@@ -1,5 +1,6 @@
 //! `selftest`: the hard cases, on this machine.
 
+mod asked;
 mod examine;
 
 use std::fmt::Write as _;
@@ -8,12 +9,13 @@ use std::time::Instant;
 
 use serde::Serialize;
 
+use self::asked::Asked;
 use self::examine::Examined;
 use super::common::{Threads, print, progress_bar, to_json};
 use crate::choice::choice;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::kernels::precision::Precision;
-use wavecrest_report::selftest::{CASES, Case, Count, Effort, Outcome, case};
+use wavecrest_report::selftest::{CASES, Case, Count, Outcome, case};
 
 /// Tries what breaks ray tracers: every kernel, with all instructions that the processor has.
 ///
@@ -92,17 +94,17 @@ pub(crate) fn run(args: &SelftestArgs) -> Result<bool> {
     }
     let bar = progress_bar(args.quiet, "{wide_bar} {pos}/{len} {msg}");
     bar.set_length(cases.len() as u64);
+    let asked = Asked { seed: args.seed, count, precisions };
     let (rows, scene) = args.threads.run(|| {
         let rows = cases.iter().map(|case| {
             bar.set_message(case.name);
-            let row = row(case, (args.seed, count), &precisions);
+            let row = row(case, &asked);
             bar.inc(1);
             row
         });
         let rows = rows.collect::<Vec<_>>();
         bar.set_message("the scene");
-        let file = args.scene.as_deref();
-        let scene = file.map(|file| examine::run(file, (args.seed, count), &precisions));
+        let scene = args.scene.as_deref().map(|file| examine::run(file, &asked));
         Ok((rows, scene.transpose()?))
     })?;
     bar.finish_and_clear();
@@ -135,18 +137,25 @@ fn named(numbers: &[u32]) -> Result<Vec<&'static Case>> {
     numbers.iter().map(find).collect()
 }
 
-fn row(case: &Case, (seed, count): (u64, Count), precisions: &[Precision]) -> Row {
+fn row(case: &Case, asked: &Asked) -> Row {
     let start = Instant::now();
     let mut trials: Vec<Trial> = Vec::new();
-    for &precision in precisions {
-        let outcome = case.run(&Effort { precision, seed, count });
+    for effort in asked.efforts() {
+        let outcome = case.run(&effort);
         let fast = trials.iter().find(|trial| trial.precision == Precision::Fast);
         let fast = fast.map_or(outcome.nanoseconds(), |trial| trial.outcome.nanoseconds());
         let times_fast = match (outcome.nanoseconds(), fast) {
-            (Some(own), Some(fast)) if precisions.contains(&Precision::Fast) => Some(own / fast),
+            (Some(own), Some(fast)) if asked.precisions.contains(&Precision::Fast) => {
+                Some(own / fast)
+            }
             _ => None,
         };
-        trials.push(Trial { precision, holds: outcome.holds(), outcome, times_fast });
+        trials.push(Trial {
+            precision: effort.precision,
+            holds: outcome.holds(),
+            outcome,
+            times_fast,
+        });
     }
     let Case { number, name, bound, .. } = *case;
     Row { case: number, name, bound, trials, seconds: start.elapsed().as_secs_f64() }

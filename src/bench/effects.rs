@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use super::{BenchArgs, write_text};
-use crate::common::{SearchOptions, print, progress_bar, tell, to_json};
+use super::args::BenchArgs;
+use crate::common::{SearchOptions, print, progress_bar, tell, to_json, write_text};
 use wavecrest_base::error::Result;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::render::render;

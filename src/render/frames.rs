@@ -1,10 +1,12 @@
 //! Frames of a camera that moves: one of them, or a range, an image each.
 
 use std::path::{Path, PathBuf};
-use std::str::FromStr;
 
-use super::show::{Reporter, Stage};
-use super::{Outputs, RenderArgs, Seen, parts};
+use super::args::{Frames, RenderArgs};
+use super::outputs::Outputs;
+use super::show::stage::Stage;
+use super::show::{Reporter, Seen};
+use super::{invalid, parts};
 use crate::interrupt::Interrupt;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::prepared::PreparedScene;
@@ -12,51 +14,7 @@ use wavecrest_image::farm::Shard;
 use wavecrest_scene::systems;
 
 /// Digits of a frame's number in the name of its image, at least, where the name does not say.
-const DIGITS: usize = 4;
-
-/// The most frames of a range.
-const MOST_FRAMES: u32 = 1_000_000;
-
-/// Options on frames.
-#[derive(Clone, Debug, clap::Args)]
-pub(crate) struct FrameOptions {
-    /// Render as the camera is at this frame of its path
-    #[arg(long, value_name = "N")]
-    pub(crate) frame: Option<u32>,
-    /// Render the frames from A to B, an image each: # in the name of the output stands for a digit of the
-    /// frame's number; a shard renders whole frames
-    #[arg(long, value_name = "A..B", conflicts_with_all = ["frame", "stats", "checkpoint", "target_error", "time_budget", "save_every"])]
-    pub(crate) frames: Option<Frames>,
-}
-
-/// A range of frames, both ends counted.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Frames {
-    first: u32,
-    last: u32,
-}
-
-impl FromStr for Frames {
-    type Err = String;
-
-    fn from_str(text: &str) -> std::result::Result<Self, String> {
-        let parsed = text.split_once("..").and_then(|(first, last)| {
-            let (first, last) = (first.trim().parse().ok()?, last.trim().parse().ok()?);
-            (first <= last && last - first < MOST_FRAMES).then_some(Self { first, last })
-        });
-        parsed.ok_or_else(|| {
-            format!("write the first frame and the last, such as 1..24; at most {MOST_FRAMES}")
-        })
-    }
-}
-
-impl Frames {
-    /// The frames of a share: each machine takes every so-manieth.
-    fn of(self, shard: Option<Shard>) -> Vec<u32> {
-        let (number, count) = shard.map_or((1, 1), |shard| (shard.number(), shard.count()));
-        (self.first..=self.last).skip(number as usize - 1).step_by(count as usize).collect()
-    }
-}
+const MIN_DIGITS: usize = 4;
 
 /// Has the camera take its place at `frame`.
 ///
@@ -118,11 +76,11 @@ fn run_here(args: &RenderArgs, all: &[(u32, RenderArgs)], reporter: &Reporter) -
             let error = interrupt.error(0.0);
             return Err(error.remedy(format!("{name} is not written, the frames before it are")));
         }
-        let invalid = super::find_invalid(one, &scene, &rendered.counters)?;
+        let first = invalid::find(one, &scene, &rendered.counters)?;
         reporter.stage(Stage::Write);
         outputs.write(&scene, &rendered)?;
         reporter.note("frame", || format!("{frame}: {}", outputs.name()));
-        super::tell_invalid(one, &rendered.counters, invalid.as_ref());
+        invalid::report(one, &rendered.counters, first.as_ref());
     }
     reporter.stage(Stage::Done);
     Ok(())
@@ -147,7 +105,7 @@ fn numbered(path: &Path, frame: u32) -> PathBuf {
         let number = format!("{frame:0width$}");
         return path.with_file_name(format!("{}{number}{}", &name[..start], &name[end + 1..]));
     }
-    let number = format!("{frame:0DIGITS$}");
+    let number = format!("{frame:0MIN_DIGITS$}");
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let extension = path.extension().map(|e| format!(".{}", e.to_string_lossy()));
     path.with_file_name(format!("{stem}.{number}{}", extension.unwrap_or_default()))
@@ -163,17 +121,5 @@ mod tests {
         assert_eq!(name("a/b.png"), "a/b.0037.png");
         assert_eq!(name("a#/b##x###.png"), "a#/b##x037.png");
         assert_eq!(name("#.exr"), "37.exr");
-    }
-
-    #[test]
-    fn shards_take_every_frame_once() {
-        let frames: Frames = "3..12".parse().unwrap();
-        let mut all: Vec<u32> =
-            (1..=4).flat_map(|i| frames.of(Some(Shard::new(i, 4).unwrap()))).collect();
-        all.sort_unstable();
-        assert_eq!(all, (3..=12).collect::<Vec<_>>());
-        for wrong in ["12..3", "1", "a..b", "0..1000000", "-1..3"] {
-            assert!(wrong.parse::<Frames>().is_err(), "{wrong}");
-        }
     }
 }

@@ -2,26 +2,27 @@
 
 use std::time::Instant;
 
+use super::args::RenderArgs;
 use super::parts::trace as trace_once;
-use super::{RenderArgs, Seen};
+use super::show::Seen;
 use crate::common::tell;
 use wavecrest_base::error::Result;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::math::sampling::Points;
-use wavecrest_core::prepared::PreparedScene;
+use wavecrest_core::prepared::{Original, PreparedScene};
 use wavecrest_core::render::Rendered;
 use wavecrest_report::accuracy::pilot::{Choice, Pilot, error};
 use wavecrest_report::statistics::Goal;
 
 /// Renders made for one target error at most.
-const MOST_RENDERS: u32 = 3;
+const MAX_RENDERS: u32 = 3;
 
 /// An error so many times as large as the one asked for is still accepted.
 const ACCEPTED: f64 = 1.1;
 
 /// Of the time that is left, the part that is planned for: the rest is for writing and for the pilot's own
 /// error.
-const SHARE: f64 = 0.9;
+const PLANNED_SHARE: f64 = 0.9;
 
 /// A render, by which tree, and what was chosen for it.
 pub(super) struct Traced {
@@ -37,7 +38,7 @@ pub(super) struct Traced {
 pub(super) fn trace(
     args: &RenderArgs,
     scene: &mut PreparedScene,
-    mut preset: Preset,
+    preset: Preset,
     seen: &Seen<'_>,
     start: Instant,
 ) -> Result<Traced> {
@@ -46,41 +47,69 @@ pub(super) fn trace(
     }
     let original = scene.original();
     let pilot = Pilot::run(scene, &original, args.seed)?;
-    let chosen = match (args.target_error, args.time_budget) {
+    match choose(args, &pilot, start) {
+        Some(choice) => Aimed { args, seen, original }.trace(scene, choice, preset),
+        None => {
+            say(args, seen, "nothing in this scene is left to chance: its error is 0");
+            plain(args, scene, preset, seen)
+        }
+    }
+}
+
+/// What the pilot advises; `None` where nothing is left to chance.
+fn choose(args: &RenderArgs, pilot: &Pilot, start: Instant) -> Option<Choice> {
+    match (args.target_error, args.time_budget) {
         (Some(error), _) => pilot.for_error(error),
         (None, Some(budget)) => {
-            pilot.for_time((budget - start.elapsed().as_secs_f64()).max(0.0) * SHARE)
+            pilot.for_time((budget - start.elapsed().as_secs_f64()).max(0.0) * PLANNED_SHARE)
         }
         (None, None) => None,
-    };
-    let say = |words: String| {
-        seen.reporter.note("choice", || words.clone());
-        if !args.scene_options.quiet {
-            tell(&words)
-        }
-    };
-    let Some(mut choice) = chosen else {
-        say("nothing in this scene is left to chance: its error is 0".to_owned());
-        return plain(args, scene, preset, seen);
-    };
-    let mut renders = 0;
-    loop {
-        scene.resample(&original, &choice.samples());
-        preset = choose_tree(args, scene, preset);
-        say(format!("chosen: {choice}"));
-        let (rendered, resumed) = trace_once(args, scene, seen)?;
-        if !rendered.finished {
-            return Ok(Traced { rendered, preset, goal: None, resumed });
-        }
-        renders += 1;
-        let found = error(scene, Some(&rendered.film), args.seed)?;
-        say(format!("error found: {found:.3e}"));
-        let more = args.target_error.filter(|asked| found > asked * ACCEPTED);
-        match more {
-            Some(asked) if renders < MOST_RENDERS => choice = finer(&choice, found / asked),
-            _ => {
-                let goal = Some(goal(args, &choice, found, renders));
-                return Ok(Traced { rendered, preset, goal, resumed });
+    }
+}
+
+/// Tells something in words, and adds it to the log.
+fn say(args: &RenderArgs, seen: &Seen<'_>, words: &str) {
+    seen.reporter.note("choice", || words.to_owned());
+    if !args.scene_options.quiet {
+        tell(words);
+    }
+}
+
+/// A render with chosen samples.
+struct Aimed<'a> {
+    args: &'a RenderArgs,
+    seen: &'a Seen<'a>,
+    /// What the scene asks for itself.
+    original: Original,
+}
+
+impl Aimed<'_> {
+    /// Renders, and again with more points as long as the error is too large.
+    fn trace(
+        &self,
+        scene: &mut PreparedScene,
+        mut choice: Choice,
+        mut preset: Preset,
+    ) -> Result<Traced> {
+        let args = self.args;
+        let mut renders = 0;
+        loop {
+            scene.resample(&self.original, &choice.samples());
+            preset = choose_tree(args, scene, preset);
+            say(args, self.seen, &format!("chosen: {choice}"));
+            let (rendered, resumed) = trace_once(args, scene, self.seen)?;
+            if !rendered.finished {
+                return Ok(Traced { rendered, preset, goal: None, resumed });
+            }
+            renders += 1;
+            let found = error(scene, Some(&rendered.film), args.seed)?;
+            say(args, self.seen, &format!("error found: {found:.3e}"));
+            match args.target_error.filter(|asked| found > asked * ACCEPTED) {
+                Some(asked) if renders < MAX_RENDERS => choice = finer(&choice, found / asked),
+                _ => {
+                    let goal = Some(goal(args, &choice, found, renders));
+                    return Ok(Traced { rendered, preset, goal, resumed });
+                }
             }
         }
     }

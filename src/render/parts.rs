@@ -1,15 +1,13 @@
 //! Renders that lose no work: kept in a checkpoint, ended by a signal, or one shard of many.
 
-mod array;
+use std::path::Path;
 
-use std::path::{Path, PathBuf};
-use std::time::Duration;
-
-use super::show::{Show, Stage};
-use super::{RenderArgs, Seen};
-use crate::common::{above_zero, tell};
+use super::args::RenderArgs;
+use super::invalid;
+use super::show::stage::Stage;
+use super::show::{Seen, Show};
+use crate::common::tell;
 use crate::interrupt::Interrupt;
-use array::Choice;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_base::replace::{check_differs, check_replaceable};
 use wavecrest_core::prepared::PreparedScene;
@@ -18,70 +16,28 @@ use wavecrest_core::tile::Tile;
 use wavecrest_image::farm::checkpoint::Checkpoint;
 use wavecrest_image::farm::{Author, Session, Shard};
 
-/// Seconds between two checkpoints unless asked otherwise.
-const EVERY: f64 = 60.0;
-
 /// The extension of a part's name.
 const EXTENSION: &str = "part";
 
-/// Options on what is kept, and which share is rendered.
-#[derive(Clone, Debug, clap::Args)]
-pub(crate) struct PartOptions {
-    /// Keep what is finished in this file, now and then and when SIGINT or SIGTERM ends the render
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["target_error", "time_budget"])]
-    pub(crate) checkpoint: Option<PathBuf>,
-    /// Seconds between two writings of the checkpoint, at least [default: 60]
-    #[arg(long, value_name = "SECONDS", requires = "checkpoint", value_parser = above_zero)]
-    pub(crate) every: Option<f64>,
-    /// Go on with what the checkpoint holds; without one, begin
-    #[arg(long, requires = "checkpoint")]
-    pub(crate) resume: bool,
-    /// Render the I-th of N equal shares and write it as a part (.part) for `wavecrest merge`; auto or
-    /// auto/N takes I from the array job of a scheduler
-    #[arg(long, value_name = "I/N", conflicts_with_all = ["target_error", "time_budget", "stats", "also", "aov", "save_every"])]
-    pub(crate) shard: Option<Choice>,
-}
-
-impl PartOptions {
-    /// The shard to render, if one is asked for.
-    pub(super) fn shard(&self) -> Result<Option<Shard>> {
-        self.shard.map(|choice| choice.resolve(|name| std::env::var(name).ok())).transpose()
+/// Checks what can be checked before the scene is read.
+///
+/// # Errors
+/// When a shard would be written as an image, or the checkpoint over something else.
+pub(super) fn check(args: &RenderArgs, output: &Path) -> Result<()> {
+    let parts = &args.parts;
+    if parts.shard.is_some() && output.extension().is_none_or(|name| name != EXTENSION) {
+        return Err(Error::new(ErrorKind::Usage, "a shard is a part of an image, and not one")
+            .in_file(output)
+            .remedy("name it such as out-1.part, and put all parts together: wavecrest merge"));
     }
-
-    /// Checks what can be checked before the scene is read.
-    pub(super) fn check(&self, args: &RenderArgs, output: &Path) -> Result<()> {
-        if self.shard.is_some() && output.extension().is_none_or(|name| name != EXTENSION) {
-            return Err(Error::new(ErrorKind::Usage, "a shard is a part of an image, and not one")
-                .in_file(output)
-                .remedy(
-                    "name it such as out-1.part, and put all parts together: wavecrest merge",
-                ));
-        }
-        let Some(file) = &self.checkpoint else { return Ok(()) };
-        check_replaceable(file)?;
-        check_differs(file, output, "the output")?;
-        check_differs(file, &args.scene, "the scene")?;
-        if let Some(stats) = &args.stats {
-            check_differs(file, stats, "the statistics")?;
-        }
-        self.checkpoint().map_or(Ok(()), |checkpoint| checkpoint.check().map(drop))
+    let Some(file) = &parts.checkpoint else { return Ok(()) };
+    check_replaceable(file)?;
+    check_differs(file, output, "the output")?;
+    check_differs(file, &args.scene, "the scene")?;
+    if let Some(stats) = &args.stats {
+        check_differs(file, stats, "the statistics")?;
     }
-
-    /// Bytes held for a checkpoint of so many pixels: their sums, beside the image.
-    pub(super) fn kept_bytes(&self, pixels: u64) -> u64 {
-        let each = if self.checkpoint.is_some() { size_of::<[f64; 3]>() as u64 } else { 0 };
-        pixels * each
-    }
-
-    fn checkpoint(&self) -> Option<Checkpoint> {
-        let every = self.every.unwrap_or(EVERY);
-        Some(Checkpoint {
-            file: self.checkpoint.clone()?,
-            // Longer than can be said is never.
-            every: Duration::try_from_secs_f64(every).unwrap_or(Duration::MAX),
-            resume: self.resume,
-        })
-    }
+    parts.checkpoint().map_or(Ok(()), |checkpoint| checkpoint.check().map(drop))
 }
 
 /// Shows the render, and ends it when a signal has come.
@@ -150,8 +106,8 @@ pub(super) fn write_shard(
         let what = format!("{} is not written", output.display());
         return Err(seen.interrupt.error(session.share()).remedy(what + &go_on(args)));
     }
-    let invalid = super::find_invalid(args, scene, &done.counters)?;
-    super::tell_invalid(args, &done.counters, invalid.as_ref());
+    let first = invalid::find(args, scene, &done.counters)?;
+    invalid::report(args, &done.counters, first.as_ref());
     session.write(output)?;
     seen.reporter.note("write", || output.display().to_string());
     seen.reporter.stage(Stage::Done);

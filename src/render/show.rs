@@ -7,68 +7,27 @@ mod log;
 mod progress;
 mod recorder;
 mod saver;
+pub(super) mod stage;
 
-use std::path::PathBuf;
-
-use super::{Outputs, RenderArgs};
-use crate::common::{above_zero, tell};
+use super::args::RenderArgs;
+use super::outputs::Outputs;
+use crate::common::tell;
+use crate::interrupt::Interrupt;
 use live::Live;
 use log::Log;
 use progress::Progress;
 use saver::Saver;
+use stage::Stage;
 use wavecrest_base::error::{Error, Result, Warning};
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::Watch;
 use wavecrest_core::tile::Tile;
 
-pub(crate) use progress::Style;
-
-/// Where tev listens unless it is told otherwise.
-const TEV: &str = "127.0.0.1:14158";
-
-/// Options on what is seen of a render.
-#[derive(Clone, Debug, clap::Args)]
-pub(crate) struct ShowOptions {
-    /// How progress is told on standard error
-    #[arg(long, value_enum, default_value_t)]
-    pub(crate) progress: Style,
-    /// Add what is done, chosen and found to the end of this file; - is standard output
-    #[arg(long, value_name = "FILE")]
-    pub(crate) log: Option<PathBuf>,
-    /// Write the image as far as it is every so many seconds
-    #[arg(long, value_name = "SECONDS", value_parser = above_zero)]
-    pub(crate) save_every: Option<f64>,
-    /// Show the image in the viewer tev while it is rendered
-    #[arg(long, value_name = "HOST:PORT", num_args = 0..=1, require_equals = true,
-          default_missing_value = TEV)]
-    pub(crate) tev: Option<String>,
-}
-
-/// What a render is at.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Stage {
-    /// Reading the scene and its meshes.
-    Load,
-    /// Building the tree.
-    Build,
-    /// Following rays.
-    Trace,
-    /// Writing files.
-    Write,
-    /// Nothing any more.
-    Done,
-}
-
-impl Stage {
-    fn name(self) -> &'static str {
-        match self {
-            Self::Load => "load",
-            Self::Build => "build",
-            Self::Trace => "trace",
-            Self::Write => "write",
-            Self::Done => "done",
-        }
-    }
+/// Where a render can be seen, while it is made and afterwards, and what ends it early.
+pub(super) struct Seen<'a> {
+    pub(super) outputs: &'a Outputs<'a>,
+    pub(super) reporter: &'a Reporter,
+    pub(super) interrupt: &'a Interrupt,
 }
 
 /// Tells of a command from its start to its end.

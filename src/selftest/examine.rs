@@ -5,20 +5,20 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use wavecrest_base::error::Result;
+use super::asked::Asked;
+use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::accel::Accel;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::accel::geometry::Geometry;
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::render::{RenderOptions, TracerKind, render};
 use wavecrest_report::selftest::examine::{Bvh, Shape, Trial, bvh, shape, trial};
-use wavecrest_report::selftest::{Count, Effort};
 use wavecrest_scene::load::{LoadOptions, load};
 use wavecrest_scene::mesh;
 use wavecrest_scene::systems;
 
 /// The longer side of the image that is looked through for samples that are not finite, in pixels.
-const SIDE: u32 = 128;
+const IMAGE_SIDE: u32 = 128;
 
 /// What came of a scene.
 #[derive(Serialize)]
@@ -91,19 +91,19 @@ impl Examined {
 }
 
 /// Tries the scene or mesh in `file`.
-pub(super) fn run(
-    file: &Path,
-    (seed, count): (u64, Count),
-    precisions: &[Precision],
-) -> Result<Examined> {
+pub(super) fn run(file: &Path, asked: &Asked) -> Result<Examined> {
     let is_mesh = file
         .extension()
         .is_some_and(|e| ["ply", "obj"].iter().any(|known| e.eq_ignore_ascii_case(known)));
     let mut examined: Option<Examined> = None;
-    for &precision in precisions {
-        let effort = Effort { precision, seed, count };
-        let (accel, preset, invalid) =
-            if is_mesh { of_mesh(file, precision)? } else { of_scene(file, precision, seed)? };
+    for effort in asked.efforts() {
+        let precision = effort.precision;
+        let ready = if is_mesh {
+            of_mesh(file, precision)?
+        } else {
+            of_scene(file, precision, asked.seed)?
+        };
+        let Ready { accel, preset, invalid } = ready;
         let trial = trial(&accel, &effort);
         let examined = examined.get_or_insert_with(|| Examined {
             file: file.display().to_string(),
@@ -116,26 +116,29 @@ pub(super) fn run(
         let times_fast = (fastest == Precision::Fast).then(|| trial.nanoseconds / nanoseconds);
         examined.trials.push(Tried { precision, trial, times_fast, invalid });
     }
-    examined.ok_or_else(|| {
-        wavecrest_base::error::Error::new(
-            wavecrest_base::error::ErrorKind::Usage,
-            "no precision is named",
-        )
-    })
+    examined.ok_or_else(|| Error::new(ErrorKind::Usage, "no precision is named"))
 }
 
-/// What finds hits, how it was built, and how many samples are not finite.
-type Ready = (Accel, Preset, Option<u64>);
+/// What is tried.
+struct Ready {
+    accel: Accel,
+    /// How its tree was built.
+    preset: Preset,
+    /// How many samples are not finite; none of a mesh.
+    invalid: Option<u64>,
+}
 
 fn of_mesh(file: &Path, precision: Precision) -> Result<Ready> {
     let data = mesh::load(file)?.mesh;
     let (positions, triangles) = (data.positions, data.triangles);
     let geometry = Geometry { positions, triangles, precision, ..Geometry::default() };
-    Ok((Accel::new(geometry, Preset::VeryFast), Preset::VeryFast, None))
+    let preset = Preset::VeryFast;
+    Ok(Ready { accel: Accel::new(geometry, preset), preset, invalid: None })
 }
 
 fn of_scene(file: &Path, precision: Precision, seed: u64) -> Result<Ready> {
-    let options = LoadOptions { width: Some(SIDE), height: Some(SIDE), ..LoadOptions::default() };
+    let options =
+        LoadOptions { width: Some(IMAGE_SIDE), height: Some(IMAGE_SIDE), ..LoadOptions::default() };
     let mut loaded = load(file, &options)?;
     let extracted = systems::extract_in(&mut loaded.world, precision)?;
     let preset = extracted.preset();
@@ -145,5 +148,5 @@ fn of_scene(file: &Path, precision: Precision, seed: u64) -> Result<Ready> {
         let options = RenderOptions { tracer, seed, ..RenderOptions::default() };
         invalid += render(&scene, &options, &())?.counters.invalid;
     }
-    Ok((scene.accel, preset, Some(invalid)))
+    Ok(Ready { accel: scene.accel, preset, invalid: Some(invalid) })
 }

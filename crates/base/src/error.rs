@@ -34,7 +34,7 @@ pub enum ErrorKind {
 /// It reads `FILE: PLACE: MESSAGE, found VALUE; REMEDY`.
 ///
 /// ```
-/// use wavecrest::error::{Error, ErrorKind};
+/// use wavecrest_base::error::{Error, ErrorKind};
 /// let error = Error::new(ErrorKind::Scene, "the radius of a sphere must be above 0")
 ///     .in_file("scene.json")
 ///     .at("scene.shapes[3].radius")

@@ -1,7 +1,7 @@
 //! The plan: which effects a scene calls for, why each other one is left out, and what that makes of
 //! the passes.
 //!
-//! The census ([`wavecrest_scene::systems::census`]) makes it once. What it leaves out is not simulated:
+//! The census (`systems::census` of the scene crate) makes it once. What it leaves out is not simulated:
 //! its pass is not run, its queue has no storage, its random numbers are not drawn.
 
 pub mod schedule;

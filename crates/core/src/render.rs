@@ -74,31 +74,7 @@ pub struct Rendered {
 
 /// Renders `scene` on the threads of the current rayon pool. `watch` is told of what is done, from any
 /// thread; `&()` is nobody. Where it cancels the render, what was finished is returned.
-///
-/// ```
-/// use wavecrest::{render, scene, systems, accel::build::Preset};
-/// # fn main() -> wavecrest::error::Result<()> {
-/// let json = r#"{
-///     "nbounces": 0,
-///     "camera": {"type": "pinhole", "width": 32, "height": 24, "fov": 60,
-///                "location": [0, 0, 5], "look": [0, 0, 0]},
-///     "scene": {
-///         "backgroundcolor": [0, 0, 0],
-///         "lightsources": [{"type": "pointlight", "intensity": 40, "position": [2, 3, 5],
-///                           "color": [1, 1, 1]}],
-///         "shapes": [{"type": "sphere", "center": [0, 0, 0], "radius": 1,
-///                     "material": {"ks": 0.2, "kd": 0.8, "specularexponent": 20,
-///                                  "diffusecolor": [1, 0, 0]}}]
-///     }
-/// }"#;
-/// let mut loaded = scene::load::load_str(json, "ball.json".as_ref(), &Default::default())?;
-/// let (prepared, _) = systems::prepare(&mut loaded.world, Preset::Fast)?;
-/// let image = render::render(&prepared, &Default::default(), &())?;
-/// let [red, green, _] = image.film.pixel(16, 12).unwrap();
-/// assert!(red > 0.1 && green < red);
-/// # Ok(())
-/// # }
-/// ```
+/// The crate `wavecrest-api` has an example.
 ///
 /// # Errors
 /// When the crop is not within the image, there is no memory for the film, or the table that the plan was

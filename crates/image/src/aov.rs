@@ -31,7 +31,7 @@ use wavecrest_core::render;
 use wavecrest_core::tile::Tile;
 
 use names::Names;
-use pass::Sums;
+use pass::{Pass, Sums};
 
 wavecrest_base::choices! {
     /// A layer.
@@ -116,9 +116,8 @@ pub fn layers(scene: &PreparedScene, request: &Request<'_>) -> Result<Found> {
         }
     }
     if layers.iter().any(|layer| !matches!(layer, Layer::Samples | Layer::Invalid)) {
-        pass::run(scene, &window, request.seed, &names, &mut |at, sums| {
-            put(&layers, &mut channels, at, sums);
-        });
+        let pass = Pass { scene, window, seed: request.seed, names: &names };
+        pass.run(&mut |at, sums| put(&layers, &mut channels, at, sums));
     }
     for (layer, channel) in first_channels(&layers, &mut channels) {
         match (layer, &mut channel.values) {
@@ -126,7 +125,8 @@ pub fn layers(scene: &PreparedScene, request: &Request<'_>) -> Result<Found> {
                 counts.fill(scene.camera.rays_per_pixel())
             }
             (Layer::Invalid, Values::Floats(mask)) if request.invalid > 0 => {
-                invalid::mark(scene, &window, request, mask);
+                let (seed, count) = (request.seed, request.invalid);
+                invalid::Search { scene, window: &window, seed, count, mask }.run();
             }
             _ => {}
         }

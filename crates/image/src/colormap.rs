@@ -2,12 +2,12 @@
 //!
 //! Both maps are made so that equal steps of the number are equal steps to the eye. Colours are
 //! those that a display is sent, sRGB with its curve: a film of them is written with
-//! [`Transfer::Linear`](super::Transfer::Linear).
+//! [`Transfer::Linear`](super::write::Transfer::Linear).
 
 use std::f64::consts::FRAC_PI_3;
 
 use super::color::{lab_to_xyz, xyz_to_rgb};
-use super::write::srgb_encode;
+use wavecrest_core::math::srgb::srgb_encode;
 
 /// From black over purple and orange to a light yellow, for a number from 0 to 1. Numbers beyond
 /// are taken as 0 or 1; what is not a number is black.
@@ -16,7 +16,7 @@ use super::write::srgb_encode;
 /// lines between them.
 ///
 /// ```
-/// # use wavecrest::image::colormap::magma;
+/// # use wavecrest_image::colormap::magma;
 /// assert_eq!(magma(0.0).map(|v| (v * 255.0) as u8), [0, 0, 4]);
 /// assert_eq!(magma(1.0).map(|v| (v * 255.0) as u8), [252, 253, 191]);
 /// ```
@@ -40,7 +40,7 @@ pub fn magma(t: f32) -> [f32; 3] {
 /// and falls again with no edge.
 ///
 /// ```
-/// # use wavecrest::image::colormap::diverging;
+/// # use wavecrest_image::colormap::diverging;
 /// assert_eq!(diverging(0.0).map(|v| (v * 255.0).round()), [221.0; 3]);
 /// ```
 pub fn diverging(t: f32) -> [f32; 3] {
@@ -121,8 +121,8 @@ const MAGMA: [u32; 256] = [
 #[cfg(test)]
 mod tests {
     use super::super::color::{rgb_to_xyz, xyz_to_lab};
-    use super::super::write::srgb_decode;
     use super::*;
+    use wavecrest_core::math::srgb::srgb_decode;
 
     fn lab(color: [f32; 3]) -> [f64; 3] {
         xyz_to_lab(rgb_to_xyz(color.map(|value| f64::from(srgb_decode(value)))))

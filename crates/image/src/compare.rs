@@ -147,7 +147,7 @@ pub(super) fn check_sizes(a: &Film, b: &Film) -> Result<()> {
 /// The ratio of peak signal to noise for a mean squared error, in decibels, with a peak of 1.
 ///
 /// ```
-/// assert_eq!(wavecrest::image::compare::psnr(0.01), 20.0);
+/// assert_eq!(wavecrest_image::compare::psnr(0.01), 20.0);
 /// ```
 pub fn psnr(mse: f64) -> f64 {
     // The library's logarithm, not the machine's, which may differ in the last bit.

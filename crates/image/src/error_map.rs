@@ -33,7 +33,7 @@ wavecrest_base::choices! {
 /// before they become colours; [`MapKind::Flip`] is told at [`DEFAULT_PIXELS_PER_DEGREE`].
 ///
 /// False colours are those that a display is sent (see [`colormap`](super::colormap)): the film is
-/// to be written with [`Transfer::Linear`](super::Transfer::Linear). What is infinite has the
+/// to be written with [`Transfer::Linear`](super::write::Transfer::Linear). What is infinite has the
 /// colour of the end; a signed error that cannot be told, as of a value that is not a number, is
 /// black.
 ///

@@ -22,8 +22,8 @@
 //! without the curve looks darker on a screen that expects it. Values that carry the curve are to
 //! be made linear first, by [`srgb_decode`]: the reference implementation does so with every PNG.
 //!
-//! [`Transfer::Srgb`]: super::Transfer::Srgb
-//! [`srgb_decode`]: super::write::srgb_decode
+//! [`Transfer::Srgb`]: super::write::Transfer::Srgb
+//! [`srgb_decode`]: wavecrest_core::math::srgb::srgb_decode
 
 mod difference;
 mod filter;
@@ -67,8 +67,8 @@ pub struct Flip {
 ///
 /// ```
 /// // A display that is half as wide, with as many pixels.
-/// let found = wavecrest::image::flip::pixels_per_degree(0.7, 0.35, 3840);
-/// assert_eq!(found, 2.0 * wavecrest::image::flip::DEFAULT_PIXELS_PER_DEGREE);
+/// let found = wavecrest_image::flip::pixels_per_degree(0.7, 0.35, 3840);
+/// assert_eq!(found, 2.0 * wavecrest_image::flip::DEFAULT_PIXELS_PER_DEGREE);
 /// ```
 pub const fn pixels_per_degree(distance: f64, width: f64, pixels: u32) -> f64 {
     // The paper's formula: a degree is taken as its arc.

@@ -6,7 +6,10 @@
 //! * [`mod@compare`]: by how much two films differ, as numbers.
 //! * [`mod@flip`]: by how much they seem to differ to one who looks at them in turn.
 //! * [`mod@error_map`]: pictures of where they differ, with the colours of [`colormap`].
+//! * [`aov`]: layers beside the colours.
+//! * [`farm`]: images that are made in parts.
 //! * `color`: spaces of colour.
+//! * `transfer`: from linear values to 8-bit levels.
 //! * `netpbm`: the byte layouts of PPM and PFM, which are simple enough to be our own.
 //! * `openexr`: colours and further channels as an EXR.
 
@@ -21,6 +24,5 @@ pub mod metadata;
 mod netpbm;
 mod openexr;
 pub mod read;
+mod transfer;
 pub mod write;
-
-pub use write::{Format, Transfer};

@@ -5,13 +5,16 @@
 //! in a number that is negative where the floats are little-endian. The size of that number is a
 //! unit of light which programs agree to pass over, and so does this reader.
 //!
+//! The `pnm` codec of the crate `image` would not do: it has no PFM, whose header this one shares, no comments in a
+//! header that it writes, and other errors; and it reads a whole file where this reader needs a row.
+//!
 //! Formats: <https://netpbm.sourceforge.net/doc/ppm.html> and
 //! <https://netpbm.sourceforge.net/doc/pfm.html>.
 
 use std::io::{BufRead, Result as IoResult, Write};
 
 use super::metadata::{Entry, full_name};
-use super::write::{Transfer, row_to_bytes};
+use super::transfer::{Transfer, row_to_bytes};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::film::{Film, checked_pixel_count, reserve};
 

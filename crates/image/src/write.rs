@@ -11,24 +11,13 @@ use std::path::Path;
 use image::ImageError;
 
 use super::metadata::{Entry, Extras, full_name};
+use super::transfer::row_to_bytes;
 use super::{netpbm, openexr};
 use wavecrest_base::error::{Error, ErrorKind, Result, did_you_mean};
 use wavecrest_base::replace::{Sink, check_replaceable, replace_file, write_error};
 use wavecrest_core::film::Film;
-pub use wavecrest_core::math::srgb::{srgb_decode, srgb_encode};
 
-wavecrest_base::choices! {
-    /// How a linear value from 0 to 1 becomes one of 256 levels. Float formats are always linear.
-    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
-    #[serde(rename_all = "lowercase")]
-    pub enum Transfer {
-        /// Level 255 times the value.
-        #[default]
-        Linear = "linear",
-        /// The sRGB curve first, which is what screens expect.
-        Srgb = "srgb",
-    }
-}
+pub use super::transfer::Transfer;
 
 /// The formats that can be written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -196,21 +185,6 @@ fn encode_error(path: &Path, error: ImageError) -> Error {
     }
 }
 
-/// A row of pixels as 8-bit values.
-pub(super) fn row_to_bytes(row: &[[f32; 3]], transfer: Transfer) -> Vec<u8> {
-    let level = match transfer {
-        Transfer::Linear => linear_level,
-        Transfer::Srgb => |value| linear_level(srgb_encode(value)),
-    };
-    row.as_flattened().iter().map(|&value| level(value)).collect()
-}
-
-/// The nearest of 256 levels; a value that is not a number is black.
-fn linear_level(value: f32) -> u8 {
-    // The conversion takes what is not a number to 0.
-    (value.clamp(0.0, 1.0) * 255.0).round() as u8
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::read::read;
@@ -287,48 +261,6 @@ mod tests {
             let back = written(&format!("a.{}", format.extension()), &film, Transfer::Linear);
             assert!(back.same_bits(&film), "{format:?}");
         }
-    }
-
-    #[test]
-    fn levels_round_and_clamp() {
-        let level = |value| row_to_bytes(&[[value; 3]], Transfer::Linear)[0];
-        let cases = [
-            (0.0, 0),
-            (1.0, 255),
-            (0.5, 128),
-            (1.4 / 255.0, 1),
-            (1.6 / 255.0, 2),
-            (-3.0, 0),
-            (7.0, 255),
-            (f32::INFINITY, 255),
-            (f32::NEG_INFINITY, 0),
-            (f32::NAN, 0),
-        ];
-        for (value, expected) in cases {
-            assert_eq!(level(value), expected, "{value}");
-        }
-    }
-
-    #[test]
-    fn the_srgb_curve_has_its_known_levels() {
-        let level = |value| row_to_bytes(&[[value; 3]], Transfer::Srgb)[0];
-        for (value, expected) in
-            [(0.0, 0), (0.001, 3), (0.2159, 128), (0.5, 188), (1.0, 255), (2.0, 255), (-1.0, 0)]
-        {
-            assert_eq!(level(value), expected, "{value}");
-        }
-        assert_eq!(level(f32::NAN), 0);
-        assert_eq!(srgb_encode(0.5).to_bits(), 0.735_356_9_f32.to_bits());
-    }
-
-    #[test]
-    fn the_srgb_curve_can_be_undone() {
-        for level in 0..=255 {
-            let encoded = level as f32 / 255.0;
-            assert!((srgb_encode(srgb_decode(encoded)) - encoded).abs() < 1e-6, "{level}");
-        }
-        // ((0.5 + 0.055) / 1.055)^2.4
-        assert!((srgb_decode(0.5) - 0.214_041_14).abs() < 1e-7);
     }
 
     #[test]

@@ -94,10 +94,10 @@ impl Model {
 /// All that a mesh depends on.
 ///
 /// ```
-/// use wavecrest::generate::{Model, Recipe, mesh};
+/// use wavecrest_scene::generate::{Model, Recipe, mesh};
 /// let mesh = mesh(&Recipe::new(Model::Sphere, 1000))?;
 /// assert_eq!(mesh.triangles.len(), 1200); // 12 x 10 x 10, the next that the grid allows
-/// # Ok::<(), wavecrest::error::Error>(())
+/// # Ok::<(), wavecrest_base::error::Error>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Recipe {

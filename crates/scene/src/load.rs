@@ -76,7 +76,7 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<LoadedScene> {
 ///
 /// ```
 /// use std::path::Path;
-/// use wavecrest::scene::load::{LoadOptions, load_str};
+/// use wavecrest_scene::load::{LoadOptions, load_str};
 ///
 /// let json = r#"{
 ///     "nbounces": 1,
@@ -88,7 +88,7 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<LoadedScene> {
 /// }"#;
 /// let scene = load_str(json, Path::new("empty.json"), &LoadOptions::default())?;
 /// assert!(scene.warnings.is_empty());
-/// # Ok::<(), wavecrest::error::Error>(())
+/// # Ok::<(), wavecrest_base::error::Error>(())
 /// ```
 pub fn load_str(json: &str, file: &Path, options: &LoadOptions) -> Result<LoadedScene> {
     load_with(json, file, options, mesh::load)

@@ -11,28 +11,15 @@ use std::time::{Duration, Instant};
 use indicatif::ProgressBar;
 use serde_json::json;
 
-use super::Stage;
+use super::stage::Stage;
 use crate::common::{progress_bar, tell};
+use crate::render::args::Style;
 
 /// What the bar shows.
 const BAR: &str = "{wide_bar} {percent:>3} % {millions} Mpixels/s, {eta} left";
 
 /// The least time between two lines of one stage.
 const INTERVAL: Duration = Duration::from_millis(100);
-
-/// How progress is told.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
-pub(crate) enum Style {
-    /// A bar on a terminal, and nothing elsewhere or with --quiet
-    #[default]
-    Auto,
-    /// A bar, where there is a terminal
-    Bar,
-    /// A line of JSON ten times a second at most
-    Json,
-    /// Nothing
-    None,
-}
 
 /// Tells progress in one style.
 pub(super) struct Progress {

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::Reporter;
-use crate::render::RenderArgs;
+use crate::render::args::RenderArgs;
 use wavecrest_base::error::Error;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::math::simd::Level;

@@ -8,33 +8,47 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use rayon::prelude::*;
 
-use super::Request;
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::TracerKind;
 use wavecrest_core::render::work::tracer;
 use wavecrest_core::tile::{Tile, TraceSettings, Unit};
 
-/// Sets the `mask` of `window` to 1 where a sample is not finite.
-pub(super) fn mark(scene: &PreparedScene, window: &Tile, request: &Request<'_>, mask: &mut [f32]) {
-    let left = AtomicU64::new(request.invalid);
-    // One path at a time: the batch says nothing.
-    let settings = TraceSettings { seed: request.seed, batch: 1 };
-    let rows = mask.par_chunks_mut(window.width as usize).enumerate();
-    rows.for_each(|(row, mask)| {
-        let mut tracer = tracer(scene, TracerKind::Recursive, &settings);
-        for (column, marked) in mask.iter_mut().enumerate() {
-            if left.load(Ordering::Relaxed) == 0 {
-                return;
+/// The samples of a window that are not finite.
+pub(super) struct Search<'a> {
+    pub(super) scene: &'a PreparedScene,
+    pub(super) window: &'a Tile,
+    /// The seed of the render.
+    pub(super) seed: u64,
+    /// How many such samples there are.
+    pub(super) count: u64,
+    /// The window's pixels, which are set to 1 where one is found.
+    pub(super) mask: &'a mut [f32],
+}
+
+impl Search<'_> {
+    /// Sets the mask.
+    pub(super) fn run(self) {
+        let Self { scene, window, seed, count, mask } = self;
+        let left = AtomicU64::new(count);
+        // One path at a time: the batch says nothing.
+        let settings = TraceSettings { seed, batch: 1 };
+        let rows = mask.par_chunks_mut(window.width as usize).enumerate();
+        rows.for_each(|(row, mask)| {
+            let mut tracer = tracer(scene, TracerKind::Recursive, &settings);
+            for (column, marked) in mask.iter_mut().enumerate() {
+                if left.load(Ordering::Relaxed) == 0 {
+                    return;
+                }
+                let (x, y) = (window.x + column as u32, window.y + row as u32);
+                let pixel = Unit::whole(scene, Tile { x, y, width: 1, height: 1 });
+                let before = tracer.counters().invalid;
+                tracer.render(scene, &pixel, &mut [[0.0; 3]]);
+                let found = tracer.counters().invalid - before;
+                if found > 0 {
+                    *marked = 1.0;
+                    left.fetch_sub(found, Ordering::Relaxed);
+                }
             }
-            let (x, y) = (window.x + column as u32, window.y + row as u32);
-            let pixel = Unit::whole(scene, Tile { x, y, width: 1, height: 1 });
-            let before = tracer.counters().invalid;
-            tracer.render(scene, &pixel, &mut [[0.0; 3]]);
-            let found = tracer.counters().invalid - before;
-            if found > 0 {
-                *marked = 1.0;
-                left.fetch_sub(found, Ordering::Relaxed);
-            }
-        }
-    });
+        });
+    }
 }

@@ -86,7 +86,7 @@ fn check_same(file: &Path, found: &Header, header: &Header) -> Result<()> {
 
 /// The time between two writings is at least so many times as long as a writing takes: the render of a huge
 /// image does not spend its time on its checkpoint.
-const LEAST_PAUSE: u32 = 10;
+const PAUSE_FACTOR: u32 = 10;
 
 /// Writes the checkpoint when its time has come.
 pub(super) struct Saver<'a> {
@@ -116,7 +116,7 @@ impl<'a> Saver<'a> {
         let start = Instant::now();
         let saved = self.write(store);
         let took = start.elapsed();
-        let pause = self.checkpoint.every.max(took.saturating_mul(LEAST_PAUSE));
+        let pause = self.checkpoint.every.max(took.saturating_mul(PAUSE_FACTOR));
         *last = Saved { at: Instant::now(), pause };
         saved
     }

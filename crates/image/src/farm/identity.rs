@@ -12,13 +12,13 @@ use wavecrest_core::tile::Tile;
 use wavecrest_core::wavefront::DEFAULT_BATCH;
 
 /// Fewer tiles than this are made smaller, so that a small image can be shared among many machines.
-const FEW_TILES: u32 = 1024;
+const MIN_TILES: u32 = 1024;
 
 /// The sides that a tile may have, in pixels: what the tracers' order of pixels favours.
 const EDGES: [u32; 4] = [8, 16, 32, 64];
 
 /// Samples of a pixel, at most: as many as a scene may ask for.
-const MOST_SAMPLES: u32 = 1 << 24;
+const MAX_SAMPLES: u32 = 1 << 24;
 
 /// What an image follows from.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -160,7 +160,7 @@ impl Identity {
             let remedy = "it must have pixels and lie within the image";
             return wrong("identity.window", format!("{:?}", self.window), remedy);
         }
-        if self.samples == 0 || self.samples > MOST_SAMPLES {
+        if self.samples == 0 || self.samples > MAX_SAMPLES {
             let remedy = "a pixel has 1 to 2^24 samples";
             return wrong("identity.samples", self.samples.to_string(), remedy);
         }
@@ -178,5 +178,5 @@ fn edge(scene: &PreparedScene, [width, height]: [u32; 2]) -> u32 {
     let window = Tile { x: 0, y: 0, width, height };
     let fits = |edge: &&u32| **edge <= usual;
     let mut edges = EDGES.iter().rev().filter(fits).copied();
-    edges.find(|edge| Grid::new(window, *edge).len() >= FEW_TILES).unwrap_or(EDGES[0])
+    edges.find(|edge| Grid::new(window, *edge).len() >= MIN_TILES).unwrap_or(EDGES[0])
 }

@@ -9,10 +9,10 @@ use std::path::{Path, PathBuf};
 
 use xxhash_rust::xxh3::xxh3_64;
 
-use super::Shard;
 use super::identity::{Difference, Identity};
 use super::part::{Header, Reader, Unit};
-use crate::write::Transfer;
+use super::shard::Shard;
+use crate::transfer::Transfer;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::film::Film;
 use wavecrest_core::render::Canvas;
@@ -21,7 +21,7 @@ use wavecrest_core::render::work::{Summed, add};
 use wavecrest_core::tile::Tile;
 
 /// Shards that a message names, at most.
-const MOST_NAMED: usize = 8;
+const MAX_NAMED_SHARDS: usize = 8;
 
 /// The image that parts make.
 #[derive(Clone, Debug)]
@@ -117,14 +117,14 @@ fn missing(shards: &[Option<Shard>]) -> Vec<Shard> {
         return Vec::new();
     }
     let absent = (1..=count).filter(|number| !there.contains(&(count, *number)));
-    absent.take(MOST_NAMED + 1).filter_map(|number| Shard::new(number, count)).collect()
+    absent.take(MAX_NAMED_SHARDS + 1).filter_map(|number| Shard::new(number, count)).collect()
 }
 
 /// `shard 2/7, shard 3/7`.
 fn list(shards: &[Shard]) -> String {
     let names: Vec<String> =
-        shards.iter().take(MOST_NAMED).map(|shard| format!("shard {shard}")).collect();
-    let more = if shards.len() > MOST_NAMED { " and others" } else { "" };
+        shards.iter().take(MAX_NAMED_SHARDS).map(|shard| format!("shard {shard}")).collect();
+    let more = if shards.len() > MAX_NAMED_SHARDS { " and others" } else { "" };
     format!("{}{more}", names.join(", "))
 }
 
@@ -157,8 +157,15 @@ struct Mosaic<'a> {
     invalid: u64,
 }
 
-/// A unit that has been there: the block after its last, the hash of its sums, and the number of its part.
-type Seen = (u32, u64, usize);
+/// A unit that has been there.
+struct Seen {
+    /// The block after its last.
+    end: u32,
+    /// The hash of its sums.
+    hash: u64,
+    /// The number of its part.
+    part: usize,
+}
 
 /// The blocks of a tile so far.
 #[derive(Default)]
@@ -217,16 +224,18 @@ impl<'a> Mosaic<'a> {
         let Unit { tile, blocks: Range { start, end }, .. } = *unit;
         let hash = xxh3_64(bytemuck::cast_slice(&unit.sums));
         let others = self.seen.range((tile, 0)..(tile, end));
-        let overlaps = |&((_, from), (to, ..)): &(&(u32, u32), &Seen)| *from < end && *to > start;
-        if let Some(((_, from), (to, known, other))) = others.rev().find(overlaps) {
-            return match (*from, *to) == (start, end) {
-                true if hash == *known => Ok(true),
-                true => Err(self.conflict(number, *other, tile, "it differs from")),
-                false => Err(self.conflict(number, *other, tile, "its blocks overlap those of")),
-            };
+        let overlaps = |((_, from), seen): &(&(u32, u32), &Seen)| *from < end && seen.end > start;
+        let Some((&(_, from), seen)) = others.rev().find(overlaps) else {
+            self.seen.insert((tile, start), Seen { end, hash, part: number });
+            return Ok(false);
+        };
+        if (from, seen.end) != (start, end) {
+            return Err(self.conflict(number, seen.part, tile, "its blocks overlap those of"));
         }
-        self.seen.insert((tile, start), (end, hash, number));
-        Ok(false)
+        if hash != seen.hash {
+            return Err(self.conflict(number, seen.part, tile, "it differs from"));
+        }
+        Ok(true)
     }
 
     fn conflict(&self, number: usize, other: usize, tile: u32, how: &str) -> Error {

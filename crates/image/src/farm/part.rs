@@ -24,8 +24,9 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 use xxhash_rust::xxh3::xxh3_64_with_seed;
 
-use super::{Identity, Shard};
-use crate::write::Transfer;
+use super::identity::Identity;
+use super::shard::Shard;
+use crate::transfer::Transfer;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_base::replace::{Sink, replace_file, write_error};
 use wavecrest_core::render::units::{Blocks, Grid};
@@ -37,7 +38,7 @@ const MAGIC: &[u8; 8] = b"WAVEPART";
 const VERSION: u32 = 1;
 
 /// Bytes of a header, at most: a command line is no longer than the system lets it be, 2 MiB.
-const MOST_HEADER: u32 = 4 << 20;
+const MAX_HEADER_BYTES: u32 = 4 << 20;
 
 /// Bytes of a unit besides its sums.
 const UNIT_BYTES: u64 = 4 * 4 + 8 + 8;
@@ -222,7 +223,7 @@ fn header(file: &mut BufReader<File>, length: u64) -> Result<(Header, u64)> {
             .value(version)
             .remedy(format!("this program reads version {VERSION}: render it again")));
     }
-    if json > MOST_HEADER || u64::from(json) + 16 > length {
+    if json > MAX_HEADER_BYTES || u64::from(json) + 16 > length {
         return Err(damaged("its header is longer than it can be"));
     }
     bytes.resize(16 + json as usize, 0);

@@ -5,10 +5,11 @@ use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::checkpoint::{Checkpoint, Saver};
+use super::identity::Identity;
 use super::part::{self, Header, Unit};
+use super::shard::Shard;
 use super::store::Store;
-use super::{Identity, Shard};
-use crate::write::Transfer;
+use crate::transfer::Transfer;
 use wavecrest_base::error::{Error, Result};
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::units::{Blocks, Grid};

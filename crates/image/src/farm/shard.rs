@@ -13,7 +13,7 @@ use wavecrest_core::render::units::{Blocks, Grid};
 use wavecrest_core::render::work::Task;
 
 /// Tiles for each shard, at least, where whole tiles are dealt: then no shard has more than a quarter too many.
-const FEW_TILES: u64 = 4;
+const MIN_TILES_PER_SHARD: u64 = 4;
 
 /// One of so many equal shares of a render.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -45,7 +45,7 @@ impl Shard {
     pub fn tasks(self, grid: &Grid, blocks: Blocks) -> Vec<Task> {
         let mut tiles: Vec<u32> = (0..grid.len()).collect();
         tiles.sort_by_key(|tile| along_z(tile % grid.columns(), tile / grid.columns()));
-        let are_few = (tiles.len() as u64) < FEW_TILES * u64::from(self.count);
+        let are_few = (tiles.len() as u64) < MIN_TILES_PER_SHARD * u64::from(self.count);
         let step = if are_few && self.count > 1 { 1 } else { blocks.count() };
         let units = tiles.into_iter().flat_map(|tile| {
             let starts = (0..blocks.count()).step_by(step as usize);

@@ -9,7 +9,7 @@ use super::filter::{Filter, Filters};
 use wavecrest_core::film::Film;
 
 /// The least number of pixels on a tile's side: what it holds then stays in a core's cache.
-const LEAST_SIDE: usize = 64;
+const MIN_SIDE: usize = 64;
 
 /// Two pictures, to be compared tile by tile.
 pub(super) struct Tiles<'a> {
@@ -57,7 +57,7 @@ impl<'a> Tiles<'a> {
     /// The number of pixels on a tile's side: filters should not reach farther than that, or most
     /// of the work would be done around tiles.
     pub(super) fn side(&self) -> usize {
-        LEAST_SIDE.max(2 * self.filters.radius())
+        MIN_SIDE.max(2 * self.filters.radius())
     }
 
     /// Fills the rows of a band of tiles, `band` bands from the top.

@@ -63,7 +63,17 @@ pub fn write_ply(
 
 /// A number of bytes as a reader would say it.
 fn size(bytes: u64) -> String {
-    format!("{bytes} bytes ({})", indicatif::HumanBytes(bytes))
+    const UNITS: [&str; 6] = ["KiB", "MiB", "GiB", "TiB", "PiB", "EiB"];
+    let mut value = bytes as f64;
+    let mut unit = "B";
+    for larger in UNITS {
+        if value < 1024.0 {
+            break;
+        }
+        (value, unit) = (value / 1024.0, larger);
+    }
+    let decimals = if unit == "B" { 0 } else { 2 };
+    format!("{bytes} bytes ({value:.decimals$} {unit})")
 }
 
 /// What stands where in the file.

@@ -24,7 +24,7 @@ const DEFINITIONS: &str = "#/$defs/";
 /// A scene that is loaded strictly, without an unknown key, is valid by it.
 ///
 /// ```
-/// let schema = wavecrest::scene::json_schema();
+/// let schema = wavecrest_scene::json_schema();
 /// assert_eq!(schema["properties"]["nbounces"]["maximum"], 10_000);
 /// ```
 pub fn json_schema() -> Value {

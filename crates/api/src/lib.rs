@@ -1,0 +1,161 @@
+//! wavecrest as a library: a data-oriented ray tracer for large triangle-mesh scenes.
+//!
+//! A scene goes four steps: [`load()`] reads a file into a world of entities, [`extract`] turns that into dense arrays,
+//! [`Extracted::build`] builds the tree over them, and [`render()`] makes a [`Film`] of the [`PreparedScene`]. Work is
+//! done on the threads of the current rayon pool.
+//!
+//! The crate re-exports what a program needs of those that it stands on, and has no code of its own. It brings
+//! neither the command line nor the reports of the command `wavecrest`.
+//!
+//! # Render to a buffer
+//!
+//! ```
+//! use wavecrest_api::{RenderOptions, extract, load_str, render};
+//!
+//! # fn main() -> wavecrest_api::Result<()> {
+//! let json = r#"{
+//!     "nbounces": 0,
+//!     "camera": {"type": "pinhole", "width": 64, "height": 48, "fov": 40,
+//!                "location": [0, 0, 5], "look": [0, 0, 0]},
+//!     "scene": {
+//!         "backgroundcolor": [0, 0, 0.25],
+//!         "lightsources": [{"type": "pointlight", "intensity": 60, "position": [2, 3, 5],
+//!                           "color": [1, 1, 1]}],
+//!         "shapes": [{"type": "sphere", "center": [0, 0, 0], "radius": 1,
+//!                     "material": {"ks": 0.2, "kd": 0.8, "specularexponent": 20,
+//!                                  "diffusecolor": [1, 0.5, 0]}}]
+//!     }
+//! }"#;
+//! // Relative paths in the scene would start from the folder of this file, which need not exist.
+//! let mut loaded = load_str(json, "ball.json".as_ref(), &Default::default())?;
+//! assert!(loaded.warnings.is_empty());
+//! let extracted = extract(&mut loaded.world, Default::default())?;
+//! let preset = extracted.preset();
+//! let prepared = extracted.build(preset);
+//!
+//! let image = render(&prepared, &RenderOptions::default(), &())?.film;
+//! // Red, green and blue of each pixel, the top row first, linear.
+//! let pixels: &[[f32; 3]] = image.pixels();
+//! assert_eq!(pixels.len(), 64 * 48);
+//! assert_eq!(pixels[0], [0.0, 0.0, 0.25]);
+//! // The ball, where it faces the camera.
+//! let [red, green, _] = image.pixel(32, 24).unwrap();
+//! assert!(red > 0.1 && green < red);
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! [`write_image`] writes a film to a file, [`layers`] makes layers of what camera rays meet.
+//!
+//! # Trace rays
+//!
+//! The tree of a prepared scene answers rays of any origin. With primitives of your own it needs no scene at all:
+//!
+//! ```
+//! use wavecrest_api::glam::Vec3;
+//! use wavecrest_api::{Accel, Geometry, Preset, Ray};
+//!
+//! let geometry = Geometry {
+//!     positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y],
+//!     triangles: vec![[0, 1, 2]],
+//!     ..Geometry::default()
+//! };
+//! let accel = Accel::new(geometry, Preset::Fast);
+//! // What one thread needs, with counts of the work.
+//! let mut traversal = accel.traversal();
+//!
+//! let ray = Ray::new(Vec3::new(0.25, 0.25, 2.0), Vec3::NEG_Z);
+//! let hit = accel.closest(&ray, &mut traversal);
+//! assert_eq!((hit.t, hit.primitive), (2.0, 0));
+//! assert!(accel.occluded(&ray, &mut traversal));
+//!
+//! let away = Ray::new(Vec3::new(0.25, 0.25, 2.0), Vec3::Z);
+//! assert!(accel.closest(&away, &mut traversal).is_miss());
+//! ```
+//!
+//! Many rays at once are quicker: [`Accel::closest_of`].
+//!
+//! # Watch, and cancel
+//!
+//! [`Watch`] is told of progress and of finished tiles, and may end a render, whose finished part is kept:
+//!
+//! ```
+//! use std::sync::atomic::{AtomicUsize, Ordering};
+//! use wavecrest_api::{RenderOptions, Tile, Watch, render};
+//! # use wavecrest_api::{Preset, extract, load_str};
+//!
+//! /// Lets three tiles be rendered.
+//! #[derive(Default)]
+//! struct Few {
+//!     tiles: AtomicUsize,
+//! }
+//!
+//! impl Watch for Few {
+//!     fn tile(&self, _tile: &Tile, _pixels: &[[f32; 3]]) {
+//!         self.tiles.fetch_add(1, Ordering::Relaxed);
+//!     }
+//!
+//!     fn cancelled(&self) -> bool {
+//!         self.tiles.load(Ordering::Relaxed) >= 3
+//!     }
+//! }
+//!
+//! # fn main() -> wavecrest_api::Result<()> {
+//! # let json = r#"{"nbounces": 0, "camera": {"type": "pinhole", "width": 512, "height": 512, "fov": 40,
+//! #     "location": [0, 0, 5], "look": [0, 0, 0]}, "scene": {"backgroundcolor": [1, 1, 1]}}"#;
+//! # let mut loaded = load_str(json, "empty.json".as_ref(), &Default::default())?;
+//! # let prepared = extract(&mut loaded.world, Default::default())?.build(Preset::Fast);
+//! let rendered = render(&prepared, &RenderOptions::default(), &Few::default())?;
+//! assert!(!rendered.finished && rendered.tiles.len() >= 3);
+//! // What was not rendered is black.
+//! let done: usize = rendered.tiles.iter().map(Tile::len).sum();
+//! assert!(done < rendered.film.pixels().len());
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! # Errors
+//!
+//! Whatever fails returns an [`Error`], which names the file, the place in it, the value found and what would be
+//! right; no input makes the library panic.
+
+// What fails, and what is only odd.
+pub use wavecrest_base::error::{Error, ErrorKind, Result, Warning};
+
+// From a scene file to a prepared scene.
+pub use wavecrest_core::prepared::PreparedScene;
+pub use wavecrest_scene::load::{LoadOptions, LoadedScene, load, load_str};
+pub use wavecrest_scene::systems::{Extracted, Options as ExtractOptions, extract_with as extract};
+
+// From a prepared scene to pixels.
+pub use wavecrest_core::counters::Counters;
+pub use wavecrest_core::film::Film;
+pub use wavecrest_core::render::{Progress, RenderOptions, Rendered, TracerKind, Watch, render};
+pub use wavecrest_core::tile::Tile;
+
+// Layers beside the colours.
+pub use wavecrest_image::aov::{Found as Layers, Layer, Request as LayerRequest, layers};
+
+// Image files, and what they say of themselves.
+pub use wavecrest_image::metadata::{Channel, Entry, Extras, Provenance, Values};
+pub use wavecrest_image::read::read as read_image;
+pub use wavecrest_image::write::{
+    Format, Transfer, write as write_image, write_with as write_image_with,
+};
+
+// By how much two images differ.
+pub use wavecrest_image::compare::{Comparison, compare};
+pub use wavecrest_image::flip::{DEFAULT_PIXELS_PER_DEGREE, Flip, flip};
+
+// Rays against a prepared scene, or against primitives of your own.
+pub use wavecrest_core::accel::build::Preset;
+pub use wavecrest_core::accel::geometry::{Geometry, Primitive};
+pub use wavecrest_core::accel::{
+    Accel, Hit, KernelChoice, NO_PRIMITIVE, RayColumns, Rays, TestCounts, Traversal,
+};
+pub use wavecrest_core::kernels::precision::Precision;
+pub use wavecrest_core::math::ray::Ray;
+pub use wavecrest_core::math::simd::Level;
+
+/// The vectors of [`Geometry`] and [`Ray`].
+pub use glam;

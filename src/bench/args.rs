@@ -1,0 +1,120 @@
+//! What `bench` is asked for.
+
+use std::path::PathBuf;
+
+use crate::choice::choice;
+use crate::common::{SceneOptions, SearchOptions};
+use wavecrest_core::render::{RenderOptions, TracerKind};
+use wavecrest_core::wavefront::DEFAULT_BATCH;
+use wavecrest_report::bench::compare::Axis;
+use wavecrest_report::bench::measure::Schedule;
+
+/// Times both tracers on each scene, after checking that their images are the same bit for bit.
+///
+/// The answer is no (exit code 1) where they are not. With `--effects` no scene is read: what each effect
+/// costs is measured on scenes of the program's own, one effect added at a time.
+#[derive(Clone, Debug, clap::Args)]
+pub(crate) struct BenchArgs {
+    /// The scenes, in JSON
+    #[arg(required_unless_present = "effects", value_name = "SCENE")]
+    pub(crate) scenes: Vec<PathBuf>,
+    /// Print the price of each effect instead: time and memory of scenes that each add one
+    #[arg(long, conflicts_with_all = ["scenes", "compare"])]
+    pub(crate) effects: bool,
+    /// Timed pairs of runs at most; fewer where --min-time is reached, but then at least 6
+    #[arg(long, value_name = "N", default_value_t = 50,
+          value_parser = clap::value_parser!(u16).range(1..=10_000))]
+    pub(crate) repeats: u16,
+    /// Pairs of runs before the first that is timed
+    #[arg(long, value_name = "N", default_value_t = 1,
+          value_parser = clap::value_parser!(u16).range(1..=10_000))]
+    pub(crate) warmup: u16,
+    /// Time that each tracer is to run for in all, as far as --repeats allows
+    #[arg(long, value_name = "SECONDS", default_value = "1", value_parser = seconds)]
+    pub(crate) min_time: f64,
+    /// Compare the wavefront with other kernels, vector instructions or sizes of batches as well, or with
+    /// itself when it leaves nothing out (plan), separated by commas
+    #[arg(long, value_name = "WHAT", value_parser = choice::<Axis>(), value_delimiter = ',')]
+    pub(crate) compare: Vec<Axis>,
+    /// Print JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// Write the JSON to a file, after every scene
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) output: Option<PathBuf>,
+    /// Write a page with charts, in one HTML file, after every scene
+    #[arg(long, value_name = "FILE")]
+    pub(crate) page: Option<PathBuf>,
+    /// Paths in a batch of the wavefront
+    #[arg(long, value_name = "PATHS", default_value_t = DEFAULT_BATCH as u32,
+          value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
+    pub(crate) batch: u32,
+    /// Choose other random numbers
+    #[arg(long, default_value_t = 0)]
+    pub(crate) seed: u64,
+    /// How the tree is searched
+    #[command(flatten)]
+    pub(crate) search: SearchOptions,
+    /// What is read and how
+    #[command(flatten)]
+    pub(crate) scene_options: SceneOptions,
+}
+
+impl BenchArgs {
+    /// How often, and for how long, runs are timed.
+    pub(super) fn schedule(&self) -> Schedule {
+        let (warmup, most) = (usize::from(self.warmup), usize::from(self.repeats));
+        Schedule { warmup, most, seconds: self.min_time }
+    }
+
+    /// How to render with `tracer`.
+    pub(super) fn options(&self, tracer: TracerKind) -> RenderOptions {
+        RenderOptions { tracer, crop: None, seed: self.seed, batch: self.batch as usize }
+    }
+}
+
+/// A number of seconds, 0 or more.
+fn seconds(text: &str) -> std::result::Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value.is_finite() && value >= 0.0 => Ok(value),
+        _ => Err("use a number of seconds, such as 2.5".into()),
+    }
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use clap::Parser;
+
+    use super::*;
+
+    #[derive(Parser)]
+    struct Whole {
+        #[command(flatten)]
+        args: BenchArgs,
+    }
+
+    pub(in crate::bench) fn parse(line: &str) -> std::result::Result<BenchArgs, clap::Error> {
+        Whole::try_parse_from(std::iter::once("bench").chain(line.split_whitespace()))
+            .map(|whole| whole.args)
+    }
+
+    #[test]
+    fn scenes_and_options_are_read() {
+        let args = parse("a.json b.json --repeats 3 --min-time 0.5 -o out.json -q").unwrap();
+        assert_eq!(args.compare, []);
+        let compared = parse("a --compare kernels,batches --compare levels").unwrap().compare;
+        assert_eq!(compared, [Axis::Kernels, Axis::Batches, Axis::Levels]);
+        assert_eq!(args.scenes, ["a.json", "b.json"].map(PathBuf::from));
+        assert_eq!(args.schedule(), Schedule { warmup: 1, most: 3, seconds: 0.5 });
+        for bad in [
+            "",
+            "a --repeats 0",
+            "a --warmup 0",
+            "a --min-time=-1",
+            "a --min-time nan",
+            "a --compare trees",
+        ] {
+            assert!(parse(bad).is_err(), "{bad}");
+        }
+    }
+}

@@ -1,0 +1,14 @@
+//! How the command ends.
+
+/// Every code that the command ends with, and what it means: for the help, the manual and the README.
+pub(crate) const CODES: [(u8, &str); 5] = [
+    (0, "done; of diff: the images are equal"),
+    (
+        1,
+        "the answer is no: of diff, the images differ; of bench, the tracers disagree; of selftest, a case \
+         fails; of probe, the tracers tell different stories",
+    ),
+    (2, "an error, which is told on standard error"),
+    (130, "SIGINT (Ctrl-C) ended a render early; what was finished is kept"),
+    (143, "SIGTERM did"),
+];

@@ -1,0 +1,66 @@
+//! Which frames of a camera that moves.
+
+use std::str::FromStr;
+
+use wavecrest_image::farm::Shard;
+
+/// The most frames of a range.
+const MAX_FRAMES: u32 = 1_000_000;
+
+/// Options on frames.
+#[derive(Clone, Debug, clap::Args)]
+pub(crate) struct FrameOptions {
+    /// Render as the camera is at this frame of its path
+    #[arg(long, value_name = "N")]
+    pub(crate) frame: Option<u32>,
+    /// Render the frames from A to B, an image each: # in the name of the output stands for a digit of the
+    /// frame's number; a shard renders whole frames
+    #[arg(long, value_name = "A..B", conflicts_with_all = ["frame", "stats", "checkpoint", "target_error", "time_budget", "save_every"])]
+    pub(crate) frames: Option<Frames>,
+}
+
+/// A range of frames, both ends counted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Frames {
+    first: u32,
+    last: u32,
+}
+
+impl FromStr for Frames {
+    type Err = String;
+
+    fn from_str(text: &str) -> std::result::Result<Self, String> {
+        let parsed = text.split_once("..").and_then(|(first, last)| {
+            let (first, last) = (first.trim().parse().ok()?, last.trim().parse().ok()?);
+            (first <= last && last - first < MAX_FRAMES).then_some(Self { first, last })
+        });
+        parsed.ok_or_else(|| {
+            format!("write the first frame and the last, such as 1..24; at most {MAX_FRAMES}")
+        })
+    }
+}
+
+impl Frames {
+    /// The frames of a share: of N shards, each takes every N-th.
+    pub(in crate::render) fn of(self, shard: Option<Shard>) -> Vec<u32> {
+        let (number, count) = shard.map_or((1, 1), |shard| (shard.number(), shard.count()));
+        (self.first..=self.last).skip(number as usize - 1).step_by(count as usize).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shards_take_every_frame_once() {
+        let frames: Frames = "3..12".parse().unwrap();
+        let mut all: Vec<u32> =
+            (1..=4).flat_map(|i| frames.of(Some(Shard::new(i, 4).unwrap()))).collect();
+        all.sort_unstable();
+        assert_eq!(all, (3..=12).collect::<Vec<_>>());
+        for wrong in ["12..3", "1", "a..b", "0..1000000", "-1..3"] {
+            assert!(wrong.parse::<Frames>().is_err(), "{wrong}");
+        }
+    }
+}

@@ -1,0 +1,50 @@
+//! Which files are written, and what is in them.
+
+use std::path::PathBuf;
+
+use crate::choice::by_name;
+use crate::metadata::MetadataOptions;
+use wavecrest_base::error::did_you_mean;
+use wavecrest_image::aov::Layer;
+
+/// Options on what is written.
+#[derive(Clone, Debug, clap::Args)]
+pub(crate) struct OutputOptions {
+    /// Write the image to this file too; may be given several times
+    #[arg(long, value_name = "FILE")]
+    pub(crate) also: Vec<PathBuf>,
+    /// Add layers to .exr outputs: depth, normal, albedo, position, object, material, samples and invalid,
+    /// parted by commas, or all
+    #[arg(long, value_name = "LAYERS", value_parser = layers)]
+    pub(crate) aov: Option<Layers>,
+    /// What is said of the image
+    #[command(flatten)]
+    pub(crate) metadata: MetadataOptions,
+}
+
+/// The layers asked for.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Layers(pub Vec<Layer>);
+
+/// `depth,normal`, or `all`.
+fn layers(text: &str) -> std::result::Result<Layers, String> {
+    if text == "all" {
+        return Ok(Layers(Layer::ALL.to_vec()));
+    }
+    let names = || Layer::ALL.map(Layer::name).into_iter();
+    let layer = |word: &str| {
+        by_name::<Layer>(word).ok_or_else(|| match did_you_mean(word, names()) {
+            Some(near) => format!("there is no layer {word:?}; did you mean {near}?"),
+            None => {
+                format!(
+                    "there is no layer {word:?}; use all, {}",
+                    names().collect::<Vec<_>>().join(", ")
+                )
+            }
+        })
+    };
+    text.split(',')
+        .map(|word| layer(word.trim()))
+        .collect::<std::result::Result<_, _>>()
+        .map(Layers)
+}

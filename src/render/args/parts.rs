@@ -1,0 +1,55 @@
+//! What of a render is kept, and which share of it is rendered.
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use super::array::Choice;
+use crate::common::above_zero;
+use wavecrest_base::error::Result;
+use wavecrest_image::farm::Shard;
+use wavecrest_image::farm::checkpoint::Checkpoint;
+
+/// Seconds between two checkpoints unless asked otherwise.
+const USUAL_PAUSE: f64 = 60.0;
+
+/// Options on what is kept, and which share is rendered.
+#[derive(Clone, Debug, clap::Args)]
+pub(crate) struct PartOptions {
+    /// Keep what is finished in this file, now and then and when SIGINT or SIGTERM ends the render
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["target_error", "time_budget"])]
+    pub(crate) checkpoint: Option<PathBuf>,
+    /// Seconds between two writings of the checkpoint, at least [default: 60]
+    #[arg(long, value_name = "SECONDS", requires = "checkpoint", value_parser = above_zero)]
+    pub(crate) every: Option<f64>,
+    /// Go on with what the checkpoint holds; without one, begin
+    #[arg(long, requires = "checkpoint")]
+    pub(crate) resume: bool,
+    /// Render the I-th of N equal shares and write it as a part (.part) for `wavecrest merge`; auto or
+    /// auto/N takes I from the array job of a scheduler
+    #[arg(long, value_name = "I/N", conflicts_with_all = ["target_error", "time_budget", "stats", "also", "aov", "save_every"])]
+    pub(crate) shard: Option<Choice>,
+}
+
+impl PartOptions {
+    /// The shard to render, if one is asked for.
+    pub(in crate::render) fn shard(&self) -> Result<Option<Shard>> {
+        self.shard.map(|choice| choice.resolve(|name| std::env::var(name).ok())).transpose()
+    }
+
+    /// Bytes held for a checkpoint of so many pixels: their sums, beside the image.
+    pub(in crate::render) fn kept_bytes(&self, pixels: u64) -> u64 {
+        let each = if self.checkpoint.is_some() { size_of::<[f64; 3]>() as u64 } else { 0 };
+        pixels * each
+    }
+
+    /// Where the render is kept, if that is asked for.
+    pub(in crate::render) fn checkpoint(&self) -> Option<Checkpoint> {
+        let every = self.every.unwrap_or(USUAL_PAUSE);
+        Some(Checkpoint {
+            file: self.checkpoint.clone()?,
+            // Longer than can be said is never.
+            every: Duration::try_from_secs_f64(every).unwrap_or(Duration::MAX),
+            resume: self.resume,
+        })
+    }
+}

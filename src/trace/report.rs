@@ -1,0 +1,149 @@
+//! What `trace` prints.
+
+use serde::Serialize;
+
+use super::passes::Answers;
+use wavecrest_core::accel::build::Preset;
+use wavecrest_core::accel::{Hit, KernelChoice};
+use wavecrest_core::kernels::precision::Precision;
+use wavecrest_core::kernels::triangle::T_TOLERANCE;
+use wavecrest_core::math::simd::Level;
+use wavecrest_core::render::TracerKind;
+use wavecrest_report::ray_file::RayFile;
+use wavecrest_report::statistics::ClassUse;
+
+/// Two t agree if they differ by less than this factor of t: both may be off by the stated error.
+const AGREEMENT: f32 = 4.0 * T_TOLERANCE;
+
+/// What is printed.
+#[derive(Serialize)]
+pub(super) struct Report {
+    pub(super) rays: usize,
+    pub(super) any_hit: bool,
+    pub(super) hits: usize,
+    pub(super) mrays_s: f64,
+    pub(super) seconds: f64,
+    pub(super) repeats: u32,
+    pub(super) threads: usize,
+    pub(super) tracer: TracerKind,
+    pub(super) simd: Level,
+    pub(super) kernel: KernelChoice,
+    pub(super) precision: Precision,
+    pub(super) preset: Preset,
+    pub(super) triangles: usize,
+    pub(super) load_seconds: f64,
+    pub(super) build_seconds: f64,
+    pub(super) nodes_per_ray: f64,
+    pub(super) leaves_per_ray: f64,
+    pub(super) triangles_per_ray: f64,
+    pub(super) kernels: ClassUse,
+    pub(super) compared: Compared,
+}
+
+/// Our answers against the file's.
+#[derive(Debug, Default, Serialize)]
+pub(super) struct Compared {
+    /// Hits of the file that we have not.
+    lost: usize,
+    /// Hits that only we have.
+    extra: usize,
+    /// Closest hits on another triangle at the same distance.
+    other_triangle: usize,
+    /// Closest hits at another distance.
+    other_distance: usize,
+    /// The largest relative difference of t among the rest.
+    largest_relative_t: f32,
+    /// Any-hit answers of "hit" that we have not.
+    lost_any: usize,
+    /// Any-hit answers of "hit" that only we have.
+    extra_any: usize,
+}
+
+impl Compared {
+    /// Compares `ours` with the answers of `file`.
+    pub(super) fn new(file: &RayFile, ours: &Answers) -> Self {
+        let mut compared = Self::default();
+        for (theirs, ours) in file.closest.iter().zip(&ours.closest) {
+            compared.add_closest(theirs, ours);
+        }
+        for (&theirs, &ours) in file.occluded.iter().zip(&ours.occluded) {
+            compared.lost_any += usize::from(theirs && !ours);
+            compared.extra_any += usize::from(ours && !theirs);
+        }
+        compared
+    }
+
+    fn add_closest(&mut self, theirs: &Hit, ours: &Hit) {
+        match (theirs.is_miss(), ours.is_miss()) {
+            (false, true) => self.lost += 1,
+            (true, false) => self.extra += 1,
+            (true, true) => {}
+            (false, false) => {
+                let relative = (theirs.t - ours.t).abs() / theirs.t.abs().max(f32::MIN_POSITIVE);
+                // The other way round, a t that is not a number would agree.
+                let agrees = relative <= AGREEMENT;
+                if !agrees {
+                    self.other_distance += 1;
+                    return;
+                }
+                self.largest_relative_t = self.largest_relative_t.max(relative);
+                self.other_triangle += usize::from(theirs.primitive != ours.primitive);
+            }
+        }
+    }
+
+    fn text(&self) -> String {
+        let Self { lost, extra, other_triangle, other_distance, lost_any, extra_any, .. } = self;
+        format!(
+            "against the file: {lost} lost, {extra} extra, {other_triangle} on another triangle, \
+             {other_distance} at another distance, largest relative difference of t {:.2e}; \
+             any-hit {lost_any} lost, {extra_any} extra\n",
+            self.largest_relative_t
+        )
+    }
+}
+
+impl Report {
+    /// In words.
+    pub(super) fn text(&self) -> String {
+        self.speed() + &self.work() + &self.kernels() + &self.compared.text()
+    }
+
+    fn speed(&self) -> String {
+        let kind = if self.any_hit { "any hit" } else { "closest hit" };
+        let Self { rays, hits, repeats, threads, triangles, .. } = self;
+        format!(
+            "{:.2} Mrays/s: {rays} rays ({kind}), {hits} hits, {:.4} s, median of {repeats} on {threads} \
+             threads\nmesh: {triangles} triangles, loaded in {:.3} s; bvh {}, built in {:.3} s, {} tests\n",
+            self.mrays_s,
+            self.seconds,
+            self.load_seconds,
+            self.preset.name(),
+            self.build_seconds,
+            self.precision.name()
+        )
+    }
+
+    fn work(&self) -> String {
+        format!(
+            "per ray: {:.2} nodes, {:.2} leaves, {:.2} triangles\n",
+            self.nodes_per_ray, self.leaves_per_ray, self.triangles_per_ray
+        )
+    }
+
+    fn kernels(&self) -> String {
+        let used = &self.kernels;
+        let average = |value: Option<f64>| value.map_or("-".to_owned(), |v| format!("{v:.1}"));
+        format!(
+            "{}: {} in packets ({} handed over), {} in flight, {} alone; rays of a packet at a node {}, \
+             in flight in a round {}\n",
+            self.simd.name(),
+            used.packet,
+            used.handed_over,
+            used.stream,
+            used.single,
+            average(used.rays_a_node),
+            average(used.rays_a_round)
+        )
+    }
+}
