@@ -267,7 +267,7 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
         k: usize,
         tests: &mut TestCounts,
     ) -> bool {
-        let mut tile = &mut tiles[k];
+        let tile = &mut tiles[k];
         let arena = self.tree.arena.view();
         // Not where hits are stored: what was just written, ray by ray, is not read well together.
         if tile.is_reach_stale && !Q::ANY {
@@ -293,8 +293,8 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
                 self.children.add(simd, (tile, k), (arena.node(at), at), rays);
                 return true;
             }
-            self.visit_leaf(simd, (tiles, k), arena, at, rays, tests);
-            tile = &mut tiles[k];
+            // The root: other leaves are never on the stack.
+            self.children.add_leaf(at, k, rays);
         }
         false
     }

@@ -35,7 +35,7 @@ pub mod exact;
 pub mod fast;
 pub(crate) mod lanes;
 
-pub(crate) use edges::{Edges, RayRange, Sheared, decide};
+pub(crate) use edges::{Decision, Edges, RayRange, Sheared, decide};
 pub use lanes::LaneHits;
 
 use edges::distance;

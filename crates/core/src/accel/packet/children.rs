@@ -81,6 +81,13 @@ impl Children {
         }
     }
 
+    /// Adds a leaf that rays of the `k`th tile meet.
+    #[inline(always)]
+    pub(super) fn add_leaf(&mut self, place: Ref, k: usize, rays: u64) {
+        self.leaves[self.leaf_count % MOST] = LeafVisit { place, tile: k as u32, rays };
+        self.leaf_count += 1;
+    }
+
     /// The leaves that have been met, once.
     #[inline(always)]
     pub(super) fn take_leaf(&mut self, i: usize) -> Option<LeafVisit> {

@@ -16,7 +16,7 @@ use crate::accel::query::Query;
 use crate::accel::{Hit, TestCounts};
 use crate::kernels::precision::Arithmetic;
 use crate::kernels::triangle::lanes::ORDERS;
-use crate::kernels::triangle::{Edges, RayRange, Sheared, decide};
+use crate::kernels::triangle::{Decision, Edges, RayRange, Sheared, decide};
 use crate::math::real::Mask;
 use crate::math::simd::{LANES, Lanes};
 
@@ -270,11 +270,11 @@ fn meet<S: Lanes, Q: Query>(simd: S, arena: View<'_>, group: &mut Group, pair: P
         t_max: group.t_max.simd_into(simd),
     };
     let sheared = Sheared { xy, z };
-    let decision = decide(&sheared, &Edges::new(&sheared.xy), &range);
-    let (certain, open) = decision.among(u32::from(pair.inside));
+    let edges = Edges::new(&sheared.xy);
+    let Decision { t, certain, open } = decide(&sheared, &edges, &range, u32::from(pair.inside));
     group.open |= open;
     group.left[usize::from(pair.triangle) % LANES] = open;
-    note::<S, Q>(simd, arena, group, pair.triangle, (decision.t, certain));
+    note::<S, Q>(simd, arena, group, pair.triangle, (t, certain));
 }
 
 /// Notes the rays that `certain`ly meet the triangle, at `t`.

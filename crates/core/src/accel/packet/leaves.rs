@@ -43,97 +43,96 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
         tiles: &mut [Tile],
         tests: &mut TestCounts,
     ) {
-        let arena = self.tree.arena.view();
         let mut next = 0;
-        while let Some(LeafVisit { place, tile, rays }) = self.children.take_leaf(next) {
+        while let Some(visit) = self.children.take_leaf(next) {
             next += 1;
-            self.visit_leaf(simd, (tiles, tile as usize), arena, place, rays, tests);
+            if visit.place.kind() == Kind::Patch {
+                self.visit_patch(simd, tiles, visit, tests);
+            } else {
+                self.visit_other(simd, &mut tiles[visit.tile as usize], visit, tests);
+            }
+            tiles[visit.tile as usize].is_reach_stale = true;
         }
         self.test_groups(simd, tiles, tests);
         self.test_alone(simd, tiles, tests);
     }
 
-    /// Tests the leaf with each of `rays`.
+    /// Lets each of a tile's rays wait in front of the patch: those of whole groups, those that are brought
+    /// together, or alone.
     #[inline(always)]
-    pub(super) fn visit_leaf<S: Lanes>(
+    fn visit_patch<S: Lanes>(
         &mut self,
         simd: S,
-        (tiles, k): (&mut [Tile], usize),
-        arena: View<'_>,
-        at: Ref,
-        rays: u64,
+        tiles: &mut [Tile],
+        LeafVisit { place, tile: k, rays }: LeafVisit,
+        tests: &mut TestCounts,
+    ) {
+        let k = k as usize;
+        tests.leaves += u64::from(rays.count_ones());
+        if !P::IS_FAST && !tiles[k].is_sheared {
+            tiles[k].shear(simd);
+        }
+        let mut rest = rays;
+        if rest.count_ones() > ALONE && rest.count_ones() > WHOLE * groups_in(rest) {
+            for g in 0..GROUPS {
+                let used = (rest >> (g * WIDTH)) as u32 & 0xFFFF;
+                if used != 0 {
+                    if self.groups.is_full() {
+                        self.test_groups(simd, tiles, tests);
+                    }
+                    self.groups.add_whole(k, place, g, used);
+                }
+            }
+            rest = 0;
+        }
+        while rest.count_ones() > ALONE {
+            if self.groups.is_full() {
+                self.test_groups(simd, tiles, tests);
+            }
+            let used = rest.count_ones().min(WIDTH as u32);
+            let positions = simd.positions(rest);
+            self.groups.add(k, place, positions, (1 << used) - 1);
+            let last = positions[used as usize - 1];
+            rest &= (u64::MAX << (last % u64::BITS)) << 1;
+        }
+        while rest != 0 {
+            let ray = rest.trailing_zeros() as u8;
+            rest &= rest - 1;
+            self.singles.push(SingleTest { place, tile: k as u8, ray });
+        }
+    }
+
+    /// Tests a leaf that is no patch with each of the rays.
+    #[inline(always)]
+    fn visit_other<S: Lanes>(
+        &mut self,
+        simd: S,
+        tile: &mut Tile,
+        LeafVisit { place, rays, .. }: LeafVisit,
         tests: &mut TestCounts,
     ) {
         outlined(
             simd,
             #[inline(always)]
             || {
-                let tile = &mut tiles[k];
-                match at.kind() {
-                    Kind::Patch => {
-                        tests.leaves += u64::from(rays.count_ones());
-                        if !P::IS_FAST && !tile.is_sheared {
-                            tile.shear(simd);
-                        }
-                        let mut rest = rays;
-                        if rest.count_ones() > ALONE && rest.count_ones() > WHOLE * groups_in(rest)
-                        {
-                            for g in 0..GROUPS {
-                                let used = (rest >> (g * WIDTH)) as u32 & 0xFFFF;
-                                if used != 0 {
-                                    if self.groups.is_full() {
-                                        self.test_groups(simd, tiles, tests);
-                                    }
-                                    self.groups.add_whole(k, at, g, used);
-                                }
-                            }
-                            rest = 0;
-                        }
-                        while rest.count_ones() > ALONE {
-                            if self.groups.is_full() {
-                                self.test_groups(simd, tiles, tests);
-                            }
-                            let used = rest.count_ones().min(WIDTH as u32);
-                            let positions = simd.positions(rest);
-                            self.groups.add(k, at, positions, (1 << used) - 1);
-                            let last = positions[used as usize - 1];
-                            rest &= (u64::MAX << (last % u64::BITS)) << 1;
-                        }
-                        while rest != 0 {
-                            let ray = rest.trailing_zeros() as u8;
-                            rest &= rest - 1;
-                            self.singles.push(SingleTest { place: at, tile: k as u8, ray });
-                        }
-                    }
-                    _ => {
-                        let mut rest = rays;
-                        while rest != 0 {
-                            let i = rest.trailing_zeros() as usize & (TILE - 1);
-                            rest &= rest - 1;
-                            let ray =
-                                PreparedRay::of::<P>(&self.rays.ray(tile.start + number_of(i)));
-                            let mut best = tile.best(i);
-                            if leaf::visit::<S, Q, P>(
-                                simd,
-                                arena,
-                                self.geometry,
-                                &ray,
-                                at,
-                                &mut best,
-                                tests,
-                            ) {
-                                if Q::ANY {
-                                    tile.set_done(i);
-                                } else {
-                                    tile.set_best::<P>(i, best);
-                                }
-                            }
-                        }
+                let arena = self.tree.arena.view();
+                let mut rest = rays;
+                while rest != 0 {
+                    let i = rest.trailing_zeros() as usize & (TILE - 1);
+                    rest &= rest - 1;
+                    let ray = PreparedRay::of::<P>(&self.rays.ray(tile.start + number_of(i)));
+                    let (geometry, mut best) = (self.geometry, tile.best(i));
+                    let is_hit = leaf::visit::<S, Q, P>(
+                        simd, arena, geometry, &ray, place, &mut best, tests,
+                    );
+                    if is_hit && Q::ANY {
+                        tile.set_done(i);
+                    } else if is_hit {
+                        tile.set_best::<P>(i, best);
                     }
                 }
-                tiles[k].is_reach_stale = true;
             },
-        )
+        );
     }
 
     /// Tests all triangles of patches at once with each ray that waits alone.

@@ -39,13 +39,13 @@ pub(super) struct Distance<F> {
     pub(super) far: F,
 }
 
-/// What single precision says of pairs that do not pass by each other.
-pub(crate) struct Decision<F: Real> {
+/// What single precision says of pairs, a bit each.
+pub(crate) struct Decision<F> {
     pub(crate) t: F,
     /// Pairs that certainly meet at t, within the ray's range.
-    pub(crate) certain: F::Mask,
+    pub(crate) certain: u32,
     /// Pairs that are left to the test of one.
-    pub(crate) open: F::Mask,
+    pub(crate) open: u32,
 }
 
 impl<F: Real<Element = f32>> Edges<F> {
@@ -124,31 +124,24 @@ impl<F: Real<Element = f32>> Distance<F> {
     }
 }
 
-/// Decides on pairs that do not certainly pass by each other.
+/// Decides on the `candidates`, a bit each: pairs that do not certainly pass by each other.
 #[inline(always)]
 pub(crate) fn decide<F: Real<Element = f32>>(
     sheared: &Sheared<F>,
     edges: &Edges<F>,
     range: &RayRange<F>,
+    candidates: u32,
 ) -> Decision<F> {
     let found = distance(sheared, edges, range.depth);
     let zero = found.t.zero();
     let inside = edges.low.gt(zero) | edges.high.lt(zero);
-    let decided = inside & found.is_decided(range);
-    let (within, exact) = (found.is_within(range), found.is_exact());
+    let decided = (inside & found.is_decided(range)).bits();
+    let (within, exact) = (found.is_within(range).bits(), found.is_exact().bits());
     // What is not a number is not behind: the test of one decides.
-    let ahead = !found.far.lt(zero);
+    let candidates = candidates & !found.far.lt(zero).bits();
     Decision {
         t: found.clamped(),
-        certain: ahead & decided & within & exact,
-        open: ahead & !(decided & (!within | exact)),
-    }
-}
-
-impl<F: Real<Element = f32>> Decision<F> {
-    /// Of the `candidates`, those that meet and those that are left open, a bit each.
-    #[inline(always)]
-    pub(crate) fn among(&self, candidates: u32) -> (u32, u32) {
-        (candidates & self.certain.bits(), candidates & self.open.bits())
+        certain: candidates & decided & within & exact,
+        open: candidates & !(decided & (!within | exact)),
     }
 }

@@ -4,7 +4,7 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x8, u32x8};
 
-use super::{Edges, RayRange, Sheared, ShearedSpace, decide};
+use super::{Decision, Edges, RayRange, Sheared, ShearedSpace, decide};
 use crate::math::real::Mask;
 use crate::math::simd::Lanes;
 
@@ -108,8 +108,8 @@ impl ShearedSpace {
             t_max: f32x8::splat(simd, self.t_max),
         };
         let edges = Edges::new(&sheared.xy);
-        let decision = decide(sheared, &edges, &range);
-        let (certain, open) = decision.among(used & !edges.outside().bits());
-        LaneHits { t: decision.t.into(), certain, open }
+        let Decision { t, certain, open } =
+            decide(sheared, &edges, &range, used & !edges.outside().bits());
+        LaneHits { t: t.into(), certain, open }
     }
 }
