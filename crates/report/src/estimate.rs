@@ -1,8 +1,8 @@
-//! What a render will do at most, told before the first ray.
+//! What a render will do at most, estimated before the first ray.
 
 use serde::Serialize;
 
-use super::statistics::{Rays, Samples};
+use crate::work::{Rays, Samples};
 use wavecrest_core::kernels::texture::Filter;
 use wavecrest_core::prepared::PreparedScene;
 

@@ -15,7 +15,7 @@ mod bars;
 mod chart;
 mod drawing;
 mod field;
-mod figure;
+pub(crate) mod figure;
 mod font;
 mod guides;
 mod legend;
@@ -24,15 +24,12 @@ pub mod number;
 mod paint;
 mod place;
 mod raster;
-mod svg;
+pub(crate) mod svg;
 #[cfg(test)]
 mod tests;
 mod ticks;
 
 use serde::Serialize;
-
-pub(crate) use figure::Figure;
-pub(crate) use svg::STYLE;
 
 /// Series of points over two axes.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]

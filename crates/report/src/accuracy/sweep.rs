@@ -8,6 +8,7 @@ use std::path::PathBuf;
 
 use super::fit::Dice;
 use super::neutral;
+pub use super::progress::Progress;
 use super::reference::{self, Reference};
 use super::setting::{Family, Setting, Structure, Target, families};
 use super::store::{
@@ -36,14 +37,6 @@ pub struct Options {
     pub most: u32,
     /// The fewest points of a render of the reference.
     pub least: u32,
-}
-
-/// Who is told how far a sweep has come.
-pub trait Progress {
-    /// The next stage begins, of so many steps.
-    fn stage(&self, name: &str, steps: u64);
-    /// One of its steps is done.
-    fn step(&self);
 }
 
 /// A scene with its references, as a report needs it again.

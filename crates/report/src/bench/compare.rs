@@ -9,7 +9,7 @@ use serde::Serialize;
 
 use super::hardware;
 use super::measure::{Difference, Runs, Schedule, difference};
-use super::{Ratio, TracerBench};
+use super::tracer::{Ratio, TracerBench};
 use wavecrest_base::error::Result;
 use wavecrest_core::accel::KernelChoice;
 use wavecrest_core::counters::Counters;

@@ -1,6 +1,7 @@
-//! What is told of both tracers, side by side, in text and on a page.
+//! What is reported of both tracers, side by side, in text and on a page.
 
-use super::{SceneBench, TracerBench};
+use super::report::SceneBench;
+use super::tracer::TracerBench;
 
 /// One measure of both.
 pub(super) struct Row {

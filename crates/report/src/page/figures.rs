@@ -3,11 +3,11 @@
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 
-use super::blocks::table;
-use super::document::{Writer, inline};
+use super::tables::table;
+use super::writer::{Writer, inline};
 use super::{Align, Cell, Column, Compare, Picture, Table};
 use crate::markup::escape;
-use crate::plot::Figure;
+use crate::plot::figure::Figure;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
 /// A chart with its caption, its notes, and its figures as a table and as files.

@@ -1,7 +1,8 @@
 //! What a page holds, for readers with and without JavaScript, and for nobody else.
 
 use super::*;
-use crate::plot::{Axis, Bar, Figure as _, Point, Scale, Segment, Series};
+use crate::plot::figure::Figure as _;
+use crate::plot::{Axis, Bar, Point, Scale, Segment, Series};
 
 /// A PNG of two pixels by one.
 fn png() -> Vec<u8> {

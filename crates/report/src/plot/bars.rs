@@ -2,7 +2,6 @@
 
 use super::drawing::{BESIDE, Drawing, Frame, LABEL, Mark, Shape, Text};
 use super::field::{Field, Room};
-use super::figure::Figure as _;
 use super::legend::{self, Sample};
 use super::number::{exact, figure, seconds, time_unit};
 use super::paint::Paint;
@@ -36,7 +35,6 @@ pub(super) fn draw(bars: &StackedBars, frame: Frame) -> Drawing {
     for (row, bar) in bars.bars.iter().enumerate() {
         draw_bar(&mut drawing, bar, &stages, |time| field.at(row as f64, time * scale));
     }
-    drawing.notes(&bars.notes());
     drawing
 }
 

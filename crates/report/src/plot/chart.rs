@@ -1,8 +1,7 @@
-//! A [`Chart`] as a drawing: title, legend, axes, guides, series, notes.
+//! A [`Chart`] as a drawing: title, legend, axes, guides, series.
 
 use super::drawing::{At, Drawing, Frame, Mark, Shape};
 use super::field::Field;
-use super::figure::Figure as _;
 use super::legend::{self, Sample};
 use super::marker::{marker, stroke};
 use super::number::{exact, figure, quantity};
@@ -31,7 +30,6 @@ pub(super) fn draw(chart: &Chart, frame: Frame) -> Drawing {
     for (index, series) in chart.series.iter().enumerate() {
         draw_series(&mut drawing, chart, (index, series), &field);
     }
-    drawing.notes(&chart.notes());
     drawing
 }
 

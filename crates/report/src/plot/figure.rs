@@ -23,18 +23,25 @@ pub(crate) trait Figure: serde::Serialize {
     /// Its values to the last digit, drawn or not: the header, then a row for each.
     fn rows(&self) -> Vec<Vec<String>>;
 
-    /// The drawing.
+    /// The drawing without its notes.
     fn draw(&self, frame: Frame) -> Drawing;
+
+    /// The drawing.
+    fn drawing(&self, frame: Frame) -> Drawing {
+        let mut drawing = self.draw(frame);
+        drawing.notes(&self.notes());
+        drawing
+    }
 
     /// For a page: as wide as its text, and for narrow screens.
     fn elements(&self) -> String {
-        let element = |frame, class| svg::element(&self.draw(frame), self.title(), class);
+        let element = |frame, class| svg::element(&self.drawing(frame), self.title(), class);
         element(Frame::WIDE, "wide") + &element(Frame::NARROW, "narrow")
     }
 
     /// A standalone SVG file. It follows light and dark where its reader does.
     fn svg(&self) -> String {
-        svg::file(&self.draw(Frame::FILE), self.title(), self.caption())
+        svg::file(&self.drawing(Frame::FILE), self.title(), self.caption())
     }
 
     /// Writes a PNG `width` pixels wide, as large as the SVG at 720.
@@ -42,7 +49,7 @@ pub(crate) trait Figure: serde::Serialize {
     /// # Errors
     /// When the file cannot be written, or the width is 0 or above 16384.
     fn png(&self, path: &Path, width: u32) -> Result<()> {
-        replace_file(path, |sink| raster::write(&self.draw(Frame::FILE), width, sink))
+        replace_file(path, |sink| raster::write(&self.drawing(Frame::FILE), width, sink))
     }
 
     /// Its rows as CSV (RFC 4180).

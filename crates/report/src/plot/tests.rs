@@ -191,7 +191,7 @@ fn odd() -> Vec<Chart> {
 fn odd_figures_are_drawn_within_the_picture() {
     for chart in odd() {
         for frame in [Frame::FILE, Frame::WIDE, Frame::NARROW] {
-            let drawing = chart.draw(frame);
+            let drawing = chart.drawing(frame);
             for shape in &drawing.shapes {
                 let points = match shape {
                     Shape::Line { points, .. } | Shape::Area { points, .. } => points.clone(),

@@ -7,9 +7,9 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use serde::Serialize;
 
+use super::case::{Count, Effort, Outcome};
 use super::topology::Topology;
 use super::ways::{Numbers, Tests};
-use super::{Count, Effort, Outcome};
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::accel::geometry::{Geometry, Primitive};
 use wavecrest_core::accel::{Accel, Hit, Traversal};

@@ -3,11 +3,12 @@
 use glam::{DVec3, Vec3};
 use serde_json::{Value, json};
 
+use super::case::{Effort, Outcome};
 use super::convex::globe;
+use super::refused;
 use super::scenes::{self, Eye, PRESETS, every_image, pixels};
 use super::surfaces::on_triangle;
 use super::ways::{Numbers, Tests, in_blocks};
-use super::{Effort, Outcome, refused};
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::kernels::blinn_phong::{Material, reflect};
 use wavecrest_core::kernels::light::{Emitter, Falloff, Light, Triangles};

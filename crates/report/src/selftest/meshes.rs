@@ -4,11 +4,11 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use serde_json::json;
 
+use super::case::{Effort, Outcome};
 use super::convex::globe;
 use super::scenes::{self, Eye, PRESETS, every_image};
 use super::trees::by_brute_force;
 use super::ways::{Numbers, every_way};
-use super::{Effort, Outcome};
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::accel::geometry::Geometry;
 use wavecrest_core::math::ray::Ray;

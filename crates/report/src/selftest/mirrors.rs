@@ -4,9 +4,9 @@ use glam::DVec3;
 use rayon::prelude::*;
 use serde_json::json;
 
+use super::case::{Effort, Outcome};
 use super::scenes::{self, Eye, every_image, pixels};
 use super::ways::sum;
-use super::{Effort, Outcome};
 use wavecrest_core::accel::build::Preset;
 
 /// The greatest relative error of a pixel.

@@ -3,10 +3,10 @@
 use glam::{DVec3, Vec3};
 use serde_json::{Value, json};
 
+use super::case::{Effort, Outcome};
 use super::convex::{Mesh, globe};
 use super::scenes::{self, Eye, PRESETS, camera_rays, every_image, pixels};
 use super::ways::every_way;
-use super::{Effort, Outcome};
 use wavecrest_base::error::Result;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::accel::{Accel, Hit};

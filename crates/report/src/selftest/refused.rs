@@ -6,9 +6,9 @@ use std::path::Path;
 use glam::DVec3;
 use serde_json::{Value, json};
 
+use super::case::{Effort, Outcome};
 use super::scenes::{self, Eye, Prepared};
 use super::ways::Numbers;
-use super::{Effort, Outcome};
 use wavecrest_base::error::{ErrorKind, Result};
 use wavecrest_core::accel::build::Preset;
 

@@ -5,7 +5,7 @@ use std::path::Path;
 use glam::{DVec3, Vec3};
 use serde_json::{Value, json};
 
-use super::{Effort, Outcome};
+use super::case::{Effort, Outcome};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::film::Film;

@@ -3,8 +3,8 @@
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
+use super::case::{Effort, Outcome};
 use super::ways::{Numbers, Tests, every_way};
-use super::{Effort, Outcome};
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::accel::geometry::Geometry;
 use wavecrest_core::kernels::shade::SHADOW_END;

@@ -2,9 +2,9 @@
 
 use glam::Vec3;
 
+use super::case::{Effort, Outcome};
 use super::directions::cubes;
 use super::ways::{Numbers, every_way};
-use super::{Effort, Outcome};
 use wavecrest_core::accel::Hit;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::accel::geometry::Geometry;

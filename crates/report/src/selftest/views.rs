@@ -3,9 +3,10 @@
 use glam::DVec3;
 use serde_json::{Value, json};
 
+use super::case::{Effort, Outcome};
+use super::refused;
 use super::scenes::{self, BACKGROUND, Eye, every_image, pixels};
 use super::ways::Numbers;
-use super::{Effort, Outcome, refused};
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::math::random::Stream;
 

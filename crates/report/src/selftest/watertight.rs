@@ -3,9 +3,9 @@
 use glam::Vec3;
 use rayon::prelude::*;
 
+use super::case::{Effort, Outcome};
 use super::closed::{Closed, globe};
 use super::ways::{Numbers, every_way};
-use super::{Effort, Outcome};
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::math::ray::Ray;
 

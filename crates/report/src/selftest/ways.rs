@@ -5,7 +5,7 @@ use std::time::Instant;
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::{Effort, Outcome};
+use super::case::{Effort, Outcome};
 use wavecrest_core::accel::{Accel, Hit, KernelChoice};
 use wavecrest_core::kernels::precision::{Fast, Precision};
 use wavecrest_core::kernels::sphere;
