@@ -185,7 +185,7 @@ impl Pilot {
             None => Vec::new(),
             Some(axis) => Sampling::ALL
                 .into_iter()
-                .map(|sampling| curve(scene, original, (sampling, axis), seed))
+                .map(|sampling| curve(scene, original, sampling, axis, seed))
                 .collect::<Result<_>>()?,
         };
         scene.resample(original, &Samples::default());
@@ -215,7 +215,8 @@ impl Pilot {
 fn curve(
     scene: &mut PreparedScene,
     original: &Original,
-    (sampling, axis): (Sampling, Axis),
+    sampling: Sampling,
+    axis: Axis,
     seed: u64,
 ) -> Result<Curve> {
     // The least of several where they are short, taken in turn: other programs can only add to a time.

@@ -1,9 +1,9 @@
 use super::*;
 use wavecrest_core::accel::KernelChoice;
 use wavecrest_core::accel::build::Preset;
+use wavecrest_core::film::Film;
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::math::simd::Level;
-use wavecrest_core::film::Film;
 use wavecrest_core::render::{RenderOptions, render};
 
 fn schedule() -> Schedule {

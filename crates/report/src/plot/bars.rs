@@ -27,8 +27,7 @@ pub(super) fn draw(bars: &StackedBars, frame: Frame) -> Drawing {
     let names = bars.bars.iter().map(|bar| bar.name.clone()).collect();
     let (names, time) =
         (Axis::new("", "", Scale::Names(names)), Axis::new("time", unit, Scale::FromZero));
-    let mut field =
-        Field::new((&names, std::iter::empty()), (&time, [longest * scale].into_iter()));
+    let mut field = Field::new(&names, std::iter::empty(), &time, [longest * scale].into_iter());
     let beside = font::width(&format!("  {}", seconds(0.123_45)), LABEL);
     let height = ROW * bars.bars.len().max(1) as f64;
     field.draw(&mut drawing, height, Room { above: 0.0, beside });

@@ -27,8 +27,8 @@ pub(super) fn draw(chart: &Chart, frame: Frame) -> Drawing {
     };
     field.draw(&mut drawing, height, guides::room(chart, field.turned));
     guides::draw(&mut drawing, chart, &field);
-    for (index, series) in chart.series.iter().enumerate() {
-        draw_series(&mut drawing, chart, (index, series), &field);
+    for index in 0..chart.series.len() {
+        draw_series(&mut drawing, chart, index, &field);
     }
     drawing
 }
@@ -51,15 +51,11 @@ fn field(chart: &Chart) -> Field<'_> {
         Course::AtY(y) => Some(y),
         Course::Power { .. } => None,
     });
-    Field::new((&chart.x, points().map(|point| point.x)), (&chart.y, ys.chain(guides)))
+    Field::new(&chart.x, points().map(|point| point.x), &chart.y, ys.chain(guides))
 }
 
-fn draw_series(
-    drawing: &mut Drawing,
-    chart: &Chart,
-    (index, series): (usize, &Series),
-    field: &Field<'_>,
-) {
+fn draw_series(drawing: &mut Drawing, chart: &Chart, index: usize, field: &Field<'_>) {
+    let series = &chart.series[index];
     let places: Vec<Option<At>> = series.points.iter().map(|p| field.at(p.x, p.y)).collect();
     for run in runs(&places).filter(|run| run.len() > 1) {
         match series.draw {

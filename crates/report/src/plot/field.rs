@@ -38,8 +38,10 @@ pub(super) struct Room {
 impl<'c> Field<'c> {
     /// A field with a place for all of these values.
     pub(super) fn new(
-        (x, xs): (&'c Axis, impl Iterator<Item = f64>),
-        (y, ys): (&'c Axis, impl Iterator<Item = f64>),
+        x: &'c Axis,
+        xs: impl Iterator<Item = f64>,
+        y: &'c Axis,
+        ys: impl Iterator<Item = f64>,
     ) -> Self {
         let turned = matches!(x.scale, Scale::Names(_));
         Self { x: Place::new(x, xs), y: Place::new(y, ys), turned }

@@ -4,7 +4,7 @@ use glam::{DVec3, Vec3};
 use serde_json::{Value, json};
 
 use super::case::{Effort, Outcome};
-use super::convex::globe;
+use super::convex::{Mesh, globe};
 use super::refused;
 use super::scenes::{self, Eye, PRESETS, every_image, pixels};
 use super::surfaces::on_triangle;
@@ -170,6 +170,26 @@ pub(super) fn at_the_surface(effort: &Effort) -> Outcome {
     outcome
 }
 
+/// From a point of a surface to a light: nothing, a few of its rounding errors, or a little of `unit`.
+fn away(numbers: &mut Numbers, surface: &Surface, unit: f64) -> DVec3 {
+    let least = f64::from(max_abs(surface.error));
+    match numbers.below(4) {
+        0 => DVec3::ZERO,
+        1 => surface.normal.as_dvec3() * (least * numbers.magnitude(1e-3, 10.0)),
+        2 => numbers.direction() * (least * numbers.magnitude(1e-3, 10.0)),
+        _ => numbers.direction() * (unit * numbers.magnitude(1e-9, 1e-5)),
+    }
+}
+
+/// The part of a light's power that is left at a distance.
+fn part_left(falloff: Falloff, distance: f64) -> f64 {
+    match falloff {
+        Falloff::Linear => 1.0 / (4.0 * std::f64::consts::PI * distance),
+        Falloff::InverseSquare => 1.0 / (4.0 * std::f64::consts::PI * distance * distance),
+        Falloff::None => 1.0,
+    }
+}
+
 /// A point light at a point, or within a few of its rounding errors.
 fn light_at_a_point(tests: Tests, numbers: &mut Numbers) -> Outcome {
     let mut outcome = Outcome::default();
@@ -178,13 +198,7 @@ fn light_at_a_point(tests: Tests, numbers: &mut Numbers) -> Outcome {
     let Some(surface) = on_triangle(tests, numbers, &corners) else { return outcome };
     let point = shading_point(numbers, &surface);
     let least = f64::from(max_abs(surface.error));
-    let away = match numbers.below(4) {
-        0 => DVec3::ZERO,
-        1 => surface.normal.as_dvec3() * (least * numbers.magnitude(1e-3, 10.0)),
-        2 => numbers.direction() * (least * numbers.magnitude(1e-3, 10.0)),
-        _ => numbers.direction() * (unit * numbers.magnitude(1e-9, 1e-5)),
-    };
-    let position = (surface.point.as_dvec3() + away).as_vec3();
+    let position = (surface.point.as_dvec3() + away(numbers, &surface, unit)).as_vec3();
     let falloff = FALLOFFS[numbers.below(3)];
     let light = light(Emitter::Point(position), falloff);
     let stream = Stream { seed: 0, pixel: 0, sample: 0, bounce: 0 };
@@ -200,12 +214,9 @@ fn light_at_a_point(tests: Tests, numbers: &mut Numbers) -> Outcome {
         }
         Some(request) => {
             let nearest = distance.max(least);
-            let falls = match falloff {
-                Falloff::Linear => 1.0 / (4.0 * std::f64::consts::PI * nearest),
-                Falloff::InverseSquare => 1.0 / (4.0 * std::f64::consts::PI * nearest * nearest),
-                Falloff::None => 1.0,
-            };
-            let most = f64::from(POWER * (MATERIAL.kd + MATERIAL.ks)) * falls * 1.0001;
+            let most = f64::from(POWER * (MATERIAL.kd + MATERIAL.ks))
+                * part_left(falloff, nearest)
+                * 1.0001;
             let is_bounded = request.contribution.is_finite()
                 && f64::from(request.contribution.max_element()) <= most;
             outcome.count((!is_bounded).then(|| format!("more than {most}: {}", told())));
@@ -215,6 +226,20 @@ fn light_at_a_point(tests: Tests, numbers: &mut Numbers) -> Outcome {
         }
     }
     outcome
+}
+
+/// A mesh whose normals are tilted at random from those of its globe.
+fn with_normals(mesh: &Mesh, numbers: &mut Numbers, tilt: f64) -> Value {
+    let normals = mesh.positions.iter().map(|p| {
+        let normal = p.as_dvec3().normalize() + numbers.direction() * tilt;
+        normal.normalize().to_array()
+    });
+    let normals: Vec<[f64; 3]> = normals.collect();
+    let shiny = json!({"ks": 1, "kd": 1, "specularexponent": 2, "diffusecolor": [1, 1, 1]});
+    let mut shape = scenes::mesh(&mesh.positions, &mesh.triangles, shiny);
+    shape["shading"] = json!("smooth");
+    shape["normals"] = json!(normals);
+    shape
 }
 
 /// Row 33.
@@ -230,15 +255,7 @@ pub(super) fn horizon(effort: &Effort) -> Outcome {
         let eye = Eye { location, look: DVec3::ZERO, up: DVec3::Y, fov: 40.0, size };
         // Up to nearly along the surface.
         let tilt = [0.0, 0.5, 3.0][numbers.below(3)];
-        let normals = mesh.positions.iter().map(|p| {
-            let normal = p.as_dvec3().normalize() + numbers.direction() * tilt;
-            normal.normalize().to_array()
-        });
-        let normals: Vec<[f64; 3]> = normals.collect();
-        let shiny = json!({"ks": 1, "kd": 1, "specularexponent": 2, "diffusecolor": [1, 1, 1]});
-        let mut shape = scenes::mesh(&mesh.positions, &mesh.triangles, shiny);
-        shape["shading"] = json!("smooth");
-        shape["normals"] = json!(normals);
+        let shape = with_normals(&mesh, &mut numbers, tilt);
         let lights = [scenes::point_light(100.0, light, "none")];
         let scene = scenes::scene(0, &eye.json(), &lights, &[shape]);
         // Nearer to a face's plane than this, and rounding decides whether the light is before it.
@@ -292,24 +309,27 @@ pub(super) fn highlights(effort: &Effort) -> Outcome {
         outcome
     });
     for exponent in [0.0, 1e-30, 0.5, 1.0, 999_999.5, 1e6] {
-        let mut shiny = scenes::matte([0.5; 3]);
-        shiny["ks"] = json!(1);
-        shiny["specularexponent"] = json!(exponent);
-        let location = DVec3::new(0.0, 0.0, 4.0);
-        let size = [24, 24];
-        let eye = Eye { location, look: DVec3::ZERO, up: DVec3::Y, fov: 40.0, size };
-        // At the eye, where the half vector is the view, and behind what it sees.
-        let lights = [location, -location, DVec3::Z * 1.5]
-            .map(|position| scenes::point_light(40.0, position, "linear"));
-        let ball = scenes::sphere(DVec3::ZERO, 1.0, shiny);
-        let scene = scenes::scene(0, &eye.json(), &lights, &[ball]);
-        let images = match scenes::image(effort, &scene, Preset::Brute) {
-            Err(error) => Outcome::failure(error.to_string()),
-            Ok(expected) => every_image(effort, &scene, &[Preset::VeryFast], |rendered| {
-                scenes::same(&rendered.film, &expected)
-            }),
-        };
-        outcome.add(images.told(|| format!("exponent {exponent}")));
+        outcome.add(shiny_ball(effort, exponent).told(|| format!("exponent {exponent}")));
     }
     outcome
+}
+
+/// A ball with this exponent, of which every way has to make the same image.
+fn shiny_ball(effort: &Effort, exponent: f64) -> Outcome {
+    let mut shiny = scenes::matte([0.5; 3]);
+    shiny["ks"] = json!(1);
+    shiny["specularexponent"] = json!(exponent);
+    let location = DVec3::new(0.0, 0.0, 4.0);
+    let eye = Eye { location, look: DVec3::ZERO, up: DVec3::Y, fov: 40.0, size: [24, 24] };
+    // At the eye, where the half vector is the view, and behind what it sees.
+    let lights = [location, -location, DVec3::Z * 1.5]
+        .map(|position| scenes::point_light(40.0, position, "linear"));
+    let ball = scenes::sphere(DVec3::ZERO, 1.0, shiny);
+    let scene = scenes::scene(0, &eye.json(), &lights, &[ball]);
+    match scenes::image(effort, &scene, Preset::Brute) {
+        Err(error) => Outcome::failure(error.to_string()),
+        Ok(expected) => every_image(effort, &scene, &[Preset::VeryFast], |rendered| {
+            scenes::same(&rendered.film, &expected)
+        }),
+    }
 }

@@ -10,7 +10,7 @@ use super::ways::sum;
 use wavecrest_core::accel::build::Preset;
 
 /// The greatest relative error of a pixel.
-const MOST: f64 = 1e-4;
+const LARGEST_ERROR: f64 = 1e-4;
 
 /// Where the two mirrors are, along z.
 const PLACES: [f64; 2] = [0.0, 1.0];
@@ -59,7 +59,7 @@ fn between(effort: &Effort, bounces: u32, kr: f64) -> Outcome {
         let mut outcome = scenes::same(&rendered.film, &expected);
         outcome.add(pixels(&rendered.film, |x, y, pixel| {
             let right = radiance(eye.location, eye.direction(x, y), bounces, kr);
-            let is_near = |i: usize| (f64::from(pixel[i]) / right[i] - 1.0).abs() <= MOST;
+            let is_near = |i: usize| (f64::from(pixel[i]) / right[i] - 1.0).abs() <= LARGEST_ERROR;
             (!(0..3).all(is_near)).then(|| format!("not {right}"))
         }));
         outcome

@@ -8,6 +8,7 @@ use super::refused;
 use super::scenes::{self, BACKGROUND, Eye, every_image, pixels};
 use super::ways::Numbers;
 use wavecrest_core::accel::build::Preset;
+use wavecrest_core::kernels::camera::Camera;
 use wavecrest_core::math::random::Stream;
 
 /// Every preset, testing everything among them.
@@ -145,11 +146,11 @@ pub(super) fn upright(effort: &Effort) -> Outcome {
 
 /// What is wrong with unit vectors that are to be at right angles, within 4 ulp of 1.
 fn not_orthonormal(basis: [DVec3; 3]) -> Option<String> {
-    const MOST: f64 = 4.0 * f32::EPSILON as f64;
+    const LARGEST_ERROR: f64 = 4.0 * f32::EPSILON as f64;
     for (i, a) in basis.iter().enumerate() {
         for (j, b) in basis.iter().enumerate() {
             let error = a.dot(*b) - f64::from(u8::from(i == j));
-            let is_within = error.abs() <= MOST;
+            let is_within = error.abs() <= LARGEST_ERROR;
             if !is_within {
                 return Some(format!("{basis:?}: vectors {i} and {j} are off by {error:e}"));
             }
@@ -182,17 +183,7 @@ pub(super) fn angles(effort: &Effort) -> Outcome {
         match scenes::prepare(effort, &scene, Preset::VeryFast) {
             Err(error) => outcome.count(Some(format!("{}: {error}", told()))),
             Ok(prepared) => {
-                for _ in 0..100 {
-                    let (x, y) = (numbers.below(size[0] as usize), numbers.below(size[1] as usize));
-                    let stream = Stream { seed: effort.seed, pixel: 0, sample: 0, bounce: 0 };
-                    let ray = prepared.scene.camera.ray(x as u32, y as u32, &stream);
-                    let is_unit = (ray.direction.as_dvec3().length() - 1.0).abs()
-                        < 4.0 * f64::from(f32::EPSILON);
-                    outcome.count(
-                        (!(ray.is_valid() && is_unit))
-                            .then(|| format!("{}: pixel ({x}, {y}) has the ray {ray:?}", told())),
-                    );
-                }
+                outcome.add(rays_of(&prepared.scene.camera, &mut numbers, effort.seed, told));
             }
         }
     }
@@ -202,11 +193,31 @@ pub(super) fn angles(effort: &Effort) -> Outcome {
         }
     }
     for fov in [0.0, -1.0, 0.000_999, 179.001, 180.0, 1e9] {
-        let size = [3, 3];
-        let eye = Eye { location: DVec3::ZERO, look: DVec3::X, up: DVec3::Y, fov, size };
+        let eye = Eye { location: DVec3::ZERO, look: DVec3::X, up: DVec3::Y, fov, size: [3, 3] };
         let scene = scenes::scene(0, &eye.json(), &[], &[]);
         let refusal = scenes::prepare(effort, &scene, Preset::VeryFast);
         outcome.add(refused::names(refusal, "camera.fov").told(|| format!("{fov} degrees")));
+    }
+    outcome
+}
+
+/// Whether rays of some pixels have directions, of length 1 within 4 ulp.
+fn rays_of(
+    camera: &Camera,
+    numbers: &mut Numbers,
+    seed: u64,
+    told: impl Fn() -> String,
+) -> Outcome {
+    let mut outcome = Outcome::default();
+    let [width, height] = camera.size().map(|side| side as usize);
+    for _ in 0..100 {
+        let (x, y) = (numbers.below(width), numbers.below(height));
+        let stream = Stream { seed, pixel: 0, sample: 0, bounce: 0 };
+        let ray = camera.ray(x as u32, y as u32, &stream);
+        let error = (ray.direction.as_dvec3().length() - 1.0).abs();
+        let is_right = ray.is_valid() && error < 4.0 * f64::from(f32::EPSILON);
+        let failure = || format!("{}: pixel ({x}, {y}) has the ray {ray:?}", told());
+        outcome.count((!is_right).then(failure));
     }
     outcome
 }

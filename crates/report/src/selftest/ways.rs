@@ -15,8 +15,8 @@ use wavecrest_core::math::random::Stream;
 use wavecrest_core::math::ray::Ray;
 use wavecrest_core::math::simd::Level;
 
-/// Rays that a thread asks about at a time.
-const BLOCK: usize = 1 << 13;
+/// Rays that a thread is given at a time.
+const RAYS_OF_A_THREAD: usize = 1 << 13;
 
 /// Has the `accel`'s answers for all rays judged, for every kernel with all instructions there are.
 /// `judge` says what is wrong with the answer for the ray of that number, if anything is.
@@ -51,7 +51,7 @@ fn ask(
     rays: &[Ray],
     judge: impl Fn(usize, &Ray, Hit) -> Option<String> + Sync,
 ) -> Outcome {
-    let blocks = rays.par_chunks(BLOCK).enumerate().map(|(block, rays)| {
+    let blocks = rays.par_chunks(RAYS_OF_A_THREAD).enumerate().map(|(block, rays)| {
         let mut hits = vec![Hit::MISS; rays.len()];
         let mut traversal = accel.traversal();
         let start = Instant::now();
@@ -59,7 +59,7 @@ fn ask(
         let seconds = start.elapsed().as_secs_f64();
         let mut outcome = Outcome { timed: rays.len() as u64, seconds, ..Outcome::default() };
         for (i, (ray, &hit)) in rays.iter().zip(&hits).enumerate() {
-            let number = block * BLOCK + i;
+            let number = block * RAYS_OF_A_THREAD + i;
             let told = |failure| format!("ray {number}, {ray:?}: {failure}");
             outcome.count(judge(number, ray, hit).map(told));
         }
@@ -70,10 +70,10 @@ fn ask(
 
 /// Asks `count` questions on all threads, and adds up what comes of them, in order.
 pub(super) fn in_blocks(count: u32, ask: impl Fn(usize) -> Outcome + Sync) -> Outcome {
-    let blocks = (0..count as usize).step_by(BLOCK).collect::<Vec<_>>().into_par_iter();
+    let blocks = (0..count as usize).step_by(RAYS_OF_A_THREAD).collect::<Vec<_>>().into_par_iter();
     let block = |start: usize| {
         let mut outcome = Outcome::default();
-        for n in start..(start + BLOCK).min(count as usize) {
+        for n in start..(start + RAYS_OF_A_THREAD).min(count as usize) {
             outcome.add(ask(n).told(|| format!("input {n}")));
         }
         outcome
