@@ -56,8 +56,8 @@ struct Runs {
 
 const TRACERS: [TracerKind; 2] = [TracerKind::Wavefront, TracerKind::Recursive];
 
-/// Runs `trace` on all `entries` in turn as `schedule` says, with rounds in place of pairs. `progress` is
-/// told the rounds timed and those to be timed in all.
+/// Runs `trace` on all `entries` in turn as `schedule` says, with rounds in place of pairs. `progress` gets
+/// the rounds timed and those to be timed in all.
 ///
 /// # Errors
 /// Those of `trace`.

@@ -1,4 +1,4 @@
-//! A report as one HTML file that is standalone: styles, script, charts and pictures are in it.
+//! A report as one standalone HTML file: styles, script, charts and pictures are in it.
 //!
 //! A [`Page`] is data: sections of [`Block`]s, in the order of reading. All text is plain text, and
 //! is escaped; words between backticks are set as code. The page asks for nothing from any network,

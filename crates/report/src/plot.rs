@@ -63,12 +63,12 @@ pub struct Axis {
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Scale {
-    /// Equal differences, equal distances.
+    /// Equal differences at equal distances.
     #[default]
     Linear,
     /// As [`Scale::Linear`], and 0 is in sight.
     FromZero,
-    /// Equal ratios, equal distances. There is no place for 0 or less: such points are not drawn, and
+    /// Equal ratios at equal distances. There is no place for 0 or less: such points are not drawn, and
     /// a note says how many.
     Log,
     /// Names for the values 0, 1, 2 and so on. For `x` alone.

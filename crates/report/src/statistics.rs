@@ -22,7 +22,7 @@
 //! | `lights_at_surface` | rays | lights nearer than the rounding error of the surface |
 //! | `time.load`, `.build`, `.trace`, `.write`, `.total` | seconds | by stage, on the clock |
 //! | `time.passes` | seconds | by pass, summed over threads |
-//! | `memory.predicted`, `.peak` | bytes | peak of the process: estimated before a mesh or a texture is read, and measured (`null` where the system does not tell) |
+//! | `memory.predicted`, `.peak` | bytes | peak of the process: estimated before a mesh or a texture is read, and measured (`null` where it is not known) |
 //! | `columns.estimated`, `.held` | bytes | columns of the wavefront's batches on all threads: estimated, and held (the recursive tracer has none) |
 //! | `bvh.preset`, `.nodes`, `.depth`, `.bytes` | | the trees: nodes of all, the greatest depth |
 //! | `resumed` | | the part of the image that a checkpoint held (0 to 1): rays and all other work are those of this run alone |

@@ -6,7 +6,7 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use super::fit::Dice;
+use super::fit::Rng;
 use super::neutral;
 pub use super::progress::Progress;
 use super::reference::{self, Reference};
@@ -172,7 +172,7 @@ fn points(
     note_preparation(subject, all.iter().map(|(.., setting)| setting), store)?;
     progress.stage(&name, all.len() as u64 * u64::from(options.seeds));
     for seed in 0..u64::from(options.seeds) {
-        Dice::new(seed).shuffle(&mut all);
+        Rng::new(seed).shuffle(&mut all);
         for (target, key, setting) in &all {
             if !store.has(&name, *target, key, seed)
                 && let Some(reference) = references.get(target.name())

@@ -1,4 +1,4 @@
-//! What a benchmark found, in the form of its JSON.
+//! What a benchmark found, as it is written as JSON.
 
 use serde::Serialize;
 

@@ -52,7 +52,7 @@ pub(super) fn rows(
     rows
 }
 
-/// The unit in which so many seconds are told, and what to multiply them by.
+/// The unit for so many seconds, and what to multiply them by.
 pub(super) fn unit(seconds: f64) -> (f64, &'static str) {
     match seconds {
         ..1e-3 => (1e6, "us"),

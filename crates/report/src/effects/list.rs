@@ -1,4 +1,4 @@
-//! The price list, in the form of its JSON.
+//! The price list, as it is written as JSON.
 
 use serde::Serialize;
 

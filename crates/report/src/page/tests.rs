@@ -88,7 +88,7 @@ fn every_element_that_is_opened_is_closed() {
 }
 
 #[test]
-fn a_page_stands_alone() {
+fn a_page_is_standalone() {
     let html = page("words").html().unwrap();
     assert!(
         html.contains("Content-Security-Policy") && html.contains("default-src &#39;none&#39;")

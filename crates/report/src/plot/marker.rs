@@ -1,4 +1,4 @@
-//! How a series looks: its marker and its line, on the field and in the legend.
+//! How a series is drawn: its marker and its line, on the field and in the legend.
 
 use super::drawing::{At, Drawing, Shape};
 use super::paint::{COLOURS, Paint};

@@ -88,9 +88,9 @@ impl Outcome {
         }
     }
 
-    /// With the first failure told after what `told` says.
-    pub(super) fn told(self, told: impl Fn() -> String) -> Self {
-        Self { first: self.first.map(|first| format!("{}, {first}", told())), ..self }
+    /// With `context` before the words of the first failure.
+    pub(super) fn with_context(self, context: impl Fn() -> String) -> Self {
+        Self { first: self.first.map(|first| format!("{}, {first}", context())), ..self }
     }
 
     /// With all failures forgiven that are no more than this share of the answers.

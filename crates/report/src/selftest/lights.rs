@@ -69,7 +69,7 @@ pub(super) fn edge_on(effort: &Effort) -> Outcome {
                     is_below_0.then(|| "below 0".to_owned())
                 })
             });
-            outcome.add(images.told(|| format!("a light of the shape {shape}, {falloff}")));
+            outcome.add(images.with_context(|| format!("a light of the shape {shape}, {falloff}")));
         }
     }
     outcome
@@ -164,7 +164,9 @@ pub(super) fn at_the_surface(effort: &Effort) -> Outcome {
                 outcome.count((!is_right).then(|| format!("{middle:?} below the light")));
                 outcome
             });
-            outcome.add(images.told(|| format!("a light {height} ulp before a wall, {falloff}")));
+            outcome.add(
+                images.with_context(|| format!("a light {height} ulp before a wall, {falloff}")),
+            );
         }
     }
     outcome
@@ -205,12 +207,12 @@ fn light_at_a_point(tests: Tests, numbers: &mut Numbers) -> Outcome {
     let request = shadow_request(&point, Vec3::ONE, &light, &light.point(0, &stream));
     let towards = position.as_dvec3() - surface.point.as_dvec3();
     let distance = towards.length();
-    let told = || format!("{request:?} from {point:?} to {position}");
+    let context = || format!("{request:?} from {point:?} to {position}");
     match &request {
         None => {
             let height = surface.normal.as_dvec3().dot(towards);
             let is_before = height > 1e-5 * distance && distance > 0.0;
-            outcome.count(is_before.then(|| format!("it is left out: {}", told())));
+            outcome.count(is_before.then(|| format!("it is left out: {}", context())));
         }
         Some(request) => {
             let nearest = distance.max(least);
@@ -219,10 +221,10 @@ fn light_at_a_point(tests: Tests, numbers: &mut Numbers) -> Outcome {
                 * 1.0001;
             let is_bounded = request.contribution.is_finite()
                 && f64::from(request.contribution.max_element()) <= most;
-            outcome.count((!is_bounded).then(|| format!("more than {most}: {}", told())));
+            outcome.count((!is_bounded).then(|| format!("more than {most}: {}", context())));
             let is_doubtful = (distance / least - 1.0).abs() < 1e-5;
             let is_counted = request.at_light == (distance < least) || is_doubtful;
-            outcome.count((!is_counted).then(|| format!("{distance}, {least}: {}", told())));
+            outcome.count((!is_counted).then(|| format!("{distance}, {least}: {}", context())));
         }
     }
     outcome
@@ -271,7 +273,9 @@ pub(super) fn horizon(effort: &Effort) -> Outcome {
                 (is_lit && is_behind(x, y)).then(|| "lit from behind".to_owned())
             })
         });
-        outcome.add(images.told(|| format!("light at {light}, seen from {location}, tilt {tilt}")));
+        outcome.add(
+            images.with_context(|| format!("light at {light}, seen from {location}, tilt {tilt}")),
+        );
     }
     outcome.count((asked == 0).then(|| "no face has the light behind it".to_owned()));
     outcome
@@ -309,7 +313,7 @@ pub(super) fn highlights(effort: &Effort) -> Outcome {
         outcome
     });
     for exponent in [0.0, 1e-30, 0.5, 1.0, 999_999.5, 1e6] {
-        outcome.add(shiny_ball(effort, exponent).told(|| format!("exponent {exponent}")));
+        outcome.add(shiny_ball(effort, exponent).with_context(|| format!("exponent {exponent}")));
     }
     outcome
 }

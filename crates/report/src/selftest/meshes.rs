@@ -37,11 +37,11 @@ pub(super) fn without_area(effort: &Effort) -> Outcome {
         Err(error) => outcome.count(Some(error.to_string())),
         Ok(prepared) => {
             let found = prepared.scene.dropped.degenerate;
-            let is_told =
+            let is_warned =
                 prepared.warnings.iter().any(|w| w.contains(&format!(" {count} triangles")));
-            let is_right = found == u64::from(count) && is_told;
-            let told = || format!("{found} of {count} are counted, {:?}", prepared.warnings);
-            outcome.count((!is_right).then(told));
+            let is_right = found == u64::from(count) && is_warned;
+            let context = || format!("{found} of {count} are counted, {:?}", prepared.warnings);
+            outcome.count((!is_right).then(context));
         }
     }
     outcome

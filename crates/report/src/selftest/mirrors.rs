@@ -28,8 +28,8 @@ pub(super) fn facing(effort: &Effort) -> Outcome {
     let bounces: Vec<u32> = effort.either(few, many);
     let asked = bounces.into_iter().flat_map(|n| [(n, 0.5), (n, 0.99), (n, 1.0)]);
     let all = asked.collect::<Vec<_>>().into_par_iter().map(|(bounces, kr)| {
-        let told = || format!("{bounces} bounces of {kr}");
-        between(effort, bounces, kr).told(told)
+        let context = || format!("{bounces} bounces of {kr}");
+        between(effort, bounces, kr).with_context(context)
     });
     sum(all.collect())
 }

@@ -50,13 +50,13 @@ fn moves(effort: &Effort) -> Vec<DVec3> {
 pub(super) fn moved(effort: &Effort) -> Outcome {
     let mut outcome = Outcome::default();
     for by in [DVec3::ZERO].into_iter().chain(moves(effort)) {
-        let told = || format!("moved by {by}");
+        let context = || format!("moved by {by}");
         let asked = match same_primitives(effort, by) {
             Ok(asked) => asked.allowing(LARGEST_SHARE_OF_OTHERS),
             Err(error) => Outcome::failure(error.to_string()),
         };
-        outcome.add(asked.told(told));
-        outcome.add(no_acne(effort, by).told(told));
+        outcome.add(asked.with_context(context));
+        outcome.add(no_acne(effort, by).with_context(context));
     }
     outcome
 }
@@ -80,8 +80,8 @@ fn same_primitives(effort: &Effort, by: DVec3) -> Result<Outcome> {
         let scene = scenes::prepare(effort, &lit_globe(effort, &mesh, by), preset)?.scene;
         let rays = camera_rays(&scene);
         outcome.add(every_way(scene.accel, &rays, |i, _, hit| {
-            let told = || format!("{hit:?} and unmoved {:?}", expected[i]);
-            (hit.primitive != expected[i].primitive).then(told)
+            let context = || format!("{hit:?} and unmoved {:?}", expected[i]);
+            (hit.primitive != expected[i].primitive).then(context)
         }));
     }
     Ok(outcome)
@@ -242,7 +242,7 @@ pub(super) fn scaled(effort: &Effort) -> Outcome {
     for k in effort.either(vec![-20, -7, 0, 20], (-20..=20).collect()) {
         let scene = everything(effort, Axes { unit: libm::exp2(f64::from(k)), ..STILL }, true);
         let images = every_image(effort, &scene, &PRESETS, |r| scenes::same(&r.film, &expected));
-        outcome.add(images.told(|| format!("scaled by 2^{k}")));
+        outcome.add(images.with_context(|| format!("scaled by 2^{k}")));
     }
     match turned(effort) {
         Ok(hits) => outcome.add(hits),
@@ -270,12 +270,13 @@ fn turned(effort: &Effort) -> Result<Outcome> {
             rays.iter().map(|ray| Ray::new(turned(ray.origin), turned(ray.direction))).collect();
         let turned = everything(effort, Axes { turn, ..STILL }, false);
         let images = every_image(effort, &turned, &PRESETS, |r| scenes::same(&r.film, &image));
-        outcome.add(images.told(|| format!("axes turned by {turn}")));
+        outcome.add(images.with_context(|| format!("axes turned by {turn}")));
         for preset in PRESETS {
             let scene = scenes::prepare(effort, &turned, preset)?.scene;
             outcome.add(every_way(scene.accel, &rays, |i, _, hit| {
-                let told = || format!("axes turned by {turn}: {hit:?} and not {:?}", expected[i]);
-                (hit != expected[i]).then(told)
+                let context =
+                    || format!("axes turned by {turn}: {hit:?} and not {:?}", expected[i]);
+                (hit != expected[i]).then(context)
             }));
         }
     }

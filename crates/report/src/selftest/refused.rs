@@ -67,7 +67,7 @@ fn no_length(numbers: &mut Numbers, is_zero_a_length: bool) -> (String, ErrorKin
 }
 
 /// Puts `text` in the place of the only "PUT HERE" of the scene. Where in the text that is, as an
-/// error of syntax tells it, or else the path.
+/// error of syntax names it, or else the path.
 fn put<'a>(scene: &Value, text: &str, kind: ErrorKind, path: &'a str) -> (String, &'a str) {
     let named = if kind == ErrorKind::Syntax { "line 1 column" } else { path };
     (scene.to_string().replace("\"PUT HERE\"", text), named)
@@ -194,21 +194,21 @@ fn one_mesh(effort: &Effort, path: &Path, bytes: &[u8], fault: Option<&str>) -> 
         return Outcome::failure(format!("cannot write {}: {error}", path.display()));
     }
     let mut outcome = Outcome::default();
-    let told = || String::from_utf8_lossy(bytes).escape_debug().take(400).collect::<String>();
-    // A panic is what is looked for: it is told, and the rest goes on.
+    let context = || String::from_utf8_lossy(bytes).escape_debug().take(400).collect::<String>();
+    // A panic is what is looked for: it is reported, and the rest goes on.
     match catch_unwind(AssertUnwindSafe(|| load_and_render(effort, path))) {
-        Err(_) => outcome.count(Some(format!("a panic over {}", told()))),
+        Err(_) => outcome.count(Some(format!("a panic over {}", context()))),
         Ok(Err(error)) => {
             let (text, file) = (error.to_string(), path.display().to_string());
             // The whole number, and not the start of another.
             let names =
                 |fault: &str| [":", " ("].iter().any(|end| text.contains(&format!("{fault}{end}")));
             let is_named = fault.is_none_or(names) && text.contains(&file);
-            outcome.count((!is_named).then(|| format!("{text}, {fault:?}, of {}", told())));
+            outcome.count((!is_named).then(|| format!("{text}, {fault:?}, of {}", context())));
         }
         Ok(Ok(rendered)) => {
-            outcome.count(fault.map(|fault| format!("{fault} passes in {}", told())));
-            outcome.add(rendered.told(told));
+            outcome.count(fault.map(|fault| format!("{fault} passes in {}", context())));
+            outcome.add(rendered.with_context(context));
         }
     }
     outcome

@@ -79,9 +79,9 @@ fn each_sphere(
             .collect();
         let spheres = vec![(sphere.center, sphere.radius)];
         let accel = effort.accel(Geometry { spheres, ..Geometry::default() }, Preset::VeryFast);
-        let told =
+        let context =
             |failure| format!("centre {}, radius {}: {failure}", sphere.center, sphere.radius);
-        outcome.add(every_way(accel, &rays, |_, ray, hit| judge(&sphere, ray, hit).map(told)));
+        outcome.add(every_way(accel, &rays, |_, ray, hit| judge(&sphere, ray, hit).map(context)));
     }
     outcome
 }

@@ -107,8 +107,8 @@ fn leave(
         let ray = Ray::new(origin, direction);
         let cosine = direction.dot(surface.normal);
         if cosine.abs() > 1e-6 && ray.is_valid() {
-            let told = |what| format!("{ray:?} meets {what} again");
-            outcome.count(again(&ray, cosine > 0.0).map(told));
+            let context = |what| format!("{ray:?} meets {what} again");
+            outcome.count(again(&ray, cosine > 0.0).map(context));
         }
     }
     outcome
@@ -156,8 +156,8 @@ pub(super) fn contact(effort: &Effort) -> Outcome {
         {
             let accel = effort.accel(geometry, Preset::VeryFast);
             outcome.add(every_way(accel, &rays, |_, _, hit| {
-                let told = || format!("gap {gap} at {height}: {name} is at {}", hit.t);
-                (hit.is_miss() == is_blocked).then(told)
+                let context = || format!("gap {gap} at {height}: {name} is at {}", hit.t);
+                (hit.is_miss() == is_blocked).then(context)
             }));
         }
     }
@@ -196,8 +196,8 @@ pub(super) fn towards_a_light_on_a_surface(effort: &Effort) -> Outcome {
         // Flatter segments run along the light's own surface.
         if normalize(ray.direction).dot(found.normal).abs() > 0.1 {
             let hit = tests.triangle(&ray, &corners);
-            let told = |t| format!("{ray:?} is blocked at {t} by the light's own {corners:?}");
-            outcome.count(hit.filter(|&t| t < ray.t_max).map(told));
+            let context = |t| format!("{ray:?} is blocked at {t} by the light's own {corners:?}");
+            outcome.count(hit.filter(|&t| t < ray.t_max).map(context));
         }
         Some(outcome)
     })
@@ -222,8 +222,8 @@ pub(super) fn just_before_a_light(effort: &Effort) -> Outcome {
         let ray = Ray { t_max: SHADOW_END, ..Ray::new(from, light - from) };
         let hit = tests.triangle(&ray, &corners).filter(|&t| t < ray.t_max);
         let mut outcome = Outcome::default();
-        let told = || format!("{ray:?} is not blocked by {corners:?}");
-        outcome.count(hit.is_none().then(told));
+        let context = || format!("{ray:?} is not blocked by {corners:?}");
+        outcome.count(hit.is_none().then(context));
         Some(outcome)
     })
 }

@@ -51,7 +51,7 @@ pub(super) fn next_to_nothing(effort: &Effort) -> Outcome {
                         failure.then(|| format!("{seen:?} of background {right:?}"))
                     })
                 });
-                outcome.add(images.told(|| format!("{name}, {} lights", lights.len())));
+                outcome.add(images.with_context(|| format!("{name}, {} lights", lights.len())));
             }
         }
     }
@@ -123,23 +123,23 @@ pub(super) fn upright(effort: &Effort) -> Outcome {
         let sign = [1.0, -1.0][numbers.below(2)];
         let up = (view.normalize() + aside * off) * sign * numbers.magnitude(1e-3, 1e3);
         let eye = Eye { location, look, up, fov: 40.0, size: [4, 3] };
-        let told = || format!("location {location}, look {look}, up {up}");
+        let context = || format!("location {location}, look {look}, up {up}");
         let scene = scenes::scene(0, &eye.json(), &[], &[]);
         match scenes::prepare(effort, &scene, Preset::VeryFast) {
-            Err(error) => outcome.count(Some(format!("{}: {error}", told()))),
+            Err(error) => outcome.count(Some(format!("{}: {error}", context()))),
             Ok(prepared) => {
                 let is_warned = prepared.warnings.iter().any(|w| w.contains("camera.up"));
                 let wrong = is_warned != (off < 1e-6);
-                outcome.count(wrong.then(|| format!("{}: warned {is_warned}", told())));
+                outcome.count(wrong.then(|| format!("{}: warned {is_warned}", context())));
                 let basis = prepared.scene.camera.basis().map(|v| v.as_dvec3());
                 let failure = not_orthonormal(basis);
-                outcome.count(failure.map(|failure| format!("{}: {failure}", told())));
+                outcome.count(failure.map(|failure| format!("{}: {failure}", context())));
             }
         }
         // And a camera that looks at itself.
         let scene = scenes::scene(0, &Eye { look: location, ..eye }.json(), &[], &[]);
         let refusal = scenes::prepare(effort, &scene, Preset::VeryFast);
-        outcome.add(refused::names(refusal, "camera.look").told(told));
+        outcome.add(refused::names(refusal, "camera.look").with_context(context));
     }
     outcome
 }
@@ -179,11 +179,11 @@ pub(super) fn angles(effort: &Effort) -> Outcome {
             camera["antialias"] = json!(2);
         }
         let scene = scenes::scene(0, &camera, &[], &[]);
-        let told = || format!("{fov} degrees along {axis}, {size:?}, towards {look}");
+        let context = || format!("{fov} degrees along {axis}, {size:?}, towards {look}");
         match scenes::prepare(effort, &scene, Preset::VeryFast) {
-            Err(error) => outcome.count(Some(format!("{}: {error}", told()))),
+            Err(error) => outcome.count(Some(format!("{}: {error}", context()))),
             Ok(prepared) => {
-                outcome.add(rays_of(&prepared.scene.camera, &mut numbers, effort.seed, told));
+                outcome.add(rays_of(&prepared.scene.camera, &mut numbers, effort.seed, context));
             }
         }
     }
@@ -196,7 +196,8 @@ pub(super) fn angles(effort: &Effort) -> Outcome {
         let eye = Eye { location: DVec3::ZERO, look: DVec3::X, up: DVec3::Y, fov, size: [3, 3] };
         let scene = scenes::scene(0, &eye.json(), &[], &[]);
         let refusal = scenes::prepare(effort, &scene, Preset::VeryFast);
-        outcome.add(refused::names(refusal, "camera.fov").told(|| format!("{fov} degrees")));
+        outcome
+            .add(refused::names(refusal, "camera.fov").with_context(|| format!("{fov} degrees")));
     }
     outcome
 }
@@ -206,7 +207,7 @@ fn rays_of(
     camera: &Camera,
     numbers: &mut Numbers,
     seed: u64,
-    told: impl Fn() -> String,
+    context: impl Fn() -> String,
 ) -> Outcome {
     let mut outcome = Outcome::default();
     let [width, height] = camera.size().map(|side| side as usize);
@@ -216,7 +217,7 @@ fn rays_of(
         let ray = camera.ray(x as u32, y as u32, &stream);
         let error = (ray.direction.as_dvec3().length() - 1.0).abs();
         let is_right = ray.is_valid() && error < 4.0 * f64::from(f32::EPSILON);
-        let failure = || format!("{}: pixel ({x}, {y}) has the ray {ray:?}", told());
+        let failure = || format!("{}: pixel ({x}, {y}) has the ray {ray:?}", context());
         outcome.count((!is_right).then(failure));
     }
     outcome
@@ -229,14 +230,14 @@ fn thin_image(effort: &Effort, size: [u32; 2], fov: f64) -> Outcome {
     let shapes = [scenes::sphere(DVec3::ZERO, 1.5, scenes::matte([1.0; 3]))];
     let light = scenes::point_light(50.0, DVec3::new(3.0, 4.0, 5.0), "linear");
     let scene = scenes::scene(0, &eye.json(), &[light], &shapes);
-    let told = || format!("{size:?} at {fov} degrees");
+    let context = || format!("{size:?} at {fov} degrees");
     match scenes::image(effort, &scene, Preset::Brute) {
         Err(error) => Outcome::failure(error.to_string()),
         Ok(expected) => {
             every_image(effort, &scene, &[Preset::VeryFast], |r| scenes::same(&r.film, &expected))
         }
     }
-    .told(told)
+    .with_context(context)
 }
 
 /// Row 29.

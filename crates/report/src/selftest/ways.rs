@@ -34,8 +34,8 @@ pub(super) fn every_way(
         let kernels: &[_] = if is_exact { &[KernelChoice::Single] } else { &KernelChoice::ALL };
         for &kernel in kernels {
             accel.kernel = kernel;
-            let told = |failure| format!("{} {}: {failure}", level.name(), kernel.name());
-            outcome.add(ask(&accel, rays, |i, ray, hit| judge(i, ray, hit).map(told)));
+            let context = |failure| format!("{} {}: {failure}", level.name(), kernel.name());
+            outcome.add(ask(&accel, rays, |i, ray, hit| judge(i, ray, hit).map(context)));
         }
         if accel.tree.is_none() {
             // Nothing is left to choose.
@@ -60,8 +60,8 @@ fn ask(
         let mut outcome = Outcome { timed: rays.len() as u64, seconds, ..Outcome::default() };
         for (i, (ray, &hit)) in rays.iter().zip(&hits).enumerate() {
             let number = block * RAYS_OF_A_THREAD + i;
-            let told = |failure| format!("ray {number}, {ray:?}: {failure}");
-            outcome.count(judge(number, ray, hit).map(told));
+            let context = |failure| format!("ray {number}, {ray:?}: {failure}");
+            outcome.count(judge(number, ray, hit).map(context));
         }
         outcome
     });
@@ -74,7 +74,7 @@ pub(super) fn in_blocks(count: u32, ask: impl Fn(usize) -> Outcome + Sync) -> Ou
     let block = |start: usize| {
         let mut outcome = Outcome::default();
         for n in start..(start + RAYS_OF_A_THREAD).min(count as usize) {
-            outcome.add(ask(n).told(|| format!("input {n}")));
+            outcome.add(ask(n).with_context(|| format!("input {n}")));
         }
         outcome
     };

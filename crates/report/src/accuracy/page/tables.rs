@@ -4,7 +4,7 @@ use crate::accuracy::findings::{FamilyFindings, PointFindings, SceneFindings, Se
 use crate::effects::{Cost, Price, PriceList};
 use crate::page::{Block, Cell, Column, Details, Table};
 
-/// Errors for which the time is told: so many, from the largest that all samplers reach to the smallest.
+/// Errors for which the time is reported: so many, from the largest that all samplers reach to the smallest.
 const ERRORS: usize = 4;
 
 /// What errors of the scene are against, in a sentence.
