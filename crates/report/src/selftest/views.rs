@@ -192,6 +192,13 @@ pub(super) fn angles(effort: &Effort) -> Outcome {
             outcome.add(thin_image(effort, size, fov));
         }
     }
+    outcome.add(refused_angles(effort));
+    outcome
+}
+
+/// Angles of view that no camera has.
+fn refused_angles(effort: &Effort) -> Outcome {
+    let mut outcome = Outcome::default();
     for fov in [0.0, -1.0, 0.000_999, 179.001, 180.0, 1e9] {
         let eye = Eye { location: DVec3::ZERO, look: DVec3::X, up: DVec3::Y, fov, size: [3, 3] };
         let scene = scenes::scene(0, &eye.json(), &[], &[]);
