@@ -13,6 +13,7 @@ pub mod neutral;
 pub mod page;
 pub mod pilot;
 pub mod prices;
+mod progress;
 pub mod reference;
 pub mod setting;
 pub mod store;

@@ -24,92 +24,20 @@
 //! | `.seconds_per_mpixel`, `.seconds_per_mray` | seconds | the median for 10^6 pixels, and for 10^6 rays of any kind |
 //! | `.price` | | seconds over those of the scene that it was added to: median and interval, as in [`super::bench`]; `null` for the first scenes |
 
+mod list;
 pub mod scenes;
 mod text;
 
-use serde::Serialize;
-
+use crate::bench::Machine;
 use crate::bench::measure::{Difference, Schedule, difference, order};
-use crate::bench::{Machine, Ratio};
-use crate::statistics::{Rays, Samples};
-use crate::summary::Summary;
 use scenes::Variant;
 use wavecrest_base::error::Result;
-use wavecrest_core::accel::KernelChoice;
-use wavecrest_core::counters::Counters;
-use wavecrest_core::kernels::precision::Precision;
-use wavecrest_core::math::simd::Level;
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::{Rendered, TracerKind};
 use wavecrest_core::wavefront::batch::Batch;
 
+pub use list::{Cost, EffectDifference, Price, PriceList, Setting, Size};
 pub use text::text;
-
-/// See the module documentation: fields are named as in the JSON.
-#[derive(Clone, Debug, Serialize)]
-#[allow(missing_docs, reason = "the table above says it once, for the JSON and for the fields")]
-pub struct PriceList {
-    pub version: &'static str,
-    pub machine: Machine,
-    pub image: Size,
-    #[serde(flatten)]
-    pub setting: Setting,
-    pub rounds: usize,
-    pub difference: Option<EffectDifference>,
-    pub effects: Vec<Price>,
-}
-
-/// The size of all images.
-#[derive(Clone, Copy, Debug, Serialize)]
-#[allow(missing_docs, reason = "see the module documentation")]
-pub struct Size {
-    pub width: u32,
-    pub height: u32,
-}
-
-/// How images are made.
-#[derive(Clone, Copy, Debug, Serialize)]
-#[allow(missing_docs, reason = "see the module documentation")]
-pub struct Setting {
-    pub simd: Level,
-    pub kernel: KernelChoice,
-    pub precision: Precision,
-    pub batch: usize,
-}
-
-/// What one effect costs.
-#[derive(Clone, Debug, Serialize)]
-#[allow(missing_docs, reason = "see the module documentation")]
-pub struct Price {
-    pub effect: &'static str,
-    pub added_to: Option<&'static str>,
-    pub reached: bool,
-    pub simulated: Vec<&'static str>,
-    pub rays: Rays,
-    pub samples: Samples,
-    pub bytes_per_path: usize,
-    pub wavefront: Cost,
-    pub recursive: Cost,
-}
-
-/// What it costs with one tracer.
-#[derive(Clone, Debug, Serialize)]
-#[allow(missing_docs, reason = "see the module documentation")]
-pub struct Cost {
-    pub seconds: Summary,
-    pub seconds_per_mpixel: f64,
-    pub seconds_per_mray: f64,
-    pub price: Option<Ratio>,
-}
-
-/// What ended the measurement.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct EffectDifference {
-    /// The effect whose scene differs.
-    pub effect: &'static str,
-    /// How.
-    pub difference: Difference,
-}
 
 /// A scene of the list, made ready.
 #[derive(Debug)]
@@ -128,8 +56,8 @@ struct Runs {
 
 const TRACERS: [TracerKind; 2] = [TracerKind::Wavefront, TracerKind::Recursive];
 
-/// Runs `trace` on all `entries` in turn as `schedule` says, with rounds in place of pairs. `progress` is
-/// told the rounds timed and those to be timed in all.
+/// Runs `trace` on all `entries` in turn as `schedule` says, with rounds in place of pairs. `progress` gets
+/// the rounds timed and those to be timed in all.
 ///
 /// # Errors
 /// Those of `trace`.
@@ -226,25 +154,6 @@ fn price(entries: &[Entry], runs: &[Runs], index: usize) -> Option<Price> {
         wavefront: wavefront?,
         recursive: recursive?,
     })
-}
-
-impl Cost {
-    fn new(
-        seconds: &[f64],
-        base: Option<&[f64]>,
-        scene: &PreparedScene,
-        counters: &Counters,
-    ) -> Option<Self> {
-        let pixels: u64 = scene.camera.size().map(u64::from).iter().product();
-        let summary = Summary::of(seconds)?;
-        let per_million = |count: u64| summary.median / count.max(1) as f64 * 1e6;
-        Some(Self {
-            seconds_per_mpixel: per_million(pixels),
-            seconds_per_mray: per_million(Rays::from(counters).all()),
-            price: base.and_then(|base| Ratio::of(seconds, base)),
-            seconds: summary,
-        })
-    }
 }
 
 #[cfg(test)]

@@ -1,8 +1,8 @@
-//! What a render will do at most, told before the first ray.
+//! What a render will do at most, estimated before the first ray.
 
 use serde::Serialize;
 
-use super::statistics::{Rays, Samples};
+use crate::work::{Rays, Samples};
 use wavecrest_core::kernels::texture::Filter;
 use wavecrest_core::prepared::PreparedScene;
 
@@ -17,7 +17,7 @@ pub struct Estimated {
 
 impl Estimated {
     /// Of a render of so many `pixels` of `scene`: every camera ray meets a mirror and goes on for as many
-    /// bounces as there may be, every hit asks all lights, and every hit wears the texture that takes the
+    /// bounces as there may be, every hit asks all lights, and every hit has the texture that takes the
     /// most texels.
     pub fn of(scene: &PreparedScene, pixels: u64) -> Self {
         let primary = pixels * u64::from(scene.camera.rays_per_pixel());
@@ -27,10 +27,10 @@ impl Estimated {
             let lights = scene.lights.iter().filter(|l| !sampled_alone || l.is_sampled());
             lights.map(|light| u64::from(light.samples())).sum()
         };
-        let worn = scene.appearance.shapes.iter().filter_map(|shape| shape.texture.as_ref());
+        let textures = scene.appearance.shapes.iter().filter_map(|shape| shape.texture.as_ref());
         let read = |filter: Filter| filter.texels() * filter.levels();
-        let texels = worn.clone().map(|texture| read(texture.filter)).max().unwrap_or(0);
-        let spreads = worn.into_iter().any(|texture| texture.filter == Filter::Trilinear);
+        let texels = textures.clone().map(|texture| read(texture.filter)).max().unwrap_or(0);
+        let spreads = textures.into_iter().any(|texture| texture.filter == Filter::Trilinear);
         let carried = if scene.carries_differentials() { secondary } else { 0 };
         let footprints = if spreads { hits.saturating_add(carried) } else { carried };
         let shadow = hits.saturating_mul(points(false));

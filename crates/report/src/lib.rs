@@ -1,4 +1,4 @@
-//! What renders tell about themselves: benchmarks, sweeps of error against time, hard cases, pages and charts.
+//! Reports on renders: benchmarks, sweeps of error against time, hard cases, statistics, pages and charts.
 
 pub mod accuracy;
 pub mod bench;
@@ -11,3 +11,4 @@ pub mod ray_file;
 pub mod selftest;
 pub mod statistics;
 pub mod summary;
+mod work;

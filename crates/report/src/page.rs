@@ -1,4 +1,4 @@
-//! A report as one HTML file that stands alone: styles, script, charts and pictures are in it.
+//! A report as one standalone HTML file: styles, script, charts and pictures are in it.
 //!
 //! A [`Page`] is data: sections of [`Block`]s, in the order of reading. All text is plain text, and
 //! is escaped; words between backticks are set as code. The page asks for nothing from any network,
@@ -9,15 +9,12 @@
 mod blocks;
 mod document;
 mod figures;
+mod tables;
 #[cfg(test)]
 mod tests;
-
-use std::io::Write as _;
-use std::path::Path;
+mod writer;
 
 use super::plot::{Chart, StackedBars};
-use wavecrest_base::error::Result;
-use wavecrest_base::replace::{replace_file, write_error};
 
 /// The whole report.
 #[derive(Clone, Debug, Default)]
@@ -147,27 +144,6 @@ pub struct Details {
     pub summary: String,
     /// What it holds.
     pub blocks: Vec<Block>,
-}
-
-impl Page {
-    /// The page as HTML.
-    ///
-    /// # Errors
-    /// When a chart cannot be laid out.
-    pub fn html(&self) -> Result<String> {
-        document::write(self)
-    }
-
-    /// Writes the page to a file, whole or not at all.
-    ///
-    /// # Errors
-    /// As [`Page::html`], and when the file cannot be written.
-    pub fn write(&self, path: &Path) -> Result<()> {
-        let html = self.html()?;
-        replace_file(path, |sink| {
-            sink.write_all(html.as_bytes()).map_err(|error| write_error(path, error))
-        })
-    }
 }
 
 impl Section {

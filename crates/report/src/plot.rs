@@ -1,40 +1,38 @@
 //! Charts as data, and what is made of them: SVG, PNG, CSV and JSON of the same figures.
 //!
 //! A [`Chart`] says what was measured and how it is to be read; [`StackedBars`] say where time went.
-//! Neither knows how it is drawn. plotters lays them out, on a canvas that keeps what is drawn as a
-//! list of shapes; one writer makes SVG of that list and another the pixels of a PNG, so that both
-//! show the same. Widths of text are those of a font that is part of the program: nothing is asked of
-//! the system, and the bytes are the same on every machine.
+//! Neither knows how it is drawn. Both are laid out as a list of shapes; one writer makes SVG of that
+//! list and another the pixels of a PNG, so that both show the same. Widths of text are those of a font
+//! that is part of the program: nothing is asked of the system, and the bytes are the same on every
+//! machine.
 //!
 //! Colours are those of Okabe and Ito (*Color Universal Design*, 2008), which people see apart
-//! whatever their eyes; a marker tells each series as well.
+//! whatever their eyes; each series has a marker of its own as well.
 //!
 //! The JSON of a chart has the names of the fields below.
 
 mod bars;
 mod chart;
+mod drawing;
+mod field;
+pub(crate) mod figure;
 mod font;
-mod frame;
+mod guides;
 mod legend;
-mod marks;
+mod marker;
 pub mod number;
-mod output;
 mod paint;
-mod picture;
 mod place;
 mod raster;
-mod svg;
+pub(crate) mod svg;
 #[cfg(test)]
 mod tests;
 mod ticks;
 
-use serde::{Deserialize, Serialize};
-
-pub(crate) use output::Figure;
-pub(crate) use svg::STYLE;
+use serde::Serialize;
 
 /// Series of points over two axes.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Chart {
     /// What is shown, in a few words.
     pub title: String,
@@ -46,12 +44,12 @@ pub struct Chart {
     pub series: Vec<Series>,
     /// Lines to compare with.
     pub guides: Vec<Guide>,
-    /// How to read it, in a sentence or two; told beside the drawing, not in it.
+    /// How to read it, in a sentence or two; shown beside the drawing, not in it.
     pub caption: String,
 }
 
 /// What a coordinate means.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Axis {
     /// What it is, such as "time".
     pub label: String,
@@ -62,15 +60,15 @@ pub struct Axis {
 }
 
 /// How the values of an axis take their places.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Scale {
-    /// Equal differences, equal distances.
+    /// Equal differences at equal distances.
     #[default]
     Linear,
     /// As [`Scale::Linear`], and 0 is in sight.
     FromZero,
-    /// Equal ratios, equal distances. There is no place for 0 or less: such points are not drawn, and
+    /// Equal ratios at equal distances. There is no place for 0 or less: such points are not drawn, and
     /// a note says how many.
     Log,
     /// Names for the values 0, 1, 2 and so on. For `x` alone.
@@ -78,7 +76,7 @@ pub enum Scale {
 }
 
 /// Points that belong together.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Series {
     /// Its name in the legend.
     pub name: String,
@@ -89,7 +87,7 @@ pub struct Series {
 }
 
 /// How points are drawn.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Draw {
     /// Markers, with whiskers for intervals.
@@ -97,32 +95,28 @@ pub enum Draw {
     Points,
     /// Markers with whiskers, joined by a line.
     Line,
-    /// A line within a band made of the intervals.
-    Band,
-    /// Markers with whiskers, and a step along those that no other beats in both: the Pareto front,
-    /// where less is better on either axis.
+    /// Markers with whiskers, joined by stairs: a Pareto front from left to right, where less is better
+    /// on either axis.
     Front,
 }
 
 /// One measurement.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Point {
     /// Where it is along `x`; a value that is not finite is `null` in JSON, and not drawn.
-    #[serde(with = "finite")]
     pub x: f64,
     /// Where it is along `y`.
-    #[serde(with = "finite")]
     pub y: f64,
     /// The lower end of the interval in `y`, if there is one.
     pub low: Option<f64>,
     /// The upper end.
     pub high: Option<f64>,
-    /// What is told of it besides its values; may be empty.
+    /// What it is, besides its values; may be empty.
     pub label: String,
 }
 
 /// A line to compare with.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Guide {
     /// What is written at it, such as "−1/2".
     pub name: String,
@@ -131,7 +125,7 @@ pub struct Guide {
 }
 
 /// Where a [`Guide`] runs.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Course {
     /// `y` is in proportion to `x` to the power of `slope`, and the line goes through a point. For
@@ -142,25 +136,23 @@ pub enum Course {
         /// A point on it, as `[x, y]`.
         through: [f64; 2],
     },
-    /// `x` has this value.
-    AtX(f64),
     /// `y` has this value.
     AtY(f64),
 }
 
 /// Where time went: a bar for each thing measured, in segments by stage.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct StackedBars {
     /// What is shown, in a few words.
     pub title: String,
     /// The bars, from top to bottom.
     pub bars: Vec<Bar>,
-    /// How to read it; told beside the drawing, not in it.
+    /// How to read it; shown beside the drawing, not in it.
     pub caption: String,
 }
 
 /// What was measured of one thing.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Bar {
     /// Its name.
     pub name: String,
@@ -169,12 +161,11 @@ pub struct Bar {
 }
 
 /// The time of one stage.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Segment {
     /// The stage.
     pub stage: String,
     /// Its time in seconds, 0 or more.
-    #[serde(with = "finite")]
     pub seconds: f64,
 }
 
@@ -205,7 +196,7 @@ impl Point {
         Self { low: Some(low), high: Some(high), ..self }
     }
 
-    /// With something to tell of it.
+    /// With a label.
     #[must_use]
     pub fn labelled(self, label: impl Into<String>) -> Self {
         Self { label: label.into(), ..self }
@@ -213,21 +204,8 @@ impl Point {
 }
 
 impl Bar {
-    /// The sum of all segments, in seconds.
-    pub fn seconds(&self) -> f64 {
-        self.segments.iter().map(|segment| segment.seconds).sum()
-    }
-}
-
-/// A number that JSON has no word for is `null` there, and read again as one that is not a number.
-mod finite {
-    use serde::{Deserialize, Deserializer, Serialize, Serializer};
-
-    pub(super) fn serialize<S: Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::Error> {
-        value.is_finite().then_some(*value).serialize(serializer)
-    }
-
-    pub(super) fn deserialize<'d, D: Deserializer<'d>>(deserializer: D) -> Result<f64, D::Error> {
-        Ok(Option::deserialize(deserializer)?.unwrap_or(f64::NAN))
+    /// What is drawn of it: times that are finite and not negative.
+    fn drawn(&self) -> impl Iterator<Item = &Segment> {
+        self.segments.iter().filter(|s| s.seconds.is_finite() && s.seconds >= 0.0)
     }
 }

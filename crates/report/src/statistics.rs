@@ -8,7 +8,7 @@
 //! | `rays.primary`, `.secondary`, `.shadow` | rays | camera, mirror and shadow rays traced |
 //! | `samples.lens`, `.light`, `.texels` | | points chosen on the lens and on area lights; texels read |
 //! | `samples.footprints` | | footprints of rays on surfaces, for trilinear textures and for mirrors that may show them |
-//! | `estimated.rays`, `.samples` | | bounds on these, told before the first ray: see [`crate::estimated`] |
+//! | `estimated.rays`, `.samples` | | bounds on these, known before the first ray: see [`crate::estimate`] |
 //! | `tests.nodes` | nodes | inner nodes visited, by a ray or by many together, each testing eight boxes |
 //! | `tests.instances` | visits | of an instance by a ray that meets its box |
 //! | `tests.primitives.triangles`, `.quads`, `.spheres` | tests | tests of primitives |
@@ -22,7 +22,7 @@
 //! | `lights_at_surface` | rays | lights nearer than the rounding error of the surface |
 //! | `time.load`, `.build`, `.trace`, `.write`, `.total` | seconds | by stage, on the clock |
 //! | `time.passes` | seconds | by pass, summed over threads |
-//! | `memory.predicted`, `.peak` | bytes | peak of the process: estimated before a mesh or a texture is read, and measured (`null` where the system does not tell) |
+//! | `memory.predicted`, `.peak` | bytes | peak of the process: estimated before a mesh or a texture is read, and measured (`null` where it is not known) |
 //! | `columns.estimated`, `.held` | bytes | columns of the wavefront's batches on all threads: estimated, and held (the recursive tracer has none) |
 //! | `bvh.preset`, `.nodes`, `.depth`, `.bytes` | | the trees: nodes of all, the greatest depth |
 //! | `resumed` | | the part of the image that a checkpoint held (0 to 1): rays and all other work are those of this run alone |
@@ -32,7 +32,8 @@
 use serde::Serialize;
 use serde_json::{Map, Value};
 
-use super::estimate::Estimated;
+use crate::estimate::Estimated;
+pub use crate::work::{Rays, Samples};
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::accel::tree::Tree;
 use wavecrest_core::accel::{Accel, KernelChoice, KernelCounts};
@@ -94,25 +95,6 @@ pub struct ImageSize {
     pub width: u32,
     pub height: u32,
     pub samples_per_pixel: u32,
-}
-
-/// Rays by kind.
-#[derive(Clone, Copy, Debug, Serialize)]
-#[allow(missing_docs, reason = "see the module documentation")]
-pub struct Rays {
-    pub primary: u64,
-    pub secondary: u64,
-    pub shadow: u64,
-}
-
-/// Samples by kind.
-#[derive(Clone, Copy, Debug, Serialize)]
-#[allow(missing_docs, reason = "see the module documentation")]
-pub struct Samples {
-    pub lens: u64,
-    pub light: u64,
-    pub texels: u64,
-    pub footprints: u64,
 }
 
 /// Tests by kind.
@@ -200,30 +182,6 @@ impl Bvh {
             nodes: census().map(|census| census.nodes as usize).sum(),
             depth: census().map(|census| census.depth).max().unwrap_or(0),
             bytes: accel.tree_bytes(),
-        }
-    }
-}
-
-impl From<&Counters> for Rays {
-    fn from(c: &Counters) -> Self {
-        Self { primary: c.primary_rays, secondary: c.secondary_rays, shadow: c.shadow_rays }
-    }
-}
-
-impl Rays {
-    /// Rays of every kind.
-    pub fn all(&self) -> u64 {
-        self.primary + self.secondary + self.shadow
-    }
-}
-
-impl From<&Counters> for Samples {
-    fn from(c: &Counters) -> Self {
-        Self {
-            lens: c.lens_samples,
-            light: c.light_samples,
-            texels: c.texels,
-            footprints: c.footprints,
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Repeated measurements in a few numbers that one bad run does not move.
 //!
 //! Times of a program have a floor and a long tail upward: other programs can only slow it down.
-//! So the centre is the median, and the spread is told by quartiles and by the median absolute
+//! So the centre is the median, and the spread is given by quartiles and by the median absolute
 //! deviation, of which half the runs may be spoilt before they say nonsense (Hampel, *The
 //! Influence Curve and Its Role in Robust Estimation*, 1974).
 //!

@@ -135,7 +135,7 @@ impl SceneFindings {
         let line = |line: &Line| {
             let points = line.points.iter().filter_map(|(x, label, setting)| {
                 let records = of_setting(scene, family.target, &setting.key(), records);
-                PointFindings::of((*x, label, &setting.key()), &records, floor)
+                PointFindings::of(*x, label, &setting.key(), &records, floor)
             });
             SeriesFindings { name: line.name.clone(), slope: None, points: points.collect() }
         };
@@ -176,11 +176,7 @@ impl SeriesFindings {
 }
 
 impl PointFindings {
-    fn of(
-        (x, label, key): (f64, &str, &str),
-        records: &[&PointRecord],
-        floor: f64,
-    ) -> Option<Self> {
+    fn of(x: f64, label: &str, key: &str, records: &[&PointRecord], floor: f64) -> Option<Self> {
         let all =
             |of: fn(&PointRecord) -> f64| -> Vec<f64> { records.iter().map(|r| of(r)).collect() };
         let mean = |of: fn(&PointRecord) -> f64| all(of).iter().sum::<f64>() / records.len() as f64;

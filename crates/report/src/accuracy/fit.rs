@@ -27,12 +27,12 @@ pub struct Interval {
 
 /// Random whole numbers.
 #[derive(Debug)]
-pub struct Dice {
+pub struct Rng {
     stream: Stream,
     thrown: u32,
 }
 
-impl Dice {
+impl Rng {
     /// Those of `seed`.
     pub fn new(seed: u64) -> Self {
         Self { stream: Stream { seed, pixel: 0, sample: 0, bounce: 0 }, thrown: 0 }
@@ -80,8 +80,8 @@ fn percentiles(value: f64, mut resampled: Vec<f64>) -> Interval {
 
 /// The root of the mean of squared errors, one for each seed.
 pub fn rmse(mse: &[f64]) -> Interval {
-    let mut dice = Dice::new(1);
-    let resampled = (0..RESAMPLES).map(|_| mean(&dice.resample(mse)).sqrt()).collect();
+    let mut rng = Rng::new(1);
+    let resampled = (0..RESAMPLES).map(|_| mean(&rng.resample(mse)).sqrt()).collect();
     percentiles(mean(mse).sqrt(), resampled)
 }
 
@@ -94,7 +94,7 @@ pub fn slope(points: &[(f64, Vec<f64>)]) -> Option<Interval> {
     if points.len() < 3 || !points.iter().all(positive) {
         return None;
     }
-    let mut dice = Dice::new(2);
+    let mut rng = Rng::new(2);
     let fit = |values: &mut dyn FnMut(&[f64]) -> f64| {
         let logs: Vec<_> =
             points.iter().map(|(x, y)| (libm::log(*x), libm::log(values(y)))).collect();
@@ -109,7 +109,7 @@ pub fn slope(points: &[(f64, Vec<f64>)]) -> Option<Interval> {
     };
     let found = fit(&mut |values| mean(values));
     let resampled =
-        (0..RESAMPLES).map(|_| fit(&mut |values| mean(&dice.resample(values)))).collect();
+        (0..RESAMPLES).map(|_| fit(&mut |values| mean(&rng.resample(values)))).collect();
     Some(percentiles(found, resampled))
 }
 
@@ -125,8 +125,8 @@ mod tests {
 
     /// Values that fall with a known power, with noise of a known size on each.
     fn falling(power: f64, noise: f64) -> Vec<(f64, Vec<f64>)> {
-        let mut dice = Dice::new(9);
-        let mut unit = || dice.below(1 << 20) as f64 / f64::from(1 << 20) - 0.5;
+        let mut rng = Rng::new(9);
+        let mut unit = || rng.below(1 << 20) as f64 / f64::from(1 << 20) - 0.5;
         [1.0, 4.0, 16.0, 64.0, 256.0]
             .map(|x: f64| {
                 let values = (0..16).map(|_| libm::pow(x, power) * (1.0 + noise * unit()));
@@ -151,11 +151,10 @@ mod tests {
     /// Of many experiments with a known mean, the share whose interval holds it is near the confidence.
     #[test]
     fn intervals_hold_the_truth_as_often_as_they_say() {
-        let mut dice = Dice::new(3);
+        let mut rng = Rng::new(3);
         let held = (0..300)
             .filter(|_| {
-                let mse: Vec<f64> =
-                    (0..16).map(|_| 1.0 + dice.below(1000) as f64 / 999.0).collect();
+                let mse: Vec<f64> = (0..16).map(|_| 1.0 + rng.below(1000) as f64 / 999.0).collect();
                 let found = rmse(&mse);
                 found.low <= 1.5_f64.sqrt() && 1.5_f64.sqrt() <= found.high
             })
@@ -173,11 +172,11 @@ mod tests {
 
     #[test]
     fn shuffling_keeps_all_and_favours_none() {
-        let mut dice = Dice::new(4);
+        let mut rng = Rng::new(4);
         let mut first = [0; 5];
         for _ in 0..5000 {
             let mut items = [0, 1, 2, 3, 4];
-            dice.shuffle(&mut items);
+            rng.shuffle(&mut items);
             first[items[0]] += 1;
             items.sort_unstable();
             assert_eq!(items, [0, 1, 2, 3, 4]);

@@ -12,6 +12,7 @@ use super::prices::{folder, prices};
 use super::sweep::Swept;
 use crate::page::{Block, Compare, Details, Fact, Page, Picture, Section};
 use crate::plot::Chart;
+use crate::plot::figure::Figure as _;
 use wavecrest_base::error::{Error, Result};
 use wavecrest_base::replace::{replace_file, write_error};
 use wavecrest_core::film::Film;
@@ -125,7 +126,7 @@ fn section(scene: &SceneFindings, swept: &mut Swept, folder: &Path) -> Result<Se
 /// A chart in four forms.
 fn write_chart(chart: &Chart, stem: &Path) -> Result<()> {
     let with = |extension: &str| stem.with_extension(extension);
-    write_text(&with("svg"), &chart.svg()?)?;
+    write_text(&with("svg"), &chart.svg())?;
     write_text(&with("csv"), &chart.csv())?;
     let json = serde_json::to_string_pretty(chart)
         .map_err(|e| Error::io("cannot write JSON", stem, e.into()))?;

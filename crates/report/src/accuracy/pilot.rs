@@ -9,7 +9,7 @@
 use std::fmt;
 use std::time::Instant;
 
-use super::fit::Dice;
+use super::fit::Rng;
 use super::setting::Facts;
 use wavecrest_base::error::Result;
 use wavecrest_core::film::Film;
@@ -185,7 +185,7 @@ impl Pilot {
             None => Vec::new(),
             Some(axis) => Sampling::ALL
                 .into_iter()
-                .map(|sampling| curve(scene, original, (sampling, axis), seed))
+                .map(|sampling| curve(scene, original, sampling, axis, seed))
                 .collect::<Result<_>>()?,
         };
         scene.resample(original, &Samples::default());
@@ -215,7 +215,8 @@ impl Pilot {
 fn curve(
     scene: &mut PreparedScene,
     original: &Original,
-    (sampling, axis): (Sampling, Axis),
+    sampling: Sampling,
+    axis: Axis,
     seed: u64,
 ) -> Result<Curve> {
     // The least of several where they are short, taken in turn: other programs can only add to a time.
@@ -256,10 +257,10 @@ fn pilot_seed(seed: u64, number: u64) -> u64 {
 /// # Errors
 /// When there is no memory for a window.
 pub fn error(scene: &PreparedScene, film: Option<&Film>, seed: u64) -> Result<f64> {
-    let mut dice = Dice::new(pilot_seed(seed, u64::from(film.is_some())));
+    let mut rng = Rng::new(pilot_seed(seed, u64::from(film.is_some())));
     let [width, height] = scene.camera.size();
     let (mut squares, mut values) = (0.0, 0_u64);
-    for tile in windows([width, height], &mut dice) {
+    for tile in windows([width, height], &mut rng) {
         let of = |number| {
             let seed = pilot_seed(seed, number);
             let options = RenderOptions { seed, crop: Some(tile), ..RenderOptions::default() };
@@ -282,14 +283,14 @@ pub fn error(scene: &PreparedScene, film: Option<&Film>, seed: u64) -> Result<f6
 }
 
 /// A window in each part of the image, all of one size; all of the image where it is small.
-fn windows([width, height]: [u32; 2], dice: &mut Dice) -> Vec<Tile> {
+fn windows([width, height]: [u32; 2], rng: &mut Rng) -> Vec<Tile> {
     let parts = |side: u32| (side / WINDOW).clamp(1, WINDOWS);
     let (columns, rows) = (parts(width), parts(height));
     let mut place = |part: u32, parts: u32, side: u32| {
         let bound = |part: u32| (u64::from(side) * u64::from(part) / u64::from(parts)) as u32;
         let (start, end) = (bound(part), bound(part + 1));
         let length = WINDOW.min(end - start);
-        (start + dice.below((end - start - length) as usize + 1) as u32, length)
+        (start + rng.below((end - start - length) as usize + 1) as u32, length)
     };
     let mut tiles = Vec::new();
     for row in 0..rows {

@@ -1,7 +1,7 @@
 //! The picture that errors are measured against, and how far it may itself be off.
 //!
 //! It is the mean of several renders in exact arithmetic that differ in nothing but their random numbers.
-//! Each is without bias, so that the spread between them tells how far their mean is from the truth: the
+//! Each is without bias, so that the spread between them estimates how far their mean is from the truth: the
 //! standard error, as a root mean square over all values of the picture. What lies within [`FLOOR`] of
 //! these is not believed; renders are added until the picture is good enough for what is to be compared
 //! with it, or until there are [`MOST_REPLICATES`].
@@ -18,7 +18,7 @@ use wavecrest_core::render::RenderOptions;
 /// An error is believed where it is at least this many standard errors of the reference.
 pub const FLOOR: f64 = 3.0;
 
-/// Renders that a reference is made of, at least: fewer would not tell their spread.
+/// Renders that a reference is made of, at least: fewer would not give their spread.
 const LEAST_REPLICATES: u32 = 4;
 
 /// Renders that it is made of at most.
@@ -118,7 +118,7 @@ fn setting(subject: &Subject, target: Target, least: u32) -> (Setting, u32) {
 }
 
 /// Makes the reference of `target`, of at least `least` points of each kind, until errors of `smallest` are
-/// believed. `progress` is told after each render.
+/// believed. `progress` is called after each render.
 ///
 /// # Errors
 /// When the scene can no longer be rendered.

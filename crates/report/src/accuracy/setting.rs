@@ -143,7 +143,41 @@ const FILTER_SIDES: [u32; 3] = [1, 2, 4];
 /// What can be varied in a scene that has `facts`, with up to `most` points of a kind.
 pub fn families(facts: &Facts, most: u32) -> Vec<Family> {
     let mut families = Vec::new();
-    let sampled = |name, title, counted, target, samples: fn(Points) -> Samples| {
+    if facts.has_area_lights {
+        let family = sampled("lights", "Points on area lights", "points on each light");
+        let samples = |points| Samples { lights: Some(points), ..Samples::default() };
+        families.push(family.with_points(most, samples));
+    }
+    if facts.has_lens {
+        let family = sampled("lens", "Points on the lens", "points on the lens");
+        let samples = |points| Samples { lens: Some(points), ..Samples::default() };
+        families.push(family.with_points(most, samples));
+    }
+    let family = sampled("pixel", "Rays in a pixel", "rays a pixel");
+    let samples = |points: Points| {
+        let one = Some(Points { side: 1, ..points });
+        Samples { lights: one, lens: one, pixel: Some(points) }
+    };
+    families.push(Family { target: Target::Pixel, ..family }.with_points(most, samples));
+    if facts.bounces > 0 {
+        families.push(bounces(facts.bounces));
+    }
+    families.push(precisions());
+    if facts.has_textures {
+        families.push(filters());
+    }
+    families
+}
+
+/// A family whose error falls with the points of a kind, without its lines.
+fn sampled(name: &'static str, title: &'static str, counted: &'static str) -> Family {
+    let series = Vec::new();
+    Family { name, title, counted, target: Target::Scene, has_slope: true, series }
+}
+
+impl Family {
+    /// With a line for each sampling, of up to `most` points that `samples` takes.
+    fn with_points(self, most: u32, samples: fn(Points) -> Samples) -> Self {
         let line = |sampling: Sampling| {
             let sides = SIDES.into_iter().filter(|side| side * side <= most);
             let point = |side: u32| {
@@ -153,37 +187,8 @@ pub fn families(facts: &Facts, most: u32) -> Vec<Family> {
             };
             Line { name: sampling.name().to_owned(), points: sides.map(point).collect() }
         };
-        let series = Sampling::ALL.map(line).to_vec();
-        Family { name, title, counted, target, has_slope: true, series }
-    };
-    if facts.has_area_lights {
-        let samples = |points| Samples { lights: Some(points), ..Samples::default() };
-        let title = "Points on area lights";
-        families.push(sampled("lights", title, "points on each light", Target::Scene, samples));
+        Self { series: Sampling::ALL.map(line).to_vec(), ..self }
     }
-    if facts.has_lens {
-        let samples = |points| Samples { lens: Some(points), ..Samples::default() };
-        families.push(sampled(
-            "lens",
-            "Points on the lens",
-            "points on the lens",
-            Target::Scene,
-            samples,
-        ));
-    }
-    let samples = |points: Points| {
-        let one = Some(Points { side: 1, ..points });
-        Samples { lights: one, lens: one, pixel: Some(points) }
-    };
-    families.push(sampled("pixel", "Rays in a pixel", "rays a pixel", Target::Pixel, samples));
-    if facts.bounces > 0 {
-        families.push(bounces(facts.bounces));
-    }
-    families.push(precisions());
-    if facts.has_textures {
-        families.push(filters());
-    }
-    families
 }
 
 /// A family of one line, whose points are not expected to follow a power.

@@ -88,7 +88,7 @@ impl Subject {
         self.facts
     }
 
-    /// Tells the scene from others: see [`PreparedScene::fingerprint`].
+    /// Distinguishes the scene from others: see [`PreparedScene::fingerprint`].
     pub fn fingerprint(&self) -> u128 {
         self.fingerprint
     }

@@ -6,8 +6,9 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use super::fit::Dice;
+use super::fit::Rng;
 use super::neutral;
+pub use super::progress::Progress;
 use super::reference::{self, Reference};
 use super::setting::{Family, Setting, Structure, Target, families};
 use super::store::{
@@ -36,14 +37,6 @@ pub struct Options {
     pub most: u32,
     /// The fewest points of a render of the reference.
     pub least: u32,
-}
-
-/// Who is told how far a sweep has come.
-pub trait Progress {
-    /// The next stage begins, of so many steps.
-    fn stage(&self, name: &str, steps: u64);
-    /// One of its steps is done.
-    fn step(&self);
 }
 
 /// A scene with its references, as a report needs it again.
@@ -109,23 +102,11 @@ fn reference(
     progress: &dyn Progress,
 ) -> Result<Reference> {
     let name = subject.name();
-    let known = store.records.iter().find_map(|record| match record {
-        Record::Reference(known) if known.scene == name && known.target == target => Some(known),
-        _ => None,
-    });
-    if let Some(known) = known {
-        let film = read(&store.folder().join(&known.file))?;
-        let &ReferenceRecord { samples, replicates, standard_error, seconds, .. } = known;
-        return Ok(Reference { film, samples, replicates, standard_error, seconds });
+    if let Some(known) = known_reference(store, &name, target)? {
+        return Ok(known);
     }
     progress.stage(&format!("{name}: reference ({})", target.name()), 0);
-    // What comes nearest to it: the last setting of each line that converges.
-    let nearest: Vec<Setting> = families
-        .iter()
-        .filter(|family| family.has_slope)
-        .flat_map(|family| family.series.iter().filter_map(|line| line.points.last()))
-        .map(|(.., setting)| *setting)
-        .collect();
+    let nearest = nearest(families);
     let smallest = |subject: &mut Subject, film: &Film| {
         let mut smallest = f64::INFINITY;
         for setting in &nearest {
@@ -149,6 +130,28 @@ fn reference(
     Ok(made)
 }
 
+/// The reference that `store` has.
+fn known_reference(store: &Store, scene: &str, target: Target) -> Result<Option<Reference>> {
+    let known = store.records.iter().find_map(|record| match record {
+        Record::Reference(known) if known.scene == scene && known.target == target => Some(known),
+        _ => None,
+    });
+    let Some(known) = known else { return Ok(None) };
+    let film = read(&store.folder().join(&known.file))?;
+    let &ReferenceRecord { samples, replicates, standard_error, seconds, .. } = known;
+    Ok(Some(Reference { film, samples, replicates, standard_error, seconds }))
+}
+
+/// What comes nearest to a reference: the last setting of each line that converges.
+fn nearest(families: &[&Family]) -> Vec<Setting> {
+    families
+        .iter()
+        .filter(|family| family.has_slope)
+        .flat_map(|family| family.series.iter().filter_map(|line| line.points.last()))
+        .map(|(.., setting)| *setting)
+        .collect()
+}
+
 /// Renders every setting with every seed.
 fn points(
     subject: &mut Subject,
@@ -169,7 +172,7 @@ fn points(
     note_preparation(subject, all.iter().map(|(.., setting)| setting), store)?;
     progress.stage(&name, all.len() as u64 * u64::from(options.seeds));
     for seed in 0..u64::from(options.seeds) {
-        Dice::new(seed).shuffle(&mut all);
+        Rng::new(seed).shuffle(&mut all);
         for (target, key, setting) in &all {
             if !store.has(&name, *target, key, seed)
                 && let Some(reference) = references.get(target.name())
@@ -178,7 +181,7 @@ fn points(
                 let options = RenderOptions { seed, ..RenderOptions::default() };
                 let rendered = subject.render(setting, &options)?;
                 let error = errors(&rendered.film, &reference.film)?;
-                let record = point(&name, (*target, key.clone(), seed), &rendered, error);
+                let record = point(&name, *target, key, seed, &rendered, error);
                 store.add(Record::Point(record))?;
             }
             progress.step();
@@ -189,7 +192,9 @@ fn points(
 
 fn point(
     scene: &str,
-    (target, key, seed): (Target, String, u64),
+    target: Target,
+    key: &str,
+    seed: u64,
     rendered: &Rendered,
     error: Errors,
 ) -> PointRecord {
@@ -198,7 +203,7 @@ fn point(
     PointRecord {
         scene: scene.to_owned(),
         target,
-        key,
+        key: key.to_owned(),
         seed,
         seconds: rendered.seconds,
         passes,

@@ -3,7 +3,7 @@
 //! The kinds of warnings are those of hyperfine (Peter, *hyperfine*, 2018-): runs too short, a slow
 //! first run, outliers. Each names what was seen and the option that helps.
 
-use super::{SceneBench, TracerBench};
+use super::tracer::{Ratio, TracerBench};
 use crate::summary::{CONFIDENCE, ENOUGH};
 
 /// A run shorter than this is mostly the start of threads and the making of buffers, in seconds.
@@ -16,26 +16,28 @@ const SLOW_DEVIATIONS: f64 = 14.826;
 /// ... and more than this share of the median: where all runs are alike, a little is not slow.
 const SLOW_SHARE: f64 = 0.1;
 
-/// The warnings that a report calls for.
-pub fn warnings(report: &SceneBench) -> Vec<String> {
-    let mut warnings = Vec::new();
+/// The warnings that a measurement calls for: of samples that were not finite, of the wavefront and the
+/// recursive tracer, and of their ratio.
+pub fn warnings(
+    invalid: u64,
+    tracers: [Option<&TracerBench>; 2],
+    ratio: Option<&Ratio>,
+) -> Vec<String> {
+    let mut warnings: Vec<Option<String>> = Vec::new();
     if cfg!(debug_assertions) {
-        warnings.push("this program is built to be debugged: build it with --release".to_owned());
+        let why = "this program is built to be debugged: build it with --release";
+        warnings.push(Some(why.to_owned()));
     }
-    if report.invalid > 0 {
-        let invalid = report.invalid;
-        warnings.push(format!("{invalid} samples were not finite: run check on the scene"));
+    if invalid > 0 {
+        let why = format!("{invalid} samples were not finite: run check on the scene");
+        warnings.push(Some(why));
     }
-    let tracers = [("wavefront", &report.wavefront), ("recursive tracer", &report.recursive)];
-    for (name, tracer) in tracers {
-        if let Some(tracer) = tracer {
-            warnings.extend(short(name, tracer));
-            warnings.extend(slow_start(name, tracer));
-            warnings.extend(wide(name, tracer));
-        }
+    for (name, tracer) in ["wavefront", "recursive tracer"].into_iter().zip(tracers) {
+        let Some(tracer) = tracer else { continue };
+        warnings.extend([short(name, tracer), slow_start(name, tracer), wide(name, tracer)]);
     }
-    warnings.extend(few(report));
-    warnings
+    warnings.push(ratio.and_then(few));
+    warnings.into_iter().flatten().collect()
 }
 
 fn short(name: &str, tracer: &TracerBench) -> Option<String> {
@@ -73,8 +75,7 @@ fn wide(name: &str, tracer: &TracerBench) -> Option<String> {
     })
 }
 
-fn few(report: &SceneBench) -> Option<String> {
-    let ratio = report.ratio.as_ref()?;
+fn few(ratio: &Ratio) -> Option<String> {
     (ratio.pairs < ENOUGH).then(|| {
         let (pairs, percent) = (ratio.pairs, 100.0 * CONFIDENCE);
         let s = if pairs == 1 { "" } else { "s" };

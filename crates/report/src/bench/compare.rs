@@ -9,7 +9,7 @@ use serde::Serialize;
 
 use super::hardware;
 use super::measure::{Difference, Runs, Schedule, difference};
-use super::{Ratio, TracerBench};
+use super::tracer::{Ratio, TracerBench};
 use wavecrest_base::error::Result;
 use wavecrest_core::accel::KernelChoice;
 use wavecrest_core::counters::Counters;
@@ -147,16 +147,25 @@ pub fn compare(
             break;
         }
     }
+    count(&mut runs, variants, trace)?;
+    let counters = first.map(|first| first.counters).unwrap_or_default();
+    Ok(Comparison::new(of, variants, &runs, &counters))
+}
+
+/// Has the processor count each variant in a run of its own, so that counting slows none that is timed.
+fn count(
+    runs: &mut [Runs],
+    variants: &[Variant],
+    mut trace: impl FnMut(&Variant) -> Result<Rendered>,
+) -> Result<()> {
     for (runs, variant) in runs.iter_mut().zip(variants) {
-        // In a run of its own, so that counting slows none that is timed.
         if hardware::missing().is_none() {
             let (rendered, counted) = hardware::count(|| trace(variant));
             rendered?;
             runs.hardware = counted.ok();
         }
     }
-    let counters = first.map(|first| first.counters).unwrap_or_default();
-    Ok(Comparison::new(of, variants, &runs, &counters))
+    Ok(())
 }
 
 impl Comparison {

@@ -1,6 +1,6 @@
 //! What the processor counts while a program runs: cycles, instructions, and what it missed.
 //!
-//! Linux hands these counters out to programs, unless it is told not to, or runs in a virtual
+//! Linux hands these counters out to programs, unless it is set not to, or runs in a virtual
 //! machine that has none. So there may be no counts, and then the report says why.
 
 use serde::Serialize;
@@ -16,7 +16,7 @@ pub struct HardwareCounts {
     pub cache_references: Option<u64>,
     /// Those that had to go to memory.
     pub cache_misses: Option<u64>,
-    /// Branches that were estimated wrongly.
+    /// Branches that were predicted wrongly.
     pub branch_misses: Option<u64>,
 }
 
@@ -33,7 +33,7 @@ impl HardwareCounts {
     }
 }
 
-/// Does `work` and tells what all threads of the current pool did meanwhile, or why that is not
+/// Does `work` and returns what all threads of the current pool did meanwhile, or why that is not
 /// known.
 pub fn count<R>(work: impl FnOnce() -> R) -> (R, Result<HardwareCounts, String>) {
     system::count(work)
@@ -126,7 +126,7 @@ mod system {
             // A thread that did nothing ran no counter.
             0 if found.time_enabled == 0 => Some(0),
             0 => None,
-            // Counters that had to take turns are told in proportion.
+            // Counters that had to take turns are scaled in proportion.
             running => {
                 let all = u128::from(found.count) * u128::from(found.time_enabled);
                 u64::try_from(all / u128::from(running)).ok()

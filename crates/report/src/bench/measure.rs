@@ -147,7 +147,7 @@ impl Pixel {
     }
 }
 
-/// Runs `trace` with one tracer and the other as `schedule` says. `progress` is told the pairs
+/// Runs `trace` with one tracer and the other as `schedule` says. `progress` gets the pairs
 /// timed and those to be timed in all.
 ///
 /// # Errors
@@ -290,16 +290,16 @@ mod tests {
 
     #[test]
     fn progress_rises_to_what_is_planned() {
-        let mut told = Vec::new();
+        let mut reported = Vec::new();
         let trace = |_| Ok(rendered(0.25, 0.0));
-        measure(&schedule(1, 50, 2.0), trace, &mut |done, all| told.push((done, all))).unwrap();
+        measure(&schedule(1, 50, 2.0), trace, &mut |done, all| reported.push((done, all))).unwrap();
         assert_eq!(
-            told.first(),
+            reported.first(),
             Some(&(0, ENOUGH)),
             "nothing is known before the first timed pair"
         );
-        assert_eq!(told[1..3], [(1, 8), (2, 8)]);
-        assert_eq!(told.last(), Some(&(8, 8)));
+        assert_eq!(reported[1..3], [(1, 8), (2, 8)]);
+        assert_eq!(reported.last(), Some(&(8, 8)));
     }
 
     #[test]

@@ -1,14 +1,17 @@
 //! A benchmark as a page: what was found, then each scene, then how it was measured.
 
 mod compared;
+mod parts;
 mod scene;
 
-use super::measure::Difference;
-use super::text::plural;
-use super::{BenchReport, METHOD, Machine, Ratio, SceneBench, TracerBench};
+use self::parts::{Both, interval, ratio_cell, ratio_chart, speed};
+use super::machine::Machine;
+use super::report::{BenchReport, SceneBench};
+use super::tracer::{METHOD, Ratio};
+use super::words::plural;
 use crate::page::{Block, Cell, Column, Fact, Page, Section, Table};
 use crate::plot::number::figure;
-use crate::plot::{Axis, Chart, Course, Draw, Guide, Point, Scale, Series};
+use crate::plot::{Axis, Chart, Draw, Point, Scale, Series};
 
 /// The page of a report.
 pub fn page(report: &BenchReport) -> Page {
@@ -54,23 +57,6 @@ fn lead(scenes: &[SceneBench]) -> String {
     sentences.join(" ")
 }
 
-/// One ratio in a sentence.
-fn speed(ratio: &Ratio) -> String {
-    format!(
-        "The wavefront is {:.3} times as fast as the recursive tracer ({}): {}.",
-        ratio.interval.median,
-        interval(ratio),
-        ratio.verdict()
-    )
-}
-
-/// Where a median is, and how surely.
-fn interval(ratio: &Ratio) -> String {
-    let (i, pairs) = (&ratio.interval, plural(ratio.pairs, "pair"));
-    let percent = 100.0 * i.confidence;
-    format!("{:.3} to {:.3} with {percent:.1}\u{a0}% confidence, {pairs} of runs", i.low, i.high)
-}
-
 /// All scenes side by side.
 fn overview(scenes: &[SceneBench]) -> Option<Section> {
     let measured: Vec<Both<'_>> = scenes.iter().filter_map(Both::of).collect();
@@ -89,21 +75,6 @@ fn overview(scenes: &[SceneBench]) -> Option<Section> {
     Some(Section::new("Speed", blocks))
 }
 
-/// A scene in which both were timed.
-struct Both<'a> {
-    scene: &'a SceneBench,
-    wavefront: &'a TracerBench,
-    recursive: &'a TracerBench,
-    ratio: &'a Ratio,
-}
-
-impl<'a> Both<'a> {
-    fn of(scene: &'a SceneBench) -> Option<Self> {
-        let (wavefront, recursive) = (scene.wavefront.as_ref()?, scene.recursive.as_ref()?);
-        Some(Self { scene, wavefront, recursive, ratio: scene.ratio.as_ref()? })
-    }
-}
-
 fn ratios(measured: &[Both<'_>]) -> Chart {
     let points = measured.iter().enumerate().map(|(row, both)| {
         let i = &both.ratio.interval;
@@ -120,18 +91,6 @@ fn ratios(measured: &[Both<'_>]) -> Chart {
         Axis::new("scene", "", Scale::Names(names)),
         points.collect(),
     )
-}
-
-/// Ratios of speeds, a row each, and a line where both are as fast.
-fn ratio_chart(title: &str, caption: &str, x: Axis, points: Vec<Point>) -> Chart {
-    Chart {
-        title: title.to_owned(),
-        x,
-        y: Axis::new("times as fast", "", Scale::Linear),
-        series: vec![Series { name: String::new(), draw: Draw::Points, points }],
-        guides: vec![Guide { name: "equally fast".to_owned(), course: Course::AtY(1.0) }],
-        caption: caption.to_owned(),
-    }
 }
 
 /// Rays of each kind a second.
@@ -196,16 +155,6 @@ fn table(measured: &[Both<'_>]) -> Table {
         ],
         rows: measured.iter().map(row).collect(),
     }
-}
-
-fn ratio_cell(ratio: &Ratio) -> Cell {
-    let i = &ratio.interval;
-    Cell::number(i.median, format!("{:.3} ({:.3} to {:.3})", i.median, i.low, i.high))
-}
-
-/// What a difference is, in words.
-fn verdict(difference: &Difference) -> String {
-    super::text::verdict(difference)
 }
 
 /// The machine, the program and the command.

@@ -1,6 +1,7 @@
-//! What is told of both tracers, side by side, in text and on a page.
+//! What is reported of both tracers, side by side, in text and on a page.
 
-use super::{SceneBench, TracerBench};
+use super::report::SceneBench;
+use super::tracer::TracerBench;
 
 /// One measure of both.
 pub(super) struct Row {
@@ -51,7 +52,7 @@ pub(super) fn rows(
     rows
 }
 
-/// The unit in which so many seconds are told, and what to multiply them by.
+/// The unit for so many seconds, and what to multiply them by.
 pub(super) fn unit(seconds: f64) -> (f64, &'static str) {
     match seconds {
         ..1e-3 => (1e6, "us"),

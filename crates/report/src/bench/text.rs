@@ -2,13 +2,16 @@
 
 use std::fmt::Write as _;
 
-use super::measure::{Difference, Pixel};
+use super::machine::Machine;
+use super::report::SceneBench;
 use super::rows::{Row, rows, unit};
-use super::{Machine, Ratio, SceneBench, TracerBench};
+use super::tracer::{Ratio, TracerBench};
+use super::words::{average, contents, plural};
 use crate::statistics::ClassUse;
 
 mod compared;
 
+pub use super::words::verdict;
 pub use compared::comparison;
 
 /// The machine on one line.
@@ -44,22 +47,6 @@ pub fn scene(report: &SceneBench) -> String {
         }
     }
     text
-}
-
-/// How the tracers differ, in words.
-pub fn verdict(difference: &Difference) -> String {
-    match difference {
-        Difference::Pixel { tracer, x, y, expected, found } => format!(
-            "THE IMAGES DIFFER: the first pixel that a {tracer:?} run has otherwise than the first \
-             Wavefront run is at column {x}, row {y}:\n  {}, where the first has\n  {}",
-            pixel(found),
-            pixel(expected)
-        ),
-        Difference::Work { tracer, count, expected, found } => format!(
-            "THE WORK DIFFERS: a {tracer:?} run counts {found} {count}, where the first Wavefront \
-             run counts {expected}; the images are the same"
-        ),
-    }
 }
 
 /// One line a scene, for when there are several.
@@ -117,19 +104,6 @@ fn head(report: &SceneBench) -> String {
     text
 }
 
-/// What is in the scene.
-pub(super) fn contents(report: &SceneBench) -> String {
-    let kinds = [
-        (report.triangles, "triangle"),
-        (report.quads, "quad"),
-        (report.spheres, "sphere"),
-        (report.lights, "light"),
-    ];
-    let present = kinds.iter().filter(|(count, _)| *count > 0);
-    let words: Vec<_> = present.map(|(count, name)| plural(*count, name)).collect();
-    if words.is_empty() { "nothing".to_owned() } else { words.join(", ") }
-}
-
 /// Time, rate and tests of the two side by side.
 fn table(report: &SceneBench, wavefront: &TracerBench, recursive: &TracerBench) -> String {
     let mut text = format!("\n  {:<24}{:>12}{:>12}\n", "", "wavefront", "recursive");
@@ -176,23 +150,8 @@ fn kernels(report: &SceneBench, wavefront: &TracerBench) -> String {
     text
 }
 
-/// A number of rays, where there are any.
-fn average(rays: Option<f64>) -> String {
-    rays.map_or_else(|| "-".to_owned(), |rays| format!("{rays:.1}"))
-}
-
 fn interval(ratio: &Ratio) -> String {
     let (i, n) = (&ratio.interval, plural(ratio.pairs, "pair"));
     let percent = 100.0 * i.confidence;
     format!("{:.3} ({:.3} to {:.3} with {percent:.1} % confidence, {n})", i.median, i.low, i.high)
-}
-
-fn pixel(pixel: &Pixel) -> String {
-    let ([r, g, b], bits) = (pixel.values, pixel.bits.join(" "));
-    format!("{r:?} {g:?} {b:?} (bits {bits})")
-}
-
-/// A number of things by name.
-pub(super) fn plural(count: usize, name: &str) -> String {
-    if count == 1 { format!("1 {name}") } else { format!("{count} {name}s") }
 }

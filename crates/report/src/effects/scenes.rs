@@ -51,6 +51,13 @@ pub fn variants(folder: &Path) -> Result<Vec<Variant>> {
     let lit = list.add("a point light", ambient, |scene| {
         *scene = with_lights(base(), [lamp(60.0, ABOVE)]);
     });
+    add_reached(&mut list, ambient, lit, &picture);
+    add_unreached(&mut list, dark, lit, &picture);
+    Ok(list.variants)
+}
+
+/// Effects that are seen.
+fn add_reached(list: &mut List, ambient: usize, lit: usize, picture: &str) {
     list.add("an area light, 4 x 4", ambient, |scene| {
         *scene = with_lights(base(), [panel()]);
     });
@@ -60,15 +67,17 @@ pub fn variants(folder: &Path) -> Result<Vec<Variant>> {
     list.add("smooth shading", lit, smooth);
     list.add("mirrors, 1 bounce", lit, |scene| mirrors(scene, 0.5, 1));
     list.add("mirrors, 4 bounces", lit, |scene| mirrors(scene, 0.5, 4));
-    list.add("a texture, nearest", lit, |scene| textured(scene, &picture, "nearest"));
-    list.add("a texture, bilinear", lit, |scene| textured(scene, &picture, "bilinear"));
-    list.add("a texture, trilinear", lit, |scene| textured(scene, &picture, "trilinear"));
+    list.add("a texture, nearest", lit, |scene| textured(scene, picture, "nearest"));
+    list.add("a texture, bilinear", lit, |scene| textured(scene, picture, "bilinear"));
+    list.add("a texture, trilinear", lit, |scene| textured(scene, picture, "trilinear"));
     list.add("antialiasing, 2 x 2", lit, |scene| scene["camera"]["antialias"] = 2.into());
     list.add("depth of field, 2 x 2", lit, |scene| lens(scene, 0.2, 2));
     list.add("quads", lit, |scene| add_shapes(scene, (-2..=2).map(quad)));
     list.add("spheres", lit, |scene| add_shapes(scene, (-2..=2).map(sphere)));
+}
 
-    // What nothing leads to: the same image, the same work.
+/// What nothing leads to: the same image, the same work.
+fn add_unreached(list: &mut List, dark: usize, lit: usize, picture: &str) {
     list.without("a mirror without bounces", lit, |scene| mirrors(scene, 0.5, 0));
     list.without("bounces without a mirror", lit, |scene| mirrors(scene, 0.0, 8));
     list.without("a lens of aperture 0", lit, |scene| lens(scene, 0.0, 4));
@@ -84,10 +93,9 @@ pub fn variants(folder: &Path) -> Result<Vec<Variant>> {
                               "material": material([0.5; 3])});
         add_shapes(scene, [triangle]);
     });
-    list.without("a texture without light", dark, |scene| textured(scene, &picture, "bilinear"));
+    list.without("a texture without light", dark, |scene| textured(scene, picture, "bilinear"));
     list.without("mirrors without light", dark, |scene| mirrors(scene, 0.5, 4));
     list.without("smooth shading without light", dark, smooth);
-    Ok(list.variants)
 }
 
 #[derive(Default)]

@@ -1,6 +1,9 @@
 use super::*;
+use wavecrest_core::accel::KernelChoice;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::film::Film;
+use wavecrest_core::kernels::precision::Precision;
+use wavecrest_core::math::simd::Level;
 use wavecrest_core::render::{RenderOptions, render};
 
 fn schedule() -> Schedule {
@@ -40,12 +43,12 @@ fn trace(scene: &PreparedScene, tracer: TracerKind) -> Result<Rendered> {
 #[test]
 fn every_effect_has_its_price_and_what_nothing_leads_to_changes_nothing() {
     let entries = entries();
-    let mut told = Vec::new();
-    let progress = &mut |done, planned| told.push((done, planned));
+    let mut reported = Vec::new();
+    let progress = &mut |done, planned| reported.push((done, planned));
     let found = measure(&entries, setting(), &schedule(), trace, progress).expect("prices");
     assert_eq!(found.difference, None);
     assert_eq!((found.rounds, found.effects.len()), (2, entries.len()));
-    assert_eq!(told.last(), Some(&(2, 2)));
+    assert_eq!(reported.last(), Some(&(2, 2)));
     let of = |name: &str| {
         found.effects.iter().find(|price| price.effect == name).unwrap_or_else(|| panic!("{name}"))
     };

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::{Cost, Price, PriceList};
+use super::list::{Cost, Price, PriceList};
 use crate::bench::text::{machine, verdict};
 
 /// A line for each effect: its work, and with each tracer its time and its price.

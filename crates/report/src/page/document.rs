@@ -1,9 +1,14 @@
 //! The page around its blocks: head, title, contents, sections.
 
+use std::io::Write as _;
+use std::path::Path;
+
+use super::writer::{Writer, inline};
 use super::{Page, blocks};
 use crate::markup::escape;
-use crate::plot::STYLE as CHART_STYLE;
+use crate::plot::svg::STYLE as CHART_STYLE;
 use wavecrest_base::error::Result;
+use wavecrest_base::replace::{replace_file, write_error};
 
 /// The style sheet of a page, besides that of its charts.
 const STYLE: &str = include_str!("style.css");
@@ -14,31 +19,28 @@ const SCRIPT: &str = include_str!("script.js");
 /// A page asks for nothing outside itself; this has the browser see to it.
 const POLICY: &str = include_str!("policy.txt");
 
-/// What is written so far, and what is counted on the way.
-#[derive(Debug, Default)]
-pub(super) struct Writer {
-    pub text: String,
-    /// Numbered figures so far.
-    pub figures: usize,
-    /// Numbered tables so far.
-    pub tables: usize,
-}
-
-impl Writer {
-    /// Adds markup.
-    pub(super) fn add(&mut self, markup: &str) {
-        self.text.push_str(markup);
+impl Page {
+    /// The page as HTML.
+    ///
+    /// # Errors
+    /// When the figures of a chart cannot be written as JSON.
+    pub fn html(&self) -> Result<String> {
+        html(self)
     }
 
-    /// Adds text between the tags of an element.
-    pub(super) fn element(&mut self, tag: &str, text: &str) {
-        let name = tag.split(' ').next().unwrap_or(tag);
-        self.add(&format!("<{tag}>{}</{name}>\n", inline(text)));
+    /// Writes the page to a file, whole or not at all.
+    ///
+    /// # Errors
+    /// As [`Page::html`], and when the file cannot be written.
+    pub fn write(&self, path: &Path) -> Result<()> {
+        let html = self.html()?;
+        replace_file(path, |sink| {
+            sink.write_all(html.as_bytes()).map_err(|error| write_error(path, error))
+        })
     }
 }
 
-/// The whole page.
-pub(super) fn write(page: &Page) -> Result<String> {
+fn html(page: &Page) -> Result<String> {
     let mut writer = Writer::default();
     head(&mut writer, page);
     let names = names(page.sections.iter().map(|section| section.title.as_str()));
@@ -103,40 +105,9 @@ fn names<'a>(titles: impl Iterator<Item = &'a str>) -> Vec<String> {
     names
 }
 
-/// Text as markup, with words between backticks as code.
-pub(super) fn inline(text: &str) -> String {
-    let parts: Vec<&str> = text.split('`').collect();
-    // With an odd number of backticks the last one is a backtick.
-    let paired = parts.len() - usize::from(parts.len().is_multiple_of(2));
-    let mut out = String::new();
-    for (index, part) in parts.iter().enumerate() {
-        match index {
-            _ if index >= paired => out.push('`'),
-            _ if index % 2 == 1 => {
-                // A path may be broken between its parts, and only there.
-                let code = escape(part).replace('/', "/<wbr>");
-                out.push_str(&format!("<code>{code}</code>"));
-                continue;
-            }
-            _ => {}
-        }
-        out.push_str(&escape(part));
-    }
-    out
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn words_between_backticks_are_code() {
-        assert_eq!(inline("run `a<b` & go"), "run <code>a&lt;b</code> &amp; go");
-        assert_eq!(inline("a ` b"), "a ` b");
-        assert_eq!(inline("`a` and `b"), "<code>a</code> and `b");
-        assert_eq!(inline("`a/b`/c"), "<code>a/<wbr>b</code>/c");
-        assert_eq!((inline(""), inline("``")), (String::new(), "<code></code>".to_owned()));
-    }
 
     #[test]
     fn every_section_has_an_address_of_its_own() {

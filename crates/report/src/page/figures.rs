@@ -3,17 +3,17 @@
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 
-use super::blocks::table;
-use super::document::{Writer, inline};
+use super::tables::table;
+use super::writer::{Writer, inline};
 use super::{Align, Cell, Column, Compare, Picture, Table};
 use crate::markup::escape;
-use crate::plot::Figure;
+use crate::plot::figure::Figure;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
 /// A chart with its caption, its notes, and its figures as a table and as files.
 pub(super) fn drawing(writer: &mut Writer, figure: &impl Figure) -> Result<()> {
     begin(writer, "drawing", figure.title(), figure.caption());
-    writer.add(&figure.elements()?);
+    writer.add(&figure.elements());
     for note in figure.notes() {
         writer.element("p class=\"note\"", &note);
     }
@@ -21,7 +21,7 @@ pub(super) fn drawing(writer: &mut Writer, figure: &impl Figure) -> Result<()> {
     table(writer, &table_of(figure));
     let json = serde_json::to_string_pretty(figure)
         .map_err(|e| Error::new(ErrorKind::Io, format!("cannot write JSON: {e}")).because(e))?;
-    let (csv, json) = (STANDARD.encode(figure.csv_text()), STANDARD.encode(json));
+    let (csv, json) = (STANDARD.encode(figure.csv()), STANDARD.encode(json));
     let name = escape(&file_name(figure.title()));
     writer.add(&format!(
         "<p class=\"files\">Save as \

@@ -1,212 +1,145 @@
-//! A [`Chart`] on a picture: title, legend, axes, guides, series, notes, from back to front.
+//! A [`Chart`] as a drawing: title, legend, axes, guides, series.
 
-use plotters::chart::{ChartBuilder, ChartContext, LabelAreaPosition};
-use plotters::coord::cartesian::Cartesian2d;
-use plotters::style::{Color, TextStyle};
-
-use super::font;
-use super::frame::{Frame, LABEL, NOTE, letter, pixels, style};
-use super::legend::{Entry, Legend};
-use super::marks;
+use super::drawing::{At, Drawing, Frame, Mark, Shape};
+use super::field::Field;
+use super::legend::{self, Sample};
+use super::marker::{marker, stroke};
+use super::number::{exact, figure, quantity};
 use super::paint::Paint;
-use super::picture::{Drawn, Picture, Sheet};
-use super::place::Place;
-use super::{Axis, Chart, Course, Draw, Scale};
+use super::{Axis, Chart, Course, Draw, Point, Scale, Series, guides};
 
-/// What plotters draws series on.
-pub(super) type Field<'a, 'c> = ChartContext<'a, Picture, Cartesian2d<Place<'c>, Place<'c>>>;
-
-/// Rows of names are so far apart, in pixels.
+/// Rows of names are so far apart.
 const ROW: f64 = 30.0;
 
-/// Marks down an axis are at least so far apart, in pixels.
-const APART_DOWN: f64 = 36.0;
-
-/// Labels along an axis are at least so far apart, in pixels.
-const APART_ALONG: f64 = 18.0;
-
-/// From a label to its axis, in pixels.
-pub(super) const GAP: f64 = 8.0;
-
-/// The height of an axis' heading, in pixels.
-pub(super) const HEADING: f64 = LABEL * 1.6;
-
-/// The largest part of the width that names may take.
-const MOST_FOR_NAMES: f64 = 0.4;
-
-/// The axes of a chart as they are drawn.
-pub(super) struct Axes<'c> {
-    /// From left to right.
-    pub along: Place<'c>,
-    /// From bottom to top, or names downward.
-    pub down: Place<'c>,
-    /// Whether `x` is the axis of names, down the left.
-    pub turned: bool,
-}
-
-impl Axes<'_> {
-    /// The positions of a point of the chart, along and down; `None` where an axis has no place.
-    pub(super) fn place(&self, x: f64, y: f64) -> Option<(f64, f64)> {
-        let (along, down) = if self.turned { (y, x) } else { (x, y) };
-        Some((self.along.position(along)?, self.down.position(down)?))
-    }
-
-    /// The axis of `y`.
-    pub(super) fn of_y(&self) -> &Place<'_> {
-        if self.turned { &self.along } else { &self.down }
-    }
-
-    /// The same point with another position in `y`.
-    pub(super) fn with_y(&self, (along, down): (f64, f64), y: f64) -> (f64, f64) {
-        if self.turned { (y, down) } else { (along, y) }
-    }
-}
+/// Half the length of the cap of a whisker, and the width of its lines.
+const CAP: f64 = 3.5;
+const WHISKER: f64 = 1.4;
 
 /// Draws the chart.
-pub(super) fn draw(chart: &Chart, frame: Frame) -> Drawn<Picture> {
-    let turned = matches!(chart.x.scale, Scale::Names(_));
-    let axes = axes(chart, turned);
-    let (along, down) = if turned { (&chart.y, &chart.x) } else { (&chart.x, &chart.y) };
-    let legend = Legend::new(&entries(chart), frame.width);
-    let notes = if frame.whole { frame.notes(&chart.notes()) } else { Vec::new() };
-    let field_height = match &chart.x.scale {
+pub(super) fn draw(chart: &Chart, frame: Frame) -> Drawing {
+    let mut drawing = Drawing::new(&chart.title, frame);
+    legend::draw(&mut drawing, entries(chart));
+    let mut field = field(chart);
+    let height = match &chart.x.scale {
         Scale::Names(names) => ROW * names.len().max(1) as f64,
-        _ => frame.field_height(),
+        _ if frame.width < 500.0 => 230.0,
+        _ => 330.0,
     };
-    let names = marks::GuideNames::of(chart, turned);
-    let head = frame.title_height() + legend.height() + heading_height(down) + names.above;
-    let foot = LABEL + 2.0 * GAP + heading_height(along) + NOTE * 1.5 * notes.len() as f64;
-    let (picture, root) = frame.sheet(head + field_height + foot)?;
-    frame.title(&root, &chart.title)?;
-    legend.draw(&root, frame.title_height())?;
-    let bottom = head + field_height + LABEL + 2.0 * GAP;
-    let layout = Layout { head, field_height, foot, bottom, names };
-    draw_field(chart, axes, &frame, &root, &layout, [along, down])?;
-    frame.write_notes(&root, &notes, bottom + heading_height(along))?;
-    Ok(picture.take())
-}
-
-/// Heights in pixels.
-struct Layout {
-    head: f64,
-    field_height: f64,
-    foot: f64,
-    /// Where the heading of the axis along begins.
-    bottom: f64,
-    /// Room for the names of guides.
-    names: marks::GuideNames,
-}
-
-fn draw_field(
-    chart: &Chart,
-    mut axes: Axes<'_>,
-    frame: &Frame,
-    root: &Sheet,
-    layout: &Layout,
-    [along, down]: [&Axis; 2],
-) -> Drawn {
-    let left = mark_down(&mut axes.down, layout.field_height, frame.width);
-    let beside = layout.names.beside;
-    let right = mark_along(&mut axes.along, frame.width - left - beside - GAP).max(beside);
-    if heading_height(down) > 0.0 {
-        let top = layout.head - layout.names.above - heading_height(down);
-        letter(root, &down.heading(), (0.0, top), &heading())?;
+    field.draw(&mut drawing, height, guides::room(chart, field.turned));
+    guides::draw(&mut drawing, chart, &field);
+    for index in 0..chart.series.len() {
+        draw_series(&mut drawing, chart, index, &field);
     }
-    let start = (frame.width - right - font::width(&along.heading(), LABEL)).max(0.0);
-    if heading_height(along) > 0.0 {
-        letter(root, &along.heading(), (start, layout.bottom), &heading())?;
-    }
-    let mut field = ChartBuilder::on(root)
-        .margin_top(pixels(layout.head))
-        .margin_bottom(pixels(layout.foot - LABEL - 2.0 * GAP))
-        .margin_right(pixels(right))
-        .set_label_area_size(LabelAreaPosition::Left, pixels(left))
-        .set_label_area_size(LabelAreaPosition::Bottom, pixels(LABEL + 2.0 * GAP))
-        .build_cartesian_2d(axes.along.clone(), axes.down.clone())?;
-    draw_axes(&mut field, axes.turned)?;
-    marks::guides(chart, &axes, &field)?;
-    chart
-        .series
-        .iter()
-        .enumerate()
-        .try_for_each(|(index, series)| marks::series(chart, index, series, &axes, &field))
-}
-
-/// How labels and headings of axes are written.
-fn heading() -> TextStyle<'static> {
-    style(LABEL, Paint::Muted)
-}
-
-/// Grid, marks and labels; rows of names have no grid.
-pub(super) fn draw_axes(field: &mut Field<'_, '_>, turned: bool) -> Drawn {
-    let line = |paint: Paint, width: u32| paint.color().stroke_width(width);
-    let mut mesh = field.configure_mesh();
-    mesh.bold_line_style(line(Paint::Grid, 8))
-        .light_line_style(line(Paint::Faint, 8))
-        .axis_style(line(Paint::Muted, 10))
-        .set_all_tick_mark_size(pixels(GAP / 2.0))
-        .label_style(heading());
-    if turned {
-        // A row needs no line: its name leads to it.
-        mesh.disable_y_mesh();
-    }
-    mesh.draw()
-}
-
-/// The room for an axis' heading. Names speak for themselves.
-fn heading_height(axis: &Axis) -> f64 {
-    let has_names = matches!(axis.scale, Scale::Names(_));
-    if axis.heading().is_empty() || has_names { 0.0 } else { HEADING }
-}
-
-/// The axes with room for all that is to be seen.
-fn axes(chart: &Chart, turned: bool) -> Axes<'_> {
-    let points = || chart.series.iter().flat_map(|series| &series.points);
-    let line = |of: fn(&Course) -> Option<f64>| {
-        chart.guides.iter().filter_map(move |guide| of(&guide.course))
-    };
-    let at_x = line(|course| if let Course::AtX(x) = course { Some(*x) } else { None });
-    let at_y = line(|course| if let Course::AtY(y) = course { Some(*y) } else { None });
-    let x = Place::new(&chart.x, points().map(|point| point.x).chain(at_x));
-    let ys = points().flat_map(|point| [Some(point.y), point.low, point.high]).flatten();
-    let y = Place::new(&chart.y, ys.chain(at_y));
-    let (along, down) = if turned { (y, x) } else { (x, y) };
-    Axes { along, down, turned }
-}
-
-/// Marks the axis on the left, and tells how wide its labels are.
-pub(super) fn mark_down(place: &mut Place<'_>, height: f64, width: f64) -> f64 {
-    place.mark((height / APART_DOWN) as usize);
-    let most = MOST_FOR_NAMES * width;
-    place.labels().for_each(|label| *label = font::shortened(label, LABEL, most));
-    let widest = place.labels().map(|label| font::width(label, LABEL)).fold(0.0, f64::max);
-    widest + 2.0 * GAP
-}
-
-/// Marks the axis at the bottom so that labels stay apart, and tells how far the last may stand out.
-pub(super) fn mark_along(place: &mut Place<'_>, width: f64) -> f64 {
-    let widest =
-        |place: &mut Place<'_>| place.labels().map(|l| font::width(l, LABEL)).fold(0.0, f64::max);
-    for most in (2..=(width / 40.0) as usize).rev() {
-        place.mark(most);
-        let room = width / place.labels().count().max(1) as f64;
-        if widest(place) + APART_ALONG <= room {
-            break;
-        }
-    }
-    (widest(place) / 2.0).max(GAP)
+    drawing
 }
 
 /// The series in the legend: those with a name.
-fn entries(chart: &Chart) -> Vec<Entry<'_>> {
+fn entries(chart: &Chart) -> impl Iterator<Item = (usize, &str, Sample)> {
     let named = chart.series.iter().enumerate().filter(|(_, series)| !series.name.is_empty());
-    named
-        .map(|(index, series)| Entry {
-            name: &series.name,
-            index,
-            marker: series.draw != Draw::Band,
-            line: series.draw != Draw::Points,
-            block: false,
-        })
-        .collect()
+    named.map(|(index, series)| {
+        let has_line = series.draw != Draw::Points;
+        let sample = if has_line { Sample::Line } else { Sample::Marker };
+        (index, series.name.as_str(), sample)
+    })
+}
+
+/// The axes with room for all that is to be seen.
+fn field(chart: &Chart) -> Field<'_> {
+    let points = || chart.series.iter().flat_map(|series| &series.points);
+    let ys = points().flat_map(|point| [Some(point.y), point.low, point.high]).flatten();
+    let guides = chart.guides.iter().filter_map(|guide| match guide.course {
+        Course::AtY(y) => Some(y),
+        Course::Power { .. } => None,
+    });
+    Field::new(&chart.x, points().map(|point| point.x), &chart.y, ys.chain(guides))
+}
+
+fn draw_series(drawing: &mut Drawing, chart: &Chart, index: usize, field: &Field<'_>) {
+    let series = &chart.series[index];
+    let places: Vec<Option<At>> = series.points.iter().map(|p| field.at(p.x, p.y)).collect();
+    for run in runs(&places).filter(|run| run.len() > 1) {
+        match series.draw {
+            Draw::Points => {}
+            Draw::Line => stroke(drawing, run, index),
+            Draw::Front => stroke(drawing, stairs(&run), index),
+        }
+    }
+    for (point, at) in series.points.iter().zip(&places) {
+        let &Some(at) = at else { continue };
+        drawing.shapes.push(Shape::Begin(mark(chart, series, point, at)));
+        whisker(drawing, point, at, field, index);
+        marker(drawing, at, index);
+        drawing.shapes.push(Shape::End);
+    }
+}
+
+/// The runs of points that a line can join: those without a place part them.
+fn runs(places: &[Option<At>]) -> impl Iterator<Item = Vec<At>> {
+    places.split(Option::is_none).map(|run| run.iter().flatten().copied().collect())
+}
+
+/// The staircase through the points of a front: what is beaten lies above it or on it.
+fn stairs(front: &[At]) -> Vec<At> {
+    let corners = front.windows(2).flat_map(|pair| [pair[0], [pair[1][0], pair[0][1]]]);
+    corners.chain(front.last().copied()).collect()
+}
+
+/// A line between the ends of a point's interval, if it has one, with a cap at each.
+fn whisker(drawing: &mut Drawing, point: &Point, at: At, field: &Field<'_>, index: usize) {
+    if point.low.is_none() && point.high.is_none() {
+        return;
+    }
+    let end = |y: Option<f64>| y.and_then(|y| field.y.pixel_of_end(y));
+    let ends = [point.low, point.high].map(|y| end(y).map_or(at, |y| field.with_y(at, y)));
+    let [dx, dy] = if field.turned { [0.0, CAP] } else { [CAP, 0.0] };
+    let cap = |[x, y]: At| vec![[x - dx, y - dy], [x + dx, y + dy]];
+    for points in [ends.to_vec(), cap(ends[0]), cap(ends[1])] {
+        drawing.line(points, Paint::Series(index), WHISKER);
+    }
+}
+
+/// What a point stands for.
+fn mark(chart: &Chart, series: &Series, point: &Point, at: At) -> Mark {
+    let x = format!("{}: {}", chart.x.label, name_or_value(&chart.x, point.x));
+    let mut y = format!("{}: {}", chart.y.label, quantity(point.y, &chart.y.unit));
+    match (point.low, point.high) {
+        (Some(low), Some(high)) => y += &format!(" ({} to {})", figure(low), figure(high)),
+        (Some(low), None) => y += &format!(" (from {})", figure(low)),
+        (None, Some(high)) => y += &format!(" (to {})", figure(high)),
+        (None, None) => {}
+    }
+    let names = [series.name.as_str(), point.label.as_str()].into_iter().filter(|n| !n.is_empty());
+    let lines: Vec<&str> = names.chain([x.as_str(), y.as_str()]).collect();
+    let figures =
+        [("x", Some(point.x)), ("y", Some(point.y)), ("low", point.low), ("high", point.high)];
+    let known = figures.into_iter().filter_map(|(name, value)| Some((name, exact(value?))));
+    Mark { title: lines.join("\n"), figures: known.collect(), near: Some(at) }
+}
+
+/// A value of `x` in words.
+pub(super) fn name_or_value(axis: &Axis, value: f64) -> String {
+    match &axis.scale {
+        Scale::Names(names) => names.get(value as usize).cloned().unwrap_or_default(),
+        _ => quantity(value, &axis.unit),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stairs_pass_below_what_is_beaten() {
+        let expected = [[1.0, 5.0], [2.0, 5.0], [2.0, 3.0], [4.0, 3.0], [4.0, 1.0]];
+        assert_eq!(stairs(&[[1.0, 5.0], [2.0, 3.0], [4.0, 1.0]]), expected);
+        assert_eq!(stairs(&[[1.0, 2.0]]), [[1.0, 2.0]]);
+        assert!(stairs(&[]).is_empty());
+    }
+
+    #[test]
+    fn lines_end_where_a_point_has_no_place() {
+        let places = [Some([0.0, 0.0]), Some([1.0, 0.0]), None, Some([2.0, 1.0])];
+        let found: Vec<_> = runs(&places).collect();
+        assert_eq!(found, [vec![[0.0, 0.0], [1.0, 0.0]], vec![[2.0, 1.0]]]);
+    }
 }

@@ -6,6 +6,7 @@
 
 use std::sync::OnceLock;
 
+use tiny_skia::{Path, PathBuilder, Transform};
 use ttf_parser::{Face, GlyphId, OutlineBuilder};
 
 /// The font, read once.
@@ -19,60 +20,83 @@ const UNKNOWN: f64 = 0.6;
 
 /// How wide `text` is, where `size` is the height of a line's letters (the em).
 pub(super) fn width(text: &str, size: f64) -> f64 {
-    text.chars().map(|letter| size * Form::of(letter).advance).sum()
+    text.chars().map(|letter| size * Letter::of(letter).advance).sum()
 }
 
 /// What is drawn for a letter, in parts of the size.
-struct Form {
+struct Letter {
     glyph: Option<GlyphId>,
     advance: f64,
     scale: f64,
     raised: f64,
 }
 
-impl Form {
+impl Letter {
     fn of(letter: char) -> Self {
-        let of = |letter: char, scale: f64, raised: f64| {
-            let face = face()?;
-            let glyph = face.glyph_index(letter)?;
-            let advance = f64::from(face.glyph_hor_advance(glyph)?);
-            let advance = scale * advance / f64::from(face.units_per_em());
-            Some(Self { glyph: Some(glyph), advance, scale, raised })
-        };
         let blank = |advance| Self { glyph: None, advance, scale: 1.0, raised: 0.0 };
-        of(letter, 1.0, 0.0).unwrap_or_else(|| match letter {
+        Self::scaled(letter, 1.0, 0.0).unwrap_or_else(|| match letter {
             // The font has superscript digits, and no minus for them.
-            '⁻' => of('−', 0.6, 0.36).unwrap_or(blank(UNKNOWN)),
+            '⁻' => Self::scaled('−', 0.6, 0.36).unwrap_or(blank(UNKNOWN)),
             // A third of the usual space is narrow.
             '\u{202f}' => blank(0.16),
             _ => blank(UNKNOWN),
         })
     }
+
+    fn scaled(letter: char, scale: f64, raised: f64) -> Option<Self> {
+        let face = face()?;
+        let glyph = face.glyph_index(letter)?;
+        let advance = f64::from(face.glyph_hor_advance(glyph)?) / f64::from(face.units_per_em());
+        Some(Self { glyph: Some(glyph), advance: scale * advance, scale, raised })
+    }
 }
 
-/// Hands the outlines of each letter to `draw`: first to `start`, where it begins, right of the start
-/// of the text and above its base line, and the size of the font's unit. Outlines are in these units,
-/// with y upward from there.
-pub(super) fn outlines<O: OutlineBuilder>(
-    text: &str,
-    size: f64,
-    outline: &mut O,
-    mut start: impl FnMut(&mut O, [f64; 2], f64),
-) {
-    let Some(face) = face() else { return };
-    let unit = size / f64::from(face.units_per_em());
-    let mut x = 0.0;
-    for form in text.chars().map(Form::of) {
-        if let Some(glyph) = form.glyph {
-            start(outline, [x, size * form.raised], unit * form.scale);
-            face.outline_glyph(glyph, outline);
+/// The outline of a text whose base line begins at `start`.
+pub(super) fn outline(text: &str, size: f64, [mut x, y]: [f64; 2]) -> Option<Path> {
+    let face = face()?;
+    let mut path = PathBuilder::new();
+    for letter in text.chars().map(Letter::of) {
+        let mut outline = Outline(PathBuilder::new());
+        letter.glyph.map(|glyph| face.outline_glyph(glyph, &mut outline));
+        // The font's y is upward.
+        let unit = (size * letter.scale / f64::from(face.units_per_em())) as f32;
+        let [left, base] = [x, y - size * letter.raised].map(|at| at as f32);
+        let place = Transform::from_row(unit, 0.0, 0.0, -unit, left, base);
+        if let Some(outline) = outline.0.finish().and_then(|outline| outline.transform(place)) {
+            path.push_path(&outline);
         }
-        x += size * form.advance;
+        x += size * letter.advance;
+    }
+    path.finish()
+}
+
+/// The outline of a letter in the font's units.
+struct Outline(PathBuilder);
+
+impl OutlineBuilder for Outline {
+    fn move_to(&mut self, x: f32, y: f32) {
+        self.0.move_to(x, y);
+    }
+
+    fn line_to(&mut self, x: f32, y: f32) {
+        self.0.line_to(x, y);
+    }
+
+    fn quad_to(&mut self, x1: f32, y1: f32, x: f32, y: f32) {
+        self.0.quad_to(x1, y1, x, y);
+    }
+
+    fn curve_to(&mut self, x1: f32, y1: f32, x2: f32, y2: f32, x: f32, y: f32) {
+        self.0.cubic_to(x1, y1, x2, y2, x, y);
+    }
+
+    fn close(&mut self) {
+        self.0.close();
     }
 }
 
 /// `text`, or as much of its end as is no wider than `most`, after an ellipsis: the end of a path
-/// tells more than its start.
+/// says more than its start.
 pub(super) fn shortened(text: &str, size: f64, most: f64) -> String {
     if width(text, size) <= most {
         return text.to_owned();
@@ -104,7 +128,7 @@ mod tests {
     #[test]
     fn the_font_has_what_numbers_are_written_with() {
         for letter in "0123456789⁰¹²³⁴⁵⁶⁷⁸⁹⁻−×.…µ()%/ abcXYZ".chars() {
-            assert!(Form::of(letter).glyph.is_some(), "{letter:?}");
+            assert!(Letter::of(letter).glyph.is_some(), "{letter:?}");
         }
         assert!(width("\u{202f}", 10.0) < width(" ", 10.0));
     }

@@ -1,96 +1,66 @@
 //! Names of series beside their markers, in as many rows as they need.
 
-use plotters::element::Rectangle;
-use plotters::style::Color;
-use plotters::style::text_anchor::{HPos, Pos, VPos};
-
+use super::drawing::{BESIDE, Drawing, LABEL, Shape, Text};
 use super::font;
-use super::frame::{LABEL, pixels, style};
-use super::marks::{Marker, Stroke};
+use super::marker::{marker, stroke};
 use super::paint::Paint;
-use super::picture::{Drawn, Sheet};
 
-/// The height of a row, in pixels.
+/// The height of a row.
 const ROW: f64 = 22.0;
 /// From the sample to the name.
 const GAP: f64 = 7.0;
 /// From one entry to the next.
 const BETWEEN: f64 = 22.0;
-/// The width of a sample with a line.
-const LINE: f64 = 24.0;
-/// The width of a sample without.
-const BLOCK: f64 = 12.0;
+/// The width of a sample with a line, and without.
+const WITH_LINE: f64 = 24.0;
+const WITHOUT_LINE: f64 = 12.0;
 /// Space below the last row.
 const BELOW: f64 = 6.0;
 
-/// A name and how to know what has it.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Entry<'a> {
-    pub name: &'a str,
-    /// The series, or the stage of bars.
-    pub index: usize,
-    pub marker: bool,
-    pub line: bool,
-    /// Whether it is told by a block of colour instead.
-    pub block: bool,
+/// What stands beside a name.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Sample {
+    /// The marker of a series.
+    Marker,
+    /// Its marker on its line.
+    Line,
+    /// The colour of a stage of bars.
+    Square,
 }
 
-impl Entry<'_> {
-    /// The width of its sample, in pixels.
-    fn sample(&self) -> f64 {
-        if self.line { LINE } else { BLOCK }
+/// Draws the names and samples of series or stages, which are known by their numbers.
+pub(super) fn draw<'a>(
+    drawing: &mut Drawing,
+    entries: impl Iterator<Item = (usize, &'a str, Sample)>,
+) {
+    let (mut x, mut y, width) = (0.0, drawing.height + ROW / 2.0, drawing.frame.width);
+    let mut entries = entries.peekable();
+    if entries.peek().is_none() {
+        return;
     }
-}
-
-/// Entries with their places.
-pub(super) struct Legend<'a> {
-    /// Each entry, where it begins, and its name as far as it fits.
-    placed: Vec<(Entry<'a>, [f64; 2], String)>,
-    rows: usize,
-}
-
-impl<'a> Legend<'a> {
-    /// The entries in rows of this width, in pixels.
-    pub(super) fn new(entries: &[Entry<'a>], width: f64) -> Self {
-        let (mut x, mut rows) = (0.0, usize::from(!entries.is_empty()));
-        let mut placed = Vec::new();
-        for entry in entries {
-            let sample = entry.sample();
-            let name = font::shortened(entry.name, LABEL, width - sample - GAP);
-            let wide = sample + GAP + font::width(&name, LABEL);
-            if x > 0.0 && x + wide > width {
-                (x, rows) = (0.0, rows + 1);
-            }
-            placed.push((*entry, [x, ROW * (rows as f64 - 0.5)], name));
-            x += wide + BETWEEN;
+    for (index, name, sample) in entries {
+        let wide = if sample == Sample::Line { WITH_LINE } else { WITHOUT_LINE } + GAP;
+        let name = font::shortened(name, LABEL, width - wide);
+        let end = x + wide + font::width(&name, LABEL);
+        if x > 0.0 && end > width {
+            (x, y) = (0.0, y + ROW);
         }
-        Self { placed, rows }
+        draw_sample(drawing, [x, x + wide - GAP, y], index, sample);
+        drawing.text(Text::new(&name, [x + wide, y], [0.0, BESIDE], LABEL).in_ink());
+        x += wide + font::width(&name, LABEL) + BETWEEN;
     }
+    drawing.height = y + ROW / 2.0 + BELOW;
+}
 
-    /// The height of all rows, in pixels.
-    pub(super) fn height(&self) -> f64 {
-        if self.rows == 0 { 0.0 } else { ROW * self.rows as f64 + BELOW }
+fn draw_sample(drawing: &mut Drawing, [left, right, y]: [f64; 3], index: usize, sample: Sample) {
+    if sample == Sample::Square {
+        let (top, bottom) = (y - WITHOUT_LINE / 2.0, y + WITHOUT_LINE / 2.0);
+        let points = vec![[left, top], [right, top], [right, bottom], [left, bottom]];
+        drawing.shapes.push(Shape::Area { points, paint: Paint::Series(index) });
+        return;
     }
-
-    /// Draws it from `top` on, in pixels.
-    pub(super) fn draw(&self, root: &Sheet, top: f64) -> Drawn {
-        let style = style(LABEL, Paint::Ink).pos(Pos::new(HPos::Left, VPos::Center));
-        for (entry, [x, y], name) in &self.placed {
-            let (x, y, sample) = (pixels(*x), pixels(top + y), entry.sample());
-            let middle = (x + pixels(sample / 2.0), y);
-            if entry.block {
-                let (half, color) = (pixels(BLOCK / 2.0), Paint::Series(entry.index).color());
-                let corners = [(middle.0 - half, y - half), (middle.0 + half, y + half)];
-                root.draw(&Rectangle::new(corners, color.filled()))?;
-            }
-            if entry.line {
-                root.draw(&Stroke::of(entry.index, vec![(x, y), (x + pixels(sample), y)]))?;
-            }
-            if entry.marker {
-                root.draw(&Marker { at: middle, index: entry.index, hollow: false })?;
-            }
-            root.draw_text(name, &style, (x + pixels(sample + GAP), y))?;
-        }
-        Ok(())
+    if sample == Sample::Line {
+        stroke(drawing, vec![[left, y], [right, y]], index);
     }
+    marker(drawing, [(left + right) / 2.0, y], index);
 }

@@ -1,17 +1,17 @@
 //! Numbers as they are read: a few digits, powers of ten in superscript, and in CSV all there is.
 
-/// The digits that are told of a number.
+/// The digits of a number.
 const DIGITS: usize = 4;
 
-/// Numbers of at least this size are told as a power of ten.
+/// Numbers of at least this size are written as a power of ten.
 const LARGEST_PLAIN: f64 = 1e6;
 
-/// The smallest exponent of ten that is told without one: 0.001.
+/// The smallest exponent of ten that is written without one: 0.001.
 const SMALLEST_PLAIN: i32 = -3;
 
 /// A number in four digits, such as "0.0123", "1 234 567" or "6.02×10²³".
 ///
-/// Whole numbers below 10^15 are told in full, as they are counts.
+/// Whole numbers below 10^15 are written in full, as they are counts.
 pub fn figure(value: f64) -> String {
     if !value.is_finite() {
         return "not finite".to_owned();
@@ -40,7 +40,7 @@ pub fn seconds(seconds: f64) -> String {
     quantity(seconds * scale, unit)
 }
 
-/// The unit in which so many seconds are told, and what to multiply them by.
+/// The unit for so many seconds, and what to multiply them by.
 pub fn time_unit(seconds: f64) -> (f64, &'static str) {
     match seconds {
         0.0 => (1.0, "s"),
@@ -111,7 +111,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn numbers_are_told_in_a_few_digits() {
+    fn numbers_have_a_few_digits() {
         for (value, expected) in [
             (0.0, "0"),
             (1.0, "1"),

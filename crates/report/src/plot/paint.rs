@@ -1,9 +1,6 @@
 //! The colours of a drawing, by what they are for.
 //!
-//! On its way through plotters a colour is three bytes, so that no two paints may have the same.
 //! These are the colours on white paper; `chart.css` has those on a dark one under the same names.
-
-use plotters::style::RGBColor;
 
 /// What a shape is painted with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,12 +37,6 @@ const SERIES: [(&str, [u8; 3]); COLOURS] = [
 ];
 
 impl Paint {
-    /// All of them.
-    pub(super) fn all() -> impl Iterator<Item = Self> {
-        let others = [Self::Ink, Self::Muted, Self::Guide, Self::Grid, Self::Faint, Self::Paper];
-        others.into_iter().chain((0..COLOURS).map(Self::Series))
-    }
-
     /// Its name in style sheets, and the colour on white paper.
     fn entry(self) -> (&'static str, [u8; 3]) {
         match self {
@@ -68,36 +59,27 @@ impl Paint {
     pub(super) fn rgb(self) -> [u8; 3] {
         self.entry().1
     }
-
-    /// For plotters.
-    pub(super) fn color(self) -> RGBColor {
-        let [r, g, b] = self.rgb();
-        RGBColor(r, g, b)
-    }
-
-    /// The paint of this colour; ink where there is none.
-    pub(super) fn of((r, g, b): (u8, u8, u8)) -> Self {
-        Self::all().find(|paint| paint.rgb() == [r, g, b]).unwrap_or(Self::Ink)
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    fn all() -> impl Iterator<Item = Paint> {
+        let others =
+            [Paint::Ink, Paint::Muted, Paint::Guide, Paint::Grid, Paint::Faint, Paint::Paper];
+        others.into_iter().chain((0..COLOURS).map(Paint::Series))
+    }
+
     #[test]
-    fn a_colour_tells_its_paint() {
-        for paint in Paint::all() {
-            let [r, g, b] = paint.rgb();
-            assert_eq!(Paint::of((r, g, b)), paint);
-        }
-        assert_eq!(Paint::Series(COLOURS).name(), "s0", "then they begin again");
+    fn colours_begin_again_after_the_last() {
+        assert_eq!(Paint::Series(COLOURS).name(), "s0");
     }
 
     #[test]
     fn the_style_sheet_knows_every_paint() {
         let css = include_str!("chart.css");
-        for paint in Paint::all() {
+        for paint in all() {
             let name = paint.name();
             let [r, g, b] = paint.rgb();
             let light = format!("--{name}: light-dark(#{r:02x}{g:02x}{b:02x}, #");
@@ -145,7 +127,7 @@ mod tests {
             assert!(found >= 3.0, "{series:?} {found}");
         }
         // The colours of Okabe and Ito as they are: the last two are for many series, and the marker
-        // tells those apart as well.
+        // sets those apart as well.
         for series in [0, 1, 2, 4].map(Paint::Series) {
             let found = contrast(series.rgb(), papers[0]);
             assert!(found >= 3.0, "{series:?} {found}");

@@ -24,8 +24,15 @@ pub(super) struct Ticks {
     pub minor: Vec<f64>,
 }
 
+impl Ticks {
+    /// Where all of a kind are.
+    pub(super) fn positions(&self, major: bool) -> Vec<f64> {
+        if major { self.major.iter().map(|tick| tick.at).collect() } else { self.minor.clone() }
+    }
+}
+
 /// The fewest labels: an axis with one number has no scale.
-const FEWEST: usize = 2;
+const FEWEST_LABELS: usize = 2;
 
 /// Plain labels have exponents of ten from here ...
 const PLAIN_FROM: i32 = -3;
@@ -38,43 +45,42 @@ pub(super) fn linear(low: f64, high: f64, most: usize) -> Ticks {
     if half_span <= 0.0 || !half_span.is_finite() {
         return Ticks::default();
     }
-    let most = most.max(FEWEST);
-    let mut best = Vec::new();
+    let most = most.max(FEWEST_LABELS);
     // From steps that are too small to the first that is not: there are three in a decade.
     let start = libm::floor(libm::log10(half_span / most as f64)) as i32;
-    'steps: for exponent in start..start + 4 {
-        for digit in [1, 2, 5] {
-            let ticks = multiples(low, high, digit, exponent);
-            if ticks.len() >= FEWEST {
-                best = ticks;
-            }
-            if best.len() <= most && !best.is_empty() {
-                break 'steps;
-            }
+    let steps = (start..start + 4).flat_map(|exponent| [1, 2, 5].map(|digit| (digit, exponent)));
+    let mut major = Vec::new();
+    for (digit, exponent) in steps {
+        let ticks = multiples(low, high, digit, exponent);
+        if ticks.len() >= FEWEST_LABELS {
+            major = ticks;
+        }
+        if (1..=most).contains(&major.len()) {
+            break;
         }
     }
-    Ticks { major: best, minor: Vec::new() }
+    Ticks { major, minor: Vec::new() }
 }
 
 /// The multiples of `digit` times ten to the `exponent` from `low` to `high`.
 fn multiples(low: f64, high: f64, digit: i64, exponent: i32) -> Vec<Tick> {
-    let Some(unit) = ten_to(exponent) else { return Vec::new() };
-    let step = digit as f64 * unit;
+    let step = times_ten_to(digit, exponent);
     let (first, last) = (libm::ceil(low / step), libm::floor(high / step));
     // Numbers so far from 0 that steps between them are rounded away have no marks.
-    if !(last >= first && last - first < 100.0 && last.abs() < 1e15 && first.abs() < 1e15) {
+    let is_exact = step > 0.0 && first.abs() < 1e15 && last.abs() < 1e15;
+    if !is_exact || last - first >= 100.0 {
         return Vec::new();
     }
-    let tick = |n: i64| {
-        let n = n * digit;
-        // As a decimal, so that 3 times 0.1 is 0.3.
-        let at = format!("{n}e{exponent}").parse().unwrap_or(n as f64 * unit);
-        Tick { at, label: decimal(n, exponent) }
-    };
-    (first as i64..=last as i64).map(tick).collect()
+    let multiples = (first as i64..=last as i64).map(|n| n * digit);
+    multiples.map(|n| Tick { at: times_ten_to(n, exponent), label: decimal(n, exponent) }).collect()
 }
 
-/// `n` times ten to the `exponent`.
+/// `n` times ten to the `exponent`, rounded once: 3 times 0.1 is 0.3.
+fn times_ten_to(n: i64, exponent: i32) -> f64 {
+    format!("{n}e{exponent}").parse().unwrap_or(0.0)
+}
+
+/// `n` times ten to the `exponent` as a label.
 fn decimal(n: i64, exponent: i32) -> String {
     if n == 0 {
         return "0".to_owned();
@@ -82,12 +88,12 @@ fn decimal(n: i64, exponent: i32) -> String {
     let digits = n.unsigned_abs().to_string();
     let leading = digits.len() as i32 - 1 + exponent;
     if (PLAIN_FROM - 1..=PLAIN_TO + 1).contains(&leading) {
-        let value = n as f64 * ten_to(exponent).unwrap_or(1.0);
-        return minus(&format!("{value:.*}", (-exponent).max(0) as usize));
+        let decimals = (-exponent).max(0) as usize;
+        return minus(&format!("{:.decimals$}", times_ten_to(n, exponent)));
     }
-    let sign = if n < 0 { "−" } else { "" };
     let (first, rest) = digits.split_at(1);
     let mantissa = format!("{first}.{rest}");
+    let sign = if n < 0 { "−" } else { "" };
     match trimmed(&mantissa) {
         "1" => format!("{sign}{}", power_of_ten(leading)),
         mantissa => format!("{sign}{mantissa}×{}", power_of_ten(leading)),
@@ -99,24 +105,22 @@ pub(super) fn logarithmic(low: f64, high: f64, most: usize) -> Ticks {
     if !(low < high && (high - low).is_finite()) {
         return Ticks::default();
     }
-    let most = most.max(FEWEST);
+    let most = most.max(FEWEST_LABELS);
     let (first, last) = (libm::ceil(low) as i32, libm::floor(high) as i32);
     let decades = (last - first + 1).max(0) as usize;
-    if decades >= FEWEST {
+    if decades >= FEWEST_LABELS {
         return powers(low, high, first..=last, decades.div_ceil(most) as i32);
     }
     for digits in [&[1, 2, 3, 4, 5, 6, 7, 8, 9][..], &[1, 2, 5], &[1, 3], &[1, 5]] {
         let major = within_decades(low, high, digits);
-        if (FEWEST..=most).contains(&major.len()) {
+        if (FEWEST_LABELS..=most).contains(&major.len()) {
             let minor = within_decades(low, high, &[1, 2, 3, 4, 5, 6, 7, 8, 9]);
             return Ticks { major, minor: minor.into_iter().map(|tick| tick.at).collect() };
         }
     }
     // Too narrow for whole digits: round numbers as on a linear axis, each in its place.
     let mut ticks = linear(libm::exp10(low), libm::exp10(high), most);
-    for tick in &mut ticks.major {
-        tick.at = libm::log10(tick.at);
-    }
+    ticks.major.iter_mut().for_each(|tick| tick.at = libm::log10(tick.at));
     ticks
 }
 
@@ -124,16 +128,14 @@ pub(super) fn logarithmic(low: f64, high: f64, most: usize) -> Ticks {
 fn powers(low: f64, high: f64, range: std::ops::RangeInclusive<i32>, step: i32) -> Ticks {
     let is_plain = PLAIN_FROM <= *range.start() && *range.end() <= PLAIN_TO;
     let name = |k| if is_plain { decimal(1, k) } else { power_of_ten(k) };
-    let is_major = |k: &i32| k.rem_euclid(step) == 0;
-    let tick = |k: i32| Tick { at: f64::from(k), label: name(k) };
-    let major: Vec<_> = range.clone().filter(is_major).map(tick).collect();
-    let minor = if step == 1 {
-        let all = within_decades(low, high, &[2, 3, 4, 5, 6, 7, 8, 9]);
-        all.into_iter().map(|tick| tick.at).collect()
-    } else {
-        range.filter(|k| !is_major(k)).map(f64::from).collect()
+    let (major, others): (Vec<i32>, Vec<i32>) = range.partition(|k| k.rem_euclid(step) == 0);
+    let between = within_decades(low, high, &[2, 3, 4, 5, 6, 7, 8, 9]).into_iter();
+    let minor = match step {
+        1 => between.map(|tick| tick.at).collect(),
+        _ => others.into_iter().map(f64::from).collect(),
     };
-    Ticks { major, minor }
+    let tick = |k: i32| Tick { at: f64::from(k), label: name(k) };
+    Ticks { major: major.into_iter().map(tick).collect(), minor }
 }
 
 /// The multiples of the powers of ten by `digits` from ten to the `low` to ten to the `high`.
@@ -146,11 +148,6 @@ fn within_decades(low: f64, high: f64, digits: &[i64]) -> Vec<Tick> {
         })
     });
     all.filter(|tick| (low..=high).contains(&tick.at)).collect()
-}
-
-/// Ten to the power of `exponent`, rounded once; `None` where that is 0 or no number.
-fn ten_to(exponent: i32) -> Option<f64> {
-    format!("1e{exponent}").parse().ok().filter(|x: &f64| *x > 0.0 && x.is_finite())
 }
 
 #[cfg(test)]

@@ -7,9 +7,9 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::topology::Topology;
+use super::case::{Count, Effort, Outcome};
+use super::topology::{Edge, Topology};
 use super::ways::{Numbers, Tests};
-use super::{Count, Effort, Outcome};
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::accel::geometry::{Geometry, Primitive};
 use wavecrest_core::accel::{Accel, Hit, Traversal};
@@ -128,9 +128,9 @@ fn point_on(geometry: &Geometry, numbers: &mut Numbers) -> (u32, DVec3) {
 pub fn trial(accel: &Accel, effort: &Effort) -> Trial {
     let geometry = accel.geometry();
     let topology = Topology::new(geometry);
-    let size = extent(geometry);
-    let (mut leaks, leak_time) = leaking(accel, &topology, size, effort);
-    let (mut self_hits, self_time) = leaving(accel, size, effort);
+    let extent = Extent::of(geometry);
+    let (mut leaks, leak_time) = leaking(accel, &topology, &extent, effort);
+    let (mut self_hits, self_time) = leaving(accel, &extent, effort);
     let asked = (leaks.tried + self_hits.tried).max(1);
     let nanoseconds = (leak_time + self_time) * 1e9 / asked as f64;
     for outcome in [&mut leaks, &mut self_hits] {
@@ -139,35 +139,45 @@ pub fn trial(accel: &Accel, effort: &Effort) -> Trial {
     Trial { leaks, self_hits, nanoseconds }
 }
 
-/// The middle of the mesh's box, and half of its diagonal.
-fn extent(geometry: &Geometry) -> (DVec3, f64) {
-    // As they are, and not padded: the same rays are asked in every precision.
-    let all = (0..geometry.triangles.len()).map(|i| Aabb::around(geometry.triangle(i)));
-    let all = all.reduce(|a, b| a.union(b));
-    all.map_or((DVec3::ZERO, 1.0), |b| {
-        let (low, high) = (b.low.as_dvec3(), b.high.as_dvec3());
-        ((low + high) / 2.0, (high - low).length() / 2.0)
-    })
+/// The middle of a mesh's box, and half of its diagonal.
+struct Extent {
+    middle: DVec3,
+    half: f64,
 }
 
-/// How many rays of a kind, and how many of them a thread makes at a time.
+impl Extent {
+    fn of(geometry: &Geometry) -> Self {
+        // As they are, and not padded: the same rays are asked in every precision.
+        let all = (0..geometry.triangles.len()).map(|i| Aabb::around(geometry.triangle(i)));
+        let Some(all) = all.reduce(|a, b| a.union(b)) else {
+            return Self { middle: DVec3::ZERO, half: 1.0 };
+        };
+        let (low, high) = (all.low.as_dvec3(), all.high.as_dvec3());
+        Self { middle: (low + high) / 2.0, half: (high - low).length() / 2.0 }
+    }
+
+    /// A point anywhere about the mesh.
+    fn around(&self, numbers: &mut Numbers) -> Vec3 {
+        let direction = numbers.direction();
+        (self.middle + direction * (self.half * (0.1 + 2.0 * numbers.one()))).as_vec3()
+    }
+}
+
+/// Rays that a thread makes at a time.
+const RAYS_OF_A_THREAD: usize = 1 << 12;
+
+/// The numbers of the rays of a kind, as threads take them.
 fn blocks(effort: &Effort) -> impl ParallelIterator<Item = std::ops::Range<usize>> {
-    const BLOCK: usize = 1 << 12;
     let count = match effort.count {
         Count::Full => RAYS as usize,
         Count::Quick => RAYS as usize / 25,
     };
-    let block = move |b: usize| b * BLOCK..((b + 1) * BLOCK).min(count);
-    (0..count.div_ceil(BLOCK)).into_par_iter().map(block)
+    let block = move |b: usize| b * RAYS_OF_A_THREAD..((b + 1) * RAYS_OF_A_THREAD).min(count);
+    (0..count.div_ceil(RAYS_OF_A_THREAD)).into_par_iter().map(block)
 }
 
 /// Rays at edges, from anywhere about the mesh.
-fn leaking(
-    accel: &Accel,
-    topology: &Topology,
-    size: (DVec3, f64),
-    effort: &Effort,
-) -> (Outcome, f64) {
+fn leaking(accel: &Accel, topology: &Topology, extent: &Extent, effort: &Effort) -> (Outcome, f64) {
     if topology.len() == 0 {
         return (Outcome::default(), 0.0);
     }
@@ -176,11 +186,11 @@ fn leaking(
         effort,
         |n, _| {
             let mut numbers = Numbers::new(effort, EXAMINED + 1, n);
-            let (ends, triangles) = topology.edge(numbers.below(topology.len()))?;
-            let from = size.0 + numbers.direction() * (size.1 * (0.1 + 2.0 * numbers.one()));
+            let edge = topology.edge(numbers.below(topology.len()))?;
+            let from = extent.around(&mut numbers);
             let part = 0.1 + 0.8 * numbers.one();
-            let ray = edge_ray(accel.geometry(), (ends, triangles), from.as_vec3(), part)?;
-            Some((ray, triangles))
+            let ray = edge_ray(accel.geometry(), &edge, from, part)?;
+            Some((ray, edge.triangles))
         },
         |ray, triangles, hit| {
             // A face that is seen nearly edge on is met a good way behind its edge.
@@ -200,15 +210,10 @@ const LEAST_DISTANCE: f64 = 32.0;
 
 /// A ray from `from` that meets the edge at `part` of it, if its triangles lie on both sides of it as
 /// seen from there.
-fn edge_ray(
-    geometry: &Geometry,
-    ([p, q], triangles): ([u32; 2], [u32; 2]),
-    from: Vec3,
-    part: f64,
-) -> Option<Ray> {
-    let at = |v: u32| geometry.positions[v as usize].as_dvec3();
+fn edge_ray(geometry: &Geometry, edge: &Edge, from: Vec3, part: f64) -> Option<Ray> {
+    let [a, b] = edge.ends.map(|v| geometry.positions[v as usize].as_dvec3());
     let o = from.as_dvec3();
-    let target = (at(p) + (at(q) - at(p)) * part).as_vec3();
+    let target = (a + (b - a) * part).as_vec3();
     let d = (target.as_dvec3() - o).normalize();
     // From the ray to the line through two points, as seen along the ray.
     let distance = |a: DVec3, b: DVec3| {
@@ -216,9 +221,8 @@ fn edge_ray(
         (side / (b - a).cross(d).length()).abs()
     };
     let ulp = f64::from(f32::EPSILON) * target.as_dvec3().abs().max(o.abs()).max_element();
-    let (a, b) = (at(p), at(q));
     let plane = (a - o).cross(b - o);
-    let sides = triangles.map(|triangle| {
+    let sides = edge.triangles.map(|triangle| {
         let corners = geometry.triangle(triangle as usize).map(|v| v.as_dvec3());
         let c = corners.into_iter().find(|&c| c != a && c != b)?;
         let is_wide = distance(a, c).min(distance(b, c)) > LEAST_DISTANCE * ulp;
@@ -229,7 +233,7 @@ fn edge_ray(
 }
 
 /// Rays that leave triangles in all directions, to the side from which these were hit.
-fn leaving(accel: &Accel, size: (DVec3, f64), effort: &Effort) -> (Outcome, f64) {
+fn leaving(accel: &Accel, extent: &Extent, effort: &Effort) -> (Outcome, f64) {
     let geometry = accel.geometry();
     if geometry.triangles.is_empty() {
         return (Outcome::default(), 0.0);
@@ -240,8 +244,7 @@ fn leaving(accel: &Accel, size: (DVec3, f64), effort: &Effort) -> (Outcome, f64)
         |n, traversal| {
             let mut numbers = Numbers::new(effort, EXAMINED + 2, n);
             let (_, target) = point_on(geometry, &mut numbers);
-            let from =
-                (size.0 + numbers.direction() * (size.1 * (0.1 + 2.0 * numbers.one()))).as_vec3();
+            let from = extent.around(&mut numbers);
             let ray = Ray::new(from, normalize(target.as_vec3() - from));
             let hit = Some(accel.closest(&ray, traversal)).filter(|hit| !hit.is_miss())?;
             let Primitive::Triangle(i) = geometry.primitive(hit.primitive) else { return None };

@@ -3,11 +3,12 @@
 use glam::{DVec3, Vec3};
 use serde_json::{Value, json};
 
-use super::convex::globe;
+use super::case::{Effort, Outcome};
+use super::convex::{Mesh, globe};
+use super::refused;
 use super::scenes::{self, Eye, PRESETS, every_image, pixels};
 use super::surfaces::on_triangle;
 use super::ways::{Numbers, Tests, in_blocks};
-use super::{Effort, Outcome, refused};
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::kernels::blinn_phong::{Material, reflect};
 use wavecrest_core::kernels::light::{Emitter, Falloff, Light, Triangles};
@@ -69,7 +70,7 @@ pub(super) fn edge_on(effort: &Effort) -> Outcome {
                     is_below_0.then(|| "below 0".to_owned())
                 })
             });
-            outcome.add(images.told(|| format!("a light of the shape {shape}, {falloff}")));
+            outcome.add(images.with_context(|| format!("a light of the shape {shape}, {falloff}")));
         }
     }
     outcome
@@ -165,10 +166,32 @@ pub(super) fn at_the_surface(effort: &Effort) -> Outcome {
                 outcome.count((!is_right).then(|| format!("{middle:?} below the light")));
                 outcome
             });
-            outcome.add(images.told(|| format!("a light {height} ulp before a wall, {falloff}")));
+            outcome.add(
+                images.with_context(|| format!("a light {height} ulp before a wall, {falloff}")),
+            );
         }
     }
     outcome
+}
+
+/// From a point of a surface to a light: nothing, a few of its rounding errors, or a little of `unit`.
+fn away(numbers: &mut Numbers, surface: &Surface<f32>, unit: f64) -> DVec3 {
+    let least = f64::from(surface.error.max_abs());
+    match numbers.below(4) {
+        0 => DVec3::ZERO,
+        1 => Vec3::from(surface.normal).as_dvec3() * (least * numbers.magnitude(1e-3, 10.0)),
+        2 => numbers.direction() * (least * numbers.magnitude(1e-3, 10.0)),
+        _ => numbers.direction() * (unit * numbers.magnitude(1e-9, 1e-5)),
+    }
+}
+
+/// The part of a light's power that is left at a distance.
+fn part_left(falloff: Falloff, distance: f64) -> f64 {
+    match falloff {
+        Falloff::Linear => 1.0 / (4.0 * std::f64::consts::PI * distance),
+        Falloff::InverseSquare => 1.0 / (4.0 * std::f64::consts::PI * distance * distance),
+        Falloff::None => 1.0,
+    }
 }
 
 /// A point light at a point, or within a few of its rounding errors.
@@ -180,44 +203,49 @@ fn light_at_a_point(tests: Tests, numbers: &mut Numbers) -> Outcome {
     let point = shading_point(numbers, &surface);
     let least = f64::from(surface.error.max_abs());
     let [at, normal] = [surface.point, surface.normal].map(|v| Vec3::from(v).as_dvec3());
-    let away = match numbers.below(4) {
-        0 => DVec3::ZERO,
-        1 => normal * (least * numbers.magnitude(1e-3, 10.0)),
-        2 => numbers.direction() * (least * numbers.magnitude(1e-3, 10.0)),
-        _ => numbers.direction() * (unit * numbers.magnitude(1e-9, 1e-5)),
-    };
-    let position = (at + away).as_vec3();
+    let position = (at + away(numbers, &surface, unit)).as_vec3();
     let falloff = FALLOFFS[numbers.below(3)];
     let light = light(Emitter::Point(position), falloff);
     let stream = Stream { seed: 0, pixel: 0, sample: 0, bounce: 0 };
     let request = shadow_request(&point, Vec3::ONE.into(), &light, &light.point(0, &stream));
     let towards = position.as_dvec3() - at;
     let distance = towards.length();
-    let told = || format!("{request:?} from {point:?} to {position}");
+    let context = || format!("{request:?} from {point:?} to {position}");
     match &request {
         None => {
             let height = normal.dot(towards);
             let is_before = height > 1e-5 * distance && distance > 0.0;
-            outcome.count(is_before.then(|| format!("it is left out: {}", told())));
+            outcome.count(is_before.then(|| format!("it is left out: {}", context())));
         }
         Some(request) => {
             let nearest = distance.max(least);
-            let falls = match falloff {
-                Falloff::Linear => 1.0 / (4.0 * std::f64::consts::PI * nearest),
-                Falloff::InverseSquare => 1.0 / (4.0 * std::f64::consts::PI * nearest * nearest),
-                Falloff::None => 1.0,
-            };
-            let most = f64::from(POWER * (MATERIAL.kd + MATERIAL.ks)) * falls * 1.0001;
+            let most = f64::from(POWER * (MATERIAL.kd + MATERIAL.ks))
+                * part_left(falloff, nearest)
+                * 1.0001;
             let contribution = Vec3::from(request.contribution);
             let is_bounded =
                 contribution.is_finite() && f64::from(contribution.max_element()) <= most;
-            outcome.count((!is_bounded).then(|| format!("more than {most}: {}", told())));
+            outcome.count((!is_bounded).then(|| format!("more than {most}: {}", context())));
             let is_doubtful = (distance / least - 1.0).abs() < 1e-5;
             let is_counted = request.at_light == (distance < least) || is_doubtful;
-            outcome.count((!is_counted).then(|| format!("{distance}, {least}: {}", told())));
+            outcome.count((!is_counted).then(|| format!("{distance}, {least}: {}", context())));
         }
     }
     outcome
+}
+
+/// A mesh whose normals are tilted at random from those of its globe.
+fn with_normals(mesh: &Mesh, numbers: &mut Numbers, tilt: f64) -> Value {
+    let normals = mesh.positions.iter().map(|p| {
+        let normal = p.as_dvec3().normalize() + numbers.direction() * tilt;
+        normal.normalize().to_array()
+    });
+    let normals: Vec<[f64; 3]> = normals.collect();
+    let shiny = json!({"ks": 1, "kd": 1, "specularexponent": 2, "diffusecolor": [1, 1, 1]});
+    let mut shape = scenes::mesh(&mesh.positions, &mesh.triangles, shiny);
+    shape["shading"] = json!("smooth");
+    shape["normals"] = json!(normals);
+    shape
 }
 
 /// Row 33.
@@ -233,15 +261,7 @@ pub(super) fn horizon(effort: &Effort) -> Outcome {
         let eye = Eye { location, look: DVec3::ZERO, up: DVec3::Y, fov: 40.0, size };
         // Up to nearly along the surface.
         let tilt = [0.0, 0.5, 3.0][numbers.below(3)];
-        let normals = mesh.positions.iter().map(|p| {
-            let normal = p.as_dvec3().normalize() + numbers.direction() * tilt;
-            normal.normalize().to_array()
-        });
-        let normals: Vec<[f64; 3]> = normals.collect();
-        let shiny = json!({"ks": 1, "kd": 1, "specularexponent": 2, "diffusecolor": [1, 1, 1]});
-        let mut shape = scenes::mesh(&mesh.positions, &mesh.triangles, shiny);
-        shape["shading"] = json!("smooth");
-        shape["normals"] = json!(normals);
+        let shape = with_normals(&mesh, &mut numbers, tilt);
         let lights = [scenes::point_light(100.0, light, "none")];
         let scene = scenes::scene(0, &eye.json(), &lights, &[shape]);
         // Nearer to a face's plane than this, and rounding decides whether the light is before it.
@@ -257,7 +277,9 @@ pub(super) fn horizon(effort: &Effort) -> Outcome {
                 (is_lit && is_behind(x, y)).then(|| "lit from behind".to_owned())
             })
         });
-        outcome.add(images.told(|| format!("light at {light}, seen from {location}, tilt {tilt}")));
+        outcome.add(
+            images.with_context(|| format!("light at {light}, seen from {location}, tilt {tilt}")),
+        );
     }
     outcome.count((asked == 0).then(|| "no face has the light behind it".to_owned()));
     outcome
@@ -298,24 +320,27 @@ pub(super) fn highlights(effort: &Effort) -> Outcome {
         outcome
     });
     for exponent in [0.0, 1e-30, 0.5, 1.0, 999_999.5, 1e6] {
-        let mut shiny = scenes::matte([0.5; 3]);
-        shiny["ks"] = json!(1);
-        shiny["specularexponent"] = json!(exponent);
-        let location = DVec3::new(0.0, 0.0, 4.0);
-        let size = [24, 24];
-        let eye = Eye { location, look: DVec3::ZERO, up: DVec3::Y, fov: 40.0, size };
-        // At the eye, where the half vector is the view, and behind what it sees.
-        let lights = [location, -location, DVec3::Z * 1.5]
-            .map(|position| scenes::point_light(40.0, position, "linear"));
-        let ball = scenes::sphere(DVec3::ZERO, 1.0, shiny);
-        let scene = scenes::scene(0, &eye.json(), &lights, &[ball]);
-        let images = match scenes::image(effort, &scene, Preset::Brute) {
-            Err(error) => Outcome::failure(error.to_string()),
-            Ok(expected) => every_image(effort, &scene, &[Preset::VeryFast], |rendered| {
-                scenes::same(&rendered.film, &expected)
-            }),
-        };
-        outcome.add(images.told(|| format!("exponent {exponent}")));
+        outcome.add(shiny_ball(effort, exponent).with_context(|| format!("exponent {exponent}")));
     }
     outcome
+}
+
+/// A ball with this exponent, of which every way has to make the same image.
+fn shiny_ball(effort: &Effort, exponent: f64) -> Outcome {
+    let mut shiny = scenes::matte([0.5; 3]);
+    shiny["ks"] = json!(1);
+    shiny["specularexponent"] = json!(exponent);
+    let location = DVec3::new(0.0, 0.0, 4.0);
+    let eye = Eye { location, look: DVec3::ZERO, up: DVec3::Y, fov: 40.0, size: [24, 24] };
+    // At the eye, where the half vector is the view, and behind what it sees.
+    let lights = [location, -location, DVec3::Z * 1.5]
+        .map(|position| scenes::point_light(40.0, position, "linear"));
+    let ball = scenes::sphere(DVec3::ZERO, 1.0, shiny);
+    let scene = scenes::scene(0, &eye.json(), &lights, &[ball]);
+    match scenes::image(effort, &scene, Preset::Brute) {
+        Err(error) => Outcome::failure(error.to_string()),
+        Ok(expected) => every_image(effort, &scene, &[Preset::VeryFast], |rendered| {
+            scenes::same(&rendered.film, &expected)
+        }),
+    }
 }

@@ -4,11 +4,11 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use serde_json::json;
 
-use super::convex::globe;
+use super::case::{Effort, Outcome};
+use super::convex::{Mesh, globe};
 use super::scenes::{self, Eye, PRESETS, every_image};
 use super::trees::by_brute_force;
 use super::ways::{Numbers, every_way};
-use super::{Effort, Outcome};
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::accel::geometry::Geometry;
 use wavecrest_core::math::ray::Ray;
@@ -19,7 +19,7 @@ pub(super) fn without_area(effort: &Effort) -> Outcome {
     let location = DVec3::new(120.0, 80.0, 150.0);
     let eye = Eye { location, look: DVec3::ZERO, up: DVec3::Y, fov: 40.0, size };
     // Halves of its sides are numbers of single precision too.
-    let mut clean = globe(6, 64.0, 1.0 / 64.0);
+    let clean = globe(6, 64.0, 1.0 / 64.0);
     let lights = [scenes::point_light(1000.0, DVec3::new(-40.0, 190.0, 160.0), "none")];
     let scene = |mesh| scenes::scene(0, &eye.json(), &lights, &[mesh]);
     let shiny =
@@ -30,34 +30,37 @@ pub(super) fn without_area(effort: &Effort) -> Outcome {
         Err(error) => return Outcome::failure(error.to_string()),
     };
     let count = effort.of(100_000);
-    let mut mixed = Vec::new();
-    let triangles = std::mem::take(&mut clean.triangles);
-    let mut positions = clean.positions.clone();
-    let mut numbers = Numbers::new(effort, 18, 0);
-    let mut left = count;
-    for (i, triangle) in triangles.iter().enumerate() {
-        // The last of them come after the last triangle.
-        let share = left / (triangles.len() - i) as u32;
-        for _ in 0..share {
-            mixed.push(nothing(&mut numbers, &mut positions, triangle));
-        }
-        left -= share;
-        mixed.push(*triangle);
-    }
-    let scene = scene(scenes::mesh(&positions, &mixed, shiny));
+    let (positions, triangles) = mixed(&mut Numbers::new(effort, 18, 0), &clean, count);
+    let scene = scene(scenes::mesh(&positions, &triangles, shiny));
     let mut outcome = every_image(effort, &scene, &PRESETS, |r| scenes::same(&r.film, &expected));
     match scenes::prepare(effort, &scene, Preset::Medium) {
         Err(error) => outcome.count(Some(error.to_string())),
         Ok(prepared) => {
             let found = prepared.scene.dropped.degenerate;
-            let is_told =
+            let is_warned =
                 prepared.warnings.iter().any(|w| w.contains(&format!(" {count} triangles")));
-            let is_right = found == u64::from(count) && is_told;
-            let told = || format!("{found} of {count} are counted, {:?}", prepared.warnings);
-            outcome.count((!is_right).then(told));
+            let is_right = found == u64::from(count) && is_warned;
+            let context = || format!("{found} of {count} are counted, {:?}", prepared.warnings);
+            outcome.count((!is_right).then(context));
         }
     }
     outcome
+}
+
+/// The vertices and triangles of a mesh with `count` triangles without area among them.
+fn mixed(numbers: &mut Numbers, mesh: &Mesh, count: u32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+    let (mut positions, mut mixed) = (mesh.positions.clone(), Vec::new());
+    let mut left = count;
+    for (i, triangle) in mesh.triangles.iter().enumerate() {
+        // The last of them come after the last triangle.
+        let share = left / (mesh.triangles.len() - i) as u32;
+        for _ in 0..share {
+            mixed.push(nothing(numbers, &mut positions, triangle));
+        }
+        left -= share;
+        mixed.push(*triangle);
+    }
+    (positions, mixed)
 }
 
 /// A triangle without area at a `triangle` of these positions.
@@ -87,22 +90,13 @@ fn nothing(numbers: &mut Numbers, positions: &mut Vec<Vec3>, &[a, b, c]: &[u32; 
 
 /// Row 19. An ulp is that of the largest coordinate met: of the ray's origin and of the triangle.
 pub(super) fn slivers(effort: &Effort) -> Outcome {
-    const MOST: f64 = 8.0;
+    const LARGEST_DISTANCE: f64 = 8.0;
     let mut outcome = Outcome::default();
     let scenes = 100;
     for s in 0..scenes {
         let mut numbers = Numbers::new(effort, 19, usize::MAX - s);
-        let mut geometry = Geometry::default();
         let unit = numbers.magnitude(1e-3, 1e3);
-        for _ in 0..20 {
-            let first = geometry.positions.len() as u32;
-            let at = numbers.direction() * (unit * numbers.one());
-            let along = numbers.direction();
-            let aside = along.cross(numbers.direction()).normalize() * 1e-6;
-            let apex = at + along * (unit * numbers.one()) + aside * unit;
-            geometry.positions.extend([at, at + along * unit, apex].map(|p| p.as_vec3()));
-            geometry.triangles.push([first, first + 1, first + 2]);
-        }
+        let geometry = some_slivers(&mut numbers, unit);
         let rays: Vec<Ray> = (0..effort.of(1_000_000) as usize / scenes)
             .map(|n| grazing(&mut Numbers::new(effort, 19, s * 100_000 + n), &geometry, unit))
             .collect();
@@ -117,21 +111,38 @@ pub(super) fn slivers(effort: &Effort) -> Outcome {
                     return None;
                 }
                 let corners = geometry.triangle(hit.primitive as usize).map(|v| v.as_dvec3());
-                let (low, high) = (
-                    corners[0].min(corners[1]).min(corners[2]),
-                    corners[0].max(corners[1]).max(corners[2]),
-                );
-                let (origin, direction) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
-                let point = origin + direction * f64::from(hit.t);
-                let largest = origin.abs().max(low.abs()).max(high.abs()).max_element() as f32;
-                let ulp = f64::from(largest.next_up() - largest);
-                let outside = (low - point).max(point - high).max_element() / ulp;
-                let is_within = outside <= MOST;
+                let outside = ulp_outside(corners, ray, hit.t);
+                let is_within = outside <= LARGEST_DISTANCE;
                 (!is_within).then(|| format!("{hit:?} is {outside} ulp outside {corners:?}"))
             }));
         }
     }
     outcome
+}
+
+/// Triangles about `unit` long that are a millionth as wide.
+fn some_slivers(numbers: &mut Numbers, unit: f64) -> Geometry {
+    let mut geometry = Geometry::default();
+    for _ in 0..20 {
+        let first = geometry.positions.len() as u32;
+        let at = numbers.direction() * (unit * numbers.one());
+        let along = numbers.direction();
+        let aside = along.cross(numbers.direction()).normalize() * 1e-6;
+        let apex = at + along * (unit * numbers.one()) + aside * unit;
+        geometry.positions.extend([at, at + along * unit, apex].map(|p| p.as_vec3()));
+        geometry.triangles.push([first, first + 1, first + 2]);
+    }
+    geometry
+}
+
+/// How far the ray's point at `t` is from the triangle's box.
+fn ulp_outside([a, b, c]: [DVec3; 3], ray: &Ray, t: f32) -> f64 {
+    let (low, high) = (a.min(b).min(c), a.max(b).max(c));
+    let (origin, direction) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
+    let point = origin + direction * f64::from(t);
+    let largest = origin.abs().max(low.abs()).max(high.abs()).max_element() as f32;
+    let ulp = f64::from(largest.next_up() - largest);
+    (low - point).max(point - high).max_element() / ulp
 }
 
 /// A ray at a point of a triangle, nearly in its plane.
@@ -198,16 +209,23 @@ pub(super) fn crooked_quads(effort: &Effort) -> Outcome {
                     continue;
                 }
             };
-            for (side, points) in sides.iter().enumerate() {
-                let named = format!("scene.shapes[{side}].points: the four points are not in one");
-                let is_told = prepared.warnings.iter().any(|w| w.contains(&named));
-                outcome.count((!is_told).then(|| format!("no warning of {points:?}")));
-            }
+            outcome.add(warnings_of(&prepared, &sides));
             outcome.add(every_way(prepared.scene.accel, &rays, |_, _, hit| {
                 let is_right = (0.999..1.001).contains(&hit.t);
                 (!is_right).then(|| format!("{hit:?} and not 1, in {corners:?}"))
             }));
         }
+    }
+    outcome
+}
+
+/// Whether each of the sides is warned of.
+fn warnings_of(prepared: &scenes::Prepared, sides: &[[DVec3; 4]]) -> Outcome {
+    let mut outcome = Outcome::default();
+    for (side, points) in sides.iter().enumerate() {
+        let named = format!("scene.shapes[{side}].points: the four points are not in one");
+        let is_warned = prepared.warnings.iter().any(|w| w.contains(&named));
+        outcome.count((!is_warned).then(|| format!("no warning of {points:?}")));
     }
     outcome
 }

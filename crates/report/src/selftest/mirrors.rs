@@ -4,13 +4,13 @@ use glam::DVec3;
 use rayon::prelude::*;
 use serde_json::json;
 
+use super::case::{Effort, Outcome};
 use super::scenes::{self, Eye, every_image, pixels};
 use super::ways::sum;
-use super::{Effort, Outcome};
 use wavecrest_core::accel::build::Preset;
 
 /// The greatest relative error of a pixel.
-const MOST: f64 = 1e-4;
+const LARGEST_ERROR: f64 = 1e-4;
 
 /// Where the two mirrors are, along z.
 const PLACES: [f64; 2] = [0.0, 1.0];
@@ -28,8 +28,8 @@ pub(super) fn facing(effort: &Effort) -> Outcome {
     let bounces: Vec<u32> = effort.either(few, many);
     let asked = bounces.into_iter().flat_map(|n| [(n, 0.5), (n, 0.99), (n, 1.0)]);
     let all = asked.collect::<Vec<_>>().into_par_iter().map(|(bounces, kr)| {
-        let told = || format!("{bounces} bounces of {kr}");
-        between(effort, bounces, kr).told(told)
+        let context = || format!("{bounces} bounces of {kr}");
+        between(effort, bounces, kr).with_context(context)
     });
     sum(all.collect())
 }
@@ -59,7 +59,7 @@ fn between(effort: &Effort, bounces: u32, kr: f64) -> Outcome {
         let mut outcome = scenes::same(&rendered.film, &expected);
         outcome.add(pixels(&rendered.film, |x, y, pixel| {
             let right = radiance(eye.location, eye.direction(x, y), bounces, kr);
-            let is_near = |i: usize| (f64::from(pixel[i]) / right[i] - 1.0).abs() <= MOST;
+            let is_near = |i: usize| (f64::from(pixel[i]) / right[i] - 1.0).abs() <= LARGEST_ERROR;
             (!(0..3).all(is_near)).then(|| format!("not {right}"))
         }));
         outcome

@@ -3,10 +3,10 @@
 use glam::{DVec3, Vec3};
 use serde_json::{Value, json};
 
+use super::case::{Effort, Outcome};
 use super::convex::{Mesh, globe};
 use super::scenes::{self, Eye, PRESETS, camera_rays, every_image, pixels};
 use super::ways::every_way;
-use super::{Effort, Outcome};
 use wavecrest_base::error::Result;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::accel::{Accel, Hit};
@@ -19,7 +19,7 @@ const STEP: f64 = 1.0 / 64.0;
 const RADIUS: f64 = 64.0;
 
 /// How many of the pixels of a moved scene may show another primitive.
-const MOST_OTHERS: f64 = 1e-4;
+const LARGEST_SHARE_OF_OTHERS: f64 = 1e-4;
 
 /// Where the camera and the light are, seen from the middle of the globe.
 const EYE: DVec3 = DVec3::new(120.0, 80.0, 150.0);
@@ -50,13 +50,13 @@ fn moves(effort: &Effort) -> Vec<DVec3> {
 pub(super) fn moved(effort: &Effort) -> Outcome {
     let mut outcome = Outcome::default();
     for by in [DVec3::ZERO].into_iter().chain(moves(effort)) {
-        let told = || format!("moved by {by}");
+        let context = || format!("moved by {by}");
         let asked = match same_primitives(effort, by) {
-            Ok(asked) => asked.allowing(MOST_OTHERS),
+            Ok(asked) => asked.allowing(LARGEST_SHARE_OF_OTHERS),
             Err(error) => Outcome::failure(error.to_string()),
         };
-        outcome.add(asked.told(told));
-        outcome.add(no_acne(effort, by).told(told));
+        outcome.add(asked.with_context(context));
+        outcome.add(no_acne(effort, by).with_context(context));
     }
     outcome
 }
@@ -80,8 +80,8 @@ fn same_primitives(effort: &Effort, by: DVec3) -> Result<Outcome> {
         let scene = scenes::prepare(effort, &lit_globe(effort, &mesh, by), preset)?.scene;
         let rays = camera_rays(&scene);
         outcome.add(every_way(scene.accel, &rays, |i, _, hit| {
-            let told = || format!("{hit:?} and unmoved {:?}", expected[i]);
-            (hit.primitive != expected[i].primitive).then(told)
+            let context = || format!("{hit:?} and unmoved {:?}", expected[i]);
+            (hit.primitive != expected[i].primitive).then(context)
         }));
     }
     Ok(outcome)
@@ -134,76 +134,115 @@ fn lit_is_bright(
     outcome
 }
 
-/// Something of every kind, with lengths in units of `unit` and the axes turned by `turn`: 1 is x to
-/// y to z to x. Light that falls with the distance, or with its square, grows with the unit.
-fn everything(effort: &Effort, unit: f64, turn: usize, has_balls: bool) -> Value {
-    let point = |x: f64, y: f64, z: f64| {
-        let mut turned = [x, y, z].map(|v| v * unit);
-        turned.rotate_right(turn);
-        turned
-    };
-    let direction = |x: f64, y: f64, z: f64| {
+/// How a scene is written down: with lengths in units of `unit` and the axes turned by `turn`, where 1 is
+/// x to y to z to x.
+#[derive(Clone, Copy)]
+struct Axes {
+    unit: f64,
+    turn: usize,
+}
+
+/// Neither scaled nor turned.
+const STILL: Axes = Axes { unit: 1.0, turn: 0 };
+
+impl Axes {
+    fn direction(self, x: f64, y: f64, z: f64) -> [f64; 3] {
         let mut turned = [x, y, z];
-        turned.rotate_right(turn);
+        turned.rotate_right(self.turn);
         turned
-    };
-    let ball = globe(3, 1.0, 1.0 / 1024.0);
-    let around = |p: &Vec3| {
-        let p = p.as_dvec3();
-        point(0.8 * p.x - 1.5, 0.8 * p.y + 0.4, 0.8 * p.z + 0.3)
-    };
-    let shiny = |color: [f64; 3], kr: f64| json!({"ks": 0.4, "kd": 0.7, "specularexponent": 30.5, "diffusecolor": color, "kr": kr});
-    let mut shapes = vec![
-        json!({"type": "plane", "sides": "both", "material": shiny([0.7, 0.6, 0.5], 0.3),
-               "points": [point(-4.0, -1.0, 4.0), point(-4.0, -1.3, -4.0), point(4.0, -1.3, -4.0),
-                          point(4.0, -1.0, 4.0)]}),
-        json!({"type": "triangle", "sides": "both", "material": shiny([0.2, 0.7, 0.9], 0.2),
-               "points": [point(-2.0, -0.7, -2.0), point(0.3, 2.1, -2.4), point(2.2, -0.9, -1.7)]}),
-        json!({"type": "trimesh", "sides": "both", "material": shiny([0.9, 0.3, 0.2], 0.1),
-               "points": ball.positions.iter().map(around).collect::<Vec<_>>(),
-               "normals": ball.positions.iter().map(|p| direction(p.x.into(), p.y.into(), p.z.into()))
-                   .collect::<Vec<_>>(),
-               "indices": ball.triangles, "shading": "smooth"}),
-    ];
-    let panel = json!({"type": "plane", "points": [point(1.0, 3.0, 0.0), point(1.0, 3.1, 1.0),
-                                                    point(2.0, 3.2, 1.0), point(2.0, 3.1, 0.0)]});
-    let mut lights = vec![
-        json!({"type": "pointlight", "intensity": 30.0 * unit, "position": point(-3.1, 4.3, 3.7),
-               "color": [1, 0.9, 0.8]}),
-        json!({"type": "pointlight", "intensity": 0.3, "position": point(3.1, 2.3, 2.9),
-               "color": [0.3, 0.9, 0.8], "falloff": "none"}),
-        json!({"type": "arealight", "intensity": 0.9 * unit * unit, "color": [0.8, 0.9, 1.0],
-               "falloff": "inverse-square", "sampling": "jittered", "samples": 2, "shape": panel}),
-    ];
-    if has_balls {
-        shapes.push(json!({"type": "sphere", "center": point(1.3, 0.1, 0.4), "radius": 0.9 * unit,
-                           "material": shiny([0.4, 0.9, 0.4], 0.5)}));
-        let bulb = json!({"type": "sphere", "center": point(0.1, 2.9, 1.7), "radius": 0.2 * unit});
-        lights.push(json!({"type": "arealight", "intensity": 9.0 * unit, "color": [1, 1, 1],
-                           "sampling": "random", "samples": 3, "shape": bulb}));
     }
+
+    fn point(self, x: f64, y: f64, z: f64) -> [f64; 3] {
+        self.direction(x * self.unit, y * self.unit, z * self.unit)
+    }
+
+    fn ball(self) -> Value {
+        let center = self.point(1.3, 0.1, 0.4);
+        json!({"type": "sphere", "center": center, "radius": 0.9 * self.unit,
+               "material": shiny([0.4, 0.9, 0.4], 0.5)})
+    }
+
+    fn flat_shapes(self) -> Vec<Value> {
+        let point = |x, y, z| self.point(x, y, z);
+        let ball = globe(3, 1.0, 1.0 / 1024.0);
+        let points = ball.positions.iter().map(|p| {
+            let p = p.as_dvec3();
+            point(0.8 * p.x - 1.5, 0.8 * p.y + 0.4, 0.8 * p.z + 0.3)
+        });
+        let normals =
+            ball.positions.iter().map(|p| self.direction(p.x.into(), p.y.into(), p.z.into()));
+        vec![
+            json!({"type": "plane", "sides": "both", "material": shiny([0.7, 0.6, 0.5], 0.3),
+                   "points": [point(-4.0, -1.0, 4.0), point(-4.0, -1.3, -4.0),
+                              point(4.0, -1.3, -4.0), point(4.0, -1.0, 4.0)]}),
+            json!({"type": "triangle", "sides": "both", "material": shiny([0.2, 0.7, 0.9], 0.2),
+                   "points": [point(-2.0, -0.7, -2.0), point(0.3, 2.1, -2.4),
+                              point(2.2, -0.9, -1.7)]}),
+            json!({"type": "trimesh", "sides": "both", "material": shiny([0.9, 0.3, 0.2], 0.1),
+                   "points": points.collect::<Vec<_>>(), "normals": normals.collect::<Vec<_>>(),
+                   "indices": ball.triangles, "shading": "smooth"}),
+        ]
+    }
+
+    /// A spherical light.
+    fn bulb(self) -> Value {
+        let center = self.point(0.1, 2.9, 1.7);
+        let bulb = json!({"type": "sphere", "center": center, "radius": 0.2 * self.unit});
+        json!({"type": "arealight", "intensity": 9.0 * self.unit, "color": [1, 1, 1],
+               "sampling": "random", "samples": 3, "shape": bulb})
+    }
+
+    /// Light that falls with the distance, or with its square, grows with the unit.
+    fn other_lights(self) -> Vec<Value> {
+        let (unit, point) = (self.unit, |x, y, z| self.point(x, y, z));
+        let panel = json!({"type": "plane", "points": [point(1.0, 3.0, 0.0), point(1.0, 3.1, 1.0),
+                                                       point(2.0, 3.2, 1.0), point(2.0, 3.1, 0.0)]});
+        vec![
+            json!({"type": "pointlight", "intensity": 30.0 * unit, "color": [1, 0.9, 0.8],
+                   "position": point(-3.1, 4.3, 3.7)}),
+            json!({"type": "pointlight", "intensity": 0.3, "position": point(3.1, 2.3, 2.9),
+                   "color": [0.3, 0.9, 0.8], "falloff": "none"}),
+            json!({"type": "arealight", "intensity": 0.9 * unit * unit, "color": [0.8, 0.9, 1.0],
+                   "falloff": "inverse-square", "sampling": "jittered", "samples": 2,
+                   "shape": panel}),
+        ]
+    }
+}
+
+fn shiny(color: [f64; 3], kr: f64) -> Value {
+    json!({"ks": 0.4, "kd": 0.7, "specularexponent": 30.5, "diffusecolor": color, "kr": kr})
+}
+
+/// Something of every kind, written down with these axes.
+fn everything(effort: &Effort, axes: Axes, has_balls: bool) -> Value {
+    let (mut shapes, mut lights) = (axes.flat_shapes(), axes.other_lights());
+    if has_balls {
+        shapes.push(axes.ball());
+        lights.push(axes.bulb());
+    }
+    let unit = axes.unit;
     let [width, height] = effort.either([40, 30], [100, 75]);
     json!({
         "nbounces": 4,
         "camera": {"type": "thinlens", "width": width, "height": height, "fov": 50,
-                   "location": point(0.4, 1.3, 6.1), "look": point(0.1, 0.2, 0.0),
-                   "up": direction(0.1, 1.0, 0.05), "aperture": 0.1 * unit, "focal": 6.0 * unit,
-                   "nsamplesx": 2, "nsamplesy": 2},
+                   "location": axes.point(0.4, 1.3, 6.1), "look": axes.point(0.1, 0.2, 0.0),
+                   "up": axes.direction(0.1, 1.0, 0.05), "aperture": 0.1 * unit,
+                   "focal": 6.0 * unit, "nsamplesx": 2, "nsamplesy": 2},
         "scene": {"backgroundcolor": scenes::BACKGROUND, "lightsources": lights, "shapes": shapes}
     })
 }
 
 /// Row 8.
 pub(super) fn scaled(effort: &Effort) -> Outcome {
-    let expected = match scenes::image(effort, &everything(effort, 1.0, 0, true), Preset::Brute) {
+    let expected = match scenes::image(effort, &everything(effort, STILL, true), Preset::Brute) {
         Ok(expected) => expected,
         Err(error) => return Outcome::failure(error.to_string()),
     };
     let mut outcome = Outcome::default();
     for k in effort.either(vec![-20, -7, 0, 20], (-20..=20).collect()) {
-        let scene = everything(effort, libm::exp2(f64::from(k)), 0, true);
+        let scene = everything(effort, Axes { unit: libm::exp2(f64::from(k)), ..STILL }, true);
         let images = every_image(effort, &scene, &PRESETS, |r| scenes::same(&r.film, &expected));
-        outcome.add(images.told(|| format!("scaled by 2^{k}")));
+        outcome.add(images.with_context(|| format!("scaled by 2^{k}")));
     }
     match turned(effort) {
         Ok(hits) => outcome.add(hits),
@@ -215,7 +254,7 @@ pub(super) fn scaled(effort: &Effort) -> Outcome {
 /// With the axes turned, every ray hits the same triangles and quads at the same t, and the image is the
 /// same. Spheres as lights have an axis of their own.
 fn turned(effort: &Effort) -> Result<Outcome> {
-    let still = everything(effort, 1.0, 0, false);
+    let still = everything(effort, STILL, false);
     let image = scenes::image(effort, &still, Preset::Brute)?;
     let still = scenes::prepare(effort, &still, Preset::Brute)?.scene;
     let rays = camera_rays(&still);
@@ -229,14 +268,15 @@ fn turned(effort: &Effort) -> Result<Outcome> {
         };
         let rays: Vec<Ray> =
             rays.iter().map(|ray| Ray::new(turned(ray.origin), turned(ray.direction))).collect();
-        let turned = everything(effort, 1.0, turn, false);
+        let turned = everything(effort, Axes { turn, ..STILL }, false);
         let images = every_image(effort, &turned, &PRESETS, |r| scenes::same(&r.film, &image));
-        outcome.add(images.told(|| format!("axes turned by {turn}")));
+        outcome.add(images.with_context(|| format!("axes turned by {turn}")));
         for preset in PRESETS {
             let scene = scenes::prepare(effort, &turned, preset)?.scene;
             outcome.add(every_way(scene.accel, &rays, |i, _, hit| {
-                let told = || format!("axes turned by {turn}: {hit:?} and not {:?}", expected[i]);
-                (hit != expected[i]).then(told)
+                let context =
+                    || format!("axes turned by {turn}: {hit:?} and not {:?}", expected[i]);
+                (hit != expected[i]).then(context)
             }));
         }
     }

@@ -6,9 +6,9 @@ use std::path::Path;
 use glam::DVec3;
 use serde_json::{Value, json};
 
+use super::case::{Effort, Outcome};
 use super::scenes::{self, Eye, Prepared};
 use super::ways::Numbers;
-use super::{Effort, Outcome};
 use wavecrest_base::error::{ErrorKind, Result};
 use wavecrest_core::accel::build::Preset;
 
@@ -18,11 +18,12 @@ fn eye() -> Eye {
     Eye { location, look: DVec3::ZERO, up: DVec3::Y, fov: 40.0, size: [8, 8] }
 }
 
-/// Counts whether the scene is refused with an error of this kind that tells `named`.
+/// Counts whether the scene is refused with an error of this kind that names `named`.
 fn count_refusal(
     outcome: &mut Outcome,
     prepared: Result<Prepared>,
-    (kind, named): (ErrorKind, &str),
+    kind: ErrorKind,
+    named: &str,
     what: &str,
 ) {
     let failure = match prepared {
@@ -34,10 +35,10 @@ fn count_refusal(
     outcome.count(failure.map(|failure| format!("{what}, which is to name {named}: {failure}")));
 }
 
-/// Whether the scene is refused with an error that tells `named`.
+/// Whether the scene is refused with an error that names `named`.
 pub(super) fn names(prepared: Result<Prepared>, named: &str) -> Outcome {
     let mut outcome = Outcome::default();
-    count_refusal(&mut outcome, prepared, (ErrorKind::Scene, named), "the scene");
+    count_refusal(&mut outcome, prepared, ErrorKind::Scene, named, "the scene");
     outcome
 }
 
@@ -66,7 +67,7 @@ fn no_length(numbers: &mut Numbers, is_zero_a_length: bool) -> (String, ErrorKin
 }
 
 /// Puts `text` in the place of the only "PUT HERE" of the scene. Where in the text that is, as an
-/// error of syntax tells it, or else the path.
+/// error of syntax names it, or else the path.
 fn put<'a>(scene: &Value, text: &str, kind: ErrorKind, path: &'a str) -> (String, &'a str) {
     let named = if kind == ErrorKind::Syntax { "line 1 column" } else { path };
     (scene.to_string().replace("\"PUT HERE\"", text), named)
@@ -96,7 +97,7 @@ pub(super) fn radii(effort: &Effort) -> Outcome {
         let scene = scenes::scene(0, &eye().json(), &[], &shapes);
         let (json, named) = put(&scene, &text, kind, path);
         let prepared = scenes::prepare_text(effort, &json, Path::new("s.json"), Preset::VeryFast);
-        count_refusal(&mut outcome, prepared, (kind, named), &format!("radius {text}"));
+        count_refusal(&mut outcome, prepared, kind, named, &format!("radius {text}"));
     }
     outcome
 }
@@ -117,7 +118,7 @@ pub(super) fn lenses(effort: &Effort) -> Outcome {
         let path = format!("camera.{key}");
         let (json, named) = put(&scene, &text, kind, &path);
         let prepared = scenes::prepare_text(effort, &json, Path::new("s.json"), Preset::VeryFast);
-        count_refusal(&mut outcome, prepared, (kind, named), &format!("{key} {text}"));
+        count_refusal(&mut outcome, prepared, kind, named, &format!("{key} {text}"));
     }
     outcome
 }
@@ -152,7 +153,7 @@ pub(super) fn lights(effort: &Effort) -> Outcome {
             let first = scenes::point_light(10.0, DVec3::Y, "linear");
             let scene = scenes::scene(0, &eye().json(), &[first, light], &[]);
             let prepared = scenes::prepare(effort, &scene, Preset::VeryFast);
-            count_refusal(&mut outcome, prepared, (ErrorKind::Scene, path), &what);
+            count_refusal(&mut outcome, prepared, ErrorKind::Scene, path, &what);
         }
     }
     outcome
@@ -193,21 +194,21 @@ fn one_mesh(effort: &Effort, path: &Path, bytes: &[u8], fault: Option<&str>) -> 
         return Outcome::failure(format!("cannot write {}: {error}", path.display()));
     }
     let mut outcome = Outcome::default();
-    let told = || String::from_utf8_lossy(bytes).escape_debug().take(400).collect::<String>();
-    // A panic is what is looked for: it is told, and the rest goes on.
+    let context = || String::from_utf8_lossy(bytes).escape_debug().take(400).collect::<String>();
+    // A panic is what is looked for: it is reported, and the rest goes on.
     match catch_unwind(AssertUnwindSafe(|| load_and_render(effort, path))) {
-        Err(_) => outcome.count(Some(format!("a panic over {}", told()))),
+        Err(_) => outcome.count(Some(format!("a panic over {}", context()))),
         Ok(Err(error)) => {
             let (text, file) = (error.to_string(), path.display().to_string());
             // The whole number, and not the start of another.
             let names =
                 |fault: &str| [":", " ("].iter().any(|end| text.contains(&format!("{fault}{end}")));
             let is_named = fault.is_none_or(names) && text.contains(&file);
-            outcome.count((!is_named).then(|| format!("{text}, {fault:?}, of {}", told())));
+            outcome.count((!is_named).then(|| format!("{text}, {fault:?}, of {}", context())));
         }
         Ok(Ok(rendered)) => {
-            outcome.count(fault.map(|fault| format!("{fault} passes in {}", told())));
-            outcome.add(rendered.told(told));
+            outcome.count(fault.map(|fault| format!("{fault} passes in {}", context())));
+            outcome.add(rendered.with_context(context));
         }
     }
     outcome
@@ -239,12 +240,18 @@ enum Format {
     Binary,
 }
 
+/// What is at fault in a mesh.
+#[derive(Clone, Copy)]
+enum Fault {
+    Vertex(usize),
+    Triangle(usize),
+}
+
 /// A mesh in which something is wrong.
 struct Faulty {
     positions: Vec<[f32; 3]>,
     triangles: Vec<[u32; 3]>,
-    /// The vertex, or else the triangle, that is at fault.
-    fault: (Option<usize>, usize),
+    fault: Option<Fault>,
 }
 
 impl Faulty {
@@ -262,14 +269,14 @@ impl Faulty {
             let at = numbers.below(vertices);
             let wrong = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 1e13, f32::MIN];
             positions[at][which] = wrong[numbers.below(wrong.len())];
-            (Some(at), 0)
+            Fault::Vertex(at)
         } else {
             let at = numbers.below(triangles.len());
             let beyond = numbers.magnitude(1.0, 1e9) as u32;
             triangles[at][which] = vertices as u32 - 1 + beyond;
-            (None, at)
+            Fault::Triangle(at)
         };
-        Self { positions, triangles, fault }
+        Self { positions, triangles, fault: Some(fault) }
     }
 
     /// Of random bits, most of them.
@@ -291,16 +298,19 @@ impl Faulty {
                 if numbers.below(200) == 0 { bits(numbers) } else { numbers.below(vertices) as u32 }
             })
         });
-        Self { positions, triangles: triangles.collect(), fault: (None, 0) }
+        Self { positions, triangles: triangles.collect(), fault: None }
     }
 
     /// What an error has to name.
     fn place(&self, extension: &str) -> String {
         match (self.fault, extension) {
-            ((Some(vertex), _), "ply") => format!("vertex {vertex}"),
-            ((None, triangle), "ply") => format!("face {triangle}"),
-            ((Some(vertex), _), _) => format!("line {}", 1 + vertex),
-            ((None, triangle), _) => format!("line {}", 1 + self.positions.len() + triangle),
+            (None, _) => String::new(),
+            (Some(Fault::Vertex(vertex)), "ply") => format!("vertex {vertex}"),
+            (Some(Fault::Triangle(triangle)), "ply") => format!("face {triangle}"),
+            (Some(Fault::Vertex(vertex)), _) => format!("line {}", 1 + vertex),
+            (Some(Fault::Triangle(triangle)), _) => {
+                format!("line {}", 1 + self.positions.len() + triangle)
+            }
         }
     }
 

@@ -5,7 +5,7 @@ use std::path::Path;
 use glam::{DVec3, Vec3};
 use serde_json::{Value, json};
 
-use super::{Effort, Outcome};
+use super::case::{Effort, Outcome};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::film::Film;
@@ -93,8 +93,8 @@ pub(super) fn every_image(
     for &preset in presets {
         match prepare(effort, scene, preset) {
             Ok(prepared) => {
-                let told = every_way_to_render(effort, prepared.scene, &judge);
-                outcome.add(told.told(|| preset.name().to_owned()));
+                let context = every_way_to_render(effort, prepared.scene, &judge);
+                outcome.add(context.with_context(|| preset.name().to_owned()));
             }
             Err(error) => outcome.count(Some(format!("the scene is refused: {error}"))),
         }
@@ -113,7 +113,7 @@ pub(super) fn every_way_to_render(
         let Some(token) = level.token() else { continue };
         scene.accel.level = token;
         for way in Way::ALL {
-            let told = || format!("{} {way:?}", level.name());
+            let context = || format!("{} {way:?}", level.name());
             match render(effort, &scene, way) {
                 Ok(rendered) => {
                     let mut one = pixels(&rendered.film, |_, _, pixel| {
@@ -123,9 +123,9 @@ pub(super) fn every_way_to_render(
                     let invalid = rendered.counters.invalid;
                     one.count((invalid > 0).then(|| format!("{invalid} samples are no numbers")));
                     one.add(judge(&rendered));
-                    outcome.add(one.told(told));
+                    outcome.add(one.with_context(context));
                 }
-                Err(error) => outcome.count(Some(format!("{}: {error}", told()))),
+                Err(error) => outcome.count(Some(format!("{}: {error}", context()))),
             }
         }
     }
@@ -138,8 +138,8 @@ pub(super) fn pixels(film: &Film, judge: impl Fn(u32, u32, [f32; 3]) -> Option<S
     let mut outcome = Outcome::default();
     for (index, &pixel) in (0_u32..).zip(film.pixels()) {
         let (x, y) = (index % film.width(), index / film.width());
-        let told = |failure| format!("pixel ({x}, {y}) is {pixel:?}: {failure}");
-        outcome.count(judge(x, y, pixel).map(told));
+        let context = |failure| format!("pixel ({x}, {y}) is {pixel:?}: {failure}");
+        outcome.count(judge(x, y, pixel).map(context));
     }
     outcome
 }

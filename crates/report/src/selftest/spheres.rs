@@ -2,8 +2,8 @@
 
 use glam::{DVec3, Vec3};
 
+use super::case::{Effort, Outcome};
 use super::ways::{Numbers, every_way};
-use super::{Effort, Outcome};
 use wavecrest_core::accel::Hit;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::accel::geometry::Geometry;
@@ -58,17 +58,20 @@ impl Sphere {
     }
 }
 
+/// Rays of a case.
+const RAYS: u32 = 1_000_000;
+
 /// Asks about `SPHERES` spheres, with rays that `ray` makes for each. `judge` says what is wrong with
 /// an answer, if anything is.
 fn each_sphere(
     effort: &Effort,
-    (case, full): (u32, u32),
+    case: u32,
     sphere: impl Fn(&mut Numbers) -> Sphere,
     ray: impl Fn(&mut Numbers, &Sphere) -> Ray,
     judge: impl Fn(&Sphere, &Ray, Hit) -> Option<String> + Sync,
 ) -> Outcome {
     let mut outcome = Outcome::default();
-    let count = effort.of(full) as usize / SPHERES;
+    let count = effort.of(RAYS) as usize / SPHERES;
     for s in 0..SPHERES {
         let sphere = sphere(&mut Numbers::new(effort, case, usize::MAX - s));
         let rays: Vec<Ray> = (0..count)
@@ -76,9 +79,9 @@ fn each_sphere(
             .collect();
         let spheres = vec![(sphere.center, sphere.radius)];
         let accel = effort.accel(Geometry { spheres, ..Geometry::default() }, Preset::VeryFast);
-        let told =
+        let context =
             |failure| format!("centre {}, radius {}: {failure}", sphere.center, sphere.radius);
-        outcome.add(every_way(accel, &rays, |_, ray, hit| judge(&sphere, ray, hit).map(told)));
+        outcome.add(every_way(accel, &rays, |_, ray, hit| judge(&sphere, ray, hit).map(context)));
     }
     outcome
 }
@@ -111,7 +114,7 @@ pub(super) fn far_away(effort: &Effort) -> Outcome {
         let (impact, distance) = (numbers.one(), numbers.magnitude(2.0, 1e5));
         passing(numbers, sphere, impact, distance)
     };
-    each_sphere(effort, (13, 1_000_000), any_sphere, ray, |sphere, ray, hit| {
+    each_sphere(effort, 13, any_sphere, ray, |sphere, ray, hit| {
         // The ray as it is once rounded, with room for the rounding of double precision.
         if sphere.impact(ray) > 0.99 {
             return None;
@@ -133,7 +136,7 @@ pub(super) fn from_just_above(effort: &Effort) -> Outcome {
         let aside = up.cross(numbers.direction()) * numbers.one();
         Ray::new(origin, (aside - up).as_vec3())
     };
-    each_sphere(effort, (14, 1_000_000), sphere, ray, |sphere, ray, hit| {
+    each_sphere(effort, 14, sphere, ray, |sphere, ray, hit| {
         if sphere.impact(ray) > 0.99 {
             return None;
         }
@@ -155,7 +158,7 @@ pub(super) fn grazing(effort: &Effort) -> Outcome {
         let (impact, distance) = (0.999_999 + 2e-6 * numbers.one(), numbers.magnitude(2.0, 100.0));
         passing(numbers, sphere, impact, distance)
     };
-    each_sphere(effort, (15, 1_000_000), any_sphere, ray, |_, _, hit| {
+    each_sphere(effort, 15, any_sphere, ray, |_, _, hit| {
         let is_right = hit.is_miss() || (hit.t.is_finite() && hit.t > 0.0);
         (!is_right).then(|| format!("t is {}", hit.t))
     })
@@ -170,7 +173,7 @@ pub(super) fn from_inside(effort: &Effort) -> Outcome {
         let direction = numbers.direction() * numbers.magnitude(1e-3, 1e3);
         Ray::new((sphere.center.as_dvec3() + from).as_vec3(), direction.as_vec3())
     };
-    each_sphere(effort, (16, 1_000_000), any_sphere, ray, |sphere, ray, hit| {
+    each_sphere(effort, 16, any_sphere, ray, |sphere, ray, hit| {
         if sphere.height(ray, 0.0) >= 0.0 {
             // The origin was rounded out of a sphere far smaller than its distance from the origin.
             return None;

@@ -3,8 +3,8 @@
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
+use super::case::{Effort, Outcome};
 use super::ways::{Numbers, Tests, every_way};
-use super::{Effort, Outcome};
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::accel::geometry::Geometry;
 use wavecrest_core::kernels::shade::SHADOW_END;
@@ -108,8 +108,8 @@ fn leave(
         let ray = Ray::new(origin, direction);
         let cosine = direction.dot(unit);
         if cosine.abs() > 1e-6 && ray.is_valid() {
-            let told = |what| format!("{ray:?} meets {what} again");
-            outcome.count(again(&ray, cosine > 0.0).map(told));
+            let context = |what| format!("{ray:?} meets {what} again");
+            outcome.count(again(&ray, cosine > 0.0).map(context));
         }
     }
     outcome
@@ -158,8 +158,8 @@ pub(super) fn contact(effort: &Effort) -> Outcome {
         {
             let accel = effort.accel(geometry, Preset::VeryFast);
             outcome.add(every_way(accel, &rays, |_, _, hit| {
-                let told = || format!("gap {gap} at {height}: {name} is at {}", hit.t);
-                (hit.is_miss() == is_blocked).then(told)
+                let context = || format!("gap {gap} at {height}: {name} is at {}", hit.t);
+                (hit.is_miss() == is_blocked).then(context)
             }));
         }
     }
@@ -197,8 +197,8 @@ pub(super) fn towards_a_light_on_a_surface(effort: &Effort) -> Outcome {
         // Flatter segments run along the light's own surface.
         if normalize(ray.direction).dot(normal).abs() > 0.1 {
             let hit = tests.triangle(&ray, &corners);
-            let told = |t| format!("{ray:?} is blocked at {t} by the light's own {corners:?}");
-            outcome.count(hit.filter(|&t| t < ray.t_max).map(told));
+            let context = |t| format!("{ray:?} is blocked at {t} by the light's own {corners:?}");
+            outcome.count(hit.filter(|&t| t < ray.t_max).map(context));
         }
         Some(outcome)
     })
@@ -223,8 +223,8 @@ pub(super) fn just_before_a_light(effort: &Effort) -> Outcome {
         let ray = Ray { t_max: SHADOW_END, ..Ray::new(from, light - from) };
         let hit = tests.triangle(&ray, &corners).filter(|&t| t < ray.t_max);
         let mut outcome = Outcome::default();
-        let told = || format!("{ray:?} is not blocked by {corners:?}");
-        outcome.count(hit.is_none().then(told));
+        let context = || format!("{ray:?} is not blocked by {corners:?}");
+        outcome.count(hit.is_none().then(context));
         Some(outcome)
     })
 }

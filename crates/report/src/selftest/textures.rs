@@ -2,8 +2,8 @@
 
 use glam::{DVec3, Vec2, Vec3};
 
+use super::case::{Effort, Outcome};
 use super::ways::{Numbers, in_blocks};
-use super::{Effort, Outcome};
 use wavecrest_core::kernels::texture::{Filter, Image, Texels, Wrap, sphere_uv};
 
 /// Neighbouring texels, the first and the last among them, differ by a step at most.

@@ -5,6 +5,13 @@ use rayon::prelude::*;
 
 use wavecrest_core::accel::geometry::Geometry;
 
+/// An edge that two triangles share.
+pub(super) struct Edge {
+    /// Its ends, by the first vertex at each place.
+    pub(super) ends: [u32; 2],
+    pub(super) triangles: [u32; 2],
+}
+
 /// An edge of a triangle: the numbers of its ends, the lower first, and the triangle.
 type Side = ([u32; 2], u32);
 
@@ -42,15 +49,13 @@ impl Topology {
         self.sides.len()
     }
 
-    /// The ends of an edge, by the first vertex at each place, and its two triangles; `None` if it has
-    /// another number of them.
-    pub(super) fn edge(&self, place: usize) -> Option<([u32; 2], [u32; 2])> {
+    /// The edge at a place; `None` if it has another number of triangles than two.
+    pub(super) fn edge(&self, place: usize) -> Option<Edge> {
         let (ends, _) = self.sides[place];
         let first = self.sides.partition_point(|side| side.0 < ends);
-        match self.sides[first..].iter().take_while(|side| side.0 == ends).count() {
-            2 => Some((ends, [self.sides[first].1, self.sides[first + 1].1])),
-            _ => None,
-        }
+        let count = self.sides[first..].iter().take_while(|side| side.0 == ends).count();
+        let triangles = || [self.sides[first].1, self.sides[first + 1].1];
+        (count == 2).then(|| Edge { ends, triangles: triangles() })
     }
 }
 

@@ -2,9 +2,9 @@
 
 use glam::Vec3;
 
+use super::case::{Effort, Outcome};
 use super::directions::cubes;
 use super::ways::{Numbers, every_way};
-use super::{Effort, Outcome};
 use wavecrest_core::accel::Hit;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::accel::geometry::Geometry;
@@ -36,8 +36,8 @@ fn compare(
     let mut outcome = Outcome::default();
     for &preset in presets {
         outcome.add(every_way(effort.accel(geometry.clone(), preset), rays, |i, _, hit| {
-            let told = || format!("{}: {hit:?} and not {:?}", preset.name(), expected[i]);
-            (hit != expected[i]).then(told)
+            let context = || format!("{}: {hit:?} and not {:?}", preset.name(), expected[i]);
+            (hit != expected[i]).then(context)
         }));
     }
     outcome
@@ -184,8 +184,8 @@ pub(super) fn one_centroid(effort: &Effort) -> Outcome {
             let mut traversal = accel.traversal();
             accel.closest(ray, &mut traversal);
             let tested = traversal.tests.triangles;
-            let told = || format!("{tested} tests of {count} triangles");
-            outcome.count((tested > 2 * count as u64).then(told));
+            let context = || format!("{tested} tests of {count} triangles");
+            outcome.count((tested > 2 * count as u64).then(context));
         }
     }
     outcome

@@ -3,10 +3,12 @@
 use glam::DVec3;
 use serde_json::{Value, json};
 
+use super::case::{Effort, Outcome};
+use super::refused;
 use super::scenes::{self, BACKGROUND, Eye, every_image, pixels};
 use super::ways::Numbers;
-use super::{Effort, Outcome, refused};
 use wavecrest_core::accel::build::Preset;
+use wavecrest_core::kernels::camera::Camera;
 use wavecrest_core::math::random::Stream;
 
 /// Every preset, testing everything among them.
@@ -49,7 +51,7 @@ pub(super) fn next_to_nothing(effort: &Effort) -> Outcome {
                         failure.then(|| format!("{seen:?} of background {right:?}"))
                     })
                 });
-                outcome.add(images.told(|| format!("{name}, {} lights", lights.len())));
+                outcome.add(images.with_context(|| format!("{name}, {} lights", lights.len())));
             }
         }
     }
@@ -121,34 +123,34 @@ pub(super) fn upright(effort: &Effort) -> Outcome {
         let sign = [1.0, -1.0][numbers.below(2)];
         let up = (view.normalize() + aside * off) * sign * numbers.magnitude(1e-3, 1e3);
         let eye = Eye { location, look, up, fov: 40.0, size: [4, 3] };
-        let told = || format!("location {location}, look {look}, up {up}");
+        let context = || format!("location {location}, look {look}, up {up}");
         let scene = scenes::scene(0, &eye.json(), &[], &[]);
         match scenes::prepare(effort, &scene, Preset::VeryFast) {
-            Err(error) => outcome.count(Some(format!("{}: {error}", told()))),
+            Err(error) => outcome.count(Some(format!("{}: {error}", context()))),
             Ok(prepared) => {
                 let is_warned = prepared.warnings.iter().any(|w| w.contains("camera.up"));
                 let wrong = is_warned != (off < 1e-6);
-                outcome.count(wrong.then(|| format!("{}: warned {is_warned}", told())));
+                outcome.count(wrong.then(|| format!("{}: warned {is_warned}", context())));
                 let basis = prepared.scene.camera.basis().map(|v| v.as_dvec3());
                 let failure = not_orthonormal(basis);
-                outcome.count(failure.map(|failure| format!("{}: {failure}", told())));
+                outcome.count(failure.map(|failure| format!("{}: {failure}", context())));
             }
         }
         // And a camera that looks at itself.
         let scene = scenes::scene(0, &Eye { look: location, ..eye }.json(), &[], &[]);
         let refusal = scenes::prepare(effort, &scene, Preset::VeryFast);
-        outcome.add(refused::names(refusal, "camera.look").told(told));
+        outcome.add(refused::names(refusal, "camera.look").with_context(context));
     }
     outcome
 }
 
 /// What is wrong with unit vectors that are to be at right angles, within 4 ulp of 1.
 fn not_orthonormal(basis: [DVec3; 3]) -> Option<String> {
-    const MOST: f64 = 4.0 * f32::EPSILON as f64;
+    const LARGEST_ERROR: f64 = 4.0 * f32::EPSILON as f64;
     for (i, a) in basis.iter().enumerate() {
         for (j, b) in basis.iter().enumerate() {
             let error = a.dot(*b) - f64::from(u8::from(i == j));
-            let is_within = error.abs() <= MOST;
+            let is_within = error.abs() <= LARGEST_ERROR;
             if !is_within {
                 return Some(format!("{basis:?}: vectors {i} and {j} are off by {error:e}"));
             }
@@ -177,21 +179,11 @@ pub(super) fn angles(effort: &Effort) -> Outcome {
             camera["antialias"] = json!(2);
         }
         let scene = scenes::scene(0, &camera, &[], &[]);
-        let told = || format!("{fov} degrees along {axis}, {size:?}, towards {look}");
+        let context = || format!("{fov} degrees along {axis}, {size:?}, towards {look}");
         match scenes::prepare(effort, &scene, Preset::VeryFast) {
-            Err(error) => outcome.count(Some(format!("{}: {error}", told()))),
+            Err(error) => outcome.count(Some(format!("{}: {error}", context()))),
             Ok(prepared) => {
-                for _ in 0..100 {
-                    let (x, y) = (numbers.below(size[0] as usize), numbers.below(size[1] as usize));
-                    let stream = Stream { seed: effort.seed, pixel: 0, sample: 0, bounce: 0 };
-                    let ray = prepared.scene.camera.ray(x as u32, y as u32, &stream);
-                    let is_unit = (ray.direction.as_dvec3().length() - 1.0).abs()
-                        < 4.0 * f64::from(f32::EPSILON);
-                    outcome.count(
-                        (!(ray.is_valid() && is_unit))
-                            .then(|| format!("{}: pixel ({x}, {y}) has the ray {ray:?}", told())),
-                    );
-                }
+                outcome.add(rays_of(&prepared.scene.camera, &mut numbers, effort.seed, context));
             }
         }
     }
@@ -200,12 +192,40 @@ pub(super) fn angles(effort: &Effort) -> Outcome {
             outcome.add(thin_image(effort, size, fov));
         }
     }
+    outcome.add(refused_angles(effort));
+    outcome
+}
+
+/// Angles of view that no camera has.
+fn refused_angles(effort: &Effort) -> Outcome {
+    let mut outcome = Outcome::default();
     for fov in [0.0, -1.0, 0.000_999, 179.001, 180.0, 1e9] {
-        let size = [3, 3];
-        let eye = Eye { location: DVec3::ZERO, look: DVec3::X, up: DVec3::Y, fov, size };
+        let eye = Eye { location: DVec3::ZERO, look: DVec3::X, up: DVec3::Y, fov, size: [3, 3] };
         let scene = scenes::scene(0, &eye.json(), &[], &[]);
         let refusal = scenes::prepare(effort, &scene, Preset::VeryFast);
-        outcome.add(refused::names(refusal, "camera.fov").told(|| format!("{fov} degrees")));
+        outcome
+            .add(refused::names(refusal, "camera.fov").with_context(|| format!("{fov} degrees")));
+    }
+    outcome
+}
+
+/// Whether rays of some pixels have directions, of length 1 within 4 ulp.
+fn rays_of(
+    camera: &Camera,
+    numbers: &mut Numbers,
+    seed: u64,
+    context: impl Fn() -> String,
+) -> Outcome {
+    let mut outcome = Outcome::default();
+    let [width, height] = camera.size().map(|side| side as usize);
+    for _ in 0..100 {
+        let (x, y) = (numbers.below(width), numbers.below(height));
+        let stream = Stream { seed, pixel: 0, sample: 0, bounce: 0 };
+        let ray = camera.ray(x as u32, y as u32, &stream);
+        let error = (ray.direction.as_dvec3().length() - 1.0).abs();
+        let is_right = ray.is_valid() && error < 4.0 * f64::from(f32::EPSILON);
+        let failure = || format!("{}: pixel ({x}, {y}) has the ray {ray:?}", context());
+        outcome.count((!is_right).then(failure));
     }
     outcome
 }
@@ -217,14 +237,14 @@ fn thin_image(effort: &Effort, size: [u32; 2], fov: f64) -> Outcome {
     let shapes = [scenes::sphere(DVec3::ZERO, 1.5, scenes::matte([1.0; 3]))];
     let light = scenes::point_light(50.0, DVec3::new(3.0, 4.0, 5.0), "linear");
     let scene = scenes::scene(0, &eye.json(), &[light], &shapes);
-    let told = || format!("{size:?} at {fov} degrees");
+    let context = || format!("{size:?} at {fov} degrees");
     match scenes::image(effort, &scene, Preset::Brute) {
         Err(error) => Outcome::failure(error.to_string()),
         Ok(expected) => {
             every_image(effort, &scene, &[Preset::VeryFast], |r| scenes::same(&r.film, &expected))
         }
     }
-    .told(told)
+    .with_context(context)
 }
 
 /// Row 29.

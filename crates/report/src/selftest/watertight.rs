@@ -3,9 +3,9 @@
 use glam::Vec3;
 use rayon::prelude::*;
 
+use super::case::{Effort, Outcome};
 use super::closed::{Closed, globe};
 use super::ways::{Numbers, every_way};
-use super::{Effort, Outcome};
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::math::ray::Ray;
 
@@ -62,14 +62,14 @@ fn aimed(effort: &Effort, aim: Aim) -> Outcome {
                 [(Preset::VeryFast, &rays), (Preset::Medium, &few), (Preset::Brute, &few)]
             {
                 let accel = effort.accel(closed.geometry.clone(), preset);
-                let told = |failure: &str| {
+                let context = |failure: &str| {
                     format!("globe {size:?} at {place:?}, {}: {failure}", preset.name())
                 };
                 outcome.add(every_way(accel, rays, |_, _, hit| {
                     if hit.is_miss() {
-                        Some(told("it leaves the mesh"))
+                        Some(context("it leaves the mesh"))
                     } else if hit.t > BEYOND {
-                        Some(told("it passes through what it is aimed at"))
+                        Some(context("it passes through what it is aimed at"))
                     } else {
                         None
                     }

@@ -5,7 +5,7 @@ use std::time::Instant;
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::{Effort, Outcome};
+use super::case::{Effort, Outcome};
 use wavecrest_core::accel::{Accel, Hit, KernelChoice};
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::kernels::sphere;
@@ -17,8 +17,8 @@ use wavecrest_core::math::simd::Level;
 use wavecrest_core::math::vector::{Line, Vector};
 use wavecrest_core::with_precision;
 
-/// Rays that a thread asks about at a time.
-const BLOCK: usize = 1 << 13;
+/// Rays that a thread is given at a time.
+const RAYS_OF_A_THREAD: usize = 1 << 13;
 
 /// Has the `accel`'s answers for all rays judged, for every kernel with all instructions there are.
 /// `judge` says what is wrong with the answer for the ray of that number, if anything is.
@@ -36,8 +36,8 @@ pub(super) fn every_way(
         let kernels: &[_] = if is_exact { &[KernelChoice::Single] } else { &KernelChoice::ALL };
         for &kernel in kernels {
             accel.kernel = kernel;
-            let told = |failure| format!("{} {}: {failure}", level.name(), kernel.name());
-            outcome.add(ask(&accel, rays, |i, ray, hit| judge(i, ray, hit).map(told)));
+            let context = |failure| format!("{} {}: {failure}", level.name(), kernel.name());
+            outcome.add(ask(&accel, rays, |i, ray, hit| judge(i, ray, hit).map(context)));
         }
         if accel.tree().is_none() {
             // Nothing is left to choose.
@@ -53,7 +53,7 @@ fn ask(
     rays: &[Ray],
     judge: impl Fn(usize, &Ray, Hit) -> Option<String> + Sync,
 ) -> Outcome {
-    let blocks = rays.par_chunks(BLOCK).enumerate().map(|(block, rays)| {
+    let blocks = rays.par_chunks(RAYS_OF_A_THREAD).enumerate().map(|(block, rays)| {
         let mut hits = vec![Hit::MISS; rays.len()];
         let mut traversal = accel.traversal();
         let start = Instant::now();
@@ -61,9 +61,9 @@ fn ask(
         let seconds = start.elapsed().as_secs_f64();
         let mut outcome = Outcome { timed: rays.len() as u64, seconds, ..Outcome::default() };
         for (i, (ray, &hit)) in rays.iter().zip(&hits).enumerate() {
-            let number = block * BLOCK + i;
-            let told = |failure| format!("ray {number}, {ray:?}: {failure}");
-            outcome.count(judge(number, ray, hit).map(told));
+            let number = block * RAYS_OF_A_THREAD + i;
+            let context = |failure| format!("ray {number}, {ray:?}: {failure}");
+            outcome.count(judge(number, ray, hit).map(context));
         }
         outcome
     });
@@ -72,11 +72,11 @@ fn ask(
 
 /// Asks `count` questions on all threads, and adds up what comes of them, in order.
 pub(super) fn in_blocks(count: u32, ask: impl Fn(usize) -> Outcome + Sync) -> Outcome {
-    let blocks = (0..count as usize).step_by(BLOCK).collect::<Vec<_>>().into_par_iter();
+    let blocks = (0..count as usize).step_by(RAYS_OF_A_THREAD).collect::<Vec<_>>().into_par_iter();
     let block = |start: usize| {
         let mut outcome = Outcome::default();
-        for n in start..(start + BLOCK).min(count as usize) {
-            outcome.add(ask(n).told(|| format!("input {n}")));
+        for n in start..(start + RAYS_OF_A_THREAD).min(count as usize) {
+            outcome.add(ask(n).with_context(|| format!("input {n}")));
         }
         outcome
     };

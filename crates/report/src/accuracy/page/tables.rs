@@ -4,7 +4,7 @@ use crate::accuracy::findings::{FamilyFindings, PointFindings, SceneFindings, Se
 use crate::effects::{Cost, Price, PriceList};
 use crate::page::{Block, Cell, Column, Details, Table};
 
-/// Errors for which the time is told: so many, from the largest that all samplers reach to the smallest.
+/// Errors for which the time is reported: so many, from the largest that all samplers reach to the smallest.
 const ERRORS: usize = 4;
 
 /// What errors of the scene are against, in a sentence.
@@ -246,41 +246,14 @@ pub(super) fn neutral(scene: &SceneFindings) -> Vec<Block> {
 
 /// What each effect adds to the scene that it is added to, with both tracers.
 pub(super) fn prices(list: &PriceList) -> Vec<Block> {
-    let price = |cost: &Cost| match &cost.price {
-        Some(ratio) => {
-            let of = ratio.interval;
-            let text = format!("{:.3} ({:.3} to {:.3})", of.median, of.low, of.high);
-            Cell::number(of.median, text)
-        }
-        None => Cell::text("1"),
-    };
-    let row = |p: &Price| {
-        let per_ray = |cost: &Cost| {
-            Cell::number(cost.seconds_per_mray, format!("{:.1}", cost.seconds_per_mray * 1e3))
-        };
-        vec![
-            Cell::text(p.effect),
-            Cell::text(p.added_to.unwrap_or("nothing")),
-            price(&p.wavefront),
-            per_ray(&p.wavefront),
-            price(&p.recursive),
-            per_ray(&p.recursive),
-            Cell::number(p.bytes_per_path as f64, p.bytes_per_path.to_string()),
-        ]
-    };
     let table = |caption: &str, reached: bool| {
+        let names =
+            ["wavefront, ratio", "ns a ray", "recursive, ratio", "ns a ray", "bytes a path"];
+        let words = ["effect", "added to"].map(Column::words);
         Block::Table(Table {
             caption: caption.to_owned(),
-            columns: vec![
-                Column::words("effect"),
-                Column::words("added to"),
-                Column::numbers("wavefront, ratio"),
-                Column::numbers("ns a ray"),
-                Column::numbers("recursive, ratio"),
-                Column::numbers("ns a ray"),
-                Column::numbers("bytes a path"),
-            ],
-            rows: list.effects.iter().filter(|p| p.reached == reached).map(row).collect(),
+            columns: words.into_iter().chain(names.map(Column::numbers)).collect(),
+            rows: list.effects.iter().filter(|p| p.reached == reached).map(price_row).collect(),
         })
     };
     let lead = format!(
@@ -293,4 +266,25 @@ pub(super) fn prices(list: &PriceList) -> Vec<Block> {
         table("Effects that are seen", true),
         table("Effects that nothing leads to: the same image, the same work", false),
     ]
+}
+
+fn price_row(p: &Price) -> Vec<Cell> {
+    let per_ray = |cost: &Cost| {
+        Cell::number(cost.seconds_per_mray, format!("{:.1}", cost.seconds_per_mray * 1e3))
+    };
+    vec![
+        Cell::text(p.effect),
+        Cell::text(p.added_to.unwrap_or("nothing")),
+        price_cell(&p.wavefront),
+        per_ray(&p.wavefront),
+        price_cell(&p.recursive),
+        per_ray(&p.recursive),
+        Cell::number(p.bytes_per_path as f64, p.bytes_per_path.to_string()),
+    ]
+}
+
+fn price_cell(cost: &Cost) -> Cell {
+    let Some(ratio) = &cost.price else { return Cell::text("1") };
+    let of = ratio.interval;
+    Cell::number(of.median, format!("{:.3} ({:.3} to {:.3})", of.median, of.low, of.high))
 }

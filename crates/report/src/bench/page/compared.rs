@@ -1,11 +1,10 @@
 //! The wavefront against itself, on the page.
 
-use super::scene::{average, bar};
-use super::{interval, ratio_cell, ratio_chart, verdict};
-use crate::bench::SceneBench;
+use super::parts::{average, bar, interval, ratio_cell, ratio_chart};
 use crate::bench::compare::{Axis as Compared, Comparison, VariantBench};
+use crate::bench::report::SceneBench;
 use crate::bench::rows::unit;
-use crate::bench::text::plural;
+use crate::bench::words::{plural, verdict};
 use crate::page::{Block, Cell, Column, Table};
 use crate::plot::{Axis, Point, Scale, StackedBars};
 

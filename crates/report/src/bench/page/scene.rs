@@ -1,16 +1,14 @@
 //! One scene on the page.
 
-use serde_json::{Map, Value};
-
-use super::{Both, compared, speed, verdict};
+use super::compared;
+use super::parts::{Both, average, bar, speed};
+use crate::bench::report::SceneBench;
 use crate::bench::rows::{Row, rows};
-use crate::bench::text::{contents, plural};
-use crate::bench::{SceneBench, TracerBench};
+use crate::bench::tracer::TracerBench;
+use crate::bench::words::{contents, plural, verdict};
 use crate::page::{Block, Cell, Column, Details, Fact, Section, Table};
 use crate::plot::number::{figure, time_unit};
-use crate::plot::{
-    Axis, Bar, Chart, Course, Draw, Guide, Point, Scale, Segment, Series, StackedBars,
-};
+use crate::plot::{Axis, Chart, Course, Draw, Guide, Point, Scale, Series, StackedBars};
 use crate::statistics::ClassUse;
 
 /// The section of a scene.
@@ -43,15 +41,6 @@ pub(super) fn section(scene: &SceneBench) -> Section {
     }
     scene.comparisons.iter().for_each(|found| blocks.extend(compared::blocks(scene, found)));
     Section::new(format!("`{}`", scene.scene), blocks)
-}
-
-/// The time of each pass.
-pub(super) fn bar(name: &str, passes: &Map<String, Value>) -> Bar {
-    let segment = |(stage, pass): (&String, &Value)| {
-        let seconds = pass["seconds"].as_f64().unwrap_or_default();
-        Segment { stage: stage.clone(), seconds }
-    };
-    Bar { name: name.to_owned(), segments: passes.iter().map(segment).collect() }
 }
 
 /// Every run, in the order in which they were made.
@@ -157,13 +146,5 @@ fn kernels(scene: &SceneBench, wavefront: &TracerBench) -> Details {
     Details {
         summary: "Rays of the wavefront by kernel".to_owned(),
         blocks: vec![Block::Table(table)],
-    }
-}
-
-/// A number of rays, where there are any.
-pub(super) fn average(rays: Option<f64>) -> Cell {
-    match rays {
-        Some(rays) => Cell::number(rays, format!("{rays:.1}")),
-        None => Cell::text("–"),
     }
 }

@@ -1,10 +1,10 @@
-//! What became of each choice, a line each.
+//! What was found of each choice, a line each.
 
 use std::fmt::Write as _;
 
-use super::{average, plural, verdict};
 use crate::bench::compare::{Axis, Comparison, VariantBench};
 use crate::bench::rows::unit;
+use crate::bench::words::{average, plural, verdict};
 
 /// The table of one comparison.
 pub fn comparison(compared: &Comparison) -> String {

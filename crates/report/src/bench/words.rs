@@ -1,0 +1,48 @@
+//! Parts of sentences that text and page share.
+
+use super::measure::{Difference, Pixel};
+use super::report::SceneBench;
+
+/// How the tracers differ, in words.
+pub fn verdict(difference: &Difference) -> String {
+    match difference {
+        Difference::Pixel { tracer, x, y, expected, found } => format!(
+            "THE IMAGES DIFFER: the first pixel that a {tracer:?} run has otherwise than the first \
+             Wavefront run is at column {x}, row {y}:\n  {}, where the first has\n  {}",
+            pixel(found),
+            pixel(expected)
+        ),
+        Difference::Work { tracer, count, expected, found } => format!(
+            "THE WORK DIFFERS: a {tracer:?} run counts {found} {count}, where the first Wavefront \
+             run counts {expected}; the images are the same"
+        ),
+    }
+}
+
+/// What is in the scene.
+pub(super) fn contents(report: &SceneBench) -> String {
+    let kinds = [
+        (report.triangles, "triangle"),
+        (report.quads, "quad"),
+        (report.spheres, "sphere"),
+        (report.lights, "light"),
+    ];
+    let present = kinds.iter().filter(|(count, _)| *count > 0);
+    let words: Vec<_> = present.map(|(count, name)| plural(*count, name)).collect();
+    if words.is_empty() { "nothing".to_owned() } else { words.join(", ") }
+}
+
+/// A number of rays, where there are any.
+pub(super) fn average(rays: Option<f64>) -> String {
+    rays.map_or_else(|| "-".to_owned(), |rays| format!("{rays:.1}"))
+}
+
+fn pixel(pixel: &Pixel) -> String {
+    let ([r, g, b], bits) = (pixel.values, pixel.bits.join(" "));
+    format!("{r:?} {g:?} {b:?} (bits {bits})")
+}
+
+/// A number of things by name.
+pub(super) fn plural(count: usize, name: &str) -> String {
+    if count == 1 { format!("1 {name}") } else { format!("{count} {name}s") }
+}

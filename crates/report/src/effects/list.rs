@@ -1,0 +1,98 @@
+//! The price list, as it is written as JSON.
+
+use serde::Serialize;
+
+use crate::bench::measure::Difference;
+use crate::bench::{Machine, Ratio};
+use crate::summary::Summary;
+use crate::work::{Rays, Samples};
+use wavecrest_core::accel::KernelChoice;
+use wavecrest_core::counters::Counters;
+use wavecrest_core::kernels::precision::Precision;
+use wavecrest_core::math::simd::Level;
+use wavecrest_core::prepared::PreparedScene;
+
+/// See [`crate::effects`]: fields are named as in the JSON.
+#[derive(Clone, Debug, Serialize)]
+#[allow(missing_docs, reason = "the table above says it once, for the JSON and for the fields")]
+pub struct PriceList {
+    pub version: &'static str,
+    pub machine: Machine,
+    pub image: Size,
+    #[serde(flatten)]
+    pub setting: Setting,
+    pub rounds: usize,
+    pub difference: Option<EffectDifference>,
+    pub effects: Vec<Price>,
+}
+
+/// The size of all images.
+#[derive(Clone, Copy, Debug, Serialize)]
+#[allow(missing_docs, reason = "see crate::effects")]
+pub struct Size {
+    pub width: u32,
+    pub height: u32,
+}
+
+/// How images are made.
+#[derive(Clone, Copy, Debug, Serialize)]
+#[allow(missing_docs, reason = "see crate::effects")]
+pub struct Setting {
+    pub simd: Level,
+    pub kernel: KernelChoice,
+    pub precision: Precision,
+    pub batch: usize,
+}
+
+/// What one effect costs.
+#[derive(Clone, Debug, Serialize)]
+#[allow(missing_docs, reason = "see crate::effects")]
+pub struct Price {
+    pub effect: &'static str,
+    pub added_to: Option<&'static str>,
+    pub reached: bool,
+    pub simulated: Vec<&'static str>,
+    pub rays: Rays,
+    pub samples: Samples,
+    pub bytes_per_path: usize,
+    pub wavefront: Cost,
+    pub recursive: Cost,
+}
+
+/// What it costs with one tracer.
+#[derive(Clone, Debug, Serialize)]
+#[allow(missing_docs, reason = "see crate::effects")]
+pub struct Cost {
+    pub seconds: Summary,
+    pub seconds_per_mpixel: f64,
+    pub seconds_per_mray: f64,
+    pub price: Option<Ratio>,
+}
+
+/// What ended the measurement.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct EffectDifference {
+    /// The effect whose scene differs.
+    pub effect: &'static str,
+    /// How.
+    pub difference: Difference,
+}
+
+impl Cost {
+    pub(super) fn new(
+        seconds: &[f64],
+        base: Option<&[f64]>,
+        scene: &PreparedScene,
+        counters: &Counters,
+    ) -> Option<Self> {
+        let pixels: u64 = scene.camera.size().map(u64::from).iter().product();
+        let summary = Summary::of(seconds)?;
+        let per_million = |count: u64| summary.median / count.max(1) as f64 * 1e6;
+        Some(Self {
+            seconds_per_mpixel: per_million(pixels),
+            seconds_per_mray: per_million(Rays::from(counters).all()),
+            price: base.and_then(|base| Ratio::of(seconds, base)),
+            seconds: summary,
+        })
+    }
+}

@@ -1,0 +1,159 @@
+//! The field of a chart between its two axes, with grid, marks and labels.
+
+use super::drawing::{At, BELOW, BESIDE, Drawing, LABEL, Text};
+use super::font;
+use super::paint::Paint;
+use super::place::Place;
+use super::{Axis, Scale};
+
+/// Labels down an axis are at least so far apart.
+const APART_DOWN: f64 = 36.0;
+/// Labels along an axis are at least so far apart.
+const APART_ALONG: f64 = 18.0;
+/// From a label to its axis.
+const GAP: f64 = 8.0;
+/// The height of an axis' heading.
+const HEADING: f64 = LABEL * 1.6;
+/// The width of lines of the grid.
+const GRID: f64 = 0.8;
+/// The largest part of the width that names may take.
+const LARGEST_PART_FOR_NAMES: f64 = 0.4;
+
+/// The axes of a chart as they are drawn.
+pub(super) struct Field<'c> {
+    pub x: Place<'c>,
+    pub y: Place<'c>,
+    /// Whether `x` is an axis of names: it runs down the left then, and `y` to the right.
+    pub turned: bool,
+}
+
+/// Room kept free outside of a field.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Room {
+    pub above: f64,
+    /// On the right.
+    pub beside: f64,
+}
+
+impl<'c> Field<'c> {
+    /// A field with a place for all of these values.
+    pub(super) fn new(
+        x: &'c Axis,
+        xs: impl Iterator<Item = f64>,
+        y: &'c Axis,
+        ys: impl Iterator<Item = f64>,
+    ) -> Self {
+        let turned = matches!(x.scale, Scale::Names(_));
+        Self { x: Place::new(x, xs), y: Place::new(y, ys), turned }
+    }
+
+    /// Where a point is drawn; `None` where an axis has no place for it.
+    pub(super) fn at(&self, x: f64, y: f64) -> Option<At> {
+        Some(self.oriented(self.x.pixel(x)?, self.y.pixel(y)?))
+    }
+
+    /// The same point at another pixel in `y`.
+    pub(super) fn with_y(&self, [along, down]: At, y: f64) -> At {
+        if self.turned { [y, down] } else { [along, y] }
+    }
+
+    /// The pixels of `x` and `y` as a point.
+    fn oriented(&self, x: f64, y: f64) -> At {
+        if self.turned { [y, x] } else { [x, y] }
+    }
+
+    /// The axes to the right and down.
+    fn axes(&mut self) -> [&mut Place<'c>; 2] {
+        if self.turned { [&mut self.y, &mut self.x] } else { [&mut self.x, &mut self.y] }
+    }
+
+    /// The pixels of left and right, and of bottom and top.
+    pub(super) fn sides(&self) -> [[f64; 2]; 2] {
+        let (x, y) = (self.x.pixels, self.y.pixels);
+        if self.turned { [y, x] } else { [x, y] }
+    }
+
+    /// Puts the field and its axes below what is drawn.
+    pub(super) fn draw(&mut self, drawing: &mut Drawing, height: f64, room: Room) {
+        let (width, turned) = (drawing.frame.width, self.turned);
+        let [along, down] = self.axes();
+        if let Some(heading) = heading(down.axis) {
+            drawing.text(Text::new(&heading, [0.0, drawing.height], [0.0, BELOW], LABEL));
+            drawing.height += HEADING;
+        }
+        let top = drawing.height + room.above;
+        let bottom = top + height;
+        let left = mark_down(down, height, width);
+        let right = mark_along(along, width - left - room.beside - GAP).max(room.beside);
+        (along.pixels, down.pixels) = ([left, width - right], [bottom, top]);
+        grid(drawing, along, down, turned);
+        labels(drawing, along, down);
+        drawing.height = bottom + LABEL + 2.0 * GAP;
+        if let Some(heading) = heading(along.axis) {
+            let start = (width - right - font::width(&heading, LABEL)).max(0.0);
+            drawing.text(Text::new(&heading, [start, drawing.height], [0.0, BELOW], LABEL));
+            drawing.height += HEADING;
+        }
+    }
+}
+
+/// The heading of an axis. Names speak for themselves.
+fn heading(axis: &Axis) -> Option<String> {
+    let has_names = matches!(axis.scale, Scale::Names(_));
+    Some(axis.heading()).filter(|heading| !heading.is_empty() && !has_names)
+}
+
+/// Marks the axis on the left, and returns the room for its labels.
+fn mark_down(place: &mut Place<'_>, height: f64, width: f64) -> f64 {
+    place.mark((height / APART_DOWN) as usize);
+    for tick in &mut place.ticks.major {
+        tick.label = font::shortened(&tick.label, LABEL, LARGEST_PART_FOR_NAMES * width);
+    }
+    widest(place) + 2.0 * GAP
+}
+
+/// Marks the axis at the bottom so that labels stay apart, and returns how far the last may stand out.
+fn mark_along(place: &mut Place<'_>, width: f64) -> f64 {
+    for most in (2..=(width / 40.0) as usize).rev() {
+        place.mark(most);
+        if widest(place) + APART_ALONG <= width / place.ticks.major.len().max(1) as f64 {
+            break;
+        }
+    }
+    (widest(place) / 2.0).max(GAP)
+}
+
+/// The width of the widest label.
+fn widest(place: &Place<'_>) -> f64 {
+    place.ticks.major.iter().map(|tick| font::width(&tick.label, LABEL)).fold(0.0, f64::max)
+}
+
+/// Lines at the ticks, and the two axes. A row of names needs no line: its name leads to it.
+fn grid(drawing: &mut Drawing, along: &Place<'_>, down: &Place<'_>, turned: bool) {
+    let ([left, right], [bottom, top]) = (along.pixels, down.pixels);
+    for (major, paint) in [(false, Paint::Faint), (true, Paint::Grid)] {
+        for x in along.ticks.positions(major).into_iter().map(|at| along.pixel_of(at)) {
+            drawing.line(vec![[x, top], [x, bottom]], paint, GRID);
+        }
+        let rows = if turned { Vec::new() } else { down.ticks.positions(major) };
+        for y in rows.into_iter().map(|at| down.pixel_of(at)) {
+            drawing.line(vec![[left, y], [right, y]], paint, GRID);
+        }
+    }
+    drawing.line(vec![[left, top], [left, bottom], [right, bottom]], Paint::Muted, 1.0);
+}
+
+/// Ticks and labels outside of the field.
+fn labels(drawing: &mut Drawing, along: &Place<'_>, down: &Place<'_>) {
+    let (left, bottom) = (along.pixels[0], down.pixels[0]);
+    for tick in &along.ticks.major {
+        let x = along.pixel_of(tick.at);
+        drawing.line(vec![[x, bottom], [x, bottom + GAP / 2.0]], Paint::Muted, 1.0);
+        drawing.text(Text::new(&tick.label, [x, bottom + GAP], [0.5, BELOW], LABEL));
+    }
+    for tick in &down.ticks.major {
+        let y = down.pixel_of(tick.at);
+        drawing.line(vec![[left - GAP / 2.0, y], [left, y]], Paint::Muted, 1.0);
+        drawing.text(Text::new(&tick.label, [left - GAP, y], [1.0, BESIDE], LABEL));
+    }
+}

@@ -1,0 +1,107 @@
+//! Lines to compare with, each with its name in the margin.
+
+use super::drawing::{ABOVE, At, BELOW, BESIDE, Drawing, NOTE, Text};
+use super::field::{Field, Room};
+use super::font;
+use super::paint::Paint;
+use super::{Chart, Course, Scale};
+
+/// From the end of a line to its name.
+const GAP: f64 = 4.0;
+
+/// The width of a line.
+const STROKE: f64 = 1.2;
+
+/// The room for the names of a chart's guides: above the field for lines that go straight up.
+pub(super) fn room(chart: &Chart, turned: bool) -> Room {
+    let drawn = chart.guides.iter().filter(|guide| can_be_drawn(chart, guide.course));
+    let mut room = Room::default();
+    for guide in drawn {
+        match guide.course {
+            Course::AtY(_) if turned => room.above = 1.5 * NOTE,
+            _ => room.beside = room.beside.max(font::width(&guide.name, NOTE) + 2.0 * GAP),
+        }
+    }
+    room
+}
+
+/// Draws the lines to compare with.
+pub(super) fn draw(drawing: &mut Drawing, chart: &Chart, field: &Field<'_>) {
+    for guide in &chart.guides {
+        if let Some(ends) = ends(chart, guide.course, field) {
+            drawing.line(ends.to_vec(), Paint::Guide, STROKE);
+            let (at, align) = place_of_name(ends, field.sides()[0][1]);
+            drawing.text(Text::new(&guide.name, at, align, NOTE).with_rim());
+        }
+    }
+}
+
+/// Whether a guide has a place between the axes of a chart.
+pub(super) fn can_be_drawn(chart: &Chart, course: Course) -> bool {
+    match course {
+        Course::Power { slope, through: [x, y] } => {
+            let is_place = |value: f64| value > 0.0 && value.is_finite();
+            let are_log = chart.x.scale == Scale::Log && chart.y.scale == Scale::Log;
+            are_log && slope.is_finite() && is_place(x) && is_place(y)
+        }
+        Course::AtY(value) => value.is_finite(),
+    }
+}
+
+/// The ends of a guide where it is seen, from left to right or from bottom to top.
+fn ends(chart: &Chart, course: Course, field: &Field<'_>) -> Option<[At; 2]> {
+    let [[left, right], [bottom, top]] = field.sides();
+    match course {
+        _ if !can_be_drawn(chart, course) => None,
+        Course::Power { slope, through: [x, y] } => {
+            let slope = slope * field.y.pixels_in_unit() / field.x.pixels_in_unit();
+            clipped(slope, field.at(x, y)?, [left, right], [bottom, top])
+        }
+        Course::AtY(y) if field.turned => field.y.pixel(y).map(|x| [[x, bottom], [x, top]]),
+        Course::AtY(y) => field.y.pixel(y).map(|y| [[left, y], [right, y]]),
+    }
+}
+
+/// The part within the field of a line of this slope through a point.
+fn clipped(
+    slope: f64,
+    [x, y]: At,
+    [left, right]: [f64; 2],
+    [bottom, top]: [f64; 2],
+) -> Option<[At; 2]> {
+    let height = |at: f64| y + slope * (at - x);
+    let (mut from, mut to) = (left, right);
+    if slope != 0.0 {
+        let crossings = [bottom, top].map(|end| x + (end - y) / slope);
+        from = from.max(crossings[0].min(crossings[1]));
+        to = to.min(crossings[0].max(crossings[1]));
+    }
+    let is_seen =
+        from < to && (bottom.min(top)..=bottom.max(top)).contains(&height((from + to) / 2.0));
+    is_seen.then(|| [[from, height(from)], [to, height(to)]])
+}
+
+/// Where a name stands beside the last end of its line, for a [`Text`].
+fn place_of_name([from, to]: [At; 2], right: f64) -> (At, [f64; 2]) {
+    match to[1] - from[1] {
+        _ if from[0] == to[0] => ([to[0], to[1].min(from[1]) - GAP], [0.5, ABOVE]),
+        _ if to[0] >= right => ([to[0] + GAP, to[1]], [0.0, BESIDE]),
+        ..0.0 => ([to[0] + GAP, to[1] + GAP], [0.0, BELOW]),
+        _ => ([to[0] + GAP, to[1] - GAP], [0.0, ABOVE]),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn guides_end_at_the_field() {
+        let found = clipped(-0.5, [1.0, 1.0], [0.0, 4.0], [0.0, 2.0]);
+        assert_eq!(found, Some([[0.0, 1.5], [3.0, 0.0]]));
+        let found = clipped(0.0, [1.0, 1.0], [0.0, 4.0], [0.0, 2.0]);
+        assert_eq!(found, Some([[0.0, 1.0], [4.0, 1.0]]));
+        assert_eq!(clipped(0.0, [1.0, 3.0], [0.0, 4.0], [0.0, 2.0]), None);
+        assert_eq!(clipped(1.0, [9.0, 1.0], [0.0, 4.0], [0.0, 2.0]), None);
+    }
+}
