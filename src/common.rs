@@ -93,7 +93,7 @@ impl SceneOptions {
     pub(crate) fn extract(&self, mut loaded: LoadedScene) -> Result<Extracted> {
         let (precision, flat) = (self.precision, self.flatten);
         let options = systems::Options { precision, flat, ..Default::default() };
-        systems::extract_with(&mut loaded.world, options)
+        systems::extract(&mut loaded.world, options)
     }
 
     /// Tells warnings, unless asked to be quiet.

@@ -220,7 +220,8 @@ fn pyramids_are_built_where_a_shape_is_trilinear_and_nowhere_else() {
         let file = folder.path().join("scene.json");
         let mut loaded = load_str(&scene.to_string(), &file, &LoadOptions::default())
             .unwrap_or_else(|error| panic!("{error}"));
-        let extracted = extract(&mut loaded.world).unwrap_or_else(|error| panic!("{error}"));
+        let extracted = extract(&mut loaded.world, Default::default())
+            .unwrap_or_else(|error| panic!("{error}"));
         let bytes = extracted.scene().appearance.images[0].bytes() as u64;
         assert_eq!(predict(&extracted, 64, extracted.preset(), 64).appearance, bytes);
         bytes

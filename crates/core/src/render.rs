@@ -92,7 +92,7 @@ pub struct Rendered {
 ///     }
 /// }"#;
 /// let mut loaded = scene::load::load_str(json, "ball.json".as_ref(), &Default::default())?;
-/// let (prepared, _) = systems::prepare(&mut loaded.world, Preset::Fast)?;
+/// let prepared = systems::extract(&mut loaded.world, Default::default())?.build(Preset::Fast);
 /// let image = render::render(&prepared, &Default::default(), &())?;
 /// let [red, green, _] = image.film.pixel(16, 12).unwrap();
 /// assert!(red > 0.1 && green < red);

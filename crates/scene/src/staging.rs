@@ -14,7 +14,7 @@ use wavecrest_core::math::sampling::Sampling;
 
 use super::components::{Falloff, FovAxis, PointLight, Settings, View};
 use super::corners::direction;
-use super::load::LoadOptions;
+use super::options::LoadOptions;
 use super::parse;
 
 /// Width of the image in pixels, where nothing is said of it; the height for one that is upright.

@@ -8,8 +8,9 @@ use hecs::World;
 use wavecrest_base::error::{Error, ErrorKind, Result, Warning};
 
 use super::components::{Encoding, JsonPath, Material, Mesh, Name, Order, Pinhole, Shading, Sides};
-use super::load::{LoadOptions, LoadedScene};
+use super::loaded::LoadedScene;
 use super::mesh;
+use super::options::LoadOptions;
 use super::staging::{self, Placed};
 
 /// A light grey with a faint highlight.

@@ -11,9 +11,9 @@ use super::camera::Camera;
 use super::fields::Fields;
 use super::light::Light;
 use super::material::Surface;
-use super::mesh::MeshParts;
 use super::node::{self, Lengths, Node, Placed};
 use super::notes::Remarks;
+use super::primitive::MeshParts;
 use super::texture::{Image, Sampler, Texture};
 
 /// The extensions that are read.

@@ -9,12 +9,13 @@ use crate::components::{
     AreaLight, Encoding, Falloff, Hidden, InstanceOf, JsonPath, Mesh, Name, Order, Pinhole,
     PointLight, Sampling, Shading, TextureRef, Transform,
 };
-use crate::load::{LoadOptions, LoadedScene};
+use crate::loaded::LoadedScene;
 use crate::mesh::MeshData;
+use crate::options::LoadOptions;
 use crate::staging::{self, Sphere};
 use wavecrest_base::error::{ErrorKind, Result, Warning};
 
-use super::camera;
+use super::choice;
 use super::document::Document;
 use super::light;
 use super::material::{self, Surface};
@@ -50,7 +51,7 @@ pub(super) fn world(
 ) -> Result<LoadedScene> {
     let primitives = primitives(&document, remarks)?;
     let bounds = bounds(&primitives);
-    let view = camera::chosen(&document, &document.placed, &bounds, options, remarks)?;
+    let view = choice::camera(&document, &bounds, options, remarks)?;
     let has_camera = view.is_some();
     let view = view.map_or_else(|| staging::framed(&bounds, options), Ok)?;
     let mut lights = lights(&document, &bounds, remarks);

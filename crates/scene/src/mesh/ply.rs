@@ -28,7 +28,7 @@ mod vertices;
 
 use std::io::BufReader;
 
-use super::Read;
+use super::data::Read;
 use super::place::{ReadAt, Section};
 use header::Encoding;
 use wavecrest_base::error::Result;

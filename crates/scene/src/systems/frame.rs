@@ -8,8 +8,7 @@
 use glam::DVec3;
 use hecs::World;
 
-use super::missing;
-use crate::components::View;
+use crate::query::view;
 use wavecrest_base::error::Result;
 
 /// A camera this many times as far from the origin as from what it looks at has lost ten bits.
@@ -17,8 +16,7 @@ const FAR: f64 = 1024.0;
 
 /// What is to be subtracted from all positions, in scene units: zero in most scenes.
 pub fn run(world: &World) -> Result<DVec3> {
-    let mut query = world.query::<&View>();
-    let view = query.iter().next().ok_or_else(|| missing("View"))?;
+    let view = view(world)?;
     let distance = (view.look - view.location).abs().max_element();
     let far = view.location.abs().max_element() >= FAR * distance;
     Ok(if far { nearest(view.location, distance) } else { DVec3::ZERO })

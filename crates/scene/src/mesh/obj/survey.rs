@@ -2,8 +2,8 @@
 
 use rayon::prelude::*;
 
+use super::blocks::{BLOCK, PIECE, cut, each_block};
 use super::lines::{Keyword, is_blank, statements};
-use super::{BLOCK, PIECE, cut, each_block};
 use crate::mesh::place::ReadAt;
 use crate::mesh::survey::Survey;
 use wavecrest_base::error::Result;

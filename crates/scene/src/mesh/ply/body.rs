@@ -4,11 +4,12 @@
 use super::header::{Element, Header, Shape};
 use super::layout::{Column, ListLayout, SLOTS, VertexLayout};
 use super::source::{Bulk, FaceRows, Faces, Fault, Source, Vertices};
+use crate::mesh::data::{Attribute, MeshData, Read};
+use crate::mesh::faults::{check_count, no_triangles, read_failure};
 use crate::mesh::polygon::{self, Polygon};
 use crate::mesh::validate::{
     bad_index, bad_vertex, check_positions, note_zeroed, zero_bad_normals, zero_bad_uvs,
 };
-use crate::mesh::{Attribute, MeshData, Read, check_count, no_triangles, read_failure};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
 /// Reads the whole body and makes a mesh of it.

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use super::header::{Property, Scalar, Shape};
 use super::source::{FaceRows, Faces};
 use super::triangles::{greatest, limit, number};
-use crate::mesh::MAX_COUNT;
+use crate::mesh::data::MAX_COUNT;
 use crate::mesh::place::{ReadAt, fill};
 use crate::mesh::polygon::Polygon;
 
