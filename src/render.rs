@@ -34,7 +34,7 @@ use wavecrest_image::farm::Shard;
 use wavecrest_image::write::Transfer;
 use wavecrest_report::estimate::Estimated;
 use wavecrest_report::statistics::{Bvh, Columns, ImageSize, Memory, Statistics, Time, pass_map};
-use wavecrest_scene::memory::{self, Prediction};
+use wavecrest_scene::memory::{self, Estimate};
 use wavecrest_scene::systems;
 
 /// Renders a scene to an image.
@@ -166,7 +166,7 @@ fn run_here(
     let extracted = args.scene_options.extract(loaded)?;
     let preset = args.scene_options.bvh.unwrap_or_else(|| extracted.preset());
     let pixels = pixels.unwrap_or_else(|| extracted.pixels());
-    let mut predicted = memory::predict(&extracted, pixels, preset, args.batch as usize);
+    let mut predicted = memory::estimate_extracted(&extracted, pixels, preset, args.batch as usize);
     predicted.film += args.parts.kept_bytes(pixels);
     time.load = start.elapsed().as_secs_f64();
     reporter.loaded(&extracted, time.load);
@@ -263,7 +263,7 @@ fn statistics(
     preset: Preset,
     rendered: &Rendered,
     time: Time,
-    predicted: Prediction,
+    predicted: Estimate,
 ) -> Statistics {
     let counters = &rendered.counters;
     let pixels = rendered.film.pixels().len() as u64;

@@ -35,9 +35,10 @@ use wavecrest_base::error::{Error, ErrorKind, Result};
 
 use super::loaded::LoadedScene;
 use super::options::LoadOptions;
-use super::reader::{Notes, json};
+use super::reader::{Cursor, Notes, Place, json};
 use buffer::Buffer;
 use document::Document;
+use fields::Fields;
 use notes::Remarks;
 
 pub(super) use survey::survey;
@@ -73,7 +74,9 @@ pub fn load_bytes(bytes: Vec<u8>, path: &Path, options: &LoadOptions) -> Result<
     let value = json::parse(text(&bytes[parts.json], path)?, path)?;
     let notes = Notes::new(path, options.strict);
     let remarks = Remarks::new(&notes);
-    let document = Document::read(&value, binary.as_ref(), &remarks)?;
+    let top = Fields::new(Cursor::new(&value, Place::Top, &notes), "a glTF file")?;
+    let document = Document::read(&top, binary.as_ref(), &remarks)?;
+    document::remark(&top, &remarks);
     // Data within the text is many times larger there than as bytes.
     drop(value);
     let spawned = spawn::world(document, options, &remarks)?;

@@ -26,7 +26,7 @@ use super::faults::{check_count, no_triangles};
 use super::place::ReadAt;
 use super::polygon::{self, Polygon};
 use super::validate::{bad_index, first_with, note_zeroed, zero_bad_normals, zero_bad_uvs};
-use blocks::{BLOCK, PIECE, cut, each_block};
+use blocks::{BLOCK_BYTES, PIECE_BYTES, cut, each_block};
 use count::Count;
 use piece::Piece;
 use wavecrest_base::error::{Error, ErrorKind, Result};
@@ -35,7 +35,7 @@ pub(super) use survey::survey;
 
 /// Reads a file of `length` bytes.
 pub(super) fn read(file: &std::fs::File, length: u64) -> Result<Read> {
-    read_from(file, length, BLOCK, PIECE)
+    read_from(file, length, BLOCK_BYTES, PIECE_BYTES)
 }
 
 pub(super) fn read_from<F: ReadAt + ?Sized>(

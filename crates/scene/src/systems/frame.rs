@@ -12,13 +12,13 @@ use crate::query::view;
 use wavecrest_base::error::Result;
 
 /// A camera this many times as far from the origin as from what it looks at has lost ten bits.
-const FAR: f64 = 1024.0;
+const FAR_CAMERA: f64 = 1024.0;
 
 /// What is to be subtracted from all positions, in scene units: zero in most scenes.
 pub fn run(world: &World) -> Result<DVec3> {
     let view = view(world)?;
     let distance = (view.look - view.location).abs().max_element();
-    let far = view.location.abs().max_element() >= FAR * distance;
+    let far = view.location.abs().max_element() >= FAR_CAMERA * distance;
     Ok(if far { nearest(view.location, distance) } else { DVec3::ZERO })
 }
 

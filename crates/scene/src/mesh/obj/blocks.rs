@@ -6,10 +6,10 @@ use crate::mesh::place::{ReadAt, fill};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
 /// How much text is in memory at once, unless a statement is longer.
-pub(super) const BLOCK: usize = 1 << 24;
+pub(super) const BLOCK_BYTES: usize = 1 << 24;
 
 /// About how much text one task reads.
-pub(super) const PIECE: usize = 1 << 17;
+pub(super) const PIECE_BYTES: usize = 1 << 17;
 
 /// Gives the text to `take`, in blocks that end where a statement does.
 pub(super) fn each_block<F: ReadAt + ?Sized>(

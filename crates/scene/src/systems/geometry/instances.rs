@@ -20,7 +20,7 @@ use wavecrest_core::prepared::{MeshAttributes, Shape, UvMap};
 
 /// A prototype whose middle is this many times as far from its origin as it is large has lost two bits: it is
 /// moved there, so that rays are carried to small coordinates.
-const FAR: f64 = 4.0;
+const FAR_FROM_ORIGIN: f64 = 4.0;
 
 /// A prototype that was taken in.
 struct Prototype {
@@ -85,7 +85,7 @@ impl Builder {
         let (low, high) = (found.low.as_dvec3(), found.high.as_dvec3());
         let (middle, size) = ((low + high) / 2.0, (high - low).max_element());
         let mut origin = DVec3::ZERO;
-        if size > 0.0 && middle.abs().max_element() > FAR * size {
+        if size > 0.0 && middle.abs().max_element() > FAR_FROM_ORIGIN * size {
             origin = frame::nearest(middle, size);
             mesh.positions.par_iter_mut().for_each(|p| *p = (p.as_dvec3() - origin).as_vec3());
         }
