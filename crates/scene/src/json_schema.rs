@@ -68,7 +68,7 @@ fn definitions() -> Value {
 /// Adds a shape, and each kind of shape, whose names begin with `prefix`.
 fn add_shapes(all: &mut Value, prefix: &str, owner: Owner) {
     let mut add = |name: &str, value: Value| all[format!("{prefix}{name}")] = value;
-    let kind = |form| object(&shape::kind(form, owner));
+    let kind = |own| object(&shape::kind(own, owner));
     add("shape", by_type::<ShapeKind>("A shape.", prefix));
     add("sphere", kind(&shape::SPHERE));
     add("plane", kind(&shape::PLANE));

@@ -29,8 +29,8 @@ pub use super::options::LoadOptions;
 /// memory while it is read; a larger mesh belongs in a file of its own.
 const LONGEST_FILE: u64 = 1 << 28;
 
-/// Reads the scene at `path`, and the files that it names: a scene file in JSON, a glTF file, or a mesh
-/// alone, by the ending of its name, and by what it begins with.
+/// Reads the scene at `path`, and the files that it names: a scene file in JSON, a glTF file, or a
+/// standalone mesh, by the ending of its name, and by what it begins with.
 ///
 /// # Errors
 /// The file, or a mesh, cannot be read or breaks its format; a texture is not there; a value is not

@@ -2,11 +2,11 @@
 //! texture or a mesh exists is looked up, but neither is read).
 
 pub(crate) mod camera;
-mod form;
 pub(crate) mod instance;
 pub(crate) mod light;
 pub(crate) mod material;
 pub(crate) mod mesh;
+mod own_keys;
 pub(crate) mod shape;
 pub(crate) mod transform;
 

@@ -1,4 +1,4 @@
-//! A mesh file alone, as a scene: with a camera that sees all of it, a light and a plain material.
+//! A standalone mesh as a scene: with a camera that sees all of it, a light and a plain material.
 
 use std::path::Path;
 

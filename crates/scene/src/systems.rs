@@ -59,8 +59,7 @@ pub struct Options<'a> {
     /// The table that the plan follows: [`PASSES`], or what [`unplanned`](wavecrest_core::plan::schedule::unplanned) makes of it to leave nothing
     /// out, neither passes and columns nor lights, textures and normals that nothing shows.
     pub passes: &'a [Pass],
-    /// Whether meshes that are shown more than once are to be copied to where they are shown, rather than
-    /// held once for instances.
+    /// Whether a mesh with several instances is to be copied for each, rather than held once.
     pub flat: bool,
 }
 

@@ -2,8 +2,8 @@
 //!
 //! A scene that is written and read again is the same to the last bit: numbers are written as the shortest
 //! text that reads back as the same, meshes as binary PLY, images as the bytes that they were. It has what
-//! glTF files and meshes alone are made into, and no more: spheres, planes and lenses come from scene files
-//! alone, which need no conversion.
+//! glTF files and standalone meshes are made into, and no more: spheres, planes and lenses come from scene
+//! files, which need no conversion.
 
 mod beside;
 mod json;

@@ -34,7 +34,7 @@ pub(super) struct Document {
     /// `None` for those of a type that is not known.
     pub(super) lights: Vec<Option<Light>>,
     pub(super) nodes: Vec<Node>,
-    /// The nodes of the scene that is shown.
+    /// The nodes of the scene.
     pub(super) placed: Vec<Placed>,
     /// Whether attributes may be whole numbers: the extension `KHR_mesh_quantization`.
     pub(super) is_quantized: bool,

@@ -61,7 +61,7 @@ pub(super) fn world(
         primitives.iter().filter(|f| f.surface.is_light()).map(|f| f.uses.len()).sum();
     check_lights(&primitives, remarks)?;
     let has_lights = !lights.is_empty() || glowing > 0;
-    let exposure = light::exposure(shown(&lights, &primitives, &bounds));
+    let exposure = light::exposure(radiance(&lights, &primitives, &bounds));
     for (_, light) in &mut lights {
         light.intensity *= exposure;
     }
@@ -260,17 +260,17 @@ fn lights(
     document.placed.iter().filter_map(placed).collect()
 }
 
-/// What all lights show together on a white surface in the middle.
-fn shown(lights: &[(String, PointLight)], primitives: &[Primitive], bounds: &Sphere) -> f64 {
+/// The radiance of a white surface in the middle under all lights.
+fn radiance(lights: &[(String, PointLight)], primitives: &[Primitive], bounds: &Sphere) -> f64 {
     let points = lights.iter().map(|(_, light)| {
-        light::shown(light.color * light.intensity, light.falloff, light.position, bounds)
+        light::radiance(light.color * light.intensity, light.falloff, light.position, bounds)
     });
     let meshes =
         primitives.iter().filter(|primitive| primitive.surface.is_light()).flat_map(|primitive| {
             primitive.uses.iter().map(|found| {
                 let (area, middle) = extent(&primitive.mesh, &found.world);
                 let strength = primitive.surface.emission * area;
-                light::shown(strength, Falloff::InverseSquare, middle, bounds)
+                light::radiance(strength, Falloff::InverseSquare, middle, bounds)
             })
         });
     points.chain(meshes).sum()

@@ -51,7 +51,7 @@ pub(crate) fn survey(path: &Path, options: &LoadOptions) -> Result<Survey> {
     Ok(survey)
 }
 
-/// The JSON of a file of either form.
+/// The JSON of a file of either format.
 fn json(path: &Path) -> std::io::Result<Vec<u8>> {
     let mut file = File::open(path)?;
     let mut start = Vec::new();

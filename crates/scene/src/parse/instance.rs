@@ -1,4 +1,4 @@
-//! Instances: shapes shown once more, elsewhere.
+//! Instances of shapes.
 
 use std::collections::HashMap;
 

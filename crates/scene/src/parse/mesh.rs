@@ -14,13 +14,13 @@ use crate::reader::{Cursor, Key, Object, Range, Takes, keys};
 use crate::schema::Geometry;
 use wavecrest_base::error::Result;
 
-use super::form::Form;
 use super::material::existing_file;
+use super::own_keys::OwnKeys;
 
 const POINTS: &str = "an array of at least three points [[x, y, z], ...]";
 const INDICES: &str = "an array of triangles [[a, b, c], ...], at least one";
 
-pub(crate) const MESH_FILE: Form = Form {
+pub(crate) const MESH_FILE: OwnKeys = OwnKeys {
     name: "a trimesh from a file",
     about: "A mesh from a file.",
     keys: &[keys! {
@@ -29,7 +29,7 @@ pub(crate) const MESH_FILE: Form = Form {
     }],
 };
 
-pub(crate) const INDEXED: Form = Form {
+pub(crate) const INDEXED: OwnKeys = OwnKeys {
     name: "a trimesh with indices",
     about: "A mesh.",
     keys: &[
@@ -44,7 +44,7 @@ pub(crate) const INDEXED: Form = Form {
 };
 
 // With the keys, too, that would make it another kind: they may be what a misspelt key means.
-pub(crate) const STRIP: Form = Form {
+pub(crate) const STRIP: OwnKeys = OwnKeys {
     name: "a trimesh that is a strip",
     about: "A strip of triangles.",
     keys: &[
@@ -74,7 +74,7 @@ const KEYS: &[Key] = keys! {
 const INDICES_TAKE: Takes = Takes::AtLeast(1, &Takes::Exactly(3, &Takes::Integer(0, u32::MAX)));
 
 /// Which mesh this is.
-pub(super) fn form(cursor: &Cursor<'_>) -> Result<&'static Form> {
+pub(super) fn own_keys(cursor: &Cursor<'_>) -> Result<&'static OwnKeys> {
     let has = |key: &str| cursor.value().get(key).is_some();
     match (has("file"), has("points"), has("indices")) {
         (true, true, _) => Err(both(cursor, "points")),
@@ -209,11 +209,11 @@ fn normals(cursor: &Cursor<'_>, points: usize) -> Result<Attribute<Vec3>> {
 /// A value for each point.
 fn attribute<T>(
     cursor: &Cursor<'_>,
-    form: &str,
+    each: &str,
     points: usize,
     read: impl FnMut(Cursor<'_>) -> Result<T>,
 ) -> Result<Attribute<T>> {
-    let what = format!("an array of {points} times {form}, one for each point");
+    let what = format!("an array of {points} times {each}, one for each point");
     let values = cursor.each(&what, read)?;
     if values.len() != points {
         return Err(cursor.error(format!("must be {what}")));

@@ -1,4 +1,4 @@
-//! Shapes: the keys that all have, and the forms.
+//! Shapes: the keys that all have, and those of each kind.
 
 use glam::DVec3;
 
@@ -14,7 +14,7 @@ use crate::schema::{Geometry, Shape};
 use crate::words::Word;
 use wavecrest_base::error::{Error, Result};
 
-use super::form::Form;
+use super::own_keys::OwnKeys;
 use super::{material, mesh, transform};
 
 /// Sine of the angle to the surface below which a `normal` does not tell the sides apart, in
@@ -96,20 +96,21 @@ pub(crate) enum Owner {
     Light,
 }
 
-/// The kind of object that a shape of this `form` is.
-pub(crate) fn kind(form: &Form, owner: Owner) -> Kind {
+/// The kind of object that a shape with these keys of its `own` is.
+pub(crate) fn kind(own: &OwnKeys, owner: Owner) -> Kind {
     let shared: &[&[Key]] = match owner {
         Owner::Scene => &[NAME_KEYS, SCENE_KEYS, PLACE_KEYS],
         Owner::Light => &[NAME_KEYS, LIGHT_KEYS, PLACE_KEYS],
     };
-    Kind { more: form.keys, ..Kind::new(form.name, form.about, shared) }
+    Kind { more: own.keys, ..Kind::new(own.name, own.about, shared) }
 }
 
-pub(crate) const SPHERE: Form = Form { name: "a sphere", about: "A sphere.", keys: &[SPHERE_KEYS] };
-pub(crate) const PLANE: Form =
-    Form { name: "a plane", about: "A plane quad.", keys: &[PLANE_KEYS, FLAT_KEYS] };
-pub(crate) const TRIANGLE: Form =
-    Form { name: "a triangle", about: "A triangle.", keys: &[TRIANGLE_KEYS, FLAT_KEYS] };
+pub(crate) const SPHERE: OwnKeys =
+    OwnKeys { name: "a sphere", about: "A sphere.", keys: &[SPHERE_KEYS] };
+pub(crate) const PLANE: OwnKeys =
+    OwnKeys { name: "a plane", about: "A plane quad.", keys: &[PLANE_KEYS, FLAT_KEYS] };
+pub(crate) const TRIANGLE: OwnKeys =
+    OwnKeys { name: "a triangle", about: "A triangle.", keys: &[TRIANGLE_KEYS, FLAT_KEYS] };
 
 const SPHERE_KEYS: &[Key] = keys! {
     /// The centre.
@@ -158,13 +159,13 @@ pub(super) fn light_shape(cursor: &Cursor<'_>) -> Result<Shape> {
 
 /// The shape as an object with exactly the keys that its kind has.
 fn open<'a>(cursor: &Cursor<'a>, owner: Owner) -> Result<Object<'a>> {
-    let form = match cursor.kind("a shape")? {
+    let own = match cursor.kind("a shape")? {
         ShapeKind::Sphere => &SPHERE,
         ShapeKind::Plane => &PLANE,
         ShapeKind::Triangle => &TRIANGLE,
-        ShapeKind::Trimesh => mesh::form(cursor)?,
+        ShapeKind::Trimesh => mesh::own_keys(cursor)?,
     };
-    cursor.object(kind(form, owner))
+    cursor.object(kind(own, owner))
 }
 
 /// All of a shape but its material and texture.

@@ -2,8 +2,8 @@
 //!
 //! Shapes keep the order of the file within their kind, and shapes of lights come after the rest.
 //! Meshes are moved, not copied: the first one's arrays become the scene's, are lengthened once, and
-//! take the others in, each of which is dropped before the next is looked at. A mesh that is shown more than
-//! once stays by itself, for instances ([`instances`]).
+//! take the others in, each of which is dropped before the next is looked at. A mesh with several
+//! instances stays by itself, as their prototype ([`instances`]).
 
 mod builder;
 mod common;
@@ -22,7 +22,7 @@ use wavecrest_base::error::Result;
 
 pub use output::{Output, ShapeOutput};
 
-/// Turns every shape into primitives, and moves all by `-origin`. Meshes that are shown more than once are
+/// Turns every shape into primitives, and moves all by `-origin`. A mesh with several instances is
 /// held once, unless all is to be `flat`.
 pub fn run(world: &mut World, origin: DVec3, flat: bool) -> Result<Output> {
     let mut occurrences = Occurrences::of(world, flat);

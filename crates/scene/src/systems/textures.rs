@@ -26,13 +26,13 @@ const MAX_SIDE: u32 = 1 << 16;
 const MAX_BYTES: u64 = 4 << 30;
 
 /// Decodes the images that `shapes` wear and notes in each shape which it is; those that a shape wears
-/// with trilinear filter get a pyramid. Of those that are not `shown` none is opened, unless the schedule
+/// with trilinear filter get a pyramid. Of those that are not `needed` none is opened, unless the schedule
 /// has it so. `file` is the scene's, for messages.
 pub fn run(
     world: &World,
     file: &Path,
     schedule: Schedule,
-    shown: &[bool],
+    needed: &[bool],
     shapes: &mut [ShapeOutput],
 ) -> Result<Vec<Image>> {
     let mut images = Vec::new();
@@ -41,7 +41,7 @@ pub fn run(
     }
     let all = schedule.is_needless(Step::Texels);
     let mut numbers: HashMap<Key, u32> = HashMap::new();
-    for (shape, _) in shapes.iter_mut().zip(shown).filter(|(_, shown)| **shown || all) {
+    for (shape, _) in shapes.iter_mut().zip(needed).filter(|(_, needed)| **needed || all) {
         if shape.shape.emission.is_some() {
             continue;
         }

@@ -51,7 +51,7 @@ pub(super) fn scene(
     }))
 }
 
-/// Refuses what comes from scene files alone.
+/// Refuses what only scene files have.
 fn check_kinds(world: &mut World) -> Result<()> {
     let others =
         world.query_mut::<hecs::Or<hecs::Or<&Sphere, &Quad>, hecs::Or<&Triangle, &ThinLens>>>();
@@ -118,7 +118,7 @@ fn area_light(world: &mut World, entity: Entity, beside: &mut Beside<'_>) -> Res
     let light = world.get::<&AreaLight>(entity).map(|light| *light);
     let light = light.map_err(|_| query::missing("AreaLight"))?;
     let mut shape = Map::new();
-    form(world, entity, beside, &mut shape);
+    mesh_and_place(world, entity, beside, &mut shape);
     Ok(json!({
         "type": "arealight",
         "intensity": light.intensity,
@@ -130,8 +130,13 @@ fn area_light(world: &mut World, entity: Entity, beside: &mut Beside<'_>) -> Res
     }))
 }
 
-/// What says where a mesh is.
-fn form(world: &mut World, entity: Entity, beside: &mut Beside<'_>, to: &mut Map<String, Value>) {
+/// The mesh of a shape, and where it is.
+fn mesh_and_place(
+    world: &mut World,
+    entity: Entity,
+    beside: &mut Beside<'_>,
+    to: &mut Map<String, Value>,
+) {
     to.insert("type".into(), "trimesh".into());
     if let Ok(mut mesh) = world.get::<&mut Mesh>(entity) {
         let name = beside.mesh(std::mem::take(&mut mesh.data));
@@ -151,7 +156,7 @@ fn shape(
     beside: &mut Beside<'_>,
 ) -> Result<Value> {
     let mut to = Map::new();
-    form(world, entity, beside, &mut to);
+    mesh_and_place(world, entity, beside, &mut to);
     if let Some(name) = name {
         to.insert("name".into(), name.clone().into());
     }
@@ -196,7 +201,7 @@ fn material(entity: EntityRef<'_>) -> Value {
     })
 }
 
-/// An instance of a shape that has a name, where it stands. Its looks are the shape's.
+/// An instance of a shape that has a name, where it stands. All else is as the shape has it.
 fn instance(world: &World, entity: Entity, names: &HashMap<Entity, String>) -> Option<Value> {
     let of = world.get::<&InstanceOf>(entity).ok()?.0;
     let name = names.get(&of)?;

@@ -315,7 +315,7 @@ fn check_room(element: &Element, source: &impl Source) -> Result<()> {
         .remedy("the file was cut off, or the count in its header is wrong"))
 }
 
-/// How many triangles to set room aside for. Exact if the faces come last and are lists alone,
+/// How many triangles to set room aside for. Exact if the faces come last and are lists with nothing beside,
 /// since every index but two of a face makes a triangle; never above two a face, which the file
 /// has been seen to have room for.
 fn likely_triangles(element: &Element, layout: ListLayout, source: &impl Source) -> usize {

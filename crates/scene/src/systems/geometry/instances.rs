@@ -1,4 +1,4 @@
-//! Prototypes and their instances: meshes that are held once and shown in several places.
+//! Prototypes and their instances: meshes that are held once for several places.
 
 use std::collections::HashMap;
 
@@ -34,7 +34,7 @@ struct Prototype {
 }
 
 impl Builder {
-    /// Takes in the meshes that are shown more than once, and shows them.
+    /// Takes in the meshes that have several instances, and adds these.
     pub(super) fn add_instances(
         &mut self,
         world: &World,
@@ -46,14 +46,14 @@ impl Builder {
             let of_prototype = |occurrence: &&Occurrence| {
                 occurrence.prototype == prototype && !occurrence.is_light
             };
-            let shown: Vec<Common> = occurrences
+            let instances: Vec<Common> = occurrences
                 .all
                 .iter()
                 .filter(of_prototype)
                 .map(|occurrence| self.common(world, *occurrence))
                 .collect();
-            let smooth = shown.iter().any(|common| common.smooth);
-            let textured = shown.iter().any(|common| common.textured);
+            let smooth = instances.iter().any(|common| common.smooth);
+            let textured = instances.iter().any(|common| common.textured);
             let mut mesh = occurrences.take(world, prototype);
             mesh.normals = mesh.normals.filter(|_| smooth);
             mesh.uvs = mesh.uvs.filter(|_| textured);

@@ -1,7 +1,7 @@
-//! What is shown where: shapes that have a prototype of their own, and instances, which show another's.
+//! What stands where: shapes with a prototype of their own, and instances of another's.
 //!
-//! A mesh that shapes show in two places or more is held once, in its own space, and becomes a prototype with
-//! instances. Other prototypes are a few numbers, and a mesh that is shown once is best held where it is shown:
+//! A mesh that stands in two places or more is held once, in its own space, and becomes a prototype with
+//! instances. Other prototypes are a few numbers, and a mesh that stands in one place is best held there:
 //! these become primitives of the scene's own. So do shapes of lights, whose triangles are sampled.
 
 use std::collections::HashMap;
@@ -11,7 +11,7 @@ use hecs::{Entity, World};
 use crate::components::{AreaLight, Hidden, InstanceOf, Mesh, Order, Quad, Sphere, Triangle};
 use crate::mesh::MeshData;
 
-/// A shape, or a light's, and what it shows.
+/// A shape, or that of a light, and its prototype.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Occurrence {
     /// The shape, or the instance.
@@ -21,18 +21,18 @@ pub(super) struct Occurrence {
     pub(super) is_light: bool,
 }
 
-/// Everything that is shown, shapes before lights, in the order of the file.
+/// Everything that is to be rendered, shapes before lights, in the order of the file.
 #[derive(Debug)]
 pub(super) struct Occurrences {
     pub(super) all: Vec<Occurrence>,
     /// How often each mesh is still to be taken.
     uses: HashMap<Entity, usize>,
-    /// Meshes that instances show, in the order in which they are first shown.
+    /// Meshes of several instances, in the order of the second instance of each.
     pub(super) shared: Vec<Entity>,
 }
 
 impl Occurrences {
-    /// What the world shows; `flatten` has instances become primitives of the scene's own.
+    /// What is in the world; `flatten` has instances become primitives of the scene's own.
     pub(super) fn of(world: &World, flatten: bool) -> Self {
         let mut all: Vec<(bool, Order, Occurrence)> = world
             .query::<(Entity, Option<&Order>, Option<&AreaLight>, Option<&InstanceOf>)>()
@@ -49,13 +49,13 @@ impl Occurrences {
         all.sort_by_key(|&(light, order, _)| (light, order));
         let all: Vec<Occurrence> = all.into_iter().map(|(.., occurrence)| occurrence).collect();
         let mut uses: HashMap<Entity, usize> = HashMap::new();
-        let mut shown: HashMap<Entity, usize> = HashMap::new();
+        let mut instances: HashMap<Entity, usize> = HashMap::new();
         let mut shared = Vec::new();
         for occurrence in all.iter().filter(|occurrence| has::<Mesh>(world, occurrence.prototype)) {
             *uses.entry(occurrence.prototype).or_default() += 1;
-            let shown = shown.entry(occurrence.prototype).or_default();
-            *shown += usize::from(!occurrence.is_light);
-            if *shown == 2 && !occurrence.is_light && !flatten {
+            let count = instances.entry(occurrence.prototype).or_default();
+            *count += usize::from(!occurrence.is_light);
+            if *count == 2 && !occurrence.is_light && !flatten {
                 shared.push(occurrence.prototype);
             }
         }

@@ -1,9 +1,9 @@
-//! The forms of shapes: spheres, planes, triangles, and the three kinds of meshes.
+//! Keys that one kind of shape has: spheres, planes, triangles, and the three kinds of meshes.
 
 use crate::reader::Key;
 
 /// What one kind of shape has that others have not.
-pub(crate) struct Form {
+pub(crate) struct OwnKeys {
     /// Its name in messages.
     pub(crate) name: &'static str,
     /// What it is, for editors.
