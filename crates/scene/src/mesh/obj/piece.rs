@@ -121,10 +121,17 @@ fn numbers<const N: usize>(rest: &[u8], needed: usize, keyword: &str) -> Result<
     while found < N
         && let Some(word) = first_word(rest)
     {
-        let (value, length) = number::leading(word, is_blank).ok_or_else(|| {
-            let word = word.split(|&b| is_blank(b)).next().unwrap_or_default();
-            malformed("a number", word, "write it as 12 or -0.5e3")
-        })?;
+        let (value, length) = match number::leading(word) {
+            Some((value, length)) if word.get(length).is_none_or(|&b| is_blank(b)) => {
+                (value, length)
+            }
+            _ => {
+                let length = word.iter().position(|&b| is_blank(b)).unwrap_or(word.len());
+                let word = &word[..length];
+                let fault = || malformed("a number", word, "write it as 12 or -0.5e3");
+                (number::parse(word).ok_or_else(fault)?, length)
+            }
+        };
         numbers[found] = value;
         found += 1;
         rest = &word[length..];

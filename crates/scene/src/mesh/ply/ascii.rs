@@ -70,13 +70,18 @@ impl<R: BufRead> Ascii<R> {
         }
     }
 
-    /// The next number, if all of it lies within the buffer: without a copy of its word. Else nothing is
-    /// read.
+    /// The next number, if it is of a simple form and lies within the buffer: without a copy of its
+    /// word. Else nothing is read.
     fn quick(&mut self, kind: Scalar) -> Result<Option<f64>, Fault> {
         let buffer = self.reader.fill_buf()?;
         let blank = buffer.iter().take_while(|b| is_blank(**b)).count();
         let (blanks, text) = buffer.split_at(blank);
-        let Some((value, length)) = leading(text, kind).filter(|f| f.1 < text.len()) else {
+        let found = match kind {
+            Scalar::F32 => number::leading(text).map(|(v, length)| (f64::from(v), length)),
+            _ => number::leading_whole(text).map(|(v, length)| (f64::from(v), length)),
+        };
+        let Some((value, length)) = found.filter(|f| text.get(f.1).is_some_and(|b| is_blank(*b)))
+        else {
             return Ok(None);
         };
         self.line += blanks.iter().filter(|b| **b == b'\n').count() as u64;
@@ -93,12 +98,12 @@ fn is_blank(byte: u8) -> bool {
     matches!(byte, b' ' | b'\t'..=b'\r')
 }
 
-/// The number of the type `kind` that a text begins with, rounded once, and its length.
-fn leading(text: &[u8], kind: Scalar) -> Option<(f64, usize)> {
-    match kind {
-        Scalar::F32 => number::leading::<f32>(text, is_blank).map(|(v, n)| (v.into(), n)),
-        _ => number::leading(text, is_blank),
+/// A number of the type `kind`, rounded once.
+fn parse(token: &[u8], kind: Scalar) -> Option<f64> {
+    if kind == Scalar::F32 {
+        return number::parse(token).map(f64::from);
     }
+    std::str::from_utf8(token).ok()?.parse().ok()
 }
 
 impl<R: BufRead> Source for Ascii<R> {
@@ -107,7 +112,7 @@ impl<R: BufRead> Source for Ascii<R> {
             return Ok(value);
         }
         self.read_token()?;
-        leading(&self.token, kind).map(|(value, _)| value).ok_or_else(|| self.malformed())
+        parse(&self.token, kind).ok_or_else(|| self.malformed())
     }
 
     fn skip(&mut self, _: Scalar, count: u64) -> Result<(), Fault> {
