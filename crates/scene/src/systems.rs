@@ -28,7 +28,6 @@ pub mod textures;
 
 use std::path::{Path, PathBuf};
 
-use glam::DVec3;
 use hecs::World;
 
 use crate::query;
@@ -78,8 +77,7 @@ pub fn extract(world: &mut World, options: Options<'_>) -> Result<Extracted> {
     let Options { precision, passes, flat } = options;
     let settings = query::settings(world)?;
     let file = settings.file.clone();
-    // Fast arithmetic takes coordinates as they are.
-    let origin = if precision == Precision::Fast { DVec3::ZERO } else { frame::run(world)? };
+    let origin = frame::run(world, precision)?;
     let mut extracted = geometry::run(world, origin, flat).map_err(|e| e.in_file(&file))?;
     extracted.geometry.set_precision(precision);
     let materials = materials::run(world, &extracted.shapes);

@@ -10,12 +10,17 @@ use hecs::World;
 
 use crate::query::view;
 use wavecrest_base::error::Result;
+use wavecrest_core::kernels::precision::Precision;
 
 /// A camera this many times as far from the origin as from what it looks at has lost ten bits.
 const FAR_CAMERA: f64 = 1024.0;
 
 /// What is to be subtracted from all positions, in scene units: zero in most scenes.
-pub fn run(world: &World) -> Result<DVec3> {
+pub fn run(world: &World, precision: Precision) -> Result<DVec3> {
+    // Fast arithmetic takes coordinates as they are.
+    if precision == Precision::Fast {
+        return Ok(DVec3::ZERO);
+    }
     let view = view(world)?;
     let distance = (view.look - view.location).abs().max_element();
     let far = view.location.abs().max_element() >= FAR_CAMERA * distance;

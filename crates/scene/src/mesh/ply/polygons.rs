@@ -236,6 +236,14 @@ pub(super) struct Span<'a, F: ?Sized> {
     pub(super) window: usize,
 }
 
+impl<F: ReadAt + ?Sized> Span<'_, F> {
+    /// Reads the window that begins so many bytes `after` the first; false where that fails.
+    fn read(&self, after: u64, window: &mut Vec<u8>) -> bool {
+        window.resize((self.left - after).min(self.window as u64) as usize, 0);
+        fill(self.file, self.place + after, window).is_ok()
+    }
+}
+
 /// Reads some of the next `most` faces: all up to the first that is at fault or longer than a window.
 /// Returns how many faces and how many bytes.
 pub(super) fn read<F: ReadAt + ?Sized, const BIG: bool>(
@@ -254,11 +262,7 @@ pub(super) fn read<F: ReadAt + ?Sized, const BIG: bool>(
     }
     let mut window = Vec::new();
     let mut whole = true;
-    while whole && faces < most && bytes < from.left {
-        window.resize((from.left - bytes).min(from.window as u64) as usize, 0);
-        if fill(from.file, from.place + bytes, &mut window).is_err() {
-            break;
-        }
+    while whole && faces < most && bytes < from.left && from.read(bytes, &mut window) {
         let room = MAX_COUNT.saturating_sub(filled as u64);
         let runs = runs::<BIG>(&walk, &window, from.window / PIECES, most - faces, room);
         let after = filled + runs.iter().map(|run| run.triangles).sum::<usize>();
