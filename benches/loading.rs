@@ -109,7 +109,7 @@ fn scene(file: &Path, kind: &str) -> String {
 /// Reads the scene and prepares it, but for the tree.
 fn prepared(json: &str) -> Result<Extracted> {
     let mut loaded = load_str(json, Path::new("scene.json"), &LoadOptions::default())?;
-    extract(&mut loaded.world)
+    extract(&mut loaded.world, Default::default())
 }
 
 /// Writes the file of that kind and times `work` on it; `work` returns how many triangles it read.

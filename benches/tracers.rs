@@ -69,7 +69,7 @@ fn prepare(name: &str) -> Result<PreparedScene> {
     }
     .into();
     let mut loaded = load_str(&scene.to_string(), Path::new("bench.json"), &Default::default())?;
-    Ok(systems::prepare(&mut loaded.world, Preset::Fast)?.0)
+    Ok(systems::extract(&mut loaded.world, Default::default())?.build(Preset::Fast))
 }
 
 fn trace(scene: &PreparedScene, tracer: TracerKind) -> Result<Rendered> {

@@ -12,7 +12,7 @@ use wavecrest_report::accuracy::store::{Circumstances, Header, Record, Store};
 use wavecrest_report::accuracy::sweep::{Options, Progress, run as sweep};
 use wavecrest_report::accuracy::{Findings, page};
 use wavecrest_scene::load::{LoadOptions, load};
-use wavecrest_scene::systems::extract_in;
+use wavecrest_scene::systems::extract;
 
 /// What the progress bar shows.
 const PROGRESS: &str = "{msg} {wide_bar} {pos}/{len}, {eta} left";
@@ -94,7 +94,7 @@ pub(crate) fn run(args: &AccuracyArgs) -> Result<bool> {
 fn advise(args: &AccuracyArgs, error: f64) -> Result<()> {
     for file in &args.scenes {
         let mut loaded = load(file, &LoadOptions::default())?;
-        let extracted = extract_in(&mut loaded.world, Default::default())?;
+        let extracted = extract(&mut loaded.world, Default::default())?;
         let preset = extracted.preset();
         let mut scene = extracted.build(preset);
         let original = scene.original();

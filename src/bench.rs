@@ -80,7 +80,8 @@ fn prepare(args: &BenchArgs, path: &Path) -> Result<(PreparedScene, Setting)> {
     let load = start.elapsed().as_secs_f64();
     let preset = args.scene_options.bvh.unwrap_or_else(|| extracted.preset());
     let batch = args.batch as usize;
-    let predicted = memory::predict(&extracted, extracted.pixels(), preset, batch).total();
+    let predicted =
+        memory::estimate_extracted(&extracted, extracted.pixels(), preset, batch).total();
     let start = Instant::now();
     let file = extracted.file().to_owned();
     let mut scene = extracted.build(preset);

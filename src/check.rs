@@ -31,7 +31,7 @@ pub(crate) fn run(args: &CheckArgs) -> Result<()> {
         // Every file is read, whether or not it is needed for the picture.
         let passes = unplanned(&PASSES);
         let options = Options { passes: &passes, ..Options::default() };
-        let extracted = systems::extract_with(&mut loaded.world, options)?;
+        let extracted = systems::extract(&mut loaded.world, options)?;
         let dropped = extracted.dropped();
         args.scene_options.warn(&systems::warnings(dropped, extracted.file()));
         let text = summary(&extracted, dropped);

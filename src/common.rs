@@ -16,7 +16,7 @@ use wavecrest_core::math::simd::Level;
 use wavecrest_core::tile::Tile;
 use wavecrest_core::wavefront::DEFAULT_BATCH;
 use wavecrest_scene::load::{LoadOptions, LoadedScene, load, survey};
-use wavecrest_scene::memory::{self, Prediction};
+use wavecrest_scene::memory::{self, Estimate};
 use wavecrest_scene::systems::{self, Extracted};
 
 /// Options on what scene is read and how.
@@ -75,7 +75,7 @@ impl SceneOptions {
         scene: &Path,
         pixels: Option<u64>,
         batch: usize,
-    ) -> Result<Prediction> {
+    ) -> Result<Estimate> {
         let survey = survey(scene, &self.load_options())?;
         let asked = memory::Asked { pixels, preset: self.bvh, batch, flat: self.flatten };
         Ok(memory::estimate(&survey, asked))
@@ -94,7 +94,7 @@ impl SceneOptions {
     pub(crate) fn extract(&self, mut loaded: LoadedScene) -> Result<Extracted> {
         let (precision, flat) = (self.precision, self.flatten);
         let options = systems::Options { precision, flat, ..Default::default() };
-        systems::extract_with(&mut loaded.world, options)
+        systems::extract(&mut loaded.world, options)
     }
 
     /// Tells warnings, unless asked to be quiet.
@@ -208,11 +208,11 @@ pub(crate) fn progress_bar(quiet: bool, template: &str) -> ProgressBar {
 }
 
 /// Refuses a scene whose peak is estimated to be above `limit`.
-fn check_memory(scene: &Path, estimated: &Prediction, limit: ByteSize) -> Result<()> {
+fn check_memory(scene: &Path, estimated: &Estimate, limit: ByteSize) -> Result<()> {
     if estimated.total() <= limit.as_u64() {
         return Ok(());
     }
-    let Prediction { geometry, appearance, tree, build, film, batches, loading, .. } = *estimated;
+    let Estimate { geometry, appearance, tree, build, film, batches, loading, .. } = *estimated;
     let uses = [
         ("reading", loading),
         ("geometry", geometry),

@@ -18,7 +18,7 @@ use wavecrest_core::wavefront::DEFAULT_BATCH;
 use wavecrest_core::wavefront::batch::Batch;
 use wavecrest_report::estimate::Estimated;
 use wavecrest_report::statistics::{Rays, Samples};
-use wavecrest_scene::memory::{self, Prediction};
+use wavecrest_scene::memory::{self, Estimate};
 use wavecrest_scene::systems::{self, Extracted};
 
 /// Says which passes a render runs, why the others are left out, and what it will need.
@@ -55,9 +55,9 @@ struct Explanation {
     bvh: Choice,
     bytes_per_path: Vec<Buffer>,
     /// As it was estimated before a mesh or a texture was read.
-    estimated_memory: Prediction,
+    estimated_memory: Estimate,
     estimated_total: u64,
-    memory: Prediction,
+    memory: Estimate,
     memory_total: u64,
     /// What the render will do at most.
     estimated: Estimated,
@@ -129,10 +129,11 @@ pub(crate) fn run(args: &ExplainArgs) -> Result<()> {
     })
 }
 
-fn explain(extracted: &Extracted, estimated: Prediction, args: &ExplainArgs) -> Explanation {
+fn explain(extracted: &Extracted, estimated: Estimate, args: &ExplainArgs) -> Explanation {
     let scene = extracted.scene();
     let bvh = choice(extracted, args.scene_options.bvh);
-    let memory = memory::predict(extracted, extracted.pixels(), bvh.preset, args.batch as usize);
+    let memory =
+        memory::estimate_extracted(extracted, extracted.pixels(), bvh.preset, args.batch as usize);
     Explanation {
         passes: passes(scene),
         plan: scene.plan.clone(),

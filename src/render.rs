@@ -26,7 +26,7 @@ use wavecrest_core::accel::build::Preset;
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_image::farm::Shard;
 use wavecrest_report::statistics::{Time, pass_map};
-use wavecrest_scene::memory::{self, Prediction};
+use wavecrest_scene::memory::{self, Estimate};
 use wavecrest_scene::systems::{self, Extracted};
 
 /// Renders as the arguments say. Nothing is written over before the new image is whole.
@@ -72,9 +72,9 @@ struct Loaded {
     /// How its tree is to be built.
     preset: Preset,
     /// The memory that was estimated before it was read, where statistics are to have it.
-    estimated: Option<Prediction>,
+    estimated: Option<Estimate>,
     /// The memory that is estimated now.
-    predicted: Prediction,
+    predicted: Estimate,
 }
 
 impl<'a> Run<'a> {
@@ -121,7 +121,7 @@ impl<'a> Run<'a> {
         let extracted = options.extract(loaded)?;
         let preset = options.bvh.unwrap_or_else(|| extracted.preset());
         let pixels = cropped.unwrap_or_else(|| extracted.pixels());
-        let mut predicted = memory::predict(&extracted, pixels, preset, batch);
+        let mut predicted = memory::estimate_extracted(&extracted, pixels, preset, batch);
         predicted.film += args.parts.kept_bytes(pixels);
         self.time.load = self.start.elapsed().as_secs_f64();
         self.reporter.loaded(&extracted, self.time.load);

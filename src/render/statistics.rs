@@ -11,7 +11,7 @@ use wavecrest_core::probe::Invalid;
 use wavecrest_core::render::{Rendered, TracerKind};
 use wavecrest_report::estimate::Estimated;
 use wavecrest_report::statistics::{Bvh, Columns, ImageSize, Memory, Statistics, Time};
-use wavecrest_scene::memory::{self, Prediction};
+use wavecrest_scene::memory::{self, Estimate};
 
 /// What came of a render.
 pub(super) struct Finished<'a> {
@@ -20,9 +20,9 @@ pub(super) struct Finished<'a> {
     pub(super) invalid: Option<Invalid>,
     pub(super) time: Time,
     /// The memory that was estimated before the scene was read.
-    pub(super) estimated: Option<Prediction>,
+    pub(super) estimated: Option<Estimate>,
     /// The memory that was estimated once it was read.
-    pub(super) predicted: Prediction,
+    pub(super) predicted: Estimate,
 }
 
 /// Writes the statistics to `file`.
@@ -77,7 +77,7 @@ fn image(scene: &PreparedScene, rendered: &Rendered) -> ImageSize {
     }
 }
 
-fn columns(args: &RenderArgs, predicted: &Prediction, rendered: &Rendered) -> Columns {
+fn columns(args: &RenderArgs, predicted: &Estimate, rendered: &Rendered) -> Columns {
     let has_columns = args.tracer == TracerKind::Wavefront;
     let estimated = if has_columns { predicted.batches } else { 0 };
     Columns { estimated, held: rendered.columns }

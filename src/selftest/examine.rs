@@ -15,7 +15,7 @@ use wavecrest_core::render::{RenderOptions, TracerKind, render};
 use wavecrest_report::selftest::examine::{Bvh, Shape, Trial, bvh, shape, trial};
 use wavecrest_scene::load::{LoadOptions, load};
 use wavecrest_scene::mesh;
-use wavecrest_scene::systems;
+use wavecrest_scene::systems::{self, Options};
 
 /// The longer side of the image that is looked through for samples that are not finite, in pixels.
 const IMAGE_SIDE: u32 = 128;
@@ -140,7 +140,8 @@ fn of_scene(file: &Path, precision: Precision, seed: u64) -> Result<Ready> {
     let options =
         LoadOptions { width: Some(IMAGE_SIDE), height: Some(IMAGE_SIDE), ..LoadOptions::default() };
     let mut loaded = load(file, &options)?;
-    let extracted = systems::extract_in(&mut loaded.world, precision)?;
+    let extracted =
+        systems::extract(&mut loaded.world, Options { precision, ..Options::default() })?;
     let preset = extracted.preset();
     let scene = extracted.build(preset);
     let mut invalid = 0;

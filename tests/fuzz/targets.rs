@@ -62,7 +62,9 @@ pub(crate) fn gltf(bytes: &[u8]) -> bool {
 
 /// Whether a scene can be made ready; if so, both tracers have one image of it, all numbers.
 fn is_rendered(mut loaded: LoadedScene) -> bool {
-    let Ok(extracted) = systems::extract(&mut loaded.world) else { return false };
+    let Ok(extracted) = systems::extract(&mut loaded.world, Default::default()) else {
+        return false;
+    };
     let rays = extracted.expected_rays();
     if extracted.geometry().len() > MOST_PRIMITIVES || rays > MOST_RAYS {
         return true;

@@ -8,7 +8,7 @@ use wavecrest_base::error::{ErrorKind, Warning};
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::film::Film;
 use wavecrest_scene::load::{LoadOptions, load_str};
-use wavecrest_scene::systems::prepare;
+use wavecrest_scene::systems;
 
 use crate::support::{
     BACKGROUND, folder, image_of, matte, pinhole, point_light, refusal, repository, scene, with,
@@ -280,8 +280,9 @@ fn render(scene: &Value, folder: &Path) -> (Film, u64, Vec<String>) {
     let file = folder.join("s.json");
     let loaded = load_str(&scene.to_string(), &file, &LoadOptions::default());
     let mut loaded = loaded.unwrap_or_else(|error| panic!("{error}"));
-    let prepared = prepare(&mut loaded.world, Preset::Fast);
-    let (prepared, warnings) = prepared.unwrap_or_else(|error| panic!("{error}"));
+    let extracted = systems::extract(&mut loaded.world, Default::default());
+    let prepared = extracted.unwrap_or_else(|error| panic!("{error}")).build(Preset::Fast);
+    let warnings = systems::warnings(prepared.dropped, &file);
     let prefix = format!("{}{}", folder.display(), std::path::MAIN_SEPARATOR);
     let text = |warning: &Warning| warning.to_string().replace(&prefix, "");
     let warnings = loaded.warnings.iter().chain(&warnings).map(text).collect();

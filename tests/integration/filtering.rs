@@ -14,7 +14,7 @@ use wavecrest_core::math::vector::Line;
 use wavecrest_core::prepared::{Interaction, LookUps, MirrorPoint, PreparedScene};
 use wavecrest_image::write::{Transfer, write};
 use wavecrest_scene::load::{LoadOptions, load_str};
-use wavecrest_scene::memory::predict;
+use wavecrest_scene::memory::estimate_extracted;
 use wavecrest_scene::systems::extract;
 
 use crate::support::{
@@ -220,9 +220,10 @@ fn pyramids_are_built_where_a_shape_is_trilinear_and_nowhere_else() {
         let file = folder.path().join("scene.json");
         let mut loaded = load_str(&scene.to_string(), &file, &LoadOptions::default())
             .unwrap_or_else(|error| panic!("{error}"));
-        let extracted = extract(&mut loaded.world).unwrap_or_else(|error| panic!("{error}"));
+        let extracted = extract(&mut loaded.world, Default::default())
+            .unwrap_or_else(|error| panic!("{error}"));
         let bytes = extracted.scene().appearance.images[0].bytes() as u64;
-        assert_eq!(predict(&extracted, 64, extracted.preset(), 64).appearance, bytes);
+        assert_eq!(estimate_extracted(&extracted, 64, extracted.preset(), 64).appearance, bytes);
         bytes
     };
     let image = 4 * 64 * 32;

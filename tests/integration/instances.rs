@@ -38,7 +38,7 @@ fn prepared(scene: &Value, precision: Precision, flat: bool, preset: Preset) -> 
     let loaded = load_str(&scene.to_string(), &file, &LoadOptions::default());
     let mut world = loaded.unwrap_or_else(|error| panic!("{error}")).world;
     let options = Options { precision, flat, ..Options::default() };
-    let extracted = systems::extract_with(&mut world, options);
+    let extracted = systems::extract(&mut world, options);
     extracted.unwrap_or_else(|error| panic!("{error}")).build(preset)
 }
 

@@ -143,7 +143,7 @@ fn write_texture(folder: &Path) {
 fn prepare_by(passes: &[Pass], scene: &Value) -> PreparedScene {
     let loaded = load_str(&scene.to_string(), Path::new("test.json"), &LoadOptions::default());
     let mut world = loaded.unwrap_or_else(|error| panic!("{error}")).world;
-    let extracted = systems::extract_with(&mut world, Options { passes, ..Options::default() });
+    let extracted = systems::extract(&mut world, Options { passes, ..Options::default() });
     extracted.unwrap_or_else(|error| panic!("{error}")).build(Preset::Fast)
 }
 
@@ -227,7 +227,7 @@ fn every_scene_gives_one_image_planned_or_not() {
                     .expect(name)
                     .world;
             let options = Options { passes: &everything, ..Options::default() };
-            let all = systems::extract_with(&mut world, options).expect(name).build(Preset::Fast);
+            let all = systems::extract(&mut world, options).expect(name).build(Preset::Fast);
             let film = try_render(&planned, TracerKind::Wavefront).expect(name).film;
             let same = |rendered: Rendered| rendered.film.same_bits(&film);
             (!render_both(&all).into_iter().all(same)).then(|| name.clone())

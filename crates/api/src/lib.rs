@@ -125,7 +125,7 @@ pub use wavecrest_base::error::{Error, ErrorKind, Result, Warning};
 // From a scene file to a prepared scene.
 pub use wavecrest_core::prepared::PreparedScene;
 pub use wavecrest_scene::load::{LoadOptions, LoadedScene, load, load_str};
-pub use wavecrest_scene::systems::{Extracted, Options as ExtractOptions, extract_with as extract};
+pub use wavecrest_scene::systems::{Extracted, Options as ExtractOptions, extract};
 
 // From a prepared scene to pixels.
 pub use wavecrest_core::counters::Counters;

@@ -77,9 +77,9 @@ pub struct Mesh {
     pub file: Option<PathBuf>,
 }
 
-/// The entity whose form (sphere, quad, triangle or mesh) this one shows too. The form is held once. All
-/// else is the instance's own: its [`Transform`] leads from the form's own space to the world's, that of
-/// the other entity plays no part.
+/// The prototype of an instance: an entity with a sphere, quad, triangle or mesh, which is held once. All else
+/// is the instance's own: its [`Transform`] leads from the prototype's own space to the world's, that of the
+/// other entity plays no part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct InstanceOf(pub Entity);
 
@@ -103,7 +103,7 @@ pub struct Transform(pub DAffine3);
 /// Which sides of a surface the lights reach.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sides {
-    /// The front alone; the back shows ambient light only.
+    /// The front; the back shows ambient light only.
     Front,
     /// Both.
     Both,

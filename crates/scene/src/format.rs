@@ -1,4 +1,4 @@
-//! Which form of scene a file has.
+//! Which format of scene a file has.
 
 use std::fs::File;
 use std::io::Read;
@@ -6,19 +6,19 @@ use std::path::Path;
 
 use super::gltf;
 
-/// The forms that a scene may have.
+/// The formats that are read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum FileFormat {
     /// JSON of our own.
     Scene,
     /// glTF, as text or binary.
     Gltf,
-    /// A mesh alone.
+    /// A standalone mesh.
     Mesh,
 }
 
 impl FileFormat {
-    /// The form of a file, by the ending of its name, and by what it begins with.
+    /// The format of a file, by the ending of its name, and by what it begins with.
     pub(super) fn of(path: &Path) -> Self {
         let extension = path.extension().unwrap_or_default().to_string_lossy();
         match extension.to_ascii_lowercase().as_str() {

@@ -1,7 +1,7 @@
 //! Meshes made from a recipe: as large as is wished, the same on every machine, and free of any
 //! licence, for tests, benchmarks and trials.
 //!
-//! A model is a [`Surface`]: a pure function from the number of a vertex to its position, and one
+//! A model is a [`Surface`](surface::Surface): a pure function from the number of a vertex to its position, and one
 //! from the number of a triangle to its three vertices. Nothing is remembered between vertices,
 //! so any stretch of a mesh can be made by any thread, and [`write_ply`] streams tens of millions
 //! of triangles through a few megabytes of memory.
@@ -13,171 +13,21 @@
 mod knot;
 mod noise;
 mod ply;
+mod recipe;
 mod sphere;
+mod surface;
 mod terrain;
 #[cfg(test)]
 mod tests;
 
-use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use crate::mesh::{Attribute, MeshData};
-use wavecrest_base::error::{Error, ErrorKind, Result};
+use surface::rounded;
+use wavecrest_base::error::Result;
 
 pub use ply::{Written, write_ply};
-
-/// The most triangles a mesh may have: what the signed indices of a PLY file can count. Vertices
-/// are fewer still in every model.
-pub const MOST_TRIANGLES: u64 = (1 << 31) - 1;
-
-wavecrest_base::choices! {
-    /// What the mesh is of.
-    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-    pub enum Model {
-        /// A sphere of radius about 1, displaced by fractal noise: closed.
-        Sphere = "sphere",
-        /// A ridged height field over [-1, 1] in x and z, y up: open.
-        Terrain = "terrain",
-        /// A tube along a torus knot, finely displaced: closed, and nowhere through itself.
-        Knot = "knot",
-    }
-}
-
-impl Model {
-    /// The displacement used when none is asked for.
-    pub fn usual_displacement(self) -> f64 {
-        match self {
-            Self::Sphere => 0.25,
-            Self::Terrain => 0.4,
-            Self::Knot => 0.3,
-        }
-    }
-
-    /// The greatest displacement: beyond it the surface would be torn or meet itself.
-    fn most_displacement(self) -> f64 {
-        match self {
-            Self::Sphere => 0.9,
-            Self::Terrain => 10.0,
-            Self::Knot => knot::MOST_DISPLACEMENT,
-        }
-    }
-
-    /// The triangles of a grid of one step; one of `n` steps has `n * n` times as many.
-    fn triangles_at_one(self) -> u64 {
-        match self {
-            Self::Sphere => 12,
-            Self::Terrain => 2,
-            Self::Knot => 2 * knot::RINGS_PER_SIDE,
-        }
-    }
-
-    /// The fewest steps of a grid that still looks like the model.
-    fn fewest_steps(self) -> u64 {
-        match self {
-            Self::Sphere => 2,
-            Self::Terrain => 4,
-            Self::Knot => 8,
-        }
-    }
-
-    /// The fewest triangles that may be asked for.
-    pub fn fewest_triangles(self) -> u64 {
-        self.triangles_at_one() * self.fewest_steps().pow(2)
-    }
-
-    /// The most triangles that may be asked for: the finest grid within [`MOST_TRIANGLES`].
-    pub fn most_triangles(self) -> u64 {
-        self.triangles_at_one() * (MOST_TRIANGLES / self.triangles_at_one()).isqrt().pow(2)
-    }
-}
-
-/// All that a mesh depends on.
-///
-/// ```
-/// use wavecrest_scene::generate::{Model, Recipe, mesh};
-/// let mesh = mesh(&Recipe::new(Model::Sphere, 1000))?;
-/// assert_eq!(mesh.triangles.len(), 1200); // 12 x 10 x 10, the next that the grid allows
-/// # Ok::<(), wavecrest_base::error::Error>(())
-/// ```
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Recipe {
-    /// What the mesh is of.
-    pub model: Model,
-    /// The triangles asked for. The mesh has the nearest count at or above it that its grid
-    /// allows: see [`Recipe::counts`].
-    pub triangles: u64,
-    /// Which of the noises is used.
-    pub seed: u64,
-    /// How far the surface is moved: for the sphere and the knot as a share of their radius (that
-    /// of the tube), either way; for the terrain the height of the highest crests.
-    pub displacement: f64,
-    /// Whether vertices have normals.
-    pub normals: bool,
-}
-
-impl Recipe {
-    /// The usual mesh of `model` with at least so many triangles: seed 1, no normals.
-    pub fn new(model: Model, triangles: u64) -> Self {
-        let displacement = model.usual_displacement();
-        Self { model, triangles, seed: 1, displacement, normals: false }
-    }
-
-    /// The numbers of vertices and of triangles that the mesh has.
-    ///
-    /// # Errors
-    /// When the recipe asks for what cannot be made, as for [`mesh`].
-    pub fn counts(&self) -> Result<(u64, u64)> {
-        let surface = self.surface()?;
-        Ok((surface.vertices(), surface.triangles()))
-    }
-
-    /// The surface, once the recipe has been checked.
-    fn surface(&self) -> Result<Box<dyn Surface>> {
-        self.check_triangles()?;
-        self.check_displacement()?;
-        let (steps, displacement, seed) = (self.steps(), self.displacement, self.seed);
-        Ok(match self.model {
-            Model::Sphere => Box::new(sphere::Sphere::new(steps, displacement, seed)),
-            Model::Terrain => Box::new(terrain::Terrain::new(steps, displacement, seed)),
-            Model::Knot => Box::new(knot::Knot::new(steps, displacement, seed)),
-        })
-    }
-
-    /// The steps of the coarsest grid with at least the triangles asked for.
-    fn steps(&self) -> u64 {
-        let squares = self.triangles.div_ceil(self.model.triangles_at_one());
-        let root = squares.isqrt();
-        if root * root < squares { root + 1 } else { root }
-    }
-
-    fn check_triangles(&self) -> Result<()> {
-        let (model, fewest) = (self.model, self.model.fewest_triangles());
-        let most = model.most_triangles();
-        if (fewest..=most).contains(&self.triangles) {
-            return Ok(());
-        }
-        let (kind, than) = if self.triangles < fewest {
-            (ErrorKind::Usage, "more triangles than were asked for")
-        } else {
-            (ErrorKind::Limit, "fewer triangles than were asked for")
-        };
-        Err(Error::new(kind, format!("a {model} must have {than}"))
-            .at("triangles")
-            .value(self.triangles)
-            .remedy(format!("ask for {fewest} to {most}")))
-    }
-
-    fn check_displacement(&self) -> Result<()> {
-        let (model, most) = (self.model, self.model.most_displacement());
-        if (0.0..=most).contains(&self.displacement) {
-            return Ok(());
-        }
-        Err(Error::new(ErrorKind::Usage, format!("a {model} cannot be displaced so far"))
-            .at("displacement")
-            .value(self.displacement)
-            .remedy(format!("use a number from 0 to {most}")))
-    }
-}
+pub use recipe::{MOST_TRIANGLES, Model, Recipe};
 
 /// The mesh of a recipe, in memory: the same order and the same bits as [`write_ply`] writes.
 ///
@@ -198,35 +48,4 @@ pub fn mesh(recipe: &Recipe) -> Result<MeshData> {
 /// `item` of 0, 1, ... `count` - 1, made in parallel and kept in order.
 fn each<T: Send>(count: u64, item: impl Fn(u64) -> T + Sync + Send) -> Vec<T> {
     (0..count as usize).into_par_iter().map(|i| item(i as u64)).collect()
-}
-
-/// To 32 bits, to the nearest: the one place where positions and normals lose precision.
-fn rounded(v: DVec3) -> Vec3 {
-    v.as_vec3()
-}
-
-/// A mesh as pure functions of the number of a vertex or of a triangle.
-trait Surface: Sync {
-    /// The number of vertices, below 2^31.
-    fn vertices(&self) -> u64;
-    /// The number of triangles, at most [`MOST_TRIANGLES`].
-    fn triangles(&self) -> u64;
-    /// Where vertex `v` is.
-    fn position(&self, v: u64) -> DVec3;
-    /// The unit normal at vertex `v`, on the front, from central differences over one step of
-    /// the grid: the normal of the surface as finely as the mesh shows it.
-    fn normal(&self, v: u64) -> DVec3;
-    /// The vertices of triangle `t`, counter-clockwise as seen from the front.
-    fn triangle(&self, t: u64) -> [u32; 3];
-}
-
-/// One `half` (0 or 1) of a cell with corners `a b c d`, counter-clockwise, cut from `a` to `c`
-/// when `forward` and from `b` to `d` otherwise.
-fn cell_triangle([a, b, c, d]: [u32; 4], forward: bool, half: u64) -> [u32; 3] {
-    match (forward, half) {
-        (true, 0) => [a, b, c],
-        (true, _) => [a, c, d],
-        (false, 0) => [a, b, d],
-        (false, _) => [b, c, d],
-    }
 }

@@ -13,6 +13,7 @@
 mod accessor;
 mod buffer;
 mod camera;
+mod choice;
 mod container;
 mod document;
 mod fields;
@@ -21,6 +22,7 @@ mod material;
 mod mesh;
 mod node;
 mod notes;
+mod primitive;
 mod spawn;
 mod survey;
 mod texture;
@@ -31,10 +33,12 @@ use std::sync::Arc;
 
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
-use super::load::{LoadOptions, LoadedScene, parse_json};
-use super::reader::Notes;
+use super::loaded::LoadedScene;
+use super::options::LoadOptions;
+use super::reader::{Cursor, Notes, Place, json};
 use buffer::Buffer;
 use document::Document;
+use fields::Fields;
 use notes::Remarks;
 
 pub(super) use survey::survey;
@@ -67,11 +71,12 @@ pub fn load_bytes(bytes: Vec<u8>, path: &Path, options: &LoadOptions) -> Result<
     let parts = container::parts(&bytes).map_err(|e| e.in_file(path))?;
     let bytes = Arc::new(bytes);
     let binary = parts.binary.map(|range| Buffer::part(bytes.clone(), range));
-    let json = text(&bytes[parts.json], path)?;
-    let value = parse_json(json, path)?;
+    let value = json::parse(text(&bytes[parts.json], path)?, path)?;
     let notes = Notes::new(path, options.strict);
     let remarks = Remarks::new(&notes);
-    let document = Document::read(&value, binary.as_ref(), &remarks)?;
+    let top = Fields::new(Cursor::new(&value, Place::Top, &notes), "a glTF file")?;
+    let document = Document::read(&top, binary.as_ref(), &remarks)?;
+    document::remark(&top, &remarks);
     // Data within the text is many times larger there than as bytes.
     drop(value);
     let spawned = spawn::world(document, options, &remarks)?;

@@ -9,12 +9,8 @@ use std::fs::{self, File};
 use std::io::Read;
 use std::path::Path;
 
-use hecs::World;
-use serde_json::Value;
+use wavecrest_base::error::{Error, ErrorKind, Result};
 
-use wavecrest_base::error::{Error, ErrorKind, Result, Warning};
-
-use super::components::Encoding;
 use super::format::FileFormat;
 use super::gltf;
 use super::mesh::{self, LoadedMesh};
@@ -26,37 +22,15 @@ use super::staging;
 use super::standalone;
 use super::survey::{self, Survey};
 
+pub use super::loaded::LoadedScene;
+pub use super::options::LoadOptions;
+
 /// Greatest length of a scene file in bytes, 256 MiB. JSON takes up to 25 times its length in
 /// memory while it is read; a larger mesh belongs in a file of its own.
 const LONGEST_FILE: u64 = 1 << 28;
 
-/// How a scene file is to be read.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct LoadOptions {
-    /// Whether a key that the format does not have is an error rather than a warning.
-    pub strict: bool,
-    /// The width of the image in pixels, in place of the file's.
-    pub width: Option<u32>,
-    /// The height of the image in pixels, in place of the file's.
-    pub height: Option<u32>,
-    /// The camera to take of a file that may have several, by its name or its number.
-    pub camera: Option<String>,
-}
-
-/// A scene, and what its author should know about it.
-pub struct LoadedScene {
-    /// The entities: see [`components`](super::components).
-    pub world: World,
-    /// What is odd about the file, in its order; then what is odd about its meshes.
-    pub warnings: Vec<Warning>,
-    /// What was chosen, where the file does not say: a camera, a light.
-    pub notes: Vec<Warning>,
-    /// How images of 8 bits are to be written, where nobody says.
-    pub encoding: Encoding,
-}
-
-/// Reads the scene at `path`, and the files that it names: a scene file in JSON, a glTF file, or a mesh
-/// alone, by the ending of its name, and by what it begins with.
+/// Reads the scene at `path`, and the files that it names: a scene file in JSON, a glTF file, or a
+/// standalone mesh, by the ending of its name, and by what it begins with.
 ///
 /// # Errors
 /// The file, or a mesh, cannot be read or breaks its format; a texture is not there; a value is not
@@ -103,7 +77,7 @@ pub(super) fn load_with(
 ) -> Result<LoadedScene> {
     refuse_camera(file, options)?;
     let notes = Notes::new(file, options.strict);
-    let value = parse_json(json, file)?;
+    let value = json::parse(json, file)?;
     let scene = parse::scene_file(&Cursor::new(&value, Place::Top, &notes), options)?;
     // A mesh written out in JSON is many times larger there than as arrays.
     drop(value);
@@ -134,7 +108,7 @@ pub fn survey(path: &Path, options: &LoadOptions) -> Result<Survey> {
     }
     let notes = Notes::new(path, options.strict);
     let text = read_text(path)?;
-    let value = parse_json(&text, path)?;
+    let value = json::parse(&text, path)?;
     let scene = parse::scene_file(&Cursor::new(&value, Place::Top, &notes), options)?;
     drop(value);
     survey::of(scene, text.len() as u64, &notes)
@@ -164,17 +138,6 @@ fn check_length(path: &Path, length: u64) -> Result<()> {
     let error = Error::new(ErrorKind::Limit, message).in_file(path);
     let allowed = format!("at most {LONGEST_FILE} (256 MiB) are allowed");
     Err(error.remedy(format!("{allowed}: keep large meshes in files of their own")))
-}
-
-pub(super) fn parse_json(text: &str, file: &Path) -> Result<Value> {
-    // Some editors begin a file with a byte order mark, which JSON does not have.
-    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    json::parse(text).map_err(|e| {
-        let text = e.to_string();
-        let place = format!("line {} column {}", e.line(), e.column());
-        let reason = text.strip_suffix(&format!(" at {place}")).unwrap_or(&text);
-        Error::new(ErrorKind::Syntax, format!("not valid JSON: {reason}")).in_file(file).at(place)
-    })
 }
 
 fn warn_of_equal_names(shapes: &[Shape], notes: &Notes<'_>) {

@@ -1,6 +1,6 @@
 //! Memory: what a render of a scene will hold at its peak, estimated and measured.
 
-use crate::survey::Survey;
+use crate::survey::{Survey, SurveyedMesh};
 use crate::systems::{Extracted, textures};
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::prepared::PreparedScene;
@@ -9,7 +9,7 @@ use wavecrest_core::wavefront::batch::Batch;
 
 /// Bytes by use.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
-pub struct Prediction {
+pub struct Estimate {
     /// Positions, indices, spheres.
     pub geometry: u64,
     /// Mesh attributes and decoded textures.
@@ -54,9 +54,9 @@ const fn tree_bytes(preset: Preset) -> u64 {
 }
 
 /// What the program holds with an empty scene: measured.
-const PROGRAM: u64 = 10 << 20;
+const PROGRAM_BYTES: u64 = 10 << 20;
 
-impl Prediction {
+impl Estimate {
     /// The peak: while reading, while building or while tracing.
     pub fn total(&self) -> u64 {
         let lasting = self.geometry + self.appearance + self.program;
@@ -65,21 +65,26 @@ impl Prediction {
     }
 }
 
-/// Estimates the peak of a render of `pixels` with `preset` and batches of `batch` paths, on the
+/// Estimates the peak of a render of an extracted scene, of `pixels`, with `preset` and batches of `batch` paths, on the
 /// threads of the current pool.
-pub fn predict(extracted: &Extracted, pixels: u64, preset: Preset, batch: usize) -> Prediction {
+pub fn estimate_extracted(
+    extracted: &Extracted,
+    pixels: u64,
+    preset: Preset,
+    batch: usize,
+) -> Estimate {
     let scene: &PreparedScene = extracted.scene();
     let geometry = extracted.geometry();
     let primitives = geometry.held() as u64;
     let threads = rayon::current_num_threads() as u64;
-    Prediction {
+    Estimate {
         geometry: geometry.bytes(),
         appearance: scene.appearance.bytes(),
         tree: primitives * tree_bytes(preset),
         build: build_bytes(preset, primitives),
         film: pixels * size_of::<[f32; 3]>() as u64,
         batches: Batch::estimated_bytes(scene, batch_size(scene, batch)) * threads,
-        program: PROGRAM,
+        program: PROGRAM_BYTES,
         loading: peak().unwrap_or(0),
     }
 }
@@ -93,54 +98,74 @@ pub struct Asked {
     pub preset: Option<Preset>,
     /// Paths in a batch.
     pub batch: usize,
-    /// Whether meshes are copied to where they are shown.
+    /// Whether meshes are copied for each of their instances.
     pub flat: bool,
+}
+
+/// What the meshes of a survey take.
+#[derive(Default)]
+struct Meshes {
+    primitives: u64,
+    /// Bytes of positions and triangles, and of attributes, in the scene.
+    geometry: u64,
+    appearance: u64,
+    /// Bytes of all meshes as they are read.
+    read: u64,
+    /// Bytes of the last copy. All meshes are read before the first is taken in, which is then lengthened for
+    /// the others; the last of these is still there when its copy is whole.
+    copy: u64,
+}
+
+impl Meshes {
+    fn of(meshes: &[SurveyedMesh], flat: bool) -> Self {
+        let mut all = Self::default();
+        let mut own = 0;
+        for SurveyedMesh { holds, normals, uvs, uses } in meshes {
+            let is_shared = *uses > 1 && !flat;
+            let copies = if is_shared { 1 } else { *uses };
+            let add =
+                |to: &mut u64, each: u64| *to = to.saturating_add(each.saturating_mul(copies));
+            add(&mut all.primitives, holds.triangles);
+            add(&mut all.geometry, holds.prototype_bytes());
+            add(&mut all.appearance, if *normals { holds.normal_bytes() } else { 0 });
+            add(&mut all.appearance, if *uvs { holds.uv_bytes() } else { 0 });
+            all.read = all.read.saturating_add(holds.bytes());
+            if !is_shared {
+                own += 1;
+                all.copy = all.copy.max(holds.prototype_bytes());
+            }
+        }
+        all.copy = if own > 1 { all.copy } else { 0 };
+        all
+    }
 }
 
 /// Estimates the peak of a render before any mesh or texture is read, on the threads of the current
 /// pool.
-pub fn estimate(survey: &Survey, asked: Asked) -> Prediction {
-    let mut found = Prediction { program: PROGRAM, ..Prediction::default() };
-    let mut primitives = survey.others;
-    let (mut reading, mut own, mut greatest) = (0_u64, 0_u64, 0_u64);
-    for mesh in &survey.meshes {
-        let is_shared = mesh.shown > 1 && !asked.flat;
-        let copies = if is_shared { 1 } else { mesh.shown };
-        primitives = primitives.saturating_add(mesh.holds.triangles.saturating_mul(copies));
-        let form = mesh.holds.prototype_bytes().saturating_mul(copies);
-        let normals = if mesh.normals { mesh.holds.normal_bytes() } else { 0 };
-        let uvs = if mesh.uvs { mesh.holds.uv_bytes() } else { 0 };
-        found.geometry = found.geometry.saturating_add(form);
-        found.appearance = found.appearance.saturating_add((normals + uvs).saturating_mul(copies));
-        reading = reading.saturating_add(mesh.holds.bytes());
-        if !is_shared {
-            own += 1;
-            greatest = greatest.max(mesh.holds.prototype_bytes());
-        }
-    }
-    found.geometry = found.geometry.saturating_add(survey.instances * INSTANCE);
-    let textures = survey.textures.iter().map(textures::survey);
+pub fn estimate(survey: &Survey, asked: Asked) -> Estimate {
+    let meshes = Meshes::of(&survey.meshes, asked.flat);
+    let mut found = Estimate {
+        program: PROGRAM_BYTES,
+        geometry: meshes.geometry.saturating_add(survey.instances * INSTANCE_BYTES),
+        appearance: meshes.appearance,
+        ..Estimate::default()
+    };
     let mut decoding = 0;
-    for [held, more] in textures {
+    for [held, more] in survey.textures.iter().map(textures::survey) {
         found.appearance = found.appearance.saturating_add(held);
         decoding = decoding.max(more);
     }
-    // All meshes are read before the first is taken in, which is then lengthened for the others; the last
-    // of these is still there when its copy is whole.
-    let taking = if own > 1 { greatest } else { 0 };
-    let text = survey.text.saturating_mul(TEXT);
+    let text = survey.text.saturating_mul(JSON_BYTES_PER_BYTE);
     let lasting = found.geometry.saturating_add(found.appearance).saturating_add(found.program);
-    let read = [survey.raw, reading.min(BUFFERS), found.program, text]
-        .into_iter()
-        .fold(reading, u64::saturating_add);
-    found.loading = read.max(lasting.saturating_add(taking).saturating_add(decoding));
-    let [width, height] = survey.size.map(u64::from);
-    let rays = expected_rays(survey);
-    let preset = asked.preset.unwrap_or_else(|| Preset::choose(primitives, rays));
+    let read = [survey.raw, meshes.read.min(READER_BYTES), found.program, text];
+    let read = read.into_iter().fold(meshes.read, u64::saturating_add);
+    found.loading = read.max(lasting.saturating_add(meshes.copy).saturating_add(decoding));
+    let primitives = survey.others.saturating_add(meshes.primitives);
+    let preset = asked.preset.unwrap_or_else(|| Preset::choose(primitives, expected_rays(survey)));
     found.tree = primitives.saturating_mul(tree_bytes(preset));
     found.build = build_bytes(preset, primitives);
-    let pixels = asked.pixels.unwrap_or(width * height);
-    found.film = pixels * size_of::<[f32; 3]>() as u64;
+    let [width, height] = survey.size.map(u64::from);
+    found.film = asked.pixels.unwrap_or(width * height) * size_of::<[f32; 3]>() as u64;
     found.batches = Batch::bytes_at_most(asked.batch) * rayon::current_num_threads() as u64;
     found
 }
@@ -155,13 +180,13 @@ fn expected_rays(survey: &Survey) -> u64 {
 }
 
 /// Bytes of an instance: its transforms, its shape and material, its node of the tree over instances.
-const INSTANCE: u64 = 600;
+const INSTANCE_BYTES: u64 = 600;
 
 /// Bytes that readers hold besides what they have read: blocks of text and what is found in them.
-const BUFFERS: u64 = 24 << 20;
+const READER_BYTES: u64 = 24 << 20;
 
 /// Bytes that JSON takes for each byte of its text while it is read, at most.
-const TEXT: u64 = 25;
+const JSON_BYTES_PER_BYTE: u64 = 25;
 
 /// The largest number of bytes that this process has held in memory so far, where the system tells.
 pub fn peak() -> Option<u64> {

@@ -11,6 +11,8 @@
 //! Elements of PLY files are counted from 0, as the files themselves do; faults in OBJ files name
 //! the line.
 
+mod data;
+mod faults;
 mod number;
 mod obj;
 mod place;
@@ -22,53 +24,13 @@ mod validate;
 use std::fs::File;
 use std::path::Path;
 
-use glam::{Vec2, Vec3};
-
 use wavecrest_base::error::{Error, ErrorKind, Result, Warning};
 
-pub use survey::{Survey, survey};
+pub use data::{Attribute, LoadedMesh, MAX_COUNT, MeshData, NO_VALUE};
+pub use survey::Survey;
 pub use validate::validate;
 
-/// A value for each corner of a mesh's triangles.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Attribute<T> {
-    /// The distinct values.
-    pub values: Vec<T>,
-    /// For each triangle, which value each of its corners has ([`NO_VALUE`] for none). `None`
-    /// says that values go with positions: corner `c` has the value of position `c`.
-    pub indices: Option<Vec<[u32; 3]>>,
-}
-
-/// In [`Attribute::indices`]: this corner has no value.
-pub const NO_VALUE: u32 = u32::MAX;
-
-/// The greatest number of vertices, of faces or of triangles, so that each has an index and
-/// [`NO_VALUE`] is none of them.
-pub const MAX_COUNT: u64 = NO_VALUE as u64 - 1;
-
-/// A mesh as arrays. Every index is in range and every position finite; degenerate triangles are
-/// still there (the geometry system counts them and leaves them out), so that the number of a
-/// triangle is its number in the file.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct MeshData {
-    /// Vertex positions, in the mesh's own space.
-    pub positions: Vec<Vec3>,
-    /// Three positions a triangle, counter-clockwise as seen from the front.
-    pub triangles: Vec<[u32; 3]>,
-    /// Shading normals, not necessarily of unit length; a zero vector is a normal not known.
-    pub normals: Option<Attribute<Vec3>>,
-    /// Texture coordinates, v upward.
-    pub uvs: Option<Attribute<Vec2>>,
-}
-
-/// A mesh from a file, and what the user should know about that file.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct LoadedMesh {
-    /// The arrays, already checked.
-    pub mesh: MeshData,
-    /// Oddities that did not stop the reading.
-    pub warnings: Vec<Warning>,
-}
+use data::Read;
 
 /// Reads the mesh file at `path`: PLY or OBJ, by the extension of its name, in any case.
 ///
@@ -106,15 +68,26 @@ pub fn load_bytes(path: &Path, bytes: &[u8], portion: usize) -> Result<LoadedMes
     named(loaded, path)
 }
 
+/// What the mesh file at `path` holds.
+///
+/// # Errors
+/// Where the system refuses, or a header does not say what there is.
+pub fn survey(path: &Path) -> Result<Survey> {
+    let format = Format::of(path)?;
+    let (file, length) = open(path)?;
+    let found = match format {
+        Format::Ply => ply::survey(&file, length),
+        Format::Obj => obj::survey(&file, length),
+    };
+    found.map_err(|error| error.in_file(path))
+}
+
 /// Names the file in what was read from it.
 fn named(read: Result<Read>, path: &Path) -> Result<LoadedMesh> {
     let (mesh, notes) = read.map_err(|error| error.in_file(path))?;
     let warnings = notes.into_iter().map(|n| Warning::from_error(&n.in_file(path))).collect();
     Ok(LoadedMesh { mesh, warnings })
 }
-
-/// What a reader returns: the arrays, and warnings that do not name the file yet.
-type Read = (MeshData, Vec<Error>);
 
 /// A mesh format that is read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -149,27 +122,6 @@ fn open(path: &Path) -> Result<(File, u64)> {
             .remedy("name a mesh file, not a folder or a device"));
     }
     Ok((File::open(path).map_err(describe)?, metadata.len()))
-}
-
-/// A failure of the system while the file was read; the caller names the file.
-fn read_failure(error: std::io::Error) -> Error {
-    Error::new(ErrorKind::Io, format!("cannot read the file: {error}")).because(error)
-}
-
-/// The error of a file that is well formed but has nothing to show.
-fn no_triangles() -> Error {
-    Error::new(ErrorKind::Mesh, "the mesh has no triangles")
-        .remedy("export it with its faces; points, lines and curves alone are not rendered")
-}
-
-/// Checks that `count` things of the kind `what` can be numbered.
-fn check_count(what: &str, count: u64) -> Result<()> {
-    if count > MAX_COUNT {
-        return Err(Error::new(ErrorKind::Limit, format!("a mesh has at most {MAX_COUNT} {what}"))
-            .value(count)
-            .remedy("split the mesh into several files"));
-    }
-    Ok(())
 }
 
 #[cfg(test)]

@@ -1,24 +1,22 @@
 //! From JSON to [`SceneFile`], with every check that needs no other file than this one (that a
 //! texture or a mesh exists is looked up, but neither is read).
 
-mod camera;
-mod instance;
-mod json_schema;
-mod light;
-mod material;
-mod mesh;
-mod shape;
-mod transform;
-
-pub use json_schema::json_schema;
+pub(crate) mod camera;
+pub(crate) mod instance;
+pub(crate) mod light;
+pub(crate) mod material;
+pub(crate) mod mesh;
+mod own_keys;
+pub(crate) mod shape;
+pub(crate) mod transform;
 
 use wavecrest_base::error::Result;
 
-pub(super) use camera::{FOV, LONGEST_SIDE, check_size};
+pub(crate) use camera::{FOV, LONGEST_SIDE, check_size};
 
 use super::components::{Encoding, Settings};
-use super::load::LoadOptions;
-use super::reader::{Cursor, Object, Range};
+use super::options::LoadOptions;
+use super::reader::{Cursor, Key, Kind, Object, Range, keys};
 use super::schema::SceneFile;
 use instance::Names;
 
@@ -28,22 +26,51 @@ const MOST_BOUNCES: u32 = 10_000;
 /// The report's "low value" by which a surface in shadow is multiplied.
 const AMBIENT: f64 = 0.08;
 
-const KEYS: [&str; 5] = ["$schema", "nbounces", "camera", "scene", "transfer"];
-const SCENE_KEYS: [&str; 5] = ["backgroundcolor", "lightsources", "shapes", "ambient", "instances"];
+/// The whole file.
+pub(crate) const FILE: Kind =
+    Kind::new("a scene", "A scene: camera, lights and shapes.", &[FILE_KEYS]);
+
+const FILE_KEYS: &[Key] = keys! {
+    /// The address of this schema, for editors.
+    "$schema": Text;
+    /// Most mirror bounces after the camera ray.
+    "nbounces": Integer(0, MOST_BOUNCES), Required;
+    /// Where the picture is taken from.
+    "camera": Definition("camera"), Required;
+    /// What is in the picture.
+    "scene": Definition("scene"), Required;
+    /// How images of 8 bits are written, where nobody says.
+    "transfer": word::<Encoding>(), Says("linear");
+};
+
+/// Its key `scene`.
+pub(crate) const SCENE: Kind = Kind::new("the scene", "What is in the picture.", &[SCENE_KEYS]);
+
+const SCENE_KEYS: &[Key] = keys! {
+    /// What a camera ray that hits nothing shows.
+    "backgroundcolor": Color, Required;
+    /// The lights.
+    "lightsources": AtLeast(0, &Definition("light"));
+    /// The shapes.
+    "shapes": AtLeast(0, &Definition("shape"));
+    /// Share of the diffuse colour that each light adds everywhere, visible or not.
+    "ambient": Number(Range::NOT_NEGATIVE), Is(AMBIENT);
+    /// Shapes shown once more, elsewhere.
+    "instances": AtLeast(0, &Definition("instance"));
+};
 
 /// Reads a whole file from its top.
 pub(crate) fn scene_file(top: &Cursor<'_>, options: &LoadOptions) -> Result<SceneFile> {
-    let object = top.object("a scene", KEYS.into())?;
+    let object = top.object(FILE)?;
     // For the editor, which checks the file by the schema at this address.
     object.get("$schema").map(|c| c.text("the address of a JSON schema")).transpose()?;
-    let bounces = object.integer("nbounces", 0, MOST_BOUNCES)?;
+    let bounces = object.integer("nbounces")?;
     let camera = camera::camera(&object.need("camera", "an object { ... }")?, options)?;
-    let scene = object.need("scene", "an object { ... }")?;
-    let scene = scene.object("the scene", SCENE_KEYS.into())?;
+    let scene = object.need("scene", "an object { ... }")?.object(SCENE)?;
     let settings = settings(&scene, bounces)?;
     let lights = list(&scene, "lightsources", "an array of lights", light::light)?;
     let shapes = list(&scene, "shapes", "an array of shapes", shape::shape)?;
-    let encoding = object.choice_or("transfer", &material::ENCODINGS, Encoding::default())?;
+    let encoding = object.word("transfer")?;
     let names = Names::of(&shapes);
     let one = |cursor: &Cursor<'_>| instance::instance(cursor, &names);
     let instances = list(&scene, "instances", "an array of instances", one)?;
@@ -55,7 +82,7 @@ fn settings(scene: &Object<'_>, bounces: u32) -> Result<Settings> {
         file: scene.cursor().notes().file().to_owned(),
         bounces,
         background: scene.color("backgroundcolor")?,
-        ambient: scene.number_or("ambient", Range::NOT_NEGATIVE, AMBIENT)?,
+        ambient: scene.number("ambient")?,
     })
 }
 

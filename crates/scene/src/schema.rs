@@ -60,7 +60,7 @@ pub(crate) struct Shape {
     pub(crate) shading: Shading,
     /// Whether only its instances are seen.
     pub(crate) hidden: bool,
-    /// `None` for an area light's shape alone.
+    /// `None` for an area light's shape.
     pub(crate) material: Option<Material>,
     pub(crate) texture: Option<TextureRef>,
 }
@@ -70,15 +70,15 @@ pub(crate) struct Instance {
     /// Its JSON path.
     pub(crate) path: String,
     pub(crate) name: Option<Name>,
-    /// The place of the shape that it shows among the file's.
+    /// The number of its prototype among the shapes of the file.
     pub(crate) shape: usize,
-    /// Where it shows the shape, from where that stands in the scene.
+    /// Where it is, from where the prototype stands in the scene.
     pub(crate) transform: DAffine3,
     /// `None` for the shape's own.
     pub(crate) material: Option<Material>,
 }
 
-/// The form of a shape.
+/// The geometry of a shape.
 pub(crate) enum Geometry {
     Sphere(Sphere),
     Quad(Quad),

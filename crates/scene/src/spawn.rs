@@ -50,17 +50,19 @@ impl<R: Fn(&Path) -> Result<LoadedMesh>> Spawner<'_, R> {
         Ok(self.world)
     }
 
-    /// A shape that only instances show, without any.
+    /// Warns of a hidden shape without an instance.
     fn warn_of_unseen(&self, shapes: &[Shape], instances: &[Instance]) {
-        let mut shown = vec![false; shapes.len()];
-        instances.iter().for_each(|instance| shown[instance.shape] = true);
-        for (shape, _) in shapes.iter().zip(shown).filter(|(shape, shown)| shape.hidden && !shown) {
+        let mut has_instance = vec![false; shapes.len()];
+        instances.iter().for_each(|instance| has_instance[instance.shape] = true);
+        for (shape, _) in
+            shapes.iter().zip(has_instance).filter(|(shape, has)| shape.hidden && !has)
+        {
             let error = self.error(&shape.path, "the shape is hidden and no instance shows it");
             self.notes.warn(&error.remedy("add one to scene.instances, or remove \"hidden\""));
         }
     }
 
-    /// Shows the shape of the entity `of` once more.
+    /// Makes an instance of the shape that the entity `of` is.
     fn instance(&mut self, order: Order, of: Entity, instance: Instance) {
         let Instance { path, name, transform, material, .. } = instance;
         let mut entity = EntityBuilder::new();

@@ -1,6 +1,6 @@
 //! What a file lacks that is no whole scene: a camera that sees all of it, a light, the rest.
 //!
-//! A mesh alone has none of these, a glTF file perhaps some. What is chosen is told, and
+//! A standalone mesh has none of these, a glTF file perhaps some. What is chosen is told, and
 //! `wavecrest convert` writes it down to be changed.
 
 use std::path::Path;
@@ -14,7 +14,7 @@ use wavecrest_core::math::sampling::Sampling;
 
 use super::components::{Falloff, FovAxis, PointLight, Settings, View};
 use super::corners::direction;
-use super::load::LoadOptions;
+use super::options::LoadOptions;
 use super::parse;
 
 /// Width of the image in pixels, where nothing is said of it; the height for one that is upright.

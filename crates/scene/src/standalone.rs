@@ -1,4 +1,4 @@
-//! A mesh file alone, as a scene: with a camera that sees all of it, a light and a plain material.
+//! A standalone mesh as a scene: with a camera that sees all of it, a light and a plain material.
 
 use std::path::Path;
 
@@ -8,8 +8,9 @@ use hecs::World;
 use wavecrest_base::error::{Error, ErrorKind, Result, Warning};
 
 use super::components::{Encoding, JsonPath, Material, Mesh, Name, Order, Pinhole, Shading, Sides};
-use super::load::{LoadOptions, LoadedScene};
+use super::loaded::LoadedScene;
 use super::mesh;
+use super::options::LoadOptions;
 use super::staging::{self, Placed};
 
 /// A light grey with a faint highlight.

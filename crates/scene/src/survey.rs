@@ -17,8 +17,8 @@ pub struct SurveyedMesh {
     pub normals: bool,
     /// Whether its texture coordinates are kept for a texture.
     pub uvs: bool,
-    /// How often it is shown.
-    pub shown: u64,
+    /// How many places of the scene it has: its own, and its instances.
+    pub uses: u64,
 }
 
 /// What a scene calls for.
@@ -32,7 +32,7 @@ pub struct Survey {
     pub meshes: Vec<SurveyedMesh>,
     /// Triangles, quads and spheres that are written out in the scene file.
     pub others: u64,
-    /// Its textures, each once, trilinear if anything shows it so.
+    /// Its textures, each once, trilinear if anything has it so.
     pub textures: Vec<TextureRef>,
     /// Entries of `scene.instances`.
     pub instances: u64,
@@ -49,7 +49,7 @@ pub struct Survey {
 /// What the mesh file at `path` calls for where it is all there is, in an image of so many pixels.
 pub(super) fn standalone(path: &Path, size: [u32; 2]) -> Result<Survey> {
     let holds = mesh::survey(path)?;
-    let mesh = SurveyedMesh { holds, normals: true, uvs: false, shown: 1 };
+    let mesh = SurveyedMesh { holds, normals: true, uvs: false, uses: 1 };
     let (rays_per_pixel, light_samples) = (super::staging::rays_per_pixel(), 1);
     let meshes = vec![mesh];
     Ok(Survey { meshes, size, rays_per_pixel, light_samples, ..Survey::default() })
@@ -67,10 +67,10 @@ pub(super) fn of(scene: SceneFile, text: u64, notes: &Notes<'_>) -> Result<Surve
         bounces: scene.settings.bounces > 0,
         ..Survey::default()
     };
-    let mut shown: Vec<u64> = scene.shapes.iter().map(|shape| u64::from(!shape.hidden)).collect();
-    scene.instances.iter().for_each(|instance| shown[instance.shape] += 1);
-    for (shape, shown) in scene.shapes.iter().zip(shown) {
-        survey.add(shape, shown, notes)?;
+    let mut uses: Vec<u64> = scene.shapes.iter().map(|shape| u64::from(!shape.hidden)).collect();
+    scene.instances.iter().for_each(|instance| uses[instance.shape] += 1);
+    for (shape, uses) in scene.shapes.iter().zip(uses) {
+        survey.add(shape, uses, notes)?;
     }
     for light in &scene.lights {
         match light {
@@ -87,10 +87,10 @@ pub(super) fn of(scene: SceneFile, text: u64, notes: &Notes<'_>) -> Result<Surve
 }
 
 impl Survey {
-    fn add(&mut self, shape: &Shape, shown: u64, notes: &Notes<'_>) -> Result<()> {
+    fn add(&mut self, shape: &Shape, uses: u64, notes: &Notes<'_>) -> Result<()> {
         let holds = match &shape.geometry {
             Geometry::Sphere(_) | Geometry::Quad(_) | Geometry::Triangle(_) => {
-                self.others += shown;
+                self.others += uses;
                 self.add_texture(shape);
                 return Ok(());
             }
@@ -101,7 +101,7 @@ impl Survey {
             })?,
         };
         let (normals, uvs) = (shape.shading == Shading::Smooth, shape.texture.is_some());
-        self.meshes.push(SurveyedMesh { holds, normals, uvs, shown });
+        self.meshes.push(SurveyedMesh { holds, normals, uvs, uses });
         self.add_texture(shape);
         Ok(())
     }

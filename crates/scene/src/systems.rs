@@ -28,15 +28,16 @@ pub mod textures;
 
 use std::path::{Path, PathBuf};
 
-use glam::DVec3;
 use hecs::World;
 
-use crate::components::{JsonPath, Settings};
+use crate::query;
 use wavecrest_base::error::{Error, ErrorKind, Result, Warning};
 use wavecrest_core::accel::Accel;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::accel::geometry::Geometry;
+use wavecrest_core::kernels::blinn_phong::Material;
 use wavecrest_core::kernels::precision::Precision;
+use wavecrest_core::kernels::texture::Image;
 use wavecrest_core::plan::Plan;
 use wavecrest_core::plan::schedule::{PASSES, Pass};
 use wavecrest_core::prepared::{Appearance, Dropped, PreparedScene};
@@ -57,8 +58,7 @@ pub struct Options<'a> {
     /// The table that the plan follows: [`PASSES`], or what [`unplanned`](wavecrest_core::plan::schedule::unplanned) makes of it to leave nothing
     /// out, neither passes and columns nor lights, textures and normals that nothing shows.
     pub passes: &'a [Pass],
-    /// Whether meshes that are shown more than once are to be copied to where they are shown, rather than
-    /// held once for instances.
+    /// Whether a mesh with several instances is to be copied for each, rather than held once.
     pub flat: bool,
 }
 
@@ -68,24 +68,17 @@ impl Default for Options<'_> {
     }
 }
 
-/// Runs every system but the last, for robust arithmetic. The meshes are moved out of the `world`.
-pub fn extract(world: &mut World) -> Result<Extracted> {
-    extract_with(world, Options::default())
-}
-
-/// As [`extract`], for this precision.
-pub fn extract_in(world: &mut World, precision: Precision) -> Result<Extracted> {
-    extract_with(world, Options { precision, ..Options::default() })
-}
-
-/// As [`extract`], with these options.
-pub fn extract_with(world: &mut World, options: Options<'_>) -> Result<Extracted> {
+/// Runs every system but the last. The meshes are moved out of the `world`.
+///
+/// # Errors
+/// When the world lacks a camera or settings, a shape is too far out or too large, or an image cannot be
+/// read.
+pub fn extract(world: &mut World, options: Options<'_>) -> Result<Extracted> {
     let Options { precision, passes, flat } = options;
-    let settings = settings(world)?;
-    // Fast arithmetic takes coordinates as they are.
-    let origin = if precision == Precision::Fast { DVec3::ZERO } else { frame::run(world)? };
-    let mut extracted =
-        geometry::run(world, origin, flat).map_err(|e| e.in_file(&settings.file))?;
+    let settings = query::settings(world)?;
+    let file = settings.file.clone();
+    let origin = frame::run(world, precision)?;
+    let mut extracted = geometry::run(world, origin, flat).map_err(|e| e.in_file(&file))?;
     extracted.geometry.set_precision(precision);
     let materials = materials::run(world, &extracted.shapes);
     let lights = lights::run(world, &extracted, &settings, origin)?;
@@ -101,30 +94,37 @@ pub fn extract_with(world: &mut World, options: Options<'_>) -> Result<Extracted
     let plan = Plan::of(found.decisions, passes);
     let schedule = plan.schedule();
     let lights = lights::keep(world, &settings, schedule, lights, &found.reached)?;
-    let images = textures::run(world, schedule, &found.textured, &mut extracted.shapes)?;
+    let images = textures::run(world, &file, schedule, &found.textured, &mut extracted.shapes)?;
     extracted.drop_unused(schedule);
-    let camera = camera::run(world, origin, schedule)?;
-    let path = camera::path(world, origin, schedule);
-    let geometry::Output { geometry, shapes, meshes } = extracted;
-    let place = |output: &geometry::ShapeOutput| {
-        world.get::<&JsonPath>(output.entity).map_or_else(|_| String::new(), |p| p.0.clone())
-    };
-    let places = shapes.iter().map(place).collect();
-    let shapes = shapes.into_iter().map(|s| s.shape).collect();
+    let (camera, path) = camera::run(world, origin, schedule)?;
+    let (geometry, appearance) = appearance(world, extracted, materials, images);
     let scene = PreparedScene {
         plan,
         origin,
         camera,
         path,
         accel: Accel::unbuilt(geometry),
-        appearance: Appearance { shapes, materials, places, images, meshes },
+        appearance,
         lights,
         background: settings.background.as_vec3(),
         ambient,
         bounces: if schedule.has_mirrors() { settings.bounces } else { 0 },
         dropped: Dropped::default(),
     };
-    Ok(Extracted { scene, file: settings.file })
+    Ok(Extracted { scene, file })
+}
+
+/// The primitives, and what they look like.
+fn appearance(
+    world: &World,
+    extracted: geometry::Output,
+    materials: Vec<Material>,
+    images: Vec<Image>,
+) -> (Geometry, Appearance) {
+    let geometry::Output { geometry, shapes, meshes } = extracted;
+    let places = shapes.iter().map(|shape| query::json_path(world, shape.entity)).collect();
+    let shapes = shapes.into_iter().map(|s| s.shape).collect();
+    (geometry, Appearance { shapes, materials, places, images, meshes })
 }
 
 impl Extracted {
@@ -180,34 +180,4 @@ pub fn warnings(dropped: Dropped, file: &Path) -> Vec<Warning> {
     };
     let warning = Error::new(ErrorKind::Mesh, message).in_file(file);
     vec![Warning::from_error(&warning)]
-}
-
-/// Runs every system.
-pub fn prepare(world: &mut World, preset: Preset) -> Result<(PreparedScene, Vec<Warning>)> {
-    let extracted = extract(world)?;
-    let file = extracted.file.clone();
-    let scene = extracted.build(preset);
-    let warnings = warnings(scene.dropped, &file);
-    Ok((scene, warnings))
-}
-
-fn settings(world: &mut World) -> Result<Settings> {
-    let found = world.query_mut::<&Settings>().into_iter().next().cloned();
-    found.ok_or_else(|| missing("Settings"))
-}
-
-/// A world that was not made by [`crate::load`] lacks something.
-fn missing(component: &str) -> Error {
-    Error::new(ErrorKind::Scene, format!("the world has no entity with {component}"))
-        .remedy("spawn one, as scene::load does")
-}
-
-/// The file that the scene came from, for messages.
-fn scene_file(world: &World) -> PathBuf {
-    world.query::<&Settings>().iter().next().map_or_else(PathBuf::new, |s| s.file.clone())
-}
-
-/// A colour or a position, rounded once.
-fn single(v: DVec3) -> glam::Vec3 {
-    v.as_vec3()
 }

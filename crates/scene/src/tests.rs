@@ -60,7 +60,7 @@ fn complete() -> Value {
                   "shading": "smooth", "material": material },
                 { "type": "trimesh", "points": quad, "indices": [[0, 1, 2], [0, 2, 3]],
                   "material": material },
-                { "type": "trimesh", "file": "Cargo.lock", "material": material }
+                { "type": "trimesh", "file": "src/lib.rs", "material": material }
             ]
         }
     })

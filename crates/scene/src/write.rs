@@ -2,13 +2,13 @@
 //!
 //! A scene that is written and read again is the same to the last bit: numbers are written as the shortest
 //! text that reads back as the same, meshes as binary PLY, images as the bytes that they were. It has what
-//! glTF files and meshes alone are made into, and no more: spheres, planes and lenses come from scene files
-//! alone, which need no conversion.
+//! glTF files and standalone meshes are made into, and no more: spheres, planes and lenses come from scene
+//! files, which need no conversion.
 
+mod beside;
 mod json;
 mod mesh;
 
-use std::collections::HashMap;
 use std::fs::File;
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
@@ -18,9 +18,9 @@ use serde_json::Value;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_base::replace::{check_replaceable, replace_file, write_error};
 
-use super::components::{TextureRef, TextureSource};
-use super::load::LoadedScene;
-use super::mesh::MeshData;
+use super::components::TextureSource;
+use super::loaded::LoadedScene;
+use beside::Beside;
 
 /// Writes `scene` to the scene file `path`, with its meshes and images beside it. Returns the files, the
 /// scene last. Files that are there already are replaced only where `replaces` says so.
@@ -83,60 +83,5 @@ fn copy_error(source: &TextureSource, file: &Path, error: io::Error) -> Error {
             let message = format!("cannot copy {}: {error}", path.display());
             Error::new(ErrorKind::Io, message).in_file(file).because(error)
         }
-    }
-}
-
-/// The files beside a scene file, which bear its name.
-struct Beside<'a> {
-    scene: &'a Path,
-    meshes: Vec<(PathBuf, MeshData)>,
-    images: Vec<(PathBuf, TextureSource)>,
-    /// The names of images, by their own path or place.
-    known: HashMap<(PathBuf, bool), String>,
-}
-
-impl<'a> Beside<'a> {
-    fn new(scene: &'a Path) -> Self {
-        Self { scene, meshes: Vec::new(), images: Vec::new(), known: HashMap::new() }
-    }
-
-    /// A name beside the scene file, and the path that it leads to.
-    fn name(&self, ending: &str) -> (String, PathBuf) {
-        let stem = self.scene.file_stem().unwrap_or_default().to_string_lossy();
-        let name = format!("{stem}-{ending}");
-        let path = self.scene.with_file_name(&name);
-        (name, path)
-    }
-
-    /// Has a mesh written; returns its name.
-    fn mesh(&mut self, data: MeshData) -> String {
-        let (name, path) = self.name(&format!("mesh{}.ply", self.meshes.len()));
-        self.meshes.push((path, data));
-        name
-    }
-
-    /// Has an image written, once; returns its name.
-    fn image(&mut self, texture: &TextureRef) -> Result<String> {
-        let (key, extension) = match &texture.source {
-            TextureSource::File(path) => {
-                let extension = path.extension().unwrap_or_default().to_string_lossy();
-                ((path.clone(), false), extension.into_owned())
-            }
-            TextureSource::Embedded { place, bytes } => {
-                let format = image::guess_format(bytes).map_err(|e| {
-                    let message = format!("cannot tell the format of the image: {e}");
-                    Error::new(ErrorKind::Texture, message).at(place).because(e)
-                })?;
-                let extension = format.extensions_str().first().copied().unwrap_or("image");
-                ((place.into(), true), extension.to_owned())
-            }
-        };
-        if let Some(name) = self.known.get(&key) {
-            return Ok(name.clone());
-        }
-        let (name, path) = self.name(&format!("image{}.{extension}", self.images.len()));
-        self.images.push((path, texture.source.clone()));
-        self.known.insert(key, name.clone());
-        Ok(name)
     }
 }

@@ -139,7 +139,8 @@ fn layers_that_are_not_there_are_told() {
 /// The scene's fingerprint, as files have it.
 fn fingerprint(file: &Path) -> String {
     let mut loaded = load(file, &Default::default()).unwrap_or_else(|error| panic!("{error}"));
-    let (scene, _) = systems::prepare(&mut loaded.world, Preset::Fast).expect("a scene");
+    let extracted = systems::extract(&mut loaded.world, Default::default()).expect("a scene");
+    let scene = extracted.build(Preset::Fast);
     format!("{:032x}", scene.fingerprint())
 }
 

@@ -12,7 +12,7 @@ use wavecrest_image::farm::merge::merge;
 use wavecrest_image::farm::part::Reader;
 use wavecrest_image::farm::{Author, Session};
 use wavecrest_scene::load::{LoadOptions, load_str};
-use wavecrest_scene::systems;
+use wavecrest_scene::systems::{self, Options};
 
 use super::{checkpoint, no_warning, shard};
 use crate::parts::ball;
@@ -257,7 +257,8 @@ fn strangers() -> Vec<(&'static str, Stranger)> {
         let text = strangers_scene().to_string();
         let loaded = load_str(&text, &repository("test.json"), &LoadOptions::default());
         let mut loaded = loaded.expect("a scene");
-        let extracted = systems::extract_in(&mut loaded.world, Precision::Exact);
+        let options = Options { precision: Precision::Exact, ..Options::default() };
+        let extracted = systems::extract(&mut loaded.world, options);
         extracted.expect("a scene").build(wavecrest_core::accel::build::Preset::Fast)
     };
     let crop = wavecrest_core::tile::Tile { x: 2, y: 1, width: 9, height: 8 };

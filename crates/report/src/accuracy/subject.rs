@@ -11,7 +11,7 @@ use wavecrest_core::accel::build::Preset;
 use wavecrest_core::prepared::{Original, PreparedScene};
 use wavecrest_core::render::{RenderOptions, Rendered, render};
 use wavecrest_scene::load::{LoadOptions, load};
-use wavecrest_scene::systems::{extract_in, overrides};
+use wavecrest_scene::systems::{Options, extract, overrides};
 
 /// A scene's file, and what has been made of it so far.
 #[derive(Debug)]
@@ -54,7 +54,7 @@ impl Subject {
     /// # Errors
     /// When it cannot be loaded or prepared.
     pub fn open(file: &Path, longest: u32) -> Result<Self> {
-        let full = extract_in(&mut load(file, &LoadOptions::default())?.world, Default::default())?;
+        let full = extract(&mut load(file, &LoadOptions::default())?.world, Default::default())?;
         let facts = Facts::of(full.scene());
         let size = within(full.scene().camera.size(), longest);
         Ok(Self {
@@ -133,7 +133,8 @@ impl Subject {
         let mut loaded =
             load(&self.file, &LoadOptions { width, height, ..LoadOptions::default() })?;
         overrides::apply(&mut loaded.world, &structure.overrides);
-        let extracted = extract_in(&mut loaded.world, structure.precision)?;
+        let options = Options { precision: structure.precision, ..Options::default() };
+        let extracted = extract(&mut loaded.world, options)?;
         let load = start.elapsed().as_secs_f64();
         let start = Instant::now();
         let scene = extracted.build(preset);

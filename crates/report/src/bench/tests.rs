@@ -38,7 +38,7 @@ const SCENE: &str = r#"{
 
 fn prepared() -> PreparedScene {
     let mut loaded = load_str(SCENE, Path::new("ball.json"), &Default::default()).unwrap();
-    systems::prepare(&mut loaded.world, Preset::Fast).unwrap().0
+    systems::extract(&mut loaded.world, Default::default()).unwrap().build(Preset::Fast)
 }
 
 fn setting(name: &str) -> Setting {

@@ -30,7 +30,8 @@ fn entries() -> Vec<Entry> {
         let json = variant.scene.to_string();
         let mut loaded = wavecrest_scene::load::load_str(&json, folder.path(), &Default::default())
             .unwrap_or_else(|error| panic!("{}: {error}", variant.name));
-        let extracted = wavecrest_scene::systems::extract(&mut loaded.world).expect("a scene");
+        let extracted = wavecrest_scene::systems::extract(&mut loaded.world, Default::default())
+            .expect("a scene");
         Entry { variant, scene: extracted.build(Preset::Fast) }
     };
     variants.into_iter().map(prepare).collect()

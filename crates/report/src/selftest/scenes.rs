@@ -34,7 +34,8 @@ pub(super) fn prepare_text(
     preset: Preset,
 ) -> Result<Prepared> {
     let mut loaded = load_str(json, file, &LoadOptions::default())?;
-    let extracted = systems::extract_in(&mut loaded.world, effort.precision)?;
+    let options = systems::Options { precision: effort.precision, ..Default::default() };
+    let extracted = systems::extract(&mut loaded.world, options)?;
     let file = extracted.file().to_owned();
     let scene = extracted.build(preset);
     let more = systems::warnings(scene.dropped, &file);

@@ -14,7 +14,7 @@ use std::f64::consts::TAU;
 use glam::DVec3;
 
 use super::noise::Fractal;
-use super::{Surface, cell_triangle};
+use super::surface::{Surface, cell_triangle};
 
 /// Turns about the axis of the torus.
 const TURNS: f64 = 3.0;

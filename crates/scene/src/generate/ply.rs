@@ -12,7 +12,8 @@ use std::path::Path;
 
 use rayon::prelude::*;
 
-use super::{Recipe, Surface, rounded};
+use super::recipe::Recipe;
+use super::surface::{Surface, rounded};
 use wavecrest_base::error::{Error, Result};
 use wavecrest_base::replace::replace_file;
 

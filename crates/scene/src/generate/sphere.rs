@@ -10,7 +10,7 @@
 use glam::DVec3;
 
 use super::noise::Fractal;
-use super::{Surface, cell_triangle};
+use super::surface::{Surface, cell_triangle};
 
 /// Waves of the coarsest noise to the unit of length; the radius is 1.
 const FREQUENCY: f64 = 2.0;

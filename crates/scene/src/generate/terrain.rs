@@ -7,7 +7,7 @@
 use glam::DVec3;
 
 use super::noise::Fractal;
-use super::{Surface, cell_triangle};
+use super::surface::{Surface, cell_triangle};
 
 /// Waves of the coarsest noise to the unit of length: three and a bit over the whole field.
 const FREQUENCY: f64 = 1.6;

@@ -6,6 +6,7 @@ use std::collections::{HashMap, HashSet};
 use glam::DVec3;
 
 use super::*;
+use wavecrest_base::error::ErrorKind;
 
 const ALL: [Model; 3] = [Model::Sphere, Model::Terrain, Model::Knot];
 

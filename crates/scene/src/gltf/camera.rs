@@ -1,18 +1,16 @@
-//! Cameras: which one is taken, and what it sees.
+//! Cameras, and what each sees.
 
 use glam::{DAffine3, DVec3};
 
 use crate::components::{FovAxis, View};
 use crate::corners::direction;
-use crate::load::LoadOptions;
+use crate::options::LoadOptions;
 use crate::parse;
 use crate::reader::Range;
 use crate::staging::{self, Sphere};
-use wavecrest_base::error::{Error, ErrorKind, Result};
+use wavecrest_base::error::{ErrorKind, Result};
 
-use super::document::Document;
 use super::fields::Fields;
-use super::node::Placed;
 use super::notes::Remarks;
 
 /// Where a camera without perspective is put, in radii of the scene: far enough for rays that are nearly
@@ -22,7 +20,7 @@ const PARALLEL_DISTANCE: f64 = 100.0;
 /// An element of `cameras`.
 #[derive(Clone, Debug)]
 pub(super) struct Camera {
-    name: Option<String>,
+    pub(super) name: Option<String>,
     /// Where it stands in the file.
     path: String,
     lens: Lens,
@@ -66,8 +64,13 @@ impl Camera {
         Ok(Self { name: fields.text("name")?, path: fields.path(), lens, aspect })
     }
 
+    /// Whether what is far away is small.
+    pub(super) fn has_perspective(&self) -> bool {
+        matches!(self.lens, Lens::Perspective(_))
+    }
+
     /// What the camera sees that stands as `world` says.
-    fn view(
+    pub(super) fn view(
         &self,
         world: &DAffine3,
         bounds: &Sphere,
@@ -129,72 +132,4 @@ fn checked_fov(degrees: f64, path: &str, remarks: &Remarks<'_>) -> Result<f64> {
     let place = format!("{path}.perspective.yfov");
     let message = format!("in degrees, must be {}", parse::FOV.words());
     Err(remarks.notes.error(ErrorKind::Scene, &place, message).value(format!("{degrees} degrees")))
-}
-
-/// The camera's view, and its name for people; `None` where the scene has no camera.
-///
-/// # Errors
-/// Where the one asked for is not in the scene, or cannot be taken.
-pub(super) fn chosen(
-    document: &Document,
-    placed: &[Placed],
-    bounds: &Sphere,
-    options: &LoadOptions,
-    remarks: &Remarks<'_>,
-) -> Result<Option<View>> {
-    let all: Vec<(usize, &Placed)> = placed
-        .iter()
-        .filter_map(|place| Some((document.nodes[place.node].camera?, place)))
-        .collect();
-    let found = match &options.camera {
-        Some(asked) => Some(
-            all.iter()
-                .find(|(camera, place)| is_asked_for(asked, document, *camera, place))
-                .ok_or_else(|| not_there(asked, document, &all, remarks))?,
-        ),
-        None => {
-            let has_perspective = |(camera, _): &&(usize, &Placed)| {
-                matches!(document.cameras[*camera].lens, Lens::Perspective(_))
-            };
-            all.iter().find(has_perspective).or(all.first())
-        }
-    };
-    let Some((camera, place)) = found else { return Ok(None) };
-    document.cameras[*camera].view(&place.world, bounds, options, remarks).map(Some)
-}
-
-/// Whether a camera is that of the name or number `asked`: its own name, or that of its node.
-fn is_asked_for(asked: &str, document: &Document, camera: usize, place: &Placed) -> bool {
-    let is = |name: &Option<String>| name.as_deref() == Some(asked);
-    is(&document.cameras[camera].name)
-        || is(&document.nodes[place.node].name)
-        || asked.parse() == Ok(camera)
-}
-
-fn not_there(
-    asked: &str,
-    document: &Document,
-    all: &[(usize, &Placed)],
-    remarks: &Remarks<'_>,
-) -> Error {
-    /// More than these are not listed.
-    const MOST_LISTED: usize = 8;
-    let describe = |(camera, place): &(usize, &Placed)| {
-        let own = document.cameras[*camera].name.as_ref();
-        match own.or(document.nodes[place.node].name.as_ref()) {
-            Some(name) => format!("{camera} ({name})"),
-            None => camera.to_string(),
-        }
-    };
-    let mut names: Vec<String> = all.iter().take(MOST_LISTED).map(describe).collect();
-    if all.len() > MOST_LISTED {
-        names.push("...".to_owned());
-    }
-    let error =
-        remarks.notes.error(ErrorKind::Usage, "", "no such camera is in the scene".to_owned());
-    let error = error.value(asked);
-    if names.is_empty() {
-        return error.remedy("it has none: leave --camera out, and one is chosen");
-    }
-    error.remedy(format!("it has {}", names.join(", ")))
 }

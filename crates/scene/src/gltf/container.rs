@@ -1,4 +1,4 @@
-//! The two forms of a glTF file: JSON as text, and GLB, which holds the JSON and one buffer.
+//! The two formats of a glTF file: JSON as text, and GLB, which holds the JSON and one buffer.
 //!
 //! A GLB file is a header and chunks, each with a length and a type (glTF 2.0 specification, section 4).
 //! Every length is held against the file before anything is taken from it.

@@ -1,8 +1,5 @@
 //! The whole of a file as typed values, every index and every range of bytes checked.
 
-use serde_json::Value;
-
-use crate::reader::{Cursor, Place};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
 use super::accessor::{Accessor, Storage};
@@ -11,10 +8,10 @@ use super::camera::Camera;
 use super::fields::Fields;
 use super::light::Light;
 use super::material::Surface;
-use super::mesh::MeshParts;
 use super::node::{self, Lengths, Node, Placed};
 use super::notes::Remarks;
-use super::texture::{Image, Sampler, Texture};
+use super::primitive::MeshParts;
+use super::texture::Textures;
 
 /// The extensions that are read.
 const EXTENSIONS: [&str; 5] = [
@@ -30,52 +27,39 @@ pub(super) struct Document {
     pub(super) buffers: Vec<Buffer>,
     views: Vec<View>,
     pub(super) accessors: Vec<Accessor>,
-    pub(super) images: Vec<Image>,
-    pub(super) samplers: Vec<Sampler>,
-    pub(super) textures: Vec<Texture>,
+    pub(super) textures: Textures,
     pub(super) materials: Vec<Surface>,
     pub(super) meshes: Vec<MeshParts>,
     pub(super) cameras: Vec<Camera>,
     /// `None` for those of a type that is not known.
     pub(super) lights: Vec<Option<Light>>,
     pub(super) nodes: Vec<Node>,
-    /// The nodes of the scene that is shown.
+    /// The nodes of the scene.
     pub(super) placed: Vec<Placed>,
     /// Whether attributes may be whole numbers: the extension `KHR_mesh_quantization`.
     pub(super) is_quantized: bool,
 }
 
 impl Document {
-    /// Reads the JSON of a file, whose buffer without a name is `binary`.
+    /// Reads a file from its top; its buffer without a name is `binary`.
     pub(super) fn read(
-        json: &Value,
+        top: &Fields<'_>,
         binary: Option<&Buffer>,
         remarks: &Remarks<'_>,
     ) -> Result<Self> {
-        let top = Fields::new(Cursor::new(json, Place::Top, remarks.notes), "a glTF file")?;
-        check_asset(&top)?;
-        let extensions = check_extensions(&top, remarks)?;
-        let mut number = 0;
-        let buffers = top.list("buffers", "a buffer", |fields| {
-            number += 1;
-            Buffer::read(fields, binary.filter(|_| number == 1))
-        })?;
+        check_asset(top)?;
+        let extensions = check_extensions(top, remarks)?;
+        let buffers = buffers(top, binary)?;
         let views = top.list("bufferViews", "a buffer view", |f| View::read(f, &buffers))?;
         let storage = Storage { buffers: &buffers, views: &views };
         let accessors = top.list("accessors", "an accessor", |f| Accessor::read(f, storage))?;
-        let images = top.list("images", "an image", |f| Image::read(f, storage))?;
-        let samplers = top.list("samplers", "a sampler", |f| Sampler::read(f, remarks))?;
-        let texture = |f: &Fields<'_>| Texture::read(f, images.len(), samplers.len(), remarks);
-        let textures = top.list("textures", "a texture", texture)?;
+        let textures = Textures::read(top, storage, remarks)?;
         let surface = |f: &Fields<'_>| Surface::read(f, textures.len(), remarks);
         let materials = top.list("materials", "a material", surface)?;
         let parts = |f: &Fields<'_>| MeshParts::read(f, accessors.len(), materials.len(), remarks);
         let meshes = top.list("meshes", "a mesh", parts)?;
         let cameras = top.list("cameras", "a camera", Camera::read)?;
-        let lights = top.extension("KHR_lights_punctual", |found| {
-            found.list("lights", "a light", |f| Light::read(f, remarks))
-        })?;
-        let lights = lights.unwrap_or_default();
+        let lights = lights(top, remarks)?;
         let lengths = Lengths {
             nodes: top.length("nodes"),
             meshes: meshes.len(),
@@ -83,15 +67,12 @@ impl Document {
             lights: lights.len(),
         };
         let nodes = top.list("nodes", "a node", |f| Node::read(f, lengths))?;
-        let placed = node::placed(&top, &nodes)?;
-        remark(&top, remarks);
+        let placed = node::placed(top, &nodes)?;
         Ok(Self {
             is_quantized: extensions.iter().any(|name| name == "KHR_mesh_quantization"),
             buffers,
             views,
             accessors,
-            images,
-            samplers,
             textures,
             materials,
             meshes,
@@ -106,6 +87,21 @@ impl Document {
     pub(super) fn storage(&self) -> Storage<'_> {
         Storage { buffers: &self.buffers, views: &self.views }
     }
+}
+
+fn buffers(top: &Fields<'_>, binary: Option<&Buffer>) -> Result<Vec<Buffer>> {
+    let mut number = 0;
+    top.list("buffers", "a buffer", |fields| {
+        number += 1;
+        Buffer::read(fields, binary.filter(|_| number == 1))
+    })
+}
+
+fn lights(top: &Fields<'_>, remarks: &Remarks<'_>) -> Result<Vec<Option<Light>>> {
+    let lights = top.extension("KHR_lights_punctual", |found| {
+        found.list("lights", "a light", |f| Light::read(f, remarks))
+    });
+    Ok(lights?.unwrap_or_default())
 }
 
 fn check_asset(top: &Fields<'_>) -> Result<()> {
@@ -157,7 +153,7 @@ fn check_extensions(top: &Fields<'_>, remarks: &Remarks<'_>) -> Result<Vec<Strin
 }
 
 /// Tells what of the file as a whole is left out.
-fn remark(top: &Fields<'_>, remarks: &Remarks<'_>) {
+pub(super) fn remark(top: &Fields<'_>, remarks: &Remarks<'_>) {
     for (key, message) in [("animations", "animations are ignored"), ("skins", "skins are ignored")]
     {
         if top.length(key) > 0 {

@@ -104,9 +104,9 @@ impl Light {
     }
 }
 
-/// What a white matte surface in the middle of the scene shows that faces a light of this strength at
+/// The radiance of a white matte surface in the middle of the scene that faces a light of this strength at
 /// `position`. Lights within half the scene's radius count as that far away.
-pub(super) fn shown(strength: DVec3, falloff: Falloff, position: DVec3, bounds: &Sphere) -> f64 {
+pub(super) fn radiance(strength: DVec3, falloff: Falloff, position: DVec3, bounds: &Sphere) -> f64 {
     let distance = position.distance(bounds.center).max(bounds.radius / 2.0);
     let factor = match falloff {
         Falloff::None => 1.0,
@@ -116,8 +116,8 @@ pub(super) fn shown(strength: DVec3, falloff: Falloff, position: DVec3, bounds: 
     strength.max_element() * factor
 }
 
-/// The factor that brings what all lights show together to 1.
-pub(super) fn exposure(shown: f64) -> f64 {
-    let exposure = 1.0 / shown;
+/// The factor that brings the radiance under all lights to 1.
+pub(super) fn exposure(radiance: f64) -> f64 {
+    let exposure = 1.0 / radiance;
     if exposure.is_finite() && exposure > 0.0 { exposure } else { 1.0 }
 }

@@ -5,7 +5,7 @@
 
 use glam::DVec3;
 
-use crate::components::{Material, Sides, TextureRef};
+use crate::components::{Material, Sides};
 use crate::reader::Range;
 use wavecrest_base::error::Result;
 
@@ -159,14 +159,6 @@ fn remark(fields: &Fields<'_>, remarks: &Remarks<'_>) {
             "the mesh alone has a form",
         );
     }
-}
-
-/// The texture of a surface, as far as the file has it.
-pub(super) fn texture(
-    surface: &Surface,
-    reference: impl Fn(&TextureInfo, DVec3) -> Option<TextureRef>,
-) -> Option<TextureRef> {
-    reference(surface.texture.as_ref()?, surface.tint())
 }
 
 #[cfg(test)]

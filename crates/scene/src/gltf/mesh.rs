@@ -1,7 +1,5 @@
 //! Primitives of meshes: from accessors to the arrays of a mesh.
 
-use std::collections::BTreeMap;
-
 use glam::Vec3;
 
 use crate::mesh::{Attribute, MeshData};
@@ -10,110 +8,9 @@ use wavecrest_core::math::float::MAX_COORDINATE;
 
 use super::accessor::{Accessor, Component};
 use super::document::Document;
-use super::fields::Fields;
 use super::notes::Remarks;
+use super::primitive::{Mode, Primitive};
 use super::texture::TextureInfo;
-
-/// How the vertices of a primitive make triangles.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Mode {
-    Triangles,
-    Strip,
-    Fan,
-}
-
-/// A part of a mesh that has one material.
-#[derive(Clone, Debug)]
-pub(super) struct Primitive {
-    /// Where it stands in the file.
-    pub(super) path: String,
-    /// `None` for points and lines.
-    mode: Option<Mode>,
-    /// Accessors by the name of the attribute.
-    attributes: BTreeMap<String, usize>,
-    indices: Option<usize>,
-    /// Which material, or the default one.
-    pub(super) material: Option<usize>,
-}
-
-/// An element of `meshes`.
-#[derive(Clone, Debug)]
-pub(super) struct MeshParts {
-    pub(super) name: Option<String>,
-    pub(super) primitives: Vec<Primitive>,
-}
-
-impl MeshParts {
-    /// Reads an element of `meshes`, of a file with so many accessors and materials.
-    pub(super) fn read(
-        fields: &Fields<'_>,
-        accessors: usize,
-        materials: usize,
-        remarks: &Remarks<'_>,
-    ) -> Result<Self> {
-        if fields.get("weights").is_some() {
-            let message = "morph targets are ignored";
-            remarks.once(&fields.path(), message, "the mesh has the form that it begins with");
-        }
-        fields.need("primitives", "a list of objects")?;
-        let read = |part: &Fields<'_>| Primitive::read(part, accessors, materials, remarks);
-        Ok(Self {
-            name: fields.text("name")?.filter(|name| !name.is_empty()),
-            primitives: fields.list("primitives", "a primitive", read)?,
-        })
-    }
-}
-
-impl Primitive {
-    fn read(
-        fields: &Fields<'_>,
-        accessors: usize,
-        materials: usize,
-        remarks: &Remarks<'_>,
-    ) -> Result<Self> {
-        let mode = mode(fields)?;
-        let path = fields.path();
-        if mode.is_none() {
-            remarks.once(&path, "points and lines are left out", "only triangles are rendered");
-        }
-        let own = Fields::new(fields.need("attributes", "an object { ... }")?, "attributes")?;
-        let names = own.cursor().value().as_object().map(|map| map.keys().cloned());
-        let mut attributes = BTreeMap::new();
-        for name in names.into_iter().flatten() {
-            let accessor = own.need_index(&name, "accessors", accessors)?;
-            if name.starts_with("COLOR_") {
-                remarks.once(
-                    &path,
-                    "colours of vertices are ignored",
-                    "the material has the colour",
-                );
-            }
-            attributes.insert(name, accessor);
-        }
-        Ok(Self {
-            path,
-            mode,
-            attributes,
-            indices: fields.index("indices", "accessors", accessors)?,
-            material: fields.index("material", "materials", materials)?,
-        })
-    }
-}
-
-fn mode(fields: &Fields<'_>) -> Result<Option<Mode>> {
-    /// Triangles, where nothing is said.
-    const DEFAULT: u64 = 4;
-    let Some(cursor) = fields.get("mode") else { return Ok(Some(Mode::Triangles)) };
-    match cursor.value().as_u64() {
-        Some(0..=3) => Ok(None),
-        Some(DEFAULT) => Ok(Some(Mode::Triangles)),
-        Some(5) => Ok(Some(Mode::Strip)),
-        Some(6) => Ok(Some(Mode::Fan)),
-        _ => {
-            Err(cursor.error("must be a whole number from 0 to 6: 4 for triangles, 5 strip, 6 fan"))
-        }
-    }
-}
 
 /// What reads primitives, and counts what it has read.
 pub(super) struct Reader<'a> {

@@ -107,7 +107,7 @@ pub(super) struct Placed {
     pub(super) world: DAffine3,
 }
 
-/// The nodes of the scene that is shown, each before its children, in the order of the file.
+/// The nodes of the scene, each before its children, in the order of the file.
 ///
 /// # Errors
 /// Where the nodes are no tree.

@@ -9,15 +9,16 @@ use crate::components::{
     AreaLight, Encoding, Falloff, Hidden, InstanceOf, JsonPath, Mesh, Name, Order, Pinhole,
     PointLight, Sampling, Shading, TextureRef, Transform,
 };
-use crate::load::{LoadOptions, LoadedScene};
+use crate::loaded::LoadedScene;
 use crate::mesh::MeshData;
+use crate::options::LoadOptions;
 use crate::staging::{self, Sphere};
 use wavecrest_base::error::{ErrorKind, Result, Warning};
 
-use super::camera;
+use super::choice;
 use super::document::Document;
 use super::light;
-use super::material::{self, Surface};
+use super::material::Surface;
 use super::mesh::Reader;
 use super::node::{Placed, flattens};
 use super::notes::Remarks;
@@ -36,6 +37,7 @@ struct Primitive {
 }
 
 /// A node that shows a primitive.
+#[derive(Clone)]
 struct Use {
     path: String,
     name: Option<String>,
@@ -50,7 +52,7 @@ pub(super) fn world(
 ) -> Result<LoadedScene> {
     let primitives = primitives(&document, remarks)?;
     let bounds = bounds(&primitives);
-    let view = camera::chosen(&document, &document.placed, &bounds, options, remarks)?;
+    let view = choice::camera(&document, &bounds, options, remarks)?;
     let has_camera = view.is_some();
     let view = view.map_or_else(|| staging::framed(&bounds, options), Ok)?;
     let mut lights = lights(&document, &bounds, remarks);
@@ -59,7 +61,7 @@ pub(super) fn world(
         primitives.iter().filter(|f| f.surface.is_light()).map(|f| f.uses.len()).sum();
     check_lights(&primitives, remarks)?;
     let has_lights = !lights.is_empty() || glowing > 0;
-    let exposure = light::exposure(shown(&lights, &primitives, &bounds));
+    let exposure = light::exposure(radiance(&lights, &primitives, &bounds));
     for (_, light) in &mut lights {
         light.intensity *= exposure;
     }
@@ -136,15 +138,8 @@ fn primitives(document: &Document, remarks: &Remarks<'_>) -> Result<Vec<Primitiv
                 known[mesh].insert(first..primitives.len()).clone()
             }
         };
-        let name = &document.nodes[*node].name;
-        let count = numbers.len();
-        for number in numbers {
-            let path = match count {
-                1 => place.clone(),
-                _ => format!("{place}, {}", primitives[number].path),
-            };
-            primitives[number].uses.push(Use { path, name: name.clone(), world: *world });
-        }
+        let node = Use { path: place, name: document.nodes[*node].name.clone(), world: *world };
+        add_uses(&mut primitives[numbers], &node);
     }
     check_unused(document, &known, &mut reader, remarks)?;
     if primitives.is_empty() {
@@ -152,6 +147,18 @@ fn primitives(document: &Document, remarks: &Remarks<'_>) -> Result<Vec<Primitiv
         remarks.once("nodes", message, "no node of the scene has a mesh of triangles");
     }
     Ok(primitives)
+}
+
+/// Has a node show the primitives of its mesh.
+fn add_uses(primitives: &mut [Primitive], node: &Use) {
+    let is_only = primitives.len() == 1;
+    for primitive in primitives {
+        let path = match is_only {
+            true => node.path.clone(),
+            false => format!("{}, {}", node.path, primitive.path),
+        };
+        primitive.uses.push(Use { path, ..node.clone() });
+    }
 }
 
 /// A fault is told in a mesh, too, that no node of the scene shows.
@@ -197,20 +204,18 @@ fn read(
 
 /// The texture of a surface, if its image is there.
 fn texture(document: &Document, surface: &Surface, remarks: &Remarks<'_>) -> Option<TextureRef> {
-    let Document { textures, samplers, images, .. } = document;
-    let found =
-        material::texture(surface, |info, tint| info.reference(tint, textures, samplers, images));
-    let image = surface.texture.as_ref()?.image(textures);
-    if image.is_none() {
+    let (textures, info) = (&document.textures, surface.texture.as_ref()?);
+    let Some(image) = textures.image(info) else {
         let message = "a texture names no image that could be read";
         remarks.once("textures", message, "the material has its colour alone");
-    }
-    if let Some((number, path)) = image.and_then(|i| Some((i, images.get(i)?.missing()?))) {
+        return None;
+    };
+    if let Some(path) = textures.missing(image) {
         let message = format!("there is no image {}", path.display());
-        remarks.once(&format!("images[{number}]"), &message, "the material has its colour alone");
+        remarks.once(&format!("images[{image}]"), &message, "the material has its colour alone");
         return None;
     }
-    found
+    textures.reference(info, surface.tint())
 }
 
 /// The sphere about all that is seen.
@@ -255,17 +260,17 @@ fn lights(
     document.placed.iter().filter_map(placed).collect()
 }
 
-/// What all lights show together on a white surface in the middle.
-fn shown(lights: &[(String, PointLight)], primitives: &[Primitive], bounds: &Sphere) -> f64 {
+/// The radiance of a white surface in the middle under all lights.
+fn radiance(lights: &[(String, PointLight)], primitives: &[Primitive], bounds: &Sphere) -> f64 {
     let points = lights.iter().map(|(_, light)| {
-        light::shown(light.color * light.intensity, light.falloff, light.position, bounds)
+        light::radiance(light.color * light.intensity, light.falloff, light.position, bounds)
     });
     let meshes =
         primitives.iter().filter(|primitive| primitive.surface.is_light()).flat_map(|primitive| {
             primitive.uses.iter().map(|found| {
                 let (area, middle) = extent(&primitive.mesh, &found.world);
                 let strength = primitive.surface.emission * area;
-                light::shown(strength, Falloff::InverseSquare, middle, bounds)
+                light::radiance(strength, Falloff::InverseSquare, middle, bounds)
             })
         });
     points.chain(meshes).sum()

@@ -10,8 +10,8 @@ use std::path::Path;
 use serde_json::Value;
 
 use super::container::{GLB_START, json_length};
-use crate::load::LoadOptions;
 use crate::mesh;
+use crate::options::LoadOptions;
 use crate::staging;
 use crate::survey::{Survey, SurveyedMesh};
 use wavecrest_base::error::{Error, Result};
@@ -36,22 +36,22 @@ pub(crate) fn survey(path: &Path, options: &LoadOptions) -> Result<Survey> {
         ..Survey::default()
     };
     for (number, mesh) in items(&value, "meshes").iter().enumerate() {
-        let uses = |node: &&Value| node["mesh"].as_u64() == Some(number as u64);
-        let shown = items(&value, "nodes").iter().filter(uses).count() as u64;
+        let is_use = |node: &&Value| node["mesh"].as_u64() == Some(number as u64);
+        let uses = items(&value, "nodes").iter().filter(is_use).count() as u64;
         for primitive in items(mesh, "primitives") {
             survey.meshes.push(SurveyedMesh {
                 holds: holds(&value, primitive, raw),
                 normals: true,
                 uvs: true,
-                shown,
+                uses,
             });
         }
-        survey.instances = survey.instances.saturating_add(shown);
+        survey.instances = survey.instances.saturating_add(uses);
     }
     Ok(survey)
 }
 
-/// The JSON of a file of either form.
+/// The JSON of a file of either format.
 fn json(path: &Path) -> std::io::Result<Vec<u8>> {
     let mut file = File::open(path)?;
     let mut start = Vec::new();

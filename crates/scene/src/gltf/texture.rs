@@ -16,11 +16,11 @@ use super::uri::{self, Target};
 
 /// An element of `images`.
 #[derive(Clone, Debug)]
-pub(super) struct Image(TextureSource);
+struct Image(TextureSource);
 
 impl Image {
     /// Reads an element of `images`; no image is decoded here.
-    pub(super) fn read(fields: &Fields<'_>, storage: Storage<'_>) -> Result<Self> {
+    fn read(fields: &Fields<'_>, storage: Storage<'_>) -> Result<Self> {
         let embedded = |bytes: &[u8]| TextureSource::Embedded {
             place: fields.path(),
             bytes: Arc::from(bytes),
@@ -35,19 +35,11 @@ impl Image {
             Target::File(path) => TextureSource::File(path),
         }))
     }
-
-    /// The file that it is in, where that is not there.
-    pub(super) fn missing(&self) -> Option<&PathBuf> {
-        match &self.0 {
-            TextureSource::File(path) if !path.is_file() => Some(path),
-            _ => None,
-        }
-    }
 }
 
 /// An element of `samplers`.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Sampler {
+struct Sampler {
     filter: Filter,
     wrap: Wrap,
 }
@@ -62,7 +54,7 @@ const MIPMAPPED: std::ops::RangeInclusive<u64> = 9984..=9987;
 
 impl Sampler {
     /// Reads an element of `samplers`.
-    pub(super) fn read(fields: &Fields<'_>, remarks: &Remarks<'_>) -> Result<Self> {
+    fn read(fields: &Fields<'_>, remarks: &Remarks<'_>) -> Result<Self> {
         let magnified = fields.count("magFilter")?;
         let minified = fields.count("minFilter")?;
         let filter = match (magnified, minified) {
@@ -94,14 +86,14 @@ fn wrap(fields: &Fields<'_>, key: &str, remarks: &Remarks<'_>) -> Result<Wrap> {
 
 /// An element of `textures`.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Texture {
+struct Texture {
     image: Option<usize>,
     sampler: Option<usize>,
 }
 
 impl Texture {
     /// Reads an element of `textures`, of a file with so many images and samplers.
-    pub(super) fn read(
+    fn read(
         fields: &Fields<'_>,
         images: usize,
         samplers: usize,
@@ -149,18 +141,39 @@ impl TextureInfo {
         let (other_set, placing) = changed.unwrap_or((None, Placing::NONE));
         Ok(Self { texture, set: other_set.unwrap_or(own_set), placing })
     }
+}
 
-    /// The texture itself, tinted; `None` where the file does not say which image it is of.
-    pub(super) fn reference(
-        &self,
-        tint: DVec3,
-        textures: &[Texture],
-        samplers: &[Sampler],
-        images: &[Image],
-    ) -> Option<TextureRef> {
-        let texture = textures.get(self.texture)?;
-        let Image(source) = images.get(texture.image?)?;
-        let sampler = texture.sampler.and_then(|i| samplers.get(i)).copied().unwrap_or_default();
+/// The textures of a file, and what they are made of.
+pub(super) struct Textures {
+    images: Vec<Image>,
+    samplers: Vec<Sampler>,
+    textures: Vec<Texture>,
+}
+
+impl Textures {
+    /// Reads the lists of a file.
+    pub(super) fn read(
+        top: &Fields<'_>,
+        storage: Storage<'_>,
+        remarks: &Remarks<'_>,
+    ) -> Result<Self> {
+        let images = top.list("images", "an image", |f| Image::read(f, storage))?;
+        let samplers = top.list("samplers", "a sampler", |f| Sampler::read(f, remarks))?;
+        let texture = |f: &Fields<'_>| Texture::read(f, images.len(), samplers.len(), remarks);
+        let textures = top.list("textures", "a texture", texture)?;
+        Ok(Self { images, samplers, textures })
+    }
+
+    /// How many textures there are.
+    pub(super) fn len(&self) -> usize {
+        self.textures.len()
+    }
+
+    /// The texture of a material, tinted; `None` where the file does not say which image it is of.
+    pub(super) fn reference(&self, info: &TextureInfo, tint: DVec3) -> Option<TextureRef> {
+        let Image(source) = self.images.get(self.image(info)?)?;
+        let sampler = self.textures.get(info.texture)?.sampler;
+        let sampler = sampler.and_then(|i| self.samplers.get(i)).copied().unwrap_or_default();
         Some(TextureRef {
             source: source.clone(),
             encoding: Encoding::Srgb,
@@ -170,9 +183,17 @@ impl TextureInfo {
         })
     }
 
-    /// Which image it is of.
-    pub(super) fn image(&self, textures: &[Texture]) -> Option<usize> {
-        textures.get(self.texture)?.image
+    /// Which image the texture of a material is of.
+    pub(super) fn image(&self, info: &TextureInfo) -> Option<usize> {
+        self.textures.get(info.texture)?.image
+    }
+
+    /// The file that an image is in, where that is not there.
+    pub(super) fn missing(&self, image: usize) -> Option<&PathBuf> {
+        match &self.images.get(image)?.0 {
+            TextureSource::File(path) if !path.is_file() => Some(path),
+            _ => None,
+        }
     }
 }
 

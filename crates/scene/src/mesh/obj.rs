@@ -5,13 +5,15 @@
 //! memory. A block is cut into pieces and these are read in parallel ([`piece::Piece`]), each
 //! without knowing what comes before it. Where that matters, for an index that counts backward or
 //! for the line of a fault, the piece is read once more when the statements of those before have
-//! been counted ([`piece::Count`]). The pieces are then joined in order; the result does not depend
+//! been counted ([`Count`]). The pieces are then joined in order; the result does not depend
 //! on where the cuts fell.
 //!
 //! The crate `tobj` reads the same format, on one thread. It was not used because its errors name
 //! no line, and because it makes one mesh of each group.
 
+mod blocks;
 mod corners;
+mod count;
 mod lines;
 mod piece;
 mod survey;
@@ -19,24 +21,21 @@ mod survey;
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 
-use super::place::{ReadAt, fill};
+use super::data::{Attribute, MeshData, NO_VALUE, Read};
+use super::faults::{check_count, no_triangles};
+use super::place::ReadAt;
 use super::polygon::{self, Polygon};
 use super::validate::{bad_index, first_with, note_zeroed, zero_bad_normals, zero_bad_uvs};
-use super::{Attribute, MeshData, NO_VALUE, Read, check_count, no_triangles, read_failure};
-use piece::{Count, Piece};
+use blocks::{BLOCK_BYTES, PIECE_BYTES, cut, each_block};
+use count::Count;
+use piece::Piece;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
 pub(super) use survey::survey;
 
-/// How much text is in memory at once, unless a statement is longer.
-const BLOCK: usize = 1 << 24;
-
-/// About how much text one task reads.
-const PIECE: usize = 1 << 17;
-
 /// Reads a file of `length` bytes.
 pub(super) fn read(file: &std::fs::File, length: u64) -> Result<Read> {
-    read_from(file, length, BLOCK, PIECE)
+    read_from(file, length, BLOCK_BYTES, PIECE_BYTES)
 }
 
 pub(super) fn read_from<F: ReadAt + ?Sized>(
@@ -51,61 +50,6 @@ pub(super) fn read_from<F: ReadAt + ?Sized>(
         return Err(find_bad_face(file, length, block, parts.start)?.unwrap_or(error));
     }
     parts.finish()
-}
-
-/// Gives the text to `take`, in blocks that end where a statement does.
-fn each_block<F: ReadAt + ?Sized>(
-    file: &F,
-    length: u64,
-    size: usize,
-    mut take: impl FnMut(&[u8]) -> Result<()>,
-) -> Result<()> {
-    let mut text = Vec::new();
-    let mut place = 0;
-    loop {
-        // What is left of the block before is the beginning of a statement.
-        let begun = text.len();
-        let read = (length - place).min(size as u64) as usize;
-        text.resize(begun + read, 0);
-        fill(file, place, &mut text[begun..]).map_err(read_failure)?;
-        if place == 0 {
-            check_encoding(&mut text)?;
-        }
-        place += read as u64;
-        let end = if place == length { text.len() } else { lines::last_end(&text) };
-        take(&text[..end])?;
-        if place == length {
-            return Ok(());
-        }
-        text.drain(..end);
-    }
-}
-
-/// Refuses UTF-16, whose every second byte is no text here, and drops the mark that some programs
-/// put before UTF-8.
-fn check_encoding(text: &mut Vec<u8>) -> Result<()> {
-    let utf16 = matches!(text[..], [0xFE, 0xFF, ..] | [0xFF, 0xFE, ..])
-        || text.iter().take(64).any(|&byte| byte == 0);
-    if utf16 {
-        return Err(Error::new(ErrorKind::Syntax, "the text is UTF-16 or binary")
-            .at("line 1")
-            .remedy("save the file as ASCII or UTF-8"));
-    }
-    if text.starts_with(&[0xEF, 0xBB, 0xBF]) {
-        text.drain(..3);
-    }
-    Ok(())
-}
-
-/// Cuts a block into pieces of about `size` that end where a statement does.
-fn cut(mut text: &[u8], size: usize) -> Vec<&[u8]> {
-    let mut pieces = Vec::new();
-    while !text.is_empty() {
-        let (piece, rest) = text.split_at(lines::first_end(text, size));
-        pieces.push(piece);
-        text = rest;
-    }
-    pieces
 }
 
 /// The mesh so far.

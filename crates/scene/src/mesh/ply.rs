@@ -28,7 +28,7 @@ mod vertices;
 
 use std::io::BufReader;
 
-use super::Read;
+use super::data::Read;
 use super::place::{ReadAt, Section};
 use header::Encoding;
 use wavecrest_base::error::Result;
@@ -36,11 +36,11 @@ use wavecrest_base::error::Result;
 pub(super) use survey::survey;
 
 /// How much of a body that is read number by number is in memory at once.
-const BUFFER: usize = 1 << 17;
+const BODY_BUFFER: usize = 1 << 17;
 
 /// Reads a file of `length` bytes.
 pub(super) fn read(file: &std::fs::File, length: u64) -> Result<Read> {
-    read_from(file, length, BUFFER)
+    read_from(file, length, BODY_BUFFER)
 }
 
 pub(super) fn read_from<F: ReadAt + ?Sized>(file: &F, length: u64, buffer: usize) -> Result<Read> {

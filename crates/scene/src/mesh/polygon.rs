@@ -68,7 +68,7 @@ pub(super) fn split(
 ) -> usize {
     let mut too_large = 0;
     // In batches, so that what is to be replaced is never large beside the mesh.
-    for batch in polygons.chunks(BATCH) {
+    for batch in polygons.chunks(SPLIT_AT_ONCE) {
         for (polygon, outcome) in repair_all(batch, positions, triangles) {
             let Outcome::Replace(split) = outcome else {
                 too_large += 1;
@@ -82,7 +82,7 @@ pub(super) fn split(
 }
 
 /// How many polygons are split before the triangles of any are written.
-const BATCH: usize = 1 << 15;
+const SPLIT_AT_ONCE: usize = 1 << 15;
 
 /// The polygons whose fans do not simply stay.
 fn repair_all(

@@ -9,7 +9,8 @@ use std::path::Path;
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 
-use super::{Attribute, MeshData, NO_VALUE, check_count};
+use super::data::{Attribute, MeshData, NO_VALUE};
+use super::faults::check_count;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::math::float::MAX_COORDINATE;
 

@@ -4,43 +4,15 @@ use glam::DVec3;
 
 use crate::components::{CameraKey, CameraPath, FovAxis, Interpolation, Sampling, ThinLens, View};
 use crate::corners::direction;
-use crate::load::LoadOptions;
-use crate::reader::{Cursor, Object, Range, integer_words};
+use crate::options::LoadOptions;
+use crate::reader::{Cursor, Key, Kind, Object, POINT, Range, integer_words, keys};
 use crate::schema::Camera;
+use crate::words::Word;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::kernels::camera::path::least_aligned_axis;
 
-use super::light::SAMPLINGS;
-
-pub(super) const KEYS: [&str; 14] = [
-    "type",
-    "width",
-    "height",
-    "fov",
-    "location",
-    "position",
-    "look",
-    "lookat",
-    "lookAt",
-    "up",
-    "fovaxis",
-    "antialias",
-    "sampling",
-    "path",
-];
-pub(super) const LENS_KEYS: [&str; 4] = ["aperture", "focal", "nsamplesx", "nsamplesy"];
-
-/// Keys of the path of a camera.
-pub(super) const PATH_KEYS: [&str; 2] = ["keys", "interpolation"];
-pub(super) const INTERPOLATIONS: [(&str, Interpolation); 2] =
-    [("smooth", Interpolation::Smooth), ("linear", Interpolation::Linear)];
-
-/// Keys of where a camera is at a frame; of a pinhole, the first [`PINHOLE_FRAME_KEYS`].
-pub(super) const FRAME_KEYS: [&str; 6] = ["frame", "location", "look", "up", "fov", "focal"];
-pub(super) const PINHOLE_FRAME_KEYS: usize = 5;
-
 /// Greatest number of a frame.
-pub(super) const LAST_FRAME: u32 = 9_999_999;
+const LAST_FRAME: u32 = 9_999_999;
 
 /// Greatest width and height of the image.
 pub(crate) const LONGEST_SIDE: u32 = 65_536;
@@ -49,35 +21,143 @@ const MOST_PIXELS: u64 = 1 << 28;
 /// Greatest number of rays through each pixel, 2^24.
 const MOST_RAYS: u64 = 1 << 24;
 /// Greatest side of the grid of rays in each pixel.
-pub(super) const MOST_ANTIALIAS: u32 = 64;
+const MOST_ANTIALIAS: u32 = 64;
 /// Greatest number of angles or radii of points on the lens.
-pub(super) const MOST_LENS_SAMPLES: u32 = 4_096;
+const MOST_LENS_SAMPLES: u32 = 4_096;
 /// Points on the lens along each side of the grid, where the file does not say.
-pub(super) const LENS_SAMPLES: u32 = 4;
+const LENS_SAMPLES: f64 = 4.0;
 /// Angles of view, in degrees. At 180 the image plane would be at infinity.
 pub(crate) const FOV: Range = Range::new(0.001, 179.0);
 /// Sine of the angle between `up` and the view below which they are taken as parallel: what is
 /// left of `up` across the view would then be mostly rounding, in single precision.
 const PARALLEL: f64 = 1e-6;
 
-pub(super) const FOV_AXES: [(&str, FovAxis); 4] = [
-    ("x", FovAxis::X),
-    ("y", FovAxis::Y),
-    ("smaller", FovAxis::Smaller),
-    ("larger", FovAxis::Larger),
-];
+/// The cameras.
+#[derive(Clone, Copy, PartialEq)]
+pub(crate) enum CameraKind {
+    Pinhole,
+    ThinLens,
+}
 
-/// The cameras, and whether each has a lens.
-pub(super) const KINDS: [(&str, bool); 2] = [("pinhole", false), ("thinlens", true)];
+impl Word for CameraKind {
+    const WORDS: &[(&str, Self)] = &[("pinhole", Self::Pinhole), ("thinlens", Self::ThinLens)];
+}
+
+const LOCATIONS: [&str; 2] = ["location", "position"];
+const LOOKS: [&str; 3] = ["look", "lookat", "lookAt"];
+
+pub(crate) const PINHOLE: Kind = Kind {
+    one_of: &[&LOCATIONS, &LOOKS],
+    ..Kind::new("a pinhole camera", "A camera that is sharp everywhere.", &[KEYS, PINHOLE_KEYS])
+};
+
+pub(crate) const THIN_LENS: Kind = Kind {
+    one_of: &[&LOCATIONS, &LOOKS],
+    ..Kind::new("a thin-lens camera", "A camera that is sharp in one plane.", &[KEYS, LENS_KEYS])
+};
+
+const KEYS: &[Key] = keys! {
+    /// Which kind of camera this is.
+    "type": word::<CameraKind>(), Required;
+    /// Width of the image, in pixels.
+    "width": Integer(1, LONGEST_SIDE), Required;
+    /// Height of the image, in pixels.
+    "height": Integer(1, LONGEST_SIDE), Required;
+    /// Full angle of view across one side of the image, in degrees.
+    "fov": Number(FOV), Required;
+    /// Where the camera is.
+    "location": Point;
+    /// Another name of location.
+    "position": Point;
+    /// The point in the middle of the image.
+    "look": Point;
+    /// Another name of look.
+    "lookat": Point;
+    /// Another name of look.
+    "lookAt": Point;
+    /// Up in the image.
+    "up": Point, Are([0.0, 1.0, 0.0]);
+    /// The side that fov is measured across.
+    "fovaxis": word::<FovAxis>(), Says("smaller");
+    /// Side of the grid of rays in each pixel; 1 is one ray through its centre.
+    "antialias": Integer(1, MOST_ANTIALIAS), Is(1.0);
+    /// How rays are spread: over the pixel by a pinhole, over its lens by a thin lens.
+    "sampling": word::<Sampling>(), Says("jittered");
+};
+
+const PINHOLE_KEYS: &[Key] = keys! {
+    /// How the camera moves, frame by frame.
+    "path": Definition("pinholePath");
+};
+
+const LENS_KEYS: &[Key] = keys! {
+    /// How the camera moves, frame by frame.
+    "path": Definition("cameraPath");
+    /// Diameter of the lens; 0 is a pinhole.
+    "aperture": Number(Range::NOT_NEGATIVE), Required;
+    /// Distance of the plane in focus, along the view.
+    "focal": Number(Range::POSITIVE), Required;
+    /// Points on the lens: angles. Times nsamplesy, rays a pixel.
+    "nsamplesx": Integer(1, MOST_LENS_SAMPLES), Is(LENS_SAMPLES);
+    /// Points on the lens: radii. Times nsamplesx, rays a pixel.
+    "nsamplesy": Integer(1, MOST_LENS_SAMPLES), Is(LENS_SAMPLES);
+};
+
+/// How a pinhole moves.
+pub(crate) const PINHOLE_PATH: Kind = path_kind(&[PINHOLE_PATH_KEYS, PATH_KEYS]);
+
+/// How a camera with a lens moves.
+pub(crate) const LENS_PATH: Kind = path_kind(&[LENS_PATH_KEYS, PATH_KEYS]);
+
+const fn path_kind(keys: &'static [&'static [Key]]) -> Kind {
+    Kind::new("the path of a camera", "How the camera moves, frame by frame.", keys)
+}
+
+const PINHOLE_PATH_KEYS: &[Key] = keys! {
+    /// Where it is at some frames, in their order.
+    "keys": AtLeast(1, &Nested(&PINHOLE_FRAME)), Required;
+};
+
+const LENS_PATH_KEYS: &[Key] = keys! {
+    /// Where it is at some frames, in their order.
+    "keys": AtLeast(1, &Nested(&LENS_FRAME)), Required;
+};
+
+const PATH_KEYS: &[Key] = keys! {
+    /// How it moves between these frames.
+    "interpolation": word::<Interpolation>(), Says("smooth");
+};
+
+const PINHOLE_FRAME: Kind = frame_kind(&[FRAME_KEYS]);
+const LENS_FRAME: Kind = frame_kind(&[FRAME_KEYS, FOCAL_KEYS]);
+
+const fn frame_kind(keys: &'static [&'static [Key]]) -> Kind {
+    let about = "Where the camera is at a frame; what is absent is as the camera says.";
+    Kind::new("a key of a camera's path", about, keys)
+}
+
+const FRAME_KEYS: &[Key] = keys! {
+    /// The frame.
+    "frame": Integer(0, LAST_FRAME), Required;
+    /// Where the camera is.
+    "location": Point;
+    /// The point in the middle of the image.
+    "look": Point;
+    /// Up in the image.
+    "up": Point;
+    /// Full angle of view across one side of the image, in degrees.
+    "fov": Number(FOV);
+};
+
+const FOCAL_KEYS: &[Key] = keys! {
+    /// Distance of the plane in focus, along the view.
+    "focal": Number(Range::POSITIVE);
+};
 
 /// Reads the camera. The size that the `options` ask for takes the place of the file's.
 pub(super) fn camera(cursor: &Cursor<'_>, options: &LoadOptions) -> Result<Camera> {
-    let has_lens = cursor.kind("the camera", &KINDS)?;
-    let object = if has_lens {
-        cursor.object("a thin-lens camera", [&KEYS[..], &LENS_KEYS].concat())?
-    } else {
-        cursor.object("a pinhole camera", KEYS.into())?
-    };
+    let has_lens = cursor.kind::<CameraKind>("the camera")? == CameraKind::ThinLens;
+    let object = cursor.object(if has_lens { THIN_LENS } else { PINHOLE })?;
     let mut view = view(&object, options)?;
     if has_lens && view.sampling == Sampling::Random {
         // The report's key is about the lens: a pixel's rays are jittered whatever it says of that.
@@ -91,9 +171,8 @@ pub(super) fn camera(cursor: &Cursor<'_>, options: &LoadOptions) -> Result<Camer
 
 /// Reads the path of the camera, which is at `view` with `lens` where a key does not say otherwise.
 fn path(cursor: &Cursor<'_>, view: &View, lens: Option<&ThinLens>) -> Result<CameraPath> {
-    let object = cursor.object("the path of a camera", PATH_KEYS.into())?;
-    let interpolation =
-        object.choice_or("interpolation", &INTERPOLATIONS, Interpolation::default())?;
+    let object = cursor.object(if lens.is_some() { LENS_PATH } else { PINHOLE_PATH })?;
+    let interpolation = object.word("interpolation")?;
     let what = "an array of keys, at least one";
     let list = object.need("keys", what)?;
     let mut keys: Vec<CameraKey> = Vec::new();
@@ -112,37 +191,35 @@ fn path(cursor: &Cursor<'_>, view: &View, lens: Option<&ThinLens>) -> Result<Cam
 }
 
 fn key(cursor: &Cursor<'_>, view: &View, lens: Option<&ThinLens>) -> Result<CameraKey> {
-    let keys = if lens.is_some() { &FRAME_KEYS[..] } else { &FRAME_KEYS[..PINHOLE_FRAME_KEYS] };
-    let object = cursor.object("a key of a camera's path", keys.to_vec())?;
+    let object = cursor.object(if lens.is_some() { LENS_FRAME } else { PINHOLE_FRAME })?;
     let location = object.point_or("location", view.location)?;
     let look = object.point_or("look", view.look)?;
     if look == location {
         let error = cursor.error("the camera looks at the point where it stands");
         return Err(error.remedy("move \"look\" away from \"location\""));
     }
-    let focal = lens.map_or(1.0, |lens| lens.focal);
     Ok(CameraKey {
-        frame: object.integer("frame", 0, LAST_FRAME)?,
+        frame: object.integer("frame")?,
         location,
         look,
         up: object.point_or("up", view.up)?,
-        fov_degrees: object.number_or("fov", FOV, view.fov_degrees)?,
+        fov_degrees: object.number_or("fov", view.fov_degrees)?,
         focal: match lens {
-            Some(_) => object.number_or("focal", Range::POSITIVE, focal)?,
-            None => focal,
+            Some(lens) => object.number_or("focal", lens.focal)?,
+            None => 1.0,
         },
     })
 }
 
 fn view(object: &Object<'_>, options: &LoadOptions) -> Result<View> {
     let (width, height) = size(object, options)?;
-    let fov_degrees = object.number("fov", FOV)?;
-    let fov_axis = object.choice_or("fovaxis", &FOV_AXES, FovAxis::default())?;
-    let location = object.point(&["location", "position"])?;
+    let fov_degrees = object.number("fov")?;
+    let fov_axis = object.word("fovaxis")?;
+    let location = object.need_one_of(&LOCATIONS, POINT)?.point()?;
     let look = look(object, location)?;
     let up = up(object, look - location)?;
-    let antialias = object.count_or("antialias", MOST_ANTIALIAS, 1)?;
-    let sampling = sampling(object)?;
+    let antialias = object.integer("antialias")?;
+    let sampling = object.word("sampling")?;
     Ok(View { location, look, up, fov_degrees, fov_axis, width, height, antialias, sampling })
 }
 
@@ -177,7 +254,7 @@ pub(crate) fn check_size(width: u32, height: u32) -> Result<()> {
 
 /// A side of the image: the one asked for, if one is, but the file must be right all the same.
 fn side(object: &Object<'_>, key: &'static str, asked: Option<u32>) -> Result<u32> {
-    let own = object.integer(key, 1, LONGEST_SIDE)?;
+    let own = object.integer(key)?;
     let Some(asked) = asked else { return Ok(own) };
     check_side(key, asked)?;
     Ok(asked)
@@ -195,20 +272,18 @@ fn check_side(key: &str, asked: u32) -> Result<()> {
 }
 
 fn look(object: &Object<'_>, location: DVec3) -> Result<DVec3> {
-    let names = ["look", "lookat", "lookAt"];
-    let look = object.point(&names)?;
-    match object.one_of(&names)? {
-        Some(cursor) if look == location => {
-            let error = cursor.error("the camera looks at the point where it stands");
-            Err(error.remedy("move \"look\" away from \"location\""))
-        }
-        _ => Ok(look),
+    let cursor = object.need_one_of(&LOOKS, POINT)?;
+    let look = cursor.point()?;
+    if look == location {
+        let error = cursor.error("the camera looks at the point where it stands");
+        return Err(error.remedy("move \"look\" away from \"location\""));
     }
+    Ok(look)
 }
 
 /// The upward direction: the file's, unless it does not tell which way up the image is.
 fn up(object: &Object<'_>, view: DVec3) -> Result<DVec3> {
-    let up = object.point_or("up", DVec3::Y)?;
+    let up = object.point("up")?;
     let Some(unit) = direction(up) else {
         let cursor = object.need("up", "a direction")?;
         return Err(cursor
@@ -233,16 +308,12 @@ fn warn_of_up(object: &Object<'_>, up: DVec3, axis: DVec3) {
 
 fn lens(object: &Object<'_>) -> Result<ThinLens> {
     Ok(ThinLens {
-        aperture: object.number("aperture", Range::NOT_NEGATIVE)?,
-        focal: object.number("focal", Range::POSITIVE)?,
-        sampling: sampling(object)?,
-        samples_x: object.count_or("nsamplesx", MOST_LENS_SAMPLES, LENS_SAMPLES)?,
-        samples_y: object.count_or("nsamplesy", MOST_LENS_SAMPLES, LENS_SAMPLES)?,
+        aperture: object.number("aperture")?,
+        focal: object.number("focal")?,
+        sampling: object.word("sampling")?,
+        samples_x: object.integer("nsamplesx")?,
+        samples_y: object.integer("nsamplesy")?,
     })
-}
-
-fn sampling(object: &Object<'_>) -> Result<Sampling> {
-    object.choice_or("sampling", &SAMPLINGS, Sampling::Jittered)
 }
 
 fn check_rays(object: &Object<'_>, view: &View, lens: Option<&ThinLens>) -> Result<()> {

@@ -1,16 +1,29 @@
-//! Instances: shapes shown once more, elsewhere.
+//! Instances of shapes.
 
 use std::collections::HashMap;
 
 use glam::DAffine3;
 
-use crate::reader::{Cursor, Object};
+use crate::reader::{Cursor, Key, Kind, Object, keys};
 use crate::schema::{Geometry, Instance, Shape};
 use wavecrest_base::error::{Result, did_you_mean};
 
 use super::{material, shape, transform};
 
-pub(super) const KEYS: [&str; 5] = ["shape", "transform", "material", "name", "id"];
+pub(crate) const INSTANCE: Kind = Kind::new("an instance", "A shape shown once more.", &[KEYS]);
+
+const KEYS: &[Key] = keys! {
+    /// The name of the shape.
+    "shape": Text, Required;
+    /// Where it is, from where the shape stands in the scene.
+    "transform": Definition("transform");
+    /// In place of the shape's own.
+    "material": Definition("material");
+    /// A name, for messages.
+    "name": Text;
+    /// Another name of name.
+    "id": Text;
+};
 
 /// The shapes of a file by name. A name that several have leads nowhere.
 pub(super) struct Names<'a> {
@@ -53,7 +66,7 @@ impl<'a> Names<'a> {
 
 /// Reads an element of `scene.instances`.
 pub(super) fn instance(cursor: &Cursor<'_>, names: &Names<'_>) -> Result<Instance> {
-    let object = cursor.object("an instance", KEYS.into())?;
+    let object = cursor.object(INSTANCE)?;
     let place = names.find(&object.need("shape", "the name of a shape of scene.shapes")?)?;
     let material = object.get("material").map(|cursor| material::material(&cursor)).transpose()?;
     Ok(Instance {

@@ -1,55 +1,84 @@
 //! Light sources.
 
 use crate::components::{AreaLight, Falloff, PointLight, Sampling};
-use crate::reader::{Cursor, Object, Range};
+use crate::reader::{Cursor, Key, Kind, Object, Range, keys};
 use crate::schema::Light;
+use crate::words::Word;
 use wavecrest_base::error::{ErrorKind, Result};
 
 use super::shape::light_shape;
 
-pub(super) const COMMON_KEYS: [&str; 5] = ["type", "intensity", "position", "color", "falloff"];
-pub(super) const AREA_KEYS: [&str; 3] = ["sampling", "samples", "shape"];
-
 /// Greatest value of `samples`.
-pub(super) const MOST_SAMPLES: u32 = 65_536;
+const MOST_SAMPLES: u32 = 65_536;
 /// Greatest number of points on a light, 2^24.
 const MOST_POINTS: u64 = 1 << 24;
 
-pub(super) const FALLOFFS: [(&str, Falloff); 3] = [
-    ("linear", Falloff::Linear),
-    ("inverse-square", Falloff::InverseSquare),
-    ("none", Falloff::None),
-];
-
-/// How sample points are chosen, by name.
-pub(super) const SAMPLINGS: [(&str, Sampling); 3] =
-    [("random", Sampling::Random), ("jittered", Sampling::Jittered), ("sobol", Sampling::Sobol)];
-
-#[derive(Clone, Copy)]
-pub(super) enum Kind {
+#[derive(Clone, Copy, PartialEq)]
+pub(crate) enum LightKind {
     Point,
     Area,
 }
 
-pub(super) const KINDS: [(&str, Kind); 2] =
-    [("pointlight", Kind::Point), ("arealight", Kind::Area)];
+impl Word for LightKind {
+    const WORDS: &[(&str, Self)] = &[("pointlight", Self::Point), ("arealight", Self::Area)];
+}
+
+pub(crate) const POINT_LIGHT: Kind =
+    Kind::new("a point light", "A light at a point.", &[KEYS, POSITION_KEYS, COLOR_KEYS]);
+
+pub(crate) const AREA_LIGHT: Kind = Kind::new(
+    "an area light",
+    "A light with a shape, which is seen in its own colour.",
+    &[KEYS, UNUSED_KEYS, COLOR_KEYS, AREA_KEYS],
+);
+
+const KEYS: &[Key] = keys! {
+    /// Which kind of light this is.
+    "type": word::<LightKind>(), Required;
+    /// Strength; with the usual falloff 40 to 100 suits distances of 10 to 20.
+    "intensity": Number(Range::NOT_NEGATIVE), Required;
+};
+
+const POSITION_KEYS: &[Key] = keys! {
+    /// Where a point light is. An area light is where its shape is.
+    "position": Point, Required;
+};
+
+const UNUSED_KEYS: &[Key] = keys! {
+    /// Where a point light is. An area light is where its shape is.
+    "position": Point;
+};
+
+const COLOR_KEYS: &[Key] = keys! {
+    /// The colour of the light.
+    "color": Color, Required;
+    /// At distance d: 1/(4 pi d), 1/(4 pi d^2), or 1.
+    "falloff": word::<Falloff>(), Says("linear");
+};
+
+const AREA_KEYS: &[Key] = keys! {
+    /// How points are chosen: at random, one in each cell of a grid, or by a Sobol sequence.
+    "sampling": word::<Sampling>(), Required;
+    /// Points on the light; with jittered sampling, along each side of the grid.
+    "samples": Integer(1, MOST_SAMPLES), Required;
+    /// What shines; it needs no material.
+    "shape": Definition("lit-shape"), Required;
+};
 
 /// Reads an element of `scene.lightsources`.
 pub(super) fn light(cursor: &Cursor<'_>) -> Result<Light> {
-    match cursor.kind("a light", &KINDS)? {
-        Kind::Point => point_light(&cursor.object("a point light", COMMON_KEYS.into())?),
-        Kind::Area => {
-            area_light(&cursor.object("an area light", [&COMMON_KEYS[..], &AREA_KEYS].concat())?)
-        }
+    match cursor.kind("a light")? {
+        LightKind::Point => point_light(&cursor.object(POINT_LIGHT)?),
+        LightKind::Area => area_light(&cursor.object(AREA_LIGHT)?),
     }
 }
 
 fn point_light(object: &Object<'_>) -> Result<Light> {
     let light = PointLight {
-        intensity: object.number("intensity", Range::NOT_NEGATIVE)?,
-        position: object.point(&["position"])?,
+        intensity: object.number("intensity")?,
+        position: object.point("position")?,
         color: object.color("color")?,
-        falloff: object.choice_or("falloff", &FALLOFFS, Falloff::default())?,
+        falloff: object.word("falloff")?,
     };
     Ok(Light::Point { path: object.cursor().path(), light })
 }
@@ -57,11 +86,11 @@ fn point_light(object: &Object<'_>) -> Result<Light> {
 fn area_light(object: &Object<'_>) -> Result<Light> {
     // The report's format has it, but the shape says where the light is.
     object.get("position").map(|cursor| cursor.point()).transpose()?;
-    let sampling = object.choice("sampling", &SAMPLINGS)?;
+    let sampling = object.word("sampling")?;
     let light = AreaLight {
-        intensity: object.number("intensity", Range::NOT_NEGATIVE)?,
+        intensity: object.number("intensity")?,
         color: object.color("color")?,
-        falloff: object.choice_or("falloff", &FALLOFFS, Falloff::default())?,
+        falloff: object.word("falloff")?,
         sampling,
         samples: samples(object, sampling)?,
     };
@@ -71,7 +100,7 @@ fn area_light(object: &Object<'_>) -> Result<Light> {
 
 /// The `samples` of an area light: all of them, or those along each side of a grid.
 fn samples(object: &Object<'_>, sampling: Sampling) -> Result<u32> {
-    let samples = object.integer("samples", 1, MOST_SAMPLES)?;
+    let samples = object.integer("samples")?;
     let points = u64::from(samples) * u64::from(samples);
     if sampling != Sampling::Jittered || points <= MOST_POINTS {
         return Ok(samples);

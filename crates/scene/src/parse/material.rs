@@ -2,37 +2,39 @@
 
 use std::path::PathBuf;
 
-use glam::DVec3;
-
-use crate::components::{Encoding, Filter, Material, TextureRef, TextureSource, Wrap};
-use crate::reader::{Cursor, Object, Range};
+use crate::components::{Material, TextureRef, TextureSource};
+use crate::reader::{Cursor, Key, Kind, Object, Range, keys};
 use wavecrest_base::error::{ErrorKind, Result};
 
-pub(super) const KEYS: [&str; 5] = ["ks", "kd", "specularexponent", "diffusecolor", "kr"];
-
 /// Exponents of the highlight. At a million it is a fraction of a pixel wide.
-pub(super) const EXPONENT: Range = Range::new(0.0, 1e6);
+const EXPONENT: Range = Range::new(0.0, 1e6);
 
-pub(super) const FILTERS: [(&str, Filter); 3] = [
-    ("nearest", Filter::Nearest),
-    ("bilinear", Filter::Bilinear),
-    ("trilinear", Filter::Trilinear),
-];
-pub(super) const WRAPS: [(&str, Wrap); 2] = [("repeat", Wrap::Repeat), ("clamp", Wrap::Clamp)];
-/// What numbers of colours stand for, by name.
-pub(super) const ENCODINGS: [(&str, Encoding); 2] =
-    [("linear", Encoding::Linear), ("srgb", Encoding::Srgb)];
+pub(crate) const MATERIAL: Kind =
+    Kind::new("a material", "What a shape is made of, after Blinn and Phong.", &[KEYS]);
+
+const KEYS: &[Key] = keys! {
+    /// Weight of the highlight, 0 to 1.
+    "ks": Number(Range::NOT_NEGATIVE), Required;
+    /// Weight of the diffuse part, 0 to 1.
+    "kd": Number(Range::NOT_NEGATIVE), Required;
+    /// Sharpness of the highlight.
+    "specularexponent": Number(EXPONENT), Required;
+    /// Colour of the diffuse part, where no texture replaces it.
+    "diffusecolor": Color, Required;
+    /// Weight of the mirror ray, 0 to 1.
+    "kr": Number(Range::NOT_NEGATIVE), Is(0.0);
+};
 
 /// Reads the `material` of a shape.
 pub(super) fn material(cursor: &Cursor<'_>) -> Result<Material> {
-    let object = cursor.object("a material", KEYS.into())?;
+    let object = cursor.object(MATERIAL)?;
     warn_above_1(&object);
     Ok(Material {
-        ks: object.number("ks", Range::NOT_NEGATIVE)?,
-        kd: object.number("kd", Range::NOT_NEGATIVE)?,
-        specular_exponent: object.number("specularexponent", EXPONENT)?,
+        ks: object.number("ks")?,
+        kd: object.number("kd")?,
+        specular_exponent: object.number("specularexponent")?,
         diffuse_color: object.color("diffusecolor")?,
-        kr: object.number_or("kr", Range::NOT_NEGATIVE, 0.0)?,
+        kr: object.number("kr")?,
     })
 }
 
@@ -56,10 +58,10 @@ fn warn_above_1(object: &Object<'_>) {
 
 /// Reads the texture of a shape, with the keys that say how it is looked up.
 pub(super) fn texture(object: &Object<'_>) -> Result<Option<TextureRef>> {
-    let filter = object.choice_or("filter", &FILTERS, Filter::default())?;
-    let wrap = object.choice_or("wrap", &WRAPS, Wrap::default())?;
-    let encoding = object.choice_or("encoding", &ENCODINGS, Encoding::default())?;
-    let tint = object.get("tint").map_or(Ok(DVec3::ONE), |cursor| cursor.color())?;
+    let filter = object.word("filter")?;
+    let wrap = object.word("wrap")?;
+    let encoding = object.word("encoding")?;
+    let tint = object.color("tint")?;
     let Some(cursor) = object.get("texture") else {
         warn_without_texture(object);
         return Ok(None);

@@ -10,32 +10,78 @@ use glam::{DVec3, Vec2, Vec3};
 use serde_json::Value;
 
 use crate::mesh::{Attribute, MeshData};
-use crate::reader::{Cursor, Object, Range};
+use crate::reader::{Cursor, Key, Object, Range, Takes, keys};
 use crate::schema::Geometry;
 use wavecrest_base::error::Result;
 
 use super::material::existing_file;
-
-/// With those keys, too, that would make it another kind: they may be what a misspelt key means.
-pub(super) const STRIP_KEYS: [&str; 7] =
-    ["size", "points", "normal", "uvs", "normals", "indices", "file"];
-pub(super) const INDEXED_KEYS: [&str; 6] = ["size", "points", "indices", "uvs", "normals", "file"];
-pub(super) const FILE_KEYS: [&str; 1] = ["file"];
+use super::own_keys::OwnKeys;
 
 const POINTS: &str = "an array of at least three points [[x, y, z], ...]";
 const INDICES: &str = "an array of triangles [[a, b, c], ...], at least one";
 
-/// Which mesh this is, and which keys it has beside those of all shapes.
-pub(super) fn kind_and_keys(
-    cursor: &Cursor<'_>,
-) -> Result<(&'static str, &'static [&'static str])> {
+pub(crate) const MESH_FILE: OwnKeys = OwnKeys {
+    name: "a trimesh from a file",
+    about: "A mesh from a file.",
+    keys: &[keys! {
+        /// A mesh file: a path from the scene's folder.
+        "file": Text, Required;
+    }],
+};
+
+pub(crate) const INDEXED: OwnKeys = OwnKeys {
+    name: "a trimesh with indices",
+    about: "A mesh.",
+    keys: &[
+        KEYS,
+        keys! {
+            /// Triangles, by the numbers of their points from 0, clockwise as seen from the front.
+            "indices": INDICES_TAKE, Required;
+            /// A mesh file: a path from the scene's folder.
+            "file": Text;
+        },
+    ],
+};
+
+// With the keys, too, that would make it another kind: they may be what a misspelt key means.
+pub(crate) const STRIP: OwnKeys = OwnKeys {
+    name: "a trimesh that is a strip",
+    about: "A strip of triangles.",
+    keys: &[
+        KEYS,
+        keys! {
+            /// For each triangle of a strip 0, which keeps its winding, or -1, which turns it.
+            "normal": AtLeast(1, &OneOf(&[0, -1]));
+            /// Triangles, by the numbers of their points from 0, clockwise as seen from the front.
+            "indices": INDICES_TAKE;
+            /// A mesh file: a path from the scene's folder.
+            "file": Text;
+        },
+    ],
+};
+
+const KEYS: &[Key] = keys! {
+    /// The number of points, if it is to be checked.
+    "size": Integer(0, u32::MAX);
+    /// The points of the mesh.
+    "points": AtLeast(3, &Point), Required;
+    /// Texture coordinates, for each point.
+    "uvs": AtLeast(3, &Exactly(2, &Definition("number")));
+    /// Normals for smooth shading, for each point.
+    "normals": AtLeast(3, &Point);
+};
+
+const INDICES_TAKE: Takes = Takes::AtLeast(1, &Takes::Exactly(3, &Takes::Integer(0, u32::MAX)));
+
+/// Which mesh this is.
+pub(super) fn own_keys(cursor: &Cursor<'_>) -> Result<&'static OwnKeys> {
     let has = |key: &str| cursor.value().get(key).is_some();
     match (has("file"), has("points"), has("indices")) {
         (true, true, _) => Err(both(cursor, "points")),
         (true, _, true) => Err(both(cursor, "indices")),
-        (true, false, false) => Ok(("a trimesh from a file", &FILE_KEYS)),
-        (false, _, true) => Ok(("a trimesh with indices", &INDEXED_KEYS)),
-        (false, _, false) => Ok(("a trimesh that is a strip", &STRIP_KEYS)),
+        (true, false, false) => Ok(&MESH_FILE),
+        (false, _, true) => Ok(&INDEXED),
+        (false, _, false) => Ok(&STRIP),
     }
 }
 
@@ -163,11 +209,11 @@ fn normals(cursor: &Cursor<'_>, points: usize) -> Result<Attribute<Vec3>> {
 /// A value for each point.
 fn attribute<T>(
     cursor: &Cursor<'_>,
-    form: &str,
+    each: &str,
     points: usize,
     read: impl FnMut(Cursor<'_>) -> Result<T>,
 ) -> Result<Attribute<T>> {
-    let what = format!("an array of {points} times {form}, one for each point");
+    let what = format!("an array of {points} times {each}, one for each point");
     let values = cursor.each(&what, read)?;
     if values.len() != points {
         return Err(cursor.error(format!("must be {what}")));

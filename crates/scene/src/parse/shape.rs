@@ -1,76 +1,153 @@
-//! Shapes: the keys that all have, and the forms.
+//! Shapes: the keys that all have, and those of each kind.
 
 use glam::DVec3;
 
-use crate::components::{Facing, Name, Quad, Shading, Sides, Sphere, Transform, Triangle};
+use crate::components::{
+    Encoding, Facing, Filter, Name, Quad, Shading, Sides, Sphere, Transform, Triangle, Wrap,
+};
 use crate::corners::{
     direction, quad_has_area, quad_is_planar, quad_is_simple, quad_normal, quad_repeats_a_corner,
     triangle_has_area, triangle_normal,
 };
-use crate::reader::{Cursor, Object, Range};
+use crate::reader::{Absent, Cursor, Key, Kind, Object, Range, Takes, keys};
 use crate::schema::{Geometry, Shape};
+use crate::words::Word;
 use wavecrest_base::error::{Error, Result};
 
+use super::own_keys::OwnKeys;
 use super::{material, mesh, transform};
-
-pub(super) const COMMON_KEYS: [&str; 12] = [
-    "type",
-    "name",
-    "id",
-    "material",
-    "texture",
-    "filter",
-    "wrap",
-    "encoding",
-    "tint",
-    "transform",
-    "sides",
-    "shading",
-];
-
-/// Of a shape of the scene, and not of one of a light.
-pub(super) const SCENE_KEYS: [&str; 1] = ["hidden"];
-pub(super) const SPHERE_KEYS: [&str; 2] = ["center", "radius"];
-/// Of a plane and of a triangle.
-pub(super) const FLAT_KEYS: [&str; 2] = ["points", "normal"];
 
 /// Sine of the angle to the surface below which a `normal` does not tell the sides apart, in
 /// single precision.
 const IN_PLANE: f64 = 1e-6;
 
-pub(super) const SIDES: [(&str, Sides); 2] = [("front", Sides::Front), ("both", Sides::Both)];
-pub(super) const SHADINGS: [(&str, Shading); 2] =
-    [("flat", Shading::Flat), ("smooth", Shading::Smooth)];
-
-#[derive(Clone, Copy)]
-pub(super) enum Kind {
+#[derive(Clone, Copy, PartialEq)]
+pub(crate) enum ShapeKind {
     Sphere,
     Plane,
     Triangle,
     Trimesh,
 }
 
-pub(super) const KINDS: [(&str, Kind); 4] = [
-    ("sphere", Kind::Sphere),
-    ("plane", Kind::Plane),
-    ("triangle", Kind::Triangle),
-    ("trimesh", Kind::Trimesh),
+impl Word for ShapeKind {
+    const WORDS: &[(&str, Self)] = &[
+        ("sphere", Self::Sphere),
+        ("plane", Self::Plane),
+        ("triangle", Self::Triangle),
+        ("trimesh", Self::Trimesh),
+    ];
+}
+
+const NAME_KEYS: &[Key] = keys! {
+    /// Which kind of shape this is.
+    "type": word::<ShapeKind>(), Required;
+    /// A name, for messages and for instances.
+    "name": Text;
+    /// Another name of name.
+    "id": Text;
+};
+
+/// Keys of shapes of the scene.
+const SCENE_KEYS: &[Key] = keys! {
+    /// What it is made of.
+    "material": Definition("material"), Required;
+    /// An image in place of the diffuse colour: a path from the scene's folder.
+    "texture": Text;
+    /// What a look-up between texels shows.
+    "filter": word::<Filter>(), Says("bilinear");
+    /// How coordinates outside 0 to 1 are taken.
+    "wrap": word::<Wrap>(), Says("repeat");
+    /// What the numbers of the texture stand for.
+    "encoding": word::<Encoding>(), Says("linear");
+    /// What the colours of the texture are multiplied by.
+    "tint": Color, Are([1.0; 3]);
+    /// Whether its instances alone are seen.
+    "hidden": Truth, Off;
+};
+
+/// Keys of shapes of lights, which have a colour of their own and are always seen.
+const LIGHT_KEYS: &[Key] = &[
+    ignored("material"),
+    ignored("texture"),
+    ignored("filter"),
+    ignored("wrap"),
+    ignored("encoding"),
+    ignored("tint"),
 ];
+
+const fn ignored(name: &'static str) -> Key {
+    let about = "Not looked at: the light has a colour of its own.";
+    Key { name, takes: Takes::Anything, absent: Absent::Open, about }
+}
+
+const PLACE_KEYS: &[Key] = keys! {
+    /// From its own space to the world's.
+    "transform": Definition("transform");
+    /// Which sides lights reach; absent, both of spheres and meshes from files, and the front of others.
+    "sides": word::<Sides>();
+    /// Whether a mesh is lit with its triangles' normals or with its own.
+    "shading": word::<Shading>(), Says("flat");
+};
+
+/// Whose shape it is: that decides the keys that all kinds of shapes share.
+#[derive(Clone, Copy, PartialEq)]
+pub(crate) enum Owner {
+    Scene,
+    Light,
+}
+
+/// The kind of object that a shape with these keys of its `own` is.
+pub(crate) fn kind(own: &OwnKeys, owner: Owner) -> Kind {
+    let shared: &[&[Key]] = match owner {
+        Owner::Scene => &[NAME_KEYS, SCENE_KEYS, PLACE_KEYS],
+        Owner::Light => &[NAME_KEYS, LIGHT_KEYS, PLACE_KEYS],
+    };
+    Kind { more: own.keys, ..Kind::new(own.name, own.about, shared) }
+}
+
+pub(crate) const SPHERE: OwnKeys =
+    OwnKeys { name: "a sphere", about: "A sphere.", keys: &[SPHERE_KEYS] };
+pub(crate) const PLANE: OwnKeys =
+    OwnKeys { name: "a plane", about: "A plane quad.", keys: &[PLANE_KEYS, FLAT_KEYS] };
+pub(crate) const TRIANGLE: OwnKeys =
+    OwnKeys { name: "a triangle", about: "A triangle.", keys: &[TRIANGLE_KEYS, FLAT_KEYS] };
+
+const SPHERE_KEYS: &[Key] = keys! {
+    /// The centre.
+    "center": Point, Required;
+    /// The radius.
+    "radius": Number(Range::POSITIVE), Required;
+};
+
+const PLANE_KEYS: &[Key] = keys! {
+    /// Bottom left, top left, top right, bottom right, as seen from the front.
+    "points": Exactly(4, &Point), Required;
+};
+
+const TRIANGLE_KEYS: &[Key] = keys! {
+    /// The corners, clockwise as seen from the front.
+    "points": Exactly(3, &Point), Required;
+};
+
+const FLAT_KEYS: &[Key] = keys! {
+    /// -1 turns the front away; a vector points to it.
+    "normal": PointOr(&[1, -1]);
+};
 
 /// Reads an element of `scene.shapes`.
 pub(super) fn shape(cursor: &Cursor<'_>) -> Result<Shape> {
-    let object = open(cursor, &SCENE_KEYS)?;
+    let object = open(cursor, Owner::Scene)?;
     let hidden = object.get("hidden").map_or(Ok(false), |cursor| cursor.truth())?;
     let material = material::material(&object.need("material", "an object { ... }")?)?;
     let texture = material::texture(&object)?;
-    Ok(Shape { hidden, material: Some(material), texture, ..form(&object)? })
+    Ok(Shape { hidden, material: Some(material), texture, ..read(&object)? })
 }
 
 /// Reads the `shape` of an area light. It shines with the light's own colour, so that its material
 /// and its texture are not looked at.
 pub(super) fn light_shape(cursor: &Cursor<'_>) -> Result<Shape> {
-    let object = open(cursor, &[])?;
-    let shape = form(&object)?;
+    let object = open(cursor, Owner::Light)?;
+    let shape = read(&object)?;
     if let Geometry::Triangle(triangle) = &shape.geometry
         && !triangle_has_area(&triangle.points)
         && let Some(points) = object.get("points")
@@ -80,26 +157,26 @@ pub(super) fn light_shape(cursor: &Cursor<'_>) -> Result<Shape> {
     Ok(shape)
 }
 
-/// The shape as an object with exactly the keys that its kind has, and `more`.
-fn open<'a>(cursor: &Cursor<'a>, more: &[&'static str]) -> Result<Object<'a>> {
-    let (kind, own): (&str, &[&'static str]) = match cursor.kind("a shape", &KINDS)? {
-        Kind::Sphere => ("a sphere", &SPHERE_KEYS),
-        Kind::Plane => ("a plane", &FLAT_KEYS),
-        Kind::Triangle => ("a triangle", &FLAT_KEYS),
-        Kind::Trimesh => mesh::kind_and_keys(cursor)?,
+/// The shape as an object with exactly the keys that its kind has.
+fn open<'a>(cursor: &Cursor<'a>, owner: Owner) -> Result<Object<'a>> {
+    let own = match cursor.kind("a shape")? {
+        ShapeKind::Sphere => &SPHERE,
+        ShapeKind::Plane => &PLANE,
+        ShapeKind::Triangle => &TRIANGLE,
+        ShapeKind::Trimesh => mesh::own_keys(cursor)?,
     };
-    cursor.object(kind, [&COMMON_KEYS[..], own, more].concat())
+    cursor.object(kind(own, owner))
 }
 
 /// All of a shape but its material and texture.
-fn form(object: &Object<'_>) -> Result<Shape> {
-    let kind = object.choice("type", &KINDS)?;
+fn read(object: &Object<'_>) -> Result<Shape> {
+    let kind = object.word("type")?;
     let transform = object.get("transform").map(|c| transform::transform(&c)).transpose()?;
     let (geometry, facing) = match kind {
-        Kind::Sphere => (sphere(object, transform)?, None),
-        Kind::Plane => quad(object)?,
-        Kind::Triangle => triangle(object)?,
-        Kind::Trimesh => (mesh::mesh(object)?, None),
+        ShapeKind::Sphere => (sphere(object, transform)?, None),
+        ShapeKind::Plane => quad(object)?,
+        ShapeKind::Triangle => triangle(object)?,
+        ShapeKind::Trimesh => (mesh::mesh(object)?, None),
     };
     let default_sides = match geometry {
         Geometry::Sphere(_) | Geometry::MeshFile(_) => Sides::Both,
@@ -111,8 +188,8 @@ fn form(object: &Object<'_>) -> Result<Shape> {
         facing,
         geometry,
         transform: transform.map(Transform),
-        sides: object.choice_or("sides", &SIDES, default_sides)?,
-        shading: object.choice_or("shading", &SHADINGS, Shading::Flat)?,
+        sides: object.word_or("sides", default_sides)?,
+        shading: object.word("shading")?,
         hidden: false,
         material: None,
         texture: None,
@@ -130,8 +207,8 @@ fn sphere(object: &Object<'_>, transform: Option<glam::DAffine3>) -> Result<Geom
     {
         return Err(uneven(&cursor));
     }
-    let center = object.point(&["center"])?;
-    Ok(Geometry::Sphere(Sphere { center, radius: object.number("radius", Range::POSITIVE)? }))
+    let center = object.point("center")?;
+    Ok(Geometry::Sphere(Sphere { center, radius: object.number("radius")? }))
 }
 
 /// The transform at `cursor` would make something else of a sphere.

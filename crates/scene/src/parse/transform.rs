@@ -2,23 +2,33 @@
 
 use glam::{DAffine3, DMat3, DVec3};
 
-use crate::reader::{Cursor, Object, Range};
+use crate::reader::{Cursor, Key, Kind, Object, Range, keys};
 use wavecrest_base::error::Result;
 
 /// Relative difference below which the scales along the axes, and the angles between them, count as
 /// even: eight times the rounding of single precision, in which the scene is drawn.
 const EVEN: f64 = 1e-6;
 
-pub(super) const PARTS: [&str; 3] = ["translate", "rotate", "scale"];
+/// A transform by its parts.
+pub(crate) const PARTS: Kind = Kind::new(
+    "a transform (or a matrix of 4 rows)",
+    "First scaled, then turned, then moved.",
+    &[PART_KEYS],
+);
+
+const PART_KEYS: &[Key] = keys! {
+    /// How far it is moved.
+    "translate": Point, Are([0.0; 3]);
+    /// Degrees about x, then y, then z.
+    "rotate": Point, Are([0.0; 3]);
+    /// One factor, or one along each axis.
+    "scale": NumberOrPoint, Is(1.0);
+};
 
 /// Reads a transform: a matrix, or its parts.
 pub(super) fn transform(cursor: &Cursor<'_>) -> Result<DAffine3> {
-    let transform = if cursor.value().is_array() {
-        matrix(cursor)?
-    } else {
-        let kind = "a transform (or a matrix of 4 rows)";
-        parts(&cursor.object(kind, PARTS.into())?)?
-    };
+    let transform =
+        if cursor.value().is_array() { matrix(cursor)? } else { parts(&cursor.object(PARTS)?)? };
     if is_singular(transform.matrix3) {
         let error = cursor.error("the transform flattens space, so that it cannot be undone");
         return Err(error.remedy("give every axis a scale other than 0"));
@@ -57,8 +67,8 @@ fn matrix(cursor: &Cursor<'_>) -> Result<DAffine3> {
 
 /// First the scale, then the rotation, then the translation.
 fn parts(object: &Object<'_>) -> Result<DAffine3> {
-    let translation = object.point_or("translate", DVec3::ZERO)?;
-    let rotate = object.point_or("rotate", DVec3::ZERO)?;
+    let translation = object.point("translate")?;
+    let rotate = object.point("rotate")?;
     let scale = object.get("scale").map_or(Ok(DVec3::ONE), |cursor| scale(&cursor))?;
     Ok(DAffine3 { matrix3: rotation(rotate) * DMat3::from_diagonal(scale), translation })
 }

@@ -5,7 +5,8 @@ use std::io::{self, Write};
 use glam::DVec3;
 use serde_json::Value;
 
-use super::{Notes, Object, Place};
+use super::notes::Notes;
+use super::place::Place;
 use wavecrest_base::error::{Error, ErrorKind, Result, did_you_mean};
 use wavecrest_core::math::float::MAX_COORDINATE;
 
@@ -58,7 +59,7 @@ impl Range {
 /// A JSON value that knows where it stands.
 #[derive(Clone, Copy)]
 pub(crate) struct Cursor<'a> {
-    value: &'a Value,
+    pub(super) value: &'a Value,
     place: Place<'a>,
     notes: &'a Notes<'a>,
 }
@@ -104,7 +105,7 @@ impl<'a> Cursor<'a> {
         self.notes.warn(&self.error(message).remedy(remedy));
     }
 
-    fn must_be(&self, what: &str) -> Error {
+    pub(super) fn must_be(&self, what: &str) -> Error {
         self.error(format!("must be {what}"))
     }
 
@@ -196,27 +197,6 @@ impl<'a> Cursor<'a> {
             Some(meant) => error.remedy(format!("did you mean {meant:?}?")),
             None => error,
         })
-    }
-
-    /// An object that has no keys but `keys`, the keys of `kind` ("a sphere").
-    pub(crate) fn object(&self, kind: &'a str, keys: Vec<&'static str>) -> Result<Object<'a>> {
-        let object = self.any_object(kind, keys)?;
-        object.check_keys()?;
-        Ok(object)
-    }
-
-    /// Which of a few kinds of object this is, by its key `type`.
-    pub(crate) fn kind<T: Copy>(&self, what: &str, options: &[(&'static str, T)]) -> Result<T> {
-        self.any_object(what, vec!["type"])?.choice("type", options)
-    }
-
-    fn any_object<'k>(&self, kind: &'k str, keys: Vec<&'static str>) -> Result<Object<'k>>
-    where
-        'a: 'k,
-    {
-        let what = || self.must_be(&format!("{kind}, an object {{ ... }}"));
-        let map = self.value.as_object().ok_or_else(what)?;
-        Ok(Object::new(*self, map, kind, keys))
     }
 }
 

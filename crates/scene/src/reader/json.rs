@@ -4,19 +4,33 @@
 //! a word.
 
 use std::fmt;
+use std::path::Path;
 
-use serde::de::{Deserialize, Deserializer, Error, MapAccess, SeqAccess, Visitor};
+use serde::de::{Deserialize, Deserializer, Error as _, MapAccess, SeqAccess, Visitor};
 use serde_json::{Map, Number, Value};
 
-/// Parses `text`, refusing an object with equal keys.
-pub(crate) fn parse(text: &str) -> serde_json::Result<Value> {
+use wavecrest_base::error::{Error, ErrorKind, Result};
+
+/// The value that the `text` of a file is. An object with equal keys is refused.
+pub(crate) fn parse(text: &str, file: &Path) -> Result<Value> {
+    // Some editors begin a file with a byte order mark, which JSON does not have.
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    unique(text).map_err(|e| {
+        let text = e.to_string();
+        let place = format!("line {} column {}", e.line(), e.column());
+        let reason = text.strip_suffix(&format!(" at {place}")).unwrap_or(&text);
+        Error::new(ErrorKind::Syntax, format!("not valid JSON: {reason}")).in_file(file).at(place)
+    })
+}
+
+fn unique(text: &str) -> serde_json::Result<Value> {
     serde_json::from_str::<Unique>(text).map(|unique| unique.0)
 }
 
 struct Unique(Value);
 
 impl<'de> Deserialize<'de> for Unique {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> std::result::Result<Self, D::Error> {
         deserializer.deserialize_any(UniqueVisitor).map(Self)
     }
 }
@@ -30,35 +44,35 @@ impl<'de> Visitor<'de> for UniqueVisitor {
         f.write_str("a JSON value")
     }
 
-    fn visit_unit<E>(self) -> Result<Value, E> {
+    fn visit_unit<E>(self) -> std::result::Result<Value, E> {
         Ok(Value::Null)
     }
 
-    fn visit_bool<E>(self, value: bool) -> Result<Value, E> {
+    fn visit_bool<E>(self, value: bool) -> std::result::Result<Value, E> {
         Ok(Value::Bool(value))
     }
 
-    fn visit_u64<E>(self, value: u64) -> Result<Value, E> {
+    fn visit_u64<E>(self, value: u64) -> std::result::Result<Value, E> {
         Ok(value.into())
     }
 
-    fn visit_i64<E>(self, value: i64) -> Result<Value, E> {
+    fn visit_i64<E>(self, value: i64) -> std::result::Result<Value, E> {
         Ok(value.into())
     }
 
-    fn visit_f64<E>(self, value: f64) -> Result<Value, E> {
+    fn visit_f64<E>(self, value: f64) -> std::result::Result<Value, E> {
         Ok(Number::from_f64(value).map_or(Value::Null, Value::Number))
     }
 
-    fn visit_str<E>(self, value: &str) -> Result<Value, E> {
+    fn visit_str<E>(self, value: &str) -> std::result::Result<Value, E> {
         Ok(value.into())
     }
 
-    fn visit_string<E>(self, value: String) -> Result<Value, E> {
+    fn visit_string<E>(self, value: String) -> std::result::Result<Value, E> {
         Ok(value.into())
     }
 
-    fn visit_seq<A: SeqAccess<'de>>(self, mut items: A) -> Result<Value, A::Error> {
+    fn visit_seq<A: SeqAccess<'de>>(self, mut items: A) -> std::result::Result<Value, A::Error> {
         let mut array = Vec::new();
         while let Some(Unique(item)) = items.next_element()? {
             array.push(item);
@@ -66,7 +80,7 @@ impl<'de> Visitor<'de> for UniqueVisitor {
         Ok(Value::Array(array))
     }
 
-    fn visit_map<A: MapAccess<'de>>(self, mut entries: A) -> Result<Value, A::Error> {
+    fn visit_map<A: MapAccess<'de>>(self, mut entries: A) -> std::result::Result<Value, A::Error> {
         let mut object = Map::new();
         while let Some(key) = entries.next_key::<String>()? {
             if object.contains_key(&key) {
@@ -87,12 +101,12 @@ mod tests {
     fn values_are_those_of_serde_json() {
         let text = r#"{"a": [1, -2, 3.5, 1e300, null, true, "x\n"], "b": {"a": {}}}"#;
         let expected: Value = serde_json::from_str(text).unwrap();
-        assert_eq!(parse(text).unwrap(), expected);
+        assert_eq!(unique(text).unwrap(), expected);
     }
 
     #[test]
     fn a_key_given_twice_is_refused_where_it_stands() {
-        let error = parse("{\"a\": 1,\n \"b\": {\"c\": 1, \"c\": 2}}").unwrap_err();
+        let error = unique("{\"a\": 1,\n \"b\": {\"c\": 1, \"c\": 2}}").unwrap_err();
         assert!(error.to_string().starts_with("the key \"c\" is given twice at line 2"), "{error}");
     }
 }

@@ -3,8 +3,10 @@
 use glam::DVec3;
 use serde_json::{Map, Value};
 
-use super::cursor::{COLOR, POINT, integer_words, words_of};
-use super::{Cursor, Place, Range};
+use super::cursor::{COLOR, Cursor, POINT, Range, integer_words, words_of};
+use super::keys::{Absent, Key, Kind, Takes, keys};
+use super::place::Place;
+use crate::words::Word;
 use wavecrest_base::error::{Error, ErrorKind, Result, did_you_mean};
 
 /// A JSON object, and the keys that its kind allows.
@@ -13,28 +15,47 @@ use wavecrest_base::error::{Error, ErrorKind, Result, did_you_mean};
 pub(crate) struct Object<'a> {
     cursor: Cursor<'a>,
     map: &'a Map<String, Value>,
-    kind: &'a str,
-    keys: Vec<&'static str>,
+    kind: Kind,
+}
+
+impl<'a> Cursor<'a> {
+    /// An object that has no keys but those of its `kind`.
+    pub(crate) fn object(&self, kind: Kind) -> Result<Object<'a>> {
+        let object = self.any_object(kind)?;
+        object.check_keys()?;
+        Ok(object)
+    }
+
+    /// Which of a few kinds of object this is, by its key `type`; `what` describes them.
+    pub(crate) fn kind<T: Word>(&self, what: &'static str) -> Result<T> {
+        const TYPE: &[Key] = keys! {
+            /// Which kind it is.
+            "type": Anything, Required;
+        };
+        self.any_object(Kind::new(what, "", &[TYPE]))?.word("type")
+    }
+
+    fn any_object(&self, kind: Kind) -> Result<Object<'a>> {
+        let what = || self.must_be(&format!("{}, an object {{ ... }}", kind.name));
+        let map = self.value().as_object().ok_or_else(what)?;
+        Ok(Object { cursor: *self, map, kind })
+    }
 }
 
 impl<'a> Object<'a> {
-    pub(super) fn new(
-        cursor: Cursor<'a>,
-        map: &'a Map<String, Value>,
-        kind: &'a str,
-        keys: Vec<&'static str>,
-    ) -> Self {
-        Self { cursor, map, kind, keys }
-    }
-
     /// The object as a value.
     pub(crate) fn cursor(&self) -> &Cursor<'a> {
         &self.cursor
     }
 
+    /// What the table says of a key.
+    fn key(&self, name: &str) -> Option<&'static Key> {
+        self.kind.all_keys().find(|key| key.name == name)
+    }
+
     /// The value of an optional `key`.
     pub(crate) fn get(&self, key: &'static str) -> Option<Cursor<'_>> {
-        debug_assert!(self.keys.contains(&key), "{key} is read but not among the keys");
+        debug_assert!(self.key(key).is_some(), "{key} is read but not among the keys");
         let value = self.map.get(key)?;
         Some(Cursor::new(value, Place::Key(self.cursor.place(), key), self.cursor.notes()))
     }
@@ -70,83 +91,116 @@ impl<'a> Object<'a> {
     }
 
     fn unknown_keys(&self) -> impl Iterator<Item = &'a str> {
-        self.map.keys().map(String::as_str).filter(|key| !self.keys.contains(key))
+        self.map.keys().map(String::as_str).filter(|key| self.key(key).is_none())
     }
 
     /// Warns of the keys that this kind of object does not have; where we are strict, fails.
-    pub(super) fn check_keys(&self) -> Result<()> {
+    fn check_keys(&self) -> Result<()> {
+        let notes = self.cursor.notes();
         for key in self.unknown_keys() {
-            let cursor = Cursor::new(
-                &self.map[key],
-                Place::Key(self.cursor.place(), key),
-                self.cursor.notes(),
-            );
-            let error = cursor.error(format!("is not a key of {}", self.kind));
-            self.cursor.notes().warn_or_fail(error.remedy(self.advice(key)))?;
+            let place = Place::Key(self.cursor.place(), key);
+            let cursor = Cursor::new(&self.map[key], place, notes);
+            let error = cursor.error(format!("is not a key of {}", self.kind.name));
+            notes.warn_or_fail(error.remedy(self.advice(key)))?;
         }
         Ok(())
     }
 
     fn advice(&self, key: &str) -> String {
         let advice = if self.cursor.notes().strict() { "remove it" } else { "it is ignored" };
-        let absent = self.keys.iter().filter(|k| !self.map.contains_key(**k)).copied();
-        match did_you_mean(key, absent) {
+        let names = self.kind.all_keys().map(|key| key.name);
+        match did_you_mean(key, names.filter(|name| !self.map.contains_key(*name))) {
             Some(meant) => format!("{advice}, or did you mean {meant:?}?"),
             None => advice.to_owned(),
         }
     }
 
-    /// A required number.
-    pub(crate) fn number(&self, key: &'static str, range: Range) -> Result<f64> {
-        self.need(key, &range.words())?.number(range)
+    /// What the table says of the absence of a key.
+    fn absent(&self, key: &str) -> Absent {
+        self.key(key).map_or(Absent::Required, |key| key.absent)
     }
 
-    /// An optional number.
-    pub(crate) fn number_or(&self, key: &'static str, range: Range, default: f64) -> Result<f64> {
-        self.get(key).map_or(Ok(default), |cursor| cursor.number(range))
+    /// The numbers that a key takes.
+    pub(crate) fn range(&self, key: &str) -> Range {
+        match self.key(key).map(|key| key.takes) {
+            Some(Takes::Number(range)) => range,
+            _ => {
+                debug_assert!(false, "{key} takes no number");
+                Range::COORDINATE
+            }
+        }
     }
 
-    /// A required integer from `low` to `high`.
-    pub(crate) fn integer(&self, key: &'static str, low: u32, high: u32) -> Result<u32> {
-        self.need(key, &integer_words(low, high))?.integer(low, high)
+    /// A number.
+    pub(crate) fn number(&self, key: &'static str) -> Result<f64> {
+        let range = self.range(key);
+        match (self.get(key), self.absent(key)) {
+            (Some(cursor), _) => cursor.number(range),
+            (None, Absent::Is(x)) => Ok(x),
+            _ => Err(self.missing(&[key], &range.words())),
+        }
     }
 
-    /// An optional integer from 1 to `high`.
-    pub(crate) fn count_or(&self, key: &'static str, high: u32, default: u32) -> Result<u32> {
-        self.get(key).map_or(Ok(default), |cursor| cursor.integer(1, high))
+    /// A number; `default` where the key is absent.
+    pub(crate) fn number_or(&self, key: &'static str, default: f64) -> Result<f64> {
+        self.get(key).map_or(Ok(default), |cursor| cursor.number(self.range(key)))
     }
 
-    /// A required point, under the one of `names` that is there.
-    pub(crate) fn point(&self, names: &[&'static str]) -> Result<DVec3> {
-        self.need_one_of(names, POINT)?.point()
+    /// An integer.
+    pub(crate) fn integer(&self, key: &'static str) -> Result<u32> {
+        let (low, high) = match self.key(key).map(|key| key.takes) {
+            Some(Takes::Integer(low, high)) => (low, high),
+            _ => {
+                debug_assert!(false, "{key} takes no integer");
+                (0, u32::MAX)
+            }
+        };
+        match (self.get(key), self.absent(key)) {
+            (Some(cursor), _) => cursor.integer(low, high),
+            // Tables have integers of the range alone.
+            (None, Absent::Is(x)) => Ok(x as u32),
+            _ => Err(self.missing(&[key], &integer_words(low, high))),
+        }
     }
 
-    /// An optional point or direction.
+    /// A point or a direction.
+    pub(crate) fn point(&self, key: &'static str) -> Result<DVec3> {
+        match (self.get(key), self.absent(key)) {
+            (Some(cursor), _) => cursor.point(),
+            (None, Absent::Are(point)) => Ok(point.into()),
+            _ => Err(self.missing(&[key], POINT)),
+        }
+    }
+
+    /// A point or a direction; `default` where the key is absent.
     pub(crate) fn point_or(&self, key: &'static str, default: DVec3) -> Result<DVec3> {
         self.get(key).map_or(Ok(default), |cursor| cursor.point())
     }
 
-    /// A required colour.
+    /// A colour.
     pub(crate) fn color(&self, key: &'static str) -> Result<DVec3> {
-        self.need(key, COLOR)?.color()
+        match (self.get(key), self.absent(key)) {
+            (Some(cursor), _) => cursor.color(),
+            (None, Absent::Are(color)) => Ok(color.into()),
+            _ => Err(self.missing(&[key], COLOR)),
+        }
     }
 
-    /// A required word.
-    pub(crate) fn choice<T: Copy>(
-        &self,
-        key: &'static str,
-        options: &[(&'static str, T)],
-    ) -> Result<T> {
-        self.need(key, &words_of(options))?.choice(options)
+    /// A word.
+    pub(crate) fn word<T: Word>(&self, key: &'static str) -> Result<T> {
+        let absent = match self.absent(key) {
+            Absent::Says(word) => T::of(word),
+            _ => None,
+        };
+        match (self.get(key), absent) {
+            (Some(cursor), _) => cursor.choice(T::WORDS),
+            (None, Some(meaning)) => Ok(meaning),
+            _ => Err(self.missing(&[key], &words_of(T::WORDS))),
+        }
     }
 
-    /// An optional word.
-    pub(crate) fn choice_or<T: Copy>(
-        &self,
-        key: &'static str,
-        options: &[(&'static str, T)],
-        default: T,
-    ) -> Result<T> {
-        self.get(key).map_or(Ok(default), |cursor| cursor.choice(options))
+    /// A word; `default` where the key is absent.
+    pub(crate) fn word_or<T: Word>(&self, key: &'static str, default: T) -> Result<T> {
+        self.get(key).map_or(Ok(default), |cursor| cursor.choice(T::WORDS))
     }
 }

@@ -106,11 +106,12 @@ impl<'a> Facts<'a> {
         }
         let held: usize =
             geometry.prototypes.iter().map(|prototype| prototype.triangles.len()).sum();
-        let shown = geometry.len() - geometry.own();
+        let instanced = geometry.len() - geometry.own();
         let (_, meshes) = count(geometry.prototypes.len(), "mesh", "");
         let (_, instances) = count(geometry.instances.len(), "instance", "");
         let meshes = meshes.replace("meshs", "meshes");
-        (own + shown > 0, format!("{own}, and {held} in {meshes} that {instances} show as {shown}"))
+        let reason = format!("{own}, and {held} in {meshes} that {instances} show as {instanced}");
+        (own + instanced > 0, reason)
     }
 
     fn decide(&self, effect: Effect) -> Decision {
@@ -154,14 +155,14 @@ impl<'a> Facts<'a> {
     }
 
     fn textures(&self) -> (bool, String) {
-        let shown = self.shows_texture.iter().filter(|shows| **shows).count();
+        let textured = self.shows_texture.iter().filter(|shows| **shows).count();
         let has_any = self.census.world.query::<&TextureRef>().iter().next().is_some();
         let none = match (has_any, self.is_lit() || self.census.ambient > 0.0) {
             (false, _) => "no shape has a texture",
             (true, false) => "no light shows the colour of a texture",
             (true, true) => "no surface shows the colour of its texture",
         };
-        count(shown, "textured shape", none)
+        count(textured, "textured shape", none)
     }
 
     fn ray_differentials(&self) -> (bool, String) {
@@ -170,8 +171,8 @@ impl<'a> Facts<'a> {
             let texture = self.census.world.get::<&TextureRef>(shape.entity);
             texture.is_ok_and(|texture| texture.filter == Filter::Trilinear)
         };
-        let shown = shapes.iter().zip(&self.shows_texture).filter(|(_, shown)| **shown);
-        let n = shown.filter(|(shape, _)| is_trilinear(shape)).count();
+        let textured = shapes.iter().zip(&self.shows_texture).filter(|(_, shows)| **shows);
+        let n = textured.filter(|(shape, _)| is_trilinear(shape)).count();
         count(n, "trilinear texture", "no texture that is seen is trilinear")
     }
 

@@ -8,19 +8,22 @@
 use glam::DVec3;
 use hecs::World;
 
-use super::missing;
-use crate::components::View;
+use crate::query::view;
 use wavecrest_base::error::Result;
+use wavecrest_core::kernels::precision::Precision;
 
 /// A camera this many times as far from the origin as from what it looks at has lost ten bits.
-const FAR: f64 = 1024.0;
+const FAR_CAMERA: f64 = 1024.0;
 
 /// What is to be subtracted from all positions, in scene units: zero in most scenes.
-pub fn run(world: &World) -> Result<DVec3> {
-    let mut query = world.query::<&View>();
-    let view = query.iter().next().ok_or_else(|| missing("View"))?;
+pub fn run(world: &World, precision: Precision) -> Result<DVec3> {
+    // Fast arithmetic takes coordinates as they are.
+    if precision == Precision::Fast {
+        return Ok(DVec3::ZERO);
+    }
+    let view = view(world)?;
     let distance = (view.look - view.location).abs().max_element();
-    let far = view.location.abs().max_element() >= FAR * distance;
+    let far = view.location.abs().max_element() >= FAR_CAMERA * distance;
     Ok(if far { nearest(view.location, distance) } else { DVec3::ZERO })
 }
 

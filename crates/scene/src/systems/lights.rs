@@ -6,7 +6,8 @@ use glam::{DVec3, Vec3};
 use hecs::{Entity, World};
 
 use super::geometry::Output;
-use crate::components::{AreaLight, JsonPath, Order, PointLight, Settings};
+use crate::components::{AreaLight, Order, PointLight, Settings};
+use crate::query::json_path;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::accel::geometry::{Geometry, Primitive};
 use wavecrest_core::kernels::camera;
@@ -84,7 +85,7 @@ pub fn keep(
 
 fn point_light(light: &PointLight, origin: DVec3) -> Light {
     Light {
-        emitter: Emitter::Point(super::single(light.position - origin)),
+        emitter: Emitter::Point((light.position - origin).as_vec3()),
         power: power(light.intensity, light.color),
         falloff: light.falloff,
         sampling: Sampling::Random,
@@ -103,7 +104,7 @@ fn area_light(light: &AreaLight, emitter: Emitter) -> Light {
 }
 
 fn power(intensity: f64, color: DVec3) -> Vec3 {
-    super::single(color * intensity)
+    (color * intensity).as_vec3()
 }
 
 /// The shape of a light, as something to choose points on.
@@ -125,14 +126,10 @@ fn triangles(geometry: &Geometry, number: u32) -> Vec<[Vec3; 3]> {
     }
 }
 
-fn place(world: &World, entity: Entity) -> String {
-    world.get::<&JsonPath>(entity).map_or_else(|_| String::new(), |p| p.0.clone())
-}
-
 fn no_area(world: &World, entity: Entity, settings: &Settings) -> Error {
     Error::new(ErrorKind::Scene, "the shape of an area light must have an area")
         .in_file(&settings.file)
-        .at(format!("{}.shape", place(world, entity)))
+        .at(format!("{}.shape", json_path(world, entity)))
         .remedy("give it corners that are not on one line, or use a point light")
 }
 
@@ -140,6 +137,6 @@ fn no_area(world: &World, entity: Entity, settings: &Settings) -> Error {
 fn too_many_samples(world: &World, entity: Entity, settings: &Settings) -> Error {
     Error::new(ErrorKind::Limit, "the lights have too many samples together")
         .in_file(&settings.file)
-        .at(format!("{}.samples", place(world, entity)))
+        .at(format!("{}.samples", json_path(world, entity)))
         .remedy(format!("at most {} are allowed", u32::MAX - 1))
 }

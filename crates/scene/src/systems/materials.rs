@@ -16,7 +16,7 @@ pub fn run(world: &World, shapes: &[ShapeOutput]) -> Vec<Material> {
                 ks: m.ks as f32,
                 kd: m.kd as f32,
                 exponent: m.specular_exponent as f32,
-                color: super::single(m.diffuse_color),
+                color: m.diffuse_color.as_vec3(),
                 kr: m.kr as f32,
             })
         })

@@ -12,7 +12,8 @@ use hecs::World;
 use image::{DynamicImage, ImageDecoder as _, ImageError, ImageFormat, ImageReader};
 
 use super::geometry::ShapeOutput;
-use crate::components::{Encoding, JsonPath, TextureRef, TextureSource};
+use crate::components::{Encoding, TextureRef, TextureSource};
+use crate::query::json_path;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::kernels::texture::{Filter, Image, Texels};
 use wavecrest_core::math::srgb::srgb_decode;
@@ -25,12 +26,13 @@ const MAX_SIDE: u32 = 1 << 16;
 const MAX_BYTES: u64 = 4 << 30;
 
 /// Decodes the images that `shapes` wear and notes in each shape which it is; those that a shape wears
-/// with trilinear filter get a pyramid. Of those that are not `shown` none is opened, unless the schedule
-/// has it so.
+/// with trilinear filter get a pyramid. Of those that are not `needed` none is opened, unless the schedule
+/// has it so. `file` is the scene's, for messages.
 pub fn run(
     world: &World,
+    file: &Path,
     schedule: Schedule,
-    shown: &[bool],
+    needed: &[bool],
     shapes: &mut [ShapeOutput],
 ) -> Result<Vec<Image>> {
     let mut images = Vec::new();
@@ -39,7 +41,7 @@ pub fn run(
     }
     let all = schedule.is_needless(Step::Texels);
     let mut numbers: HashMap<Key, u32> = HashMap::new();
-    for (shape, _) in shapes.iter_mut().zip(shown).filter(|(_, shown)| **shown || all) {
+    for (shape, _) in shapes.iter_mut().zip(needed).filter(|(_, needed)| **needed || all) {
         if shape.shape.emission.is_some() {
             continue;
         }
@@ -47,7 +49,8 @@ pub fn run(
         let number = match numbers.entry(Key::of(&reference)) {
             Entry::Occupied(entry) => *entry.get(),
             Entry::Vacant(entry) => {
-                images.push(decode(&reference).map_err(|e| at_shape(world, shape, e))?);
+                let place = format!("{}.texture", json_path(world, shape.entity));
+                images.push(decode(&reference).map_err(|e| e.in_file(file).at(place))?);
                 *entry.insert(images.len() as u32 - 1)
             }
         };
@@ -89,13 +92,6 @@ fn head(file: impl BufRead + Seek) -> Option<(u32, u32, bool, u64)> {
     let color = decoder.color_type();
     let is_bytes = color.bytes_per_pixel() == color.channel_count();
     Some((width, height, is_bytes, decoder.total_bytes()))
-}
-
-fn at_shape(world: &World, shape: &ShapeOutput, error: Error) -> Error {
-    match world.get::<&JsonPath>(shape.entity) {
-        Ok(path) => error.in_file(super::scene_file(world)).at(format!("{}.texture", path.0)),
-        Err(_) => error,
-    }
 }
 
 /// What tells one image from another.

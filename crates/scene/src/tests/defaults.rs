@@ -177,7 +177,7 @@ fn area_lights_take_every_shape() {
     let triangle = json!({"type": "triangle", "points": [[0, 0, 0], [0, 1, 0], [1, 0, 0]]});
     assert!(at::<Triangle>(&accepted(path, triangle), light).is_some());
     // What lights do not use is not looked at: the report's own examples leave it empty.
-    let file = json!({"type": "trimesh", "file": "Cargo.lock", "material": {}, "texture": "none"});
+    let file = json!({"type": "trimesh", "file": "src/lib.rs", "material": {}, "texture": "none"});
     assert!(at::<Mesh>(&accepted(path, file), light).is_some());
 }
 
@@ -218,7 +218,7 @@ fn shapes() {
     assert_eq!(at::<Transform>(&scene, "scene.shapes[1]"), None);
     assert_eq!(at::<Name>(&scene, "scene.shapes[1]"), None);
     assert_eq!(at(&scene, "scene.shapes[3]"), Some(Shading::Smooth));
-    assert_eq!(at::<Mesh>(&scene, "scene.shapes[5]").unwrap().file, Some("Cargo.lock".into()));
+    assert_eq!(at::<Mesh>(&scene, "scene.shapes[5]").unwrap().file, Some("src/lib.rs".into()));
     assert_eq!(scene.world.query::<&JsonPath>().iter().count(), 8);
 }
 

@@ -119,7 +119,7 @@ fn a_mesh_that_cannot_be_read() {
     assert_eq!(
         error.to_string(),
         "s.json: scene.shapes[5].file: cannot read the mesh: \
-         Cargo.lock: vertex 3: is not finite, found inf"
+         src/lib.rs: vertex 3: is not finite, found inf"
     );
 }
 
@@ -129,13 +129,13 @@ fn the_warnings_of_a_mesh_are_passed_on() {
         let warning = Warning::from_error(&Error::new(ErrorKind::Mesh, "odd").in_file(file));
         Ok(LoadedMesh { warnings: vec![warning], ..one_triangle(file)? })
     };
-    assert_eq!(with_reader(odd).unwrap().warnings[0].to_string(), "Cargo.lock: odd");
+    assert_eq!(with_reader(odd).unwrap().warnings[0].to_string(), "src/lib.rs: odd");
 }
 
 #[test]
 fn a_light_of_a_mesh_without_triangles() {
     let empty = |_: &Path| Ok(LoadedMesh::default());
-    let shape = json!({"type": "trimesh", "file": "Cargo.lock"});
+    let shape = json!({"type": "trimesh", "file": "src/lib.rs"});
     let scene = set(complete(), "scene.lightsources[1].shape", shape).to_string();
     let loaded = load_with(&scene, Path::new("s.json"), &LoadOptions::default(), empty);
     let text = "s.json: scene.lightsources[1].shape: a light must have an area";

@@ -135,7 +135,7 @@ fn camera_place() {
     refused(
         "camera.look",
         json!([0, 0, 5]),
-        "camera.look: the camera appearance at the point where it stands, found [0,0,5]; \
+        "camera.look: the camera looks at the point where it stands, found [0,0,5]; \
          move \"look\" away from \"location\"",
     );
     refused(

@@ -7,13 +7,14 @@ use hecs::{Entity, EntityRef, World};
 use serde_json::{Map, Value, json};
 
 use crate::components::{
-    AreaLight, Encoding, Falloff, Filter, FovAxis, Hidden, InstanceOf, Material, Mesh, Name, Order,
-    PointLight, Quad, Sampling, Settings, Shading, Sides, Sphere, TextureRef, ThinLens, Transform,
-    Triangle, View, Wrap,
+    AreaLight, Encoding, Hidden, InstanceOf, Material, Mesh, Name, Order, PointLight, Quad,
+    Shading, Sides, Sphere, TextureRef, ThinLens, Transform, Triangle, View,
 };
+use crate::query;
+use crate::words::Word;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
-use super::Beside;
+use super::beside::Beside;
 
 /// The whole file. Meshes are moved out of the world.
 pub(super) fn scene(
@@ -22,10 +23,7 @@ pub(super) fn scene(
     beside: &mut Beside<'_>,
 ) -> Result<Value> {
     check_kinds(world)?;
-    let settings = world.query_mut::<&Settings>().into_iter().next().cloned();
-    let settings = settings.ok_or_else(|| incomplete("Settings"))?;
-    let view = world.query_mut::<&View>().into_iter().next().copied();
-    let view = view.ok_or_else(|| incomplete("View"))?;
+    let (settings, view) = (query::settings(world)?, query::view(world)?);
     let lights = lights(world, beside)?;
     let names = names(world);
     let shapes = ordered::<hecs::Without<&Mesh, hecs::Or<&AreaLight, &InstanceOf>>>(world);
@@ -47,13 +45,13 @@ pub(super) fn scene(
     }
     Ok(json!({
         "nbounces": settings.bounces,
-        "transfer": encoding_name(encoding),
+        "transfer": encoding.word(),
         "camera": camera(&view),
         "scene": inner,
     }))
 }
 
-/// Refuses what comes from scene files alone.
+/// Refuses what only scene files have.
 fn check_kinds(world: &mut World) -> Result<()> {
     let others =
         world.query_mut::<hecs::Or<hecs::Or<&Sphere, &Quad>, hecs::Or<&Triangle, &ThinLens>>>();
@@ -62,10 +60,6 @@ fn check_kinds(world: &mut World) -> Result<()> {
     }
     let error = Error::new(ErrorKind::Usage, "this is a scene file already");
     Err(error.remedy("convert glTF files and meshes"))
-}
-
-fn incomplete(component: &str) -> Error {
-    Error::new(ErrorKind::Scene, format!("the world has no entity with {component}"))
 }
 
 /// The entities that match, in the order of the file.
@@ -116,28 +110,33 @@ fn point_light(light: &PointLight) -> Value {
         "intensity": light.intensity,
         "position": vector(light.position),
         "color": vector(light.color),
-        "falloff": falloff(light.falloff),
+        "falloff": light.falloff.word(),
     })
 }
 
 fn area_light(world: &mut World, entity: Entity, beside: &mut Beside<'_>) -> Result<Value> {
     let light = world.get::<&AreaLight>(entity).map(|light| *light);
-    let light = light.map_err(|_| incomplete("AreaLight"))?;
+    let light = light.map_err(|_| query::missing("AreaLight"))?;
     let mut shape = Map::new();
-    form(world, entity, beside, &mut shape);
+    mesh_and_place(world, entity, beside, &mut shape);
     Ok(json!({
         "type": "arealight",
         "intensity": light.intensity,
         "color": vector(light.color),
-        "falloff": falloff(light.falloff),
-        "sampling": sampling(light.sampling),
+        "falloff": light.falloff.word(),
+        "sampling": light.sampling.word(),
         "samples": light.samples,
         "shape": shape,
     }))
 }
 
-/// What says where a mesh is.
-fn form(world: &mut World, entity: Entity, beside: &mut Beside<'_>, to: &mut Map<String, Value>) {
+/// The mesh of a shape, and where it is.
+fn mesh_and_place(
+    world: &mut World,
+    entity: Entity,
+    beside: &mut Beside<'_>,
+    to: &mut Map<String, Value>,
+) {
     to.insert("type".into(), "trimesh".into());
     if let Ok(mut mesh) = world.get::<&mut Mesh>(entity) {
         let name = beside.mesh(std::mem::take(&mut mesh.data));
@@ -157,7 +156,7 @@ fn shape(
     beside: &mut Beside<'_>,
 ) -> Result<Value> {
     let mut to = Map::new();
-    form(world, entity, beside, &mut to);
+    mesh_and_place(world, entity, beside, &mut to);
     if let Some(name) = name {
         to.insert("name".into(), name.clone().into());
     }
@@ -181,16 +180,12 @@ fn texture(
 ) -> Result<()> {
     let Some(texture) = entity.get::<&TextureRef>() else { return Ok(()) };
     to.insert("texture".into(), beside.image(&texture)?.into());
-    to.insert("encoding".into(), encoding_name(texture.encoding).into());
+    to.insert("encoding".into(), texture.encoding.word().into());
     if texture.tint != DVec3::ONE {
         to.insert("tint".into(), vector(texture.tint));
     }
-    to.insert("filter".into(), Filter::name(texture.filter).into());
-    let wrap = match texture.wrap {
-        Wrap::Repeat => "repeat",
-        Wrap::Clamp => "clamp",
-    };
-    to.insert("wrap".into(), wrap.into());
+    to.insert("filter".into(), texture.filter.word().into());
+    to.insert("wrap".into(), texture.wrap.word().into());
     Ok(())
 }
 
@@ -206,7 +201,7 @@ fn material(entity: EntityRef<'_>) -> Value {
     })
 }
 
-/// An instance of a shape that has a name, where it stands. Its looks are the shape's.
+/// An instance of a shape that has a name, where it stands. All else is as the shape has it.
 fn instance(world: &World, entity: Entity, names: &HashMap<Entity, String>) -> Option<Value> {
     let of = world.get::<&InstanceOf>(entity).ok()?.0;
     let name = names.get(&of)?;
@@ -215,23 +210,17 @@ fn instance(world: &World, entity: Entity, names: &HashMap<Entity, String>) -> O
 }
 
 fn camera(view: &View) -> Value {
-    let axis = match view.fov_axis {
-        FovAxis::X => "x",
-        FovAxis::Y => "y",
-        FovAxis::Smaller => "smaller",
-        FovAxis::Larger => "larger",
-    };
     json!({
         "type": "pinhole",
         "width": view.width,
         "height": view.height,
         "fov": view.fov_degrees,
-        "fovaxis": axis,
+        "fovaxis": view.fov_axis.word(),
         "location": vector(view.location),
         "look": vector(view.look),
         "up": vector(view.up),
         "antialias": view.antialias,
-        "sampling": sampling(view.sampling),
+        "sampling": view.sampling.word(),
     })
 }
 
@@ -244,27 +233,4 @@ fn matrix(transform: &DAffine3) -> Value {
     let [x, y, z] = [transform.matrix3.x_axis, transform.matrix3.y_axis, transform.matrix3.z_axis];
     let t = transform.translation;
     json!([[x.x, y.x, z.x, t.x], [x.y, y.y, z.y, t.y], [x.z, y.z, z.z, t.z], [0.0, 0.0, 0.0, 1.0],])
-}
-
-fn falloff(falloff: Falloff) -> &'static str {
-    match falloff {
-        Falloff::Linear => "linear",
-        Falloff::InverseSquare => "inverse-square",
-        Falloff::None => "none",
-    }
-}
-
-fn sampling(sampling: Sampling) -> &'static str {
-    match sampling {
-        Sampling::Random => "random",
-        Sampling::Jittered => "jittered",
-        Sampling::Sobol => "sobol",
-    }
-}
-
-fn encoding_name(encoding: Encoding) -> &'static str {
-    match encoding {
-        Encoding::Linear => "linear",
-        Encoding::Srgb => "srgb",
-    }
 }

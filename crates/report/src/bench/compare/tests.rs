@@ -30,7 +30,7 @@ fn usual() -> Variant {
 
 fn prepared() -> PreparedScene {
     let mut loaded = load_str(SCENE, Path::new("ball.json"), &Default::default()).unwrap();
-    systems::prepare(&mut loaded.world, Preset::Fast).unwrap().0
+    systems::extract(&mut loaded.world, Default::default()).unwrap().build(Preset::Fast)
 }
 
 /// Each variant takes twice as long as the one before. `spoil` changes images, given the number of

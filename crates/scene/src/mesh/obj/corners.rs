@@ -1,10 +1,10 @@
 //! The corners of a face of an OBJ text.
 
-use super::lines::{first_word, is_blank};
-use super::piece::{Count, malformed};
+use super::count::Count;
+use super::lines::{first_word, is_blank, malformed};
+use crate::mesh::data::{MAX_COUNT, NO_VALUE};
 use crate::mesh::number::leading_whole;
 use crate::mesh::validate::bad_index;
-use crate::mesh::{MAX_COUNT, NO_VALUE};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
 /// The indices of a face's corners, a list for each kind; [`NO_VALUE`] where there is none.

@@ -4,6 +4,8 @@
 //! the statements that are read: comments and names end in a backslash too, where they are paths of
 //! folders, and must not swallow the line after them.
 
+use wavecrest_base::error::{Error, ErrorKind};
+
 /// The statements that are read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Keyword {
@@ -126,6 +128,13 @@ pub(super) fn first_end(text: &[u8], from: usize) -> usize {
         }
     }
     end
+}
+
+/// The error of a `word` that is not `what` it should be.
+pub(super) fn malformed(what: &str, word: &[u8], remedy: &str) -> Error {
+    Error::new(ErrorKind::Syntax, format!("{what} is malformed"))
+        .value(format_args!("\"{}\"", String::from_utf8_lossy(word)))
+        .remedy(remedy)
 }
 
 #[cfg(test)]

@@ -3,51 +3,13 @@
 use glam::{Vec2, Vec3};
 
 use super::corners::Corners;
-use super::lines::{Keyword, Statement, first_word, is_blank, statements};
-use crate::mesh::NO_VALUE;
+use super::count::Count;
+use super::lines::{Keyword, Statement, first_word, is_blank, malformed, statements};
+use crate::mesh::data::NO_VALUE;
 use crate::mesh::number;
 use crate::mesh::polygon::{self, Polygon};
 use crate::mesh::validate::{bad_position, is_good_position};
 use wavecrest_base::error::{Error, ErrorKind, Result};
-
-/// How many lines and values there are in some text.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct Count {
-    pub(super) lines: u64,
-    pub(super) positions: u64,
-    pub(super) uvs: u64,
-    pub(super) normals: u64,
-}
-
-impl Count {
-    pub(super) fn of(text: &[u8]) -> Self {
-        let mut count = Self::default();
-        let mut all = statements(text);
-        for statement in all.by_ref() {
-            count.add(statement.keyword);
-        }
-        count.lines = all.lines;
-        count
-    }
-
-    fn add(&mut self, keyword: Keyword) {
-        match keyword {
-            Keyword::Position => self.positions += 1,
-            Keyword::Uv => self.uvs += 1,
-            Keyword::Normal => self.normals += 1,
-            Keyword::Face | Keyword::Other => {}
-        }
-    }
-
-    pub(super) fn plus(self, other: Self) -> Self {
-        Self {
-            lines: self.lines + other.lines,
-            positions: self.positions + other.positions,
-            uvs: self.uvs + other.uvs,
-            normals: self.normals + other.normals,
-        }
-    }
-}
 
 /// What a piece gives. Indices count from the beginning of the file.
 #[derive(Debug, Default)]
@@ -183,12 +145,6 @@ fn numbers<const N: usize>(rest: &[u8], needed: usize, keyword: &str) -> Result<
         .remedy("complete the line; the file may have been cut off"));
     }
     Ok(numbers)
-}
-
-pub(super) fn malformed(what: &str, word: &[u8], remedy: &str) -> Error {
-    Error::new(ErrorKind::Syntax, format!("{what} is malformed"))
-        .value(format_args!("\"{}\"", String::from_utf8_lossy(word)))
-        .remedy(remedy)
 }
 
 /// The error of the first face of a text that names a value beyond those of the `whole` file. The

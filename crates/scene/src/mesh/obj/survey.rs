@@ -2,8 +2,8 @@
 
 use rayon::prelude::*;
 
+use super::blocks::{BLOCK_BYTES, PIECE_BYTES, cut, each_block};
 use super::lines::{Keyword, is_blank, statements};
-use super::{BLOCK, PIECE, cut, each_block};
 use crate::mesh::place::ReadAt;
 use crate::mesh::survey::Survey;
 use wavecrest_base::error::Result;
@@ -11,8 +11,8 @@ use wavecrest_base::error::Result;
 /// What the file of `length` bytes holds: a pass over its text.
 pub(in crate::mesh) fn survey<F: ReadAt + ?Sized>(file: &F, length: u64) -> Result<Survey> {
     let mut all = Survey::default();
-    each_block(file, length, BLOCK, |text| {
-        let parts = cut(text, PIECE);
+    each_block(file, length, BLOCK_BYTES, |text| {
+        let parts = cut(text, PIECE_BYTES);
         let found = parts.par_iter().map(|part| of(part)).reduce(Survey::default, plus);
         all = plus(all, found);
         Ok(())

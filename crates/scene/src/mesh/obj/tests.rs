@@ -12,7 +12,7 @@ fn read_all(text: &[u8], block: usize, piece: usize) -> Result<Read> {
 
 /// Reads `text` with cuts in many places, and checks that they make no difference.
 fn load(text: &str) -> Result<Read> {
-    let whole = read_all(text.as_bytes(), BLOCK, PIECE);
+    let whole = read_all(text.as_bytes(), BLOCK_BYTES, PIECE_BYTES);
     for (block, piece) in [(1, 1), (7, 3), (64, 20), (64, 1000)] {
         match (&whole, &read_all(text.as_bytes(), block, piece)) {
             (Ok(a), Ok(b)) => assert_eq!(a.0, b.0, "{block} {piece}"),
@@ -106,7 +106,7 @@ fn continued_lines_carriage_returns_and_degenerate_faces_are_read() {
     let text = "v 0 0 0\r\nv 1 0 \\\r\n 0\r\n# C:\\\r\nv 1 1 0\r\nf 1 \\\r\n2 3\r\nf 1 1 3\r\n";
     assert_eq!(mesh(text).triangles, [[0, 1, 2], [0, 0, 2]]);
     let marked = format!("\u{feff}{SQUARE}f 1 2 3");
-    let (read, _) = read_all(marked.as_bytes(), BLOCK, PIECE).unwrap();
+    let (read, _) = read_all(marked.as_bytes(), BLOCK_BYTES, PIECE_BYTES).unwrap();
     assert_eq!(read.positions.len(), 4);
 }
 
@@ -157,7 +157,7 @@ fn a_file_without_faces_is_refused() {
 #[test]
 fn utf16_is_told_apart() {
     for text in [&b"\xFE\xFF\0v\0 \x001"[..], b"\xFF\xFEv\0 \0", b"v\0 \x001\0"] {
-        let error = read_all(text, BLOCK, PIECE).unwrap_err().to_string();
+        let error = read_all(text, BLOCK_BYTES, PIECE_BYTES).unwrap_err().to_string();
         assert!(error.contains("UTF-16"), "{error}");
     }
 }

@@ -10,7 +10,7 @@ use super::header::Scalar;
 use super::source::{Fault, Source};
 use crate::mesh::number;
 
-/// No number is longer; what is longer need not be kept to be shown.
+/// No number is longer; of what is longer, messages quote no more.
 const LONGEST: usize = 256;
 
 /// A text body.

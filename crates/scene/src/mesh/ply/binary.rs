@@ -11,8 +11,8 @@ use super::source::{Bulk, FaceRows, Faces, Fault, Source, Vertices};
 use super::{polygons, triangles, vertices};
 use crate::mesh::place::{ReadAt, Section};
 
-/// How many times the buffer a window of faces is. A longer face is read number by number.
-const WINDOW: usize = 32;
+/// Buffers in a window of faces. A longer face is read number by number.
+const BLOCKS_OF_WINDOW: usize = 32;
 
 /// A binary body; `BIG` for big-endian.
 #[derive(Debug)]
@@ -131,10 +131,10 @@ impl<F: ReadAt + ?Sized, const BIG: bool> Source for Binary<'_, F, BIG> {
             }
         }
         if read < most {
-            let (place, left, window) = (self.place(), self.left, WINDOW * self.block());
-            let next = (rows, most - read);
-            let (faces, bytes) =
-                polygons::read::<F, BIG>(self.file, place, left, next, vertices, window, into);
+            let (file, place, left) = (self.file, self.place(), self.left);
+            let from =
+                polygons::Span { file, place, left, window: BLOCKS_OF_WINDOW * self.block() };
+            let (faces, bytes) = polygons::read::<F, BIG>(from, rows, most - read, vertices, into);
             read += faces;
             self.advance(bytes)?;
         }

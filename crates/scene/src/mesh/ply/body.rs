@@ -4,11 +4,12 @@
 use super::header::{Element, Header, Shape};
 use super::layout::{Column, ListLayout, SLOTS, VertexLayout};
 use super::source::{Bulk, FaceRows, Faces, Fault, Source, Vertices};
+use crate::mesh::data::{Attribute, MeshData, Read};
+use crate::mesh::faults::{check_count, no_triangles, read_failure};
 use crate::mesh::polygon::{self, Polygon};
 use crate::mesh::validate::{
     bad_index, bad_vertex, check_positions, note_zeroed, zero_bad_normals, zero_bad_uvs,
 };
-use crate::mesh::{Attribute, MeshData, Read, check_count, no_triangles, read_failure};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
 /// Reads the whole body and makes a mesh of it.
@@ -314,7 +315,7 @@ fn check_room(element: &Element, source: &impl Source) -> Result<()> {
         .remedy("the file was cut off, or the count in its header is wrong"))
 }
 
-/// How many triangles to set room aside for. Exact if the faces come last and are lists alone,
+/// How many triangles to set room aside for. Exact if the faces come last and are lists with nothing beside,
 /// since every index but two of a face makes a triangle; never above two a face, which the file
 /// has been seen to have room for.
 fn likely_triangles(element: &Element, layout: ListLayout, source: &impl Source) -> usize {

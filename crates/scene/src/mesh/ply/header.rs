@@ -5,7 +5,8 @@
 
 use std::io::{BufRead, Read as _};
 
-use crate::mesh::{MAX_COUNT, check_count, read_failure};
+use crate::mesh::data::MAX_COUNT;
+use crate::mesh::faults::{check_count, read_failure};
 use wavecrest_base::error::{Error, ErrorKind, Result, did_you_mean};
 
 /// The greatest length of a header in bytes.

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use super::header::{Property, Scalar, Shape};
 use super::source::{FaceRows, Faces};
 use super::triangles::{greatest, limit, number};
-use crate::mesh::MAX_COUNT;
+use crate::mesh::data::MAX_COUNT;
 use crate::mesh::place::{ReadAt, fill};
 use crate::mesh::polygon::Polygon;
 
@@ -208,65 +208,79 @@ fn fan<const N: usize, const BIG: bool>(items: &[u8], to: &mut [[u32; 3]]) -> u3
     greatest
 }
 
-/// Reads some of the next `most` faces, from `place` on, where `left` bytes are: all up to the
-/// first that is at fault or longer than a window. Returns how many faces and how many bytes.
+/// Reads the `runs` of a window on all threads, each into its part of `to`.
+fn read_runs<const BIG: bool>(
+    walk: &Walk,
+    window: &[u8],
+    runs: &[Run],
+    mut to: &mut [[u32; 3]],
+) -> Vec<Read> {
+    let mut parts = Vec::with_capacity(runs.len());
+    for run in runs {
+        let (part, rest) = std::mem::take(&mut to).split_at_mut(run.triangles);
+        parts.push((*run, part));
+        to = rest;
+    }
+    let read = |(run, to)| read_run::<BIG>(walk, window, run, to);
+    parts.into_par_iter().map(read).collect()
+}
+
+/// Where faces are read from.
+#[derive(Clone, Copy)]
+pub(super) struct Span<'a, F: ?Sized> {
+    pub(super) file: &'a F,
+    pub(super) place: u64,
+    /// How many bytes are there.
+    pub(super) left: u64,
+    /// The size of a window.
+    pub(super) window: usize,
+}
+
+impl<F: ReadAt + ?Sized> Span<'_, F> {
+    /// Reads the window that begins so many bytes `after` the first; false where that fails.
+    fn read(&self, after: u64, window: &mut Vec<u8>) -> bool {
+        window.resize((self.left - after).min(self.window as u64) as usize, 0);
+        fill(self.file, self.place + after, window).is_ok()
+    }
+}
+
+/// Reads some of the next `most` faces: all up to the first that is at fault or longer than a window.
+/// Returns how many faces and how many bytes.
 pub(super) fn read<F: ReadAt + ?Sized, const BIG: bool>(
-    file: &F,
-    place: u64,
-    left: u64,
-    (rows, most): (FaceRows<'_>, u64),
+    from: Span<'_, F>,
+    rows: FaceRows<'_>,
+    most: u64,
     vertices: usize,
-    size: usize,
     into: &mut Faces,
 ) -> (u64, u64) {
     let (mut faces, mut bytes) = (0, 0);
     let Some(walk) = Walk::of(rows, vertices) else { return (faces, bytes) };
-    let triangles = &mut into.triangles;
+    let Faces { triangles, polygons } = into;
     let mut filled = triangles.len();
     if triangles.is_empty() {
         *triangles = vec![[0; 3]; rows.likely];
     }
     let mut window = Vec::new();
-    while faces < most && bytes < left {
-        window.resize((left - bytes).min(size as u64) as usize, 0);
-        if fill(file, place + bytes, &mut window).is_err() {
-            break;
-        }
+    let mut whole = true;
+    while whole && faces < most && bytes < from.left && from.read(bytes, &mut window) {
         let room = MAX_COUNT.saturating_sub(filled as u64);
-        let runs = runs::<BIG>(&walk, &window, size / PIECES, most - faces, room);
-        let count: usize = runs.iter().map(|r| r.triangles).sum();
-        if filled + count > triangles.len() {
-            triangles.resize(filled + count, [0; 3]);
-        }
-        let mut rest = &mut triangles[filled..filled + count];
-        let mut parts = Vec::with_capacity(runs.len());
-        for run in &runs {
-            let (part, after) = std::mem::take(&mut rest).split_at_mut(run.triangles);
-            parts.push((*run, part));
-            rest = after;
-        }
-        let read: Vec<Read> = parts
-            .into_par_iter()
-            .map(|(run, to)| read_run::<BIG>(&walk, &window, run, to))
-            .collect();
+        let runs = runs::<BIG>(&walk, &window, from.window / PIECES, most - faces, room);
+        let after = filled + runs.iter().map(|run| run.triangles).sum::<usize>();
+        triangles.resize(after.max(triangles.len()), [0; 3]);
+        let read = read_runs::<BIG>(&walk, &window, &runs, &mut triangles[filled..after]);
+        // Up to the first run that was not read to its end.
+        let short = runs.iter().zip(&read).position(|(run, read)| read.rows < run.rows);
+        whole = !runs.is_empty() && short.is_none();
         let mut end = 0;
-        let mut whole = !runs.is_empty();
-        for (run, read) in runs.iter().zip(read) {
+        for read in read.into_iter().take(short.map_or(runs.len(), |last| last + 1)) {
             // Triangles are fewer than 2^32.
             let shift = |p: Polygon| Polygon { first: p.first + filled as u32, ..p };
-            into.polygons.extend(read.polygons.into_iter().map(shift));
+            polygons.extend(read.polygons.into_iter().map(shift));
             filled += read.triangles;
             faces += read.rows as u64;
             end = read.end;
-            whole = read.rows == run.rows;
-            if !whole {
-                break;
-            }
         }
         bytes += end as u64;
-        if !whole {
-            break;
-        }
     }
     triangles.truncate(filled);
     (faces, bytes)

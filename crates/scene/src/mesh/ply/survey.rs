@@ -1,13 +1,16 @@
 //! How much a PLY file holds.
 
-use std::io::BufReader;
+use std::io::{BufRead, BufReader};
 
 use super::header::{self, Element, Encoding, Header, Shape};
 use super::layout::{ListLayout, VertexLayout, stride};
+use crate::mesh::faults::read_failure;
 use crate::mesh::place::{ReadAt, Section};
-use crate::mesh::read_failure;
-use crate::mesh::survey::{Survey, words_of_lines};
+use crate::mesh::survey::Survey;
 use wavecrest_base::error::Result;
+
+/// How much of a text is in memory at once.
+const TEXT_BUFFER: usize = 1 << 17;
 
 /// What the file of `length` bytes holds.
 pub(in crate::mesh) fn survey<F: ReadAt + ?Sized>(file: &F, length: u64) -> Result<Survey> {
@@ -77,4 +80,42 @@ fn in_text<F: ReadAt + ?Sized>(header: &Header, body: Section<'_, F>) -> Result<
     })
     .map_err(read_failure)?;
     Ok(triangles(corners, lists))
+}
+
+/// The number of words on each line of `text`, up to `lines` of them. What is longer than a buffer is
+/// never in memory at once.
+fn words_of_lines(
+    text: impl std::io::Read,
+    lines: u64,
+    mut each: impl FnMut(u64),
+) -> std::io::Result<()> {
+    let mut reader = BufReader::with_capacity(TEXT_BUFFER, text);
+    let (mut words, mut within, mut taken) = (0, false, 0);
+    while taken < lines {
+        let buffer = reader.fill_buf()?;
+        if buffer.is_empty() {
+            if words > 0 {
+                each(words);
+            }
+            break;
+        }
+        let end = memchr::memchr(b'\n', buffer);
+        let part = &buffer[..end.unwrap_or(buffer.len())];
+        for byte in part {
+            let blank = byte.is_ascii_whitespace();
+            words += u64::from(!blank && !within);
+            within = !blank;
+        }
+        let length = part.len() + usize::from(end.is_some());
+        reader.consume(length);
+        if end.is_some() {
+            // A line without words is no row.
+            if words > 0 {
+                each(words);
+                taken += 1;
+            }
+            (words, within) = (0, false);
+        }
+    }
+    Ok(())
 }

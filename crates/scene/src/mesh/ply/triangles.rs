@@ -128,10 +128,10 @@ fn decode<const C: usize, const I: usize, const BIG: bool>(
     row: Row,
     to: &mut [[u32; CORNERS]],
 ) -> usize {
-    // With the list alone in a row, the compiler knows every offset.
-    let alone = Row { stride: C + CORNERS * I, list: 0, ..row };
-    if row.stride == alone.stride {
-        decode_rows::<C, I, BIG>(rows, alone, to)
+    // Where a row is the list and no more, the compiler knows every offset.
+    let packed = Row { stride: C + CORNERS * I, list: 0, ..row };
+    if row.stride == packed.stride {
+        decode_rows::<C, I, BIG>(rows, packed, to)
     } else {
         decode_rows::<C, I, BIG>(rows, row, to)
     }

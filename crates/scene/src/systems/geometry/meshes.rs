@@ -5,8 +5,8 @@ use glam::{DAffine3, Vec3};
 use hecs::World;
 use rayon::prelude::*;
 
-use super::prototypes::Occurrences;
-use super::{Common, check_point, in_range};
+use super::common::{Common, check_point, in_range};
+use super::occurrences::Occurrences;
 use crate::components::Mesh;
 use crate::mesh::MeshData;
 use wavecrest_base::error::Result;

@@ -52,7 +52,7 @@ fn slowly(bytes: &[u8]) -> Result<Read> {
 }
 
 /// Sizes of the buffer, and numbers of threads.
-const WAYS: [(usize, usize); 4] = [(16, 3), (100, 1), (1000, 2), (BUFFER, 4)];
+const WAYS: [(usize, usize); 4] = [(16, 3), (100, 1), (1000, 2), (BODY_BUFFER, 4)];
 
 /// The threads, started once.
 static POOLS: LazyLock<[ThreadPool; 4]> = LazyLock::new(|| {

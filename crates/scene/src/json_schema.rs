@@ -1,0 +1,204 @@
+//! The scene format as a JSON Schema (draft 2020-12), for editors that check and complete a scene while it is
+//! written.
+//!
+//! It is made of the tables that the parser goes by: keys, ranges, words and what they mean. What depends on
+//! other values, such as a number of points, is left to `wavecrest check`.
+
+use serde_json::{Map, Value, json};
+
+use crate::parse::camera::{self, CameraKind};
+use crate::parse::light::{self, LightKind};
+use crate::parse::shape::{self, Owner, ShapeKind};
+use crate::parse::{FILE, SCENE, instance, material, mesh, transform};
+use crate::reader::{Absent, Key, Kind, Range, Takes};
+use crate::words::Word;
+
+/// The dialect that the schema is written in.
+const DIALECT: &str = "https://json-schema.org/draft/2020-12/schema";
+
+/// Where a definition of this schema stands.
+const DEFINITIONS: &str = "#/$defs/";
+
+/// The schema of a scene file.
+///
+/// A scene that is loaded strictly, without an unknown key, is valid by it.
+///
+/// ```
+/// let schema = wavecrest_scene::json_schema();
+/// assert_eq!(schema["properties"]["nbounces"]["maximum"], 10_000);
+/// ```
+pub fn json_schema() -> Value {
+    let mut schema = object(&FILE);
+    schema["$schema"] = DIALECT.into();
+    schema["title"] = "wavecrest scene".into();
+    schema["$defs"] = definitions();
+    schema
+}
+
+/// The definitions, by name.
+fn definitions() -> Value {
+    let mut all = json!({
+        "number": takes(Takes::Number(Range::COORDINATE)),
+        "point": about(tuple(3, definition("number")), "A point or a direction, [x, y, z]."),
+        "color": about(tuple(3, takes(Takes::Number(Range::NOT_NEGATIVE))), "A linear colour, [r, g, b]."),
+        "scene": object(&SCENE),
+        "instance": object(&instance::INSTANCE),
+        "camera": by_type::<CameraKind>("The camera and the size of the image.", ""),
+        "pinhole": object(&camera::PINHOLE),
+        "thinlens": object(&camera::THIN_LENS),
+        "light": by_type::<LightKind>("A light.", ""),
+        "pointlight": object(&light::POINT_LIGHT),
+        "arealight": object(&light::AREA_LIGHT),
+        "material": object(&material::MATERIAL),
+        "transform": {
+            "description": "From a shape's own space to the world's.",
+            "if": {"type": "array"}, "then": definition("matrix"), "else": definition("transformParts")
+        },
+        "transformParts": object(&transform::PARTS),
+        "matrix": matrix(),
+        "pinholePath": object(&camera::PINHOLE_PATH),
+        "cameraPath": object(&camera::LENS_PATH),
+    });
+    for (prefix, owner) in [("", Owner::Scene), ("lit-", Owner::Light)] {
+        add_shapes(&mut all, prefix, owner);
+    }
+    all
+}
+
+/// Adds a shape, and each kind of shape, whose names begin with `prefix`.
+fn add_shapes(all: &mut Value, prefix: &str, owner: Owner) {
+    let mut add = |name: &str, value: Value| all[format!("{prefix}{name}")] = value;
+    let kind = |own| object(&shape::kind(own, owner));
+    add("shape", by_type::<ShapeKind>("A shape.", prefix));
+    add("sphere", kind(&shape::SPHERE));
+    add("plane", kind(&shape::PLANE));
+    add("triangle", kind(&shape::TRIANGLE));
+    add("trimesh", any_mesh(prefix));
+    add("meshFile", kind(&mesh::MESH_FILE));
+    add("meshIndexed", kind(&mesh::INDEXED));
+    add("meshStrip", kind(&mesh::STRIP));
+}
+
+/// Which kind of mesh it is follows from the keys that are there.
+fn any_mesh(prefix: &str) -> Value {
+    let to = |kind: &str| definition(&format!("{prefix}{kind}"));
+    json!({
+        "description": "A mesh of triangles: from a file, with indices, or a strip.",
+        "if": {"required": ["file"]}, "then": to("meshFile"),
+        "else": {"if": {"required": ["indices"]}, "then": to("meshIndexed"), "else": to("meshStrip")}
+    })
+}
+
+fn matrix() -> Value {
+    let row = || tuple(4, definition("number"));
+    json!({
+        "description": "Four rows; it acts on columns, so that the last column is the translation.",
+        "type": "array", "prefixItems": [row(), row(), row(), {"const": [0, 0, 0, 1]}],
+        "minItems": 4, "maxItems": 4
+    })
+}
+
+/// An object whose `type` says which definition it follows, the word for it after `prefix`.
+fn by_type<T: Word>(about: &str, prefix: &str) -> Value {
+    let words = || T::WORDS.iter().map(|(word, _)| *word);
+    let choice = |word: &str| {
+        json!({
+            "if": {"required": ["type"], "properties": {"type": {"const": word}}},
+            "then": definition(&format!("{prefix}{word}"))
+        })
+    };
+    json!({
+        "description": about, "type": "object", "required": ["type"],
+        "properties": {"type": {"description": "Which kind this is.", "enum": words().collect::<Vec<_>>()}},
+        "allOf": words().map(choice).collect::<Vec<_>>()
+    })
+}
+
+/// An object of a kind.
+fn object(kind: &Kind) -> Value {
+    let properties: Map<_, _> =
+        kind.all_keys().map(|key| (key.name.to_owned(), property(key))).collect();
+    let required = kind.all_keys().filter(|key| key.absent == Absent::Required);
+    let mut value = json!({
+        "description": kind.about, "type": "object",
+        "required": required.map(|key| key.name).collect::<Vec<_>>(), "additionalProperties": false
+    });
+    // Exactly one of the keys, which mean the same.
+    let one_of = |keys: &&[&str]| {
+        let each = keys.iter().map(|key| json!({"required": [key]}));
+        json!({"oneOf": each.collect::<Vec<_>>()})
+    };
+    let mut conditions: Vec<Value> = kind.one_of.iter().map(one_of).collect();
+    if properties.contains_key("id") {
+        // That a thing is not named twice.
+        conditions.push(json!({"not": {"required": ["name", "id"]}}));
+    }
+    if !conditions.is_empty() {
+        value["allOf"] = conditions.into();
+    }
+    value["properties"] = properties.into();
+    value
+}
+
+fn property(key: &Key) -> Value {
+    let mut value = takes(key.takes);
+    match key.absent {
+        Absent::Required | Absent::Open => {}
+        Absent::Off => value["default"] = false.into(),
+        Absent::Is(x) => value["default"] = plain(x),
+        Absent::Are(v) => value["default"] = v.map(plain).to_vec().into(),
+        Absent::Says(word) => value["default"] = word.into(),
+    }
+    about(value, key.about)
+}
+
+fn takes(takes: Takes) -> Value {
+    match takes {
+        Takes::Anything => json!({}),
+        Takes::Text => json!({"type": "string", "minLength": 1}),
+        Takes::Truth => json!({"type": "boolean"}),
+        Takes::Number(range) => number(range),
+        Takes::Integer(low, high) => json!({"type": "integer", "minimum": low, "maximum": high}),
+        Takes::OneOf(numbers) => json!({"enum": numbers}),
+        Takes::Point => definition("point"),
+        Takes::Color => definition("color"),
+        Takes::NumberOrPoint => json!({"anyOf": [definition("number"), definition("point")]}),
+        Takes::PointOr(numbers) => {
+            json!({"if": {"type": "array"}, "then": definition("point"), "else": {"enum": numbers}})
+        }
+        Takes::Choice(words) => json!({"enum": words()}),
+        Takes::Definition(name) => definition(name),
+        Takes::Nested(kind) => object(kind),
+        Takes::AtLeast(count, item) => {
+            json!({"type": "array", "items": self::takes(*item), "minItems": count})
+        }
+        Takes::Exactly(count, item) => tuple(count, self::takes(*item)),
+    }
+}
+
+/// The value with words that say what it means.
+fn about(mut value: Value, text: &str) -> Value {
+    value["description"] = text.into();
+    value
+}
+
+fn definition(name: &str) -> Value {
+    json!({"$ref": format!("{DEFINITIONS}{name}")})
+}
+
+fn number(range: Range) -> Value {
+    let (low, high, open) = range.bounds();
+    let least = if open { "exclusiveMinimum" } else { "minimum" };
+    json!({"type": "number", least: plain(low), "maximum": plain(high)})
+}
+
+/// A whole number without a point.
+fn plain(x: f64) -> Value {
+    // No bound of the format is beyond 2^53.
+    if x.fract() == 0.0 { json!(x as i64) } else { json!(x) }
+}
+
+/// An array of exactly `count` of `item`.
+fn tuple(count: usize, item: Value) -> Value {
+    json!({"type": "array", "items": item, "minItems": count, "maxItems": count})
+}

@@ -1,0 +1,119 @@
+//! The keys of an object of the scene format: what each takes, and what it means.
+//!
+//! There is one table for each kind of object. The parser reads by it, and the JSON schema is made of it.
+
+use super::cursor::Range;
+use crate::words::Word;
+
+/// A kind of object.
+#[derive(Clone, Copy)]
+pub(crate) struct Kind {
+    /// Its name in messages: "a sphere".
+    pub(crate) name: &'static str,
+    /// What it is, for editors.
+    pub(crate) about: &'static str,
+    /// Its keys, which it may share with other kinds.
+    pub(crate) keys: &'static [&'static [Key]],
+    /// More keys.
+    pub(crate) more: &'static [&'static [Key]],
+    /// Keys that mean the same, of which one must be there.
+    pub(crate) one_of: &'static [&'static [&'static str]],
+}
+
+impl Kind {
+    /// A kind with these keys.
+    pub(crate) const fn new(
+        name: &'static str,
+        about: &'static str,
+        keys: &'static [&'static [Key]],
+    ) -> Self {
+        Self { name, about, keys, more: &[], one_of: &[] }
+    }
+
+    /// All keys.
+    pub(crate) fn all_keys(&self) -> impl Iterator<Item = &'static Key> + use<> {
+        self.keys.iter().chain(self.more).copied().flatten()
+    }
+}
+
+/// A key.
+#[derive(Clone, Copy)]
+pub(crate) struct Key {
+    pub(crate) name: &'static str,
+    pub(crate) takes: Takes,
+    /// What holds where it is absent.
+    pub(crate) absent: Absent,
+    /// What it means, for editors.
+    pub(crate) about: &'static str,
+}
+
+/// What a key takes.
+#[derive(Clone, Copy)]
+pub(crate) enum Takes {
+    Anything,
+    Text,
+    Truth,
+    Number(Range),
+    /// An integer from the first to the second.
+    Integer(u32, u32),
+    /// One of a few numbers.
+    OneOf(&'static [i32]),
+    Point,
+    Color,
+    NumberOrPoint,
+    /// A point, or one of a few numbers.
+    PointOr(&'static [i32]),
+    /// One of a few words.
+    Choice(fn() -> Vec<&'static str>),
+    /// What a definition of the schema says.
+    Definition(&'static str),
+    /// An object of a kind that has no definition.
+    Nested(&'static Kind),
+    /// A list of at least so many.
+    AtLeast(usize, &'static Takes),
+    /// A list of exactly so many.
+    Exactly(usize, &'static Takes),
+}
+
+/// What holds where a key is absent.
+#[derive(Clone, Copy, PartialEq)]
+pub(crate) enum Absent {
+    /// That depends on other keys, or nothing does.
+    Open,
+    /// The key must be there.
+    Required,
+    /// It is false.
+    Off,
+    /// This number.
+    Is(f64),
+    /// This point or colour.
+    Are([f64; 3]),
+    /// This word.
+    Says(&'static str),
+}
+
+/// One of the words of `T`.
+pub(crate) const fn word<T: Word>() -> Takes {
+    Takes::Choice(words::<T>)
+}
+
+fn words<T: Word>() -> Vec<&'static str> {
+    T::WORDS.iter().map(|(word, _)| *word).collect()
+}
+
+/// A table of keys: above each what it means, then its name, what it takes, and what holds where it is absent.
+macro_rules! keys {
+    ($( $(#[doc = $about:literal])+ $name:literal: $takes:expr $(, $absent:expr)?; )*) => {{
+        #[allow(unused_imports, reason = "tables use what they need")]
+        use $crate::reader::{word, Absent::*, Takes::*};
+        &[$( $crate::reader::Key {
+            name: $name,
+            takes: $takes,
+            absent: $crate::reader::keys!(@ $($absent)?),
+            about: concat!($($about),+).trim_ascii(),
+        } ),*]
+    }};
+    (@) => { Open };
+    (@ $absent:expr) => { $absent };
+}
+pub(crate) use keys;

@@ -1,0 +1,65 @@
+//! What is said of a file while it is read.
+
+use std::cell::RefCell;
+use std::path::{Path, PathBuf};
+
+use wavecrest_base::error::{Error, ErrorKind, Result, Warning};
+
+/// What the cursors of one file share: its name, how strict we are, the warnings so far.
+pub(crate) struct Notes<'a> {
+    file: &'a Path,
+    strict: bool,
+    warnings: RefCell<Vec<Warning>>,
+}
+
+impl<'a> Notes<'a> {
+    /// No warnings yet. If `strict`, an unknown key is an error.
+    pub(crate) fn new(file: &'a Path, strict: bool) -> Self {
+        Self { file, strict, warnings: RefCell::default() }
+    }
+
+    /// The scene file.
+    pub(crate) fn file(&self) -> &'a Path {
+        self.file
+    }
+
+    /// An error in this file at `place`.
+    pub(crate) fn error(&self, kind: ErrorKind, place: &str, message: String) -> Error {
+        let error = Error::new(kind, message).in_file(self.file);
+        if place.is_empty() { error } else { error.at(place) }
+    }
+
+    /// Keeps a warning that reads as `error` does.
+    pub(crate) fn warn(&self, error: &Error) {
+        self.pass_on(Warning::from_error(error));
+    }
+
+    /// Keeps a warning made elsewhere.
+    pub(crate) fn pass_on(&self, warning: Warning) {
+        self.warnings.borrow_mut().push(warning);
+    }
+
+    /// A warning; an error where we are strict.
+    pub(crate) fn warn_or_fail(&self, error: Error) -> Result<()> {
+        if self.strict {
+            return Err(error);
+        }
+        self.warn(&error);
+        Ok(())
+    }
+
+    /// Whether unknown keys are errors.
+    pub(crate) fn strict(&self) -> bool {
+        self.strict
+    }
+
+    /// A path of the scene file, joined to the folder that it is in.
+    pub(crate) fn resolve(&self, path: &str) -> PathBuf {
+        self.file.parent().unwrap_or(Path::new("")).join(path)
+    }
+
+    /// All warnings, in the order in which they were found.
+    pub(crate) fn into_warnings(self) -> Vec<Warning> {
+        self.warnings.into_inner()
+    }
+}

@@ -1,0 +1,111 @@
+//! What every kind of shape is asked for, and the bounds of what it may hold.
+
+use glam::{DAffine3, DVec3, Vec3};
+use hecs::World;
+
+use super::occurrences::Occurrence;
+use crate::components::{AreaLight, Facing, Shading, Sides, TextureRef, Transform};
+use crate::query::json_path;
+use wavecrest_base::error::{Error, ErrorKind, Result};
+use wavecrest_core::math::float::MAX_COORDINATE;
+use wavecrest_core::prepared::Shape;
+
+/// Numbers of primitives and vertices stay below this, so that they fit 32 bits and leave one
+/// value for "none".
+const MAX_NUMBER: usize = u32::MAX as usize - 1;
+
+/// What every kind of shape is asked for.
+pub(super) struct Common {
+    pub(super) transform: DAffine3,
+    pub(super) facing: Option<Facing>,
+    pub(super) sides: Sides,
+    pub(super) smooth: bool,
+    pub(super) textured: bool,
+    pub(super) emission: Option<Vec3>,
+    pub(super) place: String,
+}
+
+impl Common {
+    pub(super) fn of(
+        world: &World,
+        Occurrence { entity, prototype, .. }: Occurrence,
+        origin: DVec3,
+    ) -> Self {
+        let light = world.get::<&AreaLight>(entity).ok();
+        let is_shape = light.is_none();
+        let mut transform = world.get::<&Transform>(entity).map_or(DAffine3::IDENTITY, |t| t.0);
+        transform.translation -= origin;
+        Self {
+            transform,
+            facing: world.get::<&Facing>(prototype).ok().map(|f| *f),
+            sides: world.get::<&Sides>(entity).map_or(Sides::Both, |s| *s),
+            smooth: is_shape && world.get::<&Shading>(entity).is_ok_and(|s| *s == Shading::Smooth),
+            textured: is_shape && world.get::<&TextureRef>(entity).is_ok(),
+            emission: light.map(|l| l.color.as_vec3()),
+            place: json_path(world, entity),
+        }
+    }
+
+    /// Whether the front of a flat shape is where its corners run clockwise in world space, given
+    /// the normal on its front in its own space.
+    pub(super) fn flipped(&self, front: DVec3) -> bool {
+        let chosen = match self.facing {
+            None => true,
+            Some(Facing::Flipped) => false,
+            Some(Facing::Toward(side)) => front.dot(side) >= 0.0,
+        };
+        chosen != self.mirrors()
+    }
+
+    /// Whether the transform turns clockwise into counter-clockwise.
+    pub(super) fn mirrors(&self) -> bool {
+        self.transform.matrix3.determinant() < 0.0
+    }
+
+    pub(super) fn shape(&self, primitives: std::ops::Range<u32>, flipped: bool) -> Shape {
+        Shape {
+            primitives,
+            emission: self.emission,
+            flipped,
+            two_sided: self.sides == Sides::Both,
+            smooth: false,
+            texture: None,
+            mesh: None,
+        }
+    }
+}
+
+pub(super) fn in_range(point: DVec3) -> bool {
+    point.abs().max_element() <= f64::from(MAX_COORDINATE)
+}
+
+pub(super) fn check_point(common: &Common, point: DVec3) -> Result<()> {
+    if in_range(point) {
+        return Ok(());
+    }
+    Err(Error::new(ErrorKind::Scene, "the transform takes the shape too far out")
+        .at(format!("{}.transform", common.place))
+        .value(format!("a coordinate of {:e}", point.abs().max_element()))
+        .remedy(format!("keep coordinates within {MAX_COORDINATE:e}")))
+}
+
+/// A sphere that is larger has boxes of infinite area, which say nothing of a tree's cost.
+pub(super) fn check_radius(common: &Common, radius: f64) -> Result<()> {
+    if radius <= f64::from(MAX_COORDINATE) {
+        return Ok(());
+    }
+    Err(Error::new(ErrorKind::Scene, "the transform makes the sphere too large")
+        .at(format!("{}.transform", common.place))
+        .value(format!("a radius of {radius:e}"))
+        .remedy(format!("keep it within {MAX_COORDINATE:e}")))
+}
+
+pub(super) fn check_count(common: &Common, count: usize, what: &str) -> Result<()> {
+    if count <= MAX_NUMBER {
+        return Ok(());
+    }
+    Err(Error::new(ErrorKind::Limit, format!("the scene has too many {what}"))
+        .at(&common.place)
+        .value(count)
+        .remedy(format!("at most {MAX_NUMBER} are allowed")))
+}

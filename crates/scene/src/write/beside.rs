@@ -1,0 +1,63 @@
+//! The files beside a scene file: meshes and images.
+
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+
+use crate::components::{TextureRef, TextureSource};
+use crate::mesh::MeshData;
+use wavecrest_base::error::{Error, ErrorKind, Result};
+
+/// The files beside a scene file, which bear its name.
+pub(super) struct Beside<'a> {
+    scene: &'a Path,
+    pub(super) meshes: Vec<(PathBuf, MeshData)>,
+    pub(super) images: Vec<(PathBuf, TextureSource)>,
+    /// The names of images, by their own path or place.
+    known: HashMap<(PathBuf, bool), String>,
+}
+
+impl<'a> Beside<'a> {
+    pub(super) fn new(scene: &'a Path) -> Self {
+        Self { scene, meshes: Vec::new(), images: Vec::new(), known: HashMap::new() }
+    }
+
+    /// A name beside the scene file, and the path that it leads to.
+    fn name(&self, ending: &str) -> (String, PathBuf) {
+        let stem = self.scene.file_stem().unwrap_or_default().to_string_lossy();
+        let name = format!("{stem}-{ending}");
+        let path = self.scene.with_file_name(&name);
+        (name, path)
+    }
+
+    /// Has a mesh written; returns its name.
+    pub(super) fn mesh(&mut self, data: MeshData) -> String {
+        let (name, path) = self.name(&format!("mesh{}.ply", self.meshes.len()));
+        self.meshes.push((path, data));
+        name
+    }
+
+    /// Has an image written, once; returns its name.
+    pub(super) fn image(&mut self, texture: &TextureRef) -> Result<String> {
+        let (key, extension) = match &texture.source {
+            TextureSource::File(path) => {
+                let extension = path.extension().unwrap_or_default().to_string_lossy();
+                ((path.clone(), false), extension.into_owned())
+            }
+            TextureSource::Embedded { place, bytes } => {
+                let format = image::guess_format(bytes).map_err(|e| {
+                    let message = format!("cannot tell the format of the image: {e}");
+                    Error::new(ErrorKind::Texture, message).at(place).because(e)
+                })?;
+                let extension = format.extensions_str().first().copied().unwrap_or("image");
+                ((place.into(), true), extension.to_owned())
+            }
+        };
+        if let Some(name) = self.known.get(&key) {
+            return Ok(name.clone());
+        }
+        let (name, path) = self.name(&format!("image{}.{extension}", self.images.len()));
+        self.images.push((path, texture.source.clone()));
+        self.known.insert(key, name.clone());
+        Ok(name)
+    }
+}
