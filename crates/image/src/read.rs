@@ -235,21 +235,22 @@ mod tests {
 
     #[test]
     fn a_header_that_asks_for_too_much_is_refused() {
-        // A farbfeld file is a mark, two sizes and the pixels: easy to lie in.
-        let farbfeld = |width: u32, height: u32| {
-            let mut bytes = b"farbfeld".to_vec();
+        // A QOI file begins with a mark, two sizes, channels and colour space: easy to lie in.
+        let qoi = |width: u32, height: u32| {
+            let mut bytes = b"qoif".to_vec();
             bytes.extend(width.to_be_bytes());
             bytes.extend(height.to_be_bytes());
-            read_bytes("a.ff", &bytes).unwrap_err().to_string()
+            bytes.extend([3, 0, 0, 0, 0, 0, 0, 0, 0, 1]);
+            read_bytes("a.qoi", &bytes).unwrap_err().to_string()
         };
         assert_eq!(
-            farbfeld(99_999, 99_999),
-            "a.ff: an image has too many pixels, found 99999 x 99999 = 9999800001; \
+            qoi(17_000, 17_000),
+            "a.qoi: an image has too many pixels, found 17000 x 17000 = 289000000; \
              at most 268435456 are allowed (such as 16384 x 16384)"
         );
         assert_eq!(
-            farbfeld(16_384, 16_384),
-            "a.ff: 16384 x 16384 pixels are too many for a file of this length, found 16 bytes; \
+            qoi(16_384, 16_384),
+            "a.qoi: 16384 x 16384 pixels are too many for a file of this length, found 22 bytes; \
              check that the file is whole"
         );
     }

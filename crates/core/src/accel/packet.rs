@@ -29,7 +29,7 @@ use super::geometry::{Geometry, PreparedRay};
 use super::node::{distance, place};
 use super::query::{Query, no_hit};
 use super::rays::Rays;
-use super::stream::{self, Flight, Found, FromRoot};
+use super::stream::{self, Flight, Found, FromRoot, MOST_HANDED};
 use super::tree::{Root, Tree};
 use super::{KernelChoice, KernelCounts, TestCounts, single};
 use crate::kernels::precision::Arithmetic;
@@ -51,9 +51,6 @@ const FEW: u32 = 1;
 
 /// The same, if any hit will do.
 const FEW_FOR_ANY: u32 = 24;
-
-/// The most places that a ray is handed over with; beyond them it goes on at once.
-pub(super) const MOST_HANDED: usize = 24;
 
 /// A tile is coherent if its visits of nodes are made by so many rays on average.
 const COHERENT: u64 = 20;
@@ -316,6 +313,7 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
             let number = tile.start + number_of(i);
             let (before, count) = self.last[number];
             if count as usize == MOST_HANDED {
+                // Beyond them it goes on at once.
                 self.go_on(simd, tile, place, i, tests);
                 continue;
             }

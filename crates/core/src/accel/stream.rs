@@ -17,7 +17,6 @@ use glam::Vec3;
 use super::arena::{Kind, Ref};
 use super::geometry::{Geometry, PreparedRay};
 use super::node::{self, distance, place};
-use super::packet::MOST_HANDED;
 use super::query::{Query, no_hit};
 use super::rays::Rays;
 use super::tree::{Root, Tree, reach};
@@ -27,6 +26,9 @@ use crate::kernels::triangle::LaneHits;
 use crate::math::ray::Ray;
 use crate::math::simd::{LANES, Lanes, entry};
 use next::Next;
+
+/// The most places that a packet hands a ray over with.
+pub(super) const MOST_HANDED: usize = 24;
 
 /// Rays in flight.
 pub(super) const FLIGHT: usize = 64;
