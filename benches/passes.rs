@@ -18,7 +18,7 @@ use wavecrest_scene::generate::{Model, Recipe, mesh};
 use wavecrest_scene::load::load_str;
 use wavecrest_scene::systems;
 
-/// The variant with every effect.
+/// The tracer whose passes are timed.
 type Passes = Wavefront<Robust>;
 
 /// Everything but the shapes.

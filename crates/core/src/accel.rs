@@ -91,6 +91,12 @@ pub struct Traversal {
     pub kernels: Kernels,
 }
 
+/// Where a kernel counts its work.
+struct Counts<'a> {
+    tests: &'a mut TestCounts,
+    kernel: &'a mut KernelCounts,
+}
+
 /// The primitives and how they are searched.
 #[derive(Debug)]
 pub struct Accel {

@@ -70,7 +70,7 @@ pub struct LookUps {
     pub footprints: u64,
 }
 
-/// The looks of the primitives: shapes, what they are made of, and their textures.
+/// The appearance of the primitives: shapes, what they are made of, and their textures.
 #[derive(Clone, Debug, Default)]
 pub struct Appearance {
     /// The shapes by the number of their first primitive, in rising order.

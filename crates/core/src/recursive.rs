@@ -34,7 +34,7 @@ pub struct Recursive<P> {
     look_ups: LookUps,
     counters: Counters,
     seconds: f64,
-    variant: PhantomData<P>,
+    precision: PhantomData<P>,
 }
 
 impl<P: Arithmetic> Tracer for Recursive<P> {
@@ -47,7 +47,7 @@ impl<P: Arithmetic> Tracer for Recursive<P> {
             look_ups: LookUps::default(),
             counters: Counters::default(),
             seconds: 0.0,
-            variant: PhantomData,
+            precision: PhantomData,
         }
     }
 

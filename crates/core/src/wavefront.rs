@@ -42,7 +42,7 @@ pub struct Wavefront<P> {
     traversal: Traversal,
     counters: Counters,
     clock: Clock,
-    variant: PhantomData<P>,
+    precision: PhantomData<P>,
 }
 
 /// Time spent in each pass.
@@ -70,7 +70,7 @@ impl<P: Arithmetic> Tracer for Wavefront<P> {
             traversal: scene.accel.traversal(),
             counters: Counters::default(),
             clock: Clock::default(),
-            variant: PhantomData,
+            precision: PhantomData,
         }
     }
 

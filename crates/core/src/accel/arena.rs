@@ -282,7 +282,7 @@ impl<'a> View<'a> {
         let start = self.units.as_ptr().wrapping_add(place.unit()).cast::<i8>();
         prefetch(start);
         prefetch(start.wrapping_add(64));
-        // The other half of a node; without a branch, which nobody could estimate.
+        // The other half of a node; without a branch, which nobody could predict.
         let rest = start.wrapping_add(usize::from(place.kind() == Kind::Node) * 128);
         prefetch(rest);
         prefetch(rest.wrapping_add(64));

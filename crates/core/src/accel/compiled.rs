@@ -9,16 +9,14 @@ use std::marker::PhantomData;
 
 use fearless_simd::Level;
 
-use super::geometry::{Geometry, PreparedRay};
+use super::geometry::PreparedRay;
+use super::packet::Memory;
 use super::query::{Query, no_hit, or_miss};
 use super::rays::Rays;
-use super::tree::Tree;
-use super::{Hit, KernelChoice, Traversal, packet, single};
+use super::tree::Searched;
+use super::{Counts, Hit, KernelChoice, Traversal, packet, single};
 use crate::kernels::precision::Arithmetic;
 use crate::math::simd::{Kernel, Lanes, dispatch, dispatch_wide, is_wide};
-
-/// What is searched.
-type Searched<'a> = (&'a Tree, &'a Geometry);
 
 /// Whether the level has kernels for many rays.
 pub(super) fn has_batches(level: Level) -> bool {
@@ -29,32 +27,31 @@ pub(super) fn has_batches(level: Level) -> bool {
 #[inline(never)]
 pub(super) fn one<Q: Query, P: Arithmetic>(
     level: Level,
-    (tree, geometry): Searched<'_>,
+    searched: Searched<'_>,
     ray: &PreparedRay,
     traversal: &mut Traversal,
 ) -> Hit {
     let query = PhantomData::<(Q, P)>;
-    dispatch(level, One { tree, geometry, ray, traversal, query })
+    dispatch(level, One { searched, ray, traversal, query })
 }
 
 /// Asks many rays, with the kernel of `choice`. The level must have kernels for many.
 #[inline(never)]
 pub(super) fn many<Q: Query, P: Arithmetic>(
     (level, choice): (Level, KernelChoice),
-    (tree, geometry): Searched<'_>,
+    searched: Searched<'_>,
     rays: Rays<'_>,
     answers: &mut [Q::Answer],
     traversal: &mut Traversal,
 ) {
     let precision = PhantomData::<P>;
-    let many = Many::<Q, P> { tree, geometry, rays, answers, traversal, choice, precision };
+    let many = Many::<Q, P> { searched, rays, answers, traversal, choice, precision };
     dispatch_wide(level, many);
 }
 
 /// One ray, traced alone.
 struct One<'a, Q, P> {
-    tree: &'a Tree,
-    geometry: &'a Geometry,
+    searched: Searched<'a>,
     ray: &'a PreparedRay,
     traversal: &'a mut Traversal,
     query: PhantomData<(Q, P)>,
@@ -66,18 +63,16 @@ impl<Q: Query, P: Arithmetic> Kernel for One<'_, Q, P> {
     #[inline(always)]
     fn run<S: Lanes>(self, simd: S) -> Hit {
         let Traversal { stack, tests, .. } = self.traversal;
-        let height = single::start::<P>(self.tree, self.ray, stack);
+        let height = single::start::<P>(self.searched.tree, self.ray, stack);
         let best = no_hit(&self.ray.ray);
         let stack = (stack.as_mut_slice(), height);
-        let searched = (self.tree, self.geometry);
-        or_miss(single::trace::<S, Q, P>(simd, searched, self.ray, best, stack, tests))
+        or_miss(single::trace::<S, Q, P>(simd, self.searched, self.ray, best, stack, tests))
     }
 }
 
 /// Many rays, together.
 struct Many<'a, Q: Query, P> {
-    tree: &'a Tree,
-    geometry: &'a Geometry,
+    searched: Searched<'a>,
     rays: Rays<'a>,
     answers: &'a mut [Q::Answer],
     traversal: &'a mut Traversal,
@@ -91,10 +86,9 @@ impl<Q: Query, P: Arithmetic> Kernel for Many<'_, Q, P> {
     #[inline(always)]
     fn run<S: Lanes>(self, simd: S) {
         let Traversal { flight, packets, stack, tests, kernels, .. } = self.traversal;
-        let Self { tree, geometry, rays, answers, choice, .. } = self;
-        let memory = (packets, flight, stack.as_mut_slice());
-        let counts = (tests, Q::counts(kernels));
-        let rays = (rays, choice);
-        packet::trace::<S, Q, P>(simd, tree, geometry, rays, answers, memory, counts);
+        let Self { searched, rays, answers, choice, .. } = self;
+        let memory = Memory { packets, flight, stack };
+        let counts = Counts { tests, kernel: Q::counts(kernels) };
+        packet::trace::<S, Q, P>(simd, searched, (rays, choice), answers, memory, counts);
     }
 }

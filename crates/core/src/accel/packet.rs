@@ -6,12 +6,12 @@
 //! the whole tile misses cost nothing more, and so do those that it certainly meets as a whole. The
 //! others are tested by ray, sixteen rays at a time ([`children`]), and so are the triangles of
 //! leaves that many rays meet ([`groups`]); where few do, each is tested alone with eight triangles
-//! ([`leaves`]). Rays that have nothing to share any more, [`FEW`] of a tile, are handed to the kernel
+//! ([`leaves`]). Rays that have nothing to share any more, [`FEW_RAYS`] of a tile, are handed to the kernel
 //! of single rays in flight ([`super::stream`]), with the place to go on from; and if tiles turn out
 //! to share little on average, the rest of the batch goes there at once.
 //!
-//! [`TILES`] tiles are on their way at a time, and what they have to test goes through the same short
-//! loops: the processor then has many tests to work on, and few branches to estimate.
+//! [`TILES_ON_THEIR_WAY`] tiles are on their way at a time, and what they have to test goes through the same short
+//! loops: the processor then has many tests to work on, and few branches to predict.
 //!
 //! All of it computes the numbers that one ray computes, so that the answers are the same bits.
 
@@ -25,13 +25,13 @@ mod tile;
 use std::marker::PhantomData;
 
 use super::arena::Kind;
-use super::geometry::{Geometry, PreparedRay};
+use super::geometry::PreparedRay;
 use super::node::{distance, place};
 use super::query::{Query, no_hit};
 use super::rays::Rays;
 use super::stream::{self, Flight, Found, FromRoot, MOST_HANDED};
-use super::tree::{Root, Tree};
-use super::{KernelChoice, KernelCounts, TestCounts, single};
+use super::tree::{Root, Searched, Tree};
+use super::{Counts, KernelChoice, TestCounts, single};
 use crate::kernels::precision::Arithmetic;
 use crate::math::simd::{Lanes, entry, outlined};
 use children::Children;
@@ -41,16 +41,16 @@ use remaining::{Handed, Remaining};
 use tile::{Tile, extent, number_of};
 
 /// Tiles on their way together, so that one computes while another waits for memory.
-const TILES: usize = 4;
+const TILES_ON_THEIR_WAY: usize = 4;
 
 /// Rays in a tile.
 pub(super) const TILE: usize = 64;
 
 /// So many rays at a node, or fewer, have nothing to share.
-const FEW: u32 = 1;
+const FEW_RAYS: u32 = 1;
 
 /// The same, if any hit will do.
-const FEW_FOR_ANY: u32 = 24;
+const FEW_RAYS_FOR_ANY: u32 = 24;
 
 /// A tile is coherent if its visits of nodes are made by so many rays on average.
 const COHERENT: u64 = 20;
@@ -92,35 +92,35 @@ pub(super) struct Packets {
     found: Vec<Found>,
 }
 
+/// A thread's memory for many rays.
+pub(super) struct Memory<'a> {
+    pub(super) packets: &'a mut Packets,
+    pub(super) flight: &'a mut Flight,
+    pub(super) stack: &'a mut [u64],
+}
+
 /// Answers all rays: by packets as long as `choice` has it so, the others in flight.
 #[inline(always)]
 pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
     simd: S,
-    tree: &Tree,
-    geometry: &Geometry,
+    searched: Searched<'_>,
     (rays, choice): (Rays<'_>, KernelChoice),
     answers: &mut [Q::Answer],
-    (packets, flight, stack): (&mut Packets, &mut Flight, &mut [u64]),
-    (tests, counts): (&mut TestCounts, &mut KernelCounts),
+    Memory { packets, flight, stack }: Memory<'_>,
+    counts: Counts<'_>,
 ) {
-    let Some(root) = tree.root() else {
+    let Some(root) = searched.tree.root() else {
         answers.fill(Q::NONE);
-        counts.stream += rays.count() as u64;
+        counts.kernel.stream += rays.count() as u64;
         return;
     };
     // Packets do not ask which triangle is a light's.
-    let is_any_equal = !Q::ANY || geometry.lights.is_empty();
+    let is_any_equal = !Q::ANY || searched.geometry.lights.is_empty();
     let choice = if is_any_equal { choice } else { KernelChoice::Stream };
+    packets.prepare(searched.tree, rays.count());
     let Packets { tiles, groups, asks, handed, last, queue, singles, found } = packets;
-    tiles.resize(TILES, Tile::EMPTY);
-    tiles.iter_mut().for_each(|tile| tile.visits.resize(tree.stack_entries(), Visit::NONE));
-    handed.clear();
-    queue.clear();
-    last.clear();
-    last.resize(rays.count(), (FIRST, 0));
     let mut batch = Batch::<Q, P> {
-        tree,
-        geometry,
+        searched,
         rays,
         choice,
         root,
@@ -138,40 +138,32 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
         stack,
         query: PhantomData,
     };
-    rays.prefetch(0..(AHEAD * TILE).min(rays.count()));
-    let mut count = 0;
-    while count < TILES && batch.begin(simd, &mut tiles[count], answers) {
-        count += 1;
-    }
-    while count > 0 {
-        let mut is_done = [false; TILES];
-        for (k, is_done) in is_done.iter_mut().enumerate().take(count) {
-            *is_done = !batch.step(simd, tiles, k, tests);
-        }
-        batch.children.visit(simd, tiles, tree.arena.view());
-        batch.visit_leaves(simd, tiles, tests);
-        for k in (0..count).rev() {
-            if is_done[k] {
-                let tile = &mut tiles[k];
-                tile.answer::<S, Q>(simd, answers);
-                if !batch.begin(simd, tile, answers) {
-                    count -= 1;
-                    tiles.swap(k, count);
-                }
-            }
-        }
-    }
+    batch.trace(simd, tiles, answers, counts.tests);
     let Batch { next, unfit, judged, .. } = batch;
-    counts.packet += (next - unfit) as u64;
-    counts.handed_over += (queue.len() - unfit) as u64;
-    counts.stream += (rays.count() - next + unfit) as u64;
-    counts.packet_nodes += judged.visits;
-    counts.packet_rays += judged.rays;
-    if queue.is_empty() && next == rays.count() {
-        return;
+    counts.kernel.packet += (next - unfit) as u64;
+    counts.kernel.handed_over += (queue.len() - unfit) as u64;
+    counts.kernel.stream += (rays.count() - next + unfit) as u64;
+    counts.kernel.packet_nodes += judged.visits;
+    counts.kernel.packet_rays += judged.rays;
+    if !queue.is_empty() || next < rays.count() {
+        let rest = FromRoot { rays, next, root };
+        let mut source = Remaining { queue, handed, last, rays, rest };
+        stream::trace::<S, Q, P>(simd, searched, &mut source, answers, flight, counts);
     }
-    let mut source = Remaining { queue, handed, last, rays, rest: FromRoot { rays, next, root } };
-    stream::trace::<S, Q, P>(simd, tree, geometry, &mut source, answers, flight, (tests, counts));
+}
+
+impl Packets {
+    /// Makes room for so many rays in the tree, and forgets those before.
+    fn prepare(&mut self, tree: &Tree, rays: usize) {
+        self.tiles.resize(TILES_ON_THEIR_WAY, Tile::EMPTY);
+        for tile in &mut self.tiles {
+            tile.visits.resize(tree.stack_entries(), Visit::NONE);
+        }
+        self.handed.clear();
+        self.queue.clear();
+        self.last.clear();
+        self.last.resize(rays, (FIRST, 0));
+    }
 }
 
 /// How coherent the tiles of a batch were so far.
@@ -191,8 +183,7 @@ impl Judged {
 
 /// The tiles of a batch of rays.
 struct Batch<'a, Q, P> {
-    tree: &'a Tree,
-    geometry: &'a Geometry,
+    searched: Searched<'a>,
     rays: Rays<'a>,
     choice: KernelChoice,
     root: Root,
@@ -214,6 +205,40 @@ struct Batch<'a, Q, P> {
 }
 
 impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
+    /// Takes tiles through the tree as long as there are any that packets are to take.
+    #[inline(always)]
+    fn trace<S: Lanes>(
+        &mut self,
+        simd: S,
+        tiles: &mut [Tile],
+        answers: &mut [Q::Answer],
+        tests: &mut TestCounts,
+    ) {
+        self.rays.prefetch(0..(AHEAD * TILE).min(self.rays.count()));
+        let mut count = 0;
+        while count < TILES_ON_THEIR_WAY && self.begin(simd, &mut tiles[count], answers) {
+            count += 1;
+        }
+        while count > 0 {
+            let mut is_done = [false; TILES_ON_THEIR_WAY];
+            for (k, is_done) in is_done.iter_mut().enumerate().take(count) {
+                *is_done = !self.step(simd, tiles, k, tests);
+            }
+            self.children.visit(simd, tiles, self.searched.tree.arena.view());
+            self.visit_leaves(simd, tiles, tests);
+            for k in (0..count).rev() {
+                if is_done[k] {
+                    let tile = &mut tiles[k];
+                    tile.answer::<S, Q>(simd, answers);
+                    if !self.begin(simd, tile, answers) {
+                        count -= 1;
+                        tiles.swap(k, count);
+                    }
+                }
+            }
+        }
+    }
+
     /// Puts the next tile that can meet anything at its beginning. Whether there is one.
     #[inline(always)]
     fn begin<S: Lanes>(&mut self, simd: S, tile: &mut Tile, answers: &mut [Q::Answer]) -> bool {
@@ -265,7 +290,7 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
         tests: &mut TestCounts,
     ) -> bool {
         let tile = &mut tiles[k];
-        let arena = self.tree.arena.view();
+        let arena = self.searched.tree.arena.view();
         // Not where hits are stored: what was just written, ray by ray, is not read well together.
         if tile.is_reach_stale && !Q::ANY {
             tile.is_reach_stale = false;
@@ -278,7 +303,7 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
             }
             let at = place(entry);
             let is_node = at.kind() == Kind::Node;
-            let few = if Q::ANY { FEW_FOR_ANY } else { FEW };
+            let few = if Q::ANY { FEW_RAYS_FOR_ANY } else { FEW_RAYS };
             if is_node && rays.count_ones() <= few && at != self.root.place {
                 self.hand_over(simd, tile, entry, rays, tests);
                 continue;
@@ -343,7 +368,7 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
                 let before = tile.best(i);
                 let best = if before.is_miss() { no_hit(&ray.ray) } else { before };
                 self.stack[0] = place;
-                let (searched, stack) = ((self.tree, self.geometry), (&mut *self.stack, 1));
+                let (searched, stack) = (self.searched, (&mut *self.stack, 1));
                 let best = single::trace::<S, Q, P>(simd, searched, &ray, best, stack, tests);
                 if best.is_miss() {
                     return;

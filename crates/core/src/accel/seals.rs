@@ -23,27 +23,12 @@ const MOST_BETWEEN: usize = 64;
 
 /// The seals of a mesh, by number, each with the triangle that it stands for.
 pub(super) fn find(geometry: &Geometry) -> Vec<[u32; 2]> {
-    let triangles = 0..geometry.triangles.len() as u32;
-    let pinched: Vec<u32> =
-        triangles.clone().into_par_iter().filter(|&number| is_pinched(geometry, number)).collect();
+    let triangles = (0..geometry.triangles.len() as u32).into_par_iter();
+    let pinched: Vec<u32> = triangles.filter(|&number| is_pinched(geometry, number)).collect();
     if pinched.is_empty() {
         return Vec::new();
     }
-    let longest: HashMap<Edge, Vec<u32>> =
-        pinched.iter().fold(HashMap::new(), |mut longest: HashMap<_, Vec<_>>, &number| {
-            longest.entry(longest_edge(geometry, number)).or_default().push(number);
-            longest
-        });
-    // The neighbours across longest edges.
-    let mut neighbours: Vec<(u32, u32)> = triangles
-        .into_par_iter()
-        .flat_map_iter(|other| {
-            let found = edges(geometry, other).into_iter().filter_map(|edge| longest.get(&edge));
-            let pairs = found.flatten().filter(move |&&number| number != other);
-            pairs.map(move |&number| (number, other))
-        })
-        .collect();
-    neighbours.par_sort_unstable();
+    let neighbours = across_longest_edges(geometry, &pinched);
     let mut seals: HashMap<u32, u32> = HashMap::new();
     for &(number, other) in &neighbours {
         if !geometry.is_degenerate(other) {
@@ -68,6 +53,24 @@ pub(super) fn find(geometry: &Geometry) -> Vec<[u32; 2]> {
         seals.into_iter().map(|(number, other)| [number, other]).collect();
     seals.sort_unstable();
     seals
+}
+
+/// Each of the `pinched` triangles with the others at its longest edge, in rising order.
+fn across_longest_edges(geometry: &Geometry, pinched: &[u32]) -> Vec<(u32, u32)> {
+    let mut longest: HashMap<Edge, Vec<u32>> = HashMap::new();
+    for &number in pinched {
+        longest.entry(longest_edge(geometry, number)).or_default().push(number);
+    }
+    let mut neighbours: Vec<(u32, u32)> = (0..geometry.triangles.len() as u32)
+        .into_par_iter()
+        .flat_map_iter(|other| {
+            let found = edges(geometry, other).into_iter().filter_map(|edge| longest.get(&edge));
+            let pairs = found.flatten().filter(move |&&number| number != other);
+            pairs.map(move |&number| (number, other))
+        })
+        .collect();
+    neighbours.par_sort_unstable();
+    neighbours
 }
 
 /// Whether the triangle has no area but three corners.

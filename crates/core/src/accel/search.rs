@@ -2,10 +2,10 @@
 
 use std::marker::PhantomData;
 
-use super::geometry::{Geometry, PreparedRay};
+use super::geometry::PreparedRay;
 use super::query::{Closest, Occluded, Query};
 use super::rays::Rays;
-use super::tree::Tree;
+use super::tree::Searched;
 use super::{Accel, Hit, KernelChoice, Traversal, brute, compiled};
 use crate::kernels::precision::{Arithmetic, Precision};
 use crate::math::ray::Ray;
@@ -63,7 +63,7 @@ impl<P: Arithmetic> Search<'_, P> {
             let best = brute::hit::<Q, P>(geometry, &prepared, &mut traversal.tests);
             return Q::answer(Q::unsealed(geometry, best));
         };
-        let best = self.in_tree::<Q>((tree, geometry), &prepared, traversal);
+        let best = self.in_tree::<Q>(Searched { tree, geometry }, &prepared, traversal);
         if geometry.instances.is_empty() || Q::ANY && !best.is_miss() {
             return Q::answer(best);
         }
@@ -79,7 +79,7 @@ impl<P: Arithmetic> Search<'_, P> {
             }
             return;
         };
-        self.all_in_tree::<Q>((tree, geometry), rays, answers, traversal);
+        self.all_in_tree::<Q>(Searched { tree, geometry }, rays, answers, traversal);
         if !geometry.instances.is_empty() {
             self.all_among_instances::<Q>(rays, answers, traversal);
         }
@@ -120,31 +120,33 @@ impl<P: Arithmetic> Search<'_, P> {
         traversal.kernels = kernels;
     }
 
-    fn prototype(&self, number: usize) -> (&Tree, &Geometry) {
-        (&self.accel.blas[number], &self.accel.geometry.prototypes[number])
+    fn prototype(&self, number: usize) -> Searched<'_> {
+        let Accel { blas, geometry, .. } = self.accel;
+        Searched { tree: &blas[number], geometry: &geometry.prototypes[number] }
     }
 
     /// The hit in a tree that `Q` asks for.
     #[inline(always)]
     fn in_tree<Q: Query>(
         &self,
-        (tree, geometry): (&Tree, &Geometry),
+        searched: Searched<'_>,
         ray: &PreparedRay,
         traversal: &mut Traversal,
     ) -> Hit {
-        let found = compiled::one::<Q, P>(self.accel.level, (tree, geometry), ray, traversal);
-        Q::unsealed(geometry, found)
+        let found = compiled::one::<Q, P>(self.accel.level, searched, ray, traversal);
+        Q::unsealed(searched.geometry, found)
     }
 
     fn all_in_tree<Q: Query>(
         &self,
-        (tree, geometry): (&Tree, &Geometry),
+        searched: Searched<'_>,
         rays: Rays<'_>,
         answers: &mut [Q::Answer],
         traversal: &mut Traversal,
     ) {
         let how = (self.accel.level, self.accel.kernel);
-        compiled::many::<Q, P>(how, (tree, geometry), rays, answers, traversal);
+        compiled::many::<Q, P>(how, searched, rays, answers, traversal);
+        let geometry = searched.geometry;
         if !geometry.seals.is_empty() {
             let found = answers.iter_mut();
             found.for_each(|answer| *answer = Q::answer(Q::unsealed(geometry, Q::hit(*answer))));

@@ -1,10 +1,10 @@
 //! Traversal by one ray: what the recursive tracer asks, and what is left over from packets.
 
 use super::arena::Kind;
-use super::geometry::{Geometry, PreparedRay};
+use super::geometry::PreparedRay;
 use super::node::{self, distance, place};
 use super::query::Query;
-use super::tree::{Tree, reach};
+use super::tree::{Searched, Tree, reach};
 use super::{Hit, TestCounts, leaf};
 use crate::kernels::precision::Arithmetic;
 use crate::math::simd::{Lanes, entry};
@@ -14,7 +14,7 @@ use crate::math::simd::{Lanes, entry};
 #[inline(always)]
 pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
     simd: S,
-    (tree, geometry): (&Tree, &Geometry),
+    Searched { tree, geometry }: Searched<'_>,
     ray: &PreparedRay,
     mut best: Hit,
     (stack, mut height): (&mut [u64], usize),

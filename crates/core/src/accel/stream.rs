@@ -11,16 +11,18 @@
 
 mod next;
 
+use std::marker::PhantomData;
+
 use fearless_simd::prelude::*;
 use glam::Vec3;
 
-use super::arena::{Kind, Ref};
+use super::arena::{Kind, View};
 use super::geometry::{Geometry, PreparedRay};
 use super::node::{self, distance, place};
 use super::query::{Query, no_hit};
 use super::rays::Rays;
-use super::tree::{Root, Tree, reach};
-use super::{Hit, KernelCounts, TestCounts, leaf};
+use super::tree::{Root, Searched, reach};
+use super::{Counts, Hit, TestCounts, leaf};
 use crate::kernels::precision::Arithmetic;
 use crate::kernels::triangle::LaneHits;
 use crate::math::ray::Ray;
@@ -184,107 +186,151 @@ impl<Q: Query, P: Arithmetic> Source<Q, P> for FromRoot<'_> {
 #[inline(always)]
 pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
     simd: S,
-    tree: &Tree,
-    geometry: &Geometry,
+    searched: Searched<'_>,
     source: &mut impl Source<Q, P>,
     answers: &mut [Q::Answer],
     flight: &mut Flight,
-    (tests, counts): (&mut TestCounts, &mut KernelCounts),
+    counts: Counts<'_>,
 ) {
-    let arena = tree.arena.view();
+    let Counts { tests, kernel } = counts;
     let Flight { slots, stacks, tops, stride } = flight;
-    let (mut next, mut met) = (Next::NONE, [Met::default(); FLIGHT]);
-    let mut found = [Found::default(); FLIGHT];
-    for (index, slot) in slots.iter_mut().enumerate() {
-        let bottom = index * *stride;
-        let stack = &mut stacks[bottom..][..*stride];
-        let Some((then, height)) = begin::<Q, P>(source, answers, stack, slot) else { break };
-        tops[index] = bottom + height;
-        next.push(arena, index, then);
+    let mut next = Next::NONE;
+    // References alone, and no array: then all of it stays in registers.
+    let mut rounds = Rounds::<Q, P, _> {
+        arena: searched.tree.arena.view(),
+        geometry: searched.geometry,
+        source,
+        answers,
+        slots,
+        stacks,
+        tops,
+        stride: *stride,
+        tests,
+        next: &mut next,
+        precision: PhantomData,
+    };
+    let (mut met, mut found) = ([Met::default(); FLIGHT], [Found::default(); FLIGHT]);
+    for slot in 0..FLIGHT {
+        if !rounds.begin(slot) {
+            break;
+        }
     }
     // Each loop in this one is short, so that the processor has many rays at a time on their way
-    // through it. Lists are read from the front while later steps are written there.
-    while next.count() > 0 {
-        counts.rounds += 1;
-        counts.in_flight += next.count() as u64;
-        // Nodes: which children are met,
-        let nodes = next.take(Kind::Node);
-        tests.nodes += nodes as u64;
+    // through it.
+    while rounds.next.count() > 0 {
+        kernel.rounds += 1;
+        kernel.in_flight += rounds.next.count() as u64;
+        rounds.visit_nodes(simd, &mut met);
+        rounds.visit_patches(simd, &mut found);
+        rounds.visit_others(simd, Kind::Soup);
+        rounds.visit_others(simd, Kind::List);
+    }
+}
+
+/// Rays in flight, round by round. Lists of steps are read from the front while later steps are written there.
+struct Rounds<'a, Q: Query, P, R> {
+    arena: View<'a>,
+    geometry: &'a Geometry,
+    source: &'a mut R,
+    answers: &'a mut [Q::Answer],
+    slots: &'a mut [Slot; FLIGHT],
+    /// One stack of `stride` entries after the other, and where each ends.
+    stacks: &'a mut [u64],
+    tops: &'a mut [usize; FLIGHT],
+    stride: usize,
+    tests: &'a mut TestCounts,
+    next: &'a mut Next,
+    precision: PhantomData<P>,
+}
+
+impl<Q: Query, P: Arithmetic, R: Source<Q, P>> Rounds<'_, Q, P, R> {
+    /// Fills a slot with the next ray of the source, and has it take its first step. Whether there is one.
+    #[inline(always)]
+    fn begin(&mut self, index: usize) -> bool {
+        let bottom = index * self.stride;
+        let stack = &mut self.stacks[bottom..][..self.stride];
+        let Some((end, rest)) = stack.split_first_mut() else { return false };
+        let Some(height) = self.source.next(self.answers, rest, &mut self.slots[index]) else {
+            return false;
+        };
+        *end = entry(f32::NEG_INFINITY, BOTTOM);
+        self.tops[index] = bottom + height;
+        self.next.push(self.arena, index, place(self.stacks[bottom + height]));
+        true
+    }
+
+    /// Takes all steps to nodes: first, which children are met, then where to go next.
+    #[inline(always)]
+    fn visit_nodes<S: Lanes>(&mut self, simd: S, met: &mut [Met; FLIGHT]) {
+        let nodes = self.next.take(Kind::Node);
+        self.tests.nodes += nodes as u64;
         for (i, met) in met.iter_mut().enumerate().take(nodes) {
-            let step = next.get(Kind::Node, i);
+            let step = self.next.get(Kind::Node, i);
             let at = step.place();
-            let Slot { ray, reach, .. } = &slots[step.slot()];
-            let node = arena.node(at);
+            let Slot { ray, reach, .. } = &self.slots[step.slot()];
+            let node = self.arena.node(at);
             let (near, mask) = node::children(simd, node, &ray.slab, ray.ray.t_min, *reach);
             met.entries = simd.entries(near, node::places(simd, node, at));
             met.mask = mask.to_bitmask() as u8;
         }
-        // and where to go next.
         for (i, Met { entries, mask }) in met.iter().enumerate().take(nodes) {
-            let index = next.get(Kind::Node, i).slot();
-            let top = node::append::<S, Q>(simd, entries, *mask, stacks, tops[index]) - 1;
-            tops[index] = top;
-            next.push(arena, index, place(stacks[top]));
-        }
-        // Patches: which triangles are met,
-        let patches = next.take_enough(Kind::Patch);
-        for (i, found) in found.iter_mut().enumerate().take(patches) {
-            let step = next.get(Kind::Patch, i);
-            let ray = &slots[step.slot()].ray;
-            let (hits, first) = leaf::patch::<S, P>(simd, arena, ray, step.place(), tests);
-            *found = Found { hits, first };
-        }
-        // and what that means.
-        for (i, Found { hits, first }) in found.iter().enumerate().take(patches) {
-            let index = next.get(Kind::Patch, i).slot();
-            let slot = &mut slots[index];
-            if leaf::take::<Q, P>(arena, geometry, &slot.ray, (hits, *first), &mut slot.best) {
-                tops[index] = slot.closer::<Q, P>(stacks, index * *stride, tops[index]);
-            }
-            tops[index] -= 1;
-            next.push(arena, index, place(stacks[tops[index]]));
-        }
-        // Other leaves,
-        for kind in [Kind::Soup, Kind::List] {
-            for i in 0..next.take_enough(kind) {
-                let step = next.get(kind, i);
-                let (index, at) = (step.slot(), step.place());
-                let slot = &mut slots[index];
-                // and rays that are done.
-                if at.bits() == BOTTOM {
-                    answers[slot.number as usize] = Q::answer(slot.best);
-                    let bottom = index * *stride;
-                    let stack = &mut stacks[bottom..][..*stride];
-                    if let Some((then, height)) = begin::<Q, P>(source, answers, stack, slot) {
-                        tops[index] = bottom + height;
-                        next.push(arena, index, then);
-                    }
-                    continue;
-                }
-                let Slot { ray, best, .. } = slot;
-                if leaf::visit::<S, Q, P>(simd, arena, geometry, ray, at, best, tests) {
-                    tops[index] = slot.closer::<Q, P>(stacks, index * *stride, tops[index]);
-                }
-                tops[index] -= 1;
-                next.push(arena, index, place(stacks[tops[index]]));
-            }
+            let index = self.next.get(Kind::Node, i).slot();
+            let top = self.tops[index];
+            let top = node::append::<S, Q>(simd, entries, *mask, self.stacks, top) - 1;
+            self.tops[index] = top;
+            self.next.push(self.arena, index, place(self.stacks[top]));
         }
     }
-}
 
-/// Fills the slot with the next ray of the source. Its first step, if there is one, and the height
-/// of its stack without that.
-#[inline(always)]
-fn begin<Q: Query, P: Arithmetic>(
-    source: &mut impl Source<Q, P>,
-    answers: &mut [Q::Answer],
-    stack: &mut [u64],
-    slot: &mut Slot,
-) -> Option<(Ref, usize)> {
-    let (bottom, rest) = stack.split_first_mut()?;
-    let height = source.next(answers, rest, slot)?;
-    *bottom = entry(f32::NEG_INFINITY, BOTTOM);
-    Some((place(stack[height]), height))
+    /// Takes the steps to patches, if it is time: first, which triangles are met, then what that means.
+    #[inline(always)]
+    fn visit_patches<S: Lanes>(&mut self, simd: S, found: &mut [Found; FLIGHT]) {
+        let patches = self.next.take_enough(Kind::Patch);
+        for (i, found) in found.iter_mut().enumerate().take(patches) {
+            let step = self.next.get(Kind::Patch, i);
+            let ray = &self.slots[step.slot()].ray;
+            let (hits, first) =
+                leaf::patch::<S, P>(simd, self.arena, ray, step.place(), self.tests);
+            *found = Found { hits, first };
+        }
+        for (i, Found { hits, first }) in found.iter().enumerate().take(patches) {
+            let index = self.next.get(Kind::Patch, i).slot();
+            let Slot { ray, best, .. } = &mut self.slots[index];
+            let is_closer =
+                leaf::take::<Q, P>(self.arena, self.geometry, ray, (hits, *first), best);
+            self.go_on(index, is_closer);
+        }
+    }
+
+    /// Takes the steps to leaves of another kind, if it is time. Rays that are done are among those to lists.
+    #[inline(always)]
+    fn visit_others<S: Lanes>(&mut self, simd: S, kind: Kind) {
+        for i in 0..self.next.take_enough(kind) {
+            let step = self.next.get(kind, i);
+            let (index, at) = (step.slot(), step.place());
+            let Slot { ray, best, number, .. } = &mut self.slots[index];
+            if at.bits() == BOTTOM {
+                self.answers[*number as usize] = Q::answer(*best);
+                self.begin(index);
+                continue;
+            }
+            let (arena, geometry, tests) = (self.arena, self.geometry, &mut *self.tests);
+            let is_closer = leaf::visit::<S, Q, P>(simd, arena, geometry, ray, at, best, tests);
+            self.go_on(index, is_closer);
+        }
+    }
+
+    /// Sends a ray on from a leaf, where it may have found a closer hit.
+    #[inline(always)]
+    fn go_on(&mut self, index: usize, is_closer: bool) {
+        let mut top = self.tops[index];
+        if is_closer {
+            top = self.slots[index].closer::<Q, P>(self.stacks, index * self.stride, top);
+        }
+        top -= 1;
+        self.tops[index] = top;
+        self.next.push(self.arena, index, place(self.stacks[top]));
+    }
 }
 
 /// Removes the entries from `bottom` to `top` that are farther than `reach`. The top that is left.

@@ -1,7 +1,7 @@
 //! The tree: an arena, and where to begin.
 
 use super::arena::{Arena, Census, Kind, Node, Ref, child_of};
-use super::geometry::PreparedRay;
+use super::geometry::{Geometry, PreparedRay};
 use crate::kernels::precision::Arithmetic;
 use crate::kernels::slab::Aabb;
 use crate::kernels::triangle::T_TOLERANCE;
@@ -16,6 +16,13 @@ pub struct Tree {
     pub(super) census: Census,
     /// How many primitives it is over.
     pub(super) kept: u64,
+}
+
+/// What is searched.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Searched<'a> {
+    pub(super) tree: &'a Tree,
+    pub(super) geometry: &'a Geometry,
 }
 
 /// Where traversal begins.

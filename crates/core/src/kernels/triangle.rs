@@ -57,7 +57,7 @@ pub(crate) enum Axis {
 
 impl Axis {
     /// The axis along which `d` is longest. Each choice is one instruction: rays differ, and a
-    /// branch would be estimated wrongly.
+    /// branch would be predicted wrongly.
     #[inline(always)]
     fn longest(d: Vec3) -> Self {
         let size = d.abs();

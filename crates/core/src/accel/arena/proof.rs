@@ -69,17 +69,7 @@ impl Proof<'_> {
                 census.nodes += 1;
                 census.children += u64::from(node.count);
                 census.depth = census.depth.max(depth);
-                for &relative in node.children.get(..node.count as usize)? {
-                    // No node leads to itself or back.
-                    if (relative >> 2) < NODE_UNITS as u32 {
-                        return None;
-                    }
-                    hand_on((Ref(absolute(relative, place)?), depth + 1));
-                }
-                // A ray can meet no other lane, but if one did it would stay within.
-                if node.children[node.count as usize..].iter().any(|&c| c != 0) {
-                    return None;
-                }
+                children(node, place, |child| hand_on((child, depth + 1)))?;
             }
             Kind::Patch => {
                 let leaf: &Patch = bytemuck::from_bytes(bytes(rest, PATCH_UNITS)?);
@@ -99,6 +89,20 @@ impl Proof<'_> {
         }
         Some(())
     }
+}
+
+/// Proves the places of a node's children, and hands them on.
+fn children(node: &Node, place: Ref, mut hand_on: impl FnMut(Ref)) -> Option<()> {
+    let (used, unused) = node.children.split_at_checked(node.count as usize)?;
+    for &relative in used {
+        // No node leads to itself or back.
+        if (relative >> 2) < NODE_UNITS as u32 {
+            return None;
+        }
+        hand_on(Ref(absolute(relative, place)?));
+    }
+    // A ray can meet no other lane, but if one did it would stay within.
+    unused.iter().all(|&child| child == 0).then_some(())
 }
 
 impl std::ops::Add for Census {

@@ -5,7 +5,7 @@ use fearless_simd::{f32x16, u32x8};
 
 use super::beam::Met;
 use super::tile::{Column, GROUPS, Tile, WIDTH, load};
-use super::{TILES, Visit};
+use super::{TILES_ON_THEIR_WAY, Visit};
 use crate::accel::arena::{Kind, Node, Ref, View, child_of};
 use crate::accel::node::distance;
 use crate::math::simd::{LANES, Lanes, entry};
@@ -27,14 +27,14 @@ struct Child {
 /// The children met of the nodes that all tiles are at, those of each tile from far to near.
 #[derive(Clone, Debug)]
 pub(super) struct Children {
-    children: [Child; MOST],
+    children: [Child; MOST_CHILDREN],
     count: usize,
-    leaves: [LeafVisit; MOST],
+    leaves: [LeafVisit; MOST_CHILDREN],
     leaf_count: usize,
 }
 
 /// The most children that are met at a time.
-const MOST: usize = TILES * LANES;
+const MOST_CHILDREN: usize = TILES_ON_THEIR_WAY * LANES;
 
 /// Rays of a tile that meet a leaf.
 #[derive(Clone, Copy, Debug)]
@@ -50,9 +50,9 @@ impl Children {
     const NO_CHILD: Child = Child { entry: 0, rays: 0, parent: Ref::ROOT, tile: 0, by_all: true };
 
     pub(super) const NONE: Self = Self {
-        children: [Self::NO_CHILD; MOST],
+        children: [Self::NO_CHILD; MOST_CHILDREN],
         count: 0,
-        leaves: [Self::NO_LEAF; MOST],
+        leaves: [Self::NO_LEAF; MOST_CHILDREN],
         leaf_count: 0,
     };
 
@@ -71,7 +71,7 @@ impl Children {
         let some = some.to_bitmask() as u8;
         simd.far_to_near(&simd.entries(near, lanes), some, &mut met);
         let all = all.to_bitmask();
-        // All eight are written, for the processor to have no branch to estimate.
+        // All eight are written, for the processor to have no branch to predict.
         if let Some(room) = self.children[self.count..].first_chunk_mut::<LANES>() {
             for (child, entry) in room.iter_mut().zip(met) {
                 let by_all = all >> (entry & 7) & 1 == 1;
@@ -84,7 +84,7 @@ impl Children {
     /// Adds a leaf that rays of the `k`th tile meet.
     #[inline(always)]
     pub(super) fn add_leaf(&mut self, place: Ref, k: usize, rays: u64) {
-        self.leaves[self.leaf_count % MOST] = LeafVisit { place, tile: k as u32, rays };
+        self.leaves[self.leaf_count % MOST_CHILDREN] = LeafVisit { place, tile: k as u32, rays };
         self.leaf_count += 1;
     }
 
@@ -92,7 +92,7 @@ impl Children {
     #[inline(always)]
     pub(super) fn take_leaf(&mut self, i: usize) -> Option<LeafVisit> {
         if i < self.leaf_count {
-            return Some(self.leaves[i % MOST]);
+            return Some(self.leaves[i % MOST_CHILDREN]);
         }
         self.leaf_count = 0;
         None
@@ -121,7 +121,7 @@ impl Children {
             let entry = entry(distance(child.entry), at.bits());
             let is_node = at.kind() == Kind::Node;
             tiles[child.tile as usize].push(is_met & is_node, Visit { entry, rays: child.rays });
-            self.leaves[self.leaf_count % MOST] =
+            self.leaves[self.leaf_count % MOST_CHILDREN] =
                 LeafVisit { place: at, tile: child.tile, rays: child.rays };
             self.leaf_count += usize::from(is_met & !is_node);
         }

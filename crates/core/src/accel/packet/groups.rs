@@ -21,7 +21,7 @@ use crate::math::real::Mask;
 use crate::math::simd::{LANES, Lanes};
 
 /// So many tests can wait.
-pub(super) const MOST: usize = 16;
+pub(super) const MOST_GROUPS: usize = 16;
 
 /// A number for each of sixteen rays.
 type Row = [f32; WIDTH];
@@ -29,7 +29,7 @@ type Row = [f32; WIDTH];
 /// Up to sixteen rays of a tile in front of a patch.
 #[derive(Clone, Debug)]
 #[repr(align(64))]
-struct Group {
+struct PatchRays {
     /// The vertices in sheared space.
     vertices: [[Row; 3]; LANES],
     depth: Row,
@@ -64,9 +64,9 @@ struct Pair {
 /// The tests that wait.
 #[derive(Clone, Debug)]
 pub(super) struct Groups {
-    groups: Box<[Group; MOST]>,
+    groups: Box<[PatchRays; MOST_GROUPS]>,
     count: usize,
-    pairs: Box<[Pair; MOST * LANES + LANES]>,
+    pairs: Box<[Pair; MOST_GROUPS * LANES + LANES]>,
 }
 
 /// A ray that has to be asked alone about some of a patch's triangles, a bit each.
@@ -80,7 +80,7 @@ pub(super) struct Open {
 
 impl Default for Groups {
     fn default() -> Self {
-        let group = Group {
+        let group = PatchRays {
             vertices: [[[0.0; WIDTH]; 3]; LANES],
             depth: [0.0; WIDTH],
             t_min: [0.0; WIDTH],
@@ -99,21 +99,21 @@ impl Default for Groups {
         Self {
             groups: Box::new(std::array::from_fn(|_| group.clone())),
             count: 0,
-            pairs: Box::new([Pair::default(); MOST * LANES + LANES]),
+            pairs: Box::new([Pair::default(); MOST_GROUPS * LANES + LANES]),
         }
     }
 }
 
 impl Groups {
     pub(super) fn is_full(&self) -> bool {
-        self.count == MOST
+        self.count == MOST_GROUPS
     }
 
     /// Lets the rays at the `used` ones of `positions`, a bit each, wait in front of the patch at
     /// `place`.
     #[inline(always)]
     pub(super) fn add(&mut self, tile: usize, place: Ref, positions: [u32; WIDTH], used: u32) {
-        let group = &mut self.groups[self.count % MOST];
+        let group = &mut self.groups[self.count % MOST_GROUPS];
         (group.tile, group.place) = (tile, place);
         (group.positions, group.used) = (positions, used);
         group.is_whole = false;
@@ -128,7 +128,7 @@ impl Groups {
             *position = i as u32;
         }
         self.add(tile, place, positions, used);
-        self.groups[(self.count - 1) % MOST].is_whole = true;
+        self.groups[(self.count - 1) % MOST_GROUPS].is_whole = true;
     }
 
     /// Tests all that wait, and lists what single precision leaves open.
@@ -141,9 +141,43 @@ impl Groups {
         asks: &mut Vec<Open>,
         tests: &mut TestCounts,
     ) {
-        let groups = &mut self.groups[..self.count.min(MOST)];
+        let pairs = self.see::<S, P>(simd, arena, tiles, tests);
+        // The fast test has no step to leave triangles out by.
+        let pairs = if P::IS_FAST { pairs } else { self.leave_out(simd, arena, pairs) };
+        let groups = &mut self.groups[..self.count.min(MOST_GROUPS)];
+        for pair in &self.pairs[..pairs] {
+            let group = &mut groups[usize::from(pair.group) % MOST_GROUPS];
+            if P::IS_FAST {
+                fast::meet::<S, Q>(simd, arena, group, *pair);
+            } else {
+                meet::<S, Q>(simd, arena, group, *pair);
+            }
+        }
+        for group in groups {
+            let tile = &mut tiles[group.tile];
+            if group.is_whole {
+                report_whole::<S, Q, P>(simd, tile, group);
+            } else {
+                report::<Q, P>(tile, group);
+            }
+            group.list_open(asks);
+        }
+        self.count = 0;
+    }
+
+    /// Fills in what the rays of all groups see of their patches, and lists every pair of a group and a triangle.
+    /// How many there are.
+    #[inline(always)]
+    fn see<S: Lanes, P: Arithmetic>(
+        &mut self,
+        simd: S,
+        arena: View<'_>,
+        tiles: &[Tile],
+        tests: &mut TestCounts,
+    ) -> usize {
         let mut count = 0;
-        for (g, group) in groups.iter_mut().enumerate() {
+        let groups = self.groups[..self.count.min(MOST_GROUPS)].iter_mut();
+        for (g, group) in groups.enumerate() {
             let leaf = arena.patch(group.place);
             arena.prefetch_numbers(leaf.first);
             tests.triangles += u64::from(leaf.count * group.used.count_ones());
@@ -161,57 +195,47 @@ impl Groups {
             }
             count += leaf.count as usize & 15;
         }
-        // The fast test has no step to leave triangles out by.
-        let all = if P::IS_FAST { 0 } else { std::mem::take(&mut count) };
+        count
+    }
+
+    /// Keeps those of the first `all` pairs in which some ray is not outside of the triangle. How many there are.
+    #[inline(always)]
+    fn leave_out<S: Lanes>(&mut self, simd: S, arena: View<'_>, all: usize) -> usize {
+        let mut count = 0;
         for i in 0..all {
             let pair = self.pairs[i];
-            let group = &groups[usize::from(pair.group) % MOST];
+            let group = &self.groups[usize::from(pair.group) % MOST_GROUPS];
             let [a, b, c] = corners(arena.patch(group.place), group, pair.triangle);
             let xy = [plane(simd, a), plane(simd, b), plane(simd, c)];
             let inside = group.used & !Edges::outside_of(&xy).bits();
             self.pairs[count] = Pair { inside: inside as u16, ..pair };
             count += usize::from(inside != 0);
         }
-        for pair in &self.pairs[..count] {
-            let group = &mut groups[usize::from(pair.group) % MOST];
-            if P::IS_FAST {
-                fast::meet::<S, Q>(simd, arena, group, *pair);
-            } else {
-                meet::<S, Q>(simd, arena, group, *pair);
+        count
+    }
+}
+
+impl PatchRays {
+    /// Lists the rays that have to be asked alone.
+    #[inline(always)]
+    fn list_open(&self, asks: &mut Vec<Open>) {
+        let mut open = self.open;
+        while open != 0 {
+            let lane = open.trailing_zeros() as usize % WIDTH;
+            open &= open - 1;
+            let mut triangles = 0;
+            for (triangle, rays) in self.left.iter().enumerate() {
+                triangles |= (rays >> lane & 1) << triangle;
             }
+            let ray = self.positions[lane] as usize;
+            asks.push(Open { tile: self.tile, place: self.place, triangles, ray });
         }
-        for group in groups {
-            if group.is_whole {
-                tell_whole::<S, Q, P>(simd, &mut tiles[group.tile], group);
-            } else if Q::ANY {
-                let mut hit = group.hit;
-                while hit != 0 {
-                    let lane = hit.trailing_zeros() as usize % WIDTH;
-                    hit &= hit - 1;
-                    tiles[group.tile].set_done(group.positions[lane] as usize);
-                }
-            } else {
-                tell::<P>(&mut tiles[group.tile], group);
-            }
-            let mut open = group.open;
-            while open != 0 {
-                let lane = open.trailing_zeros() as usize % WIDTH;
-                open &= open - 1;
-                let mut triangles = 0;
-                for (triangle, rays) in group.left.iter().enumerate() {
-                    triangles |= (rays >> lane & 1) << triangle;
-                }
-                let ray = group.positions[lane] as usize;
-                asks.push(Open { tile: group.tile, place: group.place, triangles, ray });
-            }
-        }
-        self.count = 0;
     }
 }
 
 /// Fills in what the rays, which may have `ONE` origin, see of the patch.
 #[inline(always)]
-fn see<S: Lanes, const ONE: bool>(simd: S, leaf: &Patch, tile: &Tile, group: &mut Group) {
+fn see<S: Lanes, const ONE: bool>(simd: S, leaf: &Patch, tile: &Tile, group: &mut PatchRays) {
     let order = ORDERS[tile.longest.min(2)];
     let rays = if group.is_whole {
         tile.whole(simd, order, group.positions[0] as usize / WIDTH)
@@ -259,7 +283,7 @@ fn relative<S: Lanes, const ONE: bool>(
 
 /// Finds where the group's rays meet a triangle.
 #[inline(always)]
-fn meet<S: Lanes, Q: Query>(simd: S, arena: View<'_>, group: &mut Group, pair: Pair) {
+fn meet<S: Lanes, Q: Query>(simd: S, arena: View<'_>, group: &mut PatchRays, pair: Pair) {
     let leaf = arena.patch(group.place);
     let [a, b, c] = corners(leaf, group, pair.triangle);
     let xy = [plane(simd, a), plane(simd, b), plane(simd, c)];
@@ -282,7 +306,7 @@ fn meet<S: Lanes, Q: Query>(simd: S, arena: View<'_>, group: &mut Group, pair: P
 fn note<S: Lanes, Q: Query>(
     simd: S,
     arena: View<'_>,
-    group: &mut Group,
+    group: &mut PatchRays,
     triangle: u8,
     (t, certain): (f32x16<S>, u32),
 ) {
@@ -301,24 +325,28 @@ fn note<S: Lanes, Q: Query>(
     group.hit |= closer.to_bitmask() as u32;
 }
 
-/// Tells the tile what the group's rays have found: another group may have found more.
+/// Gives the tile what the group's rays have found: another group may have found more.
 #[inline(always)]
-fn tell<P: Arithmetic>(tile: &mut Tile, group: &Group) {
+fn report<Q: Query, P: Arithmetic>(tile: &mut Tile, group: &PatchRays) {
     let mut hit = group.hit;
     while hit != 0 {
         let lane = hit.trailing_zeros() as usize % WIDTH;
         hit &= hit - 1;
         let i = group.positions[lane] as usize;
-        let (old, new) =
-            (tile.best(i), Hit { t: group.best[lane], primitive: group.primitive[lane] });
+        if Q::ANY {
+            tile.set_done(i);
+            continue;
+        }
+        let new = Hit { t: group.best[lane], primitive: group.primitive[lane] };
+        let old = tile.best(i);
         let is_closer = new.t < old.t || (new.t == old.t && new.primitive < old.primitive);
         tile.set_best::<P>(i, if is_closer { new } else { old });
     }
 }
 
-/// As [`tell`], for a group of the tile itself.
+/// As [`report`], for a group of the tile itself.
 #[inline(always)]
-fn tell_whole<S: Lanes, Q: Query, P: Arithmetic>(simd: S, tile: &mut Tile, group: &Group) {
+fn report_whole<S: Lanes, Q: Query, P: Arithmetic>(simd: S, tile: &mut Tile, group: &PatchRays) {
     let g = group.positions[0] as usize / WIDTH % GROUPS;
     if Q::ANY {
         tile.done |= u64::from(group.hit) << (g * WIDTH);
@@ -337,7 +365,7 @@ fn tell_whole<S: Lanes, Q: Query, P: Arithmetic>(simd: S, tile: &mut Tile, group
 
 /// The corners of a triangle, in sheared space.
 #[inline(always)]
-fn corners<'a>(leaf: &Patch, group: &'a Group, triangle: u8) -> [&'a [Row; 3]; 3] {
+fn corners<'a>(leaf: &Patch, group: &'a PatchRays, triangle: u8) -> [&'a [Row; 3]; 3] {
     let [a, b, c] = leaf.corners;
     let at = u32::from(4 * triangle) % u32::BITS;
     [

@@ -54,7 +54,7 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
             tiles[visit.tile as usize].is_reach_stale = true;
         }
         self.test_groups(simd, tiles, tests);
-        self.test_alone(simd, tiles, tests);
+        self.test_singles(simd, tiles, tests);
     }
 
     /// Lets each of a tile's rays wait in front of the patch: those of whole groups, those that are brought
@@ -115,13 +115,13 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
             simd,
             #[inline(always)]
             || {
-                let arena = self.tree.arena.view();
+                let arena = self.searched.tree.arena.view();
                 let mut rest = rays;
                 while rest != 0 {
                     let i = rest.trailing_zeros() as usize & (TILE - 1);
                     rest &= rest - 1;
                     let ray = PreparedRay::of::<P>(&self.rays.ray(tile.start + number_of(i)));
-                    let (geometry, mut best) = (self.geometry, tile.best(i));
+                    let (geometry, mut best) = (self.searched.geometry, tile.best(i));
                     let is_hit = leaf::visit::<S, Q, P>(
                         simd, arena, geometry, &ray, place, &mut best, tests,
                     );
@@ -137,8 +137,8 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
 
     /// Tests all triangles of patches at once with each ray that waits alone.
     #[inline(always)]
-    fn test_alone<S: Lanes>(&mut self, simd: S, tiles: &mut [Tile], tests: &mut TestCounts) {
-        let arena = self.tree.arena.view();
+    fn test_singles<S: Lanes>(&mut self, simd: S, tiles: &mut [Tile], tests: &mut TestCounts) {
+        let arena = self.searched.tree.arena.view();
         // Two loops: the first has no branches that depend on what is found.
         self.found.resize(self.singles.len().max(self.found.len()), Found::default());
         for (single, found) in self.singles.iter().zip(self.found.iter_mut()) {
@@ -157,32 +157,15 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
             found.first = leaf.first;
         }
         for n in 0..self.singles.len() {
-            let (SingleTest { place, tile, ray }, Found { hits, first }) =
-                (self.singles[n], self.found[n]);
+            let (SingleTest { place, tile, ray }, found) = (self.singles[n], self.found[n]);
             let (tile, i) = (&mut tiles[tile as usize], ray as usize);
             if Q::ANY {
-                tile.done |= u64::from(hits.certain != 0) << i;
+                tile.done |= u64::from(found.hits.certain != 0) << i;
             } else {
-                let mut certain = hits.certain;
-                let mut best = tile.best(i);
-                let before = best;
-                while certain != 0 {
-                    let lane = certain.trailing_zeros() as usize & (LANES - 1);
-                    certain &= certain - 1;
-                    let t = hits.t[lane];
-                    if t <= before.t {
-                        let number = arena.number(first, lane);
-                        if t < best.t || (t == best.t && number < best.primitive) {
-                            best = Hit { t, primitive: number };
-                        }
-                    }
-                }
-                if best != before {
-                    tile.set_best::<P>(i, best);
-                }
+                take_closest::<P>(arena, tile, i, &found);
             }
-            if hits.open != 0 {
-                self.ask_again(tile, arena, arena.patch(place), hits.open, i);
+            if found.hits.open != 0 {
+                self.ask_again(tile, arena, arena.patch(place), found.hits.open, i);
             }
         }
         self.singles.clear();
@@ -195,7 +178,7 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
             simd,
             #[inline(always)]
             || {
-                let arena = self.tree.arena.view();
+                let arena = self.searched.tree.arena.view();
                 self.groups.test::<S, Q, P>(simd, arena, tiles, self.asks, tests);
                 while let Some(Open { tile, place, triangles, ray }) = self.asks.pop() {
                     self.ask_again(&mut tiles[tile], arena, arena.patch(place), triangles, ray);
@@ -219,7 +202,7 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
         while triangles != 0 {
             let number = arena.number(leaf.first, triangles.trailing_zeros() as usize);
             triangles &= triangles - 1;
-            let Some(t) = self.geometry.hit_again::<P>(number, &ray) else { continue };
+            let Some(t) = self.searched.geometry.hit_again::<P>(number, &ray) else { continue };
             if Q::ANY {
                 tile.set_done(i);
                 return;
@@ -229,5 +212,28 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
                 tile.set_best::<P>(i, Hit { t, primitive: number });
             }
         }
+    }
+}
+
+/// Gives the tile the closest of the hits that its `i`th ray has certainly found, if that is closer.
+#[inline(always)]
+fn take_closest<P: Arithmetic>(arena: View<'_>, tile: &mut Tile, i: usize, found: &Found) {
+    let Found { hits, first } = found;
+    let mut certain = hits.certain;
+    let before = tile.best(i);
+    let mut best = before;
+    while certain != 0 {
+        let lane = certain.trailing_zeros() as usize & (LANES - 1);
+        certain &= certain - 1;
+        let t = hits.t[lane];
+        if t <= before.t {
+            let number = arena.number(*first, lane);
+            if t < best.t || (t == best.t && number < best.primitive) {
+                best = Hit { t, primitive: number };
+            }
+        }
+    }
+    if best != before {
+        tile.set_best::<P>(i, best);
     }
 }

@@ -62,7 +62,7 @@ pub(super) struct Tile {
 }
 
 /// Rays along an edge of a tile.
-const EDGE: usize = 8;
+const TILE_EDGE: usize = 8;
 
 /// The place in a tile's row of groups for the `i`th of its rays in their own order, row by row:
 /// each group is a block of 4 by 4, which meets less than one of 8 by 2 would.
@@ -118,7 +118,7 @@ impl Tile {
         for g in 0..GROUPS {
             let first = range.start + number_of(g * WIDTH);
             let block = if range.len() == TILE {
-                rays.block(simd, first, EDGE)
+                rays.block(simd, first, TILE_EDGE)
             } else {
                 // Unused places repeat the last ray.
                 let mut block = [rays.ray(range.end - 1); WIDTH];

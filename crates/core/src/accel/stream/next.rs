@@ -4,7 +4,7 @@ use super::FLIGHT;
 use crate::accel::arena::{Kind, Ref, View};
 
 /// So many steps to leaves of a kind are worth a loop.
-const ENOUGH: usize = 16;
+const ENOUGH_STEPS: usize = 16;
 
 /// A ray in flight, by its slot, and where it goes next.
 #[derive(Clone, Copy, Debug)]
@@ -44,7 +44,7 @@ impl Next {
     }
 
     /// Adds the step of a ray, and asks for the memory of what it leads to. There is no branch,
-    /// which nobody could estimate.
+    /// which nobody could predict.
     #[inline(always)]
     pub(super) fn push(&mut self, arena: View<'_>, slot: usize, then: Ref) {
         arena.prefetch(then);
@@ -71,7 +71,7 @@ impl Next {
     #[inline(always)]
     pub(super) fn take_enough(&mut self, kind: Kind) -> usize {
         let is_first = self.counts[..kind as usize].iter().all(|&count| count == 0);
-        let is_time = is_first || self.counts[kind as usize] >= ENOUGH;
+        let is_time = is_first || self.counts[kind as usize] >= ENOUGH_STEPS;
         if is_time { self.take(kind) } else { 0 }
     }
 }

@@ -144,8 +144,7 @@ impl<'b, F: Fn(u32) -> Owner<'b>> Emitter<'_, F> {
     fn leaf(&mut self, place: u32) -> (usize, Kind) {
         let start = self.output.units.len();
         let mut triangles = Triangles::default();
-        let mut others = [0; LANES];
-        let mut other_count = 0;
+        let (mut others, mut other_count) = ([0; LANES], 0);
         // No more than eight leaves are below, or this one alone.
         let mut waiting = [place; LANES + 1];
         let mut height = 1;
@@ -175,13 +174,11 @@ impl<'b, F: Fn(u32) -> Owner<'b>> Emitter<'_, F> {
                 Owner::Part(part) => return (part.unit, part.kind),
             }
         }
-        let kind = if other_count > 0 {
-            self.list(&others[..other_count]);
-            Kind::List
-        } else {
-            self.triangles(&triangles)
-        };
-        (start, kind)
+        if other_count == 0 {
+            return (start, self.triangles(&triangles));
+        }
+        self.list(&others[..other_count]);
+        (start, Kind::List)
     }
 
     /// A patch if the triangles have few vertices, else a soup.

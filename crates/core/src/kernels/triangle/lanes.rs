@@ -83,7 +83,7 @@ impl ShearedSpace {
         simd: S,
         positions: &[[f32; 8]; 3],
     ) -> (f32x8<S>, f32x8<S>, f32x8<S>) {
-        // An index and not a match: rays differ, and a branch would be estimated wrongly. The minimum
+        // An index and not a match: rays differ, and a branch would be predicted wrongly. The minimum
         // spares the check of bounds.
         let [x, y, z] = ORDERS[self.longest as usize];
         let x: f32x8<S> = positions[x.min(2)].simd_into(simd);

@@ -157,7 +157,7 @@ impl Lanes for Avx512 {
     #[inline(always)]
     fn far_to_near(self, entries: &[u64; LANES], mask: u8, sorted: &mut [u64; LANES]) {
         let entries = (*entries).simd_into(self);
-        // Seldom more, and so a branch that is estimated well.
+        // Seldom more, and so a branch that is predicted well.
         if mask.count_ones() <= 4 {
             let first = compress_avx512(self, entries, mask);
             sort_four_avx512(self, first).store_slice(&mut sorted[..4]);

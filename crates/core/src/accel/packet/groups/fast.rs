@@ -3,7 +3,7 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, u32x16};
 
-use super::{Group, Pair, Row, note};
+use super::{Pair, PatchRays, Row, note};
 use crate::accel::arena::{Patch, View};
 use crate::accel::packet::tile::{Column, GROUPS, Tile, WIDTH};
 use crate::accel::query::Query;
@@ -15,7 +15,7 @@ use crate::math::vector::{Line, Vector};
 /// As [`super::see`]: the rays themselves, with origins in the place of the first vertex
 /// and directions in that of the second.
 #[inline(always)]
-pub(super) fn see<S: Lanes>(simd: S, tile: &Tile, group: &mut Group) {
+pub(super) fn see<S: Lanes>(simd: S, tile: &Tile, group: &mut PatchRays) {
     let g = group.positions[0] as usize / WIDTH;
     for k in 0..3 {
         let (origin, direction) = (&tile.origin[k], &tile.direction[k]);
@@ -37,7 +37,7 @@ pub(super) fn see<S: Lanes>(simd: S, tile: &Tile, group: &mut Group) {
 
 /// What a column has for the group's rays; `g` says which of the tile's groups, if it is a whole one.
 #[inline(always)]
-fn row<S: Lanes>(simd: S, column: &Column, group: &Group, g: usize) -> Row {
+fn row<S: Lanes>(simd: S, column: &Column, group: &PatchRays, g: usize) -> Row {
     if group.is_whole {
         return column[g % GROUPS];
     }
@@ -46,7 +46,12 @@ fn row<S: Lanes>(simd: S, column: &Column, group: &Group, g: usize) -> Row {
 
 /// As [`super::meet`].
 #[inline(always)]
-pub(super) fn meet<S: Lanes, Q: Query>(simd: S, arena: View<'_>, group: &mut Group, pair: Pair) {
+pub(super) fn meet<S: Lanes, Q: Query>(
+    simd: S,
+    arena: View<'_>,
+    group: &mut PatchRays,
+    pair: Pair,
+) {
     let leaf = arena.patch(group.place);
     let at = u32::from(4 * pair.triangle) % u32::BITS;
     let [a, b, c] = leaf.corners;
