@@ -183,8 +183,8 @@ impl<P: Arithmetic> Shade<'_, P> {
     fn distances<F: Single>(&self, token: F::Token, rays: &[u32; LANES]) -> F {
         let mut t = F::splat(token, 0.0);
         if P::IS_FAST {
-            for lane in 0..F::LANES {
-                t.set_lane(lane, self.batch.hits.hit[rays[lane] as usize].t);
+            for (lane, &ray) in rays.iter().enumerate().take(F::LANES) {
+                t.set_lane(lane, self.batch.hits.hit[ray as usize].t);
             }
         }
         t
