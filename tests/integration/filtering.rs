@@ -239,7 +239,7 @@ fn mirror_ray(scene: &PreparedScene, x: u32, y: u32) -> (Ray, [Vec3; 2], [Vec3; 
     let hit = scene.accel.closest(&ray, &mut scene.accel.traversal());
     let differential = scene.camera.differential(ray.direction);
     let mut look_ups = LookUps::default();
-    let met = scene.interaction::<Robust>(&ray, &hit, || differential, &mut look_ups);
+    let met = scene.interaction::<Robust>(&ray, &hit, &|| differential, &mut look_ups);
     let Interaction::Surface(point) = met else { panic!("({x}, {y}) meets no surface") };
     let request = shade::mirror_request(&point, Vec3::ONE.into()).expect("a mirror ray");
     let Line { origin, direction } = request.line;

@@ -13,7 +13,7 @@ use glam::Vec3;
 use crate::accel::{Hit, TestCounts, Traversal};
 use crate::counters::{Counters, Sample};
 use crate::kernels::differential::Differential;
-use crate::kernels::light::LightPoint;
+use crate::kernels::light::{Light, LightPoint};
 use crate::kernels::precision::Arithmetic;
 use crate::kernels::shade::{self, ShadingPoint, ShadowRequest};
 use crate::math::random::Stream;
@@ -144,48 +144,45 @@ impl<P: Arithmetic> Recursive<P> {
             observer.ray(&ray, &hit, self.traversal.tests - before);
             let differential =
                 || carried.unwrap_or_else(|| scene.camera.differential(ray.direction));
-            let end = match scene.interaction::<P::Points>(
-                &ray,
-                &hit,
-                differential,
-                &mut self.look_ups,
-            ) {
-                Interaction::Surface(point) => {
-                    radiance += throughput * Vec3::from(point.local_light(scene.ambient));
-                    observer.surface(&point, radiance);
-                    if shadows && point.lit {
-                        let gathered = (throughput, &mut radiance);
-                        self.direct_light(scene, &point, &stream, gathered, observer);
-                    }
-                    if stream.bounce == bounces {
-                        End::LastBounce
-                    } else if let Some(next) = mirror_ray(&point, throughput) {
-                        observer.done(radiance, None);
-                        self.counters.secondary_rays += 1;
-                        if self.differentials {
-                            let found = &mut self.look_ups;
-                            let mirror = MirrorPoint::of(&point);
-                            let from = differential();
-                            carried = Some(scene.mirrored(&from, &ray, &hit, &mirror, found));
+            let end =
+                match scene.interaction::<P::Points>(&ray, &hit, &differential, &mut self.look_ups)
+                {
+                    Interaction::Surface(point) => {
+                        radiance += throughput * Vec3::from(point.local_light(scene.ambient));
+                        observer.surface(&point, radiance);
+                        if shadows && point.lit {
+                            let gathered = (throughput, &mut radiance);
+                            self.direct_light(scene, &point, &stream, gathered, observer);
                         }
-                        (ray, throughput) = next;
-                        stream.bounce += 1;
-                        continue;
-                    } else {
-                        End::NoMirror
+                        if stream.bounce == bounces {
+                            End::LastBounce
+                        } else if let Some(next) = mirror_ray(&point, throughput) {
+                            observer.done(radiance, None);
+                            self.counters.secondary_rays += 1;
+                            if self.differentials {
+                                let found = &mut self.look_ups;
+                                let mirror = MirrorPoint::of(&point);
+                                let from = differential();
+                                carried = Some(scene.mirrored(&from, &ray, &hit, &mirror, found));
+                            }
+                            (ray, throughput) = next;
+                            stream.bounce += 1;
+                            continue;
+                        } else {
+                            End::NoMirror
+                        }
                     }
-                }
-                Interaction::Light(color) => {
-                    radiance += throughput * color;
-                    End::Light
-                }
-                Interaction::Nothing => {
-                    if stream.bounce == 0 {
-                        radiance += scene.background;
+                    Interaction::Light(color) => {
+                        radiance += throughput * color;
+                        End::Light
                     }
-                    End::Nothing
-                }
-            };
+                    Interaction::Nothing => {
+                        if stream.bounce == 0 {
+                            radiance += scene.background;
+                        }
+                        End::Nothing
+                    }
+                };
             observer.done(radiance, Some(end));
             return radiance;
         }
@@ -206,7 +203,7 @@ impl<P: Arithmetic> Recursive<P> {
                 let place = [number, index as usize];
                 let target = light.point(index, stream);
                 self.counters.light_samples += u64::from(light.is_sampled());
-                let request = shade::shadow_request(point, throughput.into(), light, &target);
+                let request = shadow_request(point, throughput, light, &target);
                 let Some(request) = request else {
                     observer.light(place, &target, None);
                     continue;
@@ -224,8 +221,19 @@ impl<P: Arithmetic> Recursive<P> {
     }
 }
 
+/// See [`shade::shadow_request`]: one copy for every precision and observer.
+#[inline(never)]
+fn shadow_request(
+    point: &ShadingPoint<f32>,
+    throughput: Vec3,
+    light: &Light,
+    target: &LightPoint<f32>,
+) -> Option<ShadowRequest<f32>> {
+    shade::shadow_request(point, throughput.into(), light, target)
+}
+
 /// The mirror ray of a point and what it counts for, if there is one.
-#[inline(always)]
+#[inline(never)]
 fn mirror_ray(point: &ShadingPoint<f32>, throughput: Vec3) -> Option<(Ray, Vec3)> {
     let request = shade::mirror_request(point, throughput.into())?;
     let Line { origin, direction } = request.line;

@@ -14,6 +14,9 @@
 //! loops: the processor then has many tests to work on, and few branches to predict.
 //!
 //! All of it computes the numbers that one ray computes, so that the answers are the same bits.
+//!
+//! The constants here and in [`super::stream`] are those that `benches/runs/2026-11-21-epyc-zen5` was measured with;
+//! they change no answer.
 
 mod beam;
 mod children;

@@ -70,18 +70,25 @@ impl<P: Arithmetic> Search<'_, P> {
         Q::answer(self.among_instances::<Q>(ray, best, traversal))
     }
 
+    #[inline(never)]
     fn many<Q: Query>(&self, rays: Rays<'_>, answers: &mut [Q::Answer], traversal: &mut Traversal) {
         let Accel { geometry, tree, .. } = self.accel;
         let (Some(tree), true) = (tree, self.has_batches()) else {
-            Q::counts(&mut traversal.kernels).single += answers.len() as u64;
-            for (i, answer) in answers.iter_mut().enumerate() {
-                *answer = self.one::<Q>(&rays.ray(i), traversal);
-            }
+            self.each::<Q>(rays, answers, traversal);
             return;
         };
         self.all_in_tree::<Q>(Searched { tree, geometry }, rays, answers, traversal);
         if !geometry.instances.is_empty() {
             self.all_among_instances::<Q>(rays, answers, traversal);
+        }
+    }
+
+    /// Searches many rays, each alone.
+    #[inline(never)]
+    fn each<Q: Query>(&self, rays: Rays<'_>, answers: &mut [Q::Answer], traversal: &mut Traversal) {
+        Q::counts(&mut traversal.kernels).single += answers.len() as u64;
+        for (i, answer) in answers.iter_mut().enumerate() {
+            *answer = self.one::<Q>(&rays.ray(i), traversal);
         }
     }
 

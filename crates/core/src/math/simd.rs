@@ -90,7 +90,7 @@ pub trait Kernel {
 #[inline]
 #[allow(unreachable_patterns, reason = "which levels there are depends on the target")]
 pub fn dispatch<K: Kernel>(level: fearless_simd::Level, kernel: K) -> K::Output {
-    if is_wide(level) {
+    if is_wide(level) || cfg!(fuzzing) {
         return dispatch_wide(level, kernel);
     }
     match level {

@@ -287,12 +287,13 @@ impl PreparedScene {
     }
 
     /// What `ray` meets with `hit`. Its `differential` is asked for where a texture needs it.
-    #[inline]
+    // Not inlined, nor for each caller's closure: one call a hit costs nothing, a copy some 10 KB.
+    #[inline(never)]
     pub fn interaction<P: Arithmetic>(
         &self,
         ray: &Ray,
         hit: &Hit,
-        differential: impl Fn() -> Differential,
+        differential: &dyn Fn() -> Differential,
         look_ups: &mut LookUps,
     ) -> Interaction {
         if hit.is_miss() {

@@ -108,7 +108,7 @@ impl Pass<'_> {
         let scene = self.scene;
         let [_, _, forward] = scene.camera.basis();
         let differential = || scene.camera.differential(ray.direction);
-        let met = scene.interaction::<P>(ray, hit, differential, &mut LookUps::default());
+        let met = scene.interaction::<P>(ray, hit, &differential, &mut LookUps::default());
         let (point, normal, albedo) = match met {
             Interaction::Nothing => return,
             Interaction::Surface(at) => {
