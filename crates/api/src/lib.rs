@@ -77,7 +77,7 @@
 //!
 //! # Watch, and cancel
 //!
-//! [`Watch`] is told of progress and of finished tiles, and may end a render, whose finished part is kept:
+//! [`Watch`] receives progress and finished tiles, and may end a render, whose finished part is kept:
 //!
 //! ```
 //! use std::sync::atomic::{AtomicUsize, Ordering};

@@ -282,7 +282,7 @@ impl<'a> View<'a> {
         let start = self.units.as_ptr().wrapping_add(place.unit()).cast::<i8>();
         prefetch(start);
         prefetch(start.wrapping_add(64));
-        // The other half of a node; without a branch, which nobody could predict.
+        // The other half of a node; without a branch, which would be mispredicted.
         let rest = start.wrapping_add(usize::from(place.kind() == Kind::Node) * 128);
         prefetch(rest);
         prefetch(rest.wrapping_add(64));
@@ -302,7 +302,7 @@ impl<'a> View<'a> {
         );
         // SAFETY: `place` was reached from the root, since nothing else makes a `Ref` while tracing,
         // and `Arena::new` has proved that what it leads to, of this kind, lies within `units`,
-        // which nobody can change afterwards. Any bits are a `T`, and units are aligned for it.
+        // which cannot change afterwards. Any bits are a `T`, and units are aligned for it.
         unsafe { &*self.units.as_ptr().add(place.unit()).cast::<T>() }
     }
 }

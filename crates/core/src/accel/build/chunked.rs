@@ -83,7 +83,7 @@ fn next<'a>(tasks: &Mutex<impl Iterator<Item = Task<'a>>>) -> Option<Task<'a>> {
     lock(tasks).next()
 }
 
-/// Nobody panics with a lock, and if one did, what it holds would still be sound.
+/// No thread panics with a lock, and if one did, what it holds would still be sound.
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

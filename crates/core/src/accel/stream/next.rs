@@ -44,7 +44,7 @@ impl Next {
     }
 
     /// Adds the step of a ray, and asks for the memory of what it leads to. There is no branch,
-    /// which nobody could predict.
+    /// which would be mispredicted.
     #[inline(always)]
     pub(super) fn push(&mut self, arena: View<'_>, slot: usize, then: Ref) {
         arena.prefetch(then);
