@@ -20,6 +20,7 @@ pub mod geometry;
 pub mod instance;
 mod instances;
 mod leaf;
+mod near;
 mod node;
 mod packet;
 mod query;

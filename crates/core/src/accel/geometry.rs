@@ -12,7 +12,7 @@ use super::instance::{Instance, Instanced};
 use super::{Hit, TestCounts};
 use crate::kernels::precision::{Arithmetic, Precision, Robust};
 use crate::kernels::slab::{Aabb, SlabRay};
-use crate::kernels::triangle::{self, ShearedSpace, exact, fast};
+use crate::kernels::triangle::{self, Meeting, ShearedSpace, exact, fast};
 use crate::kernels::{quad, sphere};
 use crate::math::ray::Ray;
 use crate::math::vector::{Line, Vector};
@@ -295,52 +295,52 @@ impl Geometry {
         ray: &PreparedRay,
         tests: &mut TestCounts,
     ) -> Option<f32> {
+        self.count(number, tests);
+        self.meet::<P>(number, ray).confirmed(|t| self.has_surface(ray, t))
+    }
+
+    /// Counts a test of the primitive.
+    #[inline(always)]
+    pub(super) fn count(&self, number: u32, tests: &mut TestCounts) {
         match self.primitive(number) {
             Primitive::Triangle(_) | Primitive::Instanced(_) => tests.triangles += 1,
             Primitive::Quad(_) => tests.quads += 1,
             Primitive::Sphere(_) => tests.spheres += 1,
         }
-        self.test::<P>(number, ray)
     }
 
-    /// As [`Self::hit`], for a triangle that was counted when it was tested among others.
-    #[cold]
-    #[inline(never)]
-    pub(super) fn hit_again<P: Arithmetic>(&self, number: u32, ray: &PreparedRay) -> Option<f32> {
-        self.test::<P>(number, ray)
-    }
-
+    /// Where the ray meets the primitive within its range.
     #[inline(always)]
-    fn test<P: Arithmetic>(&self, number: u32, ray: &PreparedRay) -> Option<f32> {
-        let t = match self.primitive(number) {
-            Primitive::Triangle(i) => triangle_test::<P>(ray, &self.triangle(i)),
-            Primitive::Quad(i) => quad::nearer(&self.quad(i), |half| triangle_test::<P>(ray, half)),
+    pub(super) fn meet<P: Arithmetic>(&self, number: u32, ray: &PreparedRay) -> Meeting {
+        match self.primitive(number) {
+            Primitive::Triangle(i) => meet_triangle::<P>(ray, &self.triangle(i)),
+            Primitive::Quad(i) => quad::meet(&self.quad(i), |half| meet_triangle::<P>(ray, half)),
             Primitive::Sphere(i) => {
                 let (center, radius) = self.spheres[i];
-                if P::IS_FAST {
-                    sphere::intersect_fast(&ray.ray, center, radius)
-                } else {
-                    sphere::intersect(&ray.ray, center, radius)
-                }
+                let range = [ray.ray.t_min, ray.ray.t_max];
+                let (t, is_hit) =
+                    sphere::meet::<_, P>(&Line::from(&ray.ray), center, radius, range);
+                if is_hit { Meeting::Hit(t) } else { Meeting::Miss }
             }
-            Primitive::Instanced(instanced) => return self.instanced_test::<P>(instanced, ray),
-        }?;
-        (t > ray.ray.t_min && t < ray.ray.t_max).then_some(t)
+            Primitive::Instanced(instanced) => self.meet_instanced::<P>(instanced, ray),
+        }
     }
 
-    /// As [`Self::test`], of a triangle of an instance: the ray is carried into the space of the prototype.
+    /// As [`Self::meet`], of a triangle of an instance: the ray is carried into the space of the prototype.
     #[cold]
     #[inline(never)]
-    fn instanced_test<P: Arithmetic>(
-        &self,
-        instanced: Instanced,
-        ray: &PreparedRay,
-    ) -> Option<f32> {
+    fn meet_instanced<P: Arithmetic>(&self, instanced: Instanced, ray: &PreparedRay) -> Meeting {
         let (instance, prototype) = self.instance(instanced);
         let carried = instance.carried(&ray.ray);
+        if !carried.is_valid() {
+            return Meeting::Miss;
+        }
         let corners = prototype.triangle(instanced.triangle as usize);
-        let t = triangle_test::<P>(&PreparedRay::of::<P>(&carried), &corners);
-        t.filter(|&t| carried.is_valid() && t > carried.t_min && t < carried.t_max)
+        let carried = PreparedRay::of::<P>(&carried);
+        let meeting = meet_triangle::<P>(&carried, &corners);
+        // Its neighbours are in the prototype.
+        let t = meeting.confirmed(|t| prototype.has_surface(&carried, t));
+        t.map_or(Meeting::Miss, Meeting::Hit)
     }
 
     /// Bytes held.
@@ -354,20 +354,19 @@ impl Geometry {
     }
 }
 
-/// The t at which the ray meets the triangle within its range.
+/// Where the ray meets the triangle within its range.
 #[inline(always)]
-fn triangle_test<P: Arithmetic>(ray: &PreparedRay, corners: &[Vec3; 3]) -> Option<f32> {
+fn meet_triangle<P: Arithmetic>(ray: &PreparedRay, corners: &[Vec3; 3]) -> Meeting {
     let t = match P::PRECISION {
         Precision::Fast => {
-            let corners = corners.map(Vector::from);
+            let corners = triangle::in_order(*corners).map(Vector::from);
             let (t, is_hit) = fast::intersect(&Line::from(&ray.ray), &corners);
-            is_hit.then_some(t)?
+            is_hit.then_some(t)
         }
-        Precision::Robust => return ray.space.intersect(corners),
-        Precision::Exact => exact::intersect(&ray.ray, corners)? as f32,
+        Precision::Robust => return ray.space.meet(corners),
+        Precision::Exact => exact::intersect(&ray.ray, corners).map(|t| t as f32),
     };
-    // As the watertight test does: what lies before must not hide the other half of a quad.
-    (t > ray.ray.t_min).then_some(t)
+    Meeting::within(t, &ray.ray)
 }
 
 fn sphere_bounds((center, radius): (Vec3, f32)) -> Aabb {

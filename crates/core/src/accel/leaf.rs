@@ -1,14 +1,16 @@
 //! Leaves: up to eight triangles tested at a time.
 //!
-//! The answers are those of [`Geometry::hit`], bit by bit: lanes compute what it computes, and it
+//! The answers are those of [`Searched::hit`], bit by bit: lanes compute what it computes, and it
 //! is asked itself wherever single precision leaves a triangle open.
 
-use super::arena::{Kind, Ref, View};
-use super::geometry::{Geometry, PreparedRay};
+use super::arena::{Kind, Patch, Ref, Soup, View};
+use super::geometry::PreparedRay;
 use super::query::{ANY_HIT, Query};
+use super::tree::Searched;
 use super::{Hit, TestCounts};
 use crate::kernels::precision::{Arithmetic, Precision};
-use crate::kernels::triangle::{LaneHits, fast};
+use crate::kernels::triangle::{LaneHits, ShearedSpace, fast};
+use crate::math::ray::Ray;
 use crate::math::simd::Lanes;
 
 /// A mask of the first `count` lanes.
@@ -22,20 +24,20 @@ fn first_lanes(count: u32) -> u32 {
 #[inline(always)]
 pub(super) fn visit<S: Lanes, Q: Query, P: Arithmetic>(
     simd: S,
-    arena: View<'_>,
-    geometry: &Geometry,
+    searched: Searched<'_>,
     ray: &PreparedRay,
     place: Ref,
     best: &mut Hit,
     tests: &mut TestCounts,
 ) -> bool {
+    let arena = searched.tree.arena.view();
     if let Some((hits, first)) = triangles::<S, P>(simd, arena, ray, place, tests) {
-        return take::<Q, P>(arena, geometry, ray, (&hits, first), best);
+        return take::<Q, P>(searched, ray, (&hits, first), best);
     }
     let before = *best;
     for &number in arena.list(place) {
-        let Some(t) = geometry.hit::<P>(number, ray, tests) else { continue };
-        if Q::ANY && !geometry.is_light(number) {
+        let Some(t) = searched.hit::<P>(number, ray, tests) else { continue };
+        if Q::ANY && !searched.geometry.is_light(number) {
             *best = ANY_HIT;
             return true;
         }
@@ -47,14 +49,14 @@ pub(super) fn visit<S: Lanes, Q: Query, P: Arithmetic>(
 /// As [`visit`], of the hits on triangles whose numbers begin at `first`.
 #[inline(always)]
 pub(super) fn take<Q: Query, P: Arithmetic>(
-    arena: View<'_>,
-    geometry: &Geometry,
+    searched: Searched<'_>,
     ray: &PreparedRay,
     (hits, first): (&LaneHits, u32),
     best: &mut Hit,
 ) -> bool {
+    let arena = searched.tree.arena.view();
     if Q::ANY {
-        let found = is_any::<P>(arena, geometry, ray, (hits, first));
+        let found = is_any::<P>(searched, ray, (hits, first));
         if found {
             *best = ANY_HIT;
         }
@@ -73,7 +75,7 @@ pub(super) fn take<Q: Query, P: Arithmetic>(
     while open != 0 {
         let number = arena.number(first, open.trailing_zeros() as usize & 7);
         open &= open - 1;
-        if let Some(t) = geometry.hit_again::<P>(number, ray) {
+        if let Some(t) = searched.hit_again::<P>(number, ray) {
             offer::<Q>(best, t, number);
         }
     }
@@ -91,11 +93,12 @@ fn offer<Q: Query>(best: &mut Hit, t: f32, number: u32) {
 /// Whether there is a hit on a triangle that is no light's; their numbers begin at `first`.
 #[inline(always)]
 fn is_any<P: Arithmetic>(
-    arena: View<'_>,
-    geometry: &Geometry,
+    searched: Searched<'_>,
     ray: &PreparedRay,
     (hits, first): (&LaneHits, u32),
 ) -> bool {
+    let Searched { tree, geometry } = searched;
+    let arena = tree.arena.view();
     let (mut certain, mut open) = (hits.certain, hits.open);
     if certain != 0 && geometry.lights.is_empty() {
         return true;
@@ -109,7 +112,7 @@ fn is_any<P: Arithmetic>(
     while open != 0 {
         let number = arena.number(first, open.trailing_zeros() as usize & 7);
         open &= open - 1;
-        if geometry.hit_again::<P>(number, ray).is_some() && !geometry.is_light(number) {
+        if searched.hit_again::<P>(number, ray).is_some() && !geometry.is_light(number) {
             return true;
         }
     }
@@ -132,13 +135,7 @@ fn triangles<S: Lanes, P: Arithmetic>(
             let leaf = arena.soup(place);
             tests.leaves += 1;
             tests.triangles += u64::from(leaf.count);
-            let used = first_lanes(leaf.count);
-            let hits = match P::PRECISION {
-                Precision::Fast => fast::intersect_soup(simd, &ray.ray, &leaf.corners, used),
-                Precision::Robust => ray.space.intersect_soup(simd, &leaf.corners, used),
-                Precision::Exact => LaneHits::open(used),
-            };
-            Some((hits, leaf.first))
+            Some((test_soup::<S, P>(simd, leaf, &ray.ray, &ray.space), leaf.first))
         }
         Kind::List | Kind::Node => {
             tests.leaves += 1;
@@ -160,12 +157,38 @@ pub(super) fn patch<S: Lanes, P: Arithmetic>(
     arena.prefetch_numbers(leaf.first);
     tests.leaves += 1;
     tests.triangles += u64::from(leaf.count);
+    (test_patch::<S, P>(simd, leaf, &ray.ray, &ray.space), leaf.first)
+}
+
+/// Tests the triangles of a patch: fast tests take the ray as it is, others its sheared space.
+#[inline(always)]
+pub(super) fn test_patch<S: Lanes, P: Arithmetic>(
+    simd: S,
+    leaf: &Patch,
+    ray: &Ray,
+    space: &ShearedSpace,
+) -> LaneHits {
     let used = first_lanes(leaf.count);
     let (positions, corners) = (&leaf.positions, leaf.corners);
-    let hits = match P::PRECISION {
-        Precision::Fast => fast::intersect_patch(simd, &ray.ray, positions, corners, used),
-        Precision::Robust => ray.space.intersect_patch(simd, positions, corners, used),
+    match P::PRECISION {
+        Precision::Fast => fast::intersect_patch(simd, ray, positions, corners, used),
+        Precision::Robust => space.intersect_patch(simd, positions, corners, used),
         Precision::Exact => LaneHits::open(used),
-    };
-    (hits, leaf.first)
+    }
+}
+
+/// As [`test_patch`], of a soup.
+#[inline(always)]
+pub(super) fn test_soup<S: Lanes, P: Arithmetic>(
+    simd: S,
+    leaf: &Soup,
+    ray: &Ray,
+    space: &ShearedSpace,
+) -> LaneHits {
+    let used = first_lanes(leaf.count);
+    match P::PRECISION {
+        Precision::Fast => fast::intersect_soup(simd, ray, &leaf.corners, used),
+        Precision::Robust => space.intersect_soup(simd, &leaf.corners, used),
+        Precision::Exact => LaneHits::open(used),
+    }
 }

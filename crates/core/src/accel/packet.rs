@@ -23,6 +23,7 @@ mod children;
 mod groups;
 mod leaves;
 mod remaining;
+mod spheres;
 mod tile;
 
 use std::marker::PhantomData;

@@ -14,13 +14,13 @@ use crate::math::simd::{Lanes, entry};
 #[inline(always)]
 pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
     simd: S,
-    Searched { tree, geometry }: Searched<'_>,
+    searched: Searched<'_>,
     ray: &PreparedRay,
     mut best: Hit,
     (stack, mut height): (&mut [u64], usize),
     tests: &mut TestCounts,
 ) -> Hit {
-    let arena = tree.arena.view();
+    let arena = searched.tree.arena.view();
     let mut limit = reach::<P>(best.t);
     while height > 0 {
         height -= 1;
@@ -35,7 +35,7 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
             let range = [ray.ray.t_min, limit];
             height =
                 node::push::<S, Q>(simd, arena.node(place), place, &ray.slab, range, stack, height);
-        } else if leaf::visit::<S, Q, P>(simd, arena, geometry, ray, place, &mut best, tests) {
+        } else if leaf::visit::<S, Q, P>(simd, searched, ray, place, &mut best, tests) {
             if Q::ANY {
                 break;
             }

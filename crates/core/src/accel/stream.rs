@@ -17,7 +17,7 @@ use fearless_simd::prelude::*;
 use glam::Vec3;
 
 use super::arena::{Kind, View};
-use super::geometry::{Geometry, PreparedRay};
+use super::geometry::PreparedRay;
 use super::node::{self, distance, place};
 use super::query::{Query, no_hit};
 use super::rays::Rays;
@@ -78,12 +78,16 @@ impl Slot {
     }
 }
 
-/// The children of a node, and which of them are met.
+/// Stack entries of the children of a node.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(align(64))]
+struct Children([u64; LANES]);
+
+/// The children of the nodes of a round, and a bit for each that is met.
+#[derive(Clone, Copy, Debug)]
 struct Met {
-    entries: [u64; LANES],
-    mask: u8,
+    children: [Children; FLIGHT],
+    masks: [u8; FLIGHT],
 }
 
 /// What a patch has been found to hold.
@@ -197,8 +201,8 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
     let mut next = Next::NONE;
     // References alone, and no array: then all of it stays in registers.
     let mut rounds = Rounds::<Q, P, _> {
+        searched,
         arena: searched.tree.arena.view(),
-        geometry: searched.geometry,
         source,
         answers,
         slots,
@@ -209,7 +213,8 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
         next: &mut next,
         precision: PhantomData,
     };
-    let (mut met, mut found) = ([Met::default(); FLIGHT], [Found::default(); FLIGHT]);
+    let mut met = Met { children: [Children::default(); FLIGHT], masks: [0; FLIGHT] };
+    let mut found = [Found::default(); FLIGHT];
     for slot in 0..FLIGHT {
         if !rounds.begin(slot) {
             break;
@@ -229,8 +234,8 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
 
 /// Rays in flight, round by round. Lists of steps are read from the front while later steps are written there.
 struct Rounds<'a, Q: Query, P, R> {
+    searched: Searched<'a>,
     arena: View<'a>,
-    geometry: &'a Geometry,
     source: &'a mut R,
     answers: &'a mut [Q::Answer],
     slots: &'a mut [Slot; FLIGHT],
@@ -261,19 +266,23 @@ impl<Q: Query, P: Arithmetic, R: Source<Q, P>> Rounds<'_, Q, P, R> {
 
     /// Takes all steps to nodes: first, which children are met, then where to go next.
     #[inline(always)]
-    fn visit_nodes<S: Lanes>(&mut self, simd: S, met: &mut [Met; FLIGHT]) {
+    fn visit_nodes<S: Lanes>(&mut self, simd: S, Met { children, masks }: &mut Met) {
         let nodes = self.next.take(Kind::Node);
         self.tests.nodes += nodes as u64;
-        for (i, met) in met.iter_mut().enumerate().take(nodes) {
+        for (i, (children, met)) in
+            children.iter_mut().zip(masks.iter_mut()).enumerate().take(nodes)
+        {
             let step = self.next.get(Kind::Node, i);
             let at = step.place();
             let Slot { ray, reach, .. } = &self.slots[step.slot()];
             let node = self.arena.node(at);
             let (near, mask) = node::children(simd, node, &ray.slab, ray.ray.t_min, *reach);
-            met.entries = simd.entries(near, node::places(simd, node, at));
-            met.mask = mask.to_bitmask() as u8;
+            *children = Children(simd.entries(near, node::places(simd, node, at)));
+            *met = mask.to_bitmask() as u8;
         }
-        for (i, Met { entries, mask }) in met.iter().enumerate().take(nodes) {
+        for (i, (Children(entries), mask)) in
+            children.iter().zip(masks.iter()).enumerate().take(nodes)
+        {
             let index = self.next.get(Kind::Node, i).slot();
             let top = self.tops[index];
             let top = node::append::<S, Q>(simd, entries, *mask, self.stacks, top) - 1;
@@ -296,8 +305,7 @@ impl<Q: Query, P: Arithmetic, R: Source<Q, P>> Rounds<'_, Q, P, R> {
         for (i, Found { hits, first }) in found.iter().enumerate().take(patches) {
             let index = self.next.get(Kind::Patch, i).slot();
             let Slot { ray, best, .. } = &mut self.slots[index];
-            let is_closer =
-                leaf::take::<Q, P>(self.arena, self.geometry, ray, (hits, *first), best);
+            let is_closer = leaf::take::<Q, P>(self.searched, ray, (hits, *first), best);
             self.go_on(index, is_closer);
         }
     }
@@ -314,8 +322,8 @@ impl<Q: Query, P: Arithmetic, R: Source<Q, P>> Rounds<'_, Q, P, R> {
                 self.begin(index);
                 continue;
             }
-            let (arena, geometry, tests) = (self.arena, self.geometry, &mut *self.tests);
-            let is_closer = leaf::visit::<S, Q, P>(simd, arena, geometry, ray, at, best, tests);
+            let (searched, tests) = (self.searched, &mut *self.tests);
+            let is_closer = leaf::visit::<S, Q, P>(simd, searched, ray, at, best, tests);
             self.go_on(index, is_closer);
         }
     }

@@ -5,28 +5,36 @@
 
 use glam::Vec3;
 
-use super::triangle::ShearedSpace;
+use super::triangle::{Meeting, ShearedSpace};
+use crate::math::float::min;
 
 /// The two triangles of a quad, on the diagonal from the first corner to the third. Both wind as
 /// the quad does.
 #[inline(always)]
-pub fn halves(&[a, b, c, d]: &[Vec3; 4]) -> [[Vec3; 3]; 2] {
+pub fn halves<T: Copy>(&[a, b, c, d]: &[T; 4]) -> [[T; 3]; 2] {
     [[a, b, c], [a, c, d]]
 }
 
-/// The t at which the ray meets the quad: the smaller where it meets both halves.
+/// The t at which the ray meets the quad: see [`ShearedSpace::intersect`].
 #[inline(always)]
 pub fn intersect(space: &ShearedSpace, quad: &[Vec3; 4]) -> Option<f32> {
-    nearer(quad, |half| space.intersect(half))
+    match meet(quad, |half| space.meet(half)) {
+        Meeting::Miss => None,
+        Meeting::Hit(t) | Meeting::Near(t) => Some(t),
+    }
 }
 
-/// The smaller t at which the halves of the quad are met, given the test of one.
+/// Where a ray meets the quad, given how it meets a half: at the smaller t where it meets both.
 #[inline(always)]
-pub fn nearer(quad: &[Vec3; 4], test: impl Fn(&[Vec3; 3]) -> Option<f32>) -> Option<f32> {
+pub fn meet(quad: &[Vec3; 4], test: impl Fn(&[Vec3; 3]) -> Meeting) -> Meeting {
+    use Meeting::{Hit, Miss, Near};
     let [first, second] = halves(quad);
     match (test(&first), test(&second)) {
-        (Some(s), Some(t)) => Some(if s < t { s } else { t }),
-        (s, t) => s.or(t),
+        (Hit(s), Hit(t)) => Hit(min(s, t)),
+        (Hit(t), _) | (_, Hit(t)) => Hit(t),
+        (Near(s), Near(t)) => Near(min(s, t)),
+        (Near(t), Miss) | (Miss, Near(t)) => Near(t),
+        (Miss, Miss) => Miss,
     }
 }
 

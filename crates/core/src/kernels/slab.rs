@@ -154,21 +154,17 @@ impl SlabRay {
         let negative = reciprocal.cmplt(Vec3A::ZERO);
         let pad = max(factor * PADDING * origin.abs().max_element(), f32::MIN_POSITIVE);
         let shift = Vec3A::select(negative, Vec3A::splat(-pad), Vec3A::splat(pad));
-        let mut slab = Self {
-            reciprocal,
-            near_origin: origin + shift,
-            far_origin: origin - shift,
-            negative: negative.into(),
-        };
+        // Where a component is no zero, and its reciprocal not a number of single precision, it cannot be told where
+        // the ray meets a plane, only that it can be before any other t: all boxes count as met along that axis.
         let unknown = reciprocal.abs().cmpeq(Vec3A::INFINITY) & direction.cmpne(Vec3A::ZERO);
-        if unknown.any() {
-            for k in 0..3 {
-                if unknown.test(k) {
-                    slab.let_pass(k);
-                }
-            }
+        let sign = Vec3A::select(negative, Vec3A::NEG_ONE, Vec3A::ONE);
+        let before = sign * f32::MAX;
+        Self {
+            reciprocal: Vec3A::select(unknown, sign, reciprocal),
+            near_origin: Vec3A::select(unknown, before, origin + shift),
+            far_origin: Vec3A::select(unknown, -before, origin - shift),
+            negative: negative.into(),
         }
-        slab
     }
 
     /// The plain slab test: what is lost to rounding is lost.
@@ -177,17 +173,6 @@ impl SlabRay {
         let (origin, reciprocal) = (Vec3A::from(ray.origin), Vec3A::from(ray.direction).recip());
         let negative = reciprocal.cmplt(Vec3A::ZERO).into();
         Self { reciprocal, near_origin: origin, far_origin: origin, negative }
-    }
-
-    /// Makes all boxes count as met along axis `k`. Its component is no zero, and the reciprocal
-    /// not a number of single precision: where such a ray meets a plane cannot be told, only that it
-    /// can be before any other t.
-    #[cold]
-    fn let_pass(&mut self, k: usize) {
-        let sign = if self.negative[k] { -1.0 } else { 1.0 };
-        self.reciprocal[k] = sign;
-        self.near_origin[k] = sign * f32::MAX;
-        self.far_origin[k] = -sign * f32::MAX;
     }
 
     /// The range of t in which the ray is in `bounds`, at least.

@@ -8,9 +8,10 @@
 
 use glam::Vec3;
 
+use super::precision::Arithmetic;
 use crate::math::float::stable_roots;
 use crate::math::ray::Ray;
-use crate::math::real::{Real, Single};
+use crate::math::real::{Mask, Real, Single};
 use crate::math::vector::{Line, Vector};
 
 /// The smallest t > t_min at which the ray meets the sphere, from outside or from inside.
@@ -48,14 +49,46 @@ pub fn distance<F: Single>(
 /// and far spheres cancel out of it.
 #[inline]
 pub fn intersect_fast(ray: &Ray, center: Vec3, radius: f32) -> Option<f32> {
-    let (d, f) = (ray.direction, ray.origin - center);
-    let (a, half_b, c) = (d.dot(d), f.dot(d), f.dot(f) - radius * radius);
+    let (t, is_hit) = distance_fast(&Line::from(ray), center.into(), radius, ray.t_min);
+    is_hit.then_some(t)
+}
+
+/// As [`distance`], as [`intersect_fast`] has it.
+#[inline(always)]
+fn distance_fast<F: Single>(
+    line: &Line<F>,
+    center: Vector<F>,
+    radius: F,
+    t_min: F,
+) -> (F, F::Mask) {
+    let (d, f) = (line.direction, line.origin - center);
+    let (a, half_b, c) =
+        (d.dot_in_order(d), f.dot_in_order(d), f.dot_in_order(f) - radius * radius);
     let discriminant = half_b * half_b - a * c;
-    if discriminant < 0.0 {
-        return None;
-    }
     let root = discriminant.sqrt();
-    [(-half_b - root) / a, (-half_b + root) / a].into_iter().find(|&t| t > ray.t_min)
+    let (near, far) = ((-half_b - root) / a, (-half_b + root) / a);
+    let t = F::select(near.gt(t_min), near, far);
+    (t, t.gt(t_min) & discriminant.ge(discriminant.zero()))
+}
+
+/// The smallest t within (`t_min`, `t_max`) at which rays meet the sphere, and where there is one.
+#[inline(always)]
+pub(crate) fn meet<F: Single, P: Arithmetic>(
+    line: &Line<F>,
+    center: Vec3,
+    radius: f32,
+    [t_min, t_max]: [F; 2],
+) -> (F, F::Mask) {
+    let token = t_min.token();
+    let (center, radius) = (Vector::splat(token, center), F::splat(token, radius));
+    if P::IS_FAST {
+        let (t, is_hit) = distance_fast(line, center, radius, t_min);
+        return (t, is_hit & t.lt(t_max));
+    }
+    let (t, is_hit) = distance(line, center, radius, t_min);
+    // Lanes of both widths: those of the wider are brought over as bits.
+    let (t, is_hit) = (F::narrow(t), F::mask(token, is_hit.bits()));
+    (t, is_hit & t.lt(t_max))
 }
 
 #[cfg(test)]

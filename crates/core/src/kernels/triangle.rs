@@ -15,30 +15,43 @@
 //! gamma(5) ((X + D) Y + (Y + D) X)). Weights that sum to one move the average by at most half the
 //! span of z times the sum of their changes, so that |error of t| <= 3 E span / |det| + gamma(8) Z.
 //! Products of tiny numbers are off by up to [`UNDERFLOW`] besides, which is added to both terms.
-//! Where this bound leaves open whether the hit is within the ray's own range (a light just before
-//! or just behind a surface), or the hit is within and the bound above [`T_TOLERANCE`] times |t|
-//! (rays that graze the triangle or start on it), t is computed again in double precision. The stated
-//! error of t is therefore at most [`T_TOLERANCE`] |t|; away from grazing angles it is a few ulp.
 //!
-//! Within some 1e-10 of the triangle's plane double precision has no such digits either. What holds
-//! for every t, and is what the tree relies on, is that it is the t of a point of the triangle that
-//! the ray passes no farther off than single precision places vertices ([`super::slab`]).
+//! This bound grows with the product of span and depth. Where it exceeds [`T_TOLERANCE`] times |t| (triangles that
+//! are large beside their distance, rays that graze them), or leaves open whether the hit is within the ray's own
+//! range (rays that start on a triangle, a light just before or behind it), t is computed otherwise:
+//!
+//! 1. Where the edge functions exceed E, the ray certainly passes through, and the triangle's plane in double
+//!    precision says where ([`plane`]): t is then the exact one, rounded once.
+//! 2. Where that does not decide either, the exact test does ([`exact`]).
+//! 3. If the exact test finds that the ray passes by, although the rounded vertices are met, t is that of the
+//!    nearest point of the triangle's boundary, and the answer is [`Meeting::Near`]: a hit only if the ray really meets
+//!    the surface that the triangle is part of. So no ray slips through an edge, and no ray that leaves a flat floor
+//!    is stopped by the triangle beside its own.
+//!
+//! The stated error of t is therefore at most [`T_TOLERANCE`] |t|; away from grazing angles it is a few ulp. What the
+//! tree relies on is that t is that of a point of the triangle that the ray passes no farther off than single
+//! precision places vertices ([`super::slab`]).
+//!
+//! Corners are taken in an order of their own ([`in_order`]): however a triangle is written, t is the same.
 
-use glam::{DVec3, Vec3};
+use glam::{BVec3A, DVec3, Vec3, Vec3A, Vec3Swizzles};
 
-use crate::math::float::{gamma, max, max_abs};
+use crate::math::float::{UNIT_ROUNDOFF, gamma, max, max_abs};
 use crate::math::ray::Ray;
 use crate::math::real::{Real, Single};
+use crate::math::vector::{Line, Vector};
 
 mod edges;
 pub mod exact;
 pub mod fast;
 pub(crate) mod lanes;
+pub(crate) mod plane;
 
 pub(crate) use edges::{Decision, Edges, RayRange, Sheared, decide};
 pub use lanes::LaneHits;
 
 use edges::distance;
+use plane::Plane;
 
 /// Bound on what underflow adds to the error of a sum of a few products: far more than it can, but
 /// the least number that is not subnormal. Processors divide those a hundred times slower.
@@ -46,6 +59,48 @@ const UNDERFLOW: f32 = f32::MIN_POSITIVE;
 
 /// Bound on the relative error of t: 2^-16.
 pub const T_TOLERANCE: f32 = 1.0 / 65536.0;
+
+/// What the test says of a ray and a triangle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Meeting {
+    /// The ray passes by, or meets the triangle outside of its range.
+    Miss,
+    /// They meet at this t.
+    Hit(f32),
+    /// The ray passes by, but too near for single precision to tell from a neighbour: at this t, if it meets the surface.
+    Near(f32),
+}
+
+impl Meeting {
+    /// A hit at `t` if that is within the range of the ray.
+    #[inline(always)]
+    pub(crate) fn within(t: Option<f32>, ray: &Ray) -> Self {
+        t.filter(|&t| t > ray.t_min && t < ray.t_max).map_or(Self::Miss, Self::Hit)
+    }
+}
+
+/// The corners in the order of their coordinates: what is computed of them then depends on the points alone, and not
+/// on where their list begins or which way it runs.
+#[inline(always)]
+pub(crate) fn in_order(corners: [Vec3; 3]) -> [Vec3; 3] {
+    in_order_by(corners, |corner| corner)
+}
+
+/// As [`in_order`], for corners that are `at` places.
+#[inline(always)]
+pub(crate) fn in_order_by<T: Copy>([a, b, c]: [T; 3], at: impl Fn(T) -> Vec3) -> [T; 3] {
+    let sorted = |a: T, b: T| if is_before(at(b), at(a)) { (b, a) } else { (a, b) };
+    let (a, b) = sorted(a, b);
+    let (b, c) = sorted(b, c);
+    let (a, b) = sorted(a, b);
+    [a, b, c]
+}
+
+/// Whether `a` comes before `b` by the first of the coordinates in which they differ.
+#[inline(always)]
+fn is_before(a: Vec3, b: Vec3) -> bool {
+    a.x < b.x || a.x == b.x && (a.y < b.y || a.y == b.y && a.z < b.z)
+}
 
 /// An axis of world space.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -56,13 +111,12 @@ pub(crate) enum Axis {
 }
 
 impl Axis {
-    /// The axis along which `d` is longest. Each choice is one instruction: rays differ, and a
-    /// branch would be predicted wrongly.
+    /// The axis along which `d` is longest, the first of them. Rays differ, and a branch would be predicted wrongly.
     #[inline(always)]
-    fn longest(d: Vec3) -> Self {
+    fn longest(d: Vec3A) -> Self {
         let size = d.abs();
-        let (axis, longest) = if size.x >= size.y { (Self::X, size.x) } else { (Self::Y, size.y) };
-        if longest >= size.z { axis } else { Self::Z }
+        let longest = size.cmpeq(Vec3A::splat(size.max_element())).bitmask();
+        [Self::X, Self::Y, Self::Z][longest.trailing_zeros().min(2) as usize]
     }
 
     /// The coordinates turned so that this axis is the last. A match, and not an index: the
@@ -107,19 +161,18 @@ impl ShearedSpace {
     /// The space of `ray`.
     #[inline(always)]
     pub fn new(ray: &Ray) -> Self {
-        let longest = Axis::longest(ray.direction);
-        let [kx, ky, kz] = lanes::ORDERS[longest as usize];
-        let turned = |v: Vec3| {
-            let v = v.to_array();
-            [v[kx.min(2)], v[ky.min(2)], v[kz.min(2)]]
-        };
-        let direction = turned(ray.direction);
-        let [x, y, z] = direction;
+        let (origin, direction) = (Vec3A::from(ray.origin), Vec3A::from(ray.direction));
+        let longest = Axis::longest(direction);
+        let along = |axis| BVec3A::splat(longest == axis);
+        let (along_x, along_y) = (along(Axis::X), along(Axis::Y));
+        let turned = |v: Vec3A| Vec3A::select(along_x, v.yzx(), Vec3A::select(along_y, v.zxy(), v));
+        let direction = turned(direction);
+        let shear = direction.with_z(1.0) / Vec3A::splat(direction.z);
         Self {
             longest,
-            origin: turned(ray.origin),
-            direction,
-            shear: [x / z, y / z, 1.0 / z],
+            origin: turned(origin).to_array(),
+            direction: direction.to_array(),
+            shear: shear.to_array(),
             t_min: ray.t_min,
             t_max: ray.t_max,
         }
@@ -184,67 +237,114 @@ impl ShearedSpace {
         Edges::outside_of(&self.sheared(triangle).xy)
     }
 
-    /// The t at which the ray meets `triangle`, from either side, if it does and t > t_min.
+    /// The t at which the ray meets `triangle` within its range, from either side, or passes it as near as single
+    /// precision can tell.
     ///
     /// The relative error of t is at most [`T_TOLERANCE`].
     #[inline(always)]
     pub fn intersect(&self, triangle: &[Vec3; 3]) -> Option<f32> {
+        match self.meet(triangle) {
+            Meeting::Miss => None,
+            Meeting::Hit(t) | Meeting::Near(t) => Some(t),
+        }
+    }
+
+    /// Where the ray meets `triangle`.
+    #[inline(always)]
+    pub fn meet(&self, triangle: &[Vec3; 3]) -> Meeting {
+        let triangle = &in_order(*triangle);
         let sheared = self.sheared(triangle);
-        let edges = edges_of_one(&sheared)?;
+        let Some(edges) = edges_of_one(&sheared) else { return Meeting::Miss };
         let range = self.range();
         let found = distance(&sheared, &edges, range.depth);
-        if found.far < 0.0 {
-            return None;
+        if found.is_before(&range) {
+            return Meeting::Miss;
         }
-        let is_decided = found.is_decided(&range);
-        if is_decided && !found.is_within(&range) {
-            return None;
+        if found.is_decided(&range) {
+            if !found.is_within(&range) {
+                return Meeting::Miss;
+            }
+            if found.is_exact() {
+                return Meeting::Hit(found.clamped());
+            }
         }
-        let is_certain = is_decided && found.is_exact();
-        let t = if is_certain { found.clamped() } else { self.distance_f64(triangle)? };
-        (t > self.t_min).then_some(t)
+        self.settle(triangle, edges.are_certain(found.edge))
     }
 
     /// Bound on the error of a `t` that [`Self::intersect`] gives for `triangle`: what single precision
-    /// does to it, or [`T_TOLERANCE`] of it where double precision was asked. `None` if the ray does not
-    /// pass through.
+    /// does to it, or half an ulp where it was not left to that. `None` if the ray does not pass through.
     pub fn error_of(&self, triangle: &[Vec3; 3], t: f32) -> Option<f32> {
-        let stated = T_TOLERANCE * t.abs();
-        let sheared = self.sheared(triangle);
+        let sheared = self.sheared(&in_order(*triangle));
         let edges = edges_of_one(&sheared)?;
-        let own = distance(&sheared, &edges, self.range().depth).bound;
-        Some(if own <= stated { own } else { stated })
+        let found = distance(&sheared, &edges, self.range().depth);
+        let is_single = found.is_decided(&self.range()) && found.is_exact();
+        Some(if is_single { found.bound } else { UNIT_ROUNDOFF * t.abs() })
     }
 
-    /// t in double precision, or `None` where the ray lies in the triangle's plane or starts on the
-    /// triangle, as far as double precision can tell, or passes farther from it than rounding of single
-    /// precision explains: edge functions of huge coordinates are not numbers, and then say nothing.
+    /// As [`Self::meet`], of a triangle that single precision does not decide on; whether the ray certainly passes
+    /// through it.
+    #[inline(never)]
+    fn settle(&self, triangle: &[Vec3; 3], is_inside: bool) -> Meeting {
+        if is_inside {
+            let corners = triangle.map(|v| Vector::from(v.as_dvec3()));
+            let line = Line { origin: self.origin(), direction: self.direction() };
+            let settled = Plane::of(&corners).settle(&line, &self.range());
+            if settled.hit {
+                return Meeting::Hit(settled.t);
+            }
+            if settled.miss {
+                return Meeting::Miss;
+            }
+        }
+        self.settle_exactly(triangle)
+    }
+
     #[cold]
     #[inline(never)]
-    fn distance_f64(&self, triangle: &[Vec3; 3]) -> Option<f32> {
-        let vertices = triangle.map(|v| self.shear_f64(v));
-        let z = vertices.map(|v| v.z);
-        let sideways = self.sideways(triangle);
-        // A triangle without area, which seals a gap, has no plane.
-        let is_seal = is_degenerate(triangle);
-        let weights = match weights(&vertices, sideways) {
-            None if is_seal => nearest_on_boundary(&vertices),
-            weights => weights?,
-        };
-        if !is_beside(&vertices, weights, sideways) {
-            return None;
+    fn settle_exactly(&self, triangle: &[Vec3; 3]) -> Meeting {
+        let Self { t_min, t_max, .. } = *self;
+        let (origin, direction) = (self.origin().into(), self.direction().into());
+        let ray = Ray { origin, direction, t_min, t_max };
+        let is_within = |t: f32| t > t_min && t < t_max;
+        match exact::intersect(&ray, triangle) {
+            Some(t) if is_within(t as f32) => Meeting::Hit(t as f32),
+            Some(_) => Meeting::Miss,
+            None => {
+                let nearest = self.nearest_t(triangle).filter(|&t| is_within(t));
+                nearest.map_or(Meeting::Miss, Meeting::Near)
+            }
         }
-        let t = weights.dot(DVec3::from(z));
-        let (near, far) = (z[0].min(z[1]).min(z[2]), z[0].max(z[1]).max(z[2]));
-        let t = t.clamp(near, far);
-        let from_start = t - f64::from(self.t_min);
-        // Nor has it edge functions that t depends on.
-        let bound = if is_seal {
-            f64::from(gamma(8)) * far.abs().max(near.abs())
-        } else {
-            self.error_bound_f64(&vertices, far - near)
-        };
-        (from_start.abs() > bound).then_some(t as f32)
+    }
+
+    /// The t of the point of the triangle's boundary that the ray passes nearest to. `None` where it passes farther
+    /// off than rounding of single precision explains: edge functions of huge coordinates are not numbers, and then
+    /// say nothing.
+    fn nearest_t(&self, triangle: &[Vec3; 3]) -> Option<f32> {
+        let vertices = triangle.map(|v| self.shear_f64(v));
+        let weights = nearest_on_boundary(&vertices);
+        let is_beside = is_beside(&vertices, weights, self.sideways(triangle));
+        is_beside.then(|| weights.dot(DVec3::from(vertices.map(|v| v.z))) as f32)
+    }
+
+    /// In world space.
+    #[inline(always)]
+    fn origin(&self) -> Vector<f32> {
+        self.turned_back(self.origin)
+    }
+
+    /// In world space.
+    #[inline(always)]
+    fn direction(&self) -> Vector<f32> {
+        self.turned_back(self.direction)
+    }
+
+    #[inline(always)]
+    fn turned_back(&self, v: [f32; 3]) -> Vector<f32> {
+        let [kx, ky, kz] = lanes::ORDERS[self.longest as usize];
+        let mut world = [0.0; 3];
+        (world[kx.min(2)], world[ky.min(2)], world[kz.min(2)]) = (v[0], v[1], v[2]);
+        let [x, y, z] = world;
+        Vector::new(x, y, z)
     }
 
     /// The most by which single precision places vertices sideways: what [`crate::kernels::slab`]
@@ -260,17 +360,6 @@ impl ShearedSpace {
     pub(super) fn sideways_of<F: Single>(size: F, origin: F) -> F::Double {
         let sum = size.widen() + origin.widen();
         sum.times(f64::from(gamma(10))) + sum.same(f64::from(UNDERFLOW))
-    }
-
-    /// As [`Self::error_bound`], for the arithmetic of [`Self::distance_f64`].
-    fn error_bound_f64(&self, vertices: &[DVec3; 3], span: f64) -> f64 {
-        let u = f64::EPSILON / 2.0;
-        let size = vertices.iter().fold(DVec3::ZERO, |m, v| m.max(v.abs()));
-        let DVec3 { x, y, z } = size;
-        let depth = z * f64::from(self.direction[2]).abs();
-        let edge = 2.0 * u * (2.0 * x * y + 5.0 * ((x + depth) * y + (y + depth) * x));
-        let determinant = edges_f64(vertices).iter().sum::<f64>().abs();
-        3.0 * edge * span / determinant + 8.0 * u * z
     }
 
     /// Barycentric coordinates of the point at which the ray's line meets the triangle, each in 0

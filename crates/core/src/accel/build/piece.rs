@@ -12,6 +12,7 @@ use super::weld::Welder;
 use crate::accel::coincident;
 use crate::accel::geometry::{Geometry, Primitive};
 use crate::accel::wide::{Converter, Hierarchy, Output, Owner, Part};
+use crate::kernels::quad;
 use crate::kernels::slab::Aabb;
 use crate::kernels::triangle::is_degenerate;
 
@@ -61,8 +62,8 @@ struct Members {
     singles: Vec<Single>,
     /// The owners after them, of many.
     heaps: Vec<Vec<u32>>,
-    /// How many primitives are triangles: the first.
-    triangles: u32,
+    /// How many primitives are triangles and quads: the first.
+    flat: u32,
 }
 
 /// A primitive, and if it is a triangle, its vertices.
@@ -77,7 +78,7 @@ impl Members {
     #[inline(always)]
     fn owner(&self, owner: u32) -> Owner<'_> {
         match self.singles.get(owner as usize) {
-            Some(s) if s.number < self.triangles => Owner::Triangle(s.number, s.corners),
+            Some(s) if s.number < self.flat => Owner::Triangle(s.number, s.corners),
             Some(s) => Owner::Other(s.number),
             None => Owner::Heap(&self.heaps[owner as usize - self.singles.len()]),
         }
@@ -89,7 +90,6 @@ impl Piece {
     /// becomes of it. Whether there is one.
     pub(super) fn build(&mut self, plan: &Plan, numbers: &[u32]) -> bool {
         self.gather(plan, numbers);
-        self.kept = self.boxes.len() as u64;
         if self.boxes.is_empty() {
             return false;
         }
@@ -122,26 +122,34 @@ impl Piece {
     /// A box for each primitive that can be hit.
     fn gather(&mut self, plan: &Plan, numbers: &[u32]) {
         let geometry = plan.geometry;
-        self.members.triangles = geometry.triangles.len() as u32;
+        self.members.flat = (geometry.triangles.len() + geometry.quads.len()) as u32;
         self.members.singles.clear();
         self.boxes.clear();
+        self.kept = 0;
         for &number in numbers {
-            let (corners, bounds) = match geometry.primitive(number) {
+            match geometry.primitive(number) {
                 Primitive::Triangle(i) => {
                     let triangle = geometry.triangle(i);
                     if is_degenerate(&triangle) && geometry.seal(number).is_none() {
                         continue;
                     }
-                    (geometry.triangles[i], geometry.padded(Aabb::around(triangle)))
+                    let bounds = geometry.padded(Aabb::around(triangle));
+                    self.add(number, geometry.triangles[i], bounds);
                 }
-                _ => ([0; 3], geometry.bounds(number)),
-            };
-            self.members.singles.push(Single { number, corners });
-            self.boxes.push(to_obvhs(bounds));
+                Primitive::Quad(i) => {
+                    let corners = quad::halves(&geometry.quads[i]);
+                    for (half, corners) in quad::halves(&geometry.quad(i)).into_iter().zip(corners)
+                    {
+                        self.add(number, corners, geometry.padded(Aabb::around(half)));
+                    }
+                }
+                _ => self.add(number, [0; 3], geometry.bounds(number)),
+            }
+            self.kept += 1;
         }
         if plan.weld {
             let triangles = self.members.singles.iter_mut();
-            let triangles = triangles.filter(|s| s.number < self.members.triangles);
+            let triangles = triangles.filter(|s| s.number < self.members.flat);
             self.welder.weld(&geometry.positions, triangles.map(|s| &mut s.corners), numbers.len());
         }
     }
@@ -172,19 +180,25 @@ impl Piece {
         boxes.extend(unions);
     }
 
+    fn add(&mut self, number: u32, corners: [u32; 3], bounds: Aabb) {
+        self.members.singles.push(Single { number, corners });
+        self.boxes.push(to_obvhs(bounds));
+    }
+
     /// Splits the boxes of triangles that are much larger than the average, as obvhs's own presets
     /// do. The owner of box `i` is `i` itself but for the parts of split triangles, which come last:
     /// obvhs relies on this.
     fn split_large_triangles(&mut self, geometry: &Geometry, owners: &mut Vec<u32>) {
-        let Members { singles, triangles, .. } = &self.members;
-        let end = singles.partition_point(|s| s.number < *triangles);
+        let Members { singles, flat, .. } = &self.members;
+        let end = singles.partition_point(|s| s.number < *flat);
         if end == 0 {
             return;
         }
         let triangles: Vec<obvhs::triangle::Triangle> = singles[..end]
             .iter()
             .map(|single| {
-                let [v0, v1, v2] = geometry.triangle(single.number as usize).map(Vec3A::from);
+                let corners = single.corners.map(|v| geometry.positions[v as usize]);
+                let [v0, v1, v2] = corners.map(Vec3A::from);
                 obvhs::triangle::Triangle { v0, v1, v2 }
             })
             .collect();

@@ -8,7 +8,7 @@
 mod fast;
 
 use fearless_simd::prelude::*;
-use fearless_simd::{f32x8, f32x16, mask32x16, u32x16};
+use fearless_simd::{f32x8, f32x16, f64x8, mask32x16, u32x16};
 
 use super::tile::{Column, GROUPS, Tile, WIDTH, load, reach_of};
 use crate::accel::arena::{Patch, Ref, View};
@@ -16,9 +16,11 @@ use crate::accel::query::Query;
 use crate::accel::{Hit, TestCounts};
 use crate::kernels::precision::Arithmetic;
 use crate::kernels::triangle::lanes::ORDERS;
+use crate::kernels::triangle::plane::Plane;
 use crate::kernels::triangle::{Decision, Edges, RayRange, Sheared, decide};
-use crate::math::real::Mask;
-use crate::math::simd::{LANES, Lanes};
+use crate::math::real::{Mask, Single};
+use crate::math::simd::{LANES, Lanes, outlined};
+use crate::math::vector::{Line, Vector};
 
 /// So many tests can wait.
 pub(super) const MOST_GROUPS: usize = 16;
@@ -150,7 +152,7 @@ impl Groups {
             if P::IS_FAST {
                 fast::meet::<S, Q>(simd, arena, group, *pair);
             } else {
-                meet::<S, Q>(simd, arena, group, *pair);
+                meet::<S, Q>(simd, arena, tiles, group, *pair);
             }
         }
         for group in groups {
@@ -265,6 +267,15 @@ fn see<S: Lanes, const ONE: bool>(simd: S, leaf: &Patch, tile: &Tile, group: &mu
     (group.hit, group.open, group.left) = (0, 0, [0; LANES]);
 }
 
+/// What a column has for the group's rays; `g` says which of the tile's groups, if it is a whole one.
+#[inline(always)]
+fn row<S: Lanes>(simd: S, column: &Column, group: &PatchRays, g: usize) -> Row {
+    if group.is_whole {
+        return column[g % GROUPS];
+    }
+    simd.pick(column, group.positions).into()
+}
+
 /// The coordinates along an axis, relative to the `ONE` origin; or as they are, and what is to be
 /// subtracted for each ray.
 #[inline(always)]
@@ -283,7 +294,13 @@ fn relative<S: Lanes, const ONE: bool>(
 
 /// Finds where the group's rays meet a triangle.
 #[inline(always)]
-fn meet<S: Lanes, Q: Query>(simd: S, arena: View<'_>, group: &mut PatchRays, pair: Pair) {
+fn meet<S: Lanes, Q: Query>(
+    simd: S,
+    arena: View<'_>,
+    tiles: &[Tile],
+    group: &mut PatchRays,
+    pair: Pair,
+) {
     let leaf = arena.patch(group.place);
     let [a, b, c] = corners(leaf, group, pair.triangle);
     let xy = [plane(simd, a), plane(simd, b), plane(simd, c)];
@@ -295,10 +312,79 @@ fn meet<S: Lanes, Q: Query>(simd: S, arena: View<'_>, group: &mut PatchRays, pai
     };
     let sheared = Sheared { xy, z };
     let edges = Edges::new(&sheared.xy);
-    let Decision { t, certain, open } = decide(&sheared, &edges, &range, u32::from(pair.inside));
+    let Decision { t, certain, open, inside } =
+        decide(&sheared, &edges, &range, u32::from(pair.inside));
+    if open == 0 {
+        note::<S, Q>(simd, arena, group, pair.triangle, (t, certain));
+        return;
+    }
+    let tile = &tiles[group.tile];
+    let settled = settle(simd, leaf, tile, group, (pair.triangle, open & inside.bits()));
+    let open = open & !settled.decided;
     group.open |= open;
     group.left[usize::from(pair.triangle) % LANES] = open;
-    note::<S, Q>(simd, arena, group, pair.triangle, (t, certain));
+    let single = mask32x16::from_bitmask(simd, u64::from(certain));
+    let t = single.select(t, settled.t.simd_into(simd));
+    note::<S, Q>(simd, arena, group, pair.triangle, (t, certain | settled.hit));
+}
+
+/// What double precision says of the rays of a group in front of a triangle.
+struct Settled {
+    t: Row,
+    /// Those that meet it at t, and those that are decided on, a bit each.
+    hit: u32,
+    decided: u32,
+}
+
+/// Settles in double precision where the `open` rays, a bit each, meet a triangle that they pass through.
+#[inline(always)]
+fn settle<S: Lanes>(
+    simd: S,
+    leaf: &Patch,
+    tile: &Tile,
+    group: &PatchRays,
+    (triangle, open): (u8, u32),
+) -> Settled {
+    let mut settled = Settled { t: [0.0; WIDTH], hit: 0, decided: 0 };
+    outlined(
+        simd,
+        #[inline(always)]
+        || {
+            let [a, b, c] = leaf.corners.map(|corner| {
+                let v = (corner >> (u32::from(4 * triangle) % u32::BITS)) as usize % LANES;
+                let [x, y, z] = leaf.positions.map(|axis| f64::from(axis[v]));
+                Vector::new(x, y, z)
+            });
+            let plane = Plane::of(&[a, b, c]).splat(f64x8::splat(simd, 0.0));
+            let g = group.positions[0] as usize / WIDTH;
+            let rows = |columns: &[Column; 3]| {
+                let [x, y, z] = columns;
+                [row(simd, x, group, g), row(simd, y, group, g), row(simd, z, group, g)]
+            };
+            let (origin, direction) = (rows(&tile.origin), rows(&tile.direction));
+            for half in 0..WIDTH / LANES {
+                let at = half * LANES;
+                let open = open >> at & 0xFF;
+                if open == 0 {
+                    continue;
+                }
+                let load = |row: &Row| <f32x8<S> as Single>::from_slice(simd, &row[at..]);
+                let vector = |[x, y, z]: &[Row; 3]| Vector::new(load(x), load(y), load(z));
+                let line = Line { origin: vector(&origin), direction: vector(&direction) };
+                let range = RayRange {
+                    depth: load(&group.depth),
+                    t_min: load(&group.t_min),
+                    t_max: load(&group.t_max),
+                };
+                let known = plane.settle(&line, &range);
+                known.t.store(&mut settled.t[at..]);
+                let hit = open & known.hit.bits();
+                settled.hit |= hit << at;
+                settled.decided |= (hit | open & known.miss.bits()) << at;
+            }
+        },
+    );
+    settled
 }
 
 /// Notes the rays that `certain`ly meet the triangle, at `t`.

@@ -4,13 +4,13 @@ use super::children::LeafVisit;
 use super::groups::Open;
 use super::tile::{GROUPS, Tile, WIDTH, number_of};
 use super::{Batch, TILE};
-use crate::accel::arena::{Kind, Patch, Ref, View};
-use crate::accel::geometry::PreparedRay;
+use crate::accel::arena::{Kind, Ref, View};
+use crate::accel::geometry::{PreparedRay, Primitive};
 use crate::accel::query::Query;
 use crate::accel::stream::Found;
+use crate::accel::tree::Searched;
 use crate::accel::{Hit, TestCounts, leaf};
 use crate::kernels::precision::Arithmetic;
-use crate::kernels::triangle::fast;
 use crate::math::simd::{LANES, Lanes, outlined};
 
 /// So many rays, or fewer, are tested each for itself.
@@ -46,10 +46,10 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
         let mut next = 0;
         while let Some(visit) = self.children.take_leaf(next) {
             next += 1;
-            if visit.place.kind() == Kind::Patch {
-                self.visit_patch(simd, tiles, visit, tests);
+            if visit.place.kind() == Kind::List {
+                self.visit_list(simd, &mut tiles[visit.tile as usize], visit, tests);
             } else {
-                self.visit_other(simd, &mut tiles[visit.tile as usize], visit, tests);
+                self.visit_triangles(simd, tiles, visit, tests);
             }
             tiles[visit.tile as usize].is_reach_stale = true;
         }
@@ -57,10 +57,10 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
         self.test_singles(simd, tiles, tests);
     }
 
-    /// Lets each of a tile's rays wait in front of the patch: those of whole groups, those that are brought
-    /// together, or alone.
+    /// Lets each of a tile's rays wait in front of the triangles of a leaf: those of whole groups, those that are
+    /// brought together, or alone.
     #[inline(always)]
-    fn visit_patch<S: Lanes>(
+    fn visit_triangles<S: Lanes>(
         &mut self,
         simd: S,
         tiles: &mut [Tile],
@@ -73,7 +73,9 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
             tiles[k].shear(simd);
         }
         let mut rest = rays;
-        if rest.count_ones() > ALONE && rest.count_ones() > WHOLE * groups_in(rest) {
+        // Triangles that share no vertices are sheared each for itself: eight at a time is as good.
+        let alone = if place.kind() == Kind::Patch { ALONE } else { u64::BITS };
+        if rest.count_ones() > alone && rest.count_ones() > WHOLE * groups_in(rest) {
             for g in 0..GROUPS {
                 let used = (rest >> (g * WIDTH)) as u32 & 0xFFFF;
                 if used != 0 {
@@ -85,7 +87,7 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
             }
             rest = 0;
         }
-        while rest.count_ones() > ALONE {
+        while rest.count_ones() > alone {
             if self.groups.is_full() {
                 self.test_groups(simd, tiles, tests);
             }
@@ -102,9 +104,9 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
         }
     }
 
-    /// Tests a leaf that is no patch with each of the rays.
+    /// Tests the primitives of a list with the rays.
     #[inline(always)]
-    fn visit_other<S: Lanes>(
+    fn visit_list<S: Lanes>(
         &mut self,
         simd: S,
         tile: &mut Tile,
@@ -115,27 +117,38 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
             simd,
             #[inline(always)]
             || {
-                let arena = self.searched.tree.arena.view();
-                let mut rest = rays;
-                while rest != 0 {
-                    let i = rest.trailing_zeros() as usize & (TILE - 1);
-                    rest &= rest - 1;
-                    let ray = PreparedRay::of::<P>(&self.rays.ray(tile.start + number_of(i)));
-                    let (geometry, mut best) = (self.searched.geometry, tile.best(i));
-                    let is_hit = leaf::visit::<S, Q, P>(
-                        simd, arena, geometry, &ray, place, &mut best, tests,
-                    );
-                    if is_hit && Q::ANY {
-                        tile.set_done(i);
-                    } else if is_hit {
-                        tile.set_best::<P>(i, best);
+                let Searched { tree, geometry } = self.searched;
+                tests.leaves += u64::from(rays.count_ones());
+                for &number in tree.arena.view().list(place) {
+                    match geometry.primitive(number) {
+                        Primitive::Sphere(i) => {
+                            tests.spheres += u64::from(rays.count_ones());
+                            let sphere = geometry.spheres[i];
+                            tile.meet_sphere::<S, Q, P>(simd, sphere, number, rays);
+                        }
+                        _ => self.ask_each(tile, number, rays, tests),
                     }
                 }
             },
         );
     }
 
-    /// Tests all triangles of patches at once with each ray that waits alone.
+    /// Tests a primitive with the rays, one by one.
+    #[cold]
+    #[inline(never)]
+    fn ask_each(&self, tile: &mut Tile, number: u32, rays: u64, tests: &mut TestCounts) {
+        let mut rest = rays;
+        while rest != 0 {
+            let i = rest.trailing_zeros() as usize & (TILE - 1);
+            rest &= rest - 1;
+            let ray = PreparedRay::of::<P>(&self.rays.ray(tile.start + number_of(i)));
+            if let Some(t) = self.searched.hit::<P>(number, &ray, tests) {
+                tile.offer::<Q, P>(i, Hit { t, primitive: number });
+            }
+        }
+    }
+
+    /// Tests all triangles of a leaf at once with each ray that waits alone.
     #[inline(always)]
     fn test_singles<S: Lanes>(&mut self, simd: S, tiles: &mut [Tile], tests: &mut TestCounts) {
         let arena = self.searched.tree.arena.view();
@@ -143,21 +156,23 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
         self.found.resize(self.singles.len().max(self.found.len()), Found::default());
         for (single, found) in self.singles.iter().zip(self.found.iter_mut()) {
             let tile = &tiles[single.tile as usize];
-            let leaf = arena.patch(single.place);
-            arena.prefetch_numbers(leaf.first);
-            tests.triangles += u64::from(leaf.count);
-            let used = (1 << (leaf.count & 15)) - 1;
             let i = single.ray as usize;
-            let (positions, corners) = (&leaf.positions, leaf.corners);
-            found.hits = if P::IS_FAST {
-                fast::intersect_patch(simd, &tile.ray(i), positions, corners, used)
+            let (ray, space) = (tile.ray(i), tile.space(i));
+            *found = if single.place.kind() == Kind::Patch {
+                let leaf = arena.patch(single.place);
+                arena.prefetch_numbers(leaf.first);
+                tests.triangles += u64::from(leaf.count);
+                let hits = leaf::test_patch::<S, P>(simd, leaf, &ray, &space);
+                Found { hits, first: leaf.first }
             } else {
-                tile.space(i).intersect_patch(simd, positions, corners, used)
+                let leaf = arena.soup(single.place);
+                tests.triangles += u64::from(leaf.count);
+                let hits = leaf::test_soup::<S, P>(simd, leaf, &ray, &space);
+                Found { hits, first: leaf.first }
             };
-            found.first = leaf.first;
         }
         for n in 0..self.singles.len() {
-            let (SingleTest { place, tile, ray }, found) = (self.singles[n], self.found[n]);
+            let (SingleTest { tile, ray, .. }, found) = (self.singles[n], self.found[n]);
             let (tile, i) = (&mut tiles[tile as usize], ray as usize);
             if Q::ANY {
                 tile.done |= u64::from(found.hits.certain != 0) << i;
@@ -165,7 +180,7 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
                 take_closest::<P>(arena, tile, i, &found);
             }
             if found.hits.open != 0 {
-                self.ask_again(tile, arena, arena.patch(place), found.hits.open, i);
+                self.ask_again(tile, found.first, found.hits.open, i);
             }
         }
         self.singles.clear();
@@ -181,35 +196,26 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
                 let arena = self.searched.tree.arena.view();
                 self.groups.test::<S, Q, P>(simd, arena, tiles, self.asks, tests);
                 while let Some(Open { tile, place, triangles, ray }) = self.asks.pop() {
-                    self.ask_again(&mut tiles[tile], arena, arena.patch(place), triangles, ray);
+                    self.ask_again(&mut tiles[tile], arena.patch(place).first, triangles, ray);
                 }
             },
         );
     }
 
-    /// Tests those of a patch's `triangles`, a bit each, with the `i`th ray, each alone.
+    /// Tests those of the `triangles` of a leaf, a bit each, whose numbers begin at `first`, with the `i`th ray, each
+    /// alone.
     #[cold]
     #[inline(never)]
-    fn ask_again(
-        &mut self,
-        tile: &mut Tile,
-        arena: View<'_>,
-        leaf: &Patch,
-        mut triangles: u32,
-        i: usize,
-    ) {
+    fn ask_again(&mut self, tile: &mut Tile, first: u32, mut triangles: u32, i: usize) {
         let ray = PreparedRay::of::<P>(&self.rays.ray(tile.start + number_of(i)));
         while triangles != 0 {
-            let number = arena.number(leaf.first, triangles.trailing_zeros() as usize);
+            let arena = self.searched.tree.arena.view();
+            let number = arena.number(first, triangles.trailing_zeros() as usize);
             triangles &= triangles - 1;
-            let Some(t) = self.searched.geometry.hit_again::<P>(number, &ray) else { continue };
+            let Some(t) = self.searched.hit_again::<P>(number, &ray) else { continue };
+            tile.offer::<Q, P>(i, Hit { t, primitive: number });
             if Q::ANY {
-                tile.set_done(i);
                 return;
-            }
-            let best = tile.best(i);
-            if t < best.t || (t == best.t && number < best.primitive) {
-                tile.set_best::<P>(i, Hit { t, primitive: number });
             }
         }
     }

@@ -192,6 +192,18 @@ impl Tile {
         self.reach[g][l] = reach::<P>(hit.t);
     }
 
+    /// Gives its `i`th ray a hit: any, or one that replaces what it has found if it is closer, or as close and of a
+    /// lower number.
+    #[inline(always)]
+    pub(super) fn offer<Q: Query, P: Arithmetic>(&mut self, i: usize, hit: Hit) {
+        let best = self.best(i);
+        if Q::ANY {
+            self.set_done(i);
+        } else if hit.t < best.t || (hit.t == best.t && hit.primitive < best.primitive) {
+            self.set_best::<P>(i, hit);
+        }
+    }
+
     /// Writes what is known of its rays.
     #[inline(always)]
     pub(super) fn answer<S: Lanes, Q: Query>(&self, simd: S, answers: &mut [Q::Answer]) {

@@ -5,6 +5,7 @@ use bytemuck::Zeroable;
 use super::{Converter, Hierarchy, Output, Owner, SLOTS};
 use crate::accel::arena::{Kind, NODE_UNITS, Node, Patch, Soup, Unit, list_units, relative};
 use crate::accel::geometry::Geometry;
+use crate::kernels::triangle::in_order_by;
 use crate::math::simd::LANES;
 
 impl Converter {
@@ -160,7 +161,8 @@ impl<'b, F: Fn(u32) -> Owner<'b>> Emitter<'_, F> {
             match (self.owner)(self.tree.owners[node.first_index as usize]) {
                 Owner::Triangle(number, corners) => {
                     triangles.numbers[triangles.count] = number;
-                    triangles.corners[triangles.count] = corners;
+                    triangles.corners[triangles.count] =
+                        in_order_by(corners, |v| self.geometry.positions[v as usize]);
                     triangles.count += 1;
                 }
                 Owner::Other(number) => {

@@ -34,18 +34,22 @@ pub(super) struct Distance<F> {
     pub(super) t: F,
     /// Bound on the error of t.
     pub(super) bound: F,
+    /// Bound on the errors of the edge functions.
+    pub(super) edge: F,
     /// The least and the greatest t of the corners.
     pub(super) near: F,
     pub(super) far: F,
 }
 
 /// What single precision says of pairs, a bit each.
-pub(crate) struct Decision<F> {
+pub(crate) struct Decision<F: Real> {
     pub(crate) t: F,
     /// Pairs that certainly meet at t, within the ray's range.
     pub(crate) certain: u32,
-    /// Pairs that are left to the test of one.
+    /// Pairs that single precision does not decide on.
     pub(crate) open: u32,
+    /// Those of them in which the ray certainly passes through the triangle.
+    pub(crate) inside: F::Mask,
 }
 
 impl<F: Real<Element = f32>> Edges<F> {
@@ -65,6 +69,12 @@ impl<F: Real<Element = f32>> Edges<F> {
     pub(crate) fn outside(&self) -> F::Mask {
         let zero = self.low.zero();
         self.low.lt(zero) & self.high.gt(zero)
+    }
+
+    /// Where the ray certainly passes through, given a bound on the errors of the edge functions.
+    #[inline(always)]
+    pub(super) fn are_certain(&self, bound: F) -> F::Mask {
+        self.low.gt(bound) | self.high.lt(-bound)
     }
 
     /// Of corners with these x and y.
@@ -92,12 +102,20 @@ pub(super) fn distance<F: Real<Element = f32>>(
     let products = x.times(gamma(2)) * y + ((x + depth) * y + (y + depth) * x).times(gamma(5));
     let edge = products.times(2.0);
     let underflow = t.same(UNDERFLOW);
-    let sum = (edge + underflow).times(3.0) * (far - near) + underflow;
+    let edge = edge + underflow;
+    let sum = edge.times(3.0) * (far - near) + underflow;
     let bound = sum / determinant.abs() + z.times(gamma(8));
-    Distance { t, bound, near, far }
+    Distance { t, bound, edge, near, far }
 }
 
 impl<F: Real<Element = f32>> Distance<F> {
+    /// Where every corner, and so the hit, lies before the range. A corner's z has the right sign, and is off by
+    /// three roundings. What is not a number is not before.
+    #[inline(always)]
+    pub(super) fn is_before(&self, range: &RayRange<F>) -> F::Mask {
+        self.far.lt(range.t_min.min(self.far.zero()).times(1.0 + gamma(8)))
+    }
+
     /// Where the bound leaves no doubt whether t is within the range.
     #[inline(always)]
     pub(super) fn is_decided(&self, range: &RayRange<F>) -> F::Mask {
@@ -135,13 +153,14 @@ pub(crate) fn decide<F: Real<Element = f32>>(
     let found = distance(sheared, edges, range.depth);
     let zero = found.t.zero();
     let inside = edges.low.gt(zero) | edges.high.lt(zero);
-    let decided = (inside & found.is_decided(range)).bits();
-    let (within, exact) = (found.is_within(range).bits(), found.is_exact().bits());
-    // What is not a number is not behind: the test of one decides.
-    let candidates = candidates & !found.far.lt(zero).bits();
+    let decided = inside & found.is_decided(range);
+    let exact = found.is_exact();
+    let within = found.is_within(range);
+    let candidates = candidates & !found.is_before(range).bits();
     Decision {
         t: found.clamped(),
-        certain: candidates & decided & within & exact,
-        open: candidates & !(decided & (!within | exact)),
+        certain: candidates & (decided & within & exact).bits(),
+        open: candidates & !(decided & (!within | exact)).bits(),
+        inside: edges.are_certain(found.edge),
     }
 }

@@ -14,9 +14,8 @@ use crate::math::ray::Ray;
 /// Shewchuk's (7 + 56 u) u, rounded up.
 const DETERMINANT_ERROR: f64 = 8.0 * (f64::EPSILON / 2.0);
 
-/// A quotient is taken of determinants that are off by no more than this factor: then it has 28 bits,
-/// four more than it is rounded to.
-const DIGITS: f64 = 1.0 / (1_u64 << 30) as f64;
+/// Bound on the relative error of a quotient of exact sums, each rounded.
+const QUOTIENT_ERROR: f64 = 8.0 * f64::EPSILON;
 
 /// A determinant, and a bound on its error.
 #[derive(Clone, Copy)]
@@ -42,9 +41,20 @@ impl Bounded {
         Self { value, error: DETERMINANT_ERROR * size + f64::MIN_POSITIVE }
     }
 
-    /// The value if it is known to so many digits.
-    fn if_known(self, digits: f64) -> Option<f64> {
-        (self.error <= digits * self.value.abs()).then_some(self.value)
+    /// The value if its sign is known.
+    fn if_signed(self) -> Option<f64> {
+        (self.error < self.value.abs()).then_some(self.value)
+    }
+
+    /// The quotient if rounding it to single precision has one result, whatever the errors.
+    fn over(self, other: Self) -> Option<f64> {
+        let quotient = self.value / other.value;
+        let error = (self.error + quotient.abs() * other.error) / other.value.abs();
+        let error = error + QUOTIENT_ERROR * quotient.abs();
+        // The divisor's own error matters little where it leaves most digits.
+        let is_known = 64.0 * other.error <= other.value.abs()
+            && (quotient - 2.0 * error) as f32 == (quotient + 2.0 * error) as f32;
+        is_known.then_some(quotient)
     }
 }
 
@@ -66,6 +76,15 @@ impl Question {
         sum
     }
 
+    /// t, unless the ray is in the triangle's plane.
+    fn quotient(&self) -> Option<f64> {
+        let mut whole = self.side(1, 2);
+        whole.add_sum(&self.side(2, 0));
+        whole.add_sum(&self.side(0, 1));
+        let whole = whole.value();
+        (whole != 0.0).then(|| self.volume().value() / whole)
+    }
+
     /// det(a - o, b - o, c - o).
     fn volume(&self) -> Sum {
         let (o, [a, b, c]) = (self.origin, self.corners);
@@ -79,9 +98,10 @@ impl Question {
     }
 }
 
-/// The t at which `ray` meets `triangle`, from either side and before or behind its origin, to some
-/// digits more than single precision holds. A ray that meets an edge or a corner meets every triangle
-/// there; one in the triangle's plane meets nothing.
+/// The t at which `ray` meets `triangle`, from either side and before or behind its origin, to more digits than
+/// single precision holds: rounded to it, it is the exact t rounded once, but for one in millions next to the middle of
+/// two numbers. A ray that meets an edge or a corner meets every triangle there; one in the triangle's plane meets
+/// nothing.
 pub fn intersect(ray: &Ray, triangle: &[Vec3; 3]) -> Option<f64> {
     let (o, d) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
     let corners = triangle.map(|v| v.as_dvec3() - o);
@@ -93,27 +113,15 @@ pub fn intersect(ray: &Ray, triangle: &[Vec3; 3]) -> Option<f64> {
     };
     let sides = [(1, 2), (2, 0), (0, 1)].map(|(p, q)| {
         let side = Bounded::determinant(corners[p], corners[q], d);
-        // The sign alone matters.
-        side.if_known(0.5).unwrap_or_else(|| question().side(p, q).value())
+        side.if_signed().unwrap_or_else(|| question().side(p, q).value())
     });
     if sides.iter().any(|&s| s < 0.0) && sides.iter().any(|&s| s > 0.0) {
         return None;
     }
     let edges = triangle.map(|v| v.as_dvec3());
     let whole = Bounded::determinant(edges[1] - edges[0], edges[2] - edges[0], d);
-    let whole = whole.if_known(DIGITS).unwrap_or_else(|| {
-        let question = question();
-        let mut sum = question.side(1, 2);
-        sum.add_sum(&question.side(2, 0));
-        sum.add_sum(&question.side(0, 1));
-        sum.value()
-    });
-    if whole == 0.0 {
-        return None;
-    }
     let volume = Bounded::determinant(a, b, c);
-    let volume = volume.if_known(DIGITS).unwrap_or_else(|| question().volume().value());
-    Some(volume / whole)
+    volume.over(whole).or_else(|| question().quotient())
 }
 
 #[cfg(test)]

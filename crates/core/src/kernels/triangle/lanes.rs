@@ -108,7 +108,7 @@ impl ShearedSpace {
             t_max: f32x8::splat(simd, self.t_max),
         };
         let edges = Edges::new(&sheared.xy);
-        let Decision { t, certain, open } =
+        let Decision { t, certain, open, .. } =
             decide(sheared, &edges, &range, used & !edges.outside().bits());
         LaneHits { t: t.into(), certain, open }
     }

@@ -3,9 +3,9 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, u32x16};
 
-use super::{Pair, PatchRays, Row, note};
+use super::{Pair, PatchRays, Row, note, row};
 use crate::accel::arena::{Patch, View};
-use crate::accel::packet::tile::{Column, GROUPS, Tile, WIDTH};
+use crate::accel::packet::tile::{GROUPS, Tile, WIDTH};
 use crate::accel::query::Query;
 use crate::kernels::triangle::fast;
 use crate::math::real::Mask;
@@ -33,15 +33,6 @@ pub(super) fn see<S: Lanes>(simd: S, tile: &Tile, group: &mut PatchRays) {
         primitive.into()
     };
     (group.hit, group.open, group.left) = (0, 0, [0; LANES]);
-}
-
-/// What a column has for the group's rays; `g` says which of the tile's groups, if it is a whole one.
-#[inline(always)]
-fn row<S: Lanes>(simd: S, column: &Column, group: &PatchRays, g: usize) -> Row {
-    if group.is_whole {
-        return column[g % GROUPS];
-    }
-    simd.pick(column, group.positions).into()
 }
 
 /// As [`super::meet`].

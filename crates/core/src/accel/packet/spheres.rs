@@ -1,0 +1,50 @@
+//! Spheres in front of the rays of a tile: eight rays at a time.
+
+use fearless_simd::f32x8;
+use glam::Vec3;
+
+use super::TILE;
+use super::tile::{Column, GROUPS, Tile, WIDTH};
+use crate::accel::Hit;
+use crate::accel::query::Query;
+use crate::kernels::precision::Arithmetic;
+use crate::kernels::sphere;
+use crate::math::real::{Mask, Real, Single};
+use crate::math::simd::{LANES, Lanes};
+use crate::math::vector::{Line, Vector};
+
+impl Tile {
+    /// Tests a sphere of this centre and radius with some of its `rays`, a bit each.
+    #[inline(always)]
+    pub(super) fn meet_sphere<S: Lanes, Q: Query, P: Arithmetic>(
+        &mut self,
+        simd: S,
+        (center, radius): (Vec3, f32),
+        number: u32,
+        rays: u64,
+    ) {
+        for first in (0..TILE).step_by(LANES) {
+            let used = (rays >> first) as u32 & 0xFF;
+            if used == 0 {
+                continue;
+            }
+            let (g, l) = (first / WIDTH % GROUPS, first % WIDTH);
+            let load = |column: &Column| <f32x8<S> as Single>::from_slice(simd, &column[g][l..]);
+            let vector = |[x, y, z]: &[Column; 3]| Vector::new(load(x), load(y), load(z));
+            let line = Line { origin: vector(&self.origin), direction: vector(&self.direction) };
+            let range = [load(&self.t_min), load(&self.t_max)];
+            let (t, is_hit) = sphere::meet::<_, P>(&line, center, radius, range);
+            let mut hits = is_hit.bits() & used;
+            if Q::ANY {
+                self.done |= u64::from(hits) << first;
+                continue;
+            }
+            hits &= t.le(load(&self.best)).bits();
+            while hits != 0 {
+                let lane = hits.trailing_zeros() as usize % LANES;
+                hits &= hits - 1;
+                self.offer::<Q, P>(first + lane, Hit { t: t.lane(lane), primitive: number });
+            }
+        }
+    }
+}
