@@ -29,6 +29,7 @@ mod seals;
 mod search;
 mod single;
 mod stream;
+mod ties;
 mod tlas;
 pub mod tree;
 mod units;

@@ -14,11 +14,12 @@ pub(super) fn hit<Q: Query, P: Arithmetic>(
     let mut best = Hit::MISS;
     for number in 0..geometry.len() as u32 {
         if let Some(t) = geometry.hit::<P>(number, ray, tests)
-            && t < best.t
+            && let hit = (Hit { t, primitive: number })
+            && geometry.comes_first::<P>(&hit, &best, || ray.ray)
             && !(Q::ANY && geometry.is_light(number))
             && geometry.can_be_hit(number)
         {
-            best = Hit { t, primitive: number };
+            best = hit;
             if Q::ANY {
                 break;
             }

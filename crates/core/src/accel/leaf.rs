@@ -4,9 +4,9 @@
 //! is asked itself wherever single precision leaves a triangle open.
 
 use super::arena::{Kind, Patch, Ref, Soup, View};
-use super::geometry::PreparedRay;
+use super::geometry::{Geometry, PreparedRay};
 use super::query::{ANY_HIT, Query};
-use super::tree::Searched;
+use super::tree::{Searched, reach};
 use super::{Hit, TestCounts};
 use crate::kernels::precision::{Arithmetic, Precision};
 use crate::kernels::triangle::{LaneHits, ShearedSpace, fast};
@@ -35,13 +35,14 @@ pub(super) fn visit<S: Lanes, Q: Query, P: Arithmetic>(
         return take::<Q, P>(searched, ray, (&hits, first), best);
     }
     let before = *best;
+    let geometry = searched.geometry;
     for &number in arena.list(place) {
         let Some(t) = searched.hit::<P>(number, ray, tests) else { continue };
-        if Q::ANY && !searched.geometry.is_light(number) {
+        if Q::ANY && !geometry.is_light(number) {
             *best = ANY_HIT;
             return true;
         }
-        offer::<Q>(best, t, number);
+        offer::<Q, P>(geometry, ray, best, Hit { t, primitive: number });
     }
     *best != before
 }
@@ -63,30 +64,37 @@ pub(super) fn take<Q: Query, P: Arithmetic>(
         return found;
     }
     let before = *best;
+    let geometry = searched.geometry;
     let (mut certain, mut open) = (hits.certain, hits.open);
     while certain != 0 {
         let lane = certain.trailing_zeros() as usize & 7;
         certain &= certain - 1;
         // The number is read only where it can matter: it is seldom in the cache.
-        if hits.t[lane] <= before.t {
-            offer::<Q>(best, hits.t[lane], arena.number(first, lane));
+        if hits.t[lane] <= reach::<P>(before.t) {
+            let hit = Hit { t: hits.t[lane], primitive: arena.number(first, lane) };
+            offer::<Q, P>(geometry, ray, best, hit);
         }
     }
     while open != 0 {
         let number = arena.number(first, open.trailing_zeros() as usize & 7);
         open &= open - 1;
         if let Some(t) = searched.hit_again::<P>(number, ray) {
-            offer::<Q>(best, t, number);
+            offer::<Q, P>(geometry, ray, best, Hit { t, primitive: number });
         }
     }
     *best != before
 }
 
-/// Replaces `best` by a hit that is closer, or as close and of a lower number. Any hit has been taken before.
+/// Replaces `best` by a hit that comes before it. Any hit has been taken before.
 #[inline(always)]
-fn offer<Q: Query>(best: &mut Hit, t: f32, number: u32) {
-    if !Q::ANY && (t < best.t || (t == best.t && number < best.primitive)) {
-        *best = Hit { t, primitive: number };
+fn offer<Q: Query, P: Arithmetic>(
+    geometry: &Geometry,
+    ray: &PreparedRay,
+    best: &mut Hit,
+    hit: Hit,
+) {
+    if !Q::ANY && geometry.comes_first::<P>(&hit, best, || ray.ray) {
+        *best = hit;
     }
 }
 

@@ -12,7 +12,10 @@ use fearless_simd::{f32x8, f32x16, f64x8, mask32x16, u32x16};
 
 use super::tile::{Column, GROUPS, Tile, WIDTH, load, reach_of};
 use crate::accel::arena::{Patch, Ref, View};
+use crate::accel::geometry::Geometry;
 use crate::accel::query::Query;
+use crate::accel::ties::{are_close, has_doubt};
+use crate::accel::tree::Searched;
 use crate::accel::{Hit, TestCounts};
 use crate::kernels::precision::Arithmetic;
 use crate::kernels::triangle::lanes::ORDERS;
@@ -138,11 +141,12 @@ impl Groups {
     pub(super) fn test<S: Lanes, Q: Query, P: Arithmetic>(
         &mut self,
         simd: S,
-        arena: View<'_>,
+        Searched { tree, geometry }: Searched<'_>,
         tiles: &mut [Tile],
         asks: &mut Vec<Open>,
         tests: &mut TestCounts,
     ) {
+        let arena = tree.arena.view();
         let pairs = self.see::<S, P>(simd, arena, tiles, tests);
         // The fast test has no step to leave triangles out by.
         let pairs = if P::IS_FAST { pairs } else { self.leave_out(simd, arena, pairs) };
@@ -150,17 +154,17 @@ impl Groups {
         for pair in &self.pairs[..pairs] {
             let group = &mut groups[usize::from(pair.group) % MOST_GROUPS];
             if P::IS_FAST {
-                fast::meet::<S, Q>(simd, arena, group, *pair);
+                fast::meet::<S, Q, P>(simd, arena, group, *pair);
             } else {
-                meet::<S, Q>(simd, arena, tiles, group, *pair);
+                meet::<S, Q, P>(simd, arena, tiles, group, *pair);
             }
         }
         for group in groups {
             let tile = &mut tiles[group.tile];
             if group.is_whole {
-                report_whole::<S, Q, P>(simd, tile, group);
+                report_whole::<S, Q, P>(simd, geometry, tile, group);
             } else {
-                report::<Q, P>(tile, group);
+                report::<Q, P>(geometry, tile, group, group.hit);
             }
             group.list_open(asks);
         }
@@ -294,7 +298,7 @@ fn relative<S: Lanes, const ONE: bool>(
 
 /// Finds where the group's rays meet a triangle.
 #[inline(always)]
-fn meet<S: Lanes, Q: Query>(
+fn meet<S: Lanes, Q: Query, P: Arithmetic>(
     simd: S,
     arena: View<'_>,
     tiles: &[Tile],
@@ -315,17 +319,17 @@ fn meet<S: Lanes, Q: Query>(
     let Decision { t, certain, open, inside } =
         decide(&sheared, &edges, &range, u32::from(pair.inside));
     if open == 0 {
-        note::<S, Q>(simd, arena, group, pair.triangle, (t, certain));
+        note::<S, Q, P>(simd, arena, group, pair.triangle, (t, certain));
         return;
     }
     let tile = &tiles[group.tile];
     let settled = settle(simd, leaf, tile, group, (pair.triangle, open & inside.bits()));
     let open = open & !settled.decided;
     group.open |= open;
-    group.left[usize::from(pair.triangle) % LANES] = open;
+    group.left[usize::from(pair.triangle) % LANES] |= open;
     let single = mask32x16::from_bitmask(simd, u64::from(certain));
     let t = single.select(t, settled.t.simd_into(simd));
-    note::<S, Q>(simd, arena, group, pair.triangle, (t, certain | settled.hit));
+    note::<S, Q, P>(simd, arena, group, pair.triangle, (t, certain | settled.hit));
 }
 
 /// What double precision says of the rays of a group in front of a triangle.
@@ -387,9 +391,10 @@ fn settle<S: Lanes>(
     settled
 }
 
-/// Notes the rays that `certain`ly meet the triangle, at `t`.
+/// Notes the rays that `certain`ly meet the triangle, at `t`; those that may meet another at the same are left to the
+/// test of one.
 #[inline(always)]
-fn note<S: Lanes, Q: Query>(
+fn note<S: Lanes, Q: Query, P: Arithmetic>(
     simd: S,
     arena: View<'_>,
     group: &mut PatchRays,
@@ -404,7 +409,14 @@ fn note<S: Lanes, Q: Query>(
     let best: f32x16<S> = group.best.simd_into(simd);
     let primitive: u32x16<S> = group.primitive.simd_into(simd);
     let number = arena.number(leaf.first, usize::from(triangle));
-    let closer = t.simd_lt(best) | (t.simd_eq(best) & primitive.simd_gt(number));
+    let (closer, certain) = if has_doubt::<P>() {
+        let close = are_close(t, best).bits() & certain;
+        group.open |= close;
+        group.left[usize::from(triangle) % LANES] |= close;
+        (t.simd_lt(best), certain & !close)
+    } else {
+        (t.simd_lt(best) | (t.simd_eq(best) & primitive.simd_gt(number)), certain)
+    };
     let closer = closer & mask32x16::from_bitmask(simd, u64::from(certain));
     group.best = closer.select(t, best).into();
     group.primitive = closer.select(u32x16::splat(simd, number), primitive).into();
@@ -413,26 +425,29 @@ fn note<S: Lanes, Q: Query>(
 
 /// Gives the tile what the group's rays have found: another group may have found more.
 #[inline(always)]
-fn report<Q: Query, P: Arithmetic>(tile: &mut Tile, group: &PatchRays) {
-    let mut hit = group.hit;
+fn report<Q: Query, P: Arithmetic>(
+    geometry: &Geometry,
+    tile: &mut Tile,
+    group: &PatchRays,
+    mut hit: u32,
+) {
     while hit != 0 {
         let lane = hit.trailing_zeros() as usize % WIDTH;
         hit &= hit - 1;
         let i = group.positions[lane] as usize;
-        if Q::ANY {
-            tile.set_done(i);
-            continue;
-        }
         let new = Hit { t: group.best[lane], primitive: group.primitive[lane] };
-        let old = tile.best(i);
-        let is_closer = new.t < old.t || (new.t == old.t && new.primitive < old.primitive);
-        tile.set_best::<P>(i, if is_closer { new } else { old });
+        tile.offer::<Q, P>(geometry, i, new);
     }
 }
 
 /// As [`report`], for a group of the tile itself.
 #[inline(always)]
-fn report_whole<S: Lanes, Q: Query, P: Arithmetic>(simd: S, tile: &mut Tile, group: &PatchRays) {
+fn report_whole<S: Lanes, Q: Query, P: Arithmetic>(
+    simd: S,
+    geometry: &Geometry,
+    tile: &mut Tile,
+    group: &PatchRays,
+) {
     let g = group.positions[0] as usize / WIDTH % GROUPS;
     if Q::ANY {
         tile.done |= u64::from(group.hit) << (g * WIDTH);
@@ -441,12 +456,14 @@ fn report_whole<S: Lanes, Q: Query, P: Arithmetic>(simd: S, tile: &mut Tile, gro
     let (old, new) = (load(simd, &tile.best, g), f32x16::from_slice(simd, &group.best));
     let old_primitive: u32x16<S> = tile.primitive[g].simd_into(simd);
     let primitive: u32x16<S> = group.primitive.simd_into(simd);
+    let close = if has_doubt::<P>() { are_close(new, old).bits() & group.hit } else { 0 };
     let closer = new.simd_lt(old) | (new.simd_eq(old) & primitive.simd_lt(old_primitive));
-    let closer = closer & mask32x16::from_bitmask(simd, u64::from(group.hit));
+    let closer = closer & mask32x16::from_bitmask(simd, u64::from(group.hit & !close));
     let reach = closer.select(reach_of::<S, P>(new), load(simd, &tile.reach, g));
     tile.best[g] = closer.select(new, old).into();
     tile.primitive[g] = closer.select(primitive, old_primitive).into();
     tile.reach[g] = reach.into();
+    report::<Q, P>(geometry, tile, group, close);
 }
 
 /// The corners of a triangle, in sheared space.

@@ -4,11 +4,11 @@ use super::children::LeafVisit;
 use super::groups::Open;
 use super::tile::{GROUPS, Tile, WIDTH, number_of};
 use super::{Batch, TILE};
-use crate::accel::arena::{Kind, Ref, View};
+use crate::accel::arena::{Kind, Ref};
 use crate::accel::geometry::{PreparedRay, Primitive};
 use crate::accel::query::Query;
 use crate::accel::stream::Found;
-use crate::accel::tree::Searched;
+use crate::accel::tree::{Searched, reach};
 use crate::accel::{Hit, TestCounts, leaf};
 use crate::kernels::precision::Arithmetic;
 use crate::math::simd::{LANES, Lanes, outlined};
@@ -121,10 +121,9 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
                 tests.leaves += u64::from(rays.count_ones());
                 for &number in tree.arena.view().list(place) {
                     match geometry.primitive(number) {
-                        Primitive::Sphere(i) => {
+                        Primitive::Sphere(_) => {
                             tests.spheres += u64::from(rays.count_ones());
-                            let sphere = geometry.spheres[i];
-                            tile.meet_sphere::<S, Q, P>(simd, sphere, number, rays);
+                            tile.meet_sphere::<S, Q, P>(simd, geometry, number, rays);
                         }
                         _ => self.ask_each(tile, number, rays, tests),
                     }
@@ -143,7 +142,7 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
             rest &= rest - 1;
             let ray = PreparedRay::of::<P>(&self.rays.ray(tile.start + number_of(i)));
             if let Some(t) = self.searched.hit::<P>(number, &ray, tests) {
-                tile.offer::<Q, P>(i, Hit { t, primitive: number });
+                tile.offer::<Q, P>(self.searched.geometry, i, Hit { t, primitive: number });
             }
         }
     }
@@ -177,7 +176,7 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
             if Q::ANY {
                 tile.done |= u64::from(found.hits.certain != 0) << i;
             } else {
-                take_closest::<P>(arena, tile, i, &found);
+                self.take_closest(tile, i, &found);
             }
             if found.hits.open != 0 {
                 self.ask_again(tile, found.first, found.hits.open, i);
@@ -194,7 +193,7 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
             #[inline(always)]
             || {
                 let arena = self.searched.tree.arena.view();
-                self.groups.test::<S, Q, P>(simd, arena, tiles, self.asks, tests);
+                self.groups.test::<S, Q, P>(simd, self.searched, tiles, self.asks, tests);
                 while let Some(Open { tile, place, triangles, ray }) = self.asks.pop() {
                     self.ask_again(&mut tiles[tile], arena.patch(place).first, triangles, ray);
                 }
@@ -213,33 +212,35 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
             let number = arena.number(first, triangles.trailing_zeros() as usize);
             triangles &= triangles - 1;
             let Some(t) = self.searched.hit_again::<P>(number, &ray) else { continue };
-            tile.offer::<Q, P>(i, Hit { t, primitive: number });
+            tile.offer::<Q, P>(self.searched.geometry, i, Hit { t, primitive: number });
             if Q::ANY {
                 return;
             }
         }
     }
-}
 
-/// Gives the tile the closest of the hits that its `i`th ray has certainly found, if that is closer.
-#[inline(always)]
-fn take_closest<P: Arithmetic>(arena: View<'_>, tile: &mut Tile, i: usize, found: &Found) {
-    let Found { hits, first } = found;
-    let mut certain = hits.certain;
-    let before = tile.best(i);
-    let mut best = before;
-    while certain != 0 {
-        let lane = certain.trailing_zeros() as usize & (LANES - 1);
-        certain &= certain - 1;
-        let t = hits.t[lane];
-        if t <= before.t {
-            let number = arena.number(*first, lane);
-            if t < best.t || (t == best.t && number < best.primitive) {
-                best = Hit { t, primitive: number };
+    /// Gives the tile the closest of the hits that its `i`th ray has certainly found, if that is closer.
+    #[inline(always)]
+    fn take_closest(&self, tile: &mut Tile, i: usize, found: &Found) {
+        let Found { hits, first } = found;
+        let Searched { tree, geometry } = self.searched;
+        let arena = tree.arena.view();
+        let mut certain = hits.certain;
+        let before = tile.best(i);
+        let mut best = before;
+        while certain != 0 {
+            let lane = certain.trailing_zeros() as usize & (LANES - 1);
+            certain &= certain - 1;
+            let t = hits.t[lane];
+            if t <= reach::<P>(before.t) {
+                let hit = Hit { t, primitive: arena.number(*first, lane) };
+                if geometry.comes_first::<P>(&hit, &best, || tile.ray(i)) {
+                    best = hit;
+                }
             }
         }
-    }
-    if best != before {
-        tile.set_best::<P>(i, best);
+        if best != before {
+            tile.set_best::<P>(i, best);
+        }
     }
 }

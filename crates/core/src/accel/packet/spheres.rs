@@ -1,11 +1,11 @@
 //! Spheres in front of the rays of a tile: eight rays at a time.
 
 use fearless_simd::f32x8;
-use glam::Vec3;
 
 use super::TILE;
 use super::tile::{Column, GROUPS, Tile, WIDTH};
 use crate::accel::Hit;
+use crate::accel::geometry::{Geometry, Primitive};
 use crate::accel::query::Query;
 use crate::kernels::precision::Arithmetic;
 use crate::kernels::sphere;
@@ -14,15 +14,17 @@ use crate::math::simd::{LANES, Lanes};
 use crate::math::vector::{Line, Vector};
 
 impl Tile {
-    /// Tests a sphere of this centre and radius with some of its `rays`, a bit each.
+    /// Tests the sphere of that number with some of its `rays`, a bit each.
     #[inline(always)]
     pub(super) fn meet_sphere<S: Lanes, Q: Query, P: Arithmetic>(
         &mut self,
         simd: S,
-        (center, radius): (Vec3, f32),
+        geometry: &Geometry,
         number: u32,
         rays: u64,
     ) {
+        let Primitive::Sphere(i) = geometry.primitive(number) else { return };
+        let (center, radius) = geometry.spheres[i];
         for first in (0..TILE).step_by(LANES) {
             let used = (rays >> first) as u32 & 0xFF;
             if used == 0 {
@@ -39,11 +41,12 @@ impl Tile {
                 self.done |= u64::from(hits) << first;
                 continue;
             }
-            hits &= t.le(load(&self.best)).bits();
+            hits &= t.le(load(&self.reach)).bits();
             while hits != 0 {
                 let lane = hits.trailing_zeros() as usize % LANES;
                 hits &= hits - 1;
-                self.offer::<Q, P>(first + lane, Hit { t: t.lane(lane), primitive: number });
+                let hit = Hit { t: t.lane(lane), primitive: number };
+                self.offer::<Q, P>(geometry, first + lane, hit);
             }
         }
     }

@@ -8,6 +8,7 @@ use glam::Vec3;
 
 use super::beam::{Beam, Extents, longest};
 use super::{TILE, Visit};
+use crate::accel::geometry::Geometry;
 use crate::accel::query::Query;
 use crate::accel::rays::{BLOCK_EDGE, Rays};
 use crate::accel::tree::{BEYOND, reach};
@@ -192,14 +193,17 @@ impl Tile {
         self.reach[g][l] = reach::<P>(hit.t);
     }
 
-    /// Gives its `i`th ray a hit: any, or one that replaces what it has found if it is closer, or as close and of a
-    /// lower number.
+    /// Gives its `i`th ray a hit on `geometry`: any, or one that comes before what it has found.
     #[inline(always)]
-    pub(super) fn offer<Q: Query, P: Arithmetic>(&mut self, i: usize, hit: Hit) {
-        let best = self.best(i);
+    pub(super) fn offer<Q: Query, P: Arithmetic>(
+        &mut self,
+        geometry: &Geometry,
+        i: usize,
+        hit: Hit,
+    ) {
         if Q::ANY {
             self.set_done(i);
-        } else if hit.t < best.t || (hit.t == best.t && hit.primitive < best.primitive) {
+        } else if geometry.comes_first::<P>(&hit, &self.best(i), || self.ray(i)) {
             self.set_best::<P>(i, hit);
         }
     }

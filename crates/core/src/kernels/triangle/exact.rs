@@ -66,6 +66,14 @@ struct Question {
 }
 
 impl Question {
+    fn of(ray: &Ray, triangle: &[Vec3; 3]) -> Self {
+        Self {
+            origin: ray.origin.to_array(),
+            direction: ray.direction.to_array(),
+            corners: triangle.map(Vec3::into),
+        }
+    }
+
     /// det(p - o, q - o, d) of the corners p and q.
     fn side(&self, p: usize, q: usize) -> Sum {
         let (o, d, p, q) = (self.origin, self.direction, self.corners[p], self.corners[q]);
@@ -105,23 +113,23 @@ impl Question {
 pub fn intersect(ray: &Ray, triangle: &[Vec3; 3]) -> Option<f64> {
     let (o, d) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
     let corners = triangle.map(|v| v.as_dvec3() - o);
-    let [a, b, c] = corners;
-    let question = || Question {
-        origin: ray.origin.to_array(),
-        direction: ray.direction.to_array(),
-        corners: triangle.map(Vec3::into),
-    };
     let sides = [(1, 2), (2, 0), (0, 1)].map(|(p, q)| {
         let side = Bounded::determinant(corners[p], corners[q], d);
-        side.if_signed().unwrap_or_else(|| question().side(p, q).value())
+        side.if_signed().unwrap_or_else(|| Question::of(ray, triangle).side(p, q).value())
     });
     if sides.iter().any(|&s| s < 0.0) && sides.iter().any(|&s| s > 0.0) {
         return None;
     }
-    let edges = triangle.map(|v| v.as_dvec3());
-    let whole = Bounded::determinant(edges[1] - edges[0], edges[2] - edges[0], d);
-    let volume = Bounded::determinant(a, b, c);
-    volume.over(whole).or_else(|| question().quotient())
+    plane(ray, triangle)
+}
+
+/// As [`intersect`], of the plane of the triangle.
+pub fn plane(ray: &Ray, triangle: &[Vec3; 3]) -> Option<f64> {
+    let (o, d) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
+    let [a, b, c] = triangle.map(|v| v.as_dvec3());
+    let whole = Bounded::determinant(b - a, c - a, d);
+    let volume = Bounded::determinant(a - o, b - o, c - o);
+    volume.over(whole).or_else(|| Question::of(ray, triangle).quotient())
 }
 
 #[cfg(test)]

@@ -7,6 +7,7 @@ use super::{Pair, PatchRays, Row, note, row};
 use crate::accel::arena::{Patch, View};
 use crate::accel::packet::tile::{GROUPS, Tile, WIDTH};
 use crate::accel::query::Query;
+use crate::kernels::precision::Arithmetic;
 use crate::kernels::triangle::fast;
 use crate::math::real::Mask;
 use crate::math::simd::{LANES, Lanes};
@@ -37,7 +38,7 @@ pub(super) fn see<S: Lanes>(simd: S, tile: &Tile, group: &mut PatchRays) {
 
 /// As [`super::meet`].
 #[inline(always)]
-pub(super) fn meet<S: Lanes, Q: Query>(
+pub(super) fn meet<S: Lanes, Q: Query, P: Arithmetic>(
     simd: S,
     arena: View<'_>,
     group: &mut PatchRays,
@@ -54,7 +55,7 @@ pub(super) fn meet<S: Lanes, Q: Query>(
     let (t, inside) = fast::intersect(&line, &[a, b, c]);
     let within = t.simd_gt(group.t_min) & t.simd_lt(group.t_max);
     let hits = (inside & within).bits() & group.used;
-    note::<S, Q>(simd, arena, group, pair.triangle, (t, hits));
+    note::<S, Q, P>(simd, arena, group, pair.triangle, (t, hits));
 }
 
 /// A vertex of the patch, in each lane.

@@ -1,0 +1,97 @@
+//! Which of two hits comes first where single precision cannot tell.
+//!
+//! The t of a robust hit has an error of up to [`T_TOLERANCE`]. Two that are farther apart are in the order of their t.
+//! Others are ordered by the exact t of the planes, rounded once, and by number where that is the same: copies of a
+//! triangle, whatever the order of their corners, and surfaces that lie in one plane are thus hit at the lowest number.
+//! Both orders agree where both apply, so that the first hit does not depend on which others were looked at.
+
+use super::geometry::{Geometry, Primitive};
+use super::{Hit, NO_PRIMITIVE};
+use crate::kernels::precision::{Arithmetic, Precision};
+use crate::kernels::quad;
+use crate::kernels::triangle::{T_TOLERANCE, exact, in_order};
+use crate::math::ray::Ray;
+use crate::math::real::Real;
+
+/// Twice the tolerance, and what rounding adds to their difference.
+const DOUBT: f32 = 2.125 * T_TOLERANCE;
+
+/// Where the order of hits at these t is not certain.
+#[inline(always)]
+pub(super) fn are_close<F: Real<Element = f32>>(t: F, other: F) -> F::Mask {
+    (t - other).abs().le(t.abs().times(DOUBT))
+}
+
+/// Whether hits may be ordered by more than their t.
+#[inline(always)]
+pub(super) const fn has_doubt<P: Arithmetic>() -> bool {
+    matches!(P::PRECISION, Precision::Robust)
+}
+
+impl Hit {
+    #[inline(always)]
+    fn precedes(&self, other: &Self) -> bool {
+        self.t < other.t || (self.t == other.t && self.primitive < other.primitive)
+    }
+}
+
+impl Geometry {
+    /// Whether a `new` hit of a ray comes before the `best` one so far, which may be none beyond t.
+    #[inline(always)]
+    pub(super) fn comes_first<P: Arithmetic>(
+        &self,
+        new: &Hit,
+        best: &Hit,
+        ray: impl FnOnce() -> Ray,
+    ) -> bool {
+        if has_doubt::<P>() && are_close(new.t, best.t) && best.primitive != NO_PRIMITIVE {
+            return new.primitive != best.primitive && self.settle_order(new, best, &ray());
+        }
+        new.precedes(best)
+    }
+
+    /// As [`Self::comes_first`], without rounding.
+    #[cold]
+    #[inline(never)]
+    fn settle_order(&self, new: &Hit, best: &Hit, ray: &Ray) -> bool {
+        let [a, b] = [new, best].map(|hit| self.primitive(hit.primitive));
+        let (geometry, ray) = match (a, b) {
+            (Primitive::Instanced(a), Primitive::Instanced(b)) if a.instance == b.instance => {
+                let (instance, prototype) = self.instance(a);
+                let local = |hit: &Hit| Hit { primitive: hit.primitive - instance.first(), ..*hit };
+                return prototype.settle_order(&local(new), &local(best), &instance.carried(ray));
+            }
+            // Transforms are rounded: what they place into one plane is not there exactly.
+            (Primitive::Instanced(_), _) | (_, Primitive::Instanced(_)) => {
+                return new.precedes(best);
+            }
+            _ => (self, ray),
+        };
+        if let (Primitive::Triangle(a), Primitive::Triangle(b)) = (a, b)
+            && in_order(geometry.triangle(a)) == in_order(geometry.triangle(b))
+        {
+            return new.primitive < best.primitive;
+        }
+        let exactly = |hit: &Hit| Hit { t: geometry.exact_t(hit, ray), ..*hit };
+        exactly(new).precedes(&exactly(best))
+    }
+
+    /// The exact t of the plane of a hit, rounded; its own where that is no plane's, or of the triangle's boundary.
+    fn exact_t(&self, hit: &Hit, ray: &Ray) -> f32 {
+        let plane = |corners: &[_; 3]| {
+            let t = exact::plane(ray, corners).map(|t| t as f32);
+            t.filter(|&t| are_close(t, hit.t))
+        };
+        let exact = match self.primitive(hit.primitive) {
+            Primitive::Triangle(i) => plane(&self.triangle(i)),
+            Primitive::Quad(i) => {
+                let [first, second] = quad::halves(&self.quad(i)).map(|half| plane(&half));
+                let is_first =
+                    |t: f32| second.is_none_or(|other| (t - hit.t).abs() <= (other - hit.t).abs());
+                first.filter(|&t| is_first(t)).or(second)
+            }
+            Primitive::Sphere(_) | Primitive::Instanced(_) => None,
+        };
+        exact.unwrap_or(hit.t)
+    }
+}
