@@ -1,5 +1,8 @@
 //! How a case is run, and what comes of it.
 
+use std::iter::Sum;
+
+use wavecrest_base::error::Result;
 use wavecrest_core::accel::Accel;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::accel::geometry::Geometry;
@@ -32,11 +35,8 @@ impl Effort {
     }
 
     /// `full`, or a hundredth of it.
-    pub(super) fn of(&self, full: u32) -> u32 {
-        match self.count {
-            Count::Quick => full / 100,
-            Count::Full => full,
-        }
+    pub(super) fn of(&self, full: usize) -> usize {
+        self.either(full / 100, full)
     }
 
     /// One of these.
@@ -74,9 +74,11 @@ impl Outcome {
         self.tried > 0 && self.failed == 0
     }
 
-    /// A question that could not even be asked.
-    pub(super) fn failure(why: String) -> Self {
-        Self { tried: 1, failed: 1, first: Some(why), ..Self::default() }
+    /// Of one answer; `failure` says what is wrong with it, if anything is.
+    pub(super) fn one(failure: Option<String>) -> Self {
+        let mut outcome = Self::default();
+        outcome.count(failure);
+        outcome
     }
 
     /// Counts an answer; `failure` says what is wrong with it, if anything is.
@@ -86,6 +88,11 @@ impl Outcome {
             self.failed += 1;
             self.first.get_or_insert(failure);
         }
+    }
+
+    /// Counts an answer; `failure` says what is wrong with it where it is not `right`.
+    pub(super) fn check(&mut self, right: bool, failure: impl FnOnce() -> String) {
+        self.count((!right).then(failure));
     }
 
     /// With `context` before the words of the first failure.
@@ -110,5 +117,21 @@ impl Outcome {
         if self.first.is_none() {
             self.first = other.first;
         }
+    }
+}
+
+impl Sum for Outcome {
+    fn sum<I: Iterator<Item = Self>>(outcomes: I) -> Self {
+        outcomes.fold(Self::default(), |mut all, one| {
+            all.add(one);
+            all
+        })
+    }
+}
+
+/// A question that could not be asked is one failure.
+impl From<Result<Self>> for Outcome {
+    fn from(result: Result<Self>) -> Self {
+        result.unwrap_or_else(|error| Self::one(Some(error.to_string())))
     }
 }

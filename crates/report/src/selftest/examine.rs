@@ -9,7 +9,7 @@ use serde::Serialize;
 
 use super::case::{Count, Effort, Outcome};
 use super::topology::{Edge, Topology};
-use super::ways::{Numbers, Tests};
+use super::ways::{Numbers, Tests, in_order, inputs};
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::accel::geometry::{Geometry, Primitive};
 use wavecrest_core::accel::{Accel, Hit, Traversal};
@@ -99,8 +99,8 @@ pub fn bvh(accel: &Accel, preset: Preset, effort: &Effort) -> Option<Bvh> {
     if geometry.triangles.is_empty() {
         return None;
     }
-    let points: Vec<Vec3> = (0..POINTS)
-        .map(|n| point_on(geometry, &mut Numbers::new(effort, EXAMINED, n)).1.as_vec3())
+    let points: Vec<Vec3> = inputs(effort, EXAMINED, 0..POINTS)
+        .map(|mut numbers| point_on(geometry, &mut numbers).as_vec3())
         .collect();
     let mut around = 0_u64;
     tree.for_each_leaf(|bounds, _| {
@@ -115,13 +115,10 @@ pub fn bvh(accel: &Accel, preset: Preset, effort: &Effort) -> Option<Bvh> {
 /// Random numbers of this stand where a case's number does.
 const EXAMINED: u32 = 100;
 
-/// A triangle, and a point of it.
-fn point_on(geometry: &Geometry, numbers: &mut Numbers) -> (u32, DVec3) {
+/// A point of a triangle.
+fn point_on(geometry: &Geometry, numbers: &mut Numbers) -> DVec3 {
     let number = numbers.below(geometry.triangles.len());
-    let [a, b, c] = geometry.triangle(number).map(|v| v.as_dvec3());
-    let (u, v) = (numbers.one(), numbers.one());
-    let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
-    (number as u32, a + (b - a) * u + (c - a) * v)
+    numbers.within(geometry.triangle(number))
 }
 
 /// Tries the mesh that `accel` is over, in its precision.
@@ -129,13 +126,11 @@ pub fn trial(accel: &Accel, effort: &Effort) -> Trial {
     let geometry = accel.geometry();
     let topology = Topology::new(geometry);
     let extent = Extent::of(geometry);
-    let (mut leaks, leak_time) = leaking(accel, &topology, &extent, effort);
-    let (mut self_hits, self_time) = leaving(accel, &extent, effort);
+    let leaks = leaking(accel, &topology, &extent, effort);
+    let self_hits = leaving(accel, &extent, effort);
     let asked = (leaks.tried + self_hits.tried).max(1);
-    let nanoseconds = (leak_time + self_time) * 1e9 / asked as f64;
-    for outcome in [&mut leaks, &mut self_hits] {
-        (outcome.timed, outcome.seconds) = (0, 0.0);
-    }
+    let nanoseconds = (leaks.seconds + self_hits.seconds) * 1e9 / asked as f64;
+    let [leaks, self_hits] = [leaks, self_hits].map(|all| Outcome { seconds: 0.0, ..all });
     Trial { leaks, self_hits, nanoseconds }
 }
 
@@ -177,9 +172,9 @@ fn blocks(effort: &Effort) -> impl ParallelIterator<Item = std::ops::Range<usize
 }
 
 /// Rays at edges, from anywhere about the mesh.
-fn leaking(accel: &Accel, topology: &Topology, extent: &Extent, effort: &Effort) -> (Outcome, f64) {
+fn leaking(accel: &Accel, topology: &Topology, extent: &Extent, effort: &Effort) -> Outcome {
     if topology.len() == 0 {
-        return (Outcome::default(), 0.0);
+        return Outcome::default();
     }
     ask(
         accel,
@@ -233,17 +228,17 @@ fn edge_ray(geometry: &Geometry, edge: &Edge, from: Vec3, part: f64) -> Option<R
 }
 
 /// Rays that leave triangles in all directions, to the side from which these were hit.
-fn leaving(accel: &Accel, extent: &Extent, effort: &Effort) -> (Outcome, f64) {
+fn leaving(accel: &Accel, extent: &Extent, effort: &Effort) -> Outcome {
     let geometry = accel.geometry();
     if geometry.triangles.is_empty() {
-        return (Outcome::default(), 0.0);
+        return Outcome::default();
     }
     ask(
         accel,
         effort,
         |n, traversal| {
             let mut numbers = Numbers::new(effort, EXAMINED + 2, n);
-            let (_, target) = point_on(geometry, &mut numbers);
+            let target = point_on(geometry, &mut numbers);
             let from = extent.around(&mut numbers);
             let ray = Ray::new(from, normalize(target.as_vec3() - from));
             let hit = Some(accel.closest(&ray, traversal)).filter(|hit| !hit.is_miss())?;
@@ -264,31 +259,24 @@ fn leaving(accel: &Accel, extent: &Extent, effort: &Effort) -> (Outcome, f64) {
 }
 
 /// Asks about the rays that `make` makes, each with two numbers that go with it, and has the answers
-/// judged. What came of it, and the seconds that the answers took, summed over threads.
+/// judged.
 fn ask(
     accel: &Accel,
     effort: &Effort,
     make: impl Fn(usize, &mut Traversal) -> Option<(Ray, [u32; 2])> + Sync,
     judge: impl Fn(&Ray, [u32; 2], Hit) -> Option<String> + Sync,
-) -> (Outcome, f64) {
-    let parts: Vec<(Outcome, f64)> = blocks(effort)
-        .map(|block| {
-            let mut traversal = accel.traversal();
-            let made = block.filter_map(|n| make(n, &mut traversal));
-            let (rays, numbers): (Vec<Ray>, Vec<[u32; 2]>) = made.unzip();
-            let mut hits = vec![Hit::MISS; rays.len()];
-            let start = Instant::now();
-            accel.closest_of(&rays[..], &mut hits, &mut traversal);
-            let seconds = start.elapsed().as_secs_f64();
-            let mut outcome = Outcome::default();
-            for ((ray, &number), &hit) in rays.iter().zip(&numbers).zip(&hits) {
-                outcome.count(judge(ray, number, hit));
-            }
-            (outcome, seconds)
-        })
-        .collect();
-    parts.into_iter().fold((Outcome::default(), 0.0), |(mut all, time), (one, seconds)| {
-        all.add(one);
-        (all, time + seconds)
-    })
+) -> Outcome {
+    in_order(blocks(effort).map(|block| {
+        let mut traversal = accel.traversal();
+        let made = block.filter_map(|n| make(n, &mut traversal));
+        let (rays, numbers): (Vec<Ray>, Vec<[u32; 2]>) = made.unzip();
+        let mut hits = vec![Hit::MISS; rays.len()];
+        let start = Instant::now();
+        accel.closest_of(&rays[..], &mut hits, &mut traversal);
+        let mut outcome = Outcome { seconds: start.elapsed().as_secs_f64(), ..Outcome::default() };
+        for ((ray, &number), &hit) in rays.iter().zip(&numbers).zip(&hits) {
+            outcome.count(judge(ray, number, hit));
+        }
+        outcome
+    }))
 }

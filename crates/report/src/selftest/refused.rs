@@ -8,14 +8,13 @@ use serde_json::{Value, json};
 
 use super::case::{Effort, Outcome};
 use super::scenes::{self, Eye, Prepared};
-use super::ways::Numbers;
+use super::ways::{Numbers, inputs};
 use wavecrest_base::error::{ErrorKind, Result};
 use wavecrest_core::accel::build::Preset;
 
 /// A camera that looks at the origin.
 fn eye() -> Eye {
-    let location = DVec3::new(0.0, 0.0, 5.0);
-    Eye { location, look: DVec3::ZERO, up: DVec3::Y, fov: 40.0, size: [8, 8] }
+    Eye::at(DVec3::new(0.0, 0.0, 5.0), 40.0, [8, 8])
 }
 
 /// Counts whether the scene is refused with an error of this kind that names `named`.
@@ -44,19 +43,8 @@ pub(super) fn names(prepared: Result<Prepared>, named: &str) -> Outcome {
 
 /// A number of text that is no length: 0, below 0, none, not finite, or no number.
 fn no_length(numbers: &mut Numbers, is_zero_a_length: bool) -> (String, ErrorKind) {
-    let all = [
-        "0.0",
-        "-0.0",
-        "-1",
-        "-1e-30",
-        "null",
-        "\"one\"",
-        "1e13",
-        "NaN",
-        "Infinity",
-        "-Infinity",
-        "1e999",
-    ];
+    let all = ["0.0 -0.0 -1 -1e-30 null \"one\" 1e13", "NaN Infinity -Infinity 1e999"];
+    let all: Vec<&str> = all.iter().flat_map(|words| words.split(' ')).collect();
     let first = if is_zero_a_length { 2 } else { 0 };
     match first + numbers.below(all.len() + 1 - first) {
         // A number of its own.
@@ -76,8 +64,7 @@ fn put<'a>(scene: &Value, text: &str, kind: ErrorKind, path: &'a str) -> (String
 /// Row 17.
 pub(super) fn radii(effort: &Effort) -> Outcome {
     let mut outcome = Outcome::default();
-    for n in 0..effort.of(100_000) as usize {
-        let mut numbers = Numbers::new(effort, 17, n);
+    for mut numbers in inputs(effort, 17, 0..effort.of(100_000)) {
         let wrong = numbers.below(3);
         let (text, kind) = no_length(&mut numbers, false);
         let mut shapes =
@@ -105,8 +92,7 @@ pub(super) fn radii(effort: &Effort) -> Outcome {
 /// Lenses that are none.
 pub(super) fn lenses(effort: &Effort) -> Outcome {
     let mut outcome = Outcome::default();
-    for n in 0..effort.of(100_000) as usize {
-        let mut numbers = Numbers::new(effort, 29, n);
+    for mut numbers in inputs(effort, 29, 0..effort.of(100_000)) {
         let (key, may_be_zero) = [("focal", false), ("aperture", true)][numbers.below(2)];
         let (text, kind) = no_length(&mut numbers, may_be_zero);
         let mut camera = eye().json();
@@ -163,7 +149,7 @@ pub(super) fn lights(effort: &Effort) -> Outcome {
 pub(super) fn meshes(effort: &Effort) -> Outcome {
     let folder = match tempfile::tempdir() {
         Ok(folder) => folder,
-        Err(error) => return Outcome::failure(format!("no folder for meshes: {error}")),
+        Err(error) => return Outcome::one(Some(format!("no folder for meshes: {error}"))),
     };
     let mut outcome = Outcome::default();
     for n in 0..effort.either(100, 1000) {
@@ -191,7 +177,7 @@ pub(super) fn meshes(effort: &Effort) -> Outcome {
 /// name the file and `fault`, where there is one.
 fn one_mesh(effort: &Effort, path: &Path, bytes: &[u8], fault: Option<&str>) -> Outcome {
     if let Err(error) = std::fs::write(path, bytes) {
-        return Outcome::failure(format!("cannot write {}: {error}", path.display()));
+        return Outcome::one(Some(format!("cannot write {}: {error}", path.display())));
     }
     let mut outcome = Outcome::default();
     let context = || String::from_utf8_lossy(bytes).escape_debug().take(400).collect::<String>();
