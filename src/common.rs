@@ -8,13 +8,13 @@ use indicatif::{ProgressBar, ProgressState, ProgressStyle};
 
 use crate::choice::{by_name, choice};
 use wavecrest_base::error::{Error, ErrorKind, Result, Warning};
-use wavecrest_base::replace::{replace_file, write_error};
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::accel::{Accel, KernelChoice};
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::math::simd::Level;
 use wavecrest_core::tile::Tile;
 use wavecrest_core::wavefront::DEFAULT_BATCH;
+pub(crate) use wavecrest_report::files::{to_json, write_text};
 use wavecrest_scene::load::{LoadOptions, LoadedScene, load, survey};
 use wavecrest_scene::memory::{self, Estimate};
 use wavecrest_scene::systems::{self, Extracted};
@@ -178,21 +178,6 @@ pub(crate) fn tell(line: &str) {
     let _ = writeln!(std::io::stderr(), "{line}");
 }
 
-/// A value as lines of JSON.
-pub(crate) fn to_json(value: &impl serde::Serialize) -> Result<String> {
-    let json = serde_json::to_string_pretty(value)
-        .map_err(|e| Error::new(ErrorKind::Io, format!("cannot write JSON: {e}")).because(e))?;
-    Ok(json + "\n")
-}
-
-/// Writes `text` to `file`, or leaves what is there as it was.
-///
-/// # Errors
-/// When it cannot be written.
-pub(crate) fn write_text(file: &Path, text: &str) -> Result<()> {
-    replace_file(file, |sink| sink.write_all(text.as_bytes()).map_err(|e| write_error(file, e)))
-}
-
 /// A bar on a terminal, and nothing anywhere else. Besides the keys of indicatif, `template` may
 /// have `millions`: how many millions are done a second.
 pub(crate) fn progress_bar(quiet: bool, template: &str) -> ProgressBar {
@@ -205,6 +190,21 @@ pub(crate) fn progress_bar(quiet: bool, template: &str) -> ProgressBar {
             let _ = write!(text, "{:.2}", state.per_sec() / 1e6);
         });
     ProgressBar::new(0).with_style(style)
+}
+
+/// Does `work` under a bar of [`progress_bar`], which it tells what is done and how much there is.
+pub(crate) fn with_bar<R>(
+    quiet: bool,
+    template: &str,
+    work: impl FnOnce(&mut dyn FnMut(u64, u64)) -> R,
+) -> R {
+    let bar = progress_bar(quiet, template);
+    let result = work(&mut |done, all| {
+        bar.set_length(all);
+        bar.set_position(done);
+    });
+    bar.finish_and_clear();
+    result
 }
 
 /// Refuses a scene whose peak is estimated to be above `limit`.

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use indicatif::HumanBytes;
 
-use super::common::{progress_bar, tell};
+use super::common::{tell, with_bar};
 use crate::choice::choice;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_scene::generate::{Model, Recipe, Written, write_ply};
@@ -79,12 +79,8 @@ impl GenerateArgs {
 pub(crate) fn run(args: &GenerateArgs) -> Result<()> {
     let (recipe, path) = (args.recipe(), args.path()?);
     let start = Instant::now();
-    let bar = progress_bar(args.quiet, "{wide_bar} {bytes} of {total_bytes}, {eta} left");
-    let written = write_ply(&recipe, path, &mut |done, total| {
-        bar.set_length(total);
-        bar.set_position(done);
-    });
-    bar.finish_and_clear();
+    let template = "{wide_bar} {bytes} of {total_bytes}, {eta} left";
+    let written = with_bar(args.quiet, template, |progress| write_ply(&recipe, path, progress));
     let line = summary(path, &written?, start.elapsed().as_secs_f64());
     if !args.quiet {
         tell(&line);

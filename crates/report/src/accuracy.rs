@@ -20,7 +20,6 @@ pub mod store;
 pub mod subject;
 pub mod sweep;
 
-use std::io::Write as _;
 use std::path::Path;
 use std::process::Command;
 
@@ -31,8 +30,8 @@ use store::{Circumstances, Header, Record, Store};
 use sweep::Options;
 
 use crate::bench::Machine;
-use wavecrest_base::error::{Error, Result};
-use wavecrest_base::replace::{replace_file, write_error};
+use crate::files::{to_json, write_text};
+use wavecrest_base::error::Result;
 
 /// All that was found: `accuracy.json`.
 #[derive(Clone, Debug, Serialize)]
@@ -87,11 +86,7 @@ impl Findings {
     /// When the file cannot be written.
     pub fn write(&self, folder: &Path) -> Result<()> {
         let path = folder.join("accuracy.json");
-        let json = serde_json::to_string_pretty(self)
-            .map_err(|e| Error::io("cannot write JSON", path.as_path(), e.into()))?;
-        replace_file(&path, |sink| {
-            sink.write_all((json + "\n").as_bytes()).map_err(|e| write_error(&path, e))
-        })
+        write_text(&path, &to_json(self).map_err(|e| e.in_file(&path))?)
     }
 }
 

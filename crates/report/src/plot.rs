@@ -184,6 +184,20 @@ impl Axis {
     }
 }
 
+impl Series {
+    /// Points that no line joins.
+    pub fn of(name: &str, points: Vec<Point>) -> Self {
+        Self { name: name.to_owned(), draw: Draw::Points, points }
+    }
+}
+
+impl Guide {
+    /// A line at a value of `y`.
+    pub fn at(name: &str, y: f64) -> Self {
+        Self { name: name.to_owned(), course: Course::AtY(y) }
+    }
+}
+
 impl Point {
     /// A point without interval or label.
     pub fn new(x: f64, y: f64) -> Self {
