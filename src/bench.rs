@@ -23,7 +23,7 @@ use wavecrest_report::bench::{BenchReport, Preparation, SceneBench, Setting, har
 use wavecrest_scene::memory;
 use wavecrest_scene::systems;
 
-/// Measures every scene, tells what was found, and returns whether all images were the same.
+/// Measures every scene, prints what was found, and returns whether all images were the same.
 ///
 /// # Errors
 /// When a scene cannot be loaded or prepared, or the report cannot be written.

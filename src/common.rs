@@ -55,7 +55,7 @@ pub(crate) struct SceneOptions {
 }
 
 impl SceneOptions {
-    /// Loads `scene` and tells its warnings.
+    /// Loads `scene` and prints its warnings.
     pub(crate) fn load(&self, scene: &Path) -> Result<LoadedScene> {
         let options = self.load_options();
         if let Some(limit) = self.memory_limit {
@@ -97,7 +97,7 @@ impl SceneOptions {
         systems::extract(&mut loaded.world, options)
     }
 
-    /// Tells warnings, unless asked to be quiet.
+    /// Prints warnings, unless quiet is requested.
     pub(crate) fn warn(&self, warnings: &[Warning]) {
         if !self.quiet {
             warnings.iter().for_each(|warning| tell(&format!("warning: {warning}")));
@@ -173,7 +173,7 @@ pub(crate) fn print(text: &str) -> Result<()> {
     }
 }
 
-/// Writes a line to standard error. Where that is closed there is nobody to tell.
+/// Writes a line to standard error. Where that is closed, the line is lost.
 pub(crate) fn tell(line: &str) {
     let _ = writeln!(std::io::stderr(), "{line}");
 }
@@ -192,7 +192,7 @@ pub(crate) fn progress_bar(quiet: bool, template: &str) -> ProgressBar {
     ProgressBar::new(0).with_style(style)
 }
 
-/// Does `work` under a bar of [`progress_bar`], which it tells what is done and how much there is.
+/// Does `work`, which reports what is done of how much, with a bar of [`progress_bar`].
 pub(crate) fn with_bar<R>(
     quiet: bool,
     template: &str,

@@ -17,7 +17,7 @@ use wavecrest_image::flip::{DEFAULT_PIXELS_PER_DEGREE, Flip, flip};
 use wavecrest_image::read::read;
 use wavecrest_image::write::{Transfer, check_writable, write};
 
-/// Compares a picture with a reference and tells by how much they differ.
+/// Compares a picture with a reference and reports how much they differ.
 ///
 /// PPM, PNG, EXR, PFM and most other formats are read; whole numbers count as 0 to 1, without a
 /// transfer curve. With A the first picture and B the second, the reference: MSE is the mean of (A -

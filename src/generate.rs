@@ -57,7 +57,7 @@ impl GenerateArgs {
         }
     }
 
-    /// The file to write, which must be called a PLY file: that is how readers tell.
+    /// The file to write, which must end in .ply: readers choose the format by it.
     fn path(&self) -> Result<&Path> {
         let Some(path) = self.output.as_deref().or(self.file.as_deref()) else {
             return Err(Error::new(ErrorKind::Usage, "no file to write is named")

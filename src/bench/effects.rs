@@ -13,7 +13,7 @@ use wavecrest_report::effects::scenes::{Variant, variants};
 use wavecrest_report::effects::{Entry, Setting, measure, text};
 use wavecrest_scene::load::{LoadOptions, load_str};
 
-/// Measures every effect, tells what was found, and returns whether all images were as they should be.
+/// Measures every effect, prints what was found, and returns whether all images were as they should be.
 pub(super) fn run(args: &BenchArgs) -> Result<bool> {
     let folder = folder()?;
     let variants = variants(folder.path())?.into_iter();

@@ -14,7 +14,7 @@ pub(crate) enum Choice {
     Auto(Option<u32>),
 }
 
-/// How a scheduler tells a process which task of an array it is.
+/// How a process finds out which task of a scheduler's array it is.
 struct Scheduler {
     /// The variable that has the task's number.
     task: &'static str,
@@ -28,11 +28,11 @@ enum Numbering {
     Between([&'static str; 2], Whole),
     /// From 0: a variable with their number, if there is one.
     FromZero(Option<&'static str>),
-    /// As the user likes, and nothing tells how.
+    /// As the user likes; no variable says how.
     Unsaid,
 }
 
-/// How a scheduler tells whether numbers are left out.
+/// How a scheduler shows whether numbers are left out.
 enum Whole {
     /// The variable has how many there are.
     Count(&'static str),

@@ -56,7 +56,7 @@ impl Setting {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Target {
-    /// The scene as its file has it, with as many samples as one likes where it has any.
+    /// The scene as its file has it, with any number of samples where it has any.
     Scene,
     /// The mean over the area of each pixel, even where the file asks for its centre.
     Pixel,
