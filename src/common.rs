@@ -262,3 +262,10 @@ pub(crate) fn above_zero(text: &str) -> std::result::Result<f64, String> {
         _ => Err("use a number above 0, such as 0.01".to_owned()),
     }
 }
+
+/// The arguments of a command, as the tests write them.
+#[cfg(test)]
+pub(crate) fn parse<A: clap::Args>(line: &str) -> std::result::Result<A, clap::Error> {
+    let command = A::augment_args(clap::Command::new("command").no_binary_name(true));
+    A::from_arg_matches(&command.try_get_matches_from(line.split_whitespace())?)
+}

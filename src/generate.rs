@@ -123,19 +123,10 @@ fn count(text: &str) -> std::result::Result<u64, String> {
 
 #[cfg(test)]
 mod tests {
-    use clap::Parser;
-
     use super::*;
 
-    #[derive(Parser)]
-    struct Whole {
-        #[command(flatten)]
-        args: GenerateArgs,
-    }
-
     fn parse(line: &str) -> std::result::Result<GenerateArgs, clap::Error> {
-        Whole::try_parse_from(std::iter::once("generate").chain(line.split_whitespace()))
-            .map(|whole| whole.args)
+        crate::common::parse(line)
     }
 
     #[test]

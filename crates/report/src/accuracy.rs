@@ -26,7 +26,7 @@ use std::process::Command;
 use serde::Serialize;
 
 use findings::SceneFindings;
-use store::{Circumstances, Header, Record, Store};
+use store::{Circumstances, Header, Store, all};
 use sweep::Options;
 
 use crate::bench::Machine;
@@ -66,14 +66,10 @@ impl Circumstances {
 impl Findings {
     /// Sums up what `store` has of the `swept` scenes.
     pub fn new(options: &Options, store: &Store, swept: &[sweep::Swept]) -> Self {
-        let circumstances = store.records.iter().filter_map(|record| match record {
-            Record::Circumstances(circumstances) => Some(circumstances.clone()),
-            _ => None,
-        });
         Self {
             header: Header::new(options),
             seeds: options.seeds,
-            circumstances: circumstances.collect(),
+            circumstances: all(&store.records).cloned().collect(),
             scenes: swept.iter().filter_map(|s| SceneFindings::of(s, &store.records)).collect(),
         }
     }

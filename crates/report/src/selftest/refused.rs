@@ -159,15 +159,14 @@ pub(super) fn meshes(effort: &Effort) -> Outcome {
             let path = folder.path().join(format!("m.{extension}"));
             let mut numbers = Numbers::new(effort, 25 + 32 * format as u32, n);
             let faulty = Faulty::new(&mut numbers);
-            let bytes = if extension == "obj" { faulty.obj() } else { faulty.ply(format) };
+            let bytes = faulty.bytes(extension, format);
             let named = faulty.place(extension);
             outcome.add(one_mesh(effort, &path, &bytes, Some(&named)));
             // Of the same file, some bits turned: it may be anything.
             let turned = turn_bits(&mut numbers, bytes);
             outcome.add(one_mesh(effort, &path, &turned, None));
-            let wild = Faulty::wild(&mut numbers);
-            let bytes = if extension == "obj" { wild.obj() } else { wild.ply(format) };
-            outcome.add(one_mesh(effort, &path, &bytes, None));
+            let wild = Faulty::wild(&mut numbers).bytes(extension, format);
+            outcome.add(one_mesh(effort, &path, &wild, None));
         }
     }
     outcome
@@ -300,16 +299,22 @@ impl Faulty {
         }
     }
 
-    fn obj(&self) -> Vec<u8> {
-        let mut text = String::new();
-        for [x, y, z] in &self.positions {
-            text += &format!("v {x} {y} {z}\n");
+    /// The file.
+    fn bytes(&self, extension: &str, format: Format) -> Vec<u8> {
+        if extension == "ply" {
+            return self.ply(format);
         }
-        for corners in &self.triangles {
-            let [a, b, c] = corners.map(|v| u64::from(v) + 1);
-            text += &format!("f {a} {b} {c}\n");
-        }
-        text.into_bytes()
+        self.lines("v ", "f ", 1)
+    }
+
+    /// A line for each vertex and each triangle, whose corners are counted from `first`.
+    fn lines(&self, vertex: &str, face: &str, first: u64) -> Vec<u8> {
+        let vertices = self.positions.iter().map(|[x, y, z]| format!("{vertex}{x} {y} {z}\n"));
+        let faces = self.triangles.iter().map(|corners| {
+            let [a, b, c] = corners.map(|v| u64::from(v) + first);
+            format!("{face}{a} {b} {c}\n")
+        });
+        vertices.chain(faces).collect::<String>().into_bytes()
     }
 
     fn ply(&self, format: Format) -> Vec<u8> {
@@ -325,14 +330,7 @@ impl Faulty {
         )
         .into_bytes();
         match format {
-            Format::Text => {
-                for [x, y, z] in &self.positions {
-                    bytes.extend(format!("{x} {y} {z}\n").into_bytes());
-                }
-                for [a, b, c] in &self.triangles {
-                    bytes.extend(format!("3 {a} {b} {c}\n").into_bytes());
-                }
-            }
+            Format::Text => bytes.extend(self.lines("", "3 ", 0)),
             Format::Binary => {
                 bytes.extend(self.positions.iter().flatten().flat_map(|x| x.to_le_bytes()));
                 for corners in &self.triangles {

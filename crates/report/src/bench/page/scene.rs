@@ -5,7 +5,7 @@ use super::parts::{Both, average, bar, speed};
 use crate::bench::report::SceneBench;
 use crate::bench::rows::{Row, rows};
 use crate::bench::tracer::TracerBench;
-use crate::bench::words::{contents, plural, verdict};
+use crate::bench::words::{contents, peak, plural, prepared, verdict};
 use crate::page::{Block, Cell, Details, Fact, Section, Table};
 use crate::plot::number::{figure, time_unit};
 use crate::plot::{Axis, Chart, Guide, Point, Scale, Series, StackedBars};
@@ -81,8 +81,6 @@ fn facts(scene: &SceneBench) -> Vec<Fact> {
     let rays = &scene.rays;
     let [primary, secondary, shadow] =
         [rays.primary, rays.secondary, rays.shadow].map(|count| figure(count as f64));
-    let time = &scene.time;
-    let preset = scene.preset.name();
     let mut facts = vec![
         Fact::new("image", format!("{} × {} pixels, {samples} each", image.width, image.height)),
         Fact::new("scene", contents(scene)),
@@ -90,14 +88,9 @@ fn facts(scene: &SceneBench) -> Vec<Fact> {
             "rays in a run",
             format!("{primary} primary, {secondary} secondary, {shadow} shadow"),
         ),
-        Fact::new(
-            "prepared",
-            format!("loaded in {:.3} s, tree ({preset}) built in {:.3} s", time.load, time.build),
-        ),
+        Fact::new("prepared", prepared(scene)),
     ];
-    facts.extend(scene.memory.peak.map(|peak| {
-        Fact::new("peak memory", format!("{:.1} MB, of the program so far", peak as f64 / 1e6))
-    }));
+    facts.extend(peak(scene).map(|peak| Fact::new("peak memory", peak)));
     facts.extend([
         Fact::new("kernel", scene.kernel.name()),
         Fact::new("vector instructions", scene.simd.name()),
