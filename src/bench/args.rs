@@ -1,4 +1,4 @@
-//! What `bench` is asked for.
+//! The arguments of `bench`.
 
 use std::path::PathBuf;
 

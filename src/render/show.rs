@@ -1,4 +1,4 @@
-//! Seeing a render happen: progress, a log, a viewer, and the image while it is not finished.
+//! Watching a render: progress, a log, a viewer, and the image while it is not finished.
 //!
 //! None of it costs a render: what cannot be shown is a warning at most.
 

@@ -60,7 +60,7 @@ pub enum Block {
     Code(String),
     /// What is known by name: the machine, versions, settings.
     Facts(Vec<Fact>),
-    /// What is shown when asked for.
+    /// What is shown on demand.
     Details(Details),
 }
 
@@ -138,7 +138,7 @@ pub struct Fact {
     pub value: String,
 }
 
-/// What is shown when asked for.
+/// What is shown on demand.
 #[derive(Clone, Debug, Default)]
 pub struct Details {
     /// The line that opens it.

@@ -1,4 +1,4 @@
-//! How a case is run, and what comes of it.
+//! How a case is run, and its outcome.
 
 use std::iter::Sum;
 
@@ -8,21 +8,21 @@ use wavecrest_core::accel::build::Preset;
 use wavecrest_core::accel::geometry::Geometry;
 use wavecrest_core::kernels::precision::Precision;
 
-/// How much is tried.
+/// How much is tested.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Count {
     /// Little enough for every run of the tests.
     Quick,
-    /// What the case's bound speaks of.
+    /// As much as the case's bound states.
     Full,
 }
 
 /// How a case is run.
 #[derive(Clone, Copy, Debug)]
 pub struct Effort {
-    /// The arithmetic that is tried.
+    /// The arithmetic that is tested.
     pub precision: Precision,
-    /// What its inputs follow from.
+    /// The seed of its inputs.
     pub seed: u64,
     /// How many there are.
     pub count: Count,
@@ -48,14 +48,14 @@ impl Effort {
     }
 }
 
-/// What came of a case.
+/// The outcome of a case.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
 pub struct Outcome {
-    /// How many questions were asked.
+    /// The number of tests.
     pub tried: u64,
-    /// How many of the answers broke the bound.
+    /// The number of tests that broke the bound.
     pub failed: u64,
-    /// The first of these, in words.
+    /// A description of the first of these.
     pub first: Option<String>,
     /// Answers whose time was taken.
     pub timed: u64,
@@ -69,19 +69,19 @@ impl Outcome {
         (self.timed > 0).then(|| self.seconds * 1e9 / self.timed as f64)
     }
 
-    /// Whether it was tried, and the bound held.
+    /// Whether anything was tested, and the bound held.
     pub fn holds(&self) -> bool {
         self.tried > 0 && self.failed == 0
     }
 
-    /// Of one answer; `failure` says what is wrong with it, if anything is.
+    /// The outcome of one test; `failure` describes what is wrong, if anything is.
     pub(super) fn one(failure: Option<String>) -> Self {
         let mut outcome = Self::default();
         outcome.count(failure);
         outcome
     }
 
-    /// Counts an answer; `failure` says what is wrong with it, if anything is.
+    /// Counts a test; `failure` describes what is wrong, if anything is.
     pub(super) fn count(&mut self, failure: Option<String>) {
         self.tried += 1;
         if let Some(failure) = failure {
@@ -90,7 +90,7 @@ impl Outcome {
         }
     }
 
-    /// Counts an answer; `failure` says what is wrong with it where it is not `right`.
+    /// Counts a test; `failure` describes what is wrong unless it is `right`.
     pub(super) fn check(&mut self, right: bool, failure: impl FnOnce() -> String) {
         self.count((!right).then(failure));
     }
@@ -100,7 +100,7 @@ impl Outcome {
         Self { first: self.first.map(|first| format!("{}, {first}", context())), ..self }
     }
 
-    /// With all failures forgiven that are no more than this share of the answers.
+    /// Without its failures, if they are at most this share of the tests.
     pub(super) fn allowing(self, share: f64) -> Self {
         if self.failed as f64 > share * self.tried as f64 {
             return self;
@@ -108,7 +108,7 @@ impl Outcome {
         Self { failed: 0, first: None, ..self }
     }
 
-    /// Counts what another has counted.
+    /// Adds another outcome.
     pub(super) fn add(&mut self, other: Self) {
         self.tried += other.tried;
         self.failed += other.failed;
@@ -129,7 +129,7 @@ impl Sum for Outcome {
     }
 }
 
-/// A question that could not be asked is one failure.
+/// A test that could not be run is one failure.
 impl From<Result<Self>> for Outcome {
     fn from(result: Result<Self>) -> Self {
         result.unwrap_or_else(|error| Self::one(Some(error.to_string())))

@@ -1,5 +1,5 @@
-//! The hard cases as a user's own mesh has them: are its edges tight, do rays that leave it meet it
-//! again, and what is it like.
+//! The hard cases on a user's own mesh: whether rays leak through its edges or hit the triangle that they leave,
+//! and how good its triangles are.
 
 use std::time::Instant;
 
@@ -7,9 +7,9 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::case::{Count, Effort, Outcome};
+use super::case::{Effort, Outcome};
 use super::topology::{Edge, Topology};
-use super::ways::{Numbers, Tests, in_order, inputs};
+use super::ways::{Numbers, Tests, blocks, in_order, inputs};
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::accel::geometry::{Geometry, Primitive};
 use wavecrest_core::accel::{Accel, Hit, Traversal};
@@ -18,7 +18,7 @@ use wavecrest_core::math::float::{normalize, offset_origin};
 use wavecrest_core::math::ray::Ray;
 
 /// Rays of each kind, in full.
-const RAYS: u32 = 10_000_000;
+const RAYS: usize = 10_000_000;
 
 /// Points at which leaves are counted.
 const POINTS: usize = 256;
@@ -26,7 +26,7 @@ const POINTS: usize = 256;
 /// A triangle this many times as long as high is a sliver.
 const SLIVER: f64 = 1000.0;
 
-/// What a mesh is like, whatever it is tested with.
+/// Properties of a mesh, whatever the precision.
 #[derive(Clone, Debug, Serialize)]
 pub struct Shape {
     /// Triangles, those without area too.
@@ -56,7 +56,7 @@ pub struct Bvh {
     pub overlap: f64,
 }
 
-/// What came of a mesh in a precision.
+/// The outcome for a mesh in one precision.
 #[derive(Clone, Debug, Serialize)]
 pub struct Trial {
     /// Rays at edges between two triangles that face apart as the ray sees them: one that passes
@@ -68,7 +68,7 @@ pub struct Trial {
     pub nanoseconds: f64,
 }
 
-/// Appearance at a mesh.
+/// Describes a mesh.
 pub fn shape(geometry: &Geometry, accel: &Accel) -> Shape {
     let topology = Topology::new(geometry);
     let ratios = (0..geometry.triangles.len()).into_par_iter().map(|i| {
@@ -92,7 +92,7 @@ pub fn shape(geometry: &Geometry, accel: &Accel) -> Shape {
     }
 }
 
-/// Appearance at the tree over a mesh.
+/// Describes the tree over a mesh.
 pub fn bvh(accel: &Accel, preset: Preset, effort: &Effort) -> Option<Bvh> {
     let tree = accel.tree()?;
     let geometry = accel.geometry();
@@ -142,7 +142,7 @@ struct Extent {
 
 impl Extent {
     fn of(geometry: &Geometry) -> Self {
-        // As they are, and not padded: the same rays are asked in every precision.
+        // Without padding: the same rays are traced in every precision.
         let all = (0..geometry.triangles.len()).map(|i| Aabb::around(geometry.triangle(i)));
         let Some(all) = all.reduce(|a, b| a.union(b)) else {
             return Self { middle: DVec3::ZERO, half: 1.0 };
@@ -160,16 +160,6 @@ impl Extent {
 
 /// Rays that a thread makes at a time.
 const RAYS_OF_A_THREAD: usize = 1 << 12;
-
-/// The numbers of the rays of a kind, as threads take them.
-fn blocks(effort: &Effort) -> impl ParallelIterator<Item = std::ops::Range<usize>> {
-    let count = match effort.count {
-        Count::Full => RAYS as usize,
-        Count::Quick => RAYS as usize / 25,
-    };
-    let block = move |b: usize| b * RAYS_OF_A_THREAD..((b + 1) * RAYS_OF_A_THREAD).min(count);
-    (0..count.div_ceil(RAYS_OF_A_THREAD)).into_par_iter().map(block)
-}
 
 /// Rays at edges, from anywhere about the mesh.
 fn leaking(accel: &Accel, topology: &Topology, extent: &Extent, effort: &Effort) -> Outcome {
@@ -266,7 +256,8 @@ fn ask(
     make: impl Fn(usize, &mut Traversal) -> Option<(Ray, [u32; 2])> + Sync,
     judge: impl Fn(&Ray, [u32; 2], Hit) -> Option<String> + Sync,
 ) -> Outcome {
-    in_order(blocks(effort).map(|block| {
+    let count = effort.either(RAYS / 25, RAYS);
+    in_order(blocks(count, RAYS_OF_A_THREAD).map(|block| {
         let mut traversal = accel.traversal();
         let made = block.filter_map(|n| make(n, &mut traversal));
         let (rays, numbers): (Vec<Ray>, Vec<[u32; 2]>) = made.unzip();

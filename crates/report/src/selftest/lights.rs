@@ -1,4 +1,4 @@
-//! Lights where they can hardly be, and surfaces that hardly reflect them.
+//! Lights at extreme positions, and reflection at extreme angles and exponents.
 
 use glam::{DVec3, Vec3};
 use serde_json::{Value, json};
@@ -21,7 +21,7 @@ use wavecrest_core::math::vector::Vector;
 const FALLOFFS: [Falloff; 3] = [Falloff::Linear, Falloff::InverseSquare, Falloff::None];
 const FALLOFF_NAMES: [&str; 3] = ["linear", "inverse-square", "none"];
 
-/// The power of the lights that kernels are asked about.
+/// The power of the lights that kernels are tested with.
 const POWER: f32 = 10.0;
 
 const MATERIAL: Material = Material { ks: 0.5, kd: 0.5, exponent: 8.0, color: Vec3::ONE, kr: 0.0 };

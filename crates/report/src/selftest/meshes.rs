@@ -1,4 +1,4 @@
-//! Triangles that hardly are, and quads that are not flat.
+//! Triangles without area, slivers, and quads that are not flat.
 
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;

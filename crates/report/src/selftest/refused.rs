@@ -1,4 +1,4 @@
-//! What is no scene, and what is no mesh: it is refused by name, and never worse.
+//! Invalid scenes and meshes: each is refused with an error that names the fault, and none causes a panic.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;

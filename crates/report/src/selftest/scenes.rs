@@ -1,4 +1,4 @@
-//! Scenes made by code, and their images in every way in which one can be made.
+//! Scenes made in code, and their images with every tracer, batch size, preset and level of instructions.
 
 use std::path::Path;
 
@@ -55,7 +55,7 @@ pub(super) fn prepare(effort: &Effort, scene: &Value, preset: Preset) -> Result<
     prepare_text(effort, &scene.to_string(), Path::new("scene.json"), preset)
 }
 
-/// How an image is made. Nothing of it may show.
+/// How an image is made. The image must not depend on it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Way {
     tracer: TracerKind,
@@ -89,8 +89,8 @@ pub(super) fn image(effort: &Effort, scene: &Value, preset: Preset) -> Result<Fi
     Ok(render(effort, &prepared.scene, Way::ALL[0])?.film)
 }
 
-/// Has the image of `scene` judged: built with each of the presets, and rendered in every way, with
-/// all instructions there are. Every pixel has to be a number, besides.
+/// Checks the image of `scene` with `judge`: built with each of the presets, and rendered in every way with all
+/// levels of instructions. Every pixel must be finite as well.
 pub(super) fn every_image(
     effort: &Effort,
     scene: &Value,
@@ -146,7 +146,7 @@ pub(super) fn every_way_to_render(
     outcome
 }
 
-/// Has every pixel judged. `judge` says what is wrong with the pixel in that column and row, if
+/// Checks every pixel. `judge` describes what is wrong with the pixel in that column and row, if
 /// anything is.
 pub(super) fn pixels(film: &Film, judge: impl Fn(u32, u32, [f32; 3]) -> Option<String>) -> Outcome {
     let judged = (0_u32..).zip(film.pixels()).map(|(index, &pixel)| {

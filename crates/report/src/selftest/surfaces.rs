@@ -17,7 +17,7 @@ use wavecrest_core::math::ray::Ray;
 const FROM_EACH: u32 = 100;
 
 /// Asks `count` questions on all threads. `ask` says of each input what is wrong with the answer, if
-/// anything is; `None` for inputs of which nothing is asked.
+/// anything is; `None` for inputs that are not tested.
 fn each(
     effort: &Effort,
     case: u32,

@@ -1,4 +1,4 @@
-//! What a tree must not change, whatever it is made of.
+//! A tree must give the hits of brute force, whatever primitives it holds.
 
 use glam::Vec3;
 
@@ -32,7 +32,7 @@ pub(super) fn add_triangle(geometry: &mut Geometry, corners: [Vec3; 3]) {
     geometry.triangles.push([first, first + 1, first + 2]);
 }
 
-/// Asks every preset in every way, and compares with what is expected.
+/// Traces the rays with every preset and kernel, and compares the hits with those expected.
 fn compare(
     effort: &Effort,
     geometry: &Geometry,

@@ -1,4 +1,4 @@
-//! Cameras at the ends of what they can be, and scenes with next to nothing in them.
+//! Cameras with extreme parameters, and almost empty scenes.
 
 use glam::DVec3;
 use serde_json::{Value, json};

@@ -21,7 +21,7 @@ const PLACES: [(f64, Vec3); 4] = [
     (1.0 / 1_048_576.0, Vec3::ZERO),
 ];
 
-/// Rays of the full count, and those among them that brute force is asked about too.
+/// Rays of the full count, and the share of them that brute force traces too.
 const RAYS: usize = 10_000_000;
 const BY_BRUTE_FORCE: usize = 10;
 

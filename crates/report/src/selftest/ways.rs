@@ -1,4 +1,4 @@
-//! Every way in which a question about rays can be asked.
+//! Tracing rays with every kernel and every level of vector instructions.
 
 use std::ops::Range;
 use std::time::Instant;
@@ -21,8 +21,8 @@ use wavecrest_core::with_precision;
 /// Rays that a thread is given at a time.
 const RAYS_OF_A_THREAD: usize = 1 << 13;
 
-/// Has the `accel`'s answers for all rays judged, for every kernel with all instructions there are.
-/// `judge` says what is wrong with the answer for the ray of that number, if anything is.
+/// Checks the hits of all rays with every kernel and all levels of instructions.
+/// `judge` describes what is wrong with the hit for the ray of that number, if anything is.
 pub(super) fn every_way(
     mut accel: Accel,
     rays: &[Ray],
@@ -48,7 +48,7 @@ pub(super) fn every_way(
     outcome
 }
 
-/// Has the `accel`'s answers for all rays judged.
+/// Checks the hits of all rays.
 fn ask(
     accel: &Accel,
     rays: &[Ray],
@@ -73,11 +73,17 @@ fn ask(
 
 /// Asks `count` questions on all threads, and adds up what comes of them, in order.
 pub(super) fn in_blocks(count: usize, ask: impl Fn(usize) -> Outcome + Sync) -> Outcome {
-    let blocks = (0..count).step_by(RAYS_OF_A_THREAD).collect::<Vec<_>>().into_par_iter();
-    in_order(blocks.map(|start| {
-        let block = start..(start + RAYS_OF_A_THREAD).min(count);
-        block.map(|n| ask(n).with_context(|| format!("input {n}"))).sum()
-    }))
+    let one = |n| ask(n).with_context(|| format!("input {n}"));
+    in_order(blocks(count, RAYS_OF_A_THREAD).map(|block| block.map(one).sum()))
+}
+
+/// The numbers below `count`, up to `size` of them at a time.
+pub(super) fn blocks(
+    count: usize,
+    size: usize,
+) -> impl IndexedParallelIterator<Item = Range<usize>> {
+    let block = move |b: usize| b * size..((b + 1) * size).min(count);
+    (0..count.div_ceil(size)).into_par_iter().map(block)
 }
 
 /// What came of all of them together; the first failure is that of the first to fail.
