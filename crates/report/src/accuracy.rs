@@ -13,7 +13,6 @@ pub mod neutral;
 pub mod page;
 pub mod pilot;
 pub mod prices;
-mod progress;
 pub mod reference;
 pub mod setting;
 pub mod store;

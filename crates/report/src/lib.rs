@@ -12,4 +12,3 @@ pub mod ray_file;
 pub mod selftest;
 pub mod statistics;
 pub mod summary;
-mod work;

@@ -1,11 +1,11 @@
 //! What must not change a picture: how the tree is built, who traces, in which batches, with which kernel
 //! and instructions, on how many threads. Each is tried, and the error's change is to be exactly 0.
 
-use super::progress::Progress;
 use super::reference::Reference;
 use super::setting::{Setting, Structure};
 use super::store::{NeutralRecord, Record, Store, all};
 use super::subject::Subject;
+use super::sweep::Progress;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::accel::KernelChoice;
 use wavecrest_core::accel::build::Preset;

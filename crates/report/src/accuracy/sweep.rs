@@ -8,7 +8,6 @@ use std::path::PathBuf;
 
 use super::fit::Rng;
 use super::neutral;
-pub use super::progress::Progress;
 use super::reference::{self, Reference};
 use super::setting::{Family, Setting, Structure, Target, families};
 use super::store::{
@@ -26,6 +25,14 @@ use wavecrest_image::compare::compare;
 use wavecrest_image::flip::{DEFAULT_PIXELS_PER_DEGREE, flip};
 use wavecrest_image::read::read;
 use wavecrest_image::write::{Transfer, write};
+
+/// Receives the progress of a sweep.
+pub trait Progress {
+    /// The next stage begins, of so many steps.
+    fn stage(&self, name: &str, steps: u64);
+    /// One of its steps is done.
+    fn step(&self);
+}
 
 /// How much is swept.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
