@@ -9,7 +9,7 @@ use std::time::Instant;
 
 pub(crate) use args::BenchArgs;
 
-use super::common::{SearchOptions, print, progress_bar, tell, to_json, write_text};
+use super::common::{SearchOptions, print, tell, to_json, with_bar, write_text};
 use wavecrest_base::error::Result;
 use wavecrest_base::replace::{check_differs, check_replaceable};
 use wavecrest_core::plan::Plan;
@@ -23,7 +23,7 @@ use wavecrest_report::bench::{BenchReport, Preparation, SceneBench, Setting, har
 use wavecrest_scene::memory;
 use wavecrest_scene::systems;
 
-/// Measures every scene, tells what was found, and returns whether all images were the same.
+/// Measures every scene, prints what was found, and returns whether all images were the same.
 ///
 /// # Errors
 /// When a scene cannot be loaded or prepared, or the report cannot be written.
@@ -98,24 +98,21 @@ fn prepare(args: &BenchArgs, path: &Path) -> Result<(PreparedScene, Setting)> {
 }
 
 fn measure_scene(args: &BenchArgs, scene: &PreparedScene) -> Result<Measured> {
-    let bar = progress_bar(args.scene_options.quiet, "{wide_bar} {pos} of {len} pairs, {eta} left");
     // The bar moves between pairs alone: nothing but the tracers is at work while they are timed.
     let trace = |tracer| render(scene, &args.options(tracer), &());
-    let measured = measure(&args.schedule(), trace, &mut |done, planned| {
-        bar.set_length(planned as u64);
-        bar.set_position(done as u64);
-    });
-    bar.finish_and_clear();
-    let mut measured = measured?;
+    let mut measured = with_bar(args.scene_options.quiet, &bar_of("pairs"), |progress| {
+        measure(&args.schedule(), trace, progress)
+    })?;
     if measured.difference.is_none() && hardware::missing().is_none() {
-        count(&mut measured.wavefront, || {
-            render(scene, &args.options(TracerKind::Wavefront), &())
-        })?;
-        count(&mut measured.recursive, || {
-            render(scene, &args.options(TracerKind::Recursive), &())
-        })?;
+        count(&mut measured.wavefront, || trace(TracerKind::Wavefront))?;
+        count(&mut measured.recursive, || trace(TracerKind::Recursive))?;
     }
     Ok(measured)
+}
+
+/// What a bar of so many of these shows.
+fn bar_of(what: &str) -> String {
+    format!("{{wide_bar}} {{pos}} of {{len}} {what}, {{eta}} left")
 }
 
 /// Has the processor count in a run of its own, so that counting slows none that is timed.
@@ -131,20 +128,15 @@ fn compare_scene(args: &BenchArgs, scene: &mut PreparedScene, axis: Axis) -> Res
     let usual = Variant { kernel, simd, batch: args.batch as usize, planned: true };
     let planned = scene.plan.clone();
     let unplanned = Plan::of(planned.decisions().to_vec(), &unplanned(&PASSES));
-    let bar =
-        progress_bar(args.scene_options.quiet, "{wide_bar} {pos} of {len} rounds, {eta} left");
     let trace = |variant: &Variant| {
         SearchOptions { simd: variant.simd, kernel: variant.kernel }.apply(&mut scene.accel);
         scene.plan.clone_from(if variant.planned { &planned } else { &unplanned });
         let options = RenderOptions { batch: variant.batch, ..args.options(TracerKind::Wavefront) };
         render(scene, &options, &())
     };
-    let compared =
-        compare(axis, &axis.variants(usual), &args.schedule(), trace, &mut |done, planned| {
-            bar.set_length(planned as u64);
-            bar.set_position(done as u64);
-        });
-    bar.finish_and_clear();
+    let compared = with_bar(args.scene_options.quiet, &bar_of("rounds"), |progress| {
+        compare(axis, &axis.variants(usual), &args.schedule(), trace, progress)
+    });
     args.search.apply(&mut scene.accel);
     scene.plan = planned;
     compared

@@ -8,13 +8,13 @@ use indicatif::{ProgressBar, ProgressState, ProgressStyle};
 
 use crate::choice::{by_name, choice};
 use wavecrest_base::error::{Error, ErrorKind, Result, Warning};
-use wavecrest_base::replace::{replace_file, write_error};
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::accel::{Accel, KernelChoice};
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::math::simd::Level;
 use wavecrest_core::tile::Tile;
 use wavecrest_core::wavefront::DEFAULT_BATCH;
+pub(crate) use wavecrest_report::files::{to_json, write_text};
 use wavecrest_scene::load::{LoadOptions, LoadedScene, load, survey};
 use wavecrest_scene::memory::{self, Estimate};
 use wavecrest_scene::systems::{self, Extracted};
@@ -55,7 +55,7 @@ pub(crate) struct SceneOptions {
 }
 
 impl SceneOptions {
-    /// Loads `scene` and tells its warnings.
+    /// Loads `scene` and prints its warnings.
     pub(crate) fn load(&self, scene: &Path) -> Result<LoadedScene> {
         let options = self.load_options();
         if let Some(limit) = self.memory_limit {
@@ -97,7 +97,7 @@ impl SceneOptions {
         systems::extract(&mut loaded.world, options)
     }
 
-    /// Tells warnings, unless asked to be quiet.
+    /// Prints warnings, unless quiet is requested.
     pub(crate) fn warn(&self, warnings: &[Warning]) {
         if !self.quiet {
             warnings.iter().for_each(|warning| tell(&format!("warning: {warning}")));
@@ -173,24 +173,9 @@ pub(crate) fn print(text: &str) -> Result<()> {
     }
 }
 
-/// Writes a line to standard error. Where that is closed there is nobody to tell.
+/// Writes a line to standard error. Where that is closed, the line is lost.
 pub(crate) fn tell(line: &str) {
     let _ = writeln!(std::io::stderr(), "{line}");
-}
-
-/// A value as lines of JSON.
-pub(crate) fn to_json(value: &impl serde::Serialize) -> Result<String> {
-    let json = serde_json::to_string_pretty(value)
-        .map_err(|e| Error::new(ErrorKind::Io, format!("cannot write JSON: {e}")).because(e))?;
-    Ok(json + "\n")
-}
-
-/// Writes `text` to `file`, or leaves what is there as it was.
-///
-/// # Errors
-/// When it cannot be written.
-pub(crate) fn write_text(file: &Path, text: &str) -> Result<()> {
-    replace_file(file, |sink| sink.write_all(text.as_bytes()).map_err(|e| write_error(file, e)))
 }
 
 /// A bar on a terminal, and nothing anywhere else. Besides the keys of indicatif, `template` may
@@ -205,6 +190,21 @@ pub(crate) fn progress_bar(quiet: bool, template: &str) -> ProgressBar {
             let _ = write!(text, "{:.2}", state.per_sec() / 1e6);
         });
     ProgressBar::new(0).with_style(style)
+}
+
+/// Does `work`, which reports what is done of how much, with a bar of [`progress_bar`].
+pub(crate) fn with_bar<R>(
+    quiet: bool,
+    template: &str,
+    work: impl FnOnce(&mut dyn FnMut(u64, u64)) -> R,
+) -> R {
+    let bar = progress_bar(quiet, template);
+    let result = work(&mut |done, all| {
+        bar.set_length(all);
+        bar.set_position(done);
+    });
+    bar.finish_and_clear();
+    result
 }
 
 /// Refuses a scene whose peak is estimated to be above `limit`.
@@ -261,4 +261,11 @@ pub(crate) fn above_zero(text: &str) -> std::result::Result<f64, String> {
         Ok(value) if value.is_finite() && value > 0.0 => Ok(value),
         _ => Err("use a number above 0, such as 0.01".to_owned()),
     }
+}
+
+/// The arguments of a command, as the tests write them.
+#[cfg(test)]
+pub(crate) fn parse<A: clap::Args>(line: &str) -> std::result::Result<A, clap::Error> {
+    let command = A::augment_args(clap::Command::new("command").no_binary_name(true));
+    A::from_arg_matches(&command.try_get_matches_from(line.split_whitespace())?)
 }

@@ -17,7 +17,7 @@ use wavecrest_image::flip::{DEFAULT_PIXELS_PER_DEGREE, Flip, flip};
 use wavecrest_image::read::read;
 use wavecrest_image::write::{Transfer, check_writable, write};
 
-/// Compares a picture with a reference and tells by how much they differ.
+/// Compares a picture with a reference and reports how much they differ.
 ///
 /// PPM, PNG, EXR, PFM and most other formats are read; whole numbers count as 0 to 1, without a
 /// transfer curve. With A the first picture and B the second, the reference: MSE is the mean of (A -
@@ -228,17 +228,10 @@ fn not_negative(text: &str) -> std::result::Result<f64, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use clap::Parser;
     use wavecrest_core::film::Film;
 
-    #[derive(Parser)]
-    struct Command {
-        #[command(flatten)]
-        args: DiffArgs,
-    }
-
     fn parse(words: &[&str]) -> std::result::Result<DiffArgs, clap::Error> {
-        Command::try_parse_from([&["diff"], words].concat()).map(|command| command.args)
+        crate::common::parse(&words.join(" "))
     }
 
     fn report(args: &DiffArgs, changed: f32) -> Report<'_> {
@@ -293,29 +286,9 @@ mod tests {
         assert_eq!(json["flip_pixels_per_degree"], DEFAULT_PIXELS_PER_DEGREE);
         let keys: Vec<&str> = json.as_object().unwrap().keys().map(String::as_str).collect();
         assert_eq!(
-            keys,
-            [
-                "a",
-                "b",
-                "width",
-                "height",
-                "mse",
-                "rmse",
-                "psnr",
-                "relative_mse",
-                "bias",
-                "channel_bias",
-                "largest",
-                "largest_at",
-                "largest_channel",
-                "different_pixels",
-                "nonfinite",
-                "equal",
-                "flip",
-                "flip_pixels_per_degree",
-                "tolerance",
-                "within_tolerance"
-            ]
+            keys.join(" "),
+            "a b width height mse rmse psnr relative_mse bias channel_bias largest largest_at largest_channel \
+             different_pixels nonfinite equal flip flip_pixels_per_degree tolerance within_tolerance"
         );
     }
 

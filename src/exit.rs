@@ -6,9 +6,9 @@ pub(crate) const CODES: [(u8, &str); 5] = [
     (
         1,
         "the answer is no: of diff, the images differ; of bench, the tracers disagree; of selftest, a case \
-         fails; of probe, the tracers tell different stories",
+         fails; of probe, the two tracers differ",
     ),
-    (2, "an error, which is told on standard error"),
+    (2, "an error, reported on standard error"),
     (130, "SIGINT (Ctrl-C) ended a render early; what was finished is kept"),
     (143, "SIGTERM did"),
 ];

@@ -23,12 +23,12 @@ use wavecrest_scene::systems::{self, Extracted};
 
 /// Says which passes a render runs, why the others are left out, and what it will need.
 ///
-/// With `--render` the scene is rendered, and what was estimated is told beside what came of it.
+/// With `--render` the scene is rendered, and the estimates are printed beside what was counted.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct ExplainArgs {
     /// The scene, in JSON
     pub(crate) scene: PathBuf,
-    /// Render the scene, keep no image, and tell what was counted beside what was estimated
+    /// Render the scene, keep no image, and print the counts beside the estimates
     #[arg(long)]
     pub(crate) render: bool,
     /// Print JSON
@@ -74,7 +74,7 @@ struct Found {
     /// Bytes of the tree, and of the batches of all threads.
     tree: u64,
     batches: u64,
-    /// Bytes that the process held at its peak, where the system tells.
+    /// Bytes that the process held at its peak, where the system reports them.
     peak: Option<u64>,
 }
 

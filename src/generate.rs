@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use indicatif::HumanBytes;
 
-use super::common::{progress_bar, tell};
+use super::common::{tell, with_bar};
 use crate::choice::choice;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_scene::generate::{Model, Recipe, Written, write_ply};
@@ -57,7 +57,7 @@ impl GenerateArgs {
         }
     }
 
-    /// The file to write, which must be called a PLY file: that is how readers tell.
+    /// The file to write, which must end in .ply: readers choose the format by it.
     fn path(&self) -> Result<&Path> {
         let Some(path) = self.output.as_deref().or(self.file.as_deref()) else {
             return Err(Error::new(ErrorKind::Usage, "no file to write is named")
@@ -79,12 +79,8 @@ impl GenerateArgs {
 pub(crate) fn run(args: &GenerateArgs) -> Result<()> {
     let (recipe, path) = (args.recipe(), args.path()?);
     let start = Instant::now();
-    let bar = progress_bar(args.quiet, "{wide_bar} {bytes} of {total_bytes}, {eta} left");
-    let written = write_ply(&recipe, path, &mut |done, total| {
-        bar.set_length(total);
-        bar.set_position(done);
-    });
-    bar.finish_and_clear();
+    let template = "{wide_bar} {bytes} of {total_bytes}, {eta} left";
+    let written = with_bar(args.quiet, template, |progress| write_ply(&recipe, path, progress));
     let line = summary(path, &written?, start.elapsed().as_secs_f64());
     if !args.quiet {
         tell(&line);
@@ -127,19 +123,10 @@ fn count(text: &str) -> std::result::Result<u64, String> {
 
 #[cfg(test)]
 mod tests {
-    use clap::Parser;
-
     use super::*;
 
-    #[derive(Parser)]
-    struct Whole {
-        #[command(flatten)]
-        args: GenerateArgs,
-    }
-
     fn parse(line: &str) -> std::result::Result<GenerateArgs, clap::Error> {
-        Whole::try_parse_from(std::iter::once("generate").chain(line.split_whitespace()))
-            .map(|whole| whole.args)
+        crate::common::parse(line)
     }
 
     #[test]

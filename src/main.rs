@@ -72,7 +72,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// Tells an error, and which exit code it has.
+/// Prints an error, and returns its exit code.
 fn failed(error: &Error) -> ExitCode {
     match error.kind() {
         ErrorKind::Interrupted(signal) => {

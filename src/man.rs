@@ -15,7 +15,7 @@ use wavecrest_base::replace::{check_replaceable, replace_file, write_error};
 /// Writes the manual: a page to standard output, or all pages to a folder.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct ManArgs {
-    /// The command to tell of [default: wavecrest itself]
+    /// The command to describe [default: wavecrest itself]
     pub(crate) command: Option<String>,
     /// Write a page for each command to this folder, such as ~/.local/share/man/man1
     #[arg(short, long, value_name = "FOLDER", conflicts_with = "command")]
@@ -37,7 +37,7 @@ pub(crate) fn run(args: &ManArgs, program: Command) -> Result<()> {
     }
 }
 
-/// The program and its commands, as they are to be told of.
+/// The program and its commands, as the manual describes them.
 fn pages(program: Command) -> Vec<Command> {
     let mut program = program.disable_help_subcommand(true);
     program.build();

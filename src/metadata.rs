@@ -37,7 +37,7 @@ impl MetadataOptions {
         if self.no_metadata { MetadataKind::None } else { self.metadata }
     }
 
-    /// How the image of this identity came about, as far as it is to be told.
+    /// How the image of this identity came about, as far as the options request it.
     pub(super) fn entries(&self, identity: &Identity) -> Vec<Entry> {
         let command = || (self.kind() == MetadataKind::Full).then(|| command(std::env::args_os()));
         match self.kind() {

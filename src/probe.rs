@@ -9,7 +9,7 @@ use wavecrest_core::probe::{Bounce, Light, Met, Path, PixelRecord, Verdict, pixe
 
 /// Says what happens to the rays of a pixel: what they meet, and what every light does there.
 ///
-/// Exits with 1 if the two tracers tell different stories.
+/// Exits with 1 if the two tracers differ.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct ProbeArgs {
     /// The scene, in JSON
@@ -17,7 +17,7 @@ pub(crate) struct ProbeArgs {
     /// The pixel, from the top left
     #[arg(long, value_name = "X,Y", value_parser = place)]
     pub(crate) pixel: [u32; 2],
-    /// Tell of this sample of the pixel alone
+    /// Report this sample of the pixel alone
     #[arg(long, value_name = "N")]
     pub(crate) sample: Option<u32>,
     /// The seed of the render

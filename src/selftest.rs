@@ -19,7 +19,7 @@ use wavecrest_report::selftest::{CASES, Case, Count, Outcome, case};
 
 /// Tries what breaks ray tracers: every kernel, with all instructions that the processor has.
 ///
-/// Exits with 1 if a case does not hold in robust or exact arithmetic. What fast arithmetic fails is told,
+/// Exits with 1 if a case does not hold in robust or exact arithmetic. What fast arithmetic fails is printed,
 /// and is its price.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct SelftestArgs {

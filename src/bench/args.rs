@@ -1,4 +1,4 @@
-//! What `bench` is asked for.
+//! The arguments of `bench`.
 
 use std::path::PathBuf;
 
@@ -83,19 +83,10 @@ fn seconds(text: &str) -> std::result::Result<f64, String> {
 
 #[cfg(test)]
 pub(super) mod tests {
-    use clap::Parser;
-
     use super::*;
 
-    #[derive(Parser)]
-    struct Whole {
-        #[command(flatten)]
-        args: BenchArgs,
-    }
-
     pub(in crate::bench) fn parse(line: &str) -> std::result::Result<BenchArgs, clap::Error> {
-        Whole::try_parse_from(std::iter::once("bench").chain(line.split_whitespace()))
-            .map(|whole| whole.args)
+        crate::common::parse(line)
     }
 
     #[test]

@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use super::args::BenchArgs;
-use crate::common::{SearchOptions, print, progress_bar, tell, to_json, write_text};
+use super::bar_of;
+use crate::common::{SearchOptions, print, tell, to_json, with_bar, write_text};
 use wavecrest_base::error::Result;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::render::render;
@@ -12,7 +13,7 @@ use wavecrest_report::effects::scenes::{Variant, variants};
 use wavecrest_report::effects::{Entry, Setting, measure, text};
 use wavecrest_scene::load::{LoadOptions, load_str};
 
-/// Measures every effect, tells what was found, and returns whether all images were as they should be.
+/// Measures every effect, prints what was found, and returns whether all images were as they should be.
 pub(super) fn run(args: &BenchArgs) -> Result<bool> {
     let folder = folder()?;
     let variants = variants(folder.path())?.into_iter();
@@ -21,15 +22,10 @@ pub(super) fn run(args: &BenchArgs) -> Result<bool> {
     let SearchOptions { simd, kernel } = args.search;
     let precision = args.scene_options.precision;
     let setting = Setting { simd, kernel, precision, batch: args.batch as usize };
-    let bar =
-        progress_bar(args.scene_options.quiet, "{wide_bar} {pos} of {len} rounds, {eta} left");
     let trace = |scene: &_, tracer| render(scene, &args.options(tracer), &());
-    let list = measure(&entries, setting, &args.schedule(), trace, &mut |done, planned| {
-        bar.set_length(planned as u64);
-        bar.set_position(done as u64);
-    });
-    bar.finish_and_clear();
-    let list = list?;
+    let list = with_bar(args.scene_options.quiet, &bar_of("rounds"), |progress| {
+        measure(&entries, setting, &args.schedule(), trace, progress)
+    })?;
     if let Some(differs) = &list.difference {
         tell(&format!("error: {}: the image or the work is not as it should be", differs.effect));
     }

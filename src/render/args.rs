@@ -1,4 +1,4 @@
-//! What `render` is asked for.
+//! The arguments of `render`.
 
 mod array;
 mod frames;

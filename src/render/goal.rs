@@ -1,4 +1,5 @@
-//! Renders for an error or for a time: a pilot chooses, says what it expects, and is held to what came out.
+//! Renders for a target error or a time budget: a pilot chooses the samples and predicts the error, which is then
+//! measured.
 
 use std::time::Instant;
 

@@ -19,7 +19,7 @@ use wavecrest_scene::components::Encoding;
 pub(super) struct Outputs<'a> {
     args: &'a RenderArgs,
     paths: Vec<&'a Path>,
-    /// How 8-bit images are to be written, where nobody says; known once the scene is read.
+    /// How 8-bit images are to be written, unless the arguments say; known once the scene is read.
     encoding: OnceLock<Encoding>,
 }
 
@@ -131,7 +131,7 @@ impl<'a> Outputs<'a> {
         aov::layers(scene, &aov::Request { layers, crop, seed, invalid })
     }
 
-    /// How the image came about, as far as it is to be told.
+    /// How the image came about, as far as the options request it.
     ///
     /// # Errors
     /// When the crop is not within the image.

@@ -164,7 +164,7 @@ fn tell_of_checkpoint(args: &RenderArgs, checkpoint: &Checkpoint, session: &Sess
     }
 }
 
-/// A checkpoint that cannot be written ends no render, but is told even to who wants quiet.
+/// A checkpoint that cannot be written ends no render; the warning is printed even with `--quiet`.
 fn warn(error: &Error) {
     tell(&format!("warning: {error}"));
 }

@@ -1,4 +1,4 @@
-//! Seeing a render happen: progress, a log, a viewer, and the image while it is not finished.
+//! Watching a render: progress, a log, a viewer, and the image while it is not finished.
 //!
 //! None of it costs a render: what cannot be shown is a warning at most.
 
@@ -37,7 +37,7 @@ pub(super) struct Reporter {
 }
 
 impl Reporter {
-    /// Starts to tell, as the arguments ask.
+    /// Starts to report, as the arguments request.
     ///
     /// # Errors
     /// When the log cannot be written to.
@@ -60,7 +60,7 @@ impl Reporter {
         self.log.line(topic, text);
     }
 
-    /// Warnings that have been told already, for the log.
+    /// Warnings that have been printed already, for the log.
     pub(super) fn warnings(&self, warnings: &[Warning]) {
         warnings.iter().for_each(|warning| self.note("warning", || warning.to_string()));
     }
@@ -70,7 +70,7 @@ impl Reporter {
         made.map_err(|error| self.warn(&error)).ok()
     }
 
-    /// A warning, told even to who wants quiet.
+    /// A warning, printed even with `--quiet`.
     pub(super) fn warn(&self, error: &Error) {
         tell(&format!("warning: {error}"));
         self.note("warning", || error.to_string());

@@ -144,20 +144,8 @@ fn on_page(browser: &mut Browser, selector: &str) -> [u32; 2] {
 fn a_page_of_bench_opens_without_complaint_and_asks_no_network() {
     let Some(mut browser) = Browser::start("a page of bench") else { return };
     let folder = tempfile::tempdir().expect("a folder");
-    let scene = json!({
-        "nbounces": 1,
-        "camera": {"type": "pinhole", "width": 24, "height": 16, "fov": 60,
-                   "location": [0, 0, 5], "look": [0, 0, 0]},
-        "scene": {
-            "backgroundcolor": [0, 0, 0],
-            "lightsources": [{"type": "pointlight", "intensity": 40, "position": [2, 3, 5],
-                              "color": [1, 1, 1]}],
-            "shapes": [{"type": "sphere", "center": [0, 0, 0], "radius": 1,
-                        "material": {"ks": 0.2, "kd": 0.8, "specularexponent": 20,
-                                     "diffusecolor": [1, 0, 0]}}]
-        }
-    });
-    std::fs::write(folder.path().join("s.json"), scene.to_string()).expect("a file");
+    let scene = include_str!("../../crates/report/src/bench/tests/ball.json");
+    std::fs::write(folder.path().join("s.json"), scene).expect("a file");
     let options = ["--repeats", "2", "--min-time", "0", "--compare", "kernels", "--page", "p.html"];
     let status = Command::new(env!("CARGO_BIN_EXE_wavecrest"))
         .current_dir(folder.path())

@@ -314,7 +314,7 @@ mod tests {
     #[test]
     #[cfg(target_os = "linux")]
     fn a_folder_that_takes_no_files_is_named_without_the_temporary_file() {
-        // Nobody, not even the superuser, can make a file there.
+        // Not even the superuser can make a file there.
         let error = check_replaceable(Path::new("/proc/a.ppm")).unwrap_err().to_string();
         assert!(error.starts_with("/proc/a.ppm: cannot write the file: "), "{error}");
         assert!(!error.contains(".part"), "{error}");

@@ -101,7 +101,7 @@ impl Film {
     }
 
     /// Whether the sizes and the bits of every value are the same. Unlike `==` on numbers, this
-    /// tells 0 from -0, and a value that is not a number equals itself.
+    /// distinguishes 0 from -0, and a value that is not a number equals itself.
     pub fn same_bits(&self, other: &Self) -> bool {
         (self.width, self.height) == (other.width, other.height)
             && bytemuck::cast_slice::<_, u32>(&self.pixels)

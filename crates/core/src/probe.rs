@@ -1,4 +1,4 @@
-//! The story of a pixel: what each of its rays meets, and what every light says to it.
+//! Probing a pixel: what each of its rays hits, and what every light contributes there.
 //!
 //! The recursive tracer is watched while it renders the pixel, and so is the wavefront. Both must have
 //! traced the same rays to the same hits and gathered the same light, to the last bit.
@@ -46,7 +46,7 @@ pub fn name_invalid(scene: &PreparedScene, at: Sample, seed: u64) -> Invalid {
 /// What both tracers have to agree on: for each bounce the ray, the hit, and what is gathered.
 type Step = (Ray, Hit, Vec3);
 
-/// Tells the story of a pixel of the image.
+/// Records what happens to the rays of a pixel.
 pub fn pixel(scene: &PreparedScene, pixel: [u32; 2], seed: u64) -> PixelRecord {
     with_precision!(scene.accel.geometry().precision, P => record::<P>(scene, pixel, seed))
 }
@@ -112,7 +112,7 @@ fn wavefront_steps<P: Arithmetic>(
     steps
 }
 
-/// The first sample and bounce at which the stories differ.
+/// The first sample and bounce at which the tracers differ.
 fn difference(ones: &[Vec<Step>], others: &[Vec<Step>]) -> Option<[u32; 2]> {
     let pairs = ones.iter().zip(others).enumerate();
     pairs.into_iter().find_map(|(sample, (one, other))| {
@@ -133,7 +133,7 @@ fn bits(v: Vec3) -> [u32; 3] {
 /// Writes down what the recursive tracer does.
 struct Recorder<'a> {
     scene: &'a PreparedScene,
-    /// For questions of our own, which count for nobody.
+    /// For the recorder's own rays, which are not counted.
     traversal: Traversal,
     path: Path,
     steps: Vec<Step>,

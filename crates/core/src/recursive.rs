@@ -82,7 +82,7 @@ impl<P: Arithmetic> Tracer for Recursive<P> {
     }
 }
 
-/// Who is told what happens to a path, for a story of it. Rendering tells nobody.
+/// Receives what happens to a path, for a record of it. A render has no observer.
 pub trait Observer {
     /// A ray has been traced, to this hit, with this work.
     fn ray(&mut self, _: &Ray, _: &Hit, _: TestCounts) {}

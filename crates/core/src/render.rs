@@ -72,8 +72,8 @@ pub struct Rendered {
     pub seconds: f64,
 }
 
-/// Renders `scene` on the threads of the current rayon pool. `watch` is told of what is done, from any
-/// thread; `&()` is nobody. Where it cancels the render, what was finished is returned.
+/// Renders `scene` on the threads of the current rayon pool. `watch` receives progress, from any
+/// thread; `&()` ignores it. If it cancels the render, what was finished is returned.
 /// The crate `wavecrest-api` has an example.
 ///
 /// # Errors

@@ -17,7 +17,7 @@
 //!
 //! What the plan leaves out, such as a texture where there is no light to show it, is left out here too.
 //!
-//! Means are over the samples that hit something. Which shape and which material a number stands for is told for
+//! Means are over the samples that hit something. Which shape and which material a number stands for is listed for
 //! the numbers that occur, as JSON in the entries `objects` and `materials`.
 
 mod invalid;

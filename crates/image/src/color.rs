@@ -1,6 +1,6 @@
 //! Spaces of colour: linear light with the primaries of sRGB, XYZ, and CIELAB.
 //!
-//! XYZ is told as parts of white's, here and wherever it is used: white is (1, 1, 1). The matrix
+//! XYZ is relative to white, here and wherever it is used: white is (1, 1, 1). The matrix
 //! follows from the primaries of sRGB (IEC 61966-2-1) and its white D65 as ratios of whole numbers,
 //! each row divided by its sum.
 //!

@@ -137,7 +137,7 @@ mod tests {
         let colors: Vec<[f64; 3]> = (0..=32).map(|i| lab(magma(i as f32 / 32.0))).collect();
         let steps: Vec<f64> = colors.windows(2).map(|pair| pair[1][0] - pair[0][0]).collect();
         let pace = steps.iter().sum::<f64>() / 32.0;
-        // The scale of lightness stretches what is nearly black: there the pace is told differently.
+        // The scale of lightness stretches what is nearly black: the pace is measured differently there.
         assert!(steps.iter().all(|rise| *rise > 0.0), "{steps:?}");
         assert!(steps[2..].iter().all(|rise| (0.8..1.4).contains(&(rise / pace))), "{steps:?}");
         assert!(colors[0][0] < 0.5 && colors[32][0] > 97.0);

@@ -66,7 +66,7 @@ pub struct Comparison {
     #[serde(serialize_with = "finite_or_null")]
     pub relative_mse: f64,
     /// The mean, over every value of every pixel, of a - b: positive where the first picture is
-    /// brighter. Not a number where it cannot be told.
+    /// brighter. Not a number where it is not known.
     #[serde(serialize_with = "finite_or_null")]
     pub bias: f64,
     /// The same for red, green and blue alone.
@@ -154,12 +154,12 @@ pub fn psnr(mse: f64) -> f64 {
     if mse == 0.0 { f64::INFINITY } else { -10.0 * libm::log10(mse) }
 }
 
-/// a - b: 0 where the bits are the same, and not a number where it cannot be told.
+/// a - b: 0 where the bits are the same, and not a number where it is not known.
 pub(super) fn signed_difference(a: f32, b: f32) -> f64 {
     if a.to_bits() == b.to_bits() { 0.0 } else { f64::from(a) - f64::from(b) }
 }
 
-/// The distance between two values: infinite where it cannot be told.
+/// The distance between two values: infinite where it is not known.
 fn difference(a: f32, b: f32) -> f64 {
     distance(signed_difference(a, b))
 }

@@ -30,11 +30,11 @@ wavecrest_base::choices! {
 }
 
 /// The picture of the errors of `a` against `b`, the reference. Errors are multiplied by `gain`
-/// before they become colours; [`MapKind::Flip`] is told at [`DEFAULT_PIXELS_PER_DEGREE`].
+/// before they become colours; [`MapKind::Flip`] is described at [`DEFAULT_PIXELS_PER_DEGREE`].
 ///
 /// False colours are those that a display is sent (see [`colormap`](super::colormap)): the film is
 /// to be written with [`Transfer::Linear`](super::write::Transfer::Linear). What is infinite has the
-/// colour of the end; a signed error that cannot be told, as of a value that is not a number, is
+/// colour of the end; a signed error that is not known, as of a value that is not a number, is
 /// black.
 ///
 /// # Errors

@@ -39,7 +39,7 @@ pub struct Provenance {
     pub precision: String,
     /// The part of the image, as x, y, width and height in pixels, where it is not all of it.
     pub crop: Option<[u32; 4]>,
-    /// The command that was given, where it is to be told: it is another one for each way to the same image.
+    /// The command, where it is requested: it differs between ways to the same image.
     pub command: Option<String>,
 }
 

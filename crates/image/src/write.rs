@@ -175,7 +175,7 @@ fn encode(
     }
 }
 
-/// The system's own error where there is one: it tells what to do.
+/// The system's own error where there is one: it leads to the remedy.
 fn encode_error(path: &Path, error: ImageError) -> Error {
     match error {
         ImageError::IoError(io) => write_error(path, io),

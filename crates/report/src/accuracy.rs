@@ -13,26 +13,24 @@ pub mod neutral;
 pub mod page;
 pub mod pilot;
 pub mod prices;
-mod progress;
 pub mod reference;
 pub mod setting;
 pub mod store;
 pub mod subject;
 pub mod sweep;
 
-use std::io::Write as _;
 use std::path::Path;
 use std::process::Command;
 
 use serde::Serialize;
 
 use findings::SceneFindings;
-use store::{Circumstances, Header, Record, Store};
+use store::{Circumstances, Header, Store, all};
 use sweep::Options;
 
 use crate::bench::Machine;
-use wavecrest_base::error::{Error, Result};
-use wavecrest_base::replace::{replace_file, write_error};
+use crate::files::{to_json, write_text};
+use wavecrest_base::error::Result;
 
 /// All that was found: `accuracy.json`.
 #[derive(Clone, Debug, Serialize)]
@@ -67,14 +65,10 @@ impl Circumstances {
 impl Findings {
     /// Sums up what `store` has of the `swept` scenes.
     pub fn new(options: &Options, store: &Store, swept: &[sweep::Swept]) -> Self {
-        let circumstances = store.records.iter().filter_map(|record| match record {
-            Record::Circumstances(circumstances) => Some(circumstances.clone()),
-            _ => None,
-        });
         Self {
             header: Header::new(options),
             seeds: options.seeds,
-            circumstances: circumstances.collect(),
+            circumstances: all(&store.records).cloned().collect(),
             scenes: swept.iter().filter_map(|s| SceneFindings::of(s, &store.records)).collect(),
         }
     }
@@ -87,11 +81,7 @@ impl Findings {
     /// When the file cannot be written.
     pub fn write(&self, folder: &Path) -> Result<()> {
         let path = folder.join("accuracy.json");
-        let json = serde_json::to_string_pretty(self)
-            .map_err(|e| Error::io("cannot write JSON", path.as_path(), e.into()))?;
-        replace_file(&path, |sink| {
-            sink.write_all((json + "\n").as_bytes()).map_err(|e| write_error(&path, e))
-        })
+        write_text(&path, &to_json(self).map_err(|e| e.in_file(&path))?)
     }
 }
 

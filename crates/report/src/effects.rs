@@ -66,7 +66,7 @@ pub fn measure(
     setting: Setting,
     schedule: &Schedule,
     mut trace: impl FnMut(&PreparedScene, TracerKind) -> Result<Rendered>,
-    progress: &mut dyn FnMut(usize, usize),
+    progress: &mut dyn FnMut(u64, u64),
 ) -> Result<PriceList> {
     let new = || Runs { first: None, seconds: Default::default() };
     let mut runs: Vec<Runs> = entries.iter().map(|_| new()).collect();
@@ -86,7 +86,7 @@ pub fn measure(
         let done = runs.first().map_or(0, |runs| runs.seconds[0].len());
         let sums = runs.iter().flat_map(|runs| &runs.seconds).map(|seconds| seconds.iter().sum());
         let planned = schedule.planned(done, sums.reduce(f64::min).unwrap_or_default());
-        progress(done, planned);
+        progress(done as u64, planned as u64);
         if done >= planned || entries.is_empty() {
             break;
         }

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::work::{Rays, Samples};
+use crate::statistics::{Rays, Samples};
 use wavecrest_core::kernels::texture::Filter;
 use wavecrest_core::prepared::PreparedScene;
 

@@ -14,6 +14,7 @@ mod tables;
 mod tests;
 mod writer;
 
+use super::plot::number::figure;
 use super::plot::{Chart, StackedBars};
 
 /// The whole report.
@@ -59,7 +60,7 @@ pub enum Block {
     Code(String),
     /// What is known by name: the machine, versions, settings.
     Facts(Vec<Fact>),
-    /// What is shown when asked for.
+    /// What is shown on demand.
     Details(Details),
 }
 
@@ -137,7 +138,7 @@ pub struct Fact {
     pub value: String,
 }
 
-/// What is shown when asked for.
+/// What is shown on demand.
 #[derive(Clone, Debug, Default)]
 pub struct Details {
     /// The line that opens it.
@@ -160,6 +161,17 @@ impl Block {
     }
 }
 
+impl Table {
+    /// A table whose columns `header` names, with `|` between the names and `>` before those of numbers.
+    pub fn new(caption: impl Into<String>, header: &str, rows: Vec<Vec<Cell>>) -> Self {
+        let column = |name: &str| match name.strip_prefix('>') {
+            Some(name) => Column::numbers(name),
+            None => Column::words(name),
+        };
+        Self { caption: caption.into(), columns: header.split('|').map(column).collect(), rows }
+    }
+}
+
 impl Column {
     /// A column of words.
     pub fn words(name: impl Into<String>) -> Self {
@@ -176,6 +188,16 @@ impl Cell {
     /// Words.
     pub fn text(text: impl Into<String>) -> Self {
         Self { text: text.into(), value: None }
+    }
+
+    /// A number with so many decimals.
+    pub fn decimals(value: f64, decimals: usize) -> Self {
+        Self::number(value, format!("{value:.decimals$}"))
+    }
+
+    /// A number of things.
+    pub fn count(count: u64) -> Self {
+        Self::number(count as f64, figure(count as f64))
     }
 
     /// A number, as it is to be read.

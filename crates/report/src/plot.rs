@@ -3,7 +3,7 @@
 //! A [`Chart`] says what was measured and how it is to be read; [`StackedBars`] say where time went.
 //! Neither knows how it is drawn. Both are laid out as a list of shapes; one writer makes SVG of that
 //! list and another the pixels of a PNG, so that both show the same. Widths of text are those of a font
-//! that is part of the program: nothing is asked of the system, and the bytes are the same on every
+//! that is part of the program: nothing comes from the system, and the bytes are the same on every
 //! machine.
 //!
 //! Colours are those of Okabe and Ito (*Color Universal Design*, 2008), which people see apart
@@ -181,6 +181,20 @@ impl Axis {
             return self.label.clone();
         }
         format!("{} ({})", self.label, self.unit)
+    }
+}
+
+impl Series {
+    /// Points that no line joins.
+    pub fn of(name: &str, points: Vec<Point>) -> Self {
+        Self { name: name.to_owned(), draw: Draw::Points, points }
+    }
+}
+
+impl Guide {
+    /// A line at a value of `y`.
+    pub fn at(name: &str, y: f64) -> Self {
+        Self { name: name.to_owned(), course: Course::AtY(y) }
     }
 }
 

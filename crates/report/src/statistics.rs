@@ -33,7 +33,6 @@ use serde::Serialize;
 use serde_json::{Map, Value};
 
 use crate::estimate::Estimated;
-pub use crate::work::{Rays, Samples};
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::accel::tree::Tree;
 use wavecrest_core::accel::{Accel, KernelChoice, KernelCounts};
@@ -95,6 +94,25 @@ pub struct ImageSize {
     pub width: u32,
     pub height: u32,
     pub samples_per_pixel: u32,
+}
+
+/// Rays by kind.
+#[derive(Clone, Copy, Debug, Serialize)]
+#[allow(missing_docs, reason = "see the module documentation")]
+pub struct Rays {
+    pub primary: u64,
+    pub secondary: u64,
+    pub shadow: u64,
+}
+
+/// Samples by kind.
+#[derive(Clone, Copy, Debug, Serialize)]
+#[allow(missing_docs, reason = "see the module documentation")]
+pub struct Samples {
+    pub lens: u64,
+    pub light: u64,
+    pub texels: u64,
+    pub footprints: u64,
 }
 
 /// Tests by kind.
@@ -182,6 +200,30 @@ impl Bvh {
             nodes: census().map(|census| census.nodes as usize).sum(),
             depth: census().map(|census| census.depth).max().unwrap_or(0),
             bytes: accel.tree_bytes(),
+        }
+    }
+}
+
+impl From<&Counters> for Rays {
+    fn from(c: &Counters) -> Self {
+        Self { primary: c.primary_rays, secondary: c.secondary_rays, shadow: c.shadow_rays }
+    }
+}
+
+impl Rays {
+    /// Rays of every kind.
+    pub fn all(&self) -> u64 {
+        self.primary + self.secondary + self.shadow
+    }
+}
+
+impl From<&Counters> for Samples {
+    fn from(c: &Counters) -> Self {
+        Self {
+            lens: c.lens_samples,
+            light: c.light_samples,
+            texels: c.texels,
+            footprints: c.footprints,
         }
     }
 }

@@ -1,4 +1,4 @@
-//! What the corners of a flat shape tell: its normal, whether it has an area, whether it is flat
+//! What follows from the corners of a flat shape: its normal, whether it has an area, whether it is flat
 //! and whether its edges cross.
 
 use glam::DVec3;

@@ -93,7 +93,7 @@ fn refuse_camera(file: &Path, options: &LoadOptions) -> Result<()> {
     Err(error.in_file(file).value(camera).remedy("leave --camera out"))
 }
 
-/// What the scene file at `path` calls for, told without reading a mesh or a texture into memory.
+/// What the scene file at `path` calls for, without reading a mesh or a texture into memory.
 ///
 /// # Errors
 /// As [`load`], as far as the scene file itself and the headers of meshes go.

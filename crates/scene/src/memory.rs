@@ -188,7 +188,7 @@ const READER_BYTES: u64 = 24 << 20;
 /// Bytes that JSON takes for each byte of its text while it is read, at most.
 const JSON_BYTES_PER_BYTE: u64 = 25;
 
-/// The largest number of bytes that this process has held in memory so far, where the system tells.
+/// The largest number of bytes that this process has held in memory so far, where the system reports it.
 pub fn peak() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;

@@ -6,7 +6,7 @@
 //! is set aside for it, and a fault is an [`Error`] that names its place.
 //!
 //! Files are read on all threads, each at a place of its own ([`place`]); neither the arrays nor the
-//! faults that are told depend on how many threads there are.
+//! faults that are reported depend on how many threads there are.
 //!
 //! Elements of PLY files are counted from 0, as the files themselves do; faults in OBJ files name
 //! the line.
@@ -97,7 +97,7 @@ enum Format {
 }
 
 impl Format {
-    /// The format that the name of `path` tells.
+    /// The format by the name of `path`.
     fn of(path: &Path) -> Result<Self> {
         let extension = path.extension().unwrap_or_default().to_string_lossy();
         match extension.to_ascii_lowercase().as_str() {
@@ -111,7 +111,7 @@ impl Format {
     }
 }
 
-/// Opens a regular file and tells its length. Anything else is refused: the length of a pipe or a
+/// Opens a regular file and returns its length. Anything else is refused: the length of a pipe or a
 /// device says nothing, and to open one can block.
 fn open(path: &Path) -> Result<(File, u64)> {
     let describe = |error| Error::io("cannot open the mesh file", path, error);
@@ -162,7 +162,7 @@ mod tests {
         assert_eq!(load(&path).unwrap_err().kind(), ErrorKind::Io);
     }
 
-    /// To open a pipe that nobody writes to would wait for ever, and a device may have no end.
+    /// Opening a pipe without a writer would wait for ever, and a device may have no end.
     #[cfg(unix)]
     #[test]
     fn a_pipe_a_socket_and_a_device_are_refused_at_once() {

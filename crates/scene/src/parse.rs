@@ -39,7 +39,7 @@ const FILE_KEYS: &[Key] = keys! {
     "camera": Definition("camera"), Required;
     /// What is in the picture.
     "scene": Definition("scene"), Required;
-    /// How images of 8 bits are written, where nobody says.
+    /// How images of 8 bits are written, unless a transfer is requested.
     "transfer": word::<Encoding>(), Says("linear");
 };
 

@@ -21,7 +21,7 @@ pub(crate) struct SceneFile {
     pub(crate) lights: Vec<Light>,
     pub(crate) shapes: Vec<Shape>,
     pub(crate) instances: Vec<Instance>,
-    /// How images of 8 bits are to be written, where nobody says.
+    /// How images of 8 bits are to be written, unless a transfer is requested.
     pub(crate) encoding: Encoding,
 }
 

@@ -1,6 +1,6 @@
 //! What a file lacks that is no whole scene: a camera that sees all of it, a light, the rest.
 //!
-//! A standalone mesh has none of these, a glTF file perhaps some. What is chosen is told, and
+//! A standalone mesh has none of these, a glTF file perhaps some. What is chosen is reported, and
 //! `wavecrest convert` writes it down to be changed.
 
 use std::path::Path;

@@ -1,4 +1,4 @@
-//! What a scene calls for, told before anything large is read: what memory is estimated by.
+//! What a scene calls for, known before anything large is read; memory is estimated from it.
 
 use std::path::Path;
 
@@ -32,7 +32,7 @@ pub struct Survey {
     pub meshes: Vec<SurveyedMesh>,
     /// Triangles, quads and spheres that are written out in the scene file.
     pub others: u64,
-    /// Its textures, each once, trilinear if anything has it so.
+    /// Its textures, each once, trilinear if any use of it is.
     pub textures: Vec<TextureRef>,
     /// Entries of `scene.instances`.
     pub instances: u64,

@@ -42,7 +42,7 @@ use wavecrest_core::plan::Plan;
 use wavecrest_core::plan::schedule::{PASSES, Pass};
 use wavecrest_core::prepared::{Appearance, Dropped, PreparedScene};
 
-/// The scene without its tree: enough to tell what a render will do.
+/// The scene without its tree: enough to predict what a render will do.
 #[derive(Debug)]
 pub struct Extracted {
     scene: PreparedScene,

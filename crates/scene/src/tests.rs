@@ -1,4 +1,4 @@
-//! Tests of the loader, by what they ask: what a good file becomes, what each bad file is told.
+//! Tests of the loader: what a valid file becomes, and which message each invalid file gets.
 //!
 //! They edit one complete scene at a JSON path, so that each case shows what it is about and no more.
 

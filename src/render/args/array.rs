@@ -2,6 +2,7 @@
 
 use std::str::FromStr;
 
+use Numbering::{Between, FromZero, Unsaid};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_image::farm::Shard;
 
@@ -14,12 +15,9 @@ pub(crate) enum Choice {
     Auto(Option<u32>),
 }
 
-/// How a scheduler tells a process which task of an array it is.
-struct Scheduler {
-    /// The variable that has the task's number.
-    task: &'static str,
-    numbering: Numbering,
-}
+/// How a process finds out which task of a scheduler's array it is: the variable that has the task's number,
+/// and the numbering.
+struct Scheduler(&'static str, Numbering);
 
 /// How the tasks of an array are numbered.
 enum Numbering {
@@ -28,11 +26,11 @@ enum Numbering {
     Between([&'static str; 2], Whole),
     /// From 0: a variable with their number, if there is one.
     FromZero(Option<&'static str>),
-    /// As the user likes, and nothing tells how.
+    /// As the user likes; no variable says how.
     Unsaid,
 }
 
-/// How a scheduler tells whether numbers are left out.
+/// How a scheduler shows whether numbers are left out.
 enum Whole {
     /// The variable has how many there are.
     Count(&'static str),
@@ -42,36 +40,26 @@ enum Whole {
 
 /// The schedulers, in the order in which they are asked.
 const SCHEDULERS: [Scheduler; 7] = [
-    Scheduler {
-        task: "SLURM_ARRAY_TASK_ID",
-        numbering: Numbering::Between(
-            ["SLURM_ARRAY_TASK_MIN", "SLURM_ARRAY_TASK_MAX"],
-            Whole::Count("SLURM_ARRAY_TASK_COUNT"),
-        ),
-    },
-    // Grid Engine. Outside an array the variable says "undefined".
-    Scheduler {
-        task: "SGE_TASK_ID",
-        numbering: Numbering::Between(
-            ["SGE_TASK_FIRST", "SGE_TASK_LAST"],
-            Whole::Step("SGE_TASK_STEPSIZE"),
-        ),
-    },
-    Scheduler {
-        task: "AWS_BATCH_JOB_ARRAY_INDEX",
-        numbering: Numbering::FromZero(Some("AWS_BATCH_JOB_ARRAY_SIZE")),
-    },
+    Scheduler("SLURM_ARRAY_TASK_ID", SLURM),
+    // Outside an array the variable says "undefined".
+    Scheduler("SGE_TASK_ID", GRID_ENGINE),
+    Scheduler("AWS_BATCH_JOB_ARRAY_INDEX", FromZero(Some("AWS_BATCH_JOB_ARRAY_SIZE"))),
     // Google Cloud Batch.
-    Scheduler {
-        task: "BATCH_TASK_INDEX",
-        numbering: Numbering::FromZero(Some("BATCH_TASK_COUNT")),
-    },
+    Scheduler("BATCH_TASK_INDEX", FromZero(Some("BATCH_TASK_COUNT"))),
     // Kubernetes.
-    Scheduler { task: "JOB_COMPLETION_INDEX", numbering: Numbering::FromZero(None) },
-    Scheduler { task: "PBS_ARRAY_INDEX", numbering: Numbering::Unsaid },
+    Scheduler("JOB_COMPLETION_INDEX", FromZero(None)),
+    Scheduler("PBS_ARRAY_INDEX", Unsaid),
     // LSF. Outside an array the variable says 0.
-    Scheduler { task: "LSB_JOBINDEX", numbering: Numbering::Unsaid },
+    Scheduler("LSB_JOBINDEX", Unsaid),
 ];
+
+const SLURM: Numbering = Between(
+    ["SLURM_ARRAY_TASK_MIN", "SLURM_ARRAY_TASK_MAX"],
+    Whole::Count("SLURM_ARRAY_TASK_COUNT"),
+);
+
+const GRID_ENGINE: Numbering =
+    Between(["SGE_TASK_FIRST", "SGE_TASK_LAST"], Whole::Step("SGE_TASK_STEPSIZE"));
 
 impl FromStr for Choice {
     type Err = String;
@@ -101,9 +89,9 @@ impl Choice {
             Self::Auto(count) => count,
         };
         let number = |name: &str| variable(name)?.trim().parse::<u64>().ok();
-        let found = SCHEDULERS.iter().find_map(|one| Some((one, number(one.task)?)));
+        let found = SCHEDULERS.iter().find_map(|one| Some((one, number(one.0)?)));
         let Some((scheduler, task)) = found else {
-            let names: Vec<&str> = SCHEDULERS.iter().map(|one| one.task).collect();
+            let names: Vec<&str> = SCHEDULERS.iter().map(|one| one.0).collect();
             return Err(Error::new(ErrorKind::Usage, "no scheduler says which shard this is")
                 .value(format!("none of {}", names.join(", ")))
                 .remedy("name the shard, such as --shard 3/7"));
@@ -113,7 +101,7 @@ impl Choice {
         let shard = index.and_then(|index| Shard::new(index, tasks));
         shard.ok_or_else(|| {
             let last = first + u64::from(tasks) - 1;
-            Error::new(ErrorKind::Usage, format!("there is no shard for {}", scheduler.task))
+            Error::new(ErrorKind::Usage, format!("there is no shard for {}", scheduler.0))
                 .value(task)
                 .remedy(format!("number the tasks of the array from {first} to {last}"))
         })
@@ -129,18 +117,18 @@ impl Scheduler {
     ) -> Result<(u64, u32)> {
         let unknown = || {
             Error::new(ErrorKind::Usage, "the scheduler does not say how many shards there are")
-                .value(self.task)
+                .value(self.0)
                 .remedy("say it, such as --shard auto/7, and number the tasks from 1")
         };
-        match (&self.numbering, count) {
-            (Numbering::FromZero(_), Some(count)) => Ok((0, count)),
+        match (&self.1, count) {
+            (FromZero(_), Some(count)) => Ok((0, count)),
             (_, Some(count)) => Ok((1, count)),
-            (Numbering::FromZero(Some(name)), None) => {
+            (FromZero(Some(name)), None) => {
                 let count = number(name).and_then(|count| u32::try_from(count).ok());
                 count.map(|count| (0, count)).ok_or_else(unknown)
             }
-            (Numbering::FromZero(None) | Numbering::Unsaid, None) => Err(unknown()),
-            (Numbering::Between([first, last], whole), None) => {
+            (FromZero(None) | Unsaid, None) => Err(unknown()),
+            (Between([first, last], whole), None) => {
                 let (first, last) = number(first).zip(number(last)).ok_or_else(unknown)?;
                 let count = last.checked_sub(first).and_then(|count| count.checked_add(1));
                 let is_whole = match whole {

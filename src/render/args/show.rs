@@ -4,13 +4,13 @@ use std::path::PathBuf;
 
 use crate::common::above_zero;
 
-/// Where tev listens unless it is told otherwise.
+/// Where tev listens by default.
 const TEV: &str = "127.0.0.1:14158";
 
 /// Options on what is seen of a render.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct ShowOptions {
-    /// How progress is told on standard error
+    /// How progress is shown on standard error
     #[arg(long, value_enum, default_value_t)]
     pub(crate) progress: Style,
     /// Add what is done, chosen and found to the end of this file; - is standard output
@@ -25,7 +25,7 @@ pub(crate) struct ShowOptions {
     pub(crate) tev: Option<String>,
 }
 
-/// How progress is told.
+/// How progress is shown.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
 pub(crate) enum Style {
     /// A bar on a terminal, and nothing elsewhere or with --quiet

@@ -59,7 +59,7 @@ impl Live {
         let (ended, end) = mpsc::channel();
         std::thread::spawn(move || {
             let failed = send_all(&mut client, &name, &to_send).err();
-            // Nobody may wait any more.
+            // The receiver may be gone.
             let _ = ended.send(failed.map(lost));
         });
         Ok(Self { window, parts, end: Mutex::new(end) })

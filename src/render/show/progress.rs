@@ -2,7 +2,7 @@
 //!
 //! A line of JSON has the keys `stage` (`load`, `build`, `trace`, `write`, `done`), `done` and `all` (pixels; `all`
 //! is null until it is known), `seconds` since the start, and `left`, the seconds that the rays are likely to take
-//! still (null where nothing tells). Each stage begins with a line; while rays are followed there are ten a second
+//! still (null where it is not known). Each stage begins with a line; while rays are followed there are ten a second
 //! at most, and one at the end.
 
 use std::sync::{Mutex, PoisonError};

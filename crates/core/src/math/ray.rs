@@ -5,9 +5,9 @@ use glam::{Vec3, Vec3A};
 
 use super::vector::Line;
 
-/// The farthest coordinate, either way, that a ray may start at: 2^127. What is added to an origin for
-/// its rounding, or taken from it for a plane's distance, is then finite as well. Planes of boxes that
-/// are not there are told by being infinite, and infinity less infinity would be no number.
+/// The largest magnitude of a coordinate of a ray's origin: 2^127. An origin moved by its rounding error,
+/// and its distance to a plane, are then finite too. The planes of absent boxes are infinite, so that an
+/// infinite origin would give infinity minus infinity, which is not a number.
 pub const FARTHEST_ORIGIN: f32 = (1_u128 << 127) as f32;
 
 /// The points `origin + t direction` with `t_min` < t < `t_max`.

@@ -1,4 +1,4 @@
-//! A number that tells scenes apart.
+//! A number that distinguishes scenes.
 
 use std::fmt::{self, Write as _};
 
@@ -32,7 +32,7 @@ impl fmt::Write for Hasher {
     }
 }
 
-/// Numbers that tell scenes apart, one for each kind of thing that an image follows from.
+/// Numbers that distinguish scenes, one for each kind of thing that an image follows from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Fingerprints {
     /// Primitives of all kinds, and the attributes of meshes.
@@ -64,7 +64,7 @@ impl PreparedScene {
         self.fingerprints().all()
     }
 
-    /// As [`PreparedScene::fingerprint`], but told apart.
+    /// As [`PreparedScene::fingerprint`], but one number for each kind.
     pub fn fingerprints(&self) -> Fingerprints {
         Fingerprints {
             geometry: self.geometry_fingerprint(),

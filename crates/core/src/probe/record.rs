@@ -1,4 +1,4 @@
-//! What is told: plain data, in scene units, with a form in JSON.
+//! What a probe reports: plain data, in scene units, with a form in JSON.
 
 use glam::{DVec3, Vec3};
 use serde::Serialize;
@@ -130,13 +130,13 @@ impl std::fmt::Display for Invalid {
     }
 }
 
-/// The story of a pixel.
+/// What happens to the rays of a pixel.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PixelRecord {
     /// Column and row.
     pub pixel: [u32; 2],
     /// Its paths, sample by sample.
     pub paths: Vec<Path>,
-    /// Where the wavefront tells another story: sample and bounce. `None` where both tell the same.
+    /// The sample and bounce at which the wavefront differs; `None` where both agree.
     pub differs: Option<[u32; 2]>,
 }

@@ -28,7 +28,7 @@ pub struct Painted {
 }
 
 impl<'a> Canvas<'a> {
-    /// A black one. `watch` is told of tiles and progress.
+    /// A black one. `watch` receives tiles and progress.
     ///
     /// # Errors
     /// When there is no memory for the film.

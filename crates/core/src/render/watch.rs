@@ -1,9 +1,9 @@
-//! Who looks on while an image is rendered, and may end it before its time.
+//! Watching a render, and cancelling it.
 
 use crate::tile::Tile;
 
-/// Someone who is told how a render goes. Every method may be called from any thread, and does nothing
-/// unless it is written.
+/// Receives the progress of a render. Every method may be called from any thread; by default it does
+/// nothing.
 pub trait Watch: Sync {
     /// So many pixels are done, of all that are to be rendered.
     fn progress(&self, _done: u64, _all: u64) {}
@@ -19,10 +19,10 @@ pub trait Watch: Sync {
     }
 }
 
-/// Nobody.
+/// Watches nothing.
 impl Watch for () {}
 
-/// Someone who is told of progress alone: a function of the pixels done and of all.
+/// Receives progress alone: a function of the pixels done and of all.
 pub struct Progress<F>(pub F);
 
 impl<F: Fn(u64, u64) + Sync> Watch for Progress<F> {

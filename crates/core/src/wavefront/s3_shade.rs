@@ -1,6 +1,6 @@
 //! Pass 3: what every hit shows at once, and what it asks for.
 //!
-//! Hits are told apart by what they need. Misses and lights are dealt with at once; hits on spheres, on
+//! Hits are sorted by what they need. Misses and lights are dealt with at once; hits on spheres, on
 //! instances, and on triangles and quads, wait in [`faces`] and are shaded together.
 
 mod faces;

@@ -26,7 +26,7 @@ impl Checkpoint {
     /// are left out: they are rendered again, so that these samples are counted and named again.
     ///
     /// # Errors
-    /// When the file is damaged or of another render, and when it is there though nobody asked to go on:
+    /// When the file is damaged or of another render, and when it exists but resuming was not requested:
     /// work is not thrown away.
     pub(super) fn load(&self, header: &Header) -> Result<Option<Store>> {
         if self.check()? { load(&self.file, header).map(Some) } else { Ok(None) }
@@ -35,7 +35,7 @@ impl Checkpoint {
     /// Whether there is a file to go on with: to be asked before long work.
     ///
     /// # Errors
-    /// When the file is there though nobody asked to go on: work is not thrown away.
+    /// When the file exists but resuming was not requested: work is not thrown away.
     pub fn check(&self) -> Result<bool> {
         match self.file.try_exists() {
             Err(error) => Err(Error::io("cannot read the checkpoint", &self.file, error)),

@@ -52,7 +52,7 @@ pub struct Identity {
 pub struct Difference {
     /// In what, as the end of "it has another ...".
     pub what: &'static str,
-    /// What each of the two has, where it tells a reader something.
+    /// What each of the two has, where that helps a reader.
     pub values: Option<[String; 2]>,
 }
 
@@ -83,7 +83,7 @@ impl Identity {
     /// What a file says of the image.
     pub fn provenance(&self) -> Provenance {
         let [width, height] = self.image;
-        // What is no number was not written by this program, and tells nothing.
+        // What is no number was not written by this program, and means nothing.
         let number = |hash: &str| u128::from_str_radix(hash, 16).unwrap_or_default();
         let hashes = Fingerprints {
             geometry: number(&self.geometry),
@@ -115,7 +115,7 @@ impl Identity {
 
     /// In what `other` differs first: what a user chose comes before what follows from files.
     pub fn difference(&self, other: &Self) -> Option<Difference> {
-        // The text of a hash tells a reader nothing.
+        // The text of a hash does not help a reader.
         let hash = |text: &str| (text.to_owned(), false);
         let said = |text: String| (text, true);
         let all = |identity: &Self| {

@@ -54,7 +54,7 @@ pub struct Header {
     pub scene: String,
     /// The command that made it: for the reader, nothing follows from it.
     pub command: Vec<String>,
-    /// How 8-bit images were to be written: a merge writes them so where nobody says otherwise.
+    /// How 8-bit images were to be written: a merge does the same unless another transfer is requested.
     pub transfer: Transfer,
     /// Number of units in the file.
     pub units: u64,

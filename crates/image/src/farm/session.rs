@@ -34,7 +34,7 @@ pub struct Session<'a> {
     has_checkpoint: bool,
 }
 
-/// Who asks for a render: told in its files, for their reader.
+/// Who requests a render: recorded in its files.
 #[derive(Clone, Debug, Default)]
 pub struct Author {
     /// The scene's file, as it was named.
@@ -50,7 +50,7 @@ impl<'a> Session<'a> {
     ///
     /// # Errors
     /// When the crop is not within the image, and when the checkpoint is damaged, of another render, or
-    /// there though nobody asked to go on.
+    /// there but resuming was not requested.
     pub fn begin(
         scene: &'a PreparedScene,
         options: &'a RenderOptions,
@@ -110,7 +110,7 @@ impl<'a> Session<'a> {
         if self.all == 0 { 1.0 } else { part as f64 / self.all as f64 }
     }
 
-    /// Renders the whole image, or what is missing of it. A checkpoint that cannot be written is told by
+    /// Renders the whole image, or what is missing of it. A checkpoint that cannot be written is reported by
     /// `warn`, and the render goes on.
     ///
     /// # Errors

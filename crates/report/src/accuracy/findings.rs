@@ -21,7 +21,10 @@ use serde::Serialize;
 
 use super::fit::{self, Interval};
 use super::setting::{Family, Line, Target};
-use super::store::{NeutralRecord, PointRecord, Record, ReferenceRecord, SceneRecord, TrialRecord};
+use super::store::{
+    NeutralRecord, PointRecord, PreparedRecord, Record, ReferenceRecord, SceneRecord, TrialRecord,
+    all,
+};
 use super::subject::Stages;
 use super::sweep::Swept;
 use crate::summary::{MedianInterval, median};
@@ -99,28 +102,18 @@ impl SceneFindings {
     /// Sums up what `records` say of `swept`.
     pub fn of(swept: &Swept, records: &[Record]) -> Option<Self> {
         let name = swept.subject.name();
-        let scene = records.iter().find_map(|record| match record {
-            Record::Scene(scene) if scene.scene == name => Some(scene.clone()),
-            _ => None,
-        })?;
         let mut found = Self {
-            scene,
-            references: Vec::new(),
+            scene: all(records).find(|scene: &&SceneRecord| scene.scene == name)?.clone(),
+            references: all(records)
+                .filter(|r: &&ReferenceRecord| r.scene == name)
+                .cloned()
+                .collect(),
             families: Vec::new(),
-            stages: Vec::new(),
-            neutral: Vec::new(),
-            trials: Vec::new(),
+            stages: stages(swept, &name, records),
+            neutral: all(records).filter(|n: &&NeutralRecord| n.scene == name).cloned().collect(),
+            trials: all(records).filter(|t: &&TrialRecord| t.scene == name).cloned().collect(),
         };
-        for record in records {
-            match record {
-                Record::Reference(r) if r.scene == name => found.references.push(r.clone()),
-                Record::Neutral(n) if n.scene == name => found.neutral.push(n.clone()),
-                Record::Trial(t) if t.scene == name => found.trials.push(t.clone()),
-                _ => {}
-            }
-        }
         found.families = swept.families.iter().map(|f| found.family(f, &name, records)).collect();
-        found.stages = stages(swept, &name, records);
         Some(found)
     }
 
@@ -156,14 +149,8 @@ fn of_setting<'a>(
     key: &str,
     records: &'a [Record],
 ) -> Vec<&'a PointRecord> {
-    let is_it = |p: &PointRecord| p.scene == scene && p.target == target && p.key == key;
-    records
-        .iter()
-        .filter_map(|record| match record {
-            Record::Point(point) if is_it(point) => Some(point),
-            _ => None,
-        })
-        .collect()
+    let is_it = |p: &&PointRecord| p.scene == scene && p.target == target && p.key == key;
+    all(records).filter(is_it).collect()
 }
 
 impl SeriesFindings {
@@ -218,13 +205,8 @@ fn stages(swept: &Swept, scene: &str, records: &[Record]) -> Vec<StageFindings> 
     };
     let of = |setting: &super::setting::Setting| {
         let structure = super::setting::Setting { samples: Default::default(), ..*setting };
-        let before: Vec<Stages> = records
-            .iter()
-            .filter_map(|record| match record {
-                Record::Prepared(p) if p.scene == scene && p.key == structure.key() => Some(p.time),
-                _ => None,
-            })
-            .collect();
+        let is_it = |p: &&PreparedRecord| p.scene == scene && p.key == structure.key();
+        let before: Vec<Stages> = all(records).filter(is_it).map(|p| p.time).collect();
         let renders = of_setting(scene, family.target, &setting.key(), records);
         let first = renders.first()?;
         let pass = |index: usize| {

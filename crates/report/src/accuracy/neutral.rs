@@ -1,11 +1,11 @@
 //! What must not change a picture: how the tree is built, who traces, in which batches, with which kernel
 //! and instructions, on how many threads. Each is tried, and the error's change is to be exactly 0.
 
-use super::progress::Progress;
 use super::reference::Reference;
 use super::setting::{Setting, Structure};
-use super::store::{NeutralRecord, Record, Store};
+use super::store::{NeutralRecord, Record, Store, all};
 use super::subject::Subject;
+use super::sweep::Progress;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::accel::KernelChoice;
 use wavecrest_core::accel::build::Preset;
@@ -80,11 +80,8 @@ pub fn run(
     let usual_error = compare(&usual.film, &reference.film)?.rmse;
     for knob in knobs {
         let (what, value) = knob.words();
-        let is_known = |record: &Record| {
-            matches!(record, Record::Neutral(n)
-                if n.scene == name && n.knob == what && n.value == value)
-        };
-        if !store.records.iter().any(is_known) {
+        let is_it = |n: &NeutralRecord| n.scene == name && n.knob == what && n.value == value;
+        if !all(&store.records).any(is_it) {
             let rendered = turned(subject, knob)?;
             let error = compare(&rendered.film, &reference.film)?.rmse;
             store.add(Record::Neutral(NeutralRecord {

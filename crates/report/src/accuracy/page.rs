@@ -10,11 +10,11 @@ use super::crops::{Crop, equal_time};
 use super::findings::{FamilyFindings, SceneFindings};
 use super::prices::{folder, prices};
 use super::sweep::Swept;
+use crate::files::{to_json, write_text};
 use crate::page::{Block, Compare, Details, Fact, Page, Picture, Section};
 use crate::plot::Chart;
 use crate::plot::figure::Figure as _;
-use wavecrest_base::error::{Error, Result};
-use wavecrest_base::replace::{replace_file, write_error};
+use wavecrest_base::error::Result;
 use wavecrest_core::film::Film;
 use wavecrest_image::write::{Transfer, png};
 
@@ -38,19 +38,13 @@ pub fn write(
     }
     if effects {
         let prices = prices(folder()?.path())?;
-        let json = serde_json::to_string_pretty(&prices)
-            .map_err(|e| Error::io("cannot write JSON", results, e.into()))?;
-        write_text(&results.join("effects.json"), &(json + "\n"))?;
+        let json = to_json(&prices).map_err(|e| e.in_file(results))?;
+        write_text(&results.join("effects.json"), &json)?;
         sections.push(Section::new("What each effect costs", tables::prices(&prices)));
     }
     let page =
         Page { title: "What accuracy costs in time".to_owned(), lead: lead(findings), sections };
-    write_text(&results.join("report.html"), &page.html()?)
-}
-
-fn write_text(path: &Path, text: &str) -> Result<()> {
-    use std::io::Write as _;
-    replace_file(path, |sink| sink.write_all(text.as_bytes()).map_err(|e| write_error(path, e)))
+    page.write(&results.join("report.html"))
 }
 
 fn lead(findings: &Findings) -> String {
@@ -128,9 +122,7 @@ fn write_chart(chart: &Chart, stem: &Path) -> Result<()> {
     let with = |extension: &str| stem.with_extension(extension);
     write_text(&with("svg"), &chart.svg())?;
     write_text(&with("csv"), &chart.csv())?;
-    let json = serde_json::to_string_pretty(chart)
-        .map_err(|e| Error::io("cannot write JSON", stem, e.into()))?;
-    write_text(&with("json"), &(json + "\n"))?;
+    write_text(&with("json"), &to_json(chart).map_err(|e| e.in_file(stem))?)?;
     chart.png(&with("png"), CHART_WIDTH)
 }
 

@@ -52,26 +52,15 @@ impl Setting {
     }
 }
 
-/// The picture that a setting approaches.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Target {
-    /// The scene as its file has it, with as many samples as one likes where it has any.
-    Scene,
-    /// The mean over the area of each pixel, even where the file asks for its centre.
-    Pixel,
-}
-
-impl Target {
-    /// Both.
-    pub const ALL: [Self; 2] = [Self::Scene, Self::Pixel];
-
-    /// What it is called in files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Scene => "scene",
-            Self::Pixel => "pixel",
-        }
+wavecrest_base::choices! {
+    /// The picture that a setting approaches. Names are those in files.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub enum Target {
+        /// The scene as its file has it, with any number of samples where it has any.
+        Scene = "scene",
+        /// The mean over the area of each pixel, even where the file asks for its centre.
+        Pixel = "pixel",
     }
 }
 

@@ -145,11 +145,35 @@ pub struct TrialRecord {
     pub nanoseconds: f64,
 }
 
-/// A line of the file.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(tag = "record", rename_all = "kebab-case")]
-#[allow(missing_docs, reason = "each says what it is")]
-pub enum Record {
+/// The kinds of records: a line of the file is one of them.
+macro_rules! records {
+    ($($name:ident($kind:ty)),+ $(,)?) => {
+        /// A line of the file.
+        #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+        #[serde(tag = "record", rename_all = "kebab-case")]
+        #[allow(missing_docs, reason = "each says what it is")]
+        pub enum Record {
+            $($name($kind)),+
+        }
+
+        $(impl Recorded for $kind {
+            fn of(record: &Record) -> Option<&Self> {
+                match record {
+                    Record::$name(found) => Some(found),
+                    _ => None,
+                }
+            }
+        })+
+    };
+}
+
+/// What a record may be.
+pub trait Recorded: Sized + 'static {
+    /// What `record` is, if it is one of these.
+    fn of(record: &Record) -> Option<&Self>;
+}
+
+records! {
     Header(Header),
     Circumstances(Circumstances),
     Scene(SceneRecord),
@@ -158,6 +182,11 @@ pub enum Record {
     Point(PointRecord),
     Neutral(NeutralRecord),
     Trial(TrialRecord),
+}
+
+/// All records of one kind.
+pub fn all<T: Recorded>(records: &[Record]) -> impl Iterator<Item = &T> {
+    records.iter().filter_map(T::of)
 }
 
 /// The records of a sweep, in a folder.
@@ -260,10 +289,8 @@ impl Store {
     /// # Errors
     /// When `scene` is not the one of that name in the records.
     pub fn admit(&mut self, scene: SceneRecord) -> Result<()> {
-        let known = self.records.iter().find_map(|record| match record {
-            Record::Scene(known) if known.scene == scene.scene => Some(known),
-            _ => None,
-        });
+        let is_it = |known: &&SceneRecord| known.scene == scene.scene;
+        let known = all(&self.records).find(is_it);
         match known {
             None => self.add(Record::Scene(scene)),
             Some(known) if known.fingerprint == scene.fingerprint => Ok(()),

@@ -8,11 +8,11 @@ use std::path::PathBuf;
 
 use super::fit::Rng;
 use super::neutral;
-pub use super::progress::Progress;
 use super::reference::{self, Reference};
 use super::setting::{Family, Setting, Structure, Target, families};
 use super::store::{
     Errors, PointRecord, PreparedRecord, Record, ReferenceRecord, SceneRecord, Store, TrialRecord,
+    all,
 };
 use super::subject::Subject;
 use crate::selftest::examine::trial;
@@ -25,6 +25,14 @@ use wavecrest_image::compare::compare;
 use wavecrest_image::flip::{DEFAULT_PIXELS_PER_DEGREE, flip};
 use wavecrest_image::read::read;
 use wavecrest_image::write::{Transfer, write};
+
+/// Receives the progress of a sweep.
+pub trait Progress {
+    /// The next stage begins, of so many steps.
+    fn stage(&self, name: &str, steps: u64);
+    /// One of its steps is done.
+    fn step(&self);
+}
 
 /// How much is swept.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -132,11 +140,8 @@ fn reference(
 
 /// The reference that `store` has.
 fn known_reference(store: &Store, scene: &str, target: Target) -> Result<Option<Reference>> {
-    let known = store.records.iter().find_map(|record| match record {
-        Record::Reference(known) if known.scene == scene && known.target == target => Some(known),
-        _ => None,
-    });
-    let Some(known) = known else { return Ok(None) };
+    let is_it = |known: &&ReferenceRecord| known.scene == scene && known.target == target;
+    let Some(known) = all(&store.records).find(is_it) else { return Ok(None) };
     let film = read(&store.folder().join(&known.file))?;
     let &ReferenceRecord { samples, replicates, standard_error, seconds, .. } = known;
     Ok(Some(Reference { film, samples, replicates, standard_error, seconds }))
@@ -231,8 +236,7 @@ fn note_preparation<'a>(
     let scene = subject.name();
     for setting in settings {
         let key = Setting { samples: Default::default(), ..*setting }.key();
-        let is_it = |record: &Record| matches!(record, Record::Prepared(p) if p.scene == scene && p.key == key);
-        if !store.records.iter().any(is_it) {
+        if !all(&store.records).any(|p: &PreparedRecord| p.scene == scene && p.key == key) {
             let time = subject.prepare(&setting.structure)?.time;
             store.add(Record::Prepared(PreparedRecord { scene: scene.clone(), key, time }))?;
         }
@@ -253,8 +257,7 @@ pub fn errors(film: &Film, reference: &Film) -> Result<Errors> {
 /// What every precision does at the edges and on the faces of the scene's triangles.
 fn trials(subject: &mut Subject, store: &mut Store, progress: &dyn Progress) -> Result<()> {
     let name = subject.name();
-    let is_mine = |record: &Record| matches!(record, Record::Trial(t) if t.scene == name);
-    let done = store.records.iter().filter(|record| is_mine(record)).count();
+    let done = all(&store.records).filter(|t: &&TrialRecord| t.scene == name).count();
     progress.stage(&format!("{name}: leaks and self-hits"), Precision::ALL.len() as u64);
     for precision in Precision::ALL.into_iter().skip(done) {
         let structure = Structure { precision, ..Structure::default() };

@@ -122,7 +122,7 @@ pub fn compare(
     variants: &[Variant],
     schedule: &Schedule,
     mut trace: impl FnMut(&Variant) -> Result<Rendered>,
-    progress: &mut dyn FnMut(usize, usize),
+    progress: &mut dyn FnMut(u64, u64),
 ) -> Result<Comparison> {
     let mut runs = vec![Runs::default(); variants.len()];
     let mut first: Option<Rendered> = None;
@@ -142,7 +142,7 @@ pub fn compare(
         let done = runs.first().map_or(0, |runs| runs.seconds.len());
         let shortest = runs.iter().map(|runs| runs.seconds.iter().sum()).reduce(f64::min);
         let planned = schedule.planned(done, shortest.unwrap_or_default());
-        progress(done, planned);
+        progress(done as u64, planned as u64);
         if done >= planned || variants.is_empty() {
             break;
         }

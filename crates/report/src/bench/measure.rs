@@ -155,7 +155,7 @@ impl Pixel {
 pub fn measure(
     schedule: &Schedule,
     mut trace: impl FnMut(TracerKind) -> Result<Rendered>,
-    progress: &mut dyn FnMut(usize, usize),
+    progress: &mut dyn FnMut(u64, u64),
 ) -> Result<Measured> {
     let first = trace(TracerKind::Wavefront)?;
     let mut measured = Measured { counters: first.counters, ..Measured::default() };
@@ -174,7 +174,7 @@ pub fn measure(
             }
         }
         let planned = schedule.planned(measured.pairs(), measured.shorter());
-        progress(measured.pairs(), planned);
+        progress(measured.pairs() as u64, planned as u64);
         if measured.pairs() >= planned {
             break;
         }
@@ -295,7 +295,7 @@ mod tests {
         measure(&schedule(1, 50, 2.0), trace, &mut |done, all| reported.push((done, all))).unwrap();
         assert_eq!(
             reported.first(),
-            Some(&(0, ENOUGH)),
+            Some(&(0, ENOUGH as u64)),
             "nothing is known before the first timed pair"
         );
         assert_eq!(reported[1..3], [(1, 8), (2, 8)]);

@@ -9,9 +9,9 @@ use super::machine::Machine;
 use super::report::{BenchReport, SceneBench};
 use super::tracer::{METHOD, Ratio};
 use super::words::plural;
-use crate::page::{Block, Cell, Column, Fact, Page, Section, Table};
+use crate::page::{Block, Cell, Fact, Page, Section, Table};
 use crate::plot::number::figure;
-use crate::plot::{Axis, Chart, Draw, Point, Scale, Series};
+use crate::plot::{Axis, Chart, Point, Scale, Series};
 
 /// The page of a report.
 pub fn page(report: &BenchReport) -> Page {
@@ -115,12 +115,11 @@ fn rates(measured: &[Both<'_>]) -> Chart {
             });
         }
     }
-    let series = |name: &str, points| Series { name: name.to_owned(), draw: Draw::Points, points };
     Chart {
         title: "Rays by kind".to_owned(),
         x: Axis::new("rays", "", Scale::Names(names)),
         y: Axis::new("million rays a second", "", Scale::FromZero),
-        series: vec![series("wavefront", wavefront), series("recursive", recursive)],
+        series: vec![Series::of("wavefront", wavefront), Series::of("recursive", recursive)],
         guides: Vec::new(),
         caption: "Rays of a kind in the median time of a whole run, the other kinds included."
             .to_owned(),
@@ -130,31 +129,19 @@ fn rates(measured: &[Both<'_>]) -> Chart {
 fn table(measured: &[Both<'_>]) -> Table {
     let row = |both: &Both<'_>| {
         let Both { scene, wavefront, recursive, ratio } = both;
-        let whole = |count: u64| Cell::number(count as f64, figure(count as f64));
         vec![
             Cell::text(format!("`{}`", scene.scene)),
-            whole(scene.triangles as u64),
-            whole(scene.rays.all()),
-            Cell::number(wavefront.mrays_s, format!("{:.3}", wavefront.mrays_s)),
-            Cell::number(recursive.mrays_s, format!("{:.3}", recursive.mrays_s)),
+            Cell::count(scene.triangles as u64),
+            Cell::count(scene.rays.all()),
+            Cell::decimals(wavefront.mrays_s, 3),
+            Cell::decimals(recursive.mrays_s, 3),
             ratio_cell(ratio),
         ]
     };
-    Table {
-        caption:
-            "Rays of every kind, in millions a second by the median time, and the ratio of the \
-                  speeds with its interval."
-                .to_owned(),
-        columns: vec![
-            Column::words("scene"),
-            Column::numbers("triangles"),
-            Column::numbers("rays"),
-            Column::numbers("wavefront"),
-            Column::numbers("recursive"),
-            Column::numbers("ratio"),
-        ],
-        rows: measured.iter().map(row).collect(),
-    }
+    let caption = "Rays of every kind, in millions a second by the median time, and the ratio of the speeds with \
+                   its interval.";
+    let header = "scene|>triangles|>rays|>wavefront|>recursive|>ratio";
+    Table::new(caption, header, measured.iter().map(row).collect())
 }
 
 /// The machine, the program and the command.

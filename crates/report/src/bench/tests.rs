@@ -22,21 +22,10 @@ use wavecrest_core::render::{RenderOptions, Rendered, TracerKind, render};
 use wavecrest_scene::load::load_str;
 use wavecrest_scene::systems;
 
-const SCENE: &str = r#"{
-    "nbounces": 1,
-    "camera": {"type": "pinhole", "width": 24, "height": 16, "fov": 60,
-               "location": [0, 0, 5], "look": [0, 0, 0]},
-    "scene": {
-        "backgroundcolor": [0, 0, 0],
-        "lightsources": [{"type": "pointlight", "intensity": 40, "position": [2, 3, 5],
-                          "color": [1, 1, 1]}],
-        "shapes": [{"type": "sphere", "center": [0, 0, 0], "radius": 1,
-                    "material": {"ks": 0.2, "kd": 0.8, "specularexponent": 20,
-                                 "diffusecolor": [1, 0, 0]}}]
-    }
-}"#;
+/// A red ball under a point light.
+const SCENE: &str = include_str!("tests/ball.json");
 
-fn prepared() -> PreparedScene {
+pub(super) fn prepared() -> PreparedScene {
     let mut loaded = load_str(SCENE, Path::new("ball.json"), &Default::default()).unwrap();
     systems::extract(&mut loaded.world, Default::default()).unwrap().build(Preset::Fast)
 }

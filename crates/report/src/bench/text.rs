@@ -6,7 +6,7 @@ use super::machine::Machine;
 use super::report::SceneBench;
 use super::rows::{Row, rows, unit};
 use super::tracer::{Ratio, TracerBench};
-use super::words::{average, contents, plural};
+use super::words::{average, contents, peak, plural, prepared};
 use crate::statistics::ClassUse;
 
 mod compared;
@@ -85,14 +85,9 @@ fn head(report: &SceneBench) -> String {
     let size = format!("{} x {} pixels", image.width, image.height);
     row("image", format!("{size}, {}", plural(image.samples_per_pixel as usize, "camera ray")));
     row("scene", contents(report));
-    let seconds = &report.time;
-    let preset = report.preset.name();
-    row(
-        "prepared",
-        format!("loaded in {:.3} s, tree ({preset}) built in {:.3} s", seconds.load, seconds.build),
-    );
-    if let Some(peak) = report.memory.peak {
-        row("peak memory", format!("{:.1} MB, of the program so far", peak as f64 / 1e6));
+    row("prepared", prepared(report));
+    if let Some(peak) = peak(report) {
+        row("peak memory", peak);
     }
     let rays = &report.rays;
     let (primary, secondary, shadow) = (rays.primary, rays.secondary, rays.shadow);

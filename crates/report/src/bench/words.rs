@@ -32,6 +32,18 @@ pub(super) fn contents(report: &SceneBench) -> String {
     if words.is_empty() { "nothing".to_owned() } else { words.join(", ") }
 }
 
+/// How long it took to prepare the scene.
+pub(super) fn prepared(report: &SceneBench) -> String {
+    let (time, preset) = (&report.time, report.preset.name());
+    format!("loaded in {:.3} s, tree ({preset}) built in {:.3} s", time.load, time.build)
+}
+
+/// The memory at its peak, where it is known.
+pub(super) fn peak(report: &SceneBench) -> Option<String> {
+    let peak = report.memory.peak? as f64 / 1e6;
+    Some(format!("{peak:.1} MB, of the program so far"))
+}
+
 /// A number of rays, where there are any.
 pub(super) fn average(rays: Option<f64>) -> String {
     rays.map_or_else(|| "-".to_owned(), |rays| format!("{rays:.1}"))

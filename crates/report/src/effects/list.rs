@@ -4,8 +4,8 @@ use serde::Serialize;
 
 use crate::bench::measure::Difference;
 use crate::bench::{Machine, Ratio};
+use crate::statistics::{Rays, Samples};
 use crate::summary::Summary;
-use crate::work::{Rays, Samples};
 use wavecrest_core::accel::KernelChoice;
 use wavecrest_core::counters::Counters;
 use wavecrest_core::kernels::precision::Precision;

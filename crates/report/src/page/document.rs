@@ -1,14 +1,13 @@
 //! The page around its blocks: head, title, contents, sections.
 
-use std::io::Write as _;
 use std::path::Path;
 
 use super::writer::{Writer, inline};
 use super::{Page, blocks};
+use crate::files::write_text;
 use crate::markup::escape;
 use crate::plot::svg::STYLE as CHART_STYLE;
 use wavecrest_base::error::Result;
-use wavecrest_base::replace::{replace_file, write_error};
 
 /// The style sheet of a page, besides that of its charts.
 const STYLE: &str = include_str!("style.css");
@@ -33,10 +32,7 @@ impl Page {
     /// # Errors
     /// As [`Page::html`], and when the file cannot be written.
     pub fn write(&self, path: &Path) -> Result<()> {
-        let html = self.html()?;
-        replace_file(path, |sink| {
-            sink.write_all(html.as_bytes()).map_err(|error| write_error(path, error))
-        })
+        write_text(path, &self.html()?)
     }
 }
 

@@ -1,4 +1,4 @@
-//! What a page holds, for readers with and without JavaScript, and for nobody else.
+//! What a page holds, with and without JavaScript, and that it asks for nothing from outside.
 
 use super::*;
 use crate::plot::figure::Figure as _;

@@ -1,25 +1,28 @@
-//! How a case is run, and what comes of it.
+//! How a case is run, and its outcome.
 
+use std::iter::Sum;
+
+use wavecrest_base::error::Result;
 use wavecrest_core::accel::Accel;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::accel::geometry::Geometry;
 use wavecrest_core::kernels::precision::Precision;
 
-/// How much is tried.
+/// How much is tested.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Count {
     /// Little enough for every run of the tests.
     Quick,
-    /// What the case's bound speaks of.
+    /// As much as the case's bound states.
     Full,
 }
 
 /// How a case is run.
 #[derive(Clone, Copy, Debug)]
 pub struct Effort {
-    /// The arithmetic that is tried.
+    /// The arithmetic that is tested.
     pub precision: Precision,
-    /// What its inputs follow from.
+    /// The seed of its inputs.
     pub seed: u64,
     /// How many there are.
     pub count: Count,
@@ -32,11 +35,8 @@ impl Effort {
     }
 
     /// `full`, or a hundredth of it.
-    pub(super) fn of(&self, full: u32) -> u32 {
-        match self.count {
-            Count::Quick => full / 100,
-            Count::Full => full,
-        }
+    pub(super) fn of(&self, full: usize) -> usize {
+        self.either(full / 100, full)
     }
 
     /// One of these.
@@ -48,14 +48,14 @@ impl Effort {
     }
 }
 
-/// What came of a case.
+/// The outcome of a case.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
 pub struct Outcome {
-    /// How many questions were asked.
+    /// The number of tests.
     pub tried: u64,
-    /// How many of the answers broke the bound.
+    /// The number of tests that broke the bound.
     pub failed: u64,
-    /// The first of these, in words.
+    /// A description of the first of these.
     pub first: Option<String>,
     /// Answers whose time was taken.
     pub timed: u64,
@@ -69,17 +69,19 @@ impl Outcome {
         (self.timed > 0).then(|| self.seconds * 1e9 / self.timed as f64)
     }
 
-    /// Whether it was tried, and the bound held.
+    /// Whether anything was tested, and the bound held.
     pub fn holds(&self) -> bool {
         self.tried > 0 && self.failed == 0
     }
 
-    /// A question that could not even be asked.
-    pub(super) fn failure(why: String) -> Self {
-        Self { tried: 1, failed: 1, first: Some(why), ..Self::default() }
+    /// The outcome of one test; `failure` describes what is wrong, if anything is.
+    pub(super) fn one(failure: Option<String>) -> Self {
+        let mut outcome = Self::default();
+        outcome.count(failure);
+        outcome
     }
 
-    /// Counts an answer; `failure` says what is wrong with it, if anything is.
+    /// Counts a test; `failure` describes what is wrong, if anything is.
     pub(super) fn count(&mut self, failure: Option<String>) {
         self.tried += 1;
         if let Some(failure) = failure {
@@ -88,12 +90,17 @@ impl Outcome {
         }
     }
 
+    /// Counts a test; `failure` describes what is wrong unless it is `right`.
+    pub(super) fn check(&mut self, right: bool, failure: impl FnOnce() -> String) {
+        self.count((!right).then(failure));
+    }
+
     /// With `context` before the words of the first failure.
     pub(super) fn with_context(self, context: impl Fn() -> String) -> Self {
         Self { first: self.first.map(|first| format!("{}, {first}", context())), ..self }
     }
 
-    /// With all failures forgiven that are no more than this share of the answers.
+    /// Without its failures, if they are at most this share of the tests.
     pub(super) fn allowing(self, share: f64) -> Self {
         if self.failed as f64 > share * self.tried as f64 {
             return self;
@@ -101,7 +108,7 @@ impl Outcome {
         Self { failed: 0, first: None, ..self }
     }
 
-    /// Counts what another has counted.
+    /// Adds another outcome.
     pub(super) fn add(&mut self, other: Self) {
         self.tried += other.tried;
         self.failed += other.failed;
@@ -110,5 +117,21 @@ impl Outcome {
         if self.first.is_none() {
             self.first = other.first;
         }
+    }
+}
+
+impl Sum for Outcome {
+    fn sum<I: Iterator<Item = Self>>(outcomes: I) -> Self {
+        outcomes.fold(Self::default(), |mut all, one| {
+            all.add(one);
+            all
+        })
+    }
+}
+
+/// A test that could not be run is one failure.
+impl From<Result<Self>> for Outcome {
+    fn from(result: Result<Self>) -> Self {
+        result.unwrap_or_else(|error| Self::one(Some(error.to_string())))
     }
 }

@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::case::{Effort, Outcome};
-use super::ways::{Numbers, every_way};
+use super::ways::{Numbers, every_way, inputs};
 use wavecrest_core::accel::Hit;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::accel::geometry::Geometry;
@@ -20,21 +20,18 @@ pub(super) fn cubes(n: u32, distance: f32) -> Geometry {
     geometry
 }
 
-/// The vertex `i` has the higher x, y and z where its bits 0, 1 and 2 are 1.
+/// The corners of each side of a cube. The corner `i` has the higher x, y and z where its bits 0, 1 and 2
+/// are 1.
+pub(super) const CUBE_SIDES: [[u32; 4]; 6] =
+    [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+
 fn add_cube(geometry: &mut Geometry, low: Vec3, side: f32) {
     let first = geometry.positions.len() as u32;
     let bit = |i: u32, k: u32| (i >> k & 1) as f32 * side;
     geometry.positions.extend((0..8).map(|i| low + Vec3::new(bit(i, 0), bit(i, 1), bit(i, 2))));
-    let sides =
-        [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
-    for [a, b, c, d] in sides.map(|side| side.map(|v| first + v)) {
+    for [a, b, c, d] in CUBE_SIDES.map(|side| side.map(|v| first + v)) {
         geometry.triangles.extend([[a, b, c], [a, c, d]]);
     }
-}
-
-/// The unit vector along the axis `k`.
-fn axis(k: usize) -> Vec3 {
-    Vec3::AXES[k]
 }
 
 /// Rays along each axis, both ways, with zeros of both signs, in the planes of faces, along edges, and
@@ -42,8 +39,7 @@ fn axis(k: usize) -> Vec3 {
 pub(super) fn along_axes(effort: &Effort) -> Outcome {
     let geometry = cubes(4, 2.0);
     let mut rays = Vec::new();
-    for n in 0..effort.of(1_000_000) as usize / 6 {
-        let mut numbers = Numbers::new(effort, 4, n);
+    for mut numbers in inputs(effort, 4, 0..effort.of(1_000_000) / 6) {
         for k in 0..3 {
             for sign in [1.0, -1.0] {
                 // Across the ray within the cubes of a row: on a face's plane, on an edge or inside.
@@ -73,9 +69,8 @@ pub(super) fn along_axes(effort: &Effort) -> Outcome {
 /// The same rays with every zero of both signs.
 pub(super) fn signed_zeros(effort: &Effort) -> Outcome {
     let geometry = cubes(3, 2.0);
-    let pairs = effort.of(1_000_000) as usize / 2;
-    let make = |n: usize, zero: f32| {
-        let mut numbers = Numbers::new(effort, 5, n);
+    let pairs = effort.of(1_000_000) / 2;
+    let make = |mut numbers: Numbers, zero: f32| {
         let mut vector = || Vec3::from([(); 3].map(|()| (7.0 * numbers.one() - 1.0) as f32));
         let (origin, mut direction) = (vector(), vector() - 2.5);
         let kept = numbers.below(3);
@@ -86,19 +81,19 @@ pub(super) fn signed_zeros(effort: &Effort) -> Outcome {
         }
         Ray::new(origin, direction)
     };
-    let positive: Vec<Ray> = (0..pairs).map(|n| make(n, 0.0)).collect();
-    let negative: Vec<Ray> = (0..pairs).map(|n| make(n, -0.0)).collect();
+    let [positive, negative] = [0.0, -0.0].map(|zero| {
+        inputs(effort, 5, 0..pairs).map(|numbers| make(numbers, zero)).collect::<Vec<Ray>>()
+    });
     let accel = effort.accel(geometry.clone(), Preset::VeryFast);
     let mut expected = vec![Hit::MISS; pairs];
     accel.closest_of(&positive[..], &mut expected, &mut accel.traversal());
-    let mut outcome = Outcome::default();
-    for rays in [&positive, &negative] {
+    let judged = [&positive, &negative].map(|rays| {
         let accel = effort.accel(geometry.clone(), Preset::VeryFast);
-        outcome.add(every_way(accel, rays, |i, _, hit| {
+        every_way(accel, rays, |i, _, hit| {
             (hit != expected[i]).then(|| format!("{hit:?} and not {:?}", expected[i]))
-        }));
-    }
-    outcome
+        })
+    });
+    judged.into_iter().sum()
 }
 
 /// Rays at small cubes from far away, that hardly lean.
@@ -106,19 +101,17 @@ pub(super) fn tiny_components(effort: &Effort) -> Outcome {
     const SIDE: f32 = 0.01;
     let mut geometry = Geometry::default();
     for k in 0..3 {
-        add_cube(&mut geometry, axis(k) * 100.0, SIDE);
+        add_cube(&mut geometry, Vec3::AXES[k] * 100.0, SIDE);
     }
-    let rays: Vec<Ray> = (0..effort.of(1_000_000) as usize)
-        .map(|n| {
-            let mut numbers = Numbers::new(effort, 6, n);
+    let rays: Vec<Ray> = inputs(effort, 6, 0..effort.of(1_000_000))
+        .map(|mut numbers| {
             let k = numbers.below(3);
             let t = numbers.magnitude(1.0, 1e6);
             let tiny = numbers.magnitude(1e-45, 1e-6);
-            let mut direction = axis(k);
-            let mut target = (axis(k) * 100.0).as_dvec3();
+            let mut direction = Vec3::AXES[k];
+            let mut target = (Vec3::AXES[k] * 100.0).as_dvec3();
             for other in [(k + 1) % 3, (k + 2) % 3] {
-                let sign = if numbers.below(2) == 0 { 1.0 } else { -1.0 };
-                direction[other] = (sign * tiny * numbers.one()) as f32;
+                direction[other] = (numbers.sign() * tiny * numbers.one()) as f32;
                 target[other] += f64::from(SIDE) * (0.1 + 0.8 * numbers.one());
             }
             // Where the ray has to start, for double precision to have it at the target. Rounded, the
@@ -137,9 +130,7 @@ pub(super) fn tiny_components(effort: &Effort) -> Outcome {
 pub(super) fn invalid(effort: &Effort) -> Outcome {
     let wrong = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY];
     let accel = effort.accel(cubes(3, 2.0), Preset::VeryFast);
-    let mut outcome = Outcome::default();
-    for n in 0..effort.of(100_000) as usize {
-        let mut numbers = Numbers::new(effort, 26, n);
+    let ask = |mut numbers: Numbers| {
         let mut ray = Ray::new(Vec3::splat(-1.0), Vec3::ONE);
         let (which, value) = (numbers.below(3), wrong[numbers.below(3)]);
         match numbers.below(4) {
@@ -153,7 +144,7 @@ pub(super) fn invalid(effort: &Effort) -> Outcome {
         let any = accel.occluded(&ray, &mut traversal);
         let visits = traversal.tests.nodes;
         let is_right = hit.is_miss() && !any && visits == 0;
-        outcome.count((!is_right).then(|| format!("{ray:?}: {hit:?}, {any}, {visits} nodes")));
-    }
-    outcome
+        Outcome::one((!is_right).then(|| format!("{ray:?}: {hit:?}, {any}, {visits} nodes")))
+    };
+    inputs(effort, 26, 0..effort.of(100_000)).map(ask).sum()
 }

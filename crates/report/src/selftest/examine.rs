@@ -1,5 +1,5 @@
-//! The hard cases as a user's own mesh has them: are its edges tight, do rays that leave it meet it
-//! again, and what is it like.
+//! The hard cases on a user's own mesh: whether rays leak through its edges or hit the triangle that they leave,
+//! and how good its triangles are.
 
 use std::time::Instant;
 
@@ -7,9 +7,9 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::case::{Count, Effort, Outcome};
+use super::case::{Effort, Outcome};
 use super::topology::{Edge, Topology};
-use super::ways::{Numbers, Tests};
+use super::ways::{Numbers, Tests, blocks, in_order, inputs};
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::accel::geometry::{Geometry, Primitive};
 use wavecrest_core::accel::{Accel, Hit, Traversal};
@@ -18,7 +18,7 @@ use wavecrest_core::math::float::{normalize, offset_origin};
 use wavecrest_core::math::ray::Ray;
 
 /// Rays of each kind, in full.
-const RAYS: u32 = 10_000_000;
+const RAYS: usize = 10_000_000;
 
 /// Points at which leaves are counted.
 const POINTS: usize = 256;
@@ -26,7 +26,7 @@ const POINTS: usize = 256;
 /// A triangle this many times as long as high is a sliver.
 const SLIVER: f64 = 1000.0;
 
-/// What a mesh is like, whatever it is tested with.
+/// Properties of a mesh, whatever the precision.
 #[derive(Clone, Debug, Serialize)]
 pub struct Shape {
     /// Triangles, those without area too.
@@ -56,7 +56,7 @@ pub struct Bvh {
     pub overlap: f64,
 }
 
-/// What came of a mesh in a precision.
+/// The outcome for a mesh in one precision.
 #[derive(Clone, Debug, Serialize)]
 pub struct Trial {
     /// Rays at edges between two triangles that face apart as the ray sees them: one that passes
@@ -68,7 +68,7 @@ pub struct Trial {
     pub nanoseconds: f64,
 }
 
-/// Appearance at a mesh.
+/// Describes a mesh.
 pub fn shape(geometry: &Geometry, accel: &Accel) -> Shape {
     let topology = Topology::new(geometry);
     let ratios = (0..geometry.triangles.len()).into_par_iter().map(|i| {
@@ -92,15 +92,15 @@ pub fn shape(geometry: &Geometry, accel: &Accel) -> Shape {
     }
 }
 
-/// Appearance at the tree over a mesh.
+/// Describes the tree over a mesh.
 pub fn bvh(accel: &Accel, preset: Preset, effort: &Effort) -> Option<Bvh> {
     let tree = accel.tree()?;
     let geometry = accel.geometry();
     if geometry.triangles.is_empty() {
         return None;
     }
-    let points: Vec<Vec3> = (0..POINTS)
-        .map(|n| point_on(geometry, &mut Numbers::new(effort, EXAMINED, n)).1.as_vec3())
+    let points: Vec<Vec3> = inputs(effort, EXAMINED, 0..POINTS)
+        .map(|mut numbers| point_on(geometry, &mut numbers).as_vec3())
         .collect();
     let mut around = 0_u64;
     tree.for_each_leaf(|bounds, _| {
@@ -115,13 +115,10 @@ pub fn bvh(accel: &Accel, preset: Preset, effort: &Effort) -> Option<Bvh> {
 /// Random numbers of this stand where a case's number does.
 const EXAMINED: u32 = 100;
 
-/// A triangle, and a point of it.
-fn point_on(geometry: &Geometry, numbers: &mut Numbers) -> (u32, DVec3) {
+/// A point of a triangle.
+fn point_on(geometry: &Geometry, numbers: &mut Numbers) -> DVec3 {
     let number = numbers.below(geometry.triangles.len());
-    let [a, b, c] = geometry.triangle(number).map(|v| v.as_dvec3());
-    let (u, v) = (numbers.one(), numbers.one());
-    let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
-    (number as u32, a + (b - a) * u + (c - a) * v)
+    numbers.within(geometry.triangle(number))
 }
 
 /// Tries the mesh that `accel` is over, in its precision.
@@ -129,13 +126,11 @@ pub fn trial(accel: &Accel, effort: &Effort) -> Trial {
     let geometry = accel.geometry();
     let topology = Topology::new(geometry);
     let extent = Extent::of(geometry);
-    let (mut leaks, leak_time) = leaking(accel, &topology, &extent, effort);
-    let (mut self_hits, self_time) = leaving(accel, &extent, effort);
+    let leaks = leaking(accel, &topology, &extent, effort);
+    let self_hits = leaving(accel, &extent, effort);
     let asked = (leaks.tried + self_hits.tried).max(1);
-    let nanoseconds = (leak_time + self_time) * 1e9 / asked as f64;
-    for outcome in [&mut leaks, &mut self_hits] {
-        (outcome.timed, outcome.seconds) = (0, 0.0);
-    }
+    let nanoseconds = (leaks.seconds + self_hits.seconds) * 1e9 / asked as f64;
+    let [leaks, self_hits] = [leaks, self_hits].map(|all| Outcome { seconds: 0.0, ..all });
     Trial { leaks, self_hits, nanoseconds }
 }
 
@@ -147,7 +142,7 @@ struct Extent {
 
 impl Extent {
     fn of(geometry: &Geometry) -> Self {
-        // As they are, and not padded: the same rays are asked in every precision.
+        // Without padding: the same rays are traced in every precision.
         let all = (0..geometry.triangles.len()).map(|i| Aabb::around(geometry.triangle(i)));
         let Some(all) = all.reduce(|a, b| a.union(b)) else {
             return Self { middle: DVec3::ZERO, half: 1.0 };
@@ -166,20 +161,10 @@ impl Extent {
 /// Rays that a thread makes at a time.
 const RAYS_OF_A_THREAD: usize = 1 << 12;
 
-/// The numbers of the rays of a kind, as threads take them.
-fn blocks(effort: &Effort) -> impl ParallelIterator<Item = std::ops::Range<usize>> {
-    let count = match effort.count {
-        Count::Full => RAYS as usize,
-        Count::Quick => RAYS as usize / 25,
-    };
-    let block = move |b: usize| b * RAYS_OF_A_THREAD..((b + 1) * RAYS_OF_A_THREAD).min(count);
-    (0..count.div_ceil(RAYS_OF_A_THREAD)).into_par_iter().map(block)
-}
-
 /// Rays at edges, from anywhere about the mesh.
-fn leaking(accel: &Accel, topology: &Topology, extent: &Extent, effort: &Effort) -> (Outcome, f64) {
+fn leaking(accel: &Accel, topology: &Topology, extent: &Extent, effort: &Effort) -> Outcome {
     if topology.len() == 0 {
-        return (Outcome::default(), 0.0);
+        return Outcome::default();
     }
     ask(
         accel,
@@ -233,17 +218,17 @@ fn edge_ray(geometry: &Geometry, edge: &Edge, from: Vec3, part: f64) -> Option<R
 }
 
 /// Rays that leave triangles in all directions, to the side from which these were hit.
-fn leaving(accel: &Accel, extent: &Extent, effort: &Effort) -> (Outcome, f64) {
+fn leaving(accel: &Accel, extent: &Extent, effort: &Effort) -> Outcome {
     let geometry = accel.geometry();
     if geometry.triangles.is_empty() {
-        return (Outcome::default(), 0.0);
+        return Outcome::default();
     }
     ask(
         accel,
         effort,
         |n, traversal| {
             let mut numbers = Numbers::new(effort, EXAMINED + 2, n);
-            let (_, target) = point_on(geometry, &mut numbers);
+            let target = point_on(geometry, &mut numbers);
             let from = extent.around(&mut numbers);
             let ray = Ray::new(from, normalize(target.as_vec3() - from));
             let hit = Some(accel.closest(&ray, traversal)).filter(|hit| !hit.is_miss())?;
@@ -264,31 +249,25 @@ fn leaving(accel: &Accel, extent: &Extent, effort: &Effort) -> (Outcome, f64) {
 }
 
 /// Asks about the rays that `make` makes, each with two numbers that go with it, and has the answers
-/// judged. What came of it, and the seconds that the answers took, summed over threads.
+/// judged.
 fn ask(
     accel: &Accel,
     effort: &Effort,
     make: impl Fn(usize, &mut Traversal) -> Option<(Ray, [u32; 2])> + Sync,
     judge: impl Fn(&Ray, [u32; 2], Hit) -> Option<String> + Sync,
-) -> (Outcome, f64) {
-    let parts: Vec<(Outcome, f64)> = blocks(effort)
-        .map(|block| {
-            let mut traversal = accel.traversal();
-            let made = block.filter_map(|n| make(n, &mut traversal));
-            let (rays, numbers): (Vec<Ray>, Vec<[u32; 2]>) = made.unzip();
-            let mut hits = vec![Hit::MISS; rays.len()];
-            let start = Instant::now();
-            accel.closest_of(&rays[..], &mut hits, &mut traversal);
-            let seconds = start.elapsed().as_secs_f64();
-            let mut outcome = Outcome::default();
-            for ((ray, &number), &hit) in rays.iter().zip(&numbers).zip(&hits) {
-                outcome.count(judge(ray, number, hit));
-            }
-            (outcome, seconds)
-        })
-        .collect();
-    parts.into_iter().fold((Outcome::default(), 0.0), |(mut all, time), (one, seconds)| {
-        all.add(one);
-        (all, time + seconds)
-    })
+) -> Outcome {
+    let count = effort.either(RAYS / 25, RAYS);
+    in_order(blocks(count, RAYS_OF_A_THREAD).map(|block| {
+        let mut traversal = accel.traversal();
+        let made = block.filter_map(|n| make(n, &mut traversal));
+        let (rays, numbers): (Vec<Ray>, Vec<[u32; 2]>) = made.unzip();
+        let mut hits = vec![Hit::MISS; rays.len()];
+        let start = Instant::now();
+        accel.closest_of(&rays[..], &mut hits, &mut traversal);
+        let mut outcome = Outcome { seconds: start.elapsed().as_secs_f64(), ..Outcome::default() };
+        for ((ray, &number), &hit) in rays.iter().zip(&numbers).zip(&hits) {
+            outcome.count(judge(ray, number, hit));
+        }
+        outcome
+    }))
 }

@@ -1,4 +1,4 @@
-//! Lights where they can hardly be, and surfaces that hardly reflect them.
+//! Lights at extreme positions, and reflection at extreme angles and exponents.
 
 use glam::{DVec3, Vec3};
 use serde_json::{Value, json};
@@ -8,7 +8,7 @@ use super::convex::{Mesh, globe};
 use super::refused;
 use super::scenes::{self, Eye, PRESETS, every_image, pixels};
 use super::surfaces::on_triangle;
-use super::ways::{Numbers, Tests, in_blocks};
+use super::ways::{Numbers, Tests, in_blocks, inputs};
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::kernels::blinn_phong::{Material, reflect};
 use wavecrest_core::kernels::light::{Emitter, Falloff, Light, Triangles};
@@ -21,7 +21,7 @@ use wavecrest_core::math::vector::Vector;
 const FALLOFFS: [Falloff; 3] = [Falloff::Linear, Falloff::InverseSquare, Falloff::None];
 const FALLOFF_NAMES: [&str; 3] = ["linear", "inverse-square", "none"];
 
-/// The power of the lights that kernels are asked about.
+/// The power of the lights that kernels are tested with.
 const POWER: f32 = 10.0;
 
 const MATERIAL: Material = Material { ks: 0.5, kd: 0.5, exponent: 8.0, color: Vec3::ONE, kr: 0.0 };
@@ -78,10 +78,9 @@ pub(super) fn edge_on(effort: &Effort) -> Outcome {
 
 /// A point, and a light in whose plane it is, on which it is, or which is a needle.
 fn edge_on_point(tests: Tests, numbers: &mut Numbers) -> Outcome {
-    let mut outcome = Outcome::default();
     let unit = numbers.magnitude(1e-3, 1e3);
     let corners = random_triangle(numbers, unit);
-    let Some(surface) = on_triangle(tests, numbers, &corners) else { return outcome };
+    let Some(surface) = on_triangle(tests, numbers, &corners) else { return Outcome::default() };
     let point = shading_point(numbers, &surface);
     let near = Vec3::from(surface.point);
     let [p, q] = [(); 2].map(|()| near + (numbers.direction() * unit).as_vec3());
@@ -94,7 +93,7 @@ fn edge_on_point(tests: Tests, numbers: &mut Numbers) -> Outcome {
         _ => [p, q, q + (numbers.direction() * (1e-6 * unit)).as_vec3()],
     };
     let falloff = FALLOFFS[numbers.below(3)];
-    let Some(triangles) = Triangles::new(vec![shape]) else { return outcome };
+    let Some(triangles) = Triangles::new(vec![shape]) else { return Outcome::default() };
     let light = light(Emitter::Triangles(triangles), falloff);
     let stream = Stream { seed: 0, pixel: numbers.below(1 << 20) as u32, sample: 0, bounce: 0 };
     let request = shadow_request(&point, Vec3::ONE.into(), &light, &light.point(0, &stream));
@@ -105,8 +104,7 @@ fn edge_on_point(tests: Tests, numbers: &mut Numbers) -> Outcome {
             && request.ray().direction.is_finite();
         !is_right
     });
-    outcome.count(failure.map(|request| format!("{request:?} from {point:?} to {shape:?}")));
-    outcome
+    Outcome::one(failure.map(|request| format!("{request:?} from {point:?} to {shape:?}")))
 }
 
 /// Shapes of lights that some points of the floor see edge on, or are on.
@@ -127,7 +125,7 @@ fn hardly_lights() -> Vec<Value> {
 fn over_a_floor(effort: &Effort, lights: &[Value]) -> Value {
     let size = effort.either([17, 17], [65, 65]);
     let location = DVec3::new(0.0, 5.0, 0.0);
-    let eye = Eye { location, look: DVec3::ZERO, up: DVec3::Z, fov: 50.0, size };
+    let eye = Eye { up: DVec3::Z, ..Eye::at(location, 50.0, size) };
     let at = |x: f64, z: f64| DVec3::new(3.0 * x, 0.0, 3.0 * z);
     let floor = [at(-1.0, -1.0), at(-1.0, 1.0), at(1.0, 1.0), at(1.0, -1.0)];
     scenes::scene(0, &eye.json(), lights, &[scenes::plane(floor, scenes::matte([1.0; 3]))])
@@ -146,29 +144,24 @@ pub(super) fn at_the_surface(effort: &Effort) -> Outcome {
         let count = u64::from(height == 1);
         for falloff in FALLOFF_NAMES {
             let size = effort.either([9, 9], [65, 65]);
-            let location = DVec3::new(0.0, 0.0, 5.0);
-            let eye = Eye { location, look: DVec3::ZERO, up: DVec3::Y, fov: 50.0, size };
+            let eye = Eye::at(DVec3::new(0.0, 0.0, 5.0), 50.0, size);
             let at = |x: f64, y: f64| DVec3::new(x, y, 1.5);
             let wall = [at(-1.0, -1.0), at(-1.0, 1.0), at(1.0, 1.0), at(1.0, -1.0)];
-            let light = scenes::point_light(
-                10.0,
-                at(0.0, 0.0) + DVec3::Z * (ulp * f64::from(height)),
-                falloff,
-            );
+            let position = at(0.0, 0.0) + DVec3::Z * (ulp * f64::from(height));
+            let light = scenes::point_light(10.0, position, falloff);
             let wall = scenes::plane(wall, scenes::matte([1.0; 3]));
             let scene = scenes::scene(0, &eye.json(), &[light], &[wall]);
             let images = every_image(effort, &scene, &[Preset::VeryFast], |rendered| {
                 let found = rendered.counters.lights_at_surface;
-                let mut outcome = Outcome::default();
-                outcome.count((found != count).then(|| format!("{found} counted, not {count}")));
+                let failure = || format!("{found} counted, not {count}");
+                let mut outcome = Outcome::one((found != count).then(failure));
                 let middle = rendered.film.pixel(size[0] / 2, size[1] / 2).unwrap_or_default();
                 let is_right = (middle[0] > 0.0) == (height > 0);
-                outcome.count((!is_right).then(|| format!("{middle:?} below the light")));
+                outcome.check(is_right, || format!("{middle:?} below the light"));
                 outcome
             });
-            outcome.add(
-                images.with_context(|| format!("a light {height} ulp before a wall, {falloff}")),
-            );
+            let context = || format!("a light {height} ulp before a wall, {falloff}");
+            outcome.add(images.with_context(context));
         }
     }
     outcome
@@ -225,10 +218,10 @@ fn light_at_a_point(tests: Tests, numbers: &mut Numbers) -> Outcome {
             let contribution = Vec3::from(request.contribution);
             let is_bounded =
                 contribution.is_finite() && f64::from(contribution.max_element()) <= most;
-            outcome.count((!is_bounded).then(|| format!("more than {most}: {}", context())));
+            outcome.check(is_bounded, || format!("more than {most}: {}", context()));
             let is_doubtful = (distance / least - 1.0).abs() < 1e-5;
             let is_counted = request.at_light == (distance < least) || is_doubtful;
-            outcome.count((!is_counted).then(|| format!("{distance}, {least}: {}", context())));
+            outcome.check(is_counted, || format!("{distance}, {least}: {}", context()));
         }
     }
     outcome
@@ -252,13 +245,11 @@ fn with_normals(mesh: &Mesh, numbers: &mut Numbers, tilt: f64) -> Value {
 pub(super) fn horizon(effort: &Effort) -> Outcome {
     let mut outcome = Outcome::default();
     let mut asked = 0_u64;
-    for n in 0..effort.either(6, 200) {
-        let mut numbers = Numbers::new(effort, 33, n);
+    for mut numbers in inputs(effort, 33, 0..effort.either(6, 200)) {
         let mesh = globe([1, 2, 4][numbers.below(3)], 64.0, 1.0 / 64.0);
         let light = numbers.direction() * 64.0 * numbers.magnitude(1.1, 10.0);
         let location = numbers.direction() * 200.0;
-        let size = [32, 32];
-        let eye = Eye { location, look: DVec3::ZERO, up: DVec3::Y, fov: 40.0, size };
+        let eye = Eye::at(location, 40.0, [32, 32]);
         // Up to nearly along the surface.
         let tilt = [0.0, 0.5, 3.0][numbers.below(3)];
         let shape = with_normals(&mesh, &mut numbers, tilt);
@@ -277,11 +268,10 @@ pub(super) fn horizon(effort: &Effort) -> Outcome {
                 (is_lit && is_behind(x, y)).then(|| "lit from behind".to_owned())
             })
         });
-        outcome.add(
-            images.with_context(|| format!("light at {light}, seen from {location}, tilt {tilt}")),
-        );
+        let context = || format!("light at {light}, seen from {location}, tilt {tilt}");
+        outcome.add(images.with_context(context));
     }
-    outcome.count((asked == 0).then(|| "no face has the light behind it".to_owned()));
+    outcome.check(asked > 0, || "no face has the light behind it".to_owned());
     outcome
 }
 
@@ -313,11 +303,9 @@ pub(super) fn highlights(effort: &Effort) -> Outcome {
         let is_right = found.is_finite()
             && found.min_element() >= 0.0
             && f64::from(found.max_element()) <= f64::from(ks + kd) * 1.00001;
-        let mut outcome = Outcome::default();
-        outcome.count((!is_right).then(|| {
+        Outcome::one((!is_right).then(|| {
             format!("{found} of {material:?}, normal {normal}, view {view}, light {to_light}")
-        }));
-        outcome
+        }))
     });
     for exponent in [0.0, 1e-30, 0.5, 1.0, 999_999.5, 1e6] {
         outcome.add(shiny_ball(effort, exponent).with_context(|| format!("exponent {exponent}")));
@@ -331,16 +319,11 @@ fn shiny_ball(effort: &Effort, exponent: f64) -> Outcome {
     shiny["ks"] = json!(1);
     shiny["specularexponent"] = json!(exponent);
     let location = DVec3::new(0.0, 0.0, 4.0);
-    let eye = Eye { location, look: DVec3::ZERO, up: DVec3::Y, fov: 40.0, size: [24, 24] };
+    let eye = Eye::at(location, 40.0, [24, 24]);
     // At the eye, where the half vector is the view, and behind what it sees.
     let lights = [location, -location, DVec3::Z * 1.5]
         .map(|position| scenes::point_light(40.0, position, "linear"));
     let ball = scenes::sphere(DVec3::ZERO, 1.0, shiny);
     let scene = scenes::scene(0, &eye.json(), &lights, &[ball]);
-    match scenes::image(effort, &scene, Preset::Brute) {
-        Err(error) => Outcome::failure(error.to_string()),
-        Ok(expected) => every_image(effort, &scene, &[Preset::VeryFast], |rendered| {
-            scenes::same(&rendered.film, &expected)
-        }),
-    }
+    scenes::same_images(effort, &scene, &[Preset::VeryFast], &scene)
 }

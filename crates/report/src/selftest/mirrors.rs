@@ -6,8 +6,9 @@ use serde_json::json;
 
 use super::case::{Effort, Outcome};
 use super::scenes::{self, Eye, every_image, pixels};
-use super::ways::sum;
+use super::ways::in_order;
 use wavecrest_core::accel::build::Preset;
+use wavecrest_core::film::Film;
 
 /// The greatest relative error of a pixel.
 const LARGEST_ERROR: f64 = 1e-4;
@@ -31,7 +32,7 @@ pub(super) fn facing(effort: &Effort) -> Outcome {
         let context = || format!("{bounces} bounces of {kr}");
         between(effort, bounces, kr).with_context(context)
     });
-    sum(all.collect())
+    in_order(all)
 }
 
 fn between(effort: &Effort, bounces: u32, kr: f64) -> Outcome {
@@ -51,29 +52,26 @@ fn between(effort: &Effort, bounces: u32, kr: f64) -> Outcome {
     let lights = [scenes::point_light(INTENSITY, LIGHT, "linear")];
     let mut scene = scenes::scene(bounces, &eye.json(), &lights, &walls);
     scene["scene"]["ambient"] = json!(AMBIENT);
-    let expected = match scenes::image(effort, &scene, Preset::Brute) {
-        Ok(expected) => expected,
-        Err(error) => return Outcome::failure(error.to_string()),
+    let judge = |expected: Film| {
+        every_image(effort, &scene, &[Preset::Brute, Preset::VeryFast], |rendered| {
+            let mut outcome = scenes::same(&rendered.film, &expected);
+            outcome.add(pixels(&rendered.film, |x, y, pixel| {
+                let right = radiance(eye.location, eye.direction(x, y), bounces, kr);
+                let is_near =
+                    |i: usize| (f64::from(pixel[i]) / right[i] - 1.0).abs() <= LARGEST_ERROR;
+                (!(0..3).all(is_near)).then(|| format!("not {right}"))
+            }));
+            outcome
+        })
     };
-    every_image(effort, &scene, &[Preset::Brute, Preset::VeryFast], |rendered| {
-        let mut outcome = scenes::same(&rendered.film, &expected);
-        outcome.add(pixels(&rendered.film, |x, y, pixel| {
-            let right = radiance(eye.location, eye.direction(x, y), bounces, kr);
-            let is_near = |i: usize| (f64::from(pixel[i]) / right[i] - 1.0).abs() <= LARGEST_ERROR;
-            (!(0..3).all(is_near)).then(|| format!("not {right}"))
-        }));
-        outcome
-    })
+    scenes::image(effort, &scene, Preset::Brute).map(judge).into()
 }
 
 /// What is seen along the ray: mirrored, it goes on straight in a row of images of the space between.
 fn radiance(origin: DVec3, direction: DVec3, bounces: u32, kr: f64) -> DVec3 {
     let mut sum = DVec3::ZERO;
-    let (mut wall, mut t) = if direction.z > 0.0 {
-        (1, (PLACES[1] - origin.z) / direction.z)
-    } else {
-        (0, (PLACES[0] - origin.z) / direction.z)
-    };
+    let mut wall = usize::from(direction.z > 0.0);
+    let mut t = (PLACES[wall] - origin.z) / direction.z;
     let mut weight = 1.0;
     for _ in 0..=bounces {
         let point = (origin + direction * t).with_z(PLACES[wall]);

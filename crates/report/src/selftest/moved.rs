@@ -10,6 +10,7 @@ use super::ways::every_way;
 use wavecrest_base::error::Result;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::accel::{Accel, Hit};
+use wavecrest_core::film::Film;
 use wavecrest_core::math::ray::Ray;
 
 /// The grid of vertices: at coordinates of 2^17 single precision has just these.
@@ -27,7 +28,7 @@ const LIGHT: DVec3 = DVec3::new(-40.0, 190.0, 160.0);
 
 fn eye(effort: &Effort, by: DVec3) -> Eye {
     let size = effort.either([48, 40], [128, 120]);
-    Eye { location: EYE + by, look: by, up: DVec3::Y, fov: 40.0, size }
+    Eye { look: by, ..Eye::at(EYE + by, 40.0, size) }
 }
 
 fn hits(accel: &Accel, rays: &[Ray]) -> Vec<Hit> {
@@ -51,11 +52,8 @@ pub(super) fn moved(effort: &Effort) -> Outcome {
     let mut outcome = Outcome::default();
     for by in [DVec3::ZERO].into_iter().chain(moves(effort)) {
         let context = || format!("moved by {by}");
-        let asked = match same_primitives(effort, by) {
-            Ok(asked) => asked.allowing(LARGEST_SHARE_OF_OTHERS),
-            Err(error) => Outcome::failure(error.to_string()),
-        };
-        outcome.add(asked.with_context(context));
+        let asked = same_primitives(effort, by).map(|all| all.allowing(LARGEST_SHARE_OF_OTHERS));
+        outcome.add(Outcome::from(asked).with_context(context));
         outcome.add(no_acne(effort, by).with_context(context));
     }
     outcome
@@ -75,16 +73,15 @@ fn same_primitives(effort: &Effort, by: DVec3) -> Result<Outcome> {
     let unmoved = lit_globe(effort, &mesh, DVec3::ZERO);
     let unmoved = scenes::prepare(effort, &unmoved, Preset::Brute)?.scene;
     let expected = hits(&unmoved.accel, &camera_rays(&unmoved));
-    let mut outcome = Outcome::default();
-    for preset in PRESETS {
+    let found = PRESETS.into_iter().map(|preset| {
         let scene = scenes::prepare(effort, &lit_globe(effort, &mesh, by), preset)?.scene;
         let rays = camera_rays(&scene);
-        outcome.add(every_way(scene.accel, &rays, |i, _, hit| {
+        Ok(every_way(scene.accel, &rays, |i, _, hit| {
             let context = || format!("{hit:?} and unmoved {:?}", expected[i]);
             (hit.primitive != expected[i].primitive).then(context)
-        }));
-    }
-    Ok(outcome)
+        }))
+    });
+    found.sum()
 }
 
 /// No part of a convex shape that faces the light is in its own shadow.
@@ -130,7 +127,7 @@ fn lit_is_bright(
         })
     });
     let count = lit.iter().filter(|lit| **lit).count();
-    outcome.count((count < lit.len() / 10).then(|| format!("only {count} pixels face the light")));
+    outcome.check(count >= lit.len() / 10, || format!("only {count} pixels face the light"));
     outcome
 }
 
@@ -234,19 +231,18 @@ fn everything(effort: &Effort, axes: Axes, has_balls: bool) -> Value {
 
 /// Row 8.
 pub(super) fn scaled(effort: &Effort) -> Outcome {
-    let expected = match scenes::image(effort, &everything(effort, STILL, true), Preset::Brute) {
-        Ok(expected) => expected,
-        Err(error) => return Outcome::failure(error.to_string()),
-    };
+    let still = scenes::image(effort, &everything(effort, STILL, true), Preset::Brute);
+    let mut outcome = Outcome::from(still.map(|image| same_at_every_scale(effort, &image)));
+    outcome.add(turned(effort).into());
+    outcome
+}
+
+fn same_at_every_scale(effort: &Effort, expected: &Film) -> Outcome {
     let mut outcome = Outcome::default();
     for k in effort.either(vec![-20, -7, 0, 20], (-20..=20).collect()) {
         let scene = everything(effort, Axes { unit: libm::exp2(f64::from(k)), ..STILL }, true);
-        let images = every_image(effort, &scene, &PRESETS, |r| scenes::same(&r.film, &expected));
+        let images = every_image(effort, &scene, &PRESETS, |r| scenes::same(&r.film, expected));
         outcome.add(images.with_context(|| format!("scaled by 2^{k}")));
-    }
-    match turned(effort) {
-        Ok(hits) => outcome.add(hits),
-        Err(error) => outcome.count(Some(error.to_string())),
     }
     outcome
 }

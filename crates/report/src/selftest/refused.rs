@@ -1,4 +1,4 @@
-//! What is no scene, and what is no mesh: it is refused by name, and never worse.
+//! Invalid scenes and meshes: each is refused with an error that names the fault, and none causes a panic.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
@@ -8,14 +8,13 @@ use serde_json::{Value, json};
 
 use super::case::{Effort, Outcome};
 use super::scenes::{self, Eye, Prepared};
-use super::ways::Numbers;
+use super::ways::{Numbers, inputs};
 use wavecrest_base::error::{ErrorKind, Result};
 use wavecrest_core::accel::build::Preset;
 
 /// A camera that looks at the origin.
 fn eye() -> Eye {
-    let location = DVec3::new(0.0, 0.0, 5.0);
-    Eye { location, look: DVec3::ZERO, up: DVec3::Y, fov: 40.0, size: [8, 8] }
+    Eye::at(DVec3::new(0.0, 0.0, 5.0), 40.0, [8, 8])
 }
 
 /// Counts whether the scene is refused with an error of this kind that names `named`.
@@ -44,19 +43,8 @@ pub(super) fn names(prepared: Result<Prepared>, named: &str) -> Outcome {
 
 /// A number of text that is no length: 0, below 0, none, not finite, or no number.
 fn no_length(numbers: &mut Numbers, is_zero_a_length: bool) -> (String, ErrorKind) {
-    let all = [
-        "0.0",
-        "-0.0",
-        "-1",
-        "-1e-30",
-        "null",
-        "\"one\"",
-        "1e13",
-        "NaN",
-        "Infinity",
-        "-Infinity",
-        "1e999",
-    ];
+    let all = ["0.0 -0.0 -1 -1e-30 null \"one\" 1e13", "NaN Infinity -Infinity 1e999"];
+    let all: Vec<&str> = all.iter().flat_map(|words| words.split(' ')).collect();
     let first = if is_zero_a_length { 2 } else { 0 };
     match first + numbers.below(all.len() + 1 - first) {
         // A number of its own.
@@ -76,8 +64,7 @@ fn put<'a>(scene: &Value, text: &str, kind: ErrorKind, path: &'a str) -> (String
 /// Row 17.
 pub(super) fn radii(effort: &Effort) -> Outcome {
     let mut outcome = Outcome::default();
-    for n in 0..effort.of(100_000) as usize {
-        let mut numbers = Numbers::new(effort, 17, n);
+    for mut numbers in inputs(effort, 17, 0..effort.of(100_000)) {
         let wrong = numbers.below(3);
         let (text, kind) = no_length(&mut numbers, false);
         let mut shapes =
@@ -105,8 +92,7 @@ pub(super) fn radii(effort: &Effort) -> Outcome {
 /// Lenses that are none.
 pub(super) fn lenses(effort: &Effort) -> Outcome {
     let mut outcome = Outcome::default();
-    for n in 0..effort.of(100_000) as usize {
-        let mut numbers = Numbers::new(effort, 29, n);
+    for mut numbers in inputs(effort, 29, 0..effort.of(100_000)) {
         let (key, may_be_zero) = [("focal", false), ("aperture", true)][numbers.below(2)];
         let (text, kind) = no_length(&mut numbers, may_be_zero);
         let mut camera = eye().json();
@@ -163,7 +149,7 @@ pub(super) fn lights(effort: &Effort) -> Outcome {
 pub(super) fn meshes(effort: &Effort) -> Outcome {
     let folder = match tempfile::tempdir() {
         Ok(folder) => folder,
-        Err(error) => return Outcome::failure(format!("no folder for meshes: {error}")),
+        Err(error) => return Outcome::one(Some(format!("no folder for meshes: {error}"))),
     };
     let mut outcome = Outcome::default();
     for n in 0..effort.either(100, 1000) {
@@ -173,15 +159,14 @@ pub(super) fn meshes(effort: &Effort) -> Outcome {
             let path = folder.path().join(format!("m.{extension}"));
             let mut numbers = Numbers::new(effort, 25 + 32 * format as u32, n);
             let faulty = Faulty::new(&mut numbers);
-            let bytes = if extension == "obj" { faulty.obj() } else { faulty.ply(format) };
+            let bytes = faulty.bytes(extension, format);
             let named = faulty.place(extension);
             outcome.add(one_mesh(effort, &path, &bytes, Some(&named)));
             // Of the same file, some bits turned: it may be anything.
             let turned = turn_bits(&mut numbers, bytes);
             outcome.add(one_mesh(effort, &path, &turned, None));
-            let wild = Faulty::wild(&mut numbers);
-            let bytes = if extension == "obj" { wild.obj() } else { wild.ply(format) };
-            outcome.add(one_mesh(effort, &path, &bytes, None));
+            let wild = Faulty::wild(&mut numbers).bytes(extension, format);
+            outcome.add(one_mesh(effort, &path, &wild, None));
         }
     }
     outcome
@@ -191,7 +176,7 @@ pub(super) fn meshes(effort: &Effort) -> Outcome {
 /// name the file and `fault`, where there is one.
 fn one_mesh(effort: &Effort, path: &Path, bytes: &[u8], fault: Option<&str>) -> Outcome {
     if let Err(error) = std::fs::write(path, bytes) {
-        return Outcome::failure(format!("cannot write {}: {error}", path.display()));
+        return Outcome::one(Some(format!("cannot write {}: {error}", path.display())));
     }
     let mut outcome = Outcome::default();
     let context = || String::from_utf8_lossy(bytes).escape_debug().take(400).collect::<String>();
@@ -314,16 +299,22 @@ impl Faulty {
         }
     }
 
-    fn obj(&self) -> Vec<u8> {
-        let mut text = String::new();
-        for [x, y, z] in &self.positions {
-            text += &format!("v {x} {y} {z}\n");
+    /// The file.
+    fn bytes(&self, extension: &str, format: Format) -> Vec<u8> {
+        if extension == "ply" {
+            return self.ply(format);
         }
-        for corners in &self.triangles {
-            let [a, b, c] = corners.map(|v| u64::from(v) + 1);
-            text += &format!("f {a} {b} {c}\n");
-        }
-        text.into_bytes()
+        self.lines("v ", "f ", 1)
+    }
+
+    /// A line for each vertex and each triangle, whose corners are counted from `first`.
+    fn lines(&self, vertex: &str, face: &str, first: u64) -> Vec<u8> {
+        let vertices = self.positions.iter().map(|[x, y, z]| format!("{vertex}{x} {y} {z}\n"));
+        let faces = self.triangles.iter().map(|corners| {
+            let [a, b, c] = corners.map(|v| u64::from(v) + first);
+            format!("{face}{a} {b} {c}\n")
+        });
+        vertices.chain(faces).collect::<String>().into_bytes()
     }
 
     fn ply(&self, format: Format) -> Vec<u8> {
@@ -339,14 +330,7 @@ impl Faulty {
         )
         .into_bytes();
         match format {
-            Format::Text => {
-                for [x, y, z] in &self.positions {
-                    bytes.extend(format!("{x} {y} {z}\n").into_bytes());
-                }
-                for [a, b, c] in &self.triangles {
-                    bytes.extend(format!("3 {a} {b} {c}\n").into_bytes());
-                }
-            }
+            Format::Text => bytes.extend(self.lines("", "3 ", 0)),
             Format::Binary => {
                 bytes.extend(self.positions.iter().flatten().flat_map(|x| x.to_le_bytes()));
                 for corners in &self.triangles {

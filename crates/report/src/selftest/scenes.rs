@@ -1,4 +1,4 @@
-//! Scenes made by code, and their images in every way in which one can be made.
+//! Scenes made in code, and their images with every tracer, batch size, preset and level of instructions.
 
 use std::path::Path;
 
@@ -26,6 +26,13 @@ pub(super) struct Prepared {
     pub(super) warnings: Vec<String>,
 }
 
+impl Prepared {
+    /// Whether a warning contains these words.
+    pub(super) fn warns(&self, words: &str) -> bool {
+        self.warnings.iter().any(|warning| warning.contains(words))
+    }
+}
+
 /// The scene of `json`, with paths that start from the folder of `file`.
 pub(super) fn prepare_text(
     effort: &Effort,
@@ -48,7 +55,7 @@ pub(super) fn prepare(effort: &Effort, scene: &Value, preset: Preset) -> Result<
     prepare_text(effort, &scene.to_string(), Path::new("scene.json"), preset)
 }
 
-/// How an image is made. Nothing of it may show.
+/// How an image is made. The image must not depend on it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Way {
     tracer: TracerKind,
@@ -82,25 +89,31 @@ pub(super) fn image(effort: &Effort, scene: &Value, preset: Preset) -> Result<Fi
     Ok(render(effort, &prepared.scene, Way::ALL[0])?.film)
 }
 
-/// Has the image of `scene` judged: built with each of the presets, and rendered in every way, with
-/// all instructions there are. Every pixel has to be a number, besides.
+/// Checks the image of `scene` with `judge`: built with each of the presets, and rendered in every way with all
+/// levels of instructions. Every pixel must be finite as well.
 pub(super) fn every_image(
     effort: &Effort,
     scene: &Value,
     presets: &[Preset],
     judge: impl Fn(&Rendered) -> Outcome,
 ) -> Outcome {
-    let mut outcome = Outcome::default();
-    for &preset in presets {
-        match prepare(effort, scene, preset) {
-            Ok(prepared) => {
-                let context = every_way_to_render(effort, prepared.scene, &judge);
-                outcome.add(context.with_context(|| preset.name().to_owned()));
-            }
-            Err(error) => outcome.count(Some(format!("the scene is refused: {error}"))),
-        }
-    }
-    outcome
+    let image = |&preset: &Preset| match prepare(effort, scene, preset) {
+        Ok(prepared) => every_way_to_render(effort, prepared.scene, &judge)
+            .with_context(|| preset.name().to_owned()),
+        Err(error) => Outcome::one(Some(format!("the scene is refused: {error}"))),
+    };
+    presets.iter().map(image).sum()
+}
+
+/// As [`every_image`], where `expected` has to have the same image, built by testing everything.
+pub(super) fn same_images(
+    effort: &Effort,
+    scene: &Value,
+    presets: &[Preset],
+    expected: &Value,
+) -> Outcome {
+    let judge = |expected| every_image(effort, scene, presets, |r| same(&r.film, &expected));
+    image(effort, expected, Preset::Brute).map(judge).into()
 }
 
 /// As [`every_image`], of a scene that is ready.
@@ -122,7 +135,7 @@ pub(super) fn every_way_to_render(
                         (!is_number).then(|| "no number".to_owned())
                     });
                     let invalid = rendered.counters.invalid;
-                    one.count((invalid > 0).then(|| format!("{invalid} samples are no numbers")));
+                    one.check(invalid == 0, || format!("{invalid} samples are no numbers"));
                     one.add(judge(&rendered));
                     outcome.add(one.with_context(context));
                 }
@@ -133,16 +146,15 @@ pub(super) fn every_way_to_render(
     outcome
 }
 
-/// Has every pixel judged. `judge` says what is wrong with the pixel in that column and row, if
+/// Checks every pixel. `judge` describes what is wrong with the pixel in that column and row, if
 /// anything is.
 pub(super) fn pixels(film: &Film, judge: impl Fn(u32, u32, [f32; 3]) -> Option<String>) -> Outcome {
-    let mut outcome = Outcome::default();
-    for (index, &pixel) in (0_u32..).zip(film.pixels()) {
+    let judged = (0_u32..).zip(film.pixels()).map(|(index, &pixel)| {
         let (x, y) = (index % film.width(), index / film.width());
         let context = |failure| format!("pixel ({x}, {y}) is {pixel:?}: {failure}");
-        outcome.count(judge(x, y, pixel).map(context));
-    }
-    outcome
+        Outcome::one(judge(x, y, pixel).map(context))
+    });
+    judged.sum()
 }
 
 /// Compares every pixel with that of `expected`, to the last bit.
@@ -166,6 +178,11 @@ pub(super) struct Eye {
 }
 
 impl Eye {
+    /// One that looks at the origin, with y upwards.
+    pub(super) fn at(location: DVec3, fov: f64, size: [u32; 2]) -> Self {
+        Self { location, look: DVec3::ZERO, up: DVec3::Y, fov, size }
+    }
+
     pub(super) fn json(&self) -> Value {
         json!({
             "type": "pinhole", "width": self.size[0], "height": self.size[1], "fov": self.fov,

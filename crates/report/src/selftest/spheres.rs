@@ -3,7 +3,7 @@
 use glam::{DVec3, Vec3};
 
 use super::case::{Effort, Outcome};
-use super::ways::{Numbers, every_way};
+use super::ways::{Numbers, every_way, inputs};
 use wavecrest_core::accel::Hit;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::accel::geometry::Geometry;
@@ -59,7 +59,7 @@ impl Sphere {
 }
 
 /// Rays of a case.
-const RAYS: u32 = 1_000_000;
+const RAYS: usize = 1_000_000;
 
 /// Asks about `SPHERES` spheres, with rays that `ray` makes for each. `judge` says what is wrong with
 /// an answer, if anything is.
@@ -71,11 +71,11 @@ fn each_sphere(
     judge: impl Fn(&Sphere, &Ray, Hit) -> Option<String> + Sync,
 ) -> Outcome {
     let mut outcome = Outcome::default();
-    let count = effort.of(RAYS) as usize / SPHERES;
+    let count = effort.of(RAYS) / SPHERES;
     for s in 0..SPHERES {
         let sphere = sphere(&mut Numbers::new(effort, case, usize::MAX - s));
-        let rays: Vec<Ray> = (0..count)
-            .map(|n| ray(&mut Numbers::new(effort, case, s * count + n), &sphere))
+        let rays: Vec<Ray> = inputs(effort, case, s * count..(s + 1) * count)
+            .map(|mut numbers| ray(&mut numbers, &sphere))
             .collect();
         let spheres = vec![(sphere.center, sphere.radius)];
         let accel = effort.accel(Geometry { spheres, ..Geometry::default() }, Preset::VeryFast);

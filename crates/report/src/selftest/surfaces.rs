@@ -4,7 +4,7 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::case::{Effort, Outcome};
-use super::ways::{Numbers, Tests, every_way};
+use super::ways::{Numbers, Tests, every_way, in_order, inputs};
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::accel::geometry::Geometry;
 use wavecrest_core::kernels::shade::SHADOW_END;
@@ -17,26 +17,20 @@ use wavecrest_core::math::ray::Ray;
 const FROM_EACH: u32 = 100;
 
 /// Asks `count` questions on all threads. `ask` says of each input what is wrong with the answer, if
-/// anything is; `None` for inputs of which nothing is asked.
+/// anything is; `None` for inputs that are not tested.
 fn each(
     effort: &Effort,
     case: u32,
-    count: u32,
+    count: usize,
     ask: impl Fn(&mut Numbers) -> Option<Outcome> + Sync,
 ) -> Outcome {
     let ask = |n: usize| ask(&mut Numbers::new(effort, case, n));
-    let all = (0..count as usize).into_par_iter().filter_map(ask);
-    // In order, for the first failure to be the first.
-    all.collect::<Vec<_>>().into_iter().fold(Outcome::default(), |mut all, one| {
-        all.add(one);
-        all
-    })
+    in_order((0..count).into_par_iter().filter_map(ask))
 }
 
 /// A number of either sign, of any magnitude from 1e-8 to 1e8.
 fn wide(numbers: &mut Numbers) -> f64 {
-    let sign = if numbers.below(2) == 0 { 1.0 } else { -1.0 };
-    sign * numbers.magnitude(1e-8, 1e8)
+    numbers.sign() * numbers.magnitude(1e-8, 1e8)
 }
 
 fn wide_point(numbers: &mut Numbers) -> DVec3 {
@@ -49,10 +43,7 @@ pub(super) fn on_triangle(
     numbers: &mut Numbers,
     corners: &[Vec3; 3],
 ) -> Option<Surface<f32>> {
-    let [a, b, c] = corners.map(|v| v.as_dvec3());
-    let (u, v) = (numbers.one(), numbers.one());
-    let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
-    let target = a + (b - a) * u + (c - a) * v;
+    let target = numbers.within(*corners);
     let origin = (target + numbers.direction() * target.length().max(1e-3)).as_vec3();
     let ray = Ray::new(origin, target.as_vec3() - origin);
     let t = tests.triangle(&ray, corners)?;
@@ -141,9 +132,9 @@ pub(super) fn contact(effort: &Effort) -> Outcome {
         add_plate(&mut lower, axis * height, k, height);
         let mut both = lower.clone();
         add_plate(&mut both, axis * (height + gap), k, 2.0 * height);
-        let rays: Vec<Ray> = (0..effort.of(1_000_000) as usize / scenes)
-            .filter_map(|n| {
-                let mut numbers = Numbers::new(effort, 10, s * 100_000 + n);
+        let start = s * 100_000;
+        let rays: Vec<Ray> = inputs(effort, 10, start..start + effort.of(1_000_000) / scenes)
+            .filter_map(|mut numbers| {
                 let corners = lower.triangle(numbers.below(2));
                 let found = on_triangle(tests, &mut numbers, &corners)?;
                 let [point, error, normal] = found.vectors();
@@ -222,9 +213,7 @@ pub(super) fn just_before_a_light(effort: &Effort) -> Outcome {
         }
         let ray = Ray { t_max: SHADOW_END, ..Ray::new(from, light - from) };
         let hit = tests.triangle(&ray, &corners).filter(|&t| t < ray.t_max);
-        let mut outcome = Outcome::default();
         let context = || format!("{ray:?} is not blocked by {corners:?}");
-        outcome.count(hit.is_none().then(context));
-        Some(outcome)
+        Some(Outcome::one(hit.is_none().then(context)))
     })
 }

@@ -24,10 +24,7 @@ fn waves(width: u32, height: u32, is_bytes: bool) -> Image {
 
 /// A coordinate: an end, next to one, far out, or of random bits.
 fn coordinate(numbers: &mut Numbers) -> f32 {
-    let whole = |numbers: &mut Numbers| {
-        let sign = [1.0, -1.0][numbers.below(2)];
-        sign * numbers.magnitude(1.0, 1e6).round()
-    };
+    let whole = |numbers: &mut Numbers| numbers.sign() * numbers.magnitude(1.0, 1e6).round();
     match numbers.below(8) {
         0 => [0.0, -0.0, 1.0, 0.5][numbers.below(4)],
         1 => [-f32::EPSILON, -1e-30, f32::from_bits(1), 1.0_f32.next_down()][numbers.below(4)],
@@ -78,13 +75,11 @@ pub(super) fn look_ups(effort: &Effort) -> Outcome {
         let image = &images[numbers.below(images.len())];
         let filter = [Filter::Nearest, Filter::Bilinear][numbers.below(2)];
         let wrap = [Wrap::Repeat, Wrap::Clamp][numbers.below(2)];
-        let mut outcome = Outcome::default();
-        outcome.count(if numbers.below(4) == 0 {
+        Outcome::one(if numbers.below(4) == 0 {
             across_a_seam(&mut numbers, image, filter)
         } else {
             look_up(&mut numbers, image, filter, wrap)
-        });
-        outcome
+        })
     })
 }
 

@@ -1,4 +1,4 @@
-//! Cameras at the ends of what they can be, and scenes with next to nothing in them.
+//! Cameras with extreme parameters, and almost empty scenes.
 
 use glam::DVec3;
 use serde_json::{Value, json};
@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 use super::case::{Effort, Outcome};
 use super::refused;
 use super::scenes::{self, BACKGROUND, Eye, every_image, pixels};
-use super::ways::Numbers;
+use super::ways::{Numbers, inputs};
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::kernels::camera::Camera;
 use wavecrest_core::math::random::Stream;
@@ -22,11 +22,10 @@ fn color(numbers: &mut Numbers) -> [f64; 3] {
 pub(super) fn next_to_nothing(effort: &Effort) -> Outcome {
     let mut outcome = Outcome::default();
     let mut shown = 0_u64;
-    for n in 0..effort.either(3, 100) {
-        let mut numbers = Numbers::new(effort, 24, n);
+    for mut numbers in inputs(effort, 24, 0..effort.either(3, 100)) {
         let turn = numbers.direction();
         let size = [1 + numbers.below(24) as u32, 1 + numbers.below(24) as u32];
-        let eye = Eye { location: turn * 4.0, look: DVec3::ZERO, up: DVec3::Y, fov: 50.0, size };
+        let eye = Eye::at(turn * 4.0, 50.0, size);
         let background = color(&mut numbers);
         let right = background.map(|c| c as f32);
         let lights = [scenes::point_light(50.0, numbers.direction() * 9.0, "linear")];
@@ -55,7 +54,7 @@ pub(super) fn next_to_nothing(effort: &Effort) -> Outcome {
             }
         }
     }
-    outcome.count((shown == 0).then(|| "no shape is to be seen".to_owned()));
+    outcome.check(shown > 0, || "no shape is to be seen".to_owned());
     outcome
 }
 
@@ -107,11 +106,10 @@ fn sees(shapes: &[Value], origin: DVec3, direction: DVec3) -> Option<bool> {
 /// Row 27.
 pub(super) fn upright(effort: &Effort) -> Outcome {
     let mut outcome = Outcome::default();
-    for n in 0..effort.of(100_000) as usize {
-        let mut numbers = Numbers::new(effort, 27, n);
+    for mut numbers in inputs(effort, 27, 0..effort.of(100_000)) {
         let location = numbers.direction() * numbers.magnitude(1e-3, 1e6);
         let along = match numbers.below(2) {
-            0 => DVec3::AXES[numbers.below(3)] * [1.0, -1.0][numbers.below(2)],
+            0 => DVec3::AXES[numbers.below(3)] * numbers.sign(),
             _ => numbers.direction(),
         };
         let view = along * numbers.magnitude(1e-3, 1e6);
@@ -120,17 +118,16 @@ pub(super) fn upright(effort: &Effort) -> Outcome {
         let view = look - location;
         let off = [0.0, 1e-7, 1e-5, 1.0][numbers.below(4)];
         let aside = view.normalize().cross(numbers.direction()).normalize();
-        let sign = [1.0, -1.0][numbers.below(2)];
-        let up = (view.normalize() + aside * off) * sign * numbers.magnitude(1e-3, 1e3);
+        let up = (view.normalize() + aside * off) * numbers.sign() * numbers.magnitude(1e-3, 1e3);
         let eye = Eye { location, look, up, fov: 40.0, size: [4, 3] };
         let context = || format!("location {location}, look {look}, up {up}");
         let scene = scenes::scene(0, &eye.json(), &[], &[]);
         match scenes::prepare(effort, &scene, Preset::VeryFast) {
             Err(error) => outcome.count(Some(format!("{}: {error}", context()))),
             Ok(prepared) => {
-                let is_warned = prepared.warnings.iter().any(|w| w.contains("camera.up"));
-                let wrong = is_warned != (off < 1e-6);
-                outcome.count(wrong.then(|| format!("{}: warned {is_warned}", context())));
+                let is_warned = prepared.warns("camera.up");
+                let is_right = is_warned == (off < 1e-6);
+                outcome.check(is_right, || format!("{}: warned {is_warned}", context()));
                 let basis = prepared.scene.camera.basis().map(|v| v.as_dvec3());
                 let failure = not_orthonormal(basis);
                 outcome.count(failure.map(|failure| format!("{}: {failure}", context())));
@@ -162,8 +159,7 @@ fn not_orthonormal(basis: [DVec3; 3]) -> Option<String> {
 /// Row 28.
 pub(super) fn angles(effort: &Effort) -> Outcome {
     let mut outcome = Outcome::default();
-    for n in 0..effort.of(10_000) as usize {
-        let mut numbers = Numbers::new(effort, 28, n);
+    for mut numbers in inputs(effort, 28, 0..effort.of(10_000)) {
         let fov = match numbers.below(3) {
             0 => [0.001, 179.0][numbers.below(2)],
             _ => numbers.magnitude(0.001, 179.0).clamp(0.001, 179.0),
@@ -198,15 +194,13 @@ pub(super) fn angles(effort: &Effort) -> Outcome {
 
 /// Angles of view that no camera has.
 fn refused_angles(effort: &Effort) -> Outcome {
-    let mut outcome = Outcome::default();
-    for fov in [0.0, -1.0, 0.000_999, 179.001, 180.0, 1e9] {
-        let eye = Eye { location: DVec3::ZERO, look: DVec3::X, up: DVec3::Y, fov, size: [3, 3] };
+    let refused = [0.0, -1.0, 0.000_999, 179.001, 180.0, 1e9].map(|fov| {
+        let eye = Eye { look: DVec3::X, ..Eye::at(DVec3::ZERO, fov, [3, 3]) };
         let scene = scenes::scene(0, &eye.json(), &[], &[]);
         let refusal = scenes::prepare(effort, &scene, Preset::VeryFast);
-        outcome
-            .add(refused::names(refusal, "camera.fov").with_context(|| format!("{fov} degrees")));
-    }
-    outcome
+        refused::names(refusal, "camera.fov").with_context(|| format!("{fov} degrees"))
+    });
+    refused.into_iter().sum()
 }
 
 /// Whether rays of some pixels have directions, of length 1 within 4 ulp.
@@ -224,37 +218,26 @@ fn rays_of(
         let ray = camera.ray(x as u32, y as u32, &stream);
         let error = (ray.direction.as_dvec3().length() - 1.0).abs();
         let is_right = ray.is_valid() && error < 4.0 * f64::from(f32::EPSILON);
-        let failure = || format!("{}: pixel ({x}, {y}) has the ray {ray:?}", context());
-        outcome.count((!is_right).then(failure));
+        outcome.check(is_right, || format!("{}: pixel ({x}, {y}) has the ray {ray:?}", context()));
     }
     outcome
 }
 
 /// An image of one pixel across, which every way has to make to the last bit.
 fn thin_image(effort: &Effort, size: [u32; 2], fov: f64) -> Outcome {
-    let location = DVec3::new(0.0, 0.0, 4.0);
-    let eye = Eye { location, look: DVec3::ZERO, up: DVec3::Y, fov, size };
+    let eye = Eye::at(DVec3::new(0.0, 0.0, 4.0), fov, size);
     let shapes = [scenes::sphere(DVec3::ZERO, 1.5, scenes::matte([1.0; 3]))];
     let light = scenes::point_light(50.0, DVec3::new(3.0, 4.0, 5.0), "linear");
     let scene = scenes::scene(0, &eye.json(), &[light], &shapes);
-    let context = || format!("{size:?} at {fov} degrees");
-    match scenes::image(effort, &scene, Preset::Brute) {
-        Err(error) => Outcome::failure(error.to_string()),
-        Ok(expected) => {
-            every_image(effort, &scene, &[Preset::VeryFast], |r| scenes::same(&r.film, &expected))
-        }
-    }
-    .with_context(context)
+    let images = scenes::same_images(effort, &scene, &[Preset::VeryFast], &scene);
+    images.with_context(|| format!("{size:?} at {fov} degrees"))
 }
 
 /// Row 29.
 pub(super) fn lenses(effort: &Effort) -> Outcome {
     let mut outcome = refused::lenses(effort);
-    for n in 0..effort.either(4, 100) {
-        let mut numbers = Numbers::new(effort, 29 + 32, n);
-        let location = numbers.direction() * 5.0;
-        let size = [20, 15];
-        let eye = Eye { location, look: DVec3::ZERO, up: DVec3::Y, fov: 45.0, size };
+    for mut numbers in inputs(effort, 29 + 32, 0..effort.either(4, 100)) {
+        let eye = Eye::at(numbers.direction() * 5.0, 45.0, [20, 15]);
         let shapes = [
             scenes::sphere(DVec3::ZERO, 1.0, scenes::matte([0.9, 0.5, 0.1])),
             scenes::sphere(DVec3::new(1.5, 0.2, 0.3), 0.7, scenes::matte(BACKGROUND)),
@@ -267,15 +250,7 @@ pub(super) fn lenses(effort: &Effort) -> Outcome {
         camera["aperture"] = json!(0);
         camera["focal"] = json!(numbers.magnitude(1e-6, 1e9));
         let closed = scenes::scene(0, &camera, &[light], &shapes);
-        match scenes::image(effort, &pinhole, Preset::Brute) {
-            Err(error) => outcome.count(Some(error.to_string())),
-            Ok(expected) => {
-                let presets = &[Preset::VeryFast];
-                outcome.add(every_image(effort, &closed, presets, |r| {
-                    scenes::same(&r.film, &expected)
-                }));
-            }
-        }
+        outcome.add(scenes::same_images(effort, &closed, &[Preset::VeryFast], &pinhole));
     }
     outcome
 }

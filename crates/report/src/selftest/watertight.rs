@@ -21,8 +21,8 @@ const PLACES: [(f64, Vec3); 4] = [
     (1.0 / 1_048_576.0, Vec3::ZERO),
 ];
 
-/// Rays of the full count, and those among them that brute force is asked about too.
-const RAYS: u32 = 10_000_000;
+/// Rays of the full count, and the share of them that brute force traces too.
+const RAYS: usize = 10_000_000;
 const BY_BRUTE_FORCE: usize = 10;
 
 /// What a ray may meet later than what it was aimed at, it met by a leak: the target is rounded, and
@@ -48,7 +48,7 @@ pub(super) fn vertices(effort: &Effort) -> Outcome {
 
 fn aimed(effort: &Effort, aim: Aim) -> Outcome {
     let mut outcome = Outcome::default();
-    let count = effort.of(RAYS) as usize / (GLOBES.len() * PLACES.len());
+    let count = effort.of(RAYS) / (GLOBES.len() * PLACES.len());
     for (i, &(size, bumps)) in GLOBES.iter().enumerate() {
         for (j, &place) in PLACES.iter().enumerate() {
             let case = 1 + aim as u32 + 16 * (1 + i * PLACES.len() + j) as u32;

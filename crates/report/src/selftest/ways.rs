@@ -1,5 +1,6 @@
-//! Every way in which a question about rays can be asked.
+//! Tracing rays with every kernel and every level of vector instructions.
 
+use std::ops::Range;
 use std::time::Instant;
 
 use glam::Vec3;
@@ -20,8 +21,8 @@ use wavecrest_core::with_precision;
 /// Rays that a thread is given at a time.
 const RAYS_OF_A_THREAD: usize = 1 << 13;
 
-/// Has the `accel`'s answers for all rays judged, for every kernel with all instructions there are.
-/// `judge` says what is wrong with the answer for the ray of that number, if anything is.
+/// Checks the hits of all rays with every kernel and all levels of instructions.
+/// `judge` describes what is wrong with the hit for the ray of that number, if anything is.
 pub(super) fn every_way(
     mut accel: Accel,
     rays: &[Ray],
@@ -47,7 +48,7 @@ pub(super) fn every_way(
     outcome
 }
 
-/// Has the `accel`'s answers for all rays judged.
+/// Checks the hits of all rays.
 fn ask(
     accel: &Accel,
     rays: &[Ray],
@@ -67,28 +68,27 @@ fn ask(
         }
         outcome
     });
-    sum(blocks.collect())
+    in_order(blocks)
 }
 
 /// Asks `count` questions on all threads, and adds up what comes of them, in order.
-pub(super) fn in_blocks(count: u32, ask: impl Fn(usize) -> Outcome + Sync) -> Outcome {
-    let blocks = (0..count as usize).step_by(RAYS_OF_A_THREAD).collect::<Vec<_>>().into_par_iter();
-    let block = |start: usize| {
-        let mut outcome = Outcome::default();
-        for n in start..(start + RAYS_OF_A_THREAD).min(count as usize) {
-            outcome.add(ask(n).with_context(|| format!("input {n}")));
-        }
-        outcome
-    };
-    sum(blocks.map(block).collect())
+pub(super) fn in_blocks(count: usize, ask: impl Fn(usize) -> Outcome + Sync) -> Outcome {
+    let one = |n| ask(n).with_context(|| format!("input {n}"));
+    in_order(blocks(count, RAYS_OF_A_THREAD).map(|block| block.map(one).sum()))
 }
 
-/// What came of all of them together.
-pub(super) fn sum(outcomes: Vec<Outcome>) -> Outcome {
-    outcomes.into_iter().fold(Outcome::default(), |mut all, one| {
-        all.add(one);
-        all
-    })
+/// The numbers below `count`, up to `size` of them at a time.
+pub(super) fn blocks(
+    count: usize,
+    size: usize,
+) -> impl IndexedParallelIterator<Item = Range<usize>> {
+    let block = move |b: usize| b * size..((b + 1) * size).min(count);
+    (0..count.div_ceil(size)).into_par_iter().map(block)
+}
+
+/// What came of all of them together; the first failure is that of the first to fail.
+pub(super) fn in_order(outcomes: impl ParallelIterator<Item = Outcome>) -> Outcome {
+    outcomes.collect::<Vec<_>>().into_iter().sum()
 }
 
 /// The tests of one primitive, and the points found by them, in a precision.
@@ -143,6 +143,15 @@ pub(super) struct Numbers {
     dimension: u32,
 }
 
+/// Random numbers for each of these inputs of a case.
+pub(super) fn inputs(
+    effort: &Effort,
+    case: u32,
+    inputs: Range<usize>,
+) -> impl Iterator<Item = Numbers> {
+    inputs.map(move |index| Numbers::new(effort, case, index))
+}
+
 impl Numbers {
     pub(super) fn new(effort: &Effort, case: u32, index: usize) -> Self {
         let stream = Stream { seed: effort.seed, pixel: index as u32, sample: case, bounce: 0 };
@@ -164,6 +173,19 @@ impl Numbers {
     /// Less than `end`.
     pub(super) fn below(&mut self, end: usize) -> usize {
         ((self.one() * end as f64) as usize).min(end - 1)
+    }
+
+    /// 1 or -1.
+    pub(super) fn sign(&mut self) -> f64 {
+        [1.0, -1.0][self.below(2)]
+    }
+
+    /// In a triangle.
+    pub(super) fn within(&mut self, [a, b, c]: [Vec3; 3]) -> glam::DVec3 {
+        let [a, b, c] = [a, b, c].map(|v| v.as_dvec3());
+        let (u, v) = (self.one(), self.one());
+        let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
+        a + (b - a) * u + (c - a) * v
     }
 
     /// On the unit sphere.

@@ -37,8 +37,8 @@ pub struct Written {
     pub bytes: u64,
 }
 
-/// Writes the mesh of `recipe` to the file `path`, replacing it. `progress` is told, from time to
-/// time, how many bytes are written and how many there will be.
+/// Writes the mesh of `recipe` to the file `path`, replacing it. `progress` is called from time to
+/// time with the bytes written and the bytes in all.
 ///
 /// # Errors
 /// As for [`mesh`](super::mesh), and when the file cannot be written.
@@ -148,7 +148,7 @@ fn put(place: &mut [u8], numbers: [[u8; 4]; 3]) {
     place.copy_from_slice(numbers.as_flattened());
 }
 
-/// The file, and who is told how far it has come.
+/// The file, and the progress that is reported.
 struct Sink<'a, W> {
     file: &'a mut W,
     written: u64,

@@ -1,7 +1,7 @@
 //! Materials: from metallic-roughness to Blinn-Phong with a mirror.
 //!
 //! The two models are not alike, so that the rule is ours; [`look`] states it. What it leaves out is
-//! told: alpha, and all textures but that of the base colour.
+//! reported: alpha, and all textures but that of the base colour.
 
 use glam::DVec3;
 

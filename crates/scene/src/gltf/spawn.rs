@@ -161,7 +161,7 @@ fn add_uses(primitives: &mut [Primitive], node: &Use) {
     }
 }
 
-/// A fault is told in a mesh, too, that no node of the scene shows.
+/// A fault is also reported in a mesh that no node of the scene shows.
 fn check_unused(
     document: &Document,
     known: &[Option<Range<usize>>],

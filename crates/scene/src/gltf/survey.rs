@@ -1,4 +1,4 @@
-//! What a glTF file calls for, told by its JSON alone.
+//! What a glTF file calls for, from its JSON alone.
 //!
 //! What is wrong with the file is said when it is loaded: here a number that is not there counts as none. The
 //! counts that it claims are held against the length of its buffers.

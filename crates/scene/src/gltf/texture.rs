@@ -128,7 +128,7 @@ pub(super) struct Placing {
     scale: DVec2,
 }
 
-/// The most sets of texture coordinates that are told apart.
+/// The most sets of texture coordinates that are distinguished.
 const MOST_SETS: f64 = 1024.0;
 
 impl TextureInfo {

@@ -81,7 +81,7 @@ pub(super) fn parse(word: &[u8]) -> Option<f32> {
 mod tests {
     use super::*;
 
-    /// Checks that the quick way gives the bits of the other, and tells whether it was taken.
+    /// Checks that the quick way gives the bits of the other, and returns whether it was taken.
     fn check(text: &str) -> bool {
         let right: f32 = text.parse().unwrap();
         assert_eq!(parse(text.as_bytes()).unwrap().to_bits(), right.to_bits(), "{text}");

@@ -1,7 +1,7 @@
-//! How much a mesh file holds, told without reading it into memory.
+//! How much a mesh file holds, without reading it into memory.
 //!
-//! A binary PLY tells it by its header and its length. Text is passed over once, block by block, and its words
-//! are counted, not read: what they say is judged when the mesh is loaded. A file that breaks its format has a
+//! For a binary PLY this follows from its header and its length. Text is passed over once, block by block, and its
+//! words are counted, not read: they are checked when the mesh is loaded. A file that breaks its format has a
 //! survey all the same, of what its size allows.
 
 /// What a mesh holds.

@@ -1,7 +1,7 @@
 //! What every mesh must satisfy before it is traced.
 //!
 //! A NaN or an index out of range found later would be found in the middle of a build or of a ray,
-//! where nobody can say any more which vertex it was. Each check is one parallel pass that stops
+//! where it is no longer known which vertex it was. Each check is one parallel pass that stops
 //! early at a fault and reports the fault with the lowest number, whatever the threads did.
 
 use std::path::Path;
@@ -113,7 +113,7 @@ pub(super) fn first_with(
     Some((triangle, index))
 }
 
-/// Makes zero vectors of normals that are not finite, and tells how many there were. Files do hold
+/// Makes zero vectors of normals that are not finite, and returns how many there were. Files do hold
 /// them, where an exporter divided by the area of a triangle without any; they do not make the mesh
 /// unusable, as a zero normal is one not known.
 pub(super) fn zero_bad_normals(normals: &mut [Vec3]) -> usize {

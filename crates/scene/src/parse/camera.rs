@@ -242,7 +242,7 @@ fn pixels_allowed() -> String {
     format!("at most {MOST_PIXELS} (2^28) are allowed")
 }
 
-/// Checks the size of an image that no scene file tells.
+/// Checks the size of an image that no scene file gives.
 pub(crate) fn check_size(width: u32, height: u32) -> Result<()> {
     check_side("width", width)?;
     check_side("height", height)?;
@@ -281,7 +281,7 @@ fn look(object: &Object<'_>, location: DVec3) -> Result<DVec3> {
     Ok(look)
 }
 
-/// The upward direction: the file's, unless it does not tell which way up the image is.
+/// The upward direction: the file's, unless it leaves open which way up the image is.
 fn up(object: &Object<'_>, view: DVec3) -> Result<DVec3> {
     let up = object.point("up")?;
     let Some(unit) = direction(up) else {

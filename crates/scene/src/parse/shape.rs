@@ -17,7 +17,7 @@ use wavecrest_base::error::{Error, Result};
 use super::own_keys::OwnKeys;
 use super::{material, mesh, transform};
 
-/// Sine of the angle to the surface below which a `normal` does not tell the sides apart, in
+/// Sine of the angle to the surface below which a `normal` does not distinguish the sides, in
 /// single precision.
 const IN_PLANE: f64 = 1e-6;
 
@@ -277,7 +277,7 @@ fn check_toward(cursor: &Cursor<'_>, toward: DVec3, front: DVec3) -> Result<()> 
             .error("must have a direction")
             .remedy("give a vector such as [0, 1, 0]"));
     };
-    // A shape without area has no sides to tell apart.
+    // A shape without area has no sides to distinguish.
     if direction(front).is_some_and(|front| unit.dot(front).abs() < IN_PLANE) {
         let error = cursor.error("lies in the surface, so that it points to neither of its sides");
         return Err(error.remedy("give a vector that points away from the surface"));

@@ -105,7 +105,7 @@ fn sin_cos(degrees: f64) -> (f64, f64) {
     }
 }
 
-/// Whether a determinant is 0, or too small to be told from it after rounding.
+/// Whether a determinant is 0, or too small to be distinguished from it after rounding.
 ///
 /// Each of its six products carries at most five roundings of half an EPSILON, so that the error is
 /// below 4 EPSILON times the sum of the products' magnitudes.

@@ -11,7 +11,7 @@ use wavecrest_base::error::{Error, ErrorKind, Result, did_you_mean};
 
 /// A JSON object, and the keys that its kind allows.
 ///
-/// The keys are told before any is read, so that a missing key can be matched with a misspelt one.
+/// The keys are declared before any is read, so that a missing key can be matched with a misspelt one.
 pub(crate) struct Object<'a> {
     cursor: Cursor<'a>,
     map: &'a Map<String, Value>,

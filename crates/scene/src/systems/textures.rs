@@ -27,7 +27,7 @@ const MAX_BYTES: u64 = 4 << 30;
 
 /// Decodes the images that `shapes` wear and notes in each shape which it is; those that a shape wears
 /// with trilinear filter get a pyramid. Of those that are not `needed` none is opened, unless the schedule
-/// has it so. `file` is the scene's, for messages.
+/// requires it. `file` is the scene's, for messages.
 pub fn run(
     world: &World,
     file: &Path,
@@ -67,7 +67,7 @@ pub fn run(
     Ok(images)
 }
 
-/// Bytes of a texture, and what more there is while it is decoded, told by the head of its file; none where
+/// Bytes of a texture, and what more there is while it is decoded, by the head of its file; none where
 /// that cannot be read, which is said when it is decoded.
 pub fn survey(texture: &TextureRef) -> [u64; 2] {
     let head = match &texture.source {
@@ -94,7 +94,7 @@ fn head(file: impl BufRead + Seek) -> Option<(u32, u32, bool, u64)> {
     Some((width, height, is_bytes, decoder.total_bytes()))
 }
 
-/// What tells one image from another.
+/// What distinguishes images.
 #[derive(PartialEq, Eq, Hash)]
 struct Key {
     /// A path, or a place in the scene file.
@@ -163,7 +163,7 @@ fn open(path: &Path) -> std::io::Result<File> {
     Err(std::io::Error::other("not a regular file"))
 }
 
-/// Decodes what is of the format that its first bytes tell, or else of `format`.
+/// Decodes the format that the first bytes show, or else `format`.
 fn read_from(
     bytes: impl BufRead + Seek,
     format: Option<ImageFormat>,

@@ -19,7 +19,7 @@ pub(super) fn of(family: &FamilyFindings, scene: &SceneFindings) -> Vec<(String,
 }
 
 fn log(label: &str, unit: &str) -> Axis {
-    Axis { label: label.to_owned(), unit: unit.to_owned(), scale: Scale::Log }
+    Axis::new(label, unit, Scale::Log)
 }
 
 fn point(p: &PointFindings, x: f64) -> Point {
@@ -49,7 +49,7 @@ fn against_samples(family: &FamilyFindings, scene: &SceneFindings) -> Chart {
     }
     let floor = crate::accuracy::reference::FLOOR * scene.standard_error(family.target);
     if floor > 0.0 {
-        guides.push(Guide { name: "floor".to_owned(), course: Course::AtY(floor) });
+        guides.push(Guide::at("floor", floor));
     }
     let theory = if family.series.iter().any(|line| line.slope.is_some()) { SLOPES } else { "" };
     Chart {
@@ -86,7 +86,7 @@ fn against_time(family: &FamilyFindings) -> Chart {
 fn bounces(family: &FamilyFindings) -> Chart {
     Chart {
         title: "Error against the number of mirror bounces".to_owned(),
-        x: Axis { label: family.counted.to_owned(), ..Axis::default() },
+        x: Axis::new(family.counted, "", Scale::Linear),
         y: log("RMSE", ""),
         series: family.series.iter().map(|series| line(series, |p| p.x)).collect(),
         guides: Vec::new(),

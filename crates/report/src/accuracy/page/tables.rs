@@ -2,7 +2,7 @@
 
 use crate::accuracy::findings::{FamilyFindings, PointFindings, SceneFindings, SeriesFindings};
 use crate::effects::{Cost, Price, PriceList};
-use crate::page::{Block, Cell, Column, Details, Table};
+use crate::page::{Block, Cell, Details, Table};
 
 /// Errors for which the time is reported: so many, from the largest that all samplers reach to the smallest.
 const ERRORS: usize = 4;
@@ -53,27 +53,19 @@ pub(super) fn of(family: &FamilyFindings) -> Vec<Block> {
 fn slopes(family: &FamilyFindings) -> Option<Table> {
     let row = |series: &SeriesFindings| {
         let slope = series.slope?;
-        let half = |x: f64| format!("{:.3}", x / 2.0);
+        let interval = |low: f64, high: f64| Cell::text(format!("{low:.3} to {high:.3}"));
         Some(vec![
             Cell::text(series.name.clone()),
-            Cell::number(slope.value, format!("{:.3}", slope.value)),
-            Cell::text(format!("{:.3} to {:.3}", slope.low, slope.high)),
-            Cell::number(slope.value / 2.0, half(slope.value)),
-            Cell::text(format!("{} to {}", half(slope.low), half(slope.high))),
+            Cell::decimals(slope.value, 3),
+            interval(slope.low, slope.high),
+            Cell::decimals(slope.value / 2.0, 3),
+            interval(slope.low / 2.0, slope.high / 2.0),
         ])
     };
     let rows: Vec<_> = family.series.iter().filter_map(row).collect();
-    (!rows.is_empty()).then(|| Table {
-        caption: format!("How quickly the error falls: as a power of the {}", family.counted),
-        columns: vec![
-            Column::words("sampler"),
-            Column::numbers("slope of MSE"),
-            Column::numbers("interval"),
-            Column::numbers("slope of RMSE"),
-            Column::numbers("interval"),
-        ],
-        rows,
-    })
+    let caption = format!("How quickly the error falls: as a power of the {}", family.counted);
+    let header = "sampler|>slope of MSE|>interval|>slope of RMSE|>interval";
+    (!rows.is_empty()).then(|| Table::new(caption, header, rows))
 }
 
 /// Times at which samplers reach some errors, between the settings that were measured.
@@ -95,16 +87,13 @@ fn time_to_error(family: &FamilyFindings) -> Option<Table> {
         }
         cells
     };
-    let mut columns = vec![Column::words("sampler")];
-    columns.extend(errors.iter().map(|error| Column::numbers(format!("RMSE {error:.2e}"))));
-    Some(Table {
-        caption: format!(
-            "Milliseconds to reach an error, and how many times as fast as {} that is",
-            first.name
-        ),
-        columns,
-        rows: family.series.iter().map(row).collect(),
-    })
+    let errors = errors.iter().map(|error| format!("|>RMSE {error:.2e}"));
+    let header = "sampler".to_owned() + &errors.collect::<String>();
+    let caption = format!(
+        "Milliseconds to reach an error, and how many times as fast as {} that is",
+        first.name
+    );
+    Some(Table::new(caption, &header, family.series.iter().map(row).collect()))
 }
 
 /// Errors that the first sampler reaches, in equal ratios.
@@ -137,18 +126,8 @@ fn time_at(series: &SeriesFindings, error: f64) -> Option<f64> {
 }
 
 fn points(family: &FamilyFindings) -> Table {
-    let columns = vec![
-        Column::words("setting"),
-        Column::numbers("time, ms"),
-        Column::numbers("RMSE"),
-        Column::numbers("interval"),
-        Column::numbers("relative MSE"),
-        Column::numbers("PSNR, dB"),
-        Column::numbers("FLIP"),
-        Column::numbers("bias"),
-        Column::words("believed"),
-        Column::words("front"),
-    ];
+    let header =
+        "setting|>time, ms|>RMSE|>interval|>relative MSE|>PSNR, dB|>FLIP|>bias|believed|front";
     let mark = |yes: bool| Cell::text(if yes { "yes" } else { "no" });
     let row = |series: &SeriesFindings, p: &PointFindings| {
         let name = if family.series.len() > 1 {
@@ -162,7 +141,7 @@ fn points(family: &FamilyFindings) -> Table {
             digits(p.rmse.value),
             Cell::text(format!("{:.2e} to {:.2e}", p.rmse.low, p.rmse.high)),
             digits(p.relative_mse),
-            p.psnr.map_or(Cell::text("none differs"), |v| Cell::number(v, format!("{v:.2}"))),
+            p.psnr.map_or(Cell::text("none differs"), |v| Cell::decimals(v, 2)),
             digits(p.flip),
             digits(p.bias),
             mark(p.believed),
@@ -170,7 +149,7 @@ fn points(family: &FamilyFindings) -> Table {
         ]
     };
     let rows = family.series.iter().flat_map(|s| s.points.iter().map(move |p| row(s, p))).collect();
-    Table { caption: String::new(), columns, rows }
+    Table::new("", header, rows)
 }
 
 /// Time and error of each precision, and what its rays do at edges and on faces.
@@ -188,29 +167,17 @@ pub(super) fn precision(scene: &SceneFindings) -> Vec<Block> {
         let ratio = p.seconds.median / fast;
         vec![
             Cell::text(p.label.clone()),
-            Cell::number(ratio, format!("{ratio:.2}")),
+            Cell::decimals(ratio, 2),
             digits(p.rmse.value),
             trial.map_or_else(missing, |t| share(t.leaks)),
             trial.map_or_else(missing, |t| share(t.self_hits)),
-            trial.map_or_else(missing, |t| {
-                Cell::number(t.nanoseconds, format!("{:.0}", t.nanoseconds))
-            }),
+            trial.map_or_else(missing, |t| Cell::decimals(t.nanoseconds, 0)),
         ]
     };
-    vec![Block::Table(Table {
-        caption: "Leaks are rays aimed at edges that pass between two triangles; rays that leave a triangle and \
-                  meet it again are acne."
-            .to_owned(),
-        columns: vec![
-            Column::words("precision"),
-            Column::numbers("time over fast"),
-            Column::numbers("RMSE"),
-            Column::numbers("leaks"),
-            Column::numbers("self-hits"),
-            Column::numbers("ns a ray"),
-        ],
-        rows: points.iter().map(row).collect(),
-    })]
+    let caption = "Leaks are rays aimed at edges that pass between two triangles; rays that leave a triangle and \
+                   meet it again are acne.";
+    let header = "precision|>time over fast|>RMSE|>leaks|>self-hits|>ns a ray";
+    vec![Block::Table(Table::new(caption, header, points.iter().map(row).collect()))]
 }
 
 /// What must not change the picture.
@@ -229,17 +196,8 @@ pub(super) fn neutral(scene: &SceneFindings) -> Vec<Block> {
         0 => format!("All {} choices give the same picture, bit for bit.", scene.neutral.len()),
         n => format!("{n} of {} choices change the picture.", scene.neutral.len()),
     };
-    let table = Table {
-        caption: String::new(),
-        columns: vec![
-            Column::words("choice"),
-            Column::words("value"),
-            Column::numbers("change of error"),
-            Column::words("equal"),
-            Column::numbers("time, ms"),
-        ],
-        rows: scene.neutral.iter().map(row).collect(),
-    };
+    let rows = scene.neutral.iter().map(row).collect();
+    let table = Table::new("", "choice|value|>change of error|equal|>time, ms", rows);
     let first = if wrong == 0 { Block::paragraph(verdict) } else { Block::Warning(verdict) };
     vec![first, Block::Table(table)]
 }
@@ -247,14 +205,10 @@ pub(super) fn neutral(scene: &SceneFindings) -> Vec<Block> {
 /// What each effect adds to the scene that it is added to, with both tracers.
 pub(super) fn prices(list: &PriceList) -> Vec<Block> {
     let table = |caption: &str, reached: bool| {
-        let names =
-            ["wavefront, ratio", "ns a ray", "recursive, ratio", "ns a ray", "bytes a path"];
-        let words = ["effect", "added to"].map(Column::words);
-        Block::Table(Table {
-            caption: caption.to_owned(),
-            columns: words.into_iter().chain(names.map(Column::numbers)).collect(),
-            rows: list.effects.iter().filter(|p| p.reached == reached).map(price_row).collect(),
-        })
+        let header =
+            "effect|added to|>wavefront, ratio|>ns a ray|>recursive, ratio|>ns a ray|>bytes a path";
+        let rows = list.effects.iter().filter(|p| p.reached == reached).map(price_row).collect();
+        Block::Table(Table::new(caption, header, rows))
     };
     let lead = format!(
         "One effect at a time, added to a small scene of {} x {} pixels: the ratio of the times, round by round, in {} \

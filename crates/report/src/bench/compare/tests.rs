@@ -1,36 +1,12 @@
 //! Which choices are compared, in which order they run, and what ends it.
 
-use std::path::Path;
-
 use super::*;
+use crate::bench::tests::prepared;
 use crate::bench::text::comparison;
-use wavecrest_core::accel::build::Preset;
-use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::{RenderOptions, render};
-use wavecrest_scene::load::load_str;
-use wavecrest_scene::systems;
-
-const SCENE: &str = r#"{
-    "nbounces": 0,
-    "camera": {"type": "pinhole", "width": 24, "height": 16, "fov": 60,
-               "location": [0, 0, 5], "look": [0, 0, 0]},
-    "scene": {
-        "backgroundcolor": [0, 0, 0],
-        "lightsources": [{"type": "pointlight", "intensity": 40, "position": [2, 3, 5],
-                          "color": [1, 1, 1]}],
-        "shapes": [{"type": "sphere", "center": [0, 0, 0], "radius": 1,
-                    "material": {"ks": 0.2, "kd": 0.8, "specularexponent": 20,
-                                 "diffusecolor": [1, 0, 0]}}]
-    }
-}"#;
 
 fn usual() -> Variant {
     Variant { kernel: KernelChoice::Auto, simd: Level::best(), batch: 1024, planned: true }
-}
-
-fn prepared() -> PreparedScene {
-    let mut loaded = load_str(SCENE, Path::new("ball.json"), &Default::default()).unwrap();
-    systems::extract(&mut loaded.world, Default::default()).unwrap().build(Preset::Fast)
 }
 
 /// Each variant takes twice as long as the one before. `spoil` changes images, given the number of

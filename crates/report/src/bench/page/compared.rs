@@ -69,11 +69,9 @@ fn table<const N: usize>(
         std::iter::once(label).chain(cells(each)).collect()
     };
     let first = Column::words(name(found.of));
-    Table {
-        caption: caption.to_owned(),
-        columns: std::iter::once(first).chain(names.map(Column::numbers)).collect(),
-        rows: found.variants.iter().map(row).collect(),
-    }
+    let columns = std::iter::once(first).chain(names.map(Column::numbers)).collect();
+    let rows = found.variants.iter().map(row).collect();
+    Table { caption: caption.to_owned(), columns, rows }
 }
 
 fn times(found: &Comparison) -> Table {
@@ -86,9 +84,9 @@ fn times(found: &Comparison) -> Table {
         let bench = &each.bench;
         let (median, spread) = (scale * bench.seconds.median, 100.0 * bench.seconds.spread());
         [
-            Cell::number(median, format!("{median:.3}")),
+            Cell::decimals(median, 3),
             Cell::number(spread, format!("{spread:.1} %")),
-            Cell::number(bench.mrays_s, format!("{:.3}", bench.mrays_s)),
+            Cell::decimals(bench.mrays_s, 3),
             ratio_cell(&each.ratio),
         ]
     })
@@ -101,7 +99,7 @@ fn work(found: &Comparison) -> Table {
     table(found, caption, names, |each| {
         let tests = &each.bench.tests_per_ray;
         let [nodes, primitives] =
-            [tests.nodes, tests.primitives].map(|tests| Cell::number(tests, format!("{tests:.2}")));
+            [tests.nodes, tests.primitives].map(|tests| Cell::decimals(tests, 2));
         let closest = &each.bench.kernels.closest;
         [nodes, primitives, average(closest.rays_a_node), average(closest.rays_a_round)]
     })
@@ -112,10 +110,7 @@ fn hardware(scene: &SceneBench, found: &Comparison) -> Option<Table> {
     let names = found.variants.first()?.bench.hardware?.each().map(|(name, _)| name);
     let rays = scene.rays.all().max(1) as f64;
     let cell = |count: Option<u64>| match count {
-        Some(count) => {
-            let value = count as f64 / rays;
-            Cell::number(value, format!("{value:.3}"))
-        }
+        Some(count) => Cell::decimals(count as f64 / rays, 3),
         None => Cell::text("–"),
     };
     Some(table(found, "Counted by the processor, for each ray.", names, |each| {

@@ -6,7 +6,7 @@ use crate::bench::report::SceneBench;
 use crate::bench::tracer::{Ratio, TracerBench};
 use crate::bench::words::plural;
 use crate::page::Cell;
-use crate::plot::{Axis, Bar, Chart, Course, Draw, Guide, Point, Scale, Segment, Series};
+use crate::plot::{Axis, Bar, Chart, Guide, Point, Scale, Segment, Series};
 
 /// A scene in which both were timed.
 pub(super) struct Both<'a> {
@@ -46,8 +46,8 @@ pub(super) fn ratio_chart(title: &str, caption: &str, x: Axis, points: Vec<Point
         title: title.to_owned(),
         x,
         y: Axis::new("times as fast", "", Scale::Linear),
-        series: vec![Series { name: String::new(), draw: Draw::Points, points }],
-        guides: vec![Guide { name: "equally fast".to_owned(), course: Course::AtY(1.0) }],
+        series: vec![Series::of("", points)],
+        guides: vec![Guide::at("equally fast", 1.0)],
         caption: caption.to_owned(),
     }
 }

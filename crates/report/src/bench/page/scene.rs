@@ -5,10 +5,10 @@ use super::parts::{Both, average, bar, speed};
 use crate::bench::report::SceneBench;
 use crate::bench::rows::{Row, rows};
 use crate::bench::tracer::TracerBench;
-use crate::bench::words::{contents, plural, verdict};
-use crate::page::{Block, Cell, Column, Details, Fact, Section, Table};
+use crate::bench::words::{contents, peak, plural, prepared, verdict};
+use crate::page::{Block, Cell, Details, Fact, Section, Table};
 use crate::plot::number::{figure, time_unit};
-use crate::plot::{Axis, Chart, Course, Draw, Guide, Point, Scale, Series, StackedBars};
+use crate::plot::{Axis, Chart, Guide, Point, Scale, Series, StackedBars};
 use crate::statistics::ClassUse;
 
 /// The section of a scene.
@@ -50,18 +50,15 @@ fn runs(both: &Both<'_>) -> Chart {
     let series = |name: &str, tracer: &TracerBench| {
         let each = tracer.seconds.each.iter().enumerate();
         let points = each.map(|(run, seconds)| Point::new(run as f64 + 1.0, seconds * scale));
-        Series { name: name.to_owned(), draw: Draw::Points, points: points.collect() }
+        Series::of(name, points.collect())
     };
-    let median = |name: &str, tracer: &TracerBench| Guide {
-        name: name.to_owned(),
-        course: Course::AtY(tracer.seconds.median * scale),
-    };
+    let median = |tracer: &TracerBench| Guide::at("median", tracer.seconds.median * scale);
     Chart {
         title: "Each run".to_owned(),
         x: Axis::new("pair of runs", "", Scale::Linear),
         y: Axis::new("time", unit, Scale::FromZero),
         series: vec![series("wavefront", both.wavefront), series("recursive", both.recursive)],
-        guides: vec![median("median", both.wavefront), median("median", both.recursive)],
+        guides: vec![median(both.wavefront), median(both.recursive)],
         caption:
             "Time on the clock, in the order in which the pairs were run; lines at the medians."
                 .to_owned(),
@@ -69,20 +66,12 @@ fn runs(both: &Both<'_>) -> Chart {
 }
 
 fn table(both: &Both<'_>) -> Table {
-    let cell = |value: f64| Cell::number(value, format!("{value:.3}"));
+    let cell = |value: f64| Cell::decimals(value, 3);
     let row = |Row { name, values: [a, b], unit }: Row| {
         vec![Cell::text(name), cell(a), cell(b), Cell::text(unit)]
     };
-    Table {
-        caption: "Time, work and rate of one run.".to_owned(),
-        columns: vec![
-            Column::words(""),
-            Column::numbers("wavefront"),
-            Column::numbers("recursive"),
-            Column::words("unit"),
-        ],
-        rows: rows(both.scene, both.wavefront, both.recursive).into_iter().map(row).collect(),
-    }
+    let rows = rows(both.scene, both.wavefront, both.recursive).into_iter().map(row).collect();
+    Table::new("Time, work and rate of one run.", "|>wavefront|>recursive|unit", rows)
 }
 
 /// What was run.
@@ -92,8 +81,6 @@ fn facts(scene: &SceneBench) -> Vec<Fact> {
     let rays = &scene.rays;
     let [primary, secondary, shadow] =
         [rays.primary, rays.secondary, rays.shadow].map(|count| figure(count as f64));
-    let time = &scene.time;
-    let preset = scene.preset.name();
     let mut facts = vec![
         Fact::new("image", format!("{} × {} pixels, {samples} each", image.width, image.height)),
         Fact::new("scene", contents(scene)),
@@ -101,14 +88,9 @@ fn facts(scene: &SceneBench) -> Vec<Fact> {
             "rays in a run",
             format!("{primary} primary, {secondary} secondary, {shadow} shadow"),
         ),
-        Fact::new(
-            "prepared",
-            format!("loaded in {:.3} s, tree ({preset}) built in {:.3} s", time.load, time.build),
-        ),
+        Fact::new("prepared", prepared(scene)),
     ];
-    facts.extend(scene.memory.peak.map(|peak| {
-        Fact::new("peak memory", format!("{:.1} MB, of the program so far", peak as f64 / 1e6))
-    }));
+    facts.extend(peak(scene).map(|peak| Fact::new("peak memory", peak)));
     facts.extend([
         Fact::new("kernel", scene.kernel.name()),
         Fact::new("vector instructions", scene.simd.name()),
@@ -127,24 +109,12 @@ fn kernels(scene: &SceneBench, wavefront: &TracerBench) -> Details {
         ("shadow", rays.shadow, &wavefront.kernels.shadow),
     ];
     let row = |(name, _, used): (&str, u64, &ClassUse)| {
-        let counts = [used.packet, used.handed_over, used.stream, used.single];
-        let counts = counts.map(|count| Cell::number(count as f64, figure(count as f64)));
+        let counts = [used.packet, used.handed_over, used.stream, used.single].map(Cell::count);
         let together = [used.rays_a_node, used.rays_a_round].map(average);
         [vec![Cell::text(name)], counts.to_vec(), together.to_vec()].concat()
     };
     let rows = classes.into_iter().filter(|(_, rays, _)| *rays > 0).map(row).collect();
-    let names = [
-        "in packets",
-        "handed over",
-        "in flight",
-        "alone",
-        "of a packet at a node",
-        "in flight in a round",
-    ];
-    let columns = std::iter::once(Column::words("rays")).chain(names.map(Column::numbers));
-    let table = Table { caption: String::new(), columns: columns.collect(), rows };
-    Details {
-        summary: "Rays of the wavefront by kernel".to_owned(),
-        blocks: vec![Block::Table(table)],
-    }
+    let header = "rays|>in packets|>handed over|>in flight|>alone|>of a packet at a node|>in flight in a round";
+    let blocks = vec![Block::Table(Table::new("", header, rows))];
+    Details { summary: "Rays of the wavefront by kernel".to_owned(), blocks }
 }

@@ -112,7 +112,7 @@ fn optional(what: &str, digits: Option<&[u8]>, count: Option<u64>) -> Option<Res
 
 /// The index, from 0, that `digits` name after `count` values: from 1 in the file, or backward
 /// from -1, the latest value. `None` if it is malformed. Where the count is not known, an index
-/// that counts backward is an error like any other: nobody is told of it.
+/// that counts backward is an error like any other, which is not reported.
 fn index(what: &str, digits: &[u8], count: Option<u64>) -> Option<Result<u32>> {
     let number = whole_number(digits)?;
     let index = match number {

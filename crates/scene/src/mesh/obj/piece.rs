@@ -42,7 +42,7 @@ impl Piece {
     }
 
     /// Counts what is in a piece, and reads it if this can be done without knowing what comes
-    /// before: where no index counts backward, and where there is no fault to be told the line of.
+    /// before: where no index counts backward, and where there is no fault whose line is needed.
     pub(super) fn read_anywhere(text: &[u8]) -> (Count, Option<Self>) {
         let mut piece = Some(Self::default());
         let mut corners = Corners::default();

@@ -34,7 +34,7 @@ fn of(text: &[u8]) -> Survey {
     found
 }
 
-/// A face has two corners more than triangles. Which numbers its corners have, its first one tells.
+/// A face has two corners more than triangles. Its first corner shows which numbers its corners have.
 fn face(rest: &[u8], found: &mut Survey) {
     let mut corners = rest
         .split(|&byte| is_blank(byte))

@@ -1,8 +1,8 @@
 //! The body of a PLY file as text: numbers between blanks, a row a line.
 //!
 //! A row may run over several lines, as long lists do, but a line may not run over several rows: a
-//! row that ends inside a line tells of a header that does not fit the body, where all that follows
-//! would be read as rubbish.
+//! row that ends inside a line means that the header does not fit the body, and all that follows
+//! would be misread.
 
 use std::io::BufRead;
 

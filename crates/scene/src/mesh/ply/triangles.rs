@@ -93,7 +93,7 @@ pub(super) fn read<F: ReadAt + ?Sized, const BIG: bool>(
             let first = number * per_task;
             buffer.resize(triangles.len() * row.stride, 0);
             let from = place + (first * row.stride) as u64;
-            // What cannot be read is read again number by number, and told there.
+            // What cannot be read is read again number by number, which reports the fault.
             let read = file.read_exact_at(buffer, from).is_ok();
             let good = if read { decode(buffer, row, triangles) } else { 0 };
             (good < triangles.len()).then_some(first + good)

@@ -85,7 +85,7 @@ impl Occurrences {
         self.all.iter().copied().filter(is).collect()
     }
 
-    /// The mesh of `prototype`: moved out when nobody else will ask for it, copied before.
+    /// The mesh of `prototype`: moved out at its last use, copied before.
     pub(super) fn take(&mut self, world: &World, prototype: Entity) -> MeshData {
         let Ok(mut mesh) = world.get::<&mut Mesh>(prototype) else { return MeshData::default() };
         match self.uses.get_mut(&prototype) {

@@ -29,7 +29,7 @@ pub struct Output {
 }
 
 impl Output {
-    /// Drops what the schedule has nobody look at: normals, and texture coordinates of shapes whose
+    /// Drops what no pass of the schedule reads: normals, and texture coordinates of shapes whose
     /// texture was not decoded.
     pub(in crate::systems) fn drop_unused(&mut self, schedule: Schedule) {
         let normals = schedule.runs(Step::Normals);
