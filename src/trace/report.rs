@@ -36,6 +36,7 @@ pub(super) struct Report {
     pub(super) nodes_per_ray: f64,
     pub(super) leaves_per_ray: f64,
     pub(super) triangles_per_ray: f64,
+    pub(super) undecided_per_ray: f64,
     pub(super) kernels: ClassUse,
     pub(super) compared: Compared,
 }
@@ -126,8 +127,8 @@ impl Report {
 
     fn work(&self) -> String {
         format!(
-            "per ray: {:.2} nodes, {:.2} leaves, {:.2} triangles\n",
-            self.nodes_per_ray, self.leaves_per_ray, self.triangles_per_ray
+            "per ray: {:.2} nodes, {:.2} leaves, {:.2} triangles, {:.5} again alone\n",
+            self.nodes_per_ray, self.leaves_per_ray, self.triangles_per_ray, self.undecided_per_ray
         )
     }
 

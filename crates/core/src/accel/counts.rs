@@ -15,6 +15,8 @@ pub struct TestCounts {
     pub spheres: u64,
     /// Instances visited, each by one ray.
     pub instances: u64,
+    /// Triangles that were tested again, alone, because vectors did not decide on them.
+    pub undecided: u64,
 }
 
 impl TestCounts {
@@ -26,6 +28,7 @@ impl TestCounts {
             quads: f(self.quads, other.quads),
             spheres: f(self.spheres, other.spheres),
             instances: f(self.instances, other.instances),
+            undecided: f(self.undecided, other.undecided),
         }
     }
 }

@@ -32,7 +32,7 @@ pub(super) fn visit<S: Lanes, Q: Query, P: Arithmetic>(
 ) -> bool {
     let arena = searched.tree.arena.view();
     if let Some((hits, first)) = triangles::<S, P>(simd, arena, ray, place, tests) {
-        return take::<Q, P>(searched, ray, (&hits, first), best);
+        return take::<Q, P>(searched, ray, (&hits, first), best, tests);
     }
     let before = *best;
     let geometry = searched.geometry;
@@ -54,10 +54,11 @@ pub(super) fn take<Q: Query, P: Arithmetic>(
     ray: &PreparedRay,
     (hits, first): (&LaneHits, u32),
     best: &mut Hit,
+    tests: &mut TestCounts,
 ) -> bool {
     let arena = searched.tree.arena.view();
     if Q::ANY {
-        let found = is_any::<P>(searched, ray, (hits, first));
+        let found = is_any::<P>(searched, ray, (hits, first), tests);
         if found {
             *best = ANY_HIT;
         }
@@ -78,7 +79,7 @@ pub(super) fn take<Q: Query, P: Arithmetic>(
     while open != 0 {
         let number = arena.number(first, open.trailing_zeros() as usize & 7);
         open &= open - 1;
-        if let Some(t) = searched.hit_again::<P>(number, ray) {
+        if let Some(t) = searched.hit_again::<P>(number, ray, tests) {
             offer::<Q, P>(geometry, ray, best, Hit { t, primitive: number });
         }
     }
@@ -104,6 +105,7 @@ fn is_any<P: Arithmetic>(
     searched: Searched<'_>,
     ray: &PreparedRay,
     (hits, first): (&LaneHits, u32),
+    tests: &mut TestCounts,
 ) -> bool {
     let Searched { tree, geometry } = searched;
     let arena = tree.arena.view();
@@ -120,7 +122,7 @@ fn is_any<P: Arithmetic>(
     while open != 0 {
         let number = arena.number(first, open.trailing_zeros() as usize & 7);
         open &= open - 1;
-        if searched.hit_again::<P>(number, ray).is_some() && !geometry.is_light(number) {
+        if searched.hit_again::<P>(number, ray, tests).is_some() && !geometry.is_light(number) {
             return true;
         }
     }

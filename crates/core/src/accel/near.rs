@@ -31,7 +31,13 @@ impl Searched<'_> {
     /// As [`Self::hit`], for a triangle that was counted when it was tested among others.
     #[cold]
     #[inline(never)]
-    pub(super) fn hit_again<P: Arithmetic>(&self, number: u32, ray: &PreparedRay) -> Option<f32> {
+    pub(super) fn hit_again<P: Arithmetic>(
+        &self,
+        number: u32,
+        ray: &PreparedRay,
+        tests: &mut TestCounts,
+    ) -> Option<f32> {
+        tests.undecided += 1;
         let meeting = self.geometry.meet::<P>(number, ray);
         meeting.confirmed(|t| self.has_surface(ray, t))
     }

@@ -179,7 +179,7 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
                 self.take_closest(tile, i, &found);
             }
             if found.hits.open != 0 {
-                self.ask_again(tile, found.first, found.hits.open, i);
+                self.ask_again(tile, (found.first, found.hits.open), i, tests);
             }
         }
         self.singles.clear();
@@ -195,7 +195,8 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
                 let arena = self.searched.tree.arena.view();
                 self.groups.test::<S, Q, P>(simd, self.searched, tiles, self.asks, tests);
                 while let Some(Open { tile, place, triangles, ray }) = self.asks.pop() {
-                    self.ask_again(&mut tiles[tile], arena.patch(place).first, triangles, ray);
+                    let first = arena.patch(place).first;
+                    self.ask_again(&mut tiles[tile], (first, triangles), ray, tests);
                 }
             },
         );
@@ -205,13 +206,19 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
     /// alone.
     #[cold]
     #[inline(never)]
-    fn ask_again(&mut self, tile: &mut Tile, first: u32, mut triangles: u32, i: usize) {
+    fn ask_again(
+        &mut self,
+        tile: &mut Tile,
+        (first, mut triangles): (u32, u32),
+        i: usize,
+        tests: &mut TestCounts,
+    ) {
         let ray = PreparedRay::of::<P>(&self.rays.ray(tile.start + number_of(i)));
         while triangles != 0 {
             let arena = self.searched.tree.arena.view();
             let number = arena.number(first, triangles.trailing_zeros() as usize);
             triangles &= triangles - 1;
-            let Some(t) = self.searched.hit_again::<P>(number, &ray) else { continue };
+            let Some(t) = self.searched.hit_again::<P>(number, &ray, tests) else { continue };
             tile.offer::<Q, P>(self.searched.geometry, i, Hit { t, primitive: number });
             if Q::ANY {
                 return;
