@@ -3,7 +3,7 @@
 
 use super::header::{Element, Header, Shape};
 use super::layout::{Column, ListLayout, SLOTS, VertexLayout};
-use super::source::{Bulk, FaceRows, Faces, Fault, Source, Vertices};
+use super::source::{Bulk, Faces, Fault, Source, Vertices};
 use crate::mesh::data::{Attribute, MeshData, Read};
 use crate::mesh::faults::{check_count, no_triangles, read_failure};
 use crate::mesh::polygon::{self, Polygon};
@@ -109,22 +109,16 @@ impl Body {
         let layout = ListLayout::of(element)?;
         check_room(element, source)?;
         let likely = likely_triangles(element, layout, source);
-        let rows = FaceRows { element, layout, likely };
-        if source.line().is_some() {
-            self.faces.triangles.reserve(likely);
+        let first = source
+            .faces(element, layout, self.vertex_count, &mut self.faces)
+            .map_err(|fault| Row { element, index: 0 }.fault(fault, source))?;
+        if first < element.count {
+            self.faces.triangles.reserve(likely.saturating_sub(self.faces.triangles.len()));
         }
-        let mut index = 0;
-        while index < element.count {
-            let most = element.count - index;
-            index += source
-                .faces(rows, most, self.vertex_count, &mut self.faces)
-                .map_err(|fault| Row { element, index }.fault(fault, source))?;
-            if index < element.count {
-                let row = Row { element, index };
-                self.read_row(row, layout, source)?;
-                self.push_face().map_err(|error| row.locate(error, source))?;
-                index += 1;
-            }
+        for index in first..element.count {
+            let row = Row { element, index };
+            self.read_row(row, layout, source)?;
+            self.push_face().map_err(|error| row.locate(error, source))?;
         }
         Ok(())
     }

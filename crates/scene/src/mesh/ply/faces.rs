@@ -1,19 +1,21 @@
-//! Binary faces that are all triangles, read on all threads.
+//! Binary faces that all have as many corners as the first, read on all threads.
 //!
-//! Such rows have one length, if what else is in them has, so that the place of each is known
-//! without reading those before. That all are triangles shows only as they are read: a row that is
-//! no triangle of the mesh's vertices ends the short cut.
+//! Such rows have one length, if what else is in them has, so that the place of each is known without reading
+//! those before. That all have as many corners shows only as they are read: a row that has not, or that is no
+//! face of the mesh's vertices, ends the short cut.
 
 use rayon::prelude::*;
 
-use super::header::Scalar;
-use super::layout::stride;
-use super::source::FaceRows;
+use super::header::{Element, Scalar};
+use super::layout::{ListLayout, stride};
+use super::source::Faces;
 use super::vertices::part;
+use crate::mesh::data::MAX_COUNT;
 use crate::mesh::place::ReadAt;
+use crate::mesh::polygon::Polygon;
 
-/// How many corners such a face has.
-const CORNERS: usize = 3;
+/// How many corners nearly all faces have.
+const TRIANGLE: usize = 3;
 
 /// Where in a row the numbers are.
 #[derive(Clone, Copy, Debug)]
@@ -21,25 +23,47 @@ struct Row {
     stride: usize,
     /// Where the list begins.
     list: usize,
+    corners: usize,
     /// No index is this or greater.
     limit: u32,
 }
 
 impl Row {
-    /// `None` where rows vary in length even if their lists of corners do not, and where indices
-    /// are not whole numbers.
-    fn of(FaceRows { element, layout, .. }: FaceRows<'_>, vertices: usize) -> Option<Self> {
+    /// That of the first face, which begins at `place`. `None` where rows vary in length even if their lists of
+    /// corners do not, where counts and indices are not whole numbers, and where it is no face.
+    fn first<F: ReadAt + ?Sized, const BIG: bool>(
+        file: &F,
+        place: u64,
+        element: &Element,
+        layout: ListLayout,
+        vertices: usize,
+    ) -> Option<Self> {
         let (before, rest) = element.properties.split_at_checked(layout.property)?;
         let list = stride(before)?;
         let after = stride(rest.get(1..)?)?;
-        let length = layout.count.size() + CORNERS * layout.item.size();
-        greatest(layout.count)?;
-        Some(Self { stride: list + length + after, list, limit: limit(layout.item, vertices)? })
+        let size = layout.count.size();
+        let mut count = [0; 4];
+        file.read_exact_at(count.get_mut(..size)?, place + list as u64).ok()?;
+        let corners = match size {
+            1 => number::<1, BIG>(&count, 0),
+            2 => number::<2, BIG>(&count, 0),
+            _ => number::<4, BIG>(&count, 0),
+        };
+        let is_face = corners >= TRIANGLE as u32 && corners <= greatest(layout.count)?;
+        let corners = usize::try_from(corners).ok().filter(|_| is_face)?;
+        let length = size.checked_add(corners.checked_mul(layout.item.size())?)?;
+        let stride = length.checked_add(list + after)?;
+        Some(Self { stride, list, corners, limit: limit(layout.item, vertices)? })
+    }
+
+    /// Triangles of a face.
+    fn fan(self) -> usize {
+        self.corners - 2
     }
 }
 
 /// The greatest whole number of this type; `None` for types of other numbers too.
-pub(super) fn greatest(kind: Scalar) -> Option<u32> {
+fn greatest(kind: Scalar) -> Option<u32> {
     match kind {
         Scalar::I8 => Some(i8::MAX as u32),
         Scalar::U8 => Some(u32::from(u8::MAX)),
@@ -53,7 +77,7 @@ pub(super) fn greatest(kind: Scalar) -> Option<u32> {
 
 /// What an index of this type is below, where it is read as if it had no sign: a negative number
 /// is then one that is too large.
-pub(super) fn limit(kind: Scalar, vertices: usize) -> Option<u32> {
+fn limit(kind: Scalar, vertices: usize) -> Option<u32> {
     let beyond = u64::from(greatest(kind)?) + 1;
     // Both fit: there are fewer vertices than `u32::MAX`.
     Some(beyond.min(vertices as u64) as u32)
@@ -61,51 +85,66 @@ pub(super) fn limit(kind: Scalar, vertices: usize) -> Option<u32> {
 
 /// The number of `N` bytes at `offset`, read as if it had no sign.
 #[inline(always)]
-pub(super) fn number<const N: usize, const BIG: bool>(row: &[u8], offset: usize) -> u32 {
+fn number<const N: usize, const BIG: bool>(row: &[u8], offset: usize) -> u32 {
     let mut bytes = [0; 4];
     bytes[..N].copy_from_slice(&part::<N, BIG>(row, offset));
     u32::from_le_bytes(bytes)
 }
 
-/// Reads the faces from `place` on, all `count` of them if they are triangles; else as many as come
-/// before the first that is not. `None` where there is no such short cut: where rows are of
-/// other types, or the `left` bytes cannot hold so many triangles. A thread reads about `block`
-/// bytes at once.
+/// Binary faces of a file.
+pub(super) struct Source<'a, F: ?Sized> {
+    pub(super) file: &'a F,
+    /// Where they begin.
+    pub(super) place: u64,
+    /// How many bytes there are.
+    pub(super) left: u64,
+    /// About how many bytes a thread reads at once.
+    pub(super) block: usize,
+}
+
+/// Reads all faces, if they have as many corners as the first; else as many as come before the first that has not.
+/// Returns how many faces and how many bytes. `None` where there is no such short cut: where rows are of
+/// other types, or the file cannot hold so many.
 pub(super) fn read<F: ReadAt + ?Sized, const BIG: bool>(
-    file: &F,
-    place: u64,
-    left: u64,
-    rows: FaceRows<'_>,
+    from: &Source<'_, F>,
+    element: &Element,
+    layout: ListLayout,
     vertices: usize,
-    block: usize,
-) -> Option<(Vec<[u32; 3]>, u64)> {
-    let row = Row::of(rows, vertices)?;
-    if (row.stride as u64).checked_mul(rows.element.count)? > left {
+    into: &mut Faces,
+) -> Option<(u64, u64)> {
+    let row = Row::first::<F, BIG>(from.file, from.place, element, layout, vertices)?;
+    let triangles = element.count.checked_mul(row.fan() as u64)?;
+    if (row.stride as u64).checked_mul(element.count)? > from.left || triangles > MAX_COUNT {
         return None;
     }
-    let decode = decoder::<BIG>(rows.layout.count, rows.layout.item)?;
-    let count = usize::try_from(rows.element.count).ok()?;
-    let mut triangles = vec![[0; CORNERS]; count];
-    let per_task = (block / row.stride).max(1);
-    let stops = triangles.par_chunks_mut(per_task).enumerate().map_init(
+    let decode = decoder::<BIG>(layout.count, layout.item)?;
+    let count = usize::try_from(element.count).ok()?;
+    into.triangles = vec![[0; 3]; triangles as usize];
+    let per_task = (from.block / row.stride).max(1);
+    let stops = into.triangles.par_chunks_mut(per_task * row.fan()).enumerate().map_init(
         Vec::new,
         |buffer: &mut Vec<u8>, (number, triangles)| {
-            let first = number * per_task;
-            buffer.resize(triangles.len() * row.stride, 0);
-            let from = place + (first * row.stride) as u64;
+            let (first, faces) = (number * per_task, triangles.len() / row.fan());
+            buffer.resize(faces * row.stride, 0);
+            let place = from.place + (first * row.stride) as u64;
             // What cannot be read is read again number by number, and told there.
-            let read = file.read_exact_at(buffer, from).is_ok();
+            let read = from.file.read_exact_at(buffer, place).is_ok();
             let good = if read { decode(buffer, row, triangles) } else { 0 };
-            (good < triangles.len()).then_some(first + good)
+            (good < faces).then_some(first + good)
         },
     );
     let good = stops.find_first(Option::is_some).flatten().unwrap_or(count);
-    triangles.truncate(good);
-    Some((triangles, good as u64 * row.stride as u64))
+    into.triangles.truncate(good * row.fan());
+    if row.corners > TRIANGLE {
+        // Triangles, and so the corners of a face, are fewer than 2^32.
+        let polygon = |first| Polygon { first: first as u32, corners: row.corners as u32 };
+        into.polygons = (0..into.triangles.len()).step_by(row.fan()).map(polygon).collect();
+    }
+    Some((good as u64, (good * row.stride) as u64))
 }
 
-/// Reads rows; returns how many come before the first that is no triangle.
-type Decode = fn(&[u8], Row, &mut [[u32; CORNERS]]) -> usize;
+/// Reads rows; returns how many come before the first that is no face of so many corners.
+type Decode = fn(&[u8], Row, &mut [[u32; 3]]) -> usize;
 
 /// The function for numbers of these types.
 fn decoder<const BIG: bool>(count: Scalar, item: Scalar) -> Option<Decode> {
@@ -126,11 +165,11 @@ fn decoder<const BIG: bool>(count: Scalar, item: Scalar) -> Option<Decode> {
 fn decode<const C: usize, const I: usize, const BIG: bool>(
     rows: &[u8],
     row: Row,
-    to: &mut [[u32; CORNERS]],
+    to: &mut [[u32; 3]],
 ) -> usize {
-    // Where a row is the list and no more, the compiler knows every offset.
-    let packed = Row { stride: C + CORNERS * I, list: 0, ..row };
-    if row.stride == packed.stride {
+    // Where a row is the list of a triangle and no more, the compiler knows every offset.
+    let packed = Row { stride: C + TRIANGLE * I, list: 0, corners: TRIANGLE, ..row };
+    if (row.stride, row.corners) == (packed.stride, packed.corners) {
         decode_rows::<C, I, BIG>(rows, packed, to)
     } else {
         decode_rows::<C, I, BIG>(rows, row, to)
@@ -140,21 +179,33 @@ fn decode<const C: usize, const I: usize, const BIG: bool>(
 #[inline(always)]
 fn decode_rows<const C: usize, const I: usize, const BIG: bool>(
     rows: &[u8],
-    Row { stride, list, limit }: Row,
-    to: &mut [[u32; CORNERS]],
+    row: Row,
+    to: &mut [[u32; 3]],
 ) -> usize {
-    let mut all_good = true;
-    let is_good = |row: &[u8], triangle: &[u32; CORNERS]| {
-        let greatest = triangle.iter().fold(0, |a, b| a.max(*b));
-        (number::<C, BIG>(row, list) == CORNERS as u32) & (greatest < limit)
+    let is_good = |(to, bytes): (&mut [[u32; 3]], &[u8])| {
+        let greatest = fan::<I, BIG>(&bytes[row.list + C..], to);
+        (number::<C, BIG>(bytes, row.list) == row.corners as u32) & (greatest < row.limit)
     };
-    for (to, row) in to.iter_mut().zip(rows.chunks_exact(stride)) {
-        *to = [0, 1, 2].map(|i| number::<I, BIG>(row, list + C + i * I));
-        all_good &= is_good(row, to);
+    let faces = to.len() / row.fan();
+    let both = to.chunks_exact_mut(row.fan()).zip(rows.chunks_exact(row.stride));
+    if both.map(is_good).fold(true, |all, good| all & good) {
+        return faces;
     }
-    if all_good {
-        return to.len();
+    let mut both = to.chunks_exact_mut(row.fan()).zip(rows.chunks_exact(row.stride));
+    both.position(|face| !is_good(face)).unwrap_or(faces)
+}
+
+/// Writes the triangles of a face; returns the greatest index.
+#[inline(always)]
+fn fan<const N: usize, const BIG: bool>(items: &[u8], to: &mut [[u32; 3]]) -> u32 {
+    let index = |i: usize| number::<N, BIG>(items, i * N);
+    let (first, mut before) = (index(0), index(1));
+    let mut greatest = first.max(before);
+    for (i, to) in (2..).zip(to) {
+        let next = index(i);
+        *to = [first, before, next];
+        greatest = greatest.max(next);
+        before = next;
     }
-    let mut both = to.iter().zip(rows.chunks_exact(stride));
-    both.position(|(triangle, row)| !is_good(row, triangle)).unwrap_or(to.len())
+    greatest
 }

@@ -60,12 +60,12 @@ pub(super) trait Source {
         Bulk::Not
     }
 
-    /// Reads some of the next `most` faces, as long as they name the first `vertices` vertices, and
-    /// returns how many: perhaps none. A face at fault is left to be read again.
+    /// Reads the first faces, as long as they name the first `vertices` vertices, and returns how many: perhaps
+    /// none. A face at fault is left to be read again.
     fn faces(
         &mut self,
-        _rows: FaceRows<'_>,
-        _most: u64,
+        _element: &Element,
+        _layout: ListLayout,
         _vertices: usize,
         _into: &mut Faces,
     ) -> Result<u64, Fault> {
@@ -98,15 +98,6 @@ pub(super) enum Bulk {
     Bad(usize),
     /// This row could not be read.
     Failed(u64, Fault),
-}
-
-/// The rows of the element `face`.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct FaceRows<'a> {
-    pub(super) element: &'a Element,
-    pub(super) layout: ListLayout,
-    /// About how many triangles they make together; the file has room for so many.
-    pub(super) likely: usize,
 }
 
 /// The faces so far.
