@@ -21,7 +21,6 @@ mod light;
 mod material;
 mod mesh;
 mod node;
-mod notes;
 mod primitive;
 mod spawn;
 mod survey;
@@ -39,7 +38,6 @@ use super::reader::{Cursor, Notes, Place, json};
 use buffer::Buffer;
 use document::Document;
 use fields::Fields;
-use notes::Remarks;
 
 pub(super) use survey::survey;
 
@@ -73,13 +71,12 @@ pub fn load_bytes(bytes: Vec<u8>, path: &Path, options: &LoadOptions) -> Result<
     let binary = parts.binary.map(|range| Buffer::part(bytes.clone(), range));
     let value = json::parse(text(&bytes[parts.json], path)?, path)?;
     let notes = Notes::new(path, options.strict);
-    let remarks = Remarks::new(&notes);
     let top = Fields::new(Cursor::new(&value, Place::Top, &notes), "a glTF file")?;
-    let document = Document::read(&top, binary.as_ref(), &remarks)?;
-    document::remark(&top, &remarks);
+    let document = Document::read(&top, binary.as_ref())?;
+    document::remark(&top);
     // Data within the text is many times larger there than as bytes.
     drop(value);
-    let spawned = spawn::world(document, options, &remarks)?;
+    let spawned = spawn::world(document, options, &notes)?;
     Ok(LoadedScene { warnings: notes.into_warnings(), ..spawned })
 }
 

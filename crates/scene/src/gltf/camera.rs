@@ -6,12 +6,11 @@ use crate::components::{FovAxis, View};
 use crate::corners::direction;
 use crate::options::LoadOptions;
 use crate::parse;
-use crate::reader::Range;
+use crate::reader::{Notes, Range};
 use crate::staging::{self, Sphere};
 use wavecrest_base::error::{ErrorKind, Result};
 
 use super::fields::Fields;
-use super::notes::Remarks;
 
 /// Where a camera without perspective is put, in radii of the scene: far enough for rays that are nearly
 /// parallel.
@@ -75,11 +74,11 @@ impl Camera {
         world: &DAffine3,
         bounds: &Sphere,
         options: &LoadOptions,
-        remarks: &Remarks<'_>,
+        notes: &Notes<'_>,
     ) -> Result<View> {
         let axes = [world.matrix3.z_axis, world.matrix3.y_axis].map(direction);
         let [Some(back), Some(up)] = axes else {
-            let error = remarks.notes.error(
+            let error = notes.error(
                 ErrorKind::Scene,
                 &self.path,
                 "the transform of the camera's node leaves it no direction".to_owned(),
@@ -87,8 +86,8 @@ impl Camera {
             return Err(error.remedy("give the node a scale other than 0"));
         };
         let (width, height) = staging::size(options, self.aspect)?;
-        let (location, distance, fov) = self.placed(world.translation, back, bounds, remarks);
-        let fov_degrees = checked_fov(fov.to_degrees(), &self.path, remarks)?;
+        let (location, distance, fov) = self.placed(world.translation, back, bounds, notes);
+        let fov_degrees = checked_fov(fov.to_degrees(), &self.path, notes)?;
         let look = location - back * distance;
         Ok(View {
             location,
@@ -106,7 +105,7 @@ impl Camera {
         position: DVec3,
         back: DVec3,
         bounds: &Sphere,
-        remarks: &Remarks<'_>,
+        notes: &Notes<'_>,
     ) -> (DVec3, f64, f64) {
         let ahead = (position - bounds.center).dot(back);
         match self.lens {
@@ -116,7 +115,7 @@ impl Camera {
             }
             Lens::Orthographic(half) => {
                 let message = "a camera without perspective is one that is very far away";
-                remarks.once(&self.path, message, "its rays are nearly parallel");
+                notes.once(&self.path, message, "its rays are nearly parallel");
                 let distance = PARALLEL_DISTANCE * bounds.radius.max(half);
                 let location = position + back * (distance - ahead);
                 (location, distance, 2.0 * libm::atan(half / distance))
@@ -125,11 +124,11 @@ impl Camera {
     }
 }
 
-fn checked_fov(degrees: f64, path: &str, remarks: &Remarks<'_>) -> Result<f64> {
+fn checked_fov(degrees: f64, path: &str, notes: &Notes<'_>) -> Result<f64> {
     if parse::FOV.contains(degrees) {
         return Ok(degrees);
     }
     let place = format!("{path}.perspective.yfov");
     let message = format!("in degrees, must be {}", parse::FOV.words());
-    Err(remarks.notes.error(ErrorKind::Scene, &place, message).value(format!("{degrees} degrees")))
+    Err(notes.error(ErrorKind::Scene, &place, message).value(format!("{degrees} degrees")))
 }

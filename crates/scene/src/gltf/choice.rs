@@ -2,12 +2,12 @@
 
 use crate::components::View;
 use crate::options::LoadOptions;
+use crate::reader::Notes;
 use crate::staging::Sphere;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
 use super::document::Document;
 use super::node::Placed;
-use super::notes::Remarks;
 
 /// The view of the camera that is taken; `None` where the scene has no camera.
 ///
@@ -17,7 +17,7 @@ pub(super) fn camera(
     document: &Document,
     bounds: &Sphere,
     options: &LoadOptions,
-    remarks: &Remarks<'_>,
+    notes: &Notes<'_>,
 ) -> Result<Option<View>> {
     let all: Vec<(usize, &Placed)> = document
         .placed
@@ -28,7 +28,7 @@ pub(super) fn camera(
         Some(asked) => Some(
             all.iter()
                 .find(|(camera, place)| is_asked_for(asked, document, *camera, place))
-                .ok_or_else(|| not_there(asked, document, &all, remarks))?,
+                .ok_or_else(|| not_there(asked, document, &all, notes))?,
         ),
         None => {
             let has_perspective =
@@ -37,7 +37,7 @@ pub(super) fn camera(
         }
     };
     let Some((camera, place)) = found else { return Ok(None) };
-    document.cameras[*camera].view(&place.world, bounds, options, remarks).map(Some)
+    document.cameras[*camera].view(&place.world, bounds, options, notes).map(Some)
 }
 
 /// Whether a camera is that of the name or number `asked`: its own name, or that of its node.
@@ -52,7 +52,7 @@ fn not_there(
     asked: &str,
     document: &Document,
     all: &[(usize, &Placed)],
-    remarks: &Remarks<'_>,
+    notes: &Notes<'_>,
 ) -> Error {
     /// More than these are not listed.
     const MOST_LISTED: usize = 8;
@@ -67,8 +67,7 @@ fn not_there(
     if all.len() > MOST_LISTED {
         names.push("...".to_owned());
     }
-    let error =
-        remarks.notes.error(ErrorKind::Usage, "", "no such camera is in the scene".to_owned());
+    let error = notes.error(ErrorKind::Usage, "", "no such camera is in the scene".to_owned());
     let error = error.value(asked);
     if names.is_empty() {
         return error.remedy("it has none: leave --camera out, and one is chosen");

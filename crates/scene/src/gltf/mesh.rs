@@ -3,19 +3,19 @@
 use glam::Vec3;
 
 use crate::mesh::{Attribute, MeshData};
+use crate::reader::Notes;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::math::float::MAX_COORDINATE;
 
 use super::accessor::{Accessor, Component};
 use super::document::Document;
-use super::notes::Remarks;
 use super::primitive::{Mode, Primitive};
 use super::texture::TextureInfo;
 
 /// What reads primitives, and counts what it has read.
 pub(super) struct Reader<'a> {
     document: &'a Document,
-    remarks: &'a Remarks<'a>,
+    notes: &'a Notes<'a>,
     /// Bytes that may still be read. Accessors may share bytes: without a bound, a small file could
     /// name the same ones any number of times.
     left: u64,
@@ -29,10 +29,10 @@ const READ_AGAIN: u64 = 64;
 
 impl<'a> Reader<'a> {
     /// Reads primitives of a file.
-    pub(super) fn new(document: &'a Document, remarks: &'a Remarks<'a>) -> Self {
+    pub(super) fn new(document: &'a Document, notes: &'a Notes<'a>) -> Self {
         let bytes: usize = document.buffers.iter().map(|buffer| buffer.bytes().len()).sum();
         let left = READ_ANYHOW.saturating_add(READ_AGAIN.saturating_mul(bytes as u64));
-        Self { document, remarks, left }
+        Self { document, notes, left }
     }
 
     /// The arrays of a primitive, with the coordinates that a texture goes by, if one is given. `None` for
@@ -45,16 +45,16 @@ impl<'a> Reader<'a> {
         let Some(mode) = primitive.mode else { return Ok(None) };
         let Some(&positions) = primitive.attributes.get("POSITION") else {
             let message = "a primitive without positions is left out";
-            self.remarks.once(&primitive.path, message, "give it the attribute POSITION");
+            self.notes.once(&primitive.path, message, "give it the attribute POSITION");
             return Ok(None);
         };
         let count = self.accessor(positions).count;
         let corners = self.corners(primitive, count)?;
         let (corners, used) = compacted(corners, count);
-        let mut triangles = triangles(mode, &corners, self.remarks, &primitive.path);
+        let mut triangles = triangles(mode, &corners, self.notes, &primitive.path);
         if triangles.is_empty() {
             let message = "a primitive without a triangle is left out";
-            self.remarks.once(&primitive.path, message, "a triangle needs three vertices");
+            self.notes.once(&primitive.path, message, "a triangle needs three vertices");
             return Ok(None);
         }
         triangles.shrink_to_fit();
@@ -192,7 +192,7 @@ impl<'a> Reader<'a> {
         });
         if values.contains(&Vec3::ZERO) {
             let message = "some normals are zero or not finite";
-            self.remarks.once(&primitive.path, message, "triangles there are lit with their own");
+            self.notes.once(&primitive.path, message, "triangles there are lit with their own");
         }
         Ok(Some(Attribute { values, indices: None }))
     }
@@ -209,7 +209,7 @@ impl<'a> Reader<'a> {
         let Some(accessor) = self.attribute(primitive, &name, count, 2, &types)? else {
             let message = "a mesh has no coordinates for its texture";
             let remedy = format!("it has the colour alone; give it the attribute {name}");
-            self.remarks.once(&primitive.path, message, &remedy);
+            self.notes.once(&primitive.path, message, &remedy);
             return Ok(None);
         };
         self.pay(primitive, accessor, used.map_or(count, <[u32]>::len))?;
@@ -222,7 +222,7 @@ impl<'a> Reader<'a> {
     }
 
     fn error(&self, place: &str, message: &str) -> Error {
-        self.remarks.notes.error(ErrorKind::Mesh, place, message.to_owned())
+        self.notes.error(ErrorKind::Mesh, place, message.to_owned())
     }
 }
 
@@ -248,13 +248,13 @@ fn compacted(mut corners: Vec<u32>, count: usize) -> (Vec<u32>, Option<Vec<u32>>
 }
 
 /// The triangles of vertices in a row, counter-clockwise from the front.
-fn triangles(mode: Mode, corners: &[u32], remarks: &Remarks<'_>, path: &str) -> Vec<[u32; 3]> {
+fn triangles(mode: Mode, corners: &[u32], notes: &Notes<'_>, path: &str) -> Vec<[u32; 3]> {
     match mode {
         Mode::Triangles => {
             let (triangles, rest) = corners.as_chunks::<3>();
             if !rest.is_empty() {
                 let message = "some vertices are left over";
-                remarks.once(path, message, "the number of corners should be divisible by 3");
+                notes.once(path, message, "the number of corners should be divisible by 3");
             }
             triangles.to_vec()
         }
@@ -278,11 +278,10 @@ mod tests {
     use std::path::Path;
 
     use super::*;
-    use crate::reader::Notes;
 
     fn made(mode: Mode, corners: &[u32]) -> Vec<[u32; 3]> {
         let notes = Notes::new(Path::new("a.gltf"), false);
-        triangles(mode, corners, &Remarks::new(&notes), "meshes[0]")
+        triangles(mode, corners, &notes, "meshes[0]")
     }
 
     #[test]

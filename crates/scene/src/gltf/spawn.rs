@@ -12,6 +12,7 @@ use crate::components::{
 use crate::loaded::LoadedScene;
 use crate::mesh::MeshData;
 use crate::options::LoadOptions;
+use crate::reader::Notes;
 use crate::staging::{self, Sphere};
 use wavecrest_base::error::{ErrorKind, Result, Warning};
 
@@ -21,7 +22,6 @@ use super::light;
 use super::material::Surface;
 use super::mesh::Reader;
 use super::node::{Placed, flattens};
-use super::notes::Remarks;
 
 /// Points along each side of the grid on a light that is a mesh; each pixel has several rays.
 const LIGHT_SAMPLES: u32 = 3;
@@ -48,18 +48,18 @@ struct Use {
 pub(super) fn world(
     document: Document,
     options: &LoadOptions,
-    remarks: &Remarks<'_>,
+    notes: &Notes<'_>,
 ) -> Result<LoadedScene> {
-    let primitives = primitives(&document, remarks)?;
+    let primitives = primitives(&document, notes)?;
     let bounds = bounds(&primitives);
-    let view = choice::camera(&document, &bounds, options, remarks)?;
+    let view = choice::camera(&document, &bounds, options, notes)?;
     let has_camera = view.is_some();
     let view = view.map_or_else(|| staging::framed(&bounds, options), Ok)?;
-    let mut lights = lights(&document, &bounds, remarks);
+    let mut lights = lights(&document, &bounds, notes);
     let mut spawner = Spawner { world: World::new(), lights: 0, shapes: 0 };
     let glowing: usize =
         primitives.iter().filter(|f| f.surface.is_light()).map(|f| f.uses.len()).sum();
-    check_lights(&primitives, remarks)?;
+    check_lights(&primitives, notes)?;
     let has_lights = !lights.is_empty() || glowing > 0;
     let exposure = light::exposure(radiance(&lights, &primitives, &bounds));
     for (_, light) in &mut lights {
@@ -68,12 +68,12 @@ pub(super) fn world(
     if !has_lights {
         lights.push(("the light".to_owned(), staging::light(&view, &bounds)));
     }
-    spawner.world.spawn((staging::settings(remarks.notes.file(), lights.len() + glowing),));
+    spawner.world.spawn((staging::settings(notes.file(), lights.len() + glowing),));
     spawner.world.spawn((view, Pinhole));
     lights.into_iter().for_each(|(path, light)| spawner.point_light(path, light));
     spawner.primitives(primitives, exposure);
     let told = told(has_camera, has_lights.then_some(exposure));
-    let note = |text: String| Warning::from_error(&remarks.notes.error(ErrorKind::Scene, "", text));
+    let note = |text: String| Warning::from_error(&notes.error(ErrorKind::Scene, "", text));
     Ok(LoadedScene {
         world: spawner.world,
         warnings: Vec::new(),
@@ -85,7 +85,7 @@ pub(super) fn world(
 /// The most triangles of lights: each node that shows one holds a copy.
 const MOST_LIGHT_TRIANGLES: usize = 1 << 22;
 
-fn check_lights(primitives: &[Primitive], remarks: &Remarks<'_>) -> Result<()> {
+fn check_lights(primitives: &[Primitive], notes: &Notes<'_>) -> Result<()> {
     let lights = primitives.iter().filter(|primitive| primitive.surface.is_light());
     let triangles =
         |primitive: &Primitive| primitive.mesh.triangles.len().saturating_mul(primitive.uses.len());
@@ -94,7 +94,7 @@ fn check_lights(primitives: &[Primitive], remarks: &Remarks<'_>) -> Result<()> {
         return Ok(());
     }
     let message = "the meshes that give off light have too many triangles".to_owned();
-    let error = remarks.notes.error(ErrorKind::Limit, "materials", message).value(all);
+    let error = notes.error(ErrorKind::Limit, "materials", message).value(all);
     Err(error
         .remedy(format!("at most {MOST_LIGHT_TRIANGLES} are allowed: set emissiveFactor to 0")))
 }
@@ -113,8 +113,8 @@ fn told(has_camera: bool, exposure: Option<f64>) -> Option<String> {
 }
 
 /// The primitives that the nodes of the scene show, in the order in which they are met.
-fn primitives(document: &Document, remarks: &Remarks<'_>) -> Result<Vec<Primitive>> {
-    let mut reader = Reader::new(document, remarks);
+fn primitives(document: &Document, notes: &Notes<'_>) -> Result<Vec<Primitive>> {
+    let mut reader = Reader::new(document, notes);
     // Which primitives each mesh has, once it is read.
     let mut known: Vec<Option<Range<usize>>> = vec![None; document.meshes.len()];
     let mut primitives: Vec<Primitive> = Vec::new();
@@ -123,28 +123,28 @@ fn primitives(document: &Document, remarks: &Remarks<'_>) -> Result<Vec<Primitiv
         let place = format!("nodes[{node}]");
         if flattens(world) {
             let message = "a node whose transform flattens space is left out";
-            remarks.once(&place, message, "give every axis a scale other than 0");
+            notes.once(&place, message, "give every axis a scale other than 0");
             continue;
         }
         if document.nodes[*node].is_skinned {
             let message = "a mesh that a skeleton moves is shown as it is";
-            remarks.once(&place, message, "export it in the pose that is wanted");
+            notes.once(&place, message, "export it in the pose that is wanted");
         }
         let numbers = match &known[mesh] {
             Some(numbers) => numbers.clone(),
             None => {
                 let first = primitives.len();
-                read(document, mesh, &mut reader, remarks, &mut primitives)?;
+                read(document, mesh, &mut reader, notes, &mut primitives)?;
                 known[mesh].insert(first..primitives.len()).clone()
             }
         };
         let node = Use { path: place, name: document.nodes[*node].name.clone(), world: *world };
         add_uses(&mut primitives[numbers], &node);
     }
-    check_unused(document, &known, &mut reader, remarks)?;
+    check_unused(document, &known, &mut reader, notes)?;
     if primitives.is_empty() {
         let message = "there is nothing to see";
-        remarks.once("nodes", message, "no node of the scene has a mesh of triangles");
+        notes.once("nodes", message, "no node of the scene has a mesh of triangles");
     }
     Ok(primitives)
 }
@@ -166,12 +166,12 @@ fn check_unused(
     document: &Document,
     known: &[Option<Range<usize>>],
     reader: &mut Reader<'_>,
-    remarks: &Remarks<'_>,
+    notes: &Notes<'_>,
 ) -> Result<()> {
     for mesh in (0..known.len()).filter(|&mesh| known[mesh].is_none()) {
         let message = "a mesh is left out";
-        remarks.once(&format!("meshes[{mesh}]"), message, "no node of the scene shows it");
-        read(document, mesh, reader, remarks, &mut Vec::new())?;
+        notes.once(&format!("meshes[{mesh}]"), message, "no node of the scene shows it");
+        read(document, mesh, reader, notes, &mut Vec::new())?;
     }
     Ok(())
 }
@@ -181,13 +181,13 @@ fn read(
     document: &Document,
     mesh: usize,
     reader: &mut Reader<'_>,
-    remarks: &Remarks<'_>,
+    notes: &Notes<'_>,
     primitives: &mut Vec<Primitive>,
 ) -> Result<()> {
     let parts = &document.meshes[mesh];
     for primitive in &parts.primitives {
         let surface = primitive.material.map_or(&Surface::DEFAULT, |i| &document.materials[i]);
-        let texture = texture(document, surface, remarks);
+        let texture = texture(document, surface, notes);
         let info = surface.texture.as_ref().filter(|_| texture.is_some());
         let Some(mesh) = reader.mesh(primitive, info)? else { continue };
         primitives.push(Primitive {
@@ -203,16 +203,16 @@ fn read(
 }
 
 /// The texture of a surface, if its image is there.
-fn texture(document: &Document, surface: &Surface, remarks: &Remarks<'_>) -> Option<TextureRef> {
+fn texture(document: &Document, surface: &Surface, notes: &Notes<'_>) -> Option<TextureRef> {
     let (textures, info) = (&document.textures, surface.texture.as_ref()?);
     let Some(image) = textures.image(info) else {
         let message = "a texture names no image that could be read";
-        remarks.once("textures", message, "the material has its colour alone");
+        notes.once("textures", message, "the material has its colour alone");
         return None;
     };
     if let Some(path) = textures.missing(image) {
         let message = format!("there is no image {}", path.display());
-        remarks.once(&format!("images[{image}]"), &message, "the material has its colour alone");
+        notes.once(&format!("images[{image}]"), &message, "the material has its colour alone");
         return None;
     }
     textures.reference(info, surface.tint())
@@ -242,18 +242,14 @@ fn bounds(primitives: &[Primitive]) -> Sphere {
 }
 
 /// The lights of the scene's nodes, with their paths.
-fn lights(
-    document: &Document,
-    bounds: &Sphere,
-    remarks: &Remarks<'_>,
-) -> Vec<(String, PointLight)> {
+fn lights(document: &Document, bounds: &Sphere, notes: &Notes<'_>) -> Vec<(String, PointLight)> {
     let placed = |place: &Placed| {
         let light = document.lights[document.nodes[place.node].light?]?;
         let path = format!("nodes[{}]", place.node);
         let found = light.placed(&place.world, bounds);
         if found.is_none() {
             let message = "a light's node leaves it no direction";
-            remarks.once(&path, message, "it is left out; give the node a scale other than 0");
+            notes.once(&path, message, "it is left out; give the node a scale other than 0");
         }
         Some((path, found?))
     };
