@@ -7,13 +7,12 @@
 //!
 //! A mesh that several nodes use is held once: as a shape that is not seen itself, of which each node has
 //! an instance. One that gives off light is an area light, with a copy of its own for each node.
-//! [`material`] and [`light`] state how materials and units are taken; [`staging`](super::staging) what is
+//! [`material`] and [`light`] state how materials and units are taken; [`staging`](super::load::staging) what is
 //! put where the file has no camera or no light.
 
 mod accessor;
 mod buffer;
 mod camera;
-mod choice;
 mod container;
 mod document;
 mod fields;
@@ -22,7 +21,7 @@ mod material;
 mod mesh;
 mod node;
 mod primitive;
-mod spawn;
+mod scene;
 mod survey;
 mod texture;
 mod uri;
@@ -32,8 +31,7 @@ use std::sync::Arc;
 
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
-use super::loaded::LoadedScene;
-use super::options::LoadOptions;
+use super::load::{LoadOptions, LoadedScene, spawned};
 use super::reader::{Cursor, Notes, Place, json};
 use buffer::Buffer;
 use document::Document;
@@ -76,8 +74,9 @@ pub fn load_bytes(bytes: Vec<u8>, path: &Path, options: &LoadOptions) -> Result<
     document::remark(&top);
     // Data within the text is many times larger there than as bytes.
     drop(value);
-    let spawned = spawn::world(document, options, &notes)?;
-    Ok(LoadedScene { warnings: notes.into_warnings(), ..spawned })
+    let (scene, told) = scene::scene(&document, options, &notes)?;
+    drop(document);
+    spawned(scene, notes, Some(told), crate::mesh::load)
 }
 
 fn text<'b>(bytes: &'b [u8], path: &Path) -> Result<&'b str> {

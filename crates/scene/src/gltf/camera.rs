@@ -1,16 +1,18 @@
-//! Cameras, and what each sees.
+//! Cameras: what each sees, and which is taken.
 
 use glam::{DAffine3, DVec3};
 
 use crate::components::{FovAxis, View};
 use crate::corners::direction;
-use crate::options::LoadOptions;
+use crate::load::LoadOptions;
+use crate::load::staging::{self, Sphere};
 use crate::parse;
 use crate::reader::{Notes, Range};
-use crate::staging::{self, Sphere};
-use wavecrest_base::error::{ErrorKind, Result};
+use wavecrest_base::error::{Error, ErrorKind, Result};
 
+use super::document::Document;
 use super::fields::Fields;
+use super::node::Placed;
 
 /// Where a camera without perspective is put, in radii of the scene: far enough for rays that are nearly
 /// parallel.
@@ -131,4 +133,70 @@ fn checked_fov(degrees: f64, path: &str, notes: &Notes<'_>) -> Result<f64> {
     let place = format!("{path}.perspective.yfov");
     let message = format!("in degrees, must be {}", parse::FOV.words());
     Err(notes.error(ErrorKind::Scene, &place, message).value(format!("{degrees} degrees")))
+}
+
+/// The view of the camera that is taken; `None` where the scene has no camera.
+///
+/// # Errors
+/// Where the one asked for is not in the scene, or cannot be taken.
+pub(super) fn chosen(
+    document: &Document,
+    bounds: &Sphere,
+    options: &LoadOptions,
+    notes: &Notes<'_>,
+) -> Result<Option<View>> {
+    let all: Vec<(usize, &Placed)> = document
+        .placed
+        .iter()
+        .filter_map(|place| Some((document.nodes[place.node].camera?, place)))
+        .collect();
+    let found = match &options.camera {
+        Some(asked) => Some(
+            all.iter()
+                .find(|(camera, place)| is_asked_for(asked, document, *camera, place))
+                .ok_or_else(|| not_there(asked, document, &all, notes))?,
+        ),
+        None => {
+            let has_perspective =
+                |(camera, _): &&(usize, &Placed)| document.cameras[*camera].has_perspective();
+            all.iter().find(has_perspective).or(all.first())
+        }
+    };
+    let Some((camera, place)) = found else { return Ok(None) };
+    document.cameras[*camera].view(&place.world, bounds, options, notes).map(Some)
+}
+
+/// Whether a camera is that of the name or number `asked`: its own name, or that of its node.
+fn is_asked_for(asked: &str, document: &Document, camera: usize, place: &Placed) -> bool {
+    let is = |name: &Option<String>| name.as_deref() == Some(asked);
+    is(&document.cameras[camera].name)
+        || is(&document.nodes[place.node].name)
+        || asked.parse() == Ok(camera)
+}
+
+fn not_there(
+    asked: &str,
+    document: &Document,
+    all: &[(usize, &Placed)],
+    notes: &Notes<'_>,
+) -> Error {
+    /// More than these are not listed.
+    const MOST_LISTED: usize = 8;
+    let describe = |(camera, place): &(usize, &Placed)| {
+        let own = document.cameras[*camera].name.as_ref();
+        match own.or(document.nodes[place.node].name.as_ref()) {
+            Some(name) => format!("{camera} ({name})"),
+            None => camera.to_string(),
+        }
+    };
+    let mut names: Vec<String> = all.iter().take(MOST_LISTED).map(describe).collect();
+    if all.len() > MOST_LISTED {
+        names.push("...".to_owned());
+    }
+    let error = notes.error(ErrorKind::Usage, "", "no such camera is in the scene".to_owned());
+    let error = error.value(asked);
+    if names.is_empty() {
+        return error.remedy("it has none: leave --camera out, and one is chosen");
+    }
+    error.remedy(format!("it has {}", names.join(", ")))
 }

@@ -93,9 +93,8 @@ fn buffers(top: &Fields<'_>, binary: Option<&Buffer>) -> Result<Vec<Buffer>> {
 }
 
 fn lights(top: &Fields<'_>) -> Result<Vec<Option<Light>>> {
-    let lights = top.extension("KHR_lights_punctual", |found| {
-        found.list("lights", "a light", |f| Light::read(f))
-    });
+    let lights =
+        top.extension("KHR_lights_punctual", |found| found.list("lights", "a light", Light::read));
     Ok(lights?.unwrap_or_default())
 }
 

@@ -21,8 +21,8 @@ use glam::{DAffine3, DVec3};
 
 use crate::components::{Falloff, PointLight};
 use crate::corners::direction;
+use crate::load::staging::Sphere;
 use crate::reader::Range;
-use crate::staging::Sphere;
 use wavecrest_base::error::Result;
 
 use super::fields::Fields;

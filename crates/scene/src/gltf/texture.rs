@@ -148,7 +148,7 @@ impl Textures {
     /// Reads the lists of a file.
     pub(super) fn read(top: &Fields<'_>, storage: Storage<'_>) -> Result<Self> {
         let images = top.list("images", "an image", |f| Image::read(f, storage))?;
-        let samplers = top.list("samplers", "a sampler", |f| Sampler::read(f))?;
+        let samplers = top.list("samplers", "a sampler", Sampler::read)?;
         let texture = |f: &Fields<'_>| Texture::read(f, images.len(), samplers.len());
         let textures = top.list("textures", "a texture", texture)?;
         Ok(Self { images, samplers, textures })

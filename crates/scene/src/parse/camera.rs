@@ -4,10 +4,10 @@ use glam::DVec3;
 
 use crate::components::{CameraKey, CameraPath, FovAxis, Interpolation, Sampling, ThinLens, View};
 use crate::corners::direction;
-use crate::options::LoadOptions;
+use crate::load::LoadOptions;
+use crate::reader::Word;
 use crate::reader::{Cursor, Key, Kind, Object, POINT, Range, integer_words, keys};
 use crate::schema::Camera;
-use crate::words::Word;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::kernels::camera::path::least_aligned_axis;
 

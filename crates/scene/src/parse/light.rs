@@ -1,9 +1,9 @@
 //! Light sources.
 
 use crate::components::{AreaLight, Falloff, PointLight, Sampling};
+use crate::reader::Word;
 use crate::reader::{Cursor, Key, Kind, Object, Range, keys};
 use crate::schema::Light;
-use crate::words::Word;
 use wavecrest_base::error::{ErrorKind, Result};
 
 use super::shape::light_shape;

@@ -9,6 +9,7 @@ use std::path::Path;
 use glam::{DVec3, Vec2, Vec3};
 use serde_json::Value;
 
+use crate::components::Mesh;
 use crate::mesh::{Attribute, MeshData};
 use crate::reader::{Cursor, Key, Object, Range, Takes, keys};
 use crate::schema::Geometry;
@@ -105,7 +106,8 @@ pub(super) fn mesh(object: &Object<'_>) -> Result<Geometry> {
     let uvs = object.get("uvs").map(|c| uvs(&c, points.len())).transpose()?;
     let normals = object.get("normals").map(|c| normals(&c, points.len())).transpose()?;
     let positions = points.into_iter().map(|p| p.as_vec3()).collect();
-    Ok(Geometry::Mesh(MeshData { positions, triangles, normals, uvs }))
+    let data = MeshData { positions, triangles, normals, uvs };
+    Ok(Geometry::Mesh(Mesh { data, file: None }))
 }
 
 fn mesh_file(cursor: &Cursor<'_>) -> Result<Geometry> {

@@ -9,9 +9,9 @@ use crate::corners::{
     direction, quad_has_area, quad_is_planar, quad_is_simple, quad_normal, quad_repeats_a_corner,
     triangle_has_area, triangle_normal,
 };
+use crate::reader::Word;
 use crate::reader::{Absent, Cursor, Key, Kind, Object, Range, Takes, keys};
 use crate::schema::{Geometry, Shape};
-use crate::words::Word;
 use wavecrest_base::error::{Error, Result};
 
 use super::own_keys::OwnKeys;

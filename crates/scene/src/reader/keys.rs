@@ -3,7 +3,7 @@
 //! There is one table for each kind of object. The parser reads by it, and the JSON schema is made of it.
 
 use super::cursor::Range;
-use crate::words::Word;
+use super::words::Word;
 
 /// A kind of object.
 #[derive(Clone, Copy)]

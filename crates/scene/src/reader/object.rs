@@ -6,7 +6,7 @@ use serde_json::{Map, Value};
 use super::cursor::{COLOR, Cursor, POINT, Range, integer_words, words_of};
 use super::keys::{Absent, Key, Kind, Takes, keys};
 use super::place::Place;
-use crate::words::Word;
+use super::words::Word;
 use wavecrest_base::error::{Error, ErrorKind, Result, did_you_mean};
 
 /// A JSON object, and the keys that its kind allows.

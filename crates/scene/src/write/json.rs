@@ -11,7 +11,7 @@ use crate::components::{
     Shading, Sides, Sphere, TextureRef, ThinLens, Transform, Triangle, View,
 };
 use crate::query;
-use crate::words::Word;
+use crate::reader::Word;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
 use super::beside::Beside;

@@ -6,12 +6,12 @@
 
 use serde_json::{Map, Value, json};
 
-use crate::parse::camera::{self, CameraKind};
-use crate::parse::light::{self, LightKind};
-use crate::parse::shape::{self, Owner, ShapeKind};
-use crate::parse::{FILE, SCENE, instance, material, mesh, transform};
+use super::camera::{self, CameraKind};
+use super::light::{self, LightKind};
+use super::shape::{self, Owner, ShapeKind};
+use super::{FILE, SCENE, instance, material, mesh, transform};
+use crate::reader::Word;
 use crate::reader::{Absent, Key, Kind, Range, Takes};
-use crate::words::Word;
 
 /// The dialect that the schema is written in.
 const DIALECT: &str = "https://json-schema.org/draft/2020-12/schema";
