@@ -7,7 +7,6 @@ mod json_schema;
 mod light;
 mod material;
 mod mesh;
-mod own_keys;
 mod shape;
 mod transform;
 

@@ -4,9 +4,9 @@
 
 use std::io::{BufReader, Read as _};
 
-use super::header::{Element, Property, Scalar};
-use super::layout::{ListLayout, VertexLayout, stride};
-use super::source::{Bulk, Faces, Fault, Source, Vertices};
+use super::header::{Element, Scalar};
+use super::layout::{ListLayout, VertexLayout};
+use super::source::{Faces, Fault, Source, Vertices};
 use super::{faces, vertices};
 use crate::mesh::place::{ReadAt, Section};
 
@@ -96,16 +96,11 @@ impl<F: ReadAt + ?Sized, const BIG: bool> Source for Binary<'_, F, BIG> {
         Ok(self.left)
     }
 
-    fn vertices(&mut self, layout: &VertexLayout, into: &mut Vertices) -> Bulk {
+    fn vertices(&mut self, layout: &VertexLayout, into: &mut Vertices) -> Result<u64, Fault> {
         let block = self.block();
-        let bulk = vertices::read::<F, BIG>(self.file, self.place(), layout, block, into);
-        let Some(stride) = layout.stride.filter(|_| matches!(bulk, Bulk::Done)) else {
-            return bulk;
-        };
-        match self.advance((stride * into.positions.len()) as u64) {
-            Ok(()) => bulk,
-            Err(fault) => Bulk::Failed(0, fault),
-        }
+        let rows = vertices::read::<F, BIG>(self.file, self.place(), layout, block, into);
+        self.advance((layout.stride.unwrap_or(0) * rows) as u64)?;
+        Ok(rows as u64)
     }
 
     fn faces(
@@ -124,11 +119,5 @@ impl<F: ReadAt + ?Sized, const BIG: bool> Source for Binary<'_, F, BIG> {
         let (faces, bytes) = read.unwrap_or_default();
         self.advance(bytes)?;
         Ok(faces)
-    }
-
-    fn pass_over(&mut self, properties: &[Property], count: u64) -> Result<bool, Fault> {
-        let Some(stride) = stride(properties) else { return Ok(false) };
-        self.advance(count.saturating_mul(stride as u64))?;
-        Ok(true)
     }
 }
