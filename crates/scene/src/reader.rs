@@ -14,11 +14,9 @@ mod keys;
 mod notes;
 mod object;
 mod place;
-mod words;
 
 pub(crate) use cursor::{Cursor, POINT, Range, integer_words};
 pub(crate) use keys::{Absent, Key, Kind, Takes, keys, word};
 pub(crate) use notes::Notes;
 pub(crate) use object::Object;
 pub(crate) use place::Place;
-pub(crate) use words::Word;

@@ -9,7 +9,6 @@ use crate::corners::{
     direction, quad_has_area, quad_is_planar, quad_is_simple, quad_normal, quad_repeats_a_corner,
     triangle_has_area, triangle_normal,
 };
-use crate::reader::Word;
 use crate::reader::{Absent, Cursor, Key, Kind, Object, Range, Takes, keys};
 use crate::schema::{Geometry, Shape};
 use wavecrest_base::error::{Error, Result};
@@ -20,21 +19,19 @@ use super::{material, mesh, transform};
 /// single precision.
 const IN_PLANE: f64 = 1e-6;
 
-#[derive(Clone, Copy, PartialEq)]
-pub(crate) enum ShapeKind {
-    Sphere,
-    Plane,
-    Triangle,
-    Trimesh,
-}
-
-impl Word for ShapeKind {
-    const WORDS: &[(&str, Self)] = &[
-        ("sphere", Self::Sphere),
-        ("plane", Self::Plane),
-        ("triangle", Self::Triangle),
-        ("trimesh", Self::Trimesh),
-    ];
+wavecrest_base::choices! {
+    /// The shapes.
+    #[derive(Clone, Copy, PartialEq)]
+    pub(crate) enum ShapeKind {
+        /// A sphere.
+        Sphere = "sphere",
+        /// A plane quad.
+        Plane = "plane",
+        /// A triangle.
+        Triangle = "triangle",
+        /// A mesh of triangles.
+        Trimesh = "trimesh",
+    }
 }
 
 const NAME_KEYS: &[Key] = keys! {
