@@ -33,12 +33,12 @@ pub trait Choice: Copy + Send + Sync + 'static {
 macro_rules! choices {
     (
         $(#[$meta:meta])*
-        pub enum $kind:ident {
+        $vis:vis enum $kind:ident {
             $( $(#[doc = $doc:literal])+ $(#[$other:meta])* $value:ident = $name:literal, )+
         }
     ) => {
         $(#[$meta])*
-        pub enum $kind {
+        $vis enum $kind {
             $( $(#[doc = $doc])+ $(#[$other])* $value, )+
         }
 

@@ -109,30 +109,38 @@ pub fn layers(scene: &PreparedScene, request: &Request<'_>) -> Result<Found> {
     layers.dedup();
     let window = render::window(scene, request.crop)?;
     let names = Names::of(scene);
-    let mut channels = Vec::new();
-    for &layer in &layers {
-        for name in layer.channels() {
-            channels.push(Channel { name: (*name).to_owned(), values: room(layer, window.len())? });
-        }
-    }
+    let axes = |&layer: &Layer| (0..layer.channels().len()).map(move |axis| (layer, axis));
+    let places: Vec<(Layer, usize)> = layers.iter().flat_map(axes).collect();
+    let room = |&(layer, _): &(Layer, usize)| room(layer, window.len());
+    let mut channels = places.iter().map(room).collect::<Result<Vec<Values>>>()?;
     if layers.iter().any(|layer| !matches!(layer, Layer::Samples | Layer::Invalid)) {
         let pass = Pass { scene, window, seed: request.seed, names: &names };
-        pass.run(&mut |at, sums| put(&layers, &mut channels, at, sums));
+        pass.run(&mut |at, sums| {
+            places.iter().zip(&mut channels).for_each(|(place, to)| put(*place, to, at, sums));
+        });
     }
-    for (layer, channel) in first_channels(&layers, &mut channels) {
-        match (layer, &mut channel.values) {
-            (Layer::Samples, Values::Integers(counts)) => {
-                counts.fill(scene.camera.rays_per_pixel())
-            }
+    let mut entries = Vec::new();
+    for ((layer, _), channel) in places.iter().zip(&mut channels) {
+        match (layer, channel) {
+            (Layer::Samples, Values::Integers(all)) => all.fill(scene.camera.rays_per_pixel()),
             (Layer::Invalid, Values::Floats(mask)) if request.invalid > 0 => {
                 let (seed, count) = (request.seed, request.invalid);
                 invalid::Search { scene, window: &window, seed, count, mask }.run();
             }
+            (Layer::Object, Values::Integers(numbers)) => {
+                entries.push(Entry { name: "objects", text: names.objects(numbers) });
+            }
+            (Layer::Material, Values::Integers(numbers)) => {
+                entries.push(Entry { name: "materials", text: names.materials(numbers) });
+            }
             _ => {}
         }
     }
-    let entries = entries(&layers, &mut channels, &names);
-    Ok(Found { channels, entries })
+    let named = |((layer, axis), values): ((Layer, usize), Values)| Channel {
+        name: layer.channels()[axis].to_owned(),
+        values,
+    };
+    Ok(Found { channels: places.into_iter().zip(channels).map(named).collect(), entries })
 }
 
 /// A channel of zeros.
@@ -155,27 +163,11 @@ fn room(layer: Layer, pixels: usize) -> Result<Values> {
     }
 }
 
-/// Each layer with its first channel.
-fn first_channels<'a>(
-    layers: &'a [Layer],
-    channels: &'a mut [Channel],
-) -> impl Iterator<Item = (Layer, &'a mut Channel)> {
-    let is_first =
-        |channel: &Channel| layers.iter().find(|l| l.channels()[0] == channel.name).copied();
-    channels.iter_mut().filter_map(move |channel| Some((is_first(channel)?, channel)))
-}
-
 /// Puts what a pixel's samples met where it belongs.
-fn put(layers: &[Layer], channels: &mut [Channel], at: usize, sums: &Sums) {
-    let mut channels = channels.iter_mut();
-    for layer in layers {
-        for axis in 0..layer.channels().len() {
-            match channels.next().map(|channel| &mut channel.values) {
-                Some(Values::Floats(values)) => values[at] = quantity(*layer, sums, axis),
-                Some(Values::Integers(values)) => values[at] = number(*layer, sums),
-                None => {}
-            }
-        }
+fn put((layer, axis): (Layer, usize), channel: &mut Values, at: usize, sums: &Sums) {
+    match channel {
+        Values::Floats(values) => values[at] = quantity(layer, sums, axis),
+        Values::Integers(values) => values[at] = number(layer, sums),
     }
 }
 
@@ -196,21 +188,4 @@ fn number(layer: Layer, sums: &Sums) -> u32 {
         Layer::Material => sums.material,
         _ => 0,
     }
-}
-
-/// What the numbers that occur stand for.
-fn entries(layers: &[Layer], channels: &mut [Channel], names: &Names) -> Vec<Entry> {
-    let mut entries = Vec::new();
-    for (layer, channel) in first_channels(layers, channels) {
-        match (layer, &channel.values) {
-            (Layer::Object, Values::Integers(numbers)) => {
-                entries.push(Entry { name: "objects", text: names.objects(numbers) });
-            }
-            (Layer::Material, Values::Integers(numbers)) => {
-                entries.push(Entry { name: "materials", text: names.materials(numbers) });
-            }
-            _ => {}
-        }
-    }
-    entries
 }

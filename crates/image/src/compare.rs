@@ -7,34 +7,22 @@
 //! machine. Two values whose bits are the same differ by 0, whatever they are; otherwise a value
 //! that is not finite differs from any other by infinity.
 
-use serde::{Serialize, Serializer};
+use serde::Serialize;
 
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::film::Film;
 
-/// A colour's red, green or blue part.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Channel {
-    /// The first.
-    Red,
-    /// The second.
-    Green,
-    /// The third.
-    Blue,
-}
-
-impl Channel {
-    /// Red, green and blue, in the order of a pixel's values.
-    pub const ALL: [Self; 3] = [Self::Red, Self::Green, Self::Blue];
-
-    /// Its name, in lower case.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Red => "red",
-            Self::Green => "green",
-            Self::Blue => "blue",
-        }
+wavecrest_base::choices! {
+    /// A colour's red, green or blue part.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
+    #[serde(rename_all = "lowercase")]
+    pub enum Channel {
+        /// The first.
+        Red = "red",
+        /// The second.
+        Green = "green",
+        /// The third.
+        Blue = "blue",
     }
 }
 
@@ -52,28 +40,21 @@ pub struct Comparison {
     /// The number of rows.
     pub height: u32,
     /// The mean, over every value of every pixel, of the square of the difference.
-    #[serde(serialize_with = "finite_or_null")]
     pub mse: f64,
     /// The square root of [`mse`](Self::mse).
-    #[serde(serialize_with = "finite_or_null")]
     pub rmse: f64,
     /// The ratio of peak signal to noise in decibels, 10 log10(1 / mse): the peak is 1. Infinite
     /// where nothing differs.
-    #[serde(serialize_with = "finite_or_null")]
     pub psnr: f64,
     /// The relative mean squared error: the mean, over every value of every pixel, of (a - b)^2 /
     /// (b^2 + [`RELATIVE_OFFSET`]), where the second picture, b, is the reference.
-    #[serde(serialize_with = "finite_or_null")]
     pub relative_mse: f64,
     /// The mean, over every value of every pixel, of a - b: positive where the first picture is
     /// brighter. Not a number where it is not known.
-    #[serde(serialize_with = "finite_or_null")]
     pub bias: f64,
     /// The same for red, green and blue alone.
-    #[serde(serialize_with = "each_finite_or_null")]
     pub channel_bias: [f64; 3],
     /// The largest difference of two values.
-    #[serde(serialize_with = "finite_or_null")]
     pub largest: f64,
     /// Where that is, as column and row from the top left: the first such pixel. `None` where
     /// nothing differs.
@@ -128,7 +109,7 @@ pub fn difference_image(a: &Film, b: &Film, gain: f32) -> Result<Film> {
     let mut film = Film::new(a.width(), a.height())?;
     let values = a.pixels().as_flattened().iter().zip(b.pixels().as_flattened());
     for (out, (&a, &b)) in film.pixels_mut().as_flattened_mut().iter_mut().zip(values) {
-        *out = (difference(a, b) * f64::from(gain)) as f32;
+        *out = (distance(signed_difference(a, b)) * f64::from(gain)) as f32;
     }
     Ok(film)
 }
@@ -159,15 +140,10 @@ pub(super) fn signed_difference(a: f32, b: f32) -> f64 {
     if a.to_bits() == b.to_bits() { 0.0 } else { f64::from(a) - f64::from(b) }
 }
 
-/// The distance between two values: infinite where it is not known.
-fn difference(a: f32, b: f32) -> f64 {
-    distance(signed_difference(a, b))
-}
-
 /// The square of the distance between two values.
 pub(super) fn squared_difference(a: f32, b: f32) -> f64 {
-    let difference = difference(a, b);
-    difference * difference
+    let distance = distance(signed_difference(a, b));
+    distance * distance
 }
 
 /// The square of the distance, relative to `b`: see [`RELATIVE_OFFSET`].
@@ -175,6 +151,7 @@ pub(super) fn relative_difference(a: f32, b: f32) -> f64 {
     relative_to(b, squared_difference(a, b))
 }
 
+/// The distance between two values by their difference: infinite where it cannot be told.
 fn distance(signed: f64) -> f64 {
     if signed.is_nan() { f64::INFINITY } else { signed.abs() }
 }
@@ -239,20 +216,6 @@ impl Tally {
         }
         sums.squares += squares;
     }
-}
-
-fn finite_or_null<S: Serializer>(
-    value: &f64,
-    serializer: S,
-) -> std::result::Result<S::Ok, S::Error> {
-    value.is_finite().then_some(*value).serialize(serializer)
-}
-
-fn each_finite_or_null<S: Serializer>(
-    values: &[f64; 3],
-    serializer: S,
-) -> std::result::Result<S::Ok, S::Error> {
-    values.map(|value| value.is_finite().then_some(value)).serialize(serializer)
 }
 
 #[cfg(test)]

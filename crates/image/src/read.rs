@@ -261,7 +261,7 @@ mod tests {
         let film =
             Film::from_pixels(9, 7, (0..63).map(|i| [i as f32 / 63.0; 3]).collect()).unwrap();
         for format in Format::ALL {
-            let path = folder.path().join(format!("a.{}", format.extension()));
+            let path = folder.path().join(format!("a.{}", format.name()));
             write(&film, &path, Transfer::Linear).unwrap();
             let whole = std::fs::read(&path).unwrap();
             for cut in (0..whole.len()).step_by(whole.len() / 40 + 1) {

@@ -19,33 +19,22 @@ use wavecrest_core::film::Film;
 
 pub use super::transfer::Transfer;
 
-/// The formats that can be written.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Format {
-    /// Binary PPM (`P6`), 8 bits a value.
-    Ppm,
-    /// PNG, 8 bits a value.
-    Png,
-    /// OpenEXR, 32-bit floats.
-    Exr,
-    /// Portable float map, 32-bit floats.
-    Pfm,
+wavecrest_base::choices! {
+    /// The formats that can be written, by the extension of their files in lower case.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+    pub enum Format {
+        /// Binary PPM (`P6`), 8 bits a value.
+        Ppm = "ppm",
+        /// PNG, 8 bits a value.
+        Png = "png",
+        /// OpenEXR, 32-bit floats.
+        Exr = "exr",
+        /// Portable float map, 32-bit floats.
+        Pfm = "pfm",
+    }
 }
 
 impl Format {
-    /// Every format.
-    pub const ALL: [Self; 4] = [Self::Ppm, Self::Png, Self::Exr, Self::Pfm];
-
-    /// The extension of its files, in lower case.
-    pub fn extension(self) -> &'static str {
-        match self {
-            Self::Ppm => "ppm",
-            Self::Png => "png",
-            Self::Exr => "exr",
-            Self::Pfm => "pfm",
-        }
-    }
-
     /// The format that the extension of `path` names, in capitals or not.
     ///
     /// # Errors
@@ -61,9 +50,9 @@ impl Format {
             return Err(usage("the name of an image must end in its format").remedy(FORMATS));
         };
         let lower = extension.to_lowercase();
-        Self::ALL.into_iter().find(|format| format.extension() == lower).ok_or_else(|| {
+        Self::ALL.into_iter().find(|format| format.name() == lower).ok_or_else(|| {
             let error = usage("unknown image format").value(format!(".{extension}"));
-            match did_you_mean(&lower, Self::ALL.map(Self::extension)) {
+            match did_you_mean(&lower, Self::ALL.map(Self::name)) {
                 Some(near) => error.remedy(format!("did you mean .{near}? {FORMATS}")),
                 None => error.remedy(FORMATS),
             }
@@ -246,7 +235,7 @@ mod tests {
         let entries = [entry("software", "w 1"), entry("seed", "7"), entry("command", "ж\nb")];
         let extras = Extras { entries: &entries, comments: true, channels: &[] };
         for format in Format::ALL {
-            let path = folder.path().join(format!("a.{}", format.extension()));
+            let path = folder.path().join(format!("a.{}", format.name()));
             write_with(&film(), &path, Transfer::Linear, &extras).unwrap();
             let found = read(&path).unwrap();
             write(&film(), &path, Transfer::Linear).unwrap();
@@ -258,7 +247,7 @@ mod tests {
     fn one_pixel_is_image_enough() {
         let film = Film::from_pixels(1, 1, vec![[1.0, 0.0, 0.2]]).unwrap();
         for format in Format::ALL {
-            let back = written(&format!("a.{}", format.extension()), &film, Transfer::Linear);
+            let back = written(&format!("a.{}", format.name()), &film, Transfer::Linear);
             assert!(back.same_bits(&film), "{format:?}");
         }
     }

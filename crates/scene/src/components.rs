@@ -100,22 +100,26 @@ pub enum Facing {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Transform(pub DAffine3);
 
-/// Which sides of a surface the lights reach.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Sides {
-    /// The front; the back shows ambient light only.
-    Front,
-    /// Both.
-    Both,
+wavecrest_base::choices! {
+    /// Which sides of a surface the lights reach.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub enum Sides {
+        /// The front; the back shows ambient light only.
+        Front = "front",
+        /// Both.
+        Both = "both",
+    }
 }
 
-/// Which normal a mesh is lit with.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Shading {
-    /// The triangle's own.
-    Flat,
-    /// Interpolated from the vertices, where the mesh has normals.
-    Smooth,
+wavecrest_base::choices! {
+    /// Which normal a mesh is lit with.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub enum Shading {
+        /// The triangle's own.
+        Flat = "flat",
+        /// Interpolated from the vertices, where the mesh has normals.
+        Smooth = "smooth",
+    }
 }
 
 /// Blinn-Phong, with a mirror.
@@ -164,14 +168,16 @@ pub enum TextureSource {
     },
 }
 
-/// What the numbers of an image stand for.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum Encoding {
-    /// Light, as they are.
-    #[default]
-    Linear,
-    /// Light behind the sRGB curve, as in most photographs and painted textures.
-    Srgb,
+wavecrest_base::choices! {
+    /// What the numbers of an image stand for.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+    pub enum Encoding {
+        /// Light, as they are.
+        #[default]
+        Linear = "linear",
+        /// Light behind the sRGB curve, as in most photographs and painted textures.
+        Srgb = "srgb",
+    }
 }
 
 pub use wavecrest_core::kernels::light::Falloff;

@@ -7,13 +7,12 @@
 //!
 //! A mesh that several nodes use is held once: as a shape that is not seen itself, of which each node has
 //! an instance. One that gives off light is an area light, with a copy of its own for each node.
-//! [`material`] and [`light`] state how materials and units are taken; [`staging`](super::staging) what is
+//! [`material`] and [`light`] state how materials and units are taken; [`staging`](super::load::staging) what is
 //! put where the file has no camera or no light.
 
 mod accessor;
 mod buffer;
 mod camera;
-mod choice;
 mod container;
 mod document;
 mod fields;
@@ -21,9 +20,8 @@ mod light;
 mod material;
 mod mesh;
 mod node;
-mod notes;
 mod primitive;
-mod spawn;
+mod scene;
 mod survey;
 mod texture;
 mod uri;
@@ -33,13 +31,11 @@ use std::sync::Arc;
 
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
-use super::loaded::LoadedScene;
-use super::options::LoadOptions;
+use super::load::{LoadOptions, LoadedScene, spawned};
 use super::reader::{Cursor, Notes, Place, json};
 use buffer::Buffer;
 use document::Document;
 use fields::Fields;
-use notes::Remarks;
 
 pub(super) use survey::survey;
 
@@ -73,14 +69,14 @@ pub fn load_bytes(bytes: Vec<u8>, path: &Path, options: &LoadOptions) -> Result<
     let binary = parts.binary.map(|range| Buffer::part(bytes.clone(), range));
     let value = json::parse(text(&bytes[parts.json], path)?, path)?;
     let notes = Notes::new(path, options.strict);
-    let remarks = Remarks::new(&notes);
     let top = Fields::new(Cursor::new(&value, Place::Top, &notes), "a glTF file")?;
-    let document = Document::read(&top, binary.as_ref(), &remarks)?;
-    document::remark(&top, &remarks);
+    let document = Document::read(&top, binary.as_ref())?;
+    document::remark(&top);
     // Data within the text is many times larger there than as bytes.
     drop(value);
-    let spawned = spawn::world(document, options, &remarks)?;
-    Ok(LoadedScene { warnings: notes.into_warnings(), ..spawned })
+    let (scene, told) = scene::scene(&document, options, &notes)?;
+    drop(document);
+    spawned(scene, notes, Some(told), crate::mesh::load)
 }
 
 fn text<'b>(bytes: &'b [u8], path: &Path) -> Result<&'b str> {

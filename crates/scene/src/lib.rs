@@ -5,29 +5,21 @@
 
 pub mod components;
 pub mod corners;
-mod format;
 pub mod generate;
 pub mod gltf;
-mod json_schema;
 pub mod load;
-mod loaded;
 pub mod memory;
 pub mod mesh;
-mod options;
-mod standalone;
 pub mod survey;
 
 mod parse;
 mod query;
 mod reader;
 mod schema;
-mod spawn;
-mod staging;
 pub mod systems;
-mod words;
 pub mod write;
 
-pub use json_schema::json_schema;
+pub use parse::json_schema;
 
 #[cfg(test)]
 mod tests;

@@ -1,33 +1,59 @@
-//! From a scene file to a world of entities.
+//! From a scene file, a glTF file or a mesh to a world of entities.
 //!
-//! The file is parsed into plain typed values, which have been checked; then the meshes that it
-//! names are read, and each of its parts becomes an entity with the components that
-//! [`components`](super::components) lists.
+//! The file is parsed into plain typed values, which have been checked ([`schema`](super::schema)); then
+//! the meshes that it names are read, and each of its parts becomes an entity with the components that
+//! [`components`](super::components) lists ([`spawn`]). What a file lacks that is no whole scene is chosen
+//! ([`staging`]).
+
+pub(crate) mod spawn;
+pub(crate) mod staging;
+mod standalone;
 
 use std::collections::HashMap;
 use std::fs::{self, File};
 use std::io::Read;
 use std::path::Path;
 
-use wavecrest_base::error::{Error, ErrorKind, Result};
+use hecs::World;
 
-use super::format::FileFormat;
+use wavecrest_base::error::{Error, ErrorKind, Result, Warning};
+
+use super::components::Encoding;
 use super::gltf;
 use super::mesh::{self, LoadedMesh};
 use super::parse;
 use super::reader::{Cursor, Notes, Place, json};
-use super::schema::Shape;
-use super::spawn;
-use super::staging;
-use super::standalone;
+use super::schema::{SceneFile, Shape};
 use super::survey::{self, Survey};
-
-pub use super::loaded::LoadedScene;
-pub use super::options::LoadOptions;
 
 /// Greatest length of a scene file in bytes, 256 MiB. JSON takes up to 25 times its length in
 /// memory while it is read; a larger mesh belongs in a file of its own.
 const LONGEST_FILE: u64 = 1 << 28;
+
+/// How a scene file is to be read.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct LoadOptions {
+    /// Whether a key that the format does not have is an error rather than a warning.
+    pub strict: bool,
+    /// The width of the image in pixels, in place of the file's.
+    pub width: Option<u32>,
+    /// The height of the image in pixels, in place of the file's.
+    pub height: Option<u32>,
+    /// The camera to take of a file that may have several, by its name or its number.
+    pub camera: Option<String>,
+}
+
+/// A scene, and what its author should know about it.
+pub struct LoadedScene {
+    /// The entities: see [`components`](super::components).
+    pub world: World,
+    /// What is odd about the file, in its order; then what is odd about its meshes.
+    pub warnings: Vec<Warning>,
+    /// What was chosen, where the file does not say: a camera, a light.
+    pub notes: Vec<Warning>,
+    /// How images of 8 bits are to be written, where nobody says.
+    pub encoding: Encoding,
+}
 
 /// Reads the scene at `path`, and the files that it names: a scene file in JSON, a glTF file, or a
 /// standalone mesh, by the ending of its name, and by what it begins with.
@@ -39,7 +65,11 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<LoadedScene> {
     match FileFormat::of(path) {
         FileFormat::Scene => load_str(&read_text(path)?, path, options),
         FileFormat::Gltf => gltf::load(path, options),
-        FileFormat::Mesh => standalone::load(path, options),
+        FileFormat::Mesh => {
+            let notes = Notes::new(path, options.strict);
+            let (scene, told) = standalone::scene(path, options, &notes)?;
+            spawned(scene, notes, Some(told), mesh::load)
+        }
     }
 }
 
@@ -82,9 +112,21 @@ pub(super) fn load_with(
     // A mesh written out in JSON is many times larger there than as arrays.
     drop(value);
     warn_of_equal_names(&scene.shapes, &notes);
+    spawned(scene, notes, None, read_mesh)
+}
+
+/// The world of `scene`, for which was chosen what is `told`.
+pub(super) fn spawned(
+    scene: SceneFile,
+    notes: Notes<'_>,
+    told: Option<String>,
+    read_mesh: impl Fn(&Path) -> Result<LoadedMesh>,
+) -> Result<LoadedScene> {
     let encoding = scene.encoding;
+    let told = told.map(|text| Warning::from_error(&notes.error(ErrorKind::Scene, "", text)));
     let world = spawn::world(scene, &notes, read_mesh)?;
-    Ok(LoadedScene { world, warnings: notes.into_warnings(), notes: Vec::new(), encoding })
+    let (warnings, notes) = (notes.into_warnings(), told.into_iter().collect());
+    Ok(LoadedScene { world, warnings, notes, encoding })
 }
 
 fn refuse_camera(file: &Path, options: &LoadOptions) -> Result<()> {
@@ -150,4 +192,36 @@ fn warn_of_equal_names(shapes: &[Shape], notes: &Notes<'_>) {
             notes.warn(&error.remedy("give each shape a name of its own"));
         }
     }
+}
+
+/// The formats that are read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum FileFormat {
+    /// JSON of our own.
+    Scene,
+    /// glTF, as text or binary.
+    Gltf,
+    /// A standalone mesh.
+    Mesh,
+}
+
+impl FileFormat {
+    /// The format of a file, by the ending of its name, and by what it begins with.
+    fn of(path: &Path) -> Self {
+        let extension = path.extension().unwrap_or_default().to_string_lossy();
+        match extension.to_ascii_lowercase().as_str() {
+            "gltf" | "glb" => Self::Gltf,
+            "ply" | "obj" => Self::Mesh,
+            _ if begins_as_glb(path) => Self::Gltf,
+            _ => Self::Scene,
+        }
+    }
+}
+
+/// Whether a regular file is a GLB file under another name.
+fn begins_as_glb(path: &Path) -> bool {
+    let mut start = [0; 4];
+    path.is_file()
+        && File::open(path).and_then(|mut file| file.read_exact(&mut start)).is_ok()
+        && gltf::is_binary(&start)
 }

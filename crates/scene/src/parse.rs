@@ -1,21 +1,22 @@
 //! From JSON to [`SceneFile`], with every check that needs no other file than this one (that a
 //! texture or a mesh exists is looked up, but neither is read).
 
-pub(crate) mod camera;
-pub(crate) mod instance;
-pub(crate) mod light;
-pub(crate) mod material;
-pub(crate) mod mesh;
-mod own_keys;
-pub(crate) mod shape;
-pub(crate) mod transform;
+mod camera;
+mod instance;
+mod json_schema;
+mod light;
+mod material;
+mod mesh;
+mod shape;
+mod transform;
 
 use wavecrest_base::error::Result;
 
 pub(crate) use camera::{FOV, LONGEST_SIDE, check_size};
+pub use json_schema::json_schema;
 
 use super::components::{Encoding, Settings};
-use super::options::LoadOptions;
+use super::load::LoadOptions;
 use super::reader::{Cursor, Key, Kind, Object, Range, keys};
 use super::schema::SceneFile;
 use instance::Names;

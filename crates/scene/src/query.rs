@@ -23,5 +23,5 @@ pub(crate) fn json_path(world: &World, entity: Entity) -> String {
 /// A world that was not made by [`load`](crate::load) lacks something.
 pub(crate) fn missing(component: &str) -> Error {
     Error::new(ErrorKind::Scene, format!("the world has no entity with {component}"))
-        .remedy("spawn one, as scene::load does")
+        .remedy("spawn one, as wavecrest_scene::load::load does")
 }

@@ -9,12 +9,11 @@ use std::path::PathBuf;
 use glam::DAffine3;
 
 use super::components::{
-    AreaLight, CameraPath, Encoding, Facing, Material, Name, PointLight, Quad, Settings, Shading,
-    Sides, Sphere, TextureRef, ThinLens, Transform, Triangle, View,
+    AreaLight, CameraPath, Encoding, Facing, Material, Mesh, Name, PointLight, Quad, Settings,
+    Shading, Sides, Sphere, TextureRef, ThinLens, Transform, Triangle, View,
 };
-use super::mesh::MeshData;
 
-/// A whole scene file.
+/// A whole scene, of a file of any format.
 pub(crate) struct SceneFile {
     pub(crate) settings: Settings,
     pub(crate) camera: Camera,
@@ -65,6 +64,24 @@ pub(crate) struct Shape {
     pub(crate) texture: Option<TextureRef>,
 }
 
+impl Shape {
+    /// A mesh as it is, flat, seen from both sides.
+    pub(crate) fn of(path: String, name: Option<String>, mesh: Mesh) -> Self {
+        Self {
+            path,
+            name: name.map(Name),
+            geometry: Geometry::Mesh(mesh),
+            facing: None,
+            transform: None,
+            sides: Sides::Both,
+            shading: Shading::Flat,
+            hidden: false,
+            material: None,
+            texture: None,
+        }
+    }
+}
+
 /// An element of `scene.instances`.
 pub(crate) struct Instance {
     /// Its JSON path.
@@ -72,7 +89,7 @@ pub(crate) struct Instance {
     pub(crate) name: Option<Name>,
     /// The number of its prototype among the shapes of the file.
     pub(crate) shape: usize,
-    /// Where it is, from where the prototype stands in the scene.
+    /// From the space of its prototype to the world's.
     pub(crate) transform: DAffine3,
     /// `None` for the shape's own.
     pub(crate) material: Option<Material>,
@@ -83,8 +100,8 @@ pub(crate) enum Geometry {
     Sphere(Sphere),
     Quad(Quad),
     Triangle(Triangle),
-    /// A mesh written out in the scene file.
-    Mesh(MeshData),
+    /// A mesh that is there.
+    Mesh(Mesh),
     /// A mesh in a file of its own, yet to be read.
     MeshFile(PathBuf),
 }

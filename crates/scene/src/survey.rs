@@ -50,7 +50,7 @@ pub struct Survey {
 pub(super) fn standalone(path: &Path, size: [u32; 2]) -> Result<Survey> {
     let holds = mesh::survey(path)?;
     let mesh = SurveyedMesh { holds, normals: true, uvs: false, uses: 1 };
-    let (rays_per_pixel, light_samples) = (super::staging::rays_per_pixel(), 1);
+    let (rays_per_pixel, light_samples) = (super::load::staging::rays_per_pixel(), 1);
     let meshes = vec![mesh];
     Ok(Survey { meshes, size, rays_per_pixel, light_samples, ..Survey::default() })
 }
@@ -94,7 +94,7 @@ impl Survey {
                 self.add_texture(shape);
                 return Ok(());
             }
-            Geometry::Mesh(data) => of_mesh(data),
+            Geometry::Mesh(mesh) => of_mesh(&mesh.data),
             Geometry::MeshFile(file) => mesh::survey(file).map_err(|cause| {
                 let message = format!("cannot read the mesh: {cause}");
                 notes.error(cause.kind(), &format!("{}.file", shape.path), message).because(cause)

@@ -19,7 +19,7 @@ use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_base::replace::{check_replaceable, replace_file, write_error};
 
 use super::components::TextureSource;
-use super::loaded::LoadedScene;
+use crate::load::LoadedScene;
 use beside::Beside;
 
 /// Writes `scene` to the scene file `path`, with its meshes and images beside it. Returns the files, the

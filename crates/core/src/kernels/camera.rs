@@ -22,18 +22,20 @@ pub const DIMENSION: u32 = 0;
 /// is no light's.
 const LENS_DIMENSION: u32 = u32::MAX;
 
-/// The side of the image across which the angle of view is measured.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum FovAxis {
-    /// The width.
-    X,
-    /// The height.
-    Y,
-    /// The shorter side.
-    #[default]
-    Smaller,
-    /// The longer side.
-    Larger,
+wavecrest_base::choices! {
+    /// The side of the image across which the angle of view is measured.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+    pub enum FovAxis {
+        /// The width.
+        X = "x",
+        /// The height.
+        Y = "y",
+        /// The shorter side.
+        #[default]
+        Smaller = "smaller",
+        /// The longer side.
+        Larger = "larger",
+    }
 }
 
 /// Where a camera stands and what it sees: what a [`Camera`] is made from.

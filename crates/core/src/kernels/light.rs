@@ -11,16 +11,18 @@ use crate::math::real::Single;
 use crate::math::sampling::{self, Sampling};
 use crate::math::vector::Vector;
 
-/// How the strength of a light falls with the distance d to it.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum Falloff {
-    /// 1 / (4 pi d).
-    #[default]
-    Linear,
-    /// 1 / (4 pi d^2).
-    InverseSquare,
-    /// 1 at every distance.
-    None,
+wavecrest_base::choices! {
+    /// How the strength of a light falls with the distance d to it.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+    pub enum Falloff {
+        /// 1 / (4 pi d).
+        #[default]
+        Linear = "linear",
+        /// 1 / (4 pi d^2).
+        InverseSquare = "inverse-square",
+        /// 1 at every distance.
+        None = "none",
+    }
 }
 
 impl Falloff {

@@ -9,41 +9,31 @@ use glam::{DVec2, DVec3, Vec2, Vec3};
 use crate::math::float::{dot, dot_f64};
 use pyramid::Level;
 
-/// How a look-up between texels is answered.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum Filter {
-    /// The texel that the point lies in.
-    Nearest,
-    /// The four texels around the point, weighted.
-    #[default]
-    Bilinear,
-    /// As [`Filter::Bilinear`] in each of the two levels of the image's pyramid whose texels are
-    /// next in size to what the look-up is for, and between these. See [`Image::level`].
-    Trilinear,
-}
-
-impl Filter {
-    /// Every filter, from the plainest on.
-    pub const ALL: [Self; 3] = [Self::Nearest, Self::Bilinear, Self::Trilinear];
-
-    /// What scene files call it.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Nearest => "nearest",
-            Self::Bilinear => "bilinear",
-            Self::Trilinear => "trilinear",
-        }
+wavecrest_base::choices! {
+    /// How a look-up between texels is answered.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+    pub enum Filter {
+        /// The texel that the point lies in.
+        Nearest = "nearest",
+        /// The four texels around the point, weighted.
+        #[default]
+        Bilinear = "bilinear",
+        // The levels are those whose texels are next in size to what the look-up is for.
+        /// As [`Filter::Bilinear`] in two levels of the image's pyramid, and between these. See [`Image::level`].
+        Trilinear = "trilinear",
     }
 }
 
-/// How a coordinate outside 0 to 1 is taken.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum Wrap {
-    /// The image repeats.
-    #[default]
-    Repeat,
-    /// The edge of the image goes on.
-    Clamp,
+wavecrest_base::choices! {
+    /// How a coordinate outside 0 to 1 is taken.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+    pub enum Wrap {
+        /// The image repeats.
+        #[default]
+        Repeat = "repeat",
+        /// The edge of the image goes on.
+        Clamp = "clamp",
+    }
 }
 
 /// An image's texels, linear, top row first.

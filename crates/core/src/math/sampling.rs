@@ -7,30 +7,20 @@ use glam::{Vec2, Vec3};
 
 use super::sobol;
 
-/// How a set of sample points is spread over the unit square.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Sampling {
-    /// Each point anywhere, independent of the others.
-    Random,
-    /// One point in each cell of a grid, anywhere in the cell.
-    Jittered,
-    /// The points of a scrambled Sobol sequence: see [`super::sobol`].
-    Sobol,
+wavecrest_base::choices! {
+    /// How a set of sample points is spread over the unit square.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+    pub enum Sampling {
+        /// Each point anywhere, independent of the others.
+        Random = "random",
+        /// One point in each cell of a grid, anywhere in the cell.
+        Jittered = "jittered",
+        /// The points of a scrambled Sobol sequence: see [`super::sobol`].
+        Sobol = "sobol",
+    }
 }
 
 impl Sampling {
-    /// Every way, in the order in which they came to be.
-    pub const ALL: [Self; 3] = [Self::Random, Self::Jittered, Self::Sobol];
-
-    /// What scene files call it.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Random => "random",
-            Self::Jittered => "jittered",
-            Self::Sobol => "sobol",
-        }
-    }
-
     /// The point number `index.0` of the `columns` times `rows` that `stream` has at `dimension`. Both
     /// coordinates are in \[0, 1).
     ///

@@ -5,7 +5,7 @@ use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use super::identity::Difference;
-use super::part::{self, Header, Reader};
+use super::part::{Header, Reader};
 use super::store::Store;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
@@ -114,7 +114,7 @@ impl<'a> Saver<'a> {
             return Ok(());
         }
         let start = Instant::now();
-        let saved = self.write(store);
+        let saved = store.write(&self.checkpoint.file, self.header);
         let took = start.elapsed();
         let pause = self.checkpoint.every.max(took.saturating_mul(PAUSE_FACTOR));
         *last = Saved { at: Instant::now(), pause };
@@ -124,12 +124,6 @@ impl<'a> Saver<'a> {
     /// Writes what there is.
     pub(super) fn save(&self, store: &Store) -> Result<()> {
         let _last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
-        self.write(store)
-    }
-
-    fn write(&self, store: &Store) -> Result<()> {
-        let units = store.all();
-        let header = Header { units: units.len() as u64, ..self.header.clone() };
-        part::write(&self.checkpoint.file, &header, units.iter().map(|unit| &**unit))
+        store.write(&self.checkpoint.file, self.header)
     }
 }

@@ -59,7 +59,16 @@ pub fn merge(paths: &[PathBuf]) -> Result<Merged> {
     if held < pixels * size_of::<[f64; 3]>() as u64 {
         return Err(incomplete(&shards, format!("{held} bytes of parts for {pixels} pixels")));
     }
-    let mut mosaic = Mosaic::new(Canvas::new(grid, blocks, &())?, paths, grid, blocks);
+    let mut mosaic = Mosaic {
+        canvas: Canvas::new(grid, blocks, &())?,
+        paths,
+        grid,
+        blocks,
+        seen: BTreeMap::new(),
+        waiting: BTreeMap::new(),
+        finished: 0,
+        invalid: 0,
+    };
     for (number, path) in paths.iter().enumerate() {
         let mut reader = Reader::open(path)?;
         check_same(path, reader.header(), first, &header)?;
@@ -67,10 +76,8 @@ pub fn merge(paths: &[PathBuf]) -> Result<Merged> {
             mosaic.put(number, unit)?;
         }
     }
-    let finished = mosaic.finish().map_err(|Gap { tile: [x, y], tiles }| {
-        incomplete(&shards, format!("{tiles} tiles that are not finished, the first at {x},{y}"))
-    })?;
-    let Finished { film, invalid } = finished;
+    let invalid = mosaic.invalid;
+    let film = mosaic.finish().map_err(|gap| incomplete(&shards, gap))?;
     Ok(Merged { identity: header.identity, transfer: header.transfer, film, invalid })
 }
 
@@ -128,20 +135,6 @@ fn list(shards: &[Shard]) -> String {
     format!("{}{more}", names.join(", "))
 }
 
-/// An image that lacks nothing.
-struct Finished {
-    film: Film,
-    invalid: u64,
-}
-
-/// What an image lacks.
-struct Gap {
-    /// Left and top pixel of the first tile that is not finished.
-    tile: [u32; 2],
-    /// Number of tiles that are not.
-    tiles: u64,
-}
-
 /// The image that comes together.
 struct Mosaic<'a> {
     canvas: Canvas<'static>,
@@ -177,20 +170,7 @@ struct Waiting {
     later: BTreeMap<u32, Unit>,
 }
 
-impl<'a> Mosaic<'a> {
-    fn new(canvas: Canvas<'static>, paths: &'a [PathBuf], grid: Grid, blocks: Blocks) -> Self {
-        Self {
-            canvas,
-            paths,
-            grid,
-            blocks,
-            seen: BTreeMap::new(),
-            waiting: BTreeMap::new(),
-            finished: 0,
-            invalid: 0,
-        }
-    }
-
+impl Mosaic<'_> {
     /// Puts a unit of the `number`th part in its place.
     fn put(&mut self, number: usize, unit: Unit) -> Result<()> {
         if self.is_known(number, &unit)? {
@@ -248,17 +228,17 @@ impl<'a> Mosaic<'a> {
             .remedy("leave one of the two out, or render both again")
     }
 
-    fn finish(self) -> std::result::Result<Finished, Gap> {
+    /// The image, or what it lacks.
+    fn finish(self) -> std::result::Result<Film, String> {
         let tiles = u64::from(self.grid.len()) - self.finished;
+        let found = self.canvas.finish();
         if tiles == 0 {
-            return Ok(Finished { film: self.canvas.finish().film, invalid: self.invalid });
+            return Ok(found.film);
         }
-        let painted: BTreeSet<(u32, u32)> =
-            self.canvas.finish().tiles.iter().map(|tile| (tile.x, tile.y)).collect();
-        let all = (0..self.grid.len()).map(|number| self.grid.tile(number));
-        let mut gaps = all.filter(|tile| !painted.contains(&(tile.x, tile.y)));
-        let tile = gaps.next().map_or([0; 2], |tile| [tile.x, tile.y]);
-        Err(Gap { tile, tiles })
+        let painted: BTreeSet<(u32, u32)> = found.tiles.iter().map(|t| (t.x, t.y)).collect();
+        let all = (0..self.grid.len()).map(|number| self.grid.tile(number)).map(|t| (t.x, t.y));
+        let (x, y) = all.into_iter().find(|tile| !painted.contains(tile)).unwrap_or_default();
+        Err(format!("{tiles} tiles that are not finished, the first at {x},{y}"))
     }
 }
 

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::checkpoint::{Checkpoint, Saver};
 use super::identity::Identity;
-use super::part::{self, Header, Unit};
+use super::part::{Header, Unit};
 use super::shard::Shard;
 use super::store::Store;
 use crate::transfer::Transfer;
@@ -143,9 +143,7 @@ impl<'a> Session<'a> {
     /// # Errors
     /// When the file cannot be written.
     pub fn write(&self, path: &Path) -> Result<()> {
-        let units = self.store.all();
-        let header = Header { units: units.len() as u64, ..self.header.clone() };
-        part::write(path, &header, units.iter().map(|unit| &**unit))
+        self.store.write(path, &self.header)
     }
 
     fn run(

@@ -1,9 +1,11 @@
 //! Finished units in memory, to be written while others are made.
 
 use std::collections::BTreeMap;
+use std::path::Path;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use super::part::Unit;
+use super::part::{self, Header, Unit};
+use wavecrest_base::error::Result;
 use wavecrest_core::render::work::{Summed, Task};
 
 /// Where a unit begins: its tile, and its first block.
@@ -29,6 +31,13 @@ impl Store {
             invalid: summed.invalid,
             sums: summed.sums.to_vec(),
         });
+    }
+
+    /// Writes what there is now as a part with this header.
+    pub(super) fn write(&self, path: &Path, header: &Header) -> Result<()> {
+        let units = self.all();
+        let header = Header { units: units.len() as u64, ..header.clone() };
+        part::write(path, &header, units.iter().map(|unit| &**unit))
     }
 
     /// What there is now, in order. The units are shared, not copied.

@@ -1,17 +1,18 @@
-//! Cameras, and what each sees.
+//! Cameras: what each sees, and which is taken.
 
 use glam::{DAffine3, DVec3};
 
 use crate::components::{FovAxis, View};
 use crate::corners::direction;
-use crate::options::LoadOptions;
+use crate::load::LoadOptions;
+use crate::load::staging::{self, Sphere};
 use crate::parse;
-use crate::reader::Range;
-use crate::staging::{self, Sphere};
-use wavecrest_base::error::{ErrorKind, Result};
+use crate::reader::{Notes, Range};
+use wavecrest_base::error::{Error, ErrorKind, Result};
 
+use super::document::Document;
 use super::fields::Fields;
-use super::notes::Remarks;
+use super::node::Placed;
 
 /// Where a camera without perspective is put, in radii of the scene: far enough for rays that are nearly
 /// parallel.
@@ -75,11 +76,11 @@ impl Camera {
         world: &DAffine3,
         bounds: &Sphere,
         options: &LoadOptions,
-        remarks: &Remarks<'_>,
+        notes: &Notes<'_>,
     ) -> Result<View> {
         let axes = [world.matrix3.z_axis, world.matrix3.y_axis].map(direction);
         let [Some(back), Some(up)] = axes else {
-            let error = remarks.notes.error(
+            let error = notes.error(
                 ErrorKind::Scene,
                 &self.path,
                 "the transform of the camera's node leaves it no direction".to_owned(),
@@ -87,8 +88,8 @@ impl Camera {
             return Err(error.remedy("give the node a scale other than 0"));
         };
         let (width, height) = staging::size(options, self.aspect)?;
-        let (location, distance, fov) = self.placed(world.translation, back, bounds, remarks);
-        let fov_degrees = checked_fov(fov.to_degrees(), &self.path, remarks)?;
+        let (location, distance, fov) = self.placed(world.translation, back, bounds, notes);
+        let fov_degrees = checked_fov(fov.to_degrees(), &self.path, notes)?;
         let look = location - back * distance;
         Ok(View {
             location,
@@ -106,7 +107,7 @@ impl Camera {
         position: DVec3,
         back: DVec3,
         bounds: &Sphere,
-        remarks: &Remarks<'_>,
+        notes: &Notes<'_>,
     ) -> (DVec3, f64, f64) {
         let ahead = (position - bounds.center).dot(back);
         match self.lens {
@@ -116,7 +117,7 @@ impl Camera {
             }
             Lens::Orthographic(half) => {
                 let message = "a camera without perspective is one that is very far away";
-                remarks.once(&self.path, message, "its rays are nearly parallel");
+                notes.once(&self.path, message, "its rays are nearly parallel");
                 let distance = PARALLEL_DISTANCE * bounds.radius.max(half);
                 let location = position + back * (distance - ahead);
                 (location, distance, 2.0 * libm::atan(half / distance))
@@ -125,11 +126,77 @@ impl Camera {
     }
 }
 
-fn checked_fov(degrees: f64, path: &str, remarks: &Remarks<'_>) -> Result<f64> {
+fn checked_fov(degrees: f64, path: &str, notes: &Notes<'_>) -> Result<f64> {
     if parse::FOV.contains(degrees) {
         return Ok(degrees);
     }
     let place = format!("{path}.perspective.yfov");
     let message = format!("in degrees, must be {}", parse::FOV.words());
-    Err(remarks.notes.error(ErrorKind::Scene, &place, message).value(format!("{degrees} degrees")))
+    Err(notes.error(ErrorKind::Scene, &place, message).value(format!("{degrees} degrees")))
+}
+
+/// The view of the camera that is taken; `None` where the scene has no camera.
+///
+/// # Errors
+/// Where the one asked for is not in the scene, or cannot be taken.
+pub(super) fn chosen(
+    document: &Document,
+    bounds: &Sphere,
+    options: &LoadOptions,
+    notes: &Notes<'_>,
+) -> Result<Option<View>> {
+    let all: Vec<(usize, &Placed)> = document
+        .placed
+        .iter()
+        .filter_map(|place| Some((document.nodes[place.node].camera?, place)))
+        .collect();
+    let found = match &options.camera {
+        Some(asked) => Some(
+            all.iter()
+                .find(|(camera, place)| is_asked_for(asked, document, *camera, place))
+                .ok_or_else(|| not_there(asked, document, &all, notes))?,
+        ),
+        None => {
+            let has_perspective =
+                |(camera, _): &&(usize, &Placed)| document.cameras[*camera].has_perspective();
+            all.iter().find(has_perspective).or(all.first())
+        }
+    };
+    let Some((camera, place)) = found else { return Ok(None) };
+    document.cameras[*camera].view(&place.world, bounds, options, notes).map(Some)
+}
+
+/// Whether a camera is that of the name or number `asked`: its own name, or that of its node.
+fn is_asked_for(asked: &str, document: &Document, camera: usize, place: &Placed) -> bool {
+    let is = |name: &Option<String>| name.as_deref() == Some(asked);
+    is(&document.cameras[camera].name)
+        || is(&document.nodes[place.node].name)
+        || asked.parse() == Ok(camera)
+}
+
+fn not_there(
+    asked: &str,
+    document: &Document,
+    all: &[(usize, &Placed)],
+    notes: &Notes<'_>,
+) -> Error {
+    /// More than these are not listed.
+    const MOST_LISTED: usize = 8;
+    let describe = |(camera, place): &(usize, &Placed)| {
+        let own = document.cameras[*camera].name.as_ref();
+        match own.or(document.nodes[place.node].name.as_ref()) {
+            Some(name) => format!("{camera} ({name})"),
+            None => camera.to_string(),
+        }
+    };
+    let mut names: Vec<String> = all.iter().take(MOST_LISTED).map(describe).collect();
+    if all.len() > MOST_LISTED {
+        names.push("...".to_owned());
+    }
+    let error = notes.error(ErrorKind::Usage, "", "no such camera is in the scene".to_owned());
+    let error = error.value(asked);
+    if names.is_empty() {
+        return error.remedy("it has none: leave --camera out, and one is chosen");
+    }
+    error.remedy(format!("it has {}", names.join(", ")))
 }

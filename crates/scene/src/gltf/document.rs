@@ -9,7 +9,6 @@ use super::fields::Fields;
 use super::light::Light;
 use super::material::Surface;
 use super::node::{self, Lengths, Node, Placed};
-use super::notes::Remarks;
 use super::primitive::MeshParts;
 use super::texture::Textures;
 
@@ -42,24 +41,20 @@ pub(super) struct Document {
 
 impl Document {
     /// Reads a file from its top; its buffer without a name is `binary`.
-    pub(super) fn read(
-        top: &Fields<'_>,
-        binary: Option<&Buffer>,
-        remarks: &Remarks<'_>,
-    ) -> Result<Self> {
+    pub(super) fn read(top: &Fields<'_>, binary: Option<&Buffer>) -> Result<Self> {
         check_asset(top)?;
-        let extensions = check_extensions(top, remarks)?;
+        let extensions = check_extensions(top)?;
         let buffers = buffers(top, binary)?;
         let views = top.list("bufferViews", "a buffer view", |f| View::read(f, &buffers))?;
         let storage = Storage { buffers: &buffers, views: &views };
         let accessors = top.list("accessors", "an accessor", |f| Accessor::read(f, storage))?;
-        let textures = Textures::read(top, storage, remarks)?;
-        let surface = |f: &Fields<'_>| Surface::read(f, textures.len(), remarks);
+        let textures = Textures::read(top, storage)?;
+        let surface = |f: &Fields<'_>| Surface::read(f, textures.len());
         let materials = top.list("materials", "a material", surface)?;
-        let parts = |f: &Fields<'_>| MeshParts::read(f, accessors.len(), materials.len(), remarks);
+        let parts = |f: &Fields<'_>| MeshParts::read(f, accessors.len(), materials.len());
         let meshes = top.list("meshes", "a mesh", parts)?;
         let cameras = top.list("cameras", "a camera", Camera::read)?;
-        let lights = lights(top, remarks)?;
+        let lights = lights(top)?;
         let lengths = Lengths {
             nodes: top.length("nodes"),
             meshes: meshes.len(),
@@ -97,10 +92,9 @@ fn buffers(top: &Fields<'_>, binary: Option<&Buffer>) -> Result<Vec<Buffer>> {
     })
 }
 
-fn lights(top: &Fields<'_>, remarks: &Remarks<'_>) -> Result<Vec<Option<Light>>> {
-    let lights = top.extension("KHR_lights_punctual", |found| {
-        found.list("lights", "a light", |f| Light::read(f, remarks))
-    });
+fn lights(top: &Fields<'_>) -> Result<Vec<Option<Light>>> {
+    let lights =
+        top.extension("KHR_lights_punctual", |found| found.list("lights", "a light", Light::read));
     Ok(lights?.unwrap_or_default())
 }
 
@@ -126,7 +120,7 @@ fn check_asset(top: &Fields<'_>) -> Result<()> {
 }
 
 /// The extensions that the file uses, all of which it may require.
-fn check_extensions(top: &Fields<'_>, remarks: &Remarks<'_>) -> Result<Vec<String>> {
+fn check_extensions(top: &Fields<'_>) -> Result<Vec<String>> {
     let used = top.texts("extensionsUsed")?;
     let required = top.texts("extensionsRequired")?;
     let unknown = |names: &[String]| -> Vec<String> {
@@ -135,7 +129,7 @@ fn check_extensions(top: &Fields<'_>, remarks: &Remarks<'_>) -> Result<Vec<Strin
     let missing = unknown(&required);
     if !missing.is_empty() {
         let message = "the file requires extensions that are not read";
-        let error = Error::new(ErrorKind::Scene, message).in_file(remarks.notes.file());
+        let error = Error::new(ErrorKind::Scene, message).in_file(top.cursor().notes().file());
         let error = error.at("extensionsRequired").value(missing.join(", "));
         let is_packed =
             missing.iter().any(|name| name.contains("compression") || name.contains("basisu"));
@@ -147,17 +141,17 @@ fn check_extensions(top: &Fields<'_>, remarks: &Remarks<'_>) -> Result<Vec<Strin
     let ignored = unknown(&used);
     if !ignored.is_empty() {
         let message = format!("extensions are ignored: {}", ignored.join(", "));
-        remarks.once("extensionsUsed", &message, "what they add is not shown");
+        top.cursor().notes().once("extensionsUsed", &message, "what they add is not shown");
     }
     Ok([used, required].concat())
 }
 
 /// Tells what of the file as a whole is left out.
-pub(super) fn remark(top: &Fields<'_>, remarks: &Remarks<'_>) {
+pub(super) fn remark(top: &Fields<'_>) {
     for (key, message) in [("animations", "animations are ignored"), ("skins", "skins are ignored")]
     {
         if top.length(key) > 0 {
-            remarks.once(key, message, "meshes are shown where their nodes are");
+            top.cursor().notes().once(key, message, "meshes are shown where their nodes are");
         }
     }
 }

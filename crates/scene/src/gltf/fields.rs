@@ -143,6 +143,11 @@ impl<'a> Fields<'a> {
         cursor.each("a list of texts", |item| item.text("a text").map(str::to_owned))
     }
 
+    /// Warns of what is so of the object, unless it was so of another.
+    pub(super) fn once(&self, message: &str, remedy: &str) {
+        self.cursor.notes().once(&self.path(), message, remedy);
+    }
+
     /// An error about the object, which it does not show: it may be long.
     pub(super) fn error(&self, message: impl Into<String>) -> Error {
         let kind = ErrorKind::Scene;

@@ -21,12 +21,11 @@ use glam::{DAffine3, DVec3};
 
 use crate::components::{Falloff, PointLight};
 use crate::corners::direction;
+use crate::load::staging::Sphere;
 use crate::reader::Range;
-use crate::staging::Sphere;
 use wavecrest_base::error::Result;
 
 use super::fields::Fields;
-use super::notes::Remarks;
 
 /// How far away the sun is, in radii of the scene: its rays are parallel to a thousandth of a radian.
 const SUN_DISTANCE: f64 = 1000.0;
@@ -49,19 +48,19 @@ pub(super) struct Light {
 
 impl Light {
     /// Reads a light; `None` where its type is not known.
-    pub(super) fn read(fields: &Fields<'_>, remarks: &Remarks<'_>) -> Result<Option<Self>> {
+    pub(super) fn read(fields: &Fields<'_>) -> Result<Option<Self>> {
         let kind = fields.need("type", "\"point\", \"spot\" or \"directional\"")?;
         let kind = match kind.value().as_str() {
             Some("point") => Kind::Point,
             Some("directional") => Kind::Sun,
             Some("spot") => {
                 let message = "the cone of a spot light is ignored";
-                remarks.once(&fields.path(), message, "it shines in all directions");
+                fields.once(message, "it shines in all directions");
                 Kind::Point
             }
             Some(_) => {
                 let message = "a light is of a type that is not known";
-                remarks.once(&kind.path(), message, "it is left out");
+                kind.notes().once(&kind.path(), message, "it is left out");
                 return Ok(None);
             }
             None => return Err(kind.error("must be \"point\", \"spot\" or \"directional\"")),
@@ -69,11 +68,7 @@ impl Light {
         let color = fields.numbers::<3>("color", Range::NOT_NEGATIVE)?;
         if fields.get("range").is_some() {
             let message = "the range of a light is ignored";
-            remarks.once(
-                &fields.path(),
-                message,
-                "its light falls with the square of the distance",
-            );
+            fields.once(message, "its light falls with the square of the distance");
         }
         Ok(Some(Self {
             kind,

@@ -10,7 +10,6 @@ use crate::reader::Range;
 use wavecrest_base::error::Result;
 
 use super::fields::Fields;
-use super::notes::Remarks;
 use super::texture::TextureInfo;
 
 /// An element of `materials`, or what a mesh without one has.
@@ -44,18 +43,14 @@ impl Surface {
     };
 
     /// Reads an element of `materials`, of a file with so many textures.
-    pub(super) fn read(
-        fields: &Fields<'_>,
-        textures: usize,
-        remarks: &Remarks<'_>,
-    ) -> Result<Self> {
-        remark(fields, remarks);
+    pub(super) fn read(fields: &Fields<'_>, textures: usize) -> Result<Self> {
+        remark(fields);
         let sides = if fields.flag("doubleSided")? { Sides::Both } else { Sides::Front };
-        let emission = emission(fields, remarks)?;
+        let emission = emission(fields)?;
         let is_unlit = fields.extension("KHR_materials_unlit", |_| Ok(()))?.is_some();
         if is_unlit {
             let message = "an unlit material is lit like others, without highlight";
-            remarks.once(&fields.path(), message, "the format of scenes has nothing like it");
+            fields.once(message, "the format of scenes has nothing like it");
         }
         let default = Self { sides, emission, is_unlit, ..Self::DEFAULT };
         let Some(model) = fields.object("pbrMetallicRoughness")? else { return Ok(default) };
@@ -121,7 +116,7 @@ pub(super) fn look(color: DVec3, metallic: f64, roughness: f64) -> Material {
     Material { ks, kd: 1.0 - kr, specular_exponent: exponent, diffuse_color: color, kr }
 }
 
-fn emission(fields: &Fields<'_>, remarks: &Remarks<'_>) -> Result<DVec3> {
+fn emission(fields: &Fields<'_>) -> Result<DVec3> {
     let factor = fields.numbers::<3>("emissiveFactor", Range::NOT_NEGATIVE)?;
     let strength = fields.extension("KHR_materials_emissive_strength", |found| {
         found.number_or("emissiveStrength", Range::NOT_NEGATIVE, 1.0)
@@ -130,34 +125,25 @@ fn emission(fields: &Fields<'_>, remarks: &Remarks<'_>) -> Result<DVec3> {
     if emission != DVec3::ZERO && fields.get("emissiveTexture").is_some() {
         // Most of such a texture is black as a rule: a light all over would be wrong.
         let message = "a surface with an emissive texture gives off no light";
-        remarks.once(&fields.path(), message, "leave the texture out, and all of it is a light");
+        fields.once(message, "leave the texture out, and all of it is a light");
         return Ok(DVec3::ZERO);
     }
     Ok(emission)
 }
 
 /// Tells what of a material is left out.
-fn remark(fields: &Fields<'_>, remarks: &Remarks<'_>) {
-    let place = fields.path();
+fn remark(fields: &Fields<'_>) {
     let mode = fields.get("alphaMode").and_then(|cursor| cursor.value().as_str());
     if matches!(mode, Some("BLEND" | "MASK")) {
-        remarks.once(&place, "alpha is ignored", "the surface is opaque everywhere");
+        fields.once("alpha is ignored", "the surface is opaque everywhere");
     }
     let model = fields.object("pbrMetallicRoughness").ok().flatten();
     if model.is_some_and(|model| model.get("metallicRoughnessTexture").is_some()) {
-        let message = "a texture of metal and roughness is ignored";
-        remarks.once(
-            &place,
-            message,
-            "the surface is no metal, of the roughness that its factor says",
-        );
+        let remedy = "the surface is no metal, of the roughness that its factor says";
+        fields.once("a texture of metal and roughness is ignored", remedy);
     }
     if fields.get("normalTexture").is_some() || fields.get("occlusionTexture").is_some() {
-        remarks.once(
-            &place,
-            "textures of normals and occlusion are ignored",
-            "the mesh alone has a form",
-        );
+        fields.once("textures of normals and occlusion are ignored", "the mesh alone has a form");
     }
 }
 

@@ -2,20 +2,19 @@
 
 use glam::Vec3;
 
-use crate::mesh::{Attribute, MeshData};
+use crate::mesh::{Attribute, MeshData, bad_position, is_good_position};
+use crate::reader::Notes;
 use wavecrest_base::error::{Error, ErrorKind, Result};
-use wavecrest_core::math::float::MAX_COORDINATE;
 
-use super::accessor::{Accessor, Component};
+use super::accessor::{Accessor, Component, Elements};
 use super::document::Document;
-use super::notes::Remarks;
 use super::primitive::{Mode, Primitive};
 use super::texture::TextureInfo;
 
 /// What reads primitives, and counts what it has read.
 pub(super) struct Reader<'a> {
     document: &'a Document,
-    remarks: &'a Remarks<'a>,
+    notes: &'a Notes<'a>,
     /// Bytes that may still be read. Accessors may share bytes: without a bound, a small file could
     /// name the same ones any number of times.
     left: u64,
@@ -29,10 +28,10 @@ const READ_AGAIN: u64 = 64;
 
 impl<'a> Reader<'a> {
     /// Reads primitives of a file.
-    pub(super) fn new(document: &'a Document, remarks: &'a Remarks<'a>) -> Self {
+    pub(super) fn new(document: &'a Document, notes: &'a Notes<'a>) -> Self {
         let bytes: usize = document.buffers.iter().map(|buffer| buffer.bytes().len()).sum();
         let left = READ_ANYHOW.saturating_add(READ_AGAIN.saturating_mul(bytes as u64));
-        Self { document, remarks, left }
+        Self { document, notes, left }
     }
 
     /// The arrays of a primitive, with the coordinates that a texture goes by, if one is given. `None` for
@@ -45,16 +44,16 @@ impl<'a> Reader<'a> {
         let Some(mode) = primitive.mode else { return Ok(None) };
         let Some(&positions) = primitive.attributes.get("POSITION") else {
             let message = "a primitive without positions is left out";
-            self.remarks.once(&primitive.path, message, "give it the attribute POSITION");
+            self.notes.once(&primitive.path, message, "give it the attribute POSITION");
             return Ok(None);
         };
         let count = self.accessor(positions).count;
         let corners = self.corners(primitive, count)?;
         let (corners, used) = compacted(corners, count);
-        let mut triangles = triangles(mode, &corners, self.remarks, &primitive.path);
+        let mut triangles = triangles(mode, &corners, self.notes, &primitive.path);
         if triangles.is_empty() {
             let message = "a primitive without a triangle is left out";
-            self.remarks.once(&primitive.path, message, "a triangle needs three vertices");
+            self.notes.once(&primitive.path, message, "a triangle needs three vertices");
             return Ok(None);
         }
         triangles.shrink_to_fit();
@@ -116,15 +115,16 @@ impl<'a> Reader<'a> {
             .remedy(format!("there are {count}, counted from 0: check that the file is whole")))
     }
 
-    /// An attribute's accessor, whose elements have so many numbers and are as many as there are vertices.
+    /// An attribute's elements, which have so many numbers and are as many as there are vertices, of which those
+    /// that are `used` may be read.
     fn attribute(
         &mut self,
         primitive: &Primitive,
         name: &str,
-        count: usize,
+        (count, used): (usize, Option<&[u32]>),
         width: usize,
         types: &[(Component, bool)],
-    ) -> Result<Option<&'a Accessor>> {
+    ) -> Result<Option<Elements<'a>>> {
         let Some(&index) = primitive.attributes.get(name) else { return Ok(None) };
         let accessor = self.accessor(index);
         let place = format!("{}.attributes.{name}", primitive.path);
@@ -144,7 +144,8 @@ impl<'a> Reader<'a> {
                 self.error(&place, &format!("must have as many elements as POSITION, {count}"));
             return Err(error.value(accessor.count));
         }
-        Ok(Some(accessor))
+        self.pay(primitive, accessor, used.map_or(count, <[u32]>::len))?;
+        Ok(Some(accessor.elements(self.document.storage())))
     }
 
     fn positions(
@@ -155,21 +156,16 @@ impl<'a> Reader<'a> {
     ) -> Result<Vec<Vec3>> {
         let count = self.accessor(index).count;
         let types = [(Component::F32, false)];
-        let Some(accessor) = self.attribute(primitive, "POSITION", count, 3, &types)? else {
+        let Some(elements) = self.attribute(primitive, "POSITION", (count, used), 3, &types)?
+        else {
             return Ok(Vec::new());
         };
-        self.pay(primitive, accessor, used.map_or(count, <[u32]>::len))?;
-        let elements = accessor.elements(self.document.storage());
         let points = elements.each(used, |[x, y, z]| Vec3::new(x as f32, y as f32, z as f32));
-        let is_good = |p: &Vec3| p.abs().cmple(Vec3::splat(MAX_COORDINATE)).all();
-        let Some(bad) = points.iter().position(|p| !is_good(p)) else { return Ok(points) };
+        let bad = points.iter().position(|p| !is_good_position(*p));
+        let Some(bad) = bad else { return Ok(points) };
         let number = used.map_or(bad, |used| used[bad] as usize);
         let place = format!("{}.attributes.POSITION[{number}]", primitive.path);
-        let p = points[bad];
-        Err(self
-            .error(&place, "a vertex must have finite coordinates of at most 2^40 in size")
-            .value(format!("({}, {}, {})", p.x, p.y, p.z))
-            .remedy("repair the vertex, or scale the mesh down"))
+        Err(bad_position(points[bad]).in_file(self.notes.file()).at(place))
     }
 
     fn normals(
@@ -180,11 +176,9 @@ impl<'a> Reader<'a> {
     ) -> Result<Option<Attribute<Vec3>>> {
         let types = [(Component::F32, false), (Component::I8, true), (Component::I16, true)];
         let types = if self.document.is_quantized { &types[..] } else { &types[..1] };
-        let Some(accessor) = self.attribute(primitive, "NORMAL", count, 3, types)? else {
+        let Some(elements) = self.attribute(primitive, "NORMAL", (count, used), 3, types)? else {
             return Ok(None);
         };
-        self.pay(primitive, accessor, used.map_or(count, <[u32]>::len))?;
-        let elements = accessor.elements(self.document.storage());
         let values: Vec<Vec3> = elements.each(used, |[x, y, z]| {
             let normal = Vec3::new(x as f32, y as f32, z as f32);
             // A zero vector is a normal that is not known.
@@ -192,7 +186,7 @@ impl<'a> Reader<'a> {
         });
         if values.contains(&Vec3::ZERO) {
             let message = "some normals are zero or not finite";
-            self.remarks.once(&primitive.path, message, "triangles there are lit with their own");
+            self.notes.once(&primitive.path, message, "triangles there are lit with their own");
         }
         Ok(Some(Attribute { values, indices: None }))
     }
@@ -206,14 +200,12 @@ impl<'a> Reader<'a> {
     ) -> Result<Option<Attribute<glam::Vec2>>> {
         let name = format!("TEXCOORD_{}", info.set);
         let types = [(Component::F32, false), (Component::U8, true), (Component::U16, true)];
-        let Some(accessor) = self.attribute(primitive, &name, count, 2, &types)? else {
+        let Some(elements) = self.attribute(primitive, &name, (count, used), 2, &types)? else {
             let message = "a mesh has no coordinates for its texture";
             let remedy = format!("it has the colour alone; give it the attribute {name}");
-            self.remarks.once(&primitive.path, message, &remedy);
+            self.notes.once(&primitive.path, message, &remedy);
             return Ok(None);
         };
-        self.pay(primitive, accessor, used.map_or(count, <[u32]>::len))?;
-        let elements = accessor.elements(self.document.storage());
         let values = elements.each(used, |uv| {
             let uv = info.placing.apply(uv);
             if uv.is_finite() { uv } else { glam::Vec2::ZERO }
@@ -222,7 +214,7 @@ impl<'a> Reader<'a> {
     }
 
     fn error(&self, place: &str, message: &str) -> Error {
-        self.remarks.notes.error(ErrorKind::Mesh, place, message.to_owned())
+        self.notes.error(ErrorKind::Mesh, place, message.to_owned())
     }
 }
 
@@ -248,13 +240,13 @@ fn compacted(mut corners: Vec<u32>, count: usize) -> (Vec<u32>, Option<Vec<u32>>
 }
 
 /// The triangles of vertices in a row, counter-clockwise from the front.
-fn triangles(mode: Mode, corners: &[u32], remarks: &Remarks<'_>, path: &str) -> Vec<[u32; 3]> {
+fn triangles(mode: Mode, corners: &[u32], notes: &Notes<'_>, path: &str) -> Vec<[u32; 3]> {
     match mode {
         Mode::Triangles => {
             let (triangles, rest) = corners.as_chunks::<3>();
             if !rest.is_empty() {
                 let message = "some vertices are left over";
-                remarks.once(path, message, "the number of corners should be divisible by 3");
+                notes.once(path, message, "the number of corners should be divisible by 3");
             }
             triangles.to_vec()
         }
@@ -278,11 +270,10 @@ mod tests {
     use std::path::Path;
 
     use super::*;
-    use crate::reader::Notes;
 
     fn made(mode: Mode, corners: &[u32]) -> Vec<[u32; 3]> {
         let notes = Notes::new(Path::new("a.gltf"), false);
-        triangles(mode, corners, &Remarks::new(&notes), "meshes[0]")
+        triangles(mode, corners, &notes, "meshes[0]")
     }
 
     #[test]

@@ -5,7 +5,6 @@ use std::collections::BTreeMap;
 use wavecrest_base::error::Result;
 
 use super::fields::Fields;
-use super::notes::Remarks;
 
 /// How the vertices of a primitive make triangles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -38,18 +37,13 @@ pub(super) struct MeshParts {
 
 impl MeshParts {
     /// Reads an element of `meshes`, of a file with so many accessors and materials.
-    pub(super) fn read(
-        fields: &Fields<'_>,
-        accessors: usize,
-        materials: usize,
-        remarks: &Remarks<'_>,
-    ) -> Result<Self> {
+    pub(super) fn read(fields: &Fields<'_>, accessors: usize, materials: usize) -> Result<Self> {
         if fields.get("weights").is_some() {
             let message = "morph targets are ignored";
-            remarks.once(&fields.path(), message, "the mesh has the form that it begins with");
+            fields.once(message, "the mesh has the form that it begins with");
         }
         fields.need("primitives", "a list of objects")?;
-        let read = |part: &Fields<'_>| Primitive::read(part, accessors, materials, remarks);
+        let read = |part: &Fields<'_>| Primitive::read(part, accessors, materials);
         Ok(Self {
             name: fields.text("name")?.filter(|name| !name.is_empty()),
             primitives: fields.list("primitives", "a primitive", read)?,
@@ -58,16 +52,11 @@ impl MeshParts {
 }
 
 impl Primitive {
-    fn read(
-        fields: &Fields<'_>,
-        accessors: usize,
-        materials: usize,
-        remarks: &Remarks<'_>,
-    ) -> Result<Self> {
+    fn read(fields: &Fields<'_>, accessors: usize, materials: usize) -> Result<Self> {
         let mode = mode(fields)?;
         let path = fields.path();
         if mode.is_none() {
-            remarks.once(&path, "points and lines are left out", "only triangles are rendered");
+            fields.once("points and lines are left out", "only triangles are rendered");
         }
         let own = Fields::new(fields.need("attributes", "an object { ... }")?, "attributes")?;
         let names = own.cursor().value().as_object().map(|map| map.keys().cloned());
@@ -75,11 +64,7 @@ impl Primitive {
         for name in names.into_iter().flatten() {
             let accessor = own.need_index(&name, "accessors", accessors)?;
             if name.starts_with("COLOR_") {
-                remarks.once(
-                    &path,
-                    "colours of vertices are ignored",
-                    "the material has the colour",
-                );
+                fields.once("colours of vertices are ignored", "the material has the colour");
             }
             attributes.insert(name, accessor);
         }

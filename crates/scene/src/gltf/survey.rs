@@ -10,9 +10,9 @@ use std::path::Path;
 use serde_json::Value;
 
 use super::container::{GLB_START, json_length};
+use crate::load::LoadOptions;
+use crate::load::staging;
 use crate::mesh;
-use crate::options::LoadOptions;
-use crate::staging;
 use crate::survey::{Survey, SurveyedMesh};
 use wavecrest_base::error::{Error, Result};
 

@@ -11,7 +11,6 @@ use wavecrest_base::error::Result;
 
 use super::accessor::Storage;
 use super::fields::Fields;
-use super::notes::Remarks;
 use super::uri::{self, Target};
 
 /// An element of `images`.
@@ -54,7 +53,7 @@ const MIPMAPPED: std::ops::RangeInclusive<u64> = 9984..=9987;
 
 impl Sampler {
     /// Reads an element of `samplers`.
-    fn read(fields: &Fields<'_>, remarks: &Remarks<'_>) -> Result<Self> {
+    fn read(fields: &Fields<'_>) -> Result<Self> {
         let magnified = fields.count("magFilter")?;
         let minified = fields.count("minFilter")?;
         let filter = match (magnified, minified) {
@@ -62,22 +61,22 @@ impl Sampler {
             (_, Some(filter)) if MIPMAPPED.contains(&filter) => Filter::Trilinear,
             _ => Filter::Bilinear,
         };
-        let wraps = [wrap(fields, "wrapS", remarks)?, wrap(fields, "wrapT", remarks)?];
+        let wraps = [wrap(fields, "wrapS")?, wrap(fields, "wrapT")?];
         if wraps[0] != wraps[1] {
             let message = "a texture is wrapped alike in both directions";
-            remarks.once(&fields.path(), message, "wrapS holds for both");
+            fields.once(message, "wrapS holds for both");
         }
         Ok(Self { filter, wrap: wraps[0] })
     }
 }
 
-fn wrap(fields: &Fields<'_>, key: &str, remarks: &Remarks<'_>) -> Result<Wrap> {
+fn wrap(fields: &Fields<'_>, key: &str) -> Result<Wrap> {
     let Some(cursor) = fields.get(key) else { return Ok(Wrap::Repeat) };
     let number = cursor.value().as_u64();
     match WRAPS.iter().find(|(known, _)| number == Some(*known)) {
         Some((_, Some(wrap))) => Ok(*wrap),
         Some((_, None)) => {
-            remarks.once(&cursor.path(), "a texture is not mirrored", "it repeats");
+            cursor.notes().once(&cursor.path(), "a texture is not mirrored", "it repeats");
             Ok(Wrap::Repeat)
         }
         None => Err(cursor.error("must be 10497 (repeat), 33071 (clamp) or 33648 (mirrored)")),
@@ -93,16 +92,11 @@ struct Texture {
 
 impl Texture {
     /// Reads an element of `textures`, of a file with so many images and samplers.
-    fn read(
-        fields: &Fields<'_>,
-        images: usize,
-        samplers: usize,
-        remarks: &Remarks<'_>,
-    ) -> Result<Self> {
+    fn read(fields: &Fields<'_>, images: usize, samplers: usize) -> Result<Self> {
         Ok(Self {
             // Extensions that are not read may have images of their own, of which this is the number.
             image: fields.index("source", "images", images).unwrap_or_else(|error| {
-                remarks.notes.warn(&error);
+                fields.cursor().notes().warn(&error);
                 None
             }),
             sampler: fields.index("sampler", "samplers", samplers)?,
@@ -152,14 +146,10 @@ pub(super) struct Textures {
 
 impl Textures {
     /// Reads the lists of a file.
-    pub(super) fn read(
-        top: &Fields<'_>,
-        storage: Storage<'_>,
-        remarks: &Remarks<'_>,
-    ) -> Result<Self> {
+    pub(super) fn read(top: &Fields<'_>, storage: Storage<'_>) -> Result<Self> {
         let images = top.list("images", "an image", |f| Image::read(f, storage))?;
-        let samplers = top.list("samplers", "a sampler", |f| Sampler::read(f, remarks))?;
-        let texture = |f: &Fields<'_>| Texture::read(f, images.len(), samplers.len(), remarks);
+        let samplers = top.list("samplers", "a sampler", Sampler::read)?;
+        let texture = |f: &Fields<'_>| Texture::read(f, images.len(), samplers.len());
         let textures = top.list("textures", "a texture", texture)?;
         Ok(Self { images, samplers, textures })
     }

@@ -7,10 +7,10 @@
 //! ([`ascii`]) or binary ([`binary`]); [`body`] walks the elements over any source, once.
 //!
 //! Binary rows have short cuts that take many rows at once on all threads: [`vertices`] where rows
-//! have one length, [`triangles`] where all faces are triangles, [`polygons`] for other faces. A
-//! short cut reads what is right and stops at the first row that is not; [`body`] reads that row
-//! again, number by number, and says what is wrong with it. So there is one place that judges, and
-//! the fault that is reported is the first, whatever the threads did.
+//! have one length, [`faces`] where all faces have as many corners. A short cut reads what is right and
+//! stops at the first row that is not; [`body`] reads that row again, number by number, and says what is
+//! wrong with it. So there is one place that judges, and the fault that is reported is the first, whatever
+//! the threads did.
 //!
 //! No crate is used: those that read the format hand over every property of every row, where the
 //! common form is better read as a block, and their errors do not name the element and its number.
@@ -18,12 +18,11 @@
 mod ascii;
 mod binary;
 mod body;
+mod faces;
 mod header;
 mod layout;
-mod polygons;
 mod source;
 mod survey;
-mod triangles;
 mod vertices;
 
 use std::io::BufReader;

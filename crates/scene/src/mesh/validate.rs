@@ -39,24 +39,19 @@ fn check_all(mesh: &MeshData) -> Result<()> {
 /// Checks that every position is finite and not too large.
 pub(super) fn check_positions(positions: &[Vec3]) -> Result<()> {
     match find_first(positions, |p| !is_good_position(*p)) {
-        Some(i) => Err(bad_vertex(positions, i)),
+        Some(i) => Err(bad_position(positions[i]).at(format!("vertex {i}"))),
         None => Ok(()),
     }
 }
 
-/// The error of the vertex `i`, whose position is not good.
-pub(super) fn bad_vertex(positions: &[Vec3], i: usize) -> Error {
-    bad_position(positions[i]).at(format!("vertex {i}"))
-}
-
 /// Whether a vertex may stand at `p`.
-pub(super) fn is_good_position(p: Vec3) -> bool {
+pub(crate) fn is_good_position(p: Vec3) -> bool {
     // A NaN compares false, so that it is caught by the same test.
     p.abs().cmple(Vec3::splat(MAX_COORDINATE)).all()
 }
 
 /// The error of a position that is not good; the caller names the place.
-pub(super) fn bad_position(p: Vec3) -> Error {
+pub(crate) fn bad_position(p: Vec3) -> Error {
     Error::new(ErrorKind::Mesh, "a vertex must have finite coordinates of at most 2^40 in size")
         .value(format_args!("({}, {}, {})", p.x, p.y, p.z))
         .remedy("repair the vertex, or scale the mesh down")

@@ -4,10 +4,9 @@ use glam::DVec3;
 
 use crate::components::{CameraKey, CameraPath, FovAxis, Interpolation, Sampling, ThinLens, View};
 use crate::corners::direction;
-use crate::options::LoadOptions;
+use crate::load::LoadOptions;
 use crate::reader::{Cursor, Key, Kind, Object, POINT, Range, integer_words, keys};
 use crate::schema::Camera;
-use crate::words::Word;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::kernels::camera::path::least_aligned_axis;
 
@@ -32,15 +31,15 @@ pub(crate) const FOV: Range = Range::new(0.001, 179.0);
 /// left of `up` across the view would then be mostly rounding, in single precision.
 const PARALLEL: f64 = 1e-6;
 
-/// The cameras.
-#[derive(Clone, Copy, PartialEq)]
-pub(crate) enum CameraKind {
-    Pinhole,
-    ThinLens,
-}
-
-impl Word for CameraKind {
-    const WORDS: &[(&str, Self)] = &[("pinhole", Self::Pinhole), ("thinlens", Self::ThinLens)];
+wavecrest_base::choices! {
+    /// The cameras.
+    #[derive(Clone, Copy, PartialEq)]
+    pub(crate) enum CameraKind {
+        /// Sharp everywhere.
+        Pinhole = "pinhole",
+        /// Sharp in one plane.
+        ThinLens = "thinlens",
+    }
 }
 
 const LOCATIONS: [&str; 2] = ["location", "position"];

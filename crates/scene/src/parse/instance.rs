@@ -78,12 +78,14 @@ pub(super) fn instance(cursor: &Cursor<'_>, names: &Names<'_>) -> Result<Instanc
     })
 }
 
-/// The instance's transform: of the shape as it stands in the scene.
+/// The instance's transform, which begins where the shape stands in the scene.
 fn moved(object: &Object<'_>, shape: &Shape) -> Result<DAffine3> {
-    let Some(cursor) = object.get("transform") else { return Ok(DAffine3::IDENTITY) };
-    let transform = transform::transform(&cursor)?;
-    if matches!(shape.geometry, Geometry::Sphere(_)) && !transform::is_uniform(&transform) {
-        return Err(shape::uneven(&cursor));
+    let mut moved = DAffine3::IDENTITY;
+    if let Some(cursor) = object.get("transform") {
+        moved = transform::transform(&cursor)?;
+        if matches!(shape.geometry, Geometry::Sphere(_)) && !transform::is_uniform(&moved) {
+            return Err(shape::uneven(&cursor));
+        }
     }
-    Ok(transform)
+    Ok(moved * shape.transform.map_or(DAffine3::IDENTITY, |own| own.0))
 }

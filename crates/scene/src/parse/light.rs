@@ -3,7 +3,6 @@
 use crate::components::{AreaLight, Falloff, PointLight, Sampling};
 use crate::reader::{Cursor, Key, Kind, Object, Range, keys};
 use crate::schema::Light;
-use crate::words::Word;
 use wavecrest_base::error::{ErrorKind, Result};
 
 use super::shape::light_shape;
@@ -13,14 +12,15 @@ const MOST_SAMPLES: u32 = 65_536;
 /// Greatest number of points on a light, 2^24.
 const MOST_POINTS: u64 = 1 << 24;
 
-#[derive(Clone, Copy, PartialEq)]
-pub(crate) enum LightKind {
-    Point,
-    Area,
-}
-
-impl Word for LightKind {
-    const WORDS: &[(&str, Self)] = &[("pointlight", Self::Point), ("arealight", Self::Area)];
+wavecrest_base::choices! {
+    /// The lights.
+    #[derive(Clone, Copy, PartialEq)]
+    pub(crate) enum LightKind {
+        /// A light at a point.
+        Point = "pointlight",
+        /// A light with a shape.
+        Area = "arealight",
+    }
 }
 
 pub(crate) const POINT_LIGHT: Kind =

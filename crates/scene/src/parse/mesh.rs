@@ -9,30 +9,30 @@ use std::path::Path;
 use glam::{DVec3, Vec2, Vec3};
 use serde_json::Value;
 
+use crate::components::Mesh;
 use crate::mesh::{Attribute, MeshData};
-use crate::reader::{Cursor, Key, Object, Range, Takes, keys};
+use crate::reader::{Cursor, Key, Kind, Object, Range, Takes, keys};
 use crate::schema::Geometry;
 use wavecrest_base::error::Result;
 
 use super::material::existing_file;
-use super::own_keys::OwnKeys;
 
 const POINTS: &str = "an array of at least three points [[x, y, z], ...]";
 const INDICES: &str = "an array of triangles [[a, b, c], ...], at least one";
 
-pub(crate) const MESH_FILE: OwnKeys = OwnKeys {
-    name: "a trimesh from a file",
-    about: "A mesh from a file.",
-    keys: &[keys! {
+pub(crate) const MESH_FILE: Kind = Kind::new(
+    "a trimesh from a file",
+    "A mesh from a file.",
+    &[keys! {
         /// A mesh file: a path from the scene's folder.
         "file": Text, Required;
     }],
-};
+);
 
-pub(crate) const INDEXED: OwnKeys = OwnKeys {
-    name: "a trimesh with indices",
-    about: "A mesh.",
-    keys: &[
+pub(crate) const INDEXED: Kind = Kind::new(
+    "a trimesh with indices",
+    "A mesh.",
+    &[
         KEYS,
         keys! {
             /// Triangles, by the numbers of their points from 0, clockwise as seen from the front.
@@ -41,13 +41,13 @@ pub(crate) const INDEXED: OwnKeys = OwnKeys {
             "file": Text;
         },
     ],
-};
+);
 
 // With the keys, too, that would make it another kind: they may be what a misspelt key means.
-pub(crate) const STRIP: OwnKeys = OwnKeys {
-    name: "a trimesh that is a strip",
-    about: "A strip of triangles.",
-    keys: &[
+pub(crate) const STRIP: Kind = Kind::new(
+    "a trimesh that is a strip",
+    "A strip of triangles.",
+    &[
         KEYS,
         keys! {
             /// For each triangle of a strip 0, which keeps its winding, or -1, which turns it.
@@ -58,7 +58,7 @@ pub(crate) const STRIP: OwnKeys = OwnKeys {
             "file": Text;
         },
     ],
-};
+);
 
 const KEYS: &[Key] = keys! {
     /// The number of points, if it is to be checked.
@@ -74,7 +74,7 @@ const KEYS: &[Key] = keys! {
 const INDICES_TAKE: Takes = Takes::AtLeast(1, &Takes::Exactly(3, &Takes::Integer(0, u32::MAX)));
 
 /// Which mesh this is.
-pub(super) fn own_keys(cursor: &Cursor<'_>) -> Result<&'static OwnKeys> {
+pub(super) fn own_keys(cursor: &Cursor<'_>) -> Result<&'static Kind> {
     let has = |key: &str| cursor.value().get(key).is_some();
     match (has("file"), has("points"), has("indices")) {
         (true, true, _) => Err(both(cursor, "points")),
@@ -105,7 +105,8 @@ pub(super) fn mesh(object: &Object<'_>) -> Result<Geometry> {
     let uvs = object.get("uvs").map(|c| uvs(&c, points.len())).transpose()?;
     let normals = object.get("normals").map(|c| normals(&c, points.len())).transpose()?;
     let positions = points.into_iter().map(|p| p.as_vec3()).collect();
-    Ok(Geometry::Mesh(MeshData { positions, triangles, normals, uvs }))
+    let data = MeshData { positions, triangles, normals, uvs };
+    Ok(Geometry::Mesh(Mesh { data, file: None }))
 }
 
 fn mesh_file(cursor: &Cursor<'_>) -> Result<Geometry> {

@@ -11,31 +11,27 @@ use crate::corners::{
 };
 use crate::reader::{Absent, Cursor, Key, Kind, Object, Range, Takes, keys};
 use crate::schema::{Geometry, Shape};
-use crate::words::Word;
 use wavecrest_base::error::{Error, Result};
 
-use super::own_keys::OwnKeys;
 use super::{material, mesh, transform};
 
 /// Sine of the angle to the surface below which a `normal` does not distinguish the sides, in
 /// single precision.
 const IN_PLANE: f64 = 1e-6;
 
-#[derive(Clone, Copy, PartialEq)]
-pub(crate) enum ShapeKind {
-    Sphere,
-    Plane,
-    Triangle,
-    Trimesh,
-}
-
-impl Word for ShapeKind {
-    const WORDS: &[(&str, Self)] = &[
-        ("sphere", Self::Sphere),
-        ("plane", Self::Plane),
-        ("triangle", Self::Triangle),
-        ("trimesh", Self::Trimesh),
-    ];
+wavecrest_base::choices! {
+    /// The shapes.
+    #[derive(Clone, Copy, PartialEq)]
+    pub(crate) enum ShapeKind {
+        /// A sphere.
+        Sphere = "sphere",
+        /// A plane quad.
+        Plane = "plane",
+        /// A triangle.
+        Triangle = "triangle",
+        /// A mesh of triangles.
+        Trimesh = "trimesh",
+    }
 }
 
 const NAME_KEYS: &[Key] = keys! {
@@ -97,20 +93,20 @@ pub(crate) enum Owner {
 }
 
 /// The kind of object that a shape with these keys of its `own` is.
-pub(crate) fn kind(own: &OwnKeys, owner: Owner) -> Kind {
+pub(crate) fn kind(own: &Kind, owner: Owner) -> Kind {
     let shared: &[&[Key]] = match owner {
         Owner::Scene => &[NAME_KEYS, SCENE_KEYS, PLACE_KEYS],
         Owner::Light => &[NAME_KEYS, LIGHT_KEYS, PLACE_KEYS],
     };
-    Kind { more: own.keys, ..Kind::new(own.name, own.about, shared) }
+    Kind { keys: shared, more: own.keys, ..*own }
 }
 
-pub(crate) const SPHERE: OwnKeys =
-    OwnKeys { name: "a sphere", about: "A sphere.", keys: &[SPHERE_KEYS] };
-pub(crate) const PLANE: OwnKeys =
-    OwnKeys { name: "a plane", about: "A plane quad.", keys: &[PLANE_KEYS, FLAT_KEYS] };
-pub(crate) const TRIANGLE: OwnKeys =
-    OwnKeys { name: "a triangle", about: "A triangle.", keys: &[TRIANGLE_KEYS, FLAT_KEYS] };
+// The kinds of shapes, with the keys that others have not.
+
+pub(crate) const SPHERE: Kind = Kind::new("a sphere", "A sphere.", &[SPHERE_KEYS]);
+pub(crate) const PLANE: Kind = Kind::new("a plane", "A plane quad.", &[PLANE_KEYS, FLAT_KEYS]);
+pub(crate) const TRIANGLE: Kind =
+    Kind::new("a triangle", "A triangle.", &[TRIANGLE_KEYS, FLAT_KEYS]);
 
 const SPHERE_KEYS: &[Key] = keys! {
     /// The centre.

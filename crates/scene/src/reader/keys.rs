@@ -3,7 +3,7 @@
 //! There is one table for each kind of object. The parser reads by it, and the JSON schema is made of it.
 
 use super::cursor::Range;
-use crate::words::Word;
+use wavecrest_base::choice::Choice;
 
 /// A kind of object.
 #[derive(Clone, Copy)]
@@ -93,12 +93,12 @@ pub(crate) enum Absent {
 }
 
 /// One of the words of `T`.
-pub(crate) const fn word<T: Word>() -> Takes {
+pub(crate) const fn word<T: Choice>() -> Takes {
     Takes::Choice(words::<T>)
 }
 
-fn words<T: Word>() -> Vec<&'static str> {
-    T::WORDS.iter().map(|(word, _)| *word).collect()
+fn words<T: Choice>() -> Vec<&'static str> {
+    T::VALUES.iter().map(|value| value.name()).collect()
 }
 
 /// A table of keys: above each what it means, then its name, what it takes, and what holds where it is absent.

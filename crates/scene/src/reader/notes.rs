@@ -1,6 +1,7 @@
 //! What is said of a file while it is read.
 
 use std::cell::RefCell;
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 use wavecrest_base::error::{Error, ErrorKind, Result, Warning};
@@ -10,12 +11,14 @@ pub(crate) struct Notes<'a> {
     file: &'a Path,
     strict: bool,
     warnings: RefCell<Vec<Warning>>,
+    /// The messages of warnings that are given once.
+    given: RefCell<HashSet<String>>,
 }
 
 impl<'a> Notes<'a> {
     /// No warnings yet. If `strict`, an unknown key is an error.
     pub(crate) fn new(file: &'a Path, strict: bool) -> Self {
-        Self { file, strict, warnings: RefCell::default() }
+        Self { file, strict, warnings: RefCell::default(), given: RefCell::default() }
     }
 
     /// The scene file.
@@ -32,6 +35,14 @@ impl<'a> Notes<'a> {
     /// Keeps a warning that reads as `error` does.
     pub(crate) fn warn(&self, error: &Error) {
         self.pass_on(Warning::from_error(error));
+    }
+
+    /// Warns of what is so at `place`, unless it was so at another: of a thousand materials that all have a normal
+    /// map one is told.
+    pub(crate) fn once(&self, place: &str, message: &str, remedy: &str) {
+        if self.given.borrow_mut().insert(message.to_owned()) {
+            self.warn(&self.error(ErrorKind::Scene, place, message.to_owned()).remedy(remedy));
+        }
     }
 
     /// Keeps a warning made elsewhere.

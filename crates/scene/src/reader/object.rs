@@ -6,7 +6,7 @@ use serde_json::{Map, Value};
 use super::cursor::{COLOR, Cursor, POINT, Range, integer_words, words_of};
 use super::keys::{Absent, Key, Kind, Takes, keys};
 use super::place::Place;
-use crate::words::Word;
+use wavecrest_base::choice::Choice;
 use wavecrest_base::error::{Error, ErrorKind, Result, did_you_mean};
 
 /// A JSON object, and the keys that its kind allows.
@@ -27,7 +27,7 @@ impl<'a> Cursor<'a> {
     }
 
     /// Which of a few kinds of object this is, by its key `type`; `what` describes them.
-    pub(crate) fn kind<T: Word>(&self, what: &'static str) -> Result<T> {
+    pub(crate) fn kind<T: Choice>(&self, what: &'static str) -> Result<T> {
         const TYPE: &[Key] = keys! {
             /// Which kind it is.
             "type": Anything, Required;
@@ -187,20 +187,25 @@ impl<'a> Object<'a> {
     }
 
     /// A word.
-    pub(crate) fn word<T: Word>(&self, key: &'static str) -> Result<T> {
+    pub(crate) fn word<T: Choice>(&self, key: &'static str) -> Result<T> {
         let absent = match self.absent(key) {
-            Absent::Says(word) => T::of(word),
+            Absent::Says(word) => T::VALUES.iter().find(|value| value.name() == word),
             _ => None,
         };
         match (self.get(key), absent) {
-            (Some(cursor), _) => cursor.choice(T::WORDS),
-            (None, Some(meaning)) => Ok(meaning),
-            _ => Err(self.missing(&[key], &words_of(T::WORDS))),
+            (Some(cursor), _) => cursor.choice(&options()),
+            (None, Some(meaning)) => Ok(*meaning),
+            _ => Err(self.missing(&[key], &words_of(&options::<T>()))),
         }
     }
 
     /// A word; `default` where the key is absent.
-    pub(crate) fn word_or<T: Word>(&self, key: &'static str, default: T) -> Result<T> {
-        self.get(key).map_or(Ok(default), |cursor| cursor.choice(T::WORDS))
+    pub(crate) fn word_or<T: Choice>(&self, key: &'static str, default: T) -> Result<T> {
+        self.get(key).map_or(Ok(default), |cursor| cursor.choice(&options()))
     }
+}
+
+/// The values of `T` by name.
+fn options<T: Choice>() -> Vec<(&'static str, T)> {
+    T::VALUES.iter().map(|value| (value.name(), *value)).collect()
 }

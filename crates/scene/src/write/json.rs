@@ -11,7 +11,6 @@ use crate::components::{
     Shading, Sides, Sphere, TextureRef, ThinLens, Transform, Triangle, View,
 };
 use crate::query;
-use crate::words::Word;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
 use super::beside::Beside;
@@ -45,7 +44,7 @@ pub(super) fn scene(
     }
     Ok(json!({
         "nbounces": settings.bounces,
-        "transfer": encoding.word(),
+        "transfer": encoding.name(),
         "camera": camera(&view),
         "scene": inner,
     }))
@@ -110,7 +109,7 @@ fn point_light(light: &PointLight) -> Value {
         "intensity": light.intensity,
         "position": vector(light.position),
         "color": vector(light.color),
-        "falloff": light.falloff.word(),
+        "falloff": light.falloff.name(),
     })
 }
 
@@ -123,8 +122,8 @@ fn area_light(world: &mut World, entity: Entity, beside: &mut Beside<'_>) -> Res
         "type": "arealight",
         "intensity": light.intensity,
         "color": vector(light.color),
-        "falloff": light.falloff.word(),
-        "sampling": light.sampling.word(),
+        "falloff": light.falloff.name(),
+        "sampling": light.sampling.name(),
         "samples": light.samples,
         "shape": shape,
     }))
@@ -180,12 +179,12 @@ fn texture(
 ) -> Result<()> {
     let Some(texture) = entity.get::<&TextureRef>() else { return Ok(()) };
     to.insert("texture".into(), beside.image(&texture)?.into());
-    to.insert("encoding".into(), texture.encoding.word().into());
+    to.insert("encoding".into(), texture.encoding.name().into());
     if texture.tint != DVec3::ONE {
         to.insert("tint".into(), vector(texture.tint));
     }
-    to.insert("filter".into(), texture.filter.word().into());
-    to.insert("wrap".into(), texture.wrap.word().into());
+    to.insert("filter".into(), texture.filter.name().into());
+    to.insert("wrap".into(), texture.wrap.name().into());
     Ok(())
 }
 
@@ -215,12 +214,12 @@ fn camera(view: &View) -> Value {
         "width": view.width,
         "height": view.height,
         "fov": view.fov_degrees,
-        "fovaxis": view.fov_axis.word(),
+        "fovaxis": view.fov_axis.name(),
         "location": vector(view.location),
         "look": vector(view.look),
         "up": vector(view.up),
         "antialias": view.antialias,
-        "sampling": view.sampling.word(),
+        "sampling": view.sampling.name(),
     })
 }
 

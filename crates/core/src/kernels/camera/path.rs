@@ -10,15 +10,17 @@ use crate::math::sampling::Sampling;
 /// Sine of the angle between the view and `up` below which `up` does not say which way up the image is.
 const PARALLEL: f64 = 1e-6;
 
-/// How the camera moves from key to key.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum Interpolation {
-    /// Without a bend at a key: cubic curves whose tangents are the mean of what goes before and of what
-    /// comes after (Catmull and Rom 1974, for keys at any distance).
-    #[default]
-    Smooth,
-    /// Straight from key to key.
-    Linear,
+wavecrest_base::choices! {
+    /// How the camera moves from key to key.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+    pub enum Interpolation {
+        // Tangents are the mean of what goes before and of what comes after, for keys at any distance.
+        /// Without a bend at a key: cubic curves (Catmull and Rom 1974).
+        #[default]
+        Smooth = "smooth",
+        /// Straight from key to key.
+        Linear = "linear",
+    }
 }
 
 /// Where the camera is at a frame.

@@ -1,18 +1,14 @@
 //! The body of a PLY file in binary numbers of either byte order.
 //!
-//! Number by number here; rows of the common forms, many at once, in [`vertices`], [`triangles`]
-//! and [`polygons`].
+//! Number by number here; rows of the common forms, many at once, in [`vertices`] and [`faces`].
 
 use std::io::{BufReader, Read as _};
 
-use super::header::{Property, Scalar};
-use super::layout::{VertexLayout, stride};
-use super::source::{Bulk, FaceRows, Faces, Fault, Source, Vertices};
-use super::{polygons, triangles, vertices};
+use super::header::{Element, Scalar};
+use super::layout::{ListLayout, VertexLayout};
+use super::source::{Faces, Fault, Source, Vertices};
+use super::{faces, vertices};
 use crate::mesh::place::{ReadAt, Section};
-
-/// Buffers in a window of faces. A longer face is read number by number.
-const BLOCKS_OF_WINDOW: usize = 32;
 
 /// A binary body; `BIG` for big-endian.
 #[derive(Debug)]
@@ -100,50 +96,28 @@ impl<F: ReadAt + ?Sized, const BIG: bool> Source for Binary<'_, F, BIG> {
         Ok(self.left)
     }
 
-    fn vertices(&mut self, layout: &VertexLayout, into: &mut Vertices) -> Bulk {
+    fn vertices(&mut self, layout: &VertexLayout, into: &mut Vertices) -> Result<u64, Fault> {
         let block = self.block();
-        let bulk = vertices::read::<F, BIG>(self.file, self.place(), layout, block, into);
-        let Some(stride) = layout.stride.filter(|_| matches!(bulk, Bulk::Done)) else {
-            return bulk;
-        };
-        match self.advance((stride * into.positions.len()) as u64) {
-            Ok(()) => bulk,
-            Err(fault) => Bulk::Failed(0, fault),
-        }
+        let rows = vertices::read::<F, BIG>(self.file, self.place(), layout, block, into);
+        self.advance((layout.stride.unwrap_or(0) * rows) as u64)?;
+        Ok(rows as u64)
     }
 
     fn faces(
         &mut self,
-        rows: FaceRows<'_>,
-        most: u64,
+        element: &Element,
+        layout: ListLayout,
         vertices: usize,
         into: &mut Faces,
     ) -> Result<u64, Fault> {
-        let mut read = 0;
-        // At the first face: the others of a file that has other faces go the longer way.
-        if most == rows.element.count && into.triangles.is_empty() {
-            let (place, left, block) = (self.place(), self.left, self.block());
-            let all = triangles::read::<F, BIG>(self.file, place, left, rows, vertices, block);
-            if let Some((triangles, bytes)) = all {
-                read = triangles.len() as u64;
-                into.triangles = triangles;
-                self.advance(bytes)?;
-            }
+        if !into.triangles.is_empty() {
+            return Ok(0);
         }
-        if read < most {
-            let (file, place, left) = (self.file, self.place(), self.left);
-            let from =
-                polygons::Span { file, place, left, window: BLOCKS_OF_WINDOW * self.block() };
-            let (faces, bytes) = polygons::read::<F, BIG>(from, rows, most - read, vertices, into);
-            read += faces;
-            self.advance(bytes)?;
-        }
-        Ok(read)
-    }
-
-    fn pass_over(&mut self, properties: &[Property], count: u64) -> Result<bool, Fault> {
-        let Some(stride) = stride(properties) else { return Ok(false) };
-        self.advance(count.saturating_mul(stride as u64))?;
-        Ok(true)
+        let (place, left, block) = (self.place(), self.left, self.block());
+        let from = faces::Source { file: self.file, place, left, block };
+        let read = faces::read::<F, BIG>(&from, element, layout, vertices, into);
+        let (faces, bytes) = read.unwrap_or_default();
+        self.advance(bytes)?;
+        Ok(faces)
     }
 }

@@ -3,12 +3,12 @@
 
 use super::header::{Element, Header, Shape};
 use super::layout::{Column, ListLayout, SLOTS, VertexLayout};
-use super::source::{Bulk, FaceRows, Faces, Fault, Source, Vertices};
+use super::source::{Faces, Fault, Source, Vertices};
 use crate::mesh::data::{Attribute, MeshData, Read};
 use crate::mesh::faults::{check_count, no_triangles, read_failure};
 use crate::mesh::polygon::{self, Polygon};
 use crate::mesh::validate::{
-    bad_index, bad_vertex, check_positions, note_zeroed, zero_bad_normals, zero_bad_uvs,
+    bad_index, check_positions, note_zeroed, zero_bad_normals, zero_bad_uvs,
 };
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
@@ -89,13 +89,13 @@ impl Body {
         let layout = VertexLayout::of(element)?;
         check_room(element, source)?;
         self.vertices = Vertices::new(self.vertex_count, &layout);
-        match source.vertices(&layout, &mut self.vertices) {
-            Bulk::Not => {}
-            Bulk::Done => return Ok(()),
-            Bulk::Bad(row) => return Err(bad_vertex(&self.vertices.positions, row)),
-            Bulk::Failed(index, fault) => return Err(Row { element, index }.fault(fault, source)),
+        let first = source
+            .vertices(&layout, &mut self.vertices)
+            .map_err(|fault| Row { element, index: 0 }.fault(fault, source))?;
+        if first == element.count {
+            return Ok(());
         }
-        for index in 0..element.count {
+        for index in first..element.count {
             let row = Row { element, index };
             let values = read_vertex(element, &layout, source).map_err(|f| row.fault(f, source))?;
             for Column { slot, scale, .. } in layout.columns.iter().flatten() {
@@ -109,22 +109,16 @@ impl Body {
         let layout = ListLayout::of(element)?;
         check_room(element, source)?;
         let likely = likely_triangles(element, layout, source);
-        let rows = FaceRows { element, layout, likely };
-        if source.line().is_some() {
-            self.faces.triangles.reserve(likely);
+        let first = source
+            .faces(element, layout, self.vertex_count, &mut self.faces)
+            .map_err(|fault| Row { element, index: 0 }.fault(fault, source))?;
+        if first < element.count {
+            self.faces.triangles.reserve(likely.saturating_sub(self.faces.triangles.len()));
         }
-        let mut index = 0;
-        while index < element.count {
-            let most = element.count - index;
-            index += source
-                .faces(rows, most, self.vertex_count, &mut self.faces)
-                .map_err(|fault| Row { element, index }.fault(fault, source))?;
-            if index < element.count {
-                let row = Row { element, index };
-                self.read_row(row, layout, source)?;
-                self.push_face().map_err(|error| row.locate(error, source))?;
-                index += 1;
-            }
+        for index in first..element.count {
+            let row = Row { element, index };
+            self.read_row(row, layout, source)?;
+            self.push_face().map_err(|error| row.locate(error, source))?;
         }
         Ok(())
     }
@@ -283,11 +277,6 @@ fn pass_over<S: Source>(element: &Element, source: &mut S) -> Result<()> {
         return Ok(());
     }
     check_room(element, source)?;
-    let first = Row { element, index: 0 };
-    let passed = source.pass_over(&element.properties, element.count);
-    if passed.map_err(|fault| first.fault(fault, source))? {
-        return Ok(());
-    }
     for index in 0..element.count {
         let row = Row { element, index };
         let skipped = element.properties.iter().try_for_each(|p| skip(p.shape, source));

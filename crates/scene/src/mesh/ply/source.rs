@@ -54,27 +54,22 @@ pub(super) trait Source {
         None
     }
 
-    /// Reads all vertices at once and checks their positions, if this source can do so for such
-    /// rows.
-    fn vertices(&mut self, _: &VertexLayout, _: &mut Vertices) -> Bulk {
-        Bulk::Not
+    /// Reads the first vertices whose positions are good, and returns how many: perhaps none. A vertex at fault is
+    /// left to be read again.
+    fn vertices(&mut self, _: &VertexLayout, _: &mut Vertices) -> Result<u64, Fault> {
+        Ok(0)
     }
 
-    /// Reads some of the next `most` faces, as long as they name the first `vertices` vertices, and
-    /// returns how many: perhaps none. A face at fault is left to be read again.
+    /// Reads the first faces, as long as they name the first `vertices` vertices, and returns how many: perhaps
+    /// none. A face at fault is left to be read again.
     fn faces(
         &mut self,
-        _rows: FaceRows<'_>,
-        _most: u64,
+        _element: &Element,
+        _layout: ListLayout,
         _vertices: usize,
         _into: &mut Faces,
     ) -> Result<u64, Fault> {
         Ok(0)
-    }
-
-    /// Passes over all rows of these properties at once, if this source can.
-    fn pass_over(&mut self, _: &[Property], _count: u64) -> Result<bool, Fault> {
-        Ok(false)
     }
 
     /// The fewest bytes that a row of these properties can take: its lists may be empty.
@@ -85,28 +80,6 @@ pub(super) trait Source {
         };
         properties.iter().map(least).sum()
     }
-}
-
-/// What became of the attempt to read all rows of an element at once.
-#[derive(Debug)]
-pub(super) enum Bulk {
-    /// Nothing was read: such rows are read one by one.
-    Not,
-    /// All was read, and every position is good.
-    Done,
-    /// The position of this row is not good; it and those before it were read.
-    Bad(usize),
-    /// This row could not be read.
-    Failed(u64, Fault),
-}
-
-/// The rows of the element `face`.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct FaceRows<'a> {
-    pub(super) element: &'a Element,
-    pub(super) layout: ListLayout,
-    /// About how many triangles they make together; the file has room for so many.
-    pub(super) likely: usize,
 }
 
 /// The faces so far.

@@ -9,28 +9,30 @@ use rayon::prelude::*;
 
 use super::header::Scalar;
 use super::layout::{Column, VertexLayout};
-use super::source::{Bulk, Vertices};
+use super::source::Vertices;
 use crate::mesh::place::ReadAt;
 use crate::mesh::validate::is_good_position;
 
-/// Reads all rows from `place` on into `vertices`, which has room for them; a thread reads about
-/// `block` bytes at once.
+/// Reads rows from `place` on into `vertices`, which has room for them; a thread reads about `block` bytes at
+/// once. Returns how many were read before the first block in which something is wrong, or all.
 pub(super) fn read<F: ReadAt + ?Sized, const BIG: bool>(
     file: &F,
     place: u64,
     layout: &VertexLayout,
     block: usize,
     vertices: &mut Vertices,
-) -> Bulk {
-    let Some(rows) = Rows::of(layout) else { return Bulk::Not };
+) -> usize {
+    let Some(rows) = Rows::of(layout) else { return 0 };
     let per_task = (block / rows.stride).max(1);
     let mut tasks = tasks(vertices, per_task, place, rows.stride);
-    let read = |buffer: &mut Vec<u8>, task: &mut Task<'_>| rows.read::<F, BIG>(file, task, buffer);
-    let found = tasks
-        .par_iter_mut()
-        .map_init(Vec::new, read)
-        .find_first(|outcome| !matches!(outcome, Bulk::Done));
-    found.unwrap_or(Bulk::Done)
+    let stops = tasks.par_iter_mut().map_init(Vec::new, |buffer, task| {
+        // What cannot be read is read again number by number, and told there.
+        let is_good = rows.read::<F, BIG>(file, task, buffer).is_ok()
+            && task.positions.iter().all(|p| is_good_position(*p));
+        (!is_good).then_some(task.first)
+    });
+    let stop = stops.find_first(Option::is_some).flatten();
+    stop.unwrap_or(vertices.positions.len())
 }
 
 /// A block of rows, and where they go.
@@ -80,24 +82,16 @@ impl Rows {
         file: &F,
         task: &mut Task<'_>,
         buffer: &mut Vec<u8>,
-    ) -> Bulk {
-        let read = if self.packed {
-            let done = file.read_exact_at(bytemuck::cast_slice_mut(task.positions), task.place);
+    ) -> std::io::Result<()> {
+        if self.packed {
+            file.read_exact_at(bytemuck::cast_slice_mut(task.positions), task.place)?;
             to_native::<BIG>(task.positions);
-            done
         } else {
             buffer.resize(task.positions.len() * self.stride, 0);
-            let done = file.read_exact_at(buffer, task.place);
+            file.read_exact_at(buffer, task.place)?;
             self.take_apart::<BIG>(buffer, task);
-            done
-        };
-        if let Err(error) = read {
-            return Bulk::Failed(task.first as u64, error.into());
         }
-        match task.positions.iter().position(|p| !is_good_position(*p)) {
-            Some(row) => Bulk::Bad(task.first + row),
-            None => Bulk::Done,
-        }
+        Ok(())
     }
 
     fn take_apart<const BIG: bool>(&self, rows: &[u8], task: &mut Task<'_>) {

@@ -1,27 +1,26 @@
-//! From a document to a world of entities.
+//! From a document to the values of a scene file.
 
 use std::ops::Range;
 
 use glam::{DAffine3, DVec3, Vec3};
-use hecs::{Entity, EntityBuilder, World};
 
 use crate::components::{
-    AreaLight, Encoding, Falloff, Hidden, InstanceOf, JsonPath, Mesh, Name, Order, Pinhole,
-    PointLight, Sampling, Shading, TextureRef, Transform,
+    AreaLight, Encoding, Falloff, Mesh, Name, PointLight, Sampling, Shading, TextureRef, Transform,
 };
-use crate::loaded::LoadedScene;
+use crate::load::LoadOptions;
+use crate::load::spawn::has_area;
+use crate::load::staging::{self, Sphere};
 use crate::mesh::MeshData;
-use crate::options::LoadOptions;
-use crate::staging::{self, Sphere};
-use wavecrest_base::error::{ErrorKind, Result, Warning};
+use crate::reader::Notes;
+use crate::schema::{self, Instance, SceneFile, Shape};
+use wavecrest_base::error::{ErrorKind, Result};
 
-use super::choice;
+use super::camera;
 use super::document::Document;
 use super::light;
 use super::material::Surface;
 use super::mesh::Reader;
 use super::node::{Placed, flattens};
-use super::notes::Remarks;
 
 /// Points along each side of the grid on a light that is a mesh; each pixel has several rays.
 const LIGHT_SAMPLES: u32 = 3;
@@ -44,48 +43,54 @@ struct Use {
     world: DAffine3,
 }
 
-/// Makes the entities of a document.
-pub(super) fn world(
-    document: Document,
+/// Makes a scene of a document, and says what was chosen for the user.
+pub(super) fn scene(
+    document: &Document,
     options: &LoadOptions,
-    remarks: &Remarks<'_>,
-) -> Result<LoadedScene> {
-    let primitives = primitives(&document, remarks)?;
+    notes: &Notes<'_>,
+) -> Result<(SceneFile, String)> {
+    let primitives = primitives(document, notes)?;
     let bounds = bounds(&primitives);
-    let view = choice::camera(&document, &bounds, options, remarks)?;
+    let view = camera::chosen(document, &bounds, options, notes)?;
     let has_camera = view.is_some();
     let view = view.map_or_else(|| staging::framed(&bounds, options), Ok)?;
-    let mut lights = lights(&document, &bounds, remarks);
-    let mut spawner = Spawner { world: World::new(), lights: 0, shapes: 0 };
+    let mut points = lights(document, &bounds, notes);
     let glowing: usize =
         primitives.iter().filter(|f| f.surface.is_light()).map(|f| f.uses.len()).sum();
-    check_lights(&primitives, remarks)?;
-    let has_lights = !lights.is_empty() || glowing > 0;
-    let exposure = light::exposure(radiance(&lights, &primitives, &bounds));
-    for (_, light) in &mut lights {
+    check_lights(&primitives, notes)?;
+    let has_lights = !points.is_empty() || glowing > 0;
+    let exposure = light::exposure(radiance(&points, &primitives, &bounds));
+    for (_, light) in &mut points {
         light.intensity *= exposure;
     }
     if !has_lights {
-        lights.push(("the light".to_owned(), staging::light(&view, &bounds)));
+        points.push(("the light".to_owned(), staging::light(&view, &bounds)));
     }
-    spawner.world.spawn((staging::settings(remarks.notes.file(), lights.len() + glowing),));
-    spawner.world.spawn((view, Pinhole));
-    lights.into_iter().for_each(|(path, light)| spawner.point_light(path, light));
-    spawner.primitives(primitives, exposure);
-    let told = told(has_camera, has_lights.then_some(exposure));
-    let note = |text: String| Warning::from_error(&remarks.notes.error(ErrorKind::Scene, "", text));
-    Ok(LoadedScene {
-        world: spawner.world,
-        warnings: Vec::new(),
-        notes: told.into_iter().map(note).collect(),
+    let mut scene = SceneFile {
+        settings: staging::settings(notes.file(), points.len() + glowing),
+        camera: schema::Camera { view, lens: None, path: None },
+        lights: Vec::new(),
+        shapes: Vec::new(),
+        instances: Vec::new(),
         encoding: Encoding::Srgb,
-    })
+    };
+    scene
+        .lights
+        .extend(points.into_iter().map(|(path, light)| schema::Light::Point { path, light }));
+    for primitive in primitives {
+        if primitive.surface.is_light() {
+            primitive.add_lights(exposure, &mut scene);
+        } else {
+            primitive.add_shapes(&mut scene);
+        }
+    }
+    Ok((scene, told(has_camera, has_lights.then_some(exposure))))
 }
 
 /// The most triangles of lights: each node that shows one holds a copy.
 const MOST_LIGHT_TRIANGLES: usize = 1 << 22;
 
-fn check_lights(primitives: &[Primitive], remarks: &Remarks<'_>) -> Result<()> {
+fn check_lights(primitives: &[Primitive], notes: &Notes<'_>) -> Result<()> {
     let lights = primitives.iter().filter(|primitive| primitive.surface.is_light());
     let triangles =
         |primitive: &Primitive| primitive.mesh.triangles.len().saturating_mul(primitive.uses.len());
@@ -94,13 +99,13 @@ fn check_lights(primitives: &[Primitive], remarks: &Remarks<'_>) -> Result<()> {
         return Ok(());
     }
     let message = "the meshes that give off light have too many triangles".to_owned();
-    let error = remarks.notes.error(ErrorKind::Limit, "materials", message).value(all);
+    let error = notes.error(ErrorKind::Limit, "materials", message).value(all);
     Err(error
         .remedy(format!("at most {MOST_LIGHT_TRIANGLES} are allowed: set emissiveFactor to 0")))
 }
 
 /// What was chosen for the user.
-fn told(has_camera: bool, exposure: Option<f64>) -> Option<String> {
+fn told(has_camera: bool, exposure: Option<f64>) -> String {
     let light = match exposure {
         None => "no light: one shines from behind the camera's left shoulder".to_owned(),
         Some(factor) => format!("all light is multiplied by {factor:.3e}, the exposure"),
@@ -109,12 +114,12 @@ fn told(has_camera: bool, exposure: Option<f64>) -> Option<String> {
         true => "",
         false => "no camera: one is put where it sees all; ",
     };
-    Some(format!("{camera}{light}"))
+    format!("{camera}{light}")
 }
 
 /// The primitives that the nodes of the scene show, in the order in which they are met.
-fn primitives(document: &Document, remarks: &Remarks<'_>) -> Result<Vec<Primitive>> {
-    let mut reader = Reader::new(document, remarks);
+fn primitives(document: &Document, notes: &Notes<'_>) -> Result<Vec<Primitive>> {
+    let mut reader = Reader::new(document, notes);
     // Which primitives each mesh has, once it is read.
     let mut known: Vec<Option<Range<usize>>> = vec![None; document.meshes.len()];
     let mut primitives: Vec<Primitive> = Vec::new();
@@ -123,28 +128,28 @@ fn primitives(document: &Document, remarks: &Remarks<'_>) -> Result<Vec<Primitiv
         let place = format!("nodes[{node}]");
         if flattens(world) {
             let message = "a node whose transform flattens space is left out";
-            remarks.once(&place, message, "give every axis a scale other than 0");
+            notes.once(&place, message, "give every axis a scale other than 0");
             continue;
         }
         if document.nodes[*node].is_skinned {
             let message = "a mesh that a skeleton moves is shown as it is";
-            remarks.once(&place, message, "export it in the pose that is wanted");
+            notes.once(&place, message, "export it in the pose that is wanted");
         }
         let numbers = match &known[mesh] {
             Some(numbers) => numbers.clone(),
             None => {
                 let first = primitives.len();
-                read(document, mesh, &mut reader, remarks, &mut primitives)?;
+                read(document, mesh, &mut reader, notes, &mut primitives)?;
                 known[mesh].insert(first..primitives.len()).clone()
             }
         };
         let node = Use { path: place, name: document.nodes[*node].name.clone(), world: *world };
         add_uses(&mut primitives[numbers], &node);
     }
-    check_unused(document, &known, &mut reader, remarks)?;
+    check_unused(document, &known, &mut reader, notes)?;
     if primitives.is_empty() {
         let message = "there is nothing to see";
-        remarks.once("nodes", message, "no node of the scene has a mesh of triangles");
+        notes.once("nodes", message, "no node of the scene has a mesh of triangles");
     }
     Ok(primitives)
 }
@@ -166,12 +171,12 @@ fn check_unused(
     document: &Document,
     known: &[Option<Range<usize>>],
     reader: &mut Reader<'_>,
-    remarks: &Remarks<'_>,
+    notes: &Notes<'_>,
 ) -> Result<()> {
     for mesh in (0..known.len()).filter(|&mesh| known[mesh].is_none()) {
         let message = "a mesh is left out";
-        remarks.once(&format!("meshes[{mesh}]"), message, "no node of the scene shows it");
-        read(document, mesh, reader, remarks, &mut Vec::new())?;
+        notes.once(&format!("meshes[{mesh}]"), message, "no node of the scene shows it");
+        read(document, mesh, reader, notes, &mut Vec::new())?;
     }
     Ok(())
 }
@@ -181,13 +186,13 @@ fn read(
     document: &Document,
     mesh: usize,
     reader: &mut Reader<'_>,
-    remarks: &Remarks<'_>,
+    notes: &Notes<'_>,
     primitives: &mut Vec<Primitive>,
 ) -> Result<()> {
     let parts = &document.meshes[mesh];
     for primitive in &parts.primitives {
         let surface = primitive.material.map_or(&Surface::DEFAULT, |i| &document.materials[i]);
-        let texture = texture(document, surface, remarks);
+        let texture = texture(document, surface, notes);
         let info = surface.texture.as_ref().filter(|_| texture.is_some());
         let Some(mesh) = reader.mesh(primitive, info)? else { continue };
         primitives.push(Primitive {
@@ -203,16 +208,16 @@ fn read(
 }
 
 /// The texture of a surface, if its image is there.
-fn texture(document: &Document, surface: &Surface, remarks: &Remarks<'_>) -> Option<TextureRef> {
+fn texture(document: &Document, surface: &Surface, notes: &Notes<'_>) -> Option<TextureRef> {
     let (textures, info) = (&document.textures, surface.texture.as_ref()?);
     let Some(image) = textures.image(info) else {
         let message = "a texture names no image that could be read";
-        remarks.once("textures", message, "the material has its colour alone");
+        notes.once("textures", message, "the material has its colour alone");
         return None;
     };
     if let Some(path) = textures.missing(image) {
         let message = format!("there is no image {}", path.display());
-        remarks.once(&format!("images[{image}]"), &message, "the material has its colour alone");
+        notes.once(&format!("images[{image}]"), &message, "the material has its colour alone");
         return None;
     }
     textures.reference(info, surface.tint())
@@ -242,18 +247,14 @@ fn bounds(primitives: &[Primitive]) -> Sphere {
 }
 
 /// The lights of the scene's nodes, with their paths.
-fn lights(
-    document: &Document,
-    bounds: &Sphere,
-    remarks: &Remarks<'_>,
-) -> Vec<(String, PointLight)> {
+fn lights(document: &Document, bounds: &Sphere, notes: &Notes<'_>) -> Vec<(String, PointLight)> {
     let placed = |place: &Placed| {
         let light = document.lights[document.nodes[place.node].light?]?;
         let path = format!("nodes[{}]", place.node);
         let found = light.placed(&place.world, bounds);
         if found.is_none() {
             let message = "a light's node leaves it no direction";
-            remarks.once(&path, message, "it is left out; give the node a scale other than 0");
+            notes.once(&path, message, "it is left out; give the node a scale other than 0");
         }
         Some((path, found?))
     };
@@ -290,108 +291,59 @@ fn extent(mesh: &MeshData, world: &DAffine3) -> (f64, DVec3) {
     (area, if area > 0.0 { middle / area } else { world.translation })
 }
 
-struct Spawner {
-    world: World,
-    lights: u32,
-    shapes: u32,
-}
-
-impl Spawner {
-    fn light_order(&mut self) -> Order {
-        self.lights += 1;
-        Order(self.lights - 1)
-    }
-
-    fn shape_order(&mut self) -> Order {
-        self.shapes += 1;
-        Order(self.shapes - 1)
-    }
-
-    fn point_light(&mut self, path: String, light: PointLight) {
-        let order = self.light_order();
-        self.world.spawn((order, JsonPath(path), light));
-    }
-
-    /// Shapes come before instances, as in a scene file.
-    fn primitives(&mut self, primitives: Vec<Primitive>, exposure: f64) {
-        let mut shared: Vec<(Entity, Primitive)> = Vec::new();
-        for mut primitive in primitives {
-            if primitive.surface.is_light() {
-                self.area_lights(primitive, exposure);
-                continue;
+impl Primitive {
+    /// Adds a shape where one node shows the primitive, else one that is hidden, and an instance for each.
+    fn add_shapes(self, scene: &mut SceneFile) {
+        let is_smooth = self.mesh.normals.is_some();
+        let mut shape = Shape {
+            sides: self.surface.sides,
+            shading: if is_smooth { Shading::Smooth } else { Shading::Flat },
+            material: Some(self.surface.material()),
+            texture: self.texture,
+            ..Shape::of(self.path, self.name, Mesh { data: self.mesh, file: None })
+        };
+        match <[Use; 1]>::try_from(self.uses) {
+            Ok([Use { path, name, world }]) => {
+                (shape.path, shape.name) = (path, name.map(Name));
+                shape.transform = Some(Transform(world));
             }
-            let mesh = std::mem::take(&mut primitive.mesh);
-            let mut entity = primitive.bundle(self.shape_order(), mesh.normals.is_some());
-            entity.add(Mesh { data: mesh, file: None });
-            match &primitive.uses[..] {
-                [only] => {
-                    only.add_to(&mut entity);
-                    self.world.spawn(entity.build());
-                }
-                _ => {
-                    entity.add_bundle((Hidden, JsonPath(primitive.path.clone())));
-                    add_name(&mut entity, primitive.name.as_ref());
-                    let hidden = self.world.spawn(entity.build());
-                    shared.push((hidden, primitive));
-                }
+            Err(uses) => {
+                shape.hidden = true;
+                let number = scene.shapes.len();
+                scene.instances.extend(uses.into_iter().map(|Use { path, name, world }| {
+                    Instance {
+                        path,
+                        name: name.map(Name),
+                        shape: number,
+                        transform: world,
+                        material: None,
+                    }
+                }));
             }
         }
-        for (of, primitive) in shared {
-            let is_smooth = self.world.get::<&Shading>(of).is_ok_and(|s| *s == Shading::Smooth);
-            for found in &primitive.uses {
-                let mut entity = primitive.bundle(self.shape_order(), is_smooth);
-                entity.add(InstanceOf(of));
-                found.add_to(&mut entity);
-                self.world.spawn(entity.build());
-            }
-        }
+        scene.shapes.push(shape);
     }
 
-    /// A light for each node that shows the primitive. One without area gives no light.
-    fn area_lights(&mut self, primitive: Primitive, exposure: f64) {
-        for found in &primitive.uses {
-            let (area, _) = extent(&primitive.mesh, &found.world);
-            if area == 0.0 {
+    /// Adds a light for each node that shows the primitive. One without area gives no light.
+    fn add_lights(self, exposure: f64, scene: &mut SceneFile) {
+        for Use { path, name, world } in self.uses {
+            let (area, _) = extent(&self.mesh, &world);
+            if area == 0.0 || !has_area(&self.mesh) {
                 continue;
             }
             let light = AreaLight {
                 intensity: area,
-                color: primitive.surface.emission * exposure,
+                color: self.surface.emission * exposure,
                 falloff: Falloff::InverseSquare,
                 sampling: Sampling::Jittered,
                 samples: LIGHT_SAMPLES,
             };
-            let mut entity = EntityBuilder::new();
-            let data = MeshData { normals: None, uvs: None, ..primitive.mesh.clone() };
-            entity.add_bundle((self.light_order(), light, Mesh { data, file: None }));
-            found.add_to(&mut entity);
-            self.world.spawn(entity.build());
+            let data = MeshData { normals: None, uvs: None, ..self.mesh.clone() };
+            let shape = Shape {
+                transform: Some(Transform(world)),
+                ..Shape::of(path.clone(), name, Mesh { data, file: None })
+            };
+            scene.lights.push(schema::Light::Area { path, light, shape: Box::new(shape) });
         }
-    }
-}
-
-impl Primitive {
-    /// What a shape of this primitive has, wherever it is.
-    fn bundle(&self, order: Order, is_smooth: bool) -> EntityBuilder {
-        let shading = if is_smooth { Shading::Smooth } else { Shading::Flat };
-        let mut entity = EntityBuilder::new();
-        entity.add_bundle((order, self.surface.sides, shading, self.surface.material()));
-        if let Some(texture) = &self.texture {
-            entity.add(texture.clone());
-        }
-        entity
-    }
-}
-
-impl Use {
-    fn add_to(&self, entity: &mut EntityBuilder) {
-        entity.add_bundle((Transform(self.world), JsonPath(self.path.clone())));
-        add_name(entity, self.name.as_ref());
-    }
-}
-
-fn add_name(entity: &mut EntityBuilder, name: Option<&String>) {
-    if let Some(name) = name {
-        entity.add(Name(name.clone()));
     }
 }

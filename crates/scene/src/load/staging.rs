@@ -12,10 +12,10 @@ use wavecrest_base::error::Result;
 use wavecrest_core::math::float::MAX_COORDINATE;
 use wavecrest_core::math::sampling::Sampling;
 
-use super::components::{Falloff, FovAxis, PointLight, Settings, View};
-use super::corners::direction;
-use super::options::LoadOptions;
-use super::parse;
+use crate::components::{Falloff, FovAxis, PointLight, Settings, View};
+use crate::corners::direction;
+use crate::load::LoadOptions;
+use crate::parse;
 
 /// Width of the image in pixels, where nothing is said of it; the height for one that is upright.
 const LONGER_SIDE: u32 = 1024;

@@ -1,19 +1,19 @@
-//! Entities of the parts of a scene file.
+//! Entities of the parts of a scene.
 
 use std::path::Path;
 
-use glam::{DAffine3, DVec3};
+use glam::DVec3;
 use hecs::{Entity, EntityBuilder, World};
 
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
-use super::components::{
-    AreaLight, Hidden, InstanceOf, JsonPath, Material, Mesh, Order, Pinhole, Quad, Shading, Sides,
-    Sphere, TextureRef, Transform, Triangle,
+use crate::components::{
+    AreaLight, Hidden, InstanceOf, JsonPath, Material, Mesh, Order, Pinhole, Shading, Sides,
+    TextureRef, Transform,
 };
-use super::mesh::{LoadedMesh, MeshData};
-use super::reader::Notes;
-use super::schema::{Camera, Geometry, Instance, Light, SceneFile, Shape};
+use crate::mesh::{LoadedMesh, MeshData};
+use crate::reader::Notes;
+use crate::schema::{Camera, Geometry, Instance, Light, SceneFile, Shape};
 
 /// The world of `scene`, whose mesh files `read_mesh` reads.
 pub(super) fn world(
@@ -24,7 +24,7 @@ pub(super) fn world(
     Spawner { world: World::new(), notes, read_mesh }.spawn(scene)
 }
 
-/// Makes entities of a scene file's parts.
+/// Makes entities of a scene's parts.
 struct Spawner<'a, R> {
     world: World,
     notes: &'a Notes<'a>,
@@ -66,9 +66,7 @@ impl<R: Fn(&Path) -> Result<LoadedMesh>> Spawner<'_, R> {
     fn instance(&mut self, order: Order, of: Entity, instance: Instance) {
         let Instance { path, name, transform, material, .. } = instance;
         let mut entity = EntityBuilder::new();
-        let own = |world: &World| world.get::<&Transform>(of).map_or(DAffine3::IDENTITY, |t| t.0);
-        let transform = Transform(transform * own(&self.world));
-        entity.add_bundle((order, JsonPath(path), InstanceOf(of), transform));
+        entity.add_bundle((order, JsonPath(path), InstanceOf(of), Transform(transform)));
         add_some(&mut entity, name);
         let shape = &self.world;
         add_some(&mut entity, material.or(shape.get::<&Material>(of).ok().map(|m| *m)));
@@ -108,13 +106,13 @@ impl<R: Fn(&Path) -> Result<LoadedMesh>> Spawner<'_, R> {
     ) -> Result<()> {
         let mut entity = EntityBuilder::new();
         entity.add_bundle((order, JsonPath(path), light));
-        let loaded = self.read_mesh_file(&shape.path, shape.geometry)?;
-        if let Loaded::Mesh(mesh) = &loaded
+        let geometry = self.read_mesh_file(&shape.path, shape.geometry)?;
+        if let Geometry::Mesh(mesh) = &geometry
             && !has_area(&mesh.data)
         {
             return Err(self.error(&shape.path, "a light must have an area"));
         }
-        add_loaded(&mut entity, loaded);
+        add_geometry(&mut entity, geometry);
         add_some(&mut entity, shape.name);
         add_some(&mut entity, shape.facing);
         add_some(&mut entity, shape.transform);
@@ -123,15 +121,15 @@ impl<R: Fn(&Path) -> Result<LoadedMesh>> Spawner<'_, R> {
     }
 
     fn shape(&mut self, order: Order, shape: Shape) -> Result<Entity> {
-        let loaded = self.read_mesh_file(&shape.path, shape.geometry)?;
+        let geometry = self.read_mesh_file(&shape.path, shape.geometry)?;
         let mut shading = shape.shading;
-        if let Loaded::Mesh(mesh) = &loaded {
+        if let Geometry::Mesh(mesh) = &geometry {
             self.check_uvs(&shape.path, shape.texture.as_ref(), &mesh.data)?;
             shading = self.possible_shading(&shape.path, shading, &mesh.data);
         }
         let mut entity = EntityBuilder::new();
         entity.add_bundle((order, JsonPath(shape.path), shape.sides, shading));
-        add_loaded(&mut entity, loaded);
+        add_geometry(&mut entity, geometry);
         add_some(&mut entity, shape.name);
         add_some(&mut entity, shape.facing);
         add_some(&mut entity, shape.transform);
@@ -143,19 +141,12 @@ impl<R: Fn(&Path) -> Result<LoadedMesh>> Spawner<'_, R> {
         Ok(self.world.spawn(entity.build()))
     }
 
-    /// The shape's loaded, with its mesh file read, if it has one.
-    fn read_mesh_file(&self, path: &str, geometry: Geometry) -> Result<Loaded> {
-        Ok(match geometry {
-            Geometry::Sphere(sphere) => Loaded::Sphere(sphere),
-            Geometry::Quad(quad) => Loaded::Quad(quad),
-            Geometry::Triangle(triangle) => Loaded::Triangle(triangle),
-            Geometry::Mesh(data) => Loaded::Mesh(Mesh { data, file: None }),
-            Geometry::MeshFile(file) => {
-                let loaded = (self.read_mesh)(&file).map_err(|e| self.mesh_error(path, e))?;
-                loaded.warnings.into_iter().for_each(|warning| self.notes.pass_on(warning));
-                Loaded::Mesh(Mesh { data: loaded.mesh, file: Some(file) })
-            }
-        })
+    /// The geometry, with its mesh file read, if it has one.
+    fn read_mesh_file(&self, path: &str, geometry: Geometry) -> Result<Geometry> {
+        let Geometry::MeshFile(file) = geometry else { return Ok(geometry) };
+        let loaded = (self.read_mesh)(&file).map_err(|e| self.mesh_error(path, e))?;
+        loaded.warnings.into_iter().for_each(|warning| self.notes.pass_on(warning));
+        Ok(Geometry::Mesh(Mesh { data: loaded.mesh, file: Some(file) }))
     }
 
     /// The error of a mesh reader, after the place in the scene that asked for the mesh.
@@ -189,20 +180,15 @@ impl<R: Fn(&Path) -> Result<LoadedMesh>> Spawner<'_, R> {
     }
 }
 
-/// The component that says where a shape is, whichever it has.
-enum Loaded {
-    Sphere(Sphere),
-    Quad(Quad),
-    Triangle(Triangle),
-    Mesh(Mesh),
-}
-
-fn add_loaded(entity: &mut EntityBuilder, loaded: Loaded) {
-    match loaded {
-        Loaded::Sphere(sphere) => entity.add(sphere),
-        Loaded::Quad(quad) => entity.add(quad),
-        Loaded::Triangle(triangle) => entity.add(triangle),
-        Loaded::Mesh(mesh) => entity.add(mesh),
+/// Adds the component that says where a shape is, whichever it has.
+fn add_geometry(entity: &mut EntityBuilder, geometry: Geometry) {
+    match geometry {
+        Geometry::Sphere(sphere) => entity.add(sphere),
+        Geometry::Quad(quad) => entity.add(quad),
+        Geometry::Triangle(triangle) => entity.add(triangle),
+        Geometry::Mesh(mesh) => entity.add(mesh),
+        // It has been read.
+        Geometry::MeshFile(_) => entity,
     };
 }
 
@@ -213,7 +199,7 @@ fn add_some<C: hecs::Component>(entity: &mut EntityBuilder, component: Option<C>
 }
 
 /// Whether any triangle of a mesh has an area.
-fn has_area(mesh: &MeshData) -> bool {
+pub(crate) fn has_area(mesh: &MeshData) -> bool {
     mesh.triangles.iter().any(|triangle| {
         let [a, b, c] = triangle.map(|i| mesh.positions[i as usize].as_dvec3());
         (b - a).cross(c - a) != DVec3::ZERO

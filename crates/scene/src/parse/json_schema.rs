@@ -6,12 +6,12 @@
 
 use serde_json::{Map, Value, json};
 
-use crate::parse::camera::{self, CameraKind};
-use crate::parse::light::{self, LightKind};
-use crate::parse::shape::{self, Owner, ShapeKind};
-use crate::parse::{FILE, SCENE, instance, material, mesh, transform};
+use super::camera::{self, CameraKind};
+use super::light::{self, LightKind};
+use super::shape::{self, Owner, ShapeKind};
+use super::{FILE, SCENE, instance, material, mesh, transform};
 use crate::reader::{Absent, Key, Kind, Range, Takes};
-use crate::words::Word;
+use wavecrest_base::choice::Choice;
 
 /// The dialect that the schema is written in.
 const DIALECT: &str = "https://json-schema.org/draft/2020-12/schema";
@@ -99,8 +99,8 @@ fn matrix() -> Value {
 }
 
 /// An object whose `type` says which definition it follows, the word for it after `prefix`.
-fn by_type<T: Word>(about: &str, prefix: &str) -> Value {
-    let words = || T::WORDS.iter().map(|(word, _)| *word);
+fn by_type<T: Choice>(about: &str, prefix: &str) -> Value {
+    let words = || T::VALUES.iter().map(|value| value.name());
     let choice = |word: &str| {
         json!({
             "if": {"required": ["type"], "properties": {"type": {"const": word}}},

@@ -1,0 +1,59 @@
+//! A standalone mesh as a scene: with a camera that sees all of it, a light and a plain material.
+
+use std::path::Path;
+
+use glam::DVec3;
+
+use wavecrest_base::error::{Error, ErrorKind, Result};
+
+use super::staging::{self, Placed};
+use crate::components::{Encoding, Material, Mesh, Shading};
+use crate::load::LoadOptions;
+use crate::mesh::{self, LoadedMesh};
+use crate::reader::Notes;
+use crate::schema::{Camera, Light, SceneFile, Shape};
+
+/// A light grey with a faint highlight.
+const MATERIAL: Material = Material {
+    ks: 0.15,
+    kd: 0.85,
+    specular_exponent: 40.0,
+    diffuse_color: DVec3::splat(0.7),
+    kr: 0.0,
+};
+
+/// Reads the mesh at `path`, and says what was chosen for the user.
+///
+/// # Errors
+/// As [`super::load`].
+pub(super) fn scene(
+    path: &Path,
+    options: &LoadOptions,
+    notes: &Notes<'_>,
+) -> Result<(SceneFile, String)> {
+    if let Some(camera) = &options.camera {
+        let error = Error::new(ErrorKind::Usage, "a mesh has no cameras to choose from");
+        return Err(error.in_file(path).value(camera).remedy("leave --camera out"));
+    }
+    let LoadedMesh { mesh, warnings } = mesh::load(path)?;
+    warnings.into_iter().for_each(|warning| notes.pass_on(warning));
+    let world = glam::DAffine3::IDENTITY;
+    let bounds = staging::bounds(&[Placed { points: &mesh.positions, world }]);
+    let view = staging::framed(&bounds, options)?;
+    let light = staging::light(&view, &bounds);
+    let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let shape = Shape {
+        shading: if mesh.normals.is_some() { Shading::Smooth } else { Shading::Flat },
+        material: Some(MATERIAL),
+        ..Shape::of("the mesh".into(), Some(name), Mesh { data: mesh, file: Some(path.into()) })
+    };
+    let scene = SceneFile {
+        settings: staging::settings(path, 1),
+        camera: Camera { view, lens: None, path: None },
+        lights: vec![Light::Point { path: "the light".into(), light }],
+        shapes: vec![shape],
+        instances: Vec::new(),
+        encoding: Encoding::Srgb,
+    };
+    Ok((scene, "a standalone mesh: camera, light and material are chosen".to_owned()))
+}

@@ -1,0 +1,211 @@
+//! Binary faces that all have as many corners as the first, read on all threads.
+//!
+//! Such rows have one length, if what else is in them has, so that the place of each is known without reading
+//! those before. That all have as many corners shows only as they are read: a row that has not, or that is no
+//! face of the mesh's vertices, ends the short cut.
+
+use rayon::prelude::*;
+
+use super::header::{Element, Scalar};
+use super::layout::{ListLayout, stride};
+use super::source::Faces;
+use super::vertices::part;
+use crate::mesh::data::MAX_COUNT;
+use crate::mesh::place::ReadAt;
+use crate::mesh::polygon::Polygon;
+
+/// How many corners nearly all faces have.
+const TRIANGLE: usize = 3;
+
+/// Where in a row the numbers are.
+#[derive(Clone, Copy, Debug)]
+struct Row {
+    stride: usize,
+    /// Where the list begins.
+    list: usize,
+    corners: usize,
+    /// No index is this or greater.
+    limit: u32,
+}
+
+impl Row {
+    /// That of the first face, which begins at `place`. `None` where rows vary in length even if their lists of
+    /// corners do not, where counts and indices are not whole numbers, and where it is no face.
+    fn first<F: ReadAt + ?Sized, const BIG: bool>(
+        file: &F,
+        place: u64,
+        element: &Element,
+        layout: ListLayout,
+        vertices: usize,
+    ) -> Option<Self> {
+        let (before, rest) = element.properties.split_at_checked(layout.property)?;
+        let list = stride(before)?;
+        let after = stride(rest.get(1..)?)?;
+        let size = layout.count.size();
+        let mut count = [0; 4];
+        file.read_exact_at(count.get_mut(..size)?, place + list as u64).ok()?;
+        let corners = match size {
+            1 => number::<1, BIG>(&count, 0),
+            2 => number::<2, BIG>(&count, 0),
+            _ => number::<4, BIG>(&count, 0),
+        };
+        let is_face = corners >= TRIANGLE as u32 && corners <= greatest(layout.count)?;
+        let corners = usize::try_from(corners).ok().filter(|_| is_face)?;
+        let length = size.checked_add(corners.checked_mul(layout.item.size())?)?;
+        let stride = length.checked_add(list + after)?;
+        Some(Self { stride, list, corners, limit: limit(layout.item, vertices)? })
+    }
+
+    /// Triangles of a face.
+    fn fan(self) -> usize {
+        self.corners - 2
+    }
+}
+
+/// The greatest whole number of this type; `None` for types of other numbers too.
+fn greatest(kind: Scalar) -> Option<u32> {
+    match kind {
+        Scalar::I8 => Some(i8::MAX as u32),
+        Scalar::U8 => Some(u32::from(u8::MAX)),
+        Scalar::I16 => Some(i16::MAX as u32),
+        Scalar::U16 => Some(u32::from(u16::MAX)),
+        Scalar::I32 => Some(i32::MAX as u32),
+        Scalar::U32 => Some(u32::MAX),
+        Scalar::F32 | Scalar::F64 => None,
+    }
+}
+
+/// What an index of this type is below, where it is read as if it had no sign: a negative number
+/// is then one that is too large.
+fn limit(kind: Scalar, vertices: usize) -> Option<u32> {
+    let beyond = u64::from(greatest(kind)?) + 1;
+    // Both fit: there are fewer vertices than `u32::MAX`.
+    Some(beyond.min(vertices as u64) as u32)
+}
+
+/// The number of `N` bytes at `offset`, read as if it had no sign.
+#[inline(always)]
+fn number<const N: usize, const BIG: bool>(row: &[u8], offset: usize) -> u32 {
+    let mut bytes = [0; 4];
+    bytes[..N].copy_from_slice(&part::<N, BIG>(row, offset));
+    u32::from_le_bytes(bytes)
+}
+
+/// Binary faces of a file.
+pub(super) struct Source<'a, F: ?Sized> {
+    pub(super) file: &'a F,
+    /// Where they begin.
+    pub(super) place: u64,
+    /// How many bytes there are.
+    pub(super) left: u64,
+    /// About how many bytes a thread reads at once.
+    pub(super) block: usize,
+}
+
+/// Reads all faces, if they have as many corners as the first; else as many as come before the first that has not.
+/// Returns how many faces and how many bytes. `None` where there is no such short cut: where rows are of
+/// other types, or the file cannot hold so many.
+pub(super) fn read<F: ReadAt + ?Sized, const BIG: bool>(
+    from: &Source<'_, F>,
+    element: &Element,
+    layout: ListLayout,
+    vertices: usize,
+    into: &mut Faces,
+) -> Option<(u64, u64)> {
+    let row = Row::first::<F, BIG>(from.file, from.place, element, layout, vertices)?;
+    let triangles = element.count.checked_mul(row.fan() as u64)?;
+    if (row.stride as u64).checked_mul(element.count)? > from.left || triangles > MAX_COUNT {
+        return None;
+    }
+    let decode = decoder::<BIG>(layout.count, layout.item)?;
+    let count = usize::try_from(element.count).ok()?;
+    into.triangles = vec![[0; 3]; triangles as usize];
+    let per_task = (from.block / row.stride).max(1);
+    let stops = into.triangles.par_chunks_mut(per_task * row.fan()).enumerate().map_init(
+        Vec::new,
+        |buffer: &mut Vec<u8>, (number, triangles)| {
+            let (first, faces) = (number * per_task, triangles.len() / row.fan());
+            buffer.resize(faces * row.stride, 0);
+            let place = from.place + (first * row.stride) as u64;
+            // What cannot be read is read again number by number, and told there.
+            let read = from.file.read_exact_at(buffer, place).is_ok();
+            let good = if read { decode(buffer, row, triangles) } else { 0 };
+            (good < faces).then_some(first + good)
+        },
+    );
+    let good = stops.find_first(Option::is_some).flatten().unwrap_or(count);
+    into.triangles.truncate(good * row.fan());
+    if row.corners > TRIANGLE {
+        // Triangles, and so the corners of a face, are fewer than 2^32.
+        let polygon = |first| Polygon { first: first as u32, corners: row.corners as u32 };
+        into.polygons = (0..into.triangles.len()).step_by(row.fan()).map(polygon).collect();
+    }
+    Some((good as u64, (good * row.stride) as u64))
+}
+
+/// Reads rows; returns how many come before the first that is no face of so many corners.
+type Decode = fn(&[u8], Row, &mut [[u32; 3]]) -> usize;
+
+/// The function for numbers of these types.
+fn decoder<const BIG: bool>(count: Scalar, item: Scalar) -> Option<Decode> {
+    Some(match (count.size(), item.size()) {
+        (1, 1) => decode::<1, 1, BIG>,
+        (1, 2) => decode::<1, 2, BIG>,
+        (1, 4) => decode::<1, 4, BIG>,
+        (2, 1) => decode::<2, 1, BIG>,
+        (2, 2) => decode::<2, 2, BIG>,
+        (2, 4) => decode::<2, 4, BIG>,
+        (4, 1) => decode::<4, 1, BIG>,
+        (4, 2) => decode::<4, 2, BIG>,
+        (4, 4) => decode::<4, 4, BIG>,
+        _ => return None,
+    })
+}
+
+fn decode<const C: usize, const I: usize, const BIG: bool>(
+    rows: &[u8],
+    row: Row,
+    to: &mut [[u32; 3]],
+) -> usize {
+    // Where a row is the list of a triangle and no more, the compiler knows every offset.
+    let packed = Row { stride: C + TRIANGLE * I, list: 0, corners: TRIANGLE, ..row };
+    if (row.stride, row.corners) == (packed.stride, packed.corners) {
+        decode_rows::<C, I, BIG>(rows, packed, to)
+    } else {
+        decode_rows::<C, I, BIG>(rows, row, to)
+    }
+}
+
+#[inline(always)]
+fn decode_rows<const C: usize, const I: usize, const BIG: bool>(
+    rows: &[u8],
+    row: Row,
+    to: &mut [[u32; 3]],
+) -> usize {
+    let is_good = |(to, bytes): (&mut [[u32; 3]], &[u8])| {
+        let greatest = fan::<I, BIG>(&bytes[row.list + C..], to);
+        (number::<C, BIG>(bytes, row.list) == row.corners as u32) & (greatest < row.limit)
+    };
+    let faces = to.len() / row.fan();
+    let both = to.chunks_exact_mut(row.fan()).zip(rows.chunks_exact(row.stride));
+    if both.map(is_good).fold(true, |all, good| all & good) {
+        return faces;
+    }
+    let mut both = to.chunks_exact_mut(row.fan()).zip(rows.chunks_exact(row.stride));
+    both.position(|face| !is_good(face)).unwrap_or(faces)
+}
+
+/// Writes the triangles of a face; returns the greatest index.
+#[inline(always)]
+fn fan<const N: usize, const BIG: bool>(items: &[u8], to: &mut [[u32; 3]]) -> u32 {
+    let index = |i: usize| number::<N, BIG>(items, i * N);
+    let (first, mut before) = (index(0), index(1));
+    let mut greatest = first.max(before);
+    for (i, to) in (2..).zip(to) {
+        let next = index(i);
+        *to = [first, before, next];
+        greatest = greatest.max(next);
+        before = next;
+    }
+    greatest
+}
