@@ -99,4 +99,8 @@ cases! {
     34 hc34_crooked_quads hc34_crooked_quads_full;
     35 hc35_facing_mirrors hc35_facing_mirrors_full;
     36 hc36_highlights hc36_highlights_full;
+    37 hc37_flat_floors hc37_flat_floors_full;
+    38 hc38_copies hc38_copies_full;
+    39 hc39_needles hc39_needles_full;
+    40 hc40_before_the_origin hc40_before_the_origin_full;
 }

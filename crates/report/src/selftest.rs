@@ -14,6 +14,7 @@ mod lights;
 mod meshes;
 mod mirrors;
 mod moved;
+mod planes;
 mod refused;
 mod scenes;
 mod spheres;
@@ -116,6 +117,10 @@ pub const CASES: &[Case] = &[
         "within 1e-4 of the sum worked out, the same with both tracers", mirrors::facing),
     Case::new(36, "exponents of 0 to 1 000 000, light against the view",
         "a number, no more than the material returns", lights::highlights),
+    Case::new(37, "flat floors, turned, scaled and moved, under a low light", "no floor shadows itself", planes::floors),
+    Case::new(38, "copies with corners in any order, and triangles in one plane", "the first is hit", planes::copies),
+    Case::new(39, "globes with axes of 1e-6 to 1e6, from inside", "no ray leaves", planes::needles),
+    Case::new(40, "ranges that begin before the origin", "what lies within is hit", planes::before_the_origin),
 ];
 
 /// The case of that number.

@@ -118,7 +118,9 @@ pub struct Patch {
     pub count: u32,
     /// Number of vertices.
     pub vertices: u32,
-    spare: [u32; 2],
+    /// How many of the triangles are halves of quads.
+    pub quads: u32,
+    spare: u32,
 }
 
 /// A leaf of triangles that share nothing.
@@ -131,25 +133,28 @@ pub struct Soup {
     pub first: u32,
     /// Number of triangles.
     pub count: u32,
-    spare: [u32; 22],
+    /// How many of them are halves of quads.
+    pub quads: u32,
+    spare: [u32; 21],
 }
 
 impl Patch {
-    /// A patch of `count` triangles over `vertices` vertices, whose numbers begin at `first`.
+    /// A patch of `count` triangles over `vertices` vertices, `quads` of them halves of quads, whose numbers begin
+    /// at `first`.
     pub fn new(
         positions: [[f32; 8]; 3],
         corners: [u32; 3],
         first: u32,
-        [count, vertices]: [u32; 2],
+        [count, vertices, quads]: [u32; 3],
     ) -> Self {
-        Self { positions, corners, first, count, vertices, spare: [0; 2] }
+        Self { positions, corners, first, count, vertices, quads, spare: 0 }
     }
 }
 
 impl Soup {
-    /// A soup of `count` triangles, whose numbers begin at `first`.
-    pub fn new(corners: [[[f32; 8]; 3]; 3], first: u32, count: u32) -> Self {
-        Self { corners, first, count, spare: [0; 22] }
+    /// A soup of `count` triangles, `quads` of them halves of quads, whose numbers begin at `first`.
+    pub fn new(corners: [[[f32; 8]; 3]; 3], first: u32, [count, quads]: [u32; 2]) -> Self {
+        Self { corners, first, count, quads, spare: [0; 21] }
     }
 }
 

@@ -9,7 +9,7 @@ pub struct TestCounts {
     pub leaves: u64,
     /// Triangles tested.
     pub triangles: u64,
-    /// Quads tested.
+    /// Halves of quads tested.
     pub quads: u64,
     /// Spheres tested.
     pub spheres: u64,
@@ -20,6 +20,13 @@ pub struct TestCounts {
 }
 
 impl TestCounts {
+    /// Counts tests of `count` triangles, `quads` of them halves of quads, by so many rays.
+    #[inline(always)]
+    pub(super) fn count_triangles(&mut self, count: u32, quads: u32, rays: u32) {
+        self.triangles += u64::from((count - quads) * rays);
+        self.quads += u64::from(quads * rays);
+    }
+
     fn zip(self, other: Self, f: impl Fn(u64, u64) -> u64) -> Self {
         Self {
             nodes: f(self.nodes, other.nodes),

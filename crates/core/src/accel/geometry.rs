@@ -304,7 +304,7 @@ impl Geometry {
     pub(super) fn count(&self, number: u32, tests: &mut TestCounts) {
         match self.primitive(number) {
             Primitive::Triangle(_) | Primitive::Instanced(_) => tests.triangles += 1,
-            Primitive::Quad(_) => tests.quads += 1,
+            Primitive::Quad(_) => tests.quads += 2,
             Primitive::Sphere(_) => tests.spheres += 1,
         }
     }
@@ -359,7 +359,7 @@ impl Geometry {
 fn meet_triangle<P: Arithmetic>(ray: &PreparedRay, corners: &[Vec3; 3]) -> Meeting {
     let t = match P::PRECISION {
         Precision::Fast => {
-            let corners = triangle::in_order(*corners).map(Vector::from);
+            let corners = corners.map(Vector::from);
             let (t, is_hit) = fast::intersect(&Line::from(&ray.ray), &corners);
             is_hit.then_some(t)
         }

@@ -144,7 +144,7 @@ fn triangles<S: Lanes, P: Arithmetic>(
         Kind::Soup => {
             let leaf = arena.soup(place);
             tests.leaves += 1;
-            tests.triangles += u64::from(leaf.count);
+            tests.count_triangles(leaf.count, leaf.quads, 1);
             Some((test_soup::<S, P>(simd, leaf, &ray.ray, &ray.space), leaf.first))
         }
         Kind::List | Kind::Node => {
@@ -166,7 +166,7 @@ pub(super) fn patch<S: Lanes, P: Arithmetic>(
     let leaf = arena.patch(place);
     arena.prefetch_numbers(leaf.first);
     tests.leaves += 1;
-    tests.triangles += u64::from(leaf.count);
+    tests.count_triangles(leaf.count, leaf.quads, 1);
     (test_patch::<S, P>(simd, leaf, &ray.ray, &ray.space), leaf.first)
 }
 

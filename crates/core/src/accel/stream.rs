@@ -305,7 +305,8 @@ impl<Q: Query, P: Arithmetic, R: Source<Q, P>> Rounds<'_, Q, P, R> {
         for (i, Found { hits, first }) in found.iter().enumerate().take(patches) {
             let index = self.next.get(Kind::Patch, i).slot();
             let Slot { ray, best, .. } = &mut self.slots[index];
-            let is_closer = leaf::take::<Q, P>(self.searched, ray, (hits, *first), best, self.tests);
+            let is_closer =
+                leaf::take::<Q, P>(self.searched, ray, (hits, *first), best, self.tests);
             self.go_on(index, is_closer);
         }
     }

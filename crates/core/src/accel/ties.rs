@@ -5,11 +5,13 @@
 //! triangle, whatever the order of their corners, and surfaces that lie in one plane are thus hit at the lowest number.
 //! Both orders agree where both apply, so that the first hit does not depend on which others were looked at.
 
+use glam::Vec3;
+
 use super::geometry::{Geometry, Primitive};
 use super::{Hit, NO_PRIMITIVE};
 use crate::kernels::precision::{Arithmetic, Precision};
 use crate::kernels::quad;
-use crate::kernels::triangle::{T_TOLERANCE, exact, in_order};
+use crate::kernels::triangle::{T_TOLERANCE, exact};
 use crate::math::ray::Ray;
 use crate::math::real::Real;
 
@@ -68,7 +70,7 @@ impl Geometry {
             _ => (self, ray),
         };
         if let (Primitive::Triangle(a), Primitive::Triangle(b)) = (a, b)
-            && in_order(geometry.triangle(a)) == in_order(geometry.triangle(b))
+            && are_copies(&geometry.triangle(a), &geometry.triangle(b))
         {
             return new.primitive < best.primitive;
         }
@@ -94,4 +96,9 @@ impl Geometry {
         };
         exact.unwrap_or(hit.t)
     }
+}
+
+/// Whether triangles have the same three corners.
+fn are_copies(a: &[Vec3; 3], b: &[Vec3; 3]) -> bool {
+    a.iter().all(|corner| b.contains(corner)) && b.iter().all(|corner| a.contains(corner))
 }

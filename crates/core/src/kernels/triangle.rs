@@ -32,7 +32,7 @@
 //! tree relies on is that t is that of a point of the triangle that the ray passes no farther off than single
 //! precision places vertices ([`super::slab`]).
 //!
-//! Corners are taken in an order of their own ([`in_order`]): however a triangle is written, t is the same.
+//! Sums take no order: t does not depend on which corner is the first, which way they run, or how the axes are named.
 
 use glam::{BVec3A, DVec3, Vec3, Vec3A, Vec3Swizzles};
 
@@ -77,29 +77,6 @@ impl Meeting {
     pub(crate) fn within(t: Option<f32>, ray: &Ray) -> Self {
         t.filter(|&t| t > ray.t_min && t < ray.t_max).map_or(Self::Miss, Self::Hit)
     }
-}
-
-/// The corners in the order of their coordinates: what is computed of them then depends on the points alone, and not
-/// on where their list begins or which way it runs.
-#[inline(always)]
-pub(crate) fn in_order(corners: [Vec3; 3]) -> [Vec3; 3] {
-    in_order_by(corners, |corner| corner)
-}
-
-/// As [`in_order`], for corners that are `at` places.
-#[inline(always)]
-pub(crate) fn in_order_by<T: Copy>([a, b, c]: [T; 3], at: impl Fn(T) -> Vec3) -> [T; 3] {
-    let sorted = |a: T, b: T| if is_before(at(b), at(a)) { (b, a) } else { (a, b) };
-    let (a, b) = sorted(a, b);
-    let (b, c) = sorted(b, c);
-    let (a, b) = sorted(a, b);
-    [a, b, c]
-}
-
-/// Whether `a` comes before `b` by the first of the coordinates in which they differ.
-#[inline(always)]
-fn is_before(a: Vec3, b: Vec3) -> bool {
-    a.x < b.x || a.x == b.x && (a.y < b.y || a.y == b.y && a.z < b.z)
 }
 
 /// An axis of world space.
@@ -252,7 +229,6 @@ impl ShearedSpace {
     /// Where the ray meets `triangle`.
     #[inline(always)]
     pub fn meet(&self, triangle: &[Vec3; 3]) -> Meeting {
-        let triangle = &in_order(*triangle);
         let sheared = self.sheared(triangle);
         let Some(edges) = edges_of_one(&sheared) else { return Meeting::Miss };
         let range = self.range();
@@ -274,7 +250,7 @@ impl ShearedSpace {
     /// Bound on the error of a `t` that [`Self::intersect`] gives for `triangle`: what single precision
     /// does to it, or half an ulp where it was not left to that. `None` if the ray does not pass through.
     pub fn error_of(&self, triangle: &[Vec3; 3], t: f32) -> Option<f32> {
-        let sheared = self.sheared(&in_order(*triangle));
+        let sheared = self.sheared(triangle);
         let edges = edges_of_one(&sheared)?;
         let found = distance(&sheared, &edges, self.range().depth);
         let is_single = found.is_decided(&self.range()) && found.is_exact();

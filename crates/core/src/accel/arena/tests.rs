@@ -22,7 +22,7 @@ fn prove(units: &[Unit], numbers: usize) -> Option<Census> {
 
 #[test]
 fn a_sound_tree_is_proved_and_counted() {
-    let patch: Unit = bytemuck::cast(Patch::new([[0.0; 8]; 3], [0; 3], 2, [3, 5]));
+    let patch: Unit = bytemuck::cast(Patch::new([[0.0; 8]; 3], [0; 3], 2, [3, 5, 0]));
     let [a, b] = node(&[relative(0, 2, Kind::List), relative(0, 3, Kind::Patch)]);
     let census = prove(&[a, b, list(&[7, 8]), patch], 5).expect("it is sound");
     let expected =
@@ -33,7 +33,7 @@ fn a_sound_tree_is_proved_and_counted() {
 #[test]
 fn nothing_that_leads_astray_is_proved() {
     let patch = |first, count| -> Unit {
-        bytemuck::cast(Patch::new([[0.0; 8]; 3], [0; 3], first, [count, 3]))
+        bytemuck::cast(Patch::new([[0.0; 8]; 3], [0; 3], first, [count, 3, 0]))
     };
     let under = |child: u32, rest: &[Unit]| {
         let [a, b] = node(&[child]);

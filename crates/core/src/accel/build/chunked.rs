@@ -11,6 +11,7 @@ use super::join;
 use super::order::Chunks;
 use super::piece::{Piece, Plan, UpperNodes};
 use crate::accel::arena::{self, Arena, Kind, NODE_UNITS, Unit};
+use crate::accel::geometry::{Geometry, Primitive};
 use crate::accel::tree::{Root, Tree};
 use crate::accel::units::Units;
 use crate::math::simd::LANES;
@@ -21,14 +22,15 @@ const MOST_UNITS: usize = 1 + NODE_UNITS;
 /// A chunk to be built.
 struct Task<'a> {
     chunk: usize,
-    /// The range of the tree's numbers that is its own, and where it begins.
+    /// The range of the tree's numbers that is its own, where it begins, and how many primitives are listed in it.
     numbers: &'a mut [u32],
     first: u32,
+    count: usize,
 }
 
 /// Builds the tree over two or more chunks, each cut into about `parts`.
 pub(super) fn build(plan: &Plan, chunks: Chunks, parts: usize) -> Option<Tree> {
-    let Chunks { mut numbers, lengths } = chunks;
+    let (mut numbers, lengths) = with_room_for_halves(plan.geometry, chunks);
     // The nodes that join the parts come first: fewer than there are parts, of which the last node
     // that was opened may have added some.
     let ahead = NODE_UNITS * (parts + LANES) * lengths.len();
@@ -38,11 +40,11 @@ pub(super) fn build(plan: &Plan, chunks: Chunks, parts: usize) -> Option<Tree> {
     let mut ranges = Vec::with_capacity(lengths.len());
     let mut left = numbers.as_mut_slice();
     let mut first = 0;
-    for &length in &lengths {
-        let (numbers, after) = std::mem::take(&mut left).split_at_mut(length);
-        ranges.push(Task { chunk: ranges.len(), first, numbers });
+    for &Length { count, room } in &lengths {
+        let (numbers, after) = std::mem::take(&mut left).split_at_mut(room);
+        ranges.push(Task { chunk: ranges.len(), first, numbers, count });
         left = after;
-        first += length as u32;
+        first += room as u32;
     }
     let tasks = Mutex::new(ranges.into_iter());
     let assembly = Mutex::new(Assembly { rest, used: ahead, ..Assembly::default() });
@@ -60,6 +62,34 @@ pub(super) fn build(plan: &Plan, chunks: Chunks, parts: usize) -> Option<Tree> {
     let (arena, census) = Arena::new(units, numbers, place)?;
     let kept = upper_nodes.iter().map(|upper| upper.kept).sum();
     Some(Tree { arena, root: Some(Root { place, bounds }), census, kept })
+}
+
+/// How many primitives a chunk has, and how many numbers its leaves may need.
+struct Length {
+    count: usize,
+    room: usize,
+}
+
+/// The numbers with room in each chunk for those of quads once more: leaves hold either half.
+fn with_room_for_halves(geometry: &Geometry, chunks: Chunks) -> (Vec<u32>, Vec<Length>) {
+    let Chunks { numbers, lengths } = chunks;
+    if geometry.quads.is_empty() {
+        let lengths = lengths.into_iter().map(|count| Length { count, room: count });
+        return (numbers, lengths.collect());
+    }
+    let mut wider = Vec::with_capacity(numbers.len() + geometry.quads.len());
+    let mut rest = numbers.as_slice();
+    let widen = |count| {
+        let (own, after) = rest.split_at(count);
+        rest = after;
+        let is_quad = |&number: &u32| matches!(geometry.primitive(number), Primitive::Quad(_));
+        let quads = own.iter().filter(|number| is_quad(number)).count();
+        wider.extend_from_slice(own);
+        wider.resize(wider.len() + quads, 0);
+        Length { count, room: count + quads }
+    };
+    let lengths = lengths.into_iter().map(widen).collect();
+    (wider, lengths)
 }
 
 /// Runs `work` once for each thread of the current pool, or as often as there is work for, in pools
@@ -98,7 +128,7 @@ fn build_chunk(
     piece.output.units.clear();
     piece.output.numbers.clear();
     piece.output.first_number = task.first;
-    let has_any = piece.build(plan, task.numbers);
+    let has_any = piece.build(plan, &task.numbers[..task.count]);
     let upper =
         if has_any { piece.emit_upper(plan.geometry, parts) } else { UpperNodes::default() };
     // Only triangles that can be hit have their numbers there: the rest stays as it is.

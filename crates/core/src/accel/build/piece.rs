@@ -148,9 +148,10 @@ impl Piece {
             self.kept += 1;
         }
         if plan.weld {
+            let count = self.members.singles.len();
             let triangles = self.members.singles.iter_mut();
             let triangles = triangles.filter(|s| s.number < self.members.flat);
-            self.welder.weld(&geometry.positions, triangles.map(|s| &mut s.corners), numbers.len());
+            self.welder.weld(&geometry.positions, triangles.map(|s| &mut s.corners), count);
         }
     }
 

@@ -6,24 +6,22 @@
 //! next.
 
 mod fast;
+mod report;
+mod settle;
 
 use fearless_simd::prelude::*;
-use fearless_simd::{f32x8, f32x16, f64x8, mask32x16, u32x16};
+use fearless_simd::{f32x8, f32x16, mask32x16};
 
-use super::tile::{Column, GROUPS, Tile, WIDTH, load, reach_of};
+use super::tile::{Column, GROUPS, Tile, WIDTH};
+use crate::accel::TestCounts;
 use crate::accel::arena::{Patch, Ref, View};
-use crate::accel::geometry::Geometry;
 use crate::accel::query::Query;
-use crate::accel::ties::{are_close, has_doubt};
 use crate::accel::tree::Searched;
-use crate::accel::{Hit, TestCounts};
 use crate::kernels::precision::Arithmetic;
 use crate::kernels::triangle::lanes::ORDERS;
-use crate::kernels::triangle::plane::Plane;
 use crate::kernels::triangle::{Decision, Edges, RayRange, Sheared, decide};
-use crate::math::real::{Mask, Single};
-use crate::math::simd::{LANES, Lanes, outlined};
-use crate::math::vector::{Line, Vector};
+use crate::math::real::Mask;
+use crate::math::simd::{LANES, Lanes};
 
 /// So many tests can wait.
 pub(super) const MOST_GROUPS: usize = 16;
@@ -162,9 +160,9 @@ impl Groups {
         for group in groups {
             let tile = &mut tiles[group.tile];
             if group.is_whole {
-                report_whole::<S, Q, P>(simd, geometry, tile, group);
+                report::whole::<S, Q, P>(simd, geometry, tile, group);
             } else {
-                report::<Q, P>(geometry, tile, group, group.hit);
+                report::each::<Q, P>(geometry, tile, group, group.hit);
             }
             group.list_open(asks);
         }
@@ -186,7 +184,7 @@ impl Groups {
         for (g, group) in groups.enumerate() {
             let leaf = arena.patch(group.place);
             arena.prefetch_numbers(leaf.first);
-            tests.triangles += u64::from(leaf.count * group.used.count_ones());
+            tests.count_triangles(leaf.count, leaf.quads, group.used.count_ones());
             let tile = &tiles[group.tile];
             if P::IS_FAST {
                 fast::see(simd, tile, group);
@@ -319,151 +317,17 @@ fn meet<S: Lanes, Q: Query, P: Arithmetic>(
     let Decision { t, certain, open, inside } =
         decide(&sheared, &edges, &range, u32::from(pair.inside));
     if open == 0 {
-        note::<S, Q, P>(simd, arena, group, pair.triangle, (t, certain));
+        report::note::<S, Q, P>(simd, arena, group, pair.triangle, (t, certain));
         return;
     }
     let tile = &tiles[group.tile];
-    let settled = settle(simd, leaf, tile, group, (pair.triangle, open & inside.bits()));
+    let settled = settle::settle(simd, leaf, tile, group, (pair.triangle, open & inside.bits()));
     let open = open & !settled.decided;
     group.open |= open;
     group.left[usize::from(pair.triangle) % LANES] |= open;
     let single = mask32x16::from_bitmask(simd, u64::from(certain));
     let t = single.select(t, settled.t.simd_into(simd));
-    note::<S, Q, P>(simd, arena, group, pair.triangle, (t, certain | settled.hit));
-}
-
-/// What double precision says of the rays of a group in front of a triangle.
-struct Settled {
-    t: Row,
-    /// Those that meet it at t, and those that are decided on, a bit each.
-    hit: u32,
-    decided: u32,
-}
-
-/// Settles in double precision where the `open` rays, a bit each, meet a triangle that they pass through.
-#[inline(always)]
-fn settle<S: Lanes>(
-    simd: S,
-    leaf: &Patch,
-    tile: &Tile,
-    group: &PatchRays,
-    (triangle, open): (u8, u32),
-) -> Settled {
-    let mut settled = Settled { t: [0.0; WIDTH], hit: 0, decided: 0 };
-    outlined(
-        simd,
-        #[inline(always)]
-        || {
-            let [a, b, c] = leaf.corners.map(|corner| {
-                let v = (corner >> (u32::from(4 * triangle) % u32::BITS)) as usize % LANES;
-                let [x, y, z] = leaf.positions.map(|axis| f64::from(axis[v]));
-                Vector::new(x, y, z)
-            });
-            let plane = Plane::of(&[a, b, c]).splat(f64x8::splat(simd, 0.0));
-            let g = group.positions[0] as usize / WIDTH;
-            let rows = |columns: &[Column; 3]| {
-                let [x, y, z] = columns;
-                [row(simd, x, group, g), row(simd, y, group, g), row(simd, z, group, g)]
-            };
-            let (origin, direction) = (rows(&tile.origin), rows(&tile.direction));
-            for half in 0..WIDTH / LANES {
-                let at = half * LANES;
-                let open = open >> at & 0xFF;
-                if open == 0 {
-                    continue;
-                }
-                let load = |row: &Row| <f32x8<S> as Single>::from_slice(simd, &row[at..]);
-                let vector = |[x, y, z]: &[Row; 3]| Vector::new(load(x), load(y), load(z));
-                let line = Line { origin: vector(&origin), direction: vector(&direction) };
-                let range = RayRange {
-                    depth: load(&group.depth),
-                    t_min: load(&group.t_min),
-                    t_max: load(&group.t_max),
-                };
-                let known = plane.settle(&line, &range);
-                known.t.store(&mut settled.t[at..]);
-                let hit = open & known.hit.bits();
-                settled.hit |= hit << at;
-                settled.decided |= (hit | open & known.miss.bits()) << at;
-            }
-        },
-    );
-    settled
-}
-
-/// Notes the rays that `certain`ly meet the triangle, at `t`; those that may meet another at the same are left to the
-/// test of one.
-#[inline(always)]
-fn note<S: Lanes, Q: Query, P: Arithmetic>(
-    simd: S,
-    arena: View<'_>,
-    group: &mut PatchRays,
-    triangle: u8,
-    (t, certain): (f32x16<S>, u32),
-) {
-    if Q::ANY {
-        group.hit |= certain;
-        return;
-    }
-    let leaf = arena.patch(group.place);
-    let best: f32x16<S> = group.best.simd_into(simd);
-    let primitive: u32x16<S> = group.primitive.simd_into(simd);
-    let number = arena.number(leaf.first, usize::from(triangle));
-    let (closer, certain) = if has_doubt::<P>() {
-        let close = are_close(t, best).bits() & certain;
-        group.open |= close;
-        group.left[usize::from(triangle) % LANES] |= close;
-        (t.simd_lt(best), certain & !close)
-    } else {
-        (t.simd_lt(best) | (t.simd_eq(best) & primitive.simd_gt(number)), certain)
-    };
-    let closer = closer & mask32x16::from_bitmask(simd, u64::from(certain));
-    group.best = closer.select(t, best).into();
-    group.primitive = closer.select(u32x16::splat(simd, number), primitive).into();
-    group.hit |= closer.to_bitmask() as u32;
-}
-
-/// Gives the tile what the group's rays have found: another group may have found more.
-#[inline(always)]
-fn report<Q: Query, P: Arithmetic>(
-    geometry: &Geometry,
-    tile: &mut Tile,
-    group: &PatchRays,
-    mut hit: u32,
-) {
-    while hit != 0 {
-        let lane = hit.trailing_zeros() as usize % WIDTH;
-        hit &= hit - 1;
-        let i = group.positions[lane] as usize;
-        let new = Hit { t: group.best[lane], primitive: group.primitive[lane] };
-        tile.offer::<Q, P>(geometry, i, new);
-    }
-}
-
-/// As [`report`], for a group of the tile itself.
-#[inline(always)]
-fn report_whole<S: Lanes, Q: Query, P: Arithmetic>(
-    simd: S,
-    geometry: &Geometry,
-    tile: &mut Tile,
-    group: &PatchRays,
-) {
-    let g = group.positions[0] as usize / WIDTH % GROUPS;
-    if Q::ANY {
-        tile.done |= u64::from(group.hit) << (g * WIDTH);
-        return;
-    }
-    let (old, new) = (load(simd, &tile.best, g), f32x16::from_slice(simd, &group.best));
-    let old_primitive: u32x16<S> = tile.primitive[g].simd_into(simd);
-    let primitive: u32x16<S> = group.primitive.simd_into(simd);
-    let close = if has_doubt::<P>() { are_close(new, old).bits() & group.hit } else { 0 };
-    let closer = new.simd_lt(old) | (new.simd_eq(old) & primitive.simd_lt(old_primitive));
-    let closer = closer & mask32x16::from_bitmask(simd, u64::from(group.hit & !close));
-    let reach = closer.select(reach_of::<S, P>(new), load(simd, &tile.reach, g));
-    tile.best[g] = closer.select(new, old).into();
-    tile.primitive[g] = closer.select(primitive, old_primitive).into();
-    tile.reach[g] = reach.into();
-    report::<Q, P>(geometry, tile, group, close);
+    report::note::<S, Q, P>(simd, arena, group, pair.triangle, (t, certain | settled.hit));
 }
 
 /// The corners of a triangle, in sheared space.

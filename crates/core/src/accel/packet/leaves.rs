@@ -160,12 +160,12 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
             *found = if single.place.kind() == Kind::Patch {
                 let leaf = arena.patch(single.place);
                 arena.prefetch_numbers(leaf.first);
-                tests.triangles += u64::from(leaf.count);
+                tests.count_triangles(leaf.count, leaf.quads, 1);
                 let hits = leaf::test_patch::<S, P>(simd, leaf, &ray, &space);
                 Found { hits, first: leaf.first }
             } else {
                 let leaf = arena.soup(single.place);
-                tests.triangles += u64::from(leaf.count);
+                tests.count_triangles(leaf.count, leaf.quads, 1);
                 let hits = leaf::test_soup::<S, P>(simd, leaf, &ray, &space);
                 Found { hits, first: leaf.first }
             };

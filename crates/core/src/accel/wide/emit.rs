@@ -5,7 +5,6 @@ use bytemuck::Zeroable;
 use super::{Converter, Hierarchy, Output, Owner, SLOTS};
 use crate::accel::arena::{Kind, NODE_UNITS, Node, Patch, Soup, Unit, list_units, relative};
 use crate::accel::geometry::Geometry;
-use crate::kernels::triangle::in_order_by;
 use crate::math::simd::LANES;
 
 impl Converter {
@@ -161,8 +160,7 @@ impl<'b, F: Fn(u32) -> Owner<'b>> Emitter<'_, F> {
             match (self.owner)(self.tree.owners[node.first_index as usize]) {
                 Owner::Triangle(number, corners) => {
                     triangles.numbers[triangles.count] = number;
-                    triangles.corners[triangles.count] =
-                        in_order_by(corners, |v| self.geometry.positions[v as usize]);
+                    triangles.corners[triangles.count] = corners;
                     triangles.count += 1;
                 }
                 Owner::Other(number) => {
@@ -211,9 +209,16 @@ impl<'b, F: Fn(u32) -> Owner<'b>> Emitter<'_, F> {
             positions.iter_mut().zip(v.to_array()).for_each(|(row, x)| row[lane] = x);
         }
         let first = self.append(&triangles.numbers[..triangles.count]);
-        let counts = [triangles.count as u32, count];
+        let counts = [triangles.count as u32, count, self.quads(triangles)];
         self.output.units.push(bytemuck::cast(Patch::new(positions, corners, first, counts)));
         Kind::Patch
+    }
+
+    /// How many of the triangles are halves of quads.
+    fn quads(&self, triangles: &Triangles) -> u32 {
+        let first = self.geometry.triangles.len() as u32;
+        let numbers = triangles.numbers[..triangles.count].iter();
+        numbers.map(|&number| u32::from(number >= first)).sum()
     }
 
     fn soup(&mut self, triangles: &Triangles) {
@@ -227,7 +232,7 @@ impl<'b, F: Fn(u32) -> Owner<'b>> Emitter<'_, F> {
             }
         }
         let first = self.append(&triangles.numbers[..triangles.count]);
-        let leaf = Soup::new(corners, first, triangles.count as u32);
+        let leaf = Soup::new(corners, first, [triangles.count as u32, self.quads(triangles)]);
         self.output.units.extend(bytemuck::cast::<_, [Unit; 3]>(leaf));
     }
 

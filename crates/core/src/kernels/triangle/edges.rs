@@ -58,9 +58,8 @@ impl<F: Real<Element = f32>> Edges<F> {
         let e0 = *cx * *by - *cy * *bx;
         let e1 = *ax * *cy - *ay * *cx;
         let e2 = *bx * *ay - *by * *ax;
-        let low = e0.min(e1.min(e2));
-        let high = e0.max(e1.max(e2));
-        Self { all: [e0, e1, e2], determinant: e0 + e1 + e2, low, high }
+        let (low, middle, high) = sorted([e0, e1, e2]);
+        Self { all: [e0, e1, e2], determinant: (low + high) + middle, low, high }
     }
 
     /// Where the ray certainly passes by: two edge functions of opposite signs say so, as rounding turns no sign.
@@ -84,6 +83,14 @@ impl<F: Real<Element = f32>> Edges<F> {
     }
 }
 
+/// The least, the middle and the greatest. The sum of the first and the last, and then the middle, does not depend on
+/// which corner is the first, and turns its sign with the numbers.
+#[inline(always)]
+fn sorted<F: Real>([a, b, c]: [F; 3]) -> (F, F, F) {
+    let (low, high) = (a.min(b), a.max(b));
+    (low.min(c), low.max(high.min(c)), high.max(c))
+}
+
 /// Where rays meet the planes of their triangles, with the error bound of the module documentation. A NaN where
 /// nothing is known.
 #[inline(always)]
@@ -94,7 +101,8 @@ pub(super) fn distance<F: Real<Element = f32>>(
 ) -> Distance<F> {
     let far = az.max(bz.max(*cz));
     let near = az.min(bz.min(*cz));
-    let t = (*e0 * *az + *e1 * *bz + *e2 * *cz) / *determinant;
+    let (low, middle, high) = sorted([*e0 * *az, *e1 * *bz, *e2 * *cz]);
+    let t = ((low + high) + middle) / *determinant;
     let x = ax.abs().max(bx.abs().max(cx.abs()));
     let y = ay.abs().max(by.abs().max(cy.abs()));
     let z = near.abs().max(far.abs());

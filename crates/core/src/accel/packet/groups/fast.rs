@@ -3,7 +3,8 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, u32x16};
 
-use super::{Pair, PatchRays, Row, note, row};
+use super::report::note;
+use super::{Pair, PatchRays, Row, row};
 use crate::accel::arena::{Patch, View};
 use crate::accel::packet::tile::{GROUPS, Tile, WIDTH};
 use crate::accel::query::Query;
