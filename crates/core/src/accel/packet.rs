@@ -38,11 +38,12 @@ use super::tree::{Root, Searched, Tree};
 use super::{Counts, KernelChoice, TestCounts, single};
 use crate::kernels::precision::Arithmetic;
 use crate::math::simd::{Lanes, entry, outlined};
+use beam::extent;
 use children::Children;
 use groups::{Groups, Open};
 use leaves::SingleTest;
 use remaining::{Handed, Remaining};
-use tile::{Tile, extent, number_of};
+use tile::{Tile, number_of};
 
 /// Tiles on their way together, so that one computes while another waits for memory.
 const TILES_ON_THEIR_WAY: usize = 4;

@@ -405,7 +405,10 @@ fn is_beside([a, b, c]: &[DVec3; 3], weights: DVec3, sideways: f64) -> bool {
 
 /// As [`weights`], of the point of the boundary that is nearest to the ray.
 fn nearest_on_boundary(vertices: &[DVec3; 3]) -> DVec3 {
+    let distance = |i: usize| vertices[i].truncate().length_squared();
     let sides = [(0, 1), (1, 2), (2, 0)].map(|(i, j)| {
+        // From the nearer end: it does not matter which way the side runs.
+        let (i, j) = if distance(i) <= distance(j) { (i, j) } else { (j, i) };
         let (p, q) = (vertices[i].truncate(), vertices[j].truncate());
         let along = q - p;
         let s = (-p.dot(along) / along.length_squared()).clamp(0.0, 1.0);

@@ -3,6 +3,7 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x8, f32x16, mask32x8, mask32x16};
 
+use super::tile::{Column, load};
 use crate::accel::arena::Node;
 use crate::accel::rays::RayLanes;
 use crate::accel::tree::reach;
@@ -275,4 +276,14 @@ impl Beam {
 struct Crossing<S: Lanes> {
     near: [f32x8<S>; 2],
     far: [f32x8<S>; 2],
+}
+
+/// The least and the greatest.
+#[inline(always)]
+pub(super) fn extent<S: Lanes>(simd: S, column: &Column) -> [f32; 2] {
+    let (a, b) = (load(simd, column, 0), load(simd, column, 1));
+    let (c, d) = (load(simd, column, 2), load(simd, column, 3));
+    let low = a.min(b).min(c.min(d));
+    let high = a.max(b).max(c.max(d));
+    [low.reduce_min(), high.reduce_max()]
 }

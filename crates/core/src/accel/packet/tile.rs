@@ -385,16 +385,6 @@ pub(super) fn reach_of<S: Lanes, P: Arithmetic>(t: f32x16<S>) -> f32x16<S> {
     if P::IS_FAST { t } else { t + t.abs() * BEYOND }
 }
 
-/// The least and the greatest.
-#[inline(always)]
-pub(super) fn extent<S: Lanes>(simd: S, column: &Column) -> [f32; 2] {
-    let (a, b) = (load(simd, column, 0), load(simd, column, 1));
-    let (c, d) = (load(simd, column, 2), load(simd, column, 3));
-    let low = a.min(b).min(c.min(d));
-    let high = a.max(b).max(c.max(d));
-    [low.reduce_min(), high.reduce_max()]
-}
-
 /// A group's part of a column.
 #[inline(always)]
 pub(super) fn load<S: Lanes>(simd: S, column: &Column, g: usize) -> f32x16<S> {
