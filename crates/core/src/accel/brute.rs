@@ -1,6 +1,7 @@
 //! Every primitive, one after the other: the reference that the tree is checked against.
 
 use super::geometry::{Geometry, PreparedRay};
+use super::near::Exactly;
 use super::query::Query;
 use super::{Hit, TestCounts};
 use crate::kernels::precision::Arithmetic;
@@ -11,9 +12,9 @@ pub(super) fn hit<Q: Query, P: Arithmetic>(
     ray: &PreparedRay,
     tests: &mut TestCounts,
 ) -> Hit {
-    let mut best = Hit::MISS;
+    let (mut best, exactly) = (Hit::MISS, Exactly::default());
     for number in 0..geometry.len() as u32 {
-        if let Some(t) = geometry.hit::<P>(number, ray, tests)
+        if let Some(t) = geometry.hit::<P>(number, ray, tests, &exactly)
             && let hit = (Hit { t, primitive: number })
             && geometry.comes_first::<P>(&hit, &best, || ray.ray)
             && !(Q::ANY && geometry.is_light(number))

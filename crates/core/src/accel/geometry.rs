@@ -9,6 +9,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use super::instance::{Instance, Instanced};
+use super::near::Exactly;
 use super::{Hit, TestCounts};
 use crate::kernels::precision::{Arithmetic, Precision, Robust};
 use crate::kernels::slab::{Aabb, SlabRay};
@@ -289,14 +290,15 @@ impl Geometry {
 
     /// The t at which the ray hits the primitive, if it does: the definition of a hit.
     #[inline(always)]
-    pub fn hit<P: Arithmetic>(
+    pub(super) fn hit<P: Arithmetic>(
         &self,
         number: u32,
         ray: &PreparedRay,
         tests: &mut TestCounts,
+        exactly: &Exactly,
     ) -> Option<f32> {
         self.count(number, tests);
-        self.meet::<P>(number, ray).confirmed(|t| self.has_surface(ray, t))
+        self.meet::<P>(number, ray).confirmed(|t| self.has_surface(ray, t, exactly))
     }
 
     /// Counts a test of the primitive.
@@ -339,7 +341,7 @@ impl Geometry {
         let carried = PreparedRay::of::<P>(&carried);
         let meeting = meet_triangle::<P>(&carried, &corners);
         // Its neighbours are in the prototype.
-        let t = meeting.confirmed(|t| prototype.has_surface(&carried, t));
+        let t = meeting.confirmed(|t| prototype.has_surface(&carried, t, &Exactly::default()));
         t.map_or(Meeting::Miss, Meeting::Hit)
     }
 

@@ -107,7 +107,7 @@ fn is_any<P: Arithmetic>(
     (hits, first): (&LaneHits, u32),
     tests: &mut TestCounts,
 ) -> bool {
-    let Searched { tree, geometry } = searched;
+    let Searched { tree, geometry, .. } = searched;
     let arena = tree.arena.view();
     let (mut certain, mut open) = (hits.certain, hits.open);
     if certain != 0 && geometry.lights.is_empty() {

@@ -6,6 +6,8 @@
 //! told apart from one alone: so the ray is traced once more, without rounding, and such a hit counts if there is a
 //! surface. It happens for some rays in millions, and depends on ray and triangle only.
 
+use std::cell::RefCell;
+
 use super::geometry::{Geometry, PreparedRay};
 use super::query::Closest;
 use super::tree::{Searched, reach};
@@ -13,6 +15,21 @@ use super::{Hit, TestCounts, Traversal, compiled};
 use crate::kernels::precision::{Arithmetic, Exact, Robust};
 use crate::kernels::triangle::Meeting;
 use crate::math::ray::Ray;
+
+/// What rays meet without rounding, as far as it was needed: each ray is traced so once in a search.
+#[derive(Debug, Default)]
+pub(super) struct Exactly(RefCell<Vec<(Ray, Hit)>>);
+
+impl Exactly {
+    fn hit(&self, ray: &Ray, find: impl FnOnce() -> Hit) -> Hit {
+        let known = self.0.borrow().iter().find(|(known, _)| known == ray).map(|&(_, hit)| hit);
+        known.unwrap_or_else(|| {
+            let hit = find();
+            self.0.borrow_mut().push((*ray, hit));
+            hit
+        })
+    }
+}
 
 impl Searched<'_> {
     /// The t at which the ray hits the primitive, if it does.
@@ -47,11 +64,13 @@ impl Searched<'_> {
     #[inline(never)]
     fn has_surface(&self, ray: &PreparedRay, t: f32) -> bool {
         let endless = Ray { t_max: f32::INFINITY, ..ray.ray };
-        let mut traversal =
-            Traversal { stack: vec![0; self.tree.stack_entries()], ..Traversal::default() };
-        let level = fearless_simd::Level::new();
-        let prepared = PreparedRay::of::<Exact>(&endless);
-        let found = compiled::one::<Closest, Exact>(level, *self, &prepared, &mut traversal);
+        let found = self.exactly.hit(&endless, || {
+            let mut traversal =
+                Traversal { stack: vec![0; self.tree.stack_entries()], ..Traversal::default() };
+            let level = fearless_simd::Level::new();
+            let prepared = PreparedRay::of::<Exact>(&endless);
+            compiled::one::<Closest, Exact>(level, *self, &prepared, &mut traversal)
+        });
         is_surface(self.geometry, &endless, t, found)
     }
 }
@@ -60,17 +79,18 @@ impl Geometry {
     /// As [`Searched::has_surface`], of the geometry's own primitives one after the other.
     #[cold]
     #[inline(never)]
-    pub(super) fn has_surface(&self, ray: &PreparedRay, t: f32) -> bool {
+    pub(super) fn has_surface(&self, ray: &PreparedRay, t: f32, exactly: &Exactly) -> bool {
         let endless = Ray { t_max: f32::INFINITY, ..ray.ray };
-        let prepared = PreparedRay::of::<Exact>(&endless);
-        let mut found = Hit::MISS;
-        for number in 0..self.own() as u32 {
-            if let Meeting::Hit(t) = self.meet::<Exact>(number, &prepared)
-                && t < found.t
-            {
-                found = Hit { t, primitive: number };
-            }
-        }
+        let found = exactly.hit(&endless, || {
+            let prepared = PreparedRay::of::<Exact>(&endless);
+            let meetings = (0..self.own() as u32).filter_map(|primitive| {
+                match self.meet::<Exact>(primitive, &prepared) {
+                    Meeting::Hit(t) => Some(Hit { t, primitive }),
+                    _ => None,
+                }
+            });
+            meetings.fold(Hit::MISS, |best, hit| if hit.t < best.t { hit } else { best })
+        });
         is_surface(self, &endless, t, found)
     }
 }

@@ -3,6 +3,7 @@
 use std::marker::PhantomData;
 
 use super::geometry::PreparedRay;
+use super::near::Exactly;
 use super::query::{Closest, Occluded, Query};
 use super::rays::Rays;
 use super::tree::Searched;
@@ -63,7 +64,9 @@ impl<P: Arithmetic> Search<'_, P> {
             let best = brute::hit::<Q, P>(geometry, &prepared, &mut traversal.tests);
             return Q::answer(Q::unsealed(geometry, best));
         };
-        let best = self.in_tree::<Q>(Searched { tree, geometry }, &prepared, traversal);
+        let exactly = &Exactly::default();
+        let searched = Searched { tree, geometry, exactly };
+        let best = self.in_tree::<Q>(searched, &prepared, traversal);
         if geometry.instances.is_empty() || Q::ANY && !best.is_miss() {
             return Q::answer(best);
         }
@@ -77,7 +80,8 @@ impl<P: Arithmetic> Search<'_, P> {
             self.each::<Q>(rays, answers, traversal);
             return;
         };
-        self.all_in_tree::<Q>(Searched { tree, geometry }, rays, answers, traversal);
+        let exactly = &Exactly::default();
+        self.all_in_tree::<Q>(Searched { tree, geometry, exactly }, rays, answers, traversal);
         if !geometry.instances.is_empty() {
             self.all_among_instances::<Q>(rays, answers, traversal);
         }
@@ -110,7 +114,9 @@ impl<P: Arithmetic> Search<'_, P> {
         if !ray.is_valid() {
             return Hit::MISS;
         }
-        self.in_tree::<Q>(self.prototype(number), &PreparedRay::of::<P>(ray), traversal)
+        let exactly = Exactly::default();
+        let searched = self.prototype(number, &exactly);
+        self.in_tree::<Q>(searched, &PreparedRay::of::<P>(ray), traversal)
     }
 
     /// As [`Self::in_prototype`], for many rays.
@@ -123,13 +129,14 @@ impl<P: Arithmetic> Search<'_, P> {
     ) {
         // A ray counts once, where it is asked of the scene.
         let kernels = traversal.kernels;
-        self.all_in_tree::<Q>(self.prototype(number), rays.into(), answers, traversal);
+        let exactly = Exactly::default();
+        self.all_in_tree::<Q>(self.prototype(number, &exactly), rays.into(), answers, traversal);
         traversal.kernels = kernels;
     }
 
-    fn prototype(&self, number: usize) -> Searched<'_> {
+    fn prototype<'b>(&'b self, number: usize, exactly: &'b Exactly) -> Searched<'b> {
         let Accel { blas, geometry, .. } = self.accel;
-        Searched { tree: &blas[number], geometry: &geometry.prototypes[number] }
+        Searched { tree: &blas[number], geometry: &geometry.prototypes[number], exactly }
     }
 
     /// The hit in a tree that `Q` asks for.

@@ -2,6 +2,7 @@
 
 use super::arena::{Arena, Census, Kind, Node, Ref, child_of};
 use super::geometry::{Geometry, PreparedRay};
+use super::near::Exactly;
 use crate::kernels::precision::Arithmetic;
 use crate::kernels::slab::Aabb;
 use crate::kernels::triangle::T_TOLERANCE;
@@ -23,6 +24,7 @@ pub struct Tree {
 pub(super) struct Searched<'a> {
     pub(super) tree: &'a Tree,
     pub(super) geometry: &'a Geometry,
+    pub(super) exactly: &'a Exactly,
 }
 
 /// Where traversal begins.

@@ -29,7 +29,7 @@ fn floor_under_a_light(effort: &Effort, floor: usize) -> Outcome {
     let corners =
         [(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)].map(|(x, y)| place(x, y, 0.0));
     let mut geometry = Geometry { positions: corners.to_vec(), ..Geometry::default() };
-    if floor % 2 == 0 {
+    if floor.is_multiple_of(2) {
         geometry.triangles.extend([[0, 1, 2], [0, 2, 3]]);
     } else {
         geometry.quads.push([0, 1, 2, 3]);

@@ -139,7 +139,7 @@ impl Groups {
     pub(super) fn test<S: Lanes, Q: Query, P: Arithmetic>(
         &mut self,
         simd: S,
-        Searched { tree, geometry }: Searched<'_>,
+        Searched { tree, geometry, .. }: Searched<'_>,
         tiles: &mut [Tile],
         asks: &mut Vec<Open>,
         tests: &mut TestCounts,

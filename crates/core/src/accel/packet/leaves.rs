@@ -117,7 +117,7 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
             simd,
             #[inline(always)]
             || {
-                let Searched { tree, geometry } = self.searched;
+                let Searched { tree, geometry, .. } = self.searched;
                 tests.leaves += u64::from(rays.count_ones());
                 for &number in tree.arena.view().list(place) {
                     match geometry.primitive(number) {
@@ -230,7 +230,7 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
     #[inline(always)]
     fn take_closest(&self, tile: &mut Tile, i: usize, found: &Found) {
         let Found { hits, first } = found;
-        let Searched { tree, geometry } = self.searched;
+        let Searched { tree, geometry, .. } = self.searched;
         let arena = tree.arena.view();
         let mut certain = hits.certain;
         let before = tile.best(i);
