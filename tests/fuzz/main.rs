@@ -1,4 +1,4 @@
-//! Inputs that nobody would write, on any compiler: those that failed once (`corpus/`), and a number
+//! Inputs that no person would write, on any compiler: those that failed once (`corpus/`), and a number
 //! of new ones that follow from a seed each. The same targets are tried without end by the fuzzers of
 //! `fuzz/`: CONTRIBUTING.md says how.
 //!
@@ -58,7 +58,7 @@ fn holds(name: &str, target: Target, bytes: &[u8]) -> Result<bool, PathBuf> {
     })
 }
 
-/// The seeds to try: `usual` many, unless somebody asks for others.
+/// The seeds to try: `usual` many, unless `WAVECREST_FUZZ` names others.
 fn asked_for(usual: u64) -> Range<u64> {
     let Ok(asked) = std::env::var("WAVECREST_FUZZ") else { return 0..usual };
     let number = |text: &str| text.parse::<u64>().expect("WAVECREST_FUZZ is a number or a range");

@@ -20,7 +20,7 @@ use crate::support::{
     scene, sphere, wall, with,
 };
 
-/// Tells nobody.
+/// Reports nothing.
 struct Silent;
 
 impl Progress for Silent {

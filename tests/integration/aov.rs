@@ -124,7 +124,7 @@ fn layers_are_what_the_geometry_says() {
 fn numbers_stand_for_the_shapes_that_are_seen() {
     let mut scene = ball_and_wall(&pinhole(SIZE, 40.0, DISTANCE));
     let shapes = scene["scene"]["shapes"].as_array_mut().expect("shapes");
-    // One of the wall's material, and one that nobody sees.
+    // One of the wall's material, and one that is not seen.
     let twin =
         with(sphere([0.5, -1.5, 0.5], 0.3, json!(null)), "material", shapes[1]["material"].clone());
     shapes.push(twin);

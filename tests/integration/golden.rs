@@ -1,4 +1,4 @@
-//! Golden images: the float image of every scene, as it was when somebody last looked at it.
+//! Golden images: the float image of every scene, as it was when it was last approved.
 //!
 //! `WAVECREST_BLESS=1 cargo test --test integration golden` writes them again. A failure leaves
 //! `tests/golden/NAME.actual.exr` and `NAME.diff.png`, the difference made visible.

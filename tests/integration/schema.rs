@@ -296,7 +296,7 @@ fn every_key_is_described() {
         for (key, value) in properties.into_iter().flatten() {
             let is_condition = place.ends_with("/if");
             let described = value["description"].as_str().is_some_and(|text| text.len() > 5);
-            assert!(described || is_condition, "{place}: nobody says what {key} means");
+            assert!(described || is_condition, "{place}: {key} has no description");
         }
         for (key, part) in schema.as_object().into_iter().flatten() {
             check(part, &format!("{place}/{key}"));

@@ -36,7 +36,7 @@ mod order;
 
 use proptest::test_runner::{Config, RngSeed};
 
-/// Tries the same inputs in every run, unless somebody asks for others.
+/// Tries the same inputs in every run, unless the environment names others.
 fn config() -> Config {
     let default = Config::default();
     let rng_seed = match default.rng_seed {

@@ -11,7 +11,7 @@
 //! | `estimated.rays`, `.samples` | | bounds on these, known before the first ray: see [`crate::estimate`] |
 //! | `tests.nodes` | nodes | inner nodes visited, by a ray or by many together, each testing eight boxes |
 //! | `tests.instances` | visits | of an instance by a ray that meets its box |
-//! | `tests.primitives.triangles`, `.quads`, `.spheres` | tests | tests of primitives |
+//! | `tests.primitives.triangles`, `.quads`, `.spheres` | tests | tests of primitives; a quad counts once for each half |
 //! | `kernels.closest.packet`, `.stream`, `.single` | rays | camera and mirror rays by the kernel that took them first: a packet, many in flight, one alone |
 //! | `kernels.closest.handed_over` | rays | those of the packets' rays that went on in flight |
 //! | `kernels.closest.rays_a_node`, `.rays_a_round` | rays | of a packet at a node that it visits, and in flight in a round, on average (`null` where there was none) |

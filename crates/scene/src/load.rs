@@ -51,7 +51,7 @@ pub struct LoadedScene {
     pub warnings: Vec<Warning>,
     /// What was chosen, where the file does not say: a camera, a light.
     pub notes: Vec<Warning>,
-    /// How images of 8 bits are to be written, where nobody says.
+    /// How images of 8 bits are to be written, unless a transfer is requested.
     pub encoding: Encoding,
 }
 

@@ -290,7 +290,7 @@ fn a_viewer_is_sent_the_image_tile_by_tile() {
 fn no_viewer_costs_no_render() {
     let folder = with_scene(&of_size(150, 100).to_string());
     let expected = image(&of_size(150, 100));
-    // A port at which nobody listens.
+    // A port without a listener.
     let port = TcpListener::bind("127.0.0.1:0").expect("a port").local_addr().expect("an address");
     let output = run(folder.path(), &["ball.json", "out.exr", &format!("--tev={port}")]);
     assert_eq!(output.status.code(), Some(0));
