@@ -1,7 +1,7 @@
 use glam::{DVec2, Vec3};
 use num_traits::{Signed, Zero};
 use proptest::prelude::*;
-use wavecrest_core::kernels::triangle::{ShearedSpace, T_TOLERANCE, is_degenerate};
+use wavecrest_core::kernels::triangle::{Meeting, ShearedSpace, T_TOLERANCE, is_degenerate};
 use wavecrest_core::math::float::{UNIT_ROUNDOFF, max_abs};
 use wavecrest_core::math::ray::Ray;
 
@@ -149,5 +149,34 @@ proptest! {
         let right = dot(&minus(&a, &exact3(ray.origin))) / along;
         let off = (exact(t) - &right).abs();
         prop_assert!(off <= exact(T_TOLERANCE) * right.abs(), "{} and not {}", t, rounded(&right));
+    }
+
+    /// Where single precision does not suffice, as on a floor that is large beside its distance, t is the exact one
+    /// rounded once; and no order of the corners changes a bit of any t.
+    #[test]
+    fn t_on_large_triangles_is_the_exact_one_rounded(
+        corners in [vector(moderate), vector(moderate), vector(moderate)],
+        weights in (0.01_f32..0.99, 0.01_f32..0.99),
+        direction in vector(moderate),
+        distance in 1e-6_f32..1e-2,
+    ) {
+        let [a, b, c] = corners.map(|corner| corner * 1000.0);
+        let (v, w) = (weights.0 * (1.0 - weights.1), weights.0 * weights.1);
+        let target = a + (b - a) * v + (c - a) * w;
+        let ray = Ray::new(target - direction * distance, direction);
+        prop_assume!(ray.is_valid() && !is_degenerate(&[a, b, c]));
+        let space = ShearedSpace::new(&ray);
+        let meeting = space.meet(&[a, b, c]);
+        for turned in [[b, c, a], [c, a, b], [a, c, b], [c, b, a], [b, a, c]] {
+            prop_assert_eq!(space.meet(&turned), meeting);
+        }
+        let Meeting::Hit(t) = meeting else { return Ok(()) };
+        if space.error_of(&[a, b, c], t) == Some(UNIT_ROUNDOFF * t.abs()) {
+            let [a, b, c] = [a, b, c].map(exact3);
+            let normal = cross(&minus(&b, &a), &minus(&c, &a));
+            let dot = |u: &[Exact; 3]| (0..3).map(|k| &normal[k] * &u[k]).sum::<Exact>();
+            let right = dot(&minus(&a, &exact3(ray.origin))) / dot(&exact3(ray.direction));
+            prop_assert_eq!(rounded(&right) as f32, t);
+        }
     }
 }

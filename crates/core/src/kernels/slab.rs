@@ -31,8 +31,8 @@
 //!   the build made of the tree.
 //! - **The hit's own t is near the exact one.** A triangle's t that single precision gives is off by
 //!   at most [`T_TOLERANCE`](crate::kernels::triangle::T_TOLERANCE) of it. Where the bound is greater,
-//!   double precision gives t, of a point of the triangle that the ray passes within the error
-//!   above, or finds no hit. A sphere's t is off by at most about the square root of double
+//!   t is the exact one, rounded once, of a point of the triangle; or that of the point of its boundary
+//!   that the ray passes within the error above. A sphere's t is off by at most about the square root of double
 //!   precision's unit roundoff times the coordinates, where the ray touches it, which is less than
 //!   the padding. So boxes are visited until four times that tolerance beyond the closest hit
 //!   (`reach` in the tree), ties included: the lowest number among equal t is found, in whatever

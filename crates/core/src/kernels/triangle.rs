@@ -41,16 +41,20 @@ use crate::math::ray::Ray;
 use crate::math::real::{Real, Single};
 use crate::math::vector::{Line, Vector};
 
+mod area;
 mod edges;
 pub mod exact;
 pub mod fast;
 pub(crate) mod lanes;
+mod nearest;
 pub(crate) mod plane;
 
+pub use area::{is_degenerate, normal};
 pub(crate) use edges::{Decision, Edges, RayRange, Sheared, decide};
 pub use lanes::LaneHits;
 
 use edges::distance;
+use nearest::{edges_f64, is_beside, nearest_on_boundary, weights};
 use plane::Plane;
 
 /// Bound on what underflow adds to the error of a sum of a few products: far more than it can, but
@@ -372,79 +376,6 @@ fn passes_on_an_edge(sheared: &Sheared<f32>) -> Option<Edges<f32>> {
     let all = edges.map(|e| e as f32);
     let known = Edges { all, determinant: determinant as f32, low: 0.0, high: 0.0 };
     (!outside && determinant != 0.0).then_some(known)
-}
-
-fn edges_f64([a, b, c]: &[DVec3; 3]) -> [f64; 3] {
-    [c.x * b.y - c.y * b.x, a.x * c.y - a.y * c.x, b.x * a.y - b.y * a.x]
-}
-
-/// Barycentric coordinates of the point of the triangle that the ray passes nearest to, none
-/// negative. `None` where the ray lies in the triangle's plane. Points count as on the ray up to
-/// `sideways` from it.
-///
-/// That point is where the ray meets the plane, unless single precision has taken for a hit what
-/// passes just outside. There a ray that grazes the triangle may meet its plane far away, and the
-/// nearest point of the boundary is what was hit. So it is where the triangle is seen so nearly edge
-/// on that not even double precision finds a point of it on the ray.
-fn weights(vertices: &[DVec3; 3], sideways: f64) -> Option<DVec3> {
-    let edges = DVec3::from(edges_f64(vertices));
-    let sum = edges.element_sum();
-    if sum == 0.0 {
-        return None;
-    }
-    let inside = edges / sum;
-    let is_inside = inside.min_element() >= 0.0 && is_beside(vertices, inside, sideways);
-    Some(if is_inside { inside } else { nearest_on_boundary(vertices) })
-}
-
-/// Whether the ray passes no farther than `sideways` from the point of these weights, along each
-/// axis.
-fn is_beside([a, b, c]: &[DVec3; 3], weights: DVec3, sideways: f64) -> bool {
-    (a * weights.x + b * weights.y + c * weights.z).truncate().abs().max_element() <= sideways
-}
-
-/// As [`weights`], of the point of the boundary that is nearest to the ray.
-fn nearest_on_boundary(vertices: &[DVec3; 3]) -> DVec3 {
-    let distance = |i: usize| vertices[i].truncate().length_squared();
-    let sides = [(0, 1), (1, 2), (2, 0)].map(|(i, j)| {
-        // From the nearer end: it does not matter which way the side runs.
-        let (i, j) = if distance(i) <= distance(j) { (i, j) } else { (j, i) };
-        let (p, q) = (vertices[i].truncate(), vertices[j].truncate());
-        let along = q - p;
-        let s = (-p.dot(along) / along.length_squared()).clamp(0.0, 1.0);
-        let mut weights = DVec3::ZERO;
-        // A side seen end on has no direction: either end will do.
-        weights[j] = if s.is_nan() { 0.0 } else { s };
-        weights[i] = 1.0 - weights[j];
-        ((p + along * weights[j]).length_squared(), weights)
-    });
-    let [first, second, third] = sides;
-    let nearer = if second.0 < first.0 { second } else { first };
-    if third.0 < nearer.0 { third.1 } else { nearer.1 }
-}
-
-/// Whether the corners lie on one line, exactly: such a triangle has no normal and no inside.
-pub fn is_degenerate([a, b, c]: &[Vec3; 3]) -> bool {
-    let (ab, ac) = (b - a, c - a);
-    let cross = ab.cross(ac);
-    // The differences are rounded once, products and sums of them once each: an area above their
-    // error is certain, and nearly every triangle ends here. Products that underflow are off by more.
-    let certain = gamma(8) * max(ab.length_squared(), ac.length_squared()) + UNDERFLOW;
-    if cross.abs().max_element() > certain {
-        return false;
-    }
-    let collinear = |x: usize, y: usize| {
-        let p = |v: &Vec3| robust::Coord { x: f64::from(v[x]), y: f64::from(v[y]) };
-        robust::orient2d(p(a), p(b), p(c)) == 0.0
-    };
-    collinear(0, 1) && collinear(1, 2) && collinear(2, 0)
-}
-
-/// The normal of unit length of a triangle that is not degenerate, towards the side from which its
-/// corners run counter-clockwise.
-pub fn normal([a, b, c]: &[Vec3; 3]) -> DVec3 {
-    let [a, b, c] = [a, b, c].map(|v| v.as_dvec3());
-    crate::math::float::normalize_f64((b - a).cross(c - a))
 }
 
 #[cfg(test)]
