@@ -1,6 +1,6 @@
 //! The byte layouts of the Netpbm family: binary PGM and PPM (`P5`, `P6`) and PFM (`Pf`, `PF`).
 //!
-//! All have a header of words parted by white space, then rows of numbers. PPM is written with 8
+//! All have a header of words separated by white space, then rows of numbers. PPM is written with 8
 //! bits a value, the top row first; PFM is 32-bit floats, the bottom row first, whose header ends
 //! in a number that is negative where the floats are little-endian. The size of that number is a
 //! unit of light which programs agree to pass over, and so does this reader.

@@ -101,7 +101,7 @@ pub const CASES: &[Case] = &[
     Case::new(26, "rays that are not numbers, or go nowhere",
         "they visit no node and hit nothing", directions::invalid),
     Case::new(27, "cameras that look along their up",
-        "at right angles within 4 ulp, and the user is told", views::upright),
+        "at right angles within 4 ulp, and the user is warned", views::upright),
     Case::new(28, "angles of view of 0.001 to 179 degrees, images of one row",
         "every ray has a direction", views::angles),
     Case::new(29, "lenses without an extent, and without a focus",

@@ -14,7 +14,7 @@ pub(crate) struct OutputOptions {
     #[arg(long, value_name = "FILE")]
     pub(crate) also: Vec<PathBuf>,
     /// Add layers to .exr outputs: depth, normal, albedo, position, object, material, samples and invalid,
-    /// parted by commas, or all
+    /// separated by commas, or all
     #[arg(long, value_name = "LAYERS", value_parser = layers)]
     pub(crate) aov: Option<Layers>,
     /// What is said of the image

@@ -288,27 +288,22 @@ impl Geometry {
         if self.precision == Precision::Fast { part } else { part.padded_as_part(whole) }
     }
 
-    /// The t at which the ray hits the primitive, if it does: the definition of a hit.
+    /// The t at which the ray hits the primitive, if it does: the definition of a hit. `has_surface` says whether a hit
+    /// near t is one ([`super::near`]).
     #[inline(always)]
     pub(super) fn hit<P: Arithmetic>(
         &self,
         number: u32,
         ray: &PreparedRay,
         tests: &mut TestCounts,
-        exactly: &Exactly,
+        has_surface: impl FnOnce(f32) -> bool,
     ) -> Option<f32> {
-        self.count(number, tests);
-        self.meet::<P>(number, ray).confirmed(|t| self.has_surface(ray, t, exactly))
-    }
-
-    /// Counts a test of the primitive.
-    #[inline(always)]
-    pub(super) fn count(&self, number: u32, tests: &mut TestCounts) {
         match self.primitive(number) {
             Primitive::Triangle(_) | Primitive::Instanced(_) => tests.triangles += 1,
             Primitive::Quad(_) => tests.quads += 2,
             Primitive::Sphere(_) => tests.spheres += 1,
         }
+        self.meet::<P>(number, ray).confirmed(has_surface)
     }
 
     /// Where the ray meets the primitive within its range.

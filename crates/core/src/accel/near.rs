@@ -16,16 +16,24 @@ use crate::kernels::precision::{Arithmetic, Exact, Robust};
 use crate::kernels::triangle::Meeting;
 use crate::math::ray::Ray;
 
-/// What rays meet without rounding, as far as it was needed: each ray is traced so once in a search.
+/// What the rays of a search meet without rounding, where that was needed lately: a ray that passes many triangles so
+/// is traced once.
 #[derive(Debug, Default)]
 pub(super) struct Exactly(RefCell<Vec<(Ray, Hit)>>);
+
+/// As many rays as are in flight at a time: the list is searched from its beginning.
+const MOST_REMEMBERED: usize = 64;
 
 impl Exactly {
     fn hit(&self, ray: &Ray, find: impl FnOnce() -> Hit) -> Hit {
         let known = self.0.borrow().iter().find(|(known, _)| known == ray).map(|&(_, hit)| hit);
         known.unwrap_or_else(|| {
             let hit = find();
-            self.0.borrow_mut().push((*ray, hit));
+            let mut all = self.0.borrow_mut();
+            if all.len() == MOST_REMEMBERED {
+                all.clear();
+            }
+            all.push((*ray, hit));
             hit
         })
     }
@@ -40,9 +48,7 @@ impl Searched<'_> {
         ray: &PreparedRay,
         tests: &mut TestCounts,
     ) -> Option<f32> {
-        self.geometry.count(number, tests);
-        let meeting = self.geometry.meet::<P>(number, ray);
-        meeting.confirmed(|t| self.has_surface(ray, t))
+        self.geometry.hit::<P>(number, ray, tests, |t| self.has_surface(ray, t))
     }
 
     /// As [`Self::hit`], for a triangle that was counted when it was tested among others.

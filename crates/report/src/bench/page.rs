@@ -50,7 +50,7 @@ fn lead(scenes: &[SceneBench]) -> String {
         0 if scenes.is_empty() => "Nothing was measured.".to_owned(),
         0 => "Every image was the same to the last bit.".to_owned(),
         _ => format!(
-            "The tracers disagree in {}: there no time is told.",
+            "The tracers disagree in {}: no time is given there.",
             plural(different, "scene")
         ),
     });

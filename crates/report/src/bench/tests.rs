@@ -277,7 +277,7 @@ fn the_page_tells_of_several_scenes_and_of_those_that_disagree() {
         page.lead,
         "Of 2 scenes, the wavefront is faster in 1 and the recursive tracer in 1; in 0 neither is \
          shown to be. The wavefront is 0.500 to 1.250 times as fast as the recursive tracer. The \
-         tracers disagree in 1 scene: there no time is told."
+         tracers disagree in 1 scene: no time is given there."
     );
     assert_eq!(charts(section(&page, "Speed"))[0].series[0].points.len(), 2);
     let wrong = section(&page, "`b.json`");

@@ -37,8 +37,8 @@ impl<'a> Notes<'a> {
         self.pass_on(Warning::from_error(error));
     }
 
-    /// Warns of what is so at `place`, unless it was so at another: of a thousand materials that all have a normal
-    /// map one is told.
+    /// Warns of what was found at `place`, the first time only: of a thousand materials with normal maps, one is
+    /// reported.
     pub(crate) fn once(&self, place: &str, message: &str, remedy: &str) {
         if self.given.borrow_mut().insert(message.to_owned()) {
             self.warn(&self.error(ErrorKind::Scene, place, message.to_owned()).remedy(remedy));
