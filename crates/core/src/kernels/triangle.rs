@@ -258,7 +258,7 @@ impl ShearedSpace {
         let edges = edges_of_one(&sheared)?;
         let found = distance(&sheared, &edges, self.range().depth);
         let is_single = found.is_decided(&self.range()) && found.is_exact();
-        Some(if is_single { found.bound } else { UNIT_ROUNDOFF * t.abs() })
+        Some(if is_single { found.bound() } else { UNIT_ROUNDOFF * t.abs() })
     }
 
     /// As [`Self::meet`], of a triangle that single precision does not decide on; whether the ray certainly passes

@@ -29,9 +29,9 @@ pub(super) const MOST_GROUPS: usize = 16;
 /// A number for each of sixteen rays.
 type Row = [f32; WIDTH];
 
-/// Up to sixteen rays of a tile in front of a patch.
+/// Up to sixteen rays of a tile in front of a patch. In this order, as [`Tile`] is.
 #[derive(Clone, Debug)]
-#[repr(align(64))]
+#[repr(C, align(64))]
 struct PatchRays {
     /// The vertices in sheared space.
     vertices: [[Row; 3]; LANES],

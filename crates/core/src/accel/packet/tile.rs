@@ -29,9 +29,9 @@ pub(super) const GROUPS: usize = TILE / WIDTH;
 /// A number for each ray of a tile.
 pub(super) type Column = [[f32; WIDTH]; GROUPS];
 
-/// A tile's rays, by column.
+/// A tile's rays, by column. In this order, so that no vector lies across two lines of the cache.
 #[derive(Clone, Debug)]
-#[repr(align(64))]
+#[repr(C, align(64))]
 pub(super) struct Tile {
     pub(super) origin: [Column; 3],
     pub(super) direction: [Column; 3],
