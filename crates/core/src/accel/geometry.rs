@@ -238,7 +238,10 @@ impl Geometry {
     /// The hit, on what a seal stands for if it is on one.
     #[inline(always)]
     pub(super) fn unsealed(&self, hit: Hit) -> Hit {
-        if hit.primitive as usize >= self.own() && !hit.is_miss() && !self.instances.is_empty() {
+        if hit.is_miss() {
+            return hit;
+        }
+        if hit.primitive as usize >= self.own() && !self.instances.is_empty() {
             let instanced = self.instanced(hit.primitive);
             let (instance, prototype) = self.instance(instanced);
             let of_prototype = prototype.unsealed(Hit { primitive: instanced.triangle, ..hit });

@@ -31,7 +31,7 @@ pub(super) fn visit<S: Lanes, Q: Query, P: Arithmetic>(
     tests: &mut TestCounts,
 ) -> bool {
     let arena = searched.tree.arena.view();
-    if let Some((hits, first)) = triangles::<S, P>(simd, arena, ray, place, tests) {
+    if let Some((hits, first)) = triangles::<S, Q, P>(simd, arena, ray, place, tests) {
         return take::<Q, P>(searched, ray, (&hits, first), best, tests);
     }
     let before = *best;
@@ -132,7 +132,7 @@ fn is_any<P: Arithmetic>(
 /// What is known of the triangles in the leaf at `place`, and where their numbers begin; `None` for
 /// a list.
 #[inline(always)]
-fn triangles<S: Lanes, P: Arithmetic>(
+fn triangles<S: Lanes, Q: Query, P: Arithmetic>(
     simd: S,
     arena: View<'_>,
     ray: &PreparedRay,
@@ -140,12 +140,12 @@ fn triangles<S: Lanes, P: Arithmetic>(
     tests: &mut TestCounts,
 ) -> Option<(LaneHits, u32)> {
     match place.kind() {
-        Kind::Patch => Some(patch::<S, P>(simd, arena, ray, place, tests)),
+        Kind::Patch => Some(patch::<S, Q, P>(simd, arena, ray, place, tests)),
         Kind::Soup => {
             let leaf = arena.soup(place);
             tests.leaves += 1;
             tests.count_triangles(leaf.count, leaf.quads, 1);
-            Some((test_soup::<S, P>(simd, leaf, &ray.ray, &ray.space), leaf.first))
+            Some((test_soup::<S, Q, P>(simd, leaf, &ray.ray, &ray.space), leaf.first))
         }
         Kind::List | Kind::Node => {
             tests.leaves += 1;
@@ -156,7 +156,7 @@ fn triangles<S: Lanes, P: Arithmetic>(
 
 /// As [`triangles`], of a patch.
 #[inline(always)]
-pub(super) fn patch<S: Lanes, P: Arithmetic>(
+pub(super) fn patch<S: Lanes, Q: Query, P: Arithmetic>(
     simd: S,
     arena: View<'_>,
     ray: &PreparedRay,
@@ -167,12 +167,12 @@ pub(super) fn patch<S: Lanes, P: Arithmetic>(
     arena.prefetch_numbers(leaf.first);
     tests.leaves += 1;
     tests.count_triangles(leaf.count, leaf.quads, 1);
-    (test_patch::<S, P>(simd, leaf, &ray.ray, &ray.space), leaf.first)
+    (test_patch::<S, Q, P>(simd, leaf, &ray.ray, &ray.space), leaf.first)
 }
 
 /// Tests the triangles of a patch: fast tests take the ray as it is, others its sheared space.
 #[inline(always)]
-pub(super) fn test_patch<S: Lanes, P: Arithmetic>(
+pub(super) fn test_patch<S: Lanes, Q: Query, P: Arithmetic>(
     simd: S,
     leaf: &Patch,
     ray: &Ray,
@@ -182,14 +182,14 @@ pub(super) fn test_patch<S: Lanes, P: Arithmetic>(
     let (positions, corners) = (&leaf.positions, leaf.corners);
     match P::PRECISION {
         Precision::Fast => fast::intersect_patch(simd, ray, positions, corners, used),
-        Precision::Robust => space.intersect_patch(simd, positions, corners, used),
+        Precision::Robust => space.intersect_patch(simd, positions, corners, (used, Q::ANY)),
         Precision::Exact => LaneHits::open(used),
     }
 }
 
 /// As [`test_patch`], of a soup.
 #[inline(always)]
-pub(super) fn test_soup<S: Lanes, P: Arithmetic>(
+pub(super) fn test_soup<S: Lanes, Q: Query, P: Arithmetic>(
     simd: S,
     leaf: &Soup,
     ray: &Ray,
@@ -198,7 +198,7 @@ pub(super) fn test_soup<S: Lanes, P: Arithmetic>(
     let used = first_lanes(leaf.count);
     match P::PRECISION {
         Precision::Fast => fast::intersect_soup(simd, ray, &leaf.corners, used),
-        Precision::Robust => space.intersect_soup(simd, &leaf.corners, used),
+        Precision::Robust => space.intersect_soup(simd, &leaf.corners, (used, Q::ANY)),
         Precision::Exact => LaneHits::open(used),
     }
 }

@@ -229,7 +229,7 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
             for (k, is_done) in is_done.iter_mut().enumerate().take(count) {
                 *is_done = !self.step(simd, tiles, k, tests);
             }
-            self.children.visit(simd, tiles, self.searched.tree.arena.view());
+            self.children.visit::<S, Q>(simd, tiles, self.searched.tree.arena.view());
             self.visit_leaves(simd, tiles, tests);
             for k in (0..count).rev() {
                 if is_done[k] {
@@ -285,7 +285,7 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
         )
     }
 
-    /// Takes a tile on through leaves and one node. Whether there was a node left.
+    /// Takes a tile on through leaves and one node. Whether anything may be left.
     #[inline(always)]
     fn step<S: Lanes>(
         &mut self,
@@ -301,7 +301,8 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
             tile.is_reach_stale = false;
             tile.beam.reach = extent(simd, &tile.reach);
         }
-        while let Some(Visit { entry, rays }) = tile.pop() {
+        while self.children.has_room() {
+            let Some(Visit { entry, rays }) = tile.pop() else { return false };
             let rays = rays & !tile.done;
             if rays == 0 || distance(entry) > tile.beam.reach[1] {
                 continue;
@@ -320,10 +321,12 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
                 self.children.add(simd, (tile, k), (arena.node(at), at), rays);
                 return true;
             }
-            // The root: other leaves are never on the stack.
-            self.children.add_leaf(at, k, rays);
+            let rays = if Q::ANY { rays } else { rays & tile.reaching(simd, distance(entry)) };
+            if rays != 0 {
+                self.children.add_leaf(at, k, rays);
+            }
         }
-        false
+        true
     }
 
     /// Hands `rays` over to go on from `place`.

@@ -299,7 +299,7 @@ impl<Q: Query, P: Arithmetic, R: Source<Q, P>> Rounds<'_, Q, P, R> {
             let step = self.next.get(Kind::Patch, i);
             let ray = &self.slots[step.slot()].ray;
             let (hits, first) =
-                leaf::patch::<S, P>(simd, self.arena, ray, step.place(), self.tests);
+                leaf::patch::<S, Q, P>(simd, self.arena, ray, step.place(), self.tests);
             *found = Found { hits, first };
         }
         for (i, Found { hits, first }) in found.iter().enumerate().take(patches) {

@@ -7,7 +7,8 @@ use super::beam::Met;
 use super::tile::{Column, GROUPS, Tile, WIDTH, load};
 use super::{TILES_ON_THEIR_WAY, Visit};
 use crate::accel::arena::{Kind, Node, Ref, View, child_of};
-use crate::accel::node::distance;
+use crate::accel::node::{distance, place};
+use crate::accel::query::Query;
 use crate::math::simd::{LANES, Lanes, entry};
 
 /// A child that the beam of a tile meets.
@@ -29,12 +30,15 @@ struct Child {
 pub(super) struct Children {
     children: [Child; MOST_CHILDREN],
     count: usize,
-    leaves: [LeafVisit; MOST_CHILDREN],
+    leaves: [LeafVisit; MOST_LEAVES],
     leaf_count: usize,
 }
 
 /// The most children that are met at a time.
 const MOST_CHILDREN: usize = TILES_ON_THEIR_WAY * LANES;
+
+/// The most leaves: children, and as many that waited.
+const MOST_LEAVES: usize = 2 * MOST_CHILDREN;
 
 /// Rays of a tile that meet a leaf.
 #[derive(Clone, Copy, Debug)]
@@ -52,7 +56,7 @@ impl Children {
     pub(super) const NONE: Self = Self {
         children: [Self::NO_CHILD; MOST_CHILDREN],
         count: 0,
-        leaves: [Self::NO_LEAF; MOST_CHILDREN],
+        leaves: [Self::NO_LEAF; MOST_LEAVES],
         leaf_count: 0,
     };
 
@@ -81,10 +85,16 @@ impl Children {
         }
     }
 
+    /// Whether there is room for a leaf besides those of nodes.
+    #[inline(always)]
+    pub(super) fn has_room(&self) -> bool {
+        self.leaf_count < MOST_LEAVES - MOST_CHILDREN
+    }
+
     /// Adds a leaf that rays of the `k`th tile meet.
     #[inline(always)]
     pub(super) fn add_leaf(&mut self, place: Ref, k: usize, rays: u64) {
-        self.leaves[self.leaf_count % MOST_CHILDREN] = LeafVisit { place, tile: k as u32, rays };
+        self.leaves[self.leaf_count % MOST_LEAVES] = LeafVisit { place, tile: k as u32, rays };
         self.leaf_count += 1;
     }
 
@@ -92,7 +102,7 @@ impl Children {
     #[inline(always)]
     pub(super) fn take_leaf(&mut self, i: usize) -> Option<LeafVisit> {
         if i < self.leaf_count {
-            return Some(self.leaves[i % MOST_CHILDREN]);
+            return Some(self.leaves[i % MOST_LEAVES]);
         }
         self.leaf_count = 0;
         None
@@ -100,7 +110,12 @@ impl Children {
 
     /// Tests the rays and lets the tiles visit, later, what they meet.
     #[inline(always)]
-    pub(super) fn visit<S: Lanes>(&mut self, simd: S, tiles: &mut [Tile], arena: View<'_>) {
+    pub(super) fn visit<S: Lanes, Q: Query>(
+        &mut self,
+        simd: S,
+        tiles: &mut [Tile],
+        arena: View<'_>,
+    ) {
         for child in &mut self.children[..self.count] {
             if !child.by_all {
                 let lane = child.entry as usize & (LANES - 1);
@@ -113,17 +128,26 @@ impl Children {
                 };
             }
         }
-        for child in &self.children[..self.count] {
+        // Leaves before the nearest node are visited at once, others in their turn: what is before them may hide them.
+        let mut nearest = [u64::MAX; TILES_ON_THEIR_WAY];
+        for child in &mut self.children[..self.count] {
             let lane = child.entry as usize & (LANES - 1);
             let at = child_of(arena.node(child.parent), child.parent, lane);
             let is_met = child.rays != 0;
             arena.prefetch(if is_met { at } else { child.parent });
-            let entry = entry(distance(child.entry), at.bits());
-            let is_node = at.kind() == Kind::Node;
-            tiles[child.tile as usize].push(is_met & is_node, Visit { entry, rays: child.rays });
-            self.leaves[self.leaf_count % MOST_CHILDREN] =
-                LeafVisit { place: at, tile: child.tile, rays: child.rays };
-            self.leaf_count += usize::from(is_met & !is_node);
+            child.entry = entry(distance(child.entry), at.bits());
+            if is_met & (at.kind() == Kind::Node) {
+                nearest[child.tile as usize % TILES_ON_THEIR_WAY] = child.entry;
+            }
+        }
+        for &Child { entry, rays, tile, .. } in &self.children[..self.count] {
+            let place = place(entry);
+            let is_next = Q::ANY | (entry < nearest[tile as usize % TILES_ON_THEIR_WAY]);
+            let is_leaf = (place.kind() != Kind::Node) & is_next;
+            let is_met = rays != 0;
+            tiles[tile as usize].push(is_met & !is_leaf, Visit { entry, rays });
+            self.leaves[self.leaf_count % MOST_LEAVES] = LeafVisit { place, tile, rays };
+            self.leaf_count += usize::from(is_met & is_leaf);
         }
         self.count = 0;
     }

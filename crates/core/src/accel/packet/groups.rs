@@ -315,7 +315,7 @@ fn meet<S: Lanes, Q: Query, P: Arithmetic>(
     let sheared = Sheared { xy, z };
     let edges = Edges::new(&sheared.xy);
     let Decision { t, certain, open, inside } =
-        decide(&sheared, &edges, &range, u32::from(pair.inside));
+        decide(&sheared, &edges, &range, (u32::from(pair.inside), Q::ANY));
     if open == 0 {
         report::note::<S, Q, P>(simd, arena, group, pair.triangle, (t, certain));
         return;

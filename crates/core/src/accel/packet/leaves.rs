@@ -161,12 +161,12 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
                 let leaf = arena.patch(single.place);
                 arena.prefetch_numbers(leaf.first);
                 tests.count_triangles(leaf.count, leaf.quads, 1);
-                let hits = leaf::test_patch::<S, P>(simd, leaf, &ray, &space);
+                let hits = leaf::test_patch::<S, Q, P>(simd, leaf, &ray, &space);
                 Found { hits, first: leaf.first }
             } else {
                 let leaf = arena.soup(single.place);
                 tests.count_triangles(leaf.count, leaf.quads, 1);
-                let hits = leaf::test_soup::<S, P>(simd, leaf, &ray, &space);
+                let hits = leaf::test_soup::<S, Q, P>(simd, leaf, &ray, &space);
                 Found { hits, first: leaf.first }
             };
         }

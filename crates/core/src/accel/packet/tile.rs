@@ -163,6 +163,17 @@ impl Tile {
         Some(self.visits[self.height])
     }
 
+    /// The rays that have found nothing nearer than `distance`.
+    #[inline(always)]
+    pub(super) fn reaching<S: Lanes>(&self, simd: S, distance: f32) -> u64 {
+        let mut rays = 0;
+        for g in 0..GROUPS {
+            let reaching = load(simd, &self.reach, g).simd_ge(f32x16::splat(simd, distance));
+            rays |= reaching.to_bitmask() << (g * WIDTH);
+        }
+        rays
+    }
+
     /// Its rays.
     #[inline(always)]
     pub(super) fn all(&self) -> u64 {

@@ -130,7 +130,18 @@ impl<F: Real<Element = f32>> Distance<F> {
     /// Where the bound leaves no doubt whether t is within the range.
     #[inline(always)]
     pub(super) fn is_decided(&self, range: &RayRange<F>) -> F::Mask {
-        let from = |end: F| ((self.t - end).abs() * self.determinant).gt(self.error);
+        self.is_off_ends(range, self.error)
+    }
+
+    /// Where the exact t, rounded, is within the range if t is: the bound is many times what that rounding moves it.
+    #[inline(always)]
+    fn is_decided_exactly(&self, range: &RayRange<F>) -> F::Mask {
+        self.is_off_ends(range, self.error + self.error)
+    }
+
+    #[inline(always)]
+    fn is_off_ends(&self, range: &RayRange<F>, error: F) -> F::Mask {
+        let from = |end: F| ((self.t - end).abs() * self.determinant).gt(error);
         from(range.t_max) & from(range.t_min)
     }
 
@@ -158,25 +169,27 @@ impl<F: Real<Element = f32>> Distance<F> {
     }
 }
 
-/// Decides on the `candidates`, a bit each: pairs that do not certainly pass by each other.
+/// Decides on the `candidates`, a bit each: pairs that do not certainly pass by each other. Where `any` hit will do,
+/// its t need not be known.
 #[inline(always)]
 pub(crate) fn decide<F: Real<Element = f32>>(
     sheared: &Sheared<F>,
     edges: &Edges<F>,
     range: &RayRange<F>,
-    candidates: u32,
+    (candidates, any): (u32, bool),
 ) -> Decision<F> {
     let found = distance(sheared, edges, range.depth);
     let zero = found.t.zero();
-    let inside = edges.low.gt(zero) | edges.high.lt(zero);
-    let decided = inside & found.is_decided(range);
-    let exact = found.is_exact();
+    let passes = edges.low.gt(zero) | edges.high.lt(zero);
+    let inside = edges.are_certain(found.edge);
+    let known = found.is_decided(range) & found.is_exact();
+    let known = if any { known | found.is_decided_exactly(range) & inside } else { known };
     let within = found.is_within(range);
     let candidates = candidates & !found.is_before(range).bits();
     Decision {
         t: found.clamped(),
-        certain: candidates & (decided & within & exact).bits(),
-        open: candidates & !(decided & (!within | exact)).bits(),
-        inside: edges.are_certain(found.edge),
+        certain: candidates & (passes & within & known).bits(),
+        open: candidates & !(passes & (!within & found.is_decided(range) | known)).bits(),
+        inside,
     }
 }

@@ -4,9 +4,11 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x8, u32x8};
 
+use super::plane::Plane;
 use super::{Decision, Edges, RayRange, Sheared, ShearedSpace, decide};
-use crate::math::real::Mask;
-use crate::math::simd::Lanes;
+use crate::math::real::{Mask, Real, Single};
+use crate::math::simd::{Lanes, outlined};
+use crate::math::vector::{Line, Vector};
 
 /// What is known about eight triangles.
 #[derive(Clone, Copy, Debug, Default)]
@@ -33,7 +35,7 @@ pub(crate) const ORDERS: [[usize; 3]; 3] = [[1, 2, 0], [2, 0, 1], [0, 1, 2]];
 impl ShearedSpace {
     /// Tests up to eight triangles over eight vertices. `positions` has an axis a row; each of
     /// `corners` a vertex for each triangle, four bits each. Triangles whose bit in `used` is 0 are
-    /// ignored.
+    /// ignored. Where `any` hit will do, t is not to be relied on.
     // Arrays of vectors are not mapped but written out: `map` is not inlined here, and vectors are
     // then passed through memory.
     #[inline(always)]
@@ -42,13 +44,10 @@ impl ShearedSpace {
         simd: S,
         positions: &[[f32; 8]; 3],
         corners: [u32; 3],
-        used: u32,
+        (used, any): (u32, bool),
     ) -> LaneHits {
         let (x, y, z) = self.shear_lanes(simd, positions);
-        let shifts: u32x8<S> = [0, 4, 8, 12, 16, 20, 24, 28].simd_into(simd);
-        let a = (u32x8::splat(simd, corners[0]) >> shifts) & 7;
-        let b = (u32x8::splat(simd, corners[1]) >> shifts) & 7;
-        let c = (u32x8::splat(simd, corners[2]) >> shifts) & 7;
+        let [a, b, c] = lanes_of(simd, corners);
         let xy = [
             [simd.permute(x, a), simd.permute(y, a)],
             [simd.permute(x, b), simd.permute(y, b)],
@@ -56,7 +55,28 @@ impl ShearedSpace {
         ];
         let z = z * self.shear[2];
         let z = [simd.permute(z, a), simd.permute(z, b), simd.permute(z, c)];
-        self.intersect_lanes(simd, &Sheared { xy, z }, used)
+        let (mut hits, settleable) = self.intersect_lanes(simd, &Sheared { xy, z }, (used, any));
+        if settleable != 0 {
+            outlined(
+                simd,
+                #[inline(always)]
+                || {
+                    let [a, b, c] = lanes_of(simd, corners);
+                    let [x, y, z] = positions.map(|row| row.simd_into(simd));
+                    let corner = |at: u32x8<S>| {
+                        let at = |axis: f32x8<S>| simd.permute(axis, at);
+                        Vector::new(at(x), at(y), at(z))
+                    };
+                    self.settle_lanes(
+                        simd,
+                        &[corner(a), corner(b), corner(c)],
+                        settleable,
+                        &mut hits,
+                    );
+                },
+            );
+        }
+        hits
     }
 
     /// Tests up to eight triangles; `corners` has a corner and an axis a row.
@@ -65,7 +85,7 @@ impl ShearedSpace {
         &self,
         simd: S,
         corners: &[[[f32; 8]; 3]; 3],
-        used: u32,
+        (used, any): (u32, bool),
     ) -> LaneHits {
         let (ax, ay, az) = self.shear_lanes(simd, &corners[0]);
         let (bx, by, bz) = self.shear_lanes(simd, &corners[1]);
@@ -73,7 +93,21 @@ impl ShearedSpace {
         let xy = [[ax, ay], [bx, by], [cx, cy]];
         let scale = self.shear[2];
         let z = [az * scale, bz * scale, cz * scale];
-        self.intersect_lanes(simd, &Sheared { xy, z }, used)
+        let (mut hits, settleable) = self.intersect_lanes(simd, &Sheared { xy, z }, (used, any));
+        if settleable != 0 {
+            outlined(
+                simd,
+                #[inline(always)]
+                || {
+                    let corners = corners.map(|corner| {
+                        let [x, y, z] = corner.map(|row| row.simd_into(simd));
+                        Vector::<f32x8<S>>::new(x, y, z)
+                    });
+                    self.settle_lanes(simd, &corners, settleable, &mut hits);
+                },
+            );
+        }
+        hits
     }
 
     /// As [`ShearedSpace::shear`], but z not scaled yet.
@@ -94,22 +128,54 @@ impl ShearedSpace {
         (x - z * self.shear[0], y - z * self.shear[1], z)
     }
 
-    /// What is known of the `used` ones.
+    /// What is known of the `used` ones, and those that are open although the ray certainly passes through.
     #[inline(always)]
     fn intersect_lanes<S: Lanes>(
         &self,
         simd: S,
         sheared: &Sheared<f32x8<S>>,
-        used: u32,
-    ) -> LaneHits {
-        let range = RayRange {
-            depth: f32x8::splat(simd, self.direction[2].abs()),
-            t_min: f32x8::splat(simd, self.t_min),
-            t_max: f32x8::splat(simd, self.t_max),
-        };
+        (used, any): (u32, bool),
+    ) -> (LaneHits, u32) {
+        let range = self.range_of_lanes(simd);
         let edges = Edges::new(&sheared.xy);
-        let Decision { t, certain, open, .. } =
-            decide(sheared, &edges, &range, used & !edges.outside().bits());
-        LaneHits { t: t.into(), certain, open }
+        let Decision { t, certain, open, inside } =
+            decide(sheared, &edges, &range, (used & !edges.outside().bits(), any));
+        (LaneHits { t: t.into(), certain, open }, open & inside.bits())
     }
+
+    /// Settles in double precision where the ray meets the `open` triangles with these corners, a bit each, all of
+    /// which it passes through.
+    #[inline(always)]
+    fn settle_lanes<S: Lanes>(
+        &self,
+        simd: S,
+        [a, b, c]: &[Vector<f32x8<S>>; 3],
+        open: u32,
+        hits: &mut LaneHits,
+    ) {
+        let splat = |v: Vector<f32>| Vector::new(a.x.same(v.x), a.x.same(v.y), a.x.same(v.z));
+        let line = Line { origin: splat(self.origin()), direction: splat(self.direction()) };
+        let plane = Plane::of(&[a.widen(), b.widen(), c.widen()]);
+        let settled = plane.settle(&line, &self.range_of_lanes(simd));
+        let (hit, miss) = (open & settled.hit.bits(), open & settled.miss.bits());
+        let t: f32x8<S> = hits.t.simd_into(simd);
+        hits.t = <f32x8<S> as Single>::mask(simd, hit).select(settled.t, t).into();
+        hits.certain |= hit;
+        hits.open &= !(hit | miss);
+    }
+
+    #[inline(always)]
+    fn range_of_lanes<S: Lanes>(&self, simd: S) -> RayRange<f32x8<S>> {
+        let splat = |value| <f32x8<S> as Single>::splat(simd, value);
+        let depth = splat(self.direction[2].abs());
+        RayRange { depth, t_min: splat(self.t_min), t_max: splat(self.t_max) }
+    }
+}
+
+/// The vertex of each lane's triangle, for each corner.
+#[inline(always)]
+fn lanes_of<S: Lanes>(simd: S, [a, b, c]: [u32; 3]) -> [u32x8<S>; 3] {
+    let shifts: u32x8<S> = [0, 4, 8, 12, 16, 20, 24, 28].simd_into(simd);
+    let lanes = |corner: u32| (u32x8::splat(simd, corner) >> shifts) & 7;
+    [lanes(a), lanes(b), lanes(c)]
 }
