@@ -63,9 +63,8 @@ impl Model {
     /// The most triangles that may be asked for: within [`MOST_TRIANGLES`], those of the finest
     /// grid. A room has no more than half, as its leaves have three vertices to the triangle.
     pub fn most_triangles(self) -> u64 {
-        self.grid().map_or(MOST_TRIANGLES / 2, |(one, _)| {
-            one * (MOST_TRIANGLES / one).isqrt().pow(2)
-        })
+        self.grid()
+            .map_or(MOST_TRIANGLES / 2, |(one, _)| one * (MOST_TRIANGLES / one).isqrt().pow(2))
     }
 }
 

@@ -88,7 +88,7 @@ impl Builder {
             let (sin, cos) = libm::sincos(PI * u);
             let x = thickness / 2.0 * (1.0 - cos);
             // Bands run across the spine.
-            let bands = 0.0012 * libm::sin(6.0 * PI * v).powi(2);
+            let bands = 0.0006 * (1.0 - libm::cos(12.0 * PI * v));
             place.point(DVec3::new(x, height * v, depth + sin * (0.006 + bands)))
         };
         self.sheet(cells, colour, Box::new(spine));

@@ -65,7 +65,8 @@ impl Builder {
             }
             let outward = (flat - edge) / over;
             // Round the corners the cloth spreads like a cone.
-            let corner = 4.0 * (outward.x * outward.y).powi(2);
+            let across = 2.0 * outward.x * outward.y;
+            let corner = across * across;
             let along = edge.x - edge.y + 0.2 * libm::atan2(outward.y, outward.x.abs());
             let (sin, cos) = libm::sincos((over / BEND).min(FRAC_PI_2));
             let hang = (over - BEND * FRAC_PI_2).max(0.0);
@@ -81,8 +82,7 @@ impl Builder {
     pub(super) fn rug(&mut self, place: Place, half: DVec2) {
         /// How wide the border is.
         const BORDER: f64 = 0.18;
-        let layers =
-            [(half, 0.008, Colour::RUG_BORDER), (half - BORDER, 0.011, Colour::RUG)];
+        let layers = [(half, 0.008, Colour::RUG_BORDER), (half - BORDER, 0.011, Colour::RUG)];
         for (half, height, colour) in layers {
             let crumples = self.crumples();
             let depth = self.folds.min(height) * 0.15;

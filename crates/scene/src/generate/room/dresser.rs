@@ -56,9 +56,8 @@ impl Builder {
         let width = SIZE.x / f64::from(DOORS);
         for i in 0..DOORS {
             let x = width * f64::from(i) - half;
-            let rect = |y0: f64, y1: f64| {
-                (DVec2::new(x + 0.003, y0), DVec2::new(x + width - 0.003, y1))
-            };
+            let rect =
+                |y0: f64, y1: f64| (DVec2::new(x + 0.003, y0), DVec2::new(x + width - 0.003, y1));
             let (low, high) = rect(0.7, SIZE.y - BOARD - 0.004);
             wood.panel(&front, low, high, &DRAWER);
             self.knob(front.moved(x + width / 2.0, (low.y + high.y) / 2.0, 0.02));
@@ -109,7 +108,10 @@ impl Builder {
         }
         self.teapot(place.moved(-0.22, 0.0, 0.24).turned(-25.0), Colour::GLAZE);
         for i in 0..4_u32 {
-            self.glass(place.moved(0.08 + 0.1 * f64::from(i % 2), 0.0, 0.16 + 0.11 * f64::from(i / 2)), Colour::CHINA);
+            self.glass(
+                place.moved(0.08 + 0.1 * f64::from(i % 2), 0.0, 0.16 + 0.11 * f64::from(i / 2)),
+                Colour::CHINA,
+            );
         }
         self.vase(place.moved(0.52, 0.0, 0.2).scaled(1.1), Colour::CLAY);
         self.candle(place.moved(0.74, 0.0, 0.3));

@@ -79,8 +79,7 @@ impl Builder {
     ) {
         /// Over so much of the curve its direction is taken.
         const STEP: f64 = 1.0 / 1024.0;
-        let cells =
-            [self.steps(TAU * curve(0.5).1, fineness, 5), self.steps(length, fineness, 4)];
+        let cells = [self.steps(TAU * curve(0.5).1, fineness, 5), self.steps(length, fineness, 4)];
         let shape = move |u: f64, v: f64| {
             let (centre, radius) = curve(v);
             let tangent = (curve(v + STEP).0 - curve(v - STEP).0).normalize();

@@ -28,7 +28,13 @@ const POT: [[f64; 2]; 12] = [
 const SOIL: [[f64; 2]; 4] = [[0.1, 21.0], [15.0, 21.0], [15.4, 24.0], [0.1, 25.5]];
 
 /// A leaf from `base` along `way`, which hangs by a share `droop` of its length.
-fn leaf(base: DVec3, way: DVec3, [length, width]: [f64; 2], droop: f64, random: &mut Random) -> Leaf {
+fn leaf(
+    base: DVec3,
+    way: DVec3,
+    [length, width]: [f64; 2],
+    droop: f64,
+    random: &mut Random,
+) -> Leaf {
     let along = (way - DVec3::Y * droop).normalize();
     let across = along.cross(random.direction()).normalize();
     let fold = across.cross(along) * (width * 0.3);

@@ -32,12 +32,7 @@ impl Facets {
                 };
                 let (down, up) = (sign(-1.0), sign(1.0));
                 let [p, q] = if a * b > 0.0 { [first, second] } else { [second, first] };
-                self.quads.push([
-                    corner(down, p),
-                    corner(down, q),
-                    corner(up, q),
-                    corner(up, p),
-                ]);
+                self.quads.push([corner(down, p), corner(down, q), corner(up, q), corner(up, p)]);
             }
         }
         for signs in 0..8_u8 {
@@ -68,13 +63,7 @@ impl Facets {
 
     /// Mitred frames about a rectangle of the plane z = 0, each reaching from one (inset, height
     /// towards +z) of `profile` to the next: open in the middle.
-    pub(super) fn frames(
-        &mut self,
-        place: &Place,
-        low: DVec2,
-        high: DVec2,
-        profile: &[[f64; 2]],
-    ) {
+    pub(super) fn frames(&mut self, place: &Place, low: DVec2, high: DVec2, profile: &[[f64; 2]]) {
         let ring = |[inset, z]: [f64; 2]| rectangle(place, low + inset, high - inset, z);
         self.between(&profile.iter().map(|&at| ring(at)).collect::<Vec<_>>());
     }

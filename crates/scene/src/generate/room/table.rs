@@ -40,8 +40,10 @@ impl Builder {
     /// A laid table with six chairs about it.
     pub(super) fn dining(&mut self, place: Place) {
         let mut wood = Facets::default();
-        let top = [HALF.x, TOP - 0.002, HALF.y];
-        wood.board(&place, [-HALF.x, TOP - 0.035, -HALF.y], top, 2.0 * BEVEL);
+        // Less than the cloth, so that it stays below a coarse one.
+        let board = HALF - 0.03;
+        let top = [board.x, TOP - 0.002, board.y];
+        wood.board(&place, [-board.x, TOP - 0.035, -board.y], top, 2.0 * BEVEL);
         let (x, z) = (HALF.x - 0.09, HALF.y - 0.09);
         for side in [-1.0, 1.0] {
             let rail = [x, TOP - 0.036, side * z + 0.012];

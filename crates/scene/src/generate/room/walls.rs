@@ -25,10 +25,9 @@ pub(super) struct Opening {
 pub(super) const WINDOW: Opening =
     Opening { low: DVec2::new(-0.95, 0.85), high: DVec2::new(0.95, 2.2) };
 /// The door in the back wall, over a threshold.
-const ENTRANCE: Opening = Opening { low: DVec2::new(-0.72, 0.02), high: DVec2::new(0.18, 2.08) };
+const ENTRANCE: Opening = Opening { low: DVec2::new(-0.72, 0.07), high: DVec2::new(0.18, 2.08) };
 /// The window in the wall behind the camera.
-const SMALL_WINDOW: Opening =
-    Opening { low: DVec2::new(-0.7, 1.0), high: DVec2::new(0.7, 2.1) };
+const SMALL_WINDOW: Opening = Opening { low: DVec2::new(-0.7, 1.0), high: DVec2::new(0.7, 2.1) };
 
 /// The walls as seen from within: each is in the plane z = 0 of its space, and faces +z.
 pub(super) fn back() -> Place {
