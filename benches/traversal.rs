@@ -1,10 +1,11 @@
 //! Searching the tree with each kernel and each set of vector instructions: time is told for one
 //! ray.
 //!
-//! Coherent rays are those of a camera, in blocks of 8 by 8; random ones are the worst that a tree
-//! can meet. They are asked for in batches, as the wavefront does. Run with
-//! `cargo bench --bench traversal`, and a word to choose by name, such as `packet`. The mesh has
-//! 100 thousand triangles, or as many as the variable `WAVECREST_BENCH_TRIANGLES` says.
+//! A scan has triangles of one size, a room those of all sizes: a kernel that is quick in one may be slow
+//! in the other. Coherent rays are those of a camera, in blocks of 8 by 8; random ones are the worst that
+//! a tree can meet. They are asked for in batches, as the wavefront does. Run with
+//! `cargo bench --bench traversal`, and a word to choose by name, such as `packet` or `room`. The meshes
+//! have 100 thousand triangles, or as many as the variable `WAVECREST_BENCH_TRIANGLES` says.
 
 use std::fmt;
 use std::sync::{LazyLock, Mutex, PoisonError};
@@ -25,16 +26,28 @@ use wavecrest_scene::generate::{Model, Recipe, mesh};
 /// Rays in a row and in a column of the coherent ones; there are as many random ones.
 const SIDE: u32 = 128;
 
-static ACCEL: LazyLock<Mutex<Accel>> = LazyLock::new(|| {
+/// What is searched.
+#[derive(Clone, Copy)]
+enum Mesh {
+    Scan,
+    Room,
+}
+
+static MESHES: [LazyLock<Mutex<Accel>>; 2] = [
+    LazyLock::new(|| Mutex::new(accel(Model::Sphere))),
+    LazyLock::new(|| Mutex::new(accel(Model::Room))),
+];
+
+fn accel(model: Model) -> Accel {
     let triangles = std::env::var("WAVECREST_BENCH_TRIANGLES");
     let triangles = triangles.ok().and_then(|n| n.parse().ok()).unwrap_or(100_000);
     // Where it cannot be made, the check below says so.
-    let mesh = mesh(&Recipe::new(Model::Sphere, triangles)).unwrap_or_default();
+    let mesh = mesh(&Recipe::new(model, triangles)).unwrap_or_default();
     let (positions, triangles) = (mesh.positions, mesh.triangles);
     let geometry = Geometry { positions, triangles, ..Geometry::default() };
-    assert!(!geometry.triangles.is_empty(), "the mesh could not be made");
-    Mutex::new(Accel::new(geometry, Preset::Fast))
-});
+    assert!(!geometry.triangles.is_empty(), "the {model} could not be made");
+    Accel::new(geometry, Preset::Fast)
+}
 
 fn main() {
     divan::main();
@@ -43,6 +56,7 @@ fn main() {
 /// What is timed.
 #[derive(Clone, Copy)]
 struct Case {
+    mesh: Mesh,
     coherent: bool,
     kernel: KernelChoice,
     level: Level,
@@ -50,8 +64,12 @@ struct Case {
 
 impl fmt::Display for Case {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mesh = match self.mesh {
+            Mesh::Scan => "scan",
+            Mesh::Room => "room",
+        };
         let rays = if self.coherent { "coherent" } else { "random" };
-        write!(f, "{rays}, {}, {}", self.kernel.name(), self.level.name())
+        write!(f, "{mesh}, {rays}, {}, {}", self.kernel.name(), self.level.name())
     }
 }
 
@@ -61,29 +79,57 @@ fn cases() -> Vec<Case> {
     let levels = Level::available().into_iter().map(|level| (KernelChoice::Auto, level));
     let others = levels.filter(|(_, level)| *level != Level::best());
     let both: Vec<_> = kernels.into_iter().chain(others).collect();
-    let with = |coherent| both.iter().map(move |&(kernel, level)| Case { coherent, kernel, level });
-    with(true).chain(with(false)).collect()
+    let all = [Mesh::Scan, Mesh::Room].into_iter().flat_map(|mesh| [(mesh, true), (mesh, false)]);
+    let with = |(mesh, coherent)| {
+        both.iter().map(move |&(kernel, level)| Case { mesh, coherent, kernel, level })
+    };
+    all.flat_map(with).collect()
 }
 
-/// From one point through a grid, block by block; the mesh fills most of it.
-fn coherent() -> Vec<Ray> {
+impl Mesh {
+    /// Where a camera stands, and the square that it sees, by its middle and half its sides: it is filled
+    /// by the scan, or across the room from the corner in which the camera is.
+    fn view(self) -> [Vec3; 4] {
+        match self {
+            Self::Scan => [Vec3::Z * 4.0, Vec3::ZERO, Vec3::X, Vec3::Y],
+            Self::Room => {
+                let (eye, middle) = (Vec3::new(2.35, 1.6, 2.2), Vec3::new(-0.45, 0.85, -0.6));
+                let right = (middle - eye).cross(Vec3::Y).normalize();
+                let up = right.cross(middle - eye).normalize();
+                [eye, middle, right * 2.4, up * 2.4]
+            }
+        }
+    }
+
+    /// The box between whose points random rays go: about the scan and within the room.
+    fn bounds(self) -> [Vec3; 2] {
+        match self {
+            Self::Scan => [Vec3::splat(-2.0), Vec3::splat(2.0)],
+            Self::Room => [Vec3::new(-3.0, 0.0, -2.5), Vec3::new(3.0, 2.7, 2.5)],
+        }
+    }
+}
+
+/// From one point through a grid, block by block.
+fn coherent(mesh: Mesh) -> Vec<Ray> {
+    let [eye, middle, right, up] = mesh.view();
     let at = |i: u32| (i as f32 + 0.5) / SIDE as f32 * 2.0 - 1.0;
     let ray = |i: u32| {
         let (block, within) = (i / 64, i % 64);
         let (x, y) = (block % (SIDE / 8) * 8 + within % 8, block / (SIDE / 8) * 8 + within / 8);
-        let origin = Vec3::new(0.0, 0.0, 4.0);
-        Ray::new(origin, Vec3::new(at(x), at(y), 0.0) - origin)
+        Ray::new(eye, middle + right * at(x) + up * at(y) - eye)
     };
     (0..SIDE * SIDE).map(ray).collect()
 }
 
-/// Between two points anywhere about the mesh and within it.
-fn random() -> Vec<Ray> {
+/// Between two points anywhere in the bounds.
+fn random(mesh: Mesh) -> Vec<Ray> {
+    let [low, high] = mesh.bounds();
     let ray = |pixel| {
         let stream = Stream { seed: 2, pixel, sample: 0, bounce: 0 };
         let point = |dimension| {
             let [x, y, z, _] = stream.uniform(dimension);
-            Vec3::new(x, y, z) * 4.0 - 2.0
+            low + Vec3::new(x, y, z) * (high - low)
         };
         Ray { t_max: 1.0, ..Ray::new(point(0), point(1) - point(0)) }
     };
@@ -97,8 +143,8 @@ fn time<A: Clone>(
     none: A,
     ask: impl Fn(&Accel, &[Ray], &mut [A], &mut Traversal),
 ) {
-    let rays = if case.coherent { coherent() } else { random() };
-    let mut accel = ACCEL.lock().unwrap_or_else(PoisonError::into_inner);
+    let rays = if case.coherent { coherent(case.mesh) } else { random(case.mesh) };
+    let mut accel = MESHES[case.mesh as usize].lock().unwrap_or_else(PoisonError::into_inner);
     accel.kernel = case.kernel;
     accel.level = case.level.token().unwrap_or(accel.level);
     let (accel, mut traversal) = (&*accel, accel.traversal());

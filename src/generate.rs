@@ -33,7 +33,8 @@ pub(crate) struct GenerateArgs {
     #[arg(long, default_value_t = 1)]
     pub(crate) seed: u64,
 
-    /// How far to move the surface: a share of the radius (sphere, knot) or a height (terrain)
+    /// How far to move the surface: a share of the radius (sphere, knot), a height (terrain), or how deep
+    /// cloth folds (room)
     #[arg(long, value_name = "NUMBER")]
     pub(crate) displacement: Option<f64>,
 

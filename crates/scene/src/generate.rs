@@ -14,6 +14,7 @@ mod knot;
 mod noise;
 mod ply;
 mod recipe;
+mod room;
 mod sphere;
 mod surface;
 mod terrain;
@@ -42,7 +43,11 @@ pub fn mesh(recipe: &Recipe) -> Result<MeshData> {
         values: each(surface.vertices(), |v| rounded(surface.normal(v))),
         indices: None,
     });
-    Ok(MeshData { positions, triangles, normals, uvs: None })
+    let uvs = surface.uv(0).map(|_| Attribute {
+        values: each(surface.vertices(), |v| surface.uv(v).unwrap_or_default()),
+        indices: None,
+    });
+    Ok(MeshData { positions, triangles, normals, uvs })
 }
 
 /// `item` of 0, 1, ... `count` - 1, made in parallel and kept in order.

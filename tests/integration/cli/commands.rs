@@ -277,8 +277,9 @@ fn diff_refuses_pictures_of_two_sizes() {
 #[test]
 fn a_generated_mesh_can_be_rendered() {
     let folder = folder();
-    for model in ["sphere", "knot", "terrain"] {
-        let arguments = ["generate", model, "mesh.ply", "-n", "3k", "--normals"];
+    for (model, triangles) in [("sphere", "3k"), ("knot", "3k"), ("terrain", "3k"), ("room", "80k")]
+    {
+        let arguments = ["generate", model, "mesh.ply", "-n", triangles, "--normals"];
         let output = run(folder.path(), &arguments);
         assert_eq!((output.status.code(), text(&output.stdout)), (Some(0), ""));
         let told = text(&output.stderr);

@@ -25,6 +25,8 @@ const RECORDS_PER_TASK: usize = 4096;
 const FACE_BYTES: usize = 1 + 3 * 4;
 /// A position or a normal.
 const VECTOR_BYTES: usize = 3 * 4;
+/// Texture coordinates.
+const UV_BYTES: usize = 2 * 4;
 
 /// What [`write_ply`] wrote.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -83,17 +85,24 @@ struct Layout {
     vertices: u64,
     triangles: u64,
     normals: bool,
+    uvs: bool,
 }
 
 impl Layout {
     fn new(recipe: &Recipe, surface: &dyn Surface) -> Self {
         let (vertices, triangles) = (surface.vertices(), surface.triangles());
-        let header = header(recipe, vertices, triangles);
-        Self { header, vertices, triangles, normals: recipe.normals }
+        let uvs = surface.uv(0).is_some();
+        let header = header(recipe, vertices, triangles, uvs);
+        Self { header, vertices, triangles, normals: recipe.normals, uvs }
+    }
+
+    /// Position and normal.
+    fn vector_bytes(&self) -> usize {
+        if self.normals { 2 * VECTOR_BYTES } else { VECTOR_BYTES }
     }
 
     fn vertex_bytes(&self) -> usize {
-        if self.normals { 2 * VECTOR_BYTES } else { VECTOR_BYTES }
+        self.vector_bytes() + if self.uvs { UV_BYTES } else { 0 }
     }
 
     fn bytes(&self) -> u64 {
@@ -111,10 +120,14 @@ impl Layout {
         sink.file.write_all(self.header.as_bytes())?;
         sink.advance(self.header.len());
         stream(&mut sink, self.vertices, self.vertex_bytes(), |v, record| {
-            let (position, normal) = record.split_at_mut(VECTOR_BYTES);
+            let (vectors, uv) = record.split_at_mut(self.vector_bytes());
+            let (position, normal) = vectors.split_at_mut(VECTOR_BYTES);
             put(position, rounded(surface.position(v)).to_array().map(f32::to_le_bytes));
             if self.normals {
                 put(normal, rounded(surface.normal(v)).to_array().map(f32::to_le_bytes));
+            }
+            if let Some(values) = surface.uv(v) {
+                put(uv, values.to_array().map(f32::to_le_bytes));
             }
         })?;
         stream(&mut sink, self.triangles, FACE_BYTES, |t, record| {
@@ -126,25 +139,26 @@ impl Layout {
 }
 
 /// The header, with the recipe as a comment so that the file says how to make it again.
-fn header(recipe: &Recipe, vertices: u64, triangles: u64) -> String {
+fn header(recipe: &Recipe, vertices: u64, triangles: u64, uvs: bool) -> String {
     let Recipe { model, triangles: asked, seed, displacement, normals } = recipe;
     let flag = if *normals { " --normals" } else { "" };
     let normals =
         if *normals { "property float nx\nproperty float ny\nproperty float nz\n" } else { "" };
+    let uvs = if uvs { "property float u\nproperty float v\n" } else { "" };
     format!(
         "ply\nformat binary_little_endian 1.0\n\
          comment wavecrest generate {model} --triangles {asked} --seed {seed} \
          --displacement {displacement}{flag}\n\
          element vertex {vertices}\n\
-         property float x\nproperty float y\nproperty float z\n{normals}\
+         property float x\nproperty float y\nproperty float z\n{normals}{uvs}\
          element face {triangles}\n\
          property list uchar int vertex_indices\n\
          end_header\n"
     )
 }
 
-/// Puts three four-byte numbers into their place in a record.
-fn put(place: &mut [u8], numbers: [[u8; 4]; 3]) {
+/// Puts some four-byte numbers into their place in a record.
+fn put<const N: usize>(place: &mut [u8], numbers: [[u8; 4]; N]) {
     place.copy_from_slice(numbers.as_flattened());
 }
 

@@ -1,7 +1,7 @@
 //! What a mesh is to be made of.
 
 use super::surface::Surface;
-use super::{knot, sphere, terrain};
+use super::{knot, room, sphere, terrain};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
 /// The most triangles a mesh may have: what the signed indices of a PLY file can count. Vertices
@@ -18,6 +18,8 @@ wavecrest_base::choices! {
         Terrain = "terrain",
         /// A tube along a torus knot, finely displaced: closed, and nowhere through itself.
         Knot = "knot",
+        /// A furnished room, 6 by 5 metres and y up: triangles of all sizes, with a palette's coordinates.
+        Room = "room",
     }
 }
 
@@ -28,6 +30,7 @@ impl Model {
             Self::Sphere => 0.25,
             Self::Terrain => 0.4,
             Self::Knot => 0.3,
+            Self::Room => 0.035,
         }
     }
 
@@ -37,35 +40,31 @@ impl Model {
             Self::Sphere => 0.9,
             Self::Terrain => 10.0,
             Self::Knot => knot::MOST_DISPLACEMENT,
+            Self::Room => room::MOST_FOLDS,
         }
     }
 
-    /// The triangles of a grid of one step; one of `n` steps has `n * n` times as many.
-    pub(super) fn triangles_at_one(self) -> u64 {
+    /// Of what is a single grid, the triangles of one step (one of `n` steps has `n * n` times as
+    /// many), and the fewest steps that still look like the model.
+    pub(super) fn grid(self) -> Option<(u64, u64)> {
         match self {
-            Self::Sphere => 12,
-            Self::Terrain => 2,
-            Self::Knot => 2 * knot::RINGS_PER_SIDE,
-        }
-    }
-
-    /// The fewest steps of a grid that still looks like the model.
-    pub(super) fn fewest_steps(self) -> u64 {
-        match self {
-            Self::Sphere => 2,
-            Self::Terrain => 4,
-            Self::Knot => 8,
+            Self::Sphere => Some((12, 2)),
+            Self::Terrain => Some((2, 4)),
+            Self::Knot => Some((2 * knot::RINGS_PER_SIDE, 8)),
+            Self::Room => None,
         }
     }
 
     /// The fewest triangles that may be asked for.
     pub fn fewest_triangles(self) -> u64 {
-        self.triangles_at_one() * self.fewest_steps().pow(2)
+        self.grid().map_or_else(room::fewest_triangles, |(one, steps)| one * steps.pow(2))
     }
 
-    /// The most triangles that may be asked for: the finest grid within [`MOST_TRIANGLES`].
+    /// The most triangles that may be asked for: within [`MOST_TRIANGLES`], those of the finest
+    /// grid. A room has no more than half, as its leaves have three vertices to the triangle.
     pub fn most_triangles(self) -> u64 {
-        self.triangles_at_one() * (MOST_TRIANGLES / self.triangles_at_one()).isqrt().pow(2)
+        self.grid()
+            .map_or(MOST_TRIANGLES / 2, |(one, _)| one * (MOST_TRIANGLES / one).isqrt().pow(2))
     }
 }
 
@@ -82,12 +81,13 @@ pub struct Recipe {
     /// What the mesh is of.
     pub model: Model,
     /// The triangles asked for. The mesh has the nearest count at or above it that its grid
-    /// allows: see [`Recipe::counts`].
+    /// allows, and a room as many: see [`Recipe::counts`].
     pub triangles: u64,
     /// Which of the noises is used.
     pub seed: u64,
     /// How far the surface is moved: for the sphere and the knot as a share of their radius (that
-    /// of the tube), either way; for the terrain the height of the highest crests.
+    /// of the tube), either way; for the terrain the height of the highest crests; for the room how
+    /// deep cloth folds, in metres.
     pub displacement: f64,
     /// Whether vertices have normals.
     pub normals: bool,
@@ -113,17 +113,20 @@ impl Recipe {
     pub(super) fn surface(&self) -> Result<Box<dyn Surface>> {
         self.check_triangles()?;
         self.check_displacement()?;
-        let (steps, displacement, seed) = (self.steps(), self.displacement, self.seed);
+        let Self { triangles, seed, displacement, .. } = *self;
+        let steps = self.model.grid().map_or(0, |(one, _)| self.steps(one));
         Ok(match self.model {
             Model::Sphere => Box::new(sphere::Sphere::new(steps, displacement, seed)),
             Model::Terrain => Box::new(terrain::Terrain::new(steps, displacement, seed)),
             Model::Knot => Box::new(knot::Knot::new(steps, displacement, seed)),
+            Model::Room => Box::new(room::Room::new(triangles, displacement, seed)),
         })
     }
 
-    /// The steps of the coarsest grid with at least the triangles asked for.
-    fn steps(&self) -> u64 {
-        let squares = self.triangles.div_ceil(self.model.triangles_at_one());
+    /// The steps of the coarsest grid with at least the triangles asked for, where one step has
+    /// `one`.
+    fn steps(&self, one: u64) -> u64 {
+        let squares = self.triangles.div_ceil(one);
         let root = squares.isqrt();
         if root * root < squares { root + 1 } else { root }
     }

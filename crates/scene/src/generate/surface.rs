@@ -1,6 +1,6 @@
 //! What a mesh is made from: pure functions of the number of a vertex or of a triangle.
 
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 
 /// To 32 bits, to the nearest: the one place where positions and normals lose precision.
 pub(super) fn rounded(v: DVec3) -> Vec3 {
@@ -18,6 +18,10 @@ pub(super) trait Surface: Sync {
     /// The unit normal at vertex `v`, on the front, from central differences over one step of
     /// the grid: the normal of the surface as finely as the mesh shows it.
     fn normal(&self, v: u64) -> DVec3;
+    /// The texture coordinates at vertex `v`, in [0, 1]: of all vertices, or of none.
+    fn uv(&self, _v: u64) -> Option<Vec2> {
+        None
+    }
     /// The vertices of triangle `t`, counter-clockwise as seen from the front.
     fn triangle(&self, t: u64) -> [u32; 3];
 }
