@@ -225,18 +225,9 @@ impl Accel {
 
 /// The tree over the primitives that `geometry` holds itself, tight where precision asks for it.
 fn tight(geometry: &mut Geometry, preset: Preset) -> Tree {
-    let tree = build::build(geometry, preset);
-    // Fast arithmetic leaks anyway.
-    if tree.kept == geometry.own() as u64 || geometry.precision == Precision::Fast {
-        return tree;
-    }
-    geometry.seals = seals::find(geometry);
-    if geometry.seals.is_empty() {
-        return tree;
-    }
-    // Scans with collapsed triangles are rare: they are built once more.
-    drop(tree);
-    build::build(geometry, preset)
+    let degenerate = seals::degenerate(geometry);
+    find_seals(geometry, &degenerate);
+    build::build(geometry, &degenerate, preset)
 }
 
 /// A tree for each prototype: large ones one after the other, each on all threads, small ones side by side.
@@ -254,11 +245,16 @@ fn build_blas(prototypes: &mut [Geometry], preset: Preset) -> Vec<Tree> {
 
 /// The seals of the scene's own triangles and of those of prototypes.
 fn find_all_seals(geometry: &mut Geometry) {
+    find_seals(geometry, &seals::degenerate(geometry));
+    for prototype in &mut geometry.prototypes {
+        find_seals(prototype, &seals::degenerate(prototype));
+    }
+}
+
+/// The seals among the `degenerate` triangles. Fast arithmetic leaks anyway, and has none.
+fn find_seals(geometry: &mut Geometry, degenerate: &[u32]) {
     if geometry.precision != Precision::Fast {
-        geometry.seals = seals::find(geometry);
-        for prototype in &mut geometry.prototypes {
-            prototype.seals = seals::find(prototype);
-        }
+        geometry.seals = seals::find(geometry, degenerate);
     }
 }
 

@@ -126,14 +126,16 @@ struct Cut {
     parts: usize,
 }
 
-/// Builds the tree over every primitive that can be hit.
-pub fn build(geometry: &Geometry, preset: Preset) -> Tree {
-    build_cut(geometry, preset, preset.cut())
+/// Builds the tree over every primitive that can be hit: all but those of the `degenerate` triangles, in
+/// rising order, that are no seals.
+pub fn build(geometry: &Geometry, degenerate: &[u32], preset: Preset) -> Tree {
+    build_cut(geometry, degenerate, preset, preset.cut())
 }
 
-fn build_cut(geometry: &Geometry, preset: Preset, cut: Cut) -> Tree {
+fn build_cut(geometry: &Geometry, degenerate: &[u32], preset: Preset, cut: Cut) -> Tree {
     let parameters = preset.parameters();
-    let chunks = order::chunks(geometry, cut.chunk);
+    let left_out = degenerate.iter().copied().filter(|&number| geometry.seal(number).is_none());
+    let chunks = order::chunks(geometry, &left_out.collect::<Vec<_>>(), cut.chunk);
     let plan = Plan {
         geometry,
         extents: order::extents(geometry),
@@ -141,21 +143,19 @@ fn build_cut(geometry: &Geometry, preset: Preset, cut: Cut) -> Tree {
         once: chunks.lengths.len() == 1,
         weld: geometry.positions.len() > WELD_ABOVE * geometry.triangles.len() / 4,
     };
+    let kept = chunks.numbers.len() as u64;
     let tree = match chunks.lengths.len() {
         0 => None,
         1 => build_whole(&plan, &chunks.numbers),
         _ => chunked::build(&plan, chunks, cut.parts),
     };
-    tree.unwrap_or_default()
+    Tree { kept, ..tree.unwrap_or_default() }
 }
 
-/// Builds the tree in one piece; `None` where nothing can be hit.
+/// Builds the tree in one piece.
 fn build_whole(plan: &Plan, numbers: &[u32]) -> Option<Tree> {
     let mut piece = Piece::default();
-    if !piece.build(plan, numbers) {
-        return None;
-    }
-    let kept = piece.kept;
+    piece.build(plan, numbers);
     let part = piece.emit_whole(plan.geometry);
     let output = std::mem::take(&mut piece.output);
     drop(piece);
@@ -164,7 +164,7 @@ fn build_whole(plan: &Plan, numbers: &[u32]) -> Option<Tree> {
     drop(output.units);
     let place = arena::root_of(part.kind);
     let (arena, census) = Arena::new(units, output.numbers, place)?;
-    Some(Tree { arena, root: Some(Root { place, bounds: part.bounds }), census, kept })
+    Some(Tree { arena, root: Some(Root { place, bounds: part.bounds }), census, ..Tree::default() })
 }
 
 #[cfg(test)]

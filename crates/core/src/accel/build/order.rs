@@ -35,14 +35,20 @@ pub(super) struct Chunks {
     pub(super) lengths: Vec<usize>,
 }
 
-/// Orders the primitives and cuts them into chunks of at most `most`.
-pub(super) fn chunks(geometry: &Geometry, most: usize) -> Chunks {
+/// Orders the primitives, those apart that are `left_out`, and cuts them into chunks of at most `most`.
+pub(super) fn chunks(geometry: &Geometry, left_out: &[u32], most: usize) -> Chunks {
     let count = geometry.own();
-    if count > most {
+    if count > most && left_out.is_empty() {
         return arrange(geometry, &Members::All(count), &extents(geometry), most, 0);
     }
-    let lengths = if count == 0 { Vec::new() } else { vec![count] };
-    Chunks { numbers: (0..count as u32).collect(), lengths }
+    let mut left_out = left_out.iter().copied().peekable();
+    let is_kept = |number: &u32| left_out.next_if_eq(number).is_none();
+    let numbers: Vec<u32> = (0..count as u32).filter(is_kept).collect();
+    if numbers.len() > most {
+        return arrange(geometry, &Members::These(&numbers), &extents(geometry), most, 0);
+    }
+    let lengths = if numbers.is_empty() { Vec::new() } else { vec![numbers.len()] };
+    Chunks { numbers, lengths }
 }
 
 /// A box around everything.

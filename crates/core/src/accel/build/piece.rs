@@ -14,7 +14,6 @@ use crate::accel::geometry::{Geometry, Primitive};
 use crate::accel::wide::{Converter, Hierarchy, Output, Owner, Part};
 use crate::kernels::quad;
 use crate::kernels::slab::Aabb;
-use crate::kernels::triangle::is_degenerate;
 
 /// The scene, and how pieces of it are built.
 #[derive(Clone, Copy)]
@@ -40,8 +39,6 @@ pub(super) struct Piece {
     welder: Welder,
     converter: Converter,
     cut: Vec<u32>,
-    /// How many of its primitives can be hit.
-    pub(super) kept: u64,
     pub(super) output: Output,
 }
 
@@ -51,8 +48,6 @@ pub(super) struct UpperNodes {
     /// Binary nodes, the root first; the leaves' indices are those of parts.
     pub(super) nodes: Vec<Bvh2Node>,
     pub(super) parts: Vec<Part>,
-    /// How many primitives are below.
-    pub(super) kept: u64,
 }
 
 /// The primitives of each owner.
@@ -86,13 +81,10 @@ impl Members {
 }
 
 impl Piece {
-    /// Builds the hierarchy over those primitives of these numbers that can be hit, and decides what
-    /// becomes of it. Whether there is one.
-    pub(super) fn build(&mut self, plan: &Plan, numbers: &[u32]) -> bool {
+    /// Builds the hierarchy over the primitives of these numbers, of which there is one at least, and decides
+    /// what becomes of it.
+    pub(super) fn build(&mut self, plan: &Plan, numbers: &[u32]) {
         self.gather(plan, numbers);
-        if self.boxes.is_empty() {
-            return false;
-        }
         self.gather_heaps(&plan.extents);
         // The last piece's list is reused.
         let mut owners = std::mem::take(&mut self.bvh.primitive_indices);
@@ -116,25 +108,18 @@ impl Piece {
         }
         let members = &self.members;
         self.converter.evaluate(view(&self.bvh), |owner| members.owner(owner));
-        true
     }
 
-    /// A box for each primitive that can be hit.
+    /// A box for each primitive.
     fn gather(&mut self, plan: &Plan, numbers: &[u32]) {
         let geometry = plan.geometry;
         self.members.flat = (geometry.triangles.len() + geometry.quads.len()) as u32;
         self.members.singles.clear();
         self.boxes.clear();
-        self.kept = 0;
         for &number in numbers {
             match geometry.primitive(number) {
                 Primitive::Triangle(i) => {
-                    let triangle = geometry.triangle(i);
-                    if is_degenerate(&triangle) && geometry.seal(number).is_none() {
-                        continue;
-                    }
-                    let bounds = geometry.padded(Aabb::around(triangle));
-                    self.add(number, geometry.triangles[i], bounds);
+                    self.add(number, geometry.triangles[i], geometry.bounds(number));
                 }
                 Primitive::Quad(i) => {
                     let corners = quad::halves(&geometry.quads[i]);
@@ -145,7 +130,6 @@ impl Piece {
                 }
                 _ => self.add(number, [0; 3], geometry.bounds(number)),
             }
-            self.kept += 1;
         }
         if plan.weld {
             let count = self.members.singles.len();
@@ -232,7 +216,7 @@ impl Piece {
     pub(super) fn emit_upper(&mut self, geometry: &Geometry, parts: usize) -> UpperNodes {
         self.cut_off(parts);
         let nodes = vec![Bvh2Node::default()];
-        let mut upper = UpperNodes { nodes, parts: Vec::new(), kept: self.kept };
+        let mut upper = UpperNodes { nodes, parts: Vec::new() };
         let mut waiting = vec![(0, 0)];
         while let Some((place, copy)) = waiting.pop() {
             let node = self.bvh.nodes[place as usize];

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::accel::geometry::Primitive;
+use crate::accel::seals::degenerate;
 use crate::accel::{Accel, Hit};
 use crate::kernels::quad;
 use crate::kernels::slab::Aabb;
@@ -117,7 +118,7 @@ const CUTS: [Cut; 3] =
 const CHUNKED: [Preset; 4] = [Preset::Fastest, Preset::VeryFast, Preset::Fast, Preset::Medium];
 
 fn cut_accel(geometry: &Geometry, preset: Preset, cut: Cut) -> Accel {
-    let tree = Some(build_cut(geometry, preset, cut));
+    let tree = Some(build_cut(geometry, &degenerate(geometry), preset, cut));
     Accel { tree, ..Accel::new(geometry.clone(), Preset::Brute) }
 }
 
@@ -147,7 +148,9 @@ fn the_tree_is_the_same_on_any_number_of_threads() {
     let geometry = mixture(3000);
     let built = |threads: usize, preset: Preset| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
-        let tree = pool.install(|| build_cut(&geometry, preset, Cut { chunk: 100, parts: 8 }));
+        let tree = pool.install(|| {
+            build_cut(&geometry, &degenerate(&geometry), preset, Cut { chunk: 100, parts: 8 })
+        });
         let (units, numbers) = tree.arena.parts();
         (bytemuck::cast_slice::<_, u32>(units).to_vec(), numbers.to_vec(), tree.census)
     };
@@ -185,7 +188,8 @@ fn triangles_that_repeat_positions_share_leaves() {
         repeated.triangles.push([first, first + 1, first + 2]);
     }
     for cut in [CUTS[1], CUTS[2], Cut { chunk: usize::MAX, parts: 1 }] {
-        let census = |geometry| build_cut(geometry, Preset::Fast, cut).census();
+        let census =
+            |geometry| build_cut(geometry, &degenerate(geometry), Preset::Fast, cut).census();
         assert_eq!(census(&repeated), census(&shared), "{cut:?}");
         let accel = cut_accel(&repeated, Preset::Fast, cut);
         assert!(answers_of(&accel) == answers(&shared, Preset::Brute));
@@ -214,7 +218,7 @@ fn holds(bounds: &Aabb, geometry: &Geometry, number: u32) -> bool {
 fn children_lie_within_their_parents() {
     let geometry = mixture(2000);
     for preset in Preset::ALL.into_iter().filter(|&p| p != Preset::Brute) {
-        let tree = build(&geometry, preset);
+        let tree = build(&geometry, &degenerate(&geometry), preset);
         let splits = matches!(preset, Preset::Slow | Preset::VerySlow);
         let mut leaves = vec![0; geometry.len()];
         tree.for_each_leaf(|bounds, numbers| {
