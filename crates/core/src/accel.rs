@@ -42,7 +42,7 @@ use rayon::prelude::*;
 use crate::kernels::precision::{Arithmetic, Precision};
 use crate::math::ray::Ray;
 use crate::with_precision;
-use build::Preset;
+use build::{Preset, Survey};
 use geometry::Geometry;
 use instances::Walks;
 use packet::Packets;
@@ -225,9 +225,9 @@ impl Accel {
 
 /// The tree over the primitives that `geometry` holds itself, tight where precision asks for it.
 fn tight(geometry: &mut Geometry, preset: Preset) -> Tree {
-    let degenerate = seals::degenerate(geometry);
-    find_seals(geometry, &degenerate);
-    build::build(geometry, &degenerate, preset)
+    let survey = Survey::of(geometry);
+    find_seals(geometry, survey.degenerate());
+    build::build(geometry, survey, preset)
 }
 
 /// A tree for each prototype: large ones one after the other, each on all threads, small ones side by side.
@@ -245,9 +245,9 @@ fn build_blas(prototypes: &mut [Geometry], preset: Preset) -> Vec<Tree> {
 
 /// The seals of the scene's own triangles and of those of prototypes.
 fn find_all_seals(geometry: &mut Geometry) {
-    find_seals(geometry, &seals::degenerate(geometry));
+    find_seals(geometry, Survey::of(geometry).degenerate());
     for prototype in &mut geometry.prototypes {
-        find_seals(prototype, &seals::degenerate(prototype));
+        find_seals(prototype, Survey::of(prototype).degenerate());
     }
 }
 

@@ -24,12 +24,6 @@ const MOST_BETWEEN: usize = 64;
 /// Places in the filter of vertices, for each edge whose ends are in it.
 const FILTER: usize = 16;
 
-/// The triangles without area, in rising order.
-pub(super) fn degenerate(geometry: &Geometry) -> Vec<u32> {
-    let triangles = (0..geometry.triangles.len() as u32).into_par_iter();
-    triangles.filter(|&number| geometry.is_degenerate(number)).collect()
-}
-
 /// The seals of a mesh whose `degenerate` triangles are these, by number, each with the triangle that it stands for.
 pub(super) fn find(geometry: &Geometry, degenerate: &[u32]) -> Vec<[u32; 2]> {
     let has_three_corners = |&number: &u32| {

@@ -128,7 +128,7 @@ fn build_chunk(
     piece.output.numbers.clear();
     piece.output.first_number = task.first;
     piece.build(plan, &task.numbers[..task.count]);
-    let upper = piece.emit_upper(plan.geometry, parts);
+    let upper = piece.emit_upper(plan, parts);
     // Only triangles have their numbers there: the rest stays as it is.
     let leaves = &piece.output.numbers;
     task.numbers[..leaves.len()].copy_from_slice(leaves);
