@@ -40,7 +40,9 @@ impl Finder {
         let Members { singles, flat, numbers, leaves, .. } = members;
         let (own, heaps) = boxes.split_at(singles.len());
         sort(own, &mut self.keys, &mut self.spare);
-        (numbers.clear(), leaves.clear(), self.leaves.clear());
+        numbers.clear();
+        leaves.clear();
+        self.leaves.clear();
         for &key in &self.keys {
             let index = key as u32 as usize;
             let (single, bounds) = (&singles[index], own[index]);
