@@ -15,6 +15,7 @@ use wavecrest_base::replace::{check_differs, check_replaceable};
 use wavecrest_core::accel::Accel;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::accel::geometry::Geometry;
+use wavecrest_core::accel::tree::Tree;
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::render::TracerKind;
 use wavecrest_report::ray_file::RayFile;
@@ -138,6 +139,7 @@ fn report(args: &TraceArgs, subject: &Subject, file: &RayFile, answers: &Answers
         triangles: subject.triangles,
         load_seconds: subject.load_seconds,
         build_seconds: subject.build_seconds,
+        expected_visits: subject.accel.tree().map(Tree::expected_visits).unwrap_or_default(),
         nodes_per_ray: per_ray(tests.nodes),
         leaves_per_ray: per_ray(tests.leaves),
         triangles_per_ray: per_ray(tests.triangles),

@@ -4,6 +4,7 @@ use serde::Serialize;
 
 use super::passes::Answers;
 use wavecrest_core::accel::build::Preset;
+use wavecrest_core::accel::tree::Visits;
 use wavecrest_core::accel::{Hit, KernelChoice};
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::kernels::triangle::T_TOLERANCE;
@@ -33,6 +34,8 @@ pub(super) struct Report {
     pub(super) triangles: usize,
     pub(super) load_seconds: f64,
     pub(super) build_seconds: f64,
+    /// What the surface-area heuristic expects of a ray; 0 without a tree.
+    pub(super) expected_visits: Visits,
     pub(super) nodes_per_ray: f64,
     pub(super) leaves_per_ray: f64,
     pub(super) triangles_per_ray: f64,
@@ -115,12 +118,15 @@ impl Report {
         let Self { rays, hits, repeats, threads, triangles, .. } = self;
         format!(
             "{:.2} Mrays/s: {rays} rays ({kind}), {hits} hits, {:.4} s, median of {repeats} on {threads} \
-             threads\nmesh: {triangles} triangles, loaded in {:.3} s; bvh {}, built in {:.3} s, {} tests\n",
+             threads\nmesh: {triangles} triangles, loaded in {:.3} s; bvh {}, built in {:.3} s, \
+             expects {:.1} nodes and {:.1} leaves a ray; {} tests\n",
             self.mrays_s,
             self.seconds,
             self.load_seconds,
             self.preset.name(),
             self.build_seconds,
+            self.expected_visits.nodes,
+            self.expected_visits.leaves,
             self.precision.name()
         )
     }

@@ -42,7 +42,7 @@ use rayon::prelude::*;
 use crate::kernels::precision::{Arithmetic, Precision};
 use crate::math::ray::Ray;
 use crate::with_precision;
-use build::Preset;
+use build::{Preset, Survey};
 use geometry::Geometry;
 use instances::Walks;
 use packet::Packets;
@@ -225,18 +225,9 @@ impl Accel {
 
 /// The tree over the primitives that `geometry` holds itself, tight where precision asks for it.
 fn tight(geometry: &mut Geometry, preset: Preset) -> Tree {
-    let tree = build::build(geometry, preset);
-    // Fast arithmetic leaks anyway.
-    if tree.kept == geometry.own() as u64 || geometry.precision == Precision::Fast {
-        return tree;
-    }
-    geometry.seals = seals::find(geometry);
-    if geometry.seals.is_empty() {
-        return tree;
-    }
-    // Scans with collapsed triangles are rare: they are built once more.
-    drop(tree);
-    build::build(geometry, preset)
+    let survey = Survey::of(geometry);
+    find_seals(geometry, survey.degenerate());
+    build::build(geometry, survey, preset)
 }
 
 /// A tree for each prototype: large ones one after the other, each on all threads, small ones side by side.
@@ -254,11 +245,16 @@ fn build_blas(prototypes: &mut [Geometry], preset: Preset) -> Vec<Tree> {
 
 /// The seals of the scene's own triangles and of those of prototypes.
 fn find_all_seals(geometry: &mut Geometry) {
+    find_seals(geometry, Survey::of(geometry).degenerate());
+    for prototype in &mut geometry.prototypes {
+        find_seals(prototype, Survey::of(prototype).degenerate());
+    }
+}
+
+/// The seals among the `degenerate` triangles. Fast arithmetic leaks anyway, and has none.
+fn find_seals(geometry: &mut Geometry, degenerate: &[u32]) {
     if geometry.precision != Precision::Fast {
-        geometry.seals = seals::find(geometry);
-        for prototype in &mut geometry.prototypes {
-            prototype.seals = seals::find(prototype);
-        }
+        geometry.seals = seals::find(geometry, degenerate);
     }
 }
 

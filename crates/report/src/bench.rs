@@ -18,6 +18,7 @@
 //! | `image.width`, `.height`, `.samples_per_pixel` | pixels, rays | the image |
 //! | `triangles`, `quads`, `spheres`, `lights`, `dropped.degenerate` | | what is in the scene, and what was left out |
 //! | `preset` | | how the tree was built |
+//! | `expected_visits.nodes`, `.leaves` | per ray | what the surface-area heuristic expects of a ray that nothing stops |
 //! | `time.load`, `.build` | seconds | reading and preparing, and building the tree: done once |
 //! | `memory.predicted`, `.peak` | bytes | estimated for a render; measured for the process so far, earlier scenes counted (`null` where it is not known) |
 //! | `equal` | | whether every image was the same to the last bit, and all work but tests the same |

@@ -1,17 +1,19 @@
 //! Building the tree: obvhs makes binary hierarchies (PLOC of Meister and Bittner 2018, with
 //! reinsertion), which are then laid out as the nodes that we traverse.
 //!
-//! Large scenes are cut into chunks ([`order`]) that are built on all threads, each while it is in a
-//! core's cache ([`piece`]), placed in one arena ([`chunked`]) and joined by a small hierarchy above
-//! ([`join`]).
+//! After a look at every primitive ([`survey`]) large scenes are cut into chunks ([`order`]) that are built on all
+//! threads, each while it is in a core's cache ([`piece`]), placed in one arena ([`chunked`]) and joined by a small
+//! hierarchy above ([`join`]). The quickest build finds leaves before the hierarchy ([`leaves`]).
 //!
 //! obvhs sees padded boxes and decides topology alone; what is a hit, is decided by
 //! [`Geometry::hit`].
 
 mod chunked;
 mod join;
+mod leaves;
 mod order;
 mod piece;
+mod survey;
 mod weld;
 
 use obvhs::BvhBuildParams;
@@ -21,6 +23,7 @@ use super::geometry::Geometry;
 use super::tree::{Root, Tree};
 use super::units::Units;
 use piece::{Piece, Plan};
+pub use survey::Survey;
 
 /// The most primitives in a chunk. Measured: with 32 Ki and 64 Ki a build took a sixth longer, and
 /// rays visited at most 2 per cent fewer nodes.
@@ -33,32 +36,27 @@ const PARTS: usize = 64;
 /// for four triangles, vertices are compared by their positions.
 const WELD_ABOVE: usize = 3;
 
-/// Rays for each primitive from which on [`Preset::VeryFast`] pays. Over [`Preset::Fastest`] it took
-/// 0.08 microseconds more of a core for each triangle, and diffuse rays, of 0.1 to 0.2 microseconds,
-/// saved 2 per cent in a scan and up to 18 in rooms, where triangles differ most in size.
-const VERY_FAST_FROM: u64 = 4;
-
-/// Rays for each primitive from which on [`Preset::Fast`] and [`Preset::Medium`] pay. Measured on a
-/// scan of a million triangles and diffuse rays: over [`Preset::VeryFast`] they took 0.05 and 0.2
-/// microseconds more of a core for each triangle, and each ray, of 0.2 microseconds, saved 1.5 and 3
-/// per cent.
+/// Rays for each primitive from which on [`Preset::VeryFast`] and [`Preset::Fast`] pay. Measured on a scan, a
+/// kitchen and a coffee maker of 0.2 to 1.4 million triangles: over [`Preset::Fastest`] the first took 0.07
+/// microseconds more of a core for each triangle, and diffuse rays, of 0.2 microseconds, saved 3 to 8 per cent; the
+/// second took another 0.06, and rays saved 3 per cent. [`Preset::Medium`] took another 0.13 and saved nothing.
+const VERY_FAST_FROM: u64 = 6;
 const FAST_FROM: u64 = 16;
-const MEDIUM_FROM: u64 = 32;
 
 wavecrest_base::choices! {
-    /// How much work goes into the tree. All but [`Preset::Brute`] are presets of obvhs.
+    /// How much work goes into the tree. From [`Preset::VeryFast`] on, they are presets of obvhs.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize)]
     #[serde(rename_all = "kebab-case")]
     pub enum Preset {
         /// No tree: every primitive is tested. The reference.
         Brute = "brute",
-        /// The quickest build, clearly slower to trace.
+        /// Leaves are found first, along a curve: the quickest build, a little slower to trace.
         Fastest = "fastest",
         /// A little reinsertion.
         VeryFast = "very-fast",
         /// A wider search and more reinsertion.
         Fast = "fast",
-        /// More of both.
+        /// More of both; rays seldom notice.
         Medium = "medium",
         /// Large triangles are split first.
         Slow = "slow",
@@ -76,8 +74,7 @@ impl Preset {
         match rays / primitives.max(1) {
             0..VERY_FAST_FROM => Self::Fastest,
             VERY_FAST_FROM..FAST_FROM => Self::VeryFast,
-            FAST_FROM..MEDIUM_FROM => Self::Fast,
-            _ => Self::Medium,
+            _ => Self::Fast,
         }
     }
 
@@ -86,8 +83,7 @@ impl Preset {
         let why = match Self::choose(primitives, rays) {
             Self::Fastest => format!("a better tree pays from {VERY_FAST_FROM} on"),
             Self::VeryFast => format!("a better tree pays from {FAST_FROM} on"),
-            Self::Fast => format!("enough for a better tree, the next pays from {MEDIUM_FROM} on"),
-            _ => format!("{MEDIUM_FROM} and more pay for a good tree"),
+            _ => format!("{FAST_FROM} and more pay for a good tree"),
         };
         format!("{} for each primitive: {why}", rays / primitives.max(1))
     }
@@ -105,10 +101,16 @@ impl Preset {
         }
     }
 
+    /// In which rounds nodes are reinserted: how many in each, as a part of those in the first. Those of obvhs,
+    /// sixteen, where there are none. With these six a build took a twentieth less time, for as good a tree.
+    fn rounds(self) -> Option<Vec<f32>> {
+        let quick = matches!(self, Self::Fastest | Self::VeryFast);
+        quick.then(|| [1, 6, 11, 16, 21, 26].map(|n: u8| 1.0 / f32::from(n)).to_vec())
+    }
+
     fn parameters(self) -> BvhBuildParams {
         match self {
-            Self::Brute | Self::Fastest => BvhBuildParams::fastest_build(),
-            Self::VeryFast => BvhBuildParams::very_fast_build(),
+            Self::Brute | Self::Fastest | Self::VeryFast => BvhBuildParams::very_fast_build(),
             Self::Fast => BvhBuildParams::fast_build(),
             Self::Medium => BvhBuildParams::medium_build(),
             Self::Slow => BvhBuildParams::slow_build(),
@@ -126,37 +128,39 @@ struct Cut {
     parts: usize,
 }
 
-/// Builds the tree over every primitive that can be hit.
-pub fn build(geometry: &Geometry, preset: Preset) -> Tree {
-    build_cut(geometry, preset, preset.cut())
+/// Builds the tree over every primitive that can be hit: all of the `survey` but triangles without area that are
+/// no seals.
+pub fn build(geometry: &Geometry, survey: Survey, preset: Preset) -> Tree {
+    build_cut(geometry, survey, preset, preset.cut())
 }
 
-fn build_cut(geometry: &Geometry, preset: Preset, cut: Cut) -> Tree {
+fn build_cut(geometry: &Geometry, mut survey: Survey, preset: Preset, cut: Cut) -> Tree {
     let parameters = preset.parameters();
-    let chunks = order::chunks(geometry, cut.chunk);
+    let kept = survey.keep_seals(geometry);
+    let chunks = order::chunks(geometry, &survey, kept, cut.chunk);
     let plan = Plan {
         geometry,
-        extents: order::extents(geometry),
+        extents: survey.extents,
+        leaves_first: preset == Preset::Fastest,
         parameters: &parameters,
+        rounds: preset.rounds(),
         once: chunks.lengths.len() == 1,
         weld: geometry.positions.len() > WELD_ABOVE * geometry.triangles.len() / 4,
     };
+    drop(survey);
     let tree = match chunks.lengths.len() {
         0 => None,
         1 => build_whole(&plan, &chunks.numbers),
         _ => chunked::build(&plan, chunks, cut.parts),
     };
-    tree.unwrap_or_default()
+    Tree { kept: kept as u64, ..tree.unwrap_or_default() }
 }
 
-/// Builds the tree in one piece; `None` where nothing can be hit.
+/// Builds the tree in one piece.
 fn build_whole(plan: &Plan, numbers: &[u32]) -> Option<Tree> {
     let mut piece = Piece::default();
-    if !piece.build(plan, numbers) {
-        return None;
-    }
-    let kept = piece.kept;
-    let part = piece.emit_whole(plan.geometry);
+    piece.build(plan, numbers);
+    let part = piece.emit_whole(plan);
     let output = std::mem::take(&mut piece.output);
     drop(piece);
     let mut units = Units::zeroed(output.units.len());
@@ -164,7 +168,7 @@ fn build_whole(plan: &Plan, numbers: &[u32]) -> Option<Tree> {
     drop(output.units);
     let place = arena::root_of(part.kind);
     let (arena, census) = Arena::new(units, output.numbers, place)?;
-    Some(Tree { arena, root: Some(Root { place, bounds: part.bounds }), census, kept })
+    Some(Tree { arena, root: Some(Root { place, bounds: part.bounds }), census, ..Tree::default() })
 }
 
 #[cfg(test)]

@@ -14,7 +14,6 @@ use rayon::prelude::*;
 use xxhash_rust::xxh3::xxh3_64;
 
 use super::geometry::Geometry;
-use crate::kernels::triangle::is_degenerate;
 
 /// The bits of an edge's ends, the lower ones first.
 type Edge = [[u32; 3]; 2];
@@ -22,13 +21,16 @@ type Edge = [[u32; 3]; 2];
 /// How many seals may lie between another and a triangle with an area.
 const MOST_BETWEEN: usize = 64;
 
-/// Places in the filter of edges, for each edge in it.
+/// Places in the filter of vertices, for each edge whose ends are in it.
 const FILTER: usize = 16;
 
-/// The seals of a mesh, by number, each with the triangle that it stands for.
-pub(super) fn find(geometry: &Geometry) -> Vec<[u32; 2]> {
-    let triangles = (0..geometry.triangles.len() as u32).into_par_iter();
-    let pinched: Vec<u32> = triangles.filter(|&number| is_pinched(geometry, number)).collect();
+/// The seals of a mesh whose `degenerate` triangles are these, by number, each with the triangle that it stands for.
+pub(super) fn find(geometry: &Geometry, degenerate: &[u32]) -> Vec<[u32; 2]> {
+    let has_three_corners = |&number: &u32| {
+        let [a, b, c] = geometry.triangle(number as usize);
+        a != b && b != c && c != a
+    };
+    let pinched: Vec<u32> = degenerate.iter().copied().filter(has_three_corners).collect();
     if pinched.is_empty() {
         return Vec::new();
     }
@@ -62,19 +64,25 @@ pub(super) fn find(geometry: &Geometry) -> Vec<[u32; 2]> {
 /// Each of the `pinched` triangles with the others at its longest edge, in rising order.
 fn across_longest_edges(geometry: &Geometry, pinched: &[u32]) -> Vec<(u32, u32)> {
     let mut longest: HashMap<Edge, Vec<u32>> = HashMap::new();
-    // Nearly every edge of the mesh is none of these: a filter after Bloom (1970) says so at once.
+    // Nearly every vertex of the mesh is at no end of these: a filter after Bloom (1970) says so at once.
     let places = (FILTER * pinched.len()).next_power_of_two();
-    let place = |edge: &Edge| xxh3_64(bytemuck::bytes_of(edge)) as usize & (places - 1);
-    let mut may_be = vec![false; places];
+    let place = |end: &[u32; 3]| xxh3_64(bytemuck::bytes_of(end)) as usize & (places - 1);
+    let mut is_end = vec![false; places];
     for &number in pinched {
         let edge = longest_edge(geometry, number);
-        may_be[place(&edge)] = true;
+        edge.iter().for_each(|end| is_end[place(end)] = true);
         longest.entry(edge).or_default().push(number);
     }
+    let may_be: Vec<bool> =
+        geometry.positions.par_iter().map(|&v| is_end[place(&bits(v))]).collect();
     let mut neighbours: Vec<(u32, u32)> = (0..geometry.triangles.len() as u32)
         .into_par_iter()
+        .filter(|&other| {
+            let ends = geometry.triangles[other as usize].iter().filter(|&&v| may_be[v as usize]);
+            ends.count() > 1
+        })
         .flat_map_iter(|other| {
-            let edges = edges(geometry, other).into_iter().filter(|edge| may_be[place(edge)]);
+            let edges = edges(geometry, other).into_iter();
             let found = edges.filter_map(|edge| longest.get(&edge));
             let pairs = found.flatten().filter(move |&&number| number != other);
             pairs.map(move |&number| (number, other))
@@ -84,22 +92,19 @@ fn across_longest_edges(geometry: &Geometry, pinched: &[u32]) -> Vec<(u32, u32)>
     neighbours
 }
 
-/// Whether the triangle has no area but three corners.
-fn is_pinched(geometry: &Geometry, number: u32) -> bool {
-    let corners = geometry.triangle(number as usize);
-    let [a, b, c] = corners;
-    is_degenerate(&corners) && a != b && b != c && c != a
-}
-
 fn edges(geometry: &Geometry, number: u32) -> [Edge; 3] {
     let [a, b, c] = geometry.triangle(number as usize);
     [edge(a, b), edge(b, c), edge(c, a)]
 }
 
 fn edge(a: Vec3, b: Vec3) -> Edge {
-    // Zeros of both signs are at one place.
-    let [a, b] = [a, b].map(|v| v.to_array().map(|x| (x + 0.0).to_bits()));
+    let [a, b] = [a, b].map(bits);
     if a < b { [a, b] } else { [b, a] }
+}
+
+/// Zeros of both signs are at one place.
+fn bits(v: Vec3) -> [u32; 3] {
+    v.to_array().map(|x| (x + 0.0).to_bits())
 }
 
 fn longest_edge(geometry: &Geometry, number: u32) -> Edge {

@@ -109,11 +109,48 @@ impl Tree {
         }
     }
 
+    /// What the surface-area heuristic says of the tree: how many nodes and leaves a ray visits that crosses all of
+    /// the scene's box and is stopped by nothing.
+    pub fn expected_visits(&self) -> Visits {
+        let mut visits = Visits::default();
+        let Some(root) = self.root else { return visits };
+        let whole = half_area(&root.bounds);
+        let arena = self.arena.view();
+        let mut waiting = vec![(root.place, whole)];
+        while let Some((place, area)) = waiting.pop() {
+            let share = if whole > 0.0 { area / whole } else { 1.0 };
+            if place.kind() != Kind::Node {
+                visits.leaves += share;
+                continue;
+            }
+            visits.nodes += share;
+            let node = arena.node(place);
+            let child = |lane| (child_of(node, place, lane), half_area(&child_box(node, lane)));
+            waiting.extend((0..node.count as usize).map(child));
+        }
+        visits
+    }
+
     /// Entries that the stack of a ray must have room for: every inner node on a way down leaves
     /// all its children but one, the last one all of them, and whole vectors are written.
     pub(super) fn stack_entries(&self) -> usize {
         (LANES - 1) * self.census.depth + 2 * LANES
     }
+}
+
+/// See [`Tree::expected_visits`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
+pub struct Visits {
+    /// Inner nodes.
+    pub nodes: f64,
+    /// Leaves.
+    pub leaves: f64,
+}
+
+/// Half the surface of a box.
+fn half_area(bounds: &Aabb) -> f64 {
+    let d = (bounds.high - bounds.low).as_dvec3();
+    d.x * d.y + d.y * d.z + d.z * d.x
 }
 
 /// The box of a node's child.

@@ -11,12 +11,14 @@
 //! again from its children's costs, which is less work than to remember it for every node.
 
 mod emit;
+mod shared;
 
 use obvhs::bvh2::node::Bvh2Node;
 
 use super::arena::{Kind, Unit};
 use crate::kernels::slab::Aabb;
 use crate::math::simd::LANES;
+pub(super) use shared::Shared;
 
 /// What a visit costs, in visits of a node.
 mod cost {
@@ -42,6 +44,8 @@ const SLOTS: usize = LANES - 1;
 pub(super) enum Owner<'a> {
     /// A triangle, and the numbers of its vertices.
     Triangle(u32, [u32; 3]),
+    /// Triangles that are to be a patch, and their numbers.
+    Patch(&'a Shared, &'a [u32]),
     /// A primitive of another kind.
     Other(u32),
     /// Many about one point: a list, whatever it costs.
@@ -184,6 +188,7 @@ fn alone(owner: Owner, area: f32) -> (Content, f32) {
             let content = Content { vertices, count: 3, leaves: 1, kinds: TRIANGLES };
             (content, area * cost::PATCH)
         }
+        Owner::Patch(_, numbers) => (other(ALONE), area * as_patch(numbers.len())),
         Owner::Other(_) => (other(OTHERS), area * cost::LISTED),
         Owner::Heap(numbers) => (other(ALONE), area * cost::LISTED * numbers.len() as f32),
         Owner::Part(part) => (other(ALONE), part.cost),
@@ -215,13 +220,17 @@ fn merge(left: &Content, right: &Content) -> Content {
     merged
 }
 
+/// What a visit of a patch of so many triangles costs.
+#[inline(always)]
+pub(super) fn as_patch(triangles: usize) -> f32 {
+    cost::PATCH - cost::FULLER * (triangles - 1) as f32
+}
+
 /// What a visit of a leaf of this content would cost; infinite where there can be none.
 fn as_leaf(content: &Content) -> f32 {
     match (content.leaves, content.kinds) {
         (TOO_MANY, _) => f32::INFINITY,
-        (_, TRIANGLES) if content.count != TOO_MANY => {
-            cost::PATCH - cost::FULLER * f32::from(content.leaves - 1)
-        }
+        (_, TRIANGLES) if content.count != TOO_MANY => as_patch(content.leaves.into()),
         (_, TRIANGLES) => cost::SOUP,
         (1..=MOST_LISTED, OTHERS) => cost::LISTED * f32::from(content.leaves),
         _ => f32::INFINITY,

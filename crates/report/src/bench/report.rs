@@ -10,6 +10,7 @@ use super::tracer::{Ratio, TracerBench};
 use crate::statistics::{ImageSize, Memory, Rays};
 use wavecrest_core::accel::KernelChoice;
 use wavecrest_core::accel::build::Preset;
+use wavecrest_core::accel::tree::{Tree, Visits};
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::math::simd::Level;
 use wavecrest_core::prepared::{Dropped, PreparedScene};
@@ -41,6 +42,7 @@ pub struct SceneBench {
     pub lights: usize,
     pub dropped: Dropped,
     pub preset: Preset,
+    pub expected_visits: Visits,
     pub time: Preparation,
     pub memory: Memory,
     pub equal: bool,
@@ -125,6 +127,7 @@ impl SceneBench {
             lights: scene.lights.len(),
             dropped: scene.dropped,
             preset: setting.preset,
+            expected_visits: scene.accel.tree().map(Tree::expected_visits).unwrap_or_default(),
             time: setting.time,
             memory: Memory { predicted: setting.predicted, peak },
             equal,

@@ -94,8 +94,8 @@ fn the_json_has_the_documented_keys() {
     let scene = &json["scenes"][0];
     assert_eq!(
         keys(scene).join(" "),
-        "scene seed batch simd kernel precision image triangles quads spheres lights dropped preset time memory equal \
-         difference rays invalid wavefront recursive ratio comparisons warnings"
+        "scene seed batch simd kernel precision image triangles quads spheres lights dropped preset expected_visits time \
+         memory equal difference rays invalid wavefront recursive ratio comparisons warnings"
     );
     assert_eq!((scene["equal"].clone(), scene["difference"].clone()), (true.into(), Value::Null));
     let wavefront = &scene["wavefront"];

@@ -60,8 +60,7 @@ pub(super) fn build(plan: &Plan, chunks: Chunks, parts: usize) -> Option<Tree> {
     units.keep(start..used);
     let place = arena::root_of(Kind::Node);
     let (arena, census) = Arena::new(units, numbers, place)?;
-    let kept = upper_nodes.iter().map(|upper| upper.kept).sum();
-    Some(Tree { arena, root: Some(Root { place, bounds }), census, kept })
+    Some(Tree { arena, root: Some(Root { place, bounds }), census, ..Tree::default() })
 }
 
 /// How many primitives a chunk has, and how many numbers its leaves may need.
@@ -128,10 +127,9 @@ fn build_chunk(
     piece.output.units.clear();
     piece.output.numbers.clear();
     piece.output.first_number = task.first;
-    let has_any = piece.build(plan, &task.numbers[..task.count]);
-    let upper =
-        if has_any { piece.emit_upper(plan.geometry, parts) } else { UpperNodes::default() };
-    // Only triangles that can be hit have their numbers there: the rest stays as it is.
+    piece.build(plan, &task.numbers[..task.count]);
+    let upper = piece.emit_upper(plan, parts);
+    // Only triangles have their numbers there: the rest stays as it is.
     let leaves = &piece.output.numbers;
     task.numbers[..leaves.len()].copy_from_slice(leaves);
     place(assembly, task.chunk, &mut piece.output.units, upper);

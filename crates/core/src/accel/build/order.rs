@@ -1,28 +1,17 @@
 //! An order of the primitives in which neighbours are near each other, cut into chunks.
 //!
-//! Primitives are counted and sorted by the cell of a coarse grid that one of their points is in;
+//! Primitives are counted and sorted by the cell of a coarse grid that their middle is in ([`super::survey`]);
 //! cells follow each other along Morton's curve. A cell of too many is ordered by a finer grid of
 //! its own, so that a scene may be as uneven as it likes.
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-use glam::Vec3;
 use rayon::prelude::*;
 
-use crate::accel::geometry::{Geometry, Primitive};
+use super::survey::{CELLS, Grid, Survey, around, block, is_kept, middle};
+use crate::accel::geometry::Geometry;
 use crate::kernels::slab::Aabb;
-
-/// Bits of an axis of the grid: its counters then stay in the second-level cache.
-const BITS: u32 = 5;
-
-/// Cells of the grid.
-const CELLS: usize = 1 << (3 * BITS);
-
-/// Parts that are counted at a time, and the least that is worth its own counters.
-const BLOCKS_A_THREAD: usize = 4;
-const MOST_BLOCKS: usize = 64;
-const LEAST_BLOCK: usize = 1 << 14;
 
 /// How often cells are cut into finer ones before their members are taken as they come.
 const MOST_LEVELS: usize = 12;
@@ -35,88 +24,30 @@ pub(super) struct Chunks {
     pub(super) lengths: Vec<usize>,
 }
 
-/// Orders the primitives and cuts them into chunks of at most `most`.
-pub(super) fn chunks(geometry: &Geometry, most: usize) -> Chunks {
-    let count = geometry.own();
+/// Orders the primitives that can be hit, `count` of them, and cuts them into chunks of at most `most`.
+pub(super) fn chunks(geometry: &Geometry, survey: &Survey, count: usize, most: usize) -> Chunks {
     if count > most {
-        return arrange(geometry, &Members::All(count), &extents(geometry), most, 0);
+        return arrange(geometry, &Members::All, &survey.cells, most, 0);
     }
+    let numbers = survey.cells.iter().zip(0..).filter(|&(&cell, _)| is_kept(cell));
     let lengths = if count == 0 { Vec::new() } else { vec![count] };
-    Chunks { numbers: (0..count as u32).collect(), lengths }
-}
-
-/// A box around everything.
-pub(super) fn extents(geometry: &Geometry) -> Aabb {
-    let none = || Aabb { low: Vec3::INFINITY, high: Vec3::NEG_INFINITY };
-    let join = |a: Aabb, b: Aabb| Aabb { low: a.low.min(b.low), high: a.high.max(b.high) };
-    let point = |&low: &Vec3| Aabb { low, high: low };
-    let sphere =
-        |&(center, radius): &(Vec3, f32)| Aabb { low: center - radius, high: center + radius };
-    let fold = |all: Aabb, one: Aabb| join(all, one);
-    let positions = geometry.positions.par_iter().map(point).fold(none, fold).reduce(none, join);
-    let spheres = geometry.spheres.par_iter().map(sphere).fold(none, fold).reduce(none, join);
-    join(positions, spheres)
+    Chunks { numbers: numbers.map(|(_, number)| number).collect(), lengths }
 }
 
 /// Who is ordered.
 enum Members<'a> {
-    /// Every primitive.
-    All(usize),
+    /// Every primitive that can be hit.
+    All,
     /// These.
     These(&'a [u32]),
 }
 
 impl Members<'_> {
-    fn count(&self) -> usize {
-        match self {
-            Self::All(count) => *count,
-            Self::These(numbers) => numbers.len(),
-        }
-    }
-
     fn number(&self, index: usize) -> u32 {
         match self {
-            Self::All(_) => index as u32,
+            Self::All => index as u32,
             Self::These(numbers) => numbers[index],
         }
-    }
-}
-
-/// A grid of cubes.
-struct Grid {
-    low: Vec3,
-    scale: f32,
-}
-
-impl Grid {
-    fn new(bounds: &Aabb) -> Self {
-        let size = (bounds.high - bounds.low).max_element();
-        Self { low: bounds.low, scale: (1 << BITS) as f32 / size }
-    }
-
-    /// The cell of the point, by its place on Morton's curve. Points outside count as at the border,
-    /// and in a grid of no size all are in one cell.
-    fn cell(&self, point: Vec3) -> u16 {
-        let axis = |x: f32| spread((x as u16).min((1 << BITS) - 1));
-        let p = (point - self.low) * self.scale;
-        axis(p.x) | axis(p.y) << 1 | axis(p.z) << 2
-    }
-}
-
-/// Five bits, each followed by two zeros.
-fn spread(x: u16) -> u16 {
-    x & 1 | (x & 2) << 2 | (x & 4) << 4 | (x & 8) << 6 | (x & 16) << 8
-}
-
-/// A point of the primitive: in what order they are is not worth looking at all of them.
-#[inline]
-fn point(geometry: &Geometry, number: u32) -> Vec3 {
-    match geometry.primitive(number) {
-        Primitive::Triangle(i) => geometry.positions[geometry.triangles[i][0] as usize],
-        Primitive::Quad(i) => geometry.positions[geometry.quads[i][0] as usize],
-        Primitive::Sphere(i) => geometry.spheres[i].0,
-        // Instances have a tree of their own.
-        Primitive::Instanced(_) => Vec3::ZERO,
     }
 }
 
@@ -124,39 +55,28 @@ fn point(geometry: &Geometry, number: u32) -> Vec3 {
 fn arrange(
     geometry: &Geometry,
     members: &Members,
-    bounds: &Aabb,
+    cells: &[u16],
     most: usize,
     level: usize,
 ) -> Chunks {
-    let count = members.count();
-    let grid = Grid::new(bounds);
-    // A few for each thread, for them to finish together; the order is the same with any number.
-    let blocks = (BLOCKS_A_THREAD * rayon::current_num_threads()).min(MOST_BLOCKS);
-    let block = count.div_ceil(blocks).max(LEAST_BLOCK);
-    let mut cells = vec![0_u16; count];
-    let mut counts: Vec<Vec<u32>> = cells
-        .par_chunks_mut(block)
-        .enumerate()
-        .map(|(b, cells)| {
-            let mut counts = vec![0; CELLS];
-            for (i, cell) in cells.iter_mut().enumerate() {
-                *cell = grid.cell(point(geometry, members.number(b * block + i)));
-                counts[*cell as usize] += 1;
-            }
-            counts
-        })
-        .collect();
+    let block = block(cells.len());
+    let count = |cells: &[u16]| {
+        let mut counts = vec![0; CELLS];
+        cells.iter().filter(|&&cell| is_kept(cell)).for_each(|&cell| counts[cell as usize] += 1);
+        counts
+    };
+    let mut counts: Vec<Vec<u32>> = cells.par_chunks(block).map(count).collect();
     let starts = to_starts(&mut counts);
     let places: Vec<AtomicU32> = (0..starts[CELLS]).map(|_| AtomicU32::new(0)).collect();
     // Every place is written once: atomics are for the compiler, which cannot know.
     cells.par_chunks(block).zip(&mut counts).enumerate().for_each(|(b, (cells, next))| {
-        for (i, &cell) in cells.iter().enumerate() {
+        for (i, &cell) in cells.iter().enumerate().filter(|&(_, &cell)| is_kept(cell)) {
             let place = &mut next[cell as usize];
             places[*place as usize].store(members.number(b * block + i), Ordering::Relaxed);
             *place += 1;
         }
     });
-    drop((cells, counts));
+    drop(counts);
     let numbers = places.into_iter().map(AtomicU32::into_inner).collect();
     refine(geometry, numbers, &starts, most, level)
 }
@@ -197,15 +117,15 @@ fn refine(
             continue;
         }
         let full = &mut numbers[run];
-        let points = |&n: &u32| {
-            let point = point(geometry, n);
-            Aabb { low: point, high: point }
-        };
-        let join = |a: Aabb, b: Aabb| Aabb { low: a.low.min(b.low), high: a.high.max(b.high) };
-        let none = || Aabb { low: Vec3::INFINITY, high: Vec3::NEG_INFINITY };
-        let bounds = full.par_iter().map(points).reduce(none, join);
+        let bounds = around(full.par_iter().map(|&number| {
+            let low = middle(geometry, number);
+            Aabb { low, high: low }
+        }));
         if level < MOST_LEVELS && bounds.low != bounds.high {
-            let finer = arrange(geometry, &Members::These(full), &bounds, most, level + 1);
+            let grid = Grid::new(&bounds);
+            let cells: Vec<u16> =
+                full.par_iter().map(|&number| grid.cell(geometry, number)).collect();
+            let finer = arrange(geometry, &Members::These(full), &cells, most, level + 1);
             full.copy_from_slice(&finer.numbers);
             lengths.extend(finer.lengths);
         } else {

@@ -8,25 +8,28 @@ use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
 use obvhs::ploc::PlocBuilder;
 use obvhs::splits::split_aabbs_preset;
 
+use super::leaves::{Finder, Leaf};
 use super::weld::Welder;
 use crate::accel::coincident;
 use crate::accel::geometry::{Geometry, Primitive};
 use crate::accel::wide::{Converter, Hierarchy, Output, Owner, Part};
 use crate::kernels::quad;
 use crate::kernels::slab::Aabb;
-use crate::kernels::triangle::is_degenerate;
 
 /// The scene, and how pieces of it are built.
-#[derive(Clone, Copy)]
 pub(super) struct Plan<'a> {
     pub(super) geometry: &'a Geometry,
     /// A box around everything.
     pub(super) extents: Aabb,
     pub(super) parameters: &'a BvhBuildParams,
+    /// Of reinsertion: see [`super::Preset::rounds`].
+    pub(super) rounds: Option<Vec<f32>>,
     /// Whether there is one piece alone: memory is then let go as soon as it is done with.
     pub(super) once: bool,
     /// Whether vertices repeat positions.
     pub(super) weld: bool,
+    /// Whether leaves are found before the hierarchy.
+    pub(super) leaves_first: bool,
 }
 
 /// Builds pieces one after the other, and keeps its memory.
@@ -37,11 +40,10 @@ pub(super) struct Piece {
     optimizer: ReinsertionOptimizer,
     boxes: Vec<obvhs::aabb::Aabb>,
     members: Members,
+    finder: Finder,
     welder: Welder,
     converter: Converter,
     cut: Vec<u32>,
-    /// How many of its primitives can be hit.
-    pub(super) kept: u64,
     pub(super) output: Output,
 }
 
@@ -51,26 +53,27 @@ pub(super) struct UpperNodes {
     /// Binary nodes, the root first; the leaves' indices are those of parts.
     pub(super) nodes: Vec<Bvh2Node>,
     pub(super) parts: Vec<Part>,
-    /// How many primitives are below.
-    pub(super) kept: u64,
 }
 
 /// The primitives of each owner.
 #[derive(Default)]
-struct Members {
+pub(super) struct Members {
     /// Owners of one primitive.
-    singles: Vec<Single>,
+    pub(super) singles: Vec<Single>,
     /// The owners after them, of many.
     heaps: Vec<Vec<u32>>,
     /// How many primitives are triangles and quads: the first.
-    flat: u32,
+    pub(super) flat: u32,
+    /// Owners in place of `singles`, where leaves are found first, and the numbers in them.
+    pub(super) leaves: Vec<Leaf>,
+    pub(super) numbers: Vec<u32>,
 }
 
 /// A primitive, and if it is a triangle, its vertices.
 #[derive(Clone, Copy)]
-struct Single {
-    number: u32,
-    corners: [u32; 3],
+pub(super) struct Single {
+    pub(super) number: u32,
+    pub(super) corners: [u32; 3],
 }
 
 impl Members {
@@ -83,17 +86,31 @@ impl Members {
             None => Owner::Heap(&self.heaps[owner as usize - self.singles.len()]),
         }
     }
+
+    /// As [`Self::owner`], where leaves were found first.
+    #[inline(always)]
+    fn leaf(&self, owner: u32) -> Owner<'_> {
+        let Some(leaf) = self.leaves.get(owner as usize) else {
+            return Owner::Heap(&self.heaps[owner as usize - self.leaves.len()]);
+        };
+        let numbers = &self.numbers[leaf.first as usize..][..leaf.count as usize];
+        if numbers[0] < self.flat {
+            Owner::Patch(&leaf.shared, numbers)
+        } else {
+            Owner::Other(numbers[0])
+        }
+    }
 }
 
 impl Piece {
-    /// Builds the hierarchy over those primitives of these numbers that can be hit, and decides what
-    /// becomes of it. Whether there is one.
-    pub(super) fn build(&mut self, plan: &Plan, numbers: &[u32]) -> bool {
+    /// Builds the hierarchy over the primitives of these numbers, of which there is one at least, and decides
+    /// what becomes of it.
+    pub(super) fn build(&mut self, plan: &Plan, numbers: &[u32]) {
         self.gather(plan, numbers);
-        if self.boxes.is_empty() {
-            return false;
-        }
         self.gather_heaps(&plan.extents);
+        if plan.leaves_first {
+            self.finder.find(&mut self.members, &mut self.boxes);
+        }
         // The last piece's list is reused.
         let mut owners = std::mem::take(&mut self.bvh.primitive_indices);
         owners.clear();
@@ -101,41 +118,40 @@ impl Piece {
         if plan.parameters.pre_split {
             self.split_large_triangles(plan.geometry, &mut owners);
         }
-        hierarchy(
-            &mut self.ploc,
-            &mut self.optimizer,
+        let Plan { parameters, rounds, .. } = plan;
+        self.ploc.build_with_bvh(
             &mut self.bvh,
+            parameters.ploc_search_distance,
             &self.boxes,
             owners,
-            plan.parameters,
+            parameters.sort_precision,
+            parameters.search_depth_threshold,
         );
+        self.bvh.uses_spatial_splits = parameters.pre_split;
+        let ratio = parameters.reinsertion_batch_ratio;
+        self.optimizer.run(&mut self.bvh, ratio, rounds.clone());
         if plan.once {
             self.ploc = PlocBuilder::new();
             self.optimizer = ReinsertionOptimizer::default();
             self.boxes = Vec::new();
         }
-        let members = &self.members;
-        self.converter.evaluate(view(&self.bvh), |owner| members.owner(owner));
-        true
+        let (members, tree) = (&self.members, view(&self.bvh));
+        if plan.leaves_first {
+            self.converter.evaluate(tree, |owner| members.leaf(owner));
+        } else {
+            self.converter.evaluate(tree, |owner| members.owner(owner));
+        }
     }
 
-    /// A box for each primitive that can be hit.
+    /// A box for each primitive.
     fn gather(&mut self, plan: &Plan, numbers: &[u32]) {
         let geometry = plan.geometry;
         self.members.flat = (geometry.triangles.len() + geometry.quads.len()) as u32;
         self.members.singles.clear();
         self.boxes.clear();
-        self.kept = 0;
         for &number in numbers {
             match geometry.primitive(number) {
-                Primitive::Triangle(i) => {
-                    let triangle = geometry.triangle(i);
-                    if is_degenerate(&triangle) && geometry.seal(number).is_none() {
-                        continue;
-                    }
-                    let bounds = geometry.padded(Aabb::around(triangle));
-                    self.add(number, geometry.triangles[i], bounds);
-                }
+                Primitive::Triangle(i) => self.add(number, geometry.triangles[i], Aabb::EMPTY),
                 Primitive::Quad(i) => {
                     let corners = quad::halves(&geometry.quads[i]);
                     for (half, corners) in quad::halves(&geometry.quad(i)).into_iter().zip(corners)
@@ -145,7 +161,14 @@ impl Piece {
                 }
                 _ => self.add(number, [0; 3], geometry.bounds(number)),
             }
-            self.kept += 1;
+        }
+        // Triangles' boxes in a loop of their own, short enough for the processor to wait for many positions at once.
+        let triangles = geometry.triangles.len() as u32;
+        for (single, bounds) in self.members.singles.iter().zip(&mut self.boxes) {
+            if single.number < triangles {
+                let corners = single.corners.map(|v| geometry.positions[v as usize]);
+                *bounds = to_obvhs(geometry.padded(Aabb::around(corners)));
+            }
         }
         if plan.weld {
             let count = self.members.singles.len();
@@ -220,8 +243,8 @@ impl Piece {
     }
 
     /// Writes the piece as one, to `output`.
-    pub(super) fn emit_whole(&mut self, geometry: &Geometry) -> Part {
-        self.emit(geometry, 0)
+    pub(super) fn emit_whole(&mut self, plan: &Plan) -> Part {
+        self.emit(plan, 0)
     }
 
     /// Cuts the piece into about `parts` and writes each to `output`.
@@ -229,16 +252,16 @@ impl Piece {
     /// Parts are nodes and leaves as they would be in the piece as a whole, so that a tree in which
     /// other nodes stand above them has about the same below. Largest boxes are opened first: a
     /// large triangle among small ones is then not in a box with them.
-    pub(super) fn emit_upper(&mut self, geometry: &Geometry, parts: usize) -> UpperNodes {
+    pub(super) fn emit_upper(&mut self, plan: &Plan, parts: usize) -> UpperNodes {
         self.cut_off(parts);
         let nodes = vec![Bvh2Node::default()];
-        let mut upper = UpperNodes { nodes, parts: Vec::new(), kept: self.kept };
+        let mut upper = UpperNodes { nodes, parts: Vec::new() };
         let mut waiting = vec![(0, 0)];
         while let Some((place, copy)) = waiting.pop() {
             let node = self.bvh.nodes[place as usize];
             if self.cut.binary_search(&place).is_ok() {
                 upper.nodes[copy] = Bvh2Node::new(*node.aabb(), 1, upper.parts.len() as u32);
-                let part = self.emit(geometry, place);
+                let part = self.emit(plan, place);
                 upper.parts.push(part);
             } else {
                 let pair = upper.nodes.len();
@@ -273,35 +296,17 @@ impl Piece {
         self.cut.sort_unstable();
     }
 
-    fn emit(&mut self, geometry: &Geometry, place: u32) -> Part {
+    fn emit(&mut self, plan: &Plan, place: u32) -> Part {
         let unit = self.output.units.len();
-        let members = &self.members;
-        let owner = |owner| members.owner(owner);
-        let kind = self.converter.emit(geometry, view(&self.bvh), owner, place, &mut self.output);
+        let (members, tree, output) = (&self.members, view(&self.bvh), &mut self.output);
+        let kind = if plan.leaves_first {
+            self.converter.emit(plan.geometry, tree, |owner| members.leaf(owner), place, output)
+        } else {
+            self.converter.emit(plan.geometry, tree, |owner| members.owner(owner), place, output)
+        };
         let bounds = from_obvhs(self.bvh.nodes[place as usize].aabb());
         Part { bounds, kind, unit, cost: self.converter.cost(place) }
     }
-}
-
-/// obvhs's binary hierarchy over the boxes.
-pub(super) fn hierarchy(
-    ploc: &mut PlocBuilder,
-    optimizer: &mut ReinsertionOptimizer,
-    bvh: &mut Bvh2,
-    boxes: &[obvhs::aabb::Aabb],
-    owners: Vec<u32>,
-    parameters: &BvhBuildParams,
-) {
-    ploc.build_with_bvh(
-        bvh,
-        parameters.ploc_search_distance,
-        boxes,
-        owners,
-        parameters.sort_precision,
-        parameters.search_depth_threshold,
-    );
-    bvh.uses_spatial_splits = parameters.pre_split;
-    optimizer.run(bvh, parameters.reinsertion_batch_ratio, None);
 }
 
 /// The hierarchy as it is converted.

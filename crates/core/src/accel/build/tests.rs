@@ -117,7 +117,7 @@ const CUTS: [Cut; 3] =
 const CHUNKED: [Preset; 4] = [Preset::Fastest, Preset::VeryFast, Preset::Fast, Preset::Medium];
 
 fn cut_accel(geometry: &Geometry, preset: Preset, cut: Cut) -> Accel {
-    let tree = Some(build_cut(geometry, preset, cut));
+    let tree = Some(build_cut(geometry, Survey::of(geometry), preset, cut));
     Accel { tree, ..Accel::new(geometry.clone(), Preset::Brute) }
 }
 
@@ -147,7 +147,9 @@ fn the_tree_is_the_same_on_any_number_of_threads() {
     let geometry = mixture(3000);
     let built = |threads: usize, preset: Preset| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
-        let tree = pool.install(|| build_cut(&geometry, preset, Cut { chunk: 100, parts: 8 }));
+        let tree = pool.install(|| {
+            build_cut(&geometry, Survey::of(&geometry), preset, Cut { chunk: 100, parts: 8 })
+        });
         let (units, numbers) = tree.arena.parts();
         (bytemuck::cast_slice::<_, u32>(units).to_vec(), numbers.to_vec(), tree.census)
     };
@@ -185,7 +187,8 @@ fn triangles_that_repeat_positions_share_leaves() {
         repeated.triangles.push([first, first + 1, first + 2]);
     }
     for cut in [CUTS[1], CUTS[2], Cut { chunk: usize::MAX, parts: 1 }] {
-        let census = |geometry| build_cut(geometry, Preset::Fast, cut).census();
+        let census =
+            |geometry| build_cut(geometry, Survey::of(geometry), Preset::Fast, cut).census();
         assert_eq!(census(&repeated), census(&shared), "{cut:?}");
         let accel = cut_accel(&repeated, Preset::Fast, cut);
         assert!(answers_of(&accel) == answers(&shared, Preset::Brute));
@@ -214,7 +217,7 @@ fn holds(bounds: &Aabb, geometry: &Geometry, number: u32) -> bool {
 fn children_lie_within_their_parents() {
     let geometry = mixture(2000);
     for preset in Preset::ALL.into_iter().filter(|&p| p != Preset::Brute) {
-        let tree = build(&geometry, preset);
+        let tree = build(&geometry, Survey::of(&geometry), preset);
         let splits = matches!(preset, Preset::Slow | Preset::VerySlow);
         let mut leaves = vec![0; geometry.len()];
         tree.for_each_leaf(|bounds, numbers| {
@@ -228,6 +231,20 @@ fn children_lie_within_their_parents() {
             assert!(if splits { (times > 0) == (expected > 0) } else { times == expected });
         }
     }
+}
+
+#[test]
+fn the_heuristic_expects_what_areas_say() {
+    let expected = |spheres: Vec<(Vec3, f32)>| {
+        let geometry = Geometry { spheres, ..Geometry::default() };
+        let visits = build(&geometry, Survey::of(&geometry), Preset::Fast).expected_visits();
+        [visits.nodes, visits.leaves].map(|visits| (visits * 1e4).round() / 1e4)
+    };
+    assert_eq!(expected(Vec::new()), [0.0, 0.0]);
+    assert_eq!(expected(vec![(Vec3::ZERO, 1.0)]), [0.0, 1.0]);
+    // Two cubes of side 2 in a box of 12 by 2 by 2.
+    let apart = (2.0 * 12.0_f64 / 52.0 * 1e4).round() / 1e4;
+    assert_eq!(expected(vec![(Vec3::ZERO, 1.0), (Vec3::X * 10.0, 1.0)]), [1.0, apart]);
 }
 
 #[test]
@@ -284,8 +301,8 @@ fn hc21_the_lowest_number_wins_among_equals() {
 #[test]
 fn the_default_preset_grows_with_the_work() {
     assert_eq!(Preset::choose(18_000_000, 1_000_000), Preset::Fastest);
-    assert_eq!(Preset::choose(1_000_000, 4_000_000), Preset::VeryFast);
-    assert_eq!(Preset::choose(100_000, 2_000_000), Preset::Fast);
-    assert_eq!(Preset::choose(100_000, 1_000_000_000), Preset::Medium);
+    assert_eq!(Preset::choose(1_000_000, 6_000_000), Preset::VeryFast);
+    assert_eq!(Preset::choose(100_000, 1_600_000), Preset::Fast);
+    assert_eq!(Preset::choose(100_000, 1_000_000_000), Preset::Fast);
     assert_eq!(Preset::choose(0, 0), Preset::Fastest);
 }

@@ -2,7 +2,7 @@
 
 use bytemuck::Zeroable;
 
-use super::{Converter, Hierarchy, Output, Owner, SLOTS};
+use super::{Converter, Hierarchy, Output, Owner, SLOTS, Shared};
 use crate::accel::arena::{Kind, NODE_UNITS, Node, Patch, Soup, Unit, list_units, relative};
 use crate::accel::geometry::Geometry;
 use crate::math::simd::LANES;
@@ -163,6 +163,10 @@ impl<'b, F: Fn(u32) -> Owner<'b>> Emitter<'_, F> {
                     triangles.corners[triangles.count] = corners;
                     triangles.count += 1;
                 }
+                Owner::Patch(shared, numbers) => {
+                    self.patch(shared, numbers);
+                    return (start, Kind::Patch);
+                }
                 Owner::Other(number) => {
                     others[other_count] = number;
                     other_count += 1;
@@ -183,24 +187,19 @@ impl<'b, F: Fn(u32) -> Owner<'b>> Emitter<'_, F> {
 
     /// A patch if the triangles have few vertices, else a soup.
     fn triangles(&mut self, triangles: &Triangles) -> Kind {
-        let mut vertices = [0; LANES];
-        let mut count = 0;
-        let mut corners = [0_u32; 3];
-        for (lane, triangle) in triangles.corners[..triangles.count].iter().enumerate() {
-            for (corner, &v) in triangle.iter().enumerate() {
-                // All lanes at once, and no branch that depends on the mesh.
-                let equal = |mask, lane: usize| mask | u32::from(vertices[lane] == v) << lane;
-                let known = (0..LANES).fold(0, equal) & ((1 << count) - 1);
-                let local = if known == 0 { count } else { known.trailing_zeros() };
-                let Some(vertex) = vertices.get_mut(local as usize) else {
-                    self.soup(triangles);
-                    return Kind::Soup;
-                };
-                *vertex = v;
-                count = count.max(local + 1);
-                corners[corner] |= local << (4 * lane);
+        let mut shared = Shared::default();
+        for (lane, &corners) in triangles.corners[..triangles.count].iter().enumerate() {
+            if !shared.add(lane, corners) {
+                self.soup(triangles);
+                return Kind::Soup;
             }
         }
+        self.patch(&shared, &triangles.numbers[..triangles.count]);
+        Kind::Patch
+    }
+
+    fn patch(&mut self, shared: &Shared, numbers: &[u32]) {
+        let Shared { vertices, count, corners } = *shared;
         let mut positions = [[0.0; LANES]; 3];
         for lane in 0..LANES {
             // Unused lanes repeat the first.
@@ -208,17 +207,15 @@ impl<'b, F: Fn(u32) -> Owner<'b>> Emitter<'_, F> {
             let v = self.geometry.positions[vertex as usize];
             positions.iter_mut().zip(v.to_array()).for_each(|(row, x)| row[lane] = x);
         }
-        let first = self.append(&triangles.numbers[..triangles.count]);
-        let counts = [triangles.count as u32, count, self.quads(triangles)];
+        let first = self.append(numbers);
+        let counts = [numbers.len() as u32, count, self.quads(numbers)];
         self.output.units.push(bytemuck::cast(Patch::new(positions, corners, first, counts)));
-        Kind::Patch
     }
 
     /// How many of the triangles are halves of quads.
-    fn quads(&self, triangles: &Triangles) -> u32 {
+    fn quads(&self, numbers: &[u32]) -> u32 {
         let first = self.geometry.triangles.len() as u32;
-        let numbers = triangles.numbers[..triangles.count].iter();
-        numbers.map(|&number| u32::from(number >= first)).sum()
+        numbers.iter().map(|&number| u32::from(number >= first)).sum()
     }
 
     fn soup(&mut self, triangles: &Triangles) {
@@ -231,8 +228,9 @@ impl<'b, F: Fn(u32) -> Owner<'b>> Emitter<'_, F> {
                 }
             }
         }
-        let first = self.append(&triangles.numbers[..triangles.count]);
-        let leaf = Soup::new(corners, first, [triangles.count as u32, self.quads(triangles)]);
+        let numbers = &triangles.numbers[..triangles.count];
+        let first = self.append(numbers);
+        let leaf = Soup::new(corners, first, [numbers.len() as u32, self.quads(numbers)]);
         self.output.units.extend(bytemuck::cast::<_, [Unit; 3]>(leaf));
     }
 

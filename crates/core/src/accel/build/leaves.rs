@@ -1,0 +1,147 @@
+//! Leaves found before the tree, for the quickest build: along Morton's curve each triangle joins the leaf of
+//! those before it as long as that costs rays hardly more than a leaf of its own. The hierarchy is then over
+//! leaves, a quarter as many as there are triangles.
+
+use glam::Vec3A;
+use obvhs::aabb::Aabb;
+
+use super::piece::Members;
+use crate::accel::wide::{Shared, as_patch};
+use crate::math::simd::LANES;
+
+/// By what part of the smaller one's cost a joint leaf may cost more than both apart. It makes for fewer leaves and
+/// nodes: against 0, building a scan takes a seventh less time and rays are no slower; with 1 they were by 3 per cent.
+const SLACK: f32 = 0.6;
+
+/// Bits of an axis of the curve.
+const BITS: u32 = 10;
+
+/// Finds the leaves of a piece, and keeps its memory.
+#[derive(Default)]
+pub(super) struct Finder {
+    /// Places on the curve, each with the index of its primitive below, and room to sort them.
+    keys: Vec<u64>,
+    spare: Vec<u64>,
+    /// The boxes of the leaves.
+    leaves: Vec<Aabb>,
+}
+
+/// A leaf that is found, and where its primitives' numbers are.
+#[derive(Clone, Copy)]
+pub(super) struct Leaf {
+    pub(super) shared: Shared,
+    pub(super) first: u32,
+    pub(super) count: u32,
+}
+
+impl Finder {
+    /// Replaces the `boxes` of single primitives, the first, by those of the leaves that they are put in.
+    pub(super) fn find(&mut self, members: &mut Members, boxes: &mut Vec<Aabb>) {
+        let Members { singles, flat, numbers, leaves, .. } = members;
+        let (own, heaps) = boxes.split_at(singles.len());
+        sort(own, &mut self.keys, &mut self.spare);
+        numbers.clear();
+        leaves.clear();
+        self.leaves.clear();
+        for &key in &self.keys {
+            let index = key as u32 as usize;
+            let (single, bounds) = (&singles[index], own[index]);
+            if let (Some(leaf), Some(around)) = (leaves.last_mut(), self.leaves.last_mut())
+                && single.number.max(numbers[leaf.first as usize]) < *flat
+                && let Some((shared, union)) = joined(leaf, around, single.corners, &bounds)
+            {
+                *leaf = Leaf { shared, count: leaf.count + 1, ..*leaf };
+                *around = union;
+            } else {
+                let mut shared = Shared::default();
+                // Of other kinds each is alone, and what it shares is not asked for.
+                shared.add(0, single.corners);
+                leaves.push(Leaf { shared, first: numbers.len() as u32, count: 1 });
+                self.leaves.push(bounds);
+            }
+            numbers.push(single.number);
+        }
+        self.leaves.extend_from_slice(heaps);
+        std::mem::swap(boxes, &mut self.leaves);
+    }
+}
+
+/// The leaf with another triangle, if it has room and costs less than both apart.
+#[inline]
+fn joined(leaf: &Leaf, around: &Aabb, corners: [u32; 3], bounds: &Aabb) -> Option<(Shared, Aabb)> {
+    let count = leaf.count as usize;
+    let union = around.union(bounds);
+    let (left, right) = (around.half_area(), bounds.half_area());
+    let apart = left * as_patch(count) + right * as_patch(1);
+    if count == LANES || union.half_area() * as_patch(count + 1) > apart + SLACK * left.min(right) {
+        return None;
+    }
+    let mut shared = leaf.shared;
+    shared.add(count, corners).then_some((shared, union))
+}
+
+/// Puts the boxes' places on the curve and their indices into `keys`, in rising order.
+fn sort(boxes: &[Aabb], keys: &mut Vec<u64>, spare: &mut Vec<u64>) {
+    let center = |b: &Aabb| b.min + b.max;
+    let low = boxes.iter().map(center).fold(Vec3A::INFINITY, Vec3A::min);
+    let high = boxes.iter().map(center).fold(Vec3A::NEG_INFINITY, Vec3A::max);
+    let scale = (1 << BITS) as f32 / (high - low).max_element();
+    keys.clear();
+    keys.extend(boxes.iter().enumerate().map(|(index, b)| {
+        // Where all are at one place, 0 x inf is not a number, and counts as 0.
+        let [x, y, z] = ((center(b) - low) * scale).to_array().map(spread);
+        (x | y << 1 | z << 2) << 32 | index as u64
+    }));
+    sort_keys(keys, spare);
+}
+
+/// Sorts by the upper half, of which [`BITS`] for each axis count: by radix, from the lowest digit up.
+fn sort_keys(keys: &mut Vec<u64>, spare: &mut Vec<u64>) {
+    spare.resize(keys.len(), 0);
+    for shift in (0..3 * BITS).step_by(BITS as usize).map(|digit| 32 + digit) {
+        let digit = |key: u64| (key >> shift) as usize & ((1 << BITS) - 1);
+        let mut places = [0_u32; 1 << BITS];
+        keys.iter().for_each(|&key| places[digit(key)] += 1);
+        let mut sum = 0;
+        places.iter_mut().for_each(|place| sum += std::mem::replace(place, sum));
+        for &key in &*keys {
+            let place = &mut places[digit(key)];
+            spare[*place as usize] = key;
+            *place += 1;
+        }
+        std::mem::swap(keys, spare);
+    }
+}
+
+/// The whole part, each of its bits followed by two zeros.
+fn spread(x: f32) -> u64 {
+    let x = (x as u64).min((1 << BITS) - 1);
+    let x = (x | x << 16) & 0x0300_00FF;
+    let x = (x | x << 8) & 0x0300_F00F;
+    let x = (x | x << 4) & 0x030C_30C3;
+    (x | x << 2) & 0x0924_9249
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn keys_are_sorted_by_place_and_keep_their_order_at_one_place() {
+        let place = |i: u64| (i * 0x9E37_79B9) >> 7 & ((1 << (3 * BITS)) - 1) & !0xF_FFFF;
+        let mut keys: Vec<u64> = (0..5000).map(|i| place(i) << 32 | i).collect();
+        let mut expected = keys.clone();
+        expected.sort_unstable();
+        assert!(expected.windows(2).any(|pair| pair[0] >> 32 == pair[1] >> 32));
+        sort_keys(&mut keys, &mut Vec::new());
+        assert_eq!(keys, expected);
+    }
+
+    #[test]
+    fn bits_are_spread() {
+        assert_eq!(
+            [0.0, 1.0, 2.0, 1023.0, 5000.0, f32::NAN].map(spread),
+            [0, 1, 8, 0x0924_9249, 0x0924_9249, 0]
+        );
+    }
+}
