@@ -46,6 +46,7 @@ use build::{Preset, Survey};
 use geometry::Geometry;
 use instances::Walks;
 use packet::Packets;
+use seals::Seals;
 use stream::Flight;
 use tlas::Tlas;
 use tree::Tree;
@@ -133,8 +134,8 @@ impl Accel {
     /// Builds another structure over the same primitives.
     pub fn rebuild(&mut self, preset: Preset) {
         let geometry = &mut self.geometry;
-        geometry.seals.clear();
-        geometry.prototypes.iter_mut().for_each(|prototype| prototype.seals.clear());
+        geometry.seals = Seals::default();
+        geometry.prototypes.iter_mut().for_each(|prototype| prototype.seals = Seals::default());
         (self.tree, self.blas, self.tlas) = (None, Vec::new(), Tlas::default());
         if preset == Preset::Brute {
             find_all_seals(geometry);

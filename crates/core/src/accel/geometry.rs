@@ -10,6 +10,7 @@ use rayon::prelude::*;
 
 use super::instance::{Instance, Instanced};
 use super::near::Exactly;
+use super::seals::Seals;
 use super::{Hit, TestCounts};
 use crate::kernels::precision::{Arithmetic, Precision, Robust};
 use crate::kernels::slab::{Aabb, SlabRay};
@@ -34,9 +35,8 @@ pub struct Geometry {
     pub lights: Vec<Range<u32>>,
     /// How exactly they are tested, and with that how their boxes are padded.
     pub precision: Precision,
-    /// Triangles without area that keep the mesh tight, each with the one that it stands for, in rising
-    /// order. To be left empty: they are found when the tree is built.
-    pub seals: Vec<[u32; 2]>,
+    /// Triangles without area that keep the mesh tight. To be left empty: they are found when the tree is built.
+    pub seals: Seals,
     /// Meshes that are shown by instances, each in its own space. They have triangles alone.
     pub prototypes: Vec<Geometry>,
     /// Where prototypes are shown. Their primitives' numbers follow those of the scene's own, instance by
@@ -228,11 +228,7 @@ impl Geometry {
     /// What the triangle of that number stands for, if it is a seal.
     #[inline(always)]
     pub(super) fn seal(&self, number: u32) -> Option<u32> {
-        if self.seals.is_empty() {
-            return None;
-        }
-        let place = self.seals.binary_search_by_key(&number, |&[own, _]| own).ok()?;
-        Some(self.seals[place][1])
+        self.seals.get(number)
     }
 
     /// The hit, on what a seal stands for if it is on one.

@@ -24,15 +24,63 @@ const MOST_BETWEEN: usize = 64;
 /// Places in the filter of vertices, for each edge whose ends are in it.
 const FILTER: usize = 16;
 
+/// The seals of a mesh. Nearly every hit is on a triangle that is none: a bit says so at once.
+#[derive(Clone, Debug, Default)]
+pub struct Seals {
+    /// The number of each, and that of the triangle that it stands for, in rising order.
+    pairs: Vec<[u32; 2]>,
+    /// A bit for each [`STRIDE`] numbers, those without a seal at the end left out.
+    marks: Vec<u64>,
+}
+
+/// Numbers that share a bit.
+const STRIDE: usize = 16;
+
+impl Seals {
+    fn of(pairs: Vec<[u32; 2]>) -> Self {
+        let bit = |number: u32| number as usize / STRIDE;
+        let bits = pairs.last().map_or(0, |&[last, _]| bit(last) + 1);
+        let mut marks = vec![0; bits.div_ceil(64)];
+        pairs.iter().for_each(|&[number, _]| marks[bit(number) / 64] |= 1 << (bit(number) % 64));
+        Self { pairs, marks }
+    }
+
+    pub(super) fn is_empty(&self) -> bool {
+        self.pairs.is_empty()
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.pairs.len()
+    }
+
+    pub(super) fn numbers(&self) -> impl Iterator<Item = u32> {
+        self.pairs.iter().map(|&[number, _]| number)
+    }
+
+    /// What the triangle of that number stands for, if it is a seal.
+    #[inline(always)]
+    pub(super) fn get(&self, number: u32) -> Option<u32> {
+        let bit = number as usize / STRIDE;
+        let is_marked = self.marks.get(bit / 64).is_some_and(|marks| marks >> (bit % 64) & 1 == 1);
+        if is_marked { self.find(number) } else { None }
+    }
+
+    #[cold]
+    fn find(&self, number: u32) -> Option<u32> {
+        let place = self.pairs.binary_search_by_key(&number, |&[own, _]| own).ok()?;
+        Some(self.pairs[place][1])
+    }
+}
+
 /// The seals of a mesh whose `degenerate` triangles are these, by number, each with the triangle that it stands for.
-pub(super) fn find(geometry: &Geometry, degenerate: &[u32]) -> Vec<[u32; 2]> {
+pub(super) fn find(geometry: &Geometry, degenerate: &[u32]) -> Seals {
     let has_three_corners = |&number: &u32| {
         let [a, b, c] = geometry.triangle(number as usize);
         a != b && b != c && c != a
     };
     let pinched: Vec<u32> = degenerate.iter().copied().filter(has_three_corners).collect();
     if pinched.is_empty() {
-        return Vec::new();
+        return Seals::default();
     }
     let neighbours = across_longest_edges(geometry, &pinched);
     let mut seals: HashMap<u32, u32> = HashMap::new();
@@ -58,7 +106,7 @@ pub(super) fn find(geometry: &Geometry, degenerate: &[u32]) -> Vec<[u32; 2]> {
     let mut seals: Vec<[u32; 2]> =
         seals.into_iter().map(|(number, other)| [number, other]).collect();
     seals.sort_unstable();
-    seals
+    Seals::of(seals)
 }
 
 /// Each of the `pinched` triangles with the others at its longest edge, in rising order.
@@ -159,11 +207,14 @@ mod tests {
                 })
                 .collect();
             let mut accel = Accel::new(geometry.clone(), Preset::VeryFast);
-            assert_eq!((accel.left_out(), accel.geometry.seals.as_slice()), (1, &[[1, 0]][..]));
+            assert_eq!(
+                (accel.left_out(), accel.geometry.seals.pairs.as_slice()),
+                (1, &[[1, 0]][..])
+            );
             for preset in [Preset::Brute, Preset::Medium] {
                 let accel = Accel::new(geometry.clone(), preset);
                 let (_, seals) = (accel.left_out(), &accel.geometry.seals);
-                assert_eq!(seals.as_slice(), &[[1, 0]]);
+                assert_eq!(seals.pairs.as_slice(), &[[1, 0]]);
             }
             let mut hits = vec![Hit::MISS; rays.len()];
             for kernel in KernelChoice::ALL {

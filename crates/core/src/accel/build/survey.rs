@@ -68,7 +68,7 @@ impl Survey {
     /// Finds the cells of seals, which count like any other triangle. How many primitives can be hit.
     pub(super) fn keep_seals(&mut self, geometry: &Geometry) -> usize {
         let grid = Grid::new(&self.extents);
-        for &[number, _] in &geometry.seals {
+        for number in geometry.seals.numbers() {
             self.cells[number as usize] = grid.cell(geometry, number);
         }
         self.cells.len() - self.degenerate.len() + geometry.seals.len()
