@@ -3,10 +3,10 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x8, mask32x8, u32x8};
 
-use super::arena::{Node, Ref, base};
+use super::arena::{Node, Ref, base, child_of};
 use super::query::Query;
 use crate::kernels::slab::SlabRay;
-use crate::math::simd::{LANES, Lanes};
+use crate::math::simd::{LANES, Lanes, entry};
 
 /// Where the ray enters the children's boxes, and which of them it meets between `t_min` and
 /// `reach`.
@@ -34,24 +34,46 @@ fn axis<S: Lanes>(simd: S, planes: &[[f32; LANES]; 2], ray: &SlabRay, k: usize) 
     ray.crossings(k, first, last)
 }
 
-/// Appends the children that the ray meets to its stack of entries, whose length is `height`, the
-/// nearest last, or in any order where any hit will do. The new height.
+/// Goes on to the child that the ray meets first, or for any hit to one of them. Puts the others on its stack of
+/// entries, whose length is `height`: the nearest last, or in any order. The child, if it meets one, and the new height.
+///
+/// Few children are met, so that branches by how many are predicted well, and what follows need not wait until the
+/// stack has been written.
 #[inline(always)]
-pub(super) fn push<S: Lanes, Q: Query>(
+pub(super) fn enter<S: Lanes, Q: Query>(
     simd: S,
     node: &Node,
-    place: Ref,
+    at: Ref,
     ray: &SlabRay,
     [t_min, reach]: [f32; 2],
     stack: &mut [u64],
     height: usize,
-) -> usize {
+) -> (Option<Ref>, usize) {
     let (near, mask) = children(simd, node, ray, t_min, reach);
-    let entries = simd.entries(near, places(simd, node, place));
-    append::<S, Q>(simd, &entries, mask.to_bitmask() as u8, stack, height)
+    let mask = mask.to_bitmask() as u8;
+    let others = mask & mask.wrapping_sub(1);
+    if mask == 0 {
+        return (None, height);
+    }
+    let lane = |mask: u8| mask.trailing_zeros() as usize % LANES;
+    let first = lane(mask);
+    if others == 0 {
+        return (Some(child_of(node, at, first)), height);
+    }
+    if others & (others - 1) == 0 {
+        let second = lane(others);
+        let near: [f32; LANES] = near.into();
+        let is_in_order = Q::ANY || near[first] <= near[second];
+        let (first, second) = if is_in_order { (first, second) } else { (second, first) };
+        stack[height] = entry(near[second], child_of(node, at, second).bits());
+        return (Some(child_of(node, at, first)), height + 1);
+    }
+    let entries = simd.entries(near, places(simd, node, at));
+    let height = append::<S, Q>(simd, &entries, mask, stack, height) - 1;
+    (Some(place(stack[height])), height)
 }
 
-/// Appends the `entries` whose bit in `mask` is 1 as [`push`] does.
+/// Appends the `entries` whose bit in `mask` is 1 to the stack, the nearest last, or in any order where any hit will do. The new height.
 #[inline(always)]
 pub(super) fn append<S: Lanes, Q: Query>(
     simd: S,

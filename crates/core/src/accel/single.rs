@@ -29,13 +29,15 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
         if !Q::ANY && distance(entry) > limit {
             continue;
         }
-        let place = place(entry);
-        if place.kind() == Kind::Node {
+        let mut next = Some(place(entry));
+        while let Some(at) = next.take_if(|at| at.kind() == Kind::Node) {
             tests.nodes += 1;
             let range = [ray.ray.t_min, limit];
-            height =
-                node::push::<S, Q>(simd, arena.node(place), place, &ray.slab, range, stack, height);
-        } else if leaf::visit::<S, Q, P>(simd, searched, ray, place, &mut best, tests) {
+            (next, height) =
+                node::enter::<S, Q>(simd, arena.node(at), at, &ray.slab, range, stack, height);
+        }
+        let Some(leaf) = next else { continue };
+        if leaf::visit::<S, Q, P>(simd, searched, ray, leaf, &mut best, tests) {
             if Q::ANY {
                 break;
             }
