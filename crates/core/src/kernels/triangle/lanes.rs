@@ -138,8 +138,12 @@ impl ShearedSpace {
     ) -> (LaneHits, u32) {
         let range = self.range_of_lanes(simd);
         let edges = Edges::new(&sheared.xy);
+        let candidates = used & !edges.outside().bits();
+        if candidates == 0 {
+            return (LaneHits::default(), 0);
+        }
         let Decision { t, certain, open, inside } =
-            decide(sheared, &edges, &range, (used & !edges.outside().bits(), any));
+            decide(sheared, &edges, &range, (candidates, any));
         (LaneHits { t: t.into(), certain, open }, open & inside.bits())
     }
 
