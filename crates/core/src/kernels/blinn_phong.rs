@@ -49,8 +49,8 @@ pub fn reflect<F: Single>(
     if !is_shiny.any() {
         return diffuse;
     }
-    // Opposite directions have no half vector: this gives zero, and no highlight.
-    let half = (view + to_light).normalize_in_single();
+    // Opposite directions have no half vector: `normalize` gives zero, and no highlight.
+    let half = (view + to_light).normalize();
     let cosine = normal.dot(half);
     let cosine = F::select(cosine.lt(zero), zero, cosine);
     let one = zero.same(1.0);
