@@ -141,7 +141,7 @@ mod tests {
         assert_eq!(intersect(&beside, Vec3::ZERO, 1.5), None);
     }
 
-    /// Rays that graze, from near and far, of all sizes: [`passes_by`] takes no hit away, and leaves little open.
+    /// Rays that graze, from near and far, of all sizes: [`passes_by`] takes no hit away.
     #[test]
     fn what_passes_by_for_certain_is_not_hit() {
         let mut counts = [[0; 2]; 2];
@@ -160,7 +160,7 @@ mod tests {
                 1;
         }
         let [[open, hits], [passes, lost]] = counts;
-        assert!(lost == 0 && hits > 20_000 && passes > open, "{counts:?}");
+        assert!(lost == 0 && hits > 20_000 && open.min(passes) > 10_000, "{counts:?}");
     }
 
     #[test]

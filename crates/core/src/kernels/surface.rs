@@ -232,7 +232,7 @@ pub fn interpolated_normal<F: Single>(
 ) -> Vector<F> {
     let x = y.same(1.0) - y - z;
     let [a, b, c] = corners;
-    let unit = (a.scale(x) + b.scale(y) + c.scale(z)).normalize_in_single();
+    let unit = (a.scale(x) + b.scale(y) + c.scale(z)).normalize();
     let behind = unit.dot(normal).lt(x.zero());
     let sided = Vector::select(behind, -unit, unit);
     Vector::select(smooth & unit.is_not_zero(), sided, normal)

@@ -190,7 +190,7 @@ impl<F: Single> Vector<F> {
     }
 
     /// As [`Self::normalize`], in single precision unless the vector is tiny or huge: each coordinate is within
-    /// gamma(5) of its exact value. For directions that decide no hit.
+    /// gamma(5) of its exact value. Not for what a highlight's exponent is applied to.
     #[inline(always)]
     pub fn normalize_in_single(self) -> Self {
         let square = self.dot(self);
