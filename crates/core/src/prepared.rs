@@ -157,11 +157,11 @@ pub const NO_VALUE: u32 = u32::MAX;
 impl<T: Copy> CornerValues<T> {
     /// The values at the corners of the mesh's `triangle`th triangle, whose positions are
     /// `positions` within the mesh.
-    #[inline]
+    #[inline(always)]
     pub fn corners(&self, triangle: usize, positions: [u32; 3]) -> Option<[T; 3]> {
-        let indices = self.indices.as_ref().map_or(positions, |indices| indices[triangle]);
-        let [a, b, c] = indices.map(|i| self.values.get(i as usize).copied());
-        Some([a?, b?, c?])
+        let [a, b, c] = self.indices.as_ref().map_or(positions, |indices| indices[triangle]);
+        let value = |index: u32| self.values.get(index as usize).copied();
+        Some([value(a)?, value(b)?, value(c)?])
     }
 }
 

@@ -10,6 +10,7 @@
 //! * [`farm`]: images that are made in parts.
 //! * `color`: spaces of colour.
 //! * `transfer`: from linear values to 8-bit levels.
+//! * `idat`: the pixels of a PNG, compressed in bands.
 //! * `netpbm`: the byte layouts of PPM and PFM, which are simple enough to be our own.
 //! * `openexr`: colours and further channels as an EXR.
 
@@ -20,6 +21,7 @@ pub mod compare;
 pub mod error_map;
 pub mod farm;
 pub mod flip;
+mod idat;
 pub mod metadata;
 mod netpbm;
 mod openexr;

@@ -188,15 +188,23 @@ impl Geometry {
     }
 
     /// The corners of a triangle.
+    // Written out, as are those of a quad: `map` takes them through memory in pieces.
     #[inline(always)]
     pub fn triangle(&self, index: usize) -> [Vec3; 3] {
-        self.triangles[index].map(|v| self.positions[v as usize])
+        let [a, b, c] = self.triangles[index];
+        [self.position(a), self.position(b), self.position(c)]
     }
 
     /// The corners of a quad.
     #[inline(always)]
     pub fn quad(&self, index: usize) -> [Vec3; 4] {
-        self.quads[index].map(|v| self.positions[v as usize])
+        let [a, b, c, d] = self.quads[index];
+        [self.position(a), self.position(b), self.position(c), self.position(d)]
+    }
+
+    #[inline(always)]
+    fn position(&self, vertex: u32) -> Vec3 {
+        self.positions[vertex as usize]
     }
 
     /// The padded box that contains every hit on the primitive; or its own, if tests are to be fast. Not for

@@ -192,7 +192,8 @@ impl Camera {
     /// The directions, of unit length, through the places (`x`, `y`) of the image in pixels.
     #[inline(always)]
     pub fn directions<F: Single>(&self, x: F, y: F) -> Vector<F> {
-        let [width, height] = self.size.map(|side| x.same(side as f32));
+        let [width, height] = self.size;
+        let (width, height) = (x.same(width as f32), x.same(height as f32));
         let one = x.same(1.0);
         let s = x.times(2.0) / width - one;
         let t = one - y.times(2.0) / height;

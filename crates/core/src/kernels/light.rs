@@ -90,7 +90,7 @@ impl Triangles {
     }
 
     /// The point for `square`: its x chooses the triangle and, stretched, a place in it.
-    #[inline]
+    #[inline(always)]
     fn point(&self, square: Vec2) -> LightPoint<f32> {
         let last = self.corners.len() - 1;
         let index = self.cumulative.partition_point(|&end| end <= square.x).min(last);
@@ -128,7 +128,7 @@ impl<F: Single> LightPoint<F> {
 
 impl LightPoint<f32> {
     /// The point computed as `position` from coordinates up to `size`.
-    #[inline]
+    #[inline(always)]
     fn new(position: DVec3, size: f32, normal: Vec3) -> Self {
         let position = Vector::from(position.as_vec3());
         Self { position, error: position.rounding_error(size), normal: normal.into() }
@@ -166,7 +166,7 @@ impl Light {
     }
 
     /// Where its `index`th point is in the unit square.
-    #[inline]
+    #[inline(always)]
     fn square(&self, index: u32, stream: &Stream) -> Vec2 {
         let random = || {
             let [u, v, ..] = stream.uniform(self.dimension + index);
@@ -178,8 +178,9 @@ impl Light {
         self.sampling.point((index, number), self.grid, random, scramble)
     }
 
-    /// Its `index`th point.
-    #[inline]
+    /// Its `index`th point. Inlined where points of several streams are asked for, which share the choices and the
+    /// divisions.
+    #[inline(always)]
     pub fn point(&self, index: u32, stream: &Stream) -> LightPoint<f32> {
         match &self.emitter {
             Emitter::Point(position) => LightPoint::of_point((), *position),

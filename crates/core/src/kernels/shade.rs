@@ -87,7 +87,7 @@ pub fn shadow_request<F: Single>(
 ) -> Option<ShadowRequest<F>> {
     let zero = point.kr.zero();
     let towards = target.position - point.point;
-    let to_light = towards.normalize();
+    let to_light = towards.normalize_in_single();
     let asked = point.lit & point.normal.dot(to_light).gt(zero);
     if !asked.any() {
         return None;
@@ -166,7 +166,7 @@ pub fn mirrored<F: Single>(
 /// `view` turned about `normal`, of unit length.
 #[inline(always)]
 fn reflection<F: Single>(view: Vector<F>, normal: Vector<F>) -> Vector<F> {
-    (normal.scale(view.dot(normal).times(2.0)) - view).normalize()
+    (normal.scale(view.dot(normal).times(2.0)) - view).normalize_in_single()
 }
 
 #[cfg(test)]

@@ -118,11 +118,12 @@ fn weights<F: Single>(line: &Line<F>, corners: &[Vector<F>; 3], size: F) -> [F::
     let e1 = ax * cy - ay * cx;
     let e2 = bx * ay - by * ax;
     let sum = e0 + e1 + e2;
-    let (mut wa, mut wb, mut wc) = (e0 / sum, e1 / sum, e2 / sum);
+    let part = sum.same(1.0) / sum;
+    let (mut wa, mut wb, mut wc) = (e0 * part, e1 * part, e2 * part);
     let zero = sum.zero();
     // False also where the sum is zero and the quotients are no numbers.
     let inside = wa.ge(zero) & wb.ge(zero) & wc.ge(zero) & sum.ne(zero);
-    let sideways = ShearedSpace::sideways_of(size, line.origin.max_abs());
+    let sideways = ShearedSpace::sideways_of(size, line.origin.max_abs()) * space.direction.z.abs();
     let (x, y) = (ax * wa + bx * wb + cx * wc, ay * wa + by * wb + cy * wc);
     let beside = x.abs().le(sideways) & y.abs().le(sideways);
     let mut open = !(inside & beside).bits() & (u32::MAX >> (32 - F::LANES));
@@ -144,7 +145,8 @@ fn weights_of_one(origin: Vec3, direction: Vec3, corners: &[Vec3; 3]) -> [f64; 3
     ShearedSpace::new(&Ray::new(origin, direction)).barycentric(corners).to_array()
 }
 
-/// The space of a ray in double precision: see [`ShearedSpace`].
+/// The space of a ray in double precision: see [`ShearedSpace`]. Its x and y are scaled by z of the direction, which
+/// spares divisions.
 struct Sheared<F: Single> {
     along_x: F::Mask,
     along_y: F::Mask,
@@ -168,8 +170,8 @@ impl<F: Single> Sheared<F> {
     #[inline(always)]
     fn shear(&self, corner: Vector<F>) -> (F::Double, F::Double) {
         let v = turn(self.along_x, self.along_y, corner).widen() - self.origin;
-        let t = v.z / self.direction.z;
-        (v.x - self.direction.x * t, v.y - self.direction.y * t)
+        let d = self.direction;
+        (v.x * d.z - d.x * v.z, v.y * d.z - d.y * v.z)
     }
 }
 

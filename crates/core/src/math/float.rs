@@ -37,15 +37,14 @@ pub fn sum(a: f32, b: f32, c: f32) -> f32 {
     Vector::new(a, b, c).element_sum()
 }
 
-/// Both roots of a t^2 - 2 b t + c = 0 in rising order, given b, c, a > 0 and `root` =
-/// sqrt(b^2 - a c).
+/// Both roots of t^2 - 2 b t + c = 0 in rising order, given b, c and `root` = sqrt(b^2 - c).
 ///
 /// Neither root subtracts nearly equal numbers (Press et al., *Numerical Recipes*, section 5.6).
 #[inline(always)]
-pub fn stable_roots<F: Real<Element = f64>>(a: F, b: F, c: F, root: F) -> (F, F) {
+pub fn stable_roots<F: Real<Element = f64>>(b: F, c: F, root: F) -> (F, F) {
     let q = b + root.copysign(b);
     let is_zero = q.eq(q.zero());
-    let (t0, t1) = (F::select(is_zero, q, c / q), F::select(is_zero, q, q / a));
+    let (t0, t1) = (F::select(is_zero, q, c / q), q);
     let ordered = t0.lt(t1);
     (F::select(ordered, t0, t1), F::select(ordered, t1, t0))
 }
@@ -121,7 +120,7 @@ mod tests {
 
     #[test]
     fn roots_keep_their_digits_when_b_squared_swamps_ac() {
-        let (near, far) = stable_roots(1.0, 1e8, 1.0, f64::sqrt(1e16 - 1.0));
+        let (near, far) = stable_roots(1e8, 1.0, f64::sqrt(1e16 - 1.0));
         assert!((near - 5e-9).abs() < 1e-24 && (far - 2e8).abs() < 1e-6, "{near} {far}");
     }
 

@@ -24,14 +24,14 @@ pub struct Stream {
 
 impl Stream {
     /// The four random words of `dimension`.
-    #[inline]
+    #[inline(always)]
     pub fn words(&self, dimension: u32) -> [u32; 4] {
         let key = [self.seed as u32, (self.seed >> 32) as u32];
         philox_4x32_10([self.pixel, self.sample, self.bounce, dimension], key)
     }
 
     /// The four random numbers of `dimension`, each uniform in \[0, 1).
-    #[inline]
+    #[inline(always)]
     pub fn uniform(&self, dimension: u32) -> [f32; 4] {
         self.words(dimension).map(unit_interval)
     }
@@ -88,13 +88,13 @@ impl TryRng for Generator {
 }
 
 /// The upper 24 bits of `word` as a fraction in \[0, 1): every value is exact in `f32`.
-#[inline]
+#[inline(always)]
 pub fn unit_interval(word: u32) -> f32 {
     (word >> 8) as f32 * (1.0 / (1 << 24) as f32)
 }
 
 /// Philox 4x32 with ten rounds.
-#[inline]
+#[inline(always)]
 pub fn philox_4x32_10(mut counter: [u32; 4], mut key: [u32; 2]) -> [u32; 4] {
     const MULTIPLIER: [u64; 2] = [0xD251_1F53, 0xCD9E_8D57];
     const WEYL: [u32; 2] = [0x9E37_79B9, 0xBB67_AE85];

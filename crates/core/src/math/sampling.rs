@@ -26,7 +26,7 @@ impl Sampling {
     ///
     /// Random and jittered points draw the two numbers `random` of the stream. Sobol points of all
     /// samples of a pixel are one sequence: `index.1` is the point's number in it.
-    #[inline]
+    #[inline(always)]
     pub fn point(
         self,
         index: (u32, u32),
@@ -63,7 +63,7 @@ impl Points {
 }
 
 /// The point at `fraction` of the `index`th of `count` equal parts of \[0, 1).
-#[inline]
+#[inline(always)]
 fn cell(index: u32, count: u32, fraction: f32) -> f32 {
     let x = (index as f32 + fraction) / count as f32;
     // The sum or the quotient of the last cell can round up to 1.

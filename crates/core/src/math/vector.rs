@@ -5,7 +5,16 @@ use std::ops::{Add, Mul, Neg, Sub};
 use glam::{DVec3, Vec3};
 
 use super::bounds::{DOUBLE_ROUNDINGS, STEEPEST_CREASE, gamma};
-use super::real::{Real, Single};
+use super::real::{Mask, Real, Single};
+
+/// 2^-100 and 2^100: squares of lengths between them have not overflowed, and what underflow takes from them is far
+/// less than half an ulp.
+const SQUARES_IN_SINGLE: [f32; 2] =
+    [f32::from_bits((127 - 100) << 23), f32::from_bits((127 + 100) << 23)];
+
+/// 2^-600 and 2^600: the same in double precision, and true of any vector product of `f32` but zero.
+const SQUARES_IN_DOUBLE: [f64; 2] =
+    [f64::from_bits((1023 - 600) << 52), f64::from_bits((1023 + 600) << 52)];
 
 /// A vector, or a vector in each lane.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -98,12 +107,26 @@ impl<F: Real<Element = f64>> Vector<F> {
     /// With length 1, or zero where there is no direction.
     #[inline(always)]
     pub fn normalize_wide(self) -> Self {
+        let square = self.dot(self);
+        let [least, most] = SQUARES_IN_DOUBLE;
+        let within = square.gt(square.same(least)) & square.lt(square.same(most));
+        let unit = self.times_reciprocal(square.sqrt());
+        if !(!within).any() {
+            return unit;
+        }
         let size = self.max_abs();
         let zero = size.zero();
         let valid = size.gt(zero) & size.lt(size.same(f64::INFINITY));
         let scaled = self.over(size);
-        let unit = scaled.over(scaled.dot(scaled).sqrt());
-        Self::select(valid, unit, Self::new(zero, zero, zero))
+        let scaled = scaled.times_reciprocal(scaled.dot(scaled).sqrt());
+        let scaled = Self::select(valid, scaled, Self::new(zero, zero, zero));
+        Self::select(within, unit, scaled)
+    }
+
+    /// Divided by its own number, with one division for three: each coordinate is off by two roundings.
+    #[inline(always)]
+    fn times_reciprocal(self, by: F) -> Self {
+        self.scale(by.same(1.0) / by)
     }
 }
 
@@ -161,9 +184,28 @@ impl<F: Single> Vector<F> {
     #[inline(always)]
     pub fn normalize(self) -> Self {
         let wide = self.widen();
-        let unit = Self::narrow(wide.over(wide.dot(wide).sqrt()));
+        let unit = Self::narrow(wide.times_reciprocal(wide.dot(wide).sqrt()));
         let zero = self.x.zero();
         Self::select(self.is_not_zero() & self.is_finite(), unit, Self::new(zero, zero, zero))
+    }
+
+    /// As [`Self::normalize`], in single precision unless the vector is tiny or huge: each coordinate is within
+    /// gamma(5) of its exact value. Not for what a highlight's exponent is applied to.
+    #[inline(always)]
+    pub fn normalize_in_single(self) -> Self {
+        let square = self.dot(self);
+        let [least, most] = SQUARES_IN_SINGLE;
+        let within = square.gt(square.same(least)) & square.lt(square.same(most));
+        let unit = self.scale(square.same(1.0) / square.sqrt());
+        if !(!within).any() {
+            return unit;
+        }
+        let other = F::outlined(
+            square.token(),
+            #[inline(always)]
+            || self.normalize(),
+        );
+        Self::select(within, unit, other)
     }
 
     /// Moves a point off its surface along `normal`, to the side that `direction` points to, just far enough that

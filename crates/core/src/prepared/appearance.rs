@@ -106,8 +106,9 @@ impl Appearance {
             let (_, prototype) = geometry.instance(instanced);
             return attribute(mesh)?.corners(triangle, prototype.triangles[triangle]);
         }
-        let positions = geometry.triangles[primitive as usize].map(|v| v - mesh.first_position);
-        attribute(mesh)?.corners((primitive - mesh.first_triangle) as usize, positions)
+        let ([a, b, c], first) = (geometry.triangles[primitive as usize], mesh.first_position);
+        let triangle = (primitive - mesh.first_triangle) as usize;
+        attribute(mesh)?.corners(triangle, [a - first, b - first, c - first])
     }
 }
 

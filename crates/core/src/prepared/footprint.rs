@@ -88,7 +88,7 @@ impl PreparedScene {
         look_ups.footprints += 1;
         let MirrorPoint { normal, shading_normal, .. } = *point;
         let steps = differential.at(ray, hit.t, normal);
-        let view = -normalize(ray.direction);
+        let view = -ray.direction;
         let (_, smooth) = shade::mirrored::<f32>(view.into(), shading_normal.into(), normal.into());
         let about = if smooth { shading_normal } else { normal };
         let turns = steps.map(|step| self.turn(hit.primitive, point, step, smooth));

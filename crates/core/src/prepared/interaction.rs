@@ -132,26 +132,29 @@ impl<F: Single> Group<F> {
         if shape.smooth {
             self.fetch_normals(lane, shape, primitive, geometry, appearance);
         }
-        let corners = match geometry.primitive(primitive) {
+        // Each for itself: corners of any kind together would go through memory in pieces.
+        match geometry.primitive(primitive) {
+            Primitive::Triangle(i) => {
+                set_three::<F>(&mut self.corners, lane, geometry.triangle(i));
+            }
             Primitive::Quad(i) => {
                 self.quads |= 1 << lane;
-                surface::quad_half(&ray(), &geometry.quad(i))
+                let half = surface::quad_half(&ray(), &geometry.quad(i));
+                set_three::<F>(&mut self.corners, lane, half);
             }
-            Primitive::Triangle(i) => geometry.triangle(i),
             Primitive::Instanced(instanced) => {
                 let (instance, prototype) = geometry.instance(instanced);
                 let carried = instance.carried(&ray());
                 set::<F>(&mut self.carried[0], lane, carried.origin);
                 set::<F>(&mut self.carried[1], lane, carried.direction);
-                prototype.triangle(instanced.triangle as usize)
+                let corners = prototype.triangle(instanced.triangle as usize);
+                set_three::<F>(&mut self.corners, lane, corners);
             }
             Primitive::Sphere(i) => {
                 let (center, radius) = geometry.spheres[i];
-                [center, Vec3::splat(radius), Vec3::ZERO]
+                let corners = [center, Vec3::splat(radius), Vec3::ZERO];
+                set_three::<F>(&mut self.corners, lane, corners);
             }
-        };
-        for (rows, corner) in self.corners.iter_mut().zip(corners) {
-            set::<F>(rows, lane, corner);
         }
     }
 
@@ -166,9 +169,7 @@ impl<F: Single> Group<F> {
     ) {
         let Some(normals) = appearance.normals(shape, geometry, primitive) else { return };
         self.smooth |= 1 << lane;
-        for (rows, normal) in self.normals.iter_mut().zip(normals) {
-            set::<F>(rows, lane, normal);
-        }
+        set_three::<F>(&mut self.normals, lane, normals);
     }
 
     /// Diffuse colours of materials.
@@ -187,13 +188,15 @@ impl<F: Single> Group<F> {
         geometry: &Geometry,
     ) -> Surface<F> {
         let token = t.token();
-        let corners = self.corners.each_ref().map(|rows| Vector::load(token, rows));
+        let corners = three(token, &self.corners);
         match kind {
             Kind::Flat => {
                 let mut found = surface::triangle_at::<F, P>(line, t, &corners);
                 if self.quads != 0 {
                     let quads = F::mask(token, self.quads);
-                    found.barycentric = found.barycentric.map(|w| F::select(quads, t.zero(), w));
+                    let [y, z] = found.barycentric;
+                    found.barycentric =
+                        [F::select(quads, t.zero(), y), F::select(quads, t.zero(), z)];
                 }
                 found
             }
@@ -221,7 +224,7 @@ impl<F: Single> Group<F> {
         found
     }
 
-    /// The points ready to be shaded, where `line` meets what the hits are on at `t`. `texture` gives the colour of
+    /// The points ready to be shaded, where `line`, of unit direction, meets what the hits are on at `t`. `texture` gives the colour of
     /// a hit on a shape with a texture, by its lane and its point.
     #[inline(always)]
     pub fn shading_points<P: Arithmetic>(
@@ -239,7 +242,7 @@ impl<F: Single> Group<F> {
         let normal = Vector::select(at_back, -outward, outward);
         let mut shading_normal = normal;
         if self.smooth != 0 {
-            let corners = self.normals.each_ref().map(|rows| Vector::load(token, rows));
+            let corners = three(token, &self.normals);
             let smooth = F::mask(token, self.smooth);
             shading_normal =
                 surface::interpolated_normal(&corners, surfaces.barycentric, normal, smooth);
@@ -248,13 +251,13 @@ impl<F: Single> Group<F> {
         for lane in lanes(self.textured & self.used) {
             color.set_lane(lane, texture(lane, &surfaces.lane(lane)));
         }
-        let [ks, kd, exponent] = self.reflection.each_ref().map(|row| F::load(token, row));
+        let Vector { x: ks, y: kd, z: exponent } = Vector::load(token, &self.reflection);
         ShadingPoint {
             point: surfaces.point,
             error: surfaces.error,
             normal,
             shading_normal,
-            view: -line.direction.normalize(),
+            view: -line.direction,
             color,
             reflection: Reflection { ks, kd, exponent },
             kr: F::load(token, &self.kr),
@@ -263,9 +266,24 @@ impl<F: Single> Group<F> {
     }
 }
 
+/// The vectors of three rows. Written out, as are other arrays of vectors here: `map` is not inlined, and what goes
+/// through memory in pieces has to wait there.
+#[inline(always)]
+fn three<F: Single>(token: F::Token, [a, b, c]: &[Rows<F>; 3]) -> [Vector<F>; 3] {
+    [Vector::load(token, a), Vector::load(token, b), Vector::load(token, c)]
+}
+
 #[inline(always)]
 fn set<F: Single>([x, y, z]: &mut Rows<F>, lane: usize, v: Vec3) {
     (x.as_mut()[lane], y.as_mut()[lane], z.as_mut()[lane]) = (v.x, v.y, v.z);
+}
+
+#[inline(always)]
+fn set_three<F: Single>(rows: &mut [Rows<F>; 3], lane: usize, [a, b, c]: [Vec3; 3]) {
+    let [in_a, in_b, in_c] = rows;
+    set::<F>(in_a, lane, a);
+    set::<F>(in_b, lane, b);
+    set::<F>(in_c, lane, c);
 }
 
 /// The lanes whose bits are set, one after the other.
@@ -286,7 +304,7 @@ impl PreparedScene {
         group.surfaces::<P>(geometry.kind(hit.primitive), &Line::from(ray), hit.t, geometry)
     }
 
-    /// What `ray` meets with `hit`. Its `differential` is asked for where a texture needs it.
+    /// What `ray`, of unit direction, meets with `hit`. Its `differential` is asked for where a texture needs it.
     // Not inlined, nor for each caller's closure: one call a hit costs nothing, a copy some 10 KB.
     #[inline(never)]
     pub fn interaction<P: Arithmetic>(

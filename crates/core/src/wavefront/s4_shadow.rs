@@ -1,8 +1,8 @@
 //! Pass 4: light that reaches the lit points.
 //!
-//! Light by light, a shadow ray for each of its samples from each point, traced whenever the queue
-//! is full. A path thus gets its contributions in the order of lights and samples, whatever the
-//! size of the queue.
+//! Light by light and sample by sample, a shadow ray from each point, traced whenever the queue is full. A path
+//! thus gets its contributions in the order of lights and samples, whatever the size of the queue, and rays beside
+//! each other there go from points beside each other to one part of the light.
 
 use super::batch::{Batch, ShadowRays};
 use crate::accel::Traversal;
@@ -27,7 +27,7 @@ pub(super) fn run<P: Arithmetic>(
 ) {
     for light in &scene.lights {
         let mut next = Next::default();
-        while next.point < batch.lit.len() {
+        while next.index < light.samples() && !batch.lit.is_empty() {
             let request = Request { light, seed, bounce, batch, counters, next };
             next = dispatch_pass(scene.accel.level, request);
             trace::<P>(scene, batch, traversal);
@@ -35,15 +35,15 @@ pub(super) fn run<P: Arithmetic>(
     }
 }
 
-/// Where the requests for a light go on: the first of a group of points, and the light's point.
+/// Where the requests for a light go on: the light's point, and the first of a group of points.
 #[derive(Clone, Copy, Default)]
 struct Next {
-    point: usize,
     index: u32,
+    point: usize,
 }
 
-/// Queues shadow rays to a light until the queue is full. Where it has to go on, with a point
-/// beyond the last once all are queued.
+/// Queues shadow rays to a light until the queue is full. Where it has to go on, behind the light's last point once all
+/// are queued.
 struct Request<'a> {
     light: &'a Light,
     seed: u64,
@@ -62,30 +62,30 @@ impl Pass for Request<'_> {
         let capacity = batch.capacity();
         let Batch { lit, paths, shadows, .. } = batch;
         let (samples, sampled) = (light.samples(), light.is_sampled());
-        while next.point < lit.len() {
-            let count = F::LANES.min(lit.len() - next.point);
-            let used = (1_u64 << count) - 1;
-            let (points, throughput) = lit.load::<F>(token, next.point, used as u32);
-            let path = &lit.path[next.point..next.point + F::LANES];
-            let stream = |lane: usize| {
-                let path = path[lane] as usize;
-                let (pixel, sample) = (paths.pixel[path], paths.sample[path]);
-                Stream { seed: self.seed, pixel, sample, bounce: self.bounce }
-            };
-            while next.index < samples {
+        while next.index < samples {
+            while next.point < lit.len() {
                 if shadows.len() >= capacity {
                     return next;
                 }
+                let count = F::LANES.min(lit.len() - next.point);
+                let used = (1_u64 << count) - 1;
+                let (points, throughput) = lit.load::<F>(token, next.point, used as u32);
+                let path = &lit.path[next.point..next.point + F::LANES];
+                let stream = |lane: usize| {
+                    let path = path[lane] as usize;
+                    let (pixel, sample) = (paths.pixel[path], paths.sample[path]);
+                    Stream { seed: self.seed, pixel, sample, bounce: self.bounce }
+                };
                 let targets = targets::<F>(token, light, next.index, count, stream);
                 counters.light_samples += if sampled { count as u64 } else { 0 };
-                next.index += 1;
+                next.point += F::LANES;
                 let request = shadow_request(&points, throughput, light, &targets);
                 let Some(request) = request else { continue };
                 counters.shadow_rays += shadows.push_lanes(&request, path) as u64;
                 let at_light = (request.at_light & request.asked).bits();
                 counters.lights_at_surface += u64::from(at_light.count_ones());
             }
-            next = Next { point: next.point + F::LANES, index: 0 };
+            next = Next { index: next.index + 1, point: 0 };
         }
         next
     }
@@ -111,8 +111,13 @@ fn targets<F: Single>(
             (x.as_mut()[lane], y.as_mut()[lane], z.as_mut()[lane]) = (value.x, value.y, value.z);
         }
     }
-    let [position, error, normal] = rows.each_ref().map(|rows| Vector::load(token, rows));
-    LightPoint { position, error, normal }
+    // Written out: `map` is not inlined, and vectors then wait in memory.
+    let [position, error, normal] = &rows;
+    LightPoint {
+        position: Vector::load(token, position),
+        error: Vector::load(token, error),
+        normal: Vector::load(token, normal),
+    }
 }
 
 /// Traces the queue and adds what arrives.
