@@ -9,7 +9,7 @@ use super::colour::Colour;
 use super::pieces::Facets;
 use super::place::Place;
 use super::random::Random;
-use super::solid::BEVEL;
+use super::solid::{BEVEL, MM};
 
 /// How wide, high and deep the shelf is.
 pub(super) const SIZE: DVec3 = DVec3::new(1.5, 2.1, 0.32);
@@ -26,7 +26,7 @@ impl Builder {
     pub(super) fn bookshelf(&mut self, place: Place) {
         let half = SIZE.x / 2.0;
         let mut wood = Facets::default();
-        wood.block(&place, [BOARD - half, 0.05, 0.0], [half - BOARD, SIZE.y - 0.03, 0.008]);
+        wood.block(&place, [BOARD - half, 0.05, 0.0], [half - BOARD, SIZE.y - 0.03, 8.0 * MM]);
         for x in [-half, half - BOARD] {
             wood.board(&place, [x, 0.0, 0.0], [x + BOARD, SIZE.y, SIZE.z], BEVEL);
         }
@@ -38,10 +38,10 @@ impl Builder {
         let pitch = (SIZE.y - PLINTH - 0.05) / f64::from(ROWS);
         for row in 0..=ROWS {
             let y = PLINTH + pitch * f64::from(row);
-            let (low, high) = inside([y - BOARD, 0.0], [y, SIZE.z - 0.005]);
+            let (low, high) = inside([y - BOARD, 0.0], [y, SIZE.z - 5.0 * MM]);
             wood.board(&place, low, high, BEVEL);
         }
-        let top = [-half - 0.03, SIZE.y - 0.005, 0.0];
+        let top = [-half - 0.03, SIZE.y - 5.0 * MM, 0.0];
         wood.board(&place, top, [half + 0.03, SIZE.y + 0.03, SIZE.z + 0.03], 3.0 * BEVEL);
         self.facets(wood, Colour::WALNUT);
         for row in 0..ROWS {
@@ -63,14 +63,14 @@ impl Builder {
             let leans = book + 3 > shares.len();
             let lean = if leans { random.between(-7.0, -4.0) } else { 0.0 };
             let at = place.moved(x, 0.0, 0.0).rolled(lean);
-            self.book(at, thickness - 0.001, room, &mut random);
-            x += thickness + if leans { 0.008 } else { 0.0 };
+            self.book(at, thickness - MM, room, &mut random);
+            x += thickness + if leans { 8.0 * MM } else { 0.0 };
         }
     }
 
     /// A book that stands: two covers, pages, and a round spine towards +z.
     fn book(&mut self, place: Place, thickness: f64, room: f64, random: &mut Random) {
-        const COVER: f64 = 0.0025;
+        const COVER: f64 = 2.5 * MM;
         let height = room * random.between(0.62, 0.93);
         let depth = random.between(0.16, 0.22);
         let place = place.moved(0.0, 0.0, random.between(0.0, 0.04));
@@ -80,16 +80,16 @@ impl Builder {
         covers.block(&place, [thickness - COVER, 0.0, 0.0], [thickness, height, depth]);
         self.facets(covers, colour);
         let mut pages = Facets::default();
-        let high = [thickness - COVER, height - 0.004, depth];
-        pages.block(&place, [COVER, 0.004, 0.005], high);
+        let high = [thickness - COVER, height - 4.0 * MM, depth];
+        pages.block(&place, [COVER, 4.0 * MM, 5.0 * MM], high);
         self.facets(pages, Colour::PAPER);
         let cells = [self.steps(0.04, 2.0, 4), self.steps(0.25, 0.5, 2)];
         let spine = move |u: f64, v: f64| {
             let (sin, cos) = libm::sincos(PI * u);
             let x = thickness / 2.0 * (1.0 - cos);
             // Bands run across the spine.
-            let bands = 0.0006 * (1.0 - libm::cos(12.0 * PI * v));
-            place.point(DVec3::new(x, height * v, depth + sin * (0.006 + bands)))
+            let bands = 0.6 * MM * (1.0 - libm::cos(12.0 * PI * v));
+            place.point(DVec3::new(x, height * v, depth + sin * (6.0 * MM + bands)))
         };
         self.sheet(cells, colour, Box::new(spine));
     }

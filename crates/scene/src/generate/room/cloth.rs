@@ -7,6 +7,7 @@ use glam::{DVec2, DVec3};
 use super::builder::Builder;
 use super::colour::Colour;
 use super::place::Place;
+use super::solid::MM;
 use crate::generate::noise::Fractal;
 
 /// Waves of the crumples in cloth to the metre.
@@ -82,7 +83,7 @@ impl Builder {
     pub(super) fn rug(&mut self, place: Place, half: DVec2) {
         /// How wide the border is.
         const BORDER: f64 = 0.18;
-        let layers = [(half, 0.008, Colour::RUG_BORDER), (half - BORDER, 0.011, Colour::RUG)];
+        let layers = [(half, 8.0 * MM, Colour::RUG_BORDER), (half - BORDER, 0.011, Colour::RUG)];
         for (half, height, colour) in layers {
             let crumples = self.crumples();
             let depth = self.folds.min(height) * 0.15;

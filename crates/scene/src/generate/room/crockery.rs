@@ -8,6 +8,7 @@ use super::builder::Builder;
 use super::colour::Colour;
 use super::lathe::FINE;
 use super::place::Place;
+use super::solid::MM;
 
 const CUP: [[f64; 2]; 12] = [
     [0.1, 0.3],
@@ -141,7 +142,7 @@ const CANDLE: [[f64; 2]; 8] = [
 impl Builder {
     pub(super) fn cup(&mut self, place: Place, colour: Colour) {
         self.lathe(place, &CUP, FINE, colour);
-        self.handle(place.moved(0.038, 0.042, 0.0), [0.027, 0.024], 0.0035, colour);
+        self.handle(place.moved(0.038, 0.042, 0.0), [0.027, 0.024], 3.5 * MM, colour);
     }
 
     pub(super) fn plate(&mut self, place: Place, colour: Colour) {
@@ -172,7 +173,7 @@ impl Builder {
 
     pub(super) fn teapot(&mut self, place: Place, colour: Colour) {
         self.lathe(place, &POT_OF_TEA, FINE, colour);
-        self.handle(place.moved(-0.082, 0.068, 0.0).turned(180.0), [0.05, 0.042], 0.006, colour);
+        self.handle(place.moved(-0.082, 0.068, 0.0).turned(180.0), [0.05, 0.042], 6.0 * MM, colour);
         self.tube(place, (0.16, FINE), DVec3::Z, colour, |t| {
             let rise = t * t * (3.0 - 2.0 * t);
             (DVec3::new(0.07 + 0.1 * t, 0.045 + 0.085 * rise, 0.0), 0.019 - 0.011 * t)

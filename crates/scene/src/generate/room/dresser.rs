@@ -6,7 +6,7 @@ use super::builder::Builder;
 use super::colour::Colour;
 use super::pieces::Facets;
 use super::place::Place;
-use super::solid::{BEVEL, DOOR, DRAWER};
+use super::solid::{BEVEL, DOOR, DRAWER, MM};
 
 /// How wide, high and deep the lower part of a dresser is.
 pub(super) const SIZE: DVec3 = DVec3::new(1.7, 0.9, 0.46);
@@ -56,9 +56,10 @@ impl Builder {
         let width = SIZE.x / f64::from(DOORS);
         for i in 0..DOORS {
             let x = width * f64::from(i) - half;
-            let rect =
-                |y0: f64, y1: f64| (DVec2::new(x + 0.003, y0), DVec2::new(x + width - 0.003, y1));
-            let (low, high) = rect(0.7, SIZE.y - BOARD - 0.004);
+            let rect = |y0: f64, y1: f64| {
+                (DVec2::new(x + 3.0 * MM, y0), DVec2::new(x + width - 3.0 * MM, y1))
+            };
+            let (low, high) = rect(0.7, SIZE.y - BOARD - 4.0 * MM);
             wood.panel(&front, low, high, &DRAWER);
             self.knob(front.moved(x + width / 2.0, (low.y + high.y) / 2.0, 0.02));
             let (low, high) = rect(0.085, 0.694);
@@ -103,7 +104,7 @@ impl Builder {
 
     fn top_of_dresser(&mut self, place: Place) {
         for i in 0..6_u32 {
-            let at = place.moved(-0.6, 0.009 * f64::from(i), 0.2);
+            let at = place.moved(-0.6, 9.0 * MM * f64::from(i), 0.2);
             self.plate(at, if i % 2 == 0 { Colour::CHINA } else { Colour::GLAZE });
         }
         self.teapot(place.moved(-0.22, 0.0, 0.24).turned(-25.0), Colour::GLAZE);

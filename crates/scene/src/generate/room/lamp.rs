@@ -5,6 +5,7 @@ use glam::DVec3;
 use super::builder::Builder;
 use super::colour::Colour;
 use super::place::Place;
+use super::solid::MM;
 
 /// The height of a hanging shade's lower edge below the ceiling.
 pub(super) const HANGS: f64 = 0.95;
@@ -57,7 +58,7 @@ impl Builder {
     /// A lamp that hangs from `place` at the ceiling.
     pub(super) fn hanging_lamp(&mut self, place: Place) {
         let top = DVec3::new(0.0, -HANGS + 0.25, 0.0);
-        self.rod(place, [DVec3::ZERO, top], 0.004, Colour::BRASS);
+        self.rod(place, [DVec3::ZERO, top], 4.0 * MM, Colour::BRASS);
         self.lathe(place.moved(0.0, -HANGS, 0.0), &HANGING_SHADE, 1.5, Colour::BRASS);
         let bulb = place.moved(0.0, 0.12 - HANGS, 0.0);
         self.cushion(bulb, DVec3::new(0.03, 0.045, 0.03), 0.95, 4.0, Colour::PAPER);

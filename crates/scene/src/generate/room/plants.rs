@@ -9,6 +9,7 @@ use super::colour::Colour;
 use super::pieces::Leaf;
 use super::place::Place;
 use super::random::Random;
+use super::solid::MM;
 
 const POT: [[f64; 2]; 12] = [
     [0.1, 0.0],
@@ -57,7 +58,7 @@ impl Builder {
         for _ in 0..9_u32 {
             let way = random.direction() * DVec3::new(0.28, 0.16, 0.28);
             let fork = place.moved(0.0, 0.24 + trunk * random.between(0.7, 0.98), 0.0);
-            self.stem(fork, way + DVec3::Y * height * 0.22, 0.007);
+            self.stem(fork, way + DVec3::Y * height * 0.22, 7.0 * MM);
         }
         let half = DVec3::new(height * 0.24, height * 0.31, height * 0.24);
         let crown = place.moved(0.0, 0.24 + trunk + half.y * 0.55, 0.0);
@@ -79,7 +80,7 @@ impl Builder {
         for _ in 0..14_u32 {
             let mut way = random.direction() * 0.16;
             way.y = random.between(0.14, 0.3);
-            self.stem(place.moved(0.0, -0.03, 0.0), way, 0.0018);
+            self.stem(place.moved(0.0, -0.03, 0.0), way, 1.8 * MM);
             let flower = move |random: &mut Random, scale: f64| {
                 let out = random.direction();
                 let base = place.point(way + out * 0.012);
@@ -106,7 +107,7 @@ impl Builder {
             };
             let side = DVec3::new(-sin, 0.0, cos);
             self.tube(place, (1.2, 1.0), side, Colour::STEM, move |t| {
-                (curve(t), 0.007 - 0.005 * t)
+                (curve(t), 7.0 * MM - 5.0 * MM * t)
             });
             let leaflet = move |random: &mut Random, scale: f64| {
                 let t = random.between(0.28, 1.0);

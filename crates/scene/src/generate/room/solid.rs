@@ -5,8 +5,10 @@ use glam::{DVec2, DVec3};
 use super::pieces::Facets;
 use super::place::Place;
 
+/// A millimetre: furniture is measured in metres, and its details in these.
+pub(super) const MM: f64 = 0.001;
 /// How far edges are cut back, in metres, where nothing else is said.
-pub(super) const BEVEL: f64 = 0.003;
+pub(super) const BEVEL: f64 = 3.0 * MM;
 
 impl Facets {
     /// A block from `low` to `high`: six quads.

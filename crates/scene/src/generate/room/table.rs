@@ -6,7 +6,7 @@ use super::builder::Builder;
 use super::colour::Colour;
 use super::pieces::Facets;
 use super::place::Place;
-use super::solid::BEVEL;
+use super::solid::{BEVEL, MM};
 
 /// Half the size of the table's top.
 pub(super) const HALF: DVec2 = DVec2::new(0.85, 0.5);
@@ -42,7 +42,7 @@ impl Builder {
         let mut wood = Facets::default();
         // Less than the cloth, so that it stays below a coarse one.
         let board = HALF - 0.03;
-        let top = [board.x, TOP - 0.002, board.y];
+        let top = [board.x, TOP - 2.0 * MM, board.y];
         wood.board(&place, [-board.x, TOP - 0.035, -board.y], top, 2.0 * BEVEL);
         let (x, z) = (HALF.x - 0.09, HALF.y - 0.09);
         for side in [-1.0, 1.0] {
@@ -57,7 +57,7 @@ impl Builder {
         }
         self.facets(wood, Colour::OAK);
         self.drape(place.moved(0.0, TOP, 0.0), HALF, 0.24, Colour::LINEN);
-        self.laid(place.moved(0.0, TOP + 0.003, 0.0));
+        self.laid(place.moved(0.0, TOP + 3.0 * MM, 0.0));
         for (x, side) in [(-0.42, 1.0), (0.42, 1.0), (-0.42, -1.0), (0.42, -1.0)] {
             let turn = self.random().between(-9.0, 9.0) + if side < 0.0 { 180.0 } else { 0.0 };
             self.chair(place.moved(x, 0.0, side * (HALF.y + 0.2)).turned(turn));
@@ -74,10 +74,10 @@ impl Builder {
             let seat = place.moved(x, 0.0, side * 0.33);
             let turn = self.random().between(-60.0, 60.0);
             self.plate(seat, Colour::CHINA);
-            self.bowl(seat.moved(0.0, 0.006, 0.0).scaled(0.7), Colour::GLAZE);
+            self.bowl(seat.moved(0.0, 6.0 * MM, 0.0).scaled(0.7), Colour::GLAZE);
             let saucer = place.moved(x + 0.22, 0.0, side * 0.26);
             self.plate(saucer.scaled(0.58), Colour::CHINA);
-            self.cup(saucer.moved(0.0, 0.003, 0.0).turned(turn), Colour::CHINA);
+            self.cup(saucer.moved(0.0, 3.0 * MM, 0.0).turned(turn), Colour::CHINA);
             self.glass(place.moved(x - 0.19, 0.0, side * 0.22), Colour::GLAZE);
         }
         self.vase(place.moved(0.05, 0.0, 0.0), Colour::GLAZE);
@@ -98,8 +98,8 @@ impl Builder {
             let x = side * (HALF - 0.03);
             let apron = [x + 0.01, SEAT - 0.031, HALF - 0.02];
             wood.block(&place, [x - 0.01, SEAT - 0.08, -HALF + 0.02], apron);
-            let rung = [HALF - 0.03, 0.2, x + 0.008];
-            wood.board(&place, [0.03 - HALF, 0.18, x - 0.008], rung, BEVEL);
+            let rung = [HALF - 0.03, 0.2, x + 8.0 * MM];
+            wood.board(&place, [0.03 - HALF, 0.18, x - 8.0 * MM], rung, BEVEL);
             for z in [0.03 - HALF, HALF - 0.03] {
                 self.lathe(place.moved(x, 0.0, z).scaled(0.67), &LEG, TURNED, Colour::WALNUT);
             }
@@ -114,8 +114,8 @@ impl Builder {
         }
         for slat in -2..=2_i32 {
             let x = 0.065 * f64::from(slat);
-            let high = [x + 0.014, 0.441, 0.006];
-            wood.board(&back, [x - 0.014, 0.109, -0.006], high, 0.5 * BEVEL);
+            let high = [x + 0.014, 0.441, 6.0 * MM];
+            wood.board(&back, [x - 0.014, 0.109, -6.0 * MM], high, 0.5 * BEVEL);
         }
         self.facets(wood, Colour::WALNUT);
         let half = DVec3::new(HALF - 0.012, 0.03, HALF - 0.03);

@@ -6,7 +6,7 @@ use super::builder::Builder;
 use super::colour::Colour;
 use super::pieces::Facets;
 use super::place::Place;
-use super::solid::{BEVEL, DOOR, rectangle};
+use super::solid::{BEVEL, DOOR, MM, rectangle};
 
 /// Half the size of the room in x and z, in metres.
 pub(super) const HALF: DVec2 = DVec2::new(3.0, 2.5);
@@ -95,7 +95,7 @@ impl Builder {
         }
         for j in 1..panes[1] {
             let y = low.y + size.y * f64::from(j) / f64::from(panes[1]);
-            wood.board(&frame, [low.x, y - 0.015, -0.025], [high.x, y + 0.015, 0.008], BEVEL);
+            wood.board(&frame, [low.x, y - 0.015, -0.025], [high.x, y + 0.015, 8.0 * MM], BEVEL);
         }
         let out = [low.x - 0.08, low.y - 0.035, -THICKNESS + 0.05];
         wood.board(&place, out, [high.x + 0.08, low.y, 0.09], 2.0 * BEVEL);
@@ -110,7 +110,7 @@ impl Builder {
         architrave(&mut wood, &place, opening);
         let leaf = place.moved(0.0, 0.0, -0.07);
         let size = (high - low) / DVec2::new(2.0, 3.0);
-        wood.block(&leaf, [low.x, low.y, -0.03], [high.x, high.y, -0.001]);
+        wood.block(&leaf, [low.x, low.y, -0.03], [high.x, high.y, -MM]);
         for (i, j) in (0..2).flat_map(|i| (0..3).map(move |j| (i, j))) {
             let corner = low + size * DVec2::new(f64::from(i), f64::from(j));
             wood.panel(&leaf, corner, corner + size, &DOOR);
@@ -144,19 +144,19 @@ impl Builder {
         let profile = [
             [0.0, 0.0],
             [0.0, 0.02],
-            [0.006, 0.026],
+            [6.0 * MM, 0.026],
             [0.02, 0.02],
             [0.03, 0.022],
             [0.034, 0.015],
-            [0.036, 0.008],
+            [0.036, 8.0 * MM],
         ];
         frame.frames(&place, -half, half, &profile);
         self.facets(frame, Colour::BRASS);
         let mut mount = Facets::default();
-        mount.frames(&place, -half, half, &[[0.03, 0.008], [0.11, 0.008], [0.113, 0.006]]);
+        mount.frames(&place, -half, half, &[[0.03, 8.0 * MM], [0.11, 8.0 * MM], [0.113, 6.0 * MM]]);
         self.facets(mount, Colour::PAPER);
         let mut picture = Facets::default();
-        picture.panel(&place, -half, half, &[[0.113, 0.006]]);
+        picture.panel(&place, -half, half, &[[0.113, 6.0 * MM]]);
         self.facets(picture, print);
     }
 }
@@ -168,11 +168,11 @@ fn architrave(wood: &mut Facets, place: &Place, opening: &Opening) {
     let profile = [
         [0.0, 0.0],
         [0.0, 0.014],
-        [0.005, 0.02],
+        [5.0 * MM, 0.02],
         [0.02, 0.02],
         [0.024, 0.014],
-        [WIDTH - 0.008, 0.014],
-        [WIDTH, 0.008],
+        [WIDTH - 8.0 * MM, 0.014],
+        [WIDTH, 8.0 * MM],
         [WIDTH, 0.0],
     ];
     wood.frames(place, opening.low - WIDTH, opening.high + WIDTH, &profile);
