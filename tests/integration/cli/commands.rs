@@ -82,7 +82,7 @@ fn explain_says_which_passes_run_and_why() {
         "  - textures        no shape has a texture",
         "  + spheres         1 sphere",
         "  - depth of field  the camera is a pinhole",
-        "    medium          1 primitives, up to 768 rays",
+        "    fast            1 primitives, up to 768 rays",
     ] {
         assert!(found.lines().any(|l| l == line), "{line}\n{found}");
     }

@@ -1,9 +1,11 @@
 //! The rays of a tile by column.
 
+mod gather;
+
 use std::ops::Range;
 
+use fearless_simd::f32x16;
 use fearless_simd::prelude::*;
-use fearless_simd::{f32x16, u32x16};
 use glam::Vec3;
 
 use super::beam::{Beam, Extents, longest};
@@ -16,7 +18,7 @@ use crate::accel::{Hit, NO_PRIMITIVE};
 use crate::kernels::precision::Arithmetic;
 use crate::kernels::slab::PADDING;
 use crate::kernels::triangle::lanes::ORDERS;
-use crate::kernels::triangle::{Axis, RayRange, ShearedSpace};
+use crate::kernels::triangle::{Axis, ShearedSpace};
 use crate::math::ray::Ray;
 use crate::math::simd::Lanes;
 
@@ -313,81 +315,6 @@ impl Tile {
             t_max: self.t_max[g][l],
         }
     }
-
-    /// The rays at `positions`, with the axes in `order`; without origins if they have `ONE`.
-    #[inline(always)]
-    pub(super) fn pick<S: Lanes, const ONE: bool>(
-        &self,
-        simd: S,
-        [kx, ky, kz]: [usize; 3],
-        positions: [u32; WIDTH],
-    ) -> RayGroup<S> {
-        let primitive = simd.pick(bytemuck::cast_ref(&self.primitive), positions);
-        let none = f32x16::splat(simd, 0.0);
-        RayGroup {
-            origin: if ONE {
-                [none, none, none]
-            } else {
-                [
-                    simd.pick(&self.origin[kx.min(2)], positions),
-                    simd.pick(&self.origin[ky.min(2)], positions),
-                    simd.pick(&self.origin[kz.min(2)], positions),
-                ]
-            },
-            shear: [
-                simd.pick(&self.shear[0], positions),
-                simd.pick(&self.shear[1], positions),
-                simd.pick(&self.shear[2], positions),
-            ],
-            range: RayRange {
-                depth: simd.pick(&self.direction[kz.min(2)], positions).abs(),
-                t_min: simd.pick(&self.t_min, positions),
-                t_max: simd.pick(&self.t_max, positions),
-            },
-            best: simd.pick(&self.best, positions),
-            primitive: primitive.bitcast(),
-        }
-    }
-
-    /// The rays of the `g`th group, with the axes in `order`.
-    #[inline(always)]
-    pub(super) fn whole<S: Lanes>(
-        &self,
-        simd: S,
-        [kx, ky, kz]: [usize; 3],
-        g: usize,
-    ) -> RayGroup<S> {
-        let g = g % GROUPS;
-        RayGroup {
-            origin: [
-                load(simd, &self.origin[kx.min(2)], g),
-                load(simd, &self.origin[ky.min(2)], g),
-                load(simd, &self.origin[kz.min(2)], g),
-            ],
-            shear: [
-                load(simd, &self.shear[0], g),
-                load(simd, &self.shear[1], g),
-                load(simd, &self.shear[2], g),
-            ],
-            range: RayRange {
-                depth: load(simd, &self.direction[kz.min(2)], g).abs(),
-                t_min: load(simd, &self.t_min, g),
-                t_max: load(simd, &self.t_max, g),
-            },
-            best: load(simd, &self.best, g),
-            primitive: self.primitive[g].simd_into(simd),
-        }
-    }
-}
-
-/// Sixteen rays in front of a leaf.
-pub(super) struct RayGroup<S: Lanes> {
-    /// With the longest axis last.
-    pub(super) origin: [f32x16<S>; 3],
-    pub(super) shear: [f32x16<S>; 3],
-    pub(super) range: RayRange<f32x16<S>>,
-    pub(super) best: f32x16<S>,
-    pub(super) primitive: u32x16<S>,
 }
 
 /// See [`reach`].
