@@ -107,26 +107,37 @@ fn is_any<P: Arithmetic>(
     (hits, first): (&LaneHits, u32),
     tests: &mut TestCounts,
 ) -> bool {
-    let Searched { tree, geometry, .. } = searched;
-    let arena = tree.arena.view();
-    let (mut certain, mut open) = (hits.certain, hits.open);
-    if certain != 0 && geometry.lights.is_empty() {
+    if searched.without_lights(first, hits.certain) != 0 {
         return true;
     }
-    while certain != 0 {
-        if !geometry.is_light(arena.number(first, certain.trailing_zeros() as usize & 7)) {
-            return true;
-        }
-        certain &= certain - 1;
-    }
+    let mut open = searched.without_lights(first, hits.open);
     while open != 0 {
-        let number = arena.number(first, open.trailing_zeros() as usize & 7);
+        let number = searched.tree.arena.view().number(first, open.trailing_zeros() as usize & 7);
         open &= open - 1;
-        if searched.hit_again::<P>(number, ray, tests).is_some() && !geometry.is_light(number) {
+        if searched.hit_again::<P>(number, ray, tests).is_some() {
             return true;
         }
     }
     false
+}
+
+impl Searched<'_> {
+    /// The `triangles` of a leaf, a bit each, that are no lights'; their numbers begin at `first`.
+    #[inline(always)]
+    pub(super) fn without_lights(&self, first: u32, triangles: u32) -> u32 {
+        let Self { tree, geometry, .. } = self;
+        if geometry.lights.is_empty() {
+            return triangles;
+        }
+        let (mut kept, mut rest) = (triangles, triangles);
+        while rest != 0 {
+            let lane = rest.trailing_zeros();
+            rest &= rest - 1;
+            let number = tree.arena.view().number(first, lane as usize & 7);
+            kept &= !(u32::from(geometry.is_light(number)) << lane);
+        }
+        kept
+    }
 }
 
 /// What is known of the triangles in the leaf at `place`, and where their numbers begin; `None` for

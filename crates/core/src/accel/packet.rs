@@ -119,9 +119,6 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
         counts.kernel.stream += rays.count() as u64;
         return;
     };
-    // Packets do not ask which triangle is a light's.
-    let is_any_equal = !Q::ANY || searched.geometry.lights.is_empty();
-    let choice = if is_any_equal { choice } else { KernelChoice::Stream };
     packets.prepare(searched.tree, rays.count());
     let Packets { tiles, groups, asks, handed, last, queue, singles, found } = packets;
     let mut batch = Batch::<Q, P> {

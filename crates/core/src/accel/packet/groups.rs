@@ -151,6 +151,12 @@ impl Groups {
         let groups = &mut self.groups[..self.count.min(MOST_GROUPS)];
         for pair in &self.pairs[..pairs] {
             let group = &mut groups[usize::from(pair.group) % MOST_GROUPS];
+            if Q::ANY && !geometry.lights.is_empty() {
+                let first = arena.patch(group.place).first;
+                if geometry.is_light(arena.number(first, usize::from(pair.triangle))) {
+                    continue;
+                }
+            }
             if P::IS_FAST {
                 fast::meet::<S, Q, P>(simd, arena, group, *pair);
             } else {

@@ -120,6 +120,9 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
                 let Searched { tree, geometry, .. } = self.searched;
                 tests.leaves += u64::from(rays.count_ones());
                 for &number in tree.arena.view().list(place) {
+                    if Q::ANY && geometry.is_light(number) {
+                        continue;
+                    }
                     match geometry.primitive(number) {
                         Primitive::Sphere(_) => {
                             tests.spheres += u64::from(rays.count_ones());
@@ -174,7 +177,8 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
             let (SingleTest { tile, ray, .. }, found) = (self.singles[n], self.found[n]);
             let (tile, i) = (&mut tiles[tile as usize], ray as usize);
             if Q::ANY {
-                tile.done |= u64::from(found.hits.certain != 0) << i;
+                let certain = self.searched.without_lights(found.first, found.hits.certain);
+                tile.done |= u64::from(certain != 0) << i;
             } else {
                 self.take_closest(tile, i, &found);
             }
@@ -214,6 +218,9 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
         tests: &mut TestCounts,
     ) {
         let ray = PreparedRay::of::<P>(&self.rays.ray(tile.start + number_of(i)));
+        if Q::ANY {
+            triangles = self.searched.without_lights(first, triangles);
+        }
         while triangles != 0 {
             let arena = self.searched.tree.arena.view();
             let number = arena.number(first, triangles.trailing_zeros() as usize);
