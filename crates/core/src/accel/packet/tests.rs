@@ -45,8 +45,9 @@ fn scene(n: u32) -> Geometry {
     ]);
     geometry.quads.push([first, first + 1, first + 2, first + 3]);
     geometry.spheres.extend([(Vec3::new(0.5, 0.5, 0.3), 0.4), (Vec3::new(0.2, -0.4, 1.5), 0.3)]);
-    let all = geometry.len() as u32;
-    geometry.lights.push(all - 1..all);
+    // Triangles, the quad and a sphere are lights'.
+    let (triangles, all) = (geometry.triangles.len() as u32, geometry.len() as u32);
+    geometry.lights = vec![1..triangles / 3, triangles..triangles + 1, all - 1..all];
     geometry
 }
 
