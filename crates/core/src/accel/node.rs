@@ -34,8 +34,8 @@ fn axis<S: Lanes>(simd: S, planes: &[[f32; LANES]; 2], ray: &SlabRay, k: usize) 
     ray.crossings(k, first, last)
 }
 
-/// Goes on to the child that the ray meets first, or for any hit to one of them. Puts the others on its stack of
-/// entries, whose length is `height`: the nearest last, or in any order. The child, if it meets one, and the new height.
+/// Goes on to the child that the ray meets first, or for any hit to the largest. Puts the others on its stack of
+/// entries, whose length is `height`: the nearest or largest last. The child, if it meets one, and the new height.
 ///
 /// Few children are met, so that branches by how many are predicted well, and what follows need not wait until the
 /// stack has been written.
@@ -63,7 +63,7 @@ pub(super) fn enter<S: Lanes, Q: Query>(
     if others & (others - 1) == 0 {
         let second = lane(others);
         let near: [f32; LANES] = near.into();
-        let is_in_order = Q::ANY || near[first] <= near[second];
+        let is_in_order = !Q::ANY && near[first] <= near[second];
         let (first, second) = if is_in_order { (first, second) } else { (second, first) };
         stack[height] = entry(near[second], child_of(node, at, second).bits());
         return (Some(child_of(node, at, first)), height + 1);
@@ -73,7 +73,8 @@ pub(super) fn enter<S: Lanes, Q: Query>(
     (Some(place(stack[height])), height)
 }
 
-/// Appends the `entries` whose bit in `mask` is 1 to the stack, the nearest last, or in any order where any hit will do. The new height.
+/// Appends the `entries` whose bit in `mask` is 1 to the stack: the nearest last, or for any hit the largest. The new
+/// height.
 #[inline(always)]
 pub(super) fn append<S: Lanes, Q: Query>(
     simd: S,

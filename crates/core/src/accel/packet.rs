@@ -315,7 +315,7 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
                 tests.nodes += 1;
                 self.judged.visits += 1;
                 self.judged.rays += u64::from(rays.count_ones());
-                self.children.add(simd, (tile, k), (arena.node(at), at), rays);
+                self.children.add::<S, Q>(simd, (tile, k), (arena.node(at), at), rays);
                 return true;
             }
             let rays = if Q::ANY { rays } else { rays & tile.reaching(simd, distance(entry)) };

@@ -62,7 +62,7 @@ impl Children {
 
     /// Adds those of a node that the beam of the `k`th tile meets.
     #[inline(always)]
-    pub(super) fn add<S: Lanes>(
+    pub(super) fn add<S: Lanes, Q: Query>(
         &mut self,
         simd: S,
         (tile, k): (&Tile, usize),
@@ -73,7 +73,12 @@ impl Children {
         let lanes: u32x8<S> = [0, 1, 2, 3, 4, 5, 6, 7].simd_into(simd);
         let mut met = [0; LANES];
         let some = some.to_bitmask() as u8;
-        simd.far_to_near(&simd.entries(near, lanes), some, &mut met);
+        let entries = simd.entries(near, lanes);
+        if Q::ANY {
+            simd.compress(&entries, some, &mut met);
+        } else {
+            simd.far_to_near(&entries, some, &mut met);
+        }
         let all = all.to_bitmask();
         // All eight are written, for the processor to have no branch to predict.
         if let Some(room) = self.children[self.count..].first_chunk_mut::<LANES>() {
