@@ -25,7 +25,8 @@ struct Child {
     by_all: bool,
 }
 
-/// The children met of the nodes that all tiles are at, those of each tile from far to near.
+/// The children met of the nodes that all tiles are at: those of each tile from far to near, or for any hit from small
+/// to large.
 #[derive(Clone, Debug)]
 pub(super) struct Children {
     children: [Child; MOST_CHILDREN],

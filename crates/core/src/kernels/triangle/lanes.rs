@@ -55,28 +55,21 @@ impl ShearedSpace {
         ];
         let z = z * self.shear[2];
         let z = [simd.permute(z, a), simd.permute(z, b), simd.permute(z, c)];
-        let (mut hits, settleable) = self.intersect_lanes(simd, &Sheared { xy, z }, (used, any));
-        if settleable != 0 {
-            outlined(
-                simd,
-                #[inline(always)]
-                || {
-                    let [a, b, c] = lanes_of(simd, corners);
-                    let [x, y, z] = positions.map(|row| row.simd_into(simd));
-                    let corner = |at: u32x8<S>| {
-                        let at = |axis: f32x8<S>| simd.permute(axis, at);
-                        Vector::new(at(x), at(y), at(z))
-                    };
-                    self.settle_lanes(
-                        simd,
-                        &[corner(a), corner(b), corner(c)],
-                        settleable,
-                        &mut hits,
-                    );
-                },
-            );
-        }
-        hits
+        self.intersect_lanes(
+            simd,
+            &Sheared { xy, z },
+            (used, any),
+            #[inline(always)]
+            || {
+                let [a, b, c] = lanes_of(simd, corners);
+                let [x, y, z] = positions.map(|row| row.simd_into(simd));
+                let corner = |at: u32x8<S>| {
+                    let at = |axis: f32x8<S>| simd.permute(axis, at);
+                    Vector::new(at(x), at(y), at(z))
+                };
+                [corner(a), corner(b), corner(c)]
+            },
+        )
     }
 
     /// Tests up to eight triangles; `corners` has a corner and an axis a row.
@@ -93,21 +86,18 @@ impl ShearedSpace {
         let xy = [[ax, ay], [bx, by], [cx, cy]];
         let scale = self.shear[2];
         let z = [az * scale, bz * scale, cz * scale];
-        let (mut hits, settleable) = self.intersect_lanes(simd, &Sheared { xy, z }, (used, any));
-        if settleable != 0 {
-            outlined(
-                simd,
-                #[inline(always)]
-                || {
-                    let corners = corners.map(|corner| {
-                        let [x, y, z] = corner.map(|row| row.simd_into(simd));
-                        Vector::<f32x8<S>>::new(x, y, z)
-                    });
-                    self.settle_lanes(simd, &corners, settleable, &mut hits);
-                },
-            );
-        }
-        hits
+        self.intersect_lanes(
+            simd,
+            &Sheared { xy, z },
+            (used, any),
+            #[inline(always)]
+            || {
+                corners.map(|corner| {
+                    let [x, y, z] = corner.map(|row| row.simd_into(simd));
+                    Vector::new(x, y, z)
+                })
+            },
+        )
     }
 
     /// As [`ShearedSpace::shear`], but z not scaled yet.
@@ -128,23 +118,33 @@ impl ShearedSpace {
         (x - z * self.shear[0], y - z * self.shear[1], z)
     }
 
-    /// What is known of the `used` ones, and those that are open although the ray certainly passes through.
+    /// What is known of the `used` ones, whose `corners` are asked for where double precision has to settle some.
     #[inline(always)]
     fn intersect_lanes<S: Lanes>(
         &self,
         simd: S,
         sheared: &Sheared<f32x8<S>>,
         (used, any): (u32, bool),
-    ) -> (LaneHits, u32) {
+        corners: impl FnOnce() -> [Vector<f32x8<S>>; 3],
+    ) -> LaneHits {
         let range = self.range_of_lanes(simd);
         let edges = Edges::new(&sheared.xy);
         let candidates = used & !edges.outside().bits();
         if candidates == 0 {
-            return (LaneHits::default(), 0);
+            return LaneHits::default();
         }
         let Decision { t, certain, open, inside } =
             decide(sheared, &edges, &range, (candidates, any));
-        (LaneHits { t: t.into(), certain, open }, open & inside.bits())
+        let mut hits = LaneHits { t: t.into(), certain, open };
+        let settleable = open & inside.bits();
+        if settleable != 0 {
+            outlined(
+                simd,
+                #[inline(always)]
+                || self.settle_lanes(simd, &corners(), settleable, &mut hits),
+            );
+        }
+        hits
     }
 
     /// Settles in double precision where the ray meets the `open` triangles with these corners, a bit each, all of
