@@ -16,6 +16,7 @@ use super::rays::Rays;
 use super::tree::Searched;
 use super::{Counts, Hit, KernelChoice, Traversal, packet, single};
 use crate::kernels::precision::Arithmetic;
+use crate::math::ray::Ray;
 use crate::math::simd::{Kernel, Lanes, dispatch, dispatch_wide, is_wide};
 
 /// Whether the level has kernels for many rays.
@@ -28,7 +29,7 @@ pub(super) fn has_batches(level: Level) -> bool {
 pub(super) fn one<Q: Query, P: Arithmetic>(
     level: Level,
     searched: Searched<'_>,
-    ray: &PreparedRay,
+    ray: &Ray,
     traversal: &mut Traversal,
 ) -> Hit {
     let query = PhantomData::<(Q, P)>;
@@ -52,7 +53,7 @@ pub(super) fn many<Q: Query, P: Arithmetic>(
 /// One ray, traced alone.
 struct One<'a, Q, P> {
     searched: Searched<'a>,
-    ray: &'a PreparedRay,
+    ray: &'a Ray,
     traversal: &'a mut Traversal,
     query: PhantomData<(Q, P)>,
 }
@@ -63,10 +64,11 @@ impl<Q: Query, P: Arithmetic> Kernel for One<'_, Q, P> {
     #[inline(always)]
     fn run<S: Lanes>(self, simd: S) -> Hit {
         let Traversal { stack, tests, .. } = self.traversal;
-        let height = single::start::<P>(self.searched.tree, self.ray, stack);
-        let best = no_hit(&self.ray.ray);
+        let ray = &PreparedRay::of::<P>(self.ray);
+        let height = single::start::<P>(self.searched.tree, ray, stack);
+        let best = no_hit(&ray.ray);
         let stack = (stack.as_mut_slice(), height);
-        or_miss(single::trace::<S, Q, P>(simd, self.searched, self.ray, best, stack, tests))
+        or_miss(single::trace::<S, Q, P>(simd, self.searched, ray, best, stack, tests))
     }
 }
 

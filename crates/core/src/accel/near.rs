@@ -74,8 +74,7 @@ impl Searched<'_> {
             let mut traversal =
                 Traversal { stack: vec![0; self.tree.stack_entries()], ..Traversal::default() };
             let level = fearless_simd::Level::new();
-            let prepared = PreparedRay::of::<Exact>(&endless);
-            compiled::one::<Closest, Exact>(level, *self, &prepared, &mut traversal)
+            compiled::one::<Closest, Exact>(level, *self, &endless, &mut traversal)
         });
         is_surface(self.geometry, &endless, t, found)
     }

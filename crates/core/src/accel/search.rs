@@ -59,14 +59,14 @@ impl<P: Arithmetic> Search<'_, P> {
             return Q::NONE;
         }
         let Accel { geometry, tree, .. } = self.accel;
-        let prepared = PreparedRay::of::<P>(ray);
         let Some(tree) = tree else {
+            let prepared = PreparedRay::of::<P>(ray);
             let best = brute::hit::<Q, P>(geometry, &prepared, &mut traversal.tests);
             return Q::answer(Q::unsealed(geometry, best));
         };
         let exactly = &Exactly::default();
         let searched = Searched { tree, geometry, exactly };
-        let best = self.in_tree::<Q>(searched, &prepared, traversal);
+        let best = self.in_tree::<Q>(searched, ray, traversal);
         if geometry.instances.is_empty() || Q::ANY && !best.is_miss() {
             return Q::answer(best);
         }
@@ -116,7 +116,7 @@ impl<P: Arithmetic> Search<'_, P> {
         }
         let exactly = Exactly::default();
         let searched = self.prototype(number, &exactly);
-        self.in_tree::<Q>(searched, &PreparedRay::of::<P>(ray), traversal)
+        self.in_tree::<Q>(searched, ray, traversal)
     }
 
     /// As [`Self::in_prototype`], for many rays.
@@ -144,7 +144,7 @@ impl<P: Arithmetic> Search<'_, P> {
     fn in_tree<Q: Query>(
         &self,
         searched: Searched<'_>,
-        ray: &PreparedRay,
+        ray: &Ray,
         traversal: &mut Traversal,
     ) -> Hit {
         let found = compiled::one::<Q, P>(self.accel.level, searched, ray, traversal);

@@ -139,11 +139,12 @@ impl Groups {
     pub(super) fn test<S: Lanes, Q: Query, P: Arithmetic>(
         &mut self,
         simd: S,
-        Searched { tree, geometry, .. }: Searched<'_>,
+        searched: Searched<'_>,
         tiles: &mut [Tile],
         asks: &mut Vec<Open>,
         tests: &mut TestCounts,
     ) {
+        let Searched { tree, geometry, .. } = searched;
         let arena = tree.arena.view();
         let pairs = self.see::<S, P>(simd, arena, tiles, tests);
         // The fast test has no step to leave triangles out by.
@@ -157,10 +158,11 @@ impl Groups {
                     continue;
                 }
             }
+            let tile = &tiles[group.tile];
             if P::IS_FAST {
-                fast::meet::<S, Q, P>(simd, arena, group, *pair);
+                fast::meet::<S, Q, P>(simd, searched, tile, group, *pair);
             } else {
-                meet::<S, Q, P>(simd, arena, tiles, group, *pair);
+                meet::<S, Q, P>(simd, searched, tile, group, *pair);
             }
         }
         for group in groups {
@@ -256,7 +258,8 @@ fn see<S: Lanes, const ONE: bool>(simd: S, leaf: &Patch, tile: &Tile, group: &mu
     let (px, ox) = relative::<S, ONE>(simd, &leaf.positions[x], rays.origin[0], &tile.origin[x]);
     let (py, oy) = relative::<S, ONE>(simd, &leaf.positions[y], rays.origin[1], &tile.origin[y]);
     let (pz, oz) = relative::<S, ONE>(simd, &leaf.positions[z], rays.origin[2], &tile.origin[z]);
-    for (v, vertex) in group.vertices.iter_mut().enumerate() {
+    let used = leaf.vertices as usize;
+    for (v, vertex) in group.vertices.iter_mut().enumerate().take(used) {
         let mut x = f32x16::splat(simd, px[v]);
         let mut y = f32x16::splat(simd, py[v]);
         let mut z = f32x16::splat(simd, pz[v]);
@@ -304,11 +307,12 @@ fn relative<S: Lanes, const ONE: bool>(
 #[inline(always)]
 fn meet<S: Lanes, Q: Query, P: Arithmetic>(
     simd: S,
-    arena: View<'_>,
-    tiles: &[Tile],
+    searched: Searched<'_>,
+    tile: &Tile,
     group: &mut PatchRays,
     pair: Pair,
 ) {
+    let arena = searched.tree.arena.view();
     let leaf = arena.patch(group.place);
     let [a, b, c] = corners(leaf, group, pair.triangle);
     let xy = [plane(simd, a), plane(simd, b), plane(simd, c)];
@@ -323,17 +327,16 @@ fn meet<S: Lanes, Q: Query, P: Arithmetic>(
     let Decision { t, certain, open, inside } =
         decide(&sheared, &edges, &range, (u32::from(pair.inside), Q::ANY));
     if open == 0 {
-        report::note::<S, Q, P>(simd, arena, group, pair.triangle, (t, certain));
+        report::note::<S, Q, P>(simd, searched, tile, group, pair.triangle, (t, certain));
         return;
     }
-    let tile = &tiles[group.tile];
     let settled = settle::settle(simd, leaf, tile, group, (pair.triangle, open & inside.bits()));
     let open = open & !settled.decided;
     group.open |= open;
     group.left[usize::from(pair.triangle) % LANES] |= open;
     let single = mask32x16::from_bitmask(simd, u64::from(certain));
     let t = single.select(t, settled.t.simd_into(simd));
-    report::note::<S, Q, P>(simd, arena, group, pair.triangle, (t, certain | settled.hit));
+    report::note::<S, Q, P>(simd, searched, tile, group, pair.triangle, (t, certain | settled.hit));
 }
 
 /// The corners of a triangle, in sheared space.

@@ -14,7 +14,7 @@ use crate::kernels::precision::Arithmetic;
 use crate::math::simd::{LANES, Lanes, outlined};
 
 /// So many rays, or fewer, are tested each for itself.
-const ALONE: u32 = 5;
+const ALONE: u32 = 3;
 
 /// So many rays on average in the groups of a tile that meet a leaf are tested as they lie.
 const WHOLE: u32 = 11;

@@ -5,9 +5,10 @@ use fearless_simd::{f32x16, u32x16};
 
 use super::report::note;
 use super::{Pair, PatchRays, Row, row};
-use crate::accel::arena::{Patch, View};
+use crate::accel::arena::Patch;
 use crate::accel::packet::tile::{GROUPS, Tile, WIDTH};
 use crate::accel::query::Query;
+use crate::accel::tree::Searched;
 use crate::kernels::precision::Arithmetic;
 use crate::kernels::triangle::fast;
 use crate::math::real::Mask;
@@ -41,11 +42,12 @@ pub(super) fn see<S: Lanes>(simd: S, tile: &Tile, group: &mut PatchRays) {
 #[inline(always)]
 pub(super) fn meet<S: Lanes, Q: Query, P: Arithmetic>(
     simd: S,
-    arena: View<'_>,
+    searched: Searched<'_>,
+    tile: &Tile,
     group: &mut PatchRays,
     pair: Pair,
 ) {
-    let leaf = arena.patch(group.place);
+    let leaf = searched.tree.arena.view().patch(group.place);
     let at = u32::from(4 * pair.triangle) % u32::BITS;
     let [a, b, c] = leaf.corners;
     let a = corner(simd, leaf, a >> at);
@@ -56,7 +58,7 @@ pub(super) fn meet<S: Lanes, Q: Query, P: Arithmetic>(
     let (t, inside) = fast::intersect(&line, &[a, b, c]);
     let within = t.simd_gt(group.t_min) & t.simd_lt(group.t_max);
     let hits = (inside & within).bits() & group.used;
-    note::<S, Q, P>(simd, arena, group, pair.triangle, (t, hits));
+    note::<S, Q, P>(simd, searched, tile, group, pair.triangle, (t, hits));
 }
 
 /// A vertex of the patch, in each lane.

@@ -3,23 +3,24 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, mask32x16, u32x16};
 
-use super::PatchRays;
+use super::{PatchRays, Row};
 use crate::accel::Hit;
-use crate::accel::arena::View;
 use crate::accel::geometry::Geometry;
 use crate::accel::packet::tile::{GROUPS, Tile, WIDTH, load, reach_of};
 use crate::accel::query::Query;
 use crate::accel::ties::{are_close, has_doubt};
+use crate::accel::tree::Searched;
 use crate::kernels::precision::Arithmetic;
 use crate::math::real::Mask;
-use crate::math::simd::{LANES, Lanes};
+use crate::math::simd::Lanes;
 
-/// Notes the rays that `certain`ly meet the triangle, at `t`; those that may meet another at the same are left to the
-/// test of one.
+/// Notes the rays that `certain`ly meet the triangle, at `t`. Where rounding may hide which of two hits is first, the
+/// order of [`Geometry::comes_first`] decides.
 #[inline(always)]
 pub(super) fn note<S: Lanes, Q: Query, P: Arithmetic>(
     simd: S,
-    arena: View<'_>,
+    searched: Searched<'_>,
+    tile: &Tile,
     group: &mut PatchRays,
     triangle: u8,
     (t, certain): (f32x16<S>, u32),
@@ -28,22 +29,42 @@ pub(super) fn note<S: Lanes, Q: Query, P: Arithmetic>(
         group.hit |= certain;
         return;
     }
+    let arena = searched.tree.arena.view();
     let leaf = arena.patch(group.place);
     let best: f32x16<S> = group.best.simd_into(simd);
     let primitive: u32x16<S> = group.primitive.simd_into(simd);
     let number = arena.number(leaf.first, usize::from(triangle));
-    let (closer, certain) = if has_doubt::<P>() {
-        let close = are_close(t, best).bits() & certain;
-        group.open |= close;
-        group.left[usize::from(triangle) % LANES] |= close;
-        (t.simd_lt(best), certain & !close)
-    } else {
-        (t.simd_lt(best) | (t.simd_eq(best) & primitive.simd_gt(number)), certain)
-    };
-    let closer = closer & mask32x16::from_bitmask(simd, u64::from(certain));
+    let close = if has_doubt::<P>() { are_close(t, best).bits() & certain } else { 0 };
+    let closer = t.simd_lt(best) | (t.simd_eq(best) & primitive.simd_gt(number));
+    let closer = closer & mask32x16::from_bitmask(simd, u64::from(certain & !close));
     group.best = closer.select(t, best).into();
     group.primitive = closer.select(u32x16::splat(simd, number), primitive).into();
     group.hit |= closer.to_bitmask() as u32;
+    if close != 0 {
+        order::<P>(searched.geometry, tile, group, (&t.into(), number), close);
+    }
+}
+
+/// Gives the `close` rays, a bit each, their hit on a triangle, at `t` and of a `number`, if that comes first.
+#[cold]
+#[inline(never)]
+fn order<P: Arithmetic>(
+    geometry: &Geometry,
+    tile: &Tile,
+    group: &mut PatchRays,
+    (t, number): (&Row, u32),
+    mut close: u32,
+) {
+    while close != 0 {
+        let lane = close.trailing_zeros() as usize % WIDTH;
+        close &= close - 1;
+        let new = Hit { t: t[lane], primitive: number };
+        let best = Hit { t: group.best[lane], primitive: group.primitive[lane] };
+        if geometry.comes_first::<P>(&new, &best, || tile.ray(group.positions[lane] as usize)) {
+            (group.best[lane], group.primitive[lane]) = (new.t, new.primitive);
+            group.hit |= 1 << lane;
+        }
+    }
 }
 
 /// Gives the tile what the group's rays have found: another group may have found more.

@@ -41,24 +41,22 @@ pub(super) fn settle<S: Lanes>(
             });
             let plane = Plane::of(&[a, b, c]).splat(f64x8::splat(simd, 0.0));
             let g = group.positions[0] as usize / WIDTH;
-            let rows = |columns: &[Column; 3]| {
-                let [x, y, z] = columns;
-                [row(simd, x, group, g), row(simd, y, group, g), row(simd, z, group, g)]
-            };
-            let (origin, direction) = (rows(&tile.origin), rows(&tile.direction));
+            let origin = rows(simd, &tile.origin, group, g);
+            let direction = rows(simd, &tile.direction, group, g);
             for half in 0..WIDTH / LANES {
                 let at = half * LANES;
                 let open = open >> at & 0xFF;
                 if open == 0 {
                     continue;
                 }
-                let load = |row: &Row| <f32x8<S> as Single>::from_slice(simd, &row[at..]);
-                let vector = |[x, y, z]: &[Row; 3]| Vector::new(load(x), load(y), load(z));
-                let line = Line { origin: vector(&origin), direction: vector(&direction) };
+                let line = Line {
+                    origin: vector(simd, &origin, at),
+                    direction: vector(simd, &direction, at),
+                };
                 let range = RayRange {
-                    depth: load(&group.depth),
-                    t_min: load(&group.t_min),
-                    t_max: load(&group.t_max),
+                    depth: eight(simd, &group.depth, at),
+                    t_min: eight(simd, &group.t_min, at),
+                    t_max: eight(simd, &group.t_max, at),
                 };
                 let known = plane.settle(&line, &range);
                 known.t.store(&mut settled.t[at..]);
@@ -69,4 +67,22 @@ pub(super) fn settle<S: Lanes>(
         },
     );
     settled
+}
+
+// Functions and not closures: those are not inlined here, and then lack the instructions of the level.
+
+#[inline(always)]
+fn rows<S: Lanes>(simd: S, [x, y, z]: &[Column; 3], group: &PatchRays, g: usize) -> [Row; 3] {
+    [row(simd, x, group, g), row(simd, y, group, g), row(simd, z, group, g)]
+}
+
+#[inline(always)]
+fn vector<S: Lanes>(simd: S, [x, y, z]: &[Row; 3], at: usize) -> Vector<f32x8<S>> {
+    Vector::new(eight(simd, x, at), eight(simd, y, at), eight(simd, z, at))
+}
+
+/// The eight numbers of a row from `at` on.
+#[inline(always)]
+fn eight<S: Lanes>(simd: S, row: &Row, at: usize) -> f32x8<S> {
+    <f32x8<S> as Single>::from_slice(simd, &row[at..])
 }
