@@ -92,7 +92,16 @@ impl<P: Arithmetic> Search<'_, P> {
     fn each<Q: Query>(&self, rays: Rays<'_>, answers: &mut [Q::Answer], traversal: &mut Traversal) {
         Q::counts(&mut traversal.kernels).single += answers.len() as u64;
         for (i, answer) in answers.iter_mut().enumerate() {
-            *answer = self.one::<Q>(&rays.ray(i), traversal);
+            // Rows as they lie: what was copied just now, in pieces, is not read well at once.
+            let copy;
+            let ray = match rays {
+                Rays::Rows(rows) => &rows[i],
+                Rays::Columns(_) => {
+                    copy = rays.ray(i);
+                    &copy
+                }
+            };
+            *answer = self.one::<Q>(ray, traversal);
         }
     }
 
