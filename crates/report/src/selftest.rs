@@ -9,6 +9,7 @@ mod case;
 mod closed;
 mod convex;
 mod directions;
+pub mod errors;
 pub mod examine;
 mod lights;
 mod meshes;

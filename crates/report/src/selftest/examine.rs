@@ -8,6 +8,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::case::{Effort, Outcome};
+use super::errors::{self, HitErrors};
 use super::topology::{Edge, Topology};
 use super::ways::{Numbers, Tests, blocks, in_order, inputs};
 use wavecrest_core::accel::build::Preset;
@@ -66,6 +67,8 @@ pub struct Trial {
     pub self_hits: Outcome,
     /// Nanoseconds for each of those rays.
     pub nanoseconds: f64,
+    /// How far hits on its triangles are from the exact ones.
+    pub errors: HitErrors,
 }
 
 /// Describes a mesh.
@@ -131,7 +134,13 @@ pub fn trial(accel: &Accel, effort: &Effort) -> Trial {
     let asked = (leaks.tried + self_hits.tried).max(1);
     let nanoseconds = (leaks.seconds + self_hits.seconds) * 1e9 / asked as f64;
     let [leaks, self_hits] = [leaks, self_hits].map(|all| Outcome { seconds: 0.0, ..all });
-    Trial { leaks, self_hits, nanoseconds }
+    let rays = effort.either(RAYS / 100, RAYS / 10);
+    let errors = errors::of_mesh(accel, effort, rays, |numbers| {
+        let target = point_on(geometry, numbers);
+        let from = extent.around(numbers);
+        Ray::new(from, normalize(target.as_vec3() - from))
+    });
+    Trial { leaks, self_hits, nanoseconds, errors }
 }
 
 /// The middle of a mesh's box, and half of its diagonal.

@@ -1,0 +1,295 @@
+//! What a precision yields for its price: how far its hits are from the exact ones, in units in the last place.
+//!
+//! The reference is the exact test, to more digits than single precision has: t of [`exact::intersect`], and the plane
+//! and the normal of the triangle in double precision.
+
+use std::iter::Sum;
+
+use glam::Vec3;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use super::case::Effort;
+use super::ways::{Numbers, Tests, blocks};
+use wavecrest_core::accel::{Accel, Hit};
+use wavecrest_core::kernels::triangle::exact;
+use wavecrest_core::math::float::{max_abs, normalize};
+use wavecrest_core::math::ray::Ray;
+
+/// Sizes that are told apart: up to half an ulp, which is what rounding the exact value once leaves, then up to each
+/// power of two, and all that is larger.
+pub const SIZES: usize = 26;
+
+/// Errors, counted by size.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Distribution {
+    /// How many are up to half an ulp, up to one, up to two, and so on; the last are larger than all these.
+    pub counts: [u64; SIZES],
+    /// The largest, in ulp.
+    pub worst: f64,
+}
+
+/// How far hits are from the exact ones.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct HitErrors {
+    /// Of t, in ulp of the exact t.
+    pub t: Distribution,
+    /// Of the point: its distance from the triangle's plane, in ulp of the triangle's largest coordinate. This is what
+    /// makes a surface shadow itself.
+    pub point: Distribution,
+    /// Of the geometric normal, along the axis where it is largest, in ulp of its largest component.
+    pub normal: Distribution,
+    /// Triangles that the ray meets, and that were missed. Beside an edge a watertight test may give the hit to the
+    /// neighbour; other tests lose it.
+    pub lost: u64,
+    /// Triangles that the ray passes by, and that were hit: the same from the other side.
+    pub extra: u64,
+}
+
+impl Distribution {
+    /// The size that bounds the errors counted at `index`, in ulp.
+    pub fn bound(index: usize) -> f64 {
+        if index + 1 == SIZES { f64::INFINITY } else { libm::exp2(index as f64 - 1.0) }
+    }
+
+    /// How many errors there are.
+    pub fn total(&self) -> u64 {
+        self.counts.iter().sum()
+    }
+
+    /// The least of the bounds that at least `share` of the errors keep, in ulp; `None` where there are none.
+    pub fn within(&self, share: f64) -> Option<f64> {
+        let enough = share * self.total() as f64;
+        let mut sum = 0;
+        let index = self.counts.iter().position(|&count| {
+            sum += count;
+            sum > 0 && sum as f64 >= enough
+        });
+        index.map(Self::bound)
+    }
+
+    fn count(&mut self, ulp: f64) {
+        // What is not a number is larger than all, but can be written as JSON.
+        let ulp = if ulp.is_finite() { ulp } else { f64::MAX };
+        let index = (0..SIZES).find(|&i| ulp <= Self::bound(i)).unwrap_or(SIZES - 1);
+        self.counts[index] += 1;
+        self.worst = self.worst.max(ulp);
+    }
+
+    fn add(&mut self, other: &Self) {
+        for (count, more) in self.counts.iter_mut().zip(other.counts) {
+            *count += more;
+        }
+        self.worst = self.worst.max(other.worst);
+    }
+}
+
+impl HitErrors {
+    /// Compares what the `tests` of a precision say of a ray and a triangle: a hit at `t`, or none.
+    fn count(&mut self, tests: Tests, ray: &Ray, corners: &[Vec3; 3], t: Option<f32>) {
+        let exactly = exact::intersect(ray, corners);
+        let (t, exact_t) = match (t, exactly.filter(|&t| t > f64::from(ray.t_min))) {
+            (Some(t), Some(exact)) => (t, exact),
+            (t, exact) => {
+                self.lost += u64::from(exact.is_some());
+                self.extra += u64::from(t.is_some());
+                return;
+            }
+        };
+        self.t.count((f64::from(t) - exact_t).abs() / ulp(exact_t));
+        let [point, _, normal] = tests.surface(ray, t, corners).vectors();
+        let size = corners.iter().map(|&v| max_abs(v)).fold(0.0, f32::max);
+        let [a, b, c] = corners.map(|v| v.as_dvec3());
+        let exact_normal = (b - a).cross(c - a).normalize();
+        let height = (point.as_dvec3() - a).dot(exact_normal).abs();
+        self.point.count(height / ulp(f64::from(size)));
+        let unit = ulp(exact_normal.abs().max_element());
+        self.normal.count((normal.as_dvec3() - exact_normal).abs().max_element() / unit);
+    }
+}
+
+impl Sum for HitErrors {
+    fn sum<I: Iterator<Item = Self>>(all: I) -> Self {
+        all.fold(Self::default(), |mut sum, one| {
+            sum.t.add(&one.t);
+            sum.point.add(&one.point);
+            sum.normal.add(&one.normal);
+            sum.lost += one.lost;
+            sum.extra += one.extra;
+            sum
+        })
+    }
+}
+
+/// The distance between numbers of single precision about `value`.
+fn ulp(value: f64) -> f64 {
+    let value = (value.abs() as f32).clamp(f32::MIN_POSITIVE, f32::MAX / 2.0);
+    f64::from(value.next_up()) - f64::from(value)
+}
+
+/// A way to place a ray before a triangle that is hard for rounding.
+#[derive(Clone, Copy, Debug)]
+pub struct Situation {
+    /// What is hard.
+    pub name: &'static str,
+    place: fn(&mut Numbers) -> Placed,
+}
+
+/// Where a triangle and a ray are to be, in units of the triangle's size.
+struct Placed {
+    /// Its height, where its length is 1.
+    height: f64,
+    /// The sine of the angle at which the ray meets its plane.
+    sine: f64,
+    /// How far the ray starts from it.
+    distance: f64,
+    /// How far all lies from the origin.
+    away: f64,
+}
+
+const PLAIN: Placed = Placed { height: 1.0, sine: 0.7, distance: 2.0, away: 0.0 };
+
+/// All situations.
+pub const SITUATIONS: &[Situation] = &[
+    Situation { name: "plain", place: |_| PLAIN },
+    Situation {
+        name: "at a low angle, down to 1e-6",
+        place: |n| Placed { sine: n.magnitude(1e-6, 0.1), ..PLAIN },
+    },
+    Situation {
+        name: "far from the origin, up to 1e5 sizes",
+        place: |n| Placed { away: n.magnitude(1e2, 1e5), ..PLAIN },
+    },
+    Situation {
+        name: "slivers of up to 1 to 100 000",
+        place: |n| Placed { height: n.magnitude(1e-5, 0.1), ..PLAIN },
+    },
+    Situation {
+        name: "large triangles, up to 1e5 distances",
+        place: |n| Placed { distance: n.magnitude(1e-5, 0.1), ..PLAIN },
+    },
+    Situation {
+        name: "small triangles, down to 1e-5 distances",
+        place: |n| Placed { distance: n.magnitude(1e2, 1e5), ..PLAIN },
+    },
+];
+
+/// Rays of a situation, in full.
+const RAYS: usize = 1_000_000;
+
+/// Random numbers of this stand where a case's number does.
+const MEASURED: u32 = 110;
+
+impl Situation {
+    /// The errors of a precision.
+    pub fn errors(&self, effort: &Effort) -> HitErrors {
+        let tests = Tests(effort.precision);
+        let blocks = blocks(effort.of(RAYS), 1 << 10);
+        let errors = blocks.map(|block| {
+            let mut errors = HitErrors::default();
+            for i in block {
+                let mut numbers = Numbers::new(effort, MEASURED, i);
+                let (ray, corners) = self.make(&mut numbers);
+                errors.count(tests, &ray, &corners, tests.triangle(&ray, &corners));
+            }
+            errors
+        });
+        errors.sum()
+    }
+
+    /// A ray and the triangle that it is aimed at.
+    fn make(&self, numbers: &mut Numbers) -> (Ray, [Vec3; 3]) {
+        let Placed { height, sine, distance, away } = (self.place)(numbers);
+        let size = numbers.magnitude(1e-3, 1e3);
+        let normal = numbers.direction();
+        let (u, v) = normal.any_orthonormal_pair();
+        let place = numbers.direction() * (away * size);
+        let at = |x: f64, y: f64| (place + (u * x + v * y) * size).as_vec3();
+        let corners = [at(-0.5, -0.3 * height), at(0.5, -0.4 * height), at(0.1, 0.6 * height)];
+        let target = numbers.within(corners);
+        let turn = numbers.one() * std::f64::consts::TAU;
+        let along = u * libm::cos(turn) + v * libm::sin(turn);
+        let way = along * (1.0 - sine * sine).sqrt() + normal * (sine * numbers.sign());
+        let origin = (target - way * (distance * size)).as_vec3();
+        (Ray::new(origin, normalize((target - origin.as_dvec3()).as_vec3())), corners)
+    }
+}
+
+/// The errors on the triangles that `accel` is over, in its precision, of rays that go from `from` to a point of one of
+/// them. What lies before that triangle is hit instead; rays that leak through all are `lost`.
+pub(super) fn of_mesh(
+    accel: &Accel,
+    effort: &Effort,
+    rays: usize,
+    make: impl Fn(&mut Numbers) -> Ray + Sync,
+) -> HitErrors {
+    let geometry = accel.geometry();
+    let tests = Tests(geometry.precision);
+    let errors = blocks(rays, 1 << 12).map(|block| {
+        let made = block.map(|i| make(&mut Numbers::new(effort, MEASURED + 1, i)));
+        let rays: Vec<Ray> = made.collect();
+        let mut hits = vec![Hit::MISS; rays.len()];
+        accel.closest_of(&rays[..], &mut hits, &mut accel.traversal());
+        let mut errors = HitErrors::default();
+        for (ray, hit) in rays.iter().zip(&hits) {
+            // Rays that meet nothing are counted where they are aimed at edges.
+            if (hit.primitive as usize) < geometry.triangles.len() {
+                let corners = geometry.triangle(hit.primitive as usize);
+                errors.count(tests, ray, &corners, Some(hit.t));
+            }
+        }
+        errors
+    });
+    errors.sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::case::Count;
+    use super::*;
+    use wavecrest_core::kernels::precision::Precision;
+    use wavecrest_core::kernels::triangle::T_TOLERANCE;
+
+    fn errors(precision: Precision) -> Vec<HitErrors> {
+        let effort = Effort { precision, seed: 3, count: Count::Quick };
+        SITUATIONS.iter().map(|situation| situation.errors(&effort)).collect()
+    }
+
+    #[test]
+    fn exact_hits_are_rounded_once() {
+        for found in errors(Precision::Exact) {
+            assert_eq!((found.lost, found.extra), (0, 0));
+            assert!(found.t.total() > 9_000 && found.t.worst <= 0.500_001, "{found:?}");
+        }
+    }
+
+    #[test]
+    fn robust_hits_keep_their_bound_in_every_situation() {
+        // In ulp, of which the tolerance is so many at most.
+        let most = f64::from(T_TOLERANCE) / f64::from(f32::EPSILON) * 2.0;
+        for found in errors(Precision::Robust) {
+            assert!(found.t.total() > 9_000, "{found:?}");
+            assert!(found.t.worst <= most, "{found:?}");
+            assert!(found.point.worst <= 1.0 && found.normal.worst <= 1.0, "{found:?}");
+        }
+    }
+
+    #[test]
+    fn fast_hits_are_farther_off_where_it_is_hard() {
+        let (fast, robust) = (errors(Precision::Fast), errors(Precision::Robust));
+        let low_angle = 1;
+        assert!(fast[low_angle].t.worst > 100.0 * robust[low_angle].t.worst);
+        assert!(fast.iter().any(|found| found.lost + found.extra > 0));
+    }
+
+    #[test]
+    fn sizes_are_counted_up_to_their_bounds() {
+        let mut found = Distribution::default();
+        assert_eq!(found.within(1.0), None);
+        [0.0, 0.5, 0.6, 1.0, 3.0, f64::NAN].into_iter().for_each(|ulp| found.count(ulp));
+        assert_eq!(found.counts[..4], [2, 2, 0, 1]);
+        assert_eq!(found.counts[SIZES - 1], 1);
+        assert_eq!((found.within(0.5), found.within(0.8)), (Some(1.0), Some(4.0)));
+        assert!(found.worst > 1e300);
+    }
+}
