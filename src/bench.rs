@@ -77,6 +77,8 @@ fn prepare(args: &BenchArgs, path: &Path) -> Result<(PreparedScene, Setting)> {
     let start = Instant::now();
     let loaded = args.scene_options.load(path)?;
     let extracted = args.scene_options.extract(loaded)?;
+    // Neither tracer is to wait for an image.
+    extracted.scene().appearance.decode()?;
     let load = start.elapsed().as_secs_f64();
     let preset = args.scene_options.bvh.unwrap_or_else(|| extracted.preset());
     let batch = args.batch as usize;

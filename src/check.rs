@@ -32,6 +32,7 @@ pub(crate) fn run(args: &CheckArgs) -> Result<()> {
         let passes = unplanned(&PASSES);
         let options = Options { passes: &passes, ..Options::default() };
         let extracted = systems::extract(&mut loaded.world, options)?;
+        extracted.scene().appearance.decode()?;
         let dropped = extracted.dropped();
         args.scene_options.warn(&systems::warnings(dropped, extracted.file()));
         let text = summary(&extracted, dropped);

@@ -43,6 +43,7 @@ fn prepare(args: &BenchArgs, variant: Variant, folder: &Path) -> Result<Entry> {
     // Warnings would be about scenes of our own.
     let loaded = load_str(&variant.scene.to_string(), &folder.join("effect.json"), &options)?;
     let extracted = args.scene_options.extract(loaded)?;
+    extracted.scene().appearance.decode()?;
     // The same for all, so that no effect has the better tree.
     let mut scene = extracted.build(args.scene_options.bvh.unwrap_or(Preset::Medium));
     args.search.apply(&mut scene.accel);

@@ -49,6 +49,7 @@ fn of(args: &RenderArgs, finished: Finished<'_>) -> Statistics {
         image: image(scene, &rendered),
         rays: counters.into(),
         samples: counters.into(),
+        textures: (&scene.appearance).into(),
         estimated: Estimated::of(scene, rendered.film.pixels().len() as u64),
         tests: counters.into(),
         kernels: counters.into(),

@@ -321,7 +321,10 @@ fn differentials_have_storage_where_a_trilinear_texture_can_be_mirrored() {
         let prepared = try_prepare(&scene, &folder.path().join("scene.json")).expect("a scene");
         let groups = Batch::bytes_per_path(&prepared);
         let bytes = groups.into_iter().find(|(name, _)| *name == "differentials");
-        let batch = Batch::new(&prepared, 100);
+        let mut batch = Batch::new(&prepared, 100);
+        assert_eq!(batch.bytes(), 0, "nothing is stored before it is written");
+        batch.differentials.provide();
+        batch.next_differentials.provide();
         let held =
             [&batch.differentials, &batch.next_differentials].map(|d| d.direction_down.room());
         assert_eq!(held.iter().all(|&rows| rows >= 100), bytes.is_some());

@@ -46,6 +46,9 @@ mod filtering;
 // Leaving out what a scene does not call for changes no bit, and every row of the table of passes counts.
 mod planning;
 
+// What is out of view is neither read nor stored nor simulated, and changes no bit.
+mod view;
+
 // The modules import each other in one direction alone, and files stay short.
 mod architecture;
 

@@ -21,8 +21,8 @@ use wavecrest_scene::load::{LoadOptions, load, load_str};
 use wavecrest_scene::systems::{self, Options};
 
 use crate::support::{
-    TRACERS, extract_small, folder, matte, options, pinhole, point_light, scene, scene_files,
-    sphere, with,
+    TRACERS, extract_small, folder, matte, options, pinhole, point_light, render_on, scene,
+    scene_files, sphere, with,
 };
 
 /// A set of effects: a bit for each, in the order of [`Effect::ALL`].
@@ -243,9 +243,9 @@ fn columns_are_as_large_as_estimated() {
     let all = Set(Set::NUMBER - 1);
     for set in [Set::of(&[]), Set::of(&[Effect::Spheres, Effect::PointLights]), all] {
         let scene = prepare_by(&PASSES, &set.scene(folder.path()));
-        let [wavefront, recursive] = render_both(&scene);
-        let threads = rayon::current_num_threads() as u64;
-        assert_eq!(wavefront.columns, Batch::estimated_bytes(&scene, 29) * threads);
+        let [wavefront, recursive] = TRACERS
+            .map(|tracer| render_on(1, &scene, &RenderOptions { tracer, batch: 29, ..options() }));
+        assert_eq!(wavefront.columns, Batch::estimated_bytes(&scene, 29));
         assert_eq!(recursive.columns, 0);
     }
 }

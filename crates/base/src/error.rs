@@ -3,6 +3,7 @@
 
 use std::fmt::{self, Write};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// A result whose failure is an [`Error`].
 pub type Result<T> = std::result::Result<T, Error>;
@@ -46,13 +47,13 @@ pub enum ErrorKind {
 ///      use a positive number, such as 1"
 /// );
 /// ```
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Error {
     // Boxed, so that a result is small where all goes well.
     details: Box<Details>,
 }
 
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct Details {
     kind: ErrorKind,
     message: String,
@@ -60,7 +61,7 @@ struct Details {
     place: Option<String>,
     value: Option<String>,
     remedy: Option<String>,
-    source: Option<Box<dyn std::error::Error + Send + Sync>>,
+    source: Option<Arc<dyn std::error::Error + Send + Sync>>,
 }
 
 impl Error {
@@ -116,7 +117,7 @@ impl Error {
     /// Keeps the error that caused this one.
     #[must_use]
     pub fn because(mut self, source: impl Into<Box<dyn std::error::Error + Send + Sync>>) -> Self {
-        self.details.source = Some(source.into());
+        self.details.source = Some(source.into().into());
         self
     }
 

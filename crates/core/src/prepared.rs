@@ -4,6 +4,7 @@ mod appearance;
 mod fingerprint;
 mod footprint;
 mod interaction;
+mod lazy;
 mod resample;
 
 use std::ops::Range;
@@ -13,6 +14,7 @@ use glam::{DVec3, Mat3, Vec2, Vec3};
 pub use fingerprint::Fingerprints;
 pub use footprint::MirrorPoint;
 pub use interaction::{Face, Group, Interaction, lanes};
+pub use lazy::LazyImage;
 pub use resample::{Original, Samples};
 
 use crate::accel::Accel;
@@ -20,8 +22,9 @@ use crate::kernels::blinn_phong::Material;
 use crate::kernels::camera::Camera;
 use crate::kernels::camera::path::Path;
 use crate::kernels::light::Light;
-use crate::kernels::texture::{Filter, Image, PlanarMap, Wrap};
+use crate::kernels::texture::{Filter, PlanarMap, Wrap};
 use crate::plan::Plan;
+use wavecrest_base::error::Result;
 
 /// Everything that a render reads.
 #[derive(Debug)]
@@ -71,7 +74,7 @@ pub struct LookUps {
 }
 
 /// The appearance of the primitives: shapes, what they are made of, and their textures.
-#[derive(Clone, Debug, Default)]
+#[derive(Debug, Default)]
 pub struct Appearance {
     /// The shapes by the number of their first primitive, in rising order.
     pub shapes: Vec<Shape>,
@@ -79,8 +82,8 @@ pub struct Appearance {
     pub materials: Vec<Material>,
     /// Where shapes come from: for each the path of its entry in the scene file.
     pub places: Vec<String>,
-    /// The images, each once.
-    pub images: Vec<Image>,
+    /// The images that can be seen, each once.
+    pub images: Vec<LazyImage>,
     /// The attributes of meshes that have any that is used.
     pub meshes: Vec<MeshAttributes>,
 }
@@ -172,8 +175,34 @@ impl Appearance {
         self.shapes.partition_point(|shape| shape.primitives.start <= primitive) - 1
     }
 
+    /// Decodes every image that is not yet.
+    ///
+    /// # Errors
+    /// When one cannot be decoded.
+    pub fn decode(&self) -> Result<()> {
+        self.images.iter().try_for_each(|image| image.get().map(|_| ()))
+    }
+
+    /// Nothing, where every image that was looked up so far could be decoded.
+    ///
+    /// # Errors
+    /// When one could not.
+    pub fn check(&self) -> Result<()> {
+        let failure = self.images.iter().find_map(|image| image.decoded()?.as_ref().err());
+        failure.cloned().map_or(Ok(()), Err)
+    }
+
     /// Bytes held by attributes and images.
     pub fn bytes(&self) -> u64 {
+        self.attribute_bytes() + self.images.iter().map(LazyImage::bytes).sum::<u64>()
+    }
+
+    /// Bytes held by attributes, and by images once all are decoded.
+    pub fn expected_bytes(&self) -> u64 {
+        self.attribute_bytes() + self.images.iter().map(LazyImage::expected_bytes).sum::<u64>()
+    }
+
+    fn attribute_bytes(&self) -> u64 {
         let meshes: usize = self
             .meshes
             .iter()
@@ -182,7 +211,7 @@ impl Appearance {
                     + mesh.uvs.as_ref().map_or(0, CornerValues::bytes)
             })
             .sum();
-        (meshes + self.images.iter().map(Image::bytes).sum::<usize>()) as u64
+        meshes as u64
     }
 }
 

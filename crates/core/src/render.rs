@@ -77,8 +77,8 @@ pub struct Rendered {
 /// The crate `wavecrest-api` has an example.
 ///
 /// # Errors
-/// When the crop is not within the image, there is no memory for the film, or the table that the plan was
-/// made by does not hang together.
+/// When the crop is not within the image, there is no memory for the film, an image cannot be decoded, or the
+/// table that the plan was made by does not hang together.
 pub fn render(
     scene: &PreparedScene,
     options: &RenderOptions,

@@ -102,7 +102,7 @@ pub struct Found {
 /// Makes the layers of `scene` on the threads of the current rayon pool.
 ///
 /// # Errors
-/// When the crop is not within the image, or there is no memory for the channels.
+/// When the crop is not within the image, there is no memory for the channels, or an image cannot be decoded.
 pub fn layers(scene: &PreparedScene, request: &Request<'_>) -> Result<Found> {
     let mut layers = request.layers.to_vec();
     layers.sort_unstable();
@@ -119,6 +119,7 @@ pub fn layers(scene: &PreparedScene, request: &Request<'_>) -> Result<Found> {
             places.iter().zip(&mut channels).for_each(|(place, to)| put(*place, to, at, sums));
         });
     }
+    scene.appearance.check()?;
     let mut entries = Vec::new();
     for ((layer, _), channel) in places.iter().zip(&mut channels) {
         match (layer, channel) {

@@ -8,6 +8,7 @@
 //! | `rays.primary`, `.secondary`, `.shadow` | rays | camera, mirror and shadow rays traced |
 //! | `samples.lens`, `.light`, `.texels` | | points chosen on the lens and on area lights; texels read |
 //! | `samples.footprints` | | footprints of rays on surfaces, for trilinear textures and for mirrors that may show them |
+//! | `textures.images`, `.decoded`, `.bytes` | | images that can be seen, those that were looked up and hence decoded, and what these hold |
 //! | `estimated.rays`, `.samples` | | bounds on these, known before the first ray: see [`crate::estimate`] |
 //! | `tests.nodes` | nodes | inner nodes visited, by a ray or by many together, each testing eight boxes |
 //! | `tests.instances` | visits | of an instance by a ray that meets its box |
@@ -40,7 +41,7 @@ use wavecrest_core::counters::Counters;
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::math::simd::Level;
 use wavecrest_core::plan::Plan;
-use wavecrest_core::prepared::Dropped;
+use wavecrest_core::prepared::{Appearance, Dropped, LazyImage};
 use wavecrest_core::probe::Invalid;
 use wavecrest_core::render::TracerKind;
 
@@ -59,6 +60,7 @@ pub struct Statistics {
     pub image: ImageSize,
     pub rays: Rays,
     pub samples: Samples,
+    pub textures: Textures,
     pub estimated: Estimated,
     pub tests: Tests,
     pub kernels: KernelUse,
@@ -113,6 +115,26 @@ pub struct Samples {
     pub light: u64,
     pub texels: u64,
     pub footprints: u64,
+}
+
+/// Images of textures.
+#[derive(Clone, Copy, Debug, Serialize)]
+#[allow(missing_docs, reason = "see the module documentation")]
+pub struct Textures {
+    pub images: usize,
+    pub decoded: usize,
+    pub bytes: u64,
+}
+
+impl From<&Appearance> for Textures {
+    fn from(appearance: &Appearance) -> Self {
+        let images = &appearance.images;
+        Self {
+            images: images.len(),
+            decoded: images.iter().filter(|image| image.decoded().is_some()).count(),
+            bytes: images.iter().map(LazyImage::bytes).sum(),
+        }
+    }
 }
 
 /// Tests by kind.

@@ -79,7 +79,7 @@ pub fn estimate_extracted(
     let threads = rayon::current_num_threads() as u64;
     Estimate {
         geometry: geometry.bytes(),
-        appearance: scene.appearance.bytes(),
+        appearance: scene.appearance.expected_bytes(),
         tree: primitives * tree_bytes(preset),
         build: build_bytes(preset, primitives),
         film: pixels * size_of::<[f32; 3]>() as u64,

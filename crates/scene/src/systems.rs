@@ -6,12 +6,13 @@
 //! | [`geometry`] | shapes, transforms | positions, triangles, quads, spheres, mesh attributes |
 //! | [`materials`] | materials | one row of numbers a shape |
 //! | [`lights`] | lights and their shapes | emitters with what is needed to sample them |
+//! | [`view`] | shapes, the camera in all frames | which shapes can be seen |
 //! | [`census`] | all of these | the plan: which effects the scene calls for |
-//! | [`textures`] | texture references that show | decoded images, each once |
+//! | [`textures`] | texture references that show | images to be decoded, each once |
 //! | [`camera`] | the view, pinhole or thin lens | the ray generator |
 //! | [`wavecrest_core::accel`] | the geometry | the tree |
 //!
-//! What the plan leaves out goes no further than the census: lights that reach nothing, textures and
+//! What the plan leaves out goes no further than the census: lights that reach nothing in view, textures and
 //! normals that nothing shows.
 //!
 //! Only this module and [`crate`] know the world; nothing after them queries it.
@@ -25,6 +26,7 @@ pub mod materials;
 pub mod overrides;
 pub mod reach;
 pub mod textures;
+pub mod view;
 
 use std::path::{Path, PathBuf};
 
@@ -37,10 +39,9 @@ use wavecrest_core::accel::build::Preset;
 use wavecrest_core::accel::geometry::Geometry;
 use wavecrest_core::kernels::blinn_phong::Material;
 use wavecrest_core::kernels::precision::Precision;
-use wavecrest_core::kernels::texture::Image;
 use wavecrest_core::plan::Plan;
 use wavecrest_core::plan::schedule::{PASSES, Pass};
-use wavecrest_core::prepared::{Appearance, Dropped, PreparedScene};
+use wavecrest_core::prepared::{Appearance, Dropped, LazyImage, PreparedScene};
 
 /// The scene without its tree: enough to predict what a render will do.
 #[derive(Debug)]
@@ -83,6 +84,8 @@ pub fn extract(world: &mut World, options: Options<'_>) -> Result<Extracted> {
     let materials = materials::run(world, &extracted.shapes);
     let lights = lights::run(world, &extracted, &settings, origin)?;
     let ambient = settings.ambient as f32 * lights.len() as f32;
+    let shows_others = |shape: usize| settings.bounces > 0 && materials[shape].kr > 0.0;
+    let in_view = view::run(&camera::places(world, origin)?, &extracted, shows_others);
     let found = census::run(census::Census {
         world,
         settings: &settings,
@@ -90,12 +93,13 @@ pub fn extract(world: &mut World, options: Options<'_>) -> Result<Extracted> {
         materials: &materials,
         lights: &lights,
         ambient,
+        in_view: &in_view,
     });
-    let plan = Plan::of(found.decisions, passes);
+    let plan = Plan::of(found.decisions.clone(), passes);
     let schedule = plan.schedule();
-    let lights = lights::keep(world, &settings, schedule, lights, &found.reached)?;
+    let lights = lights::keep(world, &settings, schedule, lights, &found)?;
     let images = textures::run(world, &file, schedule, &found.textured, &mut extracted.shapes)?;
-    extracted.drop_unused(schedule);
+    extracted.drop_unused(schedule, &in_view);
     let (camera, path) = camera::run(world, origin, schedule)?;
     let (geometry, appearance) = appearance(world, extracted, materials, images);
     let scene = PreparedScene {
@@ -119,7 +123,7 @@ fn appearance(
     world: &World,
     extracted: geometry::Output,
     materials: Vec<Material>,
-    images: Vec<Image>,
+    images: Vec<LazyImage>,
 ) -> (Geometry, Appearance) {
     let geometry::Output { geometry, shapes, meshes } = extracted;
     let places = shapes.iter().map(|shape| query::json_path(world, shape.entity)).collect();

@@ -76,8 +76,8 @@ fn explain_says_which_passes_run_and_why() {
     assert_eq!(code, 0);
     for line in [
         "  + shadow          1 point light",
-        "  +   mirror        1 with kr above 0, nbounces 2",
-        "  + advance         1 with kr above 0, nbounces 2",
+        "  +   mirror        1 mirror, nbounces 2",
+        "  + advance         1 mirror, nbounces 2",
         "  -   lens          the camera is a pinhole",
         "  - textures        no shape has a texture",
         "  + spheres         1 sphere",

@@ -84,7 +84,7 @@ fn the_log_tells_what_is_done_chosen_and_found() {
         "wavefront tracer, robust precision",
         "ball.json: 16 x 12 pixels, 1 rays each, 0 triangles, 1 quads, 1 spheres, 1 lights",
         "camera.colour: is not a key of a pinhole camera",
-        "+ mirrors: 1 with kr above 0",
+        "+ mirrors: 1 mirror",
         "192 camera rays",
         "out.exr: ",
     ] {

@@ -3,6 +3,7 @@
 //! The image is upright and unmirrored: the first pixel is top left, x runs to the camera's right.
 
 mod differential;
+mod frustum;
 pub mod path;
 
 use glam::{DVec3, Vec2, Vec3};

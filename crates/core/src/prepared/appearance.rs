@@ -69,7 +69,7 @@ impl Appearance {
                 corners[0] * wa + corners[1] * wb + corners[2] * wc
             }),
         };
-        let image = &self.images[texture.image as usize];
+        let Some(image) = self.images[texture.image as usize].look_up() else { return Vec3::ZERO };
         if texture.filter != Filter::Trilinear {
             look_ups.texels += texture.filter.texels();
             return image.look_up(uv, texture.filter, texture.wrap);

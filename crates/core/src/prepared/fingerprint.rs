@@ -59,7 +59,7 @@ impl PreparedScene {
     /// A hash (XXH3) of all that its image follows from: primitives, attributes, textures, materials,
     /// lights, camera. Scenes that differ in any of it have different ones, but for a chance of 2^-64; the
     /// order of a file's keys and the folder that it lies in do not count. It is no protection against
-    /// someone who looks for a collision.
+    /// someone who looks for a collision. All images are decoded for it.
     pub fn fingerprint(&self) -> u128 {
         self.fingerprints().all()
     }
@@ -113,7 +113,7 @@ impl PreparedScene {
 
     fn textures_fingerprint(&self) -> u128 {
         hashed(|hasher| {
-            for image in &self.appearance.images {
+            for image in self.appearance.images.iter().filter_map(|image| image.look_up()) {
                 let _ = write!(hasher, "{:?}", [image.width, image.height, image.coarsest()]);
                 match &image.texels {
                     Texels::Bytes(texels) => hasher.list(texels),

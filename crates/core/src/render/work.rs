@@ -70,7 +70,7 @@ pub struct Done {
 /// each block. It ends before its time when `watch` says so.
 ///
 /// # Errors
-/// When the table that the plan was made by does not hang together.
+/// When the table that the plan was made by does not hang together, or an image cannot be decoded.
 pub fn run(
     scene: &PreparedScene,
     options: &RenderOptions,
@@ -89,13 +89,14 @@ pub fn run(
     let worker = || Mutex::new(Worker::new(tracer(scene, options.tracer, &settings), job));
     let workers: Vec<_> = (0..threads).map(|_| worker()).collect();
     (0..job.count).into_par_iter().for_each(|number| {
-        if watch.cancelled() {
+        if watch.cancelled() || scene.appearance.check().is_err() {
             return;
         }
         let index = rayon::current_thread_index().unwrap_or(0) % threads;
         let mut worker = workers[index].lock().unwrap_or_else(PoisonError::into_inner);
         worker.render(scene, job, &(job.task)(number), watch, keep);
     });
+    scene.appearance.check()?;
     Ok(gather(workers, start))
 }
 

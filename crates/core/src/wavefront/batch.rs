@@ -310,7 +310,8 @@ pub struct Batch {
 }
 
 impl Batch {
-    /// A batch of up to `capacity` paths, with the columns that have storage in `scene`.
+    /// A batch of up to `capacity` paths, with the columns that may have storage in `scene`: each gets it when it
+    /// is first written.
     pub fn new(scene: &PreparedScene, capacity: usize) -> Self {
         let capacity = capacity.max(1);
         let schedule = scene.plan.schedule();
@@ -360,7 +361,7 @@ impl Batch {
 
     /// Bytes that a batch of up to `capacity` paths holds in its columns in any scene, at most.
     pub fn bytes_at_most(capacity: usize) -> u64 {
-        let row: usize = GROUPS.into_iter().map(row_bytes).sum();
+        let row: usize = Group::ALL.into_iter().map(row_bytes).sum();
         (row * columns::room(capacity.max(1))) as u64
     }
 
@@ -373,17 +374,6 @@ impl Batch {
         all as u64
     }
 }
-
-/// Every group.
-const GROUPS: [Group; 7] = [
-    Group::Paths,
-    Group::Rays,
-    Group::Hits,
-    Group::LitPoints,
-    Group::ShadowRays,
-    Group::NextRays,
-    Group::Differentials,
-];
 
 /// Bytes of one row of a group of columns.
 fn row_bytes(group: Group) -> usize {

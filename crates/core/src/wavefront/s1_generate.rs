@@ -25,6 +25,9 @@ pub(super) fn run(
     batch: &mut Batch,
     counters: &mut Counters,
 ) {
+    batch.paths.provide();
+    batch.rays.provide();
+    batch.hits.provide();
     batch.paths.clear();
     batch.rays.clear();
     let count = paths.end - paths.start;

@@ -165,12 +165,14 @@ impl<P: Arithmetic> Shade<'_, P> {
         let point = group.shading_points::<P>(kind, &line, t, geometry, texture);
         self.count(look_ups);
         self.add(group.used, &path, throughput * point.local_light(self.scene.ambient));
-        if self.shadows {
+        if self.shadows && point.lit.any() {
+            self.batch.lit.provide();
             self.batch.lit.push_lanes(&point, throughput, &path);
         }
         if self.mirrors
             && let Some(next) = mirror_request(&point, throughput)
         {
+            self.batch.next.provide();
             self.counters.secondary_rays += self.batch.next.push_lanes(&next, &path) as u64;
             if self.differentials {
                 self.mirror_differentials(&numbers, &point, next.asked.bits());
@@ -213,6 +215,7 @@ impl<P: Arithmetic> Shade<'_, P> {
         asked: u32,
     ) {
         let mut look_ups = LookUps::default();
+        self.batch.next_differentials.provide();
         for lane in lanes(asked) {
             let (differential, ray, hit) = self.arriving(rays[lane]);
             let point = MirrorPoint {

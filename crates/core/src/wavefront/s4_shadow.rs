@@ -81,6 +81,7 @@ impl Pass for Request<'_> {
                 next.point += F::LANES;
                 let request = shadow_request(&points, throughput, light, &targets);
                 let Some(request) = request else { continue };
+                shadows.provide();
                 counters.shadow_rays += shadows.push_lanes(&request, path) as u64;
                 let at_light = (request.at_light & request.asked).bits();
                 counters.lights_at_surface += u64::from(at_light.count_ones());

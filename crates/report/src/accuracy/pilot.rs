@@ -181,6 +181,8 @@ impl Pilot {
     /// # Errors
     /// When there is no memory for an image.
     pub fn run(scene: &mut PreparedScene, original: &Original, seed: u64) -> Result<Self> {
+        // None of the renders that are timed is to wait for an image.
+        scene.appearance.decode()?;
         let curves = match Axis::of(&Facts::of(scene)) {
             None => Vec::new(),
             Some(axis) => Sampling::ALL

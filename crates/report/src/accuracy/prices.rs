@@ -44,6 +44,7 @@ fn prepare(variant: Variant, folder: &Path) -> Result<Entry> {
     let mut loaded = load_str(&variant.scene.to_string(), &file, &LoadOptions::default())?;
     // The same preset for all, so that no effect has the better tree.
     let scene = extract(&mut loaded.world, Default::default())?.build(Preset::Medium);
+    scene.appearance.decode()?;
     Ok(Entry { variant, scene })
 }
 

@@ -135,6 +135,8 @@ impl Subject {
         overrides::apply(&mut loaded.world, &structure.overrides);
         let options = Options { precision: structure.precision, ..Options::default() };
         let extracted = extract(&mut loaded.world, options)?;
+        // No render is to wait for an image.
+        extracted.scene().appearance.decode()?;
         let load = start.elapsed().as_secs_f64();
         let start = Instant::now();
         let scene = extracted.build(preset);

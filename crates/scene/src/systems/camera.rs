@@ -14,13 +14,36 @@ use wavecrest_core::plan::schedule::{Schedule, Step};
 /// A pinhole as a lens.
 const PINHOLE: Lens = Lens { radius: 0.0, focal: 1.0, sampling: Sampling::Random, grid: [1, 1] };
 
+/// More frames than these are not looked at one by one.
+const MOST_FRAMES: u32 = 1 << 12;
+
 /// The camera of the world, moved by `-origin`, and its path if it has one. A lens of aperture 0 is a
 /// pinhole, to the last bit.
 pub fn run(world: &World, origin: DVec3, schedule: Schedule) -> Result<(Camera, Option<Path>)> {
+    of_world(world, origin, schedule.runs(Step::Lens), schedule.runs(Step::Jitter))
+}
+
+/// The camera of the world in every place that it may render from; none if there are too many.
+pub fn places(world: &World, origin: DVec3) -> Result<Vec<Camera>> {
+    let (camera, path) = of_world(world, origin, true, false)?;
+    let Some(path) = path else { return Ok(vec![camera]) };
+    let (first, last) = path.frames().into_inner();
+    if last - first >= MOST_FRAMES {
+        return Ok(Vec::new());
+    }
+    Ok((first..=last).filter_map(|frame| path.at(frame)).chain([camera]).collect())
+}
+
+fn of_world(
+    world: &World,
+    origin: DVec3,
+    lens_runs: bool,
+    jitter_runs: bool,
+) -> Result<(Camera, Option<Path>)> {
     let mut query = world.query::<(&View, Option<&ThinLens>, Option<&CameraPath>)>();
     let (view, lens, path) = query.iter().next().ok_or_else(|| missing("View"))?;
-    let lens = schedule.runs(Step::Lens).then(|| lens.map_or(PINHOLE, of_extent));
-    let antialias = if schedule.runs(Step::Jitter) { view.antialias } else { 1 };
+    let lens = lens_runs.then(|| lens.map_or(PINHOLE, of_extent));
+    let antialias = if jitter_runs { view.antialias } else { 1 };
     let still = Placement {
         location: view.location - origin,
         look: view.look - origin,

@@ -1,6 +1,6 @@
 //! The census: which effects the scene calls for, and why each other one is left out.
 //!
-//! An effect is called for where something that is there to be seen shows it. What nothing leads to is
+//! An effect is called for where something that is in view ([`super::view`]) shows it. What nothing leads to is
 //! left out, and so is what adds nothing: a mirror in a scene without light, the texture of a surface that
 //! shows no colour, a light behind all that it could fall on ([`reach`]).
 
@@ -31,6 +31,8 @@ pub struct Census<'a> {
     pub lights: &'a [Found],
     /// Factor on the diffuse colour for the ambient part of all lights together.
     pub ambient: f32,
+    /// For each shape, whether it is in view.
+    pub in_view: &'a [bool],
 }
 
 /// What it finds.
@@ -38,7 +40,9 @@ pub struct Census<'a> {
 pub struct Findings {
     /// One for each effect.
     pub decisions: Vec<Decision>,
-    /// For each light, whether it can add anything besides its ambient part.
+    /// For each light, whether it can add anything besides its ambient part to what is in view.
+    pub shown: Vec<bool>,
+    /// For each light, whether it can to anything.
     pub reached: Vec<bool>,
     /// For each shape, whether it wears a texture that can be seen.
     pub textured: Vec<bool>,
@@ -48,16 +52,20 @@ pub struct Findings {
 pub fn run(census: Census<'_>) -> Findings {
     let facts = Facts::new(census);
     let decisions = Effect::ALL.into_iter().map(|effect| facts.decide(effect)).collect();
-    let Facts { reached, .. } = facts;
-    Findings { decisions, textured: facts.shows_texture, reached }
+    let Facts { visible, shown, reached, shows_texture, .. } = facts;
+    let textured = visible.iter().zip(shows_texture).map(|(v, shows)| *v && shows).collect();
+    Findings { decisions, shown, reached, textured }
 }
 
 /// What the decisions rest on.
 struct Facts<'a> {
     census: Census<'a>,
-    /// For each shape, whether it is a surface that rays can meet.
+    /// For each shape, whether it is a surface that rays can meet, and whether such rays are cast.
+    solid: Vec<bool>,
     visible: Vec<bool>,
+    shown: Vec<bool>,
     reached: Vec<bool>,
+    /// For each shape, whether it wears a texture that shows where the shape is seen.
     shows_texture: Vec<bool>,
     /// Whether a mirror could show anything but black.
     shines: bool,
@@ -66,28 +74,34 @@ struct Facts<'a> {
 impl<'a> Facts<'a> {
     fn new(census: Census<'a>) -> Self {
         let shapes = &census.extracted.shapes;
-        let visible: Vec<bool> = shapes.iter().map(|shape| is_visible(shape, census)).collect();
-        let wears = |shape: &ShapeOutput| census.world.get::<&TextureRef>(shape.entity).is_ok();
-        let wearing: Vec<bool> =
-            shapes.iter().zip(&visible).map(|(shape, visible)| *visible && wears(shape)).collect();
-        let surfaces: Vec<reach::Surface<'_>> = (0..shapes.len())
-            .filter(|&i| visible[i])
-            .map(|i| reach::Surface {
+        let solid: Vec<bool> = shapes.iter().map(|shape| is_solid(shape, census)).collect();
+        let visible: Vec<bool> = solid.iter().zip(census.in_view).map(|(s, v)| *s && *v).collect();
+        let wears = |i: usize| census.world.get::<&TextureRef>(shapes[i].entity).is_ok();
+        let surfaces_of = |those: &[bool]| -> Vec<reach::Surface<'_>> {
+            let surface = |i: usize| reach::Surface {
                 shape: &shapes[i].shape,
                 material: &census.materials[i],
-                textured: wearing[i],
-            })
-            .collect();
+                textured: wears(i),
+            };
+            (0..shapes.len()).filter(|&i| those[i]).map(surface).collect()
+        };
         let lights: Vec<_> = census.lights.iter().map(|found| &found.light).collect();
-        let reached = reach::run(&lights, &surfaces, &census.extracted.geometry);
-        let is_lit = reached.contains(&true);
+        let reached_of = |surfaces: &[reach::Surface<'_>]| {
+            reach::run(&lights, surfaces, &census.extracted.geometry)
+        };
+        let surfaces = surfaces_of(&visible);
+        let shown = reached_of(&surfaces);
+        let reached =
+            if visible == solid { shown.clone() } else { reached_of(&surfaces_of(&solid)) };
+        let is_lit = shown.contains(&true);
         // Diffuse colour shows by ambient light, whatever kd is, and where light is reflected by it.
-        let shows_color = |material: &Material| census.ambient > 0.0 || is_lit && material.kd > 0.0;
-        let shows_texture: Vec<bool> = wearing
-            .iter()
-            .zip(census.materials)
-            .map(|(wears, material)| *wears && shows_color(material))
-            .collect();
+        let shows_color = |i: usize| {
+            let reached = if visible[i] { &shown } else { &reached };
+            let is_lit = reached.contains(&true) && census.materials[i].kd > 0.0;
+            census.ambient > 0.0 || is_lit
+        };
+        let shows_texture: Vec<bool> =
+            (0..shapes.len()).map(|i| solid[i] && wears(i) && shows_color(i)).collect();
         let is_black = |surface: &reach::Surface<'_>| {
             !surface.textured && surface.material.color == Vec3::ZERO
         };
@@ -95,7 +109,7 @@ impl<'a> Facts<'a> {
         let shines = is_lit
             || shapes.iter().any(glows)
             || census.ambient > 0.0 && !surfaces.iter().all(is_black);
-        Self { census, visible, reached, shows_texture, shines }
+        Self { census, solid, visible, shown, reached, shows_texture, shines }
     }
 
     fn triangles(&self) -> (bool, String) {
@@ -136,73 +150,86 @@ impl<'a> Facts<'a> {
         Decision { effect, present, reason }
     }
 
-    /// The number of surfaces that are as `is` says.
-    fn surfaces(&self, is: impl Fn(usize) -> bool) -> usize {
-        (0..self.visible.len()).filter(|&i| self.visible[i] && is(i)).count()
+    /// Surfaces in view that are as `is` says, or why there are none.
+    fn surfaces(&self, is: impl Fn(usize) -> bool, thing: &str, none: &str) -> (bool, String) {
+        let number = |those: &[bool]| (0..those.len()).filter(|&i| those[i] && is(i)).count();
+        let (seen, all) = (number(&self.visible), number(&self.solid));
+        let (found, reason) = count(all, thing, none);
+        match (seen, all - seen) {
+            (_, 0) => (found, reason),
+            (0, _) => (false, format!("{reason}, not in view")),
+            (_, unseen) => {
+                (true, format!("{}, {unseen} more not in view", count(seen, thing, "").1))
+            }
+        }
     }
 
     fn is_lit(&self) -> bool {
-        self.reached.contains(&true)
+        self.shown.contains(&true)
     }
 
     fn smooth_shading(&self) -> (bool, String) {
         let shapes = &self.census.extracted.shapes;
-        let smooth = self.surfaces(|i| shapes[i].shape.smooth);
-        if smooth > 0 && !self.is_lit() && !self.mirrors().0 {
+        let none = "no mesh with normals asks for it";
+        let found = self.surfaces(|i| shapes[i].shape.smooth, "smooth mesh", none);
+        if found.0 && !self.is_lit() && !self.mirrors().0 {
             return (false, "neither light nor mirror asks for a normal".to_owned());
         }
-        count(smooth, "smooth mesh", "no mesh with normals asks for it")
+        found
     }
 
     fn textures(&self) -> (bool, String) {
-        let textured = self.shows_texture.iter().filter(|shows| **shows).count();
         let has_any = self.census.world.query::<&TextureRef>().iter().next().is_some();
         let none = match (has_any, self.is_lit() || self.census.ambient > 0.0) {
             (false, _) => "no shape has a texture",
             (true, false) => "no light shows the colour of a texture",
             (true, true) => "no surface shows the colour of its texture",
         };
-        count(textured, "textured shape", none)
+        self.surfaces(|i| self.shows_texture[i], "textured shape", none)
     }
 
     fn ray_differentials(&self) -> (bool, String) {
-        let shapes = &self.census.extracted.shapes;
-        let is_trilinear = |shape: &ShapeOutput| {
-            let texture = self.census.world.get::<&TextureRef>(shape.entity);
+        let is_trilinear = |i: usize| {
+            let entity = self.census.extracted.shapes[i].entity;
+            let texture = self.census.world.get::<&TextureRef>(entity);
             texture.is_ok_and(|texture| texture.filter == Filter::Trilinear)
         };
-        let textured = shapes.iter().zip(&self.shows_texture).filter(|(_, shows)| **shows);
-        let n = textured.filter(|(shape, _)| is_trilinear(shape)).count();
-        count(n, "trilinear texture", "no texture that is seen is trilinear")
+        let none = "no texture that is seen is trilinear";
+        self.surfaces(|i| self.shows_texture[i] && is_trilinear(i), "trilinear texture", none)
     }
 
     fn lights(&self, thing: &str, is: impl Fn(&Emitter) -> bool) -> (bool, String) {
         let of_kind = |found: &Found| is(&found.light.emitter);
-        let lights = self.census.lights.iter().zip(&self.reached);
-        let lights: Vec<_> = lights.filter(|(found, _)| of_kind(found)).collect();
-        let reached = lights.iter().filter(|(_, reached)| **reached).count();
-        let has_power = lights.iter().any(|(found, _)| found.light.power != Vec3::ZERO);
-        let none = match (lights.is_empty(), has_power) {
-            (true, _) => format!("there is no {thing}"),
-            (false, false) => format!("no {thing} has power"),
-            (false, true) => format!("no {thing} falls on a front that reflects it"),
+        let number = |those: &[bool]| {
+            let lights = self.census.lights.iter().zip(those);
+            lights.filter(|(found, counts)| **counts && of_kind(found)).count()
         };
-        let (present, mut reason) = count(reached, thing, &none);
-        let others = lights.len() - reached;
-        if present && others > 0 {
-            reason += &format!(", {others} more with nothing but an ambient part");
+        let all = self.census.lights.iter().filter(|found| of_kind(found)).count();
+        let (shown, reached) = (number(&self.shown), number(&self.reached));
+        let has_power = |found: &Found| found.light.power != Vec3::ZERO;
+        let none = match all {
+            0 => format!("there is no {thing}"),
+            _ if reached > 0 => format!("no {thing} falls on anything in view"),
+            _ if self.census.lights.iter().any(|found| of_kind(found) && has_power(found)) => {
+                format!("no {thing} falls on a front that reflects it")
+            }
+            _ => format!("no {thing} has power"),
+        };
+        let (present, mut reason) = count(shown, thing, &none);
+        if present && all > shown {
+            reason += &format!(", {} more with nothing but an ambient part", all - shown);
         }
         (present, reason)
     }
 
     fn mirrors(&self) -> (bool, String) {
-        let n = self.surfaces(|i| self.census.materials[i].kr > 0.0);
-        let bounces = self.census.settings.bounces;
-        match (n, bounces) {
-            (0, _) => (false, "no material has kr above 0".to_owned()),
-            (_, 0) => (false, "nbounces is 0".to_owned()),
+        let is_mirror = |i: usize| self.census.materials[i].kr > 0.0;
+        let (found, reason) = self.surfaces(is_mirror, "mirror", "no material has kr above 0");
+        match self.census.settings.bounces {
+            _ if !found => (false, reason),
+            0 => (false, "nbounces is 0".to_owned()),
             _ if !self.shines => (false, "no light shows anything in a mirror".to_owned()),
-            (n, bounces) => (true, format!("{n} with kr above 0, nbounces {bounces}")),
+            bounces => (true, format!("{reason}, nbounces {bounces}")),
         }
     }
 
@@ -227,7 +254,7 @@ impl<'a> Facts<'a> {
 }
 
 /// Whether rays can meet a surface there: not the shape of a light, and not without area.
-fn is_visible(ShapeOutput { shape, .. }: &ShapeOutput, census: Census<'_>) -> bool {
+fn is_solid(ShapeOutput { shape, .. }: &ShapeOutput, census: Census<'_>) -> bool {
     let geometry = &census.extracted.geometry;
     // Fast arithmetic does not know for certain what has no area.
     let may_be_hit =

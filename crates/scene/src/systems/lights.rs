@@ -5,6 +5,7 @@ use std::collections::HashMap;
 use glam::{DVec3, Vec3};
 use hecs::{Entity, World};
 
+use super::census::Findings;
 use super::geometry::Output;
 use crate::components::{AreaLight, Order, PointLight, Settings};
 use crate::query::json_path;
@@ -52,27 +53,27 @@ pub fn run(
     Ok(found)
 }
 
-/// The lights that are to be simulated, each with dimensions of its own: those that have `reached` a
-/// surface where the schedule leaves the others out.
+/// The lights that are to be simulated, each with dimensions of its own: those that have reached a
+/// surface in view where the schedule leaves the others out.
 ///
 /// A light that reaches nothing draws its numbers, if it draws any, after all others: it changes none of
-/// theirs by being there.
+/// theirs by being there. What is in view changes no numbers: a camera that turns leaves the noise as it is.
 pub fn keep(
     world: &World,
     settings: &Settings,
     schedule: Schedule,
     found: Vec<Found>,
-    reached: &[bool],
+    Findings { shown, reached, .. }: &Findings,
 ) -> Result<Vec<Light>> {
     if !schedule.has_shadows() {
         return Ok(Vec::new());
     }
     let all = schedule.is_needless(Step::Shadow);
-    let mut kept: Vec<(bool, Found)> =
-        reached.iter().copied().zip(found).filter(|(reached, _)| *reached || all).collect();
+    let mut found = found;
     let mut dimension = camera::DIMENSION + 1;
     for turn in [true, false] {
-        for (_, Found { entity, light, .. }) in kept.iter_mut().filter(|(r, _)| *r == turn) {
+        let of_turn = found.iter_mut().zip(reached).filter(|(_, reached)| **reached == turn);
+        for (Found { entity, light, .. }, _) in of_turn {
             light.dimension = dimension;
             let drawn = if light.is_sampled() { light.samples() } else { 0 };
             dimension = dimension
@@ -80,7 +81,8 @@ pub fn keep(
                 .ok_or_else(|| too_many_samples(world, *entity, settings))?;
         }
     }
-    Ok(kept.into_iter().map(|(_, found)| found.light).collect())
+    let kept = found.into_iter().zip(shown).filter(|(_, shown)| **shown || all);
+    Ok(kept.map(|(found, _)| found.light).collect())
 }
 
 fn point_light(light: &PointLight, origin: DVec3) -> Light {

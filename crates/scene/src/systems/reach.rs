@@ -9,8 +9,10 @@ use glam::{DVec3, Vec3};
 
 use wavecrest_core::accel::geometry::{Geometry, Primitive};
 use wavecrest_core::kernels::blinn_phong::Material;
+use wavecrest_core::kernels::camera::Camera;
 use wavecrest_core::kernels::light::{Emitter, Light};
 use wavecrest_core::kernels::precision::Precision;
+use wavecrest_core::kernels::slab::Aabb;
 use wavecrest_core::kernels::{quad, triangle};
 use wavecrest_core::math::float::UNIT_ROUNDOFF;
 use wavecrest_core::prepared::Shape;
@@ -86,13 +88,13 @@ fn is_behind(shape: &Shape, light: &Extent, geometry: &Geometry, number: u32) ->
         Primitive::Quad(i) => quad::halves(&geometry.quad(i)).iter().all(behind),
         Primitive::Sphere(i) => {
             let (center, radius) = geometry.spheres[i];
-            light.is_within(center.as_dvec3(), f64::from(radius))
+            light.is_within(center, radius)
         }
     }
 }
 
 /// Where a light is: the points within `radius` of a box.
-struct Extent {
+pub(super) struct Extent {
     center: DVec3,
     half: DVec3,
     radius: f64,
@@ -109,12 +111,22 @@ impl Extent {
             Emitter::Point(position) => point(*position, 0.0),
             Emitter::Sphere { center, radius } => point(*center, *radius),
             Emitter::Triangles(triangles) => {
-                let corners = || triangles.corners().iter().flatten().map(|c| c.as_dvec3());
-                let low = corners().reduce(DVec3::min).unwrap_or_default();
-                let high = corners().reduce(DVec3::max).unwrap_or_default();
-                Self { center: (low + high) / 2.0, half: (high - low) / 2.0, radius: 0.0 }
+                let corners = triangles.corners().iter().map(|corners| Aabb::around(*corners));
+                Self::of_box(&corners.fold(Aabb::EMPTY, Aabb::union))
             }
         }
+    }
+
+    /// Where the rays of a camera start.
+    pub(super) fn of_pupil(camera: &Camera) -> Self {
+        let (center, radius) = camera.pupil();
+        Self { center, half: DVec3::ZERO, radius }
+    }
+
+    /// A box.
+    pub(super) fn of_box(bounds: &Aabb) -> Self {
+        let (low, high) = (bounds.low.as_dvec3(), bounds.high.as_dvec3());
+        Self { center: (low + high) / 2.0, half: (high - low) / 2.0, radius: 0.0 }
     }
 
     /// No coordinate of any of its points is larger.
@@ -138,9 +150,18 @@ impl Extent {
     }
 
     /// Whether all of it is certainly within a sphere, behind every point of its outside.
-    fn is_within(&self, center: DVec3, radius: f64) -> bool {
+    pub(super) fn is_within(&self, center: Vec3, radius: f32) -> bool {
+        let (center, radius) = (center.as_dvec3(), f64::from(radius));
         let size = self.size().max(center.abs().max_element() + radius);
         self.farthest(center) - radius < -BEHIND * (size + 2.0 * radius)
+    }
+
+    /// Whether all of it is certainly outside a sphere.
+    pub(super) fn is_beyond(&self, center: Vec3, radius: f32) -> bool {
+        let (center, radius) = (center.as_dvec3(), f64::from(radius));
+        let nearest = ((self.center - center).abs() - self.half).max(DVec3::ZERO).length();
+        let size = self.size().max(center.abs().max_element() + radius);
+        nearest - self.radius - radius > BEHIND * (size + 2.0 * radius)
     }
 }
 

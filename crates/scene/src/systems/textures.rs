@@ -1,7 +1,7 @@
-//! Textures: decodes each image once and ties shapes to them. A scene without textures opens none.
+//! Textures: ties shapes to images, each of which is decoded once, when it is first looked up. A scene whose textures
+//! nobody sees opens none.
 
 use std::collections::HashMap;
-use std::collections::hash_map::Entry;
 use std::fs::File;
 use std::io::{BufRead, BufReader, Cursor, Seek};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 
 use glam::{DVec3, Mat3, Vec3};
 use hecs::World;
-use image::{DynamicImage, ImageDecoder as _, ImageError, ImageFormat, ImageReader};
+use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, ImageResult};
 
 use super::geometry::ShapeOutput;
 use crate::components::{Encoding, TextureRef, TextureSource};
@@ -18,44 +18,41 @@ use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::kernels::texture::{Filter, Image, Texels};
 use wavecrest_core::math::srgb::srgb_decode;
 use wavecrest_core::plan::schedule::{Schedule, Step};
-use wavecrest_core::prepared::{Texture, UvMap};
+use wavecrest_core::prepared::{LazyImage, Texture, UvMap};
 
 /// The largest image that is decoded, in texels on a side.
 const MAX_SIDE: u32 = 1 << 16;
 /// The largest image that is decoded, in bytes.
 const MAX_BYTES: u64 = 4 << 30;
 
-/// Decodes the images that `shapes` wear and notes in each shape which it is; those that a shape wears
-/// with trilinear filter get a pyramid. Of those that are not `needed` none is opened, unless the schedule
-/// requires it. `file` is the scene's, for messages.
+/// Notes in each shape which image it wears, and looks at the heads of these: an image is decoded when it is first
+/// looked up, with a pyramid if any shape wears it with trilinear filter. Of those that are not `needed` none is
+/// opened, unless the schedule requires it. `file` is the scene's, for messages.
 pub fn run(
     world: &World,
     file: &Path,
     schedule: Schedule,
     needed: &[bool],
     shapes: &mut [ShapeOutput],
-) -> Result<Vec<Image>> {
-    let mut images = Vec::new();
+) -> Result<Vec<LazyImage>> {
     if !schedule.runs(Step::Texels) {
-        return Ok(images);
+        return Ok(Vec::new());
     }
     let all = schedule.is_needless(Step::Texels);
+    let mut images: Vec<(TextureRef, String)> = Vec::new();
     let mut numbers: HashMap<Key, u32> = HashMap::new();
     for (shape, _) in shapes.iter_mut().zip(needed).filter(|(_, needed)| **needed || all) {
         if shape.shape.emission.is_some() {
             continue;
         }
         let Ok(reference) = world.get::<&TextureRef>(shape.entity) else { continue };
-        let number = match numbers.entry(Key::of(&reference)) {
-            Entry::Occupied(entry) => *entry.get(),
-            Entry::Vacant(entry) => {
-                let place = format!("{}.texture", json_path(world, shape.entity));
-                images.push(decode(&reference).map_err(|e| e.in_file(file).at(place))?);
-                *entry.insert(images.len() as u32 - 1)
-            }
-        };
+        let number = *numbers.entry(Key::of(&reference)).or_insert_with(|| {
+            let place = format!("{}.texture", json_path(world, shape.entity));
+            images.push(((*reference).clone(), place));
+            images.len() as u32 - 1
+        });
         if reference.filter == Filter::Trilinear {
-            images[number as usize].build_pyramid();
+            images[number as usize].0.filter = Filter::Trilinear;
         }
         shape.shape.texture = Some(Texture {
             image: number,
@@ -64,34 +61,61 @@ pub fn run(
             map: shape.uv_map.unwrap_or(UvMap::Sphere(Mat3::IDENTITY)),
         });
     }
-    Ok(images)
+    images.into_iter().map(|(texture, place)| lazy(texture, file.to_owned(), place)).collect()
+}
+
+/// The image of a texture, once the head of its file is found to be right.
+fn lazy(texture: TextureRef, file: PathBuf, place: String) -> Result<LazyImage> {
+    let head = Head::of(&texture).map_err(|e| e.in_file(&file).at(&place))?;
+    let [expected, _] = head.bytes(&texture);
+    let decode = move || {
+        let mut image = decode(&texture).map_err(|e| e.in_file(file).at(place))?;
+        if texture.filter == Filter::Trilinear {
+            image.build_pyramid();
+        }
+        Ok(image)
+    };
+    Ok(LazyImage::new(expected, decode))
 }
 
 /// Bytes of a texture, and what more there is while it is decoded, by the head of its file; none where
-/// that cannot be read, which is said when it is decoded.
+/// that cannot be read, which is said when the scene is prepared.
 pub fn survey(texture: &TextureRef) -> [u64; 2] {
-    let head = match &texture.source {
-        TextureSource::File(path) => {
-            File::open(path).ok().and_then(|file| head(BufReader::new(file)))
-        }
-        TextureSource::Embedded { bytes, .. } => head(Cursor::new(bytes)),
-    };
-    let Some((width, height, is_bytes, decoded)) = head else { return [0; 2] };
-    let texel = if is_bytes { size_of::<[u8; 4]>() } else { size_of::<[f32; 3]>() };
-    let texels = u64::from(width).saturating_mul(u64::from(height));
-    let finest = texels.saturating_mul(texel as u64);
-    // Each level of a pyramid has a quarter of the texels of the one before.
-    let coarser = if texture.filter == Filter::Trilinear { finest / 3 } else { 0 };
-    [finest.saturating_add(coarser), finest.saturating_add(decoded)]
+    Head::of(texture).map_or([0; 2], |head| head.bytes(texture))
 }
 
-/// The size of an image, whether its numbers are bytes, and how many bytes it has when it is decoded.
-fn head(file: impl BufRead + Seek) -> Option<(u32, u32, bool, u64)> {
-    let decoder = ImageReader::new(file).with_guessed_format().ok()?.into_decoder().ok()?;
-    let (width, height) = decoder.dimensions();
-    let color = decoder.color_type();
-    let is_bytes = color.bytes_per_pixel() == color.channel_count();
-    Some((width, height, is_bytes, decoder.total_bytes()))
+/// What is known of an image before it is decoded.
+#[derive(Clone, Copy)]
+struct Head {
+    size: (u32, u32),
+    /// Whether its numbers are bytes.
+    is_bytes: bool,
+    /// Bytes as it is decoded.
+    decoded: u64,
+}
+
+impl Head {
+    /// That of a texture, where it could be decoded as far as its head says.
+    fn of(texture: &TextureRef) -> Result<Self> {
+        let head = decoding(&texture.source, |decoder| {
+            let color = decoder.color_type();
+            let is_bytes = color.bytes_per_pixel() == color.channel_count();
+            Ok(Self { size: decoder.dimensions(), is_bytes, decoded: decoder.total_bytes() })
+        })?;
+        check_size(&texture.source, head.size)?;
+        Ok(head)
+    }
+
+    /// As [`survey`].
+    fn bytes(self, texture: &TextureRef) -> [u64; 2] {
+        let Self { size, is_bytes, decoded } = self;
+        let texel = if is_bytes { size_of::<[u8; 4]>() } else { size_of::<[f32; 3]>() };
+        let texels = u64::from(size.0).saturating_mul(u64::from(size.1));
+        let finest = texels.saturating_mul(texel as u64);
+        // Each level of a pyramid has a quarter of the texels of the one before.
+        let coarser = if texture.filter == Filter::Trilinear { finest / 3 } else { 0 };
+        [finest.saturating_add(coarser), finest.saturating_add(decoded)]
+    }
 }
 
 /// What distinguishes images.
@@ -116,18 +140,26 @@ impl Key {
 }
 
 /// Decodes the image of a texture, of any format that the `image` crate reads.
-pub fn decode(texture: &TextureRef) -> Result<Image> {
-    let name = match &texture.source {
+fn decode(texture: &TextureRef) -> Result<Image> {
+    let decoded = decoding(&texture.source, |decoder| DynamicImage::from_decoder(decoder))?;
+    let (width, height) = (decoded.width(), decoded.height());
+    check_size(&texture.source, (width, height))?;
+    Ok(Image::new(width, height, texels(decoded, texture.encoding, texture.tint)))
+}
+
+fn check_size(source: &TextureSource, (width, height): (u32, u32)) -> Result<()> {
+    if width > 0 && height > 0 {
+        return Ok(());
+    }
+    let message = format!("the texture {} has no texels", name(source));
+    Err(Error::new(ErrorKind::Texture, message).value(format!("{width} x {height}")))
+}
+
+fn name(source: &TextureSource) -> String {
+    match source {
         TextureSource::File(path) => path.display().to_string(),
         TextureSource::Embedded { place, .. } => place.clone(),
-    };
-    let decoded = read(&texture.source).map_err(|e| cannot_read(&name, e))?;
-    let (width, height) = (decoded.width(), decoded.height());
-    if width == 0 || height == 0 {
-        let message = format!("the texture {name} has no texels");
-        return Err(Error::new(ErrorKind::Texture, message).value(format!("{width} x {height}")));
     }
-    Ok(Image::new(width, height, texels(decoded, texture.encoding, texture.tint)))
 }
 
 fn cannot_read(name: &str, error: ImageError) -> Error {
@@ -145,16 +177,6 @@ fn cannot_read(name: &str, error: ImageError) -> Error {
         .because(error)
 }
 
-fn read(source: &TextureSource) -> image::ImageResult<DynamicImage> {
-    match source {
-        TextureSource::File(path) => {
-            let format = ImageFormat::from_path(path).ok();
-            read_from(BufReader::new(open(path)?), format)
-        }
-        TextureSource::Embedded { bytes, .. } => read_from(Cursor::new(&bytes[..]), None),
-    }
-}
-
 /// Opens a regular file: to open a pipe can wait for ever.
 fn open(path: &Path) -> std::io::Result<File> {
     if path.metadata()?.is_file() {
@@ -163,11 +185,29 @@ fn open(path: &Path) -> std::io::Result<File> {
     Err(std::io::Error::other("not a regular file"))
 }
 
-/// Decodes the format that the first bytes show, or else `format`.
-fn read_from(
-    bytes: impl BufRead + Seek,
+/// Works with the decoder of an image, which has read its head and not more.
+fn decoding<R>(
+    source: &TextureSource,
+    work: impl FnOnce(Box<dyn ImageDecoder + '_>) -> ImageResult<R>,
+) -> Result<R> {
+    let decoder = || match source {
+        TextureSource::File(path) => {
+            let format = ImageFormat::from_path(path).ok();
+            decoder_of(BufReader::new(open(path)?), format)
+        }
+        TextureSource::Embedded { bytes, .. } => decoder_of(Cursor::new(&bytes[..]), None),
+    };
+    // The decoders are meant not to panic, but a damaged file must not end the program.
+    catch_unwind(AssertUnwindSafe(|| work(decoder()?)))
+        .unwrap_or_else(|_| Err(ImageError::IoError(std::io::Error::other("the decoder gave up"))))
+        .map_err(|e| cannot_read(&name(source), e))
+}
+
+/// The decoder of the format that the first bytes show, or else of `format`.
+fn decoder_of<'a>(
+    bytes: impl BufRead + Seek + 'a,
     format: Option<ImageFormat>,
-) -> image::ImageResult<DynamicImage> {
+) -> ImageResult<Box<dyn ImageDecoder + 'a>> {
     let mut reader = ImageReader::new(bytes);
     if let Some(format) = format {
         reader.set_format(format);
@@ -177,10 +217,11 @@ fn read_from(
     limits.max_image_width = Some(MAX_SIDE);
     limits.max_image_height = Some(MAX_SIDE);
     limits.max_alloc = Some(MAX_BYTES);
-    reader.limits(limits);
-    // The decoders are meant not to panic, but a damaged file must not end the program.
-    catch_unwind(AssertUnwindSafe(|| reader.decode()))
-        .unwrap_or_else(|_| Err(ImageError::IoError(std::io::Error::other("the decoder gave up"))))
+    reader.limits(limits.clone());
+    let mut decoder = reader.into_decoder()?;
+    limits.reserve(decoder.total_bytes())?;
+    decoder.set_limits(limits)?;
+    Ok(Box::new(decoder))
 }
 
 fn texels(decoded: DynamicImage, encoding: Encoding, tint: DVec3) -> Texels {

@@ -18,13 +18,29 @@ macro_rules! columns {
         pub struct $name {
             $( $(#[$field_doc])* pub $field: $kind, )+
             rows: usize,
+            /// Rows that room is to be set aside for, once there is one.
+            wanted: usize,
         }
 
         impl $name {
-            /// Columns with room for `capacity` rows.
+            /// Columns for up to `capacity` rows, without room for any: [`Self::provide`] sets it aside.
             pub fn with_capacity(capacity: usize) -> Self {
-                let room = $crate::wavefront::batch::columns::room(capacity);
-                Self { $( $field: Column::with_rows(room), )+ rows: 0 }
+                Self { wanted: capacity, ..Self::default() }
+            }
+
+            /// Has room for all rows: to be called before the first is appended.
+            #[inline(always)]
+            pub fn provide(&mut self) {
+                if self.wanted > 0 {
+                    self.set_aside();
+                }
+            }
+
+            #[cold]
+            #[inline(never)]
+            fn set_aside(&mut self) {
+                let room = $crate::wavefront::batch::columns::room(self.wanted);
+                *self = Self { $( $field: Column::with_rows(room), )+ rows: 0, wanted: 0 };
             }
 
             /// Removes every row and keeps the room.

@@ -29,19 +29,20 @@ pub struct Output {
 }
 
 impl Output {
-    /// Drops what no pass of the schedule reads: normals, and texture coordinates of shapes whose
-    /// texture was not decoded.
-    pub(in crate::systems) fn drop_unused(&mut self, schedule: Schedule) {
-        let normals = schedule.runs(Step::Normals);
-        let mut textured = vec![false; self.meshes.len()];
-        for ShapeOutput { shape, .. } in &mut self.shapes {
-            shape.smooth &= normals;
-            if let Some(mesh) = shape.mesh.and_then(|i| textured.get_mut(i as usize)) {
-                *mesh |= shape.texture.is_some();
+    /// Drops what no pass of the schedule reads: normals of meshes that are not in view, unless the schedule
+    /// requires them, and texture coordinates of shapes without an image.
+    pub(in crate::systems) fn drop_unused(&mut self, schedule: Schedule, in_view: &[bool]) {
+        let (normals, all) = (schedule.runs(Step::Normals), schedule.is_needless(Step::Normals));
+        let mut used = vec![[false; 2]; self.meshes.len()];
+        for (ShapeOutput { shape, .. }, in_view) in self.shapes.iter_mut().zip(in_view) {
+            shape.smooth &= normals && (*in_view || all);
+            if let Some([smooth, textured]) = shape.mesh.and_then(|i| used.get_mut(i as usize)) {
+                *smooth |= shape.smooth;
+                *textured |= shape.texture.is_some();
             }
         }
-        for (mesh, textured) in self.meshes.iter_mut().zip(textured) {
-            mesh.normals = mesh.normals.take().filter(|_| normals);
+        for (mesh, [smooth, textured]) in self.meshes.iter_mut().zip(used) {
+            mesh.normals = mesh.normals.take().filter(|_| smooth);
             mesh.uvs = mesh.uvs.take().filter(|_| textured);
         }
     }

@@ -1,0 +1,121 @@
+//! What a camera certainly does not see: the frustum of its rays, widened by the lens and by rounding.
+
+use glam::DVec3;
+
+use super::Camera;
+use crate::kernels::slab::Aabb;
+use crate::math::float::UNIT_ROUNDOFF;
+
+/// How far outside a plane of the frustum a box must be for no ray to meet what is in it, in parts of its distance
+/// and of the largest coordinate.
+///
+/// The direction of a ray is off by fewer than 16 roundings, as is its origin on the lens, and what a box holds may
+/// be met [`PADDING`](crate::kernels::slab::PADDING), 16 roundings again, beside it. This is eight times as much as
+/// both.
+const OUTSIDE: f64 = 256.0 * UNIT_ROUNDOFF as f64;
+
+impl Camera {
+    /// Where rays start: a point, and how far from it on the lens.
+    pub fn pupil(&self) -> (DVec3, f64) {
+        (self.origin.as_dvec3(), self.lens.map_or(0.0, |lens| f64::from(lens.radius)))
+    }
+
+    /// Whether any ray of the image may meet what is in the box; false only where none can. Rays may be off by
+    /// `widening` times as much as they are by the box of a primitive
+    /// ([`Instance::widening`](crate::accel::instance::Instance::widening)).
+    pub fn may_see(&self, bounds: &Aabb, widening: f32) -> bool {
+        let (origin, radius) = self.pupil();
+        let (low, high) = (bounds.low.as_dvec3(), bounds.high.as_dvec3());
+        let (to_middle, half) = ((low + high) / 2.0 - origin, (high - low) / 2.0);
+        let size = origin.abs().max(low.abs()).max(high.abs()).max_element();
+        let far = size + to_middle.length() + half.length() + radius;
+        let margin = OUTSIDE * f64::from(widening) * far;
+        // At depth z the rays through the lens are spread by its radius r times |1 - z / focal|, at most r + z r / focal.
+        let spread = self.lens.map_or(0.0, |lens| radius / f64::from(lens.focal));
+        let forward = self.forward.as_dvec3();
+        let may_be_within = |normal: DVec3, offset: f64| {
+            let reach = normal.dot(to_middle) + normal.abs().dot(half) + offset;
+            // What is no number is not certain.
+            !(reach < -margin * normal.length())
+        };
+        let sides = [(self.right, self.half[0]), (self.up, self.half[1])];
+        may_be_within(forward, 0.0)
+            && sides.into_iter().all(|(axis, half)| {
+                let slope = forward * (half.as_dvec3().length() + spread);
+                let axis = axis.as_dvec3();
+                may_be_within(slope + axis, radius) && may_be_within(slope - axis, radius)
+            })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::kernels::camera::{FovAxis, Lens, Placement};
+    use crate::kernels::slab::SlabRay;
+    use crate::math::random::Stream;
+    use crate::math::sampling::Sampling;
+    use glam::Vec3;
+
+    fn camera(location: DVec3, fov_degrees: f64, radius: f32, focal: f32) -> Camera {
+        let placement = Placement {
+            location,
+            look: location - DVec3::new(0.3, 0.2, 1.0),
+            up: DVec3::Y,
+            fov_degrees,
+            fov_axis: FovAxis::Smaller,
+            size: [32, 20],
+        };
+        let lens = Lens { radius, focal, sampling: Sampling::Random, grid: [4, 4] };
+        Camera::new(&placement, 2, Sampling::Random, (radius > 0.0).then_some(lens))
+    }
+
+    /// Numbers from 0 to 1 that follow from `n`.
+    fn numbers(n: u32) -> [f32; 4] {
+        Stream { seed: 7, pixel: n, sample: 0, bounce: 0 }.uniform(0)
+    }
+
+    #[test]
+    fn a_box_that_a_ray_meets_is_never_out_of_sight() {
+        let mut met = 0;
+        for n in 0..20_000 {
+            let [a, b, c, d] = numbers(n);
+            let far = [0.0, 1.0, 1e3, 1e6][n as usize % 4];
+            let fov = f64::from(1.0 + 178.0 * a);
+            let radius = if b < 0.5 { 0.0 } else { b };
+            let camera = camera(DVec3::splat(far * f64::from(c)), fov, radius, 0.1 + 9.0 * d);
+            let stream = Stream { seed: 1, pixel: n, sample: n % 64, bounce: 0 };
+            let ray = camera.ray(n % 32, n / 32 % 20, &stream);
+            // A box at the end of a ray, of which only an edge is met.
+            let [e, f, g, h] = numbers(n + 100_000);
+            let corner = ray.origin + ray.direction * (e * e * 100.0);
+            let size = Vec3::new(f - 0.5, g - 0.5, h - 0.5) * (1.0 + far as f32 * 1e-3);
+            let bounds = Aabb::around([corner, corner + size]).padded();
+            let interval = SlabRay::new(&ray).interval(&bounds);
+            if interval.near <= interval.far && interval.far >= 0.0 {
+                met += 1;
+                assert!(camera.may_see(&bounds, 1.0), "{n}: {bounds:?} {ray:?}");
+            }
+        }
+        assert!(met > 15_000, "{met}");
+    }
+
+    #[test]
+    fn what_is_behind_or_beside_the_image_is_out_of_sight() {
+        let sees = |radius, at: Vec3| {
+            let camera = camera(DVec3::ZERO, 40.0, radius, 2.0);
+            camera.may_see(&Aabb::around([at - 0.1, at + 0.1]), 1.0)
+        };
+        for radius in [0.0, 0.2] {
+            assert!(sees(radius, Vec3::new(-1.5, -1.0, -5.0)) && sees(radius, Vec3::ZERO));
+            assert!(!sees(radius, Vec3::new(1.5, 1.0, 5.0)), "behind");
+            assert!(!sees(radius, Vec3::new(-9.0, -1.0, -5.0)), "to the left");
+            assert!(!sees(radius, Vec3::new(9.0, -1.0, -5.0)), "to the right");
+            assert!(!sees(radius, Vec3::new(-1.5, 5.0, -5.0)), "above");
+            assert!(!sees(radius, Vec3::new(-1.5, -7.0, -5.0)), "below");
+        }
+        // Half the width of the image is 0.58 of the depth: beside that, the lens alone sees it.
+        let beside = Vec3::new(-1.5 + 3.6, -1.0, -5.0);
+        assert!(!sees(0.0, beside) && sees(0.6, beside));
+    }
+}

@@ -1,0 +1,92 @@
+//! Images that are decoded at their first look-up.
+
+use std::sync::LazyLock;
+
+use crate::kernels::texture::Image;
+use wavecrest_base::error::Result;
+
+/// What decodes an image.
+type Decode = Box<dyn FnOnce() -> Result<Image> + Send>;
+
+/// An image that is decoded once, by the first thread that asks for a texel; others wait for it.
+#[derive(Debug)]
+pub struct LazyImage {
+    image: LazyLock<Result<Image>, Decode>,
+    expected: u64,
+}
+
+impl LazyImage {
+    /// An image that `decode` makes, of `expected` bytes. It must not wait for threads that look images up.
+    pub fn new(expected: u64, decode: impl FnOnce() -> Result<Image> + Send + 'static) -> Self {
+        Self { image: LazyLock::new(Box::new(decode)), expected }
+    }
+
+    /// The image, decoded now if it has not been.
+    ///
+    /// # Errors
+    /// When it cannot be decoded.
+    #[inline]
+    pub fn get(&self) -> Result<&Image> {
+        self.image.as_ref().map_err(Clone::clone)
+    }
+
+    /// The image for a look-up; none if it cannot be decoded, which ends a render.
+    #[inline]
+    pub(super) fn look_up(&self) -> Option<&Image> {
+        self.image.as_ref().ok()
+    }
+
+    /// What has come of it, if it has been asked for.
+    pub fn decoded(&self) -> Option<&Result<Image>> {
+        LazyLock::get(&self.image)
+    }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> u64 {
+        let image = self.decoded().and_then(|image| image.as_ref().ok());
+        image.map_or(0, |image| image.bytes() as u64)
+    }
+
+    /// Bytes held once it is decoded, by the head of its file.
+    pub fn expected_bytes(&self) -> u64 {
+        self.expected
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+    use std::sync::atomic::{AtomicU32, Ordering};
+
+    use super::*;
+    use crate::kernels::texture::Texels;
+    use wavecrest_base::error::{Error, ErrorKind};
+
+    #[test]
+    fn an_image_is_decoded_once_whoever_looks_first() {
+        let times = Arc::new(AtomicU32::new(0));
+        let counter = Arc::clone(&times);
+        let image = LazyImage::new(4, move || {
+            counter.fetch_add(1, Ordering::Relaxed);
+            Ok(Image::new(1, 1, Texels::Bytes(vec![[1, 2, 3, 0]])))
+        });
+        assert!(image.decoded().is_none() && image.bytes() == 0);
+        std::thread::scope(|scope| {
+            for _ in 0..8 {
+                scope.spawn(|| assert!(image.look_up().is_some()));
+            }
+        });
+        assert_eq!((times.load(Ordering::Relaxed), image.bytes()), (1, 4));
+    }
+
+    #[test]
+    fn a_failure_is_told_as_often_as_it_is_asked_for() {
+        let image =
+            LazyImage::new(4, || Err(Error::new(ErrorKind::Texture, "no image").in_file("a.json")));
+        for _ in 0..2 {
+            let told = image.get().err().map(|error| error.to_string());
+            assert_eq!(told.as_deref(), Some("a.json: no image"));
+        }
+        assert!(image.look_up().is_none() && image.decoded().is_some());
+    }
+}

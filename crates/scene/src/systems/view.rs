@@ -1,0 +1,99 @@
+//! What can be seen, in any frame of the camera, at first sight or in mirrors.
+//!
+//! A shape is out of view where no camera ray can meet it and no mirror is in view that could show it: it is
+//! outside the frustum of every frame, or a sphere lies around it or around the camera. Its box is looked at,
+//! with all that rounding can do. Whatever is in doubt is in view.
+
+use glam::Vec3;
+use rayon::prelude::*;
+
+use super::geometry::{Output, ShapeOutput};
+use super::reach::Extent;
+use wavecrest_core::accel::geometry::{Geometry, Primitive};
+use wavecrest_core::kernels::camera::Camera;
+use wavecrest_core::kernels::precision::Precision;
+use wavecrest_core::kernels::slab::Aabb;
+use wavecrest_core::prepared::Shape;
+
+/// Boxes that are looked at, by a camera or by a sphere. Beyond them, shapes are taken to be in view.
+const MOST_TESTS: usize = 1 << 22;
+
+/// Primitives of a shape that are looked at one by one before its box is: most shapes are seen by these.
+const FIRST: usize = 64;
+
+/// For each shape, whether it is in view of `cameras`, one for each frame, of which there are none if there are
+/// too many. A shape `is_mirror` if it shows others.
+pub fn run(cameras: &[Camera], output: &Output, is_mirror: impl Fn(usize) -> bool) -> Vec<bool> {
+    let Output { geometry, shapes, .. } = output;
+    let all = vec![true; shapes.len()];
+    let tests = shapes.len().saturating_mul(cameras.len() + geometry.spheres.len());
+    // Fast arithmetic has no bounds on its errors, so that nothing is certain.
+    if cameras.is_empty() || tests > MOST_TESTS || geometry.precision == Precision::Fast {
+        return all;
+    }
+    let walls = Walls::of(cameras, geometry);
+    let sees = |bounds: &Aabb, widening| {
+        cameras.iter().any(|camera| camera.may_see(bounds, widening)) && !walls.hide(bounds)
+    };
+    let prototypes: Vec<Aabb> =
+        geometry.prototypes.iter().map(|prototype| around(&prototype.positions)).collect();
+    let is_in_view = |output: &ShapeOutput| is_in_view(&output.shape, geometry, &prototypes, sees);
+    let in_view: Vec<bool> = shapes.iter().map(is_in_view).collect();
+    let shows_others = (0..shapes.len()).any(|shape| in_view[shape] && is_mirror(shape));
+    if shows_others { all } else { in_view }
+}
+
+/// Whether any part of the shape is, as far as `sees` knows of a box.
+fn is_in_view(
+    shape: &Shape,
+    geometry: &Geometry,
+    prototypes: &[Aabb],
+    sees: impl Fn(&Aabb, f32) -> bool,
+) -> bool {
+    let mut first = shape.primitives.clone().take(FIRST);
+    if let Some(Primitive::Instanced(instanced)) =
+        first.clone().next().map(|number| geometry.primitive(number))
+    {
+        let (instance, _) = geometry.instance(instanced);
+        let bounds = instance.bounds(&[prototypes[instance.prototype()]]);
+        return sees(&bounds, instance.widening());
+    }
+    let bounds = |number| geometry.bounds(number);
+    first.any(|number| sees(&bounds(number), 1.0))
+        || shape.primitives.len() > FIRST && {
+            let primitives = shape.primitives.clone().into_par_iter();
+            sees(&primitives.map(bounds).reduce(|| Aabb::EMPTY, Aabb::union), 1.0)
+        }
+}
+
+fn around(points: &[Vec3]) -> Aabb {
+    let point = |&p: &Vec3| Aabb { low: p, high: p };
+    points.par_iter().map(point).reduce(|| Aabb::EMPTY, Aabb::union)
+}
+
+/// Spheres, by centre and radius, that no ray of any camera gets through.
+struct Walls {
+    /// All cameras are outside.
+    outside: Vec<(Vec3, f32)>,
+    /// All are within.
+    within: Vec<(Vec3, f32)>,
+}
+
+impl Walls {
+    fn of(cameras: &[Camera], geometry: &Geometry) -> Self {
+        let pupils: Vec<Extent> = cameras.iter().map(Extent::of_pupil).collect();
+        let those = |are: fn(&Extent, Vec3, f32) -> bool| {
+            let all = |&&(center, radius): &&(Vec3, f32)| {
+                pupils.iter().all(|pupil| are(pupil, center, radius))
+            };
+            geometry.spheres.iter().filter(all).copied().collect()
+        };
+        Self { outside: those(Extent::is_beyond), within: those(Extent::is_within) }
+    }
+
+    fn hide(&self, bounds: &Aabb) -> bool {
+        let extent = Extent::of_box(bounds);
+        self.outside.iter().any(|&(center, radius)| extent.is_within(center, radius))
+            || self.within.iter().any(|&(center, radius)| extent.is_beyond(center, radius))
+    }
+}
