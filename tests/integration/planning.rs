@@ -156,6 +156,11 @@ fn render_both(scene: &PreparedScene) -> [Rendered; 2] {
     TRACERS.map(|tracer| try_render(scene, tracer).unwrap_or_else(|error| panic!("{error}")))
 }
 
+/// On one thread, so that columns are always held as often.
+fn render_alone(scene: &PreparedScene) -> [Rendered; 2] {
+    TRACERS.map(|tracer| render_on(1, scene, &RenderOptions { tracer, batch: 29, ..options() }))
+}
+
 /// All that is counted but how hits are searched for, which is each tracer's own affair.
 fn work(counters: &Counters) -> Counters {
     Counters { tests: Default::default(), kernels: Default::default(), ..*counters }
@@ -243,8 +248,7 @@ fn columns_are_as_large_as_estimated() {
     let all = Set(Set::NUMBER - 1);
     for set in [Set::of(&[]), Set::of(&[Effect::Spheres, Effect::PointLights]), all] {
         let scene = prepare_by(&PASSES, &set.scene(folder.path()));
-        let [wavefront, recursive] = TRACERS
-            .map(|tracer| render_on(1, &scene, &RenderOptions { tracer, batch: 29, ..options() }));
+        let [wavefront, recursive] = render_alone(&scene);
         assert_eq!(wavefront.columns, Batch::estimated_bytes(&scene, 29));
         assert_eq!(recursive.columns, 0);
     }
@@ -378,7 +382,7 @@ fn a_row_that_runs_without_need_costs_something_and_shows_nothing() {
         let mut dearer = 0;
         for variant in &list {
             let [scene, planned] = [&passes[..], &PASSES].map(|p| prepare_by(p, &variant.scene));
-            let [rendered, right] = [&scene, &planned].map(render_both);
+            let [rendered, right] = [&scene, &planned].map(render_alone);
             for (rendered, right) in rendered.iter().zip(&right) {
                 let what = format!("{}, {}", pass.name, variant.name);
                 assert!(rendered.film.same_bits(&right.film), "{what}");

@@ -140,7 +140,9 @@ fn explain_tells_what_a_render_did_beside_what_was_estimated() {
         let samples = (&estimated["samples"][key], &rendered["samples"][key]);
         assert_eq!(samples, (&json!(0), &json!(0)), "{key}");
     }
-    assert_eq!(found["memory"]["batches"], rendered["batches"]);
+    // A thread that had nothing to do holds no column.
+    let [most, held] = [&found["memory"]["batches"], &rendered["batches"]].map(Value::as_u64);
+    assert!(held > Some(0) && held <= most, "{held:?}, {most:?}");
     let (_, text) = answer(folder.path(), &["explain", "s.json", "--render"]);
     let line = |name: &str| {
         let line = text.lines().find(|line| line.trim_start().starts_with(name));

@@ -25,6 +25,9 @@ const STATISTICS: [&str; 67] = [
     "/samples/light",
     "/samples/texels",
     "/samples/footprints",
+    "/textures/images",
+    "/textures/decoded",
+    "/textures/bytes",
     "/estimated/rays/primary",
     "/estimated/rays/secondary",
     "/estimated/rays/shadow",
@@ -104,7 +107,9 @@ fn statistics_have_every_key_that_their_documentation_names() {
     for key in ["secondary", "shadow"] {
         assert!(estimated[key].as_u64() >= found["rays"][key].as_u64(), "{key}");
     }
-    assert_eq!(found["columns"]["estimated"], found["columns"]["held"]);
+    // A thread that had nothing to do holds no column.
+    let [most, held] = ["estimated", "held"].map(|key| found["columns"][key].as_u64());
+    assert!(held > Some(0) && held <= most, "{held:?}, {most:?}");
 }
 
 #[test]

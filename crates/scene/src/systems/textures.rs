@@ -112,10 +112,18 @@ impl Head {
         let texel = if is_bytes { size_of::<[u8; 4]>() } else { size_of::<[f32; 3]>() };
         let texels = u64::from(size.0).saturating_mul(u64::from(size.1));
         let finest = texels.saturating_mul(texel as u64);
-        // Each level of a pyramid has a quarter of the texels of the one before.
-        let coarser = if texture.filter == Filter::Trilinear { finest / 3 } else { 0 };
+        let coarser = if texture.filter == Filter::Trilinear { pyramid_bytes(size) } else { 0 };
         [finest.saturating_add(coarser), finest.saturating_add(decoded)]
     }
+}
+
+/// Bytes of the levels above an image of this size, each half as wide and high as the one below.
+fn pyramid_bytes((width, height): (u32, u32)) -> u64 {
+    let levels = (1..=width.max(height).max(1).ilog2()).map(|level| {
+        let side = |length: u32| u64::from((length >> level).max(1));
+        side(width) * side(height)
+    });
+    levels.sum::<u64>() * size_of::<[f32; 3]>() as u64
 }
 
 /// What distinguishes images.
