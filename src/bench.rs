@@ -88,7 +88,7 @@ fn prepare(args: &BenchArgs, path: &Path) -> Result<(PreparedScene, Setting)> {
     let file = extracted.file().to_owned();
     let mut scene = extracted.build(preset);
     let time = Preparation { load, build: start.elapsed().as_secs_f64() };
-    args.scene_options.warn(&systems::warnings(scene.dropped, &file));
+    args.scene_options.warn(&systems::warnings(&scene, &file));
     args.search.apply(&mut scene.accel);
     let name = path.display().to_string();
     let SearchOptions { simd, kernel } = args.search;

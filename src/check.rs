@@ -1,15 +1,17 @@
 //! `check`: is the scene right, and what is in it?
 
 use std::fmt::Write as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
-use super::common::{SceneOptions, print};
+use super::common::{SceneOptions, print, rounded, size};
 use wavecrest_base::error::Result;
+use wavecrest_core::accel::build::Preset;
+use wavecrest_core::kernels::texture::Image;
 use wavecrest_core::plan::schedule::{PASSES, unplanned};
-use wavecrest_core::prepared::Dropped;
-use wavecrest_scene::systems::{self, Extracted, Options};
+use wavecrest_core::prepared::PreparedScene;
+use wavecrest_scene::systems::{self, Options, bounds};
 
 /// Reads a scene with all its meshes and textures, and says what is in it.
 #[derive(Clone, Debug, clap::Args)]
@@ -33,9 +35,13 @@ pub(crate) fn run(args: &CheckArgs) -> Result<()> {
         let options = Options { passes: &passes, ..Options::default() };
         let extracted = systems::extract(&mut loaded.world, options)?;
         extracted.scene().appearance.decode()?;
-        let dropped = extracted.dropped();
-        args.scene_options.warn(&systems::warnings(dropped, extracted.file()));
-        let text = summary(&extracted, dropped);
+        let file = extracted.file().to_owned();
+        // For the few rays that look for warnings.
+        let scene = extracted.build(Preset::Fastest);
+        args.scene_options.warn(&systems::warnings(&scene, &file));
+        let mut text = summary(&scene);
+        files(&mut text, &args.scene, &loaded.files);
+        textures(&mut text, &scene)?;
         if args.scene_options.quiet {
             Ok(())
         } else {
@@ -45,25 +51,71 @@ pub(crate) fn run(args: &CheckArgs) -> Result<()> {
 }
 
 /// What is in the scene, a line each.
-fn summary(extracted: &Extracted, dropped: Dropped) -> String {
-    let scene = extracted.scene();
-    let geometry = extracted.geometry();
+fn summary(scene: &PreparedScene) -> String {
+    let geometry = scene.accel.geometry();
     let [width, height] = scene.camera.size();
     let lights = scene.lights.iter().filter(|light| light.power != Vec3::ZERO);
+    let [low, high, size] = extent(scene);
     let lines = [
-        ("image", format!("{width} x {height}, {} rays a pixel", scene.camera.rays_per_pixel())),
+        ("image", format!("{width} x {height}, {}", rays_a_pixel(scene))),
         ("shapes", format!("{}", scene.appearance.shapes.len() - geometry.lights.len())),
         ("triangles", format!("{}", geometry.triangles.len())),
-        ("without area", format!("{}", dropped.degenerate)),
+        ("without area", format!("{}", scene.dropped.degenerate)),
         ("vertices", format!("{}", geometry.positions.len())),
         ("quads", format!("{}", geometry.quads.len())),
         ("spheres", format!("{}", geometry.spheres.len())),
         ("lights with power", format!("{}", lights.count())),
         ("textures", format!("{}", scene.appearance.images.len())),
         ("bounces", format!("{}", scene.bounces)),
+        ("lowest corner", low),
+        ("highest corner", high),
+        ("size", size),
     ];
-    lines.iter().fold(String::new(), |mut text, (name, value)| {
-        let _ = writeln!(text, "  {name:<18}{value}");
-        text
-    })
+    let mut text = String::new();
+    lines.iter().for_each(|(name, value)| line(&mut text, name, value));
+    text
+}
+
+fn line(text: &mut String, name: &str, value: &str) {
+    let _ = writeln!(text, "  {name:<18}{value}");
+}
+
+fn rays_a_pixel(scene: &PreparedScene) -> String {
+    match scene.camera.rays_per_pixel() {
+        1 => "1 ray a pixel".to_owned(),
+        n => format!("{n} rays a pixel"),
+    }
+}
+
+/// How far the scene reaches, in its own coordinates, and how large it is.
+fn extent(scene: &PreparedScene) -> [String; 3] {
+    let Some([low, high]) = bounds::of(scene.accel.geometry()) else {
+        return ["-"; 3].map(str::to_owned);
+    };
+    let three = |v: DVec3, by: &str| v.to_array().map(|x| rounded(x, 5).to_string()).join(by);
+    let origin = scene.origin;
+    [three(low + origin, ", "), three(high + origin, ", "), three(high - low, " x ")]
+}
+
+/// The scene's file and those of its meshes, with their sizes.
+fn files(text: &mut String, scene: &Path, others: &[PathBuf]) {
+    for path in std::iter::once(scene).chain(others.iter().map(PathBuf::as_path)) {
+        line(text, "file", &format!("{}{}", path.display(), bytes_of(path)));
+    }
+}
+
+/// The images, which have been decoded, with their sizes.
+fn textures(text: &mut String, scene: &PreparedScene) -> Result<()> {
+    for lazy in &scene.appearance.images {
+        let Image { width, height, .. } = lazy.get()?;
+        let bytes = bytes_of(Path::new(lazy.name()));
+        line(text, "texture", &format!("{}{bytes}, {width} x {height}", lazy.name()));
+    }
+    Ok(())
+}
+
+/// The length of a file, after a comma, where it is known.
+fn bytes_of(path: &Path) -> String {
+    let length = path.metadata().ok().filter(|found| found.is_file()).map(|found| found.len());
+    length.map_or_else(String::new, |bytes| format!(", {}", size(bytes)))
 }

@@ -238,6 +238,31 @@ fn in_words(bytes: u64) -> String {
     ByteSize::b(bytes).display().iec().to_string()
 }
 
+/// A number to so many digits.
+pub(crate) fn rounded(x: f64, digits: usize) -> f64 {
+    let rounded: f64 = format!("{x:.*e}", digits.saturating_sub(1)).parse().unwrap_or(x);
+    // No -0.
+    rounded + 0.0
+}
+
+/// `n` with spaces between thousands.
+pub(crate) fn grouped(n: u64) -> String {
+    let digits = n.to_string();
+    let mut text = String::new();
+    for (index, digit) in digits.chars().enumerate() {
+        if index > 0 && (digits.len() - index).is_multiple_of(3) {
+            text.push(' ');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+/// So many bytes, in units of 1000.
+pub(crate) fn size(bytes: u64) -> String {
+    ByteSize::b(bytes).display().si().to_string()
+}
+
 /// A number of bytes, with or without a unit.
 fn bytes(text: &str) -> std::result::Result<ByteSize, String> {
     let size: std::result::Result<ByteSize, _> = text.parse();

@@ -1,7 +1,9 @@
 //! `explain`: the plan of a render, and on demand what the render then did.
 
-use std::fmt::Write as _;
+mod text;
+
 use std::path::PathBuf;
+use std::time::Instant;
 
 use glam::DVec3;
 use serde::Serialize;
@@ -17,6 +19,7 @@ use wavecrest_core::render::{RenderOptions, Rendered, render};
 use wavecrest_core::wavefront::DEFAULT_BATCH;
 use wavecrest_core::wavefront::batch::Batch;
 use wavecrest_report::estimate::Estimated;
+use wavecrest_report::expected::Expected;
 use wavecrest_report::statistics::{Rays, Samples};
 use wavecrest_scene::memory::{self, Estimate};
 use wavecrest_scene::systems::{self, Extracted};
@@ -61,9 +64,21 @@ struct Explanation {
     memory_total: u64,
     /// What the render will do at most.
     estimated: Estimated,
+    /// What a pilot says that it will do.
+    expected: Expected,
+    time: Time,
     /// What it did, where it was asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     rendered: Option<Found>,
+}
+
+/// Seconds: of reading and building as they were measured, of tracing as they are expected.
+#[derive(Serialize)]
+struct Time {
+    threads: usize,
+    load: f64,
+    build: f64,
+    trace: f64,
 }
 
 /// What a render did.
@@ -117,24 +132,33 @@ struct Buffer {
 pub(crate) fn run(args: &ExplainArgs) -> Result<()> {
     args.scene_options.threads.run(|| {
         let estimated = args.scene_options.estimate(&args.scene, None, args.batch as usize)?;
+        let start = Instant::now();
         let loaded = args.scene_options.load(&args.scene)?;
         let extracted = args.scene_options.extract(loaded)?;
-        let warnings = systems::warnings(extracted.dropped(), extracted.file());
-        args.scene_options.warn(&warnings);
-        let mut explanation = explain(&extracted, estimated, args);
-        if args.render {
-            explanation.rendered = Some(trace(extracted, explanation.bvh.preset, args)?);
-        }
-        print(&if args.json { to_json(&explanation)? } else { text(&explanation) })
+        let load = start.elapsed().as_secs_f64();
+        let explanation = explain(extracted, estimated, load, args)?;
+        print(&if args.json { to_json(&explanation)? } else { text::of(&explanation) })
     })
 }
 
-fn explain(extracted: &Extracted, estimated: Estimate, args: &ExplainArgs) -> Explanation {
-    let scene = extracted.scene();
-    let bvh = choice(extracted, args.scene_options.bvh);
-    let memory =
-        memory::estimate_extracted(extracted, extracted.pixels(), bvh.preset, args.batch as usize);
-    Explanation {
+fn explain(
+    extracted: Extracted,
+    estimated: Estimate,
+    load: f64,
+    args: &ExplainArgs,
+) -> Result<Explanation> {
+    let bvh = choice(&extracted, args.scene_options.bvh);
+    let batch = args.batch as usize;
+    let memory = memory::estimate_extracted(&extracted, extracted.pixels(), bvh.preset, batch);
+    let start = Instant::now();
+    let (pixels, file) = (extracted.pixels(), extracted.file().to_owned());
+    let scene = &extracted.build(bvh.preset);
+    let build = start.elapsed().as_secs_f64();
+    args.scene_options.warn(&systems::warnings(scene, &file));
+    let options = RenderOptions { batch, ..RenderOptions::default() };
+    let expected = Expected::of(scene, &options)?;
+    let threads = rayon::current_num_threads();
+    Ok(Explanation {
         passes: passes(scene),
         plan: scene.plan.clone(),
         precision: args.scene_options.precision,
@@ -145,9 +169,11 @@ fn explain(extracted: &Extracted, estimated: Estimate, args: &ExplainArgs) -> Ex
         memory_total: memory.total(),
         memory,
         bvh,
-        estimated: Estimated::of(scene, extracted.pixels()),
-        rendered: None,
-    }
+        estimated: Estimated::of(scene, pixels),
+        time: Time { threads, load, build, trace: expected.seconds },
+        expected,
+        rendered: if args.render { Some(trace(scene, &options)?) } else { None },
+    })
 }
 
 fn buffer(scene: &PreparedScene, column: Column) -> Buffer {
@@ -166,10 +192,8 @@ fn buffer(scene: &PreparedScene, column: Column) -> Buffer {
 }
 
 /// Renders the scene and says what was done.
-fn trace(extracted: Extracted, preset: Preset, args: &ExplainArgs) -> Result<Found> {
-    let scene = extracted.build(preset);
-    let options = RenderOptions { batch: args.batch as usize, ..RenderOptions::default() };
-    let Rendered { counters, columns, .. } = render(&scene, &options, &())?;
+fn trace(scene: &PreparedScene, options: &RenderOptions) -> Result<Found> {
+    let Rendered { counters, columns, .. } = render(scene, options, &())?;
     Ok(Found {
         rays: (&counters).into(),
         samples: (&counters).into(),
@@ -187,7 +211,10 @@ fn choice(extracted: &Extracted, asked: Option<Preset>) -> Choice {
                 (extracted.geometry().held() as u64, extracted.expected_rays());
             Choice {
                 preset: extracted.preset(),
-                reason: format!("{primitives} primitives, up to {rays} rays"),
+                reason: match primitives {
+                    1 => format!("1 primitive, up to {rays} rays"),
+                    n => format!("{n} primitives, up to {rays} rays"),
+                },
                 rule: Some(Preset::reason(primitives, rays)),
             }
         }
@@ -202,101 +229,4 @@ fn passes(scene: &PreparedScene) -> Vec<Pass> {
         reason: scene.plan.reason(pass),
     };
     PASSES.iter().map(row).collect()
-}
-
-fn text(e: &Explanation) -> String {
-    let mut text = String::new();
-    let _ = writeln!(text, "passes");
-    for pass in &e.passes {
-        let name = format!("{}{}", if pass.part_of.is_some() { "  " } else { "" }, pass.name);
-        let _ = writeln!(text, "  {} {name:<16}{}", mark(pass.runs), pass.reason);
-    }
-    let _ = writeln!(text, "effects");
-    for decision in e.plan.decisions() {
-        let name = format!("{} ", decision.effect.name());
-        let _ = writeln!(text, "  {} {name:<16}{}", mark(decision.present), decision.reason);
-    }
-    let precision = e.precision;
-    let _ = writeln!(text, "precision\n    {:<16}{}", precision.name(), precision.meaning());
-    if let Some([x, y, z]) = e.moved_by {
-        let _ = writeln!(text, "    {:<16}moved by {x}, {y}, {z} towards the camera", "");
-    }
-    let _ = writeln!(text, "bvh\n    {:<16}{}", e.bvh.preset.name(), e.bvh.reason);
-    if let Some(rule) = &e.bvh.rule {
-        let _ = writeln!(text, "    {:<16}{rule}", "");
-    }
-    text += &buffers(&e.bytes_per_path);
-    text += &work(&e.estimated, e.rendered.as_ref());
-    text += &memory_text(e);
-    text
-}
-
-fn buffers(buffers: &[Buffer]) -> String {
-    let mut text = "bytes for each path\n".to_owned();
-    for Buffer { name, bytes, written_by, read_by } in buffers {
-        let (written, read) = (written_by.join(", "), read_by.join(", "));
-        let mark = mark(*bytes > 0);
-        let _ = writeln!(text, "  {mark} {name:<16}{bytes:>6}  from {written} to {read}");
-    }
-    let all: usize = buffers.iter().map(|c| c.bytes).sum();
-    let _ = writeln!(text, "    {:<16}{all:>6}", "together");
-    text
-}
-
-/// What is estimated, beside what was counted if it was.
-fn work(estimated: &Estimated, found: Option<&Found>) -> String {
-    let rows = |rays: &Rays, samples: &Samples| {
-        [
-            ("camera rays", rays.primary),
-            ("mirror rays", rays.secondary),
-            ("shadow rays", rays.shadow),
-            ("lens numbers", samples.lens),
-            ("light numbers", samples.light),
-            ("texels", samples.texels),
-        ]
-    };
-    let counted = found.map(|found| rows(&found.rays, &found.samples));
-    let title = if counted.is_some() { "           counted" } else { "" };
-    let mut text = format!("work{:>32}{title}\n", "at most");
-    for (index, (name, most)) in rows(&estimated.rays, &estimated.samples).into_iter().enumerate() {
-        let _ = write!(text, "    {name:<16}{most:>16}");
-        if let Some(counted) = counted {
-            let _ = write!(text, "  {:>16}", counted[index].1);
-        }
-        text.push('\n');
-    }
-    text
-}
-
-fn memory_text(e: &Explanation) -> String {
-    let m = &e.memory;
-    let found = e.rendered.as_ref();
-    let f = &e.estimated_memory;
-    let uses = [
-        ("geometry", f.geometry, m.geometry, None),
-        ("appearance", f.appearance, m.appearance, None),
-        ("tree", f.tree, m.tree, found.map(|found| found.tree)),
-        ("building it", f.build, m.build, None),
-        ("film", f.film, m.film, None),
-        ("batches", f.batches, m.batches, found.map(|found| found.batches)),
-        ("program", f.program, m.program, None),
-        ("reading", f.loading, m.loading, None),
-        ("peak", e.estimated_total, e.memory_total, found.and_then(|found| found.peak)),
-    ];
-    let title = if found.is_some() { "          measured" } else { "" };
-    let mut text = format!("memory{:>30}{:>18}{title}\n", "before reading", "once read");
-    for (name, before, bytes, measured) in uses {
-        let megabytes = |bytes: u64| bytes as f64 / 1e6;
-        let _ = write!(text, "    {name:<16}{:>13.3} MB", megabytes(before));
-        let _ = write!(text, "{:>15.3} MB", megabytes(bytes));
-        if let Some(measured) = measured {
-            let _ = write!(text, "{:>15.3} MB", megabytes(measured));
-        }
-        text.push('\n');
-    }
-    text
-}
-
-fn mark(present: bool) -> char {
-    if present { '+' } else { '-' }
 }

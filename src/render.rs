@@ -132,7 +132,7 @@ impl<'a> Run<'a> {
         self.reporter.stage(Stage::Build);
         let file = extracted.file().to_owned();
         let mut scene = timed(&mut self.time.build, || extracted.build(preset));
-        let dropped = systems::warnings(scene.dropped, &file);
+        let dropped = systems::warnings(&scene, &file);
         self.args.scene_options.warn(&dropped);
         self.reporter.warnings(&dropped);
         self.reporter.built(self.args, &scene, preset, self.time.build);

@@ -62,7 +62,7 @@ fn run_here(args: &RenderArgs, all: &[(u32, RenderArgs)], reporter: &Reporter) -
     let file = extracted.file().to_owned();
     reporter.stage(Stage::Build);
     let mut scene = extracted.build(preset);
-    options.warn(&systems::warnings(scene.dropped, &file));
+    options.warn(&systems::warnings(&scene, &file));
     args.search.apply(&mut scene.accel);
     let interrupt = Interrupt::listen()?;
     for (frame, one) in all {

@@ -282,7 +282,7 @@ fn render(scene: &Value, folder: &Path) -> (Film, u64, Vec<String>) {
     let mut loaded = loaded.unwrap_or_else(|error| panic!("{error}"));
     let extracted = systems::extract(&mut loaded.world, Default::default());
     let prepared = extracted.unwrap_or_else(|error| panic!("{error}")).build(Preset::Fast);
-    let warnings = systems::warnings(prepared.dropped, &file);
+    let warnings = systems::warnings(&prepared, &file);
     let prefix = format!("{}{}", folder.display(), std::path::MAIN_SEPARATOR);
     let text = |warning: &Warning| warning.to_string().replace(&prefix, "");
     let warnings = loaded.warnings.iter().chain(&warnings).map(text).collect();

@@ -46,6 +46,9 @@ mod filtering;
 // Leaving out what a scene does not call for changes no bit, and every row of the table of passes counts.
 mod planning;
 
+// A pilot of some pixels tells what a render will do.
+mod expected;
+
 // What is out of view is neither read nor stored nor simulated, and changes no bit.
 mod view;
 
@@ -70,3 +73,6 @@ mod schema;
 
 // What is said of scenes and meshes that are wrong, word for word.
 mod errors;
+
+// What is said of scenes that can be rendered, but are probably not meant so.
+mod warned;

@@ -8,7 +8,7 @@ pub mod schedule;
 
 use serde::Serialize;
 
-use schedule::{Needs, PASSES, Pass, Schedule};
+use schedule::{PASSES, Pass, Schedule};
 
 /// Something that costs time only in scenes that show it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
@@ -123,7 +123,10 @@ impl Plan {
 
     /// Why the pass runs, or does not: what decided the effects that it needs.
     pub fn reason(&self, pass: &Pass) -> String {
-        let Needs::Any(effects) = pass.needs else { return "every scene".to_owned() };
+        let effects = pass.needs.effects();
+        if effects.is_empty() {
+            return "every scene".to_owned();
+        }
         let runs = self.schedule.runs(pass.step);
         let asked = self.decisions.iter().filter(|d| effects.contains(&d.effect));
         let reasons: Vec<&str> =

@@ -82,6 +82,8 @@ pub struct Appearance {
     pub materials: Vec<Material>,
     /// Where shapes come from: for each the path of its entry in the scene file.
     pub places: Vec<String>,
+    /// What the user calls shapes.
+    pub names: Vec<Option<String>>,
     /// The images that can be seen, each once.
     pub images: Vec<LazyImage>,
     /// The attributes of meshes that have any that is used.

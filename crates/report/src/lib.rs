@@ -4,6 +4,7 @@ pub mod accuracy;
 pub mod bench;
 pub mod effects;
 pub mod estimate;
+pub mod expected;
 pub mod files;
 mod markup;
 pub mod page;

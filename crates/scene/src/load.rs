@@ -12,7 +12,7 @@ mod standalone;
 use std::collections::HashMap;
 use std::fs::{self, File};
 use std::io::Read;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use hecs::World;
 
@@ -51,6 +51,8 @@ pub struct LoadedScene {
     pub warnings: Vec<Warning>,
     /// What was chosen, where the file does not say: a camera, a light.
     pub notes: Vec<Warning>,
+    /// The files that were read besides the scene's own, textures apart.
+    pub files: Vec<PathBuf>,
     /// How images of 8 bits are to be written, unless a transfer is requested.
     pub encoding: Encoding,
 }
@@ -125,8 +127,8 @@ pub(super) fn spawned(
     let encoding = scene.encoding;
     let told = told.map(|text| Warning::from_error(&notes.error(ErrorKind::Scene, "", text)));
     let world = spawn::world(scene, &notes, read_mesh)?;
-    let (warnings, notes) = (notes.into_warnings(), told.into_iter().collect());
-    Ok(LoadedScene { world, warnings, notes, encoding })
+    let (warnings, files) = notes.into_parts();
+    Ok(LoadedScene { world, warnings, notes: told.into_iter().collect(), files, encoding })
 }
 
 fn refuse_camera(file: &Path, options: &LoadOptions) -> Result<()> {

@@ -10,7 +10,7 @@ mod mesh;
 mod shape;
 mod transform;
 
-use wavecrest_base::error::Result;
+use wavecrest_base::error::{ErrorKind, Result};
 
 pub(crate) use camera::{FOV, LONGEST_SIDE, check_size};
 pub use json_schema::json_schema;
@@ -72,6 +72,12 @@ pub(crate) fn scene_file(top: &Cursor<'_>, options: &LoadOptions) -> Result<Scen
     let lights = list(&scene, "lightsources", "an array of lights", light::light)?;
     let shapes = list(&scene, "shapes", "an array of shapes", shape::shape)?;
     let encoding = object.word("transfer")?;
+    if lights.is_empty() && !shapes.is_empty() {
+        let notes = top.notes();
+        let message = "there is no light, and without one every shape is black".to_owned();
+        let error = notes.error(ErrorKind::Scene, "scene.lightsources", message);
+        notes.warn(&error.remedy("add one"));
+    }
     let names = Names::of(&shapes);
     let one = |cursor: &Cursor<'_>| instance::instance(cursor, &names);
     let instances = list(&scene, "instances", "an array of instances", one)?;
@@ -79,12 +85,23 @@ pub(crate) fn scene_file(top: &Cursor<'_>, options: &LoadOptions) -> Result<Scen
 }
 
 fn settings(scene: &Object<'_>, bounces: u32) -> Result<Settings> {
+    let message = "is above 1, which images of 8 bits do not show";
+    warn_above_1(scene, "backgroundcolor", message, "use colours from 0 to 1");
     Ok(Settings {
         file: scene.cursor().notes().file().to_owned(),
         bounces,
         background: scene.color("backgroundcolor")?,
         ambient: scene.number("ambient")?,
     })
+}
+
+/// Warns of a colour with a channel above 1. What is no colour is left to the reading.
+fn warn_above_1(object: &Object<'_>, key: &'static str, message: &str, remedy: &str) {
+    if let Some(cursor) = object.get(key)
+        && cursor.color().is_ok_and(|color| color.max_element() > 1.0)
+    {
+        cursor.warn(message, remedy);
+    }
 }
 
 /// An optional array, read element by element; absent, it is empty.

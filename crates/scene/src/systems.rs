@@ -17,6 +17,8 @@
 //!
 //! Only this module and [`crate`] know the world; nothing after them queries it.
 
+mod backs;
+pub mod bounds;
 pub mod camera;
 pub mod census;
 pub mod frame;
@@ -32,7 +34,9 @@ use std::path::{Path, PathBuf};
 
 use hecs::World;
 
+use crate::components::Name;
 use crate::query;
+use geometry::ShapeOutput;
 use wavecrest_base::error::{Error, ErrorKind, Result, Warning};
 use wavecrest_core::accel::Accel;
 use wavecrest_core::accel::build::Preset;
@@ -127,8 +131,11 @@ fn appearance(
 ) -> (Geometry, Appearance) {
     let geometry::Output { geometry, shapes, meshes } = extracted;
     let places = shapes.iter().map(|shape| query::json_path(world, shape.entity)).collect();
+    let name =
+        |shape: &ShapeOutput| world.get::<&Name>(shape.entity).ok().map(|name| name.0.clone());
+    let names = shapes.iter().map(name).collect();
     let shapes = shapes.into_iter().map(|s| s.shape).collect();
-    (geometry, Appearance { shapes, materials, places, images, meshes })
+    (geometry, Appearance { shapes, materials, places, names, images, meshes })
 }
 
 impl Extracted {
@@ -175,13 +182,14 @@ impl Extracted {
     }
 }
 
-/// What the user should know of what was left out of the scene of `file`.
-pub fn warnings(dropped: Dropped, file: &Path) -> Vec<Warning> {
-    let message = match dropped.degenerate {
-        0 => return Vec::new(),
-        1 => "1 triangle has no area and is left out".to_owned(),
-        n => format!("{n} triangles have no area and are left out"),
+/// What the user should know of the scene of `file`: what was left out, and what the camera sees from behind only.
+pub fn warnings(scene: &PreparedScene, file: &Path) -> Vec<Warning> {
+    let message = match scene.dropped.degenerate {
+        0 => None,
+        1 => Some("1 triangle has no area and is left out".to_owned()),
+        n => Some(format!("{n} triangles have no area and are left out")),
     };
-    let warning = Error::new(ErrorKind::Mesh, message).in_file(file);
-    vec![Warning::from_error(&warning)]
+    let dropped = message.map(|message| Error::new(ErrorKind::Mesh, message));
+    let all = dropped.into_iter().chain(backs::warnings(scene));
+    all.map(|error| Warning::from_error(&error.in_file(file))).collect()
 }

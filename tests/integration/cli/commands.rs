@@ -35,8 +35,10 @@ fn mirror_ball(kr: f64) -> Value {
 fn check_says_what_is_in_a_scene() {
     let folder = folder();
     write_scene(folder.path(), &mirror_ball(0.5));
-    let expected = "s.json: ok
-  image             16 x 12, 1 rays a pixel
+    let bytes = mirror_ball(0.5).to_string().len();
+    let expected = format!(
+        "s.json: ok
+  image             16 x 12, 1 ray a pixel
   shapes            1
   triangles         0
   without area      0
@@ -46,9 +48,37 @@ fn check_says_what_is_in_a_scene() {
   lights with power 1
   textures          0
   bounces           2
-";
-    assert_eq!(answer(folder.path(), &["check", "s.json"]), (0, expected.to_owned()));
+  lowest corner     -1, -1, -1
+  highest corner    1, 1, 1
+  size              2 x 2 x 2
+  file              s.json, {bytes} B
+"
+    );
+    assert_eq!(answer(folder.path(), &["check", "s.json"]), (0, expected));
     assert_eq!(answer(folder.path(), &["check", "s.json", "-q"]), (0, String::new()));
+}
+
+#[test]
+fn check_lists_the_files_that_it_read_each_once() {
+    let folder = folder();
+    let film = Film::from_pixels(2, 2, vec![[0.5; 3]; 4]).expect("a film");
+    write(&film, &folder.path().join("t.png"), Transfer::Linear).expect("a file");
+    let mesh = "v 9 0 1\nv 12.5 0 1\nv 12.5 2 1\nf 1 2 3\n";
+    std::fs::write(folder.path().join("m.obj"), mesh).expect("a file");
+    let mut scene = mirror_ball(0.0);
+    scene["scene"]["shapes"][0]["texture"] = "t.png".into();
+    let shape = json!({"type": "trimesh", "file": "m.obj", "material": matte(0.5, [0.5; 3])});
+    for _ in 0..2 {
+        scene["scene"]["shapes"].as_array_mut().expect("shapes").push(shape.clone());
+    }
+    write_scene(folder.path(), &scene);
+    let (_, found) = answer(folder.path(), &["check", "s.json"]);
+    let file = format!("  file              m.obj, {} B", mesh.len());
+    for line in [file.as_str(), "  highest corner    12.5, 2, 1"] {
+        assert_eq!(found.lines().filter(|l| *l == line).count(), 1, "{line}\n{found}");
+    }
+    let texture = found.lines().find(|line| line.contains("t.png")).expect("the texture");
+    assert!(texture.starts_with("  texture ") && texture.ends_with(", 2 x 2"), "{texture}");
 }
 
 #[test]
@@ -82,7 +112,7 @@ fn explain_says_which_passes_run_and_why() {
         "  - textures        no shape has a texture",
         "  + spheres         1 sphere",
         "  - depth of field  the camera is a pinhole",
-        "    fast            1 primitives, up to 768 rays",
+        "    fast            1 primitive, up to 768 rays",
     ] {
         assert!(found.lines().any(|l| l == line), "{line}\n{found}");
     }
@@ -90,6 +120,14 @@ fn explain_says_which_passes_run_and_why() {
     let (_, found) = answer(folder.path(), &["explain", "s.json"]);
     assert!(found.contains("  - advance         no material has kr above 0\n"), "{found}");
     assert!(found.contains("  - next rays            0  from mirror to advance\n"), "{found}");
+    let part =
+        "  -   differentials no texture that is seen is trilinear, no material has kr above 0\n";
+    assert!(found.contains(part), "{found}");
+    let verdict: Vec<&str> = found.lines().take(3).collect();
+    assert!(verdict[0].starts_with("about ") && verdict[0].ends_with(" s to trace"), "{found}");
+    assert!(verdict[1].ends_with(" 192 from the camera, 29 to lights"), "{found}");
+    assert!(verdict[2].ends_with(" of memory, for spheres, point lights"), "{found}");
+    assert!(!found.contains("0.000"), "{found}");
 }
 
 #[test]
@@ -148,8 +186,10 @@ fn explain_tells_what_a_render_did_beside_what_was_estimated() {
         let line = text.lines().find(|line| line.trim_start().starts_with(name));
         line.unwrap_or_else(|| panic!("{name}\n{text}")).split_whitespace().collect::<Vec<_>>()
     };
-    assert_eq!(line("camera rays"), ["camera", "rays", "192", "192"]);
-    assert_eq!(line("mirror rays")[3], counted("secondary").to_string());
+    // The pilot has looked at every pixel of so small an image.
+    assert_eq!(line("camera rays"), ["camera", "rays", "192", "192", "192"]);
+    let mirrored = counted("secondary").to_string();
+    assert_eq!(line("mirror rays")[3..], [mirrored.clone(), mirrored]);
 }
 
 #[test]

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use super::{run_silently, with_ball};
 
 /// Every key that the documentation of the statistics names, as JSON pointers.
-const STATISTICS: [&str; 67] = [
+const STATISTICS: [&str; 70] = [
     "/version",
     "/scene",
     "/tracer",

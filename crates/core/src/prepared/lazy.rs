@@ -12,13 +12,19 @@ type Decode = Box<dyn FnOnce() -> Result<Image> + Send>;
 #[derive(Debug)]
 pub struct LazyImage {
     image: LazyLock<Result<Image>, Decode>,
+    name: String,
     expected: u64,
 }
 
 impl LazyImage {
-    /// An image that `decode` makes, of `expected` bytes. It must not wait for threads that look images up.
-    pub fn new(expected: u64, decode: impl FnOnce() -> Result<Image> + Send + 'static) -> Self {
-        Self { image: LazyLock::new(Box::new(decode)), expected }
+    /// The image that `decode` makes of what has this `name`, of `expected` bytes. It must not wait for threads that
+    /// look images up.
+    pub fn new(
+        name: String,
+        expected: u64,
+        decode: impl FnOnce() -> Result<Image> + Send + 'static,
+    ) -> Self {
+        Self { image: LazyLock::new(Box::new(decode)), name, expected }
     }
 
     /// The image, decoded now if it has not been.
@@ -39,6 +45,11 @@ impl LazyImage {
     /// What has come of it, if it has been asked for.
     pub fn decoded(&self) -> Option<&Result<Image>> {
         LazyLock::get(&self.image)
+    }
+
+    /// The path of its file, or where in the scene's file it is.
+    pub fn name(&self) -> &str {
+        &self.name
     }
 
     /// Bytes held.
@@ -66,7 +77,7 @@ mod tests {
     fn an_image_is_decoded_once_whoever_looks_first() {
         let times = Arc::new(AtomicU32::new(0));
         let counter = Arc::clone(&times);
-        let image = LazyImage::new(4, move || {
+        let image = LazyImage::new("a.png".into(), 4, move || {
             counter.fetch_add(1, Ordering::Relaxed);
             Ok(Image::new(1, 1, Texels::Bytes(vec![[1, 2, 3, 0]])))
         });
@@ -81,8 +92,9 @@ mod tests {
 
     #[test]
     fn a_failure_is_told_as_often_as_it_is_asked_for() {
-        let image =
-            LazyImage::new(4, || Err(Error::new(ErrorKind::Texture, "no image").in_file("a.json")));
+        let image = LazyImage::new("a.png".into(), 4, || {
+            Err(Error::new(ErrorKind::Texture, "no image").in_file("a.json"))
+        });
         for _ in 0..2 {
             let told = image.get().err().map(|error| error.to_string());
             assert_eq!(told.as_deref(), Some("a.json: no image"));

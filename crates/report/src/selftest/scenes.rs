@@ -45,7 +45,7 @@ pub(super) fn prepare_text(
     let extracted = systems::extract(&mut loaded.world, options)?;
     let file = extracted.file().to_owned();
     let scene = extracted.build(preset);
-    let more = systems::warnings(scene.dropped, &file);
+    let more = systems::warnings(&scene, &file);
     let warnings = loaded.warnings.iter().chain(&more).map(ToString::to_string).collect();
     Ok(Prepared { scene, warnings })
 }

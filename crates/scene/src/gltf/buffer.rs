@@ -83,6 +83,7 @@ fn beginning(uri: &Cursor<'_>, path: &Path, length: u64) -> Result<Vec<u8>> {
         let message = format!("{} is not a regular file", path.display());
         return Err(uri.error_of(ErrorKind::Io, message).remedy("name a file"));
     }
+    uri.notes().reads(path);
     let mut bytes = Vec::new();
     File::open(path).map_err(refused)?.take(length).read_to_end(&mut bytes).map_err(refused)?;
     Ok(bytes)

@@ -144,6 +144,7 @@ impl<R: Fn(&Path) -> Result<LoadedMesh>> Spawner<'_, R> {
     /// The geometry, with its mesh file read, if it has one.
     fn read_mesh_file(&self, path: &str, geometry: Geometry) -> Result<Geometry> {
         let Geometry::MeshFile(file) = geometry else { return Ok(geometry) };
+        self.notes.reads(&file);
         let loaded = (self.read_mesh)(&file).map_err(|e| self.mesh_error(path, e))?;
         loaded.warnings.into_iter().for_each(|warning| self.notes.pass_on(warning));
         Ok(Geometry::Mesh(Mesh { data: loaded.mesh, file: Some(file) }))

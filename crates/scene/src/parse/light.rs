@@ -1,11 +1,14 @@
 //! Light sources.
 
+use glam::DVec3;
+
 use crate::components::{AreaLight, Falloff, PointLight, Sampling};
 use crate::reader::{Cursor, Key, Kind, Object, Range, keys};
 use crate::schema::Light;
 use wavecrest_base::error::{ErrorKind, Result};
 
 use super::shape::light_shape;
+use super::warn_above_1;
 
 /// Greatest value of `samples`.
 const MOST_SAMPLES: u32 = 65_536;
@@ -73,7 +76,24 @@ pub(super) fn light(cursor: &Cursor<'_>) -> Result<Light> {
     }
 }
 
+/// Warns of a light that gives none but its ambient part, and of a colour that is meant to be a strength.
+fn warn_of_power(object: &Object<'_>) {
+    let message = "is 0, so that the light has no power";
+    if let Some(cursor) =
+        object.get("intensity").filter(|cursor| cursor.value().as_f64() == Some(0.0))
+    {
+        cursor.warn(message, "use a number above 0, or remove the light");
+    } else if let Some(cursor) = object.get("color")
+        && cursor.color().is_ok_and(|color| color == DVec3::ZERO)
+    {
+        cursor.warn(message, "use a colour other than black, or remove the light");
+    }
+    let remedy = "use a colour from 0 to 1 and a higher \"intensity\"";
+    warn_above_1(object, "color", "is above 1", remedy);
+}
+
 fn point_light(object: &Object<'_>) -> Result<Light> {
+    warn_of_power(object);
     let light = PointLight {
         intensity: object.number("intensity")?,
         position: object.point("position")?,
@@ -84,6 +104,7 @@ fn point_light(object: &Object<'_>) -> Result<Light> {
 }
 
 fn area_light(object: &Object<'_>) -> Result<Light> {
+    warn_of_power(object);
     // The report's format has it, but the shape says where the light is.
     object.get("position").map(|cursor| cursor.point()).transpose()?;
     let sampling = object.word("sampling")?;

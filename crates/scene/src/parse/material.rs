@@ -28,7 +28,7 @@ const KEYS: &[Key] = keys! {
 /// Reads the `material` of a shape.
 pub(super) fn material(cursor: &Cursor<'_>) -> Result<Material> {
     let object = cursor.object(MATERIAL)?;
-    warn_above_1(&object);
+    warn_of_gain(&object);
     Ok(Material {
         ks: object.number("ks")?,
         kd: object.number("kd")?,
@@ -39,7 +39,7 @@ pub(super) fn material(cursor: &Cursor<'_>) -> Result<Material> {
 }
 
 /// Weights above 1 are allowed, but they are seldom meant. What is no number is left to the reading.
-fn warn_above_1(object: &Object<'_>) {
+fn warn_of_gain(object: &Object<'_>) {
     let remedy = "it should be from 0 to 1";
     let message = "is above 1, so that the surface can return more light than it receives";
     for key in ["ks", "kd", "kr"] {
@@ -49,11 +49,7 @@ fn warn_above_1(object: &Object<'_>) {
             cursor.warn(message, remedy);
         }
     }
-    if let Some(cursor) = object.get("diffusecolor")
-        && cursor.color().is_ok_and(|color| color.max_element() > 1.0)
-    {
-        cursor.warn(message, remedy);
-    }
+    super::warn_above_1(object, "diffusecolor", message, remedy);
 }
 
 /// Reads the texture of a shape, with the keys that say how it is looked up.

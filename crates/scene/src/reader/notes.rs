@@ -11,6 +11,8 @@ pub(crate) struct Notes<'a> {
     file: &'a Path,
     strict: bool,
     warnings: RefCell<Vec<Warning>>,
+    /// Files that were read besides.
+    files: RefCell<Vec<PathBuf>>,
     /// The messages of warnings that are given once.
     given: RefCell<HashSet<String>>,
 }
@@ -18,7 +20,8 @@ pub(crate) struct Notes<'a> {
 impl<'a> Notes<'a> {
     /// No warnings yet. If `strict`, an unknown key is an error.
     pub(crate) fn new(file: &'a Path, strict: bool) -> Self {
-        Self { file, strict, warnings: RefCell::default(), given: RefCell::default() }
+        let (warnings, files, given) = Default::default();
+        Self { file, strict, warnings, files, given }
     }
 
     /// The scene file.
@@ -69,8 +72,16 @@ impl<'a> Notes<'a> {
         self.file.parent().unwrap_or(Path::new("")).join(path)
     }
 
-    /// All warnings, in the order in which they were found.
-    pub(crate) fn into_warnings(self) -> Vec<Warning> {
-        self.warnings.into_inner()
+    /// Keeps the name of a file that is read, the first time.
+    pub(crate) fn reads(&self, path: &Path) {
+        let mut files = self.files.borrow_mut();
+        if !files.iter().any(|known| known == path) {
+            files.push(path.to_owned());
+        }
+    }
+
+    /// All warnings and files, in the order in which they were found.
+    pub(crate) fn into_parts(self) -> (Vec<Warning>, Vec<PathBuf>) {
+        (self.warnings.into_inner(), self.files.into_inner())
     }
 }

@@ -26,12 +26,17 @@ pub fn run(world: &World, origin: DVec3, schedule: Schedule) -> Result<(Camera, 
 /// The camera of the world in every place that it may render from; none if there are too many.
 pub fn places(world: &World, origin: DVec3) -> Result<Vec<Camera>> {
     let (camera, path) = of_world(world, origin, true, false)?;
-    let Some(path) = path else { return Ok(vec![camera]) };
+    Ok(frames_of(&camera, path.as_ref()))
+}
+
+/// The camera in every frame of its path, and where it is without; none if there are too many.
+pub(super) fn frames_of(camera: &Camera, path: Option<&Path>) -> Vec<Camera> {
+    let Some(path) = path else { return vec![*camera] };
     let (first, last) = path.frames().into_inner();
     if last - first >= MOST_FRAMES {
-        return Ok(Vec::new());
+        return Vec::new();
     }
-    Ok((first..=last).filter_map(|frame| path.at(frame)).chain([camera]).collect())
+    (first..=last).filter_map(|frame| path.at(frame)).chain([*camera]).collect()
 }
 
 fn of_world(

@@ -63,7 +63,7 @@ fn reflects(surface: &Surface<'_>, light: &Light) -> bool {
 }
 
 /// Whether any point of the light may be in front of any point of the shape.
-fn faces(shape: &Shape, light: &Extent, geometry: &Geometry, tests: &mut u64) -> bool {
+pub(super) fn faces(shape: &Shape, light: &Extent, geometry: &Geometry, tests: &mut u64) -> bool {
     // Fast arithmetic has no bounds on its errors, so that nothing is certain.
     if shape.two_sided || geometry.precision == Precision::Fast {
         return true;

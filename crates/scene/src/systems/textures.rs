@@ -68,6 +68,7 @@ pub fn run(
 fn lazy(texture: TextureRef, file: PathBuf, place: String) -> Result<LazyImage> {
     let head = Head::of(&texture).map_err(|e| e.in_file(&file).at(&place))?;
     let [expected, _] = head.bytes(&texture);
+    let name = name(&texture.source);
     let decode = move || {
         let mut image = decode(&texture).map_err(|e| e.in_file(file).at(place))?;
         if texture.filter == Filter::Trilinear {
@@ -75,7 +76,7 @@ fn lazy(texture: TextureRef, file: PathBuf, place: String) -> Result<LazyImage> 
         }
         Ok(image)
     };
-    Ok(LazyImage::new(expected, decode))
+    Ok(LazyImage::new(name, expected, decode))
 }
 
 /// Bytes of a texture, and what more there is while it is decoded, by the head of its file; none where

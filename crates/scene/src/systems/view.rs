@@ -7,6 +7,7 @@
 use glam::Vec3;
 use rayon::prelude::*;
 
+use super::bounds::around;
 use super::geometry::{Output, ShapeOutput};
 use super::reach::Extent;
 use wavecrest_core::accel::geometry::{Geometry, Primitive};
@@ -64,11 +65,6 @@ fn is_in_view(
             let primitives = shape.primitives.clone().into_par_iter();
             sees(&primitives.map(bounds).reduce(|| Aabb::EMPTY, Aabb::union), 1.0)
         }
-}
-
-fn around(points: &[Vec3]) -> Aabb {
-    let point = |&p: &Vec3| Aabb { low: p, high: p };
-    points.par_iter().map(point).reduce(|| Aabb::EMPTY, Aabb::union)
 }
 
 /// Spheres, by centre and radius, that no ray of any camera gets through.

@@ -33,17 +33,17 @@ impl Camera {
         // At depth z the rays through the lens are spread by its radius r times |1 - z / focal|, at most r + z r / focal.
         let spread = self.lens.map_or(0.0, |lens| radius / f64::from(lens.focal));
         let forward = self.forward.as_dvec3();
-        let may_be_within = |normal: DVec3, offset: f64| {
+        // What is no number is not certain.
+        let is_outside = |normal: DVec3, offset: f64| {
             let reach = normal.dot(to_middle) + normal.abs().dot(half) + offset;
-            // What is no number is not certain.
-            !(reach < -margin * normal.length())
+            reach < -margin * normal.length()
         };
         let sides = [(self.right, self.half[0]), (self.up, self.half[1])];
-        may_be_within(forward, 0.0)
-            && sides.into_iter().all(|(axis, half)| {
+        !is_outside(forward, 0.0)
+            && !sides.into_iter().any(|(axis, half)| {
                 let slope = forward * (half.as_dvec3().length() + spread);
                 let axis = axis.as_dvec3();
-                may_be_within(slope + axis, radius) && may_be_within(slope - axis, radius)
+                is_outside(slope + axis, radius) || is_outside(slope - axis, radius)
             })
     }
 }

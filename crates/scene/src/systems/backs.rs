@@ -1,0 +1,82 @@
+//! Surfaces that the camera sees from behind only: lights do not reach them there, so that they look as if
+//! something were wrong.
+
+use super::camera::frames_of;
+use super::reach::{Extent, faces};
+use wavecrest_base::error::{Error, ErrorKind};
+use wavecrest_core::math::random::Stream;
+use wavecrest_core::prepared::PreparedScene;
+
+/// Camera rays that look for them, along each side of the image at most.
+const RAYS: u32 = 64;
+
+/// Shapes that are told one by one.
+const TOLD: usize = 4;
+
+/// What is to be said of them.
+pub(super) fn warnings(scene: &PreparedScene) -> Vec<Error> {
+    let appearance = &scene.appearance;
+    let found = seen(scene, &from_behind(scene));
+    let mut told: Vec<Error> = found
+        .iter()
+        .take(TOLD)
+        .map(|&shape| {
+            let name = appearance.names[shape].as_ref().map(|name| format!(" of {name:?}"));
+            let name = name.unwrap_or_default();
+            let message = format!("the camera sees only the back{name}, which no light reaches");
+            let remedy =
+                "set \"normal\" to -1 to turn a plane or a triangle, or \"sides\" to \"both\"";
+            Error::new(ErrorKind::Scene, message).at(&appearance.places[shape]).remedy(remedy)
+        })
+        .collect();
+    if found.len() > TOLD {
+        let message =
+            format!("the camera sees only the backs of {} more shapes", found.len() - TOLD);
+        told.push(Error::new(ErrorKind::Scene, message));
+    }
+    told
+}
+
+/// For each shape, whether a camera that sees it is behind all of it in every frame, and whether it would look
+/// otherwise from the front.
+fn from_behind(scene: &PreparedScene) -> Vec<bool> {
+    let cameras = frames_of(&scene.camera, scene.path.as_ref());
+    let pupils: Vec<Extent> = cameras.iter().map(Extent::of_pupil).collect();
+    let geometry = scene.accel.geometry();
+    let mut tests = 0;
+    let shapes = scene.appearance.shapes.iter().zip(&scene.appearance.materials);
+    shapes
+        .map(|(shape, material)| {
+            let shows_light = material.kd > 0.0 || material.ks > 0.0 || material.kr > 0.0;
+            let is_candidate = shape.emission.is_none() && shows_light && !pupils.is_empty();
+            is_candidate && !pupils.iter().any(|pupil| faces(shape, pupil, geometry, &mut tests))
+        })
+        .collect()
+}
+
+/// Those of the shapes that some camera rays meet first.
+fn seen(scene: &PreparedScene, those: &[bool]) -> Vec<usize> {
+    if !those.contains(&true) {
+        return Vec::new();
+    }
+    let mut met = vec![false; those.len()];
+    let mut traversal = scene.accel.traversal();
+    let [width, height] = scene.camera.size();
+    for y in places(height) {
+        for x in places(width) {
+            let stream = Stream { seed: 0, pixel: y * width + x, sample: 0, bounce: 0 };
+            let hit = scene.accel.closest(&scene.camera.ray(x, y, &stream), &mut traversal);
+            if !hit.is_miss() {
+                met[scene.appearance.shape_of(hit.primitive)] = true;
+            }
+        }
+    }
+    (0..those.len()).filter(|&shape| those[shape] && met[shape]).collect()
+}
+
+/// Pixels evenly along a side.
+fn places(side: u32) -> impl Iterator<Item = u32> {
+    let count = side.min(RAYS);
+    (0..count)
+        .map(move |i| ((u64::from(i) * 2 + 1) * u64::from(side) / u64::from(count * 2)) as u32)
+}

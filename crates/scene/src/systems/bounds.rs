@@ -1,0 +1,64 @@
+//! How far a scene reaches.
+
+use glam::{DVec3, Vec3};
+use rayon::prelude::*;
+
+use wavecrest_core::accel::geometry::Geometry;
+use wavecrest_core::kernels::slab::Aabb;
+
+/// The smallest box around points; [`Aabb::EMPTY`] without any.
+pub(super) fn around(points: &[Vec3]) -> Aabb {
+    let point = |&p: &Vec3| Aabb { low: p, high: p };
+    points.par_iter().map(point).reduce(|| Aabb::EMPTY, Aabb::union)
+}
+
+/// The lowest and the highest coordinates of all primitives, in the space that they are in; of an instance, those of
+/// the box around it. None without primitives.
+pub fn of(geometry: &Geometry) -> Option<[DVec3; 2]> {
+    let wide = |bounds: Aabb| [bounds.low.as_dvec3(), bounds.high.as_dvec3()];
+    let own = (!geometry.positions.is_empty()).then(|| wide(around(&geometry.positions)));
+    let spheres = geometry.spheres.iter().map(|&(center, radius)| {
+        let (center, radius) = (center.as_dvec3(), f64::from(radius));
+        [center - radius, center + radius]
+    });
+    let prototypes: Vec<[DVec3; 2]> =
+        geometry.prototypes.iter().map(|prototype| wide(around(&prototype.positions))).collect();
+    let instances = geometry.instances.iter().map(|instance| {
+        let ([low, high], to_world) = (prototypes[instance.prototype()], instance.to_world());
+        let (middle, half) = (to_world.transform_point3((low + high) / 2.0), (high - low) / 2.0);
+        let axes = to_world.matrix3;
+        let half =
+            axes.x_axis.abs() * half.x + axes.y_axis.abs() * half.y + axes.z_axis.abs() * half.z;
+        [middle - half, middle + half]
+    });
+    let both = |a: [DVec3; 2], b: [DVec3; 2]| [a[0].min(b[0]), a[1].max(b[1])];
+    own.into_iter().chain(spheres).chain(instances).reduce(both)
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DAffine3;
+    use wavecrest_core::accel::instance::Instance;
+
+    use super::*;
+
+    #[test]
+    fn all_kinds_of_shapes_count_and_instances_where_they_are_shown() {
+        assert_eq!(of(&Geometry::default()), None);
+        let positions = vec![Vec3::ZERO, Vec3::new(1.0, 2.0, 3.0)];
+        let bounds = around(&positions);
+        let prototype = Geometry { positions: positions.clone(), ..Geometry::default() };
+        let turned = DAffine3::from_rotation_z(std::f64::consts::FRAC_PI_2);
+        let moved = DAffine3::from_translation(DVec3::new(10.0, 0.0, 0.0)) * turned;
+        let geometry = Geometry {
+            positions,
+            spheres: vec![(Vec3::new(0.0, 0.0, -5.0), 2.0)],
+            prototypes: vec![prototype],
+            instances: vec![Instance::new(0, 1, moved, &bounds)],
+            ..Geometry::default()
+        };
+        let [low, high] = of(&geometry).unwrap();
+        assert!((low - DVec3::new(-2.0, -2.0, -7.0)).length() < 1e-9, "{low}");
+        assert!((high - DVec3::new(10.0, 2.0, 3.0)).length() < 1e-9, "{high}");
+    }
+}
