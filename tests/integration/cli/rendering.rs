@@ -126,7 +126,7 @@ fn paths_in_a_scene_start_from_its_folder() {
     let mesh = json!({"type": "trimesh", "file": "m.obj", "material": matte(0.8, [1.0; 3])});
     let scene = scene(0, &pinhole([8, 8], 40.0, 5.0), &[], &[mesh]);
     std::fs::write(inner.join("s.json"), scene.to_string()).expect("a file");
-    run_silently(&outer, &["../scenes/s.json", "out.exr"]);
+    run_silently(&outer, &["-q", "../scenes/s.json", "out.exr"]);
     assert_eq!(film(outer.join("out.exr")).pixel(4, 4), Some([0.0; 3]), "the mesh, unlit");
     assert_eq!(files(&inner), ["m.obj", "s.json"], "the output is where the command was run");
 }

@@ -76,7 +76,7 @@ pub(super) fn light(cursor: &Cursor<'_>) -> Result<Light> {
     }
 }
 
-/// Warns of a light that gives none but its ambient part, and of a colour that is meant to be a strength.
+/// Warns of a light that gives none but its ambient part.
 fn warn_of_power(object: &Object<'_>) {
     let message = "is 0, so that the light has no power";
     if let Some(cursor) =
@@ -88,12 +88,13 @@ fn warn_of_power(object: &Object<'_>) {
     {
         cursor.warn(message, "use a colour other than black, or remove the light");
     }
-    let remedy = "use a colour from 0 to 1 and a higher \"intensity\"";
-    warn_above_1(object, "color", "is above 1", remedy);
 }
 
 fn point_light(object: &Object<'_>) -> Result<Light> {
     warn_of_power(object);
+    // The shape of an area light may well be seen in such a colour.
+    let remedy = "use a colour from 0 to 1 and a higher \"intensity\"";
+    warn_above_1(object, "color", "is above 1", remedy);
     let light = PointLight {
         intensity: object.number("intensity")?,
         position: object.point("position")?,
