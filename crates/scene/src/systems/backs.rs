@@ -21,9 +21,9 @@ pub(super) fn warnings(scene: &PreparedScene) -> Vec<Error> {
         .iter()
         .take(TOLD)
         .map(|&shape| {
-            let name = appearance.names[shape].as_ref().map(|name| format!(" of {name:?}"));
-            let name = name.unwrap_or_default();
-            let message = format!("the camera sees only the back{name}, which no light reaches");
+            let back = appearance.names[shape].as_ref();
+            let back = back.map_or("its back".to_owned(), |name| format!("the back of {name:?}"));
+            let message = format!("the camera sees only {back}, which no light reaches");
             let remedy =
                 "set \"normal\" to -1 to turn a plane or a triangle, or \"sides\" to \"both\"";
             Error::new(ErrorKind::Scene, message).at(&appearance.places[shape]).remedy(remedy)
