@@ -5,12 +5,13 @@ use std::path::{Path, PathBuf};
 
 use indicatif::ProgressBar;
 
-use super::common::{Threads, above_zero, print, progress_bar};
+use super::common::{Threads, above_zero, print, progress_bar, tell};
 use wavecrest_base::error::Result;
 use wavecrest_report::accuracy::pilot::Pilot;
 use wavecrest_report::accuracy::store::{Circumstances, Header, Record, Store};
 use wavecrest_report::accuracy::sweep::{Options, Progress, run as sweep};
 use wavecrest_report::accuracy::{Findings, page};
+use wavecrest_report::regression::Regression;
 use wavecrest_scene::load::{LoadOptions, load};
 use wavecrest_scene::systems::extract;
 
@@ -23,11 +24,15 @@ const PROGRESS: &str = "{msg} {wide_bar} {pos}/{len}, {eta} left";
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct AccuracyArgs {
     /// The scenes, in JSON
-    #[arg(required = true)]
+    #[arg(required_unless_present = "compare")]
     pub(crate) scenes: Vec<PathBuf>,
     /// The folder for results and report
-    #[arg(short, long, value_name = "FOLDER", required_unless_present = "advise")]
+    #[arg(short, long, value_name = "FOLDER", required_unless_present_any = ["advise", "compare"])]
     pub(crate) output: Option<PathBuf>,
+    /// Compare two sweeps in their folders, or two files of `bench --output`, and say what became slower or less
+    /// accurate: exit code 1 where something did. With --output a page and JSON are written too
+    #[arg(long, num_args = 2, value_names = ["BEFORE", "AFTER"], conflicts_with_all = ["scenes", "advise"])]
+    pub(crate) compare: Vec<PathBuf>,
     /// Sweep nothing, but say with which samples each sampler reaches an error, from a short pilot at full
     /// size, and which is the cheapest
     #[arg(long, requires = "target_error", conflicts_with = "output")]
@@ -78,16 +83,33 @@ impl Progress for Shown {
     }
 }
 
-/// Sweeps as the arguments say, and returns whether what must not change a picture did not.
+/// Sweeps as the arguments say, and returns whether what must not change a picture did not; of a comparison,
+/// whether nothing became worse.
 ///
 /// # Errors
-/// When a scene cannot be rendered, the folder has the results of another sweep, or results cannot be
+/// When a scene cannot be rendered, the folder has the results of another sweep, or results cannot be read or
 /// written.
 pub(crate) fn run(args: &AccuracyArgs) -> Result<bool> {
+    if let [before, after] = args.compare.as_slice() {
+        return compare(args, before, after);
+    }
     args.threads.run(|| match (&args.output, args.target_error) {
         (Some(folder), _) => run_sweep(args, folder),
         (None, error) => advise(args, error.unwrap_or_default()).map(|()| true),
     })
+}
+
+/// Compares two runs, and returns whether nothing became worse.
+fn compare(args: &AccuracyArgs, before: &Path, after: &Path) -> Result<bool> {
+    let found = Regression::of(before, after)?;
+    if let Some(folder) = &args.output {
+        found.write(folder)?;
+    }
+    if !args.quiet {
+        found.warnings.iter().for_each(|warning| tell(&format!("warning: {warning}")));
+        print(&found.text())?;
+    }
+    Ok(!found.is_worse())
 }
 
 /// Says what each sampler takes to an error.

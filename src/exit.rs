@@ -6,7 +6,8 @@ pub(crate) const CODES: [(u8, &str); 5] = [
     (
         1,
         "the answer is no: of diff, the images differ; of bench, the tracers disagree; of selftest, a case \
-         fails; of probe, the two tracers differ",
+         fails; of probe, the two tracers differ; of accuracy, what must not change a picture does, or something \
+         became worse",
     ),
     (2, "an error, reported on standard error"),
     (130, "SIGINT (Ctrl-C) ended a render early; what was finished is kept"),

@@ -17,7 +17,7 @@ use wavecrest_report::accuracy::sweep::{Options, Progress, run};
 
 use crate::support::{
     extract_small, folder, image_of, matte, options, pinhole, prepare, render_on, repository,
-    scene, sphere, wall, with,
+    scene, sphere, wall, wavecrest, with,
 };
 
 /// Reports nothing.
@@ -96,6 +96,46 @@ fn a_sweep_goes_on_where_it_stopped() {
     let records: Vec<Record> =
         text.lines().map(|line| serde_json::from_str(line).expect("a record")).collect();
     assert!(matches!(records[0], Record::Header(_)));
+}
+
+/// The command compares what sweeps and `bench` write, and its exit code is the answer.
+#[test]
+fn a_wrong_sampler_fails_the_comparison_of_two_sweeps() {
+    let (folder, file) = (folder(), repository("scenes/testareajitter.json"));
+    let [before, after] = ["before", "after"].map(|name| folder.path().join(name));
+    let options = Options { longest: 24, seeds: 8, most: 64, least: 1024 };
+    findings(&options, &file, &before);
+    std::fs::create_dir(&after).expect("a folder");
+    for entry in std::fs::read_dir(&before).expect("a folder") {
+        let path = entry.expect("an entry").path();
+        std::fs::copy(&path, after.join(path.file_name().expect("a name"))).expect("a copy");
+    }
+    let compare = |code: i32, options: &[&str]| -> String {
+        let mut command = wavecrest(folder.path());
+        let run = command.args(["accuracy", "--compare", "before", "after"]).args(options);
+        let output = run.assert().code(code).get_output().clone();
+        String::from_utf8(output.stdout).expect("text")
+    };
+    let text = compare(0, &["-o", "page"]);
+    assert!(text.contains("Nothing became worse or better in "), "{text}");
+    // What is called Sobol draws independent points.
+    let path = after.join(FILE);
+    let records = std::fs::read_to_string(&path).expect("records");
+    let kept = records.lines().filter(|line| !line.contains("=sobol:"));
+    let swapped = records.lines().filter(|line| line.contains("=random:"));
+    let swapped = swapped.map(|line| line.replace("=random:", "=sobol:"));
+    let wrong: Vec<String> = kept.map(str::to_owned).chain(swapped).collect();
+    std::fs::write(&path, wrong.join("\n") + "\n").expect("records");
+    let text = compare(1, &["-o", "page"]);
+    let worse: Vec<&str> = text.lines().filter(|line| line.starts_with("worse")).collect();
+    assert!(worse.iter().any(|line| line.contains("=sobol")), "{text}");
+    assert!(!worse.iter().any(|line| line.contains("=jittered")), "{text}");
+    let json = std::fs::read_to_string(folder.path().join("page/compare.json")).expect("JSON");
+    let json: Value = serde_json::from_str(&json).expect("JSON");
+    let ratios = json["ratios"].as_array().expect("ratios");
+    assert_eq!(ratios.iter().filter(|r| r["verdict"] == "worse").count(), worse.len());
+    let html = std::fs::read_to_string(folder.path().join("page/compare.html")).expect("a page");
+    assert!(html.contains("became worse"), "{html}");
 }
 
 /// A square light above a ball: seen from the side, its shadow is soft.

@@ -87,7 +87,7 @@ impl Findings {
 
 /// The commit of the checkout that this program lies in, with a `+` where files of it are changed; `None`
 /// where it lies in none, or there is no git to ask.
-fn commit() -> Option<String> {
+pub(crate) fn commit() -> Option<String> {
     let program = std::env::current_exe().ok()?;
     let folder = program.parent()?;
     let head = git(folder, &["rev-parse", "HEAD"])?;

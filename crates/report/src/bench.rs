@@ -8,6 +8,7 @@
 //! | key | unit | meaning |
 //! |---|---|---|
 //! | `version`, `command` | | the program, and the arguments that it was given |
+//! | `commit` | | of the checkout that the program lies in, with a `+` where files of it are changed (`null` where it lies in none) |
 //! | `machine.processor`, `.cores`, `.threads`, `.os` | | its model (`null` where it is not known), the cores that the program may use, and the threads that it used |
 //! | `machine.hardware_missing` | | why the processor counts nothing here, `null` where it does |
 //! | `scenes` | | one entry a scene, in the order of the command line: |

@@ -10,6 +10,7 @@ mod markup;
 pub mod page;
 pub mod plot;
 pub mod ray_file;
+pub mod regression;
 pub mod selftest;
 pub mod statistics;
 pub mod summary;

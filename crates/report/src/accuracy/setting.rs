@@ -52,9 +52,23 @@ impl Setting {
     }
 }
 
+/// A [key](Setting::key) without its counts: settings of one series differ in nothing but these.
+pub fn series_of(key: &str) -> String {
+    let uncounted = |word: &'_ str| {
+        let is_digit = |c: char| c.is_ascii_digit();
+        word.trim_end_matches(is_digit).trim_end_matches([':', '=']).to_owned()
+    };
+    key.split(' ').map(uncounted).collect::<Vec<_>>().join(" ")
+}
+
+/// Whether the error of a setting with this [key](Setting::key) falls towards 0 as its points become more.
+pub fn converges(key: &str) -> bool {
+    key.contains(':') && !key.contains("filter=")
+}
+
 wavecrest_base::choices! {
     /// The picture that a setting approaches. Names are those in files.
-    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize, serde::Deserialize)]
     #[serde(rename_all = "kebab-case")]
     pub enum Target {
         /// The scene as its file has it, with any number of samples where it has any.

@@ -200,6 +200,37 @@ pub struct Store {
     points: HashSet<(String, Target, String, u64)>,
 }
 
+/// All records of the sweep in `folder`, without the header that every sweep begins with.
+///
+/// # Errors
+/// When there is no sweep, or its records cannot be read.
+pub fn read(folder: &Path) -> Result<(Header, Vec<Record>)> {
+    let path = folder.join(FILE);
+    let text = std::fs::read_to_string(&path)
+        .map_err(|e| Error::io("cannot read the records of a sweep", path.as_path(), e))?;
+    let mut records = records(&text, &path)?.0.into_iter();
+    match records.next() {
+        Some(Record::Header(header)) => Ok((header, records.collect())),
+        _ => Err(Error::new(ErrorKind::Io, "the records of a sweep begin with a header")
+            .in_file(&path)
+            .remedy("name the folder that `accuracy --output` wrote")),
+    }
+}
+
+/// The records in `text`, the contents of `path`, and how many of its bytes are whole lines.
+fn records(text: &str, path: &Path) -> Result<(Vec<Record>, usize)> {
+    let whole = text.rfind('\n').map_or(0, |end| end + 1);
+    let lines = text[..whole].lines().enumerate();
+    let record = |(number, line): (usize, &str)| {
+        serde_json::from_str(line).map_err(|e| {
+            Error::new(ErrorKind::Io, format!("line {} is no record: {e}", number + 1))
+                .in_file(path)
+                .remedy("remove the file to begin again")
+        })
+    };
+    Ok((lines.map(record).collect::<Result<_>>()?, whole))
+}
+
 /// The name of the file.
 pub const FILE: &str = "results.jsonl";
 
@@ -218,16 +249,7 @@ impl Store {
         let mut file = file.open(&path).map_err(failed)?;
         let mut text = String::new();
         file.read_to_string(&mut text).map_err(failed)?;
-        let whole = text.rfind('\n').map_or(0, |end| end + 1);
-        let mut records = Vec::new();
-        for (number, line) in text[..whole].lines().enumerate() {
-            let record = serde_json::from_str(line).map_err(|e| {
-                Error::new(ErrorKind::Io, format!("line {} is no record: {e}", number + 1))
-                    .in_file(&path)
-                    .remedy("remove the file to begin again")
-            })?;
-            records.push(record);
-        }
+        let (records, whole) = records(&text, &path)?;
         file.set_len(whole as u64).map_err(failed)?;
         file.seek(SeekFrom::End(0)).map_err(failed)?;
         let mut store = Self {

@@ -21,6 +21,7 @@ use wavecrest_core::prepared::{Dropped, PreparedScene};
 pub struct BenchReport {
     pub version: &'static str,
     pub command: Vec<String>,
+    pub commit: Option<String>,
     pub machine: Machine,
     pub scenes: Vec<SceneBench>,
 }
@@ -90,8 +91,8 @@ pub struct Setting {
 impl BenchReport {
     /// A report of no scene yet, by this program on this machine.
     pub fn new(command: Vec<String>) -> Self {
-        let machine = Machine::this();
-        Self { version: env!("CARGO_PKG_VERSION"), command, machine, scenes: Vec::new() }
+        let (machine, commit) = (Machine::this(), crate::accuracy::commit());
+        Self { version: env!("CARGO_PKG_VERSION"), command, commit, machine, scenes: Vec::new() }
     }
 
     /// Whether the tracers agreed in every scene, and all choices that were compared.

@@ -1,0 +1,296 @@
+//! Two runs of the same measurements compared: what became slower or less accurate from one to the other.
+//!
+//! [`sweep`] compares two sweeps of error against time, [`bench`] two reports of `bench`. Each comparison is a
+//! ratio, after over before. Its standard error is that of the bootstrap: rounds (a seed of a sweep, a run of a
+//! benchmark) are drawn again with replacement, on both sides alike. Where rounds that follow each other are more
+//! alike than others, as when another program ran for a while, it is that of the means of some blocks of rounds.
+//!
+//! Programs that do the same differ by where their code and data happen to lie (Mytkowicz et al., *Producing Wrong
+//! Data Without Doing Anything Obviously Wrong!*, ASPLOS 2009): a ratio is judged against 1 and a [`TOLERANCE`].
+//! Chances are corrected for the number of comparisons by Holm (*A Simple Sequentially Rejective Multiple Test
+//! Procedure*, 1979), and intervals by Bonferroni: all hold together with 95 per cent.
+
+pub mod bench;
+pub mod page;
+pub mod sweep;
+#[cfg(test)]
+mod tests;
+
+use std::path::Path;
+
+use serde::Serialize;
+
+use crate::accuracy::fit::Rng;
+use wavecrest_base::error::{Error, ErrorKind, Result};
+
+/// What two programs that do the same may differ by, in parts of the time or the error.
+pub const TOLERANCE: f64 = 0.01;
+
+/// The chance to tell something worse or better, of any number of comparisons, where nothing is.
+pub const SIGNIFICANCE: f64 = 0.05;
+
+/// How often rounds are drawn again: enough for a standard error (Efron and Tibshirani, *An Introduction to the
+/// Bootstrap*, 1993, section 6.4).
+const RESAMPLES: usize = 300;
+
+/// Fewer rounds than this say nothing of their spread.
+const LEAST_ROUNDS: usize = BLOCKS;
+
+/// Blocks of rounds by which a machine that slows down for a while is noticed.
+const BLOCKS: usize = 4;
+
+/// What was found.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct Regression {
+    /// The run that is compared with.
+    pub before: Side,
+    /// The run that is judged.
+    pub after: Side,
+    /// See [`TOLERANCE`].
+    pub tolerance: f64,
+    /// Ratios with intervals.
+    pub ratios: Vec<Ratio>,
+    /// What has no chance in it, where the two differ.
+    pub changes: Vec<Change>,
+    /// What could not be compared, and why.
+    pub warnings: Vec<String>,
+}
+
+/// One of the runs.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct Side {
+    /// Its folder or file.
+    pub path: String,
+    /// The program's version.
+    pub version: String,
+    /// The commit that it was built from, if that is known.
+    pub commit: Option<String>,
+    /// The machine.
+    pub machine: serde_json::Value,
+}
+
+/// What became of something.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Verdict {
+    /// It takes longer, or errs more.
+    Worse,
+    /// It is quicker, or errs less.
+    Better,
+    /// Neither is shown.
+    Same,
+}
+
+/// A comparison, after over before: above 1 is worse.
+#[derive(Clone, Debug, Serialize)]
+pub struct Ratio {
+    /// The scene.
+    pub scene: String,
+    /// What was measured of it.
+    pub what: String,
+    /// What the ratio is of, such as "time at equal error".
+    pub of: &'static str,
+    /// The ratio.
+    pub ratio: f64,
+    /// One end of its interval.
+    pub low: f64,
+    /// The other.
+    pub high: f64,
+    /// The chance of what was found, or more, where nothing changed, corrected for the number of comparisons.
+    pub p: f64,
+    /// What became of it.
+    pub verdict: Verdict,
+    /// Error against time before and after, as `[seconds, error]`, where that was measured.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub curves: Vec<Vec<[f64; 2]>>,
+}
+
+/// Something that follows from the program alone, and is not as it was.
+#[derive(Clone, Debug, Serialize)]
+pub struct Change {
+    /// The scene.
+    pub scene: String,
+    /// What it is.
+    pub what: String,
+    /// How it was.
+    pub before: String,
+    /// How it is.
+    pub after: String,
+    /// Whether that is worse.
+    pub verdict: Verdict,
+}
+
+/// A comparison before it is judged together with the others.
+#[derive(Clone, Debug)]
+struct Found {
+    scene: String,
+    what: String,
+    of: &'static str,
+    estimate: Estimate,
+    curves: Vec<Vec<[f64; 2]>>,
+}
+
+/// The logarithm of a ratio.
+#[derive(Clone, Copy, Debug)]
+struct Estimate {
+    log: f64,
+    standard_error: f64,
+    /// Degrees of freedom of the standard error.
+    freedom: f64,
+}
+
+impl Regression {
+    /// Compares two sweeps in folders, or two reports of `bench`.
+    ///
+    /// # Errors
+    /// When one of them cannot be read, is not of the other's kind, or they have nothing in common.
+    pub fn of(before: &Path, after: &Path) -> Result<Self> {
+        let found = match [before, after].map(Path::is_dir) {
+            [true, true] => sweep::compare(before, after)?,
+            [false, false] => bench::compare(before, after)?,
+            _ => {
+                return Err(Error::new(ErrorKind::Usage, "a sweep and a file are not comparable")
+                    .in_file(after)
+                    .remedy("name two folders of `accuracy`, or two files of `bench --output`"));
+            }
+        };
+        if found.ratios.is_empty() {
+            return Err(Error::new(ErrorKind::Usage, "the two have nothing in common to compare")
+                .in_file(after)
+                .value(found.warnings.join("; "))
+                .remedy("measure the same scenes at one size, with four seeds or runs at least"));
+        }
+        Ok(found)
+    }
+
+    /// Whether anything became worse.
+    pub fn is_worse(&self) -> bool {
+        self.count(Verdict::Worse) > 0
+    }
+
+    /// How many comparisons and changes have this verdict.
+    pub fn count(&self, verdict: Verdict) -> usize {
+        let ratios = self.ratios.iter().map(|ratio| ratio.verdict);
+        ratios.chain(self.changes.iter().map(|c| c.verdict)).filter(|v| *v == verdict).count()
+    }
+
+    /// What was found, in a sentence or two.
+    pub fn answer(&self) -> String {
+        let (worse, better) = (self.count(Verdict::Worse), self.count(Verdict::Better));
+        let all = self.ratios.len() + self.changes.len();
+        let all = if all == 1 { "1 comparison".to_owned() } else { format!("{all} comparisons") };
+        match (worse, better) {
+            (0, 0) => format!("Nothing became worse or better in {all}."),
+            _ => format!("Of {all}, {worse} became worse and {better} became better."),
+        }
+    }
+
+    /// Judges all that was found together.
+    fn judged(mut self, found: Vec<Found>) -> Self {
+        self.tolerance = TOLERANCE;
+        let chances: Vec<f64> = found.iter().map(|f| f.estimate.chance()).collect();
+        let count = found.len();
+        let ratio = |(found, p): (Found, f64)| {
+            let Found { scene, what, of, estimate, curves } = found;
+            let verdict = match estimate.log {
+                _ if p >= SIGNIFICANCE => Verdict::Same,
+                log if log > 0.0 => Verdict::Worse,
+                _ => Verdict::Better,
+            };
+            let [low, high] = estimate.interval(count);
+            let ratio = libm::exp(estimate.log);
+            Ratio { scene, what, of, ratio, low, high, p, verdict, curves }
+        };
+        self.ratios = found.into_iter().zip(holm(&chances)).map(ratio).collect();
+        self
+    }
+}
+
+impl Estimate {
+    /// Of a statistic of `rounds` rounds, each given by its index; `None` for fewer than [`LEAST_ROUNDS`].
+    fn of(rounds: usize, statistic: impl Fn(&[usize]) -> f64) -> Option<Self> {
+        if rounds < LEAST_ROUNDS {
+            return None;
+        }
+        let all: Vec<usize> = (0..rounds).collect();
+        let mut rng = Rng::new(3);
+        let draw = |_| statistic(&all.iter().map(|_| rng.below(rounds)).collect::<Vec<_>>());
+        let freedom = rounds as f64 - 1.0;
+        // Draws with replacement spread by that much less than the rounds themselves.
+        let drawn = variance((0..RESAMPLES).map(draw).collect()) * (freedom + 1.0) / freedom;
+        let bound = |block: usize| block * rounds / BLOCKS;
+        let block = |block: usize| statistic(&all[bound(block)..bound(block + 1)]);
+        let blocks = variance((0..BLOCKS).map(block).collect()) / BLOCKS as f64;
+        // Neither is a number where an error is 0 in all rounds of one side: then there is no doubt.
+        let standard_error =
+            Some(drawn.max(blocks).sqrt()).filter(|e| e.is_finite()).unwrap_or(0.0);
+        Some(Self { log: statistic(&all), standard_error, freedom })
+    }
+
+    /// The chance of what was found or more, on either side, where the ratio is within the tolerance.
+    fn chance(self) -> f64 {
+        let beyond = self.log.abs() - libm::log1p(TOLERANCE);
+        if beyond <= 0.0 {
+            return 1.0;
+        }
+        let normal = self.scale(beyond / self.standard_error);
+        libm::erfc(normal / std::f64::consts::SQRT_2).min(1.0)
+    }
+
+    /// The interval, where `count` of them hold together.
+    fn interval(self, count: usize) -> [f64; 2] {
+        let (mut low, mut high) = (0.0, 1e3);
+        // The number of standard errors beyond which the chance is as asked for, by bisection.
+        for _ in 0..60 {
+            let middle = (low + high) / 2.0;
+            let chance = libm::erfc(self.scale(middle) / std::f64::consts::SQRT_2);
+            if chance * count as f64 > SIGNIFICANCE {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        [-high, high].map(|errors| libm::exp(self.log + errors * self.standard_error))
+    }
+
+    /// What is as likely under the normal distribution as `t` under Student's (Wallace, *Bounds on Normal
+    /// Approximations to Student's and the Chi-square Distributions*, 1959).
+    fn scale(self, t: f64) -> f64 {
+        let n = self.freedom;
+        (8.0 * n + 1.0) / (8.0 * n + 3.0) * (n * libm::log1p(t * t / n)).sqrt()
+    }
+}
+
+fn variance(values: Vec<f64>) -> f64 {
+    let count = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / count;
+    values.iter().map(|value| (value - mean) * (value - mean)).sum::<f64>() / (count - 1.0)
+}
+
+/// Chances corrected for their number.
+fn holm(chances: &[f64]) -> Vec<f64> {
+    let mut order: Vec<usize> = (0..chances.len()).collect();
+    order.sort_by(|a, b| chances[*a].total_cmp(&chances[*b]));
+    let mut corrected = vec![1.0; chances.len()];
+    let mut largest: f64 = 0.0;
+    for (rank, index) in order.into_iter().enumerate() {
+        largest = largest.max(chances[index] * (chances.len() - rank) as f64).min(1.0);
+        corrected[index] = largest;
+    }
+    corrected
+}
+
+/// The typical of some times: the mean of the quicker half, since other programs can only add to a time. Half of
+/// them may be spoilt, and it is steadier than the median in few.
+fn typical(times: &[f64], rounds: &[usize]) -> f64 {
+    let mut times: Vec<f64> =
+        rounds.iter().filter_map(|round| times.get(*round)).copied().collect();
+    times.sort_by(f64::total_cmp);
+    let half = times.len().div_ceil(2);
+    times[..half].iter().sum::<f64>() / half as f64
+}
+
+/// The logarithm of `after` over `before`, which is 0 where they are equal, even if they are 0.
+fn log_ratio(before: f64, after: f64) -> f64 {
+    if before == after { 0.0 } else { libm::log(after / before) }
+}

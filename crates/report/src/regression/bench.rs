@@ -1,0 +1,153 @@
+//! Two reports of `bench` compared: the time of each tracer, and of each choice that was compared, on each scene.
+
+use std::path::Path;
+
+use serde::Deserialize;
+use serde_json::Value;
+
+use super::{Change, Estimate, Found, Regression, Side, Verdict, log_ratio, typical};
+use wavecrest_base::error::{Error, ErrorKind, Result};
+
+/// What is read of a report: see [`crate::bench`].
+#[derive(Deserialize)]
+struct Report {
+    version: String,
+    commit: Option<String>,
+    machine: Value,
+    scenes: Vec<Scene>,
+}
+
+#[derive(Deserialize)]
+struct Scene {
+    scene: String,
+    image: Value,
+    equal: bool,
+    rays: Value,
+    wavefront: Option<Timed>,
+    recursive: Option<Timed>,
+    comparisons: Vec<Comparison>,
+}
+
+#[derive(Deserialize)]
+struct Comparison {
+    variants: Vec<Variant>,
+}
+
+#[derive(Deserialize)]
+struct Variant {
+    kernel: String,
+    simd: String,
+    batch: u64,
+    planned: bool,
+    #[serde(flatten)]
+    timed: Timed,
+}
+
+#[derive(Deserialize)]
+struct Timed {
+    seconds: Seconds,
+}
+
+#[derive(Deserialize)]
+struct Seconds {
+    each: Vec<f64>,
+}
+
+/// Compares two reports.
+///
+/// # Errors
+/// When one of them cannot be read.
+pub fn compare(before: &Path, after: &Path) -> Result<Regression> {
+    let sides = [read(before)?, read(after)?];
+    let mut regression = Regression {
+        before: side(before, &sides[0]),
+        after: side(after, &sides[1]),
+        ..Regression::default()
+    };
+    let mut found = Vec::new();
+    for scene in &sides[0].scenes {
+        let name = &scene.scene;
+        match sides[1].scenes.iter().find(|other| other.scene == *name) {
+            None => regression.warnings.push(format!("`{name}` was not measured again")),
+            Some(other) if other.image != scene.image => {
+                regression.warnings.push(format!("`{name}` has another size, or other samples"));
+            }
+            Some(other) => {
+                if other.rays != scene.rays {
+                    regression.warnings.push(format!("`{name}` takes another number of rays"));
+                }
+                found.extend(times(scene, other));
+                regression.changes.extend(equality(scene, other));
+            }
+        }
+    }
+    Ok(regression.judged(found))
+}
+
+fn read(path: &Path) -> Result<Report> {
+    let text =
+        std::fs::read_to_string(path).map_err(|e| Error::io("cannot read the report", path, e))?;
+    serde_json::from_str(&text).map_err(|e| {
+        Error::new(ErrorKind::Syntax, format!("this is no report of `bench`: {e}"))
+            .in_file(path)
+            .remedy("name a file that `bench --output` wrote")
+    })
+}
+
+fn side(path: &Path, report: &Report) -> Side {
+    let path = path.display().to_string();
+    let (version, commit) = (report.version.clone(), report.commit.clone());
+    Side { path, version, commit, machine: report.machine.clone() }
+}
+
+/// Everything that was timed in a scene, by name.
+fn timed(scene: &Scene) -> Vec<(String, &[f64])> {
+    let mut all = Vec::new();
+    for (name, timed) in [("wavefront", &scene.wavefront), ("recursive", &scene.recursive)] {
+        all.extend(timed.iter().map(|timed| (name.to_owned(), timed.seconds.each.as_slice())));
+    }
+    for Variant { kernel, simd, batch, planned, timed } in
+        scene.comparisons.iter().flat_map(|compared| &compared.variants)
+    {
+        let plan = if *planned { "" } else { ", with all passes" };
+        let name = format!("wavefront, {kernel} kernel, {simd}, batches of {batch}{plan}");
+        if !all.iter().any(|(known, _)| *known == name) {
+            all.push((name, timed.seconds.each.as_slice()));
+        }
+    }
+    all
+}
+
+fn times(before: &Scene, after: &Scene) -> Vec<Found> {
+    let after = timed(after);
+    let one = |(what, before): (String, &[f64])| {
+        let (_, after) = after.iter().find(|(name, _)| *name == what)?;
+        let rounds = before.len().min(after.len());
+        let estimate = Estimate::of(rounds, |rounds| {
+            log_ratio(typical(before, rounds), typical(after, rounds))
+        })?;
+        Some((what, estimate))
+    };
+    let found = timed(before).into_iter().filter_map(one);
+    found
+        .map(|(what, estimate)| Found {
+            scene: before.scene.clone(),
+            what,
+            of: "time",
+            estimate,
+            curves: Vec::new(),
+        })
+        .collect()
+}
+
+/// Whether the tracers still agree.
+fn equality(before: &Scene, after: &Scene) -> Option<Change> {
+    let words = |scene: &Scene| if scene.equal { "equal" } else { "different" }.to_owned();
+    (before.equal != after.equal).then(|| Change {
+        scene: before.scene.clone(),
+        what: "the images of both tracers".to_owned(),
+        before: words(before),
+        after: words(after),
+        verdict: if before.equal { Verdict::Worse } else { Verdict::Better },
+    })
+}

@@ -1,0 +1,340 @@
+//! Two sweeps of error against time compared.
+//!
+//! Settings that differ in nothing but the number of points form a series. Where their error falls with that
+//! number, the ratio is of the time to an equal error: a ratio of errors becomes one of times along the power
+//! with which the error fell with the time before. Elsewhere time and error at equal settings are two ratios.
+//! Either is the geometric mean over the settings, of typical times and of means of squared errors, seed by
+//! seed: two programs that draw the same random numbers make the same errors, which then cancel.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+
+use super::{Change, Estimate, Found, Regression, Side, Verdict, log_ratio, typical};
+use crate::accuracy::reference::FLOOR;
+use crate::accuracy::setting::{Target, converges, series_of};
+use crate::accuracy::store::{
+    Circumstances, Header, NeutralRecord, PointRecord, PreparedRecord, Record, ReferenceRecord,
+    SceneRecord, TrialRecord, all, read,
+};
+use crate::summary::median;
+use wavecrest_base::error::Result;
+use wavecrest_image::compare::compare as compare_films;
+use wavecrest_image::read::read as read_film;
+
+/// Powers with which a mean squared error falls with time: that of independent points is -1.
+const POWERS: [f64; 2] = [-2.5, -0.5];
+
+/// The records of a sweep.
+struct Sweep<'a> {
+    folder: &'a Path,
+    header: Header,
+    records: Vec<Record>,
+}
+
+/// What the renders of a setting gave on one side, seed by seed.
+struct Column {
+    seconds: Vec<f64>,
+    squares: Vec<f64>,
+}
+
+/// A setting on both sides.
+type Pair = [Column; 2];
+
+/// The renders of a scene on one side: series, then key, then seed.
+type Series<'a> = BTreeMap<(Target, String), BTreeMap<&'a str, BTreeMap<u64, &'a PointRecord>>>;
+
+/// Compares the sweeps in two folders.
+///
+/// # Errors
+/// When one of them cannot be read.
+pub fn compare(before: &Path, after: &Path) -> Result<Regression> {
+    let open = |folder| {
+        let (header, records) = read(folder)?;
+        Ok(Sweep { folder, header, records })
+    };
+    let sides = [open(before)?, open(after)?];
+    let mut regression =
+        Regression { before: side(&sides[0]), after: side(&sides[1]), ..Regression::default() };
+    let mut found = Vec::new();
+    for scene in all::<SceneRecord>(&sides[0].records) {
+        let name = &scene.scene;
+        let other = all(&sides[1].records).find(|other: &&SceneRecord| other.scene == *name);
+        match other {
+            None => regression.warnings.push(format!("`{name}` was not measured again")),
+            Some(other) if other.size != scene.size => regression.warnings.push(format!(
+                "`{name}` has another size: {:?} before, {:?} after",
+                scene.size, other.size
+            )),
+            Some(other) => {
+                if other.fingerprint != scene.fingerprint {
+                    let warning = "is not the same scene, or is prepared in another way";
+                    regression.warnings.push(format!("`{name}` {warning}"));
+                }
+                points(name, &sides, &mut found, &mut regression.warnings);
+                found.extend(preparation(name, &sides));
+                regression.changes.extend(changes(name, &sides)?);
+            }
+        }
+    }
+    Ok(regression.judged(found))
+}
+
+fn side(sweep: &Sweep<'_>) -> Side {
+    let last = all::<Circumstances>(&sweep.records).last();
+    Side {
+        path: sweep.folder.display().to_string(),
+        version: sweep.header.version.clone(),
+        commit: last.and_then(|c| c.commit.clone()),
+        machine: last.map(|c| c.machine.clone()).unwrap_or_default(),
+    }
+}
+
+/// Every series of a scene, and all of them together.
+fn points(scene: &str, sides: &[Sweep<'_>; 2], found: &mut Vec<Found>, warnings: &mut Vec<String>) {
+    let [before, after] = sides.each_ref().map(|side| series(scene, &side.records));
+    let mut everything = Vec::new();
+    for ((target, name), keys) in &before {
+        let what = match target {
+            Target::Scene => name.clone(),
+            Target::Pixel => format!("{name}, whole pixels"),
+        };
+        let Some(others) = after.get(&(*target, name.clone())) else {
+            warnings.push(format!("`{scene}`: {what} was not measured again"));
+            continue;
+        };
+        let falls = keys.keys().all(|key| converges(key));
+        let floors =
+            sides.each_ref().map(|side| if falls { floor(scene, *target, side) } else { 0.0 });
+        let pairs = pairs(keys, others, floors);
+        let falls = falls && pairs.len() > 1;
+        let power = if falls { Some(power(&pairs)) } else { None };
+        let mut add = |of, estimate: Option<Estimate>| {
+            let (scene, what) = (scene.to_owned(), what.clone());
+            let curves = if falls { curves(&pairs) } else { Vec::new() };
+            found.extend(estimate.map(|estimate| Found { scene, what, of, estimate, curves }));
+        };
+        match power {
+            Some(_) => add("time at equal error", time(&[(&pairs, power)])),
+            None => {
+                add("time", time(&[(&pairs, None)]));
+                add("error", error(&pairs));
+            }
+        }
+        everything.push((pairs, power));
+    }
+    let everything: Vec<_> = everything.iter().map(|(pairs, power)| (&**pairs, *power)).collect();
+    let (scene, what, curves) = (scene.to_owned(), "all settings".to_owned(), Vec::new());
+    let together = time(&everything).map(|estimate| Found {
+        scene,
+        what,
+        of: "time at equal error",
+        estimate,
+        curves,
+    });
+    found.extend(together);
+}
+
+fn series<'a>(scene: &str, records: &'a [Record]) -> Series<'a> {
+    let mut series = Series::new();
+    for point in all::<PointRecord>(records).filter(|point| point.scene == scene) {
+        let keys = series.entry((point.target, series_of(&point.key))).or_default();
+        keys.entry(&point.key).or_default().insert(point.seed, point);
+    }
+    series
+}
+
+/// The mean squared error below which nothing is believed.
+fn floor(scene: &str, target: Target, sweep: &Sweep<'_>) -> f64 {
+    let floor = reference(scene, target, sweep).map_or(0.0, |r| FLOOR * r.standard_error);
+    floor * floor
+}
+
+fn reference<'a>(scene: &str, target: Target, sweep: &'a Sweep<'_>) -> Option<&'a ReferenceRecord> {
+    all(&sweep.records).find(|r: &&ReferenceRecord| r.scene == scene && r.target == target)
+}
+
+/// The settings that both sides have, with the seeds that all of these have.
+fn pairs<'a>(
+    before: &BTreeMap<&str, BTreeMap<u64, &'a PointRecord>>,
+    after: &BTreeMap<&str, BTreeMap<u64, &'a PointRecord>>,
+    floors: [f64; 2],
+) -> Vec<Pair> {
+    let common: Vec<_> =
+        before.iter().filter_map(|(key, one)| Some([one, after.get(key)?])).collect();
+    let seeds = |of: &BTreeMap<u64, &PointRecord>| of.keys().copied().collect::<BTreeSet<_>>();
+    let all = common.iter().flatten().map(|of| seeds(of));
+    let seeds = all.reduce(|a, b| &a & &b).unwrap_or_default();
+    let column = |of: &BTreeMap<u64, &'a PointRecord>| {
+        let each = |value: fn(&PointRecord) -> f64| -> Vec<f64> {
+            seeds.iter().filter_map(|seed| of.get(seed)).map(|p| value(p)).collect()
+        };
+        Column { seconds: each(|p| p.seconds), squares: each(|p| p.error.mse) }
+    };
+    let pairs = common.into_iter().map(|pair| pair.map(column));
+    let is_believed =
+        |pair: &Pair| pair.iter().zip(floors).all(|(column, floor)| mean(&column.squares) >= floor);
+    pairs.filter(is_believed).collect()
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len().max(1) as f64
+}
+
+impl Column {
+    fn time(&self, rounds: &[usize]) -> f64 {
+        typical(&self.seconds, rounds)
+    }
+
+    fn square(&self, rounds: &[usize]) -> f64 {
+        rounds.iter().filter_map(|round| self.squares.get(*round)).sum::<f64>()
+            / rounds.len() as f64
+    }
+}
+
+/// Of times: at equal error along a power, where there is one.
+fn time(series: &[(&[Pair], Option<f64>)]) -> Option<Estimate> {
+    let pairs = || series.iter().flat_map(|(pairs, power)| pairs.iter().map(move |p| (p, power)));
+    let (rounds, count) = (pairs().map(|(pair, _)| pair[0].seconds.len()).min()?, pairs().count());
+    let log = |([before, after], power): (&Pair, &Option<f64>), rounds: &[usize]| {
+        let error = power.map(|p| log_ratio(before.square(rounds), after.square(rounds)) / p);
+        log_ratio(before.time(rounds), after.time(rounds)) - error.unwrap_or(0.0)
+    };
+    Estimate::of(rounds, |rounds| pairs().map(|pair| log(pair, rounds)).sum::<f64>() / count as f64)
+}
+
+/// Of root mean squared errors.
+fn error(pairs: &[Pair]) -> Option<Estimate> {
+    let log = |[before, after]: &Pair, rounds: &[usize]| {
+        log_ratio(before.square(rounds), after.square(rounds)) / 2.0
+    };
+    Estimate::of(pairs.first()?[0].seconds.len(), |rounds| {
+        pairs.iter().map(|pair| log(pair, rounds)).sum::<f64>() / pairs.len() as f64
+    })
+}
+
+/// The power with which the mean squared error fell with time before, by least squares through logarithms.
+fn power(pairs: &[Pair]) -> f64 {
+    let logs: Vec<[f64; 2]> = pairs
+        .iter()
+        .map(|[before, _]| [median(&before.seconds), mean(&before.squares)].map(libm::log))
+        .collect();
+    let middle = [0, 1].map(|axis| mean(&logs.iter().map(|log| log[axis]).collect::<Vec<_>>()));
+    let sum = |axis: usize| -> f64 {
+        logs.iter().map(|log| (log[0] - middle[0]) * (log[axis] - middle[axis])).sum()
+    };
+    let power = sum(1) / sum(0);
+    if power.is_finite() { power.clamp(POWERS[0], POWERS[1]) } else { -1.0 }
+}
+
+/// Root mean squared error against time, before and after.
+fn curves(pairs: &[Pair]) -> Vec<Vec<[f64; 2]>> {
+    let point = |c: &Column| [median(&c.seconds), mean(&c.squares).sqrt()];
+    let curve = |side: usize| {
+        let mut points: Vec<[f64; 2]> = pairs.iter().map(|pair| point(&pair[side])).collect();
+        points.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        points
+    };
+    vec![curve(0), curve(1)]
+}
+
+/// What comes before the first ray, where it was measured often enough.
+fn preparation(scene: &str, sides: &[Sweep<'_>; 2]) -> Vec<Found> {
+    let times = sides.each_ref().map(|side| {
+        let mut times: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
+        for p in all::<PreparedRecord>(&side.records).filter(|p| p.scene == scene) {
+            times.entry(&p.key).or_default().push(p.time.load + p.time.build);
+        }
+        times
+    });
+    let [before, after] = &times;
+    let one = |(key, before): (&&str, &Vec<f64>)| {
+        let after = after.get(key)?;
+        let rounds = before.len().min(after.len());
+        let estimate = Estimate::of(rounds, |rounds| {
+            log_ratio(typical(before, rounds), typical(after, rounds))
+        })?;
+        let what = format!("{key}, before the first ray");
+        let (scene, curves) = (scene.to_owned(), Vec::new());
+        Some(Found { scene, what, of: "time", estimate, curves })
+    };
+    before.iter().filter_map(one).collect()
+}
+
+/// What must not change at all, or follows from the program alone.
+fn changes(scene: &str, sides: &[Sweep<'_>; 2]) -> Result<Vec<Change>> {
+    let mut changes = neutral(scene, sides);
+    changes.extend(trials(scene, sides));
+    for target in Target::ALL {
+        changes.extend(references(scene, target, sides)?);
+    }
+    Ok(changes)
+}
+
+/// What must not change a picture, and does on one side.
+fn neutral(scene: &str, sides: &[Sweep<'_>; 2]) -> Vec<Change> {
+    let [before, after] =
+        sides.each_ref().map(|s| all::<NeutralRecord>(&s.records).filter(|n| n.scene == scene));
+    let after: Vec<&NeutralRecord> = after.collect();
+    let differs = |before: &NeutralRecord| {
+        let is_it = |n: &&&NeutralRecord| n.knob == before.knob && n.value == before.value;
+        let after = after.iter().find(is_it)?;
+        let words = |n: &NeutralRecord| if n.equal { "the same bits" } else { "other bits" };
+        (after.equal != before.equal).then(|| Change {
+            scene: scene.to_owned(),
+            what: format!("{} {}", before.knob, before.value),
+            before: words(before).to_owned(),
+            after: words(after).to_owned(),
+            verdict: if before.equal { Verdict::Worse } else { Verdict::Better },
+        })
+    };
+    before.filter_map(differs).collect()
+}
+
+/// Rays that leak or meet their own triangle again.
+fn trials(scene: &str, sides: &[Sweep<'_>; 2]) -> Vec<Change> {
+    let [before, after] = sides
+        .each_ref()
+        .map(|s| all::<TrialRecord>(&s.records).filter(|t| t.scene == scene).collect::<Vec<_>>());
+    let mut changes = Vec::new();
+    for one in before {
+        let Some(other) = after.iter().find(|t| t.precision == one.precision) else { continue };
+        for (what, before, after) in
+            [("leaks", one.leaks, other.leaks), ("self-hits", one.self_hits, other.self_hits)]
+        {
+            let share = |[tried, failed]: [u64; 2]| failed as f64 / tried.max(1) as f64;
+            let words = |[tried, failed]: [u64; 2]| format!("{failed} of {tried}");
+            if share(before) != share(after) {
+                let worse = share(after) > share(before);
+                changes.push(Change {
+                    scene: scene.to_owned(),
+                    what: format!("{what}, {}", one.precision),
+                    before: words(before),
+                    after: words(after),
+                    verdict: if worse { Verdict::Worse } else { Verdict::Better },
+                });
+            }
+        }
+    }
+    changes
+}
+
+/// References that are further apart than either may be from the truth.
+fn references(scene: &str, target: Target, sides: &[Sweep<'_>; 2]) -> Result<Option<Change>> {
+    let [Some(before), Some(after)] = sides.each_ref().map(|s| reference(scene, target, s)) else {
+        return Ok(None);
+    };
+    let [one, other] = [(&sides[0], before), (&sides[1], after)]
+        .map(|(side, reference)| read_film(&side.folder.join(&reference.file)));
+    let distance = compare_films(&one?, &other?)?.rmse;
+    let expected = libm::hypot(before.standard_error, after.standard_error);
+    Ok((distance > FLOOR * expected && distance > 0.0).then(|| Change {
+        scene: scene.to_owned(),
+        what: format!("the reference for the {}", target.name()),
+        before: format!("a standard error of {:.1e}", before.standard_error),
+        after: format!(
+            "{distance:.1e} from it, with a standard error of {:.1e}",
+            after.standard_error
+        ),
+        verdict: Verdict::Worse,
+    }))
+}

@@ -1,0 +1,248 @@
+//! What is planted is found, and nothing where nothing is: sweeps are written by the store that sweeps write, with
+//! times and errors as a machine and a sampler would give them, and compared as the command compares them.
+
+use std::path::Path;
+
+use super::*;
+use crate::accuracy::setting::Target;
+use crate::accuracy::store::{
+    Errors, Header, PointRecord, PreparedRecord, Record, ReferenceRecord, SceneRecord, Store,
+};
+use crate::accuracy::subject::Stages;
+use wavecrest_core::film::Film;
+use wavecrest_image::write::{Transfer, write};
+
+/// How often each thing is tried.
+const TRIES: u64 = 20;
+
+const SEEDS: u64 = 16;
+
+/// Noise of a machine and of samplers.
+struct Noise(Rng);
+
+impl Noise {
+    fn unit(&mut self) -> f64 {
+        self.0.below(1 << 30) as f64 / f64::from(1 << 30)
+    }
+
+    /// About normal, with a standard deviation of 1.
+    fn normal(&mut self) -> f64 {
+        (0..12).map(|_| self.unit()).sum::<f64>() - 6.0
+    }
+
+    /// A factor on a time: a spread of 1 per cent, and one render of ten that something else slows down.
+    fn time(&mut self) -> f64 {
+        let slow = if self.unit() < 0.1 { 1.0 + self.unit() / 2.0 } else { 1.0 };
+        libm::exp(0.01 * self.normal()) * slow
+    }
+}
+
+/// What a program is like.
+#[derive(Clone, Copy)]
+struct Program {
+    /// The machine's noise in this run.
+    run: u64,
+    /// A factor on the time of every render.
+    slower: f64,
+    /// The power with which the squared error of jittered points falls.
+    jittered: f64,
+    /// Whether samplers draw other random numbers.
+    reseeded: bool,
+}
+
+const USUAL: Program = Program { run: 1, slower: 1.0, jittered: -1.5, reseeded: false };
+
+fn sweep(folder: &Path, program: Program) {
+    let header = Header { version: "1".into(), longest: 8, most: 256, least: 16 };
+    let mut store = Store::open(folder, &header).unwrap();
+    let name = "a".to_owned();
+    let file = "a.json".into();
+    let scene =
+        SceneRecord { scene: name, file, fingerprint: "1".into(), size: [2, 2], primitives: 1 };
+    store.admit(scene).unwrap();
+    write(&Film::new(2, 2).unwrap(), &folder.join("a-scene.exr"), Transfer::Linear).unwrap();
+    store
+        .add(Record::Reference(ReferenceRecord {
+            scene: "a".into(),
+            target: Target::Scene,
+            file: "a-scene.exr".into(),
+            samples: 64,
+            replicates: 4,
+            standard_error: 1e-6,
+            seconds: 1.0,
+        }))
+        .unwrap();
+    let mut machine = Noise(Rng::new(program.run));
+    for _ in 0..6 {
+        let time = Stages { load: 0.01 * machine.time(), build: 0.02 * machine.time() };
+        let record = PreparedRecord { scene: "a".into(), key: "robust".into(), time };
+        store.add(Record::Prepared(record)).unwrap();
+    }
+    for seed in 0..SEEDS {
+        for (number, (key, n, power)) in settings(program).into_iter().enumerate() {
+            let numbers = seed * 1000 + number as u64 + if program.reseeded { 1 << 20 } else { 0 };
+            let spread = libm::exp(0.1 * Noise(Rng::new(numbers)).normal());
+            let mse = libm::pow(n, power) * 1e-3 * spread;
+            let seconds = (0.01 + 0.004 * n) * program.slower * machine.time();
+            store.add(point(key, seed, seconds, mse)).unwrap();
+        }
+    }
+}
+
+/// Keys, numbers of points, and powers.
+fn settings(program: Program) -> Vec<(String, f64, f64)> {
+    let mut settings = Vec::new();
+    for (sampler, power) in [("random", -1.0), ("jittered", program.jittered), ("sobol", -1.55)] {
+        for side in [2, 4, 8, 16] {
+            let n = f64::from(side * side);
+            settings.push((format!("robust lights={sampler}:{side}"), n, power));
+        }
+    }
+    settings.extend(["fast", "robust", "exact"].map(|name| (name.to_owned(), 16.0, -1.0)));
+    settings
+}
+
+fn point(key: String, seed: u64, seconds: f64, mse: f64) -> Record {
+    Record::Point(PointRecord {
+        scene: "a".into(),
+        target: Target::Scene,
+        key,
+        seed,
+        seconds,
+        passes: Vec::new(),
+        rays: 7,
+        error: Errors { mse, relative_mse: mse, bias: 0.0, flip: 0.0 },
+    })
+}
+
+/// What is found of `after` in each try, against the usual program in another run.
+fn tries(after: Program) -> Vec<Regression> {
+    let one = |number| {
+        let folder = tempfile::tempdir().unwrap();
+        let sides = ["before", "after"].map(|name| folder.path().join(name));
+        sweep(&sides[0], Program { run: 2 * number, ..USUAL });
+        sweep(&sides[1], Program { run: 2 * number + 1, ..after });
+        Regression::of(&sides[0], &sides[1]).unwrap()
+    };
+    (1..=TRIES).map(one).collect()
+}
+
+fn worse(found: &Regression) -> Vec<String> {
+    let worse = found.ratios.iter().filter(|ratio| ratio.verdict == Verdict::Worse);
+    worse.map(|ratio| format!("{}, {}", ratio.what, ratio.of)).collect()
+}
+
+#[test]
+fn two_runs_of_one_program_differ_in_nothing() {
+    for found in tries(USUAL) {
+        assert_eq!(
+            found.ratios.len(),
+            11,
+            "3 samplers, all together, time and error of 3 precisions, 1 build"
+        );
+        assert_eq!(
+            (found.count(Verdict::Worse), found.count(Verdict::Better)),
+            (0, 0),
+            "{found:?}"
+        );
+        assert!(!found.is_worse());
+    }
+    // Nor where the samplers draw other random numbers.
+    for found in tries(Program { reseeded: true, ..USUAL }) {
+        assert!(!found.is_worse(), "{:?}", worse(&found));
+    }
+}
+
+#[test]
+fn a_program_that_is_three_per_cent_slower_is_found() {
+    for found in tries(Program { slower: 1.03, ..USUAL }) {
+        let worse = worse(&found);
+        assert!(
+            worse.contains(&"all settings, time at equal error".to_owned()),
+            "{worse:?} {}",
+            found.text()
+        );
+        assert!(!worse.iter().any(|what| what.ends_with(", error")), "{worse:?}");
+        for ratio in found.ratios.iter().filter(|ratio| ratio.of == "time at equal error") {
+            assert!(ratio.low < 1.03 && 1.03 < ratio.high, "{ratio:?}");
+        }
+    }
+}
+
+#[test]
+fn a_sampler_that_is_wrong_is_found() {
+    // The strata of one dimension are forgotten: the error falls as that of independent points.
+    for found in tries(Program { jittered: -1.0, ..USUAL }) {
+        let worse = worse(&found);
+        assert!(worse.contains(&"robust lights=jittered, time at equal error".to_owned()));
+        assert!(worse.iter().all(|what| !what.contains("random") && !what.contains("sobol")));
+    }
+}
+
+#[test]
+fn a_slow_half_of_a_run_is_no_slower_program() {
+    let mut machine = Noise(Rng::new(5));
+    let before: Vec<f64> = (0..16).map(|_| machine.time()).collect();
+    let after: Vec<f64> =
+        (0..16).map(|n| machine.time() * if n < 8 { 1.06 } else { 1.0 }).collect();
+    let statistic = |rounds: &[usize]| log_ratio(typical(&before, rounds), typical(&after, rounds));
+    let estimate = Estimate::of(16, statistic).unwrap();
+    assert!(estimate.chance() > SIGNIFICANCE, "{estimate:?}");
+}
+
+#[test]
+fn chances_are_corrected_and_intervals_are_as_wide_as_students() {
+    assert_eq!(holm(&[0.01, 0.04, 0.03]), [0.03, 0.06, 0.06]);
+    assert_eq!(holm(&[0.9, 0.6]), [1.0, 1.0]);
+    // Student's t: 95 per cent lie within 2.131 with 15 degrees of freedom, within 3.182 with 3.
+    for (freedom, expected) in [(15.0, 2.131), (3.0, 3.182)] {
+        let estimate = Estimate { log: 0.0, standard_error: 1.0, freedom };
+        let [low, high] = estimate.interval(1).map(libm::log);
+        assert!((high - expected).abs() < 0.02 * expected && low == -high, "{high}");
+    }
+    let certain = Estimate { log: 0.1, standard_error: 0.0, freedom: 15.0 };
+    assert_eq!(certain.chance(), 0.0);
+    assert_eq!(Estimate { log: 0.001, ..certain }.chance(), 1.0);
+    assert_eq!(log_ratio(0.0, 0.0), 0.0);
+}
+
+/// A report of `bench` with so many runs of each tracer.
+fn report(run: u64, slower: f64, equal: bool) -> String {
+    let mut machine = Noise(Rng::new(run));
+    let mut each = |factor: f64| (0..30).map(|_| factor * machine.time()).collect::<Vec<_>>();
+    let timed = |each: Vec<f64>| serde_json::json!({"seconds": {"each": each}});
+    serde_json::json!({
+        "version": "1", "machine": {"cores": 2}, "scenes": [{
+            "scene": "a.json", "image": {"width": 4}, "equal": equal, "rays": {"primary": 4},
+            "wavefront": timed(each(0.5 * slower)), "recursive": timed(each(1.0)), "comparisons": [],
+        }]
+    })
+    .to_string()
+}
+
+#[test]
+fn reports_of_bench_are_compared_too() {
+    let folder = tempfile::tempdir().unwrap();
+    let [before, after] = ["before.json", "after.json"].map(|name| folder.path().join(name));
+    for number in 1..=TRIES {
+        std::fs::write(&before, report(2 * number, 1.0, true)).unwrap();
+        let found = |slower, equal| {
+            std::fs::write(&after, report(2 * number + 1, slower, equal)).unwrap();
+            Regression::of(&before, &after).unwrap()
+        };
+        assert!(!found(1.0, true).is_worse());
+        let slow = found(1.03, true);
+        assert_eq!(worse(&slow), ["wavefront, time"], "{}", slow.text());
+        let differs = found(1.0, false);
+        assert!(differs.is_worse() && worse(&differs).is_empty());
+    }
+    let refused =
+        |before: &Path, after: &Path| Regression::of(before, after).unwrap_err().to_string();
+    let error = refused(&before, folder.path());
+    assert!(error.contains("a sweep and a file are not comparable"), "{error}");
+    std::fs::write(&after, "{}").unwrap();
+    let error = refused(&before, &after);
+    assert!(error.contains("no report of `bench`") && error.contains("after.json"), "{error}");
+    let error = refused(folder.path(), folder.path());
+    assert!(error.contains("cannot read the records of a sweep"), "{error}");
+}
