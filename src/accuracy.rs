@@ -7,6 +7,7 @@ use indicatif::ProgressBar;
 
 use super::common::{Threads, above_zero, print, progress_bar, tell};
 use wavecrest_base::error::Result;
+use wavecrest_report::accuracy::answer::ERRORS;
 use wavecrest_report::accuracy::pilot::Pilot;
 use wavecrest_report::accuracy::store::{Circumstances, Header, Record, Store};
 use wavecrest_report::accuracy::sweep::{Options, Progress, run as sweep};
@@ -42,7 +43,10 @@ pub(crate) struct AccuracyArgs {
     pub(crate) target_error: Option<f64>,
     /// The longer side of images, at most, in pixels
     #[arg(long, value_name = "PIXELS", default_value_t = 160, value_parser = clap::value_parser!(u32).range(1..=65536))]
-    pub(crate) longest: u32,
+    pub(crate) side_pixels: u32,
+    /// The errors for which the report says what they cost, separated by commas
+    #[arg(long, value_name = "ERRORS", value_parser = above_zero, value_delimiter = ',', default_values_t = ERRORS)]
+    pub(crate) errors: Vec<f64>,
     /// Renders of each setting, with random numbers of their own
     #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(2..=4096))]
     pub(crate) seeds: u32,
@@ -123,9 +127,6 @@ fn advise(args: &AccuracyArgs, error: f64) -> Result<()> {
         let pilot = Pilot::run(&mut scene, &original, 0)?;
         let best = pilot.for_error(error).map(|choice| choice.points.sampling);
         let mut text = format!("{}\n", file.display());
-        if best.is_none() {
-            text += "  nothing is left to chance: the error is 0\n";
-        }
         for curve in &pilot.curves {
             let mark = if best == Some(curve.sampling) { '*' } else { ' ' };
             text += &format!("{mark} {}\n", curve.for_error(error));
@@ -137,7 +138,7 @@ fn advise(args: &AccuracyArgs, error: f64) -> Result<()> {
 
 fn run_sweep(args: &AccuracyArgs, folder: &Path) -> Result<bool> {
     let options = Options {
-        longest: args.longest,
+        longest: args.side_pixels,
         seeds: args.seeds,
         most: args.most,
         least: args.reference,
@@ -147,7 +148,7 @@ fn run_sweep(args: &AccuracyArgs, folder: &Path) -> Result<bool> {
     let shown = Shown { bar: RefCell::new(ProgressBar::hidden()), quiet: args.quiet };
     let mut swept = sweep(&args.scenes, &options, &mut store, &shown)?;
     shown.bar.borrow().finish_and_clear();
-    let findings = Findings::new(&options, &store, &swept);
+    let findings = Findings::new(&options, &store, &swept, &args.errors);
     findings.write(folder)?;
     page::write(&findings, &mut swept, folder, !args.no_effects)?;
     if !args.quiet {

@@ -50,14 +50,11 @@ pub(super) fn trace(
     let pilot = Pilot::run(scene, &original, args.seed)?;
     match choose(args, &pilot, start) {
         Some(choice) => Aimed { args, seen, original }.trace(scene, choice, preset),
-        None => {
-            say(args, seen, "nothing in this scene is left to chance: its error is 0");
-            plain(args, scene, preset, seen)
-        }
+        None => plain(args, scene, preset, seen),
     }
 }
 
-/// What the pilot advises; `None` where nothing is left to chance.
+/// What the pilot advises; `None` where it is not asked.
 fn choose(args: &RenderArgs, pilot: &Pilot, start: Instant) -> Option<Choice> {
     match (args.target_error, args.time_budget) {
         (Some(error), _) => pilot.for_error(error),

@@ -89,6 +89,7 @@ fn page() -> Page {
     Page {
         title: "A page of everything".to_owned(),
         lead: "Words that lead in.".to_owned(),
+        first: vec![Block::paragraph("Words that answer.")],
         sections: vec![
             Section::new(
                 "Charts",
@@ -169,6 +170,67 @@ fn a_page_of_bench_opens_without_complaint_and_asks_no_network() {
     }
     let picture = browser.picture(&pictures().join("bench.png"));
     assert!(picture.height() > 1000);
+}
+
+/// What an error costs stands on the first screen, as the JSON has it; pictures are seen at once.
+#[test]
+fn the_answer_of_a_sweep_is_on_the_first_screen() {
+    let Some(mut browser) = Browser::start("the answer of a sweep") else { return };
+    let folder = tempfile::tempdir().expect("a folder");
+    let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/testareajitter.json");
+    let status = Command::new(env!("CARGO_BIN_EXE_wavecrest"))
+        .current_dir(folder.path())
+        .args(["accuracy", "-q", "-o", "out", "--side-pixels", "32", "--seeds", "4"])
+        .args(["--most", "64", "--reference", "256", "--no-effects", "--errors", "0.03,0.02"])
+        .arg(scene)
+        .status()
+        .expect("it runs");
+    assert!(status.success());
+    browser.resize(1280, 800);
+    browser.prefer("light");
+    browser.open(&folder.path().join("out/report.html"));
+    assert_eq!(browser.complaints, Vec::<String>::new());
+    let text = std::fs::read_to_string(folder.path().join("out/accuracy.json")).expect("JSON");
+    let found: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    let errors = &found["scenes"][0]["answer"]["errors"];
+    for (row, error) in errors.as_array().expect("answers").iter().enumerate() {
+        let mut cell = |column: u32, what: &str| {
+            let row = format!("tbody tr:nth-child({})", row + 1);
+            browser.evaluate(&format!(
+                "document.querySelector('table {row} > :nth-child({column})').{what}"
+            ))
+        };
+        let value = "dataset.value * 1";
+        assert_eq!(cell(2, value).as_f64(), error["error"].as_f64());
+        assert_eq!(cell(3, "textContent"), error["sampler"]);
+        assert_eq!(cell(4, value).as_f64(), error["points"].as_f64());
+        assert_eq!(cell(5, value), error["seconds"]);
+        assert_eq!(cell(6, value), error["times_as_fast"]["value"]);
+        let bottom = cell(1, "getBoundingClientRect().bottom").as_f64();
+        assert!(bottom.is_some_and(|bottom| bottom < 800.0), "row {row} ends at {bottom:?}");
+    }
+    let hidden = "[...document.images].filter(i => !i.checkVisibility()).length";
+    assert_eq!(browser.evaluate(hidden), 0);
+    // All pictures of a row are seen from near at once.
+    let [x, y] = browser.middle(".zooms .frame");
+    for kind in ["mousePressed", "mouseReleased"] {
+        browser.mouse(kind, [x, y]);
+    }
+    let widths = "[...document.querySelectorAll('.zooms.near img')].map(i => \
+                  i.getBoundingClientRect().width / i.parentElement.getBoundingClientRect().width)";
+    let widths = browser.evaluate(widths);
+    let widths = widths.as_array().expect("widths");
+    assert!(widths.len() == 4 && widths.iter().all(|w| *w == 4.0), "{widths:?}");
+    for (scheme, width, name) in
+        [("light", 1280, "sweep"), ("dark", 1280, "sweep-dark"), ("light", 400, "sweep-narrow")]
+    {
+        browser.resize(width, 800);
+        browser.prefer(scheme);
+        browser.picture(&pictures().join(format!("{name}.png")));
+        let wide = browser.evaluate("document.documentElement.scrollWidth");
+        assert_eq!(wide, width, "nothing stands out of the window");
+    }
+    std::fs::write(pictures().join("sweep.pdf"), browser.print()).expect("a file");
 }
 
 #[test]
@@ -263,6 +325,7 @@ fn without_javascript_everything_is_there() {
     for words in [
         "A page of everything",
         "Words that lead in.",
+        "Words that answer.",
         "Words in a caption.",
         "Words over a table.",
         "Words at two pictures.",

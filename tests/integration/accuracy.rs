@@ -10,6 +10,7 @@ use wavecrest_core::prepared::{PreparedScene, Samples};
 use wavecrest_core::render::RenderOptions;
 use wavecrest_image::compare::compare;
 use wavecrest_report::accuracy::Findings;
+use wavecrest_report::accuracy::answer::ERRORS;
 use wavecrest_report::accuracy::findings::FamilyFindings;
 use wavecrest_report::accuracy::pilot::Pilot;
 use wavecrest_report::accuracy::store::{FILE, Header, Record, Store};
@@ -33,7 +34,7 @@ const OPTIONS: Options = Options { longest: 40, seeds: 4, most: 121, least: 2025
 fn findings(options: &Options, file: &Path, folder: &Path) -> Findings {
     let mut store = Store::open(folder, &Header::new(options)).expect("a folder");
     let swept = run(&[file.to_owned()], options, &mut store, &Silent).expect("a sweep");
-    Findings::new(options, &store, &swept)
+    Findings::new(options, &store, &swept, &ERRORS)
 }
 
 fn family<'a>(findings: &'a Findings, name: &str) -> &'a FamilyFindings {

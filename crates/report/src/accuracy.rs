@@ -6,6 +6,7 @@
 //! known; [`neutral`] tries what must change nothing. [`findings`] sums the records up with intervals
 //! ([`fit`]), and [`page`] shows them.
 
+pub mod answer;
 pub mod crops;
 pub mod findings;
 pub mod fit;
@@ -63,13 +64,16 @@ impl Circumstances {
 }
 
 impl Findings {
-    /// Sums up what `store` has of the `swept` scenes.
-    pub fn new(options: &Options, store: &Store, swept: &[sweep::Swept]) -> Self {
+    /// Sums up what `store` has of the `swept` scenes, and answers what `errors` cost.
+    pub fn new(options: &Options, store: &Store, swept: &[sweep::Swept], errors: &[f64]) -> Self {
         Self {
             header: Header::new(options),
             seeds: options.seeds,
             circumstances: all(&store.records).cloned().collect(),
-            scenes: swept.iter().filter_map(|s| SceneFindings::of(s, &store.records)).collect(),
+            scenes: swept
+                .iter()
+                .filter_map(|s| SceneFindings::of(s, &store.records, errors))
+                .collect(),
         }
     }
 }

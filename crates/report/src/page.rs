@@ -24,6 +24,8 @@ pub struct Page {
     pub title: String,
     /// What was asked and what was found, in a few sentences.
     pub lead: String,
+    /// The answer in short, before the table of contents.
+    pub first: Vec<Block>,
     /// Its sections; the table of contents has them all.
     pub sections: Vec<Section>,
 }

@@ -95,8 +95,8 @@ pub enum Draw {
     Points,
     /// Markers with whiskers, joined by a line.
     Line,
-    /// Markers with whiskers, joined by stairs: a Pareto front from left to right, where less is better
-    /// on either axis.
+    /// Stairs below all else: a Pareto front from left to right, where less is better on either axis, of points
+    /// that other series mark.
     Front,
 }
 

@@ -20,7 +20,7 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use crate::accuracy::fit::Rng;
+use crate::accuracy::fit::{Rng, chance_beyond, normal_of, student};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
 /// What two programs that do the same may differ by, in parts of the time or the error.
@@ -233,31 +233,13 @@ impl Estimate {
         if beyond <= 0.0 {
             return 1.0;
         }
-        let normal = self.scale(beyond / self.standard_error);
-        libm::erfc(normal / std::f64::consts::SQRT_2).min(1.0)
+        chance_beyond(normal_of(beyond / self.standard_error, self.freedom))
     }
 
     /// The interval, where `count` of them hold together.
     fn interval(self, count: usize) -> [f64; 2] {
-        let (mut low, mut high) = (0.0, 1e3);
-        // The number of standard errors beyond which the chance is as asked for, by bisection.
-        for _ in 0..60 {
-            let middle = (low + high) / 2.0;
-            let chance = libm::erfc(self.scale(middle) / std::f64::consts::SQRT_2);
-            if chance * count as f64 > SIGNIFICANCE {
-                low = middle;
-            } else {
-                high = middle;
-            }
-        }
-        [-high, high].map(|errors| libm::exp(self.log + errors * self.standard_error))
-    }
-
-    /// What is as likely under the normal distribution as `t` under Student's (Wallace, *Bounds on Normal
-    /// Approximations to Student's and the Chi-square Distributions*, 1959).
-    fn scale(self, t: f64) -> f64 {
-        let n = self.freedom;
-        (8.0 * n + 1.0) / (8.0 * n + 3.0) * (n * libm::log1p(t * t / n)).sqrt()
+        let reach = student(SIGNIFICANCE / count as f64, self.freedom) * self.standard_error;
+        [self.log - reach, self.log + reach].map(libm::exp)
     }
 }
 

@@ -20,7 +20,7 @@ fn soft() -> String {
 #[test]
 fn a_sweep_writes_a_page_and_the_same_figures_in_other_forms() {
     let folder = with_scene(&soft());
-    let arguments = ["accuracy", "ball.json", "-o", "out", "--longest", "16", "--seeds", "2"];
+    let arguments = ["accuracy", "ball.json", "-o", "out", "--side-pixels", "16", "--seeds", "2"];
     let small = ["--most", "9", "--reference", "64", "--no-effects"];
     let output = run(folder.path(), &[&arguments[..], &small].concat());
     assert_eq!(text(&output.stderr), "");

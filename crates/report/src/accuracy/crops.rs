@@ -1,15 +1,13 @@
-//! What equal time buys: the same part of the picture by each sampler, at the most points that it has time
-//! for.
+//! What equal time buys, and what an equal error looks like: the same part of the picture by each sampler.
 
-use super::findings::{FamilyFindings, PointFindings};
+use super::findings::{FamilyFindings, PointFindings, SeriesFindings};
 use super::reference::Reference;
 use super::setting::Family;
 use super::subject::Subject;
 use wavecrest_base::error::Result;
 use wavecrest_core::film::Film;
 use wavecrest_core::render::RenderOptions;
-use wavecrest_image::error_map::flip_map;
-use wavecrest_image::flip::{DEFAULT_PIXELS_PER_DEGREE, flip};
+use wavecrest_image::error_map::{MapKind, error_map};
 
 /// A part of the picture, by one sampler.
 #[derive(Clone, Debug)]
@@ -20,61 +18,116 @@ pub struct Crop {
     pub point: PointFindings,
     /// The part of the picture.
     pub film: Film,
-    /// The difference that is seen there, in false colours.
+    /// The signed error there, in false colours.
     pub map: Film,
     /// The whole picture.
     pub whole: Film,
 }
 
-/// The time that each has is that of the first sampler with about so many points.
+/// What the samplers have in common.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Equal {
+    /// As much time: each has the most points that there is time for.
+    Time,
+    /// As large an error: each has the fewest points that reach it.
+    Error,
+}
+
+/// Pictures of a family's samplers.
+#[derive(Clone, Debug)]
+pub struct Crops {
+    /// The part of the reference.
+    pub reference: Film,
+    /// That of each sampler.
+    pub crops: Vec<Crop>,
+    /// The error of the ends of the false colours.
+    pub ends: f64,
+}
+
+/// The time or error is that of the first sampler with about so many points.
 const POINTS: f64 = 64.0;
 
 /// Width and height of the part that is shown, in pixels, where the picture is as large.
 const SIZE: [u32; 2] = [64, 48];
 
-/// The family's samplers in equal time, and the part of the reference that they are of. `None` for a family
-/// without several samplers, or without times to compare.
+/// The family's samplers in equal time or at an equal error. `None` for a family without several samplers.
 ///
 /// # Errors
 /// When the scene can no longer be rendered.
-pub fn equal_time(
+pub fn crops(
     subject: &mut Subject,
     family: &Family,
     found: &FamilyFindings,
     reference: &Reference,
-) -> Result<Option<(Film, Vec<Crop>)>> {
-    let Some(budget) = budget(found) else { return Ok(None) };
+    equal: Equal,
+) -> Result<Option<Crops>> {
+    let Some(first) = found.series.first().filter(|_| found.series.len() > 1) else {
+        return Ok(None);
+    };
+    let distance = |p: &&PointFindings| (libm::log(p.x.max(1.0) / POINTS)).abs();
+    let Some(budget) = first.points.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))
+    else {
+        return Ok(None);
+    };
     let mut films = Vec::new();
     for (line, series) in family.series.iter().zip(&found.series) {
-        let in_time = |p: &&PointFindings| p.seconds.median <= budget;
-        let Some(point) = series.points.iter().rfind(in_time).or(series.points.first()) else {
-            continue;
-        };
+        let Some(point) = within(series, budget, equal) else { continue };
         let Some((.., setting)) = line.points.iter().find(|p| p.2.key() == point.key) else {
             continue;
         };
         let film = subject.render(setting, &RenderOptions::default())?.film;
         films.push((series.name.clone(), point.clone(), film));
     }
-    let Some((.., first)) = films.first() else { return Ok(None) };
-    let window = worst(first, &reference.film);
-    let crop = |(name, point, whole): (String, PointFindings, Film)| {
-        let map = flip_map(&flip(&whole, &reference.film, DEFAULT_PIXELS_PER_DEGREE)?, 1.0)?;
-        Ok(Crop { name, point, film: whole.part(window)?, map: map.part(window)?, whole })
+    let Some((.., whole)) = films.first() else { return Ok(None) };
+    let window = worst(whole, &reference.film);
+    let part = reference.film.part(window)?;
+    let films = films.into_iter().map(|(name, point, whole)| {
+        let film = whole.part(window)?;
+        Ok((name, point, whole, film))
+    });
+    let films = films.collect::<Result<Vec<_>>>()?;
+    let ends = large(films.iter().map(|(.., film)| film), &part);
+    let gain = if ends > 0.0 { (1.0 / ends) as f32 } else { 1.0 };
+    let crops = films.into_iter().map(|(name, point, whole, film)| {
+        let map = error_map(&film, &part, MapKind::Signed, gain)?;
+        Ok(Crop { name, point, film, map, whole })
+    });
+    let crops = crops.collect::<Result<Vec<_>>>()?;
+    Ok(Some(Crops { reference: part, crops, ends }))
+}
+
+/// The setting of a sampler that has as much time as another, with a little to spare for its spread, or that errs
+/// no more.
+fn within<'a>(
+    series: &'a SeriesFindings,
+    budget: &PointFindings,
+    equal: Equal,
+) -> Option<&'a PointFindings> {
+    let points = &series.points;
+    match equal {
+        Equal::Time => {
+            let in_time = |p: &&PointFindings| p.seconds.median <= budget.seconds.high;
+            points.iter().rfind(in_time).or(points.first())
+        }
+        Equal::Error => {
+            let near = |p: &&PointFindings| p.rmse.value <= budget.rmse.high;
+            points.iter().find(near).or(points.last())
+        }
+    }
+}
+
+/// A mean of a pixel's three errors that one of a hundred exceeds.
+fn large<'a>(films: impl Iterator<Item = &'a Film>, reference: &Film) -> f64 {
+    let error = |(a, b): (&[f32; 3], &[f32; 3])| {
+        a.iter().zip(b).map(|(a, b)| f64::from(a - b)).sum::<f64>().abs() / 3.0
     };
-    let crops = films.into_iter().map(crop).collect::<Result<Vec<_>>>()?;
-    Ok(Some((reference.film.part(window)?, crops)))
+    let errors = films.flat_map(|film| film.pixels().iter().zip(reference.pixels()));
+    let mut errors: Vec<f64> = errors.map(error).collect();
+    errors.sort_by(f64::total_cmp);
+    errors.get(errors.len() * 99 / 100).copied().unwrap_or(0.0)
 }
 
-/// The time that all have, with a little to spare for its own spread.
-fn budget(found: &FamilyFindings) -> Option<f64> {
-    let first = found.series.first().filter(|_| found.series.len() > 1)?;
-    let distance = |p: &&PointFindings| (libm::log(p.x.max(1.0) / POINTS)).abs();
-    let point = first.points.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
-    Some(point.seconds.high)
-}
-
-/// The window, `[x, y, width, height]`, in which the squared error is largest.
+/// The window, `[x, y, width, height]`, in which the squared error is ends.
 fn worst(film: &Film, reference: &Film) -> [u32; 4] {
     let size = [film.width().min(SIZE[0]), film.height().min(SIZE[1])];
     let step = |n: u32| (n / 4).max(1) as usize;

@@ -3,6 +3,7 @@
 //! | key of a scene | unit | meaning |
 //! |---|---|---|
 //! | `scene`, `file`, `fingerprint`, `size`, `primitives` | | what was rendered, and at how many pixels |
+//! | `answer` | | see [`answer`](super::answer) |
 //! | `references` | | what errors are against: samples of each kind in a pixel, renders, standard error (root mean square), seconds |
 //! | `families` | | what was varied: `name`, `title`, what is `counted`, the `target`, and `series`: |
 //! | `.slope` | | power with which the mean squared error falls with what is counted, from [`SLOPE_FROM`] on, with its interval; `null` where too few points are believed |
@@ -19,7 +20,9 @@
 
 use serde::Serialize;
 
+use super::answer::Answer;
 use super::fit::{self, Interval};
+use super::pilot::Axis;
 use super::setting::{Family, Line, Target};
 use super::store::{
     NeutralRecord, PointRecord, PreparedRecord, Record, ReferenceRecord, SceneRecord, TrialRecord,
@@ -39,6 +42,7 @@ pub const SLOPE_FROM: f64 = 4.0;
 pub struct SceneFindings {
     #[serde(flatten)]
     pub scene: SceneRecord,
+    pub answer: Answer,
     pub references: Vec<ReferenceRecord>,
     pub families: Vec<FamilyFindings>,
     pub stages: Vec<StageFindings>,
@@ -86,6 +90,9 @@ pub struct PointFindings {
     /// The squared error of each seed.
     #[serde(skip)]
     pub each: Vec<f64>,
+    /// The seconds of each seed.
+    #[serde(skip)]
+    pub times: Vec<f64>,
 }
 
 /// Where the time of a render goes.
@@ -100,10 +107,11 @@ pub struct StageFindings {
 
 impl SceneFindings {
     /// Sums up what `records` say of `swept`.
-    pub fn of(swept: &Swept, records: &[Record]) -> Option<Self> {
+    pub fn of(swept: &Swept, records: &[Record], errors: &[f64]) -> Option<Self> {
         let name = swept.subject.name();
         let mut found = Self {
             scene: all(records).find(|scene: &&SceneRecord| scene.scene == name)?.clone(),
+            answer: Answer::default(),
             references: all(records)
                 .filter(|r: &&ReferenceRecord| r.scene == name)
                 .cloned()
@@ -114,6 +122,8 @@ impl SceneFindings {
             trials: all(records).filter(|t: &&TrialRecord| t.scene == name).cloned().collect(),
         };
         found.families = swept.families.iter().map(|f| found.family(f, &name, records)).collect();
+        let axis = Axis::of(&swept.subject.facts());
+        found.answer = Answer::of(&found, axis.family(), errors);
         Some(found)
     }
 
@@ -168,7 +178,8 @@ impl PointFindings {
             |of: fn(&PointRecord) -> f64| -> Vec<f64> { records.iter().map(|r| of(r)).collect() };
         let mean = |of: fn(&PointRecord) -> f64| all(of).iter().sum::<f64>() / records.len() as f64;
         let each = all(|r| r.error.mse);
-        let seconds = MedianInterval::of(&all(|r| r.seconds))?;
+        let times = all(|r| r.seconds);
+        let seconds = MedianInterval::of(&times)?;
         let rmse = fit::rmse(&each);
         let mse = mean(|r| r.error.mse);
         Some(Self {
@@ -186,6 +197,7 @@ impl PointFindings {
             believed: rmse.value >= floor,
             front: false,
             each,
+            times,
         })
     }
 }

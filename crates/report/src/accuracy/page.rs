@@ -1,19 +1,21 @@
 //! The report: a page for people, beside charts as SVG, PNG, CSV and JSON of the same figures.
 
+mod answers;
 mod charts;
 mod tables;
 
 use std::path::Path;
 
 use super::Findings;
-use super::crops::{Crop, equal_time};
+use super::crops::{Crop, Crops, Equal, crops};
 use super::findings::{FamilyFindings, SceneFindings};
 use super::prices::{folder, prices};
 use super::sweep::Swept;
 use crate::files::{to_json, write_text};
-use crate::page::{Block, Compare, Details, Fact, Page, Picture, Section};
+use crate::page::{Block, Compare, Fact, Page, Picture, Section};
 use crate::plot::Chart;
 use crate::plot::figure::Figure as _;
+use crate::plot::number::figure;
 use wavecrest_base::error::Result;
 use wavecrest_core::film::Film;
 use wavecrest_image::write::{Transfer, png};
@@ -32,38 +34,31 @@ pub fn write(
     results: &Path,
     effects: bool,
 ) -> Result<()> {
-    let mut sections = vec![about(findings)];
+    let mut sections = Vec::new();
     for (scene, swept) in findings.scenes.iter().zip(swept) {
         sections.push(section(scene, swept, results)?);
     }
+    let mut first = answers::blocks(findings);
     if effects {
         let prices = prices(folder()?.path())?;
         let json = to_json(&prices).map_err(|e| e.in_file(results))?;
         write_text(&results.join("effects.json"), &json)?;
+        first.extend(answers::dearest(&prices));
         sections.push(Section::new("What each effect costs", tables::prices(&prices)));
     }
-    let page =
-        Page { title: "What accuracy costs in time".to_owned(), lead: lead(findings), sections };
-    page.write(&results.join("report.html"))
+    sections.push(about(findings));
+    let (title, lead) = ("What accuracy costs in time".to_owned(), answers::lead(findings));
+    Page { title, lead, first, sections }.write(&results.join("report.html"))
 }
 
-fn lead(findings: &Findings) -> String {
-    format!(
-        "Error against time for {}. Each setting was rendered {} times with random numbers of its \
-         own, all settings of a scene in random order; errors are against a reference in exact arithmetic, \
-         and no point within three standard errors of the reference is believed. Intervals hold the true \
-         value with 95 per cent.",
-        match findings.scenes.len() {
-            1 => "one scene".to_owned(),
-            n => format!("{n} scenes"),
-        },
-        findings.seeds
-    )
-}
-
-/// Who measured, with what, by which command.
+/// How it was measured, by whom, with what, by which command.
 fn about(findings: &Findings) -> Section {
-    let mut blocks = Vec::new();
+    let mut blocks = vec![Block::paragraph(format!(
+        "Each setting was rendered {} times with random numbers of its own, all settings of a scene in random order; \
+         errors are against a reference in exact arithmetic, and no point within three standard errors of the \
+         reference is believed. Intervals hold the true value with 95 per cent.",
+        findings.seeds
+    ))];
     for circumstances in &findings.circumstances {
         let of = |key: &str| match &circumstances.machine[key] {
             serde_json::Value::Null => "not told".to_owned(),
@@ -79,7 +74,7 @@ fn about(findings: &Findings) -> Section {
         ]));
         blocks.push(Block::Code(command(&circumstances.command)));
     }
-    Section::new("Machine and command", blocks)
+    Section::new("How it was measured", blocks)
 }
 
 /// The arguments as one would type them, the program by its name alone.
@@ -126,27 +121,39 @@ fn write_chart(chart: &Chart, stem: &Path) -> Result<()> {
     chart.png(&with("png"), CHART_WIDTH)
 }
 
-/// The samplers of a family in equal time.
+/// The samplers of a family in equal time, and at an equal error.
 fn pictures(found: &FamilyFindings, swept: &mut Swept) -> Result<Vec<Block>> {
     let Swept { subject, families, references } = swept;
-    let Some(family) = families.iter().find(|f| f.name == found.name && f.has_slope) else {
+    let family = families.iter().find(|f| f.name == found.name && f.has_slope);
+    let (Some(family), Some(reference)) = (family, references.get(found.target.name())) else {
         return Ok(Vec::new());
     };
-    let Some(reference) = references.get(found.target.name()) else { return Ok(Vec::new()) };
-    let Some((cut, crops)) = equal_time(subject, family, found, reference)? else {
-        return Ok(Vec::new());
+    let mut blocks = Vec::new();
+    for equal in [Equal::Time, Equal::Error] {
+        if let Some(crops) = crops(subject, family, found, reference, equal)? {
+            blocks.extend(side_by_side(&crops, equal)?);
+        }
+    }
+    Ok(blocks)
+}
+
+fn side_by_side(Crops { reference, crops, ends }: &Crops, equal: Equal) -> Result<Vec<Block>> {
+    let title = match equal {
+        Equal::Time => "in equal time",
+        Equal::Error => "at an equal error",
     };
-    let mut row = vec![picture(&cut, "reference".to_owned())?];
+    let mut row = vec![picture(reference, "reference".to_owned())?];
     let mut maps = Vec::new();
-    for crop in &crops {
+    for crop in crops {
         row.push(picture(&crop.film, words(crop))?);
-        maps.push(picture(&crop.map, format!("{}: FLIP", crop.name))?);
+        maps.push(picture(&crop.map, format!("{}: error", crop.name))?);
     }
     let mut blocks = vec![
-        Block::paragraph(
-            "The same part of the picture in equal time, where the first sampler errs most; below, the \
-             difference that is seen (FLIP): black for none, bright for much.",
-        ),
+        Block::paragraph(format!(
+            "The same part of the picture {title}, where the first sampler errs most. Below it the error, from {0} or \
+             more too dark (blue) to as much too bright (red). Press on a picture to see all of its row from near.",
+            figure(*ends)
+        )),
         Block::Pictures(row),
         Block::Pictures(maps),
     ];
@@ -154,15 +161,16 @@ fn pictures(found: &FamilyFindings, swept: &mut Swept) -> Result<Vec<Block>> {
         blocks.push(Block::Compare(Compare {
             left: picture(&first.whole, words(first))?,
             right: picture(&last.whole, words(last))?,
-            caption: "The whole picture in equal time.".to_owned(),
+            caption: format!("The whole picture {title}."),
         }));
     }
-    Ok(vec![Block::Details(Details { summary: "Pictures in equal time".to_owned(), blocks })])
+    Ok(blocks)
 }
 
 fn words(crop: &Crop) -> String {
-    let point = &crop.point;
-    format!("{}, {} points, {:.1} ms", crop.name, point.label, point.seconds.median * 1e3)
+    let Crop { name, point, .. } = crop;
+    let (points, time) = (tables::points_of(&point.label), point.seconds.median * 1e3);
+    format!("{name}, {points}, {time:.1} ms, error {}", figure(point.rmse.value))
 }
 
 fn picture(film: &Film, caption: String) -> Result<Picture> {

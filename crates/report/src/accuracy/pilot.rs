@@ -87,18 +87,28 @@ pub struct Choice {
 /// What a pilot found.
 #[derive(Clone, Debug)]
 pub struct Pilot {
-    /// A way for each sampler; none where the scene leaves nothing to chance.
+    /// A way for each sampler.
     pub curves: Vec<Curve>,
 }
 
 impl Axis {
-    /// That of a scene, if it leaves anything to chance.
-    fn of(facts: &Facts) -> Option<Self> {
+    /// That of a scene. Where nothing else is left to chance it is where in a pixel a ray goes, by which edges
+    /// alias.
+    pub fn of(facts: &Facts) -> Self {
         match facts {
-            Facts { antialias: 2.., .. } => Some(Self::Pixel),
-            Facts { has_lens: true, .. } => Some(Self::Lens),
-            Facts { has_area_lights: true, .. } => Some(Self::Lights),
-            _ => None,
+            Facts { antialias: 2.., .. } => Self::Pixel,
+            Facts { has_lens: true, .. } => Self::Lens,
+            Facts { has_area_lights: true, .. } => Self::Lights,
+            _ => Self::Pixel,
+        }
+    }
+
+    /// The family of settings that a sweep varies it in.
+    pub fn family(self) -> &'static str {
+        match self {
+            Self::Lights => "lights",
+            Self::Lens => "lens",
+            Self::Pixel => "pixel",
         }
     }
 
@@ -183,18 +193,14 @@ impl Pilot {
     pub fn run(scene: &mut PreparedScene, original: &Original, seed: u64) -> Result<Self> {
         // None of the renders that are timed is to wait for an image.
         scene.appearance.decode()?;
-        let curves = match Axis::of(&Facts::of(scene)) {
-            None => Vec::new(),
-            Some(axis) => Sampling::ALL
-                .into_iter()
-                .map(|sampling| curve(scene, original, sampling, axis, seed))
-                .collect::<Result<_>>()?,
-        };
+        let axis = Axis::of(&Facts::of(scene));
+        let curves = Sampling::ALL.into_iter().map(|s| curve(scene, original, s, axis, seed));
+        let curves = curves.collect::<Result<_>>()?;
         scene.resample(original, &Samples::default());
         Ok(Self { curves })
     }
 
-    /// What reaches `error` in the least time; `None` where nothing is left to chance.
+    /// What reaches `error` in the least time.
     pub fn for_error(&self, error: f64) -> Option<Choice> {
         let choices = self.curves.iter().map(|curve| curve.for_error(error));
         let reaches = |c: &Choice| c.error <= error;

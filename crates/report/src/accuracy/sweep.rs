@@ -5,6 +5,7 @@
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
+use std::time::Instant;
 
 use super::fit::Rng;
 use super::neutral;
@@ -227,7 +228,11 @@ fn warm_up(subject: &mut Subject, structure: &Structure) -> Result<()> {
     Ok(())
 }
 
-/// Notes how long it took to prepare each structure of `settings`, where that has not been noted.
+/// How often a structure is prepared for the median of its time, and for how many seconds it is begun once more.
+const PREPARED: usize = 7;
+const SHORT: f64 = 3.0;
+
+/// Notes how long it takes to prepare each structure of `settings`, where that has not been noted.
 fn note_preparation<'a>(
     subject: &mut Subject,
     settings: impl Iterator<Item = &'a Setting>,
@@ -236,9 +241,20 @@ fn note_preparation<'a>(
     let scene = subject.name();
     for setting in settings {
         let key = Setting { samples: Default::default(), ..*setting }.key();
-        if !all(&store.records).any(|p: &PreparedRecord| p.scene == scene && p.key == key) {
-            let time = subject.prepare(&setting.structure)?.time;
-            store.add(Record::Prepared(PreparedRecord { scene: scene.clone(), key, time }))?;
+        if all(&store.records).any(|p: &PreparedRecord| p.scene == scene && p.key == key) {
+            continue;
+        }
+        let mut note = |time| {
+            let (scene, key) = (scene.clone(), key.clone());
+            store.add(Record::Prepared(PreparedRecord { scene, key, time }))
+        };
+        note(subject.prepare(&setting.structure)?.time)?;
+        let start = Instant::now();
+        for _ in 1..PREPARED {
+            if start.elapsed().as_secs_f64() > SHORT {
+                break;
+            }
+            note(subject.build(&setting.structure, subject.preset())?.time)?;
         }
     }
     Ok(())

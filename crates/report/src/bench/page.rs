@@ -19,7 +19,8 @@ pub fn page(report: &BenchReport) -> Page {
     sections.extend(overview(&report.scenes));
     sections.extend(report.scenes.iter().map(scene::section));
     sections.push(measured(report));
-    Page { title: "Wavefront against recursive".to_owned(), lead: lead(&report.scenes), sections }
+    let title = "Wavefront against recursive".to_owned();
+    Page { title, lead: lead(&report.scenes), sections, ..Page::default() }
 }
 
 /// What was found, in a few sentences.

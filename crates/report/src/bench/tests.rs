@@ -89,7 +89,7 @@ fn the_json_has_the_documented_keys() {
     report.scenes.push(steady());
     assert!(report.equal());
     let json = serde_json::to_value(&report).unwrap();
-    assert_eq!(keys(&json), ["version", "command", "machine", "scenes"]);
+    assert_eq!(keys(&json), ["version", "command", "commit", "machine", "scenes"]);
     assert_eq!(keys(&json["machine"]), ["processor", "cores", "threads", "os", "hardware_missing"]);
     let scene = &json["scenes"][0];
     assert_eq!(

@@ -40,8 +40,9 @@ fn html(page: &Page) -> Result<String> {
     let mut writer = Writer::default();
     head(&mut writer, page);
     let names = names(page.sections.iter().map(|section| section.title.as_str()));
-    contents(&mut writer, page, &names);
     writer.add("<main id=\"content\">\n");
+    blocks::all(&mut writer, &page.first)?;
+    contents(&mut writer, page, &names);
     for (section, name) in page.sections.iter().zip(&names) {
         let title = inline(&section.title);
         writer.add(&format!("<section id=\"{name}\" aria-labelledby=\"{name}-title\">\n"));

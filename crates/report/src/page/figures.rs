@@ -8,6 +8,7 @@ use super::writer::{Writer, inline};
 use super::{Align, Cell, Column, Compare, Picture, Table};
 use crate::markup::escape;
 use crate::plot::figure::Figure;
+use crate::plot::number::figure;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
 /// A chart with its caption, its notes, and its figures as a table and as files.
@@ -44,8 +45,8 @@ fn begin(writer: &mut Writer, class: &str, title: &str, caption: &str) {
     ));
 }
 
-fn table_of(figure: &impl Figure) -> Table {
-    let mut rows = figure.rows().into_iter();
+fn table_of(drawn: &impl Figure) -> Table {
+    let mut rows = drawn.rows().into_iter();
     let header = rows.next().unwrap_or_default();
     let rows: Vec<Vec<Cell>> = rows.map(|row| row.into_iter().map(figure_cell).collect()).collect();
     let is_number = |index: usize| rows.iter().any(|row| row.get(index).is_some_and(is_number));
@@ -57,8 +58,12 @@ fn table_of(figure: &impl Figure) -> Table {
     Table { caption: String::new(), columns, rows }
 }
 
+/// Numbers in a few digits: CSV and JSON have all of them.
 fn figure_cell(text: String) -> Cell {
-    Cell { value: text.parse().ok().filter(|value: &f64| value.is_finite()), text }
+    match text.parse().ok().filter(|value: &f64| value.is_finite()) {
+        Some(value) => Cell::number(value, figure(value)),
+        None => Cell::text(text),
+    }
 }
 
 fn is_number(cell: &Cell) -> bool {
@@ -97,9 +102,11 @@ pub(super) fn pictures(writer: &mut Writer, pictures: &[Picture]) {
 fn image(picture: &Picture) -> String {
     let (data, alt) = (STANDARD.encode(&picture.png), escape(&picture.alt));
     let class = if picture.pixels { " class=\"pixels\"" } else { "" };
+    // The frame cuts off what is outside when the picture is zoomed.
     let size = size(&picture.png);
     let size = size.map(|[w, h]| format!(" width=\"{w}\" height=\"{h}\"")).unwrap_or_default();
-    format!("<img{class}{size} alt=\"{alt}\" src=\"data:image/png;base64,{data}\">")
+    let image = format!("<img{class}{size} alt=\"{alt}\" src=\"data:image/png;base64,{data}\">");
+    format!("<div class=\"frame\">{image}</div>")
 }
 
 /// Width and height of a PNG, which stand at the start of its first chunk.

@@ -92,6 +92,49 @@
     pair.classList.add("joined");
     pair.after(slider);
     move(50);
+    // The whole of one, then the whole of the other: what differs flickers.
+    let timer = null;
+    const flicker = make("button", { type: "button", className: "flicker", textContent: "Flicker" });
+    flicker.setAttribute("aria-pressed", "false");
+    flicker.addEventListener("click", () => {
+      clearInterval(timer);
+      const turn = () => { slider.value = Number(slider.value) < 50 ? 100 : 0; move(slider.value); };
+      timer = timer === null ? setInterval(turn, 400) : null;
+      if (timer !== null) turn();
+      flicker.setAttribute("aria-pressed", String(timer !== null));
+      flicker.textContent = timer === null ? "Flicker" : "Stop";
+    });
+    slider.after(flicker);
+  }
+
+  // Pictures of pixels in a row are seen from near all at once, at the place that was pressed.
+  for (const row of document.querySelectorAll(".pictures:has(img.pixels)")) {
+    row.classList.add("zooms");
+    const zoom = (x, y) => {
+      row.style.setProperty("--x", `${x}%`);
+      row.style.setProperty("--y", `${y}%`);
+      row.classList.toggle("near");
+    };
+    for (const image of row.querySelectorAll("img.pixels")) {
+      const frame = image.parentElement;
+      frame.tabIndex = 0;
+      frame.setAttribute("role", "button");
+      frame.setAttribute("aria-label", `${image.alt}: zoom`);
+      frame.addEventListener("click", (event) => {
+        const { left, top, width, height } = frame.getBoundingClientRect();
+        zoom((100 * (event.clientX - left)) / width, (100 * (event.clientY - top)) / height);
+      });
+      frame.addEventListener("keydown", (event) => {
+        if (event.key === "Enter") zoom(50, 50);
+        const step = { ArrowLeft: [-10, 0], ArrowRight: [10, 0], ArrowUp: [0, -10], ArrowDown: [0, 10] }[event.key];
+        if (!step || !row.classList.contains("near")) return;
+        event.preventDefault();
+        ["--x", "--y"].forEach((name, axis) => {
+          const at = parseFloat(row.style.getPropertyValue(name)) + step[axis];
+          row.style.setProperty(name, `${Math.min(100, Math.max(0, at))}%`);
+        });
+      });
+    }
   }
 
   // Rows in the order of a column.

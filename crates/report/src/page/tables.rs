@@ -3,21 +3,26 @@
 use super::writer::{Writer, inline};
 use super::{Align, Cell, Column, Table};
 
+/// Tables of at least so many columns use the margins of the page too.
+const WIDE: usize = 7;
+
 /// A table with its caption, if it has one. It can be scrolled where it is wider than the page;
 /// the caption stays.
 pub(super) fn table(writer: &mut Writer, table: &Table) {
+    let wide = if table.columns.len() >= WIDE { " broad" } else { "" };
     let name = if table.caption.is_empty() {
         "aria-label=\"Values\"".to_owned()
     } else {
         writer.tables += 1;
         let (number, caption) = (writer.tables, inline(&table.caption));
         writer.add(&format!(
-            "<figure class=\"table\">\n<figcaption id=\"table-{number}\">\
+            "<figure class=\"table{wide}\">\n<figcaption id=\"table-{number}\">\
              <b>Table {number}</b> {caption}</figcaption>\n"
         ));
         format!("aria-labelledby=\"table-{number}\"")
     };
-    writer.add(&format!("<div class=\"scroll\" role=\"region\" {name} tabindex=\"0\">\n"));
+    let wide = if table.caption.is_empty() { wide } else { "" };
+    writer.add(&format!("<div class=\"scroll{wide}\" role=\"region\" {name} tabindex=\"0\">\n"));
     writer.add(&format!("<table {name}>\n"));
     rows(writer, table);
     writer.add("</table>\n</div>\n");

@@ -53,7 +53,8 @@ fn page(words: &str) -> Page {
         Block::Facts(vec![Fact::new(words, words)]),
         Block::Details(Details { summary: text(), blocks: vec![Block::paragraph(words)] }),
     ];
-    Page { title: text(), lead: text(), sections: vec![Section::new(words, blocks)] }
+    let sections = vec![Section::new(words, blocks)];
+    Page { title: text(), lead: text(), first: vec![Block::Paragraph(text())], sections }
 }
 
 #[test]

@@ -27,7 +27,10 @@ pub(super) fn draw(chart: &Chart, frame: Frame) -> Drawing {
     };
     field.draw(&mut drawing, height, guides::room(chart, field.turned));
     guides::draw(&mut drawing, chart, &field);
-    for index in 0..chart.series.len() {
+    // A front is made of points that other series have: it must not hide them.
+    let (fronts, others): (Vec<usize>, Vec<usize>) =
+        (0..chart.series.len()).partition(|index| chart.series[*index].draw == Draw::Front);
+    for index in fronts.into_iter().chain(others) {
         draw_series(&mut drawing, chart, index, &field);
     }
     drawing
@@ -37,8 +40,11 @@ pub(super) fn draw(chart: &Chart, frame: Frame) -> Drawing {
 fn entries(chart: &Chart) -> impl Iterator<Item = (usize, &str, Sample)> {
     let named = chart.series.iter().enumerate().filter(|(_, series)| !series.name.is_empty());
     named.map(|(index, series)| {
-        let has_line = series.draw != Draw::Points;
-        let sample = if has_line { Sample::Line } else { Sample::Marker };
+        let sample = match series.draw {
+            Draw::Points => Sample::Marker,
+            Draw::Line => Sample::Line,
+            Draw::Front => Sample::Stroke,
+        };
         (index, series.name.as_str(), sample)
     })
 }
@@ -64,7 +70,7 @@ fn draw_series(drawing: &mut Drawing, chart: &Chart, index: usize, field: &Field
             Draw::Front => stroke(drawing, stairs(&run), index),
         }
     }
-    for (point, at) in series.points.iter().zip(&places) {
+    for (point, at) in series.points.iter().zip(&places).filter(|_| series.draw != Draw::Front) {
         let &Some(at) = at else { continue };
         drawing.shapes.push(Shape::Begin(mark(chart, series, point, at)));
         whisker(drawing, point, at, field, index);

@@ -9,6 +9,9 @@ use super::{Chart, Course, Scale};
 /// From the end of a line to its name.
 const GAP: f64 = 4.0;
 
+/// Names beside the field are at least so far apart.
+const APART: f64 = 1.2 * NOTE;
+
 /// The width of a line.
 const STROKE: f64 = 1.2;
 
@@ -25,15 +28,38 @@ pub(super) fn room(chart: &Chart, turned: bool) -> Room {
     room
 }
 
-/// Draws the lines to compare with.
+/// Draws the lines to compare with, and their names so that none is on another or on a level line.
 pub(super) fn draw(drawing: &mut Drawing, chart: &Chart, field: &Field<'_>) {
-    for guide in &chart.guides {
-        if let Some(ends) = ends(chart, guide.course, field) {
-            drawing.line(ends.to_vec(), Paint::Guide, STROKE);
-            let (at, align) = place_of_name(ends, field.sides()[0][1]);
-            drawing.text(Text::new(&guide.name, at, align, NOTE).with_rim());
+    let right = field.sides()[0][1];
+    let drawn = chart.guides.iter().filter_map(|g| Some((&g.name, ends(chart, g.course, field)?)));
+    let mut drawn: Vec<(&String, [At; 2])> = drawn.collect();
+    drawn.sort_by(|(_, a), (_, b)| a[1][1].total_cmp(&b[1][1]));
+    let levels: Vec<f64> =
+        drawn.iter().filter(|(_, [a, b])| a[1] == b[1]).map(|(_, ends)| ends[0][1]).collect();
+    let mut beside = f64::NEG_INFINITY;
+    let mut names = Vec::new();
+    for (name, ends) in drawn {
+        drawing.line(ends.to_vec(), Paint::Guide, STROKE);
+        let (mut at, align) = place_of_name(ends, right);
+        if at[0] > right {
+            at[1] = at[1].max(beside + APART);
+            beside = at[1];
+        } else if ends[0][0] != ends[1][0] {
+            at = off_levels(at, ends, &levels);
         }
+        names.push(Text::new(name, at, align, NOTE).with_rim());
     }
+    names.into_iter().for_each(|name| drawing.text(name));
+}
+
+/// The place of a name, moved up along its line until no level line goes through it.
+fn off_levels([mut x, mut y]: At, [from, to]: [At; 2], levels: &[f64]) -> At {
+    let slope = (to[0] - from[0]) / (to[1] - from[1]);
+    let is_crossed = |y: f64| levels.iter().any(|level| (level - y + NOTE / 2.0).abs() < APART);
+    while is_crossed(y) && y - NOTE > from[1].min(to[1]) {
+        (x, y) = (x - slope * NOTE, y - NOTE);
+    }
+    [x, y]
 }
 
 /// Whether a guide has a place between the axes of a chart.

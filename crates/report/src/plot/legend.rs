@@ -24,6 +24,8 @@ pub(super) enum Sample {
     Marker,
     /// Its marker on its line.
     Line,
+    /// Its line alone.
+    Stroke,
     /// The colour of a stage of bars.
     Square,
 }
@@ -39,7 +41,9 @@ pub(super) fn draw<'a>(
         return;
     }
     for (index, name, sample) in entries {
-        let wide = if sample == Sample::Line { WITH_LINE } else { WITHOUT_LINE } + GAP;
+        let wide =
+            if matches!(sample, Sample::Line | Sample::Stroke) { WITH_LINE } else { WITHOUT_LINE }
+                + GAP;
         let name = font::shortened(name, LABEL, width - wide);
         let end = x + wide + font::width(&name, LABEL);
         if x > 0.0 && end > width {
@@ -59,8 +63,11 @@ fn draw_sample(drawing: &mut Drawing, [left, right, y]: [f64; 3], index: usize, 
         drawing.shapes.push(Shape::Area { points, paint: Paint::Series(index) });
         return;
     }
-    if sample == Sample::Line {
+    if sample != Sample::Marker {
         stroke(drawing, vec![[left, y], [right, y]], index);
+    }
+    if sample == Sample::Stroke {
+        return;
     }
     marker(drawing, [(left + right) / 2.0, y], index);
 }

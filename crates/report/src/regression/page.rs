@@ -71,7 +71,8 @@ impl Regression {
         }
         sections
             .push(Section::new("What was compared", vec![side(&self.before), side(&self.after)]));
-        Page { title: "Before and after".to_owned(), lead: self.answer(), sections }
+        let (title, lead) = ("Before and after".to_owned(), self.answer());
+        Page { title, lead, sections, ..Page::default() }
     }
 
     fn found(&self) -> Vec<Block> {

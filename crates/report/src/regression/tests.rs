@@ -191,15 +191,9 @@ fn a_slow_half_of_a_run_is_no_slower_program() {
 }
 
 #[test]
-fn chances_are_corrected_and_intervals_are_as_wide_as_students() {
+fn chances_are_corrected_for_their_number() {
     assert_eq!(holm(&[0.01, 0.04, 0.03]), [0.03, 0.06, 0.06]);
     assert_eq!(holm(&[0.9, 0.6]), [1.0, 1.0]);
-    // Student's t: 95 per cent lie within 2.131 with 15 degrees of freedom, within 3.182 with 3.
-    for (freedom, expected) in [(15.0, 2.131), (3.0, 3.182)] {
-        let estimate = Estimate { log: 0.0, standard_error: 1.0, freedom };
-        let [low, high] = estimate.interval(1).map(libm::log);
-        assert!((high - expected).abs() < 0.02 * expected && low == -high, "{high}");
-    }
     let certain = Estimate { log: 0.1, standard_error: 0.0, freedom: 15.0 };
     assert_eq!(certain.chance(), 0.0);
     assert_eq!(Estimate { log: 0.001, ..certain }.chance(), 1.0);

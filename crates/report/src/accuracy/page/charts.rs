@@ -24,7 +24,8 @@ fn log(label: &str, unit: &str) -> Axis {
 
 fn point(p: &PointFindings, x: f64) -> Point {
     let believed = if p.believed { "" } else { ", within the reference's own error" };
-    let label = format!("{} points, {:.3} ms{believed}", p.label, p.seconds.median * 1e3);
+    let points = super::tables::points_of(&p.label);
+    let label = format!("{points}, {:.3} ms{believed}", p.seconds.median * 1e3);
     Point { x, y: p.rmse.value, low: Some(p.rmse.low), high: Some(p.rmse.high), label }
 }
 
@@ -36,6 +37,10 @@ fn line(series: &SeriesFindings, x: fn(&PointFindings) -> f64) -> Series {
 /// What the guides are.
 const SLOPES: &str = "Thin lines have the slopes of theory: \u{2212}1/2 for independent points, \u{2212}3/4 for jittered \
                       ones across an edge, \u{2212}1 for these where the integrand is smooth. ";
+
+/// Why stratified points do less well at odd counts.
+const ODD: &str = "A quad is two triangles, each of which has half of the columns of a grid of points: where their number \
+                   is odd, the middle column lies on both, and its points are stratified less well. ";
 
 /// The error against what is counted, with the slopes that theory has for it.
 fn against_samples(family: &FamilyFindings, scene: &SceneFindings) -> Chart {
@@ -51,6 +56,7 @@ fn against_samples(family: &FamilyFindings, scene: &SceneFindings) -> Chart {
     if floor > 0.0 {
         guides.push(Guide::at("floor", floor));
     }
+    let odd = if family.name == "lights" { ODD } else { "" };
     let theory = if family.series.iter().any(|line| line.slope.is_some()) { SLOPES } else { "" };
     Chart {
         title: format!("{}: error against {}", scene.scene.scene, family.counted),
@@ -58,7 +64,9 @@ fn against_samples(family: &FamilyFindings, scene: &SceneFindings) -> Chart {
         y: log("RMSE", ""),
         series: family.series.iter().map(|series| line(series, |p| p.x)).collect(),
         guides,
-        caption: format!("{theory}Below the floor an error is not told from the reference's own."),
+        caption: format!(
+            "{theory}{odd}Below the floor an error is not told from the reference's own."
+        ),
     }
 }
 

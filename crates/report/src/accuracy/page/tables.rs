@@ -108,21 +108,15 @@ fn common_errors(family: &FamilyFindings) -> Option<Vec<f64>> {
     Some((1..=ERRORS).map(|i| most * libm::exp(ratio * i as f64)).collect())
 }
 
-/// The time at which a sampler reaches `error`, by the line between the logarithms of two settings.
+/// The time at which a sampler reaches `error`.
 fn time_at(series: &SeriesFindings, error: f64) -> Option<f64> {
-    let believed: Vec<&PointFindings> = series.points.iter().filter(|p| p.believed).collect();
-    believed.windows(2).find_map(|pair| {
-        let [a, b] = pair else { return None };
-        let (high, low) = (a.rmse.value, b.rmse.value);
-        // The least bit of rounding must not lose the ends.
-        let slack = 1.0 + f64::EPSILON * 8.0;
-        if !(low / slack..=high * slack).contains(&error) || low >= high {
-            return None;
-        }
-        let share = libm::log(high / error) / libm::log(high / low);
-        let (first, last) = (a.seconds.median, b.seconds.median);
-        Some(first * libm::exp(share * libm::log(last / first)))
-    })
+    // The least bit of rounding must not lose the ends.
+    series.reach(error * (1.0 + f64::EPSILON * 8.0), None).map(|[_, seconds]| seconds)
+}
+
+/// So many points in words.
+pub(super) fn points_of(count: &str) -> String {
+    if count == "1" { "1 point".to_owned() } else { format!("{count} points") }
 }
 
 fn points(family: &FamilyFindings) -> Table {
