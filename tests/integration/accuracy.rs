@@ -17,8 +17,8 @@ use wavecrest_report::accuracy::store::{FILE, Header, Record, Store};
 use wavecrest_report::accuracy::sweep::{Options, Progress, run};
 
 use crate::support::{
-    extract_small, folder, image_of, matte, options, pinhole, prepare, render_on, repository,
-    scene, sphere, wall, wavecrest, with,
+    extract_small, folder, image_of, matte, options, pinhole, point_light, prepare, render_on,
+    repository, scene, sphere, wall, wavecrest, with,
 };
 
 /// Reports nothing.
@@ -235,5 +235,31 @@ fn an_error_that_is_asked_for_comes_out() {
             let is_close = reached >= asked / 4.0 || choice.points.side <= 2;
             assert!(is_close, "{name}: {asked} asked, {reached} reached, {choice}");
         }
+    }
+}
+
+/// What nothing but the pixel leaves to chance has an error too: edges alias.
+#[test]
+fn an_error_is_asked_for_where_only_edges_alias() {
+    let camera = pinhole([40, 30], 45.0, 6.0);
+    let lit = [point_light(60.0, [2.0, 3.0, 4.0], [1.0; 3])];
+    let mut scene = prepare(&shown(&camera, &lit));
+    let original = scene.original();
+    let pilot = Pilot::run(&mut scene, &original, 0).expect("a pilot");
+    let many = Samples {
+        pixel: Some(Points { sampling: Sampling::Sobol, side: 40 }),
+        ..Samples::default()
+    };
+    scene.resample(&original, &many);
+    let reference = render_on(2, &scene, &RenderOptions { seed: 99, ..options() }).film;
+    for asked in [0.02, 0.01] {
+        let choice = pilot.for_error(asked).expect("samples");
+        assert!(choice.points.side > 1, "{choice}");
+        scene.resample(&original, &choice.samples());
+        let reached = compare(&image_of(&scene, 0), &reference).expect("a comparison").rmse;
+        assert!(
+            reached <= 1.25 * asked && reached >= asked / 4.0,
+            "{asked} asked, {reached} reached"
+        );
     }
 }

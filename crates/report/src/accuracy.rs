@@ -7,15 +7,18 @@
 //! ([`fit`]), and [`page`] shows them.
 
 pub mod answer;
+pub mod calibration;
 pub mod crops;
 pub mod findings;
 pub mod fit;
 pub mod neutral;
 pub mod page;
 pub mod pilot;
+pub mod presets;
 pub mod prices;
 pub mod reference;
 pub mod setting;
+pub mod spread;
 pub mod store;
 pub mod subject;
 pub mod sweep;

@@ -117,7 +117,7 @@ fn within<'a>(
 }
 
 /// A mean of a pixel's three errors that one of a hundred exceeds.
-fn large<'a>(films: impl Iterator<Item = &'a Film>, reference: &Film) -> f64 {
+pub fn large<'a>(films: impl Iterator<Item = &'a Film>, reference: &Film) -> f64 {
     let error = |(a, b): (&[f32; 3], &[f32; 3])| {
         a.iter().zip(b).map(|(a, b)| f64::from(a - b)).sum::<f64>().abs() / 3.0
     };

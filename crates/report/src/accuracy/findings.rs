@@ -11,10 +11,14 @@
 //! | `.points[].seconds` | seconds | from the first ray to the last: median with its interval |
 //! | `.points[].rmse` | | root of the mean of the squared errors of all seeds, with its interval |
 //! | `.points[].mse`, `.relative_mse`, `.psnr`, `.flip`, `.bias` | | means over seeds; see [`wavecrest_image::compare`] |
+//! | `.points[].flip_95` | | the FLIP that one pixel of twenty exceeds |
+//! | `.points[].efficiency`, `.efficiency_in_all` | 1/s | 1 / (MSE x time) of tracing, and of loading, building and tracing, with their intervals |
 //! | `.points[].rays` | rays | of every kind, mean over seeds |
 //! | `.points[].believed` | | whether the error is at least three standard errors of the reference |
 //! | `.points[].front` | | whether no other believed point of the family is both quicker and nearer |
 //! | `stages` | seconds | by precision: loading, building, and each pass at the scene's own samples, summed over threads: medians |
+//! | `presets`, `crossings` | | see [`presets`] |
+//! | `spread`, `calibration` | | see [`SpreadRecord`] and [`CalibrationRecord`] |
 //! | `neutral` | | what must not change the picture: the error's change, and whether the bits are equal |
 //! | `trials` | | by precision: rays at edges and how many leak, rays that leave and how many hit themselves, nanoseconds a ray |
 
@@ -23,10 +27,11 @@ use serde::Serialize;
 use super::answer::Answer;
 use super::fit::{self, Interval};
 use super::pilot::Axis;
+use super::presets::{self, PresetFindings};
 use super::setting::{Family, Line, Target};
 use super::store::{
-    NeutralRecord, PointRecord, PreparedRecord, Record, ReferenceRecord, SceneRecord, TrialRecord,
-    all,
+    CalibrationRecord, NeutralRecord, PointRecord, PreparedRecord, Record, ReferenceRecord,
+    SceneRecord, SpreadRecord, TrialRecord, all,
 };
 use super::subject::Stages;
 use super::sweep::Swept;
@@ -46,6 +51,10 @@ pub struct SceneFindings {
     pub references: Vec<ReferenceRecord>,
     pub families: Vec<FamilyFindings>,
     pub stages: Vec<StageFindings>,
+    pub presets: Vec<PresetFindings>,
+    pub crossings: Vec<(f64, String)>,
+    pub spread: Vec<SpreadRecord>,
+    pub calibration: Vec<CalibrationRecord>,
     pub neutral: Vec<NeutralRecord>,
     pub trials: Vec<TrialRecord>,
 }
@@ -83,7 +92,10 @@ pub struct PointFindings {
     pub relative_mse: f64,
     pub psnr: Option<f64>,
     pub flip: f64,
+    pub flip_95: f64,
     pub bias: f64,
+    pub efficiency: Option<Interval>,
+    pub efficiency_in_all: Option<Interval>,
     pub rays: f64,
     pub believed: bool,
     pub front: bool,
@@ -118,10 +130,18 @@ impl SceneFindings {
                 .collect(),
             families: Vec::new(),
             stages: stages(swept, &name, records),
+            presets: presets::of(&name, records),
+            crossings: Vec::new(),
+            spread: all(records).filter(|s: &&SpreadRecord| s.scene == name).cloned().collect(),
+            calibration: all(records)
+                .filter(|c: &&CalibrationRecord| c.scene == name)
+                .cloned()
+                .collect(),
             neutral: all(records).filter(|n: &&NeutralRecord| n.scene == name).cloned().collect(),
             trials: all(records).filter(|t: &&TrialRecord| t.scene == name).cloned().collect(),
         };
         found.families = swept.families.iter().map(|f| found.family(f, &name, records)).collect();
+        found.crossings = presets::crossings(&found.presets);
         let axis = Axis::of(&swept.subject.facts());
         found.answer = Answer::of(&found, axis.family(), errors);
         Some(found)
@@ -138,7 +158,9 @@ impl SceneFindings {
         let line = |line: &Line| {
             let points = line.points.iter().filter_map(|(x, label, setting)| {
                 let records = of_setting(scene, family.target, &setting.key(), records);
-                PointFindings::of(*x, label, &setting.key(), &records, floor)
+                let mut point = PointFindings::of(*x, label, &setting.key(), &records, floor)?;
+                point.efficiency_in_all = point.efficiency_after(self.seconds_before());
+                Some(point)
             });
             SeriesFindings { name: line.name.clone(), slope: None, points: points.collect() }
         };
@@ -182,7 +204,7 @@ impl PointFindings {
         let seconds = MedianInterval::of(&times)?;
         let rmse = fit::rmse(&each);
         let mse = mean(|r| r.error.mse);
-        Some(Self {
+        let mut found = Self {
             x,
             label: label.to_owned(),
             key: key.to_owned(),
@@ -192,13 +214,27 @@ impl PointFindings {
             relative_mse: mean(|r| r.error.relative_mse),
             psnr: (mse > 0.0).then(|| psnr(mse)),
             flip: mean(|r| r.error.flip),
+            flip_95: mean(|r| r.error.flip_95),
+            efficiency: None,
+            efficiency_in_all: None,
             bias: mean(|r| r.error.bias),
             rays: mean(|r| r.rays as f64),
             believed: rmse.value >= floor,
             front: false,
             each,
             times,
-        })
+        };
+        found.efficiency = found.efficiency_after(0.0);
+        Some(found)
+    }
+
+    /// The efficiency where so many seconds pass before the first ray.
+    fn efficiency_after(&self, before: f64) -> Option<Interval> {
+        let of = |seeds: &[usize]| {
+            let error = self.error(seeds);
+            Some(1.0 / (error * error * (before + self.time(seeds)))).filter(|e| e.is_finite())
+        };
+        fit::bootstrap(self.times.len(), of)
     }
 }
 

@@ -3,14 +3,17 @@
 mod answers;
 mod charts;
 mod tables;
+mod trust;
 
 use std::path::Path;
 
 use super::Findings;
-use super::crops::{Crop, Crops, Equal, crops};
+use super::crops::{Crop, Crops, Equal, crops, large};
 use super::findings::{FamilyFindings, SceneFindings};
+use super::pilot::Axis;
 use super::prices::{folder, prices};
 use super::sweep::Swept;
+use super::{presets, spread};
 use crate::files::{to_json, write_text};
 use crate::page::{Block, Compare, Fact, Page, Picture, Section};
 use crate::plot::Chart;
@@ -18,6 +21,7 @@ use crate::plot::figure::Figure as _;
 use crate::plot::number::figure;
 use wavecrest_base::error::Result;
 use wavecrest_core::film::Film;
+use wavecrest_image::error_map::{MapKind, error_map};
 use wavecrest_image::write::{Transfer, png};
 
 /// The width of charts as PNG, in pixels.
@@ -46,6 +50,7 @@ pub fn write(
         first.extend(answers::dearest(&prices));
         sections.push(Section::new("What each effect costs", tables::prices(&prices)));
     }
+    sections.extend(trust::section(findings));
     sections.push(about(findings));
     let (title, lead) = ("What accuracy costs in time".to_owned(), answers::lead(findings));
     Page { title, lead, first, sections }.write(&results.join("report.html"))
@@ -105,11 +110,49 @@ fn section(scene: &SceneFindings, swept: &mut Swept, folder: &Path) -> Result<Se
     }
     blocks.push(Block::Heading("Where the time goes".to_owned()));
     blocks.push(Block::Bars(charts::stages(scene)));
+    if presets::matter(&scene.presets) {
+        blocks.push(Block::Chart(charts::presets(scene)));
+    }
+    blocks.push(Block::Heading("Bias and variance".to_owned()));
+    blocks.extend(trust::spread(scene));
+    blocks.extend(standard_errors(scene, swept)?);
     blocks.push(Block::Heading("What precision costs, and what it saves".to_owned()));
     blocks.extend(tables::precision(scene));
     blocks.push(Block::Heading("What must not matter".to_owned()));
     blocks.extend(tables::neutral(scene));
     Ok(Section::new(scene.scene.scene.clone(), blocks))
+}
+
+/// Where the error of each sampler is: the standard error of each pixel.
+fn standard_errors(scene: &SceneFindings, swept: &mut Swept) -> Result<Vec<Block>> {
+    let Swept { subject, families, .. } = swept;
+    let main = Axis::of(&subject.facts()).family();
+    let mut films = Vec::new();
+    for line in families.iter().filter(|f| f.name == main).flat_map(|family| &family.series) {
+        let measured = |key: &str| scene.spread.iter().any(|s| s.key == key);
+        if let Some((_, count, setting)) = line.points.iter().find(|p| measured(&p.2.key())) {
+            let words = format!("{}, {}", line.name, tables::points_of(count));
+            films.push((words, spread::map(subject, setting)?));
+        }
+    }
+    let black = Film::new(subject.size()[0], subject.size()[1])?;
+    let ends = large(films.iter().map(|(_, film)| film), &black);
+    let gain = if ends > 0.0 { 1.0 / (ends * ends) } else { 1.0 };
+    let map = |(words, film): &(String, Film)| {
+        let map = error_map(film, &black, MapKind::Squared, gain as f32)?;
+        picture(&map, format!("{words}: standard error"))
+    };
+    let maps = films.iter().map(map).collect::<Result<Vec<_>>>()?;
+    let words = format!(
+        "The variance of each pixel in one render, from black for none to light for that of a standard error of {} \
+         or more.",
+        figure(ends)
+    );
+    Ok(if maps.is_empty() {
+        Vec::new()
+    } else {
+        vec![Block::paragraph(words), Block::Pictures(maps)]
+    })
 }
 
 /// A chart in four forms.

@@ -87,6 +87,14 @@ impl PresetFindings {
     }
 }
 
+/// Builds that take less than this part of tracing are no matter.
+const LEAST_SHARE: f64 = 0.01;
+
+/// Whether building takes time enough to be compared with tracing.
+pub fn matter(presets: &[PresetFindings]) -> bool {
+    presets.iter().any(|preset| preset.build > LEAST_SHARE * preset.trace)
+}
+
 /// The quickest presets, from few samples to many, and from how many on each is.
 pub fn crossings(presets: &[PresetFindings]) -> Vec<(f64, String)> {
     let first = presets.iter().min_by(|a, b| a.build.total_cmp(&b.build));
@@ -110,11 +118,8 @@ mod tests {
 
     #[test]
     fn more_samples_are_worth_a_better_tree() {
-        let preset = |name: &str, build, trace| PresetFindings {
-            preset: name.to_owned(),
-            build,
-            trace,
-        };
+        let preset =
+            |name: &str, build, trace| PresetFindings { preset: name.to_owned(), build, trace };
         // The second is never the quickest; the others are from 0, from 1 and from 4 times the samples on.
         let presets = [
             preset("a", 1.0, 4.0),
@@ -126,7 +131,8 @@ mod tests {
         let expected = [(0.0, "a"), (1.0, "c"), (4.0, "d")];
         assert_eq!(found, expected.map(|(samples, name)| (samples, name.to_owned())));
         for samples in [0.5, 2.0, 9.0] {
-            let quickest = presets.iter().min_by(|a, b| a.in_all(samples).total_cmp(&b.in_all(samples)));
+            let quickest =
+                presets.iter().min_by(|a, b| a.in_all(samples).total_cmp(&b.in_all(samples)));
             let last = found.iter().rfind(|(from, _)| *from <= samples).unwrap();
             assert_eq!(quickest.unwrap().preset, last.1);
         }

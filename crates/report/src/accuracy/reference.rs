@@ -25,13 +25,15 @@ const LEAST_REPLICATES: u32 = 4;
 const MOST_REPLICATES: u32 = 32;
 
 /// Their seeds begin here, where those of other renders never come.
-const FIRST_SEED: u64 = 1 << 63;
+pub(super) const FIRST_SEED: u64 = 1 << 63;
 
 /// A reference picture.
 #[derive(Clone, Debug)]
 pub struct Reference {
     /// The mean.
     pub film: Film,
+    /// The standard error of each of its values.
+    pub error: Film,
     /// Points of each kind in each pixel, all renders together.
     pub samples: u64,
     /// The number of renders.
@@ -50,18 +52,18 @@ impl Reference {
 }
 
 /// Sums over renders.
-struct Sums {
+pub(super) struct Sums {
     sum: Vec<[f64; 3]>,
     squares: Vec<[f64; 3]>,
     count: u32,
 }
 
 impl Sums {
-    fn new(pixels: usize) -> Self {
+    pub(super) fn new(pixels: usize) -> Self {
         Self { sum: vec![[0.0; 3]; pixels], squares: vec![[0.0; 3]; pixels], count: 0 }
     }
 
-    fn add(&mut self, film: &Film) {
+    pub(super) fn add(&mut self, film: &Film) {
         self.count += 1;
         let rows = self.sum.iter_mut().zip(&mut self.squares).zip(film.pixels());
         for ((sum, squares), pixel) in rows {
@@ -72,22 +74,31 @@ impl Sums {
         }
     }
 
-    fn mean(&self, [width, height]: [u32; 2]) -> Result<Film> {
+    /// Mean and variance of each value, pixel by pixel.
+    pub(super) fn moments(&self) -> impl Iterator<Item = ([f64; 3], [f64; 3])> {
         let n = f64::from(self.count);
-        let pixels = self.sum.iter().map(|sum| sum.map(|s| (s / n) as f32)).collect();
-        Film::from_pixels(width, height, pixels)
+        self.sum.iter().zip(&self.squares).map(move |(sum, squares)| {
+            let variance = |channel: usize| {
+                let (sum, squares) = (sum[channel], squares[channel]);
+                ((squares - sum * sum / n) / (n - 1.0).max(1.0)).max(0.0)
+            };
+            (sum.map(|s| s / n), [variance(0), variance(1), variance(2)])
+        })
+    }
+
+    /// The mean, and the standard error of each of its values.
+    fn films(&self, [width, height]: [u32; 2]) -> Result<(Film, Film)> {
+        let n = f64::from(self.count);
+        let mean = self.moments().map(|(mean, _)| mean.map(|v| v as f32)).collect();
+        let error = self.moments().map(|(_, variance)| variance.map(|v| (v / n).sqrt() as f32));
+        let error = Film::from_pixels(width, height, error.collect())?;
+        Ok((Film::from_pixels(width, height, mean)?, error))
     }
 
     /// See [`Reference::standard_error`].
     fn standard_error(&self) -> f64 {
-        let n = f64::from(self.count);
-        let mut variances = 0.0;
-        for (sum, squares) in self.sum.iter().zip(&self.squares) {
-            for (sum, squares) in sum.iter().zip(squares) {
-                variances += ((squares - sum * sum / n) / (n - 1.0)).max(0.0);
-            }
-        }
-        (variances / n / (3 * self.sum.len()).max(1) as f64).sqrt()
+        let variances: f64 = self.moments().flat_map(|(_, variance)| variance).sum();
+        (variances / f64::from(self.count) / (3 * self.sum.len()).max(1) as f64).sqrt()
     }
 }
 
@@ -147,9 +158,9 @@ pub fn make(
         }
         let standard_error = if is_sampled { sums.standard_error() } else { 0.0 };
         let samples = u64::from(sums.count) * u64::from(count);
-        let film = sums.mean([width, height])?;
+        let (film, error) = sums.films([width, height])?;
         let replicates = sums.count;
-        let made = Reference { film, samples, replicates, standard_error, seconds };
+        let made = Reference { film, error, samples, replicates, standard_error, seconds };
         let done = standard_error == 0.0
             || replicates >= MOST_REPLICATES
             || made.believes(smallest(subject, &made.film)?);

@@ -68,10 +68,11 @@ pub fn converges(key: &str) -> bool {
 
 wavecrest_base::choices! {
     /// The picture that a setting approaches. Names are those in files.
-    #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize, serde::Deserialize)]
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize, serde::Deserialize)]
     #[serde(rename_all = "kebab-case")]
     pub enum Target {
         /// The scene as its file has it, with any number of samples where it has any.
+        #[default]
         Scene = "scene",
         /// The mean over the area of each pixel, even where the file asks for its centre.
         Pixel = "pixel",

@@ -8,7 +8,6 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use super::fit::Rng;
-use super::neutral;
 use super::reference::{self, Reference};
 use super::setting::{Family, Setting, Structure, Target, families};
 use super::store::{
@@ -16,6 +15,7 @@ use super::store::{
     all,
 };
 use super::subject::Subject;
+use super::{calibration, neutral, presets, spread};
 use crate::selftest::examine::trial;
 use crate::selftest::{Count, Effort};
 use wavecrest_base::error::Result;
@@ -96,6 +96,9 @@ fn scene(
         }
     }
     points(&mut subject, &families, &references, options, store, progress)?;
+    presets::run(&mut subject, store, progress)?;
+    spread::run(&mut subject, &families, &references, store, progress)?;
+    calibration::run(&mut subject, &references, store, progress)?;
     neutral::run(&mut subject, references.get(Target::Scene.name()), store, progress)?;
     trials(&mut subject, store, progress)?;
     Ok(Swept { subject, families, references })
@@ -127,6 +130,7 @@ fn reference(
     let made = reference::make(subject, target, options.least, smallest, &|| progress.step())?;
     let file = format!("{name}-{}.exr", target.name());
     write(&made.film, &store.folder().join(&file), Transfer::Linear)?;
+    write(&made.error, &store.folder().join(error_of(&file)), Transfer::Linear)?;
     store.add(Record::Reference(ReferenceRecord {
         scene: name,
         target,
@@ -144,8 +148,14 @@ fn known_reference(store: &Store, scene: &str, target: Target) -> Result<Option<
     let is_it = |known: &&ReferenceRecord| known.scene == scene && known.target == target;
     let Some(known) = all(&store.records).find(is_it) else { return Ok(None) };
     let film = read(&store.folder().join(&known.file))?;
+    let error = read(&store.folder().join(error_of(&known.file)))?;
     let &ReferenceRecord { samples, replicates, standard_error, seconds, .. } = known;
-    Ok(Some(Reference { film, samples, replicates, standard_error, seconds }))
+    Ok(Some(Reference { film, error, samples, replicates, standard_error, seconds }))
+}
+
+/// The file of a reference's standard errors beside that of the reference.
+fn error_of(file: &str) -> String {
+    format!("{}-error.exr", file.trim_end_matches(".exr"))
 }
 
 /// What comes nearest to a reference: the last setting of each line that converges.
@@ -266,8 +276,14 @@ fn note_preparation<'a>(
 /// When their sizes differ.
 pub fn errors(film: &Film, reference: &Film) -> Result<Errors> {
     let found = compare(film, reference)?;
-    let flip = flip(film, reference, DEFAULT_PIXELS_PER_DEGREE)?.mean;
-    Ok(Errors { mse: found.mse, relative_mse: found.relative_mse, bias: found.bias, flip })
+    let mut seen = flip(film, reference, DEFAULT_PIXELS_PER_DEGREE)?;
+    let flip_95 = {
+        let most = seen.map.len().saturating_sub(1) * 95 / 100;
+        seen.map.select_nth_unstable_by(most, f32::total_cmp);
+        f64::from(seen.map[most])
+    };
+    let (mse, relative_mse, bias) = (found.mse, found.relative_mse, found.bias);
+    Ok(Errors { mse, relative_mse, bias, flip: seen.mean, flip_95 })
 }
 
 /// What every precision does at the edges and on the faces of the scene's triangles.

@@ -1,6 +1,8 @@
 //! Findings as charts.
 
 use crate::accuracy::findings::{FamilyFindings, PointFindings, SceneFindings, SeriesFindings};
+use crate::accuracy::presets::PresetFindings;
+use crate::plot::number::figure;
 use crate::plot::{
     Axis, Bar, Chart, Course, Draw, Guide, Point, Scale, Segment, Series, StackedBars,
 };
@@ -14,6 +16,8 @@ pub(super) fn of(family: &FamilyFindings, scene: &SceneFindings) -> Vec<(String,
         _ => vec![
             (format!("{name}-samples"), against_samples(family, scene)),
             (format!("{name}-time"), against_time(family)),
+            (format!("{name}-seen"), seen(family)),
+            (format!("{name}-efficiency"), efficiency(family)),
         ],
     }
 }
@@ -88,6 +92,82 @@ fn against_time(family: &FamilyFindings) -> Chart {
         caption: "Median time of tracing, without loading and building. The Pareto front joins the settings \
                   that no other beats in both."
             .to_owned(),
+    }
+}
+
+/// The difference that is seen, against time.
+fn seen(family: &FamilyFindings) -> Chart {
+    let point = |p: &PointFindings| {
+        let label = super::tables::points_of(&p.label);
+        Point::new(p.seconds.median, p.flip).within(p.flip, p.flip_95).labelled(label)
+    };
+    let line = |series: &SeriesFindings| {
+        let points = series.points.iter().map(point).collect();
+        Series { name: series.name.clone(), draw: Draw::Line, points }
+    };
+    Chart {
+        title: format!("{}: the difference that is seen", family.title),
+        x: log("time", "s"),
+        y: log("FLIP", ""),
+        series: family.series.iter().map(line).collect(),
+        guides: Vec::new(),
+        caption: "Mean FLIP of a picture; whiskers reach to what one pixel of twenty exceeds."
+            .to_owned(),
+    }
+}
+
+/// How much a second buys.
+fn efficiency(family: &FamilyFindings) -> Chart {
+    let point = |p: &PointFindings| {
+        let e = p.efficiency_in_all.filter(|_| p.believed)?;
+        let alone = p.efficiency.map(|e| format!(", {} of tracing alone", figure(e.value)));
+        let label = super::tables::points_of(&p.label) + &alone.unwrap_or_default();
+        Some(Point::new(p.x, e.value).within(e.low, e.high).labelled(label))
+    };
+    let line = |series: &SeriesFindings| {
+        let points = series.points.iter().filter_map(point).collect();
+        Series { name: series.name.clone(), draw: Draw::Line, points }
+    };
+    Chart {
+        title: format!("{}: efficiency", family.title),
+        x: log(family.counted, ""),
+        y: log("1 / (MSE x time)", "1/s"),
+        series: family.series.iter().map(line).collect(),
+        guides: Vec::new(),
+        caption: "Of loading, building and tracing together: more is better. Independent points have the same \
+                  efficiency however many they are, once there is time for more than loading and building."
+            .to_owned(),
+    }
+}
+
+/// Multiples of a scene's own samples, as powers of two, for which presets are compared.
+const MULTIPLES: std::ops::RangeInclusive<i32> = -6..=12;
+
+/// Building and tracing with each preset, for more and more samples.
+pub(super) fn presets(scene: &SceneFindings) -> Chart {
+    let line = |preset: &PresetFindings| {
+        let point = |power| {
+            let samples = libm::exp2(f64::from(power));
+            Point::new(samples, preset.in_all(samples))
+        };
+        let points = MULTIPLES.map(point).collect();
+        Series { name: preset.preset.clone(), draw: Draw::Line, points }
+    };
+    let words = |(index, (from, name)): (usize, &(f64, String))| match index {
+        0 => format!("`{name}` is the quickest at first"),
+        _ => format!("`{name}` from {} times the scene's own samples on", figure(*from)),
+    };
+    let words: Vec<String> = scene.crossings.iter().enumerate().map(words).collect();
+    Chart {
+        title: "Building and tracing by BVH preset".to_owned(),
+        x: log("samples, in parts of the scene's own", ""),
+        y: log("time", "s"),
+        series: scene.presets.iter().map(line).collect(),
+        guides: Vec::new(),
+        caption: format!(
+            "Medians of building, and of tracing in proportion to the samples: {}.",
+            words.join(", ")
+        ),
     }
 }
 

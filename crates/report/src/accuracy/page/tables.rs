@@ -1,6 +1,7 @@
 //! Findings as tables.
 
 use crate::accuracy::findings::{FamilyFindings, PointFindings, SceneFindings, SeriesFindings};
+use crate::accuracy::fit::Interval;
 use crate::effects::{Cost, Price, PriceList};
 use crate::page::{Block, Cell, Details, Table};
 
@@ -41,6 +42,7 @@ pub(super) fn of(family: &FamilyFindings) -> Vec<Block> {
     let mut blocks = Vec::new();
     blocks.extend(slopes(family).map(Block::Table));
     blocks.extend(time_to_error(family).map(Block::Table));
+    blocks.extend(efficiency(family).map(Block::Table));
     let points = Block::Table(points(family));
     blocks.push(if family.series.len() > 1 {
         Block::Details(Details { summary: "Every setting".to_owned(), blocks: vec![points] })
@@ -106,6 +108,30 @@ fn common_errors(family: &FamilyFindings) -> Option<Vec<f64>> {
     }
     let ratio = libm::log(least / most) / ERRORS as f64;
     Some((1..=ERRORS).map(|i| most * libm::exp(ratio * i as f64)).collect())
+}
+
+/// Where each sampler is the most efficient.
+fn efficiency(family: &FamilyFindings) -> Option<Table> {
+    let best = |series: &SeriesFindings, of: fn(&PointFindings) -> Option<Interval>| {
+        let all = series.points.iter().filter(|p| p.believed);
+        let best =
+            all.filter_map(|p| Some((of(p)?, p))).max_by(|a, b| a.0.value.total_cmp(&b.0.value));
+        best.map_or([Cell::text("none"), Cell::text("")], |(e, p)| {
+            let text = format!("{:.2e} ({:.2e} to {:.2e})", e.value, e.low, e.high);
+            [Cell::number(e.value, text), Cell::number(p.x, points_of(&p.label))]
+        })
+    };
+    let row = |series: &SeriesFindings| {
+        let cells = [best(series, |p| p.efficiency), best(series, |p| p.efficiency_in_all)];
+        std::iter::once(Cell::text(series.name.clone()))
+            .chain(cells.into_iter().flatten())
+            .collect()
+    };
+    let sloped = family.series.iter().any(|series| series.slope.is_some());
+    let caption = "Where each sampler is the most efficient, 1 / (MSE x time) in 1/s: in tracing alone, and with loading \
+                   and building";
+    let header = "sampler|>tracing|>at|>in all|>at";
+    sloped.then(|| Table::new(caption, header, family.series.iter().map(row).collect()))
 }
 
 /// The time at which a sampler reaches `error`.
