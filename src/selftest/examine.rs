@@ -69,7 +69,7 @@ impl Examined {
             );
         }
         for Tried { precision, trial, times_fast, invalid } in &self.trials {
-            let Trial { leaks, self_hits, nanoseconds } = trial;
+            let Trial { leaks, self_hits, nanoseconds, errors } = trial;
             let ratio = times_fast.map_or(String::new(), |t| format!("  {t:>5.2} x fast"));
             let invalid = invalid.map_or(String::new(), |n| format!(", {n} samples not finite"));
             let _ = writeln!(
@@ -82,6 +82,7 @@ impl Examined {
                 self_hits.failed,
                 self_hits.tried,
             );
+            let _ = writeln!(text, "      {}", errors.words());
             for first in [&leaks.first, &self_hits.first].into_iter().flatten() {
                 let _ = writeln!(text, "      the first: {first}");
             }

@@ -20,7 +20,7 @@
 //! | `presets`, `crossings` | | see [`presets`] |
 //! | `spread`, `calibration` | | see [`SpreadRecord`] and [`CalibrationRecord`] |
 //! | `neutral` | | what must not change the picture: the error's change, and whether the bits are equal |
-//! | `trials` | | by precision: rays at edges and how many leak, rays that leave and how many hit themselves, nanoseconds a ray |
+//! | `trials` | | by precision: rays at edges and how many leak, rays that leave and how many hit themselves, nanoseconds a ray, errors of t, points and normals in ulp ([`HitErrors`](crate::selftest::errors::HitErrors)) |
 
 use serde::Serialize;
 

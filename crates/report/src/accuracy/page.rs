@@ -4,6 +4,7 @@ mod answers;
 mod charts;
 mod tables;
 mod trust;
+mod yields;
 
 use std::path::Path;
 
@@ -50,6 +51,7 @@ pub fn write(
         first.extend(answers::dearest(&prices));
         sections.push(Section::new("What each effect costs", tables::prices(&prices)));
     }
+    sections.push(Section::new("How far hits are off where it is hard", yields::by_situation()));
     sections.extend(trust::section(findings));
     sections.push(about(findings));
     let (title, lead) = ("What accuracy costs in time".to_owned(), answers::lead(findings));
@@ -117,7 +119,12 @@ fn section(scene: &SceneFindings, swept: &mut Swept, folder: &Path) -> Result<Se
     blocks.extend(trust::spread(scene));
     blocks.extend(standard_errors(scene, swept)?);
     blocks.push(Block::Heading("What precision costs, and what it saves".to_owned()));
+    blocks.extend(yields::sentence(scene));
     blocks.extend(tables::precision(scene));
+    for (name, chart) in yields::charts(scene) {
+        write_chart(&chart, &folder.join(format!("{}-{name}", scene.scene.scene)))?;
+        blocks.push(Block::Chart(chart));
+    }
     blocks.push(Block::Heading("What must not matter".to_owned()));
     blocks.extend(tables::neutral(scene));
     Ok(Section::new(scene.scene.scene.clone(), blocks))

@@ -304,6 +304,7 @@ fn trials(subject: &mut Subject, store: &mut Store, progress: &dyn Progress) -> 
             leaks: [found.leaks.tried, found.leaks.failed],
             self_hits: [found.self_hits.tried, found.self_hits.failed],
             nanoseconds: found.nanoseconds,
+            errors: Some(Box::new(found.errors)),
         }))?;
         progress.step();
     }

@@ -32,7 +32,10 @@ fn entries() -> Vec<Entry> {
             .unwrap_or_else(|error| panic!("{}: {error}", variant.name));
         let extracted = wavecrest_scene::systems::extract(&mut loaded.world, Default::default())
             .expect("a scene");
-        Entry { variant, scene: extracted.build(Preset::Fast) }
+        let scene = extracted.build(Preset::Fast);
+        // The folder is gone before the first look-up.
+        scene.appearance.decode().expect("textures");
+        Entry { variant, scene }
     };
     variants.into_iter().map(prepare).collect()
 }

@@ -11,6 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use super::case::Effort;
 use super::ways::{Numbers, Tests, blocks};
+use crate::plot::number::figure;
 use wavecrest_core::accel::{Accel, Hit};
 use wavecrest_core::kernels::triangle::exact;
 use wavecrest_core::math::float::{max_abs, normalize};
@@ -85,6 +86,12 @@ impl Distribution {
 }
 
 impl HitErrors {
+    /// The worst of each, in words.
+    pub fn words(&self) -> String {
+        let [t, point, normal] = [&self.t, &self.point, &self.normal].map(|e| ulps(e.worst));
+        format!("off by at most: t {t}, points {point}, normals {normal}")
+    }
+
     /// Compares what the `tests` of a precision say of a ray and a triangle: a hit at `t`, or none.
     fn count(&mut self, tests: Tests, ray: &Ray, corners: &[Vec3; 3], t: Option<f32>) {
         let exactly = exact::intersect(ray, corners);
@@ -119,6 +126,16 @@ impl Sum for HitErrors {
             sum
         })
     }
+}
+
+/// A number of ulp in words.
+pub fn ulps(ulp: f64) -> String {
+    // The last size has no end.
+    let most = Distribution::bound(SIZES - 2);
+    if ulp > most {
+        return format!("more than {} ulp", figure(most));
+    }
+    if ulp < 10.0 { format!("{ulp:.1} ulp") } else { format!("{} ulp", figure(ulp.round())) }
 }
 
 /// The distance between numbers of single precision about `value`.

@@ -11,6 +11,12 @@ const ERRORS: usize = 4;
 /// What errors of the scene are against, in a sentence.
 pub(super) fn references(scene: &SceneFindings) -> String {
     let of = |r: &crate::accuracy::store::ReferenceRecord| {
+        if r.standard_error == 0.0 {
+            return format!(
+                "The reference for the {} is exact: nothing is left to chance.",
+                r.target.name()
+            );
+        }
         format!(
             "The reference for the {} has {} points of each kind in a pixel, in {} renders; its standard error is \
              {:.2e}.",

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::accuracy::setting::Target;
 use crate::accuracy::subject::Stages;
+use crate::selftest::errors::HitErrors;
 
 /// What is the same for all records of a file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -189,6 +190,9 @@ pub struct TrialRecord {
     pub self_hits: [u64; 2],
     /// Nanoseconds for each of these rays.
     pub nanoseconds: f64,
+    /// How far hits are from the exact ones; none in records of versions that did not measure it.
+    #[serde(default)]
+    pub errors: Option<Box<HitErrors>>,
 }
 
 /// The kinds of records: a line of the file is one of them.
