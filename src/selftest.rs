@@ -2,8 +2,9 @@
 
 mod asked;
 mod examine;
+mod ratios;
+mod table;
 
-use std::fmt::Write as _;
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -11,11 +12,13 @@ use serde::Serialize;
 
 use self::asked::Asked;
 use self::examine::Examined;
+use self::ratios::Ratio;
 use super::common::{Threads, print, progress_bar, to_json};
 use crate::choice::choice;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::kernels::precision::Precision;
-use wavecrest_report::selftest::{CASES, Case, Count, Outcome, case};
+use wavecrest_report::selftest::{CASES, Case, Count, Effort, Outcome, case};
+use wavecrest_scene::load::{LoadOptions, survey};
 
 /// Tries what breaks ray tracers: every kernel, with all instructions that the processor has.
 ///
@@ -55,9 +58,9 @@ struct Trial {
     holds: bool,
     #[serde(flatten)]
     outcome: Outcome,
-    /// Time for an answer, as a multiple of what fast arithmetic takes.
+    /// Time for an answer, as a multiple of what fast arithmetic takes, in rounds of their own.
     #[serde(skip_serializing_if = "Option::is_none")]
-    times_fast: Option<f64>,
+    times_fast: Option<Ratio>,
 }
 
 /// A case and what came of it.
@@ -87,6 +90,8 @@ struct Scoreboard {
 /// If there is no such case, or standard output cannot be written.
 pub(crate) fn run(args: &SelftestArgs) -> Result<bool> {
     let cases = named(&args.cases)?;
+    // What is wrong with the file at first sight is told at once.
+    args.scene.as_deref().map(|file| survey(file, &LoadOptions::default())).transpose()?;
     let count = if args.full { Count::Full } else { Count::Quick };
     let mut precisions = args.precision.clone();
     if precisions.is_empty() {
@@ -115,7 +120,7 @@ pub(crate) fn run(args: &SelftestArgs) -> Result<bool> {
         let version = env!("CARGO_PKG_VERSION");
         to_json(&Scoreboard { version, seed: args.seed, full: args.full, cases: rows, scene })?
     } else {
-        text(&rows, args) + &scene.as_ref().map_or_else(String::new, Examined::text)
+        table::of(&rows, args) + &scene.as_ref().map_or_else(String::new, Examined::text)
     };
     print(&text)?;
     Ok(all_hold)
@@ -139,68 +144,12 @@ fn named(numbers: &[u32]) -> Result<Vec<&'static Case>> {
 
 fn row(case: &Case, asked: &Asked) -> Row {
     let start = Instant::now();
-    let mut trials: Vec<Trial> = Vec::new();
-    for effort in asked.efforts() {
+    let ratios = ratios::of(case, asked);
+    let trial = |(effort, times_fast): (Effort, _)| {
         let outcome = case.run(&effort);
-        let fast = trials.iter().find(|trial| trial.precision == Precision::Fast);
-        let fast = fast.map_or(outcome.nanoseconds(), |trial| trial.outcome.nanoseconds());
-        let times_fast = match (outcome.nanoseconds(), fast) {
-            (Some(own), Some(fast)) if asked.precisions.contains(&Precision::Fast) => {
-                Some(own / fast)
-            }
-            _ => None,
-        };
-        trials.push(Trial {
-            precision: effort.precision,
-            holds: outcome.holds(),
-            outcome,
-            times_fast,
-        });
-    }
+        Trial { precision: effort.precision, holds: outcome.holds(), outcome, times_fast }
+    };
+    let trials = asked.efforts().zip(ratios).map(trial).collect();
     let Case { number, name, bound, .. } = *case;
     Row { case: number, name, bound, trials, seconds: start.elapsed().as_secs_f64() }
-}
-
-/// A paragraph for each case, with a line for each precision; and how many cases hold in each.
-fn text(rows: &[Row], args: &SelftestArgs) -> String {
-    let mut text = String::new();
-    for row in rows {
-        let _ = writeln!(text, "{:>2}  {}: {}", row.case, row.name, row.bound);
-        for trial in &row.trials {
-            write_trial(&mut text, row, trial, args);
-        }
-    }
-    let mut precisions: Vec<Precision> = Vec::new();
-    for trial in rows.iter().flat_map(|row| &row.trials) {
-        if !precisions.contains(&trial.precision) {
-            precisions.push(trial.precision);
-        }
-    }
-    for precision in precisions {
-        let trials = rows.iter().flat_map(|row| &row.trials);
-        let trials = trials.filter(|trial| trial.precision == precision);
-        let (all, holding) = trials
-            .fold((0, 0), |(all, holding), trial| (all + 1, holding + usize::from(trial.holds)));
-        let _ = writeln!(text, "{:<7}{holding} of {all} cases hold", precision.name());
-    }
-    text
-}
-
-fn write_trial(text: &mut String, row: &Row, trial: &Trial, args: &SelftestArgs) {
-    let Outcome { tried, failed, first, .. } = &trial.outcome;
-    let precision = trial.precision.name();
-    let verdict = if trial.holds { "holds" } else { "FAILS" };
-    let time = trial.outcome.nanoseconds().map_or(String::new(), |ns| format!("{ns:>9.1} ns each"));
-    let ratio = trial.times_fast.map_or(String::new(), |times| format!("  {times:>5.2} x fast"));
-    let _ =
-        writeln!(text, "    {precision:<7}{verdict}{failed:>11} of {tried:>11} wrong{time}{ratio}");
-    if let Some(first) = first {
-        let full = if args.full { " --full" } else { "" };
-        let _ = writeln!(
-            text,
-            "      the first: {first}\n      again: wavecrest selftest --case {} --precision {precision} \
-             --seed {}{full}",
-            row.case, args.seed
-        );
-    }
 }

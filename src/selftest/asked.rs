@@ -12,8 +12,13 @@ pub(super) struct Asked {
 
 impl Asked {
     /// One for each precision.
-    pub(super) fn efforts(&self) -> impl Iterator<Item = Effort> {
-        let Self { seed, count, precisions } = self;
-        precisions.iter().map(|&precision| Effort { precision, seed: *seed, count: *count })
+    pub(super) fn efforts(&self) -> impl DoubleEndedIterator<Item = Effort> {
+        self.efforts_of(self.count)
+    }
+
+    /// The same, where so much is tested.
+    pub(super) fn efforts_of(&self, count: Count) -> impl DoubleEndedIterator<Item = Effort> {
+        let Self { seed, precisions, .. } = self;
+        precisions.iter().map(move |&precision| Effort { precision, seed: *seed, count })
     }
 }

@@ -1,5 +1,7 @@
 //! The ray.
 
+use std::fmt;
+
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec3, Vec3A};
 
@@ -22,6 +24,17 @@ pub struct Ray {
     pub direction: Vec3,
     /// Hits at or after this t do not count.
     pub t_max: f32,
+}
+
+impl fmt::Display for Ray {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { origin: o, direction: d, t_min, t_max } = self;
+        write!(f, "a ray from {}, {}, {} along {}, {}, {}", o.x, o.y, o.z, d.x, d.y, d.z)?;
+        match (*t_min, *t_max) {
+            (0.0, f32::INFINITY) => Ok(()),
+            (t_min, t_max) => write!(f, " for t from {t_min} to {t_max}"),
+        }
+    }
 }
 
 impl Ray {

@@ -6,9 +6,11 @@
 //! as Student's distribution is wider than the normal one (Hesterberg, *What Teachers Should Know About the
 //! Bootstrap*, 2015, section 5.3).
 
+use rand::RngExt;
+use rand::seq::SliceRandom;
 use serde::Serialize;
 
-use wavecrest_core::math::random::Stream;
+use wavecrest_core::math::random::{Generator, Stream};
 
 /// How often seeds are drawn again.
 const RESAMPLES: u32 = 1000;
@@ -29,34 +31,22 @@ pub struct Interval {
 
 /// Random whole numbers.
 #[derive(Debug)]
-pub struct Rng {
-    stream: Stream,
-    thrown: u32,
-}
+pub struct Rng(Generator);
 
 impl Rng {
     /// Those of `seed`.
     pub fn new(seed: u64) -> Self {
-        Self { stream: Stream { seed, pixel: 0, sample: 0, bounce: 0 }, thrown: 0 }
+        Self(Stream { seed, pixel: 0, sample: 0, bounce: 0 }.generator(0))
     }
 
-    /// A number below `n`.
+    /// A number below `n`, which is at least 1.
     pub fn below(&mut self, n: usize) -> usize {
-        let [a, b, ..] = self.stream.words(self.thrown);
-        self.thrown += 1;
-        if self.thrown == u32::MAX {
-            (self.stream.sample, self.thrown) = (self.stream.sample + 1, 0);
-        }
-        // The upper part of a product with 64 bits is even to one in 2^64 / n.
-        let word = u64::from(a) << 32 | u64::from(b);
-        ((u128::from(word) * n as u128) >> 64) as usize
+        self.0.random_range(0..n)
     }
 
-    /// Puts `items` in random order (Durstenfeld 1964).
+    /// Puts `items` in random order.
     pub fn shuffle<T>(&mut self, items: &mut [T]) {
-        for last in (1..items.len()).rev() {
-            items.swap(last, self.below(last + 1));
-        }
+        items.shuffle(&mut self.0);
     }
 
     /// As many of `values` as there are, each drawn from all of them.

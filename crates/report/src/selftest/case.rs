@@ -11,6 +11,8 @@ use wavecrest_core::kernels::precision::Precision;
 /// How much is tested.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Count {
+    /// Little enough to be timed several times.
+    Brief,
     /// Little enough for every run of the tests.
     Quick,
     /// As much as the case's bound states.
@@ -34,15 +36,19 @@ impl Effort {
         Accel::new(Geometry { precision: self.precision, ..geometry }, preset)
     }
 
-    /// `full`, or a hundredth of it.
+    /// `full`, a hundredth of it, or a quarter of that.
     pub(super) fn of(&self, full: usize) -> usize {
-        self.either(full / 100, full)
+        match self.count {
+            Count::Brief => full / 400,
+            Count::Quick => full / 100,
+            Count::Full => full,
+        }
     }
 
     /// One of these.
     pub(super) fn either<T>(&self, quick: T, full: T) -> T {
         match self.count {
-            Count::Quick => quick,
+            Count::Brief | Count::Quick => quick,
             Count::Full => full,
         }
     }

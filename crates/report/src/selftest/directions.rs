@@ -144,7 +144,7 @@ pub(super) fn invalid(effort: &Effort) -> Outcome {
         let any = accel.occluded(&ray, &mut traversal);
         let visits = traversal.tests.nodes;
         let is_right = hit.is_miss() && !any && visits == 0;
-        Outcome::one((!is_right).then(|| format!("{ray:?}: {hit:?}, {any}, {visits} nodes")))
+        Outcome::one((!is_right).then(|| format!("{ray}: {hit:?}, {any}, {visits} nodes")))
     };
     inputs(effort, 26, 0..effort.of(100_000)).map(ask).sum()
 }

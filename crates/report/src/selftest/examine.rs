@@ -190,7 +190,7 @@ fn leaking(accel: &Accel, topology: &Topology, extent: &Extent, effort: &Effort)
             // A face that is seen nearly edge on is met a good way behind its edge.
             let is_own = triangles.contains(&hit.primitive);
             let passes = !is_own && (hit.is_miss() || hit.t > BEYOND);
-            passes.then(|| format!("{ray:?} passes between two triangles: {hit:?}"))
+            passes.then(|| format!("{ray} passes between two triangles: {hit:?}"))
         },
     )
 }
@@ -251,8 +251,7 @@ fn leaving(accel: &Accel, extent: &Extent, effort: &Effort) -> Outcome {
             leaves.then(|| (Ray::new(origin, direction), [hit.primitive; 2]))
         },
         |ray, [own, _], hit| {
-            (hit.primitive == own)
-                .then(|| format!("{ray:?} meets triangle {own} again at {}", hit.t))
+            (hit.primitive == own).then(|| format!("{ray} meets triangle {own} again at {}", hit.t))
         },
     )
 }

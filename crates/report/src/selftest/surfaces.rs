@@ -99,7 +99,7 @@ fn leave(
         let ray = Ray::new(origin, direction);
         let cosine = direction.dot(unit);
         if cosine.abs() > 1e-6 && ray.is_valid() {
-            let context = |what| format!("{ray:?} meets {what} again");
+            let context = |what| format!("{ray} meets {what} again");
             outcome.count(again(&ray, cosine > 0.0).map(context));
         }
     }
@@ -188,7 +188,7 @@ pub(super) fn towards_a_light_on_a_surface(effort: &Effort) -> Outcome {
         // Flatter segments run along the light's own surface.
         if normalize(ray.direction).dot(normal).abs() > 0.1 {
             let hit = tests.triangle(&ray, &corners);
-            let context = |t| format!("{ray:?} is blocked at {t} by the light's own {corners:?}");
+            let context = |t| format!("{ray} is blocked at {t} by the light's own {corners:?}");
             outcome.count(hit.filter(|&t| t < ray.t_max).map(context));
         }
         Some(outcome)
@@ -213,7 +213,7 @@ pub(super) fn just_before_a_light(effort: &Effort) -> Outcome {
         }
         let ray = Ray { t_max: SHADOW_END, ..Ray::new(from, light - from) };
         let hit = tests.triangle(&ray, &corners).filter(|&t| t < ray.t_max);
-        let context = || format!("{ray:?} is not blocked by {corners:?}");
+        let context = || format!("{ray} is not blocked by {corners:?}");
         Some(Outcome::one(hit.is_none().then(context)))
     })
 }

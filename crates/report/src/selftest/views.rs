@@ -218,7 +218,7 @@ fn rays_of(
         let ray = camera.ray(x as u32, y as u32, &stream);
         let error = (ray.direction.as_dvec3().length() - 1.0).abs();
         let is_right = ray.is_valid() && error < 4.0 * f64::from(f32::EPSILON);
-        outcome.check(is_right, || format!("{}: pixel ({x}, {y}) has the ray {ray:?}", context()));
+        outcome.check(is_right, || format!("{}: pixel ({x}, {y}) has the ray {ray}", context()));
     }
     outcome
 }

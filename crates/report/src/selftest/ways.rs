@@ -4,6 +4,7 @@ use std::ops::Range;
 use std::time::Instant;
 
 use glam::Vec3;
+use rand::RngExt;
 use rayon::prelude::*;
 
 use super::case::{Effort, Outcome};
@@ -12,7 +13,7 @@ use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::kernels::sphere;
 use wavecrest_core::kernels::surface::{self, Surface};
 use wavecrest_core::kernels::triangle::{ShearedSpace, exact, fast};
-use wavecrest_core::math::random::Stream;
+use wavecrest_core::math::random::{Generator, Stream};
 use wavecrest_core::math::ray::Ray;
 use wavecrest_core::math::simd::Level;
 use wavecrest_core::math::vector::{Line, Vector};
@@ -63,7 +64,7 @@ fn ask(
         let mut outcome = Outcome { timed: rays.len() as u64, seconds, ..Outcome::default() };
         for (i, (ray, &hit)) in rays.iter().zip(&hits).enumerate() {
             let number = block * RAYS_OF_A_THREAD + i;
-            let context = |failure| format!("ray {number}, {ray:?}: {failure}");
+            let context = |failure| format!("ray {number}, {ray}: {failure}");
             outcome.count(judge(number, ray, hit).map(context));
         }
         outcome
@@ -137,11 +138,8 @@ impl Tests {
 }
 
 /// Random numbers for the `index`th input of a case.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Numbers {
-    stream: Stream,
-    dimension: u32,
-}
+#[derive(Clone, Debug)]
+pub(super) struct Numbers(Generator);
 
 /// Random numbers for each of these inputs of a case.
 pub(super) fn inputs(
@@ -155,14 +153,12 @@ pub(super) fn inputs(
 impl Numbers {
     pub(super) fn new(effort: &Effort, case: u32, index: usize) -> Self {
         let stream = Stream { seed: effort.seed, pixel: index as u32, sample: case, bounce: 0 };
-        Self { stream, dimension: 0 }
+        Self(stream.generator(0))
     }
 
     /// From 0 to 1.
     pub(super) fn one(&mut self) -> f64 {
-        self.dimension += 1;
-        let [high, low, ..] = self.stream.words(self.dimension);
-        (f64::from(high) + f64::from(low) / 4_294_967_296.0) / 4_294_967_296.0
+        self.0.random()
     }
 
     /// From `low` to `high`, every power of ten as likely.
@@ -172,12 +168,12 @@ impl Numbers {
 
     /// Less than `end`.
     pub(super) fn below(&mut self, end: usize) -> usize {
-        ((self.one() * end as f64) as usize).min(end - 1)
+        self.0.random_range(0..end)
     }
 
     /// 1 or -1.
     pub(super) fn sign(&mut self) -> f64 {
-        [1.0, -1.0][self.below(2)]
+        if self.0.random() { 1.0 } else { -1.0 }
     }
 
     /// In a triangle.

@@ -1,0 +1,105 @@
+//! What came of the cases, as text: the verdict, a table, and what failed.
+
+use std::fmt::Write as _;
+
+use super::{Row, SelftestArgs, Trial};
+use crate::common::rounded;
+use wavecrest_core::kernels::precision::Precision;
+use wavecrest_report::selftest::Outcome;
+
+/// All of it.
+pub(super) fn of(rows: &[Row], args: &SelftestArgs) -> String {
+    let precisions: Vec<Precision> =
+        rows.first().map_or_else(Vec::new, |row| row.trials.iter().map(|t| t.precision).collect());
+    verdict(rows, &precisions) + &table(rows, &precisions) + &failures(rows, &precisions, args)
+}
+
+/// How many cases hold in each precision, and what fast arithmetic loses.
+fn verdict(rows: &[Row], precisions: &[Precision]) -> String {
+    let all = rows.len();
+    let cases = if all == 1 { "case" } else { "cases" };
+    let mut text = String::new();
+    for (index, precision) in precisions.iter().enumerate() {
+        let failing = rows.iter().filter(|row| !row.trials[index].holds).count();
+        let name = precision.name();
+        let _ = match (failing, precision) {
+            (0, _) => writeln!(text, "{name} holds in all of {all} {cases}"),
+            (_, Precision::Fast) => {
+                writeln!(
+                    text,
+                    "{name} gives wrong answers in {failing} of {all} {cases}: its price"
+                )
+            }
+            _ => writeln!(text, "{name} FAILS in {failing} of {all} {cases}"),
+        };
+    }
+    text
+}
+
+/// A row for each case.
+fn table(rows: &[Row], precisions: &[Precision]) -> String {
+    let widest = rows.iter().map(|row| row.name.len()).max().unwrap_or(0);
+    let timed: Vec<Precision> =
+        precisions.iter().copied().filter(|&precision| precision != Precision::Fast).collect();
+    let has_times = rows.iter().flat_map(|row| &row.trials).any(|trial| trial.times_fast.is_some());
+    let mut text = format!("\ncase  {:<widest$}", "what breaks");
+    precisions.iter().for_each(|precision| text += &format!("  {:>9}", precision.name()));
+    if has_times {
+        timed.iter().for_each(|precision| {
+            text += &format!("  {:>13}", format!("{} / fast", precision.name()))
+        });
+    }
+    text.push('\n');
+    for row in rows {
+        let _ = write!(text, "{:>4}  {:<widest$}", row.case, row.name);
+        row.trials.iter().for_each(|trial| text += &format!("  {:>9}", answers(trial)));
+        for trial in
+            row.trials.iter().filter(|trial| has_times && trial.precision != Precision::Fast)
+        {
+            let ratio = trial.times_fast.map_or("-".to_owned(), |ratio| ratio.text());
+            let _ = write!(text, "  {ratio:>13}");
+        }
+        text.truncate(text.trim_end().len());
+        text.push('\n');
+    }
+    if has_times {
+        text += "times: the median of alternating rounds, and how far others are off it; a large spread says that \
+                 the machine was busy\n";
+    }
+    text
+}
+
+/// Whether a case holds, or the share of wrong answers.
+fn answers(Trial { precision, holds, outcome, .. }: &Trial) -> String {
+    match (holds, precision) {
+        (true, _) => "holds".to_owned(),
+        (false, Precision::Fast) => {
+            let share = 100.0 * outcome.failed as f64 / outcome.tried.max(1) as f64;
+            format!("{} %", rounded(share, 2))
+        }
+        (false, _) => "FAILS".to_owned(),
+    }
+}
+
+/// What failed, and how to try it again. What fast arithmetic loses is told where nothing else is asked for.
+fn failures(rows: &[Row], precisions: &[Precision], args: &SelftestArgs) -> String {
+    let mut text = String::new();
+    let full = if args.full { " --full" } else { "" };
+    for row in rows {
+        for trial in row.trials.iter().filter(|trial| !trial.holds) {
+            if trial.precision == Precision::Fast && precisions != [Precision::Fast] {
+                continue;
+            }
+            let Outcome { tried, failed, first, .. } = &trial.outcome;
+            let precision = trial.precision.name();
+            let first = first.as_deref().unwrap_or("nothing was tried");
+            let _ = writeln!(
+                text,
+                "\n{} in {precision}: {failed} of {tried} wrong; {}\n  the first: {first}\n  again: wavecrest \
+                 selftest --case {} --precision {precision} --seed {}{full}",
+                row.name, row.bound, row.case, args.seed
+            );
+        }
+    }
+    text
+}
