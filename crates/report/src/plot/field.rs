@@ -4,12 +4,13 @@ use super::drawing::{At, BELOW, BESIDE, Drawing, LABEL, Text};
 use super::font;
 use super::paint::Paint;
 use super::place::Place;
+use super::ticks::Tick;
 use super::{Axis, Scale};
 
 /// Labels down an axis are at least so far apart.
 const APART_DOWN: f64 = 36.0;
 /// Labels along an axis are at least so far apart.
-const APART_ALONG: f64 = 18.0;
+const APART_ALONG: f64 = 14.0;
 /// From a label to its axis.
 const GAP: f64 = 8.0;
 /// The height of an axis' heading.
@@ -114,13 +115,26 @@ fn mark_down(place: &mut Place<'_>, height: f64, width: f64) -> f64 {
 
 /// Marks the axis at the bottom so that labels stay apart, and returns how far the last may stand out.
 fn mark_along(place: &mut Place<'_>, width: f64) -> f64 {
+    place.pixels = [0.0, width];
     for most in (2..=(width / 40.0) as usize).rev() {
         place.mark(most);
-        if widest(place) + APART_ALONG <= width / place.ticks.major.len().max(1) as f64 {
+        if are_apart(place) {
             break;
         }
     }
     (widest(place) / 2.0).max(GAP)
+}
+
+/// Whether no label is near the next: those of a logarithmic axis are unevenly far apart.
+fn are_apart(place: &Place<'_>) -> bool {
+    let half = |tick: &Tick| font::width(&tick.label, LABEL) / 2.0;
+    place.ticks.major.windows(2).all(|pair| match pair {
+        [a, b] => {
+            let distance = (place.pixel_of(b.at) - place.pixel_of(a.at)).abs();
+            distance >= half(a) + half(b) + APART_ALONG
+        }
+        _ => true,
+    })
 }
 
 /// The width of the widest label.
