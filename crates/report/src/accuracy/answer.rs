@@ -10,6 +10,7 @@
 //! | `.times_as_fast` | | the time of tracing with random points over that, with its interval; `null` without either |
 //! | `.at_least` | | whether random points did not reach the error: they take at least that many times as long |
 //! | `precisions[].name`, `.ratio` | | time of tracing over that of `fast`, at the scene's own samples |
+//! | `precisions[].worst_t` | ulp | the largest error of t on the scene's triangles (`null` where it has none) |
 //! | `effects[].name`, `.ratio` | | time of tracing over that without the effect, or with one point for it |
 //! | `pass`, `share` | | the pass that takes the most of tracing, and its part of it |
 
@@ -56,6 +57,8 @@ pub struct AtError {
 pub struct Price {
     pub name: String,
     pub ratio: Interval,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub worst_t: Option<f64>,
 }
 
 impl Answer {
@@ -73,7 +76,9 @@ impl Answer {
         let precisions: Vec<&PointFindings> = precisions.collect();
         let fast = precisions.iter().find(|p| p.label == Precision::Fast.name());
         let price = |name: String, point: &PointFindings, without: &PointFindings| {
-            Some(Price { name, ratio: ratio(point, without)? })
+            let trial = scene.trials.iter().find(|trial| trial.precision == name);
+            let worst_t = trial.and_then(|trial| Some(trial.errors.as_ref()?.t.worst));
+            Some(Price { name, ratio: ratio(point, without)?, worst_t })
         };
         let others = precisions.iter().filter(|p| p.label != Precision::Fast.name());
         answer.precisions = others.filter_map(|p| price(p.label.clone(), p, fast?)).collect();

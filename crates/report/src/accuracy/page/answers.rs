@@ -59,9 +59,11 @@ fn costs(scene: &SceneFindings, answer: &Answer) -> String {
         format!("{} takes {:.2} ({:.2} to {:.2})", price.name, r.value, r.low, r.high)
     };
     let mut sentences = Vec::new();
-    let precisions: Vec<String> = answer.precisions.iter().map(times).collect();
-    if !precisions.is_empty() {
-        sentences.push(format!("{} times as long as fast", precisions.join(" and ")));
+    for price in &answer.precisions {
+        let worst =
+            price.worst_t.map(|ulp| format!(", and its worst t is {} ulp off", figure(ulp)));
+        let worst = worst.unwrap_or_default();
+        sentences.push(format!("{} times as long as fast{worst}", times(price)));
     }
     if let Some(effect) = answer.effects.first() {
         let r = effect.ratio;

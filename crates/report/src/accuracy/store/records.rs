@@ -105,7 +105,8 @@ pub struct Errors {
     pub bias: f64,
     /// Mean FLIP.
     pub flip: f64,
-    /// The FLIP that one pixel of twenty exceeds.
+    /// The FLIP that one pixel of twenty exceeds; older sweeps have none.
+    #[serde(default)]
     pub flip_95: f64,
 }
 
