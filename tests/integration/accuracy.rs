@@ -13,7 +13,7 @@ use wavecrest_report::accuracy::Findings;
 use wavecrest_report::accuracy::answer::ERRORS;
 use wavecrest_report::accuracy::findings::FamilyFindings;
 use wavecrest_report::accuracy::pilot::Pilot;
-use wavecrest_report::accuracy::store::{FILE, Header, Record, Store};
+use wavecrest_report::accuracy::store::{FILE, Header, Record, SpreadRecord, Store};
 use wavecrest_report::accuracy::sweep::{Options, Progress, run};
 
 use crate::support::{
@@ -60,9 +60,16 @@ fn errors_fall_as_theory_has_it() {
         assert!(point.bias.abs() <= point.rmse.value / 4.0, "{}: {}", point.key, point.bias);
     }
     // What is off beyond chance is little, and the intervals of values hold as often as they say.
-    for spread in &found.scenes[0].spread {
-        let share = spread.covered as f64 / spread.intervals as f64;
-        assert!(spread.intervals >= 1000 && (0.93..=0.97).contains(&share), "{spread:?}");
+    let covered = |those: &[SpreadRecord]| {
+        let sum = |of: fn(&SpreadRecord) -> u64| those.iter().map(of).sum::<u64>() as f64;
+        sum(|spread| spread.covered) / sum(|spread| spread.intervals)
+    };
+    let spreads = &found.scenes[0].spread;
+    assert!((0.93..=0.97).contains(&covered(spreads)), "{spreads:?}");
+    for spread in spreads {
+        // Pixels share their edges, and so what chance does to them.
+        let share = covered(std::slice::from_ref(spread));
+        assert!(spread.intervals >= 1000 && (0.92..=0.98).contains(&share), "{spread:?}");
         assert!(spread.bias < spread.expected, "{spread:?}");
     }
     assert_eq!(found.scenes[0].spread.len(), 6);
