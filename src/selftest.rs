@@ -4,6 +4,7 @@ mod asked;
 mod examine;
 mod ratios;
 mod table;
+mod yields;
 
 use std::path::PathBuf;
 use std::time::Instant;
@@ -13,6 +14,7 @@ use serde::Serialize;
 use self::asked::Asked;
 use self::examine::Examined;
 use self::ratios::Ratio;
+use self::yields::Yield;
 use super::common::{Threads, print, progress_bar, to_json};
 use crate::choice::choice;
 use wavecrest_base::error::{Error, ErrorKind, Result};
@@ -80,6 +82,9 @@ struct Scoreboard {
     seed: u64,
     full: bool,
     cases: Vec<Row>,
+    /// How far hits are off, in ulp; none where cases are named.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    errors: Vec<Yield>,
     #[serde(skip_serializing_if = "Option::is_none")]
     scene: Option<Examined>,
 }
@@ -100,7 +105,7 @@ pub(crate) fn run(args: &SelftestArgs) -> Result<bool> {
     let bar = progress_bar(args.quiet, "{wide_bar} {pos}/{len} {msg}");
     bar.set_length(cases.len() as u64);
     let asked = Asked { seed: args.seed, count, precisions };
-    let (rows, scene) = args.threads.run(|| {
+    let (rows, errors, scene) = args.threads.run(|| {
         let rows = cases.iter().map(|case| {
             bar.set_message(case.name);
             let row = row(case, &asked);
@@ -108,9 +113,11 @@ pub(crate) fn run(args: &SelftestArgs) -> Result<bool> {
             row
         });
         let rows = rows.collect::<Vec<_>>();
+        bar.set_message("errors of hits");
+        let errors = if args.cases.is_empty() { yields::measure(&asked) } else { Vec::new() };
         bar.set_message("the scene");
         let scene = args.scene.as_deref().map(|file| examine::run(file, &asked));
-        Ok((rows, scene.transpose()?))
+        Ok((rows, errors, scene.transpose()?))
     })?;
     bar.finish_and_clear();
     let mut trials = rows.iter().flat_map(|row| &row.trials);
@@ -118,9 +125,11 @@ pub(crate) fn run(args: &SelftestArgs) -> Result<bool> {
         && scene.as_ref().is_none_or(Examined::holds);
     let text = if args.json {
         let version = env!("CARGO_PKG_VERSION");
-        to_json(&Scoreboard { version, seed: args.seed, full: args.full, cases: rows, scene })?
+        let (seed, full) = (args.seed, args.full);
+        to_json(&Scoreboard { version, seed, full, cases: rows, errors, scene })?
     } else {
-        table::of(&rows, args) + &scene.as_ref().map_or_else(String::new, Examined::text)
+        let errors = if errors.is_empty() { String::new() } else { yields::text(&errors) };
+        table::of(&rows, args) + &errors + &scene.as_ref().map_or_else(String::new, Examined::text)
     };
     print(&text)?;
     Ok(all_hold)
