@@ -10,7 +10,7 @@
 //! | `.times_as_fast` | | the time of tracing with random points over that, with its interval; `null` without either |
 //! | `.at_least` | | whether random points did not reach the error: they take at least that many times as long |
 //! | `precisions[].name`, `.ratio` | | time of tracing over that of `fast`, at the scene's own samples |
-//! | `precisions[].worst_t` | ulp | the largest error of t on the scene's triangles (`null` where it has none) |
+//! | `precisions[].worst_t` | ulp | the largest error of t on the scene's triangles (absent where it has none) |
 //! | `effects[].name`, `.ratio` | | time of tracing over that without the effect, or with one point for it |
 //! | `pass`, `share` | | the pass that takes the most of tracing, and its part of it |
 
