@@ -22,6 +22,7 @@ pub mod spread;
 pub mod store;
 pub mod subject;
 pub mod sweep;
+pub mod yardstick;
 
 use std::path::Path;
 use std::process::Command;

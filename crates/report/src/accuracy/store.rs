@@ -174,6 +174,7 @@ mod tests {
             key: "robust".into(),
             seed,
             seconds: 0.1,
+            yardstick: 0.001,
             passes: vec![("shade".into(), 0.05)],
             rays: 7,
             error,

@@ -15,6 +15,7 @@ use super::store::{
     all,
 };
 use super::subject::Subject;
+use super::yardstick::yardstick;
 use super::{calibration, neutral, presets, spread};
 use crate::selftest::examine::trial;
 use crate::selftest::{Count, Effort};
@@ -194,11 +195,12 @@ fn points(
                 && let Some(reference) = references.get(target.name())
             {
                 warm_up(subject, &setting.structure)?;
+                let yardstick = yardstick();
                 let options = RenderOptions { seed, ..RenderOptions::default() };
                 let rendered = subject.render(setting, &options)?;
                 let error = errors(&rendered.film, &reference.film)?;
                 let record = point(&name, *target, key, seed, &rendered, error);
-                store.add(Record::Point(record))?;
+                store.add(Record::Point(PointRecord { yardstick, ..record }))?;
             }
             progress.step();
         }
@@ -222,6 +224,7 @@ fn point(
         key: key.to_owned(),
         seed,
         seconds: rendered.seconds,
+        yardstick: 0.0,
         passes,
         rays: c.primary_rays + c.secondary_rays + c.shadow_rays,
         error,

@@ -4,7 +4,8 @@
 //! number, the ratio is of the time to an equal error: a ratio of errors becomes one of times along the power
 //! with which the error fell with the time before. Elsewhere time and error at equal settings are two ratios.
 //! Either is the geometric mean over the settings, of typical times and of means of squared errors, seed by
-//! seed: two programs that draw the same random numbers make the same errors, which then cancel.
+//! seed: two programs that draw the same random numbers make the same errors, which then cancel. On one machine the
+//! unit of time is a [yardstick](crate::accuracy::yardstick) of the same minute.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -91,6 +92,7 @@ fn side(sweep: &Sweep<'_>) -> Side {
 
 /// Every series of a scene, and all of them together.
 fn points(scene: &str, sides: &[Sweep<'_>; 2], found: &mut Vec<Found>, warnings: &mut Vec<String>) {
+    let units = units(scene, sides);
     let [before, after] = sides.each_ref().map(|side| series(scene, &side.records));
     let mut everything = Vec::new();
     for ((target, name), keys) in &before {
@@ -105,7 +107,7 @@ fn points(scene: &str, sides: &[Sweep<'_>; 2], found: &mut Vec<Found>, warnings:
         let falls = keys.keys().all(|key| converges(key));
         let floors =
             sides.each_ref().map(|side| if falls { floor(scene, *target, side) } else { 0.0 });
-        let pairs = pairs(keys, others, floors);
+        let pairs = pairs(keys, others, floors, &units);
         let falls = falls && pairs.len() > 1;
         let power = if falls { Some(power(&pairs)) } else { None };
         let mut add = |of, estimate: Option<Estimate>| {
@@ -122,16 +124,14 @@ fn points(scene: &str, sides: &[Sweep<'_>; 2], found: &mut Vec<Found>, warnings:
         }
         everything.push((pairs, power));
     }
-    let everything: Vec<_> = everything.iter().map(|(pairs, power)| (&**pairs, *power)).collect();
+    found.extend(together(scene, &everything));
+}
+
+/// All series of a scene as one.
+fn together(scene: &str, series: &[(Vec<Pair>, Option<f64>)]) -> Option<Found> {
+    let series: Vec<_> = series.iter().map(|(pairs, power)| (&**pairs, *power)).collect();
     let (scene, what, curves) = (scene.to_owned(), "all settings".to_owned(), Vec::new());
-    let together = time(&everything).map(|estimate| Found {
-        scene,
-        what,
-        of: "time at equal error",
-        estimate,
-        curves,
-    });
-    found.extend(together);
+    time(&series).map(|estimate| Found { scene, what, of: "time at equal error", estimate, curves })
 }
 
 fn series<'a>(scene: &str, records: &'a [Record]) -> Series<'a> {
@@ -141,6 +141,33 @@ fn series<'a>(scene: &str, records: &'a [Record]) -> Series<'a> {
         keys.entry(&point.key).or_default().insert(point.seed, point);
     }
     series
+}
+
+/// The unit of time in the round of each seed.
+type Unit = BTreeMap<u64, f64>;
+
+/// The units of both sides.
+fn units(scene: &str, sides: &[Sweep<'_>; 2]) -> [Unit; 2] {
+    let same_machine = side(&sides[0]).machine == side(&sides[1]).machine;
+    let mut units = sides.each_ref().map(|side| unit(scene, &side.records));
+    // Where the machines are compared too, or one sweep has no yardstick, the unit is a second.
+    let has_unit = units.iter().all(|unit| unit.values().all(|seconds| *seconds > 0.0));
+    if !same_machine || !has_unit {
+        return Default::default();
+    }
+    // Times remain seconds: those of the machine as it was before.
+    let usual = median(&units[0].values().copied().collect::<Vec<_>>());
+    units.iter_mut().flat_map(|unit| unit.values_mut()).for_each(|seconds| *seconds /= usual);
+    units
+}
+
+/// The median of the yardsticks of each round.
+fn unit(scene: &str, records: &[Record]) -> Unit {
+    let mut rounds: BTreeMap<u64, Vec<f64>> = BTreeMap::new();
+    for point in all::<PointRecord>(records).filter(|point| point.scene == scene) {
+        rounds.entry(point.seed).or_default().push(point.yardstick);
+    }
+    rounds.into_iter().map(|(seed, yardsticks)| (seed, median(&yardsticks))).collect()
 }
 
 /// The mean squared error below which nothing is believed.
@@ -158,19 +185,20 @@ fn pairs<'a>(
     before: &BTreeMap<&str, BTreeMap<u64, &'a PointRecord>>,
     after: &BTreeMap<&str, BTreeMap<u64, &'a PointRecord>>,
     floors: [f64; 2],
+    units: &[Unit; 2],
 ) -> Vec<Pair> {
     let common: Vec<_> =
         before.iter().filter_map(|(key, one)| Some([one, after.get(key)?])).collect();
     let seeds = |of: &BTreeMap<u64, &PointRecord>| of.keys().copied().collect::<BTreeSet<_>>();
     let all = common.iter().flatten().map(|of| seeds(of));
     let seeds = all.reduce(|a, b| &a & &b).unwrap_or_default();
-    let column = |of: &BTreeMap<u64, &'a PointRecord>| {
-        let each = |value: fn(&PointRecord) -> f64| -> Vec<f64> {
-            seeds.iter().filter_map(|seed| of.get(seed)).map(|p| value(p)).collect()
-        };
-        Column { seconds: each(|p| p.seconds), squares: each(|p| p.error.mse) }
+    let column = |of: &BTreeMap<u64, &'a PointRecord>, unit: &Unit| {
+        let points = || seeds.iter().filter_map(|seed| of.get(seed));
+        let time = |p: &&PointRecord| p.seconds / unit.get(&p.seed).copied().unwrap_or(1.0);
+        let squares = points().map(|p| p.error.mse).collect();
+        Column { seconds: points().map(time).collect(), squares }
     };
-    let pairs = common.into_iter().map(|pair| pair.map(column));
+    let pairs = common.into_iter().map(|[a, b]| [column(a, &units[0]), column(b, &units[1])]);
     let is_believed =
         |pair: &Pair| pair.iter().zip(floors).all(|(column, floor)| mean(&column.squares) >= floor);
     pairs.filter(is_believed).collect()

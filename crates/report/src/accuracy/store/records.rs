@@ -85,6 +85,10 @@ pub struct PointRecord {
     pub seed: u64,
     /// From the first ray to the last.
     pub seconds: f64,
+    /// Seconds of a [yardstick](crate::accuracy::yardstick) just before: how quick the machine was. Older sweeps have
+    /// none.
+    #[serde(default)]
+    pub yardstick: f64,
     /// Seconds in each pass, summed over threads.
     pub passes: Vec<(String, f64)>,
     /// Rays of every kind.
