@@ -1,6 +1,6 @@
 //! Two runs of the same measurements compared: what became slower or less accurate from one to the other.
 //!
-//! [`sweep`] compares two sweeps of error against time, [`bench`] two reports of `bench`. Each comparison is a
+//! [`sweep`] compares two sweeps of error against time, [`mod@bench`] two reports of `bench`. Each comparison is a
 //! ratio, after over before. Its standard error is that of the bootstrap: rounds (a seed of a sweep, a run of a
 //! benchmark) are drawn again with replacement, on both sides alike. Where rounds that follow each other are more
 //! alike than others, as when another program ran for a while, it is that of the means of some blocks of rounds.
