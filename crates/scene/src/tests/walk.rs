@@ -83,7 +83,6 @@ fn each_required_key_is_missed_by_its_path() {
 #[test]
 fn every_other_key_is_optional() {
     let optional = [
-        "scene.lightsources",
         "scene.shapes",
         "scene.ambient",
         "camera.fovaxis",
@@ -117,6 +116,12 @@ fn every_other_key_is_optional() {
     for path in optional {
         assert_eq!(load(&without(path)).unwrap().warnings, [], "{path}");
     }
+    // Without lights a scene is read, but black.
+    let dark = load(&without("scene.lightsources")).unwrap().warnings;
+    assert!(
+        matches!(&dark[..], [only] if only.to_string().contains("there is no light")),
+        "{dark:?}"
+    );
 }
 
 /// Where more than one type of value is right.
