@@ -265,6 +265,10 @@ fn curves(pairs: &[Pair]) -> Vec<Vec<[f64; 2]>> {
     vec![curve(0), curve(1)]
 }
 
+/// Less than so many seconds before the first ray are not compared: a scene is prepared a few times in a sweep, one after
+/// the other, and of so short a time that says little.
+const LEAST_PREPARATION: f64 = 0.01;
+
 /// What comes before the first ray, where it was measured often enough.
 fn preparation(scene: &str, sides: &[Sweep<'_>; 2]) -> Vec<Found> {
     let times = sides.each_ref().map(|side| {
@@ -277,6 +281,9 @@ fn preparation(scene: &str, sides: &[Sweep<'_>; 2]) -> Vec<Found> {
     let [before, after] = &times;
     let one = |(key, before): (&&str, &Vec<f64>)| {
         let after = after.get(key)?;
+        if median(before).max(median(after)) < LEAST_PREPARATION {
+            return None;
+        }
         let rounds = before.len().min(after.len());
         let estimate = Estimate::of(rounds, |rounds| {
             log_ratio(typical(before, rounds), typical(after, rounds))
