@@ -95,7 +95,7 @@ struct Scoreboard {
 /// If there is no such case, or standard output cannot be written.
 pub(crate) fn run(args: &SelftestArgs) -> Result<bool> {
     let cases = named(&args.cases)?;
-    // What is wrong with the file at first sight is told at once.
+    // A file that cannot be read is an error now, not after the cases.
     args.scene.as_deref().map(|file| survey(file, &LoadOptions::default())).transpose()?;
     let count = if args.full { Count::Full } else { Count::Quick };
     let mut precisions = args.precision.clone();

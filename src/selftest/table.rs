@@ -81,7 +81,7 @@ fn answers(Trial { precision, holds, outcome, .. }: &Trial) -> String {
     }
 }
 
-/// What failed, and how to try it again. What fast arithmetic loses is told where nothing else is asked for.
+/// What failed, and how to try it again. Failures in fast arithmetic are listed only if no other precision was tried.
 fn failures(rows: &[Row], precisions: &[Precision], args: &SelftestArgs) -> String {
     let mut text = String::new();
     let full = if args.full { " --full" } else { "" };

@@ -17,7 +17,7 @@ use wavecrest_core::kernels::triangle::exact;
 use wavecrest_core::math::float::{max_abs, normalize};
 use wavecrest_core::math::ray::Ray;
 
-/// Sizes that are told apart: up to half an ulp, which is what rounding the exact value once leaves, then up to each
+/// Bins of the histogram: up to half an ulp, which is what rounding the exact value once leaves, then up to each
 /// power of two, and all that is larger.
 pub const SIZES: usize = 26;
 

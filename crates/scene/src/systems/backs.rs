@@ -10,7 +10,7 @@ use wavecrest_core::prepared::PreparedScene;
 /// Camera rays that look for them, along each side of the image at most.
 const RAYS: u32 = 64;
 
-/// Shapes that are told one by one.
+/// Shapes with a warning of their own; further ones are only counted.
 const TOLD: usize = 4;
 
 /// What is to be said of them.

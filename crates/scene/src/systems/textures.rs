@@ -1,5 +1,5 @@
 //! Textures: ties shapes to images, each of which is decoded once, when it is first looked up. A scene whose textures
-//! nobody sees opens none.
+//! are all out of view opens no image.
 
 use std::collections::HashMap;
 use std::fs::File;

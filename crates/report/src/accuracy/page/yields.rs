@@ -49,7 +49,7 @@ pub(super) fn charts(scene: &SceneFindings) -> Vec<(String, Chart)> {
         };
         (format!("errors-{}", name.replace(' ', "-")), chart)
     };
-    // Errors of one size or none are told in words.
+    // One point makes no curve: the sentence above the charts has it.
     let is_worth = |chart: &Chart| chart.series.iter().any(|series| series.points.len() > 1);
     let all = [
         quantity("t", |errors| &errors.t),
