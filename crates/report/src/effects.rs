@@ -29,7 +29,7 @@ pub mod scenes;
 mod text;
 
 use crate::bench::Machine;
-use crate::bench::measure::{Difference, Schedule, difference, order};
+use crate::bench::measure::{Difference, Schedule, difference, order, seconds_of};
 use scenes::Variant;
 use wavecrest_base::error::Result;
 use wavecrest_core::prepared::PreparedScene;
@@ -100,8 +100,7 @@ impl Runs {
     /// Adds a run, and says how it differs from the first.
     fn add(&mut self, tracer: TracerKind, run: Rendered, timed: bool) -> Option<Difference> {
         if timed {
-            // A clock that did not move still moved by less than its step.
-            self.seconds[tracer as usize].push(run.seconds.max(1e-9));
+            self.seconds[tracer as usize].push(seconds_of(&run));
         }
         match &self.first {
             Some(first) => difference(tracer, first, &run),
