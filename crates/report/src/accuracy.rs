@@ -22,7 +22,6 @@ pub mod spread;
 pub mod store;
 pub mod subject;
 pub mod sweep;
-pub mod yardstick;
 
 use std::path::Path;
 use std::process::Command;

@@ -28,6 +28,7 @@
 //! | `invalid` | samples | not finite, and counted as black |
 //! | `wavefront`, `recursive` | | one tracer's runs, or `null` where the images differ: |
 //! | `.seconds.median`, `.min`, `.max`, `.first_quartile`, `.third_quartile`, `.mad`, `.each` | seconds | of a run on the clock; `each` in the order of the runs |
+//! | `.yardstick` | seconds | median of some work that no version changes, after each run: how quick the machine was, see [`crate::yardstick`] |
 //! | `.mrays_s` | 10^6 rays / s | rays of every kind, by the median of the seconds |
 //! | `.rays_s.primary`, `.secondary`, `.shadow` | rays / s | rays of that kind in the median of the seconds of the whole run |
 //! | `.passes.NAME.seconds`, `.share` | seconds | median time in the pass, summed over threads, and its share in the sum of all passes |

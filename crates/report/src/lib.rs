@@ -14,3 +14,4 @@ pub mod regression;
 pub mod selftest;
 pub mod statistics;
 pub mod summary;
+pub mod yardstick;

@@ -10,6 +10,7 @@ use serde::Serialize;
 
 use super::hardware::HardwareCounts;
 use crate::summary::ENOUGH;
+use crate::yardstick::yardstick;
 use wavecrest_base::error::Result;
 use wavecrest_core::accel::{Kernels, TestCounts};
 use wavecrest_core::counters::Counters;
@@ -45,6 +46,8 @@ impl Schedule {
 pub struct Runs {
     /// Seconds of each run.
     pub seconds: Vec<f64>,
+    /// Seconds of a [yardstick] after each run.
+    pub yardsticks: Vec<f64>,
     /// Seconds of each pass in each run, summed over threads.
     pub passes: Vec<(&'static str, Vec<f64>)>,
     /// Tests in one run.
@@ -66,6 +69,7 @@ pub(crate) fn seconds_of(run: &Rendered) -> f64 {
 impl Runs {
     pub(super) fn add(&mut self, run: &Rendered) {
         self.seconds.push(seconds_of(run));
+        self.yardsticks.push(yardstick());
         (self.tests, self.kernels) = (run.counters.tests, run.counters.kernels);
         if self.passes.is_empty() {
             self.passes = run.pass_seconds.iter().map(|&(name, _)| (name, Vec::new())).collect();

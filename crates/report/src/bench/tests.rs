@@ -101,7 +101,17 @@ fn the_json_has_the_documented_keys() {
     let wavefront = &scene["wavefront"];
     assert_eq!(
         keys(wavefront),
-        ["seconds", "mrays_s", "rays_s", "passes", "tests", "tests_per_ray", "kernels", "hardware"]
+        [
+            "seconds",
+            "yardstick",
+            "mrays_s",
+            "rays_s",
+            "passes",
+            "tests",
+            "tests_per_ray",
+            "kernels",
+            "hardware"
+        ]
     );
     assert_eq!(
         keys(&wavefront["seconds"]),

@@ -14,6 +14,7 @@ use wavecrest_core::counters::Counters;
 #[allow(missing_docs, reason = "see crate::bench")]
 pub struct TracerBench {
     pub seconds: Summary,
+    pub yardstick: f64,
     pub mrays_s: f64,
     pub rays_s: RaysPerSecond,
     pub passes: Map<String, Value>,
@@ -78,6 +79,7 @@ impl TracerBench {
                 primitives: per_ray(primitives),
             },
             seconds,
+            yardstick: median(&runs.yardsticks),
         })
     }
 }

@@ -46,6 +46,17 @@ struct Variant {
 #[derive(Deserialize)]
 struct Timed {
     seconds: Seconds,
+    /// Older reports have none.
+    #[serde(default)]
+    yardstick: f64,
+}
+
+impl Timed {
+    /// The times that compare, in seconds or in yardsticks.
+    fn times(&self, in_yardsticks: bool) -> Vec<f64> {
+        let unit = if in_yardsticks { self.yardstick } else { 1.0 };
+        self.seconds.each.iter().map(|seconds| seconds / unit).collect()
+    }
 }
 
 #[derive(Deserialize)]
@@ -64,6 +75,7 @@ pub fn compare(before: &Path, after: &Path) -> Result<Regression> {
         after: side(after, &sides[1]),
         ..Regression::default()
     };
+    let same_machine = sides[0].machine == sides[1].machine;
     let mut found = Vec::new();
     for scene in &sides[0].scenes {
         let name = &scene.scene;
@@ -76,7 +88,7 @@ pub fn compare(before: &Path, after: &Path) -> Result<Regression> {
                 if other.rays != scene.rays {
                     regression.warnings.push(format!("`{name}` takes another number of rays"));
                 }
-                found.extend(times(scene, other));
+                found.extend(times(scene, other, same_machine));
                 regression.changes.extend(equality(scene, other));
             }
         }
@@ -101,10 +113,10 @@ fn side(path: &Path, report: &Report) -> Side {
 }
 
 /// Everything that was timed in a scene, by name.
-fn timed(scene: &Scene) -> Vec<(String, &[f64])> {
+fn timed(scene: &Scene) -> Vec<(String, &Timed)> {
     let mut all = Vec::new();
     for (name, timed) in [("wavefront", &scene.wavefront), ("recursive", &scene.recursive)] {
-        all.extend(timed.iter().map(|timed| (name.to_owned(), timed.seconds.each.as_slice())));
+        all.extend(timed.iter().map(|timed| (name.to_owned(), timed)));
     }
     for Variant { kernel, simd, batch, planned, timed } in
         scene.comparisons.iter().flat_map(|compared| &compared.variants)
@@ -112,19 +124,22 @@ fn timed(scene: &Scene) -> Vec<(String, &[f64])> {
         let plan = if *planned { "" } else { ", with all passes" };
         let name = format!("wavefront, {kernel} kernel, {simd}, batches of {batch}{plan}");
         if !all.iter().any(|(known, _)| *known == name) {
-            all.push((name, timed.seconds.each.as_slice()));
+            all.push((name, timed));
         }
     }
     all
 }
 
-fn times(before: &Scene, after: &Scene) -> Vec<Found> {
+/// On one machine the unit is a [yardstick](crate::yardstick) of the same minutes.
+fn times(before: &Scene, after: &Scene, same_machine: bool) -> Vec<Found> {
     let after = timed(after);
-    let one = |(what, before): (String, &[f64])| {
+    let one = |(what, before): (String, &Timed)| {
         let (_, after) = after.iter().find(|(name, _)| *name == what)?;
+        let in_yardsticks = same_machine && before.yardstick.min(after.yardstick) > 0.0;
+        let [before, after] = [before, *after].map(|timed| timed.times(in_yardsticks));
         let rounds = before.len().min(after.len());
         let estimate = Estimate::of(rounds, |rounds| {
-            log_ratio(typical(before, rounds), typical(after, rounds))
+            log_ratio(typical(&before, rounds), typical(&after, rounds))
         })?;
         Some((what, estimate))
     };

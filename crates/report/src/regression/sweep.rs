@@ -5,7 +5,7 @@
 //! with which the error fell with the time before. Elsewhere time and error at equal settings are two ratios.
 //! Either is the geometric mean over the settings, of typical times and of means of squared errors, seed by
 //! seed: two programs that draw the same random numbers make the same errors, which then cancel. On one machine the
-//! unit of time is a [yardstick](crate::accuracy::yardstick) of the same minute.
+//! unit of time is a [yardstick](crate::yardstick) of the same minute.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;

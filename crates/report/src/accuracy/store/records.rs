@@ -85,7 +85,7 @@ pub struct PointRecord {
     pub seed: u64,
     /// From the first ray to the last.
     pub seconds: f64,
-    /// Seconds of a [yardstick](crate::accuracy::yardstick) just before: how quick the machine was. Older sweeps have
+    /// Seconds of a [yardstick](crate::yardstick) just before: how quick the machine was. Older sweeps have
     /// none.
     #[serde(default)]
     pub yardstick: f64,

@@ -1,7 +1,7 @@
 //! How quick the machine is at the moment: the time of some work that no version of the program changes.
 //!
-//! A processor in a rack is now and then a tenth slower for minutes, whoever shares it. Two sweeps on one machine are
-//! compared in this unit, so that it does not pass for a change of the program.
+//! A processor in a rack is now and then a tenth slower for minutes, whoever shares it. Two sweeps, or two reports of `bench`, of one machine
+//! are compared in this unit, so that it does not pass for a change of the program.
 
 use std::hint::black_box;
 use std::time::Instant;
