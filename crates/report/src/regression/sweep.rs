@@ -32,7 +32,12 @@ struct Sweep<'a> {
     records: Vec<Record>,
 }
 
+/// A render that takes less, in seconds, is mostly the start of threads and the making of buffers: its time is not
+/// compared.
+const LEAST_RENDER: f64 = 0.001;
+
 /// What the renders of a setting gave on one side, seed by seed.
+#[derive(Clone)]
 struct Column {
     seconds: Vec<f64>,
     squares: Vec<f64>,
@@ -94,7 +99,7 @@ fn side(sweep: &Sweep<'_>) -> Side {
 fn points(scene: &str, sides: &[Sweep<'_>; 2], found: &mut Vec<Found>, warnings: &mut Vec<String>) {
     let units = units(scene, sides);
     let [before, after] = sides.each_ref().map(|side| series(scene, &side.records));
-    let mut everything = Vec::new();
+    let (mut everything, mut short) = (Vec::new(), 0);
     for ((target, name), keys) in &before {
         let what = match target {
             Target::Scene => name.clone(),
@@ -108,21 +113,29 @@ fn points(scene: &str, sides: &[Sweep<'_>; 2], found: &mut Vec<Found>, warnings:
         let floors =
             sides.each_ref().map(|side| if falls { floor(scene, *target, side) } else { 0.0 });
         let pairs = pairs(keys, others, floors, &units);
-        let falls = falls && pairs.len() > 1;
-        let power = if falls { Some(power(&pairs)) } else { None };
+        let timed: Vec<Pair> = pairs.iter().filter(|pair| takes_time(pair)).cloned().collect();
+        short += pairs.len() - timed.len();
+        let falls = falls && timed.len() > 1;
+        let power = if falls { Some(power(&timed)) } else { None };
         let mut add = |of, estimate: Option<Estimate>| {
             let (scene, what) = (scene.to_owned(), what.clone());
             let curves = if falls { curves(&pairs) } else { Vec::new() };
             found.extend(estimate.map(|estimate| Found { scene, what, of, estimate, curves }));
         };
         match power {
-            Some(_) => add("time at equal error", time(&[(&pairs, power)])),
+            Some(_) => add("time at equal error", time(&[(&timed, power)])),
             None => {
-                add("time", time(&[(&pairs, None)]));
+                add("time", time(&[(&timed, None)]));
                 add("error", error(&pairs));
             }
         }
-        everything.push((pairs, power));
+        everything.push((timed, power));
+    }
+    if short > 0 {
+        let limit = LEAST_RENDER * 1e3;
+        warnings.push(format!(
+            "`{scene}`: only the errors of {short} settings are compared: they render in less than {limit} ms"
+        ));
     }
     found.extend(together(scene, &everything));
 }
@@ -202,6 +215,10 @@ fn pairs<'a>(
     let is_believed =
         |pair: &Pair| pair.iter().zip(floors).all(|(column, floor)| mean(&column.squares) >= floor);
     pairs.filter(is_believed).collect()
+}
+
+fn takes_time(pair: &Pair) -> bool {
+    pair.iter().any(|column| median(&column.seconds) >= LEAST_RENDER)
 }
 
 fn mean(values: &[f64]) -> f64 {
