@@ -8,13 +8,15 @@
 //! Programs that do the same differ by where their code and data happen to lie (Mytkowicz et al., *Producing Wrong
 //! Data Without Doing Anything Obviously Wrong!*, ASPLOS 2009): a ratio is judged against 1 and a [`TOLERANCE`].
 //! Chances are corrected for the number of comparisons by Holm (*A Simple Sequentially Rejective Multiple Test
-//! Procedure*, 1979), and intervals by Bonferroni: all hold together with 95 per cent.
+//! Procedure*, 1979), and intervals by Bonferroni: all hold together with 99 per cent. Half of the chance to err is for
+//! the comparisons of all settings together, which see the smallest changes, and half for the others.
 
 pub mod bench;
 pub mod page;
 pub mod sweep;
 #[cfg(test)]
 mod tests;
+mod unit;
 
 use std::path::Path;
 
@@ -27,17 +29,19 @@ use wavecrest_base::error::{Error, ErrorKind, Result};
 pub const TOLERANCE: f64 = 0.01;
 
 /// The chance to tell something worse or better, of any number of comparisons, where nothing is.
-pub const SIGNIFICANCE: f64 = 0.05;
+pub const SIGNIFICANCE: f64 = 0.01;
 
 /// How often rounds are drawn again: enough for a standard error (Efron and Tibshirani, *An Introduction to the
 /// Bootstrap*, 1993, section 6.4).
 const RESAMPLES: usize = 300;
 
 /// Fewer rounds than this say nothing of their spread.
-const LEAST_ROUNDS: usize = BLOCKS;
+const LEAST_ROUNDS: usize = 4;
 
-/// Blocks of rounds by which a machine that slows down for a while is noticed.
-const BLOCKS: usize = 4;
+/// Blocks of rounds by which a machine that slows down for a while is noticed, at least and at most, and the rounds of
+/// each, of which the quicker half may hold one that something else slowed down.
+const BLOCKS: [usize; 2] = [2, 4];
+const ROUNDS_OF_BLOCK: usize = 4;
 
 /// What was found.
 #[derive(Clone, Debug, Default, Serialize)]
@@ -126,6 +130,8 @@ struct Found {
     scene: String,
     what: String,
     of: &'static str,
+    /// Whether it is of all settings of a scene together.
+    overall: bool,
     estimate: Estimate,
     curves: Vec<Vec<[f64; 2]>>,
 }
@@ -188,10 +194,9 @@ impl Regression {
     /// Judges all that was found together.
     fn judged(mut self, found: Vec<Found>) -> Self {
         self.tolerance = TOLERANCE;
-        let chances: Vec<f64> = found.iter().map(|f| f.estimate.chance()).collect();
-        let count = found.len();
-        let ratio = |(found, p): (Found, f64)| {
-            let Found { scene, what, of, estimate, curves } = found;
+        let corrected = corrected(&found);
+        let ratio = |(found, (p, count)): (Found, (f64, usize))| {
+            let Found { scene, what, of, estimate, curves, .. } = found;
             let verdict = match estimate.log {
                 _ if p >= SIGNIFICANCE => Verdict::Same,
                 log if log > 0.0 => Verdict::Worse,
@@ -201,7 +206,7 @@ impl Regression {
             let ratio = libm::exp(estimate.log);
             Ratio { scene, what, of, ratio, low, high, p, verdict, curves }
         };
-        self.ratios = found.into_iter().zip(holm(&chances)).map(ratio).collect();
+        self.ratios = found.into_iter().zip(corrected).map(ratio).collect();
         self
     }
 }
@@ -218,9 +223,10 @@ impl Estimate {
         let freedom = rounds as f64 - 1.0;
         // Draws with replacement spread by that much less than the rounds themselves.
         let drawn = variance((0..RESAMPLES).map(draw).collect()) * (freedom + 1.0) / freedom;
-        let bound = |block: usize| block * rounds / BLOCKS;
+        let count = (rounds / ROUNDS_OF_BLOCK).clamp(BLOCKS[0], BLOCKS[1]);
+        let bound = |block: usize| block * rounds / count;
         let block = |block: usize| statistic(&all[bound(block)..bound(block + 1)]);
-        let blocks = variance((0..BLOCKS).map(block).collect()) / BLOCKS as f64;
+        let blocks = variance((0..count).map(block).collect()) / count as f64;
         // Neither is a number where an error is 0 in all rounds of one side: then there is no doubt.
         let standard_error =
             Some(drawn.max(blocks).sqrt()).filter(|e| e.is_finite()).unwrap_or(0.0);
@@ -247,6 +253,22 @@ fn variance(values: Vec<f64>) -> f64 {
     let count = values.len() as f64;
     let mean = values.iter().sum::<f64>() / count;
     values.iter().map(|value| (value - mean) * (value - mean)).sum::<f64>() / (count - 1.0)
+}
+
+/// Of each comparison its corrected chance, and the number of comparisons among which its interval holds.
+fn corrected(found: &[Found]) -> Vec<(f64, usize)> {
+    let mut corrected = vec![(1.0, 1); found.len()];
+    let groups = [true, false].map(|overall| {
+        (0..found.len()).filter(|n| found[*n].overall == overall).collect::<Vec<usize>>()
+    });
+    let shares = groups.iter().filter(|group| !group.is_empty()).count();
+    for group in &groups {
+        let chances: Vec<f64> = group.iter().map(|n| found[*n].estimate.chance()).collect();
+        for (n, chance) in group.iter().zip(holm(&chances)) {
+            corrected[*n] = ((chance * shares as f64).min(1.0), group.len() * shares);
+        }
+    }
+    corrected
 }
 
 /// Chances corrected for their number.

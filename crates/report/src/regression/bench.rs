@@ -149,6 +149,7 @@ fn times(before: &Scene, after: &Scene, same_machine: bool) -> Vec<Found> {
             scene: before.scene.clone(),
             what,
             of: "time",
+            overall: false,
             estimate,
             curves: Vec::new(),
         })

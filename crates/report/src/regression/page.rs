@@ -112,7 +112,7 @@ fn forest(ratios: &[Ratio]) -> Chart {
         series: [Verdict::Same, Verdict::Worse, Verdict::Better].map(series).to_vec(),
         guides: vec![Guide::at("as before", 1.0)],
         caption: format!(
-            "Right of the line is worse. The intervals hold together with 95 per cent; up to {} per cent is \
+            "Right of the line is worse. The intervals hold together with 99 per cent; up to {} per cent is \
              not called a change.",
             TOLERANCE * 100.0
         ),

@@ -10,6 +10,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
+use super::unit::{Unit, busy, units};
 use super::{Change, Estimate, Found, Regression, Side, Verdict, log_ratio, typical};
 use crate::accuracy::reference::FLOOR;
 use crate::accuracy::setting::{Target, converges, series_of};
@@ -97,7 +98,16 @@ fn side(sweep: &Sweep<'_>) -> Side {
 
 /// Every series of a scene, and all of them together.
 fn points(scene: &str, sides: &[Sweep<'_>; 2], found: &mut Vec<Found>, warnings: &mut Vec<String>) {
-    let units = units(scene, sides);
+    let on_one_machine = side(&sides[0]).machine == side(&sides[1]).machine;
+    let records = sides.each_ref().map(|side| side.records.as_slice());
+    let units = if on_one_machine { units(scene, records) } else { Default::default() };
+    let busy = busy(&units);
+    if !busy.is_empty() {
+        let rounds = busy.len();
+        warnings.push(format!(
+            "`{scene}`: the machine was busy in {rounds} rounds, which are left out"
+        ));
+    }
     let [before, after] = sides.each_ref().map(|side| series(scene, &side.records));
     let (mut everything, mut short) = (Vec::new(), 0);
     for ((target, name), keys) in &before {
@@ -112,7 +122,7 @@ fn points(scene: &str, sides: &[Sweep<'_>; 2], found: &mut Vec<Found>, warnings:
         let falls = keys.keys().all(|key| converges(key));
         let floors =
             sides.each_ref().map(|side| if falls { floor(scene, *target, side) } else { 0.0 });
-        let pairs = pairs(keys, others, floors, &units);
+        let pairs = pairs([keys, others], floors, &units, &busy);
         let timed: Vec<Pair> = pairs.iter().filter(|pair| takes_time(pair)).cloned().collect();
         short += pairs.len() - timed.len();
         let falls = falls && timed.len() > 1;
@@ -120,7 +130,14 @@ fn points(scene: &str, sides: &[Sweep<'_>; 2], found: &mut Vec<Found>, warnings:
         let mut add = |of, estimate: Option<Estimate>| {
             let (scene, what) = (scene.to_owned(), what.clone());
             let curves = if falls { curves(&pairs) } else { Vec::new() };
-            found.extend(estimate.map(|estimate| Found { scene, what, of, estimate, curves }));
+            found.extend(estimate.map(|estimate| Found {
+                scene,
+                what,
+                of,
+                overall: false,
+                estimate,
+                curves,
+            }));
         };
         match power {
             Some(_) => add("time at equal error", time(&[(&timed, power)])),
@@ -144,7 +161,8 @@ fn points(scene: &str, sides: &[Sweep<'_>; 2], found: &mut Vec<Found>, warnings:
 fn together(scene: &str, series: &[(Vec<Pair>, Option<f64>)]) -> Option<Found> {
     let series: Vec<_> = series.iter().map(|(pairs, power)| (&**pairs, *power)).collect();
     let (scene, what, curves) = (scene.to_owned(), "all settings".to_owned(), Vec::new());
-    time(&series).map(|estimate| Found { scene, what, of: "time at equal error", estimate, curves })
+    let of = "time at equal error";
+    time(&series).map(|estimate| Found { scene, what, of, overall: true, estimate, curves })
 }
 
 fn series<'a>(scene: &str, records: &'a [Record]) -> Series<'a> {
@@ -154,33 +172,6 @@ fn series<'a>(scene: &str, records: &'a [Record]) -> Series<'a> {
         keys.entry(&point.key).or_default().insert(point.seed, point);
     }
     series
-}
-
-/// The unit of time in the round of each seed.
-type Unit = BTreeMap<u64, f64>;
-
-/// The units of both sides.
-fn units(scene: &str, sides: &[Sweep<'_>; 2]) -> [Unit; 2] {
-    let same_machine = side(&sides[0]).machine == side(&sides[1]).machine;
-    let mut units = sides.each_ref().map(|side| unit(scene, &side.records));
-    // Where the machines are compared too, or one sweep has no yardstick, the unit is a second.
-    let has_unit = units.iter().all(|unit| unit.values().all(|seconds| *seconds > 0.0));
-    if !same_machine || !has_unit {
-        return Default::default();
-    }
-    // Times remain seconds: those of the machine as it was before.
-    let usual = median(&units[0].values().copied().collect::<Vec<_>>());
-    units.iter_mut().flat_map(|unit| unit.values_mut()).for_each(|seconds| *seconds /= usual);
-    units
-}
-
-/// The median of the yardsticks of each round.
-fn unit(scene: &str, records: &[Record]) -> Unit {
-    let mut rounds: BTreeMap<u64, Vec<f64>> = BTreeMap::new();
-    for point in all::<PointRecord>(records).filter(|point| point.scene == scene) {
-        rounds.entry(point.seed).or_default().push(point.yardstick);
-    }
-    rounds.into_iter().map(|(seed, yardsticks)| (seed, median(&yardsticks))).collect()
 }
 
 /// The mean squared error below which nothing is believed.
@@ -195,16 +186,16 @@ fn reference<'a>(scene: &str, target: Target, sweep: &'a Sweep<'_>) -> Option<&'
 
 /// The settings that both sides have, with the seeds that all of these have.
 fn pairs<'a>(
-    before: &BTreeMap<&str, BTreeMap<u64, &'a PointRecord>>,
-    after: &BTreeMap<&str, BTreeMap<u64, &'a PointRecord>>,
+    [before, after]: [&BTreeMap<&str, BTreeMap<u64, &'a PointRecord>>; 2],
     floors: [f64; 2],
     units: &[Unit; 2],
+    busy: &BTreeSet<u64>,
 ) -> Vec<Pair> {
     let common: Vec<_> =
         before.iter().filter_map(|(key, one)| Some([one, after.get(key)?])).collect();
     let seeds = |of: &BTreeMap<u64, &PointRecord>| of.keys().copied().collect::<BTreeSet<_>>();
     let all = common.iter().flatten().map(|of| seeds(of));
-    let seeds = all.reduce(|a, b| &a & &b).unwrap_or_default();
+    let seeds = &all.reduce(|a, b| &a & &b).unwrap_or_default() - busy;
     let column = |of: &BTreeMap<u64, &'a PointRecord>, unit: &Unit| {
         let points = || seeds.iter().filter_map(|seed| of.get(seed));
         let time = |p: &&PointRecord| p.seconds / unit.get(&p.seed).copied().unwrap_or(1.0);
@@ -307,7 +298,7 @@ fn preparation(scene: &str, sides: &[Sweep<'_>; 2]) -> Vec<Found> {
         })?;
         let what = format!("{key}, before the first ray");
         let (scene, curves) = (scene.to_owned(), Vec::new());
-        Some(Found { scene, what, of: "time", estimate, curves })
+        Some(Found { scene, what, of: "time", overall: false, estimate, curves })
     };
     before.iter().filter_map(one).collect()
 }

@@ -50,10 +50,18 @@ struct Program {
     jittered: f64,
     /// Whether samplers draw other random numbers.
     reseeded: bool,
+    /// Whether something else ran for some rounds.
+    disturbed: bool,
 }
 
-const USUAL: Program =
-    Program { run: 1, slower: 1.0, machine: 1.0, jittered: -1.5, reseeded: false };
+const USUAL: Program = Program {
+    run: 1,
+    slower: 1.0,
+    machine: 1.0,
+    jittered: -1.5,
+    reseeded: false,
+    disturbed: false,
+};
 
 fn sweep(folder: &Path, program: Program) {
     let header = Header { version: "1".into(), longest: 8, most: 256, least: 16 };
@@ -86,8 +94,12 @@ fn sweep(folder: &Path, program: Program) {
             let numbers = seed * 1000 + number as u64 + if program.reseeded { 1 << 20 } else { 0 };
             let spread = libm::exp(0.1 * Noise(Rng::new(numbers)).normal());
             let mse = libm::pow(n, power) * 1e-3 * spread;
-            let seconds = (0.01 + 0.004 * n) * program.slower * program.machine * machine.time();
-            let yardstick = 0.001 * program.machine * machine.time();
+            // Yardsticks and renders do not suffer alike.
+            let [busy, busier] =
+                if program.disturbed && seed % 5 > 3 { [1.4, 1.7] } else { [1.0; 2] };
+            let own = program.slower * busy * machine.time();
+            let seconds = (0.01 + 0.004 * n) * program.machine * own;
+            let yardstick = 0.001 * program.machine * busier * machine.time();
             store.add(point(key, seed, seconds, yardstick, mse)).unwrap();
         }
     }
@@ -175,6 +187,19 @@ fn a_program_that_is_three_per_cent_slower_is_found() {
         for ratio in found.ratios.iter().filter(|ratio| ratio.of == "time at equal error") {
             assert!(ratio.low < 1.03 && 1.03 < ratio.high, "{ratio:?}");
         }
+    }
+}
+
+#[test]
+fn rounds_in_which_the_machine_was_busy_hide_nothing() {
+    for found in tries(Program { disturbed: true, ..USUAL }) {
+        assert!(!found.is_worse(), "{:?}", worse(&found));
+        assert!(found.warnings.iter().any(|warning| warning.contains("busy in 3 rounds")));
+    }
+    for found in tries(Program { disturbed: true, slower: 1.03, ..USUAL }) {
+        let worse = worse(&found);
+        let overall = "all settings, time at equal error".to_owned();
+        assert!(worse.contains(&overall), "{worse:?} {}", found.text());
     }
 }
 

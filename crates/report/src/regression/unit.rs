@@ -1,0 +1,48 @@
+//! How quick the machine was in each round of a sweep: times are compared in this unit, and rounds in which the machine
+//! was busy are left out.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::LEAST_ROUNDS;
+use crate::accuracy::store::{PointRecord, Record, all};
+use crate::summary::median;
+
+/// The unit of time in the round of each seed.
+pub(super) type Unit = BTreeMap<u64, f64>;
+
+/// The units of both sides of a comparison on one machine; none, so that times are in seconds, where one side has no
+/// yardstick.
+pub(super) fn units(scene: &str, sides: [&[Record]; 2]) -> [Unit; 2] {
+    let mut units = sides.map(|records| unit(scene, records));
+    if !units.iter().all(|unit| unit.values().all(|seconds| *seconds > 0.0)) {
+        return Default::default();
+    }
+    // Times remain seconds: those of the machine as it was before.
+    let usual = median(&units[0].values().copied().collect::<Vec<_>>());
+    units.iter_mut().flat_map(|unit| unit.values_mut()).for_each(|seconds| *seconds /= usual);
+    units
+}
+
+/// A machine on which the yardstick takes so many times as long as in the quickest round was busy with something else.
+const BUSY: f64 = 1.25;
+
+/// The rounds in which the machine was busy on either side; none where too few others would remain.
+pub(super) fn busy(units: &[Unit; 2]) -> BTreeSet<u64> {
+    let of_side = |unit: &Unit| {
+        let least = unit.values().copied().fold(f64::INFINITY, f64::min);
+        let is_busy = |(seed, seconds): (&u64, &f64)| (*seconds > BUSY * least).then_some(*seed);
+        unit.iter().filter_map(is_busy).collect::<BTreeSet<_>>()
+    };
+    let busy = &of_side(&units[0]) | &of_side(&units[1]);
+    let left = units.iter().map(|unit| unit.keys().filter(|seed| !busy.contains(seed)).count());
+    if left.min().unwrap_or(0) < LEAST_ROUNDS { BTreeSet::new() } else { busy }
+}
+
+/// The median of the yardsticks of each round.
+fn unit(scene: &str, records: &[Record]) -> Unit {
+    let mut rounds: BTreeMap<u64, Vec<f64>> = BTreeMap::new();
+    for point in all::<PointRecord>(records).filter(|point| point.scene == scene) {
+        rounds.entry(point.seed).or_default().push(point.yardstick);
+    }
+    rounds.into_iter().map(|(seed, yardsticks)| (seed, median(&yardsticks))).collect()
+}
