@@ -26,7 +26,7 @@ use crate::accuracy::fit::{Rng, chance_beyond, normal_of, student};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
 /// What two programs that do the same may differ by, in parts of the time or the error.
-pub const TOLERANCE: f64 = 0.01;
+pub const TOLERANCE: f64 = 0.005;
 
 /// The chance to tell something worse or better, of any number of comparisons, where nothing is.
 pub const SIGNIFICANCE: f64 = 0.01;
@@ -40,7 +40,7 @@ const LEAST_ROUNDS: usize = 4;
 
 /// Blocks of rounds by which a machine that slows down for a while is noticed, at least and at most, and the rounds of
 /// each, of which the quicker half may hold one that something else slowed down.
-const BLOCKS: [usize; 2] = [2, 4];
+const BLOCKS: [usize; 2] = [2, 8];
 const ROUNDS_OF_BLOCK: usize = 4;
 
 /// What was found.
