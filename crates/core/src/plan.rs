@@ -24,6 +24,8 @@ pub enum Effect {
     SmoothShading,
     /// Texture look-ups.
     Textures,
+    /// Light of materials themselves, added where they are seen.
+    Emission,
     /// What rays spread over, for textures that are filtered accordingly.
     RayDifferentials,
     /// Light from points, with a shadow ray each.
@@ -40,7 +42,7 @@ pub enum Effect {
 
 impl Effect {
     /// Every effect, in the order in which a ray meets them.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 12] = [
         Self::Antialiasing,
         Self::DepthOfField,
         Self::Triangles,
@@ -48,6 +50,7 @@ impl Effect {
         Self::Spheres,
         Self::SmoothShading,
         Self::Textures,
+        Self::Emission,
         Self::RayDifferentials,
         Self::PointLights,
         Self::AreaLights,
@@ -62,6 +65,7 @@ impl Effect {
             Self::Spheres => "spheres",
             Self::SmoothShading => "smooth shading",
             Self::Textures => "textures",
+            Self::Emission => "emission",
             Self::RayDifferentials => "ray differentials",
             Self::PointLights => "point lights",
             Self::AreaLights => "area lights",

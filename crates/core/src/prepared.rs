@@ -84,6 +84,8 @@ pub struct Appearance {
     pub places: Vec<String>,
     /// What the user calls shapes.
     pub names: Vec<Option<String>>,
+    /// What some shapes show besides, each for all shapes that show the same.
+    pub details: Vec<Detail>,
     /// The images that can be seen, each once.
     pub images: Vec<LazyImage>,
     /// The attributes of meshes that have any that is used.
@@ -105,8 +107,17 @@ pub struct Shape {
     pub smooth: bool,
     /// The image in place of its diffuse colour.
     pub texture: Option<Texture>,
+    /// What it shows besides, by its entry in [`Appearance::details`].
+    pub detail: Option<u32>,
     /// The mesh's entry in [`Appearance::meshes`].
     pub mesh: Option<u32>,
+}
+
+/// What a shape shows besides its colour: looked up hit by hit, and only on shapes that have it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Detail {
+    /// Light of its own, which is seen and falls on nothing else.
+    pub emission: Vec3,
 }
 
 /// An image and how a shape wears it.
@@ -194,12 +205,12 @@ impl Appearance {
         failure.cloned().map_or(Ok(()), Err)
     }
 
-    /// Bytes held by attributes and images.
+    /// Bytes held by attributes, details and images.
     pub fn bytes(&self) -> u64 {
         self.attribute_bytes() + self.images.iter().map(LazyImage::bytes).sum::<u64>()
     }
 
-    /// Bytes held by attributes, and by images once all are decoded.
+    /// Bytes held by attributes and details, and by images once all are decoded.
     pub fn expected_bytes(&self) -> u64 {
         self.attribute_bytes() + self.images.iter().map(LazyImage::expected_bytes).sum::<u64>()
     }
@@ -213,7 +224,7 @@ impl Appearance {
                     + mesh.uvs.as_ref().map_or(0, CornerValues::bytes)
             })
             .sum();
-        meshes as u64
+        (meshes + size_of_val(self.details.as_slice())) as u64
     }
 }
 

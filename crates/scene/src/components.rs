@@ -135,6 +135,8 @@ pub struct Material {
     pub diffuse_color: DVec3,
     /// Weight of the mirror ray; 0 for none.
     pub kr: f64,
+    /// Light of its own, which is seen and falls on nothing else; black for none.
+    pub emission: DVec3,
 }
 
 /// A texture in place of the diffuse colour.

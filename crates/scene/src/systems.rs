@@ -8,6 +8,7 @@
 //! | [`lights`] | lights and their shapes | emitters with what is needed to sample them |
 //! | [`view`] | shapes, the camera in all frames | which shapes can be seen |
 //! | [`census`] | all of these | the plan: which effects the scene calls for |
+//! | [`details`] | materials | what shapes show besides their colour |
 //! | [`textures`] | texture references that show | images to be decoded, each once |
 //! | [`camera`] | the view, pinhole or thin lens | the ray generator |
 //! | [`wavecrest_core::accel`] | the geometry | the tree |
@@ -21,6 +22,7 @@ mod backs;
 pub mod bounds;
 pub mod camera;
 pub mod census;
+pub mod details;
 pub mod frame;
 pub mod geometry;
 pub mod lights;
@@ -45,7 +47,7 @@ use wavecrest_core::kernels::blinn_phong::Material;
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::plan::Plan;
 use wavecrest_core::plan::schedule::{PASSES, Pass};
-use wavecrest_core::prepared::{Appearance, Dropped, LazyImage, PreparedScene};
+use wavecrest_core::prepared::{Appearance, Dropped, PreparedScene};
 
 /// The scene without its tree: enough to predict what a render will do.
 #[derive(Debug)]
@@ -103,9 +105,11 @@ pub fn extract(world: &mut World, options: Options<'_>) -> Result<Extracted> {
     let schedule = plan.schedule();
     let lights = lights::keep(world, &settings, schedule, lights, &found)?;
     let images = textures::run(world, &file, schedule, &found.textured, &mut extracted.shapes)?;
+    let details = details::run(world, schedule, &found.glowing, &mut extracted.shapes);
     extracted.drop_unused(schedule, &in_view);
     let (camera, path) = camera::run(world, origin, schedule)?;
-    let (geometry, appearance) = appearance(world, extracted, materials, images);
+    let (geometry, appearance) = appearance(world, extracted, materials);
+    let appearance = Appearance { details, images, ..appearance };
     let scene = PreparedScene {
         plan,
         origin,
@@ -127,7 +131,6 @@ fn appearance(
     world: &World,
     extracted: geometry::Output,
     materials: Vec<Material>,
-    images: Vec<LazyImage>,
 ) -> (Geometry, Appearance) {
     let geometry::Output { geometry, shapes, meshes } = extracted;
     let places = shapes.iter().map(|shape| query::json_path(world, shape.entity)).collect();
@@ -135,7 +138,7 @@ fn appearance(
         |shape: &ShapeOutput| world.get::<&Name>(shape.entity).ok().map(|name| name.0.clone());
     let names = shapes.iter().map(name).collect();
     let shapes = shapes.into_iter().map(|s| s.shape).collect();
-    (geometry, Appearance { shapes, materials, places, names, images, meshes })
+    (geometry, Appearance { shapes, materials, places, names, meshes, ..Appearance::default() })
 }
 
 impl Extracted {

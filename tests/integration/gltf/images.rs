@@ -1,7 +1,7 @@
 //! What each part of a file becomes, as its image shows it.
 
 use glam::{Quat, Vec3};
-use serde_json::json;
+use serde_json::{Value, json};
 use wavecrest_scene::components::{AreaLight, Hidden, InstanceOf, Mesh, Order, PointLight, View};
 use wavecrest_scene::load::{LoadOptions, load};
 
@@ -246,6 +246,32 @@ fn a_surface_that_gives_off_light_is_a_light() {
     assert!((color.y / color.x - 0.5).abs() < 1e-12 && color.z == 0.0);
     let film = image(&file);
     assert_near(pixel(&film, 12, 9), color.to_array(), 1e-5, "it shows its colour");
+}
+
+#[test]
+fn a_surface_that_glows_weakly_or_is_unlit_shows_its_own_light() {
+    let with = |material: Value| {
+        let mut file = square();
+        file.json["materials"][0] = material;
+        file
+    };
+    let black = json!({"baseColorFactor": [0, 0, 0, 1], "roughnessFactor": 1});
+    let glowing = |strength: f64| {
+        with(json!({
+            "pbrMetallicRoughness": black, "emissiveFactor": [0.5, 0.25, 0],
+            "extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": strength}}
+        }))
+    };
+    let unlit = with(json!({
+        "pbrMetallicRoughness": {"baseColorFactor": [0.5, 0.25, 0, 1], "metallicFactor": 0},
+        "emissiveFactor": [1, 1, 1], "extensions": {"KHR_materials_unlit": {}}
+    }));
+    for (file, factor) in [(glowing(1.0), 1.0), (glowing(1.9), 1.9), (unlit, 1.0)] {
+        let mut world = loaded(&file).expect("it is right").world;
+        assert_eq!(world.query_mut::<&AreaLight>().into_iter().count(), 0);
+        let expected = [0.5 * factor, 0.25 * factor, 0.0];
+        assert_near(pixel(&image(&file), 12, 9), expected, 1e-6, "its own light alone");
+    }
 }
 
 /// Lamps show 4 I / (4 pi d^2), the sun E / pi, together 1: with a sun alone its intensity is of no account.

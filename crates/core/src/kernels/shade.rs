@@ -27,6 +27,8 @@ pub struct ShadingPoint<F: Single> {
     pub view: Vector<F>,
     /// Diffuse colour, from the material or a texture.
     pub color: Vector<F>,
+    /// Light of the material itself.
+    pub emission: Vector<F>,
     /// How light is reflected.
     pub reflection: Reflection<F>,
     /// Weight of the mirror ray.
@@ -36,10 +38,10 @@ pub struct ShadingPoint<F: Single> {
 }
 
 impl<F: Single> ShadingPoint<F> {
-    /// The light a hit shows without any ray: the ambient part of all lights together.
+    /// The light a hit shows without any ray: the ambient part of all lights together, and its own.
     #[inline(always)]
     pub fn local_light(&self, ambient: f32) -> Vector<F> {
-        self.color.scale(self.kr.same(ambient))
+        self.color.scale(self.kr.same(ambient)) + self.emission
     }
 }
 
@@ -187,6 +189,7 @@ mod tests {
             shading_normal: Vec3::Y.into(),
             view: normalize(Vec3::new(1.0, 1.0, 0.0)).into(),
             color: Vec3::ONE.into(),
+            emission: Vec3::ZERO.into(),
             reflection: Reflection { ks: 0.0, kd: 1.0, exponent: 1.0 },
             kr: 0.5,
             lit: true,

@@ -68,6 +68,8 @@ pub enum Step {
     Normals,
     /// Texture look-ups.
     Texels,
+    /// Light of materials themselves.
+    Emission,
     /// Points that lights are to be asked for.
     Collect,
     /// Mirror rays.
@@ -136,7 +138,7 @@ const LIGHTS: Needs = Needs::Any(&[Effect::PointLights, Effect::AreaLights]);
 ///
 /// Kinds of shapes have no row: no pass asks for a kind, so that one which is absent costs nothing by
 /// having no primitive.
-pub const PASSES: [Pass; 13] = {
+pub const PASSES: [Pass; 14] = {
     use Column::{Differentials, Hits, LitPoints, NextRays, Paths, Rays, ShadowRays};
     [
         pass(Step::Generate, "generate", Needs::Nothing, &[], &[Paths, Rays]),
@@ -146,6 +148,7 @@ pub const PASSES: [Pass; 13] = {
         pass(Step::Shade, "shade", Needs::Nothing, &[Paths, Rays, Hits], &[Paths]),
         part(Step::Normals, "normals", Step::Shade, &[Effect::SmoothShading], &[Hits], &[]),
         part(Step::Texels, "texels", Step::Shade, &[Effect::Textures], &[Hits], &[]),
+        part(Step::Emission, "emission", Step::Shade, &[Effect::Emission], &[Hits], &[Paths]),
         Pass {
             part_of: Some(Step::Shade),
             ..pass(Step::Collect, "lit points", LIGHTS, &[Rays, Hits], &[LitPoints])
@@ -199,9 +202,9 @@ pub fn unplanned(passes: &[Pass]) -> Vec<Pass> {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Schedule {
     /// A bit for each [`Step`], as are the following.
-    running: u16,
+    running: u32,
     /// Those that run whatever the scene shows.
-    needless: u16,
+    needless: u32,
     /// A bit for each [`Column`].
     columns: u16,
     /// What is wrong with the table, for these effects.
@@ -271,7 +274,7 @@ impl Schedule {
     }
 }
 
-fn steps<'a>(passes: impl Iterator<Item = &'a Pass>) -> u16 {
+fn steps<'a>(passes: impl Iterator<Item = &'a Pass>) -> u32 {
     passes.fold(0, |all, pass| all | 1 << pass.step as u16)
 }
 

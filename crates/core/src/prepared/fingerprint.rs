@@ -77,6 +77,7 @@ impl PreparedScene {
             appearance: hashed(|hasher| {
                 let _ =
                     write!(hasher, "{:?}{:?}", self.appearance.shapes, self.appearance.materials);
+                let _ = write!(hasher, "{:?}", self.appearance.details);
                 let _ = write!(hasher, "{:?}{:?}", self.lights, self.background);
                 let _ = write!(hasher, "{:?} {:?}", self.ambient, self.bounces);
             }),

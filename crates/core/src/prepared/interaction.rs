@@ -54,6 +54,8 @@ pub struct Group<F: Single> {
     two_sided: u32,
     /// Hits on shapes with a texture.
     textured: u32,
+    /// Hits on shapes with a detail.
+    detailed: u32,
     /// Hits on triangles that have normals.
     smooth: u32,
     /// Hits on quads.
@@ -82,6 +84,7 @@ impl<F: Single> Default for Group<F> {
             used: 0,
             two_sided: 0,
             textured: 0,
+            detailed: 0,
             smooth: 0,
             quads: 0,
             corners: Default::default(),
@@ -101,7 +104,8 @@ impl<F: Single> Group<F> {
     pub fn begin(&mut self, faces: &[Face], appearance: &Appearance) {
         let last = faces[faces.len() - 1];
         self.used = ((1_u64 << faces.len()) - 1) as u32;
-        (self.two_sided, self.textured, self.smooth, self.quads) = (0, 0, 0, 0);
+        (self.two_sided, self.textured, self.detailed) = (0, 0, 0);
+        (self.smooth, self.quads) = (0, 0);
         for lane in 0..F::LANES {
             // Lanes out of use compute nothing out of the way.
             let face = faces.get(lane).copied().unwrap_or(last);
@@ -109,6 +113,7 @@ impl<F: Single> Group<F> {
             let shape = &appearance.shapes[face.shape as usize];
             self.two_sided |= u32::from(shape.two_sided) << lane;
             self.textured |= u32::from(shape.texture.is_some()) << lane;
+            self.detailed |= u32::from(shape.detail.is_some()) << lane;
             self.side.as_mut()[lane] = if shape.flipped { -1.0 } else { 1.0 };
             let material = &appearance.materials[face.shape as usize];
             let Material { ks, kd, exponent, color, kr } = *material;
@@ -224,18 +229,20 @@ impl<F: Single> Group<F> {
         found
     }
 
-    /// The points ready to be shaded, where `line`, of unit direction, meets what the hits are on at `t`. `texture` gives the colour of
-    /// a hit on a shape with a texture, by its lane and its point.
+    /// The points ready to be shaded, where `line`, of unit direction, meets what the hits are on at `t`. `arriving`
+    /// gives the differential of a lane's ray, the ray and its hit, where a texture needs them.
     #[inline(always)]
     pub fn shading_points<P: Arithmetic>(
         &self,
         kind: Kind,
         line: &Line<F>,
         t: F,
-        geometry: &Geometry,
-        mut texture: impl FnMut(usize, &Surface<f32>) -> Vec3,
+        scene: &PreparedScene,
+        arriving: impl Fn(usize) -> (Differential, Ray, Hit),
+        look_ups: &mut LookUps,
     ) -> ShadingPoint<F> {
         let token = t.token();
+        let (appearance, geometry) = (&scene.appearance, scene.accel.geometry());
         let surfaces = self.surfaces::<P>(kind, line, t, geometry);
         let outward = surfaces.normal.scale(F::load(token, &self.side));
         let at_back = outward.dot(line.direction).gt(t.zero());
@@ -249,19 +256,39 @@ impl<F: Single> Group<F> {
         }
         let mut color = self.colors(token);
         for lane in lanes(self.textured & self.used) {
-            color.set_lane(lane, texture(lane, &surfaces.lane(lane)));
+            let Face { primitive, shape, .. } = self.faces[lane];
+            let shape = &appearance.shapes[shape as usize];
+            let (surface, arriving) = (surfaces.lane(lane), || arriving(lane));
+            let found =
+                appearance.texture_at(shape, primitive, geometry, &surface, arriving, look_ups);
+            color.set_lane(lane, found);
         }
         let Vector { x: ks, y: kd, z: exponent } = Vector::load(token, &self.reflection);
-        ShadingPoint {
+        let mut point = ShadingPoint {
             point: surfaces.point,
             error: surfaces.error,
             normal,
             shading_normal,
             view: -line.direction,
             color,
+            emission: Vector::splat(token, Vec3::ZERO),
             reflection: Reflection { ks, kd, exponent },
             kr: F::load(token, &self.kr),
             lit: F::mask(token, self.used) & (F::mask(token, self.two_sided) | !at_back),
+        };
+        if self.detailed & self.used != 0 {
+            self.details(&mut point, appearance);
+        }
+        point
+    }
+
+    /// Adds to the points what shapes show besides their colour.
+    #[inline(never)]
+    fn details(&self, point: &mut ShadingPoint<F>, appearance: &Appearance) {
+        for lane in lanes(self.detailed & self.used) {
+            let shape = &appearance.shapes[self.faces[lane].shape as usize];
+            let Some(detail) = shape.detail else { continue };
+            point.emission.set_lane(lane, appearance.details[detail as usize].emission);
         }
     }
 }
@@ -317,19 +344,14 @@ impl PreparedScene {
         if hit.is_miss() {
             return Interaction::Nothing;
         }
-        let (appearance, geometry) = (&self.appearance, self.accel.geometry());
-        let index = appearance.shape_of(hit.primitive);
-        let shape = &appearance.shapes[index];
-        if let Some(color) = shape.emission {
+        let index = self.appearance.shape_of(hit.primitive);
+        if let Some(color) = self.appearance.shapes[index].emission {
             return Interaction::Light(color);
         }
-        let texture = |_, surface: &Surface<f32>| {
-            let arriving = || (differential(), *ray, *hit);
-            appearance.texture_at(shape, hit.primitive, geometry, surface, arriving, look_ups)
-        };
-        let (kind, line) = (geometry.kind(hit.primitive), Line::from(ray));
+        let arriving = |_| (differential(), *ray, *hit);
+        let (kind, line) = (self.accel.geometry().kind(hit.primitive), Line::from(ray));
         let group = self.group(ray, hit, index);
-        let point = group.shading_points::<P>(kind, &line, hit.t, geometry, texture);
+        let point = group.shading_points::<P>(kind, &line, hit.t, self, arriving, look_ups);
         Interaction::Surface(point)
     }
 

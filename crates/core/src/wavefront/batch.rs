@@ -214,6 +214,8 @@ impl LitPoints {
             shading_normal: self.shading_normal.load(token, i),
             view: self.view.load(token, i),
             color: self.color.load(token, i),
+            // Seen already.
+            emission: Vector::splat(token, Vec3::ZERO),
             reflection: Reflection { ks: reflection.x, kd: reflection.y, exponent: reflection.z },
             kr: F::splat(token, 0.0),
             lit: F::mask(token, used),

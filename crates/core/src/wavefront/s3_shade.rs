@@ -16,7 +16,6 @@ use crate::counters::Counters;
 use crate::kernels::differential::Differential;
 use crate::kernels::precision::Arithmetic;
 use crate::kernels::shade::{ShadingPoint, mirror_request};
-use crate::kernels::surface::Surface;
 use crate::math::ray::Ray;
 use crate::math::real::{Mask, Single};
 use crate::math::simd::{LANES, Pass, dispatch_pass};
@@ -37,7 +36,8 @@ pub(super) fn run<P: Arithmetic>(
     batch.next.clear();
     batch.next_differentials.clear();
     let schedule = scene.plan.schedule();
-    let appearance = schedule.runs(Step::Normals) || schedule.runs(Step::Texels);
+    let appearance =
+        [Step::Normals, Step::Texels, Step::Emission].iter().any(|&step| schedule.runs(step));
     let shade = Shade::<P> {
         scene,
         bounce,
@@ -154,15 +154,9 @@ impl<P: Arithmetic> Shade<'_, P> {
         let origin = fetch(token, &rays.origin, &numbers);
         let line = Line { origin, direction: fetch(token, &rays.direction, &numbers) };
         let t = self.distances::<F>(token, &numbers);
-        let geometry = self.scene.accel.geometry();
         let mut look_ups = LookUps::default();
-        let texture = |lane: usize, surface: &Surface<f32>| {
-            let Face { ray, primitive, shape } = group.faces[lane];
-            let (appearance, arriving) = (&self.scene.appearance, || self.arriving(ray));
-            let shape = &appearance.shapes[shape as usize];
-            appearance.texture_at(shape, primitive, geometry, surface, arriving, &mut look_ups)
-        };
-        let point = group.shading_points::<P>(kind, &line, t, geometry, texture);
+        let arriving = |lane: usize| self.arriving(group.faces[lane].ray);
+        let point = group.shading_points::<P>(kind, &line, t, self.scene, arriving, &mut look_ups);
         self.count(look_ups);
         self.add(group.used, &path, throughput * point.local_light(self.scene.ambient));
         if self.shadows && point.lit.any() {

@@ -70,6 +70,7 @@ fn add_reached(list: &mut List, ambient: usize, lit: usize, picture: &str) {
     list.add("a texture, nearest", lit, |scene| textured(scene, picture, "nearest"));
     list.add("a texture, bilinear", lit, |scene| textured(scene, picture, "bilinear"));
     list.add("a texture, trilinear", lit, |scene| textured(scene, picture, "trilinear"));
+    list.add("emission", lit, |scene| glow(shapes(scene)));
     list.add("antialiasing, 2 x 2", lit, |scene| scene["camera"]["antialias"] = 2.into());
     list.add("depth of field, 2 x 2", lit, |scene| lens(scene, 0.2, 2));
     list.add("quads", lit, |scene| add_shapes(scene, (-2..=2).map(quad)));
@@ -91,6 +92,13 @@ fn add_unreached(list: &mut List, dark: usize, lit: usize, picture: &str) {
         let points = [[0, 0, 0], [1, 1, 1], [2, 2, 2]];
         let triangle = json!({"type": "triangle", "points": points, "texture": picture,
                               "material": material([0.5; 3])});
+        add_shapes(scene, [triangle]);
+    });
+    list.without("emission of a triangle without area", lit, |scene| {
+        let points = [[0, 0, 0], [1, 1, 1], [2, 2, 2]];
+        let mut triangle =
+            json!({"type": "triangle", "points": points, "material": material([0.5; 3])});
+        glow([&mut triangle]);
         add_shapes(scene, [triangle]);
     });
     list.without("a texture without light", dark, |scene| textured(scene, picture, "bilinear"));
@@ -225,6 +233,12 @@ fn textured(scene: &mut Value, picture: &str, filter: &str) {
     for shape in shapes(scene) {
         shape["texture"] = picture.into();
         shape["filter"] = filter.into();
+    }
+}
+
+fn glow<'a>(shapes: impl IntoIterator<Item = &'a mut Value>) {
+    for shape in shapes {
+        shape["material"]["emission"] = json!([0.2, 0.1, 0.05]);
     }
 }
 

@@ -1,7 +1,8 @@
 //! Materials: from metallic-roughness to Blinn-Phong with a mirror.
 //!
 //! The two models are not alike, so that the rule is ours; [`look`] states it. What it leaves out is
-//! reported: alpha, and all textures but that of the base colour.
+//! reported: alpha, and all textures but that of the base colour. A surface that glows weakly shows its own light; one
+//! that glows as brightly as white is a light.
 
 use glam::DVec3;
 
@@ -23,7 +24,7 @@ pub(super) struct Surface {
     is_unlit: bool,
     /// Which sides lights reach.
     pub(super) sides: Sides,
-    /// The light that it gives off, black for none.
+    /// Its own light, black for none.
     pub(super) emission: DVec3,
 }
 
@@ -48,10 +49,6 @@ impl Surface {
         let sides = if fields.flag("doubleSided")? { Sides::Both } else { Sides::Front };
         let emission = emission(fields)?;
         let is_unlit = fields.extension("KHR_materials_unlit", |_| Ok(()))?.is_some();
-        if is_unlit {
-            let message = "an unlit material is lit like others, without highlight";
-            fields.once(message, "the format of scenes has nothing like it");
-        }
         let default = Self { sides, emission, is_unlit, ..Self::DEFAULT };
         let Some(model) = fields.object("pbrMetallicRoughness")? else { return Ok(default) };
         let base_color = model.numbers::<4>("baseColorFactor", UNIT)?;
@@ -70,14 +67,17 @@ impl Surface {
 
     /// What the surface is made of.
     pub(super) fn material(&self) -> Material {
-        if self.is_unlit {
-            return Material { ks: 0.0, kr: 0.0, kd: 1.0, ..self.reflecting() };
+        let reflecting = look(self.base_color, self.metallic, self.roughness);
+        match self.is_unlit {
+            true if self.texture.is_none() => Material {
+                kd: 0.0,
+                diffuse_color: DVec3::ZERO,
+                emission: self.base_color,
+                ..look(DVec3::ZERO, 0.0, 1.0)
+            },
+            true => Material { ks: 0.0, kr: 0.0, kd: 1.0, ..reflecting },
+            false => Material { emission: self.emission, ..reflecting },
         }
-        self.reflecting()
-    }
-
-    fn reflecting(&self) -> Material {
-        look(self.base_color, self.metallic, self.roughness)
     }
 
     /// What the texture is multiplied by.
@@ -87,10 +87,12 @@ impl Surface {
 
     /// Whether the surface is a light.
     pub(super) fn is_light(&self) -> bool {
-        self.emission != DVec3::ZERO
+        !self.is_unlit && self.emission.max_element() >= BRIGHT
     }
 }
 
+/// The emission from which on a surface is a light: as bright as a white one that faces all lights.
+const BRIGHT: f64 = 1.0;
 /// What a smooth surface that is no metal reflects of light that falls on it straight.
 const DIELECTRIC: f64 = 0.04;
 /// The greatest exponent that comes of a roughness. Its highlight of a point is about a degree wide.
@@ -113,7 +115,14 @@ pub(super) fn look(color: DVec3, metallic: f64, roughness: f64) -> Material {
     let mean = (color.x + color.y + color.z) / 3.0;
     let straight = DIELECTRIC * (1.0 - metallic) + metallic * mean;
     let ks = (1.0 - roughness) * (straight * (exponent + 2.0) / 8.0).min(1.0);
-    Material { ks, kd: 1.0 - kr, specular_exponent: exponent, diffuse_color: color, kr }
+    Material {
+        ks,
+        kd: 1.0 - kr,
+        specular_exponent: exponent,
+        diffuse_color: color,
+        kr,
+        emission: DVec3::ZERO,
+    }
 }
 
 fn emission(fields: &Fields<'_>) -> Result<DVec3> {

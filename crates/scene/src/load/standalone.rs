@@ -19,6 +19,7 @@ const MATERIAL: Material = Material {
     kd: 0.85,
     specular_exponent: 40.0,
     diffuse_color: DVec3::splat(0.7),
+    emission: DVec3::ZERO,
     kr: 0.0,
 };
 

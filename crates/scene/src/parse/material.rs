@@ -23,6 +23,8 @@ const KEYS: &[Key] = keys! {
     "diffusecolor": Color, Required;
     /// Weight of the mirror ray, 0 to 1.
     "kr": Number(Range::NOT_NEGATIVE), Is(0.0);
+    /// Light of its own, added where the surface is seen; it falls on nothing else.
+    "emission": Color, Are([0.0; 3]);
 };
 
 /// Reads the `material` of a shape.
@@ -35,6 +37,7 @@ pub(super) fn material(cursor: &Cursor<'_>) -> Result<Material> {
         specular_exponent: object.number("specularexponent")?,
         diffuse_color: object.color("diffusecolor")?,
         kr: object.number("kr")?,
+        emission: object.color("emission")?,
     })
 }
 

@@ -9,7 +9,7 @@ use hecs::World;
 
 use super::geometry::{self, ShapeOutput};
 use super::lights::Found;
-use super::{camera, reach};
+use super::{camera, details, reach};
 use crate::components::{Filter, Settings, TextureRef, ThinLens, View};
 use wavecrest_core::kernels::blinn_phong::Material;
 use wavecrest_core::kernels::light::Emitter;
@@ -46,15 +46,18 @@ pub struct Findings {
     pub reached: Vec<bool>,
     /// For each shape, whether it wears a texture that can be seen.
     pub textured: Vec<bool>,
+    /// For each shape, whether light of its own can be seen.
+    pub glowing: Vec<bool>,
 }
 
 /// Decides every effect.
 pub fn run(census: Census<'_>) -> Findings {
     let facts = Facts::new(census);
     let decisions = Effect::ALL.into_iter().map(|effect| facts.decide(effect)).collect();
-    let Facts { visible, shown, reached, shows_texture, .. } = facts;
-    let textured = visible.iter().zip(shows_texture).map(|(v, shows)| *v && shows).collect();
-    Findings { decisions, shown, reached, textured }
+    let Facts { visible, shown, reached, shows_texture, glows, .. } = facts;
+    let seen = |those: Vec<bool>| visible.iter().zip(those).map(|(v, shows)| *v && shows).collect();
+    let (textured, glowing) = (seen(shows_texture), seen(glows));
+    Findings { decisions, shown, reached, textured, glowing }
 }
 
 /// What the decisions rest on.
@@ -67,6 +70,8 @@ struct Facts<'a> {
     reached: Vec<bool>,
     /// For each shape, whether it wears a texture that shows where the shape is seen.
     shows_texture: Vec<bool>,
+    /// For each shape, whether it is a surface with light of its own.
+    glows: Vec<bool>,
     /// Whether a mirror could show anything but black.
     shines: bool,
 }
@@ -105,11 +110,15 @@ impl<'a> Facts<'a> {
         let is_black = |surface: &reach::Surface<'_>| {
             !surface.textured && surface.material.color == Vec3::ZERO
         };
-        let glows = |shape: &ShapeOutput| shape.shape.emission.is_some_and(|c| c != Vec3::ZERO);
+        let is_bright = |shape: &ShapeOutput| shape.shape.emission.is_some_and(|c| c != Vec3::ZERO);
+        let own_light = |i: usize| details::emission(census.world, &shapes[i]);
+        let glows: Vec<bool> =
+            (0..shapes.len()).map(|i| solid[i] && own_light(i) != Vec3::ZERO).collect();
         let shines = is_lit
-            || shapes.iter().any(glows)
+            || glows.contains(&true)
+            || shapes.iter().any(is_bright)
             || census.ambient > 0.0 && !surfaces.iter().all(is_black);
-        Self { census, solid, visible, shown, reached, shows_texture, shines }
+        Self { census, solid, visible, shown, reached, shows_texture, glows, shines }
     }
 
     fn triangles(&self) -> (bool, String) {
@@ -136,6 +145,7 @@ impl<'a> Facts<'a> {
             Effect::Spheres => count(geometry.spheres.len(), "sphere", "no shape is a sphere"),
             Effect::SmoothShading => self.smooth_shading(),
             Effect::Textures => self.textures(),
+            Effect::Emission => self.emission(),
             Effect::RayDifferentials => self.ray_differentials(),
             Effect::PointLights => {
                 self.lights("point light", |emitter| matches!(emitter, Emitter::Point(_)))
@@ -186,6 +196,11 @@ impl<'a> Facts<'a> {
             (true, true) => "no surface shows the colour of its texture",
         };
         self.surfaces(|i| self.shows_texture[i], "textured shape", none)
+    }
+
+    fn emission(&self) -> (bool, String) {
+        let none = "no material has an emission";
+        self.surfaces(|i| self.glows[i], "glowing shape", none)
     }
 
     fn ray_differentials(&self) -> (bool, String) {

@@ -198,6 +198,7 @@ fn shapes() {
     assert_eq!(at(&scene, ball), Some(Order(0)));
     assert_eq!(at(&scene, ball), Some(Sides::Front));
     let material = Material {
+        emission: DVec3::ZERO,
         ks: 0.5,
         kd: 0.5,
         specular_exponent: 20.0,

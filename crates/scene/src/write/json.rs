@@ -190,13 +190,17 @@ fn texture(
 
 fn material(entity: EntityRef<'_>) -> Value {
     entity.get::<&Material>().map_or(Value::Null, |material| {
-        json!({
+        let mut to = json!({
             "ks": material.ks,
             "kd": material.kd,
             "specularexponent": material.specular_exponent,
             "diffusecolor": vector(material.diffuse_color),
             "kr": material.kr,
-        })
+        });
+        if material.emission != DVec3::ZERO {
+            to["emission"] = vector(material.emission);
+        }
+        to
     })
 }
 

@@ -70,6 +70,7 @@ impl Common {
             two_sided: self.sides == Sides::Both,
             smooth: false,
             texture: None,
+            detail: None,
             mesh: None,
         }
     }

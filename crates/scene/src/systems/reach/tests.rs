@@ -19,8 +19,8 @@ fn light(emitter: Emitter) -> Light {
 }
 
 fn shape(two_sided: bool, flipped: bool) -> Shape {
-    let (emission, smooth, texture, mesh) = (None, false, None, None);
-    Shape { primitives: 0..1, emission, flipped, two_sided, smooth, texture, mesh }
+    let (emission, smooth, texture, detail, mesh) = (None, false, None, None, None);
+    Shape { primitives: 0..1, emission, flipped, two_sided, smooth, texture, detail, mesh }
 }
 
 fn of_triangle(corners: [Vec3; 3]) -> Geometry {
@@ -56,6 +56,7 @@ fn asks(light: &Light, at: surface::Surface<f32>, flipped: bool, ray: &Ray, inde
         shading_normal: outward,
         view: (-ray.direction).into(),
         color: Vec3::ONE.into(),
+        emission: Vec3::ZERO.into(),
         reflection: WHITE.reflection(),
         kr: WHITE.kr,
         lit: is_front,
