@@ -78,7 +78,6 @@ pub fn compare(before: &Path, after: &Path) -> Result<Regression> {
                     regression.warnings.push(format!("`{name}` {warning}"));
                 }
                 points(name, &sides, &mut found, &mut regression.warnings);
-                found.extend(preparation(name, &sides));
                 regression.changes.extend(changes(name, &sides)?);
             }
         }
@@ -96,18 +95,15 @@ fn side(sweep: &Sweep<'_>) -> Side {
     }
 }
 
-/// Every series of a scene, and all of them together.
+/// Every series of a scene, all of them together, and what comes before them.
 fn points(scene: &str, sides: &[Sweep<'_>; 2], found: &mut Vec<Found>, warnings: &mut Vec<String>) {
     let on_one_machine = side(&sides[0]).machine == side(&sides[1]).machine;
     let records = sides.each_ref().map(|side| side.records.as_slice());
     let units = if on_one_machine { units(scene, records) } else { Default::default() };
     let busy = busy(&units);
-    if !busy.is_empty() {
-        let rounds = busy.len();
-        warnings.push(format!(
-            "`{scene}`: the machine was busy in {rounds} rounds, which are left out"
-        ));
-    }
+    let quiet = busy.is_some();
+    warnings.extend(about_busy_rounds(scene, busy.as_ref()));
+    let busy = busy.unwrap_or_default();
     let [before, after] = sides.each_ref().map(|side| series(scene, &side.records));
     let (mut everything, mut short) = (Vec::new(), 0);
     for ((target, name), keys) in &before {
@@ -123,21 +119,16 @@ fn points(scene: &str, sides: &[Sweep<'_>; 2], found: &mut Vec<Found>, warnings:
         let floors =
             sides.each_ref().map(|side| if falls { floor(scene, *target, side) } else { 0.0 });
         let pairs = pairs([keys, others], floors, &units, &busy);
-        let timed: Vec<Pair> = pairs.iter().filter(|pair| takes_time(pair)).cloned().collect();
-        short += pairs.len() - timed.len();
+        let (timed, others): (Vec<Pair>, Vec<Pair>) =
+            pairs.iter().cloned().partition(|pair| quiet && takes_time(pair));
+        short += others.len();
         let falls = falls && timed.len() > 1;
         let power = if falls { Some(power(&timed)) } else { None };
+        let curves = if falls { curves(&pairs) } else { Vec::new() };
         let mut add = |of, estimate: Option<Estimate>| {
-            let (scene, what) = (scene.to_owned(), what.clone());
-            let curves = if falls { curves(&pairs) } else { Vec::new() };
-            found.extend(estimate.map(|estimate| Found {
-                scene,
-                what,
-                of,
-                overall: false,
-                estimate,
-                curves,
-            }));
+            let (scene, what, curves) = (scene.to_owned(), what.clone(), curves.clone());
+            let overall = false;
+            found.extend(estimate.map(|e| Found { scene, what, of, overall, estimate: e, curves }));
         };
         match power {
             Some(_) => add("time at equal error", time(&[(&timed, power)])),
@@ -148,13 +139,26 @@ fn points(scene: &str, sides: &[Sweep<'_>; 2], found: &mut Vec<Found>, warnings:
         }
         everything.push((timed, power));
     }
-    if short > 0 {
+    if quiet && short > 0 {
         let limit = LEAST_RENDER * 1e3;
         warnings.push(format!(
             "`{scene}`: only the errors of {short} settings are compared: they render in less than {limit} ms"
         ));
     }
     found.extend(together(scene, &everything));
+    if quiet {
+        found.extend(preparation(scene, sides));
+    }
+}
+
+/// What to say of the rounds in which the machine was busy; `None` says that too few others were left.
+fn about_busy_rounds(scene: &str, busy: Option<&BTreeSet<u64>>) -> Option<String> {
+    let cause = "something else kept the machine busy";
+    match busy.map(BTreeSet::len) {
+        Some(0) => None,
+        Some(rounds) => Some(format!("`{scene}`: rounds left out because {cause}: {rounds}")),
+        None => Some(format!("`{scene}`: only errors are compared because {cause}")),
+    }
 }
 
 /// All series of a scene as one.

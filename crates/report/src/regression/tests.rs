@@ -194,12 +194,23 @@ fn a_program_that_is_three_per_cent_slower_is_found() {
 fn rounds_in_which_the_machine_was_busy_hide_nothing() {
     for found in tries(Program { disturbed: true, ..USUAL }) {
         assert!(!found.is_worse(), "{:?}", worse(&found));
-        assert!(found.warnings.iter().any(|warning| warning.contains("busy in 3 rounds")));
+        assert!(found.warnings.iter().any(|warning| warning.ends_with("busy: 3")));
     }
     for found in tries(Program { disturbed: true, slower: 1.03, ..USUAL }) {
         let worse = worse(&found);
         let overall = "all settings, time at equal error".to_owned();
         assert!(worse.contains(&overall), "{worse:?} {}", found.text());
+    }
+}
+
+#[test]
+fn on_a_busy_machine_only_errors_are_compared() {
+    for found in tries(Program { machine: 1.6, slower: 1.2, ..USUAL }) {
+        assert!(found.ratios.iter().all(|ratio| ratio.of == "error"), "{}", found.text());
+        assert!(found.warnings.iter().any(|warning| warning.contains("only errors")));
+    }
+    for found in tries(Program { machine: 1.6, jittered: -1.0, ..USUAL }) {
+        assert_eq!(worse(&found), ["robust lights=jittered, error"]);
     }
 }
 

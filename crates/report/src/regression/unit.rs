@@ -26,16 +26,15 @@ pub(super) fn units(scene: &str, sides: [&[Record]; 2]) -> [Unit; 2] {
 /// A machine on which the yardstick takes so many times as long as in the quickest round was busy with something else.
 const BUSY: f64 = 1.25;
 
-/// The rounds in which the machine was busy on either side; none where too few others would remain.
-pub(super) fn busy(units: &[Unit; 2]) -> BTreeSet<u64> {
-    let of_side = |unit: &Unit| {
-        let least = unit.values().copied().fold(f64::INFINITY, f64::min);
-        let is_busy = |(seed, seconds): (&u64, &f64)| (*seconds > BUSY * least).then_some(*seed);
-        unit.iter().filter_map(is_busy).collect::<BTreeSet<_>>()
-    };
-    let busy = &of_side(&units[0]) | &of_side(&units[1]);
-    let left = units.iter().map(|unit| unit.keys().filter(|seed| !busy.contains(seed)).count());
-    if left.min().unwrap_or(0) < LEAST_ROUNDS { BTreeSet::new() } else { busy }
+/// The rounds in which the machine was busy on either side; `None` where too few others remain to compare times.
+pub(super) fn busy(units: &[Unit; 2]) -> Option<BTreeSet<u64>> {
+    let rounds = || units.iter().flatten();
+    let least = rounds().map(|(_, seconds)| *seconds).fold(f64::INFINITY, f64::min);
+    let is_busy = |(seed, seconds): (&u64, &f64)| (*seconds > BUSY * least).then_some(*seed);
+    let busy: BTreeSet<u64> = rounds().filter_map(is_busy).collect();
+    let left = |unit: &Unit| unit.keys().filter(|seed| !busy.contains(seed)).count();
+    let has_enough = |unit: &Unit| unit.is_empty() || left(unit) >= LEAST_ROUNDS;
+    units.iter().all(has_enough).then_some(busy)
 }
 
 /// The median of the yardsticks of each round.
