@@ -6,7 +6,8 @@
 //! alike than others, as when another program ran for a while, it is that of the means of some blocks of rounds.
 //!
 //! Programs that do the same differ by where their code and data happen to lie (Mytkowicz et al., *Producing Wrong
-//! Data Without Doing Anything Obviously Wrong!*, ASPLOS 2009): a ratio is judged against 1 and a [`TOLERANCE`].
+//! Data Without Doing Anything Obviously Wrong!*, ASPLOS 2009): a ratio is judged against 1 and a [`TOLERANCE`], of
+//! all settings together, where such chances cancel, against half of it.
 //! Chances are corrected for the number of comparisons by Holm (*A Simple Sequentially Rejective Multiple Test
 //! Procedure*, 1979), and intervals by Bonferroni: all hold together with 99 per cent. Half of the chance to err is for
 //! the comparisons of all settings together, which see the smallest changes, and half for the others.
@@ -26,7 +27,7 @@ use crate::accuracy::fit::{Rng, chance_beyond, normal_of, student};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
 /// What two programs that do the same may differ by, in parts of the time or the error.
-pub const TOLERANCE: f64 = 0.005;
+pub const TOLERANCE: f64 = 0.01;
 
 /// The chance to tell something worse or better, of any number of comparisons, where nothing is.
 pub const SIGNIFICANCE: f64 = 0.01;
@@ -211,6 +212,12 @@ impl Regression {
     }
 }
 
+impl Found {
+    fn chance(&self) -> f64 {
+        self.estimate.chance(if self.overall { TOLERANCE / 2.0 } else { TOLERANCE })
+    }
+}
+
 impl Estimate {
     /// Of a statistic of `rounds` rounds, each given by its index; `None` for fewer than [`LEAST_ROUNDS`].
     fn of(rounds: usize, statistic: impl Fn(&[usize]) -> f64) -> Option<Self> {
@@ -234,8 +241,8 @@ impl Estimate {
     }
 
     /// The chance of what was found or more, on either side, where the ratio is within the tolerance.
-    fn chance(self) -> f64 {
-        let beyond = self.log.abs() - libm::log1p(TOLERANCE);
+    fn chance(self, tolerance: f64) -> f64 {
+        let beyond = self.log.abs() - libm::log1p(tolerance);
         if beyond <= 0.0 {
             return 1.0;
         }
@@ -263,7 +270,7 @@ fn corrected(found: &[Found]) -> Vec<(f64, usize)> {
     });
     let shares = groups.iter().filter(|group| !group.is_empty()).count();
     for group in &groups {
-        let chances: Vec<f64> = group.iter().map(|n| found[*n].estimate.chance()).collect();
+        let chances: Vec<f64> = group.iter().map(|n| found[*n].chance()).collect();
         for (n, chance) in group.iter().zip(holm(&chances)) {
             corrected[*n] = ((chance * shares as f64).min(1.0), group.len() * shares);
         }
