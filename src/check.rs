@@ -16,7 +16,7 @@ use wavecrest_scene::systems::{self, Options, bounds};
 /// Reads a scene with all its meshes and textures, and says what is in it.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct CheckArgs {
-    /// The scene: JSON, glTF (.gltf, .glb), or a mesh alone (.ply, .obj)
+    /// The scene: JSON, glTF (.gltf, .glb), or a mesh alone (.ply, .obj, .stl)
     pub(crate) scene: PathBuf,
     /// What is read and how
     #[command(flatten)]

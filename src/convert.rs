@@ -13,7 +13,7 @@ use wavecrest_scene::write::write;
 /// It renders to the same image, and has in it what was chosen: camera, light, materials.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct ConvertArgs {
-    /// The file to convert: .gltf, .glb, .ply or .obj
+    /// The file to convert: .gltf, .glb, .ply, .obj or .stl
     #[arg(value_name = "INPUT")]
     pub(crate) input: PathBuf,
     /// The scene to write; meshes and images are named after it

@@ -28,7 +28,7 @@ use wavecrest_scene::load::{LoadOptions, survey};
 /// and is its price.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct SelftestArgs {
-    /// Try this scene too, or this mesh (.ply, .obj): leaks, self-hits, samples that are not finite
+    /// Try this scene too, or this mesh (.ply, .obj, .stl): leaks, self-hits, samples that are not finite
     pub(crate) scene: Option<PathBuf>,
     /// Try this case alone; may be given several times
     #[arg(long = "case", value_name = "NUMBER")]

@@ -27,7 +27,7 @@ use wavecrest_scene::mesh;
 /// The file's own answers are compared with ours.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct TraceArgs {
-    /// The mesh: PLY or OBJ
+    /// The mesh: PLY, OBJ or STL
     #[arg(long, value_name = "FILE")]
     pub(crate) mesh: PathBuf,
     /// The rays

@@ -27,7 +27,7 @@ pub(super) use show::Style;
 /// Renders a scene to an image.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct RenderArgs {
-    /// The scene: JSON, glTF (.gltf, .glb), or a mesh alone (.ply, .obj)
+    /// The scene: JSON, glTF (.gltf, .glb), or a mesh alone (.ply, .obj, .stl)
     pub(crate) scene: PathBuf,
     /// The image to write: .ppm, .png, .exr or .pfm; for a shard, .part
     #[arg(value_name = "OUTPUT", required_unless_present = "output")]

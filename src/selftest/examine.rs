@@ -95,9 +95,7 @@ impl Examined {
 
 /// Tries the scene or mesh in `file`.
 pub(super) fn run(file: &Path, asked: &Asked) -> Result<Examined> {
-    let is_mesh = file
-        .extension()
-        .is_some_and(|e| ["ply", "obj"].iter().any(|known| e.eq_ignore_ascii_case(known)));
+    let is_mesh = mesh::is_mesh_name(file);
     let mut examined: Option<Examined> = None;
     for effort in asked.efforts() {
         let precision = effort.precision;

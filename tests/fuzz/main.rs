@@ -154,6 +154,7 @@ targets! {
     scene 3000 { let seeds = seeds("scene"); move |numbers| mutate::json(&seeds, numbers) };
     ply 20_000 { let seeds = seeds("ply"); move |numbers| mutate::file(&seeds, numbers) };
     obj 20_000 { let seeds = seeds("obj"); move |numbers| mutate::file(&seeds, numbers) };
+    stl 20_000 { let seeds = seeds("stl"); move |numbers| mutate::file(&seeds, numbers) };
     gltf 3000 { let seeds = seeds("gltf"); move |numbers| mutate::json(&seeds, numbers) };
     accel 500 mutate::bytes;
 }

@@ -91,6 +91,11 @@ pub(crate) fn obj(bytes: &[u8]) -> bool {
     alone(|| is_mesh("mesh.obj", bytes))
 }
 
+/// An STL file is refused in words, or it is a sound mesh.
+pub(crate) fn stl(bytes: &[u8]) -> bool {
+    alone(|| is_mesh("mesh.stl", bytes))
+}
+
 /// What is read is sound, and does not depend on how much of the file is read at a time.
 fn is_mesh(name: &str, bytes: &[u8]) -> bool {
     let path = Path::new(name);

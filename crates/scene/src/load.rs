@@ -213,7 +213,7 @@ impl FileFormat {
         let extension = path.extension().unwrap_or_default().to_string_lossy();
         match extension.to_ascii_lowercase().as_str() {
             "gltf" | "glb" => Self::Gltf,
-            "ply" | "obj" => Self::Mesh,
+            _ if mesh::is_mesh_name(path) => Self::Mesh,
             _ if begins_as_glb(path) => Self::Gltf,
             _ => Self::Scene,
         }

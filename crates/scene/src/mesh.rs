@@ -1,6 +1,6 @@
 //! Triangle meshes: the arrays that a mesh is, and the readers that make them from files.
 //!
-//! [`load`] reads Stanford PLY and Wavefront OBJ. Both readers check everything that later work
+//! [`load`] reads Stanford PLY, Wavefront OBJ and STL. All readers check everything that later work
 //! relies on, once, so that no kernel has to: every index is in range, every position is finite and
 //! at most [`MAX_COORDINATE`](wavecrest_core::math::float::MAX_COORDINATE) in size. What a file promises is held against its size before memory
 //! is set aside for it, and a fault is an [`Error`] that names its place.
@@ -8,8 +8,8 @@
 //! Files are read on all threads, each at a place of its own ([`place`]); neither the arrays nor the
 //! faults that are reported depend on how many threads there are.
 //!
-//! Elements of PLY files are counted from 0, as the files themselves do; faults in OBJ files name
-//! the line.
+//! Elements of PLY files are counted from 0, as the files themselves do, and so are triangles of binary
+//! STL; faults in OBJ files and in STL as text name the line.
 
 mod data;
 mod faults;
@@ -18,6 +18,7 @@ mod obj;
 mod place;
 mod ply;
 mod polygon;
+mod stl;
 mod survey;
 mod validate;
 
@@ -33,7 +34,7 @@ pub(crate) use validate::{bad_position, is_good_position};
 
 use data::Read;
 
-/// Reads the mesh file at `path`: PLY or OBJ, by the extension of its name, in any case.
+/// Reads the mesh file at `path`: PLY, OBJ or STL, by the extension of its name, in any case.
 ///
 /// A mesh without a triangle is an error, as nothing of it could be seen.
 ///
@@ -48,8 +49,14 @@ pub fn load(path: &Path) -> Result<LoadedMesh> {
     let loaded = match format {
         Format::Ply => ply::read(&file, length),
         Format::Obj => obj::read(&file, length),
+        Format::Stl => stl::read(&file, length),
     };
     named(loaded, path)
+}
+
+/// Whether the name of `path` ends as that of a mesh file does.
+pub fn is_mesh_name(path: &Path) -> bool {
+    Format::of(path).is_ok()
 }
 
 /// As [`load`], of a file that holds `bytes`, no more than about `portion` of them at a time. What
@@ -65,6 +72,7 @@ pub fn load_bytes(path: &Path, bytes: &[u8], portion: usize) -> Result<LoadedMes
     let loaded = match Format::of(path)? {
         Format::Ply => ply::read_from(bytes, length, portion),
         Format::Obj => obj::read_from(bytes, length, portion, portion.div_ceil(4)),
+        Format::Stl => stl::read_from(bytes, length, portion),
     };
     named(loaded, path)
 }
@@ -79,6 +87,7 @@ pub fn survey(path: &Path) -> Result<Survey> {
     let found = match format {
         Format::Ply => ply::survey(&file, length),
         Format::Obj => obj::survey(&file, length),
+        Format::Stl => stl::survey(&file, length),
     };
     found.map_err(|error| error.in_file(path))
 }
@@ -95,6 +104,7 @@ fn named(read: Result<Read>, path: &Path) -> Result<LoadedMesh> {
 enum Format {
     Ply,
     Obj,
+    Stl,
 }
 
 impl Format {
@@ -104,10 +114,11 @@ impl Format {
         match extension.to_ascii_lowercase().as_str() {
             "ply" => Ok(Self::Ply),
             "obj" => Ok(Self::Obj),
+            "stl" => Ok(Self::Stl),
             _ => Err(Error::new(ErrorKind::Mesh, "the name does not end as a mesh file's does")
                 .in_file(path)
                 .value(format_args!("the extension \"{extension}\""))
-                .remedy("give a .ply or an .obj file; no other mesh format is read")),
+                .remedy("give a .ply, .obj or .stl file; no other mesh format is read")),
         }
     }
 }
@@ -133,9 +144,11 @@ mod tests {
     fn the_extension_chooses_the_format_in_any_case() {
         assert_eq!(Format::of(Path::new("a/b.PLY")).unwrap(), Format::Ply);
         assert_eq!(Format::of(Path::new("b.x.Obj")).unwrap(), Format::Obj);
-        for name in ["b.stl", "ply", "b.", "b"] {
+        assert_eq!(Format::of(Path::new("b.STL")).unwrap(), Format::Stl);
+        for name in ["b.off", "ply", "b.", "b"] {
             let error = Format::of(Path::new(name)).unwrap_err().to_string();
-            assert!(error.contains(".ply") && error.contains(".obj"), "{error}");
+            let named = [".ply", ".obj", ".stl"].iter().all(|known| error.contains(known));
+            assert!(named, "{error}");
         }
     }
 
@@ -184,7 +197,11 @@ mod tests {
     #[test]
     fn an_empty_file_is_refused_in_words() {
         let folder = tempfile::tempdir().unwrap();
-        for (name, words) in [("m.ply", "the file is empty"), ("m.obj", "has no triangles")] {
+        for (name, words) in [
+            ("m.ply", "the file is empty"),
+            ("m.obj", "has no triangles"),
+            ("m.stl", "the file is empty"),
+        ] {
             let path = folder.path().join(name);
             std::fs::write(&path, "").unwrap();
             let error = load(&path).unwrap_err().to_string();

@@ -1,0 +1,104 @@
+//! STL: triangles one after another, each with its three corners, as binary numbers or as text.
+//!
+//! A corner that several triangles share is written once for each: they are joined where their
+//! positions are equal ([`join`]), so that the mesh has the neighbours that the surface has. The
+//! normals of the file are not read: they say what the order of the corners says.
+//!
+//! Both forms may begin with `solid`. A file whose length is what its count of triangles calls for
+//! is binary; so is one with a zero byte where a text has words.
+
+mod ascii;
+mod binary;
+mod join;
+
+use super::data::{MeshData, Read};
+use super::faults::{self, no_triangles, read_failure};
+use super::place::ReadAt;
+use super::survey::Survey;
+use super::validate::{bad_position, is_good_position};
+use glam::Vec3;
+use wavecrest_base::error::{Error, ErrorKind, Result};
+
+/// How much of a file is in memory at once, for each thread where it is binary.
+const BUFFER: usize = 1 << 17;
+
+/// The length of what stands before the triangles of a binary file: a text, and the count of triangles.
+const HEAD: usize = 84;
+
+/// Reads a file of `length` bytes.
+pub(super) fn read(file: &std::fs::File, length: u64) -> Result<Read> {
+    read_from(file, length, BUFFER)
+}
+
+pub(super) fn read_from<F: ReadAt + ?Sized>(file: &F, length: u64, buffer: usize) -> Result<Read> {
+    let (corners, notes) = match form(file, length)? {
+        Form::Binary(head) => binary::read(file, &head, length, buffer)?,
+        Form::Text => ascii::read(file, length, buffer)?,
+    };
+    if corners.is_empty() {
+        return Err(no_triangles());
+    }
+    let (positions, triangles) = join::join(corners);
+    Ok((MeshData { positions, triangles, ..MeshData::default() }, notes))
+}
+
+/// What the file of `length` bytes holds. How many corners are joined is not known: none, it is taken.
+pub(super) fn survey<F: ReadAt + ?Sized>(file: &F, length: u64) -> Result<Survey> {
+    let triangles = match form(file, length)? {
+        Form::Binary(head) => binary::count(&head).min(binary::room(length)),
+        Form::Text => ascii::count(file, length)?,
+    };
+    Ok(Survey { positions: 3 * triangles, triangles, ..Survey::default() })
+}
+
+/// How a file is written.
+enum Form {
+    /// With what stands before the triangles.
+    Binary([u8; HEAD]),
+    Text,
+}
+
+/// How the file of `length` bytes is written.
+fn form<F: ReadAt + ?Sized>(file: &F, length: u64) -> Result<Form> {
+    if length == 0 {
+        return Err(fault("the file is empty").remedy("give an STL file"));
+    }
+    let mut head = [0; HEAD];
+    let there = length.min(HEAD as u64) as usize;
+    file.read_exact_at(&mut head[..there], 0).map_err(read_failure)?;
+    let is_whole = there == HEAD && binary::count(&head) == binary::room(length);
+    let first = head.trim_ascii_start().get(..5);
+    let begins_as_text = first.is_some_and(|word| word.eq_ignore_ascii_case(b"solid"));
+    if begins_as_text && !is_whole && !head[..there].contains(&0) {
+        return Ok(Form::Text);
+    }
+    if there < HEAD {
+        let remedy = format!("begin it with \"solid\", or with {HEAD} bytes where it is binary");
+        return Err(fault("the file is too short for STL").value(length).remedy(remedy));
+    }
+    Ok(Form::Binary(head))
+}
+
+/// Checks that the corners of so many triangles can be numbered.
+fn check_count(triangles: u64) -> Result<()> {
+    faults::check_count("corners", triangles.saturating_mul(3))
+}
+
+/// The corner `p`, as the rest of the program has it: with zeros of one sign, so that equal positions
+/// have equal bits.
+fn corner(p: Vec3) -> Result<Vec3> {
+    if is_good_position(p) { Ok(p + Vec3::ZERO) } else { Err(bad_position(p)) }
+}
+
+fn fault(message: impl Into<String>) -> Error {
+    Error::new(ErrorKind::Syntax, message)
+}
+
+/// The warning that colours are left out, by the name of the extension that has them.
+fn ignored_colours(extension: &str) -> Error {
+    Error::new(ErrorKind::Mesh, format!("{extension} are ignored"))
+        .remedy("save the mesh as PLY to keep them")
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,130 @@
+//! STL as text: `facet normal`, `outer loop`, three times `vertex`, `endloop`, `endfacet`, each on a
+//! line of its own, in any case, between `solid` and `endsolid`. A file may have several solids; all
+//! are one mesh.
+
+use std::io::{BufRead, BufReader, Read as _};
+
+use glam::Vec3;
+
+use super::{check_count, corner, fault, ignored_colours};
+use crate::mesh::faults::read_failure;
+use crate::mesh::number;
+use crate::mesh::place::{ReadAt, Section};
+use wavecrest_base::error::{Error, Result};
+
+/// The longest line in bytes: only names are longer than a few numbers.
+const LONGEST_LINE: u64 = 1 << 16;
+
+/// Words that lines begin with which say nothing of where a triangle is.
+const FRAME: [&str; 5] = ["solid", "endsolid", "facet", "outer", "endfacet"];
+
+/// The corners of all triangles, and what the user should know.
+pub(super) fn read<F: ReadAt + ?Sized>(
+    file: &F,
+    length: u64,
+    buffer: usize,
+) -> Result<(Vec<[Vec3; 3]>, Vec<Error>)> {
+    let mut text = Text::default();
+    each_line(file, length, buffer, |line| text.line(line))?;
+    if !text.corners.is_empty() {
+        let error = fault("the last triangle does not end").value(text.corners.len());
+        return Err(error.remedy("the file may have been cut off"));
+    }
+    let notes = text.has_colours.then(|| ignored_colours("colours of triangles"));
+    Ok((text.triangles, notes.into_iter().collect()))
+}
+
+/// How many triangles there are at most: none has fewer than three lines of a corner.
+pub(super) fn count<F: ReadAt + ?Sized>(file: &F, length: u64) -> Result<u64> {
+    let mut corners = 0;
+    each_line(file, length, super::BUFFER, |line| {
+        corners += u64::from(words(line).next().is_some_and(|w| w.eq_ignore_ascii_case("vertex")));
+        Ok(())
+    })?;
+    Ok(corners / 3)
+}
+
+/// What has been read.
+#[derive(Default)]
+struct Text {
+    triangles: Vec<[Vec3; 3]>,
+    /// Those of the triangle that has begun.
+    corners: Vec<Vec3>,
+    has_colours: bool,
+}
+
+impl Text {
+    fn line(&mut self, line: &str) -> Result<()> {
+        let mut words = words(line);
+        let Some(keyword) = words.next().map(str::to_ascii_lowercase) else { return Ok(()) };
+        match keyword.as_str() {
+            "vertex" => self.vertex(words),
+            "endloop" => self.end_triangle(),
+            "color" => {
+                self.has_colours = true;
+                Ok(())
+            }
+            other if FRAME.contains(&other) => Ok(()),
+            other => Err(fault("the line is of an unknown kind")
+                .value(format_args!("\"{other}\""))
+                .remedy("check that the file is an STL file and is whole")),
+        }
+    }
+
+    fn vertex<'a>(&mut self, mut words: impl Iterator<Item = &'a str>) -> Result<()> {
+        if self.corners.len() == 3 {
+            let error = fault("a triangle has more than three corners");
+            return Err(error.remedy("save the mesh with triangles, or as PLY or OBJ"));
+        }
+        let mut number = || {
+            let word = words.next().unwrap_or("");
+            number::parse(word.as_bytes()).ok_or_else(|| {
+                let error = fault("a corner is three numbers").value(format_args!("\"{word}\""));
+                error.remedy("write them as 12 or -0.5e3; the file may have been cut off")
+            })
+        };
+        let position = Vec3::new(number()?, number()?, number()?);
+        self.corners.push(corner(position)?);
+        Ok(())
+    }
+
+    fn end_triangle(&mut self) -> Result<()> {
+        let [a, b, c] = self.corners[..] else {
+            let error = fault("a triangle needs three corners").value(self.corners.len());
+            return Err(error.remedy("complete it, or remove it"));
+        };
+        self.triangles.push([a, b, c]);
+        self.corners.clear();
+        check_count(self.triangles.len() as u64)
+    }
+}
+
+fn words(line: &str) -> impl Iterator<Item = &str> {
+    line.split_ascii_whitespace()
+}
+
+/// Gives each line to `take`, whose errors get its number.
+fn each_line<F: ReadAt + ?Sized>(
+    file: &F,
+    length: u64,
+    buffer: usize,
+    mut take: impl FnMut(&str) -> Result<()>,
+) -> Result<()> {
+    let mut reader = BufReader::with_capacity(buffer, Section::new(file, 0, length));
+    let mut line = Vec::new();
+    for number in 1_u64.. {
+        line.clear();
+        let mut limited = reader.by_ref().take(LONGEST_LINE);
+        let read = limited.read_until(b'\n', &mut line).map_err(read_failure)?;
+        if read == 0 {
+            break;
+        }
+        let place = || format!("line {number}");
+        if read as u64 == LONGEST_LINE && !line.ends_with(b"\n") {
+            let error = fault(format!("a line has at most {LONGEST_LINE} bytes")).at(place());
+            return Err(error.remedy("check that the file is an STL file"));
+        }
+        take(&String::from_utf8_lossy(&line)).map_err(|error| error.at(place()))?;
+    }
+    Ok(())
+}

@@ -1,0 +1,174 @@
+//! Whole files: what is accepted, what is refused and how it is said.
+
+use super::*;
+use wavecrest_base::error::ErrorKind;
+
+fn load(bytes: &[u8]) -> Result<Read> {
+    // A small buffer, so that lines and triangles lie across its ends.
+    let read = read_from(bytes, bytes.len() as u64, 29);
+    let large = read_from(bytes, bytes.len() as u64, BUFFER);
+    match (&read, &large) {
+        (Ok(small), Ok(large)) => assert_eq!(small.0, large.0),
+        (Err(small), Err(large)) => assert_eq!(small.to_string(), large.to_string()),
+        _ => panic!("{read:?} and {large:?}"),
+    }
+    read
+}
+
+fn mesh(bytes: &[u8]) -> MeshData {
+    let (mesh, notes) = load(bytes).unwrap();
+    assert!(notes.is_empty(), "{notes:?}");
+    mesh
+}
+
+fn message(bytes: &[u8]) -> String {
+    load(bytes).unwrap_err().to_string()
+}
+
+const CORNERS: [[f32; 3]; 4] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+const TETRAHEDRON: [[usize; 3]; 4] = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+
+fn head(text: &str, triangles: u32) -> Vec<u8> {
+    let mut head = text.as_bytes().to_vec();
+    head.resize(HEAD - 4, 0);
+    head.extend(triangles.to_le_bytes());
+    head
+}
+
+fn binary(text: &str, attribute: u16) -> Vec<u8> {
+    let mut bytes = head(text, 4);
+    for triangle in TETRAHEDRON {
+        bytes.extend([0; 12]);
+        for i in triangle {
+            bytes.extend(CORNERS[i].map(f32::to_le_bytes).as_flattened());
+        }
+        bytes.extend(attribute.to_le_bytes());
+    }
+    bytes
+}
+
+fn text() -> String {
+    let mut text = "solid a b\n".to_owned();
+    for triangle in TETRAHEDRON {
+        text += "  facet normal 0 0 0\n    outer loop\n";
+        for [x, y, z] in triangle.map(|i| CORNERS[i]) {
+            text += &format!("      vertex {x} {y} {z}\n");
+        }
+        text += "    endloop\n  endfacet\n";
+    }
+    text + "endsolid a b\n"
+}
+
+#[test]
+fn both_forms_are_one_mesh_with_shared_corners() {
+    let read = mesh(&binary("made by hand", 0));
+    assert_eq!(read.positions, [0, 2, 1, 3].map(|i| Vec3::from(CORNERS[i])));
+    assert_eq!(read.triangles, [[0, 1, 2], [0, 2, 3], [2, 1, 3], [1, 0, 3]]);
+    let written = text();
+    let others =
+        [&written, &written.to_uppercase(), &written.replace('\n', "\r\n"), &written.repeat(1)];
+    for other in others {
+        assert_eq!(mesh(other.as_bytes()), read);
+    }
+    assert_eq!(mesh(written.repeat(2).as_bytes()).triangles.len(), 8);
+    assert_eq!(mesh(written.repeat(2).as_bytes()).positions.len(), 4);
+}
+
+#[test]
+fn a_binary_file_may_begin_as_a_text_does() {
+    assert_eq!(mesh(&binary("solid work", 0)).triangles.len(), 4);
+    // With blanks in the head, and with bytes at its end, where its length says nothing.
+    let mut longer = binary(&format!("{:80}", "solid work"), 0);
+    longer.push(1);
+    let (mesh, notes) = load(&longer).unwrap();
+    assert_eq!(mesh.triangles.len(), 4);
+    assert!(notes[0].to_string().contains("bytes after the last triangle"), "{notes:?}");
+}
+
+#[test]
+fn colours_are_ignored_by_name() {
+    let told = |bytes: &[u8]| {
+        let (_, notes) = load(bytes).unwrap();
+        assert_eq!(notes.len(), 1);
+        notes[0].to_string()
+    };
+    assert!(told(&binary("COLOR=\u{1}\u{2}\u{3}", 7)).contains("Magics"));
+    assert!(told(&binary("", 1 << 15)).contains("VisCAM"));
+    assert!(told(text().replace("endloop", "endloop\ncolor 1 0 0").as_bytes()).contains("colours"));
+}
+
+/// Positions count as one where they are equal, whatever the sign of a zero, and no nearer.
+#[test]
+fn corners_are_joined_where_they_are_equal() {
+    let triangle =
+        |x: &str| format!("outer loop\nvertex {x} 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\n");
+    let two = |a: &str, b: &str| mesh(format!("solid\n{}{}", triangle(a), triangle(b)).as_bytes());
+    assert_eq!(two("0", "-0").triangles, [[0, 1, 2], [0, 1, 2]]);
+    assert_eq!(two("0", "-0").positions[0].x.to_bits(), 0);
+    assert_eq!(two("0", "1e-45").triangles, [[0, 1, 2], [3, 1, 2]]);
+}
+
+#[test]
+fn a_large_mesh_is_joined_as_a_small_one_is() {
+    let side = 200;
+    let corner = |i: u32| Vec3::new((i % side) as f32, (i / side) as f32 / 7.0, 1.5);
+    let right: Vec<[u32; 3]> = (0..side * (side - 1)).map(|i| [i, i + 1, i + side]).collect();
+    let (positions, joined) = join::join(right.iter().map(|t| t.map(corner)).collect());
+    assert!(positions.len() <= (side * side) as usize);
+    for (t, j) in right.iter().zip(&joined) {
+        assert_eq!(t.map(corner), j.map(|i| positions[i as usize]));
+    }
+    // Vertices come in the order of the file.
+    let mut next = 0;
+    for &i in joined.as_flattened() {
+        assert!(i <= next);
+        next = next.max(i + 1);
+    }
+    assert_eq!(next as usize, positions.len());
+}
+
+#[test]
+fn faults_name_their_place() {
+    let mut bytes = binary("", 0);
+    let (at, nan) = (HEAD + 50 * 2 + 12, f32::NAN.to_le_bytes());
+    bytes[at..at + 4].copy_from_slice(&nan);
+    bytes[at + 50..at + 54].copy_from_slice(&nan);
+    assert!(message(&bytes).starts_with("triangle 2: "), "{}", message(&bytes));
+    let good = text();
+    for (from, to, line) in [
+        ("vertex 1 0 0", "vertex 1 x 0", 6),
+        ("vertex 1 0 0", "vertex 1 0", 6),
+        ("vertex 1 0 0", "vertex 1 inf 0", 6),
+        ("      vertex 1 0 0\n", "", 6),
+        ("    endloop\n", "vertex 0 0 0\n", 7),
+        ("endsolid", "end", 30),
+    ] {
+        let told = message(good.replacen(from, to, 1).as_bytes());
+        assert!(told.starts_with(&format!("line {line}: ")), "{told}");
+    }
+}
+
+#[test]
+fn what_is_cut_off_or_empty_is_refused() {
+    let bytes = binary("", 0);
+    for length in [0, 1, 83, 84, 85, bytes.len() - 1] {
+        let error = load(&bytes[..length]).unwrap_err();
+        assert_eq!(error.kind(), ErrorKind::Syntax, "{length}: {error}");
+    }
+    assert_eq!(load(&head("", 0)).unwrap_err().kind(), ErrorKind::Mesh);
+    assert_eq!(load(b"solid\nendsolid\n").unwrap_err().kind(), ErrorKind::Mesh);
+    let text = text();
+    let cut = &text[..text.rfind("vertex").unwrap()];
+    assert!(message(cut.as_bytes()).contains("does not end"));
+    assert!(message(&head("", u32::MAX)).contains("room for 0 triangles"));
+    let long = format!("solid {}", "x".repeat(1 << 17));
+    assert!(message(long.as_bytes()).contains("65536 bytes"));
+}
+
+#[test]
+fn a_survey_counts_what_there_is_room_for() {
+    let surveyed = |bytes: &[u8]| survey(bytes, bytes.len() as u64).unwrap();
+    assert_eq!(surveyed(&binary("", 0)).triangles, 4);
+    assert_eq!(surveyed(text().as_bytes()).triangles, 4);
+    assert_eq!(surveyed(&head("", u32::MAX)).triangles, 0);
+}
