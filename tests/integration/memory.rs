@@ -15,6 +15,7 @@ fn held(data: &MeshData) -> Survey {
         normals: data.normals.as_ref().map_or(0, |n| n.values.len() as u64),
         uvs: data.uvs.as_ref().map_or(0, |n| n.values.len() as u64),
         normal_indices: data.normals.as_ref().is_some_and(|n| n.indices.is_some()),
+        colors: data.colors.as_ref().map_or(0, |colors| colors.len() as u64),
         uv_indices: data.uvs.as_ref().is_some_and(|n| n.indices.is_some()),
     }
 }

@@ -92,6 +92,9 @@ impl Set {
             if self.has(Effect::SmoothShading) {
                 mesh["shading"] = "smooth".into();
             }
+            if self.has(Effect::VertexColors) {
+                mesh["colors"] = json!([[1, 0.5, 0.2], [0.1, 1, 0.3], [0.2, 0.4, 2], [1, 1, 0]]);
+            }
             shapes.push(mesh);
         }
         if self.has(Effect::Quads) {
@@ -140,6 +143,7 @@ impl Set {
             | Effect::PointLights
             | Effect::AreaLights
             | Effect::Mirrors => self.has(effect) && surfaces,
+            Effect::VertexColors => self.has(effect) && self.has(Effect::Triangles),
             Effect::RayDifferentials => self.has(effect) && self.has(Effect::Textures) && surfaces,
             Effect::SmoothShading => {
                 let asking = [Effect::PointLights, Effect::AreaLights, Effect::Mirrors];
@@ -195,6 +199,7 @@ fn check_work(what: &str, scene: &PreparedScene, rendered: &Rendered) {
         (c.secondary_rays, rays.secondary, schedule.has_mirrors()),
         (c.shadow_rays, rays.shadow, schedule.has_shadows()),
         (c.light_samples, samples.light, scene.plan.has(Effect::AreaLights)),
+        (c.colors, samples.colors, scene.plan.has(Effect::VertexColors)),
         (c.texels, samples.texels, scene.plan.has(Effect::Textures)),
         (c.lens_samples, samples.lens, scene.plan.has(Effect::DepthOfField)),
         (c.footprints, u64::MAX, scene.plan.has(Effect::RayDifferentials)),
@@ -300,7 +305,7 @@ fn an_effect_that_nothing_leads_to_changes_no_bit_and_no_count() {
         }
         pairs += 1;
     }
-    assert!(pairs >= 9, "{pairs}");
+    assert!(pairs >= 10, "{pairs}");
 }
 
 #[test]
@@ -383,11 +388,12 @@ fn a_need_taken_out_of_the_table_is_missed() {
 }
 
 /// What a scene costs that shows nothing of it.
-fn cost(scene: &PreparedScene, rendered: &Rendered) -> [u64; 7] {
+fn cost(scene: &PreparedScene, rendered: &Rendered) -> [u64; 8] {
     let c = &rendered.counters;
-    let numbers = [c.lens_samples, c.light_samples, c.texels];
-    let bytes = [rendered.columns, scene.appearance.bytes()];
-    [numbers[0], numbers[1], numbers[2], c.footprints, c.secondary_rays, bytes[0], bytes[1]]
+    let (columns, appearance) = (rendered.columns, scene.appearance.bytes());
+    let Counters { lens_samples, light_samples, colors, texels, .. } = *c;
+    let Counters { footprints, secondary_rays, .. } = *c;
+    [lens_samples, light_samples, colors, texels, footprints, secondary_rays, columns, appearance]
 }
 
 #[test]

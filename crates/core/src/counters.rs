@@ -15,6 +15,8 @@ pub struct Counters {
     pub lens_samples: u64,
     /// Points chosen on area lights.
     pub light_samples: u64,
+    /// Hits whose colour was interpolated between vertices.
+    pub colors: u64,
     /// Texels read.
     pub texels: u64,
     /// Footprints of rays on surfaces: one for each look-up in a trilinear texture, and one for each
@@ -57,6 +59,7 @@ impl std::ops::AddAssign for Counters {
         self.shadow_rays += other.shadow_rays;
         self.lens_samples += other.lens_samples;
         self.light_samples += other.light_samples;
+        self.colors += other.colors;
         self.texels += other.texels;
         self.footprints += other.footprints;
         self.tests += other.tests;

@@ -22,6 +22,8 @@ pub enum Effect {
     Spheres,
     /// Interpolated normals.
     SmoothShading,
+    /// Colours of vertices.
+    VertexColors,
     /// Texture look-ups.
     Textures,
     /// Light of materials themselves, added where they are seen.
@@ -42,13 +44,14 @@ pub enum Effect {
 
 impl Effect {
     /// Every effect, in the order in which a ray meets them.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 13] = [
         Self::Antialiasing,
         Self::DepthOfField,
         Self::Triangles,
         Self::Quads,
         Self::Spheres,
         Self::SmoothShading,
+        Self::VertexColors,
         Self::Textures,
         Self::Emission,
         Self::RayDifferentials,
@@ -64,6 +67,7 @@ impl Effect {
             Self::Quads => "quads",
             Self::Spheres => "spheres",
             Self::SmoothShading => "smooth shading",
+            Self::VertexColors => "vertex colors",
             Self::Textures => "textures",
             Self::Emission => "emission",
             Self::RayDifferentials => "ray differentials",

@@ -66,6 +66,8 @@ pub struct Dropped {
 /// Work done to find out what surfaces look like, for the statistics.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct LookUps {
+    /// Hits whose colour was interpolated between vertices.
+    pub colors: u64,
     /// Texels read.
     pub texels: u64,
     /// Footprints of rays: one for each look-up in a trilinear texture, and one for each mirror ray
@@ -105,6 +107,8 @@ pub struct Shape {
     pub two_sided: bool,
     /// Whether it is lit with the normals of its mesh.
     pub smooth: bool,
+    /// Whether the colours of its mesh's vertices multiply its diffuse colour.
+    pub colored: bool,
     /// The image in place of its diffuse colour.
     pub texture: Option<Texture>,
     /// What it shows besides, by its entry in [`Appearance::details`].
@@ -155,6 +159,8 @@ pub struct MeshAttributes {
     pub normals: Option<CornerValues<Vec3>>,
     /// Texture coordinates.
     pub uvs: Option<CornerValues<Vec2>>,
+    /// Colours, linear.
+    pub colors: Option<CornerValues<Vec3>>,
 }
 
 /// A value for each corner of each triangle.
@@ -222,6 +228,7 @@ impl Appearance {
             .map(|mesh| {
                 mesh.normals.as_ref().map_or(0, CornerValues::bytes)
                     + mesh.uvs.as_ref().map_or(0, CornerValues::bytes)
+                    + mesh.colors.as_ref().map_or(0, CornerValues::bytes)
             })
             .sum();
         (meshes + size_of_val(self.details.as_slice())) as u64

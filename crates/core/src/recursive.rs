@@ -73,8 +73,8 @@ impl<P: Arithmetic> Tracer for Recursive<P> {
 
     fn counters(&self) -> Counters {
         let Traversal { tests, kernels, .. } = self.traversal;
-        let LookUps { texels, footprints } = self.look_ups;
-        Counters { tests, kernels, texels, footprints, ..self.counters }
+        let LookUps { colors, texels, footprints } = self.look_ups;
+        Counters { tests, kernels, colors, texels, footprints, ..self.counters }
     }
 
     fn pass_seconds(&self) -> Vec<(&'static str, f64)> {

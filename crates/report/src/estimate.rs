@@ -31,6 +31,8 @@ impl Estimated {
         let read = |filter: Filter| filter.texels() * filter.levels();
         let texels = textures.clone().map(|texture| read(texture.filter)).max().unwrap_or(0);
         let spreads = textures.into_iter().any(|texture| texture.filter == Filter::Trilinear);
+        let is_colored = scene.appearance.shapes.iter().any(|shape| shape.colored);
+        let colors = if is_colored { hits } else { 0 };
         let carried = if scene.carries_differentials() { secondary } else { 0 };
         let footprints = if spreads { hits.saturating_add(carried) } else { carried };
         let shadow = hits.saturating_mul(points(false));
@@ -38,7 +40,13 @@ impl Estimated {
         let lens = if scene.camera.has_lens() { primary } else { 0 };
         Self {
             rays: Rays { primary, secondary, shadow },
-            samples: Samples { lens, light, texels: hits.saturating_mul(texels), footprints },
+            samples: Samples {
+                lens,
+                light,
+                colors,
+                texels: hits.saturating_mul(texels),
+                footprints,
+            },
         }
     }
 }

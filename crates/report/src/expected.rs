@@ -68,6 +68,7 @@ impl Expected {
             samples: Samples {
                 lens: if scene.camera.has_lens() { primary } else { 0 },
                 light: all(found.light),
+                colors: all(found.colors),
                 texels: all(found.texels),
                 footprints: all(found.footprints),
             },

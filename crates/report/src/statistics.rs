@@ -7,6 +7,7 @@
 //! | `image.width`, `.height`, `.samples_per_pixel` | pixels, rays | the image, or the part of it |
 //! | `rays.primary`, `.secondary`, `.shadow` | rays | camera, mirror and shadow rays traced |
 //! | `samples.lens`, `.light`, `.texels` | | points chosen on the lens and on area lights; texels read |
+//! | `samples.colors` | | hits whose colour was interpolated between vertices |
 //! | `samples.footprints` | | footprints of rays on surfaces, for trilinear textures and for mirrors that may show them |
 //! | `textures.images`, `.decoded`, `.bytes` | | images that can be seen, those that were looked up and hence decoded, and what these hold |
 //! | `estimated.rays`, `.samples` | | bounds on these, known before the first ray: see [`crate::estimate`] |
@@ -113,6 +114,7 @@ pub struct Rays {
 pub struct Samples {
     pub lens: u64,
     pub light: u64,
+    pub colors: u64,
     pub texels: u64,
     pub footprints: u64,
 }
@@ -244,6 +246,7 @@ impl From<&Counters> for Samples {
         Self {
             lens: c.lens_samples,
             light: c.light_samples,
+            colors: c.colors,
             texels: c.texels,
             footprints: c.footprints,
         }

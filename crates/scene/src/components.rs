@@ -139,6 +139,20 @@ pub struct Material {
     pub emission: DVec3,
 }
 
+wavecrest_base::choices! {
+    /// What the colours of a mesh file's vertices stand for.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+    pub enum VertexColors {
+        /// Light behind the sRGB curve, as most programs write and show them.
+        #[default]
+        Srgb = "srgb",
+        /// Light, as they are.
+        Linear = "linear",
+        /// Nothing: they are left out.
+        None = "none",
+    }
+}
+
 /// A texture in place of the diffuse colour.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TextureRef {

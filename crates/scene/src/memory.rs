@@ -129,6 +129,7 @@ impl Meshes {
             add(&mut all.geometry, holds.prototype_bytes());
             add(&mut all.appearance, if *normals { holds.normal_bytes() } else { 0 });
             add(&mut all.appearance, if *uvs { holds.uv_bytes() } else { 0 });
+            add(&mut all.appearance, holds.color_bytes());
             all.read = all.read.saturating_add(holds.bytes());
             if !is_shared {
                 own += 1;

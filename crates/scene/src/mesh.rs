@@ -11,6 +11,7 @@
 //! Elements of PLY files are counted from 0, as the files themselves do, and so are triangles of binary
 //! STL; faults in OBJ files and in STL as text name the line.
 
+mod colors;
 mod data;
 mod faults;
 mod number;

@@ -10,7 +10,7 @@ use glam::DAffine3;
 
 use super::components::{
     AreaLight, CameraPath, Encoding, Facing, Material, Mesh, Name, PointLight, Quad, Settings,
-    Shading, Sides, Sphere, TextureRef, ThinLens, Transform, Triangle, View,
+    Shading, Sides, Sphere, TextureRef, ThinLens, Transform, Triangle, VertexColors, View,
 };
 
 /// A whole scene, of a file of any format.
@@ -57,6 +57,8 @@ pub(crate) struct Shape {
     pub(crate) transform: Option<Transform>,
     pub(crate) sides: Sides,
     pub(crate) shading: Shading,
+    /// What the colours of the vertices of a mesh stand for that is yet to be read.
+    pub(crate) vertex_colors: VertexColors,
     /// Whether only its instances are seen.
     pub(crate) hidden: bool,
     /// `None` for an area light's shape.
@@ -75,6 +77,7 @@ impl Shape {
             transform: None,
             sides: Sides::Both,
             shading: Shading::Flat,
+            vertex_colors: VertexColors::default(),
             hidden: false,
             material: None,
             texture: None,

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use super::{run_silently, with_ball};
 
 /// Every key that the documentation of the statistics names, as JSON pointers.
-const STATISTICS: [&str; 70] = [
+const STATISTICS: [&str; 71] = [
     "/version",
     "/scene",
     "/tracer",
@@ -24,6 +24,7 @@ const STATISTICS: [&str; 70] = [
     "/samples/lens",
     "/samples/light",
     "/samples/texels",
+    "/samples/colors",
     "/samples/footprints",
     "/textures/images",
     "/textures/decoded",

@@ -230,12 +230,18 @@ pub fn interpolated_normal<F: Single>(
     normal: Vector<F>,
     smooth: F::Mask,
 ) -> Vector<F> {
-    let x = y.same(1.0) - y - z;
-    let [a, b, c] = corners;
-    let unit = (a.scale(x) + b.scale(y) + c.scale(z)).normalize();
-    let behind = unit.dot(normal).lt(x.zero());
+    let unit = interpolated(corners, [y, z]).normalize();
+    let behind = unit.dot(normal).lt(y.zero());
     let sided = Vector::select(behind, -unit, unit);
     Vector::select(smooth & unit.is_not_zero(), sided, normal)
+}
+
+/// Values between those at the corners of a triangle, at barycentric coordinates of the second and third.
+#[inline(always)]
+pub fn interpolated<F: Single>(corners: &[Vector<F>; 3], [y, z]: [F; 2]) -> Vector<F> {
+    let x = y.same(1.0) - y - z;
+    let [a, b, c] = corners;
+    a.scale(x) + b.scale(y) + c.scale(z)
 }
 
 #[cfg(test)]

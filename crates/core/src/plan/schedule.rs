@@ -66,6 +66,8 @@ pub enum Step {
     Shade,
     /// Interpolated normals.
     Normals,
+    /// Interpolated colours of vertices.
+    Colors,
     /// Texture look-ups.
     Texels,
     /// Light of materials themselves.
@@ -138,7 +140,7 @@ const LIGHTS: Needs = Needs::Any(&[Effect::PointLights, Effect::AreaLights]);
 ///
 /// Kinds of shapes have no row: no pass asks for a kind, so that one which is absent costs nothing by
 /// having no primitive.
-pub const PASSES: [Pass; 14] = {
+pub const PASSES: [Pass; 15] = {
     use Column::{Differentials, Hits, LitPoints, NextRays, Paths, Rays, ShadowRays};
     [
         pass(Step::Generate, "generate", Needs::Nothing, &[], &[Paths, Rays]),
@@ -147,6 +149,7 @@ pub const PASSES: [Pass; 14] = {
         pass(Step::Intersect, "intersect", Needs::Nothing, &[Rays], &[Hits]),
         pass(Step::Shade, "shade", Needs::Nothing, &[Paths, Rays, Hits], &[Paths]),
         part(Step::Normals, "normals", Step::Shade, &[Effect::SmoothShading], &[Hits], &[]),
+        part(Step::Colors, "colors", Step::Shade, &[Effect::VertexColors], &[Hits], &[]),
         part(Step::Texels, "texels", Step::Shade, &[Effect::Textures], &[Hits], &[]),
         part(Step::Emission, "emission", Step::Shade, &[Effect::Emission], &[Hits], &[Paths]),
         Pass {

@@ -25,6 +25,17 @@ impl Appearance {
         })
     }
 
+    /// The colours at the corners of a triangle of a mesh.
+    #[inline(always)]
+    pub(super) fn colors(
+        &self,
+        shape: &Shape,
+        geometry: &Geometry,
+        primitive: u32,
+    ) -> Option<[Vec3; 3]> {
+        self.corners(shape, geometry, primitive, |mesh| mesh.colors.as_ref())
+    }
+
     /// The colour of the point `surface` of the shape's primitive, from its texture if it has one. `arriving` gives
     /// the ray's differential, the ray and its hit, where the filter needs them.
     #[inline]

@@ -108,6 +108,9 @@ impl PreparedScene {
                     hasher.list(&uvs.values);
                     hasher.list(uvs.indices.as_deref().unwrap_or(&[]));
                 }
+                if let Some(colors) = &mesh.colors {
+                    hasher.list(&colors.values);
+                }
             }
         })
     }

@@ -58,6 +58,8 @@ pub struct Group<F: Single> {
     detailed: u32,
     /// Hits on triangles that have normals.
     smooth: u32,
+    /// Hits on triangles whose vertices have colours.
+    colored: u32,
     /// Hits on quads.
     quads: u32,
     /// Corners of the triangles, those of instances in the space of their prototype; or centres, and radii in
@@ -67,6 +69,8 @@ pub struct Group<F: Single> {
     carried: [Rows<F>; 2],
     /// Normals at the corners, where there are any.
     normals: [Rows<F>; 3],
+    /// Colours at the corners, where there are any.
+    tints: [Rows<F>; 3],
     /// -1 where the front is where the winding runs clockwise, else 1.
     side: F::Row,
     /// Diffuse colours of materials.
@@ -86,10 +90,12 @@ impl<F: Single> Default for Group<F> {
             textured: 0,
             detailed: 0,
             smooth: 0,
+            colored: 0,
             quads: 0,
             corners: Default::default(),
             carried: Default::default(),
             normals: Default::default(),
+            tints: Default::default(),
             side: F::Row::default(),
             color: Default::default(),
             reflection: Default::default(),
@@ -105,7 +111,7 @@ impl<F: Single> Group<F> {
         let last = faces[faces.len() - 1];
         self.used = ((1_u64 << faces.len()) - 1) as u32;
         (self.two_sided, self.textured, self.detailed) = (0, 0, 0);
-        (self.smooth, self.quads) = (0, 0);
+        (self.smooth, self.colored, self.quads) = (0, 0, 0);
         for lane in 0..F::LANES {
             // Lanes out of use compute nothing out of the way.
             let face = faces.get(lane).copied().unwrap_or(last);
@@ -123,7 +129,7 @@ impl<F: Single> Group<F> {
         }
     }
 
-    /// Fetches the corners and normals of one hit, which `ray` met.
+    /// Fetches the corners of one hit and the values there, which `ray` met.
     #[inline(always)]
     pub fn fetch(
         &mut self,
@@ -136,6 +142,12 @@ impl<F: Single> Group<F> {
         let shape = &appearance.shapes[shape as usize];
         if shape.smooth {
             self.fetch_normals(lane, shape, primitive, geometry, appearance);
+        }
+        if shape.colored
+            && let Some(colors) = appearance.colors(shape, geometry, primitive)
+        {
+            self.colored |= 1 << lane;
+            set_three::<F>(&mut self.tints, lane, colors);
         }
         // Each for itself: corners of any kind together would go through memory in pieces.
         match geometry.primitive(primitive) {
@@ -175,6 +187,12 @@ impl<F: Single> Group<F> {
         let Some(normals) = appearance.normals(shape, geometry, primitive) else { return };
         self.smooth |= 1 << lane;
         set_three::<F>(&mut self.normals, lane, normals);
+    }
+
+    /// How many hits in use have the colour of their vertices.
+    #[inline(always)]
+    pub fn colored(&self) -> u64 {
+        (self.colored & self.used).count_ones().into()
     }
 
     /// Diffuse colours of materials.
@@ -262,6 +280,10 @@ impl<F: Single> Group<F> {
             let found =
                 appearance.texture_at(shape, primitive, geometry, &surface, arriving, look_ups);
             color.set_lane(lane, found);
+        }
+        if self.colored != 0 {
+            let tint = surface::interpolated(&three(token, &self.tints), surfaces.barycentric);
+            color = Vector::select(F::mask(token, self.colored), color * tint, color);
         }
         let Vector { x: ks, y: kd, z: exponent } = Vector::load(token, &self.reflection);
         let mut point = ShadingPoint {
@@ -352,6 +374,7 @@ impl PreparedScene {
         let (kind, line) = (self.accel.geometry().kind(hit.primitive), Line::from(ray));
         let group = self.group(ray, hit, index);
         let point = group.shading_points::<P>(kind, &line, hit.t, self, arriving, look_ups);
+        look_ups.colors += group.colored();
         Interaction::Surface(point)
     }
 

@@ -36,8 +36,9 @@ pub(super) fn run<P: Arithmetic>(
     batch.next.clear();
     batch.next_differentials.clear();
     let schedule = scene.plan.schedule();
-    let appearance =
-        [Step::Normals, Step::Texels, Step::Emission].iter().any(|&step| schedule.runs(step));
+    let appearance = [Step::Normals, Step::Colors, Step::Texels, Step::Emission]
+        .iter()
+        .any(|&step| schedule.runs(step));
     let shade = Shade::<P> {
         scene,
         bounce,
@@ -157,6 +158,7 @@ impl<P: Arithmetic> Shade<'_, P> {
         let mut look_ups = LookUps::default();
         let arriving = |lane: usize| self.arriving(group.faces[lane].ray);
         let point = group.shading_points::<P>(kind, &line, t, self.scene, arriving, &mut look_ups);
+        look_ups.colors = group.colored();
         self.count(look_ups);
         self.add(group.used, &path, throughput * point.local_light(self.scene.ambient));
         if self.shadows && point.lit.any() {
@@ -235,6 +237,7 @@ impl<P: Arithmetic> Shade<'_, P> {
     }
 
     fn count(&mut self, look_ups: LookUps) {
+        self.counters.colors += look_ups.colors;
         self.counters.texels += look_ups.texels;
         self.counters.footprints += look_ups.footprints;
     }

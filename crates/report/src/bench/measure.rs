@@ -221,7 +221,7 @@ pub(crate) fn difference(
 }
 
 /// Every count but tests and kernels: how the tree is searched is each tracer's own affair.
-fn work(counters: &Counters) -> [(&'static str, u64); 9] {
+fn work(counters: &Counters) -> [(&'static str, u64); 10] {
     let c = counters;
     [
         ("primary_rays", c.primary_rays),
@@ -229,6 +229,7 @@ fn work(counters: &Counters) -> [(&'static str, u64); 9] {
         ("shadow_rays", c.shadow_rays),
         ("lens_samples", c.lens_samples),
         ("light_samples", c.light_samples),
+        ("colors", c.colors),
         ("texels", c.texels),
         ("footprints", c.footprints),
         ("invalid", c.invalid),

@@ -8,7 +8,7 @@ use wavecrest_base::error::{Error, ErrorKind, Result};
 
 use super::accessor::{Accessor, Component, Elements};
 use super::document::Document;
-use super::primitive::{Mode, Primitive};
+use super::primitive::{COLORS, Mode, Primitive};
 use super::texture::TextureInfo;
 
 /// What reads primitives, and counts what it has read.
@@ -61,7 +61,8 @@ impl<'a> Reader<'a> {
         let normals = self.normals(primitive, count, used)?;
         let uvs = texture.map(|info| self.uvs(primitive, count, used, info)).transpose()?.flatten();
         let positions = self.positions(primitive, positions, used)?;
-        Ok(Some(MeshData { positions, triangles, normals, uvs }))
+        let colors = self.colors(primitive, count, used)?;
+        Ok(Some(MeshData { positions, triangles, normals, uvs, colors }))
     }
 
     fn accessor(&self, index: usize) -> &'a Accessor {
@@ -211,6 +212,24 @@ impl<'a> Reader<'a> {
             if uv.is_finite() { uv } else { glam::Vec2::ZERO }
         });
         Ok(Some(Attribute { values, indices: None }))
+    }
+
+    /// Colours; their alpha is left out.
+    fn colors(
+        &mut self,
+        primitive: &Primitive,
+        count: usize,
+        used: Option<&[u32]>,
+    ) -> Result<Option<Vec<Vec3>>> {
+        let accessor = primitive.attributes.get(COLORS).map(|&index| self.accessor(index));
+        let width = accessor.map_or(3, |accessor| accessor.width.clamp(3, 4));
+        let types = [(Component::F32, false), (Component::U8, true), (Component::U16, true)];
+        let Some(elements) = self.attribute(primitive, COLORS, (count, used), width, &types)?
+        else {
+            return Ok(None);
+        };
+        let part = |x: f64| if x.is_finite() { x.max(0.0) as f32 } else { 1.0 };
+        Ok(Some(elements.each(used, |[r, g, b]| Vec3::new(part(r), part(g), part(b)))))
     }
 
     fn error(&self, place: &str, message: &str) -> Error {

@@ -6,6 +6,9 @@ use wavecrest_base::error::Result;
 
 use super::fields::Fields;
 
+/// The attribute of colours that are shown.
+pub(super) const COLORS: &str = "COLOR_0";
+
 /// How the vertices of a primitive make triangles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Mode {
@@ -63,8 +66,8 @@ impl Primitive {
         let mut attributes = BTreeMap::new();
         for name in names.into_iter().flatten() {
             let accessor = own.need_index(&name, "accessors", accessors)?;
-            if name.starts_with("COLOR_") {
-                fields.once("colours of vertices are ignored", "the material has the colour");
+            if name.starts_with("COLOR_") && name != COLORS {
+                fields.once("further colours of vertices are ignored", "COLOR_0 is shown");
             }
             attributes.insert(name, accessor);
         }

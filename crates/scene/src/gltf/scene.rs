@@ -338,7 +338,7 @@ impl Primitive {
                 sampling: Sampling::Jittered,
                 samples: LIGHT_SAMPLES,
             };
-            let data = MeshData { normals: None, uvs: None, ..self.mesh.clone() };
+            let data = MeshData { normals: None, uvs: None, colors: None, ..self.mesh.clone() };
             let shape = Shape {
                 transform: Some(Transform(world)),
                 ..Shape::of(path.clone(), name, Mesh { data, file: None })

@@ -97,6 +97,7 @@ fn holds(value: &Value, primitive: &Value, most: u64) -> mesh::Survey {
         triangles,
         normals: attribute("NORMAL"),
         uvs: attribute("TEXCOORD_0"),
+        colors: attribute("COLOR_0"),
         ..mesh::Survey::default()
     }
 }

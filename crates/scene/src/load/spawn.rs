@@ -9,7 +9,7 @@ use wavecrest_base::error::{Error, ErrorKind, Result};
 
 use crate::components::{
     AreaLight, Hidden, InstanceOf, JsonPath, Material, Mesh, Order, Pinhole, Shading, Sides,
-    TextureRef, Transform,
+    TextureRef, Transform, VertexColors,
 };
 use crate::mesh::{LoadedMesh, MeshData};
 use crate::reader::Notes;
@@ -106,7 +106,7 @@ impl<R: Fn(&Path) -> Result<LoadedMesh>> Spawner<'_, R> {
     ) -> Result<()> {
         let mut entity = EntityBuilder::new();
         entity.add_bundle((order, JsonPath(path), light));
-        let geometry = self.read_mesh_file(&shape.path, shape.geometry)?;
+        let geometry = self.read_mesh_file(&shape.path, shape.geometry, VertexColors::None)?;
         if let Geometry::Mesh(mesh) = &geometry
             && !has_area(&mesh.data)
         {
@@ -121,7 +121,7 @@ impl<R: Fn(&Path) -> Result<LoadedMesh>> Spawner<'_, R> {
     }
 
     fn shape(&mut self, order: Order, shape: Shape) -> Result<Entity> {
-        let geometry = self.read_mesh_file(&shape.path, shape.geometry)?;
+        let geometry = self.read_mesh_file(&shape.path, shape.geometry, shape.vertex_colors)?;
         let mut shading = shape.shading;
         if let Geometry::Mesh(mesh) = &geometry {
             self.check_uvs(&shape.path, shape.texture.as_ref(), &mesh.data)?;
@@ -142,11 +142,17 @@ impl<R: Fn(&Path) -> Result<LoadedMesh>> Spawner<'_, R> {
     }
 
     /// The geometry, with its mesh file read, if it has one.
-    fn read_mesh_file(&self, path: &str, geometry: Geometry) -> Result<Geometry> {
+    fn read_mesh_file(
+        &self,
+        path: &str,
+        geometry: Geometry,
+        colors: VertexColors,
+    ) -> Result<Geometry> {
         let Geometry::MeshFile(file) = geometry else { return Ok(geometry) };
         self.notes.reads(&file);
-        let loaded = (self.read_mesh)(&file).map_err(|e| self.mesh_error(path, e))?;
+        let mut loaded = (self.read_mesh)(&file).map_err(|e| self.mesh_error(path, e))?;
         loaded.warnings.into_iter().for_each(|warning| self.notes.pass_on(warning));
+        loaded.mesh.decode_colors(colors);
         Ok(Geometry::Mesh(Mesh { data: loaded.mesh, file: Some(file) }))
     }
 

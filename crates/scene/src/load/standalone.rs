@@ -7,7 +7,7 @@ use glam::DVec3;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
 use super::staging::{self, Placed};
-use crate::components::{Encoding, Material, Mesh, Shading};
+use crate::components::{Encoding, Material, Mesh, Shading, VertexColors};
 use crate::load::LoadOptions;
 use crate::mesh::{self, LoadedMesh};
 use crate::reader::Notes;
@@ -36,7 +36,8 @@ pub(super) fn scene(
         let error = Error::new(ErrorKind::Usage, "a mesh has no cameras to choose from");
         return Err(error.in_file(path).value(camera).remedy("leave --camera out"));
     }
-    let LoadedMesh { mesh, warnings } = mesh::load(path)?;
+    let LoadedMesh { mut mesh, warnings } = mesh::load(path)?;
+    mesh.decode_colors(VertexColors::Srgb);
     warnings.into_iter().for_each(|warning| notes.pass_on(warning));
     let world = glam::DAffine3::IDENTITY;
     let bounds = staging::bounds(&[Placed { points: &mesh.positions, world }]);

@@ -34,6 +34,8 @@ pub struct MeshData {
     pub normals: Option<Attribute<Vec3>>,
     /// Texture coordinates, v upward.
     pub uvs: Option<Attribute<Vec2>>,
+    /// A colour for each position, none of it negative: linear, or as the file has it until it is decoded.
+    pub colors: Option<Vec<Vec3>>,
 }
 
 /// A mesh from a file, and what the user should know about that file.

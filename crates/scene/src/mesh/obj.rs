@@ -25,7 +25,9 @@ use super::data::{Attribute, MeshData, NO_VALUE, Read};
 use super::faults::{check_count, no_triangles};
 use super::place::ReadAt;
 use super::polygon::{self, Polygon};
-use super::validate::{bad_index, first_with, note_zeroed, zero_bad_normals, zero_bad_uvs};
+use super::validate::{
+    bad_index, first_with, note_zeroed, whiten_bad_colors, zero_bad_normals, zero_bad_uvs,
+};
 use blocks::{BLOCK_BYTES, PIECE_BYTES, cut, each_block};
 use count::Count;
 use piece::Piece;
@@ -58,6 +60,8 @@ struct Parts {
     /// What came before the next block.
     start: Count,
     positions: Vec<Vec3>,
+    /// Empty as long as no position has a colour.
+    colors: Vec<Vec3>,
     uvs: Vec<Vec2>,
     normals: Vec<Vec3>,
     triangles: Vec<[u32; 3]>,
@@ -96,6 +100,12 @@ impl Parts {
         // The count fits `u32`, as just checked.
         let shift = |p: Polygon| Polygon { first: p.first + before as u32, ..p };
         self.polygons.extend(piece.polygons.into_iter().map(shift));
+        if piece.colors.is_some() || !self.colors.is_empty() {
+            // Those without are white.
+            self.colors.resize(self.positions.len(), Vec3::ONE);
+            self.colors.extend(piece.colors.into_iter().flatten());
+            self.colors.resize(self.positions.len() + piece.positions.len(), Vec3::ONE);
+        }
         self.positions.extend(piece.positions);
         self.uvs.extend(piece.uvs);
         self.normals.extend(piece.normals);
@@ -136,13 +146,16 @@ impl Parts {
         notes.extend(polygon::note_large(large));
         notes.extend(note_zeroed("normals", zero_bad_normals(&mut self.normals)));
         notes.extend(note_zeroed("texture coordinates", zero_bad_uvs(&mut self.uvs)));
+        notes.extend(whiten_bad_colors(&mut self.colors));
         self.positions.shrink_to_fit();
+        self.colors.shrink_to_fit();
         self.triangles.shrink_to_fit();
         let count = self.positions.len();
         let uvs = attribute(self.uvs, self.uv_indices, &self.triangles, count);
         let normals = attribute(self.normals, self.normal_indices, &self.triangles, count);
         let (positions, triangles) = (self.positions, self.triangles);
-        Ok((MeshData { positions, triangles, normals, uvs }, notes))
+        let colors = (!self.colors.is_empty()).then_some(self.colors);
+        Ok((MeshData { positions, triangles, normals, uvs, colors }, notes))
     }
 }
 

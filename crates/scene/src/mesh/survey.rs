@@ -15,13 +15,15 @@ pub struct Survey {
     pub normals: u64,
     /// Texture coordinates.
     pub uvs: u64,
+    /// Colours of vertices.
+    pub colors: u64,
     /// Whether corners have normals of their own numbers.
     pub normal_indices: bool,
     /// Whether corners have texture coordinates of their own numbers.
     pub uv_indices: bool,
 }
 
-/// Bytes of a position, a normal or the three numbers of a triangle.
+/// Bytes of a position, a normal, a colour or the three numbers of a triangle.
 const TRIPLE: u64 = size_of::<[u32; 3]>() as u64;
 
 /// Bytes of a pair of texture coordinates.
@@ -45,8 +47,14 @@ impl Survey {
         PAIR.saturating_mul(self.uvs).saturating_add(TRIPLE.saturating_mul(indices))
     }
 
+    /// Bytes of colours.
+    pub fn color_bytes(&self) -> u64 {
+        TRIPLE.saturating_mul(self.colors)
+    }
+
     /// Bytes of all that is held when the mesh has been read.
     pub fn bytes(&self) -> u64 {
-        self.prototype_bytes().saturating_add(self.normal_bytes()).saturating_add(self.uv_bytes())
+        let others = [self.normal_bytes(), self.uv_bytes(), self.color_bytes()];
+        others.into_iter().fold(self.prototype_bytes(), u64::saturating_add)
     }
 }

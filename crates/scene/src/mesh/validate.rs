@@ -33,7 +33,9 @@ fn check_all(mesh: &MeshData) -> Result<()> {
     check_positions(&mesh.positions)?;
     check_triangles("vertex", &mesh.triangles, mesh.positions.len())?;
     check_attribute("normal", mesh, mesh.normals.as_ref())?;
-    check_attribute("texture coordinate", mesh, mesh.uvs.as_ref())
+    check_attribute("texture coordinate", mesh, mesh.uvs.as_ref())?;
+    let Some(colors) = &mesh.colors else { return Ok(()) };
+    check_length("colour", "vertices", colors.len(), mesh.positions.len())
 }
 
 /// Checks that every position is finite and not too large.
@@ -112,12 +114,21 @@ pub(super) fn first_with(
 /// them, where an exporter divided by the area of a triangle without any; they do not make the mesh
 /// unusable, as a zero normal is one not known.
 pub(super) fn zero_bad_normals(normals: &mut [Vec3]) -> usize {
-    zero_bad(normals, |n| n.is_finite(), Vec3::ZERO)
+    replace_bad(normals, |n| n.is_finite(), Vec3::ZERO)
 }
 
 /// Likewise for texture coordinates.
 pub(super) fn zero_bad_uvs(uvs: &mut [Vec2]) -> usize {
-    zero_bad(uvs, |uv| uv.is_finite(), Vec2::ZERO)
+    replace_bad(uvs, |uv| uv.is_finite(), Vec2::ZERO)
+}
+
+/// Makes white of colours that are negative or not finite, and returns the warning of it.
+pub(super) fn whiten_bad_colors(colors: &mut [Vec3]) -> Option<Error> {
+    let count = replace_bad(colors, |c| c.is_finite() && c.min_element() >= 0.0, Vec3::ONE);
+    (count > 0).then(|| {
+        let message = "some colours of vertices are negative or not finite and are taken as white";
+        Error::new(ErrorKind::Mesh, message).value(count).remedy("export them again")
+    })
 }
 
 /// The warning that `count` values of the kind `what` were not finite, if any were.
@@ -128,11 +139,11 @@ pub(super) fn note_zeroed(what: &str, count: usize) -> Option<Error> {
     })
 }
 
-fn zero_bad<T: Send + Sync + Copy>(values: &mut [T], good: fn(T) -> bool, zero: T) -> usize {
+fn replace_bad<T: Send + Sync + Copy>(values: &mut [T], good: fn(T) -> bool, by: T) -> usize {
     let fix = |value: &mut T| {
         let bad = !good(*value);
         if bad {
-            *value = zero;
+            *value = by;
         }
         usize::from(bad)
     };

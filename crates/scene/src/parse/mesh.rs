@@ -9,7 +9,7 @@ use std::path::Path;
 use glam::{DVec3, Vec2, Vec3};
 use serde_json::Value;
 
-use crate::components::Mesh;
+use crate::components::{Mesh, VertexColors};
 use crate::mesh::{Attribute, MeshData};
 use crate::reader::{Cursor, Key, Kind, Object, Range, Takes, keys};
 use crate::schema::Geometry;
@@ -26,6 +26,8 @@ pub(crate) const MESH_FILE: Kind = Kind::new(
     &[keys! {
         /// A mesh file: a path from the scene's folder.
         "file": Text, Required;
+        /// What the colours of its vertices stand for.
+        "vertexcolors": word::<VertexColors>(), Says("srgb");
     }],
 );
 
@@ -69,6 +71,8 @@ const KEYS: &[Key] = keys! {
     "uvs": AtLeast(3, &Exactly(2, &Definition("number")));
     /// Normals for smooth shading, for each point.
     "normals": AtLeast(3, &Point);
+    /// Colours, for each point, that the diffuse colour is multiplied by.
+    "colors": AtLeast(3, &Color);
 };
 
 const INDICES_TAKE: Takes = Takes::AtLeast(1, &Takes::Exactly(3, &Takes::Integer(0, u32::MAX)));
@@ -104,8 +108,9 @@ pub(super) fn mesh(object: &Object<'_>) -> Result<Geometry> {
     };
     let uvs = object.get("uvs").map(|c| uvs(&c, points.len())).transpose()?;
     let normals = object.get("normals").map(|c| normals(&c, points.len())).transpose()?;
+    let colors = object.get("colors").map(|c| colors(&c, points.len())).transpose()?;
     let positions = points.into_iter().map(|p| p.as_vec3()).collect();
-    let data = MeshData { positions, triangles, normals, uvs };
+    let data = MeshData { positions, triangles, normals, uvs, colors };
     Ok(Geometry::Mesh(Mesh { data, file: None }))
 }
 
@@ -205,6 +210,10 @@ fn uvs(cursor: &Cursor<'_>, points: usize) -> Result<Attribute<Vec2>> {
 
 fn normals(cursor: &Cursor<'_>, points: usize) -> Result<Attribute<Vec3>> {
     attribute(cursor, "[x, y, z]", points, |item| Ok(item.point()?.as_vec3()))
+}
+
+fn colors(cursor: &Cursor<'_>, points: usize) -> Result<Vec<Vec3>> {
+    attribute(cursor, "[r, g, b]", points, |item| Ok(item.color()?.as_vec3())).map(|all| all.values)
 }
 
 /// A value for each point.

@@ -3,7 +3,8 @@
 use glam::DVec3;
 
 use crate::components::{
-    Encoding, Facing, Filter, Name, Quad, Shading, Sides, Sphere, Transform, Triangle, Wrap,
+    Encoding, Facing, Filter, Name, Quad, Shading, Sides, Sphere, Transform, Triangle,
+    VertexColors, Wrap,
 };
 use crate::corners::{
     direction, quad_has_area, quad_is_planar, quad_is_simple, quad_normal, quad_repeats_a_corner,
@@ -178,6 +179,7 @@ fn read(object: &Object<'_>) -> Result<Shape> {
         Geometry::Sphere(_) | Geometry::MeshFile(_) => Sides::Both,
         _ => Sides::Front,
     };
+    let geometry_is_file = matches!(geometry, Geometry::MeshFile(_));
     Ok(Shape {
         path: object.cursor().path(),
         name: name(object)?,
@@ -186,6 +188,10 @@ fn read(object: &Object<'_>) -> Result<Shape> {
         transform: transform.map(Transform),
         sides: object.word_or("sides", default_sides)?,
         shading: object.word("shading")?,
+        vertex_colors: match geometry_is_file {
+            true => object.word("vertexcolors")?,
+            false => VertexColors::default(),
+        },
         hidden: false,
         material: None,
         texture: None,

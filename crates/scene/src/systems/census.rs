@@ -68,6 +68,8 @@ struct Facts<'a> {
     visible: Vec<bool>,
     shown: Vec<bool>,
     reached: Vec<bool>,
+    /// For each shape, whether its diffuse colour shows where the shape is seen.
+    shows_color: Vec<bool>,
     /// For each shape, whether it wears a texture that shows where the shape is seen.
     shows_texture: Vec<bool>,
     /// For each shape, whether it is a surface with light of its own.
@@ -105,8 +107,9 @@ impl<'a> Facts<'a> {
             let is_lit = reached.contains(&true) && census.materials[i].kd > 0.0;
             census.ambient > 0.0 || is_lit
         };
+        let shows_color: Vec<bool> = (0..shapes.len()).map(shows_color).collect();
         let shows_texture: Vec<bool> =
-            (0..shapes.len()).map(|i| solid[i] && wears(i) && shows_color(i)).collect();
+            (0..shapes.len()).map(|i| solid[i] && wears(i) && shows_color[i]).collect();
         let is_black = |surface: &reach::Surface<'_>| {
             !surface.textured && surface.material.color == Vec3::ZERO
         };
@@ -118,7 +121,7 @@ impl<'a> Facts<'a> {
             || glows.contains(&true)
             || shapes.iter().any(is_bright)
             || census.ambient > 0.0 && !surfaces.iter().all(is_black);
-        Self { census, solid, visible, shown, reached, shows_texture, glows, shines }
+        Self { census, solid, visible, shown, reached, shows_color, shows_texture, glows, shines }
     }
 
     fn triangles(&self) -> (bool, String) {
@@ -144,6 +147,7 @@ impl<'a> Facts<'a> {
             Effect::Quads => count(geometry.quads.len(), "quad", "no shape is a plane"),
             Effect::Spheres => count(geometry.spheres.len(), "sphere", "no shape is a sphere"),
             Effect::SmoothShading => self.smooth_shading(),
+            Effect::VertexColors => self.vertex_colors(),
             Effect::Textures => self.textures(),
             Effect::Emission => self.emission(),
             Effect::RayDifferentials => self.ray_differentials(),
@@ -186,6 +190,16 @@ impl<'a> Facts<'a> {
             return (false, "neither light nor mirror asks for a normal".to_owned());
         }
         found
+    }
+
+    fn vertex_colors(&self) -> (bool, String) {
+        let is_colored = |i: usize| self.census.extracted.shapes[i].shape.colored;
+        let all = 0..self.shows_color.len();
+        let none = match all.into_iter().any(is_colored) {
+            true => "no light shows the colours of vertices",
+            false => "no mesh has colours of vertices",
+        };
+        self.surfaces(|i| is_colored(i) && self.shows_color[i], "mesh with colors", none)
     }
 
     fn textures(&self) -> (bool, String) {

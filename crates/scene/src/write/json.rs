@@ -8,7 +8,7 @@ use serde_json::{Map, Value, json};
 
 use crate::components::{
     AreaLight, Encoding, Hidden, InstanceOf, Material, Mesh, Name, Order, PointLight, Quad,
-    Shading, Sides, Sphere, TextureRef, ThinLens, Transform, Triangle, View,
+    Shading, Sides, Sphere, TextureRef, ThinLens, Transform, Triangle, VertexColors, View,
 };
 use crate::query;
 use wavecrest_base::error::{Error, ErrorKind, Result};
@@ -138,8 +138,12 @@ fn mesh_and_place(
 ) {
     to.insert("type".into(), "trimesh".into());
     if let Ok(mut mesh) = world.get::<&mut Mesh>(entity) {
+        let is_colored = mesh.data.colors.is_some();
         let name = beside.mesh(std::mem::take(&mut mesh.data));
         to.insert("file".into(), name.into());
+        if is_colored {
+            to.insert("vertexcolors".into(), VertexColors::Linear.name().into());
+        }
     }
     if let Ok(Transform(transform)) = world.get::<&Transform>(entity).map(|t| *t)
         && transform != DAffine3::IDENTITY

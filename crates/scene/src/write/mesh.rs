@@ -27,6 +27,9 @@ fn write_by_vertex(mesh: &MeshData, sink: &mut impl Write) -> io::Result<()> {
         if let Some(uvs) = &mesh.uvs {
             sink.write_all(uvs.values[i].to_array().map(f32::to_le_bytes).as_flattened())?;
         }
+        if let Some(colors) = &mesh.colors {
+            sink.write_all(colors[i].to_array().map(f32::to_le_bytes).as_flattened())?;
+        }
     }
     for triangle in &mesh.triangles {
         sink.write_all(&[3])?;
@@ -44,6 +47,9 @@ fn header(mesh: &MeshData) -> String {
     }
     if mesh.uvs.is_some() {
         names.extend(["s", "t"]);
+    }
+    if mesh.colors.is_some() {
+        names.extend(["red", "green", "blue"]);
     }
     names.iter().for_each(|name| header += &format!("property float {name}\n"));
     header += &format!("element face {triangles}\nproperty list uchar uint vertex_indices\n");
@@ -79,6 +85,7 @@ fn with_vertices(mesh: &MeshData) -> MeshData {
         triangles,
         normals: normals.map(|values| Attribute { values, indices: None }),
         uvs: uvs.map(|values| Attribute { values, indices: None }),
+        colors: mesh.colors.as_ref().map(|colors| values(0).map(|i| colors[i]).collect()),
     }
 }
 

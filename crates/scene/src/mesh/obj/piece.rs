@@ -15,6 +15,8 @@ use wavecrest_base::error::{Error, ErrorKind, Result};
 #[derive(Debug, Default)]
 pub(super) struct Piece {
     pub(super) positions: Vec<Vec3>,
+    /// As many as positions, if any has a colour.
+    pub(super) colors: Option<Vec<Vec3>>,
     pub(super) uvs: Vec<Vec2>,
     pub(super) normals: Vec<Vec3>,
     pub(super) triangles: Vec<[u32; 3]>,
@@ -68,18 +70,34 @@ impl Piece {
         corners: &mut Corners,
     ) -> Result<()> {
         match keyword {
-            Keyword::Position => self.positions.push(position(rest)?),
+            Keyword::Position => self.push_position(rest)?,
             Keyword::Uv => {
-                let [u, v] = numbers(rest, 1, "vt")?;
+                let ([u, v], _) = numbers(rest, 1, "vt")?;
                 self.uvs.push(Vec2::new(u, v));
             }
-            Keyword::Normal => self.normals.push(Vec3::from(numbers::<3>(rest, 3, "vn")?)),
+            Keyword::Normal => self.normals.push(Vec3::from(numbers::<3>(rest, 3, "vn")?.0)),
             Keyword::Face => {
                 corners.read(rest, count)?;
                 self.push_face(corners);
             }
             Keyword::Other => {}
         }
+        Ok(())
+    }
+
+    fn push_position(&mut self, rest: &[u8]) -> Result<()> {
+        let (position, rest) = numbers::<3>(rest, 3, "v")?;
+        let position = Vec3::from(position);
+        if !is_good_position(position) {
+            return Err(bad_position(position));
+        }
+        let color = first_word(rest).and_then(color);
+        if color.is_some() || self.colors.is_some() {
+            let before = self.positions.len();
+            let colors = self.colors.get_or_insert_with(|| vec![Vec3::ONE; before]);
+            colors.push(color.unwrap_or(Vec3::ONE));
+        }
+        self.positions.push(position);
         Ok(())
     }
 
@@ -106,15 +124,19 @@ fn push_indices(to: &mut Option<Vec<[u32; 3]>>, corners: &[u32], before: usize) 
     to.get_or_insert_with(|| vec![[NO_VALUE; 3]; before]).extend(polygon::fan(corners));
 }
 
-/// A vertex position. What follows the third number is a weight or a colour and is not read.
-fn position(rest: &[u8]) -> Result<Vec3> {
-    let position = Vec3::from(numbers::<3>(rest, 3, "v")?);
-    if is_good_position(position) { Ok(position) } else { Err(bad_position(position)) }
+/// The colour that stands behind a position, if there is one: three numbers. A number alone is a weight.
+#[cold]
+fn color(rest: &[u8]) -> Option<Vec3> {
+    numbers::<3>(rest, 3, "v").ok().map(|(color, _)| Vec3::from(color))
 }
 
-/// The first `N` numbers of a statement. The first `needed` must be there, the others are 0 if they
-/// are not.
-fn numbers<const N: usize>(rest: &[u8], needed: usize, keyword: &str) -> Result<[f32; N]> {
+/// The first `N` numbers of a statement, and what follows them. The first `needed` must be there, the
+/// others are 0 if they are not.
+fn numbers<'a, const N: usize>(
+    rest: &'a [u8],
+    needed: usize,
+    keyword: &str,
+) -> Result<([f32; N], &'a [u8])> {
     let mut numbers = [0.0; N];
     let mut found = 0;
     let mut rest = rest;
@@ -144,7 +166,7 @@ fn numbers<const N: usize>(rest: &[u8], needed: usize, keyword: &str) -> Result<
         .value(found)
         .remedy("complete the line; the file may have been cut off"));
     }
-    Ok(numbers)
+    Ok((numbers, rest))
 }
 
 /// The error of the first face of a text that names a value beyond those of the `whole` file. The

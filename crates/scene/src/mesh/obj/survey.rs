@@ -17,14 +17,28 @@ pub(in crate::mesh) fn survey<F: ReadAt + ?Sized>(file: &F, length: u64) -> Resu
         all = plus(all, found);
         Ok(())
     })?;
+    all.colors *= all.positions;
     Ok(all)
+}
+
+/// Words of a position that has a colour.
+const WITH_COLOR: usize = 6;
+
+fn words(rest: &[u8]) -> usize {
+    rest.split(|&byte| is_blank(byte)).filter(|word| !word.is_empty()).count()
 }
 
 fn of(text: &[u8]) -> Survey {
     let mut found = Survey::default();
     for statement in statements(text) {
         match statement.keyword {
-            Keyword::Position => found.positions += 1,
+            Keyword::Position => {
+                found.positions += 1;
+                // The first of a part shows whether all have colours.
+                if found.positions == 1 && words(statement.rest) >= WITH_COLOR {
+                    found.colors = 1;
+                }
+            }
             Keyword::Uv => found.uvs += 1,
             Keyword::Normal => found.normals += 1,
             Keyword::Face => face(statement.rest, &mut found),
@@ -53,6 +67,7 @@ fn plus(a: Survey, b: Survey) -> Survey {
         triangles: a.triangles + b.triangles,
         normals: a.normals + b.normals,
         uvs: a.uvs + b.uvs,
+        colors: a.colors | b.colors,
         normal_indices: a.normal_indices || b.normal_indices,
         uv_indices: a.uv_indices || b.uv_indices,
     }

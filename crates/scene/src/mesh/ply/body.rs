@@ -8,7 +8,7 @@ use crate::mesh::data::{Attribute, MeshData, Read};
 use crate::mesh::faults::{check_count, no_triangles, read_failure};
 use crate::mesh::polygon::{self, Polygon};
 use crate::mesh::validate::{
-    bad_index, check_positions, note_zeroed, zero_bad_normals, zero_bad_uvs,
+    bad_index, check_positions, note_zeroed, whiten_bad_colors, zero_bad_normals, zero_bad_uvs,
 };
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
@@ -212,15 +212,21 @@ impl Body {
         if self.faces.triangles.is_empty() {
             return Err(no_triangles());
         }
-        let Vertices { positions, mut normals, mut uvs } = self.vertices;
+        let Vertices { positions, mut normals, mut uvs, mut colors } = self.vertices;
         let Faces { mut triangles, polygons } = self.faces;
         let large = polygon::split(&polygons, &positions, &mut triangles, &mut []);
         self.notes.extend(polygon::note_large(large));
         self.notes.extend(note_zeroed("normals", zero_bad_normals(&mut normals)));
         self.notes.extend(note_zeroed("texture coordinates", zero_bad_uvs(&mut uvs)));
+        self.notes.extend(whiten_bad_colors(&mut colors));
         triangles.shrink_to_fit();
-        let mesh =
-            MeshData { positions, triangles, normals: attribute(normals), uvs: attribute(uvs) };
+        let mesh = MeshData {
+            positions,
+            triangles,
+            normals: attribute(normals),
+            uvs: attribute(uvs),
+            colors: (!colors.is_empty()).then_some(colors),
+        };
         Ok((mesh, self.notes))
     }
 }

@@ -4,18 +4,22 @@ use super::header::{Element, Property, Scalar, Shape, place};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
 /// The numbers of a vertex that are kept, in the order of their slots.
-pub(super) const SLOTS: usize = 8;
+pub(super) const SLOTS: usize = 11;
 const POSITION: [&str; 3] = ["x", "y", "z"];
 const NORMAL: [&str; 3] = ["nx", "ny", "nz"];
 /// The names under which programs write texture coordinates.
 const UV: [[&str; 2]; 4] =
     [["u", "v"], ["s", "t"], ["texture_u", "texture_v"], ["texture_s", "texture_t"]];
+/// The names under which programs write colours.
+const COLOR: [[&str; 3]; 2] =
+    [["red", "green", "blue"], ["diffuse_red", "diffuse_green", "diffuse_blue"]];
 const LISTS: [&str; 2] = ["vertex_indices", "vertex_index"];
 
 /// Where a number of a vertex comes from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Column {
-    /// Which number: 0 to 2 are the position, 3 to 5 the normal, 6 and 7 the texture coordinates.
+    /// Which number: 0 to 2 are the position, 3 to 5 the normal, 6 and 7 the texture coordinates,
+    /// 8 to 10 the colour.
     pub(super) slot: usize,
     pub(super) kind: Scalar,
     /// Where it begins in a binary row that has no lists.
@@ -33,6 +37,7 @@ pub(super) struct VertexLayout {
     pub(super) stride: Option<usize>,
     pub(super) normals: bool,
     pub(super) uvs: bool,
+    pub(super) colors: bool,
 }
 
 impl VertexLayout {
@@ -45,15 +50,19 @@ impl VertexLayout {
         for names in UV {
             uv = uv.or(find_all(element, &names).map_err(at)?);
         }
+        // What is no colour under its name is passed over.
+        let color = COLOR.iter().find_map(|names| find_all(element, names).ok().flatten());
         let mut layout = Self {
             columns: vec![None; element.properties.len()],
             stride: stride(&element.properties),
             normals: normal.is_some(),
             uvs: uv.is_some(),
+            colors: color.is_some(),
         };
         layout.add(element, &position, 0);
         layout.add(element, &normal.unwrap_or_default(), 3);
         layout.add(element, &uv.unwrap_or_default(), 6);
+        layout.add(element, &color.unwrap_or_default(), 8);
         Ok(layout)
     }
 
@@ -62,7 +71,11 @@ impl VertexLayout {
         for (slot, &p) in (first..).zip(properties) {
             let Shape::One(kind) = element.properties[p].shape else { continue };
             let offset = stride(&element.properties[..p]).unwrap_or(0);
-            let scale = if slot < 6 { 1.0 } else { uv_scale(kind) };
+            let scale = match slot {
+                0..6 => 1.0,
+                6..8 => uv_scale(kind),
+                _ => color_scale(kind),
+            };
             self.columns[p] = Some(Column { slot, kind, offset, scale });
         }
     }
@@ -92,6 +105,14 @@ fn uv_scale(kind: Scalar) -> f32 {
         Scalar::I16 => 1.0 / f32::from(i16::MAX),
         Scalar::U16 => 1.0 / f32::from(u16::MAX),
         Scalar::I32 | Scalar::U32 | Scalar::F32 | Scalar::F64 => 1.0,
+    }
+}
+
+/// Colours in integers are fractions of the greatest value; in those of 32 bits, of that of a byte.
+fn color_scale(kind: Scalar) -> f32 {
+    match kind {
+        Scalar::I32 | Scalar::U32 => 1.0 / f32::from(u8::MAX),
+        _ => uv_scale(kind),
     }
 }
 

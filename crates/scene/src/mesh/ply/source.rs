@@ -98,6 +98,8 @@ pub(super) struct Vertices {
     pub(super) normals: Vec<Vec3>,
     /// Empty if the file has none.
     pub(super) uvs: Vec<Vec2>,
+    /// Empty if the file has none.
+    pub(super) colors: Vec<Vec3>,
 }
 
 impl Vertices {
@@ -109,6 +111,7 @@ impl Vertices {
             positions: bytemuck::zeroed_vec(count),
             normals: bytemuck::zeroed_vec(if layout.normals { count } else { 0 }),
             uvs: bytemuck::zeroed_vec(if layout.uvs { count } else { 0 }),
+            colors: bytemuck::zeroed_vec(if layout.colors { count } else { 0 }),
         }
     }
 
@@ -117,7 +120,8 @@ impl Vertices {
         match slot {
             0..3 => self.positions[row][slot] = value,
             3..6 => self.normals[row][slot - 3] = value,
-            _ => self.uvs[row][slot - 6] = value,
+            6..8 => self.uvs[row][slot - 6] = value,
+            _ => self.colors[row][slot - 8] = value,
         }
     }
 }

@@ -23,6 +23,7 @@ pub(in crate::mesh) fn survey<F: ReadAt + ?Sized>(file: &F, length: u64) -> Resu
         let most = left / (vertex.properties.len() as u64).max(1);
         survey.positions = vertex.count.min(most);
         survey.normals = if layout.normals { survey.positions } else { 0 };
+        survey.colors = if layout.colors { survey.positions } else { 0 };
         survey.uvs = if layout.uvs { survey.positions } else { 0 };
     }
     let is_list = |element: &&Element| element.name == "face" || element.name == "tristrips";

@@ -42,17 +42,20 @@ struct Task<'a> {
     positions: &'a mut [Vec3],
     normals: &'a mut [Vec3],
     uvs: &'a mut [Vec2],
+    colors: &'a mut [Vec3],
 }
 
 fn tasks(vertices: &mut Vertices, rows: usize, place: u64, stride: usize) -> Vec<Task<'_>> {
     let mut normals = vertices.normals.chunks_mut(rows);
     let mut uvs = vertices.uvs.chunks_mut(rows);
+    let mut colors = vertices.colors.chunks_mut(rows);
     let task = |(number, positions)| Task {
         first: number * rows,
         place: place + (number * rows * stride) as u64,
         positions,
         normals: normals.next().unwrap_or_default(),
         uvs: uvs.next().unwrap_or_default(),
+        colors: colors.next().unwrap_or_default(),
     };
     vertices.positions.chunks_mut(rows).enumerate().map(task).collect()
 }
@@ -64,6 +67,7 @@ struct Rows {
     position: [Column; 3],
     normal: Option<[Column; 3]>,
     uv: Option<[Column; 2]>,
+    color: Option<[Column; 3]>,
 }
 
 impl Rows {
@@ -74,6 +78,7 @@ impl Rows {
             position: layout.slots(0)?,
             normal: layout.slots(3),
             uv: layout.slots(6),
+            color: layout.slots(8),
         })
     }
 
@@ -101,6 +106,9 @@ impl Rows {
         }
         if let Some(columns) = &self.uv {
             take_columns::<_, 2, BIG>(rows, self.stride, columns, task.uvs);
+        }
+        if let Some(columns) = &self.color {
+            take_columns::<_, 3, BIG>(rows, self.stride, columns, task.colors);
         }
     }
 }

@@ -60,6 +60,7 @@ impl Builder {
         // What nothing will read is dropped before there is more to hold.
         mesh.normals = mesh.normals.filter(|_| common.smooth);
         mesh.uvs = mesh.uvs.filter(|_| common.textured);
+        mesh.colors = mesh.colors.filter(|_| common.emission.is_none());
         transform_mesh(&mut mesh, common)?;
         let geometry = &mut self.geometry;
         let first_position = geometry.positions.len();
@@ -73,16 +74,17 @@ impl Builder {
         append(&mut geometry.triangles, mesh.triangles, triangles, before, |t, before| {
             t.map(|v| v + before)
         });
-        let smooth = mesh.normals.is_some();
+        let (smooth, colored) = (mesh.normals.is_some(), mesh.colors.is_some());
         let range = first_triangle as u32..self.geometry.triangles.len() as u32;
-        let mut shape = Shape { smooth, ..common.shape(range, common.mirrors()) };
-        if smooth || common.textured {
+        let mut shape = Shape { smooth, colored, ..common.shape(range, common.mirrors()) };
+        if smooth || colored || common.textured {
             shape.mesh = Some(self.meshes.len() as u32);
             self.meshes.push(MeshAttributes {
                 first_triangle: first_triangle as u32,
                 first_position: first_position as u32,
                 normals: mesh.normals.map(corner_values),
                 uvs: mesh.uvs.map(corner_values),
+                colors: mesh.colors.map(by_position),
             });
         }
         self.shapes.push(ShapeOutput { entity, shape, uv_map: Some(UvMap::Mesh) });
@@ -167,6 +169,11 @@ fn first_of_diagonal(&[a, b, c, d]: &[DVec3; 4]) -> u32 {
     let normal = (c - a).cross(d - b);
     let within = |p: DVec3, q: DVec3, r: DVec3| (q - p).cross(r - p).dot(normal) > 0.0;
     u32::from(!(within(a, b, c) && within(a, c, d)))
+}
+
+/// Values that go with positions.
+pub(super) fn by_position<T>(values: Vec<T>) -> CornerValues<T> {
+    CornerValues { values, indices: None }
 }
 
 pub(super) fn corner_values<T>(attribute: Attribute<T>) -> CornerValues<T> {

@@ -69,6 +69,7 @@ impl Common {
             flipped,
             two_sided: self.sides == Sides::Both,
             smooth: false,
+            colored: false,
             texture: None,
             detail: None,
             mesh: None,

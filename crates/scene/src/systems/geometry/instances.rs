@@ -6,7 +6,7 @@ use glam::{DAffine3, DVec3};
 use hecs::{Entity, World};
 use rayon::prelude::*;
 
-use super::builder::{Builder, corner_values};
+use super::builder::{Builder, by_position, corner_values};
 use super::common::{Common, check_count, check_point};
 use super::occurrences::{Occurrence, Occurrences};
 use super::output::ShapeOutput;
@@ -89,7 +89,7 @@ impl Builder {
             origin = frame::nearest(middle, size);
             mesh.positions.par_iter_mut().for_each(|p| *p = (p.as_dvec3() - origin).as_vec3());
         }
-        let attributes = mesh.normals.is_some() || mesh.uvs.is_some();
+        let attributes = mesh.normals.is_some() || mesh.uvs.is_some() || mesh.colors.is_some();
         let prototype = Prototype {
             number: self.geometry.prototypes.len() as u32,
             triangles: mesh.triangles.len(),
@@ -101,6 +101,7 @@ impl Builder {
             self.meshes.push(MeshAttributes {
                 normals: mesh.normals.map(corner_values),
                 uvs: mesh.uvs.map(corner_values),
+                colors: mesh.colors.map(by_position),
                 ..MeshAttributes::default()
             });
         }
@@ -131,9 +132,10 @@ impl Builder {
                 .remedy("give every axis a scale other than 0"));
         }
         let range = first..first + prototype.triangles as u32;
-        let has_normals = prototype.mesh.is_some_and(|i| self.meshes[i as usize].normals.is_some());
+        let attributes = prototype.mesh.and_then(|i| self.meshes.get(i as usize));
         let shape = Shape {
-            smooth: common.smooth && has_normals,
+            smooth: common.smooth && attributes.is_some_and(|mesh| mesh.normals.is_some()),
+            colored: attributes.is_some_and(|mesh| mesh.colors.is_some()),
             mesh: prototype.mesh,
             ..common.shape(range, common.mirrors())
         };

@@ -29,21 +29,28 @@ pub struct Output {
 }
 
 impl Output {
-    /// Drops what no pass of the schedule reads: normals of meshes that are not in view, unless the schedule
-    /// requires them, and texture coordinates of shapes without an image.
+    /// Drops what no pass of the schedule reads: normals and colours of meshes that are not in view, unless the
+    /// schedule requires them, and texture coordinates of shapes without an image.
     pub(in crate::systems) fn drop_unused(&mut self, schedule: Schedule, in_view: &[bool]) {
-        let (normals, all) = (schedule.runs(Step::Normals), schedule.is_needless(Step::Normals));
-        let mut used = vec![[false; 2]; self.meshes.len()];
+        // Whether what the step shows of a shape is asked for.
+        let shows =
+            |step, in_view: bool| schedule.runs(step) && (in_view || schedule.is_needless(step));
+        let mut used = vec![[false; 3]; self.meshes.len()];
         for (ShapeOutput { shape, .. }, in_view) in self.shapes.iter_mut().zip(in_view) {
-            shape.smooth &= normals && (*in_view || all);
-            if let Some([smooth, textured]) = shape.mesh.and_then(|i| used.get_mut(i as usize)) {
+            shape.smooth &= shows(Step::Normals, *in_view);
+            shape.colored &= shows(Step::Colors, *in_view);
+            if let Some([smooth, textured, colored]) =
+                shape.mesh.and_then(|i| used.get_mut(i as usize))
+            {
                 *smooth |= shape.smooth;
                 *textured |= shape.texture.is_some();
+                *colored |= shape.colored;
             }
         }
-        for (mesh, [smooth, textured]) in self.meshes.iter_mut().zip(used) {
+        for (mesh, [smooth, textured, colored]) in self.meshes.iter_mut().zip(used) {
             mesh.normals = mesh.normals.take().filter(|_| smooth);
             mesh.uvs = mesh.uvs.take().filter(|_| textured);
+            mesh.colors = mesh.colors.take().filter(|_| colored);
         }
     }
 }

@@ -1,0 +1,124 @@
+//! Files that a file names: those beside it or below are read, others only where the user allows it. A mesh or
+//! a scene from elsewhere must not have any file of this machine read.
+
+use std::path::{Component, Path, PathBuf};
+
+/// The folder of a file, and what may be read by its names.
+#[derive(Clone, Debug)]
+pub(crate) struct Folder {
+    path: PathBuf,
+    /// Whether files outside it are read.
+    is_open: bool,
+}
+
+/// Why a name leads nowhere.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Denied {
+    /// There is no such file.
+    Missing,
+    /// It is not beside the file, nor below.
+    Outside,
+}
+
+impl Folder {
+    /// The folder of `file`, which names files elsewhere too where it is `open`.
+    pub(crate) fn of(file: &Path, is_open: bool) -> Self {
+        let path = match file.parent() {
+            Some(parent) if parent != Path::new("") => parent.to_owned(),
+            _ => PathBuf::from("."),
+        };
+        Self { path, is_open }
+    }
+
+    /// The folder itself.
+    pub(crate) fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// The file that is called `name` by a file of the folder `from`, which is this one or below it.
+    pub(crate) fn find(&self, from: &Path, name: &str) -> Result<PathBuf, Denied> {
+        let path = from.join(name);
+        if self.is_open {
+            return if path.is_file() { Ok(path) } else { Err(Denied::Missing) };
+        }
+        // By its name first: what lies outside is not even looked for.
+        let depth = from.strip_prefix(&self.path).map_err(|_| Denied::Outside)?;
+        if !stays_within(depth.components().chain(Path::new(name).components())) {
+            return Err(Denied::Outside);
+        }
+        let (Ok(file), Ok(folder)) = (path.canonicalize(), self.path.canonicalize()) else {
+            return Err(Denied::Missing);
+        };
+        match file.starts_with(folder) {
+            false => Err(Denied::Outside),
+            true if file.is_file() => Ok(path),
+            true => Err(Denied::Missing),
+        }
+    }
+}
+
+/// Whether no step of a path leads out of where it begins.
+fn stays_within<'a>(mut steps: impl Iterator<Item = Component<'a>>) -> bool {
+    let mut depth = 0_usize;
+    steps.all(|step| match step {
+        Component::Normal(_) => {
+            depth += 1;
+            true
+        }
+        Component::CurDir => true,
+        Component::ParentDir => {
+            let is_within = depth > 0;
+            depth = depth.saturating_sub(1);
+            is_within
+        }
+        Component::RootDir | Component::Prefix(_) => false,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn files_beside_and_below_are_found_and_no_others() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        for name in ["a", "a/b"] {
+            std::fs::create_dir(at(name)).unwrap();
+        }
+        for name in ["out", "a/in", "a/b/below"] {
+            std::fs::write(at(name), "").unwrap();
+        }
+        let own = Folder::of(&at("a/m.obj"), false);
+        let find = |name: &str| own.find(&at("a"), name).map_err(|denied| denied);
+        assert_eq!(find("in"), Ok(at("a/in")));
+        assert_eq!(find("./b/../b/below"), Ok(at("a/./b/../b/below")));
+        assert_eq!(own.find(&at("a/b"), "../in"), Ok(at("a/b/../in")));
+        assert_eq!(find("none"), Err(Denied::Missing));
+        assert_eq!(find("b"), Err(Denied::Missing));
+        let absolute = at("a/in").display().to_string();
+        for name in ["../out", "b/../../out", "../none", &absolute] {
+            assert_eq!(find(name), Err(Denied::Outside), "{name}");
+        }
+        let open = Folder::of(&at("a/m.obj"), true);
+        for name in ["../out", &absolute] {
+            assert!(open.find(&at("a"), name).is_ok(), "{name}");
+        }
+        assert_eq!(open.find(&at("a"), "../none"), Err(Denied::Missing));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_does_not_lead_out() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        std::fs::create_dir(at("a")).unwrap();
+        std::fs::write(at("out"), "").unwrap();
+        std::fs::write(at("a/in"), "").unwrap();
+        std::os::unix::fs::symlink(at("out"), at("a/link")).unwrap();
+        std::os::unix::fs::symlink(at("a/in"), at("a/near")).unwrap();
+        let own = Folder::of(&at("a/m.obj"), false);
+        assert_eq!(own.find(&at("a"), "link"), Err(Denied::Outside));
+        assert_eq!(own.find(&at("a"), "near"), Ok(at("a/near")));
+    }
+}

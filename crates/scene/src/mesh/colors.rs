@@ -1,0 +1,20 @@
+//! What the colours of a file's vertices stand for.
+
+use rayon::prelude::*;
+
+use super::data::MeshData;
+use crate::components::VertexColors;
+use wavecrest_core::math::srgb::srgb_decode;
+
+impl MeshData {
+    /// Makes the colours linear that a file has, or drops them.
+    pub(crate) fn decode_colors(&mut self, encoding: VertexColors) {
+        match (encoding, &mut self.colors) {
+            (VertexColors::Srgb, Some(colors)) => {
+                colors.par_iter_mut().for_each(|color| *color = color.map(srgb_decode));
+            }
+            (VertexColors::None, colors) => *colors = None,
+            _ => {}
+        }
+    }
+}

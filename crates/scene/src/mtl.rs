@@ -1,0 +1,127 @@
+//! MTL: the materials of OBJ files.
+//!
+//! A text of statements, one a line, in any case: `newmtl` begins a material, and what follows belongs to it.
+//! What is malformed, and what no surface here can show, is skipped and named: a mesh is worth more than its
+//! materials.
+
+mod map;
+mod surface;
+
+use std::collections::{BTreeSet, HashMap};
+
+use glam::DVec3;
+
+use map::Map;
+pub(crate) use surface::surface;
+
+/// A material as a file states it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Mtl {
+    /// Diffuse colour.
+    kd: Option<DVec3>,
+    /// Colour of highlight and mirror.
+    ks: Option<DVec3>,
+    /// Sharpness of the highlight.
+    ns: Option<f64>,
+    /// Which model of lighting.
+    illum: Option<u32>,
+    map_kd: Option<Map>,
+}
+
+/// All materials of some files, and what was skipped of them.
+#[derive(Debug, Default)]
+pub(crate) struct Library {
+    /// By name; of several of one name it is the first.
+    pub(crate) materials: HashMap<String, Mtl>,
+    /// Statements of which nothing is shown.
+    pub(crate) skipped: BTreeSet<String>,
+    /// Options of maps of which nothing is shown.
+    pub(crate) options: BTreeSet<String>,
+    /// Lines that are malformed, by file; the first few.
+    pub(crate) malformed: Vec<String>,
+}
+
+/// The most malformed lines that are named.
+const NAMED: usize = 3;
+
+/// Statements that say nothing more of what is seen: ambient colour, refraction, filters, sharpness of maps.
+const NEEDLESS: [&str; 6] = ["ka", "ni", "tf", "tr", "map_ka", "sharpness"];
+
+impl Library {
+    /// Adds the materials of the text of a file called `name`.
+    pub(crate) fn add(&mut self, name: &str, text: &[u8]) {
+        let mut current: Option<(String, Mtl)> = None;
+        for (number, line) in text.split(|&byte| byte == b'\n').enumerate() {
+            let line = String::from_utf8_lossy(line);
+            let line = line.trim();
+            let (keyword, rest) = line.split_once([' ', '\t']).unwrap_or((line, ""));
+            if keyword.is_empty() || keyword.starts_with('#') {
+                continue;
+            }
+            let keyword = keyword.to_ascii_lowercase();
+            if keyword == "newmtl" {
+                self.end(current.take());
+                current = Some((rest.trim().to_owned(), Mtl::default()));
+                continue;
+            }
+            let is_right = match &mut current {
+                Some((_, mtl)) => self.statement(mtl, &keyword, rest.trim()),
+                None => false,
+            };
+            if !is_right && self.malformed.len() < NAMED {
+                self.malformed.push(format!("{name}, line {}", number + 1));
+            }
+        }
+        self.end(current);
+    }
+
+    fn end(&mut self, material: Option<(String, Mtl)>) {
+        if let Some((name, mtl)) = material {
+            self.materials.entry(name).or_insert(mtl);
+        }
+    }
+
+    /// Takes in a statement; whether it is right.
+    fn statement(&mut self, mtl: &mut Mtl, keyword: &str, rest: &str) -> bool {
+        match keyword {
+            "kd" => set(&mut mtl.kd, color(rest)),
+            "ks" => set(&mut mtl.ks, color(rest)),
+            "ns" => set(&mut mtl.ns, number(rest)),
+            "illum" => set(&mut mtl.illum, rest.parse().ok()),
+            "map_kd" => set(&mut mtl.map_kd, Map::read(rest, &mut self.options)),
+            needless if NEEDLESS.contains(&needless) => true,
+            other => {
+                self.skipped.insert(other.chars().take(LONGEST_NAME).collect());
+                true
+            }
+        }
+    }
+}
+
+/// Of what is longer, messages quote no more.
+const LONGEST_NAME: usize = 24;
+
+/// Sets a value that could be read; whether it could.
+fn set<T>(to: &mut Option<T>, value: Option<T>) -> bool {
+    let is_right = value.is_some();
+    *to = value.or(to.take());
+    is_right
+}
+
+/// A number, 0 or more.
+fn number(text: &str) -> Option<f64> {
+    text.split_ascii_whitespace().next()?.parse().ok().filter(|x: &f64| x.is_finite() && *x >= 0.0)
+}
+
+/// Three numbers, or one for all three.
+fn color(text: &str) -> Option<DVec3> {
+    let numbers: Option<Vec<f64>> = text.split_ascii_whitespace().take(3).map(number).collect();
+    match numbers?[..] {
+        [r, g, b] => Some(DVec3::new(r, g, b)),
+        [grey] => Some(DVec3::splat(grey)),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests;
