@@ -34,6 +34,9 @@ pub(crate) struct SceneOptions {
     /// The camera to take of a glTF file, by its name or its number [default: the first of the scene]
     #[arg(long, value_name = "NAME")]
     pub(crate) camera: Option<String>,
+    /// Read material files and images that an OBJ file names outside its folder, too
+    #[arg(long)]
+    pub(crate) allow_outside: bool,
     /// How much work goes into the BVH [default: chosen from triangles and expected rays]
     #[arg(long, value_name = "PRESET", value_parser = choice::<Preset>())]
     pub(crate) bvh: Option<Preset>,
@@ -87,6 +90,7 @@ impl SceneOptions {
             width: self.width,
             height: self.height,
             camera: self.camera.clone(),
+            allow_outside: self.allow_outside,
         }
     }
 

@@ -28,6 +28,9 @@ pub(crate) struct ConvertArgs {
     /// Height of the image in pixels
     #[arg(long, value_name = "PIXELS")]
     pub(crate) height: Option<u32>,
+    /// Read material files and images that an OBJ file names outside its folder, too
+    #[arg(long)]
+    pub(crate) allow_outside: bool,
     /// Replace files that are there already
     #[arg(long)]
     pub(crate) force: bool,
@@ -48,6 +51,7 @@ pub(crate) fn run(args: &ConvertArgs) -> Result<()> {
         width: args.width,
         height: args.height,
         camera: args.camera.clone(),
+        allow_outside: args.allow_outside,
     };
     let scene = load(&args.input, &options)?;
     if !args.quiet {

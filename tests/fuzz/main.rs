@@ -155,6 +155,7 @@ targets! {
     ply 20_000 { let seeds = seeds("ply"); move |numbers| mutate::file(&seeds, numbers) };
     obj 20_000 { let seeds = seeds("obj"); move |numbers| mutate::file(&seeds, numbers) };
     stl 20_000 { let seeds = seeds("stl"); move |numbers| mutate::file(&seeds, numbers) };
+    mtl 20_000 { let seeds = seeds("mtl"); move |numbers| mutate::file(&seeds, numbers) };
     gltf 3000 { let seeds = seeds("gltf"); move |numbers| mutate::json(&seeds, numbers) };
     accel 500 mutate::bytes;
 }

@@ -5,15 +5,18 @@
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 
+use glam::DVec3;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::accel::{Accel, Hit, KernelChoice};
 use wavecrest_core::math::ray::Ray;
 use wavecrest_core::math::simd::Level;
 use wavecrest_core::render::{RenderOptions, TracerKind, render};
+use wavecrest_scene::components::Material;
 use wavecrest_scene::gltf;
 use wavecrest_scene::load::{LoadOptions, LoadedScene, load_str};
 use wavecrest_scene::mesh::{self, LoadedMesh};
+use wavecrest_scene::mtl;
 use wavecrest_scene::systems;
 
 use crate::rays::{Question, question};
@@ -94,6 +97,20 @@ pub(crate) fn obj(bytes: &[u8]) -> bool {
 /// An STL file is refused in words, or it is a sound mesh.
 pub(crate) fn stl(bytes: &[u8]) -> bool {
     alone(|| is_mesh("mesh.stl", bytes))
+}
+
+/// Of an MTL file whatever is right is read: every material can be written into a scene file.
+pub(crate) fn mtl(bytes: &[u8]) -> bool {
+    let materials = mtl::materials(bytes);
+    for (_, material, texture) in &materials {
+        let Material { ks, kd, specular_exponent, diffuse_color, kr } = *material;
+        assert!([ks, kd, kr].iter().all(|weight| (0.0..=1.0).contains(weight)), "{material:?}");
+        assert!((0.0..=1e6).contains(&specular_exponent), "{material:?}");
+        let colors = texture.iter().map(|texture| texture.tint).chain([diffuse_color]);
+        let is_color = |color: DVec3| color.is_finite() && color.min_element() >= 0.0;
+        assert!(colors.into_iter().all(is_color), "{material:?}, {texture:?}");
+    }
+    materials.iter().any(|(_, _, texture)| texture.is_some())
 }
 
 /// What is read is sound, and does not depend on how much of the file is read at a time.

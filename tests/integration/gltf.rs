@@ -22,8 +22,13 @@ use wavecrest_scene::systems;
 use crate::support::image_of;
 
 /// A small image.
-const SIZE: LoadOptions =
-    LoadOptions { strict: false, width: Some(24), height: Some(18), camera: None };
+const SIZE: LoadOptions = LoadOptions {
+    strict: false,
+    width: Some(24),
+    height: Some(18),
+    camera: None,
+    allow_outside: false,
+};
 
 /// A file being made: its JSON, and the bytes of its buffer.
 #[derive(Clone)]

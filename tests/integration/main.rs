@@ -55,6 +55,9 @@ mod view;
 // The modules import each other in one direction alone, and files stay short.
 mod architecture;
 
+// OBJ files with the materials of their MTL files, and the colours of vertices.
+mod materials;
+
 // glTF files and meshes alone: what they become, what is refused, and that they convert to the same image.
 mod gltf;
 

@@ -70,10 +70,12 @@ fn complete() -> Value {
                 {"type": "trimesh", "size": 4, "points": quad, "normal": [0, -1],
                  "uvs": [[0, 0], [0, 1], [1, 1], [1, 0]],
                  "normals": [[0, 0, 1], [0, 0, 1], [0, 0, 1], [0, 0, 1]],
+                 "colors": [[0, 0.5, 1], [1, 1, 1], [2, 0, 0], [0, 0, 0]],
                  "shading": "smooth", "material": material},
                 {"type": "trimesh", "points": quad, "indices": [[0, 1, 2], [0, 2, 3]],
                  "material": material},
-                {"type": "trimesh", "file": "mesh.obj", "material": material}
+                {"type": "trimesh", "file": "mesh.obj", "vertexcolors": "linear", "materials": "file",
+                 "material": material}
             ]
         }
     })

@@ -153,6 +153,18 @@ wavecrest_base::choices! {
     }
 }
 
+wavecrest_base::choices! {
+    /// Whose materials the faces of a mesh file have.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+    pub enum Materials {
+        /// The shape's.
+        #[default]
+        Shape = "shape",
+        /// The file's, where it has some.
+        File = "file",
+    }
+}
+
 /// A texture in place of the diffuse colour.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TextureRef {

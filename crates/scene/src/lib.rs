@@ -10,8 +10,10 @@ pub mod gltf;
 pub mod load;
 pub mod memory;
 pub mod mesh;
+pub mod mtl;
 pub mod survey;
 
+mod folder;
 mod parse;
 mod query;
 mod reader;

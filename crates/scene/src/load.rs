@@ -5,6 +5,7 @@
 //! [`components`](super::components) lists ([`spawn`]). What a file lacks that is no whole scene is chosen
 //! ([`staging`]).
 
+mod materials;
 pub(crate) mod spawn;
 pub(crate) mod staging;
 mod standalone;
@@ -41,6 +42,8 @@ pub struct LoadOptions {
     pub height: Option<u32>,
     /// The camera to take of a file that may have several, by its name or its number.
     pub camera: Option<String>,
+    /// Whether material files and images of OBJ files are read that lie outside the folder of the OBJ file.
+    pub allow_outside: bool,
 }
 
 /// A scene, and what its author should know about it.
@@ -68,7 +71,7 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<LoadedScene> {
         FileFormat::Scene => load_str(&read_text(path)?, path, options),
         FileFormat::Gltf => gltf::load(path, options),
         FileFormat::Mesh => {
-            let notes = Notes::new(path, options.strict);
+            let notes = notes(path, options);
             let (scene, told) = standalone::scene(path, options, &notes)?;
             spawned(scene, notes, Some(told), mesh::load)
         }
@@ -108,7 +111,7 @@ pub(super) fn load_with(
     read_mesh: impl Fn(&Path) -> Result<LoadedMesh>,
 ) -> Result<LoadedScene> {
     refuse_camera(file, options)?;
-    let notes = Notes::new(file, options.strict);
+    let notes = notes(file, options);
     let value = json::parse(json, file)?;
     let scene = parse::scene_file(&Cursor::new(&value, Place::Top, &notes), options)?;
     // A mesh written out in JSON is many times larger there than as arrays.
@@ -129,6 +132,10 @@ pub(super) fn spawned(
     let world = spawn::world(scene, &notes, read_mesh)?;
     let (warnings, files) = notes.into_parts();
     Ok(LoadedScene { world, warnings, notes: told.into_iter().collect(), files, encoding })
+}
+
+fn notes<'a>(file: &'a Path, options: &LoadOptions) -> Notes<'a> {
+    Notes::new(file, options.strict).reading_outside(options.allow_outside)
 }
 
 fn refuse_camera(file: &Path, options: &LoadOptions) -> Result<()> {

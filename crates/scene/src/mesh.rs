@@ -16,6 +16,7 @@ mod data;
 mod faults;
 mod number;
 mod obj;
+mod parts;
 mod place;
 mod ply;
 mod polygon;
@@ -28,7 +29,7 @@ use std::path::Path;
 
 use wavecrest_base::error::{Error, ErrorKind, Result, Warning};
 
-pub use data::{Attribute, LoadedMesh, MAX_COUNT, MeshData, NO_VALUE};
+pub use data::{Attribute, LoadedMesh, MAX_COUNT, MeshData, NO_VALUE, NamedMaterials};
 pub use survey::Survey;
 pub use validate::validate;
 pub(crate) use validate::{bad_position, is_good_position};
@@ -48,9 +49,9 @@ pub fn load(path: &Path) -> Result<LoadedMesh> {
     let format = Format::of(path)?;
     let (file, length) = open(path)?;
     let loaded = match format {
-        Format::Ply => ply::read(&file, length),
+        Format::Ply => ply::read(&file, length).map(plain),
         Format::Obj => obj::read(&file, length),
-        Format::Stl => stl::read(&file, length),
+        Format::Stl => stl::read(&file, length).map(plain),
     };
     named(loaded, path)
 }
@@ -71,9 +72,9 @@ pub fn load_bytes(path: &Path, bytes: &[u8], portion: usize) -> Result<LoadedMes
     let portion = portion.max(1);
     let length = bytes.len() as u64;
     let loaded = match Format::of(path)? {
-        Format::Ply => ply::read_from(bytes, length, portion),
+        Format::Ply => ply::read_from(bytes, length, portion).map(plain),
         Format::Obj => obj::read_from(bytes, length, portion, portion.div_ceil(4)),
-        Format::Stl => stl::read_from(bytes, length, portion),
+        Format::Stl => stl::read_from(bytes, length, portion).map(plain),
     };
     named(loaded, path)
 }
@@ -93,11 +94,16 @@ pub fn survey(path: &Path) -> Result<Survey> {
     found.map_err(|error| error.in_file(path))
 }
 
+/// What is read of a format that names no materials.
+fn plain(read: Read) -> (Read, NamedMaterials) {
+    (read, NamedMaterials::default())
+}
+
 /// Names the file in what was read from it.
-fn named(read: Result<Read>, path: &Path) -> Result<LoadedMesh> {
-    let (mesh, notes) = read.map_err(|error| error.in_file(path))?;
+fn named(read: Result<(Read, NamedMaterials)>, path: &Path) -> Result<LoadedMesh> {
+    let ((mesh, notes), materials) = read.map_err(|error| error.in_file(path))?;
     let warnings = notes.into_iter().map(|n| Warning::from_error(&n.in_file(path))).collect();
-    Ok(LoadedMesh { mesh, warnings })
+    Ok(LoadedMesh { mesh, warnings, materials })
 }
 
 /// A mesh format that is read.

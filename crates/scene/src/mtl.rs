@@ -11,6 +11,8 @@ use std::collections::{BTreeSet, HashMap};
 
 use glam::DVec3;
 
+use crate::components::{Material, TextureRef};
+use crate::reader::Range;
 use map::Map;
 pub(crate) use surface::surface;
 
@@ -98,6 +100,18 @@ impl Library {
     }
 }
 
+/// What the materials of a text are here, by name, as if every image that they name were there: for tests.
+#[doc(hidden)]
+pub fn materials(text: &[u8]) -> Vec<(String, Material, Option<TextureRef>)> {
+    let mut library = Library::default();
+    library.add("a.mtl", text);
+    let made = |(name, mtl): (String, Mtl)| {
+        let (material, texture) = surface(&mtl, |image| Some(image.into()));
+        (name, material, texture)
+    };
+    library.materials.into_iter().map(made).collect()
+}
+
 /// Of what is longer, messages quote no more.
 const LONGEST_NAME: usize = 24;
 
@@ -110,7 +124,8 @@ fn set<T>(to: &mut Option<T>, value: Option<T>) -> bool {
 
 /// A number, 0 or more.
 fn number(text: &str) -> Option<f64> {
-    text.split_ascii_whitespace().next()?.parse().ok().filter(|x: &f64| x.is_finite() && *x >= 0.0)
+    let number = text.split_ascii_whitespace().next()?.parse().ok()?;
+    Range::NOT_NEGATIVE.contains(number).then_some(number)
 }
 
 /// Three numbers, or one for all three.

@@ -9,8 +9,9 @@ use std::path::PathBuf;
 use glam::DAffine3;
 
 use super::components::{
-    AreaLight, CameraPath, Encoding, Facing, Material, Mesh, Name, PointLight, Quad, Settings,
-    Shading, Sides, Sphere, TextureRef, ThinLens, Transform, Triangle, VertexColors, View,
+    AreaLight, CameraPath, Encoding, Facing, Material, Materials, Mesh, Name, PointLight, Quad,
+    Settings, Shading, Sides, Sphere, TextureRef, ThinLens, Transform, Triangle, VertexColors,
+    View,
 };
 
 /// A whole scene, of a file of any format.
@@ -59,6 +60,8 @@ pub(crate) struct Shape {
     pub(crate) shading: Shading,
     /// What the colours of the vertices of a mesh stand for that is yet to be read.
     pub(crate) vertex_colors: VertexColors,
+    /// Whose materials its faces have.
+    pub(crate) materials: Materials,
     /// Whether only its instances are seen.
     pub(crate) hidden: bool,
     /// `None` for an area light's shape.
@@ -78,10 +81,25 @@ impl Shape {
             sides: Sides::Both,
             shading: Shading::Flat,
             vertex_colors: VertexColors::default(),
+            materials: Materials::default(),
             hidden: false,
             material: None,
             texture: None,
         }
+    }
+}
+
+impl Shape {
+    /// A part of it, with a material of its own.
+    pub(crate) fn part(
+        &self,
+        geometry: Geometry,
+        name: Option<Name>,
+        material: Option<Material>,
+        texture: Option<TextureRef>,
+    ) -> Self {
+        let path = self.path.clone();
+        Self { path, name, geometry, material, texture, ..*self }
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::components::{Filter, Sampling, Shading, TextureRef};
+use super::components::{Filter, Materials, Sampling, Shading, TextureRef};
 use super::mesh::{self, MeshData};
 use super::reader::Notes;
 use super::schema::{Geometry, Light, SceneFile, Shape};
@@ -49,7 +49,7 @@ pub struct Survey {
 /// What the mesh file at `path` calls for where it is all there is, in an image of so many pixels.
 pub(super) fn standalone(path: &Path, size: [u32; 2]) -> Result<Survey> {
     let holds = mesh::survey(path)?;
-    let mesh = SurveyedMesh { holds, normals: true, uvs: false, uses: 1 };
+    let mesh = SurveyedMesh { holds, normals: true, uvs: true, uses: 1 };
     let (rays_per_pixel, light_samples) = (super::load::staging::rays_per_pixel(), 1);
     let meshes = vec![mesh];
     Ok(Survey { meshes, size, rays_per_pixel, light_samples, ..Survey::default() })
@@ -100,7 +100,8 @@ impl Survey {
                 notes.error(cause.kind(), &format!("{}.file", shape.path), message).because(cause)
             })?,
         };
-        let (normals, uvs) = (shape.shading == Shading::Smooth, shape.texture.is_some());
+        let wears_some = shape.texture.is_some() || shape.materials == Materials::File;
+        let (normals, uvs) = (shape.shading == Shading::Smooth, wears_some);
         self.meshes.push(SurveyedMesh { holds, normals, uvs, uses });
         self.add_texture(shape);
         Ok(())

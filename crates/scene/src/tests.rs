@@ -99,7 +99,7 @@ fn without(path: &str) -> Value {
 fn one_triangle(_: &Path) -> Result<LoadedMesh> {
     let positions = vec![Vec3::ZERO, Vec3::X, Vec3::Y];
     let mesh = MeshData { positions, triangles: vec![[0, 1, 2]], ..MeshData::default() };
-    Ok(LoadedMesh { mesh, warnings: Vec::new() })
+    Ok(LoadedMesh { mesh, ..LoadedMesh::default() })
 }
 
 fn load_options(scene: &Value, options: LoadOptions) -> Result<LoadedScene> {

@@ -7,11 +7,12 @@ use hecs::{Entity, EntityBuilder, World};
 
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
+use super::materials::parts;
 use crate::components::{
-    AreaLight, Hidden, InstanceOf, JsonPath, Material, Mesh, Order, Pinhole, Shading, Sides,
-    TextureRef, Transform, VertexColors,
+    AreaLight, Hidden, InstanceOf, JsonPath, Material, Materials, Mesh, Order, Pinhole, Shading,
+    Sides, TextureRef, Transform, VertexColors,
 };
-use crate::mesh::{LoadedMesh, MeshData};
+use crate::mesh::{LoadedMesh, MeshData, NamedMaterials};
 use crate::reader::Notes;
 use crate::schema::{Camera, Geometry, Instance, Light, SceneFile, Shape};
 
@@ -38,14 +39,16 @@ impl<R: Fn(&Path) -> Result<LoadedMesh>> Spawner<'_, R> {
         for (order, light) in (0..).zip(scene.lights) {
             self.light(Order(order), light)?;
         }
-        let mut order = 0..;
+        let mut order = (0..).map(Order);
         let mut shapes = Vec::with_capacity(scene.shapes.len());
         self.warn_of_unseen(&scene.shapes, &scene.instances);
-        for (order, shape) in (&mut order).zip(scene.shapes) {
-            shapes.push(self.shape(Order(order), shape)?);
+        for shape in scene.shapes {
+            shapes.push(self.shape(&mut order, shape)?);
         }
-        for (order, instance) in order.zip(scene.instances) {
-            self.instance(Order(order), shapes[instance.shape], instance);
+        for instance in &scene.instances {
+            for (&part, order) in shapes[instance.shape].iter().zip(&mut order) {
+                self.instance(order, part, instance);
+            }
         }
         Ok(self.world)
     }
@@ -63,11 +66,11 @@ impl<R: Fn(&Path) -> Result<LoadedMesh>> Spawner<'_, R> {
     }
 
     /// Makes an instance of the shape that the entity `of` is.
-    fn instance(&mut self, order: Order, of: Entity, instance: Instance) {
+    fn instance(&mut self, order: Order, of: Entity, instance: &Instance) {
         let Instance { path, name, transform, material, .. } = instance;
         let mut entity = EntityBuilder::new();
-        entity.add_bundle((order, JsonPath(path), InstanceOf(of), Transform(transform)));
-        add_some(&mut entity, name);
+        entity.add_bundle((order, JsonPath(path.clone()), InstanceOf(of), Transform(*transform)));
+        add_some(&mut entity, name.clone());
         let shape = &self.world;
         add_some(&mut entity, material.or(shape.get::<&Material>(of).ok().map(|m| *m)));
         add_some(&mut entity, shape.get::<&Sides>(of).ok().map(|sides| *sides));
@@ -106,7 +109,7 @@ impl<R: Fn(&Path) -> Result<LoadedMesh>> Spawner<'_, R> {
     ) -> Result<()> {
         let mut entity = EntityBuilder::new();
         entity.add_bundle((order, JsonPath(path), light));
-        let geometry = self.read_mesh_file(&shape.path, shape.geometry, VertexColors::None)?;
+        let (geometry, _) = self.read_mesh_file(&shape.path, shape.geometry, VertexColors::None)?;
         if let Geometry::Mesh(mesh) = &geometry
             && !has_area(&mesh.data)
         {
@@ -120,8 +123,28 @@ impl<R: Fn(&Path) -> Result<LoadedMesh>> Spawner<'_, R> {
         Ok(())
     }
 
-    fn shape(&mut self, order: Order, shape: Shape) -> Result<Entity> {
-        let geometry = self.read_mesh_file(&shape.path, shape.geometry, shape.vertex_colors)?;
+    /// Makes a shape, or several, where its faces have the materials of its file.
+    fn shape(
+        &mut self,
+        order: &mut impl Iterator<Item = Order>,
+        mut shape: Shape,
+    ) -> Result<Vec<Entity>> {
+        let nothing = Geometry::Mesh(Mesh::default());
+        let geometry = std::mem::replace(&mut shape.geometry, nothing);
+        let (geometry, named) = self.read_mesh_file(&shape.path, geometry, shape.vertex_colors)?;
+        let parts = match geometry {
+            Geometry::Mesh(Mesh { data, file: Some(file) })
+                if shape.materials == Materials::File =>
+            {
+                parts(&shape, data, &named, &file, self.notes)
+            }
+            geometry => vec![Shape { geometry, ..shape }],
+        };
+        parts.into_iter().zip(order).map(|(part, order)| self.part(order, part)).collect()
+    }
+
+    fn part(&mut self, order: Order, shape: Shape) -> Result<Entity> {
+        let geometry = shape.geometry;
         let mut shading = shape.shading;
         if let Geometry::Mesh(mesh) = &geometry {
             self.check_uvs(&shape.path, shape.texture.as_ref(), &mesh.data)?;
@@ -141,19 +164,20 @@ impl<R: Fn(&Path) -> Result<LoadedMesh>> Spawner<'_, R> {
         Ok(self.world.spawn(entity.build()))
     }
 
-    /// The geometry, with its mesh file read, if it has one.
+    /// The geometry, with its mesh file read, if it has one; and the materials that this names.
     fn read_mesh_file(
         &self,
         path: &str,
         geometry: Geometry,
         colors: VertexColors,
-    ) -> Result<Geometry> {
-        let Geometry::MeshFile(file) = geometry else { return Ok(geometry) };
+    ) -> Result<(Geometry, NamedMaterials)> {
+        let Geometry::MeshFile(file) = geometry else { return Ok((geometry, Default::default())) };
         self.notes.reads(&file);
         let mut loaded = (self.read_mesh)(&file).map_err(|e| self.mesh_error(path, e))?;
         loaded.warnings.into_iter().for_each(|warning| self.notes.pass_on(warning));
         loaded.mesh.decode_colors(colors);
-        Ok(Geometry::Mesh(Mesh { data: loaded.mesh, file: Some(file) }))
+        let mesh = Mesh { data: loaded.mesh, file: Some(file) };
+        Ok((Geometry::Mesh(mesh), loaded.materials))
     }
 
     /// The error of a mesh reader, after the place in the scene that asked for the mesh.

@@ -6,6 +6,7 @@ use glam::DVec3;
 
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
+use super::materials::parts;
 use super::staging::{self, Placed};
 use crate::components::{Encoding, Material, Mesh, Shading, VertexColors};
 use crate::load::LoadOptions;
@@ -36,7 +37,7 @@ pub(super) fn scene(
         let error = Error::new(ErrorKind::Usage, "a mesh has no cameras to choose from");
         return Err(error.in_file(path).value(camera).remedy("leave --camera out"));
     }
-    let LoadedMesh { mut mesh, warnings } = mesh::load(path)?;
+    let LoadedMesh { mut mesh, warnings, materials } = mesh::load(path)?;
     mesh.decode_colors(VertexColors::Srgb);
     warnings.into_iter().for_each(|warning| notes.pass_on(warning));
     let world = glam::DAffine3::IDENTITY;
@@ -47,13 +48,14 @@ pub(super) fn scene(
     let shape = Shape {
         shading: if mesh.normals.is_some() { Shading::Smooth } else { Shading::Flat },
         material: Some(MATERIAL),
-        ..Shape::of("the mesh".into(), Some(name), Mesh { data: mesh, file: Some(path.into()) })
+        ..Shape::of("the mesh".into(), Some(name), Mesh::default())
     };
+    let shapes = parts(&shape, mesh, &materials, path, notes);
     let scene = SceneFile {
         settings: staging::settings(path, 1),
         camera: Camera { view, lens: None, path: None },
         lights: vec![Light::Point { path: "the light".into(), light }],
-        shapes: vec![shape],
+        shapes,
         instances: Vec::new(),
         encoding: Encoding::Srgb,
     };

@@ -45,6 +45,35 @@ pub struct LoadedMesh {
     pub mesh: MeshData,
     /// Oddities that did not stop the reading.
     pub warnings: Vec<Warning>,
+    /// What its triangles are made of, by name.
+    pub materials: NamedMaterials,
+}
+
+/// Materials that an OBJ file names, and where they are to be found. None of it has been looked for.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct NamedMaterials {
+    /// What follows each `mtllib`, the names of one file or of several.
+    pub libraries: Vec<String>,
+    /// The first triangle that has a material, and its name; it holds up to the next.
+    pub runs: Vec<(u32, String)>,
+}
+
+impl NamedMaterials {
+    /// Adds what follows a `mtllib`, the first time.
+    pub(super) fn add_library(&mut self, statement: String) {
+        if !statement.is_empty() && self.libraries.last() != Some(&statement) {
+            self.libraries.push(statement);
+        }
+    }
+
+    /// Has the triangles from `first` on be of a material.
+    pub(super) fn begin(&mut self, first: u32, name: String) {
+        // A material without a triangle is not kept.
+        self.runs.pop_if(|(begun, _)| *begun == first);
+        if self.runs.last().is_none_or(|(_, last)| *last != name) {
+            self.runs.push((first, name));
+        }
+    }
 }
 
 /// What a reader returns: the arrays, and warnings that do not name the file yet.

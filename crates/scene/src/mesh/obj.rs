@@ -1,5 +1,5 @@
-//! Wavefront OBJ: a text of statements, of which `v`, `vt`, `vn` and `f` are read. Materials,
-//! groups, points, lines and curves are passed over, and so is what is not known.
+//! Wavefront OBJ: a text of statements, of which `v`, `vt`, `vn`, `f`, `usemtl` and `mtllib` are read.
+//! Groups, points, lines and curves are passed over, and so is what is not known.
 //!
 //! The file is read in blocks of whole statements, so that the text of a large one is never all in
 //! memory. A block is cut into pieces and these are read in parallel ([`piece::Piece`]), each
@@ -21,7 +21,7 @@ mod survey;
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 
-use super::data::{Attribute, MeshData, NO_VALUE, Read};
+use super::data::{Attribute, MeshData, NO_VALUE, NamedMaterials, Read};
 use super::faults::{check_count, no_triangles};
 use super::place::ReadAt;
 use super::polygon::{self, Polygon};
@@ -36,7 +36,7 @@ use wavecrest_base::error::{Error, ErrorKind, Result};
 pub(super) use survey::survey;
 
 /// Reads a file of `length` bytes.
-pub(super) fn read(file: &std::fs::File, length: u64) -> Result<Read> {
+pub(super) fn read(file: &std::fs::File, length: u64) -> Result<(Read, NamedMaterials)> {
     read_from(file, length, BLOCK_BYTES, PIECE_BYTES)
 }
 
@@ -45,7 +45,7 @@ pub(super) fn read_from<F: ReadAt + ?Sized>(
     length: u64,
     block: usize,
     piece: usize,
-) -> Result<Read> {
+) -> Result<(Read, NamedMaterials)> {
     let mut parts = Parts::default();
     each_block(file, length, block, |text| parts.add_block(text, piece))?;
     if let Some(error) = parts.first_bad_index() {
@@ -70,6 +70,7 @@ struct Parts {
     /// Empty as long as no corner has a normal.
     normal_indices: Vec<[u32; 3]>,
     polygons: Vec<Polygon>,
+    materials: NamedMaterials,
 }
 
 impl Parts {
@@ -100,6 +101,12 @@ impl Parts {
         // The count fits `u32`, as just checked.
         let shift = |p: Polygon| Polygon { first: p.first + before as u32, ..p };
         self.polygons.extend(piece.polygons.into_iter().map(shift));
+        for (first, name) in piece.materials.runs {
+            self.materials.begin(first + before as u32, name);
+        }
+        for statement in piece.materials.libraries {
+            self.materials.add_library(statement);
+        }
         if piece.colors.is_some() || !self.colors.is_empty() {
             // Those without are white.
             self.colors.resize(self.positions.len(), Vec3::ONE);
@@ -132,7 +139,7 @@ impl Parts {
         })
     }
 
-    fn finish(mut self) -> Result<Read> {
+    fn finish(mut self) -> Result<(Read, NamedMaterials)> {
         if self.triangles.is_empty() {
             return Err(no_triangles());
         }
@@ -155,7 +162,8 @@ impl Parts {
         let normals = attribute(self.normals, self.normal_indices, &self.triangles, count);
         let (positions, triangles) = (self.positions, self.triangles);
         let colors = (!self.colors.is_empty()).then_some(self.colors);
-        Ok((MeshData { positions, triangles, normals, uvs, colors }, notes))
+        let mesh = MeshData { positions, triangles, normals, uvs, colors };
+        Ok(((mesh, notes), self.materials))
     }
 }
 

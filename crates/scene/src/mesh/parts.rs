@@ -22,15 +22,14 @@ impl MeshData {
     /// The part that some triangles are.
     fn part(&self, which: &[u32], numbers: &mut Numbers) -> Self {
         let (triangles, used) = numbers.renumbered(which, &self.triangles, self.positions.len());
-        let mut attribute = |from: &[u32], indices: Option<&Vec<[u32; 3]>>, values: usize| {
-            match indices {
+        let mut attribute =
+            |from: &[u32], indices: Option<&Vec<[u32; 3]>>, values: usize| match indices {
                 None => (from.to_vec(), None),
                 Some(indices) => {
                     let (indices, used) = numbers.renumbered(which, indices, values);
                     (used, Some(indices))
                 }
-            }
-        };
+            };
         let normals = self.normals.as_ref().map(|all| {
             let (which, indices) = attribute(&used, all.indices.as_ref(), all.values.len());
             Attribute { values: picked(&all.values, &which), indices }

@@ -75,7 +75,8 @@ fn word(text: &str) -> Option<(&str, &str)> {
 
 /// A name that may have blanks in it, up to an option that some programs write behind it.
 fn without_options<'a>(text: &'a str, skipped: &mut BTreeSet<String>) -> &'a str {
-    let found = OPTIONS.iter().filter_map(|(name, _)| Some((text.find(&format!(" {name} "))?, name)));
+    let found =
+        OPTIONS.iter().filter_map(|(name, _)| Some((text.find(&format!(" {name} "))?, name)));
     let Some((end, option)) = found.min() else { return text.trim() };
     skipped.insert((*option).to_owned());
     text[..end].trim()

@@ -9,7 +9,7 @@ use std::path::Path;
 use glam::{DVec3, Vec2, Vec3};
 use serde_json::Value;
 
-use crate::components::{Mesh, VertexColors};
+use crate::components::{Materials, Mesh, VertexColors};
 use crate::mesh::{Attribute, MeshData};
 use crate::reader::{Cursor, Key, Kind, Object, Range, Takes, keys};
 use crate::schema::Geometry;
@@ -28,6 +28,8 @@ pub(crate) const MESH_FILE: Kind = Kind::new(
         "file": Text, Required;
         /// What the colours of its vertices stand for.
         "vertexcolors": word::<VertexColors>(), Says("srgb");
+        /// Whether faces of an OBJ file have the shape's material, or those of its MTL files where there are any.
+        "materials": word::<Materials>(), Says("shape");
     }],
 );
 

@@ -3,8 +3,7 @@
 use glam::DVec3;
 
 use crate::components::{
-    Encoding, Facing, Filter, Name, Quad, Shading, Sides, Sphere, Transform, Triangle,
-    VertexColors, Wrap,
+    Encoding, Facing, Filter, Name, Quad, Shading, Sides, Sphere, Transform, Triangle, Wrap,
 };
 use crate::corners::{
     direction, quad_has_area, quad_is_planar, quad_is_simple, quad_normal, quad_repeats_a_corner,
@@ -179,7 +178,10 @@ fn read(object: &Object<'_>) -> Result<Shape> {
         Geometry::Sphere(_) | Geometry::MeshFile(_) => Sides::Both,
         _ => Sides::Front,
     };
-    let geometry_is_file = matches!(geometry, Geometry::MeshFile(_));
+    let (vertex_colors, materials) = match geometry {
+        Geometry::MeshFile(_) => (object.word("vertexcolors")?, object.word("materials")?),
+        _ => Default::default(),
+    };
     Ok(Shape {
         path: object.cursor().path(),
         name: name(object)?,
@@ -188,10 +190,8 @@ fn read(object: &Object<'_>) -> Result<Shape> {
         transform: transform.map(Transform),
         sides: object.word_or("sides", default_sides)?,
         shading: object.word("shading")?,
-        vertex_colors: match geometry_is_file {
-            true => object.word("vertexcolors")?,
-            false => VertexColors::default(),
-        },
+        vertex_colors,
+        materials,
         hidden: false,
         material: None,
         texture: None,

@@ -10,6 +10,8 @@ use wavecrest_base::error::{Error, ErrorKind, Result, Warning};
 pub(crate) struct Notes<'a> {
     file: &'a Path,
     strict: bool,
+    /// Whether files outside the folder of the file that names them are read.
+    outside: bool,
     warnings: RefCell<Vec<Warning>>,
     /// Files that were read besides.
     files: RefCell<Vec<PathBuf>>,
@@ -21,7 +23,17 @@ impl<'a> Notes<'a> {
     /// No warnings yet. If `strict`, an unknown key is an error.
     pub(crate) fn new(file: &'a Path, strict: bool) -> Self {
         let (warnings, files, given) = Default::default();
-        Self { file, strict, warnings, files, given }
+        Self { file, strict, outside: false, warnings, files, given }
+    }
+
+    /// Has files be read that are outside the folder of the file that names them.
+    pub(crate) fn reading_outside(self, outside: bool) -> Self {
+        Self { outside, ..self }
+    }
+
+    /// Whether files outside the folder of the file that names them are read.
+    pub(crate) fn reads_outside(&self) -> bool {
+        self.outside
     }
 
     /// The scene file.
@@ -45,6 +57,13 @@ impl<'a> Notes<'a> {
     pub(crate) fn once(&self, place: &str, message: &str, remedy: &str) {
         if self.given.borrow_mut().insert(message.to_owned()) {
             self.warn(&self.error(ErrorKind::Scene, place, message.to_owned()).remedy(remedy));
+        }
+    }
+
+    /// Keeps a warning that reads as `error` does, unless there has been one of the same words.
+    pub(crate) fn warn_once(&self, error: &Error) {
+        if self.given.borrow_mut().insert(error.to_string()) {
+            self.warn(error);
         }
     }
 

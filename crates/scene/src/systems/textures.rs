@@ -85,6 +85,15 @@ pub fn survey(texture: &TextureRef) -> [u64; 2] {
     Head::of(texture).map_or([0; 2], |head| head.bytes(texture))
 }
 
+/// Whether the image at `path` can be decoded as far as its head says.
+///
+/// # Errors
+/// When it cannot be read, or is of no known format.
+pub(crate) fn check(path: &Path) -> Result<()> {
+    let source = TextureSource::File(path.to_owned());
+    decoding(&source, |decoder| Ok(decoder.dimensions())).and_then(|size| check_size(&source, size))
+}
+
 /// What is known of an image before it is decoded.
 #[derive(Clone, Copy)]
 struct Head {

@@ -27,7 +27,7 @@ impl Count {
             Keyword::Position => self.positions += 1,
             Keyword::Uv => self.uvs += 1,
             Keyword::Normal => self.normals += 1,
-            Keyword::Face | Keyword::Other => {}
+            Keyword::Face | Keyword::Material | Keyword::Library | Keyword::Other => {}
         }
     }
 

@@ -13,6 +13,10 @@ pub(super) enum Keyword {
     Uv,
     Normal,
     Face,
+    /// Names the material of the faces that follow.
+    Material,
+    /// Names files of materials.
+    Library,
     /// Any other, or none.
     Other,
 }
@@ -53,7 +57,7 @@ impl<'a> Iterator for Statements<'a> {
             let start = end;
             end += line_length(&self.text[start..]);
             self.lines += 1;
-            let goes_on = keyword != Keyword::Other
+            let goes_on = !matches!(keyword, Keyword::Material | Keyword::Library | Keyword::Other)
                 && ends_in_backslash(&self.text[..end])
                 && !self.text[start..end].contains(&b'#');
             if !goes_on || end == self.text.len() {
@@ -79,6 +83,8 @@ fn keyword(line: &[u8]) -> (Keyword, usize) {
         [b'f', next, ..] if is_blank(next) => (Keyword::Face, 1),
         [b'v', b't', next, ..] if is_blank(next) => (Keyword::Uv, 2),
         [b'v', b'n', next, ..] if is_blank(next) => (Keyword::Normal, 2),
+        [b'u', b's', b'e', b'm', b't', b'l', next, ..] if is_blank(next) => (Keyword::Material, 6),
+        [b'm', b't', b'l', b'l', b'i', b'b', next, ..] if is_blank(next) => (Keyword::Library, 6),
         // A keyword at the end of the file.
         [b'v'] => (Keyword::Position, 1),
         [b'f'] => (Keyword::Face, 1),
@@ -91,6 +97,11 @@ fn keyword(line: &[u8]) -> (Keyword, usize) {
 
 fn ends_in_backslash(line: &[u8]) -> bool {
     matches!(line, [.., b'\\', b'\n'] | [.., b'\\', b'\r', b'\n'] | [.., b'\\'])
+}
+
+/// The rest of a line as a name, which may have blanks in it.
+pub(super) fn name(rest: &[u8]) -> String {
+    String::from_utf8_lossy(rest.trim_ascii()).into_owned()
 }
 
 /// What stands between words. A backslash is here because one is at a line end inside a statement.

@@ -4,8 +4,8 @@ use glam::{Vec2, Vec3};
 
 use super::corners::Corners;
 use super::count::Count;
-use super::lines::{Keyword, Statement, first_word, is_blank, malformed, statements};
-use crate::mesh::data::NO_VALUE;
+use super::lines::{Keyword, Statement, first_word, is_blank, malformed, name, statements};
+use crate::mesh::data::{NO_VALUE, NamedMaterials};
 use crate::mesh::number;
 use crate::mesh::polygon::{self, Polygon};
 use crate::mesh::validate::{bad_position, is_good_position};
@@ -26,6 +26,8 @@ pub(super) struct Piece {
     pub(super) normal_indices: Option<Vec<[u32; 3]>>,
     /// Counted from the first triangle of the piece.
     pub(super) polygons: Vec<Polygon>,
+    /// Counted likewise.
+    pub(super) materials: NamedMaterials,
 }
 
 impl Piece {
@@ -80,6 +82,9 @@ impl Piece {
                 corners.read(rest, count)?;
                 self.push_face(corners);
             }
+            // A piece is in memory: its triangles are fewer than 2^32.
+            Keyword::Material => self.materials.begin(self.triangles.len() as u32, name(rest)),
+            Keyword::Library => self.materials.add_library(name(rest)),
             Keyword::Other => {}
         }
         Ok(())

@@ -42,7 +42,7 @@ fn of(text: &[u8]) -> Survey {
             Keyword::Uv => found.uvs += 1,
             Keyword::Normal => found.normals += 1,
             Keyword::Face => face(statement.rest, &mut found),
-            Keyword::Other => {}
+            Keyword::Material | Keyword::Library | Keyword::Other => {}
         }
     }
     found

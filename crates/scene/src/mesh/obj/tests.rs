@@ -7,7 +7,18 @@ use super::*;
 const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
 
 fn read_all(text: &[u8], block: usize, piece: usize) -> Result<Read> {
-    read_from(text, text.len() as u64, block, piece)
+    read_from(text, text.len() as u64, block, piece).map(|(read, _)| read)
+}
+
+/// The materials that `text` names, wherever it is cut.
+fn materials(text: &str) -> NamedMaterials {
+    let read =
+        |block, piece| read_from(text.as_bytes(), text.len() as u64, block, piece).unwrap().1;
+    let whole = read(BLOCK_BYTES, PIECE_BYTES);
+    for (block, piece) in [(1, 1), (7, 3), (64, 20)] {
+        assert_eq!(read(block, piece), whole, "{block} {piece}");
+    }
+    whole
 }
 
 /// Reads `text` with cuts in many places, and checks that they make no difference.
@@ -175,4 +186,26 @@ fn normals_that_are_not_finite_become_zero_with_a_warning() {
     let (read, notes) = load(&format!("{SQUARE}vn nan nan nan\nf 1//1 2//1 3//1\n")).unwrap();
     assert_eq!(read.normals.unwrap().values, [Vec3::ZERO]);
     assert_eq!(notes.len(), 1);
+}
+
+#[test]
+fn faces_have_the_material_that_was_named_last() {
+    let text = format!(
+        "mtllib a b.mtl\nusemtl none\n{SQUARE}f 1 2 3\nusemtl red # 1 \nf 1 2 3 4\nusemtl red # 1\nf 1 2 4\n\
+         mtllib a b.mtl\r\nusemtl \tblue\r\n\nusemtl green\nf -1 -2 -3\nusemtl end\nmtllib\n"
+    );
+    let named = materials(&text);
+    assert_eq!(named.libraries, ["a b.mtl"]);
+    let runs: Vec<(u32, &str)> = named.runs.iter().map(|(at, name)| (*at, name.as_str())).collect();
+    assert_eq!(runs, [(0, "none"), (1, "red # 1"), (4, "green"), (5, "end")]);
+}
+
+#[test]
+fn a_position_may_have_a_colour() {
+    let read = mesh("v 0 0 0\nv 1 0 0 1 0.5 0\nv 0 1 0 0.25\nv 1 1 0 0 0 1 1\nf 1 2 3 4\n");
+    let white = Vec3::ONE;
+    assert_eq!(read.colors.unwrap(), [white, Vec3::new(1.0, 0.5, 0.0), white, Vec3::Z]);
+    let (read, notes) = load("v 0 0 0 nan 0 0\nv 1 0 0 1 1 -1\nv 0 1 0 0 0 1\nf 1 2 3\n").unwrap();
+    assert_eq!(read.colors.unwrap(), [white, white, Vec3::Z]);
+    assert!(notes[0].to_string().contains("taken as white"), "{notes:?}");
 }

@@ -11,7 +11,7 @@ fn slowly(text: &[u8]) -> Result<Read> {
         let whole = parts.start;
         return Err(piece::find_bad_face(text, Count::default(), whole).unwrap_or(error));
     }
-    parts.finish()
+    parts.finish().map(|(read, _)| read)
 }
 
 fn check(text: &str) -> bool {

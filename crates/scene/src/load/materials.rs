@@ -1,0 +1,246 @@
+//! The materials that the faces of an OBJ file name, from its MTL files: a shape for each.
+//!
+//! What is missing is a warning, and its faces have the material of the shape.
+
+use std::collections::HashMap;
+use std::fs::File;
+use std::io::Read as _;
+use std::path::{Path, PathBuf};
+
+use crate::components::{Mesh, Name};
+use crate::folder::{Denied, Folder};
+use crate::mesh::{MeshData, NamedMaterials};
+use crate::mtl::{Library, Mtl, surface};
+use crate::reader::Notes;
+use crate::schema::{Geometry, Shape};
+use crate::systems::textures;
+use wavecrest_base::error::{Error, ErrorKind};
+
+/// The most bytes of an MTL file that are read, 64 MiB.
+const LONGEST_FILE: u64 = 1 << 26;
+
+/// The most MTL files that are read.
+const MOST_FILES: usize = 64;
+
+/// The shapes that `shape` is, whose `mesh` was read from `file`: one for each material that faces name, and one
+/// for those that name none that is known.
+pub(super) fn parts(
+    shape: &Shape,
+    mesh: MeshData,
+    named: &NamedMaterials,
+    file: &Path,
+    notes: &Notes<'_>,
+) -> Vec<Shape> {
+    let folder = Folder::of(file, notes.reads_outside());
+    let mut reader = Reader { file, folder, notes, images: HashMap::new() };
+    let library = reader.library(&named.libraries);
+    let (part, names) = numbered(named, mesh.triangles.len(), &library);
+    reader.warn_of_unknown(named, &library);
+    let mesh_of = |data| Geometry::Mesh(Mesh { data, file: Some(file.to_owned()) });
+    let of_part = |(number, data): (u32, MeshData)| {
+        let Some((name, (mtl, from))) = (number as usize).checked_sub(1).map(|i| names[i]) else {
+            let texture = shape.texture.clone().filter(|_| data.uvs.is_some());
+            return shape.part(mesh_of(data), shape.name.clone(), shape.material, texture);
+        };
+        let (material, texture) = surface(mtl, |image| reader.image(from, image));
+        let texture = texture.filter(|_| reader.has_uvs(&data));
+        let name = shape.name.as_ref().map(|own| Name(format!("{}-{name}", own.0)));
+        shape.part(mesh_of(data), name, Some(material), texture)
+    };
+    mesh.split(&part, names.len() + 1).into_iter().map(of_part).collect()
+}
+
+/// A material by its name, and the folder of the file that it stands in.
+type Known<'a> = (&'a str, &'a (Mtl, PathBuf));
+
+/// For each of so many triangles the number of its material, from 1, or 0; and the materials, in the order in which
+/// they are used.
+fn numbered<'a>(
+    named: &'a NamedMaterials,
+    triangles: usize,
+    library: &'a HashMap<String, (Mtl, PathBuf)>,
+) -> (Vec<u32>, Vec<Known<'a>>) {
+    let mut part = vec![0; triangles];
+    let mut numbers: HashMap<&str, u32> = HashMap::new();
+    let mut known = Vec::new();
+    let ends = named.runs.iter().skip(1).map(|run| run.0 as usize).chain([triangles]);
+    for ((first, name), end) in named.runs.iter().zip(ends) {
+        let (Some(material), true) = (library.get(name), (*first as usize) < end) else { continue };
+        let number = *numbers.entry(name).or_insert_with(|| {
+            known.push((name.as_str(), material));
+            known.len() as u32
+        });
+        part[*first as usize..end].fill(number);
+    }
+    (part, known)
+}
+
+/// Reads what an OBJ file names.
+struct Reader<'a> {
+    file: &'a Path,
+    folder: Folder,
+    notes: &'a Notes<'a>,
+    /// The images that were looked for, by folder and name.
+    images: HashMap<(PathBuf, String), Option<PathBuf>>,
+}
+
+impl Reader<'_> {
+    /// All materials of the files that are there, by name, each with its file's folder.
+    fn library(&self, statements: &[String]) -> HashMap<String, (Mtl, PathBuf)> {
+        let mut all = HashMap::new();
+        let mut told = Library::default();
+        for path in self.libraries(statements) {
+            let Some(text) = self.text(&path) else { continue };
+            self.notes.reads(&path);
+            let folder = path.parent().unwrap_or(self.folder.path()).to_owned();
+            told.add(&path.file_name().unwrap_or_default().to_string_lossy(), &text);
+            for (name, mtl) in told.materials.drain() {
+                all.entry(name).or_insert((mtl, folder.clone()));
+            }
+        }
+        let joined = |words: &std::collections::BTreeSet<String>| {
+            words.iter().map(String::as_str).collect::<Vec<_>>().join(", ")
+        };
+        if !told.skipped.is_empty() {
+            let message = format!("statements of MTL files are skipped: {}", joined(&told.skipped));
+            self.warn(&message, "no material here shows them");
+        }
+        if !told.options.is_empty() {
+            let message = format!("options of maps are skipped: {}", joined(&told.options));
+            self.warn(&message, "images are taken as they are");
+        }
+        if !told.malformed.is_empty() {
+            let message =
+                format!("lines of MTL files are malformed: {}", told.malformed.join("; "));
+            self.warn(&message, "they are skipped: repair them");
+        }
+        all
+    }
+
+    /// The files that `mtllib` statements name: each is one name, or if there is no such file several.
+    fn libraries(&self, statements: &[String]) -> Vec<PathBuf> {
+        let mut found: Vec<PathBuf> = Vec::new();
+        for statement in statements {
+            let whole = self.find(self.folder.path(), statement);
+            let names: Vec<&str> = match whole {
+                Ok(_) => vec![statement],
+                Err(_) => statement.split_ascii_whitespace().collect(),
+            };
+            for name in names {
+                match self.find(self.folder.path(), name) {
+                    Ok(path) if found.contains(&path) => {}
+                    Ok(path) => found.push(path),
+                    Err(denied) => {
+                        self.denied(denied, "material file", name, "its faces are plain")
+                    }
+                }
+            }
+        }
+        if found.len() > MOST_FILES {
+            let message = format!("{} material files are named", found.len());
+            self.warn(&message, &format!("the first {MOST_FILES} are read: join them"));
+            found.truncate(MOST_FILES);
+        }
+        found
+    }
+
+    /// What is in an MTL file.
+    fn text(&self, path: &Path) -> Option<Vec<u8>> {
+        let mut text = Vec::new();
+        let read = File::open(path).and_then(|file| file.take(LONGEST_FILE).read_to_end(&mut text));
+        match read {
+            Ok(_) => Some(text),
+            Err(error) => {
+                let message = format!("cannot read {}: {error}", path.display());
+                self.warn(&message, "its faces are plain");
+                None
+            }
+        }
+    }
+
+    /// The path of an image that a file in the folder `from` names, if it is there and can be read.
+    fn image(&mut self, from: &Path, name: &str) -> Option<PathBuf> {
+        let key = (from.to_owned(), name.to_owned());
+        if let Some(known) = self.images.get(&key) {
+            return known.clone();
+        }
+        let found = match self.find(from, name) {
+            Ok(path) => match textures::check(&path) {
+                Ok(()) => Some(path),
+                Err(error) => {
+                    self.warn(&error.to_string(), "its material has its colour alone");
+                    None
+                }
+            },
+            Err(denied) => {
+                self.denied(denied, "image", name, "its material has its colour alone");
+                None
+            }
+        };
+        self.images.insert(key, found.clone());
+        found
+    }
+
+    /// The file of that name. Names come from other systems, and from folders that are no longer there: beside the
+    /// OBJ file the last part of a name is enough.
+    fn find(&self, from: &Path, name: &str) -> Result<PathBuf, Denied> {
+        let slashed = name.replace('\\', "/");
+        let last = slashed.rsplit('/').next().unwrap_or_default();
+        self.folder.find(from, name).or_else(|denied| {
+            let others =
+                [self.folder.find(from, &slashed), self.folder.find(self.folder.path(), last)];
+            others.into_iter().flatten().next().ok_or(denied)
+        })
+    }
+
+    fn denied(&self, denied: Denied, kind: &str, name: &str, effect: &str) {
+        match denied {
+            Denied::Missing => {
+                let message = format!("there is no {kind} {name:?}");
+                self.warn(&message, &format!("put it beside the OBJ file; {effect}"));
+            }
+            Denied::Outside => {
+                let message = format!("the {kind} {name:?} is outside the folder of the OBJ file");
+                let remedy = "copy it there, or allow others with --allow-outside";
+                self.warn(&message, &format!("{remedy}; {effect}"));
+            }
+        }
+    }
+
+    /// Whether a texture can be shown on a mesh.
+    fn has_uvs(&self, mesh: &MeshData) -> bool {
+        if mesh.uvs.is_none() {
+            let message = "faces have a texture and no coordinates for it (vt)";
+            self.warn(message, "they have the colour of their material alone");
+        }
+        mesh.uvs.is_some()
+    }
+
+    /// Warns of materials that no file has; where a file is missing, that has been said.
+    fn warn_of_unknown(&self, named: &NamedMaterials, library: &HashMap<String, (Mtl, PathBuf)>) {
+        /// So many names are told.
+        const NAMED: usize = 4;
+        if library.is_empty() {
+            return;
+        }
+        let mut unknown: Vec<&str> = Vec::new();
+        for (_, name) in named.runs.iter().filter(|(_, name)| !library.contains_key(name)) {
+            if unknown.len() <= NAMED && !unknown.contains(&name.as_str()) {
+                unknown.push(name);
+            }
+        }
+        if unknown.is_empty() {
+            return;
+        }
+        let more = if unknown.len() > NAMED { " and others" } else { "" };
+        unknown.truncate(NAMED);
+        let message = format!("no MTL file has the materials {}{more}", unknown.join(", "));
+        self.warn(&message, "their faces are plain");
+    }
+
+    /// Warns, once, of something about the OBJ file.
+    fn warn(&self, message: &str, remedy: &str) {
+        let error = Error::new(ErrorKind::Scene, message).in_file(self.file).remedy(remedy);
+        self.notes.warn_once(&error);
+    }
+}

@@ -1,0 +1,93 @@
+use std::path::PathBuf;
+
+use super::*;
+use crate::components::Wrap;
+
+fn read(text: &str) -> Library {
+    let mut library = Library::default();
+    library.add("a.mtl", text.as_bytes());
+    library
+}
+
+/// The only material of a text, and its texture.
+fn made(text: &str) -> (crate::components::Material, Option<crate::components::TextureRef>) {
+    let library = read(&format!("newmtl a b\n{text}"));
+    assert_eq!(library.malformed, [""; 0]);
+    surface(&library.materials["a b"], |name| Some(PathBuf::from(name)))
+}
+
+#[test]
+fn materials_are_read_in_any_case_with_blanks_and_comments() {
+    let library =
+        read("# c\r\n\r\nnewmtl one\r\n\tKd 0.1 .2 3e-1\r\n  ns 5\nNEWMTL two\nKs 0.5\nillum 2\n");
+    assert_eq!(library.materials.len(), 2);
+    let one = &library.materials["one"];
+    assert_eq!((one.kd, one.ns), (Some(DVec3::new(0.1, 0.2, 0.3)), Some(5.0)));
+    let two = &library.materials["two"];
+    assert_eq!((two.ks, two.illum), (Some(DVec3::splat(0.5)), Some(2)));
+    assert!(library.skipped.is_empty() && library.malformed.is_empty());
+}
+
+#[test]
+fn the_first_of_equal_names_counts_and_what_is_not_shown_is_named() {
+    let library =
+        read("newmtl a\nKd 1 0 0\nmap_Bump n.png\nKa 1 1 1\nnewmtl a\nKd 0 1 0\nnorm x\n");
+    assert_eq!(library.materials["a"].kd, Some(DVec3::X));
+    assert_eq!(library.skipped.into_iter().collect::<Vec<_>>(), ["map_bump", "norm"]);
+}
+
+#[test]
+fn malformed_lines_are_named_and_skipped() {
+    let library =
+        read("Kd 1 1 1\nnewmtl a\nKd 1 x 1\nKd 0.5 0.25 0\nNs -1\nillum two\nmap_Kd\nKs nan\n");
+    assert_eq!(library.malformed, ["a.mtl, line 1", "a.mtl, line 3", "a.mtl, line 5"]);
+    assert_eq!(library.materials["a"].kd, Some(DVec3::new(0.5, 0.25, 0.0)));
+    assert_eq!(library.materials["a"].ns, None);
+}
+
+#[test]
+fn highlights_and_mirrors_follow_the_model() {
+    let text = "Kd 0.2 0.4 0.6\nKs 0.3 0.6 0.9\nNs 1e9\n";
+    let of = |model: &str| made(&format!("{text}{model}")).0;
+    let usual = of("");
+    assert_eq!(usual.diffuse_color, DVec3::new(0.2, 0.4, 0.6));
+    assert!((usual.ks - 0.6).abs() < 1e-12 && usual.specular_exponent == 1e6);
+    assert_eq!((usual.kd, usual.kr), (1.0, 0.0));
+    for matt in ["illum 0", "illum 1", "Ns 0"] {
+        assert_eq!(of(matt).ks, 0.0, "{matt}");
+    }
+    for mirror in ["illum 3", "illum 5", "illum 8"] {
+        let found = of(mirror);
+        assert!((found.kr - 0.6).abs() < 1e-12 && (found.kd - 0.4).abs() < 1e-12, "{mirror}");
+    }
+    assert_eq!(made("illum 3\nKs 9 9 9").0.kr, 1.0);
+}
+
+#[test]
+fn maps_have_options_and_names_with_blanks() {
+    let map = |text: &str| {
+        let mut options = BTreeSet::new();
+        let map = Map::read(text, &mut options).map(|map| (map.name, map.clamp));
+        (map, options.into_iter().collect::<Vec<_>>().join(" "))
+    };
+    let named = |name: &str, clamp| Some((name.to_owned(), clamp));
+    assert_eq!(map("a b.png "), (named("a b.png", false), String::new()));
+    assert_eq!(map("-clamp on a.png"), (named("a.png", true), String::new()));
+    assert_eq!(map("-clamp off -o 0.1 a.png"), (named("a.png", false), "-o".into()));
+    assert_eq!(map("-s 1 2 3 -mm 0 1 a.png"), (named("a.png", false), "-mm -s".into()));
+    assert_eq!(map("a.png -bm 1.5"), (named("a.png", false), "-bm".into()));
+    assert_eq!(map("-BlendU on -type sphere C:\\x\\a.png").0, named("C:\\x\\a.png", false));
+    for none in ["", " ", "-bm", "-o 1 2", "-mm 1"] {
+        assert_eq!(map(none).0, None, "{none:?}");
+    }
+}
+
+#[test]
+fn a_texture_is_tinted_unless_its_colour_is_black() {
+    let (_, texture) = made("Kd 0.5 0.5 1\nmap_Kd -clamp on t.png");
+    let texture = texture.unwrap();
+    assert_eq!((texture.tint, texture.wrap), (DVec3::new(0.5, 0.5, 1.0), Wrap::Clamp));
+    assert_eq!(made("Kd 0 0 0\nmap_Kd t.png").1.unwrap().tint, DVec3::ONE);
+    assert_eq!(made("map_Kd t.png").1.unwrap().tint, DVec3::ONE);
+    assert!(made("Kd 1 1 1").1.is_none());
+}

@@ -1,0 +1,169 @@
+//! OBJ files with the materials of their MTL files.
+
+use std::path::Path;
+
+use serde_json::json;
+use wavecrest_core::film::Film;
+use wavecrest_image::write::{Transfer, write};
+use wavecrest_scene::load::{LoadOptions, LoadedScene, load, load_str};
+use wavecrest_scene::systems;
+
+use crate::support::{assert_near, folder, image_of, matte, pinhole, pixel, point_light, scene};
+
+/// Two squares beside each other, in red and in what `right` names, and a third that has no material.
+fn obj(right: &str) -> String {
+    let square = |x: i32| format!("v {x} 0 0\nv {} 0 0\nv {} 1 0\nv {x} 1 0\n", x + 1, x + 1);
+    let squares: String = [-2, -1, 0].map(square).concat();
+    format!(
+        "mtllib a b.mtl\n{squares}vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 9 10 11 12\n\
+         usemtl red\nf 1/1 2/2 3/3 4/4\nusemtl {right}\nf 5/1 6/2 7/3 8/4\n"
+    )
+}
+
+const MTL: &str =
+    "newmtl red\nKd 0.8 0.1 0.1\nnewmtl picture\nKd 1 1 1\nmap_Kd -bm 1 textures\\t.png\n";
+
+fn written(files: &[(&str, &str)]) -> tempfile::TempDir {
+    let folder = folder();
+    std::fs::create_dir(folder.path().join("textures")).expect("a folder");
+    let green = Film::from_pixels(2, 2, vec![[0.0, 1.0, 0.0]; 4]).expect("a film");
+    write(&green, &folder.path().join("textures/t.png"), Transfer::Linear).expect("an image");
+    for (name, text) in files {
+        std::fs::write(folder.path().join(name), text).expect("a file");
+    }
+    folder
+}
+
+fn warnings(scene: &LoadedScene) -> Vec<String> {
+    scene.warnings.iter().map(ToString::to_string).collect()
+}
+
+fn film(mut scene: LoadedScene) -> Film {
+    let extracted = systems::extract(&mut scene.world, Default::default());
+    let extracted = extracted.unwrap_or_else(|error| panic!("{error}"));
+    image_of(&extracted.build(wavecrest_core::accel::build::Preset::Fast), 0)
+}
+
+fn loaded(path: &Path) -> LoadedScene {
+    load(path, &LoadOptions::default()).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// A scene that shows the OBJ file from straight before it, under ambient light alone, with an instance above.
+fn shown(folder: &Path, materials: &str) -> LoadedScene {
+    let camera = json!({"type": "pinhole", "width": 6, "height": 4, "fov": 20, "fovaxis": "y",
+                        "location": [-0.5, 1, 5.671_281_819_617_709], "look": [-0.5, 1, 0]});
+    let shape = json!({"type": "trimesh", "file": "m.obj", "name": "m", "materials": materials,
+                       "material": matte(1.0, [0.5, 0.5, 0.5])});
+    let mut json = scene(0, &camera, &[point_light(0.0, [0.0, 0.0, 9.0], [1.0; 3])], &[shape]);
+    json["scene"]["ambient"] = 1.into();
+    json["scene"]["instances"] = json!([{"shape": "m", "transform": {"translate": [0, 1, 0]}}]);
+    let file = folder.join("scene.json");
+    let options = LoadOptions { strict: true, ..LoadOptions::default() };
+    load_str(&json.to_string(), &file, &options).unwrap_or_else(|error| panic!("{error}"))
+}
+
+#[test]
+fn each_face_has_its_material_and_its_picture() {
+    let folder = written(&[("m.obj", &obj("picture")), ("a b.mtl", MTL)]);
+    let scene = shown(folder.path(), "file");
+    let told = warnings(&scene);
+    assert_eq!(told.len(), 1, "{told:?}");
+    assert!(told[0].contains("options of maps are skipped: -bm"), "{told:?}");
+    assert!(scene.files.iter().any(|file| file.ends_with("a b.mtl")));
+    let found = film(scene);
+    for y in [0, 3] {
+        for (x, right) in [(0, [0.8, 0.1, 0.1]), (2, [0.0, 1.0, 0.0]), (5, [0.5; 3])] {
+            assert_near(pixel(&found, x, y), right, 1e-6, &format!("{x}, {y}"));
+        }
+    }
+    let plain = film(shown(folder.path(), "shape"));
+    for x in [0, 2, 5] {
+        assert_near(pixel(&plain, x, 3), [0.5; 3], 1e-6, "of the shape");
+    }
+}
+
+#[test]
+fn a_file_alone_has_its_materials_and_converts_to_the_same_image() {
+    let folder = written(&[("m.obj", &obj("picture")), ("a b.mtl", MTL)]);
+    let options = LoadOptions { width: Some(24), height: Some(18), ..LoadOptions::default() };
+    let read = |name: &str| {
+        load(&folder.path().join(name), &options).unwrap_or_else(|error| panic!("{error}"))
+    };
+    let alone = film(read("m.obj"));
+    let is_red = |p: &&[f32; 3]| p[0] > 3.0 * p[1];
+    let is_green = |p: &&[f32; 3]| p[1] > 3.0 * p[0];
+    assert!(alone.pixels().iter().filter(is_red).count() > 5);
+    assert!(alone.pixels().iter().filter(is_green).count() > 5);
+    let out = folder.path().join("out.json");
+    wavecrest_scene::write::write(read("m.obj"), &out, false).expect("a scene");
+    assert!(film(read("out.json")).same_bits(&alone));
+}
+
+#[test]
+fn what_is_missing_is_named_once_and_its_faces_are_plain() {
+    for (files, right) in [
+        (vec![("m.obj", obj("picture"))], "there is no material file \"a\""),
+        (vec![("m.obj", obj("none")), ("a b.mtl", MTL.to_owned())], "has the materials none;"),
+        (
+            vec![("m.obj", obj("picture")), ("a b.mtl", MTL.replace("t.png", "u.png"))],
+            "there is no image \"textures\\\\u.png\"; put it beside the OBJ file",
+        ),
+        (
+            vec![("m.obj", obj("picture")), ("a b.mtl", MTL.replace("\\t.png", "/../a b.mtl"))],
+            "cannot read the texture",
+        ),
+    ] {
+        let files: Vec<(&str, &str)> = files.iter().map(|(n, text)| (*n, text.as_str())).collect();
+        let folder = written(&files);
+        let scene = loaded(&folder.path().join("m.obj"));
+        let told = warnings(&scene);
+        let found = told.iter().filter(|warning| warning.contains(right)).count();
+        assert_eq!(found, 1, "{right}: {told:?}");
+        film(scene);
+    }
+}
+
+#[test]
+fn nothing_outside_the_folder_is_read_unless_it_is_allowed() {
+    let outside = written(&[]);
+    let picture = outside.path().join("textures/t.png").display().to_string();
+    for name in [picture.clone(), "../t.png".into(), "link.png".into()] {
+        let mtl = format!("newmtl red\nmap_Kd {name}\n");
+        let folder = folder();
+        let own = folder.path().join("own");
+        std::fs::create_dir(&own).expect("a folder");
+        std::fs::copy(&picture, folder.path().join("t.png")).expect("a copy");
+        #[cfg(unix)]
+        std::os::unix::fs::symlink(&picture, own.join("link.png")).expect("a link");
+        std::fs::write(own.join("m.obj"), obj("red")).expect("a file");
+        std::fs::write(own.join("a b.mtl"), mtl).expect("a file");
+        let told = |allow_outside| {
+            let options = LoadOptions { allow_outside, ..LoadOptions::default() };
+            warnings(&load(&own.join("m.obj"), &options).expect("a scene"))
+        };
+        let refused = told(false);
+        assert_eq!(refused.len(), 1, "{refused:?}");
+        assert!(refused[0].contains("is outside the folder of the OBJ file"), "{refused:?}");
+        assert_eq!(told(true), [""; 0], "{name}");
+    }
+}
+
+/// Colours of vertices multiply those of the material.
+#[test]
+fn the_colours_of_vertices_multiply_the_material() {
+    let text = "v -9 -9 0 1 0.5 0\nv 9 -9 0 1 0.5 0\nv 0 9 0 1 0.5 0\nf 1 2 3\n";
+    let folder = written(&[("m.obj", text)]);
+    let half = 0.214_041_14;
+    for (colors, right) in
+        [("srgb", [0.5, 0.5 * half, 0.0]), ("linear", [0.5, 0.25, 0.0]), ("none", [0.5; 3])]
+    {
+        let shape = json!({"type": "trimesh", "file": "m.obj", "vertexcolors": colors,
+                           "material": matte(1.0, [0.5, 0.5, 0.5])});
+        let light = point_light(0.0, [0.0, 0.0, 9.0], [1.0; 3]);
+        let mut json = scene(0, &pinhole([3, 3], 20.0, 5.0), &[light], &[shape]);
+        json["scene"]["ambient"] = 1.into();
+        let file = folder.path().join("scene.json");
+        let scene = load_str(&json.to_string(), &file, &LoadOptions::default()).expect("a scene");
+        assert_near(pixel(&film(scene), 1, 1), right, 1e-6, colors);
+    }
+}
