@@ -21,6 +21,8 @@ pub(crate) use surface::surface;
 pub(crate) struct Mtl {
     /// Diffuse colour.
     kd: Option<DVec3>,
+    /// Colour of its own light.
+    ke: Option<DVec3>,
     /// Colour of highlight and mirror.
     ks: Option<DVec3>,
     /// Sharpness of the highlight.
@@ -87,6 +89,7 @@ impl Library {
     fn statement(&mut self, mtl: &mut Mtl, keyword: &str, rest: &str) -> bool {
         match keyword {
             "kd" => set(&mut mtl.kd, color(rest)),
+            "ke" => set(&mut mtl.ke, color(rest)),
             "ks" => set(&mut mtl.ks, color(rest)),
             "ns" => set(&mut mtl.ns, number(rest)),
             "illum" => set(&mut mtl.illum, rest.parse().ok()),

@@ -33,6 +33,7 @@ pub(crate) fn surface(
         specular_exponent: exponent,
         diffuse_color: kd,
         kr,
+        emission: mtl.ke.unwrap_or(DVec3::ZERO),
     };
     let texture = texture.map(|(clamp, path)| TextureRef {
         source: TextureSource::File(path),

@@ -52,7 +52,8 @@ fn highlights_and_mirrors_follow_the_model() {
     let usual = of("");
     assert_eq!(usual.diffuse_color, DVec3::new(0.2, 0.4, 0.6));
     assert!((usual.ks - 0.6).abs() < 1e-12 && usual.specular_exponent == 1e6);
-    assert_eq!((usual.kd, usual.kr), (1.0, 0.0));
+    assert_eq!((usual.kd, usual.kr, usual.emission), (1.0, 0.0, DVec3::ZERO));
+    assert_eq!(made("Ke 0 2 0.5").0.emission, DVec3::new(0.0, 2.0, 0.5));
     for matt in ["illum 0", "illum 1", "Ns 0"] {
         assert_eq!(of(matt).ks, 0.0, "{matt}");
     }
