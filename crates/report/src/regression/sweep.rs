@@ -131,7 +131,10 @@ fn points(scene: &str, sides: &[Sweep<'_>; 2], found: &mut Vec<Found>, warnings:
             found.extend(estimate.map(|e| Found { scene, what, of, overall, estimate: e, curves }));
         };
         match power {
-            Some(_) => add("time at equal error", time(&[(&timed, power)])),
+            Some(_) => {
+                add("time at equal error", time(&[(&timed, power)]));
+                add("error", error(&others));
+            }
             None => {
                 add("time", time(&[(&timed, None)]));
                 add("error", error(&pairs));
