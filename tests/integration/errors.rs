@@ -209,11 +209,11 @@ fn a_header_that_is_misspelt_is_told_what_may_be_meant() {
 #[test]
 fn other_formats_are_refused_by_their_names() {
     check_mesh(
-        "m.stl",
-        "solid",
+        "m.fbx",
+        "Kaydara",
         ErrorKind::Mesh,
-        "the name does not end as a mesh file's does, found the extension \"stl\"; \
-         give a .ply or an .obj file; no other mesh format is read",
+        "the name does not end as a mesh file's does, found the extension \"fbx\"; \
+         give a .ply, .obj or .stl file; no other mesh format is read",
     );
     let (kind, message) = told(&mesh_scene("m.gltf"), folder().path());
     assert_eq!(

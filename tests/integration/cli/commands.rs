@@ -5,6 +5,7 @@ use std::process::{Command, Stdio};
 
 use serde_json::{Value, json};
 use wavecrest_core::film::Film;
+use wavecrest_core::plan::Effect;
 use wavecrest_image::colormap::{diverging, magma};
 use wavecrest_image::error_map::{MapKind, error_map};
 use wavecrest_image::read::read;
@@ -143,7 +144,7 @@ fn explain_says_it_in_json_too() {
         pass["runs"].as_bool().expect("yes or no")
     };
     assert!(runs("shadow") && runs("resolve") && !runs("mirror") && !runs("advance"));
-    assert_eq!(found["plan"].as_array().map(Vec::len), Some(11));
+    assert_eq!(found["plan"].as_array().map(Vec::len), Some(Effect::ALL.len()));
     let all = ["geometry", "appearance", "tree", "program"];
     let lasting: u64 = all.iter().map(|key| found["memory"][key].as_u64().expect("bytes")).sum();
     assert!(found["memory_total"].as_u64().expect("bytes") >= lasting);

@@ -289,9 +289,7 @@ fn what_is_left_out_is_told_once() {
     let primitive = file.json["meshes"][0]["primitives"][0].clone();
     let mut lines = primitive.clone();
     lines["mode"] = 1.into();
-    let mut colored = primitive.clone();
-    colored["attributes"]["COLOR_0"] = 0.into();
-    file.json["meshes"][0]["primitives"] = json!([primitive, lines, lines, colored]);
+    file.json["meshes"][0]["primitives"] = json!([primitive, lines, lines]);
     file.json["materials"][0]["alphaMode"] = json!("BLEND");
     file.push("materials", json!({"alphaMode": "MASK", "normalTexture": {"index": 0}}));
     file.json["animations"] = json!([{}]);
@@ -301,7 +299,6 @@ fn what_is_left_out_is_told_once() {
     let warnings = loaded(&file).expect("it is right").warnings;
     for words in [
         "points and lines are left out",
-        "colours of vertices",
         "alpha is ignored",
         "textures of normals",
         "animations are ignored",
