@@ -13,8 +13,11 @@ use wavecrest_report::accuracy::Findings;
 use wavecrest_report::accuracy::answer::ERRORS;
 use wavecrest_report::accuracy::findings::FamilyFindings;
 use wavecrest_report::accuracy::pilot::Pilot;
+use wavecrest_report::accuracy::setting::{Facts, Setting, Structure};
 use wavecrest_report::accuracy::store::{FILE, Header, Record, SpreadRecord, Store};
+use wavecrest_report::accuracy::subject::Subject;
 use wavecrest_report::accuracy::sweep::{Options, Progress, run};
+use wavecrest_scene::systems::overrides::{Layer, Overrides};
 
 use crate::support::{
     extract_small, folder, image_of, matte, options, pinhole, point_light, prepare, render_on,
@@ -136,9 +139,15 @@ fn a_wrong_sampler_fails_the_comparison_of_two_sweeps() {
     };
     let text = compare(0, &["-o", "page"]);
     assert!(text.contains("Nothing became worse or better in "), "{text}");
-    // What is called Sobol draws independent points.
+    // Whether effects were measured one by one is no matter, nor what they took.
     let path = after.join(FILE);
     let records = std::fs::read_to_string(&path).expect("records");
+    let others = records.lines().filter(|line| !line.contains("\"layers\""));
+    let others: Vec<&str> = others.collect();
+    assert_eq!(others.len(), records.lines().count() - 3, "one for each precision");
+    std::fs::write(&path, others.join("\n") + "\n").expect("records");
+    assert_eq!(compare(0, &[]), text);
+    // What is called Sobol draws independent points.
     let kept = records.lines().filter(|line| !line.contains("=sobol:"));
     let swapped = records.lines().filter(|line| line.contains("=random:"));
     let swapped = swapped.map(|line| line.replace("=random:", "=sobol:"));
@@ -180,6 +189,44 @@ fn lens(sampling: &str, side: u32) -> Value {
 fn shown(camera: &Value, lights: &[Value]) -> Value {
     let ball = sphere([0.0, 0.3, 0.5], 1.0, matte(0.8, [0.9, 0.4, 0.2]));
     scene(0, camera, lights, &[ball, wall(5.0, -1.5, matte(0.8, [0.3, 0.5, 0.9]))])
+}
+
+/// What is taken from a scene is gone from it, with its rays, and nothing else is.
+#[test]
+fn a_layer_that_is_taken_away_leaves_the_others() {
+    let folder = folder();
+    let file = folder.path().join("all.json");
+    let camera = with(lens("jittered", 2), "antialias", 2);
+    let mut ball = sphere([0.0, 0.3, 0.5], 1.0, with(matte(0.8, [0.9, 0.4, 0.2]), "kr", 0.5));
+    ball["texture"] = json!(repository("textures/uvgrid.png"));
+    let lights = [square_light("jittered", 2), point_light(20.0, [3.0, 2.0, 4.0], [1.0; 3])];
+    let all = scene(1, &camera, &lights, &[ball, wall(5.0, -1.5, matte(0.8, [0.3, 0.5, 0.9]))]);
+    std::fs::write(&file, all.to_string()).expect("a file");
+    let mut subject = Subject::open(&file, 40).expect("a scene");
+    let pixels = subject.size().map(u64::from).iter().product::<u64>();
+    let mut shadows = u64::MAX;
+    for without in std::iter::once(None).chain(Layer::ALL.map(Some)) {
+        let overrides = Overrides { without, ..Overrides::default() };
+        let structure = Structure { overrides, ..Structure::default() };
+        let prepared = subject.prepare(&structure).expect("a scene");
+        let facts = Facts::of(&prepared.scene);
+        for layer in Layer::ALL {
+            assert_eq!(facts.has(layer), Some(layer) > without, "{layer} without {without:?}");
+        }
+        let setting = Setting { structure, ..Setting::default() };
+        let counters =
+            subject.render(&setting, &RenderOptions::default()).expect("a film").counters;
+        let rays = match without {
+            Some(Layer::Antialiasing) => 1,
+            Some(Layer::Lens) => 4,
+            _ => 16,
+        };
+        assert_eq!(counters.primary_rays, rays * pixels, "{without:?}");
+        assert_eq!(counters.secondary_rays > 0, without.is_none(), "{without:?}");
+        assert_eq!(counters.shadow_rays > 0, without < Some(Layer::Lights), "{without:?}");
+        assert!(counters.shadow_rays <= shadows, "{without:?}");
+        shadows = counters.shadow_rays;
+    }
 }
 
 /// A scene that is sampled anew is the scene whose file says so.

@@ -11,6 +11,7 @@ pub mod calibration;
 pub mod crops;
 pub mod findings;
 pub mod fit;
+pub mod layers;
 pub mod neutral;
 pub mod page;
 pub mod pilot;

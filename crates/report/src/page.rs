@@ -15,7 +15,7 @@ mod tests;
 mod writer;
 
 use super::plot::number::figure;
-use super::plot::{Chart, StackedBars};
+use super::plot::{Chart, Icicle, StackedBars};
 
 /// The whole report.
 #[derive(Clone, Debug, Default)]
@@ -52,6 +52,8 @@ pub enum Block {
     Chart(Chart),
     /// Bars with the same.
     Bars(StackedBars),
+    /// An icicle with the same.
+    Icicle(Icicle),
     /// A table.
     Table(Table),
     /// Two pictures of one thing, under a divide that moves; side by side without JavaScript.

@@ -1,10 +1,10 @@
 //! Charts as data, and what is made of them: SVG, PNG, CSV and JSON of the same figures.
 //!
-//! A [`Chart`] says what was measured and how it is to be read; [`StackedBars`] say where time went.
-//! Neither knows how it is drawn. Both are laid out as a list of shapes; one writer makes SVG of that
-//! list and another the pixels of a PNG, so that both show the same. Widths of text are those of a font
-//! that is part of the program: nothing comes from the system, and the bytes are the same on every
-//! machine.
+//! A [`Chart`] says what was measured and how it is to be read; [`StackedBars`] and an [`Icicle`] say
+//! where time went. None knows how it is drawn. All are laid out as a list of shapes; one writer makes
+//! SVG of that list and another the pixels of a PNG, so that both show the same. Widths of text are
+//! those of a font that is part of the program: nothing comes from the system, and the bytes are the
+//! same on every machine.
 //!
 //! Colours are those of Okabe and Ito (*Color Universal Design*, 2008), which people see apart
 //! whatever their eyes; each series has a marker of its own as well.
@@ -18,6 +18,7 @@ mod field;
 pub(crate) mod figure;
 mod font;
 mod guides;
+mod icicle;
 mod legend;
 mod marker;
 pub mod number;
@@ -169,6 +170,30 @@ pub struct Segment {
     pub seconds: f64,
 }
 
+/// Where time went, level by level: below each part stand those that it is divided into, as wide as they took long.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Icicle {
+    /// What is shown, in a few words.
+    pub title: String,
+    /// What the parts of each level are, from the top down, such as "pass".
+    pub levels: Vec<String>,
+    /// The parts of the first level, from left to right.
+    pub parts: Vec<Part>,
+    /// How to read it; shown beside the drawing, not in it.
+    pub caption: String,
+}
+
+/// A part of the time.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Part {
+    /// Its name. Parts of one name that are not divided have one colour.
+    pub name: String,
+    /// Its time in seconds, 0 or more: the sum of its parts, if it is divided.
+    pub seconds: f64,
+    /// What it is divided into, from left to right.
+    pub parts: Vec<Part>,
+}
+
 impl Axis {
     /// An axis of this scale.
     pub fn new(label: impl Into<String>, unit: impl Into<String>, scale: Scale) -> Self {
@@ -221,5 +246,30 @@ impl Bar {
     /// What is drawn of it: times that are finite and not negative.
     fn drawn(&self) -> impl Iterator<Item = &Segment> {
         self.segments.iter().filter(|s| s.seconds.is_finite() && s.seconds >= 0.0)
+    }
+}
+
+impl Part {
+    /// A part that is not divided.
+    pub fn new(name: impl Into<String>, seconds: f64) -> Self {
+        Self { name: name.into(), seconds, parts: Vec::new() }
+    }
+
+    /// A part that is divided into `parts`.
+    pub fn of(name: impl Into<String>, parts: Vec<Self>) -> Self {
+        Self { name: name.into(), seconds: parts.iter().map(Self::time).sum(), parts }
+    }
+
+    /// What is drawn of it: a time that is finite and not negative, or 0.
+    fn time(&self) -> f64 {
+        if self.seconds.is_finite() { self.seconds.max(0.0) } else { 0.0 }
+    }
+
+    /// The parts that are not divided, from left to right.
+    fn leaves(&self) -> Vec<&Self> {
+        if self.parts.is_empty() {
+            return vec![self];
+        }
+        self.parts.iter().flat_map(Self::leaves).collect()
     }
 }

@@ -17,6 +17,7 @@
 //! | `.points[].believed` | | whether the error is at least three standard errors of the reference |
 //! | `.points[].front` | | whether no other believed point of the family is both quicker and nearer |
 //! | `stages` | seconds | by precision: loading, building, and each pass at the scene's own samples, summed over threads: medians |
+//! | `layers` | | time by precision, effect and pass: see [`layers`] |
 //! | `presets`, `crossings` | | see [`presets`] |
 //! | `spread`, `calibration` | | see [`SpreadRecord`] and [`CalibrationRecord`] |
 //! | `neutral` | | what must not change the picture: the error's change, and whether the bits are equal |
@@ -26,6 +27,7 @@ use serde::Serialize;
 
 use super::answer::Answer;
 use super::fit::{self, Interval};
+use super::layers::{self, LayersFindings};
 use super::pilot::Axis;
 use super::presets::{self, PresetFindings};
 use super::setting::{Family, Line, Target};
@@ -51,6 +53,7 @@ pub struct SceneFindings {
     pub references: Vec<ReferenceRecord>,
     pub families: Vec<FamilyFindings>,
     pub stages: Vec<StageFindings>,
+    pub layers: Vec<LayersFindings>,
     pub presets: Vec<PresetFindings>,
     pub crossings: Vec<(f64, String)>,
     pub spread: Vec<SpreadRecord>,
@@ -130,6 +133,7 @@ impl SceneFindings {
                 .collect(),
             families: Vec::new(),
             stages: stages(swept, &name, records),
+            layers: layers::of(&name, records),
             presets: presets::of(&name, records),
             crossings: Vec::new(),
             spread: all(records).filter(|s: &&SpreadRecord| s.scene == name).cloned().collect(),

@@ -17,8 +17,7 @@ use super::sweep::Swept;
 use super::{presets, spread};
 use crate::files::{to_json, write_text};
 use crate::page::{Block, Compare, Fact, Page, Picture, Section};
-use crate::plot::Chart;
-use crate::plot::figure::Figure as _;
+use crate::plot::figure::Figure;
 use crate::plot::number::figure;
 use wavecrest_base::error::Result;
 use wavecrest_core::film::Film;
@@ -111,7 +110,9 @@ fn section(scene: &SceneFindings, swept: &mut Swept, folder: &Path) -> Result<Se
         blocks.extend(pictures(family, swept)?);
     }
     blocks.push(Block::Heading("Where the time goes".to_owned()));
-    blocks.push(Block::Bars(charts::stages(scene)));
+    let time = charts::time(scene);
+    write_chart(&time, &folder.join(format!("{}-layers", scene.scene.scene)))?;
+    blocks.push(Block::Icicle(time));
     if presets::matter(&scene.presets) {
         blocks.push(Block::Chart(charts::presets(scene)));
     }
@@ -163,7 +164,7 @@ fn standard_errors(scene: &SceneFindings, swept: &mut Swept) -> Result<Vec<Block
 }
 
 /// A chart in four forms.
-fn write_chart(chart: &Chart, stem: &Path) -> Result<()> {
+fn write_chart(chart: &impl Figure, stem: &Path) -> Result<()> {
     let with = |extension: &str| stem.with_extension(extension);
     write_text(&with("svg"), &chart.svg())?;
     write_text(&with("csv"), &chart.csv())?;

@@ -6,7 +6,7 @@ use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::math::sampling::{Points, Sampling};
 use wavecrest_core::prepared::{PreparedScene, Samples};
 use wavecrest_scene::components::Filter;
-use wavecrest_scene::systems::overrides::Overrides;
+use wavecrest_scene::systems::overrides::{Layer, Overrides};
 
 /// What has to be decided before a scene is prepared.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -45,9 +45,10 @@ impl Setting {
         for (name, value) in [("lights", lights), ("lens", lens), ("pixel", pixel)] {
             value.into_iter().for_each(|value| add(name, points(value)));
         }
-        let Overrides { bounces, filter } = self.structure.overrides;
+        let Overrides { bounces, filter, without } = self.structure.overrides;
         bounces.into_iter().for_each(|n| add("bounces", n.to_string()));
         filter.into_iter().for_each(|filter| add("filter", filter.name().to_owned()));
+        without.into_iter().for_each(|layer| add("without", layer.name().replace(' ', "-")));
         key
     }
 }
@@ -108,8 +109,12 @@ pub struct Line {
 /// What of a scene can be varied at all.
 #[derive(Clone, Copy, Debug)]
 pub struct Facts {
+    /// Whether any light reaches what is seen.
+    pub has_lights: bool,
     /// Whether any light has a shape.
     pub has_area_lights: bool,
+    /// Whether any of them has more than one point.
+    pub has_points: bool,
     /// Whether the camera has a lens with an extent.
     pub has_lens: bool,
     /// Whether a surface has a texture.
@@ -124,11 +129,25 @@ impl Facts {
     /// Those of a scene.
     pub fn of(scene: &PreparedScene) -> Self {
         Self {
+            has_lights: !scene.lights.is_empty(),
             has_area_lights: scene.lights.iter().any(|light| light.is_sampled()),
+            has_points: scene.lights.iter().any(|l| l.is_sampled() && l.samples() > 1),
             has_lens: scene.camera.has_lens(),
             has_textures: scene.appearance.shapes.iter().any(|shape| shape.texture.is_some()),
             antialias: scene.camera.antialias(),
             bounces: scene.bounces,
+        }
+    }
+
+    /// Whether the scene has more with `layer` than without.
+    pub fn has(&self, layer: Layer) -> bool {
+        match layer {
+            Layer::Mirrors => self.bounces > 0,
+            Layer::Textures => self.has_textures,
+            Layer::SoftShadows => self.has_points,
+            Layer::Lights => self.has_lights,
+            Layer::Lens => self.has_lens,
+            Layer::Antialiasing => self.antialias > 1,
         }
     }
 

@@ -15,7 +15,7 @@ use super::store::{
     all,
 };
 use super::subject::Subject;
-use super::{calibration, neutral, presets, spread};
+use super::{calibration, layers, neutral, presets, spread};
 use crate::selftest::examine::trial;
 use crate::selftest::{Count, Effort};
 use crate::yardstick::yardstick;
@@ -98,6 +98,7 @@ fn scene(
     }
     points(&mut subject, &families, &references, options, store, progress)?;
     presets::run(&mut subject, store, progress)?;
+    layers::run(&mut subject, store, progress)?;
     spread::run(&mut subject, &families, &references, store, progress)?;
     calibration::run(&mut subject, &references, store, progress)?;
     neutral::run(&mut subject, references.get(Target::Scene.name()), store, progress)?;
@@ -214,7 +215,14 @@ const REPETITIONS: usize = 10;
 
 /// A render with the time of its quickest repetition: whatever else runs on the machine can only add to a time, and to
 /// a time of a millisecond it adds much.
-fn timed(subject: &mut Subject, setting: &Setting, options: &RenderOptions) -> Result<Rendered> {
+///
+/// # Errors
+/// As [`Subject::render`].
+pub(super) fn timed(
+    subject: &mut Subject,
+    setting: &Setting,
+    options: &RenderOptions,
+) -> Result<Rendered> {
     let mut quickest = subject.render(setting, options)?;
     let mut spent = quickest.seconds;
     for _ in 1..REPETITIONS {

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::plot::figure::Figure as _;
-use crate::plot::{Axis, Bar, Point, Scale, Segment, Series};
+use crate::plot::{Axis, Bar, Part, Point, Scale, Segment, Series};
 
 /// A PNG of two pixels by one.
 fn png() -> Vec<u8> {
@@ -42,6 +42,12 @@ fn page(words: &str) -> Page {
         Block::Warning(text()),
         Block::Chart(chart(words)),
         Block::Bars(StackedBars { title: text(), bars, caption: text() }),
+        Block::Icicle(Icicle {
+            title: text(),
+            levels: vec![text(), text()],
+            parts: vec![Part::of(words, vec![Part::new(words, 1.0)])],
+            caption: text(),
+        }),
         Block::Table(Table {
             caption: text(),
             columns: vec![Column::words(words), Column::numbers(words)],

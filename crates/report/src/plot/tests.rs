@@ -46,13 +46,13 @@ fn bars() -> StackedBars {
 }
 
 /// The values of an attribute, in the order of the text.
-fn attributes<'a>(text: &'a str, name: &str) -> Vec<&'a str> {
+pub(super) fn attributes<'a>(text: &'a str, name: &str) -> Vec<&'a str> {
     let start = format!(" {name}=\"");
     text.split(&start).skip(1).filter_map(|rest| rest.split('"').next()).collect()
 }
 
 /// The titles of all marks.
-fn titles(svg: &str) -> Vec<&str> {
+pub(super) fn titles(svg: &str) -> Vec<&str> {
     let marks = svg.split("<g class=\"mark\"").skip(1);
     marks.filter_map(|mark| mark.split("<title>").nth(1)?.split("</title>").next()).collect()
 }
@@ -252,7 +252,7 @@ fn all_text_is_escaped() {
 }
 
 /// The bytes of a PNG, through a file.
-fn png(draw: impl Fn(&std::path::Path) -> wavecrest_base::error::Result<()>) -> Vec<u8> {
+pub(super) fn png(draw: impl Fn(&std::path::Path) -> wavecrest_base::error::Result<()>) -> Vec<u8> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("chart.png");
     draw(&path).unwrap();

@@ -1,8 +1,10 @@
 //! Other values for what a scene file says of a whole scene, for those who compare them.
 
-use hecs::World;
+use hecs::{Entity, World};
 
-use crate::components::{Filter, Settings, TextureRef};
+use crate::components::{
+    AreaLight, Filter, Pinhole, PointLight, Settings, TextureRef, ThinLens, View,
+};
 
 /// What takes the place of the file's values; `None` leaves them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -11,6 +13,27 @@ pub struct Overrides {
     pub bounces: Option<u32>,
     /// How every texture is filtered.
     pub filter: Option<Filter>,
+    /// The scene is rendered without this, and without all that stands before it in [`Layer::ALL`].
+    pub without: Option<Layer>,
+}
+
+wavecrest_base::choices! {
+    /// What a scene has besides one ray through the middle of each pixel, in the order in which it is taken away.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+    pub enum Layer {
+        /// Mirror rays.
+        Mirrors = "mirrors",
+        /// Textures: the diffuse colour takes their place.
+        Textures = "textures",
+        /// Points on area lights: all but one.
+        SoftShadows = "soft shadows",
+        /// Lights and their shadows. What shines is still seen, and ambient light stays.
+        Lights = "lights and shadows",
+        /// The extent of the lens, and all its rays.
+        Lens = "depth of field",
+        /// Rays in a pixel: all but the one through its middle.
+        Antialiasing = "antialiasing",
+    }
 }
 
 /// Puts `overrides` into the world, before the systems run.
@@ -21,4 +44,41 @@ pub fn apply(world: &mut World, overrides: &Overrides) {
     if let Some(filter) = overrides.filter {
         world.query_mut::<&mut TextureRef>().into_iter().for_each(|t| t.filter = filter);
     }
+    let last = overrides.without;
+    Layer::ALL.into_iter().filter(|layer| Some(*layer) <= last).for_each(|l| l.leave(world));
+}
+
+impl Layer {
+    /// Takes it from the world.
+    fn leave(self, world: &mut World) {
+        match self {
+            Self::Mirrors => {
+                world.query_mut::<&mut Settings>().into_iter().for_each(|s| s.bounces = 0);
+            }
+            Self::Textures => drop(remove::<TextureRef>(world)),
+            Self::SoftShadows => {
+                world.query_mut::<&mut AreaLight>().into_iter().for_each(|l| l.samples = 1);
+            }
+            Self::Lights => {
+                world.query_mut::<&mut AreaLight>().into_iter().for_each(|l| l.intensity = 0.0);
+                world.query_mut::<&mut PointLight>().into_iter().for_each(|l| l.intensity = 0.0);
+            }
+            Self::Lens => {
+                for camera in remove::<ThinLens>(world) {
+                    // It is there: it had a lens.
+                    let _ = world.insert_one(camera, Pinhole);
+                }
+            }
+            Self::Antialiasing => {
+                world.query_mut::<&mut View>().into_iter().for_each(|v| v.antialias = 1);
+            }
+        }
+    }
+}
+
+/// Takes every `T` from its entity, and says which had one.
+fn remove<T: hecs::Component>(world: &mut World) -> Vec<Entity> {
+    let those = world.query_mut::<(Entity, &T)>().into_iter().map(|(entity, _)| entity);
+    let those: Vec<Entity> = those.collect();
+    those.into_iter().filter(|entity| world.remove_one::<T>(*entity).is_ok()).collect()
 }

@@ -1,11 +1,11 @@
 //! Findings as charts.
 
 use crate::accuracy::findings::{FamilyFindings, PointFindings, SceneFindings, SeriesFindings};
+use crate::accuracy::layers::{LayersFindings, PartFindings};
 use crate::accuracy::presets::PresetFindings;
+use crate::accuracy::subject::Stages;
 use crate::plot::number::figure;
-use crate::plot::{
-    Axis, Bar, Chart, Course, Draw, Guide, Point, Scale, Segment, Series, StackedBars,
-};
+use crate::plot::{Axis, Chart, Course, Draw, Guide, Icicle, Part, Point, Scale, Series};
 
 /// The charts of a family, each with its name in files.
 pub(super) fn of(family: &FamilyFindings, scene: &SceneFindings) -> Vec<(String, Chart)> {
@@ -182,20 +182,27 @@ fn bounces(family: &FamilyFindings) -> Chart {
     }
 }
 
-/// Seconds by stage for each precision: before the first ray, and in each pass.
-pub(super) fn stages(scene: &SceneFindings) -> StackedBars {
-    let bar = |found: &crate::accuracy::findings::StageFindings| {
-        let segment = |name: &str, seconds: f64| Segment { stage: name.to_owned(), seconds };
-        let mut segments =
-            vec![segment("load", found.before.load), segment("build", found.before.build)];
-        segments.extend(found.passes.iter().map(|(name, seconds)| segment(name, *seconds)));
-        Bar { name: found.precision.clone(), segments }
+/// Seconds by precision, effect and pass; what comes before the first ray stands beside the effects.
+pub(super) fn time(scene: &SceneFindings) -> Icicle {
+    let passes = |part: &PartFindings| {
+        part.passes.iter().map(|(name, seconds)| Part::new(name, *seconds)).collect()
     };
-    StackedBars {
-        title: "Time by stage".to_owned(),
-        bars: scene.stages.iter().map(bar).collect(),
-        caption: "At the scene's own samples. Passes are summed over threads; loading and building are by the \
-                  clock."
+    let precision = |layers: &LayersFindings| {
+        let mut parts = Vec::new();
+        if let Some(stage) = scene.stages.iter().find(|s| s.precision == layers.precision) {
+            let Stages { load, build } = stage.before;
+            parts.extend([Part::new("load", load), Part::new("build", build)]);
+        }
+        parts.extend(layers.parts.iter().map(|part| Part::of(&part.effect, passes(part))));
+        Part::of(&layers.precision, parts)
+    };
+    Icicle {
+        title: format!("{}: time by precision, effect and pass", scene.scene.scene),
+        levels: ["precision", "effect", "pass"].map(str::to_owned).to_vec(),
+        parts: scene.layers.iter().map(precision).collect(),
+        caption: "At the scene's own samples. An effect has the time that it adds to those on its left; `camera \
+                  rays` are one through the middle of each pixel, without light. Passes are summed over threads; \
+                  loading and building are by the clock."
             .to_owned(),
     }
 }

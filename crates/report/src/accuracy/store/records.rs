@@ -144,6 +144,17 @@ pub struct PresetRecord {
     pub seconds: f64,
 }
 
+/// The scene was rendered without one layer after the other: see [`layers`](crate::accuracy::layers).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LayersRecord {
+    /// The scene's name.
+    pub scene: String,
+    /// The precision.
+    pub precision: String,
+    /// The layer last taken away, first none, and the seconds in each pass without it and those before it.
+    pub steps: Vec<(Option<String>, Vec<(String, f64)>)>,
+}
+
 /// A setting was rendered many times more: see [`spread`](crate::accuracy::spread).
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SpreadRecord {
@@ -238,6 +249,7 @@ records! {
     Neutral(NeutralRecord),
     Trial(TrialRecord),
     Preset(PresetRecord),
+    Layers(LayersRecord),
     Spread(SpreadRecord),
     Calibration(CalibrationRecord),
 }

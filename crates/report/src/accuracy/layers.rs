@@ -1,0 +1,159 @@
+//! Time by precision, effect and pass: what a scene has is taken from it, one thing after the other.
+//!
+//! What each [`Layer`] that is taken away saves in each pass is its own time there. The parts add up to the whole;
+//! what a layer costs besides depends on the order, which is that of [`Layer::ALL`]: a mirror shows soft shadows, and
+//! pays for them.
+//!
+//! | key of `layers[]` | unit | meaning |
+//! |---|---|---|
+//! | `precision` | | how exactly hits are found |
+//! | `parts[].effect` | | first `camera rays`, one through the middle of each pixel; then what is added to those before it |
+//! | `.passes` | seconds | what it takes in each pass, summed over threads |
+
+use std::time::Instant;
+
+use serde::Serialize;
+
+use super::setting::{Setting, Structure};
+use super::store::{LayersRecord, Record, Store, all};
+use super::subject::Subject;
+use super::sweep::{Progress, timed};
+use wavecrest_base::error::Result;
+use wavecrest_core::kernels::precision::Precision;
+use wavecrest_core::render::RenderOptions;
+use wavecrest_scene::systems::overrides::{Layer, Overrides};
+
+/// What is left where nothing more can be taken away.
+const CAMERA_RAYS: &str = "camera rays";
+
+/// How often each is rendered at most, and for how many seconds another round is begun.
+const ROUNDS: usize = 5;
+const SHORT: f64 = 10.0;
+
+/// A precision.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[allow(missing_docs, reason = "see the module documentation")]
+pub struct LayersFindings {
+    pub precision: String,
+    pub parts: Vec<PartFindings>,
+}
+
+/// A part of its time.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[allow(missing_docs, reason = "see the module documentation")]
+pub struct PartFindings {
+    pub effect: String,
+    pub passes: Vec<(String, f64)>,
+}
+
+/// Renders the scene as its file has it and without one layer after the other, in turn, with every precision, unless
+/// that has been done.
+///
+/// # Errors
+/// When the scene can no longer be rendered, or a record cannot be written.
+pub fn run(subject: &mut Subject, store: &mut Store, progress: &dyn Progress) -> Result<()> {
+    let scene = subject.name();
+    progress.stage(&format!("{scene}: time by effect"), Precision::ALL.len() as u64);
+    for precision in Precision::ALL {
+        let name = precision.name();
+        let is_it = |l: &LayersRecord| l.scene == scene && l.precision == name;
+        if !all(&store.records).any(is_it) {
+            let steps = steps(subject, precision)?;
+            let (scene, precision) = (scene.clone(), name.to_owned());
+            store.add(Record::Layers(LayersRecord { scene, precision, steps }))?;
+        }
+        progress.step();
+    }
+    Ok(())
+}
+
+/// The quickest of several renders in each pass, as something else on the machine can only add to a time.
+fn steps(
+    subject: &mut Subject,
+    precision: Precision,
+) -> Result<Vec<(Option<String>, Vec<(String, f64)>)>> {
+    let facts = subject.facts();
+    let present = Layer::ALL.into_iter().filter(|layer| facts.has(*layer)).map(Some);
+    let without: Vec<Option<Layer>> = std::iter::once(None).chain(present).collect();
+    let mut steps: Vec<_> =
+        without.iter().map(|layer| (layer.map(|l| l.name().to_owned()), Vec::new())).collect();
+    let start = Instant::now();
+    for round in 0..ROUNDS {
+        if round > 0 && start.elapsed().as_secs_f64() > SHORT {
+            break;
+        }
+        for (&without, (_, passes)) in without.iter().zip(&mut steps) {
+            let overrides = Overrides { without, ..Overrides::default() };
+            let structure = Structure { precision, overrides };
+            let setting = Setting { structure, ..Setting::default() };
+            let rendered = timed(subject, &setting, &RenderOptions::default())?;
+            keep_least(passes, &rendered.pass_seconds);
+        }
+    }
+    Ok(steps)
+}
+
+/// Keeps the lesser time of each pass.
+fn keep_least(passes: &mut Vec<(String, f64)>, found: &[(&'static str, f64)]) {
+    for (name, seconds) in found {
+        match passes.iter_mut().find(|(known, _)| known == name) {
+            Some((_, least)) => *least = least.min(*seconds),
+            None => passes.push(((*name).to_owned(), *seconds)),
+        }
+    }
+}
+
+/// Each precision of a scene, in the order in which they were rendered.
+pub fn of(scene: &str, records: &[Record]) -> Vec<LayersFindings> {
+    let of_scene = all(records).filter(|l: &&LayersRecord| l.scene == scene);
+    of_scene.map(|l| LayersFindings { precision: l.precision.clone(), parts: parts(l) }).collect()
+}
+
+/// What each layer saves. A step that takes longer than the one before does so by noise: it counts as no quicker.
+fn parts(LayersRecord { steps, .. }: &LayersRecord) -> Vec<PartFindings> {
+    let Some((_, whole)) = steps.first() else { return Vec::new() };
+    let mut left = whole.clone();
+    let mut parts = Vec::new();
+    for (layer, passes) in &steps[1..] {
+        let without = |name: &str| passes.iter().find(|pass| pass.0 == name).map_or(0.0, |p| p.1);
+        let saved = left.iter_mut().map(|(name, seconds)| {
+            let before = std::mem::replace(seconds, seconds.min(without(name)));
+            (name.clone(), before - *seconds)
+        });
+        let passes = saved.collect();
+        parts.push(PartFindings { effect: layer.clone().unwrap_or_default(), passes });
+    }
+    parts.push(PartFindings { effect: CAMERA_RAYS.to_owned(), passes: left });
+    parts.reverse();
+    parts
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parts_add_up_to_the_whole_and_none_is_negative() {
+        let passes = |[a, b]: [f64; 2]| vec![("intersect".to_owned(), a), ("shadow".to_owned(), b)];
+        let step = |layer: Option<&str>, times| (layer.map(str::to_owned), passes(times));
+        let record = LayersRecord {
+            scene: "s".to_owned(),
+            precision: "robust".to_owned(),
+            steps: vec![
+                step(None, [8.0, 4.0]),
+                step(Some("mirrors"), [5.0, 4.5]),
+                // A pass that does not run has no time.
+                (Some("lights".to_owned()), vec![("intersect".to_owned(), 5.5)]),
+            ],
+        };
+        let found = &of("s", &[Record::Layers(record)])[0];
+        let part =
+            |effect: &str, times| PartFindings { effect: effect.to_owned(), passes: passes(times) };
+        let expected = [
+            part(CAMERA_RAYS, [5.0, 0.0]),
+            part("lights", [0.0, 4.0]),
+            part("mirrors", [3.0, 0.0]),
+        ];
+        assert_eq!(found.parts, expected);
+    }
+}
