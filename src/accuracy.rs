@@ -19,44 +19,44 @@ use wavecrest_scene::systems::extract;
 /// What the progress bar shows.
 const PROGRESS: &str = "{msg} {wide_bar} {pos}/{len}, {eta} left";
 
-/// Sweeps what may move the error of a scene's picture, and what must not, and reports error against time.
+/// Measures error against time for every sampler, number of samples and precision, and reports what each error costs.
 ///
 /// Results are written as they come: the same command goes on where it was interrupted.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct AccuracyArgs {
-    /// The scenes, in JSON
+    /// The scene files
     #[arg(required_unless_present = "compare")]
     pub(crate) scenes: Vec<PathBuf>,
     /// The folder for results and report
     #[arg(short, long, value_name = "FOLDER", required_unless_present_any = ["advise", "compare"])]
     pub(crate) output: Option<PathBuf>,
-    /// Compare two sweeps in their folders, or two files of `bench --output`, and say what became slower or less
-    /// accurate: exit code 1 where something did. With --output a page and JSON are written too
+    /// Compare two sweeps in their folders, or two files of `bench --output`: exit code 1 if anything became slower
+    /// or less accurate. With --output, write a page and JSON too
     #[arg(long, num_args = 2, value_names = ["BEFORE", "AFTER"], conflicts_with_all = ["scenes", "advise"])]
     pub(crate) compare: Vec<PathBuf>,
-    /// Sweep nothing, but say with which samples each sampler reaches an error, from a short pilot at full
-    /// size, and which is the cheapest
+    /// Sweep nothing: say how many points each sampler takes to an error, from a short pilot at full size, and
+    /// which is the fastest
     #[arg(long, requires = "target_error", conflicts_with = "output")]
     pub(crate) advise: bool,
-    /// The error that advice is wanted for: the root mean square of linear values
+    /// The error to advise on: the root mean square of linear values
     #[arg(long, value_name = "ERROR", value_parser = above_zero, requires = "advise")]
     pub(crate) target_error: Option<f64>,
     /// The longer side of images, at most, in pixels
     #[arg(long, value_name = "PIXELS", default_value_t = 160, value_parser = clap::value_parser!(u32).range(1..=65536))]
     pub(crate) side_pixels: u32,
-    /// The errors for which the report says what they cost, separated by commas
+    /// Errors whose cost the report gives, separated by commas
     #[arg(long, value_name = "ERRORS", value_parser = above_zero, value_delimiter = ',', default_values_t = ERRORS)]
     pub(crate) errors: Vec<f64>,
-    /// Renders of each setting, with random numbers of their own
+    /// Renders of each setting, each with different random numbers
     #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(2..=4096))]
     pub(crate) seeds: u32,
-    /// The most points of a kind, on a light, the lens or in a pixel
+    /// The most points on a light, on the lens or in a pixel
     #[arg(long, value_name = "N", default_value_t = 2025, value_parser = clap::value_parser!(u32).range(1..=65536))]
     pub(crate) most: u32,
-    /// The fewest points in each render of the reference
+    /// Points of each kind in a render of the reference, at least
     #[arg(long, value_name = "N", default_value_t = 5041, value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
     pub(crate) reference: u32,
-    /// Leave out what each effect costs, which is measured on scenes of its own
+    /// Do not measure what each effect costs, on scenes of its own
     #[arg(long)]
     pub(crate) no_effects: bool,
     /// On how many threads
@@ -169,14 +169,19 @@ fn text(findings: &Findings) -> String {
                 let Some(slope) = series.slope else { continue };
                 let _ = writeln!(
                     text,
-                    "  {:<24}{:<10}MSE falls with the power {:.3} ({:.3} to {:.3})",
+                    "  {:<24}{:<10}MSE changes with the power {:.3} ({:.3} to {:.3})",
                     family.counted, series.name, slope.value, slope.low, slope.high
                 );
             }
         }
         let wrong = scene.neutral.iter().filter(|n| !n.equal || n.error_change != 0.0).count();
         let all = scene.neutral.len();
-        let _ = writeln!(text, "  {} of {all} choices that must not matter do not", all - wrong);
+        let _ = writeln!(
+            text,
+            "  {} of {all} settings that must not change the picture leave it the same, bit for \
+                                bit",
+            all - wrong
+        );
     }
     text
 }

@@ -39,9 +39,9 @@
 //! | `ratio.median`, `.low`, `.high`, `.confidence`, `.pairs`, `.method` | | how many times as fast as the recursive tracer the wavefront is: seconds of the recursive run over seconds of the wavefront's, pair by pair; `null` where the images differ |
 //! | `comparisons` | | one entry for each thing that was to be compared, see [`compare::Comparison`]: |
 //! | `.of`, `.rounds` | | `kernels`, `levels`, `batches` or `plan`; timed rounds, each of one run of every choice |
-//! | `.variants` | | the usual choice, then the others: `kernel`, `simd`, `batch`, `planned`, all keys of `wavefront`, and `ratio`, how many times as fast as the usual choice it is, round by round; empty where images differ |
+//! | `.variants` | | the default, then the others: `kernel`, `simd`, `batch`, `planned`, all keys of `wavefront`, and `ratio`, its speed over that of the default, round by round; empty where images differ |
 //! | `.difference` | | the choice whose image differs, and how, or `null` |
-//! | `warnings` | | what to know before believing it |
+//! | `warnings` | | what may be wrong with the measurement |
 //!
 //! The `n`th of `wavefront.seconds.each` and the `n`th of `recursive.seconds.each` are a pair.
 

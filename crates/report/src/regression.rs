@@ -187,7 +187,7 @@ impl Regression {
         let all = self.ratios.len() + self.changes.len();
         let all = if all == 1 { "1 comparison".to_owned() } else { format!("{all} comparisons") };
         match (worse, better) {
-            (0, 0) => format!("Nothing became worse or better in {all}."),
+            (0, 0) => format!("No change in {all}."),
             _ => format!("Of {all}, {worse} became worse and {better} became better."),
         }
     }

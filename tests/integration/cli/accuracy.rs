@@ -27,14 +27,19 @@ fn a_sweep_writes_a_page_and_the_same_figures_in_other_forms() {
     assert_eq!(output.status.code(), Some(0));
     let said = text(&output.stdout);
     assert!(
-        said.starts_with("ball\n") && said.contains("choices that must not matter do not"),
+        said.starts_with("ball\n")
+            && said.contains("settings that must not change the picture leave it the same"),
         "{said}"
     );
     let read =
         |name: &str| std::fs::read_to_string(folder.path().join("out").join(name)).expect(name);
     let page = read("report.html");
-    for heading in ["Points on area lights", "Rays in a pixel", "Precision", "What must not matter"]
-    {
+    for heading in [
+        "Points on area lights",
+        "Rays in a pixel",
+        "Precision",
+        "What must not change the picture",
+    ] {
         assert!(page.contains(heading), "{heading}");
     }
     assert!(!page.contains("What each effect costs"));

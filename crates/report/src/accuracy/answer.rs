@@ -7,8 +7,8 @@
 //! | `errors[].error` | | root mean squared error |
 //! | `.sampler`, `.points` | | the quickest, and how many points, the next square; `null` where no setting reached it |
 //! | `.seconds`, `.tracing` | seconds | loading, building and tracing; tracing alone |
-//! | `.times_as_fast` | | the time of tracing with random points over that, with its interval; `null` without either |
-//! | `.at_least` | | whether random points did not reach the error: they take at least that many times as long |
+//! | `.times_as_fast` | | speedup of tracing over random points, with its interval; `null` without either |
+//! | `.at_least` | | whether random points did not reach the error: the speedup is then over the longest render of these, and a lower bound |
 //! | `precisions[].name`, `.ratio` | | time of tracing over that of `fast`, at the scene's own samples |
 //! | `precisions[].worst_t` | ulp | the largest error of t on the scene's triangles (absent where it has none) |
 //! | `effects[].name`, `.ratio` | | time of tracing over that without the effect, or with one point for it |

@@ -6,7 +6,7 @@
 //! | `answer` | | see [`answer`](super::answer) |
 //! | `references` | | what errors are against: samples of each kind in a pixel, renders, standard error (root mean square), seconds |
 //! | `families` | | what was varied: `name`, `title`, what is `counted`, the `target`, and `series`: |
-//! | `.slope` | | power with which the mean squared error falls with what is counted, from [`SLOPE_FROM`] on, with its interval; `null` where too few points are believed |
+//! | `.slope` | | power with which the mean squared error falls with what is counted, from [`SLOPE_FROM`] on, with its interval; `null` where too few points are above the noise of the reference |
 //! | `.points[].x`, `.label`, `.key` | | what is counted, and the setting |
 //! | `.points[].seconds` | seconds | from the first ray to the last: median with its interval |
 //! | `.points[].rmse` | | root of the mean of the squared errors of all seeds, with its interval |
@@ -14,8 +14,8 @@
 //! | `.points[].flip_95` | | the FLIP that one pixel of twenty exceeds |
 //! | `.points[].efficiency`, `.efficiency_in_all` | 1/s | 1 / (MSE x time) of tracing, and of loading, building and tracing, with their intervals |
 //! | `.points[].rays` | rays | of every kind, mean over seeds |
-//! | `.points[].believed` | | whether the error is at least three standard errors of the reference |
-//! | `.points[].front` | | whether no other believed point of the family is both quicker and nearer |
+//! | `.points[].above_noise` | | whether the error is at least three standard errors of the reference |
+//! | `.points[].front` | | whether no other point above the noise is both faster and nearer in the family |
 //! | `stages` | seconds | by precision: loading, building, and each pass at the scene's own samples, summed over threads: medians |
 //! | `layers` | | time by precision, effect and pass: see [`layers`] |
 //! | `presets`, `crossings` | | see [`presets`] |
@@ -100,7 +100,7 @@ pub struct PointFindings {
     pub efficiency: Option<Interval>,
     pub efficiency_in_all: Option<Interval>,
     pub rays: f64,
-    pub believed: bool,
+    pub above_noise: bool,
     pub front: bool,
     /// The squared error of each seed.
     #[serde(skip)]
@@ -191,7 +191,7 @@ fn of_setting<'a>(
 
 impl SeriesFindings {
     fn fit(&self) -> Option<Interval> {
-        let counts = |p: &&PointFindings| p.believed && p.x >= SLOPE_FROM;
+        let counts = |p: &&PointFindings| p.above_noise && p.x >= SLOPE_FROM;
         let points: Vec<_> =
             self.points.iter().filter(counts).map(|p| (p.x, p.each.clone())).collect();
         fit::slope(&points)
@@ -223,7 +223,7 @@ impl PointFindings {
             efficiency_in_all: None,
             bias: mean(|r| r.error.bias),
             rays: mean(|r| r.rays as f64),
-            believed: rmse.value >= floor,
+            above_noise: rmse.value >= floor,
             front: false,
             each,
             times,
@@ -244,7 +244,7 @@ impl PointFindings {
 
 fn mark_front(series: &mut [SeriesFindings]) {
     let mut points: Vec<&mut PointFindings> =
-        series.iter_mut().flat_map(|line| &mut line.points).filter(|p| p.believed).collect();
+        series.iter_mut().flat_map(|line| &mut line.points).filter(|p| p.above_noise).collect();
     let places: Vec<(f64, f64)> = points.iter().map(|p| (p.seconds.median, p.rmse.value)).collect();
     for (point, front) in points.iter_mut().zip(fit::front(&places)) {
         point.front = front;

@@ -27,7 +27,7 @@ use wavecrest_scene::systems::overrides::{Layer, Overrides};
 const CAMERA_RAYS: &str = "camera rays";
 
 /// How often each is rendered at most, and for how many seconds another round is begun.
-const ROUNDS: usize = 5;
+const ROUNDS: usize = 8;
 const SHORT: f64 = 10.0;
 
 /// A precision.

@@ -50,7 +50,7 @@ pub fn write(
         first.extend(answers::dearest(&prices));
         sections.push(Section::new("What each effect costs", tables::prices(&prices)));
     }
-    sections.push(Section::new("How far hits are off where it is hard", yields::by_situation()));
+    sections.push(Section::new("Errors of hits in hard cases", yields::by_situation()));
     sections.extend(trust::section(findings));
     sections.push(about(findings));
     let (title, lead) = ("What accuracy costs in time".to_owned(), answers::lead(findings));
@@ -60,14 +60,14 @@ pub fn write(
 /// How it was measured, by whom, with what, by which command.
 fn about(findings: &Findings) -> Section {
     let mut blocks = vec![Block::paragraph(format!(
-        "Each setting was rendered {} times with random numbers of its own, all settings of a scene in random order; \
-         errors are against a reference in exact arithmetic, and no point within three standard errors of the \
-         reference is believed. Intervals hold the true value with 95 per cent.",
+        "Each setting was rendered {} times with different random numbers, all settings of a scene in random order. \
+         Errors are against a reference in exact arithmetic; one below three standard errors of the reference counts \
+         as its noise. Intervals have 95 per cent confidence.",
         findings.seeds
     ))];
     for circumstances in &findings.circumstances {
         let of = |key: &str| match &circumstances.machine[key] {
-            serde_json::Value::Null => "not told".to_owned(),
+            serde_json::Value::Null => "unknown".to_owned(),
             serde_json::Value::String(text) => text.clone(),
             other => other.to_string(),
         };
@@ -76,7 +76,7 @@ fn about(findings: &Findings) -> Section {
             Fact::new("Cores, threads", format!("{}, {}", of("cores"), of("threads"))),
             Fact::new("System", of("os")),
             Fact::new("wavecrest", findings.header.version.clone()),
-            Fact::new("Commit", circumstances.commit.clone().unwrap_or_else(|| "not told".into())),
+            Fact::new("Commit", circumstances.commit.clone().unwrap_or_else(|| "unknown".into())),
         ]));
         blocks.push(Block::Code(command(&circumstances.command)));
     }
@@ -119,14 +119,14 @@ fn section(scene: &SceneFindings, swept: &mut Swept, folder: &Path) -> Result<Se
     blocks.push(Block::Heading("Bias and variance".to_owned()));
     blocks.extend(trust::spread(scene));
     blocks.extend(standard_errors(scene, swept)?);
-    blocks.push(Block::Heading("What precision costs, and what it saves".to_owned()));
+    blocks.push(Block::Heading("What precision costs, and what it yields".to_owned()));
     blocks.extend(yields::sentence(scene));
     blocks.extend(tables::precision(scene));
     for (name, chart) in yields::charts(scene) {
         write_chart(&chart, &folder.join(format!("{}-{name}", scene.scene.scene)))?;
         blocks.push(Block::Chart(chart));
     }
-    blocks.push(Block::Heading("What must not matter".to_owned()));
+    blocks.push(Block::Heading("What must not change the picture".to_owned()));
     blocks.extend(tables::neutral(scene));
     Ok(Section::new(scene.scene.scene.clone(), blocks))
 }
@@ -152,8 +152,7 @@ fn standard_errors(scene: &SceneFindings, swept: &mut Swept) -> Result<Vec<Block
     };
     let maps = films.iter().map(map).collect::<Result<Vec<_>>>()?;
     let words = format!(
-        "The variance of each pixel in one render, from black for none to light for that of a standard error of {} \
-         or more.",
+        "Variance of each pixel in one render: black is none, the lightest colour a standard error of {} or more.",
         figure(ends)
     );
     Ok(if maps.is_empty() {
@@ -191,19 +190,18 @@ fn pictures(found: &FamilyFindings, swept: &mut Swept) -> Result<Vec<Block>> {
 fn side_by_side(Crops { reference, crops, ends }: &Crops, equal: Equal) -> Result<Vec<Block>> {
     let title = match equal {
         Equal::Time => "in equal time",
-        Equal::Error => "at an equal error",
+        Equal::Error => "at equal error",
     };
     let mut row = vec![picture(reference, "reference".to_owned())?];
-    let mut maps = Vec::new();
+    let mut maps = vec![scale(reference, *ends)?];
     for crop in crops {
         row.push(picture(&crop.film, words(crop))?);
         maps.push(picture(&crop.map, format!("{}: error", crop.name))?);
     }
     let mut blocks = vec![
         Block::paragraph(format!(
-            "The same part of the picture {title}, where the first sampler errs most. Below it the error, from {0} or \
-             more too dark (blue) to as much too bright (red). Press on a picture to see all of its row from near.",
-            figure(*ends)
+            "The part of the picture where the first sampler errs most, {title}, and the error below it. Click a \
+             picture to zoom into its row."
         )),
         Block::Pictures(row),
         Block::Pictures(maps),
@@ -216,6 +214,17 @@ fn side_by_side(Crops { reference, crops, ends }: &Crops, equal: Equal) -> Resul
         }));
     }
     Ok(blocks)
+}
+
+/// The false colours of signed errors, as large as a picture beside them.
+fn scale(like: &Film, end: f64) -> Result<Picture> {
+    let [width, height] = [like.width(), like.height()];
+    let value = |x: u32| (2.0 * x as f32 + 1.0) / width as f32 - 1.0;
+    let ramp = (0..height).flat_map(|_| (0..width).map(|x| [value(x); 3])).collect();
+    let ramp = Film::from_pixels(width, height, ramp)?;
+    let map = error_map(&ramp, &Film::new(width, height)?, MapKind::Signed, 1.0)?;
+    let caption = format!("scale of the error, from \u{2212}{0} to {0}", figure(end));
+    picture(&map, caption)
 }
 
 fn words(crop: &Crop) -> String {

@@ -44,7 +44,7 @@ const MOST_SIDE: u32 = 1024;
 /// as much.
 const MARGIN: f64 = 1.1;
 
-/// Slopes of the error that are believed: independent points have the first, and none fall quicker than
+/// Slopes that the error can have: independent points have the first, and none fall quicker than
 /// with the power 3/2 of their number.
 const SLOPES: [f64; 2] = [-1.5, -0.5];
 

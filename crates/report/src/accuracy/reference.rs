@@ -2,9 +2,9 @@
 //!
 //! It is the mean of several renders in exact arithmetic that differ in nothing but their random numbers.
 //! Each is without bias, so that the spread between them estimates how far their mean is from the truth: the
-//! standard error, as a root mean square over all values of the picture. What lies within [`FLOOR`] of
-//! these is not believed; renders are added until the picture is good enough for what is to be compared
-//! with it, or until there are [`MOST_REPLICATES`].
+//! standard error, as a root mean square over all values of the picture. An error of less than
+//! [`FLOOR`] of these is noise of the reference; renders are added until the picture is good enough for what is to
+//! be compared with it, or until there are [`MOST_REPLICATES`].
 
 use super::setting::{Setting, Structure, Target};
 use super::subject::Subject;
@@ -15,7 +15,7 @@ use wavecrest_core::math::sampling::{Points, Sampling};
 use wavecrest_core::prepared::Samples;
 use wavecrest_core::render::RenderOptions;
 
-/// An error is believed where it is at least this many standard errors of the reference.
+/// An error is above the noise of the reference from this many of its standard errors on.
 pub const FLOOR: f64 = 3.0;
 
 /// Renders that a reference is made of, at least: fewer would not give their spread.
@@ -129,7 +129,7 @@ fn setting(subject: &Subject, target: Target, least: u32) -> (Setting, u32) {
 }
 
 /// Makes the reference of `target`, of at least `least` points of each kind, until errors of `smallest` are
-/// believed. `progress` is called after each render.
+/// above its noise. `progress` is called after each render.
 ///
 /// # Errors
 /// When the scene can no longer be rendered.

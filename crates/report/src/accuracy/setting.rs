@@ -62,6 +62,28 @@ pub fn series_of(key: &str) -> String {
     key.split(' ').map(uncounted).collect::<Vec<_>>().join(" ")
 }
 
+/// What a [key](Setting::key) says, or a [series](series_of) of these, for a reader: "64 random points on lights".
+pub fn words_of(key: &str, target: Target) -> String {
+    let (precision, rest) = key.split_once(' ').unwrap_or((key, ""));
+    let value = |name: &str| rest.split(' ').find_map(|w| w.strip_prefix(name)?.strip_prefix('='));
+    let points = |value: &str, of: &str| match value.split_once(':') {
+        Some((sampling, side)) => {
+            let count = side.parse::<u32>().map_or(0, |side| side * side);
+            format!("{count} {sampling} {of}")
+        }
+        None => format!("{value} {of}"),
+    };
+    let words = match (value("filter"), value("pixel"), value("lights"), value("lens")) {
+        (Some(filter), ..) => format!("{filter} texture filter"),
+        (_, Some(pixel), ..) if target == Target::Pixel => points(pixel, "rays in a pixel"),
+        (.., Some(lights), _) => points(lights, "points on lights"),
+        (.., Some(lens)) => points(lens, "points on the lens"),
+        _ if rest.starts_with("bounces") => "mirror bounces".to_owned(),
+        _ => return format!("the scene as it is, {precision}"),
+    };
+    if precision == Precision::default().name() { words } else { format!("{words}, {precision}") }
+}
+
 /// Whether the error of a setting with this [key](Setting::key) falls towards 0 as its points become more.
 pub fn converges(key: &str) -> bool {
     key.contains(':') && !key.contains("filter=")
@@ -265,4 +287,31 @@ fn filters() -> Family {
     let series = Filter::ALL.into_iter().map(line).collect();
     let (target, title, counted) = (Target::Pixel, "Texture filters", "rays a pixel");
     Family { name: "filter", title, counted, target, has_slope: false, series }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_key_is_told_in_words() {
+        let points = Some(Points { sampling: Sampling::Sobol, side: 8 });
+        let with = |samples| Setting { samples, ..Setting::default() }.key();
+        let lights = with(Samples { lights: points, ..Samples::default() });
+        let pixel = with(Samples { lights: points, lens: points, pixel: points });
+        let mut exact = Setting::default();
+        exact.structure.precision = Precision::Exact;
+        let mut filter = exact;
+        filter.structure.overrides.filter = Some(Filter::Nearest);
+        for (key, target, expected) in [
+            (lights.clone(), Target::Scene, "64 sobol points on lights"),
+            (series_of(&lights), Target::Scene, "sobol points on lights"),
+            (pixel, Target::Pixel, "64 sobol rays in a pixel"),
+            (exact.key(), Target::Scene, "the scene as it is, exact"),
+            (filter.key(), Target::Pixel, "nearest texture filter, exact"),
+            ("robust bounces".to_owned(), Target::Scene, "mirror bounces"),
+        ] {
+            assert_eq!(words_of(&key, target), expected);
+        }
+    }
 }

@@ -25,7 +25,7 @@ pub fn warnings(
 ) -> Vec<String> {
     let mut warnings: Vec<Option<String>> = Vec::new();
     if cfg!(debug_assertions) {
-        let why = "this program is built to be debugged: build it with --release";
+        let why = "this is a debug build: build with --release";
         warnings.push(Some(why.to_owned()));
     }
     if invalid > 0 {
@@ -44,8 +44,7 @@ fn short(name: &str, tracer: &TracerBench) -> Option<String> {
     let median = tracer.seconds.median;
     (median < SHORT).then(|| {
         format!(
-            "a run of the {name} takes {:.2} ms, of which much is its start: \
-             ask for a larger image with --width and --height",
+            "a run of the {name} takes {:.2} ms, much of it startup: render a larger image with --width and --height",
             median * 1e3
         )
     })
@@ -68,8 +67,8 @@ fn wide(name: &str, tracer: &TracerBench) -> Option<String> {
     let spread = tracer.seconds.spread();
     (spread > WIDE).then(|| {
         format!(
-            "the quartiles of the {name} are {:.0} % of the median apart: \
-             close other programs, or run for longer with --min-time",
+            "times of the {name} vary, their quartiles by {:.0} % of the median: close other programs, or run for \
+             longer with --min-time",
             100.0 * spread
         )
     })
@@ -80,8 +79,7 @@ fn few(ratio: &Ratio) -> Option<String> {
         let (pairs, percent) = (ratio.pairs, 100.0 * CONFIDENCE);
         let s = if pairs == 1 { "" } else { "s" };
         format!(
-            "{pairs} pair{s} of runs cannot give {percent:.0} % confidence: \
-             allow {ENOUGH} or more with --repeats"
+            "{pairs} pair{s} of runs cannot give {percent:.0} % confidence: run {ENOUGH} or more with --repeats"
         )
     })
 }

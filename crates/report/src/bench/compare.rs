@@ -2,7 +2,7 @@
 //! sizes, or with nothing left out.
 //!
 //! Each choice runs once a round, so that what slows the machine down for a while slows all of them
-//! down, and who goes first takes turns. The ratio of each to the usual choice is taken round by
+//! down, and who goes first takes turns. The ratio of each to the default is taken round by
 //! round. As between tracers, every image is checked, and one that differs ends it.
 
 use serde::Serialize;
@@ -83,7 +83,7 @@ pub struct Comparison {
     pub of: Axis,
     /// Timed rounds.
     pub rounds: usize,
-    /// What was found of each, the usual choice first; empty where images differ.
+    /// What was found of each, the default first; empty where images differ.
     pub variants: Vec<VariantBench>,
     /// What ended the comparison, if anything did.
     pub difference: Option<VariantDifference>,
@@ -98,7 +98,7 @@ pub struct VariantBench {
     /// Its runs.
     #[serde(flatten)]
     pub bench: TracerBench,
-    /// How many times as fast as the usual choice.
+    /// Its speed over that of the default.
     pub ratio: Ratio,
 }
 

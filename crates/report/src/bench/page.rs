@@ -39,7 +39,7 @@ fn lead(scenes: &[SceneBench]) -> String {
             let most = medians.fold(0.0, f64::max);
             sentences.push(format!(
                 "Of {}, the wavefront is faster in {wavefront} and the recursive tracer in \
-                 {recursive}; in {} neither is shown to be. The wavefront is {least:.3} to \
+                 {recursive}; in {} the difference is within noise. The wavefront is {least:.3} to \
                  {most:.3} times as fast as the recursive tracer.",
                 plural(ratios.len(), "scene"),
                 ratios.len() - wavefront - recursive,
@@ -49,11 +49,13 @@ fn lead(scenes: &[SceneBench]) -> String {
     let different = scenes.iter().filter(|scene| !scene.equal).count();
     sentences.push(match different {
         0 if scenes.is_empty() => "Nothing was measured.".to_owned(),
-        0 => "Every image was the same to the last bit.".to_owned(),
-        _ => format!(
-            "The tracers disagree in {}: no time is given there.",
-            plural(different, "scene")
-        ),
+        0 => "All images are bit-identical.".to_owned(),
+        _ => {
+            format!(
+                "The tracers disagree in {}: no times are given there.",
+                plural(different, "scene")
+            )
+        }
     });
     sentences.join(" ")
 }
@@ -66,8 +68,8 @@ fn overview(scenes: &[SceneBench]) -> Option<Section> {
     }
     let blocks = vec![
         Block::paragraph(
-            "Both tracers render each scene in turn, pair by pair, so that what slows the machine \
-             down for a while slows both down. The ratio of their times is taken pair by pair.",
+            "The tracers take turns, so that whatever slows the machine for a while slows both. The ratio is that of \
+             the two times of each pair of runs.",
         ),
         Block::Chart(ratios(&measured)),
         Block::Table(table(&measured)),
@@ -86,8 +88,8 @@ fn ratios(measured: &[Both<'_>]) -> Chart {
     ratio_chart(
         "Speed of the wavefront over that of the recursive tracer",
         &format!(
-            "A point is the median of the pairs, its whiskers an interval that holds the true \
-             median, by {METHOD}. Right of the line the wavefront is faster."
+            "Points are medians over pairs of runs, whiskers their confidence intervals ({METHOD}). Right of the \
+             line the wavefront is faster."
         ),
         Axis::new("scene", "", Scale::Names(names)),
         points.collect(),
@@ -122,7 +124,7 @@ fn rates(measured: &[Both<'_>]) -> Chart {
         y: Axis::new("million rays a second", "", Scale::FromZero),
         series: vec![Series::of("wavefront", wavefront), Series::of("recursive", recursive)],
         guides: Vec::new(),
-        caption: "Rays of a kind in the median time of a whole run, the other kinds included."
+        caption: "Rays of each kind, over the median time of a whole run with all kinds."
             .to_owned(),
     }
 }
@@ -139,8 +141,8 @@ fn table(measured: &[Both<'_>]) -> Table {
             ratio_cell(ratio),
         ]
     };
-    let caption = "Rays of every kind, in millions a second by the median time, and the ratio of the speeds with \
-                   its interval.";
+    let caption = "Millions of rays of all kinds a second, by the median time, and the ratio of the speeds with its \
+                   interval.";
     let header = "scene|>triangles|>rays|>wavefront|>recursive|>ratio";
     Table::new(caption, header, measured.iter().map(row).collect())
 }
@@ -155,9 +157,8 @@ fn measured(report: &BenchReport) -> Section {
         Fact::new("system", os),
         Fact::new("wavecrest", report.version),
     ];
-    let why = hardware_missing
-        .iter()
-        .map(|why| Fact::new("counts of the processor", format!("none: {why}")));
+    let why =
+        hardware_missing.iter().map(|why| Fact::new("hardware counters", format!("none: {why}")));
     facts.extend(why);
     let words: Vec<String> = report.command.iter().map(|word| quoted(word)).collect();
     Section::new(

@@ -168,7 +168,7 @@ fn the_text_has_work_beside_time() {
         "24 x 16 pixels, 1 camera ray\n",
         "1 sphere, 1 light\n",
         "loaded in 0.500 s, tree (fast) built in 0.250 s",
-        "6 pairs, every image the same to the last bit",
+        "6 pairs, all images bit-identical",
         "  median                       100.000     125.000  ms\n",
         "Mrays/s",
         "intersect",
@@ -236,8 +236,7 @@ fn the_page_begins_with_the_ratio() {
     assert_eq!(
         page.lead,
         "The wavefront is 1.250 times as fast as the recursive tracer (1.250 to 1.250 with 96.9\u{a0}% \
-         confidence, 6 pairs of runs): the wavefront is faster. Every image was the same to the \
-         last bit."
+         confidence, 6 pairs of runs): the wavefront is faster. All images are bit-identical."
     );
 }
 
@@ -285,9 +284,9 @@ fn the_page_tells_of_several_scenes_and_of_those_that_disagree() {
     let page = page(&report_of(vec![steady(), slow, different()]));
     assert_eq!(
         page.lead,
-        "Of 2 scenes, the wavefront is faster in 1 and the recursive tracer in 1; in 0 neither is \
-         shown to be. The wavefront is 0.500 to 1.250 times as fast as the recursive tracer. The \
-         tracers disagree in 1 scene: no time is given there."
+        "Of 2 scenes, the wavefront is faster in 1 and the recursive tracer in 1; in 0 the \
+         difference is within noise. The wavefront is 0.500 to 1.250 times as fast as the recursive tracer. The \
+         tracers disagree in 1 scene: no times are given there."
     );
     assert_eq!(charts(section(&page, "Speed"))[0].series[0].points.len(), 2);
     let wrong = section(&page, "`b.json`");

@@ -21,7 +21,7 @@ pub fn machine(machine: &Machine) -> String {
     let (cores, threads) = (plural(*cores, "core"), plural(*threads, "thread"));
     let mut text = format!("{processor}, {cores}, {threads}, {os}\n");
     if let Some(why) = &machine.hardware_missing {
-        let _ = writeln!(text, "no counts of the processor: {why}");
+        let _ = writeln!(text, "no hardware counters: {why}");
     }
     text
 }
@@ -40,7 +40,7 @@ pub fn scene(report: &SceneBench) -> String {
                 text += &kernels(report, wavefront);
             }
             if let Some(ratio) = &report.ratio {
-                let _ = writeln!(text, "  speed of the wavefront over the recursive tracer");
+                let _ = writeln!(text, "  wavefront speed / recursive speed");
                 let _ = writeln!(text, "    {}; {}", interval(ratio), ratio.verdict());
             }
             report.comparisons.iter().for_each(|compared| text += &comparison(compared));
@@ -94,7 +94,7 @@ fn head(report: &SceneBench) -> String {
     row("rays a run", format!("{primary} primary, {secondary} secondary, {shadow} shadow"));
     if let Some(ratio) = &report.ratio {
         let pairs = plural(ratio.pairs, "pair");
-        row("runs", format!("{pairs}, every image the same to the last bit"));
+        row("runs", format!("{pairs}, all images bit-identical"));
     }
     text
 }

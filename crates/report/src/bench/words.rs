@@ -7,14 +7,14 @@ use super::report::SceneBench;
 pub fn verdict(difference: &Difference) -> String {
     match difference {
         Difference::Pixel { tracer, x, y, expected, found } => format!(
-            "THE IMAGES DIFFER: the first pixel that a {tracer:?} run has otherwise than the first \
-             Wavefront run is at column {x}, row {y}:\n  {}, where the first has\n  {}",
+            "THE IMAGES DIFFER: the first different pixel of a {tracer:?} run is at column {x}, row {y}:\n  {}; \
+             the first Wavefront run has\n  {}",
             pixel(found),
             pixel(expected)
         ),
         Difference::Work { tracer, count, expected, found } => format!(
-            "THE WORK DIFFERS: a {tracer:?} run counts {found} {count}, where the first Wavefront \
-             run counts {expected}; the images are the same"
+            "THE WORK DIFFERS: a {tracer:?} run counts {found} {count}, the first Wavefront run {expected}; the \
+             images are the same"
         ),
     }
 }
@@ -41,7 +41,7 @@ pub(super) fn prepared(report: &SceneBench) -> String {
 /// The memory at its peak, where it is known.
 pub(super) fn peak(report: &SceneBench) -> Option<String> {
     let peak = report.memory.peak? as f64 / 1e6;
-    Some(format!("{peak:.1} MB, of the program so far"))
+    Some(format!("{peak:.1} MB, the whole process so far"))
 }
 
 /// A number of rays, where there are any.

@@ -27,7 +27,7 @@ pub fn text(list: &PriceList) -> String {
         list.effects.iter().partition(|price| price.reached);
     let pixels = f64::from(list.image.width) * f64::from(list.image.height);
     rows(&mut text, &reached, width, pixels);
-    let _ = writeln!(text, "what nothing leads to");
+    let _ = writeln!(text, "effects that nothing in view calls for");
     rows(&mut text, &unreached, width, pixels);
     text
 }

@@ -80,13 +80,13 @@ pub fn compare(before: &Path, after: &Path) -> Result<Regression> {
     for scene in &sides[0].scenes {
         let name = &scene.scene;
         match sides[1].scenes.iter().find(|other| other.scene == *name) {
-            None => regression.warnings.push(format!("`{name}` was not measured again")),
+            None => regression.warnings.push(format!("`{name}` is missing after")),
             Some(other) if other.image != scene.image => {
-                regression.warnings.push(format!("`{name}` has another size, or other samples"));
+                regression.warnings.push(format!("`{name}` differs in size or samples"));
             }
             Some(other) => {
                 if other.rays != scene.rays {
-                    regression.warnings.push(format!("`{name}` takes another number of rays"));
+                    regression.warnings.push(format!("`{name}` casts a different number of rays"));
                 }
                 found.extend(times(scene, other, same_machine));
                 regression.changes.extend(equality(scene, other));

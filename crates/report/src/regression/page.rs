@@ -1,11 +1,11 @@
-//! What became of each comparison, as text and as a page.
+//! The result of each comparison, as text and as a page.
 
 use std::fmt::Write as _;
 use std::path::Path;
 
 use super::{Change, Ratio, Regression, Side, TOLERANCE, Verdict};
 use crate::files::{to_json, write_text};
-use crate::page::{Block, Cell, Fact, Page, Section, Table};
+use crate::page::{Block, Cell, Details, Fact, Page, Section, Table};
 use crate::plot::{Axis, Chart, Draw, Guide, Point, Scale, Series};
 use wavecrest_base::error::Result;
 
@@ -15,7 +15,7 @@ impl Verdict {
         match self {
             Self::Worse => "worse",
             Self::Better => "better",
-            Self::Same => "as before",
+            Self::Same => "unchanged",
         }
     }
 }
@@ -61,62 +61,108 @@ impl Regression {
         text + &self.answer() + "\n"
     }
 
-    /// The page.
+    /// The page: what changed, then all comparisons.
     pub fn page(&self) -> Page {
-        let mut sections = vec![Section::new("What became of it", self.found())];
-        let curves = self.ratios.iter().filter(|ratio| !ratio.curves.is_empty());
-        let curves: Vec<Block> = curves.map(|ratio| Block::Chart(curve(ratio))).collect();
-        if !curves.is_empty() {
-            sections.push(Section::new("Error against time", curves));
+        let mut sections = vec![Section::new("All comparisons", self.all())];
+        let curves = |changed: bool| -> Vec<Block> {
+            let is_so =
+                |r: &&Ratio| !r.curves.is_empty() && changed != (r.verdict == Verdict::Same);
+            self.ratios.iter().filter(is_so).map(|ratio| Block::Chart(curve(ratio))).collect()
+        };
+        let (mut blocks, unchanged) = (curves(true), curves(false));
+        if !unchanged.is_empty() {
+            let summary = "Where nothing changed".to_owned();
+            blocks.push(Block::Details(Details { summary, blocks: unchanged }));
+        }
+        if !blocks.is_empty() {
+            sections.push(Section::new("Error against time", blocks));
         }
         sections
             .push(Section::new("What was compared", vec![side(&self.before), side(&self.after)]));
         let (title, lead) = ("Before and after".to_owned(), self.answer());
-        Page { title, lead, sections, ..Page::default() }
+        Page { title, lead, first: self.changed(), sections }
     }
 
-    fn found(&self) -> Vec<Block> {
+    /// What became worse or better, the largest change first, and what to know of the comparison.
+    fn changed(&self) -> Vec<Block> {
         let mut blocks: Vec<Block> = self.warnings.iter().cloned().map(Block::Warning).collect();
-        blocks.push(Block::Chart(forest(&self.ratios)));
+        let changed = self.ratios.iter().filter(|ratio| ratio.verdict != Verdict::Same);
+        let mut changed: Vec<&Ratio> = changed.collect();
+        changed.sort_by(|a, b| b.ratio.total_cmp(&a.ratio));
+        if !changed.is_empty() {
+            blocks.push(Block::Table(table("What changed, after over before", changed)));
+        }
         if !self.changes.is_empty() {
             let rows = self.changes.iter().map(change).collect();
-            let caption = "What follows from the program alone, and is not as it was";
+            let caption = "What involves no chance, and differs";
             blocks.push(Block::Table(Table::new(caption, "scene|what|before|after|verdict", rows)));
         }
-        let rows = self.ratios.iter().map(row).collect();
-        let caption = "Every ratio, after over before, and the chance of as much where nothing changed, corrected \
-                       for the number of comparisons";
-        let header = "scene|what|of|>ratio|>interval|>chance|verdict";
-        blocks.push(Block::Table(Table::new(caption, header, rows)));
+        blocks
+    }
+
+    /// Every ratio: drawn scene by scene where they are many.
+    fn all(&self) -> Vec<Block> {
+        let mut blocks = Vec::new();
+        if self.ratios.len() <= MOST_ROWS {
+            blocks.push(Block::Chart(forest("After over before", self.ratios.iter().collect())));
+        } else {
+            let mut scenes: Vec<&str> = self.ratios.iter().map(|ratio| &*ratio.scene).collect();
+            scenes.dedup();
+            for scene in scenes {
+                let ratios = self.ratios.iter().filter(|ratio| ratio.scene == scene).collect();
+                let title = format!("{scene}: after over before");
+                blocks.push(Block::Chart(forest(&title, ratios)));
+            }
+        }
+        let caption =
+            "All ratios, after over before, with p-values corrected for the number of comparisons";
+        let every = Block::Table(table(caption, self.ratios.iter().collect()));
+        let summary = "Every ratio".to_owned();
+        blocks.push(Block::Details(Details { summary, blocks: vec![every] }));
         blocks
     }
 }
 
-/// All ratios, a row each.
-fn forest(ratios: &[Ratio]) -> Chart {
+/// The most ratios in one chart.
+const MOST_ROWS: usize = 24;
+
+/// Ratios, a row each, but for those that are 1 without a doubt.
+fn forest(title: &str, ratios: Vec<&Ratio>) -> Chart {
+    let all = ratios.len();
+    let ratios: Vec<&Ratio> = ratios.into_iter().filter(|r| r.low < 1.0 || r.high > 1.0).collect();
     let several = ratios.iter().any(|ratio| ratio.scene != ratios[0].scene);
-    let name = |r: &Ratio| {
+    let name = |r: &&Ratio| {
         let scene = if several { format!("{}: ", r.scene) } else { String::new() };
         format!("{scene}{}, {}", r.what, r.of)
     };
     let series = |verdict: Verdict| {
         let rows = ratios.iter().enumerate().filter(|(_, ratio)| ratio.verdict == verdict);
         let point =
-            |(row, r): (usize, &Ratio)| Point::new(row as f64, r.ratio).within(r.low, r.high);
+            |(row, r): (usize, &&Ratio)| Point::new(row as f64, r.ratio).within(r.low, r.high);
         Series::of(verdict.word(), rows.map(point).collect())
     };
+    let equal = match all - ratios.len() {
+        0 => String::new(),
+        1 => " 1 ratio is exactly 1, and not drawn.".to_owned(),
+        n => format!(" {n} ratios are exactly 1, and not drawn."),
+    };
     Chart {
-        title: "After over before".to_owned(),
+        title: title.to_owned(),
         x: Axis::new("", "", Scale::Names(ratios.iter().map(name).collect())),
         y: Axis::new("ratio", "", Scale::Linear),
         series: [Verdict::Same, Verdict::Worse, Verdict::Better].map(series).to_vec(),
-        guides: vec![Guide::at("as before", 1.0)],
+        guides: vec![Guide::at("unchanged", 1.0)],
         caption: format!(
-            "Right of the line is worse. The intervals hold together with 99 per cent; up to {} per cent is \
-             not called a change.",
+            "Right of the line is worse. All intervals together have 99 per cent confidence; up to {} per cent does \
+             not count as a change.{equal}",
             TOLERANCE * 100.0
         ),
     }
+}
+
+fn table(caption: &str, ratios: Vec<&Ratio>) -> Table {
+    let header = "scene|setting|ratio of|>ratio|>interval|>p|verdict";
+    Table::new(caption, header, ratios.into_iter().map(row).collect())
 }
 
 fn row(r: &Ratio) -> Vec<Cell> {
@@ -148,21 +194,21 @@ fn curve(ratio: &Ratio) -> Chart {
         y: Axis::new("RMSE", "", Scale::Log),
         series: ["before", "after"].into_iter().zip(&ratio.curves).map(series).collect(),
         guides: Vec::new(),
-        caption: format!("{:.3} times the time to an equal error.", ratio.ratio),
+        caption: format!("Time at equal error, after over before: {:.3}.", ratio.ratio),
     }
 }
 
 fn side(side: &Side) -> Block {
-    let told = |key: &str| match &side.machine[key] {
-        serde_json::Value::Null => "not told".to_owned(),
+    let of = |key: &str| match &side.machine[key] {
+        serde_json::Value::Null => "unknown".to_owned(),
         serde_json::Value::String(text) => text.clone(),
         other => other.to_string(),
     };
     Block::Facts(vec![
-        Fact::new("Of", side.path.clone()),
+        Fact::new("Measurement", side.path.clone()),
         Fact::new("wavecrest", side.version.clone()),
-        Fact::new("Commit", side.commit.clone().unwrap_or_else(|| "not told".to_owned())),
-        Fact::new("Processor", told("processor")),
-        Fact::new("Cores, threads", format!("{}, {}", told("cores"), told("threads"))),
+        Fact::new("Commit", side.commit.clone().unwrap_or_else(|| "unknown".to_owned())),
+        Fact::new("Processor", of("processor")),
+        Fact::new("Cores, threads", format!("{}, {}", of("cores"), of("threads"))),
     ])
 }

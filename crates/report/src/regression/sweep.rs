@@ -13,7 +13,7 @@ use std::path::Path;
 use super::unit::{Unit, busy, units};
 use super::{Change, Estimate, Found, Regression, Side, Verdict, log_ratio, typical};
 use crate::accuracy::reference::FLOOR;
-use crate::accuracy::setting::{Target, converges, series_of};
+use crate::accuracy::setting::{Target, converges, series_of, words_of};
 use crate::accuracy::store::{
     Circumstances, Header, NeutralRecord, PointRecord, PreparedRecord, Record, ReferenceRecord,
     SceneRecord, TrialRecord, all, read,
@@ -67,14 +67,14 @@ pub fn compare(before: &Path, after: &Path) -> Result<Regression> {
         let name = &scene.scene;
         let other = all(&sides[1].records).find(|other: &&SceneRecord| other.scene == *name);
         match other {
-            None => regression.warnings.push(format!("`{name}` was not measured again")),
+            None => regression.warnings.push(format!("`{name}` is missing after")),
             Some(other) if other.size != scene.size => regression.warnings.push(format!(
-                "`{name}` has another size: {:?} before, {:?} after",
+                "`{name}` differs in size: {:?} before, {:?} after",
                 scene.size, other.size
             )),
             Some(other) => {
                 if other.fingerprint != scene.fingerprint {
-                    let warning = "is not the same scene, or is prepared in another way";
+                    let warning = "is another scene, or was prepared in another way";
                     regression.warnings.push(format!("`{name}` {warning}"));
                 }
                 points(name, &sides, &mut found, &mut regression.warnings);
@@ -107,12 +107,9 @@ fn points(scene: &str, sides: &[Sweep<'_>; 2], found: &mut Vec<Found>, warnings:
     let [before, after] = sides.each_ref().map(|side| series(scene, &side.records));
     let (mut everything, mut short) = (Vec::new(), 0);
     for ((target, name), keys) in &before {
-        let what = match target {
-            Target::Scene => name.clone(),
-            Target::Pixel => format!("{name}, whole pixels"),
-        };
+        let what = words_of(name, *target);
         let Some(others) = after.get(&(*target, name.clone())) else {
-            warnings.push(format!("`{scene}`: {what} was not measured again"));
+            warnings.push(format!("`{scene}`: {what} is missing after"));
             continue;
         };
         let falls = keys.keys().all(|key| converges(key));
@@ -181,7 +178,7 @@ fn series<'a>(scene: &str, records: &'a [Record]) -> Series<'a> {
     series
 }
 
-/// The mean squared error below which nothing is believed.
+/// The mean squared error up to which an error is noise of the reference.
 fn floor(scene: &str, target: Target, sweep: &Sweep<'_>) -> f64 {
     let floor = reference(scene, target, sweep).map_or(0.0, |r| FLOOR * r.standard_error);
     floor * floor
@@ -210,9 +207,9 @@ fn pairs<'a>(
         Column { seconds: points().map(time).collect(), squares }
     };
     let pairs = common.into_iter().map(|[a, b]| [column(a, &units[0]), column(b, &units[1])]);
-    let is_believed =
+    let is_above_noise =
         |pair: &Pair| pair.iter().zip(floors).all(|(column, floor)| mean(&column.squares) >= floor);
-    pairs.filter(is_believed).collect()
+    pairs.filter(is_above_noise).collect()
 }
 
 fn takes_time(pair: &Pair) -> bool {
@@ -303,9 +300,9 @@ fn preparation(scene: &str, sides: &[Sweep<'_>; 2]) -> Vec<Found> {
         let estimate = Estimate::of(rounds, |rounds| {
             log_ratio(typical(before, rounds), typical(after, rounds))
         })?;
-        let what = format!("{key}, before the first ray");
+        let what = words_of(key, Target::Scene);
         let (scene, curves) = (scene.to_owned(), Vec::new());
-        Some(Found { scene, what, of: "time", overall: false, estimate, curves })
+        Some(Found { scene, what, of: "loading time", overall: false, estimate, curves })
     };
     before.iter().filter_map(one).collect()
 }
@@ -328,7 +325,7 @@ fn neutral(scene: &str, sides: &[Sweep<'_>; 2]) -> Vec<Change> {
     let differs = |before: &NeutralRecord| {
         let is_it = |n: &&&NeutralRecord| n.knob == before.knob && n.value == before.value;
         let after = after.iter().find(is_it)?;
-        let words = |n: &NeutralRecord| if n.equal { "the same bits" } else { "other bits" };
+        let words = |n: &NeutralRecord| if n.equal { "identical" } else { "different" };
         (after.equal != before.equal).then(|| Change {
             scene: scene.to_owned(),
             what: format!("{} {}", before.knob, before.value),

@@ -219,7 +219,7 @@ fn a_sampler_that_is_wrong_is_found() {
     // The strata of one dimension are forgotten: the error falls as that of independent points.
     for found in tries(Program { jittered: -1.0, ..USUAL }) {
         let worse = worse(&found);
-        assert!(worse.contains(&"robust lights=jittered, time at equal error".to_owned()));
+        assert!(worse.contains(&"jittered points on lights, time at equal error".to_owned()));
         assert!(worse.iter().all(|what| !what.contains("random") && !what.contains("sobol")));
     }
 }

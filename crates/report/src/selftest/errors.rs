@@ -89,7 +89,7 @@ impl HitErrors {
     /// The worst of each, in words.
     pub fn words(&self) -> String {
         let [t, point, normal] = [&self.t, &self.point, &self.normal].map(|e| ulps(e.worst));
-        format!("off by at most: t {t}, points {point}, normals {normal}")
+        format!("largest errors: t {t}, points {point}, normals {normal}")
     }
 
     /// Compares what the `tests` of a precision say of a ray and a triangle: a hit at `t`, or none.

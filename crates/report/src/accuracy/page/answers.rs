@@ -3,9 +3,11 @@
 use crate::accuracy::Findings;
 use crate::accuracy::answer::{Answer, AtError, Price};
 use crate::accuracy::findings::SceneFindings;
+use crate::accuracy::fit::Interval;
 use crate::effects::PriceList;
 use crate::page::{Block, Cell, Table};
 use crate::plot::number::{figure, seconds};
+use wavecrest_core::kernels::precision::Precision;
 
 /// Which scenes, and at which size.
 pub(super) fn lead(findings: &Findings) -> String {
@@ -21,22 +23,16 @@ pub(super) fn lead(findings: &Findings) -> String {
 pub(super) fn blocks(findings: &Findings) -> Vec<Block> {
     let answers = || findings.scenes.iter().map(|scene| (scene, &scene.answer));
     let rows = answers().flat_map(|(scene, a)| a.errors.iter().map(move |e| row(scene, a, e)));
-    let caption = "To an error (root mean square of linear values): the quickest sampler, its points, the seconds of \
-                   loading, building and tracing, and how many times as fast as with random points tracing is";
-    let header = "scene|>error|sampler|>points|>seconds in all|>times as fast as random";
-    let mut blocks = vec![Block::Table(Table::new(caption, header, rows.collect()))];
-    blocks.extend(answers().map(|(scene, answer)| Block::paragraph(costs(scene, answer))));
-    blocks
+    let caption = "The fastest way to each error (RMSE of linear values): the sampler, its points, the time of \
+                   loading, building and tracing, and the speedup of tracing over random points";
+    let header = "scene|>error|sampler|>points|>total time|>speedup over random";
+    vec![Block::Table(Table::new(caption, header, rows.collect())), costs(findings)]
 }
 
 fn row(scene: &SceneFindings, answer: &Answer, at: &AtError) -> Vec<Cell> {
     let missing = || Cell::text("not reached");
     let points = at.points.map(|n| format!("{} {}", figure(n as f64), per(answer.counted)));
-    let faster = at.times_as_fast.map(|ratio| {
-        let least = if at.at_least { "at least " } else { "" };
-        let text = format!("{least}{:.1} ({:.1} to {:.1})", ratio.value, ratio.low, ratio.high);
-        Cell::number(ratio.value, text)
-    });
+    let faster = at.times_as_fast.map(|ratio| Cell::number(ratio.value, speedup(at, &ratio)));
     vec![
         Cell::text(scene.scene.scene.clone()),
         Cell::number(at.error, at.error.to_string()),
@@ -47,40 +43,55 @@ fn row(scene: &SceneFindings, answer: &Answer, at: &AtError) -> Vec<Cell> {
     ]
 }
 
+/// How many times as fast as random points, as far as these went.
+fn speedup(at: &AtError, ratio: &Interval) -> String {
+    let &Interval { value, low, high } = ratio;
+    match at.at_least {
+        true if value >= 1.0 => format!("over {value:.1}; random did not reach it"),
+        true => "random did not reach it".to_owned(),
+        false if low == high => format!("{value:.1}"),
+        false => format!("{value:.1} ({low:.1} to {high:.1})"),
+    }
+}
+
 /// What is counted, as it stands after a number: "a light" of "points on each light".
 fn per(counted: &str) -> &str {
     counted.strip_prefix("points ").or(counted.strip_prefix("rays ")).unwrap_or(counted)
 }
 
-/// What precision and effects cost in a scene, in sentences.
-fn costs(scene: &SceneFindings, answer: &Answer) -> String {
-    let times = |price: &Price| {
-        let r = price.ratio;
-        format!("{} takes {:.2} ({:.2} to {:.2})", price.name, r.value, r.low, r.high)
+/// What precision and effects cost in each scene.
+fn costs(findings: &Findings) -> Block {
+    let missing = || Cell::text("-");
+    let ratio = |price: &Price| {
+        let Interval { value, low, high } = price.ratio;
+        let decimals = if value < 10.0 { 2 } else { 1 };
+        Cell::number(value, format!("{value:.decimals$} ({low:.decimals$} to {high:.decimals$})"))
     };
-    let mut sentences = Vec::new();
-    for price in &answer.precisions {
-        let worst =
-            price.worst_t.map(|ulp| format!(", and its worst t is {} ulp off", figure(ulp)));
-        let worst = worst.unwrap_or_default();
-        sentences.push(format!("{} times as long as fast{worst}", times(price)));
-    }
-    if let Some(effect) = answer.effects.first() {
-        let r = effect.ratio;
-        sentences.push(format!(
-            "of its effects {} cost most, {:.2} ({:.2} to {:.2}) times as long as with one point for them or without",
-            effect.name, r.value, r.low, r.high
-        ));
-    }
-    if let Some(pass) = &answer.pass {
-        let share = answer.share * 100.0;
-        sentences
-            .push(format!("most of the time of tracing, {share:.0} per cent, goes into `{pass}`"));
-    }
-    format!("{}: {}.", scene.scene.scene, sentences.join("; "))
+    let row = |scene: &SceneFindings| {
+        let Answer { precisions, effects, pass, share, .. } = &scene.answer;
+        let of = |precision: Precision| precisions.iter().find(|p| p.name == precision.name());
+        let robust = of(Precision::Robust);
+        let worst = robust.and_then(|price| price.worst_t);
+        let effect = effects.first();
+        let share = |name: &String| format!("`{name}`, {:.0}%", share * 100.0);
+        vec![
+            Cell::text(scene.scene.scene.clone()),
+            robust.map_or_else(missing, ratio),
+            worst.map_or_else(missing, |ulp| Cell::decimals(ulp, 1)),
+            of(Precision::Exact).map_or_else(missing, ratio),
+            effect.map_or_else(missing, |effect| Cell::text(effect.name.clone())),
+            effect.map_or_else(missing, ratio),
+            pass.as_ref().map_or_else(missing, |name| Cell::text(share(name))),
+        ]
+    };
+    let caption = "What precision and effects cost, as ratios of tracing time: `robust` and `exact` over `fast`, and \
+                   the most expensive effect over one point or none for it. With the largest error of t in `robust`, \
+                   in ulp, and the pass that takes the most time";
+    let header = "scene|>robust|>error of t|>exact|most expensive effect|>its cost|longest pass";
+    Block::Table(Table::new(caption, header, findings.scenes.iter().map(row).collect()))
 }
 
-/// The dearest effect of the price list.
+/// The most expensive effect of the price list.
 pub(super) fn dearest(prices: &PriceList) -> Option<Block> {
     let ratio = |price: &crate::effects::Price| {
         price.wavefront.price.as_ref().map(|ratio| ratio.interval.median)
@@ -91,7 +102,8 @@ pub(super) fn dearest(prices: &PriceList) -> Option<Block> {
         .max_by(|(_, a), (_, b)| a.total_cmp(b))?;
     let to = price.added_to.unwrap_or("nothing");
     Some(Block::paragraph(format!(
-        "Of all effects, added one at a time to a small scene, {} costs most: {ratio:.1} times as long as {to} alone.",
+        "Of all effects, each added alone to a small scene, {} is the most expensive: {ratio:.1} times the time of \
+         {to} alone.",
         price.effect
     )))
 }

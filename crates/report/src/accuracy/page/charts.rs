@@ -27,9 +27,9 @@ fn log(label: &str, unit: &str) -> Axis {
 }
 
 fn point(p: &PointFindings, x: f64) -> Point {
-    let believed = if p.believed { "" } else { ", within the reference's own error" };
+    let noise = if p.above_noise { "" } else { ", below the noise of the reference" };
     let points = super::tables::points_of(&p.label);
-    let label = format!("{points}, {:.3} ms{believed}", p.seconds.median * 1e3);
+    let label = format!("{points}, {:.3} ms{noise}", p.seconds.median * 1e3);
     Point { x, y: p.rmse.value, low: Some(p.rmse.low), high: Some(p.rmse.high), label }
 }
 
@@ -39,12 +39,12 @@ fn line(series: &SeriesFindings, x: fn(&PointFindings) -> f64) -> Series {
 }
 
 /// What the guides are.
-const SLOPES: &str = "Thin lines have the slopes of theory: \u{2212}1/2 for independent points, \u{2212}3/4 for jittered \
-                      ones across an edge, \u{2212}1 for these where the integrand is smooth. ";
+const SLOPES: &str = "Thin lines have the slopes of theory: \u{2212}1/2 for independent points, \u{2212}3/4 for \
+                      jittered points across an edge, \u{2212}1 for jittered points where the integrand is smooth. ";
 
 /// Why stratified points do less well at odd counts.
-const ODD: &str = "A quad is two triangles, each of which has half of the columns of a grid of points: where their number \
-                   is odd, the middle column lies on both, and its points are stratified less well. ";
+const ODD: &str = "Odd grids do a little worse: a quad is sampled as two triangles, each with half of the columns, \
+                   and the middle column of an odd grid lies across both. ";
 
 /// The error against what is counted, with the slopes that theory has for it.
 fn against_samples(family: &FamilyFindings, scene: &SceneFindings) -> Chart {
@@ -58,7 +58,7 @@ fn against_samples(family: &FamilyFindings, scene: &SceneFindings) -> Chart {
     }
     let floor = crate::accuracy::reference::FLOOR * scene.standard_error(family.target);
     if floor > 0.0 {
-        guides.push(Guide::at("floor", floor));
+        guides.push(Guide::at("noise", floor));
     }
     let odd = if family.name == "lights" { ODD } else { "" };
     let theory = if family.series.iter().any(|line| line.slope.is_some()) { SLOPES } else { "" };
@@ -69,7 +69,7 @@ fn against_samples(family: &FamilyFindings, scene: &SceneFindings) -> Chart {
         series: family.series.iter().map(|series| line(series, |p| p.x)).collect(),
         guides,
         caption: format!(
-            "{theory}{odd}Below the floor an error is not told from the reference's own."
+            "{theory}{odd}Below the line `noise` the error of the reference itself hides that of the setting."
         ),
     }
 }
@@ -89,13 +89,13 @@ fn against_time(family: &FamilyFindings) -> Chart {
         y: log("RMSE", ""),
         series,
         guides: Vec::new(),
-        caption: "Median time of tracing, without loading and building. The Pareto front joins the settings \
-                  that no other beats in both."
+        caption: "Median time of tracing, without loading and building. The Pareto front joins the settings that no \
+                  other beats in both time and error."
             .to_owned(),
     }
 }
 
-/// The difference that is seen, against time.
+/// The visible difference against time.
 fn seen(family: &FamilyFindings) -> Chart {
     let point = |p: &PointFindings| {
         let label = super::tables::points_of(&p.label);
@@ -106,20 +106,19 @@ fn seen(family: &FamilyFindings) -> Chart {
         Series { name: series.name.clone(), draw: Draw::Line, points }
     };
     Chart {
-        title: format!("{}: the difference that is seen", family.title),
+        title: format!("{}: visible difference", family.title),
         x: log("time", "s"),
         y: log("FLIP", ""),
         series: family.series.iter().map(line).collect(),
         guides: Vec::new(),
-        caption: "Mean FLIP of a picture; whiskers reach to what one pixel of twenty exceeds."
-            .to_owned(),
+        caption: "Mean FLIP over the picture; whiskers reach to its 95th percentile.".to_owned(),
     }
 }
 
 /// How much a second buys.
 fn efficiency(family: &FamilyFindings) -> Chart {
     let point = |p: &PointFindings| {
-        let e = p.efficiency_in_all.filter(|_| p.believed)?;
+        let e = p.efficiency_in_all.filter(|_| p.above_noise)?;
         let alone = p.efficiency.map(|e| format!(", {} of tracing alone", figure(e.value)));
         let label = super::tables::points_of(&p.label) + &alone.unwrap_or_default();
         Some(Point::new(p.x, e.value).within(e.low, e.high).labelled(label))
@@ -134,8 +133,8 @@ fn efficiency(family: &FamilyFindings) -> Chart {
         y: log("1 / (MSE x time)", "1/s"),
         series: family.series.iter().map(line).collect(),
         guides: Vec::new(),
-        caption: "Of loading, building and tracing together: more is better. Independent points have the same \
-                  efficiency however many they are, once there is time for more than loading and building."
+        caption: "Loading, building and tracing together; higher is better. With independent points efficiency stays \
+                  the same once tracing takes most of the time."
             .to_owned(),
     }
 }
@@ -154,18 +153,18 @@ pub(super) fn presets(scene: &SceneFindings) -> Chart {
         Series { name: preset.preset.clone(), draw: Draw::Line, points }
     };
     let words = |(index, (from, name)): (usize, &(f64, String))| match index {
-        0 => format!("`{name}` is the quickest at first"),
+        0 => format!("`{name}` is the fastest at first"),
         _ => format!("`{name}` from {} times the scene's own samples on", figure(*from)),
     };
     let words: Vec<String> = scene.crossings.iter().enumerate().map(words).collect();
     Chart {
         title: "Building and tracing by BVH preset".to_owned(),
-        x: log("samples, in parts of the scene's own", ""),
+        x: log("samples, relative to the scene's own", ""),
         y: log("time", "s"),
         series: scene.presets.iter().map(line).collect(),
         guides: Vec::new(),
         caption: format!(
-            "Medians of building, and of tracing in proportion to the samples: {}.",
+            "Median time of building, plus that of tracing in proportion to the samples: {}.",
             words.join(", ")
         ),
     }
@@ -178,7 +177,9 @@ fn bounces(family: &FamilyFindings) -> Chart {
         y: log("RMSE", ""),
         series: family.series.iter().map(|series| line(series, |p| p.x)).collect(),
         guides: Vec::new(),
-        caption: "At the scene's own samples: the last point is what these leave.".to_owned(),
+        caption: "At the scene's own samples. The last point has all bounces: its error is from sampling \
+                  alone."
+            .to_owned(),
     }
 }
 

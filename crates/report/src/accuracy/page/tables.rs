@@ -2,27 +2,34 @@
 
 use crate::accuracy::findings::{FamilyFindings, PointFindings, SceneFindings, SeriesFindings};
 use crate::accuracy::fit::Interval;
+use crate::accuracy::setting::Target;
 use crate::effects::{Cost, Price, PriceList};
 use crate::page::{Block, Cell, Details, Table};
+use crate::plot::number::figure;
 
 /// Errors for which the time is reported: so many, from the largest that all samplers reach to the smallest.
 const ERRORS: usize = 4;
+
+/// What a reference is for.
+fn target(target: Target) -> &'static str {
+    match target {
+        Target::Scene => "the scene",
+        Target::Pixel => "whole pixels",
+    }
+}
 
 /// What errors of the scene are against, in a sentence.
 pub(super) fn references(scene: &SceneFindings) -> String {
     let of = |r: &crate::accuracy::store::ReferenceRecord| {
         if r.standard_error == 0.0 {
-            return format!(
-                "The reference for the {} is exact: nothing is left to chance.",
-                r.target.name()
-            );
+            return format!("The reference for {} is exact: nothing is random.", target(r.target));
         }
         format!(
-            "The reference for the {} has {} points of each kind in a pixel, in {} renders; its standard error is \
-             {:.2e}.",
-            r.target.name(),
-            r.samples,
+            "The reference for {} is the mean of {} renders, with {} points of each kind per pixel together; its \
+             standard error is {:.2e}.",
+            target(r.target),
             r.replicates,
+            figure(r.samples as f64),
             r.standard_error
         )
     };
@@ -71,7 +78,8 @@ fn slopes(family: &FamilyFindings) -> Option<Table> {
         ])
     };
     let rows: Vec<_> = family.series.iter().filter_map(row).collect();
-    let caption = format!("How quickly the error falls: as a power of the {}", family.counted);
+    let caption =
+        format!("Convergence: the power with which the error changes with the {}", family.counted);
     let header = "sampler|>slope of MSE|>interval|>slope of RMSE|>interval";
     (!rows.is_empty()).then(|| Table::new(caption, header, rows))
 }
@@ -97,19 +105,17 @@ fn time_to_error(family: &FamilyFindings) -> Option<Table> {
     };
     let errors = errors.iter().map(|error| format!("|>RMSE {error:.2e}"));
     let header = "sampler".to_owned() + &errors.collect::<String>();
-    let caption = format!(
-        "Milliseconds to reach an error, and how many times as fast as {} that is",
-        first.name
-    );
+    let caption =
+        format!("Tracing time in ms to reach an error, and the speedup over {}", first.name);
     Some(Table::new(caption, &header, family.series.iter().map(row).collect()))
 }
 
 /// Errors that the first sampler reaches, in equal ratios.
 fn common_errors(family: &FamilyFindings) -> Option<Vec<f64>> {
     let points = &family.series.first().filter(|series| series.slope.is_some())?.points;
-    let believed: Vec<f64> = points.iter().filter(|p| p.believed).map(|p| p.rmse.value).collect();
-    let (&most, &least) = (believed.first()?, believed.last()?);
-    if believed.len() < 3 || least >= most {
+    let errors: Vec<f64> = points.iter().filter(|p| p.above_noise).map(|p| p.rmse.value).collect();
+    let (&most, &least) = (errors.first()?, errors.last()?);
+    if errors.len() < 3 || least >= most {
         return None;
     }
     let ratio = libm::log(least / most) / ERRORS as f64;
@@ -119,7 +125,7 @@ fn common_errors(family: &FamilyFindings) -> Option<Vec<f64>> {
 /// Where each sampler is the most efficient.
 fn efficiency(family: &FamilyFindings) -> Option<Table> {
     let best = |series: &SeriesFindings, of: fn(&PointFindings) -> Option<Interval>| {
-        let all = series.points.iter().filter(|p| p.believed);
+        let all = series.points.iter().filter(|p| p.above_noise);
         let best =
             all.filter_map(|p| Some((of(p)?, p))).max_by(|a, b| a.0.value.total_cmp(&b.0.value));
         best.map_or([Cell::text("none"), Cell::text("")], |(e, p)| {
@@ -134,9 +140,9 @@ fn efficiency(family: &FamilyFindings) -> Option<Table> {
             .collect()
     };
     let sloped = family.series.iter().any(|series| series.slope.is_some());
-    let caption = "Where each sampler is the most efficient, 1 / (MSE x time) in 1/s: in tracing alone, and with loading \
-                   and building";
-    let header = "sampler|>tracing|>at|>in all|>at";
+    let caption = "The best efficiency of each sampler, 1 / (MSE x time) in 1/s, and where it is reached: by tracing \
+                   alone, and with loading and building";
+    let header = "sampler|>tracing alone|>at|>total|>at";
     sloped.then(|| Table::new(caption, header, family.series.iter().map(row).collect()))
 }
 
@@ -152,8 +158,7 @@ pub(super) fn points_of(count: &str) -> String {
 }
 
 fn points(family: &FamilyFindings) -> Table {
-    let header =
-        "setting|>time, ms|>RMSE|>interval|>relative MSE|>PSNR, dB|>FLIP|>bias|believed|front";
+    let header = "setting|>time, ms|>RMSE|>95% interval|>relative MSE|>PSNR, dB|>FLIP|>bias|above noise|Pareto front";
     let mark = |yes: bool| Cell::text(if yes { "yes" } else { "no" });
     let row = |series: &SeriesFindings, p: &PointFindings| {
         let name = if family.series.len() > 1 {
@@ -167,10 +172,10 @@ fn points(family: &FamilyFindings) -> Table {
             digits(p.rmse.value),
             Cell::text(format!("{:.2e} to {:.2e}", p.rmse.low, p.rmse.high)),
             digits(p.relative_mse),
-            p.psnr.map_or(Cell::text("none differs"), |v| Cell::decimals(v, 2)),
+            p.psnr.map_or(Cell::text("identical"), |v| Cell::decimals(v, 2)),
             digits(p.flip),
             digits(p.bias),
-            mark(p.believed),
+            mark(p.above_noise),
             mark(p.front),
         ]
     };
@@ -189,7 +194,7 @@ pub(super) fn precision(scene: &SceneFindings) -> Vec<Block> {
         |[tried, failed]: [u64; 2]| Cell::number(failed as f64, format!("{failed} of {tried}"));
     let row = |p: &PointFindings| {
         let trial = scene.trials.iter().find(|trial| trial.precision == p.label);
-        let missing = || Cell::text("no triangles");
+        let missing = || Cell::text("none");
         let ratio = p.seconds.median / fast;
         vec![
             Cell::text(p.label.clone()),
@@ -200,10 +205,18 @@ pub(super) fn precision(scene: &SceneFindings) -> Vec<Block> {
             trial.map_or_else(missing, |t| Cell::decimals(t.nanoseconds, 0)),
         ]
     };
-    let caption = "Leaks are rays aimed at edges that pass between two triangles; rays that leave a triangle and \
-                   meet it again are acne.";
+    let caption = "Leaks: rays aimed at an edge that pass between its two triangles. Self-hits: rays that leave a \
+                   triangle and hit it again (acne)";
     let header = "precision|>time over fast|>RMSE|>leaks|>self-hits|>ns a ray";
-    vec![Block::Table(Table::new(caption, header, points.iter().map(row).collect()))]
+    let mut table = Table::new(caption, header, points.iter().map(row).collect());
+    if scene.trials.is_empty() {
+        // Without triangles there is nothing to try.
+        table.caption =
+            "The scene has no triangles, so that no ray can leak or hit its own".to_owned();
+        table.columns.truncate(3);
+        table.rows.iter_mut().for_each(|row| row.truncate(3));
+    }
+    vec![Block::Table(table)]
 }
 
 /// What must not change the picture.
@@ -213,7 +226,7 @@ pub(super) fn neutral(scene: &SceneFindings) -> Vec<Block> {
             Cell::text(n.knob.clone()),
             Cell::text(n.value.clone()),
             digits(n.error_change),
-            Cell::text(if n.equal { "every bit" } else { "NO" }),
+            Cell::text(if n.equal { "bit for bit" } else { "NO" }),
             milliseconds(n.seconds),
         ]
     };
@@ -223,9 +236,13 @@ pub(super) fn neutral(scene: &SceneFindings) -> Vec<Block> {
         n => format!("{n} of {} choices change the picture.", scene.neutral.len()),
     };
     let rows = scene.neutral.iter().map(row).collect();
-    let table = Table::new("", "choice|value|>change of error|equal|>time, ms", rows);
-    let first = if wrong == 0 { Block::paragraph(verdict) } else { Block::Warning(verdict) };
-    vec![first, Block::Table(table)]
+    let table = Table::new("", "choice|value|>change of error|same picture|>time, ms", rows);
+    if wrong > 0 {
+        return vec![Block::Warning(verdict), Block::Table(table)];
+    }
+    let summary = "Every choice".to_owned();
+    let details = Details { summary, blocks: vec![Block::Table(table)] };
+    vec![Block::paragraph(verdict), Block::Details(details)]
 }
 
 /// What each effect adds to the scene that it is added to, with both tracers.
@@ -237,14 +254,14 @@ pub(super) fn prices(list: &PriceList) -> Vec<Block> {
         Block::Table(Table::new(caption, header, rows))
     };
     let lead = format!(
-        "One effect at a time, added to a small scene of {} x {} pixels: the ratio of the times, round by round, in {} \
-         rounds. Bytes are those of the wavefront's columns.",
+        "Each effect is added alone to a small scene of {} x {} pixels. The ratio compares the time with it to that \
+         without, round by round, in {} rounds. Bytes are those of the wavefront's columns.",
         list.image.width, list.image.height, list.rounds
     );
     vec![
         Block::paragraph(lead),
-        table("Effects that are seen", true),
-        table("Effects that nothing leads to: the same image, the same work", false),
+        table("Effects in view", true),
+        table("Effects that nothing in view calls for: same image, same work", false),
     ]
 }
 

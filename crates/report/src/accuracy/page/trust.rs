@@ -1,9 +1,9 @@
-//! The page proves itself: do intervals hold the truth as often as they say, and do errors come out as asked for?
+//! The page proves itself: do intervals contain the truth as often as they say, and do errors come out as asked for?
 
 use crate::accuracy::Findings;
 use crate::accuracy::findings::SceneFindings;
 use crate::accuracy::fit::CONFIDENCE;
-use crate::accuracy::setting::{Target, series_of};
+use crate::accuracy::setting::{series_of, words_of};
 use crate::accuracy::store::SpreadRecord;
 use crate::page::{Block, Cell, Section, Table};
 use crate::plot::number::figure;
@@ -19,16 +19,14 @@ pub(super) fn section(findings: &Findings) -> Option<Section> {
     if findings.scenes.iter().any(|scene| !scene.calibration.is_empty()) {
         blocks.push(Block::Chart(calibration(findings)));
     }
-    (!blocks.is_empty()).then(|| Section::new("How far to trust it", blocks))
+    (!blocks.is_empty()).then(|| Section::new("How far to trust this report", blocks))
 }
 
 fn name(record: &SpreadRecord) -> String {
-    let series = series_of(&record.key);
-    let whole = if record.target == Target::Pixel { ", whole pixels" } else { "" };
-    format!("{}: {series}{whole}", record.scene)
+    format!("{}: {}", record.scene, words_of(&series_of(&record.key), record.target))
 }
 
-/// How many of the intervals of values hold the reference.
+/// How many of the intervals of values contain the reference.
 fn coverage(spread: &[&SpreadRecord]) -> Chart {
     let point = |(row, s): (usize, &&SpreadRecord)| {
         let share = s.covered as f64 / s.intervals.max(1) as f64;
@@ -37,14 +35,14 @@ fn coverage(spread: &[&SpreadRecord]) -> Chart {
         Point::new(row as f64, share).labelled(label)
     };
     Chart {
-        title: "Intervals that hold the reference".to_owned(),
+        title: "Coverage: intervals that contain the reference".to_owned(),
         x: Axis::new("", "", Scale::Names(spread.iter().map(|s| name(s)).collect())),
         y: Axis::new("share", "", Scale::Linear),
         series: vec![Series::of("", spread.iter().enumerate().map(point).collect())],
-        guides: vec![Guide::at("as it should be", CONFIDENCE)],
-        caption: "Every value of a picture has an interval, from some renders of its own; the reference is made by \
-                  others. Values that are the same in all renders are not counted. Where few renders of many meet an \
-                  edge, the interval is not of a normal distribution."
+        guides: vec![Guide::at("nominal", CONFIDENCE)],
+        caption: "Every value of a picture gets a 95 per cent interval from some renders; other renders make the \
+                  reference. Values that are the same in all renders do not count. Where few renders in many meet an \
+                  edge, errors are not normally distributed, and coverage is off."
             .to_owned(),
     }
 }
@@ -62,14 +60,14 @@ fn calibration(findings: &Findings) -> Chart {
         course: Course::Power { slope: 1.0, through },
     };
     Chart {
-        title: "Errors asked for, and made".to_owned(),
+        title: "Calibration: error asked for and error made".to_owned(),
         x: Axis::new("error asked for", "", Scale::Log),
         y: Axis::new("error made", "", Scale::Log),
         series: findings.scenes.iter().map(series).collect(),
-        guides: vec![line("as asked", [1.0, 1.0])],
-        caption: "What `--target-error` chooses from its pilot, against the reference, which the pilot does not know. \
-                  Below the line is less error than was asked for. A render whose error is found to be too large is \
-                  repeated with more samples; here it is not."
+        guides: vec![line("equal", [1.0, 1.0])],
+        caption: "`--target-error` chooses samples by a short pilot; the error made is against the reference, which \
+                  the pilot has not seen. Below the line the error is smaller than asked for. `render` repeats a \
+                  picture that turns out too noisy with more samples; this chart does not."
             .to_owned(),
     }
 }
@@ -79,7 +77,7 @@ pub(super) fn spread(scene: &SceneFindings) -> Vec<Block> {
     let row = |s: &SpreadRecord| {
         let share = 100.0 * s.covered as f64 / s.intervals.max(1) as f64;
         vec![
-            Cell::text(s.key.clone()),
+            Cell::text(words_of(&s.key, s.target)),
             Cell::number(s.variance, figure(s.variance)),
             Cell::number(s.bias, figure(s.bias)),
             Cell::number(s.expected, figure(s.expected)),
@@ -89,10 +87,10 @@ pub(super) fn spread(scene: &SceneFindings) -> Vec<Block> {
     if scene.spread.is_empty() {
         return Vec::new();
     }
-    let caption = "Variance of a value in one render, a mean over all; the bias, a root mean square of what the mean \
-                   of the renders is off by less what chance explains, which is beside it; and how many of a hundred \
-                   intervals hold the reference";
-    let header = "setting|>variance|>bias|>by chance|>held, %";
+    let caption = "Variance of one render, a mean over all values; bias, the RMS error of the mean of all renders \
+                   beyond what noise explains, which stands beside it; and how many of a hundred intervals contain \
+                   the reference";
+    let header = "setting|>variance|>bias|>noise|>coverage, %";
     let rows = scene.spread.iter().map(row).collect();
     vec![Block::Table(Table::new(caption, header, rows))]
 }

@@ -17,7 +17,7 @@ pub(super) fn sentence(scene: &SceneFindings) -> Option<Block> {
         let errors = of(scene, &p.label)?;
         let worst = |errors: &Distribution| ulps(errors.worst);
         Some(format!(
-            "{} takes {:.2} times as long as fast: its worst t is {} off, its worst point {}, its worst normal {}",
+            "`{}` takes {:.2} times as long as `fast`; its largest error of t is {}, of a point {}, of a normal {}.",
             p.label,
             p.seconds.median / fast,
             worst(&errors.t),
@@ -26,7 +26,7 @@ pub(super) fn sentence(scene: &SceneFindings) -> Option<Block> {
         ))
     };
     let words: Vec<String> = points.iter().filter_map(word).collect();
-    (!words.is_empty()).then(|| Block::paragraph(format!("{}.", words.join("; "))))
+    (!words.is_empty()).then(|| Block::paragraph(words.join(" ")))
 }
 
 /// How many hits of each precision are farther off than so many ulp: of t, points and normals.
@@ -43,8 +43,7 @@ pub(super) fn charts(scene: &SceneFindings) -> Vec<(String, Chart)> {
             y: Axis::new("share of hits", "", Scale::Log),
             series: scene.trials.iter().map(line).collect(),
             guides: Vec::new(),
-            caption: "Half an ulp is what rounding the exact value once leaves. A line ends where no hit is \
-                      farther off."
+            caption: "Rounding the exact value once leaves half an ulp. A line ends at the largest error."
                 .to_owned(),
         };
         (format!("errors-{}", name.replace(' ', "-")), chart)
@@ -63,8 +62,9 @@ pub(super) fn charts(scene: &SceneFindings) -> Vec<(String, Chart)> {
 pub(super) fn by_situation() -> Vec<Block> {
     let row = |(name, precision, errors): (&str, Precision, &HitErrors)| {
         let within = |errors: &Distribution| {
-            let most = errors.within(0.999).map_or_else(|| "-".to_owned(), ulps);
-            Cell::number(errors.worst, format!("{most}; {}", ulps(errors.worst)))
+            let most = errors.within(0.999).map_or(0.0, |bound| bound.min(errors.worst));
+            let number = |ulp: f64| ulps(ulp).trim_end_matches(" ulp").to_owned();
+            Cell::number(errors.worst, format!("{}; {}", number(most), number(errors.worst)))
         };
         let beside = errors.lost + errors.extra;
         vec![
@@ -82,10 +82,10 @@ pub(super) fn by_situation() -> Vec<Block> {
             row((situation.name, precision, &situation.errors(&effort)))
         })
     });
-    let caption = "What 999 of 1000 hits keep, and the worst of all, in ulp. A point's error is its distance from the \
-                   triangle's plane. Rays beside an edge meet the triangle in one arithmetic and pass by it in the \
-                   other";
-    let header = "ray and triangle|precision|>t|>point|>normal|>beside";
+    let caption = "Errors in ulp: the bound that 999 of 1000 hits keep, then the largest of all. A point's error is \
+                   its distance from the triangle's plane. Disputed rays pass an edge so closely that they hit the \
+                   triangle in one arithmetic and miss it in the other";
+    let header = "ray and triangle|precision|>t|>point|>normal|>disputed";
     vec![Block::Table(Table::new(caption, header, rows.collect()))]
 }
 

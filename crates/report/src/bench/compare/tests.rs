@@ -66,7 +66,7 @@ fn the_text_has_a_line_for_each_choice_and_its_passes() {
     for of in [Axis::Kernels, Axis::Levels, Axis::Batches] {
         let (_, compared) = run(of, |_, _| {});
         let text = comparison(&compared);
-        assert!(text.contains("6 rounds, every image the same"), "{text}");
+        assert!(text.contains("6 rounds, all images bit-identical"), "{text}");
         assert!(text.lines().all(|line| line.len() <= 100), "{text}");
         for variant in of.variants(usual()) {
             let start = format!("    {:<9}", of.label(&variant));

@@ -28,8 +28,8 @@ pub(super) fn blocks(scene: &SceneBench, found: &Comparison) -> Vec<Block> {
     blocks.push(Block::Chart(ratio_chart(
         &format!("Speed by {name}"),
         &format!(
-            "Over that of {usual}, the usual choice, round by round: {}, every image the same. \
-             Right of the line a choice is faster.",
+            "Relative to {usual}, the default, round by round: {}, all images bit-identical. Right of the line is \
+             faster.",
             plural(found.rounds, "round")
         ),
         Axis::new(name, "", Scale::Names(labels.clone())),
@@ -77,8 +77,7 @@ fn table<const N: usize>(
 fn times(found: &Comparison) -> Table {
     let longest = found.variants.iter().map(|each| each.bench.seconds.median).fold(0.0, f64::max);
     let (scale, second) = unit(longest);
-    let caption = "Medians of the runs, how far their quartiles are apart, and the ratio of the \
-                   speeds with its interval.";
+    let caption = "Median times, the spread of their quartiles, and the ratio of the speeds with its interval.";
     let names = [&format!("median, {second}"), "spread", "Mrays/s", "ratio"];
     table(found, caption, names, |each| {
         let bench = &each.bench;
@@ -93,9 +92,9 @@ fn times(found: &Comparison) -> Table {
 }
 
 fn work(found: &Comparison) -> Table {
-    let caption = "Tests for each ray, and how many of the rays that look for the closest hit go \
-                   together: of a packet at a node, and in flight in a round.";
-    let names = ["nodes a ray", "primitives a ray", "at a node", "in a round"];
+    let caption = "Tests per ray, and closest-hit rays that are traced together: of a packet at a node, and in \
+                   flight in a round.";
+    let names = ["nodes per ray", "primitives per ray", "at a node", "in a round"];
     table(found, caption, names, |each| {
         let tests = &each.bench.tests_per_ray;
         let [nodes, primitives] =
@@ -113,7 +112,7 @@ fn hardware(scene: &SceneBench, found: &Comparison) -> Option<Table> {
         Some(count) => Cell::decimals(count as f64 / rays, 3),
         None => Cell::text("–"),
     };
-    Some(table(found, "Counted by the processor, for each ray.", names, |each| {
+    Some(table(found, "Hardware counters, per ray.", names, |each| {
         let counts = each.bench.hardware.unwrap_or_default().each();
         counts.map(|(_, count)| cell(count))
     }))

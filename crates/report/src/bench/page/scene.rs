@@ -59,9 +59,7 @@ fn runs(both: &Both<'_>) -> Chart {
         y: Axis::new("time", unit, Scale::FromZero),
         series: vec![series("wavefront", both.wavefront), series("recursive", both.recursive)],
         guides: vec![median(both.wavefront), median(both.recursive)],
-        caption:
-            "Time on the clock, in the order in which the pairs were run; lines at the medians."
-                .to_owned(),
+        caption: "Wall-clock time of each run, in order; lines at the medians.".to_owned(),
     }
 }
 

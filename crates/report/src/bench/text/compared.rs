@@ -15,17 +15,17 @@ pub fn comparison(compared: &Comparison) -> String {
     }
     let rounds = plural(compared.rounds, "round");
     let mut text = format!(
-        "\n  the wavefront by {}, the usual choice first: {rounds}, every image the same\n",
+        "\n  the wavefront by {}, the default first: {rounds}, all images bit-identical\n",
         of.name()
     );
     let longest = compared.variants.iter().map(|v| v.bench.seconds.median).fold(0.0, f64::max);
     let (scale, second) = unit(longest);
     let _ = writeln!(
         text,
-        "    {:<9}{second:>9}{:>9}{:>9}{:>8}{:>8}{:>9}{:>9}  speed to the usual",
+        "    {:<9}{second:>9}{:>9}{:>9}{:>8}{:>8}{:>9}{:>9}  speed / default",
         "", "spread", "Mrays/s", "nodes", "prims", "a node", "a round"
     );
-    let note = "a node, a round: rays that look for the closest hit, of a packet and in flight";
+    let note = "a node, a round: closest-hit rays of a packet at a node, and in flight in a round";
     let _ = writeln!(text, "    ({note})");
     for variant in &compared.variants {
         line(&mut text, of, variant, scale);
