@@ -93,8 +93,9 @@ pub(super) fn compare(writer: &mut Writer, pair: &Compare) {
 pub(super) fn pictures(writer: &mut Writer, pictures: &[Picture]) {
     writer.add("<div class=\"pictures\">\n");
     for picture in pictures {
-        begin(writer, "picture", "", &picture.caption);
-        writer.add(&format!("{}\n</figure>\n", image(picture)));
+        let (caption, image) = (inline(&picture.caption), image(picture));
+        writer.add("<figure class=\"picture\">\n");
+        writer.add(&format!("<figcaption>{caption}</figcaption>\n{image}\n</figure>\n"));
     }
     writer.add("</div>\n");
 }

@@ -27,7 +27,7 @@
   document.body.append(tip);
   const hide = () => { tip.hidden = true; };
   const show = (mark) => {
-    tip.textContent = mark.dataset.told;
+    tip.textContent = mark.dataset.values;
     tip.hidden = false;
     const at = mark.getBoundingClientRect();
     const { offsetWidth: width, offsetHeight: height } = tip;
@@ -47,7 +47,7 @@
     marks.forEach((mark, index) => {
       // The browser's own tip would come on top of this one.
       const title = mark.querySelector("title");
-      mark.dataset.told = title.textContent;
+      mark.dataset.values = title.textContent;
       mark.setAttribute("aria-label", title.textContent);
       title.remove();
       // One stop for each chart; arrows lead from point to point.

@@ -4,7 +4,7 @@ use super::writer::{Writer, inline};
 use super::{Align, Cell, Column, Table};
 
 /// Tables of at least so many columns use the margins of the page too.
-const WIDE: usize = 7;
+const WIDE: usize = 6;
 
 /// A table with its caption, if it has one. It can be scrolled where it is wider than the page;
 /// the caption stays.

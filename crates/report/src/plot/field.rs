@@ -84,11 +84,11 @@ impl<'c> Field<'c> {
         }
         let top = drawing.height + room.above;
         let bottom = top + height;
-        let left = mark_down(down, height, width);
+        let (left, above) = mark_down(down, height, width);
         let right = mark_along(along, width - left - room.beside - GAP).max(room.beside);
         (along.pixels, down.pixels) = ([left, width - right], [bottom, top]);
         grid(drawing, along, down, turned);
-        labels(drawing, along, down);
+        labels(drawing, along, down, above);
         drawing.height = bottom + LABEL + 2.0 * GAP;
         if let Some(heading) = heading(along.axis) {
             let start = (width - right - font::width(&heading, LABEL)).max(0.0);
@@ -104,13 +104,23 @@ fn heading(axis: &Axis) -> Option<String> {
     Some(axis.heading()).filter(|heading| !heading.is_empty() && !has_names)
 }
 
-/// Marks the axis on the left, and returns the room for its labels.
-fn mark_down(place: &mut Place<'_>, height: f64, width: f64) -> f64 {
-    place.mark((height / APART_DOWN) as usize);
-    for tick in &mut place.ticks.major {
-        tick.label = font::shortened(&tick.label, LABEL, LARGEST_PART_FOR_NAMES * width);
+/// Marks the axis on the left, and returns the room for its labels, and whether these are names too long to stand
+/// there: then each stands above its row.
+fn mark_down(place: &mut Place<'_>, height: f64, width: f64) -> (f64, bool) {
+    place.pixels = [height, 0.0];
+    let mut most = (height / APART_DOWN) as usize;
+    place.mark(most);
+    while most > 2 && !are_apart(place, |_| LABEL / 2.0, GAP) {
+        most -= 1;
+        place.mark(most);
     }
-    widest(place) + 2.0 * GAP
+    if widest(place) <= LARGEST_PART_FOR_NAMES * width {
+        return (widest(place) + 2.0 * GAP, false);
+    }
+    for tick in &mut place.ticks.major {
+        tick.label = font::shortened(&tick.label, LABEL, width - 3.0 * GAP);
+    }
+    (GAP, true)
 }
 
 /// Marks the axis at the bottom so that labels stay apart, and returns how far the last may stand out.
@@ -118,7 +128,7 @@ fn mark_along(place: &mut Place<'_>, width: f64) -> f64 {
     place.pixels = [0.0, width];
     for most in (2..=(width / 40.0) as usize).rev() {
         place.mark(most);
-        if are_apart(place) {
+        if are_apart(place, |tick| font::width(&tick.label, LABEL) / 2.0, APART_ALONG) {
             break;
         }
     }
@@ -126,12 +136,11 @@ fn mark_along(place: &mut Place<'_>, width: f64) -> f64 {
 }
 
 /// Whether no label is near the next: those of a logarithmic axis are unevenly far apart.
-fn are_apart(place: &Place<'_>) -> bool {
-    let half = |tick: &Tick| font::width(&tick.label, LABEL) / 2.0;
+fn are_apart(place: &Place<'_>, half: impl Fn(&Tick) -> f64, apart: f64) -> bool {
     place.ticks.major.windows(2).all(|pair| match pair {
         [a, b] => {
             let distance = (place.pixel_of(b.at) - place.pixel_of(a.at)).abs();
-            distance >= half(a) + half(b) + APART_ALONG
+            distance >= half(a) + half(b) + apart
         }
         _ => true,
     })
@@ -158,7 +167,7 @@ fn grid(drawing: &mut Drawing, along: &Place<'_>, down: &Place<'_>, turned: bool
 }
 
 /// Ticks and labels outside of the field.
-fn labels(drawing: &mut Drawing, along: &Place<'_>, down: &Place<'_>) {
+fn labels(drawing: &mut Drawing, along: &Place<'_>, down: &Place<'_>, above: bool) {
     let (left, bottom) = (along.pixels[0], down.pixels[0]);
     for tick in &along.ticks.major {
         let x = along.pixel_of(tick.at);
@@ -168,6 +177,10 @@ fn labels(drawing: &mut Drawing, along: &Place<'_>, down: &Place<'_>) {
     for tick in &down.ticks.major {
         let y = down.pixel_of(tick.at);
         drawing.line(vec![[left - GAP / 2.0, y], [left, y]], Paint::Muted, 1.0);
-        drawing.text(Text::new(&tick.label, [left - GAP, y], [1.0, BESIDE], LABEL));
+        let (at, align) = match above {
+            true => ([left + GAP, y - GAP], [0.0; 2]),
+            false => ([left - GAP, y], [1.0, BESIDE]),
+        };
+        drawing.text(Text::new(&tick.label, at, align, LABEL).with_rim());
     }
 }

@@ -40,8 +40,10 @@ pub(super) fn draw(drawing: &mut Drawing, chart: &Chart, field: &Field<'_>) {
     let mut names = Vec::new();
     for (name, ends) in drawn {
         drawing.line(ends.to_vec(), Paint::Guide, STROKE);
-        let (mut at, align) = place_of_name(ends, right);
+        let (mut at, mut align) = place_of_name(ends, right);
         if at[0] > right {
+            // From the middle of one name to that of the next.
+            align = [0.0, BESIDE];
             at[1] = at[1].max(beside + APART);
             beside = at[1];
         } else if ends[0][0] != ends[1][0] {
@@ -112,7 +114,8 @@ fn place_of_name([from, to]: [At; 2], right: f64) -> (At, [f64; 2]) {
     match to[1] - from[1] {
         _ if from[0] == to[0] => ([to[0], to[1].min(from[1]) - GAP], [0.5, ABOVE]),
         _ if to[0] >= right => ([to[0] + GAP, to[1]], [0.0, BESIDE]),
-        ..0.0 => ([to[0] + GAP, to[1] + GAP], [0.0, BELOW]),
+        // On its outer side: what a rising line is compared with tends to lie below it.
+        ..0.0 => ([to[0] - 2.0 * GAP, to[1] + GAP], [1.0, BELOW]),
         _ => ([to[0] + GAP, to[1] - GAP], [0.0, ABOVE]),
     }
 }

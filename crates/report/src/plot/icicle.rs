@@ -11,7 +11,7 @@ use super::{Icicle, Part, font};
 const ROW: f64 = 30.0;
 const LAST_ROW: f64 = 20.0;
 /// The width of the line of paper between parts.
-const BETWEEN: f64 = 1.0;
+const BETWEEN: f64 = 1.5;
 /// From the side of a part to its label.
 const GAP: f64 = 7.0;
 /// Space for labels below the last row.
