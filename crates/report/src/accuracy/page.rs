@@ -65,7 +65,10 @@ fn about(findings: &Findings) -> Section {
          as its noise. Intervals have 95 per cent confidence.",
         findings.seeds
     ))];
-    for circumstances in &findings.circumstances {
+    let mut distinct = findings.circumstances.clone();
+    // A sweep that was taken up again, by the same command, was measured once.
+    distinct.dedup();
+    for circumstances in &distinct {
         let of = |key: &str| match &circumstances.machine[key] {
             serde_json::Value::Null => "unknown".to_owned(),
             serde_json::Value::String(text) => text.clone(),
