@@ -100,6 +100,18 @@ pub fn compare(a: &Film, b: &Film) -> Result<Comparison> {
     })
 }
 
+/// How many pixels of two pictures have a value that differs by more than `tolerance`.
+///
+/// # Errors
+/// When their sizes differ.
+pub fn pixels_beyond(a: &Film, b: &Film, tolerance: f64) -> Result<u64> {
+    check_sizes(a, b)?;
+    let is_beyond = |(a, b): &(&[f32; 3], &[f32; 3])| {
+        a.iter().zip(*b).any(|(&a, &b)| distance(signed_difference(a, b)) > tolerance)
+    };
+    Ok(a.pixels().iter().zip(b.pixels()).filter(is_beyond).count() as u64)
+}
+
 /// The absolute difference of two pictures, times `gain`.
 ///
 /// # Errors
@@ -340,6 +352,15 @@ mod tests {
                     render both at one size";
         assert_eq!(compare(&a, &b).unwrap_err().to_string(), text);
         assert_eq!(difference_image(&a, &b, 1.0).unwrap_err().to_string(), text);
+    }
+
+    #[test]
+    fn pixels_beyond_a_tolerance_are_counted_once_each() {
+        let a = film(&[[0.0; 3]; 4]);
+        let b = film(&[[0.5, 0.5, 0.0], [0.25, 0.0, 0.0], [-0.0; 3], [0.0, f32::NAN, 0.0]]);
+        let count = |tolerance| pixels_beyond(&a, &b, tolerance).unwrap();
+        assert_eq!([0.0, 0.25, 0.5].map(count), [3, 2, 1]);
+        assert!(pixels_beyond(&a, &Film::new(1, 1).unwrap(), 0.0).is_err());
     }
 
     #[test]
