@@ -15,6 +15,7 @@ use wavecrest_core::math::simd::Level;
 use wavecrest_core::tile::Tile;
 use wavecrest_core::wavefront::DEFAULT_BATCH;
 pub(crate) use wavecrest_report::files::{to_json, write_text};
+use wavecrest_scene::load::framing::{Fit, Fov, Framing, Sheet, Side, Up};
 use wavecrest_scene::load::{LoadOptions, LoadedScene, load, survey};
 use wavecrest_scene::memory::{self, Estimate};
 use wavecrest_scene::systems::{self, Extracted};
@@ -37,6 +38,9 @@ pub(crate) struct SceneOptions {
     /// Read material files and images that an OBJ file names outside its folder, too
     #[arg(long)]
     pub(crate) allow_outside: bool,
+    /// From where a mesh or a glTF file is seen
+    #[command(flatten)]
+    pub(crate) framing: FramingOptions,
     /// How much work goes into the BVH [default: chosen from triangles and expected rays]
     #[arg(long, value_name = "PRESET", value_parser = choice::<Preset>())]
     pub(crate) bvh: Option<Preset>,
@@ -91,6 +95,7 @@ impl SceneOptions {
             height: self.height,
             camera: self.camera.clone(),
             allow_outside: self.allow_outside,
+            framing: (&self.framing).into(),
         }
     }
 
@@ -106,6 +111,44 @@ impl SceneOptions {
         if !self.quiet {
             warnings.iter().for_each(|warning| tell(&format!("warning: {warning}")));
         }
+    }
+}
+
+/// Options on the camera that is put before a mesh or a glTF file.
+#[derive(Clone, Debug, clap::Args)]
+pub(crate) struct FramingOptions {
+    /// See a mesh or a glTF file from here, in place of its own camera: front, back, left, right, top, bottom,
+    /// iso or inside, or two angles in degrees, from the front to the right and upward
+    #[arg(
+        long,
+        value_name = "SIDE|AZIMUTH,ELEVATION",
+        allow_hyphen_values = true,
+        conflicts_with = "camera"
+    )]
+    pub(crate) view: Option<Side>,
+    /// Which axis of a mesh or a glTF file is up [default: y; z for STL, and for PLY where its shape says so]
+    #[arg(long, value_name = "AXIS", value_parser = choice::<Up>(), allow_hyphen_values = true,
+          conflicts_with = "camera")]
+    pub(crate) up: Option<Up>,
+    /// The full angle across the shorter side of the image of a mesh or a glTF file [default: 40, in rooms 60]
+    #[arg(long, value_name = "DEGREES", conflicts_with = "camera")]
+    pub(crate) fov: Option<Fov>,
+    /// How much of the image a mesh or a glTF file fills, 0 to 1 [default: 0.92]
+    #[arg(long, value_name = "SHARE", conflicts_with = "camera")]
+    pub(crate) fit: Option<Fit>,
+    /// Go once around a mesh or a glTF file in so many frames, from 1 on
+    #[arg(long, value_name = "FRAMES", value_parser = clap::value_parser!(u32).range(2..=3600), conflicts_with = "camera")]
+    pub(crate) turntable: Option<u32>,
+    /// See a mesh or a glTF file from several sides: rendered as one picture, with names under them
+    #[arg(long, value_name = "SIDE,SIDE,...", allow_hyphen_values = true,
+          conflicts_with_all = ["camera", "view", "turntable"])]
+    pub(crate) sheet: Option<Sheet>,
+}
+
+impl From<&FramingOptions> for Framing {
+    fn from(options: &FramingOptions) -> Self {
+        let FramingOptions { view: side, up, fov, fit, turntable, .. } = *options;
+        Self { side, up, fov, fit, turntable, sheet: options.sheet.clone().unwrap_or_default() }
     }
 }
 

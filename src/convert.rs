@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::common::tell;
+use super::common::{FramingOptions, tell};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_base::replace::check_differs;
 use wavecrest_scene::load::{LoadOptions, load};
@@ -31,6 +31,9 @@ pub(crate) struct ConvertArgs {
     /// Read material files and images that an OBJ file names outside its folder, too
     #[arg(long)]
     pub(crate) allow_outside: bool,
+    /// From where the file is seen
+    #[command(flatten)]
+    pub(crate) framing: FramingOptions,
     /// Replace files that are there already
     #[arg(long)]
     pub(crate) force: bool,
@@ -52,6 +55,7 @@ pub(crate) fn run(args: &ConvertArgs) -> Result<()> {
         height: args.height,
         camera: args.camera.clone(),
         allow_outside: args.allow_outside,
+        framing: (&args.framing).into(),
     };
     let scene = load(&args.input, &options)?;
     if !args.quiet {

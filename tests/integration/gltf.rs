@@ -16,6 +16,7 @@ use serde_json::{Value, json};
 use wavecrest_base::error::Result;
 use wavecrest_core::film::Film;
 use wavecrest_scene::gltf::load_bytes;
+use wavecrest_scene::load::framing::Framing;
 use wavecrest_scene::load::{LoadOptions, LoadedScene};
 use wavecrest_scene::systems;
 
@@ -28,6 +29,7 @@ const SIZE: LoadOptions = LoadOptions {
     height: Some(18),
     camera: None,
     allow_outside: false,
+    framing: Framing::USUAL,
 };
 
 /// A file being made: its JSON, and the bytes of its buffer.

@@ -5,6 +5,7 @@
 //! [`components`](super::components) lists ([`spawn`]). What a file lacks that is no whole scene is chosen
 //! ([`staging`]).
 
+pub mod framing;
 mod materials;
 pub(crate) mod spawn;
 pub(crate) mod staging;
@@ -19,6 +20,8 @@ use hecs::World;
 
 use wavecrest_base::error::{Error, ErrorKind, Result, Warning};
 
+use framing::Framing;
+
 use super::components::Encoding;
 use super::gltf;
 use super::mesh::{self, LoadedMesh};
@@ -32,7 +35,7 @@ use super::survey::{self, Survey};
 const LONGEST_FILE: u64 = 1 << 28;
 
 /// How a scene file is to be read.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct LoadOptions {
     /// Whether a key that the format does not have is an error rather than a warning.
     pub strict: bool,
@@ -44,6 +47,8 @@ pub struct LoadOptions {
     pub camera: Option<String>,
     /// Whether material files and images of OBJ files are read that lie outside the folder of the OBJ file.
     pub allow_outside: bool,
+    /// How a file is framed, in place of the cameras that it may have. A scene file has its own camera.
+    pub framing: Framing,
 }
 
 /// A scene, and what its author should know about it.
@@ -139,6 +144,11 @@ fn notes<'a>(file: &'a Path, options: &LoadOptions) -> Notes<'a> {
 }
 
 fn refuse_camera(file: &Path, options: &LoadOptions) -> Result<()> {
+    if options.framing != Framing::USUAL {
+        let error = Error::new(ErrorKind::Usage, "a scene file says where its camera is");
+        let remedy = "leave out --view, --up, --fov, --fit, --turntable and --sheet, and change its \"camera\"";
+        return Err(error.in_file(file).remedy(remedy));
+    }
     let Some(camera) = &options.camera else { return Ok(()) };
     let error = Error::new(ErrorKind::Usage, "a scene file has one camera, and no other to choose");
     Err(error.in_file(file).value(camera).remedy("leave --camera out"))

@@ -233,7 +233,7 @@ impl Camera {
 }
 
 /// Half the width and height of the image at distance 1.
-fn half_extent(placement: &Placement) -> [f64; 2] {
+pub fn half_extent(placement: &Placement) -> [f64; 2] {
     let [width, height] = placement.size.map(f64::from);
     let tangent = libm::tan(placement.fov_degrees.to_radians() / 2.0);
     let across_width = match placement.fov_axis {

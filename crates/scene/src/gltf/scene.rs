@@ -8,8 +8,9 @@ use crate::components::{
     AreaLight, Encoding, Falloff, Mesh, Name, PointLight, Sampling, Shading, TextureRef, Transform,
 };
 use crate::load::LoadOptions;
+use crate::load::framing::{Framing, Up};
 use crate::load::spawn::has_area;
-use crate::load::staging::{self, Sphere};
+use crate::load::staging::{self, Framed, Sphere};
 use crate::mesh::MeshData;
 use crate::reader::Notes;
 use crate::schema::{self, Instance, SceneFile, Shape};
@@ -50,10 +51,19 @@ pub(super) fn scene(
     notes: &Notes<'_>,
 ) -> Result<(SceneFile, String)> {
     let primitives = primitives(document, notes)?;
-    let bounds = bounds(&primitives);
-    let view = camera::chosen(document, &bounds, options, notes)?;
-    let has_camera = view.is_some();
-    let view = view.map_or_else(|| staging::framed(&bounds, options), Ok)?;
+    let corners = corners(&primitives);
+    let all = placed(&primitives, &corners);
+    let bounds = staging::bounds(&all);
+    let own = match options.framing == Framing::USUAL {
+        true => camera::chosen(document, &bounds, options, notes)?,
+        false => None,
+    };
+    let has_camera = own.is_some();
+    let framed = |view| Framed { view, path: None, inside: false, told: String::new() };
+    let Framed { view, path, inside, told: chosen } = own.map_or_else(
+        || staging::framed(&all, &bounds, (Up::Y, false), options),
+        |view| Ok(framed(view)),
+    )?;
     let mut points = lights(document, &bounds, notes);
     let glowing: usize =
         primitives.iter().filter(|f| f.surface.is_light()).map(|f| f.uses.len()).sum();
@@ -64,11 +74,11 @@ pub(super) fn scene(
         light.intensity *= exposure;
     }
     if !has_lights {
-        points.push(("the light".to_owned(), staging::light(&view, &bounds)));
+        points.push(("the light".to_owned(), staging::light(&view, &bounds, inside)));
     }
     let mut scene = SceneFile {
         settings: staging::settings(notes.file(), points.len() + glowing),
-        camera: schema::Camera { view, lens: None, path: None },
+        camera: schema::Camera { view, lens: None, path },
         lights: Vec::new(),
         shapes: Vec::new(),
         instances: Vec::new(),
@@ -84,7 +94,7 @@ pub(super) fn scene(
             primitive.add_shapes(&mut scene);
         }
     }
-    Ok((scene, told(has_camera, has_lights.then_some(exposure))))
+    Ok((scene, told(has_camera, &chosen, has_lights.then_some(exposure))))
 }
 
 /// The most triangles of lights: each node that shows one holds a copy.
@@ -105,7 +115,7 @@ fn check_lights(primitives: &[Primitive], notes: &Notes<'_>) -> Result<()> {
 }
 
 /// What was chosen for the user.
-fn told(has_camera: bool, exposure: Option<f64>) -> String {
+fn told(has_camera: bool, chosen: &str, exposure: Option<f64>) -> String {
     let light = match exposure {
         None => "no light: one shines from behind the camera's left shoulder".to_owned(),
         Some(factor) => format!("all light is multiplied by {factor:.3e}, the exposure"),
@@ -114,7 +124,7 @@ fn told(has_camera: bool, exposure: Option<f64>) -> String {
         true => "",
         false => "no camera: one is put where it sees all; ",
     };
-    format!("{camera}{light}")
+    format!("{camera}{chosen}{light}")
 }
 
 /// The primitives that the nodes of the scene show, in the order in which they are met.
@@ -223,27 +233,37 @@ fn texture(document: &Document, surface: &Surface, notes: &Notes<'_>) -> Option<
     textures.reference(info, surface.tint())
 }
 
-/// The sphere about all that is seen.
-fn bounds(primitives: &[Primitive]) -> Sphere {
-    // Corners of boxes stand for what is seen more than once: there may be many of it.
-    let corners: Vec<Vec<Vec3>> = primitives
-        .iter()
-        .map(|primitive| {
-            if primitive.uses.len() > 1 {
-                staging::corners(&primitive.mesh.positions)
-            } else {
-                vec![]
-            }
-        })
-        .collect();
+/// Points that may be looked at for one primitive, in all its places.
+const MOST_POINTS: usize = 1 << 24;
+
+/// Corners of boxes, which stand for primitives that are seen so often that it takes too long to look at every
+/// point of them; none for others.
+fn corners(primitives: &[Primitive]) -> Vec<Vec<Vec3>> {
+    let corners = |primitive: &Primitive| {
+        let points = 3 * primitive.mesh.triangles.len();
+        let is_often = points.saturating_mul(primitive.uses.len()) > MOST_POINTS;
+        if is_often && primitive.uses.len() > 1 {
+            staging::corners(&primitive.mesh.positions)
+        } else {
+            vec![]
+        }
+    };
+    primitives.iter().map(corners).collect()
+}
+
+/// All that is seen.
+fn placed<'a>(primitives: &'a [Primitive], corners: &'a [Vec<Vec3>]) -> Vec<staging::Placed<'a>> {
     let mut all = Vec::new();
-    for (primitive, corners) in primitives.iter().zip(&corners) {
-        let points = if primitive.uses.len() > 1 { corners } else { &primitive.mesh.positions };
-        all.extend(
-            primitive.uses.iter().map(|found| staging::Placed { points, world: found.world }),
-        );
+    for (primitive, corners) in primitives.iter().zip(corners) {
+        let mesh = &primitive.mesh;
+        let (points, triangles) = match &corners[..] {
+            [] => (&mesh.positions[..], &mesh.triangles[..]),
+            corners => (corners, &[][..]),
+        };
+        let place = |one: &Use| staging::Placed { points, triangles, world: one.world };
+        all.extend(primitive.uses.iter().map(place));
     }
-    staging::bounds(&all)
+    all
 }
 
 /// The lights of the scene's nodes, with their paths.

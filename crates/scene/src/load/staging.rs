@@ -4,14 +4,19 @@
 //! `wavecrest convert` writes it down to be changed.
 
 mod camera;
+mod fit;
+mod grid;
 mod light;
+mod orbit;
+mod room;
+mod upward;
 
 use glam::{DAffine3, DVec3, Vec3};
 use rayon::prelude::*;
 
 use wavecrest_core::math::float::MAX_COORDINATE;
 
-pub(crate) use camera::{framed, rays_per_pixel, size, view};
+pub(crate) use camera::{Framed, framed, rays_per_pixel, size, view};
 pub(crate) use light::{light, settings};
 
 /// A sphere about all that there is.
@@ -31,30 +36,49 @@ impl Sphere {
     }
 }
 
-/// Points and where they are: what a sphere is put about.
+/// What is seen, and where it is.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Placed<'a> {
     pub(crate) points: &'a [Vec3],
+    /// Points that no triangle has are not seen. Without triangles all points count.
+    pub(crate) triangles: &'a [[u32; 3]],
     pub(crate) world: DAffine3,
+}
+
+impl Placed<'_> {
+    /// What `of` gives for each point that is seen, brought together by `merge`, which takes no order.
+    fn reduce<T: Copy + Send + Sync>(
+        &self,
+        none: T,
+        of: impl Fn(DVec3) -> T + Sync,
+        merge: impl Fn(T, T) -> T + Sync + Send,
+    ) -> T {
+        let point = |p: &Vec3| of(self.world.transform_point3(p.as_dvec3()));
+        if self.triangles.is_empty() {
+            return self.points.par_iter().map(point).reduce(|| none, &merge);
+        }
+        let corner = |i: u32| point(&self.points[i as usize]);
+        let triangle = |&[a, b, c]: &[u32; 3]| merge(merge(corner(a), corner(b)), corner(c));
+        self.triangles.par_iter().map(triangle).reduce(|| none, &merge)
+    }
+}
+
+/// The box about all points; low and high end are not finite where there are none.
+fn extent(all: &[Placed<'_>]) -> (DVec3, DVec3) {
+    let merge = |a: (DVec3, DVec3), b: (DVec3, DVec3)| (a.0.min(b.0), a.1.max(b.1));
+    all.iter().map(|placed| placed.reduce(EMPTY, |p| (p, p), merge)).fold(EMPTY, merge)
 }
 
 /// The sphere about the middle of the box about all points. Without any it is that of radius 1 about the
 /// origin.
 pub(crate) fn bounds(all: &[Placed<'_>]) -> Sphere {
-    let boxes = all.iter().filter(|placed| !placed.points.is_empty()).map(|placed| {
-        let point = |p: &Vec3| placed.world.transform_point3(p.as_dvec3());
-        let points = placed.points.par_iter().map(point).map(|p| (p, p));
-        points.reduce(|| EMPTY, |a, b| (a.0.min(b.0), a.1.max(b.1)))
-    });
-    let (low, high) = boxes.fold(EMPTY, |a, b| (a.0.min(b.0), a.1.max(b.1)));
+    let (low, high) = extent(all);
     if !(low.is_finite() && high.is_finite()) {
         return Sphere { center: DVec3::ZERO, radius: 1.0 };
     }
     let center = (low + high) / 2.0;
-    let farthest = |placed: &Placed<'_>| {
-        let distance = |p: &Vec3| placed.world.transform_point3(p.as_dvec3()).distance(center);
-        placed.points.par_iter().map(distance).reduce(|| 0.0, f64::max)
-    };
+    let farthest =
+        |placed: &Placed<'_>| placed.reduce(0.0, |point| point.distance(center), f64::max);
     let radius = all.iter().map(farthest).fold(0.0, f64::max);
     // A single point has none; seen from one unit away it is a point still.
     Sphere { center, radius: if radius > 0.0 { radius } else { 1.0 } }
@@ -82,12 +106,15 @@ mod tests {
     #[test]
     fn the_sphere_is_about_all_points_where_they_are() {
         let points = [Vec3::ZERO, Vec3::X * 2.0, Vec3::Y, Vec3::Z];
-        let moved = Placed { points: &points, world: DAffine3::from_translation(DVec3::X * 10.0) };
-        let still = Placed { points: &points, world: DAffine3::IDENTITY };
-        let sphere = bounds(&[still, moved]);
+        let placed = |world| Placed { points: &points, triangles: &[], world };
+        let moved = placed(DAffine3::from_translation(DVec3::X * 10.0));
+        let sphere = bounds(&[placed(DAffine3::IDENTITY), moved]);
         assert_eq!(sphere.center, DVec3::new(6.0, 0.5, 0.5));
         assert!((sphere.radius - 36.5_f64.sqrt()).abs() < 1e-12, "{}", sphere.radius);
         assert_eq!(bounds(&[]), Sphere { center: DVec3::ZERO, radius: 1.0 });
         assert_eq!(corners(&points).len(), 8);
+        // A point that no triangle has is not seen.
+        let seen = Placed { triangles: &[[0, 2, 3]], ..placed(DAffine3::IDENTITY) };
+        assert_eq!(bounds(&[seen]).center, DVec3::new(0.0, 0.5, 0.5));
     }
 }

@@ -10,6 +10,7 @@ use super::materials::parts;
 use super::staging::{self, Placed};
 use crate::components::{Encoding, Material, Mesh, Shading, VertexColors};
 use crate::load::LoadOptions;
+use crate::load::framing::Up;
 use crate::mesh::{self, LoadedMesh};
 use crate::reader::Notes;
 use crate::schema::{Camera, Light, SceneFile, Shape};
@@ -41,9 +42,11 @@ pub(super) fn scene(
     mesh.decode_colors(VertexColors::Srgb);
     warnings.into_iter().for_each(|warning| notes.pass_on(warning));
     let world = glam::DAffine3::IDENTITY;
-    let bounds = staging::bounds(&[Placed { points: &mesh.positions, world }]);
-    let view = staging::framed(&bounds, options)?;
-    let light = staging::light(&view, &bounds);
+    let all = [Placed { points: &mesh.positions, triangles: &mesh.triangles, world }];
+    let bounds = staging::bounds(&all);
+    let staging::Framed { view, path: moves, inside, told } =
+        staging::framed(&all, &bounds, usual_up(path), options)?;
+    let light = staging::light(&view, &bounds, inside);
     let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let shape = Shape {
         shading: if mesh.normals.is_some() { Shading::Smooth } else { Shading::Flat },
@@ -53,11 +56,22 @@ pub(super) fn scene(
     let shapes = parts(&shape, mesh, &materials, path, notes);
     let scene = SceneFile {
         settings: staging::settings(path, 1),
-        camera: Camera { view, lens: None, path: None },
+        camera: Camera { view, lens: None, path: moves },
         lights: vec![Light::Point { path: "the light".into(), light }],
         shapes,
         instances: Vec::new(),
         encoding: Encoding::Srgb,
     };
-    Ok((scene, "a standalone mesh: camera, light and material are chosen".to_owned()))
+    Ok((scene, format!("a standalone mesh: {told}camera, light and material are chosen")))
+}
+
+/// Which axis is up in most files of this kind, and whether the shape of the mesh may say otherwise.
+fn usual_up(path: &Path) -> (Up, bool) {
+    let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
+    match extension.to_str() {
+        // From programs for construction, and for printers.
+        Some("stl") => (Up::Z, true),
+        Some("ply") => (Up::Y, true),
+        _ => (Up::Y, false),
+    }
 }

@@ -7,8 +7,9 @@ use hecs::{Entity, EntityRef, World};
 use serde_json::{Map, Value, json};
 
 use crate::components::{
-    AreaLight, Encoding, Hidden, InstanceOf, Material, Mesh, Name, Order, PointLight, Quad,
-    Shading, Sides, Sphere, TextureRef, ThinLens, Transform, Triangle, VertexColors, View,
+    AreaLight, CameraKey, CameraPath, Encoding, Hidden, InstanceOf, Material, Mesh, Name, Order,
+    PointLight, Quad, Shading, Sides, Sphere, TextureRef, ThinLens, Transform, Triangle,
+    VertexColors, View,
 };
 use crate::query;
 use wavecrest_base::error::{Error, ErrorKind, Result};
@@ -23,6 +24,7 @@ pub(super) fn scene(
 ) -> Result<Value> {
     check_kinds(world)?;
     let (settings, view) = (query::settings(world)?, query::view(world)?);
+    let path = world.query::<&CameraPath>().iter().next().cloned();
     let lights = lights(world, beside)?;
     let names = names(world);
     let shapes = ordered::<hecs::Without<&Mesh, hecs::Or<&AreaLight, &InstanceOf>>>(world);
@@ -45,7 +47,7 @@ pub(super) fn scene(
     Ok(json!({
         "nbounces": settings.bounces,
         "transfer": encoding.name(),
-        "camera": camera(&view),
+        "camera": camera(&view, path.as_ref()),
         "scene": inner,
     }))
 }
@@ -216,8 +218,8 @@ fn instance(world: &World, entity: Entity, names: &HashMap<Entity, String>) -> O
     Some(json!({ "shape": name, "transform": matrix(&transform) }))
 }
 
-fn camera(view: &View) -> Value {
-    json!({
+fn camera(view: &View, path: Option<&CameraPath>) -> Value {
+    let mut camera = json!({
         "type": "pinhole",
         "width": view.width,
         "height": view.height,
@@ -228,7 +230,21 @@ fn camera(view: &View) -> Value {
         "up": vector(view.up),
         "antialias": view.antialias,
         "sampling": view.sampling.name(),
-    })
+    });
+    if let Some(CameraPath { keys, interpolation }) = path {
+        let key = |key: &CameraKey| {
+            json!({
+                "frame": key.frame,
+                "location": vector(key.location),
+                "look": vector(key.look),
+                "up": vector(key.up),
+                "fov": key.fov_degrees,
+            })
+        };
+        let keys: Vec<Value> = keys.iter().map(key).collect();
+        camera["path"] = json!({ "interpolation": interpolation.name(), "keys": keys });
+    }
+    camera
 }
 
 fn vector(v: DVec3) -> Value {

@@ -1,13 +1,18 @@
 //! The camera that is put where a file has none, and the size of the image.
 
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 
 use wavecrest_base::error::Result;
+use wavecrest_core::kernels::camera::{Placement, half_extent};
+use wavecrest_core::math::float::MAX_COORDINATE;
 use wavecrest_core::math::sampling::Sampling;
 
-use super::Sphere;
-use crate::components::{FovAxis, View};
+use super::grid::Grid;
+use super::room::{self, Room};
+use super::{Placed, Sphere, extent, fit, orbit, upward};
+use crate::components::{CameraPath, FovAxis, View};
 use crate::load::LoadOptions;
+use crate::load::framing::{Fov, Framing, Side, Up};
 use crate::parse;
 
 /// Width of the image in pixels, where nothing is said of it; the height for one that is upright.
@@ -18,6 +23,14 @@ const ASPECT: f64 = 4.0 / 3.0;
 const ANTIALIAS: u32 = 2;
 /// Full angle of the camera that is put where a file has none, in degrees.
 const FOV_DEGREES: f64 = 40.0;
+/// The same within a room.
+const ROOM_FOV_DEGREES: f64 = 60.0;
+/// The camera is no nearer to what it sees from outside than this share of its radius.
+const NEAREST: f64 = 0.01;
+/// Sine of the angle between the view and up below which the image has no upright from it.
+pub(super) const PARALLEL: f64 = 1e-3;
+/// What is so many times as long as wide is seen from its side.
+const LONG: f64 = 1.25;
 /// Where that camera stands, as seen from the middle: in front, above and a little to the right.
 const CAMERA_SIDE: DVec3 = DVec3::new(0.5, 0.4, 1.0);
 
@@ -61,16 +74,167 @@ pub(crate) fn view(width: u32, height: u32) -> View {
     }
 }
 
-/// A view of all that there is, with +y upward.
+/// The camera that is chosen, and what the user should know of it.
+pub(crate) struct Framed {
+    pub(crate) view: View,
+    /// How it moves, where it goes around or from side to side.
+    pub(crate) path: Option<CameraPath>,
+    /// Where a room is seen from within: light from outside does not reach it.
+    pub(crate) inside: bool,
+    /// Such as "z is taken for up".
+    pub(crate) told: String,
+}
+
+/// A view of `all` that there is, within `bounds`. `usual` is which axis is up in files of this kind, and whether
+/// that may be doubted.
 ///
 /// # Errors
 /// As [`size`].
-pub(crate) fn framed(bounds: &Sphere, options: &LoadOptions) -> Result<View> {
+pub(crate) fn framed(
+    all: &[Placed<'_>],
+    bounds: &Sphere,
+    usual: (Up, bool),
+    options: &LoadOptions,
+) -> Result<Framed> {
     let (width, height) = size(options, None)?;
-    let half = (FOV_DEGREES / 2.0).to_radians();
-    // The sphere touches the sides of what is seen.
-    let location = bounds.outside(CAMERA_SIDE.normalize(), 1.0 / libm::sin(half));
-    Ok(View { location, look: bounds.center, ..view(width, height) })
+    let framing = &options.framing;
+    let (low, high) = extent(all);
+    let mut sides: Vec<_> = framing.sheet.0.iter().map(|(_, side)| Some(*side)).collect();
+    if sides.is_empty() {
+        sides.push(framing.side);
+    }
+    let from_outside = |side: &Option<Side>| matches!(side, Some(Side::Around { .. }));
+    let needs_grid = !sides.iter().all(from_outside) || (framing.up.is_none() && usual.1);
+    let has_extent = low.is_finite() && high.is_finite();
+    let grid = if needs_grid && has_extent { Grid::of(all, low, high) } else { None };
+    let (up, told) = upward(grid.as_ref(), high - low, framing.up, usual);
+    let stage = Stage { all, bounds, corners: (low, high), grid, up, framing };
+    let mut views = sides.iter().map(|side| stage.seen_from(*side, view(width, height)));
+    let (view, room) = views.next().unwrap_or_else(|| stage.seen_from(None, view(width, height)));
+    let told = told + room.map_or("", Room::told);
+    let inside = matches!(room, Some(Room::Closed { .. }));
+    let path = match framing.turntable {
+        Some(frames) => Some(orbit::path(&view, frames, &stage, inside)),
+        None if framing.sheet.0.is_empty() => None,
+        None => Some(orbit::through(std::iter::once(view).chain(views.map(|(view, _)| view)))),
+    };
+    let view = path.as_ref().map_or(view, |path| orbit::first(view, path));
+    Ok(Framed { view, path, inside, told })
+}
+
+/// Which axis is up, and what the user should know of that.
+fn upward(
+    grid: Option<&Grid>,
+    size: DVec3,
+    asked: Option<Up>,
+    (usual, is_doubtful): (Up, bool),
+) -> (Up, String) {
+    let guessed = grid.filter(|_| asked.is_none() && is_doubtful);
+    let (up, why) =
+        guessed.map_or((asked.unwrap_or(usual), None), |g| upward::guess(g, size, usual));
+    let told =
+        why.map(|why| format!("{} is taken for up, as {why} (--up says otherwise); ", up.name()));
+    (up, told.unwrap_or_default())
+}
+
+/// What there is to be framed, and how.
+pub(super) struct Stage<'a> {
+    pub(super) all: &'a [Placed<'a>],
+    pub(super) bounds: &'a Sphere,
+    /// The ends of the box about all.
+    corners: (DVec3, DVec3),
+    grid: Option<Grid>,
+    pub(super) up: Up,
+    framing: &'a Framing,
+}
+
+impl Stage<'_> {
+    /// The view from a side, or from the one that suits, of the size of `view`; and the room that is seen, if it is
+    /// one.
+    fn seen_from(&self, side: Option<Side>, mut view: View) -> (View, Option<Room>) {
+        let ((low, high), upward) = (self.corners, self.up.axes().y_axis);
+        let room = self.grid.as_ref().and_then(|grid| match side {
+            Some(Side::Around { .. }) => None,
+            Some(Side::Inside) => Some(room::inside(grid, low, high, upward)),
+            None => room::find(grid, low, high, self.up),
+        });
+        view.up = upward;
+        let usual =
+            if let Some(Room::Closed { .. }) = room { ROOM_FOV_DEGREES } else { FOV_DEGREES };
+        view.fov_degrees = self.framing.fov.map_or(usual, Fov::degrees);
+        let back = match (room, side) {
+            (Some(Room::Closed { eye, look }), _) => {
+                (view.location, view.look) = (eye, look);
+                return (view, room);
+            }
+            (Some(Room::Open(outward)), _) => outward,
+            (_, Some(Side::Around { azimuth, elevation })) => {
+                let [back, overhead] = toward(azimuth, elevation).map(|v| self.up.axes() * v);
+                if view.up.cross(back).length() < PARALLEL {
+                    view.up = overhead;
+                }
+                back
+            }
+            _ => self.up.axes() * self.usual_side(),
+        };
+        self.stand_back(&mut view, back);
+        (view, room)
+    }
+
+    /// Where the camera stands if nobody says: what is longer than wide is seen more from its side.
+    fn usual_side(&self) -> DVec3 {
+        let size = (self.up.axes().transpose() * (self.corners.1 - self.corners.0)).abs();
+        let DVec3 { x: side, y: up, z: front } = CAMERA_SIDE.normalize();
+        let is_long = size.z > LONG * size.x;
+        if is_long { DVec3::new(front, up, side) } else { DVec3::new(side, up, front) }
+    }
+
+    /// Puts the camera so far in the direction `back` that all fills its share of the image.
+    fn stand_back(&self, view: &mut View, back: DVec3) {
+        let right = view.up.cross(back).normalize();
+        let axes = DMat3::from_cols(right, back.cross(right), back);
+        let least = self.bounds.radius * NEAREST;
+        let place = fit::place(self.all, &axes, self.tangents(view), least);
+        let greatest = DVec3::splat(f64::from(MAX_COORDINATE));
+        view.location = place.unwrap_or(self.bounds.center + back).clamp(-greatest, greatest);
+        let distance = (view.location - self.bounds.center).dot(back).max(least);
+        view.look = view.location - back * distance;
+    }
+
+    /// The tangents of half the angles that are filled, across and along.
+    pub(super) fn tangents(&self, view: &View) -> [f64; 2] {
+        let placement = Placement {
+            location: view.location,
+            look: view.look,
+            up: view.up,
+            fov_degrees: view.fov_degrees,
+            fov_axis: view.fov_axis,
+            size: [view.width, view.height],
+        };
+        let share = self.framing.fit.unwrap_or_default().share();
+        half_extent(&placement).map(|tangent| tangent * share)
+    }
+}
+
+/// The direction of a camera from what it sees, and what is up in its image where it looks straight down or
+/// up; with y up and z to the front.
+fn toward(azimuth: f64, elevation: f64) -> [DVec3; 2] {
+    let (sine, cosine) = sin_cos(elevation);
+    let (right, front) = sin_cos(azimuth);
+    let overhead = DVec3::new(right, 0.0, front) * -sine.signum();
+    [DVec3::new(right * cosine, sine, front * cosine), overhead]
+}
+
+/// Of an angle in degrees; exact for right angles, so that a view along an axis is just that.
+fn sin_cos(degrees: f64) -> (f64, f64) {
+    let turn = degrees.rem_euclid(360.0);
+    match turn {
+        0.0 => (0.0, 1.0),
+        90.0 => (1.0, 0.0),
+        180.0 => (0.0, -1.0),
+        270.0 => (-1.0, 0.0),
+        _ => (libm::sin(turn.to_radians()), libm::cos(turn.to_radians())),
+    }
 }
 
 #[cfg(test)]

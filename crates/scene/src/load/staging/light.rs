@@ -18,21 +18,22 @@ const AMBIENT: f64 = 0.08;
 const LIGHT: f64 = 0.92;
 /// Where that light comes from, to the right, up and back as the camera has it: over its left shoulder.
 const LIGHT_SIDE: DVec3 = DVec3::new(-0.6, 0.9, 1.0);
+/// Where it is in a room: above what is looked at, as a share of the way there.
+const ROOM_LIGHT_HEIGHT: f64 = 0.2;
 /// How far away it is, in radii.
 const LIGHT_DISTANCE: f64 = 100.0;
 
-/// A light for what the camera sees.
-pub(crate) fn light(view: &View, bounds: &Sphere) -> PointLight {
+/// A light for what the camera sees: far away, or over its head where it stands within a room.
+pub(crate) fn light(view: &View, bounds: &Sphere, inside: bool) -> PointLight {
     let back = direction(view.location - view.look).unwrap_or(DVec3::Z);
     let right = direction(view.up.cross(back)).unwrap_or(DVec3::X);
     let up = back.cross(right);
     let side = right * LIGHT_SIDE.x + up * LIGHT_SIDE.y + back * LIGHT_SIDE.z;
-    PointLight {
-        intensity: LIGHT,
-        position: bounds.outside(side.normalize(), LIGHT_DISTANCE),
-        color: DVec3::ONE,
-        falloff: Falloff::None,
-    }
+    let position = match inside {
+        true => view.look + up * (ROOM_LIGHT_HEIGHT * view.location.distance(view.look)),
+        false => bounds.outside(side.normalize(), LIGHT_DISTANCE),
+    };
+    PointLight { intensity: LIGHT, position, color: DVec3::ONE, falloff: Falloff::None }
 }
 
 /// The rest, for a scene of so many lights.

@@ -1,0 +1,246 @@
+//! What may be asked of the camera that is put before a file: from which side, which way up, how near.
+
+use std::str::FromStr;
+
+use glam::{DMat3, DVec3};
+
+use crate::parse;
+
+/// How a file is framed that does not say so, or is to be seen otherwise than it says.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Framing {
+    /// From where it is seen.
+    pub side: Option<Side>,
+    /// Which axis of the file is up.
+    pub up: Option<Up>,
+    /// The full angle across the shorter side of the image.
+    pub fov: Option<Fov>,
+    /// How much of the image is filled.
+    pub fit: Option<Fit>,
+    /// Has the camera go once around in so many frames, from 1 on.
+    pub turntable: Option<u32>,
+    /// Sides that are seen one after the other, a frame each, from 1 on; none for one side alone.
+    pub sheet: Sheet,
+}
+
+impl Framing {
+    /// As the file says, or else as is usual.
+    pub const USUAL: Self = Self {
+        side: None,
+        up: None,
+        fov: None,
+        fit: None,
+        turntable: None,
+        sheet: Sheet(Vec::new()),
+    };
+}
+
+/// Sides that are seen one after the other, and their names.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Sheet(pub Vec<(String, Side)>);
+
+impl FromStr for Sheet {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let mut words = text.split(',').map(str::trim);
+        let mut sides = Vec::new();
+        while let Some(word) = words.next() {
+            // Two numbers are one side.
+            let is_number = word.parse::<f64>().is_ok();
+            let second = if is_number { words.next() } else { None };
+            let name = second.map_or(word.to_owned(), |second| format!("{word},{second}"));
+            sides.push((name.clone(), name.parse()?));
+        }
+        if sides.len() > MOST_SIDES {
+            return Err(format!("name at most {MOST_SIDES} sides"));
+        }
+        Ok(Self(sides))
+    }
+}
+
+/// The most sides of a sheet.
+const MOST_SIDES: usize = 64;
+
+/// From where a file is seen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Side {
+    /// From outside, all of it.
+    Around {
+        /// Degrees from the front to the right.
+        azimuth: f64,
+        /// Degrees upward.
+        elevation: f64,
+    },
+    /// From within, as a room.
+    Inside,
+}
+
+impl Side {
+    /// Names and what they stand for, in degrees.
+    pub const NAMED: [(&'static str, f64, f64); 7] = [
+        ("front", 0.0, 0.0),
+        ("back", 180.0, 0.0),
+        ("left", -90.0, 0.0),
+        ("right", 90.0, 0.0),
+        ("top", 0.0, 90.0),
+        ("bottom", 0.0, -90.0),
+        // As in an isometric drawing: all three axes are seen equally long.
+        ("iso", 45.0, 35.264_389_682_754_654),
+    ];
+}
+
+impl FromStr for Side {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        if text == "inside" {
+            return Ok(Self::Inside);
+        }
+        let named = Self::NAMED.iter().find(|(name, ..)| *name == text);
+        let angles = || {
+            let (azimuth, elevation) = text.split_once(',')?;
+            Some((azimuth.trim().parse::<f64>().ok()?, elevation.trim().parse::<f64>().ok()?))
+        };
+        match named.map(|&(_, azimuth, elevation)| (azimuth, elevation)).or_else(angles) {
+            Some((azimuth, elevation)) if azimuth.abs() <= 360.0 && elevation.abs() <= 90.0 => {
+                Ok(Self::Around { azimuth, elevation })
+            }
+            _ => Err("write front, back, left, right, top, bottom, iso or inside, or two angles in \
+                      degrees, AZIMUTH,ELEVATION, such as 30,20: from the front to the right, at most \
+                      360, and upward, at most 90"
+                .to_owned()),
+        }
+    }
+}
+
+wavecrest_base::choices! {
+    /// Which axis of a file points upward.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub enum Up {
+        /// +x.
+        X = "x",
+        /// +y, as in glTF.
+        Y = "y",
+        /// +z, as in most programs for construction and printing.
+        Z = "z",
+        /// -x.
+        NegativeX = "-x",
+        /// -y.
+        NegativeY = "-y",
+        /// -z.
+        NegativeZ = "-z",
+    }
+}
+
+impl Up {
+    /// To the right, up, and to the front, out of the image: unit vectors, right-handed. With +y up, as in
+    /// glTF, the front is +z; the axes of others are turned to it the shortest way.
+    pub(crate) fn axes(self) -> DMat3 {
+        let (x, y, z) = (DVec3::X, DVec3::Y, DVec3::Z);
+        match self {
+            Self::X => DMat3::from_cols(-y, x, z),
+            Self::Y => DMat3::IDENTITY,
+            Self::Z => DMat3::from_cols(x, z, -y),
+            Self::NegativeX => DMat3::from_cols(y, -x, z),
+            Self::NegativeY => DMat3::from_cols(x, -y, -z),
+            Self::NegativeZ => DMat3::from_cols(x, -z, y),
+        }
+    }
+}
+
+/// A full angle of view in degrees, in the bounds of scene files.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fov(f64);
+
+impl Fov {
+    /// In degrees.
+    pub fn degrees(self) -> f64 {
+        self.0
+    }
+}
+
+impl FromStr for Fov {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let degrees = text.parse().ok().filter(|&degrees| parse::FOV.contains(degrees));
+        let words = || format!("write an angle in degrees, {}, such as 40", parse::FOV.words());
+        degrees.map(Self).ok_or_else(words)
+    }
+}
+
+/// The share of the image's width or height that is filled, above 0, at most 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fit(f64);
+
+impl Fit {
+    /// Above 0, at most 1.
+    pub fn share(self) -> f64 {
+        self.0
+    }
+}
+
+impl Default for Fit {
+    /// Leaves four per cent free on each side.
+    fn default() -> Self {
+        Self(0.92)
+    }
+}
+
+impl FromStr for Fit {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        // A smaller share is less than a pixel of the widest image.
+        const SMALLEST: f64 = 1e-4;
+        let share = text.parse().ok().filter(|share| (SMALLEST..=1.0).contains(share));
+        share.map(Self).ok_or_else(|| {
+            format!("write the share of the image to be filled, {SMALLEST} to 1, such as 0.9")
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sides_have_names_or_angles() {
+        assert_eq!("left".parse(), Ok(Side::Around { azimuth: -90.0, elevation: 0.0 }));
+        assert_eq!("-30, 20".parse(), Ok(Side::Around { azimuth: -30.0, elevation: 20.0 }));
+        assert_eq!("inside".parse(), Ok(Side::Inside));
+        for wrong in ["", "up", "1", "1,2,3", "nan,0", "0,91", "inf,0", "361,0"] {
+            assert!(wrong.parse::<Side>().is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn a_sheet_has_names_and_angles() {
+        let found = "front, 30,20,iso".parse::<Sheet>().unwrap().0;
+        let names: Vec<&str> = found.iter().map(|(name, _)| name.as_str()).collect();
+        assert_eq!(names, ["front", "30,20", "iso"]);
+        assert_eq!(found[1].1, Side::Around { azimuth: 30.0, elevation: 20.0 });
+        for wrong in ["", "front,", "30", "front,up"] {
+            assert!(wrong.parse::<Sheet>().is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn axes_are_right_handed_and_named_after_what_is_up() {
+        for up in Up::ALL {
+            let axes = up.axes();
+            assert_eq!(axes.determinant(), 1.0, "{up:?}");
+            let sign = if up.name().starts_with('-') { -1.0 } else { 1.0 };
+            let axis = "xyz".find(up.name().trim_start_matches('-')).unwrap();
+            assert_eq!(axes.y_axis[axis], sign, "{up:?}");
+        }
+    }
+
+    #[test]
+    fn angles_and_shares_have_bounds() {
+        assert!("40".parse::<Fov>().is_ok() && "1".parse::<Fit>().is_ok());
+        assert!(["0", "180", "nan", "x"].iter().all(|wrong| wrong.parse::<Fov>().is_err()));
+        assert!(["0", "1.1", "nan", "-1"].iter().all(|wrong| wrong.parse::<Fit>().is_err()));
+    }
+}

@@ -1,0 +1,125 @@
+//! The nearest place of a camera from which all of a file is in the image.
+//!
+//! A point is in the image where it lies before four planes through the camera. With the camera's direction given,
+//! each plane is moved as far as the farthest point takes it: one look at every point, and the distance follows.
+
+use std::cmp::Ordering;
+
+use glam::{DMat3, DVec3};
+
+use super::Placed;
+
+/// Distances of the farthest points.
+#[derive(Clone, Copy)]
+struct Planes {
+    /// To the right and to the left, upward and downward: across the planes, in units of distance across the view.
+    sides: [f64; 4],
+    /// Toward the camera.
+    nearest: f64,
+}
+
+/// Where a camera stands that sees all points between `tangents` of half its angles of view. `axes` are to the
+/// right, up and back from what is seen. `None` where there are no points; `least` is the smallest distance to one.
+pub(super) fn place(
+    all: &[Placed<'_>],
+    axes: &DMat3,
+    tangents: [f64; 2],
+    least: f64,
+) -> Option<DVec3> {
+    let [across, along] = tangents;
+    let into = axes.transpose();
+    let of = |point: DVec3| {
+        let DVec3 { x, y, z } = into * point;
+        let sides = [x + across * z, across * z - x, y + along * z, along * z - y];
+        Planes { sides, nearest: z }
+    };
+    let none = Planes { sides: [f64::NEG_INFINITY; 4], nearest: f64::NEG_INFINITY };
+    let merge = |a: Planes, b: Planes| Planes {
+        sides: [0, 1, 2, 3].map(|i| a.sides[i].max(b.sides[i])),
+        nearest: a.nearest.max(b.nearest),
+    };
+    let found = all.iter().map(|placed| placed.reduce(none, of, merge)).fold(none, merge);
+    let [right, left, up, down] = found.sides;
+    let middle = [(right - left) / 2.0, (up - down) / 2.0];
+    let distance = ((right + left) / (2.0 * across)).max((up + down) / (2.0 * along));
+    let mut place = DVec3::new(middle[0], middle[1], distance.max(found.nearest + least));
+    if !place.is_finite() {
+        return None;
+    }
+    // The planes of one pair touch points, between which the camera is; those of the other are free.
+    let free = usize::from(right + left >= (up + down) * across / along);
+    for _ in 0..CENTRED {
+        place[free] = centred(all, &into, &place, free);
+    }
+    Some(*axes * place)
+}
+
+/// How often the middle is sought anew: mostly it is found at the second time, when the outermost points are known.
+const CENTRED: u32 = 3;
+
+/// Where along the `axis` across the view the camera at `place` must stand so that the outermost points to either
+/// side are equally far from the middle of the image.
+fn centred(all: &[Placed<'_>], into: &DMat3, place: &DVec3, axis: usize) -> f64 {
+    // The tangent of the angle, the point's place and its distance.
+    let none = [[f64::NEG_INFINITY, 0.0, 1.0]; 2];
+    let of = |point: DVec3| {
+        let point = *into * point;
+        let (at, distance) = (point[axis], place.z - point.z);
+        let tangent = (at - place[axis]) / distance;
+        [[tangent, at, distance], [-tangent, at, distance]]
+    };
+    let higher = |a: [f64; 3], b: [f64; 3]| {
+        if a.partial_cmp(&b).is_some_and(Ordering::is_lt) { b } else { a }
+    };
+    let merge = |a: [[f64; 3]; 2], b: [[f64; 3]; 2]| [higher(a[0], b[0]), higher(a[1], b[1])];
+    let found = all.iter().map(|placed| placed.reduce(none, of, merge)).fold(none, merge);
+    let [[_, high, to_high], [_, low, to_low]] = found;
+    (high * to_low + low * to_high) / (to_high + to_low)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::{DAffine3, Vec3};
+
+    /// The greatest share of the image that points reach to, across and along.
+    fn reached(points: &[Vec3], eye: DVec3, tangents: [f64; 2]) -> [[f64; 2]; 2] {
+        let place = |p: &Vec3| {
+            let p = p.as_dvec3() - eye;
+            [p.x / -p.z / tangents[0], p.y / -p.z / tangents[1]]
+        };
+        [0, 1].map(|axis| {
+            let at = || points.iter().map(|p| place(p)[axis]);
+            [at().fold(f64::INFINITY, f64::min), at().fold(f64::NEG_INFINITY, f64::max)]
+        })
+    }
+
+    #[test]
+    fn points_touch_two_sides_of_the_image_and_pass_none() {
+        let points = [
+            Vec3::new(4.0, 1.0, -3.0),
+            Vec3::new(-2.0, 0.5, 2.0),
+            Vec3::new(1.0, 5.0, 0.0),
+            Vec3::new(0.0, -3.0, 1.0),
+        ];
+        let placed = [Placed { points: &points, triangles: &[], world: DAffine3::IDENTITY }];
+        for tangents in [[0.4, 0.3], [3.0, 0.3], [0.1, 2.0]] {
+            let eye = place(&placed, &DMat3::IDENTITY, tangents, 1e-3).unwrap();
+            let found = reached(&points, eye, tangents);
+            let touches =
+                |[low, high]: [f64; 2]| (low + 1.0).abs() < 1e-12 && (high - 1.0).abs() < 1e-12;
+            assert!(found.into_iter().any(touches), "{tangents:?} {found:?}");
+            // In the other direction the middle is in the middle.
+            assert!(found.iter().all(|[low, high]| (low + high).abs() < 1e-6), "{found:?}");
+            assert!(found.as_flattened().iter().all(|at| at.abs() < 1.0 + 1e-12), "{found:?}");
+        }
+    }
+
+    #[test]
+    fn a_point_is_seen_from_a_little_away_and_nothing_from_nowhere() {
+        let placed = [Placed { points: &[Vec3::X], triangles: &[], world: DAffine3::IDENTITY }];
+        let eye = place(&placed, &DMat3::IDENTITY, [0.4, 0.3], 0.5).unwrap();
+        assert_eq!(eye, DVec3::new(1.0, 0.0, 0.5));
+        assert_eq!(place(&[], &DMat3::IDENTITY, [0.4, 0.3], 0.5), None);
+    }
+}

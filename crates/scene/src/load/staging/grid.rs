@@ -1,0 +1,171 @@
+//! What parallel rays meet that go through a file along its axes: enough to tell a room from a statue, and a floor
+//! from a wall.
+//!
+//! The box about the file is cut into columns along each axis. For each, the triangles met by the ray through its
+//! middle are found triangle by triangle, so that no tree is needed and every triangle is looked at once.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::Placed;
+
+/// Columns along each side of a face of the box.
+pub(super) const COLUMNS: usize = 24;
+/// Triangles that are looked at together.
+const BATCH: usize = 1 << 16;
+/// Rays that may be tried against triangles, in all: about a second's work.
+const MOST_TESTS: u64 = 1 << 28;
+
+/// Where a ray meets a triangle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Met {
+    /// From 0 at the low end of the box to 1 at the high one.
+    pub(super) at: f64,
+    /// Whether the front is toward the high end.
+    pub(super) faces_high: bool,
+}
+
+/// What the ray through the middle of a column meets.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Column {
+    /// Nearest to the low end, and to the high one.
+    pub(super) ends: Option<[Met; 2]>,
+    /// Nearest to the middle of the box, below it and above.
+    pub(super) below: Option<Met>,
+    pub(super) above: Option<Met>,
+}
+
+/// The columns along x, y and z.
+pub(super) struct Grid {
+    columns: Vec<Column>,
+}
+
+impl Grid {
+    /// The grid of all that is placed within the box from `low` to `high`. `None` where that takes too long.
+    pub(super) fn of(all: &[Placed<'_>], low: DVec3, high: DVec3) -> Option<Self> {
+        let size = high - low;
+        let unit = |x: f64| if x > 0.0 { 1.0 / x } else { 0.0 };
+        let scale = DVec3::new(unit(size.x), unit(size.y), unit(size.z));
+        let tests = AtomicU64::new(0);
+        let mut grid = Self::empty();
+        for placed in all {
+            let point = |&i: &u32| {
+                let point = placed.world.transform_point3(placed.points[i as usize].as_dvec3());
+                (point - low) * scale
+            };
+            let found = placed.triangles.par_chunks(BATCH).map(|triangles| {
+                let mut part = Self::empty();
+                if tests.load(Ordering::Relaxed) <= MOST_TESTS {
+                    let add = |triangle: &[u32; 3]| part.add(&triangle.each_ref().map(point));
+                    let count = triangles.iter().map(add).sum();
+                    tests.fetch_add(count, Ordering::Relaxed);
+                }
+                part
+            });
+            if let Some(part) = found.reduce_with(Self::merged) {
+                grid = grid.merged(part);
+            }
+        }
+        (tests.into_inner() <= MOST_TESTS).then_some(grid)
+    }
+
+    fn empty() -> Self {
+        Self { columns: vec![Column::default(); 3 * COLUMNS * COLUMNS] }
+    }
+
+    /// The columns along an axis, by rows of the next axis but one.
+    pub(super) fn along(&self, axis: usize) -> &[Column] {
+        let count = COLUMNS * COLUMNS;
+        &self.columns[axis * count..(axis + 1) * count]
+    }
+
+    /// Adds a triangle of the unit cube; the number of rays that were tried.
+    fn add(&mut self, corners: &[DVec3; 3]) -> u64 {
+        (0..3).map(|axis| self.add_along(axis, corners)).sum()
+    }
+
+    fn add_along(&mut self, axis: usize, corners: &[DVec3; 3]) -> u64 {
+        let cells = COLUMNS as f64;
+        let [u, v] = [(axis + 1) % 3, (axis + 2) % 3].map(|i| corners.map(|p| p[i] * cells - 0.5));
+        let range = |x: [f64; 3]| {
+            let low = x[0].min(x[1]).min(x[2]).ceil().max(0.0);
+            let high = x[0].max(x[1]).max(x[2]).floor().min(cells - 1.0);
+            (low <= high).then(|| low as usize..high as usize + 1)
+        };
+        let (Some(columns), Some(rows)) = (range(u), range(v)) else { return 0 };
+        let edge = |i: usize, j: usize, x: f64, y: f64| {
+            (u[j] - u[i]) * (y - v[i]) - (v[j] - v[i]) * (x - u[i])
+        };
+        let area = edge(0, 1, u[2], v[2]);
+        if area == 0.0 || !area.is_finite() {
+            return 0;
+        }
+        for row in rows.clone() {
+            for column in columns.clone() {
+                let (x, y) = (column as f64, row as f64);
+                let weights = [(1, 2), (2, 0), (0, 1)].map(|(i, j)| edge(i, j, x, y) / area);
+                if weights.iter().all(|&weight| weight >= 0.0) {
+                    let at = (0..3).map(|i| weights[i] * corners[i][axis]).sum();
+                    let met = Met { at, faces_high: area > 0.0 };
+                    self.columns[(axis * COLUMNS + row) * COLUMNS + column].meet(met);
+                }
+            }
+        }
+        (rows.len() * columns.len()) as u64
+    }
+
+    fn merged(mut self, other: Self) -> Self {
+        for (own, other) in self.columns.iter_mut().zip(other.columns) {
+            let ends = other.ends.into_iter().flatten();
+            ends.chain(other.below).chain(other.above).for_each(|met| own.meet(met));
+        }
+        self
+    }
+}
+
+impl Column {
+    /// Takes note of something that the ray meets. Nothing depends on the order.
+    fn meet(&mut self, met: Met) {
+        let lower =
+            |a: Met, b: Met| if (a.at, a.faces_high) <= (b.at, b.faces_high) { a } else { b };
+        let higher =
+            |a: Met, b: Met| if (a.at, a.faces_high) >= (b.at, b.faces_high) { a } else { b };
+        self.ends = Some(match self.ends {
+            Some([low, high]) => [lower(low, met), higher(high, met)],
+            None => [met; 2],
+        });
+        if met.at <= 0.5 {
+            self.below = Some(self.below.map_or(met, |below| higher(below, met)));
+        } else {
+            self.above = Some(self.above.map_or(met, |above| lower(above, met)));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::{DAffine3, Vec3};
+
+    #[test]
+    fn rays_meet_both_ends_of_a_box() {
+        let points: Vec<Vec3> = (0..8)
+            .map(|i| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32))
+            .collect();
+        // The lower and the upper side, with their fronts out.
+        let triangles = [[0, 3, 1], [0, 2, 3], [4, 5, 7], [4, 7, 6]];
+        let placed = Placed { points: &points, triangles: &triangles, world: DAffine3::IDENTITY };
+        let grid = Grid::of(&[placed], DVec3::ZERO, DVec3::ONE).unwrap();
+        let is = |met: Met, at: f64, faces_high| {
+            (met.at - at).abs() < 1e-12 && met.faces_high == faces_high
+        };
+        for column in grid.along(2) {
+            let [low, high] = column.ends.unwrap();
+            assert!(is(low, 0.0, false) && is(high, 1.0, true), "{low:?} {high:?}");
+            assert_eq!((column.below, column.above), (Some(low), Some(high)));
+        }
+        assert!(grid.along(0).iter().chain(grid.along(1)).all(|column| column.ends.is_none()));
+    }
+}

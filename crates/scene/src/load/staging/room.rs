@@ -1,0 +1,244 @@
+//! Rooms: files that are to be seen from within.
+//!
+//! A room has walls where the box about it ends, which show their backs outward, or which are thick and have something
+//! between them that faces the middle. A solid block has such walls too, but they face the other way. Where one wall is
+//! missing, as in a doll's house or in the Cornell box, the room is seen from outside through the open side.
+
+use glam::DVec3;
+
+use super::grid::{COLUMNS, Column, Grid};
+use crate::load::framing::Up;
+
+/// A wall lies within this share of the room's length of the end of the box.
+const WALL_DEPTH: f64 = 0.1;
+/// It covers as much of the side at least: there are windows and doors.
+const WALL: f64 = 0.6;
+/// A side is open that is covered by no more than this.
+const OPEN: f64 = 0.25;
+/// The share of what is met from outside that shows its back, at least.
+const BACKS: f64 = 0.6;
+/// The share of what is met from the middle that shows its front, at least, where walls are thick.
+const FRONTS: f64 = 0.6;
+/// What is farther from both ends than this share of the way is furniture,
+const FURNITURE_DEPTH: f64 = 0.15;
+/// and there is some in this share of the columns at least.
+const FURNITURE: f64 = 0.1;
+/// Height of the eye as a share of the room's: 1.5 of 2.6 metres.
+const EYE: f64 = 0.58;
+/// What stays free between the eye and what is behind it, as a share of the way before it.
+const BEHIND: f64 = 0.03;
+
+/// How a room is seen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Room {
+    /// From within: the eye, and the point that it looks at.
+    Closed { eye: DVec3, look: DVec3 },
+    /// From outside, from where this vector along an axis points.
+    Open(DVec3),
+}
+
+impl Room {
+    /// What the user should know.
+    pub(super) fn told(self) -> &'static str {
+        match self {
+            Self::Closed { .. } => "a room, which is seen from within (--view says otherwise); ",
+            Self::Open(_) => {
+                "a room, which is seen through its open side (--view says otherwise); "
+            }
+        }
+    }
+}
+
+/// One side of the box about a file.
+struct Side {
+    axis: usize,
+    is_high: bool,
+    /// The share of it that a wall covers.
+    covered: f64,
+    /// Of that, the share that faces inward.
+    inward: f64,
+}
+
+impl Side {
+    fn of(grid: &Grid, axis: usize, is_high: bool) -> Self {
+        let (mut wall, mut inward) = (0u32, 0u32);
+        for met in grid.along(axis).iter().filter_map(|c| c.ends).map(|e| e[usize::from(is_high)]) {
+            let depth = if is_high { 1.0 - met.at } else { met.at };
+            if depth <= WALL_DEPTH {
+                wall += 1;
+                inward += u32::from(met.faces_high != is_high);
+            }
+        }
+        let covered = f64::from(wall) / grid.along(axis).len() as f64;
+        Self { axis, is_high, covered, inward: f64::from(inward) / f64::from(wall.max(1)) }
+    }
+
+    fn is_wall(&self) -> bool {
+        self.covered >= WALL
+    }
+
+    /// Outward.
+    fn normal(&self) -> DVec3 {
+        let mut normal = DVec3::ZERO;
+        normal[self.axis] = if self.is_high { 1.0 } else { -1.0 };
+        normal
+    }
+}
+
+/// The room that the box from `low` to `high` holds, if it does.
+pub(super) fn find(grid: &Grid, low: DVec3, high: DVec3, up: Up) -> Option<Room> {
+    let upward = up.axes().y_axis;
+    let sides = [0, 1, 2].map(|axis| [false, true].map(|is_high| Side::of(grid, axis, is_high)));
+    let sides = sides.as_flattened();
+    let is_floor = |side: &&Side| side.normal() == -upward;
+    let around = || sides.iter().filter(|side| side.normal().dot(upward) == 0.0);
+    let walls = || sides.iter().filter(|side| side.is_wall());
+    let inward = walls().map(|side| side.inward).sum::<f64>() / walls().count().max(1) as f64;
+    let is_thick = || walls().count() == sides.len() && is_furnished(grid);
+    if !sides.iter().find(is_floor)?.is_wall() || (inward < BACKS && !is_thick()) {
+        return None;
+    }
+    let open: Vec<&Side> = around().filter(|side| !side.is_wall()).collect();
+    match open[..] {
+        [] => Some(inside(grid, low, high, upward)),
+        [side] if side.covered <= OPEN => Some(Room::Open(side.normal())),
+        _ => None,
+    }
+}
+
+/// Whether what is met from the middle mostly faces it, and some of it is no wall.
+fn is_furnished(grid: &Grid) -> bool {
+    let (mut all, mut fronts, mut furniture) = (0u32, 0u32, 0u32);
+    for column in (0..3).flat_map(|axis| grid.along(axis)) {
+        let below = column.below.map(|met| (met.faces_high, met.at));
+        let above = column.above.map(|met| (!met.faces_high, 1.0 - met.at));
+        for (is_front, from_end) in below.into_iter().chain(above) {
+            all += 1;
+            fronts += u32::from(is_front);
+            furniture += u32::from(from_end > FURNITURE_DEPTH);
+        }
+    }
+    let all = f64::from(all);
+    f64::from(fronts) >= FRONTS * all && f64::from(furniture) >= FURNITURE * all
+}
+
+/// The view from one end of the longer way to the other, where there is most room in the middle.
+pub(super) fn inside(grid: &Grid, low: DVec3, high: DVec3, upward: DVec3) -> Room {
+    let size = high - low;
+    let vertical = if upward.x != 0.0 { 0 } else { 1 + usize::from(upward.y == 0.0) };
+    let across = [(vertical + 1) % 3, (vertical + 2) % 3];
+    let is_first = size[across[0]] > size[across[1]];
+    let [long, side] = if is_first { across } else { [across[1], across[0]] };
+    let height = 0.5 + (EYE - 0.5) * upward[vertical].signum();
+    let cell = (height * COLUMNS as f64) as usize;
+    let column = |at: usize| {
+        let [column, row] = if (long + 1) % 3 == vertical { [cell, at] } else { [at, cell] };
+        &grid.along(long)[row * COLUMNS + column]
+    };
+    // Of equally long ways the one nearest to the middle.
+    let mut places: Vec<usize> = (COLUMNS / 3..COLUMNS - COLUMNS / 3).collect();
+    places.sort_by_key(|at| (2 * at + 1).abs_diff(COLUMNS));
+    let way = |at: usize| free(column(at));
+    let length = |[from, to]: [f64; 2]| to - from;
+    let longest =
+        |best: usize, at: usize| if length(way(at)) > length(way(best)) { at } else { best };
+    let at = places.into_iter().reduce(longest).unwrap_or(COLUMNS / 2);
+    let [from, to] = way(at);
+    let mut share = DVec3::splat(height);
+    share[side] = (at as f64 + 0.5) / COLUMNS as f64;
+    let point = |along: f64| {
+        let mut share = share;
+        share[long] = along;
+        low + size * share
+    };
+    Room::Closed { eye: point(to - BEHIND * (to - from)), look: point((from + to) / 2.0) }
+}
+
+/// From where to where nothing is in the way, about the middle.
+fn free(column: &Column) -> [f64; 2] {
+    [column.below.map_or(0.0, |met| met.at), column.above.map_or(1.0, |met| met.at)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Placed;
+    use super::*;
+    use glam::{DAffine3, Vec3};
+
+    /// The corners of a box's sides, low and high x, y, z, counter-clockwise from outside.
+    const QUADS: [[u32; 4]; 6] =
+        [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
+
+    /// The sides of a box of 4 by 2 by 6, turned inward or outward, without those left out.
+    fn walls(inward: bool, left_out: &[usize]) -> Option<Room> {
+        let corner = |i: u32| {
+            Vec3::new((i & 1) as f32 * 4.0, (i >> 1 & 1) as f32 * 2.0, (i >> 2) as f32 * 6.0)
+        };
+        let points: Vec<Vec3> = (0..8).map(corner).collect();
+        let mut triangles = Vec::new();
+        for (_, [a, b, c, d]) in
+            QUADS.into_iter().enumerate().filter(|(i, _)| !left_out.contains(i))
+        {
+            triangles.extend([[a, b, c], [a, c, d]]);
+        }
+        if inward {
+            triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
+        }
+        let placed = Placed { points: &points, triangles: &triangles, world: DAffine3::IDENTITY };
+        let (low, high) = (Vec3::ZERO.as_dvec3(), points[7].as_dvec3());
+        find(&Grid::of(&[placed], low, high).unwrap(), low, high, Up::Y)
+    }
+
+    #[test]
+    fn a_closed_room_is_seen_along_its_longer_way() {
+        let Some(Room::Closed { eye, look }) = walls(true, &[]) else { panic!("no room") };
+        assert!(eye.z > 5.5 && eye.z < 6.0 && look.z == 3.0, "{eye} {look}");
+        assert!((eye.x - 2.0).abs() < 0.1 && eye.x == look.x);
+        assert!(eye.y == look.y && eye.y > 1.0 && eye.y < 1.4);
+        // Without a ceiling it is a room still.
+        assert!(matches!(walls(true, &[3]), Some(Room::Closed { .. })));
+    }
+
+    #[test]
+    fn a_room_with_an_open_side_is_seen_through_it() {
+        assert_eq!(walls(true, &[4]), Some(Room::Open(DVec3::NEG_Z)));
+        assert_eq!(walls(true, &[1]), Some(Room::Open(DVec3::X)));
+    }
+
+    /// A box with its front out, and around it or within it further boxes.
+    fn nested(boxes: &[(f32, bool)]) -> Option<Room> {
+        let (mut points, mut triangles) = (Vec::new(), Vec::new());
+        for &(half, inward) in boxes {
+            let first = points.len() as u32;
+            points.extend((0..8).map(|i: u32| {
+                let side = |bit: u32| if i >> bit & 1 == 1 { half } else { -half };
+                Vec3::new(side(0), side(1), side(2))
+            }));
+            for [a, b, c, d] in QUADS {
+                let corners = [[a, b, c], [a, c, d]].map(|t: [u32; 3]| t.map(|i| i + first));
+                triangles
+                    .extend(corners.map(|[a, b, c]| if inward { [a, c, b] } else { [a, b, c] }));
+            }
+        }
+        let placed = Placed { points: &points, triangles: &triangles, world: DAffine3::IDENTITY };
+        let high = glam::DVec3::splat(f64::from(boxes[0].0));
+        find(&Grid::of(&[placed], -high, high).unwrap(), -high, high, Up::Y)
+    }
+
+    #[test]
+    fn thick_walls_make_a_room_where_something_is_within() {
+        assert_eq!(nested(&[(1.0, false), (0.95, true)]), None, "an empty shell");
+        let table = (0.5, true);
+        assert!(nested(&[(1.0, false), (0.95, true), table]).is_some());
+        assert_eq!(nested(&[(1.0, false), (0.95, false), (0.3, false)]), None, "blocks in a block");
+    }
+
+    #[test]
+    fn a_block_is_no_room_and_neither_are_two_walls() {
+        for left_out in [&[][..], &[4], &[3]] {
+            assert_eq!(walls(false, left_out), None, "{left_out:?}");
+        }
+        assert_eq!(walls(true, &[2]), None, "no floor");
+        assert_eq!(walls(true, &[0, 5]), None, "two walls");
+    }
+}
