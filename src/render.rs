@@ -4,9 +4,11 @@ mod args;
 mod frames;
 mod goal;
 mod invalid;
+mod look;
 mod outputs;
 mod parts;
 mod show;
+mod sides;
 mod statistics;
 
 use std::time::Instant;
@@ -39,7 +41,11 @@ pub(crate) fn run(args: &RenderArgs) -> Result<()> {
     if let Some(frames) = args.frames.frames {
         return frames::run(args, frames, shard);
     }
+    if sides::run(args, shard)? {
+        return Ok(());
+    }
     parts::check(args, output)?;
+    look::check(args)?;
     let outputs = Outputs::check(args, output, shard.is_some())?;
     check_reports(args, &outputs)?;
     let reporter = Reporter::begin(args)?;
@@ -118,7 +124,7 @@ impl<'a> Run<'a> {
         let loaded = options.load(&args.scene)?;
         self.reporter.warnings(&loaded.warnings);
         self.outputs.made_of(loaded.encoding);
-        let extracted = options.extract(loaded)?;
+        let extracted = look::extract(args, loaded)?;
         let preset = options.bvh.unwrap_or_else(|| extracted.preset());
         let pixels = cropped.unwrap_or_else(|| extracted.pixels());
         let mut predicted = memory::estimate_extracted(&extracted, pixels, preset, batch);

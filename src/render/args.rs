@@ -14,6 +14,7 @@ use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::render::{RenderOptions, TracerKind};
 use wavecrest_core::tile::Tile;
 use wavecrest_core::wavefront::DEFAULT_BATCH;
+use wavecrest_image::look::Look;
 use wavecrest_image::write::Transfer;
 
 use frames::FrameOptions;
@@ -58,6 +59,10 @@ pub(crate) struct RenderArgs {
     /// glTF files and meshes]
     #[arg(long, value_parser = choice::<Transfer>())]
     pub(crate) transfer: Option<Transfer>,
+    /// Show what is there, rather than how it looks
+    #[arg(long = "as", value_name = "LOOK", value_parser = choice::<Look>(),
+          conflicts_with_all = ["checkpoint", "target_error", "time_budget"])]
+    pub(crate) look: Option<Look>,
     /// What is written
     #[command(flatten)]
     pub(crate) outputs: OutputOptions,

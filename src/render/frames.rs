@@ -6,11 +6,13 @@ use super::args::{Frames, RenderArgs};
 use super::outputs::Outputs;
 use super::show::stage::Stage;
 use super::show::{Reporter, Seen};
-use super::{invalid, parts};
+use super::{invalid, look, parts};
 use crate::interrupt::Interrupt;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::prepared::PreparedScene;
+use wavecrest_core::render::Rendered;
 use wavecrest_image::farm::Shard;
+use wavecrest_scene::components::Encoding;
 use wavecrest_scene::systems;
 
 /// Digits of a frame's number in the name of its image, at least, where the name does not say.
@@ -52,38 +54,76 @@ pub(super) fn run(args: &RenderArgs, frames: Frames, shard: Option<Shard>) -> Re
 }
 
 fn run_here(args: &RenderArgs, all: &[(u32, RenderArgs)], reporter: &Reporter) -> Result<()> {
-    reporter.stage(Stage::Load);
-    let options = &args.scene_options;
-    let loaded = options.load(&args.scene)?;
-    reporter.warnings(&loaded.warnings);
-    let encoding = loaded.encoding;
-    let extracted = options.extract(loaded)?;
-    let preset = options.bvh.unwrap_or_else(|| extracted.preset());
-    let file = extracted.file().to_owned();
-    reporter.stage(Stage::Build);
-    let mut scene = extracted.build(preset);
-    options.warn(&systems::warnings(&scene, &file));
-    args.search.apply(&mut scene.accel);
-    let interrupt = Interrupt::listen()?;
+    let mut shoot = Shoot::prepare(args, reporter)?;
     for (frame, one) in all {
-        place(&mut scene, *frame, &args.scene)?;
         let outputs = Outputs::check(one, one.output()?, false)?;
-        outputs.made_of(encoding);
-        let seen = Seen { outputs: &outputs, reporter, interrupt: &interrupt };
-        let (rendered, _) = parts::trace(one, &scene, &seen)?;
-        if !rendered.finished {
-            let name = outputs.name();
-            let error = interrupt.error(0.0);
-            return Err(error.remedy(format!("{name} is not written, the frames before it are")));
-        }
-        let first = invalid::find(one, &scene, &rendered.counters)?;
+        let rendered = shoot.frame(one, *frame, &outputs)?;
         reporter.stage(Stage::Write);
-        outputs.write(&scene, &rendered)?;
+        outputs.write(&shoot.scene, &rendered)?;
         reporter.note("frame", || format!("{frame}: {}", outputs.name()));
-        invalid::report(one, &rendered.counters, first.as_ref());
     }
     reporter.stage(Stage::Done);
     Ok(())
+}
+
+/// A scene of which several frames are rendered.
+pub(super) struct Shoot<'a> {
+    args: &'a RenderArgs,
+    reporter: &'a Reporter,
+    pub(super) scene: PreparedScene,
+    encoding: Encoding,
+    interrupt: Interrupt,
+}
+
+impl<'a> Shoot<'a> {
+    /// Loads the scene and builds its tree.
+    ///
+    /// # Errors
+    /// When it cannot be loaded or prepared.
+    pub(super) fn prepare(args: &'a RenderArgs, reporter: &'a Reporter) -> Result<Self> {
+        reporter.stage(Stage::Load);
+        let options = &args.scene_options;
+        let loaded = options.load(&args.scene)?;
+        reporter.warnings(&loaded.warnings);
+        let encoding = loaded.encoding;
+        let extracted = look::extract(args, loaded)?;
+        let preset = options.bvh.unwrap_or_else(|| extracted.preset());
+        let file = extracted.file().to_owned();
+        reporter.stage(Stage::Build);
+        let mut scene = extracted.build(preset);
+        options.warn(&systems::warnings(&scene, &file));
+        args.search.apply(&mut scene.accel);
+        Ok(Self { args, reporter, scene, encoding, interrupt: Interrupt::listen()? })
+    }
+
+    /// Tells the outputs how the scene would have 8-bit images written.
+    pub(super) fn tell(&self, outputs: &Outputs<'_>) {
+        outputs.made_of(self.encoding);
+    }
+
+    /// Renders a frame as the arguments of `one` ask.
+    ///
+    /// # Errors
+    /// When the camera has no such frame, or a signal ended the render.
+    pub(super) fn frame(
+        &mut self,
+        one: &RenderArgs,
+        frame: u32,
+        outputs: &Outputs<'_>,
+    ) -> Result<Rendered> {
+        place(&mut self.scene, frame, &self.args.scene)?;
+        self.tell(outputs);
+        let seen = Seen { outputs, reporter: self.reporter, interrupt: &self.interrupt };
+        let (rendered, _) = parts::trace(one, &self.scene, &seen)?;
+        if !rendered.finished {
+            let name = outputs.name();
+            let error = self.interrupt.error(0.0);
+            return Err(error.remedy(format!("{name} is not written, what was before it is")));
+        }
+        let first = invalid::find(one, &self.scene, &rendered.counters)?;
+        invalid::report(one, &rendered.counters, first.as_ref());
+        Ok(rendered)
+    }
 }
 
 impl RenderArgs {

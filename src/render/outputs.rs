@@ -47,6 +47,11 @@ impl<'a> Outputs<'a> {
         Ok(outputs)
     }
 
+    /// One file of a format that moves, known to be writable.
+    pub(super) fn of_one(args: &'a RenderArgs, path: &'a Path) -> Self {
+        Self { args, paths: vec![path], encoding: OnceLock::new() }
+    }
+
     /// Refuses `file` where it is one of the outputs.
     ///
     /// # Errors
@@ -62,6 +67,10 @@ impl<'a> Outputs<'a> {
 
     /// How 8-bit levels are made.
     pub(super) fn transfer(&self) -> Transfer {
+        if self.args.look.is_some_and(|look| !look.is_shaded()) {
+            // Its colours are those that a display is sent.
+            return Transfer::Linear;
+        }
         self.args.transfer.unwrap_or(match self.encoding.get() {
             Some(Encoding::Srgb) => Transfer::Srgb,
             Some(Encoding::Linear) | None => Transfer::Linear,

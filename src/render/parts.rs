@@ -3,15 +3,15 @@
 use std::path::Path;
 
 use super::args::RenderArgs;
-use super::invalid;
 use super::show::stage::Stage;
 use super::show::{Seen, Show};
+use super::{invalid, look};
 use crate::common::tell;
 use crate::interrupt::Interrupt;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_base::replace::{check_differs, check_replaceable};
 use wavecrest_core::prepared::PreparedScene;
-use wavecrest_core::render::{Rendered, Watch, render};
+use wavecrest_core::render::{Rendered, Watch};
 use wavecrest_core::tile::Tile;
 use wavecrest_image::farm::checkpoint::Checkpoint;
 use wavecrest_image::farm::{Author, Session, Shard};
@@ -76,7 +76,7 @@ pub(super) fn trace(
 ) -> Result<(Rendered, f64)> {
     let screen = Screen::new(args, scene, seen);
     let Some(checkpoint) = args.parts.checkpoint() else {
-        return render(scene, &args.options(), &screen).map(|rendered| (rendered, 0.0));
+        return look::trace(args, scene, &screen).map(|rendered| (rendered, 0.0));
     };
     let options = args.options();
     let session = Session::begin(scene, &options, author(args, seen), None, Some(&checkpoint))?;

@@ -32,6 +32,9 @@ mod farm;
 // Cameras that move: frames are the same alone, in a range and in shares of it.
 mod frames;
 
+// Files without a scene: framed from every side, gone around, looked at closer.
+mod framing;
+
 // Images agree with formulas worked out here in double precision.
 mod closed_form;
 

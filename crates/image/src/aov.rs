@@ -24,6 +24,7 @@ mod invalid;
 mod names;
 mod pass;
 
+use crate::camera_rays::CameraRays;
 use crate::metadata::{Channel, Entry, Values};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::prepared::PreparedScene;
@@ -31,6 +32,7 @@ use wavecrest_core::render;
 use wavecrest_core::tile::Tile;
 
 use names::Names;
+pub(crate) use pass::Seen;
 use pass::{Pass, Sums};
 
 wavecrest_base::choices! {
@@ -114,8 +116,8 @@ pub fn layers(scene: &PreparedScene, request: &Request<'_>) -> Result<Found> {
     let room = |&(layer, _): &(Layer, usize)| room(layer, window.len());
     let mut channels = places.iter().map(room).collect::<Result<Vec<Values>>>()?;
     if layers.iter().any(|layer| !matches!(layer, Layer::Samples | Layer::Invalid)) {
-        let pass = Pass { scene, window, seed: request.seed, names: &names };
-        pass.run(&mut |at, sums| {
+        let rays = CameraRays { scene, window, seed: request.seed };
+        rays.run(&Pass { scene, names: &names }, &mut |at, sums| {
             places.iter().zip(&mut channels).for_each(|(place, to)| put(*place, to, at, sums));
         });
     }

@@ -62,6 +62,25 @@ pub fn diverging(t: f32) -> [f32; 3] {
     xyz_to_rgb(lab_to_xyz(lab)).map(|value| srgb_encode(value.clamp(0.0, 1.0) as f32))
 }
 
+/// The colour of the `n`th of many things: those of near numbers are told apart, and each is so light that it is
+/// seen before black.
+///
+/// Hues in CIELAB go on by the golden angle, which leaves no two of them near each other for as long as can be, and
+/// there are three lightnesses in turn.
+pub fn distinct(n: u32) -> [f32; 3] {
+    let (lightness, chroma) = DISTINCT[n as usize % DISTINCT.len()];
+    // Whole turns first: an angle of many of them would lose digits.
+    let hue = std::f64::consts::TAU * (f64::from(n) * GOLDEN_TURN).fract();
+    let lab = [lightness, chroma * libm::cos(hue), chroma * libm::sin(hue)];
+    xyz_to_rgb(lab_to_xyz(lab)).map(|value| srgb_encode(value.clamp(0.0, 1.0) as f32))
+}
+
+/// The golden angle as a part of a turn: 2 less the golden ratio, 1.618...
+const GOLDEN_TURN: f64 = 0.381_966_011_250_105_2;
+
+/// Lightness and chroma, which are nearly within what displays show for every hue.
+const DISTINCT: [(f64, f64); 3] = [(66.0, 48.0), (82.0, 38.0), (50.0, 44.0)];
+
 /// A colour in Moreland's polar coordinates of CIELAB: the distance from black, the angle to the
 /// axis of greys, and the angle about that axis.
 #[derive(Clone, Copy)]
@@ -163,6 +182,17 @@ mod tests {
         assert_eq!((magma(f32::NEG_INFINITY), magma(f32::INFINITY)), (magma(0.0), magma(1.0)));
         assert_eq!((diverging(-9.0), diverging(9.0)), (diverging(-1.0), diverging(1.0)));
         assert_eq!((magma(f32::NAN), diverging(f32::NAN)), ([0.0; 3], [0.0; 3]));
+    }
+
+    #[test]
+    fn many_colours_are_told_apart() {
+        let colors: Vec<[f64; 3]> = (0..1000).map(|n| lab(distinct(n))).collect();
+        assert!(colors.iter().all(|color| color[0] > 45.0));
+        // Neighbours in number, as they are in a file, differ plainly: 2.3 is just noticeable.
+        for window in colors.windows(12) {
+            let others = window[1..].iter().map(|other| apart(window[0], *other));
+            assert!(others.fold(f64::INFINITY, f64::min) > 10.0, "{window:?}");
+        }
     }
 
     #[test]

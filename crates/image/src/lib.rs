@@ -7,6 +7,9 @@
 //! * [`mod@flip`]: by how much they seem to differ to one who looks at them in turn.
 //! * [`mod@error_map`]: pictures of where they differ, with the colours of [`colormap`].
 //! * [`aov`]: layers beside the colours.
+//! * [`animation`]: images that move.
+//! * [`look`]: pictures for looking closer: normals, depth, edges.
+//! * `camera_rays`: what both are gathered from.
 //! * [`farm`]: images that are made in parts.
 //! * `color`: spaces of colour.
 //! * `transfer`: from linear values to 8-bit levels.
@@ -14,7 +17,9 @@
 //! * `netpbm`: the byte layouts of PPM and PFM, which are simple enough to be our own.
 //! * `openexr`: colours and further channels as an EXR.
 
+pub mod animation;
 pub mod aov;
+mod camera_rays;
 mod color;
 pub mod colormap;
 pub mod compare;
@@ -22,6 +27,7 @@ pub mod error_map;
 pub mod farm;
 pub mod flip;
 mod idat;
+pub mod look;
 pub mod metadata;
 mod netpbm;
 mod openexr;

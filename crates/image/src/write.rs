@@ -121,7 +121,7 @@ fn encode_png(
 }
 
 /// Adds a text chunk; one in Unicode, which fewer programs show, only where it has to be.
-fn add_text(
+pub(super) fn add_text(
     encoder: &mut png::Encoder<'_, impl Write>,
     Entry { name, text }: &Entry,
 ) -> std::result::Result<(), png::EncodingError> {
@@ -134,7 +134,7 @@ fn add_text(
     }
 }
 
-fn png_error(error: png::EncodingError) -> ImageError {
+pub(super) fn png_error(error: png::EncodingError) -> ImageError {
     match error {
         png::EncodingError::IoError(io) => ImageError::IoError(io),
         other => ImageError::IoError(other.into()),
@@ -169,7 +169,7 @@ fn encode(
 }
 
 /// The system's own error where there is one: it leads to the remedy.
-fn encode_error(path: &Path, error: ImageError) -> Error {
+pub(super) fn encode_error(path: &Path, error: ImageError) -> Error {
     match error {
         ImageError::IoError(io) => write_error(path, io),
         other => {

@@ -19,6 +19,7 @@ pub(crate) mod figure;
 mod font;
 mod guides;
 mod icicle;
+pub mod label;
 mod legend;
 mod marker;
 pub mod number;

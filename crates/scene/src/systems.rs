@@ -26,6 +26,7 @@ pub mod details;
 pub mod frame;
 pub mod geometry;
 pub mod lights;
+pub mod looks;
 pub mod materials;
 pub mod overrides;
 pub mod reach;

@@ -41,6 +41,11 @@ impl FromStr for Frames {
 }
 
 impl Frames {
+    /// So many frames, one at least, from 1 on.
+    pub(in crate::render) fn first(count: u32) -> Self {
+        Self { first: 1, last: count }
+    }
+
     /// The frames of a share: of N shards, each takes every N-th.
     pub(in crate::render) fn of(self, shard: Option<Shard>) -> Vec<u32> {
         let (number, count) = shard.map_or((1, 1), |shard| (shard.number(), shard.count()));

@@ -1,0 +1,170 @@
+//! Images that move: animated PNG and GIF.
+//!
+//! Frames are written as they are made, so that one at a time is held.
+
+use std::path::Path;
+use std::time::Duration;
+
+use image::codecs::gif::{GifEncoder, Repeat};
+use image::{Delay, Frame, ImageError, RgbaImage};
+
+use super::metadata::Entry;
+use super::transfer::row_to_bytes;
+use super::write::{Transfer, add_text, encode_error, png_error};
+use wavecrest_base::error::{Error, ErrorKind, Result};
+use wavecrest_base::replace::{Sink, replace_file};
+use wavecrest_core::film::Film;
+
+/// How long each frame is shown in milliseconds: GIF counts hundredths of a second.
+const MILLISECONDS: u16 = 80;
+
+/// How long colours are sought for a GIF, from 1, the longest, to 30.
+const GIF_SPEED: i32 = 10;
+
+/// A format of images that move.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Animated {
+    /// Animated PNG: every colour; programs that know no animation show the first frame.
+    Png,
+    /// GIF: 256 colours a frame.
+    Gif,
+}
+
+impl Animated {
+    /// The format that the extension of `path` names, if it is one.
+    pub fn from_path(path: &Path) -> Option<Self> {
+        let extension = path.extension()?.to_ascii_lowercase();
+        match extension.to_str()? {
+            "png" => Some(Self::Png),
+            "gif" => Some(Self::Gif),
+            _ => None,
+        }
+    }
+}
+
+/// What is written, and where.
+#[derive(Clone, Copy, Debug)]
+pub struct Animation<'a> {
+    /// The file.
+    pub path: &'a Path,
+    /// Its format.
+    pub format: Animated,
+    /// Width and height of each frame in pixels.
+    pub size: [u32; 2],
+    /// How many frames there are.
+    pub frames: u32,
+    /// How their values become levels.
+    pub transfer: Transfer,
+    /// What is said of it, where the format has room.
+    pub entries: &'a [Entry],
+}
+
+impl Animation<'_> {
+    /// Writes the frames that `next` gives for their numbers, from 0. A file that is there already stays as it was
+    /// until the new one is whole.
+    ///
+    /// # Errors
+    /// When `next` fails, or the file cannot be written.
+    pub fn write(&self, mut next: impl FnMut(u32) -> Result<Film>) -> Result<()> {
+        let mut next = |frame| next(frame).and_then(|film| self.checked(film));
+        replace_file(self.path, |sink| match self.format {
+            Animated::Png => self.png(sink, &mut next),
+            Animated::Gif => self.gif(sink, &mut next),
+        })
+    }
+
+    fn checked(&self, film: Film) -> Result<Film> {
+        if [film.width(), film.height()] == self.size {
+            return Ok(film);
+        }
+        let error = Error::new(ErrorKind::Usage, "every frame must have the same size");
+        Err(error.remedy("render all frames at one size"))
+    }
+
+    fn png(&self, sink: &mut Sink<'_>, next: &mut dyn FnMut(u32) -> Result<Film>) -> Result<()> {
+        let failed = |error| encode_error(self.path, png_error(error));
+        let [width, height] = self.size;
+        let mut encoder = png::Encoder::new(sink, width, height);
+        encoder.set_color(png::ColorType::Rgb);
+        encoder.set_depth(png::BitDepth::Eight);
+        encoder.set_animated(self.frames, 0).map_err(failed)?;
+        encoder.set_frame_delay(MILLISECONDS, 1000).map_err(failed)?;
+        self.entries.iter().try_for_each(|entry| add_text(&mut encoder, entry)).map_err(failed)?;
+        let mut writer = encoder.write_header().map_err(failed)?;
+        for frame in 0..self.frames {
+            let film = next(frame)?;
+            let rows = film.rows().flat_map(|row| row_to_bytes(row, self.transfer));
+            writer.write_image_data(&rows.collect::<Vec<u8>>()).map_err(failed)?;
+        }
+        writer.finish().map_err(failed)
+    }
+
+    fn gif(&self, sink: &mut Sink<'_>, next: &mut dyn FnMut(u32) -> Result<Film>) -> Result<()> {
+        let failed = |error: ImageError| encode_error(self.path, error);
+        let delay = Delay::from_saturating_duration(Duration::from_millis(MILLISECONDS.into()));
+        let mut encoder = GifEncoder::new_with_speed(sink, GIF_SPEED);
+        encoder.set_repeat(Repeat::Infinite).map_err(failed)?;
+        for frame in 0..self.frames {
+            let film = next(frame)?;
+            let levels = film.rows().flat_map(|row| row_to_bytes(row, self.transfer));
+            let levels = levels.collect::<Vec<u8>>();
+            let image = RgbaImage::from_fn(film.width(), film.height(), |x, y| {
+                let at = 3 * (y as usize * film.width() as usize + x as usize);
+                image::Rgba([levels[at], levels[at + 1], levels[at + 2], u8::MAX])
+            });
+            encoder.encode_frame(Frame::from_parts(image, 0, 0, delay)).map_err(failed)?;
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use image::AnimationDecoder;
+    use std::fs::File;
+    use std::io::BufReader;
+
+    fn frame(number: u32) -> Result<Film> {
+        let colors = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        Film::from_pixels(3, 2, vec![colors[number as usize]; 6])
+    }
+
+    fn animation(path: &Path) -> Animation<'_> {
+        let format = Animated::from_path(path).unwrap();
+        let (size, frames, transfer) = ([3, 2], 3, Transfer::Linear);
+        Animation { path, format, size, frames, transfer, entries: &[] }
+    }
+
+    #[test]
+    fn every_frame_is_in_the_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.gif");
+        animation(&path).write(frame).unwrap();
+        let decoder =
+            image::codecs::gif::GifDecoder::new(BufReader::new(File::open(&path).unwrap()));
+        let gif = decoder.unwrap().into_frames().collect_frames().unwrap();
+        let path = folder.path().join("a.png");
+        animation(&path).write(frame).unwrap();
+        let decoder =
+            image::codecs::png::PngDecoder::new(BufReader::new(File::open(&path).unwrap()));
+        let png = decoder.unwrap().apng().unwrap().into_frames().collect_frames().unwrap();
+        for frames in [gif, png] {
+            let colors = frames.iter().map(|frame| frame.buffer().get_pixel(2, 1).0);
+            let expected = [[255, 0, 0, 255], [0, 255, 0, 255], [0, 0, 255, 255]];
+            assert_eq!(colors.collect::<Vec<_>>(), expected);
+            let (numerator, denominator) = frames[0].delay().numer_denom_ms();
+            assert_eq!(numerator / denominator, u32::from(MILLISECONDS));
+        }
+    }
+
+    #[test]
+    fn a_frame_that_fails_leaves_the_file_as_it_was() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.gif");
+        std::fs::write(&path, "old").unwrap();
+        let other = |number| if number < 2 { frame(number) } else { Film::new(9, 9) };
+        assert!(animation(&path).write(other).is_err());
+        assert_eq!(std::fs::read(&path).unwrap(), b"old");
+    }
+}

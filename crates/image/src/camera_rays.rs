@@ -1,0 +1,102 @@
+//! A pass over the camera rays of a render, which are the same to the last bit, through the same kernels.
+//!
+//! Bands of rows are taken one after the other, each tile by tile on all threads, so that what is held besides the
+//! result is small. The samples of a pixel are gathered in their order.
+
+use rayon::prelude::*;
+
+use wavecrest_core::accel::Hit;
+use wavecrest_core::kernels::precision::Arithmetic;
+use wavecrest_core::math::random::Stream;
+use wavecrest_core::math::ray::Ray;
+use wavecrest_core::prepared::PreparedScene;
+use wavecrest_core::tile::Tile;
+use wavecrest_core::with_precision;
+
+/// The side of a tile in pixels: rays that go together meet the same things.
+const TILE_EDGE: u32 = 64;
+
+/// Rays that are traced together, at most.
+const BATCH_RAYS: usize = 4096;
+
+/// What is made of the samples of a pixel.
+pub(crate) trait Gather: Sync {
+    /// What is known of a pixel so far.
+    type Sums: Clone + Default + Send;
+
+    /// Adds what a ray met; `is_first` is that of the pixel's first sample.
+    fn add<P: Arithmetic>(&self, ray: &Ray, hit: &Hit, is_first: bool, sums: &mut Self::Sums);
+}
+
+/// The camera rays of a window.
+#[derive(Clone, Copy)]
+pub(crate) struct CameraRays<'a> {
+    pub(crate) scene: &'a PreparedScene,
+    pub(crate) window: Tile,
+    /// The seed of the render.
+    pub(crate) seed: u64,
+}
+
+impl CameraRays<'_> {
+    /// Follows the rays, and hands `put` the number of each pixel within the window with what was gathered.
+    pub(crate) fn run<G: Gather>(&self, gather: &G, put: &mut dyn FnMut(usize, &G::Sums)) {
+        let window = &self.window;
+        let precision = self.scene.accel.geometry().precision;
+        let follow =
+            |tile: &Tile| with_precision!(precision, P => self.follow::<P, G>(tile, gather));
+        for y in (0..window.height).step_by(TILE_EDGE as usize) {
+            let tiles: Vec<Tile> = band(window, y).collect();
+            let found: Vec<Vec<G::Sums>> = tiles.par_iter().map(follow).collect();
+            for (tile, pixels) in tiles.iter().zip(&found) {
+                for (index, sums) in pixels.iter().enumerate() {
+                    let (x, y) = tile.pixel(index as u32);
+                    let row = (y - window.y) as usize * window.width as usize;
+                    put(row + (x - window.x) as usize, sums);
+                }
+            }
+        }
+    }
+
+    /// What the samples of the tile's pixels meet.
+    fn follow<P: Arithmetic, G: Gather>(&self, tile: &Tile, gather: &G) -> Vec<G::Sums> {
+        let mut sums = vec![G::Sums::default(); tile.len()];
+        let mut traversal = self.scene.accel.traversal();
+        let (mut rays, mut hits) = (Vec::new(), Vec::new());
+        let samples = u64::from(self.scene.camera.rays_per_pixel());
+        let all = tile.len() as u64 * samples;
+        for first in (0..all).step_by(BATCH_RAYS) {
+            let paths = first..all.min(first + BATCH_RAYS as u64);
+            rays.clear();
+            rays.extend(paths.clone().map(|path| self.camera_ray(tile, path)));
+            hits.clear();
+            hits.resize(rays.len(), Hit::MISS);
+            self.scene.accel.search::<P>().closest_of(&rays[..], &mut hits, &mut traversal);
+            for (path, (ray, hit)) in paths.zip(rays.iter().zip(&hits)) {
+                let is_first = path % samples == 0;
+                gather.add::<P>(ray, hit, is_first, &mut sums[(path / samples) as usize]);
+            }
+        }
+        sums
+    }
+
+    /// The ray of a path: the samples of a pixel follow each other.
+    fn camera_ray(&self, tile: &Tile, path: u64) -> Ray {
+        let camera = &self.scene.camera;
+        let samples = u64::from(camera.rays_per_pixel());
+        let (x, y) = tile.pixel((path / samples) as u32);
+        let (pixel, sample) = (y * camera.size()[0] + x, (path % samples) as u32);
+        camera.ray(x, y, &Stream { seed: self.seed, pixel, sample, bounce: 0 })
+    }
+}
+
+/// The tiles of the rows from `y` on, within `window`.
+fn band(window: &Tile, y: u32) -> impl Iterator<Item = Tile> + use<> {
+    let window = *window;
+    let height = TILE_EDGE.min(window.height - y);
+    (0..window.width).step_by(TILE_EDGE as usize).map(move |x| Tile {
+        x: window.x + x,
+        y: window.y + y,
+        width: TILE_EDGE.min(window.width - x),
+        height,
+    })
+}

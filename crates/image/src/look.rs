@@ -1,0 +1,124 @@
+//! Pictures for looking closer: what is there, rather than how it is lit.
+//!
+//! | look | a sample shows |
+//! |---|---|
+//! | clay | the scene in matt grey, under its own lights |
+//! | normals | the normal that a surface is lit with: x, y and z from -1 to 1 as red, green and blue |
+//! | depth | the distance along the view axis, from light for the nearest in view to dark for the farthest |
+//! | wireframe | the scene as it is, with a line of one width along every edge in view |
+//! | uv | texture coordinates: u as red, v as green, a checker of 16 by 16 fields as blue |
+//! | ids | each object in a colour of its own; of a single mesh each triangle |
+//!
+//! Clay and uv are other materials and textures, which are put in place before the scene is extracted. All others
+//! come from a pass over the camera rays. The colours of all but clay and wireframe are those that a display is
+//! sent, to be written with [`Transfer::Linear`](super::write::Transfer::Linear).
+
+mod paint;
+mod wires;
+
+use crate::camera_rays::CameraRays;
+use crate::colormap::magma;
+use wavecrest_base::error::Result;
+use wavecrest_core::film::Film;
+use wavecrest_core::prepared::PreparedScene;
+use wavecrest_core::render;
+use wavecrest_core::tile::Tile;
+
+use paint::{Paint, Painted};
+use wires::Wires;
+
+wavecrest_base::choices! {
+    /// What a picture shows.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+    pub enum Look {
+        /// The scene in matt grey, under its own lights.
+        Clay = "clay",
+        /// The normals that surfaces are lit with, as colours.
+        Normals = "normals",
+        /// The distance along the view axis: what is near is light.
+        Depth = "depth",
+        /// The scene with the edges of its triangles.
+        Wireframe = "wireframe",
+        /// Texture coordinates, as colours with a checker.
+        Uv = "uv",
+        /// Each object, or of a single mesh each triangle, in a colour of its own.
+        Ids = "ids",
+    }
+}
+
+impl Look {
+    /// Whether the scene is rendered for it.
+    pub fn is_shaded(self) -> bool {
+        matches!(self, Self::Clay | Self::Wireframe)
+    }
+}
+
+/// What is shown where there is nothing: a dark grey, which is no colour of what is there.
+const NOTHING: [f32; 3] = [0.13; 3];
+
+/// The colour of lines, linear: nearly black.
+const LINE: [f32; 3] = [0.004, 0.004, 0.008];
+
+/// The picture of a look that is not shaded, or the part `crop` of it.
+///
+/// # Errors
+/// When the crop is not within the image, there is no memory for the film, or an image cannot be decoded.
+pub fn film(scene: &PreparedScene, look: Look, crop: Option<Tile>, seed: u64) -> Result<Film> {
+    let window = render::window(scene, crop)?;
+    // The range is that of the whole image, so that a part of it has the same colours.
+    let shown = if look == Look::Depth { render::window(scene, None)? } else { window };
+    let mut found = vec![Painted::default(); shown.len()];
+    let rays = CameraRays { scene, window: shown, seed };
+    rays.run(&Paint { scene, look }, &mut |at, painted| found[at] = *painted);
+    scene.appearance.check()?;
+    let samples = scene.camera.rays_per_pixel();
+    let range = range(&found);
+    let mut film = Film::new(window.width, window.height)?;
+    for (index, pixel) in film.pixels_mut().iter_mut().enumerate() {
+        let (x, y) = window.pixel(index as u32);
+        let at = (y - shown.y) as usize * shown.width as usize + (x - shown.x) as usize;
+        *pixel = color(&found[at], look, range, samples);
+    }
+    Ok(film)
+}
+
+/// The nearest and the farthest of the mean depths of pixels.
+fn range(found: &[Painted]) -> [f64; 2] {
+    let depths = found.iter().filter_map(Painted::mean_depth);
+    depths.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], depth| [a.min(depth), b.max(depth)])
+}
+
+/// What a pixel shows, over nothing where samples met nothing.
+fn color(painted: &Painted, look: Look, [near, far]: [f64; 2], samples: u32) -> [f32; 3] {
+    let covered = f64::from(painted.hits) / f64::from(samples);
+    let color = match (look, painted.mean_depth()) {
+        (_, None) => [0.0; 3],
+        (Look::Depth, Some(depth)) => {
+            let part = if far > near { (far - depth) / (far - near) } else { 1.0 };
+            magma(part as f32).map(|value| f64::from(value) * covered)
+        }
+        _ => painted.color.map(|sum| sum / f64::from(samples)),
+    };
+    [0, 1, 2].map(|i| (color[i] + f64::from(NOTHING[i]) * (1.0 - covered)) as f32)
+}
+
+/// Draws the edges in view over the picture of `scene`, or over the part `crop` of it.
+///
+/// # Errors
+/// When the crop is not within the image.
+pub fn draw_edges(
+    picture: &mut Film,
+    scene: &PreparedScene,
+    crop: Option<Tile>,
+    seed: u64,
+) -> Result<()> {
+    let window = render::window(scene, crop)?;
+    let samples = f64::from(scene.camera.rays_per_pixel());
+    let pixels = picture.pixels_mut();
+    CameraRays { scene, window, seed }.run(&Wires { scene }, &mut |at, covered: &f64| {
+        let part = (covered / samples) as f32;
+        let mixed = |i: usize| pixels[at][i] + (LINE[i] - pixels[at][i]) * part;
+        pixels[at] = [mixed(0), mixed(1), mixed(2)];
+    });
+    Ok(())
+}

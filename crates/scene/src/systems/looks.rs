@@ -1,0 +1,69 @@
+//! Other surfaces than the file's, for those who look closer.
+
+use std::sync::Arc;
+
+use glam::DVec3;
+use hecs::{Entity, World};
+
+use crate::components::{
+    Encoding, Filter, InstanceOf, Material, Mesh, TextureRef, TextureSource, Wrap,
+};
+
+/// The share of light that clay gives back.
+const CLAY: DVec3 = DVec3::splat(0.5);
+
+/// Gives every surface one matt grey, and no texture or other colour.
+pub fn clay(world: &mut World) {
+    for material in world.query_mut::<&mut Material>() {
+        (material.diffuse_color, material.emission) = (CLAY, DVec3::ZERO);
+        (material.kd, material.ks, material.kr) = (1.0, 0.0, 0.0);
+    }
+    world.query_mut::<&mut Mesh>().into_iter().for_each(|mesh| mesh.data.colors = None);
+    let textured: Vec<Entity> =
+        world.query_mut::<(Entity, &TextureRef)>().into_iter().map(|(entity, _)| entity).collect();
+    for entity in textured {
+        // It is there: it was found.
+        let _ = world.remove_one::<TextureRef>(entity);
+    }
+}
+
+/// Has every surface that has texture coordinates wear them as colours, and others grey.
+pub fn show_uvs(world: &mut World) {
+    clay(world);
+    let texture = TextureRef {
+        source: TextureSource::Embedded { place: "uv".into(), bytes: uv_image() },
+        encoding: Encoding::Linear,
+        tint: DVec3::ONE,
+        filter: Filter::Nearest,
+        wrap: Wrap::Repeat,
+    };
+    let shapes: Vec<(Entity, Entity)> = world
+        .query_mut::<(Entity, &Material, Option<&InstanceOf>)>()
+        .into_iter()
+        .map(|(entity, _, of)| (entity, of.map_or(entity, |of| of.0)))
+        .collect();
+    for (entity, geometry) in shapes {
+        let has_uvs = world.get::<&Mesh>(geometry).map_or(true, |mesh| mesh.data.uvs.is_some());
+        if has_uvs {
+            let _ = world.insert_one(entity, texture.clone());
+        }
+    }
+}
+
+/// Texels along each side of the image that shows texture coordinates, and fields of its checker.
+const UV_SIDE: u8 = 255;
+const UV_FIELDS: u32 = 16;
+
+/// A PPM: u as red, v as green, and a checker as blue.
+fn uv_image() -> Arc<[u8]> {
+    let mut bytes = format!("P6 {UV_SIDE} {UV_SIDE} 255\n").into_bytes();
+    let field = |x: u8| u32::from(x) * UV_FIELDS / u32::from(UV_SIDE);
+    for y in 0..UV_SIDE {
+        for x in 0..UV_SIDE {
+            let is_light = (field(x) + field(y)) % 2 == 0;
+            // v runs from bottom to top.
+            bytes.extend([x, UV_SIDE - 1 - y, if is_light { 200 } else { 80 }]);
+        }
+    }
+    bytes.into()
+}

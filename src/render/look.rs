@@ -1,0 +1,74 @@
+//! Renders for looking closer: other materials, or other colours than those of light.
+
+use super::args::RenderArgs;
+use wavecrest_base::error::{Error, ErrorKind, Result};
+use wavecrest_core::counters::Counters;
+use wavecrest_core::plan::schedule::{PASSES, unplanned};
+use wavecrest_core::prepared::PreparedScene;
+use wavecrest_core::render::{Rendered, Watch, render, window};
+use wavecrest_image::look::{Look, draw_edges, film};
+use wavecrest_scene::load::LoadedScene;
+use wavecrest_scene::systems::{self, Extracted, Options, looks};
+
+/// Refuses a shard of one image, whose part is of light alone.
+///
+/// # Errors
+/// When there is one, and a look is asked for.
+pub(super) fn check(args: &RenderArgs) -> Result<()> {
+    let (Some(look), Some(_)) = (args.look, args.parts.shard) else { return Ok(()) };
+    let error = Error::new(ErrorKind::Usage, "a look is not rendered in shards");
+    Err(error.value(look.name()).remedy("leave --as out, or render whole frames: --frames"))
+}
+
+/// Runs the systems on `loaded`, for the look that is asked for, but for the last.
+///
+/// # Errors
+/// As [`systems::extract`].
+pub(super) fn extract(args: &RenderArgs, mut loaded: LoadedScene) -> Result<Extracted> {
+    let options = &args.scene_options;
+    match args.look {
+        Some(Look::Clay) => looks::clay(&mut loaded.world),
+        Some(Look::Uv) => looks::show_uvs(&mut loaded.world),
+        _ => {}
+    }
+    if args.look.is_none_or(Look::is_shaded) {
+        return options.extract(loaded);
+    }
+    // What light would not show is shown too.
+    let passes = unplanned(&PASSES);
+    let (precision, flat) = (options.precision, options.flatten);
+    systems::extract(&mut loaded.world, Options { precision, passes: &passes, flat })
+}
+
+/// Renders the image, or the look of it that is asked for.
+///
+/// # Errors
+/// As [`render`].
+pub(super) fn trace(
+    args: &RenderArgs,
+    scene: &PreparedScene,
+    watch: &dyn Watch,
+) -> Result<Rendered> {
+    let (options, crop, seed) = (args.options(), args.crop, args.seed);
+    let Some(look) = args.look else { return render(scene, &options, watch) };
+    if look.is_shaded() {
+        let mut rendered = render(scene, &options, watch)?;
+        if look == Look::Wireframe && rendered.finished {
+            draw_edges(&mut rendered.film, scene, crop, seed)?;
+        }
+        return Ok(rendered);
+    }
+    let start = std::time::Instant::now();
+    let film = film(scene, look, crop, seed)?;
+    let tile = window(scene, crop)?;
+    watch.tile(&tile, film.pixels());
+    Ok(Rendered {
+        film,
+        finished: true,
+        tiles: vec![tile],
+        counters: Counters::default(),
+        columns: 0,
+        pass_seconds: Vec::new(),
+        seconds: start.elapsed().as_secs_f64(),
+    })
+}

@@ -1,0 +1,199 @@
+//! A file seen from several sides: once around, as an image that moves, or as one picture with names.
+
+use std::path::Path;
+
+use super::args::{Frames, RenderArgs};
+use super::frames::{self, Shoot};
+use super::outputs::Outputs;
+use super::show::Reporter;
+use super::show::stage::Stage;
+use wavecrest_base::error::{Error, ErrorKind, Result};
+use wavecrest_base::replace::{check_differs, check_replaceable};
+use wavecrest_core::film::Film;
+use wavecrest_image::animation::{Animated, Animation};
+use wavecrest_image::farm::Shard;
+use wavecrest_report::plot::label::label;
+use wavecrest_scene::load::framing::Sheet;
+
+/// Height of the line under each picture of a sheet, as a share of the picture's, and in pixels at least.
+const LINE_SHARE: f64 = 0.06;
+const LEAST_LINE: u32 = 12;
+/// What names are written on, and with: linear.
+const PAPER: f32 = 1.0;
+const INK: f32 = 0.01;
+
+/// Renders several sides where that is asked for; whether it is.
+///
+/// # Errors
+/// When an option does not go with it, or an image cannot be rendered or written.
+pub(super) fn run(args: &RenderArgs, shard: Option<Shard>) -> Result<bool> {
+    if args.frames.frame.is_some() {
+        return Ok(false);
+    }
+    let framing = &args.scene_options.framing;
+    let output = args.output()?;
+    if let Some(sheet) = &framing.sheet {
+        check_alone(args, shard, output)?;
+        let outputs = Outputs::check(args, output, false)?;
+        watched(args, |reporter| draw_sheet(args, sheet, &outputs, reporter))?;
+        return Ok(true);
+    }
+    let Some(count) = framing.turntable else { return Ok(false) };
+    let is_numbered = output.file_name().is_some_and(|name| name.to_string_lossy().contains('#'));
+    match Animated::from_path(output).filter(|_| !is_numbered) {
+        None => frames::run(args, Frames::first(count), shard)?,
+        Some(format) => {
+            check_alone(args, shard, output)?;
+            check_replaceable(output)?;
+            check_differs(output, &args.scene, "the scene")?;
+            watched(args, |reporter| animate(args, count, output, format, reporter))?;
+        }
+    }
+    Ok(true)
+}
+
+/// Does `work` on the threads that are asked for, and reports its failure.
+fn watched(args: &RenderArgs, work: impl FnOnce(&Reporter) -> Result<()> + Send) -> Result<()> {
+    let reporter = Reporter::begin(args)?;
+    let done = args.scene_options.threads.run(|| work(&reporter));
+    done.inspect_err(|error| reporter.failed(error))
+}
+
+/// Refuses what belongs to one image.
+fn check_alone(args: &RenderArgs, shard: Option<Shard>, output: &Path) -> Result<()> {
+    let others = [
+        ("--shard", shard.is_some()),
+        ("--checkpoint", args.parts.checkpoint.is_some()),
+        ("--also", !args.outputs.also.is_empty()),
+        ("--aov", args.outputs.aov.is_some()),
+        ("--stats", args.stats.is_some()),
+        ("--save-every", args.show.save_every.is_some()),
+        ("--target-error", args.target_error.is_some()),
+        ("--time-budget", args.time_budget.is_some()),
+    ];
+    let Some((option, _)) = others.into_iter().find(|(_, is_asked)| *is_asked) else {
+        return Ok(());
+    };
+    let message = "several views in one file do not go with an option for one image";
+    let error = Error::new(ErrorKind::Usage, message).in_file(output).value(option);
+    Err(error
+        .remedy("leave it out, or render frames: --turntable with # in the name of the output"))
+}
+
+/// Renders a turntable as one file.
+fn animate(
+    args: &RenderArgs,
+    count: u32,
+    output: &Path,
+    format: Animated,
+    reporter: &Reporter,
+) -> Result<()> {
+    let mut shoot = Shoot::prepare(args, reporter)?;
+    let outputs = Outputs::of_one(args, output);
+    shoot.tell(&outputs);
+    let size = args.crop.map_or(shoot.scene.camera.size(), |crop| [crop.width, crop.height]);
+    let entries = outputs.entries(&shoot.scene)?;
+    let transfer = outputs.transfer();
+    let animation =
+        Animation { path: output, format, size, frames: count, transfer, entries: &entries };
+    animation
+        .write(|frame| shoot.frame(args, frame + 1, &outputs).map(|rendered| rendered.film))?;
+    reporter.note("write", || output.display().to_string());
+    reporter.stage(Stage::Done);
+    Ok(())
+}
+
+/// Renders every side, and puts them side by side.
+fn draw_sheet(
+    args: &RenderArgs,
+    Sheet(sides): &Sheet,
+    outputs: &Outputs<'_>,
+    reporter: &Reporter,
+) -> Result<()> {
+    let mut shoot = Shoot::prepare(args, reporter)?;
+    let mut rows = Rows::new(sides.len());
+    let mut last = None;
+    for (frame, (name, _)) in (1..).zip(sides) {
+        let rendered = shoot.frame(args, frame, outputs)?;
+        rows.add(name, &rendered.film)?;
+        last = Some(rendered);
+    }
+    let (Some(mut rendered), Some(film)) = (last, rows.film) else { return Ok(()) };
+    rendered.film = film;
+    reporter.stage(Stage::Write);
+    outputs.write(&shoot.scene, &rendered)?;
+    reporter.stage(Stage::Done);
+    Ok(())
+}
+
+/// Pictures in rows, with a line of text under each.
+struct Rows {
+    pictures: u32,
+    columns: u32,
+    added: u32,
+    film: Option<Film>,
+}
+
+impl Rows {
+    /// For so many pictures: as many to a row as there are rows, or one more.
+    fn new(pictures: usize) -> Self {
+        let columns = (pictures as f64).sqrt().ceil() as u32;
+        Self { pictures: pictures as u32, columns, added: 0, film: None }
+    }
+
+    /// Adds a picture, of the same size as those before it.
+    ///
+    /// # Errors
+    /// When the whole is too large.
+    fn add(&mut self, name: &str, picture: &Film) -> Result<()> {
+        let (width, height) = (picture.width(), picture.height());
+        let line = ((f64::from(height) * LINE_SHARE) as u32).max(LEAST_LINE);
+        let film = match &mut self.film {
+            Some(film) => film,
+            empty => {
+                let rows = self.pictures.div_ceil(self.columns);
+                let whole =
+                    (width.saturating_mul(self.columns), (height + line).saturating_mul(rows));
+                let mut film = Film::new(whole.0, whole.1)?;
+                film.pixels_mut().fill([PAPER; 3]);
+                empty.insert(film)
+            }
+        };
+        let (left, top) =
+            (self.added % self.columns * width, self.added / self.columns * (height + line));
+        self.added += 1;
+        let across = film.width() as usize;
+        let at = |y: u32| (top + y) as usize * across + left as usize;
+        for (y, row) in (0..).zip(picture.rows()) {
+            film.pixels_mut()[at(y)..][..row.len()].copy_from_slice(row);
+        }
+        let ink = label(name, width, line).unwrap_or_default();
+        for (y, row) in (height..).zip(ink.chunks(width as usize)) {
+            for (pixel, part) in film.pixels_mut()[at(y)..].iter_mut().zip(row) {
+                *pixel = [PAPER + (INK - PAPER) * part; 3];
+            }
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pictures_are_put_in_rows_with_a_line_under_each() {
+        let mut rows = Rows::new(3);
+        for level in [0.1, 0.2, 0.3] {
+            let film = Film::from_pixels(40, 30, vec![[level; 3]; 1200]).unwrap();
+            rows.add("iso", &film).unwrap();
+        }
+        let film = rows.film.unwrap();
+        assert_eq!((film.width(), film.height()), (80, 84));
+        let level = |x, y| film.pixel(x, y).unwrap()[0];
+        assert_eq!([level(0, 0), level(79, 29), level(39, 71)], [0.1, 0.2, 0.3]);
+        assert_eq!([level(0, 30), level(79, 83)], [PAPER, PAPER]);
+        let dark = |left: u32| (0..12).any(|y| (0..40).any(|x| level(left + x, 30 + y) < 0.5));
+        assert!(dark(0) && dark(40), "names are written");
+    }
+}
