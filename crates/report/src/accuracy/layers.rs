@@ -15,7 +15,7 @@ use std::time::Instant;
 use serde::Serialize;
 
 use super::setting::{Setting, Structure};
-use super::store::{LayersRecord, Record, Store, all};
+use super::store::{LayersRecord, Record, Step, Store, all};
 use super::subject::Subject;
 use super::sweep::{Progress, timed};
 use wavecrest_base::error::Result;
@@ -68,10 +68,7 @@ pub fn run(subject: &mut Subject, store: &mut Store, progress: &dyn Progress) ->
 }
 
 /// The quickest of several renders in each pass, as something else on the machine can only add to a time.
-fn steps(
-    subject: &mut Subject,
-    precision: Precision,
-) -> Result<Vec<(Option<String>, Vec<(String, f64)>)>> {
+fn steps(subject: &mut Subject, precision: Precision) -> Result<Vec<Step>> {
     let facts = subject.facts();
     let present = Layer::ALL.into_iter().filter(|layer| facts.has(*layer)).map(Some);
     let without: Vec<Option<Layer>> = std::iter::once(None).chain(present).collect();

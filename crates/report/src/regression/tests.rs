@@ -210,7 +210,7 @@ fn on_a_busy_machine_only_errors_are_compared() {
         assert!(found.warnings.iter().any(|warning| warning.contains("only errors")));
     }
     for found in tries(Program { machine: 1.6, jittered: -1.0, ..USUAL }) {
-        assert_eq!(worse(&found), ["robust lights=jittered, error"]);
+        assert_eq!(worse(&found), ["jittered points on lights, error"]);
     }
 }
 

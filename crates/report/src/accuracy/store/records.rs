@@ -144,6 +144,9 @@ pub struct PresetRecord {
     pub seconds: f64,
 }
 
+/// The layer last taken away, and the seconds in each pass without it and those before it.
+pub type Step = (Option<String>, Vec<(String, f64)>);
+
 /// The scene was rendered without one layer after the other: see [`layers`](crate::accuracy::layers).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LayersRecord {
@@ -151,8 +154,8 @@ pub struct LayersRecord {
     pub scene: String,
     /// The precision.
     pub precision: String,
-    /// The layer last taken away, first none, and the seconds in each pass without it and those before it.
-    pub steps: Vec<(Option<String>, Vec<(String, f64)>)>,
+    /// The layers in the order in which they were taken away, after the whole scene.
+    pub steps: Vec<Step>,
 }
 
 /// A setting was rendered many times more: see [`spread`](crate::accuracy::spread).
