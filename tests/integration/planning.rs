@@ -40,7 +40,7 @@ impl Set {
             let present = set.count_ones() as usize;
             let drawn = u64::from(set.wrapping_mul(0x9E37_79B9));
             present.min(Effect::ALL.len() - present) <= 3
-                || drawn * u64::from(Self::NUMBER) >> u32::BITS < Self::DRAWN
+                || (drawn * u64::from(Self::NUMBER)) >> u32::BITS < Self::DRAWN
         };
         (0..Self::NUMBER).into_par_iter().filter(is_tried).map(Self)
     }
