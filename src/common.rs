@@ -7,6 +7,7 @@ use bytesize::ByteSize;
 use indicatif::{ProgressBar, ProgressState, ProgressStyle};
 
 use crate::choice::{by_name, choice};
+use crate::lighting::LightingOptions;
 use wavecrest_base::error::{Error, ErrorKind, Result, Warning};
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::accel::{Accel, KernelChoice};
@@ -41,6 +42,9 @@ pub(crate) struct SceneOptions {
     /// From where a mesh or a glTF file is seen
     #[command(flatten)]
     pub(crate) framing: FramingOptions,
+    /// How a file without lights is lit
+    #[command(flatten)]
+    pub(crate) lighting: LightingOptions,
     /// How much work goes into the BVH [default: chosen from triangles and expected rays]
     #[arg(long, value_name = "PRESET", value_parser = choice::<Preset>())]
     pub(crate) bvh: Option<Preset>,
@@ -96,6 +100,7 @@ impl SceneOptions {
             camera: self.camera.clone(),
             allow_outside: self.allow_outside,
             framing: (&self.framing).into(),
+            lighting: self.lighting.options(),
         }
     }
 

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::common::{FramingOptions, tell};
+use super::lighting::LightingOptions;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_base::replace::check_differs;
 use wavecrest_scene::load::{LoadOptions, load};
@@ -34,6 +35,9 @@ pub(crate) struct ConvertArgs {
     /// From where the file is seen
     #[command(flatten)]
     pub(crate) framing: FramingOptions,
+    /// How a file without lights is lit
+    #[command(flatten)]
+    pub(crate) lighting: LightingOptions,
     /// Replace files that are there already
     #[arg(long)]
     pub(crate) force: bool,
@@ -56,6 +60,7 @@ pub(crate) fn run(args: &ConvertArgs) -> Result<()> {
         camera: args.camera.clone(),
         allow_outside: args.allow_outside,
         framing: (&args.framing).into(),
+        lighting: args.lighting.options(),
     };
     let scene = load(&args.input, &options)?;
     if !args.quiet {

@@ -3,13 +3,14 @@
 use std::path::PathBuf;
 
 use super::common::tell;
+use super::develop::DevelopOptions;
 use super::metadata::MetadataOptions;
 use crate::choice::choice;
 use wavecrest_base::error::Result;
 use wavecrest_base::replace::check_differs;
 use wavecrest_image::farm::merge::{Merged, merge};
 use wavecrest_image::metadata::Extras;
-use wavecrest_image::write::{Transfer, check_writable, write_with};
+use wavecrest_image::write::{Format, Transfer, check_writable, write_with};
 
 /// Puts the parts of an image together that `render --shard` made.
 ///
@@ -25,6 +26,9 @@ pub(crate) struct MergeArgs {
     /// How linear colours become 8-bit levels (.ppm, .png) [default: as the render would have it]
     #[arg(long, value_parser = choice::<Transfer>())]
     pub(crate) transfer: Option<Transfer>,
+    /// How light becomes levels
+    #[command(flatten)]
+    pub(crate) develop: DevelopOptions,
     /// What is said of the image
     #[command(flatten)]
     pub(crate) metadata: MetadataOptions,
@@ -45,6 +49,8 @@ pub(crate) fn run(args: &MergeArgs) -> Result<()> {
     let Merged { identity, transfer, film, invalid } = merge(&args.parts)?;
     let entries = args.metadata.entries(&identity);
     let extras = Extras { entries: &entries, ..args.metadata.extras() };
+    let developed = args.develop.developed(&film, Format::from_path(&args.output)?, &extras);
+    let film = developed.unwrap_or(film);
     write_with(&film, &args.output, args.transfer.unwrap_or(transfer), &extras)?;
     if invalid > 0 && !args.quiet {
         tell(&format!("warning: {invalid} samples were not finite and count as black"));

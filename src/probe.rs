@@ -159,5 +159,6 @@ fn write_light(text: &mut String, light: &Light) {
         Verdict::Occluded { primitive: None, .. } => "in shadow".to_owned(),
     };
     let Light { light: number, index, distance, .. } = light;
-    let _ = writeln!(text, "    light {number}, point {index}, {distance} away: {verdict}");
+    let distance = distance.map_or("infinitely far".to_owned(), |d| format!("{d} away"));
+    let _ = writeln!(text, "    light {number}, point {index}, {distance}: {verdict}");
 }

@@ -10,6 +10,7 @@ use std::path::PathBuf;
 
 use crate::choice::choice;
 use crate::common::{SceneOptions, SearchOptions, above_zero, crop};
+use crate::develop::DevelopOptions;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::render::{RenderOptions, TracerKind};
 use wavecrest_core::tile::Tile;
@@ -63,6 +64,9 @@ pub(crate) struct RenderArgs {
     #[arg(long = "as", value_name = "LOOK", value_parser = choice::<Look>(),
           conflicts_with_all = ["checkpoint", "target_error", "time_budget"])]
     pub(crate) look: Option<Look>,
+    /// How light becomes levels
+    #[command(flatten)]
+    pub(crate) develop: DevelopOptions,
     /// What is written
     #[command(flatten)]
     pub(crate) outputs: OutputOptions,

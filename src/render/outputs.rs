@@ -9,7 +9,7 @@ use wavecrest_base::replace::{check_differs, check_replaceable};
 use wavecrest_core::film::Film;
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::Rendered;
-use wavecrest_image::aov;
+use wavecrest_image::aov::{self, Layer};
 use wavecrest_image::farm::Identity;
 use wavecrest_image::metadata::{Entry, Extras};
 use wavecrest_image::write::{Format, Transfer, check_writable, write_with};
@@ -37,6 +37,9 @@ impl<'a> Outputs<'a> {
             paths[..index]
                 .iter()
                 .try_for_each(|other| check_differs(path, other, "another output"))?;
+        }
+        if args.scene_options.lighting.is_transparent() {
+            paths.iter().try_for_each(|path| check_alpha(path, is_shard))?;
         }
         let outputs = Self { args, paths, encoding: OnceLock::new() };
         if args.outputs.aov.is_some() && !outputs.has_exr() {
@@ -126,7 +129,8 @@ impl<'a> Outputs<'a> {
     }
 
     fn write_one(&self, film: &Film, path: &Path, extras: &Extras<'_>) -> Result<()> {
-        write_with(film, path, self.transfer(), extras)
+        let developed = self.args.develop.developed(film, Format::from_path(path)?, extras);
+        write_with(developed.as_ref().unwrap_or(film), path, self.transfer(), extras)
     }
 
     fn has_exr(&self) -> bool {
@@ -134,8 +138,15 @@ impl<'a> Outputs<'a> {
     }
 
     fn layers(&self, scene: &PreparedScene, rendered: &Rendered) -> Result<aov::Found> {
-        let Some(Layers(layers)) = &self.args.outputs.aov else { return Ok(aov::Found::default()) };
+        let mut layers = self.args.outputs.aov.clone().map_or_else(Vec::new, |Layers(all)| all);
+        if self.args.scene_options.lighting.is_transparent() {
+            layers.push(Layer::Alpha);
+        }
+        if layers.is_empty() {
+            return Ok(aov::Found::default());
+        }
         let RenderArgs { crop, seed, .. } = *self.args;
+        let layers = &layers;
         let invalid = rendered.counters.invalid;
         aov::layers(scene, &aov::Request { layers, crop, seed, invalid })
     }
@@ -148,6 +159,17 @@ impl<'a> Outputs<'a> {
         let identity = Identity::of(scene, &self.args.options())?;
         Ok(self.args.outputs.metadata.entries(&identity))
     }
+}
+
+/// Refuses a file that has no place for alpha.
+fn check_alpha(path: &Path, is_shard: bool) -> Result<()> {
+    let has_alpha = !is_shard && matches!(Format::from_path(path)?, Format::Png | Format::Exr);
+    if has_alpha {
+        return Ok(());
+    }
+    let what = if is_shard { "a shard" } else { "an image of this format" };
+    let error = Error::new(ErrorKind::Usage, format!("{what} has no alpha")).in_file(path);
+    Err(error.remedy("use .png or .exr with --background transparent, or a colour"))
 }
 
 fn is_exr(path: &Path) -> bool {

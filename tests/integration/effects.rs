@@ -284,13 +284,14 @@ fn what_a_plan_leaves_out_is_not_counted_in_any_scene() {
             (Effect::Spheres, found.tests.spheres),
             (Effect::Textures, found.texels),
             (Effect::RayDifferentials, found.footprints),
-            (Effect::AreaLights, found.light_samples),
             (Effect::Mirrors, found.secondary_rays),
             (Effect::DepthOfField, found.lens_samples),
         ];
         for (effect, count) in costs {
             assert!(count == 0 || scene.plan.has(effect), "{name}: {}, {count}", effect.name());
         }
+        let draws_lights = scene.lights.iter().any(|light| light.is_sampled());
+        assert!(found.light_samples == 0 || draws_lights, "{name}");
         assert!(found.shadow_rays == 0 || scene.plan.schedule().has_shadows(), "{name}");
     }
 }

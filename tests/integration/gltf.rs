@@ -17,6 +17,7 @@ use wavecrest_base::error::Result;
 use wavecrest_core::film::Film;
 use wavecrest_scene::gltf::load_bytes;
 use wavecrest_scene::load::framing::Framing;
+use wavecrest_scene::load::lighting::Lighting;
 use wavecrest_scene::load::{LoadOptions, LoadedScene};
 use wavecrest_scene::systems;
 
@@ -30,6 +31,7 @@ const SIZE: LoadOptions = LoadOptions {
     camera: None,
     allow_outside: false,
     framing: Framing::USUAL,
+    lighting: Lighting::USUAL,
 };
 
 /// A file being made: its JSON, and the bytes of its buffer.

@@ -60,6 +60,8 @@ mod architecture;
 
 // OBJ files with the materials of their MTL files, and the colours of vertices.
 mod materials;
+// Files without lights: tones that differ, a ground without an edge, alpha.
+mod lighting;
 
 // glTF files and meshes alone: what they become, what is refused, and that they convert to the same image.
 mod gltf;

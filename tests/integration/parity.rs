@@ -172,9 +172,8 @@ fn part(whole: &Film, crop: Tile) -> Film {
 
 /// Whether any random number decides what this scene shows.
 fn draws_numbers(scene: &PreparedScene) -> bool {
-    [Effect::DepthOfField, Effect::Antialiasing, Effect::AreaLights]
-        .into_iter()
-        .any(|effect| scene.plan.has(effect))
+    [Effect::DepthOfField, Effect::Antialiasing].into_iter().any(|effect| scene.plan.has(effect))
+        || scene.lights.iter().any(|light| light.is_sampled())
 }
 
 #[test]

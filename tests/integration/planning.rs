@@ -29,6 +29,10 @@ use crate::support::{
 #[derive(Clone, Copy)]
 struct Set(u32);
 
+/// Effects that cast shadow rays.
+const LIGHTS: [Effect; 4] =
+    [Effect::PointLights, Effect::SpotLights, Effect::DirectionalLights, Effect::AreaLights];
+
 impl Set {
     const NUMBER: u32 = 1 << Effect::ALL.len();
     /// Sets that are drawn, of those that are neither small nor nearly full.
@@ -77,11 +81,26 @@ impl Set {
         if self.has(Effect::PointLights) {
             lights.push(point_light(30.0, [2.0, 3.0, 4.0], [1.0, 0.9, 0.8]));
         }
+        if self.has(Effect::SpotLights) {
+            lights.push(json!({"type": "spotlight", "intensity": 40, "position": [-2, 3, 4],
+                               "color": [0.7, 1, 0.8], "direction": [2, -3, -4], "inner": 10,
+                               "outer": 40}));
+        }
+        if self.has(Effect::DirectionalLights) {
+            lights
+                .push(json!({"type": "directionallight", "intensity": 0.4, "color": [1, 0.8, 0.9],
+                               "direction": [1, -2, -2], "angle": 5, "samples": 2}));
+        }
         if self.has(Effect::AreaLights) {
             lights.push(json!({"type": "arealight", "intensity": 20, "color": [0.8, 0.9, 1.0],
                                "sampling": "random", "samples": 2, "shape": self.light_shape()}));
         }
         let mut shapes = Vec::new();
+        let ambient = if self.has(Effect::HemisphereLight) {
+            json!({"sky": [0.3, 0.4, 0.5], "ground": [0.2, 0.1, 0.05], "up": [1, 2, 1]})
+        } else {
+            0.08.into()
+        };
         if self.has(Effect::Triangles) {
             let mut mesh = json!({
                 "type": "trimesh", "indices": [[0, 1, 2], [0, 2, 3]],
@@ -118,7 +137,9 @@ impl Set {
                 }
             }
         }
-        scene(2, &camera, &lights, &shapes)
+        let mut scene = scene(2, &camera, &lights, &shapes);
+        scene["scene"]["ambient"] = ambient;
+        scene
     }
 
     /// A shape for the area light, of a kind that is there in any case, if one is.
@@ -138,16 +159,16 @@ impl Set {
         let surfaces = kinds.into_iter().any(|kind| self.has(kind));
         match effect {
             Effect::Spheres => self.has(effect) || !surfaces && self.has(Effect::AreaLights),
-            Effect::Textures
-            | Effect::Emission
-            | Effect::PointLights
-            | Effect::AreaLights
-            | Effect::Mirrors => self.has(effect) && surfaces,
+            Effect::Textures | Effect::Emission | Effect::Mirrors | Effect::HemisphereLight => {
+                self.has(effect) && surfaces
+            }
             Effect::VertexColors => self.has(effect) && self.has(Effect::Triangles),
+            _ if LIGHTS.contains(&effect) => self.has(effect) && surfaces,
             Effect::RayDifferentials => self.has(effect) && self.has(Effect::Textures) && surfaces,
             Effect::SmoothShading => {
-                let asking = [Effect::PointLights, Effect::AreaLights, Effect::Mirrors];
-                let is_asked_for = asking.into_iter().any(|asks| self.has(asks));
+                let mut asking =
+                    LIGHTS.into_iter().chain([Effect::Mirrors, Effect::HemisphereLight]);
+                let is_asked_for = asking.any(|asks| self.has(asks));
                 self.has(effect) && self.has(Effect::Triangles) && is_asked_for
             }
             _ => self.has(effect),
@@ -195,10 +216,11 @@ fn check_work(what: &str, scene: &PreparedScene, rendered: &Rendered) {
     let (rays, samples) = (estimated.rays, estimated.samples);
     assert_eq!((c.primary_rays, c.lens_samples), (rays.primary, samples.lens), "{what}");
     let schedule = scene.plan.schedule();
+    let draws_lights = scene.lights.iter().any(|light| light.is_sampled());
     for (counted, most, called_for) in [
         (c.secondary_rays, rays.secondary, schedule.has_mirrors()),
         (c.shadow_rays, rays.shadow, schedule.has_shadows()),
-        (c.light_samples, samples.light, scene.plan.has(Effect::AreaLights)),
+        (c.light_samples, samples.light, draws_lights),
         (c.colors, samples.colors, scene.plan.has(Effect::VertexColors)),
         (c.texels, samples.texels, scene.plan.has(Effect::Textures)),
         (c.lens_samples, samples.lens, scene.plan.has(Effect::DepthOfField)),
@@ -343,7 +365,7 @@ fn without(needs: Needs, effect: Effect) -> Needs {
 /// A scene that shows `effect` and whatever else `needs` must have, of shapes of every kind and, unless
 /// that is the effect, under a light.
 fn scene_of(effect: Effect, needs: Needs, folder: &Path) -> Value {
-    let light = if effect == Effect::AreaLights { effect } else { Effect::PointLights };
+    let light = if LIGHTS.contains(&effect) { effect } else { Effect::PointLights };
     let mut effects = vec![Effect::Triangles, Effect::Quads, Effect::Spheres, light];
     effects.extend((effect != light).then_some(effect));
     if let Needs::All(all) = needs {
@@ -384,7 +406,7 @@ fn a_need_taken_out_of_the_table_is_missed() {
             needs += 1;
         }
     }
-    assert_eq!(needs, 14);
+    assert_eq!(needs, 18);
 }
 
 /// What a scene costs that shows nothing of it.

@@ -52,6 +52,10 @@ fn complete() -> Value {
             "lightsources": [
                 {"type": "pointlight", "intensity": 50, "position": [1, 2, 3], "color": [1, 1, 1],
                  "falloff": "none"},
+                {"type": "spotlight", "intensity": 50, "position": [1, 2, 3], "color": [1, 1, 1],
+                 "direction": [0, -1, 0], "inner": 10, "outer": 20, "falloff": "none"},
+                {"type": "directionallight", "intensity": 1, "color": [1, 1, 1],
+                 "direction": [0, -1, 0], "angle": 0.5, "sampling": "random", "samples": 2},
                 light(json!({"type": "plane", "points": quad, "normal": -1, "sides": "both"})),
                 light(json!({"type": "sphere", "center": [9, 9, 9], "radius": 1})),
                 light(json!({"type": "triangle", "points": corners})),
@@ -84,6 +88,8 @@ fn complete() -> Value {
 /// The complete scene with a pinhole camera.
 fn with_pinhole() -> Value {
     let mut scene = complete();
+    scene["scene"]["ambient"] =
+        json!({"sky": [0.2, 0.3, 0.4], "ground": [0.1, 0, 0], "up": [0, 0, 1]});
     scene["camera"] = json!({"type": "pinhole", "width": 64, "height": 48, "fov": 60,
                              "position": [0, 0, 5], "lookat": [0, 0, 0], "sampling": "sobol",
                              "path": {"keys": [{"frame": 3, "location": [0, 0, 7]}]}});

@@ -103,4 +103,5 @@ cases! {
     38 hc38_copies hc38_copies_full;
     39 hc39_needles hc39_needles_full;
     40 hc40_before_the_origin hc40_before_the_origin_full;
+    41 hc41_cones hc41_cones_full;
 }

@@ -7,6 +7,7 @@
 pub mod blinn_phong;
 pub mod camera;
 pub mod differential;
+pub mod hemisphere;
 pub mod light;
 pub mod precision;
 pub mod quad;

@@ -30,8 +30,14 @@ pub enum Effect {
     Emission,
     /// What rays spread over, for textures that are filtered accordingly.
     RayDifferentials,
+    /// Ambient light by the normal.
+    HemisphereLight,
     /// Light from points, with a shadow ray each.
     PointLights,
+    /// Light from points within cones, with a shadow ray each.
+    SpotLights,
+    /// Light from infinitely far away, with a shadow ray for each sample.
+    DirectionalLights,
     /// Light from shapes, with a shadow ray for each sample.
     AreaLights,
     /// Mirror rays.
@@ -44,7 +50,7 @@ pub enum Effect {
 
 impl Effect {
     /// Every effect, in the order in which a ray meets them.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 16] = [
         Self::Antialiasing,
         Self::DepthOfField,
         Self::Triangles,
@@ -55,7 +61,10 @@ impl Effect {
         Self::Textures,
         Self::Emission,
         Self::RayDifferentials,
+        Self::HemisphereLight,
         Self::PointLights,
+        Self::SpotLights,
+        Self::DirectionalLights,
         Self::AreaLights,
         Self::Mirrors,
     ];
@@ -71,7 +80,10 @@ impl Effect {
             Self::Textures => "textures",
             Self::Emission => "emission",
             Self::RayDifferentials => "ray differentials",
+            Self::HemisphereLight => "hemisphere light",
             Self::PointLights => "point lights",
+            Self::SpotLights => "spot lights",
+            Self::DirectionalLights => "directional lights",
             Self::AreaLights => "area lights",
             Self::Mirrors => "mirrors",
             Self::DepthOfField => "depth of field",

@@ -21,6 +21,7 @@ use crate::accel::Accel;
 use crate::kernels::blinn_phong::Material;
 use crate::kernels::camera::Camera;
 use crate::kernels::camera::path::Path;
+use crate::kernels::hemisphere::Hemisphere;
 use crate::kernels::light::Light;
 use crate::kernels::texture::{Filter, PlanarMap, Wrap};
 use crate::plan::Plan;
@@ -50,6 +51,8 @@ pub struct PreparedScene {
     /// Factor on the diffuse colour for the ambient part of all lights together, those without
     /// power too.
     pub ambient: f32,
+    /// Ambient light by the normal; `None` where the plan has none.
+    pub hemisphere: Option<Hemisphere>,
     /// Greatest number of mirror bounces; 0 where the plan has no mirrors.
     pub bounces: u32,
     /// What the file held but the scene does not.

@@ -215,8 +215,11 @@ impl Observer for Recorder<'_> {
         let occluder =
             request.filter(|(_, is)| *is).map(|(request, _)| self.occluder(&request.ray()));
         let origin = self.scene.origin;
+        let is_distant = self.scene.lights[light].emitter.is_distant();
         let Some(met) = self.last_met() else { return };
-        let towards = Vec3::from(target.position) - (met.point - origin).as_vec3();
+        let from = if is_distant { Vec3::ZERO } else { (met.point - origin).as_vec3() };
+        let towards = Vec3::from(target.position) - from;
+        let distance = if is_distant { None } else { Some(towards.length()) };
         let behind = met.normal.dot(normalize(towards)) <= 0.0;
         let (verdict, adds) = match (request, occluder) {
             (None, _) if behind => (Verdict::Behind, Vec3::ZERO),
@@ -224,7 +227,7 @@ impl Observer for Recorder<'_> {
             (Some(_), Some(occluded)) => (occluded, Vec3::ZERO),
             (Some((request, _)), None) => (Verdict::Visible, request.contribution.into()),
         };
-        met.lights.push(Light { light, index, distance: towards.length(), verdict, adds });
+        met.lights.push(Light { light, index, distance, verdict, adds });
     }
 
     fn done(&mut self, radiance: Vec3, end: Option<End>) {

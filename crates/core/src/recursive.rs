@@ -148,7 +148,8 @@ impl<P: Arithmetic> Recursive<P> {
                 match scene.interaction::<P::Points>(&ray, &hit, &differential, &mut self.look_ups)
                 {
                     Interaction::Surface(point) => {
-                        radiance += throughput * Vec3::from(point.local_light(scene.ambient));
+                        let local = point.local_light(scene.ambient, scene.hemisphere.as_ref());
+                        radiance += throughput * Vec3::from(local);
                         observer.surface(&point, radiance);
                         if shadows && point.lit {
                             let gathered = (throughput, &mut radiance);

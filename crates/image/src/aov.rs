@@ -12,6 +12,7 @@
 //! | position | `P.X`, `P.Y`, `P.Z` | the point in the space of the scene: the mean |
 //! | object | `object.id` | number of the shape that the first sample hits, from 1; 0 for nothing |
 //! | material | `material.id` | number of its material, from 1; equal materials have one number; 0 for nothing and lights |
+//! | alpha | `A` | the share of the samples that hit something; colours count as multiplied by it |
 //! | samples | `samples.count` | samples of the pixel |
 //! | invalid | `invalid.mask` | 1 where a sample was not finite and counts as black, else 0 |
 //!
@@ -25,7 +26,7 @@ mod names;
 mod pass;
 
 use crate::camera_rays::CameraRays;
-use crate::metadata::{Channel, Entry, Values};
+use crate::metadata::{ALPHA, Channel, Entry, Values};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render;
@@ -51,6 +52,8 @@ wavecrest_base::choices! {
         Object = "object",
         /// The number of the material.
         Material = "material",
+        /// The share of the samples that hit something: what is behind the image shows through the rest.
+        Alpha = "alpha",
         /// The number of samples.
         Samples = "samples",
         /// Where samples were not finite.
@@ -68,6 +71,7 @@ impl Layer {
             Self::Position => &["P.X", "P.Y", "P.Z"],
             Self::Object => &["object.id"],
             Self::Material => &["material.id"],
+            Self::Alpha => &[ALPHA],
             Self::Samples => &["samples.count"],
             Self::Invalid => &["invalid.mask"],
         }
@@ -116,9 +120,11 @@ pub fn layers(scene: &PreparedScene, request: &Request<'_>) -> Result<Found> {
     let room = |&(layer, _): &(Layer, usize)| room(layer, window.len());
     let mut channels = places.iter().map(room).collect::<Result<Vec<Values>>>()?;
     if layers.iter().any(|layer| !matches!(layer, Layer::Samples | Layer::Invalid)) {
+        let samples = scene.camera.rays_per_pixel();
         let rays = CameraRays { scene, window, seed: request.seed };
         rays.run(&Pass { scene, names: &names }, &mut |at, sums| {
-            places.iter().zip(&mut channels).for_each(|(place, to)| put(*place, to, at, sums));
+            let each = places.iter().zip(&mut channels);
+            each.for_each(|(place, to)| put(*place, to, at, sums, samples));
         });
     }
     scene.appearance.check()?;
@@ -167,15 +173,16 @@ fn room(layer: Layer, pixels: usize) -> Result<Values> {
 }
 
 /// Puts what a pixel's samples met where it belongs.
-fn put((layer, axis): (Layer, usize), channel: &mut Values, at: usize, sums: &Sums) {
+fn put((layer, axis): (Layer, usize), channel: &mut Values, at: usize, sums: &Sums, samples: u32) {
     match channel {
-        Values::Floats(values) => values[at] = quantity(layer, sums, axis),
+        Values::Floats(values) => values[at] = quantity(layer, sums, axis, samples),
         Values::Integers(values) => values[at] = number(layer, sums),
     }
 }
 
-fn quantity(layer: Layer, sums: &Sums, axis: usize) -> f32 {
+fn quantity(layer: Layer, sums: &Sums, axis: usize, samples: u32) -> f32 {
     let sum = match layer {
+        Layer::Alpha => return (f64::from(sums.hits) / f64::from(samples)) as f32,
         Layer::Depth => sums.depth,
         Layer::Normal => sums.normal[axis],
         Layer::Albedo => sums.albedo[axis],

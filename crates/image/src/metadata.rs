@@ -13,6 +13,9 @@ pub struct Entry {
     pub text: String,
 }
 
+/// The name of the channel that says how much of a pixel is covered: colours are multiplied by it. A PNG has it too.
+pub const ALPHA: &str = "A";
+
 /// What is written besides the colours of a film.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Extras<'a> {
@@ -20,7 +23,7 @@ pub struct Extras<'a> {
     pub entries: &'a [Entry],
     /// Whether a PPM has the entries too. Readers that take its header for three lines then fail.
     pub comments: bool,
-    /// More channels of an EXR.
+    /// More channels of an EXR; a PNG has room for [`ALPHA`] alone.
     pub channels: &'a [Channel],
 }
 

@@ -1,5 +1,6 @@
 //! From linear values to the levels of 8-bit formats.
 
+use wavecrest_core::film::Film;
 use wavecrest_core::math::srgb::srgb_encode;
 
 wavecrest_base::choices! {
@@ -15,6 +16,72 @@ wavecrest_base::choices! {
     }
 }
 
+wavecrest_base::choices! {
+    /// What becomes of light that is brighter than white.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+    pub enum Tone {
+        /// It is white.
+        #[default]
+        Clip = "clip",
+        /// A curve as film has it: dark tones deepen, bright ones fade into white.
+        Filmic = "filmic",
+    }
+}
+
+/// How light is developed before it becomes levels. Float formats keep it as it is.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Develop {
+    /// In stops: each doubles the light.
+    pub exposure: f32,
+    /// What becomes of bright light.
+    pub tone: Tone,
+}
+
+impl Develop {
+    /// Whether it leaves all as it is.
+    pub fn is_plain(&self) -> bool {
+        *self == Self::default()
+    }
+
+    /// The film developed, of which `alpha` says how much of each pixel is covered, where some are not: colours are
+    /// multiplied by it before and after.
+    pub fn film(&self, film: &Film, alpha: Option<&[f32]>) -> Film {
+        let factor = libm::exp2f(self.exposure);
+        let mut developed = film.clone();
+        for (i, pixel) in developed.pixels_mut().iter_mut().enumerate() {
+            let share = alpha.and_then(|alpha| alpha.get(i)).map_or(1.0, |&share| share);
+            if share > 0.0 {
+                *pixel = pixel.map(|value| share * self.tone.of(value / share * factor));
+            }
+        }
+        developed
+    }
+}
+
+/// Narkowicz's fit to the curve of the Academy Color Encoding System (*ACES Filmic Tone Mapping Curve*, 2016): the
+/// coefficients of two quadratics, one over the other, and what light is multiplied by before, which keeps a middle
+/// grey where it is.
+const ABOVE: [f32; 2] = [2.51, 0.03];
+const BELOW: [f32; 3] = [2.43, 0.59, 0.14];
+const BEFORE: f32 = 0.7;
+
+impl Tone {
+    /// The value, linear in and linear out.
+    fn of(self, value: f32) -> f32 {
+        match self {
+            Self::Clip => value,
+            Self::Filmic => {
+                // What is no number stays none, and the quotient of what is endless would be.
+                let x = (value * BEFORE).clamp(0.0, BRIGHTEST);
+                x * (ABOVE[0] * x + ABOVE[1]) / (x * (BELOW[0] * x + BELOW[1]) + BELOW[2])
+            }
+        }
+    }
+}
+
+/// Light above this is as good as endless: its square still is a number.
+const BRIGHTEST: f32 = 1e18;
+
 /// A row of pixels as 8-bit values.
 pub(super) fn row_to_bytes(row: &[[f32; 3]], transfer: Transfer) -> Vec<u8> {
     let values = row.as_flattened().iter();
@@ -25,7 +92,7 @@ pub(super) fn row_to_bytes(row: &[[f32; 3]], transfer: Transfer) -> Vec<u8> {
 }
 
 /// The nearest of 256 levels; a value that is not a number is black.
-fn linear_level(value: f32) -> u8 {
+pub(super) fn linear_level(value: f32) -> u8 {
     // The conversion takes what is not a number to 0. Rounding so is a few vector instructions, `round` a call.
     let scaled = value.clamp(0.0, 1.0) * 255.0;
     let below = scaled as i32;
@@ -55,6 +122,33 @@ mod tests {
         for (value, expected) in cases {
             assert_eq!(level(value), expected, "{value}");
         }
+    }
+
+    #[test]
+    fn a_film_is_exposed_in_stops_and_curved_within_its_cover() {
+        let film = Film::from_pixels(2, 1, vec![[0.2, 0.4, 3.0], [0.1, 0.0, 0.0]]).unwrap();
+        let exposed = Develop { exposure: 1.0, ..Develop::default() }.film(&film, None);
+        assert_eq!(exposed.pixels()[0], [0.4, 0.8, 6.0]);
+        let filmic = Develop { exposure: 0.0, tone: Tone::Filmic };
+        let whole = filmic.film(&film, None);
+        let half = filmic.film(&film, Some(&[1.0, 0.5]));
+        assert_eq!(whole.pixels()[0], half.pixels()[0]);
+        // 0.1 on half of a pixel is 0.2 there.
+        assert_eq!(half.pixels()[1][0], 0.5 * whole.pixels()[0][0]);
+        assert_eq!(filmic.film(&film, Some(&[0.0, 0.0])).pixels(), film.pixels());
+    }
+
+    #[test]
+    fn the_filmic_curve_rises_from_black_to_white_and_keeps_the_middle() {
+        let of = |value| Tone::Filmic.of(value);
+        assert_eq!(of(0.0), 0.0);
+        assert!((of(0.18) - 0.18).abs() < 0.02, "{}", of(0.18));
+        let values: Vec<f32> = (0..200).map(|i| of(i as f32 * 0.1)).collect();
+        assert!(values.windows(2).all(|pair| pair[0] < pair[1]));
+        for value in [f32::INFINITY, 1e30, -1.0] {
+            assert!(of(value).is_finite() && linear_level(of(value)) % 255 == 0, "{value}");
+        }
+        assert!(of(f32::NAN).is_nan());
     }
 
     #[test]

@@ -10,14 +10,14 @@ use std::path::Path;
 
 use image::ImageError;
 
-use super::metadata::{Entry, Extras, full_name};
-use super::transfer::row_to_bytes;
+use super::metadata::{ALPHA, Entry, Extras, Values, full_name};
+use super::transfer::{linear_level, row_to_bytes};
 use super::{idat, netpbm, openexr};
 use wavecrest_base::error::{Error, ErrorKind, Result, did_you_mean};
 use wavecrest_base::replace::{Sink, check_replaceable, replace_file, write_error};
 use wavecrest_core::film::Film;
 
-pub use super::transfer::Transfer;
+pub use super::transfer::{Develop, Tone, Transfer};
 
 wavecrest_base::choices! {
     /// The formats that can be written, by the extension of their files in lower case.
@@ -103,20 +103,71 @@ fn encode_png(
     entries: &[Entry],
 ) -> std::result::Result<(), ImageError> {
     let compressed = idat::compressed(film, transfer)?;
-    let mut encoder = png::Encoder::new(sink, film.width(), film.height());
-    encoder.set_color(png::ColorType::Rgb);
-    encoder.set_depth(png::BitDepth::Eight);
-    encoder.set_compression(png::Compression::NoCompression);
-    for entry in entries {
-        add_text(&mut encoder, entry).map_err(png_error)?;
-    }
-    let mut writer = encoder.write_header().map_err(png_error)?;
+    let mut writer = png_writer(sink, film, png::ColorType::Rgb, entries).map_err(png_error)?;
     if let Some(bytes) = compressed {
         writer.write_chunk(png::chunk::IDAT, &bytes).map_err(png_error)?;
     } else {
         let bytes: Vec<u8> = film.rows().flat_map(|row| row_to_bytes(row, transfer)).collect();
         writer.write_image_data(&bytes).map_err(png_error)?;
     }
+    writer.finish().map_err(png_error)
+}
+
+/// A writer of the film's size that compresses nothing.
+fn png_writer<W: Write>(
+    sink: W,
+    film: &Film,
+    color: png::ColorType,
+    entries: &[Entry],
+) -> std::result::Result<png::Writer<W>, png::EncodingError> {
+    let mut encoder = png::Encoder::new(sink, film.width(), film.height());
+    encoder.set_color(color);
+    encoder.set_depth(png::BitDepth::Eight);
+    let is_plain = color == png::ColorType::Rgb;
+    encoder.set_compression(match is_plain {
+        true => png::Compression::NoCompression,
+        false => png::Compression::Fast,
+    });
+    entries.iter().try_for_each(|entry| add_text(&mut encoder, entry))?;
+    encoder.write_header()
+}
+
+/// How much of each pixel is covered, where that is said.
+fn alpha<'a>(
+    film: &Film,
+    extras: &Extras<'a>,
+) -> std::result::Result<Option<&'a [f32]>, ImageError> {
+    let found = extras.channels.iter().find(|channel| channel.name == ALPHA);
+    match found.map(|channel| &channel.values) {
+        Some(Values::Floats(values)) if values.len() == film.pixels().len() => Ok(Some(values)),
+        Some(_) => Err(ImageError::IoError(std::io::Error::other("the alpha is of another size"))),
+        None => Ok(None),
+    }
+}
+
+/// As [`encode_png`], with alpha. A PNG has colours as they are, not multiplied by it.
+fn encode_transparent(
+    sink: impl Write,
+    film: &Film,
+    alpha: &[f32],
+    transfer: Transfer,
+    entries: &[Entry],
+) -> std::result::Result<(), ImageError> {
+    let mut writer = png_writer(sink, film, png::ColorType::Rgba, entries).map_err(png_error)?;
+    let straight = |(color, &alpha): (&[f32; 3], &f32)| match alpha > 0.0 {
+        true => color.map(|value| value / alpha),
+        false => [0.0; 3],
+    };
+    let width = film.width() as usize;
+    let mut bytes = Vec::with_capacity(4 * film.pixels().len());
+    for (colors, alpha) in film.rows().zip(alpha.chunks(width)) {
+        let colors: Vec<[f32; 3]> = colors.iter().zip(alpha).map(straight).collect();
+        for (level, &share) in row_to_bytes(&colors, transfer).chunks_exact(3).zip(alpha) {
+            bytes.extend_from_slice(level);
+            bytes.push(linear_level(share));
+        }
+    }
+    writer.write_image_data(&bytes).map_err(png_error)?;
     writer.finish().map_err(png_error)
 }
 
@@ -161,7 +212,10 @@ fn encode(
     match format {
         Format::Ppm => Ok(netpbm::write_ppm(sink, film, transfer, comments)?),
         Format::Pfm => Ok(netpbm::write_pfm(sink, film)?),
-        Format::Png => encode_png(sink, film, transfer, extras.entries),
+        Format::Png => match alpha(film, extras)? {
+            Some(alpha) => encode_transparent(sink, film, alpha, transfer, extras.entries),
+            None => encode_png(sink, film, transfer, extras.entries),
+        },
         // To memory first: the encoder turns the system's errors, such as a full disk, into
         // text. It is also spared from seeking in the file.
         Format::Exr => Ok(sink.write_all(&openexr::encode(film, extras)?)?),

@@ -7,6 +7,7 @@
 
 mod case;
 mod closed;
+mod cones;
 mod convex;
 mod directions;
 pub mod errors;
@@ -122,6 +123,8 @@ pub const CASES: &[Case] = &[
     Case::new(38, "copies with corners in any order, coplanar triangles", "the first is hit", planes::copies),
     Case::new(39, "globes with axes of 1e-6 to 1e6, from inside", "no ray leaves", planes::needles),
     Case::new(40, "ranges that begin before the origin", "what lies within is hit", planes::before_the_origin),
+    Case::new(41, "cones of 0 to 180 degrees, and light along a floor",
+        "lit within the cone and nowhere else, in the plane not at all", cones::cones),
 ];
 
 /// The case of that number.

@@ -2,8 +2,9 @@
 //!
 //! A shape is an entity with [`Order`], [`JsonPath`], one of [`Sphere`], [`Quad`], [`Triangle`] or
 //! [`Mesh`], and [`Material`], [`Sides`], [`Shading`], perhaps [`Facing`], [`Transform`],
-//! [`TextureRef`], [`Name`]. A point light is an entity with [`PointLight`]. An area light is one
-//! with [`AreaLight`] and the geometry of its shape. The camera is one with [`View`] and
+//! [`TextureRef`], [`Name`]. A point light is an entity with [`PointLight`], which [`Spot`] narrows to a cone; a
+//! light from infinitely far away is one with [`DirectionalLight`], and an area light one with [`AreaLight`] and
+//! the geometry of its shape. The camera is one with [`View`] and
 //! [`Pinhole`] or [`ThinLens`]. One entity holds [`Settings`].
 //!
 //! Lengths are in the scene's own unit; colours are linear, 0 to 1. Numbers keep the precision of
@@ -39,8 +40,24 @@ pub struct Settings {
     pub bounces: u32,
     /// What a primary ray that hits nothing returns.
     pub background: DVec3,
-    /// Factor on the diffuse colour, added once for each light, visible or not.
-    pub ambient: f64,
+    /// Light that needs no ray.
+    pub ambient: Ambient,
+}
+
+/// Ambient light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Ambient {
+    /// A factor on the diffuse colour, added once for each light, visible or not.
+    Even(f64),
+    /// Light from a sky and from the ground, added once, by the normal.
+    Hemisphere {
+        /// The colour on a surface that faces up.
+        sky: DVec3,
+        /// The colour on one that faces down.
+        ground: DVec3,
+        /// Where the sky is, of any length above 0.
+        up: DVec3,
+    },
 }
 
 /// A sphere.
@@ -222,6 +239,34 @@ pub struct PointLight {
     pub color: DVec3,
     /// How its strength falls with distance.
     pub falloff: Falloff,
+}
+
+/// What makes a spot of the [`PointLight`] of the same entity.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spot {
+    /// Where it shines to, of any length above 0.
+    pub direction: DVec3,
+    /// Up to this angle off that direction, in degrees, it has its full strength.
+    pub inner_degrees: f64,
+    /// From this angle on it has none: at least the other, at most 90 degrees.
+    pub outer_degrees: f64,
+}
+
+/// A light from infinitely far away.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DirectionalLight {
+    /// Its strength everywhere, shared by its samples.
+    pub intensity: f64,
+    /// Its colour.
+    pub color: DVec3,
+    /// Where it shines to, of any length above 0.
+    pub direction: DVec3,
+    /// The angle that it is seen under, in degrees, up to 180; at 0 its rays are parallel.
+    pub angle_degrees: f64,
+    /// How directions to it are chosen.
+    pub sampling: Sampling,
+    /// Number of them: all (random, sobol), or along each side of a square grid (jittered).
+    pub samples: u32,
 }
 
 /// A light whose shape is the geometry that the same entity carries.

@@ -6,6 +6,7 @@
 //! ([`staging`]).
 
 pub mod framing;
+pub mod lighting;
 mod materials;
 pub(crate) mod spawn;
 pub(crate) mod staging;
@@ -29,6 +30,7 @@ use super::parse;
 use super::reader::{Cursor, Notes, Place, json};
 use super::schema::{SceneFile, Shape};
 use super::survey::{self, Survey};
+use lighting::Lighting;
 
 /// Greatest length of a scene file in bytes, 256 MiB. JSON takes up to 25 times its length in
 /// memory while it is read; a larger mesh belongs in a file of its own.
@@ -49,6 +51,8 @@ pub struct LoadOptions {
     pub allow_outside: bool,
     /// How a file is framed, in place of the cameras that it may have. A scene file has its own camera.
     pub framing: Framing,
+    /// How a file is to look that has no lights.
+    pub lighting: Lighting,
 }
 
 /// A scene, and what its author should know about it.
@@ -118,7 +122,10 @@ pub(super) fn load_with(
     refuse_camera(file, options)?;
     let notes = notes(file, options);
     let value = json::parse(json, file)?;
-    let scene = parse::scene_file(&Cursor::new(&value, Place::Top, &notes), options)?;
+    let mut scene = parse::scene_file(&Cursor::new(&value, Place::Top, &notes), options)?;
+    if let Some(background) = options.lighting.background {
+        scene.settings.background = background.color();
+    }
     // A mesh written out in JSON is many times larger there than as arrays.
     drop(value);
     warn_of_equal_names(&scene.shapes, &notes);
@@ -164,7 +171,8 @@ pub fn survey(path: &Path, options: &LoadOptions) -> Result<Survey> {
         FileFormat::Gltf => return gltf::survey(path, options),
         FileFormat::Mesh => {
             let (width, height) = staging::size(options, None)?;
-            return survey::standalone(path, [width, height]);
+            let smooths = options.lighting.crease_degrees > 0.0;
+            return survey::standalone(path, [width, height], smooths);
         }
     }
     let notes = Notes::new(path, options.strict);

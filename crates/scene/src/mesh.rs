@@ -12,6 +12,7 @@
 //! STL; faults in OBJ files and in STL as text name the line.
 
 mod colors;
+pub(crate) mod crease;
 mod data;
 mod faults;
 mod number;

@@ -10,12 +10,14 @@ mod mesh;
 mod shape;
 mod transform;
 
+use glam::DVec3;
+
 use wavecrest_base::error::{ErrorKind, Result};
 
 pub(crate) use camera::{FOV, LONGEST_SIDE, check_size};
 pub use json_schema::json_schema;
 
-use super::components::{Encoding, Settings};
+use super::components::{Ambient, Encoding, Settings};
 use super::load::LoadOptions;
 use super::reader::{Cursor, Key, Kind, Object, Range, keys};
 use super::schema::SceneFile;
@@ -54,10 +56,26 @@ const SCENE_KEYS: &[Key] = keys! {
     "lightsources": AtLeast(0, &Definition("light"));
     /// The shapes.
     "shapes": AtLeast(0, &Definition("shape"));
-    /// Share of the diffuse colour that each light adds everywhere, visible or not.
-    "ambient": Number(Range::NOT_NEGATIVE), Is(AMBIENT);
+    /// Share of the diffuse colour that each light adds everywhere, visible or not; or light from a sky and the ground.
+    "ambient": Definition("ambient"), Is(AMBIENT);
     /// Shapes shown once more, elsewhere.
     "instances": AtLeast(0, &Definition("instance"));
+};
+
+/// Ambient light by the normal.
+pub(crate) const HEMISPHERE: Kind = Kind::new(
+    "ambient light (or a number)",
+    "Light from a sky and from the ground, added once, by the normal.",
+    &[HEMISPHERE_KEYS],
+);
+
+const HEMISPHERE_KEYS: &[Key] = keys! {
+    /// The light on a surface that faces up.
+    "sky": Color, Required;
+    /// The light on a surface that faces down.
+    "ground": Color, Required;
+    /// Where the sky is.
+    "up": Point, Are([0.0, 1.0, 0.0]);
 };
 
 /// Reads a whole file from its top.
@@ -72,7 +90,8 @@ pub(crate) fn scene_file(top: &Cursor<'_>, options: &LoadOptions) -> Result<Scen
     let lights = list(&scene, "lightsources", "an array of lights", light::light)?;
     let shapes = list(&scene, "shapes", "an array of shapes", shape::shape)?;
     let encoding = object.word("transfer")?;
-    if lights.is_empty() && !shapes.is_empty() {
+    let is_even = matches!(settings.ambient, Ambient::Even(_));
+    if lights.is_empty() && is_even && !shapes.is_empty() {
         let notes = top.notes();
         let message = "there is no light, and without one every shape is black".to_owned();
         let error = notes.error(ErrorKind::Scene, "scene.lightsources", message);
@@ -91,8 +110,24 @@ fn settings(scene: &Object<'_>, bounces: u32) -> Result<Settings> {
         file: scene.cursor().notes().file().to_owned(),
         bounces,
         background: scene.color("backgroundcolor")?,
-        ambient: scene.number("ambient")?,
+        ambient: ambient(scene)?,
     })
+}
+
+/// The key `ambient`: a number, or a sky and a ground.
+fn ambient(scene: &Object<'_>) -> Result<Ambient> {
+    let Some(cursor) = scene.get("ambient") else { return Ok(Ambient::Even(AMBIENT)) };
+    if !cursor.value().is_object() {
+        return Ok(Ambient::Even(cursor.number(Range::NOT_NEGATIVE)?));
+    }
+    let object = cursor.object(HEMISPHERE)?;
+    let (sky, ground) = (object.color("sky")?, object.color("ground")?);
+    let up = object.point_or("up", DVec3::Y)?;
+    if up == DVec3::ZERO {
+        let error = object.need("up", "a direction, [x, y, z]")?.error("has no length");
+        return Err(error.remedy("use any other, such as [0, 1, 0]"));
+    }
+    Ok(Ambient::Hemisphere { sky, ground, up })
 }
 
 /// Warns of a colour with a channel above 1. What is no colour is left to the reading.

@@ -9,9 +9,9 @@ use std::path::PathBuf;
 use glam::DAffine3;
 
 use super::components::{
-    AreaLight, CameraPath, Encoding, Facing, Material, Materials, Mesh, Name, PointLight, Quad,
-    Settings, Shading, Sides, Sphere, TextureRef, ThinLens, Transform, Triangle, VertexColors,
-    View,
+    AreaLight, CameraPath, DirectionalLight, Encoding, Facing, Material, Materials, Mesh, Name,
+    PointLight, Quad, Settings, Shading, Sides, Sphere, Spot, TextureRef, ThinLens, Transform,
+    Triangle, VertexColors, View,
 };
 
 /// A whole scene, of a file of any format.
@@ -39,6 +39,15 @@ pub(crate) enum Light {
     Point {
         path: String,
         light: PointLight,
+    },
+    Spot {
+        path: String,
+        light: PointLight,
+        spot: Spot,
+    },
+    Directional {
+        path: String,
+        light: DirectionalLight,
     },
     Area {
         path: String,

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::components::{Filter, Materials, Sampling, Shading, TextureRef};
+use super::load::staging;
 use super::mesh::{self, MeshData};
 use super::reader::Notes;
 use super::schema::{Geometry, Light, SceneFile, Shape};
@@ -46,11 +47,16 @@ pub struct Survey {
     pub bounces: bool,
 }
 
-/// What the mesh file at `path` calls for where it is all there is, in an image of so many pixels.
-pub(super) fn standalone(path: &Path, size: [u32; 2]) -> Result<Survey> {
-    let holds = mesh::survey(path)?;
+/// What the mesh file at `path` calls for where it is all there is, in an image of so many pixels; `is_smoothed` where
+/// it is given normals if it has none.
+pub(super) fn standalone(path: &Path, size: [u32; 2], is_smoothed: bool) -> Result<Survey> {
+    let mut holds = mesh::survey(path)?;
+    if is_smoothed && holds.normals == 0 {
+        // About as many as positions, unless every edge is a crease.
+        (holds.normals, holds.normal_indices) = (holds.positions, true);
+    }
     let mesh = SurveyedMesh { holds, normals: true, uvs: true, uses: 1 };
-    let (rays_per_pixel, light_samples) = (super::load::staging::rays_per_pixel(), 1);
+    let (rays_per_pixel, light_samples) = (staging::rays_per_pixel(), staging::samples());
     let meshes = vec![mesh];
     Ok(Survey { meshes, size, rays_per_pixel, light_samples, ..Survey::default() })
 }
@@ -74,16 +80,23 @@ pub(super) fn of(scene: SceneFile, text: u64, notes: &Notes<'_>) -> Result<Surve
     }
     for light in &scene.lights {
         match light {
-            Light::Point { .. } => survey.light_samples += 1,
+            Light::Point { .. } | Light::Spot { .. } => survey.light_samples += 1,
+            Light::Directional { light, .. } => {
+                survey.light_samples += points(light.sampling, light.samples);
+            }
             Light::Area { light, shape, .. } => {
-                let side = u64::from(light.samples);
-                let is_grid = light.sampling == Sampling::Jittered;
-                survey.light_samples += if is_grid { side * side } else { side };
+                survey.light_samples += points(light.sampling, light.samples);
                 survey.add(shape, 1, notes)?;
             }
         }
     }
     Ok(survey)
+}
+
+/// Points on a light with so many `samples`.
+fn points(sampling: Sampling, samples: u32) -> u64 {
+    let side = u64::from(samples);
+    if sampling == Sampling::Jittered { side * side } else { side }
 }
 
 impl Survey {

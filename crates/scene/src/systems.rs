@@ -37,7 +37,7 @@ use std::path::{Path, PathBuf};
 
 use hecs::World;
 
-use crate::components::Name;
+use crate::components::{Ambient, Name, Settings};
 use crate::query;
 use geometry::ShapeOutput;
 use wavecrest_base::error::{Error, ErrorKind, Result, Warning};
@@ -45,9 +45,10 @@ use wavecrest_core::accel::Accel;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::accel::geometry::Geometry;
 use wavecrest_core::kernels::blinn_phong::Material;
+use wavecrest_core::kernels::hemisphere::Hemisphere;
 use wavecrest_core::kernels::precision::Precision;
-use wavecrest_core::plan::Plan;
 use wavecrest_core::plan::schedule::{PASSES, Pass};
+use wavecrest_core::plan::{Effect, Plan};
 use wavecrest_core::prepared::{Appearance, Dropped, PreparedScene};
 
 /// The scene without its tree: enough to predict what a render will do.
@@ -90,7 +91,7 @@ pub fn extract(world: &mut World, options: Options<'_>) -> Result<Extracted> {
     extracted.geometry.set_precision(precision);
     let materials = materials::run(world, &extracted.shapes);
     let lights = lights::run(world, &extracted, &settings, origin)?;
-    let ambient = settings.ambient as f32 * lights.len() as f32;
+    let (ambient, hemisphere) = ambient(&settings, lights.len());
     let shows_others = |shape: usize| settings.bounces > 0 && materials[shape].kr > 0.0;
     let in_view = view::run(&camera::places(world, origin)?, &extracted, shows_others);
     let found = census::run(census::Census {
@@ -99,7 +100,8 @@ pub fn extract(world: &mut World, options: Options<'_>) -> Result<Extracted> {
         extracted: &extracted,
         materials: &materials,
         lights: &lights,
-        ambient,
+        has_ambient: ambient > 0.0,
+        hemisphere: hemisphere.as_ref(),
         in_view: &in_view,
     });
     let plan = Plan::of(found.decisions.clone(), passes);
@@ -111,6 +113,7 @@ pub fn extract(world: &mut World, options: Options<'_>) -> Result<Extracted> {
     let (camera, path) = camera::run(world, origin, schedule)?;
     let (geometry, appearance) = appearance(world, extracted, materials);
     let appearance = Appearance { details, images, ..appearance };
+    let hemisphere = hemisphere.filter(|_| plan.has(Effect::HemisphereLight));
     let scene = PreparedScene {
         plan,
         origin,
@@ -121,10 +124,21 @@ pub fn extract(world: &mut World, options: Options<'_>) -> Result<Extracted> {
         lights,
         background: settings.background.as_vec3(),
         ambient,
+        hemisphere,
         bounces: if schedule.has_mirrors() { settings.bounces } else { 0 },
         dropped: Dropped::default(),
     };
     Ok(Extracted { scene, file })
+}
+
+/// Factor on the diffuse colour for the ambient part of so many lights together, and ambient light by the normal.
+fn ambient(settings: &Settings, lights: usize) -> (f32, Option<Hemisphere>) {
+    match settings.ambient {
+        Ambient::Even(factor) => (factor as f32 * lights as f32, None),
+        Ambient::Hemisphere { sky, ground, up } => {
+            (0.0, Some(Hemisphere::new(sky, ground, lights::unit(up))))
+        }
+    }
 }
 
 /// The primitives, and what they look like.

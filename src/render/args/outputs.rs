@@ -13,7 +13,7 @@ pub(crate) struct OutputOptions {
     /// Write the image to this file too; may be given several times
     #[arg(long, value_name = "FILE")]
     pub(crate) also: Vec<PathBuf>,
-    /// Add layers to .exr outputs: depth, normal, albedo, position, object, material, samples and invalid,
+    /// Add layers to .exr outputs: depth, normal, albedo, position, object, material, alpha, samples and invalid,
     /// separated by commas, or all
     #[arg(long, value_name = "LAYERS", value_parser = layers)]
     pub(crate) aov: Option<Layers>,
@@ -29,7 +29,9 @@ pub(crate) struct Layers(pub Vec<Layer>);
 /// `depth,normal`, or `all`.
 fn layers(text: &str) -> std::result::Result<Layers, String> {
     if text == "all" {
-        return Ok(Layers(Layer::ALL.to_vec()));
+        // Alpha says that the colours are multiplied by it.
+        let all = Layer::ALL.into_iter().filter(|layer| *layer != Layer::Alpha);
+        return Ok(Layers(all.collect()));
     }
     let names = || Layer::ALL.map(Layer::name).into_iter();
     let layer = |word: &str| {

@@ -296,6 +296,34 @@ fn the_sun_shines_alike_however_bright_it_is() {
     assert_near(pixel(&other, 12, 9), pixel(&film, 12, 9), 1e-5, "a weaker sun");
 }
 
+/// A spot at the camera, turned aside: what is within its cone shows, by the formula of the extension.
+#[test]
+fn a_spot_shines_within_its_cone_along_its_node() {
+    let lit = |spot: Value, degrees: f64| {
+        let mut file = square();
+        file.json["extensions"] = json!({});
+        file.json["nodes"].as_array_mut().expect("a list").truncate(2);
+        file.json["scenes"][0]["nodes"] = json!([0, 1]);
+        let (sin, cos) = (degrees / 2.0).to_radians().sin_cos();
+        let node = json!({"translation": [0, 0, 5], "rotation": [0, sin, 0, cos]});
+        file.light(json!({"type": "spot", "intensity": 9, "spot": spot}), node);
+        pixel(&image(&file), 12, 9)[0]
+    };
+    let radians = |degrees: f64| degrees.to_radians();
+    let cone =
+        |inner, outer| json!({"innerConeAngle": radians(inner), "outerConeAngle": radians(outer)});
+    let dark = lit(cone(10.0, 20.0), 25.0);
+    assert_near([dark; 3], [0.8 * 0.08; 3], 1e-6, "ambient light alone");
+    let full = lit(cone(10.0, 20.0), 5.0) - dark;
+    assert_near([full; 3], [0.8; 3], 1e-2, "exposed to 1");
+    let cos = |degrees: f64| radians(degrees).cos();
+    for (spot, inner, outer) in [(cone(10.0, 20.0), 10.0, 20.0), (json!({}), 0.0, 45.0)] {
+        let part = (cos(15.0) - cos(outer)) / (cos(inner) - cos(outer));
+        let found = f64::from((lit(spot, 15.0) - dark) / full);
+        assert!((found - part * part).abs() < 2e-2, "{found}, not {}", part * part);
+    }
+}
+
 #[test]
 fn a_camera_is_chosen_by_name_or_number() {
     let mut file = square();

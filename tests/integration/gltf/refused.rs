@@ -293,7 +293,7 @@ fn what_is_left_out_is_told_once() {
     file.json["materials"][0]["alphaMode"] = json!("BLEND");
     file.push("materials", json!({"alphaMode": "MASK", "normalTexture": {"index": 0}}));
     file.json["animations"] = json!([{}]);
-    file.light(json!({"type": "spot", "spot": {}}), json!({"translation": [0, 0, 9]}));
+    file.light(json!({"type": "spot", "spot": {}, "range": 9}), json!({"translation": [0, 0, 9]}));
     file.light(json!({"type": "moon"}), json!({}));
     file.node(json!({"mesh": 0, "scale": [1, 0, 1]}));
     let warnings = loaded(&file).expect("it is right").warnings;
@@ -302,7 +302,7 @@ fn what_is_left_out_is_told_once() {
         "alpha is ignored",
         "textures of normals",
         "animations are ignored",
-        "the cone of a spot light",
+        "the range of a light",
         "of a type that is not known",
         "flattens space",
     ] {

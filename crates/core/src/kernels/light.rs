@@ -1,8 +1,14 @@
 //! Lights: points on them, and how their strength falls.
 
+mod distant;
+mod spot;
+
 use std::f32::consts::PI;
 
 use glam::{DVec3, Vec2, Vec3};
+
+pub use distant::Distant;
+pub use spot::Cone;
 
 use super::triangle;
 use crate::math::float::{dot_f64, max, max_abs, normalize_f64};
@@ -43,6 +49,10 @@ impl Falloff {
 pub enum Emitter {
     /// A point.
     Point(Vec3),
+    /// A point that shines within a cone.
+    Spot(Vec3, Cone),
+    /// What is infinitely far away.
+    Distant(Distant),
     /// A sphere.
     Sphere {
         /// Its centre.
@@ -106,10 +116,28 @@ impl Triangles {
     }
 }
 
+impl Emitter {
+    /// The one point that all its light comes from, as [`LightPoint::position`] has it; none where there are more.
+    #[inline(always)]
+    pub fn only_point(&self) -> Option<Vec3> {
+        match self {
+            Self::Point(position) | Self::Spot(position, _) => Some(*position),
+            Self::Distant(distant) if distant.is_parallel() => Some(distant.middle()),
+            _ => None,
+        }
+    }
+
+    /// Whether it is infinitely far away.
+    #[inline(always)]
+    pub fn is_distant(&self) -> bool {
+        matches!(self, Self::Distant(_))
+    }
+}
+
 /// A point of a light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LightPoint<F> {
-    /// In world space.
+    /// In world space; of a light that is infinitely far away, what leads from any point towards it.
     pub position: Vector<F>,
     /// Bound on the distance of `position` to the exact shape, for each coordinate.
     pub error: Vector<F>,
@@ -118,7 +146,7 @@ pub struct LightPoint<F> {
 }
 
 impl<F: Single> LightPoint<F> {
-    /// A point light at `position`.
+    /// The only point of a light.
     #[inline(always)]
     pub fn of_point(token: F::Token, position: Vec3) -> Self {
         let zero = Vector::splat(token, Vec3::ZERO);
@@ -153,6 +181,16 @@ pub struct Light {
 }
 
 impl Light {
+    /// What part of its light is left at `distance` > 0 where `towards` leads to it.
+    #[inline(always)]
+    pub fn part_left<F: Single>(&self, distance: F, towards: Vector<F>) -> F {
+        let part = self.falloff.at(distance);
+        match &self.emitter {
+            Emitter::Spot(_, cone) => part * cone.at(towards),
+            _ => part,
+        }
+    }
+
     /// Number of points, and so of shadow rays from each lit hit.
     #[inline]
     pub fn samples(&self) -> u32 {
@@ -162,7 +200,7 @@ impl Light {
     /// Whether its points are drawn at random.
     #[inline]
     pub fn is_sampled(&self) -> bool {
-        !matches!(self.emitter, Emitter::Point(_))
+        self.emitter.only_point().is_none()
     }
 
     /// Where its `index`th point is in the unit square.
@@ -183,7 +221,15 @@ impl Light {
     #[inline(always)]
     pub fn point(&self, index: u32, stream: &Stream) -> LightPoint<f32> {
         match &self.emitter {
-            Emitter::Point(position) => LightPoint::of_point((), *position),
+            Emitter::Point(position) | Emitter::Spot(position, _) => {
+                LightPoint::of_point((), *position)
+            }
+            Emitter::Distant(distant) if distant.is_parallel() => {
+                LightPoint::of_point((), distant.middle())
+            }
+            Emitter::Distant(distant) => {
+                LightPoint::of_point((), distant.at(self.square(index, stream)))
+            }
             Emitter::Sphere { center, radius } => {
                 let normal = sampling::sphere(self.square(index, stream));
                 // Its length is not quite 1: that would take the point off the sphere.
@@ -243,6 +289,25 @@ mod tests {
         assert!(all.iter().all(|p| (p.distance(center) - 2.0).abs() < 1e-5));
         let mean = all.iter().sum::<Vec3>() / all.len() as f32;
         assert!(mean.distance(center) < 0.05, "{mean}");
+    }
+
+    #[test]
+    fn distant_points_fill_their_patch_of_the_sky_evenly() {
+        let towards = normalize_f64(DVec3::new(1.0, 2.0, -2.0));
+        for angle in [0.53, 20.0, 180.0] {
+            let emitter = Emitter::Distant(Distant::new(towards, angle, 3.0));
+            let all = points(&area_light(emitter, Sampling::Jittered, [16, 16]), 40);
+            let edge = (angle / 2.0).to_radians().cos();
+            let cosine = |p: &Vec3| normalize_f64(p.as_dvec3()).dot(towards);
+            assert!(
+                all.iter().all(|p| (6.0..=16.0).contains(&p.length()) && cosine(p) > edge - 1e-6)
+            );
+            // Equal heights of a sphere have equal areas.
+            let mean = all.iter().map(cosine).sum::<f64>() / all.len() as f64;
+            assert!((mean - (1.0 + edge) / 2.0).abs() < 0.01 * (1.0 - edge), "{angle}: {mean}");
+        }
+        let parallel = Emitter::Distant(Distant::new(DVec3::Y, 0.0, 3.0));
+        assert_eq!(parallel.only_point(), Some(Vec3::Y * 8.0));
     }
 
     #[test]

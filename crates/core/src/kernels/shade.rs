@@ -6,6 +6,7 @@
 //! for Shaded Display* (1980).
 
 use super::blinn_phong::{self, Reflection};
+use super::hemisphere::Hemisphere;
 use super::light::{Light, LightPoint};
 use crate::math::float::gamma;
 use crate::math::ray::Ray;
@@ -38,17 +39,22 @@ pub struct ShadingPoint<F: Single> {
 }
 
 impl<F: Single> ShadingPoint<F> {
-    /// The light a hit shows without any ray: the ambient part of all lights together, and its own.
+    /// The light a hit shows without any ray: the ambient part of all lights together, what arrives from the
+    /// hemisphere before it, and its own.
     #[inline(always)]
-    pub fn local_light(&self, ambient: f32) -> Vector<F> {
-        self.color.scale(self.kr.same(ambient)) + self.emission
+    pub fn local_light(&self, ambient: f32, hemisphere: Option<&Hemisphere>) -> Vector<F> {
+        let even = self.color.scale(self.kr.same(ambient)) + self.emission;
+        match hemisphere {
+            None => even,
+            Some(hemisphere) => even + self.color * hemisphere.at(self.shading_normal),
+        }
     }
 }
 
 /// A shadow ray and what it is worth.
 #[derive(Clone, Copy, Debug)]
 pub struct ShadowRequest<F: Single> {
-    /// From the surface, t = 1 at the light.
+    /// From the surface, t = 1 at the light, or beyond the scene.
     pub line: Line<F>,
     /// What to add if nothing is on it.
     pub contribution: Vector<F>,
@@ -88,7 +94,8 @@ pub fn shadow_request<F: Single>(
     target: &LightPoint<F>,
 ) -> Option<ShadowRequest<F>> {
     let zero = point.kr.zero();
-    let towards = target.position - point.point;
+    let is_distant = light.emitter.is_distant();
+    let towards = if is_distant { target.position } else { target.position - point.point };
     let to_light = towards.normalize_in_single();
     let asked = point.lit & point.normal.dot(to_light).gt(zero);
     if !asked.any() {
@@ -103,7 +110,8 @@ pub fn shadow_request<F: Single>(
         point.view,
         to_light,
     );
-    let strength = light.falloff.at(distance.max(least)) / zero.same(light.samples() as f32);
+    let strength =
+        light.part_left(distance.max(least), towards) / zero.same(light.samples() as f32);
     let power = Vector::splat(zero.token(), light.power).scale(strength);
     let contribution = throughput * (reflected * power);
     let asked = asked & contribution.is_not_zero();
@@ -112,10 +120,12 @@ pub fn shadow_request<F: Single>(
     }
     let origin = point.point.offset_origin(point.error, point.normal, to_light);
     let end = target.position.offset_end(target.error, target.normal, -to_light);
-    let line = Line { origin, direction: end - origin };
+    let line = Line { origin, direction: if is_distant { towards } else { end - origin } };
     // Where the ray starts at the light itself it has no direction, and nothing is on it.
     let asked = asked & line.origin.is_finite() & line.direction.is_finite();
-    let request = ShadowRequest { line, contribution, at_light: distance.lt(least), asked };
+    // What is infinitely far away is at no surface.
+    let at_light = distance.lt(if is_distant { zero } else { least });
+    let request = ShadowRequest { line, contribution, at_light, asked };
     asked.any().then_some(request)
 }
 

@@ -3,7 +3,7 @@
 
 use std::f32::consts::TAU;
 
-use glam::{Vec2, Vec3};
+use glam::{DVec2, Vec2, Vec3};
 
 use super::sobol;
 
@@ -87,6 +87,17 @@ pub fn sphere(square: Vec2) -> Vec3 {
     Vec3::new(radius * sin, height, radius * cos)
 }
 
+/// A point of the cap of the unit sphere that is `height` high: its place across the axis, `square.x` being the angle,
+/// and how far below the top it is, of which `square.y` is the share.
+#[inline]
+pub fn cap(square: Vec2, height: f64) -> (DVec2, f64) {
+    let below = f64::from(square.y) * height;
+    // The root of 1 - (1 - below)^2, without the difference of nearly equal numbers.
+    let radius = (below * (2.0 - below)).sqrt();
+    let (sin, cos) = libm::sincosf(TAU * square.x);
+    (DVec2::new(f64::from(cos), f64::from(sin)) * radius, below)
+}
+
 /// The second and third barycentric coordinate of a point of a triangle (Turk 1990).
 #[inline]
 pub fn triangle(square: Vec2) -> Vec2 {
@@ -122,8 +133,10 @@ mod tests {
         };
         let within_half_radius = share(&|p| disk(p).length() < 0.5);
         assert!((within_half_radius - 0.25).abs() < 0.01, "{within_half_radius}");
-        let cap = share(&|p| sphere(p).z > 0.5);
-        assert!((cap - 0.25).abs() < 0.01, "{cap}");
+        let above = share(&|p| sphere(p).z > 0.5);
+        assert!((above - 0.25).abs() < 0.01, "{above}");
+        let (low, high) = (share(&|p| cap(p, 0.5).1 < 0.25), share(&|p| cap(p, 2.0).1 < 1.0));
+        assert!((low - 0.5).abs() < 0.01 && (high - 0.5).abs() < 0.01, "{low}, {high}");
         let corner = share(&|p| triangle(p).element_sum() < 0.5);
         assert!((corner - 0.25).abs() < 0.01, "{corner}");
     }

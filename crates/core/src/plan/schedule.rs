@@ -134,12 +134,17 @@ pub struct Pass {
 }
 
 /// All lights: whatever the kind, their points are asked for in the same way.
-const LIGHTS: Needs = Needs::Any(&[Effect::PointLights, Effect::AreaLights]);
+const LIGHTS: Needs = Needs::Any(&[
+    Effect::PointLights,
+    Effect::SpotLights,
+    Effect::DirectionalLights,
+    Effect::AreaLights,
+]);
 
 /// The passes in the order in which they run, each followed by its parts.
 ///
 /// Kinds of shapes have no row: no pass asks for a kind, so that one which is absent costs nothing by
-/// having no primitive.
+/// having no primitive. Nor has the hemisphere light: the scene has one or none.
 pub const PASSES: [Pass; 15] = {
     use Column::{Differentials, Hits, LitPoints, NextRays, Paths, Rays, ShadowRays};
     [

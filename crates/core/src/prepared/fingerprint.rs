@@ -80,6 +80,9 @@ impl PreparedScene {
                 let _ = write!(hasher, "{:?}", self.appearance.details);
                 let _ = write!(hasher, "{:?}{:?}", self.lights, self.background);
                 let _ = write!(hasher, "{:?} {:?}", self.ambient, self.bounces);
+                if let Some(hemisphere) = &self.hemisphere {
+                    let _ = write!(hasher, "{hemisphere:?}");
+                }
             }),
         }
     }

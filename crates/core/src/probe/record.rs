@@ -73,8 +73,8 @@ pub struct Light {
     pub light: usize,
     /// Which of its points.
     pub index: usize,
-    /// How far it is, in scene units.
-    pub distance: f32,
+    /// How far it is, in scene units; none where it is infinitely far.
+    pub distance: Option<f32>,
     /// What comes of it.
     pub verdict: Verdict,
     /// What it adds to the path.
@@ -95,7 +95,7 @@ pub enum Verdict {
         primitive: Option<u32>,
         /// The shape's entry in the scene file.
         shape: String,
-        /// 1 is at the light.
+        /// 1 is at the light, or beyond the scene where the light is.
         t: f32,
     },
     /// Nothing is in the way.

@@ -45,7 +45,10 @@ pub(super) fn run<P: Arithmetic>(
         differentials: scene.carries_differentials(),
         batch,
         counters,
-        has_any: schedule.has_shadows() || schedule.has_mirrors() || appearance,
+        has_any: schedule.has_shadows()
+            || schedule.has_mirrors()
+            || appearance
+            || scene.hemisphere.is_some(),
         shadows: schedule.has_shadows(),
         mirrors: schedule.has_mirrors() && bounce < scene.bounces,
         precision: PhantomData,
@@ -160,7 +163,8 @@ impl<P: Arithmetic> Shade<'_, P> {
         let point = group.shading_points::<P>(kind, &line, t, self.scene, arriving, &mut look_ups);
         look_ups.colors = group.colored();
         self.count(look_ups);
-        self.add(group.used, &path, throughput * point.local_light(self.scene.ambient));
+        let local = point.local_light(self.scene.ambient, self.scene.hemisphere.as_ref());
+        self.add(group.used, &path, throughput * local);
         if self.shadows && point.lit.any() {
             self.batch.lit.provide();
             self.batch.lit.push_lanes(&point, throughput, &path);

@@ -7,7 +7,7 @@
 use super::batch::{Batch, ShadowRays};
 use crate::accel::Traversal;
 use crate::counters::Counters;
-use crate::kernels::light::{Emitter, Light, LightPoint};
+use crate::kernels::light::{Light, LightPoint};
 use crate::kernels::precision::Arithmetic;
 use crate::kernels::shade::shadow_request;
 use crate::math::random::Stream;
@@ -101,7 +101,7 @@ fn targets<F: Single>(
     count: usize,
     stream: impl Fn(usize) -> Stream,
 ) -> LightPoint<F> {
-    if let Emitter::Point(position) = light.emitter {
+    if let Some(position) = light.emitter.only_point() {
         return LightPoint::of_point(token, position);
     }
     let mut rows = <[[F::Row; 3]; 3]>::default();

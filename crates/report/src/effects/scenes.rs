@@ -58,8 +58,21 @@ pub fn variants(folder: &Path) -> Result<Vec<Variant>> {
 
 /// Effects that are seen.
 fn add_reached(list: &mut List, ambient: usize, lit: usize, picture: &str) {
+    list.add("a spot light", ambient, |scene| {
+        *scene = with_lights(base(), [spot(60.0, [-3.0, -4.0, -2.0])]);
+    });
+    list.add("a directional light", ambient, |scene| {
+        *scene = with_lights(base(), [sun([-3.0, -4.0, -2.0], 0.0)]);
+    });
+    list.add("a sun of 5 degrees, 16 points", ambient, |scene| {
+        *scene = with_lights(base(), [sun([-3.0, -4.0, -2.0], 5.0)]);
+    });
     list.add("an area light, 4 x 4", ambient, |scene| {
         *scene = with_lights(base(), [panel()]);
+    });
+    list.add("a hemisphere light", lit, |scene| {
+        let sky = json!({"sky": [0.2, 0.3, 0.4], "ground": [0.15, 0.1, 0.05]});
+        scene["scene"]["ambient"] = sky;
     });
     list.add("a second point light", lit, |scene| {
         *scene = with_lights(base(), [lamp(60.0, ABOVE), lamp(60.0, LEFT)]);
@@ -88,6 +101,15 @@ fn add_unreached(list: &mut List, dark: usize, lit: usize, picture: &str) {
     });
     list.without("a light behind everything", lit, |scene| {
         *scene = with_lights(base(), [lamp(60.0, BELOW), lamp(60.0, ABOVE)]);
+    });
+    list.without("a directional light from below", lit, |scene| {
+        *scene = with_lights(base(), [lamp(60.0, ABOVE), sun([0.0, 4.0, 1.0], 0.0)]);
+    });
+    list.without("a spot light of 0 degrees", lit, |scene| {
+        let mut shut = spot(60.0, [-3.0, -4.0, -2.0]);
+        shut["outer"] = 0.into();
+        shut["inner"] = 0.into();
+        *scene = with_lights(base(), [lamp(60.0, ABOVE), shut]);
     });
     list.without("a textured triangle without area", lit, |scene| {
         let points = [[0, 0, 0], [1, 1, 1], [2, 2, 2]];
@@ -209,6 +231,22 @@ fn with_lights<const N: usize>(mut scene: Value, lights: [Value; N]) -> Value {
 
 fn lamp(intensity: f64, position: [f64; 3]) -> Value {
     json!({"type": "pointlight", "intensity": intensity, "position": position, "color": [1, 1, 1]})
+}
+
+/// A lamp above the field that shines along `direction` alone.
+fn spot(intensity: f64, direction: [f64; 3]) -> Value {
+    let mut spot = lamp(intensity, ABOVE);
+    spot["type"] = "spotlight".into();
+    spot["direction"] = json!(direction);
+    spot["inner"] = 10.into();
+    spot["outer"] = 30.into();
+    spot
+}
+
+/// Light along `direction`, from 16 points of what is seen under an `angle`.
+fn sun(direction: [f64; 3], angle: f64) -> Value {
+    json!({"type": "directionallight", "intensity": 1.0, "color": [1, 1, 1], "direction": direction,
+           "angle": angle, "samples": 16})
 }
 
 /// A square above the field.

@@ -6,7 +6,7 @@
 //!
 //! | light | falloff | intensity |
 //! |---|---|---|
-//! | point, I candela | inverse square, 1 / (4 pi d^2) | 4 I |
+//! | point or spot, I candela | inverse square, 1 / (4 pi d^2) | 4 I |
 //! | sun, E lux | none | E / pi |
 //! | surface of radiance L and area A | inverse square | L A |
 //!
@@ -19,21 +19,30 @@ use std::f64::consts::PI;
 
 use glam::{DAffine3, DVec3};
 
-use crate::components::{Falloff, PointLight};
+use crate::components::{DirectionalLight, Falloff, PointLight, Sampling, Spot};
 use crate::corners::direction;
 use crate::load::staging::Sphere;
 use crate::reader::Range;
+use crate::schema;
 use wavecrest_base::error::Result;
 
 use super::fields::Fields;
 
-/// How far away the sun is, in radii of the scene: its rays are parallel to a thousandth of a radian.
-const SUN_DISTANCE: f64 = 1000.0;
+/// The greatest and the usual outer half angle of a spot, in radians.
+const WIDEST: f64 = PI / 2.0;
+const USUAL: f64 = PI / 4.0;
+/// An angle above this is none of a cone.
+const LARGEST_ANGLE: f64 = 2.0 * PI;
 
 /// Which kind of light.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 enum Kind {
     Point,
+    /// By its half angles in radians.
+    Spot {
+        inner: f64,
+        outer: f64,
+    },
     Sun,
 }
 
@@ -53,11 +62,7 @@ impl Light {
         let kind = match kind.value().as_str() {
             Some("point") => Kind::Point,
             Some("directional") => Kind::Sun,
-            Some("spot") => {
-                let message = "the cone of a spot light is ignored";
-                fields.once(message, "it shines in all directions");
-                Kind::Point
-            }
+            Some("spot") => spot(fields)?,
             Some(_) => {
                 let message = "a light is of a type that is not known";
                 kind.notes().once(&kind.path(), message, "it is left out");
@@ -77,26 +82,53 @@ impl Light {
         }))
     }
 
-    /// The light at a node, before exposure, in a scene that `bounds` is about. `None` where the node says
-    /// of no sun where it is.
-    pub(super) fn placed(&self, world: &DAffine3, bounds: &Sphere) -> Option<PointLight> {
+    /// The light at a node, before exposure. `None` where the node says of no spot and no sun where it shines to.
+    pub(super) fn placed(&self, path: String, world: &DAffine3) -> Option<schema::Light> {
         let &Self { kind, color, intensity } = self;
+        // Along its -z.
+        let direction = || direction(-world.matrix3.z_axis);
+        let light = PointLight {
+            intensity: 4.0 * intensity,
+            position: world.translation,
+            color,
+            falloff: Falloff::InverseSquare,
+        };
         Some(match kind {
-            Kind::Point => PointLight {
-                intensity: 4.0 * intensity,
-                position: world.translation,
-                color,
-                falloff: Falloff::InverseSquare,
-            },
-            // It shines along its -z.
-            Kind::Sun => PointLight {
-                intensity: intensity / PI,
-                position: bounds.outside(direction(world.matrix3.z_axis)?, SUN_DISTANCE),
-                color,
-                falloff: Falloff::None,
-            },
+            Kind::Point => schema::Light::Point { path, light },
+            Kind::Spot { inner, outer } => {
+                let [inner_degrees, outer_degrees] = [inner, outer].map(degrees);
+                let spot = Spot { direction: direction()?, inner_degrees, outer_degrees };
+                schema::Light::Spot { path, light, spot }
+            }
+            Kind::Sun => {
+                let light = DirectionalLight {
+                    intensity: intensity / PI,
+                    color,
+                    direction: direction()?,
+                    angle_degrees: 0.0,
+                    sampling: Sampling::Sobol,
+                    samples: 1,
+                };
+                schema::Light::Directional { path, light }
+            }
         })
     }
+}
+
+/// The cone of a spot: `inner` from 0 to below `outer`, and that up to a right angle.
+fn spot(fields: &Fields<'_>) -> Result<Kind> {
+    let angles = fields.object("spot")?;
+    let angle = |key: &str, default: f64| {
+        angles
+            .map_or(Ok(default), |own| own.number_or(key, Range::new(0.0, LARGEST_ANGLE), default))
+    };
+    let outer = angle("outerConeAngle", USUAL)?.min(WIDEST);
+    Ok(Kind::Spot { inner: angle("innerConeAngle", 0.0)?.min(outer), outer })
+}
+
+/// In degrees; a right angle may be a little more in files that have it in single precision.
+fn degrees(radians: f64) -> f64 {
+    if radians >= WIDEST { 90.0 } else { radians.to_degrees().min(90.0) }
 }
 
 /// The radiance of a white matte surface in the middle of the scene that faces a light of this strength at
@@ -109,6 +141,28 @@ pub(super) fn radiance(strength: DVec3, falloff: Falloff, position: DVec3, bound
         Falloff::InverseSquare => 1.0 / (4.0 * PI * distance * distance),
     };
     strength.max_element() * factor
+}
+
+/// The same of a light that is no mesh. One within whose cone the middle is not counts as if it were.
+pub(super) fn radiance_of(light: &schema::Light, bounds: &Sphere) -> f64 {
+    match light {
+        schema::Light::Point { light, .. } | schema::Light::Spot { light, .. } => {
+            radiance(light.color * light.intensity, light.falloff, light.position, bounds)
+        }
+        schema::Light::Directional { light, .. } => (light.color * light.intensity).max_element(),
+        schema::Light::Area { .. } => 0.0,
+    }
+}
+
+/// Multiplies the intensity of a light that is no mesh.
+pub(super) fn expose(light: &mut schema::Light, exposure: f64) {
+    match light {
+        schema::Light::Point { light, .. } | schema::Light::Spot { light, .. } => {
+            light.intensity *= exposure;
+        }
+        schema::Light::Directional { light, .. } => light.intensity *= exposure,
+        schema::Light::Area { .. } => {}
+    }
 }
 
 /// The factor that brings the radiance under all lights to 1.

@@ -5,7 +5,7 @@ use std::ops::Range;
 use glam::{DAffine3, DVec3, Vec3};
 
 use crate::components::{
-    AreaLight, Encoding, Falloff, Mesh, Name, PointLight, Sampling, Shading, TextureRef, Transform,
+    AreaLight, Encoding, Falloff, Mesh, Name, Sampling, Shading, TextureRef, Transform,
 };
 use crate::load::LoadOptions;
 use crate::load::framing::{Framing, Up};
@@ -59,34 +59,39 @@ pub(super) fn scene(
         false => None,
     };
     let has_camera = own.is_some();
-    let framed = |view| Framed { view, path: None, inside: false, told: String::new() };
-    let Framed { view, path, inside, told: chosen } = own.map_or_else(
+    let framed =
+        |view| Framed { view, path: None, up: DVec3::Y, inside: false, told: String::new() };
+    let Framed { view, path, up, inside, told: chosen } = own.map_or_else(
         || staging::framed(&all, &bounds, (Up::Y, false), options),
         |view| Ok(framed(view)),
     )?;
-    let mut points = lights(document, &bounds, notes);
+    let mut lights = lights(document, notes);
     let glowing: usize =
         primitives.iter().filter(|f| f.surface.is_light()).map(|f| f.uses.len()).sum();
     check_lights(&primitives, notes)?;
-    let has_lights = !points.is_empty() || glowing > 0;
-    let exposure = light::exposure(radiance(&points, &primitives, &bounds));
-    for (_, light) in &mut points {
-        light.intensity *= exposure;
-    }
+    let has_lights = !lights.is_empty() || glowing > 0;
+    let exposure = light::exposure(radiance(&lights, &primitives, &bounds));
+    lights.iter_mut().for_each(|light| light::expose(light, exposure));
+    let (mut ground, mut told_light) = (None, None);
+    let count = lights.len() + glowing;
+    let mut settings = staging::settings(notes.file(), count, &options.lighting);
     if !has_lights {
-        points.push(("the light".to_owned(), staging::light(&view, &bounds, inside)));
+        let (bounds, view) = (&bounds, &view);
+        let path = path.as_ref();
+        let subject = staging::Subject { all: &all, bounds, view, path, up, inside };
+        let lit = staging::lit(&subject, notes.file(), &options.lighting);
+        (lights, ground, settings, told_light) =
+            (lit.lights, lit.ground, lit.settings, Some(lit.told));
     }
+    drop(all);
     let mut scene = SceneFile {
-        settings: staging::settings(notes.file(), points.len() + glowing),
+        settings,
         camera: schema::Camera { view, lens: None, path },
-        lights: Vec::new(),
+        lights,
         shapes: Vec::new(),
         instances: Vec::new(),
         encoding: Encoding::Srgb,
     };
-    scene
-        .lights
-        .extend(points.into_iter().map(|(path, light)| schema::Light::Point { path, light }));
     for primitive in primitives {
         if primitive.surface.is_light() {
             primitive.add_lights(exposure, &mut scene);
@@ -94,7 +99,8 @@ pub(super) fn scene(
             primitive.add_shapes(&mut scene);
         }
     }
-    Ok((scene, told(has_camera, &chosen, has_lights.then_some(exposure))))
+    scene.shapes.extend(ground);
+    Ok((scene, told(has_camera, &chosen, told_light, exposure)))
 }
 
 /// The most triangles of lights: each node that shows one holds a copy.
@@ -115,11 +121,11 @@ fn check_lights(primitives: &[Primitive], notes: &Notes<'_>) -> Result<()> {
 }
 
 /// What was chosen for the user.
-fn told(has_camera: bool, chosen: &str, exposure: Option<f64>) -> String {
-    let light = match exposure {
-        None => "no light: one shines from behind the camera's left shoulder".to_owned(),
-        Some(factor) => format!("all light is multiplied by {factor:.3e}, the exposure"),
-    };
+fn told(has_camera: bool, chosen: &str, light: Option<&str>, exposure: f64) -> String {
+    let light = light.map_or_else(
+        || format!("all light is multiplied by {exposure:.3e}, the exposure"),
+        str::to_owned,
+    );
     let camera = match has_camera {
         true => "",
         false => "no camera: one is put where it sees all; ",
@@ -266,26 +272,24 @@ fn placed<'a>(primitives: &'a [Primitive], corners: &'a [Vec<Vec3>]) -> Vec<stag
     all
 }
 
-/// The lights of the scene's nodes, with their paths.
-fn lights(document: &Document, bounds: &Sphere, notes: &Notes<'_>) -> Vec<(String, PointLight)> {
+/// The lights of the scene's nodes.
+fn lights(document: &Document, notes: &Notes<'_>) -> Vec<schema::Light> {
     let placed = |place: &Placed| {
         let light = document.lights[document.nodes[place.node].light?]?;
         let path = format!("nodes[{}]", place.node);
-        let found = light.placed(&place.world, bounds);
+        let found = light.placed(path.clone(), &place.world);
         if found.is_none() {
             let message = "a light's node leaves it no direction";
             notes.once(&path, message, "it is left out; give the node a scale other than 0");
         }
-        Some((path, found?))
+        found
     };
     document.placed.iter().filter_map(placed).collect()
 }
 
 /// The radiance of a white surface in the middle under all lights.
-fn radiance(lights: &[(String, PointLight)], primitives: &[Primitive], bounds: &Sphere) -> f64 {
-    let points = lights.iter().map(|(_, light)| {
-        light::radiance(light.color * light.intensity, light.falloff, light.position, bounds)
-    });
+fn radiance(lights: &[schema::Light], primitives: &[Primitive], bounds: &Sphere) -> f64 {
+    let points = lights.iter().map(|light| light::radiance_of(light, bounds));
     let meshes =
         primitives.iter().filter(|primitive| primitive.surface.is_light()).flat_map(|primitive| {
             primitive.uses.iter().map(|found| {

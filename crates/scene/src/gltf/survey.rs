@@ -31,7 +31,7 @@ pub(crate) fn survey(path: &Path, options: &LoadOptions) -> Result<Survey> {
         raw,
         size: [width, height],
         rays_per_pixel: staging::rays_per_pixel(),
-        light_samples: 1,
+        light_samples: staging::samples(),
         bounces: true,
         ..Survey::default()
     };

@@ -95,6 +95,12 @@ impl<R: Fn(&Path) -> Result<LoadedMesh>> Spawner<'_, R> {
             Light::Point { path, light } => {
                 self.world.spawn((order, JsonPath(path), light));
             }
+            Light::Spot { path, light, spot } => {
+                self.world.spawn((order, JsonPath(path), light, spot));
+            }
+            Light::Directional { path, light } => {
+                self.world.spawn((order, JsonPath(path), light));
+            }
             Light::Area { path, light, shape } => self.area_light(order, path, light, *shape)?,
         }
         Ok(())

@@ -6,6 +6,7 @@
 mod camera;
 mod fit;
 mod grid;
+mod ground;
 mod light;
 mod orbit;
 mod room;
@@ -14,10 +15,8 @@ mod upward;
 use glam::{DAffine3, DVec3, Vec3};
 use rayon::prelude::*;
 
-use wavecrest_core::math::float::MAX_COORDINATE;
-
 pub(crate) use camera::{Framed, framed, rays_per_pixel, size, view};
-pub(crate) use light::{light, settings};
+pub(crate) use light::{Lit, Subject, lit, samples, settings};
 
 /// A sphere about all that there is.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,15 +24,6 @@ pub(crate) struct Sphere {
     pub(crate) center: DVec3,
     /// Above 0.
     pub(crate) radius: f64,
-}
-
-impl Sphere {
-    /// A point that lies in a direction, of unit length, so many radii from the centre.
-    pub(crate) fn outside(&self, direction: DVec3, radii: f64) -> DVec3 {
-        let greatest = f64::from(MAX_COORDINATE);
-        (self.center + direction * (self.radius * radii))
-            .clamp(DVec3::splat(-greatest), DVec3::splat(greatest))
-    }
 }
 
 /// What is seen, and where it is.

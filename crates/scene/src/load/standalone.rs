@@ -11,9 +11,9 @@ use super::staging::{self, Placed};
 use crate::components::{Encoding, Material, Mesh, Shading, VertexColors};
 use crate::load::LoadOptions;
 use crate::load::framing::Up;
-use crate::mesh::{self, LoadedMesh};
+use crate::mesh::{self, LoadedMesh, crease};
 use crate::reader::Notes;
-use crate::schema::{Camera, Light, SceneFile, Shape};
+use crate::schema::{Camera, SceneFile, Shape};
 
 /// A light grey with a faint highlight.
 const MATERIAL: Material = Material {
@@ -41,28 +41,42 @@ pub(super) fn scene(
     let LoadedMesh { mut mesh, warnings, materials } = mesh::load(path)?;
     mesh.decode_colors(VertexColors::Srgb);
     warnings.into_iter().for_each(|warning| notes.pass_on(warning));
+    let crease = options.lighting.crease_degrees;
+    if mesh.normals.is_none() && crease > 0.0 {
+        mesh.normals = Some(crease::normals(&mesh.positions, &mesh.triangles, crease));
+    }
     let world = glam::DAffine3::IDENTITY;
     let all = [Placed { points: &mesh.positions, triangles: &mesh.triangles, world }];
     let bounds = staging::bounds(&all);
-    let staging::Framed { view, path: moves, inside, told } =
+    let staging::Framed { view, path: moves, up, inside, told: framed } =
         staging::framed(&all, &bounds, usual_up(path), options)?;
-    let light = staging::light(&view, &bounds, inside);
+    let subject = staging::Subject {
+        all: &all,
+        bounds: &bounds,
+        view: &view,
+        path: moves.as_ref(),
+        up,
+        inside,
+    };
+    let staging::Lit { lights, ground, settings, told } =
+        staging::lit(&subject, path, &options.lighting);
     let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let shape = Shape {
         shading: if mesh.normals.is_some() { Shading::Smooth } else { Shading::Flat },
         material: Some(MATERIAL),
         ..Shape::of("the mesh".into(), Some(name), Mesh::default())
     };
-    let shapes = parts(&shape, mesh, &materials, path, notes);
+    let mut shapes = parts(&shape, mesh, &materials, path, notes);
+    shapes.extend(ground);
     let scene = SceneFile {
-        settings: staging::settings(path, 1),
+        settings,
         camera: Camera { view, lens: None, path: moves },
-        lights: vec![Light::Point { path: "the light".into(), light }],
+        lights,
         shapes,
         instances: Vec::new(),
         encoding: Encoding::Srgb,
     };
-    Ok((scene, format!("a standalone mesh: {told}camera, light and material are chosen")))
+    Ok((scene, format!("a standalone mesh: {framed}camera and material are chosen; {told}")))
 }
 
 /// Which axis is up in most files of this kind, and whether the shape of the mesh may say otherwise.

@@ -41,6 +41,12 @@ fn definitions() -> Value {
         "number": takes(Takes::Number(Range::COORDINATE)),
         "point": about(tuple(3, definition("number")), "A point or a direction, [x, y, z]."),
         "color": about(tuple(3, takes(Takes::Number(Range::NOT_NEGATIVE))), "A linear colour, [r, g, b]."),
+        "ambient": {
+            "description": "A share of the diffuse colour, or light from a sky and from the ground.",
+            "if": {"type": "object"}, "then": definition("hemisphere"),
+            "else": takes(Takes::Number(Range::NOT_NEGATIVE))
+        },
+        "hemisphere": object(&super::HEMISPHERE),
         "scene": object(&SCENE),
         "instance": object(&instance::INSTANCE),
         "camera": by_type::<CameraKind>("The camera and the size of the image.", ""),
@@ -48,6 +54,8 @@ fn definitions() -> Value {
         "thinlens": object(&camera::THIN_LENS),
         "light": by_type::<LightKind>("A light.", ""),
         "pointlight": object(&light::POINT_LIGHT),
+        "spotlight": object(&light::SPOT_LIGHT),
+        "directionallight": object(&light::DIRECTIONAL_LIGHT),
         "arealight": object(&light::AREA_LIGHT),
         "material": object(&material::MATERIAL),
         "transform": {

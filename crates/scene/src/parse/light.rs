@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::components::{AreaLight, Falloff, PointLight, Sampling};
+use crate::components::{AreaLight, DirectionalLight, Falloff, PointLight, Sampling, Spot};
 use crate::reader::{Cursor, Key, Kind, Object, Range, keys};
 use crate::schema::Light;
 use wavecrest_base::error::{ErrorKind, Result};
@@ -15,24 +15,46 @@ const MOST_SAMPLES: u32 = 65_536;
 /// Greatest number of points on a light, 2^24.
 const MOST_POINTS: u64 = 1 << 24;
 
+/// Angles between the direction of a spot and the edge of a cone, in degrees.
+const HALF_ANGLE: Range = Range::new(0.0, 90.0);
+
 wavecrest_base::choices! {
     /// The lights.
     #[derive(Clone, Copy, PartialEq)]
     pub(crate) enum LightKind {
         /// A light at a point.
         Point = "pointlight",
+        /// A light at a point, within a cone.
+        Spot = "spotlight",
+        /// A light from infinitely far away.
+        Directional = "directionallight",
         /// A light with a shape.
         Area = "arealight",
     }
 }
 
-pub(crate) const POINT_LIGHT: Kind =
-    Kind::new("a point light", "A light at a point.", &[KEYS, POSITION_KEYS, COLOR_KEYS]);
+pub(crate) const POINT_LIGHT: Kind = Kind::new(
+    "a point light",
+    "A light at a point.",
+    &[KEYS, POSITION_KEYS, COLOR_KEYS, FALLOFF_KEYS],
+);
+
+pub(crate) const SPOT_LIGHT: Kind = Kind::new(
+    "a spot light",
+    "A light at a point that shines within a cone.",
+    &[KEYS, POSITION_KEYS, DIRECTION_KEYS, CONE_KEYS, COLOR_KEYS, FALLOFF_KEYS],
+);
+
+pub(crate) const DIRECTIONAL_LIGHT: Kind = Kind::new(
+    "a directional light",
+    "A light from infinitely far away, as strong everywhere.",
+    &[KEYS, DIRECTION_KEYS, COLOR_KEYS, SKY_KEYS],
+);
 
 pub(crate) const AREA_LIGHT: Kind = Kind::new(
     "an area light",
     "A light with a shape, which is seen in its own colour.",
-    &[KEYS, UNUSED_KEYS, COLOR_KEYS, AREA_KEYS],
+    &[KEYS, UNUSED_KEYS, COLOR_KEYS, FALLOFF_KEYS, AREA_KEYS],
 );
 
 const KEYS: &[Key] = keys! {
@@ -55,8 +77,32 @@ const UNUSED_KEYS: &[Key] = keys! {
 const COLOR_KEYS: &[Key] = keys! {
     /// The colour of the light.
     "color": Color, Required;
+};
+
+const FALLOFF_KEYS: &[Key] = keys! {
     /// At distance d: 1/(4 pi d), 1/(4 pi d^2), or 1.
     "falloff": word::<Falloff>(), Says("linear");
+};
+
+const DIRECTION_KEYS: &[Key] = keys! {
+    /// Where the light shines to.
+    "direction": Point, Required;
+};
+
+const CONE_KEYS: &[Key] = keys! {
+    /// Degrees off the direction up to which the light has its full strength.
+    "inner": Number(HALF_ANGLE), Is(0.0);
+    /// Degrees off the direction from which on there is none.
+    "outer": Number(HALF_ANGLE), Required;
+};
+
+const SKY_KEYS: &[Key] = keys! {
+    /// The angle that the light is seen under, in degrees: 0.53 for the sun. Shadows are soft by it.
+    "angle": Number(Range::new(0.0, 180.0)), Is(0.0);
+    /// How directions within the angle are chosen: at random, one in each cell of a grid, or by a Sobol sequence.
+    "sampling": word::<Sampling>(), Says("sobol");
+    /// Directions to the light; with jittered sampling, along each side of the grid.
+    "samples": Integer(1, MOST_SAMPLES), Is(1.0);
 };
 
 const AREA_KEYS: &[Key] = keys! {
@@ -72,6 +118,8 @@ const AREA_KEYS: &[Key] = keys! {
 pub(super) fn light(cursor: &Cursor<'_>) -> Result<Light> {
     match cursor.kind("a light")? {
         LightKind::Point => point_light(&cursor.object(POINT_LIGHT)?),
+        LightKind::Spot => spot_light(&cursor.object(SPOT_LIGHT)?),
+        LightKind::Directional => directional_light(&cursor.object(DIRECTIONAL_LIGHT)?),
         LightKind::Area => area_light(&cursor.object(AREA_LIGHT)?),
     }
 }
@@ -90,18 +138,66 @@ fn warn_of_power(object: &Object<'_>) {
     }
 }
 
-fn point_light(object: &Object<'_>) -> Result<Light> {
+/// Warns of the intensity and the colour of a light that has no shape.
+fn warn_of_strength(object: &Object<'_>) {
     warn_of_power(object);
     // The shape of an area light may well be seen in such a colour.
     let remedy = "use a colour from 0 to 1 and a higher \"intensity\"";
     warn_above_1(object, "color", "is above 1", remedy);
-    let light = PointLight {
+}
+
+fn at_a_point(object: &Object<'_>) -> Result<PointLight> {
+    warn_of_strength(object);
+    Ok(PointLight {
         intensity: object.number("intensity")?,
         position: object.point("position")?,
         color: object.color("color")?,
         falloff: object.word("falloff")?,
+    })
+}
+
+fn point_light(object: &Object<'_>) -> Result<Light> {
+    Ok(Light::Point { path: object.cursor().path(), light: at_a_point(object)? })
+}
+
+fn spot_light(object: &Object<'_>) -> Result<Light> {
+    let light = at_a_point(object)?;
+    let (inner_degrees, outer_degrees) = (object.number("inner")?, object.number("outer")?);
+    if inner_degrees > outer_degrees {
+        let cursor = object.need("inner", "a number")?;
+        let error = cursor.error(format!("is more than \"outer\", {outer_degrees}"));
+        return Err(error.remedy("both are angles off the direction of the light"));
+    }
+    if outer_degrees == 0.0 {
+        let message = "is 0, so that no light leaves the cone";
+        object.need("outer", "a number")?.warn(message, "use an angle up to 90");
+    }
+    let spot = Spot { direction: direction(object)?, inner_degrees, outer_degrees };
+    Ok(Light::Spot { path: object.cursor().path(), light, spot })
+}
+
+fn directional_light(object: &Object<'_>) -> Result<Light> {
+    warn_of_strength(object);
+    let sampling = object.word("sampling")?;
+    let light = DirectionalLight {
+        intensity: object.number("intensity")?,
+        color: object.color("color")?,
+        direction: direction(object)?,
+        angle_degrees: object.number("angle")?,
+        sampling,
+        samples: samples(object, sampling)?,
     };
-    Ok(Light::Point { path: object.cursor().path(), light })
+    Ok(Light::Directional { path: object.cursor().path(), light })
+}
+
+/// The key `direction`, of any length but none.
+fn direction(object: &Object<'_>) -> Result<DVec3> {
+    let direction = object.point("direction")?;
+    if direction != DVec3::ZERO {
+        return Ok(direction);
+    }
+    let cursor = object.need("direction", "a direction, [x, y, z]")?;
+    Err(cursor.error("has no length").remedy("use any other, such as [0, -1, 0]"))
 }
 
 fn area_light(object: &Object<'_>) -> Result<Light> {
@@ -120,7 +216,7 @@ fn area_light(object: &Object<'_>) -> Result<Light> {
     Ok(Light::Area { path: object.cursor().path(), light, shape })
 }
 
-/// The `samples` of an area light: all of them, or those along each side of a grid.
+/// The `samples` of a light: all of them, or those along each side of a grid.
 fn samples(object: &Object<'_>, sampling: Sampling) -> Result<u32> {
     let samples = object.integer("samples")?;
     let points = u64::from(samples) * u64::from(samples);

@@ -12,6 +12,7 @@ use super::lights::Found;
 use super::{camera, details, reach};
 use crate::components::{Filter, Settings, TextureRef, ThinLens, View};
 use wavecrest_core::kernels::blinn_phong::Material;
+use wavecrest_core::kernels::hemisphere::Hemisphere;
 use wavecrest_core::kernels::light::Emitter;
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::plan::{Decision, Effect};
@@ -29,8 +30,10 @@ pub struct Census<'a> {
     pub materials: &'a [Material],
     /// All lights.
     pub lights: &'a [Found],
-    /// Factor on the diffuse colour for the ambient part of all lights together.
-    pub ambient: f32,
+    /// Whether lights have an ambient part.
+    pub has_ambient: bool,
+    /// Ambient light by the normal.
+    pub hemisphere: Option<&'a Hemisphere>,
     /// For each shape, whether it is in view.
     pub in_view: &'a [bool],
 }
@@ -74,6 +77,9 @@ struct Facts<'a> {
     shows_texture: Vec<bool>,
     /// For each shape, whether it is a surface with light of its own.
     glows: Vec<bool>,
+    /// Whether there is ambient light, and whether any surface in view shows it.
+    has_ambient: bool,
+    shows_ambient: bool,
     /// Whether a mirror could show anything but black.
     shines: bool,
 }
@@ -101,11 +107,12 @@ impl<'a> Facts<'a> {
         let reached =
             if visible == solid { shown.clone() } else { reached_of(&surfaces_of(&solid)) };
         let is_lit = shown.contains(&true);
+        let has_ambient = census.has_ambient || census.hemisphere.is_some_and(|h| !h.is_black());
         // Diffuse colour shows by ambient light, whatever kd is, and where light is reflected by it.
         let shows_color = |i: usize| {
             let reached = if visible[i] { &shown } else { &reached };
             let is_lit = reached.contains(&true) && census.materials[i].kd > 0.0;
-            census.ambient > 0.0 || is_lit
+            has_ambient || is_lit
         };
         let shows_color: Vec<bool> = (0..shapes.len()).map(shows_color).collect();
         let shows_texture: Vec<bool> =
@@ -113,15 +120,26 @@ impl<'a> Facts<'a> {
         let is_black = |surface: &reach::Surface<'_>| {
             !surface.textured && surface.material.color == Vec3::ZERO
         };
+        let shows_ambient = has_ambient && !surfaces.iter().all(is_black);
         let is_bright = |shape: &ShapeOutput| shape.shape.emission.is_some_and(|c| c != Vec3::ZERO);
         let own_light = |i: usize| details::emission(census.world, &shapes[i]);
         let glows: Vec<bool> =
             (0..shapes.len()).map(|i| solid[i] && own_light(i) != Vec3::ZERO).collect();
-        let shines = is_lit
-            || glows.contains(&true)
-            || shapes.iter().any(is_bright)
-            || census.ambient > 0.0 && !surfaces.iter().all(is_black);
-        Self { census, solid, visible, shown, reached, shows_color, shows_texture, glows, shines }
+        let shines =
+            is_lit || glows.contains(&true) || shapes.iter().any(is_bright) || shows_ambient;
+        Self {
+            census,
+            solid,
+            visible,
+            shown,
+            reached,
+            shows_color,
+            shows_texture,
+            glows,
+            shines,
+            has_ambient,
+            shows_ambient,
+        }
     }
 
     fn triangles(&self) -> (bool, String) {
@@ -151,12 +169,17 @@ impl<'a> Facts<'a> {
             Effect::Textures => self.textures(),
             Effect::Emission => self.emission(),
             Effect::RayDifferentials => self.ray_differentials(),
+            Effect::HemisphereLight => self.hemisphere(),
             Effect::PointLights => {
                 self.lights("point light", |emitter| matches!(emitter, Emitter::Point(_)))
             }
-            Effect::AreaLights => {
-                self.lights("area light", |emitter| !matches!(emitter, Emitter::Point(_)))
+            Effect::SpotLights => {
+                self.lights("spot light", |emitter| matches!(emitter, Emitter::Spot(..)))
             }
+            Effect::DirectionalLights => self.lights("directional light", Emitter::is_distant),
+            Effect::AreaLights => self.lights("area light", |emitter| {
+                matches!(emitter, Emitter::Sphere { .. } | Emitter::Triangles(_))
+            }),
             Effect::Mirrors => self.mirrors(),
             Effect::DepthOfField => self.depth_of_field(),
             Effect::Antialiasing => self.antialiasing(),
@@ -186,7 +209,7 @@ impl<'a> Facts<'a> {
         let shapes = &self.census.extracted.shapes;
         let none = "no mesh with normals asks for it";
         let found = self.surfaces(|i| shapes[i].shape.smooth, "smooth mesh", none);
-        if found.0 && !self.is_lit() && !self.mirrors().0 {
+        if found.0 && !self.is_lit() && !self.mirrors().0 && !self.hemisphere().0 {
             return (false, "neither light nor mirror asks for a normal".to_owned());
         }
         found
@@ -204,7 +227,7 @@ impl<'a> Facts<'a> {
 
     fn textures(&self) -> (bool, String) {
         let has_any = self.census.world.query::<&TextureRef>().iter().next().is_some();
-        let none = match (has_any, self.is_lit() || self.census.ambient > 0.0) {
+        let none = match (has_any, self.is_lit() || self.has_ambient) {
             (false, _) => "no shape has a texture",
             (true, false) => "no light shows the colour of a texture",
             (true, true) => "no surface shows the colour of its texture",
@@ -249,6 +272,15 @@ impl<'a> Facts<'a> {
             reason += &format!(", {} more with nothing but an ambient part", all - shown);
         }
         (present, reason)
+    }
+
+    fn hemisphere(&self) -> (bool, String) {
+        match self.census.hemisphere {
+            None => (false, "ambient light does not follow the normal".to_owned()),
+            Some(light) if light.is_black() => (false, "sky and ground are black".to_owned()),
+            Some(_) if !self.shows_ambient => (false, "no surface in view shows it".to_owned()),
+            Some(_) => (true, "a sky and a ground".to_owned()),
+        }
     }
 
     fn mirrors(&self) -> (bool, String) {

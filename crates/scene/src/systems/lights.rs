@@ -5,14 +5,16 @@ use std::collections::HashMap;
 use glam::{DVec3, Vec3};
 use hecs::{Entity, World};
 
+use super::bounds;
 use super::census::Findings;
 use super::geometry::Output;
-use crate::components::{AreaLight, Order, PointLight, Settings};
+use crate::components::{AreaLight, DirectionalLight, Order, PointLight, Settings, Spot};
+use crate::corners::direction;
 use crate::query::json_path;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::accel::geometry::{Geometry, Primitive};
 use wavecrest_core::kernels::camera;
-use wavecrest_core::kernels::light::{Emitter, Light, Triangles};
+use wavecrest_core::kernels::light::{Cone, Distant, Emitter, Falloff, Light, Triangles};
 use wavecrest_core::kernels::quad;
 use wavecrest_core::math::sampling::Sampling;
 use wavecrest_core::plan::schedule::{Schedule, Step};
@@ -37,8 +39,15 @@ pub fn run(
     origin: DVec3,
 ) -> Result<Vec<Found>> {
     let mut found: Vec<Found> = Vec::new();
-    for (entity, &order, light) in world.query::<(Entity, &Order, &PointLight)>().iter() {
-        found.push(Found { entity, order, light: point_light(light, origin) });
+    let mut points = world.query::<(Entity, &Order, &PointLight, Option<&Spot>)>();
+    for (entity, &order, light, spot) in points.iter() {
+        found.push(Found { entity, order, light: point_light(light, spot, origin) });
+    }
+    let mut size = None;
+    for (entity, &order, light) in world.query::<(Entity, &Order, &DirectionalLight)>().iter() {
+        // Every position is looked at, where there is such a light.
+        let size = *size.get_or_insert_with(|| diameter(&extracted.geometry));
+        found.push(Found { entity, order, light: directional_light(light, size) });
     }
     let shapes: HashMap<Entity, &Shape> =
         extracted.shapes.iter().map(|output| (output.entity, &output.shape)).collect();
@@ -85,10 +94,14 @@ pub fn keep(
     Ok(kept.map(|(found, _)| found.light).collect())
 }
 
-fn point_light(light: &PointLight, origin: DVec3) -> Light {
+fn point_light(light: &PointLight, spot: Option<&Spot>, origin: DVec3) -> Light {
+    let position = (light.position - origin).as_vec3();
+    let cone =
+        |spot: &Spot| Cone::new(unit(spot.direction), spot.inner_degrees, spot.outer_degrees);
+    let is_shut = spot.is_some_and(|spot| spot.outer_degrees == 0.0);
     Light {
-        emitter: Emitter::Point((light.position - origin).as_vec3()),
-        power: power(light.intensity, light.color),
+        emitter: spot.map_or(Emitter::Point(position), |s| Emitter::Spot(position, cone(s))),
+        power: if is_shut { Vec3::ZERO } else { power(light.intensity, light.color) },
         falloff: light.falloff,
         sampling: Sampling::Random,
         grid: [1, 1],
@@ -96,11 +109,39 @@ fn point_light(light: &PointLight, origin: DVec3) -> Light {
     }
 }
 
+/// A length that no two points of the scene are farther from each other than.
+fn diameter(geometry: &Geometry) -> f64 {
+    bounds::of(geometry).map_or(0.0, |[low, high]| (high - low).length())
+}
+
+fn directional_light(light: &DirectionalLight, diameter: f64) -> Light {
+    let emitter = Distant::new(-unit(light.direction), light.angle_degrees, diameter);
+    Light {
+        emitter: Emitter::Distant(emitter),
+        power: power(light.intensity, light.color),
+        falloff: Falloff::None,
+        sampling: light.sampling,
+        // Parallel rays need no more than one.
+        grid: if emitter.is_parallel() { [1, 1] } else { grid(light.sampling, light.samples) },
+        dimension: 0,
+    }
+}
+
+/// A direction of unit length; what has none points down.
+pub(super) fn unit(v: DVec3) -> DVec3 {
+    direction(v).unwrap_or(DVec3::NEG_Y)
+}
+
+/// Columns and rows of the points of a light.
+fn grid(sampling: Sampling, samples: u32) -> [u32; 2] {
+    match sampling {
+        Sampling::Random | Sampling::Sobol => [samples, 1],
+        Sampling::Jittered => [samples, samples],
+    }
+}
+
 fn area_light(light: &AreaLight, emitter: Emitter) -> Light {
-    let grid = match light.sampling {
-        Sampling::Random | Sampling::Sobol => [light.samples, 1],
-        Sampling::Jittered => [light.samples, light.samples],
-    };
+    let grid = grid(light.sampling, light.samples);
     let power = power(light.intensity, light.color);
     Light { emitter, power, falloff: light.falloff, sampling: light.sampling, grid, dimension: 0 }
 }

@@ -3,7 +3,7 @@
 use hecs::{Entity, World};
 
 use crate::components::{
-    AreaLight, Filter, Pinhole, PointLight, Settings, TextureRef, ThinLens, View,
+    AreaLight, DirectionalLight, Filter, Pinhole, PointLight, Settings, TextureRef, ThinLens, View,
 };
 
 /// What takes the place of the file's values; `None` leaves them.
@@ -58,10 +58,14 @@ impl Layer {
             Self::Textures => drop(remove::<TextureRef>(world)),
             Self::SoftShadows => {
                 world.query_mut::<&mut AreaLight>().into_iter().for_each(|l| l.samples = 1);
+                let distant = world.query_mut::<&mut DirectionalLight>();
+                distant.into_iter().for_each(|l| l.samples = 1);
             }
             Self::Lights => {
                 world.query_mut::<&mut AreaLight>().into_iter().for_each(|l| l.intensity = 0.0);
                 world.query_mut::<&mut PointLight>().into_iter().for_each(|l| l.intensity = 0.0);
+                let distant = world.query_mut::<&mut DirectionalLight>();
+                distant.into_iter().for_each(|l| l.intensity = 0.0);
             }
             Self::Lens => {
                 for camera in remove::<ThinLens>(world) {

@@ -93,11 +93,14 @@ fn is_behind(shape: &Shape, light: &Extent, geometry: &Geometry, number: u32) ->
     }
 }
 
-/// Where a light is: the points within `radius` of a box.
+/// Where a light is: the points within `radius` of a box, or infinitely far away.
 pub(super) struct Extent {
+    /// Of a light that is infinitely far away, of unit length, towards it.
     center: DVec3,
     half: DVec3,
+    /// Of such a light, the sine of the angle within which it is.
     radius: f64,
+    is_distant: bool,
 }
 
 impl Extent {
@@ -106,9 +109,17 @@ impl Extent {
             center: center.as_dvec3(),
             half: DVec3::ZERO,
             radius: f64::from(radius),
+            is_distant: false,
         };
         match emitter {
-            Emitter::Point(position) => point(*position, 0.0),
+            // All that the cone leaves in the dark counts as reached.
+            Emitter::Point(position) | Emitter::Spot(position, _) => point(*position, 0.0),
+            Emitter::Distant(distant) => Self {
+                center: distant.towards(),
+                half: DVec3::ZERO,
+                radius: distant.spread(),
+                is_distant: true,
+            },
             Emitter::Sphere { center, radius } => point(*center, *radius),
             Emitter::Triangles(triangles) => {
                 let corners = triangles.corners().iter().map(|corners| Aabb::around(*corners));
@@ -120,13 +131,14 @@ impl Extent {
     /// Where the rays of a camera start.
     pub(super) fn of_pupil(camera: &Camera) -> Self {
         let (center, radius) = camera.pupil();
-        Self { center, half: DVec3::ZERO, radius }
+        Self { center, half: DVec3::ZERO, radius, is_distant: false }
     }
 
     /// A box.
     pub(super) fn of_box(bounds: &Aabb) -> Self {
         let (low, high) = (bounds.low.as_dvec3(), bounds.high.as_dvec3());
-        Self { center: (low + high) / 2.0, half: (high - low) / 2.0, radius: 0.0 }
+        let (center, half) = ((low + high) / 2.0, (high - low) / 2.0);
+        Self { center, half, radius: 0.0, is_distant: false }
     }
 
     /// No coordinate of any of its points is larger.
@@ -142,6 +154,9 @@ impl Extent {
     /// Whether all of it is certainly behind a triangle, whose front the unit vector `normal` is on.
     fn is_behind(&self, normal: DVec3, corners: &[Vec3; 3]) -> bool {
         let reach = normal.abs().dot(self.half) + self.radius;
+        if self.is_distant {
+            return normal.dot(self.center) + reach < -BEHIND;
+        }
         corners.iter().map(|corner| corner.as_dvec3()).all(|corner| {
             let height = normal.dot(self.center - corner) + reach;
             let size = self.size().max(corner.abs().max_element());
@@ -151,6 +166,9 @@ impl Extent {
 
     /// Whether all of it is certainly within a sphere, behind every point of its outside.
     pub(super) fn is_within(&self, center: Vec3, radius: f32) -> bool {
+        if self.is_distant {
+            return false;
+        }
         let (center, radius) = (center.as_dvec3(), f64::from(radius));
         let size = self.size().max(center.abs().max_element() + radius);
         self.farthest(center) - radius < -BEHIND * (size + 2.0 * radius)

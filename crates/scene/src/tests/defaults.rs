@@ -7,8 +7,8 @@ use serde_json::json;
 
 use super::{accepted, at, complete, load, only, set, with, without};
 use crate::components::{
-    AreaLight, Encoding, Facing, Falloff, Filter, FovAxis, JsonPath, Material, Mesh, Name, Order,
-    Pinhole, PointLight, Quad, Sampling, Settings, Shading, Sides, Sphere, TextureRef,
+    Ambient, AreaLight, Encoding, Facing, Falloff, Filter, FovAxis, JsonPath, Material, Mesh, Name,
+    Order, Pinhole, PointLight, Quad, Sampling, Settings, Shading, Sides, Sphere, TextureRef,
     TextureSource, ThinLens, Transform, Triangle, View, Wrap,
 };
 
@@ -17,11 +17,18 @@ fn settings() {
     let settings: Settings = only(&load(&complete()).unwrap());
     let background = dvec3(0.1, 0.2, 0.3);
     let file = PathBuf::from("s.json");
-    assert_eq!(settings, Settings { file, bounces: 3, background, ambient: 0.1 });
+    assert_eq!(settings, Settings { file, bounces: 3, background, ambient: Ambient::Even(0.1) });
     assert_eq!(load(&complete()).unwrap().encoding, Encoding::Srgb);
     assert_eq!(load(&without("transfer")).unwrap().encoding, Encoding::Linear);
     let settings: Settings = only(&load(&without("scene.ambient")).unwrap());
-    assert_eq!(settings.ambient, 0.08);
+    assert_eq!(settings.ambient, Ambient::Even(0.08));
+    let sky = json!({"sky": [0.1, 0.2, 0.3], "ground": [0, 0, 0], "up": [0, 0, 2]});
+    let settings: Settings = only(&accepted("scene.ambient", sky));
+    let (sky, ground) = (dvec3(0.1, 0.2, 0.3), DVec3::ZERO);
+    assert_eq!(settings.ambient, Ambient::Hemisphere { sky, ground, up: 2.0 * DVec3::Z });
+    let sky = json!({"sky": [0.1, 0.2, 0.3], "ground": [0, 0, 0]});
+    let settings: Settings = only(&accepted("scene.ambient", sky));
+    assert!(matches!(settings.ambient, Ambient::Hemisphere { up: DVec3::Y, .. }));
 }
 
 #[test]

@@ -7,9 +7,9 @@ use hecs::{Entity, EntityRef, World};
 use serde_json::{Map, Value, json};
 
 use crate::components::{
-    AreaLight, CameraKey, CameraPath, Encoding, Hidden, InstanceOf, Material, Mesh, Name, Order,
-    PointLight, Quad, Shading, Sides, Sphere, TextureRef, ThinLens, Transform, Triangle,
-    VertexColors, View,
+    Ambient, AreaLight, CameraKey, CameraPath, DirectionalLight, Encoding, Hidden, InstanceOf,
+    Material, Mesh, Name, Order, PointLight, Quad, Shading, Sides, Sphere, Spot, TextureRef,
+    ThinLens, Transform, Triangle, VertexColors, View,
 };
 use crate::query;
 use wavecrest_base::error::{Error, ErrorKind, Result};
@@ -38,7 +38,7 @@ pub(super) fn scene(
         .collect();
     let mut inner = Map::new();
     inner.insert("backgroundcolor".into(), vector(settings.background));
-    inner.insert("ambient".into(), settings.ambient.into());
+    inner.insert("ambient".into(), ambient(settings.ambient));
     inner.insert("lightsources".into(), lights.into());
     inner.insert("shapes".into(), shapes.into());
     if !instances.is_empty() {
@@ -95,14 +95,41 @@ fn names(world: &World) -> HashMap<Entity, String> {
 
 fn lights(world: &mut World, beside: &mut Beside<'_>) -> Result<Vec<Value>> {
     let mut found = Vec::new();
-    for entity in ordered::<hecs::Or<&PointLight, &AreaLight>>(world) {
-        let point = world.get::<&PointLight>(entity).map(|light| *light);
-        found.push(match point {
-            Ok(light) => point_light(&light),
-            Err(_) => area_light(world, entity, beside)?,
+    type AnyLight<'w> = hecs::Or<hecs::Or<&'w PointLight, &'w DirectionalLight>, &'w AreaLight>;
+    for entity in ordered::<AnyLight<'_>>(world) {
+        let own = world.entity(entity).map_err(|_| query::missing("light"))?;
+        let point = own.get::<&PointLight>().map(|light| *light);
+        let spot = own.get::<&Spot>().map(|spot| *spot);
+        let directional = own.get::<&DirectionalLight>().map(|light| *light);
+        found.push(match (point, spot, directional) {
+            (Some(light), None, _) => point_light(&light),
+            (Some(light), Some(spot), _) => spot_light(&light, &spot),
+            (None, _, Some(light)) => directional_light(&light),
+            _ => area_light(world, entity, beside)?,
         });
     }
     Ok(found)
+}
+
+fn spot_light(light: &PointLight, spot: &Spot) -> Value {
+    let mut value = point_light(light);
+    value["type"] = "spotlight".into();
+    value["direction"] = vector(spot.direction);
+    value["inner"] = spot.inner_degrees.into();
+    value["outer"] = spot.outer_degrees.into();
+    value
+}
+
+fn directional_light(light: &DirectionalLight) -> Value {
+    json!({
+        "type": "directionallight",
+        "intensity": light.intensity,
+        "color": vector(light.color),
+        "direction": vector(light.direction),
+        "angle": light.angle_degrees,
+        "sampling": light.sampling.name(),
+        "samples": light.samples,
+    })
 }
 
 fn point_light(light: &PointLight) -> Value {
@@ -245,6 +272,15 @@ fn camera(view: &View, path: Option<&CameraPath>) -> Value {
         camera["path"] = json!({ "interpolation": interpolation.name(), "keys": keys });
     }
     camera
+}
+
+fn ambient(ambient: Ambient) -> Value {
+    match ambient {
+        Ambient::Even(factor) => factor.into(),
+        Ambient::Hemisphere { sky, ground, up } => {
+            json!({ "sky": vector(sky), "ground": vector(ground), "up": vector(up) })
+        }
+    }
 }
 
 fn vector(v: DVec3) -> Value {

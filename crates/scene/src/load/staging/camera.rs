@@ -79,6 +79,8 @@ pub(crate) struct Framed {
     pub(crate) view: View,
     /// How it moves, where it goes around or from side to side.
     pub(crate) path: Option<CameraPath>,
+    /// Where up is, of unit length: in the image it need not be.
+    pub(crate) up: DVec3,
     /// Where a room is seen from within: light from outside does not reach it.
     pub(crate) inside: bool,
     /// Such as "z is taken for up".
@@ -113,13 +115,14 @@ pub(crate) fn framed(
     let (view, room) = views.next().unwrap_or_else(|| stage.seen_from(None, view(width, height)));
     let told = told + room.map_or("", Room::told);
     let inside = matches!(room, Some(Room::Closed { .. }));
+    let upward = up.axes().y_axis;
     let path = match framing.turntable {
         Some(frames) => Some(orbit::path(&view, frames, &stage, inside)),
         None if framing.sheet.0.is_empty() => None,
         None => Some(orbit::through(std::iter::once(view).chain(views.map(|(view, _)| view)))),
     };
     let view = path.as_ref().map_or(view, |path| orbit::first(view, path));
-    Ok(Framed { view, path, inside, told })
+    Ok(Framed { view, path, up: upward, inside, told })
 }
 
 /// Which axis is up, and what the user should know of that.

@@ -1,48 +1,199 @@
-//! The light that is put where a file has none, and what else holds for all of its scene.
+//! The light that is put where a file has none: a key and a rim from infinitely far away, a sky that leans to the other
+//! side and so is the fill, and a ground that takes the shadows ([`super::ground`]).
+//!
+//! All of it follows from where the camera stands, so that shadows fall to the back and to the right in any view. The
+//! lamps are round patches of the sky: however large the scene, its shadows are as soft, and none of them is seen.
 
 use std::path::Path;
 
 use glam::DVec3;
 
-use super::Sphere;
-use crate::components::{Falloff, PointLight, Settings, View};
+use super::{Placed, Sphere, ground};
+use crate::components::{
+    Ambient, CameraPath, DirectionalLight, Falloff, PointLight, Sampling, Settings, View,
+};
 use crate::corners::direction;
+use crate::load::lighting::{Background, Lighting, Rig};
+use crate::schema::{Light, Shape};
 
 /// Mirror bounces: after four, little is left of what is mirrored.
 const BOUNCES: u32 = 4;
-/// What rays that hit nothing show: a dark grey, before which black and white surfaces both are seen.
-const BACKGROUND: DVec3 = DVec3::splat(0.05);
+/// What rays that hit nothing show in a file with lights: a dark grey, before which black and white surfaces both are
+/// seen.
+const DARK: DVec3 = DVec3::splat(0.05);
+/// What they show elsewhere: lighter than all that a light grey surface shows, but no white.
+const LIGHT: DVec3 = DVec3::new(0.86, 0.87, 0.88);
 /// The ambient part of all lights together, as in scene files that have one light.
 const AMBIENT: f64 = 0.08;
-/// What the light that is put where a file has none adds to a white surface that faces it.
-const LIGHT: f64 = 0.92;
-/// Where that light comes from, to the right, up and back as the camera has it: over its left shoulder.
-const LIGHT_SIDE: DVec3 = DVec3::new(-0.6, 0.9, 1.0);
-/// Where it is in a room: above what is looked at, as a share of the way there.
-const ROOM_LIGHT_HEIGHT: f64 = 0.2;
-/// How far away it is, in radii.
-const LIGHT_DISTANCE: f64 = 100.0;
 
-/// A light for what the camera sees: far away, or over its head where it stands within a room.
-pub(crate) fn light(view: &View, bounds: &Sphere, inside: bool) -> PointLight {
-    let back = direction(view.location - view.look).unwrap_or(DVec3::Z);
-    let right = direction(view.up.cross(back)).unwrap_or(DVec3::X);
-    let up = back.cross(right);
-    let side = right * LIGHT_SIDE.x + up * LIGHT_SIDE.y + back * LIGHT_SIDE.z;
-    let position = match inside {
-        true => view.look + up * (ROOM_LIGHT_HEIGHT * view.location.distance(view.look)),
-        false => bounds.outside(side.normalize(), LIGHT_DISTANCE),
-    };
-    PointLight { intensity: LIGHT, position, color: DVec3::ONE, falloff: Falloff::None }
+/// A lamp of the studio.
+struct Lamp {
+    name: &'static str,
+    /// Where it is, to the right, up, and back as the camera has it.
+    side: DVec3,
+    /// What it adds to a white surface that faces it.
+    color: DVec3,
+    /// The angle that it is seen under, in degrees.
+    angle: f64,
+    /// Shadow rays for each hit; a pixel has four hits and more.
+    samples: u32,
 }
 
-/// The rest, for a scene of so many lights.
-pub(crate) fn settings(file: &Path, lights: usize) -> Settings {
-    Settings {
-        file: file.to_owned(),
-        bounces: BOUNCES,
-        background: BACKGROUND,
-        // Each light adds it.
-        ambient: AMBIENT / lights.max(1) as f64,
+/// Together with the sky they light a white surface that faces the key just to white.
+const STUDIO: [Lamp; 2] = [
+    Lamp {
+        name: "the key",
+        side: DVec3::new(-0.7, 1.0, 0.6),
+        color: DVec3::new(0.84, 0.82, 0.79),
+        angle: 14.0,
+        samples: 4,
+    },
+    Lamp {
+        name: "the rim",
+        side: DVec3::new(0.35, 0.8, -1.0),
+        color: DVec3::new(0.2, 0.2, 0.2),
+        angle: 10.0,
+        samples: 1,
+    },
+];
+
+/// The sky of a lit scene, and what the ground below it sends up.
+const SKY: [DVec3; 2] = [DVec3::new(0.235, 0.25, 0.27), DVec3::new(0.1, 0.095, 0.09)];
+/// Where the sky is in a studio, to the right, up, and back: it leans to the side that the key leaves dark, and so
+/// fills it without a ray.
+const LEANING: DVec3 = DVec3::new(0.6, 1.0, 0.5);
+/// Those of a room, whose walls would keep all lamps but that of the camera out.
+const ROOM: [DVec3; 2] = [DVec3::splat(0.45), DVec3::splat(0.3)];
+/// What the lamp of the camera adds to a white surface that faces it.
+const HEADLIGHT: DVec3 = DVec3::splat(0.65);
+/// A view that is no more off the vertical than this, as the sine of the angle, is one from right above.
+const STEEP: f64 = 1e-3;
+
+/// What is to be lit.
+pub(crate) struct Subject<'a> {
+    pub(crate) all: &'a [Placed<'a>],
+    pub(crate) bounds: &'a Sphere,
+    pub(crate) view: &'a View,
+    /// Where else the camera is in the course of a path.
+    pub(crate) path: Option<&'a CameraPath>,
+    /// Where the sky is, of unit length.
+    pub(crate) up: DVec3,
+    /// Whether the camera is in a room, into which no light comes from outside.
+    pub(crate) inside: bool,
+}
+
+/// What lights it.
+pub(crate) struct Lit {
+    pub(crate) lights: Vec<Light>,
+    /// None where the camera would be below it.
+    pub(crate) ground: Option<Shape>,
+    pub(crate) settings: Settings,
+    /// What was chosen, in words.
+    pub(crate) told: &'static str,
+}
+
+/// Lights a `subject` of `file` that has no lights.
+pub(crate) fn lit(subject: &Subject<'_>, file: &Path, lighting: &Lighting) -> Lit {
+    let background = lighting.background.map_or(LIGHT, Background::color);
+    let under = |[sky, ground]: [DVec3; 2], up| {
+        settings_of(file, background, Ambient::Hemisphere { sky, ground, up })
+    };
+    match lighting.rig {
+        Rig::None => Lit {
+            lights: Vec::new(),
+            ground: None,
+            settings: under([DVec3::ONE; 2], subject.up),
+            told: "no light: colours are shown as they are",
+        },
+        Rig::Studio if !subject.inside => {
+            let axes = subject.axes();
+            let lamps = STUDIO.each_ref().map(|lamp| lamp.light(&axes));
+            let leaning = place(&axes, LEANING);
+            // Before nothing there is nothing that a shadow could darken.
+            let has_ground = lighting.background != Some(Background::Transparent);
+            let colors = (background, from_sky(SKY, leaning, subject.up));
+            let ground = has_ground.then(|| ground::under(subject, &axes, &lamps, colors));
+            Lit {
+                lights: STUDIO.iter().zip(lamps).map(|(lamp, light)| lamp.named(light)).collect(),
+                ground: ground.flatten(),
+                settings: under(SKY, leaning),
+                told: "no light: a key, a rim, a sky and a ground are put",
+            }
+        }
+        Rig::Studio | Rig::Headlight => Lit {
+            lights: vec![headlight(subject.view)],
+            ground: None,
+            settings: under(if subject.inside { ROOM } else { SKY }, subject.up),
+            told: "no light: a lamp at the camera and a sky are put",
+        },
+    }
+}
+
+/// What a surface with this normal receives from a sky that is to the side of `up`.
+fn from_sky([sky, below]: [DVec3; 2], up: DVec3, normal: DVec3) -> DVec3 {
+    (sky + below) / 2.0 + (sky - below) / 2.0 * up.normalize().dot(normal)
+}
+
+/// What else holds for a file with so many lights of its own.
+pub(crate) fn settings(file: &Path, lights: usize, lighting: &Lighting) -> Settings {
+    let background = lighting.background.map_or(DARK, Background::color);
+    // Each light adds it.
+    settings_of(file, background, Ambient::Even(AMBIENT / lights.max(1) as f64))
+}
+
+fn settings_of(file: &Path, background: DVec3, ambient: Ambient) -> Settings {
+    Settings { file: file.to_owned(), bounces: BOUNCES, background, ambient }
+}
+
+/// The most shadow rays that the lights of a file without any take for each hit.
+pub(crate) fn samples() -> u64 {
+    STUDIO.iter().map(|lamp| u64::from(lamp.samples)).sum()
+}
+
+/// A lamp where the camera is.
+fn headlight(view: &View) -> Light {
+    let light = PointLight {
+        intensity: 1.0,
+        position: view.location,
+        color: HEADLIGHT,
+        falloff: Falloff::None,
+    };
+    Light::Point { path: "the light".to_owned(), light }
+}
+
+/// So far to the right, up, and back.
+fn place([right, up, back]: &[DVec3; 3], side: DVec3) -> DVec3 {
+    *right * side.x + *up * side.y + *back * side.z
+}
+
+impl Lamp {
+    fn named(&self, light: DirectionalLight) -> Light {
+        Light::Directional { path: self.name.to_owned(), light }
+    }
+
+    fn light(&self, axes: &[DVec3; 3]) -> DirectionalLight {
+        DirectionalLight {
+            intensity: 1.0,
+            color: self.color,
+            direction: -place(axes, self.side),
+            angle_degrees: self.angle,
+            sampling: Sampling::Sobol,
+            samples: self.samples,
+        }
+    }
+}
+
+impl Subject<'_> {
+    /// To the right, up and to the camera, as one sees it who stands upright before the scene.
+    fn axes(&self) -> [DVec3; 3] {
+        let Self { view, up, .. } = self;
+        let level = |v: DVec3| v - *up * v.dot(*up);
+        // From right above, the lower edge of the image is in front.
+        let from = view.location - view.look;
+        let is_level = |v: &DVec3| v.length() > STEEP * from.length();
+        let back = Some(level(from)).filter(is_level).or_else(|| Some(level(-view.up)));
+        let back = back.and_then(direction);
+        let back = back.unwrap_or_else(|| up.any_orthonormal_vector());
+        [up.cross(back), *up, back]
     }
 }

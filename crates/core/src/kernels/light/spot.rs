@@ -1,0 +1,99 @@
+//! The cone of a spot light.
+
+use glam::DVec3;
+
+use crate::math::real::{Real, Single};
+use crate::math::vector::Vector;
+
+/// A cone of light, with its tip at the light: full within the inner angle, nothing from the outer one on, and in
+/// between the square of a line over the cosine, as glTF's `KHR_lights_punctual` has it.
+///
+/// Cosines are in double precision: those of narrow cones differ from 1 by less than single precision resolves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cone {
+    /// Where the light shines to, of unit length.
+    axis: DVec3,
+    /// The cosine of the outer half angle.
+    edge: f64,
+    /// How far the cosine of the inner half angle is above it; 0 for a hard edge.
+    rise: f64,
+}
+
+impl Cone {
+    /// The cone about `axis`, of unit length, with these half angles in degrees, 0 <= inner <= outer <= 90.
+    pub fn new(axis: DVec3, inner: f64, outer: f64) -> Self {
+        let [inner, edge] = [inner, outer].map(cosine);
+        Self { axis, edge, rise: inner - edge }
+    }
+
+    /// What part of the light arrives where `towards` leads to it, whatever its length.
+    #[inline(always)]
+    pub fn at<F: Single>(&self, towards: Vector<F>) -> F {
+        let wide = towards.widen().normalize_wide();
+        let zero = wide.x.zero();
+        let axis =
+            Vector::new(zero.same(self.axis.x), zero.same(self.axis.y), zero.same(self.axis.z));
+        let above = -wide.dot(axis) - zero.same(self.edge);
+        let one = zero.same(1.0);
+        // A hard edge has no line: what is within is at its top.
+        let part = if self.rise > 0.0 { (above / zero.same(self.rise)).min(one) } else { one };
+        F::narrow(F::Double::select(above.gt(zero), part * part, zero))
+    }
+}
+
+/// The cosine of an angle in degrees; exact where all of a half space is meant.
+fn cosine(degrees: f64) -> f64 {
+    if degrees == 90.0 { 0.0 } else { libm::cos(degrees.to_radians()) }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+
+    use super::*;
+
+    /// The part that arrives at an angle off an axis.
+    fn at(inner: f64, outer: f64, degrees: f64) -> f32 {
+        let (sin, cos) = libm::sincos(degrees.to_radians());
+        let from = DVec3::new(sin, -cos, 0.0).as_vec3();
+        Cone::new(DVec3::NEG_Y, inner, outer).at((-from * 7.0).into())
+    }
+
+    #[test]
+    fn light_falls_between_the_angles_by_the_formula() {
+        assert_eq!(
+            [at(20.0, 40.0, 0.0), at(20.0, 40.0, 19.9), at(20.0, 40.0, 40.1)],
+            [1.0, 1.0, 0.0]
+        );
+        let cos = |degrees: f64| degrees.to_radians().cos();
+        let part = (cos(30.0) - cos(40.0)) / (cos(20.0) - cos(40.0));
+        assert!((f64::from(at(20.0, 40.0, 30.0)) - part * part).abs() < 1e-6);
+    }
+
+    #[test]
+    fn a_hard_edge_is_at_its_angle_even_where_the_cone_is_a_needle() {
+        for outer in [1e-4, 0.01, 1.0, 45.0, 89.0] {
+            assert_eq!(
+                [at(outer, outer, outer * 0.999), at(outer, outer, outer * 1.001)],
+                [1.0, 0.0],
+                "{outer}"
+            );
+        }
+    }
+
+    #[test]
+    fn half_of_space_ends_at_the_plane_and_no_angle_lets_nothing_out() {
+        let half = Cone::new(DVec3::NEG_Y, 90.0, 90.0);
+        for (height, part) in [(1e-30, 1.0), (0.0, 0.0), (-1e-30, 0.0)] {
+            assert_eq!(half.at::<f32>(Vec3::new(1.0, height, 3.0).into()), part, "{height}");
+        }
+        assert_eq!(Cone::new(DVec3::NEG_Y, 0.0, 0.0).at::<f32>(Vec3::Y.into()), 0.0);
+    }
+
+    #[test]
+    fn a_light_in_the_point_itself_gives_a_number() {
+        for outer in [0.0, 30.0, 90.0] {
+            assert_eq!(Cone::new(DVec3::X, 0.0, outer).at::<f32>(Vec3::ZERO.into()), 0.0);
+        }
+    }
+}

@@ -1,0 +1,46 @@
+//! Options on how light becomes levels.
+
+use crate::choice::choice;
+use wavecrest_core::film::Film;
+use wavecrest_image::metadata::{ALPHA, Extras, Values};
+use wavecrest_image::write::{Develop, Format, Tone};
+
+/// The exposure that may be asked for, in stops to either side.
+const STOPS: f32 = 64.0;
+
+/// How light is developed for 8-bit images.
+#[derive(Clone, Copy, Debug, clap::Args)]
+pub(crate) struct DevelopOptions {
+    /// Multiply the light of 8-bit images by 2 for each stop
+    #[arg(long, value_name = "STOPS", default_value_t = 0.0, value_parser = stops, allow_hyphen_values = true)]
+    pub(crate) exposure: f32,
+    /// What becomes of light brighter than white in 8-bit images
+    #[arg(long, value_name = "CURVE", value_parser = choice::<Tone>(), default_value_t)]
+    pub(crate) tone: Tone,
+}
+
+impl DevelopOptions {
+    /// The film as it is to be written in a format; `None` where it is as it is.
+    pub(crate) fn developed(
+        &self,
+        film: &Film,
+        format: Format,
+        extras: &Extras<'_>,
+    ) -> Option<Film> {
+        let develop = Develop { exposure: self.exposure, tone: self.tone };
+        if develop.is_plain() || format.is_float() {
+            return None;
+        }
+        let alpha = extras.channels.iter().find(|channel| channel.name == ALPHA);
+        let alpha = alpha.and_then(|channel| match &channel.values {
+            Values::Floats(values) => Some(values.as_slice()),
+            Values::Integers(_) => None,
+        });
+        Some(develop.film(film, alpha))
+    }
+}
+
+fn stops(text: &str) -> Result<f32, String> {
+    let number = text.parse().ok().filter(|stops: &f32| stops.abs() <= STOPS);
+    number.ok_or_else(|| format!("use a number from -{STOPS} to {STOPS}"))
+}

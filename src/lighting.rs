@@ -1,0 +1,56 @@
+//! Options on how a file is lit that has no lights of its own.
+
+use glam::DVec3;
+
+use crate::choice::choice;
+use wavecrest_core::math::srgb::srgb_decode;
+use wavecrest_scene::load::lighting::{Background, Lighting, Rig};
+
+/// Options on what a file does not say: lights, background, smoothness. Scene files say all of it.
+#[derive(Clone, Debug, clap::Args)]
+pub(crate) struct LightingOptions {
+    /// The lights of a mesh, or of a glTF file without any
+    #[arg(long, value_name = "RIG", value_parser = choice::<Rig>(), default_value_t)]
+    pub(crate) lights: Rig,
+    /// What is behind all shapes: #rrggbb as screens show it, or transparent
+    #[arg(long, value_name = "COLOR", value_parser = background)]
+    pub(crate) background: Option<Background>,
+    /// A mesh without normals is smooth where faces meet at less than this angle; 0 for flat faces
+    #[arg(long, value_name = "DEGREES", value_parser = degrees)]
+    pub(crate) crease: Option<f64>,
+}
+
+impl LightingOptions {
+    /// Whether the image has an alpha.
+    pub(crate) fn is_transparent(&self) -> bool {
+        self.background == Some(Background::Transparent)
+    }
+
+    /// As the loader takes them.
+    pub(crate) fn options(&self) -> Lighting {
+        let usual = Lighting::default();
+        let crease_degrees = self.crease.unwrap_or(usual.crease_degrees);
+        Lighting { rig: self.lights, background: self.background, crease_degrees }
+    }
+}
+
+/// A colour such as #ff8000, or none.
+fn background(text: &str) -> Result<Background, String> {
+    if text == "transparent" {
+        return Ok(Background::Transparent);
+    }
+    let digits = text.strip_prefix('#').filter(|digits| digits.len() == 6 && digits.is_ascii());
+    let level = |i: usize| {
+        let level = u8::from_str_radix(digits?.get(2 * i..2 * i + 2)?, 16).ok()?;
+        Some(f64::from(srgb_decode(f32::from(level) / 255.0)))
+    };
+    match (level(0), level(1), level(2)) {
+        (Some(r), Some(g), Some(b)) => Ok(Background::Color(DVec3::new(r, g, b))),
+        _ => Err("use transparent, or six hexadecimal digits such as #ffffff".to_owned()),
+    }
+}
+
+fn degrees(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|degrees| (0.0..=180.0).contains(degrees));
+    number.ok_or_else(|| "use a number from 0 to 180".to_owned())
+}

@@ -1,0 +1,150 @@
+//! Files without lights of their own: what lights them, what they stand on and what is behind them.
+
+use std::f64::consts::PI;
+use std::path::Path;
+
+use wavecrest_core::film::Film;
+use wavecrest_core::math::srgb::srgb_encode;
+use wavecrest_core::prepared::PreparedScene;
+use wavecrest_image::aov::{Layer, Request, layers};
+use wavecrest_image::metadata::Values;
+use wavecrest_scene::load::lighting::{Background, Lighting, Rig};
+use wavecrest_scene::load::{LoadOptions, load};
+use wavecrest_scene::systems;
+
+use crate::support::{folder, image_of, wavecrest};
+
+/// A ball of so many faces along its equator, without normals.
+fn ball(path: &Path, faces: u32) {
+    let at = |i: u32, j: u32| {
+        let (u, v) = (
+            2.0 * PI * f64::from(i) / f64::from(faces),
+            2.0 * PI * f64::from(j) / f64::from(faces),
+        );
+        format!("v {} {} {}\n", u.cos() * v.sin(), v.cos(), -u.sin() * v.sin())
+    };
+    let rows = faces / 2;
+    let points = (0..=rows).flat_map(|j| (0..faces).map(move |i| (i, j)));
+    let mut text: String = points.map(|(i, j)| at(i, j)).collect();
+    for (i, j) in (0..rows).flat_map(|j| (0..faces).map(move |i| (i, j))) {
+        let number = |i: u32, j: u32| 1 + j * faces + i % faces;
+        let corners = [number(i, j), number(i, j + 1), number(i + 1, j + 1), number(i + 1, j)];
+        text += &format!("f {} {} {} {}\n", corners[0], corners[1], corners[2], corners[3]);
+    }
+    std::fs::write(path, text).expect("a file");
+}
+
+/// The ball under these lights.
+fn lit(lighting: Lighting) -> PreparedScene {
+    let folder = folder();
+    let path = folder.path().join("ball.obj");
+    ball(&path, 24);
+    let (width, height) = (Some(96), Some(72));
+    let options = LoadOptions { width, height, lighting, ..LoadOptions::default() };
+    let mut world = load(&path, &options).unwrap_or_else(|error| panic!("{error}")).world;
+    let extracted = systems::extract(&mut world, Default::default()).expect("a scene");
+    extracted.build(wavecrest_core::accel::build::Preset::Fast)
+}
+
+/// What screens show of the pixels where the whole pixel is of shape `number`, from dark to light.
+fn levels(scene: &PreparedScene, film: &Film, number: u32) -> Vec<f32> {
+    let all = [Layer::Object, Layer::Alpha, Layer::Albedo];
+    let request = Request { layers: &all, crop: None, seed: 0, invalid: 0 };
+    let found = layers(scene, &request).expect("layers").channels;
+    let numbers =
+        match &found.iter().find(|channel| channel.name == "object.id").expect("it").values {
+            Values::Integers(numbers) => numbers.clone(),
+            Values::Floats(_) => Vec::new(),
+        };
+    let width = film.width() as usize;
+    let around = |i: usize| [i, i - 1, i + 1, i - width, i + width];
+    let inner = (width + 1..numbers.len() - width - 1)
+        .filter(|&i| around(i).iter().all(|&other| numbers[other] == number));
+    let mut levels: Vec<f32> = inner.map(|i| srgb_encode(film.pixels()[i][1])).collect();
+    levels.sort_by(f32::total_cmp);
+    levels
+}
+
+/// The mesh, and the ground that comes after it.
+const MESH: u32 = 1;
+const GROUND: u32 = 2;
+
+#[test]
+fn shadow_background_and_dark_sides_are_of_different_tones() {
+    let scene = lit(Lighting::USUAL);
+    let film = image_of(&scene, 0);
+    let background = srgb_encode(scene.background.y);
+    let share = |levels: &[f32], share: f64| levels[(share * (levels.len() - 1) as f64) as usize];
+    let (mesh, ground) = (levels(&scene, &film, MESH), levels(&scene, &film, GROUND));
+    let (dark, light) = (share(&mesh, 0.02), share(&mesh, 0.9));
+    let (shadow, bare) = (share(&ground, 0.02), share(&ground, 0.5));
+    assert!((bare - background).abs() < 0.01, "the ground ends nowhere: {bare}, {background}");
+    assert!(dark + 0.08 < shadow, "dark sides {dark}, shadow {shadow}");
+    assert!(shadow + 0.1 < background, "shadow {shadow}, background {background}");
+    assert!(light + 0.04 < background, "lit sides {light}, background {background}");
+    assert!(dark > 0.25, "no side is black: {dark}");
+    assert!(share(&mesh, 1.0) < 1.0, "and nothing is burnt");
+}
+
+#[test]
+fn the_ground_is_as_the_background_whatever_that_is() {
+    for color in [[1.0, 1.0, 1.0], [0.02, 0.1, 0.4]] {
+        let background = Some(Background::Color(color.into()));
+        let film = image_of(&lit(Lighting { background, ..Lighting::USUAL }), 0);
+        for corner in [(0, 0), (95, 0), (0, 71), (95, 71)] {
+            let found = film.pixel(corner.0, corner.1).expect("a corner");
+            for (found, right) in found.into_iter().zip(color) {
+                assert!((f64::from(found) - right).abs() <= 0.02 * right, "{found}, not {right}");
+            }
+        }
+    }
+}
+
+#[test]
+fn other_lights_leave_the_ground_out_and_none_shows_colours_as_they_are() {
+    let [headlight, none] =
+        [Rig::Headlight, Rig::None].map(|rig| lit(Lighting { rig, ..Lighting::USUAL }));
+    for scene in [&headlight, &none] {
+        assert_eq!(scene.appearance.shapes.len(), 1);
+    }
+    assert_eq!((headlight.lights.len(), none.lights.len()), (1, 0));
+    let middle = image_of(&none, 0).pixel(48, 36).expect("a pixel");
+    assert_eq!(middle, [0.7; 3]);
+}
+
+#[test]
+fn a_mesh_without_normals_is_smooth_up_to_the_angle_of_a_crease() {
+    let smooth = |crease_degrees| {
+        let scene = lit(Lighting { crease_degrees, ..Lighting::USUAL });
+        scene.appearance.shapes[0].smooth
+    };
+    assert!(smooth(30.0) && !smooth(0.0));
+}
+
+#[test]
+fn what_no_ray_hits_is_transparent() {
+    let folder = folder();
+    ball(&folder.path().join("ball.obj"), 24);
+    let run = |arguments: &[&str]| {
+        let size = ["ball.obj", "--width", "40", "--height", "30"];
+        let mut command = wavecrest(folder.path());
+        command.args(size).args(arguments);
+        command.assert()
+    };
+    let transparent = ["--background", "transparent"];
+    run(&[&["a.png", "--also", "a.exr"][..], &transparent].concat()).success();
+    let read = |name: &str| image::open(folder.path().join(name)).expect(name);
+    let (png, exr) = (read("a.png").into_rgba8(), read("a.exr").into_rgba32f());
+    assert_eq!((png.get_pixel(0, 0).0, exr.get_pixel(0, 0).0), ([0; 4], [0.0; 4]));
+    assert_eq!((png.get_pixel(20, 15).0[3], exr.get_pixel(20, 15).0[3]), (255, 1.0));
+    let edge = exr.enumerate_pixels().find(|(.., pixel)| pixel.0[3] == 0.5).expect("half a pixel");
+    let straight = srgb_encode(edge.2.0[1] / 0.5) * 255.0;
+    let found = png.get_pixel(edge.0, edge.1).0;
+    assert!(
+        (f32::from(found[1]) - straight).abs() <= 1.0 && found[3] == 128,
+        "{found:?}, {straight}"
+    );
+    let refused = run(&[&["a.ppm"][..], &transparent].concat()).failure();
+    let told = String::from_utf8_lossy(&refused.get_output().stderr).into_owned();
+    assert!(told.contains("has no alpha"), "{told}");
+}
