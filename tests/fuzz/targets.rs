@@ -102,15 +102,17 @@ pub(crate) fn stl(bytes: &[u8]) -> bool {
 /// Of an MTL file whatever is right is read: every material can be written into a scene file.
 pub(crate) fn mtl(bytes: &[u8]) -> bool {
     let materials = mtl::materials(bytes);
-    for (_, material, texture) in &materials {
+    for (_, material, texture, cutout) in &materials {
         let Material { ks, kd, specular_exponent, diffuse_color, kr, emission } = *material;
         assert!([ks, kd, kr].iter().all(|weight| (0.0..=1.0).contains(weight)), "{material:?}");
         assert!((0.0..=1e6).contains(&specular_exponent), "{material:?}");
+        let threshold = cutout.as_ref().map_or(1.0, |cutout| cutout.threshold);
+        assert!(threshold > 0.0 && threshold.is_finite(), "{cutout:?}");
         let colors = texture.iter().map(|texture| texture.tint).chain([diffuse_color, emission]);
         let is_color = |color: DVec3| color.is_finite() && color.min_element() >= 0.0;
         assert!(colors.into_iter().all(is_color), "{material:?}, {texture:?}");
     }
-    materials.iter().any(|(_, _, texture)| texture.is_some())
+    materials.iter().any(|(_, _, texture, _)| texture.is_some())
 }
 
 /// What is read is sound, and does not depend on how much of the file is read at a time.

@@ -58,6 +58,9 @@ mod view;
 // The modules import each other in one direction alone, and files stay short.
 mod architecture;
 
+// Cut-outs: camera rays, shadow rays and mirror rays pass where an image has little alpha.
+mod cutouts;
+
 // OBJ files with the materials of their MTL files, and the colours of vertices.
 mod materials;
 // Files without lights: tones that differ, a ground without an edge, alpha.

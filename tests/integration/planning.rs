@@ -130,6 +130,9 @@ impl Set {
             if self.has(Effect::Emission) {
                 shape["material"]["emission"] = json!([0.1, 0.2, 0.3]);
             }
+            if self.has(Effect::CutOuts) {
+                shape["alpha"] = folder.join("t.png").display().to_string().into();
+            }
             if self.has(Effect::Textures) {
                 shape["texture"] = folder.join("t.png").display().to_string().into();
                 if self.has(Effect::RayDifferentials) {
@@ -159,9 +162,11 @@ impl Set {
         let surfaces = kinds.into_iter().any(|kind| self.has(kind));
         match effect {
             Effect::Spheres => self.has(effect) || !surfaces && self.has(Effect::AreaLights),
-            Effect::Textures | Effect::Emission | Effect::Mirrors | Effect::HemisphereLight => {
-                self.has(effect) && surfaces
-            }
+            Effect::Textures
+            | Effect::CutOuts
+            | Effect::Emission
+            | Effect::Mirrors
+            | Effect::HemisphereLight => self.has(effect) && surfaces,
             Effect::VertexColors => self.has(effect) && self.has(Effect::Triangles),
             _ if LIGHTS.contains(&effect) => self.has(effect) && surfaces,
             Effect::RayDifferentials => self.has(effect) && self.has(Effect::Textures) && surfaces,
@@ -227,6 +232,7 @@ fn check_work(what: &str, scene: &PreparedScene, rendered: &Rendered) {
         (c.footprints, u64::MAX, scene.plan.has(Effect::RayDifferentials)),
         (c.tests.triangles, u64::MAX, scene.plan.has(Effect::Triangles)),
         (c.tests.quads, u64::MAX, scene.plan.has(Effect::Quads)),
+        (c.tests.cutouts, u64::MAX, scene.plan.has(Effect::CutOuts)),
         (c.tests.spheres, u64::MAX, scene.plan.has(Effect::Spheres)),
     ] {
         assert!(counted <= most && (called_for || counted == 0), "{what}: {c:?}, {estimated:?}");
@@ -327,7 +333,7 @@ fn an_effect_that_nothing_leads_to_changes_no_bit_and_no_count() {
         }
         pairs += 1;
     }
-    assert!(pairs >= 10, "{pairs}");
+    assert!(pairs >= 11, "{pairs}");
 }
 
 #[test]

@@ -65,7 +65,7 @@ fn complete() -> Value {
                 {"type": "sphere", "name": "ball", "center": [1, 2, 3], "radius": 4,
                  "material": material, "texture": "texture.pnm", "filter": "nearest",
                  "wrap": "clamp", "encoding": "srgb",
-                 "tint": [0.5, 1, 2], "sides": "front", "shading": "flat",
+                 "tint": [0.5, 1, 2], "alphacutoff": 0.25, "alpha": "texture.pnm", "sides": "front", "shading": "flat",
                  "transform": {"translate": [1, 2, 3], "rotate": [0, 90, 0], "scale": 2}},
                 {"type": "plane", "id": "floor", "hidden": true, "points": quad, "normal": [0, 0, 1],
                  "material": material, "transform": {"scale": [1, 2, 3]}},

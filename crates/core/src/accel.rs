@@ -16,6 +16,7 @@ mod choice;
 mod coincident;
 mod compiled;
 mod counts;
+pub mod cutouts;
 pub mod geometry;
 pub mod instance;
 mod instances;

@@ -6,6 +6,7 @@
 
 pub mod blinn_phong;
 pub mod camera;
+pub mod corners;
 pub mod differential;
 pub mod hemisphere;
 pub mod light;

@@ -28,6 +28,8 @@ pub enum Effect {
     Textures,
     /// Light of materials themselves, added where they are seen.
     Emission,
+    /// Holes where an image has little alpha.
+    CutOuts,
     /// What rays spread over, for textures that are filtered accordingly.
     RayDifferentials,
     /// Ambient light by the normal.
@@ -50,7 +52,7 @@ pub enum Effect {
 
 impl Effect {
     /// Every effect, in the order in which a ray meets them.
-    pub const ALL: [Self; 16] = [
+    pub const ALL: [Self; 17] = [
         Self::Antialiasing,
         Self::DepthOfField,
         Self::Triangles,
@@ -60,6 +62,7 @@ impl Effect {
         Self::VertexColors,
         Self::Textures,
         Self::Emission,
+        Self::CutOuts,
         Self::RayDifferentials,
         Self::HemisphereLight,
         Self::PointLights,
@@ -79,6 +82,7 @@ impl Effect {
             Self::VertexColors => "vertex colors",
             Self::Textures => "textures",
             Self::Emission => "emission",
+            Self::CutOuts => "cut-outs",
             Self::RayDifferentials => "ray differentials",
             Self::HemisphereLight => "hemisphere light",
             Self::PointLights => "point lights",

@@ -4,26 +4,27 @@ mod appearance;
 mod fingerprint;
 mod footprint;
 mod interaction;
-mod lazy;
 mod resample;
 
 use std::ops::Range;
+use std::sync::Arc;
 
-use glam::{DVec3, Mat3, Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 
 pub use fingerprint::Fingerprints;
 pub use footprint::MirrorPoint;
 pub use interaction::{Face, Group, Interaction, lanes};
-pub use lazy::LazyImage;
 pub use resample::{Original, Samples};
 
 use crate::accel::Accel;
 use crate::kernels::blinn_phong::Material;
 use crate::kernels::camera::Camera;
 use crate::kernels::camera::path::Path;
+pub use crate::kernels::corners::{CornerValues, NO_VALUE};
 use crate::kernels::hemisphere::Hemisphere;
 use crate::kernels::light::Light;
-use crate::kernels::texture::{Filter, PlanarMap, Wrap};
+use crate::kernels::texture::{Filter, Wrap};
+pub use crate::kernels::texture::{LazyImage, UvMap};
 use crate::plan::Plan;
 use wavecrest_base::error::Result;
 
@@ -93,6 +94,8 @@ pub struct Appearance {
     pub details: Vec<Detail>,
     /// The images that can be seen, each once.
     pub images: Vec<LazyImage>,
+    /// The images of cut-outs, which hits are tested with.
+    pub cutouts: Vec<Arc<LazyImage>>,
     /// The attributes of meshes that have any that is used.
     pub meshes: Vec<MeshAttributes>,
 }
@@ -140,17 +143,6 @@ pub struct Texture {
     pub map: UvMap,
 }
 
-/// How points of a shape become texture coordinates.
-#[derive(Clone, Copy, Debug)]
-pub enum UvMap {
-    /// From the normal, turned back into the sphere's own space.
-    Sphere(Mat3),
-    /// By projection.
-    Planar(PlanarMap),
-    /// From the corners of the mesh's triangles.
-    Mesh,
-}
-
 /// Values at the corners of a mesh's triangles.
 #[derive(Clone, Debug, Default)]
 pub struct MeshAttributes {
@@ -161,33 +153,9 @@ pub struct MeshAttributes {
     /// Shading normals in world space.
     pub normals: Option<CornerValues<Vec3>>,
     /// Texture coordinates.
-    pub uvs: Option<CornerValues<Vec2>>,
+    pub uvs: Option<Arc<CornerValues<Vec2>>>,
     /// Colours, linear.
     pub colors: Option<CornerValues<Vec3>>,
-}
-
-/// A value for each corner of each triangle.
-#[derive(Clone, Debug)]
-pub struct CornerValues<T> {
-    /// The distinct values.
-    pub values: Vec<T>,
-    /// Which value each corner of each triangle has, [`NO_VALUE`] for none; or `None`, where
-    /// values go with positions.
-    pub indices: Option<Vec<[u32; 3]>>,
-}
-
-/// In [`CornerValues::indices`]: this corner has no value.
-pub const NO_VALUE: u32 = u32::MAX;
-
-impl<T: Copy> CornerValues<T> {
-    /// The values at the corners of the mesh's `triangle`th triangle, whose positions are
-    /// `positions` within the mesh.
-    #[inline(always)]
-    pub fn corners(&self, triangle: usize, positions: [u32; 3]) -> Option<[T; 3]> {
-        let [a, b, c] = self.indices.as_ref().map_or(positions, |indices| indices[triangle]);
-        let value = |index: u32| self.values.get(index as usize).copied();
-        Some([value(a)?, value(b)?, value(c)?])
-    }
 }
 
 impl Appearance {
@@ -197,12 +165,17 @@ impl Appearance {
         self.shapes.partition_point(|shape| shape.primitives.start <= primitive) - 1
     }
 
+    /// The images of textures and of cut-outs.
+    fn all_images(&self) -> impl Iterator<Item = &LazyImage> {
+        self.images.iter().chain(self.cutouts.iter().map(Arc::as_ref))
+    }
+
     /// Decodes every image that is not yet.
     ///
     /// # Errors
     /// When one cannot be decoded.
     pub fn decode(&self) -> Result<()> {
-        self.images.iter().try_for_each(|image| image.get().map(|_| ()))
+        self.all_images().try_for_each(|image| image.get().map(|_| ()))
     }
 
     /// Nothing, where every image that was looked up so far could be decoded.
@@ -210,18 +183,18 @@ impl Appearance {
     /// # Errors
     /// When one could not.
     pub fn check(&self) -> Result<()> {
-        let failure = self.images.iter().find_map(|image| image.decoded()?.as_ref().err());
+        let failure = self.all_images().find_map(|image| image.decoded()?.as_ref().err());
         failure.cloned().map_or(Ok(()), Err)
     }
 
     /// Bytes held by attributes, details and images.
     pub fn bytes(&self) -> u64 {
-        self.attribute_bytes() + self.images.iter().map(LazyImage::bytes).sum::<u64>()
+        self.attribute_bytes() + self.all_images().map(LazyImage::bytes).sum::<u64>()
     }
 
     /// Bytes held by attributes and details, and by images once all are decoded.
     pub fn expected_bytes(&self) -> u64 {
-        self.attribute_bytes() + self.images.iter().map(LazyImage::expected_bytes).sum::<u64>()
+        self.attribute_bytes() + self.all_images().map(LazyImage::expected_bytes).sum::<u64>()
     }
 
     fn attribute_bytes(&self) -> u64 {
@@ -230,17 +203,10 @@ impl Appearance {
             .iter()
             .map(|mesh| {
                 mesh.normals.as_ref().map_or(0, CornerValues::bytes)
-                    + mesh.uvs.as_ref().map_or(0, CornerValues::bytes)
+                    + mesh.uvs.as_ref().map_or(0, |uvs| uvs.bytes())
                     + mesh.colors.as_ref().map_or(0, CornerValues::bytes)
             })
             .sum();
         (meshes + size_of_val(self.details.as_slice())) as u64
-    }
-}
-
-impl<T> CornerValues<T> {
-    fn bytes(&self) -> usize {
-        size_of_val(self.values.as_slice())
-            + self.indices.as_ref().map_or(0, |i| size_of_val(i.as_slice()))
     }
 }

@@ -13,6 +13,7 @@
 //! | `estimated.rays`, `.samples` | | bounds on these, known before the first ray: see [`crate::estimate`] |
 //! | `tests.nodes` | nodes | inner nodes visited, by a ray or by many together, each testing eight boxes |
 //! | `tests.instances` | visits | of an instance by a ray that meets its box |
+//! | `tests.cutouts` | tests | hits on cut-outs, whose alpha was looked up |
 //! | `tests.primitives.triangles`, `.quads`, `.spheres` | tests | tests of primitives; a quad counts once for each half |
 //! | `kernels.closest.packet`, `.stream`, `.single` | rays | camera and mirror rays by the kernel that took them first: a packet, many in flight, one alone |
 //! | `kernels.closest.handed_over` | rays | those of the packets' rays that went on in flight |
@@ -145,6 +146,7 @@ impl From<&Appearance> for Textures {
 pub struct Tests {
     pub nodes: u64,
     pub instances: u64,
+    pub cutouts: u64,
     pub primitives: PrimitiveTests,
 }
 
@@ -258,7 +260,7 @@ impl From<&Counters> for Tests {
         let t = &c.tests;
         let primitives =
             PrimitiveTests { triangles: t.triangles, quads: t.quads, spheres: t.spheres };
-        Self { nodes: t.nodes, instances: t.instances, primitives }
+        Self { nodes: t.nodes, instances: t.instances, cutouts: t.cutouts, primitives }
     }
 }
 

@@ -2,7 +2,7 @@
 //!
 //! A shape is an entity with [`Order`], [`JsonPath`], one of [`Sphere`], [`Quad`], [`Triangle`] or
 //! [`Mesh`], and [`Material`], [`Sides`], [`Shading`], perhaps [`Facing`], [`Transform`],
-//! [`TextureRef`], [`Name`]. A point light is an entity with [`PointLight`], which [`Spot`] narrows to a cone; a
+//! [`TextureRef`], [`CutOut`], [`Name`]. A point light is an entity with [`PointLight`], which [`Spot`] narrows to a cone; a
 //! light from infinitely far away is one with [`DirectionalLight`], and an area light one with [`AreaLight`] and
 //! the geometry of its shape. The camera is one with [`View`] and
 //! [`Pinhole`] or [`ThinLens`]. One entity holds [`Settings`].
@@ -198,6 +198,21 @@ pub struct TextureRef {
 }
 
 pub use wavecrest_core::kernels::texture::{Filter, Wrap};
+
+/// Holes in a surface, where the alpha of an image is low.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CutOut {
+    /// Where the image is.
+    pub source: TextureSource,
+    /// Whether brightness stands for the alpha of an image that has none; else such an image has no hole.
+    pub is_mask: bool,
+    /// The least alpha that is there, above 0.
+    pub threshold: f64,
+    /// How a look-up between texels is answered.
+    pub filter: Filter,
+    /// How coordinates outside 0 to 1 are taken.
+    pub wrap: Wrap,
+}
 
 /// Where the image of a texture is.
 #[derive(Clone, Debug, PartialEq, Eq)]

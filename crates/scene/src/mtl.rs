@@ -11,10 +11,10 @@ use std::collections::{BTreeSet, HashMap};
 
 use glam::DVec3;
 
-use crate::components::{Material, TextureRef};
+use crate::components::{CutOut, Material, TextureRef};
 use crate::reader::Range;
 use map::Map;
-pub(crate) use surface::surface;
+pub(crate) use surface::{Look, surface};
 
 /// A material as a file states it.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -30,6 +30,9 @@ pub(crate) struct Mtl {
     /// Which model of lighting.
     illum: Option<u32>,
     map_kd: Option<Map>,
+    /// How much of it is there, from 0 to 1.
+    d: Option<f64>,
+    map_d: Option<Map>,
 }
 
 /// All materials of some files, and what was skipped of them.
@@ -93,6 +96,8 @@ impl Library {
             "ks" => set(&mut mtl.ks, color(rest)),
             "ns" => set(&mut mtl.ns, number(rest)),
             "illum" => set(&mut mtl.illum, rest.parse().ok()),
+            "d" => set(&mut mtl.d, number(rest.trim_start_matches("-halo "))),
+            "map_d" => set(&mut mtl.map_d, Map::read(rest, &mut self.options)),
             "map_kd" => set(&mut mtl.map_kd, Map::read(rest, &mut self.options)),
             needless if NEEDLESS.contains(&needless) => true,
             other => {
@@ -105,12 +110,12 @@ impl Library {
 
 /// What the materials of a text are here, by name, as if every image that they name were there: for tests.
 #[doc(hidden)]
-pub fn materials(text: &[u8]) -> Vec<(String, Material, Option<TextureRef>)> {
+pub fn materials(text: &[u8]) -> Vec<(String, Material, Option<TextureRef>, Option<CutOut>)> {
     let mut library = Library::default();
     library.add("a.mtl", text);
     let made = |(name, mtl): (String, Mtl)| {
-        let (material, texture) = surface(&mtl, |image| Some(image.into()));
-        (name, material, texture)
+        let look = surface(&mtl, |image| Some(image.into()));
+        (name, look.material, look.texture, look.cutout)
     };
     library.materials.into_iter().map(made).collect()
 }

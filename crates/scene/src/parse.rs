@@ -16,6 +16,7 @@ use wavecrest_base::error::{ErrorKind, Result};
 
 pub(crate) use camera::{FOV, LONGEST_SIDE, check_size};
 pub use json_schema::json_schema;
+pub(crate) use material::THRESHOLD;
 
 use super::components::{Ambient, Encoding, Settings};
 use super::load::LoadOptions;

@@ -9,9 +9,9 @@ use std::path::PathBuf;
 use glam::DAffine3;
 
 use super::components::{
-    AreaLight, CameraPath, DirectionalLight, Encoding, Facing, Material, Materials, Mesh, Name,
-    PointLight, Quad, Settings, Shading, Sides, Sphere, Spot, TextureRef, ThinLens, Transform,
-    Triangle, VertexColors, View,
+    AreaLight, CameraPath, CutOut, DirectionalLight, Encoding, Facing, Material, Materials, Mesh,
+    Name, PointLight, Quad, Settings, Shading, Sides, Sphere, Spot, TextureRef, ThinLens,
+    Transform, Triangle, VertexColors, View,
 };
 
 /// A whole scene, of a file of any format.
@@ -76,6 +76,7 @@ pub(crate) struct Shape {
     /// `None` for an area light's shape.
     pub(crate) material: Option<Material>,
     pub(crate) texture: Option<TextureRef>,
+    pub(crate) cutout: Option<CutOut>,
 }
 
 impl Shape {
@@ -94,6 +95,7 @@ impl Shape {
             hidden: false,
             material: None,
             texture: None,
+            cutout: None,
         }
     }
 }
@@ -104,11 +106,10 @@ impl Shape {
         &self,
         geometry: Geometry,
         name: Option<Name>,
-        material: Option<Material>,
-        texture: Option<TextureRef>,
+        (material, texture, cutout): (Option<Material>, Option<TextureRef>, Option<CutOut>),
     ) -> Self {
         let path = self.path.clone();
-        Self { path, name, geometry, material, texture, ..*self }
+        Self { path, name, geometry, material, texture, cutout, ..*self }
     }
 }
 

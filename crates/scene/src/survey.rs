@@ -113,7 +113,8 @@ impl Survey {
                 notes.error(cause.kind(), &format!("{}.file", shape.path), message).because(cause)
             })?,
         };
-        let wears_some = shape.texture.is_some() || shape.materials == Materials::File;
+        let wears_some =
+            shape.texture.is_some() || shape.cutout.is_some() || shape.materials == Materials::File;
         let (normals, uvs) = (shape.shading == Shading::Smooth, wears_some);
         self.meshes.push(SurveyedMesh { holds, normals, uvs, uses });
         self.add_texture(shape);

@@ -10,6 +10,7 @@
 //! | [`census`] | all of these | the plan: which effects the scene calls for |
 //! | [`details`] | materials | what shapes show besides their colour |
 //! | [`textures`] | texture references that show | images to be decoded, each once |
+//! | [`cutouts`] | cut-outs | which primitives have holes, and where |
 //! | [`camera`] | the view, pinhole or thin lens | the ray generator |
 //! | [`wavecrest_core::accel`] | the geometry | the tree |
 //!
@@ -22,6 +23,7 @@ mod backs;
 pub mod bounds;
 pub mod camera;
 pub mod census;
+pub mod cutouts;
 pub mod details;
 pub mod frame;
 pub mod geometry;
@@ -109,10 +111,11 @@ pub fn extract(world: &mut World, options: Options<'_>) -> Result<Extracted> {
     let lights = lights::keep(world, &settings, schedule, lights, &found)?;
     let images = textures::run(world, &file, schedule, &found.textured, &mut extracted.shapes)?;
     let details = details::run(world, schedule, &found.glowing, &mut extracted.shapes);
+    let cutouts = cutouts::run(world, &file, &plan, &mut extracted)?;
     extracted.drop_unused(schedule, &in_view);
     let (camera, path) = camera::run(world, origin, schedule)?;
     let (geometry, appearance) = appearance(world, extracted, materials);
-    let appearance = Appearance { details, images, ..appearance };
+    let appearance = Appearance { details, images, cutouts, ..appearance };
     let hemisphere = hemisphere.filter(|_| plan.has(Effect::HemisphereLight));
     let scene = PreparedScene {
         plan,

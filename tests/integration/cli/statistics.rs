@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use super::{run_silently, with_ball};
 
 /// Every key that the documentation of the statistics names, as JSON pointers.
-const STATISTICS: [&str; 71] = [
+const STATISTICS: [&str; 72] = [
     "/version",
     "/scene",
     "/tracer",
@@ -37,6 +37,7 @@ const STATISTICS: [&str; 71] = [
     "/estimated/samples/texels",
     "/tests/nodes",
     "/tests/instances",
+    "/tests/cutouts",
     "/tests/primitives/triangles",
     "/tests/primitives/quads",
     "/tests/primitives/spheres",

@@ -299,7 +299,7 @@ fn what_is_left_out_is_told_once() {
     let warnings = loaded(&file).expect("it is right").warnings;
     for words in [
         "points and lines are left out",
-        "alpha is ignored",
+        "surfaces that are to be blended are cut out at an alpha of 0.5",
         "textures of normals",
         "animations are ignored",
         "the range of a light",

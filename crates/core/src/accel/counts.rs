@@ -13,6 +13,8 @@ pub struct TestCounts {
     pub quads: u64,
     /// Spheres tested.
     pub spheres: u64,
+    /// Hits on cut-outs, whose alpha was looked up.
+    pub cutouts: u64,
     /// Instances visited, each by one ray.
     pub instances: u64,
     /// Triangles that were tested again, alone, because vectors did not decide on them.
@@ -34,6 +36,7 @@ impl TestCounts {
             triangles: f(self.triangles, other.triangles),
             quads: f(self.quads, other.quads),
             spheres: f(self.spheres, other.spheres),
+            cutouts: f(self.cutouts, other.cutouts),
             instances: f(self.instances, other.instances),
             undecided: f(self.undecided, other.undecided),
         }

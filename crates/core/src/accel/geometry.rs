@@ -8,6 +8,7 @@ use std::ops::Range;
 use glam::Vec3;
 use rayon::prelude::*;
 
+use super::cutouts::Cutouts;
 use super::instance::{Instance, Instanced};
 use super::near::Exactly;
 use super::seals::Seals;
@@ -33,6 +34,8 @@ pub struct Geometry {
     pub spheres: Vec<(Vec3, f32)>,
     /// The primitives that are shapes of lights, by number, in rising order: shadow rays pass them.
     pub lights: Vec<Range<u32>>,
+    /// The primitives of which a part is there alone.
+    pub cutouts: Cutouts,
     /// How exactly they are tested, and with that how their boxes are padded.
     pub precision: Precision,
     /// Triangles without area that keep the mesh tight. To be left empty: they are found when the tree is built.
@@ -310,7 +313,10 @@ impl Geometry {
             Primitive::Quad(_) => tests.quads += 2,
             Primitive::Sphere(_) => tests.spheres += 1,
         }
-        self.meet::<P>(number, ray).confirmed(has_surface)
+        let t = self.meet::<P>(number, ray).confirmed(has_surface)?;
+        let is_cut_out =
+            !self.cutouts.is_empty() && self.is_cut_out::<P>(number, &ray.ray, t, tests);
+        (!is_cut_out).then_some(t)
     }
 
     /// Where the ray meets the primitive within its range.
@@ -344,6 +350,8 @@ impl Geometry {
         let meeting = meet_triangle::<P>(&carried, &corners);
         // Its neighbours are in the prototype.
         let t = meeting.confirmed(|t| prototype.has_surface(&carried, t, &Exactly::default()));
+        let (number, tests) = (instanced.triangle, &mut TestCounts::default());
+        let t = t.filter(|&t| !prototype.is_cut_out::<P>(number, &carried.ray, t, tests));
         t.map_or(Meeting::Miss, Meeting::Hit)
     }
 

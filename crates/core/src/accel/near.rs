@@ -89,10 +89,9 @@ impl Geometry {
         let found = exactly.hit(&endless, || {
             let prepared = PreparedRay::of::<Exact>(&endless);
             let meetings = (0..self.own() as u32).filter_map(|primitive| {
-                match self.meet::<Exact>(primitive, &prepared) {
-                    Meeting::Hit(t) => Some(Hit { t, primitive }),
-                    _ => None,
-                }
+                let counts = &mut TestCounts::default();
+                let t = self.hit::<Exact>(primitive, &prepared, counts, |_| false)?;
+                Some(Hit { t, primitive })
             });
             meetings.fold(Hit::MISS, |best, hit| if hit.t < best.t { hit } else { best })
         });

@@ -8,11 +8,11 @@ use crate::math::ray::FARTHEST_ORIGIN;
 use crate::math::simd::Level;
 
 /// Numbers one after the other.
-struct Numbers(u32);
+pub(super) struct Numbers(pub(super) u32);
 
 impl Numbers {
     /// Three from -1 to 1.
-    fn vector(&mut self) -> Vec3 {
+    pub(super) fn vector(&mut self) -> Vec3 {
         let [x, y, z, _] = self.four();
         Vec3::new(x, y, z) * 2.0 - 1.0
     }
@@ -23,7 +23,7 @@ impl Numbers {
     }
 
     /// An integer below `end`.
-    fn below(&mut self, end: usize) -> usize {
+    pub(super) fn below(&mut self, end: usize) -> usize {
         (self.one() * end as f32) as usize % end
     }
 
@@ -38,14 +38,14 @@ impl Numbers {
     }
 }
 
-fn add_triangle(geometry: &mut Geometry, corners: [Vec3; 3]) {
+pub(super) fn add_triangle(geometry: &mut Geometry, corners: [Vec3; 3]) {
     let first = geometry.positions.len() as u32;
     geometry.positions.extend(corners);
     geometry.triangles.push([first, first + 1, first + 2]);
 }
 
 /// Triangles and spheres within `size` of the origin.
-fn cloud(numbers: &mut Numbers, size: f32) -> Geometry {
+pub(super) fn cloud(numbers: &mut Numbers, size: f32) -> Geometry {
     let mut geometry = Geometry::default();
     for _ in 0..400 {
         let center = numbers.vector();
@@ -59,7 +59,7 @@ fn cloud(numbers: &mut Numbers, size: f32) -> Geometry {
 }
 
 /// Asks every kernel with all instructions there are; says how many hits there were.
-fn compare(name: &str, geometry: &Geometry, rays: &[Ray]) -> usize {
+pub(super) fn compare(name: &str, geometry: &Geometry, rays: &[Ray]) -> usize {
     let brute = Accel::new(geometry.clone(), Preset::Brute);
     let mut traversal = brute.traversal();
     let mut hits = vec![Hit::MISS; rays.len()];

@@ -1,12 +1,14 @@
 //! Texture coordinates and texture look-up.
 
+mod lazy;
 mod pyramid;
 
 use std::f32::consts::{PI, TAU};
 
-use glam::{DVec2, DVec3, Vec2, Vec3};
+use glam::{DVec2, DVec3, Mat3, Vec2, Vec3};
 
 use crate::math::float::{dot, dot_f64};
+pub use lazy::LazyImage;
 use pyramid::Level;
 
 wavecrest_base::choices! {
@@ -268,6 +270,17 @@ pub fn sphere_uv_change(normal: Vec3, turn: Vec3) -> Vec2 {
     let u = libm::atan2(dot_f64(turn, along_parallel), from_axis) / std::f64::consts::TAU;
     let v = dot_f64(turn, along_meridian) / std::f64::consts::PI;
     DVec2::new(u, v).as_vec2()
+}
+
+/// How points of a shape become texture coordinates.
+#[derive(Clone, Copy, Debug)]
+pub enum UvMap {
+    /// From the normal, turned back into the sphere's own space.
+    Sphere(Mat3),
+    /// By projection.
+    Planar(PlanarMap),
+    /// From the corners of the mesh's triangles.
+    Mesh,
 }
 
 /// Texture coordinates on a plane: projections on two of its edges.

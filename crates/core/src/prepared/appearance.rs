@@ -99,7 +99,7 @@ impl Appearance {
         geometry: &Geometry,
         primitive: u32,
     ) -> Option<[Vec2; 3]> {
-        self.corners(shape, geometry, primitive, |mesh| mesh.uvs.as_ref())
+        self.corners(shape, geometry, primitive, |mesh| mesh.uvs.as_deref())
     }
 
     /// The values of an attribute at the corners of a triangle of a mesh.

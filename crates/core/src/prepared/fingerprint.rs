@@ -5,7 +5,8 @@ use std::fmt::{self, Write as _};
 use xxhash_rust::xxh3::Xxh3;
 
 use super::PreparedScene;
-use crate::kernels::texture::Texels;
+use crate::accel::cutouts::Cutout;
+use crate::kernels::texture::{Image, Texels};
 
 /// What is written is hashed.
 struct Hasher(Xxh3);
@@ -15,6 +16,31 @@ impl Hasher {
     fn list<T: bytemuck::NoUninit>(&mut self, values: &[T]) {
         self.0.update(&(values.len() as u64).to_le_bytes());
         self.0.update(bytemuck::cast_slice(values));
+    }
+}
+
+impl Hasher {
+    /// Hashes which primitives are cut out, where, and the image by which they are.
+    fn cutout(&mut self, cutout: &Cutout) {
+        let Cutout { primitives, threshold, filter, wrap, map, mesh, image } = cutout;
+        let _ = write!(self, "{primitives:?}{threshold}{filter:?}{wrap:?}{map:?}");
+        if let Some(mesh) = mesh {
+            self.list(&mesh.uvs.values);
+            self.list(mesh.uvs.indices.as_deref().unwrap_or(&[]));
+        }
+        image.look_up().into_iter().for_each(|image| self.image(image));
+    }
+
+    fn image(&mut self, image: &Image) {
+        let _ = write!(self, "{:?}", [image.width, image.height, image.coarsest()]);
+        match &image.texels {
+            Texels::Bytes(texels) => self.list(texels),
+            Texels::Levels(texels, values) => {
+                self.list(texels);
+                self.list(values.as_slice());
+            }
+            Texels::Floats(texels) => self.list(texels),
+        }
     }
 }
 
@@ -101,6 +127,11 @@ impl PreparedScene {
             for instance in &geometry.instances {
                 let _ = write!(hasher, "{} {:?}", instance.prototype(), instance.to_world());
             }
+            for own in geometry.prototypes.iter().chain([geometry]) {
+                for cutout in own.cutouts.iter() {
+                    hasher.cutout(cutout);
+                }
+            }
             for mesh in &self.appearance.meshes {
                 let _ = write!(hasher, "{:?}", [mesh.first_triangle, mesh.first_position]);
                 if let Some(normals) = &mesh.normals {
@@ -121,15 +152,7 @@ impl PreparedScene {
     fn textures_fingerprint(&self) -> u128 {
         hashed(|hasher| {
             for image in self.appearance.images.iter().filter_map(|image| image.look_up()) {
-                let _ = write!(hasher, "{:?}", [image.width, image.height, image.coarsest()]);
-                match &image.texels {
-                    Texels::Bytes(texels) => hasher.list(texels),
-                    Texels::Levels(texels, values) => {
-                        hasher.list(texels);
-                        hasher.list(values.as_slice());
-                    }
-                    Texels::Floats(texels) => hasher.list(texels),
-                }
+                hasher.image(image);
             }
         })
     }

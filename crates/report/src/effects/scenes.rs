@@ -85,6 +85,7 @@ fn add_reached(list: &mut List, ambient: usize, lit: usize, picture: &str) {
     list.add("a texture, bilinear", lit, |scene| textured(scene, picture, "bilinear"));
     list.add("a texture, trilinear", lit, |scene| textured(scene, picture, "trilinear"));
     list.add("emission", lit, |scene| glow(shapes(scene)));
+    list.add("cut-outs", lit, |scene| cut_out(scene, picture, 0.5));
     list.add("antialiasing, 2 x 2", lit, |scene| scene["camera"]["antialias"] = 2.into());
     list.add("depth of field, 2 x 2", lit, |scene| lens(scene, 0.2, 2));
     list.add("quads", lit, |scene| add_shapes(scene, (-2..=2).map(quad)));
@@ -124,6 +125,7 @@ fn add_unreached(list: &mut List, dark: usize, lit: usize, picture: &str) {
         glow([&mut triangle]);
         add_shapes(scene, [triangle]);
     });
+    list.without("cut-outs at an alpha of 0", lit, |scene| cut_out(scene, picture, 0.0));
     list.without("a texture without light", dark, |scene| textured(scene, picture, "bilinear"));
     list.without("mirrors without light", dark, |scene| mirrors(scene, 0.5, 4));
     list.without("smooth shading without light", dark, smooth);
@@ -288,6 +290,14 @@ fn textured(scene: &mut Value, picture: &str, filter: &str) {
 fn glow<'a>(shapes: impl IntoIterator<Item = &'a mut Value>) {
     for shape in shapes {
         shape["material"]["emission"] = json!([0.2, 0.1, 0.05]);
+    }
+}
+
+/// The darker squares are holes.
+fn cut_out(scene: &mut Value, picture: &str, threshold: f64) {
+    for shape in shapes(scene) {
+        shape["alpha"] = picture.into();
+        shape["alphacutoff"] = threshold.into();
     }
 }
 

@@ -1,12 +1,13 @@
 //! Materials: from metallic-roughness to Blinn-Phong with a mirror.
 //!
 //! The two models are not alike, so that the rule is ours; [`look`] states it. What it leaves out is
-//! reported: alpha, and all textures but that of the base colour. A surface that glows weakly shows its own light; one
+//! reported: blending, and all textures but that of the base colour. A surface that glows weakly shows its own light; one
 //! that glows as brightly as white is a light.
 
 use glam::DVec3;
 
 use crate::components::{Material, Sides};
+use crate::parse::THRESHOLD;
 use crate::reader::Range;
 use wavecrest_base::error::Result;
 
@@ -17,6 +18,10 @@ use super::texture::TextureInfo;
 #[derive(Clone, Debug)]
 pub(super) struct Surface {
     base_color: DVec3,
+    /// The alpha of the base colour, by which that of its texture is multiplied.
+    alpha: f64,
+    /// The least alpha that is there; 0 where alpha plays no part.
+    cutoff: f64,
     /// The texture of the base colour.
     pub(super) texture: Option<TextureInfo>,
     metallic: f64,
@@ -35,6 +40,8 @@ impl Surface {
     /// The format's default material: white, and as rough as can be.
     pub(super) const DEFAULT: Self = Self {
         base_color: DVec3::ONE,
+        alpha: 1.0,
+        cutoff: 0.0,
         texture: None,
         metallic: 1.0,
         roughness: 1.0,
@@ -46,10 +53,11 @@ impl Surface {
     /// Reads an element of `materials`, of a file with so many textures.
     pub(super) fn read(fields: &Fields<'_>, textures: usize) -> Result<Self> {
         remark(fields);
+        let cutoff = cutoff(fields)?;
         let sides = if fields.flag("doubleSided")? { Sides::Both } else { Sides::Front };
         let emission = emission(fields)?;
         let is_unlit = fields.extension("KHR_materials_unlit", |_| Ok(()))?.is_some();
-        let default = Self { sides, emission, is_unlit, ..Self::DEFAULT };
+        let default = Self { cutoff, sides, emission, is_unlit, ..Self::DEFAULT };
         let Some(model) = fields.object("pbrMetallicRoughness")? else { return Ok(default) };
         let base_color = model.numbers::<4>("baseColorFactor", UNIT)?;
         let texture = model.object("baseColorTexture")?;
@@ -57,6 +65,7 @@ impl Surface {
         let is_mapped = model.get("metallicRoughnessTexture").is_some();
         let metallic = model.number_or("metallicFactor", UNIT, 1.0)?;
         Ok(Self {
+            alpha: base_color.map_or(1.0, |color| color[3]),
             base_color: base_color.map_or(DVec3::ONE, |[r, g, b, _]| DVec3::new(r, g, b)),
             texture: texture.map(|found| TextureInfo::read(&found, textures)).transpose()?,
             metallic: if is_mapped { 0.0 } else { metallic },
@@ -83,6 +92,15 @@ impl Surface {
     /// What the texture is multiplied by.
     pub(super) fn tint(&self) -> DVec3 {
         self.base_color
+    }
+
+    /// The least alpha of its texture that is there; 0 where all is, `None` where nothing can be.
+    pub(super) fn threshold(&self) -> Option<f64> {
+        match self.cutoff {
+            0.0 => Some(0.0),
+            // Its texture has an alpha of 1 at most.
+            cutoff => (cutoff <= self.alpha).then(|| cutoff / self.alpha),
+        }
     }
 
     /// Whether the surface is a light.
@@ -140,12 +158,22 @@ fn emission(fields: &Fields<'_>) -> Result<DVec3> {
     Ok(emission)
 }
 
+/// The least alpha that is there: what is blended is there or is not.
+fn cutoff(fields: &Fields<'_>) -> Result<f64> {
+    let cutoff = fields.number_or("alphaCutoff", Range::NOT_NEGATIVE, THRESHOLD)?;
+    match fields.get("alphaMode").and_then(|cursor| cursor.value().as_str()) {
+        Some("MASK") => Ok(cutoff),
+        Some("BLEND") => {
+            let message = "surfaces that are to be blended are cut out at an alpha of 0.5";
+            fields.once(message, "nothing is seen through what is there");
+            Ok(THRESHOLD)
+        }
+        _ => Ok(0.0),
+    }
+}
+
 /// Tells what of a material is left out.
 fn remark(fields: &Fields<'_>) {
-    let mode = fields.get("alphaMode").and_then(|cursor| cursor.value().as_str());
-    if matches!(mode, Some("BLEND" | "MASK")) {
-        fields.once("alpha is ignored", "the surface is opaque everywhere");
-    }
     let model = fields.object("pbrMetallicRoughness").ok().flatten();
     if model.is_some_and(|model| model.get("metallicRoughnessTexture").is_some()) {
         let remedy = "the surface is no metal, of the roughness that its factor says";

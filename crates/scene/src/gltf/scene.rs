@@ -5,7 +5,7 @@ use std::ops::Range;
 use glam::{DAffine3, DVec3, Vec3};
 
 use crate::components::{
-    AreaLight, Encoding, Falloff, Mesh, Name, Sampling, Shading, TextureRef, Transform,
+    AreaLight, CutOut, Encoding, Falloff, Mesh, Name, Sampling, Shading, TextureRef, Transform,
 };
 use crate::load::LoadOptions;
 use crate::load::framing::{Framing, Up};
@@ -33,6 +33,7 @@ struct Primitive {
     mesh: MeshData,
     surface: Surface,
     texture: Option<TextureRef>,
+    cutout: Option<CutOut>,
     uses: Vec<Use>,
 }
 
@@ -210,10 +211,24 @@ fn read(
         let surface = primitive.material.map_or(&Surface::DEFAULT, |i| &document.materials[i]);
         let texture = texture(document, surface, notes);
         let info = surface.texture.as_ref().filter(|_| texture.is_some());
+        let Some(threshold) = surface.threshold() else {
+            let message = "surfaces of which nothing is there are left out";
+            notes.once(&primitive.path, message, "their alpha is below the cutoff everywhere");
+            continue;
+        };
         let Some(mesh) = reader.mesh(primitive, info)? else { continue };
         primitives.push(Primitive {
             path: primitive.path.clone(),
             name: parts.name.clone(),
+            cutout: texture.as_ref().filter(|_| mesh.uvs.is_some() && threshold > 0.0).map(|t| {
+                CutOut {
+                    source: t.source.clone(),
+                    is_mask: false,
+                    threshold,
+                    filter: t.filter,
+                    wrap: t.wrap,
+                }
+            }),
             texture: texture.filter(|_| mesh.uvs.is_some()),
             mesh,
             surface: surface.clone(),
@@ -324,6 +339,7 @@ impl Primitive {
             shading: if is_smooth { Shading::Smooth } else { Shading::Flat },
             material: Some(self.surface.material()),
             texture: self.texture,
+            cutout: self.cutout,
             ..Shape::of(self.path, self.name, Mesh { data: self.mesh, file: None })
         };
         match <[Use; 1]>::try_from(self.uses) {

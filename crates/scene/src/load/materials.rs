@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use crate::components::{Mesh, Name};
 use crate::folder::{Denied, Folder};
 use crate::mesh::{MeshData, NamedMaterials};
-use crate::mtl::{Library, Mtl, surface};
+use crate::mtl::{Library, Look, Mtl, surface};
 use crate::reader::Notes;
 use crate::schema::{Geometry, Shape};
 use crate::systems::textures;
@@ -37,17 +37,26 @@ pub(super) fn parts(
     let (part, names) = numbered(named, mesh.triangles.len(), &library);
     reader.warn_of_unknown(named, &library);
     let mesh_of = |data| Geometry::Mesh(Mesh { data, file: Some(file.to_owned()) });
-    let of_part = |(number, data): (u32, MeshData)| {
+    let of_part = |(number, data): (u32, MeshData)| -> Option<Shape> {
         let Some((name, (mtl, from))) = (number as usize).checked_sub(1).map(|i| names[i]) else {
-            let texture = shape.texture.clone().filter(|_| data.uvs.is_some());
-            return shape.part(mesh_of(data), shape.name.clone(), shape.material, texture);
+            let has_uvs = data.uvs.is_some();
+            let texture = shape.texture.clone().filter(|_| has_uvs);
+            let look = (shape.material, texture, shape.cutout.clone().filter(|_| has_uvs));
+            return Some(shape.part(mesh_of(data), shape.name.clone(), look));
         };
-        let (material, texture) = surface(mtl, |image| reader.image(from, image));
-        let texture = texture.filter(|_| reader.has_uvs(&data));
+        let Look { material, texture, cutout, is_there } =
+            surface(mtl, |image| reader.image(from, image));
+        if !is_there {
+            let message = format!("faces of the material {name} are left out");
+            reader.warn(&message, "less than half of it is there (d): blending is not shown");
+            return None;
+        }
+        let has_uvs = texture.is_none() && cutout.is_none() || reader.has_uvs(&data);
+        let look = (Some(material), texture.filter(|_| has_uvs), cutout.filter(|_| has_uvs));
         let name = shape.name.as_ref().map(|own| Name(format!("{}-{name}", own.0)));
-        shape.part(mesh_of(data), name, Some(material), texture)
+        Some(shape.part(mesh_of(data), name, look))
     };
-    mesh.split(&part, names.len() + 1).into_iter().map(of_part).collect()
+    mesh.split(&part, names.len() + 1).into_iter().filter_map(of_part).collect()
 }
 
 /// A material by its name, and the folder of the file that it stands in.

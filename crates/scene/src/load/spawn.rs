@@ -9,8 +9,8 @@ use wavecrest_base::error::{Error, ErrorKind, Result};
 
 use super::materials::parts;
 use crate::components::{
-    AreaLight, Hidden, InstanceOf, JsonPath, Material, Materials, Mesh, Order, Pinhole, Shading,
-    Sides, TextureRef, Transform, VertexColors,
+    AreaLight, CutOut, Hidden, InstanceOf, JsonPath, Material, Materials, Mesh, Order, Pinhole,
+    Shading, Sides, TextureRef, Transform, VertexColors,
 };
 use crate::mesh::{LoadedMesh, MeshData, NamedMaterials};
 use crate::reader::Notes;
@@ -75,6 +75,7 @@ impl<R: Fn(&Path) -> Result<LoadedMesh>> Spawner<'_, R> {
         add_some(&mut entity, material.or(shape.get::<&Material>(of).ok().map(|m| *m)));
         add_some(&mut entity, shape.get::<&Sides>(of).ok().map(|sides| *sides));
         add_some(&mut entity, shape.get::<&Shading>(of).ok().map(|shading| *shading));
+        add_some(&mut entity, shape.get::<&CutOut>(of).ok().map(|cutout| (*cutout).clone()));
         add_some(&mut entity, shape.get::<&TextureRef>(of).ok().map(|texture| (*texture).clone()));
         self.world.spawn(entity.build());
     }
@@ -153,7 +154,8 @@ impl<R: Fn(&Path) -> Result<LoadedMesh>> Spawner<'_, R> {
         let geometry = shape.geometry;
         let mut shading = shape.shading;
         if let Geometry::Mesh(mesh) = &geometry {
-            self.check_uvs(&shape.path, shape.texture.as_ref(), &mesh.data)?;
+            self.check_uvs(&shape.path, shape.texture.is_some(), "texture", &mesh.data)?;
+            self.check_uvs(&shape.path, shape.cutout.is_some(), "alpha", &mesh.data)?;
             shading = self.possible_shading(&shape.path, shading, &mesh.data);
         }
         let mut entity = EntityBuilder::new();
@@ -164,6 +166,7 @@ impl<R: Fn(&Path) -> Result<LoadedMesh>> Spawner<'_, R> {
         add_some(&mut entity, shape.transform);
         add_some(&mut entity, shape.material);
         add_some(&mut entity, shape.texture);
+        add_some(&mut entity, shape.cutout);
         if shape.hidden {
             entity.add(Hidden);
         }
@@ -196,12 +199,12 @@ impl<R: Fn(&Path) -> Result<LoadedMesh>> Spawner<'_, R> {
         self.notes.error(ErrorKind::Scene, place, message.to_owned())
     }
 
-    fn check_uvs(&self, path: &str, texture: Option<&TextureRef>, mesh: &MeshData) -> Result<()> {
-        if texture.is_none() || mesh.uvs.is_some() {
+    fn check_uvs(&self, path: &str, asked: bool, key: &str, mesh: &MeshData) -> Result<()> {
+        if !asked || mesh.uvs.is_some() {
             return Ok(());
         }
         let message = "the mesh has no texture coordinates, which a texture needs";
-        let error = self.error(&format!("{path}.texture"), message);
+        let error = self.error(&format!("{path}.{key}"), message);
         Err(error.remedy("give it \"uvs\", or remove the texture"))
     }
 

@@ -10,7 +10,12 @@ fn read(text: &str) -> Library {
 }
 
 /// The only material of a text, and its texture.
-fn made(text: &str) -> (crate::components::Material, Option<crate::components::TextureRef>) {
+fn made(text: &str) -> (Material, Option<TextureRef>) {
+    let look = looked(text);
+    (look.material, look.texture)
+}
+
+fn looked(text: &str) -> Look {
     let library = read(&format!("newmtl a b\n{text}"));
     assert_eq!(library.malformed, [""; 0]);
     surface(&library.materials["a b"], |name| Some(PathBuf::from(name)))
@@ -91,4 +96,13 @@ fn a_texture_is_tinted_unless_its_colour_is_black() {
     assert_eq!(made("Kd 0 0 0\nmap_Kd t.png").1.unwrap().tint, DVec3::ONE);
     assert_eq!(made("map_Kd t.png").1.unwrap().tint, DVec3::ONE);
     assert!(made("Kd 1 1 1").1.is_none());
+}
+
+#[test]
+fn what_is_half_there_is_cut_out() {
+    assert!(looked("").cutout.is_none() && looked("").is_there);
+    let of = |text: &str| looked(text).cutout.map(|cutout| (cutout.threshold, cutout.is_mask));
+    assert_eq!(of("map_d a.png"), Some((0.5, true)));
+    assert_eq!(of("d 0.8\nmap_d -clamp on a.png"), Some((0.625, true)));
+    assert!(looked("d 0.5").is_there && !looked("d 0.49").is_there);
 }

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use crate::components::{Material, TextureRef, TextureSource};
+use crate::components::{CutOut, Material, TextureRef, TextureSource};
 use crate::reader::{Cursor, Key, Kind, Object, Range, keys};
 use wavecrest_base::error::{ErrorKind, Result};
 
@@ -69,10 +69,36 @@ pub(super) fn texture(object: &Object<'_>) -> Result<Option<TextureRef>> {
     Ok(Some(TextureRef { source: TextureSource::File(path), encoding, tint, filter, wrap }))
 }
 
+/// The threshold of an `alpha` for which none is given.
+pub(crate) const THRESHOLD: f64 = 0.5;
+
+/// Reads where a shape is cut out. An alpha of 0 and more is all there is.
+pub(super) fn cutout(object: &Object<'_>, texture: Option<&TextureRef>) -> Result<Option<CutOut>> {
+    let threshold = object.number_or("alphacutoff", THRESHOLD)?;
+    let (filter, wrap) = (object.word("filter")?, object.word("wrap")?);
+    let mask = match object.get("alpha") {
+        Some(cursor) => Some(TextureSource::File(existing_file(&cursor, "the path of an image")?)),
+        None => None,
+    };
+    let is_mask = mask.is_some();
+    let given = object.get("alphacutoff");
+    let source = match (mask, texture, given) {
+        (Some(mask), ..) => mask,
+        (None, _, None) => return Ok(None),
+        (None, Some(texture), Some(_)) => texture.source.clone(),
+        (None, None, Some(cursor)) => {
+            let remedy = "add \"texture\" or \"alpha\", or remove it";
+            cursor.warn("does nothing without an image that has alpha", remedy);
+            return Ok(None);
+        }
+    };
+    Ok((threshold > 0.0).then_some(CutOut { source, is_mask, threshold, filter, wrap }))
+}
+
 fn warn_without_texture(object: &Object<'_>) {
-    for cursor in
-        ["filter", "wrap", "encoding", "tint"].into_iter().filter_map(|key| object.get(key))
-    {
+    // Alpha is looked up as a texture is.
+    let of_both: &[&str] = if object.get("alpha").is_some() { &[] } else { &["filter", "wrap"] };
+    for cursor in ["encoding", "tint"].iter().chain(of_both).filter_map(|key| object.get(key)) {
         cursor.warn("does nothing without a texture", "add \"texture\", or remove it");
     }
 }

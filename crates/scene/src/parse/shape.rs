@@ -57,6 +57,10 @@ const SCENE_KEYS: &[Key] = keys! {
     "encoding": word::<Encoding>(), Says("linear");
     /// What the colours of the texture are multiplied by.
     "tint": Color, Are([1.0; 3]);
+    /// The least alpha of the texture, or of alpha, that is there: what has less is cut out.
+    "alphacutoff": Number(Range::NOT_NEGATIVE);
+    /// An image by which the shape is cut out, by its alpha or, without, its brightness.
+    "alpha": Text;
     /// Whether its instances alone are seen.
     "hidden": Truth, Off;
 };
@@ -69,6 +73,8 @@ const LIGHT_KEYS: &[Key] = &[
     ignored("wrap"),
     ignored("encoding"),
     ignored("tint"),
+    ignored("alphacutoff"),
+    ignored("alpha"),
 ];
 
 const fn ignored(name: &'static str) -> Key {
@@ -136,7 +142,8 @@ pub(super) fn shape(cursor: &Cursor<'_>) -> Result<Shape> {
     let hidden = object.get("hidden").map_or(Ok(false), |cursor| cursor.truth())?;
     let material = material::material(&object.need("material", "an object { ... }")?)?;
     let texture = material::texture(&object)?;
-    Ok(Shape { hidden, material: Some(material), texture, ..read(&object)? })
+    let cutout = material::cutout(&object, texture.as_ref())?;
+    Ok(Shape { hidden, material: Some(material), texture, cutout, ..read(&object)? })
 }
 
 /// Reads the `shape` of an area light. It shines with the light's own colour, so that its material
@@ -195,6 +202,7 @@ fn read(object: &Object<'_>) -> Result<Shape> {
         hidden: false,
         material: None,
         texture: None,
+        cutout: None,
     })
 }
 

@@ -10,7 +10,7 @@ use hecs::World;
 use super::geometry::{self, ShapeOutput};
 use super::lights::Found;
 use super::{camera, details, reach};
-use crate::components::{Filter, Settings, TextureRef, ThinLens, View};
+use crate::components::{CutOut, Filter, Settings, TextureRef, ThinLens, View};
 use wavecrest_core::kernels::blinn_phong::Material;
 use wavecrest_core::kernels::hemisphere::Hemisphere;
 use wavecrest_core::kernels::light::Emitter;
@@ -168,6 +168,7 @@ impl<'a> Facts<'a> {
             Effect::VertexColors => self.vertex_colors(),
             Effect::Textures => self.textures(),
             Effect::Emission => self.emission(),
+            Effect::CutOuts => self.cut_outs(),
             Effect::RayDifferentials => self.ray_differentials(),
             Effect::HemisphereLight => self.hemisphere(),
             Effect::PointLights => {
@@ -238,6 +239,18 @@ impl<'a> Facts<'a> {
     fn emission(&self) -> (bool, String) {
         let none = "no material has an emission";
         self.surfaces(|i| self.glows[i], "glowing shape", none)
+    }
+
+    fn cut_outs(&self) -> (bool, String) {
+        let shapes = &self.census.extracted.shapes;
+        let is = |i: usize| self.census.world.get::<&CutOut>(shapes[i].entity).is_ok();
+        let (found, reason) = self.surfaces(is, "cut-out", "no shape is cut out");
+        let is_anywhere = (0..self.solid.len()).any(|i| self.solid[i] && is(i));
+        match found || !self.is_lit() || !is_anywhere {
+            true => (found, reason),
+            // Shadow rays come by.
+            false => (true, format!("{reason}, but in reach of light")),
+        }
     }
 
     fn ray_differentials(&self) -> (bool, String) {

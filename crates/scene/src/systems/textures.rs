@@ -165,7 +165,7 @@ fn decode(texture: &TextureRef) -> Result<Image> {
     Ok(Image::new(width, height, texels(decoded, texture.encoding, texture.tint)))
 }
 
-fn check_size(source: &TextureSource, (width, height): (u32, u32)) -> Result<()> {
+pub(super) fn check_size(source: &TextureSource, (width, height): (u32, u32)) -> Result<()> {
     if width > 0 && height > 0 {
         return Ok(());
     }
@@ -173,7 +173,7 @@ fn check_size(source: &TextureSource, (width, height): (u32, u32)) -> Result<()>
     Err(Error::new(ErrorKind::Texture, message).value(format!("{width} x {height}")))
 }
 
-fn name(source: &TextureSource) -> String {
+pub(super) fn name(source: &TextureSource) -> String {
     match source {
         TextureSource::File(path) => path.display().to_string(),
         TextureSource::Embedded { place, .. } => place.clone(),
@@ -204,7 +204,7 @@ fn open(path: &Path) -> std::io::Result<File> {
 }
 
 /// Works with the decoder of an image, which has read its head and not more.
-fn decoding<R>(
+pub(super) fn decoding<R>(
     source: &TextureSource,
     work: impl FnOnce(Box<dyn ImageDecoder + '_>) -> ImageResult<R>,
 ) -> Result<R> {

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-use crate::components::{TextureRef, TextureSource};
+use crate::components::TextureSource;
 use crate::mesh::MeshData;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
@@ -37,8 +37,8 @@ impl<'a> Beside<'a> {
     }
 
     /// Has an image written, once; returns its name.
-    pub(super) fn image(&mut self, texture: &TextureRef) -> Result<String> {
-        let (key, extension) = match &texture.source {
+    pub(super) fn image(&mut self, source: &TextureSource) -> Result<String> {
+        let (key, extension) = match source {
             TextureSource::File(path) => {
                 let extension = path.extension().unwrap_or_default().to_string_lossy();
                 ((path.clone(), false), extension.into_owned())
@@ -56,7 +56,7 @@ impl<'a> Beside<'a> {
             return Ok(name.clone());
         }
         let (name, path) = self.name(&format!("image{}.{extension}", self.images.len()));
-        self.images.push((path, texture.source.clone()));
+        self.images.push((path, source.clone()));
         self.known.insert(key, name.clone());
         Ok(name)
     }

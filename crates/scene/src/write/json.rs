@@ -7,9 +7,9 @@ use hecs::{Entity, EntityRef, World};
 use serde_json::{Map, Value, json};
 
 use crate::components::{
-    Ambient, AreaLight, CameraKey, CameraPath, DirectionalLight, Encoding, Hidden, InstanceOf,
-    Material, Mesh, Name, Order, PointLight, Quad, Shading, Sides, Sphere, Spot, TextureRef,
-    ThinLens, Transform, Triangle, VertexColors, View,
+    Ambient, AreaLight, CameraKey, CameraPath, CutOut, DirectionalLight, Encoding, Hidden,
+    InstanceOf, Material, Mesh, Name, Order, PointLight, Quad, Shading, Sides, Sphere, Spot,
+    TextureRef, ThinLens, Transform, Triangle, VertexColors, View,
 };
 use crate::query;
 use wavecrest_base::error::{Error, ErrorKind, Result};
@@ -201,6 +201,7 @@ fn shape(
         to.insert("hidden".into(), true.into());
     }
     texture(entity, beside, &mut to)?;
+    cutout(entity, beside, &mut to)?;
     to.insert("material".into(), material(entity));
     Ok(to.into())
 }
@@ -211,13 +212,32 @@ fn texture(
     to: &mut Map<String, Value>,
 ) -> Result<()> {
     let Some(texture) = entity.get::<&TextureRef>() else { return Ok(()) };
-    to.insert("texture".into(), beside.image(&texture)?.into());
+    to.insert("texture".into(), beside.image(&texture.source)?.into());
     to.insert("encoding".into(), texture.encoding.name().into());
     if texture.tint != DVec3::ONE {
         to.insert("tint".into(), vector(texture.tint));
     }
     to.insert("filter".into(), texture.filter.name().into());
     to.insert("wrap".into(), texture.wrap.name().into());
+    Ok(())
+}
+
+fn cutout(
+    entity: EntityRef<'_>,
+    beside: &mut Beside<'_>,
+    to: &mut Map<String, Value>,
+) -> Result<()> {
+    let Some(cutout) = entity.get::<&CutOut>() else { return Ok(()) };
+    to.insert("alphacutoff".into(), cutout.threshold.into());
+    let texture = entity.get::<&TextureRef>();
+    let is_same = |texture: &TextureRef| {
+        (&texture.source, texture.wrap) == (&cutout.source, cutout.wrap) && !cutout.is_mask
+    };
+    if !texture.is_some_and(|texture| is_same(&texture)) {
+        to.insert("alpha".into(), beside.image(&cutout.source)?.into());
+    }
+    to.entry("filter").or_insert_with(|| cutout.filter.name().into());
+    to.entry("wrap").or_insert_with(|| cutout.wrap.name().into());
     Ok(())
 }
 

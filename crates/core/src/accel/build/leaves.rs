@@ -5,7 +5,7 @@
 use glam::Vec3A;
 use obvhs::aabb::Aabb;
 
-use super::piece::Members;
+use super::piece::{Members, is_in_lanes};
 use crate::accel::wide::{Shared, as_patch};
 use crate::math::simd::LANES;
 
@@ -37,7 +37,7 @@ pub(super) struct Leaf {
 impl Finder {
     /// Replaces the `boxes` of single primitives, the first, by those of the leaves that they are put in.
     pub(super) fn find(&mut self, members: &mut Members, boxes: &mut Vec<Aabb>) {
-        let Members { singles, flat, numbers, leaves, .. } = members;
+        let Members { singles, flat, cutouts, numbers, leaves, .. } = members;
         let (own, heaps) = boxes.split_at(singles.len());
         sort(own, &mut self.keys, &mut self.spare);
         numbers.clear();
@@ -47,7 +47,9 @@ impl Finder {
             let index = key as u32 as usize;
             let (single, bounds) = (&singles[index], own[index]);
             if let (Some(leaf), Some(around)) = (leaves.last_mut(), self.leaves.last_mut())
-                && single.number.max(numbers[leaf.first as usize]) < *flat
+                && [single.number, numbers[leaf.first as usize]]
+                    .into_iter()
+                    .all(|number| is_in_lanes(number, *flat, cutouts))
                 && let Some((shared, union)) = joined(leaf, around, single.corners, &bounds)
             {
                 *leaf = Leaf { shared, count: leaf.count + 1, ..*leaf };

@@ -1,5 +1,7 @@
 //! A piece: some primitives, obvhs's hierarchy over them, and what it is converted to.
 
+use std::ops::Range;
+
 use glam::Vec3A;
 use obvhs::BvhBuildParams;
 use obvhs::bvh2::Bvh2;
@@ -64,6 +66,8 @@ pub(super) struct Members {
     heaps: Vec<Vec<u32>>,
     /// How many primitives are triangles and quads: the first.
     pub(super) flat: u32,
+    /// Of these, those that are cut out: tested alone, they are in lists.
+    pub(super) cutouts: Vec<Range<u32>>,
     /// Owners in place of `singles`, where leaves are found first, and the numbers in them.
     pub(super) leaves: Vec<Leaf>,
     pub(super) numbers: Vec<u32>,
@@ -77,11 +81,17 @@ pub(super) struct Single {
 }
 
 impl Members {
+    /// Whether the primitive is tested among others, as triangles are.
+    #[inline(always)]
+    pub(super) fn is_in_lanes(&self, number: u32) -> bool {
+        is_in_lanes(number, self.flat, &self.cutouts)
+    }
+
     /// What the owner of that number is.
     #[inline(always)]
     fn owner(&self, owner: u32) -> Owner<'_> {
         match self.singles.get(owner as usize) {
-            Some(s) if s.number < self.flat => Owner::Triangle(s.number, s.corners),
+            Some(s) if self.is_in_lanes(s.number) => Owner::Triangle(s.number, s.corners),
             Some(s) => Owner::Other(s.number),
             None => Owner::Heap(&self.heaps[owner as usize - self.singles.len()]),
         }
@@ -94,12 +104,22 @@ impl Members {
             return Owner::Heap(&self.heaps[owner as usize - self.leaves.len()]);
         };
         let numbers = &self.numbers[leaf.first as usize..][..leaf.count as usize];
-        if numbers[0] < self.flat {
+        if self.is_in_lanes(numbers[0]) {
             Owner::Patch(&leaf.shared, numbers)
         } else {
             Owner::Other(numbers[0])
         }
     }
+}
+
+/// Whether the primitive is one of the first, `flat` many, and none of the cut-outs.
+#[inline(always)]
+pub(super) fn is_in_lanes(number: u32, flat: u32, cutouts: &[Range<u32>]) -> bool {
+    let is_cut_out = || {
+        let after = cutouts.partition_point(|range| range.start <= number);
+        after > 0 && cutouts[after - 1].contains(&number)
+    };
+    number < flat && (cutouts.is_empty() || !is_cut_out())
 }
 
 impl Piece {
@@ -147,6 +167,8 @@ impl Piece {
     fn gather(&mut self, plan: &Plan, numbers: &[u32]) {
         let geometry = plan.geometry;
         self.members.flat = (geometry.triangles.len() + geometry.quads.len()) as u32;
+        let cutouts = geometry.cutouts.iter().map(|cutout| cutout.primitives.clone());
+        self.members.cutouts = cutouts.collect();
         self.members.singles.clear();
         self.boxes.clear();
         for &number in numbers {

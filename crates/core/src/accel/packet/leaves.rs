@@ -124,7 +124,7 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
                         continue;
                     }
                     match geometry.primitive(number) {
-                        Primitive::Sphere(_) => {
+                        Primitive::Sphere(_) if !geometry.cutouts.contains(number) => {
                             tests.spheres += u64::from(rays.count_ones());
                             tile.meet_sphere::<S, Q, P>(simd, geometry, number, rays);
                         }

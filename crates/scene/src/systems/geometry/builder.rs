@@ -1,5 +1,7 @@
 //! Shapes in the scene's own arrays: one after another, each kind in its turn.
 
+use std::sync::Arc;
+
 use glam::{DVec3, Mat3};
 use hecs::{Entity, World};
 
@@ -83,7 +85,7 @@ impl Builder {
                 first_triangle: first_triangle as u32,
                 first_position: first_position as u32,
                 normals: mesh.normals.map(corner_values),
-                uvs: mesh.uvs.map(corner_values),
+                uvs: mesh.uvs.map(corner_values).map(Arc::new),
                 colors: mesh.colors.map(by_position),
             });
         }

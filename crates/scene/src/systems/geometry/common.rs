@@ -4,7 +4,7 @@ use glam::{DAffine3, DVec3, Vec3};
 use hecs::World;
 
 use super::occurrences::Occurrence;
-use crate::components::{AreaLight, Facing, Shading, Sides, TextureRef, Transform};
+use crate::components::{AreaLight, CutOut, Facing, Shading, Sides, TextureRef, Transform};
 use crate::query::json_path;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::math::float::MAX_COORDINATE;
@@ -40,7 +40,9 @@ impl Common {
             facing: world.get::<&Facing>(prototype).ok().map(|f| *f),
             sides: world.get::<&Sides>(entity).map_or(Sides::Both, |s| *s),
             smooth: is_shape && world.get::<&Shading>(entity).is_ok_and(|s| *s == Shading::Smooth),
-            textured: is_shape && world.get::<&TextureRef>(entity).is_ok(),
+            textured: is_shape
+                && (world.get::<&TextureRef>(entity).is_ok()
+                    || world.get::<&CutOut>(entity).is_ok()),
             emission: light.map(|l| l.color.as_vec3()),
             place: json_path(world, entity),
         }

@@ -1,6 +1,7 @@
 //! Prototypes and their instances: meshes that are held once for several places.
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
 use glam::{DAffine3, DVec3};
 use hecs::{Entity, World};
@@ -100,7 +101,7 @@ impl Builder {
         if attributes {
             self.meshes.push(MeshAttributes {
                 normals: mesh.normals.map(corner_values),
-                uvs: mesh.uvs.map(corner_values),
+                uvs: mesh.uvs.map(corner_values).map(Arc::new),
                 colors: mesh.colors.map(by_position),
                 ..MeshAttributes::default()
             });

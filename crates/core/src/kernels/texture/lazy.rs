@@ -2,7 +2,7 @@
 
 use std::sync::LazyLock;
 
-use crate::kernels::texture::Image;
+use super::Image;
 use wavecrest_base::error::Result;
 
 /// What decodes an image.
@@ -38,7 +38,7 @@ impl LazyImage {
 
     /// The image for a look-up; none if it cannot be decoded, which ends a render.
     #[inline]
-    pub(super) fn look_up(&self) -> Option<&Image> {
+    pub(crate) fn look_up(&self) -> Option<&Image> {
         self.image.as_ref().ok()
     }
 
@@ -69,8 +69,8 @@ mod tests {
     use std::sync::Arc;
     use std::sync::atomic::{AtomicU32, Ordering};
 
+    use super::super::Texels;
     use super::*;
-    use crate::kernels::texture::Texels;
     use wavecrest_base::error::{Error, ErrorKind};
 
     #[test]

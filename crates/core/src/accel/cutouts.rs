@@ -1,0 +1,145 @@
+//! Cut-outs: primitives of which a part is there alone, as the alpha of an image says.
+//!
+//! A hit on one counts where alpha is at least its threshold; elsewhere it is as if the primitive were absent, for
+//! rays of every kind. Each hit is asked about by itself: leaves have these primitives in lists, so that what tests
+//! triangles in lanes knows nothing of them, and a scene without any pays nothing.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use glam::{Vec2, Vec3};
+
+use super::TestCounts;
+use super::geometry::{Geometry, Primitive};
+use crate::kernels::corners::CornerValues;
+use crate::kernels::precision::Arithmetic;
+use crate::kernels::surface;
+use crate::kernels::texture::{self, Filter, LazyImage, UvMap, Wrap};
+use crate::math::float::normalize;
+use crate::math::ray::Ray;
+use crate::math::vector::{Line, Vector};
+/// The cut-outs of a geometry, in the order of their primitives.
+#[derive(Clone, Debug, Default)]
+pub struct Cutouts(Vec<Cutout>);
+
+/// Primitives that are cut out alike.
+#[derive(Clone, Debug)]
+pub struct Cutout {
+    /// The primitives, by number.
+    pub primitives: Range<u32>,
+    /// The least alpha that is there, from 0 to 1.
+    pub threshold: f32,
+    /// Alpha, in each channel.
+    pub image: Arc<LazyImage>,
+    /// How a look-up between texels is answered.
+    pub filter: Filter,
+    /// How coordinates outside 0 to 1 are taken.
+    pub wrap: Wrap,
+    /// How points become coordinates.
+    pub map: UvMap,
+    /// The coordinates of a mesh.
+    pub mesh: Option<MeshUvs>,
+}
+
+/// Texture coordinates of a mesh.
+#[derive(Clone, Debug)]
+pub struct MeshUvs {
+    /// The number of the mesh's first triangle.
+    pub first_triangle: u32,
+    /// The number of the mesh's first position.
+    pub first_position: u32,
+    /// The coordinates.
+    pub uvs: Arc<CornerValues<Vec2>>,
+}
+
+impl Cutouts {
+    /// Of primitives that do not overlap.
+    pub fn new(mut all: Vec<Cutout>) -> Self {
+        all.sort_unstable_by_key(|cutout| cutout.primitives.start);
+        Self(all)
+    }
+
+    /// Whether there is none.
+    #[inline(always)]
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// All of them.
+    pub fn iter(&self) -> impl Iterator<Item = &Cutout> {
+        self.0.iter()
+    }
+
+    /// That of the primitive with this number.
+    pub(super) fn of(&self, number: u32) -> Option<&Cutout> {
+        let after = self.0.partition_point(|cutout| cutout.primitives.start <= number);
+        self.0[..after].last().filter(|cutout| cutout.primitives.contains(&number))
+    }
+
+    /// Whether the primitive is cut out.
+    #[inline(always)]
+    pub(super) fn contains(&self, number: u32) -> bool {
+        !self.is_empty() && self.of(number).is_some()
+    }
+}
+
+impl Cutout {
+    /// Whether nothing is there at these coordinates.
+    fn is_hole(&self, uv: Vec2) -> bool {
+        // An image that cannot be decoded ends the render.
+        let Some(image) = self.image.look_up() else { return false };
+        image.look_up(uv, self.filter, self.wrap).x < self.threshold
+    }
+}
+
+impl Geometry {
+    /// Whether the ray, which meets the primitive at t, passes through a hole of it.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn is_cut_out<P: Arithmetic>(
+        &self,
+        number: u32,
+        ray: &Ray,
+        t: f32,
+        tests: &mut TestCounts,
+    ) -> bool {
+        if !self.cutouts.contains(number) {
+            return false;
+        }
+        // A seal has no area: it is as what it stands for.
+        let number = self.seal(number).unwrap_or(number);
+        let Some(cutout) = self.cutouts.of(number) else { return false };
+        tests.cutouts += 1;
+        let line = Line::from(ray);
+        let surface_of = |corners: [Vec3; 3]| {
+            surface::triangle_at::<f32, P::Points>(&line, t, &corners.map(Vector::from))
+        };
+        let uv = match (self.primitive(number), &cutout.map, &cutout.mesh) {
+            (Primitive::Triangle(i), UvMap::Mesh, Some(mesh)) => {
+                let positions = self.triangles[i].map(|vertex| vertex - mesh.first_position);
+                let triangle = (number - mesh.first_triangle) as usize;
+                // Corners without coordinates have no hole.
+                let Some([a, b, c]) = mesh.uvs.corners(triangle, positions) else { return false };
+                let [y, z] = surface_of(self.triangle(i)).barycentric;
+                a * (1.0 - y - z) + b * y + c * z
+            }
+            (Primitive::Triangle(i), UvMap::Planar(map), _) => {
+                map.uv(surface_of(self.triangle(i)).point.into())
+            }
+            (Primitive::Quad(i), UvMap::Planar(map), _) => {
+                map.uv(surface_of(surface::quad_half(ray, &self.quad(i))).point.into())
+            }
+            (Primitive::Sphere(i), UvMap::Sphere(to_own), _) => {
+                let (center, _) = self.spheres[i];
+                let origin = ray.origin.as_dvec3() - center.as_dvec3();
+                let outward = origin + ray.direction.as_dvec3() * f64::from(t);
+                texture::sphere_uv(normalize(*to_own * outward.as_vec3()))
+            }
+            _ => return false,
+        };
+        cutout.is_hole(uv)
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,191 @@
+use glam::{DAffine3, DQuat, DVec3};
+
+use super::*;
+use crate::accel::build::Preset;
+use crate::accel::instance::Instance;
+use crate::accel::tests::{Numbers, add_triangle, cloud, compare};
+use crate::accel::{Accel, Hit};
+use crate::kernels::slab::Aabb;
+use crate::kernels::texture::{Image, PlanarMap, Texels};
+
+/// An image of 8 by 8 texels of this alpha.
+fn image(alpha: impl Fn(u32) -> u8) -> Arc<LazyImage> {
+    let texels = (0..64).map(|i| [alpha(i); 4]).collect();
+    let decode = move || Ok(Image::new(8, 8, Texels::Bytes(texels)));
+    Arc::new(LazyImage::new("alpha".into(), 256, decode))
+}
+
+/// Holes and what is between them, of every alpha.
+fn checkers() -> Arc<LazyImage> {
+    image(|i| if (i + i / 8).is_multiple_of(2) { 4 * i as u8 } else { 255 - i as u8 })
+}
+
+/// Cut out by projection on the first two axes, or as spheres are.
+fn cutout(primitives: Range<u32>, threshold: f32, image: Arc<LazyImage>) -> Cutout {
+    let map = UvMap::Planar(PlanarMap::new(Vec3::ZERO, Vec3::X, Vec3::Y));
+    let (filter, wrap) = (Filter::Bilinear, Wrap::Repeat);
+    Cutout { primitives, threshold, image, filter, wrap, map, mesh: None }
+}
+
+/// Rays from around the origin, many of them through vertices.
+fn rays(numbers: &mut Numbers, geometry: &Geometry) -> Vec<Ray> {
+    let ray = |i: usize| {
+        let origin = numbers.vector() * 2.0;
+        let vertex = geometry.positions[numbers.below(geometry.positions.len())];
+        let to = if i.is_multiple_of(2) { numbers.vector() } else { vertex };
+        Ray::new(origin, to - origin)
+    };
+    (0..3000).map(ray).collect()
+}
+
+/// Triangles, quads and spheres, half of them cut out.
+fn half_cut_out(numbers: &mut Numbers) -> Geometry {
+    let mut geometry = cloud(numbers, 1.0);
+    for _ in 0..40 {
+        let (corner, u, v) = (numbers.vector(), numbers.vector() * 0.3, numbers.vector() * 0.3);
+        let first = geometry.positions.len() as u32;
+        geometry.positions.extend([corner, corner + u, corner + u + v, corner + v]);
+        geometry.quads.push([0, 1, 2, 3].map(|k| first + k));
+    }
+    let (triangles, quads) = (geometry.triangles.len() as u32, geometry.quads.len() as u32);
+    let spheres = triangles + quads;
+    let sphere = Cutout {
+        map: UvMap::Sphere(glam::Mat3::IDENTITY),
+        ..cutout(spheres..spheres + 10, 0.5, checkers())
+    };
+    geometry.cutouts = Cutouts::new(vec![
+        sphere,
+        cutout(20..triangles / 2, 0.4, checkers()),
+        cutout(triangles..triangles + quads / 2, 0.6, checkers()),
+    ]);
+    geometry
+}
+
+#[test]
+fn every_kernel_answers_as_brute_force() {
+    let mut numbers = Numbers(40_000);
+    let geometry = half_cut_out(&mut numbers);
+    let rays = rays(&mut numbers, &geometry);
+    let cut = compare("cut-outs", &geometry, &rays);
+    let whole = Geometry { cutouts: Cutouts::default(), ..geometry };
+    assert!(cut > 1500 && cut < compare("whole", &whole, &rays), "{cut}");
+}
+
+#[test]
+fn instances_are_cut_out_as_their_prototype_is() {
+    let mut numbers = Numbers(50_000);
+    let mut prototype = half_cut_out(&mut numbers);
+    (prototype.quads, prototype.spheres) = (Vec::new(), Vec::new());
+    prototype.cutouts = Cutouts::new(vec![cutout(0..300, 0.5, checkers())]);
+    let bounds = Aabb { low: Vec3::splat(-1.5), high: Vec3::splat(1.5) };
+    let triangles = prototype.triangles.len() as u32;
+    let instance = |i: u32| {
+        let turn = DQuat::from_rotation_y(f64::from(i));
+        let place = DVec3::new(f64::from(i) - 1.0, 0.3, 0.1);
+        let scale = DVec3::new(1.0, -0.8, 1.2);
+        let world = DAffine3::from_scale_rotation_translation(scale, turn, place);
+        Instance::new(0, i * triangles, world, &bounds)
+    };
+    let rays = rays(&mut numbers, &prototype);
+    let instances = (0..3).map(instance).collect();
+    let geometry = Geometry { prototypes: vec![prototype], instances, ..Geometry::default() };
+    assert!(compare("instances", &geometry, &rays) > 1500);
+}
+
+/// With alpha 0 everywhere a primitive is absent, with alpha 1 it is as if nothing were said.
+#[test]
+fn thresholds_of_0_and_1_are_exact() {
+    let mut numbers = Numbers(60_000);
+    let mut geometry = cloud(&mut numbers, 1.0);
+    geometry.spheres.clear();
+    let rays = rays(&mut numbers, &geometry);
+    let hits = |geometry: Geometry, preset| {
+        let accel = Accel::new(geometry, preset);
+        let mut hits = vec![Hit::MISS; rays.len()];
+        accel.closest_of(&rays[..], &mut hits, &mut accel.traversal());
+        hits
+    };
+    let with = |threshold, alpha: u8| {
+        let cutouts = Cutouts::new(vec![cutout(200..400, threshold, image(|_| alpha))]);
+        Geometry { cutouts, ..geometry.clone() }
+    };
+    let mut without = geometry.clone();
+    without.triangles.truncate(200);
+    for preset in [Preset::Brute, Preset::Fastest, Preset::Fast] {
+        let whole = hits(geometry.clone(), preset);
+        assert_eq!(hits(with(1.0, 255), preset), whole);
+        assert_eq!(hits(with(0.0, 0), preset), whole);
+        let absent = hits(without.clone(), preset);
+        assert_ne!(absent, whole);
+        for (threshold, alpha) in [(1.0, 254), (f32::MIN_POSITIVE, 0), (1.5, 255)] {
+            assert_eq!(hits(with(threshold, alpha), preset), absent, "{threshold} {alpha}");
+        }
+    }
+}
+
+/// Squares in the planes `z`, from -1 to 1.
+fn squares(z: &[f32]) -> Geometry {
+    let mut geometry = Geometry::default();
+    for &z in z {
+        let corner = |x: f32, y: f32| Vec3::new(x, y, z);
+        add_triangle(&mut geometry, [corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0)]);
+        add_triangle(&mut geometry, [corner(-1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)]);
+    }
+    geometry
+}
+
+/// Of two surfaces in one plane the first is seen where it is there, and else the other; along the diagonal
+/// between two triangles there is no crack.
+#[test]
+fn a_cut_out_in_the_plane_of_a_solid_shows_it_through_its_holes() {
+    let mut geometry = squares(&[0.0, 0.0]);
+    let left = image(|i| if i % 8 < 4 { 255 } else { 0 });
+    let map =
+        UvMap::Planar(PlanarMap::new(Vec3::new(-1.0, -1.0, 0.0), Vec3::X * 2.0, Vec3::Y * 2.0));
+    let filter = Filter::Nearest;
+    geometry.cutouts = Cutouts::new(vec![Cutout { map, filter, ..cutout(0..2, 0.5, left) }]);
+    let place = |i: u32| (i as f32 + 0.5) / 16.0 - 1.0;
+    let target = |i: u32| match i {
+        // On the diagonal, and beside it.
+        0..32 => Vec3::new(place(i), place(i), 0.0),
+        _ => Vec3::new(place(i % 32), place(i / 32), 0.0),
+    };
+    let rays: Vec<Ray> = (0..1024)
+        .map(|i| Ray::new(Vec3::new(0.3, 0.2, 2.0), target(i) - Vec3::new(0.3, 0.2, 2.0)))
+        .collect();
+    assert_eq!(compare("one plane", &geometry, &rays), rays.len());
+    let accel = Accel::new(geometry, Preset::Fast);
+    for (i, ray) in (0..).zip(&rays) {
+        let hit = accel.closest(ray, &mut accel.traversal());
+        assert_eq!(hit.primitive < 2, target(i).x < 0.0, "{:?}", target(i));
+    }
+}
+
+#[test]
+fn a_ray_passes_many_layers() {
+    let z: Vec<f32> = (0..300).map(|i| i as f32 / -100.0).collect();
+    let mut geometry = squares(&z);
+    let last = geometry.triangles.len() as u32 - 2;
+    geometry.cutouts = Cutouts::new(vec![cutout(0..last, 0.5, image(|_| 0))]);
+    let ray = |i: u8| {
+        let x = f32::from(i) / 400.0;
+        Ray::new(Vec3::new(x, x / 2.0, 1.0), Vec3::NEG_Z)
+    };
+    let rays: Vec<Ray> = (0..200).map(ray).collect();
+    assert_eq!(compare("layers", &geometry, &rays), rays.len());
+    let accel = Accel::new(geometry, Preset::VeryFast);
+    let mut traversal = accel.traversal();
+    assert!(accel.closest(&rays[0], &mut traversal).primitive >= last);
+    assert!(traversal.tests.cutouts >= 299, "{}", traversal.tests.cutouts);
+}
+
+#[test]
+fn a_scene_without_cut_outs_looks_nothing_up() {
+    let mut numbers = Numbers(70_000);
+    let geometry = cloud(&mut numbers, 1.0);
+    let rays = rays(&mut numbers, &geometry);
+    let accel = Accel::new(geometry, Preset::Fast);
+    let mut traversal = accel.traversal();
+    accel.closest_of(&rays[..], &mut vec![Hit::MISS; rays.len()], &mut traversal);
+    assert_eq!(traversal.tests.cutouts, 0);
+}

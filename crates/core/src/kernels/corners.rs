@@ -1,0 +1,33 @@
+//! Values at the corners of a mesh's triangles.
+
+/// A value for each corner of each triangle.
+#[derive(Clone, Debug)]
+pub struct CornerValues<T> {
+    /// The distinct values.
+    pub values: Vec<T>,
+    /// Which value each corner of each triangle has, [`NO_VALUE`] for none; or `None`, where
+    /// values go with positions.
+    pub indices: Option<Vec<[u32; 3]>>,
+}
+
+/// In [`CornerValues::indices`]: this corner has no value.
+pub const NO_VALUE: u32 = u32::MAX;
+
+impl<T: Copy> CornerValues<T> {
+    /// The values at the corners of the mesh's `triangle`th triangle, whose positions are
+    /// `positions` within the mesh.
+    #[inline(always)]
+    pub fn corners(&self, triangle: usize, positions: [u32; 3]) -> Option<[T; 3]> {
+        let [a, b, c] = self.indices.as_ref().map_or(positions, |indices| indices[triangle]);
+        let value = |index: u32| self.values.get(index as usize).copied();
+        Some([value(a)?, value(b)?, value(c)?])
+    }
+}
+
+impl<T> CornerValues<T> {
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        size_of_val(self.values.as_slice())
+            + self.indices.as_ref().map_or(0, |i| size_of_val(i.as_slice()))
+    }
+}

@@ -1,0 +1,129 @@
+//! Cut-outs: ties shapes to the images whose alpha says where there is something, each decoded once, by the first
+//! ray that meets it.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use glam::Mat3;
+use hecs::World;
+use image::{DynamicImage, ImageDecoder};
+
+use super::geometry::{Output, ShapeOutput};
+use super::textures::{check_size, decoding, name};
+use crate::components::{CutOut, TextureSource};
+use crate::query::json_path;
+use wavecrest_base::error::Result;
+use wavecrest_core::accel::cutouts::{Cutout, Cutouts, MeshUvs};
+use wavecrest_core::accel::geometry::{Geometry, Primitive};
+use wavecrest_core::kernels::texture::{Image, LazyImage, Texels, UvMap};
+use wavecrest_core::plan::{Effect, Plan};
+
+/// Notes in the geometry which primitives are cut out, where the plan has cut-outs, and returns their images. `file`
+/// is the scene's, for messages.
+pub fn run(
+    world: &World,
+    file: &Path,
+    plan: &Plan,
+    extracted: &mut Output,
+) -> Result<Vec<Arc<LazyImage>>> {
+    if !plan.has(Effect::CutOuts) {
+        return Ok(Vec::new());
+    }
+    let mut images = Images { file, known: Vec::new() };
+    let (mut own, mut of_prototypes) =
+        (Vec::new(), vec![None; extracted.geometry.prototypes.len()]);
+    for shape in extracted.shapes.iter().filter(|shape| shape.shape.emission.is_none()) {
+        let Ok(found) = world.get::<&CutOut>(shape.entity) else { continue };
+        let place = json_path(world, shape.entity);
+        let Some(image) = images.of(&found, &place)? else { continue };
+        let cutout = cutout(shape, &found, image, extracted);
+        match prototype(&extracted.geometry, shape) {
+            None => own.push(cutout),
+            // All instances of a prototype are cut out alike.
+            Some((number, triangles)) => {
+                of_prototypes[number] = Some(Cutout { primitives: 0..triangles, ..cutout });
+            }
+        }
+    }
+    extracted.geometry.cutouts = Cutouts::new(own);
+    for (prototype, cutout) in extracted.geometry.prototypes.iter_mut().zip(of_prototypes) {
+        prototype.cutouts = Cutouts::new(cutout.into_iter().collect());
+    }
+    Ok(images.known.into_iter().filter_map(|(_, image)| image).collect())
+}
+
+fn cutout(shape: &ShapeOutput, found: &CutOut, image: Arc<LazyImage>, from: &Output) -> Cutout {
+    let attributes = shape.shape.mesh.and_then(|mesh| from.meshes.get(mesh as usize));
+    let mesh = attributes.and_then(|attributes| {
+        Some(MeshUvs {
+            first_triangle: attributes.first_triangle,
+            first_position: attributes.first_position,
+            uvs: Arc::clone(attributes.uvs.as_ref()?),
+        })
+    });
+    Cutout {
+        primitives: shape.shape.primitives.clone(),
+        threshold: found.threshold as f32,
+        image,
+        filter: found.filter,
+        wrap: found.wrap,
+        map: shape.uv_map.unwrap_or(UvMap::Sphere(Mat3::IDENTITY)),
+        mesh,
+    }
+}
+
+/// Which prototype an instance shows, and how many triangles that has.
+fn prototype(geometry: &Geometry, shape: &ShapeOutput) -> Option<(usize, u32)> {
+    let Primitive::Instanced(instanced) = geometry.primitive(shape.shape.primitives.start) else {
+        return None;
+    };
+    let (instance, prototype) = geometry.instance(instanced);
+    Some((instance.prototype(), prototype.triangles.len() as u32))
+}
+
+/// What distinguishes images: where they are, and whether brightness stands for alpha.
+type Key = (TextureSource, bool);
+
+/// The images that were asked for.
+struct Images<'a> {
+    file: &'a Path,
+    /// `None` for one that has no alpha.
+    known: Vec<(Key, Option<Arc<LazyImage>>)>,
+}
+
+impl Images<'_> {
+    /// That of a cut-out, once the head of its file is found to be right; none where it has no alpha.
+    fn of(&mut self, found: &CutOut, place: &str) -> Result<Option<Arc<LazyImage>>> {
+        let key = (found.source.clone(), found.is_mask);
+        if let Some((_, image)) = self.known.iter().find(|(known, _)| *known == key) {
+            return Ok(image.clone());
+        }
+        let head = decoding(&found.source, |decoder| {
+            Ok((decoder.dimensions(), decoder.color_type().has_alpha()))
+        });
+        let in_place = |error: wavecrest_base::error::Error| error.in_file(self.file).at(place);
+        let (size, has_alpha) = head.map_err(in_place)?;
+        check_size(&found.source, size).map_err(in_place)?;
+        let image = (has_alpha || found.is_mask).then(|| {
+            let bytes = u64::from(size.0) * u64::from(size.1) * size_of::<[u8; 4]>() as u64;
+            let (source, file, place) =
+                (found.source.clone(), self.file.to_owned(), place.to_owned());
+            let decode = move || decode(&source, file, place);
+            Arc::new(LazyImage::new(name(&found.source), bytes, decode))
+        });
+        self.known.push((key, image.clone()));
+        Ok(image)
+    }
+}
+
+/// The alpha of an image in each channel; of one without any its brightness.
+fn decode(source: &TextureSource, file: PathBuf, place: String) -> Result<Image> {
+    let decoded = decoding(source, |decoder| DynamicImage::from_decoder(decoder));
+    let decoded = decoded.map_err(|error| error.in_file(file).at(place))?;
+    let (width, height) = (decoded.width(), decoded.height());
+    let alpha: Vec<[u8; 4]> = match decoded.color().has_alpha() {
+        true => decoded.into_rgba8().pixels().map(|pixel| [pixel.0[3]; 4]).collect(),
+        false => decoded.into_luma8().pixels().map(|pixel| [pixel.0[0]; 4]).collect(),
+    };
+    Ok(Image::new(width, height, Texels::Bytes(alpha)))
+}

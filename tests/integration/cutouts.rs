@@ -1,0 +1,261 @@
+//! Cut-outs: what has little alpha is not there, for rays of any kind.
+
+use std::path::Path;
+
+use image::{Rgba, RgbaImage};
+use serde_json::{Value, json};
+use wavecrest_core::accel::build::Preset;
+use wavecrest_core::film::Film;
+use wavecrest_core::plan::Effect;
+use wavecrest_core::prepared::PreparedScene;
+use wavecrest_core::render::RenderOptions;
+use wavecrest_scene::load::{LoadOptions, load, load_str};
+use wavecrest_scene::systems::{self, Options};
+use wavecrest_scene::write::write;
+
+use crate::support::{
+    TRACERS, assert_near, folder, image_of, matte, options, pinhole, pixel, point_light, render_on,
+    scene, sphere, wall, with,
+};
+
+/// A folder with an image whose left half is there, green, and whose right half is not.
+fn with_image() -> tempfile::TempDir {
+    let folder = folder();
+    let texel = |x, _| Rgba([0, 255, 0, if x < 2 { 255 } else { 0 }]);
+    RgbaImage::from_fn(4, 4, texel).save(folder.path().join("half.png")).expect("an image");
+    folder
+}
+
+fn prepared_as(json: &Value, folder: &Path, flat: bool) -> PreparedScene {
+    let file = folder.join("scene.json");
+    let options = LoadOptions { strict: true, ..LoadOptions::default() };
+    let loaded = load_str(&json.to_string(), &file, &options);
+    let mut world = loaded.unwrap_or_else(|error| panic!("{error}")).world;
+    let extracted = systems::extract(&mut world, Options { flat, ..Options::default() });
+    extracted.unwrap_or_else(|error| panic!("{error}")).build(Preset::Fast)
+}
+
+fn prepared(json: &Value, folder: &Path) -> PreparedScene {
+    prepared_as(json, folder, false)
+}
+
+fn cut_out(shape: Value) -> Value {
+    let shape = with(with(shape, "texture", "half.png"), "alphacutoff", 0.5);
+    with(with(shape, "filter", "nearest"), "sides", "both")
+}
+
+/// A wall of which the left half is there, as shapes of each kind have it.
+fn walls() -> [Value; 3] {
+    let corners = [[-2, -2, 0], [-2, 2, 0], [2, 2, 0], [2, -2, 0]];
+    let mesh = json!({"type": "trimesh", "points": corners, "indices": [[0, 1, 2], [0, 2, 3]],
+                      "uvs": [[0, 0], [0, 1], [1, 1], [1, 0]], "material": matte(1.0, [0.5; 3])});
+    let triangle = json!({"type": "triangle", "points": [[-2, -2, 0], [-2, 6, 0], [2, -2, 0]],
+                          "wrap": "clamp", "material": matte(1.0, [0.5; 3])});
+    [wall(2.0, 0.0, matte(1.0, [0.5; 3])), mesh, triangle]
+}
+
+/// What is behind shows where nothing is, in a mirror too, and it casts no shadow there.
+#[test]
+fn camera_rays_shadow_rays_and_mirror_rays_pass_where_nothing_is() {
+    let folder = with_image();
+    for shape in walls() {
+        // Straight before the camera; behind it a wall that the lamp is before, beside the camera's axis.
+        let behind = wall(8.0, -2.0, matte(1.0, [1.0, 0.0, 0.0]));
+        let lamp = point_light(50.0, [0.0, 0.0, 6.0], [1.0; 3]);
+        let mut json = scene(1, &pinhole([16, 16], 40.0, 6.0), &[lamp], &[cut_out(shape), behind]);
+        json["scene"]["ambient"] = 0.into();
+        let scene = prepared(&json, folder.path());
+        let film = image_of(&scene, 0);
+        let is_green = |x| pixel(&film, x, 8)[1] > 0.0 && pixel(&film, x, 8)[0] == 0.0;
+        let is_red = |x| pixel(&film, x, 8)[0] > 0.0 && pixel(&film, x, 8)[1] == 0.0;
+        assert!(is_green(5) && is_red(10), "{json}");
+        let counted = render_on(1, &scene, &RenderOptions { ..options() }).counters.tests.cutouts;
+        assert!(counted > 0);
+        // The lamp stands where the camera does: the wall's shadow is hidden behind it, and seen from its right side.
+        let mut aside = json.clone();
+        aside["camera"]["location"] = json!([6, 0, 6]);
+        aside["camera"]["look"] = json!([1.3, 0, -2]);
+        let shadowed = image_of(&prepared(&aside, folder.path()), 0);
+        let whole = {
+            let mut whole = aside.clone();
+            whole["scene"]["shapes"][0]["alphacutoff"] = 0.into();
+            image_of(&prepared(&whole, folder.path()), 0)
+        };
+        assert!(!shadowed.same_bits(&whole));
+    }
+}
+
+#[test]
+fn a_mirror_shows_what_is_behind_a_hole() {
+    let folder = with_image();
+    let mirror = with(matte(0.0, [0.0; 3]), "kr", 1.0);
+    let back = with(wall(2.0, 4.0, matte(1.0, [0.5; 3])), "texture", "half.png");
+    let lamp = point_light(50.0, [0.0, 0.0, 3.0], [1.0; 3]);
+    let shapes = [wall(3.0, 0.0, mirror), cut_out(back)];
+    let camera = with(pinhole([16, 16], 30.0, 3.0), "location", json!([0, 0, 3]));
+    let film = image_of(&prepared(&scene(1, &camera, &[lamp], &shapes), folder.path()), 0);
+    // The square's left is to the right as the camera sees it in the mirror from before it, and x stays.
+    let green = (0..16).filter(|&x| pixel(&film, x, 8)[1] > 0.0).count();
+    assert!((4..=12).contains(&green), "{green}");
+}
+
+/// A sphere, and masks by their brightness.
+#[test]
+fn a_sphere_is_cut_out_by_a_mask() {
+    let folder = folder();
+    let texel = |x, _| image::Luma([if x < 2 { 255_u8 } else { 0 }]);
+    let mask = image::GrayImage::from_fn(4, 4, texel);
+    mask.save(folder.path().join("mask.png")).expect("an image");
+    let ball = sphere([0.0; 3], 1.0, matte(1.0, [0.0, 1.0, 0.0]));
+    let ball = with(with(ball, "alpha", "mask.png"), "filter", "nearest");
+    let lamp = point_light(50.0, [0.0, 0.0, 6.0], [1.0; 3]);
+    let json = scene(0, &pinhole([16, 16], 30.0, 6.0), &[lamp], &[ball]);
+    let scene = prepared(&json, folder.path());
+    assert!(scene.plan.has(Effect::CutOuts) && !scene.plan.has(Effect::Textures));
+    let film = image_of(&scene, 0);
+    // u runs around +y from behind: to the left half of the image the left half of the ball belongs, and on the
+    // right its inside is seen.
+    assert!(pixel(&film, 5, 8)[1] > pixel(&film, 10, 8)[1]);
+}
+
+#[test]
+fn instances_are_cut_out_as_copies_are() {
+    let folder = with_image();
+    let [_, mesh, _] = walls();
+    let mut json = scene(
+        0,
+        &pinhole([24, 24], 50.0, 9.0),
+        &[point_light(60.0, [1.0, 2.0, 6.0], [1.0; 3])],
+        &[with(cut_out(mesh), "name", "m"), wall(9.0, -3.0, matte(0.7, [1.0, 0.0, 0.0]))],
+    );
+    json["scene"]["instances"] = json!([
+        {"shape": "m", "transform": {"translate": [0.5, 0, -1]}},
+        {"shape": "m", "transform": {"rotate": [0, 0, 90], "translate": [0, 1, -2]}}
+    ]);
+    let [held, copied] = [false, true].map(|flat| prepared_as(&json, folder.path(), flat));
+    assert_eq!(held.accel.geometry().instances.len(), 3);
+    let [held, copied] = [&held, &copied].map(|scene| image_of(scene, 0));
+    let differing = held
+        .pixels()
+        .iter()
+        .zip(copied.pixels())
+        .filter(|(a, b)| a.iter().zip(b.iter()).any(|(a, b)| (a - b).abs() > 1e-3));
+    assert!(differing.count() <= 2);
+}
+
+/// A threshold of 0, and an image without alpha, cut nothing out and cost nothing.
+#[test]
+fn what_cuts_nothing_out_is_no_cut_out() {
+    let folder = with_image();
+    let opaque = image::RgbImage::from_pixel(2, 2, image::Rgb([0, 255, 0]));
+    opaque.save(folder.path().join("opaque.png")).expect("an image");
+    let of = |texture: &str, cutoff: Value| {
+        let mut shape = with(wall(2.0, 0.0, matte(1.0, [0.5; 3])), "texture", texture);
+        if !cutoff.is_null() {
+            shape["alphacutoff"] = cutoff;
+        }
+        let lamp = point_light(50.0, [0.0, 0.0, 6.0], [1.0; 3]);
+        prepared(&scene(0, &pinhole([8, 8], 30.0, 6.0), &[lamp], &[shape]), folder.path())
+    };
+    let usual = of("half.png", Value::Null);
+    let zero = of("half.png", json!(0));
+    assert!(!zero.plan.has(Effect::CutOuts));
+    for tracer in TRACERS {
+        let [a, b] = [&usual, &zero]
+            .map(|scene| render_on(1, scene, &RenderOptions { tracer, ..options() }));
+        assert!(a.film.same_bits(&b.film) && a.counters == b.counters);
+    }
+    let opaque = of("opaque.png", json!(0.5));
+    assert!(opaque.accel.geometry().cutouts.is_empty());
+}
+
+/// Of glTF files, by their mode; of MTL files, by `map_d`. A converted file has the same image.
+#[test]
+fn files_of_other_formats_are_cut_out() {
+    let folder = with_image();
+    let at = |name: &str| folder.path().join(name);
+    let obj = "mtllib m.mtl\nv -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n\
+               usemtl leaf\nf 1/1 2/2 3/3 4/4\n";
+    std::fs::write(at("m.obj"), obj).expect("a file");
+    std::fs::write(at("m.mtl"), "newmtl leaf\nKd 1 1 1\nmap_d half.png\n").expect("a file");
+    let positions: Vec<u8> = [-1.0_f32, -1.0, 0.0, 1.0, -1.0, 0.0, 1.0, 1.0, 0.0, -1.0, 1.0, 0.0]
+        .iter()
+        .flat_map(|x| x.to_le_bytes())
+        .collect();
+    let uvs: Vec<u8> =
+        [0.0_f32, 1.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0].iter().flat_map(|x| x.to_le_bytes()).collect();
+    let indices = [0_u8, 1, 2, 0, 2, 3];
+    std::fs::write(at("m.bin"), [&positions[..], &uvs, &indices].concat()).expect("a file");
+    let gltf = |material: Value| {
+        json!({
+            "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+            "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "TEXCOORD_0": 1},
+                                        "indices": 2, "material": 0}]}],
+            "accessors": [
+                {"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3"},
+                {"bufferView": 1, "componentType": 5126, "count": 4, "type": "VEC2"},
+                {"bufferView": 2, "componentType": 5121, "count": 6, "type": "SCALAR"}
+            ],
+            "bufferViews": [
+                {"buffer": 0, "byteLength": 48},
+                {"buffer": 0, "byteOffset": 48, "byteLength": 32},
+                {"buffer": 0, "byteOffset": 80, "byteLength": 6}
+            ],
+            "buffers": [{"byteLength": 86, "uri": "m.bin"}],
+            "images": [{"uri": "half.png"}], "textures": [{"source": 0}], "materials": [material],
+        })
+    };
+    let model = |alpha: f64| json!({"baseColorTexture": {"index": 0}, "metallicFactor": 0, "baseColorFactor": [1, 1, 1, alpha]});
+    for (name, mode, alpha) in [
+        ("mask", "MASK", 1.0),
+        ("blend", "BLEND", 0.6),
+        ("opaque", "OPAQUE", 1.0),
+        ("gone", "MASK", 0.4),
+    ] {
+        let material =
+            json!({"alphaMode": mode, "pbrMetallicRoughness": model(alpha), "doubleSided": true});
+        std::fs::write(at(&format!("{name}.gltf")), gltf(material).to_string()).expect("a file");
+    }
+    let options = LoadOptions { width: Some(20), height: Some(16), ..LoadOptions::default() };
+    let film = |name: &str| -> Film {
+        let mut scene = load(&at(name), &options).unwrap_or_else(|error| panic!("{error}"));
+        let extracted = systems::extract(&mut scene.world, Options::default());
+        image_of(&extracted.unwrap_or_else(|error| panic!("{error}")).build(Preset::Fast), 0)
+    };
+    let covered = |film: &Film| film.pixels().iter().filter(|p| p[1] > 0.1).count();
+    let whole = covered(&film("opaque.gltf"));
+    for name in ["mask.gltf", "blend.gltf", "m.obj"] {
+        let found = film(name);
+        let share = covered(&found) as f64 / whole as f64;
+        assert!((0.3..0.7).contains(&share), "{name}: {share}");
+        let out = at(&format!("{name}.json"));
+        write(load(&at(name), &options).expect("a scene"), &out, false).expect("a scene file");
+        assert!(film(&format!("{name}.json")).same_bits(&found), "{name}");
+    }
+    let gone = load(&at("gone.gltf"), &options).expect("a scene");
+    assert!(gone.warnings.iter().any(|warning| warning.to_string().contains("nothing is there")));
+}
+
+/// Between texels alpha is weighted, and what is there is what has as much as the threshold.
+#[test]
+fn the_threshold_moves_the_edge() {
+    let folder = with_image();
+    let share = |cutoff: f64| {
+        let shape = with(cut_out(wall(1.0, 0.0, matte(1.0, [0.5; 3]))), "filter", "bilinear");
+        let shape = with(with(shape, "wrap", "clamp"), "alphacutoff", cutoff);
+        let lamp = point_light(50.0, [0.0, 0.0, 6.0], [1.0; 3]);
+        let json = scene(0, &pinhole([64, 4], 20.0, 5.671_281_819_617_709), &[lamp], &[shape]);
+        let json = with(
+            json,
+            "camera",
+            with(pinhole([64, 4], 20.0, 5.671_281_819_617_709), "fovaxis", "x"),
+        );
+        let film = image_of(&prepared(&json, folder.path()), 0);
+        (0..64).filter(|&x| pixel(&film, x, 2)[1] > 0.26).count() as f64 / 64.0
+    };
+    // Alpha falls from 1 to 0 between 3/8 and 5/8.
+    for (cutoff, right) in [(0.25, 0.5625), (0.5, 0.5), (0.75, 0.4375), (1.0, 0.375)] {
+        let found = share(cutoff);
+        assert_near([found; 3], [right; 3], 0.02, &format!("{cutoff}"));
+    }
+}
