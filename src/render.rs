@@ -36,6 +36,7 @@ use wavecrest_scene::systems::{self, Extracted};
 /// # Errors
 /// When the scene cannot be loaded or prepared, or the image cannot be written.
 pub(crate) fn run(args: &RenderArgs) -> Result<()> {
+    let args = &look::without_ground(args.clone());
     let output = args.output()?;
     let shard = args.parts.shard()?;
     if let Some(frames) = args.frames.frames {

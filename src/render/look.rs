@@ -8,7 +8,20 @@ use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::{Rendered, Watch, render, window};
 use wavecrest_image::look::{Look, draw_edges, film};
 use wavecrest_scene::load::LoadedScene;
+use wavecrest_scene::load::lighting::Rig;
 use wavecrest_scene::systems::{self, Extracted, Options, looks};
+
+/// With the lights for what is looked at: the ground of a studio is none of the file's surfaces, and has edges and a
+/// depth of its own.
+pub(super) fn without_ground(mut args: RenderArgs) -> RenderArgs {
+    let lights = &mut args.scene_options.lighting.lights;
+    match args.look {
+        None | Some(Look::Clay) => {}
+        Some(_) if *lights == Rig::Studio => *lights = Rig::Headlight,
+        Some(_) => {}
+    }
+    args
+}
 
 /// Refuses a shard of one image, whose part is of light alone.
 ///

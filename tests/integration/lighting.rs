@@ -77,7 +77,7 @@ fn shadow_background_and_dark_sides_are_of_different_tones() {
     let share = |levels: &[f32], share: f64| levels[(share * (levels.len() - 1) as f64) as usize];
     let (mesh, ground) = (levels(&scene, &film, MESH), levels(&scene, &film, GROUND));
     let (dark, light) = (share(&mesh, 0.02), share(&mesh, 0.9));
-    let (shadow, bare) = (share(&ground, 0.02), share(&ground, 0.5));
+    let (shadow, bare) = (share(&ground, 0.02), share(&ground, 0.95));
     assert!((bare - background).abs() < 0.01, "the ground ends nowhere: {bare}, {background}");
     assert!(dark + 0.08 < shadow, "dark sides {dark}, shadow {shadow}");
     assert!(shadow + 0.1 < background, "shadow {shadow}, background {background}");

@@ -2,7 +2,7 @@
 
 use glam::{Quat, Vec3};
 use serde_json::{Value, json};
-use wavecrest_scene::components::{AreaLight, Hidden, InstanceOf, Mesh, Order, PointLight, View};
+use wavecrest_scene::components::{AreaLight, Hidden, InstanceOf, Mesh, Order, View};
 use wavecrest_scene::load::{LoadOptions, load};
 
 use super::{File, SIZE, SQUARE, image, loaded, rendered, square};
@@ -318,9 +318,11 @@ fn a_spot_shines_within_its_cone_along_its_node() {
     assert_near([full; 3], [0.8; 3], 1e-2, "exposed to 1");
     let cos = |degrees: f64| radians(degrees).cos();
     for (spot, inner, outer) in [(cone(10.0, 20.0), 10.0, 20.0), (json!({}), 0.0, 45.0)] {
-        let part = (cos(15.0) - cos(outer)) / (cos(inner) - cos(outer));
-        let found = f64::from((lit(spot, 15.0) - dark) / full);
-        assert!((found - part * part).abs() < 2e-2, "{found}, not {}", part * part);
+        let part = |degrees: f64| (cos(degrees) - cos(outer)) / (cos(inner) - cos(outer));
+        let found = (lit(spot, 15.0) - dark) / full;
+        // The middle of the pixel is less than a degree off the axis.
+        let [least, most] = [16.0, 14.0].map(|degrees| part(degrees).powi(2));
+        assert!(least < found && found < most, "{found}, not {least} to {most}");
     }
 }
 
@@ -360,15 +362,13 @@ fn a_camera_is_chosen_by_name_or_number() {
 fn without_camera_and_light_all_is_seen() {
     let mut file = square();
     file.json["scenes"][0]["nodes"] = json!([0]);
-    let mut found = loaded(&file).expect("it is right");
-    let lights: Vec<PointLight> =
-        found.world.query_mut::<&PointLight>().into_iter().copied().collect();
-    assert_eq!(lights.len(), 1);
+    let found = loaded(&file).expect("it is right");
     let notes: Vec<String> = found.notes.iter().map(ToString::to_string).collect();
     assert!(notes[0].contains("no camera") && notes[0].contains("no light"), "{notes:?}");
+    // The square is less bright than what is behind it, and neither is black.
     let film = image(&file);
-    assert!(pixel(&film, 12, 9)[0] > 0.2, "{:?}", pixel(&film, 12, 9));
-    assert_near(pixel(&film, 0, 0), [0.05; 3], 1e-6, "the background");
+    let [square, background] = [pixel(&film, 12, 9)[0], pixel(&film, 0, 0)[0]];
+    assert!(0.1 < square && square < background && background < 1.0, "{square}, {background}");
 }
 
 #[test]

@@ -188,7 +188,7 @@ fn lights() {
         &format!("{first}.type"),
         json!("pointligth"),
         &format!(
-            "{first}.type: must be \"pointlight\" or \"arealight\", found \"pointligth\"; \
+            "{first}.type: must be \"pointlight\", \"spotlight\", \"directionallight\" or \"arealight\", found \"pointligth\"; \
              did you mean \"pointlight\"?"
         ),
     );
