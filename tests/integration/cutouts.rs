@@ -9,6 +9,7 @@ use wavecrest_core::film::Film;
 use wavecrest_core::plan::Effect;
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::RenderOptions;
+use wavecrest_scene::load::lighting::{Background, Lighting, Rig};
 use wavecrest_scene::load::{LoadOptions, load, load_str};
 use wavecrest_scene::systems::{self, Options};
 use wavecrest_scene::write::write;
@@ -217,8 +218,12 @@ fn files_of_other_formats_are_cut_out() {
         std::fs::write(at(&format!("{name}.gltf")), gltf(material).to_string()).expect("a file");
     }
     let options = LoadOptions { width: Some(20), height: Some(16), ..LoadOptions::default() };
+    let background = Some(Background::Color([0.0; 3].into()));
+    let lighting = Lighting { rig: Rig::Headlight, background, ..Lighting::default() };
+    let lit = LoadOptions { lighting, ..options.clone() };
     let film = |name: &str| -> Film {
-        let mut scene = load(&at(name), &options).unwrap_or_else(|error| panic!("{error}"));
+        let options = if name.ends_with(".json") { &options } else { &lit };
+        let mut scene = load(&at(name), options).unwrap_or_else(|error| panic!("{error}"));
         let extracted = systems::extract(&mut scene.world, Options::default());
         image_of(&extracted.unwrap_or_else(|error| panic!("{error}")).build(Preset::Fast), 0)
     };
@@ -229,7 +234,7 @@ fn files_of_other_formats_are_cut_out() {
         let share = covered(&found) as f64 / whole as f64;
         assert!((0.3..0.7).contains(&share), "{name}: {share}");
         let out = at(&format!("{name}.json"));
-        write(load(&at(name), &options).expect("a scene"), &out, false).expect("a scene file");
+        write(load(&at(name), &lit).expect("a scene"), &out, false).expect("a scene file");
         assert!(film(&format!("{name}.json")).same_bits(&found), "{name}");
     }
     let gone = load(&at("gone.gltf"), &options).expect("a scene");

@@ -199,7 +199,8 @@ fn looks_show_what_they_say() {
     let nearest = depth.pixel(x, y).expect("a pixel");
     assert!(nearest[0] > 0.95 && nearest[1] > 0.9, "{nearest:?}");
     let wires = look("wireframe");
-    run(at, &["block.obj", "a.pfm", "--width", "80", "--height", "60", "--view", "front", "-q"]);
+    let lit = ["-q", "block.obj", "a.pfm", "--lights", "headlight"];
+    run(at, &[&lit[..], &["--width", "80", "--height", "60", "--view", "front"]].concat());
     let plain = film(at, "a.pfm");
     // Along the diagonal of the front, and nowhere near it.
     let red = |film: &Film, x, y| film.pixel(x, y).map(|pixel| pixel[0]).expect("a pixel");
