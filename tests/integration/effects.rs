@@ -282,7 +282,6 @@ fn what_a_plan_leaves_out_is_not_counted_in_any_scene() {
             (Effect::Triangles, found.tests.triangles),
             (Effect::Quads, found.tests.quads),
             (Effect::Spheres, found.tests.spheres),
-            (Effect::Textures, found.texels),
             (Effect::RayDifferentials, found.footprints),
             (Effect::Mirrors, found.secondary_rays),
             (Effect::DepthOfField, found.lens_samples),
@@ -292,6 +291,9 @@ fn what_a_plan_leaves_out_is_not_counted_in_any_scene() {
         }
         let draws_lights = scene.lights.iter().any(|light| light.is_sampled());
         assert!(found.light_samples == 0 || draws_lights, "{name}");
+        let look_up =
+            [Effect::Textures, Effect::NormalMaps, Effect::MaterialTextures, Effect::Emission];
+        assert!(found.texels == 0 || look_up.iter().any(|&e| scene.plan.has(e)), "{name}");
         assert!(found.shadow_rays == 0 || scene.plan.schedule().has_shadows(), "{name}");
     }
 }

@@ -5,6 +5,7 @@ mod images;
 
 // What is refused, and in which words; what is warned of.
 mod refused;
+mod surfaces;
 
 // Conversion to scene files: the same image to the last bit.
 mod converted;

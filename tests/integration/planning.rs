@@ -133,6 +133,16 @@ impl Set {
             if self.has(Effect::CutOuts) {
                 shape["alpha"] = folder.join("t.png").display().to_string().into();
             }
+            if self.has(Effect::TintedHighlights) {
+                shape["material"]["specularcolor"] = json!([1.0, 0.5, 0.25]);
+            }
+            let image = folder.join("t.png").display().to_string();
+            if self.has(Effect::MaterialTextures) {
+                shape["occlusionmap"] = json!({"file": image});
+            }
+            if self.has(Effect::NormalMaps) {
+                shape["normalmap"] = json!({"file": image});
+            }
             if self.has(Effect::Textures) {
                 shape["texture"] = folder.join("t.png").display().to_string().into();
                 if self.has(Effect::RayDifferentials) {
@@ -165,16 +175,25 @@ impl Set {
             Effect::Textures
             | Effect::CutOuts
             | Effect::Emission
+            | Effect::MaterialTextures
             | Effect::Mirrors
             | Effect::HemisphereLight => self.has(effect) && surfaces,
             Effect::VertexColors => self.has(effect) && self.has(Effect::Triangles),
             _ if LIGHTS.contains(&effect) => self.has(effect) && surfaces,
             Effect::RayDifferentials => self.has(effect) && self.has(Effect::Textures) && surfaces,
-            Effect::SmoothShading => {
+            Effect::TintedHighlights => {
+                let mut asking = LIGHTS.into_iter().chain([Effect::Mirrors]);
+                self.has(effect) && surfaces && asking.any(|asks| self.has(asks))
+            }
+            Effect::SmoothShading | Effect::NormalMaps => {
                 let mut asking =
                     LIGHTS.into_iter().chain([Effect::Mirrors, Effect::HemisphereLight]);
                 let is_asked_for = asking.any(|asks| self.has(asks));
-                self.has(effect) && self.has(Effect::Triangles) && is_asked_for
+                let shown_by = match effect {
+                    Effect::SmoothShading => self.has(Effect::Triangles),
+                    _ => surfaces,
+                };
+                self.has(effect) && shown_by && is_asked_for
             }
             _ => self.has(effect),
         }
@@ -214,6 +233,9 @@ fn work(counters: &Counters) -> Counters {
     Counters { tests: Default::default(), kernels: Default::default(), ..*counters }
 }
 
+/// Effects that look texels up.
+const LOOK_UPS: [Effect; 3] = [Effect::Textures, Effect::NormalMaps, Effect::MaterialTextures];
+
 /// Checks that what is absent is not counted, and that no more is than was estimated.
 fn check_work(what: &str, scene: &PreparedScene, rendered: &Rendered) {
     let c = &rendered.counters;
@@ -227,7 +249,7 @@ fn check_work(what: &str, scene: &PreparedScene, rendered: &Rendered) {
         (c.shadow_rays, rays.shadow, schedule.has_shadows()),
         (c.light_samples, samples.light, draws_lights),
         (c.colors, samples.colors, scene.plan.has(Effect::VertexColors)),
-        (c.texels, samples.texels, scene.plan.has(Effect::Textures)),
+        (c.texels, samples.texels, LOOK_UPS.iter().any(|&effect| scene.plan.has(effect))),
         (c.lens_samples, samples.lens, scene.plan.has(Effect::DepthOfField)),
         (c.footprints, u64::MAX, scene.plan.has(Effect::RayDifferentials)),
         (c.tests.triangles, u64::MAX, scene.plan.has(Effect::Triangles)),
@@ -412,7 +434,7 @@ fn a_need_taken_out_of_the_table_is_missed() {
             needs += 1;
         }
     }
-    assert_eq!(needs, 18);
+    assert_eq!(needs, 21);
 }
 
 /// What a scene costs that shows nothing of it.

@@ -54,7 +54,7 @@ fn level() -> impl Strategy<Value = f32> {
 }
 
 fn wrap() -> impl Strategy<Value = Wrap> {
-    prop_oneof![Just(Wrap::Repeat), Just(Wrap::Clamp)]
+    prop_oneof![Just(Wrap::Repeat), Just(Wrap::Clamp), Just(Wrap::Mirror)]
 }
 
 proptest! {

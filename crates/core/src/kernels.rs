@@ -10,6 +10,7 @@ pub mod corners;
 pub mod differential;
 pub mod hemisphere;
 pub mod light;
+pub mod metal;
 pub mod precision;
 pub mod quad;
 pub mod shade;

@@ -26,6 +26,12 @@ pub enum Effect {
     VertexColors,
     /// Texture look-ups.
     Textures,
+    /// Normals from textures.
+    NormalMaps,
+    /// Textures of metal and roughness, and of ambient light.
+    MaterialTextures,
+    /// Highlights of a colour.
+    TintedHighlights,
     /// Light of materials themselves, added where they are seen.
     Emission,
     /// Holes where an image has little alpha.
@@ -52,7 +58,7 @@ pub enum Effect {
 
 impl Effect {
     /// Every effect, in the order in which a ray meets them.
-    pub const ALL: [Self; 17] = [
+    pub const ALL: [Self; 20] = [
         Self::Antialiasing,
         Self::DepthOfField,
         Self::Triangles,
@@ -61,6 +67,9 @@ impl Effect {
         Self::SmoothShading,
         Self::VertexColors,
         Self::Textures,
+        Self::NormalMaps,
+        Self::MaterialTextures,
+        Self::TintedHighlights,
         Self::Emission,
         Self::CutOuts,
         Self::RayDifferentials,
@@ -81,6 +90,9 @@ impl Effect {
             Self::SmoothShading => "smooth shading",
             Self::VertexColors => "vertex colors",
             Self::Textures => "textures",
+            Self::NormalMaps => "normal maps",
+            Self::MaterialTextures => "material textures",
+            Self::TintedHighlights => "tinted highlights",
             Self::Emission => "emission",
             Self::CutOuts => "cut-outs",
             Self::RayDifferentials => "ray differentials",

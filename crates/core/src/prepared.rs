@@ -1,19 +1,23 @@
 //! The scene as the tracers see it: dense arrays, a tree and a plan, immutable while rendering.
 
 mod appearance;
+mod detail;
 mod fingerprint;
 mod footprint;
 mod interaction;
+mod normal_map;
 mod resample;
 
 use std::ops::Range;
 use std::sync::Arc;
 
-use glam::{DVec3, Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3, Vec4};
 
+pub use detail::{Detail, Metal, Occlusion};
 pub use fingerprint::Fingerprints;
 pub use footprint::MirrorPoint;
 pub use interaction::{Face, Group, Interaction, lanes};
+pub use normal_map::NormalMap;
 pub use resample::{Original, Samples};
 
 use crate::accel::Accel;
@@ -24,7 +28,7 @@ pub use crate::kernels::corners::{CornerValues, NO_VALUE};
 use crate::kernels::hemisphere::Hemisphere;
 use crate::kernels::light::Light;
 use crate::kernels::texture::{Filter, Wrap};
-pub use crate::kernels::texture::{LazyImage, UvMap};
+pub use crate::kernels::texture::{LazyImage, Placing, UvMap};
 use crate::plan::Plan;
 use wavecrest_base::error::Result;
 
@@ -123,15 +127,8 @@ pub struct Shape {
     pub mesh: Option<u32>,
 }
 
-/// What a shape shows besides its colour: looked up hit by hit, and only on shapes that have it.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Detail {
-    /// Light of its own, which is seen and falls on nothing else.
-    pub emission: Vec3,
-}
-
 /// An image and how a shape wears it.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Texture {
     /// Which of [`Appearance::images`].
     pub image: u32,
@@ -141,6 +138,8 @@ pub struct Texture {
     pub wrap: Wrap,
     /// How points become coordinates.
     pub map: UvMap,
+    /// How these are changed, if they are.
+    pub placing: Option<Placing>,
 }
 
 /// Values at the corners of a mesh's triangles.
@@ -156,6 +155,8 @@ pub struct MeshAttributes {
     pub uvs: Option<Arc<CornerValues<Vec2>>>,
     /// Colours, linear.
     pub colors: Option<CornerValues<Vec3>>,
+    /// Where u grows, in world space; and the sign of the bitangent, which is across the normal and this.
+    pub tangents: Option<CornerValues<Vec4>>,
 }
 
 impl Appearance {
@@ -205,6 +206,7 @@ impl Appearance {
                 mesh.normals.as_ref().map_or(0, CornerValues::bytes)
                     + mesh.uvs.as_ref().map_or(0, |uvs| uvs.bytes())
                     + mesh.colors.as_ref().map_or(0, CornerValues::bytes)
+                    + mesh.tangents.as_ref().map_or(0, CornerValues::bytes)
             })
             .sum();
         (meshes + size_of_val(self.details.as_slice())) as u64

@@ -17,8 +17,8 @@ pub struct Estimated {
 
 impl Estimated {
     /// Of a render of so many `pixels` of `scene`: every camera ray meets a mirror and goes on for as many
-    /// bounces as there may be, every hit asks all lights, and every hit has the texture that takes the
-    /// most texels.
+    /// bounces as there may be, every hit asks all lights, and every hit is on the shape whose textures take
+    /// the most texels.
     pub fn of(scene: &PreparedScene, pixels: u64) -> Self {
         let primary = pixels * u64::from(scene.camera.rays_per_pixel());
         let secondary = primary.saturating_mul(u64::from(scene.bounces));
@@ -27,14 +27,16 @@ impl Estimated {
             let lights = scene.lights.iter().filter(|l| !sampled_alone || l.is_sampled());
             lights.map(|light| u64::from(light.samples())).sum()
         };
-        let textures = scene.appearance.shapes.iter().filter_map(|shape| shape.texture.as_ref());
-        let read = |filter: Filter| filter.texels() * filter.levels();
-        let texels = textures.clone().map(|texture| read(texture.filter)).max().unwrap_or(0);
-        let spreads = textures.into_iter().any(|texture| texture.filter == Filter::Trilinear);
+        let most = |count: fn(Filter) -> u64| -> u64 {
+            let of = |shape| scene.appearance.textures(shape).map(|t| count(t.filter)).sum();
+            scene.appearance.shapes.iter().map(of).max().unwrap_or(0)
+        };
+        let texels = most(|filter| filter.texels() * filter.levels());
+        let spreads = most(|filter| u64::from(filter == Filter::Trilinear));
         let is_colored = scene.appearance.shapes.iter().any(|shape| shape.colored);
         let colors = if is_colored { hits } else { 0 };
         let carried = if scene.carries_differentials() { secondary } else { 0 };
-        let footprints = if spreads { hits.saturating_add(carried) } else { carried };
+        let footprints = hits.saturating_mul(spreads).saturating_add(carried);
         let shadow = hits.saturating_mul(points(false));
         let light = hits.saturating_mul(points(true));
         let lens = if scene.camera.has_lens() { primary } else { 0 };

@@ -2,21 +2,25 @@
 //!
 //! A shape is an entity with [`Order`], [`JsonPath`], one of [`Sphere`], [`Quad`], [`Triangle`] or
 //! [`Mesh`], and [`Material`], [`Sides`], [`Shading`], perhaps [`Facing`], [`Transform`],
-//! [`TextureRef`], [`CutOut`], [`Name`]. A point light is an entity with [`PointLight`], which [`Spot`] narrows to a cone; a
-//! light from infinitely far away is one with [`DirectionalLight`], and an area light one with [`AreaLight`] and
+//! [`TextureRef`], [`Maps`], [`CutOut`], [`Name`]. A point light is an entity with [`PointLight`], which [`Spot`] narrows to a
+//! cone; a light from infinitely far away is one with [`DirectionalLight`], and an area light one with [`AreaLight`] and
 //! the geometry of its shape. The camera is one with [`View`] and
 //! [`Pinhole`] or [`ThinLens`]. One entity holds [`Settings`].
 //!
 //! Lengths are in the scene's own unit; colours are linear, 0 to 1. Numbers keep the precision of
 //! the file; the systems round them once, after the transform.
 
+mod textures;
+
 use std::path::PathBuf;
-use std::sync::Arc;
 
 use glam::{DAffine3, DVec3};
 use hecs::Entity;
 
 use super::mesh::MeshData;
+pub use textures::{
+    CutOut, Encoding, Filter, Maps, MetalMap, Placing, StrengthMap, TextureRef, TextureSource, Wrap,
+};
 
 /// What the user calls the entity.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -154,6 +158,8 @@ pub struct Material {
     pub kr: f64,
     /// Light of its own, which is seen and falls on nothing else; black for none.
     pub emission: DVec3,
+    /// Colour of the highlight, and of what it mirrors.
+    pub specular_color: DVec3,
 }
 
 wavecrest_base::choices! {
@@ -179,64 +185,6 @@ wavecrest_base::choices! {
         Shape = "shape",
         /// The file's, where it has some.
         File = "file",
-    }
-}
-
-/// A texture in place of the diffuse colour.
-#[derive(Clone, Debug, PartialEq)]
-pub struct TextureRef {
-    /// Where the image is.
-    pub source: TextureSource,
-    /// What its numbers stand for.
-    pub encoding: Encoding,
-    /// What every texel is multiplied by, once it is linear.
-    pub tint: DVec3,
-    /// How a look-up between texels is answered.
-    pub filter: Filter,
-    /// How coordinates outside 0 to 1 are taken.
-    pub wrap: Wrap,
-}
-
-pub use wavecrest_core::kernels::texture::{Filter, Wrap};
-
-/// Holes in a surface, where the alpha of an image is low.
-#[derive(Clone, Debug, PartialEq)]
-pub struct CutOut {
-    /// Where the image is.
-    pub source: TextureSource,
-    /// Whether brightness stands for the alpha of an image that has none; else such an image has no hole.
-    pub is_mask: bool,
-    /// The least alpha that is there, above 0.
-    pub threshold: f64,
-    /// How a look-up between texels is answered.
-    pub filter: Filter,
-    /// How coordinates outside 0 to 1 are taken.
-    pub wrap: Wrap,
-}
-
-/// Where the image of a texture is.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum TextureSource {
-    /// In a file of its own: the path, already joined to the scene file's folder.
-    File(PathBuf),
-    /// Within the scene file.
-    Embedded {
-        /// Where there, such as `images[2]`: one name for one image.
-        place: String,
-        /// A file of any image format.
-        bytes: Arc<[u8]>,
-    },
-}
-
-wavecrest_base::choices! {
-    /// What the numbers of an image stand for.
-    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-    pub enum Encoding {
-        /// Light, as they are.
-        #[default]
-        Linear = "linear",
-        /// Light behind the sRGB curve, as in most photographs and painted textures.
-        Srgb = "srgb",
     }
 }
 

@@ -16,6 +16,7 @@ mod camera;
 mod container;
 mod document;
 mod fields;
+mod instancing;
 mod light;
 mod material;
 mod mesh;
@@ -24,6 +25,7 @@ mod primitive;
 mod scene;
 mod survey;
 mod texture;
+mod textured;
 mod uri;
 
 use std::path::Path;

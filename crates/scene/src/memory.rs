@@ -120,7 +120,7 @@ impl Meshes {
     fn of(meshes: &[SurveyedMesh], flat: bool) -> Self {
         let mut all = Self::default();
         let mut own = 0;
-        for SurveyedMesh { holds, normals, uvs, uses } in meshes {
+        for SurveyedMesh { holds, normals, uvs, tangents, uses } in meshes {
             let is_shared = *uses > 1 && !flat;
             let copies = if is_shared { 1 } else { *uses };
             let add =
@@ -130,6 +130,8 @@ impl Meshes {
             add(&mut all.appearance, if *normals { holds.normal_bytes() } else { 0 });
             add(&mut all.appearance, if *uvs { holds.uv_bytes() } else { 0 });
             add(&mut all.appearance, holds.color_bytes());
+            let by_vertex = holds.positions.saturating_mul(size_of::<[f32; 4]>() as u64);
+            add(&mut all.appearance, if *tangents { by_vertex } else { 0 });
             all.read = all.read.saturating_add(holds.bytes());
             if !is_shared {
                 own += 1;

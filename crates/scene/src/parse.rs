@@ -5,6 +5,7 @@ mod camera;
 mod instance;
 mod json_schema;
 mod light;
+mod maps;
 mod material;
 mod mesh;
 mod shape;
@@ -16,7 +17,7 @@ use wavecrest_base::error::{ErrorKind, Result};
 
 pub(crate) use camera::{FOV, LONGEST_SIDE, check_size};
 pub use json_schema::json_schema;
-pub(crate) use material::THRESHOLD;
+pub(crate) use maps::THRESHOLD;
 
 use super::components::{Ambient, Encoding, Settings};
 use super::load::LoadOptions;

@@ -9,8 +9,8 @@ use std::path::PathBuf;
 use glam::DAffine3;
 
 use super::components::{
-    AreaLight, CameraPath, CutOut, DirectionalLight, Encoding, Facing, Material, Materials, Mesh,
-    Name, PointLight, Quad, Settings, Shading, Sides, Sphere, Spot, TextureRef, ThinLens,
+    AreaLight, CameraPath, CutOut, DirectionalLight, Encoding, Facing, Maps, Material, Materials,
+    Mesh, Name, PointLight, Quad, Settings, Shading, Sides, Sphere, Spot, TextureRef, ThinLens,
     Transform, Triangle, VertexColors, View,
 };
 
@@ -77,6 +77,7 @@ pub(crate) struct Shape {
     pub(crate) material: Option<Material>,
     pub(crate) texture: Option<TextureRef>,
     pub(crate) cutout: Option<CutOut>,
+    pub(crate) maps: Maps,
 }
 
 impl Shape {
@@ -96,6 +97,7 @@ impl Shape {
             material: None,
             texture: None,
             cutout: None,
+            maps: Maps::default(),
         }
     }
 }
@@ -108,8 +110,13 @@ impl Shape {
         name: Option<Name>,
         (material, texture, cutout): (Option<Material>, Option<TextureRef>, Option<CutOut>),
     ) -> Self {
-        let path = self.path.clone();
-        Self { path, name, geometry, material, texture, cutout, ..*self }
+        let (path, maps) = (self.path.clone(), self.maps.clone());
+        Self { path, name, geometry, material, texture, maps, cutout, ..*self }
+    }
+
+    /// All its textures, by their keys.
+    pub(crate) fn textures(&self) -> impl Iterator<Item = (&'static str, &TextureRef)> {
+        self.texture.iter().map(|texture| ("texture", texture)).chain(self.maps.all())
     }
 }
 

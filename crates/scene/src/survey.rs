@@ -18,6 +18,8 @@ pub struct SurveyedMesh {
     pub normals: bool,
     /// Whether its texture coordinates are kept for a texture.
     pub uvs: bool,
+    /// Whether tangents are computed for a normal map.
+    pub tangents: bool,
     /// How many places of the scene it has: its own, and its instances.
     pub uses: u64,
 }
@@ -55,7 +57,7 @@ pub(super) fn standalone(path: &Path, size: [u32; 2], is_smoothed: bool) -> Resu
         // About as many as positions, unless every edge is a crease.
         (holds.normals, holds.normal_indices) = (holds.positions, true);
     }
-    let mesh = SurveyedMesh { holds, normals: true, uvs: true, uses: 1 };
+    let mesh = SurveyedMesh { holds, normals: true, uvs: true, tangents: false, uses: 1 };
     let (rays_per_pixel, light_samples) = (staging::rays_per_pixel(), staging::samples());
     let meshes = vec![mesh];
     Ok(Survey { meshes, size, rays_per_pixel, light_samples, ..Survey::default() })
@@ -113,20 +115,23 @@ impl Survey {
                 notes.error(cause.kind(), &format!("{}.file", shape.path), message).because(cause)
             })?,
         };
-        let wears_some =
-            shape.texture.is_some() || shape.cutout.is_some() || shape.materials == Materials::File;
+        let wears_some = shape.textures().next().is_some()
+            || shape.cutout.is_some()
+            || shape.materials == Materials::File;
         let (normals, uvs) = (shape.shading == Shading::Smooth, wears_some);
-        self.meshes.push(SurveyedMesh { holds, normals, uvs, uses });
+        let tangents = shape.maps.normal.is_some();
+        self.meshes.push(SurveyedMesh { holds, normals, uvs, tangents, uses });
         self.add_texture(shape);
         Ok(())
     }
 
     fn add_texture(&mut self, shape: &Shape) {
-        let Some(texture) = &shape.texture else { return };
-        match self.textures.iter_mut().find(|known| known.source == texture.source) {
-            Some(known) if texture.filter == Filter::Trilinear => known.filter = texture.filter,
-            Some(_) => {}
-            None => self.textures.push(texture.clone()),
+        for (_, texture) in shape.textures() {
+            match self.textures.iter_mut().find(|known| known.source == texture.source) {
+                Some(known) if texture.filter == Filter::Trilinear => known.filter = texture.filter,
+                Some(_) => {}
+                None => self.textures.push(texture.clone()),
+            }
         }
     }
 }

@@ -8,8 +8,8 @@
 //! | [`lights`] | lights and their shapes | emitters with what is needed to sample them |
 //! | [`view`] | shapes, the camera in all frames | which shapes can be seen |
 //! | [`census`] | all of these | the plan: which effects the scene calls for |
-//! | [`details`] | materials | what shapes show besides their colour |
 //! | [`textures`] | texture references that show | images to be decoded, each once |
+//! | [`details`] | materials and maps that show | what shapes show besides their colour |
 //! | [`cutouts`] | cut-outs | which primitives have holes, and where |
 //! | [`camera`] | the view, pinhole or thin lens | the ray generator |
 //! | [`wavecrest_core::accel`] | the geometry | the tree |
@@ -42,6 +42,7 @@ use hecs::World;
 use crate::components::{Ambient, Name, Settings};
 use crate::query;
 use geometry::ShapeOutput;
+use textures::Images;
 use wavecrest_base::error::{Error, ErrorKind, Result, Warning};
 use wavecrest_core::accel::Accel;
 use wavecrest_core::accel::build::Preset;
@@ -94,13 +95,14 @@ pub fn extract(world: &mut World, options: Options<'_>) -> Result<Extracted> {
     let materials = materials::run(world, &extracted.shapes);
     let lights = lights::run(world, &extracted, &settings, origin)?;
     let (ambient, hemisphere) = ambient(&settings, lights.len());
-    let shows_others = |shape: usize| settings.bounces > 0 && materials[shape].kr > 0.0;
+    let possible = materials::possible(world, &extracted.shapes, &materials);
+    let shows_others = |shape: usize| settings.bounces > 0 && possible[shape].kr > 0.0;
     let in_view = view::run(&camera::places(world, origin)?, &extracted, shows_others);
     let found = census::run(census::Census {
         world,
         settings: &settings,
         extracted: &extracted,
-        materials: &materials,
+        materials: &possible,
         lights: &lights,
         has_ambient: ambient > 0.0,
         hemisphere: hemisphere.as_ref(),
@@ -109,10 +111,12 @@ pub fn extract(world: &mut World, options: Options<'_>) -> Result<Extracted> {
     let plan = Plan::of(found.decisions.clone(), passes);
     let schedule = plan.schedule();
     let lights = lights::keep(world, &settings, schedule, lights, &found)?;
-    let images = textures::run(world, &file, schedule, &found.textured, &mut extracted.shapes)?;
-    let details = details::run(world, schedule, &found.glowing, &mut extracted.shapes);
+    let mut images = Images::default();
+    textures::run(world, schedule, &found.shows, &mut images, &mut extracted.shapes);
+    let details = details::run(world, schedule, &found.shows, &mut images, &mut extracted.shapes);
+    let images = images.prepare(&file)?;
     let cutouts = cutouts::run(world, &file, &plan, &mut extracted)?;
-    extracted.drop_unused(schedule, &in_view);
+    extracted.drop_unused(schedule, &in_view, &details);
     let (camera, path) = camera::run(world, origin, schedule)?;
     let (geometry, appearance) = appearance(world, extracted, materials);
     let appearance = Appearance { details, images, cutouts, ..appearance };

@@ -13,7 +13,7 @@ use super::{SIZE, loaded, rendered, square};
 use crate::support::{folder, wavecrest};
 
 /// What a file is rendered to, once it has been converted in a folder of its own.
-fn converted(file: &Path) -> (Film, Value) {
+pub(super) fn converted(file: &Path) -> (Film, Value) {
     let folder = folder();
     let out = folder.path().join("out.json");
     let scene = load(file, &SIZE).unwrap_or_else(|error| panic!("{error}"));

@@ -14,7 +14,7 @@ use super::geometry::{Geometry, Primitive};
 use crate::kernels::corners::CornerValues;
 use crate::kernels::precision::Arithmetic;
 use crate::kernels::surface;
-use crate::kernels::texture::{self, Filter, LazyImage, UvMap, Wrap};
+use crate::kernels::texture::{self, Filter, LazyImage, Placing, UvMap, Wrap};
 use crate::math::float::normalize;
 use crate::math::ray::Ray;
 use crate::math::vector::{Line, Vector};
@@ -37,6 +37,8 @@ pub struct Cutout {
     pub wrap: Wrap,
     /// How points become coordinates.
     pub map: UvMap,
+    /// How these are changed, if they are.
+    pub placing: Option<Placing>,
     /// The coordinates of a mesh.
     pub mesh: Option<MeshUvs>,
 }
@@ -88,6 +90,7 @@ impl Cutout {
     fn is_hole(&self, uv: Vec2) -> bool {
         // An image that cannot be decoded ends the render.
         let Some(image) = self.image.look_up() else { return false };
+        let uv = self.placing.map_or(uv, |placing| placing.apply(uv));
         image.look_up(uv, self.filter, self.wrap).x < self.threshold
     }
 }

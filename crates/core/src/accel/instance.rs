@@ -15,7 +15,7 @@
 //! part that the ray has no share in is added to the instance's box once; the other is
 //! [`Instance::widening`] times the |o| by which the origin of a ray is moved for every other box too.
 
-use glam::{DAffine3, DVec3, Vec3};
+use glam::{DAffine3, DVec3, Vec3, Vec4};
 
 use crate::kernels::slab::{Aabb, PADDING};
 use crate::kernels::surface::Surface;
@@ -103,6 +103,14 @@ impl Instance {
     pub fn shading_normal(&self, normal: Vec3) -> Vec3 {
         let turned = self.normal(normal);
         if self.is_mirrored() { -turned } else { turned }
+    }
+
+    /// A tangent of the prototype in the world, of unit length; and its sign, by which the bitangent is on the same
+    /// side of the surface.
+    pub fn tangent(&self, tangent: Vec4) -> Vec4 {
+        let along = self.to_world.transform_vector3(tangent.truncate().as_dvec3());
+        let sign = if self.is_mirrored() { -tangent.w } else { tangent.w };
+        normalize_f64(along).as_vec3().extend(sign)
     }
 
     /// Whether it turns clockwise into counter-clockwise.

@@ -23,17 +23,19 @@ pub struct Material {
 
 /// What a material says of reflection.
 #[derive(Clone, Copy, Debug)]
-pub struct Reflection<F> {
+pub struct Reflection<F: Single> {
     /// Weight of the highlight.
     pub ks: F,
     /// Weight of the diffuse reflection.
     pub kd: F,
     /// Exponent of the highlight.
     pub exponent: F,
+    /// Colour of the highlight, and of what the surface mirrors.
+    pub tint: Vector<F>,
 }
 
 /// Light reflected to `view` from `to_light` (both of unit length, away from the surface), for a
-/// light of strength 1: kd D max(0, N.L) + ks max(0, N.H)^exponent.
+/// light of strength 1: kd D max(0, N.L) + ks T max(0, N.H)^exponent.
 #[inline(always)]
 pub fn reflect<F: Single>(
     material: &Reflection<F>,
@@ -56,7 +58,7 @@ pub fn reflect<F: Single>(
     let one = zero.same(1.0);
     let cosine = F::select(cosine.gt(one), one, cosine);
     let highlight = material.ks * power(cosine, material.exponent);
-    let both = diffuse + Vector::new(highlight, highlight, highlight);
+    let both = diffuse + material.tint.scale(highlight);
     Vector::select(is_shiny, both, diffuse)
 }
 
@@ -105,9 +107,10 @@ fn whole_power<F: Real<Element = f64>>(base: F, whole: u32) -> F {
 }
 
 impl Material {
-    /// What it says of reflection.
+    /// What it says of reflection, white.
     pub fn reflection(&self) -> Reflection<f32> {
-        Reflection { ks: self.ks, kd: self.kd, exponent: self.exponent }
+        let tint = Vec3::ONE.into();
+        Reflection { ks: self.ks, kd: self.kd, exponent: self.exponent, tint }
     }
 }
 

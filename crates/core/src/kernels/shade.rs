@@ -28,6 +28,8 @@ pub struct ShadingPoint<F: Single> {
     pub view: Vector<F>,
     /// Diffuse colour, from the material or a texture.
     pub color: Vector<F>,
+    /// Share of the ambient light that arrives here.
+    pub occlusion: F,
     /// Light of the material itself.
     pub emission: Vector<F>,
     /// How light is reflected.
@@ -39,14 +41,48 @@ pub struct ShadingPoint<F: Single> {
 }
 
 impl<F: Single> ShadingPoint<F> {
+    /// That of one lane.
+    pub fn lane(&self, i: usize) -> ShadingPoint<f32> {
+        let Reflection { ks, kd, exponent, tint } = self.reflection;
+        let (ks, kd, exponent) = (ks.lane(i), kd.lane(i), exponent.lane(i));
+        ShadingPoint {
+            point: self.point.lane(i).into(),
+            error: self.error.lane(i).into(),
+            normal: self.normal.lane(i).into(),
+            shading_normal: self.shading_normal.lane(i).into(),
+            view: self.view.lane(i).into(),
+            color: self.color.lane(i).into(),
+            occlusion: self.occlusion.lane(i),
+            emission: self.emission.lane(i).into(),
+            reflection: Reflection { ks, kd, exponent, tint: tint.lane(i).into() },
+            kr: self.kr.lane(i),
+            lit: self.lit.bits() >> i & 1 == 1,
+        }
+    }
+
+    /// Sets what textures can change of one lane: all but where the point is and which sides are lit.
+    pub fn set_material(&mut self, i: usize, of: &ShadingPoint<f32>) {
+        self.shading_normal.set_lane(i, of.shading_normal.into());
+        self.occlusion.set_lane(i, of.occlusion);
+        self.emission.set_lane(i, of.emission.into());
+        self.reflection.ks.set_lane(i, of.reflection.ks);
+        self.reflection.kd.set_lane(i, of.reflection.kd);
+        self.reflection.exponent.set_lane(i, of.reflection.exponent);
+        self.reflection.tint.set_lane(i, of.reflection.tint.into());
+        self.kr.set_lane(i, of.kr);
+    }
+
     /// The light a hit shows without any ray: the ambient part of all lights together, what arrives from the
     /// hemisphere before it, and its own.
     #[inline(always)]
     pub fn local_light(&self, ambient: f32, hemisphere: Option<&Hemisphere>) -> Vector<F> {
-        let even = self.color.scale(self.kr.same(ambient)) + self.emission;
+        let even = self.color.scale(self.occlusion * self.kr.same(ambient)) + self.emission;
         match hemisphere {
             None => even,
-            Some(hemisphere) => even + self.color * hemisphere.at(self.shading_normal),
+            Some(hemisphere) => {
+                let arriving = hemisphere.at(self.shading_normal).scale(self.occlusion);
+                even + self.color * arriving
+            }
         }
     }
 }
@@ -152,7 +188,7 @@ pub fn mirror_request<F: Single>(
         return None;
     }
     let (direction, _) = mirrored(point.view, point.shading_normal, point.normal);
-    let throughput = throughput.scale(point.kr);
+    let throughput = throughput * point.reflection.tint.scale(point.kr);
     let origin = point.point.offset_origin(point.error, point.normal, direction);
     let line = Line { origin, direction };
     let asked = asked & throughput.is_not_zero() & line.is_valid();
@@ -199,8 +235,9 @@ mod tests {
             shading_normal: Vec3::Y.into(),
             view: normalize(Vec3::new(1.0, 1.0, 0.0)).into(),
             color: Vec3::ONE.into(),
+            occlusion: 1.0,
             emission: Vec3::ZERO.into(),
-            reflection: Reflection { ks: 0.0, kd: 1.0, exponent: 1.0 },
+            reflection: Reflection { ks: 0.0, kd: 1.0, exponent: 1.0, tint: Vec3::ONE.into() },
             kr: 0.5,
             lit: true,
         }

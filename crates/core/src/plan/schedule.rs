@@ -17,6 +17,8 @@ pub enum Column {
     Hits,
     /// Points that lights reach.
     LitPoints,
+    /// Colours of highlights there.
+    Tints,
     /// Shadow rays on their way.
     ShadowRays,
     /// The rays of the next bounce.
@@ -27,11 +29,12 @@ pub enum Column {
 
 impl Column {
     /// Every group, in the order in which a batch holds them.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::Paths,
         Self::Rays,
         Self::Hits,
         Self::LitPoints,
+        Self::Tints,
         Self::ShadowRays,
         Self::NextRays,
         Self::Differentials,
@@ -44,6 +47,7 @@ impl Column {
             Self::Rays => "rays",
             Self::Hits => "hits",
             Self::LitPoints => "lit points",
+            Self::Tints => "tints",
             Self::ShadowRays => "shadow rays",
             Self::NextRays => "next rays",
             Self::Differentials => "differentials",
@@ -70,6 +74,12 @@ pub enum Step {
     Colors,
     /// Texture look-ups.
     Texels,
+    /// Normals from textures.
+    NormalMaps,
+    /// Look-ups in textures of the material.
+    Maps,
+    /// Colours of highlights.
+    Tints,
     /// Light of materials themselves.
     Emission,
     /// Points that lights are to be asked for.
@@ -145,8 +155,8 @@ const LIGHTS: Needs = Needs::Any(&[
 ///
 /// Kinds of shapes have no row: no pass asks for a kind, so that one which is absent costs nothing by
 /// having no primitive. Nor has the hemisphere light: the scene has one or none.
-pub const PASSES: [Pass; 15] = {
-    use Column::{Differentials, Hits, LitPoints, NextRays, Paths, Rays, ShadowRays};
+pub const PASSES: [Pass; 18] = {
+    use Column::{Differentials, Hits, LitPoints, NextRays, Paths, Rays, ShadowRays, Tints};
     [
         pass(Step::Generate, "generate", Needs::Nothing, &[], &[Paths, Rays]),
         part(Step::Jitter, "jitter", Step::Generate, &[Effect::Antialiasing], &[], &[Rays]),
@@ -156,6 +166,10 @@ pub const PASSES: [Pass; 15] = {
         part(Step::Normals, "normals", Step::Shade, &[Effect::SmoothShading], &[Hits], &[]),
         part(Step::Colors, "colors", Step::Shade, &[Effect::VertexColors], &[Hits], &[]),
         part(Step::Texels, "texels", Step::Shade, &[Effect::Textures], &[Hits], &[]),
+        part(Step::NormalMaps, "normal maps", Step::Shade, &[Effect::NormalMaps], &[Hits], &[]),
+        part(Step::Maps, "maps", Step::Shade, &[Effect::MaterialTextures], &[Hits], &[]),
+        // Of a mirror alone, no row is written.
+        part(Step::Tints, "tints", Step::Shade, &[Effect::TintedHighlights], &[Tints], &[Tints]),
         part(Step::Emission, "emission", Step::Shade, &[Effect::Emission], &[Hits], &[Paths]),
         Pass {
             part_of: Some(Step::Shade),

@@ -1,6 +1,6 @@
 //! What surfaces look like where they are hit: textures and the attributes of meshes.
 
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3, Vec4};
 
 use super::{Appearance, CornerValues, LookUps, MeshAttributes, Shape, Texture, UvMap};
 use crate::accel::Hit;
@@ -36,20 +36,35 @@ impl Appearance {
         self.corners(shape, geometry, primitive, |mesh| mesh.colors.as_ref())
     }
 
-    /// The colour of the point `surface` of the shape's primitive, from its texture if it has one. `arriving` gives
-    /// the ray's differential, the ray and its hit, where the filter needs them.
+    /// The tangents at the corners of a triangle of a mesh.
+    pub(super) fn corner_tangents(
+        &self,
+        shape: &Shape,
+        geometry: &Geometry,
+        primitive: u32,
+    ) -> Option<[Vec4; 3]> {
+        let tangents = self.corners(shape, geometry, primitive, |mesh| mesh.tangents.as_ref())?;
+        Some(match geometry.primitive(primitive) {
+            Primitive::Instanced(instanced) => {
+                let (instance, _) = geometry.instance(instanced);
+                tangents.map(|tangent| instance.tangent(tangent))
+            }
+            _ => tangents,
+        })
+    }
+
+    /// What `texture` shows at the point `surface` of the shape's primitive. `arriving` gives the ray's differential,
+    /// the ray and its hit, where the filter needs them.
     #[inline]
     pub fn texture_at(
         &self,
-        shape: &Shape,
-        primitive: u32,
+        texture: &Texture,
+        face: (&Shape, u32),
         geometry: &Geometry,
         surface: &Surface<f32>,
         arriving: impl FnOnce() -> (Differential, Ray, Hit),
         look_ups: &mut LookUps,
     ) -> Vec3 {
-        let Some(texture) = &shape.texture else { return Vec3::ZERO };
-        let face = (shape, primitive);
         let footprint = || {
             let (differential, ray, hit) = arriving();
             let steps = differential.at(&ray, hit.t, surface.normal.into());
@@ -80,6 +95,7 @@ impl Appearance {
                 corners[0] * wa + corners[1] * wb + corners[2] * wc
             }),
         };
+        let uv = texture.placing.map_or(uv, |placing| placing.apply(uv));
         let Some(image) = self.images[texture.image as usize].look_up() else { return Vec3::ZERO };
         if texture.filter != Filter::Trilinear {
             look_ups.texels += texture.filter.texels();

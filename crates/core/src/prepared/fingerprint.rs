@@ -22,8 +22,8 @@ impl Hasher {
 impl Hasher {
     /// Hashes which primitives are cut out, where, and the image by which they are.
     fn cutout(&mut self, cutout: &Cutout) {
-        let Cutout { primitives, threshold, filter, wrap, map, mesh, image } = cutout;
-        let _ = write!(self, "{primitives:?}{threshold}{filter:?}{wrap:?}{map:?}");
+        let Cutout { primitives, threshold, filter, wrap, map, placing, mesh, image } = cutout;
+        let _ = write!(self, "{primitives:?}{threshold}{filter:?}{wrap:?}{map:?}{placing:?}");
         if let Some(mesh) = mesh {
             self.list(&mesh.uvs.values);
             self.list(mesh.uvs.indices.as_deref().unwrap_or(&[]));
@@ -144,6 +144,10 @@ impl PreparedScene {
                 }
                 if let Some(colors) = &mesh.colors {
                     hasher.list(&colors.values);
+                }
+                if let Some(tangents) = &mesh.tangents {
+                    hasher.list(&tangents.values);
+                    hasher.list(tangents.indices.as_deref().unwrap_or(&[]));
                 }
             }
         })

@@ -47,7 +47,7 @@ impl Appearance {
         surface: &Surface<f32>,
         steps: [Vec3; 2],
     ) -> [Vec2; 2] {
-        match &texture.map {
+        let own = match &texture.map {
             UvMap::Planar(map) => steps.map(|step| map.change(step)),
             UvMap::Sphere(to_own) => {
                 let normal = normalize(*to_own * Vec3::from(surface.normal));
@@ -63,7 +63,8 @@ impl Appearance {
                         steps.map(|step| uv_change(&corners, &uvs, step))
                     })
             }
-        }
+        };
+        texture.placing.map_or(own, |placing| own.map(|change| placing.change(change)))
     }
 }
 

@@ -55,7 +55,7 @@ pub struct Group<F: Single> {
     /// Hits on shapes with a texture.
     textured: u32,
     /// Hits on shapes with a detail.
-    detailed: u32,
+    pub(super) detailed: u32,
     /// Hits on triangles that have normals.
     smooth: u32,
     /// Hits on triangles whose vertices have colours.
@@ -276,9 +276,11 @@ impl<F: Single> Group<F> {
         for lane in lanes(self.textured & self.used) {
             let Face { primitive, shape, .. } = self.faces[lane];
             let shape = &appearance.shapes[shape as usize];
+            let Some(texture) = &shape.texture else { continue };
             let (surface, arriving) = (surfaces.lane(lane), || arriving(lane));
+            let face = (shape, primitive);
             let found =
-                appearance.texture_at(shape, primitive, geometry, &surface, arriving, look_ups);
+                appearance.texture_at(texture, face, geometry, &surface, arriving, look_ups);
             color.set_lane(lane, found);
         }
         if self.colored != 0 {
@@ -293,25 +295,16 @@ impl<F: Single> Group<F> {
             shading_normal,
             view: -line.direction,
             color,
+            occlusion: F::splat(token, 1.0),
             emission: Vector::splat(token, Vec3::ZERO),
-            reflection: Reflection { ks, kd, exponent },
+            reflection: Reflection { ks, kd, exponent, tint: Vector::splat(token, Vec3::ONE) },
             kr: F::load(token, &self.kr),
             lit: F::mask(token, self.used) & (F::mask(token, self.two_sided) | !at_back),
         };
         if self.detailed & self.used != 0 {
-            self.details(&mut point, appearance);
+            self.details(&mut point, &surfaces, scene, &arriving, look_ups);
         }
         point
-    }
-
-    /// Adds to the points what shapes show besides their colour.
-    #[inline(never)]
-    fn details(&self, point: &mut ShadingPoint<F>, appearance: &Appearance) {
-        for lane in lanes(self.detailed & self.used) {
-            let shape = &appearance.shapes[self.faces[lane].shape as usize];
-            let Some(detail) = shape.detail else { continue };
-            point.emission.set_lane(lane, appearance.details[detail as usize].emission);
-        }
     }
 }
 

@@ -5,13 +5,13 @@
 
 #[macro_use]
 mod columns;
+mod lit;
 
 use glam::Vec3;
 
 use crate::accel::{Hit, RayColumns, Rays as AllRays};
-use crate::kernels::blinn_phong::Reflection;
 use crate::kernels::differential::Differential;
-use crate::kernels::shade::{MirrorRequest, SHADOW_END, ShadingPoint, ShadowRequest};
+use crate::kernels::shade::{MirrorRequest, SHADOW_END, ShadowRequest};
 use crate::math::ray::Ray;
 use crate::math::real::{Mask, Single};
 use crate::math::simd::LANES;
@@ -21,6 +21,7 @@ use crate::prepared::PreparedScene;
 use columns::Column;
 
 pub use columns::Vectors;
+pub use lit::{LitPoints, Tints};
 
 columns! {
     /// Rays from the camera or from mirrors, t from 0 to infinity. Written by generate and shade,
@@ -152,79 +153,6 @@ columns! {
 }
 
 columns! {
-    /// Points that lights reach. Written by shade, read by shadow.
-    LitPoints {
-        /// World space.
-        point: Vectors,
-        /// Bound on the error of each coordinate.
-        error: Vectors,
-        /// Geometric, unit length, on the viewer's side.
-        normal: Vectors,
-        /// For lighting, unit length, on the viewer's side.
-        shading_normal: Vectors,
-        /// To the viewer, unit length.
-        view: Vectors,
-        /// Diffuse colour.
-        color: Vectors,
-        /// What light from here counts for in its path.
-        throughput: Vectors,
-        /// Weights of the highlight and of the diffuse part, and the highlight's exponent.
-        reflection: Vectors,
-        /// The path, by its number in the batch.
-        path: Vec<u32>,
-    }
-}
-
-impl LitPoints {
-    /// Appends the points that lights reach, of these paths.
-    #[inline(always)]
-    pub fn push_lanes<F: Single>(
-        &mut self,
-        p: &ShadingPoint<F>,
-        throughput: Vector<F>,
-        path: &[u32; LANES],
-    ) {
-        let (i, lit) = (self.rows, p.lit);
-        let Reflection { ks, kd, exponent } = p.reflection;
-        self.point.pack(i, p.point, lit);
-        self.error.pack(i, p.error, lit);
-        self.normal.pack(i, p.normal, lit);
-        self.shading_normal.pack(i, p.shading_normal, lit);
-        self.view.pack(i, p.view, lit);
-        self.color.pack(i, p.color, lit);
-        self.throughput.pack(i, throughput, lit);
-        self.reflection.pack(i, Vector::new(ks, kd, exponent), lit);
-        F::pack_words(p.kr.token(), path, lit, &mut self.path[i..i + F::LANES]);
-        self.rows += lit.bits().count_ones() as usize;
-    }
-
-    /// The points from the `i`th on, those of `used`, and what they count for. They are no mirrors here.
-    #[inline(always)]
-    pub fn load<F: Single>(
-        &self,
-        token: F::Token,
-        i: usize,
-        used: u32,
-    ) -> (ShadingPoint<F>, Vector<F>) {
-        let reflection = self.reflection.load::<F>(token, i);
-        let point = ShadingPoint {
-            point: self.point.load(token, i),
-            error: self.error.load(token, i),
-            normal: self.normal.load(token, i),
-            shading_normal: self.shading_normal.load(token, i),
-            view: self.view.load(token, i),
-            color: self.color.load(token, i),
-            // Seen already.
-            emission: Vector::splat(token, Vec3::ZERO),
-            reflection: Reflection { ks: reflection.x, kd: reflection.y, exponent: reflection.z },
-            kr: F::splat(token, 0.0),
-            lit: F::mask(token, used),
-        };
-        (point, self.throughput.load(token, i))
-    }
-}
-
-columns! {
     /// Shadow rays, t from 0 to [`SHADOW_END`]. Written and read by shadow.
     ShadowRays {
         /// World space.
@@ -301,6 +229,8 @@ pub struct Batch {
     pub hits: Hits,
     /// Where they hit something that lights reach.
     pub lit: LitPoints,
+    /// The colours of their highlights.
+    pub tints: Tints,
     /// Shadow rays on their way.
     pub shadows: ShadowRays,
     /// The rays of the next bounce.
@@ -324,6 +254,7 @@ impl Batch {
             rays: Rays::with_capacity(room(Group::Rays)),
             hits: Hits::with_capacity(room(Group::Hits)),
             lit: LitPoints::with_capacity(room(Group::LitPoints)),
+            tints: Tints::with_capacity(room(Group::Tints)),
             shadows: ShadowRays::with_capacity(room(Group::ShadowRays)),
             next: Rays::with_capacity(room(Group::NextRays)),
             differentials: Differentials::with_capacity(room(Group::Differentials)),
@@ -369,8 +300,9 @@ impl Batch {
 
     /// Bytes that it holds in its columns, measured.
     pub fn bytes(&self) -> u64 {
-        let Self { capacity: _, paths, rays, hits, lit, shadows, next, .. } = self;
-        let groups = [paths.bytes(), rays.bytes(), hits.bytes(), lit.bytes(), shadows.bytes()];
+        let Self { capacity: _, paths, rays, hits, lit, tints, shadows, next, .. } = self;
+        let lit = lit.bytes() + tints.bytes();
+        let groups = [paths.bytes(), rays.bytes(), hits.bytes(), lit, shadows.bytes()];
         let differentials = [&self.differentials, &self.next_differentials].map(|d| d.bytes());
         let all = groups.into_iter().chain(differentials).sum::<usize>() + next.bytes();
         all as u64
@@ -384,6 +316,7 @@ fn row_bytes(group: Group) -> usize {
         Group::Rays | Group::NextRays => Rays::ROW_BYTES,
         Group::Hits => Hits::ROW_BYTES,
         Group::LitPoints => LitPoints::ROW_BYTES,
+        Group::Tints => Tints::ROW_BYTES,
         Group::ShadowRays => ShadowRays::ROW_BYTES,
         // Those of this bounce and of the next.
         Group::Differentials => 2 * Differentials::ROW_BYTES,

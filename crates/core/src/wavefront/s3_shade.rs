@@ -33,12 +33,13 @@ pub(super) fn run<P: Arithmetic>(
     counters: &mut Counters,
 ) {
     batch.lit.clear();
+    batch.tints.clear();
     batch.next.clear();
     batch.next_differentials.clear();
     let schedule = scene.plan.schedule();
-    let appearance = [Step::Normals, Step::Colors, Step::Texels, Step::Emission]
-        .iter()
-        .any(|&step| schedule.runs(step));
+    let steps =
+        [Step::Normals, Step::Colors, Step::Texels, Step::NormalMaps, Step::Maps, Step::Emission];
+    let appearance = steps.iter().any(|&step| schedule.runs(step));
     let shade = Shade::<P> {
         scene,
         bounce,
@@ -50,6 +51,7 @@ pub(super) fn run<P: Arithmetic>(
             || appearance
             || scene.hemisphere.is_some(),
         shadows: schedule.has_shadows(),
+        tints: schedule.runs(Step::Tints),
         mirrors: schedule.has_mirrors() && bounce < scene.bounces,
         precision: PhantomData,
     };
@@ -68,6 +70,8 @@ struct Shade<'a, P> {
     /// Whether points that lights reach are asked for, as is whether mirror rays are.
     shadows: bool,
     mirrors: bool,
+    /// Whether highlights have colours.
+    tints: bool,
     precision: PhantomData<P>,
 }
 
@@ -168,6 +172,10 @@ impl<P: Arithmetic> Shade<'_, P> {
         if self.shadows && point.lit.any() {
             self.batch.lit.provide();
             self.batch.lit.push_lanes(&point, throughput, &path);
+            if self.tints {
+                self.batch.tints.provide();
+                self.batch.tints.push_lanes(&point);
+            }
         }
         if self.mirrors
             && let Some(next) = mirror_request(&point, throughput)

@@ -14,6 +14,7 @@ use crate::math::random::Stream;
 use crate::math::real::{Mask, Single};
 use crate::math::simd::{Pass, dispatch_pass};
 use crate::math::vector::Vector;
+use crate::plan::schedule::Step;
 use crate::prepared::PreparedScene;
 
 /// Adds every light's contributions to the paths.
@@ -25,10 +26,11 @@ pub(super) fn run<P: Arithmetic>(
     traversal: &mut Traversal,
     counters: &mut Counters,
 ) {
+    let tinted = scene.plan.schedule().runs(Step::Tints);
     for light in &scene.lights {
         let mut next = Next::default();
         while next.index < light.samples() && !batch.lit.is_empty() {
-            let request = Request { light, seed, bounce, batch, counters, next };
+            let request = Request { light, seed, bounce, tinted, batch, counters, next };
             next = dispatch_pass(scene.accel.level, request);
             trace::<P>(scene, batch, traversal);
         }
@@ -48,6 +50,8 @@ struct Request<'a> {
     light: &'a Light,
     seed: u64,
     bounce: u32,
+    /// Whether highlights have colours.
+    tinted: bool,
     batch: &'a mut Batch,
     counters: &'a mut Counters,
     next: Next,
@@ -60,7 +64,7 @@ impl Pass for Request<'_> {
     fn run<F: Single>(self, token: F::Token) -> Next {
         let Self { light, counters, batch, mut next, .. } = self;
         let capacity = batch.capacity();
-        let Batch { lit, paths, shadows, .. } = batch;
+        let Batch { lit, tints, paths, shadows, .. } = batch;
         let (samples, sampled) = (light.samples(), light.is_sampled());
         while next.index < samples {
             while next.point < lit.len() {
@@ -69,7 +73,10 @@ impl Pass for Request<'_> {
                 }
                 let count = F::LANES.min(lit.len() - next.point);
                 let used = (1_u64 << count) - 1;
-                let (points, throughput) = lit.load::<F>(token, next.point, used as u32);
+                let (mut points, throughput) = lit.load::<F>(token, next.point, used as u32);
+                if self.tinted {
+                    points.reflection.tint = tints.tint.load(token, next.point);
+                }
                 let path = &lit.path[next.point..next.point + F::LANES];
                 let stream = |lane: usize| {
                     let path = path[lane] as usize;

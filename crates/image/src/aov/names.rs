@@ -27,7 +27,8 @@ impl<'a> Names<'a> {
             }
             let texture = shape.texture.as_ref().map(|t| (t.image, t.filter, t.wrap));
             // As text, numbers are as good as their bits.
-            let text = format!("{:?} {texture:?}", appearance.materials.get(index));
+            let detail = shape.detail;
+            let text = format!("{:?} {texture:?} {detail:?}", appearance.materials.get(index));
             let number = *known.entry(text).or_insert_with(|| {
                 names.first.push(index);
                 names.first.len() as u32

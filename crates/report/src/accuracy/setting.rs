@@ -155,7 +155,7 @@ impl Facts {
             has_area_lights: scene.lights.iter().any(|light| light.is_sampled()),
             has_points: scene.lights.iter().any(|l| l.is_sampled() && l.samples() > 1),
             has_lens: scene.camera.has_lens(),
-            has_textures: scene.appearance.shapes.iter().any(|shape| shape.texture.is_some()),
+            has_textures: !scene.appearance.images.is_empty(),
             antialias: scene.camera.antialias(),
             bounces: scene.bounces,
         }

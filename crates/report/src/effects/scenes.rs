@@ -86,6 +86,10 @@ fn add_reached(list: &mut List, ambient: usize, lit: usize, picture: &str) {
     list.add("a texture, trilinear", lit, |scene| textured(scene, picture, "trilinear"));
     list.add("emission", lit, |scene| glow(shapes(scene)));
     list.add("cut-outs", lit, |scene| cut_out(scene, picture, 0.5));
+    list.add("tinted highlights", lit, tint);
+    list.add("a normal map", lit, |scene| mapped(scene, "normalmap", picture));
+    list.add("a metal map", lit, |scene| mapped(scene, "metalmap", picture));
+    list.add("an occlusion map", lit, |scene| mapped(scene, "occlusionmap", picture));
     list.add("antialiasing, 2 x 2", lit, |scene| scene["camera"]["antialias"] = 2.into());
     list.add("depth of field, 2 x 2", lit, |scene| lens(scene, 0.2, 2));
     list.add("quads", lit, |scene| add_shapes(scene, (-2..=2).map(quad)));
@@ -126,6 +130,12 @@ fn add_unreached(list: &mut List, dark: usize, lit: usize, picture: &str) {
         add_shapes(scene, [triangle]);
     });
     list.without("cut-outs at an alpha of 0", lit, |scene| cut_out(scene, picture, 0.0));
+    list.without("maps without light", dark, |scene| {
+        for key in ["normalmap", "metalmap", "occlusionmap"] {
+            mapped(scene, key, picture);
+        }
+        tint(scene);
+    });
     list.without("a texture without light", dark, |scene| textured(scene, picture, "bilinear"));
     list.without("mirrors without light", dark, |scene| mirrors(scene, 0.5, 4));
     list.without("smooth shading without light", dark, smooth);
@@ -298,6 +308,18 @@ fn cut_out(scene: &mut Value, picture: &str, threshold: f64) {
     for shape in shapes(scene) {
         shape["alpha"] = picture.into();
         shape["alphacutoff"] = threshold.into();
+    }
+}
+
+fn tint(scene: &mut Value) {
+    for shape in shapes(scene) {
+        shape["material"]["specularcolor"] = json!([1.0, 0.7, 0.3]);
+    }
+}
+
+fn mapped(scene: &mut Value, key: &str, picture: &str) {
+    for shape in shapes(scene) {
+        shape[key] = json!({"file": picture});
     }
 }
 

@@ -36,6 +36,7 @@ fn shading_point(numbers: &mut Numbers, surface: &Surface<f32>) -> ShadingPoint<
         shading_normal: surface.normal,
         view: if view.dot(surface.normal.into()) < 0.0 { -view } else { view }.into(),
         color: Vec3::ONE.into(),
+        occlusion: 1.0,
         emission: Vec3::ZERO.into(),
         reflection: MATERIAL.reflection(),
         kr: MATERIAL.kr,

@@ -44,12 +44,13 @@ fn value(coordinate: f32, count: u32, filter: Filter, wrap: Wrap) -> f64 {
     let fraction = match wrap {
         Wrap::Repeat => exact - exact.floor(),
         Wrap::Clamp => exact.clamp(0.0, 1.0),
+        Wrap::Mirror => 1.0 - (exact.rem_euclid(2.0) - 1.0).abs(),
     };
     let at = fraction * f64::from(count);
     let texel = |i: i64| {
         let i = match wrap {
             Wrap::Repeat => i.rem_euclid(i64::from(count)),
-            Wrap::Clamp => i.clamp(0, i64::from(count) - 1),
+            Wrap::Clamp | Wrap::Mirror => i.clamp(0, i64::from(count) - 1),
         };
         i.min(i64::from(count) - i) as f64
     };
@@ -74,7 +75,7 @@ pub(super) fn look_ups(effort: &Effort) -> Outcome {
         let mut numbers = Numbers::new(effort, 30, n);
         let image = &images[numbers.below(images.len())];
         let filter = [Filter::Nearest, Filter::Bilinear][numbers.below(2)];
-        let wrap = [Wrap::Repeat, Wrap::Clamp][numbers.below(2)];
+        let wrap = [Wrap::Repeat, Wrap::Clamp, Wrap::Mirror][numbers.below(3)];
         Outcome::one(if numbers.below(4) == 0 {
             across_a_seam(&mut numbers, image, filter)
         } else {

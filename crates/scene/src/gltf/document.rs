@@ -13,7 +13,8 @@ use super::primitive::MeshParts;
 use super::texture::Textures;
 
 /// The extensions that are read.
-const EXTENSIONS: [&str; 5] = [
+const EXTENSIONS: [&str; 6] = [
+    "EXT_mesh_gpu_instancing",
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
     "KHR_materials_unlit",
@@ -61,7 +62,7 @@ impl Document {
             cameras: cameras.len(),
             lights: lights.len(),
         };
-        let nodes = top.list("nodes", "a node", |f| Node::read(f, lengths))?;
+        let nodes = top.list("nodes", "a node", |f| Node::read(f, lengths, &accessors))?;
         let placed = node::placed(top, &nodes)?;
         Ok(Self {
             is_quantized: extensions.iter().any(|name| name == "KHR_mesh_quantization"),
@@ -148,10 +149,8 @@ fn check_extensions(top: &Fields<'_>) -> Result<Vec<String>> {
 
 /// Tells what of the file as a whole is left out.
 pub(super) fn remark(top: &Fields<'_>) {
-    for (key, message) in [("animations", "animations are ignored"), ("skins", "skins are ignored")]
-    {
-        if top.length(key) > 0 {
-            top.cursor().notes().once(key, message, "meshes are shown where their nodes are");
-        }
+    if let Some(key) = ["animations", "skins"].into_iter().find(|key| top.length(key) > 0) {
+        let remedy = "animations and skins are ignored: export it in the pose that is wanted";
+        top.cursor().notes().once(key, "the file is shown in its rest pose", remedy);
     }
 }

@@ -1,15 +1,16 @@
 //! Materials: from metallic-roughness to Blinn-Phong with a mirror.
 //!
-//! The two models are not alike, so that the rule is ours; [`look`] states it. What it leaves out is
-//! reported: blending, and all textures but that of the base colour. A surface that glows weakly shows its own light; one
-//! that glows as brightly as white is a light.
+//! The two models are not alike, so that the rule is ours; [`look`] states it. What is left out is reported. A surface
+//! that glows weakly, or where a texture says so, shows its own light; one that glows all over as brightly as white is a
+//! light.
 
 use glam::DVec3;
 
-use crate::components::{Material, Sides};
+use crate::components::{Encoding, Maps, Material, MetalMap, Sides, StrengthMap, TextureRef};
 use crate::parse::THRESHOLD;
 use crate::reader::Range;
 use wavecrest_base::error::Result;
+use wavecrest_core::kernels::metal::{Look, look};
 
 use super::fields::Fields;
 use super::texture::TextureInfo;
@@ -26,6 +27,13 @@ pub(super) struct Surface {
     pub(super) texture: Option<TextureInfo>,
     metallic: f64,
     roughness: f64,
+    /// The texture of metal and roughness.
+    metal: Option<TextureInfo>,
+    /// That of the light that it gives off.
+    glow: Option<TextureInfo>,
+    /// Those of ambient light and of normals, with how far they count.
+    occlusion: Option<(TextureInfo, f64)>,
+    normal: Option<(TextureInfo, f64)>,
     is_unlit: bool,
     /// Which sides lights reach.
     pub(super) sides: Sides,
@@ -45,6 +53,10 @@ impl Surface {
         texture: None,
         metallic: 1.0,
         roughness: 1.0,
+        metal: None,
+        glow: None,
+        occlusion: None,
+        normal: None,
         is_unlit: false,
         sides: Sides::Front,
         emission: DVec3::ZERO,
@@ -52,46 +64,87 @@ impl Surface {
 
     /// Reads an element of `materials`, of a file with so many textures.
     pub(super) fn read(fields: &Fields<'_>, textures: usize) -> Result<Self> {
-        remark(fields);
         let cutoff = cutoff(fields)?;
         let sides = if fields.flag("doubleSided")? { Sides::Both } else { Sides::Front };
-        let emission = emission(fields)?;
-        let is_unlit = fields.extension("KHR_materials_unlit", |_| Ok(()))?.is_some();
-        let default = Self { cutoff, sides, emission, is_unlit, ..Self::DEFAULT };
-        let Some(model) = fields.object("pbrMetallicRoughness")? else { return Ok(default) };
+        let texture = |of: &Fields<'_>, key: &str| -> Result<Option<TextureInfo>> {
+            let found = of.object(key)?;
+            found.map(|found| TextureInfo::read(&found, textures)).transpose()
+        };
+        let scaled = |key: &str, scale: &str| -> Result<Option<(TextureInfo, f64)>> {
+            let Some(found) = fields.object(key)? else { return Ok(None) };
+            let scale = found.number_or(scale, Range::COORDINATE, 1.0)?;
+            Ok(Some((TextureInfo::read(&found, textures)?, scale)))
+        };
+        let own = Self {
+            cutoff,
+            sides,
+            emission: emission(fields)?,
+            is_unlit: fields.extension("KHR_materials_unlit", |_| Ok(()))?.is_some(),
+            glow: texture(fields, "emissiveTexture")?,
+            occlusion: scaled("occlusionTexture", "strength")?,
+            normal: scaled("normalTexture", "scale")?,
+            ..Self::DEFAULT
+        };
+        let Some(model) = fields.object("pbrMetallicRoughness")? else { return Ok(own) };
         let base_color = model.numbers::<4>("baseColorFactor", UNIT)?;
-        let texture = model.object("baseColorTexture")?;
-        // Most of what such a texture covers is no metal; the factor alone would make all of it one.
-        let is_mapped = model.get("metallicRoughnessTexture").is_some();
-        let metallic = model.number_or("metallicFactor", UNIT, 1.0)?;
         Ok(Self {
             alpha: base_color.map_or(1.0, |color| color[3]),
             base_color: base_color.map_or(DVec3::ONE, |[r, g, b, _]| DVec3::new(r, g, b)),
-            texture: texture.map(|found| TextureInfo::read(&found, textures)).transpose()?,
-            metallic: if is_mapped { 0.0 } else { metallic },
+            texture: texture(&model, "baseColorTexture")?,
+            metal: texture(&model, "metallicRoughnessTexture")?,
+            metallic: model.number_or("metallicFactor", UNIT, 1.0)?,
             roughness: model.number_or("roughnessFactor", UNIT, 1.0)?,
-            ..default
+            ..own
         })
     }
 
-    /// What the surface is made of.
-    pub(super) fn material(&self) -> Material {
-        let reflecting = look(self.base_color, self.metallic, self.roughness);
-        match self.is_unlit {
-            true if self.texture.is_none() => Material {
-                kd: 0.0,
-                diffuse_color: DVec3::ZERO,
-                emission: self.base_color,
-                ..look(DVec3::ZERO, 0.0, 1.0)
-            },
-            true => Material { ks: 0.0, kr: 0.0, kd: 1.0, ..reflecting },
-            false => Material { emission: self.emission, ..reflecting },
+    /// What the surface is made of, with a texture of its own light or without one.
+    pub(super) fn material(&self, glow: Option<&TextureRef>) -> Material {
+        let of = |look: Look, diffuse_color: DVec3, emission: DVec3| Material {
+            ks: look.ks,
+            kd: look.kd,
+            specular_exponent: look.exponent,
+            diffuse_color,
+            kr: look.kr,
+            emission,
+            specular_color: look.tint,
+        };
+        if self.is_unlit {
+            let matte = look(DVec3::ZERO, 0.0, 1.0);
+            return of(Look { kd: 0.0, ..matte }, DVec3::ZERO, self.base_color);
         }
+        // Most of such a texture is black as a rule: without it, light all over would be wrong.
+        let emission =
+            if glow.is_some() == self.glow.is_some() { self.emission } else { DVec3::ZERO };
+        of(look(self.base_color, self.metallic, self.roughness), self.base_color, emission)
     }
 
-    /// What the texture is multiplied by.
-    pub(super) fn tint(&self) -> DVec3 {
-        self.base_color
+    /// The texture of the colour, and the others, as far as `texture` has them: by what they are called, how they are
+    /// encoded and what they are multiplied by.
+    pub(super) fn textures(
+        &self,
+        mut texture: impl FnMut(&TextureInfo, Encoding, DVec3) -> Option<TextureRef>,
+    ) -> (Option<TextureRef>, Maps) {
+        let mut of = |info: &Option<TextureInfo>, encoding, tint| {
+            info.as_ref().and_then(|info| texture(info, encoding, tint))
+        };
+        if self.is_unlit {
+            let emission = of(&self.texture, Encoding::Srgb, DVec3::ONE);
+            return (None, Maps { emission, ..Maps::default() });
+        }
+        let color = of(&self.texture, Encoding::Srgb, self.base_color);
+        let shows_light = self.emission != DVec3::ZERO;
+        let glow = self.glow.filter(|_| shows_light);
+        let mut plain = |info: Option<TextureInfo>| of(&info, Encoding::Linear, DVec3::ONE);
+        let (metallic, roughness) = (self.metallic, self.roughness);
+        let metal = plain(self.metal).map(|texture| MetalMap { texture, metallic, roughness });
+        let mut scaled = |map: Option<(TextureInfo, f64)>| {
+            let (info, strength) = map?;
+            Some(StrengthMap { texture: plain(Some(info))?, strength })
+        };
+        let (occlusion, normal) = (scaled(self.occlusion), scaled(self.normal));
+        let emission = of(&glow, Encoding::Srgb, DVec3::ONE);
+        (color, Maps { emission, metal, occlusion, normal })
     }
 
     /// The least alpha of its texture that is there; 0 where all is, `None` where nothing can be.
@@ -103,59 +156,26 @@ impl Surface {
         }
     }
 
+    /// Whether the surface shows its colour as it is, whatever the light.
+    pub(super) fn is_unlit(&self) -> bool {
+        self.is_unlit
+    }
+
     /// Whether the surface is a light.
     pub(super) fn is_light(&self) -> bool {
-        !self.is_unlit && self.emission.max_element() >= BRIGHT
+        !self.is_unlit && self.glow.is_none() && self.emission.max_element() >= BRIGHT
     }
 }
 
 /// The emission from which on a surface is a light: as bright as a white one that faces all lights.
 const BRIGHT: f64 = 1.0;
-/// What a smooth surface that is no metal reflects of light that falls on it straight.
-const DIELECTRIC: f64 = 0.04;
-/// The greatest exponent that comes of a roughness. Its highlight of a point is about a degree wide.
-const GREATEST_EXPONENT: f64 = 10_000.0;
-
-/// The material of a base colour C, metallic m and roughness r:
-///
-/// - kr = m (1 - r)^2: metals are mirrors as far as they are smooth,
-/// - kd = 1 - kr, with the diffuse colour C: what is not mirrored is scattered,
-/// - exponent n = 2 / r^4 - 2, rounded, at most 10 000: the width of the highlight of the format's model
-///   (Karis, *Specular BRDF Reference*, 2013),
-/// - ks = (1 - r) min(1, F (n + 2) / 8), with F = 0.04 (1 - m) + m times the mean of C: its height, less
-///   what a rough surface scatters anyway.
-///
-/// Mirror and highlight are white.
-pub(super) fn look(color: DVec3, metallic: f64, roughness: f64) -> Material {
-    let kr = metallic * (1.0 - roughness) * (1.0 - roughness);
-    let alpha = roughness * roughness;
-    let exponent = (2.0 / (alpha * alpha) - 2.0).min(GREATEST_EXPONENT).round();
-    let mean = (color.x + color.y + color.z) / 3.0;
-    let straight = DIELECTRIC * (1.0 - metallic) + metallic * mean;
-    let ks = (1.0 - roughness) * (straight * (exponent + 2.0) / 8.0).min(1.0);
-    Material {
-        ks,
-        kd: 1.0 - kr,
-        specular_exponent: exponent,
-        diffuse_color: color,
-        kr,
-        emission: DVec3::ZERO,
-    }
-}
 
 fn emission(fields: &Fields<'_>) -> Result<DVec3> {
     let factor = fields.numbers::<3>("emissiveFactor", Range::NOT_NEGATIVE)?;
     let strength = fields.extension("KHR_materials_emissive_strength", |found| {
         found.number_or("emissiveStrength", Range::NOT_NEGATIVE, 1.0)
     })?;
-    let emission = factor.map_or(DVec3::ZERO, DVec3::from_array) * strength.unwrap_or(1.0);
-    if emission != DVec3::ZERO && fields.get("emissiveTexture").is_some() {
-        // Most of such a texture is black as a rule: a light all over would be wrong.
-        let message = "a surface with an emissive texture gives off no light";
-        fields.once(message, "leave the texture out, and all of it is a light");
-        return Ok(DVec3::ZERO);
-    }
-    Ok(emission)
+    Ok(factor.map_or(DVec3::ZERO, DVec3::from_array) * strength.unwrap_or(1.0))
 }
 
 /// The least alpha that is there: what is blended is there or is not.
@@ -169,41 +189,5 @@ fn cutoff(fields: &Fields<'_>) -> Result<f64> {
             Ok(THRESHOLD)
         }
         _ => Ok(0.0),
-    }
-}
-
-/// Tells what of a material is left out.
-fn remark(fields: &Fields<'_>) {
-    let model = fields.object("pbrMetallicRoughness").ok().flatten();
-    if model.is_some_and(|model| model.get("metallicRoughnessTexture").is_some()) {
-        let remedy = "the surface is no metal, of the roughness that its factor says";
-        fields.once("a texture of metal and roughness is ignored", remedy);
-    }
-    if fields.get("normalTexture").is_some() || fields.get("occlusionTexture").is_some() {
-        fields.once("textures of normals and occlusion are ignored", "the mesh alone has a form");
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn materials_follow_the_rule() {
-        let white = |metallic, roughness| look(DVec3::ONE, metallic, roughness);
-        let matte = white(0.0, 1.0);
-        assert_eq!((matte.kd, matte.ks, matte.kr, matte.specular_exponent), (1.0, 0.0, 0.0, 0.0));
-        let mirror = white(1.0, 0.0);
-        assert_eq!((mirror.kd, mirror.kr, mirror.specular_exponent), (0.0, 1.0, 10_000.0));
-        let plastic = white(0.0, 0.5);
-        assert_eq!((plastic.kd, plastic.kr, plastic.specular_exponent), (1.0, 0.0, 30.0));
-        assert!((plastic.ks - 0.08).abs() < 1e-12);
-        for metallic in [0.0, 0.3, 1.0] {
-            for roughness in [0.0, 1e-9, 0.2, 0.7, 1.0] {
-                let Material { ks, kd, kr, specular_exponent, .. } = white(metallic, roughness);
-                assert!((0.0..=1.0).contains(&ks) && (0.0..=1.0).contains(&kr) && kd + kr <= 1.0);
-                assert!((0.0..=10_000.0).contains(&specular_exponent));
-            }
-        }
     }
 }

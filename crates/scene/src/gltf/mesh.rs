@@ -9,7 +9,7 @@ use wavecrest_base::error::{Error, ErrorKind, Result};
 use super::accessor::{Accessor, Component, Elements};
 use super::document::Document;
 use super::primitive::{COLORS, Mode, Primitive};
-use super::texture::TextureInfo;
+use super::texture::coordinates;
 
 /// What reads primitives, and counts what it has read.
 pub(super) struct Reader<'a> {
@@ -34,12 +34,11 @@ impl<'a> Reader<'a> {
         Self { document, notes, left }
     }
 
-    /// The arrays of a primitive, with the coordinates that a texture goes by, if one is given. `None` for
-    /// what has no triangles.
+    /// The arrays of a primitive, with a set of coordinates, if textures go by one. `None` for what has no triangles.
     pub(super) fn mesh(
         &mut self,
         primitive: &Primitive,
-        texture: Option<&TextureInfo>,
+        set: Option<u32>,
     ) -> Result<Option<MeshData>> {
         let Some(mode) = primitive.mode else { return Ok(None) };
         let Some(&positions) = primitive.attributes.get("POSITION") else {
@@ -59,7 +58,7 @@ impl<'a> Reader<'a> {
         triangles.shrink_to_fit();
         let used = used.as_deref();
         let normals = self.normals(primitive, count, used)?;
-        let uvs = texture.map(|info| self.uvs(primitive, count, used, info)).transpose()?.flatten();
+        let uvs = set.map(|set| self.uvs(primitive, count, used, set)).transpose()?.flatten();
         let positions = self.positions(primitive, positions, used)?;
         let colors = self.colors(primitive, count, used)?;
         Ok(Some(MeshData { positions, triangles, normals, uvs, colors }))
@@ -197,18 +196,18 @@ impl<'a> Reader<'a> {
         primitive: &Primitive,
         count: usize,
         used: Option<&[u32]>,
-        info: &TextureInfo,
+        set: u32,
     ) -> Result<Option<Attribute<glam::Vec2>>> {
-        let name = format!("TEXCOORD_{}", info.set);
+        let name = format!("TEXCOORD_{set}");
         let types = [(Component::F32, false), (Component::U8, true), (Component::U16, true)];
         let Some(elements) = self.attribute(primitive, &name, (count, used), 2, &types)? else {
-            let message = "a mesh has no coordinates for its texture";
+            let message = "a mesh has no coordinates for its textures";
             let remedy = format!("it has the colour alone; give it the attribute {name}");
             self.notes.once(&primitive.path, message, &remedy);
             return Ok(None);
         };
         let values = elements.each(used, |uv| {
-            let uv = info.placing.apply(uv);
+            let uv = coordinates(uv);
             if uv.is_finite() { uv } else { glam::Vec2::ZERO }
         });
         Ok(Some(Attribute { values, indices: None }))

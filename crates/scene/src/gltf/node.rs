@@ -11,7 +11,9 @@ use crate::reader::Range;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::math::float::MAX_COORDINATE;
 
+use super::accessor::Accessor;
 use super::fields::Fields;
+use super::instancing::Instancing;
 
 /// A node.
 #[derive(Clone, Debug, Default)]
@@ -20,7 +22,8 @@ pub(super) struct Node {
     pub(super) mesh: Option<usize>,
     pub(super) camera: Option<usize>,
     pub(super) light: Option<usize>,
-    pub(super) is_skinned: bool,
+    /// Where it shows its mesh, if not at its own place alone.
+    pub(super) instancing: Option<Instancing>,
     children: Vec<usize>,
     /// To the space of its parent.
     local: DAffine3,
@@ -37,7 +40,11 @@ pub(super) struct Lengths {
 
 impl Node {
     /// Reads an element of `nodes`.
-    pub(super) fn read(fields: &Fields<'_>, lengths: Lengths) -> Result<Self> {
+    pub(super) fn read(
+        fields: &Fields<'_>,
+        lengths: Lengths,
+        accessors: &[Accessor],
+    ) -> Result<Self> {
         let light = fields.extension("KHR_lights_punctual", |found| {
             found.need_index("light", "lights", lengths.lights)
         });
@@ -46,7 +53,7 @@ impl Node {
             mesh: fields.index("mesh", "meshes", lengths.meshes)?,
             camera: fields.index("camera", "cameras", lengths.cameras)?,
             light: light?,
-            is_skinned: fields.get("skin").is_some(),
+            instancing: Instancing::read(fields, accessors)?,
             children: fields.indices("children", "nodes", lengths.nodes)?,
             local: local(fields)?,
         })
@@ -203,13 +210,21 @@ fn at(top: &Fields<'_>, place: &str, message: String) -> Error {
 }
 
 fn check_place(top: &Fields<'_>, node: usize, world: &DAffine3) -> Result<()> {
-    let numbers = world.to_cols_array();
-    let greatest = numbers.iter().fold(0.0_f64, |a, x| a.max(x.abs()));
-    if numbers.iter().all(|x| x.is_finite()) && greatest <= f64::from(MAX_COORDINATE) {
+    if is_place(world) {
         return Ok(());
     }
+    let greatest = greatest(world);
     let message = "the transforms of the node and of those above it are too large together";
     Err(at(top, &format!("nodes[{node}]"), message.to_owned()).value(format!("{greatest:e}")))
+}
+
+/// Whether a transform can be one of the scene.
+pub(super) fn is_place(world: &DAffine3) -> bool {
+    world.is_finite() && greatest(world) <= f64::from(MAX_COORDINATE)
+}
+
+fn greatest(world: &DAffine3) -> f64 {
+    world.to_cols_array().iter().fold(0.0_f64, |a, x| a.max(x.abs()))
 }
 
 /// Whether a transform leaves no room to anything.

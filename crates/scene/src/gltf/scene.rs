@@ -5,7 +5,8 @@ use std::ops::Range;
 use glam::{DAffine3, DVec3, Vec3};
 
 use crate::components::{
-    AreaLight, CutOut, Encoding, Falloff, Mesh, Name, Sampling, Shading, TextureRef, Transform,
+    AreaLight, CutOut, Encoding, Falloff, Maps, Mesh, Name, Sampling, Shading, TextureRef,
+    Transform,
 };
 use crate::load::LoadOptions;
 use crate::load::framing::{Framing, Up};
@@ -18,10 +19,12 @@ use wavecrest_base::error::{ErrorKind, Result};
 
 use super::camera;
 use super::document::Document;
+use super::instancing::places;
 use super::light;
 use super::material::Surface;
 use super::mesh::Reader;
-use super::node::{Placed, flattens};
+use super::node::Placed;
+use super::textured::textures;
 
 /// Points along each side of the grid on a light that is a mesh; each pixel has several rays.
 const LIGHT_SAMPLES: u32 = 3;
@@ -34,6 +37,7 @@ struct Primitive {
     surface: Surface,
     texture: Option<TextureRef>,
     cutout: Option<CutOut>,
+    maps: Maps,
     uses: Vec<Use>,
 }
 
@@ -143,14 +147,9 @@ fn primitives(document: &Document, notes: &Notes<'_>) -> Result<Vec<Primitive>> 
     for Placed { node, world } in &document.placed {
         let Some(mesh) = document.nodes[*node].mesh else { continue };
         let place = format!("nodes[{node}]");
-        if flattens(world) {
-            let message = "a node whose transform flattens space is left out";
-            notes.once(&place, message, "give every axis a scale other than 0");
+        let places = places(document, *node, world, &place, notes)?;
+        if places.is_empty() {
             continue;
-        }
-        if document.nodes[*node].is_skinned {
-            let message = "a mesh that a skeleton moves is shown as it is";
-            notes.once(&place, message, "export it in the pose that is wanted");
         }
         let numbers = match &known[mesh] {
             Some(numbers) => numbers.clone(),
@@ -160,8 +159,10 @@ fn primitives(document: &Document, notes: &Notes<'_>) -> Result<Vec<Primitive>> 
                 known[mesh].insert(first..primitives.len()).clone()
             }
         };
-        let node = Use { path: place, name: document.nodes[*node].name.clone(), world: *world };
-        add_uses(&mut primitives[numbers], &node);
+        for (path, world) in places {
+            let node = Use { path, name: document.nodes[*node].name.clone(), world };
+            add_uses(&mut primitives[numbers.clone()], &node);
+        }
     }
     check_unused(document, &known, &mut reader, notes)?;
     if primitives.is_empty() {
@@ -209,49 +210,36 @@ fn read(
     let parts = &document.meshes[mesh];
     for primitive in &parts.primitives {
         let surface = primitive.material.map_or(&Surface::DEFAULT, |i| &document.materials[i]);
-        let texture = texture(document, surface, notes);
-        let info = surface.texture.as_ref().filter(|_| texture.is_some());
+        let (texture, maps, set) = textures(document, surface, notes);
         let Some(threshold) = surface.threshold() else {
             let message = "surfaces of which nothing is there are left out";
             notes.once(&primitive.path, message, "their alpha is below the cutoff everywhere");
             continue;
         };
-        let Some(mesh) = reader.mesh(primitive, info)? else { continue };
+        let Some(mesh) = reader.mesh(primitive, set)? else { continue };
+        let has_uvs = mesh.uvs.is_some();
+        // An unlit surface wears its texture as light of its own.
+        let base = texture.as_ref().or(maps.emission.as_ref().filter(|_| surface.is_unlit()));
+        let cutout = base.filter(|_| has_uvs && threshold > 0.0).map(|t| CutOut {
+            source: t.source.clone(),
+            is_mask: false,
+            threshold,
+            filter: t.filter,
+            wrap: t.wrap,
+            placing: t.placing,
+        });
         primitives.push(Primitive {
             path: primitive.path.clone(),
             name: parts.name.clone(),
-            cutout: texture.as_ref().filter(|_| mesh.uvs.is_some() && threshold > 0.0).map(|t| {
-                CutOut {
-                    source: t.source.clone(),
-                    is_mask: false,
-                    threshold,
-                    filter: t.filter,
-                    wrap: t.wrap,
-                }
-            }),
-            texture: texture.filter(|_| mesh.uvs.is_some()),
+            cutout,
+            texture: texture.filter(|_| has_uvs),
+            maps: if has_uvs { maps } else { Maps::default() },
             mesh,
             surface: surface.clone(),
             uses: Vec::new(),
         });
     }
     Ok(())
-}
-
-/// The texture of a surface, if its image is there.
-fn texture(document: &Document, surface: &Surface, notes: &Notes<'_>) -> Option<TextureRef> {
-    let (textures, info) = (&document.textures, surface.texture.as_ref()?);
-    let Some(image) = textures.image(info) else {
-        let message = "a texture names no image that could be read";
-        notes.once("textures", message, "the material has its colour alone");
-        return None;
-    };
-    if let Some(path) = textures.missing(image) {
-        let message = format!("there is no image {}", path.display());
-        notes.once(&format!("images[{image}]"), &message, "the material has its colour alone");
-        return None;
-    }
-    textures.reference(info, surface.tint())
 }
 
 /// Points that may be looked at for one primitive, in all its places.
@@ -337,9 +325,10 @@ impl Primitive {
         let mut shape = Shape {
             sides: self.surface.sides,
             shading: if is_smooth { Shading::Smooth } else { Shading::Flat },
-            material: Some(self.surface.material()),
+            material: Some(self.surface.material(self.maps.emission.as_ref())),
             texture: self.texture,
             cutout: self.cutout,
+            maps: self.maps,
             ..Shape::of(self.path, self.name, Mesh { data: self.mesh, file: None })
         };
         match <[Use; 1]>::try_from(self.uses) {

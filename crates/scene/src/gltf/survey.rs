@@ -43,6 +43,7 @@ pub(crate) fn survey(path: &Path, options: &LoadOptions) -> Result<Survey> {
                 holds: holds(&value, primitive, raw),
                 normals: true,
                 uvs: true,
+                tangents: has_normal_map(&value, primitive),
                 uses,
             });
         }
@@ -67,6 +68,13 @@ fn json(path: &Path) -> std::io::Result<Vec<u8>> {
             Ok(start)
         }
     }
+}
+
+/// Whether a primitive's material has a texture of normals.
+fn has_normal_map(value: &Value, primitive: &Value) -> bool {
+    let material = primitive["material"].as_u64();
+    let material = material.and_then(|index| value["materials"].get(index as usize));
+    material.is_some_and(|material| material["normalTexture"].is_object())
 }
 
 fn items<'a>(value: &'a Value, key: &str) -> &'a [Value] {

@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use glam::{DVec2, DVec3, Vec2};
+use glam::{DVec3, Vec2};
 
-use crate::components::{Encoding, Filter, TextureRef, TextureSource, Wrap};
+use crate::components::{Encoding, Filter, Placing, TextureRef, TextureSource, Wrap};
 use crate::reader::Range;
 use wavecrest_base::error::Result;
 
@@ -43,9 +43,9 @@ struct Sampler {
     wrap: Wrap,
 }
 
-/// The numbers of wrapping: `None` for one that there is nothing like here.
-const WRAPS: [(u64, Option<Wrap>); 3] =
-    [(10_497, Some(Wrap::Repeat)), (33_071, Some(Wrap::Clamp)), (33_648, None)];
+/// The numbers of wrapping.
+const WRAPS: [(u64, Wrap); 3] =
+    [(10_497, Wrap::Repeat), (33_071, Wrap::Clamp), (33_648, Wrap::Mirror)];
 /// The filter that looks at one texel, and at no other level.
 const NEAREST: u64 = 9728;
 /// Those that look at smaller copies of the image.
@@ -73,14 +73,8 @@ impl Sampler {
 fn wrap(fields: &Fields<'_>, key: &str) -> Result<Wrap> {
     let Some(cursor) = fields.get(key) else { return Ok(Wrap::Repeat) };
     let number = cursor.value().as_u64();
-    match WRAPS.iter().find(|(known, _)| number == Some(*known)) {
-        Some((_, Some(wrap))) => Ok(*wrap),
-        Some((_, None)) => {
-            cursor.notes().once(&cursor.path(), "a texture is not mirrored", "it repeats");
-            Ok(Wrap::Repeat)
-        }
-        None => Err(cursor.error("must be 10497 (repeat), 33071 (clamp) or 33648 (mirrored)")),
-    }
+    let wrap = WRAPS.iter().find(|(known, _)| number == Some(*known)).map(|(_, wrap)| *wrap);
+    wrap.ok_or_else(|| cursor.error("must be 10497 (repeat), 33071 (clamp) or 33648 (mirrored)"))
 }
 
 /// An element of `textures`.
@@ -110,16 +104,8 @@ pub(super) struct TextureInfo {
     texture: usize,
     /// Which of the sets of coordinates it goes by.
     pub(super) set: u32,
-    pub(super) placing: Placing,
-}
-
-/// How coordinates are changed before the look-up: the extension `KHR_texture_transform`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Placing {
-    offset: DVec2,
-    /// In radians.
-    rotation: f64,
-    scale: DVec2,
+    /// How coordinates are changed before the look-up: the extension `KHR_texture_transform`.
+    placing: Option<Placing>,
 }
 
 /// The most sets of texture coordinates that are distinguished.
@@ -131,8 +117,8 @@ impl TextureInfo {
         let texture = fields.need_index("index", "textures", textures)?;
         let own_set = set(fields)?.unwrap_or(0);
         let changed = fields
-            .extension("KHR_texture_transform", |found| Ok((set(found)?, Placing::read(found)?)))?;
-        let (other_set, placing) = changed.unwrap_or((None, Placing::NONE));
+            .extension("KHR_texture_transform", |found| Ok((set(found)?, placing(found)?)))?;
+        let (other_set, placing) = changed.unwrap_or((None, None));
         Ok(Self { texture, set: other_set.unwrap_or(own_set), placing })
     }
 }
@@ -160,16 +146,22 @@ impl Textures {
     }
 
     /// The texture of a material, tinted; `None` where the file does not say which image it is of.
-    pub(super) fn reference(&self, info: &TextureInfo, tint: DVec3) -> Option<TextureRef> {
+    pub(super) fn reference(
+        &self,
+        info: &TextureInfo,
+        encoding: Encoding,
+        tint: DVec3,
+    ) -> Option<TextureRef> {
         let Image(source) = self.images.get(self.image(info)?)?;
         let sampler = self.textures.get(info.texture)?.sampler;
         let sampler = sampler.and_then(|i| self.samplers.get(i)).copied().unwrap_or_default();
         Some(TextureRef {
             source: source.clone(),
-            encoding: Encoding::Srgb,
+            encoding,
             tint,
             filter: sampler.filter,
             wrap: sampler.wrap,
+            placing: info.placing,
         })
     }
 
@@ -194,26 +186,28 @@ fn set(fields: &Fields<'_>) -> Result<Option<u32>> {
     Ok(found.map(|set| set as u32))
 }
 
-impl Placing {
-    /// No change.
-    pub(super) const NONE: Self = Self { offset: DVec2::ZERO, rotation: 0.0, scale: DVec2::ONE };
-
-    fn read(fields: &Fields<'_>) -> Result<Self> {
-        let pair = |key: &str| fields.numbers::<2>(key, Range::COORDINATE);
-        Ok(Self {
-            offset: pair("offset")?.map_or(DVec2::ZERO, DVec2::from_array),
-            rotation: fields.number_or("rotation", Range::COORDINATE, 0.0)?,
-            scale: pair("scale")?.map_or(DVec2::ONE, DVec2::from_array),
-        })
+/// How coordinates are changed, if they are.
+fn placing(fields: &Fields<'_>) -> Result<Option<Placing>> {
+    let pair = |key: &str| fields.numbers::<2>(key, Range::COORDINATE);
+    let offset = pair("offset")?.unwrap_or([0.0; 2]);
+    let scale = pair("scale")?.unwrap_or([1.0; 2]);
+    let turned = fields.number_or("rotation", Range::COORDINATE, 0.0)?;
+    if (offset, scale, turned) == ([0.0; 2], [1.0; 2], 0.0) {
+        return Ok(None);
     }
+    Ok(Some(upward(offset, turned, scale)))
+}
 
-    /// Coordinates of the file as ours: scaled, turned and moved; then v upward. The format's runs down.
-    pub(super) fn apply(&self, [u, v]: [f64; 2]) -> Vec2 {
-        let (sin, cos) = libm::sincos(self.rotation);
-        let DVec2 { x, y } = DVec2::new(u, v) * self.scale;
-        let turned = DVec2::new(cos * x + sin * y, cos * y - sin * x) + self.offset;
-        Vec2::new(turned.x as f32, (1.0 - turned.y) as f32)
-    }
+/// Scaled, turned by radians and moved, as the format has it, whose v runs down; ours runs up, before and after.
+fn upward(offset: [f64; 2], turned: f64, scale: [f64; 2]) -> Placing {
+    let (sin, cos) = libm::sincos(turned);
+    let ([u, v], [x, y]) = (scale, offset);
+    Placing([[cos * u, -sin * v, sin * v + x], [sin * u, cos * v, 1.0 - cos * v - y]])
+}
+
+/// Coordinates of the file as ours.
+pub(super) fn coordinates([u, v]: [f64; 2]) -> Vec2 {
+    Vec2::new(u as f32, (1.0 - v) as f32)
 }
 
 #[cfg(test)]
@@ -221,17 +215,18 @@ mod tests {
     use super::*;
 
     #[test]
-    fn coordinates_are_scaled_then_turned_then_moved_then_turned_upward() {
-        let near = |placing: Placing, uv: [f64; 2], expected: [f32; 2]| {
-            let found = placing.apply(uv);
-            assert!(found.distance(Vec2::from(expected)) < 1e-6, "{found}");
+    fn coordinates_are_scaled_then_turned_then_moved_in_the_space_of_the_file() {
+        let near = |placing: Placing, uv: [f64; 2], expected: [f64; 2]| {
+            let own = coordinates(uv).as_dvec2();
+            let [u, v] = placing.0.map(|[a, b, c]| a * own.x + b * own.y + c);
+            let found = [u, 1.0 - v];
+            let is_near = found.iter().zip(expected).all(|(found, x)| (found - x).abs() < 1e-12);
+            assert!(is_near, "{found:?}");
         };
-        near(Placing::NONE, [0.25, 0.75], [0.25, 0.25]);
-        let scale = DVec2::new(2.0, 4.0);
-        near(Placing { scale, ..Placing::NONE }, [0.25, 0.75], [0.5, -2.0]);
-        let turned = Placing { rotation: std::f64::consts::FRAC_PI_2, ..Placing::NONE };
-        near(turned, [1.0, 0.0], [0.0, 2.0]);
-        let offset = DVec2::new(0.5, 0.25);
-        near(Placing { scale, offset, ..turned }, [1.0, 1.0], [4.5, 2.75]);
+        let quarter = std::f64::consts::FRAC_PI_2;
+        near(upward([0.0; 2], 0.0, [1.0; 2]), [0.25, 0.75], [0.25, 0.75]);
+        near(upward([0.0; 2], 0.0, [2.0, 4.0]), [0.25, 0.75], [0.5, 3.0]);
+        near(upward([0.0; 2], quarter, [1.0; 2]), [1.0, 0.0], [0.0, -1.0]);
+        near(upward([0.5, 0.25], quarter, [2.0, 4.0]), [1.0, 1.0], [4.5, -1.75]);
     }
 }

@@ -9,8 +9,8 @@ use wavecrest_base::error::{Error, ErrorKind, Result};
 
 use super::materials::parts;
 use crate::components::{
-    AreaLight, CutOut, Hidden, InstanceOf, JsonPath, Material, Materials, Mesh, Order, Pinhole,
-    Shading, Sides, TextureRef, Transform, VertexColors,
+    AreaLight, CutOut, Hidden, InstanceOf, JsonPath, Maps, Material, Materials, Mesh, Order,
+    Pinhole, Shading, Sides, TextureRef, Transform, VertexColors,
 };
 use crate::mesh::{LoadedMesh, MeshData, NamedMaterials};
 use crate::reader::Notes;
@@ -77,6 +77,7 @@ impl<R: Fn(&Path) -> Result<LoadedMesh>> Spawner<'_, R> {
         add_some(&mut entity, shape.get::<&Shading>(of).ok().map(|shading| *shading));
         add_some(&mut entity, shape.get::<&CutOut>(of).ok().map(|cutout| (*cutout).clone()));
         add_some(&mut entity, shape.get::<&TextureRef>(of).ok().map(|texture| (*texture).clone()));
+        add_some(&mut entity, shape.get::<&Maps>(of).ok().map(|maps| (*maps).clone()));
         self.world.spawn(entity.build());
     }
 
@@ -151,11 +152,12 @@ impl<R: Fn(&Path) -> Result<LoadedMesh>> Spawner<'_, R> {
     }
 
     fn part(&mut self, order: Order, shape: Shape) -> Result<Entity> {
+        let key = shape.textures().next().map(|(key, _)| key);
+        let key = key.or(shape.cutout.as_ref().map(|_| "alpha"));
         let geometry = shape.geometry;
         let mut shading = shape.shading;
         if let Geometry::Mesh(mesh) = &geometry {
-            self.check_uvs(&shape.path, shape.texture.is_some(), "texture", &mesh.data)?;
-            self.check_uvs(&shape.path, shape.cutout.is_some(), "alpha", &mesh.data)?;
+            self.check_uvs(&shape.path, key, &mesh.data)?;
             shading = self.possible_shading(&shape.path, shading, &mesh.data);
         }
         let mut entity = EntityBuilder::new();
@@ -167,6 +169,7 @@ impl<R: Fn(&Path) -> Result<LoadedMesh>> Spawner<'_, R> {
         add_some(&mut entity, shape.material);
         add_some(&mut entity, shape.texture);
         add_some(&mut entity, shape.cutout);
+        add_some(&mut entity, Some(shape.maps).filter(|maps| *maps != Maps::default()));
         if shape.hidden {
             entity.add(Hidden);
         }
@@ -199,10 +202,9 @@ impl<R: Fn(&Path) -> Result<LoadedMesh>> Spawner<'_, R> {
         self.notes.error(ErrorKind::Scene, place, message.to_owned())
     }
 
-    fn check_uvs(&self, path: &str, asked: bool, key: &str, mesh: &MeshData) -> Result<()> {
-        if !asked || mesh.uvs.is_some() {
-            return Ok(());
-        }
+    /// Makes sure that a mesh has the coordinates that the `key` of its shape needs, if one does.
+    fn check_uvs(&self, path: &str, key: Option<&str>, mesh: &MeshData) -> Result<()> {
+        let Some(key) = key.filter(|_| mesh.uvs.is_none()) else { return Ok(()) };
         let message = "the mesh has no texture coordinates, which a texture needs";
         let error = self.error(&format!("{path}.{key}"), message);
         Err(error.remedy("give it \"uvs\", or remove the texture"))

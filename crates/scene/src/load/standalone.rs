@@ -22,6 +22,7 @@ const MATERIAL: Material = Material {
     specular_exponent: 40.0,
     diffuse_color: DVec3::splat(0.7),
     emission: DVec3::ZERO,
+    specular_color: DVec3::ONE,
     kr: 0.0,
 };
 

@@ -49,6 +49,7 @@ pub(crate) fn surface(mtl: &Mtl, mut find: impl FnMut(&str) -> Option<PathBuf>) 
         tint: if kd == DVec3::ZERO { DVec3::ONE } else { kd },
         filter: Filter::Trilinear,
         wrap,
+        placing: None,
     });
     let (filter, d) = (Filter::Bilinear, mtl.d.unwrap_or(1.0));
     let cutout = found(&mtl.map_d).filter(|_| d >= THRESHOLD).map(|(source, wrap)| CutOut {
@@ -59,6 +60,7 @@ pub(crate) fn surface(mtl: &Mtl, mut find: impl FnMut(&str) -> Option<PathBuf>) 
         filter,
         // In a scene file both have one.
         wrap: texture.as_ref().map_or(wrap, |texture| texture.wrap),
+        placing: None,
     });
     let material = Material {
         ks: if has_highlight { gloss } else { 0.0 },
@@ -67,6 +69,7 @@ pub(crate) fn surface(mtl: &Mtl, mut find: impl FnMut(&str) -> Option<PathBuf>) 
         diffuse_color: kd,
         kr,
         emission: mtl.ke.unwrap_or(DVec3::ZERO),
+        specular_color: DVec3::ONE,
     };
     Look { material, texture, cutout, is_there: d >= THRESHOLD }
 }

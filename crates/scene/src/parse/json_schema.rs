@@ -9,7 +9,7 @@ use serde_json::{Map, Value, json};
 use super::camera::{self, CameraKind};
 use super::light::{self, LightKind};
 use super::shape::{self, Owner, ShapeKind};
-use super::{FILE, SCENE, instance, material, mesh, transform};
+use super::{FILE, SCENE, instance, maps, material, mesh, transform};
 use crate::reader::{Absent, Key, Kind, Range, Takes};
 use wavecrest_base::choice::Choice;
 
@@ -58,6 +58,13 @@ fn definitions() -> Value {
         "directionallight": object(&light::DIRECTIONAL_LIGHT),
         "arealight": object(&light::AREA_LIGHT),
         "material": object(&material::MATERIAL),
+        "colormap": object(&maps::COLOR_MAP),
+        "strengthmap": object(&maps::STRENGTH_MAP),
+        "metalmap": object(&maps::METAL_MAP),
+        "uvtransform": about(
+            tuple(2, tuple(3, definition("number"))),
+            "Two rows that act on texture coordinates [u, v, 1].",
+        ),
         "transform": {
             "description": "From a shape's own space to the world's.",
             "if": {"type": "array"}, "then": definition("matrix"), "else": definition("transformParts")

@@ -15,7 +15,7 @@ use crate::reader::{Cursor, Key, Kind, Object, Range, Takes, keys};
 use crate::schema::Geometry;
 use wavecrest_base::error::Result;
 
-use super::material::existing_file;
+use super::maps::existing_file;
 
 const POINTS: &str = "an array of at least three points [[x, y, z], ...]";
 const INDICES: &str = "an array of triangles [[a, b, c], ...], at least one";

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use crate::components::{
-    Encoding, Facing, Filter, Name, Quad, Shading, Sides, Sphere, Transform, Triangle, Wrap,
+    Encoding, Facing, Filter, Maps, Name, Quad, Shading, Sides, Sphere, Transform, Triangle, Wrap,
 };
 use crate::corners::{
     direction, quad_has_area, quad_is_planar, quad_is_simple, quad_normal, quad_repeats_a_corner,
@@ -13,7 +13,7 @@ use crate::reader::{Absent, Cursor, Key, Kind, Object, Range, Takes, keys};
 use crate::schema::{Geometry, Shape};
 use wavecrest_base::error::{Error, Result};
 
-use super::{material, mesh, transform};
+use super::{maps, material, mesh, transform};
 
 /// Sine of the angle to the surface below which a `normal` does not distinguish the sides, in
 /// single precision.
@@ -61,6 +61,16 @@ const SCENE_KEYS: &[Key] = keys! {
     "alphacutoff": Number(Range::NOT_NEGATIVE);
     /// An image by which the shape is cut out, by its alpha or, without, its brightness.
     "alpha": Text;
+    /// How coordinates are changed before the texture is looked up.
+    "uvtransform": Definition("uvtransform");
+    /// Colours that the material's emission is multiplied by.
+    "emissionmap": Definition("colormap");
+    /// Metal and roughness, from which with the colour the rest of the material follows.
+    "metalmap": Definition("metalmap");
+    /// The share of ambient light that arrives, in red.
+    "occlusionmap": Definition("strengthmap");
+    /// Normals: red along u, green along v, blue along the surface's own.
+    "normalmap": Definition("strengthmap");
     /// Whether its instances alone are seen.
     "hidden": Truth, Off;
 };
@@ -75,6 +85,11 @@ const LIGHT_KEYS: &[Key] = &[
     ignored("tint"),
     ignored("alphacutoff"),
     ignored("alpha"),
+    ignored("uvtransform"),
+    ignored("emissionmap"),
+    ignored("metalmap"),
+    ignored("occlusionmap"),
+    ignored("normalmap"),
 ];
 
 const fn ignored(name: &'static str) -> Key {
@@ -141,9 +156,9 @@ pub(super) fn shape(cursor: &Cursor<'_>) -> Result<Shape> {
     let object = open(cursor, Owner::Scene)?;
     let hidden = object.get("hidden").map_or(Ok(false), |cursor| cursor.truth())?;
     let material = material::material(&object.need("material", "an object { ... }")?)?;
-    let texture = material::texture(&object)?;
-    let cutout = material::cutout(&object, texture.as_ref())?;
-    Ok(Shape { hidden, material: Some(material), texture, cutout, ..read(&object)? })
+    let (texture, maps) = (maps::texture(&object)?, maps::maps(&object)?);
+    let cutout = maps::cutout(&object, texture.as_ref())?;
+    Ok(Shape { hidden, material: Some(material), texture, maps, cutout, ..read(&object)? })
 }
 
 /// Reads the `shape` of an area light. It shines with the light's own colour, so that its material
@@ -203,6 +218,7 @@ fn read(object: &Object<'_>) -> Result<Shape> {
         material: None,
         texture: None,
         cutout: None,
+        maps: Maps::default(),
     })
 }
 

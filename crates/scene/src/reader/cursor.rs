@@ -28,6 +28,8 @@ impl Range {
     pub(crate) const COORDINATE: Self = Self::new(-LARGEST, LARGEST);
     /// 0 or more: a weight, a colour.
     pub(crate) const NOT_NEGATIVE: Self = Self::new(0.0, LARGEST);
+    /// A share.
+    pub(crate) const UNIT: Self = Self::new(0.0, 1.0);
     /// Above 0: a length.
     pub(crate) const POSITIVE: Self = Self { open: true, ..Self::NOT_NEGATIVE };
 

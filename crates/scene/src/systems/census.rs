@@ -7,10 +7,13 @@
 use glam::Vec3;
 use hecs::World;
 
+mod shows;
+
 use super::geometry::{self, ShapeOutput};
 use super::lights::Found;
 use super::{camera, details, reach};
-use crate::components::{CutOut, Filter, Settings, TextureRef, ThinLens, View};
+use crate::components::{CutOut, Settings, TextureRef, ThinLens, View};
+pub use shows::Shows;
 use wavecrest_core::kernels::blinn_phong::Material;
 use wavecrest_core::kernels::hemisphere::Hemisphere;
 use wavecrest_core::kernels::light::Emitter;
@@ -47,20 +50,18 @@ pub struct Findings {
     pub shown: Vec<bool>,
     /// For each light, whether it can to anything.
     pub reached: Vec<bool>,
-    /// For each shape, whether it wears a texture that can be seen.
-    pub textured: Vec<bool>,
-    /// For each shape, whether light of its own can be seen.
-    pub glowing: Vec<bool>,
+    /// For each shape, what of its material can be seen.
+    pub shows: Vec<Shows>,
 }
 
 /// Decides every effect.
 pub fn run(census: Census<'_>) -> Findings {
     let facts = Facts::new(census);
     let decisions = Effect::ALL.into_iter().map(|effect| facts.decide(effect)).collect();
-    let Facts { visible, shown, reached, shows_texture, glows, .. } = facts;
-    let seen = |those: Vec<bool>| visible.iter().zip(those).map(|(v, shows)| *v && shows).collect();
-    let (textured, glowing) = (seen(shows_texture), seen(glows));
-    Findings { decisions, shown, reached, textured, glowing }
+    let Facts { visible, shown, reached, shows, .. } = facts;
+    let seen = |(seen, shows): (&bool, Shows)| if *seen { shows } else { Shows::default() };
+    let shows = visible.iter().zip(shows).map(seen).collect();
+    Findings { decisions, shown, reached, shows }
 }
 
 /// What the decisions rest on.
@@ -73,10 +74,8 @@ struct Facts<'a> {
     reached: Vec<bool>,
     /// For each shape, whether its diffuse colour shows where the shape is seen.
     shows_color: Vec<bool>,
-    /// For each shape, whether it wears a texture that shows where the shape is seen.
-    shows_texture: Vec<bool>,
-    /// For each shape, whether it is a surface with light of its own.
-    glows: Vec<bool>,
+    /// For each shape, what of its material shows where the shape is seen.
+    shows: Vec<Shows>,
     /// Whether there is ambient light, and whether any surface in view shows it.
     has_ambient: bool,
     shows_ambient: bool,
@@ -108,25 +107,25 @@ impl<'a> Facts<'a> {
             if visible == solid { shown.clone() } else { reached_of(&surfaces_of(&solid)) };
         let is_lit = shown.contains(&true);
         let has_ambient = census.has_ambient || census.hemisphere.is_some_and(|h| !h.is_black());
-        // Diffuse colour shows by ambient light, whatever kd is, and where light is reflected by it.
-        let shows_color = |i: usize| {
+        let is_reached = |i: usize| {
             let reached = if visible[i] { &shown } else { &reached };
-            let is_lit = reached.contains(&true) && census.materials[i].kd > 0.0;
-            has_ambient || is_lit
+            reached.contains(&true)
         };
+        // Diffuse colour shows by ambient light, whatever kd is, and where light is reflected by it.
+        let shows_color = |i: usize| has_ambient || is_reached(i) && census.materials[i].kd > 0.0;
         let shows_color: Vec<bool> = (0..shapes.len()).map(shows_color).collect();
-        let shows_texture: Vec<bool> =
-            (0..shapes.len()).map(|i| solid[i] && wears(i) && shows_color[i]).collect();
+        let shows_of = |i: usize| match solid[i] {
+            true => Shows::of(census, i, is_reached(i), has_ambient),
+            false => Shows::default(),
+        };
+        let shows: Vec<Shows> = (0..shapes.len()).map(shows_of).collect();
         let is_black = |surface: &reach::Surface<'_>| {
             !surface.textured && surface.material.color == Vec3::ZERO
         };
         let shows_ambient = has_ambient && !surfaces.iter().all(is_black);
         let is_bright = |shape: &ShapeOutput| shape.shape.emission.is_some_and(|c| c != Vec3::ZERO);
-        let own_light = |i: usize| details::emission(census.world, &shapes[i]);
-        let glows: Vec<bool> =
-            (0..shapes.len()).map(|i| solid[i] && own_light(i) != Vec3::ZERO).collect();
-        let shines =
-            is_lit || glows.contains(&true) || shapes.iter().any(is_bright) || shows_ambient;
+        let glows = shows.iter().any(|shows| shows.emission);
+        let shines = is_lit || glows || shapes.iter().any(is_bright) || shows_ambient;
         Self {
             census,
             solid,
@@ -134,8 +133,7 @@ impl<'a> Facts<'a> {
             shown,
             reached,
             shows_color,
-            shows_texture,
-            glows,
+            shows,
             shines,
             has_ambient,
             shows_ambient,
@@ -167,6 +165,9 @@ impl<'a> Facts<'a> {
             Effect::SmoothShading => self.smooth_shading(),
             Effect::VertexColors => self.vertex_colors(),
             Effect::Textures => self.textures(),
+            Effect::NormalMaps => self.normal_maps(),
+            Effect::MaterialTextures => self.maps(),
+            Effect::TintedHighlights => self.tints(),
             Effect::Emission => self.emission(),
             Effect::CutOuts => self.cut_outs(),
             Effect::RayDifferentials => self.ray_differentials(),
@@ -233,12 +234,12 @@ impl<'a> Facts<'a> {
             (true, false) => "no light shows the colour of a texture",
             (true, true) => "no surface shows the colour of its texture",
         };
-        self.surfaces(|i| self.shows_texture[i], "textured shape", none)
+        self.surfaces(|i| self.shows[i].texture, "textured shape", none)
     }
 
     fn emission(&self) -> (bool, String) {
         let none = "no material has an emission";
-        self.surfaces(|i| self.glows[i], "glowing shape", none)
+        self.surfaces(|i| self.shows[i].emission, "glowing shape", none)
     }
 
     fn cut_outs(&self) -> (bool, String) {
@@ -254,13 +255,24 @@ impl<'a> Facts<'a> {
     }
 
     fn ray_differentials(&self) -> (bool, String) {
-        let is_trilinear = |i: usize| {
-            let entity = self.census.extracted.shapes[i].entity;
-            let texture = self.census.world.get::<&TextureRef>(entity);
-            texture.is_ok_and(|texture| texture.filter == Filter::Trilinear)
-        };
         let none = "no texture that is seen is trilinear";
-        self.surfaces(|i| self.shows_texture[i] && is_trilinear(i), "trilinear texture", none)
+        let is_trilinear = |i: usize| self.shows[i].trilinear(self.census, i);
+        self.surfaces(is_trilinear, "trilinear texture", none)
+    }
+
+    fn normal_maps(&self) -> (bool, String) {
+        let none = "no normal map shows";
+        self.surfaces(|i| self.shows[i].normal, "shape with a normal map", none)
+    }
+
+    fn maps(&self) -> (bool, String) {
+        let none = "no map of metal or of ambient light shows";
+        self.surfaces(|i| self.shows[i].metal || self.shows[i].occlusion, "shape with maps", none)
+    }
+
+    fn tints(&self) -> (bool, String) {
+        let none = "no highlight has a colour";
+        self.surfaces(|i| self.shows[i].tint, "shape with a specular colour", none)
     }
 
     fn lights(&self, thing: &str, is: impl Fn(&Emitter) -> bool) -> (bool, String) {
@@ -341,6 +353,9 @@ fn count(n: usize, thing: &str, none: &str) -> (bool, String) {
     match n {
         0 => (false, none.to_owned()),
         1 => (true, format!("1 {thing}")),
-        n => (true, format!("{n} {thing}s")),
+        n => match thing.strip_prefix("shape ") {
+            Some(with) => (true, format!("{n} shapes {with}")),
+            None => (true, format!("{n} {thing}s")),
+        },
     }
 }

@@ -9,7 +9,7 @@ use hecs::World;
 use image::{DynamicImage, ImageDecoder};
 
 use super::geometry::{Output, ShapeOutput};
-use super::textures::{check_size, decoding, name};
+use super::textures::{check_size, decoding, name, placing};
 use crate::components::{CutOut, TextureSource};
 use crate::query::json_path;
 use wavecrest_base::error::Result;
@@ -68,6 +68,7 @@ fn cutout(shape: &ShapeOutput, found: &CutOut, image: Arc<LazyImage>, from: &Out
         filter: found.filter,
         wrap: found.wrap,
         map: shape.uv_map.unwrap_or(UvMap::Sphere(Mat3::IDENTITY)),
+        placing: found.placing.map(placing),
         mesh,
     }
 }

@@ -2,45 +2,124 @@
 
 use std::collections::HashMap;
 
-use glam::Vec3;
-use hecs::World;
+use glam::{Mat3, Vec3};
+use hecs::{Entity, World};
 
+use super::census::Shows;
 use super::geometry::ShapeOutput;
-use crate::components::Material;
+use super::textures::Images;
+use crate::components::{Maps, Material, MetalMap, StrengthMap};
 use wavecrest_core::plan::schedule::{Schedule, Step};
-use wavecrest_core::prepared::Detail;
+use wavecrest_core::prepared::{Detail, Metal, NormalMap, Occlusion, UvMap};
 
-/// Notes in each shape which detail it shows: shapes that show the same share it. What is not `needed` has none,
+/// Notes in each shape which detail it shows: shapes that show the same share it. What no shape shows is left out,
 /// unless the schedule requires it.
 pub fn run(
     world: &World,
     schedule: Schedule,
-    needed: &[bool],
+    shows: &[Shows],
+    images: &mut Images,
     shapes: &mut [ShapeOutput],
 ) -> Vec<Detail> {
     let mut details = Vec::new();
-    if !schedule.runs(Step::Emission) {
-        return details;
-    }
-    let all = schedule.is_needless(Step::Emission);
-    let mut known: HashMap<[u32; 3], u32> = HashMap::new();
-    for (output, _) in shapes.iter_mut().zip(needed).filter(|(_, needed)| **needed || all) {
-        if output.shape.emission.is_some() {
+    // As text, numbers are as good as their bits.
+    let mut known: HashMap<String, u32> = HashMap::new();
+    let all = Shows::required(schedule);
+    for (output, shows) in shapes.iter_mut().zip(shows) {
+        let shows = shows.or(all).within(schedule);
+        if output.shape.emission.is_some() || !shows.any_detail() {
             continue;
         }
-        let emission = emission(world, output);
+        let map = output.uv_map.unwrap_or(UvMap::Sphere(Mat3::IDENTITY));
+        let detail = detail(world, output.entity, shows, images, map);
         let next = || {
-            details.push(Detail { emission });
+            details.push(detail.clone());
             details.len() as u32 - 1
         };
-        let bits = emission.to_array().map(f32::to_bits);
-        output.shape.detail = Some(*known.entry(bits).or_insert_with(next));
+        output.shape.detail = Some(*known.entry(format!("{detail:?}")).or_insert_with(next));
     }
     details
 }
 
-/// The light of the material itself.
-pub(super) fn emission(world: &World, output: &ShapeOutput) -> Vec3 {
-    let material = world.get::<&Material>(output.entity);
+/// As much of a shape's detail as it shows.
+fn detail(world: &World, entity: Entity, shows: Shows, images: &mut Images, map: UvMap) -> Detail {
+    let material = world.get::<&Material>(entity).ok().map(|material| *material);
+    let maps = world.get::<&Maps>(entity).map_or_else(|_| Maps::default(), |maps| (*maps).clone());
+    let mut texture = |of, key| images.texture(world, entity, of, key, map);
+    let mut detail = Detail::default();
+    if let Some(material) = material.filter(|_| shows.emission) {
+        detail.emission = material.emission.as_vec3();
+        detail.emission_texture = maps.emission.as_ref().map(|map| texture(map, "emissionmap"));
+    }
+    if let Some(material) = material.filter(|_| shows.tint) {
+        detail.tint = material.specular_color.as_vec3();
+    }
+    if let Some(MetalMap { texture: map, metallic, roughness }) =
+        maps.metal.as_ref().filter(|_| shows.metal)
+    {
+        let (metallic, roughness) = (*metallic as f32, *roughness as f32);
+        detail.metal = Some(Metal { texture: texture(map, "metalmap"), metallic, roughness });
+    }
+    if let Some(StrengthMap { texture: map, strength }) =
+        maps.occlusion.as_ref().filter(|_| shows.occlusion)
+    {
+        let strength = *strength as f32;
+        detail.occlusion = Some(Occlusion { texture: texture(map, "occlusionmap"), strength });
+    }
+    if let Some(StrengthMap { texture: map, strength }) =
+        maps.normal.as_ref().filter(|_| shows.normal)
+    {
+        let strength = *strength as f32;
+        detail.normal = Some(NormalMap { texture: texture(map, "normalmap"), strength });
+    }
+    detail
+}
+
+impl Shows {
+    /// What is looked up whatever the shapes show.
+    fn required(schedule: Schedule) -> Self {
+        let maps = schedule.is_needless(Step::Maps);
+        Self {
+            texture: schedule.is_needless(Step::Texels),
+            emission: schedule.is_needless(Step::Emission),
+            metal: maps,
+            occlusion: maps,
+            tint: schedule.is_needless(Step::Tints),
+            normal: schedule.is_needless(Step::NormalMaps),
+        }
+    }
+
+    /// As much of it as is looked up.
+    fn within(self, schedule: Schedule) -> Self {
+        let maps = schedule.runs(Step::Maps);
+        Self {
+            texture: self.texture && schedule.runs(Step::Texels),
+            emission: self.emission && schedule.runs(Step::Emission),
+            metal: self.metal && maps,
+            occlusion: self.occlusion && maps,
+            tint: self.tint && (schedule.runs(Step::Tints) || schedule.has_mirrors()),
+            normal: self.normal && schedule.runs(Step::NormalMaps),
+        }
+    }
+
+    fn or(self, other: Self) -> Self {
+        Self {
+            texture: self.texture | other.texture,
+            emission: self.emission | other.emission,
+            metal: self.metal | other.metal,
+            occlusion: self.occlusion | other.occlusion,
+            tint: self.tint | other.tint,
+            normal: self.normal | other.normal,
+        }
+    }
+
+    fn any_detail(self) -> bool {
+        self.emission || self.metal || self.occlusion || self.tint || self.normal
+    }
+}
+
+/// The light of the material itself, as bright as it is anywhere.
+pub(super) fn emission(world: &World, entity: Entity) -> Vec3 {
+    let material = world.get::<&Material>(entity);
     material.map_or(Vec3::ZERO, |material| material.emission.as_vec3())
 }

@@ -11,6 +11,7 @@ mod instances;
 mod meshes;
 mod occurrences;
 mod output;
+mod tangents;
 
 use glam::DVec3;
 use hecs::World;

@@ -6,7 +6,7 @@ use glam::DVec3;
 use hecs::{Entity, World};
 
 use crate::components::{
-    Encoding, Filter, InstanceOf, Material, Mesh, TextureRef, TextureSource, Wrap,
+    Encoding, Filter, InstanceOf, Maps, Material, Mesh, TextureRef, TextureSource, Wrap,
 };
 
 /// The share of light that clay gives back.
@@ -17,13 +17,15 @@ pub fn clay(world: &mut World) {
     for material in world.query_mut::<&mut Material>() {
         (material.diffuse_color, material.emission) = (CLAY, DVec3::ZERO);
         (material.kd, material.ks, material.kr) = (1.0, 0.0, 0.0);
+        material.specular_color = DVec3::ONE;
     }
     world.query_mut::<&mut Mesh>().into_iter().for_each(|mesh| mesh.data.colors = None);
-    let textured: Vec<Entity> =
-        world.query_mut::<(Entity, &TextureRef)>().into_iter().map(|(entity, _)| entity).collect();
-    for entity in textured {
-        // It is there: it was found.
+    let all: Vec<Entity> =
+        world.query_mut::<(Entity, &Material)>().into_iter().map(|(entity, _)| entity).collect();
+    for entity in all {
+        // Those that there are.
         let _ = world.remove_one::<TextureRef>(entity);
+        let _ = world.remove_one::<Maps>(entity);
     }
 }
 
@@ -36,6 +38,7 @@ pub fn show_uvs(world: &mut World) {
         tint: DVec3::ONE,
         filter: Filter::Nearest,
         wrap: Wrap::Repeat,
+        placing: None,
     };
     let shapes: Vec<(Entity, Entity)> = world
         .query_mut::<(Entity, &Material, Option<&InstanceOf>)>()

@@ -23,5 +23,20 @@ pub fn run(world: &World, shapes: &[ShapeOutput]) -> Vec<Material> {
         .collect()
 }
 
+/// What shapes may be made of in any texel: with each of the weights as great as a map of metal can make it.
+pub fn possible(world: &World, shapes: &[ShapeOutput], materials: &[Material]) -> Vec<Material> {
+    let may = |(shape, material): (&ShapeOutput, &Material)| {
+        let maps = world.get::<&components::Maps>(shape.entity).ok();
+        match maps.as_ref().and_then(|maps| maps.metal.as_ref()) {
+            Some(map) => {
+                let kr = if map.metallic > 0.0 { 1.0 } else { 0.0 };
+                Material { ks: 1.0, kd: 1.0, kr, ..*material }
+            }
+            None => *material,
+        }
+    };
+    shapes.iter().zip(materials).map(may).collect()
+}
+
 /// Reflects nothing.
 const BLACK: Material = Material { ks: 0.0, kd: 0.0, exponent: 0.0, color: Vec3::ZERO, kr: 0.0 };

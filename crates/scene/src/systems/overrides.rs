@@ -3,7 +3,8 @@
 use hecs::{Entity, World};
 
 use crate::components::{
-    AreaLight, DirectionalLight, Filter, Pinhole, PointLight, Settings, TextureRef, ThinLens, View,
+    AreaLight, DirectionalLight, Filter, Maps, Pinhole, PointLight, Settings, TextureRef, ThinLens,
+    View,
 };
 
 /// What takes the place of the file's values; `None` leaves them.
@@ -43,6 +44,8 @@ pub fn apply(world: &mut World, overrides: &Overrides) {
     }
     if let Some(filter) = overrides.filter {
         world.query_mut::<&mut TextureRef>().into_iter().for_each(|t| t.filter = filter);
+        let all = world.query_mut::<&mut Maps>().into_iter().flat_map(Maps::all_mut);
+        all.for_each(|texture| texture.filter = filter);
     }
     let last = overrides.without;
     Layer::ALL.into_iter().filter(|layer| Some(*layer) <= last).for_each(|l| l.leave(world));

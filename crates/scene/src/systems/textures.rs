@@ -7,61 +7,89 @@ use std::io::{BufRead, BufReader, Cursor, Seek};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 
-use glam::{DVec3, Mat3, Vec3};
-use hecs::World;
+use glam::{DVec3, Mat3, Vec2, Vec3};
+use hecs::{Entity, World};
 use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, ImageResult};
 
+use super::census::Shows;
 use super::geometry::ShapeOutput;
-use crate::components::{Encoding, TextureRef, TextureSource};
+use crate::components::{self, Encoding, TextureRef, TextureSource};
 use crate::query::json_path;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::kernels::texture::{Filter, Image, Texels};
 use wavecrest_core::math::srgb::srgb_decode;
 use wavecrest_core::plan::schedule::{Schedule, Step};
-use wavecrest_core::prepared::{LazyImage, Texture, UvMap};
+use wavecrest_core::prepared::{LazyImage, Placing, Texture, UvMap};
 
 /// The largest image that is decoded, in texels on a side.
 const MAX_SIDE: u32 = 1 << 16;
 /// The largest image that is decoded, in bytes.
 const MAX_BYTES: u64 = 4 << 30;
 
-/// Notes in each shape which image it wears, and looks at the heads of these: an image is decoded when it is first
-/// looked up, with a pyramid if any shape wears it with trilinear filter. Of those that are not `needed` none is
-/// opened, unless the schedule requires it. `file` is the scene's, for messages.
+/// Notes in each shape which image gives its colour. Of those that are not shown none is opened, unless the schedule
+/// requires it.
 pub fn run(
     world: &World,
-    file: &Path,
     schedule: Schedule,
-    needed: &[bool],
+    shows: &[Shows],
+    images: &mut Images,
     shapes: &mut [ShapeOutput],
-) -> Result<Vec<LazyImage>> {
+) {
     if !schedule.runs(Step::Texels) {
-        return Ok(Vec::new());
+        return;
     }
     let all = schedule.is_needless(Step::Texels);
-    let mut images: Vec<(TextureRef, String)> = Vec::new();
-    let mut numbers: HashMap<Key, u32> = HashMap::new();
-    for (shape, _) in shapes.iter_mut().zip(needed).filter(|(_, needed)| **needed || all) {
+    for (shape, _) in shapes.iter_mut().zip(shows).filter(|(_, shows)| shows.texture || all) {
         if shape.shape.emission.is_some() {
             continue;
         }
         let Ok(reference) = world.get::<&TextureRef>(shape.entity) else { continue };
-        let number = *numbers.entry(Key::of(&reference)).or_insert_with(|| {
-            let place = format!("{}.texture", json_path(world, shape.entity));
-            images.push(((*reference).clone(), place));
-            images.len() as u32 - 1
+        let map = shape.uv_map.unwrap_or(UvMap::Sphere(Mat3::IDENTITY));
+        let texture = images.texture(world, shape.entity, &reference, "texture", map);
+        shape.shape.texture = Some(texture);
+    }
+}
+
+/// The images that shapes wear, each once.
+#[derive(Default)]
+pub struct Images {
+    /// Each with the place in the scene file that names it first.
+    all: Vec<(TextureRef, String)>,
+    numbers: HashMap<Key, u32>,
+}
+
+impl Images {
+    /// The texture that the `key` of a shape refers to, of points that become coordinates by `map`.
+    pub(super) fn texture(
+        &mut self,
+        world: &World,
+        shape: Entity,
+        reference: &TextureRef,
+        key: &str,
+        map: UvMap,
+    ) -> Texture {
+        let number = *self.numbers.entry(Key::of(reference)).or_insert_with(|| {
+            self.all.push((reference.clone(), format!("{}.{key}", json_path(world, shape))));
+            self.all.len() as u32 - 1
         });
         if reference.filter == Filter::Trilinear {
-            images[number as usize].0.filter = Filter::Trilinear;
+            self.all[number as usize].0.filter = Filter::Trilinear;
         }
-        shape.shape.texture = Some(Texture {
-            image: number,
-            filter: reference.filter,
-            wrap: reference.wrap,
-            map: shape.uv_map.unwrap_or(UvMap::Sphere(Mat3::IDENTITY)),
-        });
+        let (filter, wrap) = (reference.filter, reference.wrap);
+        Texture { image: number, filter, wrap, map, placing: reference.placing.map(placing) }
     }
-    images.into_iter().map(|(texture, place)| lazy(texture, file.to_owned(), place)).collect()
+
+    /// Looks at the heads of all: an image is decoded when it is first looked up, with a pyramid if any shape wears
+    /// it with trilinear filter. `file` is the scene's, for messages.
+    pub(super) fn prepare(self, file: &Path) -> Result<Vec<LazyImage>> {
+        self.all.into_iter().map(|(texture, place)| lazy(texture, file.to_owned(), place)).collect()
+    }
+}
+
+/// How coordinates are changed, in single precision.
+pub(super) fn placing(components::Placing([u, v]): components::Placing) -> Placing {
+    let vec2 = |x: f64, y: f64| Vec2::new(x as f32, y as f32);
+    Placing { turned: [vec2(u[0], u[1]), vec2(v[0], v[1])], moved: vec2(u[2], v[2]) }
 }
 
 /// The image of a texture, once the head of its file is found to be right.

@@ -206,6 +206,7 @@ fn shapes() {
     assert_eq!(at(&scene, ball), Some(Sides::Front));
     let material = Material {
         emission: DVec3::ZERO,
+        specular_color: DVec3::ONE,
         ks: 0.5,
         kd: 0.5,
         specular_exponent: 20.0,
@@ -219,6 +220,7 @@ fn shapes() {
         tint: dvec3(0.5, 1.0, 0.25),
         filter: Filter::Nearest,
         wrap: Wrap::Clamp,
+        placing: None,
     };
     assert_eq!(at(&scene, ball), Some(texture));
     assert_eq!(at(&scene, "scene.shapes[1]"), Some(Facing::Toward(DVec3::Z)));

@@ -8,8 +8,9 @@ use serde_json::{Map, Value, json};
 
 use crate::components::{
     Ambient, AreaLight, CameraKey, CameraPath, CutOut, DirectionalLight, Encoding, Hidden,
-    InstanceOf, Material, Mesh, Name, Order, PointLight, Quad, Shading, Sides, Sphere, Spot,
-    TextureRef, ThinLens, Transform, Triangle, VertexColors, View,
+    InstanceOf, Maps, Material, Mesh, MetalMap, Name, Order, Placing, PointLight, Quad, Shading,
+    Sides, Sphere, Spot, StrengthMap, TextureRef, ThinLens, Transform, Triangle, VertexColors,
+    View,
 };
 use crate::query;
 use wavecrest_base::error::{Error, ErrorKind, Result};
@@ -202,6 +203,7 @@ fn shape(
     }
     texture(entity, beside, &mut to)?;
     cutout(entity, beside, &mut to)?;
+    maps(entity, beside, &mut to)?;
     to.insert("material".into(), material(entity));
     Ok(to.into())
 }
@@ -213,12 +215,45 @@ fn texture(
 ) -> Result<()> {
     let Some(texture) = entity.get::<&TextureRef>() else { return Ok(()) };
     to.insert("texture".into(), beside.image(&texture.source)?.into());
-    to.insert("encoding".into(), texture.encoding.name().into());
     if texture.tint != DVec3::ONE {
         to.insert("tint".into(), vector(texture.tint));
     }
+    look_up(&texture, to);
+    Ok(())
+}
+
+/// How a texture is looked up.
+fn look_up(texture: &TextureRef, to: &mut Map<String, Value>) {
+    to.insert("encoding".into(), texture.encoding.name().into());
     to.insert("filter".into(), texture.filter.name().into());
     to.insert("wrap".into(), texture.wrap.name().into());
+    if let Some(Placing(rows)) = texture.placing {
+        to.insert("uvtransform".into(), json!(rows));
+    }
+}
+
+fn maps(entity: EntityRef<'_>, beside: &mut Beside<'_>, to: &mut Map<String, Value>) -> Result<()> {
+    let Some(maps) = entity.get::<&Maps>() else { return Ok(()) };
+    let mut map = |key: &str, texture: &TextureRef, more: &[(&str, f64)]| -> Result<()> {
+        let mut map = Map::new();
+        map.insert("file".into(), beside.image(&texture.source)?.into());
+        look_up(texture, &mut map);
+        map.extend(more.iter().map(|(key, value)| ((*key).to_owned(), (*value).into())));
+        to.insert(key.into(), map.into());
+        Ok(())
+    };
+    if let Some(texture) = &maps.emission {
+        map("emissionmap", texture, &[])?;
+    }
+    if let Some(MetalMap { texture, metallic, roughness }) = &maps.metal {
+        map("metalmap", texture, &[("metallic", *metallic), ("roughness", *roughness)])?;
+    }
+    if let Some(StrengthMap { texture, strength }) = &maps.occlusion {
+        map("occlusionmap", texture, &[("strength", *strength)])?;
+    }
+    if let Some(StrengthMap { texture, strength }) = &maps.normal {
+        map("normalmap", texture, &[("strength", *strength)])?;
+    }
     Ok(())
 }
 
@@ -238,6 +273,9 @@ fn cutout(
     }
     to.entry("filter").or_insert_with(|| cutout.filter.name().into());
     to.entry("wrap").or_insert_with(|| cutout.wrap.name().into());
+    if let Some(Placing(rows)) = cutout.placing {
+        to.entry("uvtransform").or_insert_with(|| json!(rows));
+    }
     Ok(())
 }
 
@@ -252,6 +290,9 @@ fn material(entity: EntityRef<'_>) -> Value {
         });
         if material.emission != DVec3::ZERO {
             to["emission"] = vector(material.emission);
+        }
+        if material.specular_color != DVec3::ONE {
+            to["specularcolor"] = vector(material.specular_color);
         }
         to
     })

@@ -24,7 +24,7 @@ fn checkers() -> Arc<LazyImage> {
 fn cutout(primitives: Range<u32>, threshold: f32, image: Arc<LazyImage>) -> Cutout {
     let map = UvMap::Planar(PlanarMap::new(Vec3::ZERO, Vec3::X, Vec3::Y));
     let (filter, wrap) = (Filter::Bilinear, Wrap::Repeat);
-    Cutout { primitives, threshold, image, filter, wrap, map, mesh: None }
+    Cutout { primitives, threshold, image, filter, wrap, map, placing: None, mesh: None }
 }
 
 /// Rays from around the origin, many of them through vertices.

@@ -53,6 +53,7 @@ pub(super) fn under(
         specular_exponent: 1.0,
         diffuse_color: colors.0 / (arriving + colors.1),
         emission: DVec3::ZERO,
+        specular_color: DVec3::ONE,
         kr: 0.0,
     };
     let triangles = (1..corners.len() as u32 - 1).map(|i| [0, i, i + 1]).collect();

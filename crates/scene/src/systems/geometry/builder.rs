@@ -9,6 +9,7 @@ use super::common::{Common, check_count, check_point, check_radius};
 use super::meshes::{Room, append, transform_mesh};
 use super::occurrences::{Occurrence, Occurrences};
 use super::output::{Output, ShapeOutput};
+use super::tangents::tangents;
 use crate::components::{Quad, Sphere, Triangle};
 use crate::corners;
 use crate::mesh::{Attribute, MeshData};
@@ -63,7 +64,8 @@ impl Builder {
         mesh.normals = mesh.normals.filter(|_| common.smooth);
         mesh.uvs = mesh.uvs.filter(|_| common.textured);
         mesh.colors = mesh.colors.filter(|_| common.emission.is_none());
-        transform_mesh(&mut mesh, common)?;
+        let mut tangents = common.normal_mapped.then(|| tangents(&mesh)).flatten();
+        transform_mesh(&mut mesh, tangents.as_mut(), common)?;
         let geometry = &mut self.geometry;
         let first_position = geometry.positions.len();
         let first_triangle = geometry.triangles.len();
@@ -87,6 +89,7 @@ impl Builder {
                 normals: mesh.normals.map(corner_values),
                 uvs: mesh.uvs.map(corner_values).map(Arc::new),
                 colors: mesh.colors.map(by_position),
+                tangents,
             });
         }
         self.shapes.push(ShapeOutput { entity, shape, uv_map: Some(UvMap::Mesh) });

@@ -4,7 +4,7 @@ use glam::{DAffine3, DVec3, Vec3};
 use hecs::World;
 
 use super::occurrences::Occurrence;
-use crate::components::{AreaLight, CutOut, Facing, Shading, Sides, TextureRef, Transform};
+use crate::components::{AreaLight, CutOut, Facing, Maps, Shading, Sides, TextureRef, Transform};
 use crate::query::json_path;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::math::float::MAX_COORDINATE;
@@ -21,6 +21,8 @@ pub(super) struct Common {
     pub(super) sides: Sides,
     pub(super) smooth: bool,
     pub(super) textured: bool,
+    /// Whether a texture gives its normals.
+    pub(super) normal_mapped: bool,
     pub(super) emission: Option<Vec3>,
     pub(super) place: String,
 }
@@ -42,7 +44,10 @@ impl Common {
             smooth: is_shape && world.get::<&Shading>(entity).is_ok_and(|s| *s == Shading::Smooth),
             textured: is_shape
                 && (world.get::<&TextureRef>(entity).is_ok()
+                    || world.get::<&Maps>(entity).is_ok()
                     || world.get::<&CutOut>(entity).is_ok()),
+            normal_mapped: is_shape
+                && world.get::<&Maps>(entity).is_ok_and(|maps| maps.normal.is_some()),
             emission: light.map(|l| l.color.as_vec3()),
             place: json_path(world, entity),
         }

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use glam::{DAffine3, DVec3};
+use glam::{DAffine3, DVec3, Vec4};
 use hecs::{Entity, World};
 use rayon::prelude::*;
 
@@ -11,13 +11,14 @@ use super::builder::{Builder, by_position, corner_values};
 use super::common::{Common, check_count, check_point};
 use super::occurrences::{Occurrence, Occurrences};
 use super::output::ShapeOutput;
+use super::tangents::tangents;
 use crate::mesh::MeshData;
 use crate::systems::frame;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::accel::geometry::Geometry;
 use wavecrest_core::accel::instance::Instance;
 use wavecrest_core::kernels::slab::Aabb;
-use wavecrest_core::prepared::{MeshAttributes, Shape, UvMap};
+use wavecrest_core::prepared::{CornerValues, MeshAttributes, Shape, UvMap};
 
 /// A prototype whose middle is this many times as far from its origin as it is large has lost two bits: it is
 /// moved there, so that rays are carried to small coordinates.
@@ -58,7 +59,9 @@ impl Builder {
             let mut mesh = occurrences.take(world, prototype);
             mesh.normals = mesh.normals.filter(|_| smooth);
             mesh.uvs = mesh.uvs.filter(|_| textured);
-            prototypes.insert(prototype, self.add_prototype(mesh));
+            let normal_mapped = instances.iter().any(|common| common.normal_mapped);
+            let tangents = normal_mapped.then(|| tangents(&mesh)).flatten();
+            prototypes.insert(prototype, self.add_prototype(mesh, tangents));
         }
         let mut next = self.geometry.own();
         for occurrence in occurrences.all.iter().filter(|occurrence| !occurrence.is_light) {
@@ -77,7 +80,11 @@ impl Builder {
         Ok(())
     }
 
-    fn add_prototype(&mut self, mut mesh: MeshData) -> Prototype {
+    fn add_prototype(
+        &mut self,
+        mut mesh: MeshData,
+        tangents: Option<CornerValues<Vec4>>,
+    ) -> Prototype {
         let bounds = |positions: &[glam::Vec3]| {
             let point = |&p: &glam::Vec3| Aabb { low: p, high: p };
             positions.par_iter().map(point).reduce(|| Aabb::EMPTY, Aabb::union)
@@ -103,6 +110,7 @@ impl Builder {
                 normals: mesh.normals.map(corner_values),
                 uvs: mesh.uvs.map(corner_values).map(Arc::new),
                 colors: mesh.colors.map(by_position),
+                tangents,
                 ..MeshAttributes::default()
             });
         }

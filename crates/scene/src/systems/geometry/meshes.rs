@@ -1,7 +1,7 @@
 //! Meshes on their way into the scene's arrays: carried to world space where they are, moved where
 //! they can be, and copied by all threads where they cannot.
 
-use glam::{DAffine3, Vec3};
+use glam::{DAffine3, Vec3, Vec4};
 use hecs::World;
 use rayon::prelude::*;
 
@@ -11,6 +11,7 @@ use crate::components::Mesh;
 use crate::mesh::MeshData;
 use wavecrest_base::error::Result;
 use wavecrest_core::math::float::normalize_f64;
+use wavecrest_core::prepared::CornerValues;
 
 /// How long the arrays will be.
 #[derive(Clone, Copy, Debug, Default)]
@@ -53,8 +54,12 @@ pub(super) fn append<T: Send>(
     }
 }
 
-/// Takes positions and normals to world space, in double precision, rounding once.
-pub(super) fn transform_mesh(mesh: &mut MeshData, common: &Common) -> Result<()> {
+/// Takes positions, normals and tangents to world space, in double precision, rounding once.
+pub(super) fn transform_mesh(
+    mesh: &mut MeshData,
+    tangents: Option<&mut CornerValues<Vec4>>,
+    common: &Common,
+) -> Result<()> {
     if common.transform == DAffine3::IDENTITY {
         return Ok(());
     }
@@ -81,6 +86,13 @@ pub(super) fn transform_mesh(mesh: &mut MeshData, common: &Common) -> Result<()>
             let v = n.as_dvec3();
             let turned = cofactors[0] * v.x + cofactors[1] * v.y + cofactors[2] * v.z;
             *n = normalize_f64(turned).as_vec3();
+        });
+    }
+    if let Some(tangents) = tangents {
+        tangents.values.par_iter_mut().for_each(|tangent| {
+            let along = normalize_f64(m * tangent.truncate().as_dvec3());
+            // A bitangent stays on its side.
+            *tangent = along.as_vec3().extend(tangent.w * sign as f32);
         });
     }
     Ok(())

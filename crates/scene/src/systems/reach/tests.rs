@@ -58,6 +58,7 @@ fn asks(light: &Light, at: surface::Surface<f32>, flipped: bool, ray: &Ray, inde
         shading_normal: outward,
         view: (-ray.direction).into(),
         color: Vec3::ONE.into(),
+        occlusion: 1.0,
         emission: Vec3::ZERO.into(),
         reflection: WHITE.reflection(),
         kr: WHITE.kr,

@@ -1,0 +1,90 @@
+//! Base colour, metal and roughness, the parameters of physically based models, as Blinn and Phong's.
+//!
+//! The two models are not alike, so that the rule is ours; [`look`] states it. Both what reads a file and what looks
+//! the parameters up in textures go by it.
+
+use glam::DVec3;
+
+/// What a base colour, a metallic share and a roughness become. The diffuse colour is the base colour.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Look {
+    /// Weight of the highlight.
+    pub ks: f64,
+    /// Weight of the diffuse reflection.
+    pub kd: f64,
+    /// Exponent of the highlight, a whole number.
+    pub exponent: f64,
+    /// Weight of the mirror ray.
+    pub kr: f64,
+    /// Colour of the highlight and of the mirror, its greatest channel 1.
+    pub tint: DVec3,
+}
+
+/// What a smooth surface that is no metal reflects of light that falls on it straight.
+const DIELECTRIC: f64 = 0.04;
+/// The greatest exponent that comes of a roughness. Its highlight of a point is about a degree wide.
+const GREATEST_EXPONENT: f64 = 10_000.0;
+/// Half of one of 255 levels: a mirror that adds less is none.
+const LEAST_MIRROR: f64 = 0.5 / 255.0;
+
+/// The look of a base colour C, metallic m and roughness r, all from 0 to 1. With F = 0.04 (1 - m) + m C, what is
+/// reflected straight, and f its greatest channel:
+///
+/// - the highlight and the mirror have the colour F / f: those of metals are tinted,
+/// - kr = m f (1 - r)^2, 0 where that is less than half of one of 255 levels: metals are mirrors as far as they are
+///   smooth,
+/// - kd = 1 - m (1 - r)^2, with the diffuse colour C: what is not mirrored is scattered,
+/// - exponent n = 2 / r^4 - 2, rounded, at most 10 000: the width of the highlight of physically based models
+///   (Karis, *Specular BRDF Reference*, 2013),
+/// - ks = (1 - r) min(1, f (n + 2) / 8): its height, less what a rough surface scatters anyway.
+pub fn look(color: DVec3, metallic: f64, roughness: f64) -> Look {
+    let straight = DVec3::splat(DIELECTRIC * (1.0 - metallic)) + color * metallic;
+    let greatest = straight.max_element();
+    let mirrored = metallic * (1.0 - roughness) * (1.0 - roughness);
+    let kr = mirrored * greatest;
+    let alpha = roughness * roughness;
+    let exponent = (2.0 / (alpha * alpha) - 2.0).min(GREATEST_EXPONENT).round();
+    Look {
+        ks: (1.0 - roughness) * (greatest * (exponent + 2.0) / 8.0).min(1.0),
+        kd: 1.0 - mirrored,
+        exponent,
+        kr: if kr < LEAST_MIRROR { 0.0 } else { kr },
+        tint: if greatest > 0.0 { straight / greatest } else { DVec3::ONE },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn looks_follow_the_rule() {
+        let white = |metallic, roughness| look(DVec3::ONE, metallic, roughness);
+        let matte = white(0.0, 1.0);
+        assert_eq!((matte.kd, matte.ks, matte.kr, matte.exponent), (1.0, 0.0, 0.0, 0.0));
+        let mirror = white(1.0, 0.0);
+        assert_eq!((mirror.kd, mirror.kr, mirror.exponent), (0.0, 1.0, 10_000.0));
+        let plastic = white(0.0, 0.5);
+        assert_eq!((plastic.kd, plastic.kr, plastic.exponent), (1.0, 0.0, 30.0));
+        assert!((plastic.ks - 0.08).abs() < 1e-12);
+        assert_eq!(white(1.0, 0.99).kr, 0.0, "too weak to be seen");
+    }
+
+    #[test]
+    fn metals_are_tinted_and_nothing_gains_light() {
+        let gold = DVec3::new(0.9, 0.6, 0.3);
+        assert!((look(gold, 1.0, 0.2).tint - gold / 0.9).length() < 1e-12);
+        assert!((look(gold, 0.0, 0.2).tint - DVec3::ONE).length() < 1e-12);
+        for color in [DVec3::ZERO, gold, DVec3::ONE] {
+            for metallic in [0.0, 0.3, 1.0] {
+                for roughness in [0.0, 1e-9, 0.2, 0.7, 1.0] {
+                    let Look { ks, kd, exponent, kr, tint } = look(color, metallic, roughness);
+                    assert!((0.0..=1.0).contains(&ks) && (0.0..=1.0).contains(&kr));
+                    assert!(kd >= 0.0 && kd + kr <= 1.0 + 1e-12, "{color} {metallic} {roughness}");
+                    assert!((0.0..=10_000.0).contains(&exponent));
+                    assert!(tint.is_finite() && tint.max_element() <= 1.0);
+                }
+            }
+        }
+    }
+}

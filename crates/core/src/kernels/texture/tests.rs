@@ -1,0 +1,115 @@
+use super::*;
+
+/// Red grows along x by tenths, green down y.
+fn gradient(width: u32, height: u32) -> Image {
+    let texel = |i: u32| [(i % width) as f32 / 10.0, (i / width) as f32 / 10.0, 0.0];
+    let texels = (0..width * height).map(texel).collect();
+    Image::new(width, height, Texels::Floats(texels))
+}
+
+#[test]
+fn v_runs_from_bottom_to_top() {
+    let image = gradient(4, 4);
+    let at = |u, v| image.look_up(Vec2::new(u, v), Filter::Nearest, Wrap::Repeat);
+    assert_eq!(at(0.0, 1.0), Vec3::new(0.0, 0.0, 0.0));
+    assert_eq!(at(1.0, 0.0), Vec3::new(0.3, 0.3, 0.0));
+}
+
+#[test]
+fn bilinear_meets_the_texel_at_its_centre_and_averages_between() {
+    let image = gradient(4, 1);
+    let at = |u| image.look_up(Vec2::new(u, 0.5), Filter::Bilinear, Wrap::Repeat).x;
+    assert_eq!(at(0.375), 0.1);
+    assert!((at(0.5) - 0.15).abs() < 1e-6);
+    assert!((at(0.0) - 0.15).abs() < 1e-6, "the seam averages the first and the last");
+    assert_eq!(image.look_up(Vec2::new(0.0, 0.5), Filter::Bilinear, Wrap::Clamp).x, 0.0);
+}
+
+#[test]
+fn hc30_every_coordinate_is_in_bounds() {
+    let mut image = gradient(3, 5);
+    image.build_pyramid();
+    let odd =
+        [0.0, 1.0, -f32::EPSILON, -1e-30, 1e6, -1e6, 1e30, f32::NAN, f32::INFINITY, 0.999_999_94];
+    for &u in &odd {
+        for &v in &odd {
+            for wrap in [Wrap::Repeat, Wrap::Clamp, Wrap::Mirror] {
+                for filter in [Filter::Nearest, Filter::Bilinear] {
+                    assert!(image.look_up(Vec2::new(u, v), filter, wrap).is_finite());
+                }
+                for &level in &odd {
+                    assert!(image.look_up_at(Vec2::new(u, v), level, wrap).0.is_finite());
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn the_level_is_the_logarithm_of_the_longer_side_in_texels() {
+    let mut image = gradient(64, 32);
+    let level = |image: &Image, x: [f32; 2], y: [f32; 2]| {
+        image.level(&[Vec2::from(x) / 64.0, Vec2::from(y) / 32.0])
+    };
+    assert_eq!(level(&image, [64.0, 0.0], [0.0, 32.0]), 0.0, "without a pyramid");
+    image.build_pyramid();
+    assert_eq!(image.coarsest(), 6);
+    assert_eq!(level(&image, [1.0, 0.0], [0.0, 0.5]), 0.0);
+    assert_eq!(level(&image, [0.3, 0.0], [0.0, 0.5]), 0.0);
+    assert_eq!(level(&image, [0.0, 0.0], [0.0, 0.0]), 0.0);
+    assert_eq!(level(&image, [2.0, 0.0], [0.0, 0.5]), 1.0);
+    assert_eq!(level(&image, [-2.0, 0.0], [0.0, 4.0]), 2.0, "v counts in rows");
+    assert_eq!(level(&image, [1e30, 0.0], [0.0, 0.5]), 6.0);
+    for side in [f32::INFINITY, f32::NEG_INFINITY, f32::NAN] {
+        assert_eq!(level(&image, [1.0, 0.0], [side, 0.0]), 6.0, "{side}");
+        assert_eq!(level(&image, [1.0, side], [1.0, 0.0]), 6.0, "{side}");
+    }
+}
+
+#[test]
+fn levels_are_bilinear_and_between_them_linear() {
+    let mut image = gradient(7, 5);
+    image.build_pyramid();
+    let uv = Vec2::new(0.4, 0.7);
+    let at = |level| image.look_up_at(uv, level, Wrap::Repeat);
+    let finest = image.look_up(uv, Filter::Bilinear, Wrap::Repeat);
+    for below in [0.0, -1.0, f32::NEG_INFINITY] {
+        assert_eq!(at(below), (finest, 4));
+    }
+    // The mean of 0 to 0.6 and of 0 to 0.4.
+    let (mean, texels) = at(2.0);
+    assert!(mean.distance(Vec3::new(0.3, 0.2, 0.0)) < 1e-6 && texels == 4, "{mean}");
+    for above in [2.5, 1e30, f32::INFINITY, f32::NAN] {
+        assert_eq!(at(above), (mean, 4));
+    }
+    let (half, texels) = at(0.5);
+    assert!(half.distance((finest + at(1.0).0) / 2.0) < 1e-6 && texels == 8, "{half}");
+    assert_eq!(gradient(7, 5).look_up_at(uv, 1.5, Wrap::Repeat), (finest, 4), "no pyramid");
+}
+
+#[test]
+fn maps_put_the_corners_where_they_belong() {
+    assert_eq!(sphere_uv(Vec3::Z), Vec2::splat(0.5));
+    assert!((sphere_uv(Vec3::X) - Vec2::new(0.75, 0.5)).length() < 1e-6);
+    assert!((sphere_uv(Vec3::Y).y - 1.0).abs() < 1e-6);
+    let map = PlanarMap::new(Vec3::ONE, Vec3::X * 4.0, Vec3::Y * 2.0);
+    assert_eq!(map.uv(Vec3::new(3.0, 2.0, 1.0)), Vec2::splat(0.5));
+}
+
+#[test]
+fn a_mirrored_image_runs_there_and_back() {
+    let image = gradient(4, 1);
+    let at = |u, filter| image.look_up(Vec2::new(u, 0.5), filter, Wrap::Mirror).x;
+    for u in [0.1_f32, 0.3, 0.45, 0.7, 0.95] {
+        for filter in [Filter::Nearest, Filter::Bilinear] {
+            let here = at(u, filter);
+            for there in [-u, 2.0 - u, 2.0 + u, -2.0 + u, 6.0 - u] {
+                assert!((at(there, filter) - here).abs() < 1e-6, "{u} and {there}, {filter:?}");
+            }
+        }
+    }
+    for edge in [0.0, 1.0, -1.0, 5.0] {
+        let texel = if edge == 0.0 { 0.0 } else { 0.3 };
+        assert_eq!(at(edge, Filter::Bilinear), texel, "an edge meets itself");
+    }
+}

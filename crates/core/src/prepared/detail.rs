@@ -1,0 +1,176 @@
+//! Details: what shapes show besides their colour, in textures or all over.
+//!
+//! Both tracers look them up hit by hit, on the shapes that have one alone; a look-up starts from the point as it
+//! would be shaded without.
+
+use glam::Vec3;
+
+use super::interaction::{Face, Group, lanes};
+use super::{Appearance, LookUps, NormalMap, PreparedScene, Shape, Texture};
+use crate::accel::Hit;
+use crate::accel::geometry::Geometry;
+use crate::kernels::differential::Differential;
+use crate::kernels::metal;
+use crate::kernels::shade::ShadingPoint;
+use crate::kernels::surface::Surface;
+use crate::math::ray::Ray;
+use crate::math::real::Single;
+
+/// What a shape shows besides its colour.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Detail {
+    /// Light of its own, which is seen and falls on nothing else.
+    pub emission: Vec3,
+    /// What that is multiplied by.
+    pub emission_texture: Option<Texture>,
+    /// Colour of the highlight, and of what it mirrors.
+    pub tint: Vec3,
+    /// Metal and roughness, from which with the colour all that is said of reflection follows.
+    pub metal: Option<Metal>,
+    /// How much of the ambient light arrives.
+    pub occlusion: Option<Occlusion>,
+    /// How the shading normal is turned.
+    pub normal: Option<NormalMap>,
+}
+
+/// A texture of metal, in blue, and of roughness, in green.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Metal {
+    /// The texture.
+    pub texture: Texture,
+    /// Factor on metal, 0 to 1.
+    pub metallic: f32,
+    /// Factor on roughness, 0 to 1.
+    pub roughness: f32,
+}
+
+/// A texture of the share of ambient light, in red.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Occlusion {
+    /// The texture.
+    pub texture: Texture,
+    /// How far it counts: 0 not at all, 1 fully.
+    pub strength: f32,
+}
+
+impl Default for Detail {
+    /// One that changes nothing.
+    fn default() -> Self {
+        Self {
+            emission: Vec3::ZERO,
+            emission_texture: None,
+            tint: Vec3::ONE,
+            metal: None,
+            occlusion: None,
+            normal: None,
+        }
+    }
+}
+
+impl Detail {
+    /// Its textures.
+    pub fn textures(&self) -> impl Iterator<Item = &Texture> {
+        let metal = self.metal.as_ref().map(|metal| &metal.texture);
+        let occlusion = self.occlusion.as_ref().map(|occlusion| &occlusion.texture);
+        let normal = self.normal.as_ref().map(|normal| &normal.texture);
+        [self.emission_texture.as_ref(), metal, occlusion, normal].into_iter().flatten()
+    }
+}
+
+/// Where on the scene a look-up is made.
+#[derive(Clone, Copy)]
+pub(super) struct Place<'a> {
+    /// The shape.
+    pub shape: &'a Shape,
+    /// Its primitive.
+    pub primitive: u32,
+    /// The primitives.
+    pub geometry: &'a Geometry,
+    /// The point.
+    pub surface: &'a Surface<f32>,
+    /// The ray's differential, the ray and its hit.
+    pub arriving: &'a dyn Fn() -> (Differential, Ray, Hit),
+}
+
+impl Appearance {
+    /// The textures of a shape.
+    pub fn textures<'a>(&'a self, shape: &'a Shape) -> impl Iterator<Item = &'a Texture> {
+        let detail = shape.detail.and_then(|detail| self.details.get(detail as usize));
+        shape.texture.iter().chain(detail.into_iter().flat_map(Detail::textures))
+    }
+
+    /// Gives `point` what the shape shows besides its colour.
+    #[inline(never)]
+    pub(super) fn add_detail(
+        &self,
+        detail: &Detail,
+        place: Place<'_>,
+        point: &mut ShadingPoint<f32>,
+        look_ups: &mut LookUps,
+    ) {
+        let mut at = |texture: &Texture| self.texel(texture, place, look_ups);
+        point.reflection.tint = detail.tint.into();
+        let mut emission = detail.emission;
+        if let Some(texture) = &detail.emission_texture {
+            emission *= at(texture);
+        }
+        point.emission = emission.into();
+        if let Some(metal) = &detail.metal {
+            metal.apply(at(&metal.texture), point);
+        }
+        if let Some(Occlusion { texture, strength }) = &detail.occlusion {
+            point.occlusion = 1.0 + strength * (at(texture).x - 1.0);
+        }
+        if let Some(normal) = &detail.normal {
+            normal.turn(at(&normal.texture), self, place, point);
+        }
+    }
+
+    /// What the texture shows there.
+    #[inline(never)]
+    fn texel(&self, texture: &Texture, place: Place<'_>, look_ups: &mut LookUps) -> Vec3 {
+        let Place { shape, primitive, geometry, surface, arriving } = place;
+        self.texture_at(texture, (shape, primitive), geometry, surface, arriving, look_ups)
+    }
+}
+
+impl<F: Single> Group<F> {
+    /// Adds to the points what shapes show besides their colour.
+    #[inline(never)]
+    pub(super) fn details(
+        &self,
+        point: &mut ShadingPoint<F>,
+        surfaces: &Surface<F>,
+        scene: &PreparedScene,
+        arriving: &dyn Fn(usize) -> (Differential, Ray, Hit),
+        look_ups: &mut LookUps,
+    ) {
+        let (appearance, geometry) = (&scene.appearance, scene.accel.geometry());
+        for lane in lanes(self.detailed & self.used) {
+            let Face { primitive, shape, .. } = self.faces[lane];
+            let shape = &appearance.shapes[shape as usize];
+            let Some(detail) = shape.detail else { continue };
+            let (surface, arriving) = (&surfaces.lane(lane), &|| arriving(lane));
+            let place = Place { shape, primitive, geometry, surface, arriving };
+            let mut one = point.lane(lane);
+            appearance.add_detail(&appearance.details[detail as usize], place, &mut one, look_ups);
+            point.set_material(lane, &one);
+        }
+    }
+}
+
+impl Metal {
+    /// Gives `point`, which has its colour, the look of a texel.
+    fn apply(&self, texel: Vec3, point: &mut ShadingPoint<f32>) {
+        let [metallic, roughness] = [self.metallic * texel.z, self.roughness * texel.y]
+            .map(|share| f64::from(share).clamp(0.0, 1.0));
+        let color = Vec3::from(point.color).as_dvec3();
+        let look = metal::look(color, metallic, roughness);
+        let reflection = &mut point.reflection;
+        reflection.ks = look.ks as f32;
+        reflection.kd = look.kd as f32;
+        reflection.exponent = look.exponent as f32;
+        reflection.tint = look.tint.as_vec3().into();
+        point.kr = look.kr as f32;
+    }
+}

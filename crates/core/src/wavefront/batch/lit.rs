@@ -1,0 +1,102 @@
+//! Points that lights reach, and what only some scenes know of them.
+
+use glam::Vec3;
+
+use super::columns::{Column, Vectors};
+use crate::kernels::blinn_phong::Reflection;
+use crate::kernels::shade::ShadingPoint;
+use crate::math::real::{Mask, Single};
+use crate::math::simd::LANES;
+use crate::math::vector::Vector;
+
+columns! {
+    /// Points that lights reach. Written by shade, read by shadow.
+    LitPoints {
+        /// World space.
+        point: Vectors,
+        /// Bound on the error of each coordinate.
+        error: Vectors,
+        /// Geometric, unit length, on the viewer's side.
+        normal: Vectors,
+        /// For lighting, unit length, on the viewer's side.
+        shading_normal: Vectors,
+        /// To the viewer, unit length.
+        view: Vectors,
+        /// Diffuse colour.
+        color: Vectors,
+        /// What light from here counts for in its path.
+        throughput: Vectors,
+        /// Weights of the highlight and of the diffuse part, and the highlight's exponent.
+        reflection: Vectors,
+        /// The path, by its number in the batch.
+        path: Vec<u32>,
+    }
+}
+
+impl LitPoints {
+    /// Appends the points that lights reach, of these paths.
+    #[inline(always)]
+    pub fn push_lanes<F: Single>(
+        &mut self,
+        p: &ShadingPoint<F>,
+        throughput: Vector<F>,
+        path: &[u32; LANES],
+    ) {
+        let (i, lit) = (self.rows, p.lit);
+        let Reflection { ks, kd, exponent, .. } = p.reflection;
+        self.point.pack(i, p.point, lit);
+        self.error.pack(i, p.error, lit);
+        self.normal.pack(i, p.normal, lit);
+        self.shading_normal.pack(i, p.shading_normal, lit);
+        self.view.pack(i, p.view, lit);
+        self.color.pack(i, p.color, lit);
+        self.throughput.pack(i, throughput, lit);
+        self.reflection.pack(i, Vector::new(ks, kd, exponent), lit);
+        F::pack_words(p.kr.token(), path, lit, &mut self.path[i..i + F::LANES]);
+        self.rows += lit.bits().count_ones() as usize;
+    }
+
+    /// The points from the `i`th on, those of `used`, and what they count for. They are no mirrors here.
+    #[inline(always)]
+    pub fn load<F: Single>(
+        &self,
+        token: F::Token,
+        i: usize,
+        used: u32,
+    ) -> (ShadingPoint<F>, Vector<F>) {
+        let Vector { x: ks, y: kd, z: exponent } = self.reflection.load::<F>(token, i);
+        let point = ShadingPoint {
+            point: self.point.load(token, i),
+            error: self.error.load(token, i),
+            normal: self.normal.load(token, i),
+            shading_normal: self.shading_normal.load(token, i),
+            view: self.view.load(token, i),
+            color: self.color.load(token, i),
+            // Seen already.
+            occlusion: F::splat(token, 0.0),
+            emission: Vector::splat(token, Vec3::ZERO),
+            reflection: Reflection { ks, kd, exponent, tint: Vector::splat(token, Vec3::ONE) },
+            kr: F::splat(token, 0.0),
+            lit: F::mask(token, used),
+        };
+        (point, self.throughput.load(token, i))
+    }
+}
+
+columns! {
+    /// Colours of highlights, a row for each of [`LitPoints`], where the scene calls for them. Written by shade, read
+    /// by shadow.
+    Tints {
+        /// The greatest channel is 1 as a rule.
+        tint: Vectors,
+    }
+}
+
+impl Tints {
+    /// Appends those of the points that lights reach.
+    #[inline(always)]
+    pub fn push_lanes<F: Single>(&mut self, p: &ShadingPoint<F>) {
+        self.tint.pack(self.rows, p.reflection.tint, p.lit);
+        self.rows += p.lit.bits().count_ones() as usize;
+    }
+}

@@ -1,0 +1,55 @@
+//! The textures that a surface wears, as far as the file has them.
+
+use glam::DVec3;
+
+use crate::components::{Encoding, Maps, TextureRef};
+use crate::reader::Notes;
+
+use super::document::Document;
+use super::material::Surface;
+use super::texture::TextureInfo;
+
+/// The textures of a surface whose images are there, and the set of coordinates that they go by: one for all.
+pub(super) fn textures(
+    document: &Document,
+    surface: &Surface,
+    notes: &Notes<'_>,
+) -> (Option<TextureRef>, Maps, Option<u32>) {
+    let mut set = None;
+    let (color, maps) = surface.textures(|info, encoding, tint| {
+        let texture = texture(document, info, encoding, tint, notes)?;
+        if *set.get_or_insert(info.set) == info.set {
+            return Some(texture);
+        }
+        let message = "a texture is left out that goes by other coordinates than the first";
+        notes.once(
+            "materials",
+            message,
+            "use one set of coordinates for all textures of a material",
+        );
+        None
+    });
+    (color, maps, set)
+}
+
+/// A texture of a surface, if its image is there.
+fn texture(
+    document: &Document,
+    info: &TextureInfo,
+    encoding: Encoding,
+    tint: DVec3,
+    notes: &Notes<'_>,
+) -> Option<TextureRef> {
+    let textures = &document.textures;
+    let Some(image) = textures.image(info) else {
+        let message = "a texture names no image that could be read";
+        notes.once("textures", message, "the material does without it");
+        return None;
+    };
+    if let Some(path) = textures.missing(image) {
+        let message = format!("there is no image {}", path.display());
+        notes.once(&format!("images[{image}]"), &message, "the material does without it");
+        return None;
+    }
+    textures.reference(info, encoding, tint)
+}

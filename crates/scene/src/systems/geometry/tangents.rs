@@ -1,0 +1,181 @@
+//! Tangents of meshes, by the convention that normal maps are baked with: Mikkelsen, *Simulation of Wrinkled Surfaces
+//! Revisited* (2008).
+//!
+//! They are computed in the mesh's own space, as the files that hold the textures were, and only for meshes that a
+//! shape shows with a normal map.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use bevy_mikktspace::{Ops, TangentSpace, generate_tangents};
+use glam::{Vec2, Vec3, Vec4};
+
+use crate::mesh::{Attribute, MeshData};
+use wavecrest_core::math::float::normalize;
+use wavecrest_core::prepared::CornerValues;
+
+/// Functions that are the same on every machine.
+struct Libm;
+
+impl Ops for Libm {
+    fn sqrt(x: f32) -> f32 {
+        libm::sqrtf(x)
+    }
+
+    fn acos(x: f32) -> f32 {
+        libm::acosf(x)
+    }
+}
+
+/// A mesh, and the tangents at the corners of its triangles.
+struct Corners<'a> {
+    mesh: &'a MeshData,
+    uvs: &'a Attribute<Vec2>,
+    found: Vec<[Vec4; 3]>,
+}
+
+/// The tangents of a mesh, lit with its normals or, where it has none, with those of its triangles; `None` without
+/// texture coordinates. Zero where coordinates span no area.
+pub(super) fn tangents(mesh: &MeshData) -> Option<CornerValues<Vec4>> {
+    let uvs = mesh.uvs.as_ref()?;
+    let found = vec![[Vec4::ZERO; 3]; mesh.triangles.len()];
+    let mut corners = Corners { mesh, uvs, found };
+    // The crate is meant not to panic, but an odd mesh must not end the program.
+    let result = catch_unwind(AssertUnwindSafe(|| generate_tangents(&mut corners)));
+    result.ok()?.ok()?;
+    Some(shared(corners.found, mesh))
+}
+
+/// By vertex, where all corners at each have the same tangent; else by corner.
+fn shared(found: Vec<[Vec4; 3]>, mesh: &MeshData) -> CornerValues<Vec4> {
+    let mut values = vec![Vec4::ZERO; mesh.positions.len()];
+    let mut is_known = vec![false; mesh.positions.len()];
+    let mut corners = mesh.triangles.iter().flatten().zip(found.iter().flatten());
+    let is_shared = corners.all(|(&vertex, &tangent)| {
+        let vertex = vertex as usize;
+        let agrees = !is_known[vertex] || values[vertex] == tangent;
+        (values[vertex], is_known[vertex]) = (tangent, true);
+        agrees
+    });
+    if is_shared {
+        return CornerValues { values, indices: None };
+    }
+    let indices = (0..found.len() as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
+    CornerValues { values: found.into_iter().flatten().collect(), indices: Some(indices) }
+}
+
+/// The value of a corner.
+fn value<T: Copy>(
+    attribute: &Attribute<T>,
+    mesh: &MeshData,
+    face: usize,
+    corner: usize,
+) -> Option<T> {
+    let indices = attribute.indices.as_ref().unwrap_or(&mesh.triangles);
+    attribute.values.get(indices.get(face)?[corner] as usize).copied()
+}
+
+impl bevy_mikktspace::Geometry<Libm> for Corners<'_> {
+    fn num_faces(&self) -> usize {
+        self.mesh.triangles.len()
+    }
+
+    fn num_vertices_of_face(&self, _: usize) -> usize {
+        3
+    }
+
+    fn position(&self, face: usize, corner: usize) -> [f32; 3] {
+        self.mesh.positions[self.mesh.triangles[face][corner] as usize].to_array()
+    }
+
+    fn normal(&self, face: usize, corner: usize) -> [f32; 3] {
+        let own = self.mesh.normals.as_ref();
+        let own = own.and_then(|normals| value(normals, self.mesh, face, corner)).map(normalize);
+        let normal = own.filter(|normal| *normal != Vec3::ZERO).unwrap_or_else(|| {
+            let [a, b, c] = self.mesh.triangles[face].map(|i| self.mesh.positions[i as usize]);
+            normalize((b - a).cross(c - a))
+        });
+        normal.to_array()
+    }
+
+    fn tex_coord(&self, face: usize, corner: usize) -> [f32; 2] {
+        value(self.uvs, self.mesh, face, corner).unwrap_or(Vec2::ZERO).to_array()
+    }
+
+    fn set_tangent(&mut self, found: Option<TangentSpace>, face: usize, corner: usize) {
+        if let Some(found) = found {
+            let tangent = Vec4::from(found.tangent_encoded());
+            self.found[face][corner] = if tangent.is_finite() { tangent } else { Vec4::ZERO };
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two triangles of a square in the plane z = 0, with these coordinates.
+    fn square(uvs: [[f32; 2]; 4]) -> MeshData {
+        let positions = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+        MeshData {
+            positions: positions.map(|[x, y]| Vec3::new(x, y, 0.0)).to_vec(),
+            triangles: vec![[0, 1, 2], [0, 2, 3]],
+            uvs: Some(Attribute { values: uvs.map(Vec2::from).to_vec(), indices: None }),
+            normals: None,
+        }
+    }
+
+    /// The tangents of the first triangle, and where v grows by them.
+    fn first(uvs: [[f32; 2]; 4]) -> Vec<(Vec3, Vec3)> {
+        let found = tangents(&square(uvs)).expect("tangents");
+        let corners = found.corners(0, [0, 1, 2]).expect("three of them");
+        let both = |t: Vec4| (t.truncate(), Vec3::Z.cross(t.truncate()) * t.w);
+        corners.map(both).to_vec()
+    }
+
+    #[test]
+    fn tangents_are_where_the_coordinates_grow() {
+        for (uvs, u, v) in [
+            ([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]], Vec3::X, Vec3::Y),
+            ([[0.0, 0.0], [3.0, 0.0], [3.0, 0.5], [0.0, 0.5]], Vec3::X, Vec3::Y),
+            // Mirrored, turned, and both.
+            ([[1.0, 0.0], [0.0, 0.0], [0.0, 1.0], [1.0, 1.0]], Vec3::NEG_X, Vec3::Y),
+            ([[0.0, 1.0], [0.0, 0.0], [1.0, 0.0], [1.0, 1.0]], Vec3::Y, Vec3::NEG_X),
+            ([[0.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, 0.0]], Vec3::Y, Vec3::X),
+        ] {
+            for (along_u, along_v) in first(uvs) {
+                assert!(along_u.distance(u) < 1e-6 && along_v.distance(v) < 1e-6, "{uvs:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn coordinates_without_area_and_meshes_without_any_are_no_fault() {
+        for uvs in [[[0.5, 0.5]; 4], [[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [3.0, 0.0]]] {
+            assert!(first(uvs).iter().all(|(u, v)| u.is_finite() && v.is_finite()));
+        }
+        let mut mesh = square([[f32::MAX, 0.0], [-f32::MAX, 1e-40], [0.0, 1.0], [1.0, 1.0]]);
+        let found = tangents(&mesh).expect("tangents");
+        assert!(found.values.iter().all(|tangent| tangent.is_finite()));
+        mesh.positions[1] = mesh.positions[0];
+        assert!(tangents(&mesh).expect("tangents").values.iter().all(|t| t.is_finite()));
+        mesh.uvs = None;
+        assert!(tangents(&mesh).is_none());
+        assert!(
+            tangents(&MeshData { uvs: Some(Attribute::default()), ..MeshData::default() })
+                .is_some()
+        );
+    }
+
+    #[test]
+    fn a_seam_between_mirrored_halves_has_tangents_by_corner() {
+        let mut mesh = square([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]);
+        mesh.uvs = Some(Attribute {
+            values: [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [1.0, 0.0]].map(Vec2::from).to_vec(),
+            indices: Some(vec![[0, 1, 2], [0, 2, 3]]),
+        });
+        let found = tangents(&mesh).expect("tangents");
+        assert!(found.indices.is_some());
+        let signs = [0, 1].map(|t| found.corners(t, mesh.triangles[t]).expect("corners")[0].w);
+        assert_eq!(signs, [1.0, -1.0]);
+    }
+}

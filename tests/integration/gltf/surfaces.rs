@@ -1,0 +1,261 @@
+//! Textures of materials: metal and roughness, ambient light, normals, light of the material itself.
+
+use serde_json::{Value, json};
+use wavecrest_core::film::Film;
+use wavecrest_scene::components::AreaLight;
+
+use super::converted::converted;
+use super::images::png;
+use super::{File, SQUARE_UVS, image, loaded, rendered, square};
+use crate::support::{assert_near, folder, pixel};
+
+/// The square in this material, with a texture all of one colour.
+fn mapped(texel: [u8; 3], material: Value) -> File {
+    mapped_with([texel; 4], material)
+}
+
+fn mapped_with(texels: [[u8; 3]; 4], material: Value) -> File {
+    let mut file = square();
+    let view = file.view(&png(texels));
+    file.json["images"] = json!([{"bufferView": view, "mimeType": "image/png"}]);
+    file.json["samplers"] = json!([{"magFilter": 9728}]);
+    file.json["textures"] = json!([{"source": 0, "sampler": 0}]);
+    file.json["materials"][0] = material;
+    file
+}
+
+/// The square's own material, with more.
+fn own(more: Value) -> Value {
+    let mut material = square().json["materials"][0].clone();
+    let more = more.as_object().cloned().expect("an object");
+    material.as_object_mut().expect("an object").extend(more);
+    material
+}
+
+fn middle(film: &Film) -> [f64; 3] {
+    pixel(film, 12, 9)
+}
+
+/// As far as two films differ anywhere.
+fn difference(a: &Film, b: &Film) -> f32 {
+    let both = a.pixels().iter().flatten().zip(b.pixels().iter().flatten());
+    both.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max)
+}
+
+/// Blue is metal and green is roughness, each times its factor; red is not looked at.
+#[test]
+fn a_texture_of_metal_and_roughness_is_as_good_as_factors() {
+    let gold = |metallic: f64, roughness: f64| {
+        json!({"baseColorFactor": [0.9, 0.6, 0.3, 1], "metallicFactor": metallic,
+               "roughnessFactor": roughness})
+    };
+    let of = |mut model: Value, texel: Option<[u8; 3]>| {
+        if texel.is_some() {
+            model["metallicRoughnessTexture"] = json!({"index": 0});
+        }
+        image(&mapped(texel.unwrap_or_default(), json!({"pbrMetallicRoughness": model})))
+    };
+    let rough = |texel: u8| f64::from(texel) / 255.0;
+    for (texel, [metallic, roughness]) in [
+        ([7, 51, 255], [1.0, rough(51)]),
+        ([90, 128, 102], [rough(102), rough(128)]),
+        ([255, 255, 0], [0.0, 1.0]),
+    ] {
+        let (found, expected) =
+            (of(gold(1.0, 1.0), Some(texel)), of(gold(metallic, roughness), None));
+        assert!(difference(&found, &expected) < 1e-5, "{texel:?}");
+    }
+    let half = of(gold(0.5, 0.4), Some([0, 255, 255]));
+    assert!(difference(&half, &of(gold(0.5, 0.4), None)) < 1e-5, "factors count");
+    assert!(difference(&half, &of(gold(1.0, 0.4), None)) > 0.05);
+}
+
+/// Metal tints what it mirrors, here the background's nothing, and its highlight.
+#[test]
+fn a_metal_has_a_highlight_of_its_colour() {
+    let mut file = square();
+    file.json["materials"][0]["pbrMetallicRoughness"] = json!({
+        "baseColorFactor": [0.8, 0.4, 0.2, 1], "metallicFactor": 1, "roughnessFactor": 0.3
+    });
+    // Between the camera and the light is the normal.
+    file.json["nodes"][2]["translation"] = json!([0, 0, 5]);
+    let [r, g, b] = middle(&image(&file));
+    assert!((g / r - 0.5).abs() < 1e-3 && (b / r - 0.25).abs() < 1e-3 && r > 0.5, "{r} {g} {b}");
+}
+
+#[test]
+fn occlusion_takes_away_ambient_light_alone() {
+    let plain = middle(&image(&square()));
+    for (texel, strength, lost) in [(0, 1.0, 1.0), (0, 0.5, 0.5), (255, 1.0, 0.0), (51, 0.5, 0.4)] {
+        let info = json!({"index": 0, "strength": strength});
+        let file = mapped([texel, 200, 100], own(json!({"occlusionTexture": info})));
+        let found = middle(&image(&file));
+        let expected: [f64; 3] =
+            std::array::from_fn(|i| plain[i] - lost * 0.08 * [0.8, 0.2, 0.1][i]);
+        assert_near(found, expected, 1e-5, "less of the ambient part");
+    }
+}
+
+/// The square lit with a normal map all of one texel, with these coordinates.
+fn bumpy(texel: [u8; 3], uvs: &[[f32; 2]; 4], scale: f64) -> File {
+    let info = json!({"index": 0, "scale": scale});
+    let mut file = mapped(texel, own(json!({"normalTexture": info})));
+    let uvs = file.floats(uvs);
+    file.json["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_0"] = uvs.into();
+    file
+}
+
+/// The square lit with this normal.
+fn tilted(normal: [f32; 3]) -> Film {
+    let mut file = square();
+    let normals = file.floats(&[normal; 4]);
+    file.json["meshes"][0]["primitives"][0]["attributes"]["NORMAL"] = normals.into();
+    image(&file)
+}
+
+#[test]
+fn a_normal_map_turns_normals_along_u_and_v() {
+    let texel = |x: f32, y: f32| {
+        let z = (1.0 - x * x - y * y).sqrt();
+        [x, y, z].map(|c| ((c * 0.5 + 0.5) * 255.0).round() as u8)
+    };
+    let number = |texel: u8| f32::from(texel) / 255.0 * 2.0 - 1.0;
+    let mirrored = SQUARE_UVS.map(|[u, v]| [1.0 - u, v]);
+    let turned = SQUARE_UVS.map(|[u, v]| [1.0 - v, u]);
+    for (x, y) in [(0.0, 0.0), (0.5, 0.0), (0.0, -0.6), (-0.3, 0.4)] {
+        let texel = texel(x, y);
+        let [x, y, z] = texel.map(number);
+        // The file's v runs down, and green runs up.
+        for (uvs, normal) in [
+            (SQUARE_UVS, [x, y, z]),
+            (mirrored, [-x, y, z]),
+            (turned, [-y, x, z]),
+            (SQUARE_UVS.map(|[u, v]| [3.0 * u, 0.1 * v]), [x, y, z]),
+        ] {
+            let found = image(&bumpy(texel, &uvs, 1.0));
+            let far = difference(&found, &tilted(normal));
+            assert!(far < 1e-5, "{texel:?} {uvs:?}: {far}");
+        }
+        let found = image(&bumpy(texel, &SQUARE_UVS, 0.5));
+        assert!(difference(&found, &tilted([0.5 * x, 0.5 * y, z])) < 1e-5, "half as strong");
+    }
+}
+
+#[test]
+fn coordinates_without_area_leave_normals_as_they_are() {
+    let found = image(&bumpy([255, 128, 128], &[[0.5, 0.5]; 4], 1.0));
+    assert!(found.same_bits(&image(&square())));
+}
+
+#[test]
+fn a_texture_of_light_is_seen_and_lights_nothing() {
+    let glow = json!({
+        "emissiveFactor": [1, 0.5, 1], "emissiveTexture": {"index": 0},
+        "extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": 2}}
+    });
+    let file = mapped([188, 188, 0], own(glow));
+    let mut world = loaded(&file).expect("it is right").world;
+    assert_eq!(world.query_mut::<&AreaLight>().into_iter().count(), 0);
+    let plain = middle(&image(&square()));
+    let linear = ((188.0_f64 / 255.0 + 0.055) / 1.055).powf(2.4);
+    let expected = [plain[0] + 2.0 * linear, plain[1] + linear, plain[2]];
+    assert_near(middle(&image(&file)), expected, 1e-5, "sRGB, times factor and strength");
+}
+
+#[test]
+fn an_unlit_material_shows_its_texture_as_it_is() {
+    let model = json!({"baseColorFactor": [0.5, 1, 0.25, 1], "baseColorTexture": {"index": 0}});
+    let unlit = json!({"KHR_materials_unlit": {}});
+    let file = mapped([188, 0, 255], json!({"pbrMetallicRoughness": model, "extensions": unlit}));
+    let linear = ((188.0_f64 / 255.0 + 0.055) / 1.055).powf(2.4);
+    assert_near(middle(&image(&file)), [0.5 * linear, 0.0, 0.25], 1e-6, "neither lit nor shaded");
+}
+
+/// Beyond its edge a mirrored image runs back.
+#[test]
+fn a_mirrored_texture_runs_there_and_back() {
+    let texels = [[255, 0, 0], [0, 255, 0], [0, 0, 255], [255; 3]];
+    let of = |wrap: u64, uvs: [[f32; 2]; 4]| {
+        let model = json!({"metallicFactor": 0, "baseColorTexture": {"index": 0}});
+        let mut file = mapped_with(texels, json!({"pbrMetallicRoughness": model}));
+        file.json["samplers"] = json!([{"magFilter": 9728, "wrapS": wrap, "wrapT": wrap}]);
+        let uvs = file.floats(&uvs);
+        file.json["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_0"] = uvs.into();
+        image(&file)
+    };
+    let (repeat, mirror) = (10_497, 33_648);
+    let beyond = SQUARE_UVS.map(|[u, v]| [u + 1.0, v]);
+    let back = SQUARE_UVS.map(|[u, v]| [1.0 - u, v]);
+    assert!(difference(&of(mirror, beyond), &of(repeat, back)) < 1e-6);
+    assert!(difference(&of(mirror, beyond), &of(repeat, beyond)) > 0.1);
+}
+
+/// All maps at once, each placed by a transform of its own, survive the conversion to a scene file.
+#[test]
+fn a_converted_file_keeps_its_maps() {
+    let texels = [[200, 90, 255], [30, 160, 140], [120, 128, 250], [255, 60, 200]];
+    let place = |scale: f64, turn: f64| {
+        let change = json!({"scale": [scale, 0.7], "rotation": turn, "offset": [0.1, scale]});
+        json!({"index": 0, "extensions": {"KHR_texture_transform": change}})
+    };
+    let mut normal = place(0.5, 1.1);
+    normal["scale"] = 0.7.into();
+    let material = json!({
+        "pbrMetallicRoughness": {
+            "baseColorFactor": [0.9, 0.7, 0.5, 1], "metallicFactor": 0.8,
+            "baseColorTexture": place(1.5, 0.0), "metallicRoughnessTexture": place(1.0, 0.4)
+        },
+        "normalTexture": normal, "occlusionTexture": place(2.0, -0.3),
+        "emissiveFactor": [0.2, 0.1, 0.3], "emissiveTexture": place(0.3, 2.0)
+    });
+    let mut file = mapped_with(texels, material);
+    let normals =
+        file.floats(&[[0.1, 0.2, 0.9], [0.3, 0.0, 1.0], [0.0, -0.1, 0.7], [0.0, 0.0, 1.0]]);
+    file.json["meshes"][0]["primitives"][0]["attributes"]["NORMAL"] = normals.into();
+    file.node(json!({"mesh": 0, "translation": [0.4, 0.3, -1], "scale": [-1, 1.2, 0.8]}));
+    let folder = folder();
+    let path = folder.path().join("a.glb");
+    std::fs::write(&path, file.glb()).expect("a file");
+    let (film, json) = converted(&path);
+    assert!(film.same_bits(&rendered(loaded(&file))));
+    for key in ["emissionmap", "metalmap", "occlusionmap", "normalmap", "uvtransform"] {
+        assert!(!json["scene"]["shapes"][0][key].is_null(), "{key}");
+    }
+}
+
+#[test]
+fn a_node_with_instances_is_as_many_nodes() {
+    let mut many = square();
+    let translations = many.floats(&[[-0.5, 0.2, 0.0], [0.6, -0.3, -1.0], [0.0, 0.0, -2.0]]);
+    let scales = many.floats(&[[0.5, 0.5, 0.5], [-0.4, 0.3, 1.0], [1.0, 1.0, 1.0]]);
+    let half = std::f32::consts::FRAC_1_SQRT_2;
+    let quarter = [0.0, 0.0, half, half].map(f32::to_le_bytes).as_flattened().to_vec();
+    let still = [0.0_f32, 0.0, 0.0, 1.0].map(f32::to_le_bytes).as_flattened().to_vec();
+    let rotations = many.accessor(&[still.clone(), quarter, still].concat(), 5126, 3, "VEC4");
+    let attributes = json!({"TRANSLATION": translations, "ROTATION": rotations, "SCALE": scales});
+    many.json["extensionsRequired"] = json!(["EXT_mesh_gpu_instancing"]);
+    many.json["nodes"][0]["scale"] = json!([1.1, 0.9, 1.0]);
+    let mut each = square();
+    each.json["nodes"][0] = json!({"scale": [1.1, 0.9, 1.0], "children": []});
+    for node in [
+        json!({"mesh": 0, "translation": [-0.5, 0.2, 0.0], "scale": [0.5, 0.5, 0.5]}),
+        json!({"mesh": 0, "translation": [0.6, -0.3, -1.0], "scale": [-0.4, 0.3, 1.0],
+               "rotation": [0.0, 0.0, half, half]}),
+        json!({"mesh": 0, "translation": [0.0, 0.0, -2.0]}),
+    ] {
+        let number = each.push("nodes", node);
+        each.json["nodes"][0]["children"].as_array_mut().expect("a list").push(number.into());
+    }
+    let mut named = many.clone();
+    named.json["nodes"][0]["extensions"] =
+        json!({"EXT_mesh_gpu_instancing": {"attributes": attributes}});
+    // Numbers of 32 bits are a little off those of the text.
+    assert!(difference(&image(&named), &image(&each)) < 1e-2);
+    let worst = image(&many);
+    assert!(difference(&worst, &image(&named)) > 0.05, "without them it is one");
+    let mut odd = named.clone();
+    odd.json["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"]["SCALE"] =
+        json!(rotations);
+    let error = loaded(&odd).err().map(|error| error.to_string()).unwrap_or_default();
+    assert!(error.contains("nodes[0].extensions.EXT_mesh_gpu_instancing"), "{error}");
+}
