@@ -103,12 +103,17 @@ pub(crate) fn stl(bytes: &[u8]) -> bool {
 pub(crate) fn mtl(bytes: &[u8]) -> bool {
     let materials = mtl::materials(bytes);
     for (_, material, texture, cutout) in &materials {
-        let Material { ks, kd, specular_exponent, diffuse_color, kr, emission } = *material;
+        let Material { ks, kd, specular_exponent, diffuse_color, kr, emission, specular_color } =
+            *material;
         assert!([ks, kd, kr].iter().all(|weight| (0.0..=1.0).contains(weight)), "{material:?}");
         assert!((0.0..=1e6).contains(&specular_exponent), "{material:?}");
         let threshold = cutout.as_ref().map_or(1.0, |cutout| cutout.threshold);
         assert!(threshold > 0.0 && threshold.is_finite(), "{cutout:?}");
-        let colors = texture.iter().map(|texture| texture.tint).chain([diffuse_color, emission]);
+        let colors = texture.iter().map(|texture| texture.tint).chain([
+            diffuse_color,
+            emission,
+            specular_color,
+        ]);
         let is_color = |color: DVec3| color.is_finite() && color.min_element() >= 0.0;
         assert!(colors.into_iter().all(is_color), "{material:?}, {texture:?}");
     }
