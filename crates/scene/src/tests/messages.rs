@@ -302,8 +302,8 @@ fn textures() {
     );
     refused(
         "scene.shapes[0].wrap",
-        json!("mirror"),
-        "scene.shapes[0].wrap: must be \"repeat\" or \"clamp\", found \"mirror\"",
+        json!("fold"),
+        "scene.shapes[0].wrap: must be \"repeat\", \"clamp\" or \"mirror\", found \"fold\"",
     );
     warned(
         "scene.shapes[1].filter",
