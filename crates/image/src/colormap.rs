@@ -62,11 +62,10 @@ pub fn diverging(t: f32) -> [f32; 3] {
     xyz_to_rgb(lab_to_xyz(lab)).map(|value| srgb_encode(value.clamp(0.0, 1.0) as f32))
 }
 
-/// The colour of the `n`th of many things: those of near numbers are told apart, and each is so light that it is
-/// seen before black.
+/// The colour of the `n`th of many categories, as encoded sRGB. Consecutive numbers get clearly different colours, all
+/// light enough to stand out from black.
 ///
-/// Hues in CIELAB go on by the golden angle, which leaves no two of them near each other for as long as can be, and
-/// there are three lightnesses in turn.
+/// Hues in CIELAB advance by the golden angle, which spreads any number of them evenly; three lightnesses alternate.
 pub fn distinct(n: u32) -> [f32; 3] {
     let (lightness, chroma) = DISTINCT[n as usize % DISTINCT.len()];
     // Whole turns first: an angle of many of them would lose digits.

@@ -225,9 +225,9 @@ impl Reader<'_> {
         mesh.uvs.is_some()
     }
 
-    /// Warns of materials that no file has; where a file is missing, that has been said.
+    /// Warns of materials that no file defines. A missing file has its own warning.
     fn warn_of_unknown(&self, named: &NamedMaterials, library: &HashMap<String, (Mtl, PathBuf)>) {
-        /// So many names are told.
+        /// A warning lists at most this many names.
         const NAMED: usize = 4;
         if library.is_empty() {
             return;

@@ -184,7 +184,7 @@ impl Stage<'_> {
         (view, room)
     }
 
-    /// Where the camera stands if nobody says: what is longer than wide is seen more from its side.
+    /// The default direction of the camera, from the subject: a subject that is deeper than wide is seen from its side.
     fn usual_side(&self) -> DVec3 {
         let size = (self.up.axes().transpose() * (self.corners.1 - self.corners.0)).abs();
         let DVec3 { x: side, y: up, z: front } = CAMERA_SIDE.normalize();

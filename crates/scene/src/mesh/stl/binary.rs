@@ -55,7 +55,7 @@ pub(super) fn read<F: ReadAt + ?Sized>(
     let parts = triangles.par_chunks_mut(at_once).enumerate();
     let read: Vec<Result<bool>> =
         parts.map(|(part, into)| read_part(file, part * at_once, into)).collect();
-    // The first fault of the file is told, whichever thread came first.
+    // Report the first fault in file order, whichever thread found one first.
     let has_attributes = read.into_iter().try_fold(false, |any, part| part.map(|p| any | p))?;
     if head.windows(COLOR.len()).any(|text| text == COLOR) {
         notes.push(ignored_colours("colours of triangles (Materialise Magics)"));
