@@ -302,7 +302,10 @@ impl<F: Single> Group<F> {
             lit: F::mask(token, self.used) & (F::mask(token, self.two_sided) | !at_back),
         };
         if self.detailed & self.used != 0 {
-            self.details(&mut point, &surfaces, scene, &arriving, look_ups);
+            // Copies, so that nothing of the point waits in memory where there are no details.
+            let (mut detailed, surfaces) = (point, surfaces);
+            self.details(&mut detailed, &surfaces, scene, &arriving, look_ups);
+            point = detailed;
         }
         point
     }
