@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 use std::path::Path;
 
 use wavecrest_core::film::Film;
+use wavecrest_core::math::random::Stream;
 use wavecrest_core::math::srgb::srgb_encode;
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_image::aov::{Layer, Request, layers};
@@ -147,4 +148,25 @@ fn what_no_ray_hits_is_transparent() {
     let refused = run(&[&["a.ppm"][..], &transparent].concat()).failure();
     let told = String::from_utf8_lossy(&refused.get_output().stderr).into_owned();
     assert!(told.contains("has no alpha"), "{told}");
+}
+
+#[test]
+fn a_room_alone_is_lit_by_a_lamp_under_its_ceiling() {
+    let folder = folder();
+    let path = folder.path().join("room.ply");
+    let generate = ["generate", "room", "room.ply", "--triangles", "80k"];
+    wavecrest(folder.path()).args(generate).assert().success();
+    let options = LoadOptions { width: Some(64), height: Some(48), ..LoadOptions::default() };
+    let mut world = load(&path, &options).unwrap_or_else(|error| panic!("{error}")).world;
+    let extracted = systems::extract(&mut world, Default::default()).expect("a scene");
+    let scene = extracted.build(wavecrest_core::accel::build::Preset::Fast);
+    let [light] = &scene.lights[..] else { panic!("{:?}", scene.lights) };
+    assert!(light.is_sampled() && light.samples() > 1, "its shadows are soft");
+    // The ceiling of the room is at 2.7 metres.
+    let stream = Stream { seed: 0, pixel: 0, sample: 0, bounce: 0 };
+    let height = f64::from(light.point(0, &stream).position.y) + scene.origin.y;
+    assert!(height > 2.4 && height < 2.7, "{height}");
+    let film = image_of(&scene, 0);
+    let dark = film.pixels().iter().filter(|p| srgb_encode(p[1]) < 0.2).count();
+    assert!(dark < film.pixels().len() / 50, "{dark} pixels are dark");
 }

@@ -56,7 +56,7 @@ pub struct PreparedScene {
     /// Factor on the diffuse colour for the ambient part of all lights together, those without
     /// power too.
     pub ambient: f32,
-    /// Ambient light by the normal; `None` where the plan has none.
+    /// Ambient light by the normal, and what mirror rays that hit nothing show; `None` where the plan has none.
     pub hemisphere: Option<Hemisphere>,
     /// Greatest number of mirror bounces; 0 where the plan has no mirrors.
     pub bounces: u32,

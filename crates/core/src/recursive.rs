@@ -180,6 +180,9 @@ impl<P: Arithmetic> Recursive<P> {
                     Interaction::Nothing => {
                         if stream.bounce == 0 {
                             radiance += scene.background;
+                        } else if let Some(hemisphere) = &scene.hemisphere {
+                            let sky = hemisphere.at::<f32>(ray.direction.into());
+                            radiance += throughput * Vec3::from(sky);
                         }
                         End::Nothing
                     }

@@ -200,3 +200,20 @@ fn a_hall_of_mirrors_shows_a_geometric_series() {
         }
     }
 }
+
+#[test]
+fn a_mirror_shows_the_sky_and_the_ground_where_nothing_else_is() {
+    let (sky, ground) = ([0.2, 0.5, 0.9], [0.4, 0.2, 0.1]);
+    // Black apart from what it mirrors, so that the sky is there for the mirror alone.
+    let black = Phong { ks: 0.0, kd: 0.0, exponent: 1.0, color: [0.0; 3] };
+    let mut scene = scene(1, &EYE.json(), &[], &[wall(50.0, 0.0, with(black.json(), "kr", 0.75))]);
+    scene["scene"]["ambient"] = json!({"sky": sky, "ground": ground, "up": [0, 0, 2]});
+    let film = image(&scene);
+    for (x, y) in PIXELS {
+        // Mirrored in z = 0, the way up is that of the view in reverse.
+        let height = -EYE.direction(x, y).normalize().z;
+        let share = (1.0 + height) / 2.0;
+        let expected = times(plus(times(sky, share), times(ground, 1.0 - share)), 0.75);
+        assert_near(pixel(&film, x, y), expected, 1e-6, &format!("pixel {x},{y}"));
+    }
+}

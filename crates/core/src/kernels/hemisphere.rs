@@ -1,7 +1,7 @@
 //! Ambient light by the normal: from a sky of one colour and a ground of another.
 //!
 //! With n the normal, the sky's share is (1 + n . up) / 2: what a matte surface reflects of both where nothing is in
-//! the way.
+//! the way. A mirror ray that leaves the scene shows the same colours, with n its direction.
 
 use glam::{DVec3, Vec3};
 
@@ -31,7 +31,7 @@ impl Hemisphere {
         self.middle == Vec3::ZERO
     }
 
-    /// What arrives at a surface with this normal, of unit length.
+    /// What arrives at a surface with this normal, or along a mirror ray in this direction, of unit length.
     #[inline(always)]
     pub fn at<F: Single>(&self, normal: Vector<F>) -> Vector<F> {
         let token = normal.x.token();

@@ -120,9 +120,12 @@ impl<P: Arithmetic> Pass for Shade<'_, P> {
 impl<P: Arithmetic> Shade<'_, P> {
     #[inline(always)]
     fn miss(&mut self, i: usize) {
+        let (rays, radiance) = (&self.batch.rays, &mut self.batch.paths.radiance);
         if self.bounce == 0 {
-            let path = self.batch.rays.path[i] as usize;
-            self.batch.paths.radiance.add(path, self.scene.background);
+            radiance.add(rays.path[i] as usize, self.scene.background);
+        } else if let Some(hemisphere) = &self.scene.hemisphere {
+            let sky = hemisphere.at::<f32>(rays.direction.get(i).into());
+            radiance.add(rays.path[i] as usize, rays.throughput.get(i) * Vec3::from(sky));
         }
     }
 

@@ -64,9 +64,8 @@ pub(super) fn scene(
         false => None,
     };
     let has_camera = own.is_some();
-    let framed =
-        |view| Framed { view, path: None, up: DVec3::Y, inside: false, told: String::new() };
-    let Framed { view, path, up, inside, told: chosen } = own.map_or_else(
+    let framed = |view| Framed { view, path: None, up: DVec3::Y, lamp: None, told: String::new() };
+    let Framed { view, path, up, lamp, told: chosen } = own.map_or_else(
         || staging::framed(&all, &bounds, (Up::Y, false), options),
         |view| Ok(framed(view)),
     )?;
@@ -83,7 +82,7 @@ pub(super) fn scene(
     if !has_lights {
         let (bounds, view) = (&bounds, &view);
         let path = path.as_ref();
-        let subject = staging::Subject { all: &all, bounds, view, path, up, inside };
+        let subject = staging::Subject { all: &all, bounds, view, path, up, lamp };
         let lit = staging::lit(&subject, notes.file(), &options.lighting);
         (lights, ground, settings, told_light) =
             (lit.lights, lit.ground, lit.settings, Some(lit.told));

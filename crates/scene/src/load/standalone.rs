@@ -49,7 +49,7 @@ pub(super) fn scene(
     let world = glam::DAffine3::IDENTITY;
     let all = [Placed { points: &mesh.positions, triangles: &mesh.triangles, world }];
     let bounds = staging::bounds(&all);
-    let staging::Framed { view, path: moves, up, inside, told: framed } =
+    let staging::Framed { view, path: moves, up, lamp, told: framed } =
         staging::framed(&all, &bounds, usual_up(path), options)?;
     let subject = staging::Subject {
         all: &all,
@@ -57,7 +57,7 @@ pub(super) fn scene(
         view: &view,
         path: moves.as_ref(),
         up,
-        inside,
+        lamp,
     };
     let staging::Lit { lights, ground, settings, told } =
         staging::lit(&subject, path, &options.lighting);

@@ -125,7 +125,8 @@ impl<'a> Facts<'a> {
         let shows_ambient = has_ambient && !surfaces.iter().all(is_black);
         let is_bright = |shape: &ShapeOutput| shape.shape.emission.is_some_and(|c| c != Vec3::ZERO);
         let glows = shows.iter().any(|shows| shows.emission);
-        let shines = is_lit || glows || shapes.iter().any(is_bright) || shows_ambient;
+        let has_sky = census.hemisphere.is_some_and(|sky| !sky.is_black());
+        let shines = is_lit || glows || shapes.iter().any(is_bright) || shows_ambient || has_sky;
         Self {
             census,
             solid,
@@ -303,7 +304,9 @@ impl<'a> Facts<'a> {
         match self.census.hemisphere {
             None => (false, "ambient light does not follow the normal".to_owned()),
             Some(light) if light.is_black() => (false, "sky and ground are black".to_owned()),
-            Some(_) if !self.shows_ambient => (false, "no surface in view shows it".to_owned()),
+            Some(_) if !self.shows_ambient && !self.mirrors().0 => {
+                (false, "no surface in view shows it".to_owned())
+            }
             Some(_) => (true, "a sky and a ground".to_owned()),
         }
     }

@@ -81,8 +81,8 @@ pub(crate) struct Framed {
     pub(crate) path: Option<CameraPath>,
     /// Where up is, of unit length: in the image it need not be.
     pub(crate) up: DVec3,
-    /// Where a room is seen from within: light from outside does not reach it.
-    pub(crate) inside: bool,
+    /// The corners of a lamp where a room is seen from within, which light from outside does not reach.
+    pub(crate) lamp: Option<[DVec3; 4]>,
     /// Such as "z is taken for up".
     pub(crate) told: String,
 }
@@ -114,15 +114,18 @@ pub(crate) fn framed(
     let mut views = sides.iter().map(|side| stage.seen_from(*side, view(width, height)));
     let (view, room) = views.next().unwrap_or_else(|| stage.seen_from(None, view(width, height)));
     let told = told + room.map_or("", Room::told);
-    let inside = matches!(room, Some(Room::Closed { .. }));
+    let lamp = match room {
+        Some(Room::Closed { lamp, .. }) => Some(lamp),
+        _ => None,
+    };
     let upward = up.axes().y_axis;
     let path = match framing.turntable {
-        Some(frames) => Some(orbit::path(&view, frames, &stage, inside)),
+        Some(frames) => Some(orbit::path(&view, frames, &stage, lamp.is_some())),
         None if framing.sheet.0.is_empty() => None,
         None => Some(orbit::through(std::iter::once(view).chain(views.map(|(view, _)| view)))),
     };
     let view = path.as_ref().map_or(view, |path| orbit::first(view, path));
-    Ok(Framed { view, path, up: upward, inside, told })
+    Ok(Framed { view, path, up: upward, lamp, told })
 }
 
 /// Which axis is up, and what the user should know of that.
@@ -166,7 +169,7 @@ impl Stage<'_> {
             if let Some(Room::Closed { .. }) = room { ROOM_FOV_DEGREES } else { FOV_DEGREES };
         view.fov_degrees = self.framing.fov.map_or(usual, Fov::degrees);
         let back = match (room, side) {
-            (Some(Room::Closed { eye, look }), _) => {
+            (Some(Room::Closed { eye, look, .. }), _) => {
                 (view.location, view.look) = (eye, look);
                 return (view, room);
             }

@@ -10,11 +10,12 @@ use glam::DVec3;
 
 use super::{Placed, Sphere, ground};
 use crate::components::{
-    Ambient, CameraPath, DirectionalLight, Falloff, PointLight, Sampling, Settings, View,
+    Ambient, AreaLight, CameraPath, DirectionalLight, Falloff, Mesh, PointLight, Quad, Sampling,
+    Settings, View,
 };
 use crate::corners::direction;
 use crate::load::lighting::{Background, Lighting, Rig};
-use crate::schema::{Light, Shape};
+use crate::schema::{Geometry, Light, Shape};
 
 /// Mirror bounces: after four, little is left of what is mirrored.
 const BOUNCES: u32 = 4;
@@ -62,8 +63,12 @@ const SKY: [DVec3; 2] = [DVec3::new(0.235, 0.25, 0.27), DVec3::new(0.1, 0.095, 0
 /// Where the sky is in a studio, to the right, up, and back: it leans to the side that the key leaves dark, and so
 /// fills it without a ray.
 const LEANING: DVec3 = DVec3::new(0.6, 1.0, 0.5);
-/// Those of a room, whose walls would keep all lamps but that of the camera out.
-const ROOM: [DVec3; 2] = [DVec3::splat(0.45), DVec3::splat(0.3)];
+/// Those of a room: what its walls send back of the light of its lamp.
+const ROOM: [DVec3; 2] = [DVec3::splat(0.3), DVec3::splat(0.26)];
+/// What the lamp of a room adds to a white surface that faces it, wherever it is.
+const CEILING: f64 = 0.66;
+/// Shadow rays to it for each hit.
+const CEILING_SAMPLES: u32 = 4;
 /// What the lamp of the camera adds to a white surface that faces it.
 const HEADLIGHT: DVec3 = DVec3::splat(0.65);
 /// A view that is no more off the vertical than this, as the sine of the angle, is one from right above.
@@ -78,8 +83,8 @@ pub(crate) struct Subject<'a> {
     pub(crate) path: Option<&'a CameraPath>,
     /// Where the sky is, of unit length.
     pub(crate) up: DVec3,
-    /// Whether the camera is in a room, into which no light comes from outside.
-    pub(crate) inside: bool,
+    /// The corners of a flat lamp where the camera is in a room.
+    pub(crate) lamp: Option<[DVec3; 4]>,
 }
 
 /// What lights it.
@@ -105,7 +110,15 @@ pub(crate) fn lit(subject: &Subject<'_>, file: &Path, lighting: &Lighting) -> Li
             settings: under([DVec3::ONE; 2], subject.up),
             told: "no light: colours are shown as they are",
         },
-        Rig::Studio if !subject.inside => {
+        Rig::Studio => {
+            if let Some(corners) = subject.lamp {
+                return Lit {
+                    lights: vec![ceiling(corners)],
+                    ground: None,
+                    settings: under(ROOM, subject.up),
+                    told: "no light: a lamp is put under the ceiling",
+                };
+            }
             let axes = subject.axes();
             let lamps = STUDIO.each_ref().map(|lamp| lamp.light(&axes));
             let leaning = place(&axes, LEANING);
@@ -120,10 +133,10 @@ pub(crate) fn lit(subject: &Subject<'_>, file: &Path, lighting: &Lighting) -> Li
                 told: "no light: a key, a rim, a sky and a ground are put",
             }
         }
-        Rig::Studio | Rig::Headlight => Lit {
+        Rig::Headlight => Lit {
             lights: vec![headlight(subject.view)],
             ground: None,
-            settings: under(if subject.inside { ROOM } else { SKY }, subject.up),
+            settings: under(if subject.lamp.is_some() { ROOM } else { SKY }, subject.up),
             told: "no light: a lamp at the camera and a sky are put",
         },
     }
@@ -159,6 +172,23 @@ fn headlight(view: &View) -> Light {
         falloff: Falloff::None,
     };
     Light::Point { path: "the light".to_owned(), light }
+}
+
+/// A flat lamp with these corners, as bright wherever it is seen from.
+fn ceiling(corners: [DVec3; 4]) -> Light {
+    let path = "the lamp".to_owned();
+    let light = AreaLight {
+        intensity: CEILING,
+        color: DVec3::ONE,
+        falloff: Falloff::None,
+        sampling: Sampling::Sobol,
+        samples: CEILING_SAMPLES,
+    };
+    let shape = Shape {
+        geometry: Geometry::Quad(Quad { points: corners }),
+        ..Shape::of(path.clone(), None, Mesh::default())
+    };
+    Light::Area { path, light, shape: Box::new(shape) }
 }
 
 /// So far to the right, up, and back.

@@ -25,14 +25,19 @@ const FURNITURE_DEPTH: f64 = 0.15;
 const FURNITURE: f64 = 0.1;
 /// Height of the eye as a share of the room's: 1.5 of 2.6 metres.
 const EYE: f64 = 0.58;
+/// Length of the lamp as a share of the room's, in both directions.
+const LAMP: f64 = 0.2;
+/// What stays free above it, as a share of the room's height.
+const ABOVE_LAMP: f64 = 0.03;
 /// What stays free between the eye and what is behind it, as a share of the way before it.
 const BEHIND: f64 = 0.03;
 
 /// How a room is seen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Room {
-    /// From within: the eye, and the point that it looks at.
-    Closed { eye: DVec3, look: DVec3 },
+    /// From within: the eye, the point that it looks at, and the corners of a flat lamp under the
+    /// ceiling, one after the other.
+    Closed { eye: DVec3, look: DVec3, lamp: [DVec3; 4] },
     /// From outside, from where this vector along an axis points.
     Open(DVec3),
 }
@@ -151,7 +156,44 @@ pub(super) fn inside(grid: &Grid, low: DVec3, high: DVec3, upward: DVec3) -> Roo
         share[long] = along;
         low + size * share
     };
-    Room::Closed { eye: point(to - BEHIND * (to - from)), look: point((from + to) / 2.0) }
+    let look = point((from + to) / 2.0);
+    Room::Closed {
+        eye: point(to - BEHIND * (to - from)),
+        look,
+        lamp: lamp(grid, low, size, look, upward),
+    }
+}
+
+/// A lamp under the ceiling, above the point `look`.
+fn lamp(grid: &Grid, low: DVec3, size: DVec3, look: DVec3, upward: DVec3) -> [DVec3; 4] {
+    let vertical = upward.abs().max_position();
+    let across = [(vertical + 1) % 3, (vertical + 2) % 3];
+    let end = 1.0 - LAMP / 2.0;
+    let middle = ((look - low) / size).clamp(DVec3::splat(1.0 - end), DVec3::splat(end));
+    let cells = across.map(|axis| {
+        let [from, to] = [-LAMP, LAMP].map(|length| (middle[axis] + length / 2.0) * COLUMNS as f64);
+        from as usize..(to.ceil() as usize).min(COLUMNS)
+    });
+    let [columns, rows] = cells;
+    let up_is_high = upward[vertical] > 0.0;
+    let height = |column: &Column| match up_is_high {
+        true => column.above.map_or(1.0, |met| met.at),
+        false => column.below.map_or(1.0, |met| 1.0 - met.at),
+    };
+    let cell = |(row, column): (usize, usize)| &grid.along(vertical)[row * COLUMNS + column];
+    let cells = rows.flat_map(|row| columns.clone().map(move |column| (row, column)));
+    let mut heights: Vec<f64> = cells.map(cell).map(height).collect();
+    heights.sort_by(f64::total_cmp);
+    // Beams and lamps of the room's own may go through it.
+    let ceiling = heights.get(heights.len() / 2).copied().unwrap_or(1.0) - ABOVE_LAMP;
+    let corner = |u: f64, v: f64| {
+        let mut share = middle;
+        share[across[0]] += u * LAMP / 2.0;
+        share[across[1]] += v * LAMP / 2.0;
+        share[vertical] = if up_is_high { ceiling } else { 1.0 - ceiling };
+        low + size * share
+    };
+    [corner(-1.0, -1.0), corner(-1.0, 1.0), corner(1.0, 1.0), corner(1.0, -1.0)]
 }
 
 /// From where to where nothing is in the way, about the middle.
@@ -191,10 +233,14 @@ mod tests {
 
     #[test]
     fn a_closed_room_is_seen_along_its_longer_way() {
-        let Some(Room::Closed { eye, look }) = walls(true, &[]) else { panic!("no room") };
+        let Some(Room::Closed { eye, look, lamp }) = walls(true, &[]) else { panic!("no room") };
         assert!(eye.z > 5.5 && eye.z < 6.0 && look.z == 3.0, "{eye} {look}");
         assert!((eye.x - 2.0).abs() < 0.1 && eye.x == look.x);
         assert!(eye.y == look.y && eye.y > 1.0 && eye.y < 1.4);
+        let [a, b, c, _] = lamp;
+        assert!(lamp.iter().all(|p| p.y == a.y && p.y > 1.9 && p.y < 2.0), "{lamp:?}");
+        assert!(((c - a).abs() - glam::DVec3::new(0.8, 0.0, 1.2)).length() < 1e-12);
+        assert!((c - b).dot(b - a).abs() < 1e-12, "right angles");
         // Without a ceiling it is a room still.
         assert!(matches!(walls(true, &[3]), Some(Room::Closed { .. })));
     }
