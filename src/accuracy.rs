@@ -19,50 +19,50 @@ use wavecrest_scene::systems::extract;
 /// What the progress bar shows.
 const PROGRESS: &str = "{msg} {wide_bar} {pos}/{len}, {eta} left";
 
-/// Measures error against time for every sampler, number of samples and precision, and reports what each error costs.
+/// Measure error against time for every sampler, sample count and precision.
 ///
-/// Results are written as they come: the same command goes on where it was interrupted.
+/// Results are saved as they come; repeat the command to resume an interrupted sweep.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct AccuracyArgs {
-    /// The scene files
+    /// Scenes
     #[arg(required_unless_present = "compare")]
     pub(crate) scenes: Vec<PathBuf>,
-    /// The folder for results and report
+    /// Folder for results and report
     #[arg(short, long, value_name = "FOLDER", required_unless_present_any = ["advise", "compare"])]
     pub(crate) output: Option<PathBuf>,
-    /// Compare two sweeps in their folders, or two files of `bench --output`: exit code 1 if anything became slower
-    /// or less accurate. With --output, write a page and JSON too
+    /// Compare two sweeps (folders) or two files of `bench --output`; the exit code is 1 if anything became slower or
+    /// less accurate. With --output, also write a page and JSON
     #[arg(long, num_args = 2, value_names = ["BEFORE", "AFTER"], conflicts_with_all = ["scenes", "advise"])]
     pub(crate) compare: Vec<PathBuf>,
-    /// Sweep nothing: say how many points each sampler takes to an error, from a short pilot at full size, and
-    /// which is the fastest
+    /// Only estimate, from a short pilot render, how many points each sampler needs for --target-error and which is
+    /// fastest
     #[arg(long, requires = "target_error", conflicts_with = "output")]
     pub(crate) advise: bool,
-    /// The error to advise on: the root mean square of linear values
+    /// Error to advise on (RMSE of linear values)
     #[arg(long, value_name = "ERROR", value_parser = above_zero, requires = "advise")]
     pub(crate) target_error: Option<f64>,
-    /// The longer side of images, at most, in pixels
+    /// Greatest image side, in pixels
     #[arg(long, value_name = "PIXELS", default_value_t = 160, value_parser = clap::value_parser!(u32).range(1..=65536))]
     pub(crate) side_pixels: u32,
-    /// Errors whose cost the report gives, separated by commas
+    /// Errors whose cost to report, comma-separated
     #[arg(long, value_name = "ERRORS", value_parser = above_zero, value_delimiter = ',', default_values_t = ERRORS)]
     pub(crate) errors: Vec<f64>,
-    /// Renders of each setting, each with different random numbers
+    /// Renders of each setting, with different seeds
     #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(2..=4096))]
     pub(crate) seeds: u32,
-    /// The most points on a light, on the lens or in a pixel
+    /// Greatest number of points on a light, on the lens or in a pixel
     #[arg(long, value_name = "N", default_value_t = 2025, value_parser = clap::value_parser!(u32).range(1..=65536))]
     pub(crate) most: u32,
-    /// Points of each kind in a render of the reference, at least
+    /// Least number of points of each kind in a reference render
     #[arg(long, value_name = "N", default_value_t = 5041, value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
     pub(crate) reference: u32,
-    /// Do not measure what each effect costs, on scenes of its own
+    /// Do not measure what each effect costs
     #[arg(long)]
     pub(crate) no_effects: bool,
-    /// On how many threads
+    /// Threads
     #[command(flatten)]
     pub(crate) threads: Threads,
-    /// Say nothing but errors
+    /// Print no progress and no results
     #[arg(short, long)]
     pub(crate) quiet: bool,
 }

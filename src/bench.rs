@@ -9,7 +9,7 @@ use std::time::Instant;
 
 pub(crate) use args::BenchArgs;
 
-use super::common::{SearchOptions, print, tell, to_json, with_bar, write_text};
+use super::common::{SearchOptions, print, tell, to_json, warn, with_bar, write_text};
 use wavecrest_base::error::Result;
 use wavecrest_base::replace::{check_differs, check_replaceable};
 use wavecrest_core::plan::Plan;
@@ -88,7 +88,7 @@ fn prepare(args: &BenchArgs, path: &Path) -> Result<(PreparedScene, Setting)> {
     let file = extracted.file().to_owned();
     let mut scene = extracted.build(preset);
     let time = Preparation { load, build: start.elapsed().as_secs_f64() };
-    args.scene_options.warn(&systems::warnings(&scene, &file));
+    warn(&systems::warnings(&scene, &file));
     args.search.apply(&mut scene.accel);
     let name = path.display().to_string();
     let SearchOptions { simd, kernel } = args.search;
@@ -155,10 +155,8 @@ fn tell_scene(args: &BenchArgs, scene: &SceneBench) -> Result<()> {
     for compared in scene.comparisons.iter().filter(|compared| compared.difference.is_some()) {
         tell(&format!("error: {}: {}", scene.scene, text::comparison(compared).trim()));
     }
-    if !args.scene_options.quiet {
-        let name = &scene.scene;
-        scene.warnings.iter().for_each(|warning| tell(&format!("warning: {name}: {warning}")));
-    }
+    let name = &scene.scene;
+    scene.warnings.iter().for_each(|warning| tell(&format!("warning: {name}: {warning}")));
     Ok(())
 }
 

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use glam::{DVec3, Vec3};
 
-use super::common::{SceneOptions, print, rounded, size};
+use super::common::{SceneOptions, print, rounded, size, warn};
 use wavecrest_base::error::Result;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::kernels::texture::Image;
@@ -13,12 +13,12 @@ use wavecrest_core::plan::schedule::{PASSES, unplanned};
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_scene::systems::{self, Options, bounds};
 
-/// Reads a scene with all its meshes and textures, and says what is in it.
+/// Check a scene with all its meshes and textures, and list its contents.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct CheckArgs {
-    /// The scene: JSON, glTF (.gltf, .glb), or a mesh alone (.ply, .obj, .stl)
+    /// Scene (.json), glTF file (.gltf, .glb) or mesh (.ply, .obj, .stl)
     pub(crate) scene: PathBuf,
-    /// What is read and how
+    /// Scene
     #[command(flatten)]
     pub(crate) scene_options: SceneOptions,
 }
@@ -38,7 +38,7 @@ pub(crate) fn run(args: &CheckArgs) -> Result<()> {
         let file = extracted.file().to_owned();
         // For the few rays that look for warnings.
         let scene = extracted.build(Preset::Fastest);
-        args.scene_options.warn(&systems::warnings(&scene, &file));
+        warn(&systems::warnings(&scene, &file));
         let mut text = summary(&scene);
         files(&mut text, &args.scene, &loaded.files);
         textures(&mut text, &scene)?;

@@ -9,7 +9,7 @@ pub(crate) fn choice<T: Choice>() -> impl TypedValueParser<Value = T> {
         .iter()
         .map(|value| PossibleValue::new(value.name()).help(value.help().trim_end_matches('.')));
     PossibleValuesParser::new(listed)
-        .try_map(|name| by_name(&name).ok_or("it is none of the values listed"))
+        .try_map(|name| by_name(&name).ok_or("not one of the possible values"))
 }
 
 /// The value of that name.

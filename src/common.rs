@@ -1,13 +1,14 @@
 //! What several commands share: options, output, progress.
 
 use std::io::{ErrorKind as IoKind, IsTerminal, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 
 use bytesize::ByteSize;
 use indicatif::{ProgressBar, ProgressState, ProgressStyle};
 
 use crate::choice::{by_name, choice};
-use crate::lighting::LightingOptions;
+use crate::input::InputOptions;
 use wavecrest_base::error::{Error, ErrorKind, Result, Warning};
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::accel::{Accel, KernelChoice};
@@ -16,7 +17,6 @@ use wavecrest_core::math::simd::Level;
 use wavecrest_core::tile::Tile;
 use wavecrest_core::wavefront::DEFAULT_BATCH;
 pub(crate) use wavecrest_report::files::{to_json, write_text};
-use wavecrest_scene::load::framing::{Fit, Fov, Framing, Sheet, Side, Up};
 use wavecrest_scene::load::{LoadOptions, LoadedScene, load, survey};
 use wavecrest_scene::memory::{self, Estimate};
 use wavecrest_scene::systems::{self, Extracted};
@@ -24,43 +24,28 @@ use wavecrest_scene::systems::{self, Extracted};
 /// Options on what scene is read and how.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct SceneOptions {
-    /// Take warnings about unknown keys for errors
+    /// Treat unknown keys in a scene file as errors
     #[arg(long)]
     pub(crate) strict: bool,
-    /// Width of the image in pixels, instead of the scene's
-    #[arg(long, value_name = "PIXELS")]
-    pub(crate) width: Option<u32>,
-    /// Height of the image in pixels, instead of the scene's
-    #[arg(long, value_name = "PIXELS")]
-    pub(crate) height: Option<u32>,
-    /// The camera to take of a glTF file, by its name or its number [default: the first of the scene]
-    #[arg(long, value_name = "NAME")]
-    pub(crate) camera: Option<String>,
-    /// Read material files and images that an OBJ file names outside its folder, too
-    #[arg(long)]
-    pub(crate) allow_outside: bool,
-    /// From where a mesh or a glTF file is seen
+    /// What is shown of the file
     #[command(flatten)]
-    pub(crate) framing: FramingOptions,
-    /// How a file without lights is lit
-    #[command(flatten)]
-    pub(crate) lighting: LightingOptions,
-    /// How much work goes into the BVH [default: chosen from triangles and expected rays]
+    pub(crate) input: InputOptions,
+    /// Quality of the BVH [default: chosen from the numbers of triangles and rays]
     #[arg(long, value_name = "PRESET", value_parser = choice::<Preset>())]
     pub(crate) bvh: Option<Preset>,
-    /// How exactly hits are found: fast leaks, exact takes its time
+    /// Precision of intersections: fast can leak at edges, exact is slow
     #[arg(long, value_name = "PRECISION", value_parser = choice::<Precision>(), default_value_t)]
     pub(crate) precision: Precision,
-    /// Copy meshes that instances show to where they are shown, rather than hold them once
+    /// Copy instanced meshes into world space instead of keeping them once
     #[arg(long)]
     pub(crate) flatten: bool,
-    /// Refuse what would take more memory than this, such as 8GiB, before anything large is read
+    /// Refuse a scene that needs more memory than this, such as 8GiB
     #[arg(long, value_name = "SIZE", value_parser = bytes)]
     pub(crate) memory_limit: Option<ByteSize>,
-    /// On how many threads
+    /// Threads
     #[command(flatten)]
     pub(crate) threads: Threads,
-    /// Say nothing but errors
+    /// Print no notes, no progress and no summary; warnings and errors stay
     #[arg(short, long)]
     pub(crate) quiet: bool,
 }
@@ -68,15 +53,13 @@ pub(crate) struct SceneOptions {
 impl SceneOptions {
     /// Loads `scene` and prints its warnings.
     pub(crate) fn load(&self, scene: &Path) -> Result<LoadedScene> {
+        self.input.check(scene)?;
         let options = self.load_options();
         if let Some(limit) = self.memory_limit {
             check_memory(scene, &self.estimate(scene, None, DEFAULT_BATCH)?, limit)?;
         }
         let loaded = load(scene, &options)?;
-        self.warn(&loaded.warnings);
-        if !self.quiet {
-            loaded.notes.iter().for_each(|note| tell(&format!("note: {note}")));
-        }
+        tell_all(&loaded, self.quiet);
         Ok(loaded)
     }
 
@@ -93,15 +76,7 @@ impl SceneOptions {
     }
 
     fn load_options(&self) -> LoadOptions {
-        LoadOptions {
-            strict: self.strict,
-            width: self.width,
-            height: self.height,
-            camera: self.camera.clone(),
-            allow_outside: self.allow_outside,
-            framing: (&self.framing).into(),
-            lighting: self.lighting.options(),
-        }
+        LoadOptions { strict: self.strict, ..self.input.load_options() }
     }
 
     /// Runs the systems on `loaded` but for the last.
@@ -110,61 +85,15 @@ impl SceneOptions {
         let options = systems::Options { precision, flat, ..Default::default() };
         systems::extract(&mut loaded.world, options)
     }
-
-    /// Prints warnings, unless quiet is requested.
-    pub(crate) fn warn(&self, warnings: &[Warning]) {
-        if !self.quiet {
-            warnings.iter().for_each(|warning| tell(&format!("warning: {warning}")));
-        }
-    }
-}
-
-/// Options on the camera that is put before a mesh or a glTF file.
-#[derive(Clone, Debug, clap::Args)]
-pub(crate) struct FramingOptions {
-    /// See a mesh or a glTF file from here, in place of its own camera: front, back, left, right, top, bottom,
-    /// iso or inside, or two angles in degrees, from the front to the right and upward
-    #[arg(
-        long,
-        value_name = "SIDE|AZIMUTH,ELEVATION",
-        allow_hyphen_values = true,
-        conflicts_with = "camera"
-    )]
-    pub(crate) view: Option<Side>,
-    /// Which axis of a mesh or a glTF file is up [default: y; z for STL, and for PLY where its shape says so]
-    #[arg(long, value_name = "AXIS", value_parser = choice::<Up>(), allow_hyphen_values = true,
-          conflicts_with = "camera")]
-    pub(crate) up: Option<Up>,
-    /// The full angle across the shorter side of the image of a mesh or a glTF file [default: 40, in rooms 60]
-    #[arg(long, value_name = "DEGREES", conflicts_with = "camera")]
-    pub(crate) fov: Option<Fov>,
-    /// How much of the image a mesh or a glTF file fills, 0 to 1 [default: 0.92]
-    #[arg(long, value_name = "SHARE", conflicts_with = "camera")]
-    pub(crate) fit: Option<Fit>,
-    /// Go once around a mesh or a glTF file in so many frames, from 1 on
-    #[arg(long, value_name = "FRAMES", value_parser = clap::value_parser!(u32).range(2..=3600), conflicts_with = "camera")]
-    pub(crate) turntable: Option<u32>,
-    /// See a mesh or a glTF file from several sides: rendered as one picture, with names under them
-    #[arg(long, value_name = "SIDE,SIDE,...", allow_hyphen_values = true,
-          conflicts_with_all = ["camera", "view", "turntable"])]
-    pub(crate) sheet: Option<Sheet>,
-}
-
-impl From<&FramingOptions> for Framing {
-    fn from(options: &FramingOptions) -> Self {
-        let FramingOptions { view: side, up, fov, fit, turntable, .. } = *options;
-        Self { side, up, fov, fit, turntable, sheet: options.sheet.clone().unwrap_or_default() }
-    }
 }
 
 /// Options on how the tree is searched, which change no answer.
 #[derive(Clone, Copy, Debug, clap::Args)]
 pub(crate) struct SearchOptions {
-    /// Vector instructions: auto for the best that this processor has, or sse2, sse42, avx2, avx512
-    /// or neon; the image is the same
+    /// Instruction set: auto (the best available), sse2, sse42, avx2, avx512 or neon; does not change the image
     #[arg(long, value_name = "LEVEL", default_value = "auto", value_parser = simd)]
     pub(crate) simd: Level,
-    /// How a batch of rays is taken through the tree; the image is the same
+    /// Traversal kernel; does not change the image
     #[arg(long, value_name = "KERNEL", value_parser = choice::<KernelChoice>(), default_value_t)]
     pub(crate) kernel: KernelChoice,
 }
@@ -189,7 +118,7 @@ fn simd(text: &str) -> std::result::Result<Level, String> {
         let names: Vec<_> = available.iter().map(|level| level.name()).collect();
         let is_known = by_name::<Level>(text).is_some();
         let what =
-            if is_known { "this processor does not have it" } else { "there is no such level" };
+            if is_known { "this processor does not have it" } else { "unknown instruction set" };
         format!("{what}; use auto, {}", names.join(", "))
     })
 }
@@ -197,7 +126,7 @@ fn simd(text: &str) -> std::result::Result<Level, String> {
 /// How many threads to work on.
 #[derive(Clone, Copy, Debug, clap::Args)]
 pub(crate) struct Threads {
-    /// Number of threads [default: one for each core]
+    /// Number of threads [default: one per core]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=4096))]
     pub(crate) threads: Option<u16>,
 }
@@ -207,8 +136,8 @@ impl Threads {
     pub(crate) fn run<R: Send>(&self, work: impl FnOnce() -> Result<R> + Send) -> Result<R> {
         let threads = self.threads.map_or(0, usize::from);
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(|e| {
-            Error::new(ErrorKind::Usage, format!("cannot start the threads: {e}"))
-                .remedy("ask for fewer with --threads")
+            Error::new(ErrorKind::Usage, format!("cannot start threads: {e}"))
+                .remedy("use fewer --threads")
         })?;
         pool.install(work)
     }
@@ -228,6 +157,32 @@ pub(crate) fn print(text: &str) -> Result<()> {
 /// Writes a line to standard error. Where that is closed, the line is lost.
 pub(crate) fn tell(line: &str) {
     let _ = writeln!(std::io::stderr(), "{line}");
+}
+
+/// Prints the warnings of a scene, and its notes unless `quiet`.
+pub(crate) fn tell_all(loaded: &LoadedScene, quiet: bool) {
+    warn(&loaded.warnings);
+    if !quiet {
+        loaded.notes.iter().for_each(|note| tell_of("note", note));
+    }
+}
+
+/// Prints warnings.
+pub(crate) fn warn(warnings: &[Warning]) {
+    warnings.iter().for_each(|warning| tell_of("warning", warning));
+}
+
+/// Prints a warning or a note, without the name of its file if the one before had the same.
+fn tell_of(kind: &str, warning: &Warning) {
+    static LAST: Mutex<Option<PathBuf>> = Mutex::new(None);
+    let mut last = LAST.lock().unwrap_or_else(PoisonError::into_inner);
+    let file = warning.file().map(Path::to_owned);
+    if file.is_some() && *last == file {
+        tell(&format!("{kind}: {}", warning.without_file()));
+    } else {
+        tell(&format!("{kind}: {warning}"));
+        *last = file;
+    }
 }
 
 /// A bar on a terminal, and nothing anywhere else. Besides the keys of indicatif, `template` may
@@ -275,12 +230,12 @@ fn check_memory(scene: &Path, estimated: &Estimate, limit: ByteSize) -> Result<(
         ("batches", batches),
     ];
     let uses = uses.map(|(name, bytes)| format!("{name} {}", in_words(bytes)));
-    let message = format!("the render would take more memory than {}", in_words(limit.as_u64()));
+    let message = format!("the render needs more memory than {}", in_words(limit.as_u64()));
     Err(Error::new(ErrorKind::Limit, message)
         .in_file(scene)
         .value(format!("about {}", in_words(estimated.total())))
         .remedy(format!(
-            "raise --memory-limit, or make the scene or the image smaller (at their peaks: {})",
+            "raise --memory-limit, or use a smaller scene or image (peaks: {})",
             uses.join(", ")
         )))
 }

@@ -6,10 +6,10 @@ use clap_complete::{Shell, generate};
 use super::common::print;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
-/// Writes a script to standard output with which a shell completes wavecrest's arguments.
+/// Print a completion script for a shell.
 #[derive(Clone, Copy, Debug, clap::Args)]
 pub(crate) struct CompletionsArgs {
-    /// The shell
+    /// Shell
     #[arg(value_enum)]
     pub(crate) shell: Shell,
 }
@@ -23,6 +23,6 @@ pub(crate) fn run(args: &CompletionsArgs, mut program: Command) -> Result<()> {
     let name = program.get_name().to_owned();
     generate(args.shell, &mut program, name, &mut script);
     let text = String::from_utf8(script)
-        .map_err(|cause| Error::new(ErrorKind::Usage, "the script is not text").because(cause))?;
+        .map_err(|cause| Error::new(ErrorKind::Usage, "the script is not UTF-8").because(cause))?;
     print(&text)
 }

@@ -2,46 +2,31 @@
 
 use std::path::{Path, PathBuf};
 
-use super::common::{FramingOptions, tell};
-use super::lighting::LightingOptions;
+use super::common::{tell, tell_all};
+use super::input::InputOptions;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_base::replace::check_differs;
-use wavecrest_scene::load::{LoadOptions, load};
+use wavecrest_scene::load::load;
 use wavecrest_scene::write::write;
 
-/// Writes a glTF file or a mesh as a scene in JSON, with meshes and images beside it.
+/// Convert a glTF file or a mesh to a scene in JSON, with meshes and images beside it.
 ///
-/// It renders to the same image, and has in it what was chosen: camera, light, materials.
+/// The scene renders to the same image. It contains the default camera, lights and materials, ready to be edited.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct ConvertArgs {
-    /// The file to convert: .gltf, .glb, .ply, .obj or .stl
+    /// File to convert: .gltf, .glb, .ply, .obj or .stl
     #[arg(value_name = "INPUT")]
     pub(crate) input: PathBuf,
-    /// The scene to write; meshes and images are named after it
+    /// Scene to write; meshes and images are named after it
     #[arg(value_name = "OUTPUT.json")]
     pub(crate) output: PathBuf,
-    /// The camera to take of a glTF file, by its name or its number [default: the first of the scene]
-    #[arg(long, value_name = "NAME")]
-    pub(crate) camera: Option<String>,
-    /// Width of the image in pixels
-    #[arg(long, value_name = "PIXELS")]
-    pub(crate) width: Option<u32>,
-    /// Height of the image in pixels
-    #[arg(long, value_name = "PIXELS")]
-    pub(crate) height: Option<u32>,
-    /// Read material files and images that an OBJ file names outside its folder, too
-    #[arg(long)]
-    pub(crate) allow_outside: bool,
-    /// From where the file is seen
+    /// What is shown of the file
     #[command(flatten)]
-    pub(crate) framing: FramingOptions,
-    /// How a file without lights is lit
-    #[command(flatten)]
-    pub(crate) lighting: LightingOptions,
-    /// Replace files that are there already
+    pub(crate) input_options: InputOptions,
+    /// Replace files that exist
     #[arg(long)]
     pub(crate) force: bool,
-    /// Say nothing but errors
+    /// Print no notes and no names of written files; warnings and errors stay
     #[arg(short, long)]
     pub(crate) quiet: bool,
 }
@@ -53,20 +38,9 @@ pub(crate) struct ConvertArgs {
 pub(crate) fn run(args: &ConvertArgs) -> Result<()> {
     check_name(&args.output)?;
     check_differs(&args.output, &args.input, "the input")?;
-    let options = LoadOptions {
-        strict: false,
-        width: args.width,
-        height: args.height,
-        camera: args.camera.clone(),
-        allow_outside: args.allow_outside,
-        framing: (&args.framing).into(),
-        lighting: args.lighting.options(),
-    };
-    let scene = load(&args.input, &options)?;
-    if !args.quiet {
-        scene.warnings.iter().for_each(|warning| tell(&format!("warning: {warning}")));
-        scene.notes.iter().for_each(|note| tell(&format!("note: {note}")));
-    }
+    args.input_options.check(&args.input)?;
+    let scene = load(&args.input, &args.input_options.load_options())?;
+    tell_all(&scene, args.quiet);
     let written = write(scene, &args.output, args.force).map_err(|e| e.in_file(&args.input))?;
     if !args.quiet {
         written.iter().for_each(|file| tell(&format!("wrote {}", file.display())));
@@ -80,5 +54,5 @@ fn check_name(output: &Path) -> Result<()> {
         return Ok(());
     }
     let error = Error::new(ErrorKind::Usage, "the name of a scene must end in .json");
-    Err(error.in_file(output).remedy("name it so, such as scene.json"))
+    Err(error.in_file(output).remedy("use a name such as scene.json"))
 }

@@ -11,10 +11,10 @@ const STOPS: f32 = 64.0;
 /// How light is developed for 8-bit images.
 #[derive(Clone, Copy, Debug, clap::Args)]
 pub(crate) struct DevelopOptions {
-    /// Multiply the light of 8-bit images by 2 for each stop
+    /// Exposure of 8-bit images in stops; each doubles the light
     #[arg(long, value_name = "STOPS", default_value_t = 0.0, value_parser = stops, allow_hyphen_values = true)]
     pub(crate) exposure: f32,
-    /// What becomes of light brighter than white in 8-bit images
+    /// Tone mapping of 8-bit images
     #[arg(long, value_name = "CURVE", value_parser = choice::<Tone>(), default_value_t)]
     pub(crate) tone: Tone,
 }

@@ -19,42 +19,42 @@ use wavecrest_image::flip::{DEFAULT_PIXELS_PER_DEGREE, Flip, flip};
 use wavecrest_image::read::read;
 use wavecrest_image::write::{Transfer, check_writable, write};
 
-/// Compares a picture with a reference and reports how much they differ.
+/// Compare an image with a reference.
 ///
-/// PPM, PNG, EXR, PFM and most other formats are read; whole numbers count as 0 to 1, without a
-/// transfer curve. With A the first picture and B the second, the reference: MSE is the mean of (A -
-/// B)^2, relative MSE that of (A - B)^2 / (B^2 + 0.01), the bias that of A - B, positive where A is
-/// brighter. FLIP is the mean difference that is seen, from 0 to 1, by one who looks at both in turn.
+/// Reads PPM, PNG, EXR, PFM and most other formats; integers are scaled to 0 to 1, without a transfer
+/// function. For the image A and the reference B, MSE is the mean of (A - B)^2, relative MSE the mean of
+/// (A - B)^2 / (B^2 + 0.01), and bias the mean of A - B, positive if A is brighter. FLIP is the mean perceived
+/// difference, from 0 to 1, when a viewer alternates between the two.
 ///
-/// The exit code is 0 if the pictures are equal, or within every limit that is given; 1 if they differ by
-/// more; 2 if they cannot be compared, as when their sizes differ.
+/// The exit code is 0 if the images are equal, or within all given limits; 1 if they differ by more; 2 if
+/// they cannot be compared, for example because their sizes differ.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct DiffArgs {
-    /// The first picture
+    /// Image
     pub(crate) a: PathBuf,
-    /// The second picture, of the same size: the reference
+    /// Reference, of the same size
     pub(crate) b: PathBuf,
-    /// What may differ
+    /// Limits
     #[command(flatten)]
     pub(crate) limits: Limits,
     /// Print JSON
     #[arg(long)]
     pub(crate) json: bool,
-    /// Write a picture of the difference (.ppm, .png, .exr or .pfm)
+    /// Write an image of the difference (.ppm, .png, .exr or .pfm)
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
-    /// What that picture shows: all but the first in false colours
+    /// What that image shows; all but the first in false colours
     #[arg(long, value_name = "KIND", value_parser = choice::<MapKind>(), default_value_t, requires = "output")]
     pub(crate) map: MapKind,
-    /// Multiply the difference in the picture by this, to see small ones
+    /// Factor on the difference in that image, to make small ones visible
     #[arg(long, value_name = "FACTOR", default_value = "1", value_parser = not_negative,
           requires = "output")]
     pub(crate) gain: f64,
-    /// For FLIP, how many pixels lie within a degree of the viewer's field of view; the default is a
-    /// display 0.7 m wide with 3840 pixels in a row, 0.7 m away
+    /// Pixels per degree of the viewer's field of view, for FLIP; the default is for a display 0.7 m wide with
+    /// 3840 pixels across, seen from 0.7 m
     #[arg(long, value_name = "PIXELS", default_value_t = DEFAULT_PIXELS_PER_DEGREE)]
     pub(crate) pixels_per_degree: f64,
-    /// The curve that the values of both pictures carry, which FLIP undoes
+    /// Transfer function of both images, which FLIP undoes
     #[arg(long, value_name = "CURVE", value_parser = choice::<Transfer>(), default_value_t)]
     pub(crate) transfer: Transfer,
 }
@@ -67,8 +67,8 @@ pub(crate) struct DiffArgs {
 pub(crate) fn run(args: &DiffArgs) -> Result<bool> {
     if let Some(output) = &args.output {
         check_writable(output)?;
-        check_differs(output, &args.a, "one of the pictures")?;
-        check_differs(output, &args.b, "one of the pictures")?;
+        check_differs(output, &args.a, "one of the images")?;
+        check_differs(output, &args.b, "one of the images")?;
     }
     let (a, b) = (read(&args.a)?, read(&args.b)?);
     let comparison = compare(&a, &b).map_err(|e| e.in_file(&args.b))?;

@@ -2,14 +2,13 @@
 
 /// Every code that the command ends with, and what it means: for the help, the manual and the README.
 pub(crate) const CODES: [(u8, &str); 5] = [
-    (0, "done; of diff: the images are equal, or within the limits given"),
+    (0, "success; diff: the images are equal, or within the limits"),
     (
         1,
-        "the answer is no: of diff, the images differ, by more than the limits if any are given; of bench, the \
-         tracers disagree; of selftest, a case fails; of probe, the two tracers differ; of accuracy, what must not change a picture does, or something \
-         became worse",
+        "the check failed; diff: the images differ by more than the limits; bench, probe: the tracers differ; selftest: \
+         a case fails; accuracy: something became worse, or an image changed that must not",
     ),
-    (2, "an error, reported on standard error"),
-    (130, "SIGINT (Ctrl-C) ended a render early; what was finished is kept"),
-    (143, "SIGTERM did"),
+    (2, "error, printed to standard error"),
+    (130, "stopped by SIGINT (Ctrl-C); finished pixels are written"),
+    (143, "stopped by SIGTERM; the same"),
 ];

@@ -8,7 +8,7 @@ use std::time::Instant;
 use glam::DVec3;
 use serde::Serialize;
 
-use super::common::{SceneOptions, print, to_json};
+use super::common::{SceneOptions, print, to_json, warn};
 use wavecrest_base::error::Result;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::kernels::precision::Precision;
@@ -24,24 +24,24 @@ use wavecrest_report::statistics::{Rays, Samples};
 use wavecrest_scene::memory::{self, Estimate};
 use wavecrest_scene::systems::{self, Extracted};
 
-/// Says which passes a render runs, why the others are left out, and what it will need.
+/// Explain which passes a render runs and why, and estimate its rays, memory and time.
 ///
-/// With `--render` the scene is rendered, and the estimates are printed beside what was counted.
+/// With `--render`, render the scene and print the counts beside the estimates.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct ExplainArgs {
-    /// The scene, in JSON
+    /// Scene (.json), glTF file (.gltf, .glb) or mesh (.ply, .obj, .stl)
     pub(crate) scene: PathBuf,
-    /// Render the scene, keep no image, and print the counts beside the estimates
+    /// Render the scene without writing an image, and print the counts beside the estimates
     #[arg(long)]
     pub(crate) render: bool,
     /// Print JSON
     #[arg(long)]
     pub(crate) json: bool,
-    /// Paths in a batch of the wavefront
+    /// Paths in a batch of the wavefront tracer
     #[arg(long, value_name = "PATHS", default_value_t = DEFAULT_BATCH as u32,
           value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
     pub(crate) batch: u32,
-    /// What is read and how
+    /// Scene
     #[command(flatten)]
     pub(crate) scene_options: SceneOptions,
 }
@@ -154,7 +154,7 @@ fn explain(
     let (pixels, file) = (extracted.pixels(), extracted.file().to_owned());
     let scene = &extracted.build(bvh.preset);
     let build = start.elapsed().as_secs_f64();
-    args.scene_options.warn(&systems::warnings(scene, &file));
+    warn(&systems::warnings(scene, &file));
     let options = RenderOptions { batch, ..RenderOptions::default() };
     let expected = Expected::of(scene, &options)?;
     let threads = rayon::current_num_threads();

@@ -10,39 +10,38 @@ use crate::choice::choice;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_scene::generate::{Model, Recipe, Written, write_ply};
 
-/// Make a large mesh and write it as binary PLY, the same bytes on every machine.
+/// Generate a large mesh as binary PLY, with the same bytes on every machine.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct GenerateArgs {
-    /// What to make
+    /// Shape to generate
     #[arg(value_parser = choice::<Model>())]
     pub(crate) model: Model,
 
-    /// The PLY file to write, replaced if it is there
+    /// PLY file to write
     #[arg(value_name = "OUTPUT", required_unless_present = "output")]
     pub(crate) file: Option<PathBuf>,
 
-    /// The PLY file to write, named as an option
+    /// PLY file to write, as an option
     #[arg(short, long, value_name = "OUTPUT", conflicts_with = "file")]
     pub(crate) output: Option<PathBuf>,
 
-    /// Triangles to make, at least: 1000000, 18k, 2.5M
+    /// Least number of triangles, such as 1000000, 18k or 2.5M
     #[arg(short = 'n', long, value_name = "COUNT", default_value = "1M", value_parser = count)]
     pub(crate) triangles: u64,
 
-    /// Which of the random shapes to make
+    /// Seed of the random numbers
     #[arg(long, default_value_t = 1)]
     pub(crate) seed: u64,
 
-    /// How far to move the surface: a share of the radius (sphere, knot), a height (terrain), or how deep
-    /// cloth folds (room)
+    /// Displacement: a share of the radius (sphere, knot), a height (terrain) or the depth of folds (room)
     #[arg(long, value_name = "NUMBER")]
     pub(crate) displacement: Option<f64>,
 
-    /// Write a normal with each vertex
+    /// Also write vertex normals
     #[arg(long)]
     pub(crate) normals: bool,
 
-    /// Say nothing but errors
+    /// Print no progress and no summary
     #[arg(short, long)]
     pub(crate) quiet: bool,
 }
@@ -61,13 +60,13 @@ impl GenerateArgs {
     /// The file to write, which must end in .ply: readers choose the format by it.
     fn path(&self) -> Result<&Path> {
         let Some(path) = self.output.as_deref().or(self.file.as_deref()) else {
-            return Err(Error::new(ErrorKind::Usage, "no file to write is named")
-                .remedy("name one, such as mesh.ply"));
+            return Err(Error::new(ErrorKind::Usage, "the output is missing")
+                .remedy("add one, such as mesh.ply"));
         };
         if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("ply")) {
             return Ok(path);
         }
-        Err(Error::new(ErrorKind::Usage, "a mesh is written as PLY, and its name must say so")
+        Err(Error::new(ErrorKind::Usage, "the name of the mesh must end in .ply")
             .in_file(path)
             .remedy(format!("name it {}", path.with_extension("ply").display())))
     }

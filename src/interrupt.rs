@@ -42,7 +42,7 @@ impl Interrupt {
                 .and_then(|_| flag::register_usize(number, Arc::clone(&signal), number as usize))
                 .and_then(|_| flag::register(number, Arc::clone(&seen)));
             noted.map_err(|error| {
-                Error::new(ErrorKind::Io, format!("cannot listen for {name}: {error}"))
+                Error::new(ErrorKind::Io, format!("cannot handle {name}: {error}"))
                     .because(error)
             })?;
         }
@@ -62,7 +62,7 @@ impl Interrupt {
         let name = named.map_or("a signal", |(_, name)| name);
         // Rounded down: what is not finished is not called 100 %.
         let percent = (share * 1000.0).floor() / 10.0;
-        let message = format!("{name} ended the render when {percent} % of it was done");
+        let message = format!("stopped by {name} at {percent} %");
         Error::new(ErrorKind::Interrupted(signal), message)
     }
 }

@@ -1,4 +1,4 @@
-//! Options on how a file is lit that has no lights of its own.
+//! Options on the lights of a file without any.
 
 use glam::DVec3;
 
@@ -6,16 +6,19 @@ use crate::choice::choice;
 use wavecrest_core::math::srgb::srgb_decode;
 use wavecrest_scene::load::lighting::{Background, Lighting, Rig};
 
-/// Options on what a file does not say: lights, background, smoothness. Scene files say all of it.
+/// Options on the lights, the background and the smoothness of files that have none.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct LightingOptions {
-    /// The lights of a mesh, or of a glTF file without any
-    #[arg(long, value_name = "RIG", value_parser = choice::<Rig>(), default_value_t)]
-    pub(crate) lights: Rig,
-    /// What is behind all shapes: #rrggbb as screens show it, or transparent
+    /// Lights of a mesh, or of a glTF file without any [default: studio]
+    #[arg(long, value_name = "RIG", value_parser = choice::<Rig>())]
+    pub(crate) lights: Option<Rig>,
+    /// Whether the lights put up no ground, which a look would show
+    #[arg(skip)]
+    pub(crate) without_ground: bool,
+    /// Background: a colour in sRGB such as #ffffff, or transparent
     #[arg(long, value_name = "COLOR", value_parser = background)]
     pub(crate) background: Option<Background>,
-    /// A mesh without normals is smooth where faces meet at less than this angle; 0 for flat faces
+    /// Smooth the edges of a mesh without normals up to this angle between faces; 0 for flat faces [default: 30]
     #[arg(long, value_name = "DEGREES", value_parser = degrees)]
     pub(crate) crease: Option<f64>,
 }
@@ -30,7 +33,11 @@ impl LightingOptions {
     pub(crate) fn options(&self) -> Lighting {
         let usual = Lighting::default();
         let crease_degrees = self.crease.unwrap_or(usual.crease_degrees);
-        Lighting { rig: self.lights, background: self.background, crease_degrees }
+        let rig = match self.lights.unwrap_or(usual.rig) {
+            Rig::Studio if self.without_ground => Rig::Headlight,
+            rig => rig,
+        };
+        Lighting { rig, background: self.background, crease_degrees }
     }
 }
 

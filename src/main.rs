@@ -14,6 +14,7 @@ mod diff;
 mod exit;
 mod explain;
 mod generate;
+mod input;
 mod interrupt;
 mod lighting;
 mod man;
@@ -26,16 +27,17 @@ mod selftest;
 mod trace;
 
 use std::ffi::OsString;
+use std::path::Path;
 use std::process::ExitCode;
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use common::tell;
-use wavecrest_base::error::{Error, ErrorKind, Result};
+use wavecrest_base::error::{Error, ErrorKind, Result, did_you_mean};
 
-/// A ray tracer for large triangle meshes: wavefront and recursive tracing over one set of kernels.
+/// A ray tracer for large triangle meshes.
 ///
-/// Without a command it renders: `wavecrest SCENE OUTPUT` is `wavecrest render SCENE OUTPUT`.
+/// `wavecrest SCENE OUTPUT` is short for `wavecrest render SCENE OUTPUT`.
 #[derive(Debug, Parser)]
 #[command(name = "wavecrest", version, arg_required_else_help = true)]
 #[command(override_usage = "wavecrest [OPTIONS] <SCENE> <OUTPUT>\n       wavecrest <COMMAND>")]
@@ -64,7 +66,10 @@ enum Command {
 }
 
 fn main() -> ExitCode {
-    let arguments = with_command(std::env::args_os().collect());
+    let arguments = match with_command(std::env::args_os().collect()) {
+        Ok(arguments) => arguments,
+        Err(error) => return failed(&error),
+    };
     let matches = program().get_matches_from(arguments);
     let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
     match dispatch(&cli.command) {
@@ -82,7 +87,8 @@ fn failed(error: &Error) -> ExitCode {
             ExitCode::from(interrupt::exit_code(signal))
         }
         _ => {
-            tell(&format!("error: {error}"));
+            // One line for each error.
+            error.to_string().lines().for_each(|line| tell(&format!("error: {line}")));
             ExitCode::from(2)
         }
     }
@@ -95,16 +101,31 @@ fn program() -> clap::Command {
 }
 
 /// The arguments, with `render` put in where they name no command.
-fn with_command(mut arguments: Vec<OsString>) -> Vec<OsString> {
-    let named =
-        arguments.get(1).and_then(|first| first.to_str()).map_or(arguments.len() < 2, |first| {
-            matches!(first, "help" | "-h" | "--help" | "-V" | "--version")
-                || Cli::command().find_subcommand(first).is_some()
-        });
-    if !named {
-        arguments.insert(1, "render".into());
+///
+/// # Errors
+/// When the first is the name of neither a command nor a file.
+fn with_command(mut arguments: Vec<OsString>) -> Result<Vec<OsString>> {
+    let Some(first) = arguments.get(1) else { return Ok(arguments) };
+    let word = first.to_string_lossy();
+    let commands = Cli::command();
+    let is_command = matches!(&*word, "help" | "-h" | "--help" | "-V" | "--version")
+        || commands.find_subcommand(&*word).is_some();
+    if is_command {
+        return Ok(arguments);
     }
-    arguments
+    let path = Path::new(first);
+    // Anything with an extension or a folder is meant as a file.
+    let is_word = !word.starts_with('-') && path.extension().is_none() && path.components().count() == 1;
+    if is_word && !path.exists() {
+        let near = did_you_mean(&word, commands.get_subcommands().map(clap::Command::get_name));
+        let message = format!("{word:?} is neither a command nor a file");
+        return Err(Error::new(ErrorKind::Usage, message).remedy(match near {
+            Some(near) => format!("did you mean \"wavecrest {near}\"?"),
+            None => "see wavecrest --help for the commands".to_owned(),
+        }));
+    }
+    arguments.insert(1, "render".into());
+    Ok(arguments)
 }
 
 /// Runs `command`; false is the answer "no" of a command that asks something.

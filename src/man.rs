@@ -12,12 +12,12 @@ use super::exit;
 use wavecrest_base::error::{Error, ErrorKind, Result, did_you_mean};
 use wavecrest_base::replace::{check_replaceable, replace_file, write_error};
 
-/// Writes the manual: a page to standard output, or all pages to a folder.
+/// Print a manual page, or write all pages to a folder.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct ManArgs {
-    /// The command to describe [default: wavecrest itself]
+    /// Command to describe [default: wavecrest]
     pub(crate) command: Option<String>,
-    /// Write a page for each command to this folder, such as ~/.local/share/man/man1
+    /// Folder to write all pages to, such as ~/.local/share/man/man1
     #[arg(short, long, value_name = "FOLDER", conflicts_with = "command")]
     pub(crate) output: Option<PathBuf>,
 }
@@ -52,7 +52,7 @@ fn find<'a>(pages: &'a [Command], name: Option<&str>) -> Result<&'a Command> {
         let error = Error::new(ErrorKind::Usage, "there is no such command").value(wanted);
         match did_you_mean(wanted, names()) {
             Some(near) => error.remedy(format!("did you mean {near}?")),
-            None => error.remedy("wavecrest --help lists them"),
+            None => error.remedy("see wavecrest --help"),
         }
     })
 }

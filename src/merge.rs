@@ -12,27 +12,27 @@ use wavecrest_image::farm::merge::{Merged, merge};
 use wavecrest_image::metadata::Extras;
 use wavecrest_image::write::{Format, Transfer, check_writable, write_with};
 
-/// Puts the parts of an image together that `render --shard` made.
+/// Merge the parts that `render --shard` wrote into one image.
 ///
-/// The image is the same, byte for byte, as one process would write it. Parts may come in any order, and twice.
+/// The image is the same, byte for byte, as if one process had rendered it. Parts can be given in any order, and twice.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct MergeArgs {
-    /// The parts, in any order
+    /// Parts, in any order
     #[arg(value_name = "PART", required = true)]
     pub(crate) parts: Vec<PathBuf>,
-    /// The image to write: .ppm, .png, .exr or .pfm
+    /// Image to write: .ppm, .png, .exr or .pfm
     #[arg(short, long, value_name = "OUTPUT")]
     pub(crate) output: PathBuf,
-    /// How linear colours become 8-bit levels (.ppm, .png) [default: as the render would have it]
+    /// Transfer function of 8-bit images (.ppm, .png) [default: that of the render]
     #[arg(long, value_parser = choice::<Transfer>())]
     pub(crate) transfer: Option<Transfer>,
-    /// How light becomes levels
+    /// Exposure and tone mapping
     #[command(flatten)]
     pub(crate) develop: DevelopOptions,
-    /// What is said of the image
+    /// Metadata
     #[command(flatten)]
     pub(crate) metadata: MetadataOptions,
-    /// Say nothing but errors
+    /// Print no summary; warnings and errors stay
     #[arg(short, long)]
     pub(crate) quiet: bool,
 }
@@ -52,7 +52,11 @@ pub(crate) fn run(args: &MergeArgs) -> Result<()> {
     let developed = args.develop.developed(&film, Format::from_path(&args.output)?, &extras);
     let film = developed.unwrap_or(film);
     write_with(&film, &args.output, args.transfer.unwrap_or(transfer), &extras)?;
-    if invalid > 0 && !args.quiet {
+    if !args.quiet {
+        let (name, parts) = (args.output.display(), args.parts.len());
+        tell(&format!("{name}  {}x{}  {parts} parts", film.width(), film.height()));
+    }
+    if invalid > 0 {
         tell(&format!("warning: {invalid} samples were not finite and count as black"));
     }
     Ok(())

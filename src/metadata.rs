@@ -10,10 +10,10 @@ use wavecrest_image::metadata::{Entry, Extras, Provenance};
 /// Options on what is said.
 #[derive(Clone, Copy, Debug, clap::Args)]
 pub(crate) struct MetadataOptions {
-    /// What files say of how the image was made
+    /// Metadata to write
     #[arg(long, value_enum, default_value_t)]
     pub(crate) metadata: MetadataKind,
-    /// Say nothing in files: --metadata none
+    /// Write no metadata; the same as --metadata none
     #[arg(long, conflicts_with = "metadata")]
     pub(crate) no_metadata: bool,
 }
@@ -21,12 +21,12 @@ pub(crate) struct MetadataOptions {
 /// What files say of how their image was made.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub(crate) enum MetadataKind {
-    /// Program, scene, seed, samples and precision, in .exr and .png: the same for each way to the same image
+    /// Program, scene, seed, samples and precision, in .exr and .png; independent of tracer and machine
     #[default]
     Auto,
-    /// The same in .ppm too, as comments that not every reader takes
+    /// The same, also in .ppm as comments, which not every reader accepts
     Scene,
-    /// And the command
+    /// The same, and the command line
     Full,
     /// Nothing
     None,

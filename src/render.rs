@@ -10,6 +10,7 @@ mod parts;
 mod show;
 mod sides;
 mod statistics;
+mod summary;
 
 use std::time::Instant;
 
@@ -19,7 +20,9 @@ use outputs::Outputs;
 use show::stage::Stage;
 use show::{Reporter, Seen};
 use statistics::Finished;
+use summary::Summary;
 
+use super::common::warn;
 use super::interrupt::Interrupt;
 use super::metadata::command;
 use wavecrest_base::error::Result;
@@ -101,13 +104,18 @@ impl<'a> Run<'a> {
         let interrupt = &Interrupt::listen()?;
         let seen = &Seen { outputs: self.outputs, reporter: self.reporter, interrupt };
         if let Some(shard) = shard {
-            return parts::write_shard(self.args, shard, &scene, seen);
+            let summary = Summary::since(self.start);
+            return parts::write_shard(self.args, shard, &scene, seen, summary);
         }
         let traced = self.trace(&mut scene, preset, seen)?;
         let counters = &traced.rendered.counters;
         let invalid = invalid::find(self.args, &scene, counters)?;
         self.write(&scene, &traced)?;
-        invalid::report(self.args, counters, invalid.as_ref());
+        invalid::report(counters, invalid.as_ref());
+        let mut summary = Summary::since(self.start);
+        summary.add(counters, self.time.trace);
+        let (film, outputs) = (&traced.rendered.film, self.outputs);
+        summary.print(self.args, &outputs.name(), &format!("{}x{}", film.width(), film.height()));
         let Some(file) = &self.args.stats else { return Ok(()) };
         let time = self.time;
         let finished = Finished { scene: &scene, traced, invalid, time, estimated, predicted };
@@ -140,7 +148,7 @@ impl<'a> Run<'a> {
         let file = extracted.file().to_owned();
         let mut scene = timed(&mut self.time.build, || extracted.build(preset));
         let dropped = systems::warnings(&scene, &file);
-        self.args.scene_options.warn(&dropped);
+        warn(&dropped);
         self.reporter.warnings(&dropped);
         self.reporter.built(self.args, &scene, preset, self.time.build);
         self.args.search.apply(&mut scene.accel);

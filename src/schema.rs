@@ -4,7 +4,7 @@ use super::common::{print, to_json};
 use wavecrest_base::error::Result;
 use wavecrest_scene::json_schema;
 
-/// Writes the JSON Schema of scene files to standard output, for editors that check and complete.
+/// Print the JSON Schema of scene files, for editors.
 #[derive(Clone, Copy, Debug, clap::Args)]
 pub(crate) struct SchemaArgs {}
 

@@ -22,24 +22,24 @@ use wavecrest_core::kernels::precision::Precision;
 use wavecrest_report::selftest::{CASES, Case, Count, Effort, Outcome, case};
 use wavecrest_scene::load::{LoadOptions, survey};
 
-/// Tries what breaks ray tracers: every kernel, with all instructions that the processor has.
+/// Test cases that break ray tracers, on every kernel and instruction set of this machine.
 ///
-/// Exits with 1 if a case does not hold in robust or exact arithmetic. What fast arithmetic fails is printed,
-/// and is its price.
+/// The exit code is 1 if a case fails in robust or exact precision. Failures of fast precision are expected, and
+/// printed.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct SelftestArgs {
-    /// Try this scene too, or this mesh (.ply, .obj, .stl): leaks, self-hits, samples that are not finite
+    /// Also test this scene or mesh for leaks, self-intersections and samples that are not finite
     pub(crate) scene: Option<PathBuf>,
-    /// Try this case alone; may be given several times
+    /// Run only this case; can be given several times
     #[arg(long = "case", value_name = "NUMBER")]
     pub(crate) cases: Vec<u32>,
-    /// Try this precision alone; may be given several times
+    /// Test only this precision; can be given several times
     #[arg(long, value_name = "PRECISION", value_parser = choice::<Precision>())]
     pub(crate) precision: Vec<Precision>,
-    /// Try as much as each bound speaks of: minutes, not seconds
+    /// Run as many trials as each bound states: minutes instead of seconds
     #[arg(long)]
     pub(crate) full: bool,
-    /// What the inputs follow from: a case that fails, fails again with the same seed
+    /// Seed of the inputs; the same seed repeats a failure
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub(crate) seed: u64,
     /// Print JSON
@@ -48,7 +48,7 @@ pub(crate) struct SelftestArgs {
     /// Show no progress
     #[arg(short, long)]
     pub(crate) quiet: bool,
-    /// On how many threads
+    /// Threads
     #[command(flatten)]
     pub(crate) threads: Threads,
 }

@@ -21,41 +21,41 @@ use wavecrest_core::render::TracerKind;
 use wavecrest_report::ray_file::RayFile;
 use wavecrest_scene::mesh;
 
-/// Traces a file of rays against a mesh: prints the speed, writes the answers.
+/// Trace a file of rays against a mesh, and print the speed.
 ///
-/// The rays are traced with their own t_min and t_max: hits strictly between count. Rays of an any-hit file are timed as such.
-/// The file's own answers are compared with ours.
+/// Hits strictly between each ray's t_min and t_max count. Rays of an any-hit file are traced as any-hit queries.
+/// The results are compared with those in the file.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct TraceArgs {
-    /// The mesh: PLY, OBJ or STL
+    /// Mesh (.ply, .obj, .stl)
     #[arg(long, value_name = "FILE")]
     pub(crate) mesh: PathBuf,
-    /// The rays
+    /// Rays
     #[arg(long, value_name = "FILE")]
     pub(crate) rays: PathBuf,
-    /// Write the rays with our answers to this file
+    /// Write the rays with these results to a file
     #[arg(long, value_name = "FILE")]
     pub(crate) answers: Option<PathBuf>,
-    /// Rays in blocks (wavefront) or one at a time (recursive)
+    /// Trace rays in blocks (wavefront) or one at a time (recursive)
     #[arg(long, value_parser = choice::<TracerKind>(), default_value_t)]
     pub(crate) tracer: TracerKind,
-    /// How much work goes into the BVH [default: chosen from triangles and rays]
+    /// Quality of the BVH [default: chosen from the numbers of triangles and rays]
     #[arg(long, value_name = "PRESET", value_parser = choice::<Preset>())]
     pub(crate) bvh: Option<Preset>,
-    /// How exactly hits are found: fast leaks, exact takes its time
+    /// Precision of intersections: fast can leak at edges, exact is slow
     #[arg(long, value_name = "PRECISION", value_parser = choice::<Precision>(), default_value_t)]
     pub(crate) precision: Precision,
-    /// How the tree is searched
+    /// Traversal
     #[command(flatten)]
     pub(crate) search: SearchOptions,
-    /// Number of timed passes over the rays; the median counts
+    /// Timed passes over the rays; the median is reported
     #[arg(long, value_name = "N", default_value_t = 5,
           value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub(crate) repeats: u32,
     /// Print JSON
     #[arg(long)]
     pub(crate) json: bool,
-    /// On how many threads
+    /// Threads
     #[command(flatten)]
     pub(crate) threads: Threads,
 }
@@ -153,7 +153,7 @@ fn check_belongs(args: &TraceArgs, file: &RayFile, triangles: usize) -> Result<(
     if file.triangles == triangles as u64 {
         return Ok(());
     }
-    Err(Error::new(ErrorKind::Usage, "the rays belong to another mesh")
+    Err(Error::new(ErrorKind::Usage, "the rays are for another mesh")
         .in_file(&args.rays)
         .value(format!("rays for {} triangles", file.triangles))
         .remedy(format!("{} has {triangles}", args.mesh.display())))

@@ -9,53 +9,53 @@ use wavecrest_core::wavefront::DEFAULT_BATCH;
 use wavecrest_report::bench::compare::Axis;
 use wavecrest_report::bench::measure::Schedule;
 
-/// Times both tracers on each scene, after checking that their images are the same bit for bit.
+/// Time both tracers on each scene, after checking that their images are identical.
 ///
-/// The answer is no (exit code 1) where they are not. With `--effects` no scene is read: what each effect
-/// costs is measured on scenes of the program's own, one effect added at a time.
+/// The exit code is 1 if the images differ. With `--effects`, measure instead what each effect costs, on
+/// built-in scenes that add one effect at a time.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct BenchArgs {
-    /// The scenes, in JSON
+    /// Scenes (.json, .gltf, .glb) or meshes (.ply, .obj, .stl)
     #[arg(required_unless_present = "effects", value_name = "SCENE")]
     pub(crate) scenes: Vec<PathBuf>,
-    /// Print the price of each effect instead: time and memory of scenes that each add one
+    /// Measure what each effect costs in time and memory
     #[arg(long, conflicts_with_all = ["scenes", "compare"])]
     pub(crate) effects: bool,
-    /// Timed pairs of runs at most; fewer where --min-time is reached, but then at least 6
+    /// Greatest number of timed pairs of runs; fewer if --min-time is reached, but at least 6
     #[arg(long, value_name = "N", default_value_t = 50,
           value_parser = clap::value_parser!(u16).range(1..=10_000))]
     pub(crate) repeats: u16,
-    /// Pairs of runs before the first that is timed
+    /// Untimed pairs of runs at the start
     #[arg(long, value_name = "N", default_value_t = 1,
           value_parser = clap::value_parser!(u16).range(1..=10_000))]
     pub(crate) warmup: u16,
-    /// Time that each tracer is to run for in all, as far as --repeats allows
+    /// Least total time of each tracer, up to --repeats pairs of runs
     #[arg(long, value_name = "SECONDS", default_value = "1", value_parser = seconds)]
     pub(crate) min_time: f64,
-    /// Compare the wavefront with other kernels, vector instructions or sizes of batches as well, or with
-    /// itself when it leaves nothing out (plan), separated by commas
+    /// Also compare the wavefront tracer across kernels, instruction sets or batch sizes, or with every pass
+    /// forced on (plan); comma-separated
     #[arg(long, value_name = "WHAT", value_parser = choice::<Axis>(), value_delimiter = ',')]
     pub(crate) compare: Vec<Axis>,
     /// Print JSON
     #[arg(long)]
     pub(crate) json: bool,
-    /// Write the JSON to a file, after every scene
+    /// Write JSON to this file, updated after every scene
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
-    /// Write a page with charts, in one HTML file, after every scene
+    /// Write an HTML page with charts, updated after every scene
     #[arg(long, value_name = "FILE")]
     pub(crate) page: Option<PathBuf>,
-    /// Paths in a batch of the wavefront
+    /// Paths in a batch of the wavefront tracer
     #[arg(long, value_name = "PATHS", default_value_t = DEFAULT_BATCH as u32,
           value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
     pub(crate) batch: u32,
-    /// Choose other random numbers
+    /// Seed of the random numbers
     #[arg(long, default_value_t = 0)]
     pub(crate) seed: u64,
-    /// How the tree is searched
+    /// Traversal
     #[command(flatten)]
     pub(crate) search: SearchOptions,
-    /// What is read and how
+    /// Scene
     #[command(flatten)]
     pub(crate) scene_options: SceneOptions,
 }

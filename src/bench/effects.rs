@@ -27,7 +27,7 @@ pub(super) fn run(args: &BenchArgs) -> Result<bool> {
         measure(&entries, setting, &args.schedule(), trace, progress)
     })?;
     if let Some(differs) = &list.difference {
-        tell(&format!("error: {}: the image or the work is not as it should be", differs.effect));
+        tell(&format!("error: {}: the image or the ray counts are wrong", differs.effect));
     }
     let json = to_json(&list)?;
     if let Some(file) = &args.output {
@@ -38,7 +38,7 @@ pub(super) fn run(args: &BenchArgs) -> Result<bool> {
 }
 
 fn prepare(args: &BenchArgs, variant: Variant, folder: &Path) -> Result<Entry> {
-    let (width, height) = (args.scene_options.width, args.scene_options.height);
+    let (width, height) = (args.scene_options.input.width, args.scene_options.input.height);
     let options = LoadOptions { strict: true, width, height, ..LoadOptions::default() };
     // Warnings would be about scenes of our own.
     let loaded = load_str(&variant.scene.to_string(), &folder.join("effect.json"), &options)?;

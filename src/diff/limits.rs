@@ -11,17 +11,16 @@ use wavecrest_image::compare::Comparison;
 /// Options on what may differ. Every limit that is given must hold; where none is, no value may differ.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct Limits {
-    /// The largest difference of two values at which they still count as equal [default: 0]; with
-    /// --max-pixels, in all other pixels
+    /// Largest accepted difference of two values [default: 0]; --max-pixels exempts some pixels
     #[arg(long, value_name = "MAX", value_parser = not_negative)]
     pub(crate) tolerance: Option<f64>,
-    /// The largest RMSE at which the pictures still count as equal
+    /// Largest accepted RMSE
     #[arg(long, value_name = "MAX", value_parser = not_negative)]
     pub(crate) max_rmse: Option<f64>,
-    /// The largest FLIP, from 0 to 1, at which the pictures still count as equal
+    /// Largest accepted FLIP, 0 to 1
     #[arg(long, value_name = "MAX", value_parser = not_negative)]
     pub(crate) max_flip: Option<f64>,
-    /// How many pixels, such as 20 or 0.1%, may differ by more than the tolerance
+    /// Pixels, such as 20 or 0.1%, that may differ by more than the tolerance
     #[arg(long, value_name = "PIXELS", allow_hyphen_values = true)]
     pub(crate) max_pixels: Option<Pixels>,
 }

@@ -152,7 +152,7 @@ fn sizes_that_differ_are_an_error_that_names_the_second_file() {
     assert_eq!(
         run(&args).unwrap_err().to_string(),
         format!(
-            "{}: two images must have the same size to be compared, found 1 x 2 and 2 x 2; \
+            "{}: the images differ in size, found 1 x 2 and 2 x 2; \
              render both at one size",
             args.b.display()
         )

@@ -1,12 +1,15 @@
 //! Frames of a camera that moves: one of them, or a range, an image each.
 
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 use super::args::{Frames, RenderArgs};
 use super::outputs::Outputs;
 use super::show::stage::Stage;
 use super::show::{Reporter, Seen};
+use super::summary::Summary;
 use super::{invalid, look, parts};
+use crate::common::warn;
 use crate::interrupt::Interrupt;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::prepared::PreparedScene;
@@ -25,12 +28,12 @@ const MIN_DIGITS: usize = 4;
 pub(super) fn place(scene: &mut PreparedScene, frame: u32, file: &Path) -> Result<()> {
     let at = |message: &str| Error::new(ErrorKind::Scene, message).in_file(file).at("camera.path");
     let Some(path) = &scene.path else {
-        return Err(at("the camera has no path, and so no frames").remedy(
-            "give it keys: \"path\": {\"keys\": [{\"frame\": 1, \"location\": ...}, ...]}",
+        return Err(at("the camera does not move").remedy(
+            "add a path: \"path\": {\"keys\": [{\"frame\": 1, \"location\": ...}, ...]}",
         ));
     };
     scene.camera = path.at(frame).ok_or_else(|| {
-        at("the camera would stand at the point that it looks at")
+        at("the camera would be at the point it looks at")
             .value(format!("frame {frame}"))
             .remedy("move the keys before or after it")
     })?;
@@ -55,14 +58,17 @@ pub(super) fn run(args: &RenderArgs, frames: Frames, shard: Option<Shard>) -> Re
 
 fn run_here(args: &RenderArgs, all: &[(u32, RenderArgs)], reporter: &Reporter) -> Result<()> {
     let mut shoot = Shoot::prepare(args, reporter)?;
+    let mut size = [0; 2];
     for (frame, one) in all {
         let outputs = Outputs::check(one, one.output()?, false)?;
         let rendered = shoot.frame(one, *frame, &outputs)?;
         reporter.stage(Stage::Write);
         outputs.write(&shoot.scene, &rendered)?;
+        size = [rendered.film.width(), rendered.film.height()];
         reporter.note("frame", || format!("{frame}: {}", outputs.name()));
     }
     reporter.stage(Stage::Done);
+    shoot.finish(&args.output()?.display().to_string(), all.len(), size);
     Ok(())
 }
 
@@ -73,6 +79,7 @@ pub(super) struct Shoot<'a> {
     pub(super) scene: PreparedScene,
     encoding: Encoding,
     interrupt: Interrupt,
+    summary: Summary,
 }
 
 impl<'a> Shoot<'a> {
@@ -81,6 +88,7 @@ impl<'a> Shoot<'a> {
     /// # Errors
     /// When it cannot be loaded or prepared.
     pub(super) fn prepare(args: &'a RenderArgs, reporter: &'a Reporter) -> Result<Self> {
+        let summary = Summary::since(Instant::now());
         reporter.stage(Stage::Load);
         let options = &args.scene_options;
         let loaded = options.load(&args.scene)?;
@@ -91,9 +99,10 @@ impl<'a> Shoot<'a> {
         let file = extracted.file().to_owned();
         reporter.stage(Stage::Build);
         let mut scene = extracted.build(preset);
-        options.warn(&systems::warnings(&scene, &file));
+        warn(&systems::warnings(&scene, &file));
         args.search.apply(&mut scene.accel);
-        Ok(Self { args, reporter, scene, encoding, interrupt: Interrupt::listen()? })
+        let interrupt = Interrupt::listen()?;
+        Ok(Self { args, reporter, scene, encoding, interrupt, summary })
     }
 
     /// Tells the outputs how the scene would have 8-bit images written.
@@ -118,11 +127,17 @@ impl<'a> Shoot<'a> {
         if !rendered.finished {
             let name = outputs.name();
             let error = self.interrupt.error(0.0);
-            return Err(error.remedy(format!("{name} is not written, what was before it is")));
+            return Err(error.remedy(format!("{name} is not written; the frames before it are")));
         }
         let first = invalid::find(one, &self.scene, &rendered.counters)?;
-        invalid::report(one, &rendered.counters, first.as_ref());
+        invalid::report(&rendered.counters, first.as_ref());
+        self.summary.add(&rendered.counters, rendered.seconds);
         Ok(rendered)
+    }
+
+    /// Prints the line after success, for so many frames of a size.
+    pub(super) fn finish(&self, name: &str, frames: usize, [width, height]: [u32; 2]) {
+        self.summary.print(self.args, name, &format!("{frames} frames, {width}x{height}"));
     }
 }
 

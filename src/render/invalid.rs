@@ -25,11 +25,11 @@ pub(super) fn find(
 }
 
 /// Tells how many there are, and the first.
-pub(super) fn report(args: &RenderArgs, counters: &Counters, first: Option<&Invalid>) {
-    if let (Some(first), false) = (first, args.scene_options.quiet) {
+pub(super) fn report(counters: &Counters, first: Option<&Invalid>) {
+    if let Some(first) = first {
         let count = counters.invalid;
         tell(&format!(
-            "warning: {count} samples were not finite and count as black: first {first}"
+            "warning: {count} samples were not finite and count as black; the first is {first}"
         ));
     }
 }
@@ -41,5 +41,5 @@ fn trapped(args: &RenderArgs, invalid: &Invalid) -> Error {
         .in_file(&args.scene)
         .at(&invalid.shape)
         .value(invalid)
-        .remedy(format!("look at it with: wavecrest probe {scene} --pixel {x},{y}"))
+        .remedy(format!("see it with: wavecrest probe {scene} --pixel {x},{y}"))
 }

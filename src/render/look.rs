@@ -8,18 +8,13 @@ use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::{Rendered, Watch, render, window};
 use wavecrest_image::look::{Look, draw_edges, film};
 use wavecrest_scene::load::LoadedScene;
-use wavecrest_scene::load::lighting::Rig;
 use wavecrest_scene::systems::{self, Extracted, Options, looks};
 
-/// With the lights for what is looked at: the ground of a studio is none of the file's surfaces, and has edges and a
-/// depth of its own.
+/// With lights that put up no ground if a look other than clay is asked for: the ground is no part of the file, and
+/// has edges and a depth of its own.
 pub(super) fn without_ground(mut args: RenderArgs) -> RenderArgs {
-    let lights = &mut args.scene_options.lighting.lights;
-    match args.look {
-        None | Some(Look::Clay) => {}
-        Some(_) if *lights == Rig::Studio => *lights = Rig::Headlight,
-        Some(_) => {}
-    }
+    let lighting = &mut args.scene_options.input.lighting;
+    lighting.without_ground = !matches!(args.look, None | Some(Look::Clay));
     args
 }
 
@@ -29,8 +24,8 @@ pub(super) fn without_ground(mut args: RenderArgs) -> RenderArgs {
 /// When there is one, and a look is asked for.
 pub(super) fn check(args: &RenderArgs) -> Result<()> {
     let (Some(look), Some(_)) = (args.look, args.parts.shard) else { return Ok(()) };
-    let error = Error::new(ErrorKind::Usage, "a look is not rendered in shards");
-    Err(error.value(look.name()).remedy("leave --as out, or render whole frames: --frames"))
+    let error = Error::new(ErrorKind::Usage, "--as and --shard cannot be used together");
+    Err(error.value(look.name()).remedy("leave out one of them, or render whole frames with --frames"))
 }
 
 /// Runs the systems on `loaded`, for the look that is asked for, but for the last.

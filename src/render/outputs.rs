@@ -38,12 +38,12 @@ impl<'a> Outputs<'a> {
                 .iter()
                 .try_for_each(|other| check_differs(path, other, "another output"))?;
         }
-        if args.scene_options.lighting.is_transparent() {
+        if args.scene_options.input.lighting.is_transparent() {
             paths.iter().try_for_each(|path| check_alpha(path, is_shard))?;
         }
         let outputs = Self { args, paths, encoding: OnceLock::new() };
         if args.outputs.aov.is_some() && !outputs.has_exr() {
-            return Err(Error::new(ErrorKind::Usage, "only an .exr image has layers")
+            return Err(Error::new(ErrorKind::Usage, "only .exr images have layers")
                 .in_file(first)
                 .remedy("add --also and a name that ends in .exr"));
         }
@@ -113,7 +113,7 @@ impl<'a> Outputs<'a> {
         self.paths.iter().try_for_each(|path| self.write_one(film, path, &extras))
     }
 
-    /// What the image is called.
+    /// The name of the image.
     pub(super) fn name(&self) -> String {
         self.first().display().to_string()
     }
@@ -139,7 +139,7 @@ impl<'a> Outputs<'a> {
 
     fn layers(&self, scene: &PreparedScene, rendered: &Rendered) -> Result<aov::Found> {
         let mut layers = self.args.outputs.aov.clone().map_or_else(Vec::new, |Layers(all)| all);
-        if self.args.scene_options.lighting.is_transparent() {
+        if self.args.scene_options.input.lighting.is_transparent() {
             layers.push(Layer::Alpha);
         }
         if layers.is_empty() {

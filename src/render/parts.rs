@@ -1,10 +1,12 @@
 //! Renders that lose no work: kept in a checkpoint, ended by a signal, or one shard of many.
 
 use std::path::Path;
+use std::time::Instant;
 
 use super::args::RenderArgs;
 use super::show::stage::Stage;
 use super::show::{Seen, Show};
+use super::summary::Summary;
 use super::{invalid, look};
 use crate::common::tell;
 use crate::interrupt::Interrupt;
@@ -26,9 +28,9 @@ const EXTENSION: &str = "part";
 pub(super) fn check(args: &RenderArgs, output: &Path) -> Result<()> {
     let parts = &args.parts;
     if parts.shard.is_some() && output.extension().is_none_or(|name| name != EXTENSION) {
-        return Err(Error::new(ErrorKind::Usage, "a shard is a part of an image, and not one")
+        return Err(Error::new(ErrorKind::Usage, "a shard must be written to a .part file")
             .in_file(output)
-            .remedy("name it such as out-1.part, and put all parts together: wavecrest merge"));
+            .remedy("use a name such as out-1.part, and join all parts with wavecrest merge"));
     }
     let Some(file) = &parts.checkpoint else { return Ok(()) };
     check_replaceable(file)?;
@@ -91,6 +93,7 @@ pub(super) fn write_shard(
     shard: Shard,
     scene: &PreparedScene,
     seen: &Seen<'_>,
+    mut summary: Summary,
 ) -> Result<()> {
     let output = seen.outputs.first();
     let (options, checkpoint) = (args.options(), args.parts.checkpoint());
@@ -100,15 +103,18 @@ pub(super) fn write_shard(
         tell_of_checkpoint(args, checkpoint, &session);
     }
     let screen = Screen::new(args, scene, seen);
+    let start = Instant::now();
     let done = session.render_units(&screen, &warn)?;
+    summary.add(&done.counters, start.elapsed().as_secs_f64());
     drop(screen);
     if session.share() < 1.0 {
         let what = format!("{} is not written", output.display());
         return Err(seen.interrupt.error(session.share()).remedy(what + &go_on(args)));
     }
     let first = invalid::find(args, scene, &done.counters)?;
-    invalid::report(args, &done.counters, first.as_ref());
+    invalid::report(&done.counters, first.as_ref());
     session.write(output)?;
+    summary.print(args, &seen.outputs.name(), &format!("shard {shard}"));
     seen.reporter.note("write", || output.display().to_string());
     seen.reporter.stage(Stage::Done);
     Ok(())
@@ -126,11 +132,11 @@ pub(super) fn interrupted(
     let error = seen.interrupt.error(share);
     let name = seen.outputs.name();
     let written = if pixels == 0 {
-        format!("{name} is left as it was")
+        format!("{name} is unchanged")
     } else {
         let entries = seen.outputs.entries(scene);
         match entries.and_then(|e| seen.outputs.write_part(&rendered.film, &e, share)) {
-            Ok(()) => format!("{name} holds it, black elsewhere"),
+            Ok(()) => format!("{name} has what was finished; the rest is black"),
             Err(error) => return error,
         }
     };
@@ -140,8 +146,8 @@ pub(super) fn interrupted(
 /// How to go on, where that can be.
 fn go_on(args: &RenderArgs) -> String {
     match &args.parts.checkpoint {
-        Some(file) => format!("; go on with --checkpoint {} --resume", file.display()),
-        None => "; with --checkpoint FILE it could go on".to_owned(),
+        Some(file) => format!("; resume with --checkpoint {} --resume", file.display()),
+        None => "; use --checkpoint FILE to be able to resume".to_owned(),
     }
 }
 
@@ -158,9 +164,9 @@ fn tell_of_checkpoint(args: &RenderArgs, checkpoint: &Checkpoint, session: &Sess
     let file = checkpoint.file.display();
     if session.has_checkpoint() {
         let percent = (session.resumed() * 1000.0).floor() / 10.0;
-        tell(&format!("going on with {file}, which holds {percent} %"));
+        tell(&format!("resuming from {file}: {percent} % is done"));
     } else {
-        tell(&format!("there is no checkpoint {file} yet: rendering from the start"));
+        tell(&format!("no checkpoint {file} yet: starting from the beginning"));
     }
 }
 

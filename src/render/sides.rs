@@ -30,10 +30,10 @@ pub(super) fn run(args: &RenderArgs, shard: Option<Shard>) -> Result<bool> {
     if args.frames.frame.is_some() {
         return Ok(false);
     }
-    let framing = &args.scene_options.framing;
+    let framing = &args.scene_options.input.framing;
     let output = args.output()?;
     if let Some(sheet) = &framing.sheet {
-        check_alone(args, shard, output)?;
+        refuse("--sheet", output, &[of_frame(args), of_image(args, shard)].concat())?;
         let outputs = Outputs::check(args, output, false)?;
         watched(args, |reporter| draw_sheet(args, sheet, &outputs, reporter))?;
         return Ok(true);
@@ -41,9 +41,12 @@ pub(super) fn run(args: &RenderArgs, shard: Option<Shard>) -> Result<bool> {
     let Some(count) = framing.turntable else { return Ok(false) };
     let is_numbered = output.file_name().is_some_and(|name| name.to_string_lossy().contains('#'));
     match Animated::from_path(output).filter(|_| !is_numbered) {
-        None => frames::run(args, Frames::first(count), shard)?,
+        None => {
+            refuse("--turntable", output, &of_frame(args))?;
+            frames::run(args, Frames::first(count), shard)?;
+        }
         Some(format) => {
-            check_alone(args, shard, output)?;
+            refuse("--turntable", output, &[of_frame(args), of_image(args, shard)].concat())?;
             check_replaceable(output)?;
             check_differs(output, &args.scene, "the scene")?;
             watched(args, |reporter| animate(args, count, output, format, reporter))?;
@@ -59,25 +62,34 @@ fn watched(args: &RenderArgs, work: impl FnOnce(&Reporter) -> Result<()> + Send)
     done.inspect_err(|error| reporter.failed(error))
 }
 
-/// Refuses what belongs to one image.
-fn check_alone(args: &RenderArgs, shard: Option<Shard>, output: &Path) -> Result<()> {
-    let others = [
-        ("--shard", shard.is_some()),
+/// An option, and whether it is given.
+type Given = (&'static str, bool);
+
+/// Options that belong to one image, and not to frames.
+fn of_frame(args: &RenderArgs) -> Vec<Given> {
+    vec![
         ("--checkpoint", args.parts.checkpoint.is_some()),
-        ("--also", !args.outputs.also.is_empty()),
-        ("--aov", args.outputs.aov.is_some()),
         ("--stats", args.stats.is_some()),
         ("--save-every", args.show.save_every.is_some()),
         ("--target-error", args.target_error.is_some()),
         ("--time-budget", args.time_budget.is_some()),
-    ];
-    let Some((option, _)) = others.into_iter().find(|(_, is_asked)| *is_asked) else {
-        return Ok(());
-    };
-    let message = "several views in one file do not go with an option for one image";
-    let error = Error::new(ErrorKind::Usage, message).in_file(output).value(option);
-    Err(error
-        .remedy("leave it out, or render frames: --turntable with # in the name of the output"))
+    ]
+}
+
+/// Options that belong to image files of one view.
+fn of_image(args: &RenderArgs, shard: Option<Shard>) -> Vec<Given> {
+    vec![
+        ("--shard", shard.is_some()),
+        ("--also", !args.outputs.also.is_empty()),
+        ("--aov", args.outputs.aov.is_some()),
+    ]
+}
+
+/// Refuses `others` beside an `option`.
+fn refuse(option: &str, output: &Path, others: &[Given]) -> Result<()> {
+    let Some((other, _)) = others.iter().find(|(_, is_given)| *is_given) else { return Ok(()) };
+    let message = format!("{option} and {other} cannot be used together");
+    Err(Error::new(ErrorKind::Usage, message).in_file(output).remedy(format!("leave out {other}")))
 }
 
 /// Renders a turntable as one file.
@@ -100,6 +112,7 @@ fn animate(
         .write(|frame| shoot.frame(args, frame + 1, &outputs).map(|rendered| rendered.film))?;
     reporter.note("write", || output.display().to_string());
     reporter.stage(Stage::Done);
+    shoot.finish(&output.display().to_string(), count as usize, size);
     Ok(())
 }
 
@@ -123,6 +136,8 @@ fn draw_sheet(
     reporter.stage(Stage::Write);
     outputs.write(&shoot.scene, &rendered)?;
     reporter.stage(Stage::Done);
+    let size = [rendered.film.width(), rendered.film.height()];
+    shoot.finish(&outputs.name(), sides.len(), size);
     Ok(())
 }
 

@@ -111,8 +111,8 @@ fn a_promise_that_the_file_cannot_hold_is_refused_before_memory_is_set_aside() {
 
 #[test]
 fn a_vertex_that_is_not_finite_is_named() {
-    let words = "a vertex must have finite coordinates of at most 2^40 in size";
-    let remedy = "repair the vertex, or scale the mesh down";
+    let words = "the coordinates of a vertex must be finite and within 2^40";
+    let remedy = "correct the vertex, or scale the mesh down";
     for (written, shown) in [("nan", "NaN"), ("inf", "inf"), ("2e12", "2000000000000")] {
         let body = format!("0 0 0\n1 {written} 0\n0 1 0\n3 0 1 2\n");
         check_mesh(
@@ -163,7 +163,7 @@ fn what_is_no_number_and_no_face_is_shown() {
         "v 0 0\nf 1 2 3",
         ErrorKind::Syntax,
         "line 1: \"v\" needs at least 3 numbers, found 2; \
-         complete the line; the file may have been cut off",
+         complete the line; the file may be cut off",
     );
     check_mesh(
         "m.obj",
@@ -182,10 +182,10 @@ fn what_is_no_number_and_no_face_is_shown() {
 #[test]
 fn a_file_without_triangles_is_refused() {
     let message = "the mesh has no triangles; \
-                   export it with its faces; points, lines and curves alone are not rendered";
+                   export it with faces";
     check_mesh("m.ply", &ply(3, 0, VERTICES), ErrorKind::Mesh, message);
     check_mesh("m.obj", "v 0 0 0\n", ErrorKind::Mesh, message);
-    check_mesh("m.ply", "", ErrorKind::Syntax, "the file is empty; give a PLY file");
+    check_mesh("m.ply", "", ErrorKind::Syntax, "the file is empty; export it again");
 }
 
 #[test]
@@ -194,7 +194,7 @@ fn a_header_that_is_misspelt_is_told_what_may_be_meant() {
         "m.ply",
         &ply(3, 1, "").replace("element vertex", "elemnt vertex"),
         ErrorKind::Syntax,
-        "header line 3: the header has a line of an unknown kind, found elemnt; \
+        "header line 3: unknown header line, found elemnt; \
          did you mean element?",
     );
     check_mesh(
@@ -202,7 +202,7 @@ fn a_header_that_is_misspelt_is_told_what_may_be_meant() {
         "solid\n",
         ErrorKind::Syntax,
         "header line 1: a PLY file begins with the line \"ply\", found \"solid\"; \
-         check that the file is a PLY file and that its lines end in LF or CR LF",
+         check that this is a PLY file",
     );
 }
 
@@ -212,15 +212,15 @@ fn other_formats_are_refused_by_their_names() {
         "m.fbx",
         "Kaydara",
         ErrorKind::Mesh,
-        "the name does not end as a mesh file's does, found the extension \"fbx\"; \
-         give a .ply, .obj or .stl file; no other mesh format is read",
+        "this is not a mesh file, found the extension \"fbx\"; \
+         use a .ply, .obj or .stl file",
     );
     let (kind, message) = told(&mesh_scene("m.gltf"), folder().path());
     assert_eq!(
         (kind, message.as_str()),
         (
             ErrorKind::Scene,
-            "s.json: scene.shapes[0].file: a glTF file is a scene of its own, and no shape, found \
+            "s.json: scene.shapes[0].file: a glTF file cannot be a shape, found \
              \"m.gltf\"; convert it, and name the meshes that this writes: wavecrest convert IN \
              OUT.json"
         )
@@ -231,7 +231,7 @@ fn other_formats_are_refused_by_their_names() {
 fn a_mesh_that_is_not_there_and_a_folder_are_told_apart() {
     let folder = folder();
     std::fs::create_dir(folder.path().join("dir.ply")).expect("a folder");
-    let remedy = "a relative path starts from the scene file's folder";
+    let remedy = "relative paths start at the scene file's folder";
     for (name, there) in [("no.ply", "no file"), ("dir.ply", "a folder, not a file,")] {
         let place = "s.json: scene.shapes[0].file";
         let expected = format!("{place}: there is {there} at {name}, found \"{name}\"; {remedy}");
@@ -250,8 +250,8 @@ fn a_texture_needs_texture_coordinates() {
     let mut scene = mesh_scene("m.obj");
     scene["scene"]["shapes"][0]["texture"] = "t.png".into();
     let expected = "s.json: scene.shapes[0].texture: \
-                    the mesh has no texture coordinates, which a texture needs; \
-                    give it \"uvs\", or remove the texture";
+                    the mesh has no texture coordinates; \
+                    add \"uvs\", or remove the texture";
     assert_eq!(told(&scene, folder.path()), (ErrorKind::Scene, expected.to_owned()));
     let with_uvs = TRIANGLE.replace("f 1 2 3", "vt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3");
     std::fs::write(folder.path().join("m.obj"), with_uvs).expect("a file");
@@ -269,8 +269,8 @@ fn smooth_shading_without_normals_is_a_warning_and_flat() {
     let (smooth, _, warnings) = render(&scene, folder.path());
     assert_eq!(
         warnings,
-        ["s.json: scene.shapes[0].shading: the mesh has no normals, which smooth shading needs; \
-          shading stays flat"]
+        ["s.json: scene.shapes[0].shading: the mesh has no normals for smooth shading; \
+          flat shading is used"]
     );
     assert!(smooth.same_bits(&flat));
 }

@@ -265,7 +265,7 @@ fn instances_that_are_wrong_are_refused_in_words() {
     let text = said(&|scene| scene["scene"]["instances"][2]["shape"] = json!("stome"));
     assert_eq!(
         text,
-        "scene.instances[2].shape: no shape of scene.shapes has this name, found \"stome\"; did you \
+        "scene.instances[2].shape: no shape has this name, found \"stome\"; did you \
          mean \"stone\"?"
     );
     let text = said(&|scene| scene["scene"]["shapes"][1]["name"] = json!("worn stone"));
@@ -288,7 +288,7 @@ fn instances_that_are_wrong_are_refused_in_words() {
         scene["scene"]["shapes"][1] = json!({"type": "sphere", "name": "stone", "center": [0, 0, 0],
             "radius": 1, "material": {"ks": 0, "kd": 1, "specularexponent": 1, "diffusecolor": [1, 1, 1]}});
     });
-    assert!(text.contains("a sphere cannot be sheared, nor scaled by unequal factors"), "{text}");
+    assert!(text.contains("a sphere can only be scaled uniformly"), "{text}");
 }
 
 /// Other prototypes than meshes, and a mesh that is shown once, are primitives of the scene's own.

@@ -97,12 +97,12 @@ fn lights_without_power_no_lights_and_colours_above_1_are_told() {
         (
             "intensity",
             json!(0),
-            "is 0, so that the light has no power, found 0; use a number above 0, or remove the light",
+            "is 0, so the light has no effect, found 0; use a number above 0, or remove the light",
         ),
         (
             "color",
             json!([0, 0, 0]),
-            "is 0, so that the light has no power, found [0,0,0]; use a colour other than black, or remove the light",
+            "is 0, so the light has no effect, found [0,0,0]; use a colour other than black, or remove the light",
         ),
         (
             "color",

@@ -1,7 +1,10 @@
 //! What can go wrong, said so that the reader can mend it: the file, the place in it, the value
 //! found there, and what would be right.
 
+use std::collections::hash_map::Entry;
+use std::collections::{HashMap, HashSet};
 use std::fmt::{self, Write};
+use std::io::ErrorKind as IoKind;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -32,7 +35,7 @@ pub enum ErrorKind {
 
 /// An error that names the file, the place, the value and the remedy, as far as each is known.
 ///
-/// It reads `FILE: PLACE: MESSAGE, found VALUE; REMEDY`.
+/// It reads `FILE: PLACE: MESSAGE, found VALUE; REMEDY`. Where a file has several errors, each is on a line of its own.
 ///
 /// ```
 /// use wavecrest_base::error::{Error, ErrorKind};
@@ -62,6 +65,10 @@ struct Details {
     value: Option<String>,
     remedy: Option<String>,
     source: Option<Arc<dyn std::error::Error + Send + Sync>>,
+    /// More errors of the same file.
+    others: Vec<Error>,
+    /// How many errors there are besides.
+    unlisted: usize,
 }
 
 impl Error {
@@ -76,14 +83,41 @@ impl Error {
             value: None,
             remedy: None,
             source: None,
+            others: Vec::new(),
+            unlisted: 0,
         };
         Self { details: Box::new(details) }
     }
 
+    /// This error, followed by `others`, and by the number of those that are not listed.
+    ///
+    /// It reads as several lines, one for each error.
+    #[must_use]
+    pub fn followed_by(mut self, others: Vec<Error>, unlisted: usize) -> Self {
+        (self.details.others, self.details.unlisted) = (others, unlisted);
+        self
+    }
+
     /// A failure of the operating system while it was `doing` something ("cannot open the file").
     pub fn io(doing: impl Into<String>, file: impl Into<PathBuf>, source: std::io::Error) -> Self {
-        let message = format!("{}: {}", doing.into(), source);
-        Self::new(ErrorKind::Io, message).in_file(file).because(source)
+        let (doing, file) = (doing.into(), file.into());
+        let (why, remedy) = match source.kind() {
+            IoKind::NotFound => ("there is no such file".to_owned(), Some(other_name(&file))),
+            IoKind::IsADirectory => ("it is a folder".to_owned(), Some("name a file".to_owned())),
+            IoKind::PermissionDenied => {
+                ("permission denied".to_owned(), Some("check who owns it".to_owned()))
+            }
+            IoKind::StorageFull => {
+                ("the disk is full".to_owned(), Some("make room and try again".to_owned()))
+            }
+            _ => (source.to_string(), None),
+        };
+        let error = Self::new(ErrorKind::Io, format!("{doing}: {why}")).in_file(file);
+        let error = error.because(source);
+        match remedy {
+            Some(remedy) => error.remedy(remedy),
+            None => error,
+        }
     }
 
     /// Names the file, unless one is named already.
@@ -145,41 +179,147 @@ impl std::error::Error for Error {
 
 impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Details { message, file, place, value, remedy, .. } = &*self.details;
-        let f = &mut OneLine(f);
+        self.fmt_first(&mut OneLine(f))?;
+        self.details.others.iter().try_for_each(|other| write!(f, "\n{other}"))?;
+        match self.details.unlisted {
+            0 => Ok(()),
+            1 => f.write_str("\n1 more error is not listed"),
+            n => write!(f, "\n{n} more errors are not listed"),
+        }
+    }
+}
+
+impl Error {
+    fn fmt_first(&self, f: &mut OneLine<'_, '_>) -> fmt::Result {
+        let Details { file, place, .. } = &*self.details;
         if let Some(file) = file {
             write!(f, "{}: ", file.display())?;
         }
         if let Some(place) = place {
             write!(f, "{place}: ")?;
         }
-        f.write_str(message)?;
+        f.write_str(&self.message_with_value_and_remedy())
+    }
+
+    fn message_with_value_and_remedy(&self) -> String {
+        let Details { message, value, remedy, .. } = &*self.details;
+        let mut text = message.clone();
         if let Some(value) = value {
-            write!(f, ", found {value}")?;
+            text += &format!(", found {value}");
         }
         if let Some(remedy) = remedy {
-            write!(f, "; {remedy}")?;
+            text += &format!("; {remedy}");
         }
-        Ok(())
+        text
     }
 }
 
 /// Something that does not stop the work but that the user should know: it reads like an [`Error`].
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Warning {
+    file: Option<PathBuf>,
+    place: Option<String>,
     text: String,
+    /// How many more places it holds of.
+    others: usize,
 }
 
 impl Warning {
     /// The warning that reads as `error` does.
     pub fn from_error(error: &Error) -> Self {
-        Self { text: error.to_string() }
+        let Details { file, place, .. } = &*error.details;
+        let text = error.message_with_value_and_remedy();
+        Self { file: file.clone(), place: place.clone(), text, others: 0 }
+    }
+
+    /// The file concerned, if one is.
+    pub fn file(&self) -> Option<&Path> {
+        self.file.as_deref()
+    }
+
+    /// The warning without the name of its file.
+    #[must_use]
+    pub fn without_file(&self) -> Self {
+        Self { file: None, ..self.clone() }
     }
 }
 
 impl fmt::Display for Warning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.text)
+        let Self { file, place, text, others } = self;
+        let f = &mut OneLine(f);
+        if let Some(file) = file {
+            write!(f, "{}: ", file.display())?;
+        }
+        match (place, others) {
+            (Some(place), 0) => write!(f, "{place}: ")?,
+            (Some(place), 1) => write!(f, "{place} and 1 other: ")?,
+            (Some(place), n) => write!(f, "{place} and {n} others: ")?,
+            (None, _) => {}
+        }
+        f.write_str(text)
+    }
+}
+
+/// Warnings in the order in which they were found, those that say the same of several places as one.
+#[derive(Clone, Debug, Default)]
+pub struct Warnings {
+    list: Vec<Warning>,
+    /// Which warning says what, and of which places.
+    known: HashMap<String, usize>,
+    given: HashSet<String>,
+}
+
+impl Warnings {
+    /// Adds the warning that reads as `error` does.
+    pub fn add_error(&mut self, error: &Error) {
+        // The value that is found may differ from place to place.
+        let Details { file, place, message, remedy, .. } = &*error.details;
+        let place = place.as_deref().unwrap_or_default().replace(|c: char| c.is_ascii_digit(), "");
+        let what = format!("{file:?} {place} {message} {remedy:?}");
+        self.add(Warning::from_error(error), what);
+    }
+
+    /// Adds a warning; one that says the same of another place is counted with it.
+    fn add(&mut self, warning: Warning, what: String) {
+        if !self.given.insert(warning.to_string()) {
+            return;
+        }
+        match self.known.entry(what) {
+            Entry::Occupied(known) => self.list[*known.get()].others += 1 + warning.others,
+            Entry::Vacant(new) => {
+                new.insert(self.list.len());
+                self.list.push(warning);
+            }
+        }
+    }
+
+    /// Adds warnings that are grouped already.
+    pub fn extend(&mut self, warnings: impl IntoIterator<Item = Warning>) {
+        warnings.into_iter().for_each(|warning| {
+            let what = warning.to_string();
+            self.add(warning, what);
+        });
+    }
+
+    /// All of them.
+    pub fn into_vec(self) -> Vec<Warning> {
+        self.list
+    }
+}
+
+/// What to do about a file that is not there.
+fn other_name(file: &Path) -> String {
+    /// Names of a folder that are looked at.
+    const MOST: usize = 10_000;
+    let folder = file.parent().filter(|folder| *folder != Path::new(""));
+    let entries = std::fs::read_dir(folder.unwrap_or(Path::new("."))).into_iter().flatten();
+    let names = entries.take(MOST).filter_map(|entry| entry.ok()?.file_name().into_string().ok());
+    let names: Vec<String> = names.collect();
+    let name = file.file_name().unwrap_or_default().to_string_lossy();
+    match did_you_mean(&name, names.iter().map(String::as_str)) {
+        Some(near) => format!("did you mean {}?", file.with_file_name(near).display()),
+        None => "check the path".to_owned(),
     }
 }
 
@@ -230,6 +370,17 @@ mod tests {
         let text = error.to_string();
         assert!(text.starts_with("scene.a [2J b: an unknown key, found x yx y"), "{text}");
         assert!(text.ends_with("...") && !text.chars().any(char::is_control));
+    }
+
+    #[test]
+    fn each_of_several_errors_has_its_line() {
+        let error = |text: &str| Error::new(ErrorKind::Scene, text).in_file("a\nb");
+        let all = error("one").followed_by(vec![error("two")], 0);
+        assert_eq!(all.to_string(), "a b: one\na b: two");
+        let all = error("one").followed_by(vec![error("two")], 1);
+        assert_eq!(all.to_string(), "a b: one\na b: two\n1 more error is not listed");
+        let all = error("one").followed_by(Vec::new(), 12);
+        assert_eq!(all.to_string(), "a b: one\n12 more errors are not listed");
     }
 
     #[test]

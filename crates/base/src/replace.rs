@@ -54,7 +54,7 @@ pub fn check_differs(file: &Path, other: &Path, what: &str) -> Result<()> {
     if !same {
         return Ok(());
     }
-    Err(Error::new(ErrorKind::Usage, format!("this file is {what} too"))
+    Err(Error::new(ErrorKind::Usage, format!("this file is also {what}"))
         .in_file(file)
         .remedy("write to another file"))
 }
@@ -64,7 +64,7 @@ pub fn write_error(path: &Path, error: std::io::Error) -> Error {
     let remedy = match error.kind() {
         IoKind::StorageFull | IoKind::QuotaExceeded => "free some space or write to another disk",
         IoKind::PermissionDenied | IoKind::ReadOnlyFilesystem => {
-            "write to a folder that you may change"
+            "use a folder that you can write"
         }
         _ => "try another folder",
     };
@@ -161,10 +161,10 @@ fn check_kind(given: &Path, existing: Option<&Metadata>) -> Result<()> {
         }
         Some(data) if !data.is_file() => refuse(
             "cannot write the file: this is neither a file nor a folder",
-            "name an ordinary file",
+            "name a regular file",
         ),
         Some(data) if data.permissions().readonly() => refuse(
-            "cannot write the file: the one that is there is read-only",
+            "cannot write the file: the existing file is read-only",
             "make it writable or name another file",
         ),
         _ => Ok(()),
@@ -293,7 +293,7 @@ mod tests {
         permissions.set_readonly(true);
         std::fs::set_permissions(&path, permissions).unwrap();
         let text = format!(
-            "{}: cannot write the file: the one that is there is read-only; \
+            "{}: cannot write the file: the existing file is read-only; \
              make it writable or name another file",
             path.display()
         );
@@ -306,7 +306,7 @@ mod tests {
         let text = |kind: IoKind| write_error(Path::new("a"), kind.into()).to_string();
         assert!(text(IoKind::StorageFull).ends_with("; free some space or write to another disk"));
         assert!(
-            text(IoKind::PermissionDenied).ends_with("; write to a folder that you may change")
+            text(IoKind::PermissionDenied).ends_with("; use a folder that you can write")
         );
         assert!(text(IoKind::Other).ends_with("; try another folder"));
     }

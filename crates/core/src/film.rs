@@ -36,7 +36,7 @@ impl Film {
         let count = checked_pixel_count(width, height)?;
         if pixels.len() != count {
             let message =
-                format!("an image of {width} x {height} pixels must have {count} of them");
+                format!("an image of {width} x {height} pixels needs {count} pixels");
             return Err(Error::new(ErrorKind::Limit, message).value(pixels.len()));
         }
         Ok(Self { width, height, pixels })
@@ -120,7 +120,7 @@ impl Film {
 pub fn checked_pixel_count(width: u32, height: u32) -> Result<usize> {
     let size = format!("{width} x {height}");
     if width == 0 || height == 0 {
-        return Err(Error::new(ErrorKind::Limit, "an image must have a pixel at least")
+        return Err(Error::new(ErrorKind::Limit, "an image must have at least one pixel")
             .value(size)
             .remedy("use a width and a height of 1 or more"));
     }
@@ -138,7 +138,7 @@ pub fn reserve<T>(count: usize) -> Result<Vec<T>> {
     let mut values = Vec::new();
     values.try_reserve_exact(count).map_err(|cause| {
         let bytes = count.saturating_mul(size_of::<T>());
-        Error::new(ErrorKind::Limit, format!("there is not memory enough for {bytes} bytes"))
+        Error::new(ErrorKind::Limit, format!("not enough memory for {bytes} bytes"))
             .remedy("use a smaller image")
             .because(cause)
     })?;
@@ -175,7 +175,7 @@ mod tests {
         let text = |w, h| Film::new(w, h).unwrap_err().to_string();
         assert_eq!(
             text(0, 5),
-            "an image must have a pixel at least, found 0 x 5; use a width and a height of 1 or more"
+            "an image must have at least one pixel, found 0 x 5; use a width and a height of 1 or more"
         );
         assert_eq!(
             text(u32::MAX, u32::MAX),

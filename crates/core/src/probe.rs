@@ -24,7 +24,7 @@ use crate::tile::{Tile, TraceSettings, Tracer, Unit};
 use crate::wavefront::{DEFAULT_BATCH, Wavefront};
 use crate::with_precision;
 
-pub use record::{Bounce, Invalid, Light, Met, Path, PixelRecord, Verdict};
+pub use record::{Bounce, Invalid, Light, Met, Path, PixelRecord, Surface, Verdict};
 
 /// Names where a sample ceases to be finite, by following it once more.
 pub fn name_invalid(scene: &PreparedScene, at: Sample, seed: u64) -> Invalid {
@@ -145,6 +145,18 @@ impl Recorder<'_> {
         appearance.places.get(appearance.shape_of(primitive)).cloned().unwrap_or_default()
     }
 
+    fn name_of(&self, primitive: u32) -> Option<String> {
+        let appearance = &self.scene.appearance;
+        appearance.names.get(appearance.shape_of(primitive)).cloned().flatten()
+    }
+
+    /// The file of the image that a primitive's colour is from.
+    fn texture_of(&self, primitive: u32) -> Option<String> {
+        let appearance = &self.scene.appearance;
+        let texture = appearance.shapes[appearance.shape_of(primitive)].texture.as_ref()?;
+        Some(appearance.images.get(texture.image as usize)?.name().to_owned())
+    }
+
     fn met(&self, ray: &Ray, hit: &Hit) -> Met {
         let geometry = self.scene.accel.geometry();
         let found = with_precision!(geometry.precision, P => self.scene.surface::<P>(ray, hit));
@@ -152,6 +164,8 @@ impl Recorder<'_> {
             primitive: hit.primitive,
             kind: kind(geometry, hit.primitive),
             shape: self.place_of(hit.primitive),
+            name: self.name_of(hit.primitive),
+            surface: None,
             t: hit.t,
             t_error: t_error(geometry, ray, hit),
             uv: found.barycentric,
@@ -201,9 +215,20 @@ impl Observer for Recorder<'_> {
     }
 
     fn surface(&mut self, point: &ShadingPoint<f32>, _: Vec3) {
+        let primitive = self.last_met().map(|met| met.primitive);
+        let texture = primitive.and_then(|primitive| self.texture_of(primitive));
         let Some(met) = self.last_met() else { return };
         (met.normal, met.shading_normal) = (point.normal.into(), point.shading_normal.into());
         met.lit = point.lit;
+        met.surface = Some(Surface {
+            color: point.color.into(),
+            texture,
+            ks: point.reflection.ks,
+            kd: point.reflection.kd,
+            exponent: point.reflection.exponent,
+            kr: point.kr,
+            emission: point.emission.into(),
+        });
     }
 
     fn light(

@@ -28,7 +28,7 @@ wavecrest_base::choices! {
         /// Batches of rays, pass by pass.
         #[default]
         Wavefront = "wavefront",
-        /// Path by path, depth first.
+        /// One path at a time, depth first.
         Recursive = "recursive",
     }
 }
@@ -119,7 +119,7 @@ pub fn window(scene: &PreparedScene, crop: Option<Tile>) -> Result<Tile> {
         return Ok(crop);
     }
     let Tile { x, y, width: w, height: h } = crop;
-    Err(Error::new(ErrorKind::Usage, "the crop must have pixels and lie within the image")
+    Err(Error::new(ErrorKind::Usage, "the crop must lie within the image")
         .value(format!("{x},{y},{w},{h}"))
         .remedy(format!("the image is {width} x {height}; give x,y,width,height")))
 }

@@ -158,8 +158,8 @@ fn room(layer: Layer, pixels: usize) -> Result<Values> {
         let mut values = Vec::new();
         values.try_reserve_exact(count).map_err(|cause| {
             let bytes = count.saturating_mul(size_of::<T>());
-            Error::new(ErrorKind::Limit, format!("there is not memory enough for {bytes} bytes"))
-                .remedy("ask for fewer layers, or for a part of the image")
+            Error::new(ErrorKind::Limit, format!("not enough memory for {bytes} bytes"))
+                .remedy("use fewer layers, or --crop")
                 .because(cause)
         })?;
         values.resize(count, T::default());

@@ -131,7 +131,7 @@ pub(super) fn check_sizes(a: &Film, b: &Film) -> Result<()> {
     if size(a) == size(b) {
         return Ok(());
     }
-    let message = "two images must have the same size to be compared";
+    let message = "the images differ in size";
     Err(Error::new(ErrorKind::Usage, message)
         .value(format!("{} and {}", size(a), size(b)))
         .remedy("render both at one size"))
@@ -348,7 +348,7 @@ mod tests {
     #[test]
     fn sizes_must_be_the_same() {
         let (a, b) = (Film::new(3, 2).unwrap(), Film::new(2, 3).unwrap());
-        let text = "two images must have the same size to be compared, found 3 x 2 and 2 x 3; \
+        let text = "the images differ in size, found 3 x 2 and 2 x 3; \
                     render both at one size";
         assert_eq!(compare(&a, &b).unwrap_err().to_string(), text);
         assert_eq!(difference_image(&a, &b, 1.0).unwrap_err().to_string(), text);

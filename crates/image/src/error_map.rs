@@ -15,7 +15,7 @@ wavecrest_base::choices! {
     /// take one number of a pixel, of its three values the mean, and show it in false colours.
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
     pub enum MapKind {
-        /// |a - b|, in red, green and blue.
+        /// The absolute difference |a - b|, in red, green and blue.
         #[default]
         Absolute = "absolute",
         /// (a - b)^2, from black (0) to light yellow (1).

@@ -31,17 +31,17 @@ wavecrest_base::choices! {
     /// What a picture shows.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
     pub enum Look {
-        /// The scene in matt grey, under its own lights.
+        /// The scene in matte grey, with its own lights.
         Clay = "clay",
-        /// The normals that surfaces are lit with, as colours.
+        /// Shading normals as colours.
         Normals = "normals",
-        /// The distance along the view axis: what is near is light.
+        /// Distance along the view axis; near is bright.
         Depth = "depth",
-        /// The scene with the edges of its triangles.
+        /// The scene with its triangle edges.
         Wireframe = "wireframe",
-        /// Texture coordinates, as colours with a checker.
+        /// Texture coordinates as colours over a checker.
         Uv = "uv",
-        /// Each object, or of a single mesh each triangle, in a colour of its own.
+        /// A colour for each object, or for each triangle of a single mesh.
         Ids = "ids",
     }
 }

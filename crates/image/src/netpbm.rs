@@ -62,7 +62,7 @@ pub(super) fn read(source: &mut impl BufRead, length: u64) -> Result<Film> {
         let (width, height) = (layout.width, layout.height);
         let message =
             format!("an image of {width} x {height} pixels needs {needed} bytes after its header");
-        return Err(syntax(message).value(left).remedy("the file may have been cut short"));
+        return Err(syntax(message).value(left).remedy("the file may be cut off"));
     }
     let mut pixels = reserve(count)?;
     let mut row = vec![0; layout.row_bytes()];
@@ -166,7 +166,7 @@ fn fraction(value: u16, white: u16) -> f32 {
 fn white_value(word: &str) -> Result<Sample> {
     match word.parse() {
         Ok(white) if white > 0 => Ok(Sample::Integer(white)),
-        _ => Err(syntax("the value of white must be a whole number from 1 to 65535").value(word)),
+        _ => Err(syntax("the maximum value must be an integer from 1 to 65535").value(word)),
     }
 }
 
@@ -197,7 +197,7 @@ impl<R: BufRead> Header<'_, R> {
                 other => word.push(char::from(other)),
             }
             if word.len() > LONGEST_WORD {
-                return Err(syntax("a word of the image's header is too long").value(word));
+                return Err(syntax("a word in the image's header is too long").value(word));
             }
         }
     }
@@ -222,7 +222,7 @@ fn syntax(message: impl Into<String>) -> Error {
 
 fn read_error(error: std::io::Error) -> Error {
     if error.kind() == std::io::ErrorKind::UnexpectedEof {
-        return syntax("the image ends too early").remedy("the file may have been cut short");
+        return syntax("the image ends too early").remedy("the file may be cut off");
     }
     Error::new(ErrorKind::Io, format!("cannot read the image: {error}")).because(error)
 }
@@ -288,11 +288,11 @@ mod tests {
     #[test]
     fn bad_files_have_their_messages() {
         let cases: [(&[u8], &str); 9] = [
-            (b"", "the image ends too early; the file may have been cut short"),
-            (b"P6\n2 2", "the image ends too early; the file may have been cut short"),
+            (b"", "the image ends too early; the file may be cut off"),
+            (b"P6\n2 2", "the image ends too early; the file may be cut off"),
             (b"P9\n2 2\n255\n", "not a binary PGM, PPM or PFM image, found P9"),
             (b"P6\n-2 2\n255\n", "the width of an image must be a number, found -2"),
-            (b"P6\n2 2\n0\n", "the value of white must be a whole number from 1 to 65535, found 0"),
+            (b"P6\n2 2\n0\n", "the maximum value must be an integer from 1 to 65535, found 0"),
             (
                 b"PF\n2 2\nnan\n",
                 "the scale of a PFM image must be a number other than 0, found nan",
@@ -305,11 +305,11 @@ mod tests {
             (
                 b"PF\n2 2\n-1\n1234",
                 "an image of 2 x 2 pixels needs 48 bytes after its header, found 4; \
-                 the file may have been cut short",
+                 the file may be cut off",
             ),
             (
                 b"P6 0000000000000000000000000000000000000000001 1 255\n123",
-                "a word of the image's header is too long, found 000000000000000000000000000000000",
+                "a word in the image's header is too long, found 000000000000000000000000000000000",
             ),
         ];
         for (bytes, text) in cases {

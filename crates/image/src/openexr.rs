@@ -27,7 +27,7 @@ pub(super) fn encode(film: &Film, extras: &Extras<'_>) -> Result<Vec<u8>, ImageE
     let mut channels: SmallVec<[AnyChannel<FlatSamples>; 4]> = colors.into_iter().collect();
     for channel in extras.channels {
         if channel.values.len() != film.pixels().len() {
-            return Err(failed(format!("{} is of another size", channel.name)));
+            return Err(failed(format!("{} has another size", channel.name)));
         }
         channels.push(with_samples(channel));
     }
@@ -37,7 +37,7 @@ pub(super) fn encode(film: &Film, extras: &Extras<'_>) -> Result<Vec<u8>, ImageE
     Image::from_layer(layer).write().to_buffered(&mut bytes).map_err(failed)?;
     let mut bytes = bytes.into_inner();
     if !extras.entries.is_empty() {
-        sort_attributes(&mut bytes).ok_or_else(|| failed("its header is odd"))?;
+        sort_attributes(&mut bytes).ok_or_else(|| failed("its header is unusual"))?;
     }
     Ok(bytes)
 }

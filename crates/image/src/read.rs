@@ -56,14 +56,14 @@ fn read_unnamed(path: &Path) -> Result<Film> {
     let reader = reader.with_guessed_format().map_err(|e| read_error(path, e))?;
     // The decoders are meant not to panic, but a damaged file must not end the program.
     catch_unwind(AssertUnwindSafe(|| decode(reader, length))).unwrap_or_else(|_| {
-        Err(damaged("the decoder gave up").remedy("the file is damaged or unusual"))
+        Err(damaged("the decoder failed").remedy("the file is damaged or unusual"))
     })
 }
 
 fn open(path: &Path) -> Result<File> {
     let data = path.metadata().map_err(|error| read_error(path, error))?;
     if !data.is_file() {
-        let what = if data.is_dir() { "a folder" } else { "not an ordinary file" };
+        let what = if data.is_dir() { "a folder" } else { "not a regular file" };
         return Err(Error::new(ErrorKind::Io, format!("cannot read the image: this is {what}"))
             .remedy("name an image file"));
     }
@@ -73,7 +73,7 @@ fn open(path: &Path) -> Result<File> {
 fn read_error(path: &Path, error: std::io::Error) -> Error {
     let remedy = match error.kind() {
         std::io::ErrorKind::NotFound => "check the name",
-        std::io::ErrorKind::PermissionDenied => "check that you may read it",
+        std::io::ErrorKind::PermissionDenied => "check its permissions",
         _ => "check the file",
     };
     Error::io("cannot read the image", path, error).remedy(remedy)
@@ -115,7 +115,7 @@ fn check_ratio(decoder: &impl ImageDecoder, length: u64) -> Result<()> {
         return Ok(());
     }
     let (width, height) = decoder.dimensions();
-    let message = format!("{width} x {height} pixels are too many for a file of this length");
+    let message = format!("the file is too short for {width} x {height} pixels");
     Err(Error::new(ErrorKind::Limit, message)
         .value(format!("{length} bytes"))
         .remedy("check that the file is whole"))
@@ -209,7 +209,7 @@ mod tests {
         assert_eq!(
             text("a.pfm", b"PF\n2 2\n-1\n1234"),
             "a.pfm: an image of 2 x 2 pixels needs 48 bytes after its header, found 4; \
-             the file may have been cut short"
+             the file may be cut off"
         );
         assert!(text("a.png", b"\x89PNG\r\n\x1a\nrubbish").starts_with("a.png: cannot decode"));
     }

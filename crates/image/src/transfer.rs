@@ -8,10 +8,10 @@ wavecrest_base::choices! {
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
     #[serde(rename_all = "lowercase")]
     pub enum Transfer {
-        /// Level 255 times the value.
+        /// Linear: 255 times the value.
         #[default]
         Linear = "linear",
-        /// The sRGB curve first, which is what screens expect.
+        /// The sRGB transfer function, as displays expect.
         Srgb = "srgb",
     }
 }
@@ -20,10 +20,10 @@ wavecrest_base::choices! {
     /// What becomes of light that is brighter than white.
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
     pub enum Tone {
-        /// It is white.
+        /// Clip to white.
         #[default]
         Clip = "clip",
-        /// A curve as film has it: dark tones deepen, bright ones fade into white.
+        /// A filmic curve: deeper shadows, highlights that roll off to white.
         Filmic = "filmic",
     }
 }

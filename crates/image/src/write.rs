@@ -140,7 +140,7 @@ fn alpha<'a>(
     let found = extras.channels.iter().find(|channel| channel.name == ALPHA);
     match found.map(|channel| &channel.values) {
         Some(Values::Floats(values)) if values.len() == film.pixels().len() => Ok(Some(values)),
-        Some(_) => Err(ImageError::IoError(std::io::Error::other("the alpha is of another size"))),
+        Some(_) => Err(ImageError::IoError(std::io::Error::other("the alpha has another size"))),
         None => Ok(None),
     }
 }

@@ -55,7 +55,7 @@ impl RayFile {
     pub fn read(path: &Path) -> Result<Self> {
         let cannot_read = |e| Error::io("cannot read the rays", path, e);
         if !std::fs::metadata(path).map_err(cannot_read)?.is_file() {
-            return Err(Error::new(ErrorKind::Io, "this is not a plain file").in_file(path));
+            return Err(Error::new(ErrorKind::Io, "this is not a regular file").in_file(path));
         }
         let bytes = std::fs::read(path).map_err(cannot_read)?;
         Self::parse(&bytes).map_err(|e| e.in_file(path))
@@ -68,15 +68,15 @@ impl RayFile {
         })?;
         let version = word(header, 8);
         if version != VERSION {
-            return Err(Error::new(ErrorKind::Syntax, "the ray file is of an unknown version")
+            return Err(Error::new(ErrorKind::Syntax, "the version of the ray file is unknown")
                 .at("byte 8")
                 .value(version)
-                .remedy("version 1 is read"));
+                .remedy("use version 1"));
         }
         let (count, triangles) = (long(header, 16), long(header, 24));
         let expected = count.checked_mul(ROW as u64).and_then(|n| n.checked_add(HEADER as u64));
         if expected != Some(bytes.len() as u64) {
-            return Err(Error::new(ErrorKind::Syntax, "the ray file is not as long as it says")
+            return Err(Error::new(ErrorKind::Syntax, "the length of the ray file is wrong")
                 .at("byte 16")
                 .value(format!("{count} rays in {} bytes", bytes.len()))
                 .remedy(format!("each ray takes {ROW} bytes after a header of {HEADER}")));

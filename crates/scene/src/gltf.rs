@@ -54,7 +54,7 @@ pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<LoadedScene> {
     let metadata = path.metadata().map_err(|e| Error::io("cannot read the scene", path, e))?;
     if !metadata.is_file() {
         let error = Error::new(ErrorKind::Io, "not a regular file").in_file(path);
-        return Err(error.remedy("name a glTF file, not a folder or a device"));
+        return Err(error.remedy("use a glTF file"));
     }
     let bytes = std::fs::read(path).map_err(|e| Error::io("cannot read the scene", path, e))?;
     load_bytes(bytes, path, options)

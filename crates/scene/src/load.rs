@@ -27,6 +27,7 @@ use super::components::Encoding;
 use super::gltf;
 use super::mesh::{self, LoadedMesh};
 use super::parse;
+pub use super::parse::LONGEST_SIDE;
 use super::reader::{Cursor, Notes, Place, json};
 use super::schema::{SceneFile, Shape};
 use super::survey::{self, Survey};
@@ -76,7 +77,7 @@ pub struct LoadedScene {
 /// The file, or a mesh, cannot be read or breaks its format; a texture is not there; a value is not
 /// one that the scene format allows; something is larger than allowed.
 pub fn load(path: &Path, options: &LoadOptions) -> Result<LoadedScene> {
-    match FileFormat::of(path) {
+    match FileFormat::of(path)? {
         FileFormat::Scene => load_str(&read_text(path)?, path, options),
         FileFormat::Gltf => gltf::load(path, options),
         FileFormat::Mesh => {
@@ -152,13 +153,13 @@ fn notes<'a>(file: &'a Path, options: &LoadOptions) -> Notes<'a> {
 
 fn refuse_camera(file: &Path, options: &LoadOptions) -> Result<()> {
     if options.framing != Framing::USUAL {
-        let error = Error::new(ErrorKind::Usage, "a scene file says where its camera is");
-        let remedy = "leave out --view, --up, --fov, --fit, --turntable and --sheet, and change its \"camera\"";
+        let error = Error::new(ErrorKind::Usage, "a scene file has its own camera");
+        let remedy = "change \"camera\" in the scene instead of using --view, --up, --fov, --fit, --turntable or --sheet";
         return Err(error.in_file(file).remedy(remedy));
     }
     let Some(camera) = &options.camera else { return Ok(()) };
-    let error = Error::new(ErrorKind::Usage, "a scene file has one camera, and no other to choose");
-    Err(error.in_file(file).value(camera).remedy("leave --camera out"))
+    let error = Error::new(ErrorKind::Usage, "a scene file has only one camera");
+    Err(error.in_file(file).value(camera).remedy("leave out --camera"))
 }
 
 /// What the scene file at `path` calls for, without reading a mesh or a texture into memory.
@@ -166,7 +167,7 @@ fn refuse_camera(file: &Path, options: &LoadOptions) -> Result<()> {
 /// # Errors
 /// As [`load`], as far as the scene file itself and the headers of meshes go.
 pub fn survey(path: &Path, options: &LoadOptions) -> Result<Survey> {
-    match FileFormat::of(path) {
+    match FileFormat::of(path)? {
         FileFormat::Scene => {}
         FileFormat::Gltf => return gltf::survey(path, options),
         FileFormat::Mesh => {
@@ -193,9 +194,9 @@ fn read_text(path: &Path) -> Result<String> {
     check_length(path, bytes.len() as u64)?;
     String::from_utf8(bytes).map_err(|e| {
         let start = e.utf8_error().valid_up_to();
-        let message = format!("the scene is not UTF-8 text from byte {start} on");
+        let message = format!("the scene is not text from byte {start} on");
         let error = Error::new(ErrorKind::Syntax, message).in_file(path);
-        error.remedy("save it as UTF-8").because(e)
+        error.remedy("save it as UTF-8, or check that it is a scene").because(e)
     })
 }
 
@@ -203,9 +204,9 @@ fn check_length(path: &Path, length: u64) -> Result<()> {
     if length <= LONGEST_FILE {
         return Ok(());
     }
-    let message = format!("the scene file has {length} bytes or more");
+    let message = format!("the scene file is too large: {length} bytes or more");
     let error = Error::new(ErrorKind::Limit, message).in_file(path);
-    let allowed = format!("at most {LONGEST_FILE} (256 MiB) are allowed");
+    let allowed = format!("keep it below 256 MiB");
     Err(error.remedy(format!("{allowed}: keep large meshes in files of their own")))
 }
 
@@ -214,17 +215,17 @@ fn warn_of_equal_names(shapes: &[Shape], notes: &Notes<'_>) {
     for shape in shapes {
         let Some(name) = &shape.name else { continue };
         if let Some(owner) = owners.insert(&name.0, &shape.path) {
-            let message = format!("the name {:?} is also that of {owner}", name.0);
+            let message = format!("{owner} has the same name, {:?}", name.0);
             let error = notes.error(ErrorKind::Scene, &shape.path, message);
-            notes.warn(&error.remedy("give each shape a name of its own"));
+            notes.warn(&error.remedy("use a different name for each shape"));
         }
     }
 }
 
 /// The formats that are read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum FileFormat {
-    /// JSON of our own.
+pub enum FileFormat {
+    /// A scene file, in JSON.
     Scene,
     /// glTF, as text or binary.
     Gltf,
@@ -233,22 +234,37 @@ enum FileFormat {
 }
 
 impl FileFormat {
-    /// The format of a file, by the ending of its name, and by what it begins with.
-    fn of(path: &Path) -> Self {
+    /// The format of a file, by the extension of its name, or else by how it begins.
+    ///
+    /// # Errors
+    /// When it is a file of another format.
+    pub fn of(path: &Path) -> Result<Self> {
         let extension = path.extension().unwrap_or_default().to_string_lossy();
         match extension.to_ascii_lowercase().as_str() {
-            "gltf" | "glb" => Self::Gltf,
-            _ if mesh::is_mesh_name(path) => Self::Mesh,
-            _ if begins_as_glb(path) => Self::Gltf,
-            _ => Self::Scene,
+            "gltf" | "glb" => return Ok(Self::Gltf),
+            "json" => return Ok(Self::Scene),
+            _ if mesh::is_mesh_name(path) => return Ok(Self::Mesh),
+            _ => {}
         }
+        // What is not there, or no plain file, is an error when it is read; or it is a pipe with a scene.
+        let Some(start) = start_of(path) else { return Ok(Self::Scene) };
+        if gltf::is_binary(&start) {
+            return Ok(Self::Gltf);
+        }
+        let text = start.strip_prefix("\u{feff}".as_bytes()).unwrap_or(&start);
+        if text.trim_ascii_start().first().is_none_or(|byte| *byte == b'{') {
+            return Ok(Self::Scene);
+        }
+        let error = Error::new(ErrorKind::Usage, "this kind of file is not read").in_file(path);
+        Err(error.remedy("use a scene (.json), glTF (.gltf, .glb) or a mesh (.ply, .obj, .stl)"))
     }
 }
 
-/// Whether a regular file is a GLB file under another name.
-fn begins_as_glb(path: &Path) -> bool {
-    let mut start = [0; 4];
-    path.is_file()
-        && File::open(path).and_then(|mut file| file.read_exact(&mut start)).is_ok()
-        && gltf::is_binary(&start)
+/// The first bytes of a regular file.
+fn start_of(path: &Path) -> Option<Vec<u8>> {
+    const ENOUGH: u64 = 256;
+    let mut start = Vec::new();
+    let file = path.is_file().then(|| File::open(path).ok())??;
+    file.take(ENOUGH).read_to_end(&mut start).ok()?;
+    Some(start)
 }

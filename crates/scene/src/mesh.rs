@@ -123,10 +123,10 @@ impl Format {
             "ply" => Ok(Self::Ply),
             "obj" => Ok(Self::Obj),
             "stl" => Ok(Self::Stl),
-            _ => Err(Error::new(ErrorKind::Mesh, "the name does not end as a mesh file's does")
+            _ => Err(Error::new(ErrorKind::Mesh, "this is not a mesh file")
                 .in_file(path)
                 .value(format_args!("the extension \"{extension}\""))
-                .remedy("give a .ply, .obj or .stl file; no other mesh format is read")),
+                .remedy("use a .ply, .obj or .stl file")),
         }
     }
 }
@@ -139,7 +139,7 @@ fn open(path: &Path) -> Result<(File, u64)> {
     if !metadata.is_file() {
         return Err(Error::new(ErrorKind::Io, "not a regular file")
             .in_file(path)
-            .remedy("name a mesh file, not a folder or a device"));
+            .remedy("use a mesh file"));
     }
     Ok((File::open(path).map_err(describe)?, metadata.len()))
 }

@@ -15,14 +15,15 @@ use glam::DVec3;
 
 use wavecrest_base::error::{ErrorKind, Result};
 
-pub(crate) use camera::{FOV, LONGEST_SIDE, check_size};
+pub use camera::LONGEST_SIDE;
+pub(crate) use camera::{FOV, check_size};
 pub use json_schema::json_schema;
 pub(crate) use maps::THRESHOLD;
 
 use super::components::{Ambient, Encoding, Settings};
 use super::load::LoadOptions;
 use super::reader::{Cursor, Key, Kind, Object, Range, keys};
-use super::schema::SceneFile;
+use super::schema::{Instance, Light, SceneFile, Shape};
 use instance::Names;
 
 /// Greatest number of mirror bounces. Light that meets 10 000 mirrors is spent.
@@ -81,37 +82,57 @@ const HEMISPHERE_KEYS: &[Key] = keys! {
 };
 
 /// Reads a whole file from its top.
+///
+/// # Errors
+/// All that is wrong, as one error.
 pub(crate) fn scene_file(top: &Cursor<'_>, options: &LoadOptions) -> Result<SceneFile> {
-    let object = top.object(FILE)?;
-    // For the editor, which checks the file by the schema at this address.
-    object.get("$schema").map(|c| c.text("the address of a JSON schema")).transpose()?;
-    let bounces = object.integer("nbounces")?;
-    let camera = camera::camera(&object.need("camera", "an object { ... }")?, options)?;
-    let scene = object.need("scene", "an object { ... }")?.object(SCENE)?;
-    let settings = settings(&scene, bounces)?;
-    let lights = list(&scene, "lightsources", "an array of lights", light::light)?;
-    let shapes = list(&scene, "shapes", "an array of shapes", shape::shape)?;
-    let encoding = object.word("transfer")?;
-    let is_even = matches!(settings.ambient, Ambient::Even(_));
-    if lights.is_empty() && is_even && !shapes.is_empty() {
-        let notes = top.notes();
-        let message = "there is no light, and without one every shape is black".to_owned();
-        let error = notes.error(ErrorKind::Scene, "scene.lightsources", message);
-        notes.warn(&error.remedy("add one"));
-    }
+    top.notes().whole(|| {
+        let object = top.object(FILE)?;
+        // For the editor, which checks the file by the schema at this address.
+        object.get("$schema").map(|c| c.text("the address of a JSON schema")).transpose()?;
+        let bounces = object.integer("nbounces");
+        let an_object = "an object { ... }";
+        let camera = object.part("camera", an_object, |cursor| camera::camera(cursor, options));
+        let encoding = object.word("transfer");
+        let contents = object.part("scene", an_object, |cursor| contents(cursor, bounces))?;
+        let Contents { settings, lights, shapes, instances } = contents;
+        Ok(SceneFile { settings, camera: camera?, lights, shapes, instances, encoding })
+    })
+}
+
+/// What is under the key `scene`.
+struct Contents {
+    settings: Settings,
+    lights: Vec<Light>,
+    shapes: Vec<Shape>,
+    instances: Vec<Instance>,
+}
+
+fn contents(cursor: &Cursor<'_>, bounces: u32) -> Result<Contents> {
+    let (notes, scene) = (cursor.notes(), &cursor.object(SCENE)?);
+    let settings = notes.part(|| settings(scene, bounces));
+    let lights = list(scene, "lightsources", "an array of lights", light::light);
+    let shapes = list(scene, "shapes", "an array of shapes", shape::shape)?;
     let names = Names::of(&shapes);
     let one = |cursor: &Cursor<'_>| instance::instance(cursor, &names);
-    let instances = list(&scene, "instances", "an array of instances", one)?;
-    Ok(SceneFile { settings, camera, lights, shapes, instances, encoding })
+    let instances = list(scene, "instances", "an array of instances", one)?;
+    let (settings, lights) = (settings?, lights?);
+    let is_even = matches!(settings.ambient, Ambient::Even(_));
+    if lights.is_empty() && is_even && !shapes.is_empty() {
+        let message = "there is no light, so every shape is black".to_owned();
+        let error = notes.error(ErrorKind::Scene, "scene.lightsources", message);
+        notes.warn(&error.remedy("add a light"));
+    }
+    Ok(Contents { settings, lights, shapes, instances })
 }
 
 fn settings(scene: &Object<'_>, bounces: u32) -> Result<Settings> {
-    let message = "is above 1, which images of 8 bits do not show";
+    let message = "is above 1, which images of 8 bits cannot show";
     warn_above_1(scene, "backgroundcolor", message, "use colours from 0 to 1");
     Ok(Settings {
         file: scene.cursor().notes().file().to_owned(),
         bounces,
-        background: scene.color("backgroundcolor")?,
+        background: scene.color("backgroundcolor"),
         ambient: ambient(scene)?,
     })
 }
@@ -123,11 +144,11 @@ fn ambient(scene: &Object<'_>) -> Result<Ambient> {
         return Ok(Ambient::Even(cursor.number(Range::NOT_NEGATIVE)?));
     }
     let object = cursor.object(HEMISPHERE)?;
-    let (sky, ground) = (object.color("sky")?, object.color("ground")?);
-    let up = object.point_or("up", DVec3::Y)?;
+    let (sky, ground) = (object.color("sky"), object.color("ground"));
+    let up = object.point_or("up", DVec3::Y);
     if up == DVec3::ZERO {
-        let error = object.need("up", "a direction, [x, y, z]")?.error("has no length");
-        return Err(error.remedy("use any other, such as [0, 1, 0]"));
+        let error = object.need("up", "a direction, [x, y, z]")?.error("must not be zero");
+        return Err(error.remedy("use a vector such as [0, 1, 0]"));
     }
     Ok(Ambient::Hemisphere { sky, ground, up })
 }
@@ -141,12 +162,17 @@ fn warn_above_1(object: &Object<'_>, key: &'static str, message: &str, remedy: &
     }
 }
 
-/// An optional array, read element by element; absent, it is empty.
+/// An optional array, read element by element to its end; absent, it is empty.
 fn list<T>(
     scene: &Object<'_>,
     key: &'static str,
     what: &str,
     read: impl Fn(&Cursor<'_>) -> Result<T>,
 ) -> Result<Vec<T>> {
-    scene.get(key).map_or(Ok(Vec::new()), |cursor| cursor.each(what, |item| read(&item)))
+    let Some(cursor) = scene.get(key) else { return Ok(Vec::new()) };
+    cursor.notes().part(|| {
+        let items = cursor.items(cursor.array(what)?);
+        let parts: Vec<_> = items.map(|item| item.notes().part(|| read(&item))).collect();
+        parts.into_iter().collect()
+    })
 }

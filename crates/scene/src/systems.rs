@@ -43,7 +43,7 @@ use crate::components::{Ambient, Name, Settings};
 use crate::query;
 use geometry::ShapeOutput;
 use textures::Images;
-use wavecrest_base::error::{Error, ErrorKind, Result, Warning};
+use wavecrest_base::error::{Error, ErrorKind, Result, Warning, Warnings};
 use wavecrest_core::accel::Accel;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::accel::geometry::Geometry;
@@ -215,6 +215,8 @@ pub fn warnings(scene: &PreparedScene, file: &Path) -> Vec<Warning> {
         n => Some(format!("{n} triangles have no area and are left out")),
     };
     let dropped = message.map(|message| Error::new(ErrorKind::Mesh, message));
-    let all = dropped.into_iter().chain(backs::warnings(scene));
-    all.map(|error| Warning::from_error(&error.in_file(file))).collect()
+    let mut warnings = Warnings::default();
+    let all = dropped.into_iter().chain(backs::warning(scene));
+    all.for_each(|error| warnings.add_error(&error.in_file(file)));
+    warnings.into_vec()
 }

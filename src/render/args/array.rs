@@ -92,16 +92,16 @@ impl Choice {
         let found = SCHEDULERS.iter().find_map(|one| Some((one, number(one.0)?)));
         let Some((scheduler, task)) = found else {
             let names: Vec<&str> = SCHEDULERS.iter().map(|one| one.0).collect();
-            return Err(Error::new(ErrorKind::Usage, "no scheduler says which shard this is")
+            return Err(Error::new(ErrorKind::Usage, "no scheduler with array jobs was found")
                 .value(format!("none of {}", names.join(", ")))
-                .remedy("name the shard, such as --shard 3/7"));
+                .remedy("name the shard instead, such as --shard 3/7"));
         };
         let (first, tasks) = scheduler.range(count, number)?;
         let index = task.checked_sub(first).and_then(|index| u32::try_from(index + 1).ok());
         let shard = index.and_then(|index| Shard::new(index, tasks));
         shard.ok_or_else(|| {
             let last = first + u64::from(tasks) - 1;
-            Error::new(ErrorKind::Usage, format!("there is no shard for {}", scheduler.0))
+            Error::new(ErrorKind::Usage, format!("the task has no shard: {}", scheduler.0))
                 .value(task)
                 .remedy(format!("number the tasks of the array from {first} to {last}"))
         })
@@ -118,7 +118,7 @@ impl Scheduler {
         let unknown = || {
             Error::new(ErrorKind::Usage, "the scheduler does not say how many shards there are")
                 .value(self.0)
-                .remedy("say it, such as --shard auto/7, and number the tasks from 1")
+                .remedy("add it, such as --shard auto/7, and number the tasks from 1")
         };
         match (&self.1, count) {
             (FromZero(_), Some(count)) => Ok((0, count)),
@@ -137,9 +137,9 @@ impl Scheduler {
                 };
                 let count = count.filter(|_| is_whole).and_then(|count| u32::try_from(count).ok());
                 count.map(|count| (first, count)).ok_or_else(|| {
-                    Error::new(ErrorKind::Usage, "the numbers of the array's tasks have gaps")
+                    Error::new(ErrorKind::Usage, "the task numbers of the array have gaps")
                         .value(format!("{first} to {last}, some left out"))
-                        .remedy("number them one by one, or say how many: --shard auto/7")
+                        .remedy("number them without gaps, or give their count with --shard auto/7")
                 })
             }
         }

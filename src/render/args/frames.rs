@@ -10,11 +10,11 @@ const MAX_FRAMES: u32 = 1_000_000;
 /// Options on frames.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct FrameOptions {
-    /// Render as the camera is at this frame of its path
+    /// Render this frame of the camera's path
     #[arg(long, value_name = "N")]
     pub(crate) frame: Option<u32>,
-    /// Render the frames from A to B, an image each: # in the name of the output stands for a digit of the
-    /// frame's number; a shard renders whole frames
+    /// Render frames A to B, one image each; every # in the output's name stands for a digit of the frame number.
+    /// With --shard, each shard renders whole frames
     #[arg(long, value_name = "A..B", conflicts_with_all = ["frame", "stats", "checkpoint", "target_error", "time_budget", "save_every"])]
     pub(crate) frames: Option<Frames>,
 }

@@ -10,14 +10,14 @@ use wavecrest_image::aov::Layer;
 /// Options on what is written.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct OutputOptions {
-    /// Write the image to this file too; may be given several times
+    /// Also write the image to this file; can be given several times
     #[arg(long, value_name = "FILE")]
     pub(crate) also: Vec<PathBuf>,
-    /// Add layers to .exr outputs: depth, normal, albedo, position, object, material, alpha, samples and invalid,
-    /// separated by commas, or all
+    /// Layers to add to .exr outputs, comma-separated: depth, normal, albedo, position, object, material, alpha,
+    /// samples, invalid, or all
     #[arg(long, value_name = "LAYERS", value_parser = layers)]
     pub(crate) aov: Option<Layers>,
-    /// What is said of the image
+    /// Metadata
     #[command(flatten)]
     pub(crate) metadata: MetadataOptions,
 }

@@ -15,17 +15,17 @@ const USUAL_PAUSE: f64 = 60.0;
 /// Options on what is kept, and which share is rendered.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct PartOptions {
-    /// Keep what is finished in this file, now and then and when SIGINT or SIGTERM ends the render
+    /// Save finished work to this file at intervals, and when SIGINT or SIGTERM stops the render
     #[arg(long, value_name = "FILE", conflicts_with_all = ["target_error", "time_budget"])]
     pub(crate) checkpoint: Option<PathBuf>,
-    /// Seconds between two writings of the checkpoint, at least [default: 60]
+    /// Interval between checkpoints, in seconds [default: 60]
     #[arg(long, value_name = "SECONDS", requires = "checkpoint", value_parser = above_zero)]
     pub(crate) every: Option<f64>,
-    /// Go on with what the checkpoint holds; without one, begin
+    /// Resume from the checkpoint, if it exists
     #[arg(long, requires = "checkpoint")]
     pub(crate) resume: bool,
-    /// Render the I-th of N equal shares and write it as a part (.part) for `wavecrest merge`; auto or
-    /// auto/N takes I from the array job of a scheduler
+    /// Render shard I of N to a .part file for `wavecrest merge`; auto or auto/N takes I from the scheduler's
+    /// array job
     #[arg(long, value_name = "I/N", conflicts_with_all = ["target_error", "time_budget", "stats", "also", "aov", "save_every"])]
     pub(crate) shard: Option<Choice>,
 }

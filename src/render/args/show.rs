@@ -10,16 +10,16 @@ const TEV: &str = "127.0.0.1:14158";
 /// Options on what is seen of a render.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct ShowOptions {
-    /// How progress is shown on standard error
+    /// How to show progress on standard error
     #[arg(long, value_enum, default_value_t)]
     pub(crate) progress: Style,
-    /// Add what is done, chosen and found to the end of this file; - is standard output
+    /// Append a log to this file; - for standard output
     #[arg(long, value_name = "FILE")]
     pub(crate) log: Option<PathBuf>,
-    /// Write the image as far as it is every so many seconds
+    /// Write the unfinished image at this interval
     #[arg(long, value_name = "SECONDS", value_parser = above_zero)]
     pub(crate) save_every: Option<f64>,
-    /// Show the image in the viewer tev while it is rendered
+    /// Show the image in the viewer tev while rendering
     #[arg(long, value_name = "HOST:PORT", num_args = 0..=1, require_equals = true,
           default_missing_value = TEV)]
     pub(crate) tev: Option<String>,
@@ -28,12 +28,12 @@ pub(crate) struct ShowOptions {
 /// How progress is shown.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
 pub(crate) enum Style {
-    /// A bar on a terminal, and nothing elsewhere or with --quiet
+    /// A bar if standard error is a terminal, unless --quiet is given
     #[default]
     Auto,
-    /// A bar, where there is a terminal
+    /// A bar if standard error is a terminal
     Bar,
-    /// A line of JSON ten times a second at most
+    /// Lines of JSON, at most ten a second
     Json,
     /// Nothing
     None,

@@ -41,7 +41,7 @@ impl Live {
         let cannot = |cause: std::io::Error| {
             let message = format!("cannot reach the viewer: {cause}");
             let error = Error::new(ErrorKind::Io, message).in_file(address).because(cause);
-            error.remedy("start tev first; the render goes on without it")
+            error.remedy("start tev first; the render continues without it")
         };
         let mut client = open(address).map_err(cannot)?;
         // The protocol ends a name with a zero.
@@ -117,7 +117,7 @@ fn send_all(client: &mut TevClient, name: &str, parts: &Receiver<Part>) -> std::
 }
 
 fn lost(cause: std::io::Error) -> Error {
-    Error::new(ErrorKind::Io, format!("the viewer is no longer there: {cause}"))
+    Error::new(ErrorKind::Io, format!("lost the viewer: {cause}"))
         .remedy("the image is not affected")
         .because(cause)
 }

@@ -32,7 +32,7 @@ impl Log {
             }
             let opened = OpenOptions::new().append(true).create(true).open(file);
             let opened = opened.map_err(|e| {
-                Error::io("cannot write the log", file, e).remedy("name a file that you may change")
+                Error::io("cannot write the log", file, e).remedy("use a file that you can write")
             })?;
             Ok(Box::new(opened))
         };

@@ -312,7 +312,7 @@ fn diff_refuses_pictures_of_two_sizes() {
     assert_eq!(output.status.code(), Some(2));
     assert_eq!(
         text(&output.stderr),
-        "error: c.pfm: two images must have the same size to be compared, \
+        "error: c.pfm: the images differ in size, \
          found 4 x 3 and 3 x 3; render both at one size\n"
     );
 }

@@ -88,9 +88,9 @@ fn a_shard_can_be_what_the_scheduler_says() {
         std::fs::remove_file(folder.path().join("auto.part")).expect("it is there");
     }
     for (asked, variables, told) in [
-        ("auto", &[][..], "no scheduler says which shard this is, found none of SLURM_ARRAY"),
+        ("auto", &[][..], "no scheduler with array jobs was found, found none of SLURM_ARRAY"),
         ("auto", &[("PBS_ARRAY_INDEX", "2")], "does not say how many shards there are"),
-        ("auto", &slurm("3", "1", "7", "3"), "the numbers of the array's tasks have gaps"),
+        ("auto", &slurm("3", "1", "7", "3"), "the task numbers of the array have gaps"),
         ("auto/3", &[("PBS_ARRAY_INDEX", "4")], "there is no shard for PBS_ARRAY_INDEX, found 4"),
         ("auto/3", &[("LSB_JOBINDEX", "0")], "number the tasks of the array from 1 to 3"),
     ] {
@@ -123,12 +123,12 @@ fn shards_and_parts_that_make_no_sense_are_refused_before_the_scene_is_read() {
     run_wrongly(
         folder.path(),
         &["no.json", "out.png", "--checkpoint", "out.png"],
-        "out.png: this file is the output too; write to another file",
+        "out.png: this file is also the output; write to another file",
     );
     run_wrongly(
         folder.path(),
         &["ball.json", "out.png", "--checkpoint", "ball.json"],
-        "ball.json: this file is the scene too; write to another file",
+        "ball.json: this file is also the scene; write to another file",
     );
     run_wrongly(
         folder.path(),
@@ -199,12 +199,12 @@ fn a_checkpoint_goes_on_to_nothing_when_all_is_there() {
     run_wrongly(
         folder.path(),
         &command[..4],
-        "kept: there is a checkpoint already; go on with it: --resume; or remove it first",
+        "kept: the checkpoint exists already; resume from it with --resume, or remove it",
     );
     run_wrongly(
         folder.path(),
         &["no.json", "out.exr", "--checkpoint", "kept"],
-        "kept: there is a checkpoint already; go on with it: --resume; or remove it first",
+        "kept: the checkpoint exists already; resume from it with --resume, or remove it",
     );
     run_silently(folder.path(), &[&command[..], &["-q"]].concat());
 }

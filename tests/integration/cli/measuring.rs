@@ -200,6 +200,6 @@ fn trace_refuses_rays_of_another_mesh() {
     assert_eq!(output.status.code(), Some(2));
     assert_eq!(
         String::from_utf8_lossy(&output.stderr),
-        "error: r.rays: the rays belong to another mesh, found rays for 2 triangles; m.obj has 1\n"
+        "error: r.rays: the rays are for another mesh, found rays for 2 triangles; m.obj has 1\n"
     );
 }

@@ -56,12 +56,12 @@ fn every_output_is_checked_before_the_render() {
     run_wrongly(
         folder.path(),
         &["ball.json", "a.exr", "--also", "a.exr"],
-        "a.exr: this file is another output too; write to another file",
+        "a.exr: this file is also another output; write to another file",
     );
     run_wrongly(
         folder.path(),
         &["ball.json", "a.png", "--aov", "depth"],
-        "a.png: only an .exr image has layers; add --also and a name that ends in .exr",
+        "a.png: only .exr images have layers; add --also and a name that ends in .exr",
     );
     assert_eq!(files(folder.path()), ["ball.json"]);
 }

@@ -107,12 +107,12 @@ fn a_log_may_go_to_standard_output_and_over_no_other_file() {
     run_wrongly(
         folder.path(),
         &["ball.json", "out.exr", "--log", "ball.json"],
-        "ball.json: this file is the scene too; write to another file",
+        "ball.json: this file is also the scene; write to another file",
     );
     run_wrongly(
         folder.path(),
         &["ball.json", "out.exr", "--log", "out.exr"],
-        "out.exr: this file is the image too; write to another file",
+        "out.exr: this file is also the image; write to another file",
     );
     let output = run(folder.path(), &["ball.json", "out.exr", "--log", "none/log.txt"]);
     assert!(text(&output.stderr).contains("none/log.txt: cannot write the log"));

@@ -73,7 +73,7 @@ fn a_part_that_is_cut_short_or_goes_on_is_refused() {
         refused(&bytes[..length], &format!("{length} bytes"));
     }
     let long = refused(&[&bytes[..], b"x"].concat(), "a byte more");
-    assert!(long.contains("the part is damaged: it goes on after its last unit"), "{long}");
+    assert!(long.contains("the part is damaged: there is more after its last unit"), "{long}");
 }
 
 #[test]
@@ -81,18 +81,18 @@ fn what_is_no_part_is_told_so() {
     let text = refused(b"P6\n16 12\n255\nno part at all, but an image", "an image");
     assert!(
         text.ends_with(
-            "bad.part: is not a part of a render: it does not begin as one; \
-             name a file that wavecrest wrote with --shard or --checkpoint"
+            "bad.part: this is not a part of a render; \
+             use a file that wavecrest wrote with --shard or --checkpoint"
         ),
         "{text}"
     );
     let newer = [&b"WAVEPART"[..], &7u32.to_le_bytes(), &[0; 40]].concat();
     let text = refused(&newer, "a newer one");
-    assert!(text.contains("is a part of another version of the form, found 7"), "{text}");
+    assert!(text.contains("the part has another format version, found 7"), "{text}");
     // A length that the file does not have is not believed.
     let claims = [&b"WAVEPART"[..], &1u32.to_le_bytes(), &u32::MAX.to_le_bytes(), &[0; 40]];
     let text = refused(&claims.concat(), "claims");
-    assert!(text.contains("its header is longer than it can be"), "{text}");
+    assert!(text.contains("its header is too long"), "{text}");
     let error = read(folder().path()).expect_err("a folder").to_string();
     assert!(error.contains("cannot read the part"), "{error}");
 }
@@ -216,7 +216,7 @@ fn parts_that_differ_where_they_overlap_are_refused() {
     assert_eq!(
         error,
         format!(
-            "{}: tile at 0,0: it differs from {}; leave one of the two out, or render both again",
+            "{}: tile at 0,0: it differs from {}; remove one of the two, or render both again",
             other.display(),
             one.display()
         )
@@ -232,7 +232,7 @@ fn parts_that_were_cut_in_another_way_are_refused_where_they_overlap() {
     super::write_part(&scene, shard(2, 3), &name("second.part"));
     let error = merge(&[name("whole.part"), name("second.part")]).expect_err("they overlap");
     let text = error.to_string();
-    assert!(text.contains("second.part: tile at 0,0: its blocks overlap those of "), "{text}");
+    assert!(text.contains("second.part: tile at 0,0: it overlaps "), "{text}");
 }
 
 /// A part of the render of a scene with these changes.
@@ -271,7 +271,7 @@ fn strangers() -> Vec<(&'static str, Stranger)> {
         ),
         ("precision", Stranger { scene: exact, options: options() }),
         ("image size", set("/camera/width", json!(24))),
-        ("number of samples a pixel", set("/camera/antialias", json!(2))),
+        ("number of samples per pixel", set("/camera/antialias", json!(2))),
         ("camera", set("/camera/fov", json!(41.0))),
         ("geometry", set("/scene/shapes/0/radius", json!(1.01))),
         ("geometry", set("/scene/shapes/2/points/1/0", json!(0.01))),
@@ -329,12 +329,12 @@ fn checkpoints_of_another_render_are_refused_by_what_has_changed() {
     let before = std::fs::read(&kept.file).expect("a checkpoint");
     for (what, Stranger { scene, options }) in strangers() {
         let told = begin(&scene, &options, true).expect_err(what).to_string();
-        assert!(told.contains(&format!("the checkpoint has another {what}")), "{told}");
+        assert!(told.contains(&format!("the {what} differs from that of the checkpoint")), "{told}");
         assert!(told.contains("a.kept: "), "{told}");
     }
     let told = begin(&scene, &options(), false).expect_err("it is there").to_string();
     assert!(told.ends_with(
-        "a.kept: there is a checkpoint already; go on with it: --resume; or remove it first"
+        "a.kept: the checkpoint exists already; resume from it with --resume, or remove it"
     ));
     let options = options();
     let kept = checkpoint(&kept.file, true);

@@ -123,7 +123,7 @@ fn the_command_writes_nothing_over_unless_told_to() {
     std::fs::remove_file(at("b.json")).expect("it is there");
     let (code, told) = run(&["convert", "a.glb", "b.json"]);
     assert_eq!(code, Some(2));
-    assert!(told.contains("b-mesh0.ply: the file is there already"), "{told}");
+    assert!(told.contains("b-mesh0.ply: the file exists already"), "{told}");
     assert!(!at("b.json").exists());
     assert_eq!(
         run(&["convert", "a.glb", "b.json", "--force", "-q", "--width", "20"]),
@@ -140,7 +140,7 @@ fn the_command_writes_nothing_over_unless_told_to() {
         (&["convert", "a.glb", "a.ply"][..], "a.ply: the name of a scene must end in .json"),
         (
             &["convert", "a.glb", "d.json", "--camera", "x"],
-            "a.glb: no such camera is in the scene, found x",
+            "a.glb: the scene has no such camera, found x",
         ),
         (&["b.json", "c.png", "--camera", "x"], "b.json: a scene file has one camera"),
     ] {

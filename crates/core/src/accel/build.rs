@@ -48,19 +48,19 @@ wavecrest_base::choices! {
     #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize)]
     #[serde(rename_all = "kebab-case")]
     pub enum Preset {
-        /// No tree: every primitive is tested. The reference.
+        /// No BVH: tests every primitive, for reference.
         Brute = "brute",
-        /// Leaves are found first, along a curve: the quickest build, a little slower to trace.
+        /// Leaves along a Morton curve: fastest build, slightly slower rays.
         Fastest = "fastest",
-        /// A little reinsertion.
+        /// Little reinsertion.
         VeryFast = "very-fast",
-        /// A wider search and more reinsertion.
+        /// Wider search and more reinsertion.
         Fast = "fast",
-        /// More of both; rays seldom notice.
+        /// More of both; rays are rarely faster.
         Medium = "medium",
-        /// Large triangles are split first.
+        /// Splits large triangles first.
         Slow = "slow",
-        /// Everything is reinserted.
+        /// Reinserts every node.
         VerySlow = "very-slow",
     }
 }

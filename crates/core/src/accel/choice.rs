@@ -10,14 +10,14 @@ wavecrest_base::choices! {
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize)]
     #[serde(rename_all = "kebab-case")]
     pub enum KernelChoice {
-        /// Packets as long as these are coherent, then rays in flight.
+        /// Packets while rays are coherent, then streams.
         #[default]
         Auto = "auto",
-        /// Packets, however little their rays share. What these leave goes on in flight.
+        /// Packets, even of incoherent rays; what these leave goes on as a stream.
         Packet = "packet",
-        /// Rays in flight.
+        /// Streams of rays in flight.
         Stream = "stream",
-        /// One ray after the other.
+        /// One ray at a time.
         Single = "single",
     }
 }

@@ -32,7 +32,7 @@ use next::Next;
 /// The most places that a packet hands a ray over with.
 pub(super) const MOST_HANDED: usize = 24;
 
-/// Rays in flight.
+/// Streams of rays in flight.
 pub(super) const FLIGHT: usize = 64;
 
 /// A ray in flight.

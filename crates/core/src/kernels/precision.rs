@@ -12,12 +12,12 @@ wavecrest_base::choices! {
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize)]
     #[serde(rename_all = "kebab-case")]
     pub enum Precision {
-        /// Single precision, without care: leaks, and acne far from the origin.
+        /// Single precision without error bounds: leaks at edges, and acne far from the origin.
         Fast = "fast",
-        /// Single precision with error bounds, and double precision where they leave a question open.
+        /// Single precision with error bounds; double precision where they do not decide.
         #[default]
         Robust = "robust",
-        /// Double precision, and exact signs.
+        /// Double precision with exact signs.
         Exact = "exact",
     }
 }
@@ -26,9 +26,9 @@ impl Precision {
     /// What it does, in a line.
     pub fn meaning(self) -> &'static str {
         match self {
-            Self::Fast => "single precision without bounds: rays slip through edges",
-            Self::Robust => "watertight, with bounds on every error",
-            Self::Exact => "double precision and exact signs, one ray after the other",
+            Self::Fast => "single precision without error bounds: rays can leak through edges",
+            Self::Robust => "watertight, with error bounds",
+            Self::Exact => "double precision with exact signs, one ray at a time",
         }
     }
 }

@@ -46,6 +46,10 @@ pub struct Met {
     pub kind: &'static str,
     /// The shape's entry in the scene file.
     pub shape: String,
+    /// The shape's name, if it has one.
+    pub name: Option<String>,
+    /// What the surface looks like there; a light has none of it.
+    pub surface: Option<Surface>,
     /// Where on the ray.
     pub t: f32,
     /// Bound on the error of t; fast arithmetic has none.
@@ -64,6 +68,25 @@ pub struct Met {
     pub lit: bool,
     /// What the lights do.
     pub lights: Vec<Light>,
+}
+
+/// The material at a hit, with its textures looked up.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Surface {
+    /// Diffuse colour, linear: the material's, or the texture's.
+    pub color: Vec3,
+    /// The image that the colour is from.
+    pub texture: Option<String>,
+    /// Weight of the highlight.
+    pub ks: f32,
+    /// Weight of the diffuse part.
+    pub kd: f32,
+    /// Sharpness of the highlight.
+    pub exponent: f32,
+    /// Weight of the mirror ray.
+    pub kr: f32,
+    /// Light of the material itself, linear.
+    pub emission: Vec3,
 }
 
 /// A point of a light, seen from a hit.

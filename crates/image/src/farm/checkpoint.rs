@@ -40,9 +40,9 @@ impl Checkpoint {
         match self.file.try_exists() {
             Err(error) => Err(Error::io("cannot read the checkpoint", &self.file, error)),
             Ok(true) if !self.resume => {
-                Err(Error::new(ErrorKind::Usage, "there is a checkpoint already")
+                Err(Error::new(ErrorKind::Usage, "the checkpoint exists already")
                     .in_file(&self.file)
-                    .remedy("go on with it: --resume; or remove it first"))
+                    .remedy("resume from it with --resume, or remove it"))
             }
             Ok(exists) => Ok(exists),
         }
@@ -66,20 +66,20 @@ fn check_same(file: &Path, found: &Header, header: &Header) -> Result<()> {
     let refuse = |message: String| Error::new(ErrorKind::Usage, message).in_file(file);
     if let Some(Difference { what, values }) = found.identity.difference(&header.identity) {
         return Err(match values {
-            Some([found, asked]) => refuse(format!("the checkpoint has another {what}"))
+            Some([found, asked]) => refuse(format!("the {what} differs from that of the checkpoint"))
                 .value(found)
-                .remedy(format!("this render has {asked}: ask for the same, or use another file")),
-            None => refuse(format!("the scene has changed: the checkpoint has another {what}"))
-                .remedy("go on with the scene as it was, or use another file"),
+                .remedy(format!("this render has {asked}; use the same options, or another checkpoint file")),
+            None => refuse(format!("the scene has changed: the {what} differs from that of the checkpoint"))
+                .remedy("restore the scene, or use another checkpoint file"),
         });
     }
     if found.shard != header.shard {
         let name = |header: &Header| {
             header.shard.map_or("the whole image".to_owned(), |shard| format!("shard {shard}"))
         };
-        return Err(refuse("the checkpoint is of another share of the image".to_owned())
+        return Err(refuse("the checkpoint belongs to another shard".to_owned())
             .value(name(found))
-            .remedy(format!("this is {}: use a checkpoint for each", name(header))));
+            .remedy(format!("this render is {}; use one checkpoint file for each shard", name(header))));
     }
     Ok(())
 }

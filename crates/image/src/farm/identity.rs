@@ -127,7 +127,7 @@ impl Identity {
                 ("precision", said(precision.clone())),
                 ("image size", said(format!("{width} x {height}"))),
                 ("part of the image", said(format!("{x},{y},{w},{h}"))),
-                ("number of samples a pixel", said(samples.to_string())),
+                ("number of samples per pixel", said(samples.to_string())),
                 ("seed", said(seed.to_string())),
                 ("size of tiles", said(identity.edge.to_string())),
                 ("camera", hash(&identity.camera)),
@@ -147,7 +147,7 @@ impl Identity {
     /// When they are not, with the place and the value.
     pub fn check(&self) -> Result<()> {
         let wrong = |place: &str, value: String, remedy: &str| {
-            Err(Error::new(ErrorKind::Syntax, "this cannot be part of a render")
+            Err(Error::new(ErrorKind::Syntax, "this is not a valid part of a render")
                 .at(place)
                 .value(value)
                 .remedy(remedy))

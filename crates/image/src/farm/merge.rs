@@ -43,8 +43,8 @@ pub struct Merged {
 /// overlap; and when something is missing.
 pub fn merge(paths: &[PathBuf]) -> Result<Merged> {
     let Some((first, rest)) = paths.split_first() else {
-        return Err(Error::new(ErrorKind::Usage, "there is no part to put together")
-            .remedy("name the parts that wavecrest wrote with --shard"));
+        return Err(Error::new(ErrorKind::Usage, "there is nothing to merge")
+            .remedy("name the parts that render --shard wrote"));
     };
     let header = Reader::open(first)?.header().clone();
     let mut shards = vec![header.shard];
@@ -95,23 +95,28 @@ fn check_same(path: &Path, other: &Header, first: &Path, header: &Header) -> Res
         return Ok(());
     };
     let first = first.display();
-    let message = format!("it has another {what} than {first}");
+    let message = format!("the {what} differs from that of {first}");
     let error = Error::new(ErrorKind::Usage, message).in_file(path);
     Err(match values {
         Some([found, expected]) => error
             .value(found)
-            .remedy(format!("that of {first} is {expected}: put parts of one image together")),
-        None => error.remedy("put parts of one scene together, rendered while it stays as it is"),
+            .remedy(format!("{first} has {expected}; merge parts of one image")),
+        None => error.remedy("merge parts of one scene, and do not change it between renders"),
     })
 }
 
 /// Something is missing: whole shards, or else what `found` says.
 fn incomplete(shards: &[Option<Shard>], found: String) -> Error {
-    let missing = missing(shards);
-    let found = if missing.is_empty() { found } else { format!("no {}", list(&missing)) };
-    Error::new(ErrorKind::Usage, "the parts do not make a whole image")
-        .value(found)
-        .remedy("render what is missing, and put all parts together")
+    let error = |message: String| Error::new(ErrorKind::Usage, message);
+    match missing(shards).as_slice() {
+        [] => error("the parts do not make a whole image".to_owned())
+            .value(found)
+            .remedy("render what is missing and merge again"),
+        [one] => error(format!("shard {one} is missing"))
+            .remedy(format!("render it with --shard {one}, or add its file, and merge again")),
+        several => error(format!("shards {} are missing", list(several)))
+            .remedy("render them with --shard, or add their files, and merge again"),
+    }
 }
 
 /// The shards that no part is of, where all parts are of shards of as many.
@@ -127,10 +132,9 @@ fn missing(shards: &[Option<Shard>]) -> Vec<Shard> {
     absent.take(MAX_NAMED_SHARDS + 1).filter_map(|number| Shard::new(number, count)).collect()
 }
 
-/// `shard 2/7, shard 3/7`.
+/// `2/7, 3/7`.
 fn list(shards: &[Shard]) -> String {
-    let names: Vec<String> =
-        shards.iter().take(MAX_NAMED_SHARDS).map(|shard| format!("shard {shard}")).collect();
+    let names: Vec<String> = shards.iter().take(MAX_NAMED_SHARDS).map(Shard::to_string).collect();
     let more = if shards.len() > MAX_NAMED_SHARDS { " and others" } else { "" };
     format!("{}{more}", names.join(", "))
 }
@@ -210,7 +214,7 @@ impl Mosaic<'_> {
             return Ok(false);
         };
         if (from, seen.end) != (start, end) {
-            return Err(self.conflict(number, seen.part, tile, "its blocks overlap those of"));
+            return Err(self.conflict(number, seen.part, tile, "it overlaps"));
         }
         if hash != seen.hash {
             return Err(self.conflict(number, seen.part, tile, "it differs from"));
@@ -225,7 +229,7 @@ impl Mosaic<'_> {
         Error::new(ErrorKind::Usage, format!("{how} {}", other.display()))
             .in_file(name(number))
             .at(format!("tile at {x},{y}"))
-            .remedy("leave one of the two out, or render both again")
+            .remedy("remove one of the two, or render both again")
     }
 
     /// The image, or what it lacks.
@@ -238,7 +242,7 @@ impl Mosaic<'_> {
         let painted: BTreeSet<(u32, u32)> = found.tiles.iter().map(|t| (t.x, t.y)).collect();
         let all = (0..self.grid.len()).map(|number| self.grid.tile(number)).map(|t| (t.x, t.y));
         let (x, y) = all.into_iter().find(|tile| !painted.contains(tile)).unwrap_or_default();
-        Err(format!("{tiles} tiles that are not finished, the first at {x},{y}"))
+        Err(format!("{tiles} tiles missing, the first at {x},{y}"))
     }
 }
 

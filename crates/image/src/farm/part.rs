@@ -139,7 +139,7 @@ impl Reader {
         let file = File::open(path).map_err(|e| Error::io("cannot read the part", path, e))?;
         let data = file.metadata().map_err(|e| Error::io("cannot read the part", path, e))?;
         if !data.is_file() {
-            let message = "cannot read the part: this is not an ordinary file";
+            let message = "cannot read the part: this is not a regular file";
             return Err(Error::new(ErrorKind::Io, message).remedy("name a part"));
         }
         let mut file = BufReader::new(file);
@@ -169,7 +169,7 @@ impl Reader {
             let mut more = [0];
             return match self.file.read(&mut more) {
                 Ok(0) => Ok(None),
-                Ok(_) => Err(damaged("it goes on after its last unit")),
+                Ok(_) => Err(damaged("there is more after its last unit")),
                 Err(error) => Err(read_error(error)),
             };
         }
@@ -197,7 +197,7 @@ impl Reader {
         }
         let length = self.grid.tile(tile).len();
         if !follows || !is_one || pixels as usize != length {
-            return Err(damaged("the unit is not as it should be"));
+            return Err(damaged("a unit is malformed"));
         }
         Ok(length)
     }
@@ -206,8 +206,8 @@ impl Reader {
 /// The header and its hash, from a file of `length` bytes.
 fn header(file: &mut BufReader<File>, length: u64) -> Result<(Header, u64)> {
     let foreign = || {
-        Error::new(ErrorKind::Syntax, "is not a part of a render: it does not begin as one")
-            .remedy("name a file that wavecrest wrote with --shard or --checkpoint")
+        Error::new(ErrorKind::Syntax, "this is not a part of a render")
+            .remedy("use a file that wavecrest wrote with --shard or --checkpoint")
     };
     let mut bytes = vec![0; 16];
     if length < bytes.len() as u64 {
@@ -219,18 +219,18 @@ fn header(file: &mut BufReader<File>, length: u64) -> Result<(Header, u64)> {
         return Err(foreign());
     }
     if version != VERSION {
-        return Err(Error::new(ErrorKind::Syntax, "is a part of another version of the form")
+        return Err(Error::new(ErrorKind::Syntax, "the part has another format version")
             .value(version)
-            .remedy(format!("this program reads version {VERSION}: render it again")));
+            .remedy(format!("this program reads version {VERSION}; render it again")));
     }
     if json > MAX_HEADER_BYTES || u64::from(json) + 16 > length {
-        return Err(damaged("its header is longer than it can be"));
+        return Err(damaged("its header is too long"));
     }
     bytes.resize(16 + json as usize, 0);
     fill(file, &mut bytes[16..])?;
     let hash = check_hash(file, &bytes, 0)?;
     let header: Header = serde_json::from_slice(&bytes[16..]).map_err(|error| {
-        Error::new(ErrorKind::Syntax, format!("the header is not one of a part: {error}"))
+        Error::new(ErrorKind::Syntax, format!("the header is malformed: {error}"))
             .remedy("render it again")
             .because(error)
     })?;
@@ -249,7 +249,7 @@ fn check_hash(file: &mut impl Read, bytes: &[u8], seed: u64) -> Result<u64> {
     if u64::from_le_bytes(found) == hash {
         return Ok(hash);
     }
-    Err(damaged("its bytes are not those that were written"))
+    Err(damaged("its checksum is wrong"))
 }
 
 fn fill(file: &mut impl Read, bytes: &mut [u8]) -> Result<()> {

@@ -79,7 +79,7 @@ impl FromStr for Shard {
     fn from_str(text: &str) -> std::result::Result<Self, String> {
         let numbers = text.split_once('/').map(|(one, other)| (one.parse(), other.parse()));
         let Some((Ok(number), Ok(count))) = numbers else {
-            return Err("write its number and how many there are, such as 3/7".to_owned());
+            return Err("write the shard's number and their count, such as 3/7".to_owned());
         };
         Self::new(number, count).ok_or_else(|| format!("shards are numbered from 1 to {count}"))
     }

@@ -54,5 +54,5 @@ fn prepare(variant: Variant, folder: &Path) -> Result<Entry> {
 /// When it cannot be made.
 pub fn folder() -> Result<tempfile::TempDir> {
     tempfile::tempdir()
-        .map_err(|e| Error::io("cannot make a folder for the texture", std::env::temp_dir(), e))
+        .map_err(|e| Error::io("cannot create a folder for the texture", std::env::temp_dir(), e))
 }

@@ -42,9 +42,9 @@ pub fn read(folder: &Path) -> Result<(Header, Vec<Record>)> {
     let mut records = records(&text, &path)?.0.into_iter();
     match records.next() {
         Some(Record::Header(header)) => Ok((header, records.collect())),
-        _ => Err(Error::new(ErrorKind::Io, "the records of a sweep begin with a header")
+        _ => Err(Error::new(ErrorKind::Io, "the header of the results is missing")
             .in_file(&path)
-            .remedy("name the folder that `accuracy --output` wrote")),
+            .remedy("use a folder that `accuracy --output` wrote")),
     }
 }
 
@@ -54,9 +54,9 @@ fn records(text: &str, path: &Path) -> Result<(Vec<Record>, usize)> {
     let lines = text[..whole].lines().enumerate();
     let record = |(number, line): (usize, &str)| {
         serde_json::from_str(line).map_err(|e| {
-            Error::new(ErrorKind::Io, format!("line {} is no record: {e}", number + 1))
+            Error::new(ErrorKind::Io, format!("line {} is not a record: {e}", number + 1))
                 .in_file(path)
-                .remedy("remove the file to begin again")
+                .remedy("remove the file to start again")
         })
     };
     Ok((lines.map(record).collect::<Result<_>>()?, whole))
@@ -72,7 +72,7 @@ impl Store {
     /// When the folder has the records of a sweep with another `header`, or cannot be written.
     pub fn open(folder: &Path, header: &Header) -> Result<Self> {
         std::fs::create_dir_all(folder)
-            .map_err(|e| Error::io("cannot make the folder", folder, e))?;
+            .map_err(|e| Error::io("cannot create the folder", folder, e))?;
         let path = folder.join(FILE);
         let failed = |e| Error::io("cannot open the records", path.as_path(), e);
         let mut options = OpenOptions::new();
@@ -132,9 +132,9 @@ impl Store {
     }
 
     fn other_sweep(&self) -> Error {
-        Error::new(ErrorKind::Usage, "the folder has records of another sweep")
+        Error::new(ErrorKind::Usage, "the folder has the results of another sweep")
             .in_file(&self.path)
-            .remedy("use the options that it was begun with, or another folder")
+            .remedy("use the same options as before, or another folder")
     }
 
     /// Refuses scenes that share a name or have changed since records of them were made.
@@ -149,11 +149,11 @@ impl Store {
             Some(known) if known.fingerprint == scene.fingerprint => Ok(()),
             Some(_) => Err(Error::new(
                 ErrorKind::Usage,
-                "the records have another scene of this name, or it has changed since",
+                "the scene differs from the one in the results",
             )
             .in_file(&scene.file)
             .value(scene.scene)
-            .remedy("give it another name, or the results another folder")),
+            .remedy("rename the scene, or use another folder")),
         }
     }
 }

@@ -24,13 +24,13 @@ wavecrest_base::choices! {
     #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
     #[serde(rename_all = "kebab-case")]
     pub enum Axis {
-        /// The kernel that takes rays through the tree.
+        /// Traversal kernels.
         Kernels = "kernels",
-        /// The vector instructions.
+        /// Instruction sets.
         Levels = "levels",
-        /// The paths in a batch.
+        /// Batch sizes.
         Batches = "batches",
-        /// Whether what the scene does not call for is left out.
+        /// Unneeded passes left out, or all forced on.
         Plan = "plan",
     }
 }
@@ -38,9 +38,9 @@ wavecrest_base::choices! {
 /// One choice.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Variant {
-    /// The kernel that takes rays through the tree.
+    /// Traversal kernels.
     pub kernel: KernelChoice,
-    /// The vector instructions.
+    /// Instruction sets.
     pub simd: Level,
     /// Paths in a batch.
     pub batch: usize,

@@ -91,12 +91,12 @@ mod system {
 
     fn why(error: Option<io::Error>) -> String {
         match error {
-            None => "the counters gave nothing".to_owned(),
+            None => "the counters returned nothing".to_owned(),
             Some(error) if error.kind() == io::ErrorKind::PermissionDenied => format!(
                 "the system does not let this program count ({error}): \
                  see /proc/sys/kernel/perf_event_paranoid"
             ),
-            Some(error) => format!("the processor offers no counters here ({error})"),
+            Some(error) => format!("no hardware counters on this machine ({error})"),
         }
     }
 
@@ -140,7 +140,7 @@ mod system {
     use super::HardwareCounts;
 
     pub(super) fn count<R>(work: impl FnOnce() -> R) -> (R, Result<HardwareCounts, String>) {
-        (work(), Err("counters are read on Linux alone".to_owned()))
+        (work(), Err("hardware counters are read only on Linux".to_owned()))
     }
 }
 

@@ -74,7 +74,7 @@ pub struct Setting {
     pub seed: u64,
     /// Paths in a batch of the wavefront.
     pub batch: usize,
-    /// The vector instructions.
+    /// Instruction sets.
     pub simd: Level,
     /// How the wavefront's rays are taken through the tree.
     pub kernel: KernelChoice,

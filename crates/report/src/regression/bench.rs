@@ -100,9 +100,9 @@ fn read(path: &Path) -> Result<Report> {
     let text =
         std::fs::read_to_string(path).map_err(|e| Error::io("cannot read the report", path, e))?;
     serde_json::from_str(&text).map_err(|e| {
-        Error::new(ErrorKind::Syntax, format!("this is no report of `bench`: {e}"))
+        Error::new(ErrorKind::Syntax, format!("this is not a report of `bench`: {e}"))
             .in_file(path)
-            .remedy("name a file that `bench --output` wrote")
+            .remedy("use a file that `bench --output` wrote")
     })
 }
 

@@ -27,7 +27,7 @@ impl Regression {
     /// When one of them cannot be written.
     pub fn write(&self, folder: &Path) -> Result<()> {
         std::fs::create_dir_all(folder)
-            .map_err(|e| wavecrest_base::error::Error::io("cannot make the folder", folder, e))?;
+            .map_err(|e| wavecrest_base::error::Error::io("cannot create the folder", folder, e))?;
         let json = folder.join("compare.json");
         write_text(&json, &to_json(self).map_err(|e| e.in_file(&json))?)?;
         self.page().write(&folder.join("compare.html"))

@@ -16,7 +16,7 @@ wavecrest_base::choices! {
         Sphere = "sphere",
         /// A ridged height field over [-1, 1] in x and z, y up: open.
         Terrain = "terrain",
-        /// A tube along a torus knot, finely displaced: closed, and nowhere through itself.
+        /// A finely displaced tube along a torus knot: closed, without self-intersections.
         Knot = "knot",
         /// A furnished room, 6 by 5 metres and y up: triangles of all sizes, with a palette's coordinates.
         Room = "room",

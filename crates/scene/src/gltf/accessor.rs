@@ -149,7 +149,7 @@ impl Accessor {
         let count = usize::try_from(count).unwrap_or(usize::MAX);
         if rows.is_none() && count > bytes {
             let cursor = fields.need("count", "a whole number")?;
-            let error = cursor.error("there are no bytes for as many elements");
+            let error = cursor.error("the data of this many elements is missing");
             return Err(error.remedy("give the accessor a bufferView"));
         }
         let normalized = fields.flag("normalized")? && component != Component::F32;
@@ -182,7 +182,7 @@ fn check_extremes(fields: &Fields<'_>, width: usize) -> Result<()> {
         let numbers = cursor.value().as_array();
         if !numbers.is_some_and(|all| all.len() == width && all.iter().all(|x| x.is_number())) {
             return Err(
-                cursor.error(format!("must be a list of {width} numbers, as an element is"))
+                cursor.error(format!("must be a list of {width} numbers"))
             );
         }
     }
@@ -241,7 +241,7 @@ fn sparse(
     let rises = which.windows(2).all(|pair| pair[0] < pair[1]);
     if !rises || which.last().is_some_and(|&last| u64::from(last) >= count) {
         let error =
-            indices.error(format!("must rise, and stay below the accessor's count of {count}"));
+            indices.error(format!("must increase, and stay below the accessor's count of {count}"));
         return Err(error.remedy("export the file again"));
     }
     Ok(Some(Sparse { which, values }))

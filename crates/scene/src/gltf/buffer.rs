@@ -41,8 +41,8 @@ impl Buffer {
             (None, Some(binary)) => binary.clone(),
             (None, None) => {
                 let error =
-                    fields.error("has no uri, and there is no binary chunk that it could be");
-                return Err(error.remedy("give it a uri, or keep the data in a GLB file"));
+                    fields.error("has no uri, and the file has no binary chunk");
+                return Err(error.remedy("add a uri, or store the data in a GLB file"));
             }
         };
         found.cut(fields, length)
@@ -57,9 +57,9 @@ impl Buffer {
             }
             None => {
                 let cursor = fields.need("byteLength", "a number of bytes")?;
-                let error = cursor.error("the buffer must have as many bytes as it says");
+                let error = cursor.error("the length of the buffer is wrong");
                 let there = self.range.len();
-                Err(error.remedy(format!("there are {there}: check that its file is whole")))
+                Err(error.remedy(format!("there are {there} bytes; check that its file is whole")))
             }
         }
     }
@@ -75,7 +75,7 @@ fn beginning(uri: &Cursor<'_>, path: &Path, length: u64) -> Result<Vec<u8>> {
     let refused = |e: std::io::Error| {
         let message = format!("cannot read the buffer {}: {e}", path.display());
         let error = uri.error_of(ErrorKind::Io, message);
-        error.remedy("keep it beside the glTF file").because(e)
+        error.remedy("put it beside the glTF file").because(e)
     };
     let metadata = path.metadata().map_err(refused)?;
     // The length of a pipe or a device says nothing, and to open one can block.
@@ -109,7 +109,7 @@ impl View {
         let Some(range) = within(offset, length, there) else {
             let end = offset + length;
             return Err(fields
-                .error(format!("ends at byte {end} of a buffer of {there}"))
+                .error(format!("ends at byte {end}, past the end of the buffer at {there}"))
                 .remedy("check that the file is whole, or export it again"));
         };
         let stride = fields.count("byteStride")?.map(|stride| checked_stride(fields, stride));

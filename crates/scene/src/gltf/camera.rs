@@ -83,7 +83,7 @@ impl Camera {
             let error = notes.error(
                 ErrorKind::Scene,
                 &self.path,
-                "the transform of the camera's node leaves it no direction".to_owned(),
+                "the transform of the camera's node has a scale of 0".to_owned(),
             );
             return Err(error.remedy("give the node a scale other than 0"));
         };
@@ -116,8 +116,8 @@ impl Camera {
                 (position, distance, fov)
             }
             Lens::Orthographic(half) => {
-                let message = "a camera without perspective is one that is very far away";
-                notes.once(&self.path, message, "its rays are nearly parallel");
+                let message = "an orthographic camera is approximated by a distant one";
+                notes.note(&self.path, message, "its rays are nearly parallel");
                 let distance = PARALLEL_DISTANCE * bounds.radius.max(half);
                 let location = position + back * (distance - ahead);
                 (location, distance, 2.0 * libm::atan(half / distance))
@@ -193,10 +193,10 @@ fn not_there(
     if all.len() > MOST_LISTED {
         names.push("...".to_owned());
     }
-    let error = notes.error(ErrorKind::Usage, "", "no such camera is in the scene".to_owned());
+    let error = notes.error(ErrorKind::Usage, "", "the scene has no such camera".to_owned());
     let error = error.value(asked);
     if names.is_empty() {
-        return error.remedy("it has none: leave --camera out, and one is chosen");
+        return error.remedy("the file has no cameras; leave out --camera to use the default");
     }
     error.remedy(format!("it has {}", names.join(", ")))
 }

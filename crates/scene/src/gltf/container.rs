@@ -77,7 +77,7 @@ fn glb(bytes: &[u8]) -> Result<Parts> {
 
 fn check_header(bytes: &[u8]) -> Result<()> {
     let (Some(version), Some(length)) = (word(bytes, 4), word(bytes, 8)) else {
-        return Err(broken("a GLB file begins with 12 bytes, of which some are missing")
+        return Err(broken("the 12-byte header of the GLB file is cut off")
             .value(format_args!("{} bytes", bytes.len())));
     };
     if version != 2 {
@@ -87,8 +87,8 @@ fn check_header(bytes: &[u8]) -> Result<()> {
             .remedy("export it as glTF 2.0"));
     }
     if length as usize != bytes.len() {
-        let message = "the file must be as long as its header says";
-        let found = format!("{length} in the header of a file of {} bytes", bytes.len());
+        let message = "the length in the header is wrong";
+        let found = format!("{length} for a file of {} bytes", bytes.len());
         return Err(broken(message).at(place(8)).value(found));
     }
     Ok(())

@@ -129,7 +129,7 @@ fn check_extensions(top: &Fields<'_>) -> Result<Vec<String>> {
     };
     let missing = unknown(&required);
     if !missing.is_empty() {
-        let message = "the file requires extensions that are not read";
+        let message = "the file requires unsupported extensions";
         let error = Error::new(ErrorKind::Scene, message).in_file(top.cursor().notes().file());
         let error = error.at("extensionsRequired").value(missing.join(", "));
         let is_packed =
@@ -141,8 +141,8 @@ fn check_extensions(top: &Fields<'_>) -> Result<Vec<String>> {
     }
     let ignored = unknown(&used);
     if !ignored.is_empty() {
-        let message = format!("extensions are ignored: {}", ignored.join(", "));
-        top.cursor().notes().once("extensionsUsed", &message, "what they add is not shown");
+        let message = format!("unsupported extensions: {}", ignored.join(", "));
+        top.cursor().notes().note("extensionsUsed", &message, "ignored");
     }
     Ok([used, required].concat())
 }
@@ -150,7 +150,7 @@ fn check_extensions(top: &Fields<'_>) -> Result<Vec<String>> {
 /// Tells what of the file as a whole is left out.
 pub(super) fn remark(top: &Fields<'_>) {
     if let Some(key) = ["animations", "skins"].into_iter().find(|key| top.length(key) > 0) {
-        let remedy = "animations and skins are ignored: export it in the pose that is wanted";
-        top.cursor().notes().once(key, "the file is shown in its rest pose", remedy);
+        let remedy = "export it in the pose that you want";
+        top.cursor().notes().note(key, "animations and skins are ignored", remedy);
     }
 }

@@ -105,7 +105,7 @@ impl<'a> Fields<'a> {
         let Some(cursor) = self.get(key) else { return Ok(None) };
         match cursor.value().as_str() {
             Some(text) => Ok(Some(text.to_owned())),
-            None => Err(cursor.error("must be a text")),
+            None => Err(cursor.error("must be a string")),
         }
     }
 
@@ -143,9 +143,9 @@ impl<'a> Fields<'a> {
         cursor.each("a list of texts", |item| item.text("a text").map(str::to_owned))
     }
 
-    /// Warns of what is so of the object, unless it was so of another.
-    pub(super) fn once(&self, message: &str, remedy: &str) {
-        self.cursor.notes().once(&self.path(), message, remedy);
+    /// Warns of what is so of the object.
+    pub(super) fn warn(&self, message: &str, remedy: &str) {
+        self.cursor.notes().note(&self.path(), message, remedy);
     }
 
     /// An error about the object, which it does not show: it may be long.

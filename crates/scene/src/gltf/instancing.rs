@@ -60,9 +60,9 @@ impl Instancing {
         let places = (0..self.count).map(|i| {
             place(i).ok_or_else(|| {
                 let message =
-                    format!("instance {i} is too far out, too large, or turned by nothing");
+                    format!("instance {i} has an invalid transform");
                 let error = Error::new(ErrorKind::Scene, message).at(node);
-                error.remedy("give it a quaternion of length 1, and numbers that are finite")
+                error.remedy("use a unit quaternion and finite numbers")
             })
         });
         places.collect()
@@ -124,8 +124,8 @@ pub(super) fn places(
     };
     let (kept, flat): (Vec<_>, Vec<_>) = all.into_iter().partition(|(_, world)| !flattens(world));
     if let Some((path, _)) = flat.first() {
-        let message = "a node whose transform flattens space is left out";
-        notes.once(path, message, "give every axis a scale other than 0");
+        let message = "nodes with a scale of 0 are left out";
+        notes.note(path, message, "use a scale other than 0 on every axis");
     }
     Ok(kept)
 }

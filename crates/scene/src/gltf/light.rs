@@ -64,16 +64,16 @@ impl Light {
             Some("directional") => Kind::Sun,
             Some("spot") => spot(fields)?,
             Some(_) => {
-                let message = "a light is of a type that is not known";
-                kind.notes().once(&kind.path(), message, "it is left out");
+                let message = "the type of the light is unknown";
+                kind.notes().note(&kind.path(), message, "it is left out");
                 return Ok(None);
             }
             None => return Err(kind.error("must be \"point\", \"spot\" or \"directional\"")),
         };
         let color = fields.numbers::<3>("color", Range::NOT_NEGATIVE)?;
         if fields.get("range").is_some() {
-            let message = "the range of a light is ignored";
-            fields.once(message, "its light falls with the square of the distance");
+            let message = "the range of the light is ignored";
+            fields.warn(message, "it falls off with the square of the distance");
         }
         Ok(Some(Self {
             kind,

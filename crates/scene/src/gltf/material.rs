@@ -184,8 +184,8 @@ fn cutoff(fields: &Fields<'_>) -> Result<f64> {
     match fields.get("alphaMode").and_then(|cursor| cursor.value().as_str()) {
         Some("MASK") => Ok(cutoff),
         Some("BLEND") => {
-            let message = "surfaces that are to be blended are cut out at an alpha of 0.5";
-            fields.once(message, "nothing is seen through what is there");
+            let message = "alpha blending is not supported";
+            fields.warn(message, "the surface is cut out where alpha is below 0.5");
             Ok(THRESHOLD)
         }
         _ => Ok(0.0),

@@ -43,7 +43,7 @@ impl<'a> Reader<'a> {
         let Some(mode) = primitive.mode else { return Ok(None) };
         let Some(&positions) = primitive.attributes.get("POSITION") else {
             let message = "a primitive without positions is left out";
-            self.notes.once(&primitive.path, message, "give it the attribute POSITION");
+            self.notes.note(&primitive.path, message, "add the attribute POSITION");
             return Ok(None);
         };
         let count = self.accessor(positions).count;
@@ -52,7 +52,7 @@ impl<'a> Reader<'a> {
         let mut triangles = triangles(mode, &corners, self.notes, &primitive.path);
         if triangles.is_empty() {
             let message = "a primitive without a triangle is left out";
-            self.notes.once(&primitive.path, message, "a triangle needs three vertices");
+            self.notes.note(&primitive.path, message, "a triangle needs three vertices");
             return Ok(None);
         }
         triangles.shrink_to_fit();
@@ -76,8 +76,8 @@ impl<'a> Reader<'a> {
                 Ok(())
             }
             None => Err(self
-                .error(&primitive.path, "the file has the same bytes read too often")
-                .remedy("give each mesh bytes of its own, or use one mesh in several nodes")),
+                .error(&primitive.path, "the accessors of the file overlap too much")
+                .remedy("store the data of each mesh once, or use one mesh in several nodes")),
         }
     }
 
@@ -93,7 +93,7 @@ impl<'a> Reader<'a> {
         let accessor = self.accessor(index);
         if !accessor.component.is_index() || accessor.width != 1 || accessor.normalized {
             let message =
-                "indices must be plain numbers: of the type SCALAR, and 5121, 5123 or 5125";
+                "indices must be SCALAR, of type 5121, 5123 or 5125";
             return Err(self.error(&place(), message).value(format!("accessors[{index}]")));
         }
         self.pay(primitive, accessor, accessor.count)?;
@@ -106,13 +106,13 @@ impl<'a> Reader<'a> {
         if corners[at] == restart {
             let error = self.error(
                 &place,
-                "the greatest number of a type is no index: it would begin a new strip",
+                "the greatest number of a type is reserved for primitive restart",
             );
-            return Err(error.value(corners[at]).remedy("divide the mesh into several primitives"));
+            return Err(error.value(corners[at]).remedy("split the mesh into several primitives"));
         }
         let error = self.error(&place, "there is no such vertex").value(corners[at]);
         Err(error
-            .remedy(format!("there are {count}, counted from 0: check that the file is whole")))
+            .remedy(format!("the mesh has {count}; check that the file is whole")))
     }
 
     /// An attribute's elements, which have so many numbers and are as many as there are vertices, of which those
@@ -132,7 +132,7 @@ impl<'a> Reader<'a> {
             || self.document.is_quantized && accessor.component != Component::U32;
         if accessor.width != width || !is_known {
             let types = if types.len() > 1 {
-                "of floats or of normalized whole numbers"
+                "of floats or of normalized integers"
             } else {
                 "of floats"
             };
@@ -186,7 +186,7 @@ impl<'a> Reader<'a> {
         });
         if values.contains(&Vec3::ZERO) {
             let message = "some normals are zero or not finite";
-            self.notes.once(&primitive.path, message, "triangles there are lit with their own");
+            self.notes.note(&primitive.path, message, "their triangles are shaded flat");
         }
         Ok(Some(Attribute { values, indices: None }))
     }
@@ -201,9 +201,9 @@ impl<'a> Reader<'a> {
         let name = format!("TEXCOORD_{set}");
         let types = [(Component::F32, false), (Component::U8, true), (Component::U16, true)];
         let Some(elements) = self.attribute(primitive, &name, (count, used), 2, &types)? else {
-            let message = "a mesh has no coordinates for its textures";
-            let remedy = format!("it has the colour alone; give it the attribute {name}");
-            self.notes.once(&primitive.path, message, &remedy);
+            let message = "the mesh has no texture coordinates";
+            let remedy = format!("its textures are left out; add the attribute {name}");
+            self.notes.note(&primitive.path, message, &remedy);
             return Ok(None);
         };
         let values = elements.each(used, |uv| {
@@ -264,7 +264,7 @@ fn triangles(mode: Mode, corners: &[u32], notes: &Notes<'_>, path: &str) -> Vec<
             let (triangles, rest) = corners.as_chunks::<3>();
             if !rest.is_empty() {
                 let message = "some vertices are left over";
-                notes.once(path, message, "the number of corners should be divisible by 3");
+                notes.note(path, message, "the number of corners should be divisible by 3");
             }
             triangles.to_vec()
         }

@@ -66,8 +66,8 @@ fn local(fields: &Fields<'_>) -> Result<DAffine3> {
     let matrix = fields.numbers::<16>("matrix", Range::COORDINATE)?;
     match (matrix, part) {
         (Some(_), Some(part)) => Err(fields
-            .error(format!("has a matrix and a {part} too"))
-            .remedy("keep the matrix, or translation, rotation and scale")),
+            .error(format!("has both a matrix and a {part}"))
+            .remedy("keep one of the two")),
         (Some(matrix), None) => affine(fields, &matrix),
         (None, _) => translation_rotation_scale(fields),
     }
@@ -78,7 +78,7 @@ fn affine(fields: &Fields<'_>, m: &[f64; 16]) -> Result<DAffine3> {
     if [m[3], m[7], m[11], m[15]] != [0.0, 0.0, 0.0, 1.0] {
         let cursor = fields.need("matrix", "16 numbers")?;
         let error = cursor.error("the last row must be 0, 0, 0, 1");
-        return Err(error.remedy("the numbers stand column by column: the translation comes last"));
+        return Err(error.remedy("store the matrix by columns, with the translation last"));
     }
     let column = |i: usize| DVec3::new(m[i], m[i + 1], m[i + 2]);
     let matrix3 = DMat3::from_cols(column(0), column(4), column(8));
@@ -97,7 +97,7 @@ fn translation_rotation_scale(fields: &Fields<'_>) -> Result<DAffine3> {
             if !(length > 0.0 && length.is_finite()) {
                 let cursor = fields.need("rotation", "a quaternion")?;
                 let error = cursor.error("must be a quaternion of length 1");
-                return Err(error.remedy("write [0, 0, 0, 1] for no rotation"));
+                return Err(error.remedy("use [0, 0, 0, 1] for no rotation"));
             }
             DMat3::from_quat(DQuat::from_vec4(parts / length))
         }
@@ -160,8 +160,8 @@ fn check_roots(scene: &Fields<'_>, roots: &[usize], nodes: &[Node]) -> Result<()
     match twice.or_else(held) {
         None => Ok(()),
         Some(node) => Err(scene
-            .error(format!("node {node} must stand at one place, and at the top of the scene"))
-            .remedy("name it once, and no node that is another's child")),
+            .error(format!("node {node} must appear once, as a root of the scene"))
+            .remedy("list each root once, and no child of another node")),
     }
 }
 
@@ -179,7 +179,7 @@ fn check_tree(top: &Fields<'_>, nodes: &[Node]) -> Result<()> {
     for (number, node) in nodes.iter().enumerate() {
         for (place, &child) in node.children.iter().enumerate() {
             if let Some(other) = parents[child] {
-                let message = format!("node {child} is a child of node {other} already");
+                let message = format!("node {child} is already a child of node {other}");
                 return Err(at(top, &format!("nodes[{number}].children[{place}]"), message)
                     .remedy("give each node one parent; a mesh may be used by several nodes"));
             }
@@ -195,7 +195,7 @@ fn check_tree(top: &Fields<'_>, nodes: &[Node]) -> Result<()> {
             if path.len() == nodes.len() {
                 let message = "the node is its own descendant".to_owned();
                 return Err(at(top, &format!("nodes[{node}]"), message)
-                    .remedy("take it out of the children of those below it"));
+                    .remedy("remove it from the children of its descendants"));
             }
             path.push(node);
             next = parents[node];
@@ -214,7 +214,7 @@ fn check_place(top: &Fields<'_>, node: usize, world: &DAffine3) -> Result<()> {
         return Ok(());
     }
     let greatest = greatest(world);
-    let message = "the transforms of the node and of those above it are too large together";
+    let message = "the combined transform of the node and its parents is too large";
     Err(at(top, &format!("nodes[{node}]"), message.to_owned()).value(format!("{greatest:e}")))
 }
 

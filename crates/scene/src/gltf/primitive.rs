@@ -43,7 +43,7 @@ impl MeshParts {
     pub(super) fn read(fields: &Fields<'_>, accessors: usize, materials: usize) -> Result<Self> {
         if fields.get("weights").is_some() {
             let message = "morph targets are ignored";
-            fields.once(message, "the mesh has the form that it begins with");
+            fields.warn(message, "the base mesh is shown");
         }
         fields.need("primitives", "a list of objects")?;
         let read = |part: &Fields<'_>| Primitive::read(part, accessors, materials);
@@ -59,7 +59,7 @@ impl Primitive {
         let mode = mode(fields)?;
         let path = fields.path();
         if mode.is_none() {
-            fields.once("points and lines are left out", "only triangles are rendered");
+            fields.warn("points and lines are left out", "only triangles are read");
         }
         let own = Fields::new(fields.need("attributes", "an object { ... }")?, "attributes")?;
         let names = own.cursor().value().as_object().map(|map| map.keys().cloned());
@@ -67,7 +67,7 @@ impl Primitive {
         for name in names.into_iter().flatten() {
             let accessor = own.need_index(&name, "accessors", accessors)?;
             if name.starts_with("COLOR_") && name != COLORS {
-                fields.once("further colours of vertices are ignored", "COLOR_0 is shown");
+                fields.warn("further vertex colours are ignored", "only COLOR_0 is used");
             }
             attributes.insert(name, accessor);
         }

@@ -118,16 +118,16 @@ fn check_lights(primitives: &[Primitive], notes: &Notes<'_>) -> Result<()> {
     if all <= MOST_LIGHT_TRIANGLES {
         return Ok(());
     }
-    let message = "the meshes that give off light have too many triangles".to_owned();
+    let message = "emissive meshes have too many triangles".to_owned();
     let error = notes.error(ErrorKind::Limit, "materials", message).value(all);
     Err(error
-        .remedy(format!("at most {MOST_LIGHT_TRIANGLES} are allowed: set emissiveFactor to 0")))
+        .remedy(format!("use at most {MOST_LIGHT_TRIANGLES}, or set emissiveFactor to 0")))
 }
 
 /// What was chosen for the user.
 fn told(has_camera: bool, chosen: &str, light: Option<&str>, exposure: f64) -> String {
     let light = light.map_or_else(
-        || format!("all light is multiplied by {exposure:.3e}, the exposure"),
+        || format!("lights scaled by {exposure:.3e} (exposure)"),
         str::to_owned,
     );
     let camera = match has_camera {
@@ -165,8 +165,8 @@ fn primitives(document: &Document, notes: &Notes<'_>) -> Result<Vec<Primitive>> 
     }
     check_unused(document, &known, &mut reader, notes)?;
     if primitives.is_empty() {
-        let message = "there is nothing to see";
-        notes.once("nodes", message, "no node of the scene has a mesh of triangles");
+        let message = "the scene is empty";
+        notes.note("nodes", message, "no node of the scene has a mesh of triangles");
     }
     Ok(primitives)
 }
@@ -191,8 +191,8 @@ fn check_unused(
     notes: &Notes<'_>,
 ) -> Result<()> {
     for mesh in (0..known.len()).filter(|&mesh| known[mesh].is_none()) {
-        let message = "a mesh is left out";
-        notes.once(&format!("meshes[{mesh}]"), message, "no node of the scene shows it");
+        let message = "the mesh is not used";
+        notes.note(&format!("meshes[{mesh}]"), message, "no node of the scene refers to it");
         read(document, mesh, reader, notes, &mut Vec::new())?;
     }
     Ok(())
@@ -211,8 +211,8 @@ fn read(
         let surface = primitive.material.map_or(&Surface::DEFAULT, |i| &document.materials[i]);
         let (texture, maps, set) = textures(document, surface, notes);
         let Some(threshold) = surface.threshold() else {
-            let message = "surfaces of which nothing is there are left out";
-            notes.once(&primitive.path, message, "their alpha is below the cutoff everywhere");
+            let message = "an invisible surface is left out";
+            notes.note(&primitive.path, message, "its alpha is below the cutoff everywhere");
             continue;
         };
         let Some(mesh) = reader.mesh(primitive, set)? else { continue };
@@ -281,8 +281,8 @@ fn lights(document: &Document, notes: &Notes<'_>) -> Vec<schema::Light> {
         let path = format!("nodes[{}]", place.node);
         let found = light.placed(path.clone(), &place.world);
         if found.is_none() {
-            let message = "a light's node leaves it no direction";
-            notes.once(&path, message, "it is left out; give the node a scale other than 0");
+            let message = "the node of the light has a scale of 0";
+            notes.note(&path, message, "the light is left out");
         }
         found
     };

@@ -63,8 +63,8 @@ impl Sampler {
         };
         let wraps = [wrap(fields, "wrapS")?, wrap(fields, "wrapT")?];
         if wraps[0] != wraps[1] {
-            let message = "a texture is wrapped alike in both directions";
-            fields.once(message, "wrapS holds for both");
+            let message = "wrapT differs from wrapS";
+            fields.warn(message, "wrapS is used for both");
         }
         Ok(Self { filter, wrap: wraps[0] })
     }

@@ -21,8 +21,8 @@ pub(super) fn textures(
         if *set.get_or_insert(info.set) == info.set {
             return Some(texture);
         }
-        let message = "a texture is left out that goes by other coordinates than the first";
-        notes.once(
+        let message = "a texture with another set of coordinates is left out";
+        notes.note(
             "materials",
             message,
             "use one set of coordinates for all textures of a material",
@@ -42,13 +42,13 @@ fn texture(
 ) -> Option<TextureRef> {
     let textures = &document.textures;
     let Some(image) = textures.image(info) else {
-        let message = "a texture names no image that could be read";
-        notes.once("textures", message, "the material does without it");
+        let message = "the image of a texture cannot be read";
+        notes.note("textures", message, "the texture is left out");
         return None;
     };
     if let Some(path) = textures.missing(image) {
-        let message = format!("there is no image {}", path.display());
-        notes.once(&format!("images[{image}]"), &message, "the material does without it");
+        let message = format!("the image {} is missing", path.display());
+        notes.note(&format!("images[{image}]"), &message, "the texture is left out");
         return None;
     }
     textures.reference(info, encoding, tint)

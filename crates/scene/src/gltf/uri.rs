@@ -22,17 +22,17 @@ pub(super) enum Target {
 
 /// Follows the URI that the value of `cursor` is.
 pub(super) fn target(cursor: &Cursor<'_>) -> Result<Target> {
-    let uri = cursor.text("a URI: the name of a file, or data:...")?;
+    let uri = cursor.text("a file name or a data: URI")?;
     if let Some(data) = uri.strip_prefix("data:") {
         return data_uri(cursor, data).map(Target::Bytes);
     }
     let folder = cursor.notes().file().parent().unwrap_or(Path::new("")).to_owned();
     let name = decoded(uri).ok_or_else(|| {
-        cursor.error("is not UTF-8 text once its % are decoded").remedy("rename the file")
+        cursor.error("is not UTF-8 after decoding").remedy("rename the file")
     })?;
     if scheme(uri) || Path::new(&name).has_root() || Path::new(&name).is_absolute() {
-        let error = cursor.error("only files beside the glTF file are read");
-        return Err(error.remedy("copy it there, and name it relative to the glTF file"));
+        let error = cursor.error("only files in the folder of the glTF file are read");
+        return Err(error.remedy("copy it there and use a relative path"));
     }
     let path = folder.join(name);
     // Some exporters write a % as it is.
@@ -49,13 +49,13 @@ fn scheme(uri: &str) -> bool {
 /// The bytes of a data URI, whose part after `data:` this is.
 fn data_uri(cursor: &Cursor<'_>, data: &str) -> Result<Vec<u8>> {
     let Some((kind, text)) = data.split_once(',') else {
-        return Err(cursor.error("a data URI has a comma before its data"));
+        return Err(cursor.error("a data URI needs a comma before its data"));
     };
     if kind.split(';').skip(1).any(str::is_empty) {
-        return Err(cursor.error("what stands before the comma of a data URI has an empty part"));
+        return Err(cursor.error("the media type of the data URI has an empty part"));
     }
     if !kind.ends_with(";base64") {
-        return percent_bytes(text).ok_or_else(|| cursor.error("has a % that stands for no byte"));
+        return percent_bytes(text).ok_or_else(|| cursor.error("has an invalid percent escape"));
     }
     let engine = if text.ends_with('=') { STANDARD } else { STANDARD_NO_PAD };
     engine.decode(text).map_err(|e| {

@@ -196,7 +196,7 @@ impl FromStr for Fit {
         const SMALLEST: f64 = 1e-4;
         let share = text.parse().ok().filter(|share| (SMALLEST..=1.0).contains(share));
         share.map(Self).ok_or_else(|| {
-            format!("write the share of the image to be filled, {SMALLEST} to 1, such as 0.9")
+            format!("write a share of the image from {SMALLEST} to 1, such as 0.9")
         })
     }
 }

@@ -9,9 +9,9 @@ wavecrest_base::choices! {
         /// A soft key from the left, a rim from behind, a sky that fills, and a ground that takes shadows.
         #[default]
         Studio = "studio",
-        /// A lamp at the camera, and a sky.
+        /// A light at the camera, and a sky.
         Headlight = "headlight",
-        /// No lamp: surfaces show their colours as they are.
+        /// No lights: surfaces show their unlit colours.
         None = "none",
     }
 }

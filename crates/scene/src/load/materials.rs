@@ -47,8 +47,8 @@ pub(super) fn parts(
         let Look { material, texture, cutout, is_there } =
             surface(mtl, |image| reader.image(from, image));
         if !is_there {
-            let message = format!("faces of the material {name} are left out");
-            reader.warn(&message, "less than half of it is there (d): blending is not shown");
+            let message = format!("faces with the material {name} are left out");
+            reader.warn(&message, "its opacity (d) is below 0.5, and blending is not supported");
             return None;
         }
         let has_uvs = texture.is_none() && cutout.is_none() || reader.has_uvs(&data);
@@ -111,17 +111,17 @@ impl Reader<'_> {
             words.iter().map(String::as_str).collect::<Vec<_>>().join(", ")
         };
         if !told.skipped.is_empty() {
-            let message = format!("statements of MTL files are skipped: {}", joined(&told.skipped));
-            self.warn(&message, "no material here shows them");
+            let message = format!("unsupported MTL statements: {}", joined(&told.skipped));
+            self.warn(&message, "ignored");
         }
         if !told.options.is_empty() {
-            let message = format!("options of maps are skipped: {}", joined(&told.options));
-            self.warn(&message, "images are taken as they are");
+            let message = format!("unsupported options of MTL maps: {}", joined(&told.options));
+            self.warn(&message, "ignored");
         }
         if !told.malformed.is_empty() {
             let message =
-                format!("lines of MTL files are malformed: {}", told.malformed.join("; "));
-            self.warn(&message, "they are skipped: repair them");
+                format!("malformed lines in MTL files: {}", told.malformed.join("; "));
+            self.warn(&message, "skipped");
         }
         all
     }
@@ -140,14 +140,14 @@ impl Reader<'_> {
                     Ok(path) if found.contains(&path) => {}
                     Ok(path) => found.push(path),
                     Err(denied) => {
-                        self.denied(denied, "material file", name, "its faces are plain")
+                        self.denied(denied, "material file", name, "its faces use the default material")
                     }
                 }
             }
         }
         if found.len() > MOST_FILES {
-            let message = format!("{} material files are named", found.len());
-            self.warn(&message, &format!("the first {MOST_FILES} are read: join them"));
+            let message = format!("the file names {} material files", found.len());
+            self.warn(&message, &format!("only the first {MOST_FILES} are read"));
             found.truncate(MOST_FILES);
         }
         found
@@ -161,7 +161,7 @@ impl Reader<'_> {
             Ok(_) => Some(text),
             Err(error) => {
                 let message = format!("cannot read {}: {error}", path.display());
-                self.warn(&message, "its faces are plain");
+                self.warn(&message, "its faces use the default material");
                 None
             }
         }
@@ -177,12 +177,12 @@ impl Reader<'_> {
             Ok(path) => match textures::check(&path) {
                 Ok(()) => Some(path),
                 Err(error) => {
-                    self.warn(&error.to_string(), "its material has its colour alone");
+                    self.warn(&error.to_string(), "only the material's colour is used");
                     None
                 }
             },
             Err(denied) => {
-                self.denied(denied, "image", name, "its material has its colour alone");
+                self.denied(denied, "image", name, "only the material's colour is used");
                 None
             }
         };
@@ -205,8 +205,8 @@ impl Reader<'_> {
     fn denied(&self, denied: Denied, kind: &str, name: &str, effect: &str) {
         match denied {
             Denied::Missing => {
-                let message = format!("there is no {kind} {name:?}");
-                self.warn(&message, &format!("put it beside the OBJ file; {effect}"));
+                let message = format!("the {kind} {name:?} is missing");
+                self.warn(&message, &format!("put it beside the OBJ file; until then {effect}"));
             }
             Denied::Outside => {
                 let message = format!("the {kind} {name:?} is outside the folder of the OBJ file");
@@ -219,8 +219,8 @@ impl Reader<'_> {
     /// Whether a texture can be shown on a mesh.
     fn has_uvs(&self, mesh: &MeshData) -> bool {
         if mesh.uvs.is_none() {
-            let message = "faces have a texture and no coordinates for it (vt)";
-            self.warn(message, "they have the colour of their material alone");
+            let message = "textured faces have no texture coordinates (vt)";
+            self.warn(message, "only their material's colour is used");
         }
         mesh.uvs.is_some()
     }
@@ -243,13 +243,13 @@ impl Reader<'_> {
         }
         let more = if unknown.len() > NAMED { " and others" } else { "" };
         unknown.truncate(NAMED);
-        let message = format!("no MTL file has the materials {}{more}", unknown.join(", "));
-        self.warn(&message, "their faces are plain");
+        let message = format!("these materials are not in any MTL file: {}{more}", unknown.join(", "));
+        self.warn(&message, "their faces use the default material");
     }
 
     /// Warns, once, of something about the OBJ file.
     fn warn(&self, message: &str, remedy: &str) {
         let error = Error::new(ErrorKind::Scene, message).in_file(self.file).remedy(remedy);
-        self.notes.warn_once(&error);
+        self.notes.warn(&error);
     }
 }

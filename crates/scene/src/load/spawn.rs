@@ -22,7 +22,7 @@ pub(super) fn world(
     notes: &Notes<'_>,
     read_mesh: impl Fn(&Path) -> Result<LoadedMesh>,
 ) -> Result<World> {
-    Spawner { world: World::new(), notes, read_mesh }.spawn(scene)
+    notes.whole(|| Spawner { world: World::new(), notes, read_mesh }.spawn(scene))
 }
 
 /// Makes entities of a scene's parts.
@@ -36,15 +36,21 @@ impl<R: Fn(&Path) -> Result<LoadedMesh>> Spawner<'_, R> {
     fn spawn(mut self, scene: SceneFile) -> Result<World> {
         self.world.spawn((scene.settings,));
         self.camera(scene.camera);
+        let notes = self.notes;
+        let mut sound = Ok(());
         for (order, light) in (0..).zip(scene.lights) {
-            self.light(Order(order), light)?;
+            sound = notes.part(|| self.light(Order(order), light)).and(sound);
         }
         let mut order = (0..).map(Order);
         let mut shapes = Vec::with_capacity(scene.shapes.len());
         self.warn_of_unseen(&scene.shapes, &scene.instances);
         for shape in scene.shapes {
-            shapes.push(self.shape(&mut order, shape)?);
+            match notes.part(|| self.shape(&mut order, shape)) {
+                Ok(parts) => shapes.push(parts),
+                Err(error) => sound = Err(error),
+            }
         }
+        sound?;
         for instance in &scene.instances {
             for (&part, order) in shapes[instance.shape].iter().zip(&mut order) {
                 self.instance(order, part, instance);
@@ -60,8 +66,8 @@ impl<R: Fn(&Path) -> Result<LoadedMesh>> Spawner<'_, R> {
         for (shape, _) in
             shapes.iter().zip(has_instance).filter(|(shape, has)| shape.hidden && !has)
         {
-            let error = self.error(&shape.path, "the shape is hidden and no instance shows it");
-            self.notes.warn(&error.remedy("add one to scene.instances, or remove \"hidden\""));
+            let error = self.error(&shape.path, "the shape is hidden and has no instance");
+            self.notes.warn(&error.remedy("add an instance, or remove \"hidden\""));
         }
     }
 
@@ -186,7 +192,7 @@ impl<R: Fn(&Path) -> Result<LoadedMesh>> Spawner<'_, R> {
         let Geometry::MeshFile(file) = geometry else { return Ok((geometry, Default::default())) };
         self.notes.reads(&file);
         let mut loaded = (self.read_mesh)(&file).map_err(|e| self.mesh_error(path, e))?;
-        loaded.warnings.into_iter().for_each(|warning| self.notes.pass_on(warning));
+        self.notes.pass_on(loaded.warnings);
         loaded.mesh.decode_colors(colors);
         let mesh = Mesh { data: loaded.mesh, file: Some(file) };
         Ok((Geometry::Mesh(mesh), loaded.materials))
@@ -205,17 +211,17 @@ impl<R: Fn(&Path) -> Result<LoadedMesh>> Spawner<'_, R> {
     /// Makes sure that a mesh has the coordinates that the `key` of its shape needs, if one does.
     fn check_uvs(&self, path: &str, key: Option<&str>, mesh: &MeshData) -> Result<()> {
         let Some(key) = key.filter(|_| mesh.uvs.is_none()) else { return Ok(()) };
-        let message = "the mesh has no texture coordinates, which a texture needs";
+        let message = "the mesh has no texture coordinates";
         let error = self.error(&format!("{path}.{key}"), message);
-        Err(error.remedy("give it \"uvs\", or remove the texture"))
+        Err(error.remedy("add \"uvs\", or remove the texture"))
     }
 
     /// The shading asked for, as far as the mesh has what it needs.
     fn possible_shading(&self, path: &str, asked: Shading, mesh: &MeshData) -> Shading {
         if asked == Shading::Smooth && mesh.normals.is_none() {
-            let message = "the mesh has no normals, which smooth shading needs";
+            let message = "the mesh has no normals for smooth shading";
             let error = self.error(&format!("{path}.shading"), message);
-            self.notes.warn(&error.remedy("shading stays flat"));
+            self.notes.warn(&error.remedy("flat shading is used"));
             return Shading::Flat;
         }
         asked

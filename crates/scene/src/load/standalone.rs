@@ -36,12 +36,12 @@ pub(super) fn scene(
     notes: &Notes<'_>,
 ) -> Result<(SceneFile, String)> {
     if let Some(camera) = &options.camera {
-        let error = Error::new(ErrorKind::Usage, "a mesh has no cameras to choose from");
-        return Err(error.in_file(path).value(camera).remedy("leave --camera out"));
+        let error = Error::new(ErrorKind::Usage, "a mesh file has no cameras");
+        return Err(error.in_file(path).value(camera).remedy("leave out --camera"));
     }
     let LoadedMesh { mut mesh, warnings, materials } = mesh::load(path)?;
     mesh.decode_colors(VertexColors::Srgb);
-    warnings.into_iter().for_each(|warning| notes.pass_on(warning));
+    notes.pass_on(warnings);
     let crease = options.lighting.crease_degrees;
     if mesh.normals.is_none() && crease > 0.0 {
         mesh.normals = Some(crease::normals(&mesh.positions, &mesh.triangles, crease));

@@ -185,8 +185,8 @@ fn drop_absent(keyword: &str, values: usize, indices: &mut Vec<[u32; 3]>) -> Opt
         return None;
     }
     *indices = Vec::new();
-    let message = format!("faces have indices of \"{keyword}\", of which there is none");
-    Some(Error::new(ErrorKind::Mesh, message).remedy("they are ignored"))
+    let message = format!("faces refer to \"{keyword}\", but the file has none");
+    Some(Error::new(ErrorKind::Mesh, message).remedy("these indices are ignored"))
 }
 
 /// An attribute that some corner has. Indices equal to those of the positions are not kept.

@@ -196,9 +196,9 @@ fn rewrite(polygon: Polygon, split: &[[u32; 3]], indices: &mut [[u32; 3]]) {
 pub(super) fn note_large(count: usize) -> Option<Error> {
     (count > 0).then(|| {
         let message = format!(
-            "polygons of over {MAX_EAR_CORNERS} corners that are not convex are split as fans"
+            "concave polygons of over {MAX_EAR_CORNERS} corners are split into fans"
         );
-        Error::new(ErrorKind::Mesh, message).value(count).remedy("triangulate them in the file")
+        Error::new(ErrorKind::Mesh, message).value(count).remedy("triangulate the file to split them correctly")
     })
 }
 

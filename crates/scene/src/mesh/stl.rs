@@ -61,7 +61,7 @@ enum Form {
 /// How the file of `length` bytes is written.
 fn form<F: ReadAt + ?Sized>(file: &F, length: u64) -> Result<Form> {
     if length == 0 {
-        return Err(fault("the file is empty").remedy("give an STL file"));
+        return Err(fault("the file is empty").remedy("export it again"));
     }
     let mut head = [0; HEAD];
     let there = length.min(HEAD as u64) as usize;
@@ -73,7 +73,7 @@ fn form<F: ReadAt + ?Sized>(file: &F, length: u64) -> Result<Form> {
         return Ok(Form::Text);
     }
     if there < HEAD {
-        let remedy = format!("begin it with \"solid\", or with {HEAD} bytes where it is binary");
+        let remedy = format!("begin it with \"solid\", or with a binary header of {HEAD} bytes");
         return Err(fault("the file is too short for STL").value(length).remedy(remedy));
     }
     Ok(Form::Binary(head))

@@ -54,9 +54,9 @@ pub(crate) fn is_good_position(p: Vec3) -> bool {
 
 /// The error of a position that is not good; the caller names the place.
 pub(crate) fn bad_position(p: Vec3) -> Error {
-    Error::new(ErrorKind::Mesh, "a vertex must have finite coordinates of at most 2^40 in size")
+    Error::new(ErrorKind::Mesh, "the coordinates of a vertex must be finite and within 2^40")
         .value(format_args!("({}, {}, {})", p.x, p.y, p.z))
-        .remedy("repair the vertex, or scale the mesh down")
+        .remedy("correct the vertex, or scale the mesh down")
 }
 
 /// The error of an index that names none of the `count` things of the kind `what`.
@@ -126,7 +126,7 @@ pub(super) fn zero_bad_uvs(uvs: &mut [Vec2]) -> usize {
 pub(super) fn whiten_bad_colors(colors: &mut [Vec3]) -> Option<Error> {
     let count = replace_bad(colors, |c| c.is_finite() && c.min_element() >= 0.0, Vec3::ONE);
     (count > 0).then(|| {
-        let message = "some colours of vertices are negative or not finite and are taken as white";
+        let message = "some vertex colours are negative or not finite; white is used";
         Error::new(ErrorKind::Mesh, message).value(count).remedy("export them again")
     })
 }
@@ -134,7 +134,7 @@ pub(super) fn whiten_bad_colors(colors: &mut [Vec3]) -> Option<Error> {
 /// The warning that `count` values of the kind `what` were not finite, if any were.
 pub(super) fn note_zeroed(what: &str, count: usize) -> Option<Error> {
     (count > 0).then(|| {
-        let message = format!("some {what} are not finite and are taken as zero");
+        let message = format!("some {what} are not finite; zero is used");
         Error::new(ErrorKind::Mesh, message).value(count).remedy("export them again")
     })
 }

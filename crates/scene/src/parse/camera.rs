@@ -13,8 +13,8 @@ use wavecrest_core::kernels::camera::path::least_aligned_axis;
 /// Greatest number of a frame.
 const LAST_FRAME: u32 = 9_999_999;
 
-/// Greatest width and height of the image.
-pub(crate) const LONGEST_SIDE: u32 = 65_536;
+/// Greatest width and height of an image, in pixels.
+pub const LONGEST_SIDE: u32 = 65_536;
 /// Greatest number of pixels, 2^28: as floats, three gibibytes.
 const MOST_PIXELS: u64 = 1 << 28;
 /// Greatest number of rays through each pixel, 2^24.
@@ -171,15 +171,15 @@ pub(super) fn camera(cursor: &Cursor<'_>, options: &LoadOptions) -> Result<Camer
 /// Reads the path of the camera, which is at `view` with `lens` where a key does not say otherwise.
 fn path(cursor: &Cursor<'_>, view: &View, lens: Option<&ThinLens>) -> Result<CameraPath> {
     let object = cursor.object(if lens.is_some() { LENS_PATH } else { PINHOLE_PATH })?;
-    let interpolation = object.word("interpolation")?;
+    let interpolation = object.word("interpolation");
     let what = "an array of keys, at least one";
     let list = object.need("keys", what)?;
     let mut keys: Vec<CameraKey> = Vec::new();
     for item in list.items(list.array(what)?) {
         let key = key(&item, view, lens)?;
         if keys.last().is_some_and(|last| last.frame >= key.frame) {
-            let error = item.error("the frame must be greater than that of the key before");
-            return Err(error.remedy("put the keys in the order of their frames"));
+            let error = item.error("the frame must be greater than the one before");
+            return Err(error.remedy("sort the keys by frame"));
         }
         keys.push(key);
     }
@@ -191,20 +191,20 @@ fn path(cursor: &Cursor<'_>, view: &View, lens: Option<&ThinLens>) -> Result<Cam
 
 fn key(cursor: &Cursor<'_>, view: &View, lens: Option<&ThinLens>) -> Result<CameraKey> {
     let object = cursor.object(if lens.is_some() { LENS_FRAME } else { PINHOLE_FRAME })?;
-    let location = object.point_or("location", view.location)?;
-    let look = object.point_or("look", view.look)?;
+    let location = object.point_or("location", view.location);
+    let look = object.point_or("look", view.look);
     if look == location {
-        let error = cursor.error("the camera looks at the point where it stands");
+        let error = cursor.error("the camera looks at its own location");
         return Err(error.remedy("move \"look\" away from \"location\""));
     }
     Ok(CameraKey {
-        frame: object.integer("frame")?,
+        frame: object.integer("frame"),
         location,
         look,
-        up: object.point_or("up", view.up)?,
-        fov_degrees: object.number_or("fov", view.fov_degrees)?,
+        up: object.point_or("up", view.up),
+        fov_degrees: object.number_or("fov", view.fov_degrees),
         focal: match lens {
-            Some(lens) => object.number_or("focal", lens.focal)?,
+            Some(lens) => object.number_or("focal", lens.focal),
             None => 1.0,
         },
     })
@@ -212,13 +212,13 @@ fn key(cursor: &Cursor<'_>, view: &View, lens: Option<&ThinLens>) -> Result<Came
 
 fn view(object: &Object<'_>, options: &LoadOptions) -> Result<View> {
     let (width, height) = size(object, options)?;
-    let fov_degrees = object.number("fov")?;
-    let fov_axis = object.word("fovaxis")?;
+    let fov_degrees = object.number("fov");
+    let fov_axis = object.word("fovaxis");
     let location = object.need_one_of(&LOCATIONS, POINT)?.point()?;
     let look = look(object, location)?;
     let up = up(object, look - location)?;
-    let antialias = object.integer("antialias")?;
-    let sampling = object.word("sampling")?;
+    let antialias = object.integer("antialias");
+    let sampling = object.word("sampling");
     Ok(View { location, look, up, fov_degrees, fov_axis, width, height, antialias, sampling })
 }
 
@@ -253,7 +253,7 @@ pub(crate) fn check_size(width: u32, height: u32) -> Result<()> {
 
 /// A side of the image: the one asked for, if one is, but the file must be right all the same.
 fn side(object: &Object<'_>, key: &'static str, asked: Option<u32>) -> Result<u32> {
-    let own = object.integer(key)?;
+    let own = object.integer(key);
     let Some(asked) = asked else { return Ok(own) };
     check_side(key, asked)?;
     Ok(asked)
@@ -265,7 +265,7 @@ fn check_side(key: &str, asked: u32) -> Result<()> {
         return Ok(());
     }
     let words = integer_words(1, LONGEST_SIDE);
-    let message = format!("the {key} asked for in place of the scene's must be {words}");
+    let message = format!("the {key} must be {words}");
     let kind = if asked == 0 { ErrorKind::Usage } else { ErrorKind::Limit };
     Err(Error::new(kind, message).value(asked))
 }
@@ -274,7 +274,7 @@ fn look(object: &Object<'_>, location: DVec3) -> Result<DVec3> {
     let cursor = object.need_one_of(&LOOKS, POINT)?;
     let look = cursor.point()?;
     if look == location {
-        let error = cursor.error("the camera looks at the point where it stands");
+        let error = cursor.error("the camera looks at its own location");
         return Err(error.remedy("move \"look\" away from \"location\""));
     }
     Ok(look)
@@ -282,12 +282,12 @@ fn look(object: &Object<'_>, location: DVec3) -> Result<DVec3> {
 
 /// The upward direction: the file's, unless it leaves open which way up the image is.
 fn up(object: &Object<'_>, view: DVec3) -> Result<DVec3> {
-    let up = object.point("up")?;
+    let up = object.point("up");
     let Some(unit) = direction(up) else {
         let cursor = object.need("up", "a direction")?;
         return Err(cursor
-            .error("must have a direction")
-            .remedy("give a vector such as [0, 1, 0]"));
+            .error("must not be zero")
+            .remedy("use a vector such as [0, 1, 0]"));
     };
     let Some(view) = direction(view).filter(|v| v.cross(unit).length() < PARALLEL) else {
         return Ok(up);
@@ -300,18 +300,18 @@ fn up(object: &Object<'_>, view: DVec3) -> Result<DVec3> {
 fn warn_of_up(object: &Object<'_>, up: DVec3, axis: DVec3) {
     let notes = object.cursor().notes();
     let place = format!("{}.up", object.cursor().path());
-    let message = "is parallel to the view, so that it does not say which way up the image is";
+    let message = "is parallel to the view direction";
     let error = notes.error(ErrorKind::Scene, &place, message.into()).value(up);
     notes.warn(&error.remedy(format!("{axis} is used instead")));
 }
 
 fn lens(object: &Object<'_>) -> Result<ThinLens> {
     Ok(ThinLens {
-        aperture: object.number("aperture")?,
-        focal: object.number("focal")?,
-        sampling: object.word("sampling")?,
-        samples_x: object.integer("nsamplesx")?,
-        samples_y: object.integer("nsamplesy")?,
+        aperture: object.number("aperture"),
+        focal: object.number("focal"),
+        sampling: object.word("sampling"),
+        samples_x: object.integer("nsamplesx"),
+        samples_y: object.integer("nsamplesy"),
     })
 }
 

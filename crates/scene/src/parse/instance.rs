@@ -50,13 +50,13 @@ impl<'a> Names<'a> {
             Some(Some(place)) => Ok(*place),
             Some(None) => {
                 let error = cursor.error("several shapes have this name");
-                Err(error.remedy("give each shape a name of its own"))
+                Err(error.remedy("use a different name for each shape"))
             }
             None => {
-                let error = cursor.error("no shape of scene.shapes has this name");
+                let error = cursor.error("no shape has this name");
                 let near = did_you_mean(name, self.places.keys().copied());
                 Err(error.remedy(near.map_or_else(
-                    || "give the shape a \"name\"".to_owned(),
+                    || "add a \"name\" to the shape".to_owned(),
                     |near| format!("did you mean {near:?}?"),
                 )))
             }

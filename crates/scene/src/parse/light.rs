@@ -126,7 +126,7 @@ pub(super) fn light(cursor: &Cursor<'_>) -> Result<Light> {
 
 /// Warns of a light that gives none but its ambient part.
 fn warn_of_power(object: &Object<'_>) {
-    let message = "is 0, so that the light has no power";
+    let message = "is 0, so the light has no effect";
     if let Some(cursor) =
         object.get("intensity").filter(|cursor| cursor.value().as_f64() == Some(0.0))
     {
@@ -149,10 +149,10 @@ fn warn_of_strength(object: &Object<'_>) {
 fn at_a_point(object: &Object<'_>) -> Result<PointLight> {
     warn_of_strength(object);
     Ok(PointLight {
-        intensity: object.number("intensity")?,
-        position: object.point("position")?,
-        color: object.color("color")?,
-        falloff: object.word("falloff")?,
+        intensity: object.number("intensity"),
+        position: object.point("position"),
+        color: object.color("color"),
+        falloff: object.word("falloff"),
     })
 }
 
@@ -162,15 +162,15 @@ fn point_light(object: &Object<'_>) -> Result<Light> {
 
 fn spot_light(object: &Object<'_>) -> Result<Light> {
     let light = at_a_point(object)?;
-    let (inner_degrees, outer_degrees) = (object.number("inner")?, object.number("outer")?);
+    let (inner_degrees, outer_degrees) = (object.number("inner"), object.number("outer"));
     if inner_degrees > outer_degrees {
         let cursor = object.need("inner", "a number")?;
         let error = cursor.error(format!("is more than \"outer\", {outer_degrees}"));
-        return Err(error.remedy("both are angles off the direction of the light"));
+        return Err(error.remedy("use an \"inner\" angle below \"outer\""));
     }
     if outer_degrees == 0.0 {
-        let message = "is 0, so that no light leaves the cone";
-        object.need("outer", "a number")?.warn(message, "use an angle up to 90");
+        let message = "is 0, so the light has no effect";
+        object.need("outer", "a number")?.warn(message, "use an angle above 0, up to 90");
     }
     let spot = Spot { direction: direction(object)?, inner_degrees, outer_degrees };
     Ok(Light::Spot { path: object.cursor().path(), light, spot })
@@ -178,12 +178,12 @@ fn spot_light(object: &Object<'_>) -> Result<Light> {
 
 fn directional_light(object: &Object<'_>) -> Result<Light> {
     warn_of_strength(object);
-    let sampling = object.word("sampling")?;
+    let sampling = object.word("sampling");
     let light = DirectionalLight {
-        intensity: object.number("intensity")?,
-        color: object.color("color")?,
+        intensity: object.number("intensity"),
+        color: object.color("color"),
         direction: direction(object)?,
-        angle_degrees: object.number("angle")?,
+        angle_degrees: object.number("angle"),
         sampling,
         samples: samples(object, sampling)?,
     };
@@ -192,23 +192,23 @@ fn directional_light(object: &Object<'_>) -> Result<Light> {
 
 /// The key `direction`, of any length but none.
 fn direction(object: &Object<'_>) -> Result<DVec3> {
-    let direction = object.point("direction")?;
+    let direction = object.point("direction");
     if direction != DVec3::ZERO {
         return Ok(direction);
     }
     let cursor = object.need("direction", "a direction, [x, y, z]")?;
-    Err(cursor.error("has no length").remedy("use any other, such as [0, -1, 0]"))
+    Err(cursor.error("must not be zero").remedy("use a vector such as [0, -1, 0]"))
 }
 
 fn area_light(object: &Object<'_>) -> Result<Light> {
     warn_of_power(object);
     // The report's format has it, but the shape says where the light is.
     object.get("position").map(|cursor| cursor.point()).transpose()?;
-    let sampling = object.word("sampling")?;
+    let sampling = object.word("sampling");
     let light = AreaLight {
-        intensity: object.number("intensity")?,
-        color: object.color("color")?,
-        falloff: object.word("falloff")?,
+        intensity: object.number("intensity"),
+        color: object.color("color"),
+        falloff: object.word("falloff"),
         sampling,
         samples: samples(object, sampling)?,
     };
@@ -218,7 +218,7 @@ fn area_light(object: &Object<'_>) -> Result<Light> {
 
 /// The `samples` of a light: all of them, or those along each side of a grid.
 fn samples(object: &Object<'_>, sampling: Sampling) -> Result<u32> {
-    let samples = object.integer("samples")?;
+    let samples = object.integer("samples");
     let points = u64::from(samples) * u64::from(samples);
     if sampling != Sampling::Jittered || points <= MOST_POINTS {
         return Ok(samples);

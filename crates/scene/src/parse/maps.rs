@@ -49,7 +49,7 @@ const METAL_KEYS: &[Key] = keys! {
 
 /// Reads the texture of a shape, with the keys that say how it is looked up.
 pub(super) fn texture(object: &Object<'_>) -> Result<Option<TextureRef>> {
-    let tint = object.color("tint")?;
+    let tint = object.color("tint");
     let Some(cursor) = object.get("texture") else {
         warn_without_texture(object);
         return Ok(None);
@@ -62,10 +62,10 @@ pub(super) fn texture(object: &Object<'_>) -> Result<Option<TextureRef>> {
 fn reference(object: &Object<'_>, path: PathBuf) -> Result<TextureRef> {
     Ok(TextureRef {
         source: TextureSource::File(path),
-        encoding: object.word("encoding")?,
+        encoding: object.word("encoding"),
         tint: DVec3::ONE,
-        filter: object.word("filter")?,
-        wrap: object.word("wrap")?,
+        filter: object.word("filter"),
+        wrap: object.word("wrap"),
         placing: object.get("uvtransform").map(|cursor| placing(&cursor)).transpose()?,
     })
 }
@@ -75,8 +75,8 @@ pub(crate) const THRESHOLD: f64 = 0.5;
 
 /// Reads where a shape is cut out. An alpha of 0 and more is all there is.
 pub(super) fn cutout(object: &Object<'_>, texture: Option<&TextureRef>) -> Result<Option<CutOut>> {
-    let threshold = object.number_or("alphacutoff", THRESHOLD)?;
-    let (filter, wrap) = (object.word("filter")?, object.word("wrap")?);
+    let threshold = object.number_or("alphacutoff", THRESHOLD);
+    let (filter, wrap) = (object.word("filter"), object.word("wrap"));
     let placing = object.get("uvtransform").map(|cursor| placing(&cursor)).transpose()?;
     let mask = match object.get("alpha") {
         Some(cursor) => Some(TextureSource::File(existing_file(&cursor, "the path of an image")?)),
@@ -90,7 +90,7 @@ pub(super) fn cutout(object: &Object<'_>, texture: Option<&TextureRef>) -> Resul
         (None, Some(texture), Some(_)) => texture.source.clone(),
         (None, None, Some(cursor)) => {
             let remedy = "add \"texture\" or \"alpha\", or remove it";
-            cursor.warn("does nothing without an image that has alpha", remedy);
+            cursor.warn("has no effect without an image with alpha", remedy);
             return Ok(None);
         }
     };
@@ -102,7 +102,7 @@ fn warn_without_texture(object: &Object<'_>) {
     let of_both: &[&str] =
         if object.get("alpha").is_some() { &[] } else { &["filter", "wrap", "uvtransform"] };
     for cursor in ["encoding", "tint"].iter().chain(of_both).filter_map(|key| object.get(key)) {
-        cursor.warn("does nothing without a texture", "add \"texture\", or remove it");
+        cursor.warn("has no effect without a texture", "add \"texture\", or remove it");
     }
 }
 
@@ -125,10 +125,10 @@ pub(super) fn maps(object: &Object<'_>) -> Result<Maps> {
     };
     let with_strength = |key| {
         let Some((map, texture)) = read(key, STRENGTH_MAP)? else { return Ok(None) };
-        Ok(Some(StrengthMap { texture, strength: map.number("strength")? }))
+        Ok(Some(StrengthMap { texture, strength: map.number("strength") }))
     };
     let metal = |(map, texture): (Object<'_>, TextureRef)| -> Result<MetalMap> {
-        let (metallic, roughness) = (map.number("metallic")?, map.number("roughness")?);
+        let (metallic, roughness) = (map.number("metallic"), map.number("roughness"));
         Ok(MetalMap { texture, metallic, roughness })
     };
     Ok(Maps {
@@ -148,5 +148,5 @@ pub(super) fn existing_file(cursor: &Cursor<'_>, what: &str) -> Result<PathBuf> 
     let there = if path.is_dir() { "a folder, not a file," } else { "no file" };
     let message = format!("there is {there} at {}", path.display());
     let error = cursor.error_of(ErrorKind::Io, message);
-    Err(error.remedy("a relative path starts from the scene file's folder"))
+    Err(error.remedy("relative paths start at the scene file's folder"))
 }

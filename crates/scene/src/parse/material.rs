@@ -32,20 +32,20 @@ pub(super) fn material(cursor: &Cursor<'_>) -> Result<Material> {
     let object = cursor.object(MATERIAL)?;
     warn_of_gain(&object);
     Ok(Material {
-        ks: object.number("ks")?,
-        kd: object.number("kd")?,
-        specular_exponent: object.number("specularexponent")?,
-        diffuse_color: object.color("diffusecolor")?,
-        kr: object.number("kr")?,
-        emission: object.color("emission")?,
-        specular_color: object.color("specularcolor")?,
+        ks: object.number("ks"),
+        kd: object.number("kd"),
+        specular_exponent: object.number("specularexponent"),
+        diffuse_color: object.color("diffusecolor"),
+        kr: object.number("kr"),
+        emission: object.color("emission"),
+        specular_color: object.color("specularcolor"),
     })
 }
 
 /// Weights above 1 are allowed, but they are seldom meant. What is no number is left to the reading.
 fn warn_of_gain(object: &Object<'_>) {
-    let remedy = "it should be from 0 to 1";
-    let message = "is above 1, so that the surface can return more light than it receives";
+    let remedy = "use 0 to 1";
+    let message = "is above 1, so the surface reflects more light than it receives";
     for key in ["ks", "kd", "kr"] {
         if let Some(cursor) =
             object.get(key).filter(|c| c.value().as_f64().is_some_and(|x| x > 1.0))

@@ -120,9 +120,9 @@ fn mesh_file(cursor: &Cursor<'_>) -> Result<Geometry> {
     let name = cursor.text("the path of a mesh")?;
     let extension = Path::new(name).extension().and_then(|e| e.to_str()).unwrap_or_default();
     if ["gltf", "glb"].contains(&extension.to_ascii_lowercase().as_str()) {
-        let error = cursor.error("a glTF file is a scene of its own, and no shape");
+        let error = cursor.error("a glTF file cannot be a shape");
         return Err(error.remedy(
-            "convert it, and name the meshes that this writes: wavecrest convert IN OUT.json",
+            "run wavecrest convert IN OUT.json, and use the meshes that it writes",
         ));
     }
     Ok(Geometry::MeshFile(existing_file(cursor, "the path of a mesh")?))

@@ -155,10 +155,14 @@ const FLAT_KEYS: &[Key] = keys! {
 pub(super) fn shape(cursor: &Cursor<'_>) -> Result<Shape> {
     let object = open(cursor, Owner::Scene)?;
     let hidden = object.get("hidden").map_or(Ok(false), |cursor| cursor.truth())?;
-    let material = material::material(&object.need("material", "an object { ... }")?)?;
-    let (texture, maps) = (maps::texture(&object)?, maps::maps(&object)?);
+    let material = object.part("material", "an object { ... }", material::material);
+    let notes = cursor.notes();
+    let shape = notes.part(|| read(&object));
+    let texture = notes.part(|| maps::texture(&object));
+    let maps = notes.part(|| maps::maps(&object));
+    let texture = texture?;
     let cutout = maps::cutout(&object, texture.as_ref())?;
-    Ok(Shape { hidden, material: Some(material), texture, maps, cutout, ..read(&object)? })
+    Ok(Shape { hidden, material: Some(material?), texture, maps: maps?, cutout, ..shape? })
 }
 
 /// Reads the `shape` of an area light. It shines with the light's own colour, so that its material
@@ -188,7 +192,7 @@ fn open<'a>(cursor: &Cursor<'a>, owner: Owner) -> Result<Object<'a>> {
 
 /// All of a shape but its material and texture.
 fn read(object: &Object<'_>) -> Result<Shape> {
-    let kind = object.word("type")?;
+    let kind = object.word("type");
     let transform = object.get("transform").map(|c| transform::transform(&c)).transpose()?;
     let (geometry, facing) = match kind {
         ShapeKind::Sphere => (sphere(object, transform)?, None),
@@ -201,7 +205,7 @@ fn read(object: &Object<'_>) -> Result<Shape> {
         _ => Sides::Front,
     };
     let (vertex_colors, materials) = match geometry {
-        Geometry::MeshFile(_) => (object.word("vertexcolors")?, object.word("materials")?),
+        Geometry::MeshFile(_) => (object.word("vertexcolors"), object.word("materials")),
         _ => Default::default(),
     };
     Ok(Shape {
@@ -210,8 +214,8 @@ fn read(object: &Object<'_>) -> Result<Shape> {
         facing,
         geometry,
         transform: transform.map(Transform),
-        sides: object.word_or("sides", default_sides)?,
-        shading: object.word("shading")?,
+        sides: object.word_or("sides", default_sides),
+        shading: object.word("shading"),
         vertex_colors,
         materials,
         hidden: false,
@@ -224,7 +228,7 @@ fn read(object: &Object<'_>) -> Result<Shape> {
 
 pub(super) fn name(object: &Object<'_>) -> Result<Option<Name>> {
     let Some(cursor) = object.one_of(&["name", "id"])? else { return Ok(None) };
-    Ok(Some(Name(cursor.text("a text that is not empty")?.to_owned())))
+    Ok(Some(Name(cursor.text("a string that is not empty")?.to_owned())))
 }
 
 fn sphere(object: &Object<'_>, transform: Option<glam::DAffine3>) -> Result<Geometry> {
@@ -233,14 +237,14 @@ fn sphere(object: &Object<'_>, transform: Option<glam::DAffine3>) -> Result<Geom
     {
         return Err(uneven(&cursor));
     }
-    let center = object.point("center")?;
-    Ok(Geometry::Sphere(Sphere { center, radius: object.number("radius")? }))
+    let center = object.point("center");
+    Ok(Geometry::Sphere(Sphere { center, radius: object.number("radius") }))
 }
 
 /// The transform at `cursor` would make something else of a sphere.
 pub(super) fn uneven(cursor: &Cursor<'_>) -> Error {
-    let error = cursor.error("a sphere cannot be sheared, nor scaled by unequal factors");
-    error.remedy("scale it evenly, or use a trimesh")
+    let error = cursor.error("a sphere can only be scaled uniformly");
+    error.remedy("use one scale factor, or a trimesh")
 }
 
 fn quad(object: &Object<'_>) -> Result<(Geometry, Option<Facing>)> {
@@ -253,9 +257,9 @@ fn quad(object: &Object<'_>) -> Result<(Geometry, Option<Facing>)> {
 }
 
 fn check_quad(cursor: &Cursor<'_>, points: &[DVec3; 4]) -> Result<()> {
-    let order = "give them as bottom left, top left, top right, bottom right";
+    let order = "order them bottom left, top left, top right, bottom right";
     if quad_repeats_a_corner(points) {
-        let error = cursor.error("two neighbouring corners of the plane are the same point");
+        let error = cursor.error("two neighbouring corners of the plane are equal");
         return Err(error.remedy("use a triangle"));
     }
     if !quad_has_area(points) {
@@ -265,7 +269,7 @@ fn check_quad(cursor: &Cursor<'_>, points: &[DVec3; 4]) -> Result<()> {
         return Err(cursor.error("the edges of the plane cross or touch").remedy(order));
     }
     if !quad_is_planar(points) {
-        let remedy = "it is drawn as two triangles, divided from the first point to the third";
+        let remedy = "it is rendered as two triangles that share the first and third points";
         cursor.warn("the four points are not in one plane", remedy);
     }
     Ok(())
@@ -300,13 +304,13 @@ fn facing(object: &Object<'_>, front: DVec3) -> Result<Option<Facing>> {
 fn check_toward(cursor: &Cursor<'_>, toward: DVec3, front: DVec3) -> Result<()> {
     let Some(unit) = direction(toward) else {
         return Err(cursor
-            .error("must have a direction")
-            .remedy("give a vector such as [0, 1, 0]"));
+            .error("must not be zero")
+            .remedy("use a vector such as [0, 1, 0]"));
     };
     // A shape without area has no sides to distinguish.
     if direction(front).is_some_and(|front| unit.dot(front).abs() < IN_PLANE) {
-        let error = cursor.error("lies in the surface, so that it points to neither of its sides");
-        return Err(error.remedy("give a vector that points away from the surface"));
+        let error = cursor.error("lies in the plane of the surface");
+        return Err(error.remedy("use a vector that points away from the surface"));
     }
     Ok(())
 }

@@ -30,8 +30,8 @@ pub(super) fn transform(cursor: &Cursor<'_>) -> Result<DAffine3> {
     let transform =
         if cursor.value().is_array() { matrix(cursor)? } else { parts(&cursor.object(PARTS)?)? };
     if is_singular(transform.matrix3) {
-        let error = cursor.error("the transform flattens space, so that it cannot be undone");
-        return Err(error.remedy("give every axis a scale other than 0"));
+        let error = cursor.error("the transform is singular");
+        return Err(error.remedy("use a scale other than 0 on every axis"));
     }
     Ok(transform)
 }
@@ -57,7 +57,7 @@ fn matrix(cursor: &Cursor<'_>) -> Result<DAffine3> {
     if *last != [0.0, 0.0, 0.0, 1.0] {
         let error = cursor.error("the last row must be [0, 0, 0, 1]");
         return Err(
-            error.remedy("the matrix acts on columns: the translation is in its last column")
+            error.remedy("put the translation in the last column")
         );
     }
     let column = |i: usize| DVec3::new(x[i], y[i], z[i]);
@@ -67,8 +67,8 @@ fn matrix(cursor: &Cursor<'_>) -> Result<DAffine3> {
 
 /// First the scale, then the rotation, then the translation.
 fn parts(object: &Object<'_>) -> Result<DAffine3> {
-    let translation = object.point("translate")?;
-    let rotate = object.point("rotate")?;
+    let translation = object.point("translate");
+    let rotate = object.point("rotate");
     let scale = object.get("scale").map_or(Ok(DVec3::ONE), |cursor| scale(&cursor))?;
     Ok(DAffine3 { matrix3: rotation(rotate) * DMat3::from_diagonal(scale), translation })
 }

@@ -51,10 +51,14 @@ impl Range {
     /// The range in words.
     pub(crate) fn words(self) -> String {
         let Self { low, high, open } = self;
-        if open {
-            return format!("a number above {low} and at most {high}");
-        }
-        format!("a number from {low} to {high}")
+        let [low, high] = [low, high].map(|bound| match bound {
+            LARGEST => "2^40".to_owned(),
+            bound if bound == -LARGEST => "-2^40".to_owned(),
+            bound => bound.to_string(),
+        });
+        let from = if open { "above" } else { "from" };
+        let to = if open { "and at most" } else { "to" };
+        format!("a number {from} {low} {to} {high}")
     }
 }
 
@@ -114,7 +118,14 @@ impl<'a> Cursor<'a> {
     /// A finite number in `range`.
     pub(crate) fn number(&self, range: Range) -> Result<f64> {
         let number = self.value.as_f64().filter(|x| range.contains(*x));
-        number.ok_or_else(|| self.must_be(&range.words()))
+        number.ok_or_else(|| {
+            let error = self.must_be(&range.words());
+            match self.value {
+                Value::Array(_) => error.remedy("give one number, not a list"),
+                Value::String(text) if text.parse::<f64>().is_ok() => error.remedy("remove the quotes"),
+                _ => error,
+            }
+        })
     }
 
     /// An integer from `low` to `high`; `8.0` is one. One that is too large is over a limit.

@@ -15,12 +15,46 @@ use wavecrest_base::error::{Error, ErrorKind, Result};
 pub(crate) fn parse(text: &str, file: &Path) -> Result<Value> {
     // Some editors begin a file with a byte order mark, which JSON does not have.
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    if text.trim_ascii().is_empty() {
+        return Err(Error::new(ErrorKind::Syntax, "the file is empty").in_file(file).remedy(
+            "write a scene in it, as SCENES.md describes, or render a .gltf, .glb, .ply, .obj or .stl file",
+        ));
+    }
     unique(text).map_err(|e| {
-        let text = e.to_string();
+        let (why, remedy) = explained(text, &e);
         let place = format!("line {} column {}", e.line(), e.column());
-        let reason = text.strip_suffix(&format!(" at {place}")).unwrap_or(&text);
-        Error::new(ErrorKind::Syntax, format!("not valid JSON: {reason}")).in_file(file).at(place)
+        Error::new(ErrorKind::Syntax, why).in_file(file).at(place).remedy(remedy)
     })
+}
+
+/// What is wrong in words, and what to do.
+fn explained(text: &str, error: &serde_json::Error) -> (String, &'static str) {
+    let line = text.lines().nth(error.line().saturating_sub(1)).unwrap_or_default();
+    let rest = line.get(error.column().saturating_sub(1)..).unwrap_or_default();
+    let full = error.to_string();
+    let reason = full.split(" at line ").next().unwrap_or_default();
+    let known = match reason {
+        _ if error.is_eof() => ("the file ends too early", "check that the file is whole, and close every bracket"),
+        _ if rest.starts_with("//") || rest.starts_with("/*") || rest.starts_with('#') => {
+            ("JSON has no comments", "remove the comment")
+        }
+        "trailing characters" => {
+            ("there is more after the end of the scene", "keep one scene in a file")
+        }
+        "trailing comma" => ("a comma before a closing bracket", "remove the comma"),
+        "key must be a string" => ("a key without quotes", "write it in double quotes: \"key\""),
+        "expected `:`" => ("a key without a value", "write a colon and a value after it"),
+        "expected `,` or `}`" | "expected `,` or `]`" => {
+            ("a comma or a closing bracket is missing", "add it before this place")
+        }
+        "expected value" | "expected ident" => {
+            ("no JSON value", "write a number, a text in double quotes, true, false, a list or an object")
+        }
+        "recursion limit exceeded" => ("brackets are nested too deeply", "remove some of them"),
+        "number out of range" => ("the number is too large", "use one below 1e308"),
+        _ => return (format!("not valid JSON: {reason}"), "check the text at this place"),
+    };
+    (known.0.to_owned(), known.1)
 }
 
 fn unique(text: &str) -> serde_json::Result<Value> {

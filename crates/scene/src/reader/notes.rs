@@ -1,29 +1,36 @@
 //! What is said of a file while it is read.
 
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
-use wavecrest_base::error::{Error, ErrorKind, Result, Warning};
+use wavecrest_base::error::{Error, ErrorKind, Result, Warning, Warnings};
 
-/// What the cursors of one file share: its name, how strict we are, the warnings so far.
+/// Greatest number of errors of a file that are listed.
+const MOST_ERRORS: usize = 10;
+
+/// What the cursors of one file share: its name, how strict we are, the errors and warnings so far.
 pub(crate) struct Notes<'a> {
     file: &'a Path,
     strict: bool,
     /// Whether files outside the folder of the file that names them are read.
     outside: bool,
-    warnings: RefCell<Vec<Warning>>,
+    /// The first errors.
+    errors: RefCell<Vec<Error>>,
+    /// The number of all errors.
+    faults: Cell<usize>,
+    warnings: RefCell<Warnings>,
     /// Files that were read besides.
     files: RefCell<Vec<PathBuf>>,
-    /// The messages of warnings that are given once.
+    /// The texts of all errors.
     given: RefCell<HashSet<String>>,
 }
 
 impl<'a> Notes<'a> {
     /// No warnings yet. If `strict`, an unknown key is an error.
     pub(crate) fn new(file: &'a Path, strict: bool) -> Self {
-        let (warnings, files, given) = Default::default();
-        Self { file, strict, outside: false, warnings, files, given }
+        let (errors, faults, warnings, files, given) = Default::default();
+        Self { file, strict, outside: false, errors, faults, warnings, files, given }
     }
 
     /// Has files be read that are outside the folder of the file that names them.
@@ -49,36 +56,58 @@ impl<'a> Notes<'a> {
 
     /// Keeps a warning that reads as `error` does.
     pub(crate) fn warn(&self, error: &Error) {
-        self.pass_on(Warning::from_error(error));
+        self.warnings.borrow_mut().add_error(error);
     }
 
-    /// Warns of what was found at `place`, the first time only: of a thousand materials with normal maps, one is
-    /// reported.
-    pub(crate) fn once(&self, place: &str, message: &str, remedy: &str) {
-        if self.given.borrow_mut().insert(message.to_owned()) {
-            self.warn(&self.error(ErrorKind::Scene, place, message.to_owned()).remedy(remedy));
-        }
+    /// Warns of what was found at `place`.
+    pub(crate) fn note(&self, place: &str, message: &str, remedy: &str) {
+        self.warn(&self.error(ErrorKind::Scene, place, message.to_owned()).remedy(remedy));
     }
 
-    /// Keeps a warning that reads as `error` does, unless there has been one of the same words.
-    pub(crate) fn warn_once(&self, error: &Error) {
-        if self.given.borrow_mut().insert(error.to_string()) {
-            self.warn(error);
-        }
-    }
-
-    /// Keeps a warning made elsewhere.
-    pub(crate) fn pass_on(&self, warning: Warning) {
-        self.warnings.borrow_mut().push(warning);
+    /// Keeps warnings made elsewhere.
+    pub(crate) fn pass_on(&self, warnings: Vec<Warning>) {
+        self.warnings.borrow_mut().extend(warnings);
     }
 
     /// A warning; an error where we are strict.
-    pub(crate) fn warn_or_fail(&self, error: Error) -> Result<()> {
-        if self.strict {
-            return Err(error);
+    pub(crate) fn warn_or_fail(&self, error: Error) {
+        if self.strict { self.fail(error) } else { self.warn(&error) }
+    }
+
+    /// Notes an error, so that reading can go on to the next. One that is found twice counts once.
+    pub(crate) fn fail(&self, error: Error) {
+        if !self.given.borrow_mut().insert(error.to_string()) {
+            return;
         }
-        self.warn(&error);
-        Ok(())
+        self.faults.set(self.faults.get() + 1);
+        let mut errors = self.errors.borrow_mut();
+        if errors.len() < MOST_ERRORS {
+            errors.push(error);
+        }
+    }
+
+    /// Reads a part of the file, and notes its error. An error after others of the same part is not noted: it may
+    /// follow from them.
+    pub(crate) fn part<T>(&self, read: impl FnOnce() -> Result<T>) -> Result<T> {
+        let before = self.faults.get();
+        read().inspect_err(|error| {
+            if self.faults.get() == before {
+                self.fail(error.clone());
+            }
+        })
+    }
+
+    /// Reads the whole of the file: if it has errors, the result is all of them.
+    pub(crate) fn whole<T>(&self, read: impl FnOnce() -> Result<T>) -> Result<T> {
+        let result = self.part(read);
+        let mut errors = self.errors.take().into_iter();
+        match errors.next() {
+            Some(first) => {
+                let unlisted = self.faults.get().saturating_sub(MOST_ERRORS);
+                Err(first.followed_by(errors.collect(), unlisted))
+            }
+            None => result,
+        }
     }
 
     /// Whether unknown keys are errors.
@@ -101,6 +130,6 @@ impl<'a> Notes<'a> {
 
     /// All warnings and files, in the order in which they were found.
     pub(crate) fn into_parts(self) -> (Vec<Warning>, Vec<PathBuf>) {
-        (self.warnings.into_inner(), self.files.into_inner())
+        (self.warnings.into_inner().into_vec(), self.files.into_inner())
     }
 }

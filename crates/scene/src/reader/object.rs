@@ -22,7 +22,7 @@ impl<'a> Cursor<'a> {
     /// An object that has no keys but those of its `kind`.
     pub(crate) fn object(&self, kind: Kind) -> Result<Object<'a>> {
         let object = self.any_object(kind)?;
-        object.check_keys()?;
+        object.check_keys();
         Ok(object)
     }
 
@@ -32,7 +32,9 @@ impl<'a> Cursor<'a> {
             /// Which kind it is.
             "type": Anything, Required;
         };
-        self.any_object(Kind::new(what, "", &[TYPE]))?.word("type")
+        let options = options();
+        let object = self.any_object(Kind::new(what, "", &[TYPE]))?;
+        object.need("type", &words_of(&options))?.choice(&options)
     }
 
     fn any_object(&self, kind: Kind) -> Result<Object<'a>> {
@@ -70,7 +72,7 @@ impl<'a> Object<'a> {
         let mut found = names.iter().filter_map(|name| Some((name, self.get(name)?)));
         let first = found.next();
         if let (Some((a, _)), Some((b, second))) = (&first, found.next()) {
-            let message = format!("means the same as {a:?}, which is given too");
+            let message = format!("means the same as {a:?}, which is also given");
             return Err(second.error(message).remedy(format!("keep {a:?} or {b:?}, not both")));
         }
         Ok(first.map(|(_, cursor)| cursor))
@@ -85,7 +87,7 @@ impl<'a> Object<'a> {
         let place = Place::Key(self.cursor.place(), names[0]).to_string();
         let error = self.cursor.notes().error(ErrorKind::Scene, &place, "is missing".into());
         match names.iter().find_map(|name| did_you_mean(name, self.unknown_keys())) {
-            Some(misspelt) => error.remedy(format!("is it the key {misspelt:?}, misspelt?")),
+            Some(misspelt) => error.remedy(format!("rename {misspelt:?} to {:?}", names[0])),
             None => error.remedy(format!("give {what}")),
         }
     }
@@ -94,23 +96,22 @@ impl<'a> Object<'a> {
         self.map.keys().map(String::as_str).filter(|key| self.key(key).is_none())
     }
 
-    /// Warns of the keys that this kind of object does not have; where we are strict, fails.
-    fn check_keys(&self) -> Result<()> {
+    /// Warns of the keys that this kind of object does not have; where we are strict, they are errors.
+    fn check_keys(&self) {
         let notes = self.cursor.notes();
         for key in self.unknown_keys() {
             let place = Place::Key(self.cursor.place(), key);
             let cursor = Cursor::new(&self.map[key], place, notes);
             let error = cursor.error(format!("is not a key of {}", self.kind.name));
-            notes.warn_or_fail(error.remedy(self.advice(key)))?;
+            notes.warn_or_fail(error.remedy(self.advice(key)));
         }
-        Ok(())
     }
 
     fn advice(&self, key: &str) -> String {
         let advice = if self.cursor.notes().strict() { "remove it" } else { "it is ignored" };
         let names = self.kind.all_keys().map(|key| key.name);
         match did_you_mean(key, names.filter(|name| !self.map.contains_key(*name))) {
-            Some(meant) => format!("{advice}, or did you mean {meant:?}?"),
+            Some(meant) => format!("{advice}; did you mean {meant:?}?"),
             None => advice.to_owned(),
         }
     }
@@ -131,23 +132,55 @@ impl<'a> Object<'a> {
         }
     }
 
-    /// A number.
-    pub(crate) fn number(&self, key: &'static str) -> Result<f64> {
-        let range = self.range(key);
-        match (self.get(key), self.absent(key)) {
-            (Some(cursor), _) => cursor.number(range),
-            (None, Absent::Is(x)) => Ok(x),
-            _ => Err(self.missing(&[key], &range.words())),
+    /// What `read` makes of the value of a key, or the `default` where it is absent. An error, or the absence of a key
+    /// without default, is noted, and reading goes on with `any` value.
+    fn value<T>(
+        &self,
+        key: &'static str,
+        what: &str,
+        default: Option<T>,
+        any: T,
+        read: impl FnOnce(&Cursor<'_>) -> Result<T>,
+    ) -> T {
+        let notes = self.cursor.notes();
+        match (self.get(key), default) {
+            (Some(cursor), _) => notes.part(|| read(&cursor)).unwrap_or(any),
+            (None, Some(default)) => default,
+            (None, None) => {
+                notes.fail(self.missing(&[key], what));
+                any
+            }
         }
     }
 
+    /// A part that is read by a function of its own; `what` says what it takes.
+    pub(crate) fn part<T>(
+        &self,
+        key: &'static str,
+        what: &str,
+        read: impl FnOnce(&Cursor<'_>) -> Result<T>,
+    ) -> Result<T> {
+        self.cursor.notes().part(|| read(&self.need(key, what)?))
+    }
+
+    /// A number.
+    pub(crate) fn number(&self, key: &'static str) -> f64 {
+        let range = self.range(key);
+        let default = match self.absent(key) {
+            Absent::Is(x) => Some(x),
+            _ => None,
+        };
+        self.value(key, &range.words(), default, 1.0, |cursor| cursor.number(range))
+    }
+
     /// A number; `default` where the key is absent.
-    pub(crate) fn number_or(&self, key: &'static str, default: f64) -> Result<f64> {
-        self.get(key).map_or(Ok(default), |cursor| cursor.number(self.range(key)))
+    pub(crate) fn number_or(&self, key: &'static str, default: f64) -> f64 {
+        let range = self.range(key);
+        self.value(key, "", Some(default), default, |cursor| cursor.number(range))
     }
 
     /// An integer.
-    pub(crate) fn integer(&self, key: &'static str) -> Result<u32> {
+    pub(crate) fn integer(&self, key: &'static str) -> u32 {
         let (low, high) = match self.key(key).map(|key| key.takes) {
             Some(Takes::Integer(low, high)) => (low, high),
             _ => {
@@ -155,53 +188,52 @@ impl<'a> Object<'a> {
                 (0, u32::MAX)
             }
         };
-        match (self.get(key), self.absent(key)) {
-            (Some(cursor), _) => cursor.integer(low, high),
+        let default = match self.absent(key) {
             // Tables have integers of the range alone.
-            (None, Absent::Is(x)) => Ok(x as u32),
-            _ => Err(self.missing(&[key], &integer_words(low, high))),
-        }
+            Absent::Is(x) => Some(x as u32),
+            _ => None,
+        };
+        let what = integer_words(low, high);
+        self.value(key, &what, default, low, |cursor| cursor.integer(low, high))
     }
 
     /// A point or a direction.
-    pub(crate) fn point(&self, key: &'static str) -> Result<DVec3> {
-        match (self.get(key), self.absent(key)) {
-            (Some(cursor), _) => cursor.point(),
-            (None, Absent::Are(point)) => Ok(point.into()),
-            _ => Err(self.missing(&[key], POINT)),
-        }
+    pub(crate) fn point(&self, key: &'static str) -> DVec3 {
+        self.value(key, POINT, self.three(key), DVec3::ONE, |cursor| cursor.point())
     }
 
     /// A point or a direction; `default` where the key is absent.
-    pub(crate) fn point_or(&self, key: &'static str, default: DVec3) -> Result<DVec3> {
-        self.get(key).map_or(Ok(default), |cursor| cursor.point())
+    pub(crate) fn point_or(&self, key: &'static str, default: DVec3) -> DVec3 {
+        self.value(key, "", Some(default), default, |cursor| cursor.point())
     }
 
     /// A colour.
-    pub(crate) fn color(&self, key: &'static str) -> Result<DVec3> {
-        match (self.get(key), self.absent(key)) {
-            (Some(cursor), _) => cursor.color(),
-            (None, Absent::Are(color)) => Ok(color.into()),
-            _ => Err(self.missing(&[key], COLOR)),
+    pub(crate) fn color(&self, key: &'static str) -> DVec3 {
+        self.value(key, COLOR, self.three(key), DVec3::ONE, |cursor| cursor.color())
+    }
+
+    /// What three numbers are where the key is absent.
+    fn three(&self, key: &str) -> Option<DVec3> {
+        match self.absent(key) {
+            Absent::Are(three) => Some(three.into()),
+            _ => None,
         }
     }
 
     /// A word.
-    pub(crate) fn word<T: Choice>(&self, key: &'static str) -> Result<T> {
-        let absent = match self.absent(key) {
+    pub(crate) fn word<T: Choice>(&self, key: &'static str) -> T {
+        let default = match self.absent(key) {
             Absent::Says(word) => T::VALUES.iter().find(|value| value.name() == word),
             _ => None,
         };
-        match (self.get(key), absent) {
-            (Some(cursor), _) => cursor.choice(&options()),
-            (None, Some(meaning)) => Ok(*meaning),
-            _ => Err(self.missing(&[key], &words_of(&options::<T>()))),
-        }
+        let options = options();
+        let read = |cursor: &Cursor<'_>| cursor.choice(&options);
+        self.value(key, &words_of(&options), default.copied(), T::VALUES[0], read)
     }
 
     /// A word; `default` where the key is absent.
-    pub(crate) fn word_or<T: Choice>(&self, key: &'static str, default: T) -> Result<T> {
-        self.get(key).map_or(Ok(default), |cursor| cursor.choice(&options()))
+    pub(crate) fn word_or<T: Choice>(&self, key: &'static str, default: T) -> T {
+        self.value(key, "", Some(default), default, |cursor| cursor.choice(&options()))
     }
 }
 

@@ -10,31 +10,21 @@ use wavecrest_core::prepared::PreparedScene;
 /// Camera rays that look for them, along each side of the image at most.
 const RAYS: u32 = 64;
 
-/// Shapes with a warning of their own; further ones are only counted.
-const TOLD: usize = 4;
-
 /// What is to be said of them.
-pub(super) fn warnings(scene: &PreparedScene) -> Vec<Error> {
+pub(super) fn warning(scene: &PreparedScene) -> Option<Error> {
     let appearance = &scene.appearance;
     let found = seen(scene, &from_behind(scene));
-    let mut told: Vec<Error> = found
-        .iter()
-        .take(TOLD)
-        .map(|&shape| {
-            let back = appearance.names[shape].as_ref();
-            let back = back.map_or("its back".to_owned(), |name| format!("the back of {name:?}"));
-            let message = format!("the camera sees only {back}, which no light reaches");
-            let remedy =
-                "set \"normal\" to -1 to turn a plane or a triangle, or \"sides\" to \"both\"";
-            Error::new(ErrorKind::Scene, message).at(&appearance.places[shape]).remedy(remedy)
-        })
-        .collect();
-    if found.len() > TOLD {
-        let message =
-            format!("the camera sees only the backs of {} more shapes", found.len() - TOLD);
-        told.push(Error::new(ErrorKind::Scene, message));
-    }
-    told
+    let &first = found.first()?;
+    let back = appearance.names[first].as_ref();
+    let back = back.map_or("its back".to_owned(), |name| format!("the back of {name:?}"));
+    let others = match found.len() - 1 {
+        0 => String::new(),
+        1 => " and that of 1 other shape".to_owned(),
+        n => format!(" and those of {n} other shapes"),
+    };
+    let message = format!("the camera sees only {back}{others}, which no light reaches");
+    let remedy = "set \"sides\" to \"both\", or turn a plane or a triangle with \"normal\": -1";
+    Some(Error::new(ErrorKind::Scene, message).at(&appearance.places[first]).remedy(remedy))
 }
 
 /// For each shape, whether a camera that sees it is behind all of it in every frame, and whether it would look

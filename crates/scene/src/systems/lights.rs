@@ -173,12 +173,12 @@ fn no_area(world: &World, entity: Entity, settings: &Settings) -> Error {
     Error::new(ErrorKind::Scene, "the shape of an area light must have an area")
         .in_file(&settings.file)
         .at(format!("{}.shape", json_path(world, entity)))
-        .remedy("give it corners that are not on one line, or use a point light")
+        .remedy("move the corners apart, or use a point light")
 }
 
 /// Each sample has random numbers of its own, and these are numbered in 32 bits.
 fn too_many_samples(world: &World, entity: Entity, settings: &Settings) -> Error {
-    Error::new(ErrorKind::Limit, "the lights have too many samples together")
+    Error::new(ErrorKind::Limit, "the lights have too many samples in all")
         .in_file(&settings.file)
         .at(format!("{}.samples", json_path(world, entity)))
         .remedy(format!("at most {} are allowed", u32::MAX - 1))

@@ -211,10 +211,10 @@ pub(super) fn name(source: &TextureSource) -> String {
 fn cannot_read(name: &str, error: ImageError) -> Error {
     let remedy = match &error {
         ImageError::Limits(_) => {
-            format!("images of up to {MAX_SIDE} texels on a side and {MAX_BYTES} bytes are allowed")
+            format!("use at most {MAX_SIDE} texels on a side and {MAX_BYTES} bytes")
         }
         ImageError::Unsupported(_) => {
-            "use an image in one of the usual formats, such as PNG or JPEG".to_owned()
+            "use PNG or JPEG".to_owned()
         }
         _ => "check that the file is whole and is an image".to_owned(),
     };
@@ -245,7 +245,7 @@ pub(super) fn decoding<R>(
     };
     // The decoders are meant not to panic, but a damaged file must not end the program.
     catch_unwind(AssertUnwindSafe(|| work(decoder()?)))
-        .unwrap_or_else(|_| Err(ImageError::IoError(std::io::Error::other("the decoder gave up"))))
+        .unwrap_or_else(|_| Err(ImageError::IoError(std::io::Error::other("the decoder failed"))))
         .map_err(|e| cannot_read(&name(source), e))
 }
 

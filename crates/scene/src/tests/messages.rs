@@ -8,7 +8,12 @@ use super::{complete, error, load, refused, set, strictly, warned, warnings, wit
 fn top_level() {
     let text = |scene: &Value| error(scene).to_string();
     assert_eq!(text(&json!([1, 2])), "s.json: must be a scene, an object { ... }, found [1,2]");
-    assert_eq!(text(&json!({})), "s.json: nbounces: is missing; give an integer from 0 to 10000");
+    let missing = [
+        "s.json: nbounces: is missing; give an integer from 0 to 10000",
+        "s.json: camera: is missing; give an object { ... }",
+        "s.json: scene: is missing; give an object { ... }",
+    ];
+    assert_eq!(text(&json!({})), missing.join("\n"));
     refused("nbounces", json!(-1), "nbounces: must be an integer from 0 to 10000, found -1");
     refused("nbounces", json!(2.5), "nbounces: must be an integer from 0 to 10000, found 2.5");
     refused("nbounces", json!("3"), "nbounces: must be an integer from 0 to 10000, found \"3\"");
@@ -22,7 +27,7 @@ fn top_level() {
     refused(
         "scene.backgroundcolor",
         json!([0, -0.5, 0]),
-        "scene.backgroundcolor[1]: must be a number from 0 to 1099511627776, found -0.5",
+        "scene.backgroundcolor[1]: must be a number from 0 to 2^40, found -0.5",
     );
     refused(
         "scene.backgroundcolor",
@@ -32,7 +37,7 @@ fn top_level() {
     refused(
         "scene.ambient",
         json!(-1),
-        "scene.ambient: must be a number from 0 to 1099511627776, found -1",
+        "scene.ambient: must be a number from 0 to 2^40, found -1",
     );
     refused(
         "scene.instances",
@@ -66,9 +71,9 @@ fn keys() {
     let misspelt = set(without("camera.antialias"), "camera.antialais", json!(2));
     let found = "camera.antialais: is not a key of a thin-lens camera, found 2";
     let meant = "did you mean \"antialias\"?";
-    assert_eq!(warnings(&misspelt), [format!("{found}; it is ignored, or {meant}")]);
+    assert_eq!(warnings(&misspelt), [format!("{found}; it is ignored; {meant}")]);
     let error = strictly(&misspelt).err().unwrap().to_string();
-    assert_eq!(error, format!("s.json: {found}; remove it, or {meant}"));
+    assert_eq!(error, format!("s.json: {found}; remove it; {meant}"));
     let error = strictly(&with("extra", json!(1))).err().unwrap().to_string();
     assert_eq!(error, "s.json: extra: is not a key of a scene, found 1; remove it");
 }
@@ -82,16 +87,16 @@ fn missing_keys() {
     );
     assert_eq!(
         missing(&set(without("camera.width"), "camera.Widht", json!(640))),
-        "s.json: camera.width: is missing; is it the key \"Widht\", misspelt?"
+        "s.json: camera.width: is missing; rename \"Widht\" to \"width\""
     );
     assert_eq!(
         missing(&set(without("camera.location"), "camera.positon", json!([0, 0, 5]))),
-        "s.json: camera.location: is missing; is it the key \"positon\", misspelt?"
+        "s.json: camera.location: is missing; rename \"positon\" to \"location\""
     );
     // "ks" is near, but it is a key in its own right.
     assert_eq!(
         missing(&without("scene.shapes[0].material.kd")),
-        "s.json: scene.shapes[0].material.kd: is missing; give a number from 0 to 1099511627776"
+        "s.json: scene.shapes[0].material.kd: is missing; give a number from 0 to 2^40"
     );
     assert_eq!(
         missing(&without("scene.shapes[0].type")),
@@ -135,7 +140,7 @@ fn camera_place() {
     refused(
         "camera.look",
         json!([0, 0, 5]),
-        "camera.look: the camera looks at the point where it stands, found [0,0,5]; \
+        "camera.look: the camera looks at its own location, found [0,0,5]; \
          move \"look\" away from \"location\"",
     );
     refused(
@@ -153,13 +158,13 @@ fn camera_place() {
     refused(
         "camera.location",
         json!([0, 2e12, 5]),
-        "camera.location[1]: must be a number from -1099511627776 to 1099511627776, \
+        "camera.location[1]: must be a number from -2^40 to 2^40, \
          found 2000000000000.0",
     );
     refused(
         "camera.location",
         json!([0, "1", 5]),
-        "camera.location[1]: must be a number from -1099511627776 to 1099511627776, found \"1\"",
+        "camera.location[1]: must be a number from -2^40 to 2^40, found \"1\"; remove the quotes",
     );
     refused(
         "camera.look",
@@ -169,12 +174,12 @@ fn camera_place() {
     refused(
         "camera.up",
         json!([0, 0, 0]),
-        "camera.up: must have a direction, found [0,0,0]; give a vector such as [0, 1, 0]",
+        "camera.up: must not be zero, found [0,0,0]; use a vector such as [0, 1, 0]",
     );
     warned(
         "camera.up",
         json!([0, 0, -2]),
-        "camera.up: is parallel to the view, so that it does not say which way up the image is, \
+        "camera.up: is parallel to the view direction, \
          found [0, 0, -2]; [1, 0, 0] is used instead",
     );
 }
@@ -195,7 +200,7 @@ fn lights() {
     refused(
         &format!("{first}.intensity"),
         json!(-1),
-        &format!("{first}.intensity: must be a number from 0 to 1099511627776, found -1"),
+        &format!("{first}.intensity: must be a number from 0 to 2^40, found -1"),
     );
     refused(
         &format!("{first}.falloff"),
@@ -239,7 +244,7 @@ fn light_shapes_without_area() {
         json!({"type": "plane", "points": [[0, 0, 0], [1, 0, 0], [2, 0, 0], [3, 0, 0]]}),
         &format!(
             "{path}.points: the plane has no area, found [[0,0,0],[1,0,0],[2,0,0],[3,0,0]]; \
-             give them as bottom left, top left, top right, bottom right"
+             order them bottom left, top left, top right, bottom right"
         ),
     );
 }
@@ -260,18 +265,18 @@ fn materials() {
     refused(
         &format!("{path}.kr"),
         json!(-0.1),
-        &format!("{path}.kr: must be a number from 0 to 1099511627776, found -0.1"),
+        &format!("{path}.kr: must be a number from 0 to 2^40, found -0.1"),
     );
-    let above = "is above 1, so that the surface can return more light than it receives";
+    let above = "is above 1, so the surface reflects more light than it receives";
     for key in ["ks", "kd", "kr"] {
         let path = format!("{path}.{key}");
-        warned(&path, json!(1.5), &format!("{path}: {above}, found 1.5; it should be from 0 to 1"));
+        warned(&path, json!(1.5), &format!("{path}: {above}, found 1.5; use 0 to 1"));
     }
     let path = format!("{path}.diffusecolor");
     warned(
         &path,
         json!([2, 0, 0]),
-        &format!("{path}: {above}, found [2,0,0]; it should be from 0 to 1"),
+        &format!("{path}: {above}, found [2,0,0]; use 0 to 1"),
     );
 }
 
@@ -284,7 +289,7 @@ fn textures() {
         json!("no/such.png"),
         &format!(
             "{path}: there is no file at no/such.png, found \"no/such.png\"; \
-             a relative path starts from the scene file's folder"
+             relative paths start at the scene file's folder"
         ),
     );
     refused(
@@ -292,7 +297,7 @@ fn textures() {
         json!("src"),
         &format!(
             "{path}: there is a folder, not a file, at src, found \"src\"; \
-             a relative path starts from the scene file's folder"
+             relative paths start at the scene file's folder"
         ),
     );
     refused(
@@ -308,14 +313,14 @@ fn textures() {
     warned(
         "scene.shapes[1].filter",
         json!("nearest"),
-        "scene.shapes[1].filter: does nothing without a texture, found \"nearest\"; \
+        "scene.shapes[1].filter: has no effect without a texture, found \"nearest\"; \
          add \"texture\", or remove it",
     );
     refused(
         "scene.shapes[4].texture",
         json!("Cargo.toml"),
-        "scene.shapes[4].texture: the mesh has no texture coordinates, which a texture needs; \
-         give it \"uvs\", or remove the texture",
+        "scene.shapes[4].texture: the mesh has no texture coordinates; \
+         add \"uvs\", or remove the texture",
     );
 }
 
@@ -324,7 +329,7 @@ fn names() {
     refused(
         "scene.shapes[0].name",
         json!(""),
-        "scene.shapes[0].name: must be a text that is not empty, found \"\"",
+        "scene.shapes[0].name: must be a string that is not empty, found \"\"",
     );
     refused(
         "scene.shapes[0].id",
@@ -336,7 +341,7 @@ fn names() {
         "scene.shapes[2].id",
         json!("ball"),
         "scene.shapes[2]: the name \"ball\" is also that of scene.shapes[0]; \
-         give each shape a name of its own",
+         use a different name for each shape",
     );
 }
 

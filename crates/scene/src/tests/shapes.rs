@@ -18,7 +18,7 @@ fn refused_at(shape: &str, key: &str, value: Value, message: &str) {
 
 #[test]
 fn hc17_spheres() {
-    let words = "must be a number above 0 and at most 1099511627776";
+    let words = "must be a number above 0 and at most 2^40";
     refused_at(SPHERE, "radius", json!(0), &format!("{words}, found 0"));
     refused_at(SPHERE, "radius", json!(-2), &format!("{words}, found -2"));
     refused_at(SPHERE, "radius", json!(null), &format!("{words}, found null"));
@@ -29,12 +29,12 @@ fn hc17_spheres() {
         "must be \"sphere\", \"plane\", \"triangle\" or \"trimesh\", found \"shpere\"; \
          did you mean \"sphere\"?",
     );
-    let words = "a sphere cannot be sheared, nor scaled by unequal factors";
+    let words = "a sphere can only be scaled uniformly";
     refused_at(
         SPHERE,
         "transform",
         json!({"scale": [1, 2, 1]}),
-        &format!("{words}, found {{\"scale\":[1,2,1]}}; scale it evenly, or use a trimesh"),
+        &format!("{words}, found {{\"scale\":[1,2,1]}}; use one scale factor, or a trimesh"),
     );
     let shear = json!([[1, 1, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]);
     assert!(error(&with(&format!("{SPHERE}.transform"), shear)).to_string().contains(words));
@@ -44,8 +44,8 @@ fn hc17_spheres() {
 
 #[test]
 fn transforms() {
-    let flat = "the transform flattens space, so that it cannot be undone";
-    let remedy = "give every axis a scale other than 0";
+    let flat = "the transform is singular";
+    let remedy = "use a scale other than 0 on every axis";
     refused_at(
         PLANE,
         "transform",
@@ -72,7 +72,7 @@ fn transforms() {
         "transform",
         json!([[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [5, 0, 0, 1]]),
         "the last row must be [0, 0, 0, 1], found [[1,0,0,0],[0,1,0,0],[0,0,1,0],[5,0,0,1]]; \
-         the matrix acts on columns: the translation is in its last column",
+         put the translation in the last column",
     );
     refused_at(
         PLANE,
@@ -90,7 +90,7 @@ fn transforms() {
 
 #[test]
 fn planes() {
-    let order = "give them as bottom left, top left, top right, bottom right";
+    let order = "order them bottom left, top left, top right, bottom right";
     let points = "four points [[x, y, z], ...]: bottom left, top left, top right, bottom right";
     refused_at(
         PLANE,
@@ -116,7 +116,7 @@ fn planes() {
         PLANE,
         "points",
         json!([[0, 0, 0], [0, 1, 0], [0, 1, 0], [1, 0, 0]]),
-        "two neighbouring corners of the plane are the same point, \
+        "two neighbouring corners of the plane are equal, \
          found [[0,0,0],[0,1,0],[0,1,0],[1,0,0]]; use a triangle",
     );
     warned(
@@ -124,7 +124,7 @@ fn planes() {
         json!([1, 1, 0.1]),
         "scene.shapes[1].points: the four points are not in one plane, \
          found [[0,0,0],[0,1,0],[1,1,0.1],[1,0,0]]; \
-         it is drawn as two triangles, divided from the first point to the third",
+         it is rendered as two triangles that share the first and third points",
     );
 }
 
@@ -139,14 +139,14 @@ fn normals_of_planes_and_triangles() {
             shape,
             "normal",
             json!([0, 0, 0]),
-            "must have a direction, found [0,0,0]; give a vector such as [0, 1, 0]",
+            "must not be zero, found [0,0,0]; use a vector such as [0, 1, 0]",
         );
         refused_at(
             shape,
             "normal",
             in_plane,
-            "lies in the surface, so that it points to neither of its sides, found [1,0,0]; \
-             give a vector that points away from the surface",
+            "lies in the plane of the surface, found [1,0,0]; \
+             use a vector that points away from the surface",
         );
     }
 }
@@ -220,7 +220,7 @@ fn hc25_indices() {
     );
     let warning = warnings(&with("scene.shapes[4].normal", json!([0, 0])));
     let text = "scene.shapes[4].normal: is not a key of a trimesh with indices, found [0,0]; \
-                it is ignored, or did you mean \"normals\"?";
+                it is ignored; did you mean \"normals\"?";
     assert_eq!(warning, [text]);
 }
 
@@ -237,7 +237,7 @@ fn mesh_sources() {
             "file",
             json!(file),
             &format!(
-                "a glTF file is a scene of its own, and no shape, found \"{file}\"; convert it, and name the \
+                "a glTF file cannot be a shape, found \"{file}\"; convert it, and name the \
                  meshes that this writes: wavecrest convert IN OUT.json"
             ),
         );
@@ -247,11 +247,11 @@ fn mesh_sources() {
         "file",
         json!("a.ply"),
         "there is no file at a.ply, found \"a.ply\"; \
-         a relative path starts from the scene file's folder",
+         relative paths start at the scene file's folder",
     );
     let smooth = with(&format!("{FILE}.shading"), json!("smooth"));
-    let text = "scene.shapes[5].shading: the mesh has no normals, which smooth shading needs; \
-                shading stays flat";
+    let text = "scene.shapes[5].shading: the mesh has no normals for smooth shading; \
+                flat shading is used";
     assert_eq!(warnings(&smooth), [text]);
     let textured = set(smooth, &format!("{FILE}.texture"), json!("Cargo.toml"));
     assert!(load(&textured).is_err());

@@ -197,7 +197,7 @@ fn each_key_with_a_letter_too_many_is_matched() {
         let error = strictly(&scene).err().unwrap().to_string();
         let key = path.rsplit('.').next().unwrap();
         let found = error.contains(&format!("did you mean {key:?}?"))
-            || error.contains(&format!("is it the key \"{key}e\", misspelt?"));
+            || error.contains(&format!("rename \"{key}e\" to {key:?}"));
         assert!(found, "{error}");
     }
 }

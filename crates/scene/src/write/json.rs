@@ -60,7 +60,7 @@ fn check_kinds(world: &mut World) -> Result<()> {
     if others.into_iter().next().is_none() {
         return Ok(());
     }
-    let error = Error::new(ErrorKind::Usage, "this is a scene file already");
+    let error = Error::new(ErrorKind::Usage, "this is already a scene file");
     Err(error.remedy("convert glTF files and meshes"))
 }
 

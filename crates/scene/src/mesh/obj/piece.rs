@@ -169,7 +169,7 @@ fn numbers<'a, const N: usize>(
             format!("\"{keyword}\" needs at least {needed} numbers"),
         )
         .value(found)
-        .remedy("complete the line; the file may have been cut off"));
+        .remedy("complete the line; the file may be cut off"));
     }
     Ok((numbers, rest))
 }

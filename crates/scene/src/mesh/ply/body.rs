@@ -60,14 +60,14 @@ impl Row<'_> {
         let syntax = |message: &str| Error::new(ErrorKind::Syntax, message);
         let Element { name, count, .. } = self.element;
         let error = match fault {
-            Fault::End => syntax("the file ends inside this element")
-                .remedy(format!("the header promises {count} of \"{name}\": the file was cut off")),
+            Fault::End => syntax(&format!("the file is cut off: its header promises {count} of \"{name}\""))
+                .remedy("copy or export it again"),
             Fault::Malformed(text) => {
                 syntax("a number is malformed").value(text).remedy("write it as 12 or -0.5e3")
             }
-            Fault::LongRow => syntax("the line goes on after the last value of the element")
+            Fault::LongRow => syntax("the line has too many values")
                 .remedy(
-                    "declare all values of a line in the header, and begin each element on a line",
+                    "declare every value of a line in the header, and put each element on its own line",
                 ),
             Fault::Io(error) => read_failure(error),
         };
@@ -199,9 +199,9 @@ impl Body {
             _ => Error::new(ErrorKind::Syntax, "the end of the file cannot be read"),
         })?;
         if bytes > 0 {
-            let message = "the file goes on after its last element, and the rest is ignored";
+            let message = "there is more after the last element, which is ignored";
             let note = Error::new(ErrorKind::Syntax, message).at("end of the body");
-            let remedy = "check the counts of the header if something is missing";
+            let remedy = "check the counts in the header";
             self.notes.push(note.value(format_args!("{bytes} bytes")).remedy(remedy));
         }
         Ok(())
@@ -301,13 +301,10 @@ fn check_room(element: &Element, source: &impl Source) -> Result<()> {
     }
     let Element { name, count, .. } = element;
     let held = left / row.max(1);
-    let message = format!(
-        "the file is too short: {count} of \"{name}\" take at least {need} bytes and {left} are left"
-    );
+    let message = format!("the file is cut off: its header promises {count} of \"{name}\", and there is room for {held}");
     Err(Error::new(ErrorKind::Syntax, message)
         .at(format!("{name} {held}"))
-        .value(format_args!("the end of the file after at most {held}"))
-        .remedy("the file was cut off, or the count in its header is wrong"))
+        .remedy("copy or export it again"))
 }
 
 /// How many triangles to set room aside for. Exact if the faces come last and are lists with nothing beside,
@@ -332,10 +329,10 @@ fn list_length(value: f64) -> Result<u64> {
 
 fn too_long(length: u64, need: u64, left: u64) -> Error {
     let message = format!(
-        "the file is too short: a list of {length} takes at least {need} bytes and {left} are left"
+        "the file is cut off: a list of {length} takes at least {need} bytes, and {left} are left"
     );
     Error::new(ErrorKind::Syntax, message)
-        .remedy("the file was cut off, or the types in its header are wrong")
+        .remedy("copy or export it again, or correct the types in its header")
 }
 
 /// The index of a vertex, from the number that gives it.

@@ -150,20 +150,20 @@ impl<R: BufRead> Lines<R> {
 fn check_magic(line: Option<String>) -> Result<()> {
     match line {
         Some(line) if line.trim() == "ply" => Ok(()),
-        None => Err(fault("the file is empty").remedy("give a PLY file")),
+        None => Err(fault("the file is empty").remedy("export it again")),
         Some(line) => Err(fault("a PLY file begins with the line \"ply\"")
             .at(place(1))
             .value(format_args!("{:?}", line.trim()))
-            .remedy("check that the file is a PLY file and that its lines end in LF or CR LF")),
+            .remedy("check that this is a PLY file")),
     }
 }
 
 fn end_missing<R>(lines: &Lines<R>) -> Error {
     let error = fault("the header does not end").at(place(lines.lines));
     if lines.bytes >= MAX_HEADER {
-        return error.remedy(format!("end it by \"end_header\" within {MAX_HEADER} bytes"));
+        return error.remedy(format!("end it with \"end_header\" within {MAX_HEADER} bytes"));
     }
-    error.remedy("end it by a line \"end_header\"; the file may have been cut off")
+    error.remedy("end it with a line \"end_header\"; the file may be cut off")
 }
 
 /// Takes in one line of the header; true for its last.
@@ -182,14 +182,14 @@ fn statement(
         ["property", rest @ ..] => {
             let property = property(rest)?;
             let Some(element) = elements.last_mut() else {
-                return Err(fault("a property must come after the element that it is part of")
+                return Err(fault("a property must follow its element")
                     .value(&property.name)
-                    .remedy("put an \"element\" line before it"));
+                    .remedy("add an \"element\" line before it"));
             };
             element.properties.push(property);
         }
         [other, ..] => {
-            return Err(unknown("the header has a line of an unknown kind", other, KEYWORDS));
+            return Err(unknown("unknown header line", other, KEYWORDS));
         }
     }
     Ok(false)
@@ -202,12 +202,12 @@ fn format(words: &[&str]) -> Result<Encoding> {
         ["binary_big_endian", _] => Encoding::BigEndian,
         _ => {
             let right = "use ascii, binary_little_endian or binary_big_endian, and then 1.0";
-            return Err(fault("the format is not known").value(words.join(" ")).remedy(right));
+            return Err(fault("the format is unknown").value(words.join(" ")).remedy(right));
         }
     };
     match words {
         [_, "1.0"] => Ok(encoding),
-        _ => Err(fault("the version is not known").value(words.join(" ")).remedy("use 1.0")),
+        _ => Err(fault("the version is unknown").value(words.join(" ")).remedy("use 1.0")),
     }
 }
 
@@ -226,7 +226,7 @@ fn element(words: &[&str], line: u64, before: &[Element]) -> Result<Element> {
     let Ok(count) = digits.parse() else {
         return Err(Error::new(
             ErrorKind::Limit,
-            format!("an element has at most {MAX_COUNT} rows"),
+            format!("an element can have at most {MAX_COUNT} rows"),
         )
         .value(digits)
         .remedy("check the count"));
@@ -256,7 +256,7 @@ fn property(words: &[&str]) -> Result<Property> {
 fn scalar(name: &str) -> Result<Scalar> {
     let names = TYPE_NAMES.iter().flat_map(|t| [t.0, t.1]);
     Scalar::from_name(name)
-        .ok_or_else(|| unknown("the type of a property is not known", name, names))
+        .ok_or_else(|| unknown("the type of the property is unknown", name, names))
 }
 
 /// The error of a word that is none of `names`.

@@ -126,13 +126,13 @@ fn find(element: &Element, name: &str) -> Result<Option<usize>> {
     let mut all = (0..element.properties.len()).filter(|&i| element.properties[i].name == name);
     let first = all.next();
     if all.next().is_some() {
-        return Err(Error::new(ErrorKind::Syntax, "a property of the vertices is declared twice")
+        return Err(Error::new(ErrorKind::Syntax, "a vertex property is declared twice")
             .value(name)
             .remedy("rename one of the two"));
     }
     match first.map(|i| element.properties[i].shape) {
         Some(Shape::List { .. }) => {
-            Err(Error::new(ErrorKind::Syntax, "a property of the vertices must be a single number")
+            Err(Error::new(ErrorKind::Syntax, "a vertex property must be a single number")
                 .value(format_args!("a list \"{name}\""))
                 .remedy(format!("declare it as \"property float {name}\"")))
         }

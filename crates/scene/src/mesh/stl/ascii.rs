@@ -27,8 +27,8 @@ pub(super) fn read<F: ReadAt + ?Sized>(
     let mut text = Text::default();
     each_line(file, length, buffer, |line| text.line(line))?;
     if !text.corners.is_empty() {
-        let error = fault("the last triangle does not end").value(text.corners.len());
-        return Err(error.remedy("the file may have been cut off"));
+        let error = fault("the last triangle is incomplete").value(text.corners.len());
+        return Err(error.remedy("the file may be cut off"));
     }
     let notes = text.has_colours.then(|| ignored_colours("colours of triangles"));
     Ok((text.triangles, notes.into_iter().collect()))
@@ -65,7 +65,7 @@ impl Text {
                 Ok(())
             }
             other if FRAME.contains(&other) => Ok(()),
-            other => Err(fault("the line is of an unknown kind")
+            other => Err(fault("unknown line")
                 .value(format_args!("\"{other}\""))
                 .remedy("check that the file is an STL file and is whole")),
         }
@@ -74,13 +74,13 @@ impl Text {
     fn vertex<'a>(&mut self, mut words: impl Iterator<Item = &'a str>) -> Result<()> {
         if self.corners.len() == 3 {
             let error = fault("a triangle has more than three corners");
-            return Err(error.remedy("save the mesh with triangles, or as PLY or OBJ"));
+            return Err(error.remedy("export triangles only, or use PLY or OBJ"));
         }
         let mut number = || {
             let word = words.next().unwrap_or("");
             number::parse(word.as_bytes()).ok_or_else(|| {
                 let error = fault("a corner is three numbers").value(format_args!("\"{word}\""));
-                error.remedy("write them as 12 or -0.5e3; the file may have been cut off")
+                error.remedy("write them as 12 or -0.5e3; the file may be cut off")
             })
         };
         let position = Vec3::new(number()?, number()?, number()?);
@@ -121,7 +121,7 @@ fn each_line<F: ReadAt + ?Sized>(
         }
         let place = || format!("line {number}");
         if read as u64 == LONGEST_LINE && !line.ends_with(b"\n") {
-            let error = fault(format!("a line has at most {LONGEST_LINE} bytes")).at(place());
+            let error = fault(format!("a line can have at most {LONGEST_LINE} bytes")).at(place());
             return Err(error.remedy("check that the file is an STL file"));
         }
         take(&String::from_utf8_lossy(&line)).map_err(|error| error.at(place()))?;

@@ -46,7 +46,7 @@ pub(super) fn read<F: ReadAt + ?Sized>(
         return Err(fault(format!("the file has room for {} triangles", room(length)))
             .at("the count of triangles")
             .value(count)
-            .remedy("the file may have been cut off, or it is no STL file"));
+            .remedy("the file may be cut off, or this is not an STL file"));
     }
     check_count(count)?;
     let mut notes = trailing(count, length);

@@ -92,7 +92,7 @@ pub(super) fn check_point(common: &Common, point: DVec3) -> Result<()> {
     if in_range(point) {
         return Ok(());
     }
-    Err(Error::new(ErrorKind::Scene, "the transform takes the shape too far out")
+    Err(Error::new(ErrorKind::Scene, "the transform moves the shape too far away")
         .at(format!("{}.transform", common.place))
         .value(format!("a coordinate of {:e}", point.abs().max_element()))
         .remedy(format!("keep coordinates within {MAX_COORDINATE:e}")))

@@ -135,10 +135,10 @@ impl Builder {
             check_point(common, to_world.transform_point3(corner))?;
         }
         if !to_world.inverse().is_finite() {
-            let message = "the transform flattens space, so that it cannot be undone";
+            let message = "the transform is singular";
             return Err(Error::new(ErrorKind::Scene, message)
                 .at(format!("{}.transform", common.place))
-                .remedy("give every axis a scale other than 0"));
+                .remedy("use a scale other than 0 on every axis"));
         }
         let range = first..first + prototype.triangles as u32;
         let attributes = prototype.mesh.and_then(|i| self.meshes.get(i as usize));
