@@ -42,8 +42,7 @@ impl Interrupt {
                 .and_then(|_| flag::register_usize(number, Arc::clone(&signal), number as usize))
                 .and_then(|_| flag::register(number, Arc::clone(&seen)));
             noted.map_err(|error| {
-                Error::new(ErrorKind::Io, format!("cannot handle {name}: {error}"))
-                    .because(error)
+                Error::new(ErrorKind::Io, format!("cannot handle {name}: {error}")).because(error)
             })?;
         }
         Ok(Self { signal })

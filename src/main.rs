@@ -115,7 +115,8 @@ fn with_command(mut arguments: Vec<OsString>) -> Result<Vec<OsString>> {
     }
     let path = Path::new(first);
     // Anything with an extension or a folder is meant as a file.
-    let is_word = !word.starts_with('-') && path.extension().is_none() && path.components().count() == 1;
+    let is_word =
+        !word.starts_with('-') && path.extension().is_none() && path.components().count() == 1;
     if is_word && !path.exists() {
         let near = did_you_mean(&word, commands.get_subcommands().map(clap::Command::get_name));
         let message = format!("{word:?} is neither a command nor a file");

@@ -7,9 +7,7 @@ use glam::Vec3;
 
 use super::common::{SceneOptions, SearchOptions, print, rounded, to_json};
 use wavecrest_base::error::{Error, ErrorKind, Result};
-use wavecrest_core::probe::{
-    Bounce, Light, Met, Path, PixelRecord, Surface, Verdict, pixel,
-};
+use wavecrest_core::probe::{Bounce, Light, Met, Path, PixelRecord, Surface, Verdict, pixel};
 
 /// Follow the rays of a pixel: what they hit, its material, and what each light adds.
 ///
@@ -169,7 +167,8 @@ fn write_met(text: &mut String, met: &Met) {
     let _ = writeln!(text, "    hits {} {} of {}{name}", met.kind, met.primitive, met.shape);
     let bound = met.t_error.map_or("no bound".to_owned(), |e| format!("\u{b1}{e:.1e}"));
     let [u, v] = met.uv.map(number);
-    let _ = writeln!(text, "    t = {} {bound}, u = {u}, v = {v}", within(met.t.into(), met.t_error));
+    let _ =
+        writeln!(text, "    t = {} {bound}, u = {u}, v = {v}", within(met.t.into(), met.t_error));
     let coordinate = |(x, e): (f64, f32)| within(x, Some(e));
     let point = met.point.to_array().into_iter().zip(met.error.to_array()).map(coordinate);
     let error = met.error.max_element();

@@ -106,8 +106,7 @@ impl RenderArgs {
     /// When none is named.
     pub(super) fn output(&self) -> Result<&PathBuf> {
         self.output.as_ref().or(self.image.as_ref()).ok_or_else(|| {
-            Error::new(ErrorKind::Usage, "the output is missing")
-                .remedy("add one, such as out.png")
+            Error::new(ErrorKind::Usage, "the output is missing").remedy("add one, such as out.png")
         })
     }
 }

@@ -25,7 +25,9 @@ pub(super) fn without_ground(mut args: RenderArgs) -> RenderArgs {
 pub(super) fn check(args: &RenderArgs) -> Result<()> {
     let (Some(look), Some(_)) = (args.look, args.parts.shard) else { return Ok(()) };
     let error = Error::new(ErrorKind::Usage, "--as and --shard cannot be used together");
-    Err(error.value(look.name()).remedy("leave out one of them, or render whole frames with --frames"))
+    Err(error
+        .value(look.name())
+        .remedy("leave out one of them, or render whole frames with --frames"))
 }
 
 /// Runs the systems on `loaded`, for the look that is asked for, but for the last.

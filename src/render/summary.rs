@@ -69,15 +69,9 @@ mod tests {
         };
         summary.add(&counters, 0.181);
         let line = summary.line("out.png", "1280x720", 0.5101, Some(107_300_000));
-        assert_eq!(
-            line,
-            "out.png  1280x720  921 600 rays  0.18 s traced, 0.51 s in all  108 MB"
-        );
+        assert_eq!(line, "out.png  1280x720  921 600 rays  0.18 s traced, 0.51 s in all  108 MB");
         summary.add(&counters, 200.0);
         let line = summary.line("a.part", "shard 1/3", 0.0123, None);
-        assert_eq!(
-            line,
-            "a.part  shard 1/3  1 843 200 rays  200 s traced, 0.012 s in all"
-        );
+        assert_eq!(line, "a.part  shard 1/3  1 843 200 rays  200 s traced, 0.012 s in all");
     }
 }

@@ -63,9 +63,7 @@ pub fn check_differs(file: &Path, other: &Path, what: &str) -> Result<()> {
 pub fn write_error(path: &Path, error: std::io::Error) -> Error {
     let remedy = match error.kind() {
         IoKind::StorageFull | IoKind::QuotaExceeded => "free some space or write to another disk",
-        IoKind::PermissionDenied | IoKind::ReadOnlyFilesystem => {
-            "use a folder that you can write"
-        }
+        IoKind::PermissionDenied | IoKind::ReadOnlyFilesystem => "use a folder that you can write",
         _ => "try another folder",
     };
     Error::io("cannot write the file", path, error).remedy(remedy)
@@ -305,9 +303,7 @@ mod tests {
     fn the_system_s_causes_have_their_remedies() {
         let text = |kind: IoKind| write_error(Path::new("a"), kind.into()).to_string();
         assert!(text(IoKind::StorageFull).ends_with("; free some space or write to another disk"));
-        assert!(
-            text(IoKind::PermissionDenied).ends_with("; use a folder that you can write")
-        );
+        assert!(text(IoKind::PermissionDenied).ends_with("; use a folder that you can write"));
         assert!(text(IoKind::Other).ends_with("; try another folder"));
     }
 

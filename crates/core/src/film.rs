@@ -35,8 +35,7 @@ impl Film {
     pub fn from_pixels(width: u32, height: u32, pixels: Vec<[f32; 3]>) -> Result<Self> {
         let count = checked_pixel_count(width, height)?;
         if pixels.len() != count {
-            let message =
-                format!("an image of {width} x {height} pixels needs {count} pixels");
+            let message = format!("an image of {width} x {height} pixels needs {count} pixels");
             return Err(Error::new(ErrorKind::Limit, message).value(pixels.len()));
         }
         Ok(Self { width, height, pixels })

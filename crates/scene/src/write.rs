@@ -52,9 +52,7 @@ pub fn write(scene: LoadedScene, path: &Path, replaces: bool) -> Result<Vec<Path
 fn check_free(file: &Path, replaces: bool) -> Result<()> {
     if !replaces && file.symlink_metadata().is_ok() {
         let error = Error::new(ErrorKind::Usage, "the file exists already").in_file(file);
-        return Err(
-            error.remedy("choose another name, or use --force to replace it")
-        );
+        return Err(error.remedy("choose another name, or use --force to replace it"));
     }
     check_replaceable(file)
 }

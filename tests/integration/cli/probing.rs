@@ -74,7 +74,13 @@ fn the_story_in_words_has_the_radiance_that_is_rendered() {
     let output = run(folder.path(), &["probe", "ball.json", "--pixel", "8,6", "--sample", "0"]);
     assert!(output.status.success());
     let words = String::from_utf8(output.stdout).unwrap();
-    for part in ["camera ray", "hits sphere 1 of scene.shapes[0]", "color 0.9 0.3 0.1", "light 0", "Both tracers"] {
+    for part in [
+        "camera ray",
+        "hits sphere 1 of scene.shapes[0]",
+        "color 0.9 0.3 0.1",
+        "light 0",
+        "Both tracers",
+    ] {
         assert!(words.contains(part), "{part} in {words}");
     }
     let output = run(folder.path(), &["probe", "ball.json", "--pixel", "5000,8"]);

@@ -329,7 +329,10 @@ fn checkpoints_of_another_render_are_refused_by_what_has_changed() {
     let before = std::fs::read(&kept.file).expect("a checkpoint");
     for (what, Stranger { scene, options }) in strangers() {
         let told = begin(&scene, &options, true).expect_err(what).to_string();
-        assert!(told.contains(&format!("the {what} differs from that of the checkpoint")), "{told}");
+        assert!(
+            told.contains(&format!("the {what} differs from that of the checkpoint")),
+            "{told}"
+        );
         assert!(told.contains("a.kept: "), "{told}");
     }
     let told = begin(&scene, &options(), false).expect_err("it is there").to_string();

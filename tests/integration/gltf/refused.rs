@@ -183,7 +183,9 @@ fn sparse_parts_that_are_wrong_are_refused() {
     let mut file = square();
     file.json["accessors"][0] =
         json!({"componentType": 5126, "count": 4_000_000_000_u64, "type": "VEC3"});
-    assert!(refusal(&file).contains("accessors[0].count: the data of this many elements is missing"));
+    assert!(
+        refusal(&file).contains("accessors[0].count: the data of this many elements is missing")
+    );
 }
 
 /// A small file that names the same bytes again and again.

@@ -66,11 +66,17 @@ fn check_same(file: &Path, found: &Header, header: &Header) -> Result<()> {
     let refuse = |message: String| Error::new(ErrorKind::Usage, message).in_file(file);
     if let Some(Difference { what, values }) = found.identity.difference(&header.identity) {
         return Err(match values {
-            Some([found, asked]) => refuse(format!("the {what} differs from that of the checkpoint"))
-                .value(found)
-                .remedy(format!("this render has {asked}; use the same options, or another checkpoint file")),
-            None => refuse(format!("the scene has changed: the {what} differs from that of the checkpoint"))
-                .remedy("restore the scene, or use another checkpoint file"),
+            Some([found, asked]) => {
+                refuse(format!("the {what} differs from that of the checkpoint"))
+                    .value(found)
+                    .remedy(format!(
+                        "this render has {asked}; use the same options, or another checkpoint file"
+                    ))
+            }
+            None => refuse(format!(
+                "the scene has changed: the {what} differs from that of the checkpoint"
+            ))
+            .remedy("restore the scene, or use another checkpoint file"),
         });
     }
     if found.shard != header.shard {
@@ -79,7 +85,10 @@ fn check_same(file: &Path, found: &Header, header: &Header) -> Result<()> {
         };
         return Err(refuse("the checkpoint belongs to another shard".to_owned())
             .value(name(found))
-            .remedy(format!("this render is {}; use one checkpoint file for each shard", name(header))));
+            .remedy(format!(
+                "this render is {}; use one checkpoint file for each shard",
+                name(header)
+            )));
     }
     Ok(())
 }

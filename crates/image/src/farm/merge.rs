@@ -98,9 +98,9 @@ fn check_same(path: &Path, other: &Header, first: &Path, header: &Header) -> Res
     let message = format!("the {what} differs from that of {first}");
     let error = Error::new(ErrorKind::Usage, message).in_file(path);
     Err(match values {
-        Some([found, expected]) => error
-            .value(found)
-            .remedy(format!("{first} has {expected}; merge parts of one image")),
+        Some([found, expected]) => {
+            error.value(found).remedy(format!("{first} has {expected}; merge parts of one image"))
+        }
         None => error.remedy("merge parts of one scene, and do not change it between renders"),
     })
 }

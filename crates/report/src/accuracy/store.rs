@@ -147,13 +147,12 @@ impl Store {
         match known {
             None => self.add(Record::Scene(scene)),
             Some(known) if known.fingerprint == scene.fingerprint => Ok(()),
-            Some(_) => Err(Error::new(
-                ErrorKind::Usage,
-                "the scene differs from the one in the results",
-            )
-            .in_file(&scene.file)
-            .value(scene.scene)
-            .remedy("rename the scene, or use another folder")),
+            Some(_) => {
+                Err(Error::new(ErrorKind::Usage, "the scene differs from the one in the results")
+                    .in_file(&scene.file)
+                    .value(scene.scene)
+                    .remedy("rename the scene, or use another folder"))
+            }
         }
     }
 }

@@ -93,10 +93,10 @@ mod system {
         match error {
             None => "the counters returned nothing".to_owned(),
             Some(error) if error.kind() == io::ErrorKind::PermissionDenied => format!(
-                "the system does not let this program count ({error}): \
+                "not permitted ({error}): \
                  see /proc/sys/kernel/perf_event_paranoid"
             ),
-            Some(error) => format!("no hardware counters on this machine ({error})"),
+            Some(error) => format!("not available on this machine ({error})"),
         }
     }
 
@@ -140,7 +140,7 @@ mod system {
     use super::HardwareCounts;
 
     pub(super) fn count<R>(work: impl FnOnce() -> R) -> (R, Result<HardwareCounts, String>) {
-        (work(), Err("hardware counters are read only on Linux".to_owned()))
+        (work(), Err("only read on Linux".to_owned()))
     }
 }
 

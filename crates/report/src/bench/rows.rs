@@ -2,6 +2,7 @@
 
 use super::report::SceneBench;
 use super::tracer::TracerBench;
+use crate::plot::number::time_unit;
 
 /// One measure of both.
 pub(super) struct Row {
@@ -19,7 +20,7 @@ pub(super) fn rows(
 ) -> Vec<Row> {
     let both = |value: fn(&TracerBench) -> f64| [value(wavefront), value(recursive)];
     let medians = both(|t| t.seconds.median);
-    let (scale, second) = unit(f64::max(medians[0], medians[1]));
+    let (scale, second) = time_unit(f64::max(medians[0], medians[1]));
     let mut rows = Vec::new();
     let mut row = |name: &str, values: [f64; 2], scale: f64, unit: &'static str| {
         rows.push(Row { name: name.to_owned(), values: values.map(|v| v * scale), unit });
@@ -50,13 +51,4 @@ pub(super) fn rows(
         }
     }
     rows
-}
-
-/// The unit for so many seconds, and what to multiply them by.
-pub(super) fn unit(seconds: f64) -> (f64, &'static str) {
-    match seconds {
-        ..1e-3 => (1e6, "us"),
-        ..1.0 => (1e3, "ms"),
-        _ => (1.0, "s"),
-    }
 }

@@ -4,9 +4,10 @@ use std::fmt::Write as _;
 
 use super::machine::Machine;
 use super::report::SceneBench;
-use super::rows::{Row, rows, unit};
+use super::rows::{Row, rows};
 use super::tracer::{Ratio, TracerBench};
-use super::words::{average, contents, peak, plural, prepared};
+use super::words::{average, contents, count, pairs_of_runs, peak, plural, prepared};
+use crate::plot::number::time_unit;
 use crate::statistics::ClassUse;
 
 mod compared;
@@ -83,7 +84,10 @@ fn head(report: &SceneBench) -> String {
         let _ = writeln!(text, "  {name:<14}{value}");
     };
     let size = format!("{} x {} pixels", image.width, image.height);
-    row("image", format!("{size}, {}", plural(image.samples_per_pixel as usize, "camera ray")));
+    row(
+        "image",
+        format!("{size}, {} per pixel", plural(image.samples_per_pixel as usize, "camera ray")),
+    );
     row("scene", contents(report));
     row("prepared", prepared(report));
     if let Some(peak) = peak(report) {
@@ -91,10 +95,10 @@ fn head(report: &SceneBench) -> String {
     }
     let rays = &report.rays;
     let (primary, secondary, shadow) = (rays.primary, rays.secondary, rays.shadow);
+    let [primary, secondary, shadow] = [primary, secondary, shadow].map(count);
     row("rays a run", format!("{primary} primary, {secondary} secondary, {shadow} shadow"));
     if let Some(ratio) = &report.ratio {
-        let pairs = plural(ratio.pairs, "pair");
-        row("runs", format!("{pairs}, all images bit-identical"));
+        row("runs", format!("{}, all images bit-identical", pairs_of_runs(ratio.pairs)));
     }
     text
 }
@@ -112,7 +116,7 @@ fn table(report: &SceneBench, wavefront: &TracerBench, recursive: &TracerBench) 
 fn passes(wavefront: &TracerBench) -> String {
     let number = |pass: &serde_json::Value, key| pass[key].as_f64().unwrap_or_default();
     let seconds = wavefront.passes.values().map(|pass| number(pass, "seconds"));
-    let (scale, second) = unit(seconds.fold(0.0, f64::max));
+    let (scale, second) = time_unit(seconds.fold(0.0, f64::max));
     let mut text = "  passes of the wavefront, summed over threads\n".to_owned();
     for (name, pass) in &wavefront.passes {
         let (time, share) = (scale * number(pass, "seconds"), 100.0 * number(pass, "share"));
@@ -129,7 +133,9 @@ fn kernels(report: &SceneBench, wavefront: &TracerBench) -> String {
         if rays == 0 {
             return;
         }
-        let ClassUse { packet, handed_over, stream, single, .. } = used;
+        let ClassUse { packet, handed_over, stream, single, .. } = *used;
+        let [packet, handed_over, stream, single] =
+            [packet, handed_over, stream, single].map(count);
         let _ = writeln!(
             text,
             "    {name:<14}{packet} in packets ({handed_over} handed over), {stream} in flight, \
@@ -146,7 +152,7 @@ fn kernels(report: &SceneBench, wavefront: &TracerBench) -> String {
 }
 
 fn interval(ratio: &Ratio) -> String {
-    let (i, n) = (&ratio.interval, plural(ratio.pairs, "pair"));
+    let (i, n) = (&ratio.interval, pairs_of_runs(ratio.pairs));
     let percent = 100.0 * i.confidence;
     format!("{:.3} ({:.3} to {:.3} with {percent:.1} % confidence, {n})", i.median, i.low, i.high)
 }

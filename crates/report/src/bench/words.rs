@@ -2,6 +2,7 @@
 
 use super::measure::{Difference, Pixel};
 use super::report::SceneBench;
+use crate::plot::number::figure;
 
 /// How the tracers differ, in words.
 pub fn verdict(difference: &Difference) -> String {
@@ -41,7 +42,7 @@ pub(super) fn prepared(report: &SceneBench) -> String {
 /// The memory at its peak, where it is known.
 pub(super) fn peak(report: &SceneBench) -> Option<String> {
     let peak = report.memory.peak? as f64 / 1e6;
-    Some(format!("{peak:.1} MB, the whole process so far"))
+    Some(format!("{peak:.1} MB, of the whole process so far"))
 }
 
 /// A number of rays, where there are any.
@@ -54,7 +55,17 @@ fn pixel(pixel: &Pixel) -> String {
     format!("{r:?} {g:?} {b:?} (bits {bits})")
 }
 
+/// A number of rays, with its thousands apart.
+pub(super) fn count(rays: u64) -> String {
+    figure(rays as f64)
+}
+
+/// How many pairs of runs.
+pub(super) fn pairs_of_runs(count: usize) -> String {
+    format!("{} of runs", plural(count, "pair"))
+}
+
 /// A number of things by name.
 pub(super) fn plural(count: usize, name: &str) -> String {
-    if count == 1 { format!("1 {name}") } else { format!("{count} {name}s") }
+    if count == 1 { format!("1 {name}") } else { format!("{} {name}s", figure(count as f64)) }
 }

@@ -181,9 +181,7 @@ fn check_extremes(fields: &Fields<'_>, width: usize) -> Result<()> {
     for cursor in ["min", "max"].into_iter().filter_map(|key| fields.get(key)) {
         let numbers = cursor.value().as_array();
         if !numbers.is_some_and(|all| all.len() == width && all.iter().all(|x| x.is_number())) {
-            return Err(
-                cursor.error(format!("must be a list of {width} numbers"))
-            );
+            return Err(cursor.error(format!("must be a list of {width} numbers")));
         }
     }
     Ok(())

@@ -40,8 +40,7 @@ impl Buffer {
             }),
             (None, Some(binary)) => binary.clone(),
             (None, None) => {
-                let error =
-                    fields.error("has no uri, and the file has no binary chunk");
+                let error = fields.error("has no uri, and the file has no binary chunk");
                 return Err(error.remedy("add a uri, or store the data in a GLB file"));
             }
         };

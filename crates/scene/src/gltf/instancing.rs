@@ -59,8 +59,7 @@ impl Instancing {
         };
         let places = (0..self.count).map(|i| {
             place(i).ok_or_else(|| {
-                let message =
-                    format!("instance {i} has an invalid transform");
+                let message = format!("instance {i} has an invalid transform");
                 let error = Error::new(ErrorKind::Scene, message).at(node);
                 error.remedy("use a unit quaternion and finite numbers")
             })

@@ -92,8 +92,7 @@ impl<'a> Reader<'a> {
         };
         let accessor = self.accessor(index);
         if !accessor.component.is_index() || accessor.width != 1 || accessor.normalized {
-            let message =
-                "indices must be SCALAR, of type 5121, 5123 or 5125";
+            let message = "indices must be SCALAR, of type 5121, 5123 or 5125";
             return Err(self.error(&place(), message).value(format!("accessors[{index}]")));
         }
         self.pay(primitive, accessor, accessor.count)?;
@@ -104,15 +103,12 @@ impl<'a> Reader<'a> {
         };
         let place = format!("{}[{at}]", place());
         if corners[at] == restart {
-            let error = self.error(
-                &place,
-                "the greatest number of a type is reserved for primitive restart",
-            );
+            let error = self
+                .error(&place, "the greatest number of a type is reserved for primitive restart");
             return Err(error.value(corners[at]).remedy("split the mesh into several primitives"));
         }
         let error = self.error(&place, "there is no such vertex").value(corners[at]);
-        Err(error
-            .remedy(format!("the mesh has {count}; check that the file is whole")))
+        Err(error.remedy(format!("the mesh has {count}; check that the file is whole")))
     }
 
     /// An attribute's elements, which have so many numbers and are as many as there are vertices, of which those
@@ -131,11 +127,8 @@ impl<'a> Reader<'a> {
         let is_known = types.contains(&(accessor.component, accessor.normalized))
             || self.document.is_quantized && accessor.component != Component::U32;
         if accessor.width != width || !is_known {
-            let types = if types.len() > 1 {
-                "of floats or of normalized integers"
-            } else {
-                "of floats"
-            };
+            let types =
+                if types.len() > 1 { "of floats or of normalized integers" } else { "of floats" };
             let error = self.error(&place, &format!("must be VEC{width} {types}"));
             return Err(error.value(format!("accessors[{index}]")).remedy("export the file again"));
         }

@@ -120,19 +120,16 @@ fn check_lights(primitives: &[Primitive], notes: &Notes<'_>) -> Result<()> {
     }
     let message = "emissive meshes have too many triangles".to_owned();
     let error = notes.error(ErrorKind::Limit, "materials", message).value(all);
-    Err(error
-        .remedy(format!("use at most {MOST_LIGHT_TRIANGLES}, or set emissiveFactor to 0")))
+    Err(error.remedy(format!("use at most {MOST_LIGHT_TRIANGLES}, or set emissiveFactor to 0")))
 }
 
 /// What was chosen for the user.
 fn told(has_camera: bool, chosen: &str, light: Option<&str>, exposure: f64) -> String {
-    let light = light.map_or_else(
-        || format!("lights scaled by {exposure:.3e} (exposure)"),
-        str::to_owned,
-    );
+    let light =
+        light.map_or_else(|| format!("lights scaled by {exposure:.3e} (exposure)"), str::to_owned);
     let camera = match has_camera {
         true => "",
-        false => "no camera: one is put where it sees all; ",
+        false => "no camera: a default camera is added; ",
     };
     format!("{camera}{chosen}{light}")
 }

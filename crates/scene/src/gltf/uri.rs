@@ -27,9 +27,8 @@ pub(super) fn target(cursor: &Cursor<'_>) -> Result<Target> {
         return data_uri(cursor, data).map(Target::Bytes);
     }
     let folder = cursor.notes().file().parent().unwrap_or(Path::new("")).to_owned();
-    let name = decoded(uri).ok_or_else(|| {
-        cursor.error("is not UTF-8 after decoding").remedy("rename the file")
-    })?;
+    let name = decoded(uri)
+        .ok_or_else(|| cursor.error("is not UTF-8 after decoding").remedy("rename the file"))?;
     if scheme(uri) || Path::new(&name).has_root() || Path::new(&name).is_absolute() {
         let error = cursor.error("only files in the folder of the glTF file are read");
         return Err(error.remedy("copy it there and use a relative path"));

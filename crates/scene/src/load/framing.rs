@@ -195,9 +195,9 @@ impl FromStr for Fit {
         // A smaller share is less than a pixel of the widest image.
         const SMALLEST: f64 = 1e-4;
         let share = text.parse().ok().filter(|share| (SMALLEST..=1.0).contains(share));
-        share.map(Self).ok_or_else(|| {
-            format!("write a share of the image from {SMALLEST} to 1, such as 0.9")
-        })
+        share
+            .map(Self)
+            .ok_or_else(|| format!("write a share of the image from {SMALLEST} to 1, such as 0.9"))
     }
 }
 

@@ -119,8 +119,7 @@ impl Reader<'_> {
             self.warn(&message, "ignored");
         }
         if !told.malformed.is_empty() {
-            let message =
-                format!("malformed lines in MTL files: {}", told.malformed.join("; "));
+            let message = format!("malformed lines in MTL files: {}", told.malformed.join("; "));
             self.warn(&message, "skipped");
         }
         all
@@ -139,9 +138,12 @@ impl Reader<'_> {
                 match self.find(self.folder.path(), name) {
                     Ok(path) if found.contains(&path) => {}
                     Ok(path) => found.push(path),
-                    Err(denied) => {
-                        self.denied(denied, "material file", name, "its faces use the default material")
-                    }
+                    Err(denied) => self.denied(
+                        denied,
+                        "material file",
+                        name,
+                        "its faces use the default material",
+                    ),
                 }
             }
         }
@@ -243,7 +245,8 @@ impl Reader<'_> {
         }
         let more = if unknown.len() > NAMED { " and others" } else { "" };
         unknown.truncate(NAMED);
-        let message = format!("these materials are not in any MTL file: {}{more}", unknown.join(", "));
+        let message =
+            format!("these materials are not in any MTL file: {}{more}", unknown.join(", "));
         self.warn(&message, "their faces use the default material");
     }
 

@@ -77,7 +77,7 @@ pub(super) fn scene(
         instances: Vec::new(),
         encoding: Encoding::Srgb,
     };
-    Ok((scene, format!("a standalone mesh: {framed}camera and material are chosen; {told}")))
+    Ok((scene, format!("{framed}default camera and material; {told}")))
 }
 
 /// Which axis is up in most files of this kind, and whether the shape of the mesh may say otherwise.

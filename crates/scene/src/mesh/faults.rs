@@ -10,16 +10,18 @@ pub(super) fn read_failure(error: std::io::Error) -> Error {
 
 /// The error of a file that is well formed but has nothing to show.
 pub(super) fn no_triangles() -> Error {
-    Error::new(ErrorKind::Mesh, "the mesh has no triangles")
-        .remedy("export it with faces")
+    Error::new(ErrorKind::Mesh, "the mesh has no triangles").remedy("export it with faces")
 }
 
 /// Checks that `count` things of the kind `what` can be numbered.
 pub(super) fn check_count(what: &str, count: u64) -> Result<()> {
     if count > MAX_COUNT {
-        return Err(Error::new(ErrorKind::Limit, format!("a mesh can have at most {MAX_COUNT} {what}"))
-            .value(count)
-            .remedy("split the mesh into several files"));
+        return Err(Error::new(
+            ErrorKind::Limit,
+            format!("a mesh can have at most {MAX_COUNT} {what}"),
+        )
+        .value(count)
+        .remedy("split the mesh into several files"));
     }
     Ok(())
 }

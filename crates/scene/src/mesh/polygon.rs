@@ -195,10 +195,11 @@ fn rewrite(polygon: Polygon, split: &[[u32; 3]], indices: &mut [[u32; 3]]) {
 /// The warning that `count` polygons were too large to be cut into ears, if any were.
 pub(super) fn note_large(count: usize) -> Option<Error> {
     (count > 0).then(|| {
-        let message = format!(
-            "concave polygons of over {MAX_EAR_CORNERS} corners are split into fans"
-        );
-        Error::new(ErrorKind::Mesh, message).value(count).remedy("triangulate the file to split them correctly")
+        let message =
+            format!("concave polygons of over {MAX_EAR_CORNERS} corners are split into fans");
+        Error::new(ErrorKind::Mesh, message)
+            .value(count)
+            .remedy("triangulate the file to split them correctly")
     })
 }
 

@@ -285,9 +285,7 @@ fn up(object: &Object<'_>, view: DVec3) -> Result<DVec3> {
     let up = object.point("up");
     let Some(unit) = direction(up) else {
         let cursor = object.need("up", "a direction")?;
-        return Err(cursor
-            .error("must not be zero")
-            .remedy("use a vector such as [0, 1, 0]"));
+        return Err(cursor.error("must not be zero").remedy("use a vector such as [0, 1, 0]"));
     };
     let Some(view) = direction(view).filter(|v| v.cross(unit).length() < PARALLEL) else {
         return Ok(up);

@@ -121,9 +121,9 @@ fn mesh_file(cursor: &Cursor<'_>) -> Result<Geometry> {
     let extension = Path::new(name).extension().and_then(|e| e.to_str()).unwrap_or_default();
     if ["gltf", "glb"].contains(&extension.to_ascii_lowercase().as_str()) {
         let error = cursor.error("a glTF file cannot be a shape");
-        return Err(error.remedy(
-            "run wavecrest convert IN OUT.json, and use the meshes that it writes",
-        ));
+        return Err(
+            error.remedy("run wavecrest convert IN OUT.json, and use the meshes that it writes")
+        );
     }
     Ok(Geometry::MeshFile(existing_file(cursor, "the path of a mesh")?))
 }

@@ -303,9 +303,7 @@ fn facing(object: &Object<'_>, front: DVec3) -> Result<Option<Facing>> {
 
 fn check_toward(cursor: &Cursor<'_>, toward: DVec3, front: DVec3) -> Result<()> {
     let Some(unit) = direction(toward) else {
-        return Err(cursor
-            .error("must not be zero")
-            .remedy("use a vector such as [0, 1, 0]"));
+        return Err(cursor.error("must not be zero").remedy("use a vector such as [0, 1, 0]"));
     };
     // A shape without area has no sides to distinguish.
     if direction(front).is_some_and(|front| unit.dot(front).abs() < IN_PLANE) {

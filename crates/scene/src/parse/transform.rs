@@ -56,9 +56,7 @@ fn matrix(cursor: &Cursor<'_>) -> Result<DAffine3> {
     };
     if *last != [0.0, 0.0, 0.0, 1.0] {
         let error = cursor.error("the last row must be [0, 0, 0, 1]");
-        return Err(
-            error.remedy("put the translation in the last column")
-        );
+        return Err(error.remedy("put the translation in the last column"));
     }
     let column = |i: usize| DVec3::new(x[i], y[i], z[i]);
     let matrix3 = DMat3::from_cols(column(0), column(1), column(2));

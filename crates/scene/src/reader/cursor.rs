@@ -122,7 +122,9 @@ impl<'a> Cursor<'a> {
             let error = self.must_be(&range.words());
             match self.value {
                 Value::Array(_) => error.remedy("give one number, not a list"),
-                Value::String(text) if text.parse::<f64>().is_ok() => error.remedy("remove the quotes"),
+                Value::String(text) if text.parse::<f64>().is_ok() => {
+                    error.remedy("remove the quotes")
+                }
                 _ => error,
             }
         })

@@ -34,7 +34,9 @@ fn explained(text: &str, error: &serde_json::Error) -> (String, &'static str) {
     let full = error.to_string();
     let reason = full.split(" at line ").next().unwrap_or_default();
     let known = match reason {
-        _ if error.is_eof() => ("the file ends too early", "check that the file is whole, and close every bracket"),
+        _ if error.is_eof() => {
+            ("the file ends too early", "check that the file is whole, and close every bracket")
+        }
         _ if rest.starts_with("//") || rest.starts_with("/*") || rest.starts_with('#') => {
             ("JSON has no comments", "remove the comment")
         }
@@ -47,9 +49,10 @@ fn explained(text: &str, error: &serde_json::Error) -> (String, &'static str) {
         "expected `,` or `}`" | "expected `,` or `]`" => {
             ("a comma or a closing bracket is missing", "add it before this place")
         }
-        "expected value" | "expected ident" => {
-            ("no JSON value", "write a number, a text in double quotes, true, false, a list or an object")
-        }
+        "expected value" | "expected ident" => (
+            "no JSON value",
+            "write a number, a text in double quotes, true, false, a list or an object",
+        ),
         "recursion limit exceeded" => ("brackets are nested too deeply", "remove some of them"),
         "number out of range" => ("the number is too large", "use one below 1e308"),
         _ => return (format!("not valid JSON: {reason}"), "check the text at this place"),

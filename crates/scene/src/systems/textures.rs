@@ -213,9 +213,7 @@ fn cannot_read(name: &str, error: ImageError) -> Error {
         ImageError::Limits(_) => {
             format!("use at most {MAX_SIDE} texels on a side and {MAX_BYTES} bytes")
         }
-        ImageError::Unsupported(_) => {
-            "use PNG or JPEG".to_owned()
-        }
+        ImageError::Unsupported(_) => "use PNG or JPEG".to_owned(),
         _ => "check that the file is whole and is an image".to_owned(),
     };
     Error::new(ErrorKind::Texture, format!("cannot read the texture {name}: {error}"))

@@ -103,10 +103,7 @@ fn the_size_asked_for_takes_the_place_of_the_files() {
 #[test]
 fn the_size_asked_for_has_the_same_limits() {
     let text = |w, h| load_options(&complete(), sized(w, h)).err().unwrap().to_string();
-    assert_eq!(
-        text(0, 1),
-        "the width must be an integer from 1 to 65536, found 0"
-    );
+    assert_eq!(text(0, 1), "the width must be an integer from 1 to 65536, found 0");
     assert_eq!(
         text(1, 65537),
         "the height asked for in place of the scene's must be an integer from 1 to 65536, found 65537"

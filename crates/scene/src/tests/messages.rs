@@ -34,11 +34,7 @@ fn top_level() {
         json!([0, 0]),
         "scene.backgroundcolor: must be three numbers [r, g, b], found [0,0]",
     );
-    refused(
-        "scene.ambient",
-        json!(-1),
-        "scene.ambient: must be a number from 0 to 2^40, found -1",
-    );
+    refused("scene.ambient", json!(-1), "scene.ambient: must be a number from 0 to 2^40, found -1");
     refused(
         "scene.instances",
         json!({}),
@@ -273,11 +269,7 @@ fn materials() {
         warned(&path, json!(1.5), &format!("{path}: {above}, found 1.5; use 0 to 1"));
     }
     let path = format!("{path}.diffusecolor");
-    warned(
-        &path,
-        json!([2, 0, 0]),
-        &format!("{path}: {above}, found [2,0,0]; use 0 to 1"),
-    );
+    warned(&path, json!([2, 0, 0]), &format!("{path}: {above}, found [2,0,0]; use 0 to 1"));
 }
 
 #[test]

@@ -3,9 +3,9 @@
 use super::parts::{average, bar, interval, ratio_cell, ratio_chart};
 use crate::bench::compare::{Axis as Compared, Comparison, VariantBench};
 use crate::bench::report::SceneBench;
-use crate::bench::rows::unit;
 use crate::bench::words::{plural, verdict};
 use crate::page::{Block, Cell, Column, Table};
+use crate::plot::number::time_unit;
 use crate::plot::{Axis, Point, Scale, StackedBars};
 
 /// What was found of several choices.
@@ -76,7 +76,7 @@ fn table<const N: usize>(
 
 fn times(found: &Comparison) -> Table {
     let longest = found.variants.iter().map(|each| each.bench.seconds.median).fold(0.0, f64::max);
-    let (scale, second) = unit(longest);
+    let (scale, second) = time_unit(longest);
     let caption = "Median times, the spread of their quartiles, and the ratio of the speeds with its interval.";
     let names = [&format!("median, {second}"), "spread", "Mrays/s", "ratio"];
     table(found, caption, names, |each| {

@@ -4,7 +4,7 @@ use serde_json::{Map, Value};
 
 use crate::bench::report::SceneBench;
 use crate::bench::tracer::{Ratio, TracerBench};
-use crate::bench::words::plural;
+use crate::bench::words::pairs_of_runs;
 use crate::page::Cell;
 use crate::plot::{Axis, Bar, Chart, Guide, Point, Scale, Segment, Series};
 
@@ -35,9 +35,9 @@ pub(super) fn speed(ratio: &Ratio) -> String {
 
 /// Where a median is, and how surely.
 pub(super) fn interval(ratio: &Ratio) -> String {
-    let (i, pairs) = (&ratio.interval, plural(ratio.pairs, "pair"));
+    let (i, pairs) = (&ratio.interval, pairs_of_runs(ratio.pairs));
     let percent = 100.0 * i.confidence;
-    format!("{:.3} to {:.3} with {percent:.1}\u{a0}% confidence, {pairs} of runs", i.low, i.high)
+    format!("{:.3} to {:.3} with {percent:.1}\u{a0}% confidence, {pairs}", i.low, i.high)
 }
 
 /// Ratios of speeds, a row each, and a line where both are as fast.

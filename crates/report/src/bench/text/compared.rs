@@ -3,8 +3,8 @@
 use std::fmt::Write as _;
 
 use crate::bench::compare::{Axis, Comparison, VariantBench};
-use crate::bench::rows::unit;
 use crate::bench::words::{average, plural, verdict};
+use crate::plot::number::time_unit;
 
 /// The table of one comparison.
 pub fn comparison(compared: &Comparison) -> String {
@@ -19,7 +19,7 @@ pub fn comparison(compared: &Comparison) -> String {
         of.name()
     );
     let longest = compared.variants.iter().map(|v| v.bench.seconds.median).fold(0.0, f64::max);
-    let (scale, second) = unit(longest);
+    let (scale, second) = time_unit(longest);
     let _ = writeln!(
         text,
         "    {:<9}{second:>9}{:>9}{:>9}{:>8}{:>8}{:>9}{:>9}  speed / default",
@@ -56,7 +56,7 @@ fn times(text: &mut String, compared: &Comparison) {
     let Some(first) = compared.variants.first() else { return };
     let seconds = |pass: &serde_json::Value| pass["seconds"].as_f64().unwrap_or_default();
     let all = compared.variants.iter().flat_map(|v| v.bench.passes.values().map(seconds));
-    let (scale, second) = unit(all.fold(0.0, f64::max));
+    let (scale, second) = time_unit(all.fold(0.0, f64::max));
     let _ = write!(text, "    {:<9}", "passes");
     for name in first.bench.passes.keys() {
         let _ = write!(text, "{name:>11}");

@@ -138,8 +138,7 @@ fn upward(
     let guessed = grid.filter(|_| asked.is_none() && is_doubtful);
     let (up, why) =
         guessed.map_or((asked.unwrap_or(usual), None), |g| upward::guess(g, size, usual));
-    let told =
-        why.map(|why| format!("{} is taken for up, as {why} (--up says otherwise); ", up.name()));
+    let told = why.map(|why| format!("{} is up, because {why} (change with --up); ", up.name()));
     (up, told.unwrap_or_default())
 }
 

@@ -108,7 +108,7 @@ pub(crate) fn lit(subject: &Subject<'_>, file: &Path, lighting: &Lighting) -> Li
             lights: Vec::new(),
             ground: None,
             settings: under([DVec3::ONE; 2], subject.up),
-            told: "no light: colours are shown as they are",
+            told: "no lights: unlit colours",
         },
         Rig::Studio => {
             if let Some(corners) = subject.lamp {
@@ -116,7 +116,7 @@ pub(crate) fn lit(subject: &Subject<'_>, file: &Path, lighting: &Lighting) -> Li
                     lights: vec![ceiling(corners)],
                     ground: None,
                     settings: under(ROOM, subject.up),
-                    told: "no light: a lamp is put under the ceiling",
+                    told: "no lights: a light under the ceiling is added",
                 };
             }
             let axes = subject.axes();
@@ -130,14 +130,14 @@ pub(crate) fn lit(subject: &Subject<'_>, file: &Path, lighting: &Lighting) -> Li
                 lights: STUDIO.iter().zip(lamps).map(|(lamp, light)| lamp.named(light)).collect(),
                 ground: ground.flatten(),
                 settings: under(SKY, leaning),
-                told: "no light: a key, a rim, a sky and a ground are put",
+                told: "no lights: studio lights and a ground are added",
             }
         }
         Rig::Headlight => Lit {
             lights: vec![headlight(subject.view)],
             ground: None,
             settings: under(if subject.lamp.is_some() { ROOM } else { SKY }, subject.up),
-            told: "no light: a lamp at the camera and a sky are put",
+            told: "no lights: a light at the camera and a sky are added",
         },
     }
 }

@@ -46,10 +46,8 @@ impl Room {
     /// What the user should know.
     pub(super) fn told(self) -> &'static str {
         match self {
-            Self::Closed { .. } => "a room, which is seen from within (--view says otherwise); ",
-            Self::Open(_) => {
-                "a room, which is seen through its open side (--view says otherwise); "
-            }
+            Self::Closed { .. } => "a room, seen from inside (change with --view); ",
+            Self::Open(_) => "a room, seen through its open side (change with --view); ",
         }
     }
 }

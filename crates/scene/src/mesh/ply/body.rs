@@ -60,15 +60,16 @@ impl Row<'_> {
         let syntax = |message: &str| Error::new(ErrorKind::Syntax, message);
         let Element { name, count, .. } = self.element;
         let error = match fault {
-            Fault::End => syntax(&format!("the file is cut off: its header promises {count} of \"{name}\""))
-                .remedy("copy or export it again"),
+            Fault::End => {
+                syntax(&format!("the file is cut off: its header promises {count} of \"{name}\""))
+                    .remedy("copy or export it again")
+            }
             Fault::Malformed(text) => {
                 syntax("a number is malformed").value(text).remedy("write it as 12 or -0.5e3")
             }
-            Fault::LongRow => syntax("the line has too many values")
-                .remedy(
-                    "declare every value of a line in the header, and put each element on its own line",
-                ),
+            Fault::LongRow => syntax("the line has too many values").remedy(
+                "declare every value of a line in the header, and put each element on its own line",
+            ),
             Fault::Io(error) => read_failure(error),
         };
         self.locate(error, source)
@@ -301,7 +302,9 @@ fn check_room(element: &Element, source: &impl Source) -> Result<()> {
     }
     let Element { name, count, .. } = element;
     let held = left / row.max(1);
-    let message = format!("the file is cut off: its header promises {count} of \"{name}\", and there is room for {held}");
+    let message = format!(
+        "the file is cut off: its header promises {count} of \"{name}\", and there is room for {held}"
+    );
     Err(Error::new(ErrorKind::Syntax, message)
         .at(format!("{name} {held}"))
         .remedy("copy or export it again"))

@@ -127,10 +127,13 @@ impl Builder {
         check_point(&common, center)?;
         check_radius(&common, sphere.radius * scale)?;
         if radius == 0.0 {
-            return Err(Error::new(ErrorKind::Scene, "the radius is too small for single precision")
-                .at(format!("{}.radius", common.place))
-                .value(sphere.radius * scale)
-                .remedy("use a larger unit of length"));
+            return Err(Error::new(
+                ErrorKind::Scene,
+                "the radius is too small for single precision",
+            )
+            .at(format!("{}.radius", common.place))
+            .value(sphere.radius * scale)
+            .remedy("use a larger unit of length"));
         }
         let number = self.geometry.own() as u32;
         self.geometry.spheres.push((center.as_vec3(), radius));
