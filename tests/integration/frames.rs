@@ -68,10 +68,7 @@ fn frames_that_cannot_be_are_refused_in_words() {
     still["camera"].as_object_mut().expect("an object").remove("path");
     write(&still);
     let text = refused(at, &["s.json", "o.png", "--frame", "2"]);
-    assert!(
-        text.contains("s.json: camera.path: the camera has no path, and so no frames"),
-        "{text}"
-    );
+    assert!(text.contains("s.json: camera.path: the camera does not move; add a path"), "{text}");
     write(&moving());
     let text = refused(at, &["s.json", "o.png", "--frames", "3..1"]);
     assert!(text.contains("write the first frame and the last, such as 1..24"), "{text}");
@@ -79,7 +76,7 @@ fn frames_that_cannot_be_are_refused_in_words() {
         ("/camera/path/keys/1/frame", json!(1), "camera.path.keys[1]: the frame must be greater"),
         ("/camera/path/keys/1/focal", json!(1), "camera.path.keys[1].focal: is not a key of"),
         ("/camera/path/keys/1/fov", json!(200), "camera.path.keys[1].fov: must be a number"),
-        ("/camera/path/keys/1/look", json!([2, 1, 5]), "looks at the point where it stands"),
+        ("/camera/path/keys/1/look", json!([2, 1, 5]), "looks at its own location"),
         ("/camera/path/keys", json!([]), "camera.path.keys: must be an array of keys"),
         ("/camera/path/interpolation", json!("smoth"), "did you mean \"smooth\"?"),
     ] {

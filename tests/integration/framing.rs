@@ -100,7 +100,7 @@ fn a_scene_file_keeps_its_camera() {
         &["--turntable", "4"],
     ] {
         let told = refused(folder.path(), &[&["s.json", "a.png"], option].concat());
-        let words = "s.json: a scene file says where its camera is; leave out --view, --up";
+        let words = "s.json: a scene file has its own camera; change";
         assert!(told.contains(words), "{told}");
     }
     let told = refused(folder.path(), &["block.obj", "a.png", "--view", "up"]);
@@ -152,7 +152,12 @@ fn a_turn_is_one_file_that_moves_and_sides_are_one_picture() {
         assert_eq!(found == background, expected == background, "{x} {y}");
     }
     let told = refused(at, &["block.obj", "a.gif", "--turntable", "3", "--shard", "1/2"]);
-    assert!(told.contains("found --shard; leave it out, or render frames"), "{told}");
+    assert!(told.contains("--turntable and --shard cannot be used together"), "{told}");
+    for (output, option) in [("a.gif", "--checkpoint"), ("a-#.png", "--checkpoint"), ("a-#.png", "--stats")] {
+        let told = refused(at, &["block.obj", output, "--turntable", "3", option, "kept"]);
+        let words = format!("--turntable and {option} cannot be used together; leave out {option}");
+        assert!(told.contains(&words), "{told}");
+    }
 }
 
 #[test]
@@ -179,7 +184,7 @@ fn a_part_of_a_look_is_that_part_of_the_whole() {
         assert!(!a.same_bits(&film(folder.path(), "c.pfm")), "{look} shows something else");
     }
     let told = refused(folder.path(), &[scene, "a.part", "--as", "ids", "--shard", "1/2"]);
-    assert!(told.contains("a look is not rendered in shards, found ids"), "{told}");
+    assert!(told.contains("--as and --shard cannot be used together, found ids"), "{told}");
 }
 
 #[test]

@@ -69,7 +69,7 @@ fn each_face_has_its_material_and_its_picture() {
     let is_of_files = |warning: &String| !warning.contains("lightsources");
     let told: Vec<String> = warnings(&scene).into_iter().filter(is_of_files).collect();
     assert_eq!(told.len(), 1, "{told:?}");
-    assert!(told[0].contains("options of maps are skipped: -bm"), "{told:?}");
+    assert!(told[0].contains("unsupported options of MTL maps: -bm"), "{told:?}");
     assert!(scene.files.iter().any(|file| file.ends_with("a b.mtl")));
     let found = film(scene);
     for y in [0, 3] {

@@ -86,7 +86,7 @@ fn a_sweep_writes_a_page_and_the_same_figures_in_other_forms() {
     // With other options the folder has another sweep.
     let output = run(folder.path(), &["accuracy", "ball.json", "-o", "out", "--most", "4", "-q"]);
     assert_eq!(output.status.code(), Some(2));
-    assert!(text(&output.stderr).contains("records of another sweep"), "{}", text(&output.stderr));
+    assert!(text(&output.stderr).contains("results of another sweep"), "{}", text(&output.stderr));
 }
 
 #[test]

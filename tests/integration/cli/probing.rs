@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use super::{run, run_silently, with_ball};
+use super::{run, with_ball};
 
 /// A ball on a mirror, of some size; one light is behind them.
 pub(super) fn scene(size: f64, intensity: f64) -> String {
@@ -97,7 +97,9 @@ fn samples_that_are_not_finite_are_counted_named_and_trapped() {
         let stats = format!("{tracer}.json");
         let arguments =
             ["-q", "strong.json", "out.pfm", "--tracer", tracer, "--stats", stats.as_str()];
-        run_silently(folder.path(), &arguments);
+        let output = run(folder.path(), &arguments);
+        let warning = String::from_utf8(output.stderr).unwrap();
+        assert!(output.status.success() && warning.starts_with("warning: "), "{warning}");
         let text = std::fs::read_to_string(folder.path().join(&stats)).unwrap();
         let found: Value = serde_json::from_str(&text).unwrap();
         assert!(found["invalid"].as_u64().unwrap() > 100);

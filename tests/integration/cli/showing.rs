@@ -314,7 +314,7 @@ fn a_viewer_that_leaves_costs_no_render() {
     assert_eq!(output.status.code(), Some(0));
     let told = text(&output.stderr);
     assert!(
-        told.is_empty() || told.starts_with("warning: the viewer is no longer there"),
+        told.is_empty() || told.starts_with("warning: lost the viewer"),
         "{told}"
     );
     assert!(film(folder.path().join("out.exr")).same_bits(&expected));
