@@ -178,7 +178,7 @@ fn text(findings: &Findings) -> String {
         let all = scene.neutral.len();
         let _ = writeln!(
             text,
-            "  {} of {all} settings that must not change the picture leave it the same, bit for \
+            "  {} of {all} settings leave the image the same, as they must, bit for \
                                 bit",
             all - wrong
         );

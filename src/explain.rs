@@ -205,7 +205,7 @@ fn trace(scene: &PreparedScene, options: &RenderOptions) -> Result<Found> {
 
 fn choice(extracted: &Extracted, asked: Option<Preset>) -> Choice {
     match asked {
-        Some(preset) => Choice { preset, reason: "asked for".to_owned(), rule: None },
+        Some(preset) => Choice { preset, reason: "chosen with --bvh".to_owned(), rule: None },
         None => {
             let (primitives, rays) =
                 (extracted.geometry().held() as u64, extracted.expected_rays());

@@ -106,7 +106,7 @@ fn memory_text(e: &Explanation) -> String {
         ("geometry", f.geometry, m.geometry, None),
         ("appearance", f.appearance, m.appearance, None),
         ("tree", f.tree, m.tree, found.map(|found| found.tree)),
-        ("building it", f.build, m.build, None),
+        ("build", f.build, m.build, None),
         ("film", f.film, m.film, None),
         ("batches", f.batches, m.batches, found.map(|found| found.batches)),
         ("program", f.program, m.program, None),
@@ -114,7 +114,7 @@ fn memory_text(e: &Explanation) -> String {
         ("peak", e.estimated_total, e.memory_total, found.and_then(|found| found.peak)),
     ];
     let title = if found.is_some() { "          measured" } else { "" };
-    let mut text = format!("memory{:>30}{:>18}{title}\n", "before reading", "once read");
+    let mut text = format!("memory{:>30}{:>18}{title}\n", "before reading", "after reading");
     for (name, before, bytes, measured) in uses {
         let _ = write!(text, "    {name:<16}{:>16}{:>18}", size(before), size(bytes));
         if let Some(measured) = measured {

@@ -101,7 +101,7 @@ impl Aimed<'_> {
             }
             renders += 1;
             let found = error(scene, Some(&rendered.film), args.seed)?;
-            say(args, self.seen, &format!("error found: {found:.3e}"));
+            say(args, self.seen, &format!("measured error: {found:.3e}"));
             match args.target_error.filter(|asked| found > asked * ACCEPTED) {
                 Some(asked) if renders < MAX_RENDERS => choice = finer(&choice, found / asked),
                 _ => {

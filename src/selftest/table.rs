@@ -27,7 +27,7 @@ fn verdict(rows: &[Row], precisions: &[Precision]) -> String {
             (_, Precision::Fast) => {
                 writeln!(
                     text,
-                    "{name} gives wrong answers in {failing} of {all} {cases}: its price"
+                    "{name} gives wrong answers in {failing} of {all} {cases}, as expected"
                 )
             }
             _ => writeln!(text, "{name} FAILS in {failing} of {all} {cases}"),
@@ -63,8 +63,8 @@ fn table(rows: &[Row], precisions: &[Precision]) -> String {
         text.push('\n');
     }
     if has_times {
-        text += "times: the median of alternating rounds, and how far others are off it; a large spread says that \
-                 the machine was busy\n";
+        text +=
+            "times: median and spread of alternating rounds; a large spread means a busy machine\n";
     }
     text
 }
@@ -92,7 +92,7 @@ fn failures(rows: &[Row], precisions: &[Precision], args: &SelftestArgs) -> Stri
             }
             let Outcome { tried, failed, first, .. } = &trial.outcome;
             let precision = trial.precision.name();
-            let first = first.as_deref().unwrap_or("nothing was tried");
+            let first = first.as_deref().unwrap_or("nothing was tested");
             let _ = writeln!(
                 text,
                 "\n{} in {precision}: {failed} of {tried} wrong; {}\n  the first: {first}\n  again: wavecrest \

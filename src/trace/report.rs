@@ -133,7 +133,7 @@ impl Report {
 
     fn work(&self) -> String {
         format!(
-            "per ray: {:.2} nodes, {:.2} leaves, {:.2} triangles, {:.5} again alone\n",
+            "per ray: {:.2} nodes, {:.2} leaves, {:.2} triangles, {:.5} retested in double precision\n",
             self.nodes_per_ray, self.leaves_per_ray, self.triangles_per_ray, self.undecided_per_ray
         )
     }

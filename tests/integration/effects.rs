@@ -205,16 +205,13 @@ fn a_texture_that_nothing_shows_is_not_opened() {
     let dark = with(light(), "intensity", 0);
     let behind_it = with(light(), "position", json!([0, 0, -4]));
     for (scene, why) in [
-        (by(0.08, &[], &[worn(mirror())]), "no light shows the colour of a texture"),
-        (
-            by(0.0, std::slice::from_ref(&dark), &[worn(mirror())]),
-            "no light shows the colour of a texture",
-        ),
-        (by(0.0, &[behind_it], &[worn(mirror())]), "no light shows the colour of a texture"),
-        (by(0.0, &[light()], &[worn(shiny.clone())]), "no surface shows the colour of its texture"),
+        (by(0.08, &[], &[worn(mirror())]), "no light reaches a texture"),
+        (by(0.0, std::slice::from_ref(&dark), &[worn(mirror())]), "no light reaches a texture"),
+        (by(0.0, &[behind_it], &[worn(mirror())]), "no light reaches a texture"),
+        (by(0.0, &[light()], &[worn(shiny.clone())]), "no surface uses the colour of its texture"),
         (
             by(0.08, &[light()], &[mirror(), worn(line)]),
-            "no surface shows the colour of its texture",
+            "no surface uses the colour of its texture",
         ),
     ] {
         let prepared = try_prepare(&scene, &file).unwrap_or_else(|error| panic!("{why}: {error}"));

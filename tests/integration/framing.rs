@@ -153,7 +153,9 @@ fn a_turn_is_one_file_that_moves_and_sides_are_one_picture() {
     }
     let told = refused(at, &["block.obj", "a.gif", "--turntable", "3", "--shard", "1/2"]);
     assert!(told.contains("--turntable and --shard cannot be used together"), "{told}");
-    for (output, option) in [("a.gif", "--checkpoint"), ("a-#.png", "--checkpoint"), ("a-#.png", "--stats")] {
+    for (output, option) in
+        [("a.gif", "--checkpoint"), ("a-#.png", "--checkpoint"), ("a-#.png", "--stats")]
+    {
         let told = refused(at, &["block.obj", output, "--turntable", "3", option, "kept"]);
         let words = format!("--turntable and {option} cannot be used together; leave out {option}");
         assert!(told.contains(&words), "{told}");

@@ -1,12 +1,15 @@
 //! What can go wrong, said so that the reader can mend it: the file, the place in it, the value
 //! found there, and what would be right.
 
-use std::collections::hash_map::Entry;
-use std::collections::{HashMap, HashSet};
+mod warning;
+
 use std::fmt::{self, Write};
+use std::hash::{DefaultHasher, Hash, Hasher};
 use std::io::ErrorKind as IoKind;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+
+pub use warning::{Warning, Warnings};
 
 /// A result whose failure is an [`Error`].
 pub type Result<T> = std::result::Result<T, Error>;
@@ -214,98 +217,11 @@ impl Error {
     }
 }
 
-/// Something that does not stop the work but that the user should know: it reads like an [`Error`].
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Warning {
-    file: Option<PathBuf>,
-    place: Option<String>,
-    text: String,
-    /// How many more places it holds of.
-    others: usize,
-}
-
-impl Warning {
-    /// The warning that reads as `error` does.
-    pub fn from_error(error: &Error) -> Self {
-        let Details { file, place, .. } = &*error.details;
-        let text = error.message_with_value_and_remedy();
-        Self { file: file.clone(), place: place.clone(), text, others: 0 }
-    }
-
-    /// The file concerned, if one is.
-    pub fn file(&self) -> Option<&Path> {
-        self.file.as_deref()
-    }
-
-    /// The warning without the name of its file.
-    #[must_use]
-    pub fn without_file(&self) -> Self {
-        Self { file: None, ..self.clone() }
-    }
-}
-
-impl fmt::Display for Warning {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { file, place, text, others } = self;
-        let f = &mut OneLine(f);
-        if let Some(file) = file {
-            write!(f, "{}: ", file.display())?;
-        }
-        match (place, others) {
-            (Some(place), 0) => write!(f, "{place}: ")?,
-            (Some(place), 1) => write!(f, "{place} and 1 other: ")?,
-            (Some(place), n) => write!(f, "{place} and {n} others: ")?,
-            (None, _) => {}
-        }
-        f.write_str(text)
-    }
-}
-
-/// Warnings in the order in which they were found, those that say the same of several places as one.
-#[derive(Clone, Debug, Default)]
-pub struct Warnings {
-    list: Vec<Warning>,
-    /// Which warning says what, and of which places.
-    known: HashMap<String, usize>,
-    given: HashSet<String>,
-}
-
-impl Warnings {
-    /// Adds the warning that reads as `error` does.
-    pub fn add_error(&mut self, error: &Error) {
-        // The value that is found may differ from place to place.
-        let Details { file, place, message, remedy, .. } = &*error.details;
-        let place = place.as_deref().unwrap_or_default().replace(|c: char| c.is_ascii_digit(), "");
-        let what = format!("{file:?} {place} {message} {remedy:?}");
-        self.add(Warning::from_error(error), what);
-    }
-
-    /// Adds a warning; one that says the same of another place is counted with it.
-    fn add(&mut self, warning: Warning, what: String) {
-        if !self.given.insert(warning.to_string()) {
-            return;
-        }
-        match self.known.entry(what) {
-            Entry::Occupied(known) => self.list[*known.get()].others += 1 + warning.others,
-            Entry::Vacant(new) => {
-                new.insert(self.list.len());
-                self.list.push(warning);
-            }
-        }
-    }
-
-    /// Adds warnings that are grouped already.
-    pub fn extend(&mut self, warnings: impl IntoIterator<Item = Warning>) {
-        warnings.into_iter().for_each(|warning| {
-            let what = warning.to_string();
-            self.add(warning, what);
-        });
-    }
-
-    /// All of them.
-    pub fn into_vec(self) -> Vec<Warning> {
-        self.list
-    }
+/// A hash of a text.
+pub fn hash(text: &str) -> u64 {
+    let mut hasher = DefaultHasher::new();
+    text.hash(&mut hasher);
+    hasher.finish()
 }
 
 /// What to do about a file that is not there.

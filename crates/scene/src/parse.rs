@@ -171,8 +171,14 @@ fn list<T>(
 ) -> Result<Vec<T>> {
     let Some(cursor) = scene.get(key) else { return Ok(Vec::new()) };
     cursor.notes().part(|| {
-        let items = cursor.items(cursor.array(what)?);
-        let parts: Vec<_> = items.map(|item| item.notes().part(|| read(&item))).collect();
-        parts.into_iter().collect()
+        let mut parts = Ok(Vec::new());
+        for item in cursor.items(cursor.array(what)?) {
+            match (item.notes().part(|| read(&item)), &mut parts) {
+                (Ok(part), Ok(parts)) => parts.push(part),
+                (Ok(_), Err(_)) => {}
+                (Err(error), _) => parts = Err(error),
+            }
+        }
+        parts
     })
 }

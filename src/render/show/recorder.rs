@@ -26,7 +26,7 @@ impl Reporter {
             format!("{processor}, {cores} cores, {os}; {threads} threads")
         });
         self.note("choice", || {
-            let best = if args.search.simd == Level::best() { ", the best there is" } else { "" };
+            let best = if args.search.simd == Level::best() { "(the best available)" } else { "" };
             format!(
                 "{} tracer, {} precision, instructions {}{best}, kernel {}, seed {}",
                 args.tracer,
@@ -72,7 +72,7 @@ impl Reporter {
     ) {
         let asked = args.scene_options.bvh.is_some();
         self.note("choice", || {
-            let why = if asked { "asked for" } else { "from triangles and expected rays" };
+            let why = if asked { "chosen with --bvh" } else { "from triangles and expected rays" };
             format!("tree {}: {why}", preset.name())
         });
         self.note("build", || {

@@ -28,7 +28,7 @@ fn a_sweep_writes_a_page_and_the_same_figures_in_other_forms() {
     let said = text(&output.stdout);
     assert!(
         said.starts_with("ball\n")
-            && said.contains("settings that must not change the picture leave it the same"),
+            && said.contains("settings leave the image the same, as they must"),
         "{said}"
     );
     let read =
@@ -96,7 +96,10 @@ fn a_render_for_an_error_says_what_it_chose_and_what_came_out() {
     let output = run(folder.path(), &arguments);
     assert_eq!(output.status.code(), Some(0));
     let said = text(&output.stderr);
-    assert!(said.contains("points on each light: error") && said.contains("error found"), "{said}");
+    assert!(
+        said.contains("points on each light: expected error") && said.contains("measured error"),
+        "{said}"
+    );
     let statistics = std::fs::read_to_string(folder.path().join("s.json")).expect("statistics");
     let goal = serde_json::from_str::<Value>(&statistics).expect("JSON")["goal"].clone();
     let found = goal["found_error"].as_f64().expect("a number");

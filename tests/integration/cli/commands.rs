@@ -46,7 +46,7 @@ fn check_says_what_is_in_a_scene() {
   vertices          0
   quads             0
   spheres           1
-  lights with power 1
+  lights 1
   textures          0
   bounces           2
   lowest corner     -1, -1, -1
@@ -121,8 +121,7 @@ fn explain_says_which_passes_run_and_why() {
     let (_, found) = answer(folder.path(), &["explain", "s.json"]);
     assert!(found.contains("  - advance         no material has kr above 0\n"), "{found}");
     assert!(found.contains("  - next rays            0  from mirror to advance\n"), "{found}");
-    let part =
-        "  -   differentials no texture that is seen is trilinear, no material has kr above 0\n";
+    let part = "  -   differentials no visible texture is trilinear, no material has kr above 0\n";
     assert!(found.contains(part), "{found}");
     let verdict: Vec<&str> = found.lines().take(3).collect();
     assert!(verdict[0].starts_with("about ") && verdict[0].ends_with(" s to trace"), "{found}");

@@ -313,9 +313,6 @@ fn a_viewer_that_leaves_costs_no_render() {
     viewer.join().expect("it left");
     assert_eq!(output.status.code(), Some(0));
     let told = text(&output.stderr);
-    assert!(
-        told.is_empty() || told.starts_with("warning: lost the viewer"),
-        "{told}"
-    );
+    assert!(told.is_empty() || told.starts_with("warning: lost the viewer"), "{told}");
     assert!(film(folder.path().join("out.exr")).same_bits(&expected));
 }

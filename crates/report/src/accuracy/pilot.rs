@@ -145,10 +145,7 @@ impl fmt::Display for Choice {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { points, axis, error, seconds } = self;
         let (count, what, sampler) = (points.count(), axis.name(), points.sampling.name());
-        write!(
-            f,
-            "{count} {sampler} {what}: error {error:.3e} expected, in {seconds:.2} s of tracing"
-        )
+        write!(f, "{count} {sampler} {what}: expected error {error:.3e}, {seconds:.2} s of tracing")
     }
 }
 

@@ -4,7 +4,7 @@ use std::cell::{Cell, RefCell};
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
-use wavecrest_base::error::{Error, ErrorKind, Result, Warning, Warnings};
+use wavecrest_base::error::{Error, ErrorKind, Result, Warning, Warnings, hash};
 
 /// Greatest number of errors of a file that are listed.
 const MOST_ERRORS: usize = 10;
@@ -22,8 +22,8 @@ pub(crate) struct Notes<'a> {
     warnings: RefCell<Warnings>,
     /// Files that were read besides.
     files: RefCell<Vec<PathBuf>>,
-    /// The texts of all errors.
-    given: RefCell<HashSet<String>>,
+    /// Hashes of the texts of all errors.
+    given: RefCell<HashSet<u64>>,
 }
 
 impl<'a> Notes<'a> {
@@ -76,7 +76,7 @@ impl<'a> Notes<'a> {
 
     /// Notes an error, so that reading can go on to the next. One that is found twice counts once.
     pub(crate) fn fail(&self, error: Error) {
-        if !self.given.borrow_mut().insert(error.to_string()) {
+        if !self.given.borrow_mut().insert(hash(&error.to_string())) {
             return;
         }
         self.faults.set(self.faults.get() + 1);

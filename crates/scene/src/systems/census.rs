@@ -210,10 +210,10 @@ impl<'a> Facts<'a> {
 
     fn smooth_shading(&self) -> (bool, String) {
         let shapes = &self.census.extracted.shapes;
-        let none = "no mesh with normals asks for it";
+        let none = "no mesh asks for smooth shading";
         let found = self.surfaces(|i| shapes[i].shape.smooth, "smooth mesh", none);
         if found.0 && !self.is_lit() && !self.mirrors().0 && !self.hemisphere().0 {
-            return (false, "neither light nor mirror asks for a normal".to_owned());
+            return (false, "no light and no mirror needs normals".to_owned());
         }
         found
     }
@@ -222,8 +222,8 @@ impl<'a> Facts<'a> {
         let is_colored = |i: usize| self.census.extracted.shapes[i].shape.colored;
         let all = 0..self.shows_color.len();
         let none = match all.into_iter().any(is_colored) {
-            true => "no light shows the colours of vertices",
-            false => "no mesh has colours of vertices",
+            true => "no light reaches vertex colours",
+            false => "no mesh has vertex colours",
         };
         self.surfaces(|i| is_colored(i) && self.shows_color[i], "mesh with colors", none)
     }
@@ -232,14 +232,14 @@ impl<'a> Facts<'a> {
         let has_any = self.census.world.query::<&TextureRef>().iter().next().is_some();
         let none = match (has_any, self.is_lit() || self.has_ambient) {
             (false, _) => "no shape has a texture",
-            (true, false) => "no light shows the colour of a texture",
-            (true, true) => "no surface shows the colour of its texture",
+            (true, false) => "no light reaches a texture",
+            (true, true) => "no surface uses the colour of its texture",
         };
         self.surfaces(|i| self.shows[i].texture, "textured shape", none)
     }
 
     fn emission(&self) -> (bool, String) {
-        let none = "no material has an emission";
+        let none = "no material is emissive";
         self.surfaces(|i| self.shows[i].emission, "glowing shape", none)
     }
 
@@ -256,18 +256,18 @@ impl<'a> Facts<'a> {
     }
 
     fn ray_differentials(&self) -> (bool, String) {
-        let none = "no texture that is seen is trilinear";
+        let none = "no visible texture is trilinear";
         let is_trilinear = |i: usize| self.shows[i].trilinear(self.census, i);
         self.surfaces(is_trilinear, "trilinear texture", none)
     }
 
     fn normal_maps(&self) -> (bool, String) {
-        let none = "no normal map shows";
+        let none = "no normal map is visible";
         self.surfaces(|i| self.shows[i].normal, "shape with a normal map", none)
     }
 
     fn maps(&self) -> (bool, String) {
-        let none = "no map of metal or of ambient light shows";
+        let none = "no material map is visible";
         self.surfaces(|i| self.shows[i].metal || self.shows[i].occlusion, "shape with maps", none)
     }
 
@@ -289,13 +289,13 @@ impl<'a> Facts<'a> {
             0 => format!("there is no {thing}"),
             _ if reached > 0 => format!("no {thing} falls on anything in view"),
             _ if self.census.lights.iter().any(|found| of_kind(found) && has_power(found)) => {
-                format!("no {thing} falls on a front that reflects it")
+                format!("no {thing} falls on a lit side")
             }
             _ => format!("no {thing} has power"),
         };
         let (present, mut reason) = count(shown, thing, &none);
         if present && all > shown {
-            reason += &format!(", {} more with nothing but an ambient part", all - shown);
+            reason += &format!(", {} more with ambient light only", all - shown);
         }
         (present, reason)
     }
@@ -317,7 +317,7 @@ impl<'a> Facts<'a> {
         match self.census.settings.bounces {
             _ if !found => (false, reason),
             0 => (false, "nbounces is 0".to_owned()),
-            _ if !self.shines => (false, "no light shows anything in a mirror".to_owned()),
+            _ if !self.shines => (false, "no light reaches anything in a mirror".to_owned()),
             bounces => (true, format!("{reason}, nbounces {bounces}")),
         }
     }
