@@ -88,10 +88,16 @@ impl Geometry {
         let exact = match self.primitive(hit.primitive) {
             Primitive::Triangle(i) => plane(&self.triangle(i)),
             Primitive::Quad(i) => {
-                let [first, second] = quad::halves(&self.quad(i)).map(|half| plane(&half));
+                let halves = quad::halves(&self.quad(i));
+                let [first, second] = halves.each_ref().map(&plane);
                 let is_first =
                     |t: f32| second.is_none_or(|other| (t - hit.t).abs() <= (other - hit.t).abs());
-                first.filter(|&t| is_first(t)).or(second)
+                // Of the half that the ray meets: by rounding, the halves of a flat quad lie in two planes.
+                match halves.each_ref().map(|half| exact::intersect(ray, half).is_some()) {
+                    [true, _] => first,
+                    [_, true] => second,
+                    _ => first.filter(|&t| is_first(t)).or(second),
+                }
             }
             Primitive::Sphere(_) | Primitive::Instanced(_) => None,
         };
