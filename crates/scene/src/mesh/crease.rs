@@ -18,6 +18,10 @@ use rayon::prelude::*;
 use super::{Attribute, NO_VALUE};
 use crate::corners::direction;
 
+/// By how many degrees single precision may turn a face. A prism of twelve sides has edges of 30 degrees but for that,
+/// all of which are to be creases or none.
+const ROUNDING: f64 = 1e-3;
+
 /// Vertices that a thread takes at a time.
 const CHUNK: usize = 1 << 12;
 
@@ -27,7 +31,8 @@ pub(crate) fn normals(positions: &[Vec3], triangles: &[[u32; 3]], degrees: f64) 
     let joined = joined(positions, triangles);
     let triangles = joined.as_deref().unwrap_or(triangles);
     let about = Corners::of(positions.len(), triangles);
-    let mesh = Faces { positions, triangles, least: libm::cos(degrees.to_radians()) };
+    let smooth = (degrees - ROUNDING).max(0.0);
+    let mesh = Faces { positions, triangles, least: libm::cos(smooth.to_radians()) };
     let parts: Vec<Part> = (0..positions.len().div_ceil(CHUNK))
         .into_par_iter()
         .map(|chunk| {
@@ -245,6 +250,35 @@ mod tests {
                 at(&found, 1, 1).distance(expected) < 1e-6,
                 "by angles: each square has a right one"
             );
+        }
+    }
+
+    /// The sides of a prism of `count` sides, each a square cut into two.
+    fn prism(count: u32, size: f32, turn: f64) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+        let around = |i: u32| {
+            let (sin, cos) =
+                libm::sincos(turn + std::f64::consts::TAU * f64::from(i) / f64::from(count));
+            DVec3::new(cos, 0.0, sin).as_vec3() * size
+        };
+        let points = (0..count).flat_map(|i| [around(i), around(i) + Vec3::Y * size]).collect();
+        let side = |i: u32| {
+            let [a, b] = [2 * i, 2 * ((i + 1) % count)];
+            [[a, a + 1, b + 1], [a, b + 1, b]]
+        };
+        (points, (0..count).flat_map(side).collect())
+    }
+
+    /// All edges of a prism are alike, although single precision places its corners: at exactly the angle they are
+    /// creases.
+    #[test]
+    fn an_edge_at_exactly_the_angle_is_a_crease() {
+        for (count, degrees) in [(12, 30.0), (8, 45.0), (6, 60.0), (4, 90.0), (360, 1.0)] {
+            for (size, turn) in [(1.0, 0.0), (1e-3, 0.1), (123.4, 0.7), (1e6, 2.0)] {
+                let (points, triangles) = prism(count, size, turn);
+                let normals = |crease| normals(&points, &triangles, crease).values.len() as u32;
+                let found = [degrees, 1.01 * degrees].map(normals);
+                assert_eq!(found, [4 * count, 2 * count], "{count} sides, {size}, {turn}");
+            }
         }
     }
 
