@@ -88,6 +88,30 @@ fn what_is_seen_fills_the_image_from_every_side_and_at_every_aspect() {
     }
 }
 
+/// A square, a line and a single point: there is a view of each from every side, along its plane too.
+#[test]
+fn what_has_no_volume_has_its_views_too() {
+    let folder = folder();
+    let at = folder.path();
+    let flat = "v -1 0 -1\nv 1 0 -1\nv 1 0 1\nv -1 0 1\nf 1 2 3 4\n";
+    let line = "v 0 0 0\nv 0 1 0\nv 0 2 0\nf 1 2 3\n";
+    let point = "v 1e5 2 3\nv 1e5 2 3\nv 1e5 2 3\nf 1 2 3\n";
+    let size = ["-q", "--width", "40", "--height", "30"];
+    for (name, text) in [("flat.obj", flat), ("line.obj", line), ("point.obj", point)] {
+        std::fs::write(at.join(name), text).expect("a file");
+        for side in ["front", "left", "top", "iso", "inside"] {
+            let view = [&[name, "a.pfm", "--view", side], &size[..]].concat();
+            run(at, &view);
+            run(at, &[&[name, "a.gif", "--turntable", "3", "--view", side], &size[..]].concat());
+            run(at, &[&[name, "a.pfm", "--sheet", "front,top"], &size[..]].concat());
+        }
+    }
+    let above = ["flat.obj", "a.pfm", "--view", "top", "--as", "ids"];
+    run(at, &[&above[..], &size[..]].concat());
+    let [_, _, top, bottom] = margins(&film(at, "a.pfm"));
+    assert!((top - 0.04).abs() <= 0.05 && (bottom - 0.04).abs() <= 0.05, "{top} {bottom}");
+}
+
 #[test]
 fn a_scene_file_keeps_its_camera() {
     let folder = with_block();

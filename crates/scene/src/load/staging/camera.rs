@@ -26,7 +26,7 @@ const FOV_DEGREES: f64 = 40.0;
 /// The same within a room.
 const ROOM_FOV_DEGREES: f64 = 60.0;
 /// The camera is no nearer to what it sees from outside than this share of its radius.
-const NEAREST: f64 = 0.01;
+pub(super) const NEAREST: f64 = 0.01;
 /// Sine of the angle between the view and up below which the image has no upright from it.
 pub(super) const PARALLEL: f64 = 1e-3;
 /// What is so many times as long as wide is seen from its side.

@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 
 use glam::{DQuat, DVec3};
 
-use super::camera::{PARALLEL, Stage};
+use super::camera::{NEAREST, PARALLEL, Stage};
 use crate::components::{CameraKey, CameraPath, Interpolation, View};
 
 /// The path once around in so many frames, beginning where `view` is. Within a room the camera turns where it stands.
@@ -77,6 +77,8 @@ fn around(view: &View, stage: &Stage<'_>, axis: DVec3) -> View {
     let height = if cosine > PARALLEL { (up - down) * along / (2.0 * cosine) } else { 0.0 };
     let distance =
         (up - height * upward.1).max(down - height * downward.1).max(side - height * sine);
+    // A single point is seen from a little away.
+    let distance = distance.max(stage.bounds.radius * NEAREST);
     let look = center + axis * height;
     View { location: look + back * distance, look, ..*view }
 }
