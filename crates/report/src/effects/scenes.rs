@@ -85,6 +85,10 @@ fn add_reached(list: &mut List, ambient: usize, lit: usize, picture: &str) {
     list.add("a texture, bilinear", lit, |scene| textured(scene, picture, "bilinear"));
     list.add("a texture, trilinear", lit, |scene| textured(scene, picture, "trilinear"));
     list.add("emission", lit, |scene| glow(shapes(scene)));
+    list.add("an emission map", lit, |scene| {
+        glow(shapes(scene));
+        mapped(scene, "emissionmap", picture);
+    });
     list.add("cut-outs", lit, |scene| cut_out(scene, picture, 0.5));
     list.add("tinted highlights", lit, tint);
     list.add("a normal map", lit, |scene| mapped(scene, "normalmap", picture));
@@ -94,6 +98,7 @@ fn add_reached(list: &mut List, ambient: usize, lit: usize, picture: &str) {
     list.add("depth of field, 2 x 2", lit, |scene| lens(scene, 0.2, 2));
     list.add("quads", lit, |scene| add_shapes(scene, (-2..=2).map(quad)));
     list.add("spheres", lit, |scene| add_shapes(scene, (-2..=2).map(sphere)));
+    list.add("instances, 4", lit, instanced);
 }
 
 /// What nothing leads to: the same image, the same work.
@@ -309,6 +314,16 @@ fn cut_out(scene: &mut Value, picture: &str, threshold: f64) {
         shape["alpha"] = picture.into();
         shape["alphacutoff"] = threshold.into();
     }
+}
+
+/// The field four times, each a quarter of it.
+fn instanced(scene: &mut Value) {
+    for field in shapes(scene).filter(|shape| shape["normals"].is_array()) {
+        field["name"] = "field".into();
+        field["hidden"] = true.into();
+    }
+    let quarter = |(x, z): (i32, i32)| json!({"shape": "field", "transform": {"scale": 0.5, "translate": [x, 0, z]}});
+    scene["scene"]["instances"] = [(-1, -1), (-1, 1), (1, -1), (1, 1)].map(quarter).to_vec().into();
 }
 
 fn tint(scene: &mut Value) {
