@@ -2,16 +2,21 @@
 //!
 //! Each [`Case`] has a stated bound, and is run in one precision with every kernel and all vector instructions
 //! that the processor has. All cases hold in robust and in exact arithmetic; fast arithmetic fails some. The
-//! inputs follow from a seed, so that a failure can be repeated. The expected result is computed in double
-//! precision or follows from how the input was made, and shares no code with what is tested.
+//! inputs follow from a seed, so that a failure can be repeated. The expected result is computed in whole numbers or in
+//! double precision, or follows from how the input was made, and shares no code with what is tested. Faults that are
+//! planted in the sources prove that cases can fail (`tests/mutations`).
 
 mod case;
 mod closed;
+mod colors;
 mod cones;
 mod convex;
 mod directions;
 pub mod errors;
 pub mod examine;
+mod far;
+mod holes;
+mod instances;
 mod lights;
 mod meshes;
 mod mirrors;
@@ -27,6 +32,7 @@ mod trees;
 mod views;
 mod watertight;
 mod ways;
+mod whole;
 
 pub use case::{Count, Effort, Outcome};
 
@@ -64,7 +70,7 @@ pub const CASES: &[Case] = &[
     Case::new(1, "rays through shared edges", "no ray leaves a closed mesh", watertight::edges),
     Case::new(2, "rays through vertices of 3 to 64 triangles", "no ray leaves a closed mesh", watertight::vertices),
     Case::new(3, "boxes of the tree, with rays on their faces",
-        "the hits of brute force, with every preset at three scales", trees::boxes),
+        "the exact hits, with every preset at three scales", trees::boxes),
     Case::new(4, "rays along an axis that start in the plane of a face",
         "every one hits what lies ahead", directions::along_axes),
     Case::new(5, "directions with 0 and with -0", "the same hits", directions::signed_zeros),
@@ -90,12 +96,12 @@ pub const CASES: &[Case] = &[
         "counted, and the image as without them", meshes::without_area),
     Case::new(19, "slivers of 1 to 1 000 000, seen along their planes",
         "no hit more than 8 ulp outside the triangle's box", meshes::slivers),
-    Case::new(20, "rays in a triangle's plane", "a number or no hit, the same in every way", trees::in_the_plane),
+    Case::new(20, "rays in a triangle's plane", "no hit", trees::in_the_plane),
     Case::new(21, "duplicate triangles, in any order",
         "the first of those at the least t", trees::duplicates),
     Case::new(22, "up to a million triangles about one point",
-        "the hits of brute force, in no more than twice as many tests", trees::one_centroid),
-    Case::new(23, "500 triangles within each other", "the hits of brute force", trees::nested),
+        "the exact hits, in no more than twice as many tests", trees::one_centroid),
+    Case::new(23, "500 triangles within each other", "the exact hits", trees::nested),
     Case::new(24, "scenes with one shape or none, with one light or none",
         "the background where nothing is, and black where no light is", views::next_to_nothing),
     Case::new(25, "meshes that are broken, or of random bits",
@@ -125,6 +131,12 @@ pub const CASES: &[Case] = &[
     Case::new(40, "ranges that begin before the origin", "what lies within is hit", planes::before_the_origin),
     Case::new(41, "cones of 0 to 180 degrees, and light along a floor",
         "lit within the cone and nowhere else, in the plane not at all", cones::cones),
+    Case::new(43, "edges and vertices from up to 10 000 radii away", "no ray enters a closed mesh", far::aimed),
+    Case::new(44, "instances turned, stretched, mirrored and moved",
+        "no ray leaves a closed mesh, the hits of brute force", instances::shown),
+    Case::new(45, "cut-outs at their threshold, on shared edges, before a copy",
+        "what has less alpha is not there, for rays of any kind", holes::cut_out),
+    Case::new(46, "colors of vertices from 1e-3 to 1e12", "interpolated, at vertices and edges too", colors::interpolated),
 ];
 
 /// The case of that number.

@@ -32,8 +32,9 @@ pub struct Effort {
 
 impl Effort {
     /// What finds hits on `geometry` in the precision that is tried.
-    pub(super) fn accel(&self, geometry: Geometry, preset: Preset) -> Accel {
-        Accel::new(Geometry { precision: self.precision, ..geometry }, preset)
+    pub(super) fn accel(&self, mut geometry: Geometry, preset: Preset) -> Accel {
+        geometry.set_precision(self.precision);
+        Accel::new(geometry, preset)
     }
 
     /// `full`, a hundredth of it, or a quarter of that.

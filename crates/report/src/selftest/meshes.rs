@@ -7,7 +7,7 @@ use serde_json::json;
 use super::case::{Effort, Outcome};
 use super::convex::{Mesh, globe};
 use super::directions::CUBE_SIDES;
-use super::scenes::{self, Eye, PRESETS};
+use super::scenes::{self, Eye, PRESETS, camera_rays};
 use super::trees::{add_triangle, by_brute_force};
 use super::ways::{Numbers, every_way, inputs};
 use wavecrest_core::accel::build::Preset;
@@ -16,6 +16,13 @@ use wavecrest_core::math::ray::Ray;
 
 /// Row 18.
 pub(super) fn without_area(effort: &Effort) -> Outcome {
+    let mut outcome = among_others(effort);
+    outcome.add(sealed(effort));
+    outcome
+}
+
+/// The image is as without them, each pixel shows the face that is seen there, and they are counted.
+fn among_others(effort: &Effort) -> Outcome {
     let size = effort.either([40, 30], [160, 120]);
     let location = DVec3::new(120.0, 80.0, 150.0);
     let eye = Eye::at(location, 40.0, size);
@@ -27,21 +34,60 @@ pub(super) fn without_area(effort: &Effort) -> Outcome {
         json!({"ks": 0.5, "kd": 0.5, "specularexponent": 9.5, "diffusecolor": [1, 0.7, 0.4]});
     let cleaned = scene(scenes::mesh(&clean.positions, &clean.triangles, shiny.clone()));
     let count = effort.of(100_000) as u32;
-    let (positions, triangles) = mixed(&mut Numbers::new(effort, 18, 0), &clean, count);
+    let (positions, triangles, kept) = mixed(&mut Numbers::new(effort, 18, 0), &clean, count);
     let scene = scene(scenes::mesh(&positions, &triangles, shiny));
     let mut outcome = scenes::same_images(effort, &scene, &PRESETS, &cleaned);
     outcome.add(Outcome::from(scenes::prepare(effort, &scene, Preset::Medium).map(|prepared| {
         let found = prepared.scene.dropped.degenerate;
         let is_right = found == u64::from(count) && prepared.warns(&format!(" {count} triangles"));
         let context = || format!("{found} of {count} are counted, {:?}", prepared.warnings);
-        Outcome::one((!is_right).then(context))
+        let mut outcome = Outcome::one((!is_right).then(context));
+        let faces: Vec<Option<usize>> = eye
+            .pixels()
+            .map(|(x, y)| clean.seen(location, eye.direction(x, y)).map(|face| kept[face]))
+            .collect();
+        let rays = camera_rays(&prepared.scene);
+        outcome.add(every_way(prepared.scene.accel, &rays, |i, _, hit| {
+            let face = faces[i].filter(|&face| hit.primitive as usize != face);
+            face.map(|face| format!("{hit:?} and not {face}"))
+        }));
+        outcome
     })));
     outcome
 }
 
-/// The vertices and triangles of a mesh with `count` triangles without area among them.
-fn mixed(numbers: &mut Numbers, mesh: &Mesh, count: u32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
-    let (mut positions, mut mixed) = (mesh.positions.clone(), Vec::new());
+/// A closed mesh in which faces on one side of an edge have a vertex in its middle, and a triangle without area closes
+/// what is between: no ray from inside leaves.
+fn sealed(effort: &Effort) -> Outcome {
+    // On a grid, so that the middle of an edge is exactly on it.
+    let Mesh { mut positions, triangles: faces } = globe(4, 1000.0, 1.0 / 16.0);
+    let mut triangles = Vec::new();
+    for &[a, b, c] in &faces {
+        let [p, q] = [a, b].map(|v| positions[v as usize]);
+        let middle = positions.len() as u32;
+        positions.push((p + q) * 0.5);
+        triangles.extend([[a, middle, c], [middle, b, c], [a, b, middle]]);
+    }
+    let geometry = Geometry { positions, triangles, ..Geometry::default() };
+    let rays: Vec<Ray> = inputs(effort, 18, 1..1 + effort.of(1_000_000))
+        .map(|mut numbers| {
+            let [a, b, _] = faces[numbers.below(faces.len())];
+            let [a, b] = [a, b].map(|v| geometry.positions[v as usize].as_dvec3());
+            let origin = (numbers.direction() * (500.0 * numbers.one())).as_vec3();
+            Ray::new(origin, (a + (b - a) * numbers.one()).as_vec3() - origin)
+        })
+        .collect();
+    let all = [Preset::Brute, Preset::VeryFast, Preset::Medium].map(|preset| {
+        every_way(effort.accel(geometry.clone(), preset), &rays, |_, _, hit| {
+            hit.is_miss().then(|| "it leaves through a sealed edge".to_owned())
+        })
+    });
+    all.into_iter().sum()
+}
+
+/// The vertices and triangles of a mesh with `count` triangles without area among them, and the new numbers of its own.
+fn mixed(numbers: &mut Numbers, mesh: &Mesh, count: u32) -> (Vec<Vec3>, Vec<[u32; 3]>, Vec<usize>) {
+    let (mut positions, mut mixed, mut kept) = (mesh.positions.clone(), Vec::new(), Vec::new());
     let mut left = count;
     for (i, triangle) in mesh.triangles.iter().enumerate() {
         // The last of them come after the last triangle.
@@ -50,9 +96,10 @@ fn mixed(numbers: &mut Numbers, mesh: &Mesh, count: u32) -> (Vec<Vec3>, Vec<[u32
             mixed.push(nothing(numbers, &mut positions, triangle));
         }
         left -= share;
+        kept.push(mixed.len());
         mixed.push(*triangle);
     }
-    (positions, mixed)
+    (positions, mixed, kept)
 }
 
 /// A triangle without area at a `triangle` of these positions.

@@ -25,10 +25,15 @@ const RAYS_OF_A_THREAD: usize = 1 << 13;
 /// Checks the hits of all rays with every kernel and all levels of instructions.
 /// `judge` describes what is wrong with the hit for the ray of that number, if anything is.
 pub(super) fn every_way(
-    mut accel: Accel,
+    accel: Accel,
     rays: &[Ray],
     judge: impl Fn(usize, &Ray, Hit) -> Option<String> + Sync,
 ) -> Outcome {
+    with_every_kernel(accel, |accel| ask(accel, rays, &judge))
+}
+
+/// Checks what `accel` finds with every kernel and all levels of instructions.
+pub(super) fn with_every_kernel(mut accel: Accel, check: impl Fn(&Accel) -> Outcome) -> Outcome {
     let mut outcome = Outcome::default();
     for level in Level::available() {
         let Some(token) = level.token() else { continue };
@@ -38,8 +43,8 @@ pub(super) fn every_way(
         let kernels: &[_] = if is_exact { &[KernelChoice::Single] } else { &KernelChoice::ALL };
         for &kernel in kernels {
             accel.kernel = kernel;
-            let context = |failure| format!("{} {}: {failure}", level.name(), kernel.name());
-            outcome.add(ask(&accel, rays, |i, ray, hit| judge(i, ray, hit).map(context)));
+            let context = || format!("{} {}", level.name(), kernel.name());
+            outcome.add(check(&accel).with_context(context));
         }
         if accel.tree().is_none() {
             // Nothing is left to choose.

@@ -1,0 +1,78 @@
+//! Colours of vertices, of sizes that differ as far as a scene may say.
+
+use glam::DVec3;
+use serde_json::json;
+
+use super::case::{Effort, Outcome};
+use super::scenes::{self, Eye, every_image, pixels};
+use super::ways::{Numbers, inputs};
+use wavecrest_core::accel::build::Preset;
+
+/// Triangles of a fan.
+const TRIANGLES: usize = 12;
+
+/// By how much interpolation may be off, in parts of the largest colour of the triangle: single precision places the
+/// point and the weights.
+const LARGEST_ERROR: f64 = 1e-5;
+
+/// Row 46.
+pub(super) fn interpolated(effort: &Effort) -> Outcome {
+    let fans = inputs(effort, 46, 0..effort.either(4, 100));
+    fans.map(|mut numbers| fan_from_above(effort, &mut numbers)).sum()
+}
+
+/// A fan in the plane y = 0 about the origin, which the middle pixel sees: all that is seen is the colours of its
+/// vertices, in ambient light.
+fn fan_from_above(effort: &Effort, numbers: &mut Numbers) -> Outcome {
+    let size = effort.either([25, 25], [65, 65]);
+    let eye = Eye { up: DVec3::Z, ..Eye::at(DVec3::new(0.0, 5.0, 0.0), 60.0, size) };
+    let around = |i: usize| {
+        let (sin, cos) = libm::sincos(std::f64::consts::TAU * i as f64 / TRIANGLES as f64);
+        // What the file says, and single precision too.
+        DVec3::new(2.0 * sin, 0.0, 2.0 * cos).as_vec3().as_dvec3()
+    };
+    let points: Vec<DVec3> =
+        std::iter::once(DVec3::ZERO).chain((0..TRIANGLES).map(around)).collect();
+    let color = |_| {
+        let most = [1.0, 1e12][numbers.below(2)];
+        numbers.magnitude(1e-3, most) as f32
+    };
+    let colors: Vec<f32> = (0..points.len()).map(color).collect();
+    let fan: Vec<[usize; 3]> =
+        (0..TRIANGLES).map(|i| [0, 1 + i, 1 + (i + 1) % TRIANGLES]).collect();
+    let mesh = json!({"type": "trimesh", "indices": fan, "sides": "both",
+                      "points": points.iter().map(|p| p.to_array()).collect::<Vec<_>>(),
+                      "colors": colors.iter().map(|&c| [c; 3]).collect::<Vec<_>>(),
+                      "material": scenes::matte([1.0; 3])});
+    // Without strength, but with an ambient part.
+    let light = scenes::point_light(0.0, DVec3::Y, "none");
+    let mut scene = scenes::scene(0, &eye.json(), &[light], &[mesh]);
+    scene["scene"]["ambient"] = 1.into();
+    every_image(effort, &scene, &[Preset::VeryFast], |rendered| {
+        pixels(&rendered.film, |x, y, [pixel, ..]| {
+            let direction = eye.direction(x, y);
+            let hit = eye.location - direction * (eye.location.y / direction.y);
+            let of = |corners: &[usize; 3]| {
+                let weights = weights(corners.map(|corner| points[corner]), hit);
+                let is_within = weights.iter().all(|weight| *weight > -1e-6);
+                let colors = corners.map(|corner| f64::from(colors[corner]));
+                is_within.then(|| {
+                    let mixed = weights.iter().zip(colors).map(|(w, c)| w * c).sum::<f64>();
+                    (mixed, LARGEST_ERROR * colors.into_iter().fold(0.0, f64::max))
+                })
+            };
+            // On an edge each triangle will do.
+            let expected: Vec<(f64, f64)> = fan.iter().filter_map(of).collect();
+            let is_right = expected.is_empty()
+                || expected.iter().any(|(mixed, off)| (f64::from(pixel) - mixed).abs() <= *off);
+            (!is_right).then(|| format!("not {expected:?}"))
+        })
+    })
+}
+
+/// The weights of a triangle's corners at a point of the plane y = 0.
+fn weights([a, b, c]: [DVec3; 3], point: DVec3) -> [f64; 3] {
+    let area = |p: DVec3, q: DVec3, r: DVec3| (q - p).cross(r - p).y;
+    let whole = area(a, b, c);
+    [area(point, b, c) / whole, area(a, point, c) / whole, area(a, b, point) / whole]
+}

@@ -1,0 +1,95 @@
+//! Meshes that are shown by instances: turned, stretched, mirrored, and far away.
+
+use glam::{DAffine3, DMat3, DQuat, DVec3, Vec3};
+
+use super::case::{Effort, Outcome};
+use super::closed::{Closed, globe};
+use super::trees::by_brute_force;
+use super::ways::{Numbers, every_way, inputs};
+use wavecrest_core::accel::Hit;
+use wavecrest_core::accel::build::Preset;
+use wavecrest_core::accel::geometry::Geometry;
+use wavecrest_core::accel::instance::Instance;
+use wavecrest_core::kernels::slab::Aabb;
+use wavecrest_core::math::ray::Ray;
+
+/// Scenes of row 44, and instances in each.
+const SCENES: usize = 20;
+const INSTANCES: u32 = 12;
+
+/// What a ray from inside may meet later than what it is aimed at, it met outside of its instance.
+const BEYOND: f32 = 1.1;
+
+/// Row 44.
+pub(super) fn shown(effort: &Effort) -> Outcome {
+    (0..SCENES)
+        .map(|scene| {
+            let mut numbers = Numbers::new(effort, 44, usize::MAX - scene);
+            let place = (numbers.magnitude(1e-2, 1e2), Vec3::ZERO);
+            let closed = globe(numbers.clone(), [5, 8], 0.3, place);
+            let geometry = instances_of(&closed, &mut numbers, place.0);
+            let start = scene * 1_000_000;
+            let inputs = inputs(effort, 44, start..start + effort.of(2_000_000) / SCENES);
+            let (inside, others): (Vec<Ray>, Vec<Ray>) =
+                inputs.map(|mut numbers| rays(&geometry, &closed, &mut numbers)).unzip();
+            let mut outcome = never_left(effort, &geometry, &inside);
+            outcome.add(as_brute_force(effort, &geometry, &others));
+            outcome.with_context(|| format!("scene {scene}"))
+        })
+        .sum()
+}
+
+/// Instances of a mesh of about that `size`, none of which touches another, from next to the origin to far away.
+fn instances_of(closed: &Closed, numbers: &mut Numbers, size: f64) -> Geometry {
+    let prototype = closed.geometry.clone();
+    let bounds = prototype.positions.iter().map(|&p| Aabb { low: p, high: p });
+    let bounds = bounds.fold(Aabb::EMPTY, Aabb::union);
+    let triangles = prototype.triangles.len() as u32;
+    let show = |number: u32| {
+        // By up to 4 along each axis: they stay within 8 sizes of their places, which are 20 apart.
+        let stretched = DVec3::from([(); 3].map(|()| numbers.magnitude(0.25, 4.0)));
+        let angle = std::f64::consts::TAU * numbers.one();
+        let turned = DMat3::from_quat(DQuat::from_axis_angle(numbers.direction(), angle));
+        let mirrored = DVec3::new(numbers.sign(), 1.0, 1.0);
+        let matrix = turned * DMat3::from_diagonal(stretched * mirrored);
+        let far = DVec3::X * (20.0 * f64::from(number)) + DVec3::Y * numbers.magnitude(1.0, 1e4);
+        let to_world = DAffine3 { matrix3: matrix, translation: far * size };
+        Instance::new(0, number * triangles, to_world, &bounds)
+    };
+    let instances = (0..INSTANCES).map(show).collect();
+    Geometry { prototypes: vec![prototype], instances, ..Geometry::default() }
+}
+
+/// A ray from inside an instance at a point of an edge; and one from anywhere at an outer point of an instance's box.
+fn rays(geometry: &Geometry, closed: &Closed, numbers: &mut Numbers) -> (Ray, Ray) {
+    let instance = &geometry.instances[numbers.below(geometry.instances.len())];
+    let to_world = |point: DVec3| instance.to_world().transform_point3(point);
+    let corners = closed.geometry.triangle(numbers.below(closed.geometry.triangles.len()));
+    let [a, b, _] = corners.map(|corner| corner.as_dvec3());
+    let inside = numbers.direction() * (0.5 * numbers.one() * f64::from(closed.radius));
+    let origin = to_world(inside).as_vec3();
+    let target = to_world(a + (b - a) * [0.0, numbers.one()][numbers.below(2)]);
+    let elsewhere = &geometry.instances[numbers.below(geometry.instances.len())];
+    let from = elsewhere.to_world().translation + numbers.direction() * target.length();
+    let at = |from: Vec3| Ray::new(from, (target - from.as_dvec3()).as_vec3());
+    (at(origin), at(from.as_vec3()))
+}
+
+/// Rays at t = 1 from inside: those that meet nothing there have left through an edge, or missed the instance.
+fn never_left(effort: &Effort, geometry: &Geometry, rays: &[Ray]) -> Outcome {
+    let presets = [Preset::Brute, Preset::VeryFast, Preset::Medium].map(|preset| {
+        every_way(effort.accel(geometry.clone(), preset), rays, |_, _, hit| {
+            let is_right = !hit.is_miss() && hit.t < BEYOND;
+            (!is_right).then(|| format!("{}: {hit:?} and not at 1", preset.name()))
+        })
+    });
+    presets.into_iter().sum()
+}
+
+/// Boxes lose nothing at the outermost points.
+fn as_brute_force(effort: &Effort, geometry: &Geometry, rays: &[Ray]) -> Outcome {
+    let expected = by_brute_force(effort, geometry, rays);
+    every_way(effort.accel(geometry.clone(), Preset::VeryFast), rays, |i, _, hit: Hit| {
+        (hit != expected[i]).then(|| format!("{hit:?} and not {:?}", expected[i]))
+    })
+}
