@@ -1,0 +1,100 @@
+//! The faults, from the ray to the image.
+
+/// A wrong expression in place of a right one.
+pub(crate) struct Fault {
+    /// What is wrong then.
+    pub(crate) name: &'static str,
+    /// The hard case that must fail.
+    pub(crate) case: u32,
+    /// Where, from the root of the repository.
+    pub(crate) file: &'static str,
+    /// The expression there, which its file has once.
+    pub(crate) right: &'static str,
+    pub(crate) wrong: &'static str,
+}
+
+macro_rules! faults {
+    ($($name:literal, $case:literal, $file:literal: $right:literal => $wrong:literal;)+) => {
+        &[$(Fault { name: $name, case: $case, file: $file, right: $right, wrong: $wrong }),+]
+    };
+}
+
+/// All faults.
+pub(crate) const FAULTS: &[Fault] = faults! {
+    "rays that are not finite are traced", 26, "crates/core/src/math/ray.rs":
+        "finite.all() & (direction != Vec3A::ZERO)" => "(direction != Vec3A::ZERO)";
+    "rays begin at an epsilon", 10, "crates/core/src/accel/compiled.rs":
+        "PreparedRay::of::<P>(self.ray)"
+            => "PreparedRay::of::<P>(&Ray { t_min: self.ray.t_min.max(1e-4), ..*self.ray })";
+
+    "reciprocals are clamped", 6, "crates/core/src/kernels/slab.rs":
+        "direction.recip()"
+            => "direction.recip().clamp(Vec3A::splat(-1.0 / f32::EPSILON), Vec3A::splat(1.0 / f32::EPSILON))";
+    "the sign of a zero is lost", 5, "crates/core/src/kernels/slab.rs":
+        "negative.into()" => "direction.cmplt(Vec3A::ZERO).into()";
+    "boxes are not padded", 3, "crates/core/src/kernels/slab.rs":
+        "PADDING * max(max_abs(self.low), max_abs(self.high))" => "0.0";
+    "origins are not moved for boxes", 6, "crates/core/src/kernels/slab.rs":
+        "max(factor * PADDING * origin.abs().max_element(), f32::MIN_POSITIVE)" => "f32::MIN_POSITIVE";
+    "near planes of boxes are taken for far ones", 3, "crates/core/src/accel/node.rs":
+        "planes[usize::from(ray.negative[k])]" => "planes[0]";
+    "the second of two children is lost", 3, "crates/core/src/accel/node.rs":
+        "(Some(child_of(node, at, first)), height + 1)" => "(Some(child_of(node, at, first)), height)";
+    "boxes just before a hit are skipped", 3, "crates/core/src/accel/tree.rs":
+        "t + t.abs() * BEYOND" => "t - t.abs() * 0.01";
+    "rays of a tile change places", 3, "crates/core/src/accel/packet/tile.rs":
+        "index & 0b100011 | (index & 0b001100) << 1 | (index & 0b010000) >> 2" => "index";
+
+    "the last triangle of a leaf is lost", 1, "crates/core/src/accel/leaf.rs":
+        "(1 << count) - 1" => "(1 << count.saturating_sub(1)) - 1";
+    "the first triangle of a leaf is named for others", 3, "crates/core/src/accel/leaf.rs":
+        "Hit { t: hits.t[lane], primitive: arena.number(first, lane) }"
+            => "Hit { t: hits.t[lane], primitive: arena.number(first, 0) }";
+    "t is weighed by the wrong corners", 3, "crates/core/src/kernels/triangle/edges.rs":
+        "sorted([*e0 * *az, *e1 * *bz, *e2 * *cz])" => "sorted([*e0 * *bz, *e1 * *cz, *e2 * *az])";
+    "an edge belongs to neither of its triangles", 4, "crates/core/src/kernels/triangle.rs":
+        "edges.iter().any(|&e| e < 0.0) && edges.iter().any(|&e| e > 0.0)"
+            => "edges.iter().any(|&e| e <= 0.0) && edges.iter().any(|&e| e >= 0.0)";
+    "what lies beyond the end of a ray is hit", 40, "crates/core/src/kernels/triangle/edges.rs":
+        "self.t.gt(range.t_min) & self.t.lt(range.t_max)" => "self.t.gt(range.t_min)";
+    "a negative t is before every range", 40, "crates/core/src/kernels/triangle/edges.rs":
+        "range.t_min.min(self.far.zero())" => "range.t_min.max(self.far.zero())";
+    "hits beside an edge count without a surface", 37, "crates/core/src/accel/near.rs":
+        "is_met(t).then_some(t)" => "Some(t)";
+    "hits beside an edge are lost", 39, "crates/core/src/accel/near.rs":
+        "is_surface(self.geometry, &endless, t, found)" => "false";
+    "triangles without area seal no gap", 18, "crates/core/src/accel.rs":
+        "seals::find(geometry, degenerate)" => "Seals::default()";
+    "of equal hits the last is the first", 21, "crates/core/src/accel/ties.rs":
+        "self.primitive < other.primitive" => "self.primitive > other.primitive";
+    "surfaces in one plane are ordered by rounding", 38, "crates/core/src/accel/ties.rs":
+        "are_close(new.t, best.t)" => "false";
+    "the far root of a sphere is forgotten", 16, "crates/core/src/kernels/sphere.rs":
+        "Real::select(counts(near), near, far)" => "near";
+    "a quad has its other diagonal", 34, "crates/core/src/kernels/quad.rs":
+        "[[a, b, c], [a, c, d]]" => "[[a, b, d], [b, c, d]]";
+    "boxes of instances are not padded", 44, "crates/core/src/accel/instance.rs":
+        "(pad * GENEROUS) as f32 + PADDING * max_abs(world.low).max(max_abs(world.high))" => "0.0";
+    "rays of instances have another unit of t", 44, "crates/core/src/accel/instance.rs":
+        "self.to_prototype.transform_vector3(ray.direction.as_dvec3()).as_vec3()"
+            => "self.to_prototype.transform_vector3(ray.direction.as_dvec3()).normalize().as_vec3()";
+    "alpha at its threshold is a hole", 45, "crates/core/src/accel/cutouts.rs":
+        "image.look_up(uv, self.filter, self.wrap).x < self.threshold"
+            => "image.look_up(uv, self.filter, self.wrap).x <= self.threshold";
+
+    "rays start on the surface that they leave", 9, "crates/core/src/math/vector.rs":
+        "self.move_along(normal, direction, error.element_sum().times(STEEPEST_CREASE))" => "self";
+    "shadow rays end on the surface of their light", 11, "crates/core/src/math/vector.rs":
+        "self.move_along(normal, direction, normal.abs().dot(error))" => "self";
+    "a light at a point is infinitely strong", 32, "crates/core/src/kernels/shade.rs":
+        "distance.max(least)" => "distance";
+    "light reaches what its shading normal faces", 33, "crates/core/src/kernels/shade.rs":
+        "point.normal.dot(to_light).gt(zero)" => "point.shading_normal.dot(to_light).gt(zero)";
+    "mirrors return too little", 35, "crates/core/src/kernels/shade.rs":
+        "throughput * point.reflection.tint.scale(point.kr)"
+            => "throughput * point.reflection.tint.scale(point.kr.times(0.999))";
+    "a cone without an angle shines along its axis", 41, "crates/core/src/kernels/light/spot.rs":
+        "above.gt(zero)" => "above.ge(zero)";
+    "scenes far away are not moved to the camera", 7, "crates/scene/src/systems/frame.rs":
+        "if far { nearest(view.location, distance) } else { DVec3::ZERO }" => "DVec3::ZERO";
+};

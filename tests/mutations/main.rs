@@ -1,0 +1,66 @@
+//! Faults in the sources, each of which a hard case must catch: a case that cannot fail proves nothing.
+//!
+//! A fault is planted in a copy of the sources: a wrong expression in place of the right one. All of them are in one
+//! copy, each behind a switch, so that it is built once; a run has one fault turned on, or none.
+//!
+//! `cargo test --test mutations -- --ignored --nocapture` runs the list and prints what caught each.
+//! `WAVECREST_FAULT=NAME` runs those alone whose name begins so.
+
+#![allow(
+    clippy::expect_used,
+    clippy::panic,
+    clippy::print_stdout,
+    reason = "a fault that cannot be planted ends the test, and the list is printed"
+)]
+
+mod faults;
+mod plant;
+
+use std::collections::BTreeSet;
+use std::time::Instant;
+
+use faults::FAULTS;
+use plant::Planted;
+
+/// The list follows the sources: each expression is still there, and only once.
+#[test]
+fn every_fault_has_its_place() {
+    for fault in FAULTS {
+        let count = fault.source().matches(fault.right).count();
+        assert_eq!(count, 1, "{}: `{}` in {}", fault.name, fault.right, fault.file);
+    }
+    let names: BTreeSet<&str> = FAULTS.iter().map(|fault| fault.name).collect();
+    assert_eq!(names.len(), FAULTS.len(), "names differ");
+}
+
+#[test]
+#[ignore = "builds the core once more: minutes"]
+fn every_fault_is_caught() {
+    let asked = std::env::var("WAVECREST_FAULT").unwrap_or_default();
+    let faults = || (1..).zip(FAULTS).filter(|(_, fault)| fault.name.starts_with(&asked));
+    let planted = Planted::build();
+    for case in faults().map(|(_, fault)| fault.case).collect::<BTreeSet<_>>() {
+        let output = planted.run(0, case);
+        let said = String::from_utf8_lossy(&output.stdout);
+        assert!(output.status.success(), "case {case} fails without a fault:\n{said}");
+        assert!(!said.contains("running 0 tests"), "there is no case {case}");
+    }
+    let mut missed = Vec::new();
+    for (number, fault) in faults() {
+        let start = Instant::now();
+        let output = planted.run(number, fault.case);
+        let said = String::from_utf8_lossy(&output.stdout);
+        let failure = said.lines().find(|line| line.contains(" failed; the first: "));
+        let said = match failure {
+            Some(line) => line,
+            None if output.status.success() => {
+                missed.push(fault.name);
+                "MISSED"
+            }
+            None => "it panics",
+        };
+        let seconds = start.elapsed().as_secs_f64();
+        println!("{:44} case {:2}  {seconds:5.1} s  {said}", fault.name, fault.case);
+    }
+    assert!(missed.is_empty(), "no case fails with {missed:?}");
+}

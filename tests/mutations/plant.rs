@@ -1,0 +1,133 @@
+//! A copy of the sources with all faults in it, each behind a switch, and the hard cases built from it.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use crate::faults::{FAULTS, Fault};
+
+/// Names the fault that is turned on, by its number; 0 is none.
+const SWITCH: &str = "WAVECREST_PLANTED";
+
+/// What every crate imports, and so can ask.
+const BASE: &str = "crates/base/src/lib.rs";
+
+/// Added to it.
+const ASK: &str = "
+/// Whether the fault of that number is turned on.
+#[inline(always)]
+pub fn is_planted(number: u32) -> bool {
+    static NUMBER: std::sync::LazyLock<Option<u32>> =
+        std::sync::LazyLock::new(|| std::env::var(\"WAVECREST_PLANTED\").ok()?.parse().ok());
+    *NUMBER == Some(number)
+}
+";
+
+/// Where instructions are chosen, and what makes it one level alone, as for fuzzers: the copy builds in half the time.
+const LEVELS: &str = "crates/core/src/math/simd.rs";
+const ONE_LEVEL: [(&str, &str); 3] =
+    [("cfg!(fuzzing)", "true"), ("not(fuzzing)", "any()"), ("all(fuzzing, ", "all(")];
+
+/// What the copy holds.
+const PARTS: [&str; 6] = ["Cargo.toml", "Cargo.lock", "benches", "crates", "src", "tests"];
+
+/// Kinds of files that are copied: sources and what they include. Images are not.
+const KINDS: [&str; 7] = ["rs", "toml", "lock", "css", "js", "json", "txt"];
+
+/// The repository.
+fn repository() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+impl Fault {
+    /// The text of its file.
+    pub(crate) fn source(&self) -> String {
+        read(&repository().join(self.file))
+    }
+
+    fn plant(&self, number: usize, text: &str) -> String {
+        let Self { right, wrong, .. } = self;
+        let either =
+            format!("(if wavecrest_base::is_planted({number}) {{ {wrong} }} else {{ {right} }})");
+        text.replacen(right, &either, 1)
+    }
+}
+
+fn read(path: &Path) -> String {
+    fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+}
+
+/// The hard cases, as a program that has all faults in it.
+pub(crate) struct Planted {
+    program: PathBuf,
+}
+
+impl Planted {
+    /// Builds them, beside what is built already: dependencies are shared.
+    pub(crate) fn build() -> Self {
+        let scratch = Path::new(env!("CARGO_TARGET_TMPDIR"));
+        let tree = scratch.join("planted");
+        for part in PARTS {
+            copy(&repository().join(part), &tree, Path::new(part));
+        }
+        let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+        let output = Command::new(cargo)
+            .args(["test", "--no-run", "--locked", "--message-format=json"])
+            .args(["--package=wavecrest-report", "--test=stability"])
+            .arg("--target-dir")
+            .arg(scratch.parent().expect("the target directory"))
+            .current_dir(&tree)
+            .output()
+            .expect("cargo starts");
+        let errors = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "the faults do not compile:\n{errors}");
+        let program = String::from_utf8_lossy(&output.stdout).lines().find_map(program_of);
+        Self { program: program.expect("cargo names what it built") }
+    }
+
+    /// What the case of that number says with the fault turned on.
+    pub(crate) fn run(&self, fault: usize, case: u32) -> Output {
+        Command::new(&self.program)
+            .arg(format!("hc{case:02}_"))
+            .env(SWITCH, fault.to_string())
+            .output()
+            .expect("the hard cases start")
+    }
+}
+
+/// The program that a line of cargo's says was built.
+fn program_of(line: &str) -> Option<PathBuf> {
+    let message: serde_json::Value = serde_json::from_str(line).ok()?;
+    Some(PathBuf::from(message["executable"].as_str()?))
+}
+
+/// Copies what is at `from` to its place in the tree. What has not changed is left as it is, and not built again.
+fn copy(from: &Path, tree: &Path, place: &Path) {
+    if from.is_dir() {
+        for entry in fs::read_dir(from).expect("a folder") {
+            let entry = entry.expect("an entry");
+            copy(&entry.path(), tree, &place.join(entry.file_name()));
+        }
+    } else if from.extension().is_some_and(|kind| KINDS.iter().any(|known| kind == *known)) {
+        let (text, to) = (changed(place, read(from)), tree.join(place));
+        if fs::read_to_string(&to).is_ok_and(|old| old == text) {
+            return;
+        }
+        fs::create_dir_all(to.parent().expect("a folder")).expect("a folder");
+        fs::write(to, text).expect("a file");
+    }
+}
+
+/// The text of the file at `place` with the faults that belong there.
+fn changed(place: &Path, mut text: String) -> String {
+    for (number, fault) in (1..).zip(FAULTS).filter(|(_, fault)| place == Path::new(fault.file)) {
+        text = fault.plant(number, &text);
+    }
+    if place == Path::new(BASE) {
+        text.push_str(ASK);
+    }
+    if place == Path::new(LEVELS) {
+        text = ONE_LEVEL.iter().fold(text, |text, (many, one)| text.replace(many, one));
+    }
+    text
+}
