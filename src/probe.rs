@@ -109,8 +109,10 @@ fn text(record: &PixelRecord) -> String {
     text
 }
 
-/// What a path hits, and which points of lights reach it there.
-fn outline(path: &Path) -> Vec<(Option<u32>, Vec<(usize, bool)>)> {
+/// For each bounce of a path the primitive that it hits, and for each point of a light whether it is visible.
+type Outline = Vec<(Option<u32>, Vec<(usize, bool)>)>;
+
+fn outline(path: &Path) -> Outline {
     let light = |light: &Light| (light.light, light.verdict == Verdict::Visible);
     let bounce = |bounce: &Bounce| match &bounce.met {
         Some(met) => (Some(met.primitive), met.lights.iter().map(light).collect()),

@@ -206,8 +206,9 @@ fn check_length(path: &Path, length: u64) -> Result<()> {
     }
     let message = format!("the scene file is too large: {length} bytes or more");
     let error = Error::new(ErrorKind::Limit, message).in_file(path);
-    let allowed = format!("keep it below 256 MiB");
-    Err(error.remedy(format!("{allowed}: keep large meshes in files of their own")))
+    let allowed = LONGEST_FILE >> 20;
+    Err(error
+        .remedy(format!("keep it below {allowed} MiB, and large meshes in files of their own")))
 }
 
 fn warn_of_equal_names(shapes: &[Shape], notes: &Notes<'_>) {
