@@ -119,13 +119,17 @@
 //! Whatever fails returns an [`Error`], which names the file, the place in it, the value found and what would be
 //! right; no input makes the library panic.
 
-// What fails, and what is only odd.
+// What fails, what is only odd, and what is chosen by name.
+pub use wavecrest_base::choice::Choice;
 pub use wavecrest_base::error::{Error, ErrorKind, Result, Warning};
 
 // From a scene file to a prepared scene.
 pub use wavecrest_core::prepared::PreparedScene;
-pub use wavecrest_scene::load::{LoadOptions, LoadedScene, load, load_str};
-pub use wavecrest_scene::systems::{Extracted, Options as ExtractOptions, extract};
+pub use wavecrest_scene::load::framing::{Fit, Fov, Framing, Side, Up};
+pub use wavecrest_scene::load::lighting::{Background, Lighting, Rig};
+pub use wavecrest_scene::load::{LoadOptions, LoadedScene, load, load_mesh, load_str};
+pub use wavecrest_scene::mesh::MeshData;
+pub use wavecrest_scene::systems::{Extracted, Options as ExtractOptions, extract, warnings};
 
 // From a prepared scene to pixels.
 pub use wavecrest_core::counters::Counters;

@@ -25,7 +25,7 @@ use framing::Framing;
 
 use super::components::Encoding;
 use super::gltf;
-use super::mesh::{self, LoadedMesh};
+use super::mesh::{self, LoadedMesh, MeshData};
 use super::parse;
 pub use super::parse::LONGEST_SIDE;
 use super::reader::{Cursor, Notes, Place, json};
@@ -82,10 +82,38 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<LoadedScene> {
         FileFormat::Gltf => gltf::load(path, options),
         FileFormat::Mesh => {
             let notes = notes(path, options);
-            let (scene, told) = standalone::scene(path, options, &notes)?;
+            let (scene, told) = standalone::scene(path, options, &notes, || mesh::load(path))?;
             spawned(scene, notes, Some(told), mesh::load)
         }
     }
+}
+
+/// As [`load`] of a PLY file with these arrays: with a camera, lights and a material. Errors and warnings call the
+/// mesh `name`, which has no extension.
+///
+/// # Errors
+/// An index is out of range, a position is not finite or too large, there is no triangle, or the options ask for
+/// what a mesh does not have.
+///
+/// ```
+/// use glam::Vec3;
+/// use wavecrest_scene::load::{LoadOptions, load_mesh};
+/// use wavecrest_scene::mesh::MeshData;
+///
+/// let positions = vec![Vec3::ZERO, Vec3::X, Vec3::Y];
+/// let mesh = MeshData { positions, triangles: vec![[0, 1, 2]], ..MeshData::default() };
+/// let scene = load_mesh(mesh.clone(), "triangle".as_ref(), &LoadOptions::default())?;
+/// assert!(scene.warnings.is_empty() && scene.notes.len() == 1);
+///
+/// let wrong = MeshData { triangles: vec![[0, 1, 3]], ..mesh };
+/// let error = load_mesh(wrong, "triangle".as_ref(), &LoadOptions::default()).err().unwrap();
+/// assert!(error.to_string().starts_with("triangle: triangle 0: "), "{error}");
+/// # Ok::<(), wavecrest_base::error::Error>(())
+/// ```
+pub fn load_mesh(mesh: MeshData, name: &Path, options: &LoadOptions) -> Result<LoadedScene> {
+    let notes = notes(name, options);
+    let (scene, told) = standalone::scene(name, options, &notes, || mesh::checked(mesh, name))?;
+    spawned(scene, notes, Some(told), mesh::load)
 }
 
 /// As [`load`], from text. Relative paths start from the folder of `file`, which need not exist.

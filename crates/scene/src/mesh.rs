@@ -57,6 +57,15 @@ pub fn load(path: &Path) -> Result<LoadedMesh> {
     named(loaded, path)
 }
 
+/// The mesh, checked as one from a file is; errors call it `name`.
+pub(crate) fn checked(mesh: MeshData, name: &Path) -> Result<LoadedMesh> {
+    if mesh.triangles.is_empty() {
+        return Err(faults::no_triangles().in_file(name));
+    }
+    validate(&mesh, name)?;
+    Ok(LoadedMesh { mesh, ..LoadedMesh::default() })
+}
+
 /// Whether the name of `path` ends as that of a mesh file does.
 pub fn is_mesh_name(path: &Path) -> bool {
     Format::of(path).is_ok()

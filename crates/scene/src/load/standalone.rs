@@ -11,7 +11,7 @@ use super::staging::{self, Placed};
 use crate::components::{Encoding, Material, Mesh, Shading, VertexColors};
 use crate::load::LoadOptions;
 use crate::load::framing::Up;
-use crate::mesh::{self, LoadedMesh, crease};
+use crate::mesh::{LoadedMesh, crease};
 use crate::reader::Notes;
 use crate::schema::{Camera, SceneFile, Shape};
 
@@ -26,7 +26,7 @@ const MATERIAL: Material = Material {
     kr: 0.0,
 };
 
-/// Reads the mesh at `path`, and says what was chosen for the user.
+/// The mesh that `read` returns as a scene, and what was chosen for the user. `path` is its file, or a name for it.
 ///
 /// # Errors
 /// As [`super::load`].
@@ -34,12 +34,13 @@ pub(super) fn scene(
     path: &Path,
     options: &LoadOptions,
     notes: &Notes<'_>,
+    read: impl FnOnce() -> Result<LoadedMesh>,
 ) -> Result<(SceneFile, String)> {
     if let Some(camera) = &options.camera {
         let error = Error::new(ErrorKind::Usage, "a mesh file has no cameras");
         return Err(error.in_file(path).value(camera).remedy("leave out --camera"));
     }
-    let LoadedMesh { mut mesh, warnings, materials } = mesh::load(path)?;
+    let LoadedMesh { mut mesh, warnings, materials } = read()?;
     mesh.decode_colors(VertexColors::Srgb);
     notes.pass_on(warnings);
     let crease = options.lighting.crease_degrees;
@@ -86,7 +87,8 @@ fn usual_up(path: &Path) -> (Up, bool) {
     match extension.to_str() {
         // From programs for construction, and for printers.
         Some("stl") => (Up::Z, true),
-        Some("ply") => (Up::Y, true),
+        // Arrays have no file.
+        Some("ply" | "") => (Up::Y, true),
         _ => (Up::Y, false),
     }
 }
