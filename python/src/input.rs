@@ -1,0 +1,139 @@
+//! What Python hands over, as the library takes it.
+
+use std::path::PathBuf;
+use std::str::FromStr;
+
+use numpy::{Element, PyReadonlyArrayDyn, PyUntypedArrayMethods};
+use pyo3::exceptions::PyTypeError;
+use pyo3::prelude::*;
+use pyo3::types::{IntoPyDict, PyDict};
+use wavecrest_api::glam::{DVec3, Vec3};
+use wavecrest_api::{self as api, Choice};
+
+use super::{Error, exception};
+
+/// What is to be rendered.
+pub(crate) enum Source {
+    /// A scene file, a glTF file or a mesh.
+    File(PathBuf),
+    /// A scene as JSON, whose paths start from the current folder.
+    Json(String),
+    /// A mesh as arrays.
+    Mesh(api::MeshData),
+}
+
+impl Source {
+    pub(crate) fn new(
+        scene: &Bound<'_, PyAny>,
+        faces: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        if let Some(faces) = faces {
+            return Ok(Self::Mesh(mesh(scene, faces)?));
+        }
+        if scene.is_instance_of::<PyDict>() {
+            let json = scene.py().import("json")?.call_method1("dumps", (scene,))?;
+            return Ok(Self::Json(json.extract()?));
+        }
+        let wrong =
+            |_| PyTypeError::new_err("scene must be a path, a dict, or vertices with faces");
+        scene.extract().map(Self::File).map_err(wrong)
+    }
+}
+
+/// A mesh of arrays of the shapes (N, 3) and (M, 3).
+fn mesh(vertices: &Bound<'_, PyAny>, faces: &Bound<'_, PyAny>) -> PyResult<api::MeshData> {
+    let positions = rows(&array::<f32>("vertices", vertices, "float32", "(N, 3)")?)?;
+    let indices = rows(&array::<i64>("faces", faces, "int64", "(M, 3)")?)?;
+    let count = positions.len();
+    let triangle = |(number, face): (usize, [i64; 3])| {
+        let index = |i: i64| u32::try_from(i).ok().filter(|&i| (i as usize) < count).ok_or(i);
+        let wrong = |i| {
+            Error::new_err(format!(
+                "faces[{number}]: must be indices from 0 to {}, of the {count} vertices, found {i}",
+                count as i64 - 1
+            ))
+        };
+        let [a, b, c] = face.map(index);
+        Ok([a.map_err(wrong)?, b.map_err(wrong)?, c.map_err(wrong)?])
+    };
+    let triangles = indices.into_iter().enumerate().map(triangle).collect::<PyResult<_>>()?;
+    let positions = positions.into_iter().map(Vec3::from).collect();
+    Ok(api::MeshData { positions, triangles, ..api::MeshData::default() })
+}
+
+/// Whatever NumPy makes an array of, with elements of the type `kind`, for which no float is rounded to an integer,
+/// and of a shape such as "(N, 3)".
+fn array<'py, T: Element>(
+    name: &str,
+    value: &Bound<'py, PyAny>,
+    kind: &str,
+    expected: &str,
+) -> PyResult<PyReadonlyArrayDyn<'py, T>> {
+    let py = value.py();
+    let rules = [("casting", "same_kind"), ("order", "C")].into_py_dict(py)?;
+    let array = py.import("numpy")?.call_method1("asarray", (value,))?;
+    let array: PyReadonlyArrayDyn<'py, T> =
+        array.call_method("astype", (kind,), Some(&rules))?.extract()?;
+    let shape = array.shape();
+    if shape.len() != expected.split(',').count() || shape.last() != Some(&3) {
+        let message = format!("{name}: must have the shape {expected}, found {shape:?}");
+        return Err(Error::new_err(message));
+    }
+    Ok(array)
+}
+
+/// The rows of an array whose last dimension is 3 long.
+fn rows<T: Element + Copy>(array: &PyReadonlyArrayDyn<'_, T>) -> PyResult<Vec<[T; 3]>> {
+    Ok(array.as_slice()?.as_chunks().0.to_vec())
+}
+
+/// An array of linear colours as an image.
+pub(crate) fn film(image: &Bound<'_, PyAny>) -> PyResult<api::Film> {
+    let array = array::<f32>("image", image, "float32", "(height, width, 3)")?;
+    let side = |i: usize| u32::try_from(array.shape()[i]).unwrap_or(u32::MAX);
+    api::Film::from_pixels(side(1), side(0), rows(&array)?).map_err(|e| exception(&e))
+}
+
+/// The value of that name.
+pub(crate) fn named<T: Choice>(key: &str, name: Option<String>) -> PyResult<Option<T>> {
+    let Some(name) = name else { return Ok(None) };
+    let found = T::VALUES.iter().copied().find(|value| value.name() == name);
+    let names = || T::VALUES.iter().map(|value| value.name()).collect::<Vec<_>>().join(", ");
+    let wrong = || Error::new_err(format!("{key}: must be one of {}, found {name:?}", names()));
+    found.map(Some).ok_or_else(wrong)
+}
+
+/// The value that is written so.
+pub(crate) fn parsed<T: FromStr<Err = String>>(
+    key: &str,
+    text: Option<String>,
+) -> PyResult<Option<T>> {
+    let wrong = |remedy| Error::new_err(format!("{key}: {remedy}"));
+    text.map(|text| text.parse()).transpose().map_err(wrong)
+}
+
+/// How a file without lights is lit.
+pub(crate) fn lighting(
+    lights: Option<String>,
+    background: Option<[f64; 3]>,
+    crease: Option<f64>,
+) -> PyResult<api::Lighting> {
+    let usual = api::Lighting::USUAL;
+    let crease_degrees = crease.unwrap_or(usual.crease_degrees);
+    if !(0.0..=180.0).contains(&crease_degrees) {
+        let message = format!("crease: must be from 0 to 180 degrees, found {crease_degrees}");
+        return Err(Error::new_err(message));
+    }
+    let background = background.map(DVec3::from);
+    if let Some(color) =
+        background.filter(|color| !(color.is_finite() && color.min_element() >= 0.0))
+    {
+        let message = format!("background: must be three numbers of at least 0, found {color}");
+        return Err(Error::new_err(message));
+    }
+    Ok(api::Lighting {
+        rig: named("lights", lights)?.unwrap_or(usual.rig),
+        background: background.map(api::Background::Color),
+        crease_degrees,
+    })
+}

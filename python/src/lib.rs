@@ -1,0 +1,104 @@
+//! The Python module `wavecrest`: a scene, a file or arrays in, an image as an array out.
+//!
+//! The image is that of the command, bit for bit. `wavecrest.pyi` has the types.
+
+mod input;
+mod work;
+
+use std::path::PathBuf;
+
+use numpy::{IntoPyArray, PyArray3, PyArrayMethods};
+use pyo3::exceptions::{PyUserWarning, PyValueError};
+use pyo3::prelude::*;
+use wavecrest_api as api;
+
+pyo3::create_exception!(
+    wavecrest,
+    Error,
+    PyValueError,
+    "What cannot be rendered: the file, the place in it, the value found and the remedy."
+);
+
+/// The exception of an error.
+fn exception(error: &api::Error) -> PyErr {
+    Error::new_err(error.to_string())
+}
+
+/// Renders a scene to an array of the shape (height, width, 3), the top row first.
+///
+/// scene is the path of a scene file, of a glTF file or of a mesh (PLY, OBJ, STL), a scene as a dict, whose paths
+/// start from the current folder, or the vertices of a mesh, (N, 3), with the indices of its triangles as faces,
+/// (M, 3). A mesh is seen whole, in the light of a studio, unless view, up, fov, lights and crease say otherwise:
+/// they are the options of the command. background is a linear colour, and precision "fast", "robust" or "exact".
+///
+/// The values are linear red, green and blue; 8-bit formats hold those from 0 to 1. They do not depend on threads.
+///
+/// Raises wavecrest.Error where there is nothing that can be rendered, and warns of what is odd. Ctrl-C ends a render.
+#[pyfunction]
+#[pyo3(signature = (scene, faces=None, *, width=None, height=None, camera=None, view=None, up=None, fov=None,
+                    lights=None, background=None, crease=None, seed=0, precision=None, threads=None))]
+#[allow(clippy::too_many_arguments, reason = "they are keywords in Python")]
+fn render<'py>(
+    py: Python<'py>,
+    scene: Bound<'py, PyAny>,
+    faces: Option<Bound<'py, PyAny>>,
+    width: Option<u32>,
+    height: Option<u32>,
+    camera: Option<String>,
+    view: Option<String>,
+    up: Option<String>,
+    fov: Option<f64>,
+    lights: Option<String>,
+    background: Option<[f64; 3]>,
+    crease: Option<f64>,
+    seed: u64,
+    precision: Option<String>,
+    threads: Option<u16>,
+) -> PyResult<Bound<'py, PyArray3<f32>>> {
+    let framing = api::Framing {
+        side: input::parsed("view", view)?,
+        up: input::named("up", up)?,
+        fov: input::parsed("fov", fov.map(|degrees| degrees.to_string()))?,
+        ..api::Framing::USUAL
+    };
+    let options = api::LoadOptions {
+        width,
+        height,
+        camera,
+        framing,
+        lighting: input::lighting(lights, background, crease)?,
+        ..api::LoadOptions::default()
+    };
+    let precision = input::named("precision", precision)?.unwrap_or_default();
+    let source = input::Source::new(&scene, faces.as_ref())?;
+    let job = work::Job { source, options, precision, seed };
+    let work::Done { film, warnings } = work::run(py, job, threads)?;
+    let category = py.get_type::<PyUserWarning>();
+    for warning in warnings {
+        let text = std::ffi::CString::new(warning.to_string().replace('\0', "\u{fffd}"))?;
+        PyErr::warn(py, &category, &text, 1)?;
+    }
+    let [height, width] = [film.height(), film.width()].map(|side| side as usize);
+    film.pixels().as_flattened().to_vec().into_pyarray(py).reshape([height, width, 3])
+}
+
+/// Writes an image, as render returns it, to a .png, .ppm, .exr or .pfm file.
+///
+/// 8-bit formats are encoded with the curve of transfer, "srgb" unless "linear" is given; the others are linear.
+///
+/// Raises wavecrest.Error where the file cannot be written.
+#[pyfunction]
+#[pyo3(signature = (path, image, *, transfer=None))]
+fn save(path: PathBuf, image: Bound<'_, PyAny>, transfer: Option<String>) -> PyResult<()> {
+    let transfer = input::named("transfer", transfer)?.unwrap_or(api::Transfer::Srgb);
+    let film = input::film(&image)?;
+    image.py().detach(|| api::write_image(&film, &path, transfer)).map_err(|e| exception(&e))
+}
+
+#[pymodule]
+fn wavecrest(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    module.add("Error", module.py().get_type::<Error>())?;
+    module.add_function(wrap_pyfunction!(render, module)?)?;
+    module.add_function(wrap_pyfunction!(save, module)?)
+}

@@ -1,0 +1,93 @@
+//! The work, away from Python's own thread, which waits and looks for Ctrl-C.
+
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
+use std::time::Duration;
+
+use pyo3::exceptions::PyRuntimeError;
+use pyo3::prelude::*;
+use wavecrest_api as api;
+
+use super::input::Source;
+use super::{Error, exception};
+
+/// How often Python is asked whether it was interrupted.
+const INTERVAL: Duration = Duration::from_millis(50);
+
+/// The most threads, as for the command.
+const MOST_THREADS: u16 = 4096;
+
+/// What is to be rendered, and how.
+pub(crate) struct Job {
+    pub(crate) source: Source,
+    pub(crate) options: api::LoadOptions,
+    pub(crate) precision: api::Precision,
+    pub(crate) seed: u64,
+}
+
+/// An image, and what its author should know.
+pub(crate) struct Done {
+    pub(crate) film: api::Film,
+    pub(crate) warnings: Vec<api::Warning>,
+}
+
+/// Ends a render early.
+#[derive(Default)]
+struct Cancel(AtomicBool);
+
+impl api::Watch for Cancel {
+    fn cancelled(&self) -> bool {
+        self.0.load(Ordering::Relaxed)
+    }
+}
+
+impl Job {
+    fn run(self, cancel: &Cancel) -> api::Result<Done> {
+        let mut loaded = match self.source {
+            Source::File(path) => api::load(&path, &self.options),
+            Source::Json(json) => api::load_str(&json, Path::new("scene"), &self.options),
+            Source::Mesh(mesh) => {
+                api::load_mesh(mesh, Path::new("vertices and faces"), &self.options)
+            }
+        }?;
+        let options = api::ExtractOptions { precision: self.precision, ..Default::default() };
+        let extracted = api::extract(&mut loaded.world, options)?;
+        let (preset, file) = (extracted.preset(), extracted.file().to_owned());
+        let scene = extracted.build(preset);
+        loaded.warnings.extend(api::warnings(&scene, &file));
+        let options = api::RenderOptions { seed: self.seed, ..Default::default() };
+        let film = api::render(&scene, &options, cancel)?.film;
+        Ok(Done { film, warnings: loaded.warnings })
+    }
+}
+
+/// Does the job on so many threads, one for each core if `None`.
+pub(crate) fn run(py: Python<'_>, job: Job, threads: Option<u16>) -> PyResult<Done> {
+    if let Some(threads) = threads.filter(|threads| !(1..=MOST_THREADS).contains(threads)) {
+        let message = format!("threads: must be from 1 to {MOST_THREADS}, found {threads}");
+        return Err(Error::new_err(message));
+    }
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.map_or(0, usize::from)).build();
+    let pool =
+        pool.map_err(|error| Error::new_err(format!("cannot start the threads: {error}")))?;
+    let (cancel, waiting, finished) =
+        (Cancel::default(), thread::current(), AtomicBool::new(false));
+    thread::scope(|scope| {
+        let worker = scope.spawn(|| {
+            let done = pool.install(|| job.run(&cancel));
+            finished.store(true, Ordering::Release);
+            waiting.unpark();
+            done
+        });
+        let mut signal = Ok(());
+        // A panic leaves `finished` as it is.
+        while !(finished.load(Ordering::Acquire) || worker.is_finished()) {
+            py.detach(|| thread::park_timeout(INTERVAL));
+            signal = signal.and_then(|()| py.check_signals());
+            cancel.0.store(signal.is_err(), Ordering::Relaxed);
+        }
+        let done = worker.join().map_err(|_| PyRuntimeError::new_err("the render panicked"))?;
+        signal.and(done.map_err(|error| exception(&error)))
+    })
+}

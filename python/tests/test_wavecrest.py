@@ -1,0 +1,145 @@
+"""What the module promises: python -m unittest discover python/tests, where it and the command are installed."""
+
+import json
+import signal
+import subprocess
+import sys
+import tempfile
+import unittest
+import warnings
+from pathlib import Path
+
+import numpy as np
+import wavecrest
+
+# A pyramid, counter-clockwise from outside.
+VERTICES = [[-1, 0, -1], [1, 0, -1], [1, 0, 1], [-1, 0, 1], [0, 1.5, 0]]
+FACES = [[0, 1, 2], [0, 2, 3], [0, 4, 1], [1, 4, 2], [2, 4, 3], [3, 4, 0]]
+
+SCENE = {
+    "nbounces": 1,
+    "camera": {"type": "pinhole", "width": 64, "height": 48, "fov": 40, "location": [0, 1, 5], "look": [0, 0, 0]},
+    "scene": {
+        "backgroundcolor": [0, 0, 0.25],
+        "lightsources": [{"type": "pointlight", "intensity": 60, "position": [2, 3, 5], "color": [1, 1, 1]}],
+        "shapes": [{
+            "type": "sphere", "center": [0, 0, 0], "radius": 1,
+            "material": {"ks": 0.2, "kd": 0.8, "specularexponent": 20, "diffusecolor": [1, 0.5, 0]},
+        }],
+    },
+}
+
+
+def read_pfm(path):
+    """The rows of a PFM file, which has the lowest first."""
+    with open(path, "rb") as file:
+        kind, size, scale = (file.readline() for _ in range(3))
+        assert kind == b"PF\n" and float(scale) < 0, "little-endian colours"
+        width, height = map(int, size.split())
+        return np.fromfile(file, "<f4").reshape(height, width, 3)[::-1]
+
+
+class Wavecrest(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+
+    def ply(self):
+        """The pyramid as a file."""
+        path = self.folder / "pyramid.ply"
+        head = ["ply", "format ascii 1.0", f"element vertex {len(VERTICES)}"]
+        head += [f"property float {axis}" for axis in "xyz"]
+        head += [f"element face {len(FACES)}", "property list uchar int vertex_indices", "end_header"]
+        body = [" ".join(map(str, v)) for v in VERTICES] + [" ".join(map(str, [3, *f])) for f in FACES]
+        path.write_text("\n".join(head + body) + "\n")
+        return path
+
+    def assert_refused(self, text, *args, **options):
+        with self.assertRaises(wavecrest.Error) as caught:
+            wavecrest.render(*args, **options)
+        self.assertIn(text, str(caught.exception))
+
+    def test_scene_as_a_dict_is_the_scene_file(self):
+        path = self.folder / "scene.json"
+        path.write_text(json.dumps(SCENE))
+        image = wavecrest.render(path)
+        self.assertEqual((image.shape, image.dtype), ((48, 64, 3), np.float32))
+        self.assertEqual(image[0, 0].tolist(), [0, 0, 0.25])
+        red, green, _ = image[24, 32]
+        self.assertTrue(red > 0.1 and green < red)
+        np.testing.assert_array_equal(image, wavecrest.render(SCENE))
+        np.testing.assert_array_equal(image, wavecrest.render(str(path), threads=1))
+
+    def test_arrays_are_the_mesh_file(self):
+        options = {"width": 60, "height": 40, "view": "30,20", "background": (1, 1, 1), "seed": 3}
+        image = wavecrest.render(self.ply(), **options)
+        self.assertGreater(image.std(), 0.05)
+        for dtype in (np.float32, np.float64):
+            vertices = np.array(VERTICES, dtype)
+            for faces in (FACES, np.array(FACES, np.uint32), np.asfortranarray(FACES)):
+                np.testing.assert_array_equal(image, wavecrest.render(vertices, faces, **options))
+
+    def test_image_is_that_of_the_command(self):
+        path, out = self.ply(), self.folder / "out.pfm"
+        command = ["wavecrest", "-q", path, out, "--width", "60", "--height", "40", "--precision", "exact"]
+        subprocess.run(command, check=True)
+        image = wavecrest.render(path, width=60, height=40, precision="exact")
+        np.testing.assert_array_equal(image, read_pfm(out))
+
+    def test_saved_images_are_those_of_the_command(self):
+        path, ours, theirs = self.ply(), self.folder / "ours.pfm", self.folder / "theirs.ppm"
+        image = wavecrest.render(path, width=60, height=40)
+        wavecrest.save(ours, image)
+        np.testing.assert_array_equal(image, read_pfm(ours))
+        wavecrest.save(ours.with_suffix(".ppm"), image)
+        subprocess.run(["wavecrest", "-q", path, theirs, "--width", "60", "--height", "40"], check=True)
+        self.assertEqual(ours.with_suffix(".ppm").read_bytes(), theirs.read_bytes())
+        with self.assertRaisesRegex(wavecrest.Error, "unknown image format"):
+            wavecrest.save(self.folder / "out.jpg", image)
+        with self.assertRaisesRegex(wavecrest.Error, "shape"):
+            wavecrest.save(ours, image[..., 0])
+
+    def test_errors_are_exceptions_that_say_where(self):
+        self.assert_refused("missing.ply", "missing.ply")
+        wrong = json.loads(json.dumps(SCENE))
+        wrong["scene"]["shapes"][0]["radius"] = -2
+        self.assert_refused("scene.shapes[0].radius", wrong)
+        self.assert_refused("faces[1]: must be indices from 0 to 4", VERTICES, [[0, 1, 2], [0, 1, 5]])
+        self.assert_refused("found -1", VERTICES, [[0, 1, -1]])
+        self.assert_refused("has no triangles", VERTICES, np.zeros((0, 3), int))
+        self.assert_refused("vertices: must have the shape (N, 3), found [5, 2]", np.zeros((5, 2)), FACES)
+        self.assert_refused("vertex 4", VERTICES[:4] + [[np.nan, 0, 0]], FACES)
+        self.assert_refused("precision: must be one of fast, robust, exact", SCENE, precision="best")
+        self.assert_refused("background", VERTICES, FACES, background=(1, -1, 0))
+        self.assert_refused("crease", VERTICES, FACES, crease=200)
+        self.assert_refused("fov", VERTICES, FACES, fov=180)
+        self.assert_refused("threads", SCENE, threads=0)
+        with self.assertRaises(TypeError):
+            wavecrest.render(VERTICES, np.array(FACES) + 0.5)
+        with self.assertRaises(TypeError):
+            wavecrest.render(7)
+
+    def test_what_is_odd_is_a_warning(self):
+        odd = {**SCENE, "nbounce": 2}
+        with self.assertWarnsRegex(UserWarning, "nbounce"):
+            wavecrest.render(odd)
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            with self.assertRaises(UserWarning):
+                wavecrest.render(odd)
+
+    def test_interrupt_ends_a_render(self):
+        code = "import sys, wavecrest; print(flush=True); wavecrest.render(sys.argv[1], width=16000, height=16000)"
+        process = subprocess.Popen([sys.executable, "-c", code, self.ply()], stdout=subprocess.PIPE,
+                                   stderr=subprocess.PIPE, text=True)
+        process.stdout.readline()
+        with self.assertRaises(subprocess.TimeoutExpired):
+            process.wait(0.5)
+        process.send_signal(signal.SIGINT)
+        _, told = process.communicate(timeout=20)
+        self.assertIn("KeyboardInterrupt", told)
+
+
+if __name__ == "__main__":
+    unittest.main()
