@@ -1,18 +1,18 @@
-//! The memory of the tree: nodes of eight children and leaves in one arena of units of 128 bytes.
+//! The memory of the tree: nodes of eight children and leaves, in one arena of 128-byte units.
 //!
 //! | content | units | holds |
 //! |---|---|---|
-//! | [`Node`] | 2 | the boxes of 8 children, a plane a row, and where the children are |
-//! | [`Patch`] | 1 | up to 8 triangles over up to 8 vertices that they share |
-//! | [`Soup`] | 3 | up to 8 triangles that share nothing |
-//! | list | 1 and more | the numbers of primitives, tested one by one |
+//! | [`Node`] | 2 | the boxes of 8 children, a plane a row, and the children's places |
+//! | [`Patch`] | 1 | up to 8 triangles that share up to 8 vertices |
+//! | [`Soup`] | 3 | up to 8 triangles without shared vertices |
+//! | list | 1 and more | the numbers of primitives to test one by one |
 //!
-//! A node stands before its children, its leaves right behind it, and says where they are relative
-//! to itself: a part of the tree can be built anywhere and copied as it is.
+//! A node comes before its children, with its leaves directly behind it, and stores their places
+//! relative to itself. So a part of the tree can be built anywhere and copied unchanged.
 //!
-//! This is the one module of traversal with `unsafe` code. [`Arena::new`] visits every node once and
-//! proves that whatever can be reached from the root lies within the arena; after that a
-//! [`Ref`], which only this module makes, needs no check.
+//! This is the only traversal module with `unsafe` code. [`Arena::new`] visits every node once and
+//! proves that everything reachable from the root lies within the arena. A [`Ref`], which only this
+//! module creates, then needs no check.
 
 #![allow(unsafe_code, reason = "places in the arena are proved when it is made")]
 
@@ -23,7 +23,7 @@ use bytemuck::{Pod, Zeroable};
 pub use super::units::Unit;
 use super::units::Units;
 
-/// What a [`Ref`] leads to.
+/// The content that a [`Ref`] points to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u32)]
 pub enum Kind {
@@ -37,28 +37,28 @@ pub enum Kind {
     List = 3,
 }
 
-/// Where something is in the arena, and what: the number of its first unit, and in the two lowest
-/// bits its [`Kind`].
+/// The place and kind of content in the arena: the number of its first unit, with its [`Kind`] in
+/// the two lowest bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Ref(u32);
 
 impl Ref {
-    /// A place that is in no tree without a node.
+    /// A placeholder for unused entries: the first unit.
     pub(super) const ROOT: Self = Self(0);
 
-    /// The bits, as they are kept on stacks.
+    /// The bits, as stored on stacks.
     #[inline(always)]
     pub(super) fn bits(self) -> u32 {
         self.0
     }
 
-    /// From bits that [`Self::bits`] or [`base`] gave.
+    /// From the bits of [`Self::bits`] or [`base`].
     #[inline(always)]
     pub(super) fn from_bits(bits: u32) -> Self {
         Self(bits)
     }
 
-    /// What is there.
+    /// The kind of content.
     #[inline(always)]
     pub fn kind(self) -> Kind {
         match self.0 & 3 {
@@ -75,21 +75,21 @@ impl Ref {
     }
 }
 
-/// The largest number of units: what a [`Ref`] can count, but for the one that stands for no place.
+/// The largest number of units that a [`Ref`] can address.
 pub const MAX_UNITS: usize = (1 << 30) - 1;
 
 /// An inner node.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
 pub struct Node {
-    /// For each axis the low planes of the eight children, and the high planes; those of absent
+    /// For each axis the low planes and the high planes of the eight children; those of absent
     /// children are infinite, so that no ray meets them.
     pub planes: [[[f32; 8]; 2]; 3],
-    /// The children's places relative to this node, as the bits of a [`Ref`]; 0 where there is none.
+    /// The children's places relative to this node, as the bits of a [`Ref`]; 0 for none.
     pub children: [u32; 8],
-    /// Number of children: the first lanes.
+    /// Number of children, which are the first lanes.
     pub count: u32,
-    /// Nothing yet.
+    /// Unused.
     pub spare: [u32; 7],
 }
 
@@ -107,40 +107,40 @@ impl Node {
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
 pub struct Patch {
-    /// Coordinates of the vertices, an axis a row; unused ones repeat the first.
+    /// Vertex coordinates, an axis a row; unused ones repeat the first vertex.
     pub positions: [[f32; 8]; 3],
-    /// For each corner, which vertex it is in each of the triangles, four bits each; unused
-    /// triangles are the first vertex alone.
+    /// For each corner, the indices of its vertices in the triangles, four bits each; unused
+    /// triangles have only the first vertex.
     pub corners: [u32; 3],
-    /// Where the triangles' numbers begin in [`Arena::numbers`].
+    /// The start of the triangles' numbers in [`Arena::numbers`].
     pub first: u32,
     /// Number of triangles.
     pub count: u32,
     /// Number of vertices.
     pub vertices: u32,
-    /// How many of the triangles are halves of quads.
+    /// Number of triangles that are halves of quads.
     pub quads: u32,
     spare: u32,
 }
 
-/// A leaf of triangles that share nothing.
+/// A leaf of triangles without shared vertices.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
 pub struct Soup {
-    /// For each corner and axis, the coordinate in each triangle; unused ones are zero.
+    /// For each corner and axis, the coordinates in the triangles; unused ones are zero.
     pub corners: [[[f32; 8]; 3]; 3],
-    /// Where the triangles' numbers begin in [`Arena::numbers`].
+    /// The start of the triangles' numbers in [`Arena::numbers`].
     pub first: u32,
     /// Number of triangles.
     pub count: u32,
-    /// How many of them are halves of quads.
+    /// Number of triangles that are halves of quads.
     pub quads: u32,
     spare: [u32; 21],
 }
 
 impl Patch {
-    /// A patch of `count` triangles over `vertices` vertices, `quads` of them halves of quads, whose numbers begin
-    /// at `first`.
+    /// A patch of `count` triangles over `vertices` vertices, with `quads` halves of quads; the
+    /// numbers start at `first`.
     pub fn new(
         positions: [[f32; 8]; 3],
         corners: [u32; 3],
@@ -152,7 +152,7 @@ impl Patch {
 }
 
 impl Soup {
-    /// A soup of `count` triangles, `quads` of them halves of quads, whose numbers begin at `first`.
+    /// A soup of `count` triangles, with `quads` halves of quads; the numbers start at `first`.
     pub fn new(corners: [[[f32; 8]; 3]; 3], first: u32, [count, quads]: [u32; 2]) -> Self {
         Self { corners, first, count, quads, spare: [0; 21] }
     }
@@ -178,7 +178,7 @@ pub struct Arena {
     numbers: Vec<u32>,
 }
 
-/// What is in an arena.
+/// The contents of an arena.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Census {
     /// Inner nodes.
@@ -187,20 +187,19 @@ pub struct Census {
     pub children: u64,
     /// Leaves of triangles that share vertices.
     pub patches: u64,
-    /// Leaves of triangles that share nothing.
+    /// Leaves of triangles without shared vertices.
     pub soups: u64,
     /// Leaves of other primitives.
     pub lists: u64,
-    /// Triangles in leaves, those in more than one counted as often.
+    /// Triangles in leaves; those in several leaves count several times.
     pub triangles: u64,
-    /// The largest number of inner nodes on a way down.
+    /// The largest number of inner nodes on a path from the root.
     pub depth: usize,
 }
 
 impl Arena {
-    /// An arena of `units`, proved: everything that can be reached from `root` lies within, and
-    /// within `numbers`. Also says what is there. `None` where the proof fails, which is a mistake
-    /// of the builder's.
+    /// The proved arena of `units`, with its contents: everything reachable from `root` lies within
+    /// the units and `numbers`. `None` if the proof fails, which is a bug of the builder.
     pub(super) fn new(units: Units, numbers: Vec<u32>, root: Ref) -> Option<(Self, Census)> {
         if units.len() > MAX_UNITS {
             return None;
@@ -220,7 +219,7 @@ impl Arena {
         (size_of_val(&*self.units) + size_of_val(self.numbers.as_slice())) as u64
     }
 
-    /// Everything it has.
+    /// All units and numbers.
     #[cfg(test)]
     pub(super) fn parts(&self) -> (&[Unit], &[u32]) {
         (&self.units, &self.numbers)
@@ -270,18 +269,18 @@ impl<'a> View<'a> {
         &words[1..=words[0] as usize]
     }
 
-    /// The number of the primitive that is the `lane`th of those that begin at `first`.
+    /// The number of the primitive in `lane`, of those that start at `first`.
     #[inline(always)]
     pub(super) fn number(self, first: u32, lane: usize) -> u32 {
         self.numbers[first as usize + lane]
     }
 
-    /// The numbers of `count` primitives that begin at `first`.
+    /// The numbers of `count` primitives, from `first` on.
     pub(super) fn numbers(self, first: u32, count: u32) -> &'a [u32] {
         &self.numbers[first as usize..][..count as usize]
     }
 
-    /// Asks for the cache lines of what is at `place`.
+    /// Prefetches the cache lines at `place`.
     #[inline(always)]
     pub(super) fn prefetch(self, place: Ref) {
         let start = self.units.as_ptr().wrapping_add(place.unit()).cast::<i8>();
@@ -293,7 +292,7 @@ impl<'a> View<'a> {
         prefetch(rest.wrapping_add(64));
     }
 
-    /// Asks for the cache line of the numbers from `first` on.
+    /// Prefetches the cache line of the numbers from `first` on.
     #[inline(always)]
     pub(super) fn prefetch_numbers(self, first: u32) {
         prefetch(self.numbers.as_ptr().wrapping_add(first as usize).cast());
@@ -305,19 +304,19 @@ impl<'a> View<'a> {
         debug_assert!(
             (place.unit() + size_of::<T>().div_ceil(size_of::<Unit>())) <= self.units.len()
         );
-        // SAFETY: `place` was reached from the root, since nothing else makes a `Ref` while tracing,
-        // and `Arena::new` has proved that what it leads to, of this kind, lies within `units`,
-        // which cannot change afterwards. Any bits are a `T`, and units are aligned for it.
+        // SAFETY: `place` was reached from the root, since nothing else creates a `Ref` while
+        // tracing, and `Arena::new` proved that the content of this kind at `place` lies within
+        // `units`, which are immutable. Any bits are a valid `T`, and units are aligned for it.
         unsafe { &*self.units.as_ptr().add(place.unit()).cast::<T>() }
     }
 }
 
-/// A child's bits from those in its parent.
+/// A child's absolute bits from the relative ones in its parent.
 fn absolute(relative: u32, parent: Ref) -> Option<u32> {
     relative.checked_add((parent.unit() as u32) << 2)
 }
 
-/// What to add to the bits of the children in the node at `place` to make them those of a [`Ref`].
+/// The offset from the bits of the children in the node at `place` to those of a [`Ref`].
 #[inline(always)]
 pub(super) fn base(place: Ref) -> u32 {
     place.0 & !3
@@ -328,7 +327,7 @@ pub(super) fn child_of(node: &Node, place: Ref, lane: usize) -> Ref {
     Ref(node.children[lane] + base(place))
 }
 
-/// Asks for a cache line.
+/// Prefetches a cache line.
 #[cfg(all(target_arch = "x86_64", not(miri)))]
 #[inline(always)]
 pub(super) fn prefetch(address: *const i8) {
@@ -337,17 +336,17 @@ pub(super) fn prefetch(address: *const i8) {
     unsafe { _mm_prefetch::<_MM_HINT_T0>(address) };
 }
 
-/// Asks for a cache line, where that can be said.
+/// Prefetches a cache line, on targets with such an instruction.
 #[cfg(any(not(target_arch = "x86_64"), miri))]
 #[inline(always)]
 pub(super) fn prefetch(_: *const i8) {}
 
-/// A reference to the first unit, of a `kind`.
+/// A reference to the first unit, of this `kind`.
 pub fn root_of(kind: Kind) -> Ref {
     Ref(kind as u32)
 }
 
-/// The bits in a node at unit `parent` for a child of `kind` at unit `child`, behind it.
+/// The bits in a node at unit `parent` for a child of `kind` at the later unit `child`.
 pub fn relative(parent: usize, child: usize, kind: Kind) -> u32 {
     ((child - parent) as u32) << 2 | kind as u32
 }

@@ -1,4 +1,4 @@
-//! Every primitive, one after the other: the reference that the tree is checked against.
+//! Brute force over all primitives: the reference for the tree.
 
 use super::geometry::{Geometry, PreparedRay};
 use super::near::Exactly;
@@ -6,7 +6,7 @@ use super::query::Query;
 use super::{Hit, TestCounts};
 use crate::kernels::precision::Arithmetic;
 
-/// The hit that `Q` asks for.
+/// The hit for query `Q`.
 pub(super) fn hit<Q: Query, P: Arithmetic>(
     geometry: &Geometry,
     ray: &PreparedRay,

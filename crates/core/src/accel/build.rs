@@ -1,12 +1,12 @@
-//! Building the tree: obvhs makes binary hierarchies (PLOC of Meister and Bittner 2018, with
-//! reinsertion), which are then laid out as the nodes that we traverse.
+//! Builds the tree: obvhs makes binary hierarchies (PLOC of Meister and Bittner 2018, with
+//! reinsertion), which are then converted to our wide nodes.
 //!
-//! After a look at every primitive ([`survey`]) large scenes are cut into chunks ([`order`]) that are built on all
-//! threads, each while it is in a core's cache ([`piece`]), placed in one arena ([`chunked`]) and joined by a small
-//! hierarchy above ([`join`]). The quickest build finds leaves before the hierarchy ([`leaves`]).
+//! After a pass over every primitive ([`survey`]) large scenes are cut into chunks ([`order`]). All
+//! threads build chunks, each while it is in a core's cache ([`piece`]), place them in one arena
+//! ([`chunked`]) and join them by a small hierarchy above ([`join`]). The quickest build finds
+//! leaves before the hierarchy ([`leaves`]).
 //!
-//! obvhs sees padded boxes and decides topology alone; what is a hit, is decided by
-//! [`Geometry::hit`].
+//! obvhs sees padded boxes and decides only the topology; [`Geometry::hit`] decides hits.
 
 mod chunked;
 mod join;
@@ -25,21 +25,23 @@ use super::units::Units;
 use piece::{Piece, Plan};
 pub use survey::Survey;
 
-/// The most primitives in a chunk. Measured: with 32 Ki and 64 Ki a build took a sixth longer, and
-/// rays visited at most 2 per cent fewer nodes.
+/// Largest number of primitives in a chunk. Measured: with 32 Ki and 64 Ki a build took a sixth
+/// longer, and rays visited at most 2 per cent fewer nodes.
 const CHUNK: usize = 1 << 14;
 
-/// About how many parts of a chunk are joined: 48 and 400 made trees as good, 16 worse ones.
+/// Approximate number of parts of a chunk that are joined: 48 and 400 made trees as good, 16 worse
+/// ones.
 const PARTS: usize = 64;
 
-/// A mesh has about half as many vertices as triangles if it shares them. With more than this number
-/// for four triangles, vertices are compared by their positions.
+/// A mesh with shared vertices has about half as many vertices as triangles. With more than this
+/// number for four triangles, vertices are compared by position.
 const WELD_ABOVE: usize = 3;
 
-/// Rays for each primitive from which on [`Preset::VeryFast`] and [`Preset::Fast`] pay. Measured on a scan, a
-/// kitchen and a coffee maker of 0.2 to 1.4 million triangles: over [`Preset::Fastest`] the first took 0.07
-/// microseconds more of a core for each triangle, and diffuse rays, of 0.2 microseconds, saved 3 to 8 per cent; the
-/// second took another 0.06, and rays saved 3 per cent. [`Preset::Medium`] took another 0.13 and saved nothing.
+/// Rays for each primitive from which [`Preset::VeryFast`] and [`Preset::Fast`] pay. Measured on a
+/// scan, a kitchen and a coffee maker of 0.2 to 1.4 million triangles: compared with
+/// [`Preset::Fastest`], the first took 0.07 microseconds more of a core for each triangle, and
+/// diffuse rays, of 0.2 microseconds, saved 3 to 8 per cent; the second took another 0.06, and rays
+/// saved 3 per cent. [`Preset::Medium`] took another 0.13 and saved nothing.
 const VERY_FAST_FROM: u64 = 6;
 const FAST_FROM: u64 = 16;
 
@@ -66,10 +68,10 @@ wavecrest_base::choices! {
 }
 
 impl Preset {
-    /// The preset that is likely to finish first, for so many primitives and expected rays.
+    /// The preset that is likely to finish first, for this number of primitives and expected rays.
     ///
     /// A better tree costs time for each primitive and saves a few per cent of the time of each
-    /// ray, so it pays from a certain number of rays for each primitive on.
+    /// ray, so it pays above a certain number of rays for each primitive.
     pub fn choose(primitives: u64, rays: u64) -> Self {
         match rays / primitives.max(1) {
             0..VERY_FAST_FROM => Self::Fastest,
@@ -78,7 +80,7 @@ impl Preset {
         }
     }
 
-    /// Why [`Self::choose`] chooses as it does.
+    /// The reason for the choice of [`Self::choose`].
     pub fn reason(primitives: u64, rays: u64) -> String {
         let why = match Self::choose(primitives, rays) {
             Self::Fastest => format!("a better tree pays from {VERY_FAST_FROM} on"),
@@ -88,8 +90,8 @@ impl Preset {
         format!("{} for each primitive: {why}", rays / primitives.max(1))
     }
 
-    /// How many primitives are built at a time: larger scenes are cut. Of presets that split large
-    /// triangles or reinsert everything, and so look at the whole, there is no such number.
+    /// Number of primitives in a chunk; larger scenes are cut. Presets that split large triangles
+    /// or reinsert everything work on the whole scene and have no such number.
     pub fn chunk(self) -> usize {
         self.cut().chunk
     }
@@ -101,8 +103,9 @@ impl Preset {
         }
     }
 
-    /// In which rounds nodes are reinserted: how many in each, as a part of those in the first. Those of obvhs,
-    /// sixteen, where there are none. With these six a build took a twentieth less time, for as good a tree.
+    /// The rounds of reinsertion: the share of nodes in each, relative to the first. `None` stands
+    /// for obvhs's own sixteen. With these six a build took a twentieth less time, for as good a
+    /// tree.
     fn rounds(self) -> Option<Vec<f32>> {
         let quick = matches!(self, Self::Fastest | Self::VeryFast);
         quick.then(|| [1, 6, 11, 16, 21, 26].map(|n: u8| 1.0 / f32::from(n)).to_vec())
@@ -119,17 +122,17 @@ impl Preset {
     }
 }
 
-/// How a tree is cut.
+/// Chunk and part sizes of a build.
 #[derive(Clone, Copy, Debug)]
 struct Cut {
-    /// The most primitives in a chunk.
+    /// Largest number of primitives in a chunk.
     chunk: usize,
-    /// The most parts that each of several chunks is cut into.
+    /// Largest number of parts that each of several chunks is cut into.
     parts: usize,
 }
 
-/// Builds the tree over every primitive that can be hit: all of the `survey` but triangles without area that are
-/// no seals.
+/// Builds the tree over every primitive that can be hit: all of the `survey` except degenerate
+/// triangles that are not seals.
 pub fn build(geometry: &Geometry, survey: Survey, preset: Preset) -> Tree {
     build_cut(geometry, survey, preset, preset.cut())
 }

@@ -1,4 +1,4 @@
-//! Which kernel searches the tree, and what each of them had to do.
+//! The choice of a kernel, and counts of the work of each.
 
 use super::packet::TILE;
 
@@ -23,11 +23,11 @@ wavecrest_base::choices! {
 }
 
 impl KernelChoice {
-    /// Whether a packet is to take the next of `left` rays, where those before were coherent or not.
+    /// Whether a packet takes the next of `left` rays, given whether those before were coherent.
     #[inline(always)]
     pub(super) fn packs(self, left: usize, coherent: bool) -> bool {
         match self {
-            // A tile that is not full shares less, but costs as much.
+            // A partly filled tile shares less, but costs as much.
             Self::Auto => coherent && left >= TILE / 2,
             Self::Packet => left > 0,
             Self::Stream | Self::Single => false,
@@ -41,19 +41,19 @@ impl KernelChoice {
 pub struct KernelCounts {
     /// Rays taken by packets.
     pub packet: u64,
-    /// Rays of those that packets handed over, to go on in flight.
+    /// Rays that packets handed over to the kernel in flight.
     pub handed_over: u64,
-    /// Rays that were in flight from their start.
+    /// Rays in flight from their start.
     pub stream: u64,
     /// Rays taken alone.
     pub single: u64,
     /// Nodes visited by packets.
     pub packet_nodes: u64,
-    /// Rays of the packet that visited, over all those nodes.
+    /// Rays of the packet at those nodes, summed over all visits.
     pub packet_rays: u64,
     /// Rounds of rays in flight.
     pub rounds: u64,
-    /// Rays in flight, over all rounds.
+    /// Rays in flight, summed over all rounds.
     pub in_flight: u64,
 }
 
@@ -63,12 +63,12 @@ impl KernelCounts {
         self.packet + self.stream + self.single
     }
 
-    /// Rays of a packet that visit a node together, on average; `None` without packets.
+    /// Average number of rays of a packet that visit a node together; `None` without packets.
     pub fn rays_a_node(&self) -> Option<f64> {
         average(self.packet_rays, self.packet_nodes)
     }
 
-    /// Rays in flight in a round, on average; `None` where none were.
+    /// Average number of rays in flight in a round; `None` without any.
     pub fn rays_a_round(&self) -> Option<f64> {
         average(self.in_flight, self.rounds)
     }
@@ -91,17 +91,17 @@ impl std::ops::AddAssign for KernelCounts {
     }
 }
 
-/// What the kernels did, by the question that was asked.
+/// The work of the kernels, by query.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Kernels {
-    /// For rays that look for the closest hit: of cameras and mirrors.
+    /// For closest-hit rays: camera and mirror rays.
     pub closest: KernelCounts,
-    /// For rays that look for any hit: those to lights.
+    /// For any-hit rays: shadow rays.
     pub shadow: KernelCounts,
 }
 
 impl Kernels {
-    /// What was done for rays of both classes.
+    /// The sum over both classes.
     pub fn both(&self) -> KernelCounts {
         let mut both = self.closest;
         both += self.shadow;

@@ -1,9 +1,9 @@
-//! Finding heaps: many large boxes about one point, such as concentric spheres or layers of the
-//! same shape.
+//! Finds heaps: many large boxes around one point, such as concentric spheres or layers of the same
+//! shape.
 //!
 //! No hierarchy helps there, and a bottom-up builder does worst of all: it merges one pair a round,
-//! for quadratic time and a tree as deep as the heap is high. A heap therefore enters the tree as
-//! one box, and its members are tested one after the other.
+//! with quadratic time and a tree as deep as the heap is large. A heap therefore enters the tree as
+//! one box, and its members are tested one by one.
 
 use std::collections::HashMap;
 
@@ -13,22 +13,22 @@ use obvhs::aabb::Aabb;
 /// A heap has more members than this.
 const LEAST: usize = 64;
 
-/// Steps across the scene within which centres count as one point.
+/// Centres within the same of this many steps across the scene count as one point.
 const STEPS: f32 = (1 << 20) as f32;
 
-/// Boxes under this many steps in size are not large: they are a detailed part of a vast scene.
+/// Boxes smaller than this many steps are not large: they are details of a vast scene.
 const LARGE: f32 = 16.0;
 
-/// Most counters for the quick look.
+/// Largest number of counters of the first pass.
 const MOST_COUNTERS: usize = 1 << 16;
 
-/// The heaps among `boxes`, as lists of indices in rising order. `whole` is around the scene.
+/// The heaps among `boxes`, as lists of indices in rising order. `whole` is the scene's box.
 pub(super) fn heaps(boxes: &[Aabb], whole: &Aabb) -> Vec<Vec<u32>> {
     if boxes.len() <= LEAST {
         return Vec::new();
     }
     let step = whole.diagonal().max_element() / STEPS;
-    // Nearly every scene has none, and one pass over small counters shows it.
+    // Nearly every scene has none, and a pass over small counters proves it.
     let mask = (boxes.len() / 2).next_power_of_two().min(MOST_COUNTERS) - 1;
     let mut counters = vec![0_u32; mask + 1];
     let cells = || boxes.iter().map(|b| cell(b, whole.min, step));
@@ -51,7 +51,7 @@ pub(super) fn heaps(boxes: &[Aabb], whole: &Aabb) -> Vec<Vec<u32>> {
     heaps
 }
 
-/// Where the centre of a large box is, in steps, rounded: no centre is left of `low`.
+/// The centre of a large box in steps, rounded: no centre is left of `low`.
 fn cell(b: &Aabb, low: Vec3A, step: f32) -> Option<[i32; 3]> {
     let large = b.diagonal().max_element() > LARGE * step;
     large.then(|| ((b.center() - low) / step + 0.5).to_array().map(|x| x as i32))

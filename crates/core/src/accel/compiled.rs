@@ -1,9 +1,9 @@
-//! Searching a tree with the instructions of a level.
+//! Tree searches, compiled for each instruction level.
 //!
-//! The functions here are the one place where kernels are compiled, once for each level: hence they are never
-//! inlined. To call one costs less than a visit of a node. The kernel of one ray exists for every level; those
-//! of many rays for levels with vectors of eight numbers, which pay for their size. With other instructions each
-//! ray is searched alone.
+//! These functions are the only place where kernels are compiled, once for each level, so they are
+//! never inlined. A call costs less than a node visit. The single-ray kernel exists for every
+//! level; batch kernels exist for levels with vectors of eight numbers, which justify the code
+//! size. At other levels each ray is searched alone.
 
 use std::marker::PhantomData;
 
@@ -19,12 +19,12 @@ use crate::kernels::precision::Arithmetic;
 use crate::math::ray::Ray;
 use crate::math::simd::{Kernel, Lanes, dispatch, dispatch_wide, is_wide};
 
-/// Whether the level has kernels for many rays.
+/// Whether the level has batch kernels.
 pub(super) fn has_batches(level: Level) -> bool {
     is_wide(level)
 }
 
-/// The hit on `ray` that `Q` asks for, on seals too.
+/// The hit on `ray` for query `Q`, including hits on seals.
 #[inline(never)]
 pub(super) fn one<Q: Query, P: Arithmetic>(
     level: Level,
@@ -36,7 +36,7 @@ pub(super) fn one<Q: Query, P: Arithmetic>(
     dispatch(level, One { searched, ray, traversal, query })
 }
 
-/// Asks many rays, with the kernel of `choice`. The level must have kernels for many.
+/// Searches many rays with the kernel of `choice`. The level must have batch kernels.
 #[inline(never)]
 pub(super) fn many<Q: Query, P: Arithmetic>(
     (level, choice): (Level, KernelChoice),
@@ -50,7 +50,7 @@ pub(super) fn many<Q: Query, P: Arithmetic>(
     dispatch_wide(level, many);
 }
 
-/// One ray, traced alone.
+/// One ray, searched alone.
 struct One<'a, Q, P> {
     searched: Searched<'a>,
     ray: &'a Ray,
@@ -72,7 +72,7 @@ impl<Q: Query, P: Arithmetic> Kernel for One<'_, Q, P> {
     }
 }
 
-/// Many rays, together.
+/// Many rays, searched together.
 struct Many<'a, Q: Query, P> {
     searched: Searched<'a>,
     rays: Rays<'a>,

@@ -1,6 +1,6 @@
-//! Counts of the work done while searching.
+//! Counts of work while searching.
 
-/// Work counted while tracing, exactly.
+/// Exact counts of the work while tracing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct TestCounts {
     /// Inner nodes visited, each testing the boxes of its children.
@@ -13,16 +13,16 @@ pub struct TestCounts {
     pub quads: u64,
     /// Spheres tested.
     pub spheres: u64,
-    /// Hits on cut-outs, whose alpha was looked up.
+    /// Hits on cut-outs, each with a look-up of alpha.
     pub cutouts: u64,
-    /// Instances visited, each by one ray.
+    /// Instances visited, counted for each ray.
     pub instances: u64,
-    /// Triangles that were tested again, alone, because vectors did not decide on them.
+    /// Triangles tested again one by one, because vectors did not decide them.
     pub undecided: u64,
 }
 
 impl TestCounts {
-    /// Counts tests of `count` triangles, `quads` of them halves of quads, by so many rays.
+    /// Counts tests of `count` triangles, `quads` of them halves of quads, by `rays` rays.
     #[inline(always)]
     pub(super) fn count_triangles(&mut self, count: u32, quads: u32, rays: u32) {
         self.triangles += u64::from((count - quads) * rays);

@@ -1,8 +1,8 @@
-//! Cut-outs: primitives of which a part is there alone, as the alpha of an image says.
+//! Cut-outs: primitives with holes given by the alpha of an image.
 //!
-//! A hit on one counts where alpha is at least its threshold; elsewhere it is as if the primitive were absent, for
-//! rays of every kind. Each hit is asked about by itself: leaves have these primitives in lists, so that what tests
-//! triangles in lanes knows nothing of them, and a scene without any pays nothing.
+//! A hit on a cut-out counts if alpha is at least its threshold; otherwise the primitive counts as
+//! absent, for rays of every kind. Each hit is checked alone: leaves keep these primitives in
+//! lists, so that the tests in lanes ignore alpha, and scenes without cut-outs pay nothing.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -22,24 +22,24 @@ use crate::math::vector::{Line, Vector};
 #[derive(Clone, Debug, Default)]
 pub struct Cutouts(Vec<Cutout>);
 
-/// Primitives that are cut out alike.
+/// Primitives with the same cut-out.
 #[derive(Clone, Debug)]
 pub struct Cutout {
     /// The primitives, by number.
     pub primitives: Range<u32>,
-    /// The least alpha that is there, from 0 to 1.
+    /// The lowest alpha that is opaque, from 0 to 1.
     pub threshold: f32,
-    /// Alpha, in each channel.
+    /// The image; each channel is alpha.
     pub image: Arc<LazyImage>,
-    /// How a look-up between texels is answered.
+    /// Filtering between texels.
     pub filter: Filter,
-    /// How coordinates outside 0 to 1 are taken.
+    /// Wrap mode of coordinates outside 0 to 1.
     pub wrap: Wrap,
-    /// How points become coordinates.
+    /// The map from points to texture coordinates.
     pub map: UvMap,
-    /// How these are changed, if they are.
+    /// A change of these coordinates, if any.
     pub placing: Option<Placing>,
-    /// The coordinates of a mesh.
+    /// The coordinates of a mesh, for [`UvMap::Mesh`].
     pub mesh: Option<MeshUvs>,
 }
 
@@ -55,13 +55,13 @@ pub struct MeshUvs {
 }
 
 impl Cutouts {
-    /// Of primitives that do not overlap.
+    /// The cut-outs of primitives that do not overlap.
     pub fn new(mut all: Vec<Cutout>) -> Self {
         all.sort_unstable_by_key(|cutout| cutout.primitives.start);
         Self(all)
     }
 
-    /// Whether there is none.
+    /// Whether there are none.
     #[inline(always)]
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
@@ -72,13 +72,13 @@ impl Cutouts {
         self.0.iter()
     }
 
-    /// That of the primitive with this number.
+    /// The cut-out of the primitive with this number.
     pub(super) fn of(&self, number: u32) -> Option<&Cutout> {
         let after = self.0.partition_point(|cutout| cutout.primitives.start <= number);
         self.0[..after].last().filter(|cutout| cutout.primitives.contains(&number))
     }
 
-    /// Whether the primitive is cut out.
+    /// Whether the primitive has a cut-out.
     #[inline(always)]
     pub(super) fn contains(&self, number: u32) -> bool {
         !self.is_empty() && self.of(number).is_some()
@@ -86,7 +86,7 @@ impl Cutouts {
 }
 
 impl Cutout {
-    /// Whether nothing is there at these coordinates.
+    /// Whether there is a hole at these coordinates.
     fn is_hole(&self, uv: Vec2) -> bool {
         // An image that cannot be decoded ends the render.
         let Some(image) = self.image.look_up() else { return false };
@@ -96,7 +96,7 @@ impl Cutout {
 }
 
 impl Geometry {
-    /// Whether the ray, which meets the primitive at t, passes through a hole of it.
+    /// Whether the ray, which meets the primitive at t, passes through a hole.
     #[cold]
     #[inline(never)]
     pub(super) fn is_cut_out<P: Arithmetic>(
@@ -109,7 +109,7 @@ impl Geometry {
         if !self.cutouts.contains(number) {
             return false;
         }
-        // A seal has no area: it is as what it stands for.
+        // A seal has no area: it takes the alpha of the triangle it stands for.
         let number = self.seal(number).unwrap_or(number);
         let Some(cutout) = self.cutouts.of(number) else { return false };
         tests.cutouts += 1;

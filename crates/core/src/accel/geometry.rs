@@ -1,7 +1,7 @@
-//! The primitives as dense arrays, and what it is for a ray to hit one.
+//! The primitives as dense arrays, and the definition of a hit.
 //!
 //! Primitives are numbered: triangles first, then quads, then spheres, each kind in the order of
-//! the scene file, then those of instances. The number alone tells the kind.
+//! the scene file, then those of instances. The number alone gives the kind.
 
 use std::ops::Range;
 
@@ -28,26 +28,26 @@ pub struct Geometry {
     pub positions: Vec<Vec3>,
     /// Three vertices a triangle, counter-clockwise from the front.
     pub triangles: Vec<[u32; 3]>,
-    /// Four vertices a quad, turned so that the diagonal from first to third lies within.
+    /// Four vertices a quad, ordered so that the diagonal from the first to the third lies inside.
     pub quads: Vec<[u32; 4]>,
     /// Centre (scene units) and radius of each sphere.
     pub spheres: Vec<(Vec3, f32)>,
-    /// The primitives that are shapes of lights, by number, in rising order: shadow rays pass them.
+    /// Primitives that are shapes of lights, by number, in rising order: shadow rays ignore them.
     pub lights: Vec<Range<u32>>,
-    /// The primitives of which a part is there alone.
+    /// Primitives with holes.
     pub cutouts: Cutouts,
-    /// How exactly they are tested, and with that how their boxes are padded.
+    /// Precision of the tests, and so the padding of boxes.
     pub precision: Precision,
-    /// Triangles without area that keep the mesh tight. To be left empty: they are found when the tree is built.
+    /// Degenerate triangles that close gaps in a mesh. Leave empty: the build of the tree fills it.
     pub seals: Seals,
-    /// Meshes that are shown by instances, each in its own space. They have triangles alone.
+    /// Meshes shown by instances, each in its own space, with triangles only.
     pub prototypes: Vec<Geometry>,
-    /// Where prototypes are shown. Their primitives' numbers follow those of the scene's own, instance by
-    /// instance.
+    /// Instances of prototypes. Their primitives' numbers follow those of the scene's own, instance
+    /// by instance.
     pub instances: Vec<Instance>,
 }
 
-/// A primitive, by its kind and its place in that kind's array.
+/// A primitive: its kind and its index in that kind's array.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Primitive {
     /// In [`Geometry::triangles`].
@@ -60,7 +60,7 @@ pub enum Primitive {
     Instanced(Instanced),
 }
 
-/// Primitives whose hits are shaded alike.
+/// Primitives that are shaded alike.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// Triangles and quads.
@@ -71,7 +71,7 @@ pub enum Kind {
     Instances,
 }
 
-/// A ray with what the tests derive from it once.
+/// A ray with values derived for the tests.
 #[derive(Clone, Copy, Debug)]
 pub struct PreparedRay {
     /// The ray itself.
@@ -98,37 +98,37 @@ impl PreparedRay {
 }
 
 impl Geometry {
-    /// Number of primitives of every kind, degenerate triangles counted, and those of instances as often as
-    /// they are shown.
+    /// Number of primitives of every kind, including degenerate triangles, and those of instances
+    /// once for each instance.
     pub fn len(&self) -> usize {
         self.instances.last().map_or(self.own(), |last| {
             last.first() as usize + self.prototypes[last.prototype()].own()
         })
     }
 
-    /// Number of primitives that are not instances'.
+    /// Number of primitives outside instances.
     #[inline]
     pub fn own(&self) -> usize {
         self.triangles.len() + self.quads.len() + self.spheres.len()
     }
 
-    /// Number of primitives that are held: those of a prototype once, however often it is shown.
+    /// Number of stored primitives: those of a prototype count once.
     pub fn held(&self) -> usize {
         self.own() + self.prototypes.iter().map(Self::own).sum::<usize>()
     }
 
-    /// Has it tested with this precision.
+    /// Sets the precision of the tests.
     pub fn set_precision(&mut self, precision: Precision) {
         self.precision = precision;
         self.prototypes.iter_mut().for_each(|prototype| prototype.precision = precision);
     }
 
-    /// Whether there is none.
+    /// Whether there are no primitives.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// The primitive of that number.
+    /// The primitive with that number.
     #[inline(always)]
     pub fn primitive(&self, number: u32) -> Primitive {
         let index = number as usize;
@@ -144,7 +144,7 @@ impl Geometry {
         }
     }
 
-    /// What surfaces of that primitive are shaded as.
+    /// The shading kind of the primitive with that number.
     #[inline(always)]
     pub fn kind(&self, number: u32) -> Kind {
         let index = number as usize;
@@ -157,7 +157,7 @@ impl Geometry {
         }
     }
 
-    /// The primitive of an instance that has that number.
+    /// The primitive with that number, which belongs to an instance.
     fn instanced(&self, number: u32) -> Instanced {
         let after = self.instances.partition_point(|instance| instance.first() <= number);
         let instance = after.saturating_sub(1) as u32;
@@ -165,15 +165,14 @@ impl Geometry {
         Instanced { instance, triangle: number - first }
     }
 
-    /// The instance that shows a primitive, and the prototype that it shows.
+    /// The instance that shows a primitive, and its prototype.
     #[inline]
     pub fn instance(&self, instanced: Instanced) -> (&Instance, &Self) {
         let instance = &self.instances[instanced.instance as usize];
         (instance, &self.prototypes[instance.prototype()])
     }
 
-    /// The corners of a triangle of a mesh, in the world; of an instance's, too. `None` for another kind of
-    /// primitive.
+    /// The world-space corners of a mesh triangle, or of an instance's. `None` for other kinds.
     #[inline]
     pub fn mesh_triangle(&self, number: u32) -> Option<[Vec3; 3]> {
         match self.primitive(number) {
@@ -191,7 +190,7 @@ impl Geometry {
     }
 
     /// The corners of a triangle.
-    // Written out, as are those of a quad: `map` takes them through memory in pieces.
+    // Written out, as for quads: `map` passes them through memory in pieces.
     #[inline(always)]
     pub fn triangle(&self, index: usize) -> [Vec3; 3] {
         let [a, b, c] = self.triangles[index];
@@ -210,8 +209,8 @@ impl Geometry {
         self.positions[vertex as usize]
     }
 
-    /// The padded box that contains every hit on the primitive; or its own, if tests are to be fast. Not for
-    /// those of instances, whose boxes are around a whole prototype.
+    /// The padded box that contains every hit on the primitive; unpadded in fast precision. Not for
+    /// primitives of instances, whose boxes contain a whole prototype.
     #[inline]
     pub fn bounds(&self, number: u32) -> Aabb {
         self.padded(match self.primitive(number) {
@@ -222,13 +221,13 @@ impl Geometry {
         })
     }
 
-    /// A box grown by what tests are off by, unless they are to be fast.
+    /// A box grown by the error of the tests; unchanged in fast precision.
     #[inline(always)]
     pub(super) fn padded(&self, bounds: Aabb) -> Aabb {
         if self.precision == Precision::Fast { bounds } else { bounds.padded() }
     }
 
-    /// Whether the primitive can be hit: triangles without area cannot, unless they seal a gap.
+    /// Whether the primitive can be hit: degenerate triangles cannot, unless they are seals.
     pub(super) fn can_be_hit(&self, number: u32) -> bool {
         if let Primitive::Instanced(instanced) = self.primitive(number) {
             return self.instance(instanced).1.can_be_hit(instanced.triangle);
@@ -236,13 +235,13 @@ impl Geometry {
         !self.is_degenerate(number) || self.seal(number).is_some()
     }
 
-    /// What the triangle of that number stands for, if it is a seal.
+    /// The triangle that a seal stands for, if the number is that of a seal.
     #[inline(always)]
     pub(super) fn seal(&self, number: u32) -> Option<u32> {
         self.seals.get(number)
     }
 
-    /// The hit, on what a seal stands for if it is on one.
+    /// The hit, moved to the triangle that its seal stands for if it is on a seal.
     #[inline(always)]
     pub(super) fn unsealed(&self, hit: Hit) -> Hit {
         if hit.is_miss() {
@@ -271,8 +270,8 @@ impl Geometry {
         }
     }
 
-    /// How many triangles no ray can hit, those of prototypes apart; `kept` is the number of primitives in the
-    /// tree, if there is one.
+    /// The number of triangles that no ray can hit, without those of prototypes; `kept` is the
+    /// number of primitives in the tree, if there is one.
     pub(super) fn left_out(&self, kept: Option<u64>) -> u64 {
         match kept {
             Some(kept) => self.own() as u64 - kept + self.seals.len() as u64,
@@ -293,13 +292,13 @@ impl Geometry {
         after > 0 && self.lights[after - 1].contains(&number)
     }
 
-    /// As [`Self::padded`], of a part of a primitive whose own box is `whole`.
+    /// As [`Self::padded`], for a part of a primitive whose own box is `whole`.
     pub(super) fn padded_as_part(&self, part: Aabb, whole: &Aabb) -> Aabb {
         if self.precision == Precision::Fast { part } else { part.padded_as_part(whole) }
     }
 
-    /// The t at which the ray hits the primitive, if it does: the definition of a hit. `has_surface` says whether a hit
-    /// near t is one ([`super::near`]).
+    /// The t at which the ray hits the primitive: the definition of a hit. `has_surface` decides
+    /// whether a near hit at t counts ([`super::near`]).
     #[inline(always)]
     pub(super) fn hit<P: Arithmetic>(
         &self,
@@ -319,7 +318,7 @@ impl Geometry {
         (!is_cut_out).then_some(t)
     }
 
-    /// Where the ray meets the primitive within its range.
+    /// The meeting of the ray with the primitive within the ray's range.
     #[inline(always)]
     pub(super) fn meet<P: Arithmetic>(&self, number: u32, ray: &PreparedRay) -> Meeting {
         match self.primitive(number) {
@@ -336,7 +335,8 @@ impl Geometry {
         }
     }
 
-    /// As [`Self::meet`], of a triangle of an instance: the ray is carried into the space of the prototype.
+    /// As [`Self::meet`], for a triangle of an instance: the ray is transformed into the space of
+    /// the prototype.
     #[cold]
     #[inline(never)]
     fn meet_instanced<P: Arithmetic>(&self, instanced: Instanced, ray: &PreparedRay) -> Meeting {
@@ -366,7 +366,7 @@ impl Geometry {
     }
 }
 
-/// Where the ray meets the triangle within its range.
+/// The meeting of the ray with the triangle within the ray's range.
 #[inline(always)]
 fn meet_triangle<P: Arithmetic>(ray: &PreparedRay, corners: &[Vec3; 3]) -> Meeting {
     let t = match P::PRECISION {

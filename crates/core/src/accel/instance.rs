@@ -1,19 +1,23 @@
-//! Instances: meshes that are held once and shown in many places.
+//! Instances: meshes that are stored once and shown in many places.
 //!
-//! An instance has no triangles of its own. A ray that may meet it is carried into the space of its prototype,
-//! where it keeps its t, and is searched there. Primitives of instances have numbers like any other: each
-//! instance has a range of as many as its prototype has triangles, behind the scene's own.
+//! An instance has no triangles of its own. A ray that may meet it is transformed into the space of
+//! its prototype, where it keeps its t, and is searched there. Primitives of instances have numbers
+//! like others: each instance has a range as long as its prototype's list of triangles, behind the
+//! scene's own.
 //!
 //! # The bound
 //!
-//! Transforms are applied in double precision and rounded once, with unit roundoff u. With M the matrix to
-//! the world, T its translation, o and o' the origin of the ray in both spaces, and S the largest
-//! coordinate of the prototype, a point of the carried ray at the height of the prototype is off by at most
-//! 4 u (S + |o'|): a rounding of the origin, and one of the direction over the way from there. The test in
-//! the prototype's space is off by [`PADDING`] (S + |o'|), so that both together stay below twice that; and
-//! |o'| is at most |M^-1| (|o| + |T|), in largest norms. Seen from the world that is |M| times as much. The
-//! part that the ray has no share in is added to the instance's box once; the other is
-//! [`Instance::widening`] times the |o| by which the origin of a ray is moved for every other box too.
+//! Transforms are applied in double precision and rounded once, with unit roundoff u. With M the
+//! matrix to the world, T its translation, o and o' the origin of the ray in both spaces, and S the
+//! largest coordinate of the prototype, a point of the transformed ray near the prototype is off by
+//! at most 4 u (S + |o'|): one rounding of the origin, and one of the direction over the distance
+//! from there. The test in the prototype's space is off by [`PADDING`] (S + |o'|), so the sum of
+//! both is below twice that.
+//!
+//! In maximum norms |o'| is at most |M^-1| (|o| + |T|). In world space that is |M| times as much.
+//! The part that is independent of the ray is added to the instance's box once; the rest is
+//! [`Instance::widening`] times the |o| by which the origin of a ray is moved for every other box
+//! too.
 
 use glam::{DAffine3, DVec3, Vec3, Vec4};
 
@@ -22,41 +26,42 @@ use crate::kernels::surface::Surface;
 use crate::math::float::{UNIT_ROUNDOFF, max_abs, normalize_f64};
 use crate::math::ray::Ray;
 
-/// One showing of a prototype.
+/// An instance of a prototype.
 #[derive(Clone, Debug)]
 pub struct Instance {
-    /// Which prototype.
+    /// The prototype's index.
     prototype: u32,
     /// The number of its first primitive.
     first: u32,
     to_world: DAffine3,
     to_prototype: DAffine3,
-    /// By what points of its surface may be off, for each coordinate, on top of what they are off by in
-    /// the prototype's space.
+    /// Additional error bound of points of its surface in the world, for each coordinate, on top of
+    /// their error in the prototype's space.
     error: Vec3,
 }
 
 /// A primitive of an instance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Instanced {
-    /// Which instance.
+    /// Index of the instance.
     pub instance: u32,
-    /// Which triangle of its prototype.
+    /// Index of the triangle in its prototype.
     pub triangle: u32,
 }
 
 impl Instance {
-    /// The prototype of that number, whose coordinates lie in `bounds`, shown where `to_world` leads; its
-    /// primitives begin with the number `first`.
+    /// An instance of prototype number `prototype`, whose coordinates lie in `bounds`, transformed
+    /// by `to_world`; its primitives start with the number `first`.
     pub fn new(prototype: u32, first: u32, to_world: DAffine3, bounds: &Aabb) -> Self {
         let to_prototype = to_world.inverse();
         let farthest = bounds.low.abs().max(bounds.high.abs()).as_dvec3();
-        // A rounding of the point itself in the prototype's space, and one of the origin of the next ray.
+        // One rounding of the point itself in the prototype's space, and one of the origin of
+        // the next ray.
         let error = rows(&to_world).map(|row| 2.0 * f64::from(UNIT_ROUNDOFF) * row.dot(farthest));
         Self { prototype, first, to_world, to_prototype, error: DVec3::from_array(error).as_vec3() }
     }
 
-    /// Which prototype it shows.
+    /// The prototype's index.
     #[inline]
     pub fn prototype(&self) -> usize {
         self.prototype as usize
@@ -68,12 +73,12 @@ impl Instance {
         self.first
     }
 
-    /// From the prototype's space to the world's.
+    /// The transform from the prototype's space to the world.
     pub fn to_world(&self) -> &DAffine3 {
         &self.to_world
     }
 
-    /// `ray` in the prototype's space: its t are the same.
+    /// `ray` in the prototype's space, with the same t.
     #[inline]
     pub fn carried(&self, ray: &Ray) -> Ray {
         Ray {
@@ -83,14 +88,14 @@ impl Instance {
         }
     }
 
-    /// A point of the prototype in the world.
+    /// A point of the prototype, in the world.
     #[inline]
     pub fn point(&self, point: Vec3) -> Vec3 {
         self.to_world.transform_point3(point.as_dvec3()).as_vec3()
     }
 
-    /// A normal of the prototype in the world, of unit length. It stays on the side that the winding gives: that
-    /// turns about where the instance is mirrored, and the normal with it.
+    /// A unit normal of the prototype, in the world. It stays on the side given by the winding:
+    /// mirroring reverses the winding, and the normal with it.
     #[inline]
     pub fn normal(&self, normal: Vec3) -> Vec3 {
         let [x, y, z] = cofactors(&self.to_world);
@@ -98,35 +103,37 @@ impl Instance {
         normalize_f64(x * n.x + y * n.y + z * n.z).as_vec3()
     }
 
-    /// A shading normal of the prototype in the world, of unit length: on the same side of the surface.
+    /// A shading normal of the prototype, in the world, of unit length, on the same side of the
+    /// surface.
     #[inline]
     pub fn shading_normal(&self, normal: Vec3) -> Vec3 {
         let turned = self.normal(normal);
         if self.is_mirrored() { -turned } else { turned }
     }
 
-    /// A tangent of the prototype in the world, of unit length; and its sign, by which the bitangent is on the same
-    /// side of the surface.
+    /// A unit tangent of the prototype, in the world, with its sign, which keeps the bitangent on
+    /// the same side of the surface.
     pub fn tangent(&self, tangent: Vec4) -> Vec4 {
         let along = self.to_world.transform_vector3(tangent.truncate().as_dvec3());
         let sign = if self.is_mirrored() { -tangent.w } else { tangent.w };
         normalize_f64(along).as_vec3().extend(sign)
     }
 
-    /// Whether it turns clockwise into counter-clockwise.
+    /// Whether the transform reverses the winding.
     #[inline]
     pub fn is_mirrored(&self) -> bool {
         self.to_world.matrix3.determinant() < 0.0
     }
 
-    /// A point of the prototype's surface in the world, with all that it may be off by.
+    /// A point of the prototype's surface, in the world, with its error bound.
     #[inline]
     pub fn surface(&self, surface: &Surface<f32>) -> Surface<f32> {
         let point = Vec3::from(surface.point).as_dvec3();
         let point = self.to_world.transform_point3(point).as_vec3();
         let error = Vec3::from(surface.error).as_dvec3();
         let carried = rows(&self.to_world).map(|row| row.dot(error));
-        // Rounding the sum down by an ulp is far less than the origin of the next ray is given here.
+        // Rounding the sum down by an ulp is far less than the margin given to the origin of the
+        // next ray.
         let rounded = 2.0 * UNIT_ROUNDOFF * point.abs();
         let error = DVec3::from_array(carried).as_vec3() + self.error + rounded;
         let normal = self.normal(surface.normal.into()).into();
@@ -134,7 +141,8 @@ impl Instance {
         Surface { point: point.into(), error: error.into(), normal, barycentric }
     }
 
-    /// The padded box around the prototype, which lies in `boxes`, as rays see it that start at the origin.
+    /// The padded box around the prototype, which lies in `boxes`, for rays that start at the
+    /// origin.
     pub fn bounds(&self, boxes: &[Aabb]) -> Aabb {
         let mut world = Aabb::EMPTY;
         let mut size = 0.0;
@@ -160,7 +168,8 @@ impl Instance {
         Aabb { low: (center - half).as_vec3(), high: (center + half).as_vec3() }
     }
 
-    /// How many times as far as for other boxes the origin of a ray is to be moved for the instance's box.
+    /// The factor, relative to other boxes, by which the origin of a ray is moved for the
+    /// instance's box.
     pub fn widening(&self) -> f32 {
         (2.0 * GENEROUS * norm(&self.to_world) * norm(&self.to_prototype)).max(1.0) as f32
     }
@@ -169,20 +178,20 @@ impl Instance {
 /// For the roundings of the bounds themselves.
 const GENEROUS: f64 = 1.0 + 1.0 / 1024.0;
 
-/// The magnitudes of the rows of the matrix.
+/// The absolute values of the rows of the matrix.
 #[inline]
 fn rows(transform: &DAffine3) -> [DVec3; 3] {
     let m = &transform.matrix3;
     [0, 1, 2].map(|i| m.row(i).abs())
 }
 
-/// By how many times the largest coordinate of a vector can grow.
+/// The largest factor by which the maximum norm of a vector can grow.
 fn norm(transform: &DAffine3) -> f64 {
     rows(transform).into_iter().map(|row| row.element_sum()).fold(0.0, f64::max)
 }
 
-/// The columns of the matrix of cofactors, by which normals are carried: the inverse transpose without its
-/// division.
+/// The columns of the matrix of cofactors, which transforms normals: the inverse transpose without
+/// its division.
 #[inline]
 pub fn cofactors(transform: &DAffine3) -> [DVec3; 3] {
     let m = &transform.matrix3;

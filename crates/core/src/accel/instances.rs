@@ -1,13 +1,13 @@
-//! Searching instances, after the primitives that the scene holds as they are.
+//! Searches instances, after the scene's own primitives.
 //!
-//! A ray walks from instance to instance, nearer ones mostly first ([`Walk`]), and is searched in the tree of
-//! the prototype of each. Many rays do so in rounds: in each, every ray names the next instance on its way; the
-//! rays of an instance are carried into the space of its prototype and go through that tree together. So packets
-//! and rays in flight work there too, whatever the number of instances.
+//! A ray walks from instance to instance, usually nearer ones first ([`Walk`]), and is searched in
+//! the tree of each prototype. Many rays do so in rounds: every ray names its next instance; the
+//! rays of an instance are transformed into the space of its prototype and go through that tree
+//! together. So packets and rays in flight work there too, for any number of instances.
 //!
-//! The answer is that of [`Geometry::hit`](super::geometry::Geometry::hit), and does not depend on the order
-//! of visits: a ray is searched in a prototype up to a little beyond its closest hit so far, and what is found
-//! replaces that one only if it is closer, or as close and of a lower number.
+//! The answer is that of [`Geometry::hit`](super::geometry::Geometry::hit) and does not depend on
+//! the order of visits: a ray is searched in a prototype up to slightly beyond its closest hit so
+//! far, and a new hit replaces that one only if it is closer, or equally close with a lower number.
 
 use super::instance::Instance;
 use super::query::{Answers, Query};
@@ -20,30 +20,30 @@ use crate::kernels::precision::{Arithmetic, Robust};
 use crate::math::float::min;
 use crate::math::ray::Ray;
 
-/// Rays that walk together: enough to fill packets, few enough for their stacks to stay in the second-level
-/// cache.
+/// Rays that walk together: enough to fill packets, few enough for their stacks to stay in the
+/// second-level cache.
 const WALKERS: usize = 1024;
 
-/// With fewer rays than this in a prototype, each is searched alone.
+/// Fewer rays than this in a prototype are searched one by one.
 const FEWEST_TOGETHER: usize = 8;
 
 /// A thread's memory for rays among instances.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Walks {
-    /// The rays on their way, each with its number in the batch.
+    /// The active rays, each with its number in the batch.
     walks: Vec<(u32, Walk)>,
-    /// One stack after the other.
+    /// The rays' stacks, in sequence.
     stacks: Vec<Entry>,
-    /// Instances to be visited in a round, each with the place of a ray.
+    /// Instances to visit in a round, each with the index of a ray.
     visits: Vec<(u32, u32)>,
     /// The rays of one instance, in the space of its prototype.
     carried: Vec<Ray>,
-    /// What they meet there.
+    /// Their hits there.
     answers: Answers,
 }
 
 impl<P: Arithmetic> Search<'_, P> {
-    /// What `ray` meets of instances, or `best` if that is closer.
+    /// The hit of `ray` on instances, or `best` if that is closer.
     pub(super) fn among_instances<Q: Query>(
         &self,
         ray: &Ray,
@@ -68,7 +68,7 @@ impl<P: Arithmetic> Search<'_, P> {
         walk.best
     }
 
-    /// As [`Self::among_instances`] for many rays, whose answers so far are `answers`.
+    /// As [`Self::among_instances`], for many rays whose answers so far are `answers`.
     pub(super) fn all_among_instances<Q: Query>(
         &self,
         rays: Rays<'_>,
@@ -89,7 +89,7 @@ impl<P: Arithmetic> Search<'_, P> {
         traversal.walks = memory;
     }
 
-    /// Sets out with those of the rays of `range` for which anything can still come.
+    /// Starts the walk of the rays of `range` that can still change their answer.
     fn begin<Q: Query>(
         &self,
         rays: Rays<'_>,
@@ -113,7 +113,7 @@ impl<P: Arithmetic> Search<'_, P> {
         }
     }
 
-    /// Has every ray that is not done name its next instance. Whether there is any.
+    /// Finds the next instance of every active ray. Returns whether there is any.
     fn name_visits<Q: Query>(&self, memory: &mut Walks) -> bool {
         let Walks { walks, stacks, visits, .. } = memory;
         let tlas = &self.accel.tlas;
@@ -125,7 +125,7 @@ impl<P: Arithmetic> Search<'_, P> {
             }
             visits.extend(walk.next::<P>(tlas, stack).map(|instance| (instance, place)));
         }
-        // Rays of an instance in the order in which they came.
+        // Rays of an instance in their original order.
         visits.sort_unstable();
         !visits.is_empty()
     }
@@ -158,8 +158,8 @@ impl<P: Arithmetic> Search<'_, P> {
 }
 
 impl Walk {
-    /// The ray in the space of the instance's prototype, to be searched a little beyond the closest hit: what
-    /// counts as a hit there does not depend on the end.
+    /// The ray in the space of the instance's prototype, extended slightly beyond the closest hit:
+    /// the hits there do not depend on the end.
     #[inline]
     fn carried(&self, instance: &Instance) -> Ray {
         let ray = instance.carried(&self.ray);
@@ -169,7 +169,8 @@ impl Walk {
         Ray { t_max: min(ray.t_max, reach::<Robust>(self.best.t)), ..ray }
     }
 
-    /// Takes the `hit` in the prototype of `instance` if it is closer, or as close and of a lower number.
+    /// Accepts the `hit` in the prototype of `instance` if it is closer, or equally close with a
+    /// lower number.
     #[inline]
     fn offer(&mut self, instance: &Instance, hit: Hit) {
         if hit.is_miss() {

@@ -1,7 +1,7 @@
 //! Leaves: up to eight triangles tested at a time.
 //!
-//! The answers are those of [`Searched::hit`], bit by bit: lanes compute what it computes, and it
-//! is asked itself wherever single precision leaves a triangle open.
+//! The answers are those of [`Searched::hit`], bit by bit: lanes compute the same, and triangles
+//! that single precision does not decide go to [`Searched::hit`] itself.
 
 use super::arena::{Kind, Patch, Ref, Soup, View};
 use super::geometry::{Geometry, PreparedRay};
@@ -19,8 +19,8 @@ fn first_lanes(count: u32) -> u32 {
     (1 << count) - 1
 }
 
-/// Looks in the leaf for the hit that `Q` asks for: replaces `best` by it if it is closer, or by any. Whether it
-/// did.
+/// Searches the leaf for the hit of query `Q`: replaces `best` by a closer hit, or by any. Returns
+/// whether it did.
 #[inline(always)]
 pub(super) fn visit<S: Lanes, Q: Query, P: Arithmetic>(
     simd: S,
@@ -47,7 +47,7 @@ pub(super) fn visit<S: Lanes, Q: Query, P: Arithmetic>(
     *best != before
 }
 
-/// As [`visit`], of the hits on triangles whose numbers begin at `first`.
+/// As [`visit`], for the hits on triangles whose numbers start at `first`.
 #[inline(always)]
 pub(super) fn take<Q: Query, P: Arithmetic>(
     searched: Searched<'_>,
@@ -70,7 +70,7 @@ pub(super) fn take<Q: Query, P: Arithmetic>(
     while certain != 0 {
         let lane = certain.trailing_zeros() as usize & 7;
         certain &= certain - 1;
-        // The number is read only where it can matter: it is seldom in the cache.
+        // Read the number only if it matters: it is rarely in the cache.
         if hits.t[lane] <= reach::<P>(before.t) {
             let hit = Hit { t: hits.t[lane], primitive: arena.number(first, lane) };
             offer::<Q, P>(geometry, ray, best, hit);
@@ -86,7 +86,7 @@ pub(super) fn take<Q: Query, P: Arithmetic>(
     *best != before
 }
 
-/// Replaces `best` by a hit that comes before it. Any hit has been taken before.
+/// Replaces `best` by a hit that comes before it. Any-hit queries ended before.
 #[inline(always)]
 fn offer<Q: Query, P: Arithmetic>(
     geometry: &Geometry,
@@ -99,7 +99,8 @@ fn offer<Q: Query, P: Arithmetic>(
     }
 }
 
-/// Whether there is a hit on a triangle that is no light's; their numbers begin at `first`.
+/// Whether there is a hit on a triangle that does not belong to a light; the numbers start at
+/// `first`.
 #[inline(always)]
 fn is_any<P: Arithmetic>(
     searched: Searched<'_>,
@@ -122,7 +123,8 @@ fn is_any<P: Arithmetic>(
 }
 
 impl Searched<'_> {
-    /// The `triangles` of a leaf, a bit each, that are no lights'; their numbers begin at `first`.
+    /// The `triangles` of a leaf, a bit each, that do not belong to lights; the numbers start at
+    /// `first`.
     #[inline(always)]
     pub(super) fn without_lights(&self, first: u32, triangles: u32) -> u32 {
         let Self { tree, geometry, .. } = self;
@@ -140,7 +142,7 @@ impl Searched<'_> {
     }
 }
 
-/// What is known of the triangles in the leaf at `place`, and where their numbers begin; `None` for
+/// The results for the triangles in the leaf at `place`, and the start of their numbers; `None` for
 /// a list.
 #[inline(always)]
 fn triangles<S: Lanes, Q: Query, P: Arithmetic>(
@@ -165,7 +167,7 @@ fn triangles<S: Lanes, Q: Query, P: Arithmetic>(
     }
 }
 
-/// As [`triangles`], of a patch.
+/// As [`triangles`], for a patch.
 #[inline(always)]
 pub(super) fn patch<S: Lanes, Q: Query, P: Arithmetic>(
     simd: S,
@@ -181,7 +183,7 @@ pub(super) fn patch<S: Lanes, Q: Query, P: Arithmetic>(
     (test_patch::<S, Q, P>(simd, leaf, &ray.ray, &ray.space), leaf.first)
 }
 
-/// Tests the triangles of a patch: fast tests take the ray as it is, others its sheared space.
+/// Tests the triangles of a patch: fast tests use the ray itself, others its sheared space.
 #[inline(always)]
 pub(super) fn test_patch<S: Lanes, Q: Query, P: Arithmetic>(
     simd: S,
@@ -198,7 +200,7 @@ pub(super) fn test_patch<S: Lanes, Q: Query, P: Arithmetic>(
     }
 }
 
-/// As [`test_patch`], of a soup.
+/// As [`test_patch`], for a soup.
 #[inline(always)]
 pub(super) fn test_soup<S: Lanes, Q: Query, P: Arithmetic>(
     simd: S,

@@ -1,10 +1,11 @@
-//! Hits that single precision cannot tell from those on a neighbour.
+//! Hits that single precision cannot tell from hits of a neighbour.
 //!
-//! A ray that passes just outside of a triangle may meet its rounded vertices ([`Meeting::Near`]). If the ray then
-//! meets the neighbour across the edge, and rounding has it pass outside of that one, the surface would be lost; if it
-//! passes the surface altogether, as a ray does that leaves a flat floor, there must be no hit. Both triangles cannot be
-//! told apart from one alone: so the ray is traced once more, without rounding, and such a hit counts if there is a
-//! surface. It happens for some rays in millions, and depends on ray and triangle only.
+//! A ray that passes just outside a triangle may meet its rounded vertices ([`Meeting::Near`]). If
+//! the ray then meets the neighbour across the edge, but rounding makes it miss that one, the
+//! surface would be lost. If it misses the surface altogether, as a ray that leaves a flat floor
+//! does, there must be no hit. One triangle alone cannot tell these cases apart, so the ray is
+//! traced once more without rounding, and the hit counts if there is a surface. This happens for a
+//! few rays in millions, and depends only on ray and triangle.
 
 use std::cell::RefCell;
 
@@ -16,12 +17,12 @@ use crate::kernels::precision::{Arithmetic, Exact, Robust};
 use crate::kernels::triangle::Meeting;
 use crate::math::ray::Ray;
 
-/// What the rays of a search meet without rounding, where that was needed lately: a ray that passes many triangles so
-/// is traced once.
+/// The unrounded hits of recent rays, so that a ray that passes several triangles closely is traced
+/// once.
 #[derive(Debug, Default)]
 pub(super) struct Exactly(RefCell<Vec<(Ray, Hit)>>);
 
-/// As many rays as are in flight at a time: the list is searched from its beginning.
+/// As many rays as are in flight at a time: the search in the list is linear.
 const MOST_REMEMBERED: usize = 64;
 
 impl Exactly {
@@ -40,7 +41,7 @@ impl Exactly {
 }
 
 impl Searched<'_> {
-    /// The t at which the ray hits the primitive, if it does.
+    /// The t at which the ray hits the primitive.
     #[inline(always)]
     pub(super) fn hit<P: Arithmetic>(
         &self,
@@ -51,7 +52,7 @@ impl Searched<'_> {
         self.geometry.hit::<P>(number, ray, tests, |t| self.has_surface(ray, t))
     }
 
-    /// As [`Self::hit`], for a triangle that was counted when it was tested among others.
+    /// As [`Self::hit`], for a triangle already counted when it was tested in lanes.
     #[cold]
     #[inline(never)]
     pub(super) fn hit_again<P: Arithmetic>(
@@ -65,7 +66,7 @@ impl Searched<'_> {
         meeting.confirmed(|t| self.has_surface(ray, t))
     }
 
-    /// Whether the ray, which passes a triangle near t, meets the surface there.
+    /// Whether the ray, which passes a triangle closely at t, meets the surface there.
     #[cold]
     #[inline(never)]
     fn has_surface(&self, ray: &PreparedRay, t: f32) -> bool {
@@ -81,7 +82,7 @@ impl Searched<'_> {
 }
 
 impl Geometry {
-    /// As [`Searched::has_surface`], of the geometry's own primitives one after the other.
+    /// As [`Searched::has_surface`], by brute force over the geometry's own primitives.
     #[cold]
     #[inline(never)]
     pub(super) fn has_surface(&self, ray: &PreparedRay, t: f32, exactly: &Exactly) -> bool {
@@ -99,8 +100,8 @@ impl Geometry {
     }
 }
 
-/// Whether the hit that was `found` without rounding is the one near t: not if it lies beyond, on a primitive that is
-/// met with rounding too.
+/// Whether the hit `found` without rounding is the one near t: not if it is farther, on a primitive
+/// that is met with rounding too.
 fn is_surface(geometry: &Geometry, ray: &Ray, t: f32, found: Hit) -> bool {
     if found.is_miss() || found.t <= reach::<Robust>(t) {
         return !found.is_miss();
@@ -109,7 +110,7 @@ fn is_surface(geometry: &Geometry, ray: &Ray, t: f32, found: Hit) -> bool {
 }
 
 impl Meeting {
-    /// The t, if this is a hit or `is_met` says so of one that is near.
+    /// The t of a hit, or of a near hit for which `is_met` returns true.
     #[inline(always)]
     pub(super) fn confirmed(self, is_met: impl FnOnce(f32) -> bool) -> Option<f32> {
         match self {

@@ -1,4 +1,4 @@
-//! Nodes: the boxes of eight children tested at a time.
+//! Nodes: the boxes of eight children, tested at a time.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x8, mask32x8, u32x8};
@@ -8,8 +8,7 @@ use super::query::Query;
 use crate::kernels::slab::SlabRay;
 use crate::math::simd::{LANES, Lanes, entry};
 
-/// Where the ray enters the children's boxes, and which of them it meets between `t_min` and
-/// `reach`.
+/// The entry distances of the children's boxes, and the children met between `t_min` and `reach`.
 #[inline(always)]
 pub(super) fn children<S: Lanes>(
     simd: S,
@@ -26,7 +25,7 @@ pub(super) fn children<S: Lanes>(
     (near, near.simd_le(far))
 }
 
-/// Where the ray meets the children's first and last planes across an axis.
+/// The t of the ray at the children's entry and exit planes on an axis.
 #[inline(always)]
 fn axis<S: Lanes>(simd: S, planes: &[[f32; LANES]; 2], ray: &SlabRay, k: usize) -> [f32x8<S>; 2] {
     let first: f32x8<S> = planes[usize::from(ray.negative[k])].simd_into(simd);
@@ -34,11 +33,12 @@ fn axis<S: Lanes>(simd: S, planes: &[[f32; LANES]; 2], ray: &SlabRay, k: usize) 
     ray.crossings(k, first, last)
 }
 
-/// Goes on to the child that the ray meets first, or for any hit to the largest. Puts the others on its stack of
-/// entries, whose length is `height`: the nearest or largest last. The child, if it meets one, and the new height.
+/// Enters the nearest child that the ray meets, or for any-hit queries the largest. Pushes the
+/// others on the stack, whose length is `height`: the nearest or largest last. Returns the child,
+/// if any, and the new height.
 ///
-/// Few children are met, so that branches by how many are predicted well, and what follows need not wait until the
-/// stack has been written.
+/// Few children are met, so branches on their number are well predicted, and what follows does not
+/// wait for stores to the stack.
 #[inline(always)]
 pub(super) fn enter<S: Lanes, Q: Query>(
     simd: S,
@@ -73,8 +73,8 @@ pub(super) fn enter<S: Lanes, Q: Query>(
     (Some(place(stack[height])), height)
 }
 
-/// Appends the `entries` whose bit in `mask` is 1 to the stack: the nearest last, or for any hit the largest. The new
-/// height.
+/// Appends the `entries` whose bit in `mask` is 1 to the stack: the nearest last, or for any-hit
+/// queries the largest. Returns the new height.
 #[inline(always)]
 pub(super) fn append<S: Lanes, Q: Query>(
     simd: S,
@@ -94,20 +94,20 @@ pub(super) fn append<S: Lanes, Q: Query>(
     height + mask.count_ones() as usize
 }
 
-/// Where the children of the node at `place` are.
+/// The places of the children of the node at `place`.
 #[inline(always)]
 pub(super) fn places<S: Lanes>(simd: S, node: &Node, place: Ref) -> u32x8<S> {
     let places: u32x8<S> = node.children.simd_into(simd);
     places + base(place)
 }
 
-/// The entry's distance: where the ray enters the box.
+/// The entry's distance, at which the ray enters the box.
 #[inline(always)]
 pub(super) fn distance(entry: u64) -> f32 {
     f32::from_bits((entry >> 32) as u32)
 }
 
-/// What the entry leads to.
+/// The place of the entry.
 #[inline(always)]
 pub(super) fn place(entry: u64) -> Ref {
     Ref::from_bits(entry as u32)

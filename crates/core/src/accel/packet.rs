@@ -1,22 +1,22 @@
-//! Traversal by tiles of rays that go nearly the same way.
+//! Traversal by packets: tiles of rays with nearly the same direction.
 //!
-//! A tile of [`TILE`] rays goes through the tree together. At a node one interval test, over the
-//! range of the rays' origins and directions, looks at all eight children at once (Boulos, Wald and
-//! Shirley, *Geometric and Arithmetic Culling Methods for Entire Ray Packets*, 2006); children that
-//! the whole tile misses cost nothing more, and so do those that it certainly meets as a whole. The
-//! others are tested by ray, sixteen rays at a time ([`children`]), and so are the triangles of
-//! leaves that many rays meet ([`groups`]); where few do, each is tested alone with eight triangles
-//! ([`leaves`]). Rays that have nothing to share any more, [`FEW_RAYS`] of a tile, are handed to the kernel
-//! of single rays in flight ([`super::stream`]), with the place to go on from; and if tiles turn out
-//! to share little on average, the rest of the batch goes there at once.
+//! A tile of [`TILE`] rays goes through the tree together. At a node one interval test over the
+//! rays' origins and directions covers all eight children at once (Boulos, Wald and Shirley,
+//! *Geometric and Arithmetic Culling Methods for Entire Ray Packets*, 2006). Children that the
+//! whole tile misses cost nothing more, nor do those that it certainly meets as a whole. Other
+//! children are tested for each ray, sixteen rays at a time ([`children`]), as are the triangles of
+//! leaves that many rays meet ([`groups`]); in leaves that few rays meet, each ray is tested alone
+//! with eight triangles ([`leaves`]). When at most [`FEW_RAYS`] of a tile visit a node, they are
+//! handed over to the kernel of rays in flight ([`super::stream`]), with the place to continue
+//! from. If tiles share little on average, the rest of the batch goes there at once.
 //!
-//! [`TILES_ON_THEIR_WAY`] tiles are on their way at a time, and what they have to test goes through the same short
-//! loops: the processor then has many tests to work on, and few branches to predict.
+//! [`TILES_ON_THEIR_WAY`] tiles are traversed at a time, and their tests go through the same short
+//! loops: the processor then has many independent tests and few branches to predict.
 //!
-//! All of it computes the numbers that one ray computes, so that the answers are the same bits.
+//! All steps compute the same numbers as a single ray, so the answers have the same bits.
 //!
-//! The constants here and in [`super::stream`] are those that `benches/runs/2026-11-21-epyc-zen5` was measured with;
-//! they change no answer.
+//! The constants here and in [`super::stream`] were measured in
+//! `benches/runs/2026-11-21-epyc-zen5`; they do not affect answers.
 
 mod beam;
 mod children;
@@ -45,28 +45,28 @@ use leaves::SingleTest;
 use remaining::{Handed, Remaining};
 use tile::{Tile, number_of};
 
-/// Tiles on their way together, so that one computes while another waits for memory.
+/// Tiles traversed together, so that one computes while another waits for memory.
 const TILES_ON_THEIR_WAY: usize = 4;
 
 /// Rays in a tile.
 pub(super) const TILE: usize = 64;
 
-/// So many rays at a node, or fewer, have nothing to share.
+/// This many rays at a node, or fewer, share nothing.
 const FEW_RAYS: u32 = 1;
 
-/// The same, if any hit will do.
+/// The same for any-hit queries.
 const FEW_RAYS_FOR_ANY: u32 = 24;
 
-/// A tile is coherent if its visits of nodes are made by so many rays on average.
+/// A tile is coherent if at least this many rays on average visit its nodes.
 const COHERENT: u64 = 20;
 
-/// The memory of so many tiles is asked for before they begin.
+/// The memory of this many tiles is prefetched.
 const AHEAD: usize = 3;
 
-/// Tiles of a batch that are looked at before the rest is judged.
+/// Tiles of a batch to traverse before judging the rest.
 const TRIAL: usize = 2;
 
-/// A place that rays of the tile have still to visit.
+/// A place that rays of the tile still have to visit.
 #[derive(Clone, Copy, Debug)]
 struct Visit {
     /// As on the stack of a ray, with the least distance of all rays.
@@ -78,7 +78,7 @@ impl Visit {
     const NONE: Self = Self { entry: 0, rays: 0 };
 }
 
-/// No place before.
+/// Marks the first place of a ray.
 const FIRST: u32 = u32::MAX;
 
 /// The memory of a thread's packets.
@@ -88,11 +88,11 @@ pub(super) struct Packets {
     groups: Groups,
     asks: Vec<Open>,
     handed: Vec<Handed>,
-    /// For each ray of the batch the last of its places, and how many there are.
+    /// For each ray of the batch its last place, and the number of places.
     last: Vec<(u32, u32)>,
-    /// The rays that were handed over.
+    /// The rays handed over.
     queue: Vec<u32>,
-    /// Rays in front of leaves, each alone, and what they have found there.
+    /// Rays tested alone in front of leaves, and their results.
     singles: Vec<SingleTest>,
     found: Vec<Found>,
 }
@@ -104,7 +104,7 @@ pub(super) struct Memory<'a> {
     pub(super) stack: &'a mut [u64],
 }
 
-/// Answers all rays: by packets as long as `choice` has it so, the others in flight.
+/// Answers all rays: by packets as long as `choice` says so, the others in flight.
 #[inline(always)]
 pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
     simd: S,
@@ -155,7 +155,7 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
 }
 
 impl Packets {
-    /// Makes room for so many rays in the tree, and forgets those before.
+    /// Makes room for this many rays in the tree, and clears earlier rays.
     fn prepare(&mut self, tree: &Tree, rays: usize) {
         self.tiles.resize(TILES_ON_THEIR_WAY, Tile::EMPTY);
         for tile in &mut self.tiles {
@@ -168,7 +168,7 @@ impl Packets {
     }
 }
 
-/// How coherent the tiles of a batch were so far.
+/// The coherence of a batch's tiles so far.
 #[derive(Clone, Copy, Debug, Default)]
 struct Judged {
     tiles: usize,
@@ -189,9 +189,9 @@ struct Batch<'a, Q, P> {
     rays: Rays<'a>,
     choice: KernelChoice,
     root: Root,
-    /// The first ray that no tile has seen.
+    /// The first ray not yet in a tile.
     next: usize,
-    /// Rays of tiles that were not fit.
+    /// Rays of tiles unfit for packets.
     unfit: usize,
     judged: Judged,
     handed: &'a mut Vec<Handed>,
@@ -207,7 +207,7 @@ struct Batch<'a, Q, P> {
 }
 
 impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
-    /// Takes tiles through the tree as long as there are any that packets are to take.
+    /// Traverses tiles as long as packets are to take them.
     #[inline(always)]
     fn trace<S: Lanes>(
         &mut self,
@@ -241,7 +241,7 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
         }
     }
 
-    /// Puts the next tile that can meet anything at its beginning. Whether there is one.
+    /// Starts the next tile that can meet anything. Returns whether there is one.
     #[inline(always)]
     fn begin<S: Lanes>(&mut self, simd: S, tile: &mut Tile, answers: &mut [Q::Answer]) -> bool {
         outlined(
@@ -257,7 +257,7 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
                             ..(self.next + AHEAD * TILE).min(self.rays.count()),
                     );
                     if !tile.load::<S, P>(simd, &self.rays, start..start + count) {
-                        // These go from the root, as the rest will.
+                        // These start at the root, like the rest.
                         answers[start..start + count].fill(Q::NONE);
                         self.unfit += count;
                         for number in start..start + count {
@@ -282,7 +282,7 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
         )
     }
 
-    /// Takes a tile on through leaves and one node. Whether anything may be left.
+    /// Advances a tile through leaves and one node. Returns whether anything may be left.
     #[inline(always)]
     fn step<S: Lanes>(
         &mut self,
@@ -293,7 +293,7 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
     ) -> bool {
         let tile = &mut tiles[k];
         let arena = self.searched.tree.arena.view();
-        // Not where hits are stored: what was just written, ray by ray, is not read well together.
+        // Not where hits are stored: vectors just written ray by ray are slow to reload.
         if tile.is_reach_stale && !Q::ANY {
             tile.is_reach_stale = false;
             tile.beam.reach = extent(simd, &tile.reach);
@@ -326,7 +326,7 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
         true
     }
 
-    /// Hands `rays` over to go on from `place`.
+    /// Hands `rays` over, to continue from `place`.
     #[inline(always)]
     fn hand_over<S: Lanes>(
         &mut self,
@@ -343,7 +343,7 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
             let number = tile.start + number_of(i);
             let (before, count) = self.last[number];
             if count as usize == MOST_HANDED {
-                // Beyond them it goes on at once.
+                // Beyond that number the ray continues at once.
                 self.go_on(simd, tile, place, i, tests);
                 continue;
             }
@@ -355,7 +355,7 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
         }
     }
 
-    /// Takes the `i`th ray through what is at `place`, alone.
+    /// Traverses the subtree at `place` with the `i`th ray alone.
     #[inline(always)]
     fn go_on<S: Lanes>(
         &mut self,

@@ -1,4 +1,4 @@
-//! What can be asked of rays.
+//! The queries: closest hit and any hit.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x4, u32x4};
@@ -8,25 +8,25 @@ use super::{BLOCK_EDGE, Hit, KernelCounts, Kernels, NO_PRIMITIVE};
 use crate::math::ray::Ray;
 use crate::math::simd::Lanes;
 
-/// A question about a ray.
+/// A query for a ray.
 pub(super) trait Query {
     /// The answer.
     type Answer: Copy;
 
-    /// Whether one hit is as good as any.
+    /// Whether any hit suffices.
     const ANY: bool;
 
     /// The answer for a ray that cannot be traced.
     const NONE: Self::Answer;
 
-    /// The answer, once the ray is done.
+    /// The answer for a finished ray.
     fn answer(best: Hit) -> Self::Answer;
 
-    /// A hit that has this answer.
+    /// A hit with this answer.
     fn hit(answer: Self::Answer) -> Hit;
 
-    /// Writes the answers for a row of rays that a packet is done with: what each has found, and in
-    /// the lowest bits of `done` those for which any hit was enough.
+    /// Writes the answers for a row of finished packet rays: the hit of each, and in the lowest
+    /// bits of `done` the rays for which any hit was enough.
     fn write<S: Lanes>(
         simd: S,
         t: &[f32; BLOCK_EDGE],
@@ -35,7 +35,7 @@ pub(super) trait Query {
         answers: &mut [Self::Answer; BLOCK_EDGE],
     );
 
-    /// The hit to go on with where `answer` has been found so far; `None` if nothing more can come.
+    /// The hit to continue with after `answer`; `None` if the answer is final.
     #[inline(always)]
     fn resume(answer: Self::Answer, ray: &Ray) -> Option<Hit> {
         match Self::hit(answer) {
@@ -45,13 +45,13 @@ pub(super) trait Query {
         }
     }
 
-    /// The hit, on what a seal stands for if it is on one and that matters.
+    /// The hit, moved to the triangle that its seal stands for if that matters.
     #[inline(always)]
     fn unsealed(geometry: &Geometry, hit: Hit) -> Hit {
         if Self::ANY { hit } else { geometry.unsealed(hit) }
     }
 
-    /// Where its rays are counted.
+    /// The counters for its rays.
     fn counts(kernels: &mut Kernels) -> &mut KernelCounts;
 
     /// Memory for its answers.
@@ -65,19 +65,19 @@ pub(super) struct Answers {
     occluded: Vec<bool>,
 }
 
-/// The hit that stands for none yet on `ray`.
+/// The placeholder hit of `ray` before any hit.
 #[inline(always)]
 pub(super) fn no_hit(ray: &Ray) -> Hit {
     Hit { t: ray.t_max, primitive: NO_PRIMITIVE }
 }
 
-/// `best`, or a miss if nothing was found.
+/// `best`, or a miss if nothing was hit.
 #[inline(always)]
 pub(super) fn or_miss(best: Hit) -> Hit {
     if best.is_miss() { Hit::MISS } else { best }
 }
 
-/// Which primitive is hit first.
+/// The primitive that is hit first.
 pub(super) struct Closest;
 
 impl Query for Closest {
@@ -95,7 +95,7 @@ impl Query for Closest {
         answer
     }
 
-    // In vectors: what is written number by number is not copied well afterwards.
+    // In vectors: values just written one by one are slow to copy.
     #[inline(always)]
     fn write<S: Lanes>(
         simd: S,
@@ -121,7 +121,7 @@ impl Query for Closest {
     }
 }
 
-/// Whether anything but a light's shape is hit.
+/// Whether anything except a light's shape is hit.
 pub(super) struct Occluded;
 
 impl Query for Occluded {
@@ -162,5 +162,5 @@ impl Query for Occluded {
     }
 }
 
-/// Stands for a hit where any is as good.
+/// The placeholder hit if any hit suffices.
 pub(super) const ANY_HIT: Hit = Hit { t: 0.0, primitive: 0 };

@@ -1,4 +1,4 @@
-//! Rays, as kernels read them.
+//! Rays in the memory layouts that kernels read.
 
 use std::ops::Range;
 
@@ -10,24 +10,24 @@ use super::arena::prefetch;
 use crate::math::ray::Ray;
 use crate::math::simd::Lanes;
 
-/// Rays in a row, wherever they lie. Kernels are compiled once for both kinds: what is asked of sixteen
-/// rays at a time can afford to ask which.
+/// Rays in rows or columns. Kernels are compiled once for both: a check for every sixteen rays
+/// costs little.
 #[derive(Clone, Copy, Debug)]
 pub enum Rays<'a> {
-    /// One after the other.
+    /// An array of rays.
     Rows(&'a [Ray]),
     /// A column for each component.
     Columns(RayColumns<'a>),
 }
 
-/// Rays by column, with t from 0 to the same `t_max`.
+/// Rays in columns, with t from 0 to the same `t_max`.
 #[derive(Clone, Copy, Debug)]
 pub struct RayColumns<'a> {
-    /// How many there are: columns may be longer.
+    /// Number of rays: columns may be longer.
     pub count: usize,
-    /// Where they start, an axis each.
+    /// The origins, an axis each.
     pub origin: [&'a [f32]; 3],
-    /// Where they go, an axis each.
+    /// The directions, an axis each.
     pub direction: [&'a [f32]; 3],
     /// Hits at or after this t do not count.
     pub t_max: f32,
@@ -40,7 +40,7 @@ impl<'a> From<&'a [Ray]> for Rays<'a> {
 }
 
 impl Rays<'_> {
-    /// How many.
+    /// The number of rays.
     #[inline(always)]
     pub fn count(&self) -> usize {
         match self {
@@ -49,7 +49,7 @@ impl Rays<'_> {
         }
     }
 
-    /// The `i`th.
+    /// The `i`th ray.
     #[inline(always)]
     pub fn ray(&self, i: usize) -> Ray {
         match self {
@@ -61,8 +61,8 @@ impl Rays<'_> {
         }
     }
 
-    /// Sixteen rays, all of which there are: four from the `i`th on, and four from each of the places
-    /// that are once, twice and three times `stride` behind it.
+    /// Sixteen existing rays: four from the `i`th on, and four each from one, two and three times
+    /// `stride` behind it.
     #[inline(always)]
     pub(super) fn block<S: Lanes>(&self, simd: S, i: usize, stride: usize) -> RayLanes<S> {
         match self {
@@ -71,8 +71,8 @@ impl Rays<'_> {
         }
     }
 
-    /// Asks for the memory of the rays of `range`, if they may not be in a cache: columns are those of
-    /// a batch, which is.
+    /// Prefetches the rays of `range` if they may not be in a cache: columns are those of a batch,
+    /// which is.
     #[inline(always)]
     pub(super) fn prefetch(&self, range: Range<usize>) {
         if let Self::Rows(rays) = self {
@@ -83,15 +83,15 @@ impl Rays<'_> {
     }
 }
 
-/// Rays of a row of a block.
+/// Rays in a row of a block.
 pub(super) const BLOCK_EDGE: usize = 4;
 
 /// Sixteen rays, a component each.
 #[derive(Clone, Copy)]
 pub(super) struct RayLanes<S: Lanes> {
-    /// Where they start.
+    /// The origins.
     pub(super) origin: [f32x16<S>; 3],
-    /// Where they go.
+    /// The directions.
     pub(super) direction: [f32x16<S>; 3],
     /// The ranges of t.
     pub(super) t_min: f32x16<S>,
@@ -140,15 +140,15 @@ fn of_rows<S: Lanes>(simd: S, rays: &[Ray], i: usize, stride: usize) -> RayLanes
     let (c, d) = row(simd, &rays[i + stride..i + stride + BLOCK_EDGE]);
     let (e, f) = row(simd, &rays[i + 2 * stride..i + 2 * stride + BLOCK_EDGE]);
     let (g, h) = row(simd, &rays[i + 3 * stride..i + 3 * stride + BLOCK_EDGE]);
-    // Numbers of a vector have the bits of their ray above those of their component. Each round
-    // turns the lowest bit to the front, and after three the components are above.
+    // In a vector, the index bits of the ray are above those of the component. Each round moves
+    // the lowest bit to the front; after three rounds the component bits are above.
     let (a, b, c, d, e, f, g, h) = part(a, b, c, d, e, f, g, h);
     let (a, b, c, d, e, f, g, h) = part(a, b, c, d, e, f, g, h);
     let (ox, oy, oz, t_min, dx, dy, dz, t_max) = part(a, b, c, d, e, f, g, h);
     RayLanes { origin: [ox, oy, oz], direction: [dx, dy, dz], t_min, t_max }
 }
 
-/// Four rays, as they lie.
+/// Four rays in memory order.
 #[inline(always)]
 fn row<S: Lanes>(simd: S, rays: &[Ray]) -> (f32x16<S>, f32x16<S>) {
     let numbers: &[f32] = bytemuck::cast_slice(rays);
@@ -158,7 +158,7 @@ fn row<S: Lanes>(simd: S, rays: &[Ray]) -> (f32x16<S>, f32x16<S>) {
 /// Eight vectors.
 type Eight<V> = (V, V, V, V, V, V, V, V);
 
-/// The numbers at even places of all vectors, then those at odd places.
+/// The numbers at even positions of all vectors, then those at odd positions.
 #[inline(always)]
 #[allow(clippy::too_many_arguments, clippy::many_single_char_names, reason = "a vector each")]
 fn part<S: Lanes>(

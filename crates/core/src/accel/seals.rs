@@ -1,11 +1,12 @@
-//! Seals: triangles without area that keep a mesh tight.
+//! Seals: degenerate triangles that keep a mesh tight.
 //!
-//! Scans whose vertices have been rounded hold triangles whose corners a, m, b lie on one line. Nothing of
-//! such a triangle can be seen; but the neighbour across ab has one edge where those across am and mb
-//! have two, and single precision places m a little beside the edge ab, as a ray sees it. A ray would
-//! slip through there. So the triangle stays in the tree, tested like any other with the corners that
-//! its neighbours share, and a hit on it counts as one on the neighbour across its longest edge. Without
-//! that neighbour it closes nothing and is left out, as are triangles with two corners at one place.
+//! Scans with rounded vertices contain triangles whose corners a, m, b lie on one line. Such a
+//! triangle is invisible; but the neighbour across ab has one edge where the neighbours across am
+//! and mb have two, and from a ray's view single precision places m slightly beside the edge ab. A
+//! ray could slip through there. So the triangle stays in the tree, tested like any other with the
+//! corners that its neighbours share, and a hit on it counts as one on the neighbour across its
+//! longest edge. Without that neighbour it closes nothing and is left out, as are triangles with
+//! two corners at one place.
 
 use std::collections::HashMap;
 
@@ -18,18 +19,18 @@ use super::geometry::Geometry;
 /// The bits of an edge's ends, the lower ones first.
 type Edge = [[u32; 3]; 2];
 
-/// How many seals may lie between another and a triangle with an area.
+/// Largest number of seals between a seal and a triangle with an area.
 const MOST_BETWEEN: usize = 64;
 
-/// Places in the filter of vertices, for each edge whose ends are in it.
+/// Slots in the filter of vertices for each edge.
 const FILTER: usize = 16;
 
-/// The seals of a mesh. Nearly every hit is on a triangle that is none: a bit says so at once.
+/// The seals of a mesh. Nearly every hit is on another triangle: a bit tells so at once.
 #[derive(Clone, Debug, Default)]
 pub struct Seals {
-    /// The number of each, and that of the triangle that it stands for, in rising order.
+    /// The number of each seal and that of the triangle it stands for, in rising order.
     pairs: Vec<[u32; 2]>,
-    /// A bit for each [`STRIDE`] numbers, those without a seal at the end left out.
+    /// A bit for each [`STRIDE`] numbers, without the trailing zeros.
     marks: Vec<u64>,
 }
 
@@ -57,7 +58,7 @@ impl Seals {
         self.pairs.iter().map(|&[number, _]| number)
     }
 
-    /// What the triangle of that number stands for, if it is a seal.
+    /// The triangle that the seal with that number stands for, if it is a seal.
     #[inline(always)]
     pub(super) fn get(&self, number: u32) -> Option<u32> {
         let bit = number as usize / STRIDE;
@@ -72,7 +73,8 @@ impl Seals {
     }
 }
 
-/// The seals of a mesh whose `degenerate` triangles are these, by number, each with the triangle that it stands for.
+/// The seals among the `degenerate` triangles of a mesh, by number, each with the triangle it
+/// stands for.
 pub(super) fn find(geometry: &Geometry, degenerate: &[u32]) -> Seals {
     let has_three_corners = |&number: &u32| {
         let [a, b, c] = geometry.triangle(number as usize);
@@ -109,10 +111,11 @@ pub(super) fn find(geometry: &Geometry, degenerate: &[u32]) -> Seals {
     Seals::of(seals)
 }
 
-/// Each of the `pinched` triangles with the others at its longest edge, in rising order.
+/// Each `pinched` triangle with the other triangles at its longest edge, in rising order.
 fn across_longest_edges(geometry: &Geometry, pinched: &[u32]) -> Vec<(u32, u32)> {
     let mut longest: HashMap<Edge, Vec<u32>> = HashMap::new();
-    // Nearly every vertex of the mesh is at no end of these: a filter after Bloom (1970) says so at once.
+    // Nearly every vertex of the mesh is at none of these ends: a filter after Bloom (1970)
+    // tells so at once.
     let places = (FILTER * pinched.len()).next_power_of_two();
     let place = |end: &[u32; 3]| xxh3_64(bytemuck::bytes_of(end)) as usize & (places - 1);
     let mut is_end = vec![false; places];
@@ -150,7 +153,7 @@ fn edge(a: Vec3, b: Vec3) -> Edge {
     if a < b { [a, b] } else { [b, a] }
 }
 
-/// Zeros of both signs are at one place.
+/// The bits of a position; zeros of both signs are equal.
 fn bits(v: Vec3) -> [u32; 3] {
     v.to_array().map(|x| (x + 0.0).to_bits())
 }

@@ -1,4 +1,4 @@
-//! The ways to ask an [`Accel`]: for one ray or for many, for the closest hit or for any.
+//! The queries of an [`Accel`]: for one ray or many, for the closest hit or any.
 
 use std::marker::PhantomData;
 
@@ -87,12 +87,12 @@ impl<P: Arithmetic> Search<'_, P> {
         }
     }
 
-    /// Searches many rays, each alone.
+    /// Searches many rays one by one.
     #[inline(never)]
     fn each<Q: Query>(&self, rays: Rays<'_>, answers: &mut [Q::Answer], traversal: &mut Traversal) {
         Q::counts(&mut traversal.kernels).single += answers.len() as u64;
         for (i, answer) in answers.iter_mut().enumerate() {
-            // Rows as they lie: what was copied just now, in pieces, is not read well at once.
+            // Rows are read in place: values just copied in pieces are slow to reload.
             let copy;
             let ray = match rays {
                 Rays::Rows(rows) => &rows[i],
@@ -105,7 +105,7 @@ impl<P: Arithmetic> Search<'_, P> {
         }
     }
 
-    /// Whether many rays are searched together. What is exact has no use for lanes.
+    /// Whether many rays are searched together. Exact precision has no use for lanes.
     fn has_batches(&self) -> bool {
         let Accel { kernel, level, .. } = self.accel;
         P::PRECISION != Precision::Exact
@@ -113,7 +113,7 @@ impl<P: Arithmetic> Search<'_, P> {
             && compiled::has_batches(*level)
     }
 
-    /// What a ray meets in the tree of a prototype, by its own numbers.
+    /// The hit of a ray in the tree of a prototype, by the prototype's own numbers.
     pub(super) fn in_prototype<Q: Query>(
         &self,
         number: usize,
@@ -136,7 +136,7 @@ impl<P: Arithmetic> Search<'_, P> {
         answers: &mut [Q::Answer],
         traversal: &mut Traversal,
     ) {
-        // A ray counts once, where it is asked of the scene.
+        // A ray counts once, in the search of the scene.
         let kernels = traversal.kernels;
         let exactly = Exactly::default();
         self.all_in_tree::<Q>(self.prototype(number, &exactly), rays.into(), answers, traversal);
@@ -148,7 +148,7 @@ impl<P: Arithmetic> Search<'_, P> {
         Searched { tree: &blas[number], geometry: &geometry.prototypes[number], exactly }
     }
 
-    /// The hit in a tree that `Q` asks for.
+    /// The hit in a tree for query `Q`.
     #[inline(always)]
     fn in_tree<Q: Query>(
         &self,

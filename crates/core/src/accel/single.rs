@@ -1,4 +1,4 @@
-//! Traversal by one ray: what the recursive tracer asks, and what is left over from packets.
+//! Traversal by one ray: for the recursive tracer, and for the rays left by packets.
 
 use super::arena::Kind;
 use super::geometry::PreparedRay;
@@ -9,8 +9,8 @@ use super::{Hit, TestCounts, leaf};
 use crate::kernels::precision::Arithmetic;
 use crate::math::simd::{Lanes, entry};
 
-/// The hit that `Q` asks for, beginning with the first `height` entries of `stack`, the nearest last, and with
-/// `best`, the closest hit so far.
+/// The hit for query `Q`, starting with the first `height` entries of `stack`, the nearest last,
+/// and with `best`, the closest hit so far.
 #[inline(always)]
 pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
     simd: S,
@@ -25,7 +25,7 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
     while height > 0 {
         height -= 1;
         let entry = stack[height];
-        // For any hit nothing moves the limit, and what lies beyond it is not on the stack.
+        // In any-hit queries the limit is fixed, and everything on the stack is within it.
         if !Q::ANY && distance(entry) > limit {
             continue;
         }
@@ -47,7 +47,7 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
     best
 }
 
-/// Puts the root on an empty stack if the ray meets it. The height.
+/// Pushes the root on an empty stack if the ray meets it. Returns the height.
 #[inline(always)]
 pub(super) fn start<P: Arithmetic>(tree: &Tree, ray: &PreparedRay, stack: &mut [u64]) -> usize {
     let Some(root) = tree.root().filter(|root| root.is_met::<P>(ray)) else { return 0 };

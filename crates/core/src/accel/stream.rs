@@ -1,13 +1,12 @@
-//! Traversal by many rays at a time: the kernel of a wavefront's batch.
+//! Traversal by many rays in flight: the kernel for a wavefront's batch.
 //!
-//! A thread keeps [`FLIGHT`] rays in flight, each with a stack of its own. In each round every ray
-//! takes one step and asks for the memory of its next; by the time that its turn comes again, the
-//! memory is there. Steps of a kind are taken in loops of their own, which have few branches, and so
-//! the processor is on its way with several rays at any time: steps to leaves wait until there are
-//! enough of them for that. A ray that is done makes place for the next one of the batch. The
-//! children of a node that are met are sorted and pushed as a vector, and the next is popped. So that
-//! no entry has to be looked at twice, a stack is cleared of what is too far when a hit is found, and
-//! only then.
+//! A thread keeps [`FLIGHT`] rays in flight, each with its own stack. In each round every ray takes
+//! one step and prefetches the memory of its next; the memory has arrived by its next turn. Steps
+//! of a kind run in separate loops with few branches, so that the processor works on several rays
+//! at any time; steps to leaves wait until there are enough for a loop. A finished ray is replaced
+//! by the next one of the batch. The met children of a node are sorted and pushed as a vector, and
+//! the next is popped. A stack is cleared of entries that are too far only when a hit is found, so
+//! that no entry is checked twice.
 
 mod next;
 
@@ -29,7 +28,7 @@ use crate::math::ray::Ray;
 use crate::math::simd::{LANES, Lanes, entry};
 use next::Next;
 
-/// The most places that a packet hands a ray over with.
+/// The largest number of places handed over with a ray.
 pub(super) const MOST_HANDED: usize = 24;
 
 /// Streams of rays in flight.
@@ -46,14 +45,14 @@ pub(super) struct Slot {
 }
 
 impl Slot {
-    /// For a ray to come.
+    /// An empty slot.
     fn empty() -> Self {
         let ray = PreparedRay::new(&Ray::new(Vec3::ZERO, Vec3::X));
         Self { ray, best: Hit::MISS, reach: 0.0, number: 0 }
     }
 
-    /// What else there is to know of a ray at its beginning: its number in the batch, and the
-    /// closest hit known.
+    /// Fills in the rest of a ray's initial state: its number in the batch, and the closest hit
+    /// known.
     #[inline(always)]
     pub(super) fn begin<P: Arithmetic>(&mut self, number: usize, best: Hit) {
         self.best = best;
@@ -61,8 +60,8 @@ impl Slot {
         self.number = number as u32;
     }
 
-    /// Clears its stack, from `bottom` to `top`, of what lies beyond the hit just found: of all if any is
-    /// enough. The top that is left.
+    /// Clears its stack, from `bottom` to `top`, of entries beyond the hit just found, or of all if
+    /// any hit suffices. Returns the new top.
     #[inline(always)]
     fn closer<Q: Query, P: Arithmetic>(
         &mut self,
@@ -90,35 +89,35 @@ struct Met {
     masks: [u8; FLIGHT],
 }
 
-/// What a patch has been found to hold.
+/// The results for a patch.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(align(64))]
 pub(super) struct Found {
     pub(super) hits: LaneHits,
-    /// Where the numbers of the triangles begin.
+    /// The start of the triangles' numbers.
     pub(super) first: u32,
 }
 
-/// The bottom of a stack, where rays are done. No list begins at unit 1: the root does at unit 0, and
-/// is either all there is or a node of two units.
+/// The bottom of a stack, which ends a ray. No list starts at unit 1: the root is at unit 0, and is
+/// either everything or a node of two units.
 const BOTTOM: u32 = 1 << 2 | Kind::List as u32;
 
 /// The memory of a thread's rays in flight.
 #[derive(Clone, Debug)]
 pub(super) struct Flight {
     slots: Box<[Slot; FLIGHT]>,
-    /// One stack after the other.
+    /// The stacks, in sequence.
     stacks: Vec<u64>,
-    /// Where each stack ends.
+    /// The end of each stack.
     tops: [usize; FLIGHT],
     /// Entries of one stack.
     stride: usize,
 }
 
 impl Flight {
-    /// Memory for rays in trees whose stacks take so many entries.
+    /// Memory for rays in trees whose stacks take `entries` entries.
     pub(super) fn new(entries: usize) -> Self {
-        // The end of the stack, and what a packet hands over.
+        // The bottom of the stack, and the places a packet hands over.
         Self::of_stride(entries + 1 + MOST_HANDED)
     }
 
@@ -138,10 +137,10 @@ impl Default for Flight {
     }
 }
 
-/// Where rays come from.
+/// A source of rays.
 pub(super) trait Source<Q: Query, P: Arithmetic> {
-    /// Fills `slot` with the next ray that has to be traced, and `stack` with the entries to begin
-    /// with, as many as it says. Rays that need not be traced are answered on the way.
+    /// Fills `slot` with the next ray to trace and `stack` with its first entries, and returns
+    /// their number. Rays that need no tracing are answered on the way.
     fn next(
         &mut self,
         answers: &mut [Q::Answer],
@@ -199,7 +198,7 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
     let Counts { tests, kernel } = counts;
     let Flight { slots, stacks, tops, stride } = flight;
     let mut next = Next::NONE;
-    // References alone, and no array: then all of it stays in registers.
+    // Only references and no array, so that everything stays in registers.
     let mut rounds = Rounds::<Q, P, _> {
         searched,
         arena: searched.tree.arena.view(),
@@ -220,8 +219,7 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
             break;
         }
     }
-    // Each loop in this one is short, so that the processor has many rays at a time on their way
-    // through it.
+    // The inner loops are short, so that the processor overlaps many rays.
     while rounds.next.count() > 0 {
         kernel.rounds += 1;
         kernel.in_flight += rounds.next.count() as u64;
@@ -232,14 +230,15 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
     }
 }
 
-/// Rays in flight, round by round. Lists of steps are read from the front while later steps are written there.
+/// Rays in flight, round by round. Lists of steps are read from the front while later steps are
+/// written there.
 struct Rounds<'a, Q: Query, P, R> {
     searched: Searched<'a>,
     arena: View<'a>,
     source: &'a mut R,
     answers: &'a mut [Q::Answer],
     slots: &'a mut [Slot; FLIGHT],
-    /// One stack of `stride` entries after the other, and where each ends.
+    /// The stacks of `stride` entries in sequence, and the end of each.
     stacks: &'a mut [u64],
     tops: &'a mut [usize; FLIGHT],
     stride: usize,
@@ -249,7 +248,8 @@ struct Rounds<'a, Q: Query, P, R> {
 }
 
 impl<Q: Query, P: Arithmetic, R: Source<Q, P>> Rounds<'_, Q, P, R> {
-    /// Fills a slot with the next ray of the source, and has it take its first step. Whether there is one.
+    /// Fills a slot with the next ray of the source, and takes its first step. Returns whether
+    /// there is one.
     #[inline(always)]
     fn begin(&mut self, index: usize) -> bool {
         let bottom = index * self.stride;
@@ -264,7 +264,7 @@ impl<Q: Query, P: Arithmetic, R: Source<Q, P>> Rounds<'_, Q, P, R> {
         true
     }
 
-    /// Takes all steps to nodes: first, which children are met, then where to go next.
+    /// Takes all steps to nodes: first finds the met children, then the next step.
     #[inline(always)]
     fn visit_nodes<S: Lanes>(&mut self, simd: S, Met { children, masks }: &mut Met) {
         let nodes = self.next.take(Kind::Node);
@@ -291,7 +291,8 @@ impl<Q: Query, P: Arithmetic, R: Source<Q, P>> Rounds<'_, Q, P, R> {
         }
     }
 
-    /// Takes the steps to patches, if it is time: first, which triangles are met, then what that means.
+    /// Takes the steps to patches, if there are enough: first tests the triangles, then stores the
+    /// results.
     #[inline(always)]
     fn visit_patches<S: Lanes>(&mut self, simd: S, found: &mut [Found; FLIGHT]) {
         let patches = self.next.take_enough(Kind::Patch);
@@ -311,7 +312,8 @@ impl<Q: Query, P: Arithmetic, R: Source<Q, P>> Rounds<'_, Q, P, R> {
         }
     }
 
-    /// Takes the steps to leaves of another kind, if it is time. Rays that are done are among those to lists.
+    /// Takes the steps to leaves of another kind, if there are enough. Finished rays are among
+    /// those to lists.
     #[inline(always)]
     fn visit_others<S: Lanes>(&mut self, simd: S, kind: Kind) {
         for i in 0..self.next.take_enough(kind) {
@@ -329,7 +331,7 @@ impl<Q: Query, P: Arithmetic, R: Source<Q, P>> Rounds<'_, Q, P, R> {
         }
     }
 
-    /// Sends a ray on from a leaf, where it may have found a closer hit.
+    /// Continues a ray after a leaf, in which it may have found a closer hit.
     #[inline(always)]
     fn go_on(&mut self, index: usize, is_closer: bool) {
         let mut top = self.tops[index];
@@ -342,7 +344,7 @@ impl<Q: Query, P: Arithmetic, R: Source<Q, P>> Rounds<'_, Q, P, R> {
     }
 }
 
-/// Removes the entries from `bottom` to `top` that are farther than `reach`. The top that is left.
+/// Removes the entries from `bottom` to `top` that are farther than `reach`. Returns the new top.
 #[inline(always)]
 fn clear(stacks: &mut [u64], bottom: usize, top: usize, reach: f32) -> usize {
     let mut kept = bottom;

@@ -1,9 +1,10 @@
-//! Which of two hits comes first where single precision cannot tell.
+//! The order of two hits that single precision cannot tell.
 //!
-//! The t of a robust hit has an error of up to [`T_TOLERANCE`]. Two that are farther apart are in the order of their t.
-//! Others are ordered by the exact t of the planes, rounded once, and by number where that is the same: copies of a
-//! triangle, whatever the order of their corners, and surfaces that lie in one plane are thus hit at the lowest number.
-//! Both orders agree where both apply, so that the first hit does not depend on which others were looked at.
+//! The t of a robust hit has an error of up to [`T_TOLERANCE`]. Two hits that are farther apart are
+//! ordered by their t. Others are ordered by the exact t of their planes, rounded once, and by
+//! number if these are equal: copies of a triangle with any order of corners, and coplanar
+//! surfaces, are thus hit at the lowest number. Both orders agree where both apply, so the first
+//! hit does not depend on which other hits were found.
 
 use glam::Vec3;
 
@@ -15,16 +16,16 @@ use crate::kernels::triangle::{T_TOLERANCE, exact};
 use crate::math::ray::Ray;
 use crate::math::real::Real;
 
-/// Twice the tolerance, and what rounding adds to their difference.
+/// Twice the tolerance, plus the rounding error of the difference.
 const DOUBT: f32 = 2.125 * T_TOLERANCE;
 
-/// Where the order of hits at these t is not certain.
+/// The lanes in which the order of hits at these t is not certain.
 #[inline(always)]
 pub(super) fn are_close<F: Real<Element = f32>>(t: F, other: F) -> F::Mask {
     (t - other).abs().le(t.abs().times(DOUBT))
 }
 
-/// Whether hits may be ordered by more than their t.
+/// Whether hits may need more than their t for ordering.
 #[inline(always)]
 pub(super) const fn has_doubt<P: Arithmetic>() -> bool {
     matches!(P::PRECISION, Precision::Robust)
@@ -38,7 +39,7 @@ impl Hit {
 }
 
 impl Geometry {
-    /// Whether a `new` hit of a ray comes before the `best` one so far, which may be none beyond t.
+    /// Whether a `new` hit of a ray comes before the `best` so far, which may be the placeholder.
     #[inline(always)]
     pub(super) fn comes_first<P: Arithmetic>(
         &self,
@@ -63,7 +64,7 @@ impl Geometry {
                 let local = |hit: &Hit| Hit { primitive: hit.primitive - instance.first(), ..*hit };
                 return prototype.settle_order(&local(new), &local(best), &instance.carried(ray));
             }
-            // Transforms are rounded: what they place into one plane is not there exactly.
+            // Transforms are rounded: instances are never exactly coplanar.
             (Primitive::Instanced(_), _) | (_, Primitive::Instanced(_)) => {
                 return new.precedes(best);
             }
@@ -78,11 +79,12 @@ impl Geometry {
         exactly(new).precedes(&exactly(best))
     }
 
-    /// The exact t of the plane of a hit, rounded; its own where that is no plane's, or of the triangle's boundary.
+    /// The exact t of the plane of a hit, rounded; the hit's own t if it is on no plane or on the
+    /// triangle's boundary.
     fn exact_t(&self, hit: &Hit, ray: &Ray) -> f32 {
         let plane = |corners: &[_; 3]| {
             let t = exact::plane(ray, corners).map(|t| t as f32);
-            // Not so for hits beside the triangle.
+            // Not for hits beside the triangle.
             t.filter(|&t| (t - hit.t).abs() <= T_TOLERANCE * t.abs())
         };
         let exact = match self.primitive(hit.primitive) {

@@ -1,8 +1,8 @@
-//! The top-level tree, over instances, and how rays walk through it.
+//! The top-level tree over instances, and how rays walk through it.
 //!
-//! A binary tree divided from the top by the surface-area heuristic over bins (Wald, *On fast Construction
-//! of SAH-based Bounding Volume Hierarchies*, 2007). Instances are few beside the triangles in them: the tree
-//! is simple, and so built that no scene makes it deep.
+//! A binary tree, divided from the top by the surface-area heuristic over bins (Wald, *On fast
+//! Construction of SAH-based Bounding Volume Hierarchies*, 2007). There are few instances compared
+//! with their triangles, so the tree is simple, and its depth is bounded for any scene.
 
 use super::Hit;
 use super::instance::Instance;
@@ -15,14 +15,14 @@ use crate::math::ray::Ray;
 /// Bins along an axis.
 const BINS: usize = 16;
 
-/// From this depth on, halves have equally many instances: no stack needs more than this and 32 entries.
+/// Below this depth, halves have equally many instances: a stack needs this and 32 entries.
 const DEEPEST: usize = 64;
 
 /// A node, or a leaf.
 #[derive(Clone, Copy, Debug)]
 struct Node {
     bounds: Aabb,
-    /// The first of two children; of a leaf, the instance.
+    /// The first of two children, or the instance of a leaf.
     index: u32,
     is_leaf: bool,
 }
@@ -30,22 +30,22 @@ struct Node {
 /// A tree over instances.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Tlas {
-    /// The root first, children side by side.
+    /// The root first; siblings are adjacent.
     nodes: Vec<Node>,
-    /// How many times as far as for other boxes the origins of rays are moved.
+    /// The factor, relative to other boxes, by which the origins of rays are moved.
     widening: f32,
     depth: usize,
 }
 
-/// An instance that a ray may meet, or a node on the way there.
+/// An instance that a ray may meet, or a node above one.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Entry {
-    /// Where the ray enters its box, at the earliest.
+    /// The earliest t at which the ray enters its box.
     near: f32,
     node: u32,
 }
 
-/// An instance on its way into the tree.
+/// An instance during the build.
 #[derive(Clone, Copy)]
 struct Item {
     instance: u32,
@@ -53,14 +53,14 @@ struct Item {
 }
 
 impl Item {
-    /// Twice the middle of its box along `axis`.
+    /// Twice the centre of its box along `axis`.
     fn middle(&self, axis: usize) -> f32 {
         self.bounds.low[axis] + self.bounds.high[axis]
     }
 }
 
 impl Tlas {
-    /// Over `instances`, of which `boxes` gives those of each prototype.
+    /// The tree over `instances`; `boxes` returns the boxes of each prototype.
     pub(super) fn new(instances: &[Instance], boxes: impl Fn(usize) -> Vec<Aabb>) -> Self {
         let mut prototypes: Vec<Option<Vec<Aabb>>> = Vec::new();
         let mut items: Vec<Item> = Vec::with_capacity(instances.len());
@@ -85,7 +85,7 @@ impl Tlas {
         size_of_val(self.nodes.as_slice()) as u64
     }
 
-    /// Entries that the stack of a ray must have room for.
+    /// Entries needed in the stack of a ray.
     pub(super) fn stack_entries(&self) -> usize {
         self.depth + 2
     }
@@ -115,7 +115,7 @@ impl Tlas {
     }
 }
 
-/// A ray on its way from instance to instance, and the closest hit so far. Its stack lies elsewhere.
+/// A ray that walks from instance to instance, and its closest hit so far. The stack is elsewhere.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Walk {
     pub(super) ray: Ray,
@@ -141,7 +141,7 @@ impl Walk {
         walk
     }
 
-    /// The next instance that the ray may meet before its closest hit, nearer ones mostly first.
+    /// The next instance that the ray may meet before its closest hit, usually nearer ones first.
     #[inline]
     pub(super) fn next<P: Arithmetic>(&mut self, tlas: &Tlas, stack: &mut [Entry]) -> Option<u32> {
         while self.height > 0 {
@@ -165,13 +165,13 @@ impl Walk {
         None
     }
 
-    /// How far boxes are visited.
+    /// The distance up to which boxes are visited.
     #[inline]
     fn reach<P: Arithmetic>(&self) -> f32 {
         reach::<P>(min(self.best.t, self.ray.t_max))
     }
 
-    /// Puts a node on the stack if the ray meets its box.
+    /// Pushes a node if the ray meets its box.
     #[inline]
     fn push<P: Arithmetic>(&mut self, tlas: &Tlas, node: u32, stack: &mut [Entry]) {
         let interval = self.slab.interval(&tlas.nodes[node as usize].bounds);
@@ -183,7 +183,8 @@ impl Walk {
     }
 }
 
-/// Puts the items of the left half before those of the right one. How many they are: not all, nor none.
+/// Moves the items of the left half before those of the right. Returns their number: neither all
+/// nor none.
 fn divide(items: &mut [Item], depth: usize) -> usize {
     let (low, high) =
         items.iter().fold(([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]), |(low, high), item| {
@@ -204,7 +205,7 @@ fn divide(items: &mut [Item], depth: usize) -> usize {
             return left;
         }
     }
-    // As many on either side: of equal middles the lower numbers.
+    // Equally many on either side: of equal centres, the lower numbers come first.
     let key = |item: &Item| (item.middle(axis), item.instance);
     items.select_nth_unstable_by(half, |a, b| {
         let ((a, i), (b, j)) = (key(a), key(b));
@@ -227,7 +228,7 @@ fn cheapest(items: &[Item], bin: impl Fn(&Item) -> usize) -> usize {
         for k in order {
             bounds = bounds.union(bins[k].0);
             count += bins[k].1;
-            // A border lies before bin k + after.
+            // The border is before bin k + after.
             if let Some(cost) = costs.get_mut(k + after).filter(|_| count > 0.0) {
                 *cost += half_area(&bounds) * count;
             }
@@ -243,7 +244,7 @@ fn half_area(bounds: &Aabb) -> f32 {
     size.x * size.y + size.y * size.z + size.z * size.x
 }
 
-/// Brings the items that are `first` before the others. How many they are.
+/// Moves the items for which `first` is true before the others. Returns their number.
 fn partition(items: &mut [Item], first: impl Fn(&Item) -> bool) -> usize {
     let mut count = 0;
     for i in 0..items.len() {

@@ -1,4 +1,4 @@
-//! The tree: an arena, and where to begin.
+//! The tree: an arena and its root.
 
 use super::arena::{Arena, Census, Kind, Node, Ref, child_of};
 use super::geometry::{Geometry, PreparedRay};
@@ -15,11 +15,11 @@ pub struct Tree {
     pub(super) arena: Arena,
     pub(super) root: Option<Root>,
     pub(super) census: Census,
-    /// How many primitives it is over.
+    /// Number of primitives in the tree.
     pub(super) kept: u64,
 }
 
-/// What is searched.
+/// The geometry and tree of a search.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Searched<'a> {
     pub(super) tree: &'a Tree,
@@ -27,7 +27,7 @@ pub(super) struct Searched<'a> {
     pub(super) exactly: &'a Exactly,
 }
 
-/// Where traversal begins.
+/// The start of traversal.
 #[derive(Clone, Copy, Debug)]
 pub struct Root {
     /// The node or leaf.
@@ -52,7 +52,7 @@ impl Tree {
         self.root
     }
 
-    /// What is in it.
+    /// The contents of the tree.
     pub fn census(&self) -> Census {
         self.census
     }
@@ -67,8 +67,8 @@ impl Tree {
         self.arena.bytes()
     }
 
-    /// The boxes of the root's children, or of a root that is a leaf: together they hold every hit, more
-    /// tightly than the root's own.
+    /// The boxes of the root's children, or of a root that is a leaf: together they contain every
+    /// hit, more tightly than the root's own.
     pub(super) fn upper_boxes(&self) -> Vec<Aabb> {
         let Some(root) = self.root else { return Vec::new() };
         if root.place.kind() != Kind::Node {
@@ -79,8 +79,8 @@ impl Tree {
         (0..node.count as usize).map(|lane| child_box(node, lane)).collect()
     }
 
-    /// Calls `visit` with the box of each leaf, and that of every node around it cut to it, and the
-    /// primitives in it.
+    /// Calls `visit` for each leaf with its box, clipped by the boxes of all nodes above it, and
+    /// its primitives.
     pub fn for_each_leaf(&self, mut visit: impl FnMut(&Aabb, &[u32])) {
         let Some(root) = self.root else { return };
         let arena = self.arena.view();
@@ -109,8 +109,8 @@ impl Tree {
         }
     }
 
-    /// What the surface-area heuristic says of the tree: how many nodes and leaves a ray visits that crosses all of
-    /// the scene's box and is stopped by nothing.
+    /// The number of nodes and leaves that the surface-area heuristic expects for a ray that
+    /// crosses the whole scene's box without a hit.
     pub fn expected_visits(&self) -> Visits {
         let mut visits = Visits::default();
         let Some(root) = self.root else { return visits };
@@ -131,8 +131,8 @@ impl Tree {
         visits
     }
 
-    /// Entries that the stack of a ray must have room for: every inner node on a way down leaves
-    /// all its children but one, the last one all of them, and whole vectors are written.
+    /// Entries needed in the stack of a ray: every inner node on a path leaves all its children
+    /// except one, the last one leaves all, and whole vectors are written.
     pub(super) fn stack_entries(&self) -> usize {
         (LANES - 1) * self.census.depth + 2 * LANES
     }
@@ -159,13 +159,13 @@ fn child_box(node: &Node, lane: usize) -> Aabb {
     Aabb { low: plane(0).into(), high: plane(1).into() }
 }
 
-/// How far beyond a hit at `t` boxes are still visited.
+/// The t up to which boxes are visited after a hit at `t`.
 ///
-/// A box that holds a closer hit, or one as close of a lower number, can begin after the t that was
-/// computed for it by no more than the error of that t: each hit is at a point of its primitive
-/// that the ray passes within rounding (see [`crate::kernels::triangle`]), and so in the padded box
-/// of the primitive, or of the part of it that a leaf covers. Fast tests have no such bound: boxes are
-/// visited up to the hit.
+/// A box with a closer hit, or an equally close one with a lower number, can begin after the
+/// computed t by at most the error of that t: each hit is at a point of its primitive that the ray
+/// passes within rounding (see [`crate::kernels::triangle`]), and so in the padded box of the
+/// primitive, or of the part of it in a leaf. Fast tests have no such bound: boxes are visited up
+/// to the hit.
 #[inline(always)]
 pub(super) fn reach<P: Arithmetic>(t: f32) -> f32 {
     if P::IS_FAST { t } else { t + t.abs() * BEYOND }

@@ -1,4 +1,4 @@
-//! Where the tree's bytes are: on huge pages if the system has them.
+//! The tree's bytes: on huge pages if the system has them.
 
 use std::ops::Range;
 
@@ -9,20 +9,20 @@ use bytemuck::{Pod, Zeroable};
 #[repr(C, align(128))]
 pub struct Unit(pub [u32; 32]);
 
-/// Units on huge pages where the system has them: a ray goes from place to place, and with pages of
-/// 4 KiB the processor spends its time looking up where they are.
+/// Units, on huge pages if the system has them: rays access memory at random, and with pages of 4
+/// KiB the processor would spend its time on page look-ups.
 #[derive(Debug, Default)]
 pub(super) enum Units {
     #[default]
     None,
-    /// The map, and which units of it count.
+    /// The map, and the range of units in use.
     Mapped(memmap2::MmapMut, Range<usize>),
-    /// Where the system maps no memory.
+    /// For systems that map no memory.
     Owned(Vec<Unit>),
 }
 
 impl Units {
-    /// `count` units of zeros. What is not written takes no memory where the system maps it.
+    /// `count` zeroed units. On systems that map memory, unwritten units take none.
     pub(super) fn zeroed(count: usize) -> Self {
         if count == 0 {
             return Self::None;
@@ -33,7 +33,7 @@ impl Units {
             .map_anon()
         {
             Ok(map) => {
-                // A wish: where it is refused, pages are small.
+                // A hint: if it is refused, pages are small.
                 #[cfg(target_os = "linux")]
                 let _ = map.advise(memmap2::Advice::HugePage);
                 Self::Mapped(map, 0..count)
@@ -42,7 +42,7 @@ impl Units {
         }
     }
 
-    /// Leaves the units in `kept`, counted from the first of them.
+    /// Keeps the units in `kept`, counted from the current first.
     pub(super) fn keep(&mut self, kept: Range<usize>) {
         match self {
             Self::None => {}

@@ -1,14 +1,14 @@
-//! From a binary hierarchy to nodes of eight children and leaves of up to eight triangles.
+//! Converts a binary hierarchy to nodes of eight children and leaves of up to eight triangles.
 //!
-//! Which binary nodes become nodes, which become leaves, and how many children a node gives to
-//! either side, is decided by dynamic programming over the surface-area heuristic, as Ylitie,
-//! Karras and Laine do (*Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs*,
-//! HPG 2017, section 3.2). A subtree can be a leaf if its triangles fit one: at most eight, over at
-//! most eight vertices.
+//! Dynamic programming over the surface-area heuristic decides which binary nodes become nodes,
+//! which become leaves, and how many children a node gives to either side, as in Ylitie, Karras and
+//! Laine (*Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs*, HPG 2017,
+//! section 3.2). A subtree can be a leaf if its triangles fit one: at most eight, over at most
+//! eight vertices.
 //!
-//! [`Converter::evaluate`] decides, from the leaves up; [`Converter::emit`] then writes any subtree.
-//! Only costs are kept between the two: what a node visited while writing is divided into is found
-//! again from its children's costs, which is less work than to remember it for every node.
+//! [`Converter::evaluate`] decides from the leaves up; [`Converter::emit`] then writes any subtree.
+//! Only costs are stored in between: the division of a node is recomputed from its children's costs
+//! while writing, which is cheaper than storing it for every node.
 
 mod emit;
 mod shared;
@@ -20,37 +20,37 @@ use crate::kernels::slab::Aabb;
 use crate::math::simd::LANES;
 pub(super) use shared::Shared;
 
-/// What a visit costs, in visits of a node.
+/// Costs of visits, in visits of a node.
 mod cost {
     pub(super) const NODE: f32 = 1.0;
     pub(super) const PATCH: f32 = 1.0;
-    /// By how much a patch counts less for each triangle beyond one. Rays do not ask for it, but
-    /// memory does: a scan of a million triangles takes 48.9 bytes for each and not 52.7, and rays
-    /// visit 0.3 to 2 per cent more.
+    /// The discount on a patch for each triangle beyond one. It is for memory, not for rays: a scan
+    /// of a million triangles takes 48.9 bytes for each instead of 52.7, and rays visit 0.3 to 2
+    /// per cent more.
     pub(super) const FULLER: f32 = 0.06;
     pub(super) const SOUP: f32 = 2.0;
-    /// Of each primitive in a list.
+    /// For each primitive in a list.
     pub(super) const LISTED: f32 = 1.0;
 }
 
-/// The most primitives in a list that is not a heap.
+/// The largest list that is not a heap.
 const MOST_LISTED: u8 = 4;
 
-/// The most slots that a subtree can be given within a node.
+/// The largest number of slots for a subtree within a node.
 const SLOTS: usize = LANES - 1;
 
-/// What is in a leaf of the binary hierarchy.
+/// The content of a leaf of the binary hierarchy.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Owner<'a> {
     /// A triangle, and the numbers of its vertices.
     Triangle(u32, [u32; 3]),
-    /// Triangles that are to be a patch, and their numbers.
+    /// Triangles that become a patch, and their numbers.
     Patch(&'a Shared, &'a [u32]),
     /// A primitive of another kind.
     Other(u32),
-    /// Many about one point: a list, whatever it costs.
+    /// Many primitives around one point: a list, at any cost.
     Heap(&'a [u32]),
-    /// A part of the tree that is in the arena already.
+    /// A part of the tree that is already in the arena.
     Part(Part),
 }
 
@@ -58,10 +58,10 @@ pub(super) enum Owner<'a> {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Part {
     pub(super) bounds: Aabb,
-    /// What its root is, and in which unit.
+    /// The kind and the unit of its root.
     pub(super) kind: Kind,
     pub(super) unit: usize,
-    /// What it costs, in visits of a node times half areas.
+    /// Its cost, in visits of a node times half areas.
     pub(super) cost: f32,
 }
 
@@ -69,29 +69,29 @@ pub(super) struct Part {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Hierarchy<'a> {
     pub(super) nodes: &'a [Bvh2Node],
-    /// What the leaves' indices lead to: the numbers of owners.
+    /// The owners that the leaves' indices refer to.
     pub(super) owners: &'a [u32],
 }
 
-/// The cheapest ways to divide a subtree.
+/// The cheapest division of a subtree.
 #[derive(Clone, Copy, Debug)]
 struct Best {
-    /// Cost as up to 1, 2, ... slots.
+    /// Cost with up to 1, 2, ... slots.
     cost: [f32; SLOTS],
-    /// Whether it is a leaf in one slot.
+    /// Whether it becomes a leaf if it has one slot.
     leaf: bool,
 }
 
-/// What would be in a subtree's leaf.
+/// The content of a subtree as a leaf.
 #[derive(Clone, Copy, Debug)]
 struct Content {
     /// The vertices of its triangles, each once; unused ones repeat the first.
     vertices: [u32; LANES],
-    /// How many they are, or [`TOO_MANY`].
+    /// Number of vertices, or [`TOO_MANY`].
     count: u8,
-    /// How many binary leaves, or [`TOO_MANY`].
+    /// Number of binary leaves, or [`TOO_MANY`].
     leaves: u8,
-    /// Which kinds of owners, of [`TRIANGLES`], [`OTHERS`] and [`ALONE`].
+    /// The kinds of owners: [`TRIANGLES`], [`OTHERS`] and [`ALONE`].
     kinds: u8,
 }
 
@@ -100,21 +100,21 @@ const TOO_MANY: u8 = LANES as u8 + 1;
 
 const TRIANGLES: u8 = 1;
 const OTHERS: u8 = 2;
-/// Heaps and parts, which share no leaf.
+/// Heaps and parts, which cannot share a leaf.
 const ALONE: u8 = 4;
 
-/// Where the parts of a tree are written.
+/// The output of a converter.
 #[derive(Debug, Default)]
 pub(super) struct Output {
     /// In the arena's format.
     pub(super) units: Vec<Unit>,
     /// Triangle numbers of the leaves.
     pub(super) numbers: Vec<u32>,
-    /// Where `numbers` begin in the arena.
+    /// The start of `numbers` in the arena.
     pub(super) first_number: u32,
 }
 
-/// Converts hierarchies one after the other, and keeps its memory.
+/// Converts hierarchies in turn, and reuses its memory.
 #[derive(Debug, Default)]
 pub(super) struct Converter {
     /// The nodes depth first, left children first.
@@ -125,7 +125,7 @@ pub(super) struct Converter {
 }
 
 impl Converter {
-    /// Decides what becomes of every node.
+    /// Decides the division of every node.
     pub(super) fn evaluate<'a>(&mut self, tree: Hierarchy, owner: impl Fn(u32) -> Owner<'a>) {
         self.put_in_order(tree);
         if self.best.len() < tree.nodes.len() {
@@ -141,7 +141,7 @@ impl Converter {
                 self.best[place as usize] = Best { cost: [cost; SLOTS], leaf: true };
                 continue;
             }
-            // Children were met just before: the left one last.
+            // Children were visited just before, the left one last.
             let (Some(left), Some(right)) = (self.contents.pop(), self.contents.pop()) else {
                 return;
             };
@@ -153,17 +153,17 @@ impl Converter {
         }
     }
 
-    /// What the subtree at `place` costs in one slot.
+    /// The cost of the subtree at `place` in one slot.
     pub(super) fn cost(&self, place: u32) -> f32 {
         self.best[place as usize].cost[0]
     }
 
-    /// Whether the subtree at `place` becomes a leaf in one slot.
+    /// Whether the subtree at `place` becomes a leaf if it has one slot.
     pub(super) fn is_leaf(&self, place: u32) -> bool {
         self.best[place as usize].leaf
     }
 
-    /// Lists the nodes depth first: after reinsertion the builder's own order has none.
+    /// Lists the nodes depth first: after reinsertion the builder's own order is arbitrary.
     fn put_in_order(&mut self, tree: Hierarchy) {
         self.order.clear();
         self.waiting.clear();
@@ -179,7 +179,7 @@ impl Converter {
     }
 }
 
-/// A binary leaf: what is in it, and what it costs.
+/// The content and cost of a binary leaf.
 fn alone(owner: Owner, area: f32) -> (Content, f32) {
     let other = |kinds| Content { vertices: [0; LANES], count: TOO_MANY, leaves: 1, kinds };
     match owner {
@@ -195,7 +195,7 @@ fn alone(owner: Owner, area: f32) -> (Content, f32) {
     }
 }
 
-/// What is in both.
+/// The union of both.
 #[inline]
 fn merge(left: &Content, right: &Content) -> Content {
     let leaves = (left.leaves + right.leaves).min(TOO_MANY);
@@ -220,13 +220,13 @@ fn merge(left: &Content, right: &Content) -> Content {
     merged
 }
 
-/// What a visit of a patch of so many triangles costs.
+/// The cost of visiting a patch of this many triangles.
 #[inline(always)]
 pub(super) fn as_patch(triangles: usize) -> f32 {
     cost::PATCH - cost::FULLER * (triangles - 1) as f32
 }
 
-/// What a visit of a leaf of this content would cost; infinite where there can be none.
+/// The cost of visiting a leaf with this content; infinite if it cannot be a leaf.
 fn as_leaf(content: &Content) -> f32 {
     match (content.leaves, content.kinds) {
         (TOO_MANY, _) => f32::INFINITY,
@@ -237,13 +237,13 @@ fn as_leaf(content: &Content) -> f32 {
     }
 }
 
-/// The best ways to divide an inner node's slots among its children, whose best ways are known.
+/// The best divisions of an inner node's slots among its children, whose best divisions are known.
 #[inline]
 fn divide(left: &Best, right: &Best, area: f32, content: &Content) -> Best {
     let (l, r) = (&left.cost, &right.cost);
     let leaf = area * as_leaf(content);
     if content.leaves == 2 {
-        // Half of all inner nodes: there is nothing to choose.
+        // Half of all inner nodes have no choice.
         let apart = l[0] + r[0];
         let node = area * cost::NODE + apart;
         let one = lesser(leaf, node);
@@ -267,7 +267,7 @@ fn divide(left: &Best, right: &Best, area: f32, content: &Content) -> Best {
     best
 }
 
-/// The minimum, as one instruction: nothing here is not a number.
+/// The minimum, as one instruction: no value is NaN.
 #[inline(always)]
 fn lesser(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }

@@ -1,12 +1,12 @@
 //! The reflection model of Blinn (*Models of Light Reflection for Computer Synthesized Pictures*,
-//! 1977): a diffuse term and a highlight about the half vector.
+//! 1977): a diffuse term and a highlight around the half vector.
 
 use glam::Vec3;
 
 use crate::math::real::{Mask, Real, Single};
 use crate::math::vector::Vector;
 
-/// A material's numbers.
+/// The parameters of a material.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Material {
     /// Weight of the highlight.
@@ -15,13 +15,13 @@ pub struct Material {
     pub kd: f32,
     /// Exponent of the highlight.
     pub exponent: f32,
-    /// Diffuse colour, where no texture replaces it.
+    /// Diffuse colour, unless a texture replaces it.
     pub color: Vec3,
     /// Weight of the mirror ray.
     pub kr: f32,
 }
 
-/// What a material says of reflection.
+/// The reflection parameters of a material.
 #[derive(Clone, Copy, Debug)]
 pub struct Reflection<F: Single> {
     /// Weight of the highlight.
@@ -30,12 +30,12 @@ pub struct Reflection<F: Single> {
     pub kd: F,
     /// Exponent of the highlight.
     pub exponent: F,
-    /// Colour of the highlight, and of what the surface mirrors.
+    /// Colour of the highlight and of mirrored light.
     pub tint: Vector<F>,
 }
 
-/// Light reflected to `view` from `to_light` (both of unit length, away from the surface), for a
-/// light of strength 1: kd D max(0, N.L) + ks T max(0, N.H)^exponent.
+/// Light from direction `to_light` reflected towards `view` (unit vectors away from the surface),
+/// for a light of strength 1: kd D max(0, N.L) + ks T max(0, N.H)^exponent.
 #[inline(always)]
 pub fn reflect<F: Single>(
     material: &Reflection<F>,
@@ -51,7 +51,8 @@ pub fn reflect<F: Single>(
     if !is_shiny.any() {
         return diffuse;
     }
-    // Opposite directions have no half vector: `normalize` gives zero, and no highlight.
+    // Opposite directions have no half vector: `normalize` returns zero, so there is no
+    // highlight.
     let half = (view + to_light).normalize();
     let cosine = normal.dot(half);
     let cosine = F::select(cosine.lt(zero), zero, cosine);
@@ -62,10 +63,10 @@ pub fn reflect<F: Single>(
     Vector::select(is_shiny, both, diffuse)
 }
 
-/// `base` in 0 to 1 to the power of `exponent` >= 0, the same on every machine.
+/// `base`, 0 to 1, to the power of `exponent` >= 0, with the same bits on every machine.
 ///
-/// Whole exponents, which nearly all are, go by repeated squaring in double precision: exponents
-/// up to 10^6 keep single precision.
+/// Whole exponents, the common case, use repeated squaring in double precision: the result keeps
+/// single precision up to exponents of 10^6.
 #[inline(always)]
 fn power<F: Single>(base: F, exponent: F) -> F {
     let first = exponent.lane(0);
@@ -107,7 +108,7 @@ fn whole_power<F: Real<Element = f64>>(base: F, whole: u32) -> F {
 }
 
 impl Material {
-    /// What it says of reflection, white.
+    /// The reflection parameters, with white highlights.
     pub fn reflection(&self) -> Reflection<f32> {
         let tint = Vec3::ONE.into();
         Reflection { ks: self.ks, kd: self.kd, exponent: self.exponent, tint }
@@ -119,7 +120,7 @@ mod tests {
     use super::*;
     use crate::math::float::normalize;
 
-    /// As [`super::reflect`], for a material and glam's vectors.
+    /// As [`super::reflect`], for a material and vectors of glam.
     fn reflect(material: &Material, color: Vec3, normal: Vec3, view: Vec3, to_light: Vec3) -> Vec3 {
         let [color, normal, view, to_light] = [color, normal, view, to_light].map(Vector::from);
         super::reflect(&material.reflection(), color, normal, view, to_light).into()

@@ -1,6 +1,7 @@
 //! Camera rays: pinhole and thin lens.
 //!
-//! The image is upright and unmirrored: the first pixel is top left, x runs to the camera's right.
+//! The image is upright and unmirrored: the first pixel is top left, and x runs to the camera's
+//! right.
 
 mod differential;
 mod frustum;
@@ -15,12 +16,12 @@ use crate::math::real::Single;
 use crate::math::sampling::{self, Points, Sampling};
 use crate::math::vector::Vector;
 
-/// The dimension of [`Stream`] whose four numbers a camera ray may draw: two for its place in the
-/// pixel, two for its place on the lens.
+/// The dimension of [`Stream`] whose four numbers a camera ray may use: two for its point in the
+/// pixel, two for its point on the lens.
 pub const DIMENSION: u32 = 0;
 
-/// The dimension that scrambles the Sobol points of the lens, as [`DIMENSION`] does those of the pixel. It
-/// is no light's.
+/// The dimension that scrambles the Sobol points of the lens, as [`DIMENSION`] does those of the
+/// pixel. No light uses it.
 const LENS_DIMENSION: u32 = u32::MAX;
 
 wavecrest_base::choices! {
@@ -39,37 +40,37 @@ wavecrest_base::choices! {
     }
 }
 
-/// Where a camera stands and what it sees: what a [`Camera`] is made from.
+/// The position and view of a camera, from which a [`Camera`] is made.
 #[derive(Clone, Copy, Debug)]
 pub struct Placement {
-    /// Its place.
+    /// Position, in world space.
     pub location: DVec3,
-    /// A point in the middle of the image, other than `location`.
+    /// A point at the centre of the image, other than `location`.
     pub look: DVec3,
     /// Up in the image; not parallel to the view.
     pub up: DVec3,
     /// Full angle of view in degrees, between 0 and 180.
     pub fov_degrees: f64,
-    /// The side of the image that the angle spans.
+    /// The side of the image that the angle covers.
     pub fov_axis: FovAxis,
     /// Width and height of the image in pixels.
     pub size: [u32; 2],
 }
 
-/// A lens with an extent.
+/// A thin lens.
 #[derive(Clone, Copy, Debug)]
 pub struct Lens {
-    /// Radius of its disk, 0 or more.
+    /// Radius of the disk, 0 or more.
     pub radius: f32,
     /// Distance of the plane in focus along the view axis.
     pub focal: f32,
-    /// How points on it are chosen.
+    /// Distribution of the points on the lens.
     pub sampling: Sampling,
     /// Number of angles and of radii in the grid of samples.
     pub grid: [u32; 2],
 }
 
-/// A camera made ready to give rays.
+/// A camera that generates rays.
 #[derive(Clone, Copy, Debug)]
 pub struct Camera {
     origin: Vec3,
@@ -80,16 +81,16 @@ pub struct Camera {
     /// `right` and `up` scaled to half the image at distance 1.
     half: [Vec3; 2],
     size: [u32; 2],
-    /// Side of the grid of rays within a pixel; 1 is its centre.
+    /// Side of the grid of rays within a pixel; 1 is the pixel's centre.
     antialias: u32,
-    /// How places within a pixel are chosen.
+    /// Distribution of the points within a pixel.
     sampling: Sampling,
     lens: Option<Lens>,
 }
 
 impl Camera {
-    /// The camera at `placement`, with `antialias` squared rays through each pixel (1: its centre), which
-    /// `sampling` spreads, for each point of the `lens`.
+    /// The camera at `placement`. `antialias` squared rays, distributed by `sampling`, go through
+    /// each pixel (1: through its centre) for each point of the `lens`.
     pub fn new(
         placement: &Placement,
         antialias: u32,
@@ -118,7 +119,7 @@ impl Camera {
         self.size
     }
 
-    /// To the right, up and forward: of unit length, at right angles.
+    /// Right, up and forward: orthogonal unit vectors.
     pub fn basis(&self) -> [Vec3; 3] {
         [self.right, self.up, self.forward]
     }
@@ -128,7 +129,7 @@ impl Camera {
         self.antialias * self.antialias * self.lens_points()
     }
 
-    /// The camera with other points in the pixel and on the lens, where any are given.
+    /// The camera with other points in the pixel and on the lens, if given.
     pub fn resampled(&self, pixel: Option<Points>, lens: Option<Points>) -> Self {
         let mut camera = *self;
         if let Some(points) = pixel {
@@ -145,7 +146,7 @@ impl Camera {
         self.antialias
     }
 
-    /// Whether a ray draws random numbers for its place on the lens.
+    /// Whether rays use random numbers for points on the lens.
     pub fn has_lens(&self) -> bool {
         self.lens.is_some()
     }
@@ -190,7 +191,7 @@ impl Camera {
         self.directions(x as f32 + place.x, y as f32 + place.y).into()
     }
 
-    /// The directions, of unit length, through the places (`x`, `y`) of the image in pixels.
+    /// The unit directions through the image positions (`x`, `y`) in pixels.
     #[inline(always)]
     pub fn directions<F: Single>(&self, x: F, y: F) -> Vector<F> {
         let [width, height] = self.size;
@@ -204,13 +205,13 @@ impl Camera {
         (forward + right + up).normalize()
     }
 
-    /// Where all rays start, if they start in one point.
+    /// The common origin of all rays, if they have one.
     #[inline]
     pub fn pinhole(&self) -> Option<Vec3> {
         self.lens.is_none().then_some(self.origin)
     }
 
-    /// Where in its pixel, from 0 to 1, the `stream.sample`th ray of a pinhole goes through.
+    /// The point in its pixel, 0 to 1, of a pinhole's `stream.sample`th ray.
     #[inline(always)]
     pub fn place_of(&self, stream: &Stream) -> Vec2 {
         self.place_in_pixel(stream, || {
@@ -219,8 +220,8 @@ impl Camera {
         })
     }
 
-    /// The ray from the point `square` of the lens to where the ray through its centre is in focus. A lens of
-    /// no extent is a pinhole, to the last bit.
+    /// The ray from the point `square` of the lens to the point in focus on the ray through its
+    /// centre. A lens of radius 0 is a pinhole, to the last bit.
     fn through_lens(&self, lens: &Lens, direction: Vec3, square: Vec2) -> Ray {
         if lens.radius == 0.0 {
             return Ray::new(self.origin, direction);
@@ -273,7 +274,8 @@ mod tests {
         let camera = Camera::new(&placement([4, 2]), 1, Sampling::Jittered, None);
         let corner = camera.ray(0, 0, &stream(0)).direction;
         assert!(corner.x < 0.0 && corner.y > 0.0 && corner.z < 0.0, "{corner}");
-        // The angle spans the shorter side: its edge pixels are centred at half of tan 45 degrees.
+        // The angle covers the shorter side: its edge pixels are centred at half of tan 45
+        // degrees.
         assert!(
             (corner.y / -corner.z - 0.5).abs() < 1e-6 && (corner.x / -corner.z + 1.5).abs() < 1e-6
         );

@@ -1,12 +1,12 @@
 //! Values at the corners of a mesh's triangles.
 
-/// A value for each corner of each triangle.
+/// Values for each corner of each triangle.
 #[derive(Clone, Debug)]
 pub struct CornerValues<T> {
     /// The distinct values.
     pub values: Vec<T>,
-    /// Which value each corner of each triangle has, [`NO_VALUE`] for none; or `None`, where
-    /// values go with positions.
+    /// The value of each corner of each triangle, [`NO_VALUE`] for none; or `None` if values are
+    /// indexed like positions.
     pub indices: Option<Vec<[u32; 3]>>,
 }
 
@@ -14,8 +14,8 @@ pub struct CornerValues<T> {
 pub const NO_VALUE: u32 = u32::MAX;
 
 impl<T: Copy> CornerValues<T> {
-    /// The values at the corners of the mesh's `triangle`th triangle, whose positions are
-    /// `positions` within the mesh.
+    /// The values at the corners of the mesh's `triangle`th triangle, whose positions have the
+    /// indices `positions`.
     #[inline(always)]
     pub fn corners(&self, triangle: usize, positions: [u32; 3]) -> Option<[T; 3]> {
         let [a, b, c] = self.indices.as_ref().map_or(positions, |indices| indices[triangle]);

@@ -1,16 +1,15 @@
-//! Ray differentials: how a ray changes from one sample of the image to the next, and what it spreads
-//! over on the surfaces that it meets (Igehy, *Tracing Ray Differentials*, SIGGRAPH 1999).
+//! Ray differentials: how a ray changes from one sample of the image to the next, and the footprint
+//! of a sample on a surface (Igehy, *Tracing Ray Differentials*, SIGGRAPH 1999).
 //!
 //! A differential is a pair of derivatives, for a step to the right and a step down in the image.
-//! Every function here takes the derivative of what a ray does: it is made by the camera
-//! ([`Camera::differential`]), taken along to where the ray meets a surface ([`Differential::at`]),
-//! and turned where it is reflected ([`Differential::reflected`]). There the change of the point
-//! becomes one of texture coordinates: [`PlanarMap::change`], [`sphere_uv_change`] and
-//! [`uv_change`].
+//! Each function here differentiates a stage of the ray's path: the camera creates the differential
+//! ([`Camera::differential`]), the transfer to a surface moves it ([`Differential::at`]), and
+//! reflection turns it ([`Differential::reflected`]). At a surface, the change of the point becomes
+//! a change of texture coordinates: [`PlanarMap::change`], [`sphere_uv_change`] and [`uv_change`].
 //!
-//! All is computed in double precision and rounded once a step. Where a ray grazes its surface the
-//! derivative has no bound, and what follows from it may be infinite or no number. It is never
-//! mended here: textures take what is not finite for the coarsest level ([`Image::level`]).
+//! Each step is computed in double precision and rounded once. At grazing angles the derivative is
+//! unbounded, so results may be infinite or NaN. They stay so: textures use the coarsest level for
+//! values that are not finite ([`Image::level`]).
 //!
 //! [`Camera::differential`]: super::camera::Camera::differential
 //! [`PlanarMap::change`]: super::texture::PlanarMap::change
@@ -22,18 +21,18 @@ use glam::{DVec3, Vec2, Vec3};
 use crate::math::float::dot_f64;
 use crate::math::ray::Ray;
 
-/// How a ray changes: for a step to the right and for one down.
+/// The derivatives of a ray, for a step to the right and one down.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Differential {
-    /// Of the origin, in scene units.
+    /// Of the origin, in scene units per sample.
     pub origin: [Vec3; 2],
-    /// Of the direction, which is of unit length.
+    /// Of the unit direction.
     pub direction: [Vec3; 2],
 }
 
 impl Differential {
-    /// The change of the point at `t` of `ray`, where it meets a surface of this geometric normal, on
-    /// either side: the neighbouring rays meet the plane through the point.
+    /// The change of the point at `t` of `ray` on a surface with this geometric normal, on either
+    /// side: neighbouring rays meet the plane through the point.
     pub fn at(&self, ray: &Ray, t: f32, normal: Vec3) -> [Vec3; 2] {
         let (direction, normal) = (ray.direction.as_dvec3(), normal.as_dvec3());
         let towards = dot_f64(direction, normal);
@@ -45,8 +44,8 @@ impl Differential {
         })
     }
 
-    /// The differential of the mirror ray of `ray` about `normal`, of unit length, where points
-    /// change by `steps` and the normal by `turns`.
+    /// The differential of the mirror ray of `ray` about the unit vector `normal`, if points change
+    /// by `steps` and the normal by `turns`.
     pub fn reflected(&self, ray: &Ray, steps: [Vec3; 2], normal: Vec3, turns: [Vec3; 2]) -> Self {
         let (direction, normal) = (ray.direction.as_dvec3(), normal.as_dvec3());
         let along = dot_f64(direction, normal);
@@ -61,8 +60,8 @@ impl Differential {
 
 /// How the interpolated normal of a triangle changes with the point.
 ///
-/// `normals` are the values at the `corners`, and `normal` the interpolated one at `point`, of unit
-/// length and on either side. Zero where the values have no direction between them.
+/// `normals` are the values at the `corners`, and `normal` is the interpolated unit normal at
+/// `point`, on either side. Zero if the normals cancel out.
 pub fn turn_between(
     corners: &[Vec3; 3],
     normals: &[Vec3; 3],
@@ -84,15 +83,15 @@ pub fn turn_between(
     if dot_f64(unit, normal.as_dvec3()) < 0.0 { -turn.as_vec3() } else { turn.as_vec3() }
 }
 
-/// How texture coordinates change with the point of a triangle, from `uvs` at its `corners`.
+/// The change of the texture coordinates for a `step` on a triangle with `uvs` at its `corners`.
 pub fn uv_change(corners: &[Vec3; 3], uvs: &[Vec2; 3], step: Vec3) -> Vec2 {
     let [a, b, c] = uvs.map(|uv| uv.as_dvec2());
     let [y, z] = weights(corners, step);
     ((b - a) * y + (c - a) * z).as_vec2()
 }
 
-/// How much `step` goes along the edges from the first corner to the second and to the third: what
-/// it changes the barycentric coordinates of these by.
+/// The components of `step` along the edges from the first corner to the second and to the third:
+/// the changes of their barycentric coordinates.
 fn weights(corners: &[Vec3; 3], step: Vec3) -> [f64; 2] {
     let [a, b, c] = corners.map(|corner| corner.as_dvec3());
     let (to_b, to_c, step) = (b - a, c - a, step.as_dvec3());

@@ -1,7 +1,7 @@
-//! Ambient light by the normal: from a sky of one colour and a ground of another.
+//! Hemispheric ambient light: a sky of one colour and a ground of another.
 //!
-//! With n the normal, the sky's share is (1 + n . up) / 2: what a matte surface reflects of both where nothing is in
-//! the way. A mirror ray that leaves the scene shows the same colours, with n its direction.
+//! For a normal n, the sky's share is (1 + n . up) / 2, the unoccluded diffuse reflection of both.
+//! Mirror rays that leave the scene show the same colours, with n their direction.
 
 use glam::{DVec3, Vec3};
 
@@ -11,16 +11,16 @@ use crate::math::vector::Vector;
 /// The light of a sky and of the ground below it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hemisphere {
-    /// Where the sky is, of unit length.
+    /// Direction of the sky, of unit length.
     up: Vec3,
     /// The mean of both colours.
     middle: Vec3,
-    /// What the sky's colour has more than the mean.
+    /// The sky's colour minus the mean.
     more: Vec3,
 }
 
 impl Hemisphere {
-    /// Light of these linear colours, where `up`, of unit length, points to the sky.
+    /// Light with these linear colours; the unit vector `up` points to the sky.
     pub fn new(sky: DVec3, ground: DVec3, up: DVec3) -> Self {
         let [middle, more] = [(sky + ground) / 2.0, (sky - ground) / 2.0].map(|v| v.as_vec3());
         Self { up: up.as_vec3(), middle, more }
@@ -31,7 +31,8 @@ impl Hemisphere {
         self.middle == Vec3::ZERO
     }
 
-    /// What arrives at a surface with this normal, or along a mirror ray in this direction, of unit length.
+    /// The light that arrives at a surface with this unit normal, or along a mirror ray in this
+    /// direction.
     #[inline(always)]
     pub fn at<F: Single>(&self, normal: Vector<F>) -> Vector<F> {
         let token = normal.x.token();
@@ -40,7 +41,7 @@ impl Hemisphere {
             Vector::splat(token, self.middle),
             Vector::splat(token, self.more),
         ];
-        // Within what exact arithmetic gives, so that no light is below 0.
+        // Clamped to the range of exact arithmetic, so that no light is negative.
         let one = normal.x.same(1.0);
         let height = normal.dot(up).min(one).max(-one);
         middle + more.scale(height)
@@ -59,7 +60,7 @@ mod tests {
         assert_eq!(at(Vec3::Z), sky.as_vec3());
         assert_eq!(at(Vec3::NEG_Z), ground.as_vec3());
         assert_eq!(at(Vec3::X), ((sky + ground) / 2.0).as_vec3());
-        // A normal that rounding made a little too long.
+        // A normal that is slightly too long from rounding.
         assert!(at(Vec3::NEG_Z * 1.000_000_2).min_element() >= 0.0);
     }
 }

@@ -1,4 +1,4 @@
-//! Lights: points on them, and how their strength falls.
+//! Lights: points on them, and their falloff.
 
 mod distant;
 mod spot;
@@ -44,14 +44,14 @@ impl Falloff {
     }
 }
 
-/// Where the light of a light comes from.
+/// The source of a light.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Emitter {
     /// A point.
     Point(Vec3),
-    /// A point that shines within a cone.
+    /// A point with a cone.
     Spot(Vec3, Cone),
-    /// What is infinitely far away.
+    /// A source infinitely far away.
     Distant(Distant),
     /// A sphere.
     Sphere {
@@ -64,18 +64,18 @@ pub enum Emitter {
     Triangles(Triangles),
 }
 
-/// Triangles to choose points on, each by its area.
+/// Triangles whose points are chosen uniformly by area.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Triangles {
     corners: Vec<[Vec3; 3]>,
-    /// Unit length; zero for triangles without area, which are never chosen.
+    /// Unit normals; zero for triangles without area, which are never chosen.
     normals: Vec<Vec3>,
-    /// For each triangle, the share of the whole area up to its end. The last is 1.
+    /// For each triangle, the cumulative share of the area up to and including it. The last is 1.
     cumulative: Vec<f32>,
 }
 
 impl Triangles {
-    /// The triangles with these corners, or `None` where they have no area.
+    /// The triangles with these corners, or `None` if they have no area.
     pub fn new(corners: Vec<[Vec3; 3]>) -> Option<Self> {
         let areas = corners.iter().map(|[a, b, c]| {
             let (ab, ac) = ((b - a).as_dvec3(), (c - a).as_dvec3());
@@ -94,12 +94,12 @@ impl Triangles {
         (total > 0.0 && total.is_finite()).then_some(Self { corners, normals, cumulative })
     }
 
-    /// Their corners.
+    /// The corners of the triangles.
     pub fn corners(&self) -> &[[Vec3; 3]] {
         &self.corners
     }
 
-    /// The point for `square`: its x chooses the triangle and, stretched, a place in it.
+    /// The point for `square`: its x chooses the triangle and, rescaled, a point on it.
     #[inline(always)]
     fn point(&self, square: Vec2) -> LightPoint<f32> {
         let last = self.corners.len() - 1;
@@ -117,7 +117,8 @@ impl Triangles {
 }
 
 impl Emitter {
-    /// The one point that all its light comes from, as [`LightPoint::position`] has it; none where there are more.
+    /// The single point of the light, as in [`LightPoint::position`], or `None` for lights with
+    /// more.
     #[inline(always)]
     pub fn only_point(&self) -> Option<Vec3> {
         match self {
@@ -127,7 +128,7 @@ impl Emitter {
         }
     }
 
-    /// Whether it is infinitely far away.
+    /// Whether the source is infinitely far away.
     #[inline(always)]
     pub fn is_distant(&self) -> bool {
         matches!(self, Self::Distant(_))
@@ -137,16 +138,16 @@ impl Emitter {
 /// A point of a light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LightPoint<F> {
-    /// In world space; of a light that is infinitely far away, what leads from any point towards it.
+    /// In world space; for distant lights, a vector from any point towards the light.
     pub position: Vector<F>,
     /// Bound on the distance of `position` to the exact shape, for each coordinate.
     pub error: Vector<F>,
-    /// Normal of the shape, of unit length; zero for a point light, which has no shape.
+    /// Unit normal of the shape; zero for point lights.
     pub normal: Vector<F>,
 }
 
 impl<F: Single> LightPoint<F> {
-    /// The only point of a light.
+    /// The point of a point light.
     #[inline(always)]
     pub fn of_point(token: F::Token, position: Vec3) -> Self {
         let zero = Vector::splat(token, Vec3::ZERO);
@@ -155,7 +156,7 @@ impl<F: Single> LightPoint<F> {
 }
 
 impl LightPoint<f32> {
-    /// The point computed as `position` from coordinates up to `size`.
+    /// The point at `position`, computed from coordinates up to `size`.
     #[inline(always)]
     fn new(position: DVec3, size: f32, normal: Vec3) -> Self {
         let position = Vector::from(position.as_vec3());
@@ -166,22 +167,22 @@ impl LightPoint<f32> {
 /// A light.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Light {
-    /// Where its light comes from.
+    /// The source.
     pub emitter: Emitter,
-    /// Intensity times colour.
+    /// Intensity times colour, linear.
     pub power: Vec3,
-    /// How it falls with distance.
+    /// Falloff with distance.
     pub falloff: Falloff,
-    /// How points on it are chosen.
+    /// Distribution of its sample points.
     pub sampling: Sampling,
-    /// Columns and rows of the grid of its points; their product is their number.
+    /// Columns and rows of the grid of sample points; their product is the number of points.
     pub grid: [u32; 2],
-    /// The first of the dimensions of [`Stream`] that its points draw from, one dimension a point.
+    /// The first [`Stream`] dimension of its points, which use one dimension each.
     pub dimension: u32,
 }
 
 impl Light {
-    /// What part of its light is left at `distance` > 0 where `towards` leads to it.
+    /// The factor on its light at `distance` > 0, where `towards` points to the light.
     #[inline(always)]
     pub fn part_left<F: Single>(&self, distance: F, towards: Vector<F>) -> F {
         let part = self.falloff.at(distance);
@@ -191,32 +192,33 @@ impl Light {
         }
     }
 
-    /// Number of points, and so of shadow rays from each lit hit.
+    /// Number of points, and so of shadow rays for each lit hit.
     #[inline]
     pub fn samples(&self) -> u32 {
         self.grid[0] * self.grid[1]
     }
 
-    /// Whether its points are drawn at random.
+    /// Whether its points use random numbers.
     #[inline]
     pub fn is_sampled(&self) -> bool {
         self.emitter.only_point().is_none()
     }
 
-    /// Where its `index`th point is in the unit square.
+    /// The unit-square position of its `index`th point.
     #[inline(always)]
     fn square(&self, index: u32, stream: &Stream) -> Vec2 {
         let random = || {
             let [u, v, ..] = stream.uniform(self.dimension + index);
             [u, v]
         };
-        // All samples of the pixel share one sequence, so that few points a sample do as well as many.
+        // All samples of the pixel share one sequence, so that few points for each sample do as
+        // well as many.
         let number = stream.sample.wrapping_mul(self.samples()).wrapping_add(index);
         let scramble = || stream.scramble(self.dimension);
         self.sampling.point((index, number), self.grid, random, scramble)
     }
 
-    /// Its `index`th point. Inlined where points of several streams are asked for, which share the choices and the
+    /// Its `index`th point. Inlined, so that callers with several streams share the branches and
     /// divisions.
     #[inline(always)]
     pub fn point(&self, index: u32, stream: &Stream) -> LightPoint<f32> {
@@ -232,7 +234,8 @@ impl Light {
             }
             Emitter::Sphere { center, radius } => {
                 let normal = sampling::sphere(self.square(index, stream));
-                // Its length is not quite 1: that would take the point off the sphere.
+                // Normalised again: a length that is not quite 1 would move the point off the
+                // sphere.
                 let outward = normalize_f64(normal.as_dvec3());
                 let position = center.as_dvec3() + outward * f64::from(*radius);
                 LightPoint::new(position, max(max_abs(*center), *radius), normal)
@@ -266,7 +269,8 @@ mod tests {
         assert_eq!(Falloff::None.at(2.0), 1.0);
     }
 
-    /// A quad of two triangles of unequal area: each gets its share, and the mean is its centroid.
+    /// A quad of two triangles of unequal area: each receives its share, and the mean is the
+    /// centroid.
     #[test]
     fn points_are_spread_by_area() {
         let corners = vec![

@@ -1,11 +1,13 @@
-//! Base colour, metal and roughness, the parameters of physically based models, as Blinn and Phong's.
+//! Converts base colour, metalness and roughness, the parameters of physically based models, to
+//! Blinn-Phong.
 //!
-//! The two models are not alike, so that the rule is ours; [`look`] states it. Both what reads a file and what looks
-//! the parameters up in textures go by it.
+//! The models differ, so the rule is our own; [`look`] states it. Both the readers of files and
+//! texture look-ups use it.
 
 use glam::DVec3;
 
-/// What a base colour, a metallic share and a roughness become. The diffuse colour is the base colour.
+/// The Blinn-Phong parameters for a base colour, metalness and roughness. The diffuse colour is the
+/// base colour.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Look {
     /// Weight of the highlight.
@@ -16,27 +18,28 @@ pub struct Look {
     pub exponent: f64,
     /// Weight of the mirror ray.
     pub kr: f64,
-    /// Colour of the highlight and of the mirror, its greatest channel 1.
+    /// Colour of the highlight and of the mirror; its largest channel is 1.
     pub tint: DVec3,
 }
 
-/// What a smooth surface that is no metal reflects of light that falls on it straight.
+/// Reflectance of smooth nonmetals at normal incidence.
 const DIELECTRIC: f64 = 0.04;
-/// The greatest exponent that comes of a roughness. Its highlight of a point is about a degree wide.
+/// The greatest exponent for any roughness. The highlight of a point light is then about a degree
+/// wide.
 const GREATEST_EXPONENT: f64 = 10_000.0;
-/// Half of one of 255 levels: a mirror that adds less is none.
+/// Half of one of 255 levels: weaker mirrors are dropped.
 const LEAST_MIRROR: f64 = 0.5 / 255.0;
 
-/// The look of a base colour C, metallic m and roughness r, all from 0 to 1. With F = 0.04 (1 - m) + m C, what is
-/// reflected straight, and f its greatest channel:
+/// The parameters for a base colour C, metalness m and roughness r, all from 0 to 1. With the
+/// reflectance at normal incidence F = 0.04 (1 - m) + m C, and f its largest channel:
 ///
-/// - the highlight and the mirror have the colour F / f: those of metals are tinted,
-/// - kr = m f (1 - r)^2, 0 where that is less than half of one of 255 levels: metals are mirrors as far as they are
-///   smooth,
-/// - kd = 1 - m (1 - r)^2, with the diffuse colour C: what is not mirrored is scattered,
+/// - the highlight and the mirror have the colour F / f, so metals tint them,
+/// - kr = m f (1 - r)^2, or 0 if that is less than half of one of 255 levels: smooth metals are
+///   mirrors,
+/// - kd = 1 - m (1 - r)^2, with the diffuse colour C: light that is not mirrored is scattered,
 /// - exponent n = 2 / r^4 - 2, rounded, at most 10 000: the width of the highlight of physically based models
 ///   (Karis, *Specular BRDF Reference*, 2013),
-/// - ks = (1 - r) min(1, f (n + 2) / 8): its height, less what a rough surface scatters anyway.
+/// - ks = (1 - r) min(1, f (n + 2) / 8): the height of that highlight, reduced with roughness.
 pub fn look(color: DVec3, metallic: f64, roughness: f64) -> Look {
     let straight = DVec3::splat(DIELECTRIC * (1.0 - metallic)) + color * metallic;
     let greatest = straight.max_element();

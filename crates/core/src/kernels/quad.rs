@@ -1,15 +1,15 @@
-//! The quad: two watertight triangles on a fixed diagonal, seen as one primitive.
+//! The quad: two watertight triangles on a fixed diagonal, treated as one primitive.
 //!
-//! A quad whose corners are not quite in one plane is thus still without cracks, within and
-//! towards neighbours that share an edge.
+//! So even a quad whose corners are not quite coplanar has no cracks, inside or towards neighbours
+//! that share an edge.
 
 use glam::Vec3;
 
 use super::triangle::{Meeting, ShearedSpace};
 use crate::math::float::min;
 
-/// The two triangles of a quad, on the diagonal from the first corner to the third. Both wind as
-/// the quad does.
+/// The two triangles of a quad, on the diagonal from the first corner to the third. Both have the
+/// winding of the quad.
 #[inline(always)]
 pub fn halves<T: Copy>(&[a, b, c, d]: &[T; 4]) -> [[T; 3]; 2] {
     [[a, b, c], [a, c, d]]
@@ -24,7 +24,7 @@ pub fn intersect(space: &ShearedSpace, quad: &[Vec3; 4]) -> Option<f32> {
     }
 }
 
-/// Where a ray meets the quad, given how it meets a half: at the smaller t where it meets both.
+/// The meeting of a ray with the quad, given a test for each half: the smaller t if both are hit.
 #[inline(always)]
 pub fn meet(quad: &[Vec3; 4], test: impl Fn(&[Vec3; 3]) -> Meeting) -> Meeting {
     use Meeting::{Hit, Miss, Near};

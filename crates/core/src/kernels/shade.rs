@@ -1,9 +1,9 @@
-//! The shading step that both tracers take at every hit.
+//! The shading step of both tracers, taken at every hit.
 //!
-//! It returns requests and never traces: light that is there at once ([`ShadingPoint::local_light`]), a shadow
-//! ray for each point of each light with what it adds if nothing is in the way
-//! ([`shadow_request`]), and the mirror ray ([`mirror_request`]). Whitted, *An Improved Illumination Model
-//! for Shaded Display* (1980).
+//! It returns requests and never traces: light added at once ([`ShadingPoint::local_light`]), a
+//! shadow ray for each point of each light with its contribution if unoccluded
+//! ([`shadow_request`]), and the mirror ray ([`mirror_request`]). Whitted, *An Improved
+//! Illumination Model for Shaded Display* (1980).
 
 use super::blinn_phong::{self, Reflection};
 use super::hemisphere::Hemisphere;
@@ -13,26 +13,26 @@ use crate::math::ray::Ray;
 use crate::math::real::{Mask, Single};
 use crate::math::vector::{Line, Vector};
 
-/// A hit made ready to be shaded.
+/// The inputs of shading at a hit.
 #[derive(Clone, Copy, Debug)]
 pub struct ShadingPoint<F: Single> {
     /// The point, in world space.
     pub point: Vector<F>,
     /// Bound on its rounding error, for each coordinate.
     pub error: Vector<F>,
-    /// Geometric normal of unit length, on the viewer's side.
+    /// Geometric unit normal on the viewer's side.
     pub normal: Vector<F>,
-    /// The normal that the surface is lit with, of unit length, on the viewer's side.
+    /// Shading unit normal on the viewer's side.
     pub shading_normal: Vector<F>,
-    /// Direction to where the ray came from, of unit length.
+    /// Unit direction to the origin of the ray.
     pub view: Vector<F>,
     /// Diffuse colour, from the material or a texture.
     pub color: Vector<F>,
-    /// Share of the ambient light that arrives here.
+    /// Share of the ambient light that arrives at the point.
     pub occlusion: F,
-    /// Light of the material itself.
+    /// Emission of the material.
     pub emission: Vector<F>,
-    /// How light is reflected.
+    /// Reflection parameters.
     pub reflection: Reflection<F>,
     /// Weight of the mirror ray.
     pub kr: F,
@@ -41,7 +41,7 @@ pub struct ShadingPoint<F: Single> {
 }
 
 impl<F: Single> ShadingPoint<F> {
-    /// That of one lane.
+    /// The shading point in lane `i`.
     pub fn lane(&self, i: usize) -> ShadingPoint<f32> {
         let Reflection { ks, kd, exponent, tint } = self.reflection;
         let (ks, kd, exponent) = (ks.lane(i), kd.lane(i), exponent.lane(i));
@@ -60,7 +60,8 @@ impl<F: Single> ShadingPoint<F> {
         }
     }
 
-    /// Sets what textures can change of one lane: all but where the point is and which sides are lit.
+    /// Sets the properties of lane `i` that textures can change: all except the geometry and the
+    /// lit sides.
     pub fn set_material(&mut self, i: usize, of: &ShadingPoint<f32>) {
         self.shading_normal.set_lane(i, of.shading_normal.into());
         self.occlusion.set_lane(i, of.occlusion);
@@ -72,8 +73,8 @@ impl<F: Single> ShadingPoint<F> {
         self.kr.set_lane(i, of.kr);
     }
 
-    /// The light a hit shows without any ray: the ambient part of all lights together, what arrives from the
-    /// hemisphere before it, and its own.
+    /// The light of a hit before any further ray: the ambient part of all lights together, the
+    /// hemisphere's light, and the emission.
     #[inline(always)]
     pub fn local_light(&self, ambient: f32, hemisphere: Option<&Hemisphere>) -> Vector<F> {
         let even = self.color.scale(self.occlusion * self.kr.same(ambient)) + self.emission;
@@ -87,17 +88,17 @@ impl<F: Single> ShadingPoint<F> {
     }
 }
 
-/// A shadow ray and what it is worth.
+/// A shadow ray and its contribution.
 #[derive(Clone, Copy, Debug)]
 pub struct ShadowRequest<F: Single> {
-    /// From the surface, t = 1 at the light, or beyond the scene.
+    /// From the surface; t = 1 at the light, or beyond the scene.
     pub line: Line<F>,
-    /// What to add if nothing is on it.
+    /// The light to add if the ray is not occluded.
     pub contribution: Vector<F>,
-    /// Whether the light is nearer than the point's own error, so that its distance was taken to
-    /// be that error.
+    /// Whether the light is nearer than the point's own error; its distance then counts as that
+    /// error.
     pub at_light: F::Mask,
-    /// Where there is a request.
+    /// The lanes with a request.
     pub asked: F::Mask,
 }
 
@@ -110,18 +111,20 @@ impl ShadowRequest<f32> {
     }
 }
 
-/// Where a shadow ray ends, in parts of the way to the light.
+/// Where a shadow ray ends, as a share of the distance to the light.
 ///
-/// The segment's direction is rounded, so that its end lies up to gamma(2) of its length off the
-/// light. A surface that holds the light must not occlude it: this end is before any that the
-/// segment meets at more than 4 degrees, and an occluder 32 ulp before the light is still met.
+/// The segment's direction is rounded, so its end is up to gamma(2) of its length off the light. A
+/// surface that contains the light must not occlude it: this end lies before every point at which
+/// the segment meets such a surface at more than 4 degrees. Occluders 32 ulp before the light are
+/// still met.
 pub const SHADOW_END: f32 = 1.0 - 16.0 * gamma(2);
 
-/// The shadow ray from a lit point, which counts for `throughput`, to `target`, a point of `light`; `None` where no
-/// lane asks for one. None is asked for that could add nothing: the light is behind the surface, has no strength, or is not reflected to the viewer.
+/// The shadow ray from a lit point with weight `throughput` to `target`, a point of `light`; `None`
+/// if no lane has a request. Lanes without a possible contribution have none: the light is behind
+/// the surface, has no strength, or is not reflected to the viewer.
 ///
-/// A light on the surface itself would be infinitely strong. Its distance is taken to be at least
-/// the point's error bound; at no distance at all it has no direction and adds nothing.
+/// A light on the surface itself would be infinitely strong. Its distance counts as at least the
+/// point's error bound; a light at distance zero has no direction and adds nothing.
 #[inline(always)]
 pub fn shadow_request<F: Single>(
     point: &ShadingPoint<F>,
@@ -157,27 +160,27 @@ pub fn shadow_request<F: Single>(
     let origin = point.point.offset_origin(point.error, point.normal, to_light);
     let end = target.position.offset_end(target.error, target.normal, -to_light);
     let line = Line { origin, direction: if is_distant { towards } else { end - origin } };
-    // Where the ray starts at the light itself it has no direction, and nothing is on it.
+    // A ray that starts at the light itself has no direction and adds nothing.
     let asked = asked & line.origin.is_finite() & line.direction.is_finite();
-    // What is infinitely far away is at no surface.
+    // A distant light is at no surface.
     let at_light = distance.lt(if is_distant { zero } else { least });
     let request = ShadowRequest { line, contribution, at_light, asked };
     asked.any().then_some(request)
 }
 
-/// A mirror ray and what it counts for.
+/// A mirror ray and its throughput.
 #[derive(Clone, Copy, Debug)]
 pub struct MirrorRequest<F: Single> {
-    /// The ray; its direction is of unit length.
+    /// The ray, with unit direction.
     pub line: Line<F>,
-    /// What the light along it counts for in its path.
+    /// Throughput of the path from this ray on.
     pub throughput: Vector<F>,
-    /// Where there is a request.
+    /// The lanes with a request.
     pub asked: F::Mask,
 }
 
-/// The mirror ray of a point that counts for `throughput`, if the surface is a mirror on this side and what comes
-/// back can still count.
+/// The mirror ray of a point with weight `throughput`, if this side of the surface is a mirror and
+/// the reflected light can still contribute.
 #[inline(always)]
 pub fn mirror_request<F: Single>(
     point: &ShadingPoint<F>,
@@ -195,8 +198,9 @@ pub fn mirror_request<F: Single>(
     asked.any().then_some(MirrorRequest { line, throughput, asked })
 }
 
-/// `view` turned about the shading normal, and whether it was that; else about the geometric normal.
-/// An interpolated normal can send the ray into the surface, where the geometric one cannot.
+/// `view` mirrored about the shading normal, and true in those lanes; otherwise about the geometric
+/// normal. Reflection about an interpolated normal may point into the surface; reflection about the
+/// geometric normal cannot.
 #[inline(always)]
 pub fn mirrored<F: Single>(
     view: Vector<F>,
@@ -211,7 +215,7 @@ pub fn mirrored<F: Single>(
     (Vector::select(leaves, smooth, reflection(view, normal)), leaves)
 }
 
-/// `view` turned about `normal`, of unit length.
+/// `view` mirrored about the unit vector `normal`.
 #[inline(always)]
 fn reflection<F: Single>(view: Vector<F>, normal: Vector<F>) -> Vector<F> {
     (normal.scale(view.dot(normal).times(2.0)) - view).normalize_in_single()

@@ -1,45 +1,44 @@
 //! Boxes, and the ray-box test that never loses a hit.
 //!
 //! The test is the slab test of Kay and Kajiya (1986). Ize (*Robust BVH Ray Traversal*, 2013) makes
-//! it conservative by widening the far t; here the error bound is split instead into what depends
-//! on the box, added to the box once when it is made ([`Aabb::padded`]), and what depends on the
-//! ray, added to its origin once ([`SlabRay::new`]). The inner loop then pays nothing for it.
+//! it conservative by widening the far t. Here the error bound is split instead: the part that
+//! depends on the box is added to the box when it is made ([`Aabb::padded`]), and the part that
+//! depends on the ray is added to its origin ([`SlabRay::new`]). The inner loop then pays nothing
+//! for it.
 //!
 //! # The bound
 //!
 //! With u the unit roundoff, v a vertex in the box and o the origin, the triangle test places v
-//! sideways with an error of at most 10 u (|v| + |o|), largest norms, and accepts a hit only if
-//! the ray passes within that of the exact triangle. A slab's t, turned back into a length along
-//! its axis, is off by at most 4 u (|v| + |o|). Both together stay below [`PADDING`] times
-//! (|v| + |o|).
+//! sideways with an error of at most 10 u (|v| + |o|), in maximum norms, and accepts a hit only if
+//! the ray passes within that error of the exact triangle. A slab's t, as a length along its axis,
+//! is off by at most 4 u (|v| + |o|). The sum of both stays below [`PADDING`] times (|v| + |o|).
 //!
-//! A part of a primitive has the error of the whole one, and ends at points that were computed:
-//! its box is padded by twice the bound of the whole ([`Aabb::padded_as_part`]), however small its
-//! own coordinates are.
+//! A part of a primitive has the error of the whole, and its ends are computed points: its box is
+//! padded by twice the bound of the whole ([`Aabb::padded_as_part`]), however small its own
+//! coordinates are.
 //!
-//! # Why culling by distance loses nothing either
+//! # Why culling by distance loses nothing
 //!
-//! A hit's t is the primitive's own, and no box changes it. What a box says of t is compared with it
-//! in one place only: a box is skipped if the ray enters it after the closest hit so far. Two steps
-//! show that a box with a closer hit, or one as close, is not.
+//! A hit's t is the primitive's own; boxes do not change it. A box's t matters in one place only: a
+//! box is skipped if the ray enters it after the closest hit so far. Two steps show that no box
+//! with a closer or equally close hit is skipped.
 //!
-//! - **The box begins no later than the hit.** The hit is at a point of the primitive that the ray
-//!   passes within the error above, so the padded box around that point holds the ray's point at
-//!   the exact t. With the rest of the padding, which rounding of the slab's t cannot use up,
-//!   the computed near t is no greater. Subtraction, multiplication, minimum and maximum are
-//!   monotone under rounding, so that it is no greater for any box around that one either, whatever
-//!   the build made of the tree.
-//! - **The hit's own t is near the exact one.** A triangle's t that single precision gives is off by
-//!   at most [`T_TOLERANCE`](crate::kernels::triangle::T_TOLERANCE) of it. Where the bound is greater,
-//!   t is the exact one, rounded once, of a point of the triangle; or that of the point of its boundary
-//!   that the ray passes within the error above. A sphere's t is off by at most about the square root of double
-//!   precision's unit roundoff times the coordinates, where the ray touches it, which is less than
-//!   the padding. So boxes are visited until four times that tolerance beyond the closest hit
-//!   (`reach` in the tree), ties included: the lowest number among equal t is found, in whatever
-//!   order boxes are entered.
+//! - **The box begins no later than the hit.** The ray passes the hit's point of the primitive
+//!   within the error above, so the padded box around that point contains the ray's point at the
+//!   exact t. The rest of the padding exceeds the rounding error of the slab's t, so the computed
+//!   near t is no greater. Subtraction, multiplication, minimum and maximum are monotone under
+//!   rounding, so the same holds for any box around that one, whatever the shape of the tree.
+//! - **The hit's own t is near the exact one.** A triangle's t from single precision has a relative
+//!   error of at most [`T_TOLERANCE`](crate::kernels::triangle::T_TOLERANCE). Where that bound does
+//!   not hold, t is either the exact t of a point of the triangle, rounded once, or that of the
+//!   boundary point that the ray passes within the error above. A sphere's t at a tangent is off by
+//!   at most about the square root of double precision's unit roundoff times the coordinates, which
+//!   is less than the padding. So boxes are visited up to four times that tolerance beyond the
+//!   closest hit (`reach` in the tree), ties included: the lowest number among equal t is found in
+//!   any order of boxes.
 //!
-//! For a ray that starts or ends at some t the same holds: a hit counts only if the bound, or double
-//! precision, leaves no doubt that it lies between them.
+//! The same holds for the ends of a ray's range of t: a hit counts only if the bound, or double
+//! precision, proves that it lies between them.
 
 use glam::{Vec3, Vec3A};
 
@@ -48,20 +47,20 @@ use crate::math::float::{UNIT_ROUNDOFF, max, max_abs, min};
 use crate::math::ray::Ray;
 use crate::math::real::Real;
 
-/// The error bound of the module documentation, relative to coordinates.
+/// The error bound of the module documentation, as a factor of the coordinates.
 pub const PADDING: f32 = 16.0 * UNIT_ROUNDOFF;
 
-/// A box with sides along the axes.
+/// An axis-aligned box.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Aabb {
-    /// Its smallest coordinates.
+    /// The smallest coordinates.
     pub low: Vec3,
-    /// Its largest coordinates.
+    /// The largest coordinates.
     pub high: Vec3,
 }
 
 impl Aabb {
-    /// The box of nothing.
+    /// The empty box.
     pub const EMPTY: Self =
         Self { low: Vec3::splat(f32::INFINITY), high: Vec3::splat(f32::NEG_INFINITY) };
 
@@ -77,14 +76,14 @@ impl Aabb {
         Self { low, high }
     }
 
-    /// The smallest box around both.
+    /// The smallest box around both boxes.
     #[inline]
     #[must_use]
     pub fn union(self, other: Self) -> Self {
         Self { low: self.low.min(other.low), high: self.high.max(other.high) }
     }
 
-    /// The box grown by the part of the error bound that depends on its own coordinates.
+    /// The box, grown by the part of the error bound that depends on its coordinates.
     #[inline]
     #[must_use]
     pub fn padded(self) -> Self {
@@ -92,8 +91,8 @@ impl Aabb {
         Self { low: self.low - pad, high: self.high + pad }
     }
 
-    /// The box of a part of a primitive whose own box is `whole`, grown by the error bound of that
-    /// primitive, and as much again since the part ends at points that were computed.
+    /// The box of a part of a primitive whose own box is `whole`, grown by twice the error bound of
+    /// that primitive, since the ends of the part are computed points.
     #[inline]
     #[must_use]
     pub fn padded_as_part(self, whole: &Self) -> Self {
@@ -101,13 +100,13 @@ impl Aabb {
         Self { low: self.low - pad, high: self.high + pad }
     }
 
-    /// Whether `other` lies within.
+    /// Whether `other` lies inside.
     pub fn contains(&self, other: &Self) -> bool {
         self.low.cmple(other.low).all() && self.high.cmpge(other.high).all()
     }
 }
 
-/// A range of t, empty where `near` > `far`.
+/// A range of t, empty if `near` > `far`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interval {
     /// Where the ray enters.
@@ -116,28 +115,28 @@ pub struct Interval {
     pub far: f32,
 }
 
-/// A ray made ready for slab tests.
+/// A ray prepared for slab tests.
 #[derive(Clone, Copy, Debug)]
 pub struct SlabRay {
-    /// Reciprocal of the direction: infinite, of the zero's sign, where a component is zero. 1 or -1
-    /// where it would be infinite and the component is not.
+    /// Reciprocal of the direction. Infinite, with the sign of the zero, for zero components; 1 or
+    /// -1 for other components whose reciprocal would be infinite.
     pub reciprocal: Vec3A,
-    /// The origin moved along the direction, for the planes met first.
+    /// The origin moved along the direction, for entry planes.
     pub near_origin: Vec3A,
-    /// The origin moved back, for the planes met last.
+    /// The origin moved back, for exit planes.
     pub far_origin: Vec3A,
     /// For each axis, whether the ray runs towards smaller coordinates.
     pub negative: [bool; 3],
 }
 
 impl SlabRay {
-    /// Prepares `ray` for boxes that are padded.
+    /// Prepares `ray` for padded boxes.
     #[inline(always)]
     pub fn new(ray: &Ray) -> Self {
         Self::of::<Robust>(ray)
     }
 
-    /// Prepares `ray`, for boxes as they are if it is to be fast.
+    /// Prepares `ray`; for unpadded boxes in fast precision.
     #[inline(always)]
     pub fn of<P: Arithmetic>(ray: &Ray) -> Self {
         if P::IS_FAST {
@@ -146,7 +145,7 @@ impl SlabRay {
         Self::widened(ray, 1.0)
     }
 
-    /// Prepares `ray` for boxes whose content may be off by `factor` times as much as primitives are.
+    /// Prepares `ray` for boxes whose content may be off by `factor` times the error of primitives.
     #[inline(always)]
     pub fn widened(ray: &Ray, factor: f32) -> Self {
         let (origin, direction) = (Vec3A::from(ray.origin), Vec3A::from(ray.direction));
@@ -154,8 +153,8 @@ impl SlabRay {
         let negative = reciprocal.cmplt(Vec3A::ZERO);
         let pad = max(factor * PADDING * origin.abs().max_element(), f32::MIN_POSITIVE);
         let shift = Vec3A::select(negative, Vec3A::splat(-pad), Vec3A::splat(pad));
-        // Where a component is no zero, and its reciprocal not a number of single precision, it cannot be told where
-        // the ray meets a plane, only that it can be before any other t: all boxes count as met along that axis.
+        // If the reciprocal of a nonzero component overflows single precision, the crossing of a
+        // plane is unknown: all boxes count as met along that axis.
         let unknown = reciprocal.abs().cmpeq(Vec3A::INFINITY) & direction.cmpne(Vec3A::ZERO);
         let sign = Vec3A::select(negative, Vec3A::NEG_ONE, Vec3A::ONE);
         let before = sign * f32::MAX;
@@ -167,7 +166,7 @@ impl SlabRay {
         }
     }
 
-    /// The plain slab test: what is lost to rounding is lost.
+    /// The plain slab test, without error bounds.
     #[inline(always)]
     fn unpadded(ray: &Ray) -> Self {
         let (origin, reciprocal) = (Vec3A::from(ray.origin), Vec3A::from(ray.direction).recip());
@@ -175,11 +174,11 @@ impl SlabRay {
         Self { reciprocal, near_origin: origin, far_origin: origin, negative }
     }
 
-    /// The range of t in which the ray is in `bounds`, at least.
+    /// A range of t that contains all t at which the ray is in `bounds`.
     ///
-    /// Across a zero component every difference but zero becomes an infinite t of the right sign.
-    /// A difference of zero becomes a NaN, and what comes of it has no meaning: the ray then runs in
-    /// the very face of the padded box, where no hit is.
+    /// For a zero component, every nonzero difference becomes an infinite t of the right sign. A
+    /// zero difference becomes a NaN with unspecified results: the ray then runs exactly in a face
+    /// of the padded box, where there is no hit.
     #[inline(always)]
     pub fn interval(&self, bounds: &Aabb) -> Interval {
         let axis = |k: usize| {
@@ -191,7 +190,8 @@ impl SlabRay {
         Interval { near: max(x0, max(y0, z0)), far: min(x1, min(y1, z1)) }
     }
 
-    /// Where the ray crosses the planes across axis `k` that it meets first and last, of one box or of several.
+    /// The t at which the ray crosses its entry and exit planes on axis `k`, of one box or of
+    /// several.
     #[inline(always)]
     pub fn crossings<F: Real<Element = f32>>(&self, k: usize, first: F, last: F) -> [F; 2] {
         let near = first - first.same(self.near_origin[k]);
@@ -213,7 +213,7 @@ mod tests {
         i.near <= i.far && i.far >= ray.t_min && i.near <= ray.t_max
     }
 
-    /// Every axis, sign, and face plane: a ray that runs in a face of the box meets the box.
+    /// For every axis, sign and face plane: a ray that runs in a face of the box meets the box.
     #[test]
     fn hc04_a_ray_in_a_face_meets_the_box() {
         for axis in 0..3 {

@@ -1,10 +1,10 @@
 //! The ray-sphere test of Haines, Günther and Akenine-Möller (*Precision Improvements for
 //! Ray/Sphere Intersection*, Ray Tracing Gems 2019, chapter 7).
 //!
-//! The discriminant is taken from the distance of the centre to the ray, which keeps its digits
-//! when the sphere is small or far, and the roots from the stable quadratic. Both are in double
-//! precision: a sphere is one test where a mesh is many, and the rounded result is then within one
-//! ulp of `f32` even where the origin lies on a huge sphere.
+//! The discriminant comes from the distance of the centre to the ray, which keeps its precision for
+//! small and far spheres; the roots come from the stable quadratic. Both are in double precision: a
+//! sphere needs one test where a mesh needs many, and the rounded result is within one ulp of `f32`
+//! even if the origin lies on a huge sphere.
 
 use glam::Vec3;
 
@@ -14,14 +14,14 @@ use crate::math::ray::Ray;
 use crate::math::real::{Mask, Real, Single};
 use crate::math::vector::{Line, Vector};
 
-/// The smallest t > t_min at which the ray meets the sphere, from outside or from inside.
+/// The smallest t > t_min at which the ray meets the sphere, from outside or inside.
 #[inline]
 pub fn intersect(ray: &Ray, center: Vec3, radius: f32) -> Option<f32> {
     let (t, is_hit) = distance(&Line::from(ray), center.into(), radius, ray.t_min);
     is_hit.then_some(t as f32)
 }
 
-/// As [`intersect`], before rounding; and where there is such a t.
+/// As [`intersect`], before rounding; with the lanes that hit.
 #[inline(always)]
 pub fn distance<F: Single>(
     line: &Line<F>,
@@ -32,29 +32,31 @@ pub fn distance<F: Single>(
     let d = line.direction.widen();
     let f = line.origin.widen() - center.widen();
     let r = radius.widen();
-    // One division, by the square of the direction's length; the other is among the roots.
+    // One division, by the squared length of the direction; the roots need the other.
     let part = r.same(1.0) / d.dot(d);
     let b = -(f.dot(d) * part);
     let nearest = f + d.scale(b);
     let discriminant = r * r - nearest.dot(nearest);
     let c = f.dot(f) - r * r;
     let (near, far) = stable_roots(b, c * part, (discriminant * part).sqrt());
-    // As they will be once rounded: the near one must not round to t_min and hide the far one.
+    // t_min as compared after rounding: the near root must not round to t_min and hide the far
+    // one.
     let t_min = t_min.widen();
     let counts = |t: F::Double| F::narrow(t).widen().gt(t_min);
     let t = Real::select(counts(near), near, far);
     (t, counts(t) & !discriminant.lt(discriminant.zero()))
 }
 
-/// Where rays pass by for certain, so that [`distance`] finds no t: most rays that are tested, and told in single
-/// precision without a division.
+/// The lanes whose rays certainly miss, so that [`distance`] finds no t: most of them, rejected in
+/// single precision without a division.
 ///
-/// With f from the centre to the origin and n = f x d, the distance is |n| / |d|. Each coordinate of n is off by
-/// gamma(3) |f| |d|, and n by e = sqrt(3) gamma(3) |f| |d|; so the ray passes by where |n| > r |d| + e as computed. As
-/// (x + y)^2 <= (1 + s) x^2 + (1 + 1 / s) y^2, that is so where n^2 > d^2 ((1 + s) r^2 + (1 + 1 / s) 3 gamma(3)^2 f^2).
-/// [`MARGIN`] is more than twice s, for the rounding of both sides; what is left to double precision's own
-/// error is a part s of r^2. Squares that underflow are off by less than [`f32::MIN_POSITIVE`], those that
-/// overflow on the right leave the ray in doubt, and where all do on the left the distance is as large as it seems.
+/// With f from the centre to the origin and n = f x d, the distance is |n| / |d|. Each coordinate
+/// of n is off by gamma(3) |f| |d|, and n by e = sqrt(3) gamma(3) |f| |d|; so the ray misses if the
+/// computed |n| > r |d| + e. As (x + y)^2 <= (1 + s) x^2 + (1 + 1 / s) y^2, this holds if n^2 > d^2
+/// ((1 + s) r^2 + (1 + 1 / s) 3 gamma(3)^2 f^2). [`MARGIN`] is more than twice s, for the rounding
+/// of both sides; a part s of r^2 remains for double precision's own error. Squares that underflow
+/// are off by less than [`f32::MIN_POSITIVE`]. Squares that overflow on the right leave the ray
+/// undecided, and if all overflow on the left the distance is indeed that large.
 #[inline(always)]
 fn passes_by<F: Single>(line: &Line<F>, center: Vector<F>, radius: F) -> F::Mask {
     let (d, f) = (line.direction, line.origin - center);
@@ -71,18 +73,18 @@ const MARGIN: f32 = 1.0 / 512.0;
 /// See [`passes_by`]: twice (1 + 1 / s) 3 gamma(3)^2, with s = 2^-10.
 const ORIGIN_ERROR: f32 = 2.0 * (1.0 + 1024.0) * 3.0 * gamma(3) * gamma(3);
 
-/// Squares of directions above this, 2^-60, have not lost their digits to underflow.
+/// Squares of directions longer than this, 2^-60, keep their precision.
 const SHORTEST: f32 = 1.0 / (1_u64 << 60) as f32;
 
-/// As [`intersect`] by the textbook's quadratic in single precision: what most renderers use. Small
-/// and far spheres cancel out of it.
+/// As [`intersect`], by the textbook quadratic in single precision, as in most renderers. Small and
+/// far spheres suffer cancellation.
 #[inline]
 pub fn intersect_fast(ray: &Ray, center: Vec3, radius: f32) -> Option<f32> {
     let (t, is_hit) = distance_fast(&Line::from(ray), center.into(), radius, ray.t_min);
     is_hit.then_some(t)
 }
 
-/// As [`distance`], as [`intersect_fast`] has it.
+/// As [`distance`], with the method of [`intersect_fast`].
 #[inline(always)]
 fn distance_fast<F: Single>(
     line: &Line<F>,
@@ -100,7 +102,8 @@ fn distance_fast<F: Single>(
     (t, t.gt(t_min) & discriminant.ge(discriminant.zero()))
 }
 
-/// The smallest t within (`t_min`, `t_max`) at which rays meet the sphere, and where there is one.
+/// The smallest t within (`t_min`, `t_max`) at which each ray meets the sphere, and the lanes that
+/// hit.
 #[inline(always)]
 pub(crate) fn meet<F: Single, P: Arithmetic>(
     line: &Line<F>,
@@ -119,7 +122,7 @@ pub(crate) fn meet<F: Single, P: Arithmetic>(
         return (t_max, open);
     }
     let (t, is_hit) = distance(line, center, radius, t_min);
-    // Lanes of both widths: those of the wider are brought over as bits.
+    // Masks of the two widths are converted through bits.
     let (t, is_hit) = (F::narrow(t), F::mask(token, is_hit.bits()));
     (t, is_hit & t.lt(t_max))
 }
@@ -141,7 +144,7 @@ mod tests {
         assert_eq!(intersect(&beside, Vec3::ZERO, 1.5), None);
     }
 
-    /// Rays that graze, from near and far, of all sizes: [`passes_by`] takes no hit away.
+    /// For grazing rays, from near and far, of all sizes: [`passes_by`] rejects no hit.
     #[test]
     fn what_passes_by_for_certain_is_not_hit() {
         let mut counts = [[0; 2]; 2];

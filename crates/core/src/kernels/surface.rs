@@ -1,7 +1,7 @@
-//! What a hit needs to be shaded: the point, a bound on its rounding error, and the normals.
+//! The geometry of a hit for shading: the point, a bound on its rounding error, and the normals.
 //!
 //! Points are computed in double precision and rounded once, so that the bound is little more than
-//! half an ulp and the origins of the next rays stay as near to the surface as they can.
+//! half an ulp and the origins of the next rays stay as near to the surface as possible.
 
 use glam::Vec3;
 
@@ -14,28 +14,28 @@ use crate::math::ray::Ray;
 use crate::math::real::{Mask, Real, Single};
 use crate::math::vector::{Line, Vector};
 
-/// How far fast arithmetic moves origins off surfaces, in scene units: a fixed length, as in most
-/// renderers. It is too little far from the origin, and too much in small scenes.
+/// The distance by which fast arithmetic moves origins off surfaces, in scene units: a fixed
+/// length, as in most renderers. It is too short far from the origin, and too long in small scenes.
 pub const FAST_OFFSET: f32 = 1e-4;
 
-/// The error that makes origins move by [`FAST_OFFSET`].
+/// The error for which origins move by [`FAST_OFFSET`].
 pub(crate) const FAST_ERROR: f32 = error_of_offset(FAST_OFFSET);
 
-/// A point of a surface, apart from what the surface is made of.
+/// A point of a surface, without its material.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Surface<F> {
     /// The point, in world space.
     pub point: Vector<F>,
     /// Bound on the distance of `point` to the exact surface, for each coordinate.
     pub error: Vector<F>,
-    /// The geometric normal, of unit length, on the side that the winding gives.
+    /// The geometric unit normal, on the side given by the winding.
     pub normal: Vector<F>,
-    /// Barycentric coordinates of the second and third corner (triangles), else zero.
+    /// Barycentric coordinates of the second and third corner for triangles, else zero.
     pub barycentric: [F; 2],
 }
 
 impl<F: Single> Surface<F> {
-    /// As fast arithmetic has it.
+    /// The surface in fast arithmetic.
     #[inline(always)]
     fn fast(point: Vector<F>, normal: Vector<F>, barycentric: [F; 2]) -> Self {
         let error = point.x.same(FAST_ERROR);
@@ -43,7 +43,7 @@ impl<F: Single> Surface<F> {
         Self { point, error, normal: normal.normalize(), barycentric }
     }
 
-    /// That of one lane.
+    /// The surface in lane `i`.
     #[inline(always)]
     pub fn lane(&self, i: usize) -> Surface<f32> {
         Surface {
@@ -56,13 +56,13 @@ impl<F: Single> Surface<F> {
 }
 
 impl Surface<f32> {
-    /// The point, its error and the normal, as glam has vectors.
+    /// The point, its error and the normal, as vectors of glam.
     pub fn vectors(&self) -> [Vec3; 3] {
         [self.point, self.error, self.normal].map(Vec3::from)
     }
 }
 
-/// Where rays meet triangles, each its own: at `t`, which fast arithmetic takes as it is.
+/// The points at which rays meet triangles, one each: at `t`, which fast arithmetic uses unchanged.
 #[inline(always)]
 pub fn triangle_at<F: Single, P: Arithmetic>(
     line: &Line<F>,
@@ -77,7 +77,7 @@ pub fn triangle_at<F: Single, P: Arithmetic>(
     Surface::fast(line.at(t), (b - a).cross(c - a), [u, v])
 }
 
-/// Where rays meet spheres, each its own, at `t`; the normal points outward.
+/// The points at which rays meet spheres, one each, at `t`; the normal points outward.
 #[inline(always)]
 pub fn sphere_at<F: Single, P: Arithmetic>(
     line: &Line<F>,
@@ -107,8 +107,8 @@ fn triangle<F: Single>(line: &Line<F>, corners: &[Vector<F>; 3]) -> Surface<F> {
     }
 }
 
-/// See [`ShearedSpace::barycentric`], which is asked lane by lane where the point is not certainly within the
-/// triangle. Corners have coordinates up to `size`.
+/// See [`ShearedSpace::barycentric`], which decides lane by lane if the point is not certainly
+/// inside the triangle. Corners have coordinates up to `size`.
 #[inline(always)]
 fn weights<F: Single>(line: &Line<F>, corners: &[Vector<F>; 3], size: F) -> [F::Double; 3] {
     let space = Sheared::new(line);
@@ -121,7 +121,7 @@ fn weights<F: Single>(line: &Line<F>, corners: &[Vector<F>; 3], size: F) -> [F::
     let part = sum.same(1.0) / sum;
     let (mut wa, mut wb, mut wc) = (e0 * part, e1 * part, e2 * part);
     let zero = sum.zero();
-    // False also where the sum is zero and the quotients are no numbers.
+    // Also false if the sum is zero and the quotients are NaN.
     let inside = wa.ge(zero) & wb.ge(zero) & wc.ge(zero) & sum.ne(zero);
     let sideways = ShearedSpace::sideways_of(size, line.origin.max_abs()) * space.direction.z.abs();
     let (x, y) = (ax * wa + bx * wb + cx * wc, ay * wa + by * wb + cy * wc);
@@ -145,12 +145,12 @@ fn weights_of_one(origin: Vec3, direction: Vec3, corners: &[Vec3; 3]) -> [f64; 3
     ShearedSpace::new(&Ray::new(origin, direction)).barycentric(corners).to_array()
 }
 
-/// The space of a ray in double precision: see [`ShearedSpace`]. Its x and y are scaled by z of the direction, which
-/// spares divisions.
+/// The space of a ray in double precision: see [`ShearedSpace`]. Its x and y are scaled by z of the
+/// direction, which saves divisions.
 struct Sheared<F: Single> {
     along_x: F::Mask,
     along_y: F::Mask,
-    /// Turned so that the longest axis is the last, as are the following.
+    /// Permuted so that the longest axis is last, like the following.
     origin: Vector<F::Double>,
     direction: Vector<F::Double>,
 }
@@ -175,7 +175,7 @@ impl<F: Single> Sheared<F> {
     }
 }
 
-/// The coordinates turned so that the longest axis is the last.
+/// The coordinates permuted so that the longest axis is last.
 #[inline(always)]
 fn turn<F: Real>(along_x: F::Mask, along_y: F::Mask, v: Vector<F>) -> Vector<F> {
     Vector::new(
@@ -202,12 +202,12 @@ fn sphere<F: Single>(line: &Line<F>, center: Vector<F>, radius: F) -> Surface<F>
     }
 }
 
-/// The half of the quad `corners` that `ray`, which hits it, meets first.
+/// The half of the quad `corners` that `ray` meets first. The ray must hit the quad.
 #[inline]
 pub fn quad_half(ray: &Ray, corners: &[Vec3; 4]) -> [Vec3; 3] {
     let space = ShearedSpace::new(ray);
     let [first, second] = quad::halves(corners);
-    // Nearly every ray passes by one half for certain, and then it was the other that was hit.
+    // Nearly every ray certainly misses one half, so the other was hit.
     if space.passes_by(&second) {
         return first;
     }
@@ -221,8 +221,8 @@ pub fn quad_half(ray: &Ray, corners: &[Vec3; 4]) -> [Vec3; 3] {
     }
 }
 
-/// The normals between those of three corners at points of `barycentric`, of unit length and on the side of
-/// `normal`. That itself where none is `smooth`, or where they cancel out.
+/// Normals interpolated between three corners at `barycentric`, of unit length and on the side of
+/// `normal`; `normal` itself in lanes that are not `smooth`, or if the corners' normals cancel out.
 #[inline(always)]
 pub fn interpolated_normal<F: Single>(
     corners: &[Vector<F>; 3],
@@ -236,7 +236,8 @@ pub fn interpolated_normal<F: Single>(
     Vector::select(smooth & unit.is_not_zero(), sided, normal)
 }
 
-/// Values between those at the corners of a triangle, at barycentric coordinates of the second and third.
+/// Values interpolated between the corners of a triangle, at the barycentric coordinates of the
+/// second and third.
 #[inline(always)]
 pub fn interpolated<F: Single>(corners: &[Vector<F>; 3], [y, z]: [F; 2]) -> Vector<F> {
     let x = y.same(1.0) - y - z;
@@ -261,7 +262,8 @@ mod tests {
         Stream { seed: 9, pixel: index, sample: 0, bounce: 0 }.uniform(dimension)
     }
 
-    /// Rays leave `surface` to its front and to its back; none may meet what `hit` tests again.
+    /// Rays leave `surface` to its front and to its back; `hit` tests that none meets the surface
+    /// again.
     fn leave(surface: &Surface<f32>, index: u32, hit: impl Fn(&Ray) -> Option<f32>) -> usize {
         let [point, error, normal] = surface.vectors();
         (0..20)

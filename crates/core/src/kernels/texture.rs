@@ -32,43 +32,43 @@ wavecrest_base::choices! {
 /// An image's texels, linear, top row first.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Texels {
-    /// 8 bits a channel, 255 being 1; the fourth byte is padding.
+    /// 8 bits a channel, 255 meaning 1; the fourth byte is padding.
     Bytes(Vec<[u8; 4]>),
-    /// 8 bits a channel again, each byte standing for the value that its channel has there in a table:
-    /// what is encoded with a curve, or tinted, takes no more room than what is neither.
+    /// 8 bits a channel, with a table of the values for each channel: encoded or tinted images take
+    /// no more memory than others.
     Levels(Vec<[u8; 4]>, Box<[Vec3; 256]>),
     /// Floating point, for formats of more than 8 bits.
     Floats(Vec<[f32; 3]>),
 }
 
-/// An image made ready for look-ups.
+/// An image for look-ups.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Image {
     /// Its width in texels, at least 1.
     pub width: u32,
     /// Its height in texels, at least 1.
     pub height: u32,
-    /// `width` times `height` of them.
+    /// `width` times `height` texels.
     pub texels: Texels,
-    /// The levels of the pyramid above the texels, down to one texel; none where it is not built.
+    /// The levels of the pyramid above the texels, down to one texel; empty if it is not built.
     levels: Vec<Level>,
 }
 
 impl Image {
-    /// An image without pyramid. `width` and `height` are at least 1, and there are as many
-    /// `texels` as they say.
+    /// An image without a pyramid. `width` and `height` are at least 1, and there are `width` times
+    /// `height` `texels`.
     pub fn new(width: u32, height: u32, texels: Texels) -> Self {
         Self { width, height, texels, levels: Vec::new() }
     }
 
-    /// Builds the pyramid, unless it is there: see [`pyramid`].
+    /// Builds the pyramid, unless it exists: see [`pyramid`].
     pub fn build_pyramid(&mut self) {
         if self.levels.is_empty() {
             self.levels = pyramid::levels(self.width, self.height, |x, y| self.texel(x, y));
         }
     }
 
-    /// Bytes held, those of the pyramid counted.
+    /// Bytes held, including the pyramid.
     pub fn bytes(&self) -> usize {
         let texels = match &self.texels {
             Texels::Bytes(texels) => size_of_val(texels.as_slice()),
@@ -80,7 +80,7 @@ impl Image {
         texels + self.levels.iter().map(Level::bytes).sum::<usize>()
     }
 
-    /// The greatest level of detail: 0 without a pyramid.
+    /// The coarsest level of detail: 0 without a pyramid.
     pub fn coarsest(&self) -> u32 {
         self.levels.len() as u32
     }
@@ -102,8 +102,8 @@ impl Image {
     }
 
     /// The colour at `uv`: u from left to right, v from bottom to top, both 0 to 1 across the
-    /// image. Coordinates that are not finite count as 0. Trilinear, where nothing is said of a
-    /// level, is bilinear.
+    /// image. Coordinates that are not finite count as 0. Without a level, trilinear look-ups are
+    /// bilinear.
     #[inline]
     pub fn look_up(&self, uv: Vec2, filter: Filter, wrap: Wrap) -> Vec3 {
         match filter {
@@ -118,12 +118,11 @@ impl Image {
         }
     }
 
-    /// The level of detail for a look-up that stands for a parallelogram, whose sides in texture
-    /// coordinates are `footprint`: the binary logarithm of the longer side in texels, from 0 to
+    /// The level of detail for a look-up over a parallelogram with the sides `footprint` in texture
+    /// coordinates: the binary logarithm of the longer side in texels, from 0 to
     /// [`Image::coarsest`] (Williams, *Pyramidal Parametrics*, SIGGRAPH 1983; the longer side as in
-    /// Heckbert, *Survey of Texture Mapping*, 1986). What is longer on one side than on the other
-    /// is thus rather blurred than aliased. Where a side is not finite, as where a ray grazes its
-    /// surface, the level is the coarsest.
+    /// Heckbert, *Survey of Texture Mapping*, 1986). Elongated footprints are thus blurred rather
+    /// than aliased. If a side is not finite, as at grazing angles, the level is the coarsest.
     pub fn level(&self, footprint: &[Vec2; 2]) -> f32 {
         let coarsest = self.coarsest() as f32;
         let size = DVec2::new(f64::from(self.width), f64::from(self.height));
@@ -133,13 +132,13 @@ impl Image {
             return coarsest;
         }
         let longer = if x > y { x } else { y };
-        // The logarithm of 0 is infinite, below every level.
+        // The logarithm of 0 is negative infinity, below every level.
         (0.5 * libm::log2(longer)).clamp(0.0, f64::from(coarsest)) as f32
     }
 
-    /// The colour at `uv`, bilinear in the level of detail and, where that lies between two levels,
-    /// linear between their answers; and the number of texels read, 4 or 8. A level below 0 counts
-    /// as 0; one above [`Image::coarsest`], or one that is no number, as that.
+    /// The colour at `uv`, bilinear in the level of detail and linear between two levels; with the
+    /// number of texels read, 4 or 8. Levels below 0 count as 0; levels above [`Image::coarsest`]
+    /// and NaN count as that.
     pub fn look_up_at(&self, uv: Vec2, level: f32, wrap: Wrap) -> (Vec3, u64) {
         let coarsest = self.coarsest() as f32;
         let level = if level < coarsest { level.max(0.0) } else { coarsest };
@@ -152,7 +151,7 @@ impl Image {
         (mix(color, coarser, level - finer), 2 * TEXELS_BETWEEN)
     }
 
-    /// As [`Image::look_up_at`] of a whole number.
+    /// As [`Image::look_up_at`], for a whole level.
     #[inline]
     fn look_up_in(&self, level: usize, uv: Vec2, wrap: Wrap) -> Vec3 {
         match level.checked_sub(1).and_then(|above| self.levels.get(above)) {
@@ -174,7 +173,7 @@ impl Filter {
         }
     }
 
-    /// Number of levels that one look-up reads at most.
+    /// Largest number of levels that one look-up reads.
     pub fn levels(self) -> u64 {
         match self {
             Self::Nearest | Self::Bilinear => 1,
@@ -183,7 +182,7 @@ impl Filter {
     }
 }
 
-/// The four texels about `uv` of an image of this size, weighted.
+/// The four texels around `uv` in an image of this size, weighted.
 #[inline]
 fn bilinear(
     [width, height]: [u32; 2],
@@ -198,8 +197,8 @@ fn bilinear(
     mix(top, bottom, fy)
 }
 
-/// From `a` to `b` by `fraction`, below 1. Between equal colours it is that colour: the weights, once
-/// rounded, need not add up to 1.
+/// From `a` to `b` by `fraction`, below 1. Between equal colours the result is that colour,
+/// although rounded weights need not add up to 1.
 #[inline]
 fn mix(a: Vec3, b: Vec3, fraction: f32) -> Vec3 {
     if a == b { a } else { a.lerp(b, fraction) }

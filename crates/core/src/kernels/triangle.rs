@@ -2,37 +2,40 @@
 //! Intersection*, JCGT 2013).
 //!
 //! The vertices are sheared into a space in which the ray is the z axis; three edge functions in
-//! the xy plane then say on which side of each edge the ray passes. Two triangles that share an
-//! edge compute the same function of the same numbers with the sign turned, so no ray slips
-//! between them. Where a function is zero in single precision its sign is taken in double, in which
+//! the xy plane then tell on which side of each edge the ray passes. Two triangles that share an
+//! edge compute the same function of the same numbers with opposite sign, so no ray slips between
+//! them. If a function is zero in single precision, its sign is taken in double precision, in which
 //! the products are exact.
 //!
 //! # Error of t
 //!
 //! The result is the average of the vertices' z, weighted by the edge functions. With u the unit
 //! roundoff, X, Y, Z, D the largest |x|, |y|, |z| and unsheared depth of the vertices, the error of
-//! a sheared x is at most gamma(5) (X + D), that of an edge function E = 2 (gamma(2) X Y +
-//! gamma(5) ((X + D) Y + (Y + D) X)). Weights that sum to one move the average by at most half the
-//! span of z times the sum of their changes, so that |error of t| <= 3 E span / |det| + gamma(8) Z.
-//! Products of tiny numbers are off by up to [`UNDERFLOW`] besides, which is added to both terms.
+//! a sheared x is at most gamma(5) (X + D), that of an edge function E = 2 (gamma(2) X Y + gamma(5)
+//! ((X + D) Y + (Y + D) X)). Weights that sum to one move the average by at most half the span of z
+//! times the sum of their changes, so that |error of t| <= 3 E span / |det| + gamma(8) Z. Underflow
+//! of products adds up to [`UNDERFLOW`] to both terms.
 //!
-//! This bound grows with the product of span and depth. Where it exceeds [`T_TOLERANCE`] times |t| (triangles that
-//! are large beside their distance, rays that graze them), or leaves open whether the hit is within the ray's own
-//! range (rays that start on a triangle, a light just before or behind it), t is computed otherwise:
+//! This bound grows with the product of span and depth. It may exceed [`T_TOLERANCE`] times |t|,
+//! for triangles that are large compared with their distance or grazed by the ray. Or it may leave
+//! open whether the hit is within the ray's range, for rays that start on a triangle, or a light
+//! just in front of or behind it. Then t is computed otherwise:
 //!
-//! 1. Where the edge functions exceed E, the ray certainly passes through, and the triangle's plane in double
-//!    precision says where ([`plane`]): t is then the exact one, rounded once.
-//! 2. Where that does not decide either, the exact test does ([`exact`]).
-//! 3. If the exact test finds that the ray passes by, although the rounded vertices are met, t is that of the
-//!    nearest point of the triangle's boundary, and the answer is [`Meeting::Near`]: a hit only if the ray really meets
-//!    the surface that the triangle is part of. So no ray slips through an edge, and no ray that leaves a flat floor
-//!    is stopped by the triangle beside its own.
+//! 1. If the edge functions exceed E, the ray certainly passes through the triangle, and the
+//!    triangle's plane in double precision gives the exact t, rounded once ([`plane`]).
+//! 2. If that does not decide either, the exact test does ([`exact`]).
+//! 3. If the exact test finds that the ray misses, although it meets the rounded vertices, t is
+//!    that of the nearest point of the triangle's boundary, and the answer is [`Meeting::Near`]: a
+//!    hit only if the ray really meets the surface that the triangle is part of. So no ray slips
+//!    through an edge, and no ray that leaves a flat floor is stopped by a neighbouring triangle of
+//!    the floor.
 //!
-//! The stated error of t is therefore at most [`T_TOLERANCE`] |t|; away from grazing angles it is a few ulp. What the
-//! tree relies on is that t is that of a point of the triangle that the ray passes no farther off than single
-//! precision places vertices ([`super::slab`]).
+//! The stated error of t is therefore at most [`T_TOLERANCE`] |t|; away from grazing angles it is a
+//! few ulp. The tree relies on this: t belongs to a point of the triangle, and the ray passes that
+//! point within the error with which single precision places vertices ([`super::slab`]).
 //!
-//! Sums take no order: t does not depend on which corner is the first, which way they run, or how the axes are named.
+//! Sums do not depend on order: t does not depend on which corner is first, the winding, or the
+//! order of the axes.
 
 use glam::{BVec3A, DVec3, Vec3, Vec3A, Vec3Swizzles};
 
@@ -57,26 +60,27 @@ use edges::distance;
 use nearest::{edges_f64, is_beside, nearest_on_boundary, weights};
 use plane::Plane;
 
-/// Bound on what underflow adds to the error of a sum of a few products: far more than it can, but
-/// the least number that is not subnormal. Processors divide those a hundred times slower.
+/// Bound on the error that underflow adds to a sum of a few products: far above the true error, but
+/// the least normal number, as processors divide subnormal ones a hundred times slower.
 const UNDERFLOW: f32 = f32::MIN_POSITIVE;
 
 /// Bound on the relative error of t: 2^-16.
 pub const T_TOLERANCE: f32 = 1.0 / 65536.0;
 
-/// What the test says of a ray and a triangle.
+/// The meeting of a ray with a triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Meeting {
-    /// The ray passes by, or meets the triangle outside of its range.
+    /// The ray misses, or meets the triangle outside its range.
     Miss,
-    /// They meet at this t.
+    /// A hit at this t.
     Hit(f32),
-    /// The ray passes by, but too near for single precision to tell from a neighbour: at this t, if it meets the surface.
+    /// The ray misses, but too closely for single precision to tell it from a hit of a neighbour: a
+    /// hit at this t if the ray meets the surface.
     Near(f32),
 }
 
 impl Meeting {
-    /// A hit at `t` if that is within the range of the ray.
+    /// A hit at `t` if `t` is within the range of the ray.
     #[inline(always)]
     pub(crate) fn within(t: Option<f32>, ray: &Ray) -> Self {
         t.filter(|&t| t > ray.t_min && t < ray.t_max).map_or(Self::Miss, Self::Hit)
@@ -92,7 +96,8 @@ pub(crate) enum Axis {
 }
 
 impl Axis {
-    /// The axis along which `d` is longest, the first of them. Rays differ, and a branch would be predicted wrongly.
+    /// The axis along which `d` is longest, the first of equals. Without a branch, which rays of
+    /// different directions would mispredict.
     #[inline(always)]
     fn longest(d: Vec3A) -> Self {
         let size = d.abs();
@@ -100,8 +105,8 @@ impl Axis {
         [Self::X, Self::Y, Self::Z][longest.trailing_zeros().min(2) as usize]
     }
 
-    /// The coordinates turned so that this axis is the last. A match, and not an index: the
-    /// coordinates then stay in registers.
+    /// The coordinates permuted so that this axis is last. A match instead of an index keeps the
+    /// coordinates in registers.
     #[inline(always)]
     fn to_last<T>(self, [x, y, z]: [T; 3]) -> [T; 3] {
         match self {
@@ -123,15 +128,15 @@ impl Axis {
     }
 }
 
-/// The space of a ray in which it starts at 0 and runs along z: t is z. Its z is along the longest
-/// axis of the direction.
+/// The space of a ray in which the ray starts at 0 and runs along z, so that t is z. Its z is along
+/// the longest axis of the direction.
 #[derive(Clone, Copy, Debug)]
 pub struct ShearedSpace {
     longest: Axis,
-    /// Turned so that the longest axis is the last, as are the following.
+    /// Permuted so that the longest axis is last, like the following.
     origin: [f32; 3],
     direction: [f32; 3],
-    /// How far x and y of the direction lean, and the reciprocal of its z.
+    /// The shear of x and y along the direction, and the reciprocal of its z.
     shear: [f32; 3],
     /// The ray's range of t.
     t_min: f32,
@@ -159,8 +164,8 @@ impl ShearedSpace {
         }
     }
 
-    /// The space of a ray for which all is known already, the axes turned so that the `longest` is
-    /// the last.
+    /// The space of a ray from values already known, with axes permuted so that the `longest` is
+    /// last.
     #[inline(always)]
     pub(crate) fn from_turned(
         longest: Axis,
@@ -172,7 +177,7 @@ impl ShearedSpace {
         Self { longest, origin, direction, shear, t_min, t_max }
     }
 
-    /// A space for a ray that no triangle is sheared for.
+    /// The space of an inactive ray, which tests no triangle.
     pub(crate) const NONE: Self = Self {
         longest: Axis::Z,
         origin: [0.0; 3],
@@ -182,7 +187,7 @@ impl ShearedSpace {
         t_max: 0.0,
     };
 
-    /// A vertex, its axes turned already, in this space.
+    /// A vertex with permuted axes, in this space.
     #[inline(always)]
     fn shear(&self, [x, y, z]: [f32; 3]) -> Vec3 {
         let [ox, oy, oz] = self.origin;
@@ -212,14 +217,14 @@ impl ShearedSpace {
         RayRange { depth: direction[2].abs(), t_min, t_max }
     }
 
-    /// Whether the ray misses `triangle` for certain: [`Self::intersect`] is then `None`.
+    /// Whether the ray certainly misses `triangle`: [`Self::intersect`] is then `None`.
     #[inline(always)]
     pub fn passes_by(&self, triangle: &[Vec3; 3]) -> bool {
         Edges::outside_of(&self.sheared(triangle).xy)
     }
 
-    /// The t at which the ray meets `triangle` within its range, from either side, or passes it as near as single
-    /// precision can tell.
+    /// The t at which the ray meets `triangle` within its range, from either side, or passes it too
+    /// closely for single precision to tell.
     ///
     /// The relative error of t is at most [`T_TOLERANCE`].
     #[inline(always)]
@@ -230,7 +235,7 @@ impl ShearedSpace {
         }
     }
 
-    /// Where the ray meets `triangle`.
+    /// The meeting of the ray with `triangle`.
     #[inline(always)]
     pub fn meet(&self, triangle: &[Vec3; 3]) -> Meeting {
         let sheared = self.sheared(triangle);
@@ -251,8 +256,9 @@ impl ShearedSpace {
         self.settle(triangle, edges.are_certain(found.edge))
     }
 
-    /// Bound on the error of a `t` that [`Self::intersect`] gives for `triangle`: what single precision
-    /// does to it, or half an ulp where it was not left to that. `None` if the ray does not pass through.
+    /// Bound on the error of a `t` that [`Self::intersect`] returned for `triangle`: that of single
+    /// precision, or half an ulp if t came from the exact tests. `None` if the ray does not pass
+    /// through.
     pub fn error_of(&self, triangle: &[Vec3; 3], t: f32) -> Option<f32> {
         let sheared = self.sheared(triangle);
         let edges = edges_of_one(&sheared)?;
@@ -261,8 +267,8 @@ impl ShearedSpace {
         Some(if is_single { found.bound() } else { UNIT_ROUNDOFF * t.abs() })
     }
 
-    /// As [`Self::meet`], of a triangle that single precision does not decide on; whether the ray certainly passes
-    /// through it.
+    /// As [`Self::meet`], for triangles that single precision does not decide; `is_inside` if the
+    /// ray certainly passes through.
     #[inline(never)]
     fn settle(&self, triangle: &[Vec3; 3], is_inside: bool) -> Meeting {
         if is_inside {
@@ -296,9 +302,9 @@ impl ShearedSpace {
         }
     }
 
-    /// The t of the point of the triangle's boundary that the ray passes nearest to. `None` where it passes farther
-    /// off than rounding of single precision explains: edge functions of huge coordinates are not numbers, and then
-    /// say nothing.
+    /// The t of the point of the triangle's boundary that is nearest to the ray. `None` if the ray
+    /// passes farther off than rounding in single precision explains: edge functions of huge
+    /// coordinates are NaN and say nothing.
     fn nearest_t(&self, triangle: &[Vec3; 3]) -> Option<f32> {
         let vertices = triangle.map(|v| self.shear_f64(v));
         let weights = nearest_on_boundary(&vertices);
@@ -306,13 +312,13 @@ impl ShearedSpace {
         is_beside.then(|| weights.dot(DVec3::from(vertices.map(|v| v.z))) as f32)
     }
 
-    /// In world space.
+    /// The origin in world space.
     #[inline(always)]
     fn origin(&self) -> Vector<f32> {
         self.turned_back(self.origin)
     }
 
-    /// In world space.
+    /// The direction in world space.
     #[inline(always)]
     fn direction(&self) -> Vector<f32> {
         self.turned_back(self.direction)
@@ -327,15 +333,15 @@ impl ShearedSpace {
         Vector::new(x, y, z)
     }
 
-    /// The most by which single precision places vertices sideways: what [`crate::kernels::slab`]
-    /// leaves room for.
+    /// Bound on the sideways error with which single precision places vertices:
+    /// [`crate::kernels::slab`] leaves room for it.
     fn sideways(&self, triangle: &[Vec3; 3]) -> f64 {
         let size = triangle.iter().fold(0.0, |size, &v| max(size, max_abs(v)));
         Self::sideways_of(size, max_abs(Vec3::from(self.origin)))
     }
 
-    /// As [`Self::sideways`], of corners with coordinates up to `size` and rays that start at coordinates up to
-    /// `origin`.
+    /// As [`Self::sideways`], for corners with coordinates up to `size` and rays that start at
+    /// coordinates up to `origin`.
     #[inline(always)]
     pub(super) fn sideways_of<F: Single>(size: F, origin: F) -> F::Double {
         let sum = size.widen() + origin.widen();
@@ -343,7 +349,7 @@ impl ShearedSpace {
     }
 
     /// Barycentric coordinates of the point at which the ray's line meets the triangle, each in 0
-    /// to 1 and together 1. Where the line lies in the triangle's plane: the middle.
+    /// to 1 with sum 1. If the line lies in the triangle's plane, those of the centroid.
     pub fn barycentric(&self, triangle: &[Vec3; 3]) -> DVec3 {
         let vertices = triangle.map(|v| self.shear_f64(v));
         weights(&vertices, self.sideways(triangle)).unwrap_or(DVec3::splat(1.0 / 3.0))
@@ -371,8 +377,8 @@ fn passes_on_an_edge(sheared: &Sheared<f32>) -> Option<Edges<f32>> {
     let edges = edges_f64(&[wide(0), wide(1), wide(2)]);
     let outside = edges.iter().any(|&e| e < 0.0) && edges.iter().any(|&e| e > 0.0);
     let determinant = edges[0] + edges[1] + edges[2];
-    // A determinant that is zero only once it is rounded leaves the error bound infinite, and t to
-    // double precision.
+    // A determinant that rounds to zero makes the error bound infinite and leaves t to double
+    // precision.
     let all = edges.map(|e| e as f32);
     let known = Edges { all, determinant: determinant as f32, low: 0.0, high: 0.0 };
     (!outside && determinant != 0.0).then_some(known)

@@ -2,13 +2,13 @@
 //! (2002), chapter 3, as Pharr, Jakob and Humphreys apply it to ray tracing (*Physically Based
 //! Rendering*, section 6.8).
 //!
-//! Nothing here is a tuned constant: every tolerance in the renderer is one of these bounds times
-//! a magnitude that the computation met.
+//! No constant here is tuned: every tolerance in the renderer is one of these bounds times a
+//! magnitude from the computation.
 
-/// The unit roundoff of `f32`: one operation is off by at most this factor of its result.
+/// The unit roundoff of `f32`: the relative error of one operation is at most this.
 pub const UNIT_ROUNDOFF: f32 = f32::EPSILON * 0.5;
 
-/// Bound on the relative error of `n` operations in a row: n u / (1 - n u).
+/// Bound on the relative error of `n` successive operations: n u / (1 - n u).
 pub const fn gamma(n: u32) -> f32 {
     let nu = n as f32 * UNIT_ROUNDOFF;
     nu / (1.0 - nu)
@@ -20,15 +20,15 @@ pub const fn gamma(n: u32) -> f32 {
 /// size they stay below the largest `f32`.
 pub const MAX_COORDINATE: f32 = (1_u64 << 40) as f32;
 
-/// Sixteen roundings of double precision, as a factor of the numbers that are rounded.
+/// Sixteen roundings in double precision, relative to the rounded numbers.
 pub(super) const DOUBLE_ROUNDINGS: f32 = 16.0 * f64::EPSILON as f32;
 
-/// The steepest crease, as the tangent of the angle between the normals on its sides, at which a
-/// moved origin is still in front of both.
+/// The steepest crease at which an offset origin is still in front of both sides, as the tangent of
+/// the angle between their normals.
 pub(super) const STEEPEST_CREASE: f32 = 4.0;
 
-/// The error of each coordinate that a point is moved off its surface by `distance` for, see
-/// [`Vector::offset_origin`](super::vector::Vector::offset_origin).
+/// The error of each coordinate for which
+/// [`Vector::offset_origin`](super::vector::Vector::offset_origin) moves a point by `distance`.
 pub const fn error_of_offset(distance: f32) -> f32 {
     distance / (3.0 * STEEPEST_CREASE)
 }

@@ -1,32 +1,33 @@
 //! Sums of products without rounding, after Shewchuk, *Adaptive Precision Floating-Point Arithmetic
 //! and Fast Robust Geometric Predicates* (1997).
 //!
-//! A number is kept as a sum of doubles that do not overlap. Numbers of single precision leave room:
-//! a product of three of them neither overflows in double precision nor loses bits to underflow,
-//! so that what is computed from them here is exact.
+//! A number is stored as a sum of doubles that do not overlap. Single precision leaves room: in
+//! double precision a product of three such numbers neither overflows nor loses bits to underflow,
+//! so the results here are exact.
 
-/// The terms of one sum that it can hold at most, two for each product.
+/// The largest number of terms in a sum, two for each product.
 const MOST: usize = 96;
 
-/// The exact sum of products of three numbers of single precision each.
+/// The exact sum of products of three single-precision numbers.
 #[derive(Clone, Copy, Debug)]
 pub struct Sum {
-    /// From the least to the greatest, none overlapping the next.
+    /// In rising order of magnitude, without overlap.
     terms: [f64; MOST],
     count: usize,
 }
 
 impl Sum {
-    /// Nothing.
+    /// The empty sum.
     pub const ZERO: Self = Self { terms: [0.0; MOST], count: 0 };
 
     /// Adds `x y z`. At most 48 products can be added.
     pub fn add_product(&mut self, x: f32, y: f32, z: f32) {
-        // Two have 48 bits between them, for which a double has room.
+        // A product of two has 48 bits, which fit into a double.
         let xy = f64::from(x) * f64::from(y);
         let z = f64::from(z);
         let high = xy * z;
-        // What rounding took away: the one fused operation here, which every machine computes alike.
+        // The rounding error. This is the only fused operation, and every machine computes it
+        // alike.
         self.add(xy.mul_add(z, -high));
         self.add(high);
     }
@@ -65,14 +66,13 @@ impl Sum {
         self.count = kept;
     }
 
-    /// The sum as a double, off by no more than a few ulp, and of the right sign: that of its
-    /// greatest term.
+    /// The sum as a double: within a few ulp, and of the right sign, as the largest term has.
     pub fn value(&self) -> f64 {
         self.terms[..self.count].iter().sum()
     }
 }
 
-/// The rounded sum, and what rounding took away (Knuth).
+/// The rounded sum and its rounding error (Knuth).
 fn two_sum(a: f64, b: f64) -> (f64, f64) {
     let sum = a + b;
     let b_kept = sum - a;

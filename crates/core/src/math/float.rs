@@ -1,4 +1,4 @@
-//! Arithmetic on single values and glam's vectors: that of [`Vector`] at width one.
+//! Arithmetic on single values and glam's vectors: [`Vector`] at width one.
 
 use glam::{DVec3, Vec3};
 
@@ -7,13 +7,13 @@ use super::vector::Vector;
 
 pub use super::bounds::{MAX_COORDINATE, UNIT_ROUNDOFF, error_of_offset, gamma};
 
-/// The larger of two numbers of which neither is a NaN: one instruction, unlike [`f32::max`].
+/// The larger of two numbers, neither of them NaN: one instruction, unlike [`f32::max`].
 #[inline(always)]
 pub fn max(a: f32, b: f32) -> f32 {
     Real::max(a, b)
 }
 
-/// The smaller of two numbers of which neither is a NaN: one instruction, unlike [`f32::min`].
+/// The smaller of two numbers, neither of them NaN: one instruction, unlike [`f32::min`].
 #[inline(always)]
 pub fn min(a: f32, b: f32) -> f32 {
     Real::min(a, b)

@@ -1,4 +1,4 @@
-//! Random numbers as a pure function of where they are used.
+//! Random numbers as a pure function of their place in the render.
 //!
 //! Philox 4x32-10 of Salmon, Moraes, Dror and Shaw, *Parallel Random Numbers: As Easy as 1, 2, 3*
 //! (SC 2011): a keyed bijection of a 128-bit counter, whose output passes BigCrush for any counter
@@ -9,7 +9,7 @@ use std::convert::Infallible;
 
 use rand::TryRng;
 
-/// Where in a render a number is used.
+/// The place of a random number in a render.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Stream {
     /// The render's seed.
@@ -18,7 +18,7 @@ pub struct Stream {
     pub pixel: u32,
     /// The camera ray within the pixel.
     pub sample: u32,
-    /// The number of mirror bounces before.
+    /// The number of mirror bounces so far.
     pub bounce: u32,
 }
 
@@ -36,15 +36,15 @@ impl Stream {
         self.words(dimension).map(unit_interval)
     }
 
-    /// The numbers that scramble a set of points which all samples of the pixel and bounce share: those of
-    /// a sample that no camera ray has.
+    /// Seeds that scramble the points shared by all samples of this pixel and bounce: the numbers
+    /// of a sample index that no camera ray has.
     #[inline]
     pub fn scramble(&self, dimension: u32) -> [u32; 3] {
         let [a, b, c, _] = Self { sample: u32::MAX, ..*self }.words(dimension);
         [a, b, c]
     }
 
-    /// A generator for the `rand` crate: the words from `dimension` on, one after the other.
+    /// A generator for the `rand` crate: the words from `dimension` on, in order.
     pub fn generator(self, dimension: u32) -> Generator {
         Generator { stream: self, dimension, words: [0; 4], used: 4 }
     }

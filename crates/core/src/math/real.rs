@@ -1,8 +1,8 @@
-//! Numbers of any width: a value, or a value in each lane of a vector.
+//! Numbers of any width: one value, or a value in each lane of a vector.
 //!
-//! Kernels are written once over these traits, and compiled for a single value (`f32`) as for eight or sixteen at a
-//! time. Every width computes the same bits: lanes add, multiply, divide and compare as single values do, and
-//! nothing fuses.
+//! Kernels are written once over these traits and compiled for single values (`f32`) and for eight
+//! or sixteen lanes. Every width computes the same bits: lanes add, multiply, divide and compare
+//! like single values, and no operation is fused.
 
 mod lanes;
 
@@ -13,10 +13,10 @@ use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 pub trait Mask:
     Copy + Debug + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self>
 {
-    /// The lanes that are true, a bit each.
+    /// The true lanes as bits.
     fn bits(self) -> u32;
 
-    /// Whether any is true.
+    /// Whether any lane is true.
     #[inline(always)]
     fn any(self) -> bool {
         self.bits() != 0
@@ -40,22 +40,22 @@ pub trait Real:
     + Div<Output = Self>
     + Neg<Output = Self>
 {
-    /// What a lane holds.
+    /// The value of a lane.
     type Element: Copy + Debug + PartialEq;
 
-    /// The answer of a comparison.
+    /// The result of a comparison.
     type Mask: Mask;
 
-    /// How many lanes.
+    /// The number of lanes.
     const LANES: usize;
 
-    /// `value` in as many lanes as this has.
+    /// `value` in each lane of a number of this type.
     fn same(self, value: Self::Element) -> Self;
 
-    /// The number of one lane.
+    /// The number in lane `i`.
     fn lane(self, i: usize) -> Self::Element;
 
-    /// Replaces the number of one lane.
+    /// Replaces the number in lane `i`.
     fn set_lane(&mut self, i: usize, value: Self::Element);
 
     /// The magnitude.
@@ -64,46 +64,46 @@ pub trait Real:
     /// The square root.
     fn sqrt(self) -> Self;
 
-    /// The magnitude of this with the sign of `sign`.
+    /// The magnitude of `self` with the sign of `sign`.
     fn copysign(self, sign: Self) -> Self;
 
-    /// The smaller of two, neither a NaN.
+    /// The smaller of two numbers, neither of them NaN.
     fn min(self, other: Self) -> Self;
 
-    /// The larger of two, neither a NaN.
+    /// The larger of two numbers, neither of them NaN.
     fn max(self, other: Self) -> Self;
 
-    /// Where this is less.
+    /// The lanes in which `self` is less than `other`.
     fn lt(self, other: Self) -> Self::Mask;
 
-    /// Where this is less or equal.
+    /// The lanes in which `self` is less than or equal to `other`.
     fn le(self, other: Self) -> Self::Mask;
 
-    /// Where both are equal.
+    /// The lanes in which both are equal.
     fn eq(self, other: Self) -> Self::Mask;
 
-    /// `a` where `mask` is true, `b` elsewhere.
+    /// `a` in the lanes of `mask`, `b` in the others.
     fn select(mask: Self::Mask, a: Self, b: Self) -> Self;
 
-    /// Where this is greater.
+    /// The lanes in which `self` is greater than `other`.
     #[inline(always)]
     fn gt(self, other: Self) -> Self::Mask {
         other.lt(self)
     }
 
-    /// Where this is greater or equal.
+    /// The lanes in which `self` is greater than or equal to `other`.
     #[inline(always)]
     fn ge(self, other: Self) -> Self::Mask {
         other.le(self)
     }
 
-    /// Where they differ, or one is a NaN.
+    /// The lanes in which the two differ or one is a NaN.
     #[inline(always)]
     fn ne(self, other: Self) -> Self::Mask {
         !self.eq(other)
     }
 
-    /// Times the same number in each lane.
+    /// The product with the same number in each lane.
     #[inline(always)]
     fn times(self, factor: Self::Element) -> Self {
         self * self.same(factor)
@@ -113,54 +113,54 @@ pub trait Real:
     fn zero(self) -> Self;
 }
 
-/// Numbers in single precision, which can be loaded, and widened to double precision.
+/// Single-precision numbers, which can be loaded and widened to double precision.
 pub trait Single: Real<Element = f32> {
-    /// As many numbers in double precision.
+    /// The same number of lanes in double precision.
     type Double: Real<Element = f64>;
 
-    /// What is needed to make such numbers: a proof that the processor has the instructions.
+    /// A proof that the processor has the instructions for this type.
     type Token: Copy;
 
-    /// As many numbers in memory.
+    /// The same number of lanes in memory.
     type Row: Copy + Debug + Default + AsRef<[f32]> + AsMut<[f32]>;
 
-    /// Proof from a number that is there.
+    /// The proof, from an existing number.
     fn token(self) -> Self::Token;
 
     /// `value` in each lane.
     fn splat(token: Self::Token, value: f32) -> Self;
 
-    /// From memory.
+    /// Loads a row from memory.
     fn load(token: Self::Token, row: &Self::Row) -> Self;
 
-    /// The first of `values`, which has as many as there are lanes.
+    /// Loads the first [`Real::LANES`] of `values`.
     fn from_slice(token: Self::Token, values: &[f32]) -> Self;
 
-    /// Replaces the first of `values`.
+    /// Stores to the first of `values`.
     fn store(self, values: &mut [f32]);
 
-    /// Replaces the first of `values` by the lanes of `mask`, one after the other. What follows them has no
-    /// meaning.
+    /// Stores the lanes of `mask` contiguously to the start of `values`. The values after them are
+    /// unspecified.
     fn pack(self, mask: Self::Mask, values: &mut [f32]);
 
-    /// As [`Self::pack`], for whole numbers: the lanes are the first of `words`.
+    /// As [`Self::pack`], for integers: the lanes are the first of `words`.
     fn pack_words(token: Self::Token, words: &[u32], mask: Self::Mask, values: &mut [u32]);
 
-    /// The lanes whose bits are set.
+    /// The mask with the set bits of `bits`.
     fn mask(token: Self::Token, bits: u32) -> Self::Mask;
 
-    /// Exactly, in double precision.
+    /// Converts to double precision, exactly.
     fn widen(self) -> Self::Double;
 
-    /// Rounded to single precision.
+    /// Rounds to single precision.
     fn narrow(wide: Self::Double) -> Self;
 
-    /// Runs `work` in a function of its own with the instructions of the level: what is called from several
-    /// places then exists once.
+    /// Runs `work` in a separate function with the instructions of the level, so that code with
+    /// several callers exists once.
     fn outlined<R>(token: Self::Token, work: impl FnOnce() -> R) -> R;
 
-    /// The neighbour of each number on the side of the shift's sign, or the number itself where there is no
-    /// shift or it is infinite.
+    /// The adjacent float of each number in the direction of the shift's sign, or the number itself
+    /// if the shift is zero or the number is infinite.
     fn round_away(self, shift: Self) -> Self;
 }
 
@@ -201,7 +201,7 @@ macro_rules! one {
                 <$float>::copysign(self, sign)
             }
 
-            // One instruction each, unlike the standard library's, which look out for NaNs.
+            // One instruction each; the standard library's functions handle NaNs too.
             #[inline(always)]
             fn min(self, other: Self) -> Self {
                 if self < other { self } else { other }

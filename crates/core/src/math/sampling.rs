@@ -1,5 +1,5 @@
-//! How sample points are chosen, and the maps from the unit square to the shapes they are chosen
-//! on. All maps keep area: equal cells of the square become equal areas of the shape.
+//! Sample points on the unit square, and the maps from the square to lights and lenses. All maps
+//! preserve area: equal cells of the square become equal areas of the shape.
 
 use std::f32::consts::TAU;
 
@@ -21,11 +21,11 @@ wavecrest_base::choices! {
 }
 
 impl Sampling {
-    /// The point number `index.0` of the `columns` times `rows` that `stream` has at `dimension`. Both
-    /// coordinates are in \[0, 1).
+    /// Point number `index.0` of the `columns` times `rows` points that `stream` has at
+    /// `dimension`. Both coordinates are in \[0, 1).
     ///
-    /// Random and jittered points draw the two numbers `random` of the stream. Sobol points of all
-    /// samples of a pixel are one sequence: `index.1` is the point's number in it.
+    /// Random and jittered points use the two numbers `random` of the stream. The Sobol points of
+    /// all samples of a pixel form one sequence: `index.1` is the number of the point in it.
     #[inline(always)]
     pub fn point(
         self,
@@ -46,17 +46,17 @@ impl Sampling {
     }
 }
 
-/// A set of points: so many along each side of a square grid, spread so.
+/// A set of points on the unit square: their number and how they are distributed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Points {
-    /// How they are spread.
+    /// Distribution.
     pub sampling: Sampling,
-    /// Its square is their number, whether there is a grid or not.
+    /// Its square is the number of points, with or without a grid.
     pub side: u32,
 }
 
 impl Points {
-    /// Their number.
+    /// The number of points.
     pub fn count(self) -> u32 {
         self.side * self.side
     }
@@ -66,11 +66,12 @@ impl Points {
 #[inline(always)]
 fn cell(index: u32, count: u32, fraction: f32) -> f32 {
     let x = (index as f32 + fraction) / count as f32;
-    // The sum or the quotient of the last cell can round up to 1.
+    // The sum or quotient of the last cell may round up to 1.
     x.min(1.0_f32.next_down())
 }
 
-/// A point of the unit disk: `square.x` is the angle, `square.y` the share of the area within.
+/// A point of the unit disk: `square.x` is the angle, `square.y` the share of the area closer to
+/// the centre.
 #[inline]
 pub fn disk(square: Vec2) -> Vec2 {
     let (sin, cos) = libm::sincosf(TAU * square.x);
@@ -78,7 +79,7 @@ pub fn disk(square: Vec2) -> Vec2 {
 }
 
 /// A point of the unit sphere: `square.x` is the angle about +y, `square.y` the share of the area
-/// below (Archimedes: equal heights cut equal areas).
+/// below it (Archimedes: equal heights cut equal areas).
 #[inline]
 pub fn sphere(square: Vec2) -> Vec3 {
     let height = 2.0 * square.y - 1.0;
@@ -87,12 +88,12 @@ pub fn sphere(square: Vec2) -> Vec3 {
     Vec3::new(radius * sin, height, radius * cos)
 }
 
-/// A point of the cap of the unit sphere that is `height` high: its place across the axis, `square.x` being the angle,
-/// and how far below the top it is, of which `square.y` is the share.
+/// A point of the spherical cap of this `height` on the unit sphere: its offset across the axis, at
+/// the angle `square.x`, and its depth below the top, `square.y` times the height.
 #[inline]
 pub fn cap(square: Vec2, height: f64) -> (DVec2, f64) {
     let below = f64::from(square.y) * height;
-    // The root of 1 - (1 - below)^2, without the difference of nearly equal numbers.
+    // The root of 1 - (1 - below)^2, without a difference of nearly equal numbers.
     let radius = (below * (2.0 - below)).sqrt();
     let (sin, cos) = libm::sincosf(TAU * square.x);
     (DVec2::new(f64::from(cos), f64::from(sin)) * radius, below)
@@ -121,7 +122,7 @@ mod tests {
         assert!(seen.iter().all(|&s| s));
     }
 
-    /// Shares of the square and of the shape, counted on a fine grid.
+    /// Shares of the square and of the shape are counted on a fine grid.
     #[test]
     fn maps_keep_area() {
         let n = 400;

@@ -1,8 +1,8 @@
-//! SIMD levels and the few operations on lanes that `fearless_simd` does not name.
+//! SIMD levels, and the few lane operations that `fearless_simd` lacks.
 //!
-//! Kernels are generic over [`Lanes`] and compiled once for each level; which one runs is decided
-//! at run time, by the processor or by the user. Every level computes the same numbers: lanes add,
-//! multiply, divide and compare as single values do, and nothing fuses.
+//! Kernels are generic over [`Lanes`] and compiled once for each level; the processor or the user
+//! selects the level at run time. Every level computes the same numbers: lanes add, multiply,
+//! divide and compare like single values, and no operation is fused.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8, f32x16, u32x8};
@@ -31,12 +31,12 @@ wavecrest_base::choices! {
 }
 
 impl Level {
-    /// The best that this processor has.
+    /// The best level of this processor.
     pub fn best() -> Self {
         Self::name_of(fearless_simd::Level::new())
     }
 
-    /// All that this processor has, the best last.
+    /// All levels of this processor, the best last.
     pub fn available() -> Vec<Self> {
         let all = [Self::Sse2, Self::Sse42, Self::Avx2, Self::Avx512, Self::Neon, Self::Other];
         all.into_iter().filter(|level| level.token().is_some()).collect()
@@ -59,7 +59,7 @@ impl Level {
         }
     }
 
-    /// The proof that this processor has the level, or `None` where it has not.
+    /// The proof that this processor has the level, or `None` if it has not.
     pub fn token(self) -> Option<fearless_simd::Level> {
         let best = fearless_simd::Level::new();
         match self {
@@ -78,11 +78,11 @@ impl Level {
 
 /// Work that is compiled once for each level.
 pub trait Kernel {
-    /// What it returns.
+    /// The result.
     type Output;
 
-    /// Does the work. `#[inline(always)]`, as is all that it calls in its hot part: code takes
-    /// over the instructions of the function that it is inlined into.
+    /// Runs the kernel. Mark this and every function on its hot path `#[inline(always)]`: code is
+    /// compiled with the instructions of the function that it is inlined into.
     fn run<S: Lanes>(self, simd: S) -> Self::Output;
 }
 
@@ -109,7 +109,7 @@ pub fn dispatch<K: Kernel>(level: fearless_simd::Level, kernel: K) -> K::Output 
     }
 }
 
-/// Whether the level is one of those that [`dispatch_wide`] knows.
+/// Whether [`dispatch_wide`] has code for the level.
 #[inline]
 #[allow(unreachable_patterns, reason = "which levels there are depends on the target")]
 pub fn is_wide(level: fearless_simd::Level) -> bool {
@@ -124,12 +124,13 @@ pub fn is_wide(level: fearless_simd::Level) -> bool {
     }
 }
 
-/// As [`dispatch`], for kernels that are compiled for the wide levels alone ([`is_wide`]): those with vectors of
+/// As [`dispatch`], for kernels compiled only for wide levels ([`is_wide`]): those with vectors of
 /// eight numbers, and the one level of other targets.
 #[inline]
 #[allow(unreachable_patterns, reason = "which levels there are depends on the target")]
 pub fn dispatch_wide<K: Kernel>(level: fearless_simd::Level, kernel: K) -> K::Output {
-    // Fuzzers try one level: with sanitizers, each takes longer to compile than all do without.
+    // Fuzzers use one level: with sanitizers, each level takes longer to compile than all levels
+    // without.
     #[cfg(all(fuzzing, target_arch = "x86_64"))]
     if let Some(simd) = fearless_simd::Level::new().as_avx2() {
         return run(simd, kernel);
@@ -147,17 +148,18 @@ pub fn dispatch_wide<K: Kernel>(level: fearless_simd::Level, kernel: K) -> K::Ou
     }
 }
 
-/// Work over numbers of some width, which is compiled for eight at a time with the instructions of each wide level
-/// ([`is_wide`]), and for one at a time.
+/// Work over numbers of any width, compiled for eight lanes at each wide level ([`is_wide`]) and
+/// for single values.
 pub trait Pass {
-    /// What it returns.
+    /// The result.
     type Output;
 
-    /// Does the work. `#[inline(always)]`, as [`Kernel::run`] is.
+    /// Runs the pass. `#[inline(always)]`, as [`Kernel::run`].
     fn run<F: Single>(self, token: F::Token) -> Self::Output;
 }
 
-/// Runs `pass` with the instructions of `level`: eight numbers at a time where it is wide, else one.
+/// Runs `pass` with the instructions of `level`: eight numbers at a time on wide levels, one on
+/// others.
 #[inline]
 pub fn dispatch_pass<T: Pass>(level: fearless_simd::Level, pass: T) -> T::Output {
     struct Eight<T>(T);
@@ -174,8 +176,8 @@ pub fn dispatch_pass<T: Pass>(level: fearless_simd::Level, pass: T) -> T::Output
     if is_wide(level) { dispatch_wide(level, Eight(pass)) } else { pass.run::<f32>(()) }
 }
 
-/// Runs `work` in a function of its own with the instructions of `simd`: what a kernel calls from several places
-/// then exists once.
+/// Runs `work` in a separate function with the instructions of `simd`, so that code with several
+/// callers exists once.
 #[inline(never)]
 pub fn outlined<S: Lanes, R>(simd: S, work: impl FnOnce() -> R) -> R {
     simd.vectorize(work)
@@ -189,10 +191,10 @@ fn run<S: Lanes, K: Kernel>(simd: S, kernel: K) -> K::Output {
     )
 }
 
-/// Number of lanes that kernels work with, whatever the width of a register.
+/// The number of lanes of a kernel, whatever the width of a register.
 pub const LANES: usize = 8;
 
-/// What the kernels need of a level besides arithmetic.
+/// Operations of a level that kernels need besides arithmetic.
 pub trait Lanes: Simd {
     /// Lane i of the result is lane `indices[i]` of `values`; indices below 8.
     #[inline(always)]
@@ -210,8 +212,8 @@ pub trait Lanes: Simd {
         bytemuck::cast([<[u32; LANES]>::from(low), <[u32; LANES]>::from(high)])
     }
 
-    /// Writes the `entries` whose bit in `mask` is 1, the nearest last. What is written beyond them
-    /// has no meaning.
+    /// Writes the `entries` whose bit in `mask` is 1, the nearest last. Entries beyond them are
+    /// unspecified.
     #[inline(always)]
     fn far_to_near(self, entries: &[u64; LANES], mask: u8, sorted: &mut [u64; LANES]) {
         let mut bits = u32::from(mask);
@@ -229,7 +231,7 @@ pub trait Lanes: Simd {
         }
     }
 
-    /// Where the first sixteen bits of `mask` are, or all if it has fewer.
+    /// The positions of the first sixteen set bits of `mask`, or of all if it has fewer.
     #[inline(always)]
     fn positions(self, mask: u64) -> [u32; 16] {
         let (mut positions, mut rest) = ([0; 16], mask);
@@ -250,7 +252,7 @@ pub trait Lanes: Simd {
         picked.simd_into(self)
     }
 
-    /// As [`Lanes::far_to_near`], in the order in which they are.
+    /// As [`Lanes::far_to_near`], in the given order.
     #[inline(always)]
     fn compress(self, entries: &[u64; LANES], mask: u8, compressed: &mut [u64; LANES]) {
         let mut bits = u32::from(mask);
@@ -263,8 +265,8 @@ pub trait Lanes: Simd {
     }
 }
 
-/// What waits on a stack: a child, and above it where the ray enters it, so that whole entries
-/// compare as their distances do where these are not negative.
+/// A stack entry: a child in the low bits and its entry distance in the high bits, so that entries
+/// compare as their distances do if these are not negative.
 #[inline(always)]
 pub fn entry(near: f32, child: u32) -> u64 {
     u64::from(near.to_bits()) << 32 | u64::from(child)

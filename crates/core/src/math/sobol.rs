@@ -1,24 +1,24 @@
 //! The first two dimensions of Sobol's sequence, with Owen's scrambling.
 //!
-//! The sequence is a (0, 2)-sequence in base 2: each aligned run of 2^m of its points has one point
-//! in every box of area 2^-m whose sides are parts of \[0, 1) halved again and again. Owen, *Randomly
-//! permuted (t,m,s)-nets and (t,s)-sequences* (1995), keeps that and makes each point uniform, so
-//! that a mean over the points has no bias; where the integrand is smooth its error then falls as
-//! n^-3/2 (Owen, *Scrambled net variance for integrals of smooth functions*, 1997).
+//! The sequence is a (0, 2)-sequence in base 2: each aligned run of 2^m points has one point in
+//! every box of area 2^-m whose sides come from repeated halving of \[0, 1). Owen's scrambling
+//! (*Randomly permuted (t,m,s)-nets and (t,s)-sequences*, 1995) preserves that and makes each point
+//! uniform, so that a mean over the points is unbiased. For smooth integrands the error then falls
+//! as n^-3/2 (Owen, *Scrambled net variance for integrals of smooth functions*, 1997).
 //!
-//! Scrambling, and the shuffling of the order that lets pairs of dimensions be put beside each other,
-//! are by hashes: Burley, *Practical Hash-based Owen Scrambling*, JCGT 9(4), 2020, with the constants
-//! that Vegdahl found to mix better (*Building a Better LK Hash*, 2021).
+//! Hashes scramble the points and shuffle their order, so that pairs of dimensions can be combined:
+//! Burley, *Practical Hash-based Owen Scrambling*, JCGT 9(4), 2020, with constants that Vegdahl
+//! found to mix better (*Building a Better LK Hash*, 2021).
 
 use glam::Vec2;
 
 use super::random::unit_interval;
 
-/// Point `index` of the set that `seeds` scramble, each coordinate in \[0, 1). The first seed decides the
-/// order of the points, the second their x, the third their y.
+/// Point `index` of the set scrambled by `seeds`, each coordinate in \[0, 1). The first seed
+/// shuffles the order, the second scrambles x, the third y.
 #[inline]
 pub fn point(index: u32, seeds: [u32; 3]) -> Vec2 {
-    // The bits of the shuffled index from the last to the first: van der Corput's sequence.
+    // The reversed bits of the shuffled index: van der Corput's sequence.
     let first = permute(index.reverse_bits(), seeds[0]);
     let second = second_dimension(first.reverse_bits());
     Vec2::new(
@@ -27,8 +27,8 @@ pub fn point(index: u32, seeds: [u32; 3]) -> Vec2 {
     )
 }
 
-/// The second dimension of Sobol's sequence, as a fraction of 2^32. Its direction numbers are the rows of
-/// Pascal's triangle modulo 2.
+/// The second dimension of Sobol's sequence, in units of 2^-32. Its direction numbers are the rows
+/// of Pascal's triangle modulo 2.
 #[inline]
 fn second_dimension(mut index: u32) -> u32 {
     let mut direction = 1_u32 << 31;
@@ -43,9 +43,9 @@ fn second_dimension(mut index: u32) -> u32 {
     sum
 }
 
-/// A permutation in which each bit depends on those below it alone (Laine and Karras, *Stratified
-/// Sampling for Stochastic Transparency*, 2011). On a fraction whose bits are reversed that is Owen's
-/// scrambling.
+/// A permutation in which each bit depends only on lower bits (Laine and Karras, *Stratified
+/// Sampling for Stochastic Transparency*, 2011). Applied to a fraction with reversed bits it is
+/// Owen's scrambling.
 #[inline]
 fn permute(mut x: u32, seed: u32) -> u32 {
     x ^= x.wrapping_mul(0x3D20_ADEA);
@@ -65,7 +65,8 @@ mod tests {
         [a, b, c]
     }
 
-    /// Every aligned run of 2^m points has one in each box of area 2^-m: of all shapes of boxes.
+    /// Every aligned run of 2^m points has one point in each box of area 2^-m, for all shapes of
+    /// boxes.
     #[test]
     fn every_run_is_a_net() {
         for pixel in 0..20 {
@@ -85,7 +86,8 @@ mod tests {
         }
     }
 
-    /// Each bit of the permutation depends on lower bits alone, and no two numbers go to one.
+    /// Each bit of the permutation depends on lower bits only, and no two numbers map to the same
+    /// one.
     #[test]
     fn the_permutation_is_nested() {
         for seed in (0..200).flat_map(seeds) {
@@ -121,7 +123,7 @@ mod tests {
         }
     }
 
-    /// Pairs of one index but other seeds are independent: their sets can be put beside each other.
+    /// Pairs of the same index with different seeds are independent: their sets can be combined.
     #[test]
     fn pairs_of_dimensions_are_independent() {
         let n = 256;

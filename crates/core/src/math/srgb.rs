@@ -1,8 +1,8 @@
-//! The curve between light and the levels that screens and most image files have.
+//! The transfer curve of screens and most image files.
 
-/// Where the straight line near black ends, as light: by the standard, IEC 61966-2-1.
+/// The linear value at which the straight segment near black ends (IEC 61966-2-1).
 const LINE_END: f32 = 0.003_130_8;
-/// The same end, as encoded.
+/// The encoded value at the same point.
 const ENCODED_LINE_END: f32 = 0.040_45;
 
 /// The sRGB curve (IEC 61966-2-1) for one value, linear in and encoded out.
@@ -10,7 +10,7 @@ pub fn srgb_encode(value: f32) -> f32 {
     if value <= LINE_END {
         12.92 * value
     } else {
-        // The library's power function, not the machine's, which may differ in the last bit.
+        // `libm`'s power function: the machine's may differ in the last bit.
         1.055 * libm::powf(value, 1.0 / 2.4) - 0.055
     }
 }

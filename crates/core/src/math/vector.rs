@@ -1,4 +1,4 @@
-//! Vectors of space, of any width: one, or one in each lane.
+//! Vectors in space, of any width: one, or one in each lane.
 
 use std::ops::{Add, Mul, Neg, Sub};
 
@@ -7,40 +7,41 @@ use glam::{DVec3, Vec3};
 use super::bounds::{DOUBLE_ROUNDINGS, STEEPEST_CREASE, gamma};
 use super::real::{Mask, Real, Single};
 
-/// 2^-100 and 2^100: squares of lengths between them have not overflowed, and what underflow takes from them is far
-/// less than half an ulp.
+/// 2^-100 and 2^100: squared lengths in this range have not overflowed, and their loss to underflow
+/// is far less than half an ulp.
 const SQUARES_IN_SINGLE: [f32; 2] =
     [f32::from_bits((127 - 100) << 23), f32::from_bits((127 + 100) << 23)];
 
-/// 2^-600 and 2^600: the same in double precision, and true of any vector product of `f32` but zero.
+/// 2^-600 and 2^600: the same in double precision; every nonzero cross product of `f32` vectors is
+/// in this range.
 const SQUARES_IN_DOUBLE: [f64; 2] =
     [f64::from_bits((1023 - 600) << 52), f64::from_bits((1023 + 600) << 52)];
 
 /// A vector, or a vector in each lane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Vector<F> {
-    /// The first coordinate.
+    /// The x coordinate.
     pub x: F,
-    /// The second.
+    /// The y coordinate.
     pub y: F,
-    /// The third.
+    /// The z coordinate.
     pub z: F,
 }
 
 impl<F: Real> Vector<F> {
-    /// From coordinates.
+    /// The vector with these coordinates.
     #[inline(always)]
     pub fn new(x: F, y: F, z: F) -> Self {
         Self { x, y, z }
     }
 
-    /// Each vector times its own number.
+    /// Each vector times a scalar of its lane.
     #[inline(always)]
     pub fn scale(self, by: F) -> Self {
         Self::new(self.x * by, self.y * by, self.z * by)
     }
 
-    /// Each vector divided by its own number.
+    /// Each vector divided by a scalar of its lane.
     #[inline(always)]
     pub fn over(self, by: F) -> Self {
         Self::new(self.x / by, self.y / by, self.z / by)
@@ -52,7 +53,7 @@ impl<F: Real> Vector<F> {
         Self::new(self.x.abs(), self.y.abs(), self.z.abs())
     }
 
-    /// The sum of the components, the same bits in whatever order they are: no axis of space is the first.
+    /// The sum of the components, with the same bits in any order: no axis is special.
     #[inline(always)]
     pub fn element_sum(self) -> F {
         let Self { x, y, z } = self;
@@ -72,7 +73,7 @@ impl<F: Real> Vector<F> {
         self.x * other.x + self.y * other.y + self.z * other.z
     }
 
-    /// The vector product.
+    /// The cross product.
     #[inline(always)]
     pub fn cross(self, other: Self) -> Self {
         Self::new(
@@ -89,14 +90,14 @@ impl<F: Real> Vector<F> {
         x.max(y.max(z))
     }
 
-    /// Where any component is not zero.
+    /// The lanes in which any component is not zero.
     #[inline(always)]
     pub fn is_not_zero(self) -> F::Mask {
         let zero = self.x.zero();
         self.x.ne(zero) | self.y.ne(zero) | self.z.ne(zero)
     }
 
-    /// `a` where `mask` is true, `b` elsewhere.
+    /// `a` in the lanes of `mask`, `b` in the others.
     #[inline(always)]
     pub fn select(mask: F::Mask, a: Self, b: Self) -> Self {
         Self::new(F::select(mask, a.x, b.x), F::select(mask, a.y, b.y), F::select(mask, a.z, b.z))
@@ -104,7 +105,7 @@ impl<F: Real> Vector<F> {
 }
 
 impl<F: Real<Element = f64>> Vector<F> {
-    /// With length 1, or zero where there is no direction.
+    /// The vectors at length 1; zero vectors stay zero.
     #[inline(always)]
     pub fn normalize_wide(self) -> Self {
         let square = self.dot(self);
@@ -123,7 +124,8 @@ impl<F: Real<Element = f64>> Vector<F> {
         Self::select(within, unit, scaled)
     }
 
-    /// Divided by its own number, with one division for three: each coordinate is off by two roundings.
+    /// Divided by a scalar of its lane, with one division for three components: two roundings for
+    /// each coordinate.
     #[inline(always)]
     fn times_reciprocal(self, by: F) -> Self {
         self.scale(by.same(1.0) / by)
@@ -137,19 +139,19 @@ impl<F: Single> Vector<F> {
         Self::new(F::splat(token, v.x), F::splat(token, v.y), F::splat(token, v.z))
     }
 
-    /// From a row for each axis.
+    /// Loads a row for each axis.
     #[inline(always)]
     pub fn load(token: F::Token, [x, y, z]: &[F::Row; 3]) -> Self {
         Self::new(F::load(token, x), F::load(token, y), F::load(token, z))
     }
 
-    /// The vector of one lane.
+    /// The vector in lane `i`.
     #[inline(always)]
     pub fn lane(&self, i: usize) -> Vec3 {
         Vec3::new(self.x.lane(i), self.y.lane(i), self.z.lane(i))
     }
 
-    /// Replaces the vector of one lane.
+    /// Replaces the vector in lane `i`.
     #[inline(always)]
     pub fn set_lane(&mut self, i: usize, v: Vec3) {
         self.x.set_lane(i, v.x);
@@ -157,19 +159,19 @@ impl<F: Single> Vector<F> {
         self.z.set_lane(i, v.z);
     }
 
-    /// In double precision.
+    /// Converts to double precision.
     #[inline(always)]
     pub fn widen(self) -> Vector<F::Double> {
         Vector { x: self.x.widen(), y: self.y.widen(), z: self.z.widen() }
     }
 
-    /// Rounded to single precision.
+    /// Rounds to single precision.
     #[inline(always)]
     pub fn narrow(wide: Vector<F::Double>) -> Self {
         Self::new(F::narrow(wide.x), F::narrow(wide.y), F::narrow(wide.z))
     }
 
-    /// Where all components are finite.
+    /// The lanes in which all components are finite.
     #[inline(always)]
     pub fn is_finite(self) -> F::Mask {
         let infinity = self.x.same(f32::INFINITY);
@@ -177,10 +179,10 @@ impl<F: Single> Vector<F> {
         x.lt(infinity) & y.lt(infinity) & z.lt(infinity)
     }
 
-    /// With length 1, or zero where there is no direction.
+    /// The vectors at length 1; zero vectors stay zero.
     ///
-    /// The length is taken in double precision, where no square of a finite number overflows and none but zero's
-    /// vanishes: neither tiny nor huge vectors lose it.
+    /// The length is computed in double precision, where no square of a finite `f32` overflows and
+    /// only that of zero vanishes. Tiny and huge vectors keep their precision.
     #[inline(always)]
     pub fn normalize(self) -> Self {
         let wide = self.widen();
@@ -189,8 +191,9 @@ impl<F: Single> Vector<F> {
         Self::select(self.is_not_zero() & self.is_finite(), unit, Self::new(zero, zero, zero))
     }
 
-    /// As [`Self::normalize`], in single precision unless the vector is tiny or huge: each coordinate is within
-    /// gamma(5) of its exact value. Not for what a highlight's exponent is applied to.
+    /// As [`Self::normalize`], in single precision unless the vector is tiny or huge: each
+    /// coordinate is within gamma(5) of its exact value. Not for highlights, whose exponent
+    /// amplifies the error.
     #[inline(always)]
     pub fn normalize_in_single(self) -> Self {
         let square = self.dot(self);
@@ -208,21 +211,22 @@ impl<F: Single> Vector<F> {
         Self::select(within, unit, other)
     }
 
-    /// Moves a point off its surface along `normal`, to the side that `direction` points to, just far enough that
-    /// the exact surface stays behind.
+    /// Moves a point off its surface along `normal`, to the side that `direction` points to, just
+    /// far enough that the exact surface stays behind.
     ///
-    /// `error` bounds the rounding error of each coordinate of the point. To leave its own surface, the point
-    /// would have to move by that error box's extent along the normal (Pharr et al., `OffsetRayOrigin`). But error
-    /// along the surface can carry a point of an edge behind the neighbour that rises there; moving by
-    /// [`STEEPEST_CREASE`] times the size of the box brings it before that one too. Each coordinate is then
-    /// rounded away from the surface.
+    /// `error` bounds the rounding error of each coordinate of the point. To clear its own surface,
+    /// the point must move by the extent of that error box along the normal (Pharr et al.,
+    /// `OffsetRayOrigin`). At an edge, error along the surface can also carry the point behind a
+    /// neighbour that rises there; moving by [`STEEPEST_CREASE`] times the size of the box clears
+    /// that one too. Each coordinate is then rounded away from the surface.
     #[inline(always)]
     pub fn offset_origin(self, error: Self, normal: Self, direction: Self) -> Self {
         self.move_along(normal, direction, error.element_sum().times(STEEPEST_CREASE))
     }
 
-    /// As [`Self::offset_origin`], for the point where a ray ends: its own surface must stay behind, but what
-    /// rises beside it may be met, so the error box's extent along the normal is enough.
+    /// As [`Self::offset_origin`], for the end of a ray: its own surface must stay behind, but
+    /// neighbours that rise there may be met, so the extent of the error box along the normal is
+    /// enough.
     #[inline(always)]
     pub fn offset_end(self, error: Self, normal: Self, direction: Self) -> Self {
         self.move_along(normal, direction, normal.abs().dot(error))
@@ -239,7 +243,7 @@ impl<F: Single> Vector<F> {
         )
     }
 
-    /// Bound on the error of each coordinate of this point, which was computed in double precision from
+    /// Bound on the error of each coordinate of this point, computed in double precision from
     /// coordinates up to `size` and then rounded.
     #[inline(always)]
     pub fn rounding_error(self, size: F) -> Self {
@@ -250,12 +254,12 @@ impl<F: Single> Vector<F> {
     }
 }
 
-/// Where rays start and where they go: one ray, or a ray in each lane.
+/// Origins and directions: one ray, or a ray in each lane.
 #[derive(Clone, Copy, Debug)]
 pub struct Line<F> {
-    /// Where it starts.
+    /// The origins.
     pub origin: Vector<F>,
-    /// Where it goes, of any length.
+    /// The directions, of any length.
     pub direction: Vector<F>,
 }
 
@@ -266,7 +270,7 @@ impl<F: Single> Line<F> {
         self.origin + self.direction.scale(t)
     }
 
-    /// Where a ray can be traced: finite, and of a direction other than zero.
+    /// The lanes whose ray can be traced: it is finite, and its direction is not zero.
     #[inline(always)]
     pub fn is_valid(&self) -> F::Mask {
         self.origin.is_finite() & self.direction.is_finite() & self.direction.is_not_zero()

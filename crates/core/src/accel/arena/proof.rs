@@ -1,4 +1,4 @@
-//! The proof that whatever can be reached in an arena lies within it.
+//! The proof that everything reachable in an arena lies within it.
 
 use std::collections::VecDeque;
 
@@ -9,18 +9,18 @@ use super::{
     list_units,
 };
 
-/// Subtrees that are proved apart from each other, so that all threads have some.
+/// Number of subtrees that are proved separately, so that all threads have work.
 const PROVED_APART: usize = 1024;
 
-/// Proves that everything below some places lies within an arena.
+/// Proves that everything below a set of places lies within an arena.
 pub(super) struct Proof<'a> {
     pub(super) units: &'a [Unit],
-    /// How many numbers of primitives there are.
+    /// Number of primitive numbers in the arena.
     pub(super) numbers: usize,
 }
 
 impl Proof<'_> {
-    /// Visits everything: the top alone, and what is below it on all threads.
+    /// Visits everything: first the top, then the subtrees below it on all threads.
     pub(super) fn census(&self, root: Ref) -> Option<Census> {
         let mut census = Census::default();
         let mut top = VecDeque::from([(root, 1)]);
@@ -49,8 +49,8 @@ impl Proof<'_> {
         (reached <= self.units.len()).then_some(census)
     }
 
-    /// Proves what is at `place` and counts it. Children are handed on, to be proved as well; they
-    /// come after their parent, so that no way leads in a circle.
+    /// Proves the content at `place`, counts it, and hands its children on to be proved. Children
+    /// come after their parent, so there are no cycles.
     fn visit(
         &self,
         place: Ref,
@@ -91,17 +91,17 @@ impl Proof<'_> {
     }
 }
 
-/// Proves the places of a node's children, and hands them on.
+/// Proves the places of a node's children and hands them on.
 fn children(node: &Node, place: Ref, mut hand_on: impl FnMut(Ref)) -> Option<()> {
     let (used, unused) = node.children.split_at_checked(node.count as usize)?;
     for &relative in used {
-        // No node leads to itself or back.
+        // No node points to itself or back.
         if (relative >> 2) < NODE_UNITS as u32 {
             return None;
         }
         hand_on(Ref(absolute(relative, place)?));
     }
-    // A ray can meet no other lane, but if one did it would stay within.
+    // No ray meets the other lanes, but even if one did it would stay within the arena.
     unused.iter().all(|&child| child == 0).then_some(())
 }
 

@@ -1,8 +1,8 @@
-//! A tree in chunks: each is built and converted while it is in a core's cache, and one small
-//! hierarchy joins them.
+//! Builds a tree in chunks: each is built and converted while it is in a core's cache, and one
+//! small hierarchy joins them.
 //!
-//! A chunk's parts are copied into the arena as soon as all chunks before it have their place, so
-//! that the tree is the same for any number of threads and is never held twice.
+//! A chunk's parts are copied into the arena as soon as all chunks before it have their places. So
+//! the tree is the same for any number of threads and is never held twice.
 
 use std::collections::BTreeMap;
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -16,25 +16,26 @@ use crate::accel::tree::{Root, Tree};
 use crate::accel::units::Units;
 use crate::math::simd::LANES;
 
-/// The most units that a primitive can take: a leaf of its own, and the node above it.
+/// The largest number of units that a primitive can take: its own leaf, and the node above it.
 const MOST_UNITS: usize = 1 + NODE_UNITS;
 
-/// A chunk to be built.
+/// A chunk to build.
 struct Task<'a> {
     chunk: usize,
-    /// The range of the tree's numbers that is its own, where it begins, and how many primitives are listed in it.
+    /// The chunk's range of the tree's numbers, its start, and the number of primitives listed in
+    /// it.
     numbers: &'a mut [u32],
     first: u32,
     count: usize,
 }
 
-/// Builds the tree over two or more chunks, each cut into about `parts`.
+/// Builds the tree over two or more chunks, each cut into about `parts` parts.
 pub(super) fn build(plan: &Plan, chunks: Chunks, parts: usize) -> Option<Tree> {
     let (mut numbers, lengths) = with_room_for_halves(plan.geometry, chunks);
-    // The nodes that join the parts come first: fewer than there are parts, of which the last node
-    // that was opened may have added some.
+    // The nodes that join the parts come first: fewer than there are parts, plus those that
+    // opening the last node may have added.
     let ahead = NODE_UNITS * (parts + LANES) * lengths.len();
-    // Address space for the worst: what is not written takes no memory.
+    // Address space for the worst case: unwritten pages take no memory.
     let mut units = Units::zeroed(ahead + MOST_UNITS * numbers.len());
     let (top, rest) = units.as_mut_slice().split_at_mut(ahead);
     let mut ranges = Vec::with_capacity(lengths.len());
@@ -63,13 +64,14 @@ pub(super) fn build(plan: &Plan, chunks: Chunks, parts: usize) -> Option<Tree> {
     Some(Tree { arena, root: Some(Root { place, bounds }), census, ..Tree::default() })
 }
 
-/// How many primitives a chunk has, and how many numbers its leaves may need.
+/// Number of primitives in a chunk, and of numbers that its leaves may need.
 struct Length {
     count: usize,
     room: usize,
 }
 
-/// The numbers with room in each chunk for those of quads once more: leaves hold either half.
+/// The numbers, with room in each chunk to repeat those of quads: leaves hold the halves
+/// separately.
 fn with_room_for_halves(geometry: &Geometry, chunks: Chunks) -> (Vec<u32>, Vec<Length>) {
     let Chunks { numbers, lengths } = chunks;
     if geometry.quads.is_empty() {
@@ -91,9 +93,9 @@ fn with_room_for_halves(geometry: &Geometry, chunks: Chunks) -> (Vec<u32>, Vec<L
     (wider, lengths)
 }
 
-/// Runs `work` once for each thread of the current pool, or as often as there is work for, in pools
-/// of one thread. obvhs asks for parallel work of its own, and while a thread waits for that to be
-/// done it would begin another chunk, with memory of its own.
+/// Runs `work` once on each thread of the current pool, at most `most` times, in pools of one
+/// thread. obvhs runs parallel work itself; a thread that waits for it would otherwise start
+/// another chunk, with its own memory.
 fn in_separate_pools(most: usize, work: impl Fn() + Sync) {
     let threads = rayon::current_num_threads().min(most);
     let pool = || rayon::ThreadPoolBuilder::new().num_threads(1).build().ok();
@@ -112,7 +114,7 @@ fn next<'a>(tasks: &Mutex<impl Iterator<Item = Task<'a>>>) -> Option<Task<'a>> {
     lock(tasks).next()
 }
 
-/// No thread panics with a lock, and if one did, what it holds would still be sound.
+/// No thread panics while it holds a lock, and the content would still be sound if one did.
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -129,28 +131,28 @@ fn build_chunk(
     piece.output.first_number = task.first;
     piece.build(plan, &task.numbers[..task.count]);
     let upper = piece.emit_upper(plan, parts);
-    // Only triangles have their numbers there: the rest stays as it is.
+    // Only triangles have their numbers there: the rest stays unchanged.
     let leaves = &piece.output.numbers;
     task.numbers[..leaves.len()].copy_from_slice(leaves);
     place(assembly, task.chunk, &mut piece.output.units, upper);
 }
 
-/// Chunks finding their place.
+/// The places of chunks in the arena.
 #[derive(Default)]
 struct Assembly<'a> {
-    /// The chunk that is next to be placed.
+    /// The next chunk to place.
     next: usize,
-    /// The units that are free, and the number of the first.
+    /// The free units, and the number of the first.
     rest: &'a mut [Unit],
     used: usize,
-    /// Chunks that were finished before the next was.
+    /// Chunks that were finished before their turn.
     early: BTreeMap<usize, (Vec<Unit>, UpperNodes)>,
-    /// The tops of the chunks that were placed.
+    /// The tops of the placed chunks.
     upper_nodes: Vec<UpperNodes>,
 }
 
 impl<'a> Assembly<'a> {
-    /// Sets room aside for the next chunk.
+    /// Reserves room for the next chunk.
     fn claim(&mut self, units: usize, mut upper: UpperNodes) -> &'a mut [Unit] {
         let (room, rest) = std::mem::take(&mut self.rest).split_at_mut(units);
         self.rest = rest;
@@ -162,7 +164,7 @@ impl<'a> Assembly<'a> {
     }
 }
 
-/// Copies a chunk to its place, and those that waited for it; or lets it wait.
+/// Copies a chunk to its place, with the chunks that waited for it; or keeps it waiting.
 fn place(assembly: &Mutex<Assembly>, chunk: usize, units: &mut Vec<Unit>, upper: UpperNodes) {
     let mut waited = Vec::new();
     let room = {

@@ -1,8 +1,8 @@
-//! Joining the chunks: one hierarchy above the parts of all.
+//! Joins the chunks: one hierarchy above the parts of all.
 //!
-//! obvhs builds a hierarchy over some subtrees of each chunk, whose own binary nodes are then put
-//! back below it down to the parts, and reinsertion moves what belongs elsewhere. So nothing but the
-//! very top is found anew, and what is converted is one hierarchy, as if there had been no chunks.
+//! obvhs builds a hierarchy over some subtrees of each chunk. Their own binary nodes are then put
+//! back below it down to the parts, and reinsertion moves misplaced nodes. So only the very top is
+//! built anew, and one hierarchy is converted, as if there were no chunks.
 
 use obvhs::BvhBuildParams;
 use obvhs::bvh2::Bvh2;
@@ -16,21 +16,21 @@ use crate::accel::geometry::Geometry;
 use crate::accel::wide::{Converter, Output, Owner, Part};
 use crate::kernels::slab::Aabb;
 
-/// Subtrees of each chunk that are clustered anew.
+/// Number of subtrees of each chunk that are clustered anew.
 const SEEDS: usize = 8;
 
-/// Of the nodes above the parts, how many are reinserted at a time: more brought nothing.
+/// The share of the nodes above the parts that is reinserted at a time: more gained nothing.
 const REINSERTED: f32 = 0.2;
 
-/// A subtree of a chunk: which chunk, and which node of its upper.
+/// A subtree of a chunk: the chunk, and a node of its upper part.
 #[derive(Clone, Copy)]
 struct Seed {
     chunk: usize,
     place: u32,
 }
 
-/// Writes the nodes that join the chunks' parts to the end of `top`. Says where they begin, and what
-/// box is around all.
+/// Writes the nodes that join the chunks' parts to the end of `top`. Returns their start and the
+/// box around all.
 pub(super) fn join(
     geometry: &Geometry,
     upper_nodes: &[UpperNodes],
@@ -44,7 +44,7 @@ pub(super) fn join(
     let bvh = hierarchy(upper_nodes, parts.len());
     let mut converter = Converter::default();
     converter.evaluate(view(&bvh), |owner| Owner::Part(parts[owner as usize]));
-    // Where the nodes begin, follows from how many they are: they are written twice.
+    // The start of the nodes follows from their number: they are written twice.
     let mut start = 0;
     let mut output = Output::default();
     for _ in 0..2 {
@@ -82,7 +82,7 @@ fn hierarchy(upper_nodes: &[UpperNodes], parts: usize) -> Bvh2 {
     bvh
 }
 
-/// Some subtrees of a chunk, those of largest boxes opened first.
+/// Some subtrees of a chunk; the largest boxes are opened first.
 fn seeds(chunk: usize, upper: &UpperNodes) -> Vec<Seed> {
     let area = |seed: &Seed| upper.nodes[seed.place as usize].aabb().half_area();
     if upper.nodes.is_empty() {
@@ -101,7 +101,7 @@ fn seeds(chunk: usize, upper: &UpperNodes) -> Vec<Seed> {
     seeds
 }
 
-/// Replaces each leaf by the subtree of the seed that it stands for.
+/// Replaces each leaf by the subtree of its seed.
 fn expand(nodes: &mut Vec<Bvh2Node>, seeds: &[Seed], upper_nodes: &[UpperNodes]) {
     let firsts: Vec<u32> = upper_nodes
         .iter()
@@ -128,7 +128,7 @@ fn expand(nodes: &mut Vec<Bvh2Node>, seeds: &[Seed], upper_nodes: &[UpperNodes])
     }
 }
 
-/// The number of nodes on the longest way down.
+/// The number of nodes on the longest path.
 fn depth(nodes: &[Bvh2Node]) -> usize {
     let mut deepest = 0;
     let mut waiting = vec![(0, 1)];

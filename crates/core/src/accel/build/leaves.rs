@@ -1,6 +1,6 @@
-//! Leaves found before the tree, for the quickest build: along Morton's curve each triangle joins the leaf of
-//! those before it as long as that costs rays hardly more than a leaf of its own. The hierarchy is then over
-//! leaves, a quarter as many as there are triangles.
+//! Finds leaves before the tree, for the quickest build. Along Morton's curve each triangle joins
+//! the current leaf as long as that costs rays hardly more than a new leaf. The hierarchy is then
+//! over leaves, a quarter of the number of triangles.
 
 use glam::Vec3A;
 use obvhs::aabb::Aabb;
@@ -9,24 +9,26 @@ use super::piece::{Members, is_in_lanes};
 use crate::accel::wide::{Shared, as_patch};
 use crate::math::simd::LANES;
 
-/// By what part of the smaller one's cost a joint leaf may cost more than both apart. It makes for fewer leaves and
-/// nodes: against 0, building a scan takes a seventh less time and rays are no slower; with 1 they were by 3 per cent.
+/// How much more a joint leaf may cost than two separate ones, as a share of the smaller one's
+/// cost. This makes fewer leaves and nodes: compared with 0, building a scan takes a seventh less
+/// time and rays are no slower; with 1 they were slower by 3 per cent.
 const SLACK: f32 = 0.6;
 
-/// Bits of an axis of the curve.
+/// Bits of the curve for each axis.
 const BITS: u32 = 10;
 
-/// Finds the leaves of a piece, and keeps its memory.
+/// Finds the leaves of a piece, and reuses its memory.
 #[derive(Default)]
 pub(super) struct Finder {
-    /// Places on the curve, each with the index of its primitive below, and room to sort them.
+    /// Positions on the curve, with the index of the primitive in the low bits, and room to sort
+    /// them.
     keys: Vec<u64>,
     spare: Vec<u64>,
     /// The boxes of the leaves.
     leaves: Vec<Aabb>,
 }
 
-/// A leaf that is found, and where its primitives' numbers are.
+/// A leaf, and the range of its primitives' numbers.
 #[derive(Clone, Copy)]
 pub(super) struct Leaf {
     pub(super) shared: Shared,
@@ -35,7 +37,7 @@ pub(super) struct Leaf {
 }
 
 impl Finder {
-    /// Replaces the `boxes` of single primitives, the first, by those of the leaves that they are put in.
+    /// Replaces the `boxes` of single primitives, which come first, by those of their leaves.
     pub(super) fn find(&mut self, members: &mut Members, boxes: &mut Vec<Aabb>) {
         let Members { singles, flat, cutouts, numbers, leaves, .. } = members;
         let (own, heaps) = boxes.split_at(singles.len());
@@ -56,7 +58,7 @@ impl Finder {
                 *around = union;
             } else {
                 let mut shared = Shared::default();
-                // Of other kinds each is alone, and what it shares is not asked for.
+                // Other kinds are alone, and their shared vertices do not matter.
                 shared.add(0, single.corners);
                 leaves.push(Leaf { shared, first: numbers.len() as u32, count: 1 });
                 self.leaves.push(bounds);
@@ -68,7 +70,7 @@ impl Finder {
     }
 }
 
-/// The leaf with another triangle, if it has room and costs less than both apart.
+/// The leaf with another triangle, if it has room and costs less than two leaves.
 #[inline]
 fn joined(leaf: &Leaf, around: &Aabb, corners: [u32; 3], bounds: &Aabb) -> Option<(Shared, Aabb)> {
     let count = leaf.count as usize;
@@ -82,7 +84,7 @@ fn joined(leaf: &Leaf, around: &Aabb, corners: [u32; 3], bounds: &Aabb) -> Optio
     shared.add(count, corners).then_some((shared, union))
 }
 
-/// Puts the boxes' places on the curve and their indices into `keys`, in rising order.
+/// Writes the boxes' positions on the curve and their indices to `keys`, in rising order.
 fn sort(boxes: &[Aabb], keys: &mut Vec<u64>, spare: &mut Vec<u64>) {
     let center = |b: &Aabb| b.min + b.max;
     let low = boxes.iter().map(center).fold(Vec3A::INFINITY, Vec3A::min);
@@ -90,14 +92,15 @@ fn sort(boxes: &[Aabb], keys: &mut Vec<u64>, spare: &mut Vec<u64>) {
     let scale = (1 << BITS) as f32 / (high - low).max_element();
     keys.clear();
     keys.extend(boxes.iter().enumerate().map(|(index, b)| {
-        // Where all are at one place, 0 x inf is not a number, and counts as 0.
+        // If all are at one place, 0 x inf is NaN, and counts as 0.
         let [x, y, z] = ((center(b) - low) * scale).to_array().map(spread);
         (x | y << 1 | z << 2) << 32 | index as u64
     }));
     sort_keys(keys, spare);
 }
 
-/// Sorts by the upper half, of which [`BITS`] for each axis count: by radix, from the lowest digit up.
+/// Sorts by the upper half, which has [`BITS`] for each axis: a radix sort from the lowest digit
+/// up.
 fn sort_keys(keys: &mut Vec<u64>, spare: &mut Vec<u64>) {
     spare.resize(keys.len(), 0);
     for shift in (0..3 * BITS).step_by(BITS as usize).map(|digit| 32 + digit) {
@@ -115,7 +118,7 @@ fn sort_keys(keys: &mut Vec<u64>, spare: &mut Vec<u64>) {
     }
 }
 
-/// The whole part, each of its bits followed by two zeros.
+/// The integer part, with each bit followed by two zeros.
 fn spread(x: f32) -> u64 {
     let x = (x as u64).min((1 << BITS) - 1);
     let x = (x | x << 16) & 0x0300_00FF;

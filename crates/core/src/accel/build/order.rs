@@ -1,8 +1,8 @@
-//! An order of the primitives in which neighbours are near each other, cut into chunks.
+//! A spatial order of the primitives, cut into chunks.
 //!
-//! Primitives are counted and sorted by the cell of a coarse grid that their middle is in ([`super::survey`]);
-//! cells follow each other along Morton's curve. A cell of too many is ordered by a finer grid of
-//! its own, so that a scene may be as uneven as it likes.
+//! Primitives are counted and sorted by the cell of a coarse grid that contains their centre
+//! ([`super::survey`]); cells follow Morton's curve. A cell with too many primitives is ordered by
+//! a finer grid of its own, so that the scene may be very uneven.
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -13,18 +13,18 @@ use super::survey::{CELLS, Grid, Survey, around, block, is_kept, middle};
 use crate::accel::geometry::Geometry;
 use crate::kernels::slab::Aabb;
 
-/// How often cells are cut into finer ones before their members are taken as they come.
+/// How often cells are refined before their members are taken in the given order.
 const MOST_LEVELS: usize = 12;
 
-/// Primitives, in order.
+/// Primitives in order.
 #[derive(Debug, Default)]
 pub(super) struct Chunks {
     pub(super) numbers: Vec<u32>,
-    /// How many of them are in each chunk; together all, and no chunk is empty.
+    /// Number of primitives in each chunk; their sum is the number of all, and no chunk is empty.
     pub(super) lengths: Vec<usize>,
 }
 
-/// Orders the primitives that can be hit, `count` of them, and cuts them into chunks of at most `most`.
+/// Orders the `count` primitives that can be hit, and cuts them into chunks of at most `most`.
 pub(super) fn chunks(geometry: &Geometry, survey: &Survey, count: usize, most: usize) -> Chunks {
     if count > most {
         return arrange(geometry, &Members::All, &survey.cells, most, 0);
@@ -34,7 +34,7 @@ pub(super) fn chunks(geometry: &Geometry, survey: &Survey, count: usize, most: u
     Chunks { numbers: numbers.map(|(_, number)| number).collect(), lengths }
 }
 
-/// Who is ordered.
+/// The primitives to order.
 enum Members<'a> {
     /// Every primitive that can be hit.
     All,
@@ -51,7 +51,7 @@ impl Members<'_> {
     }
 }
 
-/// Sorts by cell, and cuts.
+/// Sorts by cell and cuts.
 fn arrange(
     geometry: &Geometry,
     members: &Members,
@@ -68,7 +68,8 @@ fn arrange(
     let mut counts: Vec<Vec<u32>> = cells.par_chunks(block).map(count).collect();
     let starts = to_starts(&mut counts);
     let places: Vec<AtomicU32> = (0..starts[CELLS]).map(|_| AtomicU32::new(0)).collect();
-    // Every place is written once: atomics are for the compiler, which cannot know.
+    // Every place is written once: the atomics are only for the compiler, which cannot know
+    // this.
     cells.par_chunks(block).zip(&mut counts).enumerate().for_each(|(b, (cells, next))| {
         for (i, &cell) in cells.iter().enumerate().filter(|&(_, &cell)| is_kept(cell)) {
             let place = &mut next[cell as usize];
@@ -81,7 +82,7 @@ fn arrange(
     refine(geometry, numbers, &starts, most, level)
 }
 
-/// Makes of each block's counts where it begins in each cell. Returns where the cells begin, and the
+/// Turns each block's counts into its start in each cell. Returns the starts of the cells and the
 /// end of all.
 fn to_starts(counts: &mut [Vec<u32>]) -> Vec<u32> {
     let mut sum = 0;
@@ -96,7 +97,7 @@ fn to_starts(counts: &mut [Vec<u32>]) -> Vec<u32> {
     starts
 }
 
-/// Cuts sorted numbers into chunks, and orders cells that are too full.
+/// Cuts sorted numbers into chunks, and orders cells with too many primitives.
 fn refine(
     geometry: &Geometry,
     mut numbers: Vec<u32>,
@@ -109,7 +110,7 @@ fn refine(
     let mut lengths: Vec<usize> = Vec::new();
     for run in runs {
         if run.len() <= most {
-            // Runs that are short together are one chunk.
+            // Short runs share a chunk.
             match lengths.last_mut() {
                 Some(last) if *last + run.len() <= most => *last += run.len(),
                 _ => lengths.push(run.len()),
@@ -135,7 +136,7 @@ fn refine(
     Chunks { numbers, lengths }
 }
 
-/// Halves the range of cells until no part has more than `most`, or is one cell.
+/// Halves the range of cells until each part has at most `most` or is one cell.
 fn cut(starts: &[u32], cells: Range<usize>, most: usize, runs: &mut Vec<Range<usize>>) {
     let run = starts[cells.start] as usize..starts[cells.end] as usize;
     if run.is_empty() {

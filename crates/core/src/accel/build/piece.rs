@@ -1,4 +1,4 @@
-//! A piece: some primitives, obvhs's hierarchy over them, and what it is converted to.
+//! A piece: some primitives, obvhs's hierarchy over them, and its conversion.
 
 use std::ops::Range;
 
@@ -18,23 +18,23 @@ use crate::accel::wide::{Converter, Hierarchy, Output, Owner, Part};
 use crate::kernels::quad;
 use crate::kernels::slab::Aabb;
 
-/// The scene, and how pieces of it are built.
+/// The scene, and how to build its pieces.
 pub(super) struct Plan<'a> {
     pub(super) geometry: &'a Geometry,
     /// A box around everything.
     pub(super) extents: Aabb,
     pub(super) parameters: &'a BvhBuildParams,
-    /// Of reinsertion: see [`super::Preset::rounds`].
+    /// Rounds of reinsertion: see [`super::Preset::rounds`].
     pub(super) rounds: Option<Vec<f32>>,
-    /// Whether there is one piece alone: memory is then let go as soon as it is done with.
+    /// Whether there is only one piece: memory is then freed as soon as possible.
     pub(super) once: bool,
-    /// Whether vertices repeat positions.
+    /// Whether vertices repeat positions and are compared by them.
     pub(super) weld: bool,
-    /// Whether leaves are found before the hierarchy.
+    /// Whether to find leaves before the hierarchy.
     pub(super) leaves_first: bool,
 }
 
-/// Builds pieces one after the other, and keeps its memory.
+/// Builds pieces in turn, and reuses its memory.
 #[derive(Default)]
 pub(super) struct Piece {
     ploc: PlocBuilder,
@@ -49,7 +49,7 @@ pub(super) struct Piece {
     pub(super) output: Output,
 }
 
-/// The top of a piece that was cut into parts.
+/// The top of a piece that is cut into parts.
 #[derive(Clone, Debug, Default)]
 pub(super) struct UpperNodes {
     /// Binary nodes, the root first; the leaves' indices are those of parts.
@@ -62,18 +62,18 @@ pub(super) struct UpperNodes {
 pub(super) struct Members {
     /// Owners of one primitive.
     pub(super) singles: Vec<Single>,
-    /// The owners after them, of many.
+    /// The following owners, of several primitives.
     heaps: Vec<Vec<u32>>,
-    /// How many primitives are triangles and quads: the first.
+    /// Number of triangles and quads, which come first.
     pub(super) flat: u32,
-    /// Of these, those that are cut out: tested alone, they are in lists.
+    /// Cut-outs among these: tested alone, in lists.
     pub(super) cutouts: Vec<Range<u32>>,
-    /// Owners in place of `singles`, where leaves are found first, and the numbers in them.
+    /// Owners instead of `singles` if leaves are found first, and the numbers in them.
     pub(super) leaves: Vec<Leaf>,
     pub(super) numbers: Vec<u32>,
 }
 
-/// A primitive, and if it is a triangle, its vertices.
+/// A primitive with the vertices of triangles.
 #[derive(Clone, Copy)]
 pub(super) struct Single {
     pub(super) number: u32,
@@ -81,13 +81,13 @@ pub(super) struct Single {
 }
 
 impl Members {
-    /// Whether the primitive is tested among others, as triangles are.
+    /// Whether the primitive is tested in lanes, as triangles are.
     #[inline(always)]
     pub(super) fn is_in_lanes(&self, number: u32) -> bool {
         is_in_lanes(number, self.flat, &self.cutouts)
     }
 
-    /// What the owner of that number is.
+    /// The owner with that number.
     #[inline(always)]
     fn owner(&self, owner: u32) -> Owner<'_> {
         match self.singles.get(owner as usize) {
@@ -97,7 +97,7 @@ impl Members {
         }
     }
 
-    /// As [`Self::owner`], where leaves were found first.
+    /// As [`Self::owner`], if leaves were found first.
     #[inline(always)]
     fn leaf(&self, owner: u32) -> Owner<'_> {
         let Some(leaf) = self.leaves.get(owner as usize) else {
@@ -112,7 +112,7 @@ impl Members {
     }
 }
 
-/// Whether the primitive is one of the first, `flat` many, and none of the cut-outs.
+/// Whether the primitive is one of the first `flat` and not a cut-out.
 #[inline(always)]
 pub(super) fn is_in_lanes(number: u32, flat: u32, cutouts: &[Range<u32>]) -> bool {
     let is_cut_out = || {
@@ -123,15 +123,15 @@ pub(super) fn is_in_lanes(number: u32, flat: u32, cutouts: &[Range<u32>]) -> boo
 }
 
 impl Piece {
-    /// Builds the hierarchy over the primitives of these numbers, of which there is one at least, and decides
-    /// what becomes of it.
+    /// Builds the hierarchy over the primitives with these numbers, at least one, and decides its
+    /// conversion.
     pub(super) fn build(&mut self, plan: &Plan, numbers: &[u32]) {
         self.gather(plan, numbers);
         self.gather_heaps(&plan.extents);
         if plan.leaves_first {
             self.finder.find(&mut self.members, &mut self.boxes);
         }
-        // The last piece's list is reused.
+        // Reuses the list of the last piece.
         let mut owners = std::mem::take(&mut self.bvh.primitive_indices);
         owners.clear();
         owners.extend(0..self.boxes.len() as u32);
@@ -163,7 +163,7 @@ impl Piece {
         }
     }
 
-    /// A box for each primitive.
+    /// Computes a box for each primitive.
     fn gather(&mut self, plan: &Plan, numbers: &[u32]) {
         let geometry = plan.geometry;
         self.members.flat = (geometry.triangles.len() + geometry.quads.len()) as u32;
@@ -184,7 +184,8 @@ impl Piece {
                 _ => self.add(number, [0; 3], geometry.bounds(number)),
             }
         }
-        // Triangles' boxes in a loop of their own, short enough for the processor to wait for many positions at once.
+        // Triangles' boxes in a separate loop, short enough for the processor to have many loads
+        // in flight.
         let triangles = geometry.triangles.len() as u32;
         for (single, bounds) in self.members.singles.iter().zip(&mut self.boxes) {
             if single.number < triangles {
@@ -200,7 +201,7 @@ impl Piece {
         }
     }
 
-    /// Takes the members of heaps out of both lists and appends the box of each heap.
+    /// Removes the members of heaps from both lists and appends the box of each heap.
     fn gather_heaps(&mut self, extents: &Aabb) {
         self.members.heaps.clear();
         let heaps = coincident::heaps(&self.boxes, &to_obvhs(*extents));
@@ -232,8 +233,8 @@ impl Piece {
     }
 
     /// Splits the boxes of triangles that are much larger than the average, as obvhs's own presets
-    /// do. The owner of box `i` is `i` itself but for the parts of split triangles, which come last:
-    /// obvhs relies on this.
+    /// do. The owner of box `i` is `i`, except for parts of split triangles, which come last: obvhs
+    /// relies on this.
     fn split_large_triangles(&mut self, geometry: &Geometry, owners: &mut Vec<u32>) {
         let Members { singles, flat, .. } = &self.members;
         let end = singles.partition_point(|s| s.number < *flat);
@@ -269,11 +270,11 @@ impl Piece {
         self.emit(plan, 0)
     }
 
-    /// Cuts the piece into about `parts` and writes each to `output`.
+    /// Cuts the piece into about `parts` parts and writes each to `output`.
     ///
-    /// Parts are nodes and leaves as they would be in the piece as a whole, so that a tree in which
-    /// other nodes stand above them has about the same below. Largest boxes are opened first: a
-    /// large triangle among small ones is then not in a box with them.
+    /// Parts are nodes and leaves as in the whole piece, so that a tree with other nodes above them
+    /// has about the same below. The largest boxes are opened first, so that a large triangle does
+    /// not share a box with small ones.
     pub(super) fn emit_upper(&mut self, plan: &Plan, parts: usize) -> UpperNodes {
         self.cut_off(parts);
         let nodes = vec![Bvh2Node::default()];
@@ -296,14 +297,14 @@ impl Piece {
         upper
     }
 
-    /// Puts the places of about `parts` into `cut`, in rising order.
+    /// Writes the places of about `parts` parts to `cut`, in rising order.
     fn cut_off(&mut self, parts: usize) {
         let nodes = &self.bvh.nodes;
         let area = |place: u32| nodes[place as usize].aabb().half_area();
         let mut open = vec![(area(0), 0)];
         self.cut.clear();
         while open.len() + self.cut.len() < parts && !open.is_empty() {
-            // Few enough that the largest is found by looking at all.
+            // Few enough to find the largest by a linear search.
             let larger = |a: usize, b: usize| if open[b].0 > open[a].0 { b } else { a };
             let largest = (0..open.len()).fold(0, larger);
             let (_, place) = open.swap_remove(largest);
@@ -331,7 +332,7 @@ impl Piece {
     }
 }
 
-/// The hierarchy as it is converted.
+/// The hierarchy in the form of the converter.
 pub(super) fn view(bvh: &Bvh2) -> Hierarchy<'_> {
     Hierarchy { nodes: &bvh.nodes, owners: &bvh.primitive_indices }
 }

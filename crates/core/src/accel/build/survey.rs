@@ -1,5 +1,5 @@
-//! A first look at every primitive, in the scene's order, while its neighbours are in cache: which triangles have
-//! no area, and in which cell of a coarse grid each primitive is.
+//! A first pass over every primitive, in the scene's order, while its neighbours are in cache:
+//! finds degenerate triangles, and the cell of a coarse grid of each primitive.
 
 use glam::Vec3;
 use rayon::prelude::*;
@@ -8,21 +8,22 @@ use crate::accel::geometry::{Geometry, Primitive};
 use crate::kernels::slab::Aabb;
 use crate::kernels::triangle::is_degenerate;
 
-/// Bits of an axis of the grid: counters of its cells then stay in the second-level cache.
+/// Bits of the grid for each axis: counters of its cells then stay in the second-level cache.
 const BITS: u32 = 5;
 
 /// Cells of the grid.
 pub(super) const CELLS: usize = 1 << (3 * BITS);
 
-/// In place of a cell, of a triangle without area.
+/// The cell of triangles without area.
 const NOWHERE: u16 = u16::MAX;
 
-/// Parts of the primitives that are looked at at a time, and the least that is worth its own counters.
+/// Number of blocks of primitives for each thread, and the smallest block that is worth its own
+/// counters.
 const BLOCKS_A_THREAD: usize = 4;
 const MOST_BLOCKS: usize = 64;
 const LEAST_BLOCK: usize = 1 << 14;
 
-/// What is known of the primitives before the tree is built.
+/// Properties of the primitives, found before the tree is built.
 #[derive(Debug)]
 pub struct Survey {
     /// A box around everything.
@@ -34,7 +35,7 @@ pub struct Survey {
 }
 
 impl Survey {
-    /// Looks at the primitives that `geometry` holds itself.
+    /// Surveys the primitives that `geometry` holds itself.
     pub fn of(geometry: &Geometry) -> Self {
         let extents = extents(geometry);
         let grid = Grid::new(&extents);
@@ -65,7 +66,8 @@ impl Survey {
         &self.degenerate
     }
 
-    /// Finds the cells of seals, which count like any other triangle. How many primitives can be hit.
+    /// Finds the cells of seals, which count like other triangles. Returns the number of primitives
+    /// that can be hit.
     pub(super) fn keep_seals(&mut self, geometry: &Geometry) -> usize {
         let grid = Grid::new(&self.extents);
         for number in geometry.seals.numbers() {
@@ -75,14 +77,14 @@ impl Survey {
     }
 }
 
-/// Of so many primitives, how many are looked at at a time: a few for each thread, for them to finish together.
-/// Nothing depends on it but time.
+/// The block size for a number of primitives: a few blocks for each thread, so that threads finish
+/// together. It affects only time.
 pub(super) fn block(count: usize) -> usize {
     let blocks = (BLOCKS_A_THREAD * rayon::current_num_threads()).min(MOST_BLOCKS);
     count.div_ceil(blocks).max(LEAST_BLOCK)
 }
 
-/// Whether the primitive in this cell can be hit.
+/// Whether a primitive with this cell can be hit.
 #[inline(always)]
 pub(super) fn is_kept(cell: u16) -> bool {
     cell != NOWHERE
@@ -114,8 +116,8 @@ impl Grid {
         Self { low: bounds.low, scale: (1 << BITS) as f32 / size }
     }
 
-    /// The cell that the middle of the primitive is in, by its place on Morton's curve. Middles outside count as at
-    /// the border, and in a grid of no size all are in one cell.
+    /// The cell that contains the centre of the primitive, as a position on Morton's curve. Centres
+    /// outside count as at the border, and a grid of size zero has one cell.
     #[inline(always)]
     pub(super) fn cell(&self, geometry: &Geometry, number: u32) -> u16 {
         let axis = |x: f32| spread((x as u16).min((1 << BITS) - 1));
@@ -129,14 +131,14 @@ fn spread(x: u16) -> u16 {
     x & 1 | (x & 2) << 2 | (x & 4) << 4 | (x & 8) << 6 | (x & 16) << 8
 }
 
-/// The middle of the primitive's box.
+/// The centre of the primitive's box.
 #[inline(always)]
 pub(super) fn middle(geometry: &Geometry, number: u32) -> Vec3 {
     let bounds = match geometry.primitive(number) {
         Primitive::Triangle(i) => Aabb::around(geometry.triangle(i)),
         Primitive::Quad(i) => Aabb::around(geometry.quad(i)),
         Primitive::Sphere(i) => return geometry.spheres[i].0,
-        // Instances have a tree of their own.
+        // Instances have their own tree.
         Primitive::Instanced(_) => return Vec3::ZERO,
     };
     (bounds.low + bounds.high) * 0.5

@@ -1,28 +1,27 @@
-//! Vertices at one position as one vertex, so that triangles which repeat positions, as those of STL
-//! files do, share a leaf's vertices like those that share indices.
+//! Merges vertices at the same position, so that triangles with repeated positions, as in STL
+//! files, share a leaf's vertices like those with shared indices.
 
 use glam::Vec3;
 
-/// Welds the vertices of some triangles at a time, and keeps its memory.
+/// Merges the vertices of a few triangles at a time, and reuses its memory.
 #[derive(Debug, Default)]
 pub(super) struct Welder {
-    /// Open addressing: a vertex in each place that is taken.
+    /// Open addressing: the vertex in each taken slot.
     table: Vec<u32>,
 }
 
-/// A place that is free.
+/// A free slot.
 const FREE: u32 = u32::MAX;
 
 impl Welder {
-    /// Replaces each vertex of the `triangles`, no more than `most`, by the first of those with the
-    /// same bits.
+    /// Replaces each vertex of the `triangles`, at most `most`, by the first with the same bits.
     pub(super) fn weld<'a>(
         &mut self,
         positions: &[Vec3],
         triangles: impl Iterator<Item = &'a mut [u32; 3]>,
         most: usize,
     ) {
-        // Half of the places stay free.
+        // Half of the slots stay free.
         let size = (6 * most).next_power_of_two();
         self.table.clear();
         self.table.resize(size, FREE);

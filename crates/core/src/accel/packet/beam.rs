@@ -1,4 +1,4 @@
-//! What bounds the rays of a tile: an interval for each number that boxes are tested with.
+//! Bounds on the rays of a tile: an interval for each number in the box test.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x8, f32x16, mask32x8, mask32x16};
@@ -13,7 +13,7 @@ use crate::math::float::{gamma, max, min};
 use crate::math::ray::FARTHEST_ORIGIN;
 use crate::math::simd::{LANES, Lanes};
 
-/// What bounds the rays seen so far.
+/// Bounds on the rays seen so far.
 pub(super) struct Extents<S: Lanes> {
     low: RayLanes<S>,
     high: RayLanes<S>,
@@ -49,13 +49,13 @@ impl<S: Lanes> Extents<S> {
         self.high.t_min = self.high.t_min.max(rays.t_min);
         self.low.t_max = self.low.t_max.min(rays.t_max);
         self.high.t_max = self.high.t_max.max(rays.t_max);
-        // A sum is finite only if all that it is of are. Rays for which it overflows are not fit
-        // either, which costs them nothing but time.
+        // A sum is finite only if all its terms are. Rays for which it overflows count as unfit,
+        // which costs only time.
         let sum = ((ox + oy) + (oz + dx)) + (dy + dz);
         self.valid &= sum.abs().simd_le(f32::MAX) & rays.t_min.simd_le(rays.t_max);
     }
 
-    /// What bounds the rays, if these are valid and have one sign along each axis.
+    /// Bounds on the rays, if they are valid and have one sign along each axis.
     #[inline(always)]
     pub(super) fn beam<P: Arithmetic>(&self) -> Option<Beam> {
         let low = fold::<S, false>(&self.low);
@@ -90,18 +90,18 @@ impl<S: Lanes> Extents<S> {
     }
 }
 
-/// The least and the greatest of each component.
+/// The smallest and largest of each component.
 #[inline(always)]
 fn pairs(low: [f32; 8], high: [f32; 8]) -> [[f32; 2]; 8] {
     std::array::from_fn(|k| [low[k], high[k]])
 }
 
-/// The least of each component of origins, directions and ranges, or the greatest.
+/// The smallest or largest of each component of origins, directions and ranges.
 #[inline(always)]
 fn fold<S: Lanes, const GREATEST: bool>(rays: &RayLanes<S>) -> [f32; 8] {
     let [ox, oy, oz] = rays.origin;
     let [dx, dy, dz] = rays.direction;
-    // Two become one at each step, which has both in turns.
+    // Each step merges two into one, interleaved.
     let (a, b) = (both::<S, GREATEST>(ox, dy), both::<S, GREATEST>(oz, rays.t_min));
     let (c, d) = (both::<S, GREATEST>(oy, dz), both::<S, GREATEST>(dx, rays.t_max));
     let (even, odd) = (both::<S, GREATEST>(a, b), both::<S, GREATEST>(c, d));
@@ -109,16 +109,15 @@ fn fold<S: Lanes, const GREATEST: bool>(rays: &RayLanes<S>) -> [f32; 8] {
     if GREATEST { left.max(right).into() } else { left.min(right).into() }
 }
 
-/// The lesser of a pair of numbers of `a`, or the greater, then of `b`, and so on.
+/// Alternately the smaller or larger of a pair of numbers from `a` and of a pair from `b`.
 #[inline(always)]
 fn both<S: Lanes, const GREATEST: bool>(a: f32x16<S>, b: f32x16<S>) -> f32x16<S> {
     let (low, high) = (a.zip_low(b), a.zip_high(b));
     if GREATEST { low.max(high) } else { low.min(high) }
 }
 
-/// The origins from which first planes are met earliest and latest, and last planes latest and
-/// earliest, given the extent of the origins and the most that they are shifted by: just as much
-/// where there is one origin.
+/// The origins with the earliest and latest entry, and the latest and earliest exit, given the
+/// extent of the origins and their largest shift: exact if there is one origin.
 #[inline(always)]
 fn origins([low, high]: [f32; 2], pad: f32, negative: bool) -> ([f32; 2], [f32; 2]) {
     if low == high {
@@ -142,31 +141,31 @@ fn greatest([low, high]: [f32; 2]) -> f32 {
     max(low.abs(), high.abs())
 }
 
-/// What bounds all rays of a tile.
+/// Bounds on all rays of a tile.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Beam {
     pub(super) negative: [bool; 3],
-    /// Whether all rays start at one point: planes then are as far from each.
+    /// Whether all rays start at one point: planes are then equally far from each.
     pub(super) has_one_origin: bool,
-    /// Least and greatest.
+    /// Smallest and largest.
     pub(super) reciprocal: [[f32; 2]; 3],
-    /// The origins from which first planes are met earliest, and latest.
+    /// The origins with the earliest and the latest entry.
     pub(super) near_origin: [[f32; 2]; 3],
-    /// The origins from which last planes are met latest, and earliest.
+    /// The origins with the latest and the earliest exit.
     pub(super) far_origin: [[f32; 2]; 3],
-    /// Least and greatest.
+    /// Smallest and largest.
     pub(super) t_min: [f32; 2],
-    /// Least and greatest.
+    /// Smallest and largest.
     pub(super) reach: [f32; 2],
 }
 
-/// Whether a component between these has one sign, and a finite reciprocal.
+/// Whether a component within these bounds has one sign and a finite reciprocal.
 #[inline(always)]
 fn is_one_sign([low, high]: [f32; 2]) -> bool {
     low > f32::MIN_POSITIVE || high < -f32::MIN_POSITIVE
 }
 
-/// By what factor reciprocals have to differ, for rounding not to have put them in their order.
+/// The ratio above which rounding cannot have swapped the order of reciprocals.
 const APART: f32 = 1.0 + gamma(4);
 
 /// The axis along which every direction is longest, given the extents of the reciprocals.
@@ -185,18 +184,18 @@ pub(super) fn longest([x, y, z]: [[f32; 2]; 3]) -> Option<usize> {
     }
 }
 
-/// What a beam meets of a node's children.
+/// The children of a node that a beam meets.
 pub(super) struct Met<S: Lanes> {
     /// The least t at which a ray can enter each child's box.
     pub(super) near: f32x8<S>,
-    /// The children that rays can meet.
+    /// The children that some ray may meet.
     pub(super) some: mask32x8<S>,
-    /// The children that every ray meets, by its box and its range at least.
+    /// The children that every ray certainly meets, by its box and its range.
     pub(super) all: mask32x8<S>,
 }
 
 impl Beam {
-    /// Of a tile to be loaded.
+    /// The beam of an empty tile.
     pub(super) const EMPTY: Self = Self {
         negative: [false; 3],
         has_one_origin: false,
@@ -207,7 +206,7 @@ impl Beam {
         reach: [0.0; 2],
     };
 
-    /// Which children it meets.
+    /// The children that it meets.
     #[inline(always)]
     pub(super) fn children<S: Lanes>(&self, simd: S, node: &Node) -> Met<S> {
         if self.has_one_origin {
@@ -230,7 +229,7 @@ impl Beam {
         Met { near, some, all: last.simd_le(first) & some }
     }
 
-    /// Whether a ray can meet the box.
+    /// Whether some ray may meet the box.
     #[inline(always)]
     pub(super) fn meets(&self, bounds: &Aabb) -> bool {
         let (mut near, mut far) = (self.t_min[0], self.reach[1]);
@@ -248,7 +247,7 @@ impl Beam {
         near <= far
     }
 
-    /// When rays meet the children's planes across an axis.
+    /// The t of the rays at the children's planes on an axis.
     #[inline(always)]
     fn axis<S: Lanes, const ONE: bool>(
         &self,
@@ -261,7 +260,7 @@ impl Beam {
         let [low, high] = self.reciprocal[k];
         let (a, z) = (first - self.near_origin[k][0], last - self.far_origin[k][0]);
         let (a_low, a_high, z_low, z_high) = (a * low, a * high, z * low, z * high);
-        // Which of the two is earlier depends on the side of the plane that rays start on.
+        // Which of the two is earlier depends on the side of the plane on which rays start.
         let (near, far) = (a_low.min(a_high), z_low.max(z_high));
         if ONE {
             return Crossing { near: [near, a_low.max(a_high)], far: [far, z_low.min(z_high)] };
@@ -271,14 +270,14 @@ impl Beam {
     }
 }
 
-/// The least and the greatest t at which rays meet the children's first planes across an axis, and
-/// the greatest and the least at which they meet the last.
+/// The least and greatest t of the rays at the children's entry planes on an axis, and the greatest
+/// and least at their exit planes.
 struct Crossing<S: Lanes> {
     near: [f32x8<S>; 2],
     far: [f32x8<S>; 2],
 }
 
-/// The least and the greatest.
+/// The smallest and largest.
 #[inline(always)]
 pub(super) fn extent<S: Lanes>(simd: S, column: &Column) -> [f32; 2] {
     let (a, b) = (load(simd, column, 0), load(simd, column, 1));

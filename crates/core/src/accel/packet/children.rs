@@ -1,4 +1,4 @@
-//! The children of nodes, as the rays of tiles meet them.
+//! Tests the children of nodes against the rays of tiles.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, u32x8};
@@ -14,19 +14,19 @@ use crate::math::simd::{LANES, Lanes, entry};
 /// A child that the beam of a tile meets.
 #[derive(Clone, Copy, Debug)]
 struct Child {
-    /// How far it is, and in the lowest bits which child.
+    /// Its distance, with its number in the lowest bits.
     entry: u64,
-    /// The rays that may meet it.
+    /// The rays that may meet the child.
     rays: u64,
-    /// Its parent.
+    /// The parent.
     parent: Ref,
     tile: u32,
-    /// Whether all of the rays do.
+    /// Whether all of the rays meet it.
     by_all: bool,
 }
 
-/// The children met of the nodes that all tiles are at: those of each tile from far to near, or for any hit from small
-/// to large.
+/// The children met at the current nodes of all tiles: those of each tile from far to near, or for
+/// any-hit queries from small to large.
 #[derive(Clone, Debug)]
 pub(super) struct Children {
     children: [Child; MOST_CHILDREN],
@@ -35,10 +35,10 @@ pub(super) struct Children {
     leaf_count: usize,
 }
 
-/// The most children that are met at a time.
+/// Largest number of children at a time.
 const MOST_CHILDREN: usize = TILES_ON_THEIR_WAY * LANES;
 
-/// The most leaves: children, and as many that waited.
+/// Largest number of leaves: children, and as many that waited.
 const MOST_LEAVES: usize = 2 * MOST_CHILDREN;
 
 /// Rays of a tile that meet a leaf.
@@ -61,7 +61,7 @@ impl Children {
         leaf_count: 0,
     };
 
-    /// Adds those of a node that the beam of the `k`th tile meets.
+    /// Adds the children of a node that the beam of the `k`th tile meets.
     #[inline(always)]
     pub(super) fn add<S: Lanes, Q: Query>(
         &mut self,
@@ -81,7 +81,7 @@ impl Children {
             simd.far_to_near(&entries, some, &mut met);
         }
         let all = all.to_bitmask();
-        // All eight are written, for the processor to have no branch to predict.
+        // Write all eight, so that the processor has no branch to predict.
         if let Some(room) = self.children[self.count..].first_chunk_mut::<LANES>() {
             for (child, entry) in room.iter_mut().zip(met) {
                 let by_all = all >> (entry & 7) & 1 == 1;
@@ -91,7 +91,7 @@ impl Children {
         }
     }
 
-    /// Whether there is room for a leaf besides those of nodes.
+    /// Whether there is room for another leaf besides those of nodes.
     #[inline(always)]
     pub(super) fn has_room(&self) -> bool {
         self.leaf_count < MOST_LEAVES - MOST_CHILDREN
@@ -104,7 +104,7 @@ impl Children {
         self.leaf_count += 1;
     }
 
-    /// The leaves that have been met, once.
+    /// The met leaves, each once.
     #[inline(always)]
     pub(super) fn take_leaf(&mut self, i: usize) -> Option<LeafVisit> {
         if i < self.leaf_count {
@@ -114,7 +114,7 @@ impl Children {
         None
     }
 
-    /// Tests the rays and lets the tiles visit, later, what they meet.
+    /// Tests the rays, and queues the met children in their tiles.
     #[inline(always)]
     pub(super) fn visit<S: Lanes, Q: Query>(
         &mut self,
@@ -134,7 +134,8 @@ impl Children {
                 };
             }
         }
-        // Leaves before the nearest node are visited at once, others in their turn: what is before them may hide them.
+        // Leaves before the nearest node are visited at once, others in their turn: nearer nodes
+        // may hide them.
         let mut nearest = [u64::MAX; TILES_ON_THEIR_WAY];
         for child in &mut self.children[..self.count] {
             let lane = child.entry as usize & (LANES - 1);
@@ -159,7 +160,7 @@ impl Children {
     }
 }
 
-/// Which of `rays` meet the child.
+/// The `rays` that meet the child.
 #[inline(always)]
 fn rays_in<S: Lanes, const ONE: bool>(
     simd: S,
@@ -194,7 +195,7 @@ fn rays_in<S: Lanes, const ONE: bool>(
     met & rays
 }
 
-/// How far beyond its origin each ray of a group finds the plane, or beyond the `ONE` of all.
+/// The distance from each ray's origin to the plane, or from the `ONE` origin of all.
 #[inline(always)]
 fn beyond<S: Lanes, const ONE: bool>(
     simd: S,

@@ -1,9 +1,8 @@
-//! Patches in front of many rays of a tile: sixteen rays and one triangle at a time.
+//! Patches that many rays of a tile meet: sixteen rays against one triangle at a time.
 //!
-//! The tests of all tiles that wait go through each of four short loops together: what the rays see
-//! of the vertices, which triangles they do not pass by, where they meet those, and what that means.
-//! No loop has a branch that depends on what it finds, and so the processor always knows what comes
-//! next.
+//! The waiting tests of all tiles go through four short loops together: shear the vertices for the
+//! rays, find the triangles that are not missed, find where these are met, and store the results.
+//! No loop has a data-dependent branch, so the processor never mispredicts.
 
 mod fast;
 mod report;
@@ -23,13 +22,13 @@ use crate::kernels::triangle::{Decision, Edges, RayRange, Sheared, decide};
 use crate::math::real::Mask;
 use crate::math::simd::{LANES, Lanes};
 
-/// So many tests can wait.
+/// Largest number of waiting tests.
 pub(super) const MOST_GROUPS: usize = 16;
 
 /// A number for each of sixteen rays.
 type Row = [f32; WIDTH];
 
-/// Up to sixteen rays of a tile in front of a patch. In this order, as [`Tile`] is.
+/// Up to sixteen rays of a tile at a patch. The order of fields is that of [`Tile`].
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
 struct PatchRays {
@@ -38,33 +37,33 @@ struct PatchRays {
     depth: Row,
     t_min: Row,
     t_max: Row,
-    /// What the rays have found so far.
+    /// The closest t of the rays so far.
     best: Row,
     primitive: [u32; WIDTH],
-    /// Which rays of the tile they are, and which lanes are used, a bit each.
+    /// The rays' positions in the tile, and the used lanes, a bit each.
     positions: [u32; WIDTH],
     used: u32,
-    /// Whether they are a group of the tile itself, in its order.
+    /// Whether this is a whole group of the tile, in its order.
     is_whole: bool,
     tile: usize,
     place: Ref,
-    /// The rays that have found it here, a bit each.
+    /// The rays that hit a triangle here, a bit each.
     hit: u32,
-    /// Those that have to be asked alone, and for each triangle which.
+    /// The rays that need the single test, and for each triangle which rays.
     open: u32,
     left: [u32; LANES],
 }
 
-/// A triangle in front of a group.
+/// A triangle and a group.
 #[derive(Clone, Copy, Debug, Default)]
 struct Pair {
     group: u8,
     triangle: u8,
-    /// The rays that are not outside of it.
+    /// The rays that are not outside the triangle.
     inside: u16,
 }
 
-/// The tests that wait.
+/// The waiting tests.
 #[derive(Clone, Debug)]
 pub(super) struct Groups {
     groups: Box<[PatchRays; MOST_GROUPS]>,
@@ -72,7 +71,7 @@ pub(super) struct Groups {
     pairs: Box<[Pair; MOST_GROUPS * LANES + LANES]>,
 }
 
-/// A ray that has to be asked alone about some of a patch's triangles, a bit each.
+/// A ray that needs the single test for some of a patch's triangles, a bit each.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Open {
     pub(super) tile: usize,
@@ -112,8 +111,7 @@ impl Groups {
         self.count == MOST_GROUPS
     }
 
-    /// Lets the rays at the `used` ones of `positions`, a bit each, wait in front of the patch at
-    /// `place`.
+    /// Queues the rays at the `used` ones of `positions`, a bit each, for the patch at `place`.
     #[inline(always)]
     pub(super) fn add(&mut self, tile: usize, place: Ref, positions: [u32; WIDTH], used: u32) {
         let group = &mut self.groups[self.count % MOST_GROUPS];
@@ -123,7 +121,7 @@ impl Groups {
         self.count += 1;
     }
 
-    /// As [`Groups::add`], for rays of the `g`th group of the tile.
+    /// As [`Groups::add`], for the `g`th whole group of the tile.
     #[inline(always)]
     pub(super) fn add_whole(&mut self, tile: usize, place: Ref, g: usize, used: u32) {
         let mut positions = [0; WIDTH];
@@ -134,7 +132,7 @@ impl Groups {
         self.groups[(self.count - 1) % MOST_GROUPS].is_whole = true;
     }
 
-    /// Tests all that wait, and lists what single precision leaves open.
+    /// Runs all waiting tests, and lists the rays that single precision leaves open.
     #[inline(always)]
     pub(super) fn test<S: Lanes, Q: Query, P: Arithmetic>(
         &mut self,
@@ -147,7 +145,7 @@ impl Groups {
         let Searched { tree, geometry, .. } = searched;
         let arena = tree.arena.view();
         let pairs = self.see::<S, P>(simd, arena, tiles, tests);
-        // The fast test has no step to leave triangles out by.
+        // The fast test has no separate step that rejects triangles.
         let pairs = if P::IS_FAST { pairs } else { self.leave_out(simd, arena, pairs) };
         let groups = &mut self.groups[..self.count.min(MOST_GROUPS)];
         for pair in &self.pairs[..pairs] {
@@ -177,8 +175,8 @@ impl Groups {
         self.count = 0;
     }
 
-    /// Fills in what the rays of all groups see of their patches, and lists every pair of a group and a triangle.
-    /// How many there are.
+    /// Shears the vertices of the patches for all groups, and lists every pair of a group and a
+    /// triangle. Returns the number of pairs.
     #[inline(always)]
     fn see<S: Lanes, P: Arithmetic>(
         &mut self,
@@ -210,7 +208,8 @@ impl Groups {
         count
     }
 
-    /// Keeps those of the first `all` pairs in which some ray is not outside of the triangle. How many there are.
+    /// Keeps those of the first `all` pairs in which some ray is not outside the triangle. Returns
+    /// their number.
     #[inline(always)]
     fn leave_out<S: Lanes>(&mut self, simd: S, arena: View<'_>, all: usize) -> usize {
         let mut count = 0;
@@ -228,7 +227,7 @@ impl Groups {
 }
 
 impl PatchRays {
-    /// Lists the rays that have to be asked alone.
+    /// Lists the rays that need the single test.
     #[inline(always)]
     fn list_open(&self, asks: &mut Vec<Open>) {
         let mut open = self.open;
@@ -245,7 +244,7 @@ impl PatchRays {
     }
 }
 
-/// Fills in what the rays, which may have `ONE` origin, see of the patch.
+/// Shears the vertices of the patch for the rays, which may have `ONE` origin.
 #[inline(always)]
 fn see<S: Lanes, const ONE: bool>(simd: S, leaf: &Patch, tile: &Tile, group: &mut PatchRays) {
     let order = ORDERS[tile.longest.min(2)];
@@ -278,7 +277,7 @@ fn see<S: Lanes, const ONE: bool>(simd: S, leaf: &Patch, tile: &Tile, group: &mu
     (group.hit, group.open, group.left) = (0, 0, [0; LANES]);
 }
 
-/// What a column has for the group's rays; `g` says which of the tile's groups, if it is a whole one.
+/// The values of a column for the group's rays; `g` is the number of a whole group.
 #[inline(always)]
 fn row<S: Lanes>(simd: S, column: &Column, group: &PatchRays, g: usize) -> Row {
     if group.is_whole {
@@ -287,8 +286,8 @@ fn row<S: Lanes>(simd: S, column: &Column, group: &PatchRays, g: usize) -> Row {
     simd.pick(column, group.positions).into()
 }
 
-/// The coordinates along an axis, relative to the `ONE` origin; or as they are, and what is to be
-/// subtracted for each ray.
+/// The coordinates along an axis relative to the `ONE` origin; or unchanged, with the values to
+/// subtract for each ray.
 #[inline(always)]
 fn relative<S: Lanes, const ONE: bool>(
     simd: S,
@@ -303,7 +302,7 @@ fn relative<S: Lanes, const ONE: bool>(
     ((positions - column[0][0]).into(), origins)
 }
 
-/// Finds where the group's rays meet a triangle.
+/// Finds the meetings of the group's rays with a triangle.
 #[inline(always)]
 fn meet<S: Lanes, Q: Query, P: Arithmetic>(
     simd: S,
@@ -339,7 +338,7 @@ fn meet<S: Lanes, Q: Query, P: Arithmetic>(
     report::note::<S, Q, P>(simd, searched, tile, group, pair.triangle, (t, certain | settled.hit));
 }
 
-/// The corners of a triangle, in sheared space.
+/// The corners of a triangle in sheared space.
 #[inline(always)]
 fn corners<'a>(leaf: &Patch, group: &'a PatchRays, triangle: u8) -> [&'a [Row; 3]; 3] {
     let [a, b, c] = leaf.corners;

@@ -1,4 +1,4 @@
-//! Leaves, as the rays of a tile meet them.
+//! Tests the leaves that the rays of a tile meet.
 
 use super::children::LeafVisit;
 use super::groups::Open;
@@ -13,20 +13,20 @@ use crate::accel::{Hit, TestCounts, leaf};
 use crate::kernels::precision::Arithmetic;
 use crate::math::simd::{LANES, Lanes, outlined};
 
-/// So many rays, or fewer, are tested each for itself.
+/// Up to this many rays are tested one by one.
 const ALONE: u32 = 3;
 
-/// So many rays on average in the groups of a tile that meet a leaf are tested as they lie.
+/// From this average number of rays in the tile's groups on, groups are tested without regrouping.
 const WHOLE: u32 = 11;
 
-/// How many groups of a tile have some of `rays`.
+/// The number of groups of a tile with some of `rays`.
 #[inline(always)]
 fn groups_in(rays: u64) -> u32 {
     let has = |g: usize| u32::from(rays >> (g * WIDTH) & 0xFFFF != 0);
     has(0) + has(1) + has(2) + has(3)
 }
 
-/// A ray of a tile that is to be tested alone with a patch.
+/// A ray of a tile to test alone with a patch.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SingleTest {
     place: Ref,
@@ -57,8 +57,8 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
         self.test_singles(simd, tiles, tests);
     }
 
-    /// Lets each of a tile's rays wait in front of the triangles of a leaf: those of whole groups, those that are
-    /// brought together, or alone.
+    /// Queues each of a tile's rays for the triangles of a leaf: in whole groups, regrouped, or
+    /// alone.
     #[inline(always)]
     fn visit_triangles<S: Lanes>(
         &mut self,
@@ -73,7 +73,8 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
             tiles[k].shear(simd);
         }
         let mut rest = rays;
-        // Triangles that share no vertices are sheared each for itself: eight at a time is as good.
+        // Triangles without shared vertices are sheared separately: eight triangles at a time is
+        // as good.
         let alone = if place.kind() == Kind::Patch { ALONE } else { u64::BITS };
         if rest.count_ones() > alone && rest.count_ones() > WHOLE * groups_in(rest) {
             for g in 0..GROUPS {
@@ -150,11 +151,11 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
         }
     }
 
-    /// Tests all triangles of a leaf at once with each ray that waits alone.
+    /// Tests each ray that waits alone with all triangles of its leaf at once.
     #[inline(always)]
     fn test_singles<S: Lanes>(&mut self, simd: S, tiles: &mut [Tile], tests: &mut TestCounts) {
         let arena = self.searched.tree.arena.view();
-        // Two loops: the first has no branches that depend on what is found.
+        // Two loops: the first has no data-dependent branches.
         self.found.resize(self.singles.len().max(self.found.len()), Found::default());
         for (single, found) in self.singles.iter().zip(self.found.iter_mut()) {
             let tile = &tiles[single.tile as usize];
@@ -189,7 +190,7 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
         self.singles.clear();
     }
 
-    /// Tests all groups of rays that wait.
+    /// Tests all waiting groups of rays.
     #[inline(always)]
     fn test_groups<S: Lanes>(&mut self, simd: S, tiles: &mut [Tile], tests: &mut TestCounts) {
         outlined(
@@ -206,8 +207,8 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
         );
     }
 
-    /// Tests those of the `triangles` of a leaf, a bit each, whose numbers begin at `first`, with the `i`th ray, each
-    /// alone.
+    /// Tests those of the `triangles` of a leaf, a bit each, whose numbers start at `first`, one by
+    /// one with the `i`th ray.
     #[cold]
     #[inline(never)]
     fn ask_again(
@@ -233,7 +234,7 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
         }
     }
 
-    /// Gives the tile the closest of the hits that its `i`th ray has certainly found, if that is closer.
+    /// Gives the tile the closest certain hit of its `i`th ray, if it is closer.
     #[inline(always)]
     fn take_closest(&self, tile: &mut Tile, i: usize, found: &Found) {
         let Found { hits, first } = found;

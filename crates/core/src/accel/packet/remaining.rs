@@ -1,4 +1,4 @@
-//! What packets leave to rays in flight.
+//! The rays that packets leave to the kernel in flight.
 
 use crate::accel::geometry::PreparedRay;
 use crate::accel::node::distance;
@@ -8,14 +8,14 @@ use crate::accel::stream::{FromRoot, Slot, Source};
 use crate::accel::tree::reach;
 use crate::kernels::precision::Arithmetic;
 
-/// A place that a ray was handed over with, and the one before.
+/// A place handed over with a ray, and the one before.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Handed {
     pub(super) entry: u64,
     pub(super) before: u32,
 }
 
-/// Rays that packets have handed over, and then those that no packet has seen.
+/// The rays that packets handed over, then those that no packet took.
 pub(super) struct Remaining<'a> {
     pub(super) queue: &'a mut Vec<u32>,
     pub(super) handed: &'a [Handed],
@@ -44,7 +44,7 @@ impl<Q: Query, P: Arithmetic> Source<Q, P> for Remaining<'_> {
             let reach = reach::<P>(best.t);
             let mut entries = 0;
             let mut place = self.last[number].0;
-            // From the farthest to the nearest, which is then the last.
+            // From the farthest to the nearest, which comes last.
             while let Some(handed) = self.handed.get(place as usize) {
                 stack[entries] = handed.entry;
                 entries += usize::from(distance(handed.entry) <= reach);

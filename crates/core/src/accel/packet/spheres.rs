@@ -1,4 +1,4 @@
-//! Spheres in front of the rays of a tile: eight rays at a time.
+//! Tests spheres against the rays of a tile, eight rays at a time.
 
 use fearless_simd::f32x8;
 
@@ -14,7 +14,7 @@ use crate::math::simd::{LANES, Lanes};
 use crate::math::vector::{Line, Vector};
 
 impl Tile {
-    /// Tests the sphere of that number with some of its `rays`, a bit each.
+    /// Tests the sphere with that number against some `rays`, a bit each.
     #[inline(always)]
     pub(super) fn meet_sphere<S: Lanes, Q: Query, P: Arithmetic>(
         &mut self,

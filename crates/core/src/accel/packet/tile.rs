@@ -1,4 +1,4 @@
-//! The rays of a tile by column.
+//! The rays of a tile, in columns.
 
 mod gather;
 
@@ -31,7 +31,7 @@ pub(super) const GROUPS: usize = TILE / WIDTH;
 /// A number for each ray of a tile.
 pub(super) type Column = [[f32; WIDTH]; GROUPS];
 
-/// A tile's rays, by column. In this order, so that no vector lies across two lines of the cache.
+/// A tile's rays, in columns. The order of fields keeps vectors within cache lines.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
 pub(super) struct Tile {
@@ -45,21 +45,22 @@ pub(super) struct Tile {
     pub(super) reach: Column,
     pub(super) best: Column,
     pub(super) primitive: [[u32; WIDTH]; GROUPS],
-    /// For triangles, once one is met: how far the direction leans, and 1 over its longest.
+    /// For triangles, once one is met: the shear of the direction, and 1 over its longest
+    /// component.
     pub(super) shear: [Column; 3],
     /// The axis along which every direction is longest.
     pub(super) longest: usize,
     pub(super) is_sheared: bool,
-    /// Whether the beam's reach is yet to follow the rays'.
+    /// Whether the beam's reach is older than the rays'.
     pub(super) is_reach_stale: bool,
     pub(super) beam: Beam,
     /// The number of its first ray.
     pub(super) start: usize,
     /// How many rays it has.
     count: usize,
-    /// Rays that have found what they look for.
+    /// Rays that are done.
     pub(super) done: u64,
-    /// Places still to be visited, the next one last, and how many there are.
+    /// Places still to visit, the next one last, and their number.
     pub(super) visits: Vec<Visit>,
     height: usize,
 }
@@ -67,8 +68,8 @@ pub(super) struct Tile {
 /// Rays along an edge of a tile.
 const TILE_EDGE: usize = 8;
 
-/// The place in a tile's row of groups for the `i`th of its rays in their own order, row by row:
-/// each group is a block of 4 by 4, which meets less than one of 8 by 2 would.
+/// The index in a tile's row of groups of ray number `number`, counted row by row: each group is a
+/// block of 4 by 4, which meets less than one of 8 by 2.
 #[inline(always)]
 pub(super) fn index_of(number: usize) -> usize {
     number & 0b100011 | (number & 0b011000) >> 1 | (number & 0b000100) << 2
@@ -81,7 +82,7 @@ pub(super) fn number_of(index: usize) -> usize {
 }
 
 impl Tile {
-    /// A tile to be loaded.
+    /// An empty tile.
     pub(super) const EMPTY: Self = {
         let column = [[0.0; WIDTH]; GROUPS];
         Self {
@@ -108,8 +109,8 @@ impl Tile {
         }
     };
 
-    /// Takes the rays of `range`, at least one. Whether they are fit for a packet: all valid, of one
-    /// sign along each axis, and longest along the same axis.
+    /// Loads the rays of `range`, at least one. Returns whether they are fit for a packet: all
+    /// valid, with one sign along each axis, and longest along the same axis.
     #[inline(always)]
     pub(super) fn load<S: Lanes, P: Arithmetic>(
         &mut self,
@@ -123,7 +124,7 @@ impl Tile {
             let block = if range.len() == TILE {
                 rays.block(simd, first, TILE_EDGE)
             } else {
-                // Unused places repeat the last ray.
+                // Unused lanes repeat the last ray.
                 let mut block = [rays.ray(range.end - 1); WIDTH];
                 for (i, ray) in block.iter_mut().enumerate() {
                     let number = range.start + number_of(g * WIDTH + i);
@@ -151,21 +152,21 @@ impl Tile {
         true
     }
 
-    /// Puts a place on top of those to be visited, if `it_is` one.
+    /// Pushes a place to visit, if `it_is` one.
     #[inline(always)]
     pub(super) fn push(&mut self, it_is: bool, visit: Visit) {
         self.visits[self.height] = visit;
         self.height += usize::from(it_is);
     }
 
-    /// Takes the next place to be visited.
+    /// Pops the next place to visit.
     #[inline(always)]
     pub(super) fn pop(&mut self) -> Option<Visit> {
         self.height = self.height.checked_sub(1)?;
         Some(self.visits[self.height])
     }
 
-    /// The rays that have found nothing nearer than `distance`.
+    /// The rays without a hit nearer than `distance`.
     #[inline(always)]
     pub(super) fn reaching<S: Lanes>(&self, simd: S, distance: f32) -> u64 {
         let mut rays = 0;
@@ -176,7 +177,7 @@ impl Tile {
         rays
     }
 
-    /// Its rays.
+    /// All its rays, as bits.
     #[inline(always)]
     pub(super) fn all(&self) -> u64 {
         let mut all = u64::MAX;
@@ -191,7 +192,7 @@ impl Tile {
         self.done |= 1 << i;
     }
 
-    /// What the `i`th ray has found.
+    /// The best hit of the `i`th ray.
     #[inline(always)]
     pub(super) fn best(&self, i: usize) -> Hit {
         let (g, l) = (i / WIDTH, i % WIDTH);
@@ -206,7 +207,7 @@ impl Tile {
         self.reach[g][l] = reach::<P>(hit.t);
     }
 
-    /// Gives its `i`th ray a hit on `geometry`: any, or one that comes before what it has found.
+    /// Gives the `i`th ray a hit on `geometry`: any, or one that comes before its best.
     #[inline(always)]
     pub(super) fn offer<Q: Query, P: Arithmetic>(
         &mut self,
@@ -221,7 +222,7 @@ impl Tile {
         }
     }
 
-    /// Writes what is known of its rays.
+    /// Writes the answers of its rays.
     #[inline(always)]
     pub(super) fn answer<S: Lanes, Q: Query>(&self, simd: S, answers: &mut [Q::Answer]) {
         let answers = &mut answers[self.start..self.start + self.count];
@@ -243,7 +244,7 @@ impl Tile {
         }
     }
 
-    /// Fills what follows from origins, directions and ranges, as
+    /// Computes the values that follow from origins, directions and ranges, as
     /// [`crate::kernels::slab::SlabRay::new`] does for one ray.
     #[inline(always)]
     pub(super) fn prepare<S: Lanes, P: Arithmetic>(&mut self, simd: S) {
@@ -272,7 +273,7 @@ impl Tile {
         }
     }
 
-    /// Fills `shear`, for directions that are longest along the axis of `longest`, as
+    /// Computes `shear` for directions that are longest along the axis `longest`, as
     /// [`crate::kernels::triangle::ShearedSpace::new`] does for one ray.
     #[inline(always)]
     pub(super) fn shear<S: Lanes>(&mut self, simd: S) {
@@ -323,7 +324,7 @@ pub(super) fn reach_of<S: Lanes, P: Arithmetic>(t: f32x16<S>) -> f32x16<S> {
     if P::IS_FAST { t } else { t + t.abs() * BEYOND }
 }
 
-/// A group's part of a column.
+/// A group's row of a column.
 #[inline(always)]
 pub(super) fn load<S: Lanes>(simd: S, column: &Column, g: usize) -> f32x16<S> {
     column[g].simd_into(simd)

@@ -1,12 +1,12 @@
-//! Where rays in flight go next.
+//! The next steps of rays in flight.
 
 use super::FLIGHT;
 use crate::accel::arena::{Kind, Ref, View};
 
-/// So many steps to leaves of a kind are worth a loop.
+/// This many steps to leaves of a kind are worth a loop.
 const ENOUGH_STEPS: usize = 16;
 
-/// A ray in flight, by its slot, and where it goes next.
+/// A ray in flight, by its slot, and its next place.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Step(u64);
 
@@ -27,7 +27,7 @@ impl Step {
     }
 }
 
-/// The next steps of all rays in flight, by what they lead to.
+/// The next steps of all rays in flight, by kind of place.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Next {
     steps: [[Step; FLIGHT]; 4],
@@ -38,13 +38,13 @@ impl Next {
     /// No steps.
     pub(super) const NONE: Self = Self { steps: [[Step(0); FLIGHT]; 4], counts: [0; 4] };
 
-    /// How many rays are in flight.
+    /// The number of rays in flight.
     pub(super) fn count(&self) -> usize {
         self.counts.iter().sum()
     }
 
-    /// Adds the step of a ray, and asks for the memory of what it leads to. There is no branch,
-    /// which would be mispredicted.
+    /// Adds the step of a ray, and prefetches its place. Without a branch, which would be
+    /// mispredicted.
     #[inline(always)]
     pub(super) fn push(&mut self, arena: View<'_>, slot: usize, then: Ref) {
         arena.prefetch(then);
@@ -54,20 +54,20 @@ impl Next {
         self.counts[kind] = count + 1;
     }
 
-    /// The `i`th step that leads to `kind`.
+    /// The `i`th step to a place of this `kind`.
     #[inline(always)]
     pub(super) fn get(&self, kind: Kind, i: usize) -> Step {
         self.steps[kind as usize][i & (FLIGHT - 1)]
     }
 
-    /// Takes all steps that lead to `kind` off the list, where they can be read until others are
-    /// written there. How many.
+    /// Removes all steps to places of this `kind` from the list; they can be read until others are
+    /// written there. Returns their number.
     #[inline(always)]
     pub(super) fn take(&mut self, kind: Kind) -> usize {
         std::mem::take(&mut self.counts[kind as usize]).min(FLIGHT)
     }
 
-    /// As [`Next::take`] if there are enough of them, or none of the kinds before.
+    /// As [`Next::take`], if there are enough steps, or none of the kinds before.
     #[inline(always)]
     pub(super) fn take_enough(&mut self, kind: Kind) -> usize {
         let is_first = self.counts[..kind as usize].iter().all(|&count| count == 0);

@@ -1,4 +1,4 @@
-//! Writing nodes and leaves as they were decided.
+//! Writes nodes and leaves as decided.
 
 use bytemuck::Zeroable;
 
@@ -8,8 +8,7 @@ use crate::accel::geometry::Geometry;
 use crate::math::simd::LANES;
 
 impl Converter {
-    /// Writes the subtree of `root` behind what `output` has, its own root first, and says what that
-    /// is. The tree was evaluated before.
+    /// Appends the evaluated subtree of `root` to `output`, its root first, and returns its part.
     pub(in crate::accel) fn emit<'a>(
         &self,
         geometry: &Geometry,
@@ -28,12 +27,11 @@ impl Converter {
 }
 
 impl Converter {
-    /// The children of the node that the inner node at `place` becomes, the largest last: a ray that any hit is enough
-    /// for goes there first.
+    /// The children of the wide node at `place`, the largest last: any-hit queries visit it first.
     pub(in crate::accel) fn children(&self, tree: Hierarchy, place: u32) -> Children {
         let mut children = Children::default();
         self.share(tree, place, LANES, &mut children);
-        // An area's bits are in the order of areas.
+        // The bits of positive floats have the order of their values.
         let key = |place: u32| {
             let area = tree.nodes[place as usize].aabb().half_area();
             u64::from(area.to_bits()) << 32 | u64::from(place)
@@ -44,8 +42,8 @@ impl Converter {
         children
     }
 
-    /// Divides `slots` between both sides of a binary node in the cheapest way, and appends what
-    /// they become.
+    /// Divides `slots` between both sides of a binary node in the cheapest way, and appends the
+    /// resulting children.
     fn share(&self, tree: Hierarchy, place: u32, slots: usize, children: &mut Children) {
         let left = tree.nodes[place as usize].first_index;
         let (l, r) = (&self.best[left as usize].cost, &self.best[left as usize + 1].cost);
@@ -90,7 +88,7 @@ pub(in crate::accel) struct Children {
 }
 
 impl Children {
-    /// Their places in the binary hierarchy.
+    /// The children's places in the binary hierarchy.
     pub(in crate::accel) fn places(&self) -> &[u32] {
         &self.places[..self.count]
     }
@@ -107,7 +105,7 @@ struct Triangles {
 impl<'b, F: Fn(u32) -> Owner<'b>> Emitter<'_, F> {
     /// Writes an inner node and everything below.
     fn nodes(&mut self, root: u32) {
-        // Inner nodes that wait, and where their parent's entry is.
+        // Waiting inner nodes, and the place of their parent's entry.
         let mut waiting = vec![(root, None::<(usize, usize)>)];
         while let Some((place, parent)) = waiting.pop() {
             let unit = self.output.units.len();
@@ -120,7 +118,7 @@ impl<'b, F: Fn(u32) -> Owner<'b>> Emitter<'_, F> {
         }
     }
 
-    /// Fills the node at `unit`, writes its leaves behind it, and lets its inner children wait.
+    /// Fills the node at `unit`, writes its leaves behind it, and queues its inner children.
     fn node(
         &mut self,
         unit: usize,
@@ -149,12 +147,12 @@ impl<'b, F: Fn(u32) -> Owner<'b>> Emitter<'_, F> {
         bytemuck::from_bytes_mut(bytemuck::cast_slice_mut(units))
     }
 
-    /// Writes the leaf that the subtree at `place` becomes, and says where it is and what.
+    /// Writes the leaf that the subtree at `place` becomes, and returns its place and kind.
     fn leaf(&mut self, place: u32) -> (usize, Kind) {
         let start = self.output.units.len();
         let mut triangles = Triangles::default();
         let (mut others, mut other_count) = ([0; LANES], 0);
-        // No more than eight leaves are below, or this one alone.
+        // At most eight leaves are below, or this one alone.
         let mut waiting = [place; LANES + 1];
         let mut height = 1;
         while height > 0 {
@@ -221,7 +219,7 @@ impl<'b, F: Fn(u32) -> Owner<'b>> Emitter<'_, F> {
         self.output.units.push(bytemuck::cast(Patch::new(positions, corners, first, counts)));
     }
 
-    /// How many of the triangles are halves of quads.
+    /// The number of triangles that are halves of quads.
     fn quads(&self, numbers: &[u32]) -> u32 {
         let first = self.geometry.triangles.len() as u32;
         numbers.iter().map(|&number| u32::from(number >= first)).sum()

@@ -1,4 +1,4 @@
-//! How camera rays change from one sample to the next.
+//! Ray differentials of camera rays.
 
 use glam::Vec3;
 
@@ -7,14 +7,14 @@ use crate::kernels::differential::Differential;
 use crate::math::float::dot_f64;
 
 impl Camera {
-    /// The differential of a camera ray of this direction: for a step to the right and for one down,
-    /// to the next sample, which with an antialias of n is an n-th of a pixel away.
+    /// The differential of the camera ray in this direction, for a step to the right and one down
+    /// to the next sample. With an antialias of n, a step is an n-th of a pixel.
     ///
-    /// A ray of a lens changes for a fixed point of it. Its direction is w / |w|, where w goes from
-    /// that point to where the focus is, at depth f along the view. A step moves the focus by f
-    /// times what it moves the image at depth 1, and |w| is f over the share of the direction that
-    /// goes forward, so that f cancels: the derivative is that of a pinhole's ray of the same
-    /// direction. Where the ray starts does not change.
+    /// The differential of a lens ray is taken at a fixed point of the lens. The ray's direction is
+    /// w / |w|, where w goes from that point to the focus at depth f along the view. A step moves
+    /// the focus by f times its movement at depth 1, and |w| is f over the forward component of the
+    /// direction. So f cancels: the derivative is that of a pinhole's ray in the same direction,
+    /// and the origin does not change.
     pub fn differential(&self, direction: Vec3) -> Differential {
         let direction = direction.as_dvec3();
         let ahead = dot_f64(direction, self.forward.as_dvec3());

@@ -1,4 +1,4 @@
-//! What a camera certainly does not see: the frustum of its rays, widened by the lens and by rounding.
+//! Culling by the camera's frustum, widened by the lens and by rounding.
 
 use glam::DVec3;
 
@@ -6,22 +6,22 @@ use super::Camera;
 use crate::kernels::slab::Aabb;
 use crate::math::float::UNIT_ROUNDOFF;
 
-/// How far outside a plane of the frustum a box must be for no ray to meet what is in it, in parts of its distance
-/// and of the largest coordinate.
+/// How far outside a plane of the frustum a box must be so that no ray meets its content, relative
+/// to its distance and the largest coordinate.
 ///
-/// The direction of a ray is off by fewer than 16 roundings, as is its origin on the lens, and what a box holds may
-/// be met [`PADDING`](crate::kernels::slab::PADDING), 16 roundings again, beside it. This is eight times as much as
-/// both.
+/// The direction of a ray is off by fewer than 16 roundings, as is its origin on the lens, and the
+/// content of a box may be met [`PADDING`](crate::kernels::slab::PADDING), another 16 roundings,
+/// beside it. This is eight times their sum.
 const OUTSIDE: f64 = 256.0 * UNIT_ROUNDOFF as f64;
 
 impl Camera {
-    /// Where rays start: a point, and how far from it on the lens.
+    /// The centre of the lens and its radius; the radius is 0 for a pinhole.
     pub fn pupil(&self) -> (DVec3, f64) {
         (self.origin.as_dvec3(), self.lens.map_or(0.0, |lens| f64::from(lens.radius)))
     }
 
-    /// Whether any ray of the image may meet what is in the box; false only where none can. Rays may be off by
-    /// `widening` times as much as they are by the box of a primitive
+    /// Whether any ray of the image may meet the content of the box; false only if none can. Rays
+    /// may be off by `widening` times the error at a primitive's box
     /// ([`Instance::widening`](crate::accel::instance::Instance::widening)).
     pub fn may_see(&self, bounds: &Aabb, widening: f32) -> bool {
         let (origin, radius) = self.pupil();
@@ -33,7 +33,7 @@ impl Camera {
         // At depth z the rays through the lens are spread by its radius r times |1 - z / focal|, at most r + z r / focal.
         let spread = self.lens.map_or(0.0, |lens| radius / f64::from(lens.focal));
         let forward = self.forward.as_dvec3();
-        // What is no number is not certain.
+        // A NaN is not certain.
         let is_outside = |normal: DVec3, offset: f64| {
             let reach = normal.dot(to_middle) + normal.abs().dot(half) + offset;
             reach < -margin * normal.length()
@@ -70,7 +70,7 @@ mod tests {
         Camera::new(&placement, 2, Sampling::Random, (radius > 0.0).then_some(lens))
     }
 
-    /// Numbers from 0 to 1 that follow from `n`.
+    /// Numbers from 0 to 1, derived from `n`.
     fn numbers(n: u32) -> [f32; 4] {
         Stream { seed: 7, pixel: n, sample: 0, bounce: 0 }.uniform(0)
     }

@@ -1,4 +1,4 @@
-//! A camera that moves: keys at frames, and what lies between them.
+//! A moving camera: keys at frames, and the interpolation between them.
 
 use std::ops::RangeInclusive;
 
@@ -7,7 +7,7 @@ use glam::DVec3;
 use super::{Camera, Lens, Placement};
 use crate::math::sampling::Sampling;
 
-/// Sine of the angle between the view and `up` below which `up` does not say which way up the image is.
+/// Sine of the angle between the view and `up` below which they count as parallel.
 const PARALLEL: f64 = 1e-6;
 
 wavecrest_base::choices! {
@@ -23,14 +23,14 @@ wavecrest_base::choices! {
     }
 }
 
-/// Where the camera is at a frame.
+/// The camera at a frame.
 #[derive(Clone, Copy, Debug)]
 pub struct Key {
     /// The frame.
     pub frame: u32,
-    /// Where it stands and what it sees.
+    /// Position and view.
     pub placement: Placement,
-    /// Distance of the plane in focus, where it has a lens.
+    /// Distance of the plane in focus, for a lens.
     pub focal: f32,
 }
 
@@ -45,8 +45,8 @@ pub struct Path {
 }
 
 impl Path {
-    /// The path through `keys`, one at least, by rising frames, of a camera whose other properties are those
-    /// of [`Camera::new`].
+    /// The path through `keys`, at least one, in the order of their frames, of a camera with the
+    /// other properties of [`Camera::new`].
     pub fn new(
         keys: Vec<Key>,
         interpolation: Interpolation,
@@ -62,7 +62,7 @@ impl Path {
         frame(self.keys.first())..=frame(self.keys.last())
     }
 
-    /// The camera at `frame`; `None` where it would stand at the point that it looks at.
+    /// The camera at `frame`; `None` if its position would coincide with its look-at point.
     pub fn at(&self, frame: u32) -> Option<Camera> {
         let after = self.keys.partition_point(|key| key.frame <= frame);
         let (a, b) = (after.saturating_sub(1), after.min(self.keys.len().saturating_sub(1)));
@@ -111,7 +111,7 @@ impl Path {
             + into * (t - s)
     }
 
-    /// By how much a point moves in a frame at the key.
+    /// The movement of a point per frame at the key.
     fn tangent(&self, key: usize, of: &dyn Fn(&Key) -> DVec3) -> DVec3 {
         let speed = |a: usize, b: usize| {
             let frames = f64::from(self.keys[b].frame) - f64::from(self.keys[a].frame);
@@ -126,7 +126,7 @@ impl Path {
     }
 }
 
-/// `up`, or the axis least aligned with `forward`, a unit vector, where they are parallel.
+/// `up`, or the axis least aligned with the unit vector `forward` if the two are parallel.
 fn across(up: DVec3, forward: DVec3) -> DVec3 {
     match up.try_normalize() {
         Some(unit) if unit.cross(forward).length() >= PARALLEL => up,
@@ -134,7 +134,7 @@ fn across(up: DVec3, forward: DVec3) -> DVec3 {
     }
 }
 
-/// The axis that makes the greatest angle with `v`; of equals the first.
+/// The axis at the greatest angle to `v`; the first of equals.
 pub fn least_aligned_axis(v: DVec3) -> DVec3 {
     let v = v.abs();
     if v.x <= v.y && v.x <= v.z {

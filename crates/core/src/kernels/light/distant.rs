@@ -1,33 +1,34 @@
-//! Light from infinitely far away: parallel rays, or all that come from a round patch of the sky.
+//! Light from infinitely far away: parallel rays, or rays from a round patch of the sky.
 
 use glam::{DVec3, Vec2, Vec3};
 
 use crate::math::float::normalize_f64;
 use crate::math::sampling;
 
-/// Where such light comes from.
+/// The direction and size of a distant light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Distant {
-    /// To the middle of the patch, of unit length, and two directions at right angles to it and to each other.
+    /// The unit vector to the centre of the patch, and two unit vectors orthogonal to it and to
+    /// each other.
     axes: [DVec3; 3],
-    /// One less the cosine of the patch's angular radius; 0 for parallel rays.
+    /// 1 minus the cosine of the patch's angular radius; 0 for parallel rays.
     height: f64,
-    /// How far shadow rays go: a power of two, so that their directions are not rounded by it.
+    /// Length of shadow rays: a power of two, so that scaling does not round their directions.
     reach: f64,
 }
 
 impl Distant {
-    /// Light from `towards`, of unit length, from a patch of this angular diameter in degrees, up to 180, in a
-    /// scene of which no two points are farther from each other than `diameter`.
+    /// Light from the unit vector `towards`, from a patch of `angle` degrees in diameter, up to
+    /// 180. `diameter` bounds the distance between any two points of the scene.
     pub fn new(towards: DVec3, angle: f64, diameter: f64) -> Self {
         let right = normalize_f64(towards.any_orthogonal_vector());
         let half_sine = libm::sin((angle / 4.0).to_radians());
-        // A scene of one point is as good as any.
+        // A scene of one point may have any diameter.
         let (_, exponent) = libm::frexp(if diameter > 0.0 { diameter } else { 1.0 });
         Self {
             axes: [towards, right, towards.cross(right)],
             height: 2.0 * half_sine * half_sine,
-            // At least twice the diameter: the last part of a shadow ray is not looked at.
+            // At least twice the diameter, as a shadow ray skips the last part of its way.
             reach: libm::ldexp(1.0, exponent + 1),
         }
     }
@@ -38,7 +39,7 @@ impl Distant {
         self.height == 0.0
     }
 
-    /// To the middle of the patch, of unit length.
+    /// The unit vector to the centre of the patch.
     pub fn towards(&self) -> DVec3 {
         self.axes[0]
     }
@@ -48,13 +49,13 @@ impl Distant {
         (self.height * (2.0 - self.height)).sqrt()
     }
 
-    /// From any point to beyond the scene, to the middle of the patch.
+    /// The vector from any point to beyond the scene, towards the centre of the patch.
     #[inline(always)]
     pub fn middle(&self) -> Vec3 {
         (self.axes[0] * self.reach).as_vec3()
     }
 
-    /// The same to the point of the patch that is at `square`: equal areas of one are equal areas of the other.
+    /// The same towards the patch's point for `square`, which preserves areas.
     #[inline(always)]
     pub fn at(&self, square: Vec2) -> Vec3 {
         let (sideways, below) = sampling::cap(square, self.height);

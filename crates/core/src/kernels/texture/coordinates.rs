@@ -1,4 +1,4 @@
-//! Where on an image a point of a surface lies.
+//! Texture coordinates of points on surfaces.
 
 use std::f32::consts::{PI, TAU};
 
@@ -6,7 +6,8 @@ use glam::{DVec2, DVec3, Mat3, Vec2, Vec3};
 
 use crate::math::float::{dot, dot_f64, normalize};
 
-/// The coordinates of a sphere's point, from its unit normal: u about +y from behind (-z), v up.
+/// The coordinates of a point on a sphere, from its unit normal: u around +y from behind (-z), v
+/// up.
 #[inline]
 pub fn sphere_uv(normal: Vec3) -> Vec2 {
     let u = 0.5 + libm::atan2f(normal.x, normal.z) / TAU;
@@ -14,12 +15,12 @@ pub fn sphere_uv(normal: Vec3) -> Vec2 {
     Vec2::new(u, v)
 }
 
-/// How the coordinates of [`sphere_uv`] change where the normal, of unit length, changes by `turn`.
+/// The change of the coordinates of [`sphere_uv`] if the unit normal changes by `turn`.
 ///
-/// All u meet at a pole, so that near it their derivative has no bound. The change of u is therefore
-/// the angle that `turn` is seen under from the axis: the derivative where `turn` is short, and a
-/// quarter of a turn at most, which is what a step away from the pole itself is taken for. That u
-/// begins again behind the sphere changes nothing here.
+/// All u meet at a pole, so the derivative is unbounded nearby. The change of u is therefore the
+/// angle that `turn` subtends from the axis: the derivative if `turn` is short, and at most a
+/// quarter of a turn, the value for a step away from the pole itself. The seam of u behind the
+/// sphere does not matter here.
 pub fn sphere_uv_change(normal: Vec3, turn: Vec3) -> Vec2 {
     let turn = turn.as_dvec3();
     let (along_parallel, along_meridian, from_axis) = directions(normal);
@@ -28,14 +29,14 @@ pub fn sphere_uv_change(normal: Vec3, turn: Vec3) -> Vec2 {
     DVec2::new(u, v).as_vec2()
 }
 
-/// Where the coordinates of [`sphere_uv`] grow at a point, from its unit normal: two unit vectors at right angles to
-/// it. At a pole, where all u meet, that of u is +x.
+/// The directions in which the coordinates of [`sphere_uv`] grow at a point with this unit normal:
+/// two orthogonal unit vectors, perpendicular to it. At a pole, where all u meet, that of u is +x.
 pub fn sphere_directions(normal: Vec3) -> [Vec3; 2] {
     let (along_parallel, along_meridian, _) = directions(normal);
     [along_parallel, along_meridian].map(|direction| direction.as_vec3())
 }
 
-/// Along the parallel and along the meridian, and the distance from the axis.
+/// The directions along the parallel and the meridian, and the distance from the axis.
 fn directions(normal: Vec3) -> (DVec3, DVec3, f64) {
     let n = normal.as_dvec3();
     let from_axis = (n.x * n.x + n.z * n.z).sqrt();
@@ -47,7 +48,7 @@ fn directions(normal: Vec3) -> (DVec3, DVec3, f64) {
 /// How points of a shape become texture coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum UvMap {
-    /// From the normal, turned back into the sphere's own space.
+    /// From the normal, rotated into the sphere's own space.
     Sphere(Mat3),
     /// By projection.
     Planar(PlanarMap),
@@ -55,23 +56,24 @@ pub enum UvMap {
     Mesh,
 }
 
-/// How texture coordinates are changed before a look-up: `turned` of them, and `moved`.
+/// An affine change of texture coordinates before a look-up: a matrix `turned` and an offset
+/// `moved`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Placing {
-    /// The first and the second row of the matrix.
+    /// The rows of the matrix.
     pub turned: [Vec2; 2],
-    /// What is added to the product.
+    /// The offset added to the product.
     pub moved: Vec2,
 }
 
 impl Placing {
-    /// The coordinates of the look-up.
+    /// The coordinates for the look-up.
     #[inline]
     pub fn apply(&self, uv: Vec2) -> Vec2 {
         self.change(uv) + self.moved
     }
 
-    /// How they change with the surface's own.
+    /// The change of these coordinates with the surface's own.
     #[inline]
     pub fn change(&self, uv: Vec2) -> Vec2 {
         let [u, v] = self.turned;
@@ -98,7 +100,7 @@ impl PlanarMap {
         Self { origin, u: scaled(u_edge), v: scaled(v_edge) }
     }
 
-    /// Where the coordinates grow, of unit length; zero where they do not.
+    /// The unit directions in which the coordinates grow; zero for coordinates that do not.
     pub fn directions(&self) -> [Vec3; 2] {
         [normalize(self.u), normalize(self.v)]
     }
@@ -109,7 +111,7 @@ impl PlanarMap {
         self.change(point - self.origin)
     }
 
-    /// How the coordinates change with the point.
+    /// The change of the coordinates for a step of the point.
     #[inline]
     pub fn change(&self, step: Vec3) -> Vec2 {
         Vec2::new(dot(step, self.u), dot(step, self.v))

@@ -5,7 +5,7 @@ use std::sync::LazyLock;
 use super::Image;
 use wavecrest_base::error::Result;
 
-/// What decodes an image.
+/// Decodes an image.
 type Decode = Box<dyn FnOnce() -> Result<Image> + Send>;
 
 /// An image that is decoded once, by the first thread that asks for a texel; others wait for it.
@@ -17,8 +17,8 @@ pub struct LazyImage {
 }
 
 impl LazyImage {
-    /// The image that `decode` makes of what has this `name`, of `expected` bytes. It must not wait for threads that
-    /// look images up.
+    /// The image with this `name` and `expected` bytes, which `decode` reads. `decode` must not
+    /// wait for threads that look up images.
     pub fn new(
         name: String,
         expected: u64,
@@ -36,18 +36,18 @@ impl LazyImage {
         self.image.as_ref().map_err(Clone::clone)
     }
 
-    /// The image for a look-up; none if it cannot be decoded, which ends a render.
+    /// The image for a look-up, or `None` if it cannot be decoded, which ends a render.
     #[inline]
     pub(crate) fn look_up(&self) -> Option<&Image> {
         self.image.as_ref().ok()
     }
 
-    /// What has come of it, if it has been asked for.
+    /// The result of decoding, if the image has been looked up.
     pub fn decoded(&self) -> Option<&Result<Image>> {
         LazyLock::get(&self.image)
     }
 
-    /// The path of its file, or where in the scene's file it is.
+    /// The path of its file, or its place in the scene's file.
     pub fn name(&self) -> &str {
         &self.name
     }
@@ -58,7 +58,7 @@ impl LazyImage {
         image.map_or(0, |image| image.bytes() as u64)
     }
 
-    /// Bytes held once it is decoded, by the head of its file.
+    /// Bytes held once it is decoded, from the header of its file.
     pub fn expected_bytes(&self) -> u64 {
         self.expected
     }

@@ -1,15 +1,15 @@
 //! Image pyramids: each level half as wide and high as the one below, down to a single texel
 //! (Williams, *Pyramidal Parametrics*, SIGGRAPH 1983).
 //!
-//! A texel is the mean of what it covers of the level below, in the linear light that images are
-//! kept in. Sides are halved and rounded down, as is usual. Where that leaves a remainder, a texel
-//! covers more than two of the level below, of some a part alone, and weighs each by its area: five
-//! texels become two of two and a half each. So the mean of every level is that of the image,
-//! whatever its size, and a level never seems shifted against another.
+//! A texel is the mean of the texels of the level below that it covers, in linear light. Sides are
+//! halved and rounded down, as usual. If that leaves a remainder, a texel covers more than two of
+//! the level below, some of them in part, each weighted by its area: five texels become two of two
+//! and a half each. So the mean of every level is that of the image at any size, and no level
+//! appears shifted against another.
 //!
-//! Levels are kept in single precision even where the image has 8 bits a channel: rounded to these,
-//! all texels of a checkerboard would err to the same side. Together they take 4 bytes for each
-//! texel of the image: as much again for an image of 8 bits, a third for any other.
+//! Levels are in single precision even if the image has 8 bits a channel: rounded to 8 bits, all
+//! texels of a checkerboard would err in the same direction. Together they take 4 bytes for each
+//! texel of the image: as much again for an 8-bit image, a third for others.
 
 use glam::{DVec3, Vec3};
 
@@ -49,7 +49,7 @@ pub(super) fn levels(width: u32, height: u32, texel: impl Fn(u32, u32) -> Vec3) 
     levels
 }
 
-/// The level above one of this size.
+/// The level above a level of this size.
 fn coarser(size: [u32; 2], texel: impl Fn(u32, u32) -> Vec3) -> Level {
     let half = size.map(|side| (side / 2).max(1));
     let mut texels = Vec::with_capacity(half[0] as usize * half[1] as usize);
@@ -62,10 +62,11 @@ fn coarser(size: [u32; 2], texel: impl Fn(u32, u32) -> Vec3) -> Level {
     Level { size: half, texels }
 }
 
-/// The mean of what the `index`th of `half` equal parts covers of `count` values in a row.
+/// The mean over the `index`th of `half` equal parts of `count` values in a row.
 ///
-/// Areas are counted in parts of which each value has `half`: they are whole numbers, and equal
-/// values have exactly their own mean, since an `f32` times so many is exact in double precision.
+/// Areas are counted in units of which each value has `half`, so they are whole numbers. Equal
+/// values have exactly their own mean, since an `f32` times such a number is exact in double
+/// precision.
 fn mean(index: u32, count: u32, half: u32, value: impl Fn(u32) -> DVec3) -> DVec3 {
     let [count, half] = [u64::from(count), u64::from(half)];
     let (start, end) = (u64::from(index) * count, (u64::from(index) + 1) * count);

@@ -1,4 +1,4 @@
-//! Coordinates outside 0 to 1, and the texels about a place.
+//! Coordinates outside 0 to 1, and the texels around a point.
 
 wavecrest_base::choices! {
     /// How a coordinate outside 0 to 1 is taken.
@@ -14,7 +14,7 @@ wavecrest_base::choices! {
     }
 }
 
-/// The place of `coordinate` along `count` texels: in \[0, count\].
+/// The position of `coordinate` along `count` texels: in \[0, count\].
 #[inline]
 pub(super) fn position(coordinate: f32, count: u32, wrap: Wrap) -> f32 {
     let coordinate = if coordinate.is_finite() { coordinate } else { 0.0 };
@@ -24,7 +24,7 @@ pub(super) fn position(coordinate: f32, count: u32, wrap: Wrap) -> f32 {
         Wrap::Repeat => coordinate - coordinate.floor(),
         Wrap::Clamp => coordinate.clamp(0.0, 1.0),
         Wrap::Mirror => {
-            // There and back. The remainder is exact, and so is what is left of the way.
+            // Forward and back. The remainder is exact, and so is the rest of the way.
             let way = coordinate.abs() % 2.0;
             if way > 1.0 { 2.0 - way } else { way }
         }
@@ -32,13 +32,13 @@ pub(super) fn position(coordinate: f32, count: u32, wrap: Wrap) -> f32 {
     fraction * count as f32
 }
 
-/// The texel at or below `x`, within bounds.
+/// The texel at or below `x`, clamped to the image.
 #[inline]
 pub(super) fn below(x: f32, count: u32) -> u32 {
     (x as u32).min(count - 1)
 }
 
-/// The two texels whose centres `x` lies between, and how far it is from the first to the second.
+/// The two texels whose centres surround `x`, and the fraction from the first to the second.
 #[inline]
 pub(super) fn neighbours(x: f32, count: u32, wrap: Wrap) -> (u32, u32, f32) {
     let from_centre = x - 0.5;
@@ -47,7 +47,7 @@ pub(super) fn neighbours(x: f32, count: u32, wrap: Wrap) -> (u32, u32, f32) {
     let first = floor as i64;
     let bound = |i: i64| match wrap {
         Wrap::Repeat => i.rem_euclid(i64::from(count)) as u32,
-        // Beyond a mirrored edge is the texel at the edge once more.
+        // The texel beyond a mirrored edge is the edge texel again.
         Wrap::Clamp | Wrap::Mirror => i.clamp(0, i64::from(count) - 1) as u32,
     };
     (bound(first), bound(first + 1), fraction)

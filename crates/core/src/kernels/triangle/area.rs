@@ -1,4 +1,4 @@
-//! Triangles with an area, and without.
+//! Triangle areas and normals.
 
 use glam::{DVec3, Vec3};
 
@@ -10,7 +10,8 @@ pub fn is_degenerate([a, b, c]: &[Vec3; 3]) -> bool {
     let (ab, ac) = (b - a, c - a);
     let cross = ab.cross(ac);
     // The differences are rounded once, products and sums of them once each: an area above their
-    // error is certain, and nearly every triangle ends here. Products that underflow are off by more.
+    // error is certain, and nearly every triangle ends here. Products that underflow have larger
+    // errors.
     let certain = gamma(8) * max(ab.length_squared(), ac.length_squared()) + UNDERFLOW;
     if cross.abs().max_element() > certain {
         return false;
@@ -22,8 +23,8 @@ pub fn is_degenerate([a, b, c]: &[Vec3; 3]) -> bool {
     collinear(0, 1) && collinear(1, 2) && collinear(2, 0)
 }
 
-/// The normal of unit length of a triangle that is not degenerate, towards the side from which its
-/// corners run counter-clockwise.
+/// The unit normal of a triangle that is not degenerate, on the side from which its corners run
+/// counter-clockwise.
 pub fn normal([a, b, c]: &[Vec3; 3]) -> DVec3 {
     let [a, b, c] = [a, b, c].map(|v| v.as_dvec3());
     crate::math::float::normalize_f64((b - a).cross(c - a))

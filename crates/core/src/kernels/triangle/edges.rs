@@ -1,4 +1,4 @@
-//! The watertight test itself, for pairs of a ray and a triangle: one pair, or eight or sixteen at a time.
+//! The watertight test itself, for one, eight or sixteen pairs of a ray and a triangle.
 
 use super::{T_TOLERANCE, UNDERFLOW};
 use crate::math::float::gamma;
@@ -8,11 +8,11 @@ use crate::math::real::{Mask, Real};
 #[derive(Clone, Copy)]
 pub(crate) struct Sheared<F> {
     pub(crate) xy: [[F; 2]; 3],
-    /// What t would be at the corners.
+    /// t at the corners.
     pub(crate) z: [F; 3],
 }
 
-/// Edge functions of a pair, the least and the greatest of them, and their sum.
+/// Edge functions of a pair, the smallest and largest of them, and their sum.
 #[derive(Clone, Copy)]
 pub(crate) struct Edges<F> {
     pub(crate) all: [F; 3],
@@ -21,7 +21,7 @@ pub(crate) struct Edges<F> {
     pub(super) high: F,
 }
 
-/// Of the ray of a pair: by how much z in sheared space is to be scaled to be a depth, and the range of t.
+/// The ray of a pair: the scale of z in sheared space to a depth, and the range of t.
 #[derive(Clone, Copy)]
 pub(crate) struct RayRange<F> {
     pub(crate) depth: F,
@@ -29,28 +29,29 @@ pub(crate) struct RayRange<F> {
     pub(crate) t_max: F,
 }
 
-/// Where a ray meets a triangle's plane.
+/// The meeting of a ray with a triangle's plane.
 pub(super) struct Distance<F> {
     pub(super) t: F,
-    /// The magnitude of the determinant, and by it the bound on the error of t: to divide by it takes longer, and gives
-    /// a subnormal number, over which processors take a hundred times as long, where corners have one z.
+    /// The magnitude of the determinant; the bound on the error of t is `error` divided by it.
+    /// Comparisons multiply instead: division takes longer, and if all corners have one z it gives
+    /// a subnormal number, on which processors take a hundred times as long.
     determinant: F,
     error: F,
     /// Bound on the errors of the edge functions.
     pub(super) edge: F,
-    /// The least and the greatest t of the corners.
+    /// The smallest and largest t of the corners.
     pub(super) near: F,
     pub(super) far: F,
 }
 
-/// What single precision says of pairs, a bit each.
+/// The decisions of single precision on pairs, a bit each.
 pub(crate) struct Decision<F: Real> {
     pub(crate) t: F,
-    /// Pairs that certainly meet at t, within the ray's range.
+    /// Pairs that certainly meet, at t within the ray's range.
     pub(crate) certain: u32,
-    /// Pairs that single precision does not decide on.
+    /// Pairs that single precision does not decide.
     pub(crate) open: u32,
-    /// Those of them in which the ray certainly passes through the triangle.
+    /// Those of the open pairs in which the ray certainly passes through the triangle.
     pub(crate) inside: F::Mask,
 }
 
@@ -64,37 +65,38 @@ impl<F: Real<Element = f32>> Edges<F> {
         Self { all: [e0, e1, e2], determinant: (low + high) + middle, low, high }
     }
 
-    /// Where the ray certainly passes by: two edge functions of opposite signs say so, as rounding turns no sign.
-    /// What is not a number is not outside.
+    /// The lanes whose ray certainly misses: two edge functions have opposite signs, which rounding
+    /// cannot reverse. A NaN is not outside.
     #[inline(always)]
     pub(crate) fn outside(&self) -> F::Mask {
         let zero = self.low.zero();
         self.low.lt(zero) & self.high.gt(zero)
     }
 
-    /// Where the ray certainly passes through, given a bound on the errors of the edge functions.
+    /// The lanes whose ray certainly passes through, given a bound on the errors of the edge
+    /// functions.
     #[inline(always)]
     pub(super) fn are_certain(&self, bound: F) -> F::Mask {
         self.low.gt(bound) | self.high.lt(-bound)
     }
 
-    /// Of corners with these x and y.
+    /// As [`Self::outside`], for corners with these x and y.
     #[inline(always)]
     pub(crate) fn outside_of(xy: &[[F; 2]; 3]) -> F::Mask {
         Self::new(xy).outside()
     }
 }
 
-/// The least, the middle and the greatest. The sum of the first and the last, and then the middle, does not depend on
-/// which corner is the first, and turns its sign with the numbers.
+/// The smallest, middle and largest. The sum of the first and the last, plus the middle, does not
+/// depend on which corner is first, and its sign reverses with the numbers.
 #[inline(always)]
 fn sorted<F: Real>([a, b, c]: [F; 3]) -> (F, F, F) {
     let (low, high) = (a.min(b), a.max(b));
     (low.min(c), low.max(high.min(c)), high.max(c))
 }
 
-/// Where rays meet the planes of their triangles, with the error bound of the module documentation. A NaN where
-/// nothing is known.
+/// The meetings of rays with the planes of their triangles, with the error bound of the module
+/// documentation. NaN where unknown.
 #[inline(always)]
 pub(super) fn distance<F: Real<Element = f32>>(
     Sheared { xy: [[ax, ay], [bx, by], [cx, cy]], z: [az, bz, cz] }: &Sheared<F>,
@@ -120,20 +122,21 @@ pub(super) fn distance<F: Real<Element = f32>>(
 }
 
 impl<F: Real<Element = f32>> Distance<F> {
-    /// Where every corner, and so the hit, lies before the range. A corner's z has the right sign, and is off by
-    /// three roundings. What is not a number is not before.
+    /// The lanes in which every corner, and so the hit, lies before the range. A corner's z has the
+    /// right sign, and is off by three roundings. A NaN is not before.
     #[inline(always)]
     pub(super) fn is_before(&self, range: &RayRange<F>) -> F::Mask {
         self.far.lt(range.t_min.min(self.far.zero()).times(1.0 + gamma(8)))
     }
 
-    /// Where the bound leaves no doubt whether t is within the range.
+    /// The lanes in which the bound proves whether t is within the range.
     #[inline(always)]
     pub(super) fn is_decided(&self, range: &RayRange<F>) -> F::Mask {
         self.is_off_ends(range, self.error)
     }
 
-    /// Where the exact t, rounded, is within the range if t is: the bound is many times what that rounding moves it.
+    /// The lanes in which the exact t, rounded, is within the range if t is: the bound is many
+    /// times the rounding error.
     #[inline(always)]
     fn is_decided_exactly(&self, range: &RayRange<F>) -> F::Mask {
         self.is_off_ends(range, self.error + self.error)
@@ -145,13 +148,13 @@ impl<F: Real<Element = f32>> Distance<F> {
         from(range.t_max) & from(range.t_min)
     }
 
-    /// Where t is within the range.
+    /// The lanes in which t is within the range.
     #[inline(always)]
     pub(super) fn is_within(&self, range: &RayRange<F>) -> F::Mask {
         self.t.gt(range.t_min) & self.t.lt(range.t_max)
     }
 
-    /// Where t has the stated tolerance.
+    /// The lanes in which t has the stated tolerance.
     #[inline(always)]
     pub(super) fn is_exact(&self) -> F::Mask {
         self.error.lt(self.t.abs().times(T_TOLERANCE) * self.determinant)
@@ -162,15 +165,15 @@ impl<F: Real<Element = f32>> Distance<F> {
         self.error / self.determinant
     }
 
-    /// t, no less than at the nearest corner and no more than at the farthest.
+    /// t, clamped to the range of the corners.
     #[inline(always)]
     pub(super) fn clamped(&self) -> F {
         self.t.max(self.near).min(self.far)
     }
 }
 
-/// Decides on the `candidates`, a bit each: pairs that do not certainly pass by each other. Where `any` hit will do,
-/// its t need not be known.
+/// Decides on the `candidates`, a bit each: pairs that do not certainly miss. If `any` hit
+/// suffices, t need not be known.
 #[inline(always)]
 pub(crate) fn decide<F: Real<Element = f32>>(
     sheared: &Sheared<F>,

@@ -1,17 +1,17 @@
 //! The ray-triangle test without rounding: the reference.
 //!
-//! With o the origin and d the direction of the ray and a, b, c the corners, which side of the edge
-//! from p to q the ray passes on is the sign of det(p - o, q - o, d); the three add up to det(b - a,
-//! c - a, d), and t is det(a - o, b - o, c - o) over that. Double precision decides where Shewchuk's
-//! bound on its error allows, and exact sums where it does not.
+//! With o the origin and d the direction of the ray and a, b, c the corners, the ray passes the
+//! edge from p to q on the side given by the sign of det(p - o, q - o, d). The three add up to
+//! det(b - a, c - a, d), and t is det(a - o, b - o, c - o) over that sum. Double precision decides
+//! if Shewchuk's bound on its error allows, and exact sums otherwise.
 
 use glam::{DVec3, Vec3};
 
 use crate::math::exact::Sum;
 use crate::math::ray::Ray;
 
-/// Bound on the error of a determinant of differences, in parts of the sum of its terms' sizes:
-/// Shewchuk's (7 + 56 u) u, rounded up.
+/// Bound on the error of a determinant of differences, relative to the sum of its terms'
+/// magnitudes: Shewchuk's (7 + 56 u) u, rounded up.
 const DETERMINANT_ERROR: f64 = 8.0 * (f64::EPSILON / 2.0);
 
 /// Bound on the relative error of a quotient of exact sums, each rounded.
@@ -37,28 +37,28 @@ impl Bounded {
             value += plus - minus;
             size += plus.abs() + minus.abs();
         }
-        // Numbers so small that products lose bits to underflow are decided exactly.
+        // Products of numbers this small lose bits to underflow; exact sums decide.
         Self { value, error: DETERMINANT_ERROR * size + f64::MIN_POSITIVE }
     }
 
-    /// The value if its sign is known.
+    /// The value, if its sign is certain.
     fn if_signed(self) -> Option<f64> {
         (self.error < self.value.abs()).then_some(self.value)
     }
 
-    /// The quotient if rounding it to single precision has one result, whatever the errors.
+    /// The quotient, if it rounds to a single value in single precision under all errors.
     fn over(self, other: Self) -> Option<f64> {
         let quotient = self.value / other.value;
         let error = (self.error + quotient.abs() * other.error) / other.value.abs();
         let error = error + QUOTIENT_ERROR * quotient.abs();
-        // The divisor's own error matters little where it leaves most digits.
+        // The divisor's own error hardly matters if most of its digits are certain.
         let is_known = 64.0 * other.error <= other.value.abs()
             && (quotient - 2.0 * error) as f32 == (quotient + 2.0 * error) as f32;
         is_known.then_some(quotient)
     }
 }
 
-/// The ray and the corners, as they are.
+/// The ray and the corners, unrounded.
 struct Question {
     origin: [f32; 3],
     direction: [f32; 3],
@@ -74,7 +74,7 @@ impl Question {
         }
     }
 
-    /// det(p - o, q - o, d) of the corners p and q.
+    /// det(p - o, q - o, d) for the corners p and q.
     fn side(&self, p: usize, q: usize) -> Sum {
         let (o, d, p, q) = (self.origin, self.direction, self.corners[p], self.corners[q]);
         let mut sum = Sum::ZERO;
@@ -106,10 +106,10 @@ impl Question {
     }
 }
 
-/// The t at which `ray` meets `triangle`, from either side and before or behind its origin, to more digits than
-/// single precision holds: rounded to it, it is the exact t rounded once, but for one in millions next to the middle of
-/// two numbers. A ray that meets an edge or a corner meets every triangle there; one in the triangle's plane meets
-/// nothing.
+/// The t at which `ray` meets `triangle`, from either side and before or behind its origin, with
+/// more digits than single precision: rounded to single precision it is the exact t rounded once,
+/// except for one in millions next to the middle of two numbers. A ray that meets an edge or a
+/// corner meets every triangle there; one in the triangle's plane meets nothing.
 pub fn intersect(ray: &Ray, triangle: &[Vec3; 3]) -> Option<f64> {
     let (o, d) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
     let corners = triangle.map(|v| v.as_dvec3() - o);
@@ -123,7 +123,7 @@ pub fn intersect(ray: &Ray, triangle: &[Vec3; 3]) -> Option<f64> {
     plane(ray, triangle)
 }
 
-/// As [`intersect`], of the plane of the triangle.
+/// As [`intersect`], for the plane of the triangle.
 pub fn plane(ray: &Ray, triangle: &[Vec3; 3]) -> Option<f64> {
     let (o, d) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
     let [a, b, c] = triangle.map(|v| v.as_dvec3());

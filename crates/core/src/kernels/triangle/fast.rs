@@ -1,6 +1,6 @@
 //! The ray-triangle test of Möller and Trumbore (*Fast, Minimum Storage Ray/Triangle Intersection*,
-//! 1997), in single precision: what most renderers use, and what the watertight test is measured
-//! against. Rays that pass an edge nearer than rounding may miss the triangles on both of its sides.
+//! 1997), in single precision, as in most renderers: the baseline for the watertight test. Rays
+//! that pass an edge closer than rounding may miss the triangles on both sides.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x8, u32x8};
@@ -11,11 +11,11 @@ use crate::math::real::{Mask, Real};
 use crate::math::simd::Lanes;
 use crate::math::vector::{Line, Vector};
 
-/// Where a ray meets a triangle's plane, with the barycentric coordinates of the second and the third
-/// corner. Nothing of it is a number if it does not.
+/// The crossing of a ray with a triangle's plane, with the barycentric coordinates of the second
+/// and the third corner. NaN if there is none.
 #[derive(Clone, Copy, Debug)]
 pub struct Crossing<F> {
-    /// Where on the ray.
+    /// t along the ray.
     pub t: F,
     /// Of the second corner.
     pub u: F,
@@ -23,7 +23,7 @@ pub struct Crossing<F> {
     pub v: F,
 }
 
-/// Where rays meet the planes of their triangles.
+/// The crossings of rays with the planes of their triangles.
 #[inline(always)]
 pub fn crossing<F: Real<Element = f32>>(
     line: &Line<F>,
@@ -39,7 +39,8 @@ pub fn crossing<F: Real<Element = f32>>(
     Crossing { t: e2.dot_in_order(q) * inverse, u, v }
 }
 
-/// The t at which rays meet their triangles, from either side, before or behind their origins; and where they do.
+/// The t at which rays meet their triangles, from either side, before or behind their origins; with
+/// the lanes that hit.
 #[inline(always)]
 pub fn intersect<F: Real<Element = f32>>(
     line: &Line<F>,
@@ -71,7 +72,7 @@ pub fn intersect_patch<S: Lanes>(
     intersect_eight(simd, ray, &[corner(a), corner(b), corner(c)], used)
 }
 
-/// Tests up to eight triangles; `corners` has a corner and an axis a row.
+/// Tests up to eight triangles; each row of `corners` is an axis of a corner.
 #[inline(always)]
 pub fn intersect_soup<S: Lanes>(
     simd: S,

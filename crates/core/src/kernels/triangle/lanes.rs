@@ -1,5 +1,5 @@
-//! One ray and the eight triangles of a leaf. Triangles for which single precision does not decide are left to the
-//! test of one.
+//! One ray and the eight triangles of a leaf. Triangles that single precision does not decide are
+//! left to the single test.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x8, u32x8};
@@ -10,34 +10,35 @@ use crate::math::real::{Mask, Real, Single};
 use crate::math::simd::{Lanes, outlined};
 use crate::math::vector::{Line, Vector};
 
-/// What is known about eight triangles.
+/// The results for eight triangles.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct LaneHits {
-    /// Where the ray meets the triangles of `certain`.
+    /// t of the triangles in `certain`.
     pub t: [f32; 8],
-    /// The triangles that are met within the ray's range, a bit each.
+    /// Triangles certainly met within the ray's range, a bit each.
     pub certain: u32,
-    /// Those that have to be asked one by one.
+    /// Triangles that need the single test.
     pub open: u32,
 }
 
 impl LaneHits {
-    /// Nothing is known of the `used` ones.
+    /// All `used` triangles undecided.
     #[inline(always)]
     pub(crate) fn open(used: u32) -> Self {
         Self { open: used, ..Self::default() }
     }
 }
 
-/// The axes by the longest, so that it is the last ([`Axis::to_last`](super::Axis::to_last)).
+/// The permutation of axes for each longest axis, which becomes last
+/// ([`Axis::to_last`](super::Axis::to_last)).
 pub(crate) const ORDERS: [[usize; 3]; 3] = [[1, 2, 0], [2, 0, 1], [0, 1, 2]];
 
 impl ShearedSpace {
-    /// Tests up to eight triangles over eight vertices. `positions` has an axis a row; each of
-    /// `corners` a vertex for each triangle, four bits each. Triangles whose bit in `used` is 0 are
-    /// ignored. Where `any` hit will do, t is not to be relied on.
-    // Arrays of vectors are not mapped but written out: `map` is not inlined here, and vectors are
-    // then passed through memory.
+    /// Tests up to eight triangles over eight vertices. Each row of `positions` is an axis; each of
+    /// `corners` packs the vertices of the triangles, four bits each. Triangles whose bit in `used`
+    /// is 0 are ignored. If `any` hit suffices, t is unspecified.
+    // Arrays of vectors are written out instead of mapped: `map` is not inlined here, and passes
+    // vectors through memory.
     #[inline(always)]
     pub fn intersect_patch<S: Lanes>(
         &self,
@@ -72,7 +73,7 @@ impl ShearedSpace {
         )
     }
 
-    /// Tests up to eight triangles; `corners` has a corner and an axis a row.
+    /// Tests up to eight triangles; each row of `corners` is an axis of a corner.
     #[inline(always)]
     pub fn intersect_soup<S: Lanes>(
         &self,
@@ -100,15 +101,15 @@ impl ShearedSpace {
         )
     }
 
-    /// As [`ShearedSpace::shear`], but z not scaled yet.
+    /// As [`ShearedSpace::shear`], without the scaling of z.
     #[inline(always)]
     fn shear_lanes<S: Lanes>(
         &self,
         simd: S,
         positions: &[[f32; 8]; 3],
     ) -> (f32x8<S>, f32x8<S>, f32x8<S>) {
-        // An index and not a match: rays differ, and a branch would be predicted wrongly. The minimum
-        // spares the check of bounds.
+        // An index instead of a match, which rays of different directions would mispredict. The
+        // minimum avoids the bounds check.
         let [x, y, z] = ORDERS[self.longest as usize];
         let x: f32x8<S> = positions[x.min(2)].simd_into(simd);
         let y: f32x8<S> = positions[y.min(2)].simd_into(simd);
@@ -118,7 +119,8 @@ impl ShearedSpace {
         (x - z * self.shear[0], y - z * self.shear[1], z)
     }
 
-    /// What is known of the `used` ones, whose `corners` are asked for where double precision has to settle some.
+    /// The results for the `used` triangles; `corners` is called only if double precision has to
+    /// settle some.
     #[inline(always)]
     fn intersect_lanes<S: Lanes>(
         &self,
@@ -147,8 +149,8 @@ impl ShearedSpace {
         hits
     }
 
-    /// Settles in double precision where the ray meets the `open` triangles with these corners, a bit each, all of
-    /// which it passes through.
+    /// Settles in double precision the t of the `open` triangles with these corners, a bit each.
+    /// The ray passes through all of them.
     #[inline(always)]
     fn settle_lanes<S: Lanes>(
         &self,

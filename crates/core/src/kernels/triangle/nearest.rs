@@ -1,4 +1,4 @@
-//! The point of a triangle that a ray passes nearest to, in the sheared space of the ray and double precision.
+//! The point of a triangle nearest to a ray, in the ray's sheared space and in double precision.
 
 use glam::DVec3;
 
@@ -6,14 +6,13 @@ pub(super) fn edges_f64([a, b, c]: &[DVec3; 3]) -> [f64; 3] {
     [c.x * b.y - c.y * b.x, a.x * c.y - a.y * c.x, b.x * a.y - b.y * a.x]
 }
 
-/// Barycentric coordinates of the point of the triangle that the ray passes nearest to, none
-/// negative. `None` where the ray lies in the triangle's plane. Points count as on the ray up to
-/// `sideways` from it.
+/// Barycentric coordinates of the point of the triangle nearest to the ray, none negative. `None`
+/// if the ray lies in the triangle's plane. Points count as on the ray up to `sideways` from it.
 ///
-/// That point is where the ray meets the plane, unless single precision has taken for a hit what
-/// passes just outside. There a ray that grazes the triangle may meet its plane far away, and the
-/// nearest point of the boundary is what was hit. So it is where the triangle is seen so nearly edge
-/// on that not even double precision finds a point of it on the ray.
+/// That point is where the ray meets the plane, unless single precision accepted a ray that passes
+/// just outside. A ray that grazes the triangle may meet its plane far away, and the nearest point
+/// of the boundary was hit instead. The same holds if the triangle is so nearly edge-on that not
+/// even double precision finds a point of it on the ray.
 pub(super) fn weights(vertices: &[DVec3; 3], sideways: f64) -> Option<DVec3> {
     let edges = DVec3::from(edges_f64(vertices));
     let sum = edges.element_sum();
@@ -25,23 +24,22 @@ pub(super) fn weights(vertices: &[DVec3; 3], sideways: f64) -> Option<DVec3> {
     Some(if is_inside { inside } else { nearest_on_boundary(vertices) })
 }
 
-/// Whether the ray passes no farther than `sideways` from the point of these weights, along each
-/// axis.
+/// Whether the ray passes within `sideways` of the point with these weights, along each axis.
 pub(super) fn is_beside([a, b, c]: &[DVec3; 3], weights: DVec3, sideways: f64) -> bool {
     (a * weights.x + b * weights.y + c * weights.z).truncate().abs().max_element() <= sideways
 }
 
-/// As [`weights`], of the point of the boundary that is nearest to the ray.
+/// As [`weights`], for the point of the boundary nearest to the ray.
 pub(super) fn nearest_on_boundary(vertices: &[DVec3; 3]) -> DVec3 {
     let distance = |i: usize| vertices[i].truncate().length_squared();
     let sides = [(0, 1), (1, 2), (2, 0)].map(|(i, j)| {
-        // From the nearer end: it does not matter which way the side runs.
+        // From the nearer end: the direction of the side does not matter.
         let (i, j) = if distance(i) <= distance(j) { (i, j) } else { (j, i) };
         let (p, q) = (vertices[i].truncate(), vertices[j].truncate());
         let along = q - p;
         let s = (-p.dot(along) / along.length_squared()).clamp(0.0, 1.0);
         let mut weights = DVec3::ZERO;
-        // A side seen end on has no direction: either end will do.
+        // A side seen end on has no direction: either end is right.
         weights[j] = if s.is_nan() { 0.0 } else { s };
         weights[i] = 1.0 - weights[j];
         ((p + along * weights[j]).length_squared(), weights)

@@ -1,17 +1,20 @@
-//! Where rays meet the planes of triangles, in double precision: what decides where single precision does not.
+//! Crossings of rays with the planes of triangles, in double precision, for pairs that single
+//! precision does not decide.
 //!
 //! With a, b, c the corners, o and d the origin and the direction of the ray, n = (b - a) x (c - a) and
 //! t = n . (a - o) / n . d.
 //!
 //! # The bound
 //!
-//! With u the unit roundoff of double precision and m the sum of magnitudes that n is the difference of, a component
-//! of n is off by at most 4 u m, and the two scalar products by at most 9 u m . |a - o| and 8 u m . |d|. So t is off
-//! by at most 10 u (m . |a - o| + |t| m . |d|) / |n . d|, the roundings of the quotient and of the bound included;
-//! products of three numbers of single precision do not underflow.
+//! With u the unit roundoff of double precision and m the sum of magnitudes of the differences in
+//! n, a component of n is off by at most 4 u m, and the two dot products by at most 9 u m . |a - o|
+//! and 8 u m . |d|. So t is off by at most 10 u (m . |a - o| + |t| m . |d|) / |n . d|, including
+//! the rounding of the quotient and of the bound; products of three numbers of single precision do
+//! not underflow.
 //!
-//! Where both ends of that interval round to one number of single precision, t is that number: the exact t, rounded
-//! once. It does not depend on the order of the corners, and triangles of one plane are met at one t.
+//! If both ends of that interval round to the same number of single precision, t is that number:
+//! the exact t, rounded once. It does not depend on the order of the corners, and coplanar
+//! triangles are met at the same t.
 
 use super::edges::RayRange;
 use crate::math::real::{Real, Single};
@@ -25,23 +28,24 @@ const ERROR: f64 = 10.0 * (f64::EPSILON / 2.0);
 pub(crate) struct Plane<D> {
     corner: Vector<D>,
     normal: Vector<D>,
-    /// What the components of the normal are differences of, their magnitudes added.
+    /// For each component of the normal, the sum of the magnitudes of the terms it is the
+    /// difference of.
     size: Vector<D>,
 }
 
-/// What is known of rays and the planes of their triangles.
+/// The results for rays and the planes of their triangles.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Settled<F: Single> {
-    /// The exact t, rounded, where there is a `hit`.
+    /// The exact t, rounded, in the lanes of `hit`.
     pub(crate) t: F,
-    /// Where t is known and within the range of the ray.
+    /// The lanes in which t is known and within the range of the ray.
     pub(crate) hit: F::Mask,
-    /// Where t is certainly outside of the range.
+    /// The lanes in which t is certainly outside the range.
     pub(crate) miss: F::Mask,
 }
 
 impl Plane<f64> {
-    /// The same plane in each lane, as many as `like` has.
+    /// The same plane in each lane of the width of `like`.
     #[inline(always)]
     pub(crate) fn splat<D: Real<Element = f64>>(&self, like: D) -> Plane<D> {
         let splat = |v: Vector<f64>| Vector::new(like.same(v.x), like.same(v.y), like.same(v.z));
@@ -63,7 +67,7 @@ impl<D: Real<Element = f64>> Plane<D> {
         Self { corner: a, normal: Vector::new(nx, ny, nz), size: Vector::new(mx, my, mz) }
     }
 
-    /// Decides on rays with ranges from `t_min` to `t_max`, all of which pass through their triangles.
+    /// Decides on rays with ranges from `t_min` to `t_max` that all pass through their triangles.
     #[inline(always)]
     pub(crate) fn settle<F: Single<Double = D>>(
         &self,
@@ -78,7 +82,7 @@ impl<D: Real<Element = f64>> Plane<D> {
         let size = self.size.dot_in_order(from_origin.abs());
         let size = size + t.abs() * self.size.dot_in_order(direction.abs());
         let error = size.times(ERROR) / slope.abs();
-        // What is not a number is neither a hit nor a miss.
+        // A NaN is neither a hit nor a miss.
         let (low, high) = (F::narrow(t - error), F::narrow(t + error));
         Settled {
             t: low,

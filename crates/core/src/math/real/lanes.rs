@@ -12,7 +12,7 @@ macro_rules! mask {
         impl<S: Lanes> Mask for $mask<S> {
             #[inline(always)]
             fn bits(self) -> u32 {
-                // What lies beyond the lanes has no meaning.
+                // Bits beyond the lanes are unspecified.
                 self.to_bitmask() as u32 & (u32::MAX >> (32 - $lanes))
             }
         }
@@ -171,7 +171,8 @@ impl<S: Lanes> Single for f32x8<S> {
         let simd = ExtractToken::token(&self);
         let bits: u32x8<S> = self.bitcast();
         let sign = shift.bitcast::<u32x8<S>>() & SIGN;
-        // Of numbers of the shift's sign the neighbour away from zero is the one of the next pattern.
+        // If number and shift have the same sign, the adjacent float away from zero has the next
+        // bit pattern.
         let outward = ((bits ^ sign) & SIGN).simd_eq(u32x8::splat(simd, 0));
         let next = outward.select(bits + 1, bits - 1);
         let from_zero = sign | 1;

@@ -1,4 +1,4 @@
-//! What x86-64 has instructions of its own for.
+//! Operations with their own instructions on x86-64.
 
 use super::{LANES, Lanes};
 use fearless_simd::prelude::*;
@@ -51,8 +51,8 @@ fearless_simd::kernel!(
 );
 
 fearless_simd::kernel!(
-    /// Bitonic sort (Batcher 1968), the largest first, so that lanes out of the mask, which
-    /// are zero, come last.
+    /// Bitonic sort (Batcher 1968), the largest first, so that lanes outside the mask, which are
+    /// zero, come last.
     #[inline(always)]
     fn sort_avx512(level: Avx512, entries: u64x8<Avx512>, mask: u8) -> u64x8<Avx512> {
         let v = _mm512_maskz_mov_epi64(mask, entries.into());
@@ -74,7 +74,7 @@ fearless_simd::kernel!(
 );
 
 fearless_simd::kernel!(
-    /// The same for the first four.
+    /// The same for four entries.
     #[inline(always)]
     fn sort_four_avx512(level: Avx512, entries: u64x8<Avx512>) -> u64x4<Avx512> {
         let v = _mm512_castsi512_si256(entries.into());
@@ -157,7 +157,7 @@ impl Lanes for Avx512 {
     #[inline(always)]
     fn far_to_near(self, entries: &[u64; LANES], mask: u8, sorted: &mut [u64; LANES]) {
         let entries = (*entries).simd_into(self);
-        // Seldom more, and so a branch that is predicted well.
+        // More are rare, so this branch is well predicted.
         if mask.count_ones() <= 4 {
             let first = compress_avx512(self, entries, mask);
             sort_four_avx512(self, first).store_slice(&mut sorted[..4]);

@@ -1,4 +1,4 @@
-//! The same with the fast test, which needs no sheared space.
+//! The same for the fast test, which needs no sheared space.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, u32x16};
@@ -15,8 +15,8 @@ use crate::math::real::Mask;
 use crate::math::simd::{LANES, Lanes};
 use crate::math::vector::{Line, Vector};
 
-/// As [`super::see`]: the rays themselves, with origins in the place of the first vertex
-/// and directions in that of the second.
+/// As [`super::see`]: the rays themselves, with origins in place of the first vertex and directions
+/// in place of the second.
 #[inline(always)]
 pub(super) fn see<S: Lanes>(simd: S, tile: &Tile, group: &mut PatchRays) {
     let g = group.positions[0] as usize / WIDTH;

@@ -1,4 +1,4 @@
-//! What the rays of groups have found, as their tiles keep it.
+//! Stores the results of groups in their tiles.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, mask32x16, u32x16};
@@ -14,8 +14,8 @@ use crate::kernels::precision::Arithmetic;
 use crate::math::real::Mask;
 use crate::math::simd::Lanes;
 
-/// Notes the rays that `certain`ly meet the triangle, at `t`. Where rounding may hide which of two hits is first, the
-/// order of [`Geometry::comes_first`] decides.
+/// Stores the rays that `certain`ly meet the triangle, at `t`. If rounding may swap two hits,
+/// [`Geometry::comes_first`] orders them.
 #[inline(always)]
 pub(super) fn note<S: Lanes, Q: Query, P: Arithmetic>(
     simd: S,
@@ -45,7 +45,8 @@ pub(super) fn note<S: Lanes, Q: Query, P: Arithmetic>(
     }
 }
 
-/// Gives the `close` rays, a bit each, their hit on a triangle, at `t` and of a `number`, if that comes first.
+/// Gives each of the `close` rays, a bit each, its hit at `t` on triangle `number`, if that comes
+/// first.
 #[cold]
 #[inline(never)]
 fn order<P: Arithmetic>(
@@ -67,7 +68,7 @@ fn order<P: Arithmetic>(
     }
 }
 
-/// Gives the tile what the group's rays have found: another group may have found more.
+/// Gives the group's results to the tile: another group may have found closer hits.
 #[inline(always)]
 pub(super) fn each<Q: Query, P: Arithmetic>(
     geometry: &Geometry,
@@ -84,7 +85,7 @@ pub(super) fn each<Q: Query, P: Arithmetic>(
     }
 }
 
-/// As [`each`], for a group of the tile itself.
+/// As [`each`], for a whole group of the tile.
 #[inline(always)]
 pub(super) fn whole<S: Lanes, Q: Query, P: Arithmetic>(
     simd: S,

@@ -1,4 +1,5 @@
-//! Where rays meet a triangle that single precision does not decide on: in double precision, eight rays at a time.
+//! Decides in double precision, eight rays at a time, where rays meet a triangle that single
+//! precision leaves open.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x8, f64x8};
@@ -12,15 +13,16 @@ use crate::math::real::{Mask, Single};
 use crate::math::simd::{LANES, Lanes, outlined};
 use crate::math::vector::{Line, Vector};
 
-/// What double precision says of the rays of a group in front of a triangle.
+/// The results of double precision for a group of rays and a triangle.
 pub(super) struct Settled {
     pub(super) t: Row,
-    /// Those that meet it at t, and those that are decided on, a bit each.
+    /// The rays that meet it at t, and those that are decided, a bit each.
     pub(super) hit: u32,
     pub(super) decided: u32,
 }
 
-/// Settles in double precision where the `open` rays, a bit each, meet a triangle that they pass through.
+/// Decides in double precision where the `open` rays, a bit each, meet a triangle that they pass
+/// through.
 #[inline(always)]
 pub(super) fn settle<S: Lanes>(
     simd: S,
@@ -69,7 +71,8 @@ pub(super) fn settle<S: Lanes>(
     settled
 }
 
-// Functions and not closures: those are not inlined here, and then lack the instructions of the level.
+// Functions instead of closures, which are not inlined here and then lack the level's
+// instructions.
 
 #[inline(always)]
 fn rows<S: Lanes>(simd: S, [x, y, z]: &[Column; 3], group: &PatchRays, g: usize) -> [Row; 3] {

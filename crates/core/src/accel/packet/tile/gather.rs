@@ -1,4 +1,4 @@
-//! Sixteen of a tile's rays, as they are brought together in front of a leaf.
+//! Gathers sixteen of a tile's rays for a leaf.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, u32x16};
@@ -7,9 +7,9 @@ use super::{GROUPS, Tile, WIDTH, load};
 use crate::kernels::triangle::RayRange;
 use crate::math::simd::Lanes;
 
-/// Sixteen rays in front of a leaf.
+/// Sixteen rays at a leaf.
 pub(in crate::accel::packet) struct RayGroup<S: Lanes> {
-    /// With the longest axis last.
+    /// Permuted, with the longest axis last.
     pub(in crate::accel::packet) origin: [f32x16<S>; 3],
     pub(in crate::accel::packet) shear: [f32x16<S>; 3],
     pub(in crate::accel::packet) range: RayRange<f32x16<S>>,
@@ -18,7 +18,7 @@ pub(in crate::accel::packet) struct RayGroup<S: Lanes> {
 }
 
 impl Tile {
-    /// The rays at `positions`, with the axes in `order`; without origins if they have `ONE`.
+    /// The rays at `positions`, with the axes in `order`; without origins if all have `ONE`.
     #[inline(always)]
     pub(in crate::accel::packet) fn pick<S: Lanes, const ONE: bool>(
         &self,
