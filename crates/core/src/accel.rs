@@ -1,13 +1,13 @@
-//! The structure that hits are found in.
+//! The acceleration structure: finds hits.
 //!
-//! [`geometry::Geometry`] holds the primitives and defines what a hit is; [`build`] has obvhs make
-//! binary trees over them and turns these into the nodes and leaves of an [`arena`]. [`single`]
-//! traverses it for one ray, [`stream`] for many in flight, [`packet`] for tiles of rays that go
-//! nearly the same way. [`brute`] asks every primitive and is the reference. All of them give the
-//! same answers to the last bit, with any instructions: [`crate::kernels::slab`] says why.
+//! [`geometry::Geometry`] holds the primitives and defines a hit; [`build`] converts obvhs's binary
+//! trees to the nodes and leaves of an [`arena`]. [`single`] traverses it for one ray, [`stream`]
+//! for many rays in flight, [`packet`] for tiles of coherent rays. [`brute`] tests every primitive
+//! and is the reference. All of them return the same answers to the last bit, at any instruction
+//! level: [`crate::kernels::slab`] says why.
 //!
-//! A mesh that is shown in several places is held once, as a prototype with a tree of its own; each showing is
-//! an [`instance`], which rays visit after the scene's own primitives.
+//! A mesh shown in several places is stored once, as a prototype with its own tree; each copy is an
+//! [`instance`], which rays visit after the scene's own primitives.
 
 pub mod arena;
 mod brute;
@@ -58,16 +58,16 @@ use rays::BLOCK_EDGE;
 pub use rays::{RayColumns, Rays};
 pub use search::Search;
 
-/// The number of no primitive.
+/// The primitive number of a miss.
 pub const NO_PRIMITIVE: u32 = u32::MAX;
 
 /// The answer to a closest-hit query.
 #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub struct Hit {
-    /// Where on the ray. Infinite for a miss.
+    /// Distance along the ray, in lengths of its direction; infinite for a miss.
     pub t: f32,
-    /// Which primitive: of equal t the one of the lowest number. [`NO_PRIMITIVE`] for a miss.
+    /// The primitive, at equal t the one with the lowest number. [`NO_PRIMITIVE`] for a miss.
     pub primitive: u32,
 }
 
@@ -75,14 +75,14 @@ impl Hit {
     /// No hit.
     pub const MISS: Self = Self { t: f32::INFINITY, primitive: NO_PRIMITIVE };
 
-    /// Whether there is none.
+    /// Whether this is a miss.
     #[inline]
     pub fn is_miss(&self) -> bool {
         self.primitive == NO_PRIMITIVE
     }
 }
 
-/// What one thread needs to trace: stacks that fit the tree, and its counters.
+/// Scratch memory of a thread: stacks that fit the tree, and counters.
 #[derive(Clone, Debug, Default)]
 pub struct Traversal {
     stack: Vec<u64>,
@@ -91,42 +91,42 @@ pub struct Traversal {
     walks: Walks,
     /// Tests made so far.
     pub tests: TestCounts,
-    /// Rays taken so far, by kernel.
+    /// Rays so far, by kernel.
     pub kernels: Kernels,
 }
 
-/// Where a kernel counts its work.
+/// The counters of a kernel.
 struct Counts<'a> {
     tests: &'a mut TestCounts,
     kernel: &'a mut KernelCounts,
 }
 
-/// The primitives and how they are searched.
+/// The primitives and their search structure.
 #[derive(Debug)]
 pub struct Accel {
     geometry: Geometry,
     /// `None` for the brute-force reference.
     tree: Option<Tree>,
-    /// A bottom-level tree for each prototype; none for the reference.
+    /// A bottom-level tree for each prototype; empty for the reference.
     blas: Vec<Tree>,
     /// The top-level tree, over the instances.
     tlas: Tlas,
-    /// The instructions to search with. No answer depends on them.
+    /// The instruction level; it does not affect answers.
     pub level: fearless_simd::Level,
-    /// The kernel that takes batches of rays. No answer depends on it.
+    /// The kernel for batches of rays; it does not affect answers.
     pub kernel: KernelChoice,
 }
 
 impl Accel {
-    /// Builds the structure that `preset` names over `geometry`, to be searched with the best
-    /// instructions that the processor has.
+    /// Builds the structure of `preset` over `geometry`, to be searched at the best instruction
+    /// level of the processor.
     pub fn new(geometry: Geometry, preset: Preset) -> Self {
         let mut accel = Self::unbuilt(geometry);
         accel.rebuild(preset);
         accel
     }
 
-    /// The primitives alone, not yet to be searched.
+    /// The primitives without a structure; not for searches yet.
     pub fn unbuilt(geometry: Geometry) -> Self {
         let (level, kernel) = (fearless_simd::Level::new(), KernelChoice::default());
         Self { geometry, tree: None, blas: Vec::new(), tlas: Tlas::default(), level, kernel }
@@ -158,7 +158,7 @@ impl Accel {
         self.tree.as_ref()
     }
 
-    /// How many triangles no ray can hit, since they have no area. Those of a prototype count once.
+    /// The number of triangles without area that no ray can hit. Those of a prototype count once.
     pub fn left_out(&self) -> u64 {
         let prototypes = self.geometry.prototypes.iter().enumerate();
         let of_prototypes: u64 =
@@ -174,23 +174,23 @@ impl Accel {
         Traversal { stack: vec![0; entries], flight: Flight::new(entries), ..Traversal::default() }
     }
 
-    /// The searches of precision `P`, for those who know it: the geometry's.
+    /// The searches in precision `P`, which must be the geometry's.
     #[inline(always)]
     pub fn search<P: Arithmetic>(&self) -> Search<'_, P> {
         Search { accel: self, precision: PhantomData }
     }
 
-    /// The closest hit on `ray`, of light shapes too.
+    /// The closest hit on `ray`, including light shapes.
     pub fn closest(&self, ray: &Ray, traversal: &mut Traversal) -> Hit {
         with_precision!(self.geometry.precision, P => self.search::<P>().closest(ray, traversal))
     }
 
-    /// Whether anything is on `ray`, light shapes apart: light passes them.
+    /// Whether `ray` is occluded; light shapes do not occlude.
     pub fn occluded(&self, ray: &Ray, traversal: &mut Traversal) -> bool {
         with_precision!(self.geometry.precision, P => self.search::<P>().occluded(ray, traversal))
     }
 
-    /// The closest hits on many rays, of light shapes too.
+    /// The closest hits on many rays, including light shapes.
     pub fn closest_of<'a>(
         &self,
         rays: impl Into<Rays<'a>>,
@@ -202,7 +202,7 @@ impl Accel {
             self.search::<P>().closest_of(rays, answers, traversal));
     }
 
-    /// For many rays, whether anything is on each, light shapes apart.
+    /// Whether each of many rays is occluded; light shapes do not occlude.
     pub fn occluded_of<'a>(
         &self,
         rays: impl Into<Rays<'a>>,
@@ -225,14 +225,14 @@ impl Accel {
     }
 }
 
-/// The tree over the primitives that `geometry` holds itself, tight where precision asks for it.
+/// The tree over the primitives that `geometry` holds itself, with seals unless precision is fast.
 fn tight(geometry: &mut Geometry, preset: Preset) -> Tree {
     let survey = Survey::of(geometry);
     find_seals(geometry, survey.degenerate());
     build::build(geometry, survey, preset)
 }
 
-/// A tree for each prototype: large ones one after the other, each on all threads, small ones side by side.
+/// A tree for each prototype: large ones in turn, each on all threads, small ones in parallel.
 fn build_blas(prototypes: &mut [Geometry], preset: Preset) -> Vec<Tree> {
     let is_large = |prototype: &Geometry| prototype.own() > preset.chunk();
     let mut trees: Vec<Option<Tree>> = prototypes
@@ -253,7 +253,7 @@ fn find_all_seals(geometry: &mut Geometry) {
     }
 }
 
-/// The seals among the `degenerate` triangles. Fast arithmetic leaks anyway, and has none.
+/// The seals among the `degenerate` triangles; none in fast precision, which leaks anyway.
 fn find_seals(geometry: &mut Geometry, degenerate: &[u32]) {
     if geometry.precision != Precision::Fast {
         geometry.seals = seals::find(geometry, degenerate);

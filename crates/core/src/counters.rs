@@ -1,8 +1,8 @@
-//! Work counted while rendering, exactly: how it is shown that a scene pays for what it shows.
+//! Exact counts of the work of a render: they show that a scene pays only for the effects it uses.
 
 use crate::accel::{Kernels, TestCounts};
 
-/// Counts of one thread, or of a whole render.
+/// Counts for one thread or for a whole render.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counters {
     /// Camera rays.
@@ -11,27 +11,27 @@ pub struct Counters {
     pub secondary_rays: u64,
     /// Shadow rays.
     pub shadow_rays: u64,
-    /// Points chosen on the lens.
+    /// Points sampled on the lens.
     pub lens_samples: u64,
-    /// Points chosen on area lights.
+    /// Points sampled on area lights.
     pub light_samples: u64,
     /// Hits whose colour was interpolated between vertices.
     pub colors: u64,
     /// Texels read.
     pub texels: u64,
-    /// Footprints of rays on surfaces: one for each look-up in a trilinear texture, and one for each
-    /// mirror ray where there are such textures.
+    /// Footprints of rays on surfaces: one for each look-up in a trilinear texture, and one for
+    /// each mirror ray if there are such textures.
     pub footprints: u64,
     /// Tests of boxes and primitives.
     pub tests: TestCounts,
-    /// Rays by the kernel that took them through the tree.
+    /// Rays by the kernel that traced them.
     pub kernels: Kernels,
-    /// Samples that were not finite, and count as black.
+    /// Samples that were not finite; they count as black.
     pub invalid: u64,
-    /// The first of these, by pixel.
+    /// The first of these in the order of pixels.
     pub first_invalid: Option<Sample>,
-    /// Shadow rays to a light within the rounding error of the surface: its distance was taken to
-    /// be that error.
+    /// Shadow rays to a light within the rounding error of the surface: its distance counts as that
+    /// error.
     pub lights_at_surface: u64,
 }
 
@@ -45,7 +45,7 @@ pub struct Sample {
 }
 
 impl Counters {
-    /// Counts samples that were not finite, given the first of them.
+    /// Counts samples that were not finite; `first` is the first of them.
     pub fn add_invalid(&mut self, count: u64, first: Option<Sample>) {
         self.invalid += count;
         self.first_invalid = [self.first_invalid, first].into_iter().flatten().min();

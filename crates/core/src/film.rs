@@ -1,12 +1,12 @@
-//! The film: the pixels of one picture, in linear colour.
+//! The film: the pixels of one image, in linear colour.
 
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
-/// The most pixels that a film may have: 2^28, which is 16384 x 16384 and takes 3 GiB.
+/// Largest number of pixels of a film: 2^28, which is 16384 x 16384 and takes 3 GiB.
 pub const MAX_PIXELS: u64 = 1 << 28;
 
-/// A picture in linear colour: red, green and blue for each pixel, the top row first and each row
-/// from left to right. Values below 0, above 1 and not finite are kept as they are.
+/// An image in linear colour: red, green and blue for each pixel, in rows from top to bottom and
+/// from left to right. Values below 0, above 1 and not finite are kept.
 #[derive(Clone, Debug)]
 pub struct Film {
     width: u32,
@@ -18,8 +18,7 @@ impl Film {
     /// A black film.
     ///
     /// # Errors
-    /// When a side is 0, when there are more than [`MAX_PIXELS`] pixels, or when there is not
-    /// memory enough for them.
+    /// If a side is 0, if there are more than [`MAX_PIXELS`] pixels, or if memory does not suffice.
     pub fn new(width: u32, height: u32) -> Result<Self> {
         let count = checked_pixel_count(width, height)?;
         let mut pixels = reserve(count)?;
@@ -30,8 +29,8 @@ impl Film {
     /// The film with these pixels, the top row first.
     ///
     /// # Errors
-    /// When a side is 0, when there are more than [`MAX_PIXELS`] pixels, or when `pixels` does not
-    /// hold `width * height` of them.
+    /// If a side is 0, if there are more than [`MAX_PIXELS`] pixels, or if `pixels` does not hold
+    /// `width * height` of them.
     pub fn from_pixels(width: u32, height: u32, pixels: Vec<[f32; 3]>) -> Result<Self> {
         let count = checked_pixel_count(width, height)?;
         if pixels.len() != count {
@@ -56,12 +55,12 @@ impl Film {
         &self.pixels
     }
 
-    /// Every pixel, the top row first, to be changed.
+    /// Every pixel, the top row first, mutable.
     pub fn pixels_mut(&mut self) -> &mut [[f32; 3]] {
         &mut self.pixels
     }
 
-    /// Gives up the pixels, the top row first.
+    /// Returns the pixels, the top row first.
     pub fn into_pixels(self) -> Vec<[f32; 3]> {
         self.pixels
     }
@@ -71,7 +70,7 @@ impl Film {
         self.index(x, y).map(|i| self.pixels[i])
     }
 
-    /// The same pixel, to be changed; `None` outside the film.
+    /// The same pixel, mutable; `None` outside the film.
     pub fn pixel_mut(&mut self, x: u32, y: u32) -> Option<&mut [f32; 3]> {
         self.index(x, y).map(|i| &mut self.pixels[i])
     }
@@ -81,15 +80,15 @@ impl Film {
         self.pixels.chunks_exact(self.width as usize)
     }
 
-    /// The rows, the top one first, to be changed.
+    /// The rows, the top one first, mutable.
     pub fn rows_mut(&mut self) -> std::slice::ChunksExactMut<'_, [f32; 3]> {
         self.pixels.chunks_exact_mut(self.width as usize)
     }
 
-    /// The part `[x, y, width, height]`, in pixels from the top left; what lies beyond the image is left out.
+    /// The part `[x, y, width, height]`, in pixels from the top left, cropped to the image.
     ///
     /// # Errors
-    /// When nothing of it lies within the image.
+    /// If the part is entirely outside the image.
     pub fn part(&self, [x, y, width, height]: [u32; 4]) -> Result<Self> {
         let end = |start: u32, length: u32, all: u32| start.saturating_add(length).min(all);
         let (x_end, y_end) = (end(x, width, self.width), end(y, height, self.height));
@@ -99,8 +98,8 @@ impl Film {
         Self::from_pixels(x_end.saturating_sub(x), y_end.saturating_sub(y), pixels.collect())
     }
 
-    /// Whether the sizes and the bits of every value are the same. Unlike `==` on numbers, this
-    /// distinguishes 0 from -0, and a value that is not a number equals itself.
+    /// Whether the sizes and the bits of every value are equal. Unlike `==` on numbers, this
+    /// distinguishes 0 from -0, and NaN equals itself.
     pub fn same_bits(&self, other: &Self) -> bool {
         (self.width, self.height) == (other.width, other.height)
             && bytemuck::cast_slice::<_, u32>(&self.pixels)
@@ -112,10 +111,10 @@ impl Film {
     }
 }
 
-/// The number of pixels in an image, once its sides are known to be allowed.
+/// The number of pixels of an image with these sides, which are checked.
 ///
 /// # Errors
-/// When a side is 0 or when there are more than [`MAX_PIXELS`] pixels.
+/// If a side is 0 or if there are more than [`MAX_PIXELS`] pixels.
 pub fn checked_pixel_count(width: u32, height: u32) -> Result<usize> {
     let size = format!("{width} x {height}");
     if width == 0 || height == 0 {
@@ -132,7 +131,7 @@ pub fn checked_pixel_count(width: u32, height: u32) -> Result<usize> {
     }
 }
 
-/// An empty list with room for `count` values, or an error where memory is short.
+/// An empty list with room for `count` values, or an error if memory is short.
 pub fn reserve<T>(count: usize) -> Result<Vec<T>> {
     let mut values = Vec::new();
     values.try_reserve_exact(count).map_err(|cause| {

@@ -1,8 +1,7 @@
-//! Pure functions: values in, values out. They know no queues, no world, no files, and both
-//! tracers call the same ones.
+//! Pure functions of values, without queues, world or files, shared by both tracers.
 //!
-//! A ray meets a shape in two steps. `intersect` decides whether and at which t; [`surface`]
-//! rebuilds the point, its error bound and its normal, and is left out for shadow rays.
+//! Intersection has two steps. `intersect` decides whether and at which t a ray meets a shape;
+//! [`surface`] computes the point, its error bound and its normal, and is skipped for shadow rays.
 
 pub mod blinn_phong;
 pub mod camera;

@@ -1,8 +1,8 @@
 //! The tracing core of wavecrest: from dense arrays of primitives to the pixels of a film.
 //!
-//! [`accel`] finds what rays hit, [`kernels`] compute with one value or with eight at a time, and the two tracers,
-//! [`wavefront`] and [`recursive`], call these kernels in schedules of their own. [`render`] shares an image among
-//! threads. Nothing here reads a file.
+//! [`accel`] finds hits, [`kernels`] compute with one value or eight at a time, and the two
+//! tracers, [`wavefront`] and [`recursive`], call these kernels in their own schedules. [`render`]
+//! distributes an image over threads. Nothing here reads a file.
 
 pub mod accel;
 pub mod counters;

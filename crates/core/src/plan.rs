@@ -1,8 +1,8 @@
-//! The plan: which effects a scene calls for, why each other one is left out, and what that makes of
-//! the passes.
+//! The plan: which effects a scene needs, why others are skipped, and which passes run.
 //!
-//! The census (`systems::census` of the scene crate) makes it once. What it leaves out is not simulated:
-//! its pass is not run, its queue has no storage, its random numbers are not drawn.
+//! The census (`systems::census` of the scene crate) makes the plan once. An effect that it skips
+//! costs nothing: its pass does not run, its queue has no storage, its random numbers are not
+//! drawn.
 
 pub mod schedule;
 
@@ -10,7 +10,7 @@ use serde::Serialize;
 
 use schedule::{PASSES, Pass, Schedule};
 
-/// Something that costs time only in scenes that show it.
+/// An effect that costs time only in scenes that show it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Effect {
@@ -22,7 +22,7 @@ pub enum Effect {
     Spheres,
     /// Interpolated normals.
     SmoothShading,
-    /// Colours of vertices.
+    /// Vertex colours.
     VertexColors,
     /// Texture look-ups.
     Textures,
@@ -30,29 +30,29 @@ pub enum Effect {
     NormalMaps,
     /// Textures of metal and roughness, and of ambient light.
     MaterialTextures,
-    /// Highlights of a colour.
+    /// Coloured highlights.
     TintedHighlights,
-    /// Light of materials themselves, added where they are seen.
+    /// Emission of materials.
     Emission,
-    /// Holes where an image has little alpha.
+    /// Holes given by the alpha of an image.
     CutOuts,
-    /// What rays spread over, for textures that are filtered accordingly.
+    /// Ray differentials, for textures filtered over their footprints.
     RayDifferentials,
-    /// Ambient light by the normal.
+    /// Hemispheric ambient light.
     HemisphereLight,
-    /// Light from points, with a shadow ray each.
+    /// Point lights, with a shadow ray each.
     PointLights,
-    /// Light from points within cones, with a shadow ray each.
+    /// Spot lights, with a shadow ray each.
     SpotLights,
-    /// Light from infinitely far away, with a shadow ray for each sample.
+    /// Directional lights, with a shadow ray for each sample.
     DirectionalLights,
-    /// Light from shapes, with a shadow ray for each sample.
+    /// Area lights, with a shadow ray for each sample.
     AreaLights,
     /// Mirror rays.
     Mirrors,
-    /// A lens with an extent.
+    /// A lens with an aperture.
     DepthOfField,
-    /// More than one ray through different places of a pixel.
+    /// Several rays through different points of a pixel.
     Antialiasing,
 }
 
@@ -81,7 +81,7 @@ impl Effect {
         Self::Mirrors,
     ];
 
-    /// What it is called in messages.
+    /// Its name in messages.
     pub fn name(self) -> &'static str {
         match self {
             Self::Triangles => "triangles",
@@ -113,13 +113,13 @@ impl Effect {
 pub struct Decision {
     /// The effect.
     pub effect: Effect,
-    /// Whether the scene calls for it.
+    /// Whether the scene needs it.
     pub present: bool,
-    /// What in the scene decided it.
+    /// The reason, from the scene.
     pub reason: String,
 }
 
-/// The decisions of the census, one for each effect, and the schedule that follows from them.
+/// The census's decisions, one for each effect, and the resulting schedule.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(transparent)]
 pub struct Plan {
@@ -129,13 +129,13 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// The plan of these decisions.
+    /// The plan with these decisions.
     pub fn new(decisions: Vec<Decision>) -> Self {
         Self::of(decisions, &PASSES)
     }
 
-    /// As [`Plan::new`], by another table than [`PASSES`]: for tests of the table itself, and for
-    /// renders that leave nothing out ([`schedule::unplanned`]).
+    /// As [`Plan::new`], with another table than [`PASSES`]: for tests of the table itself, and for
+    /// renders that skip nothing ([`schedule::unplanned`]).
     pub fn of(decisions: Vec<Decision>, passes: &[Pass]) -> Self {
         let schedule = Schedule::new(passes, &decisions);
         Self { decisions, schedule }
@@ -146,18 +146,18 @@ impl Plan {
         &self.decisions
     }
 
-    /// Whether the scene calls for `effect`. Not to be asked ray by ray: [`Schedule`] is.
+    /// Whether the scene needs `effect`. For each ray, read [`Schedule`] instead.
     pub fn has(&self, effect: Effect) -> bool {
         self.decisions.iter().any(|d| d.effect == effect && d.present)
     }
 
-    /// Which steps run, and which columns have storage.
+    /// The steps that run, and the columns that have storage.
     #[inline(always)]
     pub fn schedule(&self) -> Schedule {
         self.schedule
     }
 
-    /// Why the pass runs, or does not: what decided the effects that it needs.
+    /// Why the pass runs or not: the decisions on the effects that it needs.
     pub fn reason(&self, pass: &Pass) -> String {
         let effects = pass.needs.effects();
         if effects.is_empty() {

@@ -32,46 +32,47 @@ pub use crate::kernels::texture::{LazyImage, Placing, UvMap};
 use crate::plan::Plan;
 use wavecrest_base::error::Result;
 
-/// Everything that a render reads.
+/// Everything that a render reads; immutable.
 #[derive(Debug)]
 pub struct PreparedScene {
-    /// What is simulated.
+    /// The effects to simulate.
     pub plan: Plan,
-    /// Where the origin of all coordinates here lies in the scene's, in scene units.
+    /// The origin of all coordinates here, in the scene's coordinates and units.
     pub origin: DVec3,
     /// Where rays start.
     pub camera: Camera,
-    /// How the camera moves, if it does. A frame is rendered once its camera has taken the place of
-    /// [`Self::camera`].
+    /// The path of a moving camera. To render a frame, replace [`Self::camera`] by the path's
+    /// camera.
     pub path: Option<Path>,
-    /// What they hit.
+    /// The geometry and tree.
     pub accel: Accel,
-    /// What they hit looks like.
+    /// The appearance of the geometry.
     pub appearance: Appearance,
-    /// What lights it: the lights that can add more than their ambient part, in the order of the file.
+    /// The lights that can add more than their ambient part, in the order of the file.
     /// Contributions are added in this order.
     pub lights: Vec<Light>,
-    /// What a primary ray that hits nothing returns.
+    /// Colour of camera rays that hit nothing.
     pub background: Vec3,
-    /// Factor on the diffuse colour for the ambient part of all lights together, those without
-    /// power too.
+    /// Factor on the diffuse colour for the ambient part of all lights together, including lights
+    /// without power.
     pub ambient: f32,
-    /// Ambient light by the normal, and what mirror rays that hit nothing show; `None` where the plan has none.
+    /// Hemispheric ambient light, which is also the colour of mirror rays that hit nothing; `None`
+    /// if the plan has none.
     pub hemisphere: Option<Hemisphere>,
-    /// Greatest number of mirror bounces; 0 where the plan has no mirrors.
+    /// Largest number of mirror bounces; 0 if the plan has no mirrors.
     pub bounces: u32,
-    /// What the file held but the scene does not.
+    /// Counts of dropped parts of the file.
     pub dropped: Dropped,
 }
 
-/// What was left out while preparing, and how often.
+/// Counts of parts that were dropped while preparing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
 pub struct Dropped {
     /// Triangles without area.
     pub degenerate: u64,
 }
 
-/// Work done to find out what surfaces look like, for the statistics.
+/// Counts of look-ups in textures and mesh attributes, for the statistics.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct LookUps {
     /// Hits whose colour was interpolated between vertices.
@@ -79,28 +80,28 @@ pub struct LookUps {
     /// Texels read.
     pub texels: u64,
     /// Footprints of rays: one for each look-up in a trilinear texture, and one for each mirror ray
-    /// where there are such textures.
+    /// if there are such textures.
     pub footprints: u64,
 }
 
-/// The appearance of the primitives: shapes, what they are made of, and their textures.
+/// The appearance of the primitives: shapes, materials and textures.
 #[derive(Debug, Default)]
 pub struct Appearance {
     /// The shapes by the number of their first primitive, in rising order.
     pub shapes: Vec<Shape>,
-    /// What shapes are made of, one for each shape.
+    /// The materials, one for each shape.
     pub materials: Vec<Material>,
-    /// Where shapes come from: for each the path of its entry in the scene file.
+    /// For each shape the path of its entry in the scene file.
     pub places: Vec<String>,
-    /// What the user calls shapes.
+    /// The names of shapes.
     pub names: Vec<Option<String>>,
-    /// What some shapes show besides, each for all shapes that show the same.
+    /// Details, each shared by all shapes with the same.
     pub details: Vec<Detail>,
-    /// The images that can be seen, each once.
+    /// The images that may be visible, each once.
     pub images: Vec<LazyImage>,
-    /// The images of cut-outs, which hits are tested with.
+    /// The images of cut-outs, which decide hits.
     pub cutouts: Vec<Arc<LazyImage>>,
-    /// The attributes of meshes that have any that is used.
+    /// The attributes in use of meshes.
     pub meshes: Vec<MeshAttributes>,
 }
 
@@ -109,36 +110,36 @@ pub struct Appearance {
 pub struct Shape {
     /// Its primitives, by number.
     pub primitives: Range<u32>,
-    /// For a light's shape, the light's colour, which it shows as it is.
+    /// The colour of a light's shape, shown unlit; `None` for others.
     pub emission: Option<Vec3>,
-    /// Whether its front is where its winding runs clockwise.
+    /// Whether its front is where its winding is clockwise.
     pub flipped: bool,
     /// Whether lights reach its back.
     pub two_sided: bool,
-    /// Whether it is lit with the normals of its mesh.
+    /// Whether it is shaded with the normals of its mesh.
     pub smooth: bool,
-    /// Whether the colours of its mesh's vertices multiply its diffuse colour.
+    /// Whether vertex colours of its mesh multiply its diffuse colour.
     pub colored: bool,
-    /// The image in place of its diffuse colour.
+    /// The texture that replaces its diffuse colour.
     pub texture: Option<Texture>,
-    /// What it shows besides, by its entry in [`Appearance::details`].
+    /// Index of its detail in [`Appearance::details`].
     pub detail: Option<u32>,
-    /// The mesh's entry in [`Appearance::meshes`].
+    /// Index of its mesh in [`Appearance::meshes`].
     pub mesh: Option<u32>,
 }
 
-/// An image and how a shape wears it.
+/// An image and its mapping to a shape.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Texture {
-    /// Which of [`Appearance::images`].
+    /// Index in [`Appearance::images`].
     pub image: u32,
-    /// How a look-up between texels is answered.
+    /// Filtering between texels.
     pub filter: Filter,
-    /// How coordinates outside 0 to 1 are taken.
+    /// Wrap mode of coordinates outside 0 to 1.
     pub wrap: Wrap,
-    /// How points become coordinates.
+    /// The map from points to texture coordinates.
     pub map: UvMap,
-    /// How these are changed, if they are.
+    /// A change of these coordinates, if any.
     pub placing: Option<Placing>,
 }
 
@@ -155,12 +156,13 @@ pub struct MeshAttributes {
     pub uvs: Option<Arc<CornerValues<Vec2>>>,
     /// Colours, linear.
     pub colors: Option<CornerValues<Vec3>>,
-    /// Where u grows, in world space; and the sign of the bitangent, which is across the normal and this.
+    /// The direction in which u grows, in world space, with the sign of the bitangent, which is
+    /// orthogonal to it and the normal.
     pub tangents: Option<CornerValues<Vec4>>,
 }
 
 impl Appearance {
-    /// The shape that the primitive belongs to, by its place in [`Appearance::shapes`].
+    /// The index in [`Appearance::shapes`] of the shape that contains the primitive.
     #[inline]
     pub fn shape_of(&self, primitive: u32) -> usize {
         self.shapes.partition_point(|shape| shape.primitives.start <= primitive) - 1
@@ -171,18 +173,18 @@ impl Appearance {
         self.images.iter().chain(self.cutouts.iter().map(Arc::as_ref))
     }
 
-    /// Decodes every image that is not yet.
+    /// Decodes all images that are not decoded yet.
     ///
     /// # Errors
-    /// When one cannot be decoded.
+    /// If an image cannot be decoded.
     pub fn decode(&self) -> Result<()> {
         self.all_images().try_for_each(|image| image.get().map(|_| ()))
     }
 
-    /// Nothing, where every image that was looked up so far could be decoded.
+    /// Checks that every image looked up so far could be decoded.
     ///
     /// # Errors
-    /// When one could not.
+    /// If one could not be decoded.
     pub fn check(&self) -> Result<()> {
         let failure = self.all_images().find_map(|image| image.decoded()?.as_ref().err());
         failure.cloned().map_or(Ok(()), Err)
@@ -193,7 +195,7 @@ impl Appearance {
         self.attribute_bytes() + self.all_images().map(LazyImage::bytes).sum::<u64>()
     }
 
-    /// Bytes held by attributes and details, and by images once all are decoded.
+    /// Bytes held by attributes and details, and by all images once they are decoded.
     pub fn expected_bytes(&self) -> u64 {
         self.attribute_bytes() + self.all_images().map(LazyImage::expected_bytes).sum::<u64>()
     }

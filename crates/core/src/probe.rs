@@ -1,7 +1,7 @@
-//! Probing a pixel: what each of its rays hits, and what every light contributes there.
+//! Probing a pixel: the hit of each of its rays, and the contribution of every light there.
 //!
-//! The recursive tracer is watched while it renders the pixel, and so is the wavefront. Both must have
-//! traced the same rays to the same hits and gathered the same light, to the last bit.
+//! Both tracers render the pixel while they are recorded. They must trace the same rays to the same
+//! hits and gather the same light, to the last bit.
 
 mod record;
 
@@ -26,7 +26,7 @@ use crate::with_precision;
 
 pub use record::{Bounce, Invalid, Light, Met, Path, PixelRecord, Surface, Verdict};
 
-/// Names where a sample ceases to be finite, by following it once more.
+/// Finds where a sample becomes not finite, by tracing it once more.
 pub fn name_invalid(scene: &PreparedScene, at: Sample, seed: u64) -> Invalid {
     let path = sample(scene, at, seed);
     let bounce = path.bounces.iter().position(|bounce| !bounce.radiance.is_finite());
@@ -43,15 +43,16 @@ pub fn name_invalid(scene: &PreparedScene, at: Sample, seed: u64) -> Invalid {
     }
 }
 
-/// What both tracers have to agree on: for each bounce the ray, the hit, and what is gathered.
+/// The values on which both tracers must agree: for each bounce the ray, the hit, and the light
+/// gathered.
 type Step = (Ray, Hit, Vec3);
 
-/// Records what happens to the rays of a pixel.
+/// Records the rays of a pixel.
 pub fn pixel(scene: &PreparedScene, pixel: [u32; 2], seed: u64) -> PixelRecord {
     with_precision!(scene.accel.geometry().precision, P => record::<P>(scene, pixel, seed))
 }
 
-/// Follows one sample.
+/// Traces one sample.
 fn sample(scene: &PreparedScene, sample: Sample, seed: u64) -> Path {
     let width = scene.camera.size()[0];
     let pixel = [sample.pixel % width, sample.pixel / width];
@@ -62,7 +63,7 @@ fn sample(scene: &PreparedScene, sample: Sample, seed: u64) -> Path {
     })
 }
 
-/// What happens to every sample of a pixel, with both tracers.
+/// Records every sample of a pixel, in both tracers.
 fn record<P: Arithmetic>(scene: &PreparedScene, pixel: [u32; 2], seed: u64) -> PixelRecord {
     let settings = TraceSettings { seed, batch: DEFAULT_BATCH };
     let mut tracer = Recursive::<P>::new(scene, &settings);
@@ -73,7 +74,7 @@ fn record<P: Arithmetic>(scene: &PreparedScene, pixel: [u32; 2], seed: u64) -> P
     PixelRecord { pixel, paths, differs: difference(&steps, &others) }
 }
 
-/// Follows a path with the recursive tracer.
+/// Traces a path with the recursive tracer.
 fn follow<P: Arithmetic>(
     scene: &PreparedScene,
     tracer: &mut Recursive<P>,
@@ -93,7 +94,7 @@ fn follow<P: Arithmetic>(
     (recorder.path, recorder.steps)
 }
 
-/// What the wavefront does, for each sample.
+/// The wavefront's steps, for each sample.
 fn wavefront_steps<P: Arithmetic>(
     scene: &PreparedScene,
     [x, y]: [u32; 2],
@@ -117,7 +118,7 @@ fn difference(ones: &[Vec<Step>], others: &[Vec<Step>]) -> Option<[u32; 2]> {
     let pairs = ones.iter().zip(others).enumerate();
     pairs.into_iter().find_map(|(sample, (one, other))| {
         let same = |(a, b): (&Step, &Step)| {
-            // What is no number equals itself here.
+            // Bits, so that NaN equals itself.
             (a.0, a.1) == (b.0, b.1) && bits(a.2) == bits(b.2)
         };
         let bounce = one.iter().zip(other).position(|pair| !same(pair));
@@ -130,7 +131,7 @@ fn bits(v: Vec3) -> [u32; 3] {
     v.to_array().map(f32::to_bits)
 }
 
-/// Writes down what the recursive tracer does.
+/// Records the recursive tracer.
 struct Recorder<'a> {
     scene: &'a PreparedScene,
     /// For the recorder's own rays, which are not counted.
@@ -150,7 +151,7 @@ impl Recorder<'_> {
         appearance.names.get(appearance.shape_of(primitive)).cloned().flatten()
     }
 
-    /// The file of the image that a primitive's colour is from.
+    /// The file of the image that gives a primitive's colour.
     fn texture_of(&self, primitive: u32) -> Option<String> {
         let appearance = &self.scene.appearance;
         let texture = appearance.shapes[appearance.shape_of(primitive)].texture.as_ref()?;
@@ -182,11 +183,11 @@ impl Recorder<'_> {
         self.path.bounces.last_mut()?.met.as_mut()
     }
 
-    /// What blocks a shadow ray.
+    /// The occluder of a shadow ray.
     fn occluder(&mut self, ray: &Ray) -> Verdict {
         let accel: &Accel = &self.scene.accel;
         let mut hit = accel.closest(ray, &mut self.traversal);
-        // Light passes the shapes of lights.
+        // Shapes of lights do not block light.
         let mut rest = *ray;
         while !hit.is_miss() && accel.geometry().is_light(hit.primitive) {
             rest.t_min = hit.t;
@@ -279,7 +280,7 @@ fn t_error(geometry: &Geometry, ray: &Ray, hit: &Hit) -> Option<f32> {
         (Precision::Fast, _) => None,
         (Precision::Exact, _) | (_, Primitive::Sphere(_)) => Some(rounded),
         (_, Primitive::Triangle(i)) => {
-            // One that stands for a seal is passed by.
+            // A triangle that stands for a seal is itself missed.
             Some(space.error_of(&geometry.triangle(i), hit.t).unwrap_or(T_TOLERANCE * hit.t.abs()))
         }
         (_, Primitive::Instanced(instanced)) => {

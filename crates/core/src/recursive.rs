@@ -1,9 +1,9 @@
-//! The recursive tracer: one path after the other, depth first, over the same kernels as the
-//! wavefront. It is the wavefront's rival, and its reference.
+//! The recursive tracer: one path at a time, depth first, over the same kernels as the wavefront.
+//! It is the wavefront's competitor and its reference.
 //!
-//! Each hit spawns at most one mirror ray, so the recursion of Whitted (1980) is a loop that carries
-//! its throughput: any number of bounces needs no stack. Light is added in the order in which the
-//! wavefront adds it, hit by hit, light by light, sample by sample.
+//! Each hit spawns at most one mirror ray, so the recursion of Whitted (1980) is a loop that
+//! carries its throughput: any number of bounces needs no stack. Light is added in the wavefront's
+//! order: by hit, light and sample.
 
 use std::marker::PhantomData;
 use std::time::Instant;
@@ -82,16 +82,16 @@ impl<P: Arithmetic> Tracer for Recursive<P> {
     }
 }
 
-/// Receives what happens to a path, for a record of it. A render has no observer.
+/// Receives the steps of a path, for a record. A render has no observer.
 pub trait Observer {
-    /// A ray has been traced, to this hit, with this work.
+    /// A ray was traced to this hit, with this work.
     fn ray(&mut self, _: &Ray, _: &Hit, _: TestCounts) {}
 
-    /// It arrives here, at a surface; what it gathers without further rays is added.
+    /// It hits a surface; the light without further rays is added.
     fn surface(&mut self, _: &ShadingPoint<f32>, _: Vec3) {}
 
-    /// What the `index`th point of the `light`th light does for the surface: whether something is in the
-    /// way, where a shadow ray is asked for.
+    /// The contribution of the `index`th point of the `light`th light to the surface, and whether
+    /// its shadow ray, if any, is blocked.
     fn light(
         &mut self,
         _: [usize; 2],
@@ -100,7 +100,7 @@ pub trait Observer {
     ) {
     }
 
-    /// The bounce is over: what the path has gathered, and why it ends unless it goes on.
+    /// The bounce is over: the radiance gathered so far, and why the path ends if it does.
     fn done(&mut self, _: Vec3, _: Option<End>) {}
 }
 
@@ -110,18 +110,18 @@ impl Observer for () {}
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum End {
-    /// Its ray meets nothing.
+    /// Its ray hits nothing.
     Nothing,
-    /// Its ray meets the shape of a light.
+    /// Its ray hits the shape of a light.
     Light,
-    /// It has made as many bounces as the scene allows.
+    /// The largest number of bounces is reached.
     LastBounce,
-    /// The surface is no mirror, or a mirror ray could add nothing.
+    /// The surface is not a mirror, or its mirror ray could add nothing.
     NoMirror,
 }
 
 impl<P: Arithmetic> Recursive<P> {
-    /// The radiance along the camera ray that `stream` names, through the pixel (`x`, `y`).
+    /// The radiance along the camera ray of `stream`, through the pixel (`x`, `y`).
     pub fn path(
         &mut self,
         scene: &PreparedScene,
@@ -136,7 +136,7 @@ impl<P: Arithmetic> Recursive<P> {
         let bounces = if self.schedule.has_mirrors() { scene.bounces } else { 0 };
         let mut throughput = Vec3::ONE;
         let mut radiance = Vec3::ZERO;
-        // Of a mirror ray; that of a camera ray follows from its direction.
+        // For mirror rays; the differential of a camera ray follows from its direction.
         let mut carried: Option<Differential> = None;
         loop {
             let before = self.traversal.tests;
@@ -192,7 +192,7 @@ impl<P: Arithmetic> Recursive<P> {
         }
     }
 
-    /// Adds what each point of each light contributes, where nothing is in the way.
+    /// Adds the unoccluded contribution of each point of each light.
     #[inline]
     fn direct_light(
         &mut self,
@@ -236,7 +236,7 @@ fn shadow_request(
     shade::shadow_request(point, throughput.into(), light, target)
 }
 
-/// The mirror ray of a point and what it counts for, if there is one.
+/// The mirror ray of a point and its throughput, if there is one.
 #[inline(never)]
 fn mirror_ray(point: &ShadingPoint<f32>, throughput: Vec3) -> Option<(Ray, Vec3)> {
     let request = shade::mirror_request(point, throughput.into())?;

@@ -1,7 +1,7 @@
-//! One render: an image cut into tiles, and put together again.
+//! Rendering: cuts an image into tiles, renders them and assembles the film.
 //!
-//! [`units`] says what is cut into what, [`work`] has the loop and chooses the tracer, and [`Canvas`] takes what
-//! is finished. Whoever renders a part of an image, or goes on with one, uses the same three.
+//! [`units`] defines tiles and sample blocks, [`work`] has the loop and chooses the tracer, and
+//! [`Canvas`] collects finished tiles. Partial and resumed renders use the same three.
 
 mod canvas;
 pub mod units;
@@ -33,16 +33,16 @@ wavecrest_base::choices! {
     }
 }
 
-/// How to render. No choice here changes the image but `crop` and `seed`.
+/// Options of a render. Only `crop` and `seed` change the image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RenderOptions {
-    /// Which tracer.
+    /// The tracer.
     pub tracer: TracerKind,
     /// The part of the image to render; all of it if `None`.
     pub crop: Option<Tile>,
-    /// Chooses the random numbers.
+    /// Seed of the random numbers.
     pub seed: u64,
-    /// Number of paths in a batch of the wavefront, at most: a batch is no larger than a tile of
+    /// Largest number of paths in a batch of the wavefront; a batch is never larger than a tile of
     /// 64 x 64 pixels.
     pub batch: usize,
 }
@@ -56,11 +56,11 @@ impl Default for RenderOptions {
 /// The result of a render.
 #[derive(Clone, Debug)]
 pub struct Rendered {
-    /// The image, or the part that was asked for; black where it is not finished.
+    /// The image, or the requested part of it; black where it is not finished.
     pub film: Film,
-    /// Whether all of it is there, and nothing was cancelled.
+    /// Whether the image is complete, and nothing was cancelled.
     pub finished: bool,
-    /// The tiles that are there, row by row.
+    /// The finished tiles, row by row.
     pub tiles: Vec<Tile>,
     /// The work done.
     pub counters: Counters,
@@ -73,12 +73,12 @@ pub struct Rendered {
 }
 
 /// Renders `scene` on the threads of the current rayon pool. `watch` receives progress, from any
-/// thread; `&()` ignores it. If it cancels the render, what was finished is returned.
-/// The crate `wavecrest-api` has an example.
+/// thread; `&()` ignores it. If it cancels the render, the finished part is returned. The crate
+/// `wavecrest-api` has an example.
 ///
 /// # Errors
-/// When the crop is not within the image, there is no memory for the film, an image cannot be decoded, or the
-/// table that the plan was made by does not hang together.
+/// If the crop is not within the image, there is no memory for the film, an image cannot be
+/// decoded, or the plan's table of passes is inconsistent.
 pub fn render(
     scene: &PreparedScene,
     options: &RenderOptions,
@@ -94,7 +94,7 @@ pub fn render(
 }
 
 impl Rendered {
-    /// A render that painted this, with this work.
+    /// The render with this film and this work.
     pub fn new(painted: Painted, done: Done) -> Self {
         let Painted { film, tiles, pixels } = painted;
         let Done { counters, columns, pass_seconds, seconds } = done;
@@ -106,7 +106,7 @@ impl Rendered {
 /// The part of the image to render: `crop`, or all of it.
 ///
 /// # Errors
-/// When the crop has no pixels or is not within the image.
+/// If the crop has no pixels or is not within the image.
 pub fn window(scene: &PreparedScene, crop: Option<Tile>) -> Result<Tile> {
     let [width, height] = scene.camera.size();
     let whole = Tile { x: 0, y: 0, width, height };
@@ -124,15 +124,16 @@ pub fn window(scene: &PreparedScene, crop: Option<Tile>) -> Result<Tile> {
         .remedy(format!("the image is {width} x {height}; give x,y,width,height")))
 }
 
-/// The side of a tile in pixels: one that fills a batch, but small enough to share an image among threads.
+/// The side of a tile in pixels: large enough to fill a batch, small enough to distribute an image
+/// over threads.
 pub fn tile_edge(scene: &PreparedScene, batch: usize) -> u32 {
     let pixels = batch as u64 / u64::from(scene.camera.rays_per_pixel());
     let edge = pixels.isqrt().next_multiple_of(8);
     edge.clamp(8, 64) as u32
 }
 
-/// The number of paths that a batch can hold when up to `batch` are asked for: no more than a block of a
-/// tile's samples has.
+/// The capacity of a batch for which up to `batch` paths are requested: at most the samples of a
+/// tile's block.
 pub fn batch_size(scene: &PreparedScene, batch: usize) -> usize {
     let edge = u64::from(tile_edge(scene, batch));
     let samples = Blocks::new(scene.camera.rays_per_pixel()).longest();

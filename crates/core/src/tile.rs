@@ -1,4 +1,4 @@
-//! Tiles: what one thread renders at a time, and what a tracer is.
+//! Tiles, the units of work of a thread, and the trait of tracers.
 
 use std::ops::Range;
 
@@ -24,24 +24,24 @@ impl Tile {
         self.width as usize * self.height as usize
     }
 
-    /// Whether it has none.
+    /// Whether it has no pixels.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Column and row, in the image, of its `index`th pixel, row by row.
+    /// Column and row, in the image, of its `index`th pixel, counted row by row.
     #[inline]
     pub fn pixel(&self, index: u32) -> (u32, u32) {
         (self.x + index % self.width, self.y + index / self.width)
     }
 }
 
-/// What a tracer is given at a time: a rectangle of pixels, and some of the samples of each.
+/// The unit of work of a tracer: a rectangle of pixels, and a range of samples of each.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Unit {
     /// The pixels.
     pub tile: Tile,
-    /// Which samples of each pixel, by number.
+    /// The samples of each pixel, by number.
     pub samples: Range<u32>,
 }
 
@@ -57,37 +57,38 @@ impl Unit {
     }
 }
 
-/// What a tracer needs to know besides the scene.
+/// Settings of a tracer besides the scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TraceSettings {
-    /// Chooses the random numbers.
+    /// Seed of the random numbers.
     pub seed: u64,
-    /// Number of paths that a wavefront holds at a time.
+    /// Capacity of a wavefront's batch in paths.
     pub batch: usize,
 }
 
-/// A way to schedule the kernels. Every tracer gives the same sums, bit for bit.
+/// A schedule of the kernels. Every tracer returns the same sums, bit for bit.
 pub trait Tracer: Send {
-    /// A tracer with the memory that one thread needs; rendering then allocates nothing.
+    /// A tracer with all memory for one thread; rendering then allocates nothing.
     fn new(scene: &PreparedScene, settings: &TraceSettings) -> Self
     where
         Self: Sized;
 
-    /// Adds the unit's samples of each pixel to `sums`, in the order of the samples, red, green
-    /// and blue, in linear radiance. There is a sum for each pixel of its tile, row by row.
+    /// Adds the unit's samples of each pixel to `sums`, in the order of the samples: red, green and
+    /// blue, in linear radiance. There is one sum for each pixel of its tile, row by row.
     fn render(&mut self, scene: &PreparedScene, unit: &Unit, sums: &mut [[f64; 3]]);
 
-    /// Bytes of the columns that it holds.
+    /// Bytes of its columns.
     fn bytes(&self) -> u64;
 
     /// The work done so far.
     fn counters(&self) -> Counters;
 
-    /// Seconds spent so far in each pass, by the pass's name.
+    /// Seconds so far in each pass, by the pass's name.
     fn pass_seconds(&self) -> Vec<(&'static str, f64)>;
 }
 
-/// Adds the radiance of a sample to its pixel's sum. One that is not finite counts as black, and is counted.
+/// Adds the radiance of a sample to its pixel's sum. A sample that is not finite counts as black
+/// and is counted.
 #[inline]
 pub fn add_sample(sum: &mut [f64; 3], radiance: [f32; 3], sample: Sample, counters: &mut Counters) {
     if radiance.iter().all(|c| c.is_finite()) {

@@ -1,12 +1,13 @@
-//! The wavefront tracer: batches of paths go through one pass after the other, bounce after bounce
+//! The wavefront tracer: batches of paths go through the passes in order, bounce after bounce
 //! (Laine, Karras and Aila, *Megakernels Considered Harmful*, HPG 2013).
 //!
-//! [`crate::plan::schedule::PASSES`] has them with what each needs, reads and writes; [`s1_generate`],
-//! [`s2_intersect`], [`s3_shade`], [`s4_shadow`] and [`s5_resolve`] do them. What the schedule leaves out
-//! is not run and has no column: no lit points without lights, no next rays without mirrors.
+//! [`crate::plan::schedule::PASSES`] lists the passes with their needs, reads and writes;
+//! [`s1_generate`], [`s2_intersect`], [`s3_shade`], [`s4_shadow`] and [`s5_resolve`] implement
+//! them. Passes outside the schedule do not run and have no columns: no lit points without lights,
+//! no next rays without mirrors.
 //!
-//! A batch has [`DEFAULT_BATCH`] paths unless asked otherwise, so that its columns stay in the
-//! second-level cache. All passes but the last work on eight rows at a time, as vectors.
+//! A batch has [`DEFAULT_BATCH`] paths by default, so that its columns stay in the second-level
+//! cache. All passes but the last process eight rows at a time, as vectors.
 
 pub mod batch;
 mod s1_generate;
@@ -27,10 +28,10 @@ use crate::prepared::PreparedScene;
 use crate::tile::{TraceSettings, Tracer, Unit};
 use batch::Batch;
 
-/// The number of paths that a batch holds unless asked otherwise.
+/// The default number of paths in a batch.
 pub const DEFAULT_BATCH: usize = 1024;
 
-/// The passes whose time is taken, in order, by their names in statistics.
+/// The timed passes in order, by their names in statistics.
 pub const TIMED: [&str; 5] = ["generate", "intersect", "shade", "shadow", "resolve"];
 
 /// The tracer.
@@ -92,9 +93,10 @@ impl<P: Arithmetic> Tracer for Wavefront<P> {
     }
 }
 
-/// The passes over the batch, each with its time.
+/// The passes over the batch, each timed.
 impl<P: Arithmetic> Wavefront<P> {
-    /// As [`Tracer::render`]; `watch` sees the batch after each bounce, with the bounce's number.
+    /// As [`Tracer::render`]; `watch` receives the batch after each bounce, with the number of the
+    /// bounce.
     pub fn render_watched(
         &mut self,
         scene: &PreparedScene,
@@ -124,7 +126,7 @@ impl<P: Arithmetic> Wavefront<P> {
         }
     }
 
-    /// Fills the batch with the camera rays of the unit's `paths`, at most as many as it holds.
+    /// Fills the batch with the camera rays of the unit's `paths`, at most its capacity.
     pub fn generate(&mut self, scene: &PreparedScene, unit: &Unit, paths: Range<u64>) {
         let Self { seed, batch, counters, clock, .. } = self;
         clock.time(0, || s1_generate::run(scene, unit, *seed, paths, batch, counters));
@@ -136,13 +138,13 @@ impl<P: Arithmetic> Wavefront<P> {
         clock.time(1, || s2_intersect::run::<P>(scene, batch, traversal));
     }
 
-    /// Adds the light that hits show at once, and collects what they ask for.
+    /// Adds the light of hits without further rays, and collects lit points and mirror rays.
     pub fn shade(&mut self, scene: &PreparedScene, bounce: u32) {
         let Self { batch, counters, clock, .. } = self;
         clock.time(2, || s3_shade::run::<P::Points>(scene, bounce, batch, counters));
     }
 
-    /// Adds the light that arrives from lights.
+    /// Adds the light of unoccluded shadow rays.
     pub fn shadow(&mut self, scene: &PreparedScene, bounce: u32) {
         let Self { seed, batch, traversal, counters, clock, .. } = self;
         clock.time(3, || s4_shadow::run::<P>(scene, *seed, bounce, batch, traversal, counters));

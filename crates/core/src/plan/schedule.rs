@@ -1,34 +1,36 @@
-//! The passes of a render as a table: what each needs, reads and writes; and what of it runs.
+//! The passes of a render as a table: what each needs, reads and writes; and the part of it that
+//! runs.
 //!
-//! [`PASSES`] is the only place that knows which effect calls for which work. The census decides the
-//! effects; from these and the table follows the [`Schedule`]: the steps that run and the columns that
-//! have storage. Systems, both tracers, the batch and what estimates memory ask it, and nothing else.
+//! [`PASSES`] is the only place that knows which effect needs which work. The census decides the
+//! effects. The [`Schedule`] follows from these and the table: the steps that run and the columns
+//! that have storage. Systems, both tracers, the batch and the memory estimate read only the
+//! schedule.
 
 use super::{Decision, Effect};
 
-/// A group of columns in the wavefront's batch. Their widths are the batch's own affair.
+/// A group of columns in the wavefront's batch, which defines their widths.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Column {
-    /// What paths have gathered, and where it goes.
+    /// Radiance gathered by paths, and their pixels.
     Paths,
     /// The rays of this bounce.
     Rays,
     /// Their hits.
     Hits,
-    /// Points that lights reach.
+    /// Points that lights may reach.
     LitPoints,
-    /// Colours of highlights there.
+    /// Highlight colours at lit points.
     Tints,
-    /// Shadow rays on their way.
+    /// Queued shadow rays.
     ShadowRays,
     /// The rays of the next bounce.
     NextRays,
-    /// The differentials of mirror rays, of this bounce and of the next.
+    /// Differentials of mirror rays, of this bounce and of the next.
     Differentials,
 }
 
 impl Column {
-    /// Every group, in the order in which a batch holds them.
+    /// Every group, in the order of the batch.
     pub const ALL: [Self; 8] = [
         Self::Paths,
         Self::Rays,
@@ -40,7 +42,7 @@ impl Column {
         Self::Differentials,
     ];
 
-    /// What it is called in messages.
+    /// Its name in messages.
     pub fn name(self) -> &'static str {
         match self {
             Self::Paths => "paths",
@@ -55,60 +57,60 @@ impl Column {
     }
 }
 
-/// What a scene can do without: a pass, or a part of one.
+/// A pass, or a part of one, that a scene may skip.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Step {
     /// Camera rays.
     Generate,
-    /// Places of rays within their pixel.
+    /// Points of rays within their pixel.
     Jitter,
-    /// Places of rays on the lens.
+    /// Points of rays on the lens.
     Lens,
     /// Closest hits.
     Intersect,
-    /// What hits show at once.
+    /// Light of hits without further rays.
     Shade,
     /// Interpolated normals.
     Normals,
-    /// Interpolated colours of vertices.
+    /// Interpolated vertex colours.
     Colors,
     /// Texture look-ups.
     Texels,
     /// Normals from textures.
     NormalMaps,
-    /// Look-ups in textures of the material.
+    /// Look-ups in material textures.
     Maps,
-    /// Colours of highlights.
+    /// Highlight colours.
     Tints,
-    /// Light of materials themselves.
+    /// Emission of materials.
     Emission,
-    /// Points that lights are to be asked for.
+    /// Points to light.
     Collect,
     /// Mirror rays.
     Mirror,
     /// Their differentials.
     Differentials,
-    /// Shadow rays, and the light that arrives.
+    /// Shadow rays and the light they carry.
     Shadow,
     /// The next bounce.
     Advance,
-    /// Pixels.
+    /// Sums of pixels.
     Resolve,
 }
 
-/// Which effects a step serves.
+/// The effects that a step serves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Needs {
-    /// It runs in every scene, and for all that is in it.
+    /// It runs in every scene, for everything in it.
     Nothing,
-    /// It runs where one of these is present, and for what shows it.
+    /// It runs if any of these effects is present, for what shows them.
     Any(&'static [Effect]),
-    /// It runs where all of these are.
+    /// It runs if all of these effects are present.
     All(&'static [Effect]),
 }
 
 impl Needs {
-    /// Whether they are met.
+    /// Whether the needs are met.
     pub fn met(self, present: impl Fn(Effect) -> bool) -> bool {
         match self {
             Self::Nothing => true,
@@ -117,7 +119,7 @@ impl Needs {
         }
     }
 
-    /// The effects that are named.
+    /// The named effects.
     pub fn effects(self) -> &'static [Effect] {
         match self {
             Self::Nothing => &[],
@@ -129,13 +131,13 @@ impl Needs {
 /// A row of [`PASSES`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Pass {
-    /// What is done.
+    /// The work.
     pub step: Step,
-    /// What it is called in messages.
+    /// Its name in messages.
     pub name: &'static str,
-    /// The pass that it is a part of, unless it is a pass itself.
+    /// The pass that it is a part of; `None` for passes.
     pub part_of: Option<Step>,
-    /// What it is done for.
+    /// The effects it serves.
     pub needs: Needs,
     /// The columns that it reads.
     pub reads: &'static [Column],
@@ -143,7 +145,7 @@ pub struct Pass {
     pub writes: &'static [Column],
 }
 
-/// All lights: whatever the kind, their points are asked for in the same way.
+/// All lights: points of every kind are sampled in the same way.
 const LIGHTS: Needs = Needs::Any(&[
     Effect::PointLights,
     Effect::SpotLights,
@@ -151,10 +153,10 @@ const LIGHTS: Needs = Needs::Any(&[
     Effect::AreaLights,
 ]);
 
-/// The passes in the order in which they run, each followed by its parts.
+/// The passes in order of execution, each followed by its parts.
 ///
-/// Kinds of shapes have no row: no pass asks for a kind, so that one which is absent costs nothing by
-/// having no primitive. Nor has the hemisphere light: the scene has one or none.
+/// Kinds of shapes have no row: no pass depends on a kind, so an absent kind costs nothing as it
+/// has no primitives. Nor has the hemispheric light, which a scene has or has not.
 pub const PASSES: [Pass; 18] = {
     use Column::{Differentials, Hits, LitPoints, NextRays, Paths, Rays, ShadowRays, Tints};
     [
@@ -168,7 +170,7 @@ pub const PASSES: [Pass; 18] = {
         part(Step::Texels, "texels", Step::Shade, &[Effect::Textures], &[Hits], &[]),
         part(Step::NormalMaps, "normal maps", Step::Shade, &[Effect::NormalMaps], &[Hits], &[]),
         part(Step::Maps, "maps", Step::Shade, &[Effect::MaterialTextures], &[Hits], &[]),
-        // Of a mirror alone, no row is written.
+        // For mirrors alone, no row is written.
         part(Step::Tints, "tints", Step::Shade, &[Effect::TintedHighlights], &[Tints], &[Tints]),
         part(Step::Emission, "emission", Step::Shade, &[Effect::Emission], &[Hits], &[Paths]),
         Pass {
@@ -214,36 +216,36 @@ const fn part(
     Pass { step, name, part_of: Some(of), needs, reads, writes }
 }
 
-/// `passes` with every need taken away: all that is done for any scene is done for every scene. The
-/// image is the same, since what a scene does not call for adds nothing to it.
+/// `passes` without needs: every scene does all work. The image is the same, since effects that a
+/// scene lacks add nothing to it.
 pub fn unplanned(passes: &[Pass]) -> Vec<Pass> {
     passes.iter().map(|&pass| Pass { needs: Needs::Nothing, ..pass }).collect()
 }
 
-/// Which steps run, and which columns have storage.
+/// The steps that run, and the columns that have storage.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Schedule {
-    /// A bit for each [`Step`], as are the following.
+    /// A bit for each [`Step`], like the following.
     running: u32,
-    /// Those that run whatever the scene shows.
+    /// Steps that run for every scene.
     needless: u32,
     /// A bit for each [`Column`].
     columns: u16,
-    /// What is wrong with the table, for these effects.
+    /// An error of the table for these effects.
     flaw: Option<Flaw>,
 }
 
-/// A column that is read without being written, or written without being read.
+/// An error of the table: a column read without being written, or written without being read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Flaw {
-    /// The step that runs in vain.
+    /// The step with the error.
     pub step: Step,
     /// Its column.
     pub column: Column,
 }
 
 impl Schedule {
-    /// What runs of `passes` where the effects are as decided.
+    /// The steps of `passes` that run with these decisions.
     pub(super) fn new(passes: &[Pass], decisions: &[Decision]) -> Self {
         let present = |effect| decisions.iter().any(|d| d.effect == effect && d.present);
         let runs = |pass: &&Pass| pass.needs.met(present);
@@ -257,24 +259,24 @@ impl Schedule {
         }
     }
 
-    /// Whether the step is done.
+    /// Whether the step runs.
     #[inline(always)]
     pub fn runs(self, step: Step) -> bool {
         self.running >> step as u16 & 1 == 1
     }
 
-    /// Whether the step is done whatever the scene calls for, and so for all that is in it.
+    /// Whether the step runs for every scene, and so for everything in it.
     pub fn is_needless(self, step: Step) -> bool {
         self.needless >> step as u16 & 1 == 1
     }
 
-    /// Whether shadow rays are cast.
+    /// Whether shadow rays are traced.
     #[inline(always)]
     pub fn has_shadows(self) -> bool {
         self.runs(Step::Collect) && self.runs(Step::Shadow)
     }
 
-    /// Whether mirror rays are cast.
+    /// Whether mirror rays are traced.
     #[inline(always)]
     pub fn has_mirrors(self) -> bool {
         self.runs(Step::Mirror) && self.runs(Step::Advance)
@@ -290,7 +292,7 @@ impl Schedule {
         Column::ALL.into_iter().filter(move |&column| self.has(column))
     }
 
-    /// What is wrong with the table, for these effects: a render would be, too.
+    /// An error of the table for these effects, which would make the image wrong.
     pub fn flaw(self) -> Option<Flaw> {
         self.flaw
     }

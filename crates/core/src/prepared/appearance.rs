@@ -1,4 +1,4 @@
-//! What surfaces look like where they are hit: textures and the attributes of meshes.
+//! Texture and mesh attribute look-ups at hits.
 
 use glam::{Vec2, Vec3, Vec4};
 
@@ -53,8 +53,8 @@ impl Appearance {
         })
     }
 
-    /// What `texture` shows at the point `surface` of the shape's primitive. `arriving` gives the ray's differential,
-    /// the ray and its hit, where the filter needs them.
+    /// The colour of `texture` at the point `surface` of the shape's primitive. `arriving` returns
+    /// the ray's differential, the ray and its hit; it is called only if the filter needs them.
     #[inline]
     pub fn texture_at(
         &self,
@@ -73,8 +73,8 @@ impl Appearance {
         self.texture_color(texture, geometry, face, surface, footprint, look_ups)
     }
 
-    /// The colour that a texture gives the point `surface` of the shape's primitive. Its footprint in
-    /// texture coordinates is asked for where the filter needs it.
+    /// The colour of a texture at the point `surface` of the shape's primitive. The footprint in
+    /// texture coordinates is computed only if the filter needs it.
     #[inline]
     fn texture_color(
         &self,

@@ -1,7 +1,7 @@
-//! Details: what shapes show besides their colour, in textures or all over.
+//! Details: properties of shapes besides their colour, from textures or constants.
 //!
-//! Both tracers look them up hit by hit, on the shapes that have one alone; a look-up starts from the point as it
-//! would be shaded without.
+//! Both tracers look them up hit by hit, only on shapes with details; a look-up starts from the
+//! shading point without them.
 
 use glam::Vec3;
 
@@ -16,31 +16,31 @@ use crate::kernels::surface::Surface;
 use crate::math::ray::Ray;
 use crate::math::real::Single;
 
-/// What a shape shows besides its colour.
+/// Properties of a shape besides its colour.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Detail {
-    /// Light of its own, which is seen and falls on nothing else.
+    /// Emission, which is visible but does not light other surfaces.
     pub emission: Vec3,
-    /// What that is multiplied by.
+    /// A texture that multiplies the emission.
     pub emission_texture: Option<Texture>,
-    /// Colour of the highlight, and of what it mirrors.
+    /// Colour of the highlight and of mirrored light.
     pub tint: Vec3,
-    /// Metal and roughness, from which with the colour all that is said of reflection follows.
+    /// Metalness and roughness, which determine all reflection parameters together with the colour.
     pub metal: Option<Metal>,
-    /// How much of the ambient light arrives.
+    /// Share of ambient light that arrives.
     pub occlusion: Option<Occlusion>,
-    /// How the shading normal is turned.
+    /// Change of the shading normal.
     pub normal: Option<NormalMap>,
 }
 
-/// A texture of metal, in blue, and of roughness, in green.
+/// A texture of metalness, in blue, and of roughness, in green.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Metal {
     /// The texture.
     pub texture: Texture,
-    /// Factor on metal, 0 to 1.
+    /// Factor on the metalness, 0 to 1.
     pub metallic: f32,
-    /// Factor on roughness, 0 to 1.
+    /// Factor on the roughness, 0 to 1.
     pub roughness: f32,
 }
 
@@ -49,12 +49,12 @@ pub struct Metal {
 pub struct Occlusion {
     /// The texture.
     pub texture: Texture,
-    /// How far it counts: 0 not at all, 1 fully.
+    /// Weight of the texture: 0 none, 1 full.
     pub strength: f32,
 }
 
 impl Default for Detail {
-    /// One that changes nothing.
+    /// A detail that changes nothing.
     fn default() -> Self {
         Self {
             emission: Vec3::ZERO,
@@ -68,7 +68,7 @@ impl Default for Detail {
 }
 
 impl Detail {
-    /// Its textures.
+    /// The textures of the detail.
     pub fn textures(&self) -> impl Iterator<Item = &Texture> {
         let metal = self.metal.as_ref().map(|metal| &metal.texture);
         let occlusion = self.occlusion.as_ref().map(|occlusion| &occlusion.texture);
@@ -77,7 +77,7 @@ impl Detail {
     }
 }
 
-/// Where on the scene a look-up is made.
+/// The place of a look-up.
 #[derive(Clone, Copy)]
 pub(super) struct Place<'a> {
     /// The shape.
@@ -88,7 +88,7 @@ pub(super) struct Place<'a> {
     pub geometry: &'a Geometry,
     /// The point.
     pub surface: &'a Surface<f32>,
-    /// The ray's differential, the ray and its hit.
+    /// Returns the ray's differential, the ray and its hit.
     pub arriving: &'a dyn Fn() -> (Differential, Ray, Hit),
 }
 
@@ -99,7 +99,7 @@ impl Appearance {
         shape.texture.iter().chain(detail.into_iter().flat_map(Detail::textures))
     }
 
-    /// Gives `point` what the shape shows besides its colour.
+    /// Applies the shape's detail to `point`.
     #[inline(never)]
     pub(super) fn add_detail(
         &self,
@@ -126,7 +126,7 @@ impl Appearance {
         }
     }
 
-    /// What the texture shows there.
+    /// The colour of the texture at the place.
     #[inline(never)]
     fn texel(&self, texture: &Texture, place: Place<'_>, look_ups: &mut LookUps) -> Vec3 {
         let Place { shape, primitive, geometry, surface, arriving } = place;
@@ -135,7 +135,7 @@ impl Appearance {
 }
 
 impl<F: Single> Group<F> {
-    /// Adds to the points what shapes show besides their colour.
+    /// Applies the shapes' details to the points.
     #[inline(never)]
     pub(super) fn details(
         &self,
@@ -160,7 +160,7 @@ impl<F: Single> Group<F> {
 }
 
 impl Metal {
-    /// Gives `point`, which has its colour, the look of a texel.
+    /// Sets the reflection of `point`, which has its colour, from a texel.
     fn apply(&self, texel: Vec3, point: &mut ShadingPoint<f32>) {
         let [metallic, roughness] = [self.metallic * texel.z, self.roughness * texel.y]
             .map(|share| f64::from(share).clamp(0.0, 1.0));

@@ -1,4 +1,4 @@
-//! A number that distinguishes scenes.
+//! Hashes that distinguish scenes.
 
 use std::fmt::{self, Write as _};
 
@@ -8,11 +8,11 @@ use super::PreparedScene;
 use crate::accel::cutouts::Cutout;
 use crate::kernels::texture::{Image, Texels};
 
-/// What is written is hashed.
+/// Hashes everything written to it.
 struct Hasher(Xxh3);
 
 impl Hasher {
-    /// Hashes a list: its length, so that it does not run into the next, and its bytes.
+    /// Hashes a list: its length, so that it does not merge with the next, and its bytes.
     fn list<T: bytemuck::NoUninit>(&mut self, values: &[T]) {
         self.0.update(&(values.len() as u64).to_le_bytes());
         self.0.update(bytemuck::cast_slice(values));
@@ -20,7 +20,7 @@ impl Hasher {
 }
 
 impl Hasher {
-    /// Hashes which primitives are cut out, where, and the image by which they are.
+    /// Hashes a cut-out: its primitives, mapping and image.
     fn cutout(&mut self, cutout: &Cutout) {
         let Cutout { primitives, threshold, filter, wrap, map, placing, mesh, image } = cutout;
         let _ = write!(self, "{primitives:?}{threshold}{filter:?}{wrap:?}{map:?}{placing:?}");
@@ -44,7 +44,7 @@ impl Hasher {
     }
 }
 
-/// The hash of what `fill` writes.
+/// The hash of everything that `fill` writes.
 fn hashed(fill: impl FnOnce(&mut Hasher)) -> u128 {
     let mut hasher = Hasher(Xxh3::new());
     fill(&mut hasher);
@@ -58,21 +58,21 @@ impl fmt::Write for Hasher {
     }
 }
 
-/// Numbers that distinguish scenes, one for each kind of thing that an image follows from.
+/// Hashes that distinguish scenes, one for each kind of input of an image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Fingerprints {
     /// Primitives of all kinds, and the attributes of meshes.
     pub geometry: u128,
     /// The images.
     pub textures: u128,
-    /// The camera, and where the origin lies.
+    /// The camera, and the position of the origin.
     pub camera: u128,
-    /// Materials and which shape has which, lights, background, ambient part, bounces.
+    /// Materials and their assignment to shapes, lights, background, ambient part, bounces.
     pub appearance: u128,
 }
 
 impl Fingerprints {
-    /// One number for all of them.
+    /// One hash of all.
     pub fn all(&self) -> u128 {
         let Self { geometry, textures, camera, appearance } = *self;
         hashed(|hasher| {
@@ -82,22 +82,22 @@ impl Fingerprints {
 }
 
 impl PreparedScene {
-    /// A hash (XXH3) of all that its image follows from: primitives, attributes, textures, materials,
-    /// lights, camera. Scenes that differ in any of it have different ones, but for a chance of 2^-64; the
-    /// order of a file's keys and the folder that it lies in do not count. It is no protection against
-    /// someone who looks for a collision. All images are decoded for it.
+    /// A hash (XXH3) of all inputs of the image: primitives, attributes, textures, materials,
+    /// lights, camera. Scenes that differ in any of these have different hashes, except with a
+    /// probability of 2^-64; the order of keys in the file and its folder do not count. It gives no
+    /// protection against deliberate collisions. All images are decoded for it.
     pub fn fingerprint(&self) -> u128 {
         self.fingerprints().all()
     }
 
-    /// As [`PreparedScene::fingerprint`], but one number for each kind.
+    /// As [`PreparedScene::fingerprint`], with one hash for each kind of input.
     pub fn fingerprints(&self) -> Fingerprints {
         Fingerprints {
             geometry: self.geometry_fingerprint(),
             textures: self.textures_fingerprint(),
             camera: hashed(|hasher| {
-                // Numbers as text are the shortest that read back as the same: as good as their bits. A
-                // hasher takes all that is written.
+                // Numbers as text are the shortest that read back to the same value: as good as
+                // their bits. A hasher never fails.
                 let _ = write!(hasher, "{:?}{:?}", self.camera, self.origin);
             }),
             appearance: hashed(|hasher| {

@@ -1,7 +1,6 @@
-//! What the differential of a ray becomes where the ray meets the scene: a footprint in a texture, or
-//! the differential of a mirror ray.
+//! Ray differentials at hits: the footprint in a texture, or the differential of a mirror ray.
 //!
-//! Both tracers call these functions hit by hit, for trilinear textures and for mirrors alone.
+//! Both tracers call these functions hit by hit, only for trilinear textures and for mirrors.
 
 use glam::{Vec2, Vec3};
 
@@ -21,14 +20,14 @@ use crate::plan::schedule::Step;
 pub struct MirrorPoint {
     /// In world space.
     pub point: Vec3,
-    /// Geometric normal of unit length, on the viewer's side.
+    /// Geometric unit normal on the viewer's side.
     pub normal: Vec3,
-    /// The normal that the surface is lit with, of unit length, on the viewer's side.
+    /// Shading unit normal on the viewer's side.
     pub shading_normal: Vec3,
 }
 
 impl MirrorPoint {
-    /// What a mirror's differentials want of `point`.
+    /// The inputs of a mirror's differentials, from `point`.
     pub fn of(point: &ShadingPoint<f32>) -> Self {
         let ShadingPoint { point, normal, shading_normal, .. } = *point;
         let [point, normal, shading_normal] = [point, normal, shading_normal].map(Vec3::from);
@@ -37,8 +36,8 @@ impl MirrorPoint {
 }
 
 impl Appearance {
-    /// How texture coordinates change with the point `surface` of the shape's primitive, by `steps`.
-    /// Not finite where a step is not.
+    /// The changes of texture coordinates if the point `surface` of the shape's primitive moves by
+    /// `steps`. Not finite if a step is not.
     pub fn footprint(
         &self,
         texture: &Texture,
@@ -70,14 +69,14 @@ impl Appearance {
 
 impl PreparedScene {
     /// Whether mirror rays have differentials. Those of camera rays follow from their directions
-    /// ([`Camera::differential`](crate::kernels::camera::Camera::differential)) where they are asked
-    /// for, and are never kept.
+    /// ([`Camera::differential`](crate::kernels::camera::Camera::differential)) and are never
+    /// stored.
     pub fn carries_differentials(&self) -> bool {
         self.bounces > 0 && self.plan.schedule().runs(Step::Differentials)
     }
 
-    /// The differential of the ray that the mirror at `point` sends on, from that of `ray`, which
-    /// arrives there with `hit`.
+    /// The differential of the mirror ray at `point`, from that of `ray`, which arrives there with
+    /// `hit`.
     pub fn mirrored(
         &self,
         differential: &Differential,
@@ -96,7 +95,7 @@ impl PreparedScene {
         differential.reflected(ray, steps, about, turns)
     }
 
-    /// How the normal that a mirror turns about changes with its point.
+    /// The change of the mirror's normal with its point.
     fn turn(&self, primitive: u32, point: &MirrorPoint, step: Vec3, smooth: bool) -> Vec3 {
         let geometry = self.accel.geometry();
         match geometry.primitive(primitive) {
@@ -121,7 +120,7 @@ impl PreparedScene {
     }
 }
 
-/// How the outward normal of a sphere changes with its point; that of anything else does not.
+/// The change of a sphere's outward normal with its point; zero for other primitives.
 fn turn_of_sphere(geometry: &Geometry, primitive: u32, step: Vec3) -> Vec3 {
     match geometry.primitive(primitive) {
         Primitive::Sphere(i) => step / geometry.spheres[i].1,

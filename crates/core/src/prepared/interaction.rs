@@ -1,7 +1,7 @@
-//! From hits to points ready to be shaded: one at a time, or eight of a kind.
+//! From hits to shading points: one hit at a time, or eight of a kind.
 //!
-//! What hits need lies far apart in memory. A [`Group`] has it fetched, and the same code then computes with one
-//! hit or with eight.
+//! The data of hits is spread over memory. A [`Group`] fetches it; the same code then computes one
+//! hit or eight.
 
 use glam::Vec3;
 
@@ -18,12 +18,12 @@ use crate::math::real::Single;
 use crate::math::simd::LANES;
 use crate::math::vector::{Line, Vector};
 
-/// What a ray that was traced meets.
+/// The surface interaction of a traced ray.
 #[derive(Clone, Copy, Debug)]
 pub enum Interaction {
     /// Nothing.
     Nothing,
-    /// The shape of a light, which shows this colour.
+    /// The shape of a light, with its colour.
     Light(Vec3),
     /// A surface.
     Surface(ShadingPoint<f32>),
@@ -36,42 +36,42 @@ pub struct Face {
     pub ray: u32,
     /// The primitive, by its number.
     pub primitive: u32,
-    /// By its place in [`Appearance::shapes`].
+    /// Its shape's index in [`Appearance::shapes`].
     pub shape: u32,
 }
 
 /// A row for each axis.
 type Rows<F> = [<F as Single>::Row; 3];
 
-/// What is known about a hit of one kind, or about up to as many as there are lanes.
+/// The data of hits of one kind, up to as many as there are lanes.
 #[derive(Clone, Copy, Debug)]
 pub struct Group<F: Single> {
-    /// The hits, of which there are as many as lanes; those out of use repeat the last one.
+    /// The hits, one in each lane; unused lanes repeat the last one.
     pub faces: [Face; LANES],
-    /// Hits in use, a bit each, as are the following.
+    /// Hits in use, a bit each, like the following.
     pub used: u32,
-    /// Hits on shapes whose back lights reach.
+    /// Hits on shapes that are lit from both sides.
     two_sided: u32,
     /// Hits on shapes with a texture.
     textured: u32,
     /// Hits on shapes with a detail.
     pub(super) detailed: u32,
-    /// Hits on triangles that have normals.
+    /// Hits on triangles with normals.
     smooth: u32,
-    /// Hits on triangles whose vertices have colours.
+    /// Hits on triangles with vertex colours.
     colored: u32,
     /// Hits on quads.
     quads: u32,
-    /// Corners of the triangles, those of instances in the space of their prototype; or centres, and radii in
-    /// each row of the second.
+    /// Corners of the triangles, in the prototype's space for instances; or centres of spheres,
+    /// with their radii in each row of the second.
     corners: [Rows<F>; 3],
-    /// Origins and directions of rays to instances, in the space of the prototype.
+    /// Origins and directions of rays at instances, in the space of the prototype.
     carried: [Rows<F>; 2],
-    /// Normals at the corners, where there are any.
+    /// Normals at the corners, if any.
     normals: [Rows<F>; 3],
-    /// Colours at the corners, where there are any.
+    /// Colours at the corners, if any.
     tints: [Rows<F>; 3],
-    /// -1 where the front is where the winding runs clockwise, else 1.
+    /// -1 if the winding is clockwise on the front, else 1.
     side: F::Row,
     /// Diffuse colours of materials.
     color: Rows<F>,
@@ -105,7 +105,8 @@ impl<F: Single> Default for Group<F> {
 }
 
 impl<F: Single> Group<F> {
-    /// Begins with up to as many `faces` as there are lanes, at least one: fetches all but corners and normals.
+    /// Starts a group of at least one of `faces`, up to as many as there are lanes: fetches
+    /// everything except corners and normals.
     #[inline(always)]
     pub fn begin(&mut self, faces: &[Face], appearance: &Appearance) {
         let last = faces[faces.len() - 1];
@@ -113,7 +114,7 @@ impl<F: Single> Group<F> {
         (self.two_sided, self.textured, self.detailed) = (0, 0, 0);
         (self.smooth, self.colored, self.quads) = (0, 0, 0);
         for lane in 0..F::LANES {
-            // Lanes out of use compute nothing out of the way.
+            // Unused lanes compute harmless values.
             let face = faces.get(lane).copied().unwrap_or(last);
             self.faces[lane] = face;
             let shape = &appearance.shapes[face.shape as usize];
@@ -129,7 +130,7 @@ impl<F: Single> Group<F> {
         }
     }
 
-    /// Fetches the corners of one hit and the values there, which `ray` met.
+    /// Fetches the corners and corner values of one hit of `ray`.
     #[inline(always)]
     pub fn fetch(
         &mut self,
@@ -149,7 +150,7 @@ impl<F: Single> Group<F> {
             self.colored |= 1 << lane;
             set_three::<F>(&mut self.tints, lane, colors);
         }
-        // Each for itself: corners of any kind together would go through memory in pieces.
+        // Separate arms: a shared array of corners would go through memory in pieces.
         match geometry.primitive(primitive) {
             Primitive::Triangle(i) => {
                 set_three::<F>(&mut self.corners, lane, geometry.triangle(i));
@@ -189,7 +190,7 @@ impl<F: Single> Group<F> {
         set_three::<F>(&mut self.normals, lane, normals);
     }
 
-    /// How many hits in use have the colour of their vertices.
+    /// The number of hits in use with vertex colours.
     #[inline(always)]
     pub fn colored(&self) -> u64 {
         (self.colored & self.used).count_ones().into()
@@ -201,7 +202,7 @@ impl<F: Single> Group<F> {
         Vector::load(token, &self.color)
     }
 
-    /// The points where `line` meets what the hits are on, at `t`.
+    /// The points at `t` of `line` on the primitives that were hit.
     #[inline(always)]
     pub fn surfaces<P: Arithmetic>(
         &self,
@@ -233,7 +234,7 @@ impl<F: Single> Group<F> {
         }
     }
 
-    /// Points of instances, from the space of the prototype to the world's.
+    /// Points of instances, transformed from the prototype's space to the world.
     #[inline(always)]
     fn in_world(&self, mut found: Surface<F>, geometry: &Geometry) -> Surface<F> {
         for lane in 0..F::LANES {
@@ -247,8 +248,9 @@ impl<F: Single> Group<F> {
         found
     }
 
-    /// The points ready to be shaded, where `line`, of unit direction, meets what the hits are on at `t`. `arriving`
-    /// gives the differential of a lane's ray, the ray and its hit, where a texture needs them.
+    /// The shading points at `t` of `line`, of unit direction, on the primitives that were hit.
+    /// `arriving` returns the differential of a lane's ray, the ray and its hit; it is called only
+    /// if a texture needs them.
     #[inline(always)]
     pub fn shading_points<P: Arithmetic>(
         &self,
@@ -302,7 +304,7 @@ impl<F: Single> Group<F> {
             lit: F::mask(token, self.used) & (F::mask(token, self.two_sided) | !at_back),
         };
         if self.detailed & self.used != 0 {
-            // Copies, so that nothing of the point waits in memory where there are no details.
+            // Copies, so that the point stays in registers if there are no details.
             let (mut detailed, surfaces) = (point, surfaces);
             self.details(&mut detailed, &surfaces, scene, &arriving, look_ups);
             point = detailed;
@@ -311,8 +313,8 @@ impl<F: Single> Group<F> {
     }
 }
 
-/// The vectors of three rows. Written out, as are other arrays of vectors here: `map` is not inlined, and what goes
-/// through memory in pieces has to wait there.
+/// The vectors of three rows. Written out, like other arrays of vectors here: `map` is not inlined,
+/// and vectors stored in pieces stall when they are reloaded.
 #[inline(always)]
 fn three<F: Single>(token: F::Token, [a, b, c]: &[Rows<F>; 3]) -> [Vector<F>; 3] {
     [Vector::load(token, a), Vector::load(token, b), Vector::load(token, c)]
@@ -331,7 +333,7 @@ fn set_three<F: Single>(rows: &mut [Rows<F>; 3], lane: usize, [a, b, c]: [Vec3; 
     set::<F>(in_c, lane, c);
 }
 
-/// The lanes whose bits are set, one after the other.
+/// The lanes whose bits are set, in order.
 #[inline(always)]
 pub fn lanes(mut bits: u32) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {
@@ -349,8 +351,10 @@ impl PreparedScene {
         group.surfaces::<P>(geometry.kind(hit.primitive), &Line::from(ray), hit.t, geometry)
     }
 
-    /// What `ray`, of unit direction, meets with `hit`. Its `differential` is asked for where a texture needs it.
-    // Not inlined, nor for each caller's closure: one call a hit costs nothing, a copy some 10 KB.
+    /// The surface interaction of `ray`, of unit direction, with `hit`. Its `differential` is
+    /// called only if a texture needs it.
+    // Not inlined, nor once for each caller's closure: a call for each hit costs nothing, a copy
+    // some 10 KB.
     #[inline(never)]
     pub fn interaction<P: Arithmetic>(
         &self,

@@ -1,8 +1,9 @@
-//! Normal maps: textures that turn the normal that a surface is lit with.
+//! Normal maps: textures that change the shading normal.
 //!
-//! A texel is a vector in the frame of tangent, bitangent and normal: red along u, green along v, blue along the
-//! normal. Of a mesh, tangents are interpolated from the corners and the bitangent follows from them, as those who bake
-//! such textures have it (Mikkelsen, *Simulation of Wrinkled Surfaces Revisited*, 2008).
+//! A texel is a vector in the frame of tangent, bitangent and normal: red along u, green along v,
+//! blue along the normal. On meshes, tangents are interpolated from the corners and give the
+//! bitangent, as in programs that bake normal maps (Mikkelsen, *Simulation of Wrinkled Surfaces
+//! Revisited*, 2008).
 
 use glam::Vec3;
 
@@ -15,15 +16,16 @@ use crate::math::float::{dot, normalize};
 /// A texture of normals.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NormalMap {
-    /// The texture: a number x stands for 2 x - 1.
+    /// The texture: a value x stands for 2 x - 1.
     pub texture: Texture,
-    /// Factor on what it turns normals aside by.
+    /// Factor on the tangential part.
     pub strength: f32,
 }
 
 impl NormalMap {
-    /// Turns the shading normal of `point` as the texel says, about the tangents there. The normal stays as it is
-    /// where there are none, as where texture coordinates span no area, and where it would be no direction.
+    /// Turns the shading normal of `point` by the texel, in the tangent frame there. The normal is
+    /// unchanged if there are no tangents, as where texture coordinates span no area, or if the
+    /// result would have no direction.
     pub(super) fn turn(
         &self,
         texel: Vec3,
@@ -32,7 +34,7 @@ impl NormalMap {
         point: &mut ShadingPoint<f32>,
     ) {
         let sided = Vec3::from(point.shading_normal);
-        // The texture is of the front, and so are the tangents.
+        // The texture belongs to the front, and so do the tangents.
         let is_back = dot(appearance.front_normal(place), sided) < 0.0;
         let normal = if is_back { -sided } else { sided };
         let [along_u, along_v] = appearance.tangents(&self.texture.map, place, normal);
@@ -46,7 +48,7 @@ impl NormalMap {
 }
 
 impl Appearance {
-    /// The normal on the front, interpolated where the shape is smooth; not of unit length.
+    /// The normal on the front, interpolated on smooth shapes; not of unit length.
     fn front_normal(&self, place: Place<'_>) -> Vec3 {
         let Place { shape, primitive, geometry, surface, .. } = place;
         let smooth = shape.smooth.then(|| self.normals(shape, geometry, primitive)).flatten();
@@ -57,7 +59,7 @@ impl Appearance {
         if shape.flipped { -normal } else { normal }
     }
 
-    /// Where u and v grow, of about unit length; zero where they do not.
+    /// The directions in which u and v grow, of about unit length; zero if they do not.
     fn tangents(&self, map: &UvMap, place: Place<'_>, normal: Vec3) -> [Vec3; 2] {
         let Place { shape, primitive, geometry, surface, .. } = place;
         match map {
@@ -71,7 +73,7 @@ impl Appearance {
                     return [Vec3::ZERO; 2];
                 };
                 let tangent = between(corners.map(|corner| corner.truncate()), surface.barycentric);
-                // All corners of a triangle are on the same side, but for files that say otherwise.
+                // All corners of a triangle are on the same side, except in inconsistent files.
                 let across = normal.cross(tangent);
                 [tangent, if corners[0].w < 0.0 { -across } else { across }]
             }
@@ -79,7 +81,7 @@ impl Appearance {
     }
 }
 
-/// The mean of three corners' values by their weights.
+/// The weighted mean of three corner values.
 fn between([a, b, c]: [Vec3; 3], [y, z]: [f32; 2]) -> Vec3 {
     a * (1.0 - y - z) + b * y + c * z
 }

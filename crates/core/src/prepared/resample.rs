@@ -1,22 +1,22 @@
-//! Other samples of the same scene: what a sweep over samplers and their counts changes.
+//! Other samples of the same scene, for sweeps over samplers and sample counts.
 
 use super::PreparedScene;
 use crate::kernels::camera::{Camera, DIMENSION};
 use crate::kernels::light::Light;
 use crate::math::sampling::{Points, Sampling};
 
-/// How a scene is sampled. What is `None` stays as it is in the scene.
+/// The sampling of a scene. `None` keeps the scene's own.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Samples {
-    /// On each light that has a shape, for each lit hit.
+    /// On each light with a shape, for each lit hit.
     pub lights: Option<Points>,
-    /// On the lens, for each place in the pixel; no matter for a pinhole.
+    /// On the lens, for each point in the pixel; ignored for a pinhole.
     pub lens: Option<Points>,
     /// In the pixel. A single point is its centre.
     pub pixel: Option<Points>,
 }
 
-/// The camera and the lights of a scene as its file has them.
+/// The camera and the lights of a scene as in its file.
 #[derive(Clone, Debug)]
 pub struct Original {
     camera: Camera,
@@ -24,12 +24,12 @@ pub struct Original {
 }
 
 impl PreparedScene {
-    /// What [`PreparedScene::resample`] starts from.
+    /// The starting point of [`PreparedScene::resample`].
     pub fn original(&self) -> Original {
         Original { camera: self.camera, lights: self.lights.clone() }
     }
 
-    /// The rays that a render casts at most: what the choice of a preset rests on.
+    /// An upper bound on the rays of a render, from which the preset is chosen.
     pub fn expected_rays(&self) -> u64 {
         let lights: u64 = self.lights.iter().map(|l| u64::from(l.samples())).sum();
         let pixels: u64 = self.camera.size().map(u64::from).iter().product();
@@ -39,8 +39,8 @@ impl PreparedScene {
         paths.saturating_mul(1 + lights).saturating_mul(1 + bounces)
     }
 
-    /// Has the scene, whose file had `original`, sampled as `samples` say. It is the scene that a file with
-    /// these samples would make, to the last bit of its image.
+    /// Changes the sampling of the scene, whose file had `original`, to `samples`. The image is to
+    /// the last bit that of a file with these samples.
     pub fn resample(&mut self, original: &Original, samples: &Samples) {
         self.camera = original.camera.resampled(samples.pixel, samples.lens);
         self.lights.clone_from(&original.lights);

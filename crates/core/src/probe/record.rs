@@ -1,27 +1,27 @@
-//! What a probe reports: plain data, in scene units, with a form in JSON.
+//! The report of a probe: plain data in scene units, also as JSON.
 
 use glam::{DVec3, Vec3};
 use serde::Serialize;
 
 use crate::recursive::End;
 
-/// What happens to a path.
+/// A recorded path.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Path {
     /// The camera ray within the pixel.
     pub sample: u32,
-    /// What happens, from the camera on.
+    /// Its bounces, from the camera on.
     pub bounces: Vec<Bounce>,
-    /// What it adds to the pixel: linear red, green and blue.
+    /// Its radiance: linear red, green and blue.
     pub radiance: Vec3,
 }
 
-/// A ray, and what comes of it.
+/// A ray and its interaction.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Bounce {
-    /// Where the ray starts, in scene units.
+    /// Origin, in scene units.
     pub origin: DVec3,
-    /// Where it goes, of unit length.
+    /// Unit direction.
     pub direction: Vec3,
     /// Inner nodes visited.
     pub nodes: u64,
@@ -29,11 +29,11 @@ pub struct Bounce {
     pub leaves: u64,
     /// Primitives of all kinds tested.
     pub primitives: u64,
-    /// What it meets.
+    /// The hit, if any.
     pub met: Option<Met>,
-    /// What the path has gathered when this bounce is over.
+    /// The radiance gathered up to the end of this bounce.
     pub radiance: Vec3,
-    /// Why the path ends here, if it does.
+    /// Why the path ends here; `None` if it continues.
     pub end: Option<End>,
 }
 
@@ -48,25 +48,25 @@ pub struct Met {
     pub shape: String,
     /// The shape's name, if it has one.
     pub name: Option<String>,
-    /// What the surface looks like there; a light has none of it.
+    /// The appearance of the surface; `None` for lights.
     pub surface: Option<Surface>,
-    /// Where on the ray.
+    /// Distance along the ray, in lengths of its direction.
     pub t: f32,
-    /// Bound on the error of t; fast arithmetic has none.
+    /// Bound on the error of t; `None` in fast precision.
     pub t_error: Option<f32>,
-    /// Barycentric coordinates of the second and third corner; zero but on triangles.
+    /// Barycentric coordinates of the second and third corner of triangles, else zero.
     pub uv: [f32; 2],
-    /// Where it is, in scene units.
+    /// The point, in scene units.
     pub point: DVec3,
     /// Bound on the error of each coordinate.
     pub error: Vec3,
-    /// On the viewer's side; of a light's shape, as its winding has it.
+    /// Geometric normal, on the viewer's side; for a light's shape, on the side of its winding.
     pub normal: Vec3,
-    /// What it is lit with.
+    /// Shading normal.
     pub shading_normal: Vec3,
     /// Whether lights reach this side.
     pub lit: bool,
-    /// What the lights do.
+    /// The lights' contributions.
     pub lights: Vec<Light>,
 }
 
@@ -75,7 +75,7 @@ pub struct Met {
 pub struct Surface {
     /// Diffuse colour, linear: the material's, or the texture's.
     pub color: Vec3,
-    /// The image that the colour is from.
+    /// The file of the image that gives the colour.
     pub texture: Option<String>,
     /// Weight of the highlight.
     pub ks: f32,
@@ -85,47 +85,47 @@ pub struct Surface {
     pub exponent: f32,
     /// Weight of the mirror ray.
     pub kr: f32,
-    /// Light of the material itself, linear.
+    /// Emission of the material, linear.
     pub emission: Vec3,
 }
 
-/// A point of a light, seen from a hit.
+/// A sample point of a light, for a hit.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Light {
-    /// The light, by its place among those that can add more than an ambient part.
+    /// The index of the light among those that can add more than an ambient part.
     pub light: usize,
-    /// Which of its points.
+    /// The index of the point.
     pub index: usize,
-    /// How far it is, in scene units; none where it is infinitely far.
+    /// Its distance in scene units; `None` if it is infinitely far away.
     pub distance: Option<f32>,
-    /// What comes of it.
+    /// Whether its light arrives.
     pub verdict: Verdict,
-    /// What it adds to the path.
+    /// Its contribution to the path.
     pub adds: Vec3,
 }
 
-/// What comes of a point of a light.
+/// Whether the light of a point arrives.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Verdict {
-    /// It is behind the surface.
+    /// The point is behind the surface.
     Behind,
-    /// Nothing of it would be reflected to the viewer.
+    /// None of its light would be reflected to the viewer.
     NotReflected,
-    /// A shadow ray meets this primitive at this part of the way.
+    /// A shadow ray is blocked.
     Occluded {
-        /// By its number; none where only an any-hit query finds it.
+        /// The primitive's number; `None` if only the any-hit query finds it.
         primitive: Option<u32>,
         /// The shape's entry in the scene file.
         shape: String,
-        /// 1 is at the light, or beyond the scene where the light is.
+        /// Where it is blocked: 1 is at the light, or beyond the scene for distant lights.
         t: f32,
     },
-    /// Nothing is in the way.
+    /// The light arrives.
     Visible,
 }
 
-/// A sample that is not finite, by name.
+/// The place of a sample that is not finite.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Invalid {
     /// Column of the pixel.
@@ -134,7 +134,7 @@ pub struct Invalid {
     pub y: u32,
     /// The camera ray within the pixel.
     pub sample: u32,
-    /// The mirror bounces before the light that is not finite.
+    /// The number of mirror bounces before the value that is not finite.
     pub bounce: usize,
     /// The primitive that was hit there, by its number.
     pub primitive: Option<u32>,
@@ -153,13 +153,13 @@ impl std::fmt::Display for Invalid {
     }
 }
 
-/// What happens to the rays of a pixel.
+/// The record of a pixel.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PixelRecord {
     /// Column and row.
     pub pixel: [u32; 2],
     /// Its paths, sample by sample.
     pub paths: Vec<Path>,
-    /// The sample and bounce at which the wavefront differs; `None` where both agree.
+    /// The first sample and bounce at which the wavefront differs; `None` if both agree.
     pub differs: Option<[u32; 2]>,
 }

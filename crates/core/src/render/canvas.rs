@@ -1,4 +1,4 @@
-//! The film while it is painted: finished tiles find their place there, whatever thread brings them.
+//! The film during a render: finished tiles are written to their places, from any thread.
 
 use std::sync::{Mutex, PoisonError};
 
@@ -9,7 +9,7 @@ use crate::film::Film;
 use crate::tile::Tile;
 use wavecrest_base::error::Result;
 
-/// A film of a grid's window, and which of its tiles are there.
+/// A film for a grid's window, and its finished tiles.
 pub struct Canvas<'a> {
     grid: Grid,
     blocks: Blocks,
@@ -17,28 +17,28 @@ pub struct Canvas<'a> {
     painted: Mutex<Painted>,
 }
 
-/// What there is of the image.
+/// The finished part of an image.
 pub struct Painted {
-    /// The film, black where nothing has been rendered.
+    /// The film, black where nothing is rendered.
     pub film: Film,
-    /// The tiles that are finished.
+    /// The finished tiles.
     pub tiles: Vec<Tile>,
     /// Number of their pixels.
     pub pixels: u64,
 }
 
 impl<'a> Canvas<'a> {
-    /// A black one. `watch` receives tiles and progress.
+    /// A black canvas. `watch` receives tiles and progress.
     ///
     /// # Errors
-    /// When there is no memory for the film.
+    /// If there is no memory for the film.
     pub fn new(grid: Grid, blocks: Blocks, watch: &'a dyn Watch) -> Result<Self> {
         let film = Film::new(grid.window().width, grid.window().height)?;
         let painted = Mutex::new(Painted { film, tiles: Vec::new(), pixels: 0 });
         Ok(Self { grid, blocks, watch, painted })
     }
 
-    /// Paints a tile, if all its blocks are there.
+    /// Writes a tile to the film, if all its blocks are finished.
     pub fn keep(&self, summed: &Summed<'_>) {
         if summed.blocks != (0..self.blocks.count()) {
             return;
@@ -54,7 +54,7 @@ impl<'a> Canvas<'a> {
         self.watch.progress(done, self.grid.window().len() as u64);
     }
 
-    /// What has been painted, the tiles in the order of the grid.
+    /// The film so far, with its tiles in the order of the grid.
     pub fn finish(self) -> Painted {
         let mut painted = self.painted.into_inner().unwrap_or_else(PoisonError::into_inner);
         painted.tiles.sort_unstable_by_key(|tile| (tile.y, tile.x));
@@ -63,7 +63,7 @@ impl<'a> Canvas<'a> {
 }
 
 impl Painted {
-    /// Puts a tile where it belongs; the number of pixels that are then done.
+    /// Writes a tile to its place; returns the number of pixels finished so far.
     fn put(&mut self, window: &Tile, tile: Tile, means: &[[f32; 3]]) -> u64 {
         let (left, top) = ((tile.x - window.x) as usize, (tile.y - window.y) as usize);
         let width = tile.width as usize;

@@ -1,21 +1,21 @@
-//! What a render is cut into: tiles of the image, and blocks of the samples of a pixel.
+//! The units of a render: tiles of the image, and blocks of the samples of a pixel.
 //!
-//! A block is summed by itself, and a pixel's blocks are added in their order. So one process after the other,
-//! or many at a time, can each do some blocks, and the image is the same to the last bit. Where blocks begin
-//! depends on the number of samples alone, as it decides how sums are rounded.
+//! Each block is summed separately, and a pixel's blocks are added in order. So several processes,
+//! in turn or at once, can each render some blocks, and the image is the same to the last bit. The
+//! limits of blocks depend only on the number of samples, as they decide the rounding of sums.
 
 use std::ops::Range;
 
 use crate::tile::Tile;
 
-/// Samples of a block, at least, where there is more than one: so many that what a block takes besides its
-/// rays does not count.
+/// Smallest number of samples in a block, if there are several: enough for the overhead of a block
+/// not to matter.
 const LEAST_SAMPLES: u32 = 256;
 
-/// Blocks of a pixel, at most.
+/// Largest number of blocks of a pixel.
 const MOST_BLOCKS: u32 = 64;
 
-/// A pixel's samples, cut into blocks of one length but for the last.
+/// A pixel's samples, cut into blocks of equal length except for the last.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Blocks {
     samples: u32,
@@ -23,24 +23,24 @@ pub struct Blocks {
 }
 
 impl Blocks {
-    /// Those of a pixel of so many `samples`, at least one.
+    /// The blocks of a pixel with this number of `samples`, at least one.
     pub fn new(samples: u32) -> Self {
         let samples = samples.max(1);
         let count = (samples / LEAST_SAMPLES).clamp(1, MOST_BLOCKS);
         Self { samples, length: samples.div_ceil(count) }
     }
 
-    /// How many there are, from 1 to 64.
+    /// The number of blocks, 1 to 64.
     pub fn count(&self) -> u32 {
         self.samples.div_ceil(self.length)
     }
 
-    /// Samples of the longest.
+    /// The number of samples in the longest block.
     pub fn longest(&self) -> u32 {
         self.length
     }
 
-    /// Samples of the pixel.
+    /// The number of samples of the pixel.
     pub fn samples(&self) -> u32 {
         self.samples
     }
@@ -52,8 +52,8 @@ impl Blocks {
     }
 }
 
-/// A rectangle of the image cut into square tiles, numbered row by row. Those at its right and at its bottom
-/// may be cut short.
+/// A rectangle of the image, cut into square tiles, numbered row by row. Tiles at its right and
+/// bottom edges may be smaller.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Grid {
     window: Tile,
@@ -61,7 +61,7 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// `window` cut into tiles of `edge` pixels a side, at least one.
+    /// `window`, cut into tiles with sides of `edge` pixels, at least one.
     pub fn new(window: Tile, edge: u32) -> Self {
         Self { window, edge: edge.max(1) }
     }
@@ -76,7 +76,7 @@ impl Grid {
         self.edge
     }
 
-    /// Number of tiles in a row of them.
+    /// Number of tiles in a row.
     pub fn columns(&self) -> u32 {
         self.window.width.div_ceil(self.edge)
     }
@@ -91,7 +91,7 @@ impl Grid {
         self.len() == 0
     }
 
-    /// The tile of a number below [`Grid::len`].
+    /// The tile with this number, below [`Grid::len`].
     pub fn tile(&self, number: u32) -> Tile {
         let Tile { x, y, width, height } = self.window;
         let [left, top] = [number % self.columns(), number / self.columns()].map(|i| i * self.edge);

@@ -1,28 +1,28 @@
-//! Watching a render, and cancelling it.
+//! Progress and cancellation of a render.
 
 use crate::tile::Tile;
 
 /// Receives the progress of a render. Every method may be called from any thread; by default it does
 /// nothing.
 pub trait Watch: Sync {
-    /// So many pixels are done, of all that are to be rendered.
+    /// The number of pixels finished, and of all to render.
     fn progress(&self, _done: u64, _all: u64) {}
 
-    /// A tile is finished, with the means of its pixels, in linear colour, row by row. Tiles come in any
-    /// order, each once.
+    /// A tile is finished, with the means of its pixels in linear colour, row by row. Tiles come in
+    /// any order, each once.
     fn tile(&self, _tile: &Tile, _pixels: &[[f32; 3]]) {}
 
-    /// Whether to render no more: asked before each tile, and within a tile of very many samples before
-    /// each block of them.
+    /// Whether to stop rendering: called before each tile, and in tiles with very many samples
+    /// before each block.
     fn cancelled(&self) -> bool {
         false
     }
 }
 
-/// Watches nothing.
+/// Ignores all progress.
 impl Watch for () {}
 
-/// Receives progress alone: a function of the pixels done and of all.
+/// Receives progress only: a function of the number of pixels finished and of all.
 pub struct Progress<F>(pub F);
 
 impl<F: Fn(u64, u64) + Sync> Watch for Progress<F> {

@@ -1,4 +1,4 @@
-//! The loop over what there is to render, on all threads, each with a tracer of its own.
+//! The loop over all work on all threads, each with its own tracer.
 
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
@@ -17,31 +17,32 @@ use crate::wavefront::Wavefront;
 use crate::with_precision;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
-/// Blocks of samples to be rendered for the pixels of a tile.
+/// Blocks of samples to render for the pixels of a tile.
 #[derive(Clone, Debug)]
 pub struct Task {
     /// The tile's number in the grid.
     pub tile: u32,
-    /// The blocks. Where they begin with another than the first and no `sums` are given, there is one alone.
+    /// The blocks. If they do not start with the first and there are no `sums`, there is only one.
     pub blocks: Range<u32>,
-    /// For each pixel of the tile, what the blocks before these add up to; all their samples were finite.
+    /// For each pixel of the tile, the sum of the blocks before these; all their samples were
+    /// finite.
     pub sums: Option<Vec<[f64; 3]>>,
 }
 
-/// What has been rendered of a tile so far: blocks, and their sum for each pixel, row by row.
+/// The rendered blocks of a tile so far, with their sum for each pixel, row by row.
 #[derive(Clone, Debug)]
 pub struct Summed<'a> {
     /// The tile's number in the grid.
     pub tile: u32,
-    /// The blocks: all up to some block, or one alone.
+    /// The blocks: all up to some block, or a single one.
     pub blocks: Range<u32>,
-    /// Samples among them, of any pixel, that were not finite.
+    /// Number of their samples that were not finite.
     pub invalid: u64,
     /// Their sums.
     pub sums: &'a [[f64; 3]],
 }
 
-/// What is to be rendered: `count` tasks, by number.
+/// The work to render: `count` tasks, by number.
 pub struct Job<'a> {
     /// The tiles.
     pub grid: Grid,
@@ -49,11 +50,11 @@ pub struct Job<'a> {
     pub blocks: Blocks,
     /// Number of tasks.
     pub count: usize,
-    /// A task by its number. No two are of the same blocks of one tile.
+    /// The task with this number. No two tasks share a block of a tile.
     pub task: &'a (dyn Fn(usize) -> Task + Sync),
 }
 
-/// Work done.
+/// The work of a render.
 #[derive(Clone, Debug)]
 pub struct Done {
     /// The work, counted.
@@ -66,11 +67,11 @@ pub struct Done {
     pub seconds: f64,
 }
 
-/// Renders what `job` says on the threads of the current pool, and gives `keep` what there is of a tile after
-/// each block. It ends before its time when `watch` says so.
+/// Renders `job` on the threads of the current pool, and passes the state of a tile to `keep` after
+/// each block. `watch` may end it early.
 ///
 /// # Errors
-/// When the table that the plan was made by does not hang together, or an image cannot be decoded.
+/// If the plan's table of passes is inconsistent, or an image cannot be decoded.
 pub fn run(
     scene: &PreparedScene,
     options: &RenderOptions,
@@ -84,7 +85,7 @@ pub fn run(
     }
     let start = Instant::now();
     let settings = TraceSettings { seed: options.seed, batch: batch_size(scene, options.batch) };
-    // One worker a thread, made before the first ray.
+    // One worker for each thread, made before the first ray.
     let threads = rayon::current_num_threads();
     let worker = || Mutex::new(Worker::new(tracer(scene, options.tracer, &settings), job));
     let workers: Vec<_> = (0..threads).map(|_| worker()).collect();
@@ -100,11 +101,11 @@ pub fn run(
     Ok(gather(workers, start))
 }
 
-/// A tracer, and the sums of the tile in its hands.
+/// A tracer, and the sums of its current tile.
 struct Worker {
     tracer: Box<dyn Tracer>,
     sums: Vec<[f64; 3]>,
-    /// Those of the block in hand, where there is more than one.
+    /// The sums of the current block, if there are several.
     block: Vec<[f64; 3]>,
 }
 
@@ -135,7 +136,7 @@ impl Worker {
         };
         let invalid = tracer.counters().invalid;
         for number in task.blocks.clone() {
-            // Before the first, the loop over tasks has asked.
+            // The loop over tasks has checked before the first block.
             if number > task.blocks.start && watch.cancelled() {
                 return;
             }
@@ -162,7 +163,7 @@ pub fn add(sums: &mut [[f64; 3]], block: &[[f64; 3]]) {
     }
 }
 
-/// A tracer of that kind for the scene, compiled for its precision.
+/// A tracer of this kind for the scene, compiled for its precision.
 pub fn tracer(
     scene: &PreparedScene,
     kind: TracerKind,
@@ -174,7 +175,7 @@ pub fn tracer(
     })
 }
 
-/// A table of passes that does not hang together would give a wrong image.
+/// An inconsistent table of passes would give a wrong image.
 fn refused(flaw: Flaw) -> Error {
     let Flaw { step, column } = flaw;
     let message = format!("the plan leaves {} without a writer or a reader", column.name());
@@ -183,7 +184,7 @@ fn refused(flaw: Flaw) -> Error {
         .remedy("mend the table of passes, or use plan::schedule::PASSES")
 }
 
-/// Adds up what the tracers counted.
+/// Adds up the counts of the tracers.
 fn gather(workers: Vec<Mutex<Worker>>, start: Instant) -> Done {
     let mut counters = Counters::default();
     let mut pass_seconds: Vec<(&'static str, f64)> = Vec::new();

@@ -1,7 +1,7 @@
 //! The columns of a batch: structures of arrays, each with its unit, writer and readers.
 //!
-//! Passes read and write them eight rows at a time. Behind the last row a batch can have, columns
-//! have room for the rest of a vector, whose rows mean nothing.
+//! Passes read and write eight rows at a time. Columns have room for a whole vector after the last
+//! row, with unspecified values.
 
 #[macro_use]
 mod columns;
@@ -31,7 +31,7 @@ columns! {
         origin: Vectors,
         /// World space, unit length.
         direction: Vectors,
-        /// What the light along the ray counts for in its path; 1 for camera rays.
+        /// Throughput of the path; 1 for camera rays.
         throughput: Vectors,
         /// The path, by its number in the batch.
         path: Vec<u32>,
@@ -39,7 +39,7 @@ columns! {
 }
 
 impl Rays {
-    /// The `i`th.
+    /// The `i`th ray.
     #[inline(always)]
     pub fn ray(&self, i: usize) -> Ray {
         Ray::new(self.origin.get(i), self.direction.get(i))
@@ -52,7 +52,7 @@ impl<'a> From<&'a Rays> for AllRays<'a> {
     }
 }
 
-/// As kernels read them.
+/// The rays in the form of kernels.
 fn columns_of<'a>(
     count: usize,
     origin: &'a Vectors,
@@ -75,7 +75,7 @@ impl Rays {
         self.rows += 1;
     }
 
-    /// Appends camera rays of the paths from `path` on, of which the first `count` lanes are real.
+    /// Appends camera rays of the paths from `path` on; the first `count` lanes are used.
     #[inline(always)]
     pub fn push_camera<F: Single>(
         &mut self,
@@ -94,7 +94,7 @@ impl Rays {
         self.rows += count;
     }
 
-    /// Appends the mirror rays that there are, of these paths. Their number.
+    /// Appends the lanes with a mirror ray, of these paths. Returns their number.
     #[inline(always)]
     pub fn push_lanes<F: Single>(&mut self, rays: &MirrorRequest<F>, path: &[u32; LANES]) -> usize {
         let (i, asked) = (self.rows, rays.asked);
@@ -109,8 +109,8 @@ impl Rays {
 }
 
 columns! {
-    /// Differentials of mirror rays, a row for each of [`Rays`], where the scene calls for them. Those
-    /// of camera rays follow from their directions and have no rows. Written and read by shade.
+    /// Differentials of mirror rays, a row for each of [`Rays`], if the scene needs them. Those of
+    /// camera rays follow from their directions and have no rows. Written and read by shade.
     Differentials {
         /// Change of the origin for a step to the right, in scene units.
         origin_right: Vectors,
@@ -124,7 +124,7 @@ columns! {
 }
 
 impl Differentials {
-    /// The `i`th.
+    /// The `i`th differential.
     pub fn get(&self, i: usize) -> Differential {
         Differential {
             origin: [self.origin_right.get(i), self.origin_down.get(i)],
@@ -132,7 +132,7 @@ impl Differentials {
         }
     }
 
-    /// Appends one.
+    /// Appends a differential.
     pub fn push(&mut self, differential: &Differential) {
         let i = self.rows;
         let Differential { origin, direction } = *differential;
@@ -145,7 +145,7 @@ impl Differentials {
 }
 
 columns! {
-    /// One answer for each ray. Written by intersect, read by shade.
+    /// A hit for each ray. Written by intersect, read by shade.
     Hits {
         /// t, infinite for a miss, and the primitive's number.
         hit: Vec<Hit>,
@@ -157,13 +157,13 @@ columns! {
     ShadowRays {
         /// World space.
         origin: Vectors,
-        /// To the light: its length is the distance.
+        /// To the light; its length is the distance.
         direction: Vectors,
-        /// What to add to the path if nothing is in the way.
+        /// The light to add to the path if the ray is not occluded.
         contribution: Vectors,
         /// The path, by its number in the batch.
         path: Vec<u32>,
-        /// Whether something is in the way.
+        /// Whether the ray is occluded.
         occluded: Vec<bool>,
     }
 }
@@ -175,7 +175,7 @@ impl<'a> From<&'a ShadowRays> for AllRays<'a> {
 }
 
 impl ShadowRays {
-    /// Appends the requests that there are, of these paths. Their number.
+    /// Appends the lanes with a request, of these paths. Returns their number.
     #[inline(always)]
     pub fn push_lanes<F: Single>(&mut self, requests: &ShadowRequest<F>, path: &[u32]) -> usize {
         let (i, asked) = (self.rows, requests.asked);
@@ -193,7 +193,7 @@ impl ShadowRays {
 columns! {
     /// The paths of the batch. Written by every pass, read by resolve.
     Paths {
-        /// Light gathered so far.
+        /// Radiance gathered so far.
         radiance: Vectors,
         /// The pixel, by its number in the image.
         pixel: Vec<u32>,
@@ -205,7 +205,7 @@ columns! {
 }
 
 impl Paths {
-    /// Appends a path that has gathered no light yet.
+    /// Appends a path without radiance.
     #[inline(always)]
     pub fn push(&mut self, pixel: u32, sample: u32, place: u32) {
         let i = self.rows;
@@ -227,23 +227,23 @@ pub struct Batch {
     pub rays: Rays,
     /// Their hits.
     pub hits: Hits,
-    /// Where they hit something that lights reach.
+    /// Their hits that lights may reach.
     pub lit: LitPoints,
-    /// The colours of their highlights.
+    /// The highlight colours of these.
     pub tints: Tints,
-    /// Shadow rays on their way.
+    /// Queued shadow rays.
     pub shadows: ShadowRays,
     /// The rays of the next bounce.
     pub next: Rays,
     /// The differentials of the rays, after the first bounce.
     pub differentials: Differentials,
-    /// Those of the next rays.
+    /// The differentials of the next rays.
     pub next_differentials: Differentials,
 }
 
 impl Batch {
-    /// A batch of up to `capacity` paths, with the columns that may have storage in `scene`: each gets it when it
-    /// is first written.
+    /// A batch of up to `capacity` paths, with the columns that may need storage in `scene`: each
+    /// is allocated at its first row.
     pub fn new(scene: &PreparedScene, capacity: usize) -> Self {
         let capacity = capacity.max(1);
         let schedule = scene.plan.schedule();
@@ -262,14 +262,14 @@ impl Batch {
         }
     }
 
-    /// The greatest number of paths.
+    /// The largest number of paths.
     pub fn capacity(&self) -> usize {
         self.capacity
     }
 
-    /// Makes the next bounce's rays this bounce's. False where there are none.
+    /// Makes the next bounce's rays the current ones. Returns whether there are any.
     pub fn advance(&mut self) -> bool {
-        // Without mirrors the next rays have no room, and may not become this bounce's.
+        // Without mirrors the next rays have no storage and must not become the current ones.
         if self.next.is_empty() {
             return false;
         }
@@ -280,25 +280,25 @@ impl Batch {
         true
     }
 
-    /// Bytes for each path in the columns that have storage in `scene`, by the name of the group.
+    /// Bytes for each path of the columns with storage in `scene`, by the name of the group.
     pub fn bytes_per_path(scene: &PreparedScene) -> Vec<(&'static str, usize)> {
         let groups = scene.plan.schedule().columns();
         groups.map(|group| (group.name(), row_bytes(group))).collect()
     }
 
-    /// Bytes that a batch of up to `capacity` paths holds in its columns, estimated.
+    /// Estimated bytes of the columns of a batch of up to `capacity` paths.
     pub fn estimated_bytes(scene: &PreparedScene, capacity: usize) -> u64 {
         let row: usize = scene.plan.schedule().columns().map(row_bytes).sum();
         (row * columns::room(capacity.max(1))) as u64
     }
 
-    /// Bytes that a batch of up to `capacity` paths holds in its columns in any scene, at most.
+    /// Upper bound on the bytes of the columns of a batch of up to `capacity` paths, in any scene.
     pub fn bytes_at_most(capacity: usize) -> u64 {
         let row: usize = Group::ALL.into_iter().map(row_bytes).sum();
         (row * columns::room(capacity.max(1))) as u64
     }
 
-    /// Bytes that it holds in its columns, measured.
+    /// Measured bytes of its columns.
     pub fn bytes(&self) -> u64 {
         let Self { capacity: _, paths, rays, hits, lit, tints, shadows, next, .. } = self;
         let lit = lit.bytes() + tints.bytes();
@@ -318,7 +318,7 @@ fn row_bytes(group: Group) -> usize {
         Group::LitPoints => LitPoints::ROW_BYTES,
         Group::Tints => Tints::ROW_BYTES,
         Group::ShadowRays => ShadowRays::ROW_BYTES,
-        // Those of this bounce and of the next.
+        // For this bounce and the next.
         Group::Differentials => 2 * Differentials::ROW_BYTES,
     }
 }

@@ -15,8 +15,8 @@ use crate::prepared::PreparedScene;
 use crate::tile::{Tile, Unit};
 use order::Walk;
 
-/// Fills the batch with the camera rays of the unit's `paths`, which are numbered pixel by pixel in
-/// the order of [`Walk`] and, within a pixel, sample by sample.
+/// Fills the batch with the camera rays of the unit's `paths`, numbered by pixel in the order of
+/// [`Walk`] and by sample within a pixel.
 pub(super) fn run(
     scene: &PreparedScene,
     unit: &Unit,
@@ -41,10 +41,10 @@ pub(super) fn run(
     counters.lens_samples += if scene.camera.has_lens() { count } else { 0 };
 }
 
-/// The next path: counted on, as divisions take longer than the ray.
+/// The next path, computed by incrementing: divisions would take longer than the ray.
 struct Next {
     walk: Walk,
-    /// Of the pixel.
+    /// Its sample in the pixel.
     sample: u32,
     samples: Range<u32>,
 }
@@ -113,7 +113,7 @@ impl Generate<'_> {
         }
     }
 
-    /// Appends the next path. Its pixel, and where its random numbers come from.
+    /// Appends the next path. Returns its pixel and its random stream.
     #[inline(always)]
     fn path(&mut self) -> (u32, u32, Stream) {
         let Next { walk, sample, .. } = &self.next;

@@ -1,7 +1,7 @@
-//! Pass 3: what every hit shows at once, and what it asks for.
+//! Pass 3: adds the light of every hit and collects its requests.
 //!
-//! Hits are sorted by what they need. Misses and lights are dealt with at once; hits on spheres, on
-//! instances, and on triangles and quads, wait in [`faces`] and are shaded together.
+//! Hits are sorted by kind. Misses and lights are handled at once; hits on spheres, on instances,
+//! and on triangles and quads wait in [`faces`] and are shaded together.
 
 mod faces;
 
@@ -24,8 +24,8 @@ use crate::plan::schedule::Step;
 use crate::prepared::{Face, Group, LookUps, MirrorPoint, PreparedScene, lanes};
 use faces::Faces;
 
-/// Adds background, emitted and ambient light to the paths; collects points that lights reach and,
-/// while bounces are left, mirror rays.
+/// Adds background, emission and ambient light to the paths; collects lit points and, while bounces
+/// are left, mirror rays.
 pub(super) fn run<P: Arithmetic>(
     scene: &PreparedScene,
     bounce: u32,
@@ -65,12 +65,12 @@ struct Shade<'a, P> {
     differentials: bool,
     batch: &'a mut Batch,
     counters: &'a mut Counters,
-    /// Whether hits are asked for more than their colour.
+    /// Whether any shadow or mirror rays are requested.
     has_any: bool,
-    /// Whether points that lights reach are asked for, as is whether mirror rays are.
+    /// Whether to collect lit points, and mirror rays.
     shadows: bool,
     mirrors: bool,
-    /// Whether highlights have colours.
+    /// Whether highlights are coloured.
     tints: bool,
     precision: PhantomData<P>,
 }
@@ -84,7 +84,7 @@ impl<P: Arithmetic> Pass for Shade<'_, P> {
         let geometry = self.scene.accel.geometry();
         let (mut flat, mut spheres) = (Faces::<F>::new(), Faces::new());
         let mut instances = (!geometry.instances.is_empty()).then(Faces::new);
-        // The shape that was hit last: the next hit is likely to be there too.
+        // The last shape hit: the next hit is likely on it too.
         let mut last = 0;
         for i in 0..self.batch.rays.len() {
             let primitive = self.batch.hits.hit[i].primitive;
@@ -135,7 +135,7 @@ impl<P: Arithmetic> Shade<'_, P> {
         self.batch.paths.radiance.add(path, self.batch.rays.throughput.get(i) * color);
     }
 
-    /// Shades the hits that wait.
+    /// Shades the waiting hits.
     fn block<F: Single>(&mut self, token: F::Token, faces: &mut Faces<F>, kind: Kind) {
         F::outlined(
             token,
@@ -150,7 +150,7 @@ impl<P: Arithmetic> Shade<'_, P> {
         );
     }
 
-    /// Hits on surfaces of one kind.
+    /// Shades hits on surfaces of one kind.
     #[inline(always)]
     fn group<F: Single>(&mut self, token: F::Token, group: &Group<F>, kind: Kind) {
         let rays = &self.batch.rays;
@@ -191,7 +191,7 @@ impl<P: Arithmetic> Shade<'_, P> {
         }
     }
 
-    /// Where on their rays the hits are; read where it matters alone.
+    /// The t of the hits; called only if it matters.
     #[inline(always)]
     fn distances<F: Single>(&self, token: F::Token, rays: &[u32; LANES]) -> F {
         let mut t = F::splat(token, 0.0);
@@ -203,7 +203,7 @@ impl<P: Arithmetic> Shade<'_, P> {
         t
     }
 
-    /// Adds light to the paths of the lanes in use.
+    /// Adds light to the paths of the used lanes.
     #[inline(always)]
     fn add<F: Single>(&mut self, used: u32, path: &[u32; LANES], light: Vector<F>) {
         let radiance = &mut self.batch.paths.radiance;
@@ -217,7 +217,7 @@ impl<P: Arithmetic> Shade<'_, P> {
         }
     }
 
-    /// Appends the differentials of the mirror rays that there are.
+    /// Appends the differentials of the lanes with a mirror ray.
     #[inline(never)]
     fn mirror_differentials<F: Single>(
         &mut self,
@@ -240,7 +240,7 @@ impl<P: Arithmetic> Shade<'_, P> {
         self.count(look_ups);
     }
 
-    /// A ray of that number, with its differential and its hit.
+    /// The ray with that number, with its differential and its hit.
     fn arriving(&self, ray: u32) -> (Differential, Ray, Hit) {
         let number = ray as usize;
         let (ray, hit) = (self.batch.rays.ray(number), self.batch.hits.hit[number]);
@@ -258,7 +258,7 @@ impl<P: Arithmetic> Shade<'_, P> {
     }
 }
 
-/// Whether numbers of the lanes follow each other.
+/// Whether the lanes' numbers are consecutive.
 #[inline(always)]
 fn is_row<F: Single>(numbers: &[u32; LANES]) -> bool {
     let mut row = true;

@@ -1,8 +1,9 @@
-//! Pass 4: light that reaches the lit points.
+//! Pass 4: light at the lit points.
 //!
-//! Light by light and sample by sample, a shadow ray from each point, traced whenever the queue is full. A path
-//! thus gets its contributions in the order of lights and samples, whatever the size of the queue, and rays beside
-//! each other there go from points beside each other to one part of the light.
+//! For each light and sample, every point sends a shadow ray into a queue, which is traced when it
+//! is full. A path thus receives its contributions in the order of lights and samples for any size
+//! of the queue, and neighbouring rays in the queue go from neighbouring points to one part of the
+//! light.
 
 use super::batch::{Batch, ShadowRays};
 use crate::accel::Traversal;
@@ -37,20 +38,21 @@ pub(super) fn run<P: Arithmetic>(
     }
 }
 
-/// Where the requests for a light go on: the light's point, and the first of a group of points.
+/// The place to continue the requests for a light: its sample point, and the first of a group of
+/// lit points.
 #[derive(Clone, Copy, Default)]
 struct Next {
     index: u32,
     point: usize,
 }
 
-/// Queues shadow rays to a light until the queue is full. Where it has to go on, behind the light's last point once all
-/// are queued.
+/// Queues shadow rays to a light until the queue is full. Returns the place to continue, which is
+/// past the light's last point once all are queued.
 struct Request<'a> {
     light: &'a Light,
     seed: u64,
     bounce: u32,
-    /// Whether highlights have colours.
+    /// Whether highlights are coloured.
     tinted: bool,
     batch: &'a mut Batch,
     counters: &'a mut Counters,
@@ -119,7 +121,7 @@ fn targets<F: Single>(
             (x.as_mut()[lane], y.as_mut()[lane], z.as_mut()[lane]) = (value.x, value.y, value.z);
         }
     }
-    // Written out: `map` is not inlined, and vectors then wait in memory.
+    // Written out: `map` is not inlined and passes vectors through memory.
     let [position, error, normal] = &rows;
     LightPoint {
         position: Vector::load(token, position),
@@ -128,7 +130,7 @@ fn targets<F: Single>(
     }
 }
 
-/// Traces the queue and adds what arrives.
+/// Traces the queue and adds the unoccluded contributions.
 fn trace<P: Arithmetic>(scene: &PreparedScene, batch: &mut Batch, traversal: &mut Traversal) {
     let mut occluded = std::mem::take(&mut batch.shadows.occluded);
     let answers = &mut occluded[..batch.shadows.len()];

@@ -1,4 +1,4 @@
-//! Pass 5: finished paths become parts of pixels.
+//! Pass 5: sums finished paths into pixels.
 
 use super::batch::Batch;
 use crate::counters::{Counters, Sample};

@@ -1,4 +1,4 @@
-//! What columns are made of.
+//! The columns of batches.
 
 use glam::Vec3;
 
@@ -18,17 +18,17 @@ macro_rules! columns {
         pub struct $name {
             $( $(#[$field_doc])* pub $field: $kind, )+
             rows: usize,
-            /// Rows that room is to be set aside for, once there is one.
+            /// Rows to allocate at the first one.
             wanted: usize,
         }
 
         impl $name {
-            /// Columns for up to `capacity` rows, without room for any: [`Self::provide`] sets it aside.
+            /// Columns for up to `capacity` rows, not allocated yet: see [`Self::provide`].
             pub fn with_capacity(capacity: usize) -> Self {
                 Self { wanted: capacity, ..Self::default() }
             }
 
-            /// Has room for all rows: to be called before the first is appended.
+            /// Allocates all rows; call it before appending the first.
             #[inline(always)]
             pub fn provide(&mut self) {
                 if self.wanted > 0 {
@@ -43,7 +43,7 @@ macro_rules! columns {
                 *self = Self { $( $field: Column::with_rows(room), )+ rows: 0, wanted: 0 };
             }
 
-            /// Removes every row and keeps the room.
+            /// Removes every row and keeps the memory.
             pub fn clear(&mut self) {
                 self.rows = 0;
             }
@@ -69,18 +69,18 @@ macro_rules! columns {
     };
 }
 
-/// Rows set aside for `capacity` of them. Where no row is ever written, no vector is either.
+/// Allocated rows for a `capacity`. If no row is ever written, neither is a vector.
 pub(super) const fn room(capacity: usize) -> usize {
     if capacity == 0 { 0 } else { capacity + LANES }
 }
 
-/// A column: one value, or three of a vector, for each row.
+/// A column: a scalar or a vector for each row.
 pub(super) trait Column {
     const ITEM_BYTES: usize;
 
     fn with_rows(rows: usize) -> Self;
 
-    /// Rows that there is room for.
+    /// Allocated rows.
     fn rows(&self) -> usize;
 }
 
@@ -108,7 +108,7 @@ impl Column for Vectors {
     }
 }
 
-/// What stands in a row that was never written.
+/// The value of a row that was never written.
 trait Blank {
     const BLANK: Self;
 }
@@ -125,7 +125,7 @@ impl Blank for Hit {
     const BLANK: Self = Hit::MISS;
 }
 
-/// A column of vectors, as a column for each coordinate.
+/// A column of vectors, stored as a column for each coordinate.
 #[derive(Clone, Debug, Default)]
 pub struct Vectors {
     x: Vec<f32>,
@@ -134,7 +134,7 @@ pub struct Vectors {
 }
 
 impl Vectors {
-    /// Number of rows that there is room for.
+    /// Number of allocated rows.
     pub fn room(&self) -> usize {
         self.x.len()
     }
@@ -181,7 +181,7 @@ impl Vectors {
         v.z.store(&mut self.z[i..i + F::LANES]);
     }
 
-    /// The vectors of these rows, of which there are as many as lanes.
+    /// The vectors of these rows, one for each lane.
     #[inline(always)]
     pub fn gather<F: Single>(&self, token: F::Token, rows: &[u32; LANES]) -> Vector<F> {
         let mut gathered = <[F::Row; 3]>::default();
@@ -193,7 +193,7 @@ impl Vectors {
         Vector::load(token, &gathered)
     }
 
-    /// Replaces the vectors from the `i`th on by those of `mask`, one after the other.
+    /// Replaces the vectors from the `i`th on by those of `mask`, packed.
     #[inline(always)]
     pub(super) fn pack<F: Single>(&mut self, i: usize, v: Vector<F>, mask: F::Mask) {
         v.x.pack(mask, &mut self.x[i..i + F::LANES]);

@@ -1,4 +1,4 @@
-//! Points that lights reach, and what only some scenes know of them.
+//! Lit points, and their columns that only some scenes need.
 
 use glam::Vec3;
 
@@ -10,21 +10,21 @@ use crate::math::simd::LANES;
 use crate::math::vector::Vector;
 
 columns! {
-    /// Points that lights reach. Written by shade, read by shadow.
+    /// Points that lights may reach. Written by shade, read by shadow.
     LitPoints {
         /// World space.
         point: Vectors,
         /// Bound on the error of each coordinate.
         error: Vectors,
-        /// Geometric, unit length, on the viewer's side.
+        /// Geometric unit normal on the viewer's side.
         normal: Vectors,
-        /// For lighting, unit length, on the viewer's side.
+        /// Shading unit normal on the viewer's side.
         shading_normal: Vectors,
-        /// To the viewer, unit length.
+        /// Unit direction to the viewer.
         view: Vectors,
         /// Diffuse colour.
         color: Vectors,
-        /// What light from here counts for in its path.
+        /// Throughput of the path at the point.
         throughput: Vectors,
         /// Weights of the highlight and of the diffuse part, and the highlight's exponent.
         reflection: Vectors,
@@ -34,7 +34,7 @@ columns! {
 }
 
 impl LitPoints {
-    /// Appends the points that lights reach, of these paths.
+    /// Appends the lit lanes, of these paths.
     #[inline(always)]
     pub fn push_lanes<F: Single>(
         &mut self,
@@ -56,7 +56,8 @@ impl LitPoints {
         self.rows += lit.bits().count_ones() as usize;
     }
 
-    /// The points from the `i`th on, those of `used`, and what they count for. They are no mirrors here.
+    /// The points from the `i`th on, in the lanes of `used`, and their throughput. Their mirrors
+    /// are left out.
     #[inline(always)]
     pub fn load<F: Single>(
         &self,
@@ -72,7 +73,7 @@ impl LitPoints {
             shading_normal: self.shading_normal.load(token, i),
             view: self.view.load(token, i),
             color: self.color.load(token, i),
-            // Seen already.
+            // Added by shade.
             occlusion: F::splat(token, 0.0),
             emission: Vector::splat(token, Vec3::ZERO),
             reflection: Reflection { ks, kd, exponent, tint: Vector::splat(token, Vec3::ONE) },
@@ -84,16 +85,16 @@ impl LitPoints {
 }
 
 columns! {
-    /// Colours of highlights, a row for each of [`LitPoints`], where the scene calls for them. Written by shade, read
-    /// by shadow.
+    /// Highlight colours, a row for each of [`LitPoints`], if the scene needs them. Written by
+    /// shade, read by shadow.
     Tints {
-        /// The greatest channel is 1 as a rule.
+        /// The largest channel is usually 1.
         tint: Vectors,
     }
 }
 
 impl Tints {
-    /// Appends those of the points that lights reach.
+    /// Appends the highlight colours of the lit lanes.
     #[inline(always)]
     pub fn push_lanes<F: Single>(&mut self, p: &ShadingPoint<F>) {
         self.tint.pack(self.rows, p.reflection.tint, p.lit);

@@ -1,11 +1,11 @@
-//! The order in which the pixels of a tile are taken.
+//! The order of the pixels of a tile.
 //!
-//! Rays that follow each other are traced together, the fewer steps apart the more so: they should
-//! go to one place. Pixels are taken in blocks, and within a block along a Z, in which every run of
-//! 4, 16 or 64 is a square. Sixty-four rays are thus a square block, whether each pixel has one
-//! sample, four or sixteen.
+//! Consecutive rays are traced together, so they should be close to each other. Pixels are ordered
+//! in blocks, and within a block along a Z-order curve, in which every run of 4, 16 or 64 is a
+//! square. Sixty-four rays are thus a square block with one, four or sixteen samples for each
+//! pixel.
 
-/// Width and height of a block in pixels: one ray through each is what kernels take at a time.
+/// Width and height of a block in pixels: with one ray for each pixel, the unit of the kernels.
 const SIDE: u32 = 8;
 
 /// Pixels of a block.
@@ -13,23 +13,23 @@ const BLOCK: u32 = SIDE * SIDE;
 
 /// A walk over the pixels of a tile.
 ///
-/// Blocks that the tile's edges cut come last, so that all others begin at a multiple of their size.
+/// Blocks cut by the tile's edges come last, so that all others start at a multiple of their size.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Walk {
     /// Width and height of the tile.
     tile: [u32; 2],
     block: u32,
-    /// The block's first pixel, and the part of its width and height that is in the tile.
+    /// The block's first pixel, and the width and height of its part in the tile.
     first: [u32; 2],
     size: [u32; 2],
-    /// How far along the Z the walk is.
+    /// The step along the Z-order curve.
     step: u32,
-    /// Where it is: column and row in the tile.
+    /// Column and row of the current pixel in the tile.
     pub(super) pixel: [u32; 2],
 }
 
 impl Walk {
-    /// A walk over a tile of this size, where it has `taken` pixels behind it.
+    /// A walk over a tile of this size, after `taken` pixels.
     pub(super) fn new(tile: [u32; 2], taken: u32) -> Self {
         let mut walk = Self { tile, block: 0, first: [0; 2], size: [0; 2], step: 0, pixel: [0; 2] };
         walk.enter(0);
@@ -50,7 +50,7 @@ impl Walk {
         self.pixel[1] * self.tile[0] + self.pixel[0]
     }
 
-    /// Goes on to the next pixel.
+    /// Advances to the next pixel.
     #[inline(always)]
     pub(super) fn advance(&mut self) {
         loop {
@@ -66,7 +66,7 @@ impl Walk {
         }
     }
 
-    /// Goes to the first pixel of a block. Beyond the last, blocks are empty.
+    /// Moves to the first pixel of a block. Beyond the last, blocks are empty.
     fn enter(&mut self, block: u32) {
         let [width, height] = self.tile;
         let [columns, rows] = [width / SIDE, height / SIDE];

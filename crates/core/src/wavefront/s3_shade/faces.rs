@@ -1,7 +1,7 @@
-//! Hits on surfaces of one kind, which wait until there are enough to be shaded together.
+//! Hits on surfaces of one kind, collected to be shaded together.
 //!
-//! What a hit needs lies far apart in memory. It is fetched for a block of hits, loop by loop, so
-//! that many look-ups are on their way at a time, and only then computed with.
+//! The data of hits is spread over memory. It is fetched for a block of hits, loop by loop, so that
+//! many loads are in flight at a time, before any computation.
 
 use crate::accel::geometry::Geometry;
 use crate::math::ray::Ray;
@@ -12,10 +12,10 @@ use crate::prepared::{Appearance, Face, Group};
 /// Groups of hits that are fetched together.
 const GROUPS: usize = 8;
 
-/// The most hits that wait.
+/// Largest number of waiting hits.
 const WAITING: usize = GROUPS * LANES;
 
-/// Hits that wait until a block is full.
+/// Hits that wait for a full block.
 pub(super) struct Faces<F: Single> {
     waiting: [Face; WAITING],
     count: usize,
@@ -30,7 +30,7 @@ impl<F: Single> Faces<F> {
         Self { waiting: [Face::default(); WAITING], count: 0, groups: [Group::default(); GROUPS] }
     }
 
-    /// Adds a hit. Whether the block is full.
+    /// Adds a hit. Returns whether the block is full.
     #[inline(always)]
     pub(super) fn push(&mut self, face: Face) -> bool {
         self.waiting[self.count & (WAITING - 1)] = face;
@@ -38,7 +38,7 @@ impl<F: Single> Faces<F> {
         self.count >= Self::BLOCK
     }
 
-    /// Fetches what the hits need, corners where they are asked for, and empties the block.
+    /// Fetches the data of the hits, with corners only if needed, and empties the block.
     #[inline(always)]
     pub(super) fn take(
         &mut self,
