@@ -1,11 +1,12 @@
 //! wavecrest as a library: a data-oriented ray tracer for large triangle-mesh scenes.
 //!
-//! A scene goes four steps: [`load()`] reads a file into a world of entities, [`extract`] turns that into dense arrays,
-//! [`Extracted::build`] builds the tree over them, and [`render()`] makes a [`Film`] of the [`PreparedScene`]. Work is
-//! done on the threads of the current rayon pool.
+//! A scene passes through four steps: [`load()`] reads a file into a world of entities, [`extract`]
+//! turns that into dense arrays, [`Extracted::build`] builds the tree over them, and [`render()`]
+//! renders a [`Film`] from the [`PreparedScene`]. Work runs on the threads of the current rayon
+//! pool.
 //!
-//! The crate re-exports what a program needs of those that it stands on, and has no code of its own. It brings
-//! neither the command line nor the reports of the command `wavecrest`.
+//! The crate only re-exports parts of the inner crates. It contains neither the command line nor
+//! the reports of the command `wavecrest`.
 //!
 //! # Render to a buffer
 //!
@@ -45,11 +46,12 @@
 //! # }
 //! ```
 //!
-//! [`write_image`] writes a film to a file, [`layers`] makes layers of what camera rays meet.
+//! [`write_image`] writes a film to a file, [`layers`] renders layers such as depth and normals.
 //!
 //! # Trace rays
 //!
-//! The tree of a prepared scene answers rays of any origin. With primitives of your own it needs no scene at all:
+//! The tree of a prepared scene can be searched with any rays. For your own primitives you need no
+//! scene at all:
 //!
 //! ```
 //! use wavecrest_api::glam::Vec3;
@@ -73,11 +75,11 @@
 //! assert!(accel.closest(&away, &mut traversal).is_miss());
 //! ```
 //!
-//! Many rays at once are quicker: [`Accel::closest_of`].
+//! [`Accel::closest_of`] is faster for many rays.
 //!
-//! # Watch, and cancel
+//! # Progress and cancellation
 //!
-//! [`Watch`] receives progress and finished tiles, and may end a render, whose finished part is kept:
+//! [`Watch`] receives progress and finished tiles, and may end a render; the finished part is kept:
 //!
 //! ```
 //! use std::sync::atomic::{AtomicUsize, Ordering};
@@ -116,10 +118,10 @@
 //!
 //! # Errors
 //!
-//! Whatever fails returns an [`Error`], which names the file, the place in it, the value found and what would be
-//! right; no input makes the library panic.
+//! Functions that can fail return an [`Error`], which names the file, the place in it, the value
+//! found and a remedy; no input makes the library panic.
 
-// What fails, what is only odd, and what is chosen by name.
+// Errors, warnings, and options that have names.
 pub use wavecrest_base::choice::Choice;
 pub use wavecrest_base::error::{Error, ErrorKind, Result, Warning};
 
@@ -140,18 +142,18 @@ pub use wavecrest_core::tile::Tile;
 // Layers beside the colours.
 pub use wavecrest_image::aov::{Found as Layers, Layer, Request as LayerRequest, layers};
 
-// Image files, and what they say of themselves.
+// Image files and their metadata.
 pub use wavecrest_image::metadata::{Channel, Entry, Extras, Provenance, Values};
 pub use wavecrest_image::read::read as read_image;
 pub use wavecrest_image::write::{
     Format, Transfer, write as write_image, write_with as write_image_with,
 };
 
-// By how much two images differ.
+// Differences between images.
 pub use wavecrest_image::compare::{Comparison, compare};
 pub use wavecrest_image::flip::{DEFAULT_PIXELS_PER_DEGREE, Flip, flip};
 
-// Rays against a prepared scene, or against primitives of your own.
+// Rays against a prepared scene, or against your own primitives.
 pub use wavecrest_core::accel::build::Preset;
 pub use wavecrest_core::accel::geometry::{Geometry, Primitive};
 pub use wavecrest_core::accel::{
@@ -161,5 +163,5 @@ pub use wavecrest_core::kernels::precision::Precision;
 pub use wavecrest_core::math::ray::Ray;
 pub use wavecrest_core::math::simd::Level;
 
-/// The vectors of [`Geometry`] and [`Ray`].
+/// The vector types of [`Geometry`] and [`Ray`].
 pub use glam;

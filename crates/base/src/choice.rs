@@ -1,18 +1,19 @@
-//! Enumerations that a user chooses from by name.
+//! Enumerations whose values a user selects by name.
 
-/// A value that is chosen by its name: on the command line, and in statistics.
+/// A value selected by name, on the command line and in statistics.
 pub trait Choice: Copy + Send + Sync + 'static {
-    /// Every value, in the order in which they are listed.
+    /// Every value, in the listed order.
     const VALUES: &'static [Self];
 
     /// The name of the value.
     fn name(self) -> &'static str;
 
-    /// What it means, in a line or two.
+    /// Its meaning, in a line or two.
     fn help(self) -> &'static str;
 }
 
-/// Declares an enumeration that is a [`Choice`], with the name of each value and its documentation as help.
+/// Declares an enumeration that implements [`Choice`], with a name for each value and its
+/// documentation as help.
 ///
 /// ```
 /// wavecrest_base::choices! {
@@ -43,7 +44,7 @@ macro_rules! choices {
         }
 
         impl $kind {
-            /// Every value, in the order in which they are listed.
+            /// Every value, in the listed order.
             pub const ALL: [Self; [$($name),+].len()] = [$(Self::$value),+];
 
             /// The name of the value.

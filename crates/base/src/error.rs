@@ -1,5 +1,5 @@
-//! What can go wrong, said so that the reader can mend it: the file, the place in it, the value
-//! found there, and what would be right.
+//! Errors that the reader can fix: they name the file, the place in it, the value found there, and
+//! the remedy.
 
 mod warning;
 
@@ -11,10 +11,10 @@ use std::sync::Arc;
 
 pub use warning::{Warning, Warnings};
 
-/// A result whose failure is an [`Error`].
+/// A result that fails with an [`Error`].
 pub type Result<T> = std::result::Result<T, Error>;
 
-/// The broad kind of an [`Error`]: what a caller may want to branch on.
+/// The broad kind of an [`Error`], for callers that branch on it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum ErrorKind {
@@ -22,23 +22,24 @@ pub enum ErrorKind {
     Io,
     /// The text or the bytes do not follow their format (JSON, PLY, OBJ, ray file).
     Syntax,
-    /// A well-formed value is not one that the scene format allows.
+    /// A well-formed value violates the scene format.
     Scene,
-    /// A mesh names data that it does not have, or that is not finite.
+    /// A mesh refers to missing data, or data that is not finite.
     Mesh,
     /// A texture cannot be decoded.
     Texture,
-    /// Something asked for is larger than is allowed.
+    /// A request exceeds a limit.
     Limit,
-    /// A command line asks for what cannot be done.
+    /// A command line requests something impossible.
     Usage,
-    /// A signal ended the work before its time: its number.
+    /// The number of the signal that ended the work early.
     Interrupted(u8),
 }
 
-/// An error that names the file, the place, the value and the remedy, as far as each is known.
+/// An error that names the file, the place, the value and the remedy, as far as they are known.
 ///
-/// It reads `FILE: PLACE: MESSAGE, found VALUE; REMEDY`. Where a file has several errors, each is on a line of its own.
+/// It reads `FILE: PLACE: MESSAGE, found VALUE; REMEDY`. Several errors of a file are on separate
+/// lines.
 ///
 /// ```
 /// use wavecrest_base::error::{Error, ErrorKind};
@@ -55,7 +56,7 @@ pub enum ErrorKind {
 /// ```
 #[derive(Clone, Debug)]
 pub struct Error {
-    // Boxed, so that a result is small where all goes well.
+    // Boxed, so that results stay small on success.
     details: Box<Details>,
 }
 
@@ -70,12 +71,12 @@ struct Details {
     source: Option<Arc<dyn std::error::Error + Send + Sync>>,
     /// More errors of the same file.
     others: Vec<Error>,
-    /// How many errors there are besides.
+    /// The number of further errors that are not listed.
     unlisted: usize,
 }
 
 impl Error {
-    /// An error of `kind` whose `message` says what is wrong, as the start of a sentence.
+    /// An error of `kind`; `message` says what is wrong, as the start of a sentence.
     pub fn new(kind: ErrorKind, message: impl Into<String>) -> Self {
         let message = message.into();
         let details = Details {
@@ -92,7 +93,7 @@ impl Error {
         Self { details: Box::new(details) }
     }
 
-    /// This error, followed by `others`, and by the number of those that are not listed.
+    /// This error, followed by `others` and by the number of unlisted errors.
     ///
     /// It reads as several lines, one for each error.
     #[must_use]
@@ -101,7 +102,7 @@ impl Error {
         self
     }
 
-    /// A failure of the operating system while it was `doing` something ("cannot open the file").
+    /// A failure of the operating system while `doing` something ("cannot open the file").
     pub fn io(doing: impl Into<String>, file: impl Into<PathBuf>, source: std::io::Error) -> Self {
         let (doing, file) = (doing.into(), file.into());
         let (why, remedy) = match source.kind() {
@@ -123,35 +124,35 @@ impl Error {
         }
     }
 
-    /// Names the file, unless one is named already.
+    /// Sets the file, unless it is set already.
     #[must_use]
     pub fn in_file(mut self, file: impl Into<PathBuf>) -> Self {
         self.details.file.get_or_insert_with(|| file.into());
         self
     }
 
-    /// Names the place in the file (a JSON path, a line, an element), unless one is named already.
+    /// Sets the place in the file (a JSON path, a line, an element), unless it is set already.
     #[must_use]
     pub fn at(mut self, place: impl Into<String>) -> Self {
         self.details.place.get_or_insert_with(|| place.into());
         self
     }
 
-    /// Shows the value that was found.
+    /// Sets the value found.
     #[must_use]
     pub fn value(mut self, value: impl fmt::Display) -> Self {
         self.details.value = Some(shorten(&value.to_string()));
         self
     }
 
-    /// Says what would be right.
+    /// Sets the remedy.
     #[must_use]
     pub fn remedy(mut self, remedy: impl Into<String>) -> Self {
         self.details.remedy = Some(remedy.into());
         self
     }
 
-    /// Keeps the error that caused this one.
+    /// Sets the error that caused this one.
     #[must_use]
     pub fn because(mut self, source: impl Into<Box<dyn std::error::Error + Send + Sync>>) -> Self {
         self.details.source = Some(source.into().into());
@@ -163,7 +164,7 @@ impl Error {
         self.details.kind
     }
 
-    /// The file concerned, if one is.
+    /// The file, if any.
     pub fn file(&self) -> Option<&Path> {
         self.details.file.as_deref()
     }
@@ -224,9 +225,9 @@ pub fn hash(text: &str) -> u64 {
     hasher.finish()
 }
 
-/// What to do about a file that is not there.
+/// The remedy for a missing file.
 fn other_name(file: &Path) -> String {
-    /// Names of a folder that are looked at.
+    /// Largest number of file names to read in a folder.
     const MOST: usize = 10_000;
     let folder = file.parent().filter(|folder| *folder != Path::new(""));
     let entries = std::fs::read_dir(folder.unwrap_or(Path::new("."))).into_iter().flatten();
@@ -239,7 +240,7 @@ fn other_name(file: &Path) -> String {
     }
 }
 
-/// A value as shown in a message: at most 80 characters.
+/// A value for a message: at most 80 characters.
 fn shorten(text: &str) -> String {
     const LIMIT: usize = 80;
     if text.chars().count() <= LIMIT {
@@ -257,10 +258,10 @@ impl fmt::Write for OneLine<'_, '_> {
     }
 }
 
-/// The candidate nearest to a misspelt `word`, if one is near enough to be meant.
+/// The candidate closest to a misspelt `word`, if one is close enough.
 ///
-/// Nearness is the Damerau-Levenshtein distance, which counts a swap of neighbours as one step;
-/// a third of the letters may differ. Case does not count.
+/// The distance is the Damerau-Levenshtein distance, which counts a swap of neighbours as one step;
+/// up to a third of the letters may differ. Case does not count.
 pub fn did_you_mean<'a>(
     word: &str,
     candidates: impl IntoIterator<Item = &'a str>,

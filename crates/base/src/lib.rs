@@ -1,5 +1,5 @@
-//! What every crate of wavecrest stands on: errors that name file, place, value and remedy; files that appear
-//! whole or not at all; values that users choose by name.
+//! The foundation of all crates of wavecrest: errors that name file, place, value and remedy;
+//! atomic replacement of files; options with named values.
 
 pub mod choice;
 pub mod error;

@@ -1,6 +1,6 @@
-//! Writing a file so that an older one of the same name survives a failure.
+//! Atomic replacement of files: an older file of the same name survives a failure.
 //!
-//! The bytes go to a temporary file in the same folder, are pushed to the disk, and only then is
+//! The bytes go to a temporary file in the same folder and are flushed to the disk; only then is
 //! that file renamed over the target. A reader sees the old file or the new one, never a part.
 
 use std::fs::{File, Metadata};
@@ -11,17 +11,17 @@ use tempfile::NamedTempFile;
 
 use crate::error::{Error, ErrorKind, Result};
 
-/// What a file's content is written to.
+/// The writer for a file's content.
 pub type Sink<'a> = BufWriter<&'a File>;
 
-/// Writes the file at `path` with what `fill` writes, or leaves whatever is there as it was.
+/// Writes the file at `path` with the content from `fill`, or leaves an existing file unchanged.
 ///
-/// A new file gets the permissions that any new file gets; one that replaces another keeps the
-/// other's. Through a symbolic link, the file that it leads to is replaced and the link stays.
+/// A new file gets the usual permissions; one that replaces another keeps its permissions. If the
+/// path is a symbolic link, its target is replaced and the link stays.
 ///
 /// # Errors
-/// When `fill` fails, and when the folder is missing or may not be written to, the disk is full,
-/// or the target is a folder, a device or read-only. The error names the file.
+/// If `fill` fails, the folder is missing or not writable, the disk is full, or the target is a
+/// folder, a device or read-only. The error names the file.
 pub fn replace_file(path: &Path, fill: impl FnOnce(&mut Sink<'_>) -> Result<()>) -> Result<()> {
     let target = Target::new(path)?;
     let temporary = target.temporary()?;
@@ -33,19 +33,19 @@ pub fn replace_file(path: &Path, fill: impl FnOnce(&mut Sink<'_>) -> Result<()>)
     target.persist(temporary)
 }
 
-/// Whether [`replace_file`] could write at `path` as things are now: to be asked before long work.
+/// Checks whether [`replace_file`] could currently write at `path`; call it before long work.
 ///
 /// # Errors
-/// As [`replace_file`], but for a disk that is full.
+/// As [`replace_file`], except for a full disk.
 pub fn check_replaceable(path: &Path) -> Result<()> {
     // Dropping the temporary file removes it.
     Target::new(path)?.temporary().map(drop)
 }
 
-/// Refuses to write `file` over `other`, which is `what`.
+/// Refuses to write `file` over `other`; `what` describes the other file.
 ///
 /// # Errors
-/// When they are one file.
+/// If both are the same file.
 pub fn check_differs(file: &Path, other: &Path, what: &str) -> Result<()> {
     let same = match (file.canonicalize(), other.canonicalize()) {
         (Ok(a), Ok(b)) => a == b,
@@ -59,7 +59,7 @@ pub fn check_differs(file: &Path, other: &Path, what: &str) -> Result<()> {
         .remedy("write to another file"))
 }
 
-/// An error of the operating system while it wrote `path`, with what may help.
+/// An error of the operating system while writing `path`, with a remedy.
 pub fn write_error(path: &Path, error: std::io::Error) -> Error {
     let remedy = match error.kind() {
         IoKind::StorageFull | IoKind::QuotaExceeded => "free some space or write to another disk",
@@ -69,21 +69,21 @@ pub fn write_error(path: &Path, error: std::io::Error) -> Error {
     Error::io("cannot write the file", path, error).remedy(remedy)
 }
 
-/// A file to be made or replaced, known not to be anything else.
+/// A file to create or replace; not a folder or device.
 struct Target<'a> {
-    /// The path as it was given, for messages.
+    /// The path as given, for messages.
     given: &'a Path,
     /// The path with symbolic links followed.
     path: PathBuf,
     /// The folder that holds it.
     folder: PathBuf,
-    /// What is there now.
+    /// The metadata of the existing file.
     existing: Option<Metadata>,
 }
 
 impl<'a> Target<'a> {
     fn new(given: &'a Path) -> Result<Self> {
-        // A file that does not exist yet, or a link that leads nowhere, keeps its own path.
+        // A file that does not exist yet, or a dangling link, keeps its own path.
         let path = given.canonicalize().unwrap_or_else(|_| given.to_path_buf());
         let folder = match path.parent() {
             Some(parent) if parent.as_os_str().is_empty() => PathBuf::from("."),
@@ -103,7 +103,7 @@ impl<'a> Target<'a> {
         #[cfg(unix)]
         {
             use std::os::unix::fs::PermissionsExt;
-            // What any new file asks for; the system takes the user's mask away from it.
+            // The default for new files; the system applies the user's mask.
             builder.permissions(std::fs::Permissions::from_mode(0o666));
         }
         builder.tempfile_in(&self.folder).map_err(|error| self.temporary_error(&error))
@@ -112,17 +112,16 @@ impl<'a> Target<'a> {
     /// Renames the finished file over the target.
     fn persist(self, temporary: NamedTempFile) -> Result<()> {
         if let Some(existing) = &self.existing {
-            // The file may be another user's, whose permissions are not ours to give: its
-            // content matters more.
+            // The file may belong to another user, so this may fail: the content matters more.
             let _ = temporary.as_file().set_permissions(existing.permissions());
         }
         temporary.persist(&self.path).map_err(|error| write_error(self.given, error.error))?;
-        // Pushes the new name to the disk, where the system lets a folder be pushed at all.
+        // Flushes the new name to the disk, on systems that can flush a folder.
         let _ = File::open(&self.folder).and_then(|folder| folder.sync_all());
         Ok(())
     }
 
-    /// The cause alone: the temporary file's own path would only confuse.
+    /// The cause without the temporary file's path, which would confuse.
     fn temporary_error(&self, error: &std::io::Error) -> Error {
         let cause = match error.raw_os_error().or_else(|| raw_os_error_inside(error)) {
             Some(code) => std::io::Error::from_raw_os_error(code),
@@ -132,7 +131,7 @@ impl<'a> Target<'a> {
     }
 }
 
-/// The system's number for an error that another wraps.
+/// The system's error number inside a wrapping error.
 fn raw_os_error_inside(error: &std::io::Error) -> Option<i32> {
     let mut cause = std::error::Error::source(error.get_ref()?);
     while let Some(inner) = cause {

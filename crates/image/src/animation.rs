@@ -1,6 +1,6 @@
-//! Images that move: animated PNG and GIF.
+//! Animations: animated PNG and GIF.
 //!
-//! Frames are written as they are made, so that one at a time is held.
+//! Frames are written one by one, so that only one is in memory.
 
 use std::path::Path;
 use std::time::Duration;
@@ -15,23 +15,23 @@ use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_base::replace::{Sink, replace_file};
 use wavecrest_core::film::Film;
 
-/// How long each frame is shown in milliseconds: GIF counts hundredths of a second.
+/// Duration of a frame in milliseconds: GIF counts hundredths of a second.
 const MILLISECONDS: u16 = 80;
 
-/// How long colours are sought for a GIF, from 1, the longest, to 30.
+/// Effort of the search for a GIF's colours, from 1, the slowest, to 30.
 const GIF_SPEED: i32 = 10;
 
-/// A format of images that move.
+/// An animation format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Animated {
-    /// Animated PNG: every colour; programs that know no animation show the first frame.
+    /// Animated PNG: all colours; programs without support for animation show the first frame.
     Png,
     /// GIF: 256 colours a frame.
     Gif,
 }
 
 impl Animated {
-    /// The format that the extension of `path` names, if it is one.
+    /// The animation format for the extension of `path`, if any.
     pub fn from_path(path: &Path) -> Option<Self> {
         let extension = path.extension()?.to_ascii_lowercase();
         match extension.to_str()? {
@@ -42,7 +42,7 @@ impl Animated {
     }
 }
 
-/// What is written, and where.
+/// The description of an animation to write.
 #[derive(Clone, Copy, Debug)]
 pub struct Animation<'a> {
     /// The file.
@@ -51,20 +51,20 @@ pub struct Animation<'a> {
     pub format: Animated,
     /// Width and height of each frame in pixels.
     pub size: [u32; 2],
-    /// How many frames there are.
+    /// Number of frames.
     pub frames: u32,
-    /// How their values become levels.
+    /// The transfer curve.
     pub transfer: Transfer,
-    /// What is said of it, where the format has room.
+    /// Metadata, in formats that support it.
     pub entries: &'a [Entry],
 }
 
 impl Animation<'_> {
-    /// Writes the frames that `next` gives for their numbers, from 0. A file that is there already stays as it was
-    /// until the new one is whole.
+    /// Writes the frames that `next` returns for their numbers, from 0. An existing file stays
+    /// unchanged until the new one is complete.
     ///
     /// # Errors
-    /// When `next` fails, or the file cannot be written.
+    /// If `next` fails, or the file cannot be written.
     pub fn write(&self, mut next: impl FnMut(u32) -> Result<Film>) -> Result<()> {
         let mut next = |frame| next(frame).and_then(|film| self.checked(film));
         replace_file(self.path, |sink| match self.format {

@@ -1,25 +1,25 @@
-//! Layers beside the colours, for compositing and for looking closer: what the camera rays of each pixel meet.
+//! Layers for compositing and inspection: data of the camera ray hits of each pixel.
 //!
-//! They come from a pass of their own over the camera rays of the render, which are the same to the last bit,
-//! through the same kernels. It runs only where a layer is asked for, and sums up only what is. Every value is a
-//! function of scene, seed and pixel: threads and crops change nothing.
+//! A separate pass over the render's camera rays, the same to the last bit and through the same
+//! kernels, computes them. It runs only for requested layers, and sums only these. Every value is a
+//! function of scene, seed and pixel, independent of threads and crops.
 //!
 //! | layer | channels | value |
 //! |---|---|---|
-//! | depth | `depth.Z` | distance along the view axis, the mean of the samples that hit; 0 where none does |
-//! | normal | `N.X`, `N.Y`, `N.Z` | the normal that the surface is lit with, on the viewer's side: the mean, not made unit again |
-//! | albedo | `albedo.R`, `.G`, `.B` | the diffuse colour or the texture's; of a light the colour that it shows: the mean |
+//! | depth | `depth.Z` | distance along the view axis, the mean of the samples that hit; 0 if none does |
+//! | normal | `N.X`, `N.Y`, `N.Z` | the shading normal on the viewer's side: the mean, not normalised again |
+//! | albedo | `albedo.R`, `.G`, `.B` | the diffuse colour or the texture's; for a light its visible colour: the mean |
 //! | position | `P.X`, `P.Y`, `P.Z` | the point in the space of the scene: the mean |
 //! | object | `object.id` | number of the shape that the first sample hits, from 1; 0 for nothing |
 //! | material | `material.id` | number of its material, from 1; equal materials have one number; 0 for nothing and lights |
 //! | alpha | `A` | the share of the samples that hit something; colours count as multiplied by it |
 //! | samples | `samples.count` | samples of the pixel |
-//! | invalid | `invalid.mask` | 1 where a sample was not finite and counts as black, else 0 |
+//! | invalid | `invalid.mask` | 1 if a sample was not finite and counts as black, else 0 |
 //!
-//! What the plan leaves out, such as a texture where there is no light to show it, is left out here too.
+//! Layers lack what the plan skips, such as a texture that no light shows.
 //!
-//! Means are over the samples that hit something. Which shape and which material a number stands for is listed for
-//! the numbers that occur, as JSON in the entries `objects` and `materials`.
+//! Means are over the samples that hit something. The entries `objects` and `materials` list as
+//! JSON the shapes and materials of the numbers that occur.
 
 mod invalid;
 mod names;
@@ -62,7 +62,7 @@ wavecrest_base::choices! {
 }
 
 impl Layer {
-    /// The names of its channels, as compositing programs expect them.
+    /// The names of its channels, as in compositing programs.
     pub fn channels(self) -> &'static [&'static str] {
         match self {
             Self::Depth => &["depth.Z"],
@@ -77,38 +77,40 @@ impl Layer {
         }
     }
 
-    /// Whether its channels hold whole numbers.
+    /// Whether its channels hold integers.
     fn is_integer(self) -> bool {
         matches!(self, Self::Object | Self::Material | Self::Samples)
     }
 }
 
-/// Which layers, of what.
+/// A request for layers.
 #[derive(Clone, Debug)]
 pub struct Request<'a> {
-    /// The layers; one that is named twice is there once.
+    /// The layers; repeated ones count once.
     pub layers: &'a [Layer],
     /// The part of the image; all of it if `None`.
     pub crop: Option<Tile>,
     /// The seed of the render.
     pub seed: u64,
-    /// How many samples of the render were not finite. Where any were, [`Layer::Invalid`] looks for them.
+    /// The number of samples of the render that were not finite. If it is not 0, [`Layer::Invalid`]
+    /// locates them.
     pub invalid: u64,
 }
 
 /// The layers of an image.
 #[derive(Clone, Debug, Default)]
 pub struct Found {
-    /// Their channels.
+    /// The channels.
     pub channels: Vec<Channel>,
-    /// What numbers stand for.
+    /// The shapes and materials of the numbers.
     pub entries: Vec<Entry>,
 }
 
-/// Makes the layers of `scene` on the threads of the current rayon pool.
+/// Computes the layers of `scene` on the threads of the current rayon pool.
 ///
 /// # Errors
-/// When the crop is not within the image, there is no memory for the channels, or an image cannot be decoded.
+/// If the crop is not within the image, there is no memory for the channels, or an image cannot be
+/// decoded.
 pub fn layers(scene: &PreparedScene, request: &Request<'_>) -> Result<Found> {
     let mut layers = request.layers.to_vec();
     layers.sort_unstable();
@@ -172,7 +174,7 @@ fn room(layer: Layer, pixels: usize) -> Result<Values> {
     }
 }
 
-/// Puts what a pixel's samples met where it belongs.
+/// Stores the result of a pixel's samples.
 fn put((layer, axis): (Layer, usize), channel: &mut Values, at: usize, sums: &Sums, samples: u32) {
     match channel {
         Values::Floats(values) => values[at] = quantity(layer, sums, axis, samples),

@@ -1,7 +1,7 @@
-//! A pass over the camera rays of a render, which are the same to the last bit, through the same kernels.
+//! A pass over the camera rays of a render, the same to the last bit and through the same kernels.
 //!
-//! Bands of rows are taken one after the other, each tile by tile on all threads, so that what is held besides the
-//! result is small. The samples of a pixel are gathered in their order.
+//! Bands of rows are processed in turn, each tile by tile on all threads, so that little memory is
+//! needed besides the result. The samples of a pixel are gathered in order.
 
 use rayon::prelude::*;
 
@@ -13,18 +13,18 @@ use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::tile::Tile;
 use wavecrest_core::with_precision;
 
-/// The side of a tile in pixels: rays that go together meet the same things.
+/// The side of a tile in pixels: its rays are coherent.
 const TILE_EDGE: u32 = 64;
 
-/// Rays that are traced together, at most.
+/// Largest number of rays traced together.
 const BATCH_RAYS: usize = 4096;
 
-/// What is made of the samples of a pixel.
+/// Gathers the samples of a pixel.
 pub(crate) trait Gather: Sync {
-    /// What is known of a pixel so far.
+    /// The state of a pixel.
     type Sums: Clone + Default + Send;
 
-    /// Adds what a ray met; `is_first` is that of the pixel's first sample.
+    /// Adds the hit of a ray; `is_first` for the pixel's first sample.
     fn add<P: Arithmetic>(&self, ray: &Ray, hit: &Hit, is_first: bool, sums: &mut Self::Sums);
 }
 
@@ -38,7 +38,8 @@ pub(crate) struct CameraRays<'a> {
 }
 
 impl CameraRays<'_> {
-    /// Follows the rays, and hands `put` the number of each pixel within the window with what was gathered.
+    /// Traces the rays, and calls `put` with the number of each pixel within the window and its
+    /// sums.
     pub(crate) fn run<G: Gather>(&self, gather: &G, put: &mut dyn FnMut(usize, &G::Sums)) {
         let window = &self.window;
         let precision = self.scene.accel.geometry().precision;
@@ -57,7 +58,7 @@ impl CameraRays<'_> {
         }
     }
 
-    /// What the samples of the tile's pixels meet.
+    /// The sums of the tile's pixels.
     fn follow<P: Arithmetic, G: Gather>(&self, tile: &Tile, gather: &G) -> Vec<G::Sums> {
         let mut sums = vec![G::Sums::default(); tile.len()];
         let mut traversal = self.scene.accel.traversal();
@@ -79,7 +80,7 @@ impl CameraRays<'_> {
         sums
     }
 
-    /// The ray of a path: the samples of a pixel follow each other.
+    /// The ray of a path: the samples of a pixel are consecutive.
     fn camera_ray(&self, tile: &Tile, path: u64) -> Ray {
         let camera = &self.scene.camera;
         let samples = u64::from(camera.rays_per_pixel());

@@ -1,16 +1,15 @@
-//! Spaces of colour: linear light with the primaries of sRGB, XYZ, and CIELAB.
+//! Colour spaces: linear light with the primaries of sRGB, XYZ, and CIELAB.
 //!
-//! XYZ is relative to white, here and wherever it is used: white is (1, 1, 1). The matrix
-//! follows from the primaries of sRGB (IEC 61966-2-1) and its white D65 as ratios of whole numbers,
-//! each row divided by its sum.
+//! XYZ is relative to white everywhere: white is (1, 1, 1). The matrix follows from the primaries
+//! of sRGB (IEC 61966-2-1) and its white D65 as ratios of integers, each row divided by its sum.
 //!
-//! CIELAB is that of CIE 15. All in double precision, with functions of `libm`: no bit depends on
-//! the machine.
+//! CIELAB is that of CIE 15. Everything is in double precision, with functions of `libm`: no bit
+//! depends on the machine.
 
-/// How much of X, Y and Z comes from red, green and blue: each row is to be divided by its sum.
+/// The weights of red, green and blue in X, Y and Z, before each row is divided by its sum.
 ///
 /// The numbers are those of the authors of FLIP: primaries at (0.64, 0.33), (0.30, 0.60) and (0.15,
-/// 0.06), and a white that is (0.3127, 0.3290) when rounded.
+/// 0.06), and a white that rounds to (0.3127, 0.3290).
 const WEIGHTS: [[f64; 3]; 3] = [
     [10_135_552.0, 8_788_810.0, 4_435_075.0],
     [2_613_072.0, 8_788_810.0, 887_015.0],
@@ -21,10 +20,10 @@ const TO_XYZ: [[f64; 3]; 3] = [parts(WEIGHTS[0]), parts(WEIGHTS[1]), parts(WEIGH
 
 const TO_RGB: [[f64; 3]; 3] = inverse(TO_XYZ);
 
-/// Where the cube root of CIELAB gives way to a straight line, as a root.
+/// The root at which CIELAB changes from the cube root to a straight line.
 const KNEE: f64 = 6.0 / 29.0;
 
-/// Linear red, green and blue as XYZ, in parts of white's.
+/// Linear red, green and blue as XYZ, relative to white.
 pub(super) fn rgb_to_xyz(rgb: [f64; 3]) -> [f64; 3] {
     times(&TO_XYZ, rgb)
 }
@@ -34,7 +33,7 @@ pub(super) fn xyz_to_rgb(xyz: [f64; 3]) -> [f64; 3] {
     times(&TO_RGB, xyz)
 }
 
-/// XYZ, in parts of white's, as L* from 0 to 100, a* and b*.
+/// XYZ, relative to white, as L* from 0 to 100, a* and b*.
 pub(super) fn xyz_to_lab(xyz: [f64; 3]) -> [f64; 3] {
     let [x, y, z] = xyz.map(|value| {
         if value > KNEE * KNEE * KNEE {
@@ -53,8 +52,8 @@ pub(super) fn lab_to_xyz(lab: [f64; 3]) -> [f64; 3] {
     })
 }
 
-/// The three opponent channels, lightness, red against green, and yellow against blue, that
-/// CIELAB makes of the roots of XYZ, and YCxCz of XYZ itself.
+/// The three opponent channels: lightness, red against green, and yellow against blue. CIELAB
+/// applies this to the roots of XYZ, and YCxCz to XYZ itself.
 pub(super) fn opponents([x, y, z]: [f64; 3]) -> [f64; 3] {
     [116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)]
 }
@@ -110,7 +109,7 @@ mod tests {
 
     #[test]
     fn the_matrix_is_that_of_the_primaries() {
-        // White, with Y = 1: the three rows were parts of these numbers.
+        // White, with Y = 1: the sums by which the rows are divided.
         let sums = WEIGHTS.map(|row| row.iter().sum::<f64>());
         let white = [sums[0] / 24_577_794.0, sums[1] / 12_288_897.0, sums[2] / 73_733_382.0];
         let chromaticity = |xyz: [f64; 3]| xyz.map(|value| value / xyz.iter().sum::<f64>());
@@ -143,7 +142,7 @@ mod tests {
         near(xyz_to_lab([0.0; 3]), [0.0; 3], 1e-12);
         let knee = KNEE * KNEE * KNEE;
         near(xyz_to_lab([knee.next_up(); 3]), xyz_to_lab([knee.next_down(); 3]), 1e-12);
-        // The middle of the scale of lightness is some 18.4 per cent of white's light.
+        // The middle of the lightness scale is some 18.4 per cent of white's light.
         assert!((xyz_to_lab([0.184_186_518_5; 3])[0] - 50.0).abs() < 1e-7);
     }
 }

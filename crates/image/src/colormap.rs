@@ -1,7 +1,7 @@
-//! Colours for numbers.
+//! Colour maps.
 //!
-//! Both maps are made so that equal steps of the number are equal steps to the eye. Colours are
-//! those that a display is sent, sRGB with its curve: a film of them is written with
+//! Both maps are perceptually uniform: equal steps of the number look equal. Colours are encoded
+//! display values, sRGB with its curve: write a film of them with
 //! [`Transfer::Linear`](super::write::Transfer::Linear).
 
 use std::f64::consts::FRAC_PI_3;
@@ -10,7 +10,7 @@ use super::color::{lab_to_xyz, xyz_to_rgb};
 use wavecrest_core::math::srgb::srgb_encode;
 
 /// From black over purple and orange to a light yellow, for a number from 0 to 1. Numbers beyond
-/// are taken as 0 or 1; what is not a number is black.
+/// are clamped; NaN is black.
 ///
 /// The map `magma` by Smith and van der Walt (matplotlib, CC0), with 256 colours and straight
 /// lines between them.
@@ -32,12 +32,12 @@ pub fn magma(t: f32) -> [f32; 3] {
     [0, 1, 2].map(|i| (low[i] + part * (high[i] - low[i])) / 255.0)
 }
 
-/// From blue over grey to red, for a number from -1 to 1. Numbers beyond are taken as -1 or 1;
-/// what is not a number is black, which is no colour of the map.
+/// From blue over grey to red, for a number from -1 to 1. Numbers beyond are clamped; NaN is black,
+/// which is no colour of the map.
 ///
 /// The cool and warm colours of Moreland, "Diverging Color Maps for Scientific Visualization"
-/// (2009): a way through CIELAB in polar coordinates, along which lightness rises to the middle
-/// and falls again with no edge.
+/// (2009): a path through CIELAB in polar coordinates, along which lightness rises to the middle
+/// and falls again without an edge.
 ///
 /// ```
 /// # use wavecrest_image::colormap::diverging;
@@ -49,8 +49,8 @@ pub fn diverging(t: f32) -> [f32; 3] {
     }
     let t = f64::from(t.clamp(-1.0, 1.0));
     let (end, part) = if t < 0.0 { (COOL, -t) } else { (WARM, t) };
-    // Along a spiral rather than straight through the plane of a and b: the hue at the middle, where
-    // it does not show, is turned so that the way there is as long as elsewhere.
+    // A spiral instead of a straight line through the a-b plane: the hue at the grey middle, where
+    // it is invisible, is turned so that the path there is as long as elsewhere.
     let turn = end.saturation * (MIDDLE * MIDDLE - end.magnitude * end.magnitude).sqrt()
         / (end.magnitude * libm::sin(end.saturation));
     let away = if end.hue > -FRAC_PI_3 { turn } else { -turn };
@@ -62,22 +62,22 @@ pub fn diverging(t: f32) -> [f32; 3] {
     xyz_to_rgb(lab_to_xyz(lab)).map(|value| srgb_encode(value.clamp(0.0, 1.0) as f32))
 }
 
-/// The colour of the `n`th of many categories, as encoded sRGB. Consecutive numbers get clearly different colours, all
-/// light enough to stand out from black.
+/// The colour of the `n`th of many categories, as encoded sRGB. Consecutive numbers get clearly
+/// different colours, all light enough to stand out from black.
 ///
 /// Hues in CIELAB advance by the golden angle, which spreads any number of them evenly; three lightnesses alternate.
 pub fn distinct(n: u32) -> [f32; 3] {
     let (lightness, chroma) = DISTINCT[n as usize % DISTINCT.len()];
-    // Whole turns first: an angle of many of them would lose digits.
+    // Whole turns first: the angle of many turns would lose digits.
     let hue = std::f64::consts::TAU * (f64::from(n) * GOLDEN_TURN).fract();
     let lab = [lightness, chroma * libm::cos(hue), chroma * libm::sin(hue)];
     xyz_to_rgb(lab_to_xyz(lab)).map(|value| srgb_encode(value.clamp(0.0, 1.0) as f32))
 }
 
-/// The golden angle as a part of a turn: 2 less the golden ratio, 1.618...
+/// The golden angle in turns: 2 minus the golden ratio, 1.618...
 const GOLDEN_TURN: f64 = 0.381_966_011_250_105_2;
 
-/// Lightness and chroma, which are nearly within what displays show for every hue.
+/// Lightness and chroma, nearly within the gamut of displays for every hue.
 const DISTINCT: [(f64, f64); 3] = [(66.0, 48.0), (82.0, 38.0), (50.0, 44.0)];
 
 /// A colour in Moreland's polar coordinates of CIELAB: the distance from black, the angle to the
@@ -155,7 +155,7 @@ mod tests {
         let colors: Vec<[f64; 3]> = (0..=32).map(|i| lab(magma(i as f32 / 32.0))).collect();
         let steps: Vec<f64> = colors.windows(2).map(|pair| pair[1][0] - pair[0][0]).collect();
         let pace = steps.iter().sum::<f64>() / 32.0;
-        // The scale of lightness stretches what is nearly black: the pace is measured differently there.
+        // The lightness scale stretches dark colours: steps are measured differently there.
         assert!(steps.iter().all(|rise| *rise > 0.0), "{steps:?}");
         assert!(steps[2..].iter().all(|rise| (0.8..1.4).contains(&(rise / pace))), "{steps:?}");
         assert!(colors[0][0] < 0.5 && colors[32][0] > 97.0);
@@ -187,7 +187,7 @@ mod tests {
     fn many_colours_are_told_apart() {
         let colors: Vec<[f64; 3]> = (0..1000).map(|n| lab(distinct(n))).collect();
         assert!(colors.iter().all(|color| color[0] > 45.0));
-        // Neighbours in number, as they are in a file, differ plainly: 2.3 is just noticeable.
+        // Neighbouring numbers, as in a file, differ clearly: 2.3 is just noticeable.
         for window in colors.windows(12) {
             let others = window[1..].iter().map(|other| apart(window[0], *other));
             assert!(others.fold(f64::INFINITY, f64::min) > 10.0, "{window:?}");
@@ -196,7 +196,7 @@ mod tests {
 
     #[test]
     fn the_diverging_map_has_the_colours_of_the_paper() {
-        // Moreland's colours, of which the polar coordinates in his table are rounded.
+        // Moreland's colours; the polar coordinates in his table are rounded.
         for (t, expected) in [(-1.0, [59, 76, 192]), (0.0, [221, 221, 221]), (1.0, [180, 4, 38])] {
             let found = diverging(t).map(|value| value * 255.0);
             for (found, expected) in found.into_iter().zip(expected) {

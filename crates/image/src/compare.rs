@@ -1,11 +1,11 @@
-//! By how much two pictures differ.
+//! Differences between two images.
 //!
-//! Where one of them is the reference, it is the second, `b`: relative errors are relative to it,
-//! and the bias is positive where the first is brighter.
+//! The second image, `b`, is the reference, if there is one: relative errors are relative to it,
+//! and the bias is positive if the first is brighter.
 //!
-//! Sums are of 64-bit floats, row by row from the top, so that the numbers do not depend on the
-//! machine. Two values whose bits are the same differ by 0, whatever they are; otherwise a value
-//! that is not finite differs from any other by infinity.
+//! Sums are in double precision, row by row from the top, so that the numbers do not depend on the
+//! machine. Two values with the same bits differ by 0, whatever they are; otherwise a value that is
+//! not finite differs from any other by infinity.
 
 use serde::Serialize;
 
@@ -13,7 +13,7 @@ use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::film::Film;
 
 wavecrest_base::choices! {
-    /// A colour's red, green or blue part.
+    /// A channel of a colour.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
     #[serde(rename_all = "lowercase")]
     pub enum Channel {
@@ -26,53 +26,53 @@ wavecrest_base::choices! {
     }
 }
 
-/// What is added to the square of the reference where a squared error is divided by it, as Rousselle,
-/// Knaus and Zwicker do ("Adaptive Sampling and Reconstruction using Greedy Error Minimization",
-/// 2011). It is the square of 0.1, a tenth of white: errors on what is much brighter count by their
-/// ratio, those on what is much darker by their size, so that noise in black cannot outweigh all.
+/// The offset in the denominator of relative squared errors, as in Rousselle, Knaus and Zwicker
+/// ("Adaptive Sampling and Reconstruction using Greedy Error Minimization", 2011). It is the square
+/// of 0.1, a tenth of white: errors on much brighter values count by their ratio, those on much
+/// darker ones by their size, so that noise in black cannot dominate.
 pub const RELATIVE_OFFSET: f64 = 0.01;
 
-/// How two pictures of one size differ. Numbers that are not finite are `null` in JSON.
+/// Differences between two images of one size. Numbers that are not finite are `null` in JSON.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Comparison {
     /// The number of pixels in a row.
     pub width: u32,
     /// The number of rows.
     pub height: u32,
-    /// The mean, over every value of every pixel, of the square of the difference.
+    /// The mean squared difference, over every value of every pixel.
     pub mse: f64,
     /// The square root of [`mse`](Self::mse).
     pub rmse: f64,
-    /// The ratio of peak signal to noise in decibels, 10 log10(1 / mse): the peak is 1. Infinite
-    /// where nothing differs.
+    /// The peak signal-to-noise ratio in decibels, 10 log10(1 / mse), with a peak of 1. Infinite
+    /// for equal images.
     pub psnr: f64,
     /// The relative mean squared error: the mean, over every value of every pixel, of (a - b)^2 /
-    /// (b^2 + [`RELATIVE_OFFSET`]), where the second picture, b, is the reference.
+    /// (b^2 + [`RELATIVE_OFFSET`]), where the second image, b, is the reference.
     pub relative_mse: f64,
-    /// The mean, over every value of every pixel, of a - b: positive where the first picture is
-    /// brighter. Not a number where it is not known.
+    /// The mean of a - b, over every value of every pixel: positive if the first image is brighter.
+    /// NaN if it is undefined.
     pub bias: f64,
-    /// The same for red, green and blue alone.
+    /// The same for red, green and blue separately.
     pub channel_bias: [f64; 3],
     /// The largest difference of two values.
     pub largest: f64,
-    /// Where that is, as column and row from the top left: the first such pixel. `None` where
-    /// nothing differs.
+    /// Its pixel, as column and row from the top left: the first such pixel. `None` for equal
+    /// images.
     pub largest_at: Option<(u32, u32)>,
-    /// In which part of that pixel's colour.
+    /// Its channel.
     pub largest_channel: Option<Channel>,
     /// The number of pixels whose bits are not all the same.
     pub different_pixels: u64,
-    /// The number of pixels that are not finite in one picture at least.
+    /// The number of pixels that are not finite in at least one image.
     pub nonfinite: u64,
-    /// Whether every bit is the same: 0 is not -0.
+    /// Whether every bit is the same: 0 differs from -0.
     pub equal: bool,
 }
 
-/// Compares two pictures, of which `b` is the reference.
+/// Compares two images; `b` is the reference.
 ///
 /// # Errors
-/// When their sizes differ.
+/// If their sizes differ.
 pub fn compare(a: &Film, b: &Film) -> Result<Comparison> {
     check_sizes(a, b)?;
     let mut tally = Tally::default();
@@ -100,10 +100,10 @@ pub fn compare(a: &Film, b: &Film) -> Result<Comparison> {
     })
 }
 
-/// How many pixels of two pictures have a value that differs by more than `tolerance`.
+/// The number of pixels of two images with a value that differs by more than `tolerance`.
 ///
 /// # Errors
-/// When their sizes differ.
+/// If their sizes differ.
 pub fn pixels_beyond(a: &Film, b: &Film, tolerance: f64) -> Result<u64> {
     check_sizes(a, b)?;
     let is_beyond = |(a, b): &(&[f32; 3], &[f32; 3])| {
@@ -112,10 +112,10 @@ pub fn pixels_beyond(a: &Film, b: &Film, tolerance: f64) -> Result<u64> {
     Ok(a.pixels().iter().zip(b.pixels()).filter(is_beyond).count() as u64)
 }
 
-/// The absolute difference of two pictures, times `gain`.
+/// The absolute difference of two images, times `gain`.
 ///
 /// # Errors
-/// When their sizes differ.
+/// If their sizes differ.
 pub fn difference_image(a: &Film, b: &Film, gain: f32) -> Result<Film> {
     check_sizes(a, b)?;
     let mut film = Film::new(a.width(), a.height())?;
@@ -137,17 +137,17 @@ pub(super) fn check_sizes(a: &Film, b: &Film) -> Result<()> {
         .remedy("render both at one size"))
 }
 
-/// The ratio of peak signal to noise for a mean squared error, in decibels, with a peak of 1.
+/// The peak signal-to-noise ratio for a mean squared error, in decibels, with a peak of 1.
 ///
 /// ```
 /// assert_eq!(wavecrest_image::compare::psnr(0.01), 20.0);
 /// ```
 pub fn psnr(mse: f64) -> f64 {
-    // The library's logarithm, not the machine's, which may differ in the last bit.
+    // `libm`'s logarithm: the machine's may differ in the last bit.
     if mse == 0.0 { f64::INFINITY } else { -10.0 * libm::log10(mse) }
 }
 
-/// a - b: 0 where the bits are the same, and not a number where it is not known.
+/// a - b: 0 if the bits are the same, NaN if undefined.
 pub(super) fn signed_difference(a: f32, b: f32) -> f64 {
     if a.to_bits() == b.to_bits() { 0.0 } else { f64::from(a) - f64::from(b) }
 }
@@ -163,18 +163,18 @@ pub(super) fn relative_difference(a: f32, b: f32) -> f64 {
     relative_to(b, squared_difference(a, b))
 }
 
-/// The distance between two values by their difference: infinite where it cannot be told.
+/// The distance between two values from their difference: infinite if undefined.
 fn distance(signed: f64) -> f64 {
     if signed.is_nan() { f64::INFINITY } else { signed.abs() }
 }
 
 fn relative_to(b: f32, squared: f64) -> f64 {
     let b = f64::from(b);
-    // Where nothing differs the reference may be anything, and what is infinite stays so.
+    // Equal values may have any reference, and infinite distances stay infinite.
     if squared > 0.0 && squared.is_finite() { squared / (b * b + RELATIVE_OFFSET) } else { squared }
 }
 
-/// What is found so far.
+/// The state of a comparison.
 #[derive(Default)]
 struct Tally {
     sums: Sums,
@@ -184,7 +184,7 @@ struct Tally {
     nonfinite: u64,
 }
 
-/// Sums over values, the signed ones by channel.
+/// Sums over values; signed ones for each channel.
 #[derive(Default)]
 struct Sums {
     squares: f64,
@@ -202,7 +202,7 @@ impl Sums {
 
 impl Tally {
     fn add_row(&mut self, y: usize, row_a: &[[f32; 3]], row_b: &[[f32; 3]]) {
-        // A row has sums of its own, so that less is lost where there are many pixels.
+        // Each row has its own sums, so that less precision is lost over many pixels.
         let mut sums = Sums::default();
         for (x, (a, b)) in row_a.iter().zip(row_b).enumerate() {
             self.pixel(x, y, a, b, &mut sums);

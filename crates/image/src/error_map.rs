@@ -1,4 +1,4 @@
-//! Pictures of where two others differ.
+//! Images of the differences between two images.
 
 use rayon::prelude::*;
 
@@ -11,8 +11,8 @@ use wavecrest_base::error::Result;
 use wavecrest_core::film::Film;
 
 wavecrest_base::choices! {
-    /// What a picture of errors shows of a pixel of `a` and of the reference `b`. All but the first
-    /// take one number of a pixel, of its three values the mean, and show it in false colours.
+    /// The error that a map shows for a pixel of `a` and the reference `b`. All kinds except the
+    /// first show one number for each pixel, the mean over its three values, in false colours.
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
     pub enum MapKind {
         /// The absolute difference |a - b|, in red, green and blue.
@@ -29,16 +29,15 @@ wavecrest_base::choices! {
     }
 }
 
-/// The picture of the errors of `a` against `b`, the reference. Errors are multiplied by `gain`
-/// before they become colours; [`MapKind::Flip`] is described at [`DEFAULT_PIXELS_PER_DEGREE`].
+/// The map of the errors of `a` against `b`, the reference. Errors are multiplied by `gain` before
+/// they become colours; [`MapKind::Flip`] is described at [`DEFAULT_PIXELS_PER_DEGREE`].
 ///
-/// False colours are those that a display is sent (see [`colormap`](super::colormap)): the film is
-/// to be written with [`Transfer::Linear`](super::write::Transfer::Linear). What is infinite has the
-/// colour of the end; a signed error that is not known, as of a value that is not a number, is
-/// black.
+/// False colours are encoded display values (see [`colormap`](super::colormap)): write the film
+/// with [`Transfer::Linear`](super::write::Transfer::Linear). Infinite errors have the last colour;
+/// undefined signed errors, such as those of NaN, are black.
 ///
 /// # Errors
-/// When the sizes of the two differ or there is not memory enough.
+/// If the sizes differ or memory does not suffice.
 pub fn error_map(a: &Film, b: &Film, kind: MapKind, gain: f32) -> Result<Film> {
     match kind {
         MapKind::Absolute => difference_image(a, b, gain),
@@ -49,10 +48,10 @@ pub fn error_map(a: &Film, b: &Film, kind: MapKind, gain: f32) -> Result<Film> {
     }
 }
 
-/// The picture of [`MapKind::Flip`] for what was found before.
+/// The map of [`MapKind::Flip`] for a result of [`flip`](super::flip::flip).
 ///
 /// # Errors
-/// When there is not memory enough.
+/// If memory does not suffice.
 pub fn flip_map(flip: &Flip, gain: f32) -> Result<Film> {
     let mut film = Film::new(flip.width, flip.height)?;
     let pixels = film.pixels_mut().par_iter_mut().zip(&flip.map);
@@ -60,7 +59,7 @@ pub fn flip_map(flip: &Flip, gain: f32) -> Result<Film> {
     Ok(film)
 }
 
-/// The mean of a pixel's three errors, in colours.
+/// The mean of a pixel's three errors, as a colour.
 fn colored(
     a: &Film,
     b: &Film,

@@ -1,13 +1,13 @@
-//! Images that are made in parts: by a process that was interrupted and goes on, or by many machines.
+//! Images rendered in parts: resumed after an interruption, or rendered by many machines.
 //!
-//! A render is cut into units, each some [blocks](wavecrest_core::render::units::Blocks) of the samples of a tile. The
-//! sums of finished units are kept in a file, [`part`]: the same kind whether it is a [`checkpoint`] of a
-//! render that goes on or a [`shard`] of an image that is put together by [`merge`]. As the sums are those that
-//! one process would make, in double precision, so is the image, to the last bit.
+//! A render is cut into units, each some [blocks](wavecrest_core::render::units::Blocks) of the
+//! samples of a tile. The sums of finished units are stored in a [`part`] file: the same kind for a
+//! [`checkpoint`] of a render and for a [`shard`] of an image that [`merge`] assembles. The sums
+//! are those of a single process, in double precision, so the image is the same to the last bit.
 //!
-//! Which tiles there are follows from the image, and not from threads or batches: see [`Identity::grid`]. In
-//! fast arithmetic an image may depend on how a tree is searched (see
-//! [`wavecrest_core::kernels::precision::Precision`]): there, all machines should be asked for the same.
+//! The tiles follow from the image, not from threads or batches: see [`Identity::grid`]. In fast
+//! precision an image may depend on the search of the tree (see
+//! [`wavecrest_core::kernels::precision::Precision`]): use the same settings on all machines.
 
 pub mod checkpoint;
 mod identity;

@@ -1,26 +1,26 @@
-//! FLIP: how far apart two pictures look to one who sees them in turn at one place.
+//! FLIP: the perceived difference between two images shown alternately in one place.
 //!
 //! After Andersson, Nilsson, Akenine-Möller, Oskarsson, Åström and Fairchild, "FLIP: A Difference
-//! Evaluator for Alternating Images", High-Performance Graphics 2020: the metric for pictures of
-//! low dynamic range. Both pictures go
+//! Evaluator for Alternating Images", High-Performance Graphics 2020: the metric for images of low
+//! dynamic range. Both images pass
 //!
-//! 1. through what the eye resolves of lightness, red against green, and yellow against blue at
-//!    the given number of pixels per degree ([`filter`]), into CIELAB, where their distance is the
-//!    difference of colour ([`difference`]);
-//! 2. and through detectors of edges and of points, whose difference makes that of colour larger.
+//! 1. through the eye's contrast sensitivity for lightness, red against green, and yellow against
+//!    blue at the given number of pixels per degree ([`filter`]), into CIELAB, where their distance
+//!    is the colour difference ([`difference`]);
+//! 2. and through detectors of edges and points, whose difference amplifies the colour difference.
 //!
-//! Filters are separable and run over tiles of the picture ([`tile`]), so that the memory needed
-//! is that of the result. Arithmetic is in double precision and in a fixed order; the result does
-//! not depend on the number of threads.
+//! Filters are separable and run over tiles of the image ([`tile`]), so that little memory is
+//! needed besides the result. Arithmetic is in double precision and in a fixed order; the result
+//! does not depend on the number of threads.
 //!
 //! # From values to light
 //!
-//! The metric asks what a display shows. A film's values are linear, and are taken here as the
-//! light of a display with the primaries of sRGB, 1 being its brightest: values are clamped to 0
-//! to 1, and what is not a number is black, as in a PNG. So this is the metric of pictures that
-//! are shown as they should be, such as those written with [`Transfer::Srgb`]; one that is written
-//! without the curve looks darker on a screen that expects it. Values that carry the curve are to
-//! be made linear first, by [`srgb_decode`]: the reference implementation does so with every PNG.
+//! The metric compares displayed images. A film's linear values are taken as the light of a display
+//! with the primaries of sRGB, 1 being its brightest: values are clamped to 0 to 1, and NaN is
+//! black, as in a PNG. So this is the metric of correctly displayed images, such as those written
+//! with [`Transfer::Srgb`]; an image written without the curve looks darker on a screen that
+//! expects it. Decode encoded values first, with [`srgb_decode`]: the reference implementation does
+//! so for every PNG.
 //!
 //! [`Transfer::Srgb`]: super::write::Transfer::Srgb
 //! [`srgb_decode`]: wavecrest_core::math::srgb::srgb_decode
@@ -40,14 +40,14 @@ use wavecrest_core::film::{Film, reserve};
 /// The paper's viewing conditions: a display 0.7 m wide with 3840 pixels in a row, 0.7 m away.
 pub const DEFAULT_PIXELS_PER_DEGREE: f64 = pixels_per_degree(0.7, 0.7, 3840);
 
-/// The fewest pixels per degree that are allowed: detectors of edges need neighbours to see.
+/// Smallest number of pixels per degree: edge detectors need neighbours.
 pub const MIN_PIXELS_PER_DEGREE: f64 = 1.0;
 
-/// The most pixels per degree that are allowed, several times what an eye resolves. Filters then
-/// reach 136 pixels to every side.
+/// Largest number of pixels per degree, several times the resolution of the eye. Filters then reach
+/// 136 pixels to every side.
 pub const MAX_PIXELS_PER_DEGREE: f64 = 1000.0;
 
-/// The difference that is seen between two pictures.
+/// The perceived difference between two images.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Flip {
     /// The mean of [`map`](Self::map).
@@ -58,12 +58,12 @@ pub struct Flip {
     pub width: u32,
     /// The number of rows.
     pub height: u32,
-    /// At how many pixels per degree of the field of view.
+    /// Pixels per degree of the field of view.
     pub pixels_per_degree: f64,
 }
 
-/// How many pixels lie within a degree in the middle of a display that is `width` wide, has
-/// `pixels` in a row and is seen from `distance`; both lengths in the same unit.
+/// The number of pixels per degree at the centre of a display that is `width` wide, has `pixels` in
+/// a row and is seen from `distance`; both lengths in the same unit.
 ///
 /// ```
 /// // A display that is half as wide, with as many pixels.
@@ -75,12 +75,12 @@ pub const fn pixels_per_degree(distance: f64, width: f64, pixels: u32) -> f64 {
     distance * (pixels as f64 / width) * (std::f64::consts::PI / 180.0)
 }
 
-/// Compares `a` with `reference` as they are seen at `pixels_per_degree`. The metric is
-/// symmetric: which of the two is the reference changes no bit.
+/// Compares `a` with `reference` at `pixels_per_degree`. The metric is symmetric: swapping the two
+/// changes no bit.
 ///
 /// # Errors
-/// When their sizes differ, when `pixels_per_degree` is not from [`MIN_PIXELS_PER_DEGREE`] to
-/// [`MAX_PIXELS_PER_DEGREE`], or when there is not memory enough for the map.
+/// If their sizes differ, `pixels_per_degree` is not from [`MIN_PIXELS_PER_DEGREE`] to
+/// [`MAX_PIXELS_PER_DEGREE`], or memory does not suffice for the map.
 pub fn flip(a: &Film, reference: &Film, pixels_per_degree: f64) -> Result<Flip> {
     check_sizes(a, reference)?;
     if !(MIN_PIXELS_PER_DEGREE..=MAX_PIXELS_PER_DEGREE).contains(&pixels_per_degree) {
@@ -94,7 +94,7 @@ pub fn flip(a: &Film, reference: &Film, pixels_per_degree: f64) -> Result<Flip> 
     let tiles = Tiles::new(Filters::new(pixels_per_degree), [a, reference]);
     let bands = map.par_chunks_mut(width as usize * tiles.side()).enumerate();
     bands.for_each(|(band, out)| tiles.band(band, out));
-    // A row has a sum of its own, so that less is lost where there are many pixels.
+    // Each row has its own sum, so that less precision is lost over many pixels.
     let rows = map.chunks_exact(width as usize);
     let sum: f64 = rows.map(|row| row.iter().map(|&v| f64::from(v)).sum::<f64>()).sum();
     let mean = sum / map.len() as f64;

@@ -1,7 +1,8 @@
-//! The pixels of a PNG: filtered and compressed in bands, on all threads.
+//! The pixels of a PNG, filtered and compressed in bands on all threads.
 //!
-//! Each band is a stream of its own of the crate fdeflate, which the crate png compresses with too; they are joined
-//! into one (RFC 1950, RFC 1951). Where bands begin follows from the image, and so do the bytes.
+//! Each band is a separate stream of the crate fdeflate, which the crate png uses too; the streams
+//! are joined into one (RFC 1950, RFC 1951). The bands depend only on the image, and so do the
+//! bytes.
 
 use std::io;
 
@@ -11,18 +12,18 @@ use wavecrest_core::film::Film;
 
 use super::transfer::{Transfer, row_to_bytes};
 
-/// Bytes of a band before it is compressed, as a whole number of rows: many times the 62 that it adds to the file, and
-/// few enough that every thread has some of a picture.
+/// Size of a band in bytes before compression, rounded to whole rows: far more than the 62 that it
+/// adds to the file, and small enough that every thread has work.
 const BAND: usize = 1 << 17;
 
 /// Bytes of a pixel: red, green and blue.
 const PIXEL: usize = 3;
 
-/// The film as what the chunks `IDAT` of a PNG with 8 bits a value hold. `None` where that would be longer than the
-/// bytes as they are.
+/// The film as the content of a PNG's `IDAT` chunks, with 8 bits a value. `None` if that would be
+/// longer than the uncompressed bytes.
 ///
 /// # Errors
-/// None that writing to memory does not have.
+/// Only those of writing to memory, which never fails.
 pub(super) fn compressed(film: &Film, transfer: Transfer) -> io::Result<Option<Vec<u8>>> {
     let width = film.width() as usize;
     let length = 1 + width * PIXEL;
@@ -40,15 +41,15 @@ pub(super) fn compressed(film: &Film, transfer: Transfer) -> io::Result<Option<V
     Ok((joined.len() <= stored).then_some(joined))
 }
 
-/// Some rows, compressed.
+/// Compressed rows.
 struct Band {
-    /// A header of [`HEADER`] bytes, one block of deflate and a checksum.
+    /// A header of [`HEADER`] bytes, one deflate block and a checksum.
     stream: Vec<u8>,
-    /// Bytes before they were compressed.
+    /// Length before compression in bytes.
     length: usize,
 }
 
-/// Bytes before the block of a stream, and of the checksum behind it.
+/// Length in bytes of the header before a stream's block, and of the checksum after it.
 const HEADER: usize = 2;
 const CHECKSUM: usize = 4;
 
@@ -73,7 +74,7 @@ impl Band {
 
 /// The bands as one stream.
 fn joined(bands: &[Band]) -> Vec<u8> {
-    /// The largest prime below 2^16, which sums of Adler-32 are taken modulo.
+    /// The largest prime below 2^16, the modulus of Adler-32.
     const BASE: u64 = 65_521;
     let mut joined = Vec::with_capacity(bands.iter().map(|band| band.stream.len()).sum());
     joined.extend(bands.iter().take(1).flat_map(|band| &band.stream[..HEADER]));
@@ -85,7 +86,7 @@ fn joined(bands: &[Band]) -> Vec<u8> {
             joined[first] &= !LAST;
             end_block(&mut joined);
         }
-        // The sums of a band begin anew: with 1 and 0.
+        // The sums of a band restart at 1 and 0.
         let [own_a, own_b] = band.sums();
         b = (b + own_b + band.length as u64 % BASE * (a + BASE - 1)) % BASE;
         a = (a + own_a + BASE - 1) % BASE;
@@ -94,12 +95,14 @@ fn joined(bands: &[Band]) -> Vec<u8> {
     joined
 }
 
-/// The first bit of a block: there is none after it.
+/// The first bit of the last block.
 const LAST: u8 = 1;
 
-/// Ends the stream so far, whose last block is padded with zeros, at a whole byte: with a block of no bytes.
+/// Ends the stream so far at a whole byte, with an empty block; its last block is padded with
+/// zeros.
 fn end_block(stream: &mut Vec<u8>) {
-    // Zeros are its kind, three bits, and its own padding. The code that ends fdeflate's block has a 1 last.
+    // The new block starts with three zero bits for its kind, then its own padding. The code that
+    // ends fdeflate's block has a 1 last.
     let padding = stream.last().map_or(0, |byte| byte.leading_zeros());
     if padding < 3 {
         stream.push(0);
@@ -107,7 +110,8 @@ fn end_block(stream: &mut Vec<u8>) {
     stream.extend_from_slice(&[0, 0, 0xFF, 0xFF]);
 }
 
-/// The rows, each behind the number of the filter that leaves the least of it. `above` is the row before the first.
+/// The rows, each after the number of the filter that leaves the smallest residual. `above` is the
+/// row before the first.
 fn filtered<'a>(
     rows: impl ExactSizeIterator<Item = &'a [[f32; 3]]>,
     mut above: Vec<u8>,
@@ -134,16 +138,16 @@ fn filtered<'a>(
     filtered
 }
 
-/// What a filter makes of a row and the one above it.
+/// Filters a row, given the one above it.
 type Filter = fn(&[u8], &[u8], &mut [u8]);
 
-/// With their numbers. The format has two more, no filter and the mean, which are next to never the best of a picture.
+/// With their numbers. The format has two more, none and the mean, which are rarely the best.
 const FILTERS: [(u8, Filter); 3] = [(1, sub), (2, up), (4, paeth)];
 
 /// The sum of the magnitudes.
 fn rest(bytes: &[u8]) -> u64 {
     let magnitude = |&byte: &u8| u16::from((byte as i8).unsigned_abs());
-    // So few that their sum fits, and lanes are narrow.
+    // Short chunks, so that their sum fits into narrow lanes.
     bytes.chunks(128).map(|few| u64::from(few.iter().map(magnitude).sum::<u16>())).sum()
 }
 
@@ -177,7 +181,7 @@ mod tests {
     use super::*;
     use wavecrest_core::math::random::Stream;
 
-    /// A film of several bands: smooth, flat or noise in parts.
+    /// A film of several bands: partly smooth, flat and noisy.
     fn film(width: u32, height: u32, noise: f32) -> Film {
         let pixels = (0..width * height).map(|pixel| {
             let (x, y) = ((pixel % width) as f32, (pixel / width) as f32);
@@ -201,7 +205,7 @@ mod tests {
         }
     }
 
-    /// Each end of a band is tried: the zeros behind it may hold the next block's kind or not.
+    /// Each end of a band is tested: the zeros after it may or may not hold the next block's kind.
     #[test]
     fn streams_of_any_length_can_be_joined() {
         let mut paddings = [0; 8];

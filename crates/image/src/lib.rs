@@ -1,21 +1,21 @@
-//! Images: what a render fills, how it is written, and how two are compared.
+//! Images: writing and reading, comparison, layers, and renders in parts.
 //!
-//! * [`metadata`]: what a file says of how its image was made, and further channels.
-//! * [`mod@write`]: a film becomes a PPM, PNG, EXR or PFM file, whole or not at all.
-//! * [`mod@read`]: any picture becomes a film again.
-//! * [`mod@compare`]: by how much two films differ, as numbers.
-//! * [`mod@flip`]: by how much they seem to differ to one who looks at them in turn.
-//! * [`mod@error_map`]: pictures of where they differ, with the colours of [`colormap`].
-//! * [`aov`]: layers beside the colours.
-//! * [`animation`]: images that move.
-//! * [`look`]: pictures for looking closer: normals, depth, edges.
-//! * `camera_rays`: what both are gathered from.
-//! * [`farm`]: images that are made in parts.
-//! * `color`: spaces of colour.
+//! * [`metadata`]: how an image was made, and further channels of a file.
+//! * [`mod@write`]: writes a film as a PPM, PNG, EXR or PFM file, atomically.
+//! * [`mod@read`]: reads an image as a film.
+//! * [`mod@compare`]: differences between two films, as numbers.
+//! * [`mod@flip`]: the perceived difference between two films.
+//! * [`mod@error_map`]: images of differences, with the colours of [`colormap`].
+//! * [`aov`]: layers besides the colours.
+//! * [`animation`]: animated images.
+//! * [`look`]: images for inspection: normals, depth, edges.
+//! * `camera_rays`: the pass that gathers both.
+//! * [`farm`]: images rendered in parts.
+//! * `color`: colour spaces.
 //! * `transfer`: from linear values to 8-bit levels.
 //! * `idat`: the pixels of a PNG, compressed in bands.
-//! * `netpbm`: the byte layouts of PPM and PFM, which are simple enough to be our own.
-//! * `openexr`: colours and further channels as an EXR.
+//! * `netpbm`: the byte layouts of PPM and PFM.
+//! * `openexr`: colours and further channels as EXR.
 
 pub mod animation;
 pub mod aov;

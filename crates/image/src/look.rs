@@ -1,17 +1,17 @@
-//! Pictures for looking closer: what is there, rather than how it is lit.
+//! Images for inspection: the content of a scene instead of its lighting.
 //!
 //! | look | a sample shows |
 //! |---|---|
-//! | clay | the scene in matt grey, under its own lights |
-//! | normals | the normal that a surface is lit with: x, y and z from -1 to 1 as red, green and blue |
-//! | depth | the distance along the view axis, from light for the nearest in view to dark for the farthest |
-//! | wireframe | the scene as it is, with a line of one width along every edge in view |
+//! | clay | the scene in matte grey, under its own lights |
+//! | normals | the shading normal: x, y and z from -1 to 1 as red, green and blue |
+//! | depth | the distance along the view axis, from light (nearest in view) to dark (farthest) |
+//! | wireframe | the scene, with a line of constant width along every visible edge |
 //! | uv | texture coordinates: u as red, v as green, a checker of 16 by 16 fields as blue |
-//! | ids | each object in a colour of its own; of a single mesh each triangle |
+//! | ids | each object in its own colour, or each triangle of a single mesh |
 //!
-//! Clay and uv are other materials and textures, which are put in place before the scene is extracted. All others
-//! come from a pass over the camera rays. The colours of all but clay and wireframe are those that a display is
-//! sent, to be written with [`Transfer::Linear`](super::write::Transfer::Linear).
+//! Clay and uv replace materials and textures before the scene is extracted. The others come from a
+//! pass over the camera rays. The colours of all but clay and wireframe are encoded display values,
+//! to be written with [`Transfer::Linear`](super::write::Transfer::Linear).
 
 mod paint;
 mod wires;
@@ -28,7 +28,7 @@ use paint::{Paint, Painted};
 use wires::Wires;
 
 wavecrest_base::choices! {
-    /// What a picture shows.
+    /// A kind of image for inspection.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
     pub enum Look {
         /// The scene in matte grey, with its own lights.
@@ -53,19 +53,20 @@ impl Look {
     }
 }
 
-/// What is shown where there is nothing: a dark grey, which is no colour of what is there.
+/// The colour of the empty background: a dark grey that no object has.
 const NOTHING: [f32; 3] = [0.13; 3];
 
 /// The colour of lines, linear: nearly black.
 const LINE: [f32; 3] = [0.004, 0.004, 0.008];
 
-/// The picture of a look that is not shaded, or the part `crop` of it.
+/// The image of an unshaded look, or its part `crop`.
 ///
 /// # Errors
-/// When the crop is not within the image, there is no memory for the film, or an image cannot be decoded.
+/// If the crop is not within the image, there is no memory for the film, or an image cannot be
+/// decoded.
 pub fn film(scene: &PreparedScene, look: Look, crop: Option<Tile>, seed: u64) -> Result<Film> {
     let window = render::window(scene, crop)?;
-    // The range is that of the whole image, so that a part of it has the same colours.
+    // The range is that of the whole image, so that a part has the same colours.
     let shown = if look == Look::Depth { render::window(scene, None)? } else { window };
     let mut found = vec![Painted::default(); shown.len()];
     let rays = CameraRays { scene, window: shown, seed };
@@ -82,13 +83,13 @@ pub fn film(scene: &PreparedScene, look: Look, crop: Option<Tile>, seed: u64) ->
     Ok(film)
 }
 
-/// The nearest and the farthest of the mean depths of pixels.
+/// The smallest and largest mean depth of the pixels.
 fn range(found: &[Painted]) -> [f64; 2] {
     let depths = found.iter().filter_map(Painted::mean_depth);
     depths.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], depth| [a.min(depth), b.max(depth)])
 }
 
-/// What a pixel shows, over nothing where samples met nothing.
+/// The colour of a pixel; samples without a hit show the background.
 fn color(painted: &Painted, look: Look, [near, far]: [f64; 2], samples: u32) -> [f32; 3] {
     let covered = f64::from(painted.hits) / f64::from(samples);
     let color = match (look, painted.mean_depth()) {
@@ -102,10 +103,10 @@ fn color(painted: &Painted, look: Look, [near, far]: [f64; 2], samples: u32) -> 
     [0, 1, 2].map(|i| (color[i] + f64::from(NOTHING[i]) * (1.0 - covered)) as f32)
 }
 
-/// Draws the edges in view over the picture of `scene`, or over the part `crop` of it.
+/// Draws the visible edges over the image of `scene`, or over its part `crop`.
 ///
 /// # Errors
-/// When the crop is not within the image.
+/// If the crop is not within the image.
 pub fn draw_edges(
     picture: &mut Film,
     scene: &PreparedScene,

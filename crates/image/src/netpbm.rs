@@ -1,12 +1,13 @@
 //! The byte layouts of the Netpbm family: binary PGM and PPM (`P5`, `P6`) and PFM (`Pf`, `PF`).
 //!
 //! All have a header of words separated by white space, then rows of numbers. PPM is written with 8
-//! bits a value, the top row first; PFM is 32-bit floats, the bottom row first, whose header ends
-//! in a number that is negative where the floats are little-endian. The size of that number is a
-//! unit of light which programs agree to pass over, and so does this reader.
+//! bits a value, the top row first. PFM has 32-bit floats, the bottom row first; its header ends in
+//! a number that is negative for little-endian floats. The magnitude of that number is a unit of
+//! light, which programs ignore by convention, as does this reader.
 //!
-//! The `pnm` codec of the crate `image` would not do: it has no PFM, whose header this one shares, no comments in a
-//! header that it writes, and other errors; and it reads a whole file where this reader needs a row.
+//! The `pnm` codec of the crate `image` does not suffice: it has no PFM, whose header is shared
+//! here, writes no comments, and has other errors; and it reads a whole file where this reader
+//! needs a row.
 //!
 //! Formats: <https://netpbm.sourceforge.net/doc/ppm.html> and
 //! <https://netpbm.sourceforge.net/doc/pfm.html>.
@@ -18,7 +19,7 @@ use super::transfer::{Transfer, row_to_bytes};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::film::{Film, checked_pixel_count, reserve};
 
-/// The longest word that a header may hold.
+/// The longest word in a header.
 const LONGEST_WORD: usize = 32;
 
 /// Writes a binary PPM with 8 bits a value, and a comment for each entry.
@@ -30,7 +31,7 @@ pub(super) fn write_ppm(
 ) -> IoResult<()> {
     sink.write_all(b"P6\n")?;
     for Entry { name, text } in comments {
-        // A line must not end early: what follows would be read as the size.
+        // A line must not end early: the rest would be read as the size.
         let line = text.replace(char::is_control, " ");
         writeln!(sink, "# {}: {line}", full_name(name))?;
     }
@@ -47,12 +48,12 @@ pub(super) fn write_pfm(sink: &mut impl Write, film: &Film) -> IoResult<()> {
     Ok(())
 }
 
-/// Whether a file that starts so is one that [`read`] reads.
+/// Whether [`read`] can read a file with this start.
 pub(super) fn is_netpbm(start: &[u8]) -> bool {
     matches!(start, [b'P', b'5' | b'6' | b'f' | b'F', after, ..] if after.is_ascii_whitespace())
 }
 
-/// Reads a binary PGM or PPM (as 0 to 1) or a PFM (as it is) from a file of `length` bytes.
+/// Reads a binary PGM or PPM (as 0 to 1) or a PFM (unchanged) from a file of `length` bytes.
 pub(super) fn read(source: &mut impl BufRead, length: u64) -> Result<Film> {
     let mut header = Header { source, taken: 0 };
     let layout = Layout::read(&mut header)?;
@@ -84,7 +85,7 @@ fn turn_upside_down(film: &mut Film) {
     upper.chunks_exact_mut(width).zip(below).for_each(|(a, b)| a.swap_with_slice(b));
 }
 
-/// How the numbers of a file are laid out.
+/// The layout of the numbers in a file.
 struct Layout {
     width: u32,
     height: u32,
@@ -92,9 +93,9 @@ struct Layout {
     sample: Sample,
 }
 
-/// How one number is stored.
+/// The storage of a number.
 enum Sample {
-    /// An integer of one byte, or of two in big-endian order, whose value for white this is.
+    /// An integer of one or two bytes, big-endian, with this value for white.
     Integer(u16),
     /// A little-endian float.
     Little,
@@ -185,8 +186,8 @@ struct Header<'a, R> {
 }
 
 impl<R: BufRead> Header<'_, R> {
-    /// The next word, and with it the one white space that ends it: after the last word the
-    /// numbers follow at once. A `#` before a word starts a comment.
+    /// The next word, including the white space that ends it: after the last word the numbers
+    /// follow at once. A `#` before a word starts a comment.
     fn word(&mut self) -> Result<String> {
         let mut word = String::new();
         loop {

@@ -1,7 +1,7 @@
 //! OpenEXR: colours, further channels and attributes, as 32-bit values in one part.
 //!
-//! The crate `exr` writes it. It keeps attributes that are not its own in a table without order, so that they are
-//! put in the order of their names afterwards: the bytes of a file follow from what is in it alone.
+//! The crate `exr` writes it. It stores custom attributes in a table without order, so they are
+//! sorted by name afterwards: the bytes of a file depend only on its content.
 
 use std::io::Cursor;
 
@@ -15,10 +15,10 @@ use image::{ImageError, ImageFormat};
 use super::metadata::{Channel, Entry, Extras, Values, full_name};
 use wavecrest_core::film::Film;
 
-/// The entry for which the format has a name of its own.
+/// The entry with a standard name in the format.
 const SOFTWARE: &str = "software";
 
-/// `film`, with what goes with it, as the bytes of a file.
+/// `film` and its extras, as the bytes of a file.
 pub(super) fn encode(film: &Film, extras: &Extras<'_>) -> Result<Vec<u8>, ImageError> {
     let size = (film.width() as usize, film.height() as usize);
     let color = |i: usize| film.pixels().iter().map(|pixel| pixel[i]).collect();
@@ -56,10 +56,10 @@ fn with_samples(channel: &Channel) -> AnyChannel<FlatSamples> {
     channel
 }
 
-/// Text of the format, which is bytes: those of UTF-8.
+/// Text of the format, which is bytes: UTF-8.
 fn text(utf8: &str) -> Text {
     let bytes: String = utf8.bytes().map(char::from).collect();
-    // Each is a letter of one byte, so that there is always a text.
+    // Each is a one-byte letter, so the text is always valid.
     Text::new_or_none(bytes).unwrap_or_default()
 }
 
@@ -75,10 +75,10 @@ fn attributes(entries: &[Entry]) -> LayerAttributes {
     attributes
 }
 
-/// Bytes before the first attribute: the mark of the format, and its version.
+/// Length in bytes of the magic number and version before the first attribute.
 const PREAMBLE: usize = 8;
 
-/// Puts the attributes of the header in the order of their names. `None` where there is no such header.
+/// Sorts the attributes of the header by name. `None` if there is no valid header.
 fn sort_attributes(bytes: &mut [u8]) -> Option<()> {
     let mut all = Vec::new();
     let mut at = PREAMBLE;
@@ -93,7 +93,7 @@ fn sort_attributes(bytes: &mut [u8]) -> Option<()> {
     Some(())
 }
 
-/// Where the attribute that begins at `at` ends: after its name, its type, its length and its value.
+/// The end of the attribute at `at`: after its name, type, length and value.
 fn end_of_attribute(bytes: &[u8], at: usize) -> Option<usize> {
     let after_word = |at: usize| {
         let length = bytes.get(at..)?.iter().position(|&byte| byte == 0)?;

@@ -1,12 +1,11 @@
-//! Reading a picture, so that it can be compared with another.
+//! Reads images for comparison.
 //!
-//! PPM, PGM and PFM are read by this project's own reader; every other format by the `image`
-//! crate. Whole numbers become 0 to 1 without a transfer curve and floats stay as they are; an
-//! alpha channel is left out and grey becomes red, green and blue alike. Of an animation the first
-//! frame is read.
+//! PPM, PGM and PFM are read by this project's own reader; other formats by the `image` crate.
+//! Integers become 0 to 1 without a transfer curve and floats are unchanged; alpha is dropped and
+//! grey becomes equal red, green and blue. For animations the first frame is read.
 //!
-//! A file's header is not trusted: its size is held against a limit and against the length of the
-//! file before anything is allocated.
+//! A file's header is not trusted: its size is checked against a limit and against the length of
+//! the file before anything is allocated.
 
 use std::fs::File;
 use std::io::{BufRead, BufReader, Seek};
@@ -19,20 +18,20 @@ use super::netpbm;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::film::{Film, MAX_PIXELS, checked_pixel_count, reserve};
 
-/// The most bytes that a decoder may hold at once: [`MAX_PIXELS`] pixels of four floats.
+/// Largest number of bytes that a decoder may hold: [`MAX_PIXELS`] pixels of four floats.
 const MAX_DECODED_BYTES: u64 = MAX_PIXELS * 16;
 
 /// An image of up to this many bytes is decoded however short its file is.
 const SMALL_IMAGE_BYTES: u64 = 1 << 26;
 
-/// A larger image may be at most so many times as long as its file. PNG and the ZIP method of EXR
-/// reach 1032; only a picture of next to nothing in a format of another kind could reach more.
+/// Largest ratio of a larger image to the length of its file. PNG and the ZIP method of EXR reach
+/// 1032; only nearly empty images in other formats could exceed the limit.
 const LARGEST_RATIO: u64 = 4096;
 
-/// Reads the picture at `path`.
+/// Reads the image at `path`.
 ///
 /// # Errors
-/// When the file cannot be read, is of no known format, is damaged, or says that it is larger than
+/// If the file cannot be read, has no known format, is damaged, or claims to be larger than
 /// [`MAX_PIXELS`] or than its length allows. The error names the file.
 pub fn read(path: &Path) -> Result<Film> {
     read_unnamed(path).map_err(|error| error.in_file(path))
@@ -50,11 +49,11 @@ fn read_unnamed(path: &Path) -> Result<Film> {
     }
     let mut reader = ImageReader::new(source);
     if let Ok(format) = image::ImageFormat::from_path(path) {
-        // The content decides where it can; TGA has no mark of its own.
+        // The content decides if it can; TGA has no magic number.
         reader.set_format(format);
     }
     let reader = reader.with_guessed_format().map_err(|e| read_error(path, e))?;
-    // The decoders are meant not to panic, but a damaged file must not end the program.
+    // The decoders should not panic, but a damaged file must not end the program.
     catch_unwind(AssertUnwindSafe(|| decode(reader, length))).unwrap_or_else(|_| {
         Err(damaged("the decoder failed").remedy("the file is damaged or unusual"))
     })
@@ -83,7 +82,7 @@ fn damaged(cause: impl std::fmt::Display) -> Error {
     Error::new(ErrorKind::Syntax, format!("cannot decode the image: {cause}"))
 }
 
-/// Decodes a file of `length` bytes once its header is known to be sound.
+/// Decodes a file of `length` bytes after checking its header.
 fn decode(mut reader: ImageReader<impl BufRead + Seek>, length: u64) -> Result<Film> {
     let Some(format) = reader.format() else {
         return Err(damaged("its format is unknown")
@@ -121,7 +120,7 @@ fn check_ratio(decoder: &impl ImageDecoder, length: u64) -> Result<()> {
         .remedy("check that the file is whole"))
 }
 
-/// Decoded bytes, whose numbers are in the machine's own order, as colours.
+/// Decoded bytes, in native byte order, as colours.
 fn pixels(bytes: &[u8], color: ColorType, count: usize) -> Result<Vec<[f32; 3]>> {
     let channels = usize::from(color.channel_count());
     let pixel_bytes = usize::from(color.bytes_per_pixel());
@@ -131,7 +130,7 @@ fn pixels(bytes: &[u8], color: ColorType, count: usize) -> Result<Vec<[f32; 3]>>
         4 => |b| f32::from_ne_bytes([b[0], b[1], b[2], b[3]]),
         _ => return Err(damaged(format!("unknown numbers ({color:?})"))),
     };
-    // Where there are one or two channels, the first is grey.
+    // With one or two channels, the first is grey.
     let places = if channels < 3 { [0, 0, 0] } else { [0, 1, 2] };
     let step = pixel_bytes / channels;
     let mut pixels = reserve(count)?;
@@ -177,7 +176,7 @@ mod tests {
             (&wide, ImageFormat::Tiff),
             (&narrow, ImageFormat::Qoi),
         ] {
-            // The content, not the name, says what it is.
+            // The content decides, not the name.
             let film = read_bytes("a.jpg", &bytes_of(image, format)).unwrap();
             assert_eq!(film.pixels(), [[0.0, 0.2, 1.0]], "{format:?}");
         }
@@ -235,7 +234,8 @@ mod tests {
 
     #[test]
     fn a_header_that_asks_for_too_much_is_refused() {
-        // A QOI file begins with a mark, two sizes, channels and colour space: easy to lie in.
+        // A QOI file begins with a magic number, two sizes, channels and colour space, all easy to
+        // forge.
         let qoi = |width: u32, height: u32| {
             let mut bytes = b"qoif".to_vec();
             bytes.extend(width.to_be_bytes());
@@ -277,7 +277,7 @@ mod tests {
         }
     }
 
-    /// Decodes without the net that catches panics.
+    /// Decodes without catching panics.
     fn decode_quietly(bytes: &[u8]) {
         let length = bytes.len() as u64;
         if netpbm::is_netpbm(bytes) {

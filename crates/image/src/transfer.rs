@@ -1,10 +1,11 @@
-//! From linear values to the levels of 8-bit formats.
+//! Conversion of linear values to the levels of 8-bit formats.
 
 use wavecrest_core::film::Film;
 use wavecrest_core::math::srgb::srgb_encode;
 
 wavecrest_base::choices! {
-    /// How a linear value from 0 to 1 becomes one of 256 levels. Float formats are always linear.
+    /// The transfer curve from linear values, 0 to 1, to 256 levels. Float formats are always
+    /// linear.
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
     #[serde(rename_all = "lowercase")]
     pub enum Transfer {
@@ -17,7 +18,7 @@ wavecrest_base::choices! {
 }
 
 wavecrest_base::choices! {
-    /// What becomes of light that is brighter than white.
+    /// Tone mapping of light brighter than white.
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
     pub enum Tone {
         /// Clip to white.
@@ -28,23 +29,23 @@ wavecrest_base::choices! {
     }
 }
 
-/// How light is developed before it becomes levels. Float formats keep it as it is.
+/// Development of light before it becomes levels. Float formats store it undeveloped.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Develop {
     /// In stops: each doubles the light.
     pub exposure: f32,
-    /// What becomes of bright light.
+    /// Tone mapping.
     pub tone: Tone,
 }
 
 impl Develop {
-    /// Whether it leaves all as it is.
+    /// Whether it changes nothing.
     pub fn is_plain(&self) -> bool {
         *self == Self::default()
     }
 
-    /// The film developed, of which `alpha` says how much of each pixel is covered, where some are not: colours are
-    /// multiplied by it before and after.
+    /// The developed film. `alpha` is the coverage of each pixel, if any is partial: colours are
+    /// premultiplied by it before and after.
     pub fn film(&self, film: &Film, alpha: Option<&[f32]>) -> Film {
         let factor = libm::exp2f(self.exposure);
         let mut developed = film.clone();
@@ -58,9 +59,9 @@ impl Develop {
     }
 }
 
-/// Narkowicz's fit to the curve of the Academy Color Encoding System (*ACES Filmic Tone Mapping Curve*, 2016): the
-/// coefficients of two quadratics, one over the other, and what light is multiplied by before, which keeps a middle
-/// grey where it is.
+/// Narkowicz's fit to the curve of the Academy Color Encoding System (*ACES Filmic Tone Mapping
+/// Curve*, 2016): the coefficients of two quadratics, one over the other, and a factor applied to
+/// light first, which preserves middle grey.
 const ABOVE: [f32; 2] = [2.51, 0.03];
 const BELOW: [f32; 3] = [2.43, 0.59, 0.14];
 const BEFORE: f32 = 0.7;
@@ -71,7 +72,7 @@ impl Tone {
         match self {
             Self::Clip => value,
             Self::Filmic => {
-                // What is no number stays none, and the quotient of what is endless would be.
+                // NaN stays NaN; the quotient of infinities would become one, so they are clamped.
                 let x = (value * BEFORE).clamp(0.0, BRIGHTEST);
                 x * (ABOVE[0] * x + ABOVE[1]) / (x * (BELOW[0] * x + BELOW[1]) + BELOW[2])
             }
@@ -79,7 +80,7 @@ impl Tone {
     }
 }
 
-/// Light above this is as good as endless: its square still is a number.
+/// Light above this is treated as infinite: its square is still finite.
 const BRIGHTEST: f32 = 1e18;
 
 /// A row of pixels as 8-bit values.
@@ -91,9 +92,9 @@ pub(super) fn row_to_bytes(row: &[[f32; 3]], transfer: Transfer) -> Vec<u8> {
     }
 }
 
-/// The nearest of 256 levels; a value that is not a number is black.
+/// The nearest of 256 levels; NaN is black.
 pub(super) fn linear_level(value: f32) -> u8 {
-    // The conversion takes what is not a number to 0. Rounding so is a few vector instructions, `round` a call.
+    // The conversion takes NaN to 0. This rounding is a few vector instructions, `round` a call.
     let scaled = value.clamp(0.0, 1.0) * 255.0;
     let below = scaled as i32;
     (below + i32::from(scaled - below as f32 >= 0.5)) as u8

@@ -1,8 +1,8 @@
-//! Writing a film: as a PPM or a PNG with 8 bits a value, or as an EXR or a PFM that keeps every
+//! Writes a film: as a PPM or a PNG with 8 bits a value, or as an EXR or a PFM that keeps every
 //! float.
 //!
-//! The file appears whole or not at all (see [`wavecrest_base::replace`]), and its bytes depend on the
-//! film and on what is said of it alone, not on the machine.
+//! Files are replaced atomically (see [`wavecrest_base::replace`]). Their bytes depend only on the
+//! film and its metadata, not on the machine.
 
 use std::ffi::OsStr;
 use std::io::Write;
@@ -20,7 +20,7 @@ use wavecrest_core::film::Film;
 pub use super::transfer::{Develop, Tone, Transfer};
 
 wavecrest_base::choices! {
-    /// The formats that can be written, by the extension of their files in lower case.
+    /// The formats that can be written, by file extension in lower case.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
     pub enum Format {
         /// Binary PPM (`P6`), 8 bits a value.
@@ -35,10 +35,10 @@ wavecrest_base::choices! {
 }
 
 impl Format {
-    /// The format that the extension of `path` names, in capitals or not.
+    /// The format for the extension of `path`, in upper or lower case.
     ///
     /// # Errors
-    /// When there is no extension or when it names none of the four.
+    /// If there is no extension or it is none of the four.
     pub fn from_path(path: &Path) -> Result<Self> {
         const FORMATS: &str = "use .ppm, .png, .exr or .pfm";
         let usage = |message: &str| Error::new(ErrorKind::Usage, message).in_file(path);
@@ -59,26 +59,26 @@ impl Format {
         })
     }
 
-    /// Whether it keeps floats as they are, so that [`Transfer`] plays no part.
+    /// Whether it stores floats, so that [`Transfer`] has no effect.
     pub fn is_float(self) -> bool {
         matches!(self, Self::Exr | Self::Pfm)
     }
 }
 
-/// Writes `film` at `path` in the format that the extension names. A file that is there already
-/// stays as it was until the new one is whole.
+/// Writes `film` at `path` in the format of the extension. An existing file stays unchanged until
+/// the new one is complete.
 ///
 /// # Errors
-/// When the extension is unknown, and when the folder is missing or may not be written to, the
-/// disk is full, or `path` is a folder, a device or a read-only file.
+/// If the extension is unknown, the folder is missing or not writable, the disk is full, or `path`
+/// is a folder, a device or a read-only file.
 pub fn write(film: &Film, path: &Path, transfer: Transfer) -> Result<()> {
     write_with(film, path, transfer, &Extras::default())
 }
 
-/// As [`write()`], with what the format has room for of the `extras`.
+/// As [`write()`], with the `extras` that the format can store.
 ///
 /// # Errors
-/// As [`write()`], and when a channel has not as many values as the film has pixels.
+/// As [`write()`], and if a channel does not have one value for each pixel of the film.
 pub fn write_with(film: &Film, path: &Path, transfer: Transfer, extras: &Extras<'_>) -> Result<()> {
     let format = Format::from_path(path)?;
     replace_file(path, |sink| {
@@ -89,7 +89,7 @@ pub fn write_with(film: &Film, path: &Path, transfer: Transfer, extras: &Extras<
 /// `film` as the bytes of a PNG.
 ///
 /// # Errors
-/// When the encoder has no memory for it.
+/// If the encoder has no memory for it.
 pub fn png(film: &Film, transfer: Transfer) -> Result<Vec<u8>> {
     let mut bytes = Vec::new();
     encode_png(&mut bytes, film, transfer, &[]).map_err(|e| encode_error("a PNG".as_ref(), e))?;
@@ -113,7 +113,7 @@ fn encode_png(
     writer.finish().map_err(png_error)
 }
 
-/// A writer of the film's size that compresses nothing.
+/// A writer of the film's size that does not compress.
 fn png_writer<W: Write>(
     sink: W,
     film: &Film,
@@ -132,7 +132,7 @@ fn png_writer<W: Write>(
     encoder.write_header()
 }
 
-/// How much of each pixel is covered, where that is said.
+/// The coverage of each pixel, if there is a channel for it.
 fn alpha<'a>(
     film: &Film,
     extras: &Extras<'a>,
@@ -145,7 +145,7 @@ fn alpha<'a>(
     }
 }
 
-/// As [`encode_png`], with alpha. A PNG has colours as they are, not multiplied by it.
+/// As [`encode_png`], with alpha. A PNG stores unmultiplied colours.
 fn encode_transparent(
     sink: impl Write,
     film: &Film,
@@ -171,12 +171,12 @@ fn encode_transparent(
     writer.finish().map_err(png_error)
 }
 
-/// Adds a text chunk; one in Unicode, which fewer programs show, only where it has to be.
+/// Adds a text chunk; in Unicode, which fewer programs show, only if necessary.
 pub(super) fn add_text(
     encoder: &mut png::Encoder<'_, impl Write>,
     Entry { name, text }: &Entry,
 ) -> std::result::Result<(), png::EncodingError> {
-    // The format has a name of its own for the program.
+    // The format has a standard name for the program.
     let name = if *name == "software" { "Software".to_owned() } else { full_name(name) };
     if text.is_ascii() {
         encoder.add_text_chunk(name, text.clone())
@@ -192,10 +192,10 @@ pub(super) fn png_error(error: png::EncodingError) -> ImageError {
     }
 }
 
-/// Whether [`write()`] could write at `path` as things are now: to be asked before a long render.
+/// Whether [`write()`] could currently write at `path`; call it before a long render.
 ///
 /// # Errors
-/// As [`write()`], but for a disk that is full.
+/// As [`write()`], except for a full disk.
 pub fn check_writable(path: &Path) -> Result<()> {
     Format::from_path(path)?;
     check_replaceable(path)
@@ -216,13 +216,13 @@ fn encode(
             Some(alpha) => encode_transparent(sink, film, alpha, transfer, extras.entries),
             None => encode_png(sink, film, transfer, extras.entries),
         },
-        // To memory first: the encoder turns the system's errors, such as a full disk, into
-        // text. It is also spared from seeking in the file.
+        // To memory first: the encoder turns the system's errors, such as a full disk, into text.
+        // Nor does it have to seek in the file.
         Format::Exr => Ok(sink.write_all(&openexr::encode(film, extras)?)?),
     }
 }
 
-/// The system's own error where there is one: it leads to the remedy.
+/// The system's own error, if there is one: it leads to the remedy.
 pub(super) fn encode_error(path: &Path, error: ImageError) -> Error {
     match error {
         ImageError::IoError(io) => write_error(path, io),
@@ -383,7 +383,7 @@ mod tests {
             let extras = Extras::default();
             let text = match encode(&mut sink, &film, format, Transfer::Linear, &extras) {
                 Err(error) => encode_error(Path::new("a"), error).to_string(),
-                // A small file may rest in the buffer until the flush.
+                // A small file may stay in the buffer until the flush.
                 Ok(()) => write_error(Path::new("a"), sink.flush().unwrap_err()).to_string(),
             };
             assert!(text.ends_with("; free some space or write to another disk"), "{text}");

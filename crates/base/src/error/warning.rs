@@ -1,4 +1,4 @@
-//! Warnings, those that say the same of several places as one.
+//! Warnings, with equal ones grouped.
 
 use std::collections::hash_map::Entry;
 use std::collections::{HashMap, HashSet};
@@ -7,18 +7,19 @@ use std::path::{Path, PathBuf};
 
 use super::{Details, Error, OneLine, hash};
 
-/// Something that does not stop the work but that the user should know: it reads like an [`Error`].
+/// A condition that does not stop the work but that the user should know of; it reads like an
+/// [`Error`].
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Warning {
     file: Option<PathBuf>,
     place: Option<String>,
     text: String,
-    /// How many more places it holds of.
+    /// The number of further places with the same warning.
     others: usize,
 }
 
 impl Warning {
-    /// The warning that reads as `error` does.
+    /// A warning with the text of `error`.
     pub fn from_error(error: &Error) -> Self {
         let Details { file, place, .. } = &*error.details;
         let text = error.message_with_value_and_remedy();
@@ -54,27 +55,27 @@ impl fmt::Display for Warning {
     }
 }
 
-/// Warnings in the order in which they were found, those that say the same of several places as one.
+/// Warnings in the order of their discovery; equal warnings for several places are one.
 #[derive(Clone, Debug, Default)]
 pub struct Warnings {
     list: Vec<Warning>,
-    /// Which warning says what.
+    /// The index of each warning by its text.
     known: HashMap<String, usize>,
-    /// Hashes of all texts: what is said twice counts once.
+    /// Hashes of all texts: repeated warnings count once.
     given: HashSet<u64>,
 }
 
 impl Warnings {
-    /// Adds the warning that reads as `error` does.
+    /// Adds a warning with the text of `error`.
     pub fn add_error(&mut self, error: &Error) {
-        // The value that is found may differ from place to place.
+        // The value found may differ from place to place.
         let Details { file, place, message, remedy, .. } = &*error.details;
         let place = place.as_deref().unwrap_or_default().replace(|c: char| c.is_ascii_digit(), "");
         let what = format!("{file:?} {place} {message} {remedy:?}");
         self.add(Warning::from_error(error), what);
     }
 
-    /// Adds a warning; one that says the same of another place is counted with it.
+    /// Adds a warning; one with the same text for another place increments its count.
     fn add(&mut self, warning: Warning, what: String) {
         if !self.given.insert(hash(&warning.to_string())) {
             return;
@@ -96,7 +97,7 @@ impl Warnings {
         });
     }
 
-    /// All of them.
+    /// All warnings.
     pub fn into_vec(self) -> Vec<Warning> {
         self.list
     }

@@ -65,7 +65,7 @@ struct Shade<'a, P> {
     differentials: bool,
     batch: &'a mut Batch,
     counters: &'a mut Counters,
-    /// Whether any shadow or mirror rays are requested.
+    /// Whether hits need shading points: for rays, appearance or hemispheric light.
     has_any: bool,
     /// Whether to collect lit points, and mirror rays.
     shadows: bool,

@@ -1,8 +1,8 @@
-//! Where samples were not finite.
+//! Locates samples that were not finite.
 //!
-//! A render counts them and goes on. Which pixels they are in is found by following the pixels once more, with the
-//! recursive tracer, which has them where the wavefront has them: work that is done only where the count is not 0,
-//! and only until as many are found.
+//! A render only counts them. To find their pixels, the recursive tracer renders the pixels once
+//! more, with the same results as the wavefront: only if the count is not 0, and only until that
+//! many are found.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -19,9 +19,9 @@ pub(super) struct Search<'a> {
     pub(super) window: &'a Tile,
     /// The seed of the render.
     pub(super) seed: u64,
-    /// How many such samples there are.
+    /// The number of such samples.
     pub(super) count: u64,
-    /// The window's pixels, which are set to 1 where one is found.
+    /// The window's pixels, set to 1 where a sample was not finite.
     pub(super) mask: &'a mut [f32],
 }
 
@@ -30,7 +30,7 @@ impl Search<'_> {
     pub(super) fn run(self) {
         let Self { scene, window, seed, count, mask } = self;
         let left = AtomicU64::new(count);
-        // One path at a time: the batch says nothing.
+        // One path at a time: the recursive tracer ignores the batch.
         let settings = TraceSettings { seed, batch: 1 };
         let rows = mask.par_chunks_mut(window.width as usize).enumerate();
         rows.for_each(|(row, mask)| {

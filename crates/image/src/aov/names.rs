@@ -1,4 +1,4 @@
-//! Numbers for shapes and materials, and what each stands for.
+//! Numbers of shapes and materials, and their names.
 
 use std::collections::{BTreeSet, HashMap};
 
@@ -9,9 +9,9 @@ use wavecrest_core::prepared::{Appearance, PreparedScene};
 /// The numbers of a scene's shapes and materials.
 pub(super) struct Names<'a> {
     appearance: &'a Appearance,
-    /// For each shape the number of its material; 0 of a light.
+    /// For each shape the number of its material; 0 for lights.
     materials: Vec<u32>,
-    /// For each material, from 1 on, the first shape that is made of it.
+    /// For each material, from 1 on, the first shape with it.
     first: Vec<usize>,
 }
 
@@ -43,12 +43,12 @@ impl<'a> Names<'a> {
         (shape as u32 + 1, self.materials.get(shape).copied().unwrap_or_default())
     }
 
-    /// The shapes that occur, as JSON: by number, where each stands in the scene.
+    /// The shapes that occur, as JSON: for each number its place in the scene.
     pub(super) fn objects(&self, numbers: &[u32]) -> String {
         table(numbers, |number| self.place(number as usize - 1))
     }
 
-    /// The materials that occur, as JSON: by number, where each stands in the scene first.
+    /// The materials that occur, as JSON: for each number its first place in the scene.
     pub(super) fn materials(&self, numbers: &[u32]) -> String {
         table(numbers, |number| {
             let shape = self.first.get(number as usize - 1).copied().unwrap_or_default();
@@ -61,7 +61,7 @@ impl<'a> Names<'a> {
     }
 }
 
-/// What each number but 0 stands for.
+/// The name of each number except 0.
 fn table(numbers: &[u32], name: impl Fn(u32) -> String) -> String {
     let seen: BTreeSet<u32> = numbers.iter().copied().filter(|&number| number > 0).collect();
     let entries = seen.into_iter().map(|number| (number.to_string(), Value::from(name(number))));

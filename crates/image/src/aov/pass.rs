@@ -1,4 +1,4 @@
-//! What the camera rays of a pixel meet, summed up.
+//! Sums over the hits of a pixel's camera rays.
 
 use glam::Vec3;
 
@@ -10,22 +10,22 @@ use wavecrest_core::math::float::dot;
 use wavecrest_core::math::ray::Ray;
 use wavecrest_core::prepared::{Interaction, LookUps, PreparedScene};
 
-/// What the samples of a pixel met.
+/// The sums of a pixel's samples.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Sums {
-    /// How many samples hit something.
+    /// Number of samples that hit something.
     pub(super) hits: u32,
-    /// Of these, the sums.
+    /// Sums over these.
     pub(super) depth: f64,
     pub(super) normal: [f64; 3],
     pub(super) albedo: [f64; 3],
     pub(super) position: [f64; 3],
-    /// Of the first sample; 0 for nothing.
+    /// Number for the first sample; 0 for nothing.
     pub(super) object: u32,
     pub(super) material: u32,
 }
 
-/// Sums up what camera rays meet.
+/// Sums the hits of camera rays.
 #[derive(Clone, Copy)]
 pub(super) struct Pass<'a> {
     pub(super) scene: &'a PreparedScene,
@@ -51,16 +51,16 @@ impl Gather for Pass<'_> {
     }
 }
 
-/// What a camera ray sees of a surface or a light.
+/// The visible properties of a hit on a surface or a light.
 pub(crate) struct Seen {
     pub(crate) point: Vec3,
-    /// What it is lit with, on the side of the ray.
+    /// The shading normal, on the side of the ray.
     pub(crate) normal: Vec3,
     pub(crate) albedo: Vec3,
 }
 
 impl Seen {
-    /// What `ray` sees where it has this `hit`.
+    /// The properties of this `hit` of `ray`.
     pub(crate) fn of<P: Arithmetic>(scene: &PreparedScene, ray: &Ray, hit: &Hit) -> Option<Self> {
         let differential = || scene.camera.differential(ray.direction);
         match scene.interaction::<P>(ray, hit, &differential, &mut LookUps::default()) {
@@ -79,7 +79,7 @@ impl Seen {
     }
 }
 
-/// The normal on the side that the ray comes from.
+/// The normal on the side of the ray's origin.
 fn towards(ray: &Ray, normal: Vec3) -> Vec3 {
     if dot(ray.direction, normal) > 0.0 { -normal } else { normal }
 }

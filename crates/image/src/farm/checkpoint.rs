@@ -1,4 +1,4 @@
-//! Checkpoints: what there is of a render, written now and then and read when it goes on.
+//! Checkpoints: the state of a render, saved regularly and loaded to resume it.
 
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
@@ -9,33 +9,33 @@ use super::part::{Header, Reader};
 use super::store::Store;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
-/// Where a render is kept while it is made.
+/// The checkpoint of a render.
 #[derive(Clone, Debug)]
 pub struct Checkpoint {
     /// The part file.
     pub file: PathBuf,
-    /// The time between two writings of it, at least: it is written when a unit is finished, and less often
-    /// where writing takes long.
+    /// The shortest time between two saves: a save happens when a unit is finished, and less often
+    /// if saving takes long.
     pub every: Duration,
-    /// Whether to go on with what the file holds. Where there is no file, everything is rendered.
+    /// Whether to resume from the file. Without a file, everything is rendered.
     pub resume: bool,
 }
 
 impl Checkpoint {
-    /// What the file holds of the render that `header` names, whose units with samples that are not finite
-    /// are left out: they are rendered again, so that these samples are counted and named again.
+    /// The units in the file for the render of `header`. Units with samples that are not finite are
+    /// left out and rendered again, so that these samples are counted and located again.
     ///
     /// # Errors
-    /// When the file is damaged or of another render, and when it exists but resuming was not requested:
-    /// work is not thrown away.
+    /// If the file is damaged or of another render, or if it exists but resuming was not requested:
+    /// no work is discarded.
     pub(super) fn load(&self, header: &Header) -> Result<Option<Store>> {
         if self.check()? { load(&self.file, header).map(Some) } else { Ok(None) }
     }
 
-    /// Whether there is a file to go on with: to be asked before long work.
+    /// Whether there is a file to resume from; call it before long work.
     ///
     /// # Errors
-    /// When the file exists but resuming was not requested: work is not thrown away.
+    /// If the file exists but resuming was not requested: no work is discarded.
     pub fn check(&self) -> Result<bool> {
         match self.file.try_exists() {
             Err(error) => Err(Error::io("cannot read the checkpoint", &self.file, error)),
@@ -93,18 +93,18 @@ fn check_same(file: &Path, found: &Header, header: &Header) -> Result<()> {
     Ok(())
 }
 
-/// The time between two writings is at least so many times as long as a writing takes: the render of a huge
-/// image does not spend its time on its checkpoint.
+/// The time between two saves is at least this many times the duration of a save, so that the
+/// render of a huge image does not spend its time on checkpoints.
 const PAUSE_FACTOR: u32 = 10;
 
-/// Writes the checkpoint when its time has come.
+/// Saves the checkpoint when it is due.
 pub(super) struct Saver<'a> {
     checkpoint: &'a Checkpoint,
     header: &'a Header,
     last: Mutex<Saved>,
 }
 
-/// When the checkpoint was written last, and how long to wait until it is written again.
+/// The time of the last save, and how long to wait for the next.
 struct Saved {
     at: Instant,
     pause: Duration,
@@ -116,7 +116,7 @@ impl<'a> Saver<'a> {
         Self { checkpoint, header, last: Mutex::new(last) }
     }
 
-    /// Writes what there is if it is time. Others go on meanwhile; none of them writes too.
+    /// Saves the current state if it is due. Other threads continue; none of them saves too.
     pub(super) fn save_if_due(&self, store: &Store) -> Result<()> {
         let Ok(mut last) = self.last.try_lock() else { return Ok(()) };
         if last.at.elapsed() < last.pause {
@@ -130,7 +130,7 @@ impl<'a> Saver<'a> {
         saved
     }
 
-    /// Writes what there is.
+    /// Saves the current state.
     pub(super) fn save(&self, store: &Store) -> Result<()> {
         let _last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
         store.write(&self.checkpoint.file, self.header)

@@ -1,4 +1,4 @@
-//! What an image follows from: parts that agree in all of it belong together.
+//! The inputs of an image: parts that agree in all of them belong together.
 
 use serde::{Deserialize, Serialize};
 
@@ -11,16 +11,17 @@ use wavecrest_core::render::{RenderOptions, tile_edge, window};
 use wavecrest_core::tile::Tile;
 use wavecrest_core::wavefront::DEFAULT_BATCH;
 
-/// Fewer tiles than this are made smaller, so that a small image can be shared among many machines.
+/// With fewer tiles than this, tiles are made smaller, so that many machines can share a small
+/// image.
 const MIN_TILES: u32 = 1024;
 
-/// The sides that a tile may have, in pixels: what the tracers' order of pixels favours.
+/// The possible sides of a tile in pixels, which suit the tracers' order of pixels.
 const EDGES: [u32; 4] = [8, 16, 32, 64];
 
-/// Samples of a pixel, at most: as many as a scene may ask for.
+/// Largest number of samples of a pixel in a scene.
 const MAX_SAMPLES: u32 = 1 << 24;
 
-/// What an image follows from.
+/// The inputs of an image.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Identity {
     /// The program's version.
@@ -29,11 +30,11 @@ pub struct Identity {
     pub precision: String,
     /// Width and height of the whole image, in pixels.
     pub image: [u32; 2],
-    /// The part of it that is rendered: x, y, width and height, in pixels from the top left.
+    /// The rendered part of it: x, y, width and height, in pixels from the top left.
     pub window: [u32; 4],
     /// Camera rays for each pixel.
     pub samples: u32,
-    /// Chooses the random numbers.
+    /// Seed of the random numbers.
     pub seed: u64,
     /// The side of a tile, in pixels.
     pub edge: u32,
@@ -47,20 +48,20 @@ pub struct Identity {
     pub appearance: String,
 }
 
-/// How two identities differ.
+/// A difference between two identities.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Difference {
-    /// In what, as the end of "it has another ...".
+    /// The property, as the end of "it has another ...".
     pub what: &'static str,
-    /// What each of the two has, where that helps a reader.
+    /// The two values, if they help a reader.
     pub values: Option<[String; 2]>,
 }
 
 impl Identity {
-    /// That of a render of `scene`.
+    /// The identity of a render of `scene`.
     ///
     /// # Errors
-    /// When the crop has no pixels or is not within the image.
+    /// If the crop has no pixels or is not within the image.
     pub fn of(scene: &PreparedScene, options: &RenderOptions) -> Result<Self> {
         let Tile { x, y, width, height } = window(scene, options.crop)?;
         let hashes = scene.fingerprints();
@@ -80,10 +81,10 @@ impl Identity {
         })
     }
 
-    /// What a file says of the image.
+    /// The metadata of the image.
     pub fn provenance(&self) -> Provenance {
         let [width, height] = self.image;
-        // What is no number was not written by this program, and means nothing.
+        // A text that is no number was not written by this program, and means nothing.
         let number = |hash: &str| u128::from_str_radix(hash, 16).unwrap_or_default();
         let hashes = Fingerprints {
             geometry: number(&self.geometry),
@@ -102,7 +103,7 @@ impl Identity {
         }
     }
 
-    /// The tiles, which do not depend on how they are rendered.
+    /// The tiles, which do not depend on the options of the render.
     pub fn grid(&self) -> Grid {
         let [x, y, width, height] = self.window;
         Grid::new(Tile { x, y, width, height }, self.edge)
@@ -113,7 +114,7 @@ impl Identity {
         Blocks::new(self.samples)
     }
 
-    /// In what `other` differs first: what a user chose comes before what follows from files.
+    /// The first difference from `other`: the user's choices come before properties of files.
     pub fn difference(&self, other: &Self) -> Option<Difference> {
         // The text of a hash does not help a reader.
         let hash = |text: &str| (text.to_owned(), false);
@@ -141,10 +142,10 @@ impl Identity {
         Some(Difference { what, values: is_said.then_some([one, other]) })
     }
 
-    /// Whether the numbers are such as a render can have: what is read from a file may be anything.
+    /// Checks that a render can have these numbers: they may come from a damaged file.
     ///
     /// # Errors
-    /// When they are not, with the place and the value.
+    /// If they are invalid, with the place and the value.
     pub fn check(&self) -> Result<()> {
         let wrong = |place: &str, value: String, remedy: &str| {
             Err(Error::new(ErrorKind::Syntax, "this is not a valid part of a render")
@@ -172,7 +173,8 @@ impl Identity {
     }
 }
 
-/// The side of a tile: what fills a batch of the usual size, and less where there would be few tiles.
+/// The side of a tile: it fills a batch of the default size, and is smaller if there would be few
+/// tiles.
 fn edge(scene: &PreparedScene, [width, height]: [u32; 2]) -> u32 {
     let usual = tile_edge(scene, DEFAULT_BATCH);
     let window = Tile { x: 0, y: 0, width, height };

@@ -1,7 +1,7 @@
-//! Parts put together: one image, if they are of one image and leave nothing out.
+//! Merges parts into an image, if they belong to the same image and are complete.
 //!
-//! Parts are read one after the other in any order, unit by unit. A tile whose blocks all come in one unit is
-//! painted at once; blocks that come apart wait until those before them are there, as they are added in order.
+//! Parts are read in turn, in any order, unit by unit. A tile whose blocks are all in one unit is
+//! painted at once; separate blocks wait for those before them, as they are added in order.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
@@ -20,27 +20,27 @@ use wavecrest_core::render::units::{Blocks, Grid};
 use wavecrest_core::render::work::{Summed, add};
 use wavecrest_core::tile::Tile;
 
-/// Shards that a message names, at most.
+/// Largest number of shards in a message.
 const MAX_NAMED_SHARDS: usize = 8;
 
-/// The image that parts make.
+/// The merged image.
 #[derive(Clone, Debug)]
 pub struct Merged {
-    /// What it follows from.
+    /// Its inputs.
     pub identity: Identity,
-    /// How 8-bit images of it were to be written.
+    /// The transfer curve of 8-bit images.
     pub transfer: Transfer,
     /// The image.
     pub film: Film,
-    /// Samples that were not finite, and count as black.
+    /// Samples that were not finite; they count as black.
     pub invalid: u64,
 }
 
-/// Puts the parts at `paths` together. A part that is there twice counts once.
+/// Merges the parts at `paths`. Repeated parts count once.
 ///
 /// # Errors
-/// When a part cannot be read, is damaged, or is of another image than the first; when two differ where they
-/// overlap; and when something is missing.
+/// If a part cannot be read, is damaged, or belongs to another image than the first; if two differ
+/// where they overlap; or if something is missing.
 pub fn merge(paths: &[PathBuf]) -> Result<Merged> {
     let Some((first, rest)) = paths.split_first() else {
         return Err(Error::new(ErrorKind::Usage, "there is nothing to merge")
@@ -54,7 +54,7 @@ pub fn merge(paths: &[PathBuf]) -> Result<Merged> {
         shards.push(other.shard);
     }
     let (grid, blocks) = (header.identity.grid(), header.identity.blocks());
-    // Memory is set aside for an image that the parts can fill, not for one that they speak of.
+    // Allocate only an image that the parts can fill, whatever size they claim.
     let (held, pixels) = (bytes(paths)?, grid.window().len() as u64);
     if held < pixels * size_of::<[f64; 3]>() as u64 {
         return Err(incomplete(&shards, format!("{held} bytes of parts for {pixels} pixels")));
@@ -81,7 +81,7 @@ pub fn merge(paths: &[PathBuf]) -> Result<Merged> {
     Ok(Merged { identity: header.identity, transfer: header.transfer, film, invalid })
 }
 
-/// The length of all files.
+/// The total length of the files.
 fn bytes(paths: &[PathBuf]) -> Result<u64> {
     let length = |path: &PathBuf| {
         let data = path.metadata().map_err(|e| Error::io("cannot read the part", path, e))?;
@@ -105,7 +105,7 @@ fn check_same(path: &Path, other: &Header, first: &Path, header: &Header) -> Res
     })
 }
 
-/// Something is missing: whole shards, or else what `found` says.
+/// The error for missing parts: whole shards, or else `found`.
 fn incomplete(shards: &[Option<Shard>], found: String) -> Error {
     let error = |message: String| Error::new(ErrorKind::Usage, message);
     match missing(shards).as_slice() {
@@ -119,7 +119,7 @@ fn incomplete(shards: &[Option<Shard>], found: String) -> Error {
     }
 }
 
-/// The shards that no part is of, where all parts are of shards of as many.
+/// The shards without a part, if all parts are shards with the same count.
 fn missing(shards: &[Option<Shard>]) -> Vec<Shard> {
     let there: Option<BTreeSet<(u32, u32)>> =
         shards.iter().map(|shard| shard.map(|s| (s.count(), s.number()))).collect();
@@ -139,24 +139,24 @@ fn list(shards: &[Shard]) -> String {
     format!("{}{more}", names.join(", "))
 }
 
-/// The image that comes together.
+/// The image during the merge.
 struct Mosaic<'a> {
     canvas: Canvas<'static>,
     paths: &'a [PathBuf],
     grid: Grid,
     blocks: Blocks,
-    /// What has been there, by tile and first block.
+    /// The units so far, by tile and first block.
     seen: BTreeMap<(u32, u32), Seen>,
-    /// Tiles whose blocks come apart.
+    /// Tiles whose blocks are in several units.
     waiting: BTreeMap<u32, Waiting>,
-    /// Tiles that are finished.
+    /// Number of finished tiles.
     finished: u64,
     invalid: u64,
 }
 
-/// A unit that has been there.
+/// A unit already read.
 struct Seen {
-    /// The block after its last.
+    /// The end of its blocks, exclusive.
     end: u32,
     /// The hash of its sums.
     hash: u64,
@@ -167,15 +167,15 @@ struct Seen {
 /// The blocks of a tile so far.
 #[derive(Default)]
 struct Waiting {
-    /// Number of blocks from the first on that are added up.
+    /// Number of blocks added up, from the first on.
     ready: u32,
     sums: Vec<[f64; 3]>,
-    /// Those that come later, by their first.
+    /// Later blocks, by the first of each unit.
     later: BTreeMap<u32, Unit>,
 }
 
 impl Mosaic<'_> {
-    /// Puts a unit of the `number`th part in its place.
+    /// Adds a unit of the `number`th part.
     fn put(&mut self, number: usize, unit: Unit) -> Result<()> {
         if self.is_known(number, &unit)? {
             return Ok(());
@@ -203,7 +203,7 @@ impl Mosaic<'_> {
         self.finished += 1;
     }
 
-    /// Whether the unit has been there already, to the last bit; it is noted if not.
+    /// Whether the same unit was read already, to the last bit; records it if not.
     fn is_known(&mut self, number: usize, unit: &Unit) -> Result<bool> {
         let Unit { tile, blocks: Range { start, end }, .. } = *unit;
         let hash = xxh3_64(bytemuck::cast_slice(&unit.sums));
@@ -232,7 +232,7 @@ impl Mosaic<'_> {
             .remedy("remove one of the two, or render both again")
     }
 
-    /// The image, or what it lacks.
+    /// The image, or the description of a gap.
     fn finish(self) -> std::result::Result<Film, String> {
         let tiles = u64::from(self.grid.len()) - self.finished;
         let found = self.canvas.finish();
@@ -247,7 +247,7 @@ impl Mosaic<'_> {
 }
 
 impl Waiting {
-    /// Adds the blocks whose turn it is.
+    /// Adds the blocks whose turn has come.
     fn add_up(&mut self) {
         while let Some(unit) = self.later.remove(&self.ready) {
             if self.ready == 0 {

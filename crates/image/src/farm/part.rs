@@ -1,20 +1,20 @@
-//! The part file: sums of finished units, and what image they belong to.
+//! The part file: sums of finished units, and the identity of their image.
 //!
-//! | bytes | what |
+//! | bytes | content |
 //! |---|---|
 //! | 8 | `WAVEPART` |
-//! | 4 | the version of the form, 1 |
+//! | 4 | the format's version, 1 |
 //! | 4 | the length of the header |
 //! | ... | the [`Header`], in JSON |
-//! | 8 | the hash of all above |
-//! | | and for each unit, in the order of tiles and, within a tile, of blocks: |
-//! | 4, 4, 4, 4 | tile, first block, the block after its last, number of pixels |
+//! | 8 | the hash of everything above |
+//! | | then for each unit, in the order of tiles and, within a tile, of blocks: |
+//! | 4, 4, 4, 4 | tile, first block, end of the blocks (exclusive), number of pixels |
 //! | 8 | samples that were not finite |
 //! | 24 for each pixel | the sums, row by row: red, green and blue, as 64-bit floats |
-//! | 8 | the hash of the unit, which begins with that of the header |
+//! | 8 | the hash of the unit, seeded with that of the header |
 //!
-//! All numbers have their least byte first; hashes are XXH3 with 64 bits. They find damage, and not an attack.
-//! Memory is set aside for one unit at a time when a part is read, and a unit is no longer than its tile says.
+//! All numbers are little-endian; hashes are XXH3 with 64 bits. They detect damage, not attacks. A
+//! reader allocates memory for one unit at a time, and a unit is no longer than its tile requires.
 
 use std::fs::File;
 use std::io::{BufReader, ErrorKind as IoKind, Read, Write};
@@ -31,30 +31,30 @@ use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_base::replace::{Sink, replace_file, write_error};
 use wavecrest_core::render::units::{Blocks, Grid};
 
-/// What a part begins with.
+/// The first bytes of a part.
 const MAGIC: &[u8; 8] = b"WAVEPART";
 
-/// The version of the form.
+/// The format's version.
 const VERSION: u32 = 1;
 
-/// Bytes of a header, at most: a command line is no longer than the system lets it be, 2 MiB.
+/// Largest header in bytes: the system limits a command line to 2 MiB.
 const MAX_HEADER_BYTES: u32 = 4 << 20;
 
 /// Bytes of a unit besides its sums.
 const UNIT_BYTES: u64 = 4 * 4 + 8 + 8;
 
-/// What a part says of itself.
+/// The header of a part.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Header {
-    /// What image it is part of.
+    /// The image that it belongs to.
     pub identity: Identity,
-    /// Which share of it was to be rendered; `None` for all.
+    /// The shard to render; `None` for all.
     pub shard: Option<Shard>,
-    /// The scene's file, as it was named: for the reader, nothing follows from it.
+    /// The scene's file as given; informative only.
     pub scene: String,
-    /// The command that made it: for the reader, nothing follows from it.
+    /// The command that made it; informative only.
     pub command: Vec<String>,
-    /// How 8-bit images were to be written: a merge does the same unless another transfer is requested.
+    /// The transfer curve of 8-bit images: a merge uses the same unless another is requested.
     pub transfer: Transfer,
     /// Number of units in the file.
     pub units: u64,
@@ -65,7 +65,7 @@ pub struct Header {
 pub struct Unit {
     /// The tile's number in [`Identity::grid`].
     pub tile: u32,
-    /// The blocks: all up to some block, or one alone.
+    /// The blocks: all up to some block, or a single one.
     pub blocks: Range<u32>,
     /// Samples that were not finite.
     pub invalid: u64,
@@ -73,7 +73,7 @@ pub struct Unit {
     pub sums: Vec<[f64; 3]>,
 }
 
-/// Writes a part with these units, which are in order, or leaves what is at `path` as it was.
+/// Writes a part with these units, in order, or leaves the file at `path` unchanged.
 ///
 /// # Errors
 /// As [`replace_file`].
@@ -111,7 +111,7 @@ impl Unit {
     }
 }
 
-/// A part that is being read, unit by unit.
+/// A part read unit by unit.
 #[derive(Debug)]
 pub struct Reader {
     path: PathBuf,
@@ -122,7 +122,7 @@ pub struct Reader {
     /// The hash of the header.
     seed: u64,
     read: u64,
-    /// Where the last unit began, and its last block.
+    /// The start of the last unit, and its last block.
     last: Option<(u32, u32)>,
 }
 
@@ -130,7 +130,7 @@ impl Reader {
     /// Reads the header of the part at `path`.
     ///
     /// # Errors
-    /// When the file cannot be read, is no part, has another version, or is damaged.
+    /// If the file cannot be read, is not a part, has another version, or is damaged.
     pub fn open(path: &Path) -> Result<Self> {
         Self::open_it(path).map_err(|error| error.in_file(path))
     }
@@ -150,7 +150,7 @@ impl Reader {
         Ok(Self { path, header, grid, blocks, file, seed, read: 0, last: None })
     }
 
-    /// What the part says of itself.
+    /// The header.
     pub fn header(&self) -> &Header {
         &self.header
     }
@@ -158,7 +158,7 @@ impl Reader {
     /// The next unit, or `None` after the last.
     ///
     /// # Errors
-    /// When the file is cut short or damaged, or goes on after its last unit.
+    /// If the file is truncated or damaged, or continues after its last unit.
     pub fn next_unit(&mut self) -> Result<Option<Unit>> {
         let place = format!("unit {} of {}", self.read + 1, self.header.units);
         self.read_unit().map_err(|error| error.in_file(&self.path).at(place))
@@ -188,7 +188,7 @@ impl Reader {
         Ok(Some(Unit { tile, blocks: first..end, invalid, sums }))
     }
 
-    /// The number of pixels of a unit, if there can be such a unit at this place.
+    /// The number of pixels of a unit, if such a unit is possible at this place.
     fn length(&self, tile: u32, blocks: Range<u32>, pixels: u32) -> Result<usize> {
         let follows = self.last.is_none_or(|(last, end)| (last, end) <= (tile, blocks.start));
         let is_one = blocks.start == 0 || blocks.len() == 1;
@@ -241,7 +241,7 @@ fn header(file: &mut BufReader<File>, length: u64) -> Result<(Header, u64)> {
     Ok((header, hash))
 }
 
-/// Reads the hash that follows `bytes` in the file and holds it against theirs.
+/// Reads the hash that follows `bytes` in the file and checks it.
 fn check_hash(file: &mut impl Read, bytes: &[u8], seed: u64) -> Result<u64> {
     let mut found = [0; 8];
     fill(file, &mut found)?;
@@ -267,7 +267,7 @@ fn damaged(how: &str) -> Error {
     Error::new(ErrorKind::Syntax, format!("the part is damaged: {how}")).remedy("render it again")
 }
 
-/// The number that `bytes` begin with; missing bytes count as 0.
+/// The number at the start of `bytes`; missing bytes count as 0.
 fn number(bytes: &[u8]) -> u32 {
     long(&bytes[..bytes.len().min(4)]) as u32
 }

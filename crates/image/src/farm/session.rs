@@ -1,5 +1,5 @@
-//! A render, or a shard of one, that is kept while it is made and may go on from what was kept: each run of the
-//! program that works on it is a session.
+//! A session: one run of the program that renders an image or a shard, with a checkpoint, and may
+//! resume from it.
 
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -16,7 +16,7 @@ use wavecrest_core::render::units::{Blocks, Grid};
 use wavecrest_core::render::work::{Done, Job, Summed, Task, run};
 use wavecrest_core::render::{Canvas, RenderOptions, Rendered, Watch};
 
-/// What is to be rendered, and what there is of it.
+/// The work to render, and its state.
 pub struct Session<'a> {
     scene: &'a PreparedScene,
     options: &'a RenderOptions,
@@ -26,31 +26,31 @@ pub struct Session<'a> {
     blocks: Blocks,
     store: Store,
     todo: Vec<Task>,
-    /// Pixels times blocks: all, and those that are done.
+    /// Pixels times blocks: all, and those finished.
     all: u64,
     done: AtomicU64,
-    /// Of `done`, what a checkpoint held.
+    /// The part of `done` that came from a checkpoint.
     resumed: u64,
     has_checkpoint: bool,
 }
 
-/// Who requests a render: recorded in its files.
+/// The origin of a render, recorded in its files.
 #[derive(Clone, Debug, Default)]
 pub struct Author {
-    /// The scene's file, as it was named.
+    /// The scene's file as given.
     pub scene: String,
     /// The command.
     pub command: Vec<String>,
-    /// How 8-bit images were to be written.
+    /// The transfer curve of 8-bit images.
     pub transfer: Transfer,
 }
 
 impl<'a> Session<'a> {
-    /// Begins a render of `shard`, or of all, or goes on with one. `checkpoint` is where it is kept.
+    /// Starts or resumes a render of `shard`, or of the whole image, with its `checkpoint`.
     ///
     /// # Errors
-    /// When the crop is not within the image, and when the checkpoint is damaged, of another render, or
-    /// there but resuming was not requested.
+    /// If the crop is not within the image, or the checkpoint is damaged, of another render, or
+    /// exists but resuming was not requested.
     pub fn begin(
         scene: &'a PreparedScene,
         options: &'a RenderOptions,
@@ -95,26 +95,26 @@ impl<'a> Session<'a> {
         self.has_checkpoint
     }
 
-    /// The part of the work that the checkpoint held, from 0 to 1.
+    /// The share of the work that the checkpoint held, from 0 to 1.
     pub fn resumed(&self) -> f64 {
         self.part_of_all(self.resumed)
     }
 
-    /// The part of the work that is done, from 0 to 1.
+    /// The share of the work that is finished, from 0 to 1.
     pub fn share(&self) -> f64 {
         self.part_of_all(self.done.load(Ordering::Relaxed))
     }
 
-    /// A share without any work is done.
+    /// If there is no work, everything is finished.
     fn part_of_all(&self, part: u64) -> f64 {
         if self.all == 0 { 1.0 } else { part as f64 / self.all as f64 }
     }
 
-    /// Renders the whole image, or what is missing of it. A checkpoint that cannot be written is reported by
-    /// `warn`, and the render goes on.
+    /// Renders the whole image, or the rest of it. A checkpoint that cannot be written is reported
+    /// to `warn`, and the render continues.
     ///
     /// # Errors
-    /// When there is no memory for the film, or the table that the plan was made by does not hang together.
+    /// If there is no memory for the film, or the plan's table of passes is inconsistent.
     pub fn render(&self, watch: &dyn Watch, warn: &(dyn Fn(&Error) + Sync)) -> Result<Rendered> {
         let canvas = Canvas::new(self.grid, self.blocks, watch)?;
         for unit in self.store.all() {
@@ -126,11 +126,11 @@ impl<'a> Session<'a> {
         Ok(Rendered::new(canvas.finish(), done))
     }
 
-    /// Renders the units alone, or what is missing of them, and says what work that was. `warn` as for
-    /// [`Session::render`].
+    /// Renders the units, or the rest of them, without an image, and returns the work done. `warn`
+    /// as for [`Session::render`].
     ///
     /// # Errors
-    /// When the table that the plan was made by does not hang together.
+    /// If the plan's table of passes is inconsistent.
     pub fn render_units(&self, watch: &dyn Watch, warn: &(dyn Fn(&Error) + Sync)) -> Result<Done> {
         let each = u64::from(self.blocks.count());
         self.run(watch, warn, &|_| {
@@ -138,10 +138,10 @@ impl<'a> Session<'a> {
         })
     }
 
-    /// Writes the units that are there as a part.
+    /// Writes the finished units as a part.
     ///
     /// # Errors
-    /// When the file cannot be written.
+    /// If the file cannot be written.
     pub fn write(&self, path: &Path) -> Result<()> {
         self.store.write(path, &self.header)
     }
@@ -164,7 +164,7 @@ impl<'a> Session<'a> {
         let task = |number: usize| self.todo[number].clone();
         let job = Job { grid: self.grid, blocks: self.blocks, count: self.todo.len(), task: &task };
         let done = run(self.scene, self.options, &job, watch, &keep)?;
-        // A checkpoint that held everything stays as it is.
+        // A checkpoint that held everything stays unchanged.
         let is_new = !self.todo.is_empty() || !self.has_checkpoint;
         if let Some(saver) = saver.filter(|_| is_new) {
             saver.save(&self.store).unwrap_or_else(|error| warn(&error));

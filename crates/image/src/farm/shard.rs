@@ -1,8 +1,8 @@
-//! Shards: which process renders which units.
+//! Shards: the assignment of units to processes.
 //!
-//! Tiles are taken along a Z, so that any run of them lies close together, and dealt one by one. So every shard
-//! has a tile in each part of the image: equal shares, of the easy parts and of the hard ones. Where tiles are
-//! few, the blocks of their samples are dealt instead.
+//! Tiles are ordered along a Z-order curve, so that neighbours in the order are close together, and
+//! dealt in turn. So every shard has a tile in each part of the image: equal shares of the easy and
+//! the hard parts. If there are few tiles, the blocks of their samples are dealt instead.
 
 use std::fmt;
 use std::str::FromStr;
@@ -12,10 +12,11 @@ use serde::{Deserialize, Serialize};
 use wavecrest_core::render::units::{Blocks, Grid};
 use wavecrest_core::render::work::Task;
 
-/// Tiles for each shard, at least, where whole tiles are dealt: then no shard has more than a quarter too many.
+/// Smallest number of tiles for each shard if whole tiles are dealt: then no shard exceeds its
+/// share by more than a quarter.
 const MIN_TILES_PER_SHARD: u64 = 4;
 
-/// One of so many equal shares of a render.
+/// One of several equal shares of a render.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Shard {
     number: u32,
@@ -23,20 +24,20 @@ pub struct Shard {
 }
 
 impl Shard {
-    /// All of it.
+    /// The whole render.
     pub const WHOLE: Self = Self { number: 1, count: 1 };
 
-    /// The `number`th of `count`, counted from 1; `None` where there is no such.
+    /// Shard `number` of `count`, counted from 1; `None` if there is no such shard.
     pub fn new(number: u32, count: u32) -> Option<Self> {
         (1..=count).contains(&number).then_some(Self { number, count })
     }
 
-    /// Which it is, from 1.
+    /// Its number, from 1.
     pub fn number(self) -> u32 {
         self.number
     }
 
-    /// Of how many.
+    /// The number of shards.
     pub fn count(self) -> u32 {
         self.count
     }
@@ -58,7 +59,7 @@ impl Shard {
     }
 }
 
-/// The bits of column and row in turn: the order of a Z.
+/// The interleaved bits of column and row: the Z-order.
 fn along_z(column: u32, row: u32) -> u64 {
     let spread = |value: u32| {
         (0..u32::BITS).fold(0, |all, bit| all | u64::from(value >> bit & 1) << (2 * bit))

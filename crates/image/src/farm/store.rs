@@ -1,4 +1,4 @@
-//! Finished units in memory, to be written while others are made.
+//! Finished units in memory, saved while others are rendered.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -8,22 +8,22 @@ use super::part::{self, Header, Unit};
 use wavecrest_base::error::Result;
 use wavecrest_core::render::work::{Summed, Task};
 
-/// Where a unit begins: its tile, and its first block.
+/// The start of a unit: its tile, and its first block.
 type Key = (u32, u32);
 
-/// Units, at most one of a beginning.
+/// Units, at most one for each start.
 #[derive(Debug, Default)]
 pub(super) struct Store {
     units: Mutex<BTreeMap<Key, Arc<Unit>>>,
 }
 
 impl Store {
-    /// Keeps a unit, in place of the shorter one that begins where it does.
+    /// Stores a unit; it replaces a shorter one with the same start.
     pub(super) fn put(&self, unit: Unit) {
         self.units().insert((unit.tile, unit.blocks.start), Arc::new(unit));
     }
 
-    /// As [`Store::put`], from the loop.
+    /// As [`Store::put`], from the render loop.
     pub(super) fn keep(&self, summed: &Summed<'_>) {
         self.put(Unit {
             tile: summed.tile,
@@ -33,19 +33,19 @@ impl Store {
         });
     }
 
-    /// Writes what there is now as a part with this header.
+    /// Writes the current units as a part with this header.
     pub(super) fn write(&self, path: &Path, header: &Header) -> Result<()> {
         let units = self.all();
         let header = Header { units: units.len() as u64, ..header.clone() };
         part::write(path, &header, units.iter().map(|unit| &**unit))
     }
 
-    /// What there is now, in order. The units are shared, not copied.
+    /// The current units, in order. They are shared, not copied.
     pub(super) fn all(&self) -> Vec<Arc<Unit>> {
         self.units().values().cloned().collect()
     }
 
-    /// What is left of a task: all, nothing, or what follows the blocks that there are.
+    /// The rest of a task: all of it, nothing, or the blocks after those stored.
     pub(super) fn rest(&self, task: Task) -> Option<Task> {
         let Some(unit) = self.units().get(&(task.tile, task.blocks.start)).cloned() else {
             return Some(task);

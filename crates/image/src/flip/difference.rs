@@ -4,26 +4,26 @@ use std::f64::consts::FRAC_1_SQRT_2;
 
 use super::super::color::{from_opponents, opponents, rgb_to_xyz, xyz_to_lab, xyz_to_rgb};
 
-/// To this power a distance of colours is taken (q_c): small ones count for more.
+/// The exponent of colour distances (q_c), which gives small ones more weight.
 const COLOR_POWER: f64 = 0.7;
 
 /// Up to this part of the largest difference (p_c) ...
 const KNEE_FROM: f64 = 0.4;
 
-/// ... differences are spread over this part of the scale (p_t): what is larger hardly differs
-/// to the eye.
+/// ... differences are spread over this part of the scale (p_t): larger ones hardly differ to the
+/// eye.
 const KNEE_TO: f64 = 0.95;
 
-/// How strongly a pixel stands out as part of an edge, and as a point.
+/// The strength of a pixel as part of an edge, and as a point.
 #[derive(Clone, Copy)]
 pub(super) struct Features {
     pub(super) edge: f64,
     pub(super) point: f64,
 }
 
-/// Compares two pixels; holds what is the same for all.
+/// Compares two pixels; stores the constants.
 pub(super) struct Difference {
-    /// The largest difference of colours, to the power that is taken.
+    /// The largest colour difference, raised to the exponent.
     largest: f64,
 }
 
@@ -42,7 +42,7 @@ impl Difference {
             return 0.0;
         }
         let part = libm::pow(distance, COLOR_POWER) / self.largest;
-        // The colours that filters leave are clamped, but roundings may reach beyond the largest.
+        // Filtered colours are clamped, but rounding may exceed the largest difference.
         if part < KNEE_FROM {
             part * (KNEE_TO / KNEE_FROM)
         } else {
@@ -53,38 +53,38 @@ impl Difference {
     /// The difference of two features, from 0 to 1.
     pub(super) fn of_features(&self, a: Features, b: Features) -> f64 {
         let difference = (a.edge - b.edge).abs().max((a.point - b.point).abs());
-        // Along both axes a feature may have the strength 1. The power q_f is a half.
+        // A feature may have strength 1 along both axes. The exponent q_f is a half.
         (difference * FRAC_1_SQRT_2).sqrt().min(1.0)
     }
 
-    /// The whole difference: that of colours, the larger the more features differ.
+    /// The total difference: the colour difference, amplified by the feature difference.
     pub(super) fn combined(&self, colors: f64, features: f64) -> f64 {
-        // Where the colours are the same nothing is seen, whatever surrounds them.
+        // Equal colours show no difference, whatever surrounds them.
         if colors == 0.0 { 0.0 } else { libm::pow(colors, 1.0 - features) }
     }
 }
 
 /// A pixel's linear values as the light of a display, in YCxCz.
 ///
-/// YCxCz has the axes of CIELAB, without its roots: averages are those of light.
+/// YCxCz has the axes of CIELAB without its roots, so averages are averages of light.
 pub(super) fn shown(pixel: [f32; 3]) -> [f64; 3] {
     let light = |value: f32| if value > 0.0 { f64::from(value.min(1.0)) } else { 0.0 };
     opponents(rgb_to_xyz(pixel.map(light)))
 }
 
-/// A filtered colour, clamped to what a display can show, in CIELAB after Hunt.
+/// A filtered colour, clamped to the gamut of a display, in CIELAB with the Hunt effect.
 fn perceived(filtered: [f64; 3]) -> [f64; 3] {
     let rgb = xyz_to_rgb(from_opponents(filtered)).map(|value| value.clamp(0.0, 1.0));
     hunt(xyz_to_lab(rgb_to_xyz(rgb)))
 }
 
-/// Hunt's effect: colours are the less vivid the darker they are.
+/// The Hunt effect: darker colours appear less vivid.
 fn hunt([lightness, a, b]: [f64; 3]) -> [f64; 3] {
     [lightness, 0.01 * lightness * a, 0.01 * lightness * b]
 }
 
 /// The distance of Abasi, Tehran and Fairchild (*Distance metrics for very large color
-/// differences*, 2020): lightness apart from the rest.
+/// differences*, 2020): lightness separate from the rest.
 fn hyab(a: [f64; 3], b: [f64; 3]) -> f64 {
     let [l, u, v] = [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
     l.abs() + (u * u + v * v).sqrt()

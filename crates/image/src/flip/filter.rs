@@ -1,11 +1,11 @@
-//! The weights of the filters, and how they are applied.
+//! The weights of the filters, and their application.
 //!
-//! A filter is a row of weights. Applied along the rows of a picture and then along its columns,
-//! two of them make a filter of the plane. That of yellow against blue is a sum of two such
-//! products, as the eye's contrast sensitivity there is a sum of two Gaussians (section 4.1.1 of
+//! A filter is a row of weights. Two of them, applied along the rows and then along the columns of
+//! an image, make a filter of the plane. The filter for yellow against blue is a sum of two such
+//! products, as the eye's contrast sensitivity is a sum of two Gaussians there (section 4.1.1 of
 //! the paper, with numbers from Johnson and Fairchild, *On contrast sensitivity in an image
-//! difference model*, 2001); detectors of edges and points are derivatives of a Gaussian across
-//! the feature and the Gaussian along it (section 4.2).
+//! difference model*, 2001); detectors of edges and points are derivatives of a Gaussian across the
+//! feature and the Gaussian along it (section 4.2).
 
 use std::f64::consts::PI;
 
@@ -17,26 +17,26 @@ struct Sensitivity {
 
 const LIGHTNESS: Sensitivity = Sensitivity { a: 1.0, b: 0.0047 };
 const RED_GREEN: Sensitivity = Sensitivity { a: 1.0, b: 0.0053 };
-/// The sum of two.
+/// The two terms of a sum.
 const YELLOW_BLUE: [Sensitivity; 2] =
     [Sensitivity { a: 34.1, b: 0.04 }, Sensitivity { a: 13.5, b: 0.025 }];
 
-/// The width of the features that are detected, in degrees.
+/// The width of detected features, in degrees.
 const FEATURE_WIDTH: f64 = 0.082;
 
-/// Weights end at so many standard deviations of the widest Gaussian.
+/// Where weights end, in standard deviations of the widest Gaussian.
 const REACH: f64 = 3.0;
 
-/// How many results are summed at a time: as many as processors keep in registers.
+/// Number of results summed at a time: as many as fit into registers.
 const LANES: usize = 8;
 
 /// All filters for a number of pixels per degree.
 pub(super) struct Filters {
-    /// What the eye resolves of lightness.
+    /// Contrast sensitivity of lightness.
     pub(super) lightness: Filter,
     /// Of red against green.
     pub(super) red_green: Filter,
-    /// Of yellow against blue: each is applied along rows and columns, and the two are added.
+    /// Of yellow against blue: the sum of two filters, each applied along rows and columns.
     pub(super) yellow_blue: [Filter; 2],
     /// The Gaussian of the detectors.
     pub(super) smooth: Filter,
@@ -56,14 +56,14 @@ impl Filters {
         Self { lightness, red_green, yellow_blue, smooth, edge, point }
     }
 
-    /// To how many pixels on each side the widest filter reaches.
+    /// The reach of the widest filter to each side, in pixels.
     pub(super) fn radius(&self) -> usize {
         self.lightness.radius().max(self.smooth.radius())
     }
 }
 
 impl Filter {
-    /// To how many pixels on each side it reaches.
+    /// Its reach to each side, in pixels.
     pub(super) fn radius(&self) -> usize {
         self.0.len() / 2
     }
@@ -113,8 +113,8 @@ impl Filter {
     }
 }
 
-/// Adds `weight` times the values to the sums. Where `values` is an array its length is known, and
-/// the loop becomes a few vector instructions.
+/// Adds `weight` times the values to the sums. If `values` is an array, its length is known and the
+/// loop becomes a few vector instructions.
 #[inline(always)]
 fn add(sums: &mut [f64; LANES], weight: f64, values: &[f64]) {
     sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += weight * value);
@@ -130,13 +130,13 @@ impl Sensitivity {
         self.a * (PI / self.b).sqrt()
     }
 
-    /// The standard deviation of that, in degrees.
+    /// The standard deviation of that transform, in degrees.
     fn deviation(&self) -> f64 {
         (self.b / (2.0 * PI * PI)).sqrt()
     }
 }
 
-/// Filters of lightness, red against green, and yellow against blue. All reach as far as the
+/// The filters of lightness, red against green, and yellow against blue. All reach as far as the
 /// widest; each has the sum 1.
 fn of_the_eye(pixels_per_degree: f64) -> (Filter, Filter, [Filter; 2]) {
     let widest = YELLOW_BLUE[0].deviation();
@@ -146,7 +146,7 @@ fn of_the_eye(pixels_per_degree: f64) -> (Filter, Filter, [Filter; 2]) {
         let sum = filter.sum();
         filter.scaled(1.0 / sum)
     };
-    // Applied along rows and along columns, the factor of each counts twice.
+    // Applied along rows and columns, each factor counts twice.
     let double = YELLOW_BLUE.map(|part| {
         let root = part.height().sqrt();
         Filter::sampled(radius, |x| part.at(x / pixels_per_degree) / root)
@@ -155,7 +155,7 @@ fn of_the_eye(pixels_per_degree: f64) -> (Filter, Filter, [Filter; 2]) {
     (single(&LIGHTNESS), single(&RED_GREEN), double.map(|filter| filter.scaled(1.0 / sum)))
 }
 
-/// The Gaussian of this standard deviation in pixels, with the sum 1, and its first and second
+/// The Gaussian with this standard deviation in pixels and the sum 1, and its first and second
 /// derivatives, whose positive weights have the sum 1 and whose negative ones -1.
 fn of_features(deviation: f64) -> [Filter; 3] {
     let radius = (REACH * deviation).ceil() as i32;

@@ -1,24 +1,23 @@
-//! The passes over a tile of the picture.
+//! The passes over a tile of the image.
 //!
-//! A tile takes its pixels and those that filters reach around it, goes along the rows once, for
-//! every filter, then along the columns, and compares. Beyond the picture's edge its outermost
-//! pixels go on.
+//! Each tile reads its pixels and those that filters reach around it, filters the rows once for all
+//! filters, then the columns, and compares. The image's edge pixels are repeated beyond its edge.
 
 use super::difference::{Difference, Features, shown};
 use super::filter::{Filter, Filters};
 use wavecrest_core::film::Film;
 
-/// The least number of pixels on a tile's side: what it holds then stays in a core's cache.
+/// The smallest side of a tile in pixels: its memory then stays in a core's cache.
 const MIN_SIDE: usize = 64;
 
-/// Two pictures, to be compared tile by tile.
+/// Two images, compared tile by tile.
 pub(super) struct Tiles<'a> {
     filters: Filters,
     difference: Difference,
     films: [&'a Film; 2],
 }
 
-/// A tile: its first column and row, and how many there are of each.
+/// A tile: its first column and row, and its number of columns and rows.
 #[derive(Clone, Copy)]
 struct Place {
     x: usize,
@@ -27,8 +26,7 @@ struct Place {
     height: usize,
 }
 
-/// What a picture is after the pass along rows: a plane for each filter, with rows above and below
-/// the tile.
+/// An image after the pass along rows: a plane for each filter, with rows above and below the tile.
 #[derive(Default)]
 struct Filtered {
     lightness: Vec<f64>,
@@ -39,13 +37,13 @@ struct Filtered {
     point: Vec<f64>,
 }
 
-/// A row of a picture after both passes: a colour and features for each pixel.
+/// A row of an image after both passes: a colour and features for each pixel.
 #[derive(Default)]
 struct Row {
     color: [Vec<f64>; 3],
     along_x: [Vec<f64>; 2],
     along_y: [Vec<f64>; 2],
-    /// What is added to another.
+    /// The second term of a sum.
     term: Vec<f64>,
 }
 
@@ -54,8 +52,8 @@ impl<'a> Tiles<'a> {
         Self { filters, difference: Difference::new(), films }
     }
 
-    /// The number of pixels on a tile's side: filters should not reach farther than that, or most
-    /// of the work would be done around tiles.
+    /// The side of a tile in pixels: at least the reach of the filters, or most of the work would
+    /// be around tiles.
     pub(super) fn side(&self) -> usize {
         MIN_SIDE.max(2 * self.filters.radius())
     }
@@ -83,7 +81,7 @@ impl<'a> Tiles<'a> {
         }
     }
 
-    /// The pass along rows, of the tile's and of those that filters reach above and below.
+    /// The pass along rows: the tile's, and those that filters reach above and below.
     fn along_rows(&self, film: &Film, place: Place, out: &mut Filtered) {
         let filters = &self.filters;
         let [first, second] = &filters.yellow_blue;
@@ -144,14 +142,14 @@ impl<'a> Tiles<'a> {
         }
     }
 
-    /// The rows or columns that filters reach from `count` of them, the picture's first and last
-    /// repeated beyond its edge.
+    /// The rows or columns that filters reach around `count` of them; the image's first and last
+    /// are repeated beyond its edge.
     fn reached(&self, start: usize, count: usize, size: u32) -> impl Iterator<Item = usize> {
         let (radius, last) = (self.filters.radius(), size as usize - 1);
         (start..start + count + 2 * radius).map(move |i| i.saturating_sub(radius).min(last))
     }
 
-    /// How many of the pixels before a tile `filter` does not reach.
+    /// The number of pixels before a tile that `filter` does not reach.
     fn before(&self, filter: &Filter) -> usize {
         self.filters.radius() - filter.radius()
     }
@@ -181,7 +179,7 @@ impl Row {
     fn features(&self, x: usize) -> Features {
         let strength = |i: usize| {
             let (along_x, along_y) = (self.along_x[i][x], self.along_y[i][x]);
-            // The scale of lightness reaches from -16 to 100; the filters leave no constant.
+            // Lightness ranges from -16 to 100; the filters cancel constants.
             (along_x * along_x + along_y * along_y).sqrt() / 116.0
         };
         Features { edge: strength(0), point: strength(1) }

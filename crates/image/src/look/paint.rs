@@ -10,23 +10,23 @@ use wavecrest_core::math::float::dot;
 use wavecrest_core::math::ray::Ray;
 use wavecrest_core::prepared::PreparedScene;
 
-/// Gives each sample its colour.
+/// Colours each sample.
 pub(super) struct Paint<'a> {
     pub(super) scene: &'a PreparedScene,
     pub(super) look: Look,
 }
 
-/// The samples of a pixel, summed up.
+/// The sums of a pixel's samples.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Painted {
-    /// How many hit something.
+    /// Number of samples that hit something.
     pub(super) hits: u32,
     pub(super) color: [f64; 3],
     depth: f64,
 }
 
 impl Painted {
-    /// The mean over samples that hit something; `None` where none does.
+    /// The mean over samples that hit something; `None` if none does.
     pub(super) fn mean_depth(&self) -> Option<f64> {
         (self.hits > 0).then(|| self.depth / f64::from(self.hits))
     }
@@ -51,7 +51,7 @@ impl Gather for Paint<'_> {
 }
 
 impl Paint<'_> {
-    /// The number of the object that was hit; of the triangle where there is one object.
+    /// The number of the object that was hit, or of the triangle if there is only one object.
     fn number(&self, hit: &Hit) -> u32 {
         let appearance = &self.scene.appearance;
         match appearance.shapes.len() {

@@ -1,7 +1,8 @@
-//! The edges of triangles as lines of one width in pixels.
+//! Triangle edges as lines of constant width in pixels.
 //!
-//! How far a point is from an edge in pixels follows from how far it is in the scene, and from how that changes from
-//! pixel to pixel: the ray's differential. So nothing is projected, and edges behind the camera need no care.
+//! The distance of a point from an edge in pixels follows from its distance in the scene, and from
+//! its change between pixels, the ray's differential. So nothing is projected, and edges behind the
+//! camera need no care.
 
 use glam::Vec3;
 
@@ -12,14 +13,14 @@ use wavecrest_core::kernels::precision::Arithmetic;
 use wavecrest_core::math::ray::Ray;
 use wavecrest_core::prepared::PreparedScene;
 
-/// Half the width of a line in pixels: either side of an edge draws its half.
+/// Half the width of a line in pixels: each side of an edge draws its half.
 const HALF_WIDTH: f32 = 0.6;
-/// A line fades over a pixel: half of one on either side of its border.
+/// A line fades over one pixel, half of it on either side of its border.
 const BORDER: f32 = 0.5;
-/// Triangles that are less high than so many pixels have fainter lines: a fine mesh is not to be black.
+/// Triangles with a smaller height in pixels have fainter lines, so that fine meshes are not black.
 const FAINT_BELOW: f32 = 6.0;
 
-/// Draws edges: sums up how much of a pixel's samples lines cover.
+/// Draws edges: sums the coverage of a pixel's samples by lines.
 pub(super) struct Wires<'a> {
     pub(super) scene: &'a PreparedScene,
 }
@@ -35,20 +36,20 @@ impl Gather for Wires<'_> {
 }
 
 impl Wires<'_> {
-    /// How much a line covers the hit, from 0 to 1.
+    /// The coverage of the hit by a line, from 0 to 1.
     fn covered(&self, ray: &Ray, hit: &Hit) -> f32 {
         let geometry = self.scene.accel.geometry();
         if let Some(corners) = geometry.mesh_triangle(hit.primitive) {
             return self.line(ray, hit.t, &corners);
         }
         match geometry.primitive(hit.primitive) {
-            // A quad has four edges; what divides it is none.
+            // A quad has four edges; its diagonal is not one.
             Primitive::Quad(index) => self.line(ray, hit.t, &geometry.quad(index)),
             _ => 0.0,
         }
     }
 
-    /// The same for the polygon of these corners.
+    /// The same for the polygon with these corners.
     fn line(&self, ray: &Ray, t: f32, corners: &[Vec3]) -> f32 {
         let [a, b, c] = [corners[0], corners[1], corners[2]];
         let Some(normal) = (b - a).cross(c - a).try_normalize() else { return 0.0 };
