@@ -1,4 +1,4 @@
-//! Exit codes: each is given where it should be, and told alike in the help, the manual and the README.
+//! Exit codes: each is given where it should be, and told alike in the help, the manual and the guide.
 
 use super::{run, text, with_ball};
 use crate::support::{folder, repository};
@@ -33,8 +33,8 @@ fn exit_codes_are_told_alike_everywhere() {
     let words = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
     let help = words(&said(&["--help"]));
     let manual = words(&said(&["man"]));
-    let readme = std::fs::read_to_string(repository("README.md")).expect("the README");
-    let readme = readme.replace('`', "");
+    let guide = std::fs::read_to_string(repository("GUIDE.md")).expect("the guide");
+    let guide = guide.replace('`', "");
     let page = said(&["man"]);
     let lines: Vec<&str> = page.lines().collect();
     let listed = lines.windows(3).filter(|rows| rows[0] == ".TP" && rows[1].parse::<u8>().is_ok());
@@ -43,6 +43,6 @@ fn exit_codes_are_told_alike_everywhere() {
     for (code, meaning) in listed {
         assert!(help.contains(&format!("{code} {meaning}")), "{help}");
         assert!(manual.contains(&format!(".TP {code} {meaning}")), "{manual}");
-        assert!(readme.contains(&format!("\n| {code} | {meaning} |\n")), "{code} {meaning}");
+        assert!(guide.contains(&format!("\n| {code} | {meaning} |\n")), "{code} {meaning}");
     }
 }
