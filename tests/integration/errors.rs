@@ -57,16 +57,15 @@ fn a_ply_file_that_was_cut_off_is_told_where_it_ends() {
         "m.ply",
         &ply(3, 1, "0 0 0\n1 0"),
         ErrorKind::Syntax,
-        "vertex 1: the file is too short: 3 of \"vertex\" take at least 18 bytes and 9 are left, \
-         found the end of the file after at most 1; \
-         the file was cut off, or the count in its header is wrong",
+        "vertex 1: the file is cut off: its header promises 3 of \"vertex\", and there is room for 1; \
+         copy or export it again",
     );
     check_mesh(
         "m.ply",
         &ply(3, 1, &format!("{VERTICES}3 0 1")),
         ErrorKind::Syntax,
-        "face 0 (line 13): the file is too short: a list of 3 takes at least 6 bytes and 4 are \
-         left; the file was cut off, or the types in its header are wrong",
+        "face 0 (line 13): the file is cut off: a list of 3 takes at least 6 bytes, and 4 are left; \
+         copy or export it again, or correct the types in its header",
     );
 }
 
@@ -96,15 +95,14 @@ fn a_promise_that_the_file_cannot_hold_is_refused_before_memory_is_set_aside() {
         "m.ply",
         &ply(4_000_000_000, 1, VERTICES),
         ErrorKind::Syntax,
-        "vertex 3: the file is too short: 4000000000 of \"vertex\" take at least 24000000000 bytes \
-         and 18 are left, found the end of the file after at most 3; \
-         the file was cut off, or the count in its header is wrong",
+        "vertex 3: the file is cut off: its header promises 4000000000 of \"vertex\", and there is room for 3; \
+         copy or export it again",
     );
     check_mesh(
         "m.ply",
         &ply(40_000_000_000, 1, VERTICES),
         ErrorKind::Limit,
-        "header line 3: a mesh has at most 4294967294 rows of the element \"vertex\", \
+        "header line 3: a mesh can have at most 4294967294 rows of the element \"vertex\", \
          found 40000000000; split the mesh into several files",
     );
 }
@@ -221,8 +219,7 @@ fn other_formats_are_refused_by_their_names() {
         (
             ErrorKind::Scene,
             "s.json: scene.shapes[0].file: a glTF file cannot be a shape, found \
-             \"m.gltf\"; convert it, and name the meshes that this writes: wavecrest convert IN \
-             OUT.json"
+             \"m.gltf\"; run wavecrest convert IN OUT.json, and use the meshes that it writes"
         )
     );
 }

@@ -103,11 +103,11 @@ fn a_file_alone_has_its_materials_and_converts_to_the_same_image() {
 #[test]
 fn what_is_missing_is_named_once_and_its_faces_are_plain() {
     for (files, right) in [
-        (vec![("m.obj", obj("picture"))], "there is no material file \"a\""),
-        (vec![("m.obj", obj("none")), ("a b.mtl", MTL.to_owned())], "has the materials none;"),
+        (vec![("m.obj", obj("picture"))], "the material file \"a\" is missing"),
+        (vec![("m.obj", obj("none")), ("a b.mtl", MTL.to_owned())], "not in any MTL file: none;"),
         (
             vec![("m.obj", obj("picture")), ("a b.mtl", MTL.replace("t.png", "u.png"))],
-            "there is no image \"textures\\\\u.png\"; put it beside the OBJ file",
+            "the image \"textures\\\\u.png\" is missing; put it beside the OBJ file",
         ),
         (
             vec![("m.obj", obj("picture")), ("a b.mtl", MTL.replace("\\t.png", "/../a b.mtl"))],

@@ -122,7 +122,7 @@ fn more_memory_than_allowed_is_refused_before_anything_is_read() {
     };
     let text = run("20MiB");
     for words in [
-        "knot.json: the render would take more memory than 20.0 MiB, found about ",
+        "knot.json: the render needs more memory than 20.0 MiB, found about ",
         "raise --memory-limit",
         "building the tree",
     ] {

@@ -281,8 +281,10 @@ impl FileFormat {
             return Ok(Self::Gltf);
         }
         let text = start.strip_prefix("\u{feff}".as_bytes()).unwrap_or(&start);
-        if text.trim_ascii_start().first().is_none_or(|byte| *byte == b'{') {
-            return Ok(Self::Scene);
+        match text.trim_ascii_start().first() {
+            Some(b'{') => return Ok(Self::Scene),
+            None if extension.is_empty() => return Ok(Self::Scene),
+            _ => {}
         }
         let error = Error::new(ErrorKind::Usage, "this kind of file is not read").in_file(path);
         Err(error.remedy("use a scene (.json), glTF (.gltf, .glb) or a mesh (.ply, .obj, .stl)"))

@@ -42,11 +42,11 @@ fn check_says_what_is_in_a_scene() {
   image             16 x 12, 1 ray a pixel
   shapes            1
   triangles         0
-  without area      0
+  zero-area         0
   vertices          0
   quads             0
   spheres           1
-  lights 1
+  lights            1
   textures          0
   bounces           2
   lowest corner     -1, -1, -1
@@ -198,7 +198,7 @@ fn explain_and_the_statistics_of_a_render_agree_on_the_plan() {
     write_scene(folder.path(), &mirror_ball(0.5));
     let (_, found) = answer(folder.path(), &["explain", "s.json", "--json"]);
     let explained: Value = serde_json::from_str(&found).expect("JSON");
-    answer(folder.path(), &["s.json", "out.png", "--stats", "stats.json"]);
+    answer(folder.path(), &["-q", "s.json", "out.png", "--stats", "stats.json"]);
     let text = std::fs::read_to_string(folder.path().join("stats.json")).expect("statistics");
     let rendered: Value = serde_json::from_str(&text).expect("JSON");
     assert_eq!(explained["plan"], rendered["plan"]);
@@ -331,7 +331,7 @@ fn a_generated_mesh_can_be_rendered() {
         let light = point_light(100.0, [5.0, 9.0, 7.0], [1.0; 3]);
         let camera = with(pinhole([24, 24], 60.0, 5.0), "location", json!([0.5, 2.5, 3]));
         write_scene(folder.path(), &scene(0, &camera, &[light], &[mesh]));
-        assert_eq!(answer(folder.path(), &["s.json", "out.exr"]), (0, String::new()));
+        assert_eq!(answer(folder.path(), &["s.json", "out.exr", "-q"]), (0, String::new()));
         let film = read(&folder.path().join("out.exr")).expect("an image");
         let lit = film.pixels().iter().filter(|p| p[0] > 0.1 && p[0] == p[2]).count();
         assert!(lit > 30, "{model}: {lit} pixels");

@@ -3,7 +3,7 @@
 use serde_json::json;
 use wavecrest_core::math::simd::Level;
 
-use super::{ball, files, film, run_silently, text, with_ball};
+use super::{ball, files, film, run, run_silently, text, with_ball};
 use crate::support::{folder, image, matte, pinhole, scene, wavecrest};
 
 #[test]
@@ -126,7 +126,8 @@ fn paths_in_a_scene_start_from_its_folder() {
     let mesh = json!({"type": "trimesh", "file": "m.obj", "material": matte(0.8, [1.0; 3])});
     let scene = scene(0, &pinhole([8, 8], 40.0, 5.0), &[], &[mesh]);
     std::fs::write(inner.join("s.json"), scene.to_string()).expect("a file");
-    run_silently(&outer, &["-q", "../scenes/s.json", "out.exr"]);
+    let output = run(&outer, &["-q", "../scenes/s.json", "out.exr"]);
+    assert!(output.status.success() && text(&output.stderr).contains("there is no light"));
     assert_eq!(film(outer.join("out.exr")).pixel(4, 4), Some([0.0; 3]), "the mesh, unlit");
     assert_eq!(files(&inner), ["m.obj", "s.json"], "the output is where the command was run");
 }
@@ -155,7 +156,8 @@ fn names_need_not_be_unicode() {
     std::fs::copy(folder.path().join("ball.json"), folder.path().join(name(".json")))
         .expect("a copy");
     let mut command = wavecrest(folder.path());
-    let output = command.arg(name(".json")).arg(name(".png")).output().expect("the command runs");
+    let output =
+        command.arg("-q").arg(name(".json")).arg(name(".png")).output().expect("the command runs");
     assert_eq!((output.status.code(), text(&output.stderr)), (Some(0), ""));
     assert!(folder.path().join(name(".png")).exists());
 }

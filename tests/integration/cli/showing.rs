@@ -69,7 +69,7 @@ fn the_log_tells_what_is_done_chosen_and_found() {
     scene["camera"]["colour"] = json!(1);
     let folder = with_scene(&scene.to_string());
     let arguments = ["ball.json", "out.exr", "--log", "log.txt", "-q"];
-    run_silently(folder.path(), &arguments);
+    assert!(run(folder.path(), &arguments).status.success());
     let lines = log(folder.path());
     let mut topics: Vec<&str> = lines.iter().map(|line| topic(line)).collect();
     topics.dedup();
@@ -101,7 +101,7 @@ fn the_log_tells_what_is_done_chosen_and_found() {
 #[test]
 fn a_log_may_go_to_standard_output_and_over_no_other_file() {
     let folder = with_ball();
-    let output = run(folder.path(), &["ball.json", "out.exr", "--log", "-"]);
+    let output = run(folder.path(), &["ball.json", "out.exr", "--log", "-", "-q"]);
     assert_eq!((output.status.code(), text(&output.stderr)), (Some(0), ""));
     assert!(text(&output.stdout).lines().last().is_some_and(|line| topic(line) == "done"));
     run_wrongly(
@@ -292,7 +292,7 @@ fn no_viewer_costs_no_render() {
     let expected = image(&of_size(150, 100));
     // A port without a listener.
     let port = TcpListener::bind("127.0.0.1:0").expect("a port").local_addr().expect("an address");
-    let output = run(folder.path(), &["ball.json", "out.exr", &format!("--tev={port}")]);
+    let output = run(folder.path(), &["-q", "ball.json", "out.exr", &format!("--tev={port}")]);
     assert_eq!(output.status.code(), Some(0));
     let told = text(&output.stderr);
     let words = format!("warning: {port}: cannot reach the viewer: ");
@@ -309,7 +309,7 @@ fn a_viewer_that_leaves_costs_no_render() {
         stream.read_exact(&mut some).expect("the first bytes");
         let _ = stream.write_all(b"no more");
     });
-    let output = run(folder.path(), &["ball.json", "out.exr", &format!("--tev={address}")]);
+    let output = run(folder.path(), &["-q", "ball.json", "out.exr", &format!("--tev={address}")]);
     viewer.join().expect("it left");
     assert_eq!(output.status.code(), Some(0));
     let told = text(&output.stderr);

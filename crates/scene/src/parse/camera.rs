@@ -214,8 +214,11 @@ fn view(object: &Object<'_>, options: &LoadOptions) -> Result<View> {
     let (width, height) = size(object, options)?;
     let fov_degrees = object.number("fov");
     let fov_axis = object.word("fovaxis");
-    let location = object.need_one_of(&LOCATIONS, POINT)?.point()?;
-    let look = look(object, location)?;
+    let notes = object.cursor().notes();
+    let location = notes.part(|| object.need_one_of(&LOCATIONS, POINT)?.point());
+    let look = notes.part(|| object.need_one_of(&LOOKS, POINT)?.point());
+    let (location, look) = (location?, look?);
+    check_look(object, location, look)?;
     let up = up(object, look - location)?;
     let antialias = object.integer("antialias");
     let sampling = object.word("sampling");
@@ -270,14 +273,12 @@ fn check_side(key: &str, asked: u32) -> Result<()> {
     Err(Error::new(kind, message).value(asked))
 }
 
-fn look(object: &Object<'_>, location: DVec3) -> Result<DVec3> {
-    let cursor = object.need_one_of(&LOOKS, POINT)?;
-    let look = cursor.point()?;
-    if look == location {
-        let error = cursor.error("the camera looks at its own location");
-        return Err(error.remedy("move \"look\" away from \"location\""));
+fn check_look(object: &Object<'_>, location: DVec3, look: DVec3) -> Result<()> {
+    if look != location {
+        return Ok(());
     }
-    Ok(look)
+    let error = object.need_one_of(&LOOKS, POINT)?.error("the camera looks at its own location");
+    Err(error.remedy("move \"look\" away from \"location\""))
 }
 
 /// The upward direction: the file's, unless it leaves open which way up the image is.

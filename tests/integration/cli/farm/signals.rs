@@ -71,13 +71,13 @@ fn a_signal_ends_a_render_with_what_is_finished_and_it_goes_on_to_the_same_bytes
         let told = text(&output.stderr);
         assert_eq!(output.status.code(), Some(code), "{told}");
         let percent = told
-            .strip_prefix(&format!("SIG{signal} ended the render when "))
-            .and_then(|rest| rest.split_once(" % of it was done; "));
+            .strip_prefix(&format!("stopped by SIG{signal} at "))
+            .and_then(|rest| rest.split_once(" %; "));
         let (percent, rest) = percent.expect(told);
         let percent: f64 = percent.parse().expect(told);
-        let go_on = "; go on with --checkpoint kept --resume\n";
+        let go_on = "; resume with --checkpoint kept --resume\n";
         assert!(rest.ends_with(go_on), "{told}");
-        if rest.starts_with("out.exr holds it, black elsewhere") {
+        if rest.starts_with("out.exr has what was finished; the rest is black") {
             let part = film(at("out.exr"));
             let pairs = || part.pixels().iter().zip(whole.pixels());
             assert!(pairs().all(|(a, b)| a == b || *a == [0.0; 3]), "black or as it will be");
@@ -109,7 +109,7 @@ fn a_shard_that_a_signal_ends_is_kept_and_not_written() {
     let output = running.finish();
     let told = text(&output.stderr);
     assert_eq!(output.status.code(), Some(143), "{told}");
-    assert!(told.contains("; 1.part is not written; go on with --checkpoint kept"), "{told}");
+    assert!(told.contains("; 1.part is not written; resume with --checkpoint kept"), "{told}");
     assert_eq!(files(folder.path()), ["ball.json", "kept"]);
     run_silently(folder.path(), &[&shard("1/2", "1.part")[..], &["--resume", "-q"]].concat());
     run_silently(folder.path(), &["ball.json", "2.part", "--shard", "2/2"]);

@@ -50,7 +50,7 @@ fn a_full_disk_leaves_the_older_image_and_nothing_else() {
     let Some(said) = on_small_disk(folder.path(), script) else { return };
     assert_eq!(
         said,
-        "error: disk/out.pfm: cannot write the file: No space left on device (os error 28); \
+        "error: disk/out.pfm: cannot write the file: the disk is full; \
          free some space or write to another disk\nout.pfm\n"
     );
 }
@@ -61,13 +61,13 @@ fn a_checkpoint_that_does_not_fit_costs_no_image() {
     let folder = with_scene(&crate::parts::ball([100, 100], 1).to_string());
     run_silently(folder.path(), &["ball.json", "usual.exr"]);
     let script = "\
-        $WAVECREST ball.json out.exr --checkpoint disk/kept 2>told\n\
+        $WAVECREST -q ball.json out.exr --checkpoint disk/kept 2>told\n\
         cat told\n\
         ls -A disk";
     let Some(said) = on_small_disk(folder.path(), script) else { return };
     assert_eq!(
         said,
-        "warning: disk/kept: cannot write the file: No space left on device (os error 28); \
+        "warning: disk/kept: cannot write the file: the disk is full; \
          free some space or write to another disk\n"
     );
     assert!(bytes(folder.path(), "out.exr") == bytes(folder.path(), "usual.exr"));
@@ -91,7 +91,7 @@ fn what_cannot_be_written_is_told_before_the_scene_is_read() {
         folder.path(),
         &["ball.json", "out.png", "--checkpoint", "/dev/full"],
         "/dev/full: cannot write the file: this is neither a file nor a folder; \
-         name an ordinary file",
+         name a regular file",
     );
     assert_eq!(files(folder.path()), ["ball.json"]);
 }
