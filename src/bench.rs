@@ -206,7 +206,7 @@ mod tests {
         );
         let args = parse(&format!("{s} -q -o {p} --page {p}")).unwrap();
         let error = run(&args).unwrap_err().to_string();
-        assert!(error.contains("this file is the JSON too"), "{error}");
+        assert!(error.contains("this file is also the JSON"), "{error}");
         assert_eq!(std::fs::read_to_string(&page).unwrap(), html, "it is as it was");
     }
 }

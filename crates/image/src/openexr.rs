@@ -146,7 +146,7 @@ mod tests {
         let channel = Channel { name: "a".into(), values: Values::Integers(vec![1; 3]) };
         let extras = Extras { channels: &[channel], ..Extras::default() };
         let told = encode(&film(), &extras).unwrap_err().to_string();
-        assert!(told.contains("a is of another size"), "{told}");
+        assert!(told.contains("a has another size"), "{told}");
     }
 
     #[test]

@@ -250,7 +250,7 @@ mod tests {
         );
         assert_eq!(
             qoi(16_384, 16_384),
-            "a.qoi: 16384 x 16384 pixels are too many for a file of this length, found 22 bytes; \
+            "a.qoi: the file is too short for 16384 x 16384 pixels, found 22 bytes; \
              check that the file is whole"
         );
     }

@@ -365,7 +365,7 @@ mod tests {
         assert_eq!(
             failed.unwrap_err().to_string(),
             format!(
-                "{}: cannot write the file: no storage space; \
+                "{}: cannot write the file: the disk is full; \
                  free some space or write to another disk",
                 path.display()
             )

@@ -185,6 +185,6 @@ mod tests {
         }
         bytes[16..24].fill(0xff);
         let error = RayFile::parse(&bytes).unwrap_err().to_string();
-        assert!(error.contains("not as long as it says"), "{error}");
+        assert!(error.contains("the length of the ray file is wrong"), "{error}");
     }
 }

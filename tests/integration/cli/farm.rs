@@ -133,7 +133,7 @@ fn shards_and_parts_that_make_no_sense_are_refused_before_the_scene_is_read() {
     run_wrongly(
         folder.path(),
         &["merge", "no.part", "-o", "out.png"],
-        "no.part: cannot read the part: No such file or directory (os error 2)",
+        "no.part: cannot read the part: there is no such file; check the path",
     );
     run_wrongly(
         folder.path(),
@@ -174,8 +174,8 @@ fn a_merge_that_lacks_a_shard_leaves_the_older_image() {
     run_wrongly(
         folder.path(),
         &["merge", "1.part", "2.part", "-o", "out.png"],
-        "2.part: it has another seed than 1.part, found 7; \
-         that of 1.part is 0: put parts of one image together",
+        "2.part: the seed differs from that of 1.part, found 7; \
+         1.part has 0; merge parts of one image",
     );
     assert_eq!(bytes(folder.path(), "out.png"), b"precious");
 }

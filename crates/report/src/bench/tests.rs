@@ -165,14 +165,14 @@ fn tracers_that_disagree_have_no_times() {
 fn the_text_has_work_beside_time() {
     let text = text::scene(&steady());
     for part in [
-        "24 x 16 pixels, 1 camera ray\n",
+        "24 x 16 pixels, 1 camera ray per pixel\n",
         "1 sphere, 1 light\n",
         "loaded in 0.500 s, tree (fast) built in 0.250 s",
-        "6 pairs, all images bit-identical",
+        "6 pairs of runs, all images bit-identical",
         "  median                       100.000     125.000  ms\n",
         "Mrays/s",
         "intersect",
-        "1.250 (1.250 to 1.250 with 96.9 % confidence, 6 pairs); the wavefront is faster",
+        "1.250 (1.250 to 1.250 with 96.9 % confidence, 6 pairs of runs); the wavefront is faster",
     ] {
         assert!(text.contains(part), "{part}\n{text}");
     }

@@ -281,7 +281,7 @@ fn reports_of_bench_are_compared_too() {
     assert!(error.contains("a sweep and a file are not comparable"), "{error}");
     std::fs::write(&after, "{}").unwrap();
     let error = refused(&before, &after);
-    assert!(error.contains("no report of `bench`") && error.contains("after.json"), "{error}");
+    assert!(error.contains("not a report of `bench`") && error.contains("after.json"), "{error}");
     let error = refused(folder.path(), folder.path());
     assert!(error.contains("cannot read the records of a sweep"), "{error}");
 }
