@@ -104,6 +104,7 @@ cases! {
     39 hc39_needles hc39_needles_full;
     40 hc40_before_the_origin hc40_before_the_origin_full;
     41 hc41_cones hc41_cones_full;
+    42 hc42_listed_points hc42_listed_points_full;
     43 hc43_from_afar hc43_from_afar_full;
     44 hc44_instances hc44_instances_full;
     45 hc45_cut_outs hc45_cut_outs_full;

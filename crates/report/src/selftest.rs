@@ -18,6 +18,7 @@ mod far;
 mod holes;
 mod instances;
 mod lights;
+mod listed;
 mod meshes;
 mod mirrors;
 mod moved;
@@ -131,6 +132,7 @@ pub const CASES: &[Case] = &[
     Case::new(40, "ranges that begin before the origin", "what lies within is hit", planes::before_the_origin),
     Case::new(41, "cones of 0 to 180 degrees, and light along a floor",
         "lit within the cone and nowhere else, in the plane not at all", cones::cones),
+    Case::new(42, "points that a scene lists up to 2^38 from the origin", "every pixel shows its face", listed::listed_points),
     Case::new(43, "edges and vertices from up to 10 000 radii away", "no ray enters a closed mesh", far::aimed),
     Case::new(44, "instances turned, stretched, mirrored and moved",
         "no ray leaves a closed mesh, the hits of brute force", instances::shown),
