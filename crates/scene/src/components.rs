@@ -1,11 +1,11 @@
-//! What an entity of the scene can carry: plain data, one concept a component.
+//! The components of scene entities: plain data, one concept each.
 //!
 //! A shape is an entity with [`Order`], [`JsonPath`], one of [`Sphere`], [`Quad`], [`Triangle`] or
-//! [`Mesh`], and [`Material`], [`Sides`], [`Shading`], perhaps [`Facing`], [`Transform`],
-//! [`TextureRef`], [`Maps`], [`CutOut`], [`Name`]. A point light is an entity with [`PointLight`], which [`Spot`] narrows to a
-//! cone; a light from infinitely far away is one with [`DirectionalLight`], and an area light one with [`AreaLight`] and
-//! the geometry of its shape. The camera is one with [`View`] and
-//! [`Pinhole`] or [`ThinLens`]. One entity holds [`Settings`].
+//! [`Mesh`], and [`Material`], [`Sides`], [`Shading`]; optionally [`Facing`], [`Transform`],
+//! [`TextureRef`], [`Maps`], [`CutOut`], [`Name`]. A point light is an entity with [`PointLight`],
+//! which [`Spot`] narrows to a cone. A distant light has [`DirectionalLight`]. An area light has
+//! [`AreaLight`] and the geometry of its shape. The camera has [`View`] and [`Pinhole`] or
+//! [`ThinLens`]. One entity holds [`Settings`].
 //!
 //! Lengths are in the scene's own unit; colours are linear, 0 to 1. Numbers keep the precision of
 //! the file; the systems round them once, after the transform.
@@ -22,29 +22,29 @@ pub use textures::{
     CutOut, Encoding, Filter, Maps, MetalMap, Placing, StrengthMap, TextureRef, TextureSource, Wrap,
 };
 
-/// What the user calls the entity.
+/// The name of the entity in the scene file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Name(pub String);
 
-/// Where in the scene file the entity stands, such as `scene.shapes[3]`: for messages.
+/// The place of the entity in the scene file, such as `scene.shapes[3]`, for messages.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct JsonPath(pub String);
 
-/// The entity's place among the shapes, or among the lights, of the file. Primitives and lights
-/// are numbered in this order, because a world's own order is not kept.
+/// The index of the entity among the shapes, or among the lights, of the file. Primitives and
+/// lights are numbered in this order, because a world does not keep one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Order(pub u32);
 
-/// What holds for the whole scene.
+/// Settings of the whole scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
     /// The scene file: relative paths start from its folder.
     pub file: PathBuf,
-    /// Greatest number of mirror bounces after the primary ray.
+    /// Largest number of mirror bounces after the camera ray.
     pub bounces: u32,
-    /// What a primary ray that hits nothing returns.
+    /// Colour of camera rays that hit nothing.
     pub background: DVec3,
-    /// Light that needs no ray.
+    /// Ambient light.
     pub ambient: Ambient,
 }
 
@@ -53,13 +53,13 @@ pub struct Settings {
 pub enum Ambient {
     /// A factor on the diffuse colour, added once for each light, visible or not.
     Even(f64),
-    /// Light from a sky and from the ground, added once, by the normal.
+    /// Light from a sky and from the ground, added once, weighted by the normal.
     Hemisphere {
         /// The colour on a surface that faces up.
         sky: DVec3,
-        /// The colour on one that faces down.
+        /// The colour on a surface that faces down.
         ground: DVec3,
-        /// Where the sky is, of any length above 0.
+        /// Direction of the sky, of any length above 0.
         up: DVec3,
     },
 }
@@ -94,35 +94,36 @@ pub struct Triangle {
 pub struct Mesh {
     /// The arrays. The geometry system moves them out, so that a large mesh is never held twice.
     pub data: MeshData,
-    /// The file that it was read from, if one was.
+    /// The file of the mesh, if any.
     pub file: Option<PathBuf>,
 }
 
-/// The prototype of an instance: an entity with a sphere, quad, triangle or mesh, which is held once. All else
-/// is the instance's own: its [`Transform`] leads from the prototype's own space to the world's, that of the
-/// other entity plays no part.
+/// The prototype of an instance: an entity with a sphere, quad, triangle or mesh, which is stored
+/// once. Everything else is the instance's own: its [`Transform`] goes from the prototype's own
+/// space to the world; the other entity's transform is ignored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct InstanceOf(pub Entity);
 
-/// Marks a shape that is not seen itself: only its instances are.
+/// Marks a shape that is not rendered itself; only its instances are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Hidden;
 
-/// Which side of a [`Quad`] or a [`Triangle`] is its front. Absent: the one its winding gives.
+/// Which side of a [`Quad`] or a [`Triangle`] is its front. Without this component, the winding
+/// decides.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Facing {
-    /// The other side than the winding gives.
+    /// Opposite to the winding's side.
     Flipped,
     /// The side that this vector points to, in the shape's own space.
     Toward(DVec3),
 }
 
-/// From the shape's own space to the world's.
+/// The transform from the shape's own space to the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Transform(pub DAffine3);
 
 wavecrest_base::choices! {
-    /// Which sides of a surface the lights reach.
+    /// The sides of a surface that lights reach.
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
     pub enum Sides {
         /// The front; the back shows ambient light only.
@@ -133,7 +134,7 @@ wavecrest_base::choices! {
 }
 
 wavecrest_base::choices! {
-    /// Which normal a mesh is lit with.
+    /// The shading normals of a mesh.
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
     pub enum Shading {
         /// The triangle's own.
@@ -152,18 +153,18 @@ pub struct Material {
     pub kd: f64,
     /// Exponent of the highlight, 0 or more.
     pub specular_exponent: f64,
-    /// Diffuse colour, where no texture replaces it.
+    /// Diffuse colour, unless a texture replaces it.
     pub diffuse_color: DVec3,
     /// Weight of the mirror ray; 0 for none.
     pub kr: f64,
-    /// Light of its own, which is seen and falls on nothing else; black for none.
+    /// Emission, which is visible but does not light other surfaces; black for none.
     pub emission: DVec3,
-    /// Colour of the highlight, and of what it mirrors.
+    /// Colour of the highlight and of mirrored light.
     pub specular_color: DVec3,
 }
 
 wavecrest_base::choices! {
-    /// What the colours of a mesh file's vertices stand for.
+    /// The encoding of vertex colours in a mesh file.
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
     pub enum VertexColors {
         /// Light behind the sRGB curve, as most programs write and show them.
@@ -177,7 +178,7 @@ wavecrest_base::choices! {
 }
 
 wavecrest_base::choices! {
-    /// Whose materials the faces of a mesh file have.
+    /// The source of the materials of a mesh file's faces.
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
     pub enum Materials {
         /// The shape's.
@@ -196,65 +197,65 @@ pub use wavecrest_core::math::sampling::Sampling;
 pub struct PointLight {
     /// Its strength.
     pub intensity: f64,
-    /// Where it is.
+    /// Position.
     pub position: DVec3,
     /// Its colour.
     pub color: DVec3,
-    /// How its strength falls with distance.
+    /// Falloff with distance.
     pub falloff: Falloff,
 }
 
-/// What makes a spot of the [`PointLight`] of the same entity.
+/// Narrows the [`PointLight`] of the same entity to a spot.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spot {
-    /// Where it shines to, of any length above 0.
+    /// Direction of the light, of any length above 0.
     pub direction: DVec3,
-    /// Up to this angle off that direction, in degrees, it has its full strength.
+    /// Angle off that direction up to which it has full strength, in degrees.
     pub inner_degrees: f64,
-    /// From this angle on it has none: at least the other, at most 90 degrees.
+    /// Angle from which on it has none: at least the inner angle, at most 90 degrees.
     pub outer_degrees: f64,
 }
 
-/// A light from infinitely far away.
+/// A light infinitely far away.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DirectionalLight {
     /// Its strength everywhere, shared by its samples.
     pub intensity: f64,
     /// Its colour.
     pub color: DVec3,
-    /// Where it shines to, of any length above 0.
+    /// Direction of the light, of any length above 0.
     pub direction: DVec3,
-    /// The angle that it is seen under, in degrees, up to 180; at 0 its rays are parallel.
+    /// Its diameter in the sky, in degrees, up to 180; at 0 its rays are parallel.
     pub angle_degrees: f64,
-    /// How directions to it are chosen.
+    /// Distribution of the directions to it.
     pub sampling: Sampling,
-    /// Number of them: all (random, sobol), or along each side of a square grid (jittered).
+    /// Number of directions (random, sobol), or along each side of a square grid (jittered).
     pub samples: u32,
 }
 
-/// A light whose shape is the geometry that the same entity carries.
+/// A light whose shape is the geometry of the same entity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AreaLight {
     /// Its strength, shared by its samples.
     pub intensity: f64,
-    /// Its colour: also what a primary or mirror ray that meets it returns.
+    /// Its colour, which camera and mirror rays that hit it return too.
     pub color: DVec3,
-    /// How its strength falls with distance.
+    /// Falloff with distance.
     pub falloff: Falloff,
-    /// How points are chosen on it.
+    /// Distribution of the points on it.
     pub sampling: Sampling,
-    /// Number of points: all of them (random, sobol), or along each side of a square grid (jittered).
+    /// Number of points (random, sobol), or along each side of a square grid (jittered).
     pub samples: u32,
 }
 
-/// Where the camera stands, where it looks, and the image it makes.
+/// Position and direction of the camera, and the size of its image.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct View {
-    /// Its place.
+    /// Position.
     pub location: DVec3,
-    /// A point in the middle of the image.
+    /// A point at the centre of the image.
     pub look: DVec3,
-    /// The direction that is up in the image, not necessarily at right angles to the view.
+    /// The direction that is up in the image, not necessarily perpendicular to the view.
     pub up: DVec3,
     /// Full angle of view across the side that `fov_axis` names, in degrees.
     pub fov_degrees: f64,
@@ -266,36 +267,36 @@ pub struct View {
     pub height: u32,
     /// Side of the grid of rays in each pixel; 1 is a single ray through the centre.
     pub antialias: u32,
-    /// How rays are spread over a pixel.
+    /// Distribution of rays over a pixel.
     pub sampling: Sampling,
 }
 
 pub use wavecrest_core::kernels::camera::FovAxis;
 pub use wavecrest_core::kernels::camera::path::Interpolation;
 
-/// Where a camera is at a frame: what is not said here is as its [`View`] says.
+/// The camera at a frame; omitted values are those of its [`View`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CameraKey {
     /// The frame.
     pub frame: u32,
-    /// Its place.
+    /// Position.
     pub location: DVec3,
-    /// A point in the middle of the image.
+    /// A point at the centre of the image.
     pub look: DVec3,
     /// The direction that is up in the image.
     pub up: DVec3,
     /// Full angle of view in degrees.
     pub fov_degrees: f64,
-    /// Distance of the plane in focus, along the view axis, above 0; no matter for a pinhole.
+    /// Distance of the plane in focus, along the view axis, above 0; ignored for a pinhole.
     pub focal: f64,
 }
 
-/// How a camera moves: another component of its entity.
+/// The path of a camera, a component of its entity.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CameraPath {
-    /// Its keys, one at least, by rising frames.
+    /// Its keys, at least one, in the order of their frames.
     pub keys: Vec<CameraKey>,
-    /// What lies between them.
+    /// Interpolation between keys.
     pub interpolation: Interpolation,
 }
 
@@ -303,16 +304,16 @@ pub struct CameraPath {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Pinhole;
 
-/// A camera with a lens, sharp in one plane.
+/// A camera with a lens, in focus in one plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ThinLens {
     /// Diameter of the lens disk, 0 or more.
     pub aperture: f64,
     /// Distance of the plane in focus, along the view axis, above 0.
     pub focal: f64,
-    /// How points are chosen on the lens.
+    /// Distribution of the points on the lens.
     pub sampling: Sampling,
-    /// Number of angles (jittered); times `samples_y`, the number of rays a pixel.
+    /// Number of angles (jittered); times `samples_y`, the number of rays for each pixel.
     pub samples_x: u32,
     /// Number of radii (jittered).
     pub samples_y: u32,

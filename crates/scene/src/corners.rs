@@ -1,17 +1,16 @@
-//! What follows from the corners of a flat shape: its normal, whether it has an area, whether it is flat
-//! and whether its edges cross.
+//! Properties of flat shapes from their corners: normal, area, planarity and crossing edges.
 
 use glam::DVec3;
 use robust::{Coord, orient2d};
 
-/// How far the corners of a quad may be from one plane, in units in the last place, in single
-/// precision, of the largest coordinate. Corners that were planar before they were rounded, and
-/// perhaps rotated, are within it.
+/// Largest distance of a quad's corners from one plane, in single-precision units in the last place
+/// of the largest coordinate. Corners that were planar before they were rounded, and perhaps
+/// rotated, are within it.
 const PLANAR_ULPS: f64 = 64.0;
 
-/// The direction of `v`, whatever its length; `None` if it has none.
+/// The direction of `v`, of any length; `None` if it has none.
 pub(crate) fn direction(v: DVec3) -> Option<DVec3> {
-    // Scaled first, so that the square of a tiny length does not vanish.
+    // Scaled first, so that the square of a tiny length does not underflow.
     let scale = v.abs().max_element();
     (scale > 0.0).then(|| (v / scale).normalize())
 }
@@ -26,29 +25,30 @@ pub(crate) fn quad_normal([p0, p1, p2, p3]: &[DVec3; 4]) -> DVec3 {
     (p2 - p0).cross(p1 - p3)
 }
 
-/// Whether a triangle has an area, beyond what the rounding of its corners explains.
+/// Whether a triangle has an area beyond the rounding error of its corners.
 pub(crate) fn triangle_has_area(points: &[DVec3; 3]) -> bool {
     let [p0, p1, p2] = points;
     exceeds_rounding(triangle_normal(points), p2 - p0, p1 - p0, largest(points))
 }
 
-/// Whether a quad has an area, beyond what the rounding of its corners explains.
+/// Whether a quad has an area beyond the rounding error of its corners.
 pub(crate) fn quad_has_area(points: &[DVec3; 4]) -> bool {
     let [p0, p1, p2, p3] = points;
     exceeds_rounding(quad_normal(points), p2 - p0, p1 - p3, largest(points))
 }
 
-/// Moving the corners by one unit in the last place of the `largest` coordinate moves `a` and `b`
-/// by at most 2 such units in each direction, hence their cross product by about this much.
+/// Whether a cross product exceeds rounding. Moving the corners by one unit in the last place of
+/// the `largest` coordinate moves `a` and `b` by at most 2 such units in each direction, hence
+/// their cross product by about this much.
 fn exceeds_rounding(cross: DVec3, a: DVec3, b: DVec3, largest: f64) -> bool {
     cross.length() > 2.0 * f64::EPSILON * largest * (a.length() + b.length())
 }
 
-/// Whether the corners of a quad lie in one plane, within 64 units in the last place, in
-/// single precision, of the largest coordinate.
+/// Whether the corners of a quad lie in one plane, within 64 single-precision units in the last
+/// place of the largest coordinate.
 ///
-/// A quad that is not planar is drawn as two triangles. The measure is the distance between its
-/// diagonals, so that no corner is preferred.
+/// A quad that is not planar is rendered as two triangles. The measure is the distance between its
+/// diagonals, so that all corners count alike.
 pub fn quad_is_planar(points: &[DVec3; 4]) -> bool {
     let Some(normal) = direction(quad_normal(points)) else { return false };
     let apart = (points[1] - points[0]).dot(normal).abs();
@@ -62,7 +62,7 @@ pub(crate) fn quad_is_simple(points: &[DVec3; 4]) -> bool {
     !segments_meet(a, b, c, d) && !segments_meet(b, c, d, a)
 }
 
-/// Whether two neighbouring corners of a quad are one point.
+/// Whether two neighbouring corners of a quad coincide.
 pub(crate) fn quad_repeats_a_corner(points: &[DVec3; 4]) -> bool {
     (0..4).any(|i| points[i] == points[(i + 1) % 4])
 }
@@ -84,9 +84,10 @@ fn segments_meet(a: Coord<f64>, b: Coord<f64>, c: Coord<f64>, d: Coord<f64>) -> 
     apart(orient2d(a, b, c), orient2d(a, b, d)) && apart(orient2d(c, d, a), orient2d(c, d, b))
 }
 
-/// Whether two points are on different sides of a line, one of them perhaps on it.
+/// Whether two points are on different sides of a line; one of them may be on it.
 fn apart(side: f64, other: f64) -> bool {
-    // Signs, not the product, which could vanish. Both on it: all on one line, no crossing.
+    // Signs instead of the product, which could underflow. If both are on it, all are on one line
+    // and nothing crosses.
     let sign = |x: f64| if x == 0.0 { 0.0 } else { x.signum() };
     sign(side) != sign(other)
 }

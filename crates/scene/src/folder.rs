@@ -1,27 +1,28 @@
-//! Files that a file names: those beside it or below are read, others only where the user allows it. A mesh or
-//! a scene from elsewhere must not have any file of this machine read.
+//! Restricts references between files: files beside the referring file or below it are read, others
+//! only if the user allows it. A mesh or a scene from elsewhere must not be able to read any file
+//! of this machine.
 
 use std::path::{Component, Path, PathBuf};
 
-/// The folder of a file, and what may be read by its names.
+/// The folder of a file, and the files that it may refer to.
 #[derive(Clone, Debug)]
 pub(crate) struct Folder {
     path: PathBuf,
-    /// Whether files outside it are read.
+    /// Whether files outside the folder are allowed.
     is_open: bool,
 }
 
-/// Why a name leads nowhere.
+/// Why a reference fails.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Denied {
     /// There is no such file.
     Missing,
-    /// It is not beside the file, nor below.
+    /// It is neither beside the file nor below it.
     Outside,
 }
 
 impl Folder {
-    /// The folder of `file`, which names files elsewhere too where it is `open`.
+    /// The folder of `file`; other folders are allowed too if it is `open`.
     pub(crate) fn of(file: &Path, is_open: bool) -> Self {
         let path = match file.parent() {
             Some(parent) if parent != Path::new("") => parent.to_owned(),
@@ -35,13 +36,14 @@ impl Folder {
         &self.path
     }
 
-    /// The file that is called `name` by a file of the folder `from`, which is this one or below it.
+    /// The file `name`, referred to by a file in the folder `from`, which is this folder or below
+    /// it.
     pub(crate) fn find(&self, from: &Path, name: &str) -> Result<PathBuf, Denied> {
         let path = from.join(name);
         if self.is_open {
             return if path.is_file() { Ok(path) } else { Err(Denied::Missing) };
         }
-        // By its name first: what lies outside is not even looked for.
+        // By its name first: files outside are not even looked up.
         let depth = from.strip_prefix(&self.path).map_err(|_| Denied::Outside)?;
         if !stays_within(depth.components().chain(Path::new(name).components())) {
             return Err(Denied::Outside);
@@ -57,7 +59,7 @@ impl Folder {
     }
 }
 
-/// Whether no step of a path leads out of where it begins.
+/// Whether a path stays below its start at every step.
 fn stays_within<'a>(mut steps: impl Iterator<Item = Component<'a>>) -> bool {
     let mut depth = 0_usize;
     steps.all(|step| match step {

@@ -1,12 +1,12 @@
-//! Meshes made from a recipe: as large as is wished, the same on every machine, and free of any
-//! licence, for tests, benchmarks and trials.
+//! Generated meshes: of any size, the same on every machine, and free of any licence, for tests,
+//! benchmarks and trials.
 //!
-//! A model is a [`Surface`](surface::Surface): a pure function from the number of a vertex to its position, and one
-//! from the number of a triangle to its three vertices. Nothing is remembered between vertices,
-//! so any stretch of a mesh can be made by any thread, and [`write_ply`] streams tens of millions
-//! of triangles through a few megabytes of memory.
+//! A model is a [`Surface`](surface::Surface): a pure function from the number of a vertex to its
+//! position, and one from the number of a triangle to its three vertices. Vertices are independent,
+//! so any thread can make any part of a mesh, and [`write_ply`] streams tens of millions of
+//! triangles through a few megabytes of memory.
 //!
-//! A mesh depends on its [`Recipe`] alone. Positions are computed in 64-bit floats by `+ - * /`,
+//! A mesh depends only on its [`Recipe`]. Positions are computed in 64-bit floats by `+ - * /`,
 //! square roots and the functions of the `libm` crate, and rounded to 32 bits at the end, so the
 //! bits are equal on every machine and for every number of threads.
 
@@ -30,11 +30,10 @@ use wavecrest_base::error::Result;
 pub use ply::{Written, write_ply};
 pub use recipe::{MOST_TRIANGLES, Model, Recipe};
 
-/// The mesh of a recipe, in memory: the same order and the same bits as [`write_ply`] writes.
+/// The mesh of a recipe in memory, with the order and bits that [`write_ply`] writes.
 ///
 /// # Errors
-/// When the triangles asked for are fewer or more than the model allows, or the displacement is
-/// out of its range.
+/// If the requested number of triangles or the displacement is outside the model's range.
 pub fn mesh(recipe: &Recipe) -> Result<MeshData> {
     let surface = recipe.surface()?;
     let positions = each(surface.vertices(), |v| rounded(surface.position(v)));
@@ -50,7 +49,7 @@ pub fn mesh(recipe: &Recipe) -> Result<MeshData> {
     Ok(MeshData { positions, triangles, normals, uvs, colors: None })
 }
 
-/// `item` of 0, 1, ... `count` - 1, made in parallel and kept in order.
+/// `item` of 0, 1, ... `count` - 1, computed in parallel and kept in order.
 fn each<T: Send>(count: u64, item: impl Fn(u64) -> T + Sync + Send) -> Vec<T> {
     (0..count as usize).into_par_iter().map(|i| item(i as u64)).collect()
 }

@@ -1,14 +1,15 @@
-//! glTF 2.0, as text (`.gltf`) and as one binary file (`.glb`): to the entities that a scene file makes.
+//! glTF 2.0, as text (`.gltf`) and as one binary file (`.glb`), read into the same entities as a
+//! scene file.
 //!
-//! Method: the Khronos Group's *glTF 2.0 Specification*, with the extensions that
-//! [`document`] lists. The file's JSON is read member by member with the readers of scene files, and not
-//! by a crate's typed model, so that every fault has its file, its path, its value and a remedy; and every
-//! index and every range of bytes is checked before anything follows it.
+//! Source: the Khronos Group's *glTF 2.0 Specification*, with the extensions that [`document`]
+//! lists. The file's JSON is read member by member with the readers of scene files instead of a
+//! crate's typed model, so that every error has its file, path, value and remedy. Every index and
+//! every range of bytes is checked before it is used.
 //!
-//! A mesh that several nodes use is held once: as a shape that is not seen itself, of which each node has
-//! an instance. One that gives off light is an area light, with a copy of its own for each node.
-//! [`material`] and [`light`] state how materials and units are taken; [`staging`](super::load::staging) what is
-//! put where the file has no camera or no light.
+//! A mesh that several nodes use is stored once: as a hidden shape with an instance for each node.
+//! A mesh that emits light is an area light, with a copy for each node. [`material`] and [`light`]
+//! state how materials and units are converted; [`staging`](super::load::staging) adds a camera and
+//! lights to files without them.
 
 mod accessor;
 mod buffer;
@@ -46,7 +47,7 @@ pub(super) fn is_binary(bytes: &[u8]) -> bool {
     bytes.starts_with(&container::MAGIC)
 }
 
-/// Reads the file at `path`, and the buffers that it names.
+/// Reads the file at `path` and its buffers.
 ///
 /// # Errors
 /// As [`super::load::load`].
@@ -60,7 +61,7 @@ pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<LoadedScene> {
     load_bytes(bytes, path, options)
 }
 
-/// As [`load`], of a file that holds `bytes`. Relative names start from the folder of `path`.
+/// As [`load`], for a file with these `bytes`. Relative names start from the folder of `path`.
 ///
 /// # Errors
 /// As [`load`].
@@ -74,7 +75,7 @@ pub fn load_bytes(bytes: Vec<u8>, path: &Path, options: &LoadOptions) -> Result<
     let top = Fields::new(Cursor::new(&value, Place::Top, &notes), "a glTF file")?;
     let document = Document::read(&top, binary.as_ref())?;
     document::remark(&top);
-    // Data within the text is many times larger there than as bytes.
+    // Data in the text is many times larger there than as bytes.
     drop(value);
     let (scene, told) = scene::scene(&document, options, &notes)?;
     drop(document);

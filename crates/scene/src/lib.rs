@@ -1,7 +1,8 @@
-//! From a scene file to what the tracers read.
+//! Reads scenes and prepares them for the tracers.
 //!
 //! [`load`] reads a file into a hecs world, [`systems`] turn that into a
-//! [`PreparedScene`](wavecrest_core::prepared::PreparedScene), and [`write`](mod@write) goes the other way.
+//! [`PreparedScene`](wavecrest_core::prepared::PreparedScene), and [`write`](mod@write) writes a
+//! world as a scene file.
 
 pub mod components;
 pub mod corners;

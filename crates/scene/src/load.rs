@@ -1,8 +1,8 @@
-//! From a scene file, a glTF file or a mesh to a world of entities.
+//! Loads a scene file, a glTF file or a mesh into a world of entities.
 //!
-//! The file is parsed into plain typed values, which have been checked ([`schema`](super::schema)); then
-//! the meshes that it names are read, and each of its parts becomes an entity with the components that
-//! [`components`](super::components) lists ([`spawn`]). What a file lacks that is no whole scene is chosen
+//! The file is parsed into plain, checked values ([`schema`](super::schema)). Then its mesh files
+//! are read, and each part becomes an entity with the components of
+//! [`components`](super::components) ([`spawn`]). Files that are not complete scenes are completed
 //! ([`staging`]).
 
 pub mod framing;
@@ -33,49 +33,49 @@ use super::schema::{SceneFile, Shape};
 use super::survey::{self, Survey};
 use lighting::Lighting;
 
-/// Greatest length of a scene file in bytes, 256 MiB. JSON takes up to 25 times its length in
-/// memory while it is read; a larger mesh belongs in a file of its own.
+/// Largest length of a scene file in bytes, 256 MiB. While it is read, JSON takes up to 25 times
+/// its length in memory; a larger mesh belongs in a separate file.
 const LONGEST_FILE: u64 = 1 << 28;
 
-/// How a scene file is to be read.
+/// Options for loading a scene.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LoadOptions {
-    /// Whether a key that the format does not have is an error rather than a warning.
+    /// Whether unknown keys are errors instead of warnings.
     pub strict: bool,
-    /// The width of the image in pixels, in place of the file's.
+    /// The width of the image in pixels, overriding the file's.
     pub width: Option<u32>,
-    /// The height of the image in pixels, in place of the file's.
+    /// The height of the image in pixels, overriding the file's.
     pub height: Option<u32>,
-    /// The camera to take of a file that may have several, by its name or its number.
+    /// The camera to use in files with several, by its name or number.
     pub camera: Option<String>,
-    /// Whether material files and images of OBJ files are read that lie outside the folder of the OBJ file.
+    /// Whether OBJ files may refer to material files and images outside their folder.
     pub allow_outside: bool,
-    /// How a file is framed, in place of the cameras that it may have. A scene file has its own camera.
+    /// Framing of a mesh or glTF file, which replaces its cameras. A scene file has its own camera.
     pub framing: Framing,
-    /// How a file is to look that has no lights.
+    /// Lighting of files without lights.
     pub lighting: Lighting,
 }
 
-/// A scene, and what its author should know about it.
+/// A loaded scene with its warnings and notes.
 pub struct LoadedScene {
     /// The entities: see [`components`](super::components).
     pub world: World,
-    /// What is odd about the file, in its order; then what is odd about its meshes.
+    /// Warnings about the file, in its order; then about its meshes.
     pub warnings: Vec<Warning>,
-    /// What was chosen, where the file does not say: a camera, a light.
+    /// Choices for values that the file lacks: a camera, lights.
     pub notes: Vec<Warning>,
-    /// The files that were read besides the scene's own, textures apart.
+    /// The files read besides the scene's own, without textures.
     pub files: Vec<PathBuf>,
-    /// How images of 8 bits are to be written, unless a transfer is requested.
+    /// The transfer curve of 8-bit images, unless one is requested.
     pub encoding: Encoding,
 }
 
-/// Reads the scene at `path`, and the files that it names: a scene file in JSON, a glTF file, or a
-/// standalone mesh, by the ending of its name, and by what it begins with.
+/// Reads the scene at `path` and the files that it names: a scene file in JSON, a glTF file, or a
+/// standalone mesh, recognised by its extension and its first bytes.
 ///
 /// # Errors
-/// The file, or a mesh, cannot be read or breaks its format; a texture is not there; a value is not
-/// one that the scene format allows; something is larger than allowed.
+/// If the file or a mesh cannot be read or violates its format, a texture is missing, a value
+/// violates the scene format, or something exceeds a limit.
 pub fn load(path: &Path, options: &LoadOptions) -> Result<LoadedScene> {
     match FileFormat::of(path)? {
         FileFormat::Scene => load_str(&read_text(path)?, path, options),
@@ -141,7 +141,7 @@ pub fn load_str(json: &str, file: &Path, options: &LoadOptions) -> Result<Loaded
     load_with(json, file, options, mesh::load)
 }
 
-/// As [`load_str`], with the function that reads mesh files.
+/// As [`load_str`], with a function that reads mesh files.
 pub(super) fn load_with(
     json: &str,
     file: &Path,
@@ -161,7 +161,7 @@ pub(super) fn load_with(
     spawned(scene, notes, None, read_mesh)
 }
 
-/// The world of `scene`, for which was chosen what is `told`.
+/// The world of `scene`, with the choices in `told`.
 pub(super) fn spawned(
     scene: SceneFile,
     notes: Notes<'_>,
@@ -190,7 +190,7 @@ fn refuse_camera(file: &Path, options: &LoadOptions) -> Result<()> {
     Err(error.in_file(file).value(camera).remedy("leave out --camera"))
 }
 
-/// What the scene file at `path` calls for, without reading a mesh or a texture into memory.
+/// Surveys the scene at `path` without reading a mesh or a texture into memory.
 ///
 /// # Errors
 /// As [`load`], as far as the scene file itself and the headers of meshes go.
@@ -215,7 +215,7 @@ pub fn survey(path: &Path, options: &LoadOptions) -> Result<Survey> {
 fn read_text(path: &Path) -> Result<String> {
     let cannot_read = |e| Error::io("cannot read the scene", path, e);
     check_length(path, fs::metadata(path).map_err(cannot_read)?.len())?;
-    // The length of what is not a plain file, such as a pipe, is known only at its end.
+    // The length of a pipe or other special file is known only at its end.
     let mut bytes = Vec::new();
     let file = File::open(path).map_err(cannot_read)?;
     file.take(LONGEST_FILE + 1).read_to_end(&mut bytes).map_err(cannot_read)?;
@@ -251,7 +251,7 @@ fn warn_of_equal_names(shapes: &[Shape], notes: &Notes<'_>) {
     }
 }
 
-/// The formats that are read.
+/// The supported formats.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FileFormat {
     /// A scene file, in JSON.
@@ -263,10 +263,10 @@ pub enum FileFormat {
 }
 
 impl FileFormat {
-    /// The format of a file, by the extension of its name, or else by how it begins.
+    /// The format of a file, by its extension or its first bytes.
     ///
     /// # Errors
-    /// When it is a file of another format.
+    /// If the format is another one.
     pub fn of(path: &Path) -> Result<Self> {
         let extension = path.extension().unwrap_or_default().to_string_lossy();
         match extension.to_ascii_lowercase().as_str() {
@@ -275,7 +275,7 @@ impl FileFormat {
             _ if mesh::is_mesh_name(path) => return Ok(Self::Mesh),
             _ => {}
         }
-        // What is not there, or no plain file, is an error when it is read; or it is a pipe with a scene.
+        // A missing or special file is an error when it is read; or it is a pipe with a scene.
         let Some(start) = start_of(path) else { return Ok(Self::Scene) };
         if gltf::is_binary(&start) {
             return Ok(Self::Gltf);

@@ -1,4 +1,4 @@
-//! Memory: what a render of a scene will hold at its peak, estimated and measured.
+//! Peak memory of a render, estimated and measured.
 
 use crate::survey::{Survey, SurveyedMesh};
 use crate::systems::{Extracted, textures};
@@ -16,22 +16,22 @@ pub struct Estimate {
     pub appearance: u64,
     /// The tree, once built.
     pub tree: u64,
-    /// What building the tree needs at its peak, the tree counted.
+    /// The peak while building the tree, including the tree.
     pub build: u64,
     /// The image.
     pub film: u64,
-    /// The wavefronts' columns, one wavefront a thread.
+    /// The wavefronts' columns, one wavefront for each thread.
     pub batches: u64,
     /// The program itself.
     pub program: u64,
-    /// While reading the scene, at the peak: estimated, or measured where that is over.
+    /// The peak while reading the scene: estimated, or measured after reading.
     pub loading: u64,
 }
 
-/// Bytes at the peak of building a tree over so many primitives, the tree counted, on the threads of
-/// the current pool: measured on meshes of 1, 4 and 18 million triangles. A tree in chunks is hardly
-/// more than itself and what each thread needs for a chunk; one in one piece is held with boxes,
-/// hierarchy and costs together.
+/// Peak bytes of building a tree over this number of primitives, including the tree, on the threads
+/// of the current pool: measured on meshes of 1, 4 and 18 million triangles. A tree in chunks takes
+/// hardly more than itself and each thread's memory for a chunk; a tree in one piece is held with
+/// boxes, hierarchy and costs at once.
 fn build_bytes(preset: Preset, primitives: u64) -> u64 {
     let chunk = preset.chunk() as u64;
     match preset {
@@ -44,7 +44,7 @@ fn build_bytes(preset: Preset, primitives: u64) -> u64 {
     }
 }
 
-/// Bytes of our nodes and leaves for each primitive, measured: a leaf holds three or four triangles.
+/// Bytes of nodes and leaves for each primitive, measured: a leaf holds three or four triangles.
 const fn tree_bytes(preset: Preset) -> u64 {
     match preset {
         Preset::Brute => 0,
@@ -53,11 +53,11 @@ const fn tree_bytes(preset: Preset) -> u64 {
     }
 }
 
-/// What the program holds with an empty scene: measured.
+/// Measured bytes of the program with an empty scene.
 const PROGRAM_BYTES: u64 = 10 << 20;
 
 impl Estimate {
-    /// The peak: while reading, while building or while tracing.
+    /// The peak over reading, building and tracing.
     pub fn total(&self) -> u64 {
         let lasting = self.geometry + self.appearance + self.program;
         let ahead = lasting + self.build.max(self.tree + self.film + self.batches);
@@ -65,8 +65,8 @@ impl Estimate {
     }
 }
 
-/// Estimates the peak of a render of an extracted scene, of `pixels`, with `preset` and batches of `batch` paths, on the
-/// threads of the current pool.
+/// Estimates the peak of a render of `pixels` of an extracted scene, with `preset` and batches of
+/// `batch` paths, on the threads of the current pool.
 pub fn estimate_extracted(
     extracted: &Extracted,
     pixels: u64,
@@ -89,12 +89,12 @@ pub fn estimate_extracted(
     }
 }
 
-/// What is to be rendered of a scene, and how, as far as memory goes.
+/// The options of a render that affect its memory.
 #[derive(Clone, Copy, Debug)]
 pub struct Asked {
-    /// Pixels to be rendered; those of the whole image if `None`.
+    /// Pixels to render; those of the whole image if `None`.
     pub pixels: Option<u64>,
-    /// The preset; the one that would be chosen if `None`.
+    /// The preset; the default choice if `None`.
     pub preset: Option<Preset>,
     /// Paths in a batch.
     pub batch: usize,
@@ -102,17 +102,18 @@ pub struct Asked {
     pub flat: bool,
 }
 
-/// What the meshes of a survey take.
+/// Memory of the meshes of a survey.
 #[derive(Default)]
 struct Meshes {
     primitives: u64,
     /// Bytes of positions and triangles, and of attributes, in the scene.
     geometry: u64,
     appearance: u64,
-    /// Bytes of all meshes as they are read.
+    /// Bytes of all meshes as read.
     read: u64,
-    /// Bytes of the last copy. All meshes are read before the first is taken in, which is then lengthened for
-    /// the others; the last of these is still there when its copy is whole.
+    /// Bytes of the last copy. All meshes are read before the scene takes over the first one's
+    /// arrays and extends them for the others; the last of these still exists when its copy is
+    /// complete.
     copy: u64,
 }
 
@@ -173,8 +174,8 @@ pub fn estimate(survey: &Survey, asked: Asked) -> Estimate {
     found
 }
 
-/// The rays that a render casts at most, as
-/// [`PreparedScene::expected_rays`](wavecrest_core::prepared::PreparedScene::expected_rays) has it.
+/// Upper bound on the rays of a render, like
+/// [`PreparedScene::expected_rays`](wavecrest_core::prepared::PreparedScene::expected_rays).
 fn expected_rays(survey: &Survey) -> u64 {
     let pixels: u64 = survey.size.map(u64::from).iter().product();
     let paths = pixels.saturating_mul(survey.rays_per_pixel);
@@ -185,13 +186,13 @@ fn expected_rays(survey: &Survey) -> u64 {
 /// Bytes of an instance: its transforms, its shape and material, its node of the tree over instances.
 const INSTANCE_BYTES: u64 = 600;
 
-/// Bytes that readers hold besides what they have read: blocks of text and what is found in them.
+/// Bytes that readers hold besides their results: blocks of text and their parsed values.
 const READER_BYTES: u64 = 24 << 20;
 
-/// Bytes that JSON takes for each byte of its text while it is read, at most.
+/// Upper bound on the bytes that JSON takes for each byte of its text while it is read.
 const JSON_BYTES_PER_BYTE: u64 = 25;
 
-/// The largest number of bytes that this process has held in memory so far, where the system reports it.
+/// The peak memory of this process so far in bytes, if the system reports it.
 pub fn peak() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;

@@ -1,15 +1,15 @@
-//! Triangle meshes: the arrays that a mesh is, and the readers that make them from files.
+//! Triangle meshes: their arrays, and the readers of mesh files.
 //!
-//! [`load`] reads Stanford PLY, Wavefront OBJ and STL. All readers check everything that later work
-//! relies on, once, so that no kernel has to: every index is in range, every position is finite and
-//! at most [`MAX_COORDINATE`](wavecrest_core::math::float::MAX_COORDINATE) in size. What a file promises is held against its size before memory
-//! is set aside for it, and a fault is an [`Error`] that names its place.
+//! [`load`] reads Stanford PLY, Wavefront OBJ and STL. All readers check once what later code
+//! relies on, so that no kernel has to: every index is in range, every position is finite and at
+//! most [`MAX_COORDINATE`](wavecrest_core::math::float::MAX_COORDINATE) in size. Sizes in a file
+//! are checked against its length before memory is allocated, and an [`Error`] names its place.
 //!
-//! Files are read on all threads, each at a place of its own ([`place`]); neither the arrays nor the
-//! faults that are reported depend on how many threads there are.
+//! Files are read on all threads, each at its own offset ([`place`]); neither the arrays nor the
+//! reported errors depend on the number of threads.
 //!
-//! Elements of PLY files are counted from 0, as the files themselves do, and so are triangles of binary
-//! STL; faults in OBJ files and in STL as text name the line.
+//! Elements of PLY files and triangles of binary STL are counted from 0, as in the files
+//! themselves; errors in OBJ and text STL files name the line.
 
 mod colors;
 pub(crate) mod crease;
@@ -37,15 +37,15 @@ pub(crate) use validate::{bad_position, is_good_position};
 
 use data::Read;
 
-/// Reads the mesh file at `path`: PLY, OBJ or STL, by the extension of its name, in any case.
+/// Reads the mesh file at `path`: PLY, OBJ or STL, by its extension in upper or lower case.
 ///
-/// A mesh without a triangle is an error, as nothing of it could be seen.
+/// A mesh without triangles is an error, as it would be invisible.
 ///
 /// # Errors
 ///
-/// Of kind [`ErrorKind::Io`] where the system refuses, [`ErrorKind::Syntax`] where the file breaks
-/// its format, [`ErrorKind::Mesh`] where what it says makes no mesh and [`ErrorKind::Limit`] where
-/// it has too much.
+/// Of kind [`ErrorKind::Io`] if the system refuses, [`ErrorKind::Syntax`] if the file violates its
+/// format, [`ErrorKind::Mesh`] if its contents do not form a mesh and [`ErrorKind::Limit`] if it is
+/// too large.
 pub fn load(path: &Path) -> Result<LoadedMesh> {
     let format = Format::of(path)?;
     let (file, length) = open(path)?;
@@ -57,7 +57,7 @@ pub fn load(path: &Path) -> Result<LoadedMesh> {
     named(loaded, path)
 }
 
-/// The mesh, checked as one from a file is; errors call it `name`.
+/// The mesh, checked like one from a file; errors use `name` for the file.
 pub(crate) fn checked(mesh: MeshData, name: &Path) -> Result<LoadedMesh> {
     if mesh.triangles.is_empty() {
         return Err(faults::no_triangles().in_file(name));
@@ -66,13 +66,13 @@ pub(crate) fn checked(mesh: MeshData, name: &Path) -> Result<LoadedMesh> {
     Ok(LoadedMesh { mesh, ..LoadedMesh::default() })
 }
 
-/// Whether the name of `path` ends as that of a mesh file does.
+/// Whether `path` has the extension of a mesh file.
 pub fn is_mesh_name(path: &Path) -> bool {
     Format::of(path).is_ok()
 }
 
-/// As [`load`], of a file that holds `bytes`, no more than about `portion` of them at a time. What
-/// is read does not depend on `portion`: tests use it to have small inputs cut as large files are.
+/// As [`load`], for a file with these `bytes`, read in portions of about `portion` bytes. The
+/// result does not depend on `portion`: tests use it to cut small inputs like large files.
 ///
 /// # Errors
 ///
@@ -89,10 +89,10 @@ pub fn load_bytes(path: &Path, bytes: &[u8], portion: usize) -> Result<LoadedMes
     named(loaded, path)
 }
 
-/// What the mesh file at `path` holds.
+/// Surveys the contents of the mesh file at `path`.
 ///
 /// # Errors
-/// Where the system refuses, or a header does not say what there is.
+/// If the system refuses, or a header does not state the contents.
 pub fn survey(path: &Path) -> Result<Survey> {
     let format = Format::of(path)?;
     let (file, length) = open(path)?;
@@ -104,19 +104,19 @@ pub fn survey(path: &Path) -> Result<Survey> {
     found.map_err(|error| error.in_file(path))
 }
 
-/// What is read of a format that names no materials.
+/// The result of a format without materials.
 fn plain(read: Read) -> (Read, NamedMaterials) {
     (read, NamedMaterials::default())
 }
 
-/// Names the file in what was read from it.
+/// Adds the file to errors and warnings of its reader.
 fn named(read: Result<(Read, NamedMaterials)>, path: &Path) -> Result<LoadedMesh> {
     let ((mesh, notes), materials) = read.map_err(|error| error.in_file(path))?;
     let warnings = notes.into_iter().map(|n| Warning::from_error(&n.in_file(path))).collect();
     Ok(LoadedMesh { mesh, warnings, materials })
 }
 
-/// A mesh format that is read.
+/// A supported mesh format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Format {
     Ply,
@@ -125,7 +125,7 @@ enum Format {
 }
 
 impl Format {
-    /// The format by the name of `path`.
+    /// The format for the extension of `path`.
     fn of(path: &Path) -> Result<Self> {
         let extension = path.extension().unwrap_or_default().to_string_lossy();
         match extension.to_ascii_lowercase().as_str() {
@@ -140,8 +140,8 @@ impl Format {
     }
 }
 
-/// Opens a regular file and returns its length. Anything else is refused: the length of a pipe or a
-/// device says nothing, and to open one can block.
+/// Opens a regular file and returns its length. Others are refused: the length of a pipe or a
+/// device is meaningless, and opening one can block.
 fn open(path: &Path) -> Result<(File, u64)> {
     let describe = |error| Error::io("cannot open the mesh file", path, error);
     let metadata = std::fs::metadata(path).map_err(describe)?;
@@ -193,7 +193,7 @@ mod tests {
         assert_eq!(load(&path).unwrap_err().kind(), ErrorKind::Io);
     }
 
-    /// Opening a pipe without a writer would wait for ever, and a device may have no end.
+    /// Opening a pipe without a writer would wait forever, and a device may have no end.
     #[cfg(unix)]
     #[test]
     fn a_pipe_a_socket_and_a_device_are_refused_at_once() {

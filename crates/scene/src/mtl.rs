@@ -1,8 +1,8 @@
 //! MTL: the materials of OBJ files.
 //!
-//! A text of statements, one a line, in any case: `newmtl` begins a material, and what follows belongs to it.
-//! What is malformed, and what no surface here can show, is skipped and named: a mesh is worth more than its
-//! materials.
+//! A text of statements, one a line, in upper or lower case: `newmtl` begins a material, to which
+//! the following statements belong. Malformed and unsupported statements are skipped and named: a
+//! mesh is worth more than its materials.
 
 mod map;
 mod surface;
@@ -16,46 +16,46 @@ use crate::reader::Range;
 use map::Map;
 pub(crate) use surface::{Look, surface};
 
-/// A material as a file states it.
+/// A material as in the file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Mtl {
     /// Diffuse colour.
     kd: Option<DVec3>,
-    /// Colour of its own light.
+    /// Colour of its emission.
     ke: Option<DVec3>,
     /// Colour of highlight and mirror.
     ks: Option<DVec3>,
     /// Sharpness of the highlight.
     ns: Option<f64>,
-    /// Which model of lighting.
+    /// The number of the lighting model.
     illum: Option<u32>,
     map_kd: Option<Map>,
-    /// How much of it is there, from 0 to 1.
+    /// Opacity, from 0 to 1.
     d: Option<f64>,
     map_d: Option<Map>,
 }
 
-/// All materials of some files, and what was skipped of them.
+/// All materials of some files, and the names of skipped statements.
 #[derive(Debug, Default)]
 pub(crate) struct Library {
-    /// By name; of several of one name it is the first.
+    /// By name; of several with the same name, the first.
     pub(crate) materials: HashMap<String, Mtl>,
-    /// Statements of which nothing is shown.
+    /// Unsupported statements.
     pub(crate) skipped: BTreeSet<String>,
-    /// Options of maps of which nothing is shown.
+    /// Unsupported options of maps.
     pub(crate) options: BTreeSet<String>,
-    /// Lines that are malformed, by file; the first few.
+    /// The first few malformed lines, by file.
     pub(crate) malformed: Vec<String>,
 }
 
-/// The most malformed lines that are named.
+/// Largest number of malformed lines to name.
 const NAMED: usize = 3;
 
-/// Statements that say nothing more of what is seen: ambient colour, refraction, filters, sharpness of maps.
+/// Statements without effect here: ambient colour, refraction, filters, sharpness of maps.
 const NEEDLESS: [&str; 6] = ["ka", "ni", "tf", "tr", "map_ka", "sharpness"];
 
 impl Library {
-    /// Adds the materials of the text of a file called `name`.
+    /// Adds the materials in the text of a file called `name`.
     pub(crate) fn add(&mut self, name: &str, text: &[u8]) {
         let mut current: Option<(String, Mtl)> = None;
         for (number, line) in text.split(|&byte| byte == b'\n').enumerate() {
@@ -88,7 +88,7 @@ impl Library {
         }
     }
 
-    /// Takes in a statement; whether it is right.
+    /// Reads a statement; returns whether it is valid.
     fn statement(&mut self, mtl: &mut Mtl, keyword: &str, rest: &str) -> bool {
         match keyword {
             "kd" => set(&mut mtl.kd, color(rest)),
@@ -108,7 +108,7 @@ impl Library {
     }
 }
 
-/// What the materials of a text are here, by name, as if every image that they name were there: for tests.
+/// The materials of a text by name, as if every image existed: for tests.
 #[doc(hidden)]
 pub fn materials(text: &[u8]) -> Vec<(String, Material, Option<TextureRef>, Option<CutOut>)> {
     let mut library = Library::default();
@@ -120,10 +120,10 @@ pub fn materials(text: &[u8]) -> Vec<(String, Material, Option<TextureRef>, Opti
     library.materials.into_iter().map(made).collect()
 }
 
-/// Of what is longer, messages quote no more.
+/// Messages quote no more of longer names.
 const LONGEST_NAME: usize = 24;
 
-/// Sets a value that could be read; whether it could.
+/// Sets a value that could be parsed; returns whether it could.
 fn set<T>(to: &mut Option<T>, value: Option<T>) -> bool {
     let is_right = value.is_some();
     *to = value.or(to.take());

@@ -1,5 +1,5 @@
-//! From JSON to [`SceneFile`], with every check that needs no other file than this one (that a
-//! texture or a mesh exists is looked up, but neither is read).
+//! Parses JSON into a [`SceneFile`], with every check that needs no other file (the existence of
+//! textures and meshes is checked, but neither is read).
 
 mod camera;
 mod instance;
@@ -26,7 +26,7 @@ use super::reader::{Cursor, Key, Kind, Object, Range, keys};
 use super::schema::{Instance, Light, SceneFile, Shape};
 use instance::Names;
 
-/// Greatest number of mirror bounces. Light that meets 10 000 mirrors is spent.
+/// Largest number of mirror bounces. After 10 000 mirrors no light is left.
 const MOST_BOUNCES: u32 = 10_000;
 
 /// The report's "low value" by which a surface in shadow is multiplied.
@@ -84,7 +84,7 @@ const HEMISPHERE_KEYS: &[Key] = keys! {
 /// Reads a whole file from its top.
 ///
 /// # Errors
-/// All that is wrong, as one error.
+/// All errors of the file, as one error.
 pub(crate) fn scene_file(top: &Cursor<'_>, options: &LoadOptions) -> Result<SceneFile> {
     top.notes().whole(|| {
         let object = top.object(FILE)?;
@@ -100,7 +100,7 @@ pub(crate) fn scene_file(top: &Cursor<'_>, options: &LoadOptions) -> Result<Scen
     })
 }
 
-/// What is under the key `scene`.
+/// The content of the key `scene`.
 struct Contents {
     settings: Settings,
     lights: Vec<Light>,
@@ -153,7 +153,7 @@ fn ambient(scene: &Object<'_>) -> Result<Ambient> {
     Ok(Ambient::Hemisphere { sky, ground, up })
 }
 
-/// Warns of a colour with a channel above 1. What is no colour is left to the reading.
+/// Warns of a colour with a channel above 1. Invalid colours are reported when they are read.
 fn warn_above_1(object: &Object<'_>, key: &'static str, message: &str, remedy: &str) {
     if let Some(cursor) = object.get(key)
         && cursor.color().is_ok_and(|color| color.max_element() > 1.0)
@@ -162,7 +162,7 @@ fn warn_above_1(object: &Object<'_>, key: &'static str, message: &str, remedy: &
     }
 }
 
-/// An optional array, read element by element to its end; absent, it is empty.
+/// An optional array, read element by element to its end; empty by default.
 fn list<T>(
     scene: &Object<'_>,
     key: &'static str,

@@ -1,12 +1,13 @@
-//! Reading JSON so that every complaint names its place.
+//! Reads JSON so that every error names its place.
 //!
-//! A [`Cursor`] is a JSON value that knows its own path; an [`Object`] is one whose keys have been
-//! compared with the table of its [`Kind`], which says what each [`Key`] takes. Both make errors that carry the file, the path and
-//! the value found, so that the parsers only say what would be right. We do not let serde derive the
-//! parsers, because its errors name a line at best, and never the path, the value or a remedy.
+//! A [`Cursor`] is a JSON value that knows its path; an [`Object`] is one whose keys have been
+//! compared with the table of its [`Kind`], which says what each [`Key`] takes. Both make errors
+//! with the file, the path and the value found, so that parsers only state the remedy. Parsers are
+//! not derived by serde, because its errors name a line at best, and never the path, the value or a
+//! remedy.
 //!
-//! Paths are chains of borrowed steps: nothing is written out until something is wrong, which
-//! matters for a mesh of a million points.
+//! Paths are chains of borrowed steps: nothing is allocated until there is an error, which matters
+//! for a mesh of a million points.
 
 mod cursor;
 pub(crate) mod json;

@@ -1,8 +1,7 @@
-//! What a scene file says, as plain typed values: everything that can be known without opening
-//! another file has been checked.
+//! The content of a scene file as plain typed values, with every check that needs no other file.
 //!
-//! Where an entity's component says the same thing, it is used here too, so that there is one
-//! definition of it.
+//! Components of entities are used here too where they have the same meaning, so that there is one
+//! definition.
 
 use std::path::PathBuf;
 
@@ -14,14 +13,14 @@ use super::components::{
     Transform, Triangle, VertexColors, View,
 };
 
-/// A whole scene, of a file of any format.
+/// A whole scene, from a file of any format.
 pub(crate) struct SceneFile {
     pub(crate) settings: Settings,
     pub(crate) camera: Camera,
     pub(crate) lights: Vec<Light>,
     pub(crate) shapes: Vec<Shape>,
     pub(crate) instances: Vec<Instance>,
-    /// How images of 8 bits are to be written, unless a transfer is requested.
+    /// The transfer curve of 8-bit images, unless one is requested.
     pub(crate) encoding: Encoding,
 }
 
@@ -30,7 +29,7 @@ pub(crate) struct Camera {
     pub(crate) view: View,
     /// `None` for a pinhole.
     pub(crate) lens: Option<ThinLens>,
-    /// `None` where it does not move.
+    /// `None` if it does not move.
     pub(crate) path: Option<CameraPath>,
 }
 
@@ -52,7 +51,7 @@ pub(crate) enum Light {
     Area {
         path: String,
         light: AreaLight,
-        /// What shines; its material and texture are not used.
+        /// The emitting shape; its material and texture are ignored.
         shape: Box<Shape>,
     },
 }
@@ -67,11 +66,11 @@ pub(crate) struct Shape {
     pub(crate) transform: Option<Transform>,
     pub(crate) sides: Sides,
     pub(crate) shading: Shading,
-    /// What the colours of the vertices of a mesh stand for that is yet to be read.
+    /// The encoding of vertex colours in a mesh that is not read yet.
     pub(crate) vertex_colors: VertexColors,
-    /// Whose materials its faces have.
+    /// The source of its faces' materials.
     pub(crate) materials: Materials,
-    /// Whether only its instances are seen.
+    /// Whether only its instances are visible.
     pub(crate) hidden: bool,
     /// `None` for an area light's shape.
     pub(crate) material: Option<Material>,
@@ -81,7 +80,7 @@ pub(crate) struct Shape {
 }
 
 impl Shape {
-    /// A mesh as it is, flat, seen from both sides.
+    /// A plain mesh: flat shading, visible from both sides.
     pub(crate) fn of(path: String, name: Option<String>, mesh: Mesh) -> Self {
         Self {
             path,
@@ -103,7 +102,7 @@ impl Shape {
 }
 
 impl Shape {
-    /// A part of it, with a material of its own.
+    /// A part of it, with its own material.
     pub(crate) fn part(
         &self,
         geometry: Geometry,
@@ -114,7 +113,7 @@ impl Shape {
         Self { path, name, geometry, material, texture, maps, cutout, ..*self }
     }
 
-    /// All its textures, by their keys.
+    /// All its textures, with their keys.
     pub(crate) fn textures(&self) -> impl Iterator<Item = (&'static str, &TextureRef)> {
         self.texture.iter().map(|texture| ("texture", texture)).chain(self.maps.all())
     }
@@ -125,9 +124,9 @@ pub(crate) struct Instance {
     /// Its JSON path.
     pub(crate) path: String,
     pub(crate) name: Option<Name>,
-    /// The number of its prototype among the shapes of the file.
+    /// The index of its prototype among the shapes of the file.
     pub(crate) shape: usize,
-    /// From the space of its prototype to the world's.
+    /// The transform from the space of its prototype to the world.
     pub(crate) transform: DAffine3,
     /// `None` for the shape's own.
     pub(crate) material: Option<Material>,
@@ -138,8 +137,8 @@ pub(crate) enum Geometry {
     Sphere(Sphere),
     Quad(Quad),
     Triangle(Triangle),
-    /// A mesh that is there.
+    /// A mesh that is read already.
     Mesh(Mesh),
-    /// A mesh in a file of its own, yet to be read.
+    /// A mesh in a separate file, not read yet.
     MeshFile(PathBuf),
 }

@@ -1,4 +1,4 @@
-//! What a scene calls for, known before anything large is read; memory is estimated from it.
+//! Surveys the contents of a scene before anything large is read, for the memory estimate.
 
 use std::path::Path;
 
@@ -9,31 +9,31 @@ use super::reader::Notes;
 use super::schema::{Geometry, Light, SceneFile, Shape};
 use wavecrest_base::error::Result;
 
-/// A mesh that a shape has.
+/// The mesh of a shape.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct SurveyedMesh {
-    /// What is in it.
+    /// Its contents.
     pub holds: mesh::Survey,
-    /// Whether its normals are kept for smooth shading.
+    /// Whether normals are kept for smooth shading.
     pub normals: bool,
-    /// Whether its texture coordinates are kept for a texture.
+    /// Whether texture coordinates are kept for a texture.
     pub uvs: bool,
     /// Whether tangents are computed for a normal map.
     pub tangents: bool,
-    /// How many places of the scene it has: its own, and its instances.
+    /// The number of its places in the scene: its own, and its instances.
     pub uses: u64,
 }
 
-/// What a scene calls for.
+/// The contents of a scene.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Survey {
     /// Bytes of the scene file.
     pub text: u64,
-    /// Bytes of what is in memory as it lies in files while the scene is read.
+    /// Bytes of raw file content in memory while the scene is read.
     pub raw: u64,
-    /// Its meshes, shape by shape, those of lights too.
+    /// Its meshes, by shape, including those of lights.
     pub meshes: Vec<SurveyedMesh>,
-    /// Triangles, quads and spheres that are written out in the scene file.
+    /// Triangles, quads and spheres inline in the scene file.
     pub others: u64,
     /// Its textures, each once, trilinear if any use of it is.
     pub textures: Vec<TextureRef>,
@@ -43,14 +43,14 @@ pub struct Survey {
     pub size: [u32; 2],
     /// Camera rays for each pixel.
     pub rays_per_pixel: u64,
-    /// Shadow rays for each hit, at most.
+    /// Largest number of shadow rays for each hit.
     pub light_samples: u64,
-    /// Whether there are bounces.
+    /// Whether there are mirror bounces.
     pub bounces: bool,
 }
 
-/// What the mesh file at `path` calls for where it is all there is, in an image of so many pixels; `is_smoothed` where
-/// it is given normals if it has none.
+/// Surveys the standalone mesh file at `path`, for an image of this size; `is_smoothed` if it gets
+/// normals when it has none.
 pub(super) fn standalone(path: &Path, size: [u32; 2], is_smoothed: bool) -> Result<Survey> {
     let mut holds = mesh::survey(path)?;
     if is_smoothed && holds.normals == 0 {
@@ -63,7 +63,7 @@ pub(super) fn standalone(path: &Path, size: [u32; 2], is_smoothed: bool) -> Resu
     Ok(Survey { meshes, size, rays_per_pixel, light_samples, ..Survey::default() })
 }
 
-/// What `scene` calls for, whose file has `text` bytes.
+/// Surveys `scene`, whose file has `text` bytes.
 pub(super) fn of(scene: SceneFile, text: u64, notes: &Notes<'_>) -> Result<Survey> {
     let view = scene.camera.view;
     let on_lens = scene.camera.lens.map_or(1, |l| u64::from(l.samples_x) * u64::from(l.samples_y));
@@ -95,7 +95,7 @@ pub(super) fn of(scene: SceneFile, text: u64, notes: &Notes<'_>) -> Result<Surve
     Ok(survey)
 }
 
-/// Points on a light with so many `samples`.
+/// Number of points on a light with this value of `samples`.
 fn points(sampling: Sampling, samples: u32) -> u64 {
     let side = u64::from(samples);
     if sampling == Sampling::Jittered { side * side } else { side }
@@ -136,7 +136,7 @@ impl Survey {
     }
 }
 
-/// What a mesh holds that is in memory.
+/// The contents of a mesh in memory.
 fn of_mesh(data: &MeshData) -> mesh::Survey {
     mesh::Survey {
         positions: data.positions.len() as u64,

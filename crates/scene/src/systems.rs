@@ -1,23 +1,23 @@
-//! From a world of entities to a [`PreparedScene`]: the systems, in the order in which they run.
+//! From a world of entities to a [`PreparedScene`]: the systems, in the order of execution.
 //!
-//! | system | reads | makes |
+//! | system | reads | output |
 //! |---|---|---|
-//! | [`frame`] | the view | how far the scene is moved |
+//! | [`frame`] | the view | the offset of the scene's origin |
 //! | [`geometry`] | shapes, transforms | positions, triangles, quads, spheres, mesh attributes |
-//! | [`materials`] | materials | one row of numbers a shape |
-//! | [`lights`] | lights and their shapes | emitters with what is needed to sample them |
-//! | [`view`] | shapes, the camera in all frames | which shapes can be seen |
-//! | [`census`] | all of these | the plan: which effects the scene calls for |
-//! | [`textures`] | texture references that show | images to be decoded, each once |
-//! | [`details`] | materials and maps that show | what shapes show besides their colour |
-//! | [`cutouts`] | cut-outs | which primitives have holes, and where |
+//! | [`materials`] | materials | one row of numbers for each shape |
+//! | [`lights`] | lights and their shapes | emitters with sampling data |
+//! | [`view`] | shapes, the camera in all frames | which shapes are visible |
+//! | [`census`] | all of these | the plan: which effects the scene needs |
+//! | [`textures`] | visible texture references | images to decode, each once |
+//! | [`details`] | visible materials and maps | properties of shapes besides their colour |
+//! | [`cutouts`] | cut-outs | primitives with holes, and their images |
 //! | [`camera`] | the view, pinhole or thin lens | the ray generator |
 //! | [`wavecrest_core::accel`] | the geometry | the tree |
 //!
-//! What the plan leaves out goes no further than the census: lights that reach nothing in view, textures and
-//! normals that nothing shows.
+//! What the plan skips goes no further than the census: lights that reach nothing in view, textures
+//! and normals that nothing shows.
 //!
-//! Only this module and [`crate`] know the world; nothing after them queries it.
+//! Only this module and [`crate`] know the world; later stages never query it.
 
 mod backs;
 pub mod bounds;
@@ -54,23 +54,24 @@ use wavecrest_core::plan::schedule::{PASSES, Pass};
 use wavecrest_core::plan::{Effect, Plan};
 use wavecrest_core::prepared::{Appearance, Dropped, PreparedScene};
 
-/// The scene without its tree: enough to predict what a render will do.
+/// The scene without its tree, sufficient to predict a render.
 #[derive(Debug)]
 pub struct Extracted {
     scene: PreparedScene,
-    /// The file that the scene came from, for messages.
+    /// The scene's file, for messages.
     file: PathBuf,
 }
 
-/// How a scene is to be made ready.
+/// Options for preparing a scene.
 #[derive(Clone, Copy, Debug)]
 pub struct Options<'a> {
-    /// How exactly hits are to be found.
+    /// The precision of hits.
     pub precision: Precision,
-    /// The table that the plan follows: [`PASSES`], or what [`unplanned`](wavecrest_core::plan::schedule::unplanned) makes of it to leave nothing
-    /// out, neither passes and columns nor lights, textures and normals that nothing shows.
+    /// The table of the plan: [`PASSES`], or the result of
+    /// [`unplanned`](wavecrest_core::plan::schedule::unplanned), which skips nothing: neither
+    /// passes and columns nor lights, textures and normals that nothing shows.
     pub passes: &'a [Pass],
-    /// Whether a mesh with several instances is to be copied for each, rather than held once.
+    /// Whether a mesh with several instances is copied for each instead of stored once.
     pub flat: bool,
 }
 
@@ -83,8 +84,8 @@ impl Default for Options<'_> {
 /// Runs every system but the last. The meshes are moved out of the `world`.
 ///
 /// # Errors
-/// When the world lacks a camera or settings, a shape is too far out or too large, or an image cannot be
-/// read.
+/// If the world lacks a camera or settings, a shape is too far out or too large, or an image cannot
+/// be read.
 pub fn extract(world: &mut World, options: Options<'_>) -> Result<Extracted> {
     let Options { precision, passes, flat } = options;
     let settings = query::settings(world)?;
@@ -138,7 +139,8 @@ pub fn extract(world: &mut World, options: Options<'_>) -> Result<Extracted> {
     Ok(Extracted { scene, file })
 }
 
-/// Factor on the diffuse colour for the ambient part of so many lights together, and ambient light by the normal.
+/// Factor on the diffuse colour for the ambient part of this number of lights together, and the
+/// hemispheric light.
 fn ambient(settings: &Settings, lights: usize) -> (f32, Option<Hemisphere>) {
     match settings.ambient {
         Ambient::Even(factor) => (factor as f32 * lights as f32, None),
@@ -148,7 +150,7 @@ fn ambient(settings: &Settings, lights: usize) -> (f32, Option<Hemisphere>) {
     }
 }
 
-/// The primitives, and what they look like.
+/// The primitives' appearance.
 fn appearance(
     world: &World,
     extracted: geometry::Output,
@@ -164,12 +166,12 @@ fn appearance(
 }
 
 impl Extracted {
-    /// The geometry that the tree is to be built over.
+    /// The geometry for the tree.
     pub fn geometry(&self) -> &Geometry {
         self.scene.accel.geometry()
     }
 
-    /// The scene, which has no tree yet.
+    /// The scene, without a tree.
     pub fn scene(&self) -> &PreparedScene {
         &self.scene
     }
@@ -179,7 +181,7 @@ impl Extracted {
         self.scene.camera.size().map(u64::from).iter().product()
     }
 
-    /// The rays that a render will cast at most: what the choice of a preset rests on.
+    /// Upper bound on the rays of a render, from which the preset is chosen.
     pub fn expected_rays(&self) -> u64 {
         self.scene.expected_rays()
     }
@@ -189,12 +191,12 @@ impl Extracted {
         Preset::choose(self.geometry().held() as u64, self.expected_rays())
     }
 
-    /// What will be left out: every triangle is looked at.
+    /// Counts of dropped parts, from a pass over every triangle.
     pub fn dropped(&self) -> Dropped {
         Dropped { degenerate: self.scene.accel.left_out() }
     }
 
-    /// The file that the scene came from.
+    /// The scene's file.
     pub fn file(&self) -> &Path {
         &self.file
     }
@@ -207,7 +209,8 @@ impl Extracted {
     }
 }
 
-/// What the user should know of the scene of `file`: what was left out, and what the camera sees from behind only.
+/// Warnings about the scene of `file`: dropped parts, and shapes that the camera sees from behind
+/// only.
 pub fn warnings(scene: &PreparedScene, file: &Path) -> Vec<Warning> {
     let message = match scene.dropped.degenerate {
         0 => None,

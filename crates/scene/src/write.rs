@@ -1,9 +1,9 @@
-//! From a world of entities to a scene file, with its meshes and images beside it.
+//! Writes a world of entities as a scene file, with its meshes and images beside it.
 //!
-//! A scene that is written and read again is the same to the last bit: numbers are written as the shortest
-//! text that reads back as the same, meshes as binary PLY, images as the bytes that they were. It has what
-//! glTF files and standalone meshes are made into, and no more: spheres, planes and lenses come from scene
-//! files, which need no conversion.
+//! A scene that is written and read again is the same to the last bit: numbers are written as the
+//! shortest text that reads back to the same value, meshes as binary PLY, images as their original
+//! bytes. It supports only what glTF files and standalone meshes become: spheres, planes and lenses
+//! come from scene files, which need no conversion.
 
 mod beside;
 mod json;
@@ -22,11 +22,11 @@ use super::components::TextureSource;
 use crate::load::LoadedScene;
 use beside::Beside;
 
-/// Writes `scene` to the scene file `path`, with its meshes and images beside it. Returns the files, the
-/// scene last. Files that are there already are replaced only where `replaces` says so.
+/// Writes `scene` to the scene file `path`, with its meshes and images beside it. Returns the
+/// files, the scene last. Existing files are replaced only if `replaces`.
 ///
 /// # Errors
-/// When a file is there already, or cannot be written.
+/// If a file exists already, or cannot be written.
 pub fn write(scene: LoadedScene, path: &Path, replaces: bool) -> Result<Vec<PathBuf>> {
     let mut beside = Beside::new(path);
     let mut world = scene.world;
@@ -44,7 +44,7 @@ pub fn write(scene: LoadedScene, path: &Path, replaces: bool) -> Result<Vec<Path
     for (file, source) in images {
         replace_file(&file, |sink| copy(&source, sink).map_err(|e| copy_error(&source, &file, e)))?;
     }
-    // Last, so that a scene file that is there names files that are there.
+    // Last, so that an existing scene file refers to existing files.
     write_json(&value, path)?;
     Ok(all)
 }

@@ -1,46 +1,47 @@
-//! What a surface wears.
+//! Textures of a surface.
 
 use std::path::PathBuf;
 use std::sync::Arc;
 
 use glam::DVec3;
 
-/// A texture in place of the diffuse colour.
+/// A texture that replaces the diffuse colour.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TextureRef {
-    /// Where the image is.
+    /// The image.
     pub source: TextureSource,
-    /// What its numbers stand for.
+    /// The encoding of its values.
     pub encoding: Encoding,
-    /// What every texel is multiplied by, once it is linear.
+    /// A linear factor on every texel.
     pub tint: DVec3,
-    /// How a look-up between texels is answered.
+    /// Filtering between texels.
     pub filter: Filter,
-    /// How coordinates outside 0 to 1 are taken.
+    /// Wrap mode of coordinates outside 0 to 1.
     pub wrap: Wrap,
-    /// How coordinates are changed before the look-up, if they are.
+    /// A change of the coordinates before the look-up, if any.
     pub placing: Option<Placing>,
 }
 
-/// Two rows that act on texture coordinates [u, v, 1].
+/// Two rows of a matrix that acts on texture coordinates [u, v, 1].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Placing(pub [[f64; 3]; 2]);
 
-/// Textures of other things than the diffuse colour. None is tinted.
+/// Textures of properties other than the diffuse colour. None is tinted.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Maps {
-    /// Of the material's own light, which it multiplies.
+    /// Multiplies the material's emission.
     pub emission: Option<TextureRef>,
-    /// Of metal and roughness, from which with the colour the rest of the material follows.
+    /// Metalness and roughness, which determine the rest of the material together with the colour.
     pub metal: Option<MetalMap>,
-    /// Of the share of ambient light that arrives, in red.
+    /// The share of ambient light that arrives, in red.
     pub occlusion: Option<StrengthMap>,
-    /// Of normals: red along u, green along v, blue along the surface's own; a number x stands for 2 x - 1.
+    /// Normals: red along u, green along v, blue along the surface normal; a value x stands for 2 x
+    /// - 1.
     pub normal: Option<StrengthMap>,
 }
 
 impl Maps {
-    /// Those that there are, by their keys in a scene file.
+    /// The maps that are set, with their keys in a scene file.
     pub fn all(&self) -> impl Iterator<Item = (&'static str, &TextureRef)> {
         let all = [
             ("emissionmap", self.emission.as_ref()),
@@ -51,7 +52,7 @@ impl Maps {
         all.into_iter().filter_map(|(key, texture)| Some((key, texture?)))
     }
 
-    /// As [`Maps::all`], to be changed.
+    /// As [`Maps::all`], mutable.
     pub fn all_mut(&mut self) -> impl Iterator<Item = &mut TextureRef> {
         let metal = self.metal.as_mut().map(|map| &mut map.texture);
         let occlusion = self.occlusion.as_mut().map(|map| &mut map.texture);
@@ -60,23 +61,23 @@ impl Maps {
     }
 }
 
-/// A texture of metal, in blue, and of roughness, in green.
+/// A texture of metalness, in blue, and of roughness, in green.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MetalMap {
     /// The texture.
     pub texture: TextureRef,
-    /// Factor on metal, 0 to 1.
+    /// Factor on the metalness, 0 to 1.
     pub metallic: f64,
-    /// Factor on roughness, 0 to 1.
+    /// Factor on the roughness, 0 to 1.
     pub roughness: f64,
 }
 
-/// A texture that counts as far as its strength says.
+/// A texture with a strength.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StrengthMap {
     /// The texture.
     pub texture: TextureRef,
-    /// 0 is not at all, 1 as it is.
+    /// 0 for no effect, 1 for the full effect.
     pub strength: f64,
 }
 
@@ -85,36 +86,37 @@ pub use wavecrest_core::kernels::texture::{Filter, Wrap};
 /// Holes in a surface, where the alpha of an image is low.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CutOut {
-    /// Where the image is.
+    /// The image.
     pub source: TextureSource,
-    /// Whether brightness stands for the alpha of an image that has none; else such an image has no hole.
+    /// Whether brightness replaces a missing alpha channel; otherwise an image without alpha has no
+    /// holes.
     pub is_mask: bool,
-    /// The least alpha that is there, above 0.
+    /// The lowest alpha that is opaque, above 0.
     pub threshold: f64,
-    /// How a look-up between texels is answered.
+    /// Filtering between texels.
     pub filter: Filter,
-    /// How coordinates outside 0 to 1 are taken.
+    /// Wrap mode of coordinates outside 0 to 1.
     pub wrap: Wrap,
-    /// How coordinates are changed before the look-up, if they are.
+    /// A change of the coordinates before the look-up, if any.
     pub placing: Option<Placing>,
 }
 
-/// Where the image of a texture is.
+/// The source of a texture's image.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum TextureSource {
-    /// In a file of its own: the path, already joined to the scene file's folder.
+    /// A separate file: the path, already joined to the scene file's folder.
     File(PathBuf),
     /// Within the scene file.
     Embedded {
-        /// Where there, such as `images[2]`: one name for one image.
+        /// The place in the file, such as `images[2]`: unique for each image.
         place: String,
-        /// A file of any image format.
+        /// An image file of any format.
         bytes: Arc<[u8]>,
     },
 }
 
 wavecrest_base::choices! {
-    /// What the numbers of an image stand for.
+    /// The encoding of an image's values.
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
     pub enum Encoding {
         /// Light, as they are.

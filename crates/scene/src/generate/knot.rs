@@ -1,13 +1,13 @@
 //! A closed tube along a torus knot.
 //!
-//! The knot winds three times about the axis of a torus and five times through its hole. Its
-//! frame needs no transport along the curve: the curve lies on the torus, so the normal of the
-//! torus is always square to the tangent and comes round to itself, and the tube closes without
-//! a twist or a seam.
+//! The knot winds three times around the axis of a torus and five times through its hole. Its frame
+//! needs no transport along the curve: the curve lies on the torus, so the normal of the torus is
+//! always perpendicular to the tangent and returns to itself, and the tube closes without a twist
+//! or a seam.
 //!
-//! A tube of varying radius about a curve does not meet itself as long as its greatest radius
-//! is below the reach of the curve (Federer 1959): the smaller of its least radius of curvature
-//! and half the least distance between two strands. Here that is 0.28, and a test measures it.
+//! A tube of varying radius around a curve does not intersect itself as long as its largest radius
+//! is below the reach of the curve (Federer 1959): the smaller of its least radius of curvature and
+//! half the least distance between two strands. Here that is 0.28, as a test measures.
 
 use std::f64::consts::TAU;
 
@@ -26,22 +26,22 @@ const MAJOR: f64 = 1.0;
 const MINOR: f64 = 0.4;
 /// The radius of the tube before it is displaced.
 const TUBE: f64 = 0.18;
-/// The greatest displacement, as a share of [`TUBE`]: the widest tube is 0.27, under the reach.
+/// The largest displacement, as a share of [`TUBE`]: the widest tube is 0.27, below the reach.
 pub(super) const MOST_DISPLACEMENT: f64 = 0.5;
-/// Steps along the knot for each step round the tube: its length, 22.85, over its girth, so that
-/// cells come out near square.
+/// Steps along the knot for each step around the tube: its length, 22.85, over its girth, so that
+/// cells are nearly square.
 pub(super) const RINGS_PER_SIDE: u64 = 20;
-/// Waves of the coarsest noise to the unit of length: about half the width of the tube.
+/// Frequency of the coarsest noise: a wave is about half the width of the tube.
 const FREQUENCY: f64 = 6.0;
 
-/// The knot as a grid of `sides` steps round the tube.
+/// The knot as a grid of `sides` steps around the tube.
 pub(super) struct Knot {
     sides: u64,
     displacement: f64,
     fractal: Fractal,
 }
 
-/// A point of the centre line, and the two directions square to it that the tube is built on.
+/// A point of the centre line, and the two directions perpendicular to it that span the tube.
 struct Frame {
     centre: DVec3,
     normal: DVec3,
@@ -58,7 +58,7 @@ impl Knot {
         self.sides * RINGS_PER_SIDE
     }
 
-    /// The surface at `ring` steps along the knot and `side` steps round the tube.
+    /// The surface at `ring` steps along the knot and `side` steps around the tube.
     fn point(&self, ring: f64, side: f64) -> DVec3 {
         let frame = frame(TAU * (ring / self.rings() as f64));
         let (sin, cos) = libm::sincos(TAU * (side / self.sides as f64));
@@ -123,7 +123,7 @@ impl Surface for Knot {
 mod tests {
     use super::*;
 
-    /// Points of the centre line, and the arc length up to each; the last is the whole length.
+    /// Points of the centre line, and the arc length up to each; the last is the total length.
     fn centre_line(count: usize) -> (Vec<DVec3>, Vec<f64>) {
         let points: Vec<DVec3> =
             (0..count).map(|i| frame(TAU * i as f64 / count as f64).centre).collect();

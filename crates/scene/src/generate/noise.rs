@@ -1,37 +1,36 @@
-//! Gradient noise and the fractal sums made from it.
+//! Gradient noise and its fractal sums.
 //!
-//! The noise is that of Perlin, "Improving Noise" (2002): at each point of the integer lattice
-//! stands one of twelve gradients, and between the points their planes are blended by a quintic.
-//! In place of Perlin's permutation table the gradient is picked by mixing the lattice point and
-//! the seed as integers, so the noise neither repeats nor needs a table, and each seed is a noise
-//! of its own. The ridged sum is that of Musgrave, in Ebert et al., "Texturing and Modeling"
-//! (2003).
+//! The noise is that of Perlin, "Improving Noise" (2002): each point of the integer lattice has one
+//! of twelve gradients, and between the points their planes are blended by a quintic. Instead of
+//! Perlin's permutation table, the lattice point and the seed are hashed to the gradient, so the
+//! noise neither repeats nor needs a table, and each seed gives a different noise. The ridged sum
+//! is that of Musgrave, in Ebert et al., "Texturing and Modeling" (2003).
 //!
-//! Everything here is integer arithmetic, or `+ - *` on 64-bit floats in a fixed order, so a value
-//! has the same bits on every machine.
+//! Everything is integer arithmetic, or `+ - *` on 64-bit floats in a fixed order, so a value has
+//! the same bits on every machine.
 
 use glam::DVec3;
 
-/// How much the frequency grows from one octave to the next.
+/// Growth of the frequency from one octave to the next.
 const LACUNARITY: f64 = 2.0;
-/// How much the amplitude falls from one octave to the next. Below 1 / [`LACUNARITY`], so that
-/// slopes stay finite however many octaves are added and fine triangles do not become needles.
+/// Decrease of the amplitude from one octave to the next. Below 1 / [`LACUNARITY`], so that slopes
+/// stay finite for any number of octaves and fine triangles do not become needles.
 const GAIN: f64 = 0.45;
-/// An octave is left out when its waves would be shorter than this many edges of the mesh: the
-/// mesh could not show them, only turn them into spikes.
+/// Octaves with waves shorter than this many edges of the mesh are left out: they would only cause
+/// spikes.
 const EDGES_PER_WAVE: f64 = 4.0;
-/// More octaves than this change a coordinate by less than a 32-bit float can hold.
+/// Octaves beyond this number change a coordinate by less than the resolution of a 32-bit float.
 const MOST_OCTAVES: u32 = 20;
-/// Where each octave's lattice starts, so that the zeros of the octaves do not fall together.
+/// Offset of each octave's lattice, so that the zeros of the octaves do not coincide.
 const OCTAVE_SHIFT: DVec3 = DVec3::new(0.3719, 0.6173, 0.8431);
 
 /// How steeply a ridge falls from its crest. The noise is mostly within 1 / 1.6 of zero, so that
 /// valleys come near 0 and crests near 1.
 const CREST_SHARPNESS: f64 = 1.6;
-/// How soon the height of one octave lets in the whole of the next.
+/// How quickly the height of one octave admits the next.
 const RIDGE_FEEDBACK: f64 = 2.0;
 
-/// The middles of a cube's edges: no gradient favours an axis.
+/// The centres of a cube's edges: no gradient favours an axis.
 const GRADIENTS: [DVec3; 12] = [
     DVec3::new(1.0, 1.0, 0.0),
     DVec3::new(-1.0, 1.0, 0.0),
@@ -56,8 +55,8 @@ pub(super) struct Fractal {
 }
 
 impl Fractal {
-    /// A sum whose coarsest waves number `frequency` to the unit of length, and whose finest are
-    /// as fine as a mesh with edges about `edge` long can show.
+    /// A sum whose coarsest waves have this `frequency` per unit of length, and whose finest are
+    /// those that a mesh with edges of about `edge` can show.
     pub(super) fn new(seed: u64, frequency: f64, edge: f64) -> Self {
         let mut octaves = 1;
         let mut next = frequency * LACUNARITY;
@@ -68,7 +67,7 @@ impl Fractal {
         Self { seed, frequency, octaves }
     }
 
-    /// The plain sum at `p`, in [-1, 1] whatever the number of octaves.
+    /// The plain sum at `p`, in [-1, 1] for any number of octaves.
     pub(super) fn sum(&self, p: DVec3) -> f64 {
         let mut amplitude = 1.0 - GAIN;
         let mut total = 0.0;
@@ -117,11 +116,11 @@ fn gradient_noise(p: DVec3, seed: u64) -> f64 {
     let edge = |dy, dz| lerp(u, corner(0, dy, dz), corner(1, dy, dz));
     let v = fade(fy);
     let face = |dz| lerp(v, edge(0, dz), edge(1, dz));
-    // The true bound is about 1.04; the clamp makes bounds on a displacement certain.
+    // The true bound is about 1.04; the clamp makes bounds on displacements exact.
     lerp(fade(fz), face(0), face(1)).clamp(-1.0, 1.0)
 }
 
-/// The whole number at or below `x`, and what is left over.
+/// The integer at or below `x`, and the remainder.
 fn split(x: f64) -> (i64, f64) {
     let cut = x as i64;
     let whole = if cut as f64 > x { cut - 1 } else { cut };
@@ -137,13 +136,13 @@ fn lerp(t: f64, a: f64, b: f64) -> f64 {
     a + t * (b - a)
 }
 
-/// The gradient that stands at a lattice point.
+/// The gradient of a lattice point.
 fn lattice_gradient(x: i64, y: i64, z: i64, seed: u64) -> DVec3 {
-    // Odd multipliers without common structure keep the three axes apart before the mixing.
+    // Odd multipliers without common structure separate the three axes before the mixing.
     let key = (x as u64).wrapping_mul(0x8CB9_2BA7_2F3D_8DD7)
         ^ (y as u64).wrapping_mul(0xD6E8_FEB8_6659_FD93).rotate_left(21)
         ^ (z as u64).wrapping_mul(0xA076_1D64_78BD_642F).rotate_left(42);
-    // The high bits are the best mixed; a multiplication maps them evenly onto the twelve.
+    // The high bits are mixed best; a multiplication maps them evenly to the twelve.
     let pick = ((mix(key ^ seed) >> 32) * 12) >> 32;
     GRADIENTS[pick as usize]
 }

@@ -1,11 +1,10 @@
 //! A generated mesh as a binary little-endian PLY file (Turk 1994), streamed.
 //!
-//! Vertices and faces are records of one size, so a stretch of the file can be made anywhere in
-//! a buffer by any thread. Two buffers of fixed size take turns: one is written while the other
-//! is filled. Memory is bounded whatever the size of the mesh and the number of threads, and the
-//! bytes do not depend on either.
+//! Vertices and faces are fixed-size records, so any thread can make any part of the file in a
+//! buffer. Two buffers of fixed size alternate: one is written while the other is filled. Memory is
+//! bounded for any mesh and number of threads, and the bytes depend on neither.
 //!
-//! The file appears whole or not at all (see [`wavecrest_base::replace`]).
+//! The file is replaced atomically (see [`wavecrest_base::replace`]).
 
 use std::io::{self, Write};
 use std::path::Path;
@@ -19,7 +18,7 @@ use wavecrest_base::replace::replace_file;
 
 /// The size of each of the two buffers.
 const BUFFER_BYTES: usize = 8 << 20;
-/// Records that one task makes: enough to outweigh the cost of a task, few enough to share out.
+/// Records for each task: enough to outweigh the cost of a task, few enough to distribute.
 const RECORDS_PER_TASK: usize = 4096;
 /// A face: the count 3, then three indices.
 const FACE_BYTES: usize = 1 + 3 * 4;
@@ -28,7 +27,7 @@ const VECTOR_BYTES: usize = 3 * 4;
 /// Texture coordinates.
 const UV_BYTES: usize = 2 * 4;
 
-/// What [`write_ply`] wrote.
+/// The sizes of what [`write_ply`] wrote.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Written {
     /// Vertices in the file.
@@ -39,11 +38,11 @@ pub struct Written {
     pub bytes: u64,
 }
 
-/// Writes the mesh of `recipe` to the file `path`, replacing it. `progress` is called from time to
-/// time with the bytes written and the bytes in all.
+/// Writes the mesh of `recipe` to the file `path`, replacing it. `progress` is called regularly
+/// with the bytes written and the total.
 ///
 /// # Errors
-/// As for [`mesh`](super::mesh), and when the file cannot be written.
+/// As for [`mesh`](super::mesh), and if the file cannot be written.
 pub fn write_ply(
     recipe: &Recipe,
     path: &Path,
@@ -64,7 +63,7 @@ pub fn write_ply(
     Ok(Written { vertices, triangles, bytes: layout.bytes() })
 }
 
-/// A number of bytes as a reader would say it.
+/// A number of bytes with a unit.
 fn size(bytes: u64) -> String {
     const UNITS: [&str; 6] = ["KiB", "MiB", "GiB", "TiB", "PiB", "EiB"];
     let mut value = bytes as f64;
@@ -79,7 +78,7 @@ fn size(bytes: u64) -> String {
     format!("{bytes} bytes ({value:.decimals$} {unit})")
 }
 
-/// What stands where in the file.
+/// The layout of the file.
 struct Layout {
     header: String,
     vertices: u64,
@@ -138,7 +137,7 @@ impl Layout {
     }
 }
 
-/// The header, with the recipe as a comment so that the file says how to make it again.
+/// The header, with the recipe in a comment, so that the file can be made again.
 fn header(recipe: &Recipe, vertices: u64, triangles: u64, uvs: bool) -> String {
     let Recipe { model, triangles: asked, seed, displacement, normals } = recipe;
     let flag = if *normals { " --normals" } else { "" };
@@ -157,12 +156,12 @@ fn header(recipe: &Recipe, vertices: u64, triangles: u64, uvs: bool) -> String {
     )
 }
 
-/// Puts some four-byte numbers into their place in a record.
+/// Writes four-byte numbers to their place in a record.
 fn put<const N: usize>(place: &mut [u8], numbers: [[u8; 4]; N]) {
     place.copy_from_slice(numbers.as_flattened());
 }
 
-/// The file, and the progress that is reported.
+/// The file and its progress report.
 struct Sink<'a, W> {
     file: &'a mut W,
     written: u64,

@@ -1,15 +1,15 @@
-//! What a mesh is to be made of.
+//! The recipe of a generated mesh.
 
 use super::surface::Surface;
 use super::{knot, room, sphere, terrain};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
-/// The most triangles a mesh may have: what the signed indices of a PLY file can count. Vertices
-/// are fewer still in every model.
+/// Largest number of triangles: the range of signed indices in a PLY file. Every model has fewer
+/// vertices.
 pub const MOST_TRIANGLES: u64 = (1 << 31) - 1;
 
 wavecrest_base::choices! {
-    /// What the mesh is of.
+    /// The subject of the mesh.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
     pub enum Model {
         /// A sphere of radius about 1, displaced by fractal noise: closed.
@@ -24,7 +24,7 @@ wavecrest_base::choices! {
 }
 
 impl Model {
-    /// The displacement used when none is asked for.
+    /// The default displacement.
     pub fn usual_displacement(self) -> f64 {
         match self {
             Self::Sphere => 0.25,
@@ -34,7 +34,7 @@ impl Model {
         }
     }
 
-    /// The greatest displacement: beyond it the surface would be torn or meet itself.
+    /// The largest displacement: beyond it the surface would tear or intersect itself.
     pub(super) fn most_displacement(self) -> f64 {
         match self {
             Self::Sphere => 0.9,
@@ -44,8 +44,8 @@ impl Model {
         }
     }
 
-    /// Of what is a single grid, the triangles of one step (one of `n` steps has `n * n` times as
-    /// many), and the fewest steps that still look like the model.
+    /// For models of a single grid, the number of triangles with one step (`n` steps have `n * n`
+    /// times as many), and the smallest number of steps that still resembles the model.
     pub(super) fn grid(self) -> Option<(u64, u64)> {
         match self {
             Self::Sphere => Some((12, 2)),
@@ -55,20 +55,21 @@ impl Model {
         }
     }
 
-    /// The fewest triangles that may be asked for.
+    /// The smallest number of triangles that may be requested.
     pub fn fewest_triangles(self) -> u64 {
         self.grid().map_or_else(room::fewest_triangles, |(one, steps)| one * steps.pow(2))
     }
 
-    /// The most triangles that may be asked for: within [`MOST_TRIANGLES`], those of the finest
-    /// grid. A room has no more than half, as its leaves have three vertices to the triangle.
+    /// The largest number of triangles that may be requested: that of the finest grid within
+    /// [`MOST_TRIANGLES`]. A room has at most half of that, as its leaves have three vertices for
+    /// each triangle.
     pub fn most_triangles(self) -> u64 {
         self.grid()
             .map_or(MOST_TRIANGLES / 2, |(one, _)| one * (MOST_TRIANGLES / one).isqrt().pow(2))
     }
 }
 
-/// All that a mesh depends on.
+/// Everything that a mesh depends on.
 ///
 /// ```
 /// use wavecrest_scene::generate::{Model, Recipe, mesh};
@@ -78,38 +79,38 @@ impl Model {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Recipe {
-    /// What the mesh is of.
+    /// The subject of the mesh.
     pub model: Model,
-    /// The triangles asked for. The mesh has the nearest count at or above it that its grid
-    /// allows, and a room as many: see [`Recipe::counts`].
+    /// The requested number of triangles. A grid has the next number that it allows, and a room
+    /// exactly this number: see [`Recipe::counts`].
     pub triangles: u64,
-    /// Which of the noises is used.
+    /// Seed of the noise.
     pub seed: u64,
-    /// How far the surface is moved: for the sphere and the knot as a share of their radius (that
-    /// of the tube), either way; for the terrain the height of the highest crests; for the room how
-    /// deep cloth folds, in metres.
+    /// The displacement of the surface: for the sphere and the knot as a share of their radius (for
+    /// the knot, of the tube), in both directions; for the terrain the height of the highest
+    /// crests; for the room the depth of folds in cloth, in metres.
     pub displacement: f64,
     /// Whether vertices have normals.
     pub normals: bool,
 }
 
 impl Recipe {
-    /// The usual mesh of `model` with at least so many triangles: seed 1, no normals.
+    /// The default mesh of `model` with at least this number of triangles: seed 1, no normals.
     pub fn new(model: Model, triangles: u64) -> Self {
         let displacement = model.usual_displacement();
         Self { model, triangles, seed: 1, displacement, normals: false }
     }
 
-    /// The numbers of vertices and of triangles that the mesh has.
+    /// The numbers of vertices and triangles of the mesh.
     ///
     /// # Errors
-    /// When the recipe asks for what cannot be made, as for [`mesh`](super::mesh).
+    /// If the recipe is invalid, as for [`mesh`](super::mesh).
     pub fn counts(&self) -> Result<(u64, u64)> {
         let surface = self.surface()?;
         Ok((surface.vertices(), surface.triangles()))
     }
 
-    /// The surface, once the recipe has been checked.
+    /// The surface of the recipe, which is checked.
     pub(super) fn surface(&self) -> Result<Box<dyn Surface>> {
         self.check_triangles()?;
         self.check_displacement()?;
@@ -123,8 +124,7 @@ impl Recipe {
         })
     }
 
-    /// The steps of the coarsest grid with at least the triangles asked for, where one step has
-    /// `one`.
+    /// The steps of the coarsest grid with at least the requested triangles, if one step has `one`.
     fn steps(&self, one: u64) -> u64 {
         let squares = self.triangles.div_ceil(one);
         let root = squares.isqrt();

@@ -1,15 +1,16 @@
 //! A furnished room.
 //!
-//! Six metres by five, y up, with the middle of the floor at the origin. It has what a scan lacks and rooms
-//! are made of: walls, floor and ceiling of a few triangles each, boards and mouldings with long
-//! thin triangles, turned crockery and cloth as fine grids, and plants whose leaves share no
+//! Six metres by five, y up, with the centre of the floor at the origin. It has features of rooms
+//! that scans lack: walls, floor and ceiling of a few triangles each, boards and mouldings with
+//! long thin triangles, turned crockery and cloth as fine grids, and plants whose leaves share no
 //! vertex. Areas differ by more than six orders of magnitude.
 //!
-//! What stands where depends on no number of triangles: more of them make curved surfaces finer
-//! and leaves more and smaller. A fifth of them are leaves, of which there are as many as bring
-//! the number to that asked for.
+//! The arrangement is the same for any number of triangles: more triangles make curved surfaces
+//! finer, and leaves more and smaller. A fifth of the triangles are leaves, in the number that
+//! gives the requested total.
 //!
-//! Each kind of furniture has a file, whose functions put pieces into a [`Builder`](builder::Builder).
+//! Each kind of furniture has a file, whose functions add pieces to a
+//! [`Builder`](builder::Builder).
 
 mod bookshelf;
 mod builder;
@@ -36,24 +37,24 @@ use super::surface::Surface;
 use builder::{Builder, Piece};
 use place::Place;
 
-/// Of so many triangles one is of a leaf.
+/// One in this many triangles belongs to a leaf.
 const LEAF_SHARE: u64 = 5;
-/// Edges to the metre of the coarsest cloth.
+/// Edges per metre of the coarsest cloth.
 const COARSEST: u64 = 4;
 
-/// The deepest that cloth may fold, in metres: curtains clear the wall.
+/// The deepest folds of cloth, in metres: curtains must clear the wall.
 pub(super) const MOST_FOLDS: f64 = 0.06;
 
 /// A furnished room as a sequence of pieces.
 pub(super) struct Room {
-    /// Each with the number of its first vertex and of its first triangle.
+    /// Each piece with the number of its first vertex and first triangle.
     pieces: Vec<(u64, u64, Piece)>,
     vertices: u64,
     triangles: u64,
 }
 
 impl Room {
-    /// A room of so many triangles, at least [`fewest_triangles`], in which cloth folds by
+    /// A room of this number of triangles, at least [`fewest_triangles`], with cloth folds of
     /// `folds` metres.
     pub(super) fn new(triangles: u64, folds: f64, seed: u64) -> Self {
         let furniture = triangles - triangles / LEAF_SHARE;
@@ -70,7 +71,7 @@ impl Room {
         Self { pieces, vertices, triangles }
     }
 
-    /// The piece that vertex `v` belongs to, and its number there.
+    /// The piece of vertex `v`, and the vertex's number there.
     fn piece(&self, v: u64) -> (&Piece, u64) {
         let after = self.pieces.partition_point(|&(first, ..)| first <= v);
         let (first, _, piece) = &self.pieces[after - 1];
@@ -78,12 +79,12 @@ impl Room {
     }
 }
 
-/// The fewest triangles that furniture and plants are recognised with.
+/// The smallest number of triangles that keeps furniture and plants recognisable.
 pub(super) fn fewest_triangles() -> u64 {
     (furnished(COARSEST, 0.0, 0).triangles() * LEAF_SHARE).div_ceil(LEAF_SHARE - 1)
 }
 
-/// The finest detail at which all but the leaves has at most so many triangles.
+/// The finest detail at which everything but the leaves has at most this number of triangles.
 fn finest(triangles: u64) -> u64 {
     let fits = |detail| furnished(detail, 0.0, 0).triangles() <= triangles;
     let mut too_fine = 2 * COARSEST;
@@ -98,7 +99,7 @@ fn finest(triangles: u64) -> u64 {
     fine
 }
 
-/// The room with all its furniture, and with plants whose leaves have yet to grow.
+/// The room with all its furniture, and with plants that have no leaves yet.
 fn furnished(detail: u64, folds: f64, seed: u64) -> Builder {
     let mut b = Builder::new(detail, folds, seed);
     b.shell();
@@ -119,7 +120,7 @@ fn furnished(detail: u64, folds: f64, seed: u64) -> Builder {
     b
 }
 
-/// A sofa below the window, curtains, a lamp beside, herbs on the sill.
+/// A sofa below the window, curtains, a lamp beside it, herbs on the sill.
 fn at_the_window(b: &mut Builder) {
     let wall = walls::left();
     b.sofa(wall.moved(0.0, 0.0, 0.1), 3);

@@ -1,18 +1,18 @@
 //! A displaced sphere.
 //!
-//! The grid is the surface of a cube of `n` x `n` x `n` cells, blown up to a sphere. Plain
-//! blowing up makes the cells at the corners of the cube five times smaller than those in the
+//! The grid is the surface of a cube of `n` x `n` x `n` cells, projected to a sphere. Plain
+//! projection makes the cells at the corners of the cube five times smaller than those in the
 //! middle of a face, so the grid lines are first moved to equal angles (Ronchi, Iacono and
-//! Paolucci, "The Cubed Sphere", 1996), which leaves triangles that differ by less than two in
-//! area. There is no pole and no fan. Vertices are numbered layer by layer up the cube, so that
-//! the faces share those on edges and corners.
+//! Paolucci, "The Cubed Sphere", 1996), which leaves triangles that differ by less than a factor of
+//! two in area. There is no pole and no fan. Vertices are numbered layer by layer up the cube, so
+//! that the faces share those on edges and corners.
 
 use glam::DVec3;
 
 use super::noise::Fractal;
 use super::surface::{Surface, cell_triangle};
 
-/// Waves of the coarsest noise to the unit of length; the radius is 1.
+/// Frequency of the coarsest noise in waves per unit of length; the radius is 1.
 const FREQUENCY: f64 = 2.0;
 
 /// The six faces of the unit cube: an origin and two edges, whose cross product points outward.
@@ -28,7 +28,7 @@ const FACES: [[[u64; 3]; 3]; 6] = [
 /// The sphere as a grid of `n` steps along each edge of the cube.
 pub(super) struct Sphere {
     n: u64,
-    /// The place of each grid line on [-1, 1], equal angles apart: `n` + 1 numbers.
+    /// The positions of the grid lines on [-1, 1], at equal angles: `n` + 1 numbers.
     lines: Vec<f64>,
     displacement: f64,
     fractal: Fractal,
@@ -56,7 +56,7 @@ impl Sphere {
         if z == n {
             return layer + y * (n + 1) + x;
         }
-        // Once round the square, counter-clockwise from its lowest corner.
+        // Once around the square, counter-clockwise from its lowest corner.
         layer
             + match (x, y) {
                 (x, 0) if x < n => x,
@@ -66,7 +66,7 @@ impl Sphere {
             }
     }
 
-    /// The point of the cube's surface, in cells, that vertex `v` stands at.
+    /// The point of the cube's surface at vertex `v`, in cells.
     fn lattice(&self, v: u64) -> [u64; 3] {
         let (n, cap) = (self.n, self.cap());
         if v < cap {
@@ -91,7 +91,7 @@ impl Sphere {
         DVec3::new(x, y, z).normalize()
     }
 
-    /// The displaced surface in the direction `d`, of unit length.
+    /// The displaced surface in the unit direction `d`.
     fn point(&self, d: DVec3) -> DVec3 {
         d * (1.0 + self.displacement * self.fractal.sum(d))
     }
@@ -141,8 +141,8 @@ impl Surface for Sphere {
             self.index([place(0), place(1), place(2)]) as u32
         };
         let corners = [corner(i, j), corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1)];
-        // Towards a corner of the cube the cells lean to 120 degrees; the shorter diagonal is
-        // the one that runs to that corner.
+        // Towards a corner of the cube the cells' angles grow to 120 degrees; the shorter diagonal
+        // is the one that runs to that corner.
         let leans_forward = (2 * i + 1 < n) == (2 * j + 1 < n);
         cell_triangle(corners, leans_forward, t % 2)
     }

@@ -1,8 +1,8 @@
-//! What a mesh is made from: pure functions of the number of a vertex or of a triangle.
+//! Surfaces: pure functions of the number of a vertex or of a triangle.
 
 use glam::{DVec3, Vec2, Vec3};
 
-/// To 32 bits, to the nearest: the one place where positions and normals lose precision.
+/// Rounds to the nearest 32-bit values: the only place where positions and normals lose precision.
 pub(super) fn rounded(v: DVec3) -> Vec3 {
     v.as_vec3()
 }
@@ -13,12 +13,12 @@ pub(super) trait Surface: Sync {
     fn vertices(&self) -> u64;
     /// The number of triangles, at most [`MOST_TRIANGLES`](super::MOST_TRIANGLES).
     fn triangles(&self) -> u64;
-    /// Where vertex `v` is.
+    /// The position of vertex `v`.
     fn position(&self, v: u64) -> DVec3;
-    /// The unit normal at vertex `v`, on the front, from central differences over one step of
-    /// the grid: the normal of the surface as finely as the mesh shows it.
+    /// The unit normal at vertex `v`, on the front, from central differences over one step of the
+    /// grid: the normal of the surface at the resolution of the mesh.
     fn normal(&self, v: u64) -> DVec3;
-    /// The texture coordinates at vertex `v`, in [0, 1]: of all vertices, or of none.
+    /// The texture coordinates at vertex `v`, in [0, 1]; either all vertices have them or none.
     fn uv(&self, _v: u64) -> Option<Vec2> {
         None
     }
@@ -26,8 +26,8 @@ pub(super) trait Surface: Sync {
     fn triangle(&self, t: u64) -> [u32; 3];
 }
 
-/// One `half` (0 or 1) of a cell with corners `a b c d`, counter-clockwise, cut from `a` to `c`
-/// when `forward` and from `b` to `d` otherwise.
+/// One `half` (0 or 1) of a cell with corners `a b c d`, counter-clockwise, cut from `a` to `c` if
+/// `forward`, else from `b` to `d`.
 pub(super) fn cell_triangle([a, b, c, d]: [u32; 4], forward: bool, half: u64) -> [u32; 3] {
     match (forward, half) {
         (true, 0) => [a, b, c],

@@ -9,7 +9,8 @@ use glam::DVec3;
 use super::noise::Fractal;
 use super::surface::{Surface, cell_triangle};
 
-/// Waves of the coarsest noise to the unit of length: three and a bit over the whole field.
+/// Frequency of the coarsest noise in waves per unit of length: a bit more than three over the
+/// whole field.
 const FREQUENCY: f64 = 1.6;
 
 /// The terrain as a grid of `n` x `n` cells.
@@ -29,7 +30,7 @@ impl Terrain {
         self.height * self.fractal.ridged(DVec3::new(x, 0.0, z))
     }
 
-    /// Where on x and z vertex `v` stands. The ends are exactly -1 and 1.
+    /// The x and z of vertex `v`. The ends are exactly -1 and 1.
     fn place(&self, v: u64) -> (f64, f64) {
         let along = |i: u64| (2 * i) as f64 / self.n as f64 - 1.0;
         (along(v % (self.n + 1)), along(v / (self.n + 1)))

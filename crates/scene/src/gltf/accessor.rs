@@ -1,8 +1,8 @@
-//! Accessors: what the bytes of a view stand for, and how they are read.
+//! Accessors: the elements in the bytes of a view.
 //!
-//! An accessor is checked when it is met: its last element ends within its view, and its sparse part
-//! changes only elements that it has. After that an element is a look-up that cannot fail, so that those
-//! of a large mesh are read on all threads.
+//! An accessor is checked once: its last element must end within its view, and its sparse part may
+//! change only existing elements. After that, reading an element cannot fail, so that all threads
+//! can read those of a large mesh.
 
 use rayon::prelude::*;
 
@@ -23,7 +23,7 @@ pub(super) enum Component {
 }
 
 impl Component {
-    /// The numbers that the format gives the types.
+    /// The format's codes of the types.
     const ALL: [(u64, Self); 6] = [
         (5120, Self::I8),
         (5121, Self::U8),
@@ -52,12 +52,12 @@ impl Component {
         }
     }
 
-    /// Whether it is an unsigned whole number, as an index is.
+    /// Whether it is an unsigned integer, as an index is.
     pub(super) fn is_index(self) -> bool {
         matches!(self, Self::U8 | Self::U16 | Self::U32)
     }
 
-    /// The greatest number of an index type: as an index it begins a new strip.
+    /// The largest value of an index type, which restarts a strip.
     pub(super) fn restart(self) -> u32 {
         match self {
             Self::U8 => u32::from(u8::MAX),
@@ -66,7 +66,7 @@ impl Component {
         }
     }
 
-    /// The number at the start of some bytes, as it is.
+    /// The number at the start of some bytes, unscaled.
     fn number(self, bytes: &[u8]) -> Option<f64> {
         Some(match (self, bytes) {
             (Self::I8, &[a, ..]) => f64::from(i8::from_le_bytes([a])),
@@ -79,7 +79,7 @@ impl Component {
         })
     }
 
-    /// The number that stands for 1, where whole numbers are parts of it.
+    /// The value that stands for 1 in normalised integers.
     fn one(self) -> f64 {
         match self {
             Self::I8 => f64::from(i8::MAX),
@@ -92,11 +92,11 @@ impl Component {
     }
 }
 
-/// How many numbers an element has, by the name of its type.
+/// The number of components of an element, by the name of its type.
 const TYPES: [(&str, usize); 7] =
     [("SCALAR", 1), ("VEC2", 2), ("VEC3", 3), ("VEC4", 4), ("MAT2", 4), ("MAT3", 9), ("MAT4", 16)];
 
-/// Elements in a row in a view.
+/// Evenly spaced elements in a view.
 #[derive(Clone, Debug)]
 struct Rows {
     view: usize,
@@ -104,27 +104,27 @@ struct Rows {
     stride: usize,
 }
 
-/// Elements that are not those of the rows.
+/// Elements that replace those of the rows.
 #[derive(Clone, Debug)]
 struct Sparse {
-    /// Which elements, in rising order.
+    /// Their indices, in rising order.
     which: Vec<u32>,
     values: Rows,
 }
 
-/// A list of elements of some numbers each.
+/// A list of elements with several components each.
 #[derive(Clone, Debug)]
 pub(super) struct Accessor {
     rows: Option<Rows>,
     sparse: Option<Sparse>,
     pub(super) count: usize,
     pub(super) component: Component,
-    /// How many numbers an element has.
+    /// Number of components of an element.
     pub(super) width: usize,
     pub(super) normalized: bool,
 }
 
-/// Where the elements of accessors are.
+/// The data of accessors.
 #[derive(Clone, Copy)]
 pub(super) struct Storage<'a> {
     pub(super) buffers: &'a [Buffer],
@@ -132,7 +132,7 @@ pub(super) struct Storage<'a> {
 }
 
 impl Accessor {
-    /// Reads an element of `accessors`, and checks that its elements are there.
+    /// Reads an element of `accessors`, and checks that its elements exist.
     pub(super) fn read(fields: &Fields<'_>, storage: Storage<'_>) -> Result<Self> {
         let component = Component::read(fields)?;
         let width = fields.need("type", "\"SCALAR\", \"VEC2\", ...")?.choice(&TYPES)?;
@@ -143,7 +143,7 @@ impl Accessor {
         let rows = view.map(|view| rows(fields, storage, view, offset, size, count)).transpose()?;
         let sparse = sparse(fields, storage, size, count)?;
         check_extremes(fields, width)?;
-        // What is nowhere in the file reads as zeros: as many as the file has bytes will do.
+        // Elements without data are zeros; their number is limited by the bytes of the file.
         let bytes: usize = storage.buffers.iter().map(|buffer| buffer.bytes().len()).sum();
         let bytes = bytes.max(ZEROS_ANYHOW);
         let count = usize::try_from(count).unwrap_or(usize::MAX);
@@ -156,7 +156,7 @@ impl Accessor {
         Ok(Self { rows, sparse, count, component, width, normalized })
     }
 
-    /// A way to its elements.
+    /// A reader of its elements.
     pub(super) fn elements<'a>(&'a self, storage: Storage<'a>) -> Elements<'a> {
         let bytes = |rows: &Rows| storage.views[rows.view].bytes(storage.buffers);
         Elements {
@@ -166,17 +166,17 @@ impl Accessor {
         }
     }
 
-    /// Bytes that it takes to read `count` elements.
+    /// Bytes needed to read `count` elements.
     pub(super) fn cost(&self, count: usize) -> u64 {
         (count as u64).saturating_mul((self.component.bytes() * self.width) as u64)
     }
 }
 
-/// Elements that may be zeros in any case.
+/// Number of elements that may be zeros in any file.
 const ZEROS_ANYHOW: usize = 1 << 16;
 
-/// Nothing goes by the least and the greatest elements; but where they are of another type than the
-/// elements, so may be what the file says of these.
+/// The minimum and maximum elements are not used, but if their type differs from the elements', the
+/// declared type is doubtful.
 fn check_extremes(fields: &Fields<'_>, width: usize) -> Result<()> {
     for cursor in ["min", "max"].into_iter().filter_map(|key| fields.get(key)) {
         let numbers = cursor.value().as_array();
@@ -231,7 +231,7 @@ fn sparse(
     let cursor = sparse.need("values", "an object { ... }")?;
     let values = place(&Fields::new(cursor, "an object")?, size)?;
     let bytes = storage.views[at.view].bytes(storage.buffers);
-    // As many as were just found to be there.
+    // The range was just checked.
     let which: Vec<u32> = (0..changed as usize)
         .filter_map(|i| component.number(bytes.get(at.offset + i * at.stride..)?))
         .map(|index| index as u32)
@@ -254,23 +254,23 @@ pub(super) struct Elements<'a> {
 }
 
 impl Elements<'_> {
-    /// The first `N` numbers of element `i`; zeros for what is not there.
+    /// The first `N` components of element `i`; zeros for missing ones.
     pub(super) fn get<const N: usize>(&self, i: usize) -> [f64; N] {
         let component = self.accessor.component;
         let bytes = self.bytes_of(i);
         let number = |k: usize| component.number(bytes?.get(k * component.bytes()..)?);
         let scale = |x: f64| match self.accessor.normalized {
-            // The least signed number stands a little below -1, and for it.
+            // The smallest signed integer is slightly below -1, and counts as -1.
             true => (x / component.one()).max(-1.0),
             false => x,
         };
         std::array::from_fn(|k| number(k).map_or(0.0, scale))
     }
 
-    /// The whole number that element `i` is.
+    /// Element `i` as an integer.
     pub(super) fn index(&self, i: usize) -> u32 {
         let bytes = self.bytes_of(i);
-        // Exact: it is asked for where the type is that of indices.
+        // Exact: the type is that of indices.
         bytes.and_then(|bytes| self.accessor.component.number(bytes)).map_or(0, |x| x as u32)
     }
 
@@ -285,7 +285,7 @@ impl Elements<'_> {
         bytes.get(rows.offset + i * rows.stride..)
     }
 
-    /// The elements that `which` names, or all, each as `make` has it, on all threads.
+    /// The elements of the indices in `which`, or all, converted by `make` on all threads.
     pub(super) fn each<T: Send, const N: usize>(
         &self,
         which: Option<&[u32]>,
@@ -297,7 +297,7 @@ impl Elements<'_> {
         }
     }
 
-    /// All elements as whole numbers, on all threads.
+    /// All elements as integers, on all threads.
     pub(super) fn indices(&self) -> Vec<u32> {
         (0..self.accessor.count).into_par_iter().map(|i| self.index(i)).collect()
     }

@@ -1,4 +1,4 @@
-//! Buffers and the views into them: bytes that accessors and images are parts of.
+//! Buffers, and the views into them that accessors and images use.
 
 use std::fs::File;
 use std::io::Read;
@@ -12,7 +12,7 @@ use wavecrest_base::error::{Error, ErrorKind, Result};
 use super::fields::Fields;
 use super::uri::{self, Target};
 
-/// A buffer: a part of some bytes, which it may share with the file itself.
+/// A buffer: a range of bytes, which may be shared with the file itself.
 #[derive(Clone, Debug)]
 pub(super) struct Buffer {
     bytes: Arc<Vec<u8>>,
@@ -30,7 +30,8 @@ impl Buffer {
         Self { bytes: Arc::new(bytes), range }
     }
 
-    /// Reads an element of `buffers`. The first one without a name is the `binary` chunk of a GLB file.
+    /// Reads an element of `buffers`. The first one without a URI is the `binary` chunk of a GLB
+    /// file.
     pub(super) fn read(fields: &Fields<'_>, binary: Option<&Self>) -> Result<Self> {
         let length = fields.need_count("byteLength")?;
         let found = match (fields.get("uri"), binary) {
@@ -47,7 +48,7 @@ impl Buffer {
         found.cut(fields, length)
     }
 
-    /// The first `length` bytes: those after them only fill up.
+    /// The first `length` bytes: those after them are padding.
     fn cut(mut self, fields: &Fields<'_>, length: u64) -> Result<Self> {
         match usize::try_from(length).ok().filter(|&length| length <= self.range.len()) {
             Some(length) => {
@@ -69,7 +70,7 @@ impl Buffer {
     }
 }
 
-/// The first `length` bytes of a file, or all where there are fewer.
+/// The first `length` bytes of a file, or all if there are fewer.
 fn beginning(uri: &Cursor<'_>, path: &Path, length: u64) -> Result<Vec<u8>> {
     let refused = |e: std::io::Error| {
         let message = format!("cannot read the buffer {}: {e}", path.display());
@@ -77,7 +78,7 @@ fn beginning(uri: &Cursor<'_>, path: &Path, length: u64) -> Result<Vec<u8>> {
         error.remedy("put it beside the glTF file").because(e)
     };
     let metadata = path.metadata().map_err(refused)?;
-    // The length of a pipe or a device says nothing, and to open one can block.
+    // The length of a pipe or a device is meaningless, and opening one can block.
     if !metadata.is_file() {
         let message = format!("{} is not a regular file", path.display());
         return Err(uri.error_of(ErrorKind::Io, message).remedy("name a file"));
@@ -93,7 +94,7 @@ fn beginning(uri: &Cursor<'_>, path: &Path, length: u64) -> Result<Vec<u8>> {
 pub(super) struct View {
     buffer: usize,
     range: Range<usize>,
-    /// Bytes from one element to the next, where the view says so.
+    /// Bytes from one element to the next, if the view states them.
     pub(super) stride: Option<usize>,
 }
 
@@ -126,7 +127,7 @@ impl View {
     }
 }
 
-/// The format's greatest stride.
+/// The format's largest stride.
 const GREATEST_STRIDE: u64 = 252;
 
 fn checked_stride(fields: &Fields<'_>, stride: u64) -> Result<usize> {
@@ -139,13 +140,13 @@ fn checked_stride(fields: &Fields<'_>, stride: u64) -> Result<usize> {
     }
 }
 
-/// `length` bytes from `offset` on, if there are as many in `there`.
+/// `length` bytes from `offset` on, if `there` are that many.
 fn within(offset: u64, length: u64, there: usize) -> Option<Range<usize>> {
     let end = usize::try_from(offset.checked_add(length)?).ok()?;
     (end <= there).then_some(end - usize::try_from(length).ok()?..end)
 }
 
-/// An error in the file of `cursor` where there is no value to show.
+/// An error in the file of `cursor` without a value to show.
 pub(super) fn missing_bytes(fields: &Fields<'_>, needed: u128, there: usize) -> Error {
     fields
         .error(format!("needs {needed} bytes of a buffer view that has {there}"))

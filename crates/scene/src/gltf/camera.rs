@@ -1,4 +1,4 @@
-//! Cameras: what each sees, and which is taken.
+//! Cameras, and the choice of one.
 
 use glam::{DAffine3, DVec3};
 
@@ -14,18 +14,18 @@ use super::document::Document;
 use super::fields::Fields;
 use super::node::Placed;
 
-/// Where a camera without perspective is put, in radii of the scene: far enough for rays that are nearly
-/// parallel.
+/// Distance of a camera that replaces an orthographic one, in radii of the scene: far enough for
+/// nearly parallel rays.
 const PARALLEL_DISTANCE: f64 = 100.0;
 
 /// An element of `cameras`.
 #[derive(Clone, Debug)]
 pub(super) struct Camera {
     pub(super) name: Option<String>,
-    /// Where it stands in the file.
+    /// Its place in the file.
     path: String,
     lens: Lens,
-    /// Width by height, where the file says so.
+    /// Width by height, if the file states it.
     aspect: Option<f64>,
 }
 
@@ -33,7 +33,7 @@ pub(super) struct Camera {
 enum Lens {
     /// The full angle from bottom to top, in radians.
     Perspective(f64),
-    /// Half the height of what is seen.
+    /// Half the height of the view.
     Orthographic(f64),
 }
 
@@ -48,7 +48,7 @@ impl Camera {
         let positive =
             |key: &'static str| own.need(key, "a number above 0")?.number(Range::POSITIVE);
         let (lens, aspect) = if is_flat {
-            // Some files mirror the image by a number below 0.
+            // Some files mirror the image with a negative number.
             let size = |key: &'static str| -> Result<f64> {
                 let cursor = own.need(key, "a number other than 0")?;
                 match cursor.number(Range::COORDINATE)?.abs() {
@@ -65,12 +65,12 @@ impl Camera {
         Ok(Self { name: fields.text("name")?, path: fields.path(), lens, aspect })
     }
 
-    /// Whether what is far away is small.
+    /// Whether it is a perspective camera.
     pub(super) fn has_perspective(&self) -> bool {
         matches!(self.lens, Lens::Perspective(_))
     }
 
-    /// What the camera sees that stands as `world` says.
+    /// The view of the camera with the transform `world`.
     pub(super) fn view(
         &self,
         world: &DAffine3,
@@ -101,7 +101,7 @@ impl Camera {
         })
     }
 
-    /// Where it stands, how far it looks, and its angle in radians.
+    /// Its position, its view distance, and its angle in radians.
     fn placed(
         &self,
         position: DVec3,
@@ -135,10 +135,10 @@ fn checked_fov(degrees: f64, path: &str, notes: &Notes<'_>) -> Result<f64> {
     Err(notes.error(ErrorKind::Scene, &place, message).value(format!("{degrees} degrees")))
 }
 
-/// The view of the camera that is taken; `None` where the scene has no camera.
+/// The view of the chosen camera; `None` if the scene has no camera.
 ///
 /// # Errors
-/// Where the one asked for is not in the scene, or cannot be taken.
+/// If the requested camera is not in the scene, or cannot be used.
 pub(super) fn chosen(
     document: &Document,
     bounds: &Sphere,
@@ -166,7 +166,7 @@ pub(super) fn chosen(
     document.cameras[*camera].view(&place.world, bounds, options, notes).map(Some)
 }
 
-/// Whether a camera is that of the name or number `asked`: its own name, or that of its node.
+/// Whether `asked` is the name or number of a camera: its own name, or that of its node.
 fn is_asked_for(asked: &str, document: &Document, camera: usize, place: &Placed) -> bool {
     let is = |name: &Option<String>| name.as_deref() == Some(asked);
     is(&document.cameras[camera].name)
@@ -180,7 +180,7 @@ fn not_there(
     all: &[(usize, &Placed)],
     notes: &Notes<'_>,
 ) -> Error {
-    /// More than these are not listed.
+    /// Largest number of cameras to list.
     const MOST_LISTED: usize = 8;
     let describe = |(camera, place): &(usize, &Placed)| {
         let own = document.cameras[*camera].name.as_ref();

@@ -1,13 +1,13 @@
-//! The two formats of a glTF file: JSON as text, and GLB, which holds the JSON and one buffer.
+//! The two formats of a glTF file: JSON as text, and GLB, which contains the JSON and one buffer.
 //!
-//! A GLB file is a header and chunks, each with a length and a type (glTF 2.0 specification, section 4).
-//! Every length is held against the file before anything is taken from it.
+//! A GLB file is a header and chunks, each with a length and a type (glTF 2.0 specification,
+//! section 4). Every length is checked against the file before it is used.
 
 use std::ops::Range;
 
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
-/// What a GLB file begins with.
+/// The first bytes of a GLB file.
 pub(crate) const MAGIC: [u8; 4] = *b"glTF";
 /// The type of the first chunk.
 const JSON: [u8; 4] = *b"JSON";
@@ -16,18 +16,18 @@ const BIN: [u8; 4] = *b"BIN\0";
 
 /// The header: magic, version, length of the file.
 const HEADER_BYTES: usize = 12;
-/// What stands before a chunk's data: its length and its type.
+/// The header of a chunk: its length and its type.
 const CHUNK_HEADER_BYTES: usize = 8;
 
-/// How much of a GLB file stands before its JSON.
+/// Length of a GLB file before its JSON.
 pub(super) const GLB_START: usize = HEADER_BYTES + CHUNK_HEADER_BYTES;
 
-/// The length of the JSON of a GLB file that begins with `start`; `None` of another file.
+/// The length of the JSON of a GLB file that begins with `start`; `None` for other files.
 pub(super) fn json_length(start: &[u8]) -> Option<u32> {
     start.starts_with(&MAGIC).then(|| word(start, HEADER_BYTES)).flatten()
 }
 
-/// Where in a file its parts are.
+/// The ranges of the parts of a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Parts {
     /// The JSON.
@@ -64,7 +64,7 @@ fn glb(bytes: &[u8]) -> Result<Parts> {
     }
     let mut parts = Parts { json: json.data.clone(), binary: None };
     let mut next = json.data.end;
-    // Chunks of other types are for later versions of the format: they are passed over.
+    // Chunks of other types belong to later versions of the format and are skipped.
     while next < bytes.len() {
         let found = chunk(bytes, next)?;
         next = found.data.end;
@@ -99,7 +99,7 @@ struct Chunk {
     data: Range<usize>,
 }
 
-/// The chunk whose header stands at `start`.
+/// The chunk whose header is at `start`.
 fn chunk(bytes: &[u8], start: usize) -> Result<Chunk> {
     let header = bytes.get(start..start + CHUNK_HEADER_BYTES);
     let (Some(length), Some(&[_, _, _, _, a, b, c, d])) = (word(bytes, start), header) else {
@@ -114,7 +114,7 @@ fn chunk(bytes: &[u8], start: usize) -> Result<Chunk> {
     Ok(Chunk { kind: [a, b, c, d], data: data..data + length as usize })
 }
 
-/// The little-endian number at a place.
+/// The little-endian number at an offset.
 fn word(bytes: &[u8], at: usize) -> Option<u32> {
     let found = bytes.get(at..at + 4)?;
     found.try_into().ok().map(u32::from_le_bytes)

@@ -1,4 +1,4 @@
-//! The whole of a file as typed values, every index and every range of bytes checked.
+//! A whole file as typed values, with every index and every range of bytes checked.
 
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
@@ -12,7 +12,7 @@ use super::node::{self, Lengths, Node, Placed};
 use super::primitive::MeshParts;
 use super::texture::Textures;
 
-/// The extensions that are read.
+/// The supported extensions.
 const EXTENSIONS: [&str; 6] = [
     "EXT_mesh_gpu_instancing",
     "KHR_lights_punctual",
@@ -31,17 +31,17 @@ pub(super) struct Document {
     pub(super) materials: Vec<Surface>,
     pub(super) meshes: Vec<MeshParts>,
     pub(super) cameras: Vec<Camera>,
-    /// `None` for those of a type that is not known.
+    /// `None` for lights of an unknown type.
     pub(super) lights: Vec<Option<Light>>,
     pub(super) nodes: Vec<Node>,
     /// The nodes of the scene.
     pub(super) placed: Vec<Placed>,
-    /// Whether attributes may be whole numbers: the extension `KHR_mesh_quantization`.
+    /// Whether attributes may be integers: the extension `KHR_mesh_quantization`.
     pub(super) is_quantized: bool,
 }
 
 impl Document {
-    /// Reads a file from its top; its buffer without a name is `binary`.
+    /// Reads a file from its top; `binary` is its buffer without a URI.
     pub(super) fn read(top: &Fields<'_>, binary: Option<&Buffer>) -> Result<Self> {
         check_asset(top)?;
         let extensions = check_extensions(top)?;
@@ -79,7 +79,7 @@ impl Document {
         })
     }
 
-    /// Where elements are.
+    /// The data of accessors.
     pub(super) fn storage(&self) -> Storage<'_> {
         Storage { buffers: &self.buffers, views: &self.views }
     }
@@ -107,7 +107,7 @@ fn check_asset(top: &Fields<'_>) -> Result<()> {
             _ => asset.get(key),
         };
         let Some(cursor) = found else { continue };
-        // A later 2.x adds nothing that must be understood; a version that must be, is 2.0.
+        // A later 2.x adds nothing mandatory; `minVersion` must be 2.0.
         let is_known = match (key, cursor.value().as_str()) {
             ("version", Some(text)) => text == "2" || text.starts_with("2."),
             (_, text) => text == Some("2.0"),
@@ -120,7 +120,7 @@ fn check_asset(top: &Fields<'_>) -> Result<()> {
     Ok(())
 }
 
-/// The extensions that the file uses, all of which it may require.
+/// The extensions that the file uses; unsupported required ones are refused.
 fn check_extensions(top: &Fields<'_>) -> Result<Vec<String>> {
     let used = top.texts("extensionsUsed")?;
     let required = top.texts("extensionsRequired")?;
@@ -147,7 +147,7 @@ fn check_extensions(top: &Fields<'_>) -> Result<Vec<String>> {
     Ok([used, required].concat())
 }
 
-/// Tells what of the file as a whole is left out.
+/// Warns of unsupported parts of the file as a whole.
 pub(super) fn remark(top: &Fields<'_>) {
     if let Some(key) = ["animations", "skins"].into_iter().find(|key| top.length(key) > 0) {
         let remedy = "export it in the pose that you want";

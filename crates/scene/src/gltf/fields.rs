@@ -1,12 +1,11 @@
-//! The members of a JSON object, read one by one, each fault with its path.
+//! The members of a JSON object, read one by one, each error with its path.
 //!
-//! Unlike in a scene file, a key that is not known says nothing: glTF files carry what other programs
-//! put there.
+//! Unlike in a scene file, unknown keys are ignored: other programs add their own to glTF files.
 
 use crate::reader::{Cursor, Place, Range};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
-/// The greatest count or offset: JSON numbers are exact up to 2^53.
+/// The largest count or offset: JSON numbers are exact up to 2^53.
 const GREATEST_COUNT: f64 = 9_007_199_254_740_992.0;
 
 /// An object of the file.
@@ -16,7 +15,7 @@ pub(super) struct Fields<'a> {
 }
 
 impl<'a> Fields<'a> {
-    /// The object at a place; `what` says which it should be ("a node").
+    /// The object at a place; `what` describes it ("a node").
     pub(super) fn new(cursor: Cursor<'a>, what: &str) -> Result<Self> {
         if cursor.value().is_object() {
             return Ok(Self { cursor });
@@ -29,7 +28,7 @@ impl<'a> Fields<'a> {
         &self.cursor
     }
 
-    /// Where it stands.
+    /// Its path.
     pub(super) fn path(&self) -> String {
         self.cursor.path()
     }
@@ -40,7 +39,7 @@ impl<'a> Fields<'a> {
         Some(Cursor::new(value, Place::Key(self.cursor.place(), key), self.cursor.notes()))
     }
 
-    /// The value of `key`, which must be there; `what` says what it takes.
+    /// The value of the required `key`; `what` describes it.
     pub(super) fn need<'s>(&'s self, key: &'s str, what: &str) -> Result<Cursor<'s>> {
         self.get(key).ok_or_else(|| {
             let place = Place::Key(self.cursor.place(), key).to_string();
@@ -85,17 +84,17 @@ impl<'a> Fields<'a> {
         self.get(key).map(|cursor| count(&cursor)).transpose()
     }
 
-    /// A count or an offset that must be there.
+    /// A required count or offset.
     pub(super) fn need_count(&self, key: &str) -> Result<u64> {
         count(&self.need(key, "a whole number, 0 or more")?)
     }
 
-    /// Which of `length` things of the list `list` is meant, if any is.
+    /// An index into the list `list` of `length` items, if any.
     pub(super) fn index(&self, key: &str, list: &str, length: usize) -> Result<Option<usize>> {
         self.get(key).map(|cursor| index(&cursor, list, length)).transpose()
     }
 
-    /// As [`Fields::index`], where one must be.
+    /// As [`Fields::index`], required.
     pub(super) fn need_index(&self, key: &str, list: &str, length: usize) -> Result<usize> {
         index(&self.need(key, &format!("an index into {list}"))?, list, length)
     }
@@ -109,13 +108,13 @@ impl<'a> Fields<'a> {
         }
     }
 
-    /// Yes or no; no where nothing is said.
+    /// A boolean; false by default.
     pub(super) fn flag(&self, key: &str) -> Result<bool> {
         let Some(cursor) = self.get(key) else { return Ok(false) };
         cursor.value().as_bool().ok_or_else(|| cursor.error("must be true or false"))
     }
 
-    /// The objects of a list, each read by `read`; none where there is no list.
+    /// The objects of a list, each read by `read`; none without a list.
     pub(super) fn list<T>(
         &self,
         key: &str,
@@ -126,29 +125,29 @@ impl<'a> Fields<'a> {
         cursor.each("a list [...]", |item| read(&Fields::new(item, what)?))
     }
 
-    /// How long a list is; 0 where there is none.
+    /// The length of a list; 0 without a list.
     pub(super) fn length(&self, key: &str) -> usize {
         self.cursor.value().get(key).and_then(|list| list.as_array()).map_or(0, Vec::len)
     }
 
-    /// A list of indices; none where there is no list.
+    /// A list of indices; empty by default.
     pub(super) fn indices(&self, key: &str, list: &str, length: usize) -> Result<Vec<usize>> {
         let Some(cursor) = self.get(key) else { return Ok(Vec::new()) };
         cursor.each("a list of indices", |item| index(&item, list, length))
     }
 
-    /// A list of texts; none where there is no list.
+    /// A list of texts; empty by default.
     pub(super) fn texts(&self, key: &str) -> Result<Vec<String>> {
         let Some(cursor) = self.get(key) else { return Ok(Vec::new()) };
         cursor.each("a list of texts", |item| item.text("a text").map(str::to_owned))
     }
 
-    /// Warns of what is so of the object.
+    /// Adds a warning about the object.
     pub(super) fn warn(&self, message: &str, remedy: &str) {
         self.cursor.notes().note(&self.path(), message, remedy);
     }
 
-    /// An error about the object, which it does not show: it may be long.
+    /// An error about the object, without showing it: it may be long.
     pub(super) fn error(&self, message: impl Into<String>) -> Error {
         let kind = ErrorKind::Scene;
         self.cursor.notes().error(kind, &self.path(), message.into())
@@ -158,13 +157,13 @@ impl<'a> Fields<'a> {
 fn count(cursor: &Cursor<'_>) -> Result<u64> {
     let whole = cursor.value().as_f64().filter(|x| x.fract() == 0.0);
     match whole.filter(|x| (0.0..=GREATEST_COUNT).contains(x)) {
-        // Exact, as it is whole and no greater than 2^53.
+        // Exact: it is an integer of at most 2^53.
         Some(x) => Ok(x as u64),
         None => Err(cursor.error("must be a whole number, 0 or more")),
     }
 }
 
-/// The index that a value is, into the list `list` of `length` things.
+/// The value as an index into the list `list` of `length` items.
 pub(super) fn index(cursor: &Cursor<'_>, list: &str, length: usize) -> Result<usize> {
     let found = cursor.value().as_u64().and_then(|i| usize::try_from(i).ok());
     found.filter(|&i| i < length).ok_or_else(|| {

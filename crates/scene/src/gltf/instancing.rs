@@ -1,4 +1,4 @@
-//! Nodes that show their mesh many times: the extension `EXT_mesh_gpu_instancing`.
+//! Instanced meshes of nodes: the extension `EXT_mesh_gpu_instancing`.
 
 use glam::{DAffine3, DMat3, DQuat, DVec3, DVec4};
 
@@ -10,7 +10,7 @@ use super::document::Document;
 use super::fields::Fields;
 use super::node::{flattens, is_place};
 
-/// The accessors of what differs among the instances.
+/// The accessors of the instances' attributes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Instancing {
     count: usize,
@@ -42,10 +42,10 @@ impl Instancing {
         Ok(found.filter(|found| found.count > 0))
     }
 
-    /// The places of the instances, of a node at `world`.
+    /// The transforms of the instances of a node at `world`.
     ///
     /// # Errors
-    /// Where one is no place.
+    /// If one is not a valid transform.
     pub(super) fn places(
         &self,
         document: &Document,
@@ -86,7 +86,7 @@ impl Instancing {
     }
 }
 
-/// The accessor of an attribute, of elements of so many numbers.
+/// The accessor of an attribute with this number of components.
 fn accessor(
     attributes: &Fields<'_>,
     key: &str,
@@ -104,7 +104,7 @@ fn accessor(
     Err(cursor.error(format!("must be VEC{width} of floats")).remedy("export the file again"))
 }
 
-/// Where a node shows its mesh, each place with its path.
+/// The transforms at which a node shows its mesh, each with its path.
 pub(super) fn places(
     document: &Document,
     node: usize,

@@ -1,8 +1,8 @@
-//! Lights: those of `KHR_lights_punctual`, and meshes that give off light.
+//! Lights: those of `KHR_lights_punctual`, and emissive meshes.
 //!
-//! The format's units are physical: candela for points and spots, lux for the sun, candela on a square
-//! metre for surfaces. A white matte surface shows E / pi where E lux fall on it straight; one of ours with
-//! kd = 1 shows intensity times falloff. Hence
+//! The format's units are physical: candela for points and spots, lux for the sun, candela per
+//! square metre for surfaces. A white matte surface shows E / pi at a perpendicular illuminance of
+//! E lux; one of ours with kd = 1 shows intensity times falloff. Hence
 //!
 //! | light | falloff | intensity |
 //! |---|---|---|
@@ -10,10 +10,10 @@
 //! | sun, E lux | none | E / pi |
 //! | surface of radiance L and area A | inverse square | L A |
 //!
-//! The last is exact for a closed convex surface, seen from all sides on the average: its flux is pi L A.
-//! All of them, and what the surfaces show, are multiplied by one factor, the exposure: the sun's 100 000 lux
-//! would leave nothing but white. It is such that a white matte surface in the middle of the scene, facing
-//! every light at once, shows 1.
+//! The last is exact for a closed convex surface, averaged over all directions: its flux is pi L A.
+//! One factor, the exposure, multiplies all of them and the colours of the surfaces: the sun's 100
+//! 000 lux would leave nothing but white. With it, a white matte surface in the middle of the scene
+//! that faces every light at once shows 1.
 
 use std::f64::consts::PI;
 
@@ -28,17 +28,17 @@ use wavecrest_base::error::Result;
 
 use super::fields::Fields;
 
-/// The greatest and the usual outer half angle of a spot, in radians.
+/// The largest and the default outer half angle of a spot, in radians.
 const WIDEST: f64 = PI / 2.0;
 const USUAL: f64 = PI / 4.0;
-/// An angle above this is none of a cone.
+/// Larger angles are not accepted for cones.
 const LARGEST_ANGLE: f64 = 2.0 * PI;
 
-/// Which kind of light.
+/// The kind of a light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Kind {
     Point,
-    /// By its half angles in radians.
+    /// With half angles in radians.
     Spot {
         inner: f64,
         outer: f64,
@@ -56,7 +56,7 @@ pub(super) struct Light {
 }
 
 impl Light {
-    /// Reads a light; `None` where its type is not known.
+    /// Reads a light; `None` if its type is unknown.
     pub(super) fn read(fields: &Fields<'_>) -> Result<Option<Self>> {
         let kind = fields.need("type", "\"point\", \"spot\" or \"directional\"")?;
         let kind = match kind.value().as_str() {
@@ -82,10 +82,10 @@ impl Light {
         }))
     }
 
-    /// The light at a node, before exposure. `None` where the node says of no spot and no sun where it shines to.
+    /// The light at a node, before exposure. `None` for a spot or sun without a direction.
     pub(super) fn placed(&self, path: String, world: &DAffine3) -> Option<schema::Light> {
         let &Self { kind, color, intensity } = self;
-        // Along its -z.
+        // Along its -z axis.
         let direction = || direction(-world.matrix3.z_axis);
         let light = PointLight {
             intensity: 4.0 * intensity,
@@ -115,7 +115,7 @@ impl Light {
     }
 }
 
-/// The cone of a spot: `inner` from 0 to below `outer`, and that up to a right angle.
+/// The cone of a spot: `inner` from 0 to below `outer`, and `outer` up to a right angle.
 fn spot(fields: &Fields<'_>) -> Result<Kind> {
     let angles = fields.object("spot")?;
     let angle = |key: &str, default: f64| {
@@ -126,13 +126,13 @@ fn spot(fields: &Fields<'_>) -> Result<Kind> {
     Ok(Kind::Spot { inner: angle("innerConeAngle", 0.0)?.min(outer), outer })
 }
 
-/// In degrees; a right angle may be a little more in files that have it in single precision.
+/// In degrees; in single precision a right angle may be slightly larger.
 fn degrees(radians: f64) -> f64 {
     if radians >= WIDEST { 90.0 } else { radians.to_degrees().min(90.0) }
 }
 
-/// The radiance of a white matte surface in the middle of the scene that faces a light of this strength at
-/// `position`. Lights within half the scene's radius count as that far away.
+/// The radiance of a white matte surface in the middle of the scene that faces a light of this
+/// strength at `position`. Lights within half the scene's radius count as that far away.
 pub(super) fn radiance(strength: DVec3, falloff: Falloff, position: DVec3, bounds: &Sphere) -> f64 {
     let distance = position.distance(bounds.center).max(bounds.radius / 2.0);
     let factor = match falloff {
@@ -143,7 +143,7 @@ pub(super) fn radiance(strength: DVec3, falloff: Falloff, position: DVec3, bound
     strength.max_element() * factor
 }
 
-/// The same of a light that is no mesh. One within whose cone the middle is not counts as if it were.
+/// The same for a light that is not a mesh. The middle counts as inside the cone of every spot.
 pub(super) fn radiance_of(light: &schema::Light, bounds: &Sphere) -> f64 {
     match light {
         schema::Light::Point { light, .. } | schema::Light::Spot { light, .. } => {
@@ -154,7 +154,7 @@ pub(super) fn radiance_of(light: &schema::Light, bounds: &Sphere) -> f64 {
     }
 }
 
-/// Multiplies the intensity of a light that is no mesh.
+/// Multiplies the intensity of a light that is not a mesh.
 pub(super) fn expose(light: &mut schema::Light, exposure: f64) {
     match light {
         schema::Light::Point { light, .. } | schema::Light::Spot { light, .. } => {
@@ -165,7 +165,7 @@ pub(super) fn expose(light: &mut schema::Light, exposure: f64) {
     }
 }
 
-/// The factor that brings the radiance under all lights to 1.
+/// The factor that scales the radiance under all lights to 1.
 pub(super) fn exposure(radiance: f64) -> f64 {
     let exposure = 1.0 / radiance;
     if exposure.is_finite() && exposure > 0.0 { exposure } else { 1.0 }

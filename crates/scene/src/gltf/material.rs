@@ -1,8 +1,8 @@
 //! Materials: from metallic-roughness to Blinn-Phong with a mirror.
 //!
-//! The two models are not alike, so that the rule is ours; [`look`] states it. What is left out is reported. A surface
-//! that glows weakly, or where a texture says so, shows its own light; one that glows all over as brightly as white is a
-//! light.
+//! The models differ, so the rule is our own; [`look`] states it. Unsupported properties are
+//! reported. A surface with weak or textured emission shows it; one with even emission as bright as
+//! white becomes a light.
 
 use glam::DVec3;
 
@@ -15,37 +15,37 @@ use wavecrest_core::kernels::metal::{Look, look};
 use super::fields::Fields;
 use super::texture::TextureInfo;
 
-/// An element of `materials`, or what a mesh without one has.
+/// An element of `materials`, or the default material.
 #[derive(Clone, Debug)]
 pub(super) struct Surface {
     base_color: DVec3,
-    /// The alpha of the base colour, by which that of its texture is multiplied.
+    /// The alpha of the base colour, a factor on that of its texture.
     alpha: f64,
-    /// The least alpha that is there; 0 where alpha plays no part.
+    /// The lowest opaque alpha; 0 if alpha is ignored.
     cutoff: f64,
     /// The texture of the base colour.
     pub(super) texture: Option<TextureInfo>,
     metallic: f64,
     roughness: f64,
-    /// The texture of metal and roughness.
+    /// The texture of metalness and roughness.
     metal: Option<TextureInfo>,
-    /// That of the light that it gives off.
+    /// The texture of the emission.
     glow: Option<TextureInfo>,
-    /// Those of ambient light and of normals, with how far they count.
+    /// The textures of ambient light and of normals, with their strengths.
     occlusion: Option<(TextureInfo, f64)>,
     normal: Option<(TextureInfo, f64)>,
     is_unlit: bool,
     /// Which sides lights reach.
     pub(super) sides: Sides,
-    /// Its own light, black for none.
+    /// Its emission, black for none.
     pub(super) emission: DVec3,
 }
 
-/// Factors of the format.
+/// The format's factors.
 const UNIT: Range = Range::new(0.0, 1.0);
 
 impl Surface {
-    /// The format's default material: white, and as rough as can be.
+    /// The format's default material: white, and fully rough.
     pub(super) const DEFAULT: Self = Self {
         base_color: DVec3::ONE,
         alpha: 1.0,
@@ -62,7 +62,7 @@ impl Surface {
         emission: DVec3::ZERO,
     };
 
-    /// Reads an element of `materials`, of a file with so many textures.
+    /// Reads an element of `materials`, in a file with this number of textures.
     pub(super) fn read(fields: &Fields<'_>, textures: usize) -> Result<Self> {
         let cutoff = cutoff(fields)?;
         let sides = if fields.flag("doubleSided")? { Sides::Both } else { Sides::Front };
@@ -98,7 +98,7 @@ impl Surface {
         })
     }
 
-    /// What the surface is made of, with a texture of its own light or without one.
+    /// The material, with or without an emission texture.
     pub(super) fn material(&self, glow: Option<&TextureRef>) -> Material {
         let of = |look: Look, diffuse_color: DVec3, emission: DVec3| Material {
             ks: look.ks,
@@ -113,14 +113,14 @@ impl Surface {
             let matte = look(DVec3::ZERO, 0.0, 1.0);
             return of(Look { kd: 0.0, ..matte }, DVec3::ZERO, self.base_color);
         }
-        // Most of such a texture is black as a rule: without it, light all over would be wrong.
+        // Such a texture is usually mostly black: without it, even emission would be wrong.
         let emission =
             if glow.is_some() == self.glow.is_some() { self.emission } else { DVec3::ZERO };
         of(look(self.base_color, self.metallic, self.roughness), self.base_color, emission)
     }
 
-    /// The texture of the colour, and the others, as far as `texture` has them: by what they are called, how they are
-    /// encoded and what they are multiplied by.
+    /// The textures of the colour and of other properties, as far as `texture` returns them for
+    /// their key, encoding and factor.
     pub(super) fn textures(
         &self,
         mut texture: impl FnMut(&TextureInfo, Encoding, DVec3) -> Option<TextureRef>,
@@ -147,16 +147,16 @@ impl Surface {
         (color, Maps { emission, metal, occlusion, normal })
     }
 
-    /// The least alpha of its texture that is there; 0 where all is, `None` where nothing can be.
+    /// The lowest opaque alpha of its texture; 0 if everything is opaque, `None` if nothing is.
     pub(super) fn threshold(&self) -> Option<f64> {
         match self.cutoff {
             0.0 => Some(0.0),
-            // Its texture has an alpha of 1 at most.
+            // The alpha of its texture is at most 1.
             cutoff => (cutoff <= self.alpha).then(|| cutoff / self.alpha),
         }
     }
 
-    /// Whether the surface shows its colour as it is, whatever the light.
+    /// Whether the surface shows its plain colour under any light.
     pub(super) fn is_unlit(&self) -> bool {
         self.is_unlit
     }
@@ -167,7 +167,7 @@ impl Surface {
     }
 }
 
-/// The emission from which on a surface is a light: as bright as a white one that faces all lights.
+/// The emission from which on a surface is a light: that of a white surface that faces all lights.
 const BRIGHT: f64 = 1.0;
 
 fn emission(fields: &Fields<'_>) -> Result<DVec3> {
@@ -178,7 +178,7 @@ fn emission(fields: &Fields<'_>) -> Result<DVec3> {
     Ok(factor.map_or(DVec3::ZERO, DVec3::from_array) * strength.unwrap_or(1.0))
 }
 
-/// The least alpha that is there: what is blended is there or is not.
+/// The lowest opaque alpha: blended surfaces are cut out.
 fn cutoff(fields: &Fields<'_>) -> Result<f64> {
     let cutoff = fields.number_or("alphaCutoff", Range::NOT_NEGATIVE, THRESHOLD)?;
     match fields.get("alphaMode").and_then(|cursor| cursor.value().as_str()) {

@@ -11,19 +11,19 @@ use super::document::Document;
 use super::primitive::{COLORS, Mode, Primitive};
 use super::texture::coordinates;
 
-/// What reads primitives, and counts what it has read.
+/// Reads primitives, and counts the bytes read.
 pub(super) struct Reader<'a> {
     document: &'a Document,
     notes: &'a Notes<'a>,
-    /// Bytes that may still be read. Accessors may share bytes: without a bound, a small file could
-    /// name the same ones any number of times.
+    /// Bytes that may still be read. Accessors may share bytes: without a limit, a small file could
+    /// use the same ones any number of times.
     left: u64,
 }
 
-/// Bytes that may be read in any case, 64 MiB.
+/// Bytes that may be read in any file, 64 MiB.
 const READ_ANYHOW: u64 = 1 << 26;
-/// How often all bytes of all buffers may be read. Files that share vertices among primitives read each a
-/// few times.
+/// How often all bytes of all buffers may be read. Files with primitives that share vertices read
+/// each a few times.
 const READ_AGAIN: u64 = 64;
 
 impl<'a> Reader<'a> {
@@ -34,7 +34,8 @@ impl<'a> Reader<'a> {
         Self { document, notes, left }
     }
 
-    /// The arrays of a primitive, with a set of coordinates, if textures go by one. `None` for what has no triangles.
+    /// The arrays of a primitive, with a set of texture coordinates if a texture uses it. `None`
+    /// for primitives without triangles.
     pub(super) fn mesh(
         &mut self,
         primitive: &Primitive,
@@ -68,7 +69,7 @@ impl<'a> Reader<'a> {
         &self.document.accessors[index]
     }
 
-    /// Makes sure that `count` elements may be read.
+    /// Checks that `count` elements may be read, and counts them.
     fn pay(&mut self, primitive: &Primitive, accessor: &Accessor, count: usize) -> Result<()> {
         match self.left.checked_sub(accessor.cost(count)) {
             Some(left) => {
@@ -81,11 +82,11 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// The vertices at the corners, in a row.
+    /// The vertices at the corners, in order.
     fn corners(&mut self, primitive: &Primitive, count: usize) -> Result<Vec<u32>> {
         let place = || format!("{}.indices", primitive.path);
         let Some(index) = primitive.indices else {
-            // As a vertex has bytes, or the file as many: see `Accessor::read`.
+            // Without positions in the file, at most as many as it has bytes: see `Accessor::read`.
             self.pay(primitive, self.accessor(primitive.attributes["POSITION"]), count)?;
             let all = u32::try_from(count).map_err(|_| too_many(&primitive.path, count))?;
             return Ok((0..all).collect());
@@ -111,8 +112,8 @@ impl<'a> Reader<'a> {
         Err(error.remedy(format!("the mesh has {count}; check that the file is whole")))
     }
 
-    /// An attribute's elements, which have so many numbers and are as many as there are vertices, of which those
-    /// that are `used` may be read.
+    /// An attribute's elements, with this number of components, one for each vertex; only those of
+    /// `used` vertices need be read.
     fn attribute(
         &mut self,
         primitive: &Primitive,
@@ -174,7 +175,7 @@ impl<'a> Reader<'a> {
         };
         let values: Vec<Vec3> = elements.each(used, |[x, y, z]| {
             let normal = Vec3::new(x as f32, y as f32, z as f32);
-            // A zero vector is a normal that is not known.
+            // A zero vector is an unknown normal.
             if normal.is_finite() { normal } else { Vec3::ZERO }
         });
         if values.contains(&Vec3::ZERO) {
@@ -206,7 +207,7 @@ impl<'a> Reader<'a> {
         Ok(Some(Attribute { values, indices: None }))
     }
 
-    /// Colours; their alpha is left out.
+    /// Colours without their alpha.
     fn colors(
         &mut self,
         primitive: &Primitive,
@@ -234,8 +235,8 @@ fn too_many(path: &str, count: usize) -> Error {
     error.remedy("split the mesh into several")
 }
 
-/// The corners by numbers that leave out vertices at no corner, and the vertices that are left, where
-/// most are left out: primitives often share the vertices of a whole scene.
+/// The corners renumbered to omit unused vertices, and the used vertices, if most are unused:
+/// primitives often share the vertices of a whole scene.
 fn compacted(mut corners: Vec<u32>, count: usize) -> (Vec<u32>, Option<Vec<u32>>) {
     if corners.len() >= count / 2 {
         return (corners, None);
@@ -250,7 +251,7 @@ fn compacted(mut corners: Vec<u32>, count: usize) -> (Vec<u32>, Option<Vec<u32>>
     (corners, Some(used))
 }
 
-/// The triangles of vertices in a row, counter-clockwise from the front.
+/// The triangles of consecutive vertices, counter-clockwise from the front.
 fn triangles(mode: Mode, corners: &[u32], notes: &Notes<'_>, path: &str) -> Vec<[u32; 3]> {
     match mode {
         Mode::Triangles => {
@@ -261,7 +262,7 @@ fn triangles(mode: Mode, corners: &[u32], notes: &Notes<'_>, path: &str) -> Vec<
             }
             triangles.to_vec()
         }
-        // Each second one is turned, so that all have one front.
+        // Every second one is reversed, so that all have the same front.
         Mode::Strip => {
             let turned = |(i, t): (usize, &[u32])| match i % 2 {
                 0 => [t[0], t[1], t[2]],

@@ -1,8 +1,8 @@
-//! Nodes: the tree that says where meshes, cameras and lights are.
+//! Nodes: the tree that places meshes, cameras and lights.
 //!
-//! The format asks for a tree; files from elsewhere may hold loops, or a node with two parents. Both are
-//! refused before the tree is walked, and the walk keeps a list of its own, so that no depth of a file
-//! ends the program.
+//! The format requires a tree; invalid files may contain loops, or a node with two parents. Both
+//! are refused before the tree is walked. The walk keeps its own list, so that no depth of a file
+//! overflows the stack.
 
 use glam::{DAffine3, DMat3, DQuat, DVec3, DVec4};
 
@@ -22,14 +22,14 @@ pub(super) struct Node {
     pub(super) mesh: Option<usize>,
     pub(super) camera: Option<usize>,
     pub(super) light: Option<usize>,
-    /// Where it shows its mesh, if not at its own place alone.
+    /// Where it shows its mesh, if not only at its own place.
     pub(super) instancing: Option<Instancing>,
     children: Vec<usize>,
-    /// To the space of its parent.
+    /// The transform to the space of its parent.
     local: DAffine3,
 }
 
-/// How long the lists are that a node has indices into.
+/// The lengths of the lists that a node has indices into.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Lengths {
     pub(super) nodes: usize,
@@ -105,23 +105,23 @@ fn translation_rotation_scale(fields: &Fields<'_>) -> Result<DAffine3> {
     Ok(DAffine3 { matrix3: rotation * DMat3::from_diagonal(scale), translation })
 }
 
-/// A node of the scene, and where it is.
+/// A node of the scene with its transform.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Placed {
-    /// Which node.
+    /// The index of the node.
     pub(super) node: usize,
-    /// From its own space to the world's.
+    /// The transform from its own space to the world.
     pub(super) world: DAffine3,
 }
 
 /// The nodes of the scene, each before its children, in the order of the file.
 ///
 /// # Errors
-/// Where the nodes are no tree.
+/// If the nodes do not form a tree.
 pub(super) fn placed(top: &Fields<'_>, nodes: &[Node]) -> Result<Vec<Placed>> {
     check_tree(top, nodes)?;
     let mut found = Vec::new();
-    // What is yet to be visited, the next one last.
+    // Nodes still to visit, the next one last.
     let identity = |node| Placed { node, world: DAffine3::IDENTITY };
     let mut left: Vec<Placed> = roots(top, nodes)?.into_iter().rev().map(identity).collect();
     while let Some(Placed { node, world: parent }) = left.pop() {
@@ -133,8 +133,7 @@ pub(super) fn placed(top: &Fields<'_>, nodes: &[Node]) -> Result<Vec<Placed>> {
     Ok(found)
 }
 
-/// The nodes that the scene begins with: those of the scene that the file names, else of the first one,
-/// else all that are no children.
+/// The root nodes: those of the default scene, or of the first one, or all nodes without a parent.
 fn roots(top: &Fields<'_>, nodes: &[Node]) -> Result<Vec<usize>> {
     let count = top.length("scenes");
     let chosen = top.index("scene", "scenes", count)?;
@@ -150,7 +149,8 @@ fn roots(top: &Fields<'_>, nodes: &[Node]) -> Result<Vec<usize>> {
     Ok((0..nodes.len()).filter(|&node| parents[node].is_none()).collect())
 }
 
-/// A node that a scene names twice, or that another holds already, would be there twice.
+/// Refuses a root that a scene names twice or that is a child of another node: it would be shown
+/// twice.
 fn check_roots(scene: &Fields<'_>, roots: &[usize], nodes: &[Node]) -> Result<()> {
     let mut sorted = roots.to_vec();
     sorted.sort_unstable();
@@ -165,7 +165,7 @@ fn check_roots(scene: &Fields<'_>, roots: &[usize], nodes: &[Node]) -> Result<()
     }
 }
 
-/// The parent of each node, the last one where there are several.
+/// The parent of each node, the last one if there are several.
 fn parents(nodes: &[Node]) -> Vec<Option<usize>> {
     let mut parents = vec![None; nodes.len()];
     for (number, node) in nodes.iter().enumerate() {
@@ -186,7 +186,7 @@ fn check_tree(top: &Fields<'_>, nodes: &[Node]) -> Result<()> {
             parents[child] = Some(number);
         }
     }
-    // Each has one parent at most. Who is in a circle, or below one, never comes to a top.
+    // Each has one parent at most. Nodes in a circle, or below one, never reach a root.
     let mut is_sound = vec![false; nodes.len()];
     for start in 0..nodes.len() {
         let mut path = Vec::new();
@@ -218,7 +218,7 @@ fn check_place(top: &Fields<'_>, node: usize, world: &DAffine3) -> Result<()> {
     Err(at(top, &format!("nodes[{node}]"), message.to_owned()).value(format!("{greatest:e}")))
 }
 
-/// Whether a transform can be one of the scene.
+/// Whether a transform is valid in a scene.
 pub(super) fn is_place(world: &DAffine3) -> bool {
     world.is_finite() && greatest(world) <= f64::from(MAX_COORDINATE)
 }
@@ -227,7 +227,7 @@ fn greatest(world: &DAffine3) -> f64 {
     world.to_cols_array().iter().fold(0.0_f64, |a, x| a.max(x.abs()))
 }
 
-/// Whether a transform leaves no room to anything.
+/// Whether a transform flattens everything.
 pub(super) fn flattens(world: &DAffine3) -> bool {
     let m = world.matrix3;
     match [m.x_axis, m.y_axis, m.z_axis].map(direction) {

@@ -1,4 +1,4 @@
-//! Meshes and their primitives, as the file states them.
+//! Meshes and their primitives, as in the file.
 
 use std::collections::BTreeMap;
 
@@ -6,10 +6,10 @@ use wavecrest_base::error::Result;
 
 use super::fields::Fields;
 
-/// The attribute of colours that are shown.
+/// The attribute of visible colours.
 pub(super) const COLORS: &str = "COLOR_0";
 
-/// How the vertices of a primitive make triangles.
+/// How the vertices of a primitive form triangles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Mode {
     Triangles,
@@ -17,17 +17,17 @@ pub(super) enum Mode {
     Fan,
 }
 
-/// A part of a mesh that has one material.
+/// A part of a mesh with one material.
 #[derive(Clone, Debug)]
 pub(super) struct Primitive {
-    /// Where it stands in the file.
+    /// Its place in the file.
     pub(super) path: String,
     /// `None` for points and lines.
     pub(super) mode: Option<Mode>,
     /// Accessors by the name of the attribute.
     pub(super) attributes: BTreeMap<String, usize>,
     pub(super) indices: Option<usize>,
-    /// Which material, or the default one.
+    /// The index of its material, or `None` for the default one.
     pub(super) material: Option<usize>,
 }
 
@@ -39,7 +39,7 @@ pub(super) struct MeshParts {
 }
 
 impl MeshParts {
-    /// Reads an element of `meshes`, of a file with so many accessors and materials.
+    /// Reads an element of `meshes`, in a file with this number of accessors and materials.
     pub(super) fn read(fields: &Fields<'_>, accessors: usize, materials: usize) -> Result<Self> {
         if fields.get("weights").is_some() {
             let message = "morph targets are ignored";
@@ -82,7 +82,7 @@ impl Primitive {
 }
 
 fn mode(fields: &Fields<'_>) -> Result<Option<Mode>> {
-    /// Triangles, where nothing is said.
+    /// Triangles by default.
     const DEFAULT: u64 = 4;
     let Some(cursor) = fields.get("mode") else { return Ok(Some(Mode::Triangles)) };
     match cursor.value().as_u64() {

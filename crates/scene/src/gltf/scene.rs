@@ -1,4 +1,4 @@
-//! From a document to the values of a scene file.
+//! Converts a document to the values of a scene file.
 
 use std::ops::Range;
 
@@ -26,10 +26,10 @@ use super::mesh::Reader;
 use super::node::Placed;
 use super::textured::textures;
 
-/// Points along each side of the grid on a light that is a mesh; each pixel has several rays.
+/// Points along each side of the grid on a mesh light; each pixel has several rays.
 const LIGHT_SAMPLES: u32 = 3;
 
-/// A primitive with triangles, and where it is seen.
+/// A primitive with triangles, and the nodes that show it.
 struct Primitive {
     path: String,
     name: Option<String>,
@@ -49,7 +49,7 @@ struct Use {
     world: DAffine3,
 }
 
-/// Makes a scene of a document, and says what was chosen for the user.
+/// Makes a scene from a document, and reports the choices made for the user.
 pub(super) fn scene(
     document: &Document,
     options: &LoadOptions,
@@ -107,7 +107,7 @@ pub(super) fn scene(
     Ok((scene, told(has_camera, &chosen, told_light, exposure)))
 }
 
-/// The most triangles of lights: each node that shows one holds a copy.
+/// Largest number of triangles of lights: each node that shows one holds a copy.
 const MOST_LIGHT_TRIANGLES: usize = 1 << 22;
 
 fn check_lights(primitives: &[Primitive], notes: &Notes<'_>) -> Result<()> {
@@ -123,7 +123,7 @@ fn check_lights(primitives: &[Primitive], notes: &Notes<'_>) -> Result<()> {
     Err(error.remedy(format!("use at most {MOST_LIGHT_TRIANGLES}, or set emissiveFactor to 0")))
 }
 
-/// What was chosen for the user.
+/// The choices made for the user.
 fn told(has_camera: bool, chosen: &str, light: Option<&str>, exposure: f64) -> String {
     let light =
         light.map_or_else(|| format!("lights scaled by {exposure:.3e} (exposure)"), str::to_owned);
@@ -134,10 +134,10 @@ fn told(has_camera: bool, chosen: &str, light: Option<&str>, exposure: f64) -> S
     format!("{camera}{chosen}{light}")
 }
 
-/// The primitives that the nodes of the scene show, in the order in which they are met.
+/// The primitives that the nodes of the scene show, in the order of the nodes.
 fn primitives(document: &Document, notes: &Notes<'_>) -> Result<Vec<Primitive>> {
     let mut reader = Reader::new(document, notes);
-    // Which primitives each mesh has, once it is read.
+    // The primitives of each mesh that is read already.
     let mut known: Vec<Option<Range<usize>>> = vec![None; document.meshes.len()];
     let mut primitives: Vec<Primitive> = Vec::new();
     for Placed { node, world } in &document.placed {
@@ -168,7 +168,7 @@ fn primitives(document: &Document, notes: &Notes<'_>) -> Result<Vec<Primitive>> 
     Ok(primitives)
 }
 
-/// Has a node show the primitives of its mesh.
+/// Adds a node to the uses of the primitives of its mesh.
 fn add_uses(primitives: &mut [Primitive], node: &Use) {
     let is_only = primitives.len() == 1;
     for primitive in primitives {
@@ -180,7 +180,7 @@ fn add_uses(primitives: &mut [Primitive], node: &Use) {
     }
 }
 
-/// A fault is also reported in a mesh that no node of the scene shows.
+/// Errors are also reported in meshes that no node of the scene shows.
 fn check_unused(
     document: &Document,
     known: &[Option<Range<usize>>],
@@ -214,7 +214,7 @@ fn read(
         };
         let Some(mesh) = reader.mesh(primitive, set)? else { continue };
         let has_uvs = mesh.uvs.is_some();
-        // An unlit surface wears its texture as light of its own.
+        // An unlit surface shows its texture as emission.
         let base = texture.as_ref().or(maps.emission.as_ref().filter(|_| surface.is_unlit()));
         let cutout = base.filter(|_| has_uvs && threshold > 0.0).map(|t| CutOut {
             source: t.source.clone(),
@@ -238,11 +238,11 @@ fn read(
     Ok(())
 }
 
-/// Points that may be looked at for one primitive, in all its places.
+/// Largest number of points to check for one primitive, in all its places.
 const MOST_POINTS: usize = 1 << 24;
 
-/// Corners of boxes, which stand for primitives that are seen so often that it takes too long to look at every
-/// point of them; none for others.
+/// Corners of boxes that replace primitives shown so often that checking every point would take too
+/// long; empty for others.
 fn corners(primitives: &[Primitive]) -> Vec<Vec<Vec3>> {
     let corners = |primitive: &Primitive| {
         let points = 3 * primitive.mesh.triangles.len();
@@ -256,7 +256,7 @@ fn corners(primitives: &[Primitive]) -> Vec<Vec<Vec3>> {
     primitives.iter().map(corners).collect()
 }
 
-/// All that is seen.
+/// Everything visible.
 fn placed<'a>(primitives: &'a [Primitive], corners: &'a [Vec<Vec3>]) -> Vec<staging::Placed<'a>> {
     let mut all = Vec::new();
     for (primitive, corners) in primitives.iter().zip(corners) {
@@ -300,7 +300,7 @@ fn radiance(lights: &[schema::Light], primitives: &[Primitive], bounds: &Sphere)
     points.chain(meshes).sum()
 }
 
-/// The area of a mesh, and the middle of its triangles by their area.
+/// The area of a mesh, and the centroid of its triangles weighted by area.
 fn extent(mesh: &MeshData, world: &DAffine3) -> (f64, DVec3) {
     let mut area = 0.0;
     let mut middle = DVec3::ZERO;
@@ -315,7 +315,8 @@ fn extent(mesh: &MeshData, world: &DAffine3) -> (f64, DVec3) {
 }
 
 impl Primitive {
-    /// Adds a shape where one node shows the primitive, else one that is hidden, and an instance for each.
+    /// Adds a shape if one node shows the primitive, otherwise a hidden shape and an instance for
+    /// each node.
     fn add_shapes(self, scene: &mut SceneFile) {
         let is_smooth = self.mesh.normals.is_some();
         let mut shape = Shape {
@@ -349,7 +350,7 @@ impl Primitive {
         scene.shapes.push(shape);
     }
 
-    /// Adds a light for each node that shows the primitive. One without area gives no light.
+    /// Adds a light for each node that shows the primitive, unless it has no area.
     fn add_lights(self, exposure: f64, scene: &mut SceneFile) {
         for Use { path, name, world } in self.uses {
             let (area, _) = extent(&self.mesh, &world);

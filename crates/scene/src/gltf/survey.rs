@@ -1,7 +1,7 @@
-//! What a glTF file calls for, from its JSON alone.
+//! Surveys the contents of a glTF file from its JSON alone.
 //!
-//! What is wrong with the file is said when it is loaded: here a number that is not there counts as none. The
-//! counts that it claims are held against the length of its buffers.
+//! Errors of the file are reported when it is loaded: here a missing number counts as none. The
+//! counts that the file claims are limited by the length of its buffers.
 
 use std::fs::File;
 use std::io::Read;
@@ -16,10 +16,10 @@ use crate::mesh;
 use crate::survey::{Survey, SurveyedMesh};
 use wavecrest_base::error::{Error, Result};
 
-/// What the file at `path` calls for.
+/// Surveys the file at `path`.
 ///
 /// # Errors
-/// When it cannot be read.
+/// If it cannot be read.
 pub(crate) fn survey(path: &Path, options: &LoadOptions) -> Result<Survey> {
     let text = json(path).map_err(|e| Error::io("cannot read the scene", path, e))?;
     let length = path.metadata().map_or(0, |metadata| metadata.len());
@@ -81,12 +81,12 @@ fn items<'a>(value: &'a Value, key: &str) -> &'a [Value] {
     value[key].as_array().map_or(&[], Vec::as_slice)
 }
 
-/// The sum of a number that all items of a list have.
+/// The sum of a number over all items of a list.
 fn sizes(value: &Value, list: &str, key: &str) -> u64 {
     items(value, list).iter().filter_map(|item| item[key].as_u64()).fold(0, u64::saturating_add)
 }
 
-/// What a primitive holds, of no more than `most` numbers.
+/// The contents of a primitive, of at most `most` numbers.
 fn holds(value: &Value, primitive: &Value, most: u64) -> mesh::Survey {
     let count = |accessor: &Value| {
         let accessor = accessor.as_u64().and_then(|index| value["accessors"].get(index as usize));

@@ -1,4 +1,4 @@
-//! Textures: which image, how it is looked up, and where on it a corner lies.
+//! Textures: images, samplers and texture coordinates.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -43,12 +43,12 @@ struct Sampler {
     wrap: Wrap,
 }
 
-/// The numbers of wrapping.
+/// The format's codes of wrap modes.
 const WRAPS: [(u64, Wrap); 3] =
     [(10_497, Wrap::Repeat), (33_071, Wrap::Clamp), (33_648, Wrap::Mirror)];
-/// The filter that looks at one texel, and at no other level.
+/// The code of the filter that reads one texel, at the finest level.
 const NEAREST: u64 = 9728;
-/// Those that look at smaller copies of the image.
+/// The codes of the filters that read smaller copies of the image.
 const MIPMAPPED: std::ops::RangeInclusive<u64> = 9984..=9987;
 
 impl Sampler {
@@ -85,10 +85,11 @@ struct Texture {
 }
 
 impl Texture {
-    /// Reads an element of `textures`, of a file with so many images and samplers.
+    /// Reads an element of `textures`, in a file with this number of images and samplers.
     fn read(fields: &Fields<'_>, images: usize, samplers: usize) -> Result<Self> {
         Ok(Self {
-            // Extensions that are not read may have images of their own, of which this is the number.
+            // Unsupported extensions may have lists of images of their own, to which this number
+            // may refer.
             image: fields.index("source", "images", images).unwrap_or_else(|error| {
                 fields.cursor().notes().warn(&error);
                 None
@@ -98,21 +99,21 @@ impl Texture {
     }
 }
 
-/// What a material says of its texture.
+/// A material's reference to a texture.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TextureInfo {
     texture: usize,
-    /// Which of the sets of coordinates it goes by.
+    /// The set of texture coordinates.
     pub(super) set: u32,
-    /// How coordinates are changed before the look-up: the extension `KHR_texture_transform`.
+    /// A change of the coordinates before the look-up: the extension `KHR_texture_transform`.
     placing: Option<Placing>,
 }
 
-/// The most sets of texture coordinates that are distinguished.
+/// Largest number of sets of texture coordinates.
 const MOST_SETS: f64 = 1024.0;
 
 impl TextureInfo {
-    /// Reads a reference to one of so many textures.
+    /// Reads a reference to one of this number of textures.
     pub(super) fn read(fields: &Fields<'_>, textures: usize) -> Result<Self> {
         let texture = fields.need_index("index", "textures", textures)?;
         let own_set = set(fields)?.unwrap_or(0);
@@ -123,7 +124,7 @@ impl TextureInfo {
     }
 }
 
-/// The textures of a file, and what they are made of.
+/// The textures of a file, with their images and samplers.
 pub(super) struct Textures {
     images: Vec<Image>,
     samplers: Vec<Sampler>,
@@ -140,12 +141,12 @@ impl Textures {
         Ok(Self { images, samplers, textures })
     }
 
-    /// How many textures there are.
+    /// The number of textures.
     pub(super) fn len(&self) -> usize {
         self.textures.len()
     }
 
-    /// The texture of a material, tinted; `None` where the file does not say which image it is of.
+    /// The texture of a material, tinted; `None` if the file does not name its image.
     pub(super) fn reference(
         &self,
         info: &TextureInfo,
@@ -165,12 +166,12 @@ impl Textures {
         })
     }
 
-    /// Which image the texture of a material is of.
+    /// The image of a material's texture.
     pub(super) fn image(&self, info: &TextureInfo) -> Option<usize> {
         self.textures.get(info.texture)?.image
     }
 
-    /// The file that an image is in, where that is not there.
+    /// The file of an image, if it is missing.
     pub(super) fn missing(&self, image: usize) -> Option<&PathBuf> {
         match &self.images.get(image)?.0 {
             TextureSource::File(path) if !path.is_file() => Some(path),
@@ -182,11 +183,11 @@ impl Textures {
 fn set(fields: &Fields<'_>) -> Result<Option<u32>> {
     let range = Range::new(0.0, MOST_SETS);
     let found = fields.get("texCoord").map(|cursor| cursor.number(range)).transpose()?;
-    // A set that is no whole number has no attribute.
+    // A set that is not an integer has no attribute.
     Ok(found.map(|set| set as u32))
 }
 
-/// How coordinates are changed, if they are.
+/// A change of coordinates, if any.
 fn placing(fields: &Fields<'_>) -> Result<Option<Placing>> {
     let pair = |key: &str| fields.numbers::<2>(key, Range::COORDINATE);
     let offset = pair("offset")?.unwrap_or([0.0; 2]);
@@ -198,7 +199,8 @@ fn placing(fields: &Fields<'_>) -> Result<Option<Placing>> {
     Ok(Some(upward(offset, turned, scale)))
 }
 
-/// Scaled, turned by radians and moved, as the format has it, whose v runs down; ours runs up, before and after.
+/// A scaling, rotation in radians and translation in the format's coordinates, whose v runs down,
+/// converted to ours, whose v runs up.
 fn upward(offset: [f64; 2], turned: f64, scale: [f64; 2]) -> Placing {
     let (sin, cos) = libm::sincos(turned);
     let ([u, v], [x, y]) = (scale, offset);

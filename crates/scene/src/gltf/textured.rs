@@ -1,4 +1,4 @@
-//! The textures that a surface wears, as far as the file has them.
+//! The textures of a surface that exist in the file.
 
 use glam::DVec3;
 
@@ -9,7 +9,7 @@ use super::document::Document;
 use super::material::Surface;
 use super::texture::TextureInfo;
 
-/// The textures of a surface whose images are there, and the set of coordinates that they go by: one for all.
+/// The textures of a surface whose images exist, and the one set of coordinates that they use.
 pub(super) fn textures(
     document: &Document,
     surface: &Surface,
@@ -32,7 +32,7 @@ pub(super) fn textures(
     (color, maps, set)
 }
 
-/// A texture of a surface, if its image is there.
+/// A texture of a surface, if its image exists.
 fn texture(
     document: &Document,
     info: &TextureInfo,

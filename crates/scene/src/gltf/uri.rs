@@ -11,16 +11,16 @@ use base64::engine::general_purpose::{STANDARD, STANDARD_NO_PAD};
 use crate::reader::Cursor;
 use wavecrest_base::error::Result;
 
-/// What a URI leads to.
+/// The target of a URI.
 #[derive(Debug, PartialEq, Eq)]
 pub(super) enum Target {
     /// A file.
     File(PathBuf),
-    /// What the URI itself holds.
+    /// The content of a data URI.
     Bytes(Vec<u8>),
 }
 
-/// Follows the URI that the value of `cursor` is.
+/// Resolves the URI in the value of `cursor`.
 pub(super) fn target(cursor: &Cursor<'_>) -> Result<Target> {
     let uri = cursor.text("a file name or a data: URI")?;
     if let Some(data) = uri.strip_prefix("data:") {
@@ -34,18 +34,18 @@ pub(super) fn target(cursor: &Cursor<'_>) -> Result<Target> {
         return Err(error.remedy("copy it there and use a relative path"));
     }
     let path = folder.join(name);
-    // Some exporters write a % as it is.
+    // Some exporters do not escape %.
     let literal = folder.join(uri);
     Ok(Target::File(if !path.exists() && literal.exists() { literal } else { path }))
 }
 
-/// Whether a URI begins with a scheme. One letter is the name of a drive.
+/// Whether a URI begins with a scheme. A single letter is a drive.
 fn scheme(uri: &str) -> bool {
     let Some((scheme, _)) = uri.split_once(':') else { return false };
     !scheme.is_empty() && scheme.chars().all(|c| c.is_ascii_alphanumeric() || "+-.".contains(c))
 }
 
-/// The bytes of a data URI, whose part after `data:` this is.
+/// The bytes of a data URI, given the part after `data:`.
 fn data_uri(cursor: &Cursor<'_>, data: &str) -> Result<Vec<u8>> {
     let Some((kind, text)) = data.split_once(',') else {
         return Err(cursor.error("a data URI needs a comma before its data"));
@@ -63,7 +63,7 @@ fn data_uri(cursor: &Cursor<'_>, data: &str) -> Result<Vec<u8>> {
     })
 }
 
-/// The text with its `%20` decoded; a `%` that stands for no byte stays as it is.
+/// The text with its `%20` decoded; an invalid `%` is kept.
 fn decoded(text: &str) -> Option<String> {
     match percent_bytes(text) {
         Some(bytes) => String::from_utf8(bytes).ok(),
@@ -71,14 +71,14 @@ fn decoded(text: &str) -> Option<String> {
     }
 }
 
-/// The bytes that a text with `%20` in it stands for, if each `%` is right.
+/// The bytes of a text with `%20` in it, if every `%` is valid.
 fn percent_bytes(text: &str) -> Option<Vec<u8>> {
     let mut bytes = Vec::with_capacity(text.len());
     let mut rest = text.bytes();
     let digit = |byte: Option<u8>| char::from(byte?).to_digit(16);
     while let Some(byte) = rest.next() {
         bytes.push(match byte {
-            // Both are below 16, so that their number is a byte.
+            // Both are below 16, so the result is a byte.
             b'%' => (digit(rest.next())? * 16 + digit(rest.next())?) as u8,
             plain => plain,
         });

@@ -1,4 +1,4 @@
-//! What may be asked of the camera that is put before a file: from which side, which way up, how near.
+//! Framing options for files without a camera: view side, up axis, field of view.
 
 use std::str::FromStr;
 
@@ -6,25 +6,25 @@ use glam::{DMat3, DVec3};
 
 use crate::parse;
 
-/// How a file is framed that does not say so, or is to be seen otherwise than it says.
+/// Framing of a file without a camera, or replacing its cameras.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Framing {
-    /// From where it is seen.
+    /// The side from which it is seen.
     pub side: Option<Side>,
-    /// Which axis of the file is up.
+    /// The axis of the file that is up.
     pub up: Option<Up>,
     /// The full angle across the shorter side of the image.
     pub fov: Option<Fov>,
-    /// How much of the image is filled.
+    /// The share of the image to fill.
     pub fit: Option<Fit>,
-    /// Has the camera go once around in so many frames, from 1 on.
+    /// Number of frames of one turn of the camera, from frame 1 on.
     pub turntable: Option<u32>,
-    /// Sides that are seen one after the other, a frame each, from 1 on; none for one side alone.
+    /// Sides to show, a frame each, from 1 on; empty for a single view.
     pub sheet: Sheet,
 }
 
 impl Framing {
-    /// As the file says, or else as is usual.
+    /// The file's own framing, or else the default.
     pub const USUAL: Self = Self {
         side: None,
         up: None,
@@ -35,7 +35,7 @@ impl Framing {
     };
 }
 
-/// Sides that are seen one after the other, and their names.
+/// Sides to show in turn, with their names.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Sheet(pub Vec<(String, Side)>);
 
@@ -59,25 +59,25 @@ impl FromStr for Sheet {
     }
 }
 
-/// The most sides of a sheet.
+/// Largest number of sides of a sheet.
 const MOST_SIDES: usize = 64;
 
-/// From where a file is seen.
+/// The side from which a file is seen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Side {
-    /// From outside, all of it.
+    /// From outside, with everything in the image.
     Around {
-        /// Degrees from the front to the right.
+        /// Degrees from the front towards the right.
         azimuth: f64,
         /// Degrees upward.
         elevation: f64,
     },
-    /// From within, as a room.
+    /// From inside, as a room.
     Inside,
 }
 
 impl Side {
-    /// Names and what they stand for, in degrees.
+    /// Names of sides with their azimuth and elevation in degrees.
     pub const NAMED: [(&'static str, f64, f64); 7] = [
         ("front", 0.0, 0.0),
         ("back", 180.0, 0.0),
@@ -85,7 +85,7 @@ impl Side {
         ("right", 90.0, 0.0),
         ("top", 0.0, 90.0),
         ("bottom", 0.0, -90.0),
-        // As in an isometric drawing: all three axes are seen equally long.
+        // Isometric: all three axes appear equally long.
         ("iso", 45.0, 35.264_389_682_754_654),
     ];
 }
@@ -115,7 +115,7 @@ impl FromStr for Side {
 }
 
 wavecrest_base::choices! {
-    /// Which axis of a file points upward.
+    /// The axis of a file that points upward.
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
     pub enum Up {
         /// +x.
@@ -134,8 +134,8 @@ wavecrest_base::choices! {
 }
 
 impl Up {
-    /// To the right, up, and to the front, out of the image: unit vectors, right-handed. With +y up, as in
-    /// glTF, the front is +z; the axes of others are turned to it the shortest way.
+    /// Unit vectors to the right, up, and to the front, out of the image: right-handed. With +y up,
+    /// as in glTF, the front is +z; other up axes are rotated to +y the shortest way.
     pub(crate) fn axes(self) -> DMat3 {
         let (x, y, z) = (DVec3::X, DVec3::Y, DVec3::Z);
         match self {
@@ -149,12 +149,12 @@ impl Up {
     }
 }
 
-/// A full angle of view in degrees, in the bounds of scene files.
+/// A full angle of view in degrees, in the range of scene files.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fov(f64);
 
 impl Fov {
-    /// In degrees.
+    /// The angle in degrees.
     pub fn degrees(self) -> f64 {
         self.0
     }
@@ -170,12 +170,12 @@ impl FromStr for Fov {
     }
 }
 
-/// The share of the image's width or height that is filled, above 0, at most 1.
+/// The share of the image's width or height to fill, above 0, at most 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fit(f64);
 
 impl Fit {
-    /// Above 0, at most 1.
+    /// The share, above 0, at most 1.
     pub fn share(self) -> f64 {
         self.0
     }

@@ -1,9 +1,9 @@
-//! How a file is lit that has no lights of its own, and what is behind it: what a user may ask for.
+//! Lighting options and backgrounds of files without lights.
 
 use glam::DVec3;
 
 wavecrest_base::choices! {
-    /// The lights that are put where a file has none.
+    /// The lights added to a file without any.
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
     pub enum Rig {
         /// A soft key from the left, a rim from behind, a sky that fills, and a ground that takes shadows.
@@ -16,17 +16,17 @@ wavecrest_base::choices! {
     }
 }
 
-/// What rays that hit nothing show.
+/// The colour of rays that hit nothing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Background {
     /// A linear colour.
     Color(DVec3),
-    /// Nothing: the image has an opacity.
+    /// Transparent: the image has an alpha channel.
     Transparent,
 }
 
 impl Background {
-    /// What is rendered behind all else.
+    /// The colour rendered behind everything.
     pub(crate) fn color(self) -> DVec3 {
         match self {
             Self::Color(color) => color,
@@ -35,20 +35,20 @@ impl Background {
     }
 }
 
-/// How a file is to look that says nothing of it.
+/// Lighting of files without lights.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lighting {
     /// What lights it.
     pub rig: Rig,
-    /// What is behind it, in place of what the file says or of a light grey.
+    /// The background, overriding the file's or the default light grey.
     pub background: Option<Background>,
-    /// Edges of a standalone mesh without normals are smooth where its faces meet at less than this angle, in
-    /// degrees; at 0 none is.
+    /// Crease angle of a standalone mesh without normals, in degrees: edges with a smaller angle
+    /// between their faces are smooth; at 0 none is.
     pub crease_degrees: f64,
 }
 
 impl Lighting {
-    /// A studio; edges of more than 30 degrees are sharp, as modelling programs have it.
+    /// A studio; edges of more than 30 degrees are sharp, as in modelling programs.
     pub const USUAL: Self = Self { rig: Rig::Studio, background: None, crease_degrees: 30.0 };
 }
 

@@ -1,6 +1,6 @@
-//! The materials that the faces of an OBJ file name, from its MTL files: a shape for each.
+//! The materials of an OBJ file from its MTL files: a shape for each.
 //!
-//! What is missing is a warning, and its faces have the material of the shape.
+//! A missing material gives a warning, and its faces have the material of the shape.
 
 use std::collections::HashMap;
 use std::fs::File;
@@ -16,14 +16,14 @@ use crate::schema::{Geometry, Shape};
 use crate::systems::textures;
 use wavecrest_base::error::{Error, ErrorKind};
 
-/// The most bytes of an MTL file that are read, 64 MiB.
+/// Largest MTL file in bytes, 64 MiB.
 const LONGEST_FILE: u64 = 1 << 26;
 
-/// The most MTL files that are read.
+/// Largest number of MTL files.
 const MOST_FILES: usize = 64;
 
-/// The shapes that `shape` is, whose `mesh` was read from `file`: one for each material that faces name, and one
-/// for those that name none that is known.
+/// The parts of `shape`, whose `mesh` was read from `file`: one for each material of its faces, and
+/// one for the faces without a known material.
 pub(super) fn parts(
     shape: &Shape,
     mesh: MeshData,
@@ -59,11 +59,11 @@ pub(super) fn parts(
     mesh.split(&part, names.len() + 1).into_iter().filter_map(of_part).collect()
 }
 
-/// A material by its name, and the folder of the file that it stands in.
+/// A material by its name, and the folder of its file.
 type Known<'a> = (&'a str, &'a (Mtl, PathBuf));
 
-/// For each of so many triangles the number of its material, from 1, or 0; and the materials, in the order in which
-/// they are used.
+/// For each triangle the number of its material, from 1, or 0; and the materials in the order of
+/// their use.
 fn numbered<'a>(
     named: &'a NamedMaterials,
     triangles: usize,
@@ -84,17 +84,17 @@ fn numbered<'a>(
     (part, known)
 }
 
-/// Reads what an OBJ file names.
+/// Reads the files that an OBJ file names.
 struct Reader<'a> {
     file: &'a Path,
     folder: Folder,
     notes: &'a Notes<'a>,
-    /// The images that were looked for, by folder and name.
+    /// The results of image look-ups, by folder and name.
     images: HashMap<(PathBuf, String), Option<PathBuf>>,
 }
 
 impl Reader<'_> {
-    /// All materials of the files that are there, by name, each with its file's folder.
+    /// All materials of the existing files, by name, each with its file's folder.
     fn library(&self, statements: &[String]) -> HashMap<String, (Mtl, PathBuf)> {
         let mut all = HashMap::new();
         let mut told = Library::default();
@@ -125,7 +125,8 @@ impl Reader<'_> {
         all
     }
 
-    /// The files that `mtllib` statements name: each is one name, or if there is no such file several.
+    /// The files of `mtllib` statements: each statement is one name, or several if there is no such
+    /// file.
     fn libraries(&self, statements: &[String]) -> Vec<PathBuf> {
         let mut found: Vec<PathBuf> = Vec::new();
         for statement in statements {
@@ -155,7 +156,7 @@ impl Reader<'_> {
         found
     }
 
-    /// What is in an MTL file.
+    /// The content of an MTL file.
     fn text(&self, path: &Path) -> Option<Vec<u8>> {
         let mut text = Vec::new();
         let read = File::open(path).and_then(|file| file.take(LONGEST_FILE).read_to_end(&mut text));
@@ -169,7 +170,7 @@ impl Reader<'_> {
         }
     }
 
-    /// The path of an image that a file in the folder `from` names, if it is there and can be read.
+    /// The path of an image named in a file in the folder `from`, if it exists and can be read.
     fn image(&mut self, from: &Path, name: &str) -> Option<PathBuf> {
         let key = (from.to_owned(), name.to_owned());
         if let Some(known) = self.images.get(&key) {
@@ -192,8 +193,8 @@ impl Reader<'_> {
         found
     }
 
-    /// The file of that name. Names come from other systems, and from folders that are no longer there: beside the
-    /// OBJ file the last part of a name is enough.
+    /// The file with that name. Names may come from other systems, or from folders that no longer
+    /// exist: the last part of a name is enough if that file is beside the OBJ file.
     fn find(&self, from: &Path, name: &str) -> Result<PathBuf, Denied> {
         let slashed = name.replace('\\', "/");
         let last = slashed.rsplit('/').next().unwrap_or_default();
@@ -218,7 +219,7 @@ impl Reader<'_> {
         }
     }
 
-    /// Whether a texture can be shown on a mesh.
+    /// Whether the mesh has the texture coordinates that a texture needs.
     fn has_uvs(&self, mesh: &MeshData) -> bool {
         if mesh.uvs.is_none() {
             let message = "textured faces have no texture coordinates (vt)";
@@ -229,7 +230,7 @@ impl Reader<'_> {
 
     /// Warns of materials that no file defines. A missing file has its own warning.
     fn warn_of_unknown(&self, named: &NamedMaterials, library: &HashMap<String, (Mtl, PathBuf)>) {
-        /// A warning lists at most this many names.
+        /// Largest number of names in a warning.
         const NAMED: usize = 4;
         if library.is_empty() {
             return;
@@ -250,7 +251,7 @@ impl Reader<'_> {
         self.warn(&message, "their faces use the default material");
     }
 
-    /// Warns, once, of something about the OBJ file.
+    /// Adds a warning about the OBJ file, once.
     fn warn(&self, message: &str, remedy: &str) {
         let error = Error::new(ErrorKind::Scene, message).in_file(self.file).remedy(remedy);
         self.notes.warn(&error);

@@ -1,4 +1,4 @@
-//! Entities of the parts of a scene.
+//! Creates the entities of a scene.
 
 use std::path::Path;
 
@@ -16,7 +16,7 @@ use crate::mesh::{LoadedMesh, MeshData, NamedMaterials};
 use crate::reader::Notes;
 use crate::schema::{Camera, Geometry, Instance, Light, SceneFile, Shape};
 
-/// The world of `scene`, whose mesh files `read_mesh` reads.
+/// The world of `scene`, with mesh files read by `read_mesh`.
 pub(super) fn world(
     scene: SceneFile,
     notes: &Notes<'_>,
@@ -25,7 +25,7 @@ pub(super) fn world(
     notes.whole(|| Spawner { world: World::new(), notes, read_mesh }.spawn(scene))
 }
 
-/// Makes entities of a scene's parts.
+/// Creates entities from the parts of a scene.
 struct Spawner<'a, R> {
     world: World,
     notes: &'a Notes<'a>,
@@ -71,7 +71,7 @@ impl<R: Fn(&Path) -> Result<LoadedMesh>> Spawner<'_, R> {
         }
     }
 
-    /// Makes an instance of the shape that the entity `of` is.
+    /// Creates an instance of the shape entity `of`.
     fn instance(&mut self, order: Order, of: Entity, instance: &Instance) {
         let Instance { path, name, transform, material, .. } = instance;
         let mut entity = EntityBuilder::new();
@@ -137,7 +137,7 @@ impl<R: Fn(&Path) -> Result<LoadedMesh>> Spawner<'_, R> {
         Ok(())
     }
 
-    /// Makes a shape, or several, where its faces have the materials of its file.
+    /// Creates a shape, or several if its faces have the materials of its file.
     fn shape(
         &mut self,
         order: &mut impl Iterator<Item = Order>,
@@ -182,7 +182,7 @@ impl<R: Fn(&Path) -> Result<LoadedMesh>> Spawner<'_, R> {
         Ok(self.world.spawn(entity.build()))
     }
 
-    /// The geometry, with its mesh file read, if it has one; and the materials that this names.
+    /// The geometry, with its mesh file read, if any; and the file's materials.
     fn read_mesh_file(
         &self,
         path: &str,
@@ -198,7 +198,7 @@ impl<R: Fn(&Path) -> Result<LoadedMesh>> Spawner<'_, R> {
         Ok((Geometry::Mesh(mesh), loaded.materials))
     }
 
-    /// The error of a mesh reader, after the place in the scene that asked for the mesh.
+    /// The error of a mesh reader, prefixed with the place in the scene that names the mesh.
     fn mesh_error(&self, path: &str, cause: Error) -> Error {
         let message = format!("cannot read the mesh: {cause}");
         self.notes.error(cause.kind(), &format!("{path}.file"), message).because(cause)
@@ -208,7 +208,7 @@ impl<R: Fn(&Path) -> Result<LoadedMesh>> Spawner<'_, R> {
         self.notes.error(ErrorKind::Scene, place, message.to_owned())
     }
 
-    /// Makes sure that a mesh has the coordinates that the `key` of its shape needs, if one does.
+    /// Checks that a mesh has the texture coordinates that the `key` of its shape needs, if any.
     fn check_uvs(&self, path: &str, key: Option<&str>, mesh: &MeshData) -> Result<()> {
         let Some(key) = key.filter(|_| mesh.uvs.is_none()) else { return Ok(()) };
         let message = "the mesh has no texture coordinates";
@@ -216,7 +216,7 @@ impl<R: Fn(&Path) -> Result<LoadedMesh>> Spawner<'_, R> {
         Err(error.remedy("add \"uvs\", or remove the texture"))
     }
 
-    /// The shading asked for, as far as the mesh has what it needs.
+    /// The requested shading, if the mesh has the normals for it.
     fn possible_shading(&self, path: &str, asked: Shading, mesh: &MeshData) -> Shading {
         if asked == Shading::Smooth && mesh.normals.is_none() {
             let message = "the mesh has no normals for smooth shading";
@@ -228,14 +228,14 @@ impl<R: Fn(&Path) -> Result<LoadedMesh>> Spawner<'_, R> {
     }
 }
 
-/// Adds the component that says where a shape is, whichever it has.
+/// Adds the geometry component.
 fn add_geometry(entity: &mut EntityBuilder, geometry: Geometry) {
     match geometry {
         Geometry::Sphere(sphere) => entity.add(sphere),
         Geometry::Quad(quad) => entity.add(quad),
         Geometry::Triangle(triangle) => entity.add(triangle),
         Geometry::Mesh(mesh) => entity.add(mesh),
-        // It has been read.
+        // It is read already.
         Geometry::MeshFile(_) => entity,
     };
 }

@@ -1,7 +1,8 @@
-//! What a file lacks that is no whole scene: a camera that sees all of it, a light, the rest.
+//! Completes files that are not whole scenes: adds a camera that sees everything, lights, and
+//! settings.
 //!
-//! A standalone mesh has none of these, a glTF file perhaps some. What is chosen is reported, and
-//! `wavecrest convert` writes it down to be changed.
+//! A standalone mesh has none of these, a glTF file may have some. The choices are reported, and
+//! `wavecrest convert` writes them to a scene file, in which they can be changed.
 
 mod camera;
 mod fit;
@@ -18,7 +19,7 @@ use rayon::prelude::*;
 pub(crate) use camera::{Framed, framed, rays_per_pixel, size, view};
 pub(crate) use light::{Lit, Subject, lit, samples, settings};
 
-/// A sphere about all that there is.
+/// A bounding sphere.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Sphere {
     pub(crate) center: DVec3,
@@ -26,17 +27,17 @@ pub(crate) struct Sphere {
     pub(crate) radius: f64,
 }
 
-/// What is seen, and where it is.
+/// Visible geometry and its transform.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Placed<'a> {
     pub(crate) points: &'a [Vec3],
-    /// Points that no triangle has are not seen. Without triangles all points count.
+    /// Points that no triangle uses are invisible. Without triangles all points count.
     pub(crate) triangles: &'a [[u32; 3]],
     pub(crate) world: DAffine3,
 }
 
 impl Placed<'_> {
-    /// What `of` gives for each point that is seen, brought together by `merge`, which takes no order.
+    /// Reduces the results of `of` for each visible point by `merge`, in any order.
     fn reduce<T: Copy + Send + Sync>(
         &self,
         none: T,
@@ -53,13 +54,13 @@ impl Placed<'_> {
     }
 }
 
-/// The box about all points; low and high end are not finite where there are none.
+/// The box around all points; its ends are infinite if there are none.
 fn extent(all: &[Placed<'_>]) -> (DVec3, DVec3) {
     let merge = |a: (DVec3, DVec3), b: (DVec3, DVec3)| (a.0.min(b.0), a.1.max(b.1));
     all.iter().map(|placed| placed.reduce(EMPTY, |p| (p, p), merge)).fold(EMPTY, merge)
 }
 
-/// The sphere about the middle of the box about all points. Without any it is that of radius 1 about the
+/// The sphere around the centre of the box around all points. Without points, radius 1 around the
 /// origin.
 pub(crate) fn bounds(all: &[Placed<'_>]) -> Sphere {
     let (low, high) = extent(all);
@@ -70,14 +71,14 @@ pub(crate) fn bounds(all: &[Placed<'_>]) -> Sphere {
     let farthest =
         |placed: &Placed<'_>| placed.reduce(0.0, |point| point.distance(center), f64::max);
     let radius = all.iter().map(farthest).fold(0.0, f64::max);
-    // A single point has none; seen from one unit away it is a point still.
+    // A single point has no extent; it is seen from one unit away.
     Sphere { center, radius: if radius > 0.0 { radius } else { 1.0 } }
 }
 
-/// The box of nothing.
+/// The empty box.
 const EMPTY: (DVec3, DVec3) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
 
-/// The eight corners of the box about some points; none of no points.
+/// The eight corners of the box around some points; empty without points.
 pub(crate) fn corners(points: &[Vec3]) -> Vec<Vec3> {
     if points.is_empty() {
         return Vec::new();
@@ -103,7 +104,7 @@ mod tests {
         assert!((sphere.radius - 36.5_f64.sqrt()).abs() < 1e-12, "{}", sphere.radius);
         assert_eq!(bounds(&[]), Sphere { center: DVec3::ZERO, radius: 1.0 });
         assert_eq!(corners(&points).len(), 8);
-        // A point that no triangle has is not seen.
+        // A point that no triangle uses is invisible.
         let seen = Placed { triangles: &[[0, 2, 3]], ..placed(DAffine3::IDENTITY) };
         assert_eq!(bounds(&[seen]).center, DVec3::new(0.0, 0.5, 0.5));
     }

@@ -1,4 +1,4 @@
-//! A standalone mesh as a scene: with a camera that sees all of it, a light and a plain material.
+//! A standalone mesh as a scene: adds a camera that sees everything, lights and a plain material.
 
 use std::path::Path;
 
@@ -26,7 +26,8 @@ const MATERIAL: Material = Material {
     kr: 0.0,
 };
 
-/// The mesh that `read` returns as a scene, and what was chosen for the user. `path` is its file, or a name for it.
+/// The mesh that `read` returns as a scene, with a description of the choices made for the user.
+/// `path` is its file, or a name for it.
 ///
 /// # Errors
 /// As [`super::load`].
@@ -81,11 +82,11 @@ pub(super) fn scene(
     Ok((scene, format!("{framed}default camera and material; {told}")))
 }
 
-/// Which axis is up in most files of this kind, and whether the shape of the mesh may say otherwise.
+/// The usual up axis of the format, and whether the shape of the mesh may override it.
 fn usual_up(path: &Path) -> (Up, bool) {
     let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
     match extension.to_str() {
-        // From programs for construction, and for printers.
+        // From CAD programs and for printers.
         Some("stl") => (Up::Z, true),
         // Arrays have no file.
         Some("ply" | "") => (Up::Y, true),

@@ -1,4 +1,4 @@
-//! What the colours of a file's vertices stand for.
+//! Decoding of vertex colours.
 
 use rayon::prelude::*;
 
@@ -7,7 +7,7 @@ use crate::components::VertexColors;
 use wavecrest_core::math::srgb::srgb_decode;
 
 impl MeshData {
-    /// Makes the colours linear that a file has, or drops them.
+    /// Decodes the colours of a file to linear ones, or drops them.
     pub(crate) fn decode_colors(&mut self, encoding: VertexColors) {
         match (encoding, &mut self.colors) {
             (VertexColors::Srgb, Some(colors)) => {

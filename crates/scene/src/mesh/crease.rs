@@ -1,14 +1,16 @@
-//! Normals of a mesh that has none: smooth where faces meet at a small angle, with a crease elsewhere.
+//! Normals for a mesh without any: smooth where faces meet at a small angle, with a crease
+//! elsewhere.
 //!
-//! About each vertex, faces that share an edge at less than the crease angle are of one group, and so are those that
-//! such faces lead to. A group has one normal, the mean of those of its faces, each weighted by its angle at the vertex
-//! (Thuermer and Wuethrich, *Computing Vertex Normals from Polygonal Facets*, 1998), so that it does not depend on how
-//! a polygon is cut into triangles.
+//! Around each vertex, faces that share an edge at less than the crease angle form a group,
+//! transitively. A group has one normal, the mean of those of its faces, each weighted by its angle
+//! at the vertex (Thuermer and Wuethrich, *Computing Vertex Normals from Polygonal Facets*, 1998),
+//! so that it does not depend on the triangulation of a polygon.
 //!
-//! Vertices at one place count as one where most are not shared, as in files that list each triangle by itself.
+//! If most vertices are not shared, as in files that list each triangle separately, vertices at the
+//! same position count as one.
 //!
-//! Everything takes a time that grows with the number of corners, up to sorting the neighbours of a vertex; vertices
-//! are worked on by all threads, and their normals numbered in their own order.
+//! The time is linear in the number of corners, up to sorting the neighbours of a vertex; all
+//! threads process vertices, and their normals are numbered in the vertices' order.
 
 use std::collections::HashMap;
 
@@ -18,15 +20,15 @@ use rayon::prelude::*;
 use super::{Attribute, NO_VALUE};
 use crate::corners::direction;
 
-/// By how many degrees single precision may turn a face. A prism of twelve sides has edges of 30 degrees but for that,
-/// all of which are to be creases or none.
+/// Largest rotation of a face by single-precision rounding, in degrees. The edges of a prism of
+/// twelve sides have 30 degrees up to this error; either all of them are creases or none.
 const ROUNDING: f64 = 1e-3;
 
-/// Vertices that a thread takes at a time.
+/// Vertices for each task.
 const CHUNK: usize = 1 << 12;
 
-/// Normals for each corner of `triangles`, where edges of `degrees` and more are creases. Triangles without area have
-/// none.
+/// Normals for each corner of `triangles`; edges of `degrees` and more are creases. Triangles
+/// without area have none.
 pub(crate) fn normals(positions: &[Vec3], triangles: &[[u32; 3]], degrees: f64) -> Attribute<Vec3> {
     let joined = joined(positions, triangles);
     let triangles = joined.as_deref().unwrap_or(triangles);
@@ -48,7 +50,7 @@ pub(crate) fn normals(positions: &[Vec3], triangles: &[[u32; 3]], degrees: f64) 
     together(parts, triangles.len())
 }
 
-/// The normals of all parts, in their order.
+/// The normals of all parts, in order.
 fn together(parts: Vec<Part>, triangles: usize) -> Attribute<Vec3> {
     let mut values = Vec::with_capacity(parts.iter().map(|part| part.normals.len()).sum());
     let mut indices = vec![[NO_VALUE; 3]; triangles];
@@ -62,14 +64,14 @@ fn together(parts: Vec<Part>, triangles: usize) -> Attribute<Vec3> {
     Attribute { values, indices: Some(indices) }
 }
 
-/// The triangles with vertices at one place made one; `None` where vertices are shared already: then there are about
-/// half as many as triangles.
+/// The triangles with vertices at the same position merged; `None` if vertices are shared already:
+/// then there are about half as many as triangles.
 fn joined(positions: &[Vec3], triangles: &[[u32; 3]]) -> Option<Vec<[u32; 3]>> {
     if positions.len() <= triangles.len() {
         return None;
     }
     let mut first: HashMap<[u32; 3], u32> = HashMap::with_capacity(positions.len());
-    // Zeros of either sign are one place.
+    // Zeros of both signs are the same position.
     let place = |p: &Vec3| (*p + Vec3::ZERO).to_array().map(f32::to_bits);
     let numbers: Vec<u32> =
         (0_u32..).zip(positions).map(|(i, p)| *first.entry(place(p)).or_insert(i)).collect();
@@ -77,15 +79,16 @@ fn joined(positions: &[Vec3], triangles: &[[u32; 3]]) -> Option<Vec<[u32; 3]>> {
     Some(triangles.par_iter().map(join).collect())
 }
 
-/// The corners about each vertex: a corner is the number of its triangle times 3, and which of its corners.
+/// The corners around each vertex: a corner is the number of its triangle times 3, plus its index
+/// there.
 struct Corners {
-    /// Where those of a vertex begin; one more at the end.
+    /// The start of each vertex's corners, with the end appended.
     starts: Vec<u32>,
     corners: Vec<u32>,
 }
 
 impl Corners {
-    /// By counting (Knuth, *The Art of Computer Programming*, volume 3, section 5.2).
+    /// A counting sort (Knuth, *The Art of Computer Programming*, volume 3, section 5.2).
     fn of(vertices: usize, triangles: &[[u32; 3]]) -> Self {
         let mut starts = vec![0_u32; vertices + 1];
         let all = triangles.as_flattened();
@@ -107,29 +110,30 @@ impl Corners {
     }
 }
 
-/// What comes of some vertices: their normals, and which of these corners have.
+/// The result for some vertices: their normals, and the corners that have them.
 #[derive(Default)]
 struct Part {
     normals: Vec<Vec3>,
     corners: Vec<(u32, u32)>,
 }
 
-/// A corner at the vertex that is looked at.
+/// A corner at the current vertex.
 #[derive(Clone, Copy)]
 struct Corner {
-    /// In the mesh.
+    /// Its number in the mesh.
     number: u32,
-    /// Of unit length.
+    /// Unit normal of its triangle.
     normal: DVec3,
     /// Its angle.
     weight: f64,
-    /// A corner of the same group that comes before it here, or itself.
+    /// An earlier corner of the same group here, or itself.
     parent: usize,
-    /// The number of the group's normal, once it has one.
+    /// The index of the group's normal, once it has one.
     value: u32,
 }
 
-/// Memory for the corners about a vertex, and for their edges: the vertex at the other end, and the corner.
+/// Memory for the corners around a vertex, and for their edges: the vertex at the other end, and
+/// the corner.
 #[derive(Default)]
 struct Room {
     corners: Vec<Corner>,
@@ -139,12 +143,12 @@ struct Room {
 struct Faces<'a> {
     positions: &'a [Vec3],
     triangles: &'a [[u32; 3]],
-    /// The least cosine between normals of faces that meet smoothly.
+    /// The smallest cosine between normals of faces that meet smoothly.
     least: f64,
 }
 
 impl Faces<'_> {
-    /// Adds the normals about a vertex.
+    /// Adds the normals around a vertex.
     fn add(&self, about: &[u32], room: &mut Room, part: &mut Part) {
         let Room { corners, edges } = room;
         corners.clear();
@@ -164,8 +168,8 @@ impl Faces<'_> {
         sum_up(corners, part);
     }
 
-    /// The corner of that number, the `place`th of its vertex, with the vertices that its edges lead to; `None` where
-    /// its triangle has no area.
+    /// The corner with that number, the `place`th of its vertex, with the vertices at the ends of
+    /// its edges; `None` if its triangle has no area.
     fn corner(&self, number: u32, place: usize) -> Option<(Corner, [u32; 2])> {
         let triangle = self.triangles[number as usize / 3];
         let turned = |by: usize| triangle[(number as usize + by) % 3];
@@ -182,14 +186,14 @@ impl Faces<'_> {
 /// The first corner of a group.
 fn first(corners: &mut [Corner], mut place: usize) -> usize {
     while corners[place].parent != place {
-        // Halves the way for the next time.
+        // Path halving, for later searches.
         corners[place].parent = corners[corners[place].parent].parent;
         place = corners[place].parent;
     }
     place
 }
 
-/// Makes one group of those of two corners.
+/// Merges the groups of two corners.
 fn join(corners: &mut [Corner], one: usize, other: usize) {
     let (one, other) = (first(corners, one), first(corners, other));
     corners[one.max(other)].parent = one.min(other);
@@ -205,7 +209,7 @@ fn sum_up(corners: &mut [Corner], part: &mut Part) {
             part.normals.push(Vec3::ZERO);
         }
         let value = corners[group].value;
-        // Kept as sums in double precision until all are there.
+        // Kept as sums in double precision until all are added.
         corners[group].normal =
             if group == place { normal * weight } else { corners[group].normal + normal * weight };
         part.corners.push((number, value));
@@ -226,7 +230,7 @@ mod tests {
         found.values[number as usize]
     }
 
-    /// Two squares that meet along the z axis at an angle of so many degrees.
+    /// Two squares that meet along the z axis at this angle in degrees.
     fn fold(degrees: f32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
         let (sin, cos) = degrees.to_radians().sin_cos();
         let right = Vec3::new(cos, -sin, 0.0);
@@ -294,7 +298,7 @@ mod tests {
         }
     }
 
-    /// A fan of so many triangles about one vertex takes no square of their number.
+    /// A fan of this many triangles around one vertex does not take quadratic time.
     #[test]
     fn many_triangles_about_a_vertex_are_one_group() {
         let count = 200_000_u32;

@@ -1,19 +1,19 @@
-//! Errors that readers of every format make.
+//! Errors shared by the readers of all formats.
 
 use super::data::MAX_COUNT;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
-/// A failure of the system while the file was read; the caller names the file.
+/// A failure of the system while reading the file; the caller names the file.
 pub(super) fn read_failure(error: std::io::Error) -> Error {
     Error::new(ErrorKind::Io, format!("cannot read the file: {error}")).because(error)
 }
 
-/// The error of a file that is well formed but has nothing to show.
+/// The error of a well-formed file without triangles.
 pub(super) fn no_triangles() -> Error {
     Error::new(ErrorKind::Mesh, "the mesh has no triangles").remedy("export it with faces")
 }
 
-/// Checks that `count` things of the kind `what` can be numbered.
+/// Checks that `count` items of the kind `what` can be numbered.
 pub(super) fn check_count(what: &str, count: u64) -> Result<()> {
     if count > MAX_COUNT {
         return Err(Error::new(

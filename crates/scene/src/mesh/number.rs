@@ -1,29 +1,31 @@
-//! Decimal numbers in texts, read quickly and rounded once.
+//! Decimal numbers in texts, parsed quickly and rounded once.
 //!
-//! Nearly every number of a mesh file has few digits and no exponent. Its digits are then a whole
-//! number `m` below 2^53, and the number is `m / 10^k` with a `10^k` that double precision holds:
-//! one division rounds it to double (Clinger's fast path). Rounding that to single precision gives
-//! what rounding the number itself would, unless the double lies exactly half way between two
-//! singles, where the digits that are gone would have decided. Those, and all other forms, are
-//! left to the standard library, so that the value is the same either way.
+//! Nearly every number of a mesh file has few digits and no exponent. Its digits are then an
+//! integer `m` below 2^53, and the number is `m / 10^k` with a `10^k` that double precision can
+//! represent: one division rounds it to double (Clinger's fast path). Rounding that to single
+//! precision is the same as rounding the number itself, unless the double lies exactly half way
+//! between two singles, where the lost digits would have decided. Those, and all other forms, are
+//! left to the standard library, so that the value is always the same.
 //!
-//! The crate `fast-float2` gives the same bits and was measured slower: by 6 % for OBJ, by 12 % for PLY as text.
+//! The crate `fast-float2` gives the same bits and was measured slower: by 6 % for OBJ, by 12 % for
+//! text PLY.
 
-/// The powers of ten that double precision holds.
+/// The powers of ten that double precision represents exactly.
 const POWERS: [f64; 23] = [
     1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16,
     1e17, 1e18, 1e19, 1e20, 1e21, 1e22,
 ];
 
-/// The most digits of a whole number that is surely below 2^53.
+/// Largest number of digits of an integer that is surely below 2^53.
 const DIGITS: usize = 15;
 
-/// The bits of a double that a single has not, and the first of them: half of a single's last place.
+/// The bits of a double beyond those of a single, and the highest of them: half of a single's last
+/// place.
 const BEYOND: u64 = (1 << 29) - 1;
 const HALF: u64 = 1 << 28;
 
-/// The number that `text` begins with, and its length. `None` where it is of no simple form:
-/// that says nothing about whether it is a number. What follows is for the caller to look at.
+/// The number at the start of `text`, and its length. `None` if it has no simple form, which does
+/// not mean that it is invalid. The caller checks the following bytes.
 #[inline]
 pub(super) fn leading(text: &[u8]) -> Option<(f32, usize)> {
     let sign = usize::from(matches!(text, [b'-' | b'+', ..]));
@@ -38,7 +40,7 @@ pub(super) fn leading(text: &[u8]) -> Option<(f32, usize)> {
         return None;
     }
     let size = all as f64 / POWERS[after];
-    // The smallest that is not 0 is 1e-15, far above where singles get coarse.
+    // The smallest nonzero value is 1e-15, far above where singles get coarse.
     if size.to_bits() & BEYOND == HALF {
         return None;
     }
@@ -46,8 +48,8 @@ pub(super) fn leading(text: &[u8]) -> Option<(f32, usize)> {
     Some((if text[0] == b'-' { -size } else { size }, end))
 }
 
-/// The digits that `text` begins with, after those of `number`, and how many they are. The number
-/// wraps around where they are too many.
+/// Appends the digits at the start of `text` to `number`, with their count. The number wraps around
+/// if there are too many.
 #[inline]
 fn digits(text: &[u8], mut number: u64) -> (u64, usize) {
     let mut count = 0;
@@ -60,8 +62,8 @@ fn digits(text: &[u8], mut number: u64) -> (u64, usize) {
     (number, count)
 }
 
-/// The whole number without a sign that `text` begins with, and its length; `None` where there is
-/// none of at most 9 digits.
+/// The unsigned integer at the start of `text`, and its length; `None` if it does not have 1 to 9
+/// digits.
 #[inline]
 pub(super) fn leading_whole(text: &[u8]) -> Option<(u32, usize)> {
     let (number, count) = digits(text, 0);
@@ -69,7 +71,7 @@ pub(super) fn leading_whole(text: &[u8]) -> Option<(u32, usize)> {
     (1..=9).contains(&count).then_some((number as u32, count))
 }
 
-/// The number that a whole `word` is, in any form that the standard library reads.
+/// The number in a whole `word`, in any form that the standard library accepts.
 pub(super) fn parse(word: &[u8]) -> Option<f32> {
     match leading(word) {
         Some((value, length)) if length == word.len() => Some(value),
@@ -81,7 +83,8 @@ pub(super) fn parse(word: &[u8]) -> Option<f32> {
 mod tests {
     use super::*;
 
-    /// Checks that the quick way gives the bits of the other, and returns whether it was taken.
+    /// Checks that the fast path gives the bits of the standard library, and returns whether it was
+    /// taken.
     fn check(text: &str) -> bool {
         let right: f32 = text.parse().unwrap();
         assert_eq!(parse(text.as_bytes()).unwrap().to_bits(), right.to_bits(), "{text}");
@@ -139,7 +142,7 @@ mod tests {
             check(text);
         }
         for k in 0..5000_u64 {
-            // A single plus half its last place, with the digits that 15 places hold.
+            // A single plus half its last place, with 15 digits.
             let middle = (f64::from(1.0 + k as f32 / 8192.0) + HALF_OF_LAST) * 4096.0;
             for text in [format!("{middle:.10}"), format!("{middle:.11}"), format!("{middle:.9}")] {
                 check(&text);

@@ -1,15 +1,14 @@
-//! Wavefront OBJ: a text of statements, of which `v`, `vt`, `vn`, `f`, `usemtl` and `mtllib` are read.
-//! Groups, points, lines and curves are passed over, and so is what is not known.
+//! Wavefront OBJ: a text of statements, of which `v`, `vt`, `vn`, `f`, `usemtl` and `mtllib` are
+//! read. Groups, points, lines, curves and unknown statements are skipped.
 //!
-//! The file is read in blocks of whole statements, so that the text of a large one is never all in
-//! memory. A block is cut into pieces and these are read in parallel ([`piece::Piece`]), each
-//! without knowing what comes before it. Where that matters, for an index that counts backward or
-//! for the line of a fault, the piece is read once more when the statements of those before have
-//! been counted ([`Count`]). The pieces are then joined in order; the result does not depend
-//! on where the cuts fell.
+//! The file is read in blocks of whole statements, so that the text of a large one is never
+//! entirely in memory. A block is cut into pieces, which are read in parallel ([`piece::Piece`])
+//! without knowledge of earlier ones. If a piece needs that, for an index that counts backward or
+//! for the line of an error, it is read once more after the statements before it have been counted
+//! ([`Count`]). The pieces are then joined in order; the result does not depend on the cuts.
 //!
-//! The crate `tobj` reads the same format, on one thread. It was not used because its errors name
-//! no line, and because it makes one mesh of each group.
+//! The crate `tobj` reads the same format on one thread. It is not used because its errors name no
+//! line, and because it makes one mesh of each group.
 
 mod blocks;
 mod corners;
@@ -57,17 +56,17 @@ pub(super) fn read_from<F: ReadAt + ?Sized>(
 /// The mesh so far.
 #[derive(Debug, Default)]
 struct Parts {
-    /// What came before the next block.
+    /// The counts before the next block.
     start: Count,
     positions: Vec<Vec3>,
-    /// Empty as long as no position has a colour.
+    /// Empty until a position has a colour.
     colors: Vec<Vec3>,
     uvs: Vec<Vec2>,
     normals: Vec<Vec3>,
     triangles: Vec<[u32; 3]>,
-    /// Empty as long as no corner has texture coordinates.
+    /// Empty until a corner has texture coordinates.
     uv_indices: Vec<[u32; 3]>,
-    /// Empty as long as no corner has a normal.
+    /// Empty until a corner has a normal.
     normal_indices: Vec<[u32; 3]>,
     polygons: Vec<Polygon>,
     materials: NamedMaterials,
@@ -98,7 +97,7 @@ impl Parts {
         let before = self.triangles.len();
         let after = before + piece.triangles.len();
         check_count("triangles", after as u64)?;
-        // The count fits `u32`, as just checked.
+        // The count was just checked to fit `u32`.
         let shift = |p: Polygon| Polygon { first: p.first + before as u32, ..p };
         self.polygons.extend(piece.polygons.into_iter().map(shift));
         for (first, name) in piece.materials.runs {
@@ -108,7 +107,7 @@ impl Parts {
             self.materials.add_library(statement);
         }
         if piece.colors.is_some() || !self.colors.is_empty() {
-            // Those without are white.
+            // Positions without a colour are white.
             self.colors.resize(self.positions.len(), Vec3::ONE);
             self.colors.extend(piece.colors.into_iter().flatten());
             self.colors.resize(self.positions.len() + piece.positions.len(), Vec3::ONE);
@@ -122,8 +121,8 @@ impl Parts {
         Ok(())
     }
 
-    /// The error of an index that names nothing in the whole file: an index may name what comes
-    /// later.
+    /// The error of an index that refers to nothing in the whole file: an index may refer to later
+    /// values.
     fn first_bad_index(&self) -> Option<Error> {
         let columns = [
             ("vertex", &self.triangles, self.positions.len()),
@@ -131,7 +130,7 @@ impl Parts {
             ("normal", &self.normal_indices, self.normals.len()),
         ];
         columns.into_iter().find_map(|(what, indices, count)| {
-            // Attributes that are never given are taken as absent, not as out of range.
+            // Attributes without any value count as absent instead of out of range.
             let given = count > 0 || what == "vertex";
             let bad = |i: u32| given && i != NO_VALUE && i as usize >= count;
             let (_, index) = first_with(indices, bad)?;
@@ -167,7 +166,7 @@ impl Parts {
     }
 }
 
-/// Joins the indices of an attribute to those before; triangles without it have [`NO_VALUE`].
+/// Appends the indices of an attribute; triangles without it have [`NO_VALUE`].
 fn add_indices(to: &mut Vec<[u32; 3]>, from: Option<Vec<[u32; 3]>>, before: usize, after: usize) {
     match from {
         Some(indices) => {
@@ -179,7 +178,7 @@ fn add_indices(to: &mut Vec<[u32; 3]>, from: Option<Vec<[u32; 3]>>, before: usiz
     }
 }
 
-/// Drops the indices of an attribute of which the file gives no value, with a warning.
+/// Drops the indices of an attribute without values in the file, with a warning.
 fn drop_absent(keyword: &str, values: usize, indices: &mut Vec<[u32; 3]>) -> Option<Error> {
     if values > 0 || indices.is_empty() {
         return None;
@@ -189,7 +188,7 @@ fn drop_absent(keyword: &str, values: usize, indices: &mut Vec<[u32; 3]>) -> Opt
     Some(Error::new(ErrorKind::Mesh, message).remedy("these indices are ignored"))
 }
 
-/// An attribute that some corner has. Indices equal to those of the positions are not kept.
+/// An attribute that some corner has. Indices equal to those of the positions are dropped.
 fn attribute<T>(
     mut values: Vec<T>,
     mut indices: Vec<[u32; 3]>,
@@ -205,9 +204,8 @@ fn attribute<T>(
     Some(Attribute { values, indices: (!same).then_some(indices) })
 }
 
-/// The error of the first face with an index that names nothing in the whole file, found by reading
-/// the file again: to keep the line of every face for an error that is rare would cost memory in
-/// every load.
+/// The error of the first face with an index out of range, found by reading the file again: storing
+/// the line of every face for a rare error would cost memory in every load.
 fn find_bad_face<F: ReadAt + ?Sized>(
     file: &F,
     length: u64,

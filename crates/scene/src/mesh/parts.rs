@@ -1,10 +1,10 @@
-//! A mesh taken apart: each triangle goes to one part, which has its own vertices.
+//! Splits a mesh: each triangle goes to one part with its own vertices.
 
 use super::data::{Attribute, MeshData, NO_VALUE};
 
 impl MeshData {
-    /// The parts, of which there are `count`, without those that get no triangle; `part` says where each triangle
-    /// goes. Triangles and vertices keep their order. With each part comes its number.
+    /// The parts, at most `count`, without empty ones; `part` assigns each triangle. Triangles and
+    /// vertices keep their order. Each part comes with its number.
     pub(crate) fn split(self, part: &[u32], count: usize) -> Vec<(u32, Self)> {
         let mut triangles: Vec<Vec<u32>> = vec![Vec::new(); count];
         for (triangle, &part) in (0..).zip(part) {
@@ -19,7 +19,7 @@ impl MeshData {
         used.map(|(number, of)| (number, self.part(of, &mut numbers))).collect()
     }
 
-    /// The part that some triangles are.
+    /// The part with these triangles.
     fn part(&self, which: &[u32], numbers: &mut Numbers) -> Self {
         let (triangles, used) = numbers.renumbered(which, &self.triangles, self.positions.len());
         let mut attribute =
@@ -52,13 +52,13 @@ fn picked<T: Copy>(values: &[T], which: &[u32]) -> Vec<T> {
     which.iter().map(|&i| values[i as usize]).collect()
 }
 
-/// The numbers that values have in a part: memory that is used again for the next.
+/// The new indices of values in a part; the memory is reused for the next.
 #[derive(Default)]
 struct Numbers(Vec<u32>);
 
 impl Numbers {
-    /// The corners of the triangles that `which` names by numbers of their own, and the numbers, of `count`, that
-    /// these had, rising.
+    /// The corners of the triangles in `which` with new indices, and the old indices, of `count`,
+    /// in rising order.
     fn renumbered(
         &mut self,
         which: &[u32],
@@ -102,7 +102,7 @@ mod tests {
         }
     }
 
-    /// What a triangle has at its corners.
+    /// The attributes of a triangle's corners.
     fn corners(mesh: &MeshData, t: usize) -> Vec<(Vec3, Option<Vec3>, Vec2, Vec3)> {
         let normals = mesh.normals.as_ref().unwrap();
         let at = |k: usize| {
@@ -129,7 +129,7 @@ mod tests {
             }
         }
         assert_eq!(parts.iter().map(|(_, own)| own.triangles.len()).sum::<usize>(), 7);
-        // Only what its triangles have.
+        // Only the vertices of its triangles.
         assert_eq!(parts[1].1.positions.len(), 4);
     }
 

@@ -1,17 +1,17 @@
-//! Bytes that several threads read at once, each at a place of its own.
+//! Reading a file on several threads, each at its own offset.
 //!
-//! A file is read by place, not mapped. Measured, the two take the same time: what costs is the
-//! memory that the arrays newly touch. And a mapping of a file that another program cuts short
-//! kills the process at the next access, its pages count as memory held, and it needs `unsafe`.
+//! A file is read, not mapped. Measured, both take the same time: the cost is in the newly touched
+//! memory of the arrays. And if another program truncates a mapped file, the next access kills the
+//! process, the mapped pages count as used memory, and mapping needs `unsafe`.
 
 use std::fs::File;
 use std::io::{self, ErrorKind, Read, Seek, SeekFrom};
 
 use rayon::prelude::*;
 
-/// What can be read at any place.
+/// A source that can be read at any offset.
 pub(super) trait ReadAt: Sync {
-    /// Reads some bytes from `place` on and returns how many; 0 at the end.
+    /// Reads bytes from `place` on and returns their number; 0 at the end.
     fn read_at(&self, to: &mut [u8], place: u64) -> io::Result<usize>;
 
     /// Fills `to` with the bytes from `place` on.
@@ -42,7 +42,7 @@ impl ReadAt for File {
         std::os::windows::fs::FileExt::seek_read(self, to, place)
     }
 
-    /// Elsewhere a file has one place for all: they take turns.
+    /// Elsewhere a file has a single position: threads take turns.
     #[cfg(not(any(unix, windows)))]
     fn read_at(&self, to: &mut [u8], place: u64) -> io::Result<usize> {
         static TURN: std::sync::Mutex<()> = std::sync::Mutex::new(());
@@ -70,7 +70,7 @@ pub(super) fn fill<F: ReadAt + ?Sized>(file: &F, place: u64, to: &mut [u8]) -> i
         .try_for_each(|(number, part)| file.read_exact_at(part, place + (number * PART) as u64))
 }
 
-/// A part of a file, read from its beginning to its end.
+/// A part of a file, read in sequence.
 #[derive(Debug)]
 pub(super) struct Section<'a, F: ?Sized> {
     file: &'a F,
@@ -79,7 +79,7 @@ pub(super) struct Section<'a, F: ?Sized> {
 }
 
 impl<'a, F: ReadAt + ?Sized> Section<'a, F> {
-    /// From `place` up to, not including, `end`.
+    /// From `place` to `end`, exclusive.
     pub(super) fn new(file: &'a F, place: u64, end: u64) -> Self {
         Self { file, place, end }
     }
@@ -95,7 +95,7 @@ impl<F: ReadAt + ?Sized> Read for Section<'_, F> {
     }
 }
 
-/// Places are those of the file.
+/// Positions are those of the file.
 impl<F: ReadAt + ?Sized> Seek for Section<'_, F> {
     fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
         let place = match to {

@@ -1,19 +1,18 @@
 //! Stanford PLY: a text header that declares elements and their properties, then the elements, as
 //! text or as binary numbers of either byte order.
 //!
-//! Any header is followed: properties in any order and of any type, elements of any name. What a
-//! mesh has no use for is passed over. [`header`] reads the declarations and [`layout`] finds in
-//! them what a mesh needs; a [`source::Source`] yields the numbers of the body, from text
-//! ([`ascii`]) or binary ([`binary`]); [`body`] walks the elements over any source, once.
+//! Any header is supported: properties in any order and of any type, elements of any name. Unused
+//! ones are skipped. [`header`] reads the declarations and [`layout`] finds the properties of a
+//! mesh; a [`source::Source`] yields the numbers of the body, from text ([`ascii`]) or binary
+//! ([`binary`]); [`body`] reads the elements from any source.
 //!
-//! Binary rows have short cuts that take many rows at once on all threads: [`vertices`] where rows
-//! have one length, [`faces`] where all faces have as many corners. A short cut reads what is right and
-//! stops at the first row that is not; [`body`] reads that row again, number by number, and says what is
-//! wrong with it. So there is one place that judges, and the fault that is reported is the first, whatever
-//! the threads did.
+//! Binary rows have fast paths that read many rows at once on all threads: [`vertices`] for rows of
+//! constant length, [`faces`] if all faces have the same number of corners. A fast path stops at
+//! the first invalid row; [`body`] reads that row again, number by number, and reports the error.
+//! So errors have a single source, and the first one is reported whatever the threads did.
 //!
-//! No crate is used: those that read the format hand over every property of every row, where the
-//! common form is better read as a block, and their errors do not name the element and its number.
+//! No crate is used: the existing ones return every property of every row, where the common form is
+//! better read as a block, and their errors do not name the element and its number.
 
 mod ascii;
 mod binary;
@@ -34,7 +33,7 @@ use wavecrest_base::error::Result;
 
 pub(super) use survey::survey;
 
-/// How much of a body that is read number by number is in memory at once.
+/// Buffer size for a body that is read number by number.
 const BODY_BUFFER: usize = 1 << 17;
 
 /// Reads a file of `length` bytes.

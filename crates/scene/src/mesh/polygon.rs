@@ -1,16 +1,15 @@
-//! From polygons to triangles.
+//! Triangulation of polygons.
 //!
-//! Readers write each polygon as a fan from its first corner at once, since a file may give faces
-//! before the vertices that they name, and note those with more than three corners as [`Polygon`]s.
-//! A fan keeps every corner in order, so that [`split`] can come back when all positions are known
-//! and replace those fans that are wrong. A polygon of `n` corners is `n - 2` triangles either way,
-//! so that nothing moves.
+//! Readers write each polygon at once as a fan from its first corner, since a file may give faces
+//! before their vertices, and record those with more than three corners as [`Polygon`]s. A fan
+//! keeps every corner in order, so that [`split`] can replace wrong fans when all positions are
+//! known. A polygon of `n` corners has `n - 2` triangles either way, so that nothing moves.
 //!
-//! A fan is right where all its triangles have the polygon's own winding, as in every strictly
-//! convex polygon. Otherwise the polygon is concave, or some corners lie on a line; ears are then
-//! cut off it (the `earcut` crate), in the coordinate plane that it faces most. The choice rests on
-//! exact orientation tests (the `robust` crate), not on a tolerance. A polygon without area keeps
-//! its fan.
+//! A fan is right if all its triangles have the polygon's own winding, as in every strictly convex
+//! polygon. Otherwise the polygon is concave, or some corners lie on a line; it is then
+//! triangulated by ear clipping (the `earcut` crate), in the coordinate plane that it faces most.
+//! Exact orientation tests (the `robust` crate) decide, not a tolerance. A polygon without area
+//! keeps its fan.
 
 use std::ops::Range;
 
@@ -21,9 +20,8 @@ use robust::Coord;
 
 use wavecrest_base::error::{Error, ErrorKind};
 
-/// Above so many corners a polygon that is not convex keeps its fan: to cut ears takes time that
-/// grows with the square of the corners, or faster where the outline crosses itself, and a file
-/// must not be able to ask for hours.
+/// Polygons with more corners that are not convex keep their fan: ear clipping takes quadratic
+/// time, or more if the outline crosses itself, and a file must not be able to cost hours.
 pub(super) const MAX_EAR_CORNERS: usize = 1 << 14;
 
 /// A face of more than three corners.
@@ -31,18 +29,18 @@ pub(super) const MAX_EAR_CORNERS: usize = 1 << 14;
 pub(super) struct Polygon {
     /// The first triangle of its fan.
     pub(super) first: u32,
-    /// How many corners it has.
+    /// Number of corners.
     pub(super) corners: u32,
 }
 
 impl Polygon {
-    /// The triangles that it is made of.
+    /// The range of its triangles.
     fn range(self) -> Range<usize> {
         let first = self.first as usize;
         first..first + self.corners as usize - 2
     }
 
-    /// Its corners, from the fan that holds them.
+    /// Its corners, from its fan.
     fn corners_of(self, triangles: &[[u32; 3]]) -> Vec<u32> {
         let fan = &triangles[self.range()];
         let start = fan.first().map(|t| [t[0], t[1]]).into_iter().flatten();
@@ -57,9 +55,9 @@ pub(super) fn fan<T: Copy>(corners: &[T]) -> impl Iterator<Item = [T; 3]> {
     rest.windows(2).filter_map(move |pair| Some([first?, pair[0], pair[1]]))
 }
 
-/// Replaces the fans of those `polygons` for which a fan is wrong, in `triangles` and alike in the
-/// index arrays of `attributes`. Indices must be in range and positions finite. Returns how many
-/// polygons kept a fan for having more than [`MAX_EAR_CORNERS`] corners.
+/// Replaces the wrong fans of `polygons`, in `triangles` and alike in the index arrays of
+/// `attributes`. Indices must be in range and positions finite. Returns the number of polygons that
+/// kept a fan for having more than [`MAX_EAR_CORNERS`] corners.
 pub(super) fn split(
     polygons: &[Polygon],
     positions: &[Vec3],
@@ -67,7 +65,7 @@ pub(super) fn split(
     attributes: &mut [&mut [[u32; 3]]],
 ) -> usize {
     let mut too_large = 0;
-    // In batches, so that what is to be replaced is never large beside the mesh.
+    // In batches, so that the replacements are never large compared with the mesh.
     for batch in polygons.chunks(SPLIT_AT_ONCE) {
         for (polygon, outcome) in repair_all(batch, positions, triangles) {
             let Outcome::Replace(split) = outcome else {
@@ -81,10 +79,10 @@ pub(super) fn split(
     too_large
 }
 
-/// How many polygons are split before the triangles of any are written.
+/// Number of polygons split before triangles are written.
 const SPLIT_AT_ONCE: usize = 1 << 15;
 
-/// The polygons whose fans do not simply stay.
+/// The polygons that need more than their fan.
 fn repair_all(
     polygons: &[Polygon],
     positions: &[Vec3],
@@ -97,14 +95,14 @@ fn repair_all(
         .collect()
 }
 
-/// What becomes of the fan of a polygon.
+/// The outcome for the fan of a polygon.
 #[derive(Debug, PartialEq)]
 enum Outcome {
-    /// It is right, or no other triangles are better.
+    /// It is right, or no triangulation is better.
     KeepFan,
     /// It is wrong, but the polygon has too many corners.
     TooLarge,
-    /// These triangles take its place. They count the corners of the polygon from 0.
+    /// These triangles replace it. They count the corners of the polygon from 0.
     Replace(Vec<[u32; 3]>),
 }
 
@@ -127,12 +125,12 @@ fn repair(
     cut_ears(earcut, &flat).map_or(Outcome::KeepFan, Outcome::Replace)
 }
 
-/// The corners in the coordinate plane that the polygon faces most, counter-clockwise there.
-/// `None` for a polygon without area.
+/// The corners in the coordinate plane that the polygon faces most, counter-clockwise there. `None`
+/// for a polygon without area.
 fn flatten(corners: impl Iterator<Item = DVec3> + Clone) -> Option<Vec<DVec2>> {
     let origin = corners.clone().next()?;
     let around = corners.map(|c| c - origin);
-    // Newell's normal: its length is twice the area, also where the corners are not in one plane.
+    // Newell's normal: its length is twice the area, even if the corners are not coplanar.
     let next = around.clone().skip(1);
     let normal: DVec3 = around.clone().zip(next).map(|(a, b)| a.cross(b)).sum();
     let size = normal.abs();
@@ -147,13 +145,13 @@ fn flatten(corners: impl Iterator<Item = DVec3> + Clone) -> Option<Vec<DVec2>> {
     Some(around.map(project).collect())
 }
 
-/// Positive for a triangle that runs counter-clockwise; 0 for one without area. Its sign is exact.
+/// Positive for a counter-clockwise triangle; 0 for one without area. Its sign is exact.
 fn orientation([a, b, c]: [DVec2; 3]) -> f64 {
     let coord = |p: DVec2| Coord { x: p.x, y: p.y };
     robust::orient2d(coord(a), coord(b), coord(c))
 }
 
-/// Cuts ears off the polygon `flat`. `None` where there are none to be cut.
+/// Triangulates the polygon `flat` by ear clipping. `None` if there are no ears.
 fn cut_ears(earcut: &mut Earcut<f64>, flat: &[DVec2]) -> Option<Vec<[u32; 3]>> {
     let mut indices: Vec<u32> = Vec::new();
     earcut.earcut(flat.iter().map(|p| p.to_array()), &[], &mut indices);
@@ -171,9 +169,9 @@ fn cut_ears(earcut: &mut Earcut<f64>, flat: &[DVec2]) -> Option<Vec<[u32; 3]>> {
     Some(triangles)
 }
 
-/// Adds a triangle, degenerate or nearly so, at each corner that no triangle uses, until there are
-/// `corners - 2`. Ears are not cut at corners that lie on a line with their neighbours or repeat
-/// one; the added triangles join those corners to the rest.
+/// Adds a triangle, degenerate or nearly so, at each unused corner, until there are `corners - 2`.
+/// Ear clipping skips corners that lie on a line with their neighbours or repeat one; the added
+/// triangles join them to the rest.
 fn fill_up(triangles: &mut Vec<[u32; 3]>, corners: usize) {
     let wanted = corners - 2;
     let mut used = vec![false; corners];
@@ -192,7 +190,7 @@ fn rewrite(polygon: Polygon, split: &[[u32; 3]], indices: &mut [[u32; 3]]) {
     }
 }
 
-/// The warning that `count` polygons were too large to be cut into ears, if any were.
+/// The warning that `count` polygons were too large for ear clipping, if any were.
 pub(super) fn note_large(count: usize) -> Option<Error> {
     (count > 0).then(|| {
         let message =
@@ -274,7 +272,7 @@ mod tests {
                 let points = star(spikes, place);
                 let triangles = triangulate(&points);
                 assert_eq!(triangles.len(), 2 * spikes - 2);
-                // All triangles have the polygon's winding, so that their area is the polygon's.
+                // All triangles have the polygon's winding, so their area is the polygon's.
                 let (vector, total) = area(&points, &triangles);
                 let corners: Vec<u32> = (0..points.len() as u32).collect();
                 let (right, _) = area(&points, &fan(&corners).collect::<Vec<_>>());

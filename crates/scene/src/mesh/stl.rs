@@ -1,11 +1,11 @@
-//! STL: triangles one after another, each with its three corners, as binary numbers or as text.
+//! STL: triangles in sequence, each with its three corners, as binary numbers or as text.
 //!
-//! A corner that several triangles share is written once for each: they are joined where their
-//! positions are equal ([`join`]), so that the mesh has the neighbours that the surface has. The
-//! normals of the file are not read: they say what the order of the corners says.
+//! A corner shared by several triangles is repeated for each: corners with equal positions are
+//! merged ([`join`]), so that the mesh has the neighbours of the surface. The normals of the file
+//! are ignored: the order of the corners gives them.
 //!
-//! Both forms may begin with `solid`. A file whose length is what its count of triangles calls for
-//! is binary; so is one with a zero byte where a text has words.
+//! Both forms may begin with `solid`. A file is binary if its length fits its count of triangles,
+//! or if it has a zero byte where a text has words.
 
 mod ascii;
 mod binary;
@@ -19,10 +19,10 @@ use super::validate::{bad_position, is_good_position};
 use glam::Vec3;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
-/// How much of a file is in memory at once, for each thread where it is binary.
+/// Buffer size, for each thread in binary files.
 const BUFFER: usize = 1 << 17;
 
-/// The length of what stands before the triangles of a binary file: a text, and the count of triangles.
+/// Length of a binary file's header: a text, and the count of triangles.
 const HEAD: usize = 84;
 
 /// Reads a file of `length` bytes.
@@ -42,7 +42,7 @@ pub(super) fn read_from<F: ReadAt + ?Sized>(file: &F, length: u64, buffer: usize
     Ok((MeshData { positions, triangles, ..MeshData::default() }, notes))
 }
 
-/// What the file of `length` bytes holds. How many corners are joined is not known: none, it is taken.
+/// Surveys a file of `length` bytes. The number of shared corners is unknown and taken as 0.
 pub(super) fn survey<F: ReadAt + ?Sized>(file: &F, length: u64) -> Result<Survey> {
     let triangles = match form(file, length)? {
         Form::Binary(head) => binary::count(&head).min(binary::room(length)),
@@ -51,14 +51,14 @@ pub(super) fn survey<F: ReadAt + ?Sized>(file: &F, length: u64) -> Result<Survey
     Ok(Survey { positions: 3 * triangles, triangles, ..Survey::default() })
 }
 
-/// How a file is written.
+/// The form of a file.
 enum Form {
-    /// With what stands before the triangles.
+    /// With its header.
     Binary([u8; HEAD]),
     Text,
 }
 
-/// How the file of `length` bytes is written.
+/// The form of a file of `length` bytes.
 fn form<F: ReadAt + ?Sized>(file: &F, length: u64) -> Result<Form> {
     if length == 0 {
         return Err(fault("the file is empty").remedy("export it again"));
@@ -79,13 +79,12 @@ fn form<F: ReadAt + ?Sized>(file: &F, length: u64) -> Result<Form> {
     Ok(Form::Binary(head))
 }
 
-/// Checks that the corners of so many triangles can be numbered.
+/// Checks that the corners of this number of triangles can be numbered.
 fn check_count(triangles: u64) -> Result<()> {
     faults::check_count("corners", triangles.saturating_mul(3))
 }
 
-/// The corner `p`, as the rest of the program has it: with zeros of one sign, so that equal positions
-/// have equal bits.
+/// The corner `p` with zeros of one sign, so that equal positions have equal bits.
 fn corner(p: Vec3) -> Result<Vec3> {
     if is_good_position(p) { Ok(p + Vec3::ZERO) } else { Err(bad_position(p)) }
 }
@@ -94,7 +93,7 @@ fn fault(message: impl Into<String>) -> Error {
     Error::new(ErrorKind::Syntax, message)
 }
 
-/// The warning that colours are left out, by the name of the extension that has them.
+/// The warning that colours are ignored, by the name of their extension.
 fn ignored_colours(extension: &str) -> Error {
     Error::new(ErrorKind::Mesh, format!("{extension} are ignored"))
         .remedy("save the mesh as PLY to keep them")

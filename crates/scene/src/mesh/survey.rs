@@ -1,15 +1,15 @@
-//! How much a mesh file holds, without reading it into memory.
+//! Surveys the contents of a mesh file without reading it into memory.
 //!
-//! For a binary PLY this follows from its header and its length. Text is passed over once, block by block, and its
-//! words are counted, not read: they are checked when the mesh is loaded. A file that breaks its format has a
-//! survey all the same, of what its size allows.
+//! For a binary PLY they follow from its header and its length. A text is scanned once, block by
+//! block, and its words are counted but not parsed: they are checked when the mesh is loaded. An
+//! invalid file has a survey too, limited by its size.
 
-/// What a mesh holds.
+/// The contents of a mesh.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
 pub struct Survey {
     /// Positions.
     pub positions: u64,
-    /// Triangles, polygons divided.
+    /// Triangles, after triangulation.
     pub triangles: u64,
     /// Normals.
     pub normals: u64,
@@ -17,13 +17,13 @@ pub struct Survey {
     pub uvs: u64,
     /// Colours of vertices.
     pub colors: u64,
-    /// Whether corners have normals of their own numbers.
+    /// Whether corners have separate indices of normals.
     pub normal_indices: bool,
-    /// Whether corners have texture coordinates of their own numbers.
+    /// Whether corners have separate indices of texture coordinates.
     pub uv_indices: bool,
 }
 
-/// Bytes of a position, a normal, a colour or the three numbers of a triangle.
+/// Bytes of a position, a normal, a colour or the three indices of a triangle.
 const TRIPLE: u64 = size_of::<[u32; 3]>() as u64;
 
 /// Bytes of a pair of texture coordinates.
@@ -52,7 +52,7 @@ impl Survey {
         TRIPLE.saturating_mul(self.colors)
     }
 
-    /// Bytes of all that is held when the mesh has been read.
+    /// Bytes of the whole mesh after reading.
     pub fn bytes(&self) -> u64 {
         let others = [self.normal_bytes(), self.uv_bytes(), self.color_bytes()];
         others.into_iter().fold(self.prototype_bytes(), u64::saturating_add)

@@ -1,8 +1,8 @@
-//! What every mesh must satisfy before it is traced.
+//! Checks of every mesh before it is traced.
 //!
-//! A NaN or an index out of range found later would be found in the middle of a build or of a ray,
-//! where it is no longer known which vertex it was. Each check is one parallel pass that stops
-//! early at a fault and reports the fault with the lowest number, whatever the threads did.
+//! A NaN or an index out of range found later would appear in the middle of a build or of a ray,
+//! where its vertex is no longer known. Each check is one parallel pass that stops early and
+//! reports the error with the lowest number, whatever the threads did.
 
 use std::path::Path;
 
@@ -14,15 +14,15 @@ use super::faults::check_count;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::math::float::MAX_COORDINATE;
 
-/// Below this many items a pass is over before other threads wake.
+/// Passes over fewer items end before other threads wake.
 const PARALLEL_FROM: usize = 1 << 15;
 
 /// Checks a mesh from any source: counts, positions, indices.
 ///
 /// # Errors
 ///
-/// Of kind [`ErrorKind::Mesh`] or [`ErrorKind::Limit`], naming `file` and the first vertex or
-/// triangle at fault.
+/// Of kind [`ErrorKind::Mesh`] or [`ErrorKind::Limit`], naming `file` and the first invalid vertex
+/// or triangle.
 pub fn validate(mesh: &MeshData, file: &Path) -> Result<()> {
     check_all(mesh).map_err(|error| error.in_file(file))
 }
@@ -46,20 +46,20 @@ pub(super) fn check_positions(positions: &[Vec3]) -> Result<()> {
     }
 }
 
-/// Whether a vertex may stand at `p`.
+/// Whether a vertex at `p` is valid.
 pub(crate) fn is_good_position(p: Vec3) -> bool {
-    // A NaN compares false, so that it is caught by the same test.
+    // A NaN compares false, so this test rejects it too.
     p.abs().cmple(Vec3::splat(MAX_COORDINATE)).all()
 }
 
-/// The error of a position that is not good; the caller names the place.
+/// The error of an invalid position; the caller names the place.
 pub(crate) fn bad_position(p: Vec3) -> Error {
     Error::new(ErrorKind::Mesh, "the coordinates of a vertex must be finite and within 2^40")
         .value(format_args!("({}, {}, {})", p.x, p.y, p.z))
         .remedy("correct the vertex, or scale the mesh down")
 }
 
-/// The error of an index that names none of the `count` things of the kind `what`.
+/// The error of an index beyond the `count` items of the kind `what`.
 pub(super) fn bad_index(what: &str, index: impl std::fmt::Display, count: usize) -> Error {
     Error::new(ErrorKind::Mesh, format!("the {what} index is out of range"))
         .value(index)
@@ -110,19 +110,19 @@ pub(super) fn first_with(
     Some((triangle, index))
 }
 
-/// Makes zero vectors of normals that are not finite, and returns how many there were. Files do hold
-/// them, where an exporter divided by the area of a triangle without any; they do not make the mesh
-/// unusable, as a zero normal is one not known.
+/// Replaces normals that are not finite by zero vectors, and returns their number. Some files
+/// contain them, if an exporter divided by the area of a degenerate triangle; they do not make the
+/// mesh unusable, as a zero normal is an unknown one.
 pub(super) fn zero_bad_normals(normals: &mut [Vec3]) -> usize {
     replace_bad(normals, |n| n.is_finite(), Vec3::ZERO)
 }
 
-/// Likewise for texture coordinates.
+/// The same for texture coordinates.
 pub(super) fn zero_bad_uvs(uvs: &mut [Vec2]) -> usize {
     replace_bad(uvs, |uv| uv.is_finite(), Vec2::ZERO)
 }
 
-/// Makes white of colours that are negative or not finite, and returns the warning of it.
+/// Replaces colours that are negative or not finite by white, and returns the warning.
 pub(super) fn whiten_bad_colors(colors: &mut [Vec3]) -> Option<Error> {
     let count = replace_bad(colors, |c| c.is_finite() && c.min_element() >= 0.0, Vec3::ONE);
     (count > 0).then(|| {

@@ -1,17 +1,18 @@
-//! Maps: the name of an image, after options.
+//! Maps: the name of an image after options.
 
 use std::collections::BTreeSet;
 
 /// An image that a material names.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Map {
-    /// As the file has it.
+    /// As in the file.
     pub(super) name: String,
-    /// Whether coordinates outside 0 to 1 are taken to the edge.
+    /// Whether coordinates outside 0 to 1 are clamped to the edge.
     pub(super) clamp: bool,
 }
 
-/// The options, and how many words follow each at most. Those of offset, scale and turbulence may have fewer.
+/// The options, with the largest number of words after each. Offset, scale and turbulence may have
+/// fewer.
 const OPTIONS: [(&str, usize); 14] = [
     ("-blendu", 1),
     ("-blendv", 1),
@@ -30,8 +31,8 @@ const OPTIONS: [(&str, usize); 14] = [
 ];
 
 impl Map {
-    /// Reads what follows `map_Kd`; `None` where it names no image. Options that show nothing are added to
-    /// `skipped`.
+    /// Reads the text after `map_Kd`; `None` if it names no image. Options without effect are added
+    /// to `skipped`.
     pub(super) fn read(text: &str, skipped: &mut BTreeSet<String>) -> Option<Self> {
         let mut clamp = false;
         let mut rest = text;
@@ -40,7 +41,7 @@ impl Map {
             let mut first = None;
             for taken in 0..most {
                 let (word, after) = word(rest)?;
-                // The second and third number may be left out.
+                // The second and third number may be missing.
                 if taken > 0 && most == 3 && word.parse::<f64>().is_err() {
                     break;
                 }
@@ -59,21 +60,22 @@ impl Map {
     }
 }
 
-/// The option that a text begins with, how many words may follow it, and what does.
+/// The option at the start of a text, the number of words that may follow it, and the text after
+/// it.
 fn option(text: &str) -> Option<(&'static str, usize, &str)> {
     let (first, rest) = word(text)?;
     let (name, most) = OPTIONS.iter().find(|(name, _)| first.eq_ignore_ascii_case(name))?;
     Some((name, *most, rest))
 }
 
-/// The first word of a text, and what follows it.
+/// The first word of a text, and the text after it.
 fn word(text: &str) -> Option<(&str, &str)> {
     let text = text.trim_start();
     let end = text.find(char::is_whitespace).unwrap_or(text.len());
     (end > 0).then(|| text.split_at(end))
 }
 
-/// A name that may have blanks in it, up to an option that some programs write behind it.
+/// A name that may contain blanks, up to an option that some programs write after it.
 fn without_options<'a>(text: &'a str, skipped: &mut BTreeSet<String>) -> &'a str {
     let found =
         OPTIONS.iter().filter_map(|(name, _)| Some((text.find(&format!(" {name} "))?, name)));

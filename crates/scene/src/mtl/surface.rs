@@ -1,4 +1,4 @@
-//! What a material of an MTL file is here. SCENES.md states the rule.
+//! Conversion of MTL materials. SCENES.md states the rule.
 
 use std::path::PathBuf;
 
@@ -9,7 +9,7 @@ use super::map::Map;
 use crate::components::{CutOut, Encoding, Filter, Material, TextureRef, TextureSource, Wrap};
 use crate::parse::THRESHOLD;
 
-/// The models of lighting that mirror: with rays, as glass does, by Fresnel's law, and without rays.
+/// The lighting models with mirrors: with ray tracing, glass, and Fresnel without ray tracing.
 const MIRRORS: [u32; 3] = [3, 5, 8];
 
 /// The models without a highlight.
@@ -18,17 +18,17 @@ const MATT: [u32; 2] = [0, 1];
 /// The sharpest highlight.
 const SHARPEST: f64 = 1e6;
 
-/// What a surface is made of.
+/// The appearance of a surface.
 #[derive(Clone, Debug)]
 pub(crate) struct Look {
     pub(crate) material: Material,
     pub(crate) texture: Option<TextureRef>,
     pub(crate) cutout: Option<CutOut>,
-    /// Whether any of it is there.
+    /// Whether any of it is opaque.
     pub(crate) is_there: bool,
 }
 
-/// What the material is, with the images that it names at the paths that `find` knows.
+/// The material, with its images at the paths that `find` returns.
 pub(crate) fn surface(mtl: &Mtl, mut find: impl FnMut(&str) -> Option<PathBuf>) -> Look {
     let is_model = |models: &[u32]| mtl.illum.is_some_and(|model| models.contains(&model));
     let exponent = mtl.ns.unwrap_or(0.0).min(SHARPEST);
@@ -45,7 +45,7 @@ pub(crate) fn surface(mtl: &Mtl, mut find: impl FnMut(&str) -> Option<PathBuf>) 
     let texture = found(&mtl.map_kd).map(|(source, wrap)| TextureRef {
         source,
         encoding: Encoding::Srgb,
-        // Many programs write black beside an image.
+        // Many programs write black if there is an image.
         tint: if kd == DVec3::ZERO { DVec3::ONE } else { kd },
         filter: Filter::Trilinear,
         wrap,
@@ -55,10 +55,10 @@ pub(crate) fn surface(mtl: &Mtl, mut find: impl FnMut(&str) -> Option<PathBuf>) 
     let cutout = found(&mtl.map_d).filter(|_| d >= THRESHOLD).map(|(source, wrap)| CutOut {
         source,
         is_mask: true,
-        // The image is multiplied by d.
+        // d multiplies the image's alpha.
         threshold: THRESHOLD / d,
         filter,
-        // In a scene file both have one.
+        // In a scene file both share the wrap mode.
         wrap: texture.as_ref().map_or(wrap, |texture| texture.wrap),
         placing: None,
     });

@@ -10,25 +10,25 @@ use crate::schema::Camera;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::kernels::camera::path::least_aligned_axis;
 
-/// Greatest number of a frame.
+/// Largest number of a frame.
 const LAST_FRAME: u32 = 9_999_999;
 
-/// Greatest width and height of an image, in pixels.
+/// Largest width and height of an image, in pixels.
 pub const LONGEST_SIDE: u32 = 65_536;
-/// Greatest number of pixels, 2^28: as floats, three gibibytes.
+/// Largest number of pixels, 2^28: as floats, three gibibytes.
 const MOST_PIXELS: u64 = 1 << 28;
-/// Greatest number of rays through each pixel, 2^24.
+/// Largest number of rays through each pixel, 2^24.
 const MOST_RAYS: u64 = 1 << 24;
-/// Greatest side of the grid of rays in each pixel.
+/// Largest side of the grid of rays in each pixel.
 const MOST_ANTIALIAS: u32 = 64;
-/// Greatest number of angles or radii of points on the lens.
+/// Largest number of angles or radii of points on the lens.
 const MOST_LENS_SAMPLES: u32 = 4_096;
-/// Points on the lens along each side of the grid, where the file does not say.
+/// Default number of points on the lens along each side of the grid.
 const LENS_SAMPLES: f64 = 4.0;
 /// Angles of view, in degrees. At 180 the image plane would be at infinity.
 pub(crate) const FOV: Range = Range::new(0.001, 179.0);
-/// Sine of the angle between `up` and the view below which they are taken as parallel: what is
-/// left of `up` across the view would then be mostly rounding, in single precision.
+/// Sine of the angle between `up` and the view below which they count as parallel: the component of
+/// `up` across the view would then be mostly single-precision rounding.
 const PARALLEL: f64 = 1e-6;
 
 wavecrest_base::choices! {
@@ -153,13 +153,13 @@ const FOCAL_KEYS: &[Key] = keys! {
     "focal": Number(Range::POSITIVE);
 };
 
-/// Reads the camera. The size that the `options` ask for takes the place of the file's.
+/// Reads the camera. The size in the `options` overrides the file's.
 pub(super) fn camera(cursor: &Cursor<'_>, options: &LoadOptions) -> Result<Camera> {
     let has_lens = cursor.kind::<CameraKind>("the camera")? == CameraKind::ThinLens;
     let object = cursor.object(if has_lens { THIN_LENS } else { PINHOLE })?;
     let mut view = view(&object, options)?;
     if has_lens && view.sampling == Sampling::Random {
-        // The report's key is about the lens: a pixel's rays are jittered whatever it says of that.
+        // The report's key is about the lens: a pixel's rays are jittered for any value.
         view.sampling = Sampling::Jittered;
     }
     let lens = has_lens.then(|| lens(&object)).transpose()?;
@@ -168,7 +168,7 @@ pub(super) fn camera(cursor: &Cursor<'_>, options: &LoadOptions) -> Result<Camer
     Ok(Camera { view, lens, path })
 }
 
-/// Reads the path of the camera, which is at `view` with `lens` where a key does not say otherwise.
+/// Reads the path of the camera, with the defaults of `view` and `lens`.
 fn path(cursor: &Cursor<'_>, view: &View, lens: Option<&ThinLens>) -> Result<CameraPath> {
     let object = cursor.object(if lens.is_some() { LENS_PATH } else { PINHOLE_PATH })?;
     let interpolation = object.word("interpolation");
@@ -244,7 +244,7 @@ fn pixels_allowed() -> String {
     format!("at most {MOST_PIXELS} (2^28) are allowed")
 }
 
-/// Checks the size of an image that no scene file gives.
+/// Checks the size of an image without a scene file.
 pub(crate) fn check_size(width: u32, height: u32) -> Result<()> {
     check_side("width", width)?;
     check_side("height", height)?;
@@ -254,7 +254,7 @@ pub(crate) fn check_size(width: u32, height: u32) -> Result<()> {
     }
 }
 
-/// A side of the image: the one asked for, if one is, but the file must be right all the same.
+/// A side of the image: the requested one if any, but the file's must be valid too.
 fn side(object: &Object<'_>, key: &'static str, asked: Option<u32>) -> Result<u32> {
     let own = object.integer(key);
     let Some(asked) = asked else { return Ok(own) };
@@ -262,7 +262,7 @@ fn side(object: &Object<'_>, key: &'static str, asked: Option<u32>) -> Result<u3
     Ok(asked)
 }
 
-/// Checks a side that is asked for.
+/// Checks a requested side.
 fn check_side(key: &str, asked: u32) -> Result<()> {
     if (1..=LONGEST_SIDE).contains(&asked) {
         return Ok(());
@@ -281,7 +281,7 @@ fn check_look(object: &Object<'_>, location: DVec3, look: DVec3) -> Result<()> {
     Err(error.remedy("move \"look\" away from \"location\""))
 }
 
-/// The upward direction: the file's, unless it leaves open which way up the image is.
+/// The up direction: the file's, unless it is parallel to the view.
 fn up(object: &Object<'_>, view: DVec3) -> Result<DVec3> {
     let up = object.point("up");
     let Some(unit) = direction(up) else {

@@ -25,14 +25,14 @@ const KEYS: &[Key] = keys! {
     "id": Text;
 };
 
-/// The shapes of a file by name. A name that several have leads nowhere.
+/// The shapes of a file by name. An ambiguous name refers to none.
 pub(super) struct Names<'a> {
     shapes: &'a [Shape],
     places: HashMap<&'a str, Option<usize>>,
 }
 
 impl<'a> Names<'a> {
-    /// Of `shapes`.
+    /// The names of `shapes`.
     pub(super) fn of(shapes: &'a [Shape]) -> Self {
         let mut places: HashMap<&str, Option<usize>> = HashMap::new();
         for (i, shape) in shapes.iter().enumerate() {
@@ -43,7 +43,7 @@ impl<'a> Names<'a> {
         Self { shapes, places }
     }
 
-    /// The place of the shape that the value of a key `shape` names.
+    /// The index of the shape that the value of a key `shape` names.
     fn find(&self, cursor: &Cursor<'_>) -> Result<usize> {
         let name = cursor.text("the name of a shape of scene.shapes")?;
         match self.places.get(name) {
@@ -78,7 +78,7 @@ pub(super) fn instance(cursor: &Cursor<'_>, names: &Names<'_>) -> Result<Instanc
     })
 }
 
-/// The instance's transform, which begins where the shape stands in the scene.
+/// The instance's transform, applied after the shape's own.
 fn moved(object: &Object<'_>, shape: &Shape) -> Result<DAffine3> {
     let mut moved = DAffine3::IDENTITY;
     if let Some(cursor) = object.get("transform") {

@@ -1,8 +1,7 @@
-//! The scene format as a JSON Schema (draft 2020-12), for editors that check and complete a scene while it is
-//! written.
+//! The scene format as a JSON Schema (draft 2020-12), for editors that check and complete scenes.
 //!
-//! It is made of the tables that the parser goes by: keys, ranges, words and what they mean. What depends on
-//! other values, such as a number of points, is left to `wavecrest check`.
+//! It is generated from the parser's tables: keys, ranges, words and descriptions. Checks that
+//! depend on other values, such as a number of points, are left to `wavecrest check`.
 
 use serde_json::{Map, Value, json};
 
@@ -13,15 +12,15 @@ use super::{FILE, SCENE, instance, maps, material, mesh, transform};
 use crate::reader::{Absent, Key, Kind, Range, Takes};
 use wavecrest_base::choice::Choice;
 
-/// The dialect that the schema is written in.
+/// The dialect of the schema.
 const DIALECT: &str = "https://json-schema.org/draft/2020-12/schema";
 
-/// Where a definition of this schema stands.
+/// The place of definitions in the schema.
 const DEFINITIONS: &str = "#/$defs/";
 
 /// The schema of a scene file.
 ///
-/// A scene that is loaded strictly, without an unknown key, is valid by it.
+/// Every scene that loads with `strict` is valid by it.
 ///
 /// ```
 /// let schema = wavecrest_scene::json_schema();
@@ -80,7 +79,7 @@ fn definitions() -> Value {
     all
 }
 
-/// Adds a shape, and each kind of shape, whose names begin with `prefix`.
+/// Adds a shape, and each kind of shape, with names that begin with `prefix`.
 fn add_shapes(all: &mut Value, prefix: &str, owner: Owner) {
     let mut add = |name: &str, value: Value| all[format!("{prefix}{name}")] = value;
     let kind = |own| object(&shape::kind(own, owner));
@@ -94,7 +93,7 @@ fn add_shapes(all: &mut Value, prefix: &str, owner: Owner) {
     add("meshStrip", kind(&mesh::STRIP));
 }
 
-/// Which kind of mesh it is follows from the keys that are there.
+/// The keys decide the kind of mesh.
 fn any_mesh(prefix: &str) -> Value {
     let to = |kind: &str| definition(&format!("{prefix}{kind}"));
     json!({
@@ -113,7 +112,7 @@ fn matrix() -> Value {
     })
 }
 
-/// An object whose `type` says which definition it follows, the word for it after `prefix`.
+/// An object whose `type` selects its definition, by the word after `prefix`.
 fn by_type<T: Choice>(about: &str, prefix: &str) -> Value {
     let words = || T::VALUES.iter().map(|value| value.name());
     let choice = |word: &str| {
@@ -138,14 +137,14 @@ fn object(kind: &Kind) -> Value {
         "description": kind.about, "type": "object",
         "required": required.map(|key| key.name).collect::<Vec<_>>(), "additionalProperties": false
     });
-    // Exactly one of the keys, which mean the same.
+    // Exactly one of the synonymous keys.
     let one_of = |keys: &&[&str]| {
         let each = keys.iter().map(|key| json!({"required": [key]}));
         json!({"oneOf": each.collect::<Vec<_>>()})
     };
     let mut conditions: Vec<Value> = kind.one_of.iter().map(one_of).collect();
     if properties.contains_key("id") {
-        // That a thing is not named twice.
+        // No item has two names.
         conditions.push(json!({"not": {"required": ["name", "id"]}}));
     }
     if !conditions.is_empty() {
@@ -191,7 +190,7 @@ fn takes(takes: Takes) -> Value {
     }
 }
 
-/// The value with words that say what it means.
+/// The value with a description.
 fn about(mut value: Value, text: &str) -> Value {
     value["description"] = text.into();
     value
@@ -207,7 +206,7 @@ fn number(range: Range) -> Value {
     json!({"type": "number", least: plain(low), "maximum": plain(high)})
 }
 
-/// A whole number without a point.
+/// An integer without a decimal point.
 fn plain(x: f64) -> Value {
     // No bound of the format is beyond 2^53.
     if x.fract() == 0.0 { json!(x as i64) } else { json!(x) }

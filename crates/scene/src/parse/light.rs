@@ -10,9 +10,9 @@ use wavecrest_base::error::{ErrorKind, Result};
 use super::shape::light_shape;
 use super::warn_above_1;
 
-/// Greatest value of `samples`.
+/// Largest value of `samples`.
 const MOST_SAMPLES: u32 = 65_536;
-/// Greatest number of points on a light, 2^24.
+/// Largest number of points on a light, 2^24.
 const MOST_POINTS: u64 = 1 << 24;
 
 /// Angles between the direction of a spot and the edge of a cone, in degrees.
@@ -124,7 +124,7 @@ pub(super) fn light(cursor: &Cursor<'_>) -> Result<Light> {
     }
 }
 
-/// Warns of a light that gives none but its ambient part.
+/// Warns of a light without any but its ambient part.
 fn warn_of_power(object: &Object<'_>) {
     let message = "is 0, so the light has no effect";
     if let Some(cursor) =
@@ -138,10 +138,10 @@ fn warn_of_power(object: &Object<'_>) {
     }
 }
 
-/// Warns of the intensity and the colour of a light that has no shape.
+/// Warns of the intensity and the colour of a light without a shape.
 fn warn_of_strength(object: &Object<'_>) {
     warn_of_power(object);
-    // The shape of an area light may well be seen in such a colour.
+    // The shape of an area light may well be meant to have such a colour.
     let remedy = "use a colour from 0 to 1 and a higher \"intensity\"";
     warn_above_1(object, "color", "is above 1", remedy);
 }
@@ -190,7 +190,7 @@ fn directional_light(object: &Object<'_>) -> Result<Light> {
     Ok(Light::Directional { path: object.cursor().path(), light })
 }
 
-/// The key `direction`, of any length but none.
+/// The key `direction`, of any length but zero.
 fn direction(object: &Object<'_>) -> Result<DVec3> {
     let direction = object.point("direction");
     if direction != DVec3::ZERO {
@@ -202,7 +202,7 @@ fn direction(object: &Object<'_>) -> Result<DVec3> {
 
 fn area_light(object: &Object<'_>) -> Result<Light> {
     warn_of_power(object);
-    // The report's format has it, but the shape says where the light is.
+    // The report's format has this key, but the shape gives the position.
     object.get("position").map(|cursor| cursor.point()).transpose()?;
     let sampling = object.word("sampling");
     let light = AreaLight {
@@ -216,7 +216,7 @@ fn area_light(object: &Object<'_>) -> Result<Light> {
     Ok(Light::Area { path: object.cursor().path(), light, shape })
 }
 
-/// The `samples` of a light: all of them, or those along each side of a grid.
+/// The `samples` of a light: the total, or along each side of a grid.
 fn samples(object: &Object<'_>, sampling: Sampling) -> Result<u32> {
     let samples = object.integer("samples");
     let points = u64::from(samples) * u64::from(samples);

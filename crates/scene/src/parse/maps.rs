@@ -1,4 +1,4 @@
-//! Textures, and how they are looked up.
+//! Textures and their look-up keys.
 
 use std::path::PathBuf;
 
@@ -47,7 +47,7 @@ const METAL_KEYS: &[Key] = keys! {
     "roughness": Number(Range::UNIT), Is(1.0);
 };
 
-/// Reads the texture of a shape, with the keys that say how it is looked up.
+/// Reads the texture of a shape, with its look-up keys.
 pub(super) fn texture(object: &Object<'_>) -> Result<Option<TextureRef>> {
     let tint = object.color("tint");
     let Some(cursor) = object.get("texture") else {
@@ -58,7 +58,7 @@ pub(super) fn texture(object: &Object<'_>) -> Result<Option<TextureRef>> {
     Ok(Some(TextureRef { tint, ..reference(object, path)? }))
 }
 
-/// The image at `path`, looked up as the object says.
+/// The image at `path`, with the look-up keys of the object.
 fn reference(object: &Object<'_>, path: PathBuf) -> Result<TextureRef> {
     Ok(TextureRef {
         source: TextureSource::File(path),
@@ -70,10 +70,10 @@ fn reference(object: &Object<'_>, path: PathBuf) -> Result<TextureRef> {
     })
 }
 
-/// The threshold of an `alpha` for which none is given.
+/// The default threshold with an `alpha`.
 pub(crate) const THRESHOLD: f64 = 0.5;
 
-/// Reads where a shape is cut out. An alpha of 0 and more is all there is.
+/// Reads the cut-out of a shape. A threshold of 0 cuts nothing out.
 pub(super) fn cutout(object: &Object<'_>, texture: Option<&TextureRef>) -> Result<Option<CutOut>> {
     let threshold = object.number_or("alphacutoff", THRESHOLD);
     let (filter, wrap) = (object.word("filter"), object.word("wrap"));
@@ -98,7 +98,7 @@ pub(super) fn cutout(object: &Object<'_>, texture: Option<&TextureRef>) -> Resul
 }
 
 fn warn_without_texture(object: &Object<'_>) {
-    // Alpha is looked up as a texture is.
+    // Alpha is looked up like a texture.
     let of_both: &[&str] =
         if object.get("alpha").is_some() { &[] } else { &["filter", "wrap", "uvtransform"] };
     for cursor in ["encoding", "tint"].iter().chain(of_both).filter_map(|key| object.get(key)) {
@@ -139,7 +139,7 @@ pub(super) fn maps(object: &Object<'_>) -> Result<Maps> {
     })
 }
 
-/// The path of a file that is there, joined to the scene file's folder; `what` describes it.
+/// The path of an existing file, joined to the scene file's folder; `what` describes it.
 pub(super) fn existing_file(cursor: &Cursor<'_>, what: &str) -> Result<PathBuf> {
     let path = cursor.notes().resolve(cursor.text(what)?);
     if path.is_file() {

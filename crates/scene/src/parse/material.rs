@@ -42,7 +42,7 @@ pub(super) fn material(cursor: &Cursor<'_>) -> Result<Material> {
     })
 }
 
-/// Weights above 1 are allowed, but they are seldom meant. What is no number is left to the reading.
+/// Weights above 1 are allowed but rarely meant. Invalid values are reported when they are read.
 fn warn_of_gain(object: &Object<'_>) {
     let remedy = "use 0 to 1";
     let message = "is above 1, so the surface reflects more light than it receives";

@@ -1,8 +1,8 @@
-//! Triangle meshes: written out as a strip or with indices, or kept in a file.
+//! Triangle meshes: inline as a strip or with indices, or in a file.
 //!
 //! In a scene file the front of a triangle is where its corners run clockwise, as for a plane whose
-//! points go round from bottom left to bottom right. [`MeshData`] has it the other way round, as mesh
-//! files do; the corners are put in that order here, and nowhere else.
+//! points go around from bottom left to bottom right. [`MeshData`] has the opposite winding, as
+//! mesh files do; the corners are reordered here, and nowhere else.
 
 use std::path::Path;
 
@@ -47,7 +47,7 @@ pub(crate) const INDEXED: Kind = Kind::new(
     ],
 );
 
-// With the keys, too, that would make it another kind: they may be what a misspelt key means.
+// Includes the keys of other kinds of mesh: a misspelt key may mean one of them.
 pub(crate) const STRIP: Kind = Kind::new(
     "a trimesh that is a strip",
     "A strip of triangles.",
@@ -79,7 +79,7 @@ const KEYS: &[Key] = keys! {
 
 const INDICES_TAKE: Takes = Takes::AtLeast(1, &Takes::Exactly(3, &Takes::Integer(0, u32::MAX)));
 
-/// Which mesh this is.
+/// The kind of this mesh.
 pub(super) fn own_keys(cursor: &Cursor<'_>) -> Result<&'static Kind> {
     let has = |key: &str| cursor.value().get(key).is_some();
     match (has("file"), has("points"), has("indices")) {
@@ -96,7 +96,7 @@ fn both(cursor: &Cursor<'_>, other: &str) -> wavecrest_base::error::Error {
     error.remedy("remove one of them")
 }
 
-/// Reads a mesh, or the path of one.
+/// Reads an inline mesh, or the path of one.
 pub(super) fn mesh(object: &Object<'_>) -> Result<Geometry> {
     if let Some(file) = object.get("file") {
         return mesh_file(&file);
@@ -145,7 +145,7 @@ fn check_size(object: &Object<'_>, points: usize) -> Result<()> {
     Err(error.remedy(format!("\"points\" has {points}")))
 }
 
-/// The triangles of a strip: every three points in a row.
+/// The triangles of a strip: every three consecutive points.
 fn strip(object: &Object<'_>, points: usize) -> Result<Vec<[u32; 3]>> {
     let count = points - 2;
     let flips = object.get("normal").map(|cursor| flips(&cursor, count)).transpose()?;
@@ -158,7 +158,7 @@ fn strip(object: &Object<'_>, points: usize) -> Result<Vec<[u32; 3]>> {
     Ok((0..count).zip(0_u32..).map(triangle).collect())
 }
 
-/// The `normal` of a strip: which of its triangles are turned.
+/// The `normal` of a strip: which of its triangles are reversed.
 fn flips(cursor: &Cursor<'_>, triangles: usize) -> Result<Vec<bool>> {
     let what =
         format!("an array of {triangles} numbers, one for each triangle: 0, or -1 to flip it");
@@ -197,7 +197,7 @@ fn triangle(cursor: &Cursor<'_>, points: usize) -> Result<[u32; 3]> {
     }
 }
 
-/// The same corner first, the other way round.
+/// The same first corner, with the opposite winding.
 fn reversed([a, b, c]: [u32; 3]) -> [u32; 3] {
     [a, c, b]
 }

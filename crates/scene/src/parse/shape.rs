@@ -1,4 +1,4 @@
-//! Shapes: the keys that all have, and those of each kind.
+//! Shapes: the keys of all shapes, and those of each kind.
 
 use glam::DVec3;
 
@@ -75,7 +75,7 @@ const SCENE_KEYS: &[Key] = keys! {
     "hidden": Truth, Off;
 };
 
-/// Keys of shapes of lights, which have a colour of their own and are always seen.
+/// Keys of shapes of lights, which have a colour of their own and are always visible.
 const LIGHT_KEYS: &[Key] = &[
     ignored("material"),
     ignored("texture"),
@@ -106,14 +106,14 @@ const PLACE_KEYS: &[Key] = keys! {
     "shading": word::<Shading>(), Says("flat");
 };
 
-/// Whose shape it is: that decides the keys that all kinds of shapes share.
+/// The owner of a shape, which decides the keys shared by all kinds of shapes.
 #[derive(Clone, Copy, PartialEq)]
 pub(crate) enum Owner {
     Scene,
     Light,
 }
 
-/// The kind of object that a shape with these keys of its `own` is.
+/// The kind of object of a shape with these keys of its `own`.
 pub(crate) fn kind(own: &Kind, owner: Owner) -> Kind {
     let shared: &[&[Key]] = match owner {
         Owner::Scene => &[NAME_KEYS, SCENE_KEYS, PLACE_KEYS],
@@ -122,7 +122,7 @@ pub(crate) fn kind(own: &Kind, owner: Owner) -> Kind {
     Kind { keys: shared, more: own.keys, ..*own }
 }
 
-// The kinds of shapes, with the keys that others have not.
+// The kinds of shapes, with the keys that others lack.
 
 pub(crate) const SPHERE: Kind = Kind::new("a sphere", "A sphere.", &[SPHERE_KEYS]);
 pub(crate) const PLANE: Kind = Kind::new("a plane", "A plane quad.", &[PLANE_KEYS, FLAT_KEYS]);
@@ -165,8 +165,8 @@ pub(super) fn shape(cursor: &Cursor<'_>) -> Result<Shape> {
     Ok(Shape { hidden, material: Some(material?), texture, maps: maps?, cutout, ..shape? })
 }
 
-/// Reads the `shape` of an area light. It shines with the light's own colour, so that its material
-/// and its texture are not looked at.
+/// Reads the `shape` of an area light. It has the light's own colour, so its material and texture
+/// are ignored.
 pub(super) fn light_shape(cursor: &Cursor<'_>) -> Result<Shape> {
     let object = open(cursor, Owner::Light)?;
     let shape = read(&object)?;
@@ -179,7 +179,7 @@ pub(super) fn light_shape(cursor: &Cursor<'_>) -> Result<Shape> {
     Ok(shape)
 }
 
-/// The shape as an object with exactly the keys that its kind has.
+/// The shape as an object with exactly the keys of its kind.
 fn open<'a>(cursor: &Cursor<'a>, owner: Owner) -> Result<Object<'a>> {
     let own = match cursor.kind("a shape")? {
         ShapeKind::Sphere => &SPHERE,
@@ -190,7 +190,7 @@ fn open<'a>(cursor: &Cursor<'a>, owner: Owner) -> Result<Object<'a>> {
     cursor.object(kind(own, owner))
 }
 
-/// All of a shape but its material and texture.
+/// Reads a shape without material and texture.
 fn read(object: &Object<'_>) -> Result<Shape> {
     let kind = object.word("type");
     let transform = object.get("transform").map(|c| transform::transform(&c)).transpose()?;
@@ -241,7 +241,7 @@ fn sphere(object: &Object<'_>, transform: Option<glam::DAffine3>) -> Result<Geom
     Ok(Geometry::Sphere(Sphere { center, radius: object.number("radius") }))
 }
 
-/// The transform at `cursor` would make something else of a sphere.
+/// The error that the transform at `cursor` would make a sphere an ellipsoid.
 pub(super) fn uneven(cursor: &Cursor<'_>) -> Error {
     let error = cursor.error("a sphere can only be scaled uniformly");
     error.remedy("use one scale factor, or a trimesh")

@@ -6,7 +6,7 @@ use crate::reader::{Cursor, Key, Kind, Object, Range, keys};
 use wavecrest_base::error::Result;
 
 /// Relative difference below which the scales along the axes, and the angles between them, count as
-/// even: eight times the rounding of single precision, in which the scene is drawn.
+/// equal: eight times the rounding of single precision, in which the scene is rendered.
 const EVEN: f64 = 1e-6;
 
 /// A transform by its parts.
@@ -39,7 +39,7 @@ pub(super) fn transform(cursor: &Cursor<'_>) -> Result<DAffine3> {
 /// Whether the transform keeps a sphere a sphere.
 pub(super) fn is_uniform(transform: &DAffine3) -> bool {
     let m = transform.matrix3;
-    // Scaled first, so that squares neither vanish nor overflow.
+    // Scaled first, so that squares neither underflow nor overflow.
     let m = m * (1.0 / greatest(m));
     let gram = m.transpose() * m;
     let size = gram.x_axis.x;
@@ -78,8 +78,8 @@ fn scale(cursor: &Cursor<'_>) -> Result<DVec3> {
     cursor.numbers("a number, or three numbers [x, y, z]", Range::COORDINATE).map(DVec3::from_array)
 }
 
-/// The rotation about x, then y, then z, by so many degrees, counter-clockwise as seen from the
-/// axis' positive end.
+/// The rotation about x, then y, then z, by these angles in degrees, counter-clockwise as seen from
+/// the axis' positive end.
 fn rotation(degrees: DVec3) -> DMat3 {
     let (sx, cx) = sin_cos(degrees.x);
     let (sy, cy) = sin_cos(degrees.y);
@@ -90,8 +90,7 @@ fn rotation(degrees: DVec3) -> DMat3 {
     about_z * about_y * about_x
 }
 
-/// Sine and cosine of an angle in degrees: exact at the quarters of a turn, and the same on every
-/// machine.
+/// Sine and cosine of an angle in degrees: exact at quarter turns, and the same on every machine.
 fn sin_cos(degrees: f64) -> (f64, f64) {
     let quarters = libm::round(degrees / 90.0);
     let (s, c) = libm::sincos((degrees - quarters * 90.0).to_radians());
@@ -103,10 +102,10 @@ fn sin_cos(degrees: f64) -> (f64, f64) {
     }
 }
 
-/// Whether a determinant is 0, or too small to be distinguished from it after rounding.
+/// Whether a determinant is 0, or indistinguishable from it after rounding.
 ///
-/// Each of its six products carries at most five roundings of half an EPSILON, so that the error is
-/// below 4 EPSILON times the sum of the products' magnitudes.
+/// Each of its six products has at most five roundings of half an EPSILON, so the error is below 4
+/// EPSILON times the sum of the products' magnitudes.
 fn is_singular(m: DMat3) -> bool {
     let magnitudes = {
         let [a, b, c] = m.to_cols_array_2d().map(|column| DVec3::from_array(column).abs());

@@ -1,4 +1,4 @@
-//! One JSON value, its path, and the checks that turn it into numbers, points, words and lists.
+//! A JSON value with its path, and the checks that convert it to numbers, points, words and lists.
 
 use std::io::{self, Write};
 
@@ -10,21 +10,21 @@ use super::place::Place;
 use wavecrest_base::error::{Error, ErrorKind, Result, did_you_mean};
 use wavecrest_core::math::float::MAX_COORDINATE;
 
-/// The largest number that the format takes, 2^40. The product of three such numbers still fits
-/// single precision, so that no colour and no determinant overflows.
+/// The largest number in the format, 2^40. The product of three such numbers still fits single
+/// precision, so that no colour and no determinant overflows.
 const LARGEST: f64 = MAX_COORDINATE as f64;
 
-/// The numbers that a key takes.
+/// The range of a key's numbers.
 #[derive(Clone, Copy)]
 pub(crate) struct Range {
     low: f64,
     high: f64,
-    /// Whether `low` itself is left out.
+    /// Whether `low` itself is excluded.
     open: bool,
 }
 
 impl Range {
-    /// Anything: a coordinate.
+    /// Any number: a coordinate.
     pub(crate) const COORDINATE: Self = Self::new(-LARGEST, LARGEST);
     /// 0 or more: a weight, a colour.
     pub(crate) const NOT_NEGATIVE: Self = Self::new(0.0, LARGEST);
@@ -38,12 +38,12 @@ impl Range {
         Self { low, high, open: false }
     }
 
-    /// Whether a number is one of them.
+    /// Whether a number is in the range.
     pub(crate) fn contains(self, x: f64) -> bool {
         (if self.open { x > self.low } else { x >= self.low }) && x <= self.high
     }
 
-    /// The least and the greatest number, and whether the least itself is left out.
+    /// The bounds, and whether the lower one is excluded.
     pub(crate) fn bounds(self) -> (f64, f64, bool) {
         (self.low, self.high, self.open)
     }
@@ -62,7 +62,7 @@ impl Range {
     }
 }
 
-/// A JSON value that knows where it stands.
+/// A JSON value that knows its place.
 #[derive(Clone, Copy)]
 pub(crate) struct Cursor<'a> {
     pub(super) value: &'a Value,
@@ -81,7 +81,7 @@ impl<'a> Cursor<'a> {
         self.value
     }
 
-    /// What the file's cursors share.
+    /// The notes shared by the file's cursors.
     pub(crate) fn notes(&self) -> &'a Notes<'a> {
         self.notes
     }
@@ -91,22 +91,22 @@ impl<'a> Cursor<'a> {
         self.place.to_string()
     }
 
-    /// The borrowed form of the path.
+    /// The path as a chain of steps.
     pub(crate) fn place(&self) -> &Place<'a> {
         &self.place
     }
 
-    /// An error about this value, which it shows.
+    /// An error about this value, including the value.
     pub(crate) fn error(&self, message: impl Into<String>) -> Error {
         self.error_of(ErrorKind::Scene, message)
     }
 
-    /// An error of a given kind about this value, which it shows.
+    /// An error of a given kind about this value, including the value.
     pub(crate) fn error_of(&self, kind: ErrorKind, message: impl Into<String>) -> Error {
         self.notes.error(kind, &self.path(), message.into()).value(brief(self.value))
     }
 
-    /// Keeps a warning about this value, which it shows.
+    /// Adds a warning about this value, including the value.
     pub(crate) fn warn(&self, message: impl Into<String>, remedy: &str) {
         self.notes.warn(&self.error(message).remedy(remedy));
     }
@@ -130,11 +130,11 @@ impl<'a> Cursor<'a> {
         })
     }
 
-    /// An integer from `low` to `high`; `8.0` is one. One that is too large is over a limit.
+    /// An integer from `low` to `high`; `8.0` counts as one. One that is too large is over a limit.
     pub(crate) fn integer(&self, low: u32, high: u32) -> Result<u32> {
         let number = self.value.as_f64().filter(|x| x.fract() == 0.0);
         if let Some(x) = number.filter(|x| (low.into()..=high.into()).contains(x)) {
-            // Exact: it is an integer of the range of u32.
+            // Exact: it is an integer in the range of u32.
             return Ok(x as u32);
         }
         let too_large = number.is_some_and(|x| x > high.into());
@@ -142,7 +142,7 @@ impl<'a> Cursor<'a> {
         Err(self.error_of(kind, format!("must be {}", integer_words(low, high))))
     }
 
-    /// Yes or no.
+    /// A boolean.
     pub(crate) fn truth(&self) -> Result<bool> {
         self.value.as_bool().ok_or_else(|| self.must_be("true or false"))
     }
@@ -165,7 +165,7 @@ impl<'a> Cursor<'a> {
         self.numbers(POINT, Range::COORDINATE).map(DVec3::from_array)
     }
 
-    /// A colour: none of its parts is negative.
+    /// A colour: no channel is negative.
     pub(crate) fn color(&self) -> Result<DVec3> {
         self.numbers(COLOR, Range::NOT_NEGATIVE).map(DVec3::from_array)
     }
@@ -196,7 +196,7 @@ impl<'a> Cursor<'a> {
         points.try_into().map_err(|_| self.must_be(what))
     }
 
-    /// A text that is not empty; `what` describes it.
+    /// A nonempty text; `what` describes it.
     pub(crate) fn text(&self, what: &str) -> Result<&'a str> {
         self.value.as_str().filter(|s| !s.is_empty()).ok_or_else(|| self.must_be(what))
     }
@@ -215,10 +215,10 @@ impl<'a> Cursor<'a> {
     }
 }
 
-/// What a point looks like.
+/// The description of a point.
 pub(crate) const POINT: &str = "three numbers [x, y, z]";
 
-/// What a colour looks like.
+/// The description of a colour.
 pub(crate) const COLOR: &str = "three numbers [r, g, b]";
 
 /// The integers from `low` to `high` in words.
@@ -235,11 +235,11 @@ pub(crate) fn words_of<T>(options: &[(&'static str, T)]) -> String {
     }
 }
 
-/// The start of a value as JSON. Messages show 80 characters, so that writing out a whole mesh
-/// would be a waste.
+/// The start of a value as JSON. Messages show 80 characters, so writing out a whole mesh would be
+/// a waste.
 pub(super) fn brief(value: &Value) -> String {
     let mut start = Start(Vec::new());
-    // The writer fails when it has enough; that is no error.
+    // The writer fails when it has enough; that is not an error.
     let _ = serde_json::to_writer(&mut start, value);
     String::from_utf8_lossy(&start.0).into_owned()
 }

@@ -1,7 +1,7 @@
-//! JSON text to a [`Value`] in which no key was given twice.
+//! Parses JSON text into a [`Value`] without repeated keys.
 //!
-//! `serde_json` alone keeps the last of equal keys, so that a pasted line changes a scene without
-//! a word.
+//! `serde_json` alone keeps the last of equal keys, so that a pasted line would change a scene
+//! silently.
 
 use std::fmt;
 use std::path::Path;
@@ -11,9 +11,9 @@ use serde_json::{Map, Number, Value};
 
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
-/// The value that the `text` of a file is. An object with equal keys is refused.
+/// The value in the `text` of a file. An object with equal keys is refused.
 pub(crate) fn parse(text: &str, file: &Path) -> Result<Value> {
-    // Some editors begin a file with a byte order mark, which JSON does not have.
+    // Some editors write a byte order mark first, which JSON does not allow.
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     if text.trim_ascii().is_empty() {
         return Err(Error::new(ErrorKind::Syntax, "the file is empty").in_file(file).remedy(
@@ -27,7 +27,7 @@ pub(crate) fn parse(text: &str, file: &Path) -> Result<Value> {
     })
 }
 
-/// What is wrong in words, and what to do.
+/// The error in words, and the remedy.
 fn explained(text: &str, error: &serde_json::Error) -> (String, &'static str) {
     let line = text.lines().nth(error.line().saturating_sub(1)).unwrap_or_default();
     let rest = line.get(error.column().saturating_sub(1)..).unwrap_or_default();

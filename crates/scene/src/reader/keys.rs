@@ -1,6 +1,6 @@
-//! The keys of an object of the scene format: what each takes, and what it means.
+//! The keys of the scene format's objects: their values and meanings.
 //!
-//! There is one table for each kind of object. The parser reads by it, and the JSON schema is made of it.
+//! There is one table for each kind of object, shared by the parser and the JSON schema.
 
 use super::cursor::Range;
 use wavecrest_base::choice::Choice;
@@ -10,13 +10,13 @@ use wavecrest_base::choice::Choice;
 pub(crate) struct Kind {
     /// Its name in messages: "a sphere".
     pub(crate) name: &'static str,
-    /// What it is, for editors.
+    /// Its description, for editors.
     pub(crate) about: &'static str,
     /// Its keys, which it may share with other kinds.
     pub(crate) keys: &'static [&'static [Key]],
     /// More keys.
     pub(crate) more: &'static [&'static [Key]],
-    /// Keys that mean the same, of which one must be there.
+    /// Synonymous keys, of which one is required.
     pub(crate) one_of: &'static [&'static [&'static str]],
 }
 
@@ -41,13 +41,13 @@ impl Kind {
 pub(crate) struct Key {
     pub(crate) name: &'static str,
     pub(crate) takes: Takes,
-    /// What holds where it is absent.
+    /// The default.
     pub(crate) absent: Absent,
-    /// What it means, for editors.
+    /// Its description, for editors.
     pub(crate) about: &'static str,
 }
 
-/// What a key takes.
+/// The values of a key.
 #[derive(Clone, Copy)]
 pub(crate) enum Takes {
     Anything,
@@ -65,22 +65,22 @@ pub(crate) enum Takes {
     PointOr(&'static [i32]),
     /// One of a few words.
     Choice(fn() -> Vec<&'static str>),
-    /// What a definition of the schema says.
+    /// The values of a definition of the schema.
     Definition(&'static str),
-    /// An object of a kind that has no definition.
+    /// An object of a kind without a definition.
     Nested(&'static Kind),
-    /// A list of at least so many.
+    /// A list of at least this many.
     AtLeast(usize, &'static Takes),
-    /// A list of exactly so many.
+    /// A list of exactly this many.
     Exactly(usize, &'static Takes),
 }
 
-/// What holds where a key is absent.
+/// The default of a key.
 #[derive(Clone, Copy, PartialEq)]
 pub(crate) enum Absent {
-    /// That depends on other keys, or nothing does.
+    /// It depends on other keys, or there is none.
     Open,
-    /// The key must be there.
+    /// The key is required.
     Required,
     /// It is false.
     Off,
@@ -101,7 +101,7 @@ fn words<T: Choice>() -> Vec<&'static str> {
     T::VALUES.iter().map(|value| value.name()).collect()
 }
 
-/// A table of keys: above each what it means, then its name, what it takes, and what holds where it is absent.
+/// A table of keys: above each its description, then its name, its values, and its default.
 macro_rules! keys {
     ($( $(#[doc = $about:literal])+ $name:literal: $takes:expr $(, $absent:expr)?; )*) => {{
         #[allow(unused_imports, reason = "tables use what they need")]

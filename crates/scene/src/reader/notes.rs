@@ -1,4 +1,4 @@
-//! What is said of a file while it is read.
+//! Errors, warnings and files recorded while reading a file.
 
 use std::cell::{Cell, RefCell};
 use std::collections::HashSet;
@@ -6,39 +6,39 @@ use std::path::{Path, PathBuf};
 
 use wavecrest_base::error::{Error, ErrorKind, Result, Warning, Warnings, hash};
 
-/// Greatest number of errors of a file that are listed.
+/// Largest number of listed errors of a file.
 const MOST_ERRORS: usize = 10;
 
-/// What the cursors of one file share: its name, how strict we are, the errors and warnings so far.
+/// The state shared by the cursors of one file: its name, strictness, errors and warnings.
 pub(crate) struct Notes<'a> {
     file: &'a Path,
     strict: bool,
-    /// Whether files outside the folder of the file that names them are read.
+    /// Whether files outside the folder of the referring file are read.
     outside: bool,
     /// The first errors.
     errors: RefCell<Vec<Error>>,
     /// The number of all errors.
     faults: Cell<usize>,
     warnings: RefCell<Warnings>,
-    /// Files that were read besides.
+    /// Other files read.
     files: RefCell<Vec<PathBuf>>,
     /// Hashes of the texts of all errors.
     given: RefCell<HashSet<u64>>,
 }
 
 impl<'a> Notes<'a> {
-    /// No warnings yet. If `strict`, an unknown key is an error.
+    /// Empty notes. If `strict`, unknown keys are errors.
     pub(crate) fn new(file: &'a Path, strict: bool) -> Self {
         let (errors, faults, warnings, files, given) = Default::default();
         Self { file, strict, outside: false, errors, faults, warnings, files, given }
     }
 
-    /// Has files be read that are outside the folder of the file that names them.
+    /// Allows files outside the folder of the referring file.
     pub(crate) fn reading_outside(self, outside: bool) -> Self {
         Self { outside, ..self }
     }
 
-    /// Whether files outside the folder of the file that names them are read.
+    /// Whether files outside the folder of the referring file are read.
     pub(crate) fn reads_outside(&self) -> bool {
         self.outside
     }
@@ -54,27 +54,27 @@ impl<'a> Notes<'a> {
         if place.is_empty() { error } else { error.at(place) }
     }
 
-    /// Keeps a warning that reads as `error` does.
+    /// Adds a warning with the text of `error`.
     pub(crate) fn warn(&self, error: &Error) {
         self.warnings.borrow_mut().add_error(error);
     }
 
-    /// Warns of what was found at `place`.
+    /// Adds a warning about the value at `place`.
     pub(crate) fn note(&self, place: &str, message: &str, remedy: &str) {
         self.warn(&self.error(ErrorKind::Scene, place, message.to_owned()).remedy(remedy));
     }
 
-    /// Keeps warnings made elsewhere.
+    /// Adds warnings made elsewhere.
     pub(crate) fn pass_on(&self, warnings: Vec<Warning>) {
         self.warnings.borrow_mut().extend(warnings);
     }
 
-    /// A warning; an error where we are strict.
+    /// Adds a warning, or an error if strict.
     pub(crate) fn warn_or_fail(&self, error: Error) {
         if self.strict { self.fail(error) } else { self.warn(&error) }
     }
 
-    /// Notes an error, so that reading can go on to the next. One that is found twice counts once.
+    /// Records an error, so that reading can continue. Repeated errors count once.
     pub(crate) fn fail(&self, error: Error) {
         if !self.given.borrow_mut().insert(hash(&error.to_string())) {
             return;
@@ -86,8 +86,8 @@ impl<'a> Notes<'a> {
         }
     }
 
-    /// Reads a part of the file, and notes its error. An error after others of the same part is not noted: it may
-    /// follow from them.
+    /// Reads a part of the file, and records its error. Further errors of a part are dropped: they
+    /// may follow from the first.
     pub(crate) fn part<T>(&self, read: impl FnOnce() -> Result<T>) -> Result<T> {
         let before = self.faults.get();
         read().inspect_err(|error| {
@@ -97,7 +97,7 @@ impl<'a> Notes<'a> {
         })
     }
 
-    /// Reads the whole of the file: if it has errors, the result is all of them.
+    /// Reads the whole file: if there are errors, the result is all of them.
     pub(crate) fn whole<T>(&self, read: impl FnOnce() -> Result<T>) -> Result<T> {
         let result = self.part(read);
         let mut errors = self.errors.take().into_iter();
@@ -115,12 +115,12 @@ impl<'a> Notes<'a> {
         self.strict
     }
 
-    /// A path of the scene file, joined to the folder that it is in.
+    /// A path in the scene file, joined to its folder.
     pub(crate) fn resolve(&self, path: &str) -> PathBuf {
         self.file.parent().unwrap_or(Path::new("")).join(path)
     }
 
-    /// Keeps the name of a file that is read, the first time.
+    /// Records a file that is read, once.
     pub(crate) fn reads(&self, path: &Path) {
         let mut files = self.files.borrow_mut();
         if !files.iter().any(|known| known == path) {
@@ -128,7 +128,7 @@ impl<'a> Notes<'a> {
         }
     }
 
-    /// All warnings and files, in the order in which they were found.
+    /// All warnings and files, in the order of their discovery.
     pub(crate) fn into_parts(self) -> (Vec<Warning>, Vec<PathBuf>) {
         (self.warnings.into_inner().into_vec(), self.files.into_inner())
     }

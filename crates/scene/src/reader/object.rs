@@ -1,4 +1,4 @@
-//! A JSON object whose allowed keys are known.
+//! JSON objects with known keys.
 
 use glam::DVec3;
 use serde_json::{Map, Value};
@@ -11,7 +11,8 @@ use wavecrest_base::error::{Error, ErrorKind, Result, did_you_mean};
 
 /// A JSON object, and the keys that its kind allows.
 ///
-/// The keys are declared before any is read, so that a missing key can be matched with a misspelt one.
+/// The keys are declared before any is read, so that a missing key can be matched with a misspelt
+/// one.
 pub(crate) struct Object<'a> {
     cursor: Cursor<'a>,
     map: &'a Map<String, Value>,
@@ -19,14 +20,14 @@ pub(crate) struct Object<'a> {
 }
 
 impl<'a> Cursor<'a> {
-    /// An object that has no keys but those of its `kind`.
+    /// The value as an object with the keys of its `kind`.
     pub(crate) fn object(&self, kind: Kind) -> Result<Object<'a>> {
         let object = self.any_object(kind)?;
         object.check_keys();
         Ok(object)
     }
 
-    /// Which of a few kinds of object this is, by its key `type`; `what` describes them.
+    /// The kind of this object, from its key `type`; `what` describes the kinds.
     pub(crate) fn kind<T: Choice>(&self, what: &'static str) -> Result<T> {
         const TYPE: &[Key] = keys! {
             /// Which kind it is.
@@ -50,7 +51,7 @@ impl<'a> Object<'a> {
         &self.cursor
     }
 
-    /// What the table says of a key.
+    /// The table's entry for a key.
     fn key(&self, name: &str) -> Option<&'static Key> {
         self.kind.all_keys().find(|key| key.name == name)
     }
@@ -62,12 +63,12 @@ impl<'a> Object<'a> {
         Some(Cursor::new(value, Place::Key(self.cursor.place(), key), self.cursor.notes()))
     }
 
-    /// The value of a required `key`; `what` says what it takes.
+    /// The value of a required `key`; `what` describes it.
     pub(crate) fn need(&self, key: &'static str, what: &str) -> Result<Cursor<'_>> {
         self.need_one_of(&[key], what)
     }
 
-    /// The value of the one of `names`, which mean the same, that is there.
+    /// The value of the one of the synonymous `names` that is set.
     pub(crate) fn one_of(&self, names: &[&'static str]) -> Result<Option<Cursor<'_>>> {
         let mut found = names.iter().filter_map(|name| Some((name, self.get(name)?)));
         let first = found.next();
@@ -78,7 +79,7 @@ impl<'a> Object<'a> {
         Ok(first.map(|(_, cursor)| cursor))
     }
 
-    /// As [`Object::one_of`], where one must be there.
+    /// As [`Object::one_of`], required.
     pub(crate) fn need_one_of(&self, names: &[&'static str], what: &str) -> Result<Cursor<'_>> {
         self.one_of(names)?.ok_or_else(|| self.missing(names, what))
     }
@@ -96,7 +97,7 @@ impl<'a> Object<'a> {
         self.map.keys().map(String::as_str).filter(|key| self.key(key).is_none())
     }
 
-    /// Warns of the keys that this kind of object does not have; where we are strict, they are errors.
+    /// Warns of unknown keys; if strict, they are errors.
     fn check_keys(&self) {
         let notes = self.cursor.notes();
         for key in self.unknown_keys() {
@@ -116,12 +117,12 @@ impl<'a> Object<'a> {
         }
     }
 
-    /// What the table says of the absence of a key.
+    /// The default of a key.
     fn absent(&self, key: &str) -> Absent {
         self.key(key).map_or(Absent::Required, |key| key.absent)
     }
 
-    /// The numbers that a key takes.
+    /// The range of a key's numbers.
     pub(crate) fn range(&self, key: &str) -> Range {
         match self.key(key).map(|key| key.takes) {
             Some(Takes::Number(range)) => range,
@@ -132,8 +133,8 @@ impl<'a> Object<'a> {
         }
     }
 
-    /// What `read` makes of the value of a key, or the `default` where it is absent. An error, or the absence of a key
-    /// without default, is noted, and reading goes on with `any` value.
+    /// The value of a key converted by `read`, or the `default`. An error, or a missing required
+    /// key, is recorded, and reading continues with the value `any`.
     fn value<T>(
         &self,
         key: &'static str,
@@ -153,7 +154,7 @@ impl<'a> Object<'a> {
         }
     }
 
-    /// A part that is read by a function of its own; `what` says what it takes.
+    /// A part with its own reading function; `what` describes it.
     pub(crate) fn part<T>(
         &self,
         key: &'static str,
@@ -173,7 +174,7 @@ impl<'a> Object<'a> {
         self.value(key, &range.words(), default, 1.0, |cursor| cursor.number(range))
     }
 
-    /// A number; `default` where the key is absent.
+    /// A number, or `default`.
     pub(crate) fn number_or(&self, key: &'static str, default: f64) -> f64 {
         let range = self.range(key);
         self.value(key, "", Some(default), default, |cursor| cursor.number(range))
@@ -189,7 +190,7 @@ impl<'a> Object<'a> {
             }
         };
         let default = match self.absent(key) {
-            // Tables have integers of the range alone.
+            // Tables contain only integers in range.
             Absent::Is(x) => Some(x as u32),
             _ => None,
         };
@@ -202,7 +203,7 @@ impl<'a> Object<'a> {
         self.value(key, POINT, self.three(key), DVec3::ONE, |cursor| cursor.point())
     }
 
-    /// A point or a direction; `default` where the key is absent.
+    /// A point or a direction, or `default`.
     pub(crate) fn point_or(&self, key: &'static str, default: DVec3) -> DVec3 {
         self.value(key, "", Some(default), default, |cursor| cursor.point())
     }
@@ -212,7 +213,7 @@ impl<'a> Object<'a> {
         self.value(key, COLOR, self.three(key), DVec3::ONE, |cursor| cursor.color())
     }
 
-    /// What three numbers are where the key is absent.
+    /// The default of three numbers.
     fn three(&self, key: &str) -> Option<DVec3> {
         match self.absent(key) {
             Absent::Are(three) => Some(three.into()),
@@ -231,7 +232,7 @@ impl<'a> Object<'a> {
         self.value(key, &words_of(&options), default.copied(), T::VALUES[0], read)
     }
 
-    /// A word; `default` where the key is absent.
+    /// A word, or `default`.
     pub(crate) fn word_or<T: Choice>(&self, key: &'static str, default: T) -> T {
         self.value(key, "", Some(default), default, |cursor| cursor.choice(&options()))
     }

@@ -1,4 +1,4 @@
-//! Where a JSON value stands, as a chain of steps from the top.
+//! The place of a JSON value, as a chain of steps from the top.
 
 use std::fmt;
 
@@ -14,7 +14,7 @@ pub(crate) enum Place<'a> {
 }
 
 impl fmt::Display for Place<'_> {
-    // As deep as the JSON, which serde_json keeps below 128.
+    // As deep as the JSON, which serde_json limits to 128.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Top => Ok(()),

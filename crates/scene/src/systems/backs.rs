@@ -1,5 +1,5 @@
-//! Surfaces that the camera sees from behind only: lights do not reach them there, so that they look as if
-//! something were wrong.
+//! Surfaces that the camera sees from behind only: lights do not reach them there, which looks like
+//! an error.
 
 use super::camera::frames_of;
 use super::reach::{Extent, faces};
@@ -7,10 +7,10 @@ use wavecrest_base::error::{Error, ErrorKind};
 use wavecrest_core::math::random::Stream;
 use wavecrest_core::prepared::PreparedScene;
 
-/// Camera rays that look for them, along each side of the image at most.
+/// Largest number of test rays along each side of the image.
 const RAYS: u32 = 64;
 
-/// What is to be said of them.
+/// The warning about them.
 pub(super) fn warning(scene: &PreparedScene) -> Option<Error> {
     let appearance = &scene.appearance;
     let found = seen(scene, &from_behind(scene));
@@ -27,8 +27,8 @@ pub(super) fn warning(scene: &PreparedScene) -> Option<Error> {
     Some(Error::new(ErrorKind::Scene, message).at(&appearance.places[first]).remedy(remedy))
 }
 
-/// For each shape, whether a camera that sees it is behind all of it in every frame, and whether it would look
-/// otherwise from the front.
+/// For each shape, whether the cameras that see it are behind all of it in every frame, and whether
+/// it would look different from the front.
 fn from_behind(scene: &PreparedScene) -> Vec<bool> {
     let cameras = frames_of(&scene.camera, scene.path.as_ref());
     let pupils: Vec<Extent> = cameras.iter().map(Extent::of_pupil).collect();
@@ -44,7 +44,7 @@ fn from_behind(scene: &PreparedScene) -> Vec<bool> {
         .collect()
 }
 
-/// Those of the shapes that some camera rays meet first.
+/// Those of the shapes that some camera rays hit first.
 fn seen(scene: &PreparedScene, those: &[bool]) -> Vec<usize> {
     if !those.contains(&true) {
         return Vec::new();
@@ -64,7 +64,7 @@ fn seen(scene: &PreparedScene, those: &[bool]) -> Vec<usize> {
     (0..those.len()).filter(|&shape| those[shape] && met[shape]).collect()
 }
 
-/// Pixels evenly along a side.
+/// Evenly spaced pixels along a side.
 fn places(side: u32) -> impl Iterator<Item = u32> {
     let count = side.min(RAYS);
     (0..count)

@@ -1,4 +1,4 @@
-//! How far a scene reaches.
+//! Bounds of a scene.
 
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
@@ -6,14 +6,14 @@ use rayon::prelude::*;
 use wavecrest_core::accel::geometry::Geometry;
 use wavecrest_core::kernels::slab::Aabb;
 
-/// The smallest box around points; [`Aabb::EMPTY`] without any.
+/// The smallest box around points; [`Aabb::EMPTY`] without points.
 pub(super) fn around(points: &[Vec3]) -> Aabb {
     let point = |&p: &Vec3| Aabb { low: p, high: p };
     points.par_iter().map(point).reduce(|| Aabb::EMPTY, Aabb::union)
 }
 
-/// The lowest and the highest coordinates of all primitives, in the space that they are in; of an instance, those of
-/// the box around it. None without primitives.
+/// The lowest and the highest coordinates of all primitives, in their space; for an instance, those
+/// of the box around it. `None` without primitives.
 pub fn of(geometry: &Geometry) -> Option<[DVec3; 2]> {
     let wide = |bounds: Aabb| [bounds.low.as_dvec3(), bounds.high.as_dvec3()];
     let own = (!geometry.positions.is_empty()).then(|| wide(around(&geometry.positions)));

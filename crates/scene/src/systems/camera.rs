@@ -14,22 +14,22 @@ use wavecrest_core::plan::schedule::{Schedule, Step};
 /// A pinhole as a lens.
 const PINHOLE: Lens = Lens { radius: 0.0, focal: 1.0, sampling: Sampling::Random, grid: [1, 1] };
 
-/// More frames than these are not looked at one by one.
+/// Largest number of frames that are checked one by one.
 const MOST_FRAMES: u32 = 1 << 12;
 
-/// The camera of the world, moved by `-origin`, and its path if it has one. A lens of aperture 0 is a
-/// pinhole, to the last bit.
+/// The camera of the world, moved by `-origin`, and its path if it has one. A lens of aperture 0 is
+/// a pinhole, to the last bit.
 pub fn run(world: &World, origin: DVec3, schedule: Schedule) -> Result<(Camera, Option<Path>)> {
     of_world(world, origin, schedule.runs(Step::Lens), schedule.runs(Step::Jitter))
 }
 
-/// The camera of the world in every place that it may render from; none if there are too many.
+/// The camera of the world in every place that it may render from; empty if there are too many.
 pub fn places(world: &World, origin: DVec3) -> Result<Vec<Camera>> {
     let (camera, path) = of_world(world, origin, true, false)?;
     Ok(frames_of(&camera, path.as_ref()))
 }
 
-/// The camera in every frame of its path, and where it is without; none if there are too many.
+/// The camera in every frame of its path, and at its own place; empty if there are too many.
 pub(super) fn frames_of(camera: &Camera, path: Option<&Path>) -> Vec<Camera> {
     let Some(path) = path else { return vec![*camera] };
     let (first, last) = path.frames().into_inner();
@@ -75,7 +75,7 @@ fn of_world(
     Ok((Camera::new(&still, antialias, view.sampling, lens), path))
 }
 
-/// The radius of a lens, as rays are made with it.
+/// The radius of a lens in single precision, as for rays.
 pub(super) fn radius(lens: &ThinLens) -> f32 {
     (lens.aperture / 2.0) as f32
 }

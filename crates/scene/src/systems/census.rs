@@ -1,8 +1,8 @@
-//! The census: which effects the scene calls for, and why each other one is left out.
+//! The census: which effects the scene needs, and why others are skipped.
 //!
-//! An effect is called for where something that is in view ([`super::view`]) shows it. What nothing leads to is
-//! left out, and so is what adds nothing: a mirror in a scene without light, the texture of a surface that
-//! shows no colour, a light behind all that it could fall on ([`reach`]).
+//! An effect is needed if something in view ([`super::view`]) shows it. Effects that cannot be
+//! reached are skipped, and so are those that add nothing: a mirror in a scene without light, the
+//! texture of a surface that shows no colour, a light behind every surface ([`reach`]).
 
 use glam::Vec3;
 use hecs::World;
@@ -20,37 +20,37 @@ use wavecrest_core::kernels::light::Emitter;
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::plan::{Decision, Effect};
 
-/// What the census is taken of: the world, and what the systems before have made of it.
+/// The inputs of the census: the world, and the output of earlier systems.
 #[derive(Clone, Copy)]
 pub struct Census<'a> {
     /// The entities.
     pub world: &'a World,
-    /// What holds for the whole scene.
+    /// Settings of the whole scene.
     pub settings: &'a Settings,
     /// Primitives and shapes.
     pub extracted: &'a geometry::Output,
-    /// What each shape is made of.
+    /// The material of each shape.
     pub materials: &'a [Material],
     /// All lights.
     pub lights: &'a [Found],
     /// Whether lights have an ambient part.
     pub has_ambient: bool,
-    /// Ambient light by the normal.
+    /// The hemispheric light.
     pub hemisphere: Option<&'a Hemisphere>,
     /// For each shape, whether it is in view.
     pub in_view: &'a [bool],
 }
 
-/// What it finds.
+/// The results of the census.
 #[derive(Clone, Debug, Default)]
 pub struct Findings {
     /// One for each effect.
     pub decisions: Vec<Decision>,
-    /// For each light, whether it can add anything besides its ambient part to what is in view.
+    /// For each light, whether it can add anything besides its ambient part to a surface in view.
     pub shown: Vec<bool>,
-    /// For each light, whether it can to anything.
+    /// For each light, whether it can add anything to any surface.
     pub reached: Vec<bool>,
-    /// For each shape, what of its material can be seen.
+    /// For each shape, which properties of its material are visible.
     pub shows: Vec<Shows>,
 }
 
@@ -64,17 +64,18 @@ pub fn run(census: Census<'_>) -> Findings {
     Findings { decisions, shown, reached, shows }
 }
 
-/// What the decisions rest on.
+/// The facts behind the decisions.
 struct Facts<'a> {
     census: Census<'a>,
-    /// For each shape, whether it is a surface that rays can meet, and whether such rays are cast.
+    /// For each shape, whether it is a surface that rays can meet, and whether such rays are
+    /// traced.
     solid: Vec<bool>,
     visible: Vec<bool>,
     shown: Vec<bool>,
     reached: Vec<bool>,
-    /// For each shape, whether its diffuse colour shows where the shape is seen.
+    /// For each shape, whether its diffuse colour is visible where the shape is.
     shows_color: Vec<bool>,
-    /// For each shape, what of its material shows where the shape is seen.
+    /// For each shape, which properties of its material are visible where the shape is.
     shows: Vec<Shows>,
     /// Whether there is ambient light, and whether any surface in view shows it.
     has_ambient: bool,
@@ -111,7 +112,7 @@ impl<'a> Facts<'a> {
             let reached = if visible[i] { &shown } else { &reached };
             reached.contains(&true)
         };
-        // Diffuse colour shows by ambient light, whatever kd is, and where light is reflected by it.
+        // Diffuse colour is visible in ambient light, for any kd, and where it reflects light.
         let shows_color = |i: usize| has_ambient || is_reached(i) && census.materials[i].kd > 0.0;
         let shows_color: Vec<bool> = (0..shapes.len()).map(shows_color).collect();
         let shows_of = |i: usize| match solid[i] {
@@ -190,7 +191,7 @@ impl<'a> Facts<'a> {
         Decision { effect, present, reason }
     }
 
-    /// Surfaces in view that are as `is` says, or why there are none.
+    /// The number of surfaces in view with the property `is`, or the reason for none.
     fn surfaces(&self, is: impl Fn(usize) -> bool, thing: &str, none: &str) -> (bool, String) {
         let number = |those: &[bool]| (0..those.len()).filter(|&i| those[i] && is(i)).count();
         let (seen, all) = (number(&self.visible), number(&self.solid));
@@ -250,7 +251,7 @@ impl<'a> Facts<'a> {
         let is_anywhere = (0..self.solid.len()).any(|i| self.solid[i] && is(i));
         match found || !self.is_lit() || !is_anywhere {
             true => (found, reason),
-            // Shadow rays come by.
+            // Shadow rays may meet it.
             false => (true, format!("{reason}, but in reach of light")),
         }
     }
@@ -342,10 +343,10 @@ impl<'a> Facts<'a> {
     }
 }
 
-/// Whether rays can meet a surface there: not the shape of a light, and not without area.
+/// Whether rays can meet a surface of the shape: not of a light's, and not without area.
 fn is_solid(ShapeOutput { shape, .. }: &ShapeOutput, census: Census<'_>) -> bool {
     let geometry = &census.extracted.geometry;
-    // Fast arithmetic does not know for certain what has no area.
+    // Fast precision cannot tell for certain what has no area.
     let may_be_hit =
         |number| geometry.precision == Precision::Fast || !geometry.is_degenerate(number);
     shape.emission.is_none() && shape.primitives.clone().any(may_be_hit)

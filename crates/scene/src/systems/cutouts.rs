@@ -1,5 +1,5 @@
-//! Cut-outs: ties shapes to the images whose alpha says where there is something, each decoded once, by the first
-//! ray that meets it.
+//! Cut-outs: connects shapes with the images whose alpha gives their holes, each decoded once, by
+//! the first ray that meets it.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -18,8 +18,8 @@ use wavecrest_core::accel::geometry::{Geometry, Primitive};
 use wavecrest_core::kernels::texture::{Image, LazyImage, Texels, UvMap};
 use wavecrest_core::plan::{Effect, Plan};
 
-/// Notes in the geometry which primitives are cut out, where the plan has cut-outs, and returns their images. `file`
-/// is the scene's, for messages.
+/// Adds the cut-outs to the geometry, if the plan has any, and returns their images. `file` is the
+/// scene's, for messages.
 pub fn run(
     world: &World,
     file: &Path,
@@ -39,7 +39,7 @@ pub fn run(
         let cutout = cutout(shape, &found, image, extracted);
         match prototype(&extracted.geometry, shape) {
             None => own.push(cutout),
-            // All instances of a prototype are cut out alike.
+            // All instances of a prototype have the same cut-out.
             Some((number, triangles)) => {
                 of_prototypes[number] = Some(Cutout { primitives: 0..triangles, ..cutout });
             }
@@ -73,7 +73,7 @@ fn cutout(shape: &ShapeOutput, found: &CutOut, image: Arc<LazyImage>, from: &Out
     }
 }
 
-/// Which prototype an instance shows, and how many triangles that has.
+/// The prototype of an instance, and its number of triangles.
 fn prototype(geometry: &Geometry, shape: &ShapeOutput) -> Option<(usize, u32)> {
     let Primitive::Instanced(instanced) = geometry.primitive(shape.shape.primitives.start) else {
         return None;
@@ -82,18 +82,18 @@ fn prototype(geometry: &Geometry, shape: &ShapeOutput) -> Option<(usize, u32)> {
     Some((instance.prototype(), prototype.triangles.len() as u32))
 }
 
-/// What distinguishes images: where they are, and whether brightness stands for alpha.
+/// The key of an image: its source, and whether brightness stands for alpha.
 type Key = (TextureSource, bool);
 
-/// The images that were asked for.
+/// The images looked up so far.
 struct Images<'a> {
     file: &'a Path,
-    /// `None` for one that has no alpha.
+    /// `None` for images without alpha.
     known: Vec<(Key, Option<Arc<LazyImage>>)>,
 }
 
 impl Images<'_> {
-    /// That of a cut-out, once the head of its file is found to be right; none where it has no alpha.
+    /// The image of a cut-out, after checking the header of its file; `None` if it has no alpha.
     fn of(&mut self, found: &CutOut, place: &str) -> Result<Option<Arc<LazyImage>>> {
         let key = (found.source.clone(), found.is_mask);
         if let Some((_, image)) = self.known.iter().find(|(known, _)| *known == key) {
@@ -117,7 +117,7 @@ impl Images<'_> {
     }
 }
 
-/// The alpha of an image in each channel; of one without any its brightness.
+/// The alpha of an image in each channel, or its brightness if it has none.
 fn decode(source: &TextureSource, file: PathBuf, place: String) -> Result<Image> {
     let decoded = decoding(source, |decoder| DynamicImage::from_decoder(decoder));
     let decoded = decoded.map_err(|error| error.in_file(file).at(place))?;

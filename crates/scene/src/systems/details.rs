@@ -1,4 +1,4 @@
-//! Details: what shapes show besides their colour, for those that show anything.
+//! Details: properties of shapes besides their colour.
 
 use std::collections::HashMap;
 
@@ -12,8 +12,8 @@ use crate::components::{Maps, Material, MetalMap, StrengthMap};
 use wavecrest_core::plan::schedule::{Schedule, Step};
 use wavecrest_core::prepared::{Detail, Metal, NormalMap, Occlusion, UvMap};
 
-/// Notes in each shape which detail it shows: shapes that show the same share it. What no shape shows is left out,
-/// unless the schedule requires it.
+/// Assigns details to shapes; shapes with equal ones share a detail. Invisible properties are left
+/// out, unless the schedule requires them.
 pub fn run(
     world: &World,
     schedule: Schedule,
@@ -41,7 +41,7 @@ pub fn run(
     details
 }
 
-/// As much of a shape's detail as it shows.
+/// The visible part of a shape's detail.
 fn detail(world: &World, entity: Entity, shows: Shows, images: &mut Images, map: UvMap) -> Detail {
     let material = world.get::<&Material>(entity).ok().map(|material| *material);
     let maps = world.get::<&Maps>(entity).map_or_else(|_| Maps::default(), |maps| (*maps).clone());
@@ -76,7 +76,7 @@ fn detail(world: &World, entity: Entity, shows: Shows, images: &mut Images, map:
 }
 
 impl Shows {
-    /// What is looked up whatever the shapes show.
+    /// The look-ups required for any shape.
     fn required(schedule: Schedule) -> Self {
         let maps = schedule.is_needless(Step::Maps);
         Self {
@@ -89,7 +89,7 @@ impl Shows {
         }
     }
 
-    /// As much of it as is looked up.
+    /// The part of it that is looked up.
     fn within(self, schedule: Schedule) -> Self {
         let maps = schedule.runs(Step::Maps);
         Self {
@@ -118,7 +118,7 @@ impl Shows {
     }
 }
 
-/// The light of the material itself, as bright as it is anywhere.
+/// The brightest emission of the material.
 pub(super) fn emission(world: &World, entity: Entity) -> Vec3 {
     let material = world.get::<&Material>(entity);
     material.map_or(Vec3::ZERO, |material| material.emission.as_vec3())

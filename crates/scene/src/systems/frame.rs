@@ -1,9 +1,10 @@
-//! The frame: where the origin lies of the coordinates that a render computes in.
+//! The frame: the origin of the coordinates of a render.
 //!
-//! Single precision has 24 bits for a coordinate. Far from the origin few of them are left for what the
-//! camera looks at, so that such scenes are moved to it (camera-relative coordinates: Pharr, Jakob and
-//! Humphreys, *Physically Based Rendering*, 4th edition, section 5.1.1). They are moved by a multiple
-//! of a power of two: where a vertex of single precision comes nearer by that, nothing is rounded.
+//! Single precision has 24 bits for a coordinate. Far from the origin few of them are left for the
+//! visible part, so such scenes are moved to the camera (camera-relative coordinates: Pharr, Jakob
+//! and Humphreys, *Physically Based Rendering*, 4th edition, section 5.1.1). The offset is a
+//! multiple of a power of two: a single-precision vertex that moves closer to the origin is not
+//! rounded.
 
 use glam::DVec3;
 use hecs::World;
@@ -12,12 +13,12 @@ use crate::query::view;
 use wavecrest_base::error::Result;
 use wavecrest_core::kernels::precision::Precision;
 
-/// A camera this many times as far from the origin as from what it looks at has lost ten bits.
+/// A camera this many times as far from the origin as from its look-at point has lost ten bits.
 const FAR_CAMERA: f64 = 1024.0;
 
-/// What is to be subtracted from all positions, in scene units: zero in most scenes.
+/// The offset to subtract from all positions, in scene units: zero in most scenes.
 pub fn run(world: &World, precision: Precision) -> Result<DVec3> {
-    // Fast arithmetic takes coordinates as they are.
+    // Fast precision uses coordinates unchanged.
     if precision == Precision::Fast {
         return Ok(DVec3::ZERO);
     }

@@ -1,9 +1,9 @@
-//! Geometry: shapes become primitives in world space, in one set of arrays.
+//! Geometry: converts shapes to primitives in world space, in one set of arrays.
 //!
-//! Shapes keep the order of the file within their kind, and shapes of lights come after the rest.
-//! Meshes are moved, not copied: the first one's arrays become the scene's, are lengthened once, and
-//! take the others in, each of which is dropped before the next is looked at. A mesh with several
-//! instances stays by itself, as their prototype ([`instances`]).
+//! Shapes keep the order of the file within their kind, and shapes of lights come last. Meshes are
+//! moved, not copied: the first one's arrays become the scene's, are extended once, and receive the
+//! others, each of which is dropped before the next. A mesh with several instances stays separate,
+//! as their prototype ([`instances`]).
 
 mod builder;
 mod common;
@@ -23,8 +23,8 @@ use wavecrest_base::error::Result;
 
 pub use output::{Output, ShapeOutput};
 
-/// Turns every shape into primitives, and moves all by `-origin`. A mesh with several instances is
-/// held once, unless all is to be `flat`.
+/// Converts every shape to primitives, and moves all by `-origin`. A mesh with several instances is
+/// stored once, unless `flat`.
 pub fn run(world: &mut World, origin: DVec3, flat: bool) -> Result<Output> {
     let mut occurrences = Occurrences::of(world, flat);
     let room = Room::of(world, &occurrences);

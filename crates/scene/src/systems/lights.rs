@@ -1,4 +1,4 @@
-//! Lights: emitters with what is needed to sample them, in the order of the file.
+//! Lights: emitters with sampling data, in the order of the file.
 
 use std::collections::HashMap;
 
@@ -25,13 +25,13 @@ use wavecrest_core::prepared::Shape;
 pub struct Found {
     /// Its entity.
     entity: Entity,
-    /// Its place among the lights of the file.
+    /// Its index among the lights of the file.
     order: Order,
-    /// The light, with no dimension of its own yet.
+    /// The light, without its dimension yet.
     pub light: Light,
 }
 
-/// The lights of the world in the order of the file, moved by `-origin` as its shapes are.
+/// The lights of the world in the order of the file, moved by `-origin` like its shapes.
 pub fn run(
     world: &World,
     extracted: &Output,
@@ -45,7 +45,7 @@ pub fn run(
     }
     let mut size = None;
     for (entity, &order, light) in world.query::<(Entity, &Order, &DirectionalLight)>().iter() {
-        // Every position is looked at, where there is such a light.
+        // A pass over every position, only if there is such a light.
         let size = *size.get_or_insert_with(|| diameter(&extracted.geometry));
         found.push(Found { entity, order, light: directional_light(light, size) });
     }
@@ -62,11 +62,12 @@ pub fn run(
     Ok(found)
 }
 
-/// The lights that are to be simulated, each with dimensions of its own: those that have reached a
-/// surface in view where the schedule leaves the others out.
+/// The lights to simulate, each with its own dimensions: those with `reached` in view, if the
+/// schedule skips the others.
 ///
-/// A light that reaches nothing draws its numbers, if it draws any, after all others: it changes none of
-/// theirs by being there. What is in view changes no numbers: a camera that turns leaves the noise as it is.
+/// A light that reaches nothing draws its numbers, if any, after all others, so that its presence
+/// changes none of theirs. Visibility changes no numbers: the noise stays the same when the camera
+/// turns.
 pub fn keep(
     world: &World,
     settings: &Settings,
@@ -109,7 +110,7 @@ fn point_light(light: &PointLight, spot: Option<&Spot>, origin: DVec3) -> Light 
     }
 }
 
-/// A length that no two points of the scene are farther from each other than.
+/// Upper bound on the distance between any two points of the scene.
 fn diameter(geometry: &Geometry) -> f64 {
     bounds::of(geometry).map_or(0.0, |[low, high]| (high - low).length())
 }
@@ -121,13 +122,13 @@ fn directional_light(light: &DirectionalLight, diameter: f64) -> Light {
         power: power(light.intensity, light.color),
         falloff: Falloff::None,
         sampling: light.sampling,
-        // Parallel rays need no more than one.
+        // Parallel rays need only one sample.
         grid: if emitter.is_parallel() { [1, 1] } else { grid(light.sampling, light.samples) },
         dimension: 0,
     }
 }
 
-/// A direction of unit length; what has none points down.
+/// A unit vector; a vector without direction becomes down.
 pub(super) fn unit(v: DVec3) -> DVec3 {
     direction(v).unwrap_or(DVec3::NEG_Y)
 }
@@ -150,7 +151,7 @@ fn power(intensity: f64, color: DVec3) -> Vec3 {
     (color * intensity).as_vec3()
 }
 
-/// The shape of a light, as something to choose points on.
+/// The shape of a light, as an emitter.
 fn emitter(geometry: &Geometry, shape: &Shape) -> Option<Emitter> {
     let range = shape.primitives.clone();
     if let Primitive::Sphere(i) = geometry.primitive(range.start) {
@@ -176,7 +177,7 @@ fn no_area(world: &World, entity: Entity, settings: &Settings) -> Error {
         .remedy("move the corners apart, or use a point light")
 }
 
-/// Each sample has random numbers of its own, and these are numbered in 32 bits.
+/// The error that samples exceed 32-bit numbers: each has its own random numbers.
 fn too_many_samples(world: &World, entity: Entity, settings: &Settings) -> Error {
     Error::new(ErrorKind::Limit, "the lights have too many samples in all")
         .in_file(&settings.file)

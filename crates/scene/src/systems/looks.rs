@@ -1,4 +1,4 @@
-//! Other surfaces than the file's, for those who look closer.
+//! Replaces surfaces for inspection.
 
 use std::sync::Arc;
 
@@ -9,10 +9,10 @@ use crate::components::{
     Encoding, Filter, InstanceOf, Maps, Material, Mesh, TextureRef, TextureSource, Wrap,
 };
 
-/// The share of light that clay gives back.
+/// The reflectance of clay.
 const CLAY: DVec3 = DVec3::splat(0.5);
 
-/// Gives every surface one matt grey, and no texture or other colour.
+/// Gives every surface one matte grey, and no texture or other colour.
 pub fn clay(world: &mut World) {
     for material in world.query_mut::<&mut Material>() {
         (material.diffuse_color, material.emission) = (CLAY, DVec3::ZERO);
@@ -23,13 +23,13 @@ pub fn clay(world: &mut World) {
     let all: Vec<Entity> =
         world.query_mut::<(Entity, &Material)>().into_iter().map(|(entity, _)| entity).collect();
     for entity in all {
-        // Those that there are.
+        // Missing components are fine.
         let _ = world.remove_one::<TextureRef>(entity);
         let _ = world.remove_one::<Maps>(entity);
     }
 }
 
-/// Has every surface that has texture coordinates wear them as colours, and others grey.
+/// Shows the texture coordinates of every surface as colours; surfaces without are grey.
 pub fn show_uvs(world: &mut World) {
     clay(world);
     let texture = TextureRef {
@@ -53,7 +53,7 @@ pub fn show_uvs(world: &mut World) {
     }
 }
 
-/// Texels along each side of the image that shows texture coordinates, and fields of its checker.
+/// Texels along each side of the image of texture coordinates, and fields of its checker.
 const UV_SIDE: u8 = 255;
 const UV_FIELDS: u32 = 16;
 

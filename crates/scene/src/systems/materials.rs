@@ -7,7 +7,7 @@ use super::geometry::ShapeOutput;
 use crate::components;
 use wavecrest_core::kernels::blinn_phong::Material;
 
-/// The material of each of `shapes`, in their order. Shapes of lights have none that matters.
+/// The material of each of `shapes`, in order. Shapes of lights get an unused one.
 pub fn run(world: &World, shapes: &[ShapeOutput]) -> Vec<Material> {
     shapes
         .iter()
@@ -23,7 +23,7 @@ pub fn run(world: &World, shapes: &[ShapeOutput]) -> Vec<Material> {
         .collect()
 }
 
-/// What shapes may be made of in any texel: with each of the weights as great as a map of metal can make it.
+/// Bounds on the materials of shapes in any texel: each weight as large as a metal map can make it.
 pub fn possible(world: &World, shapes: &[ShapeOutput], materials: &[Material]) -> Vec<Material> {
     let may = |(shape, material): (&ShapeOutput, &Material)| {
         let maps = world.get::<&components::Maps>(shape.entity).ok();

@@ -1,4 +1,4 @@
-//! Other values for what a scene file says of a whole scene, for those who compare them.
+//! Overrides of a scene file's global settings, for comparisons.
 
 use hecs::{Entity, World};
 
@@ -7,19 +7,20 @@ use crate::components::{
     View,
 };
 
-/// What takes the place of the file's values; `None` leaves them.
+/// Overrides of the file's values; `None` keeps them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Overrides {
-    /// The greatest number of mirror bounces.
+    /// Largest number of mirror bounces.
     pub bounces: Option<u32>,
-    /// How every texture is filtered.
+    /// The filter of every texture.
     pub filter: Option<Filter>,
-    /// The scene is rendered without this, and without all that stands before it in [`Layer::ALL`].
+    /// The scene is rendered without this layer, and without all before it in [`Layer::ALL`].
     pub without: Option<Layer>,
 }
 
 wavecrest_base::choices! {
-    /// What a scene has besides one ray through the middle of each pixel, in the order in which it is taken away.
+    /// The effects of a scene beyond one ray through the centre of each pixel, in the order of
+    /// their removal.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
     pub enum Layer {
         /// Mirror rays.
@@ -37,7 +38,7 @@ wavecrest_base::choices! {
     }
 }
 
-/// Puts `overrides` into the world, before the systems run.
+/// Applies `overrides` to the world, before the systems run.
 pub fn apply(world: &mut World, overrides: &Overrides) {
     if let Some(bounces) = overrides.bounces {
         world.query_mut::<&mut Settings>().into_iter().for_each(|s| s.bounces = bounces);
@@ -52,7 +53,7 @@ pub fn apply(world: &mut World, overrides: &Overrides) {
 }
 
 impl Layer {
-    /// Takes it from the world.
+    /// Removes the layer from the world.
     fn leave(self, world: &mut World) {
         match self {
             Self::Mirrors => {
@@ -72,7 +73,7 @@ impl Layer {
             }
             Self::Lens => {
                 for camera in remove::<ThinLens>(world) {
-                    // It is there: it had a lens.
+                    // The entity exists: it had a lens.
                     let _ = world.insert_one(camera, Pinhole);
                 }
             }
@@ -83,7 +84,7 @@ impl Layer {
     }
 }
 
-/// Takes every `T` from its entity, and says which had one.
+/// Removes every `T`, and returns the entities that had one.
 fn remove<T: hecs::Component>(world: &mut World) -> Vec<Entity> {
     let those = world.query_mut::<(Entity, &T)>().into_iter().map(|(entity, _)| entity);
     let those: Vec<Entity> = those.collect();

@@ -1,9 +1,9 @@
 //! Whether a light can add anything to a surface, besides its ambient part.
 //!
-//! A light is left out only where every hit on every surface is certain to turn it down: because the
-//! material reflects none of its colour, or because it is behind, on a surface whose back lights do not
-//! reach. Its whole extent is looked at, as the box around it; and so is the rounding of what the shading
-//! step computes. Whatever is in doubt is reached.
+//! A light is skipped only if every hit on every surface certainly rejects it: because the material
+//! reflects none of its colour, or because it is behind a surface that is lit from the front only.
+//! The light's whole extent counts, as its box, and so do the rounding errors of the shading step.
+//! In doubt a light reaches.
 
 use glam::{DVec3, Vec3};
 
@@ -17,26 +17,26 @@ use wavecrest_core::kernels::{quad, triangle};
 use wavecrest_core::math::float::UNIT_ROUNDOFF;
 use wavecrest_core::prepared::Shape;
 
-/// How far behind a plane a light must be for all hits to find it there, in parts of its distance and of
-/// the largest coordinate.
+/// How far behind a plane a light must be for all hits to find it there, relative to its distance
+/// and the largest coordinate.
 ///
 /// A hit and a point of a light are off by less than 4 roundings of the largest coordinate in each
-/// direction (`math::float::rounding_error`); the normal, the direction to the light and their product add
-/// fewer than 8 roundings of the distance. This is sixteen times as much.
+/// direction (`math::float::rounding_error`); the normal, the direction to the light and their
+/// product add fewer than 8 roundings of the distance. This is sixteen times their sum.
 const BEHIND: f64 = 256.0 * UNIT_ROUNDOFF as f64;
 
-/// Primitives that are looked at for all lights together. Beyond them, lights are taken to reach: nearly all
-/// do, and show it at one of the first.
+/// Largest number of primitives tested for all lights together. Beyond them, lights count as
+/// reaching: nearly all do, and show it at one of the first.
 const MOST_TESTS: u64 = 1 << 22;
 
-/// A surface that is not a light's.
+/// A surface that does not belong to a light.
 #[derive(Clone, Copy, Debug)]
 pub struct Surface<'a> {
     /// The shape.
     pub shape: &'a Shape,
     /// What it is made of.
     pub material: &'a Material,
-    /// Whether it may wear a texture, which may be of any colour.
+    /// Whether it may have a texture, of any colour.
     pub textured: bool,
 }
 
@@ -51,11 +51,11 @@ pub fn run(lights: &[&Light], surfaces: &[Surface<'_>], geometry: &Geometry) -> 
     lights.iter().map(reaches).collect()
 }
 
-/// Whether any of the light's colour comes back: as in the shading step, a product that is zero adds
+/// Whether any of the light's colour is reflected: as in the shading step, a product of zero adds
 /// nothing.
 fn reflects(surface: &Surface<'_>, light: &Light) -> bool {
     let &Material { ks, kd, color, .. } = surface.material;
-    // What is infinite adds something, if only a NaN.
+    // Infinite power adds something, if only a NaN.
     let shines = light.power.cmpgt(Vec3::ZERO);
     let colored = color.cmpgt(Vec3::ZERO) & shines;
     !light.power.is_finite()
@@ -64,7 +64,7 @@ fn reflects(surface: &Surface<'_>, light: &Light) -> bool {
 
 /// Whether any point of the light may be in front of any point of the shape.
 pub(super) fn faces(shape: &Shape, light: &Extent, geometry: &Geometry, tests: &mut u64) -> bool {
-    // Fast arithmetic has no bounds on its errors, so that nothing is certain.
+    // Fast precision has no error bounds, so nothing is certain.
     if shape.two_sided || geometry.precision == Precision::Fast {
         return true;
     }
@@ -81,9 +81,9 @@ fn is_behind(shape: &Shape, light: &Extent, geometry: &Geometry, number: u32) ->
         light.is_behind(if shape.flipped { -normal } else { normal }, corners)
     };
     match geometry.primitive(number) {
-        // In doubt: its points are rounded once more than others.
+        // In doubt: its points have one more rounding.
         Primitive::Instanced(_) => geometry.is_degenerate(number),
-        // What has no area is not hit.
+        // Triangles without area are not hit.
         Primitive::Triangle(i) => geometry.is_degenerate(number) || behind(&geometry.triangle(i)),
         Primitive::Quad(i) => quad::halves(&geometry.quad(i)).iter().all(behind),
         Primitive::Sphere(i) => {
@@ -93,12 +93,12 @@ fn is_behind(shape: &Shape, light: &Extent, geometry: &Geometry, number: u32) ->
     }
 }
 
-/// Where a light is: the points within `radius` of a box, or infinitely far away.
+/// The extent of a light: the points within `radius` of a box, or a distant patch.
 pub(super) struct Extent {
-    /// Of a light that is infinitely far away, of unit length, towards it.
+    /// For a distant light, the unit vector towards it.
     center: DVec3,
     half: DVec3,
-    /// Of such a light, the sine of the angle within which it is.
+    /// For a distant light, the sine of its angular radius.
     radius: f64,
     is_distant: bool,
 }
@@ -112,7 +112,7 @@ impl Extent {
             is_distant: false,
         };
         match emitter {
-            // All that the cone leaves in the dark counts as reached.
+            // The dark part outside a cone counts as reached.
             Emitter::Point(position) | Emitter::Spot(position, _) => point(*position, 0.0),
             Emitter::Distant(distant) => Self {
                 center: distant.towards(),
@@ -128,7 +128,7 @@ impl Extent {
         }
     }
 
-    /// Where the rays of a camera start.
+    /// The origins of a camera's rays.
     pub(super) fn of_pupil(camera: &Camera) -> Self {
         let (center, radius) = camera.pupil();
         Self { center, half: DVec3::ZERO, radius, is_distant: false }
@@ -141,17 +141,18 @@ impl Extent {
         Self { center, half, radius: 0.0, is_distant: false }
     }
 
-    /// No coordinate of any of its points is larger.
+    /// Bound on the coordinates of its points.
     fn size(&self) -> f64 {
         (self.center.abs() + self.half).max_element() + self.radius
     }
 
-    /// No point of it is farther from `point`.
+    /// Bound on the distance of its points from `point`.
     fn farthest(&self, point: DVec3) -> f64 {
         ((self.center - point).abs() + self.half).length() + self.radius
     }
 
-    /// Whether all of it is certainly behind a triangle, whose front the unit vector `normal` is on.
+    /// Whether all of it is certainly behind a triangle, whose front is on the side of the unit
+    /// vector `normal`.
     fn is_behind(&self, normal: DVec3, corners: &[Vec3; 3]) -> bool {
         let reach = normal.abs().dot(self.half) + self.radius;
         if self.is_distant {
@@ -164,7 +165,7 @@ impl Extent {
         })
     }
 
-    /// Whether all of it is certainly within a sphere, behind every point of its outside.
+    /// Whether all of it is certainly inside a sphere, behind every point of its outside.
     pub(super) fn is_within(&self, center: Vec3, radius: f32) -> bool {
         if self.is_distant {
             return false;

@@ -1,5 +1,5 @@
-//! Textures: ties shapes to images, each of which is decoded once, when it is first looked up. A scene whose textures
-//! are all out of view opens no image.
+//! Textures: connects shapes with images, each decoded once, at its first look-up. A scene without
+//! visible textures opens no image.
 
 use std::collections::HashMap;
 use std::fs::File;
@@ -21,13 +21,13 @@ use wavecrest_core::math::srgb::srgb_decode;
 use wavecrest_core::plan::schedule::{Schedule, Step};
 use wavecrest_core::prepared::{LazyImage, Placing, Texture, UvMap};
 
-/// The largest image that is decoded, in texels on a side.
+/// Largest decoded image, in texels on a side.
 const MAX_SIDE: u32 = 1 << 16;
-/// The largest image that is decoded, in bytes.
+/// Largest decoded image, in bytes.
 const MAX_BYTES: u64 = 4 << 30;
 
-/// Notes in each shape which image gives its colour. Of those that are not shown none is opened, unless the schedule
-/// requires it.
+/// Assigns to each shape the image of its colour. Images that are not shown are not opened, unless
+/// the schedule requires them.
 pub fn run(
     world: &World,
     schedule: Schedule,
@@ -50,7 +50,7 @@ pub fn run(
     }
 }
 
-/// The images that shapes wear, each once.
+/// The images of shapes, each once.
 #[derive(Default)]
 pub struct Images {
     /// Each with the place in the scene file that names it first.
@@ -59,7 +59,7 @@ pub struct Images {
 }
 
 impl Images {
-    /// The texture that the `key` of a shape refers to, of points that become coordinates by `map`.
+    /// The texture that the `key` of a shape refers to, with texture coordinates from `map`.
     pub(super) fn texture(
         &mut self,
         world: &World,
@@ -79,20 +79,20 @@ impl Images {
         Texture { image: number, filter, wrap, map, placing: reference.placing.map(placing) }
     }
 
-    /// Looks at the heads of all: an image is decoded when it is first looked up, with a pyramid if any shape wears
-    /// it with trilinear filter. `file` is the scene's, for messages.
+    /// Reads the headers of all images: each is decoded at its first look-up, with a pyramid if any
+    /// shape uses it with the trilinear filter. `file` is the scene's, for messages.
     pub(super) fn prepare(self, file: &Path) -> Result<Vec<LazyImage>> {
         self.all.into_iter().map(|(texture, place)| lazy(texture, file.to_owned(), place)).collect()
     }
 }
 
-/// How coordinates are changed, in single precision.
+/// A change of coordinates in single precision.
 pub(super) fn placing(components::Placing([u, v]): components::Placing) -> Placing {
     let vec2 = |x: f64, y: f64| Vec2::new(x as f32, y as f32);
     Placing { turned: [vec2(u[0], u[1]), vec2(v[0], v[1])], moved: vec2(u[2], v[2]) }
 }
 
-/// The image of a texture, once the head of its file is found to be right.
+/// The image of a texture, after checking the header of its file.
 fn lazy(texture: TextureRef, file: PathBuf, place: String) -> Result<LazyImage> {
     let head = Head::of(&texture).map_err(|e| e.in_file(&file).at(&place))?;
     let [expected, _] = head.bytes(&texture);
@@ -107,33 +107,33 @@ fn lazy(texture: TextureRef, file: PathBuf, place: String) -> Result<LazyImage> 
     Ok(LazyImage::new(name, expected, decode))
 }
 
-/// Bytes of a texture, and what more there is while it is decoded, by the head of its file; none where
-/// that cannot be read, which is said when the scene is prepared.
+/// Bytes of a texture, and additional bytes while it is decoded, from the header of its file; 0 if
+/// that cannot be read, which is reported when the scene is prepared.
 pub fn survey(texture: &TextureRef) -> [u64; 2] {
     Head::of(texture).map_or([0; 2], |head| head.bytes(texture))
 }
 
-/// Whether the image at `path` can be decoded as far as its head says.
+/// Checks that the image at `path` can be decoded, as far as its header tells.
 ///
 /// # Errors
-/// When it cannot be read, or is of no known format.
+/// If it cannot be read, or has no known format.
 pub(crate) fn check(path: &Path) -> Result<()> {
     let source = TextureSource::File(path.to_owned());
     decoding(&source, |decoder| Ok(decoder.dimensions())).and_then(|size| check_size(&source, size))
 }
 
-/// What is known of an image before it is decoded.
+/// Properties of an image from its header.
 #[derive(Clone, Copy)]
 struct Head {
     size: (u32, u32),
-    /// Whether its numbers are bytes.
+    /// Whether its values are bytes.
     is_bytes: bool,
-    /// Bytes as it is decoded.
+    /// Decoded size in bytes.
     decoded: u64,
 }
 
 impl Head {
-    /// That of a texture, where it could be decoded as far as its head says.
+    /// The header of a texture, if the texture can be decoded as far as its header tells.
     fn of(texture: &TextureRef) -> Result<Self> {
         let head = decoding(&texture.source, |decoder| {
             let color = decoder.color_type();
@@ -164,7 +164,7 @@ fn pyramid_bytes((width, height): (u32, u32)) -> u64 {
     levels.sum::<u64>() * size_of::<[f32; 3]>() as u64
 }
 
-/// What distinguishes images.
+/// The key of an image.
 #[derive(PartialEq, Eq, Hash)]
 struct Key {
     /// A path, or a place in the scene file.
@@ -185,7 +185,7 @@ impl Key {
     }
 }
 
-/// Decodes the image of a texture, of any format that the `image` crate reads.
+/// Decodes the image of a texture, in any format of the `image` crate.
 fn decode(texture: &TextureRef) -> Result<Image> {
     let decoded = decoding(&texture.source, |decoder| DynamicImage::from_decoder(decoder))?;
     let (width, height) = (decoded.width(), decoded.height());
@@ -221,7 +221,7 @@ fn cannot_read(name: &str, error: ImageError) -> Error {
         .because(error)
 }
 
-/// Opens a regular file: to open a pipe can wait for ever.
+/// Opens a regular file: opening a pipe can wait forever.
 fn open(path: &Path) -> std::io::Result<File> {
     if path.metadata()?.is_file() {
         return File::open(path);
@@ -229,7 +229,7 @@ fn open(path: &Path) -> std::io::Result<File> {
     Err(std::io::Error::other("not a regular file"))
 }
 
-/// Works with the decoder of an image, which has read its head and not more.
+/// Runs `work` with the decoder of an image, which has read only its header.
 pub(super) fn decoding<R>(
     source: &TextureSource,
     work: impl FnOnce(Box<dyn ImageDecoder + '_>) -> ImageResult<R>,
@@ -241,13 +241,13 @@ pub(super) fn decoding<R>(
         }
         TextureSource::Embedded { bytes, .. } => decoder_of(Cursor::new(&bytes[..]), None),
     };
-    // The decoders are meant not to panic, but a damaged file must not end the program.
+    // The decoders should not panic, but a damaged file must not end the program.
     catch_unwind(AssertUnwindSafe(|| work(decoder()?)))
         .unwrap_or_else(|_| Err(ImageError::IoError(std::io::Error::other("the decoder failed"))))
         .map_err(|e| cannot_read(&name(source), e))
 }
 
-/// The decoder of the format that the first bytes show, or else of `format`.
+/// The decoder of the format of the first bytes, or else of `format`.
 fn decoder_of<'a>(
     bytes: impl BufRead + Seek + 'a,
     format: Option<ImageFormat>,

@@ -1,8 +1,8 @@
-//! What can be seen, in any frame of the camera, at first sight or in mirrors.
+//! Which shapes are visible in any frame of the camera, directly or in mirrors.
 //!
-//! A shape is out of view where no camera ray can meet it and no mirror is in view that could show it: it is
-//! outside the frustum of every frame, or a sphere lies around it or around the camera. Its box is looked at,
-//! with all that rounding can do. Whatever is in doubt is in view.
+//! A shape is out of view if no camera ray can meet it and no mirror in view could show it: it is
+//! outside the frustum of every frame, or a sphere lies around it or around the camera. Its box
+//! counts, with all rounding errors. In doubt a shape is in view.
 
 use glam::Vec3;
 use rayon::prelude::*;
@@ -16,19 +16,19 @@ use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::kernels::slab::Aabb;
 use wavecrest_core::prepared::Shape;
 
-/// Boxes that are looked at, by a camera or by a sphere. Beyond them, shapes are taken to be in view.
+/// Largest number of box tests, against cameras and spheres. Beyond them, shapes count as in view.
 const MOST_TESTS: usize = 1 << 22;
 
-/// Primitives of a shape that are looked at one by one before its box is: most shapes are seen by these.
+/// Number of a shape's primitives that are tested before its box: they decide for most shapes.
 const FIRST: usize = 64;
 
-/// For each shape, whether it is in view of `cameras`, one for each frame, of which there are none if there are
-/// too many. A shape `is_mirror` if it shows others.
+/// For each shape, whether it is in view of `cameras`, one for each frame, or none if there are too
+/// many. A shape `is_mirror` if it shows others.
 pub fn run(cameras: &[Camera], output: &Output, is_mirror: impl Fn(usize) -> bool) -> Vec<bool> {
     let Output { geometry, shapes, .. } = output;
     let all = vec![true; shapes.len()];
     let tests = shapes.len().saturating_mul(cameras.len() + geometry.spheres.len());
-    // Fast arithmetic has no bounds on its errors, so that nothing is certain.
+    // Fast precision has no error bounds, so nothing is certain.
     if cameras.is_empty() || tests > MOST_TESTS || geometry.precision == Precision::Fast {
         return all;
     }
@@ -44,7 +44,7 @@ pub fn run(cameras: &[Camera], output: &Output, is_mirror: impl Fn(usize) -> boo
     if shows_others { all } else { in_view }
 }
 
-/// Whether any part of the shape is, as far as `sees` knows of a box.
+/// Whether any part of the shape is visible; `sees` tests a box.
 fn is_in_view(
     shape: &Shape,
     geometry: &Geometry,
@@ -67,11 +67,11 @@ fn is_in_view(
         }
 }
 
-/// Spheres, by centre and radius, that no ray of any camera gets through.
+/// Spheres, by centre and radius, that no ray of any camera passes.
 struct Walls {
-    /// All cameras are outside.
+    /// With all cameras outside.
     outside: Vec<(Vec3, f32)>,
-    /// All are within.
+    /// With all cameras inside.
     within: Vec<(Vec3, f32)>,
 }
 

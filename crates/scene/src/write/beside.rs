@@ -7,12 +7,12 @@ use crate::components::TextureSource;
 use crate::mesh::MeshData;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
-/// The files beside a scene file, which bear its name.
+/// The files beside a scene file, with its name as prefix.
 pub(super) struct Beside<'a> {
     scene: &'a Path,
     pub(super) meshes: Vec<(PathBuf, MeshData)>,
     pub(super) images: Vec<(PathBuf, TextureSource)>,
-    /// The names of images, by their own path or place.
+    /// The names of images, by their original path or place.
     known: HashMap<(PathBuf, bool), String>,
 }
 
@@ -21,7 +21,7 @@ impl<'a> Beside<'a> {
         Self { scene, meshes: Vec::new(), images: Vec::new(), known: HashMap::new() }
     }
 
-    /// A name beside the scene file, and the path that it leads to.
+    /// A file name beside the scene file, and its path.
     fn name(&self, ending: &str) -> (String, PathBuf) {
         let stem = self.scene.file_stem().unwrap_or_default().to_string_lossy();
         let name = format!("{stem}-{ending}");
@@ -29,14 +29,14 @@ impl<'a> Beside<'a> {
         (name, path)
     }
 
-    /// Has a mesh written; returns its name.
+    /// Queues a mesh to be written; returns its name.
     pub(super) fn mesh(&mut self, data: MeshData) -> String {
         let (name, path) = self.name(&format!("mesh{}.ply", self.meshes.len()));
         self.meshes.push((path, data));
         name
     }
 
-    /// Has an image written, once; returns its name.
+    /// Queues an image to be written, once; returns its name.
     pub(super) fn image(&mut self, source: &TextureSource) -> Result<String> {
         let (key, extension) = match source {
             TextureSource::File(path) => {

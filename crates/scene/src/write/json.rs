@@ -53,7 +53,7 @@ pub(super) fn scene(
     }))
 }
 
-/// Refuses what only scene files have.
+/// Refuses components that only scene files have.
 fn check_kinds(world: &mut World) -> Result<()> {
     let others =
         world.query_mut::<hecs::Or<hecs::Or<&Sphere, &Quad>, hecs::Or<&Triangle, &ThinLens>>>();
@@ -64,7 +64,7 @@ fn check_kinds(world: &mut World) -> Result<()> {
     Err(error.remedy("convert glTF files and meshes"))
 }
 
-/// The entities that match, in the order of the file.
+/// The matching entities, in the order of the file.
 fn ordered<Q: hecs::Query>(world: &World) -> Vec<Entity> {
     let mut found: Vec<(Order, Entity)> = world
         .query::<(Entity, &Order)>()
@@ -76,7 +76,7 @@ fn ordered<Q: hecs::Query>(world: &World) -> Vec<Entity> {
     found.into_iter().map(|(_, entity)| entity).collect()
 }
 
-/// A name of its own for each shape that has one, and for each that instances need by name.
+/// A unique name for each named shape, and for each that instances refer to.
 fn names(world: &World) -> HashMap<Entity, String> {
     let mut used = HashSet::new();
     let mut names = HashMap::new();
@@ -159,7 +159,7 @@ fn area_light(world: &mut World, entity: Entity, beside: &mut Beside<'_>) -> Res
     }))
 }
 
-/// The mesh of a shape, and where it is.
+/// The mesh of a shape, and its transform.
 fn mesh_and_place(
     world: &mut World,
     entity: Entity,
@@ -222,7 +222,7 @@ fn texture(
     Ok(())
 }
 
-/// How a texture is looked up.
+/// The look-up keys of a texture.
 fn look_up(texture: &TextureRef, to: &mut Map<String, Value>) {
     to.insert("encoding".into(), texture.encoding.name().into());
     to.insert("filter".into(), texture.filter.name().into());
@@ -298,7 +298,7 @@ fn material(entity: EntityRef<'_>) -> Value {
     })
 }
 
-/// An instance of a shape that has a name, where it stands. All else is as the shape has it.
+/// An instance of a named shape, with its transform. Everything else is the shape's.
 fn instance(world: &World, entity: Entity, names: &HashMap<Entity, String>) -> Option<Value> {
     let of = world.get::<&InstanceOf>(entity).ok()?.0;
     let name = names.get(&of)?;
@@ -348,7 +348,7 @@ fn vector(v: DVec3) -> Value {
     v.to_array().to_vec().into()
 }
 
-/// Four rows, for columns.
+/// Rows, from columns.
 fn matrix(transform: &DAffine3) -> Value {
     let [x, y, z] = [transform.matrix3.x_axis, transform.matrix3.y_axis, transform.matrix3.z_axis];
     let t = transform.translation;

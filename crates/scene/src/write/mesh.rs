@@ -1,4 +1,4 @@
-//! A mesh as a binary little-endian PLY file, each number as it is.
+//! Writes a mesh as a binary little-endian PLY file, with unchanged numbers.
 
 use std::collections::HashMap;
 use std::io::{self, Write};
@@ -56,9 +56,9 @@ fn header(mesh: &MeshData) -> String {
     header + "end_header\n"
 }
 
-/// The mesh with a vertex for each position, normal and pair of coordinates that meet at a corner. A
-/// triangle that lacks a value at one corner has none at all, as is the rule where meshes are shaded; a zero
-/// vector is then a normal not known, and zeros are the coordinates.
+/// The mesh with a vertex for each combination of position, normal and texture coordinates at a
+/// corner. A triangle that lacks a value at one corner has none at all, as in shading: zero vectors
+/// are then unknown normals, and zeros the coordinates.
 fn with_vertices(mesh: &MeshData) -> MeshData {
     let mut known: HashMap<[u32; 3], u32> = HashMap::new();
     let mut which: Vec<[u32; 3]> = Vec::new();
@@ -89,7 +89,7 @@ fn with_vertices(mesh: &MeshData) -> MeshData {
     }
 }
 
-/// Which values the corners of a triangle have: [`NO_VALUE`] for all where one has none.
+/// The values of a triangle's corners: [`NO_VALUE`] for all if one has none.
 fn values_of<T>(
     attribute: Option<&Attribute<T>>,
     triangle: usize,

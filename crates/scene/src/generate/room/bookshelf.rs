@@ -11,9 +11,9 @@ use super::place::Place;
 use super::random::Random;
 use super::solid::{BEVEL, MM};
 
-/// How wide, high and deep the shelf is.
+/// Width, height and depth of the shelf.
 pub(super) const SIZE: DVec3 = DVec3::new(1.5, 2.1, 0.32);
-/// How thick its boards are.
+/// Thickness of its boards.
 const BOARD: f64 = 0.024;
 /// Rows of books, over a plinth.
 const ROWS: u32 = 5;
@@ -55,7 +55,7 @@ impl Builder {
         let mut random = self.random();
         let mut shares = [0.0; BOOKS as usize];
         shares.fill_with(|| random.between(0.5, 1.6));
-        // Some room is left at the end, into which the last ones lean.
+        // Some room is left at the end, into which the last books lean.
         let unit = width * 0.94 / shares.iter().sum::<f64>();
         let mut x = 0.0;
         for (book, share) in shares.into_iter().enumerate() {
@@ -68,7 +68,7 @@ impl Builder {
         }
     }
 
-    /// A book that stands: two covers, pages, and a round spine towards +z.
+    /// A standing book: two covers, pages, and a round spine towards +z.
     fn book(&mut self, place: Place, thickness: f64, room: f64, random: &mut Random) {
         const COVER: f64 = 2.5 * MM;
         let height = room * random.between(0.62, 0.93);

@@ -1,4 +1,4 @@
-//! Where furniture puts its pieces.
+//! Collects the pieces of furniture.
 
 use super::colour::Colour;
 use super::pieces::{Facets, Foliage, Grid, Growth, LEAF_TRIANGLES, Shape};
@@ -11,21 +11,21 @@ pub(super) struct Piece {
     pub(super) colour: Colour,
 }
 
-/// A plant whose leaves have yet to be counted.
+/// A plant whose leaves are not counted yet.
 struct Plant {
-    /// Its part of all leaves, beside those of other plants.
+    /// Its share of all leaves, relative to other plants.
     weight: u64,
-    /// With more leaves than this each is smaller, so that the plant is as dense as before.
+    /// With more leaves than this each is smaller, so that the plant stays as dense.
     full_sized: u64,
     colour: Colour,
     growth: Growth,
 }
 
-/// A room that is being furnished.
+/// A room under construction.
 pub(super) struct Builder {
-    /// Edges to the metre, of cloth.
+    /// Edges per metre of cloth.
     detail: u64,
-    /// How deep cloth folds, in metres.
+    /// Depth of folds in cloth, in metres.
     pub(super) folds: f64,
     pub(super) seed: u64,
     sequences: u64,
@@ -38,7 +38,7 @@ impl Builder {
         Self { detail, folds, seed, sequences: 0, pieces: Vec::new(), plants: Vec::new() }
     }
 
-    /// A sequence of random numbers that nothing else draws from.
+    /// A separate sequence of random numbers.
     pub(super) fn random(&mut self) -> Random {
         self.sequences += 1;
         Random::new(self.seed, self.sequences)
@@ -60,13 +60,13 @@ impl Builder {
         self.pieces.push(Piece { surface: Box::new(facets), colour });
     }
 
-    /// A sheet with a border, of so many cells.
+    /// A sheet with a border, with this number of cells.
     pub(super) fn sheet(&mut self, [across, along]: [u64; 2], colour: Colour, shape: Shape) {
         let grid = Grid { across, along, is_round: false, shape };
         self.pieces.push(Piece { surface: Box::new(grid), colour });
     }
 
-    /// A body, of so many cells round and along.
+    /// A closed body, with this number of cells around and along.
     pub(super) fn body(&mut self, [across, along]: [u64; 2], colour: Colour, shape: Shape) {
         let grid = Grid { across, along, is_round: true, shape };
         self.pieces.push(Piece { surface: Box::new(grid), colour });
@@ -77,12 +77,12 @@ impl Builder {
         self.plants.push(Plant { weight, full_sized, colour, growth });
     }
 
-    /// The triangles of all that is no leaf.
+    /// The number of triangles that are not in leaves.
     pub(super) fn triangles(&self) -> u64 {
         self.pieces.iter().map(|piece| piece.surface.triangles()).sum()
     }
 
-    /// Gives the plants so many triangles, by their weights.
+    /// Distributes this number of triangles over the plants, by their weights.
     pub(super) fn grow(&mut self, triangles: u64) {
         let all: u64 = self.plants.iter().map(|plant| plant.weight).sum();
         let mut weights = 0;

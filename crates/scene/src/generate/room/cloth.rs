@@ -10,9 +10,9 @@ use super::place::Place;
 use super::solid::MM;
 use crate::generate::noise::Fractal;
 
-/// Waves of the crumples in cloth to the metre.
+/// Crumple waves per metre of cloth.
 const CRUMPLES: f64 = 9.0;
-/// How deep they are, as a share of the folds.
+/// Depth of crumples, as a share of the folds.
 const CRUMPLE_DEPTH: f64 = 0.08;
 
 impl Builder {
@@ -32,7 +32,7 @@ impl Builder {
     ) {
         let (depth, crumples) = (self.folds, self.crumples());
         let phase = self.random().between(0.0, TAU);
-        // Cloth is longer than the way that it hangs over.
+        // Cloth is longer than the distance that it spans.
         let cells = [self.steps(2.0 * width, 1.0, 48), self.steps(height, 1.0, 12)];
         let shape = move |u: f64, v: f64| {
             let sway = 0.5 * libm::sin(2.0 * v + phase) + 0.3 * libm::sin(5.0 * v * u + phase);
@@ -46,12 +46,12 @@ impl Builder {
         self.sheet(cells, Colour::CURTAIN, Box::new(shape));
     }
 
-    /// A cloth over a table with its middle at `place` and these half sizes, which hangs down by
-    /// `drop` all round.
+    /// A cloth over a table centred at `place` with these half sizes, which hangs down by `drop`
+    /// all around.
     pub(super) fn drape(&mut self, place: Place, half: DVec2, drop: f64, colour: Colour) {
         /// The radius of the bend over the table's edge.
         const BEND: f64 = 0.012;
-        /// Folds to the metre of the edge.
+        /// Folds per metre of the edge.
         const FOLDS: f64 = 3.5;
         let (depth, crumples) = (self.folds, self.crumples());
         let size = (half + drop) * 2.0;
@@ -65,7 +65,7 @@ impl Builder {
                 return place.point(DVec3::new(flat.x, crumple.max(0.0), flat.y));
             }
             let outward = (flat - edge) / over;
-            // Round the corners the cloth spreads like a cone.
+            // Around the corners the cloth spreads like a cone.
             let across = 2.0 * outward.x * outward.y;
             let corner = across * across;
             let along = edge.x - edge.y + 0.2 * libm::atan2(outward.y, outward.x.abs());
@@ -79,9 +79,9 @@ impl Builder {
         self.sheet(cells, colour, Box::new(shape));
     }
 
-    /// A rug on the floor about `place`, with a border.
+    /// A rug on the floor around `place`, with a border.
     pub(super) fn rug(&mut self, place: Place, half: DVec2) {
-        /// How wide the border is.
+        /// Width of the border.
         const BORDER: f64 = 0.18;
         let layers = [(half, 8.0 * MM, Colour::RUG_BORDER), (half - BORDER, 0.011, Colour::RUG)];
         for (half, height, colour) in layers {

@@ -1,6 +1,6 @@
-//! The colours of a room: places in a palette, which vertices carry as texture coordinates.
+//! The colours of a room: positions in a palette, stored in vertices as texture coordinates.
 //!
-//! `scenes/large/room.pnm` is such a palette, a row of one texel for each colour.
+//! `scenes/large/room.pnm` is such a palette, a row with one texel for each colour.
 
 use glam::Vec2;
 
@@ -38,10 +38,10 @@ impl Colour {
     /// Spines of books, and pictures.
     pub(super) const PRINTS: [Self; 7] =
         [Self(26), Self(27), Self(28), Self(29), Self(30), Self(31), Self(32)];
-    /// How many there are.
+    /// The number of colours.
     pub(super) const COUNT: u8 = 33;
 
-    /// The middle of its texel.
+    /// The centre of its texel.
     pub(super) fn uv(self) -> Vec2 {
         Vec2::new((f32::from(self.0) + 0.5) / f32::from(Self::COUNT), 0.5)
     }

@@ -1,4 +1,4 @@
-//! Cups, plates, bowls, vases: turned bodies with walls of some millimetres, closed all round.
+//! Cups, plates, bowls, vases: turned bodies with walls of a few millimetres, closed all around.
 
 use std::f64::consts::PI;
 
@@ -180,7 +180,7 @@ impl Builder {
         });
     }
 
-    /// Half a ring towards +x, of these half widths, about a middle in the wall of a vessel.
+    /// Half a ring towards +x, of these half widths, around a point in the wall of a vessel.
     fn handle(&mut self, place: Place, [out, up]: [f64; 2], radius: f64, colour: Colour) {
         self.tube(place, (PI * out, FINE), DVec3::Z, colour, move |t| {
             let (sin, cos) = libm::sincos(PI * t);

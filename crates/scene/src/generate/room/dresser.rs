@@ -8,11 +8,11 @@ use super::pieces::Facets;
 use super::place::Place;
 use super::solid::{BEVEL, DOOR, DRAWER, MM};
 
-/// How wide, high and deep the lower part of a dresser is.
+/// Width, height and depth of the lower part of a dresser.
 pub(super) const SIZE: DVec3 = DVec3::new(1.7, 0.9, 0.46);
-/// How high and deep the shelves above it are.
+/// Height and depth of the shelves above it.
 const UPPER: DVec2 = DVec2::new(1.2, 0.26);
-/// How thick boards are.
+/// Thickness of boards.
 const BOARD: f64 = 0.025;
 /// Doors and drawers side by side.
 const DOORS: u32 = 4;
@@ -33,7 +33,7 @@ impl Builder {
             let reach = if y == shelves[2] { half + 0.04 } else { half - BOARD };
             let depth = UPPER.y + reach - half + BOARD;
             wood.board(&place, [-reach, y, 0.0], [reach, y + BOARD, depth], 2.0 * BEVEL);
-            // Plates that lean lean against this.
+            // Leaning plates rest against this.
             let rail = [half - BOARD, y + BOARD + 0.012, 0.085];
             wood.board(&place, [-rail[0], y + BOARD, 0.075], rail, BEVEL);
         }
@@ -70,7 +70,7 @@ impl Builder {
         self.facets(wood, colour);
     }
 
-    /// Plates that lean at the back, with cups in front of them.
+    /// Plates leaning at the back, with cups in front of them.
     fn plates_and_cups(&mut self, place: Place, half: f64) {
         let mut random = self.random();
         for i in 0..5_u32 {
@@ -84,7 +84,7 @@ impl Builder {
         }
     }
 
-    /// Bowls, within and beside each other, before larger plates.
+    /// Bowls, nested and side by side, in front of larger plates.
     fn bowls_and_plates(&mut self, place: Place, half: f64) {
         for i in 0..4_u32 {
             let x = -half + 0.22 + (2.0 * half - 0.44) * f64::from(i) / 3.0;
@@ -118,7 +118,7 @@ impl Builder {
         self.candle(place.moved(0.74, 0.0, 0.3));
     }
 
-    /// A cupboard of the lower part alone, with some things on it.
+    /// A cupboard with only the lower part, and some things on it.
     pub(super) fn sideboard(&mut self, place: Place) {
         self.cupboard(place, Colour::WALNUT);
         let top = place.moved(0.0, SIZE.y, 0.0);

@@ -1,4 +1,4 @@
-//! Lamps: one that hangs, and one that stands.
+//! Lamps: a hanging one and a standing one.
 
 use glam::DVec3;
 

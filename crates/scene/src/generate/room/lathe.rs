@@ -8,7 +8,7 @@ use super::builder::Builder;
 use super::colour::Colour;
 use super::place::Place;
 
-/// How much finer than cloth what is turned on a lathe is.
+/// The fineness of turned bodies, relative to cloth.
 pub(super) const FINE: f64 = 4.0;
 
 /// A quadratic B-spline through the ends of its control points, in the plane of radius and height.
@@ -16,7 +16,7 @@ pub(super) const FINE: f64 = 4.0;
 struct Spline(Vec<DVec2>);
 
 impl Spline {
-    /// Of control points in centimetres.
+    /// From control points in centimetres.
     fn new(controls: &[[f64; 2]]) -> Self {
         let ends = [controls.first(), controls.last()].map(|end| end.into_iter());
         let [first, last] = ends;
@@ -45,9 +45,9 @@ impl Spline {
 }
 
 impl Builder {
-    /// The body that `profile` sweeps about the y axis of `place`: control points in centimetres
-    /// of radius and height, with the outside on the right of the way. The ends are
-    /// closed by flat discs, so that they must not be on the axis.
+    /// The body that `profile` sweeps around the y axis of `place`: control points in centimetres
+    /// of radius and height, with the outside on the right of the path. Flat discs close the ends,
+    /// which must not be on the axis.
     pub(super) fn lathe(
         &mut self,
         place: Place,
@@ -67,7 +67,7 @@ impl Builder {
         self.body(cells, colour, Box::new(shape));
     }
 
-    /// A tube of some metres' length about a curve, with `radius` at each of its points, in metres.
+    /// A tube a few metres long around a curve, with `radius` at each of its points, in metres.
     /// `side` is never along the curve.
     pub(super) fn tube(
         &mut self,
@@ -77,7 +77,7 @@ impl Builder {
         colour: Colour,
         curve: impl Fn(f64) -> (DVec3, f64) + Send + Sync + 'static,
     ) {
-        /// Over so much of the curve its direction is taken.
+        /// The step over which the direction of the curve is measured.
         const STEP: f64 = 1.0 / 1024.0;
         let cells = [self.steps(TAU * curve(0.5).1, fineness, 5), self.steps(length, fineness, 4)];
         let shape = move |u: f64, v: f64| {
@@ -101,8 +101,8 @@ impl Builder {
         });
     }
 
-    /// A cushion that fills a box of these half sizes about the middle of `place`: the rounder, the
-    /// nearer `roundness` is to 1 (an ellipsoid; 0 is the box).
+    /// A cushion that fills a box of these half sizes around the origin of `place`: an ellipsoid
+    /// for a `roundness` of 1, the box itself for 0.
     pub(super) fn cushion(
         &mut self,
         place: Place,

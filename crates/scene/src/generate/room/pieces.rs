@@ -1,6 +1,6 @@
-//! What a room is put together from: flat facets, curved grids, and soups of leaves.
+//! The pieces of a room: flat facets, curved grids, and soups of leaves.
 //!
-//! Each is a [`Surface`] with vertices of its own, numbered from 0.
+//! Each is a [`Surface`] with its own vertices, numbered from 0.
 
 use glam::DVec3;
 
@@ -16,10 +16,10 @@ pub(super) struct Grid {
     pub(super) across: u64,
     /// Cells along the second number.
     pub(super) along: u64,
-    /// Whether the grid closes in the first number, and its two ends are closed by fans: a body.
-    /// Else it is a sheet with a border.
+    /// Whether the grid closes in the first number, with fans at its two ends: a body. Otherwise it
+    /// is a sheet with a border.
     pub(super) is_round: bool,
-    /// Where its points are. The front is where the cross product of the two derivatives points.
+    /// Its points. The front is where the cross product of the two derivatives points.
     pub(super) shape: Shape,
 }
 
@@ -36,13 +36,13 @@ impl Grid {
         (self.shape)(i / self.across as f64, j / self.along as f64)
     }
 
-    /// The middle of the ring at `j`, and two points of it a quarter apart.
+    /// The centre of the ring at `j`, and two points of it a quarter apart.
     fn end(&self, j: f64) -> [DVec3; 3] {
         let quarter = |q: f64| self.point(q * self.across as f64, j);
         [(quarter(0.0) + quarter(0.5)) / 2.0, quarter(0.0), quarter(0.25)]
     }
 
-    /// Which end the vertex `v` closes, if it is no other.
+    /// The end whose pole the vertex `v` is, if it is one.
     fn pole(&self, v: u64) -> Option<f64> {
         (v >= self.rings()).then(|| if v == self.rings() { 0.0 } else { self.along as f64 })
     }
@@ -102,7 +102,7 @@ impl Surface for Grid {
     }
 }
 
-/// Flat quads and triangles, each with corners of its own, so that edges look sharp.
+/// Flat quads and triangles, each with its own corners, so that edges look sharp.
 #[derive(Default)]
 pub(super) struct Facets {
     /// Convex and counter-clockwise as seen from the front, as are the triangles.
@@ -115,7 +115,7 @@ impl Facets {
         4 * self.quads.len() as u64
     }
 
-    /// The corners of the facet that vertex `v` belongs to.
+    /// The corners of the facet of vertex `v`.
     fn facet(&self, v: u64) -> (&[DVec3], usize) {
         match v.checked_sub(self.corners()) {
             None => (&self.quads[(v / 4) as usize], (v % 4) as usize),
@@ -184,12 +184,12 @@ impl Leaf {
     }
 }
 
-/// How a plant's leaves grow: each from random numbers of its own, at a share of their full size.
+/// Grows a plant's leaves: each from its own random numbers, at a share of their full size.
 pub(super) type Growth = Box<dyn Fn(&mut Random, f64) -> Leaf + Send + Sync>;
 
 /// Leaves whose triangles share no vertex.
 pub(super) struct Foliage {
-    /// Of the last leaf only a part is there where this is no multiple of [`LEAF_TRIANGLES`].
+    /// If this is not a multiple of [`LEAF_TRIANGLES`], the last leaf is cut.
     pub(super) triangles: u64,
     /// The size of leaves, as a share of their full size.
     pub(super) scale: f64,

@@ -1,8 +1,8 @@
-//! Where a piece of furniture stands, and how it is turned.
+//! Position and orientation of a piece of furniture.
 
 use glam::DVec3;
 
-/// A frame: the origin and the three axes of a space, as they are in the room.
+/// A frame: the origin and the three axes of a space, in the room.
 #[derive(Clone, Copy)]
 pub(super) struct Place {
     origin: DVec3,
@@ -10,17 +10,17 @@ pub(super) struct Place {
 }
 
 impl Place {
-    /// The room's own axes about a point.
+    /// The room's axes at a point.
     pub(super) fn at(x: f64, y: f64, z: f64) -> Self {
         Self { origin: DVec3::new(x, y, z), axes: DVec3::AXES }
     }
 
-    /// Where a point of this space is in the room.
+    /// A point of this space, in the room.
     pub(super) fn point(&self, p: DVec3) -> DVec3 {
         self.origin + self.direction(p)
     }
 
-    /// What a direction of this space is in the room.
+    /// A direction of this space, in the room.
     pub(super) fn direction(&self, d: DVec3) -> DVec3 {
         self.axes[0] * d.x + self.axes[1] * d.y + self.axes[2] * d.z
     }
@@ -30,7 +30,7 @@ impl Place {
         Self { origin: self.point(DVec3::new(x, y, z)), ..self }
     }
 
-    /// Larger in its own space.
+    /// Scaled in its own space.
     pub(super) fn scaled(self, factor: f64) -> Self {
         Self { axes: self.axes.map(|axis| axis * factor), ..self }
     }

@@ -28,7 +28,7 @@ const POT: [[f64; 2]; 12] = [
 
 const SOIL: [[f64; 2]; 4] = [[0.1, 21.0], [15.0, 21.0], [15.4, 24.0], [0.1, 25.5]];
 
-/// A leaf from `base` along `way`, which hangs by a share `droop` of its length.
+/// A leaf from `base` along `way`, which droops by a share `droop` of its length.
 fn leaf(
     base: DVec3,
     way: DVec3,
@@ -74,7 +74,7 @@ impl Builder {
         self.crown(place.moved(0.0, 0.17, 0.0), half, [0.03, 0.016], weight, Colour::LEAF_PALE);
     }
 
-    /// Flowers with their leaves, as they stand in a vase below `place`.
+    /// Flowers with their leaves, in a vase below `place`.
     pub(super) fn bouquet(&mut self, place: Place) {
         let mut random = self.random();
         for _ in 0..14_u32 {
@@ -148,7 +148,7 @@ impl Builder {
         }
     }
 
-    /// Leaves in clumps within an ellipsoid, which grow outward.
+    /// Clumps of leaves in an ellipsoid, growing outward.
     fn crown(&mut self, place: Place, half: DVec3, size: [f64; 2], weight: u64, colour: Colour) {
         let full_sized = (half.x * half.y * half.z / (size[0] * size[0] * size[1]) * 6.0) as u64;
         let mut random = self.random();
@@ -163,7 +163,7 @@ impl Builder {
         self.plant(weight, full_sized, colour, Box::new(growth));
     }
 
-    /// A stem from the origin of `place`, which becomes thinner.
+    /// A tapering stem from the origin of `place`.
     fn stem(&mut self, place: Place, way: DVec3, radius: f64) {
         let side = way.any_orthogonal_vector();
         self.tube(place, (way.length(), 1.0), side, Colour::STEM, move |t| {

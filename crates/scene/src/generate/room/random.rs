@@ -1,4 +1,4 @@
-//! Random numbers that depend on a seed and on how many were drawn before.
+//! Random numbers that depend on a seed and on the number of draws.
 
 use std::f64::consts::TAU;
 
@@ -11,29 +11,29 @@ use crate::generate::noise::mix;
 pub(super) struct Random(u64);
 
 impl Random {
-    /// The sequence number `which` of those that belong to `seed`.
+    /// Sequence `which` of `seed`.
     pub(super) fn new(seed: u64, which: u64) -> Self {
         Self(mix(mix(seed) ^ which))
     }
 
-    /// Evenly from 0 up to 1.
+    /// Uniform in \[0, 1).
     pub(super) fn unit(&mut self) -> f64 {
         self.0 = mix(self.0);
-        // The 53 bits that a mantissa holds.
+        // The 53 bits of a mantissa.
         (self.0 >> 11) as f64 / (1_u64 << 53) as f64
     }
 
-    /// Evenly between two numbers.
+    /// Uniform between two numbers.
     pub(super) fn between(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.unit()
     }
 
-    /// One of several, each as likely.
+    /// One of several, equally likely.
     pub(super) fn one_of<T: Copy>(&mut self, all: &[T]) -> T {
         all[(self.unit() * all.len() as f64) as usize]
     }
 
-    /// Evenly over the unit sphere.
+    /// Uniform on the unit sphere.
     pub(super) fn direction(&mut self) -> DVec3 {
         let y = self.between(-1.0, 1.0);
         let (sin, cos) = libm::sincos(self.between(0.0, TAU));

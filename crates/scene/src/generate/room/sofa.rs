@@ -8,15 +8,15 @@ use super::pieces::Facets;
 use super::place::Place;
 use super::solid::BEVEL;
 
-/// How deep a seat is, from the front to the back rest.
+/// Depth of a seat, from the front to the back rest.
 const DEPTH: f64 = 0.62;
-/// How wide one is.
+/// Width of a seat.
 const SEAT: f64 = 0.62;
-/// How wide an arm is.
+/// Width of an arm.
 const ARM: f64 = 0.2;
 
 impl Builder {
-    /// A sofa of so many seats, with its back against the plane z = 0.
+    /// A sofa with this number of seats, with its back against the plane z = 0.
     pub(super) fn sofa(&mut self, place: Place, seats: u32) {
         let half = SEAT * f64::from(seats) / 2.0;
         self.base(place, half);
@@ -39,7 +39,7 @@ impl Builder {
         self.drape(throw, DVec2::new(ARM / 2.0, 0.3), 0.2, Colour::THROW);
     }
 
-    /// What cushions rest on.
+    /// The base below the cushions.
     fn base(&mut self, place: Place, half: f64) {
         let mut wood = Facets::default();
         for (x, z) in [(-half, 0.1), (half, 0.1), (-half, 0.78), (half, 0.78)] {

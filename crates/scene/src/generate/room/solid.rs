@@ -7,7 +7,7 @@ use super::place::Place;
 
 /// A millimetre: furniture is measured in metres, and its details in these.
 pub(super) const MM: f64 = 0.001;
-/// How far edges are cut back, in metres, where nothing else is said.
+/// The default bevel of edges, in metres.
 pub(super) const BEVEL: f64 = 3.0 * MM;
 
 impl Facets {
@@ -21,7 +21,7 @@ impl Facets {
         self.faces(place, low, high, bevel);
         let (low, high) = (DVec3::from_array(low), DVec3::from_array(high));
         let (middle, half) = ((low + high) / 2.0, (high - low) / 2.0);
-        // The corner at the signs `s`, on the face square to `axis`.
+        // The corner with the signs `s`, on the face perpendicular to `axis`.
         let corner = |s: DVec3, axis: usize| {
             let inset = DVec3::splat(bevel) - DVec3::AXES[axis] * bevel;
             place.point(middle + s * (half - inset))
@@ -46,7 +46,7 @@ impl Facets {
         }
     }
 
-    /// The six faces of a block, drawn in by `inset` along their own plane.
+    /// The six faces of a block, each inset by `inset` in its plane.
     fn faces(&mut self, place: &Place, low: [f64; 3], high: [f64; 3], inset: f64) {
         for axis in 0..3 {
             let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
@@ -63,14 +63,14 @@ impl Facets {
         }
     }
 
-    /// Mitred frames about a rectangle of the plane z = 0, each reaching from one (inset, height
-    /// towards +z) of `profile` to the next: open in the middle.
+    /// Mitred frames around a rectangle of the plane z = 0, each from one (inset, height towards
+    /// +z) of `profile` to the next, open in the middle.
     pub(super) fn frames(&mut self, place: &Place, low: DVec2, high: DVec2, profile: &[[f64; 2]]) {
         let ring = |[inset, z]: [f64; 2]| rectangle(place, low + inset, high - inset, z);
         self.between(&profile.iter().map(|&at| ring(at)).collect::<Vec<_>>());
     }
 
-    /// Quads between each ring of four corners and the next within it.
+    /// Quads between each ring of four corners and the next ring inside it.
     pub(super) fn between(&mut self, rings: &[[DVec3; 4]]) {
         for pair in rings.windows(2) {
             for i in 0..4 {

@@ -1,4 +1,4 @@
-//! A table that is laid, and its chairs.
+//! A laid table and its chairs.
 
 use glam::{DVec2, DVec3};
 
@@ -10,10 +10,10 @@ use super::solid::{BEVEL, MM};
 
 /// Half the size of the table's top.
 pub(super) const HALF: DVec2 = DVec2::new(0.85, 0.5);
-/// How high its top is, with the cloth.
+/// Height of its top, with the cloth.
 pub(super) const TOP: f64 = 0.76;
 
-/// How much finer than cloth legs are.
+/// The fineness of legs, relative to cloth.
 const TURNED: f64 = 1.5;
 
 const LEG: [[f64; 2]; 17] = [
@@ -37,10 +37,10 @@ const LEG: [[f64; 2]; 17] = [
 ];
 
 impl Builder {
-    /// A laid table with six chairs about it.
+    /// A laid table with six chairs around it.
     pub(super) fn dining(&mut self, place: Place) {
         let mut wood = Facets::default();
-        // Less than the cloth, so that it stays below a coarse one.
+        // Smaller than the cloth, so that it stays below a coarse one.
         let board = HALF - 0.03;
         let top = [board.x, TOP - 2.0 * MM, board.y];
         wood.board(&place, [-board.x, TOP - 0.035, -board.y], top, 2.0 * BEVEL);
@@ -68,7 +68,7 @@ impl Builder {
         }
     }
 
-    /// What is on the table.
+    /// The things on the table.
     fn laid(&mut self, place: Place) {
         for (x, side) in [(-0.42, 1.0), (0.42, 1.0), (-0.42, -1.0), (0.42, -1.0)] {
             let seat = place.moved(x, 0.0, side * 0.33);
@@ -88,7 +88,7 @@ impl Builder {
         self.candle(place.moved(0.24, 0.0, -0.07));
     }
 
-    /// A chair about the middle of its seat, whose back is towards +z.
+    /// A chair around the centre of its seat, with its back towards +z.
     pub(super) fn chair(&mut self, place: Place) {
         const HALF: f64 = 0.21;
         const SEAT: f64 = 0.45;

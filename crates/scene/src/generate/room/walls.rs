@@ -1,4 +1,4 @@
-//! The shell of the room: floor, ceiling, walls with openings, and what is fixed to them.
+//! The shell of the room: floor, ceiling, walls with openings, and fixtures.
 
 use glam::DVec2;
 
@@ -12,10 +12,10 @@ use super::solid::{BEVEL, DOOR, MM, rectangle};
 pub(super) const HALF: DVec2 = DVec2::new(3.0, 2.5);
 /// Its height.
 pub(super) const HEIGHT: f64 = 2.7;
-/// How thick the walls are where something opens them.
+/// Thickness of the walls at openings.
 const THICKNESS: f64 = 0.22;
 
-/// A hole in a wall, from the lower left to the upper right as seen from within.
+/// A hole in a wall, from the lower left to the upper right as seen from inside.
 pub(super) struct Opening {
     pub(super) low: DVec2,
     pub(super) high: DVec2,
@@ -24,12 +24,12 @@ pub(super) struct Opening {
 /// The window in the left wall, in the space of that wall.
 pub(super) const WINDOW: Opening =
     Opening { low: DVec2::new(-0.95, 0.85), high: DVec2::new(0.95, 2.2) };
-/// The door in the back wall, over a threshold.
+/// The door in the back wall, above a threshold.
 const ENTRANCE: Opening = Opening { low: DVec2::new(-0.72, 0.07), high: DVec2::new(0.18, 2.08) };
 /// The window in the wall behind the camera.
 const SMALL_WINDOW: Opening = Opening { low: DVec2::new(-0.7, 1.0), high: DVec2::new(0.7, 2.1) };
 
-/// The walls as seen from within: each is in the plane z = 0 of its space, and faces +z.
+/// The walls as seen from inside: each is in the plane z = 0 of its space, and faces +z.
 pub(super) fn back() -> Place {
     Place::at(0.0, 0.0, -HALF.y)
 }
@@ -64,7 +64,7 @@ impl Builder {
         self.cornice();
     }
 
-    /// A wall of two triangles, or of four mitred quads about its opening and the reveal.
+    /// A wall of two triangles, or of four mitred quads around its opening and the reveal.
     fn wall(&mut self, place: Place, half: f64, opening: Option<&Opening>) {
         let (low, high) = (DVec2::new(-half, 0.0), DVec2::new(half, HEIGHT));
         let mut wall = Facets::default();
@@ -81,7 +81,7 @@ impl Builder {
         self.facets(wall, Colour::WALL);
     }
 
-    /// Frame and bars of a window of so many panes, and a sill. There is no glass in it.
+    /// Frame and bars of a window with this number of panes, and a sill. It has no glass.
     fn window(&mut self, place: Place, opening: &Opening, panes: [u32; 2]) {
         let Opening { low, high } = *opening;
         let size = high - low;
@@ -161,9 +161,9 @@ impl Builder {
     }
 }
 
-/// The moulding about an opening.
+/// The moulding around an opening.
 fn architrave(wood: &mut Facets, place: &Place, opening: &Opening) {
-    /// How wide it is.
+    /// Its width.
     const WIDTH: f64 = 0.07;
     let profile = [
         [0.0, 0.0],

@@ -1,4 +1,4 @@
-//! The camera that is put where a file has none, and the size of the image.
+//! The camera of files without one, and the size of the image.
 
 use glam::{DMat3, DVec3};
 
@@ -15,33 +15,34 @@ use crate::load::LoadOptions;
 use crate::load::framing::{Fov, Framing, Side, Up};
 use crate::parse;
 
-/// Width of the image in pixels, where nothing is said of it; the height for one that is upright.
+/// Default width of the image in pixels; the height for upright images.
 const LONGER_SIDE: u32 = 1024;
-/// Its width by its height.
+/// The default width divided by the height.
 const ASPECT: f64 = 4.0 / 3.0;
 /// Rays along each side of a pixel.
 const ANTIALIAS: u32 = 2;
-/// Full angle of the camera that is put where a file has none, in degrees.
+/// Default full angle of view, in degrees.
 const FOV_DEGREES: f64 = 40.0;
-/// The same within a room.
+/// The same inside a room.
 const ROOM_FOV_DEGREES: f64 = 60.0;
-/// The camera is no nearer to what it sees from outside than this share of its radius.
+/// Smallest distance of the camera from an object seen from outside, as a share of its radius.
 pub(super) const NEAREST: f64 = 0.01;
-/// Sine of the angle between the view and up below which the image has no upright from it.
+/// Sine of the angle between the view and up below which they count as parallel.
 pub(super) const PARALLEL: f64 = 1e-3;
-/// What is so many times as long as wide is seen from its side.
+/// Objects this many times as long as wide are seen from the side.
 const LONG: f64 = 1.25;
-/// Where that camera stands, as seen from the middle: in front, above and a little to the right.
+/// Direction of the default camera from the centre: in front, above and slightly to the right.
 const CAMERA_SIDE: DVec3 = DVec3::new(0.5, 0.4, 1.0);
 
-/// Width and height of the image: what is asked for; else as the `aspect` is, width by height, or 4 by 3.
+/// Width and height of the image: as requested; otherwise with this `aspect`, width by height, or 4
+/// by 3.
 ///
 /// # Errors
-/// Where what is asked for is too large, or nothing.
+/// If the requested size is too large or zero.
 pub(crate) fn size(options: &LoadOptions, aspect: Option<f64>) -> Result<(u32, u32)> {
     let aspect = aspect.unwrap_or(ASPECT);
     let most = f64::from(parse::LONGEST_SIDE);
-    // Within the bounds of a side, so that the conversion is exact.
+    // Within the limits of a side, so that the conversion is exact.
     let side = |length: f64| length.round().clamp(1.0, most) as u32;
     let longer = f64::from(LONGER_SIDE);
     let (width, height) = match (options.width, options.height) {
@@ -54,12 +55,12 @@ pub(crate) fn size(options: &LoadOptions, aspect: Option<f64>) -> Result<(u32, u
     Ok((width, height))
 }
 
-/// Rays of each pixel.
+/// Rays for each pixel.
 pub(crate) fn rays_per_pixel() -> u64 {
     u64::from(ANTIALIAS).pow(2)
 }
 
-/// A view of this size whose place is yet to be found.
+/// A view of this size without a position yet.
 pub(crate) fn view(width: u32, height: u32) -> View {
     View {
         location: DVec3::Z,
@@ -74,21 +75,21 @@ pub(crate) fn view(width: u32, height: u32) -> View {
     }
 }
 
-/// The camera that is chosen, and what the user should know of it.
+/// The chosen camera, and a description for the user.
 pub(crate) struct Framed {
     pub(crate) view: View,
-    /// How it moves, where it goes around or from side to side.
+    /// Its path, if it turns or shows several sides.
     pub(crate) path: Option<CameraPath>,
-    /// Where up is, of unit length: in the image it need not be.
+    /// The up axis, of unit length; not necessarily up in the image.
     pub(crate) up: DVec3,
-    /// The corners of a lamp where a room is seen from within, which light from outside does not reach.
+    /// The corners of a lamp, for rooms seen from inside, which light from outside does not reach.
     pub(crate) lamp: Option<[DVec3; 4]>,
     /// Such as "z is taken for up".
     pub(crate) told: String,
 }
 
-/// A view of `all` that there is, within `bounds`. `usual` is which axis is up in files of this kind, and whether
-/// that may be doubted.
+/// A view of `all` geometry, within `bounds`. `usual` is the usual up axis of the format, and
+/// whether the shape may override it.
 ///
 /// # Errors
 /// As [`size`].
@@ -128,7 +129,7 @@ pub(crate) fn framed(
     Ok(Framed { view, path, up: upward, lamp, told })
 }
 
-/// Which axis is up, and what the user should know of that.
+/// The up axis, and a description for the user.
 fn upward(
     grid: Option<&Grid>,
     size: DVec3,
@@ -142,11 +143,11 @@ fn upward(
     (up, told.unwrap_or_default())
 }
 
-/// What there is to be framed, and how.
+/// The geometry to frame, and how.
 pub(super) struct Stage<'a> {
     pub(super) all: &'a [Placed<'a>],
     pub(super) bounds: &'a Sphere,
-    /// The ends of the box about all.
+    /// The ends of the box around all geometry.
     corners: (DVec3, DVec3),
     grid: Option<Grid>,
     pub(super) up: Up,
@@ -154,8 +155,8 @@ pub(super) struct Stage<'a> {
 }
 
 impl Stage<'_> {
-    /// The view from a side, or from the one that suits, of the size of `view`; and the room that is seen, if it is
-    /// one.
+    /// The view from the given or default side, of the size of `view`; and the room, if it is seen
+    /// from inside.
     fn seen_from(&self, side: Option<Side>, mut view: View) -> (View, Option<Room>) {
         let ((low, high), upward) = (self.corners, self.up.axes().y_axis);
         let room = self.grid.as_ref().and_then(|grid| match side {
@@ -186,7 +187,8 @@ impl Stage<'_> {
         (view, room)
     }
 
-    /// The default direction of the camera, from the subject: a subject that is deeper than wide is seen from its side.
+    /// The default direction of the camera from the object: an object that is deeper than wide is
+    /// seen from the side.
     fn usual_side(&self) -> DVec3 {
         let size = (self.up.axes().transpose() * (self.corners.1 - self.corners.0)).abs();
         let DVec3 { x: side, y: up, z: front } = CAMERA_SIDE.normalize();
@@ -194,7 +196,7 @@ impl Stage<'_> {
         if is_long { DVec3::new(front, up, side) } else { DVec3::new(side, up, front) }
     }
 
-    /// Puts the camera so far in the direction `back` that all fills its share of the image.
+    /// Moves the camera in the direction `back` until everything fills its share of the image.
     fn stand_back(&self, view: &mut View, back: DVec3) {
         let right = view.up.cross(back).normalize();
         let axes = DMat3::from_cols(right, back.cross(right), back);
@@ -206,7 +208,7 @@ impl Stage<'_> {
         view.look = view.location - back * distance;
     }
 
-    /// The tangents of half the angles that are filled, across and along.
+    /// The tangents of half the angles to fill, horizontally and vertically.
     pub(super) fn tangents(&self, view: &View) -> [f64; 2] {
         let placement = Placement {
             location: view.location,
@@ -221,8 +223,8 @@ impl Stage<'_> {
     }
 }
 
-/// The direction of a camera from what it sees, and what is up in its image where it looks straight down or
-/// up; with y up and z to the front.
+/// The direction of a camera from the object, and up in its image if it looks straight down or up;
+/// with y up and z to the front.
 fn toward(azimuth: f64, elevation: f64) -> [DVec3; 2] {
     let (sine, cosine) = sin_cos(elevation);
     let (right, front) = sin_cos(azimuth);
@@ -230,7 +232,8 @@ fn toward(azimuth: f64, elevation: f64) -> [DVec3; 2] {
     [DVec3::new(right * cosine, sine, front * cosine), overhead]
 }
 
-/// Of an angle in degrees; exact for right angles, so that a view along an axis is just that.
+/// Sine and cosine of an angle in degrees; exact for right angles, so that views along an axis are
+/// exact.
 fn sin_cos(degrees: f64) -> (f64, f64) {
     let turn = degrees.rem_euclid(360.0);
     match turn {

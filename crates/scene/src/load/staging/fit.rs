@@ -1,7 +1,8 @@
-//! The nearest place of a camera from which all of a file is in the image.
+//! The nearest camera position from which a whole file is in the image.
 //!
-//! A point is in the image where it lies before four planes through the camera. With the camera's direction given,
-//! each plane is moved as far as the farthest point takes it: one look at every point, and the distance follows.
+//! A point is in the image if it lies before four planes through the camera. With the camera's
+//! direction given, each plane is moved to the farthest point: one pass over all points, from which
+//! the distance follows.
 
 use std::cmp::Ordering;
 
@@ -12,14 +13,15 @@ use super::Placed;
 /// Distances of the farthest points.
 #[derive(Clone, Copy)]
 struct Planes {
-    /// To the right and to the left, upward and downward: across the planes, in units of distance across the view.
+    /// To the right and to the left, upward and downward, perpendicular to the planes.
     sides: [f64; 4],
-    /// Toward the camera.
+    /// Towards the camera.
     nearest: f64,
 }
 
-/// Where a camera stands that sees all points between `tangents` of half its angles of view. `axes` are to the
-/// right, up and back from what is seen. `None` where there are no points; `least` is the smallest distance to one.
+/// The position of a camera that sees all points within `tangents` of half its angles of view.
+/// `axes` point right, up and back from the object. `None` without points; `least` is the smallest
+/// distance to one.
 pub(super) fn place(
     all: &[Placed<'_>],
     axes: &DMat3,
@@ -46,7 +48,7 @@ pub(super) fn place(
     if !place.is_finite() {
         return None;
     }
-    // The planes of one pair touch points, between which the camera is; those of the other are free.
+    // The planes of one pair touch points and fix the camera; those of the other leave it free.
     let free = usize::from(right + left >= (up + down) * across / along);
     for _ in 0..CENTRED {
         place[free] = centred(all, &into, &place, free);
@@ -54,13 +56,14 @@ pub(super) fn place(
     Some(*axes * place)
 }
 
-/// How often the middle is sought anew: mostly it is found at the second time, when the outermost points are known.
+/// Number of centring steps: mostly the second finds the centre, when the outermost points are
+/// known.
 const CENTRED: u32 = 3;
 
-/// Where along the `axis` across the view the camera at `place` must stand so that the outermost points to either
-/// side are equally far from the middle of the image.
+/// The position along the `axis` across the view, for a camera at `place`, at which the outermost
+/// points on both sides are equally far from the centre of the image.
 fn centred(all: &[Placed<'_>], into: &DMat3, place: &DVec3, axis: usize) -> f64 {
-    // The tangent of the angle, the point's place and its distance.
+    // The tangent of the angle, the point's position and its distance.
     let none = [[f64::NEG_INFINITY, 0.0, 1.0]; 2];
     let of = |point: DVec3| {
         let point = *into * point;
@@ -82,7 +85,7 @@ mod tests {
     use super::*;
     use glam::{DAffine3, Vec3};
 
-    /// The greatest share of the image that points reach to, across and along.
+    /// The largest share of the image that points reach, horizontally and vertically.
     fn reached(points: &[Vec3], eye: DVec3, tangents: [f64; 2]) -> [[f64; 2]; 2] {
         let place = |p: &Vec3| {
             let p = p.as_dvec3() - eye;
@@ -109,7 +112,7 @@ mod tests {
             let touches =
                 |[low, high]: [f64; 2]| (low + 1.0).abs() < 1e-12 && (high - 1.0).abs() < 1e-12;
             assert!(found.into_iter().any(touches), "{tangents:?} {found:?}");
-            // In the other direction the middle is in the middle.
+            // In the other direction the centre is in the middle.
             assert!(found.iter().all(|[low, high]| (low + high).abs() < 1e-6), "{found:?}");
             assert!(found.as_flattened().iter().all(|at| at.abs() < 1.0 + 1e-12), "{found:?}");
         }

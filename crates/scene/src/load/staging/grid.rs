@@ -1,8 +1,9 @@
-//! What parallel rays meet that go through a file along its axes: enough to tell a room from a statue, and a floor
-//! from a wall.
+//! Hits of parallel rays through a file along its axes: enough to tell a room from a statue, and a
+//! floor from a wall.
 //!
-//! The box about the file is cut into columns along each axis. For each, the triangles met by the ray through its
-//! middle are found triangle by triangle, so that no tree is needed and every triangle is looked at once.
+//! The box around the file is cut into columns along each axis. The triangles that meet the ray
+//! through the centre of each column are found triangle by triangle, so that no tree is needed and
+//! every triangle is read once.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -13,26 +14,26 @@ use super::Placed;
 
 /// Columns along each side of a face of the box.
 pub(super) const COLUMNS: usize = 24;
-/// Triangles that are looked at together.
+/// Triangles in a batch.
 const BATCH: usize = 1 << 16;
-/// Rays that may be tried against triangles, in all: about a second's work.
+/// Largest total number of ray-triangle tests: about a second's work.
 const MOST_TESTS: u64 = 1 << 28;
 
 /// Where a ray meets a triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Met {
-    /// From 0 at the low end of the box to 1 at the high one.
+    /// From 0 at the low end of the box to 1 at the high end.
     pub(super) at: f64,
-    /// Whether the front is toward the high end.
+    /// Whether the front faces the high end.
     pub(super) faces_high: bool,
 }
 
-/// What the ray through the middle of a column meets.
+/// The hits of the ray through the centre of a column.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Column {
-    /// Nearest to the low end, and to the high one.
+    /// Nearest to the low end, and to the high end.
     pub(super) ends: Option<[Met; 2]>,
-    /// Nearest to the middle of the box, below it and above.
+    /// Nearest to the centre of the box, below it and above.
     pub(super) below: Option<Met>,
     pub(super) above: Option<Met>,
 }
@@ -43,7 +44,7 @@ pub(super) struct Grid {
 }
 
 impl Grid {
-    /// The grid of all that is placed within the box from `low` to `high`. `None` where that takes too long.
+    /// The grid of all geometry within the box from `low` to `high`. `None` if that takes too long.
     pub(super) fn of(all: &[Placed<'_>], low: DVec3, high: DVec3) -> Option<Self> {
         let size = high - low;
         let unit = |x: f64| if x > 0.0 { 1.0 / x } else { 0.0 };
@@ -75,13 +76,13 @@ impl Grid {
         Self { columns: vec![Column::default(); 3 * COLUMNS * COLUMNS] }
     }
 
-    /// The columns along an axis, by rows of the next axis but one.
+    /// The columns along an axis, in rows of the next axis but one.
     pub(super) fn along(&self, axis: usize) -> &[Column] {
         let count = COLUMNS * COLUMNS;
         &self.columns[axis * count..(axis + 1) * count]
     }
 
-    /// Adds a triangle of the unit cube; the number of rays that were tried.
+    /// Adds a triangle of the unit cube; returns the number of rays tested.
     fn add(&mut self, corners: &[DVec3; 3]) -> u64 {
         (0..3).map(|axis| self.add_along(axis, corners)).sum()
     }
@@ -126,7 +127,7 @@ impl Grid {
 }
 
 impl Column {
-    /// Takes note of something that the ray meets. Nothing depends on the order.
+    /// Records a hit of the ray. The order does not matter.
     fn meet(&mut self, met: Met) {
         let lower =
             |a: Met, b: Met| if (a.at, a.faces_high) <= (b.at, b.faces_high) { a } else { b };
@@ -154,7 +155,7 @@ mod tests {
         let points: Vec<Vec3> = (0..8)
             .map(|i| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32))
             .collect();
-        // The lower and the upper side, with their fronts out.
+        // The lower and the upper side, facing outward.
         let triangles = [[0, 3, 1], [0, 2, 3], [4, 5, 7], [4, 7, 6]];
         let placed = Placed { points: &points, triangles: &triangles, world: DAffine3::IDENTITY };
         let grid = Grid::of(&[placed], DVec3::ZERO, DVec3::ONE).unwrap();

@@ -1,8 +1,8 @@
-//! The ground that takes the shadows where a file has no lights.
+//! The ground that receives shadows in files without lights.
 //!
-//! It has the colour at which it shows just what is behind it where it is in no shadow, so that it has no edge: a
-//! photographer's paper does the same. Hence it need not be larger than the shadows are, and no more shadow rays start
-//! from it than have to.
+//! Its colour is such that it matches the background wherever it is not in shadow, so that it has
+//! no visible edge, like a photographer's paper. So it need not be larger than the shadows, and few
+//! shadow rays start from it.
 
 use glam::{DVec2, DVec3, Vec3};
 
@@ -13,18 +13,19 @@ use crate::components::{DirectionalLight, Material, Mesh, Shading, Sides};
 use crate::mesh::MeshData;
 use crate::schema::Shape;
 
-/// How far it is below all that stands on it, in radii: less than is seen, and more than rounding, so that a floor
-/// of the file's own lies above it.
+/// Its distance below the object, in radii: less than is visible, and more than rounding, so that a
+/// floor of the file lies above it.
 const GAP: f64 = 1.0 / 4096.0;
 
-/// Directions along the edge of a lamp that stand for all of it.
+/// Number of directions that represent the edge of a lamp.
 const SIDES: u32 = 8;
 
-/// The box about all that there is, to the right, up, and back.
+/// The box around everything, to the right, up, and back.
 type Bounds = (DVec3, DVec3);
 
-/// What a `subject` with these axes stands on, where it shows `colors.0` under the lamps and a sky that sends it
-/// `colors.1`. None where the camera is below it, or too much of it would be too far out.
+/// The ground below a `subject` with these axes. It matches the background `colors.0` under the
+/// lamps and a sky that sends it `colors.1`. `None` if the camera is below it, or too much of it
+/// would be too far out.
 pub(super) fn under(
     subject: &Subject<'_>,
     axes: &[DVec3; 3],
@@ -66,7 +67,7 @@ pub(super) fn under(
     })
 }
 
-/// The box about all points along the axes; none without points.
+/// The box around all points along the axes; `None` without points.
 fn bounds(subject: &Subject<'_>, [right, up, back]: &[DVec3; 3]) -> Option<Bounds> {
     let none = (DVec3::INFINITY, DVec3::NEG_INFINITY);
     let merge = |a: Bounds, b: Bounds| (a.0.min(b.0), a.1.max(b.1));
@@ -81,7 +82,7 @@ fn bounds(subject: &Subject<'_>, [right, up, back]: &[DVec3; 3]) -> Option<Bound
     (low.is_finite() && high.is_finite()).then_some((low, high))
 }
 
-/// Points about all shadows that a box casts onto the plane of this height, to the right and back.
+/// Points around all shadows that a box casts on the plane at this height, to the right and back.
 fn shadows(
     lamps: &[DirectionalLight],
     axes: &[DVec3; 3],
@@ -99,7 +100,8 @@ fn shadows(
         .collect()
 }
 
-/// Where the light of a lamp goes, to the right and back, while it falls by 1: along the sides of a cone about it.
+/// The horizontal displacement of a lamp's light, to the right and back, while it falls by 1: along
+/// the sides of a cone around it.
 fn slopes(lamp: &DirectionalLight, [right, up, back]: &[DVec3; 3]) -> impl Iterator<Item = DVec2> {
     let axis = lamp.direction.normalize();
     let across = axis.any_orthonormal_vector();
@@ -115,8 +117,8 @@ fn slopes(lamp: &DirectionalLight, [right, up, back]: &[DVec3; 3]) -> impl Itera
     })
 }
 
-/// The corners of the convex hull, in the order in which a face that looks up has them (Andrew, *Another Efficient
-/// Algorithm for Convex Hulls in Two Dimensions*, 1979).
+/// The corners of the convex hull, in the winding of a face that looks up (Andrew, *Another
+/// Efficient Algorithm for Convex Hulls in Two Dimensions*, 1979).
 fn hull(mut points: Vec<DVec2>) -> Vec<DVec2> {
     points.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
     let half = |points: &mut dyn Iterator<Item = DVec2>| {
@@ -138,7 +140,8 @@ fn hull(mut points: Vec<DVec2>) -> Vec<DVec2> {
     corners
 }
 
-/// The mean of the cosines between a normal and the directions to a lamp, all of which are before the surface.
+/// The mean of the cosines between a normal and the directions to a lamp, all of which are in front
+/// of the surface.
 fn mean_cosine(lamp: &DirectionalLight, normal: DVec3) -> f64 {
     let radius = (lamp.angle_degrees / 2.0).to_radians();
     -lamp.direction.normalize().dot(normal) * (1.0 + libm::cos(radius)) / 2.0
@@ -154,7 +157,7 @@ mod tests {
         let points = [[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0], [1.0, 1.0], [1.0, 0.0]];
         let corners = hull(points.map(DVec2::from_array).to_vec());
         assert_eq!(corners.len(), 4, "{corners:?}");
-        // Back is z: its product with x points down, so that the order is clockwise in these two.
+        // Back is z: its product with x points down, so the order is clockwise in these two.
         let [a, b, c] = [0, 1, 2].map(|i: usize| DVec3::new(corners[i].x, 0.0, corners[i].y));
         assert!((b - a).cross(c - a).y > 0.0);
         assert!(hull(Vec::new()).is_empty());

@@ -1,8 +1,9 @@
-//! The light that is put where a file has none: a key and a rim from infinitely far away, a sky that leans to the other
-//! side and so is the fill, and a ground that takes the shadows ([`super::ground`]).
+//! The lights of files without any: a key and a rim light infinitely far away, a sky that leans to
+//! the other side and so is the fill, and a ground that receives shadows ([`super::ground`]).
 //!
-//! All of it follows from where the camera stands, so that shadows fall to the back and to the right in any view. The
-//! lamps are round patches of the sky: however large the scene, its shadows are as soft, and none of them is seen.
+//! All lights follow the camera, so that shadows fall to the back and to the right in any view. The
+//! lamps are round patches of the sky: their shadows are equally soft at any size of the scene, and
+//! the lamps are invisible.
 
 use std::path::Path;
 
@@ -17,30 +18,30 @@ use crate::corners::direction;
 use crate::load::lighting::{Background, Lighting, Rig};
 use crate::schema::{Geometry, Light, Shape};
 
-/// Mirror bounces: after four, little is left of what is mirrored.
+/// Mirror bounces: after four, little mirrored light is left.
 const BOUNCES: u32 = 4;
-/// What rays that hit nothing show in a file with lights: a dark grey, before which black and white surfaces both are
-/// seen.
+/// Background of files with lights: a dark grey, before which black and white surfaces are both
+/// visible.
 const DARK: DVec3 = DVec3::splat(0.05);
-/// What they show elsewhere: lighter than all that a light grey surface shows, but no white.
+/// Background of other files: lighter than any light grey surface, but not white.
 const LIGHT: DVec3 = DVec3::new(0.86, 0.87, 0.88);
-/// The ambient part of all lights together, as in scene files that have one light.
+/// The ambient part of all lights together, as in scene files with one light.
 const AMBIENT: f64 = 0.08;
 
 /// A lamp of the studio.
 struct Lamp {
     name: &'static str,
-    /// Where it is, to the right, up, and back as the camera has it.
+    /// Its direction, to the right, up, and back from the camera.
     side: DVec3,
-    /// What it adds to a white surface that faces it.
+    /// The light it adds to a white surface that faces it.
     color: DVec3,
-    /// The angle that it is seen under, in degrees.
+    /// Its diameter in the sky, in degrees.
     angle: f64,
-    /// Shadow rays for each hit; a pixel has four hits and more.
+    /// Shadow rays for each hit; a pixel has at least four hits.
     samples: u32,
 }
 
-/// Together with the sky they light a white surface that faces the key just to white.
+/// With the sky, they light a white surface that faces the key just to white.
 const STUDIO: [Lamp; 2] = [
     Lamp {
         name: "the key",
@@ -58,46 +59,46 @@ const STUDIO: [Lamp; 2] = [
     },
 ];
 
-/// The sky of a lit scene, and what the ground below it sends up.
+/// The sky of a lit scene, and the light from the ground below it.
 const SKY: [DVec3; 2] = [DVec3::new(0.235, 0.25, 0.27), DVec3::new(0.1, 0.095, 0.09)];
-/// Where the sky is in a studio, to the right, up, and back: it leans to the side that the key leaves dark, and so
-/// fills it without a ray.
+/// Direction of the sky in a studio, to the right, up, and back: it leans to the side that the key
+/// leaves dark, and so fills it without a ray.
 const LEANING: DVec3 = DVec3::new(0.6, 1.0, 0.5);
-/// Those of a room: what its walls send back of the light of its lamp.
+/// The same for a room: light reflected by its walls.
 const ROOM: [DVec3; 2] = [DVec3::splat(0.3), DVec3::splat(0.26)];
-/// What the lamp of a room adds to a white surface that faces it, wherever it is.
+/// The light of a room's lamp on a white surface that faces it, at any distance.
 const CEILING: f64 = 0.66;
 /// Shadow rays to it for each hit.
 const CEILING_SAMPLES: u32 = 4;
-/// What the lamp of the camera adds to a white surface that faces it.
+/// The light of the camera's lamp on a white surface that faces it.
 const HEADLIGHT: DVec3 = DVec3::splat(0.65);
-/// A view that is no more off the vertical than this, as the sine of the angle, is one from right above.
+/// Sine of the largest angle off the vertical of a view from directly above.
 const STEEP: f64 = 1e-3;
 
-/// What is to be lit.
+/// The object to light.
 pub(crate) struct Subject<'a> {
     pub(crate) all: &'a [Placed<'a>],
     pub(crate) bounds: &'a Sphere,
     pub(crate) view: &'a View,
-    /// Where else the camera is in the course of a path.
+    /// The path of the camera, if any.
     pub(crate) path: Option<&'a CameraPath>,
-    /// Where the sky is, of unit length.
+    /// Direction of the sky, of unit length.
     pub(crate) up: DVec3,
-    /// The corners of a flat lamp where the camera is in a room.
+    /// The corners of a flat lamp, if the camera is in a room.
     pub(crate) lamp: Option<[DVec3; 4]>,
 }
 
-/// What lights it.
+/// The lights for an object.
 pub(crate) struct Lit {
     pub(crate) lights: Vec<Light>,
-    /// None where the camera would be below it.
+    /// `None` if the camera would be below it.
     pub(crate) ground: Option<Shape>,
     pub(crate) settings: Settings,
-    /// What was chosen, in words.
+    /// A description of the choices.
     pub(crate) told: &'static str,
 }
 
-/// Lights a `subject` of `file` that has no lights.
+/// Lights a `subject` from a `file` without lights.
 pub(crate) fn lit(subject: &Subject<'_>, file: &Path, lighting: &Lighting) -> Lit {
     let background = lighting.background.map_or(LIGHT, Background::color);
     let under = |[sky, ground]: [DVec3; 2], up| {
@@ -122,7 +123,7 @@ pub(crate) fn lit(subject: &Subject<'_>, file: &Path, lighting: &Lighting) -> Li
             let axes = subject.axes();
             let lamps = STUDIO.each_ref().map(|lamp| lamp.light(&axes));
             let leaning = place(&axes, LEANING);
-            // Before nothing there is nothing that a shadow could darken.
+            // On a transparent background there is nothing to darken.
             let has_ground = lighting.background != Some(Background::Transparent);
             let colors = (background, from_sky(SKY, leaning, subject.up));
             let ground = has_ground.then(|| ground::under(subject, &axes, &lamps, colors));
@@ -142,12 +143,12 @@ pub(crate) fn lit(subject: &Subject<'_>, file: &Path, lighting: &Lighting) -> Li
     }
 }
 
-/// What a surface with this normal receives from a sky that is to the side of `up`.
+/// The light on a surface with this normal from a sky in the direction `up`.
 fn from_sky([sky, below]: [DVec3; 2], up: DVec3, normal: DVec3) -> DVec3 {
     (sky + below) / 2.0 + (sky - below) / 2.0 * up.normalize().dot(normal)
 }
 
-/// What else holds for a file with so many lights of its own.
+/// The other settings of a file with this number of lights of its own.
 pub(crate) fn settings(file: &Path, lights: usize, lighting: &Lighting) -> Settings {
     let background = lighting.background.map_or(DARK, Background::color);
     // Each light adds it.
@@ -158,12 +159,12 @@ fn settings_of(file: &Path, background: DVec3, ambient: Ambient) -> Settings {
     Settings { file: file.to_owned(), bounces: BOUNCES, background, ambient }
 }
 
-/// The most shadow rays that the lights of a file without any take for each hit.
+/// Largest number of shadow rays for each hit of the added lights.
 pub(crate) fn samples() -> u64 {
     STUDIO.iter().map(|lamp| u64::from(lamp.samples)).sum()
 }
 
-/// A lamp where the camera is.
+/// A lamp at the camera.
 fn headlight(view: &View) -> Light {
     let light = PointLight {
         intensity: 1.0,
@@ -174,7 +175,7 @@ fn headlight(view: &View) -> Light {
     Light::Point { path: "the light".to_owned(), light }
 }
 
-/// A flat lamp with these corners, as bright wherever it is seen from.
+/// A flat lamp with these corners, equally bright at any distance.
 fn ceiling(corners: [DVec3; 4]) -> Light {
     let path = "the lamp".to_owned();
     let light = AreaLight {
@@ -191,7 +192,7 @@ fn ceiling(corners: [DVec3; 4]) -> Light {
     Light::Area { path, light, shape: Box::new(shape) }
 }
 
-/// So far to the right, up, and back.
+/// The vector with these components to the right, up, and back.
 fn place([right, up, back]: &[DVec3; 3], side: DVec3) -> DVec3 {
     *right * side.x + *up * side.y + *back * side.z
 }
@@ -214,11 +215,12 @@ impl Lamp {
 }
 
 impl Subject<'_> {
-    /// To the right, up and to the camera, as one sees it who stands upright before the scene.
+    /// The directions to the right, up and to the camera, for an upright viewer in front of the
+    /// scene.
     fn axes(&self) -> [DVec3; 3] {
         let Self { view, up, .. } = self;
         let level = |v: DVec3| v - *up * v.dot(*up);
-        // From right above, the lower edge of the image is in front.
+        // From directly above, the lower edge of the image is in front.
         let from = view.location - view.look;
         let is_level = |v: &DVec3| v.length() > STEEP * from.length();
         let back = Some(level(from)).filter(is_level).or_else(|| Some(level(-view.up)));

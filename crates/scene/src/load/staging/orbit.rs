@@ -1,7 +1,8 @@
-//! A camera that goes around what it sees, or from one side of it to the next.
+//! A camera that turns around an object, or shows several of its sides.
 //!
-//! Each frame is a key of the camera's path, so that what is between keys does not matter and a scene file can say
-//! the same. The camera keeps its distance and its height: what turns below it stays within the image, at any angle.
+//! Each frame is a key of the camera's path, so that interpolation does not matter and a scene file
+//! can store the path. The camera keeps its distance and its height: the turning object stays in
+//! the image at any angle.
 
 use std::f64::consts::TAU;
 
@@ -10,7 +11,8 @@ use glam::{DQuat, DVec3};
 use super::camera::{NEAREST, PARALLEL, Stage};
 use crate::components::{CameraKey, CameraPath, Interpolation, View};
 
-/// The path once around in so many frames, beginning where `view` is. Within a room the camera turns where it stands.
+/// The path of one turn in this number of frames, starting at `view`. Inside a room the camera
+/// turns in place.
 pub(super) fn path(view: &View, frames: u32, stage: &Stage<'_>, inside: bool) -> CameraPath {
     let axis = stage.up.axes().y_axis;
     let start = if inside { *view } else { around(view, stage, axis) };
@@ -27,7 +29,7 @@ pub(super) fn path(view: &View, frames: u32, stage: &Stage<'_>, inside: bool) ->
     }))
 }
 
-/// The path that has these views as frames, from 1 on.
+/// The path with these views as frames, from 1 on.
 pub(super) fn through(views: impl Iterator<Item = View>) -> CameraPath {
     let key = |(frame, view): (u32, View)| CameraKey {
         frame,
@@ -40,16 +42,18 @@ pub(super) fn through(views: impl Iterator<Item = View>) -> CameraPath {
     CameraPath { keys: (1..).zip(views).map(key).collect(), interpolation: Interpolation::Linear }
 }
 
-/// `view` as it is in the first frame.
+/// `view` as in the first frame.
 pub(super) fn first(view: View, path: &CameraPath) -> View {
     let Some(key) = path.keys.first() else { return view };
     View { location: key.location, look: key.look, up: key.up, ..view }
 }
 
-/// The view in the same direction at a point of the axis, from which all is seen however it is turned about it.
+/// The view in the same direction at a point of the axis, from which the object is in the image at
+/// any rotation about the axis.
 ///
-/// A point at the distance r from the axis and the height h moves along a circle, of which the outermost points to
-/// each side follow in closed form, with e the elevation and t the tangent of half an angle of view.
+/// A point at distance r from the axis and at height h moves along a circle; its outermost
+/// positions on each side follow in closed form, with e the elevation and t the tangent of half an
+/// angle of view.
 fn around(view: &View, stage: &Stage<'_>, axis: DVec3) -> View {
     let back = (view.location - view.look).normalize();
     let [across, along] = stage.tangents(view);
@@ -73,7 +77,7 @@ fn around(view: &View, stage: &Stage<'_>, axis: DVec3) -> View {
     if !(up.is_finite() && down.is_finite()) {
         return *view;
     }
-    // The height at which both, and not one alone, touch the image's border.
+    // The height at which both touch the image's border, not only one.
     let height = if cosine > PARALLEL { (up - down) * along / (2.0 * cosine) } else { 0.0 };
     let distance =
         (up - height * upward.1).max(down - height * downward.1).max(side - height * sine);
@@ -91,7 +95,7 @@ mod tests {
     use crate::load::staging::{Placed, bounds, framed};
     use glam::{DAffine3, Vec3};
 
-    /// Where points are in the image of a key, from -1 to 1.
+    /// The positions of points in the image of a key, from -1 to 1.
     fn places(points: &[Vec3], key: &CameraKey, tangents: [f64; 2]) -> Vec<[f64; 2]> {
         let forward = (key.look - key.location).normalize();
         let right = forward.cross(key.up).normalize();
@@ -131,7 +135,7 @@ mod tests {
             let tangents = [tangent * 4.0 / 3.0, tangent];
             let seen = keys.iter().flat_map(|key| places(&points, key, tangents));
             let farthest = seen.flatten().fold(0.0, |most: f64, at| most.max(at.abs()));
-            // The share that is filled, reached in one frame of many.
+            // The share to fill, reached in one frame of many.
             assert!(farthest < 0.92 + 1e-9 && farthest > 0.91, "{up:?} {side}: {farthest}");
         }
     }

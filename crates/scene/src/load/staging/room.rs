@@ -1,49 +1,50 @@
-//! Rooms: files that are to be seen from within.
+//! Recognises rooms: files that should be seen from inside.
 //!
-//! A room has walls where the box about it ends, which show their backs outward, or which are thick and have something
-//! between them that faces the middle. A solid block has such walls too, but they face the other way. Where one wall is
-//! missing, as in a doll's house or in the Cornell box, the room is seen from outside through the open side.
+//! A room has walls at the ends of its box, which show their backs outward, or which are thick and
+//! have something between them that faces the centre. A solid block has such walls too, but they
+//! face the other way. If one wall is missing, as in a doll's house or in the Cornell box, the room
+//! is seen from outside through the open side.
 
 use glam::DVec3;
 
 use super::grid::{COLUMNS, Column, Grid};
 use crate::load::framing::Up;
 
-/// A wall lies within this share of the room's length of the end of the box.
+/// Largest distance of a wall from the end of the box, as a share of the room's length.
 const WALL_DEPTH: f64 = 0.1;
-/// It covers as much of the side at least: there are windows and doors.
+/// Smallest share of its side that a wall covers: there are windows and doors.
 const WALL: f64 = 0.6;
-/// A side is open that is covered by no more than this.
+/// Largest covered share of an open side.
 const OPEN: f64 = 0.25;
-/// The share of what is met from outside that shows its back, at least.
+/// Smallest share of outer hits that show their back.
 const BACKS: f64 = 0.6;
-/// The share of what is met from the middle that shows its front, at least, where walls are thick.
+/// Smallest share of hits from the centre that show their front, for thick walls.
 const FRONTS: f64 = 0.6;
-/// What is farther from both ends than this share of the way is furniture,
+/// Hits farther from both ends than this share of the distance are furniture,
 const FURNITURE_DEPTH: f64 = 0.15;
-/// and there is some in this share of the columns at least.
+/// which must be in at least this share of the columns.
 const FURNITURE: f64 = 0.1;
 /// Height of the eye as a share of the room's: 1.5 of 2.6 metres.
 const EYE: f64 = 0.58;
 /// Length of the lamp as a share of the room's, in both directions.
 const LAMP: f64 = 0.2;
-/// What stays free above it, as a share of the room's height.
+/// Free space above it, as a share of the room's height.
 const ABOVE_LAMP: f64 = 0.03;
-/// What stays free between the eye and what is behind it, as a share of the way before it.
+/// Free space between the eye and what is behind it, as a share of the distance in front of it.
 const BEHIND: f64 = 0.03;
 
-/// How a room is seen.
+/// How to show a room.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Room {
-    /// From within: the eye, the point that it looks at, and the corners of a flat lamp under the
-    /// ceiling, one after the other.
+    /// From inside: the eye, its look-at point, and the corners of a flat lamp under the ceiling,
+    /// in order.
     Closed { eye: DVec3, look: DVec3, lamp: [DVec3; 4] },
-    /// From outside, from where this vector along an axis points.
+    /// From outside, from the side that this axis vector points to.
     Open(DVec3),
 }
 
 impl Room {
-    /// What the user should know.
+    /// A description for the user.
     pub(super) fn told(self) -> &'static str {
         match self {
             Self::Closed { .. } => "a room, seen from inside (change with --view); ",
@@ -52,13 +53,13 @@ impl Room {
     }
 }
 
-/// One side of the box about a file.
+/// One side of the box around a file.
 struct Side {
     axis: usize,
     is_high: bool,
     /// The share of it that a wall covers.
     covered: f64,
-    /// Of that, the share that faces inward.
+    /// The share of the wall that faces inward.
     inward: f64,
 }
 
@@ -80,7 +81,7 @@ impl Side {
         self.covered >= WALL
     }
 
-    /// Outward.
+    /// The outward normal.
     fn normal(&self) -> DVec3 {
         let mut normal = DVec3::ZERO;
         normal[self.axis] = if self.is_high { 1.0 } else { -1.0 };
@@ -88,7 +89,7 @@ impl Side {
     }
 }
 
-/// The room that the box from `low` to `high` holds, if it does.
+/// The room in the box from `low` to `high`, if it is one.
 pub(super) fn find(grid: &Grid, low: DVec3, high: DVec3, up: Up) -> Option<Room> {
     let upward = up.axes().y_axis;
     let sides = [0, 1, 2].map(|axis| [false, true].map(|is_high| Side::of(grid, axis, is_high)));
@@ -109,7 +110,7 @@ pub(super) fn find(grid: &Grid, low: DVec3, high: DVec3, up: Up) -> Option<Room>
     }
 }
 
-/// Whether what is met from the middle mostly faces it, and some of it is no wall.
+/// Whether hits from the centre mostly face it, and some are not walls.
 fn is_furnished(grid: &Grid) -> bool {
     let (mut all, mut fronts, mut furniture) = (0u32, 0u32, 0u32);
     for column in (0..3).flat_map(|axis| grid.along(axis)) {
@@ -125,7 +126,7 @@ fn is_furnished(grid: &Grid) -> bool {
     f64::from(fronts) >= FRONTS * all && f64::from(furniture) >= FURNITURE * all
 }
 
-/// The view from one end of the longer way to the other, where there is most room in the middle.
+/// The view from one end of the longer axis to the other, along the freest line near the middle.
 pub(super) fn inside(grid: &Grid, low: DVec3, high: DVec3, upward: DVec3) -> Room {
     let size = high - low;
     let vertical = if upward.x != 0.0 { 0 } else { 1 + usize::from(upward.y == 0.0) };
@@ -138,7 +139,7 @@ pub(super) fn inside(grid: &Grid, low: DVec3, high: DVec3, upward: DVec3) -> Roo
         let [column, row] = if (long + 1) % 3 == vertical { [cell, at] } else { [at, cell] };
         &grid.along(long)[row * COLUMNS + column]
     };
-    // Of equally long ways the one nearest to the middle.
+    // Of equally long lines, the one nearest to the middle.
     let mut places: Vec<usize> = (COLUMNS / 3..COLUMNS - COLUMNS / 3).collect();
     places.sort_by_key(|at| (2 * at + 1).abs_diff(COLUMNS));
     let way = |at: usize| free(column(at));
@@ -182,7 +183,7 @@ fn lamp(grid: &Grid, low: DVec3, size: DVec3, look: DVec3, upward: DVec3) -> [DV
     let cells = rows.flat_map(|row| columns.clone().map(move |column| (row, column)));
     let mut heights: Vec<f64> = cells.map(cell).map(height).collect();
     heights.sort_by(f64::total_cmp);
-    // Beams and lamps of the room's own may go through it.
+    // Beams and lamps of the room itself may pass through it.
     let ceiling = heights.get(heights.len() / 2).copied().unwrap_or(1.0) - ABOVE_LAMP;
     let corner = |u: f64, v: f64| {
         let mut share = middle;
@@ -194,7 +195,7 @@ fn lamp(grid: &Grid, low: DVec3, size: DVec3, look: DVec3, upward: DVec3) -> [DV
     [corner(-1.0, -1.0), corner(-1.0, 1.0), corner(1.0, 1.0), corner(1.0, -1.0)]
 }
 
-/// From where to where nothing is in the way, about the middle.
+/// The free range of a column around its centre.
 fn free(column: &Column) -> [f64; 2] {
     [column.below.map_or(0.0, |met| met.at), column.above.map_or(1.0, |met| met.at)]
 }

@@ -1,28 +1,29 @@
-//! Which axis of a mesh is up, where neither its format nor its user says.
+//! Guesses the up axis of a mesh, if neither its format nor its user states it.
 //!
-//! Scans and printed parts come with y or z upward. Only two things are taken as evidence against what is usual in
-//! a format: a flat base, on which the mesh would stand along one of the two axes and not along the other; and a
-//! wide, thin surface of one layer that faces along one of them, as terrain does.
+//! Scans and printed parts have y or z up. Only two features count as evidence against the usual
+//! axis of a format: a flat base, on which the mesh would stand along one of the two axes but not
+//! along the other; and a wide, thin surface of one layer that faces along one of them, as terrain
+//! does.
 
 use glam::DVec3;
 
 use super::grid::{Column, Grid};
 use crate::load::framing::Up;
 
-/// A base lies within this share of the height of the lowest point.
+/// Largest distance of a base from the lowest point, as a share of the height.
 const BASE_DEPTH: f64 = 0.02;
-/// Of the rays from below that meet the mesh, a base is met by as many at least,
+/// Smallest share of hits from below on a base,
 const BASE: f64 = 0.5;
-/// and where there is none, by as many at most.
+/// and the largest share without a base.
 const NO_BASE: f64 = 0.2;
-/// Terrain is no higher than this share of its shorter side.
+/// Largest height of terrain, as a share of its shorter side.
 const TERRAIN_HEIGHT: f64 = 0.35;
-/// Nearly all: of rays that meet one layer from above.
+/// Share of the hits from above with a single layer.
 const NEARLY_ALL: f64 = 0.9;
-/// What terrain covers at least of the rectangle about it.
+/// Smallest share of its bounding rectangle that terrain covers.
 const TERRAIN_COVERS: f64 = 0.6;
 
-/// The axis that is up, y or z; and why it is not the `usual` one, if it is not.
+/// The up axis, y or z; and the reason if it is not the `usual` one.
 pub(super) fn guess(grid: &Grid, size: DVec3, usual: Up) -> (Up, Option<&'static str>) {
     let axes = [(Up::Y, 1), (Up::Z, 2)];
     let bases = axes.map(|(_, axis)| base(grid.along(axis)));
@@ -41,7 +42,7 @@ pub(super) fn guess(grid: &Grid, size: DVec3, usual: Up) -> (Up, Option<&'static
     (usual, None)
 }
 
-/// Of the rays from below that meet something, the share that meets a flat base.
+/// The share of hits from below that are on a flat base.
 fn base(columns: &[Column]) -> f64 {
     let ends = columns.iter().filter_map(|column| column.ends);
     let (count, flat) = ends.fold((0u32, 0u32), |(count, flat), [low, _]| {
@@ -50,7 +51,7 @@ fn base(columns: &[Column]) -> f64 {
     f64::from(flat) / f64::from(count.max(1))
 }
 
-/// Whether there is one layer, which faces up, and is wide and low.
+/// Whether there is one layer that faces up, wide and low.
 fn is_terrain(columns: &[Column], size: DVec3, axis: usize) -> bool {
     let sides = [(axis + 1) % 3, (axis + 2) % 3].map(|side| size[side]);
     let is_low = size[axis] <= TERRAIN_HEIGHT * sides[0].min(sides[1]);
@@ -78,7 +79,7 @@ mod tests {
         (up, why.is_some())
     }
 
-    /// A pyramid whose base is a square at right angles to z.
+    /// A pyramid whose base is a square perpendicular to z.
     fn pyramid() -> (Vec<Vec3>, Vec<[u32; 3]>) {
         let base = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
         let points = base.map(|(x, y)| Vec3::new(x, y, 0.0)).into_iter().chain([Vec3::Z * 3.0]);
@@ -93,7 +94,7 @@ mod tests {
         assert_eq!(guessed(&points, &triangles, Up::Z), (Up::Z, false));
         points.iter_mut().for_each(|p| *p = Vec3::new(p.x, p.z, -p.y));
         assert_eq!(guessed(&points, &triangles, Up::Z), (Up::Y, true));
-        // Without its base there is nothing to go by.
+        // Without its base there is no evidence.
         triangles.drain(..2);
         assert_eq!(guessed(&points, &triangles, Up::Z), (Up::Z, false));
     }

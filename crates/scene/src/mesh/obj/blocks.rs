@@ -5,13 +5,13 @@ use crate::mesh::faults::read_failure;
 use crate::mesh::place::{ReadAt, fill};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
-/// How much text is in memory at once, unless a statement is longer.
+/// Largest part of the text in memory at once, unless a statement is longer.
 pub(super) const BLOCK_BYTES: usize = 1 << 24;
 
-/// About how much text one task reads.
+/// Approximate text for each task.
 pub(super) const PIECE_BYTES: usize = 1 << 17;
 
-/// Gives the text to `take`, in blocks that end where a statement does.
+/// Passes the text to `take`, in blocks that end with a statement.
 pub(super) fn each_block<F: ReadAt + ?Sized>(
     file: &F,
     length: u64,
@@ -21,7 +21,7 @@ pub(super) fn each_block<F: ReadAt + ?Sized>(
     let mut text = Vec::new();
     let mut place = 0;
     loop {
-        // What is left of the block before is the beginning of a statement.
+        // The rest of the last block is the start of a statement.
         let begun = text.len();
         let read = (length - place).min(size as u64) as usize;
         text.resize(begun + read, 0);
@@ -39,8 +39,8 @@ pub(super) fn each_block<F: ReadAt + ?Sized>(
     }
 }
 
-/// Refuses UTF-16, whose every second byte is no text here, and drops the mark that some programs
-/// put before UTF-8.
+/// Refuses UTF-16, in which every second byte is invalid here, and drops the byte order mark that
+/// some programs put before UTF-8.
 fn check_encoding(text: &mut Vec<u8>) -> Result<()> {
     let utf16 = matches!(text[..], [0xFE, 0xFF, ..] | [0xFF, 0xFE, ..])
         || text.iter().take(64).any(|&byte| byte == 0);
@@ -55,7 +55,7 @@ fn check_encoding(text: &mut Vec<u8>) -> Result<()> {
     Ok(())
 }
 
-/// Cuts a block into pieces of about `size` that end where a statement does.
+/// Cuts a block into pieces of about `size` that end with a statement.
 pub(super) fn cut(mut text: &[u8], size: usize) -> Vec<&[u8]> {
     let mut pieces = Vec::new();
     while !text.is_empty() {

@@ -7,7 +7,7 @@ use crate::mesh::number::leading_whole;
 use crate::mesh::validate::bad_index;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
-/// The indices of a face's corners, a list for each kind; [`NO_VALUE`] where there is none.
+/// The indices of a face's corners, a list for each kind; [`NO_VALUE`] for none.
 #[derive(Debug, Default)]
 pub(super) struct Corners {
     pub(super) positions: Vec<u32>,
@@ -16,8 +16,8 @@ pub(super) struct Corners {
 }
 
 impl Corners {
-    /// Reads the corners of a face that comes after `count` values; where that is not known, no
-    /// index may count backward.
+    /// Reads the corners of a face after `count` values; if the count is unknown, indices must not
+    /// count backward.
     pub(super) fn read(&mut self, mut rest: &[u8], count: Option<Count>) -> Result<()> {
         self.positions.clear();
         self.uvs.clear();
@@ -44,8 +44,8 @@ impl Corners {
     }
 }
 
-/// The corner that `text` begins with, and its length, if it is of the common form: numbers that
-/// are there count from 1 and are short.
+/// The corner at the start of `text`, and its length, if it has the common form: short numbers that
+/// count from 1.
 #[inline]
 fn quick(text: &[u8]) -> Option<([u32; 3], usize)> {
     let mut corner = [NO_VALUE; 3];
@@ -69,7 +69,7 @@ fn quick(text: &[u8]) -> Option<([u32; 3], usize)> {
     Some((corner, at))
 }
 
-/// The corner that a `word` is, in any form.
+/// The corner in a `word`, in any form.
 fn corner(word: &[u8], count: Option<Count>) -> Result<[u32; 3]> {
     let mut parts = word.split(|&b| b == b'/');
     let fault = || malformed("a corner of a face", word, "write it as 1, 1/2, 1//3 or 1/2/3");
@@ -86,8 +86,8 @@ fn corner(word: &[u8], count: Option<Count>) -> Result<[u32; 3]> {
 }
 
 impl Corners {
-    /// The error of an index that is not below the count of the `whole` file. Attributes of which
-    /// the file has no value are taken as absent.
+    /// The error of the first index beyond the counts of the `whole` file. Attributes without
+    /// values in the file count as absent.
     pub(super) fn first_beyond(&self, whole: Count) -> Option<Error> {
         let columns = [
             ("vertex", &self.positions, whole.positions, true),
@@ -102,7 +102,7 @@ impl Corners {
     }
 }
 
-/// An index that may be missing: `None` if it is malformed.
+/// An optional index: `None` if it is malformed.
 fn optional(what: &str, digits: Option<&[u8]>, count: Option<u64>) -> Option<Result<u32>> {
     match digits {
         None | Some([]) => Some(Ok(NO_VALUE)),
@@ -110,15 +110,15 @@ fn optional(what: &str, digits: Option<&[u8]>, count: Option<u64>) -> Option<Res
     }
 }
 
-/// The index, from 0, that `digits` name after `count` values: from 1 in the file, or backward
-/// from -1, the latest value. `None` if it is malformed. Where the count is not known, an index
-/// that counts backward is an error like any other, which is not reported.
+/// The index, from 0, in `digits` after `count` values: from 1 in the file, or backward from -1,
+/// the latest value. `None` if it is malformed. If the count is unknown, an index that counts
+/// backward is an error, which is not reported.
 fn index(what: &str, digits: &[u8], count: Option<u64>) -> Option<Result<u32>> {
     let number = whole_number(digits)?;
     let index = match number {
         1.. => number - 1,
         0 => return Some(Err(zero_index(what))),
-        // A count is far below the greatest i64.
+        // A count is far below the largest i64.
         _ => count.map_or(-1, |count| count as i64 + number),
     };
     let fits = (0..=MAX_COUNT as i64).contains(&index);
@@ -132,8 +132,8 @@ fn zero_index(what: &str) -> Error {
         .remedy("count from 1, or backward from -1")
 }
 
-/// A whole number with an optional sign. One that is too large for an index may come out as some
-/// other that is.
+/// An integer with an optional sign. One too large for an index may wrap to another that is too
+/// large.
 fn whole_number(text: &[u8]) -> Option<i64> {
     let (negative, digits) = match text {
         [b'-', digits @ ..] => (true, digits),

@@ -1,8 +1,8 @@
-//! What an OBJ text holds, counted.
+//! Counts of an OBJ text.
 
 use super::lines::{Keyword, statements};
 
-/// How many lines and values there are in some text.
+/// The number of lines and values in some text.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Count {
     pub(super) lines: u64,

@@ -1,19 +1,19 @@
 //! The statements of an OBJ text, and the words of a statement.
 //!
-//! A statement is a line, and goes on in the next where it ends in a backslash. That holds only for
-//! the statements that are read: comments and names end in a backslash too, where they are paths of
-//! folders, and must not swallow the line after them.
+//! A statement is a line, continued on the next if it ends in a backslash. That applies only to the
+//! statements that are read: comments and names may end in a backslash too, as paths of folders,
+//! and must not swallow the next line.
 
 use wavecrest_base::error::{Error, ErrorKind};
 
-/// The statements that are read.
+/// The supported statements.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Keyword {
     Position,
     Uv,
     Normal,
     Face,
-    /// Names the material of the faces that follow.
+    /// Sets the material of the following faces.
     Material,
     /// Names files of materials.
     Library,
@@ -21,11 +21,11 @@ pub(super) enum Keyword {
     Other,
 }
 
-/// A statement, and the line where it begins, counted from that of the text as 0.
+/// A statement and its first line, counted from 0 at the start of the text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Statement<'a> {
     pub(super) keyword: Keyword,
-    /// What follows the keyword, with the line ends and backslashes inside.
+    /// The text after the keyword, including inner line ends and backslashes.
     pub(super) rest: &'a [u8],
     pub(super) line: u64,
 }
@@ -34,7 +34,7 @@ pub(super) struct Statement<'a> {
 #[derive(Clone, Debug)]
 pub(super) struct Statements<'a> {
     text: &'a [u8],
-    /// The lines passed over.
+    /// The lines read so far.
     pub(super) lines: u64,
 }
 
@@ -70,12 +70,12 @@ impl<'a> Iterator for Statements<'a> {
     }
 }
 
-/// The length of the first line, with its end.
+/// The length of the first line, including its end.
 fn line_length(text: &[u8]) -> usize {
     memchr::memchr(b'\n', text).map_or(text.len(), |i| i + 1)
 }
 
-/// The keyword that a line begins with, and where it ends.
+/// The keyword at the start of a line, and its end.
 fn keyword(line: &[u8]) -> (Keyword, usize) {
     let start = line.iter().take_while(|b| matches!(b, b' ' | b'\t')).count();
     let (keyword, length) = match line[start..] {
@@ -99,25 +99,25 @@ fn ends_in_backslash(line: &[u8]) -> bool {
     matches!(line, [.., b'\\', b'\n'] | [.., b'\\', b'\r', b'\n'] | [.., b'\\'])
 }
 
-/// The rest of a line as a name, which may have blanks in it.
+/// The rest of a line as a name, which may contain blanks.
 pub(super) fn name(rest: &[u8]) -> String {
     String::from_utf8_lossy(rest.trim_ascii()).into_owned()
 }
 
-/// What stands between words. A backslash is here because one is at a line end inside a statement.
+/// Separators between words, including a backslash at a line end inside a statement.
 #[inline]
 pub(super) fn is_blank(byte: u8) -> bool {
     matches!(byte, b' ' | b'\t'..=b'\r' | b'\\')
 }
 
-/// A statement's text from its first word on; `None` where it has none, but perhaps a comment.
+/// A statement's text from its first word on; `None` if it has only a comment or nothing.
 #[inline]
 pub(super) fn first_word(rest: &[u8]) -> Option<&[u8]> {
     let start = rest.iter().position(|&b| !is_blank(b))?;
     (rest[start] != b'#').then(|| &rest[start..])
 }
 
-/// After the last line end of `text` that surely ends a statement; 0 if there is none.
+/// The position after the last line end of `text` that surely ends a statement; 0 if there is none.
 pub(super) fn last_end(text: &[u8]) -> usize {
     let mut end = text.len();
     loop {
@@ -129,7 +129,7 @@ pub(super) fn last_end(text: &[u8]) -> usize {
     }
 }
 
-/// After the first line end of `text` at `from` or later that surely ends a statement.
+/// The position after the first line end of `text` at `from` or later that surely ends a statement.
 pub(super) fn first_end(text: &[u8], from: usize) -> usize {
     let mut end = from.min(text.len());
     while end < text.len() {
@@ -141,7 +141,7 @@ pub(super) fn first_end(text: &[u8], from: usize) -> usize {
     end
 }
 
-/// The error of a `word` that is not `what` it should be.
+/// The error of a `word` that should be `what`.
 pub(super) fn malformed(what: &str, word: &[u8], remedy: &str) -> Error {
     Error::new(ErrorKind::Syntax, format!("{what} is malformed"))
         .value(format_args!("\"{}\"", String::from_utf8_lossy(word)))

@@ -1,4 +1,4 @@
-//! A piece of an OBJ text: its statements, counted and read.
+//! Pieces of an OBJ text, counted and read.
 
 use glam::{Vec2, Vec3};
 
@@ -11,18 +11,18 @@ use crate::mesh::polygon::{self, Polygon};
 use crate::mesh::validate::{bad_position, is_good_position};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
-/// What a piece gives. Indices count from the beginning of the file.
+/// The contents of a piece. Indices count from the beginning of the file.
 #[derive(Debug, Default)]
 pub(super) struct Piece {
     pub(super) positions: Vec<Vec3>,
-    /// As many as positions, if any has a colour.
+    /// One for each position, if any has a colour.
     pub(super) colors: Option<Vec<Vec3>>,
     pub(super) uvs: Vec<Vec2>,
     pub(super) normals: Vec<Vec3>,
     pub(super) triangles: Vec<[u32; 3]>,
-    /// As many as triangles, if any corner has texture coordinates.
+    /// One for each triangle, if any corner has texture coordinates.
     pub(super) uv_indices: Option<Vec<[u32; 3]>>,
-    /// As many as triangles, if any corner has a normal.
+    /// One for each triangle, if any corner has a normal.
     pub(super) normal_indices: Option<Vec<[u32; 3]>>,
     /// Counted from the first triangle of the piece.
     pub(super) polygons: Vec<Polygon>,
@@ -45,15 +45,15 @@ impl Piece {
         Ok(piece)
     }
 
-    /// Counts what is in a piece, and reads it if this can be done without knowing what comes
-    /// before: where no index counts backward, and where there is no fault whose line is needed.
+    /// Counts the contents of a piece, and reads it if that needs no knowledge of earlier pieces:
+    /// if no index counts backward, and there is no error whose line is needed.
     pub(super) fn read_anywhere(text: &[u8]) -> (Count, Option<Self>) {
         let mut piece = Some(Self::default());
         let mut corners = Corners::default();
         let mut count = Count::default();
         let mut all = statements(text);
         for statement in all.by_ref() {
-            // A piece that cannot be read so is only counted from there on.
+            // After a failure the rest of the piece is only counted.
             if let Some(read) = &mut piece
                 && read.statement(statement, None, &mut corners).is_err()
             {
@@ -82,7 +82,7 @@ impl Piece {
                 corners.read(rest, count)?;
                 self.push_face(corners);
             }
-            // A piece is in memory: its triangles are fewer than 2^32.
+            // A piece is in memory, so its triangles are fewer than 2^32.
             Keyword::Material => self.materials.begin(self.triangles.len() as u32, name(rest)),
             Keyword::Library => self.materials.add_library(name(rest)),
             Keyword::Other => {}
@@ -109,8 +109,8 @@ impl Piece {
     fn push_face(&mut self, corners: &Corners) {
         let before = self.triangles.len();
         if corners.positions.len() > 3 {
-            // A piece is in memory, so that its triangles are fewer than 2^32; the sum over the
-            // pieces is checked where they are joined.
+            // A piece is in memory, so its triangles are fewer than 2^32; the sum over the pieces
+            // is checked when they are joined.
             let (first, corners) = (before as u32, corners.positions.len() as u32);
             self.polygons.push(Polygon { first, corners });
         }
@@ -120,8 +120,8 @@ impl Piece {
     }
 }
 
-/// Adds a face's indices of one attribute, of which the triangles `before` had none if there is no
-/// list yet.
+/// Appends a face's indices of one attribute; if there is no list yet, the triangles `before` had
+/// none.
 fn push_indices(to: &mut Option<Vec<[u32; 3]>>, corners: &[u32], before: usize) {
     if to.is_none() && corners.iter().all(|&i| i == NO_VALUE) {
         return;
@@ -129,14 +129,14 @@ fn push_indices(to: &mut Option<Vec<[u32; 3]>>, corners: &[u32], before: usize) 
     to.get_or_insert_with(|| vec![[NO_VALUE; 3]; before]).extend(polygon::fan(corners));
 }
 
-/// The colour that stands behind a position, if there is one: three numbers. A number alone is a weight.
+/// The colour after a position, if any: three numbers. A single number is a weight.
 #[cold]
 fn color(rest: &[u8]) -> Option<Vec3> {
     numbers::<3>(rest, 3, "v").ok().map(|(color, _)| Vec3::from(color))
 }
 
-/// The first `N` numbers of a statement, and what follows them. The first `needed` must be there, the
-/// others are 0 if they are not.
+/// The first `N` numbers of a statement, and the text after them. The first `needed` are required,
+/// the others default to 0.
 fn numbers<'a, const N: usize>(
     rest: &'a [u8],
     needed: usize,
@@ -174,8 +174,8 @@ fn numbers<'a, const N: usize>(
     Ok((numbers, rest))
 }
 
-/// The error of the first face of a text that names a value beyond those of the `whole` file. The
-/// text begins after `start`, and [`Piece::read`] has found no fault in it.
+/// The error of the first face of a text that refers to a value beyond those of the `whole` file.
+/// The text begins after `start`, and [`Piece::read`] found no error in it.
 pub(super) fn find_bad_face(text: &[u8], start: Count, whole: Count) -> Option<Error> {
     let mut corners = Corners::default();
     let mut count = start;

@@ -1,4 +1,4 @@
-//! How much an OBJ file holds.
+//! Surveys the contents of an OBJ file.
 
 use rayon::prelude::*;
 
@@ -8,7 +8,7 @@ use crate::mesh::place::ReadAt;
 use crate::mesh::survey::Survey;
 use wavecrest_base::error::Result;
 
-/// What the file of `length` bytes holds: a pass over its text.
+/// Surveys a file of `length` bytes, in a pass over its text.
 pub(in crate::mesh) fn survey<F: ReadAt + ?Sized>(file: &F, length: u64) -> Result<Survey> {
     let mut all = Survey::default();
     each_block(file, length, BLOCK_BYTES, |text| {
@@ -21,7 +21,7 @@ pub(in crate::mesh) fn survey<F: ReadAt + ?Sized>(file: &F, length: u64) -> Resu
     Ok(all)
 }
 
-/// Words of a position that has a colour.
+/// Number of words of a position with a colour.
 const WITH_COLOR: usize = 6;
 
 fn words(rest: &[u8]) -> usize {
@@ -34,7 +34,7 @@ fn of(text: &[u8]) -> Survey {
         match statement.keyword {
             Keyword::Position => {
                 found.positions += 1;
-                // The first of a part shows whether all have colours.
+                // The first position of a part shows whether all have colours.
                 if found.positions == 1 && words(statement.rest) >= WITH_COLOR {
                     found.colors = 1;
                 }
@@ -48,7 +48,8 @@ fn of(text: &[u8]) -> Survey {
     found
 }
 
-/// A face has two corners more than triangles. Its first corner shows which numbers its corners have.
+/// A face has two corners more than triangles. Its first corner shows which indices its corners
+/// have.
 fn face(rest: &[u8], found: &mut Survey) {
     let mut corners = rest
         .split(|&byte| is_blank(byte))

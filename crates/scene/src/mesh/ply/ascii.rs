@@ -1,7 +1,7 @@
-//! The body of a PLY file as text: numbers between blanks, a row a line.
+//! The text body of a PLY file: numbers between blanks, a row a line.
 //!
-//! A row may run over several lines, as long lists do, but a line may not run over several rows: a
-//! row that ends inside a line means that the header does not fit the body, and all that follows
+//! A row may span several lines, as long lists do, but a line may not contain several rows: a row
+//! that ends inside a line means that the header does not fit the body, and everything after it
 //! would be misread.
 
 use std::io::BufRead;
@@ -10,7 +10,7 @@ use super::header::Scalar;
 use super::source::{Fault, Source};
 use crate::mesh::number;
 
-/// No number is longer; of what is longer, messages quote no more.
+/// Longest valid number; messages quote no more of longer words.
 const LONGEST: usize = 256;
 
 /// A text body.
@@ -33,7 +33,7 @@ impl<R: BufRead> Ascii<R> {
         self.left = self.left.saturating_sub(count as u64);
     }
 
-    /// Passes over blanks and returns the byte after them; `None` at the end of the file.
+    /// Skips blanks and returns the byte after them; `None` at the end of the file.
     fn skip_blanks(&mut self) -> Result<Option<u8>, Fault> {
         loop {
             let buffer = self.reader.fill_buf()?;
@@ -70,8 +70,8 @@ impl<R: BufRead> Ascii<R> {
         }
     }
 
-    /// The next number, if it is of a simple form and lies within the buffer: without a copy of its
-    /// word. Else nothing is read.
+    /// The next number, if it has a simple form and lies within the buffer, without copying its
+    /// word. Otherwise nothing is read.
     fn quick(&mut self, kind: Scalar) -> Result<Option<f64>, Fault> {
         let buffer = self.reader.fill_buf()?;
         let blank = buffer.iter().take_while(|b| is_blank(**b)).count();
@@ -140,8 +140,7 @@ impl<R: BufRead> Source for Ascii<R> {
         self.left
     }
 
-    /// A digit and a blank each; the blank after the last number may be missing, but a number of
-    /// any row is followed by that of another or by a line end, and one byte decides nothing.
+    /// A digit and a blank each. The last number may lack its blank, but one byte does not matter.
     fn least(&self, _: Scalar, count: u64) -> u64 {
         count.saturating_mul(2)
     }

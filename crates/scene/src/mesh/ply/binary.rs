@@ -1,6 +1,6 @@
 //! The body of a PLY file in binary numbers of either byte order.
 //!
-//! Number by number here; rows of the common forms, many at once, in [`vertices`] and [`faces`].
+//! Single numbers; [`vertices`] and [`faces`] read many rows of the common forms at once.
 
 use std::io::{BufReader, Read as _};
 
@@ -14,9 +14,9 @@ use crate::mesh::place::{ReadAt, Section};
 #[derive(Debug)]
 pub(super) struct Binary<'a, F: ?Sized, const BIG: bool> {
     file: &'a F,
-    /// Stands at the next number.
+    /// Positioned at the next number.
     reader: BufReader<Section<'a, F>>,
-    /// Where the body ends.
+    /// The end of the body.
     end: u64,
     left: u64,
 }
@@ -41,17 +41,17 @@ impl<'a, F: ReadAt + ?Sized, const BIG: bool> Binary<'a, F, BIG> {
         Ok(bytes)
     }
 
-    /// Where in the file the next number is.
+    /// The offset of the next number in the file.
     fn place(&self) -> u64 {
         self.end - self.left
     }
 
-    /// How many bytes a thread reads at once.
+    /// Number of bytes that a thread reads at once.
     fn block(&self) -> usize {
         self.reader.capacity()
     }
 
-    /// Passes over bytes.
+    /// Skips bytes.
     fn advance(&mut self, bytes: u64) -> Result<(), Fault> {
         if bytes > self.left {
             return Err(Fault::End);

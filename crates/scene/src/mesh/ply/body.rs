@@ -1,5 +1,5 @@
 //! The elements of a PLY body, in the order of the header: vertices, faces and triangle strips are
-//! kept, all else is passed over.
+//! kept, others are skipped.
 
 use super::header::{Element, Header, Shape};
 use super::layout::{Column, ListLayout, SLOTS, VertexLayout};
@@ -12,7 +12,7 @@ use crate::mesh::validate::{
 };
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
-/// Reads the whole body and makes a mesh of it.
+/// Reads the whole body into a mesh.
 pub(super) fn read<S: Source>(header: &Header, mut source: S) -> Result<Read> {
     let vertex = header.elements.iter().find(|e| e.name == "vertex").ok_or_else(|| {
         Error::new(ErrorKind::Syntax, "the header declares no element \"vertex\"")
@@ -26,14 +26,14 @@ pub(super) fn read<S: Source>(header: &Header, mut source: S) -> Result<Read> {
     body.finish()
 }
 
-/// What has been read so far.
+/// The contents so far.
 #[derive(Debug, Default)]
 struct Body {
-    /// How many vertices the header promises: faces may come before them.
+    /// Number of vertices declared: faces may come before them.
     vertex_count: usize,
     vertices: Vertices,
     faces: Faces,
-    /// The corners of the face at hand.
+    /// The corners of the current face.
     corners: Vec<u32>,
     notes: Vec<Error>,
 }
@@ -46,7 +46,7 @@ struct Row<'a> {
 }
 
 impl Row<'_> {
-    /// Names the place of an `error`: the row, and in a text the line.
+    /// Adds the place to an `error`: the row, and in a text the line.
     fn locate(self, error: Error, source: &impl Source) -> Error {
         let row = format!("{} {}", self.element.name, self.index);
         error.at(match source.line() {
@@ -138,7 +138,7 @@ impl Body {
         Ok(())
     }
 
-    /// Reads a row, and of it the list of vertices into `self.corners`.
+    /// Reads a row, with its list of vertices into `self.corners`.
     fn read_row<S: Source>(&mut self, row: Row, layout: ListLayout, source: &mut S) -> Result<()> {
         for (property, p) in row.element.properties.iter().enumerate() {
             if property == layout.property {
@@ -167,7 +167,7 @@ impl Body {
         for _ in 0..length {
             let value = source.value(layout.item).map_err(|fault| row.fault(fault, source))?;
             let corner = match value {
-                // -1, also where it was written as an unsigned number.
+                // -1, also if it was written as an unsigned number.
                 -1.0 | 4_294_967_295.0 if strips => STRIP_END,
                 value => vertex_index(value, self.vertex_count)
                     .map_err(|error| row.locate(error, source))?,
@@ -177,7 +177,7 @@ impl Body {
         Ok(())
     }
 
-    /// Makes triangles of the face in `self.corners`.
+    /// Triangulates the face in `self.corners`.
     fn push_face(&mut self) -> Result<()> {
         let corners = self.corners.len();
         if corners < 3 {
@@ -232,11 +232,11 @@ impl Body {
     }
 }
 
-/// In a strip's list: the strip ends here.
+/// In a strip's list: the end of the strip.
 const STRIP_END: u32 = u32::MAX;
 
-/// The triangles of a strip. Every second one is turned, so that all face the same way; those with
-/// a repeated corner only join parts of the strip.
+/// The triangles of a strip. Every second one is reversed, so that all face the same way; those
+/// with a repeated corner only join parts of the strip.
 fn strip_triangles(strip: &[u32]) -> impl Iterator<Item = [u32; 3]> {
     let turn = |(i, w): (usize, &[u32])| {
         if i % 2 == 0 { [w[0], w[1], w[2]] } else { [w[1], w[0], w[2]] }
@@ -249,7 +249,7 @@ fn attribute<T>(values: Vec<T>) -> Option<Attribute<T>> {
     (!values.is_empty()).then_some(Attribute { values, indices: None })
 }
 
-/// Reads the numbers of a vertex that are kept.
+/// Reads a vertex and stores its numbers in use.
 fn read_vertex<S: Source>(
     element: &Element,
     layout: &VertexLayout,
@@ -266,7 +266,7 @@ fn read_vertex<S: Source>(
     Ok(values)
 }
 
-/// Passes over a property.
+/// Skips a property.
 fn skip<S: Source>(shape: Shape, source: &mut S) -> std::result::Result<(), Fault> {
     match shape {
         Shape::One(kind) => source.skip(kind, 1),
@@ -278,7 +278,7 @@ fn skip<S: Source>(shape: Shape, source: &mut S) -> std::result::Result<(), Faul
     }
 }
 
-/// Passes over an element that a mesh has no use for.
+/// Skips an unused element.
 fn pass_over<S: Source>(element: &Element, source: &mut S) -> Result<()> {
     if element.properties.is_empty() {
         return Ok(());
@@ -292,7 +292,7 @@ fn pass_over<S: Source>(element: &Element, source: &mut S) -> Result<()> {
     Ok(())
 }
 
-/// Checks that the file is long enough for the rows that the header promises.
+/// Checks that the file is long enough for the declared rows.
 fn check_room(element: &Element, source: &impl Source) -> Result<()> {
     let (row, left) = (source.least_row(&element.properties), source.left());
     // The last number of a text needs no line end.
@@ -310,9 +310,9 @@ fn check_room(element: &Element, source: &impl Source) -> Result<()> {
         .remedy("copy or export it again"))
 }
 
-/// How many triangles to set room aside for. Exact if the faces come last and are lists with nothing beside,
-/// since every index but two of a face makes a triangle; never above two a face, which the file
-/// has been seen to have room for.
+/// The number of triangles to allocate. Exact if the faces come last and have only the list, since
+/// every index but two of a face makes a triangle; at most two for each face, for which the file
+/// was checked to have room.
 fn likely_triangles(element: &Element, layout: ListLayout, source: &impl Source) -> usize {
     let faces = element.count;
     let row = source.least_row(&element.properties).saturating_mul(faces);
@@ -320,7 +320,7 @@ fn likely_triangles(element: &Element, layout: ListLayout, source: &impl Source)
     indices.saturating_sub(2 * faces).clamp(0, 2 * faces) as usize
 }
 
-/// A list's length, from the number that gives it.
+/// A list's length, from its number.
 fn list_length(value: f64) -> Result<u64> {
     if value >= 0.0 && value.fract() == 0.0 && value <= f64::from(u32::MAX) {
         return Ok(value as u64);
@@ -338,7 +338,7 @@ fn too_long(length: u64, need: u64, left: u64) -> Error {
         .remedy("copy or export it again, or correct the types in its header")
 }
 
-/// The index of a vertex, from the number that gives it.
+/// A vertex index, from its number.
 fn vertex_index(value: f64, count: usize) -> Result<u32> {
     if value >= 0.0 && value < count as f64 && value.fract() == 0.0 {
         return Ok(value as u32);

@@ -1,8 +1,8 @@
-//! Binary faces that all have as many corners as the first, read on all threads.
+//! Binary faces with the same number of corners as the first, read on all threads.
 //!
-//! Such rows have one length, if what else is in them has, so that the place of each is known without reading
-//! those before. That all have as many corners shows only as they are read: a row that has not, or that is no
-//! face of the mesh's vertices, ends the short cut.
+//! If other properties have constant length too, such rows have one length, and the offset of each
+//! is known in advance. Whether all have the same number of corners shows only while reading: a row
+//! that has not, or that is not a valid face, ends the fast path.
 
 use rayon::prelude::*;
 
@@ -14,23 +14,23 @@ use crate::mesh::data::MAX_COUNT;
 use crate::mesh::place::ReadAt;
 use crate::mesh::polygon::Polygon;
 
-/// How many corners nearly all faces have.
+/// The usual number of corners.
 const TRIANGLE: usize = 3;
 
-/// Where in a row the numbers are.
+/// The layout of a row.
 #[derive(Clone, Copy, Debug)]
 struct Row {
     stride: usize,
-    /// Where the list begins.
+    /// The offset of the list.
     list: usize,
     corners: usize,
-    /// No index is this or greater.
+    /// The limit of indices, exclusive.
     limit: u32,
 }
 
 impl Row {
-    /// That of the first face, which begins at `place`. `None` where rows vary in length even if their lists of
-    /// corners do not, where counts and indices are not whole numbers, and where it is no face.
+    /// The layout of the first face, at `place`. `None` if rows vary in length even for equal lists
+    /// of corners, if counts and indices are not integers, or if it is not a valid face.
     fn first<F: ReadAt + ?Sized, const BIG: bool>(
         file: &F,
         place: u64,
@@ -56,13 +56,13 @@ impl Row {
         Some(Self { stride, list, corners, limit: limit(layout.item, vertices)? })
     }
 
-    /// Triangles of a face.
+    /// Number of triangles of a face.
     fn fan(self) -> usize {
         self.corners - 2
     }
 }
 
-/// The greatest whole number of this type; `None` for types of other numbers too.
+/// The largest integer of this type; `None` for other types.
 fn greatest(kind: Scalar) -> Option<u32> {
     match kind {
         Scalar::I8 => Some(i8::MAX as u32),
@@ -75,15 +75,15 @@ fn greatest(kind: Scalar) -> Option<u32> {
     }
 }
 
-/// What an index of this type is below, where it is read as if it had no sign: a negative number
-/// is then one that is too large.
+/// The exclusive limit of an index of this type, read as unsigned: a negative number is then too
+/// large.
 fn limit(kind: Scalar, vertices: usize) -> Option<u32> {
     let beyond = u64::from(greatest(kind)?) + 1;
     // Both fit: there are fewer vertices than `u32::MAX`.
     Some(beyond.min(vertices as u64) as u32)
 }
 
-/// The number of `N` bytes at `offset`, read as if it had no sign.
+/// The number of `N` bytes at `offset`, read as unsigned.
 #[inline(always)]
 fn number<const N: usize, const BIG: bool>(row: &[u8], offset: usize) -> u32 {
     let mut bytes = [0; 4];
@@ -94,17 +94,17 @@ fn number<const N: usize, const BIG: bool>(row: &[u8], offset: usize) -> u32 {
 /// Binary faces of a file.
 pub(super) struct Source<'a, F: ?Sized> {
     pub(super) file: &'a F,
-    /// Where they begin.
+    /// The offset of the faces.
     pub(super) place: u64,
-    /// How many bytes there are.
+    /// The number of remaining bytes.
     pub(super) left: u64,
-    /// About how many bytes a thread reads at once.
+    /// Approximate number of bytes that a thread reads at once.
     pub(super) block: usize,
 }
 
-/// Reads all faces, if they have as many corners as the first; else as many as come before the first that has not.
-/// Returns how many faces and how many bytes. `None` where there is no such short cut: where rows are of
-/// other types, or the file cannot hold so many.
+/// Reads all faces with as many corners as the first, up to the first other one. Returns the number
+/// of faces and of bytes. `None` without a fast path: if rows have other types, or the file cannot
+/// hold that many.
 pub(super) fn read<F: ReadAt + ?Sized, const BIG: bool>(
     from: &Source<'_, F>,
     element: &Element,
@@ -127,7 +127,7 @@ pub(super) fn read<F: ReadAt + ?Sized, const BIG: bool>(
             let (first, faces) = (number * per_task, triangles.len() / row.fan());
             buffer.resize(faces * row.stride, 0);
             let place = from.place + (first * row.stride) as u64;
-            // What cannot be read is read again number by number, and told there.
+            // Rows that cannot be read are read again number by number, which reports the error.
             let read = from.file.read_exact_at(buffer, place).is_ok();
             let good = if read { decode(buffer, row, triangles) } else { 0 };
             (good < faces).then_some(first + good)
@@ -143,7 +143,8 @@ pub(super) fn read<F: ReadAt + ?Sized, const BIG: bool>(
     Some((good as u64, (good * row.stride) as u64))
 }
 
-/// Reads rows; returns how many come before the first that is no face of so many corners.
+/// Reads rows; returns the number of rows before the first that is not a valid face of this many
+/// corners.
 type Decode = fn(&[u8], Row, &mut [[u32; 3]]) -> usize;
 
 /// The function for numbers of these types.
@@ -167,7 +168,7 @@ fn decode<const C: usize, const I: usize, const BIG: bool>(
     row: Row,
     to: &mut [[u32; 3]],
 ) -> usize {
-    // Where a row is the list of a triangle and no more, the compiler knows every offset.
+    // If a row is only a triangle's list, the compiler knows every offset.
     let packed = Row { stride: C + TRIANGLE * I, list: 0, corners: TRIANGLE, ..row };
     if (row.stride, row.corners) == (packed.stride, packed.corners) {
         decode_rows::<C, I, BIG>(rows, packed, to)
@@ -195,7 +196,7 @@ fn decode_rows<const C: usize, const I: usize, const BIG: bool>(
     both.position(|face| !is_good(face)).unwrap_or(faces)
 }
 
-/// Writes the triangles of a face; returns the greatest index.
+/// Writes the triangles of a face; returns the largest index.
 #[inline(always)]
 fn fan<const N: usize, const BIG: bool>(items: &[u8], to: &mut [[u32; 3]]) -> u32 {
     let index = |i: usize| number::<N, BIG>(items, i * N);

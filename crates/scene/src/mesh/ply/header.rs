@@ -1,4 +1,4 @@
-//! The header of a PLY file: which elements follow, how many of each, and what each is made of.
+//! The header of a PLY file: the elements, their counts and properties.
 //!
 //! Lines may end in CR LF, begin and end with blanks, be empty or be comments. A header is at most
 //! [`MAX_HEADER`] long, so that a large file without one is not read to its end.
@@ -9,10 +9,10 @@ use crate::mesh::data::MAX_COUNT;
 use crate::mesh::faults::{check_count, read_failure};
 use wavecrest_base::error::{Error, ErrorKind, Result, did_you_mean};
 
-/// The greatest length of a header in bytes.
+/// Largest length of a header in bytes.
 const MAX_HEADER: u64 = 1 << 20;
 
-/// How the body is written.
+/// The encoding of the body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Encoding {
     Ascii,
@@ -48,7 +48,7 @@ const TYPE_NAMES: [(&str, &str, Scalar); 8] = [
 const KEYWORDS: [&str; 6] = ["format", "comment", "obj_info", "element", "property", "end_header"];
 
 impl Scalar {
-    /// Bytes that a binary number of this type takes.
+    /// Size of a binary number of this type in bytes.
     pub(super) fn size(self) -> usize {
         match self {
             Self::I8 | Self::U8 => 1,
@@ -63,7 +63,7 @@ impl Scalar {
     }
 }
 
-/// What a property holds.
+/// The content of a property.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Shape {
     One(Scalar),
@@ -83,7 +83,7 @@ pub(super) struct Element {
     pub(super) name: String,
     pub(super) count: u64,
     pub(super) properties: Vec<Property>,
-    /// The line that declares it.
+    /// The line of its declaration.
     pub(super) line: u64,
 }
 
@@ -92,7 +92,7 @@ pub(super) struct Element {
 pub(super) struct Header {
     pub(super) encoding: Encoding,
     pub(super) elements: Vec<Element>,
-    /// Its length: where the body begins.
+    /// Its length, the offset of the body.
     pub(super) bytes: u64,
     /// Its number of lines.
     pub(super) lines: u64,
@@ -107,7 +107,7 @@ fn fault(message: impl Into<String>) -> Error {
     Error::new(ErrorKind::Syntax, message)
 }
 
-/// Reads up to the end of the line `end_header`.
+/// Reads up to the line `end_header`.
 pub(super) fn read(reader: &mut impl BufRead) -> Result<Header> {
     let mut lines = Lines { reader: reader.take(MAX_HEADER), bytes: 0, lines: 0 };
     check_magic(lines.next()?)?;
@@ -129,7 +129,7 @@ pub(super) fn read(reader: &mut impl BufRead) -> Result<Header> {
     Ok(Header { encoding, elements, bytes: lines.bytes, lines: lines.lines })
 }
 
-/// The lines of a header, counted.
+/// Reads and counts the lines of a header.
 struct Lines<R> {
     reader: std::io::Take<R>,
     bytes: u64,
@@ -137,7 +137,7 @@ struct Lines<R> {
 }
 
 impl<R: BufRead> Lines<R> {
-    /// The next line, or `None` at the end of the file or of what a header may take.
+    /// The next line, or `None` at the end of the file or of the largest header.
     fn next(&mut self) -> Result<Option<String>> {
         let mut line = Vec::new();
         let length = self.reader.read_until(b'\n', &mut line).map_err(read_failure)?;
@@ -166,7 +166,7 @@ fn end_missing<R>(lines: &Lines<R>) -> Error {
     error.remedy("end it with a line \"end_header\"; the file may be cut off")
 }
 
-/// Takes in one line of the header; true for its last.
+/// Processes a line of the header; returns true for its last.
 fn statement(
     words: &[&str],
     line: u64,
@@ -222,7 +222,7 @@ fn element(words: &[&str], line: u64, before: &[Element]) -> Result<Element> {
             .value(digits)
             .remedy("write \"element vertex 8\""));
     }
-    // Digits alone that do not fit are a number too large.
+    // Only digits, but too large for the type.
     let Ok(count) = digits.parse() else {
         return Err(Error::new(
             ErrorKind::Limit,
@@ -259,7 +259,7 @@ fn scalar(name: &str) -> Result<Scalar> {
         .ok_or_else(|| unknown("the type of the property is unknown", name, names))
 }
 
-/// The error of a word that is none of `names`.
+/// The error of a word that is not one of `names`.
 fn unknown<'a>(message: &str, word: &str, names: impl IntoIterator<Item = &'a str>) -> Error {
     let names: Vec<&str> = names.into_iter().collect();
     let remedy = match did_you_mean(word, names.iter().copied()) {

@@ -1,39 +1,39 @@
-//! What a mesh needs of the elements that a header declares, and where in a row it lies.
+//! Finds the properties of a mesh in the declared elements, and their place in a row.
 
 use super::header::{Element, Property, Scalar, Shape, place};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
-/// The numbers of a vertex that are kept, in the order of their slots.
+/// The stored numbers of a vertex, in the order of their slots.
 pub(super) const SLOTS: usize = 11;
 const POSITION: [&str; 3] = ["x", "y", "z"];
 const NORMAL: [&str; 3] = ["nx", "ny", "nz"];
-/// The names under which programs write texture coordinates.
+/// Names of texture coordinates in files.
 const UV: [[&str; 2]; 4] =
     [["u", "v"], ["s", "t"], ["texture_u", "texture_v"], ["texture_s", "texture_t"]];
-/// The names under which programs write colours.
+/// Names of colours in files.
 const COLOR: [[&str; 3]; 2] =
     [["red", "green", "blue"], ["diffuse_red", "diffuse_green", "diffuse_blue"]];
 const LISTS: [&str; 2] = ["vertex_indices", "vertex_index"];
 
-/// Where a number of a vertex comes from.
+/// The source of a number of a vertex.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Column {
-    /// Which number: 0 to 2 are the position, 3 to 5 the normal, 6 and 7 the texture coordinates,
-    /// 8 to 10 the colour.
+    /// The slot: 0 to 2 are the position, 3 to 5 the normal, 6 and 7 the texture coordinates, 8 to
+    /// 10 the colour.
     pub(super) slot: usize,
     pub(super) kind: Scalar,
-    /// Where it begins in a binary row that has no lists.
+    /// Its offset in a binary row without lists.
     pub(super) offset: usize,
-    /// What it is multiplied by.
+    /// Factor on the number.
     pub(super) scale: f32,
 }
 
 /// The rows of the element `vertex`.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct VertexLayout {
-    /// For each property, the column that it is, if it is kept.
+    /// For each property its column, if it is used.
     pub(super) columns: Vec<Option<Column>>,
-    /// The length of a binary row, if no list makes it vary.
+    /// The length of a binary row, if it is constant.
     pub(super) stride: Option<usize>,
     pub(super) normals: bool,
     pub(super) uvs: bool,
@@ -50,7 +50,7 @@ impl VertexLayout {
         for names in UV {
             uv = uv.or(find_all(element, &names).map_err(at)?);
         }
-        // What is no colour under its name is passed over.
+        // Properties with these names that are not colours are skipped.
         let color = COLOR.iter().find_map(|names| find_all(element, names).ok().flatten());
         let mut layout = Self {
             columns: vec![None; element.properties.len()],
@@ -66,7 +66,7 @@ impl VertexLayout {
         Ok(layout)
     }
 
-    /// Gives the `properties` the slots from `first` on.
+    /// Assigns the `properties` to the slots from `first` on.
     fn add(&mut self, element: &Element, properties: &[usize], first: usize) {
         for (slot, &p) in (first..).zip(properties) {
             let Shape::One(kind) = element.properties[p].shape else { continue };
@@ -80,14 +80,14 @@ impl VertexLayout {
         }
     }
 
-    /// The columns of the `N` slots from `first` on, in their order; none if the file has not all.
+    /// The columns of the `N` slots from `first` on, in order; `None` if the file lacks any.
     pub(super) fn slots<const N: usize>(&self, first: usize) -> Option<[Column; N]> {
         let column = |slot| self.columns.iter().flatten().find(|c| c.slot == slot).copied();
         let found: Vec<Column> = (first..first + N).filter_map(column).collect();
         found.try_into().ok()
     }
 
-    /// Whether a binary row is three floats, x, y, z, and no more.
+    /// Whether a binary row is exactly three floats, x, y, z.
     pub(super) fn is_packed(&self) -> bool {
         let place = |(slot, column): (usize, &Option<Column>)| {
             *column == Some(Column { slot, kind: Scalar::F32, offset: 4 * slot, scale: 1.0 })
@@ -96,8 +96,8 @@ impl VertexLayout {
     }
 }
 
-/// Texture coordinates in small integers are fractions of the greatest value: whole numbers would
-/// all name the same corner of the texture.
+/// Texture coordinates in small integers are fractions of the largest value: integers would all
+/// refer to the same corner of the texture.
 fn uv_scale(kind: Scalar) -> f32 {
     match kind {
         Scalar::I8 => 1.0 / f32::from(i8::MAX),
@@ -108,7 +108,7 @@ fn uv_scale(kind: Scalar) -> f32 {
     }
 }
 
-/// Colours in integers are fractions of the greatest value; in those of 32 bits, of that of a byte.
+/// Colours in integers are fractions of the largest value; in 32-bit integers, of a byte's.
 fn color_scale(kind: Scalar) -> f32 {
     match kind {
         Scalar::I32 | Scalar::U32 => 1.0 / f32::from(u8::MAX),
@@ -116,12 +116,12 @@ fn color_scale(kind: Scalar) -> f32 {
     }
 }
 
-/// The properties of these names, if all are there.
+/// The properties with these names, if all exist.
 fn find_all(element: &Element, names: &[&str]) -> Result<Option<Vec<usize>>> {
     names.iter().map(|name| find(element, name)).collect()
 }
 
-/// The property of this name, if it is there: a single number, declared once.
+/// The property with this name, if it exists: a single number, declared once.
 fn find(element: &Element, name: &str) -> Result<Option<usize>> {
     let mut all = (0..element.properties.len()).filter(|&i| element.properties[i].name == name);
     let first = all.next();
@@ -156,10 +156,10 @@ pub(super) fn stride(properties: &[Property]) -> Option<usize> {
     properties.iter().map(size).sum()
 }
 
-/// The rows of an element whose lists name vertices: `face` or `tristrips`.
+/// The rows of an element with lists of vertices: `face` or `tristrips`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct ListLayout {
-    /// Which property is the list.
+    /// The index of the list property.
     pub(super) property: usize,
     pub(super) count: Scalar,
     pub(super) item: Scalar,

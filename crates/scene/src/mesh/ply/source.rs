@@ -1,4 +1,4 @@
-//! The numbers of a PLY body, one after another, however they are written.
+//! The numbers of a PLY body in sequence, in any encoding.
 
 use glam::{Vec2, Vec3};
 
@@ -6,21 +6,21 @@ use super::header::{Element, Property, Scalar};
 use super::layout::{ListLayout, VertexLayout};
 use crate::mesh::polygon::Polygon;
 
-/// Why a number could not be had.
+/// Why a number could not be read.
 #[derive(Debug)]
 pub(super) enum Fault {
-    /// The file ends before it, or inside it.
+    /// The file ends before or inside it.
     End,
-    /// This is no number.
+    /// It is malformed.
     Malformed(String),
-    /// A row of text goes on after its last value.
+    /// A text row continues after its last value.
     LongRow,
     /// The system failed.
     Io(std::io::Error),
 }
 
 impl From<std::io::Error> for Fault {
-    /// A file can shrink while it is read: that too is an end.
+    /// A file can shrink while it is read: that counts as its end.
     fn from(error: std::io::Error) -> Self {
         match error.kind() {
             std::io::ErrorKind::UnexpectedEof => Self::End,
@@ -31,37 +31,37 @@ impl From<std::io::Error> for Fault {
 
 /// A body that is being read.
 pub(super) trait Source {
-    /// The next number, which is of the type `kind`. `f64` holds every value of every type.
+    /// The next number, of the type `kind`. `f64` represents every value of every type.
     fn value(&mut self, kind: Scalar) -> Result<f64, Fault>;
 
-    /// Passes over `count` numbers of the type `kind`.
+    /// Skips `count` numbers of the type `kind`.
     fn skip(&mut self, kind: Scalar, count: u64) -> Result<(), Fault>;
 
     /// Marks the end of a row.
     fn end_row(&mut self) -> Result<(), Fault>;
 
-    /// How many bytes of the file are not read yet.
+    /// The number of bytes not read yet.
     fn left(&self) -> u64;
 
-    /// The fewest bytes that `count` numbers of the type `kind` can take.
+    /// The smallest number of bytes of `count` numbers of the type `kind`.
     fn least(&self, kind: Scalar, count: u64) -> u64;
 
-    /// How many bytes remain that mean something, at the end of the body.
+    /// The number of meaningful bytes after the end of the body.
     fn trailing(&mut self) -> Result<u64, Fault>;
 
-    /// The line being read, in a text.
+    /// The current line, in a text.
     fn line(&self) -> Option<u64> {
         None
     }
 
-    /// Reads the first vertices whose positions are good, and returns how many: perhaps none. A vertex at fault is
-    /// left to be read again.
+    /// Reads the first vertices up to the first invalid position, and returns their number,
+    /// possibly 0. An invalid vertex is left to be read again.
     fn vertices(&mut self, _: &VertexLayout, _: &mut Vertices) -> Result<u64, Fault> {
         Ok(0)
     }
 
-    /// Reads the first faces, as long as they name the first `vertices` vertices, and returns how many: perhaps
-    /// none. A face at fault is left to be read again.
+    /// Reads the first faces as long as they refer only to the first `vertices` vertices, and
+    /// returns their number, possibly 0. An invalid face is left to be read again.
     fn faces(
         &mut self,
         _element: &Element,
@@ -72,7 +72,7 @@ pub(super) trait Source {
         Ok(0)
     }
 
-    /// The fewest bytes that a row of these properties can take: its lists may be empty.
+    /// The smallest number of bytes of a row of these properties, with empty lists.
     fn least_row(&self, properties: &[Property]) -> u64 {
         use super::header::Shape;
         let least = |p: &Property| match p.shape {
@@ -86,11 +86,11 @@ pub(super) trait Source {
 #[derive(Debug, Default)]
 pub(super) struct Faces {
     pub(super) triangles: Vec<[u32; 3]>,
-    /// Those of more than three corners.
+    /// The faces with more than three corners.
     pub(super) polygons: Vec<Polygon>,
 }
 
-/// The vertices that are being filled in. All rows are there from the start, as zeros.
+/// The vertices while they are read. All rows exist from the start, as zeros.
 #[derive(Debug, Default)]
 pub(super) struct Vertices {
     pub(super) positions: Vec<Vec3>,
@@ -103,11 +103,11 @@ pub(super) struct Vertices {
 }
 
 impl Vertices {
-    /// Room for `count` vertices. The caller has held the count against the size of the file.
+    /// Room for `count` vertices. The caller has checked the count against the size of the file.
     pub(super) fn new(count: usize, layout: &VertexLayout) -> Self {
         Self {
-            // The system hands out zeros, and the thread that fills a page is the first to touch
-            // it: `vec!` would write each vector once more.
+            // The system provides zeroed pages, first touched by the thread that fills them: `vec!`
+            // would write each vector once more.
             positions: bytemuck::zeroed_vec(count),
             normals: bytemuck::zeroed_vec(if layout.normals { count } else { 0 }),
             uvs: bytemuck::zeroed_vec(if layout.uvs { count } else { 0 }),
@@ -115,7 +115,7 @@ impl Vertices {
         }
     }
 
-    /// Sets the number `slot` of the vertex `row`.
+    /// Sets slot `slot` of the vertex `row`.
     pub(super) fn set(&mut self, row: usize, slot: usize, value: f32) {
         match slot {
             0..3 => self.positions[row][slot] = value,

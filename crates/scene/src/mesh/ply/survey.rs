@@ -1,4 +1,4 @@
-//! How much a PLY file holds.
+//! Surveys the contents of a PLY file.
 
 use std::io::{BufRead, BufReader};
 
@@ -9,17 +9,17 @@ use crate::mesh::place::{ReadAt, Section};
 use crate::mesh::survey::Survey;
 use wavecrest_base::error::Result;
 
-/// How much of a text is in memory at once.
+/// Size of the buffer for texts.
 const TEXT_BUFFER: usize = 1 << 17;
 
-/// What the file of `length` bytes holds.
+/// Surveys a file of `length` bytes.
 pub(in crate::mesh) fn survey<F: ReadAt + ?Sized>(file: &F, length: u64) -> Result<Survey> {
     let header = header::read(&mut BufReader::new(Section::new(file, 0, length)))?;
     let left = length.saturating_sub(header.bytes);
     let mut survey = Survey::default();
     if let Some(vertex) = header.elements.iter().find(|element| element.name == "vertex") {
         let layout = VertexLayout::of(vertex)?;
-        // No row is shorter than a byte for each property.
+        // A row has at least one byte for each property.
         let most = left / (vertex.properties.len() as u64).max(1);
         survey.positions = vertex.count.min(most);
         survey.normals = if layout.normals { survey.positions } else { 0 };
@@ -38,7 +38,7 @@ pub(in crate::mesh) fn survey<F: ReadAt + ?Sized>(file: &F, length: u64) -> Resu
     Ok(survey)
 }
 
-/// Bytes of an element's rows, lists taken to be empty.
+/// Bytes of an element's rows, with empty lists.
 fn fixed_bytes(element: &Element) -> u64 {
     let row: usize = stride(&element.properties).unwrap_or_else(|| {
         let size = |shape: Shape| match shape {
@@ -49,14 +49,15 @@ fn fixed_bytes(element: &Element) -> u64 {
     element.count.saturating_mul(row as u64)
 }
 
-/// Triangles of binary faces or strips that take `bytes`: each list has two corners more than triangles.
+/// Number of triangles of binary faces or strips in `bytes`: each list has two corners more than
+/// triangles.
 fn in_rows(element: &Element, bytes: u64) -> u64 {
     let Ok(ListLayout { item, .. }) = ListLayout::of(element) else { return 0 };
     let fixed = fixed_bytes(element).min(bytes);
     triangles((bytes - fixed) / item.size() as u64, element.count.min(bytes))
 }
 
-/// Of lists with so many corners in all.
+/// Number of triangles of `lists` lists with this many corners in total.
 fn triangles(corners: u64, lists: u64) -> u64 {
     corners.saturating_sub(lists.saturating_mul(2))
 }
@@ -74,7 +75,7 @@ fn in_text<F: ReadAt + ?Sized>(header: &Header, body: Section<'_, F>) -> Result<
         }
         left = left.saturating_sub(1);
         if let Some(element) = current.filter(|e| e.name == "face" || e.name == "tristrips") {
-            // Each property has a word of its own; a list has its count.
+            // Each property has its own word; a list has its count.
             corners += words.saturating_sub(element.properties.len() as u64);
             lists += 1;
         }
@@ -83,8 +84,8 @@ fn in_text<F: ReadAt + ?Sized>(header: &Header, body: Section<'_, F>) -> Result<
     Ok(triangles(corners, lists))
 }
 
-/// The number of words on each line of `text`, up to `lines` of them. What is longer than a buffer is
-/// never in memory at once.
+/// The number of words on each line of `text`, up to `lines` of them. Lines longer than a buffer
+/// are read in parts.
 fn words_of_lines(
     text: impl std::io::Read,
     lines: u64,
@@ -110,7 +111,7 @@ fn words_of_lines(
         let length = part.len() + usize::from(end.is_some());
         reader.consume(length);
         if end.is_some() {
-            // A line without words is no row.
+            // A line without words is not a row.
             if words > 0 {
                 each(words);
                 taken += 1;

@@ -1,8 +1,8 @@
-//! Binary vertices whose rows have one length, read on all threads.
+//! Binary vertices with rows of constant length, read on all threads.
 //!
-//! Each thread takes the next block of rows: it reads the block into memory that stays in its
-//! cache, takes it apart into the arrays and looks at the positions while they are there. Rows of
-//! three floats and no more need no taking apart and are read where they belong.
+//! Each thread reads the next block of rows into memory that stays in its cache, distributes it to
+//! the arrays and checks the positions there. Rows of exactly three floats are read directly into
+//! place.
 
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
@@ -13,8 +13,9 @@ use super::source::Vertices;
 use crate::mesh::place::ReadAt;
 use crate::mesh::validate::is_good_position;
 
-/// Reads rows from `place` on into `vertices`, which has room for them; a thread reads about `block` bytes at
-/// once. Returns how many were read before the first block in which something is wrong, or all.
+/// Reads rows from `place` on into `vertices`, which has room for them; a thread reads about
+/// `block` bytes at once. Returns the number of rows before the first block with an error, or of
+/// all.
 pub(super) fn read<F: ReadAt + ?Sized, const BIG: bool>(
     file: &F,
     place: u64,
@@ -26,7 +27,7 @@ pub(super) fn read<F: ReadAt + ?Sized, const BIG: bool>(
     let per_task = (block / rows.stride).max(1);
     let mut tasks = tasks(vertices, per_task, place, rows.stride);
     let stops = tasks.par_iter_mut().map_init(Vec::new, |buffer, task| {
-        // What cannot be read is read again number by number, and told there.
+        // Rows that cannot be read are read again number by number, which reports the error.
         let is_good = rows.read::<F, BIG>(file, task, buffer).is_ok()
             && task.positions.iter().all(|p| is_good_position(*p));
         (!is_good).then_some(task.first)
@@ -35,7 +36,7 @@ pub(super) fn read<F: ReadAt + ?Sized, const BIG: bool>(
     stop.unwrap_or(vertices.positions.len())
 }
 
-/// A block of rows, and where they go.
+/// A block of rows and its destination.
 struct Task<'a> {
     first: usize,
     place: u64,
@@ -60,7 +61,7 @@ fn tasks(vertices: &mut Vertices, rows: usize, place: u64, stride: usize) -> Vec
     vertices.positions.chunks_mut(rows).enumerate().map(task).collect()
 }
 
-/// Where in a row the numbers are.
+/// The layout of a row.
 struct Rows {
     stride: usize,
     packed: bool,
@@ -113,7 +114,7 @@ impl Rows {
     }
 }
 
-/// Turns numbers that were read as they stood to this machine's byte order.
+/// Converts numbers to the native byte order.
 fn to_native<const BIG: bool>(positions: &mut [Vec3]) {
     if BIG != cfg!(target_endian = "big") {
         let numbers: &mut [u32] = bytemuck::cast_slice_mut(positions);
@@ -132,14 +133,14 @@ pub(super) fn part<const N: usize, const BIG: bool>(row: &[u8], offset: usize) -
     bytes
 }
 
-/// Takes `columns` out of `rows`, as vectors.
+/// Copies `columns` of `rows` to vectors.
 fn take_columns<T: AsMut<[f32; N]>, const N: usize, const BIG: bool>(
     rows: &[u8],
     stride: usize,
     columns: &[Column; N],
     to: &mut [T],
 ) {
-    // Nearly every file has floats: these go a row at a time.
+    // Nearly every file has floats, which are copied row by row.
     if columns.iter().all(|c| c.kind == Scalar::F32) {
         let offsets = columns.map(|c| c.offset);
         for (to, row) in to.iter_mut().zip(rows.chunks_exact(stride)) {
@@ -152,7 +153,7 @@ fn take_columns<T: AsMut<[f32; N]>, const N: usize, const BIG: bool>(
     }
 }
 
-/// Takes one column out of `rows`. The type is looked at once, not in every row.
+/// Copies one column of `rows`. The type is matched once, not for every row.
 fn take_column<T: AsMut<[f32; N]>, const N: usize, const BIG: bool>(
     rows: &[u8],
     stride: usize,

@@ -1,6 +1,6 @@
-//! STL as text: `facet normal`, `outer loop`, three times `vertex`, `endloop`, `endfacet`, each on a
-//! line of its own, in any case, between `solid` and `endsolid`. A file may have several solids; all
-//! are one mesh.
+//! Text STL: `facet normal`, `outer loop`, three times `vertex`, `endloop`, `endfacet`, each on its
+//! own line, in upper or lower case, between `solid` and `endsolid`. Several solids in a file form
+//! one mesh.
 
 use std::io::{BufRead, BufReader, Read as _};
 
@@ -15,10 +15,10 @@ use wavecrest_base::error::{Error, Result};
 /// The longest line in bytes: only names are longer than a few numbers.
 const LONGEST_LINE: u64 = 1 << 16;
 
-/// Words that lines begin with which say nothing of where a triangle is.
+/// First words of lines without positions.
 const FRAME: [&str; 5] = ["solid", "endsolid", "facet", "outer", "endfacet"];
 
-/// The corners of all triangles, and what the user should know.
+/// The corners of all triangles, and warnings.
 pub(super) fn read<F: ReadAt + ?Sized>(
     file: &F,
     length: u64,
@@ -34,7 +34,7 @@ pub(super) fn read<F: ReadAt + ?Sized>(
     Ok((text.triangles, notes.into_iter().collect()))
 }
 
-/// How many triangles there are at most: none has fewer than three lines of a corner.
+/// Upper bound on the number of triangles: each has at least three vertex lines.
 pub(super) fn count<F: ReadAt + ?Sized>(file: &F, length: u64) -> Result<u64> {
     let mut corners = 0;
     each_line(file, length, super::BUFFER, |line| {
@@ -48,7 +48,7 @@ pub(super) fn count<F: ReadAt + ?Sized>(file: &F, length: u64) -> Result<u64> {
 #[derive(Default)]
 struct Text {
     triangles: Vec<[Vec3; 3]>,
-    /// Those of the triangle that has begun.
+    /// The corners of the current triangle.
     corners: Vec<Vec3>,
     has_colours: bool,
 }
@@ -103,7 +103,7 @@ fn words(line: &str) -> impl Iterator<Item = &str> {
     line.split_ascii_whitespace()
 }
 
-/// Gives each line to `take`, whose errors get its number.
+/// Passes each line to `take`, and adds its number to errors.
 fn each_line<F: ReadAt + ?Sized>(
     file: &F,
     length: u64,

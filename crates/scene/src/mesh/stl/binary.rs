@@ -1,5 +1,5 @@
-//! Binary STL: a head of 80 bytes for any text, the count of triangles, and 50 bytes for each: a
-//! normal, three corners, and two bytes that two programs keep colours in.
+//! Binary STL: a header of 80 bytes for any text, the count of triangles, and 50 bytes for each: a
+//! normal, three corners, and two bytes in which two programs store colours.
 
 use glam::Vec3;
 use rayon::prelude::*;
@@ -11,30 +11,29 @@ use wavecrest_base::error::{Error, Result};
 
 /// Bytes of a triangle.
 const TRIANGLE: usize = 50;
-/// Where its corners begin, behind the normal.
+/// Offset of its corners, after the normal.
 const CORNERS: usize = 12;
-/// Where its two last bytes are.
+/// Offset of its last two bytes.
 const ATTRIBUTE: usize = 48;
 
-/// What the head has where Materialise Magics writes colours.
+/// The mark in the header if Materialise Magics wrote colours.
 const COLOR: &[u8] = b"COLOR=";
 
-/// The corners of a file's triangles, and what the user should know.
+/// The corners of a file's triangles, and warnings.
 type Read = (Vec<[Vec3; 3]>, Vec<Error>);
 
-/// How many triangles the head promises.
+/// The number of triangles according to the header.
 pub(super) fn count(head: &[u8; HEAD]) -> u64 {
     let [.., a, b, c, d] = *head;
     u64::from(u32::from_le_bytes([a, b, c, d]))
 }
 
-/// How many triangles a file of `length` bytes has room for, if it has no bytes besides them; else
-/// as many as fit.
+/// The number of triangles that fit into a file of `length` bytes.
 pub(super) fn room(length: u64) -> u64 {
     length.saturating_sub(HEAD as u64) / TRIANGLE as u64
 }
 
-/// Reads the triangles behind `head` of a file of `length` bytes.
+/// Reads the triangles after `head` of a file of `length` bytes.
 pub(super) fn read<F: ReadAt + ?Sized>(
     file: &F,
     head: &[u8; HEAD],
@@ -55,7 +54,7 @@ pub(super) fn read<F: ReadAt + ?Sized>(
     let parts = triangles.par_chunks_mut(at_once).enumerate();
     let read: Vec<Result<bool>> =
         parts.map(|(part, into)| read_part(file, part * at_once, into)).collect();
-    // Report the first fault in file order, whichever thread found one first.
+    // Report the first error in file order, whichever thread found one first.
     let has_attributes = read.into_iter().try_fold(false, |any, part| part.map(|p| any | p))?;
     if head.windows(COLOR.len()).any(|text| text == COLOR) {
         notes.push(ignored_colours("colours of triangles (Materialise Magics)"));
@@ -65,14 +64,14 @@ pub(super) fn read<F: ReadAt + ?Sized>(
     Ok((triangles, notes))
 }
 
-/// The warning of bytes behind the last triangle.
+/// The warning of bytes after the last triangle.
 fn trailing(count: u64, length: u64) -> Vec<Error> {
     let left = length - HEAD as u64 - count * TRIANGLE as u64;
     let note = || fault("bytes after the last triangle are ignored").value(left);
     (left > 0).then(note).into_iter().collect()
 }
 
-/// Reads the triangles from the number `first` on; true where one has an attribute.
+/// Reads the triangles from the number `first` on; returns true if one has an attribute.
 fn read_part<F: ReadAt + ?Sized>(file: &F, first: usize, into: &mut [[Vec3; 3]]) -> Result<bool> {
     let mut bytes = vec![0; into.len() * TRIANGLE];
     let place = (HEAD + first * TRIANGLE) as u64;
@@ -88,7 +87,7 @@ fn read_part<F: ReadAt + ?Sized>(file: &F, first: usize, into: &mut [[Vec3; 3]])
     Ok(has_attribute)
 }
 
-/// The three numbers of `row` at a place.
+/// The three numbers of `row` at an offset.
 fn vector(row: &[u8], at: usize) -> Vec3 {
     let number = |i: usize| {
         let from = at + 4 * i;

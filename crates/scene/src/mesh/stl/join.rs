@@ -1,21 +1,21 @@
-//! Corners of equal position made one vertex.
+//! Merges corners at equal positions into vertices.
 //!
-//! Corners are sorted by a hash of their position on all threads, those of one hash by the position
-//! itself: no input makes this slow. Vertices are numbered in the order in which the file has them.
+//! Corners are sorted on all threads by a hash of their position, those with the same hash by the
+//! position itself: no input makes this slow. Vertices are numbered in the order of the file.
 
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use glam::Vec3;
 use rayon::prelude::*;
 
-/// The distinct corners, in the order in which they come first, and the triangles by their numbers.
+/// The distinct corners, in the order of their first use, and the triangles with their indices.
 pub(super) fn join(triangles: Vec<[Vec3; 3]>) -> (Vec<Vec3>, Vec<[u32; 3]>) {
     let corners = triangles.as_flattened();
     let first = first_of_each(corners);
     let mut positions = Vec::new();
     let mut numbers: Vec<u32> = Vec::with_capacity(corners.len());
     for (i, first) in first.into_iter().map(AtomicU32::into_inner).enumerate() {
-        // Those before have their numbers.
+        // Earlier vertices have their numbers.
         let number = numbers.get(first as usize).copied().unwrap_or(positions.len() as u32);
         if first as usize == i {
             positions.push(corners[i]);
@@ -27,7 +27,7 @@ pub(super) fn join(triangles: Vec<[Vec3; 3]>) -> (Vec<Vec3>, Vec<[u32; 3]>) {
     (positions, joined)
 }
 
-/// For each corner, the first that is where it is.
+/// For each corner, the first at its position.
 fn first_of_each(corners: &[Vec3]) -> Vec<AtomicU32> {
     let number = |key: u64| key as u32;
     let place = |key: u64| bits(corners[number(key) as usize]);
@@ -55,7 +55,7 @@ fn bits(p: Vec3) -> [u32; 3] {
 
 /// Well mixed bits of a position: a multiplication carries them upward, a shift downward.
 fn hash(bits: [u32; 3]) -> u32 {
-    /// An odd number of which half of the bits are set: 2^64 over the golden ratio.
+    /// An odd number with half of its bits set: 2^64 over the golden ratio.
     const ODD: u64 = 0x9E37_79B9_7F4A_7C15;
     let mix = |hash: u64, bits: u32| {
         let product = (hash ^ u64::from(bits)).wrapping_mul(ODD);

@@ -1,34 +1,34 @@
-//! What of a shape's material can be seen.
+//! Visible properties of a shape's material.
 
 use glam::{DVec3, Vec3};
 
 use super::{Census, details};
 use crate::components::{Filter, Maps, Material, TextureRef};
 
-/// What of a shape's material can be seen.
+/// Which properties of a shape's material are visible.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Shows {
     /// The texture of its colour.
     pub texture: bool,
-    /// Light of its own.
+    /// Emission.
     pub emission: bool,
-    /// The texture of metal and roughness.
+    /// The texture of metalness and roughness.
     pub metal: bool,
     /// The texture of ambient light.
     pub occlusion: bool,
-    /// The colour of its highlight, or of what it mirrors.
+    /// The colour of its highlight, or of mirrored light.
     pub tint: bool,
     /// The texture of its normals.
     pub normal: bool,
 }
 
 impl Shows {
-    /// What the `i`th shape, a surface, shows where it `is_lit` by anything besides ambient light, of which there is
-    /// some or none.
+    /// The visible properties of the `i`th shape, a surface. `is_lit` if anything besides ambient
+    /// light may reach it; `has_ambient` if there is ambient light.
     pub(super) fn of(census: Census<'_>, i: usize, is_lit: bool, has_ambient: bool) -> Self {
         let (world, entity) = (census.world, census.extracted.shapes[i].entity);
         let wears = world.get::<&TextureRef>(entity).is_ok();
-        // What it may be made of, in any texel.
+        // The bounds on its material in any texel.
         let may = &census.materials[i];
         let mirrors = may.kr > 0.0 && census.settings.bounces > 0;
         let maps = world.get::<&Maps>(entity).ok();
@@ -38,8 +38,8 @@ impl Shows {
         let color = world.get::<&Material>(entity).map_or(DVec3::ONE, |m| m.specular_color);
         let is_tinted = color != DVec3::ONE || metal.is_some_and(|map| map.metallic > 0.0);
         Self {
-            // Diffuse colour shows by ambient light, whatever kd is, and where light is reflected by it; and by it goes
-            // what metals mirror.
+            // Diffuse colour is visible in ambient light, for any kd, and where it reflects light;
+            // it also tints what metals mirror.
             texture: wears && (has_ambient || is_lit && may.kd > 0.0 || mirrors && metal.is_some()),
             emission: details::emission(world, entity) != Vec3::ZERO,
             metal: metal.is_some() && (is_lit || mirrors),
@@ -50,7 +50,7 @@ impl Shows {
         }
     }
 
-    /// Whether any texture of the `i`th shape that it shows is trilinear.
+    /// Whether any visible texture of the `i`th shape is trilinear.
     pub(super) fn trilinear(self, census: Census<'_>, i: usize) -> bool {
         let entity = census.extracted.shapes[i].entity;
         let is_trilinear = |texture: &TextureRef| texture.filter == Filter::Trilinear;

@@ -1,4 +1,4 @@
-//! Shapes in the scene's own arrays: one after another, each kind in its turn.
+//! Collects shapes in the scene's own arrays, kind by kind.
 
 use std::sync::Arc;
 
@@ -60,7 +60,7 @@ impl Builder {
     }
 
     fn add_mesh(&mut self, entity: Entity, common: &Common, mut mesh: MeshData) -> Result<()> {
-        // What nothing will read is dropped before there is more to hold.
+        // Drop unused attributes before allocating more.
         mesh.normals = mesh.normals.filter(|_| common.smooth);
         mesh.uvs = mesh.uvs.filter(|_| common.textured);
         mesh.colors = mesh.colors.filter(|_| common.emission.is_none());
@@ -71,7 +71,7 @@ impl Builder {
         let first_triangle = geometry.triangles.len();
         check_count(common, first_position + mesh.positions.len(), "vertices")?;
         check_count(common, first_triangle + mesh.triangles.len(), "triangles")?;
-        // As just checked, all numbers fit.
+        // All numbers were just checked to fit.
         let before = first_position as u32;
         let Room { positions, triangles } = self.room;
         append(&mut geometry.positions, mesh.positions, positions, before, |p, _| p);
@@ -171,15 +171,15 @@ impl Builder {
     }
 }
 
-/// 0 where the diagonal from the first corner to the third lies in the quad, else 1. They differ
-/// only in quads with a corner that points inward.
+/// 0 if the diagonal from the first corner to the third lies inside the quad, else 1. They differ
+/// only in quads with a reflex corner.
 fn first_of_diagonal(&[a, b, c, d]: &[DVec3; 4]) -> u32 {
     let normal = (c - a).cross(d - b);
     let within = |p: DVec3, q: DVec3, r: DVec3| (q - p).cross(r - p).dot(normal) > 0.0;
     u32::from(!(within(a, b, c) && within(a, c, d)))
 }
 
-/// Values that go with positions.
+/// Values indexed like positions.
 pub(super) fn by_position<T>(values: Vec<T>) -> CornerValues<T> {
     CornerValues { values, indices: None }
 }

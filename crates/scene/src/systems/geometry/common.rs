@@ -1,4 +1,4 @@
-//! What every kind of shape is asked for, and the bounds of what it may hold.
+//! Properties shared by all kinds of shapes, and limits on their number.
 
 use glam::{DAffine3, DVec3, Vec3};
 use hecs::World;
@@ -10,18 +10,18 @@ use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::math::float::MAX_COORDINATE;
 use wavecrest_core::prepared::Shape;
 
-/// Numbers of primitives and vertices stay below this, so that they fit 32 bits and leave one
-/// value for "none".
+/// Numbers of primitives and vertices stay below this, so that they fit 32 bits and leave one value
+/// for "none".
 const MAX_NUMBER: usize = u32::MAX as usize - 1;
 
-/// What every kind of shape is asked for.
+/// The properties shared by all kinds of shapes.
 pub(super) struct Common {
     pub(super) transform: DAffine3,
     pub(super) facing: Option<Facing>,
     pub(super) sides: Sides,
     pub(super) smooth: bool,
     pub(super) textured: bool,
-    /// Whether a texture gives its normals.
+    /// Whether it has a normal map.
     pub(super) normal_mapped: bool,
     pub(super) emission: Option<Vec3>,
     pub(super) place: String,
@@ -64,7 +64,7 @@ impl Common {
         chosen != self.mirrors()
     }
 
-    /// Whether the transform turns clockwise into counter-clockwise.
+    /// Whether the transform reverses the winding.
     pub(super) fn mirrors(&self) -> bool {
         self.transform.matrix3.determinant() < 0.0
     }
@@ -98,7 +98,8 @@ pub(super) fn check_point(common: &Common, point: DVec3) -> Result<()> {
         .remedy(format!("keep coordinates within {MAX_COORDINATE:e}")))
 }
 
-/// A sphere that is larger has boxes of infinite area, which say nothing of a tree's cost.
+/// Checks the radius: boxes of larger spheres would have infinite area and make the tree's costs
+/// meaningless.
 pub(super) fn check_radius(common: &Common, radius: f64) -> Result<()> {
     if radius <= f64::from(MAX_COORDINATE) {
         return Ok(());

@@ -1,4 +1,4 @@
-//! Prototypes and their instances: meshes that are held once for several places.
+//! Prototypes and their instances: meshes stored once for several places.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -20,8 +20,8 @@ use wavecrest_core::accel::instance::Instance;
 use wavecrest_core::kernels::slab::Aabb;
 use wavecrest_core::prepared::{CornerValues, MeshAttributes, Shape, UvMap};
 
-/// A prototype whose middle is this many times as far from its origin as it is large has lost two bits: it is
-/// moved there, so that rays are carried to small coordinates.
+/// A prototype whose centre is this many times its size away from its origin has lost two bits: its
+/// origin is moved there, so that transformed rays have small coordinates.
 const FAR_FROM_ORIGIN: f64 = 4.0;
 
 /// A prototype that was taken in.
@@ -29,14 +29,14 @@ struct Prototype {
     number: u32,
     triangles: usize,
     bounds: Aabb,
-    /// Where its origin lies in the mesh's own space.
+    /// Its origin in the mesh's own space.
     origin: DVec3,
-    /// The entry of its attributes.
+    /// The index of its attributes.
     mesh: Option<u32>,
 }
 
 impl Builder {
-    /// Takes in the meshes that have several instances, and adds these.
+    /// Adds the meshes with several instances, and these instances.
     pub(super) fn add_instances(
         &mut self,
         world: &World,

@@ -1,5 +1,5 @@
-//! Meshes on their way into the scene's arrays: carried to world space where they are, moved where
-//! they can be, and copied by all threads where they cannot.
+//! Adds meshes to the scene's arrays: transformed to world space in place, moved if possible, and
+//! otherwise copied on all threads.
 
 use glam::{DAffine3, Vec3, Vec4};
 use hecs::World;
@@ -13,7 +13,7 @@ use wavecrest_base::error::Result;
 use wavecrest_core::math::float::normalize_f64;
 use wavecrest_core::prepared::CornerValues;
 
-/// How long the arrays will be.
+/// The final length of the arrays.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Room {
     pub(super) positions: usize,
@@ -21,7 +21,7 @@ pub(super) struct Room {
 }
 
 impl Room {
-    /// For everything that the world shows but instances.
+    /// For everything in the world except instances.
     pub(super) fn of(world: &World, occurrences: &Occurrences) -> Self {
         let meshes = occurrences.own_meshes(world);
         let triangles = occurrences.triangles(world).len() - meshes.len();
@@ -35,8 +35,8 @@ impl Room {
     }
 }
 
-/// Moves `more` to the end of `all`, which will have `room` items in the end, each of them `shifted`
-/// by the number of positions `before` it: without a copy where there are none.
+/// Moves `more` to the end of `all`, which will have `room` items in the end, each `shifted` by the
+/// number of positions `before` it; without a copy if `all` is empty.
 pub(super) fn append<T: Send>(
     all: &mut Vec<T>,
     more: Vec<T>,
@@ -45,16 +45,16 @@ pub(super) fn append<T: Send>(
     shifted: impl Fn(T, u32) -> T + Sync + Send,
 ) {
     if before == 0 {
-        // No triangle is there either: it would need positions.
+        // There are no triangles either: they would need positions.
         *all = more;
-        // Once, and not by doubling. Large arrays are not copied for it: the system moves pages.
+        // Once, instead of by doubling. Large arrays are not copied for it: the system moves pages.
         all.reserve_exact(room.saturating_sub(all.len()));
     } else {
         all.par_extend(more.into_par_iter().map(|item| shifted(item, before)));
     }
 }
 
-/// Takes positions, normals and tangents to world space, in double precision, rounding once.
+/// Transforms positions, normals and tangents to world space, in double precision, rounding once.
 pub(super) fn transform_mesh(
     mesh: &mut MeshData,
     tangents: Option<&mut CornerValues<Vec4>>,
@@ -68,12 +68,12 @@ pub(super) fn transform_mesh(
         *p = transform.transform_point3(p.as_dvec3()).as_vec3();
         in_range(p.as_dvec3())
     };
-    // Every one is carried, even where one before is out of range: `all` would stop there.
+    // Transform every position, even after one out of range: `all` would stop there.
     let kept = mesh.positions.par_iter_mut().map(carry).reduce(|| true, |a, b| a & b);
     if !kept && let Some(point) = mesh.positions.iter().find(|p| !in_range(p.as_dvec3())) {
         check_point(common, point.as_dvec3())?;
     }
-    // Normals are carried by the cofactors: the inverse transpose without its division.
+    // Normals are transformed by the cofactors: the inverse transpose without its division.
     let m = transform.matrix3;
     let sign = if common.mirrors() { -1.0 } else { 1.0 };
     let cofactors = [

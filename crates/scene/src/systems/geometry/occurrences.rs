@@ -1,7 +1,7 @@
-//! What stands where: shapes with a prototype of their own, and instances of another's.
+//! The occurrences of shapes: with their own prototype, or as instances of another's.
 //!
-//! A mesh that stands in two places or more is held once, in its own space, and becomes a prototype with
-//! instances. Other prototypes are a few numbers, and a mesh that stands in one place is best held there:
+//! A mesh with two places or more is stored once, in its own space, and becomes a prototype with
+//! instances. Other prototypes are a few numbers, and a mesh with one place is best stored there:
 //! these become primitives of the scene's own. So do shapes of lights, whose triangles are sampled.
 
 use std::collections::HashMap;
@@ -11,28 +11,28 @@ use hecs::{Entity, World};
 use crate::components::{AreaLight, Hidden, InstanceOf, Mesh, Order, Quad, Sphere, Triangle};
 use crate::mesh::MeshData;
 
-/// A shape, or that of a light, and its prototype.
+/// A shape, possibly of a light, and its prototype.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Occurrence {
     /// The shape, or the instance.
     pub(super) entity: Entity,
-    /// The entity that has the prototype: the same but for instances.
+    /// The entity with the prototype: the same except for instances.
     pub(super) prototype: Entity,
     pub(super) is_light: bool,
 }
 
-/// Everything that is to be rendered, shapes before lights, in the order of the file.
+/// Everything to render, shapes before lights, in the order of the file.
 #[derive(Debug)]
 pub(super) struct Occurrences {
     pub(super) all: Vec<Occurrence>,
-    /// How often each mesh is still to be taken.
+    /// How many more times each mesh will be taken.
     uses: HashMap<Entity, usize>,
-    /// Meshes of several instances, in the order of the second instance of each.
+    /// Meshes with several instances, in the order of each one's second instance.
     pub(super) shared: Vec<Entity>,
 }
 
 impl Occurrences {
-    /// What is in the world; `flatten` has instances become primitives of the scene's own.
+    /// The occurrences in the world; `flatten` turns instances into primitives of the scene's own.
     pub(super) fn of(world: &World, flatten: bool) -> Self {
         let mut all: Vec<(bool, Order, Occurrence)> = world
             .query::<(Entity, Option<&Order>, Option<&AreaLight>, Option<&InstanceOf>)>()
@@ -62,7 +62,7 @@ impl Occurrences {
         Self { all, uses, shared }
     }
 
-    /// Those that become triangles of the scene's own, as do those that become quads and spheres.
+    /// Those that become triangles of the scene's own; likewise for quads and spheres below.
     pub(super) fn triangles(&self, world: &World) -> Vec<Occurrence> {
         let is_own = |occurrence: &Occurrence| {
             occurrence.is_light || !self.shared.contains(&occurrence.prototype)
@@ -97,7 +97,7 @@ impl Occurrences {
         }
     }
 
-    /// Meshes that become the scene's own triangles, as often as they do.
+    /// Meshes that become the scene's own triangles, once for each occurrence.
     pub(super) fn own_meshes(&self, world: &World) -> Vec<Entity> {
         let own = self.triangles(world).into_iter().map(|occurrence| occurrence.prototype);
         own.filter(|&prototype| has::<Mesh>(world, prototype)).collect()

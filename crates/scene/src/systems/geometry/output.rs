@@ -1,4 +1,4 @@
-//! What the geometry system makes.
+//! The output of the geometry system.
 
 use hecs::Entity;
 
@@ -6,18 +6,18 @@ use wavecrest_core::accel::geometry::Geometry;
 use wavecrest_core::plan::schedule::{Schedule, Step};
 use wavecrest_core::prepared::{Detail, MeshAttributes, Shape, UvMap};
 
-/// A shape, and the entity it was.
+/// A shape with its entity.
 #[derive(Debug)]
 pub struct ShapeOutput {
     /// The entity.
     pub entity: Entity,
     /// The shape.
     pub shape: Shape,
-    /// How its points become texture coordinates, should it wear a texture.
+    /// The map from its points to texture coordinates, for a texture.
     pub uv_map: Option<UvMap>,
 }
 
-/// What this system makes.
+/// The output of this system.
 #[derive(Debug)]
 pub struct Output {
     /// The primitives.
@@ -29,16 +29,16 @@ pub struct Output {
 }
 
 impl Output {
-    /// Drops what no pass of the schedule reads: normals and colours of meshes that are not in view, unless the
-    /// schedule requires them, and texture coordinates and tangents of shapes that look nothing up by them, in
-    /// `details` either.
+    /// Drops data that no pass of the schedule reads: normals and colours of meshes that are not in
+    /// view, unless the schedule requires them, and texture coordinates and tangents that neither
+    /// textures nor `details` use.
     pub(in crate::systems) fn drop_unused(
         &mut self,
         schedule: Schedule,
         in_view: &[bool],
         details: &[Detail],
     ) {
-        // Whether what the step shows of a shape is asked for.
+        // Whether the step's data of a shape is needed.
         let shows =
             |step, in_view: bool| schedule.runs(step) && (in_view || schedule.is_needless(step));
         let mut used = vec![[false; 4]; self.meshes.len()];

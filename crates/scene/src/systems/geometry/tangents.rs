@@ -1,8 +1,8 @@
-//! Tangents of meshes, by the convention that normal maps are baked with: Mikkelsen, *Simulation of Wrinkled Surfaces
-//! Revisited* (2008).
+//! Tangents of meshes, by the convention of baked normal maps: Mikkelsen, *Simulation of Wrinkled
+//! Surfaces Revisited* (2008).
 //!
-//! They are computed in the mesh's own space, as the files that hold the textures were, and only for meshes that a
-//! shape shows with a normal map.
+//! They are computed in the mesh's own space, like those in files with baked textures, and only for
+//! meshes with a visible normal map.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -13,7 +13,7 @@ use crate::mesh::{Attribute, MeshData};
 use wavecrest_core::math::float::normalize;
 use wavecrest_core::prepared::CornerValues;
 
-/// Functions that are the same on every machine.
+/// Mathematical functions with the same results on every machine.
 struct Libm;
 
 impl Ops for Libm {
@@ -33,19 +33,19 @@ struct Corners<'a> {
     found: Vec<[Vec4; 3]>,
 }
 
-/// The tangents of a mesh, lit with its normals or, where it has none, with those of its triangles; `None` without
-/// texture coordinates. Zero where coordinates span no area.
+/// The tangents of a mesh, with its own normals or those of its triangles; `None` without texture
+/// coordinates. Zero where texture coordinates span no area.
 pub(super) fn tangents(mesh: &MeshData) -> Option<CornerValues<Vec4>> {
     let uvs = mesh.uvs.as_ref()?;
     let found = vec![[Vec4::ZERO; 3]; mesh.triangles.len()];
     let mut corners = Corners { mesh, uvs, found };
-    // The crate is meant not to panic, but an odd mesh must not end the program.
+    // The crate should not panic, but an odd mesh must not end the program.
     let result = catch_unwind(AssertUnwindSafe(|| generate_tangents(&mut corners)));
     result.ok()?.ok()?;
     Some(shared(corners.found, mesh))
 }
 
-/// By vertex, where all corners at each have the same tangent; else by corner.
+/// By vertex, if all corners at each have the same tangent; else by corner.
 fn shared(found: Vec<[Vec4; 3]>, mesh: &MeshData) -> CornerValues<Vec4> {
     let mut values = vec![Vec4::ZERO; mesh.positions.len()];
     let mut is_known = vec![false; mesh.positions.len()];
@@ -125,7 +125,7 @@ mod tests {
         }
     }
 
-    /// The tangents of the first triangle, and where v grows by them.
+    /// The tangents of the first triangle, and the resulting directions of v.
     fn first(uvs: [[f32; 2]; 4]) -> Vec<(Vec3, Vec3)> {
         let found = tangents(&square(uvs)).expect("tangents");
         let corners = found.corners(0, [0, 1, 2]).expect("three of them");
@@ -138,7 +138,7 @@ mod tests {
         for (uvs, u, v) in [
             ([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]], Vec3::X, Vec3::Y),
             ([[0.0, 0.0], [3.0, 0.0], [3.0, 0.5], [0.0, 0.5]], Vec3::X, Vec3::Y),
-            // Mirrored, turned, and both.
+            // Mirrored, rotated, and both.
             ([[1.0, 0.0], [0.0, 0.0], [0.0, 1.0], [1.0, 1.0]], Vec3::NEG_X, Vec3::Y),
             ([[0.0, 1.0], [0.0, 0.0], [1.0, 0.0], [1.0, 1.0]], Vec3::Y, Vec3::NEG_X),
             ([[0.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, 0.0]], Vec3::Y, Vec3::X),
