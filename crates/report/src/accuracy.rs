@@ -1,10 +1,11 @@
-//! What accuracy costs in time: a sweep over all that moves the error of a picture, and over all that must
-//! not, with a report that can be published.
+//! Error against time: a sweep over everything that affects the error of an image, and over
+//! everything that must not, with a report that can be published.
 //!
-//! [`setting`] says what is varied; [`sweep`] renders it, many seeds in random order, and writes each
-//! record to a [`store`] as it comes; errors are measured against a [reference](mod@reference) whose own error is
-//! known; [`neutral`] tries what must change nothing. [`findings`] sums the records up with intervals
-//! ([`fit`]), and [`page`] shows them.
+//! [`setting`] defines the variations; [`sweep`] renders them, with many seeds in random order, and
+//! writes each record to a [`store`] at once; errors are measured against a
+//! [reference](mod@reference) with a known error of its own; [`neutral`] tests choices that must
+//! not change anything. [`findings`] summarises the records with intervals ([`fit`]), and [`page`]
+//! shows them.
 
 pub mod answer;
 pub mod calibration;
@@ -37,7 +38,7 @@ use crate::bench::Machine;
 use crate::files::{to_json, write_text};
 use wavecrest_base::error::Result;
 
-/// All that was found: `accuracy.json`.
+/// All findings: `accuracy.json`.
 #[derive(Clone, Debug, Serialize)]
 pub struct Findings {
     /// The sweep.
@@ -45,14 +46,14 @@ pub struct Findings {
     pub header: Header,
     /// Renders of each setting.
     pub seeds: u32,
-    /// Under which circumstances: an entry for each time that the sweep was taken up.
+    /// Circumstances: an entry for each start or resumption of the sweep.
     pub circumstances: Vec<Circumstances>,
     /// Each scene: see [`findings`].
     pub scenes: Vec<SceneFindings>,
 }
 
 impl Header {
-    /// Of a sweep by this program.
+    /// The header of a sweep by this program.
     pub fn new(options: &Options) -> Self {
         let &Options { longest, most, least, .. } = options;
         Self { version: env!("CARGO_PKG_VERSION").to_owned(), longest, most, least }
@@ -60,7 +61,7 @@ impl Header {
 }
 
 impl Circumstances {
-    /// Those of this process.
+    /// The circumstances of this process.
     pub fn here() -> Self {
         let machine = serde_json::to_value(Machine::this()).unwrap_or_default();
         Self { command: std::env::args().collect(), commit: commit(), machine }
@@ -68,7 +69,8 @@ impl Circumstances {
 }
 
 impl Findings {
-    /// Sums up what `store` has of the `swept` scenes, and answers what `errors` cost.
+    /// Summarises the records of the `swept` scenes in `store`, with the cost of each of the
+    /// `errors`.
     pub fn new(options: &Options, store: &Store, swept: &[sweep::Swept], errors: &[f64]) -> Self {
         Self {
             header: Header::new(options),
@@ -86,15 +88,15 @@ impl Findings {
     /// Writes them as `accuracy.json` into `folder`.
     ///
     /// # Errors
-    /// When the file cannot be written.
+    /// If the file cannot be written.
     pub fn write(&self, folder: &Path) -> Result<()> {
         let path = folder.join("accuracy.json");
         write_text(&path, &to_json(self).map_err(|e| e.in_file(&path))?)
     }
 }
 
-/// The commit of the checkout that this program lies in, with a `+` where files of it are changed; `None`
-/// where it lies in none, or there is no git to ask.
+/// The commit of the checkout that contains this program, with a `+` if its files are modified;
+/// `None` outside a checkout, or without git.
 pub(crate) fn commit() -> Option<String> {
     let program = std::env::current_exe().ok()?;
     let folder = program.parent()?;
@@ -103,7 +105,7 @@ pub(crate) fn commit() -> Option<String> {
     Some(if changed.is_empty() { head } else { head + "+" })
 }
 
-/// What git says in `folder`.
+/// The output of git in `folder`.
 fn git(folder: &Path, arguments: &[&str]) -> Option<String> {
     let output = Command::new("git").arg("-C").arg(folder).args(arguments).output().ok()?;
     let text = String::from_utf8(output.stdout).ok()?;

@@ -1,25 +1,25 @@
-//! What each effect costs: a price list, measured on this machine.
+//! The cost of each effect: a price list, measured on this machine.
 //!
-//! [`scenes`] makes a small scene, and variants of it that each add one effect. All variants run in turn,
-//! with both tracers, round by round, so that what slows the machine down for a while slows all of them
-//! down. The price of an effect is the ratio of its scene's time to that of the scene that it was added to,
-//! round by round. Images are checked: both tracers give the same, in every round, and an effect that
-//! nothing leads to gives the image and the work of the scene without it.
+//! [`scenes`] makes a small scene, and variants of it that each add one effect. All variants run in
+//! turn, with both tracers, round by round, so that slow phases of the machine affect all of them
+//! alike. The price of an effect is the ratio of its scene's time to that of the scene that it was
+//! added to, round by round. Images are checked: both tracers give the same, in every round, and an
+//! effect that nothing shows leaves the image and the work unchanged.
 //!
 //! | key | unit | meaning |
 //! |---|---|---|
 //! | `version`, `machine` | | as in [`super::bench`] |
 //! | `image.width`, `.height` | pixels | the size of all images |
-//! | `simd`, `kernel`, `precision`, `batch` | | how they were made |
+//! | `simd`, `kernel`, `precision`, `batch` | | the settings |
 //! | `rounds` | | timed rounds, each of one run of every scene with each tracer |
-//! | `difference` | | what ended it, or `null`: the effect, the tracer, and how its image or its work differs |
-//! | `effects` | | one entry for each scene, empty where images differ: |
-//! | `.effect`, `.added_to` | | what was added, and to what (`null` for the first scenes) |
+//! | `difference` | | the difference that ended the measurement, or `null`: the effect, the tracer, and the difference of its image or its work |
+//! | `effects` | | one entry for each scene, empty if images differ: |
+//! | `.effect`, `.added_to` | | the effect, and the scene that it was added to (`null` for the first scenes) |
 //! | `.reached` | | whether anything shows it |
-//! | `.simulated` | | the effects that the plan has for it |
-//! | `.rays`, `.samples` | | what one render of it counts |
+//! | `.simulated` | | the effects in its plan |
+//! | `.rays`, `.samples` | | the counts of one render |
 //! | `.bytes_per_path` | bytes | in the columns of the wavefront |
-//! | `.wavefront`, `.recursive` | | what it costs with this tracer: |
+//! | `.wavefront`, `.recursive` | | the cost with this tracer: |
 //! | `.seconds` | seconds | of a run, as in [`super::bench`] |
 //! | `.seconds_per_mpixel`, `.seconds_per_mray` | seconds | the median for 10^6 pixels, and for 10^6 rays of any kind |
 //! | `.price` | | seconds over those of the scene that it was added to: median and interval, as in [`super::bench`]; `null` for the first scenes |
@@ -39,16 +39,16 @@ use wavecrest_core::wavefront::batch::Batch;
 pub use list::{Cost, EffectDifference, Price, PriceList, Setting, Size};
 pub use text::text;
 
-/// A scene of the list, made ready.
+/// A prepared scene of the list.
 #[derive(Debug)]
 pub struct Entry {
-    /// What it shows.
+    /// Its effect.
     pub variant: Variant,
     /// The scene.
     pub scene: PreparedScene,
 }
 
-/// What has been found of an entry: its first render, and the seconds of each timed run.
+/// The results of an entry: its first render, and the seconds of each timed run.
 struct Runs {
     first: Option<Rendered>,
     seconds: [Vec<f64>; TRACERS.len()],
@@ -56,8 +56,8 @@ struct Runs {
 
 const TRACERS: [TracerKind; 2] = [TracerKind::Wavefront, TracerKind::Recursive];
 
-/// Runs `trace` on all `entries` in turn as `schedule` says, with rounds in place of pairs. `progress` gets
-/// the rounds timed and those to be timed in all.
+/// Runs `trace` on all `entries` in turn as in `schedule`, with rounds instead of pairs. `progress`
+/// receives the rounds timed and the expected total.
 ///
 /// # Errors
 /// Those of `trace`.
@@ -97,7 +97,7 @@ pub fn measure(
 }
 
 impl Runs {
-    /// Adds a run, and says how it differs from the first.
+    /// Adds a run, and returns its difference from the first.
     fn add(&mut self, tracer: TracerKind, run: Rendered, timed: bool) -> Option<Difference> {
         if timed {
             self.seconds[tracer as usize].push(seconds_of(&run));
@@ -112,7 +112,7 @@ impl Runs {
     }
 }
 
-/// The first effect that nothing leads to and that is seen all the same, in the image or in the work.
+/// The first effect that nothing shows and that nevertheless changes the image or the work.
 fn unreached_differs(entries: &[Entry], runs: &[Runs]) -> Option<(usize, Difference)> {
     entries.iter().enumerate().filter(|(_, entry)| !entry.variant.reached).find_map(|(index, e)| {
         let base = runs[e.variant.added_to?].first.as_ref()?;

@@ -1,4 +1,4 @@
-//! What a render will do at most, estimated before the first ray.
+//! Bounds on the work of a render, computed before the first ray.
 
 use serde::Serialize;
 
@@ -6,7 +6,7 @@ use crate::statistics::{Rays, Samples};
 use wavecrest_core::kernels::texture::Filter;
 use wavecrest_core::prepared::PreparedScene;
 
-/// Bounds on the work of a render: what it counts is no more, and nothing where nothing is estimated.
+/// Upper bounds on the counts of a render; they are 0 only for work that cannot occur.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Estimated {
     /// Rays by kind. Camera rays are exact.
@@ -16,9 +16,9 @@ pub struct Estimated {
 }
 
 impl Estimated {
-    /// Of a render of so many `pixels` of `scene`: every camera ray meets a mirror and goes on for as many
-    /// bounces as there may be, every hit asks all lights, and every hit is on the shape whose textures take
-    /// the most texels.
+    /// The bounds for a render of this number of `pixels` of `scene`: every camera ray meets
+    /// mirrors up to the largest number of bounces, every hit samples all lights, and every hit is
+    /// on the shape whose textures read the most texels.
     pub fn of(scene: &PreparedScene, pixels: u64) -> Self {
         let primary = pixels * u64::from(scene.camera.rays_per_pixel());
         let secondary = primary.saturating_mul(u64::from(scene.bounces));

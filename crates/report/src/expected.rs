@@ -1,4 +1,4 @@
-//! What a render will do and how long it will take, as a pilot of some of its pixels says.
+//! The expected work and time of a render, from a pilot of some of its pixels.
 
 use std::time::Instant;
 
@@ -13,17 +13,17 @@ use wavecrest_core::render::units::Blocks;
 use wavecrest_core::render::{RenderOptions, batch_size, work};
 use wavecrest_core::tile::{Tile, TraceSettings, Unit};
 
-/// The pilot's tiles: as many in a row as in a column, and so many pixels wide and high at most.
+/// The pilot's tiles: their number in each row and column, and their largest side in pixels.
 const TILES: u32 = 8;
 const EDGE: u32 = 8;
 
-/// Paths of the pilot, at most, where a pixel has more than one.
+/// Largest number of paths of the pilot, if a pixel has more than one.
 const MOST_PATHS: u64 = 1 << 15;
 
-/// What is expected of a render.
+/// The expectation for a render.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Expected {
-    /// Pixels that the pilot looked at.
+    /// Pixels of the pilot.
     pub pixels: u64,
     /// Rays by kind. Camera rays are exact.
     pub rays: Rays,
@@ -34,12 +34,12 @@ pub struct Expected {
 }
 
 impl Expected {
-    /// Of a render of all of `scene`: tiles in an even grid are rendered, and what they count is taken to be so
-    /// everywhere. Their image is that part of the whole, so that the estimate is the same in every run but for
-    /// the seconds.
+    /// The expectation for a render of all of `scene`: tiles in an even grid are rendered, and
+    /// their counts extrapolated. Their pixels are those of the whole image, so the estimate is the
+    /// same in every run except for the seconds.
     ///
     /// # Errors
-    /// When an image cannot be decoded.
+    /// If an image cannot be decoded.
     pub fn of(scene: &PreparedScene, options: &RenderOptions) -> Result<Self> {
         let [width, height] = scene.camera.size();
         let tiles: Vec<Tile> = (0..TILES * TILES)
@@ -53,7 +53,7 @@ impl Expected {
         let pixels: u64 = tiles.iter().map(|tile| tile.len() as u64).sum();
         let samples = Blocks::new(scene.camera.rays_per_pixel()).longest();
         let samples = samples.min((MOST_PATHS / pixels).max(1) as u32);
-        // Once for what is done at the first look: images are decoded, and the tree comes into the caches.
+        // A first run decodes images and warms the caches.
         trace(scene, options, &tiles, samples);
         scene.appearance.check()?;
         let (counters, seconds) = trace(scene, options, &tiles, samples);
@@ -77,7 +77,7 @@ impl Expected {
     }
 }
 
-/// Where in its part of a side a tile begins, and how long it is there: in the middle.
+/// The start and length of a tile in its part of a side: at the centre.
 fn middle(side: u32, part: u32) -> (u32, u32) {
     let edge = |part: u32| (u64::from(side) * u64::from(part) / u64::from(TILES)) as u32;
     let (start, end) = (edge(part), edge(part + 1));
@@ -85,7 +85,8 @@ fn middle(side: u32, part: u32) -> (u32, u32) {
     (start + (end - start - length) / 2, length)
 }
 
-/// Renders so many `samples` of each pixel of the tiles. What is counted, and seconds, added up over threads.
+/// Renders `samples` samples of each pixel of the tiles. Returns counts, and seconds summed over
+/// threads.
 fn trace(
     scene: &PreparedScene,
     options: &RenderOptions,

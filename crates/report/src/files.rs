@@ -8,20 +8,20 @@ use serde::Serialize;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_base::replace::{replace_file, write_error};
 
-/// A value as lines of JSON.
+/// A value as indented JSON.
 ///
 /// # Errors
-/// When it has a path that is not Unicode, or a number that JSON lacks.
+/// If it contains a path that is not Unicode, or a number that JSON lacks.
 pub fn to_json(value: &impl Serialize) -> Result<String> {
     let json = serde_json::to_string_pretty(value)
         .map_err(|e| Error::new(ErrorKind::Io, format!("cannot write JSON: {e}")).because(e))?;
     Ok(json + "\n")
 }
 
-/// Writes `text` to `file`, or leaves what is there as it was.
+/// Writes `text` to `file` atomically.
 ///
 /// # Errors
-/// When it cannot be written.
+/// If it cannot be written.
 pub fn write_text(file: &Path, text: &str) -> Result<()> {
     replace_file(file, |sink| sink.write_all(text.as_bytes()).map_err(|e| write_error(file, e)))
 }

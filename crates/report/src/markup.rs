@@ -1,7 +1,7 @@
-//! Text within HTML and SVG.
+//! Text in HTML and SVG.
 
-/// `text` as it stands between tags and in attributes. Characters that XML has no way to write, such
-/// as those that move a terminal's cursor, become the replacement character.
+/// `text` escaped for elements and attributes. Characters that XML cannot represent, such as those
+/// that move a terminal's cursor, become the replacement character.
 pub(super) fn escape(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for letter in text.chars() {

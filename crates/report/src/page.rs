@@ -1,10 +1,10 @@
-//! A report as one standalone HTML file: styles, script, charts and pictures are in it.
+//! A report as one standalone HTML file, with styles, script, charts and images.
 //!
-//! A [`Page`] is data: sections of [`Block`]s, in the order of reading. All text is plain text, and
-//! is escaped; words between backticks are set as code. The page asks for nothing from any network,
-//! and forbids itself to. Without JavaScript all of it can be read; with it, values are shown at the
-//! points of a chart, pictures can be compared under a divide that moves, tables can be sorted, and
-//! light or dark can be chosen against what the system prefers.
+//! A [`Page`] is data: sections of [`Block`]s in reading order. All text is plain and is escaped;
+//! words between backticks become code. The page loads nothing from any network, and its policy
+//! forbids it. It is complete without JavaScript. With it, charts show values at their points,
+//! images can be compared with a slider, tables can be sorted, and light or dark can be chosen
+//! independently of the system.
 
 mod blocks;
 mod document;
@@ -22,11 +22,11 @@ use super::plot::{Chart, Icicle, StackedBars};
 pub struct Page {
     /// The title, in the window and above the text.
     pub title: String,
-    /// What was asked and what was found, in a few sentences.
+    /// The question and the results, in a few sentences.
     pub lead: String,
     /// The answer in short, before the table of contents.
     pub first: Vec<Block>,
-    /// Its sections; the table of contents has them all.
+    /// Its sections, listed in the table of contents.
     pub sections: Vec<Section>,
 }
 
@@ -35,20 +35,20 @@ pub struct Page {
 pub struct Section {
     /// The heading.
     pub title: String,
-    /// What it holds, in the order of reading.
+    /// Its contents, in reading order.
     pub blocks: Vec<Block>,
 }
 
-/// What a section holds.
+/// A part of a section.
 #[derive(Clone, Debug)]
 pub enum Block {
     /// A heading of a lower level.
     Heading(String),
     /// Running text.
     Paragraph(String),
-    /// What the reader should not pass over, such as a warning.
+    /// An important note, such as a warning.
     Warning(String),
-    /// A chart with its caption, its values as a table, and CSV and JSON to be saved.
+    /// A chart with its caption, its values as a table, and downloads as CSV and JSON.
     Chart(Chart),
     /// Bars with the same.
     Bars(StackedBars),
@@ -56,22 +56,22 @@ pub enum Block {
     Icicle(Icicle),
     /// A table.
     Table(Table),
-    /// Two pictures of one thing, under a divide that moves; side by side without JavaScript.
+    /// Two images of one thing under a slider; side by side without JavaScript.
     Compare(Compare),
-    /// Pictures in a row, each with its caption.
+    /// Images in a row, each with its caption.
     Pictures(Vec<Picture>),
-    /// Code or a command, as it is.
+    /// Code or a command, unchanged.
     Code(String),
-    /// What is known by name: the machine, versions, settings.
+    /// Named facts: the machine, versions, settings.
     Facts(Vec<Fact>),
-    /// What is shown on demand.
+    /// Details, shown on demand.
     Details(Details),
 }
 
 /// Rows under a header.
 #[derive(Clone, Debug, Default)]
 pub struct Table {
-    /// What it shows; may be empty.
+    /// Its caption; may be empty.
     pub caption: String,
     /// The columns. The first names the rows.
     pub columns: Vec<Column>,
@@ -84,11 +84,11 @@ pub struct Table {
 pub struct Column {
     /// Its heading.
     pub name: String,
-    /// Where its text stands.
+    /// The alignment of its text.
     pub align: Align,
 }
 
-/// Where the text of a column stands.
+/// The alignment of a column.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Align {
     /// On the left: words.
@@ -103,56 +103,56 @@ pub enum Align {
 /// A cell of a [`Table`].
 #[derive(Clone, Debug, Default)]
 pub struct Cell {
-    /// What is read.
+    /// The visible text.
     pub text: String,
-    /// The number behind it, by which rows are sorted; `None` for words, which are sorted as such.
+    /// The number behind it, by which rows are sorted; `None` for words, which are sorted as text.
     pub value: Option<f64>,
 }
 
-/// Two pictures of one thing.
+/// Two images of one thing.
 #[derive(Clone, Debug, Default)]
 pub struct Compare {
-    /// On the left of the divide.
+    /// Left of the slider.
     pub left: Picture,
-    /// On the right of it, as large as the other.
+    /// Right of the slider, of the same size.
     pub right: Picture,
-    /// What to look for.
+    /// The caption.
     pub caption: String,
 }
 
-/// A picture, in the file itself.
+/// An embedded image.
 #[derive(Clone, Debug, Default)]
 pub struct Picture {
     /// The bytes of a PNG file.
     pub png: Vec<u8>,
-    /// What it shows, for those who do not see it.
+    /// The alternative text.
     pub alt: String,
-    /// What is written under it; in a [`Compare`], the short name of its side.
+    /// The caption; in a [`Compare`], the short name of its side.
     pub caption: String,
-    /// Whether each pixel is to be seen where it is shown enlarged.
+    /// Whether to show single pixels when enlarged.
     pub pixels: bool,
 }
 
-/// Something known by name.
+/// A named fact.
 #[derive(Clone, Debug, Default)]
 pub struct Fact {
     /// Its name.
     pub name: String,
-    /// What is known.
+    /// Its value.
     pub value: String,
 }
 
-/// What is shown on demand.
+/// Details, shown on demand.
 #[derive(Clone, Debug, Default)]
 pub struct Details {
     /// The line that opens it.
     pub summary: String,
-    /// What it holds.
+    /// Its contents.
     pub blocks: Vec<Block>,
 }
 
 impl Section {
-    /// A section of these blocks.
+    /// A section with these blocks.
     pub fn new(title: impl Into<String>, blocks: Vec<Block>) -> Self {
         Self { title: title.into(), blocks }
     }
@@ -166,7 +166,8 @@ impl Block {
 }
 
 impl Table {
-    /// A table whose columns `header` names, with `|` between the names and `>` before those of numbers.
+    /// A table whose columns are named in `header`, separated by `|`, with `>` before those of
+    /// numbers.
     pub fn new(caption: impl Into<String>, header: &str, rows: Vec<Vec<Cell>>) -> Self {
         let column = |name: &str| match name.strip_prefix('>') {
             Some(name) => Column::numbers(name),
@@ -194,24 +195,24 @@ impl Cell {
         Self { text: text.into(), value: None }
     }
 
-    /// A number with so many decimals.
+    /// A number with this many decimals.
     pub fn decimals(value: f64, decimals: usize) -> Self {
         Self::number(value, format!("{value:.decimals$}"))
     }
 
-    /// A number of things.
+    /// A count.
     pub fn count(count: u64) -> Self {
         Self::number(count as f64, figure(count as f64))
     }
 
-    /// A number, as it is to be read.
+    /// A number with its text.
     pub fn number(value: f64, text: impl Into<String>) -> Self {
         Self { text: text.into(), value: Some(value) }
     }
 }
 
 impl Fact {
-    /// Something known by name.
+    /// A named fact.
     pub fn new(name: impl Into<String>, value: impl Into<String>) -> Self {
         Self { name: name.into(), value: value.into() }
     }

@@ -1,18 +1,18 @@
-//! The answer of a sweep: with which sampler and how many points an error costs least, in seconds from the
-//! command to the picture, and what else the scene pays for.
+//! The answer of a sweep: the sampler and number of points that reach an error in the least time,
+//! in seconds from the command to the image, and the costs of precision and effects.
 //!
 //! | key of `answer` | unit | meaning |
 //! |---|---|---|
-//! | `counted` | | what is sampled more finely for a smaller error, as `--advise` and `--target-error` do |
+//! | `counted` | | what is varied for a smaller error, as by `--advise` and `--target-error` |
 //! | `errors[].error` | | root mean squared error |
-//! | `.sampler`, `.points` | | the quickest, and how many points, the next square; `null` where no setting reached it |
-//! | `.seconds`, `.tracing` | seconds | loading, building and tracing; tracing alone |
+//! | `.sampler`, `.points` | | the quickest sampler and its number of points, the next square; `null` if no setting reached the error |
+//! | `.seconds`, `.tracing` | seconds | loading, building and tracing; tracing only |
 //! | `.times_as_fast` | | speedup of tracing over random points, with its interval; `null` without either |
-//! | `.at_least` | | whether random points did not reach the error: the speedup is then over the longest render of these, and a lower bound |
-//! | `precisions[].name`, `.ratio` | | time of tracing over that of `fast`, at the scene's own samples |
-//! | `precisions[].worst_t` | ulp | the largest error of t on the scene's triangles (absent where it has none) |
-//! | `effects[].name`, `.ratio` | | time of tracing over that without the effect, or with one point for it |
-//! | `pass`, `share` | | the pass that takes the most of tracing, and its part of it |
+//! | `.at_least` | | whether random points did not reach the error: the speedup is then relative to their longest render, and a lower bound |
+//! | `precisions[].name`, `.ratio` | | tracing time relative to `fast`, at the scene's own samples |
+//! | `precisions[].worst_t` | ulp | the largest error of t on the scene's triangles (absent without triangles) |
+//! | `effects[].name`, `.ratio` | | tracing time relative to that without the effect, or with one point for it |
+//! | `pass`, `share` | | the pass that takes most of the tracing time, and its share |
 
 use serde::Serialize;
 
@@ -23,7 +23,7 @@ use crate::summary::median;
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::math::sampling::Sampling;
 
-/// Errors that an answer is given for, unless others are asked for.
+/// Default errors of an answer.
 pub const ERRORS: [f64; 3] = [0.02, 0.01, 0.005];
 
 /// See the module documentation.
@@ -38,7 +38,7 @@ pub struct Answer {
     pub share: f64,
 }
 
-/// What an error costs.
+/// The cost of an error.
 #[derive(Clone, Debug, Serialize)]
 #[allow(missing_docs, reason = "see the module documentation")]
 pub struct AtError {
@@ -51,7 +51,7 @@ pub struct AtError {
     pub at_least: bool,
 }
 
-/// What something costs.
+/// The cost of a choice.
 #[derive(Clone, Debug, Serialize)]
 #[allow(missing_docs, reason = "see the module documentation")]
 pub struct Price {
@@ -62,7 +62,7 @@ pub struct Price {
 }
 
 impl Answer {
-    /// Of a scene, where `family` is what is sampled more finely for a smaller error.
+    /// The answer for a scene; `family` is varied for a smaller error.
     pub fn of(scene: &SceneFindings, family: &str, errors: &[f64]) -> Self {
         let mut answer = Self::default();
         if let Some(family) = scene.families.iter().find(|found| found.name == family) {
@@ -109,7 +109,7 @@ impl SceneFindings {
         usual.map_or(0.0, |stage| stage.before.load + stage.before.build)
     }
 
-    /// The scene as its file has it.
+    /// The point with the scene's own settings.
     fn own(&self) -> Option<&PointFindings> {
         let key = Setting::default().key();
         let points = self.families.iter().flat_map(|family| &family.series).flat_map(|s| &s.points);
@@ -117,14 +117,14 @@ impl SceneFindings {
     }
 }
 
-/// The times of one setting over those of another.
+/// The ratio of the times of one setting to those of another.
 fn ratio(one: &PointFindings, other: &PointFindings) -> Option<Interval> {
     let rounds = one.times.len().min(other.times.len());
     bootstrap(rounds, |seeds| Some(one.time(seeds) / other.time(seeds)))
 }
 
 impl PointFindings {
-    /// The median time of tracing of these seeds.
+    /// The median tracing time of these seeds.
     pub fn time(&self, seeds: &[usize]) -> f64 {
         median(&of(seeds, &self.times).collect::<Vec<_>>())
     }
@@ -136,8 +136,8 @@ impl PointFindings {
 }
 
 impl SeriesFindings {
-    /// How many points, and how many seconds of tracing, an error takes: by the line between the logarithms of the
-    /// two settings that it is between. `seeds` are those to go by; all if `None`.
+    /// The number of points and seconds of tracing for an error, interpolated linearly in
+    /// logarithms between two settings, over `seeds`, or over all if `None`.
     pub fn reach(&self, error: f64, seeds: Option<&[usize]>) -> Option<[f64; 2]> {
         let values = |p: &PointFindings| match seeds {
             Some(seeds) => [p.x, p.error(seeds), p.time(seeds)],

@@ -1,5 +1,5 @@
-//! Whether an error that is asked for comes out: what a pilot chooses is rendered and compared with the reference,
-//! which the pilot knows nothing of.
+//! Whether requested errors are met: the pilot's choice is rendered and compared with the
+//! reference, which the pilot does not know.
 
 use std::collections::BTreeMap;
 
@@ -14,19 +14,19 @@ use wavecrest_core::prepared::Samples;
 use wavecrest_core::render::{RenderOptions, render};
 use wavecrest_image::compare::compare;
 
-/// Errors that are asked for.
+/// Requested errors.
 const ASKED: [f64; 4] = [0.04, 0.02, 0.01, 0.005];
 
-/// Each with so many pilots, whose random numbers differ.
+/// Number of pilots for each error, with different random numbers.
 const SEEDS: u64 = 3;
 
-/// What is expected to take more seconds is left out.
+/// Choices with a longer expected time in seconds are skipped.
 const MOST_SECONDS: f64 = 20.0;
 
-/// Asks for errors, unless that has been done.
+/// Tests the requested errors, unless done already.
 ///
 /// # Errors
-/// When the scene can no longer be rendered, or a record cannot be written.
+/// If the scene can no longer be rendered, or a record cannot be written.
 pub fn run(
     subject: &mut Subject,
     references: &BTreeMap<&'static str, Reference>,
@@ -46,7 +46,7 @@ pub fn run(
             continue;
         }
         let prepared = subject.prepare(&Structure::default())?;
-        // As its file has it, not as the last render asked.
+        // With the file's samples, not those of the last render.
         prepared.scene.resample(&prepared.original, &Samples::default());
         let pilot = Pilot::run(&mut prepared.scene, &prepared.original, seed)?;
         for asked in ASKED {

@@ -1,4 +1,4 @@
-//! What equal time buys, and what an equal error looks like: the same part of the picture by each sampler.
+//! Crops in equal time and at equal error: the same part of the image by each sampler.
 
 use super::findings::{FamilyFindings, PointFindings, SeriesFindings};
 use super::reference::Reference;
@@ -9,51 +9,52 @@ use wavecrest_core::film::Film;
 use wavecrest_core::render::RenderOptions;
 use wavecrest_image::error_map::{MapKind, error_map};
 
-/// A part of the picture, by one sampler.
+/// A part of the image by one sampler.
 #[derive(Clone, Debug)]
 pub struct Crop {
     /// The sampler.
     pub name: String,
-    /// What it had time for.
+    /// The setting that fits the time or error.
     pub point: PointFindings,
-    /// The part of the picture.
+    /// The part of the image.
     pub film: Film,
-    /// The signed error there, in false colours.
+    /// Its signed error, in false colours.
     pub map: Film,
-    /// The whole picture.
+    /// The whole image.
     pub whole: Film,
 }
 
-/// What the samplers have in common.
+/// The quantity that is equal for all samplers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Equal {
-    /// As much time: each has the most points that there is time for.
+    /// Time: each sampler has the most points that fit.
     Time,
-    /// As large an error: each has the fewest points that reach it.
+    /// Error: each sampler has the fewest points that reach it.
     Error,
 }
 
-/// Pictures of a family's samplers.
+/// Crops of a family's samplers.
 #[derive(Clone, Debug)]
 pub struct Crops {
-    /// The part of the reference.
+    /// The crop of the reference.
     pub reference: Film,
-    /// That of each sampler.
+    /// The crop of each sampler.
     pub crops: Vec<Crop>,
-    /// The error of the ends of the false colours.
+    /// The error at the ends of the false colours.
     pub ends: f64,
 }
 
-/// The time or error is that of the first sampler with about so many points.
+/// The time or error is that of the first sampler with about this many points.
 const POINTS: f64 = 64.0;
 
-/// Width and height of the part that is shown, in pixels, where the picture is as large.
+/// Largest width and height of the crop in pixels.
 const SIZE: [u32; 2] = [64, 48];
 
-/// The family's samplers in equal time or at an equal error. `None` for a family without several samplers.
+/// The family's samplers in equal time or at equal error. `None` for a family without several
+/// samplers.
 ///
 /// # Errors
-/// When the scene can no longer be rendered.
+/// If the scene can no longer be rendered.
 pub fn crops(
     subject: &mut Subject,
     family: &Family,
@@ -96,8 +97,8 @@ pub fn crops(
     Ok(Some(Crops { reference: part, crops, ends }))
 }
 
-/// The setting of a sampler that has as much time as another, with a little to spare for its spread, or that errs
-/// no more.
+/// The setting of a sampler with as much time as another, with a small allowance for its spread, or
+/// with no larger error.
 fn within<'a>(
     series: &'a SeriesFindings,
     budget: &PointFindings,
@@ -116,7 +117,7 @@ fn within<'a>(
     }
 }
 
-/// A mean of a pixel's three errors that one of a hundred exceeds.
+/// A mean of a pixel's three errors that one pixel of a hundred exceeds.
 pub fn large<'a>(films: impl Iterator<Item = &'a Film>, reference: &Film) -> f64 {
     let error = |(a, b): (&[f32; 3], &[f32; 3])| {
         a.iter().zip(b).map(|(a, b)| f64::from(a - b)).sum::<f64>().abs() / 3.0
@@ -127,7 +128,7 @@ pub fn large<'a>(films: impl Iterator<Item = &'a Film>, reference: &Film) -> f64
     errors.get(errors.len() * 99 / 100).copied().unwrap_or(0.0)
 }
 
-/// The window, `[x, y, width, height]`, in which the squared error is ends.
+/// The window, `[x, y, width, height]`, with the largest squared error.
 fn worst(film: &Film, reference: &Film) -> [u32; 4] {
     let size = [film.width().min(SIZE[0]), film.height().min(SIZE[1])];
     let step = |n: u32| (n / 4).max(1) as usize;

@@ -1,27 +1,27 @@
-//! What a sweep found: its records summed up, in the form in which they are kept as JSON and shown.
+//! The findings of a sweep: its records summarised, as stored in JSON and shown.
 //!
 //! | key of a scene | unit | meaning |
 //! |---|---|---|
-//! | `scene`, `file`, `fingerprint`, `size`, `primitives` | | what was rendered, and at how many pixels |
+//! | `scene`, `file`, `fingerprint`, `size`, `primitives` | | the scene and the size of its images in pixels |
 //! | `answer` | | see [`answer`](super::answer) |
-//! | `references` | | what errors are against: samples of each kind in a pixel, renders, standard error (root mean square), seconds |
-//! | `families` | | what was varied: `name`, `title`, what is `counted`, the `target`, and `series`: |
-//! | `.slope` | | power with which the mean squared error falls with what is counted, from [`SLOPE_FROM`] on, with its interval; `null` where too few points are above the noise of the reference |
-//! | `.points[].x`, `.label`, `.key` | | what is counted, and the setting |
+//! | `references` | | the references of errors: samples of each kind in a pixel, renders, standard error (root mean square), seconds |
+//! | `families` | | the variations: `name`, `title`, what is `counted`, the `target`, and `series`: |
+//! | `.slope` | | exponent of the mean squared error as a function of the count, from [`SLOPE_FROM`] on, with its interval; `null` if too few points are above the noise of the reference |
+//! | `.points[].x`, `.label`, `.key` | | the count, and the setting |
 //! | `.points[].seconds` | seconds | from the first ray to the last: median with its interval |
-//! | `.points[].rmse` | | root of the mean of the squared errors of all seeds, with its interval |
+//! | `.points[].rmse` | | root of the mean squared error over all seeds, with its interval |
 //! | `.points[].mse`, `.relative_mse`, `.psnr`, `.flip`, `.bias` | | means over seeds; see [`wavecrest_image::compare`] |
-//! | `.points[].flip_95` | | the FLIP that one pixel of twenty exceeds |
-//! | `.points[].efficiency`, `.efficiency_in_all` | 1/s | 1 / (MSE x time) of tracing, and of loading, building and tracing, with their intervals |
+//! | `.points[].flip_95` | | the FLIP value that one pixel of twenty exceeds |
+//! | `.points[].efficiency`, `.efficiency_in_all` | 1/s | 1 / (MSE x time) for tracing, and for loading, building and tracing, with intervals |
 //! | `.points[].rays` | rays | of every kind, mean over seeds |
 //! | `.points[].above_noise` | | whether the error is at least three standard errors of the reference |
-//! | `.points[].front` | | whether no other point above the noise is both faster and nearer in the family |
-//! | `stages` | seconds | by precision: loading, building, and each pass at the scene's own samples, summed over threads: medians |
+//! | `.points[].front` | | whether no other point above the noise in the family is both faster and more accurate |
+//! | `stages` | seconds | for each precision: loading, building, and each pass at the scene's own samples, summed over threads: medians |
 //! | `layers` | | time by precision, effect and pass: see [`layers`] |
 //! | `presets`, `crossings` | | see [`presets`] |
 //! | `spread`, `calibration` | | see [`SpreadRecord`] and [`CalibrationRecord`] |
-//! | `neutral` | | what must not change the picture: the error's change, and whether the bits are equal |
-//! | `trials` | | by precision: rays at edges and how many leak, rays that leave and how many hit themselves, nanoseconds a ray, errors of t, points and normals in ulp ([`HitErrors`](crate::selftest::errors::HitErrors)) |
+//! | `neutral` | | choices that must not change the image: the change of the error, and whether the bits are equal |
+//! | `trials` | | for each precision: rays aimed at edges and leaks, rays that leave a surface and self-hits, nanoseconds a ray, errors of t, points and normals in ulp ([`HitErrors`](crate::selftest::errors::HitErrors)) |
 
 use serde::Serialize;
 
@@ -40,7 +40,7 @@ use super::sweep::Swept;
 use crate::summary::{MedianInterval, median};
 use wavecrest_image::compare::psnr;
 
-/// Slopes are of points from this many on: with one or two points nothing is stratified yet.
+/// Slopes are fitted from this number of points on: one or two points are not stratified.
 pub const SLOPE_FROM: f64 = 4.0;
 
 /// See the module documentation.
@@ -62,7 +62,7 @@ pub struct SceneFindings {
     pub trials: Vec<TrialRecord>,
 }
 
-/// What was varied.
+/// One variation of a scene.
 #[derive(Clone, Debug, Serialize)]
 #[allow(missing_docs, reason = "see the module documentation")]
 pub struct FamilyFindings {
@@ -73,7 +73,7 @@ pub struct FamilyFindings {
     pub series: Vec<SeriesFindings>,
 }
 
-/// Settings in the order of what is counted.
+/// Settings in the order of the count.
 #[derive(Clone, Debug, Serialize)]
 #[allow(missing_docs, reason = "see the module documentation")]
 pub struct SeriesFindings {
@@ -110,7 +110,7 @@ pub struct PointFindings {
     pub times: Vec<f64>,
 }
 
-/// Where the time of a render goes.
+/// The time of a render by stage.
 #[derive(Clone, Debug, Serialize)]
 #[allow(missing_docs, reason = "see the module documentation")]
 pub struct StageFindings {
@@ -121,7 +121,7 @@ pub struct StageFindings {
 }
 
 impl SceneFindings {
-    /// Sums up what `records` say of `swept`.
+    /// Summarises the `records` of `swept`.
     pub fn of(swept: &Swept, records: &[Record], errors: &[f64]) -> Option<Self> {
         let name = swept.subject.name();
         let mut found = Self {
@@ -232,7 +232,7 @@ impl PointFindings {
         Some(found)
     }
 
-    /// The efficiency where so many seconds pass before the first ray.
+    /// The efficiency if this many seconds pass before the first ray.
     fn efficiency_after(&self, before: f64) -> Option<Interval> {
         let of = |seeds: &[usize]| {
             let error = self.error(seeds);

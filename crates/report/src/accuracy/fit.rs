@@ -1,10 +1,10 @@
-//! Means, slopes and fronts, each with its interval.
+//! Means, slopes and Pareto fronts, each with its interval.
 //!
-//! Intervals are percentiles of the bootstrap (Efron, *Bootstrap Methods: Another Look at the Jackknife*,
-//! 1979): seeds are drawn again with replacement, whole renders at a time, since the values of one picture
-//! are not independent of each other. Of few seeds percentiles are too narrow: they are taken as much further out
-//! as Student's distribution is wider than the normal one (Hesterberg, *What Teachers Should Know About the
-//! Bootstrap*, 2015, section 5.3).
+//! Intervals are percentiles of the bootstrap (Efron, *Bootstrap Methods: Another Look at the
+//! Jackknife*, 1979): seeds are resampled with replacement, whole renders at a time, since the
+//! values of one image are correlated. For few seeds percentile intervals are too narrow: they are
+//! widened by the ratio of Student's distribution to the normal one (Hesterberg, *What Teachers
+//! Should Know About the Bootstrap*, 2015, section 5.3).
 
 use rand::RngExt;
 use rand::seq::SliceRandom;
@@ -12,16 +12,16 @@ use serde::Serialize;
 
 use wavecrest_core::math::random::{Generator, Stream};
 
-/// How often seeds are drawn again.
+/// Number of bootstrap samples.
 const RESAMPLES: u32 = 1000;
 
-/// The share of the resampled values that lies within an interval.
+/// The share of resampled values within an interval.
 pub const CONFIDENCE: f64 = 0.95;
 
-/// A value, and where the true one is with [`CONFIDENCE`].
+/// A value with its interval of [`CONFIDENCE`].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Interval {
-    /// Found.
+    /// The estimate.
     pub value: f64,
     /// The lower end.
     pub low: f64,
@@ -29,12 +29,12 @@ pub struct Interval {
     pub high: f64,
 }
 
-/// Random whole numbers.
+/// Random integers.
 #[derive(Debug)]
 pub struct Rng(Generator);
 
 impl Rng {
-    /// Those of `seed`.
+    /// The numbers of `seed`.
     pub fn new(seed: u64) -> Self {
         Self(Stream { seed, pixel: 0, sample: 0, bounce: 0 }.generator(0))
     }
@@ -44,12 +44,12 @@ impl Rng {
         self.0.random_range(0..n)
     }
 
-    /// Puts `items` in random order.
+    /// Shuffles `items`.
     pub fn shuffle<T>(&mut self, items: &mut [T]) {
         items.shuffle(&mut self.0);
     }
 
-    /// As many of `values` as there are, each drawn from all of them.
+    /// A resample of `values` with replacement, of the same size.
     fn resample(&mut self, values: &[f64]) -> Vec<f64> {
         values.iter().map(|_| values[self.below(values.len())]).collect()
     }
@@ -59,20 +59,22 @@ fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len().max(1) as f64
 }
 
-/// The number of standard deviations that is as likely under the normal distribution as `t` under Student's with
-/// so many degrees of freedom (Wallace, *Bounds on Normal Approximations to Student's and the Chi-square
-/// Distributions*, 1959).
+/// The number of standard deviations with the same probability under the normal distribution as `t`
+/// under Student's with `freedom` degrees of freedom (Wallace, *Bounds on Normal Approximations to
+/// Student's and the Chi-square Distributions*, 1959).
 pub fn normal_of(t: f64, freedom: f64) -> f64 {
     let ratio = (8.0 * freedom + 1.0) / (8.0 * freedom + 3.0);
     ratio * (freedom * libm::log1p(t * t / freedom)).sqrt()
 }
 
-/// The chance that a normal value is further from its mean than so many standard deviations, on either side.
+/// The probability that a normal value is farther from its mean than this many standard deviations,
+/// on either side.
 pub fn chance_beyond(deviations: f64) -> f64 {
     libm::erfc(deviations / std::f64::consts::SQRT_2)
 }
 
-/// How many standard errors an interval reaches to either side if the true value is outside with this `chance`.
+/// Half the width of an interval in standard errors, if the true value is outside with this
+/// `chance`.
 pub fn student(chance: f64, freedom: f64) -> f64 {
     let (mut low, mut high) = (0.0, 1e3);
     for _ in 0..60 {
@@ -83,7 +85,7 @@ pub fn student(chance: f64, freedom: f64) -> f64 {
     high
 }
 
-/// The interval of the resampled values of so many seeds, about the one found.
+/// The percentile interval of resampled values over this many seeds, around the estimate.
 fn percentiles(value: f64, mut resampled: Vec<f64>, seeds: usize) -> Interval {
     resampled.sort_by(f64::total_cmp);
     let at = |share: f64| {
@@ -96,7 +98,8 @@ fn percentiles(value: f64, mut resampled: Vec<f64>, seeds: usize) -> Interval {
     Interval { value, low: at(outside), high: at(1.0 - outside) }
 }
 
-/// A statistic of so many seeds, each given by its index. `None` where it has no value of all of them.
+/// The bootstrap interval of a statistic of seeds, given by their indices. `None` if it is
+/// undefined for all seeds.
 pub fn bootstrap(
     seeds: usize,
     mut statistic: impl FnMut(&[usize]) -> Option<f64>,
@@ -111,7 +114,7 @@ pub fn bootstrap(
     Some(percentiles(found, (0..RESAMPLES).filter_map(&mut draw).collect(), seeds))
 }
 
-/// The root of the mean of squared errors, one for each seed.
+/// The root of the mean squared error, from one squared error for each seed.
 pub fn rmse(mse: &[f64]) -> Interval {
     let of = |seeds: &[usize]| Some((of(seeds, mse).sum::<f64>() / mse.len() as f64).sqrt());
     bootstrap(mse.len(), of).unwrap_or(Interval { value: 0.0, low: 0.0, high: 0.0 })
@@ -122,10 +125,10 @@ pub fn of<'a>(seeds: &'a [usize], values: &'a [f64]) -> impl Iterator<Item = f64
     seeds.iter().filter_map(|seed| values.get(*seed)).copied()
 }
 
-/// The power with which values fall: the slope of the line of least squares through logarithms.
+/// The exponent of a power law: the least-squares slope through logarithms.
 ///
-/// `points` are what is counted and a value for each seed, whose mean is taken. `None` for fewer than
-/// three points, or where one is not above 0.
+/// `points` are counts with a value for each seed, whose mean is used. `None` for fewer than three
+/// points, or if one is not above 0.
 pub fn slope(points: &[(f64, Vec<f64>)]) -> Option<Interval> {
     let positive = |(x, values): &(f64, Vec<f64>)| *x > 0.0 && mean(values) > 0.0;
     if points.len() < 3 || !points.iter().all(positive) {
@@ -151,7 +154,7 @@ pub fn slope(points: &[(f64, Vec<f64>)]) -> Option<Interval> {
     Some(percentiles(found, resampled, seeds))
 }
 
-/// Which of the points no other beats: less is better in both coordinates.
+/// The Pareto front: points that no other beats; less is better in both coordinates.
 pub fn front(points: &[(f64, f64)]) -> Vec<bool> {
     let beats = |a: (f64, f64), b: (f64, f64)| a.0 <= b.0 && a.1 <= b.1 && a != b;
     points.iter().map(|&p| !points.iter().any(|&other| beats(other, p))).collect()

@@ -1,14 +1,14 @@
-//! Time by precision, effect and pass: what a scene has is taken from it, one thing after the other.
+//! Time by precision, effect and pass: the scene's effects are removed one after another.
 //!
-//! What each [`Layer`] that is taken away saves in each pass is its own time there. The parts add up to the whole;
-//! what a layer costs besides depends on the order, which is that of [`Layer::ALL`]: a mirror shows soft shadows, and
-//! pays for them.
+//! The time that removing each [`Layer`] saves in each pass is that layer's own time. The parts add
+//! up to the whole. The cost of a layer depends on the order, which is that of [`Layer::ALL`]: a
+//! mirror shows soft shadows, and pays for them.
 //!
 //! | key of `layers[]` | unit | meaning |
 //! |---|---|---|
-//! | `precision` | | how exactly hits are found |
-//! | `parts[].effect` | | first `camera rays`, one through the middle of each pixel; then what is added to those before it |
-//! | `.passes` | seconds | what it takes in each pass, summed over threads |
+//! | `precision` | | the precision of hits |
+//! | `parts[].effect` | | first `camera rays`, one through the centre of each pixel; then each effect added to those before it |
+//! | `.passes` | seconds | its time in each pass, summed over threads |
 
 use std::time::Instant;
 
@@ -23,14 +23,14 @@ use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::render::RenderOptions;
 use wavecrest_scene::systems::overrides::{Layer, Overrides};
 
-/// What is left where nothing more can be taken away.
+/// The rest when all layers are removed.
 const CAMERA_RAYS: &str = "camera rays";
 
-/// How often each is rendered at most, and for how many seconds another round is begun.
+/// Largest number of renders of each, and the seconds after which no further round starts.
 const ROUNDS: usize = 8;
 const SHORT: f64 = 10.0;
 
-/// A precision.
+/// The layers in one precision.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[allow(missing_docs, reason = "see the module documentation")]
 pub struct LayersFindings {
@@ -38,7 +38,7 @@ pub struct LayersFindings {
     pub parts: Vec<PartFindings>,
 }
 
-/// A part of its time.
+/// A layer's time.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[allow(missing_docs, reason = "see the module documentation")]
 pub struct PartFindings {
@@ -46,11 +46,11 @@ pub struct PartFindings {
     pub passes: Vec<(String, f64)>,
 }
 
-/// Renders the scene as its file has it and without one layer after the other, in turn, with every precision, unless
-/// that has been done.
+/// Renders the scene with all its layers and with one layer less after another, in turn, in every
+/// precision, unless done already.
 ///
 /// # Errors
-/// When the scene can no longer be rendered, or a record cannot be written.
+/// If the scene can no longer be rendered, or a record cannot be written.
 pub fn run(subject: &mut Subject, store: &mut Store, progress: &dyn Progress) -> Result<()> {
     let scene = subject.name();
     progress.stage(&format!("{scene}: time by effect"), Precision::ALL.len() as u64);
@@ -67,7 +67,7 @@ pub fn run(subject: &mut Subject, store: &mut Store, progress: &dyn Progress) ->
     Ok(())
 }
 
-/// The quickest of several renders in each pass, as something else on the machine can only add to a time.
+/// The least time of several renders in each pass, as other programs can only add to a time.
 fn steps(subject: &mut Subject, precision: Precision) -> Result<Vec<Step>> {
     let facts = subject.facts();
     let present = Layer::ALL.into_iter().filter(|layer| facts.has(*layer)).map(Some);
@@ -90,7 +90,7 @@ fn steps(subject: &mut Subject, precision: Precision) -> Result<Vec<Step>> {
     Ok(steps)
 }
 
-/// Keeps the lesser time of each pass.
+/// Keeps the smaller time of each pass.
 fn keep_least(passes: &mut Vec<(String, f64)>, found: &[(&'static str, f64)]) {
     for (name, seconds) in found {
         match passes.iter_mut().find(|(known, _)| known == name) {
@@ -100,13 +100,14 @@ fn keep_least(passes: &mut Vec<(String, f64)>, found: &[(&'static str, f64)]) {
     }
 }
 
-/// Each precision of a scene, in the order in which they were rendered.
+/// The precisions of a scene, in the order of rendering.
 pub fn of(scene: &str, records: &[Record]) -> Vec<LayersFindings> {
     let of_scene = all(records).filter(|l: &&LayersRecord| l.scene == scene);
     of_scene.map(|l| LayersFindings { precision: l.precision.clone(), parts: parts(l) }).collect()
 }
 
-/// What each layer saves. A step that takes longer than the one before does so by noise: it counts as no quicker.
+/// The time that each layer saves. A step that takes longer than the one before does so by noise,
+/// and counts as equal.
 fn parts(LayersRecord { steps, .. }: &LayersRecord) -> Vec<PartFindings> {
     let Some((_, whole)) = steps.first() else { return Vec::new() };
     let mut left = whole.clone();

@@ -1,5 +1,5 @@
-//! What must not change a picture: how the tree is built, who traces, in which batches, with which kernel
-//! and instructions, on how many threads. Each is tried, and the error's change is to be exactly 0.
+//! Choices that must not change an image: BVH preset, tracer, batch size, kernel, instruction
+//! level, threads. Each is tested, and must change the error by exactly 0.
 
 use super::reference::Reference;
 use super::setting::{Setting, Structure};
@@ -15,7 +15,7 @@ use wavecrest_core::render::{RenderOptions, Rendered, TracerKind, render};
 use wavecrest_core::wavefront::DEFAULT_BATCH;
 use wavecrest_image::compare::compare;
 
-/// One try.
+/// A choice to test.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Knob {
     Preset(Preset),
@@ -26,11 +26,11 @@ enum Knob {
     Threads(usize),
 }
 
-/// Brute force asks every primitive: it is tried where there are at most so many.
+/// Largest number of primitives for which brute force is tested.
 const MOST_BRUTE: u64 = 1000;
 
 impl Knob {
-    /// All that a scene of so many primitives is tried with.
+    /// All choices for a scene with this number of primitives.
     fn all(primitives: u64) -> Vec<Self> {
         let presets =
             Preset::ALL.into_iter().filter(|&p| p != Preset::Brute || primitives <= MOST_BRUTE);
@@ -48,7 +48,7 @@ impl Knob {
         all
     }
 
-    /// What it is called, and its value.
+    /// Its name and value.
     fn words(self) -> (&'static str, String) {
         match self {
             Self::Preset(preset) => ("BVH preset", preset.name().to_owned()),
@@ -62,10 +62,10 @@ impl Knob {
     }
 }
 
-/// Tries every knob on the scene as its file has it, unless it has been tried.
+/// Tests every choice on the scene, unless done already.
 ///
 /// # Errors
-/// When the scene can no longer be rendered, or a record cannot be written.
+/// If the scene can no longer be rendered, or a record cannot be written.
 pub fn run(
     subject: &mut Subject,
     reference: Option<&Reference>,
@@ -98,7 +98,7 @@ pub fn run(
     Ok(())
 }
 
-/// The scene rendered with one knob turned.
+/// The scene rendered with one choice changed.
 fn turned(subject: &mut Subject, knob: Knob) -> Result<Rendered> {
     let structure = Structure::default();
     let mut options = RenderOptions::default();

@@ -1,4 +1,4 @@
-//! The report: a page for people, beside charts as SVG, PNG, CSV and JSON of the same figures.
+//! The report: an HTML page, and its charts as SVG, PNG, CSV and JSON.
 
 mod answers;
 mod charts;
@@ -27,11 +27,11 @@ use wavecrest_image::write::{Transfer, png};
 /// The width of charts as PNG, in pixels.
 const CHART_WIDTH: u32 = 1200;
 
-/// Writes `findings` into the folder `results`: `report.html`, and each chart in four forms. What each effect
-/// costs is measured for it if `effects` are asked for.
+/// Writes `findings` to the folder `results`: `report.html`, and each chart in four forms. With
+/// `effects` it also measures the cost of each effect.
 ///
 /// # Errors
-/// When a file cannot be written, or a scene can no longer be rendered for its pictures.
+/// If a file cannot be written, or a scene can no longer be rendered for its crops.
 pub fn write(
     findings: &Findings,
     swept: &mut [Swept],
@@ -57,7 +57,7 @@ pub fn write(
     Page { title, lead, first, sections }.write(&results.join("report.html"))
 }
 
-/// How it was measured, by whom, with what, by which command.
+/// The circumstances of the measurement: machine, program and command.
 fn about(findings: &Findings) -> Section {
     let mut blocks = vec![Block::paragraph(format!(
         "Each setting was rendered {} times with different random numbers, all settings of a scene in random order. \
@@ -66,7 +66,7 @@ fn about(findings: &Findings) -> Section {
         findings.seeds
     ))];
     let mut distinct = findings.circumstances.clone();
-    // A sweep that was taken up again, by the same command, was measured once.
+    // Entries of a resumed sweep with the same command are shown once.
     distinct.dedup();
     for circumstances in &distinct {
         let of = |key: &str| match &circumstances.machine[key] {
@@ -86,7 +86,7 @@ fn about(findings: &Findings) -> Section {
     Section::new("How it was measured", blocks)
 }
 
-/// The arguments as one would type them, the program by its name alone.
+/// The arguments as typed, with only the name of the program.
 fn command(arguments: &[String]) -> String {
     let mut words = vec!["wavecrest".to_owned()];
     for argument in arguments.iter().skip(1) {
@@ -134,7 +134,7 @@ fn section(scene: &SceneFindings, swept: &mut Swept, folder: &Path) -> Result<Se
     Ok(Section::new(scene.scene.scene.clone(), blocks))
 }
 
-/// Where the error of each sampler is: the standard error of each pixel.
+/// The standard error of each pixel, for each sampler.
 fn standard_errors(scene: &SceneFindings, swept: &mut Swept) -> Result<Vec<Block>> {
     let Swept { subject, families, .. } = swept;
     let main = Axis::of(&subject.facts()).family();
@@ -174,7 +174,7 @@ fn write_chart(chart: &impl Figure, stem: &Path) -> Result<()> {
     chart.png(&with("png"), CHART_WIDTH)
 }
 
-/// The samplers of a family in equal time, and at an equal error.
+/// Crops of a family's samplers in equal time, and at equal error.
 fn pictures(found: &FamilyFindings, swept: &mut Swept) -> Result<Vec<Block>> {
     let Swept { subject, families, references } = swept;
     let family = families.iter().find(|f| f.name == found.name && f.has_slope);
@@ -219,7 +219,7 @@ fn side_by_side(Crops { reference, crops, ends }: &Crops, equal: Equal) -> Resul
     Ok(blocks)
 }
 
-/// The false colours of signed errors, as large as a picture beside them.
+/// The colour scale of signed errors, the size of the crops beside it.
 fn scale(like: &Film, end: f64) -> Result<Picture> {
     let [width, height] = [like.width(), like.height()];
     let value = |x: u32| (2.0 * x as f32 + 1.0) / width as f32 - 1.0;

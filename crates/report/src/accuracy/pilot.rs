@@ -1,10 +1,10 @@
-//! Choosing samples for an error or for a time, from a short pilot.
+//! Chooses samples for an error or a time, from a short pilot.
 //!
-//! No reference is needed: every sampler here is without bias, so that half of the mean squared difference
-//! of two renders with random numbers of their own is the mean squared error of one. The pilot takes it in
-//! windows all over the image, for a few numbers of points, and goes on along the line through their
-//! logarithms. The time of a render is a constant and so much for each point; both are measured on the
-//! whole image with few points.
+//! No reference is needed: every sampler here is unbiased, so half of the mean squared difference
+//! of two independent renders is the mean squared error of one. The pilot measures it in windows
+//! all over the image, for a few numbers of points, and extrapolates linearly in logarithms. The
+//! time of a render is a constant plus a time for each point; both are measured on the whole image
+//! with few points.
 
 use std::fmt;
 use std::time::Instant;
@@ -21,37 +21,38 @@ use wavecrest_core::tile::Tile;
 /// Side of a window, in pixels.
 const WINDOW: u32 = 8;
 
-/// Windows along each side of the image: one somewhere in each part of a grid.
+/// Windows along each side of the image: one at a random place in each cell of a grid.
 const WINDOWS: u32 = 12;
 
-/// Sides of the grids that the pilot tries.
+/// Sides of the sample grids that the pilot tries.
 const SIDES: [u32; 3] = [2, 4, 8];
 
-/// Sides of the grids whose time it takes.
+/// Sides of the sample grids that it times.
 const TIMED: [u32; 2] = [1, 2];
 
-/// How often it takes them at most, and for how many seconds it begins once more.
+/// Largest number of timings, and the seconds after which no further one starts.
 const REPEATS: u32 = 5;
 const SHORT: f64 = 0.1;
 
-/// What a point costs at least, in parts of the mean time of a point of the finer of these grids.
+/// Lower bound on the cost of a point, relative to the mean time of a point of the finer of these
+/// grids.
 const LEAST_SHARE: f64 = 0.25;
 
-/// The largest side that is chosen.
+/// The largest side of a chosen grid.
 const MOST_SIDE: u32 = 1024;
 
-/// The error is estimated so much too small or too large, now and then: what is asked for is undercut by
-/// as much.
+/// Factor by which the error may be underestimated: choices reach a requested error with this
+/// margin.
 const MARGIN: f64 = 1.1;
 
-/// Slopes that the error can have: independent points have the first, and none fall quicker than
-/// with the power 3/2 of their number.
+/// Possible slopes of the error: -1/2 for independent points; none fall faster than with the power
+/// -3/2 of their number.
 const SLOPES: [f64; 2] = [-1.5, -0.5];
 
-/// What of a scene is sampled more finely for a smaller error.
+/// The kind of samples to vary for a smaller error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Axis {
-    /// Points on area lights, from one ray a pixel.
+    /// Points on area lights, for one ray a pixel.
     Lights,
     /// Rays through the lens.
     Lens,
@@ -59,41 +60,40 @@ pub enum Axis {
     Pixel,
 }
 
-/// A way to sample a scene, more or less finely.
+/// A sampler with its error and time.
 #[derive(Clone, Debug)]
 pub struct Curve {
-    /// How points are spread.
+    /// Distribution of the points.
     pub sampling: Sampling,
     axis: Axis,
-    /// Numbers of points and the root mean square errors found.
+    /// Numbers of points with the measured root mean squared errors.
     errors: Vec<(f64, f64)>,
-    /// Seconds of a whole render whatever the points, and for each.
+    /// Seconds of a whole render independent of the points, and for each point.
     seconds: [f64; 2],
 }
 
-/// What was chosen.
+/// A choice of samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Choice {
-    /// How points are spread, and along the side of how large a grid.
+    /// Distribution of the points, and the side of their grid.
     pub points: Points,
-    /// What is sampled so.
+    /// The kind of samples.
     pub axis: Axis,
-    /// Its error, as estimated: root mean square of linear values.
+    /// Its estimated error: root mean squared error of linear values.
     pub error: f64,
-    /// Its seconds of tracing, as estimated.
+    /// Its estimated seconds of tracing.
     pub seconds: f64,
 }
 
-/// What a pilot found.
+/// The results of a pilot.
 #[derive(Clone, Debug)]
 pub struct Pilot {
-    /// A way for each sampler.
+    /// A curve for each sampler.
     pub curves: Vec<Curve>,
 }
 
 impl Axis {
-    /// That of a scene. Where nothing else is left to chance it is where in a pixel a ray goes, by which edges
-    /// alias.
+    /// The axis of a scene. Without other random samples it is the pixel, as edges alias.
     pub fn of(facts: &Facts) -> Self {
         match facts {
             Facts { antialias: 2.., .. } => Self::Pixel,
@@ -103,7 +103,7 @@ impl Axis {
         }
     }
 
-    /// The family of settings that a sweep varies it in.
+    /// The family of settings in which a sweep varies it.
     pub fn family(self) -> &'static str {
         match self {
             Self::Lights => "lights",
@@ -112,8 +112,8 @@ impl Axis {
         }
     }
 
-    /// The scene's samples with `points` along this axis. Where a pixel has many rays, each asks a light for
-    /// one point.
+    /// The scene's samples with `points` along this axis. If a pixel has many rays, each takes one
+    /// point of a light.
     pub fn samples(self, points: Points) -> Samples {
         let one = Some(Points { side: 1, ..points });
         let points = Some(points);
@@ -124,7 +124,7 @@ impl Axis {
         }
     }
 
-    /// What its points are.
+    /// The name of its points.
     fn name(self) -> &'static str {
         match self {
             Self::Lights => "points on each light",
@@ -135,7 +135,7 @@ impl Axis {
 }
 
 impl Choice {
-    /// The samples to render with.
+    /// The samples of the render.
     pub fn samples(&self) -> Samples {
         self.axis.samples(self.points)
     }
@@ -150,7 +150,7 @@ impl fmt::Display for Choice {
 }
 
 impl Curve {
-    /// The error with `count` points, on the line through the logarithms of the last two that were tried.
+    /// The error with `count` points, extrapolated in logarithms from the last two measurements.
     fn error(&self, count: f64) -> f64 {
         let [.., (n, first), (m, last)] = self.errors.as_slice() else { return f64::INFINITY };
         if *last <= 0.0 {
@@ -168,13 +168,13 @@ impl Curve {
         Choice { points, axis: self.axis, error: self.error(count), seconds }
     }
 
-    /// The fewest points for `error`; the most that there are where these do not do.
+    /// The fewest points for `error`; the largest number if none suffices.
     pub fn for_error(&self, error: f64) -> Choice {
         let choices = (1..=MOST_SIDE).map(|side| self.choice(side));
         choices.into_iter().find(|c| c.error * MARGIN <= error).unwrap_or(self.choice(MOST_SIDE))
     }
 
-    /// The most points for `seconds`; one where there is no time for more.
+    /// The most points for `seconds`; one if there is no time for more.
     pub fn for_time(&self, seconds: f64) -> Choice {
         let choices = (1..=MOST_SIDE).rev().map(|side| self.choice(side));
         choices.into_iter().find(|c| c.seconds <= seconds).unwrap_or(self.choice(1))
@@ -182,13 +182,13 @@ impl Curve {
 }
 
 impl Pilot {
-    /// Tries every sampler on `scene`, whose file had `original`, and leaves it as it was. The random numbers
-    /// follow from `seed`, and are not those of a render with that seed.
+    /// Tests every sampler on `scene`, whose file had `original`, and restores the scene. The
+    /// random numbers follow from `seed`, and differ from those of a render with that seed.
     ///
     /// # Errors
-    /// When there is no memory for an image.
+    /// If there is no memory for an image.
     pub fn run(scene: &mut PreparedScene, original: &Original, seed: u64) -> Result<Self> {
-        // None of the renders that are timed is to wait for an image.
+        // No timed render should wait for an image.
         scene.appearance.decode()?;
         let axis = Axis::of(&Facts::of(scene));
         let curves = Sampling::ALL.into_iter().map(|s| curve(scene, original, s, axis, seed));
@@ -197,7 +197,7 @@ impl Pilot {
         Ok(Self { curves })
     }
 
-    /// What reaches `error` in the least time.
+    /// The choice that reaches `error` in the least time.
     pub fn for_error(&self, error: f64) -> Option<Choice> {
         let choices = self.curves.iter().map(|curve| curve.for_error(error));
         let reaches = |c: &Choice| c.error <= error;
@@ -210,7 +210,7 @@ impl Pilot {
         })
     }
 
-    /// What has the least error in `seconds`.
+    /// The choice with the least error in `seconds`.
     pub fn for_time(&self, seconds: f64) -> Option<Choice> {
         let choices = self.curves.iter().map(|curve| curve.for_time(seconds));
         choices.min_by(|a, b| a.error.total_cmp(&b.error))
@@ -224,7 +224,8 @@ fn curve(
     axis: Axis,
     seed: u64,
 ) -> Result<Curve> {
-    // The least of several where they are short, taken in turn: other programs can only add to a time.
+    // The least of several alternating runs if they are short: other programs can only add to a
+    // time.
     let mut times = [f64::INFINITY; TIMED.len()];
     let start = Instant::now();
     for repeat in 0..REPEATS {
@@ -238,8 +239,8 @@ fn curve(
         }
     }
     let [few, more] = TIMED.map(|side| f64::from(side * side));
-    // What a point costs is not less than a part of the mean: were it nothing, as when a busy machine made the
-    // first render the slower one, any number of them would be affordable.
+    // A point costs at least a part of the mean. If a busy machine slowed the first render, a point
+    // would otherwise seem free, and any number affordable.
     let each = ((times[1] - times[0]) / (more - few)).max(LEAST_SHARE * times[1] / more);
     let seconds = [(times[0] - each * few).max(0.0), each];
     let mut errors = Vec::new();
@@ -251,16 +252,16 @@ fn curve(
     Ok(Curve { sampling, axis, errors, seconds })
 }
 
-/// Seeds of pilots, where those of renders are not looked for.
+/// Seeds of pilots, apart from those of renders.
 fn pilot_seed(seed: u64, number: u64) -> u64 {
     seed ^ (0x5EED << 40) ^ (number << 32)
 }
 
-/// The error of `scene` as it is sampled now, in windows: between two renders of its own, or between `film`,
-/// all of the image, and one.
+/// The error of `scene` with its current samples, in windows: between two own renders, or between
+/// `film`, the whole image, and one render.
 ///
 /// # Errors
-/// When there is no memory for a window.
+/// If there is no memory for a window.
 pub fn error(scene: &PreparedScene, film: Option<&Film>, seed: u64) -> Result<f64> {
     let mut rng = Rng::new(pilot_seed(seed, u64::from(film.is_some())));
     let [width, height] = scene.camera.size();
@@ -287,7 +288,7 @@ pub fn error(scene: &PreparedScene, film: Option<&Film>, seed: u64) -> Result<f6
     Ok((squares / 2.0 / values.max(1) as f64).sqrt())
 }
 
-/// A window in each part of the image, all of one size; all of the image where it is small.
+/// A window in each part of the image, all of one size; the whole image if it is small.
 fn windows([width, height]: [u32; 2], rng: &mut Rng) -> Vec<Tile> {
     let parts = |side: u32| (side / WINDOW).clamp(1, WINDOWS);
     let (columns, rows) = (parts(width), parts(height));

@@ -1,13 +1,13 @@
-//! Which BVH preset is the quickest in all, for how many samples: a tree that takes longer to build pays where many
-//! rays go through it.
+//! The fastest BVH preset for each number of samples: a slower build pays off if many rays use the
+//! tree.
 //!
 //! | key of `presets[]` | unit | meaning |
 //! |---|---|---|
-//! | `preset` | | how the tree is built |
+//! | `preset` | | the BVH preset |
 //! | `build`, `trace` | seconds | building, and tracing at the scene's own samples: medians |
 //!
-//! `crossings[]` are the presets that are quickest for some number of samples, each with that number at which it
-//! begins to be, in parts of the scene's own.
+//! `crossings[]` are the presets that are fastest for some number of samples, each with the
+//! smallest such number, relative to the scene's own.
 
 use serde::Serialize;
 
@@ -20,7 +20,8 @@ use wavecrest_base::error::Result;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::render::{RenderOptions, render};
 
-/// How often each is built and rendered at most, and for how many seconds another round is begun.
+/// Largest number of builds and renders of each, and the seconds after which no further round
+/// starts.
 const ROUNDS: u32 = 5;
 const SHORT: f64 = 10.0;
 
@@ -33,10 +34,10 @@ pub struct PresetFindings {
     pub trace: f64,
 }
 
-/// Builds and renders the scene as its file has it with every preset, in turn, unless that has been done.
+/// Builds and renders the scene with every preset, in turn, unless done already.
 ///
 /// # Errors
-/// When the scene can no longer be rendered, or a record cannot be written.
+/// If the scene can no longer be rendered, or a record cannot be written.
 pub fn run(subject: &mut Subject, store: &mut Store, progress: &dyn Progress) -> Result<()> {
     let scene = subject.name();
     if all(&store.records).any(|p: &PresetRecord| p.scene == scene) {
@@ -57,11 +58,11 @@ pub fn run(subject: &mut Subject, store: &mut Store, progress: &dyn Progress) ->
         }
         progress.step();
     }
-    // All at once, so that a sweep that is interrupted here measures them again.
+    // All at once, so that an interrupted sweep measures them again.
     found.into_iter().try_for_each(|record| store.add(Record::Preset(record)))
 }
 
-/// The presets of a scene, in the order in which they were tried.
+/// The presets of a scene, in the order of the tests.
 pub fn of(scene: &str, records: &[Record]) -> Vec<PresetFindings> {
     let of_scene = || all::<PresetRecord>(records).filter(|p| p.scene == scene);
     let mut presets: Vec<&str> = Vec::new();
@@ -81,21 +82,21 @@ pub fn of(scene: &str, records: &[Record]) -> Vec<PresetFindings> {
 }
 
 impl PresetFindings {
-    /// Seconds of building, and of tracing so many times the scene's own samples.
+    /// Seconds of building, and of tracing `samples` times the scene's own samples.
     pub fn in_all(&self, samples: f64) -> f64 {
         self.build + samples * self.trace
     }
 }
 
-/// Builds that take less than this part of tracing are no matter.
+/// Builds shorter than this share of the tracing time do not matter.
 const LEAST_SHARE: f64 = 0.01;
 
-/// Whether building takes time enough to be compared with tracing.
+/// Whether building takes enough time to matter.
 pub fn matter(presets: &[PresetFindings]) -> bool {
     presets.iter().any(|preset| preset.build > LEAST_SHARE * preset.trace)
 }
 
-/// The quickest presets, from few samples to many, and from how many on each is.
+/// The fastest presets, from few samples to many, with the number from which each is fastest.
 pub fn crossings(presets: &[PresetFindings]) -> Vec<(f64, String)> {
     let first = presets.iter().min_by(|a, b| a.build.total_cmp(&b.build));
     let mut crossings = Vec::new();

@@ -1,4 +1,4 @@
-//! What each effect costs: the price list of [`crate::effects`], measured for a report.
+//! The cost of each effect: the price list of [`crate::effects`], measured for a report.
 
 use std::path::Path;
 
@@ -15,13 +15,13 @@ use wavecrest_core::wavefront::DEFAULT_BATCH;
 use wavecrest_scene::load::{LoadOptions, load_str};
 use wavecrest_scene::systems::extract;
 
-/// Enough rounds for intervals, in not much more than a minute.
+/// Enough rounds for intervals, in little more than a minute.
 const SCHEDULE: Schedule = Schedule { warmup: 1, most: 15, seconds: 1.0 };
 
-/// Measures the list with the usual settings. The texture that it needs is written into `folder`.
+/// Measures the list with the default settings. Its texture is written to `folder`.
 ///
 /// # Errors
-/// When the texture cannot be written, or there is no memory for an image.
+/// If the texture cannot be written, or there is no memory for an image.
 pub fn prices(folder: &Path) -> Result<PriceList> {
     let entries: Vec<Entry> = variants(folder)?
         .into_iter()
@@ -42,16 +42,16 @@ pub fn prices(folder: &Path) -> Result<PriceList> {
 fn prepare(variant: Variant, folder: &Path) -> Result<Entry> {
     let file = folder.join("effect.json");
     let mut loaded = load_str(&variant.scene.to_string(), &file, &LoadOptions::default())?;
-    // The same preset for all, so that no effect has the better tree.
+    // The same preset for all, so that no effect has a better tree.
     let scene = extract(&mut loaded.world, Default::default())?.build(Preset::Medium);
     scene.appearance.decode()?;
     Ok(Entry { variant, scene })
 }
 
-/// A folder for the texture, gone when it is dropped.
+/// A folder for the texture, deleted when dropped.
 ///
 /// # Errors
-/// When it cannot be made.
+/// If it cannot be made.
 pub fn folder() -> Result<tempfile::TempDir> {
     tempfile::tempdir()
         .map_err(|e| Error::io("cannot create a folder for the texture", std::env::temp_dir(), e))

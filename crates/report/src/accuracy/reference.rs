@@ -1,10 +1,10 @@
-//! The picture that errors are measured against, and how far it may itself be off.
+//! Reference images for errors, with their own standard error.
 //!
-//! It is the mean of several renders in exact arithmetic that differ in nothing but their random numbers.
-//! Each is without bias, so that the spread between them estimates how far their mean is from the truth: the
-//! standard error, as a root mean square over all values of the picture. An error of less than
-//! [`FLOOR`] of these is noise of the reference; renders are added until the picture is good enough for what is to
-//! be compared with it, or until there are [`MOST_REPLICATES`].
+//! A reference is the mean of several renders in exact precision with different random numbers.
+//! Each is unbiased, so their spread estimates the distance of the mean from the truth: the
+//! standard error, as a root mean square over all values of the image. An error below [`FLOOR`]
+//! standard errors is noise of the reference; renders are added until the reference is accurate
+//! enough for the comparisons, or until there are [`MOST_REPLICATES`].
 
 use super::setting::{Setting, Structure, Target};
 use super::subject::Subject;
@@ -15,16 +15,16 @@ use wavecrest_core::math::sampling::{Points, Sampling};
 use wavecrest_core::prepared::Samples;
 use wavecrest_core::render::RenderOptions;
 
-/// An error is above the noise of the reference from this many of its standard errors on.
+/// Errors of at least this many standard errors are above the noise of the reference.
 pub const FLOOR: f64 = 3.0;
 
-/// Renders that a reference is made of, at least: fewer would not give their spread.
+/// Smallest number of renders of a reference: fewer would not show their spread.
 const LEAST_REPLICATES: u32 = 4;
 
-/// Renders that it is made of at most.
+/// Largest number of renders.
 const MOST_REPLICATES: u32 = 32;
 
-/// Their seeds begin here, where those of other renders never come.
+/// Their first seed, which no other render uses.
 pub(super) const FIRST_SEED: u64 = 1 << 63;
 
 /// A reference picture.
@@ -45,7 +45,7 @@ pub struct Reference {
 }
 
 impl Reference {
-    /// Whether `rmse`, an error against it, says something about the picture that has it.
+    /// Whether `rmse`, an error against it, is above its noise.
     pub fn believes(&self, rmse: f64) -> bool {
         rmse >= FLOOR * self.standard_error
     }
@@ -102,8 +102,8 @@ impl Sums {
     }
 }
 
-/// How the reference of `target` is sampled, and the number of points of each kind that the scene has: at
-/// least `least` where there is something to sample.
+/// The setting of the reference of `target`, and the number of points of each kind in the scene: at
+/// least `least` for each sampled kind.
 fn setting(subject: &Subject, target: Target, least: u32) -> (Setting, u32) {
     let facts = subject.facts();
     let structure = Structure { precision: Precision::Exact, ..Structure::default() };
@@ -115,8 +115,8 @@ fn setting(subject: &Subject, target: Target, least: u32) -> (Setting, u32) {
         count = many.count();
         let one = Some(Points { side: 1, ..many });
         let many = Some(many);
-        // Wherever the many rays of a pixel come from, each has a point of the sequence on each light and
-        // on the lens.
+        // With many rays in a pixel, each has one point of the sequence on each light and on the
+        // lens.
         samples = if target == Target::Pixel || facts.antialias > 1 {
             Samples { pixel: many, lens: one, lights: one }
         } else if facts.has_lens {
@@ -128,11 +128,11 @@ fn setting(subject: &Subject, target: Target, least: u32) -> (Setting, u32) {
     (Setting { structure, samples }, count)
 }
 
-/// Makes the reference of `target`, of at least `least` points of each kind, until errors of `smallest` are
-/// above its noise. `progress` is called after each render.
+/// Renders the reference of `target`, with at least `least` points of each kind, until errors of
+/// `smallest` are above its noise. `progress` is called after each render.
 ///
 /// # Errors
-/// When the scene can no longer be rendered.
+/// If the scene can no longer be rendered.
 pub fn make(
     subject: &mut Subject,
     target: Target,

@@ -1,4 +1,4 @@
-//! What a sweep tries: settings, one by one, and the families that they form.
+//! The settings of a sweep, and the families that they form.
 
 use std::fmt::Write as _;
 
@@ -8,32 +8,32 @@ use wavecrest_core::prepared::{PreparedScene, Samples};
 use wavecrest_scene::components::Filter;
 use wavecrest_scene::systems::overrides::{Layer, Overrides};
 
-/// What has to be decided before a scene is prepared.
+/// Choices made before a scene is prepared.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Structure {
-    /// How exactly hits are found.
+    /// The precision of hits.
     pub precision: Precision,
-    /// What is not as in the scene's file.
+    /// Overrides of the scene's file.
     pub overrides: Overrides,
 }
 
-/// One way to render a scene. What is `None` is as in the scene's file.
+/// One way to render a scene. `None` keeps the value of the scene's file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Setting {
-    /// What is decided before the scene is prepared.
+    /// Choices before the scene is prepared.
     pub structure: Structure,
-    /// What is decided for each render.
+    /// Choices for each render.
     pub samples: Samples,
 }
 
 impl Setting {
-    /// The same with one point of each kind: the quickest render of its structure.
+    /// The same with one point of each kind: the fastest render of its structure.
     pub fn least(self) -> Self {
         let one = Some(Points { sampling: Sampling::Random, side: 1 });
         Self { samples: Samples { lights: one, lens: one, pixel: one }, ..self }
     }
 
-    /// The setting in a few words that no other has: the key of its records.
+    /// A short unique description: the key of its records.
     pub fn key(&self) -> String {
         let mut key = self.structure.precision.name().to_owned();
         let mut add = |name: &str, value: String| {
@@ -53,7 +53,7 @@ impl Setting {
     }
 }
 
-/// A [key](Setting::key) without its counts: settings of one series differ in nothing but these.
+/// A [key](Setting::key) without its counts: settings of one series differ only in these.
 pub fn series_of(key: &str) -> String {
     let uncounted = |word: &'_ str| {
         let is_digit = |c: char| c.is_ascii_digit();
@@ -62,7 +62,7 @@ pub fn series_of(key: &str) -> String {
     key.split(' ').map(uncounted).collect::<Vec<_>>().join(" ")
 }
 
-/// What a [key](Setting::key) says, or a [series](series_of) of these, for a reader: "64 random points on lights".
+/// A [key](Setting::key) or a [series](series_of) in words: "64 random points on lights".
 pub fn words_of(key: &str, target: Target) -> String {
     let (precision, rest) = key.split_once(' ').unwrap_or((key, ""));
     let value = |name: &str| rest.split(' ').find_map(|w| w.strip_prefix(name)?.strip_prefix('='));
@@ -84,71 +84,71 @@ pub fn words_of(key: &str, target: Target) -> String {
     if precision == Precision::default().name() { words } else { format!("{words}, {precision}") }
 }
 
-/// Whether the error of a setting with this [key](Setting::key) falls towards 0 as its points become more.
+/// Whether the error of a setting with this [key](Setting::key) converges to 0 with more points.
 pub fn converges(key: &str) -> bool {
     key.contains(':') && !key.contains("filter=")
 }
 
 wavecrest_base::choices! {
-    /// The picture that a setting approaches. Names are those in files.
+    /// The image to which a setting converges. Names are those in files.
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize, serde::Deserialize)]
     #[serde(rename_all = "kebab-case")]
     pub enum Target {
-        /// The scene as its file has it, with any number of samples where it has any.
+        /// The scene of the file, with any number of the samples that it has.
         #[default]
         Scene = "scene",
-        /// The mean over the area of each pixel, even where the file asks for its centre.
+        /// The mean over the area of each pixel, even if the file samples its centre.
         Pixel = "pixel",
     }
 }
 
-/// Settings that differ in one thing.
+/// Settings that differ in one property.
 #[derive(Clone, Debug)]
 pub struct Family {
     /// Its name in files.
     pub name: &'static str,
-    /// What differs, as a heading.
+    /// The property, as a heading.
     pub title: &'static str,
-    /// What is counted along the axis.
+    /// The label of the count.
     pub counted: &'static str,
-    /// What the settings approach.
+    /// The target of the settings.
     pub target: Target,
-    /// Whether the error is expected to follow a power of what is counted.
+    /// Whether the error should follow a power of the count.
     pub has_slope: bool,
-    /// The settings by what else differs.
+    /// The settings by their other differences.
     pub series: Vec<Line>,
 }
 
-/// Settings in the order of what is counted.
+/// Settings in the order of the count.
 #[derive(Clone, Debug)]
 pub struct Line {
-    /// What these have in common.
+    /// Their common properties.
     pub name: String,
-    /// What is counted, in words, and the setting.
+    /// The count, its label, and the setting.
     pub points: Vec<(f64, String, Setting)>,
 }
 
-/// What of a scene can be varied at all.
+/// The properties of a scene that can be varied.
 #[derive(Clone, Copy, Debug)]
 pub struct Facts {
-    /// Whether any light reaches what is seen.
+    /// Whether any light reaches a visible surface.
     pub has_lights: bool,
     /// Whether any light has a shape.
     pub has_area_lights: bool,
-    /// Whether any of them has more than one point.
+    /// Whether any light has more than one point.
     pub has_points: bool,
-    /// Whether the camera has a lens with an extent.
+    /// Whether the camera has a lens with an aperture.
     pub has_lens: bool,
     /// Whether a surface has a texture.
     pub has_textures: bool,
     /// Side of the grid of rays in a pixel.
     pub antialias: u32,
-    /// Mirror bounces that the scene makes use of, at most.
+    /// Largest number of mirror bounces in use.
     pub bounces: u32,
 }
 
 impl Facts {
-    /// Those of a scene.
+    /// The facts of a scene.
     pub fn of(scene: &PreparedScene) -> Self {
         Self {
             has_lights: !scene.lights.is_empty(),
@@ -161,7 +161,7 @@ impl Facts {
         }
     }
 
-    /// Whether the scene has more with `layer` than without.
+    /// Whether removing `layer` changes the scene.
     pub fn has(&self, layer: Layer) -> bool {
         match layer {
             Layer::Mirrors => self.bounces > 0,
@@ -173,19 +173,19 @@ impl Facts {
         }
     }
 
-    /// Whether anything about `target` is left to chance.
+    /// Whether `target` has any random samples.
     pub fn is_sampled(&self, target: Target) -> bool {
         self.has_area_lights || self.has_lens || self.antialias > 1 || target == Target::Pixel
     }
 }
 
-/// Sides of square grids, about as far apart as each other in their number of points.
+/// Sides of square grids, in roughly equal ratios of their number of points.
 const SIDES: [u32; 12] = [1, 2, 3, 4, 5, 6, 8, 11, 16, 23, 32, 45];
 
 /// Sides of grids of rays in a pixel when textures are compared.
 const FILTER_SIDES: [u32; 3] = [1, 2, 4];
 
-/// What can be varied in a scene that has `facts`, with up to `most` points of a kind.
+/// The families of a scene with these `facts`, with up to `most` points of a kind.
 pub fn families(facts: &Facts, most: u32) -> Vec<Family> {
     let mut families = Vec::new();
     if facts.has_area_lights {
@@ -221,7 +221,7 @@ fn sampled(name: &'static str, title: &'static str, counted: &'static str) -> Fa
 }
 
 impl Family {
-    /// With a line for each sampling, of up to `most` points that `samples` takes.
+    /// Adds a line for each sampling, with up to `most` points, converted by `samples`.
     fn with_points(self, most: u32, samples: fn(Points) -> Samples) -> Self {
         let line = |sampling: Sampling| {
             let sides = SIDES.into_iter().filter(|side| side * side <= most);
@@ -236,7 +236,7 @@ impl Family {
     }
 }
 
-/// A family of one line, whose points are not expected to follow a power.
+/// A family of one line whose points need not follow a power.
 fn single(
     name: &'static str,
     title: &'static str,

@@ -1,8 +1,8 @@
-//! Bias and variance apart: a setting of each sampler is rendered many times more, and every value of the picture
-//! gets a mean, a standard error and an interval.
+//! Bias and variance, separately: a setting of each sampler is rendered many more times, and every
+//! value of the image gets a mean, a standard error and an interval.
 //!
-//! The intervals prove themselves: if samplers have no bias, and errors are what they are said to be, 95 of 100
-//! hold the value of the reference, which other renders made.
+//! The intervals validate themselves: if samplers are unbiased and errors are estimated correctly,
+//! 95 of 100 contain the value of the reference, which comes from other renders.
 
 use super::fit::{CONFIDENCE, student};
 use super::reference::{FIRST_SEED, Reference, Sums};
@@ -15,16 +15,16 @@ use wavecrest_base::error::Result;
 use wavecrest_core::film::Film;
 use wavecrest_core::render::RenderOptions;
 
-/// The setting with about so many points is rendered again.
+/// The setting with about this many points is repeated.
 const POINTS: f64 = 64.0;
 
 /// Renders of each setting.
 const RENDERS: u32 = 16;
 
-/// Renders a setting of each line of the families that converge, unless that has been done.
+/// Renders a setting of each line of the converging families, unless done already.
 ///
 /// # Errors
-/// When the scene can no longer be rendered, or a record cannot be written.
+/// If the scene can no longer be rendered, or a record cannot be written.
 pub fn run(
     subject: &mut Subject,
     families: &[Family],
@@ -59,7 +59,7 @@ pub fn run(
     Ok(())
 }
 
-/// Sums over renders with random numbers that neither a sweep nor a reference has.
+/// Sums over renders with random numbers of their own.
 fn sums(subject: &mut Subject, setting: &Setting) -> Result<Sums> {
     let [width, height] = subject.size();
     let mut sums = Sums::new(width as usize * height as usize);
@@ -71,7 +71,7 @@ fn sums(subject: &mut Subject, setting: &Setting) -> Result<Sums> {
     Ok(sums)
 }
 
-/// Variance, bias and coverage over all values that chance has a part in.
+/// Variance, bias and coverage over all values that depend on random numbers.
 fn found(sums: &Sums, reference: &Reference) -> SpreadRecord {
     let reach = student(1.0 - CONFIDENCE, f64::from(RENDERS) - 1.0);
     let mut record = SpreadRecord { renders: RENDERS, ..SpreadRecord::default() };
@@ -98,10 +98,10 @@ fn found(sums: &Sums, reference: &Reference) -> SpreadRecord {
     record
 }
 
-/// The standard error of each value of a setting's picture: the root of the variance of its renders.
+/// The standard error of each value of a setting's image: the root of the variance of its renders.
 ///
 /// # Errors
-/// When the scene can no longer be rendered.
+/// If the scene can no longer be rendered.
 pub fn map(subject: &mut Subject, setting: &Setting) -> Result<Film> {
     let [width, height] = subject.size();
     let deviations = |(_, variance): ([f64; 3], [f64; 3])| variance.map(|v| v.sqrt() as f32);

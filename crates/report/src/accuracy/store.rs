@@ -1,7 +1,7 @@
-//! What a sweep has found so far: a file of JSON lines, one for each thing measured, written as it comes.
+//! The records of a sweep: a file of JSON lines, one for each measurement, written at once.
 //!
-//! A sweep that was interrupted finds its records there and makes only what is missing. A last line that
-//! was cut off counts as not written.
+//! An interrupted sweep finds its records there and continues with the missing ones. A truncated
+//! last line is ignored.
 
 mod records;
 
@@ -26,15 +26,15 @@ pub struct Store {
     folder: PathBuf,
     file: File,
     path: PathBuf,
-    /// All of them, in the order in which they were made.
+    /// All records, in the order of their creation.
     pub records: Vec<Record>,
     points: HashSet<(String, Target, String, u64)>,
 }
 
-/// All records of the sweep in `folder`, without the header that every sweep begins with.
+/// All records of the sweep in `folder`, and its header.
 ///
 /// # Errors
-/// When there is no sweep, or its records cannot be read.
+/// If there is no sweep, or its records cannot be read.
 pub fn read(folder: &Path) -> Result<(Header, Vec<Record>)> {
     let path = folder.join(FILE);
     let text = std::fs::read_to_string(&path)
@@ -48,7 +48,7 @@ pub fn read(folder: &Path) -> Result<(Header, Vec<Record>)> {
     }
 }
 
-/// The records in `text`, the contents of `path`, and how many of its bytes are whole lines.
+/// The records in `text`, the contents of `path`, and the length of its whole lines in bytes.
 fn records(text: &str, path: &Path) -> Result<(Vec<Record>, usize)> {
     let whole = text.rfind('\n').map_or(0, |end| end + 1);
     let lines = text[..whole].lines().enumerate();
@@ -66,10 +66,10 @@ fn records(text: &str, path: &Path) -> Result<(Vec<Record>, usize)> {
 pub const FILE: &str = "results.jsonl";
 
 impl Store {
-    /// Opens the records of a sweep in `folder`, which is made if it is not there, or begins them.
+    /// Opens or creates the records of a sweep in `folder`, which is created if it is missing.
     ///
     /// # Errors
-    /// When the folder has the records of a sweep with another `header`, or cannot be written.
+    /// If the folder has the records of a sweep with another `header`, or cannot be written.
     pub fn open(folder: &Path, header: &Header) -> Result<Self> {
         std::fs::create_dir_all(folder)
             .map_err(|e| Error::io("cannot create the folder", folder, e))?;
@@ -106,10 +106,10 @@ impl Store {
         &self.folder
     }
 
-    /// Appends a record, on the disk too.
+    /// Appends a record and flushes it to the disk.
     ///
     /// # Errors
-    /// When it cannot be written.
+    /// If it cannot be written.
     pub fn add(&mut self, record: Record) -> Result<()> {
         let failed = |e| Error::io("cannot write a record", self.path.as_path(), e);
         let line = serde_json::to_string(&record).map_err(|e| failed(e.into()))?;
@@ -137,10 +137,10 @@ impl Store {
             .remedy("use the same options as before, or another folder")
     }
 
-    /// Refuses scenes that share a name or have changed since records of them were made.
+    /// Refuses scenes with a duplicate name or with changes since their records were made.
     ///
     /// # Errors
-    /// When `scene` is not the one of that name in the records.
+    /// If `scene` is not the one with that name in the records.
     pub fn admit(&mut self, scene: SceneRecord) -> Result<()> {
         let is_it = |known: &&SceneRecord| known.scene == scene.scene;
         let known = all(&self.records).find(is_it);

@@ -1,4 +1,4 @@
-//! A scene that is rendered in many ways: prepared once for each structure, and sampled anew for each
+//! A scene rendered in many ways: prepared once for each structure, with new samples for each
 //! render.
 
 use std::collections::HashMap;
@@ -13,7 +13,7 @@ use wavecrest_core::render::{RenderOptions, Rendered, render};
 use wavecrest_scene::load::{LoadOptions, load};
 use wavecrest_scene::systems::{Options, extract, overrides};
 
-/// A scene's file, and what has been made of it so far.
+/// A scene's file, and its prepared structures.
 #[derive(Debug)]
 pub struct Subject {
     file: PathBuf,
@@ -28,31 +28,32 @@ pub struct Subject {
 /// A scene prepared in one structure.
 #[derive(Debug)]
 pub struct Prepared {
-    /// The scene, sampled as the last render asked.
+    /// The scene, with the samples of the last render.
     pub scene: PreparedScene,
-    /// As it was.
+    /// Its original samples.
     pub original: Original,
-    /// How long it took.
+    /// The time of its preparation.
     pub time: Stages,
 }
 
 /// Seconds before the first ray.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Stages {
-    /// Reading the file and what it names, and making arrays of it.
+    /// Reading the file and the files that it names, and extracting arrays.
     pub load: f64,
     /// Building the tree.
     pub build: f64,
 }
 
-/// As many prepared scenes are kept as together hold this many bytes, and one in any case: 4 GiB.
+/// Memory limit of prepared scenes: at least one is kept, and more up to this number of bytes, 4
+/// GiB.
 const MOST_BYTES: u64 = 4 << 30;
 
 impl Subject {
-    /// The scene of `file`, at a size whose longer side is at most `longest` pixels.
+    /// The scene of `file`, with images of at most `longest` pixels on the longer side.
     ///
     /// # Errors
-    /// When it cannot be loaded or prepared.
+    /// If it cannot be loaded or prepared.
     pub fn open(file: &Path, longest: u32) -> Result<Self> {
         let full = extract(&mut load(file, &LoadOptions::default())?.world, Default::default())?;
         let facts = Facts::of(full.scene());
@@ -73,7 +74,7 @@ impl Subject {
         &self.file
     }
 
-    /// The name of the file without folder and ending.
+    /// The name of the file without folder and extension.
     pub fn name(&self) -> String {
         self.file.file_stem().unwrap_or_default().to_string_lossy().into_owned()
     }
@@ -83,12 +84,12 @@ impl Subject {
         self.size
     }
 
-    /// What can be varied.
+    /// The properties that can be varied.
     pub fn facts(&self) -> Facts {
         self.facts
     }
 
-    /// Distinguishes the scene from others: see [`PreparedScene::fingerprint`].
+    /// A hash of the scene: see [`PreparedScene::fingerprint`].
     pub fn fingerprint(&self) -> u128 {
         self.fingerprint
     }
@@ -98,7 +99,7 @@ impl Subject {
         self.primitives
     }
 
-    /// Whether a structure has been prepared and is still held.
+    /// Whether a structure is prepared and in memory.
     pub fn is_prepared(&self, structure: &Structure) -> bool {
         self.prepared.contains_key(structure)
     }
@@ -108,10 +109,10 @@ impl Subject {
         self.preset
     }
 
-    /// The scene in `structure`, prepared unless it is.
+    /// The scene in `structure`, prepared if necessary.
     ///
     /// # Errors
-    /// When it can no longer be loaded or prepared.
+    /// If it can no longer be loaded or prepared.
     pub fn prepare(&mut self, structure: &Structure) -> Result<&mut Prepared> {
         let prepared = match self.prepared.remove(structure) {
             Some(prepared) => prepared,
@@ -123,10 +124,10 @@ impl Subject {
         Ok(self.prepared.entry(*structure).or_insert(prepared))
     }
 
-    /// Prepares the scene with another preset, and keeps nothing.
+    /// Prepares the scene with another preset, without keeping it.
     ///
     /// # Errors
-    /// When it can no longer be loaded or prepared.
+    /// If it can no longer be loaded or prepared.
     pub fn build(&self, structure: &Structure, preset: Preset) -> Result<Prepared> {
         let [width, height] = self.size.map(Some);
         let start = Instant::now();
@@ -135,7 +136,7 @@ impl Subject {
         overrides::apply(&mut loaded.world, &structure.overrides);
         let options = Options { precision: structure.precision, ..Options::default() };
         let extracted = extract(&mut loaded.world, options)?;
-        // No render is to wait for an image.
+        // No render should wait for an image.
         extracted.scene().appearance.decode()?;
         let load = start.elapsed().as_secs_f64();
         let start = Instant::now();
@@ -148,14 +149,14 @@ impl Subject {
     /// Renders it.
     ///
     /// # Errors
-    /// When it can no longer be prepared, or there is no memory for the image.
+    /// If it can no longer be prepared, or there is no memory for the image.
     pub fn render(&mut self, setting: &Setting, options: &RenderOptions) -> Result<Rendered> {
         let Prepared { scene, original, .. } = self.prepare(&setting.structure)?;
         scene.resample(original, &setting.samples);
         render(scene, options, &())
     }
 
-    /// Forgets prepared scenes until another one has room.
+    /// Drops prepared scenes until another one fits.
     fn make_room(&mut self) {
         let bytes = |prepared: &Prepared| prepared.scene.bytes();
         let largest = self.prepared.values().map(bytes).max().unwrap_or(0);
@@ -166,7 +167,7 @@ impl Subject {
     }
 }
 
-/// The size in the same proportions whose longer side is at most `longest`.
+/// The size with the same proportions and a longer side of at most `longest`.
 fn within([width, height]: [u32; 2], longest: u32) -> [u32; 2] {
     let side = width.max(height);
     if side <= longest {

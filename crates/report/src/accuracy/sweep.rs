@@ -1,7 +1,7 @@
-//! The sweep itself: what is rendered, in which order, and what is noted of it.
+//! The sweep itself: its renders, their order, and their records.
 //!
-//! For each seed, all settings of a scene are rendered in an order of their own, drawn at random, so that
-//! neither a slow minute of the machine nor what ran before favours one of them.
+//! For each seed, all settings of a scene are rendered in a random order, so that neither a slow
+//! minute of the machine nor an earlier render favours one of them.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -30,40 +30,40 @@ use wavecrest_image::write::{Transfer, write};
 
 /// Receives the progress of a sweep.
 pub trait Progress {
-    /// The next stage begins, of so many steps.
+    /// The next stage starts, with this number of steps.
     fn stage(&self, name: &str, steps: u64);
     /// One of its steps is done.
     fn step(&self);
 }
 
-/// How much is swept.
+/// The extent of a sweep.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Options {
-    /// The longer side of images, at most, in pixels.
+    /// Largest length of the longer side of images in pixels.
     pub longest: u32,
-    /// Renders of each setting, with a seed each.
+    /// Number of renders of each setting, each with its own seed.
     pub seeds: u32,
-    /// The most points of a kind.
+    /// Largest number of points of a kind.
     pub most: u32,
-    /// The fewest points of a render of the reference.
+    /// Smallest number of points of a render of the reference.
     pub least: u32,
 }
 
-/// A scene with its references, as a report needs it again.
+/// A scene with its references, for the report.
 #[derive(Debug)]
 pub struct Swept {
     /// The scene.
     pub subject: Subject,
-    /// What was varied.
+    /// The variations.
     pub families: Vec<Family>,
-    /// What errors were measured against.
+    /// The references of the errors.
     pub references: BTreeMap<&'static str, Reference>,
 }
 
-/// Sweeps the scenes of `files`, one after the other; what `store` has already is not done again.
+/// Sweeps the scenes of `files` in turn; results in `store` are not repeated.
 ///
 /// # Errors
-/// When a scene cannot be rendered, or a record or a reference cannot be written.
+/// If a scene cannot be rendered, or a record or a reference cannot be written.
 pub fn run(
     files: &[PathBuf],
     options: &Options,
@@ -106,7 +106,7 @@ fn scene(
     Ok(Swept { subject, families, references })
 }
 
-/// The reference of `target`, from the folder if it is there.
+/// The reference of `target`, from the folder if it exists.
 fn reference(
     subject: &mut Subject,
     target: Target,
@@ -145,7 +145,7 @@ fn reference(
     Ok(made)
 }
 
-/// The reference that `store` has.
+/// The reference in `store`.
 fn known_reference(store: &Store, scene: &str, target: Target) -> Result<Option<Reference>> {
     let is_it = |known: &&ReferenceRecord| known.scene == scene && known.target == target;
     let Some(known) = all(&store.records).find(is_it) else { return Ok(None) };
@@ -155,12 +155,12 @@ fn known_reference(store: &Store, scene: &str, target: Target) -> Result<Option<
     Ok(Some(Reference { film, error, samples, replicates, standard_error, seconds }))
 }
 
-/// The file of a reference's standard errors beside that of the reference.
+/// The file of a reference's standard errors, beside the reference.
 fn error_of(file: &str) -> String {
     format!("{}-error.exr", file.trim_end_matches(".exr"))
 }
 
-/// What comes nearest to a reference: the last setting of each line that converges.
+/// The settings nearest to a reference: the last of each converging line.
 fn nearest(families: &[&Family]) -> Vec<Setting> {
     families
         .iter()
@@ -209,12 +209,12 @@ fn points(
     Ok(())
 }
 
-/// Renders shorter than this together, in seconds, are repeated, but only so often.
+/// Renders that take less than this in seconds together are repeated, up to a limit.
 const LEAST_TIMED: f64 = 0.01;
 const REPETITIONS: usize = 10;
 
-/// A render with the time of its quickest repetition: whatever else runs on the machine can only add to a time, and to
-/// a time of a millisecond it adds much.
+/// A render with the time of its fastest repetition: other programs can only add to a time, and
+/// they add much to a millisecond.
 ///
 /// # Errors
 /// As [`Subject::render`].
@@ -261,8 +261,8 @@ fn point(
     }
 }
 
-/// Prepares a structure unless it is, and sends some rays through it, so that the first render that is timed
-/// finds the memory as the others do.
+/// Prepares a structure if necessary, and traces some rays, so that the first timed render finds
+/// the memory like the others.
 fn warm_up(subject: &mut Subject, structure: &Structure) -> Result<()> {
     if !subject.is_prepared(structure) {
         let setting = Setting { structure: *structure, ..Setting::default() };
@@ -271,11 +271,12 @@ fn warm_up(subject: &mut Subject, structure: &Structure) -> Result<()> {
     Ok(())
 }
 
-/// How often a structure is prepared for the median of its time, and for how many seconds it is begun once more.
+/// Number of preparations of a structure for the median of its time, and the seconds after which no
+/// further one starts.
 const PREPARED: usize = 7;
 const SHORT: f64 = 3.0;
 
-/// Notes how long it takes to prepare each structure of `settings`, where that has not been noted.
+/// Records the preparation time of each structure of `settings`, unless done already.
 fn note_preparation<'a>(
     subject: &mut Subject,
     settings: impl Iterator<Item = &'a Setting>,
@@ -303,10 +304,10 @@ fn note_preparation<'a>(
     Ok(())
 }
 
-/// How far `film` is from `reference`.
+/// The errors of `film` against `reference`.
 ///
 /// # Errors
-/// When their sizes differ.
+/// If their sizes differ.
 pub fn errors(film: &Film, reference: &Film) -> Result<Errors> {
     let found = compare(film, reference)?;
     let mut seen = flip(film, reference, DEFAULT_PIXELS_PER_DEGREE)?;
@@ -319,7 +320,7 @@ pub fn errors(film: &Film, reference: &Film) -> Result<Errors> {
     Ok(Errors { mse, relative_mse, bias, flip: seen.mean, flip_95 })
 }
 
-/// What every precision does at the edges and on the faces of the scene's triangles.
+/// Tests every precision at the edges and on the faces of the scene's triangles.
 fn trials(subject: &mut Subject, store: &mut Store, progress: &dyn Progress) -> Result<()> {
     let name = subject.name();
     let done = all(&store.records).filter(|t: &&TrialRecord| t.scene == name).count();

@@ -1,23 +1,24 @@
-//! What is wrong with a measurement, and what to do about it.
+//! Problems of a measurement, and their remedies.
 //!
 //! The kinds of warnings are those of hyperfine (Peter, *hyperfine*, 2018-): runs too short, a slow
-//! first run, outliers. Each names what was seen and the option that helps.
+//! first run, outliers. Each names the observation and the option that helps.
 
 use super::tracer::{Ratio, TracerBench};
 use crate::summary::{CONFIDENCE, ENOUGH};
 
-/// A run shorter than this is mostly the start of threads and the making of buffers, in seconds.
+/// A run shorter than this in seconds mostly starts threads and allocates buffers.
 const SHORT: f64 = 0.005;
-/// Quartiles further apart than this share of the median are far apart.
+/// Quartiles farther apart than this share of the median are far apart.
 const WIDE: f64 = 0.1;
-/// A first run is slow if it is further above the median than so many median absolute deviations:
+/// A first run is slow if it is above the median by more than this many median absolute deviations,
 /// ten standard deviations of a normal distribution ...
 const SLOW_DEVIATIONS: f64 = 14.826;
-/// ... and more than this share of the median: where all runs are alike, a little is not slow.
+/// ... and by more than this share of the median: if all runs are alike, a small difference is not
+/// slow.
 const SLOW_SHARE: f64 = 0.1;
 
-/// The warnings that a measurement calls for: of samples that were not finite, of the wavefront and the
-/// recursive tracer, and of their ratio.
+/// The warnings about a measurement: about samples that were not finite, the wavefront, the
+/// recursive tracer, and their ratio.
 pub fn warnings(
     invalid: u64,
     tracers: [Option<&TracerBench>; 2],

@@ -1,9 +1,9 @@
-//! The wavefront against itself: with each kernel, each set of vector instructions, batches of several
-//! sizes, or with nothing left out.
+//! Variants of the wavefront: kernels, vector instructions, batch sizes, or a plan that skips
+//! nothing.
 //!
-//! Each choice runs once a round, so that what slows the machine down for a while slows all of them
-//! down, and who goes first takes turns. The ratio of each to the default is taken round by
-//! round. As between tracers, every image is checked, and one that differs ends it.
+//! Each variant runs once in each round, so that slow phases of the machine affect all of them
+//! alike, and the first to run alternates. The ratio of each to the default is taken round by
+//! round. As between tracers, every image is checked, and a different one ends the comparison.
 
 use serde::Serialize;
 
@@ -16,11 +16,11 @@ use wavecrest_core::counters::Counters;
 use wavecrest_core::math::simd::Level;
 use wavecrest_core::render::{Rendered, TracerKind};
 
-/// Sizes of batches that are compared besides the usual one.
+/// Batch sizes to compare, besides the default.
 const BATCHES: [usize; 4] = [64, 256, 1024, 4096];
 
 wavecrest_base::choices! {
-    /// What differs between the choices that are compared.
+    /// The property that differs between the variants.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
     #[serde(rename_all = "kebab-case")]
     pub enum Axis {
@@ -35,7 +35,7 @@ wavecrest_base::choices! {
     }
 }
 
-/// One choice.
+/// A variant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Variant {
     /// Traversal kernels.
@@ -44,12 +44,12 @@ pub struct Variant {
     pub simd: Level,
     /// Paths in a batch.
     pub batch: usize,
-    /// Whether passes, columns and code that the scene does not call for are left out.
+    /// Whether passes, columns and code that the scene does not need are skipped.
     pub planned: bool,
 }
 
 impl Axis {
-    /// What is compared: the `usual` choice, then those that differ from it.
+    /// The variants: the `usual` one, then those that differ from it.
     pub fn variants(self, usual: Variant) -> Vec<Variant> {
         let others: Vec<Variant> = match self {
             Self::Kernels => {
@@ -65,7 +65,7 @@ impl Axis {
         std::iter::once(usual).chain(others).collect()
     }
 
-    /// What sets `variant` apart from the others.
+    /// The label of `variant` among the others.
     pub fn label(self, variant: &Variant) -> String {
         match self {
             Self::Kernels => variant.kernel.name().to_owned(),
@@ -76,20 +76,20 @@ impl Axis {
     }
 }
 
-/// Several choices, timed in rounds.
+/// Several variants, timed in rounds.
 #[derive(Clone, Debug, Serialize)]
 pub struct Comparison {
-    /// What differs between them.
+    /// The property that differs.
     pub of: Axis,
     /// Timed rounds.
     pub rounds: usize,
-    /// What was found of each, the default first; empty where images differ.
+    /// The results of each, the default first; empty if images differ.
     pub variants: Vec<VariantBench>,
-    /// What ended the comparison, if anything did.
+    /// The difference that ended the comparison, if any.
     pub difference: Option<VariantDifference>,
 }
 
-/// What was found of one choice.
+/// The results of one variant.
 #[derive(Clone, Debug, Serialize)]
 pub struct VariantBench {
     /// The choice.
@@ -102,18 +102,18 @@ pub struct VariantBench {
     pub ratio: Ratio,
 }
 
-/// How an image differs from the first one.
+/// A difference of an image from the first one.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct VariantDifference {
-    /// The choice that gave it.
+    /// The variant that rendered it.
     #[serde(flatten)]
     pub variant: Variant,
-    /// How it differs.
+    /// The difference.
     pub difference: Difference,
 }
 
-/// Runs `trace` with each of `variants` in turn as `schedule` says, with rounds in place of pairs, and
-/// once more to be counted by the processor where it counts.
+/// Runs `trace` with each of `variants` in turn as in `schedule`, with rounds instead of pairs, and
+/// once more for the hardware counters, if available.
 ///
 /// # Errors
 /// Those of `trace`.
@@ -152,7 +152,8 @@ pub fn compare(
     Ok(Comparison::new(of, variants, &runs, &counters))
 }
 
-/// Has the processor count each variant in a run of its own, so that counting slows none that is timed.
+/// Runs each variant separately for the hardware counters, so that counting does not slow timed
+/// runs.
 fn count(
     runs: &mut [Runs],
     variants: &[Variant],

@@ -1,11 +1,11 @@
-//! What the processor counts while a program runs: cycles, instructions, and what it missed.
+//! Hardware counters of the processor: cycles, instructions, and misses.
 //!
-//! Linux hands these counters out to programs, unless it is set not to, or runs in a virtual
-//! machine that has none. So there may be no counts, and then the report says why.
+//! Linux provides these counters, unless its settings forbid it or it runs in a virtual machine
+//! without them. If there are no counts, the report says why.
 
 use serde::Serialize;
 
-/// What all threads did in one run; `None` where the machine does not count it.
+/// Counts of all threads in one run; `None` if the machine does not count the event.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct HardwareCounts {
     /// Cycles of the processor's clock.
@@ -33,13 +33,12 @@ impl HardwareCounts {
     }
 }
 
-/// Does `work` and returns what all threads of the current pool did meanwhile, or why that is not
-/// known.
+/// Does `work` and returns the counts of all threads of the current pool, or why they are unknown.
 pub fn count<R>(work: impl FnOnce() -> R) -> (R, Result<HardwareCounts, String>) {
     system::count(work)
 }
 
-/// Why nothing is counted on this machine; `None` where something is.
+/// Why nothing is counted on this machine; `None` if something is.
 pub fn missing() -> Option<String> {
     count(|| ()).1.err()
 }
@@ -100,14 +99,14 @@ mod system {
         }
     }
 
-    /// Each thread opens a counter of its own: threads that are already there inherit none.
+    /// Each thread opens its own counter: existing threads do not inherit one.
     fn open(event: Hardware) -> io::Result<OfThreads> {
         let times = ReadFormat::TOTAL_TIME_ENABLED | ReadFormat::TOTAL_TIME_RUNNING;
         let one = |_: rayon::BroadcastContext<'_>| Builder::new(event).read_format(times).build();
         rayon::broadcast(one).into_iter().collect()
     }
 
-    /// Whether all went as it should; those that were not opened have nothing to do.
+    /// Whether everything succeeded; counters that were not opened are skipped.
     fn switch(
         counters: &mut io::Result<OfThreads>,
         turn: impl Fn(&mut Counter) -> io::Result<()>,
@@ -123,10 +122,10 @@ mod system {
     fn read_one(counter: &mut Counter) -> Option<u64> {
         let found = counter.read_count_and_time().ok()?;
         match found.time_running {
-            // A thread that did nothing ran no counter.
+            // A thread without work ran no counter.
             0 if found.time_enabled == 0 => Some(0),
             0 => None,
-            // Counters that had to take turns are scaled in proportion.
+            // Multiplexed counters are scaled.
             running => {
                 let all = u128::from(found.count) * u128::from(found.time_enabled);
                 u64::try_from(all / u128::from(running)).ok()

@@ -1,10 +1,10 @@
-//! The machine that a benchmark is run on.
+//! The machine of a benchmark.
 
 use serde::Serialize;
 
 use super::hardware;
 
-/// What it was run on.
+/// The machine.
 #[derive(Clone, Debug, Serialize)]
 #[allow(missing_docs, reason = "see crate::bench")]
 pub struct Machine {
@@ -16,7 +16,7 @@ pub struct Machine {
 }
 
 impl Machine {
-    /// The machine that this runs on, with the threads of the current pool.
+    /// The current machine, with the threads of the current pool.
     pub fn this() -> Self {
         Self {
             processor: std::fs::read_to_string("/proc/cpuinfo").ok().and_then(|t| processor(&t)),
@@ -28,7 +28,7 @@ impl Machine {
     }
 }
 
-/// The processor's model in the text of `/proc/cpuinfo`, where there is one.
+/// The processor's model in the text of `/proc/cpuinfo`, if present.
 pub(super) fn processor(cpuinfo: &str) -> Option<String> {
     let line = cpuinfo.lines().find_map(|line| line.strip_prefix("model name"))?;
     let name = line.split_once(':')?.1.trim();

@@ -1,10 +1,9 @@
-//! Running both tracers in turn, and checking every image.
+//! Runs both tracers alternately, and checks every image.
 //!
-//! The runs go in pairs, one of each tracer, so that what slows the machine down for a while slows
-//! both down; and whoever is second in a pair is first in the next, so that neither always finds
-//! the caches and the clock as the other left them. Nothing is timed before the warm-up has shown
-//! that the images are the same, and a run that differs ends the measurement: how fast a wrong
-//! image was made is of no interest.
+//! The runs form pairs, one of each tracer, so that slow phases of the machine affect both. The
+//! first to run alternates, so that neither always finds the caches and the clock as the other left
+//! them. Nothing is timed before the warm-up has shown that the images are equal, and a different
+//! image ends the measurement: the speed of a wrong image does not matter.
 
 use serde::Serialize;
 
@@ -17,20 +16,20 @@ use wavecrest_core::counters::Counters;
 use wavecrest_core::film::Film;
 use wavecrest_core::render::{Rendered, TracerKind};
 
-/// How often to run.
+/// Number and duration of runs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Schedule {
-    /// Pairs before the first that is timed, at least 1.
+    /// Warm-up pairs, at least 1.
     pub warmup: usize,
-    /// Timed pairs at most.
+    /// Largest number of timed pairs.
     pub most: usize,
-    /// Seconds that each tracer is to run for in all, as far as `most` allows.
+    /// Total seconds of each tracer, unless `most` is reached before.
     pub seconds: f64,
 }
 
 impl Schedule {
-    /// The pairs to be timed in all, as the `pairs` so far estimate, of which the quicker runs took
-    /// `shorter` seconds: enough for an interval, and for the seconds asked for.
+    /// The estimated total number of timed pairs after `pairs`, whose faster runs took `shorter`
+    /// seconds: enough for an interval, and for the requested seconds.
     pub(crate) fn planned(&self, pairs: usize, shorter: f64) -> usize {
         let wanted = match pairs {
             0 => 1,
@@ -54,14 +53,15 @@ pub struct Runs {
     pub tests: TestCounts,
     /// Rays by kernel in one run.
     pub kernels: Kernels,
-    /// What the processor counted in a run of its own, where it counts.
+    /// Hardware counters of a separate run, if available.
     pub hardware: Option<HardwareCounts>,
 }
 
-/// The step of the clock, in seconds: what a run takes at least, so that ratios of times are numbers.
+/// The clock's resolution in seconds, used as the smallest time, so that ratios of times are
+/// finite.
 const CLOCK_STEP: f64 = 1e-9;
 
-/// How long a run took.
+/// The duration of a run.
 pub(crate) fn seconds_of(run: &Rendered) -> f64 {
     run.seconds.max(CLOCK_STEP)
 }
@@ -80,26 +80,26 @@ impl Runs {
     }
 }
 
-/// What was found.
+/// The results.
 #[derive(Clone, Debug, Default)]
 pub struct Measured {
-    /// The work of one run; its tests are those of the first run, a wavefront's.
+    /// The work of one run; its tests are those of the first wavefront run.
     pub counters: Counters,
     /// The timed runs of the wavefront.
     pub wavefront: Runs,
     /// The timed runs of the recursive tracer, pair by pair with the wavefront's.
     pub recursive: Runs,
-    /// What ended the measurement, if anything did: the tracers disagree.
+    /// The difference that ended the measurement, if the tracers disagree.
     pub difference: Option<Difference>,
 }
 
 impl Measured {
-    /// The number of whole timed pairs.
+    /// The number of complete timed pairs.
     pub fn pairs(&self) -> usize {
         self.wavefront.seconds.len().min(self.recursive.seconds.len())
     }
 
-    /// Seconds of all timed runs of the quicker tracer.
+    /// Seconds of all timed runs of the faster tracer.
     fn shorter(&self) -> f64 {
         let [a, b] = [&self.wavefront, &self.recursive].map(|runs| runs.seconds.iter().sum());
         f64::min(a, b)
@@ -113,7 +113,7 @@ impl Measured {
     }
 }
 
-/// How a run differs from the first.
+/// A difference of a run from the first.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(tag = "what", rename_all = "kebab-case")]
 pub enum Difference {
@@ -127,10 +127,10 @@ pub enum Difference {
         y: u32,
         /// Its value in the first image, a wavefront's.
         expected: Pixel,
-        /// Its value in the image that differs.
+        /// Its value in the different image.
         found: Pixel,
     },
-    /// In its work alone.
+    /// Only in its work.
     Work {
         /// The tracer of the run that differs.
         tracer: TracerKind,
@@ -138,7 +138,7 @@ pub enum Difference {
         count: &'static str,
         /// That count in the first run, a wavefront's.
         expected: u64,
-        /// That count in the run that differs.
+        /// That count in the different run.
         found: u64,
     },
 }
@@ -158,8 +158,8 @@ impl Pixel {
     }
 }
 
-/// Runs `trace` with one tracer and the other as `schedule` says. `progress` gets the pairs
-/// timed and those to be timed in all.
+/// Runs `trace` with both tracers alternately as in `schedule`. `progress` receives the pairs timed
+/// and the expected total.
 ///
 /// # Errors
 /// Those of `trace`.
@@ -193,7 +193,7 @@ pub fn measure(
     Ok(measured)
 }
 
-/// Who goes first takes turns.
+/// The first tracer alternates.
 pub(crate) fn order(pair: usize) -> [TracerKind; 2] {
     if pair.is_multiple_of(2) {
         [TracerKind::Wavefront, TracerKind::Recursive]
@@ -202,7 +202,7 @@ pub(crate) fn order(pair: usize) -> [TracerKind; 2] {
     }
 }
 
-/// How `run` differs from the `first`, if it does.
+/// The difference of `run` from the `first`, if any.
 pub(crate) fn difference(
     tracer: TracerKind,
     first: &Rendered,
@@ -220,7 +220,7 @@ pub(crate) fn difference(
     })
 }
 
-/// Every count but tests and kernels: how the tree is searched is each tracer's own affair.
+/// Every count except tests and kernels, which differ between the tracers.
 fn work(counters: &Counters) -> [(&'static str, u64); 10] {
     let c = counters;
     [
@@ -237,7 +237,7 @@ fn work(counters: &Counters) -> [(&'static str, u64); 10] {
     ]
 }
 
-/// The first pixel in which two images of one size differ, which they do.
+/// The first pixel that differs between two images of one size, which are known to differ.
 fn first_pixel(tracer: TracerKind, expected: &Film, found: &Film) -> Difference {
     let same = |(a, b): (&[f32; 3], &[f32; 3])| a.map(f32::to_bits) == b.map(f32::to_bits);
     let pairs = expected.pixels().iter().zip(found.pixels());

@@ -1,4 +1,4 @@
-//! A benchmark as a page: what was found, then each scene, then how it was measured.
+//! A benchmark as a page: the results, then each scene, then the method.
 
 mod compared;
 mod parts;
@@ -23,7 +23,7 @@ pub fn page(report: &BenchReport) -> Page {
     Page { title, lead: lead(&report.scenes), sections, ..Page::default() }
 }
 
-/// What was found, in a few sentences.
+/// The results in a few sentences.
 fn lead(scenes: &[SceneBench]) -> String {
     let ratios: Vec<&Ratio> = scenes.iter().filter_map(|scene| scene.ratio.as_ref()).collect();
     let mut sentences = Vec::new();
@@ -96,7 +96,7 @@ fn ratios(measured: &[Both<'_>]) -> Chart {
     )
 }
 
-/// Rays of each kind a second.
+/// Rays of each kind per second.
 fn rates(measured: &[Both<'_>]) -> Chart {
     let (mut names, mut wavefront, mut recursive) = (Vec::new(), Vec::new(), Vec::new());
     for both in measured {
@@ -167,7 +167,7 @@ fn measured(report: &BenchReport) -> Section {
     )
 }
 
-/// A word of a command, as a shell takes it for one word.
+/// A word of a command, quoted for a shell if necessary.
 fn quoted(word: &str) -> String {
     let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_./,=:+%@".contains(c);
     if !word.is_empty() && word.chars().all(is_plain) {

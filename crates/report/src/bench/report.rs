@@ -1,4 +1,4 @@
-//! What a benchmark found, as it is written as JSON.
+//! The results of a benchmark, as written in JSON.
 
 use serde::Serialize;
 
@@ -15,7 +15,7 @@ use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::math::simd::Level;
 use wavecrest_core::prepared::{Dropped, PreparedScene};
 
-/// See [`crate::bench`]: fields are named as in the JSON.
+/// See [`crate::bench`]: fields have the names of the JSON.
 #[derive(Clone, Debug, Serialize)]
 #[allow(missing_docs, reason = "the tables above say it once, for the JSON and for the fields")]
 pub struct BenchReport {
@@ -26,7 +26,7 @@ pub struct BenchReport {
     pub scenes: Vec<SceneBench>,
 }
 
-/// What was measured of one scene.
+/// The results of one scene.
 #[derive(Clone, Debug, Serialize)]
 #[allow(missing_docs, reason = "see crate::bench")]
 pub struct SceneBench {
@@ -65,7 +65,7 @@ pub struct Preparation {
     pub build: f64,
 }
 
-/// What was run: everything that is known before the first ray.
+/// The settings: everything known before the first ray.
 #[derive(Clone, Debug)]
 pub struct Setting {
     /// The scene's file.
@@ -76,26 +76,26 @@ pub struct Setting {
     pub batch: usize,
     /// Instruction sets.
     pub simd: Level,
-    /// How the wavefront's rays are taken through the tree.
+    /// The kernel of the wavefront's rays.
     pub kernel: KernelChoice,
-    /// How exactly hits are found.
+    /// The precision of hits.
     pub precision: Precision,
-    /// How the tree was built.
+    /// The BVH preset.
     pub preset: Preset,
-    /// How long it took to get there.
+    /// The time of the preparation.
     pub time: Preparation,
-    /// Memory estimated, in bytes.
+    /// Estimated memory in bytes.
     pub predicted: u64,
 }
 
 impl BenchReport {
-    /// A report of no scene yet, by this program on this machine.
+    /// An empty report by this program on this machine.
     pub fn new(command: Vec<String>) -> Self {
         let (machine, commit) = (Machine::this(), crate::accuracy::commit());
         Self { version: env!("CARGO_PKG_VERSION"), command, commit, machine, scenes: Vec::new() }
     }
 
-    /// Whether the tracers agreed in every scene, and all choices that were compared.
+    /// Whether the tracers and all variants agree in every scene.
     pub fn equal(&self) -> bool {
         let agrees = |compared: &Comparison| compared.difference.is_none();
         self.scenes.iter().all(|scene| scene.equal && scene.comparisons.iter().all(agrees))
@@ -103,7 +103,7 @@ impl BenchReport {
 }
 
 impl SceneBench {
-    /// The report of what was `measured` of `scene`. `peak` is the memory measured, in bytes.
+    /// The report of a `measured` `scene`. `peak` is the measured memory in bytes.
     pub fn new(
         setting: Setting,
         scene: &PreparedScene,

@@ -1,18 +1,18 @@
-//! What is reported of both tracers, side by side, in text and on a page.
+//! Measures of both tracers side by side, in text and on a page.
 
 use super::report::SceneBench;
 use super::tracer::TracerBench;
 use crate::plot::number::time_unit;
 
-/// One measure of both.
+/// One measure of both tracers.
 pub(super) struct Row {
     pub name: String,
-    /// Of the wavefront and of the recursive tracer.
+    /// For the wavefront and for the recursive tracer.
     pub values: [f64; 2],
     pub unit: &'static str,
 }
 
-/// Time, rate and tests, and what the processor counted, where it did.
+/// Time, rate, tests, and hardware counters if available.
 pub(super) fn rows(
     report: &SceneBench,
     wavefront: &TracerBench,

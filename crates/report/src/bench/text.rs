@@ -50,7 +50,7 @@ pub fn scene(report: &SceneBench) -> String {
     text
 }
 
-/// One line a scene, for when there are several.
+/// One line for each scene, if there are several.
 pub fn summary(reports: &[SceneBench]) -> String {
     let names = reports.iter().map(|r| r.scene.chars().count());
     let width = names.max().unwrap_or(0).max("scene".len());
@@ -112,7 +112,7 @@ fn table(report: &SceneBench, wavefront: &TracerBench, recursive: &TracerBench) 
     text
 }
 
-/// Where the wavefront's time goes.
+/// The wavefront's time by pass.
 fn passes(wavefront: &TracerBench) -> String {
     let number = |pass: &serde_json::Value, key| pass[key].as_f64().unwrap_or_default();
     let seconds = wavefront.passes.values().map(|pass| number(pass, "seconds"));
@@ -125,7 +125,7 @@ fn passes(wavefront: &TracerBench) -> String {
     text
 }
 
-/// Who takes the wavefront's rays through the tree.
+/// The wavefront's rays by kernel.
 fn kernels(report: &SceneBench, wavefront: &TracerBench) -> String {
     let (kernel, simd) = (report.kernel.name(), report.simd.name());
     let mut text = format!("  rays of the wavefront by kernel ({kernel}, {simd})\n");

@@ -1,4 +1,4 @@
-//! What was measured of one tracer, and how two of them compare.
+//! The results of one tracer, and the ratio of two.
 
 use serde::Serialize;
 use serde_json::{Map, Value, json};
@@ -9,7 +9,7 @@ use crate::statistics::{KernelUse, Rays, Tests};
 use crate::summary::{MedianInterval, Summary, median};
 use wavecrest_core::counters::Counters;
 
-/// What was measured of one tracer.
+/// The results of one tracer.
 #[derive(Clone, Debug, Serialize)]
 #[allow(missing_docs, reason = "see crate::bench")]
 pub struct TracerBench {
@@ -24,7 +24,7 @@ pub struct TracerBench {
     pub hardware: Option<HardwareCounts>,
 }
 
-/// Rays by kind in the time of all.
+/// Rays by kind, over the total time.
 #[derive(Clone, Copy, Debug, Serialize)]
 #[allow(missing_docs, reason = "see crate::bench")]
 pub struct RaysPerSecond {
@@ -33,7 +33,7 @@ pub struct RaysPerSecond {
     pub shadow: f64,
 }
 
-/// Tests of nodes and of primitives of every kind, for each ray of any kind.
+/// Tests of nodes and of primitives of every kind, per ray of any kind.
 #[derive(Clone, Copy, Debug, Serialize)]
 #[allow(missing_docs, reason = "see crate::bench")]
 pub struct TestsPerRay {
@@ -51,11 +51,11 @@ pub struct Ratio {
     pub method: &'static str,
 }
 
-/// How the interval of the ratio comes about.
+/// The method of the ratio's interval.
 pub const METHOD: &str = "order statistics of paired ratios (Thompson 1936)";
 
 impl TracerBench {
-    /// What `runs` measured, each with the work of `counters`; `None` if there is no run.
+    /// The results of `runs`, each with the work of `counters`; `None` without runs.
     pub(super) fn new(runs: &Runs, counters: &Counters) -> Option<Self> {
         let seconds = Summary::of(&runs.seconds)?;
         let rays = Rays::from(counters);
@@ -96,14 +96,15 @@ fn passes(runs: &Runs) -> Map<String, Value> {
 }
 
 impl Ratio {
-    /// The seconds of one over those of another, run by run: how many times as fast the other is.
+    /// The seconds of one over those of another, run by run: the speed of the other relative to the
+    /// first.
     pub(crate) fn of(one: &[f64], other: &[f64]) -> Option<Self> {
         let ratios: Vec<f64> = one.iter().zip(other).map(|(one, other)| one / other).collect();
         let interval = MedianInterval::of(&ratios)?;
         Some(Self { interval, pairs: ratios.len(), method: METHOD })
     }
 
-    /// What the interval says of who is faster.
+    /// The interval in words: which is faster.
     pub fn verdict(&self) -> &'static str {
         match self.interval {
             i if i.confidence < 0.95 => "too few pairs to tell who is faster",

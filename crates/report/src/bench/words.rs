@@ -1,10 +1,10 @@
-//! Parts of sentences that text and page share.
+//! Parts of sentences shared by text and page.
 
 use super::measure::{Difference, Pixel};
 use super::report::SceneBench;
 use crate::plot::number::figure;
 
-/// How the tracers differ, in words.
+/// The difference of the tracers in words.
 pub fn verdict(difference: &Difference) -> String {
     match difference {
         Difference::Pixel { tracer, x, y, expected, found } => format!(
@@ -20,7 +20,7 @@ pub fn verdict(difference: &Difference) -> String {
     }
 }
 
-/// What is in the scene.
+/// The contents of the scene.
 pub(super) fn contents(report: &SceneBench) -> String {
     let kinds = [
         (report.triangles, "triangle"),
@@ -33,19 +33,19 @@ pub(super) fn contents(report: &SceneBench) -> String {
     if words.is_empty() { "nothing".to_owned() } else { words.join(", ") }
 }
 
-/// How long it took to prepare the scene.
+/// The time of the scene's preparation.
 pub(super) fn prepared(report: &SceneBench) -> String {
     let (time, preset) = (&report.time, report.preset.name());
     format!("loaded in {:.3} s, tree ({preset}) built in {:.3} s", time.load, time.build)
 }
 
-/// The memory at its peak, where it is known.
+/// The peak memory, if known.
 pub(super) fn peak(report: &SceneBench) -> Option<String> {
     let peak = report.memory.peak? as f64 / 1e6;
     Some(format!("{peak:.1} MB, of the whole process so far"))
 }
 
-/// A number of rays, where there are any.
+/// A number of rays, if any.
 pub(super) fn average(rays: Option<f64>) -> String {
     rays.map_or_else(|| "-".to_owned(), |rays| format!("{rays:.1}"))
 }
@@ -55,17 +55,17 @@ fn pixel(pixel: &Pixel) -> String {
     format!("{r:?} {g:?} {b:?} (bits {bits})")
 }
 
-/// A number of rays, with its thousands apart.
+/// A number of rays, with grouped digits.
 pub(super) fn count(rays: u64) -> String {
     figure(rays as f64)
 }
 
-/// How many pairs of runs.
+/// A number of pairs of runs.
 pub(super) fn pairs_of_runs(count: usize) -> String {
     format!("{} of runs", plural(count, "pair"))
 }
 
-/// A number of things by name.
+/// A number with a noun.
 pub(super) fn plural(count: usize, name: &str) -> String {
     if count == 1 { format!("1 {name}") } else { format!("{} {name}s", figure(count as f64)) }
 }

@@ -1,4 +1,4 @@
-//! The price list, as it is written as JSON.
+//! The price list, as written in JSON.
 
 use serde::Serialize;
 
@@ -12,7 +12,7 @@ use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::math::simd::Level;
 use wavecrest_core::prepared::PreparedScene;
 
-/// See [`crate::effects`]: fields are named as in the JSON.
+/// See [`crate::effects`]: fields have the names of the JSON.
 #[derive(Clone, Debug, Serialize)]
 #[allow(missing_docs, reason = "the table above says it once, for the JSON and for the fields")]
 pub struct PriceList {
@@ -34,7 +34,7 @@ pub struct Size {
     pub height: u32,
 }
 
-/// How images are made.
+/// The settings of the renders.
 #[derive(Clone, Copy, Debug, Serialize)]
 #[allow(missing_docs, reason = "see crate::effects")]
 pub struct Setting {
@@ -44,7 +44,7 @@ pub struct Setting {
     pub batch: usize,
 }
 
-/// What one effect costs.
+/// The cost of one effect.
 #[derive(Clone, Debug, Serialize)]
 #[allow(missing_docs, reason = "see crate::effects")]
 pub struct Price {
@@ -59,7 +59,7 @@ pub struct Price {
     pub recursive: Cost,
 }
 
-/// What it costs with one tracer.
+/// The cost with one tracer.
 #[derive(Clone, Debug, Serialize)]
 #[allow(missing_docs, reason = "see crate::effects")]
 pub struct Cost {
@@ -69,12 +69,12 @@ pub struct Cost {
     pub price: Option<Ratio>,
 }
 
-/// What ended the measurement.
+/// The difference that ended the measurement.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct EffectDifference {
     /// The effect whose scene differs.
     pub effect: &'static str,
-    /// How.
+    /// The difference.
     pub difference: Difference,
 }
 

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use super::list::{Cost, Price, PriceList};
 use crate::bench::text::{machine, verdict};
 
-/// A line for each effect: its work, and with each tracer its time and its price.
+/// A line for each effect: its work, and its time and price with each tracer.
 pub fn text(list: &PriceList) -> String {
     let mut text = machine(&list.machine);
     if let Some(differs) = &list.difference {

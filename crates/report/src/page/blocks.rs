@@ -1,4 +1,4 @@
-//! What sections hold, as HTML.
+//! The contents of sections, as HTML.
 
 use super::writer::{Writer, inline};
 use super::{Block, Details, Fact, figures, tables};

@@ -1,4 +1,4 @@
-//! The page around its blocks: head, title, contents, sections.
+//! The page around its blocks: head, title, table of contents, sections.
 
 use std::path::Path;
 
@@ -9,28 +9,28 @@ use crate::markup::escape;
 use crate::plot::svg::STYLE as CHART_STYLE;
 use wavecrest_base::error::Result;
 
-/// The style sheet of a page, besides that of its charts.
+/// The style sheet of a page, without that of its charts.
 const STYLE: &str = include_str!("style.css");
 
-/// What a page can do with JavaScript.
+/// The page's JavaScript.
 const SCRIPT: &str = include_str!("script.js");
 
-/// A page asks for nothing outside itself; this has the browser see to it.
+/// A policy with which the browser forbids all outside resources.
 const POLICY: &str = include_str!("policy.txt");
 
 impl Page {
     /// The page as HTML.
     ///
     /// # Errors
-    /// When the figures of a chart cannot be written as JSON.
+    /// If the figures of a chart cannot be written as JSON.
     pub fn html(&self) -> Result<String> {
         html(self)
     }
 
-    /// Writes the page to a file, whole or not at all.
+    /// Writes the page to a file, atomically.
     ///
     /// # Errors
-    /// As [`Page::html`], and when the file cannot be written.
+    /// As [`Page::html`], and if the file cannot be written.
     pub fn write(&self, path: &Path) -> Result<()> {
         write_text(path, &self.html()?)
     }
@@ -87,7 +87,7 @@ fn contents(writer: &mut Writer, page: &Page, names: &[String]) {
     writer.add("</ol>\n</nav>\n");
 }
 
-/// A name for each title that an address can end in, all of them different.
+/// A unique fragment identifier for each title.
 fn names<'a>(titles: impl Iterator<Item = &'a str>) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
     for title in titles {

@@ -1,4 +1,4 @@
-//! Charts and pictures, as HTML.
+//! Charts and images, as HTML.
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
@@ -11,7 +11,7 @@ use crate::plot::figure::Figure;
 use crate::plot::number::figure;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
-/// A chart with its caption, its notes, and its figures as a table and as files.
+/// A chart with its caption, its notes, and its figures as a table and as downloads.
 pub(super) fn drawing(writer: &mut Writer, figure: &impl Figure) -> Result<()> {
     begin(writer, "drawing", figure.title(), figure.caption());
     writer.add(&figure.elements());
@@ -58,7 +58,7 @@ fn table_of(drawn: &impl Figure) -> Table {
     Table { caption: String::new(), columns, rows }
 }
 
-/// Numbers in a few digits: CSV and JSON have all of them.
+/// Rounded numbers: CSV and JSON have all digits.
 fn figure_cell(text: String) -> Cell {
     match text.parse().ok().filter(|value: &f64| value.is_finite()) {
         Some(value) => Cell::number(value, figure(value)),
@@ -70,14 +70,14 @@ fn is_number(cell: &Cell) -> bool {
     cell.value.is_some()
 }
 
-/// The name of a file with these figures.
+/// The file name for these figures.
 fn file_name(title: &str) -> String {
     let words = title.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty());
     let name = words.collect::<Vec<_>>().join("-").to_lowercase();
     if name.is_empty() { "figures".to_owned() } else { name }
 }
 
-/// Two pictures of one thing.
+/// Two images of one thing.
 pub(super) fn compare(writer: &mut Writer, pair: &Compare) {
     begin(writer, "compare", "", &pair.caption);
     writer.add("<div class=\"pair\">\n");
@@ -89,7 +89,7 @@ pub(super) fn compare(writer: &mut Writer, pair: &Compare) {
     writer.add("</div>\n</figure>\n");
 }
 
-/// Pictures in a row.
+/// Images in a row.
 pub(super) fn pictures(writer: &mut Writer, pictures: &[Picture]) {
     writer.add("<div class=\"pictures\">\n");
     for picture in pictures {
@@ -103,14 +103,14 @@ pub(super) fn pictures(writer: &mut Writer, pictures: &[Picture]) {
 fn image(picture: &Picture) -> String {
     let (data, alt) = (STANDARD.encode(&picture.png), escape(&picture.alt));
     let class = if picture.pixels { " class=\"pixels\"" } else { "" };
-    // The frame cuts off what is outside when the picture is zoomed.
+    // The frame clips a zoomed image.
     let size = size(&picture.png);
     let size = size.map(|[w, h]| format!(" width=\"{w}\" height=\"{h}\"")).unwrap_or_default();
     let image = format!("<img{class}{size} alt=\"{alt}\" src=\"data:image/png;base64,{data}\">");
     format!("<div class=\"frame\">{image}</div>")
 }
 
-/// Width and height of a PNG, which stand at the start of its first chunk.
+/// Width and height of a PNG, from its first chunk.
 fn size(png: &[u8]) -> Option<[u32; 2]> {
     let number = |at: usize| {
         let bytes = png.get(at..at + 4)?;

@@ -3,11 +3,10 @@
 use super::writer::{Writer, inline};
 use super::{Align, Cell, Column, Table};
 
-/// Tables of at least so many columns use the margins of the page too.
+/// Tables with at least this many columns extend into the margins of the page.
 const WIDE: usize = 6;
 
-/// A table with its caption, if it has one. It can be scrolled where it is wider than the page;
-/// the caption stays.
+/// A table with its caption, if any. It scrolls if it is wider than the page; the caption stays.
 pub(super) fn table(writer: &mut Writer, table: &Table) {
     let wide = if table.columns.len() >= WIDE { " broad" } else { "" };
     let name = if table.caption.is_empty() {

@@ -1,8 +1,8 @@
-//! The markup that is written so far.
+//! The markup written so far.
 
 use crate::markup::escape;
 
-/// What is written so far, and what is counted on the way.
+/// The markup written so far, with counters.
 #[derive(Debug, Default)]
 pub(super) struct Writer {
     pub text: String,
@@ -28,14 +28,14 @@ impl Writer {
 /// Text as markup, with words between backticks as code.
 pub(super) fn inline(text: &str) -> String {
     let parts: Vec<&str> = text.split('`').collect();
-    // With an odd number of backticks the last one is a backtick.
+    // With an odd number of backticks the last one is literal.
     let paired = parts.len() - usize::from(parts.len().is_multiple_of(2));
     let mut out = String::new();
     for (index, part) in parts.iter().enumerate() {
         match index {
             _ if index >= paired => out.push('`'),
             _ if index % 2 == 1 => {
-                // A path may be broken between its parts, and only there.
+                // A path may break only between its parts.
                 let code = escape(part).replace('/', "/<wbr>");
                 out.push_str(&format!("<code>{code}</code>"));
                 continue;

@@ -1,4 +1,4 @@
-//! What the reader came for, on the first screen.
+//! The answer, on the first screen.
 
 use crate::accuracy::Findings;
 use crate::accuracy::answer::{Answer, AtError, Price};
@@ -9,7 +9,7 @@ use crate::page::{Block, Cell, Table};
 use crate::plot::number::{figure, seconds};
 use wavecrest_core::kernels::precision::Precision;
 
-/// Which scenes, and at which size.
+/// The scenes and the sizes of their images.
 pub(super) fn lead(findings: &Findings) -> String {
     let name = |scene: &SceneFindings| {
         let [width, height] = scene.scene.size;
@@ -19,7 +19,7 @@ pub(super) fn lead(findings: &Findings) -> String {
     format!("Error against time for {}.", names.join(", "))
 }
 
-/// What errors cost in each scene, and what precision and effects add.
+/// The costs of errors in each scene, and of precision and effects.
 pub(super) fn blocks(findings: &Findings) -> Vec<Block> {
     let answers = || findings.scenes.iter().map(|scene| (scene, &scene.answer));
     let rows = answers().flat_map(|(scene, a)| a.errors.iter().map(move |e| row(scene, a, e)));
@@ -43,7 +43,7 @@ fn row(scene: &SceneFindings, answer: &Answer, at: &AtError) -> Vec<Cell> {
     ]
 }
 
-/// How many times as fast as random points, as far as these went.
+/// The speedup over random points, or a lower bound.
 fn speedup(at: &AtError, ratio: &Interval) -> String {
     let &Interval { value, low, high } = ratio;
     match at.at_least {
@@ -54,12 +54,12 @@ fn speedup(at: &AtError, ratio: &Interval) -> String {
     }
 }
 
-/// What is counted, as it stands after a number: "a light" of "points on each light".
+/// The counted item after a number: "a light" for "points on each light".
 fn per(counted: &str) -> &str {
     counted.strip_prefix("points ").or(counted.strip_prefix("rays ")).unwrap_or(counted)
 }
 
-/// What precision and effects cost in each scene.
+/// The costs of precision and effects in each scene.
 fn costs(findings: &Findings) -> Block {
     let missing = || Cell::text("-");
     let ratio = |price: &Price| {
@@ -91,7 +91,7 @@ fn costs(findings: &Findings) -> Block {
     Block::Table(Table::new(caption, header, findings.scenes.iter().map(row).collect()))
 }
 
-/// The most expensive effect of the price list.
+/// The most expensive effect.
 pub(super) fn dearest(prices: &PriceList) -> Option<Block> {
     let ratio = |price: &crate::effects::Price| {
         price.wavefront.price.as_ref().map(|ratio| ratio.interval.median)

@@ -7,7 +7,7 @@ use crate::accuracy::subject::Stages;
 use crate::plot::number::figure;
 use crate::plot::{Axis, Chart, Course, Draw, Guide, Icicle, Part, Point, Scale, Series};
 
-/// The charts of a family, each with its name in files.
+/// The charts of a family, each with its file name.
 pub(super) fn of(family: &FamilyFindings, scene: &SceneFindings) -> Vec<(String, Chart)> {
     let name = family.name;
     match name {
@@ -46,7 +46,7 @@ const SLOPES: &str = "Thin lines have the slopes of theory: \u{2212}1/2 for inde
 const ODD: &str = "Odd grids do a little worse: a quad is sampled as two triangles, each with half of the columns, \
                    and the middle column of an odd grid lies across both. ";
 
-/// The error against what is counted, with the slopes that theory has for it.
+/// The error against the count, with theoretical slopes.
 fn against_samples(family: &FamilyFindings, scene: &SceneFindings) -> Chart {
     let mut guides = Vec::new();
     let first = family.series.first().and_then(|line| line.points.first());
@@ -74,7 +74,7 @@ fn against_samples(family: &FamilyFindings, scene: &SceneFindings) -> Chart {
     }
 }
 
-/// The error against time, and what nothing beats.
+/// The error against time, with the Pareto front.
 fn against_time(family: &FamilyFindings) -> Chart {
     let mut series: Vec<Series> =
         family.series.iter().map(|series| line(series, |p| p.seconds.median)).collect();
@@ -95,7 +95,7 @@ fn against_time(family: &FamilyFindings) -> Chart {
     }
 }
 
-/// The visible difference against time.
+/// The visible difference (FLIP) against time.
 fn seen(family: &FamilyFindings) -> Chart {
     let point = |p: &PointFindings| {
         let label = super::tables::points_of(&p.label);
@@ -115,7 +115,7 @@ fn seen(family: &FamilyFindings) -> Chart {
     }
 }
 
-/// How much a second buys.
+/// Efficiency against the count.
 fn efficiency(family: &FamilyFindings) -> Chart {
     let point = |p: &PointFindings| {
         let e = p.efficiency_in_all.filter(|_| p.above_noise)?;
@@ -139,10 +139,10 @@ fn efficiency(family: &FamilyFindings) -> Chart {
     }
 }
 
-/// Multiples of a scene's own samples, as powers of two, for which presets are compared.
+/// Multiples of a scene's own samples for which presets are compared, as powers of two.
 const MULTIPLES: std::ops::RangeInclusive<i32> = -6..=12;
 
-/// Building and tracing with each preset, for more and more samples.
+/// Building and tracing with each preset, for increasing numbers of samples.
 pub(super) fn presets(scene: &SceneFindings) -> Chart {
     let line = |preset: &PresetFindings| {
         let point = |power| {
@@ -183,7 +183,7 @@ fn bounces(family: &FamilyFindings) -> Chart {
     }
 }
 
-/// Seconds by precision, effect and pass; what comes before the first ray stands beside the effects.
+/// Seconds by precision, effect and pass, with the time before the first ray.
 pub(super) fn time(scene: &SceneFindings) -> Icicle {
     let passes = |part: &PartFindings| {
         part.passes.iter().map(|(name, seconds)| Part::new(name, *seconds)).collect()

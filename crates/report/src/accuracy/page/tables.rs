@@ -7,10 +7,11 @@ use crate::effects::{Cost, Price, PriceList};
 use crate::page::{Block, Cell, Details, Table};
 use crate::plot::number::figure;
 
-/// Errors for which the time is reported: so many, from the largest that all samplers reach to the smallest.
+/// Number of errors whose time is reported, from the largest that all samplers reach to the
+/// smallest.
 const ERRORS: usize = 4;
 
-/// What a reference is for.
+/// The description of a reference.
 fn target(target: Target) -> &'static str {
     match target {
         Target::Scene => "the scene",
@@ -18,7 +19,7 @@ fn target(target: Target) -> &'static str {
     }
 }
 
-/// What errors of the scene are against, in a sentence.
+/// The references of the scene's errors, in a sentence.
 pub(super) fn references(scene: &SceneFindings) -> String {
     let of = |r: &crate::accuracy::store::ReferenceRecord| {
         if r.standard_error == 0.0 {
@@ -36,7 +37,7 @@ pub(super) fn references(scene: &SceneFindings) -> String {
     scene.references.iter().map(of).collect::<Vec<_>>().join(" ")
 }
 
-/// A number with so many digits that count.
+/// A number rounded to its significant digits.
 fn digits(value: f64) -> Cell {
     let text = match value.abs() {
         0.0 => "0".to_owned(),
@@ -84,7 +85,7 @@ fn slopes(family: &FamilyFindings) -> Option<Table> {
     (!rows.is_empty()).then(|| Table::new(caption, header, rows))
 }
 
-/// Times at which samplers reach some errors, between the settings that were measured.
+/// The times in which samplers reach some errors, interpolated between settings.
 fn time_to_error(family: &FamilyFindings) -> Option<Table> {
     let errors = common_errors(family)?;
     let first = family.series.first()?;
@@ -122,7 +123,7 @@ fn common_errors(family: &FamilyFindings) -> Option<Vec<f64>> {
     Some((1..=ERRORS).map(|i| most * libm::exp(ratio * i as f64)).collect())
 }
 
-/// Where each sampler is the most efficient.
+/// The most efficient setting of each sampler.
 fn efficiency(family: &FamilyFindings) -> Option<Table> {
     let best = |series: &SeriesFindings, of: fn(&PointFindings) -> Option<Interval>| {
         let all = series.points.iter().filter(|p| p.above_noise);
@@ -146,13 +147,13 @@ fn efficiency(family: &FamilyFindings) -> Option<Table> {
     sloped.then(|| Table::new(caption, header, family.series.iter().map(row).collect()))
 }
 
-/// The time at which a sampler reaches `error`.
+/// The time in which a sampler reaches `error`.
 fn time_at(series: &SeriesFindings, error: f64) -> Option<f64> {
-    // The least bit of rounding must not lose the ends.
+    // Rounding must not lose the ends.
     series.reach(error * (1.0 + f64::EPSILON * 8.0), None).map(|[_, seconds]| seconds)
 }
 
-/// So many points in words.
+/// A number of points in words.
 pub(super) fn points_of(count: &str) -> String {
     if count == "1" { "1 point".to_owned() } else { format!("{count} points") }
 }
@@ -183,7 +184,7 @@ fn points(family: &FamilyFindings) -> Table {
     Table::new("", header, rows)
 }
 
-/// Time and error of each precision, and what its rays do at edges and on faces.
+/// Time and error of each precision, with leaks and self-hits.
 pub(super) fn precision(scene: &SceneFindings) -> Vec<Block> {
     let family = scene.families.iter().find(|family| family.name == "precision");
     let Some(points) = family.and_then(|f| f.series.first()).map(|series| &series.points) else {
@@ -210,7 +211,7 @@ pub(super) fn precision(scene: &SceneFindings) -> Vec<Block> {
     let header = "precision|>time over fast|>RMSE|>leaks|>self-hits|>ns a ray";
     let mut table = Table::new(caption, header, points.iter().map(row).collect());
     if scene.trials.is_empty() {
-        // Without triangles there is nothing to try.
+        // There are no trials without triangles.
         table.caption =
             "The scene has no triangles, so that no ray can leak or hit its own".to_owned();
         table.columns.truncate(3);
@@ -219,7 +220,7 @@ pub(super) fn precision(scene: &SceneFindings) -> Vec<Block> {
     vec![Block::Table(table)]
 }
 
-/// What must not change the picture.
+/// Choices that must not change the image.
 pub(super) fn neutral(scene: &SceneFindings) -> Vec<Block> {
     let row = |n: &crate::accuracy::store::NeutralRecord| {
         vec![
@@ -245,7 +246,7 @@ pub(super) fn neutral(scene: &SceneFindings) -> Vec<Block> {
     vec![Block::paragraph(verdict), Block::Details(details)]
 }
 
-/// What each effect adds to the scene that it is added to, with both tracers.
+/// The cost of each effect with both tracers.
 pub(super) fn prices(list: &PriceList) -> Vec<Block> {
     let table = |caption: &str, reached: bool| {
         let header =

@@ -1,4 +1,5 @@
-//! The page proves itself: do intervals contain the truth as often as they say, and do errors come out as asked for?
+//! Validation: whether intervals contain the truth as often as stated, and whether requested errors
+//! are met.
 
 use crate::accuracy::Findings;
 use crate::accuracy::findings::SceneFindings;
@@ -9,7 +10,7 @@ use crate::page::{Block, Cell, Section, Table};
 use crate::plot::number::figure;
 use crate::plot::{Axis, Chart, Course, Guide, Point, Scale, Series};
 
-/// Both charts; `None` where neither was measured.
+/// Both charts; `None` if neither was measured.
 pub(super) fn section(findings: &Findings) -> Option<Section> {
     let spread: Vec<&SpreadRecord> = findings.scenes.iter().flat_map(|s| &s.spread).collect();
     let mut blocks = Vec::new();
@@ -26,7 +27,7 @@ fn name(record: &SpreadRecord) -> String {
     format!("{}: {}", record.scene, words_of(&series_of(&record.key), record.target))
 }
 
-/// How many of the intervals of values contain the reference.
+/// The share of the intervals of values that contain the reference.
 fn coverage(spread: &[&SpreadRecord]) -> Chart {
     let point = |(row, s): (usize, &&SpreadRecord)| {
         let share = s.covered as f64 / s.intervals.max(1) as f64;
@@ -47,7 +48,7 @@ fn coverage(spread: &[&SpreadRecord]) -> Chart {
     }
 }
 
-/// Errors asked for, and errors made.
+/// Requested errors against actual errors.
 fn calibration(findings: &Findings) -> Chart {
     let series = |scene: &SceneFindings| {
         let point = |c: &crate::accuracy::store::CalibrationRecord| {
@@ -72,7 +73,7 @@ fn calibration(findings: &Findings) -> Chart {
     }
 }
 
-/// Bias and variance of samplers, apart.
+/// Bias and variance of samplers, separately.
 pub(super) fn spread(scene: &SceneFindings) -> Vec<Block> {
     let row = |s: &SpreadRecord| {
         let share = 100.0 * s.covered as f64 / s.intervals.max(1) as f64;

@@ -1,4 +1,4 @@
-//! What a precision yields: how far its hits are from the exact ones.
+//! The errors of hits in each precision.
 
 use crate::accuracy::findings::SceneFindings;
 use crate::accuracy::store::TrialRecord;
@@ -8,7 +8,7 @@ use crate::selftest::errors::{Distribution, HitErrors, SITUATIONS, SIZES, ulps};
 use crate::selftest::{Count, Effort};
 use wavecrest_core::kernels::precision::Precision;
 
-/// A sentence for each precision: its price, and the worst of its hits.
+/// A sentence for each precision: its cost, and its worst hit.
 pub(super) fn sentence(scene: &SceneFindings) -> Option<Block> {
     let precisions = scene.families.iter().find(|family| family.name == "precision")?;
     let points = &precisions.series.first()?.points;
@@ -29,7 +29,7 @@ pub(super) fn sentence(scene: &SceneFindings) -> Option<Block> {
     (!words.is_empty()).then(|| Block::paragraph(words.join(" ")))
 }
 
-/// How many hits of each precision are farther off than so many ulp: of t, points and normals.
+/// The number of hits above each error in ulp, for t, points and normals in each precision.
 pub(super) fn charts(scene: &SceneFindings) -> Vec<(String, Chart)> {
     let quantity = |name: &str, of: fn(&HitErrors) -> &Distribution| {
         let line = |trial: &TrialRecord| Series {
@@ -48,7 +48,7 @@ pub(super) fn charts(scene: &SceneFindings) -> Vec<(String, Chart)> {
         };
         (format!("errors-{}", name.replace(' ', "-")), chart)
     };
-    // One point makes no curve: the sentence above the charts has it.
+    // A single point makes no curve: the sentence above the charts has it.
     let is_worth = |chart: &Chart| chart.series.iter().any(|series| series.points.len() > 1);
     let all = [
         quantity("t", |errors| &errors.t),
@@ -58,7 +58,7 @@ pub(super) fn charts(scene: &SceneFindings) -> Vec<(String, Chart)> {
     all.into_iter().filter(|(_, chart)| is_worth(chart)).collect()
 }
 
-/// The errors of every precision where a ray and a triangle make it hard.
+/// The errors of every precision in difficult situations.
 pub(super) fn by_situation() -> Vec<Block> {
     let row = |(name, precision, errors): (&str, Precision, &HitErrors)| {
         let within = |errors: &Distribution| {
@@ -93,7 +93,7 @@ fn of<'a>(scene: &'a SceneFindings, precision: &str) -> Option<&'a HitErrors> {
     scene.trials.iter().find(|trial| trial.precision == precision)?.errors.as_deref()
 }
 
-/// The share of errors above each bound, as long as there are any.
+/// The share of errors above each bound, until it is 0.
 fn beyond(errors: &Distribution) -> Vec<Point> {
     let total = errors.total();
     let mut rest = total;

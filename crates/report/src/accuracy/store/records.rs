@@ -1,4 +1,4 @@
-//! What a line of a sweep's file may say.
+//! The records of a sweep's file.
 
 use std::path::PathBuf;
 
@@ -8,25 +8,25 @@ use crate::accuracy::setting::Target;
 use crate::accuracy::subject::Stages;
 use crate::selftest::errors::HitErrors;
 
-/// What is the same for all records of a file.
+/// The values shared by all records of a file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Header {
     /// The program's version.
     pub version: String,
-    /// The longer side of images, at most, in pixels.
+    /// Largest length of the longer side of images in pixels.
     pub longest: u32,
-    /// The most points of a kind.
+    /// Largest number of points of a kind.
     pub most: u32,
-    /// The fewest points of a render of the reference.
+    /// Smallest number of points of a render of the reference.
     pub least: u32,
 }
 
-/// Under which circumstances a sweep was begun, or taken up again.
+/// The circumstances of the start or resumption of a sweep.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Circumstances {
     /// The arguments.
     pub command: Vec<String>,
-    /// The commit of the checkout that the program lies in, with a `+` where it was changed.
+    /// The commit of the checkout that contains the program, with a `+` if it was modified.
     pub commit: Option<String>,
     /// As in the reports of `bench`.
     pub machine: serde_json::Value,
@@ -47,19 +47,19 @@ pub struct SceneRecord {
     pub primitives: u64,
 }
 
-/// A scene was prepared.
+/// The preparation of a scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PreparedRecord {
     /// The scene's name.
     pub scene: String,
-    /// The setting whose structure it has.
+    /// A setting with this structure.
     pub key: String,
-    /// How long it took.
+    /// The time of each stage.
     #[serde(flatten)]
     pub time: Stages,
 }
 
-/// A reference was made, and lies in a file beside this one.
+/// A reference, stored in a file beside this one.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[allow(missing_docs, reason = "as in reference::Reference")]
 pub struct ReferenceRecord {
@@ -72,33 +72,33 @@ pub struct ReferenceRecord {
     pub seconds: f64,
 }
 
-/// A setting was rendered once.
+/// One render of a setting.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PointRecord {
     /// The scene's name.
     pub scene: String,
-    /// What it is compared with.
+    /// The target that it is compared with.
     pub target: Target,
     /// The setting.
     pub key: String,
-    /// Of its random numbers.
+    /// Its seed.
     pub seed: u64,
-    /// From the first ray to the last.
+    /// Seconds from the first ray to the last.
     pub seconds: f64,
-    /// Seconds of a [yardstick](crate::yardstick) just before: how quick the machine was. Older sweeps have
-    /// none.
+    /// Seconds of a [yardstick](crate::yardstick) just before: the speed of the machine. Older
+    /// sweeps have none.
     #[serde(default)]
     pub yardstick: f64,
     /// Seconds in each pass, summed over threads.
     pub passes: Vec<(String, f64)>,
     /// Rays of every kind.
     pub rays: u64,
-    /// Against the reference, as in [`wavecrest_image::compare`].
+    /// Errors against the reference, as in [`wavecrest_image::compare`].
     #[serde(flatten)]
     pub error: Errors,
 }
 
-/// How far a picture is from the reference.
+/// The differences of an image from the reference.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Errors {
     /// Mean squared error.
@@ -109,29 +109,29 @@ pub struct Errors {
     pub bias: f64,
     /// Mean FLIP.
     pub flip: f64,
-    /// The FLIP that one pixel of twenty exceeds; older sweeps have none.
+    /// The FLIP value that one pixel of twenty exceeds; older sweeps have none.
     #[serde(default)]
     pub flip_95: f64,
 }
 
-/// Something that must not change the picture was tried.
+/// A test of a choice that must not change the image.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct NeutralRecord {
     /// The scene's name.
     pub scene: String,
-    /// What was changed.
+    /// The changed option.
     pub knob: String,
-    /// To what.
+    /// Its value.
     pub value: String,
-    /// From the first ray to the last.
+    /// Seconds from the first ray to the last.
     pub seconds: f64,
-    /// The root mean square error against the reference, less that of the usual choice.
+    /// The root mean squared error against the reference, minus that of the default choice.
     pub error_change: f64,
-    /// Whether the picture has the same bits as with the usual choice.
+    /// Whether the image has the same bits as with the default choice.
     pub equal: bool,
 }
 
-/// The scene was built and rendered with a preset.
+/// A build and render of the scene with a preset.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PresetRecord {
     /// The scene's name.
@@ -140,76 +140,79 @@ pub struct PresetRecord {
     pub preset: String,
     /// Seconds of building.
     pub build: f64,
-    /// From the first ray to the last.
+    /// Seconds from the first ray to the last.
     pub seconds: f64,
 }
 
-/// The layer last taken away, and the seconds in each pass without it and those before it.
+/// The last removed layer, and the seconds in each pass without it and those before it.
 pub type Step = (Option<String>, Vec<(String, f64)>);
 
-/// The scene was rendered without one layer after the other: see [`layers`](crate::accuracy::layers).
+/// Renders of the scene with layers removed one after another: see
+/// [`layers`](crate::accuracy::layers).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LayersRecord {
     /// The scene's name.
     pub scene: String,
     /// The precision.
     pub precision: String,
-    /// The layers in the order in which they were taken away, after the whole scene.
+    /// The layers in the order of removal, after the whole scene.
     pub steps: Vec<Step>,
 }
 
-/// A setting was rendered many times more: see [`spread`](crate::accuracy::spread).
+/// Repeated renders of a setting: see [`spread`](crate::accuracy::spread).
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SpreadRecord {
     /// The scene's name.
     pub scene: String,
-    /// What it is compared with.
+    /// The target that it is compared with.
     pub target: Target,
     /// The setting.
     pub key: String,
-    /// How often.
+    /// The number of renders.
     pub renders: u32,
     /// The variance of a value in one render: a mean over all values.
     pub variance: f64,
-    /// The root mean square of what the mean of the renders is off by, less what chance explains.
+    /// The root mean square of the error of the mean of the renders, minus the part that chance
+    /// explains.
     pub bias: f64,
-    /// What chance explains of it: root mean square.
+    /// The part that chance explains: root mean square.
     pub expected: f64,
-    /// Values with an interval, and how many of these hold the reference.
+    /// Values with an interval, and the number of these that contain the reference.
     pub intervals: u64,
-    /// See there.
+    /// See `intervals`.
     pub covered: u64,
 }
 
-/// An error was asked for: see [`calibration`](crate::accuracy::calibration).
+/// A test of a requested error: see [`calibration`](crate::accuracy::calibration).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CalibrationRecord {
     /// The scene's name.
     pub scene: String,
-    /// Of the random numbers.
+    /// The seed.
     pub seed: u64,
-    /// The error asked for.
+    /// The requested error.
     pub asked: f64,
-    /// What the pilot expected of its choice.
+    /// The error that the pilot expected.
     pub expected: f64,
-    /// Against the reference.
+    /// The actual error against the reference.
     pub made: f64,
 }
 
-/// A precision was tried on a scene's triangles.
+/// A test of a precision on a scene's triangles.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TrialRecord {
     /// The scene's name.
     pub scene: String,
     /// The precision.
     pub precision: String,
-    /// Rays at edges, and how many passed between two triangles.
+    /// Rays aimed at edges, and the number that passed between two triangles.
     pub leaks: [u64; 2],
-    /// Rays that leave a triangle, and how many met it again: acne.
+    /// Rays that leave a triangle, and the number that hit it again.
     pub self_hits: [u64; 2],
     /// Nanoseconds for each of these rays.
     pub nanoseconds: f64,
-    /// How far hits are from the exact ones; none in records of versions that did not measure it.
+    /// Errors of hits against the exact ones; `None` in records of versions that did not measure
+    /// them.
     #[serde(default)]
     pub errors: Option<Box<HitErrors>>,
 }
@@ -236,9 +239,9 @@ macro_rules! records {
     };
 }
 
-/// What a record may be.
+/// A kind of record.
 pub trait Recorded: Sized + 'static {
-    /// What `record` is, if it is one of these.
+    /// `record`, if it is of this kind.
     fn of(record: &Record) -> Option<&Self>;
 }
 

@@ -1,4 +1,4 @@
-//! The wavefront against itself, on the page.
+//! Variants of the wavefront, on the page.
 
 use super::parts::{average, bar, interval, ratio_cell, ratio_chart};
 use crate::bench::compare::{Axis as Compared, Comparison, VariantBench};
@@ -8,7 +8,7 @@ use crate::page::{Block, Cell, Column, Table};
 use crate::plot::number::time_unit;
 use crate::plot::{Axis, Point, Scale, StackedBars};
 
-/// What was found of several choices.
+/// The results of several variants.
 pub(super) fn blocks(scene: &SceneBench, found: &Comparison) -> Vec<Block> {
     let name = name(found.of);
     let mut blocks = vec![Block::Heading(format!("The wavefront by {name}"))];
@@ -47,7 +47,7 @@ pub(super) fn blocks(scene: &SceneBench, found: &Comparison) -> Vec<Block> {
     blocks
 }
 
-/// What is compared, as the name of one choice.
+/// The name of the compared property.
 fn name(of: Compared) -> &'static str {
     match of {
         Compared::Kernels => "kernel",
@@ -57,7 +57,7 @@ fn name(of: Compared) -> &'static str {
     }
 }
 
-/// A table with a row for each choice.
+/// A table with a row for each variant.
 fn table<const N: usize>(
     found: &Comparison,
     caption: &str,
@@ -104,7 +104,7 @@ fn work(found: &Comparison) -> Table {
     })
 }
 
-/// What the processor counted, for each ray, where it did.
+/// Hardware counters for each ray, if available.
 fn hardware(scene: &SceneBench, found: &Comparison) -> Option<Table> {
     let names = found.variants.first()?.bench.hardware?.each().map(|(name, _)| name);
     let rays = scene.rays.all().max(1) as f64;

@@ -1,4 +1,4 @@
-//! What the sections of the page share.
+//! Parts shared by the page's sections.
 
 use serde_json::{Map, Value};
 
@@ -8,7 +8,7 @@ use crate::bench::words::pairs_of_runs;
 use crate::page::Cell;
 use crate::plot::{Axis, Bar, Chart, Guide, Point, Scale, Segment, Series};
 
-/// A scene in which both were timed.
+/// A scene in which both tracers were timed.
 pub(super) struct Both<'a> {
     pub scene: &'a SceneBench,
     pub wavefront: &'a TracerBench,
@@ -33,14 +33,14 @@ pub(super) fn speed(ratio: &Ratio) -> String {
     )
 }
 
-/// Where a median is, and how surely.
+/// A median with its interval.
 pub(super) fn interval(ratio: &Ratio) -> String {
     let (i, pairs) = (&ratio.interval, pairs_of_runs(ratio.pairs));
     let percent = 100.0 * i.confidence;
     format!("{:.3} to {:.3} with {percent:.1}\u{a0}% confidence, {pairs}", i.low, i.high)
 }
 
-/// Ratios of speeds, a row each, and a line where both are as fast.
+/// Ratios of speeds, a row each, and a line at equal speed.
 pub(super) fn ratio_chart(title: &str, caption: &str, x: Axis, points: Vec<Point>) -> Chart {
     Chart {
         title: title.to_owned(),
@@ -66,7 +66,7 @@ pub(super) fn bar(name: &str, passes: &Map<String, Value>) -> Bar {
     Bar { name: name.to_owned(), segments: passes.iter().map(segment).collect() }
 }
 
-/// A number of rays, where there are any.
+/// A number of rays, if any.
 pub(super) fn average(rays: Option<f64>) -> Cell {
     match rays {
         Some(rays) => Cell::number(rays, format!("{rays:.1}")),

@@ -43,7 +43,7 @@ pub(super) fn section(scene: &SceneBench) -> Section {
     Section::new(format!("`{}`", scene.scene), blocks)
 }
 
-/// Every run, in the order in which they were made.
+/// Every run, in order.
 fn runs(both: &Both<'_>) -> Chart {
     let slower = f64::max(both.wavefront.seconds.median, both.recursive.seconds.median);
     let (scale, unit) = time_unit(slower);
@@ -72,7 +72,7 @@ fn table(both: &Both<'_>) -> Table {
     Table::new("Time, work and rate of one run.", "|>wavefront|>recursive|unit", rows)
 }
 
-/// What was run.
+/// The settings.
 fn facts(scene: &SceneBench) -> Vec<Fact> {
     let image = &scene.image;
     let samples = plural(image.samples_per_pixel as usize, "camera ray");
@@ -99,7 +99,7 @@ fn facts(scene: &SceneBench) -> Vec<Fact> {
     facts
 }
 
-/// Who takes the wavefront's rays through the tree.
+/// The wavefront's rays by kernel.
 fn kernels(scene: &SceneBench, wavefront: &TracerBench) -> Details {
     let rays = &scene.rays;
     let classes = [

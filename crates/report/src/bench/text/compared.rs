@@ -1,4 +1,4 @@
-//! What was found of each choice, a line each.
+//! The results of each variant, a line each.
 
 use std::fmt::Write as _;
 
@@ -35,7 +35,7 @@ pub fn comparison(compared: &Comparison) -> String {
     text
 }
 
-/// Time, work and occupancy of one choice.
+/// Time, work and occupancy of one variant.
 fn line(text: &mut String, of: Axis, found: &VariantBench, scale: f64) {
     let (bench, label) = (&found.bench, of.label(&found.variant));
     let (median, spread) = (scale * bench.seconds.median, 100.0 * bench.seconds.spread());
@@ -51,7 +51,7 @@ fn line(text: &mut String, of: Axis, found: &VariantBench, scale: f64) {
     );
 }
 
-/// Time by pass of each choice.
+/// Time by pass of each variant.
 fn times(text: &mut String, compared: &Comparison) {
     let Some(first) = compared.variants.first() else { return };
     let seconds = |pass: &serde_json::Value| pass["seconds"].as_f64().unwrap_or_default();
@@ -71,7 +71,7 @@ fn times(text: &mut String, compared: &Comparison) {
     }
 }
 
-/// What the processor counted, where it did.
+/// Hardware counters, if available.
 fn counts(text: &mut String, compared: &Comparison) {
     for found in &compared.variants {
         let Some(counts) = found.bench.hardware else { continue };
