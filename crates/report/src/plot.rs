@@ -1,15 +1,14 @@
-//! Charts as data, and what is made of them: SVG, PNG, CSV and JSON of the same figures.
+//! Charts as data, written as SVG, PNG, CSV and JSON.
 //!
-//! A [`Chart`] says what was measured and how it is to be read; [`StackedBars`] and an [`Icicle`] say
-//! where time went. None knows how it is drawn. All are laid out as a list of shapes; one writer makes
-//! SVG of that list and another the pixels of a PNG, so that both show the same. Widths of text are
-//! those of a font that is part of the program: nothing comes from the system, and the bytes are the
-//! same on every machine.
+//! A [`Chart`] shows series over two axes; [`StackedBars`] and an [`Icicle`] show where time went.
+//! They contain no drawing instructions. All are laid out as a list of shapes, written as SVG by
+//! one writer and as PNG pixels by another, so that both show the same. Text widths come from a
+//! built-in font: nothing depends on the system, and the bytes are the same on every machine.
 //!
-//! Colours are those of Okabe and Ito (*Color Universal Design*, 2008), which people see apart
-//! whatever their eyes; each series has a marker of its own as well.
+//! Colours are those of Okabe and Ito (*Color Universal Design*, 2008), which people with colour
+//! vision deficiencies can distinguish; each series has its own marker as well.
 //!
-//! The JSON of a chart has the names of the fields below.
+//! The JSON of a chart uses the names of the fields below.
 
 mod bars;
 mod chart;
@@ -36,48 +35,49 @@ use serde::Serialize;
 /// Series of points over two axes.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Chart {
-    /// What is shown, in a few words.
+    /// The title, in a few words.
     pub title: String,
-    /// The axis from left to right; one of names runs down the left instead, and `y` to the right.
+    /// The axis from left to right; an axis of names runs down the left instead, and `y` to the
+    /// right.
     pub x: Axis,
     /// The other axis.
     pub y: Axis,
-    /// What is drawn, the most important first: it gets the clearest colour.
+    /// The series, the most important first: it gets the clearest colour.
     pub series: Vec<Series>,
-    /// Lines to compare with.
+    /// Guide lines.
     pub guides: Vec<Guide>,
     /// How to read it, in a sentence or two; shown beside the drawing, not in it.
     pub caption: String,
 }
 
-/// What a coordinate means.
+/// The meaning of a coordinate.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Axis {
-    /// What it is, such as "time".
+    /// The quantity, such as "time".
     pub label: String,
-    /// In what it is measured, such as "s"; empty for a plain number.
+    /// The unit, such as "s"; empty for a plain number.
     pub unit: String,
-    /// How values take their places.
+    /// The scale of the values.
     pub scale: Scale,
 }
 
-/// How the values of an axis take their places.
+/// The scale of an axis.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Scale {
-    /// Equal differences at equal distances.
+    /// Equal differences have equal distances.
     #[default]
     Linear,
-    /// As [`Scale::Linear`], and 0 is in sight.
+    /// As [`Scale::Linear`], including 0.
     FromZero,
-    /// Equal ratios at equal distances. There is no place for 0 or less: such points are not drawn, and
-    /// a note says how many.
+    /// Equal ratios have equal distances. Values of 0 or less are not drawn, and a note gives their
+    /// number.
     Log,
-    /// Names for the values 0, 1, 2 and so on. For `x` alone.
+    /// Names for the values 0, 1, 2 and so on. Only for `x`.
     Names(Vec<String>),
 }
 
-/// Points that belong together.
+/// A series of points.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Series {
     /// Its name in the legend.
@@ -97,55 +97,55 @@ pub enum Draw {
     Points,
     /// Markers with whiskers, joined by a line.
     Line,
-    /// Stairs below all else: a Pareto front from left to right, where less is better on either axis, of points
-    /// that other series mark.
+    /// A Pareto front as a staircase below the other series, from left to right; less is better on
+    /// both axes. Its points belong to other series.
     Front,
 }
 
 /// One measurement.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Point {
-    /// Where it is along `x`; a value that is not finite is `null` in JSON, and not drawn.
+    /// Its `x`; a value that is not finite is `null` in JSON, and not drawn.
     pub x: f64,
-    /// Where it is along `y`.
+    /// Its `y`.
     pub y: f64,
-    /// The lower end of the interval in `y`, if there is one.
+    /// The lower end of the interval in `y`, if any.
     pub low: Option<f64>,
     /// The upper end.
     pub high: Option<f64>,
-    /// What it is, besides its values; may be empty.
+    /// Its description besides the values; may be empty.
     pub label: String,
 }
 
-/// A line to compare with.
+/// A guide line.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Guide {
-    /// What is written at it, such as "−1/2".
+    /// Its label, such as "−1/2".
     pub name: String,
-    /// Where it runs.
+    /// Its course.
     pub course: Course,
 }
 
-/// Where a [`Guide`] runs.
+/// The course of a [`Guide`].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Course {
-    /// `y` is in proportion to `x` to the power of `slope`, and the line goes through a point. For
-    /// two logarithmic axes alone.
+    /// `y` is proportional to `x` to the power of `slope`, through a point. Only for two
+    /// logarithmic axes.
     Power {
-        /// The power: -0.5 for an error that falls with the root of the samples.
+        /// The exponent: -0.5 for an error that falls with the square root of the samples.
         slope: f64,
         /// A point on it, as `[x, y]`.
         through: [f64; 2],
     },
-    /// `y` has this value.
+    /// Constant `y`.
     AtY(f64),
 }
 
-/// Where time went: a bar for each thing measured, in segments by stage.
+/// Time by stage: a bar for each measured item, in segments.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct StackedBars {
-    /// What is shown, in a few words.
+    /// The title, in a few words.
     pub title: String,
     /// The bars, from top to bottom.
     pub bars: Vec<Bar>,
@@ -153,12 +153,13 @@ pub struct StackedBars {
     pub caption: String,
 }
 
-/// What was measured of one thing.
+/// One measured item.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Bar {
     /// Its name.
     pub name: String,
-    /// Its parts, from left to right. Stages of one name have one colour in all bars.
+    /// Its segments, from left to right. Stages with the same name have the same colour in all
+    /// bars.
     pub segments: Vec<Segment>,
 }
 
@@ -171,12 +172,12 @@ pub struct Segment {
     pub seconds: f64,
 }
 
-/// Where time went, level by level: below each part stand those that it is divided into, as wide as they took long.
+/// Time by level: below each part are its subdivisions, with widths proportional to their time.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Icicle {
-    /// What is shown, in a few words.
+    /// The title, in a few words.
     pub title: String,
-    /// What the parts of each level are, from the top down, such as "pass".
+    /// The kind of the parts of each level, from the top down, such as "pass".
     pub levels: Vec<String>,
     /// The parts of the first level, from left to right.
     pub parts: Vec<Part>,
@@ -187,11 +188,11 @@ pub struct Icicle {
 /// A part of the time.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Part {
-    /// Its name. Parts of one name that are not divided have one colour.
+    /// Its name. Undivided parts with the same name have the same colour.
     pub name: String,
     /// Its time in seconds, 0 or more: the sum of its parts, if it is divided.
     pub seconds: f64,
-    /// What it is divided into, from left to right.
+    /// Its subdivisions, from left to right.
     pub parts: Vec<Part>,
 }
 
@@ -211,7 +212,7 @@ impl Axis {
 }
 
 impl Series {
-    /// Points that no line joins.
+    /// Points without a line.
     pub fn of(name: &str, points: Vec<Point>) -> Self {
         Self { name: name.to_owned(), draw: Draw::Points, points }
     }
@@ -244,7 +245,7 @@ impl Point {
 }
 
 impl Bar {
-    /// What is drawn of it: times that are finite and not negative.
+    /// The segments to draw: times that are finite and not negative.
     fn drawn(&self) -> impl Iterator<Item = &Segment> {
         self.segments.iter().filter(|s| s.seconds.is_finite() && s.seconds >= 0.0)
     }
@@ -261,7 +262,7 @@ impl Part {
         Self { name: name.into(), seconds: parts.iter().map(Self::time).sum(), parts }
     }
 
-    /// What is drawn of it: a time that is finite and not negative, or 0.
+    /// The time to draw: 0 if it is negative or not finite.
     fn time(&self) -> f64 {
         if self.seconds.is_finite() { self.seconds.max(0.0) } else { 0.0 }
     }

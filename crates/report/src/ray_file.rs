@@ -1,4 +1,4 @@
-//! Ray files: rays with the answers to them, to compare tracers on the same rays.
+//! Ray files: rays with their answers, to compare tracers on the same rays.
 //!
 //! All numbers are little-endian.
 //!
@@ -6,14 +6,14 @@
 //! |---|---|---|
 //! | 0 | 8 bytes | `RAYDUMP1` |
 //! | 8 | u32 | version, 1 |
-//! | 12 | u32 | 1 if the rays ask only whether anything is hit |
+//! | 12 | u32 | 1 for any-hit rays |
 //! | 16 | u64 | number of rays n |
 //! | 24 | u64 | number of triangles of the mesh |
 //! | 32 | 32 bytes | zero |
 //! | 64 | n x 8 f32 | origin x y z, t_min, direction x y z, t_max |
 //! | 64 + 32 n | n x f32 | closest t, infinite for a miss |
 //! | 64 + 36 n | n x u32 | closest triangle, 0xffffffff for a miss |
-//! | 64 + 40 n | n x u8 | 1 if anything is hit |
+//! | 64 + 40 n | n x u8 | 1 for a hit |
 
 use std::io::Write;
 use std::path::Path;
@@ -32,12 +32,12 @@ const RAY: usize = 32;
 /// Bytes of a ray with its answers.
 const ROW: usize = RAY + 4 + 4 + 1;
 
-/// Rays and the answers to them.
+/// Rays and their answers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RayFile {
-    /// Whether the rays ask only whether anything is hit.
+    /// Whether the rays are any-hit queries.
     pub any_hit: bool,
-    /// Number of triangles of the mesh that the rays are for.
+    /// Number of triangles of the mesh.
     pub triangles: u64,
     /// The rays.
     pub rays: Vec<Ray>,
@@ -51,7 +51,7 @@ impl RayFile {
     /// Reads the ray file at `path`.
     ///
     /// # Errors
-    /// When it cannot be read, or is not what its header says.
+    /// If it cannot be read, or does not match its header.
     pub fn read(path: &Path) -> Result<Self> {
         let cannot_read = |e| Error::io("cannot read the rays", path, e);
         if !std::fs::metadata(path).map_err(cannot_read)?.is_file() {
@@ -98,10 +98,10 @@ impl RayFile {
         })
     }
 
-    /// Writes the file to `path`, whole or not at all.
+    /// Writes the file to `path`, atomically.
     ///
     /// # Errors
-    /// When it cannot be written.
+    /// If it cannot be written.
     pub fn write(&self, path: &Path) -> Result<()> {
         replace_file(path, |sink| self.write_to(sink).map_err(|e| write_error(path, e)))
     }

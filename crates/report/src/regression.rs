@@ -1,16 +1,18 @@
-//! Two runs of the same measurements compared: what became slower or less accurate from one to the other.
+//! Compares two runs of the same measurements: what became slower or less accurate.
 //!
-//! [`sweep`] compares two sweeps of error against time, [`mod@bench`] two reports of `bench`. Each comparison is a
-//! ratio, after over before. Its standard error is that of the bootstrap: rounds (a seed of a sweep, a run of a
-//! benchmark) are drawn again with replacement, on both sides alike. Where rounds that follow each other are more
-//! alike than others, as when another program ran for a while, it is that of the means of some blocks of rounds.
+//! [`sweep`] compares two sweeps of error against time, [`mod@bench`] two reports of `bench`. Each
+//! comparison is a ratio, after over before. Its standard error comes from the bootstrap: rounds (a
+//! seed of a sweep, a run of a benchmark) are resampled with replacement, alike on both sides. If
+//! consecutive rounds are correlated, as when another program ran for a while, it comes from the
+//! means of blocks of rounds.
 //!
-//! Programs that do the same differ by where their code and data happen to lie (Mytkowicz et al., *Producing Wrong
-//! Data Without Doing Anything Obviously Wrong!*, ASPLOS 2009): a ratio is judged against 1 and a [`TOLERANCE`], of
-//! all settings together, where such chances cancel, against half of it.
-//! Chances are corrected for the number of comparisons by Holm (*A Simple Sequentially Rejective Multiple Test
-//! Procedure*, 1979), and intervals by Bonferroni: all hold together with 99 per cent. Half of the chance to err is for
-//! the comparisons of all settings together, which see the smallest changes, and half for the others.
+//! Equivalent programs differ in speed by the placement of their code and data (Mytkowicz et al.,
+//! *Producing Wrong Data Without Doing Anything Obviously Wrong!*, ASPLOS 2009). So a ratio is
+//! judged against 1 with a [`TOLERANCE`]; for all settings together, where such effects cancel,
+//! with half of it. Probabilities are corrected for the number of comparisons by Holm (*A Simple
+//! Sequentially Rejective Multiple Test Procedure*, 1979), and intervals by Bonferroni: all hold
+//! together with 99 per cent. Half of the error probability is for the comparisons of all settings
+//! together, which detect the smallest changes, and half for the others.
 
 pub mod bench;
 pub mod page;
@@ -26,38 +28,39 @@ use serde::Serialize;
 use crate::accuracy::fit::{Rng, chance_beyond, normal_of, student};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
-/// What two programs that do the same may differ by, in parts of the time or the error.
+/// Relative difference in time or error allowed between equivalent programs.
 pub const TOLERANCE: f64 = 0.01;
 
-/// The chance to tell something worse or better, of any number of comparisons, where nothing is.
+/// The probability of any wrong verdict of worse or better, over all comparisons, if nothing
+/// changed.
 pub const SIGNIFICANCE: f64 = 0.01;
 
-/// How often rounds are drawn again: enough for a standard error (Efron and Tibshirani, *An Introduction to the
-/// Bootstrap*, 1993, section 6.4).
+/// Number of bootstrap samples: enough for a standard error (Efron and Tibshirani, *An Introduction
+/// to the Bootstrap*, 1993, section 6.4).
 const RESAMPLES: usize = 300;
 
-/// Fewer rounds than this say nothing of their spread.
+/// Fewer rounds do not show their spread.
 const LEAST_ROUNDS: usize = 4;
 
-/// Blocks of rounds by which a machine that slows down for a while is noticed, at least and at most, and the rounds of
-/// each, of which the quicker half may hold one that something else slowed down.
+/// Smallest and largest number of blocks of rounds, which reveal slow phases of the machine; and
+/// the number of rounds in each, whose faster half may contain one slow round.
 const BLOCKS: [usize; 2] = [2, 8];
 const ROUNDS_OF_BLOCK: usize = 4;
 
-/// What was found.
+/// The results of a comparison.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Regression {
-    /// The run that is compared with.
+    /// The baseline run.
     pub before: Side,
-    /// The run that is judged.
+    /// The judged run.
     pub after: Side,
     /// See [`TOLERANCE`].
     pub tolerance: f64,
     /// Ratios with intervals.
     pub ratios: Vec<Ratio>,
-    /// What has no chance in it, where the two differ.
+    /// Deterministic values that differ.
     pub changes: Vec<Change>,
-    /// What could not be compared, and why.
+    /// Values that could not be compared, and why.
     pub warnings: Vec<String>,
 }
 
@@ -68,21 +71,21 @@ pub struct Side {
     pub path: String,
     /// The program's version.
     pub version: String,
-    /// The commit that it was built from, if that is known.
+    /// The commit that it was built from, if known.
     pub commit: Option<String>,
     /// The machine.
     pub machine: serde_json::Value,
 }
 
-/// What became of something.
+/// The verdict on a value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Verdict {
-    /// It takes longer, or errs more.
+    /// It takes longer, or has a larger error.
     Worse,
-    /// It is quicker, or errs less.
+    /// It is faster, or has a smaller error.
     Better,
-    /// Neither is shown.
+    /// No significant change.
     Same,
 }
 
@@ -91,9 +94,9 @@ pub enum Verdict {
 pub struct Ratio {
     /// The scene.
     pub scene: String,
-    /// What was measured of it.
+    /// The measured value.
     pub what: String,
-    /// What the ratio is of, such as "time at equal error".
+    /// The kind of ratio, such as "time at equal error".
     pub of: &'static str,
     /// The ratio.
     pub ratio: f64,
@@ -101,43 +104,44 @@ pub struct Ratio {
     pub low: f64,
     /// The other.
     pub high: f64,
-    /// The chance of what was found, or more, where nothing changed, corrected for the number of comparisons.
+    /// The probability of a change at least as large if nothing changed, corrected for the number
+    /// of comparisons.
     pub p: f64,
-    /// What became of it.
+    /// The verdict.
     pub verdict: Verdict,
-    /// Error against time before and after, as `[seconds, error]`, where that was measured.
+    /// Error against time before and after, as `[seconds, error]`, if measured.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub curves: Vec<Vec<[f64; 2]>>,
 }
 
-/// Something that follows from the program alone, and is not as it was.
+/// A deterministic value of the program that changed.
 #[derive(Clone, Debug, Serialize)]
 pub struct Change {
     /// The scene.
     pub scene: String,
-    /// What it is.
+    /// The value.
     pub what: String,
-    /// How it was.
+    /// Before.
     pub before: String,
-    /// How it is.
+    /// After.
     pub after: String,
-    /// Whether that is worse.
+    /// Whether it is worse.
     pub verdict: Verdict,
 }
 
-/// A comparison before it is judged together with the others.
+/// A comparison before its verdict.
 #[derive(Clone, Debug)]
 struct Found {
     scene: String,
     what: String,
     of: &'static str,
-    /// Whether it is of all settings of a scene together.
+    /// Whether it covers all settings of a scene together.
     overall: bool,
     estimate: Estimate,
     curves: Vec<Vec<[f64; 2]>>,
 }
 
-/// The logarithm of a ratio.
+/// The estimated logarithm of a ratio.
 #[derive(Clone, Copy, Debug)]
 struct Estimate {
     log: f64,
@@ -150,7 +154,7 @@ impl Regression {
     /// Compares two sweeps in folders, or two reports of `bench`.
     ///
     /// # Errors
-    /// When one of them cannot be read, is not of the other's kind, or they have nothing in common.
+    /// If one of them cannot be read, they are of different kinds, or have nothing in common.
     pub fn of(before: &Path, after: &Path) -> Result<Self> {
         let found = match [before, after].map(Path::is_dir) {
             [true, true] => sweep::compare(before, after)?,
@@ -175,13 +179,13 @@ impl Regression {
         self.count(Verdict::Worse) > 0
     }
 
-    /// How many comparisons and changes have this verdict.
+    /// The number of comparisons and changes with this verdict.
     pub fn count(&self, verdict: Verdict) -> usize {
         let ratios = self.ratios.iter().map(|ratio| ratio.verdict);
         ratios.chain(self.changes.iter().map(|c| c.verdict)).filter(|v| *v == verdict).count()
     }
 
-    /// What was found, in a sentence or two.
+    /// The result, in a sentence or two.
     pub fn answer(&self) -> String {
         let (worse, better) = (self.count(Verdict::Worse), self.count(Verdict::Better));
         let all = self.ratios.len() + self.changes.len();
@@ -192,7 +196,7 @@ impl Regression {
         }
     }
 
-    /// Judges all that was found together.
+    /// Sets the verdicts of all comparisons together.
     fn judged(mut self, found: Vec<Found>) -> Self {
         self.tolerance = TOLERANCE;
         let corrected = corrected(&found);
@@ -219,7 +223,8 @@ impl Found {
 }
 
 impl Estimate {
-    /// Of a statistic of `rounds` rounds, each given by its index; `None` for fewer than [`LEAST_ROUNDS`].
+    /// The estimate of a statistic of `rounds` rounds, given by their indices; `None` for fewer
+    /// than [`LEAST_ROUNDS`].
     fn of(rounds: usize, statistic: impl Fn(&[usize]) -> f64) -> Option<Self> {
         if rounds < LEAST_ROUNDS {
             return None;
@@ -228,19 +233,20 @@ impl Estimate {
         let mut rng = Rng::new(3);
         let draw = |_| statistic(&all.iter().map(|_| rng.below(rounds)).collect::<Vec<_>>());
         let freedom = rounds as f64 - 1.0;
-        // Draws with replacement spread by that much less than the rounds themselves.
+        // Resamples have a smaller variance than the rounds themselves by this factor.
         let drawn = variance((0..RESAMPLES).map(draw).collect()) * (freedom + 1.0) / freedom;
         let count = (rounds / ROUNDS_OF_BLOCK).clamp(BLOCKS[0], BLOCKS[1]);
         let bound = |block: usize| block * rounds / count;
         let block = |block: usize| statistic(&all[bound(block)..bound(block + 1)]);
         let blocks = variance((0..count).map(block).collect()) / count as f64;
-        // Neither is a number where an error is 0 in all rounds of one side: then there is no doubt.
+        // Both are NaN if an error is 0 in all rounds of one side: then there is no doubt.
         let standard_error =
             Some(drawn.max(blocks).sqrt()).filter(|e| e.is_finite()).unwrap_or(0.0);
         Some(Self { log: statistic(&all), standard_error, freedom })
     }
 
-    /// The chance of what was found or more, on either side, where the ratio is within the tolerance.
+    /// The probability of a change at least as large, on either side, if the ratio is within the
+    /// tolerance.
     fn chance(self, tolerance: f64) -> f64 {
         let beyond = self.log.abs() - libm::log1p(tolerance);
         if beyond <= 0.0 {
@@ -249,7 +255,7 @@ impl Estimate {
         chance_beyond(normal_of(beyond / self.standard_error, self.freedom))
     }
 
-    /// The interval, where `count` of them hold together.
+    /// The interval, if `count` of them hold together.
     fn interval(self, count: usize) -> [f64; 2] {
         let reach = student(SIGNIFICANCE / count as f64, self.freedom) * self.standard_error;
         [self.log - reach, self.log + reach].map(libm::exp)
@@ -262,7 +268,7 @@ fn variance(values: Vec<f64>) -> f64 {
     values.iter().map(|value| (value - mean) * (value - mean)).sum::<f64>() / (count - 1.0)
 }
 
-/// Of each comparison its corrected chance, and the number of comparisons among which its interval holds.
+/// For each comparison its corrected probability, and the number of comparisons for its interval.
 fn corrected(found: &[Found]) -> Vec<(f64, usize)> {
     let mut corrected = vec![(1.0, 1); found.len()];
     let groups = [true, false].map(|overall| {
@@ -278,7 +284,7 @@ fn corrected(found: &[Found]) -> Vec<(f64, usize)> {
     corrected
 }
 
-/// Chances corrected for their number.
+/// Probabilities corrected for their number.
 fn holm(chances: &[f64]) -> Vec<f64> {
     let mut order: Vec<usize> = (0..chances.len()).collect();
     order.sort_by(|a, b| chances[*a].total_cmp(&chances[*b]));
@@ -291,8 +297,8 @@ fn holm(chances: &[f64]) -> Vec<f64> {
     corrected
 }
 
-/// The typical of some times: the mean of the quicker half, since other programs can only add to a time. Half of
-/// them may be spoilt, and it is steadier than the median in few.
+/// A typical time: the mean of the faster half, since other programs can only add to a time. Up to
+/// half of the times may be disturbed, and for few times it is more stable than the median.
 fn typical(times: &[f64], rounds: &[usize]) -> f64 {
     let mut times: Vec<f64> =
         rounds.iter().filter_map(|round| times.get(*round)).copied().collect();
@@ -301,7 +307,7 @@ fn typical(times: &[f64], rounds: &[usize]) -> f64 {
     times[..half].iter().sum::<f64>() / half as f64
 }
 
-/// The logarithm of `after` over `before`, which is 0 where they are equal, even if they are 0.
+/// The logarithm of `after` over `before`, which is 0 if they are equal, even if both are 0.
 fn log_ratio(before: f64, after: f64) -> f64 {
     if before == after { 0.0 } else { libm::log(after / before) }
 }

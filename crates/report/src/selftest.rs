@@ -1,10 +1,11 @@
-//! The hard cases: inputs that break ray tracers, tried on the machine at hand.
+//! The hard cases: inputs that break ray tracers, tested on this machine.
 //!
-//! Each [`Case`] has a stated bound, and is run in one precision with every kernel and all vector instructions
-//! that the processor has. All cases hold in robust and in exact arithmetic; fast arithmetic fails some. The
-//! inputs follow from a seed, so that a failure can be repeated. The expected result is computed in whole numbers or in
-//! double precision, or follows from how the input was made, and shares no code with what is tested. Faults that are
-//! planted in the sources prove that cases can fail (`tests/mutations`).
+//! Each [`Case`] has a stated bound, and runs in one precision with every kernel and all
+//! instruction levels of the processor. All cases pass in robust and in exact precision; some fail
+//! in fast. The inputs follow from a seed, so that a failure can be repeated. Expected results are
+//! computed in integers or in double precision, or follow from the construction of the input, and
+//! share no code with the tested kernels. Faults planted in the sources prove that cases can fail
+//! (`tests/mutations`).
 
 mod case;
 mod closed;
@@ -44,7 +45,7 @@ pub struct Case {
     pub number: u32,
     /// What is tested.
     pub name: &'static str,
-    /// What has to hold.
+    /// The requirement.
     pub bound: &'static str,
     run: fn(&Effort) -> Outcome,
 }
@@ -59,7 +60,7 @@ impl Case {
         Self { number, name, bound, run }
     }
 
-    /// Runs it.
+    /// Runs the case.
     pub fn run(&self, effort: &Effort) -> Outcome {
         (self.run)(effort)
     }
@@ -141,7 +142,7 @@ pub const CASES: &[Case] = &[
     Case::new(46, "colors of vertices from 1e-3 to 1e12", "interpolated, at vertices and edges too", colors::interpolated),
 ];
 
-/// The case of that number.
+/// The case with that number.
 pub fn case(number: u32) -> Option<&'static Case> {
     CASES.iter().find(|case| case.number == number)
 }

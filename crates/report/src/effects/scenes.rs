@@ -1,6 +1,7 @@
-//! The scenes of the price list: one without any effect, and others that each add one.
+//! The scenes of the price list: base scenes, and variants that each add one effect.
 //!
-//! They show a field of hills before a wall, triangles all, in a view that each effect changes widely.
+//! They show a field of hills in front of a wall, all of triangles, in a view that each effect
+//! changes widely.
 
 use std::path::Path;
 
@@ -15,7 +16,7 @@ use wavecrest_image::write::{Transfer, write};
 pub struct Variant {
     /// The effect that it adds.
     pub name: &'static str,
-    /// The scene that it is added to, by its place in the list.
+    /// The index of the scene that it is added to.
     pub added_to: Option<usize>,
     /// Whether anything shows it.
     pub reached: bool,
@@ -23,12 +24,12 @@ pub struct Variant {
     pub scene: Value,
 }
 
-/// Hills along each side of the field, and corners of the mesh along each side.
+/// Number of hills along each side of the field, and of mesh vertices along each side.
 const HILLS: f64 = 4.0;
 const CORNERS: u32 = 48;
 
-/// Places of lights: above the field to either side; and below it and behind the wall, where no front is
-/// turned to.
+/// Positions of lights: above the field on either side; and below it and behind the wall, which no
+/// front faces.
 const ABOVE: [f64; 3] = [3.0, 4.0, 2.0];
 const LEFT: [f64; 3] = [-3.0, 4.0, 2.0];
 const BELOW: [f64; 3] = [0.0, -6.0, -3.0];
@@ -37,10 +38,10 @@ const BELOW: [f64; 3] = [0.0, -6.0, -3.0];
 const TEXELS: u32 = 64;
 const SQUARE: u32 = 8;
 
-/// The scenes. The one texture is written into `folder`.
+/// The scenes. Their texture is written to `folder`.
 ///
 /// # Errors
-/// When it cannot be written.
+/// If it cannot be written.
 pub fn variants(folder: &Path) -> Result<Vec<Variant>> {
     let picture = folder.join("checkers.png");
     write(&checkers()?, &picture, Transfer::Linear)?;
@@ -56,7 +57,7 @@ pub fn variants(folder: &Path) -> Result<Vec<Variant>> {
     Ok(list.variants)
 }
 
-/// Effects that are seen.
+/// Visible effects.
 fn add_reached(list: &mut List, ambient: usize, lit: usize, picture: &str) {
     list.add("a spot light", ambient, |scene| {
         *scene = with_lights(base(), [spot(60.0, [-3.0, -4.0, -2.0])]);
@@ -101,7 +102,7 @@ fn add_reached(list: &mut List, ambient: usize, lit: usize, picture: &str) {
     list.add("instances, 4", lit, instanced);
 }
 
-/// What nothing leads to: the same image, the same work.
+/// Effects that nothing shows: the same image, the same work.
 fn add_unreached(list: &mut List, dark: usize, lit: usize, picture: &str) {
     list.without("a mirror without bounces", lit, |scene| mirrors(scene, 0.5, 0));
     list.without("bounces without a mirror", lit, |scene| mirrors(scene, 0.0, 8));
@@ -153,19 +154,19 @@ struct List {
 }
 
 impl List {
-    /// Appends a scene to which others are added. Its place.
+    /// Appends a base scene. Returns its index.
     fn first(&mut self, name: &'static str, scene: Value) -> usize {
         self.push(Variant { name, added_to: None, reached: true, scene })
     }
 
-    /// Appends the scene at `base`, changed.
+    /// Appends a changed copy of the scene at `base`.
     fn add(&mut self, name: &'static str, base: usize, change: impl FnOnce(&mut Value)) -> usize {
         let mut scene = self.variants[base].scene.clone();
         change(&mut scene);
         self.push(Variant { name, added_to: Some(base), reached: true, scene })
     }
 
-    /// As [`List::add`], changed in a way that nothing shows.
+    /// As [`List::add`], with an invisible change.
     fn without(&mut self, name: &'static str, base: usize, change: impl FnOnce(&mut Value)) {
         let place = self.add(name, base, change);
         self.variants[place].reached = false;
@@ -191,11 +192,11 @@ fn material(color: [f64; 3]) -> Value {
     json!({"ks": 0.2, "kd": 0.8, "specularexponent": 20, "diffusecolor": color})
 }
 
-/// Hills as high as they are not steep, seen from above.
+/// Gentle hills, seen from above.
 fn field() -> Value {
     let place = |i: u32| f64::from(i) / f64::from(CORNERS - 1);
     let turn = HILLS * std::f64::consts::TAU;
-    // Sines whose sum is one height, and whose derivatives are its normal.
+    // Sines whose sum is the height, and whose derivatives give the normal.
     let height = 0.05;
     let corners: Vec<[f64; 2]> =
         (0..CORNERS * CORNERS).map(|i| [place(i % CORNERS), place(i / CORNERS)]).collect();
@@ -220,7 +221,7 @@ fn field() -> Value {
            "uvs": corners, "material": material([0.8, 0.6, 0.3])})
 }
 
-/// Behind the field, upright, its front to the camera.
+/// An upright wall behind the field, facing the camera.
 fn wall() -> Value {
     let points = [[-2.0, -0.2, -2.0], [-2.0, 1.5, -2.0], [2.0, 1.5, -2.0], [2.0, -0.2, -2.0]];
     json!({"type": "trimesh", "points": points, "indices": [[0, 1, 2], [0, 2, 3]],
@@ -237,9 +238,9 @@ fn add_shapes(scene: &mut Value, new: impl IntoIterator<Item = Value>) {
     }
 }
 
-/// The scene with these lights, each with its part of one ambient light: it looks the same for any number.
+/// The scene with these lights, which share one ambient light: it looks the same for any number.
 fn with_lights<const N: usize>(mut scene: Value, lights: [Value; N]) -> Value {
-    /// A power of two, so that its parts add up without rounding.
+    /// A power of two, so that its shares add up without rounding.
     const AMBIENT: f64 = 0.125;
     scene["scene"]["ambient"] = (AMBIENT / N as f64).into();
     scene["scene"]["lightsources"] = lights.to_vec().into();
@@ -250,7 +251,7 @@ fn lamp(intensity: f64, position: [f64; 3]) -> Value {
     json!({"type": "pointlight", "intensity": intensity, "position": position, "color": [1, 1, 1]})
 }
 
-/// A lamp above the field that shines along `direction` alone.
+/// A spot above the field that lights only along `direction`.
 fn spot(intensity: f64, direction: [f64; 3]) -> Value {
     let mut spot = lamp(intensity, ABOVE);
     spot["type"] = "spotlight".into();
@@ -260,7 +261,7 @@ fn spot(intensity: f64, direction: [f64; 3]) -> Value {
     spot
 }
 
-/// Light along `direction`, from 16 points of what is seen under an `angle`.
+/// A light along `direction`, with 16 points on a patch with this `angle`.
 fn sun(direction: [f64; 3], angle: f64) -> Value {
     json!({"type": "directionallight", "intensity": 1.0, "color": [1, 1, 1], "direction": direction,
            "angle": angle, "samples": 16})
@@ -279,7 +280,7 @@ fn smooth(scene: &mut Value) {
     }
 }
 
-/// Each point in a colour that follows from its place.
+/// Gives each point a colour by its position.
 fn colored(scene: &mut Value) {
     for shape in shapes(scene) {
         let color = |uv: &Value| json!([uv[0], uv[1], 0.5]);
@@ -316,7 +317,7 @@ fn cut_out(scene: &mut Value, picture: &str, threshold: f64) {
     }
 }
 
-/// The field four times, each a quarter of it.
+/// The field as four instances, each a quarter of its size.
 fn instanced(scene: &mut Value) {
     for field in shapes(scene).filter(|shape| shape["normals"].is_array()) {
         field["name"] = "field".into();
@@ -347,7 +348,7 @@ fn lens(scene: &mut Value, aperture: f64, samples: u32) {
     camera["nsamplesy"] = samples.into();
 }
 
-/// The `i`th of a row over the field, upright.
+/// The `i`th quad of an upright row above the field.
 fn quad(i: i32) -> Value {
     let (left, right) = (f64::from(i) * 0.7 - 0.3, f64::from(i) * 0.7 + 0.3);
     let points = [[left, 0.1, 0.0], [left, 0.7, 0.0], [right, 0.7, 0.0], [right, 0.1, 0.0]];

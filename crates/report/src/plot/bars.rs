@@ -1,4 +1,4 @@
-//! [`StackedBars`] as a drawing: names down the left, bars in segments, their sums at the end.
+//! Draws [`StackedBars`]: names down the left, bars in segments, their sums at the end.
 
 use super::drawing::{BESIDE, Drawing, Frame, LABEL, Mark, Shape, Text};
 use super::field::{Field, Room};
@@ -7,13 +7,13 @@ use super::number::{exact, figure, seconds, time_unit};
 use super::paint::Paint;
 use super::{Axis, Bar, Scale, Segment, StackedBars, font};
 
-/// Bars are so far apart.
+/// Distance between bars.
 const ROW: f64 = 38.0;
 /// Half the height of a bar.
 const HALF: f64 = 11.0;
-/// The width of the line of paper between segments.
+/// Width of the gap between segments.
 const BETWEEN: f64 = 1.0;
-/// From a bar to its sum.
+/// Distance from a bar to its sum.
 const GAP: f64 = 6.0;
 
 /// Draws the bars.
@@ -37,7 +37,7 @@ pub(super) fn draw(bars: &StackedBars, frame: Frame) -> Drawing {
     drawing
 }
 
-/// The stages, in the order in which they first come.
+/// The stages, in the order of their first occurrence.
 fn stages(bars: &StackedBars) -> Vec<&str> {
     let mut stages = Vec::new();
     for segment in bars.bars.iter().flat_map(|bar| &bar.segments) {
@@ -48,12 +48,12 @@ fn stages(bars: &StackedBars) -> Vec<&str> {
     stages
 }
 
-/// The sum of what is drawn, in seconds.
+/// The sum of the drawn segments, in seconds.
 fn sum(bar: &Bar) -> f64 {
     bar.drawn().map(|segment| segment.seconds).sum()
 }
 
-/// Draws one bar; `at` is the place of a time on it.
+/// Draws one bar; `at` converts a time to a position.
 fn draw_bar(
     drawing: &mut Drawing,
     bar: &Bar,
@@ -79,7 +79,7 @@ fn draw_bar(
     }
 }
 
-/// What a segment stands for.
+/// The mark of a segment.
 fn mark(bar: &Bar, segment: &Segment) -> Mark {
     let share = figure(libm::round(1000.0 * segment.seconds / sum(bar)) / 10.0);
     let time = format!("{}: {}, {share}% of the bar", segment.stage, seconds(segment.seconds));

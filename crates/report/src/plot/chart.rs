@@ -1,4 +1,4 @@
-//! A [`Chart`] as a drawing: title, legend, axes, guides, series.
+//! Draws a [`Chart`]: title, legend, axes, guides, series.
 
 use super::drawing::{At, Drawing, Frame, Mark, Shape};
 use super::field::Field;
@@ -8,7 +8,7 @@ use super::number::{exact, figure, quantity};
 use super::paint::Paint;
 use super::{Axis, Chart, Course, Draw, Point, Scale, Series, guides};
 
-/// Rows of names are so far apart.
+/// Distance between rows of names.
 const ROW: f64 = 30.0;
 
 /// Half the length of the cap of a whisker, and the width of its lines.
@@ -27,7 +27,7 @@ pub(super) fn draw(chart: &Chart, frame: Frame) -> Drawing {
     };
     field.draw(&mut drawing, height, guides::room(chart, field.turned));
     guides::draw(&mut drawing, chart, &field);
-    // A front is made of points that other series have: it must not hide them.
+    // A front consists of points of other series and must not hide them.
     let (fronts, others): (Vec<usize>, Vec<usize>) =
         (0..chart.series.len()).partition(|index| chart.series[*index].draw == Draw::Front);
     for index in fronts.into_iter().chain(others) {
@@ -49,7 +49,7 @@ fn entries(chart: &Chart) -> impl Iterator<Item = (usize, &str, Sample)> {
     })
 }
 
-/// The axes with room for all that is to be seen.
+/// The axes, with room for everything visible.
 fn field(chart: &Chart) -> Field<'_> {
     let points = || chart.series.iter().flat_map(|series| &series.points);
     let ys = points().flat_map(|point| [Some(point.y), point.low, point.high]).flatten();
@@ -79,12 +79,12 @@ fn draw_series(drawing: &mut Drawing, chart: &Chart, index: usize, field: &Field
     }
 }
 
-/// The runs of points that a line can join: those without a place part them.
+/// The runs of points joined by a line: points without a position separate them.
 fn runs(places: &[Option<At>]) -> impl Iterator<Item = Vec<At>> {
     places.split(Option::is_none).map(|run| run.iter().flatten().copied().collect())
 }
 
-/// The staircase through the points of a front: what is beaten lies above it or on it.
+/// The staircase through the points of a front: dominated points are above it or on it.
 fn stairs(front: &[At]) -> Vec<At> {
     let corners = front.windows(2).flat_map(|pair| [pair[0], [pair[1][0], pair[0][1]]]);
     corners.chain(front.last().copied()).collect()
@@ -104,7 +104,7 @@ fn whisker(drawing: &mut Drawing, point: &Point, at: At, field: &Field<'_>, inde
     }
 }
 
-/// What a point stands for.
+/// The mark of a point.
 fn mark(chart: &Chart, series: &Series, point: &Point, at: At) -> Mark {
     let x = format!("{}: {}", chart.x.label, name_or_value(&chart.x, point.x));
     let mut y = format!("{}: {}", chart.y.label, quantity(point.y, &chart.y.unit));

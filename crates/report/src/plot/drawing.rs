@@ -12,28 +12,29 @@ pub(super) const LABEL: f64 = 12.5;
 pub(super) const NOTE: f64 = 11.0;
 /// The size of a title.
 const TITLE: f64 = 17.0;
-/// From the top of a title to what is below it.
+/// Distance from the top of a title to the content below.
 const TITLE_HEIGHT: f64 = TITLE + 14.0;
 /// The margin of a standalone drawing.
 const MARGIN: f64 = 20.0;
 
-/// From a point down to the base line of text below it, around it and above it, as shares of its size:
-/// capitals and digits of Noto Sans are 0.714 em high, and tails reach 0.24 em below.
+/// Distances from a point to the base line of text below it, beside it and above it, as shares of
+/// its size: capitals and digits of Noto Sans are 0.714 em high, and descenders reach 0.24 em
+/// below.
 pub(super) const BELOW: f64 = 0.8;
 pub(super) const BESIDE: f64 = 0.357;
 pub(super) const ABOVE: f64 = -0.24;
 
-/// How wide a drawing is, and where it is shown.
+/// The width of a drawing and its context.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Frame {
-    /// Its width; the height follows from what is in it.
+    /// Its width; the height follows from the content.
     pub width: f64,
-    /// Whether it is a file of its own, with title, notes, paper and a margin beyond its width.
+    /// Whether it is a separate file, with title, notes, background and a margin outside its width.
     pub standalone: bool,
 }
 
 impl Frame {
-    /// A file: as wide as in a page with its margins.
+    /// A file: as wide as in a page, plus its margins.
     pub(super) const FILE: Self = Self { width: 680.0, standalone: true };
     /// A drawing in a page.
     pub(super) const WIDE: Self = Self { width: 720.0, standalone: false };
@@ -52,9 +53,9 @@ pub(super) enum Shape {
     Disk { center: At, radius: f64, paint: Paint },
     /// A text.
     Text(Text),
-    /// The shapes from here to [`Shape::End`] are one mark.
+    /// Starts a mark, which extends to [`Shape::End`].
     Begin(Mark),
-    /// The mark ends.
+    /// Ends the mark.
     End,
 }
 
@@ -64,48 +65,48 @@ pub(super) struct Text {
     pub text: String,
     /// A point on its base line.
     pub at: At,
-    /// Which part of it is there: 0 for its start, 1 for its end. It stays there if a browser's font is
-    /// wider.
+    /// The part of it at the point: 0 for its start, 1 for its end. It stays there if a browser
+    /// uses a wider font.
     pub anchor: f64,
     /// The em.
     pub size: f64,
     pub paint: Paint,
-    /// Whether a rim of paper keeps it apart from lines below it.
+    /// Whether an outline in the background colour separates it from lines below.
     pub rim: bool,
 }
 
 impl Text {
-    /// A text at a point: `anchor` is the part of it that is there, and `line` one of [`BELOW`],
+    /// A text at a point: `anchor` is the part of it at the point, and `line` one of [`BELOW`],
     /// [`BESIDE`] and [`ABOVE`].
     pub(super) fn new(text: &str, [x, y]: At, [anchor, line]: [f64; 2], size: f64) -> Self {
         let (text, at) = (text.to_owned(), [x, y + line * size]);
         Self { text, at, anchor, size, paint: Paint::Muted, rim: false }
     }
 
-    /// In the paint of what is read first.
+    /// In the most prominent paint.
     pub(super) fn in_ink(self) -> Self {
         Self { paint: Paint::Ink, ..self }
     }
 
-    /// With a rim of paper.
+    /// With an outline in the background colour.
     pub(super) fn with_rim(self) -> Self {
         Self { rim: true, ..self }
     }
 
-    /// How wide it is in the font of the program.
+    /// Its width in the built-in font.
     pub(super) fn width(&self) -> f64 {
         font::width(&self.text, self.size)
     }
 }
 
-/// What a group of shapes stands for.
+/// The meaning of a group of shapes.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Mark {
     /// In words, a line each.
     pub title: String,
     /// Its figures to the last digit, as in CSV: names and values.
     pub figures: Vec<(&'static str, String)>,
-    /// Its middle, if it is small: a pointer is caught near it.
+    /// Its centre, if it is small: a nearby pointer selects it.
     pub near: Option<At>,
 }
 
@@ -113,13 +114,13 @@ pub(super) struct Mark {
 #[derive(Clone, Debug)]
 pub(crate) struct Drawing {
     pub(super) frame: Frame,
-    /// How far down it reaches so far.
+    /// Its height so far.
     pub(super) height: f64,
     pub(super) shapes: Vec<Shape>,
 }
 
 impl Drawing {
-    /// A drawing that begins with its title, if it is shown in this frame.
+    /// A drawing that starts with its title, if the frame shows it.
     pub(super) fn new(title: &str, frame: Frame) -> Self {
         let mut drawing = Self { frame, height: 0.0, shapes: Vec::new() };
         if frame.standalone {
@@ -150,7 +151,7 @@ impl Drawing {
         self.shapes.push(Shape::Text(text));
     }
 
-    /// Adds notes at the bottom, if they are shown in this frame.
+    /// Adds notes at the bottom, if the frame shows them.
     pub(super) fn notes(&mut self, notes: &[String]) {
         if !self.frame.standalone {
             return;

@@ -1,4 +1,4 @@
-//! The field of a chart between its two axes, with grid, marks and labels.
+//! The field of a chart between its two axes, with grid, ticks and labels.
 
 use super::drawing::{At, BELOW, BESIDE, Drawing, LABEL, Text};
 use super::font;
@@ -7,28 +7,28 @@ use super::place::Place;
 use super::ticks::Tick;
 use super::{Axis, Scale};
 
-/// Labels down an axis are at least so far apart.
+/// Smallest distance between labels down an axis.
 const APART_DOWN: f64 = 36.0;
-/// Labels along an axis are at least so far apart.
+/// Smallest distance between labels along an axis.
 const APART_ALONG: f64 = 14.0;
-/// From a label to its axis.
+/// Distance from a label to its axis.
 const GAP: f64 = 8.0;
 /// The height of an axis' heading.
 const HEADING: f64 = LABEL * 1.6;
-/// The width of lines of the grid.
+/// The width of grid lines.
 const GRID: f64 = 0.8;
-/// The largest part of the width that names may take.
+/// The largest share of the width for names.
 const LARGEST_PART_FOR_NAMES: f64 = 0.4;
 
-/// The axes of a chart as they are drawn.
+/// The axes of a chart with their positions.
 pub(super) struct Field<'c> {
     pub x: Place<'c>,
     pub y: Place<'c>,
-    /// Whether `x` is an axis of names: it runs down the left then, and `y` to the right.
+    /// Whether `x` is an axis of names: it then runs down the left, and `y` to the right.
     pub turned: bool,
 }
 
-/// Room kept free outside of a field.
+/// Free room outside a field.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Room {
     pub above: f64,
@@ -37,7 +37,7 @@ pub(super) struct Room {
 }
 
 impl<'c> Field<'c> {
-    /// A field with a place for all of these values.
+    /// A field that contains all these values.
     pub(super) fn new(
         x: &'c Axis,
         xs: impl Iterator<Item = f64>,
@@ -48,12 +48,12 @@ impl<'c> Field<'c> {
         Self { x: Place::new(x, xs), y: Place::new(y, ys), turned }
     }
 
-    /// Where a point is drawn; `None` where an axis has no place for it.
+    /// The position of a point; `None` if an axis cannot show it.
     pub(super) fn at(&self, x: f64, y: f64) -> Option<At> {
         Some(self.oriented(self.x.pixel(x)?, self.y.pixel(y)?))
     }
 
-    /// The same point at another pixel in `y`.
+    /// The same point with another pixel in `y`.
     pub(super) fn with_y(&self, [along, down]: At, y: f64) -> At {
         if self.turned { [y, down] } else { [along, y] }
     }
@@ -74,7 +74,7 @@ impl<'c> Field<'c> {
         if self.turned { [y, x] } else { [x, y] }
     }
 
-    /// Puts the field and its axes below what is drawn.
+    /// Draws the field and its axes at the bottom of the drawing.
     pub(super) fn draw(&mut self, drawing: &mut Drawing, height: f64, room: Room) {
         let (width, turned) = (drawing.frame.width, self.turned);
         let [along, down] = self.axes();
@@ -98,14 +98,14 @@ impl<'c> Field<'c> {
     }
 }
 
-/// The heading of an axis. Names speak for themselves.
+/// The heading of an axis. Axes of names need none.
 fn heading(axis: &Axis) -> Option<String> {
     let has_names = matches!(axis.scale, Scale::Names(_));
     Some(axis.heading()).filter(|heading| !heading.is_empty() && !has_names)
 }
 
-/// Marks the axis on the left, and returns the room for its labels, and whether these are names too long to stand
-/// there: then each stands above its row.
+/// Marks the axis on the left, and returns the room for its labels, and whether these are names too
+/// long for it: then each name is above its row.
 fn mark_down(place: &mut Place<'_>, height: f64, width: f64) -> (f64, bool) {
     place.pixels = [height, 0.0];
     let mut most = (height / APART_DOWN) as usize;
@@ -123,7 +123,7 @@ fn mark_down(place: &mut Place<'_>, height: f64, width: f64) -> (f64, bool) {
     (GAP, true)
 }
 
-/// Marks the axis at the bottom so that labels stay apart, and returns how far the last may stand out.
+/// Marks the axis at the bottom with separate labels, and returns how far the last may extend.
 fn mark_along(place: &mut Place<'_>, width: f64) -> f64 {
     place.pixels = [0.0, width];
     for most in (2..=(width / 40.0) as usize).rev() {
@@ -135,7 +135,7 @@ fn mark_along(place: &mut Place<'_>, width: f64) -> f64 {
     (widest(place) / 2.0).max(GAP)
 }
 
-/// Whether no label is near the next: those of a logarithmic axis are unevenly far apart.
+/// Whether no label is too near the next: logarithmic axes have uneven distances.
 fn are_apart(place: &Place<'_>, half: impl Fn(&Tick) -> f64, apart: f64) -> bool {
     place.ticks.major.windows(2).all(|pair| match pair {
         [a, b] => {
@@ -151,7 +151,7 @@ fn widest(place: &Place<'_>) -> f64 {
     place.ticks.major.iter().map(|tick| font::width(&tick.label, LABEL)).fold(0.0, f64::max)
 }
 
-/// Lines at the ticks, and the two axes. A row of names needs no line: its name leads to it.
+/// Grid lines at the ticks, and the two axes. A row of names needs no line.
 fn grid(drawing: &mut Drawing, along: &Place<'_>, down: &Place<'_>, turned: bool) {
     let ([left, right], [bottom, top]) = (along.pixels, down.pixels);
     for (major, paint) in [(false, Paint::Faint), (true, Paint::Grid)] {
@@ -166,7 +166,7 @@ fn grid(drawing: &mut Drawing, along: &Place<'_>, down: &Place<'_>, turned: bool
     drawing.line(vec![[left, top], [left, bottom], [right, bottom]], Paint::Muted, 1.0);
 }
 
-/// Ticks and labels outside of the field.
+/// Ticks and labels outside the field.
 fn labels(drawing: &mut Drawing, along: &Place<'_>, down: &Place<'_>, above: bool) {
     let (left, bottom) = (along.pixels[0], down.pixels[0]);
     for tick in &along.ticks.major {

@@ -1,4 +1,4 @@
-//! What is made of a figure: SVG, PNG, CSV, and notes on what could not be drawn.
+//! Output of figures: SVG, PNG, CSV, and notes on omitted values.
 
 use std::path::Path;
 
@@ -12,7 +12,7 @@ use super::{
 use wavecrest_base::error::Result;
 use wavecrest_base::replace::replace_file;
 
-/// What every kind of figure can do.
+/// The common interface of all kinds of figures.
 pub(crate) trait Figure: serde::Serialize {
     /// Its title.
     fn title(&self) -> &str;
@@ -20,7 +20,7 @@ pub(crate) trait Figure: serde::Serialize {
     /// How to read it.
     fn caption(&self) -> &str;
 
-    /// What could not be drawn, in sentences.
+    /// Notes on omitted values, in sentences.
     fn notes(&self) -> Vec<String>;
 
     /// Its values to the last digit, drawn or not: the header, then a row for each.
@@ -36,21 +36,21 @@ pub(crate) trait Figure: serde::Serialize {
         drawing
     }
 
-    /// For a page: as wide as its text, and for narrow screens.
+    /// For a page: at the width of its text, and for narrow screens.
     fn elements(&self) -> String {
         let element = |frame, class| svg::element(&self.drawing(frame), self.title(), class);
         element(Frame::WIDE, "wide") + &element(Frame::NARROW, "narrow")
     }
 
-    /// A standalone SVG file. It follows light and dark where its reader does.
+    /// A standalone SVG file. It follows the reader's light or dark theme.
     fn svg(&self) -> String {
         svg::file(&self.drawing(Frame::FILE), self.title(), self.caption())
     }
 
-    /// Writes a PNG `width` pixels wide, as large as the SVG at 720.
+    /// Writes a PNG with this width in pixels, with the layout of the SVG at 720.
     ///
     /// # Errors
-    /// When the file cannot be written, or the width is 0 or above 16384.
+    /// If the file cannot be written, or the width is 0 or above 16384.
     fn png(&self, path: &Path, width: u32) -> Result<()> {
         replace_file(path, |sink| raster::write(&self.drawing(Frame::FILE), width, sink))
     }
@@ -73,7 +73,7 @@ fn quoted(field: &str) -> String {
     field.to_owned()
 }
 
-/// A note on so many things that are not shown.
+/// A note on the number of omitted items.
 fn left_out(count: usize, name: &str, why: &str) -> Option<String> {
     match count {
         0 => None,
@@ -91,7 +91,7 @@ impl Figure for Chart {
         &self.caption
     }
 
-    /// Points and guides that an axis has no place for.
+    /// Notes on points and guides that an axis cannot show.
     fn notes(&self) -> Vec<String> {
         let why = match self.x.scale == Scale::Log || self.y.scale == Scale::Log {
             true => "a logarithmic axis has no place for 0, less, or what is not finite",
@@ -137,7 +137,7 @@ impl Figure for StackedBars {
         &self.caption
     }
 
-    /// Times that are negative or not finite.
+    /// Notes on times that are negative or not finite.
     fn notes(&self) -> Vec<String> {
         let missing = self.bars.iter().map(|bar| bar.segments.len() - bar.drawn().count());
         left_out(missing.sum(), "time", "it is below 0 or not finite").into_iter().collect()
@@ -166,14 +166,14 @@ impl Figure for Icicle {
         &self.caption
     }
 
-    /// Times that are negative or not finite.
+    /// Notes on times that are negative or not finite.
     fn notes(&self) -> Vec<String> {
         let leaves = self.parts.iter().flat_map(Part::leaves);
         let missing = leaves.filter(|part| !(0.0..f64::INFINITY).contains(&part.seconds)).count();
         left_out(missing, "time", "it is below 0 or not finite").into_iter().collect()
     }
 
-    /// A row for each part that is not divided; one that ends on a higher level has no names for those below.
+    /// A row for each undivided part; the levels below it are empty.
     fn rows(&self) -> Vec<Vec<String>> {
         let header = self.levels.iter().cloned().chain(["seconds".to_owned()]).collect();
         let mut rows = vec![header];
@@ -186,7 +186,7 @@ impl Figure for Icicle {
     }
 }
 
-/// Adds the rows of `parts`, which divide what `above` names.
+/// Adds the rows of `parts`, whose parents are named in `above`.
 fn icicle_rows(parts: &[Part], above: &[&str], levels: usize, rows: &mut Vec<Vec<String>>) {
     for part in parts {
         let names: Vec<&str> = above.iter().copied().chain([part.name.as_str()]).collect();

@@ -1,29 +1,28 @@
-//! The font of a drawing: how wide a text is, and its outlines.
+//! The font of drawings: text widths and outlines.
 //!
-//! Noto Sans, under the SIL Open Font License, is part of the program, so that a drawing is laid out
-//! alike everywhere. A browser may have to take another font for an SVG: there is some room around
-//! every text.
+//! Noto Sans, under the SIL Open Font License, is built in, so that the layout is the same
+//! everywhere. A browser may use another font for an SVG, so every text has some spare room.
 
 use std::sync::OnceLock;
 
 use tiny_skia::{Path, PathBuilder, Transform};
 use ttf_parser::{Face, GlyphId, OutlineBuilder};
 
-/// The font, read once.
+/// The font, parsed once.
 fn face() -> Option<&'static Face<'static>> {
     static FACE: OnceLock<Option<Face<'static>>> = OnceLock::new();
     FACE.get_or_init(|| Face::parse(notosans::REGULAR_TTF, 0).ok()).as_ref()
 }
 
-/// The width of a letter that the font does not have, as a share of the size.
+/// The width of a missing letter, as a share of the size.
 const UNKNOWN: f64 = 0.6;
 
-/// How wide `text` is, where `size` is the height of a line's letters (the em).
+/// The width of `text`, where `size` is the em.
 pub(super) fn width(text: &str, size: f64) -> f64 {
     text.chars().map(|letter| size * Letter::of(letter).advance).sum()
 }
 
-/// What is drawn for a letter, in parts of the size.
+/// The glyph of a letter, in shares of the size.
 struct Letter {
     glyph: Option<GlyphId>,
     advance: f64,
@@ -35,9 +34,9 @@ impl Letter {
     fn of(letter: char) -> Self {
         let blank = |advance| Self { glyph: None, advance, scale: 1.0, raised: 0.0 };
         Self::scaled(letter, 1.0, 0.0).unwrap_or_else(|| match letter {
-            // The font has superscript digits, and no minus for them.
+            // The font has superscript digits, but no superscript minus.
             '⁻' => Self::scaled('−', 0.6, 0.36).unwrap_or(blank(UNKNOWN)),
-            // A third of the usual space is narrow.
+            // A narrow space is a third of the usual one.
             '\u{202f}' => blank(0.16),
             _ => blank(UNKNOWN),
         })
@@ -51,14 +50,14 @@ impl Letter {
     }
 }
 
-/// The outline of a text whose base line begins at `start`.
+/// The outline of a text whose base line starts at `start`.
 pub(super) fn outline(text: &str, size: f64, [mut x, y]: [f64; 2]) -> Option<Path> {
     let face = face()?;
     let mut path = PathBuilder::new();
     for letter in text.chars().map(Letter::of) {
         let mut outline = Outline(PathBuilder::new());
         letter.glyph.map(|glyph| face.outline_glyph(glyph, &mut outline));
-        // The font's y is upward.
+        // The font's y axis points up.
         let unit = (size * letter.scale / f64::from(face.units_per_em())) as f32;
         let [left, base] = [x, y - size * letter.raised].map(|at| at as f32);
         let place = Transform::from_row(unit, 0.0, 0.0, -unit, left, base);
@@ -95,8 +94,8 @@ impl OutlineBuilder for Outline {
     }
 }
 
-/// `text`, or as much of its end as is no wider than `most`, after an ellipsis: the end of a path
-/// says more than its start.
+/// `text`, or its end after an ellipsis, no wider than `most`: the end of a path is more
+/// informative than its start.
 pub(super) fn shortened(text: &str, size: f64, most: f64) -> String {
     if width(text, size) <= most {
         return text.to_owned();
@@ -106,7 +105,7 @@ pub(super) fn shortened(text: &str, size: f64, most: f64) -> String {
     fitting.next().unwrap_or_else(|| "…".to_owned())
 }
 
-/// `text` in lines no wider than `most`, where its words allow.
+/// `text` in lines no wider than `most`, if its words allow.
 pub(super) fn wrapped(text: &str, size: f64, most: f64) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for word in text.split_whitespace() {

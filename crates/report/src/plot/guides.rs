@@ -1,4 +1,4 @@
-//! Lines to compare with, each with its name in the margin.
+//! Guide lines, each with its name in the margin.
 
 use super::drawing::{ABOVE, At, BELOW, BESIDE, Drawing, NOTE, Text};
 use super::field::{Field, Room};
@@ -6,16 +6,16 @@ use super::font;
 use super::paint::Paint;
 use super::{Chart, Course, Scale};
 
-/// From the end of a line to its name.
+/// Distance from the end of a line to its name.
 const GAP: f64 = 4.0;
 
-/// Names beside the field are at least so far apart.
+/// Smallest distance between names beside the field.
 const APART: f64 = 1.2 * NOTE;
 
 /// The width of a line.
 const STROKE: f64 = 1.2;
 
-/// The room for the names of a chart's guides: above the field for lines that go straight up.
+/// The room for the names of a chart's guides: above the field for vertical lines.
 pub(super) fn room(chart: &Chart, turned: bool) -> Room {
     let drawn = chart.guides.iter().filter(|guide| can_be_drawn(chart, guide.course));
     let mut room = Room::default();
@@ -28,7 +28,7 @@ pub(super) fn room(chart: &Chart, turned: bool) -> Room {
     room
 }
 
-/// Draws the lines to compare with, and their names so that none is on another or on a level line.
+/// Draws the guide lines with their names, without overlaps between names or with level lines.
 pub(super) fn draw(drawing: &mut Drawing, chart: &Chart, field: &Field<'_>) {
     let right = field.sides()[0][1];
     let drawn = chart.guides.iter().filter_map(|g| Some((&g.name, ends(chart, g.course, field)?)));
@@ -54,7 +54,7 @@ pub(super) fn draw(drawing: &mut Drawing, chart: &Chart, field: &Field<'_>) {
     names.into_iter().for_each(|name| drawing.text(name));
 }
 
-/// The place of a name, moved up along its line until no level line goes through it.
+/// The position of a name, moved up along its line until no level line crosses it.
 fn off_levels([mut x, mut y]: At, [from, to]: [At; 2], levels: &[f64]) -> At {
     let slope = (to[0] - from[0]) / (to[1] - from[1]);
     let is_crossed = |y: f64| levels.iter().any(|level| (level - y + NOTE / 2.0).abs() < APART);
@@ -64,7 +64,7 @@ fn off_levels([mut x, mut y]: At, [from, to]: [At; 2], levels: &[f64]) -> At {
     [x, y]
 }
 
-/// Whether a guide has a place between the axes of a chart.
+/// Whether the axes of a chart can show a guide.
 pub(super) fn can_be_drawn(chart: &Chart, course: Course) -> bool {
     match course {
         Course::Power { slope, through: [x, y] } => {
@@ -76,7 +76,7 @@ pub(super) fn can_be_drawn(chart: &Chart, course: Course) -> bool {
     }
 }
 
-/// The ends of a guide where it is seen, from left to right or from bottom to top.
+/// The visible ends of a guide, from left to right or from bottom to top.
 fn ends(chart: &Chart, course: Course, field: &Field<'_>) -> Option<[At; 2]> {
     let [[left, right], [bottom, top]] = field.sides();
     match course {
@@ -90,7 +90,7 @@ fn ends(chart: &Chart, course: Course, field: &Field<'_>) -> Option<[At; 2]> {
     }
 }
 
-/// The part within the field of a line of this slope through a point.
+/// The line with this slope through a point, clipped to the field.
 fn clipped(
     slope: f64,
     [x, y]: At,
@@ -109,12 +109,12 @@ fn clipped(
     is_seen.then(|| [[from, height(from)], [to, height(to)]])
 }
 
-/// Where a name stands beside the last end of its line, for a [`Text`].
+/// The position of a name beside the last end of its line, for a [`Text`].
 fn place_of_name([from, to]: [At; 2], right: f64) -> (At, [f64; 2]) {
     match to[1] - from[1] {
         _ if from[0] == to[0] => ([to[0], to[1].min(from[1]) - GAP], [0.5, ABOVE]),
         _ if to[0] >= right => ([to[0] + GAP, to[1]], [0.0, BESIDE]),
-        // On its outer side: what a rising line is compared with tends to lie below it.
+        // On the outer side: points compared with a rising line tend to be below it.
         ..0.0 => ([to[0] - 2.0 * GAP, to[1] + GAP], [1.0, BELOW]),
         _ => ([to[0] + GAP, to[1] - GAP], [0.0, ABOVE]),
     }

@@ -1,5 +1,5 @@
-//! An [`Icicle`] as a drawing: a row for each level, below the part that it divides. Parts that are not divided have
-//! colours, by name.
+//! Draws an [`Icicle`]: a row for each level, below the part that it divides. Undivided parts are
+//! coloured by name.
 
 use super::drawing::{At, BELOW, BESIDE, Drawing, Frame, LABEL, Mark, Shape, Text};
 use super::legend::{self, Sample};
@@ -10,9 +10,9 @@ use super::{Icicle, Part, font};
 /// The height of a row, and of the last one.
 const ROW: f64 = 30.0;
 const LAST_ROW: f64 = 20.0;
-/// The width of the line of paper between parts.
+/// Width of the gap between parts.
 const BETWEEN: f64 = 1.5;
-/// From the side of a part to its label.
+/// Distance from the side of a part to its label.
 const GAP: f64 = 7.0;
 /// Space for labels below the last row.
 const UNDER: f64 = LABEL + 10.0;
@@ -35,7 +35,7 @@ pub(super) fn draw(icicle: &Icicle, frame: Frame) -> Drawing {
     drawing
 }
 
-/// The names of parts that are not divided, in the order in which they first come.
+/// The names of undivided parts, in the order of their first occurrence.
 fn leaf_names(parts: &[Part]) -> Vec<&str> {
     let mut names = Vec::new();
     for leaf in parts.iter().flat_map(Part::leaves) {
@@ -48,17 +48,17 @@ fn leaf_names(parts: &[Part]) -> Vec<&str> {
 
 struct Canvas<'d> {
     drawing: &'d mut Drawing,
-    /// Those that have colours.
+    /// The names with colours.
     names: Vec<&'d str>,
-    /// The lower end of parts that are not divided.
+    /// The lower end of undivided parts.
     bottom: f64,
-    /// Pixels for a second.
+    /// Pixels per second.
     scale: f64,
 }
 
 impl Canvas<'_> {
-    /// Draws `parts` from a point to the right, and below them what they are divided into. `above` are those that they
-    /// divide, the nearest last.
+    /// Draws `parts` from a point to the right, and their subdivisions below. `above` are their
+    /// parents, the nearest last.
     fn draw(&mut self, parts: &[Part], [mut x, y]: At, above: &[&Part]) {
         for part in parts.iter().filter(|part| part.time() > 0.0) {
             let right = x + self.scale * part.time();
@@ -93,13 +93,13 @@ impl Canvas<'_> {
     }
 }
 
-/// Name and time of a part, or its name alone, where they fit.
+/// Name and time of a part, or only its name, if they fit.
 fn label(part: &Part, width: f64) -> Option<String> {
     let labels = [format!("{}  {}", part.name, seconds(part.time())), part.name.clone()];
     labels.into_iter().find(|label| font::width(label, LABEL) + 2.0 * GAP <= width)
 }
 
-/// What a part stands for.
+/// The mark of a part.
 fn mark(part: &Part, above: &[&Part]) -> Mark {
     let names: Vec<&str> = above.iter().map(|p| &*p.name).chain([&*part.name]).collect();
     let time = part.time();

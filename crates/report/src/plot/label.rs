@@ -1,15 +1,17 @@
-//! A line of text as pixels, to be put under a picture.
+//! A line of text as pixels, for labels under images.
 
 use tiny_skia::{FillRule, Paint, Pixmap, Transform};
 
 use super::font;
 
-/// The size of letters as a share of the line's height; and how far their base line is below its top.
+/// The size of letters as a share of the line's height, and the position of their base line below
+/// its top.
 const SIZE: f64 = 0.6;
 const BASE: f64 = 0.7;
 
-/// How much of each pixel `text` covers, from 0 to 1, in the middle of a line of this width and height in pixels,
-/// the top row first. What is too long for the line loses its start. `None` where there is nothing to draw on.
+/// The coverage of each pixel by `text`, from 0 to 1, centred in a line with this width and height
+/// in pixels, the top row first. Text that is too long loses its start. `None` if the line is
+/// empty.
 pub fn label(text: &str, width: u32, height: u32) -> Option<Vec<f32>> {
     let mut pixmap = Pixmap::new(width, height)?;
     let (wide, high) = (f64::from(width), f64::from(height));

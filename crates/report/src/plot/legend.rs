@@ -1,4 +1,4 @@
-//! Names of series beside their markers, in as many rows as they need.
+//! The legend: names of series beside their markers, in as many rows as needed.
 
 use super::drawing::{BESIDE, Drawing, LABEL, Shape, Text};
 use super::font;
@@ -7,9 +7,9 @@ use super::paint::Paint;
 
 /// The height of a row.
 const ROW: f64 = 22.0;
-/// From the sample to the name.
+/// Distance from the sample to the name.
 const GAP: f64 = 7.0;
-/// From one entry to the next.
+/// Distance between entries.
 const BETWEEN: f64 = 22.0;
 /// The width of a sample with a line, and without.
 const WITH_LINE: f64 = 24.0;
@@ -17,20 +17,20 @@ const WITHOUT_LINE: f64 = 12.0;
 /// Space below the last row.
 const BELOW: f64 = 6.0;
 
-/// What stands beside a name.
+/// The sample beside a name.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Sample {
     /// The marker of a series.
     Marker,
     /// Its marker on its line.
     Line,
-    /// Its line alone.
+    /// Only its line.
     Stroke,
     /// The colour of a stage of bars.
     Square,
 }
 
-/// Draws the names and samples of series or stages, which are known by their numbers.
+/// Draws the names and samples of series or stages, with their indices.
 pub(super) fn draw<'a>(
     drawing: &mut Drawing,
     entries: impl Iterator<Item = (usize, &'a str, Sample)>,

@@ -1,18 +1,18 @@
-//! How a series is drawn: its marker and its line, on the field and in the legend.
+//! The markers and lines of series, in the field and in the legend.
 
 use super::drawing::{At, Drawing, Shape};
 use super::paint::{COLOURS, Paint};
 
-/// The radius of a round marker; others cover about as much.
+/// The radius of a round marker; others have a similar area.
 const RADIUS: f64 = 4.5;
 
-/// The width of a rim of paper around markers.
+/// The width of the outline around markers, in the background colour.
 const RIM: f64 = 1.4;
 
 /// The width of a line.
 const STROKE: f64 = 2.0;
 
-/// Corners of each marker about its middle, x and y in turn; a disk has none.
+/// The corners of each marker around its centre, x and y alternating; a disk has none.
 const MARKERS: [&[f64]; COLOURS] = [
     &[],
     &[-4.0, -4.0, 4.0, -4.0, 4.0, 4.0, -4.0, 4.0],
@@ -26,10 +26,10 @@ const MARKERS: [&[f64]; COLOURS] = [
     &[-4.5, -4.5, 4.5, -4.5, -4.5, 4.5, 4.5, 4.5],
 ];
 
-/// Draws the marker of a series. A rim of paper keeps markers apart that overlap.
+/// Draws the marker of a series. Its outline separates overlapping markers.
 pub(super) fn marker(drawing: &mut Drawing, center: At, index: usize) {
     let (rim, inside) = (Paint::Paper, Paint::Series(index));
-    // Where the colours begin again, the markers are already one further.
+    // When colours repeat, the markers are shifted by one.
     let corners = MARKERS[(index + index / COLOURS) % COLOURS];
     if corners.is_empty() {
         let disk = |radius, paint| Shape::Disk { center, radius, paint };
@@ -42,7 +42,7 @@ pub(super) fn marker(drawing: &mut Drawing, center: At, index: usize) {
     drawing.shapes.push(Shape::Area { points, paint: inside });
 }
 
-/// Draws the line of a series, dashed where its colour is another's too.
+/// Draws the line of a series, dashed if its colour is repeated.
 pub(super) fn stroke(drawing: &mut Drawing, points: Vec<At>, index: usize) {
     let (paint, dashed) = (Paint::Series(index), (index / COLOURS) % 2 == 1);
     drawing.shapes.push(Shape::Line { points, paint, width: STROKE, dashed });

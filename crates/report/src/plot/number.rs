@@ -1,4 +1,4 @@
-//! Numbers as they are read: a few digits, powers of ten in superscript, and in CSV all there is.
+//! Numbers for readers: a few digits, powers of ten in superscript; and exact numbers for CSV.
 
 /// The digits of a number.
 const DIGITS: usize = 4;
@@ -11,7 +11,7 @@ const SMALLEST_PLAIN: i32 = -3;
 
 /// A number in four digits, such as "0.0123", "1 234 567" or "6.02×10²³".
 ///
-/// Whole numbers below 10^15 are written in full, as they are counts.
+/// Integers below 10^15 are written in full, as they are counts.
 pub fn figure(value: f64) -> String {
     if !value.is_finite() {
         return "not finite".to_owned();
@@ -28,19 +28,19 @@ pub fn figure(value: f64) -> String {
     minus(&grouped(trimmed(&format!("{value:.decimals$}"))))
 }
 
-/// A number and its unit; a plain number where there is none.
+/// A number with its unit, if any.
 pub fn quantity(value: f64, unit: &str) -> String {
     let space = if unit.is_empty() || unit == "%" { "" } else { "\u{202f}" };
     format!("{}{space}{unit}", figure(value))
 }
 
-/// A time in the unit that suits it, such as "12.3 ms".
+/// A time in a suitable unit, such as "12.3 ms".
 pub fn seconds(seconds: f64) -> String {
     let (scale, unit) = time_unit(seconds.abs());
     quantity(seconds * scale, unit)
 }
 
-/// The unit for so many seconds, and what to multiply them by.
+/// The unit for this number of seconds, and its factor.
 pub fn time_unit(seconds: f64) -> (f64, &'static str) {
     match seconds {
         0.0 => (1.0, "s"),
@@ -50,7 +50,7 @@ pub fn time_unit(seconds: f64) -> (f64, &'static str) {
     }
 }
 
-/// A number in as many digits as give it back to the bit; nothing where it is not finite.
+/// A number with enough digits to read back to the same bits; empty if it is not finite.
 pub fn exact(value: f64) -> String {
     if !value.is_finite() {
         return String::new();
@@ -79,7 +79,7 @@ fn scientific(value: f64, digits: usize) -> (String, i32) {
     (mantissa.to_owned(), exponent.parse().unwrap_or_default())
 }
 
-/// Without the zeros that end a fraction.
+/// Without trailing zeros of a fraction.
 pub(super) fn trimmed(text: &str) -> &str {
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { text }
 }
@@ -101,7 +101,7 @@ fn grouped(text: &str) -> String {
     out + fraction
 }
 
-/// With a minus sign in place of each hyphen.
+/// With a minus sign instead of each hyphen.
 pub(super) fn minus(text: &str) -> String {
     text.replace('-', "−")
 }

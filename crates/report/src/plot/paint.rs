@@ -1,31 +1,32 @@
-//! The colours of a drawing, by what they are for.
+//! The colours of a drawing, by purpose.
 //!
-//! These are the colours on white paper; `chart.css` has those on a dark one under the same names.
+//! These are the colours on white paper; `chart.css` has those on a dark background under the same
+//! names.
 
-/// What a shape is painted with.
+/// The purpose of a colour.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Paint {
-    /// Text that is read first.
+    /// Prominent text.
     Ink,
-    /// Text and marks that are read when looked for.
+    /// Text and marks in the background.
     Muted,
-    /// Lines to compare with.
+    /// Guide lines.
     Guide,
-    /// Lines at the labels of an axis.
+    /// Grid lines at the labels of an axis.
     Grid,
-    /// Lines between them.
+    /// Grid lines between them.
     Faint,
-    /// What is drawn on.
+    /// The background.
     Paper,
     /// One of the series, counted from 0.
     Series(usize),
 }
 
-/// How many series have a colour of their own.
+/// Number of distinct colours of series.
 pub(super) const COLOURS: usize = 7;
 
-/// Okabe and Ito's colours, those first that stand out most from white paper. Their yellow does not
-/// at all, and is left out.
+/// Okabe and Ito's colours, in the order of their contrast to white. Their yellow has almost none
+/// and is left out.
 const SERIES: [(&str, [u8; 3]); COLOURS] = [
     ("s0", [0, 114, 178]),
     ("s1", [213, 94, 0]),
@@ -126,8 +127,8 @@ mod tests {
             let found = contrast(dark(series.name()), papers[1]);
             assert!(found >= 3.0, "{series:?} {found}");
         }
-        // The colours of Okabe and Ito as they are: the last two are for many series, and the marker
-        // sets those apart as well.
+        // Okabe and Ito's colours are unchanged: the last two are for many series, which the
+        // markers distinguish as well.
         for series in [0, 1, 2, 4].map(Paint::Series) {
             let found = contrast(series.rgb(), papers[0]);
             assert!(found >= 3.0, "{series:?} {found}");

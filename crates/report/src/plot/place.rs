@@ -1,23 +1,23 @@
-//! An axis in place: which values it shows, where on the drawing, and how it is marked.
+//! The position of an axis: its range of values, its pixels, and its ticks.
 
 use super::ticks::{Tick, Ticks, linear, logarithmic};
 use super::{Axis, Scale};
 
-/// Room beyond the outermost values, as a share of what they span.
+/// Margin beyond the outermost values, as a share of their span.
 const MARGIN: f64 = 0.04;
 
 /// Linear values that span less than this share of their size are shown as if they spanned that:
-/// closer numbers have no round ones between them.
+/// there are no round numbers between closer values.
 const NARROWEST_SPAN: f64 = 1e-6;
 
-/// Linear values no larger than this are shown as 0: so close to it numbers have fewer digits.
+/// Linear values up to this size are shown as 0: smaller numbers have fewer digits.
 const SHOWN_AS_ZERO: f64 = 1e-300;
 
 /// Positions on a logarithmic axis that span less than this are shown within a decade.
 const NARROWEST_DECADES: f64 = 0.02;
 
-/// Values become positions, and positions pixels. A position is the value, its decimal logarithm on a
-/// logarithmic axis, or the row of its name, counted downward.
+/// Maps values to positions, and positions to pixels. A position is the value, its decimal
+/// logarithm on a logarithmic axis, or the row of its name, counted downward.
 #[derive(Clone, Debug)]
 pub(super) struct Place<'a> {
     pub axis: &'a Axis,
@@ -29,7 +29,7 @@ pub(super) struct Place<'a> {
 }
 
 impl<'a> Place<'a> {
-    /// A place for all of `values` that have one.
+    /// A range for all of `values` that can be shown.
     pub(super) fn new(axis: &'a Axis, values: impl Iterator<Item = f64>) -> Self {
         let scale = &axis.scale;
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
@@ -46,12 +46,13 @@ impl<'a> Place<'a> {
         Self { axis, low, high, ticks: Ticks::default(), pixels: [0.0; 2] }
     }
 
-    /// The pixel of a value; `None` where the axis has no place for it.
+    /// The pixel of a value; `None` if the axis cannot show it.
     pub(super) fn pixel(&self, value: f64) -> Option<f64> {
         Some(self.pixel_of(position(&self.axis.scale, value)?))
     }
 
-    /// The pixel of an end of an interval: the end of the axis where it is infinite or has no place.
+    /// The pixel of an end of an interval: the end of the axis if it is infinite or cannot be
+    /// shown.
     pub(super) fn pixel_of_end(&self, value: f64) -> Option<f64> {
         match value {
             _ if value.is_nan() => None,
@@ -62,18 +63,18 @@ impl<'a> Place<'a> {
 
     /// The pixel of a position.
     pub(super) fn pixel_of(&self, position: f64) -> f64 {
-        // Halves, as the span of the largest numbers is none.
+        // Halved, as the span of the largest numbers would overflow.
         let share = (position / 2.0 - self.low / 2.0) / (self.high / 2.0 - self.low / 2.0);
         let [from, to] = self.pixels;
         from + (to - from) * share
     }
 
-    /// Pixels in a unit of position.
+    /// Pixels per unit of position.
     pub(super) fn pixels_in_unit(&self) -> f64 {
         (self.pixels[1] - self.pixels[0]) / (self.high - self.low)
     }
 
-    /// Chooses marks with at most `most` labels.
+    /// Chooses ticks with at most `most` labels.
     pub(super) fn mark(&mut self, most: usize) {
         self.ticks = match &self.axis.scale {
             Scale::Log => logarithmic(self.low, self.high, most),
@@ -87,7 +88,7 @@ impl<'a> Place<'a> {
     }
 }
 
-/// The position of a value on such a scale; `None` where there is none.
+/// The position of a value on this scale, if any.
 pub(super) fn position(scale: &Scale, value: f64) -> Option<f64> {
     match scale {
         Scale::Log => (value > 0.0 && value.is_finite()).then(|| libm::log10(value)),

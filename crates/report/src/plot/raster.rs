@@ -1,6 +1,6 @@
 //! A drawing as a PNG.
 //!
-//! tiny-skia fills and strokes without vector instructions of any machine, so that every machine makes
+//! tiny-skia fills and strokes without machine-specific instructions, so that every machine makes
 //! the same pixels.
 
 use std::io::Write;
@@ -19,7 +19,7 @@ use wavecrest_base::error::{Error, ErrorKind, Result};
 /// The widest drawing, in pixels.
 const WIDEST: u32 = 16_384;
 
-/// Writes the drawing, so many pixels wide.
+/// Writes the drawing with this width in pixels.
 pub(super) fn write(drawing: &Drawing, width: u32, sink: &mut impl Write) -> Result<()> {
     let [wide, high] = drawing.size();
     let scale = f64::from(width) / wide;

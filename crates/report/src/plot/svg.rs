@@ -1,7 +1,8 @@
 //! A drawing as SVG.
 //!
 //! Each shape has its colour on white paper as an attribute, which any reader understands, and a
-//! class, by which a style sheet gives it another: the one in `chart.css` follows light and dark.
+//! class, for which a style sheet may set another: the one in `chart.css` follows light and dark
+//! themes.
 
 use std::fmt::{Result, Write as _};
 
@@ -9,11 +10,11 @@ use super::drawing::{At, Drawing, Mark, Shape, Text};
 use super::paint::Paint;
 use crate::markup::escape;
 
-/// Texts wider than this have their width prescribed: a browser without the font would have them reach
-/// into what stands beside them.
+/// Texts wider than this have an explicit length: a browser without the font could otherwise make
+/// them overlap others.
 const LONG: f64 = 60.0;
 
-/// How near a pointer has to come to a mark.
+/// Distance at which a pointer selects a mark.
 const NEAR: f64 = 10.0;
 
 /// The style sheet of all drawings.
@@ -34,14 +35,14 @@ pub(super) fn file(drawing: &Drawing, title: &str, caption: &str) -> String {
     element_of(drawing, &head)
 }
 
-/// An element of a page that has [`STYLE`]; `class` is its class besides `chart`.
+/// An element of a page with [`STYLE`]; `class` is its class besides `chart`.
 pub(super) fn element(drawing: &Drawing, title: &str, class: &str) -> String {
     let title = escape(title);
     let head = format!("class=\"chart {class}\" role=\"group\" aria-label=\"{title}\">");
     element_of(drawing, &head)
 }
 
-/// The element: `head` has the rest of its start, and what comes before the shapes.
+/// The element: `head` has the rest of its start tag, and the content before the shapes.
 fn element_of(drawing: &Drawing, head: &str) -> String {
     let ([width, height], start) = (drawing.size().map(number), number(-drawing.margin()));
     let mut text = format!("<svg viewBox=\"{start} {start} {width} {height}\" {head}\n");
@@ -118,7 +119,7 @@ fn colour(paint: Paint, property: &str, class: char) -> String {
     format!("{property}=\"#{r:02x}{g:02x}{b:02x}\" class=\"{class}-{name}\"")
 }
 
-/// A length to the tenth of a pixel, in as few letters as it takes.
+/// A length to a tenth of a pixel, as short as possible.
 fn number(pixels: f64) -> String {
     let text = format!("{pixels:.1}");
     match text.strip_suffix(".0").unwrap_or(&text) {

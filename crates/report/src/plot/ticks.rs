@@ -1,45 +1,46 @@
-//! Where an axis is marked: at round numbers.
+//! Ticks of an axis at round numbers.
 //!
-//! A linear axis has steps of 1, 2 or 5 times a power of ten; a logarithmic one has the powers of ten,
-//! with their multiples as minor marks, or steps within a decade where it spans no two of them.
-//! Positions on a logarithmic axis are exponents of ten, from `libm`: the same on every machine.
+//! A linear axis has steps of 1, 2 or 5 times a power of ten. A logarithmic axis has the powers of
+//! ten, with their multiples as minor ticks, or steps within a decade if it spans fewer than two of
+//! them. Positions on a logarithmic axis are exponents of ten, from `libm`: the same on every
+//! machine.
 
 use super::number::{minus, power_of_ten, trimmed};
 
-/// A mark on an axis.
+/// A labelled tick.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Tick {
-    /// Where: a value, or its decimal logarithm on a logarithmic axis.
+    /// Its position: a value, or its decimal logarithm on a logarithmic axis.
     pub at: f64,
-    /// What is written there.
+    /// Its label.
     pub label: String,
 }
 
-/// The marks of an axis.
+/// The ticks of an axis.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Ticks {
-    /// Those with labels.
+    /// Ticks with labels.
     pub major: Vec<Tick>,
-    /// Those between them.
+    /// Ticks between them.
     pub minor: Vec<f64>,
 }
 
 impl Ticks {
-    /// Where all of a kind are.
+    /// The positions of all major or all minor ticks.
     pub(super) fn positions(&self, major: bool) -> Vec<f64> {
         if major { self.major.iter().map(|tick| tick.at).collect() } else { self.minor.clone() }
     }
 }
 
-/// The fewest labels: an axis with one number has no scale.
+/// Smallest number of labels: an axis with one number has no scale.
 const FEWEST_LABELS: usize = 2;
 
 /// Plain labels have exponents of ten from here ...
 const PLAIN_FROM: i32 = -3;
-/// ... to here; where a label is beyond, all are written as powers.
+/// ... to here; if a label is outside this range, all are written as powers.
 const PLAIN_TO: i32 = 4;
 
-/// At most `most` labels from `low` to `high`, two numbers in this order; three where two would not do.
+/// At most `most` labels from `low` to `high`, in this order; three if two are impossible.
 pub(super) fn linear(low: f64, high: f64, most: usize) -> Ticks {
     let half_span = high / 2.0 - low / 2.0;
     if half_span <= 0.0 || !half_span.is_finite() {
@@ -66,7 +67,7 @@ pub(super) fn linear(low: f64, high: f64, most: usize) -> Ticks {
 fn multiples(low: f64, high: f64, digit: i64, exponent: i32) -> Vec<Tick> {
     let step = times_ten_to(digit, exponent);
     let (first, last) = (libm::ceil(low / step), libm::floor(high / step));
-    // Numbers so far from 0 that steps between them are rounded away have no marks.
+    // Numbers so far from 0 that steps between them are rounded away have no ticks.
     let is_exact = step > 0.0 && first.abs() < 1e15 && last.abs() < 1e15;
     if !is_exact || last - first >= 100.0 {
         return Vec::new();
@@ -118,13 +119,13 @@ pub(super) fn logarithmic(low: f64, high: f64, most: usize) -> Ticks {
             return Ticks { major, minor: minor.into_iter().map(|tick| tick.at).collect() };
         }
     }
-    // Too narrow for whole digits: round numbers as on a linear axis, each in its place.
+    // Too narrow for whole digits: round numbers as on a linear axis.
     let mut ticks = linear(libm::exp10(low), libm::exp10(high), most);
     ticks.major.iter_mut().for_each(|tick| tick.at = libm::log10(tick.at));
     ticks
 }
 
-/// Every `step`th power of ten, with minor marks in between.
+/// Every `step`th power of ten, with minor ticks in between.
 fn powers(low: f64, high: f64, range: std::ops::RangeInclusive<i32>, step: i32) -> Ticks {
     let is_plain = PLAIN_FROM <= *range.start() && *range.end() <= PLAIN_TO;
     let name = |k| if is_plain { decimal(1, k) } else { power_of_ten(k) };

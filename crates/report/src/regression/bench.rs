@@ -1,4 +1,4 @@
-//! Two reports of `bench` compared: the time of each tracer, and of each choice that was compared, on each scene.
+//! Compares two reports of `bench`: the time of each tracer and of each variant, on each scene.
 
 use std::path::Path;
 
@@ -8,7 +8,7 @@ use serde_json::Value;
 use super::{Change, Estimate, Found, Regression, Side, Verdict, log_ratio, typical};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
-/// What is read of a report: see [`crate::bench`].
+/// The parts of a report in use: see [`crate::bench`].
 #[derive(Deserialize)]
 struct Report {
     version: String,
@@ -52,7 +52,7 @@ struct Timed {
 }
 
 impl Timed {
-    /// The times that compare, in seconds or in yardsticks.
+    /// The times to compare, in seconds or in yardsticks.
     fn times(&self, in_yardsticks: bool) -> Vec<f64> {
         let unit = if in_yardsticks { self.yardstick } else { 1.0 };
         self.seconds.each.iter().map(|seconds| seconds / unit).collect()
@@ -67,7 +67,7 @@ struct Seconds {
 /// Compares two reports.
 ///
 /// # Errors
-/// When one of them cannot be read.
+/// If one of them cannot be read.
 pub fn compare(before: &Path, after: &Path) -> Result<Regression> {
     let sides = [read(before)?, read(after)?];
     let mut regression = Regression {
@@ -112,7 +112,7 @@ fn side(path: &Path, report: &Report) -> Side {
     Side { path, version, commit, machine: report.machine.clone() }
 }
 
-/// Everything that was timed in a scene, by name.
+/// All timings of a scene, by name.
 fn timed(scene: &Scene) -> Vec<(String, &Timed)> {
     let mut all = Vec::new();
     for (name, timed) in [("wavefront", &scene.wavefront), ("recursive", &scene.recursive)] {
@@ -130,7 +130,7 @@ fn timed(scene: &Scene) -> Vec<(String, &Timed)> {
     all
 }
 
-/// On one machine the unit is a [yardstick](crate::yardstick) of the same minutes.
+/// On one machine the unit is a [yardstick](crate::yardstick) measured at the same time.
 fn times(before: &Scene, after: &Scene, same_machine: bool) -> Vec<Found> {
     let after = timed(after);
     let one = |(what, before): (String, &Timed)| {

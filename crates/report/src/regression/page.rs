@@ -1,4 +1,4 @@
-//! The result of each comparison, as text and as a page.
+//! The result of a comparison, as text and as a page.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -21,10 +21,10 @@ impl Verdict {
 }
 
 impl Regression {
-    /// Writes `compare.html` and `compare.json` into `folder`, which is made if it is not there.
+    /// Writes `compare.html` and `compare.json` to `folder`, which is created if it is missing.
     ///
     /// # Errors
-    /// When one of them cannot be written.
+    /// If one of them cannot be written.
     pub fn write(&self, folder: &Path) -> Result<()> {
         std::fs::create_dir_all(folder)
             .map_err(|e| wavecrest_base::error::Error::io("cannot create the folder", folder, e))?;
@@ -61,7 +61,7 @@ impl Regression {
         text + &self.answer() + "\n"
     }
 
-    /// The page: what changed, then all comparisons.
+    /// The page: changes first, then all comparisons.
     pub fn page(&self) -> Page {
         let mut sections = vec![Section::new("All comparisons", self.all())];
         let curves = |changed: bool| -> Vec<Block> {
@@ -83,7 +83,7 @@ impl Regression {
         Page { title, lead, first: self.changed(), sections }
     }
 
-    /// What became worse or better, the largest change first, and what to know of the comparison.
+    /// Changes for the worse or better, the largest first, and notes on the comparison.
     fn changed(&self) -> Vec<Block> {
         let mut blocks: Vec<Block> = self.warnings.iter().cloned().map(Block::Warning).collect();
         let changed = self.ratios.iter().filter(|ratio| ratio.verdict != Verdict::Same);
@@ -100,7 +100,7 @@ impl Regression {
         blocks
     }
 
-    /// Every ratio: drawn scene by scene where they are many.
+    /// Every ratio, in a chart for each scene if there are many.
     fn all(&self) -> Vec<Block> {
         let mut blocks = Vec::new();
         if self.ratios.len() <= MOST_ROWS {
@@ -123,10 +123,10 @@ impl Regression {
     }
 }
 
-/// The most ratios in one chart.
+/// Largest number of ratios in a chart.
 const MOST_ROWS: usize = 24;
 
-/// Ratios, a row each, but for those that are 1 without a doubt.
+/// Ratios, a row each, without those that are certainly 1.
 fn forest(title: &str, ratios: Vec<&Ratio>) -> Chart {
     let all = ratios.len();
     let ratios: Vec<&Ratio> = ratios.into_iter().filter(|r| r.low < 1.0 || r.high > 1.0).collect();

@@ -1,11 +1,12 @@
-//! Two sweeps of error against time compared.
+//! Compares two sweeps of error against time.
 //!
-//! Settings that differ in nothing but the number of points form a series. Where their error falls with that
-//! number, the ratio is of the time to an equal error: a ratio of errors becomes one of times along the power
-//! with which the error fell with the time before. Elsewhere time and error at equal settings are two ratios.
-//! Either is the geometric mean over the settings, of typical times and of means of squared errors, seed by
-//! seed: two programs that draw the same random numbers make the same errors, which then cancel. On one machine the
-//! unit of time is a [yardstick](crate::yardstick) of the same minute.
+//! Settings that differ only in the number of points form a series. If their error falls with that
+//! number, the ratio is of the time to an equal error: a ratio of errors is converted to one of
+//! times by the power with which the error fell with the time before. Otherwise time and error at
+//! equal settings are two ratios. Each is the geometric mean over the settings, of typical times
+//! and of means of squared errors, seed by seed: two programs with the same random numbers make the
+//! same errors, which cancel. On one machine the unit of time is a [yardstick](crate::yardstick) of
+//! the same minute.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -23,7 +24,8 @@ use wavecrest_base::error::Result;
 use wavecrest_image::compare::compare as compare_films;
 use wavecrest_image::read::read as read_film;
 
-/// Powers with which a mean squared error falls with time: that of independent points is -1.
+/// Range of the powers with which a mean squared error falls with time: that of independent points
+/// is -1.
 const POWERS: [f64; 2] = [-2.5, -0.5];
 
 /// The records of a sweep.
@@ -33,11 +35,11 @@ struct Sweep<'a> {
     records: Vec<Record>,
 }
 
-/// A render that takes less, in seconds, is mostly the start of threads and the making of buffers: its time is not
-/// compared.
+/// Renders shorter than this in seconds mostly start threads and allocate buffers: their times are
+/// not compared.
 const LEAST_RENDER: f64 = 0.001;
 
-/// What the renders of a setting gave on one side, seed by seed.
+/// The results of a setting on one side, seed by seed.
 #[derive(Clone)]
 struct Column {
     seconds: Vec<f64>,
@@ -47,13 +49,13 @@ struct Column {
 /// A setting on both sides.
 type Pair = [Column; 2];
 
-/// The renders of a scene on one side: series, then key, then seed.
+/// The renders of a scene on one side: by series, then key, then seed.
 type Series<'a> = BTreeMap<(Target, String), BTreeMap<&'a str, BTreeMap<u64, &'a PointRecord>>>;
 
 /// Compares the sweeps in two folders.
 ///
 /// # Errors
-/// When one of them cannot be read.
+/// If one of them cannot be read.
 pub fn compare(before: &Path, after: &Path) -> Result<Regression> {
     let open = |folder| {
         let (header, records) = read(folder)?;
@@ -95,7 +97,7 @@ fn side(sweep: &Sweep<'_>) -> Side {
     }
 }
 
-/// Every series of a scene, all of them together, and what comes before them.
+/// Compares every series of a scene, all of them together, and the preparation.
 fn points(scene: &str, sides: &[Sweep<'_>; 2], found: &mut Vec<Found>, warnings: &mut Vec<String>) {
     let on_one_machine = side(&sides[0]).machine == side(&sides[1]).machine;
     let records = sides.each_ref().map(|side| side.records.as_slice());
@@ -151,7 +153,8 @@ fn points(scene: &str, sides: &[Sweep<'_>; 2], found: &mut Vec<Found>, warnings:
     }
 }
 
-/// What to say of the rounds in which the machine was busy; `None` says that too few others were left.
+/// A note on the rounds in which the machine was busy; `None` in place of them means that too few
+/// others were left.
 fn about_busy_rounds(scene: &str, busy: Option<&BTreeSet<u64>>) -> Option<String> {
     let cause = "something else kept the machine busy";
     match busy.map(BTreeSet::len) {
@@ -188,7 +191,7 @@ fn reference<'a>(scene: &str, target: Target, sweep: &'a Sweep<'_>) -> Option<&'
     all(&sweep.records).find(|r: &&ReferenceRecord| r.scene == scene && r.target == target)
 }
 
-/// The settings that both sides have, with the seeds that all of these have.
+/// The common settings of both sides, with their common seeds.
 fn pairs<'a>(
     [before, after]: [&BTreeMap<&str, BTreeMap<u64, &'a PointRecord>>; 2],
     floors: [f64; 2],
@@ -231,7 +234,7 @@ impl Column {
     }
 }
 
-/// Of times: at equal error along a power, where there is one.
+/// The ratio of times: at equal error along a power, if any.
 fn time(series: &[(&[Pair], Option<f64>)]) -> Option<Estimate> {
     let pairs = || series.iter().flat_map(|(pairs, power)| pairs.iter().map(move |p| (p, power)));
     let (rounds, count) = (pairs().map(|(pair, _)| pair[0].seconds.len()).min()?, pairs().count());
@@ -242,7 +245,7 @@ fn time(series: &[(&[Pair], Option<f64>)]) -> Option<Estimate> {
     Estimate::of(rounds, |rounds| pairs().map(|pair| log(pair, rounds)).sum::<f64>() / count as f64)
 }
 
-/// Of root mean squared errors.
+/// The ratio of root mean squared errors.
 fn error(pairs: &[Pair]) -> Option<Estimate> {
     let log = |[before, after]: &Pair, rounds: &[usize]| {
         log_ratio(before.square(rounds), after.square(rounds)) / 2.0
@@ -252,7 +255,8 @@ fn error(pairs: &[Pair]) -> Option<Estimate> {
     })
 }
 
-/// The power with which the mean squared error fell with time before, by least squares through logarithms.
+/// The power with which the mean squared error fell with time before, by least squares in
+/// logarithms.
 fn power(pairs: &[Pair]) -> f64 {
     let logs: Vec<[f64; 2]> = pairs
         .iter()
@@ -277,11 +281,11 @@ fn curves(pairs: &[Pair]) -> Vec<Vec<[f64; 2]>> {
     vec![curve(0), curve(1)]
 }
 
-/// Less than so many seconds before the first ray are not compared: a scene is prepared a few times in a sweep, one after
-/// the other, and of so short a time that says little.
+/// Preparation times below this in seconds are not compared: a scene is prepared a few times in a
+/// row in a sweep, and so short a time is not significant.
 const LEAST_PREPARATION: f64 = 0.01;
 
-/// What comes before the first ray, where it was measured often enough.
+/// The preparation, if measured often enough.
 fn preparation(scene: &str, sides: &[Sweep<'_>; 2]) -> Vec<Found> {
     let times = sides.each_ref().map(|side| {
         let mut times: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
@@ -307,7 +311,7 @@ fn preparation(scene: &str, sides: &[Sweep<'_>; 2]) -> Vec<Found> {
     before.iter().filter_map(one).collect()
 }
 
-/// What must not change at all, or follows from the program alone.
+/// Deterministic values that changed.
 fn changes(scene: &str, sides: &[Sweep<'_>; 2]) -> Result<Vec<Change>> {
     let mut changes = neutral(scene, sides);
     changes.extend(trials(scene, sides));
@@ -317,7 +321,7 @@ fn changes(scene: &str, sides: &[Sweep<'_>; 2]) -> Result<Vec<Change>> {
     Ok(changes)
 }
 
-/// What must not change a picture, and does on one side.
+/// Choices that must not change an image, but do on one side.
 fn neutral(scene: &str, sides: &[Sweep<'_>; 2]) -> Vec<Change> {
     let [before, after] =
         sides.each_ref().map(|s| all::<NeutralRecord>(&s.records).filter(|n| n.scene == scene));
@@ -337,7 +341,7 @@ fn neutral(scene: &str, sides: &[Sweep<'_>; 2]) -> Vec<Change> {
     before.filter_map(differs).collect()
 }
 
-/// Rays that leak or meet their own triangle again.
+/// Rays that leak or hit their own triangle again.
 fn trials(scene: &str, sides: &[Sweep<'_>; 2]) -> Vec<Change> {
     let [before, after] = sides
         .each_ref()
@@ -365,7 +369,7 @@ fn trials(scene: &str, sides: &[Sweep<'_>; 2]) -> Vec<Change> {
     changes
 }
 
-/// References that are further apart than either may be from the truth.
+/// References that differ by more than their standard errors allow.
 fn references(scene: &str, target: Target, sides: &[Sweep<'_>; 2]) -> Result<Option<Change>> {
     let [Some(before), Some(after)] = sides.each_ref().map(|s| reference(scene, target, s)) else {
         return Ok(None);

@@ -1,5 +1,5 @@
-//! How quick the machine was in each round of a sweep: times are compared in this unit, and rounds in which the machine
-//! was busy are left out.
+//! The speed of the machine in each round of a sweep: times are compared in this unit, and rounds
+//! in which the machine was busy are left out.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -10,23 +10,25 @@ use crate::summary::median;
 /// The unit of time in the round of each seed.
 pub(super) type Unit = BTreeMap<u64, f64>;
 
-/// The units of both sides of a comparison on one machine; none, so that times are in seconds, where one side has no
-/// yardstick.
+/// The units of both sides of a comparison on one machine; empty, so that times are in seconds, if
+/// one side has no yardstick.
 pub(super) fn units(scene: &str, sides: [&[Record]; 2]) -> [Unit; 2] {
     let mut units = sides.map(|records| unit(scene, records));
     if !units.iter().all(|unit| unit.values().all(|seconds| *seconds > 0.0)) {
         return Default::default();
     }
-    // Times remain seconds: those of the machine as it was before.
+    // Times remain in seconds of the machine as it was before.
     let usual = median(&units[0].values().copied().collect::<Vec<_>>());
     units.iter_mut().flat_map(|unit| unit.values_mut()).for_each(|seconds| *seconds /= usual);
     units
 }
 
-/// A machine on which the yardstick takes so many times as long as in the quickest round was busy with something else.
+/// The machine counts as busy in a round whose yardstick took this many times that of the fastest
+/// round.
 const BUSY: f64 = 1.25;
 
-/// The rounds in which the machine was busy on either side; `None` where too few others remain to compare times.
+/// The rounds in which the machine was busy on either side; `None` if too few others remain to
+/// compare times.
 pub(super) fn busy(units: &[Unit; 2]) -> Option<BTreeSet<u64>> {
     let rounds = || units.iter().flatten();
     let least = rounds().map(|(_, seconds)| *seconds).fold(f64::INFINITY, f64::min);

@@ -1,4 +1,4 @@
-//! How a case is run, and its outcome.
+//! Settings and outcome of a case.
 
 use std::iter::Sum;
 
@@ -8,30 +8,30 @@ use wavecrest_core::accel::build::Preset;
 use wavecrest_core::accel::geometry::Geometry;
 use wavecrest_core::kernels::precision::Precision;
 
-/// How much is tested.
+/// The number of tests.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Count {
-    /// Little enough to be timed several times.
+    /// Few enough to be timed several times.
     Brief,
-    /// Little enough for every run of the tests.
+    /// Few enough for every test run.
     Quick,
-    /// As much as the case's bound states.
+    /// As many as the case's bound states.
     Full,
 }
 
-/// How a case is run.
+/// The settings of a case.
 #[derive(Clone, Copy, Debug)]
 pub struct Effort {
-    /// The arithmetic that is tested.
+    /// The tested precision.
     pub precision: Precision,
     /// The seed of its inputs.
     pub seed: u64,
-    /// How many there are.
+    /// The number of tests.
     pub count: Count,
 }
 
 impl Effort {
-    /// What finds hits on `geometry` in the precision that is tried.
+    /// `geometry` with a tree of `preset`, in the tested precision.
     pub(super) fn accel(&self, mut geometry: Geometry, preset: Preset) -> Accel {
         geometry.set_precision(self.precision);
         Accel::new(geometry, preset)
@@ -46,7 +46,7 @@ impl Effort {
         }
     }
 
-    /// One of these.
+    /// One of two values, by the number of tests.
     pub(super) fn either<T>(&self, quick: T, full: T) -> T {
         match self.count {
             Count::Brief | Count::Quick => quick,
@@ -64,14 +64,14 @@ pub struct Outcome {
     pub failed: u64,
     /// A description of the first of these.
     pub first: Option<String>,
-    /// Answers whose time was taken.
+    /// Number of timed answers.
     pub timed: u64,
-    /// Seconds that these took, summed over threads.
+    /// Seconds of these, summed over threads.
     pub seconds: f64,
 }
 
 impl Outcome {
-    /// Nanoseconds for an answer; `None` where no time was taken.
+    /// Nanoseconds for each answer; `None` if nothing was timed.
     pub fn nanoseconds(&self) -> Option<f64> {
         (self.timed > 0).then(|| self.seconds * 1e9 / self.timed as f64)
     }
@@ -81,14 +81,14 @@ impl Outcome {
         self.tried > 0 && self.failed == 0
     }
 
-    /// The outcome of one test; `failure` describes what is wrong, if anything is.
+    /// The outcome of one test; `failure` describes the error, if any.
     pub(super) fn one(failure: Option<String>) -> Self {
         let mut outcome = Self::default();
         outcome.count(failure);
         outcome
     }
 
-    /// Counts a test; `failure` describes what is wrong, if anything is.
+    /// Counts a test; `failure` describes the error, if any.
     pub(super) fn count(&mut self, failure: Option<String>) {
         self.tried += 1;
         if let Some(failure) = failure {
@@ -97,17 +97,17 @@ impl Outcome {
         }
     }
 
-    /// Counts a test; `failure` describes what is wrong unless it is `right`.
+    /// Counts a test; `failure` describes the error unless it is `right`.
     pub(super) fn check(&mut self, right: bool, failure: impl FnOnce() -> String) {
         self.count((!right).then(failure));
     }
 
-    /// With `context` before the words of the first failure.
+    /// Adds `context` before the description of the first failure.
     pub(super) fn with_context(self, context: impl Fn() -> String) -> Self {
         Self { first: self.first.map(|first| format!("{}, {first}", context())), ..self }
     }
 
-    /// Without its failures, if they are at most this share of the tests.
+    /// Drops its failures if they are at most this share of the tests.
     pub(super) fn allowing(self, share: f64) -> Self {
         if self.failed as f64 > share * self.tried as f64 {
             return self;
@@ -136,7 +136,7 @@ impl Sum for Outcome {
     }
 }
 
-/// A test that could not be run is one failure.
+/// A test that could not run counts as one failure.
 impl From<Result<Self>> for Outcome {
     fn from(result: Result<Self>) -> Self {
         result.unwrap_or_else(|error| Self::one(Some(error.to_string())))

@@ -1,21 +1,21 @@
-//! Closed meshes: a ray from inside cannot leave.
+//! Closed meshes: a ray from the inside cannot leave.
 
 use glam::{DVec3, Vec3};
 
 use super::ways::Numbers;
 use wavecrest_core::accel::geometry::Geometry;
 
-/// A closed mesh about a point that sees all of it.
+/// A closed mesh around a point from which all of it is visible.
 pub(super) struct Closed {
     pub(super) geometry: Geometry,
     /// The point.
     pub(super) center: Vec3,
-    /// Every point that is as near to it is inside.
+    /// Every point at most this far from it is inside.
     pub(super) radius: f32,
 }
 
-/// A globe of `rings` rings of `segments` vertices each, and two poles, at which `segments` triangles
-/// meet. Radii differ by up to `bumps`, then all is scaled and moved.
+/// A globe of `rings` rings of `segments` vertices each, and two poles, at which `segments`
+/// triangles meet. Radii vary by up to `bumps`; then everything is scaled and moved.
 pub(super) fn globe(
     mut numbers: Numbers,
     [rings, segments]: [u32; 2],
@@ -33,7 +33,7 @@ pub(super) fn globe(
     for ring in 1..=rings {
         let polar = std::f64::consts::PI * f64::from(ring) / f64::from(rings + 1);
         for segment in 0..segments {
-            // Rings are turned against each other.
+            // Rings are rotated against each other.
             let turn = f64::from(segment) + 0.37 * f64::from(ring);
             add(polar, std::f64::consts::TAU * turn / f64::from(segments));
         }
@@ -56,7 +56,7 @@ pub(super) fn globe(
     Closed { geometry, center: offset, radius }
 }
 
-/// The least distance of a triangle's plane.
+/// The smallest distance to a triangle's plane.
 fn nearest_plane(geometry: &Geometry, from: Vec3) -> f64 {
     let planes = (0..geometry.triangles.len()).map(|i| {
         let [a, b, c] = geometry.triangle(i).map(|v| v.as_dvec3() - from.as_dvec3());

@@ -1,4 +1,4 @@
-//! Colours of vertices, of sizes that differ as far as a scene may say.
+//! Vertex colours that differ as widely as a scene allows.
 
 use glam::DVec3;
 use serde_json::json;
@@ -11,24 +11,24 @@ use wavecrest_core::accel::build::Preset;
 /// Triangles of a fan.
 const TRIANGLES: usize = 12;
 
-/// By how much interpolation may be off, in parts of the largest colour of the triangle: single precision places the
-/// point and the weights.
+/// Largest error of interpolation, relative to the largest colour of the triangle: the point and
+/// the weights have single precision.
 const LARGEST_ERROR: f64 = 1e-5;
 
-/// Row 46.
+/// Case 46.
 pub(super) fn interpolated(effort: &Effort) -> Outcome {
     let fans = inputs(effort, 46, 0..effort.either(4, 100));
     fans.map(|mut numbers| fan_from_above(effort, &mut numbers)).sum()
 }
 
-/// A fan in the plane y = 0 about the origin, which the middle pixel sees: all that is seen is the colours of its
-/// vertices, in ambient light.
+/// A fan in the plane y = 0 around the origin, seen by the centre pixel: the image shows only its
+/// vertex colours, in ambient light.
 fn fan_from_above(effort: &Effort, numbers: &mut Numbers) -> Outcome {
     let size = effort.either([25, 25], [65, 65]);
     let eye = Eye { up: DVec3::Z, ..Eye::at(DVec3::new(0.0, 5.0, 0.0), 60.0, size) };
     let around = |i: usize| {
         let (sin, cos) = libm::sincos(std::f64::consts::TAU * i as f64 / TRIANGLES as f64);
-        // What the file says, and single precision too.
+        // Exact in the file and in single precision.
         DVec3::new(2.0 * sin, 0.0, 2.0 * cos).as_vec3().as_dvec3()
     };
     let points: Vec<DVec3> =
@@ -44,7 +44,7 @@ fn fan_from_above(effort: &Effort, numbers: &mut Numbers) -> Outcome {
                       "points": points.iter().map(|p| p.to_array()).collect::<Vec<_>>(),
                       "colors": colors.iter().map(|&c| [c; 3]).collect::<Vec<_>>(),
                       "material": scenes::matte([1.0; 3])});
-    // Without strength, but with an ambient part.
+    // No power, but an ambient part.
     let light = scenes::point_light(0.0, DVec3::Y, "none");
     let mut scene = scenes::scene(0, &eye.json(), &[light], &[mesh]);
     scene["scene"]["ambient"] = 1.into();
@@ -61,7 +61,7 @@ fn fan_from_above(effort: &Effort, numbers: &mut Numbers) -> Outcome {
                     (mixed, LARGEST_ERROR * colors.into_iter().fold(0.0, f64::max))
                 })
             };
-            // On an edge each triangle will do.
+            // On an edge any of its triangles is right.
             let expected: Vec<(f64, f64)> = fan.iter().filter_map(of).collect();
             let is_right = expected.is_empty()
                 || expected.iter().any(|(mixed, off)| (f64::from(pixel) - mixed).abs() <= *off);

@@ -1,4 +1,4 @@
-//! Spot lights whose cones are nothing, half of space or hard, and directional lights along surfaces.
+//! Spot lights with empty, hard and half-space cones, and directional lights along surfaces.
 
 use glam::DVec3;
 use serde_json::{Value, json};
@@ -19,14 +19,14 @@ const CONES: [[f64; 2]; 8] = [
     [90.0, 90.0],
 ];
 
-/// How high the spot hangs over the floor.
+/// Height of the spot above the floor.
 const HEIGHT: f64 = 2.0;
 
-/// Nearer to the edge of a cone than this, as a cosine, rounding of a point decides: of positions that are hit, and of
-/// those that pixels are worked out for.
+/// Within this distance of the edge of a cone, as a cosine, rounding decides: of hit points, and of
+/// expected pixels.
 const DOUBTFUL: f64 = 1e-6;
 
-/// Row 41.
+/// Case 41.
 pub(super) fn cones(effort: &Effort) -> Outcome {
     let mut outcome = Outcome::default();
     for cone in CONES {
@@ -39,20 +39,22 @@ pub(super) fn cones(effort: &Effort) -> Outcome {
     outcome
 }
 
-/// A camera above the origin, whose middle pixel sees it; at every odd size the axes are rows of pixels.
+/// A camera above the origin, which its centre pixel sees; with odd sizes the axes are rows of
+/// pixels.
 fn eye(effort: &Effort) -> Eye {
     let size = effort.either([17, 17], [65, 65]);
     Eye { up: DVec3::Z, ..Eye::at(DVec3::new(0.0, 5.0, 0.0), 90.0, size) }
 }
 
-/// All that the camera sees: the plane y = 0.
+/// The only visible shape: the plane y = 0.
 fn floor() -> Value {
     let at = |x: f64, z: f64| DVec3::new(100.0 * x, 0.0, 100.0 * z);
     let corners = [at(-1.0, -1.0), at(-1.0, 1.0), at(1.0, 1.0), at(1.0, -1.0)];
     scenes::plane(corners, scenes::matte([1.0; 3]))
 }
 
-/// A spot that shines straight down: what is within the inner cone is lit, what is without the outer one is black.
+/// A spot that points straight down: everything inside the inner cone is lit, everything outside
+/// the outer one is black.
 fn over_a_floor(effort: &Effort, [inner, outer]: [f64; 2]) -> Outcome {
     let eye = eye(effort);
     let light = json!({"type": "spotlight", "intensity": 10, "position": [0, HEIGHT, 0],
@@ -76,14 +78,15 @@ fn over_a_floor(effort: &Effort, [inner, outer]: [f64; 2]) -> Outcome {
     })
 }
 
-/// Parallel light in the plane of the floor adds nothing, and what comes from half of the sky is half above it.
+/// Parallel light in the plane of the floor adds nothing, and half of the light from half of the
+/// sky is above the floor.
 fn along_the_floor(effort: &Effort, angle: f64) -> Outcome {
     let light = json!({"type": "directionallight", "intensity": 1, "color": [1, 1, 1],
                        "direction": [1, 0, 0], "angle": angle, "samples": 16});
     let scene = scenes::scene(0, &eye(effort).json(), &[light], &[floor()]);
     every_image(effort, &scene, &[Preset::VeryFast], |rendered| {
         pixels(&rendered.film, |_, _, pixel| {
-            // No more than all directions at the greatest height.
+            // At most all directions at the greatest height.
             let most = (angle / 2.0).to_radians().sin() as f32;
             let is_right = (0.0..=most).contains(&pixel[0]) && (angle < 1.0 || pixel[0] > 0.0);
             (!is_right).then(|| format!("not from 0 to {most}"))

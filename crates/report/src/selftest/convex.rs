@@ -1,4 +1,4 @@
-//! A convex globe on a grid: what lies in front of one of its faces lies outside all of it.
+//! A convex globe on a grid: points in front of one of its faces are outside the globe.
 
 use glam::{DVec3, Vec3};
 
@@ -8,8 +8,8 @@ pub(super) struct Mesh {
     pub(super) triangles: Vec<[u32; 3]>,
 }
 
-/// An octahedron of which each face is divided into `n` by `n`, with the vertices at a distance of
-/// about `radius` from 0, all of them multiples of `step`.
+/// An octahedron with each face divided into `n` by `n`, and vertices at a distance of about
+/// `radius` from 0, all of them multiples of `step`.
 pub(super) fn globe(n: i32, radius: f64, step: f64) -> Mesh {
     let mut mesh = Mesh { positions: Vec::new(), triangles: Vec::new() };
     for octant in 0..8 {
@@ -24,7 +24,7 @@ pub(super) fn globe(n: i32, radius: f64, step: f64) -> Mesh {
                 mesh.positions.push((on_grid * signs).as_vec3());
             }
         }
-        // Row i begins after rows of n + 1, n, ... vertices.
+        // Row i starts after rows of n + 1, n, ... vertices.
         let vertex = |i: i32, j: i32| (first + i * (n + 1) - i * (i - 1) / 2 + j) as u32;
         let mut add = |[a, b, c]: [u32; 3]| {
             mesh.triangles.push(if is_mirrored { [a, c, b] } else { [a, b, c] });
@@ -47,14 +47,14 @@ impl Mesh {
         self.triangles[triangle].map(|v| self.positions[v as usize].as_dvec3())
     }
 
-    /// How far in front of that triangle's plane `point` is.
+    /// The distance of `point` in front of that triangle's plane.
     pub(super) fn height(&self, triangle: usize, point: DVec3) -> f64 {
         let [a, b, c] = self.corners(triangle);
         (b - a).cross(c - a).normalize().dot(point - a)
     }
 
-    /// The triangle that a ray from outside meets first, by its front, and where. `None` also where
-    /// the ray passes so near to an edge that its neighbour may be met.
+    /// The first triangle whose front a ray from outside meets, and where. `None` also if the ray
+    /// passes so near to an edge that the neighbour may be hit.
     pub(super) fn seen(&self, origin: DVec3, direction: DVec3) -> Option<usize> {
         (0..self.triangles.len()).find(|&triangle| {
             let corners = self.corners(triangle).map(|v| v - origin);

@@ -1,4 +1,4 @@
-//! Directions with components that are zero, nearly zero, or no numbers.
+//! Directions with components that are zero, nearly zero, or not finite.
 
 use glam::Vec3;
 
@@ -20,7 +20,7 @@ pub(super) fn cubes(n: u32, distance: f32) -> Geometry {
     geometry
 }
 
-/// The corners of each side of a cube. The corner `i` has the higher x, y and z where its bits 0, 1 and 2
+/// The corners of each side of a cube. Corner `i` has the higher x, y and z if its bits 0, 1 and 2
 /// are 1.
 pub(super) const CUBE_SIDES: [[u32; 4]; 6] =
     [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
@@ -34,21 +34,22 @@ fn add_cube(geometry: &mut Geometry, low: Vec3, side: f32) {
     }
 }
 
-/// Rays along each axis, both ways, with zeros of both signs, in the planes of faces, along edges, and
-/// from planes.
+/// Rays along each axis, in both directions, with zeros of both signs, in the planes of faces,
+/// along edges, and from planes.
 pub(super) fn along_axes(effort: &Effort) -> Outcome {
     let geometry = cubes(4, 2.0);
     let mut rays = Vec::new();
     for mut numbers in inputs(effort, 4, 0..effort.of(1_000_000) / 6) {
         for k in 0..3 {
             for sign in [1.0, -1.0] {
-                // Across the ray within the cubes of a row: on a face's plane, on an edge or inside.
+                // Across the ray, within the cubes of a row: on a face's plane, on an edge or
+                // inside.
                 let mut origin = Vec3::ZERO;
                 for other in [(k + 1) % 3, (k + 2) % 3] {
                     let within = [0.0, 0.5, 1.0, numbers.one() as f32][numbers.below(4)];
                     origin[other] = 2.0 * numbers.below(4) as f32 + within;
                 }
-                // Along the ray: before all, or on the plane of a face that others lie behind.
+                // Along the ray: before all cubes, or on the plane of a face with others behind it.
                 let steps = 2.0 * numbers.below(3) as f32;
                 origin[k] = if sign > 0.0 { steps } else { 7.0 - steps };
                 if numbers.below(2) == 0 {
@@ -96,7 +97,7 @@ pub(super) fn signed_zeros(effort: &Effort) -> Outcome {
     judged.into_iter().sum()
 }
 
-/// Rays at small cubes from far away, that hardly lean.
+/// Nearly axis-parallel rays at small cubes from far away.
 pub(super) fn tiny_components(effort: &Effort) -> Outcome {
     const SIDE: f32 = 0.01;
     let mut geometry = Geometry::default();
@@ -114,8 +115,8 @@ pub(super) fn tiny_components(effort: &Effort) -> Outcome {
                 direction[other] = (numbers.sign() * tiny * numbers.one()) as f32;
                 target[other] += f64::from(SIDE) * (0.1 + 0.8 * numbers.one());
             }
-            // Where the ray has to start, for double precision to have it at the target. Rounded, the
-            // origin is off by far less than a tenth of the cube across the ray.
+            // The origin from which the ray reaches the target in double precision. Rounding moves
+            // it across the ray by far less than a tenth of the cube.
             let mut origin = target - direction.as_dvec3() * t;
             origin[k] = origin[k].round();
             Ray::new(origin.as_vec3(), direction)
@@ -126,7 +127,7 @@ pub(super) fn tiny_components(effort: &Effort) -> Outcome {
     })
 }
 
-/// Rays that are none.
+/// Invalid rays.
 pub(super) fn invalid(effort: &Effort) -> Outcome {
     let wrong = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY];
     let accel = effort.accel(cubes(3, 2.0), Preset::VeryFast);

@@ -1,7 +1,7 @@
-//! What a precision yields for its price: how far its hits are from the exact ones, in units in the last place.
+//! The errors of hits in each precision against exact ones, in units in the last place.
 //!
-//! The reference is the exact test, to more digits than single precision has: t of [`exact::intersect`], and the plane
-//! and the normal of the triangle in double precision.
+//! The reference is the exact test, with more digits than single precision: t of
+//! [`exact::intersect`], and the plane and the normal of the triangle in double precision.
 
 use std::iter::Sum;
 
@@ -17,48 +17,49 @@ use wavecrest_core::kernels::triangle::exact;
 use wavecrest_core::math::float::{max_abs, normalize};
 use wavecrest_core::math::ray::Ray;
 
-/// Bins of the histogram: up to half an ulp, which is what rounding the exact value once leaves, then up to each
-/// power of two, and all that is larger.
+/// Bins of the histogram: up to half an ulp, the error of rounding the exact value once, then up to
+/// each power of two, and all larger errors.
 pub const SIZES: usize = 26;
 
-/// Errors, counted by size.
+/// A histogram of errors.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Distribution {
-    /// How many are up to half an ulp, up to one, up to two, and so on; the last are larger than all these.
+    /// Numbers of errors up to half an ulp, up to one, up to two, and so on; the last are larger
+    /// than all these.
     pub counts: [u64; SIZES],
-    /// The largest, in ulp.
+    /// The largest error, in ulp.
     pub worst: f64,
 }
 
-/// How far hits are from the exact ones.
+/// Errors of hits against exact ones.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct HitErrors {
     /// Of t, in ulp of the exact t.
     pub t: Distribution,
-    /// Of the point: its distance from the triangle's plane, in ulp of the triangle's largest coordinate. This is what
-    /// makes a surface shadow itself.
+    /// Of the point: its distance from the triangle's plane, in ulp of the triangle's largest
+    /// coordinate. This error makes a surface shadow itself.
     pub point: Distribution,
-    /// Of the geometric normal, along the axis where it is largest, in ulp of its largest component.
+    /// Of the geometric normal, along its largest component, in ulp of that component.
     pub normal: Distribution,
-    /// Triangles that the ray meets, and that were missed. Beside an edge a watertight test may give the hit to the
-    /// neighbour; other tests lose it.
+    /// Triangles that the ray meets but that were missed. Beside an edge a watertight test may give
+    /// the hit to the neighbour; other tests lose it.
     pub lost: u64,
-    /// Triangles that the ray passes by, and that were hit: the same from the other side.
+    /// Triangles that the ray misses but that were hit: the opposite case.
     pub extra: u64,
 }
 
 impl Distribution {
-    /// The size that bounds the errors counted at `index`, in ulp.
+    /// The upper bound of the errors counted at `index`, in ulp.
     pub fn bound(index: usize) -> f64 {
         if index + 1 == SIZES { f64::INFINITY } else { libm::exp2(index as f64 - 1.0) }
     }
 
-    /// How many errors there are.
+    /// The number of errors.
     pub fn total(&self) -> u64 {
         self.counts.iter().sum()
     }
 
-    /// The least of the bounds that at least `share` of the errors keep, in ulp; `None` where there are none.
+    /// The smallest bound for at least `share` of the errors, in ulp; `None` without errors.
     pub fn within(&self, share: f64) -> Option<f64> {
         let enough = share * self.total() as f64;
         let mut sum = 0;
@@ -70,7 +71,7 @@ impl Distribution {
     }
 
     fn count(&mut self, ulp: f64) {
-        // What is not a number is larger than all, but can be written as JSON.
+        // NaN counts as the largest error, but as a number that JSON can represent.
         let ulp = if ulp.is_finite() { ulp } else { f64::MAX };
         let index = (0..SIZES).find(|&i| ulp <= Self::bound(i)).unwrap_or(SIZES - 1);
         self.counts[index] += 1;
@@ -86,13 +87,14 @@ impl Distribution {
 }
 
 impl HitErrors {
-    /// The worst of each, in words.
+    /// The largest of each, in words.
     pub fn words(&self) -> String {
         let [t, point, normal] = [&self.t, &self.point, &self.normal].map(|e| ulps(e.worst));
         format!("largest errors: t {t}, points {point}, normals {normal}")
     }
 
-    /// Compares what the `tests` of a precision say of a ray and a triangle: a hit at `t`, or none.
+    /// Compares the result of `tests` in a precision for a ray and a triangle: a hit at `t`, or
+    /// none.
     fn count(&mut self, tests: Tests, ray: &Ray, corners: &[Vec3; 3], t: Option<f32>) {
         let exactly = exact::intersect(ray, corners);
         let (t, exact_t) = match (t, exactly.filter(|&t| t > f64::from(ray.t_min))) {
@@ -130,7 +132,7 @@ impl Sum for HitErrors {
 
 /// A number of ulp in words.
 pub fn ulps(ulp: f64) -> String {
-    // The last size has no end.
+    // The last bin has no upper bound.
     let most = Distribution::bound(SIZES - 2);
     if ulp > most {
         return format!("more than {} ulp", figure(most));
@@ -138,29 +140,29 @@ pub fn ulps(ulp: f64) -> String {
     if ulp < 10.0 { format!("{ulp:.1} ulp") } else { format!("{} ulp", figure(ulp.round())) }
 }
 
-/// The distance between numbers of single precision about `value`.
+/// The distance between single-precision numbers near `value`.
 fn ulp(value: f64) -> f64 {
     let value = (value.abs() as f32).clamp(f32::MIN_POSITIVE, f32::MAX / 2.0);
     f64::from(value.next_up()) - f64::from(value)
 }
 
-/// A way to place a ray before a triangle that is hard for rounding.
+/// A position of a ray and a triangle that is difficult for rounding.
 #[derive(Clone, Copy, Debug)]
 pub struct Situation {
-    /// What is hard.
+    /// The difficulty.
     pub name: &'static str,
     place: fn(&mut Numbers) -> Placed,
 }
 
-/// Where a triangle and a ray are to be, in units of the triangle's size.
+/// The position of a triangle and a ray, in units of the triangle's size.
 struct Placed {
-    /// Its height, where its length is 1.
+    /// The triangle's height, at length 1.
     height: f64,
     /// The sine of the angle at which the ray meets its plane.
     sine: f64,
-    /// How far the ray starts from it.
+    /// The distance from which the ray starts.
     distance: f64,
-    /// How far all lies from the origin.
+    /// The distance of everything from the origin.
     away: f64,
 }
 
@@ -194,11 +196,11 @@ pub const SITUATIONS: &[Situation] = &[
 /// Rays of a situation, in full.
 const RAYS: usize = 1_000_000;
 
-/// Random numbers of this stand where a case's number does.
+/// The stream of random numbers, in place of a case's number.
 const MEASURED: u32 = 110;
 
 impl Situation {
-    /// The errors of a precision.
+    /// The errors in a precision.
     pub fn errors(&self, effort: &Effort) -> HitErrors {
         let tests = Tests(effort.precision);
         let blocks = blocks(effort.of(RAYS), 1 << 10);
@@ -214,7 +216,7 @@ impl Situation {
         errors.sum()
     }
 
-    /// A ray and the triangle that it is aimed at.
+    /// A ray and the triangle at which it is aimed.
     fn make(&self, numbers: &mut Numbers) -> (Ray, [Vec3; 3]) {
         let Placed { height, sine, distance, away } = (self.place)(numbers);
         let size = numbers.magnitude(1e-3, 1e3);
@@ -232,8 +234,8 @@ impl Situation {
     }
 }
 
-/// The errors on the triangles that `accel` is over, in its precision, of rays that go from `from` to a point of one of
-/// them. What lies before that triangle is hit instead; rays that leak through all are `lost`.
+/// The errors on the triangles of `accel`, in its precision, for rays from `from` to a point of one
+/// of them. Nearer triangles may be hit instead; rays that leak through all are `lost`.
 pub(super) fn of_mesh(
     accel: &Accel,
     effort: &Effort,
@@ -249,7 +251,7 @@ pub(super) fn of_mesh(
         accel.closest_of(&rays[..], &mut hits, &mut accel.traversal());
         let mut errors = HitErrors::default();
         for (ray, hit) in rays.iter().zip(&hits) {
-            // Rays that meet nothing are counted where they are aimed at edges.
+            // Rays without a hit are counted in the test of edges.
             if (hit.primitive as usize) < geometry.triangles.len() {
                 let corners = geometry.triangle(hit.primitive as usize);
                 errors.count(tests, ray, &corners, Some(hit.t));
@@ -282,7 +284,7 @@ mod tests {
 
     #[test]
     fn robust_hits_keep_their_bound_in_every_situation() {
-        // In ulp, of which the tolerance is so many at most.
+        // The tolerance in ulp, at most.
         let most = f64::from(T_TOLERANCE) / f64::from(f32::EPSILON) * 2.0;
         for found in errors(Precision::Robust) {
             assert!(found.t.total() > 9_000, "{found:?}");

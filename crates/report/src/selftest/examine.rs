@@ -1,5 +1,5 @@
-//! The hard cases on a user's own mesh: whether rays leak through its edges or hit the triangle that they leave,
-//! and how good its triangles are.
+//! The hard cases on a user's own mesh: leaks through its edges, self-hits, and the quality of its
+//! triangles.
 
 use std::time::Instant;
 
@@ -24,21 +24,21 @@ const RAYS: usize = 10_000_000;
 /// Points at which leaves are counted.
 const POINTS: usize = 256;
 
-/// A triangle this many times as long as high is a sliver.
+/// A triangle with at least this ratio of length to height is a sliver.
 const SLIVER: f64 = 1000.0;
 
-/// Properties of a mesh, whatever the precision.
+/// Properties of a mesh, independent of the precision.
 #[derive(Clone, Debug, Serialize)]
 pub struct Shape {
-    /// Triangles, those without area too.
+    /// Triangles, including degenerate ones.
     pub triangles: usize,
-    /// Those without area, which are left out.
+    /// Degenerate triangles, which are dropped.
     pub dropped: u64,
-    /// Those at least 1000 times as long as high.
+    /// Triangles at least 1000 times as long as high.
     pub slivers: u64,
     /// The greatest ratio of length to height.
     pub longest: f64,
-    /// Edges of one triangle: where the mesh ends.
+    /// Edges of only one triangle: the border of the mesh.
     pub borders: u64,
     /// Edges of more than two triangles.
     pub crowded: u64,
@@ -47,27 +47,27 @@ pub struct Shape {
 /// A tree over a mesh.
 #[derive(Clone, Debug, Serialize)]
 pub struct Bvh {
-    /// How it was built.
+    /// Its preset.
     pub preset: Preset,
     /// Its inner nodes.
     pub nodes: u64,
     /// Inner nodes above the deepest leaf.
     pub depth: usize,
-    /// The leaves around a point of the surface, on average: 1 is without overlap.
+    /// The average number of leaves around a point of the surface: 1 without overlap.
     pub overlap: f64,
 }
 
 /// The outcome for a mesh in one precision.
 #[derive(Clone, Debug, Serialize)]
 pub struct Trial {
-    /// Rays at edges between two triangles that face apart as the ray sees them: one that passes
+    /// Rays at edges between two triangles on opposite sides as seen by the ray: a ray that passes
     /// between them has leaked.
     pub leaks: Outcome,
-    /// Rays that leave a triangle: one that meets the same again is a self-hit.
+    /// Rays that leave a triangle: a ray that hits it again is a self-hit.
     pub self_hits: Outcome,
-    /// Nanoseconds for each of those rays.
+    /// Nanoseconds for each of these rays.
     pub nanoseconds: f64,
-    /// How far hits on its triangles are from the exact ones.
+    /// The errors of hits on its triangles.
     pub errors: HitErrors,
 }
 
@@ -78,7 +78,7 @@ pub fn shape(geometry: &Geometry, accel: &Accel) -> Shape {
         let [a, b, c] = geometry.triangle(i).map(|v| v.as_dvec3());
         let longest =
             (b - a).length_squared().max((c - b).length_squared().max((a - c).length_squared()));
-        // Twice the area is length times height. A triangle without any is counted elsewhere.
+        // Twice the area is length times height. Degenerate triangles are counted elsewhere.
         let doubled = (b - a).cross(c - a).length();
         if doubled > 0.0 { longest / doubled } else { 0.0 }
     });
@@ -115,7 +115,7 @@ pub fn bvh(accel: &Accel, preset: Preset, effort: &Effort) -> Option<Bvh> {
     Some(Bvh { preset, nodes: census.nodes, depth: census.depth, overlap })
 }
 
-/// Random numbers of this stand where a case's number does.
+/// The stream of random numbers, in place of a case's number.
 const EXAMINED: u32 = 100;
 
 /// A point of a triangle.
@@ -124,7 +124,7 @@ fn point_on(geometry: &Geometry, numbers: &mut Numbers) -> DVec3 {
     numbers.within(geometry.triangle(number))
 }
 
-/// Tries the mesh that `accel` is over, in its precision.
+/// Tests the mesh of `accel`, in its precision.
 pub fn trial(accel: &Accel, effort: &Effort) -> Trial {
     let geometry = accel.geometry();
     let topology = Topology::new(geometry);
@@ -143,7 +143,7 @@ pub fn trial(accel: &Accel, effort: &Effort) -> Trial {
     Trial { leaks, self_hits, nanoseconds, errors }
 }
 
-/// The middle of a mesh's box, and half of its diagonal.
+/// The centre of a mesh's box, and half of its diagonal.
 struct Extent {
     middle: DVec3,
     half: f64,
@@ -160,17 +160,17 @@ impl Extent {
         Self { middle: (low + high) / 2.0, half: (high - low).length() / 2.0 }
     }
 
-    /// A point anywhere about the mesh.
+    /// A random point around the mesh.
     fn around(&self, numbers: &mut Numbers) -> Vec3 {
         let direction = numbers.direction();
         (self.middle + direction * (self.half * (0.1 + 2.0 * numbers.one()))).as_vec3()
     }
 }
 
-/// Rays that a thread makes at a time.
+/// Rays for each task.
 const RAYS_OF_A_THREAD: usize = 1 << 12;
 
-/// Rays at edges, from anywhere about the mesh.
+/// Rays at edges, from random points around the mesh.
 fn leaking(accel: &Accel, topology: &Topology, extent: &Extent, effort: &Effort) -> Outcome {
     if topology.len() == 0 {
         return Outcome::default();
@@ -187,7 +187,7 @@ fn leaking(accel: &Accel, topology: &Topology, extent: &Extent, effort: &Effort)
             Some((ray, edge.triangles))
         },
         |ray, triangles, hit| {
-            // A face that is seen nearly edge on is met a good way behind its edge.
+            // A face seen nearly edge on is hit far behind its edge.
             let is_own = triangles.contains(&hit.primitive);
             let passes = !is_own && (hit.is_miss() || hit.t > BEYOND);
             passes.then(|| format!("{ray} passes between two triangles: {hit:?}"))
@@ -195,15 +195,15 @@ fn leaking(accel: &Accel, topology: &Topology, extent: &Extent, effort: &Effort)
     )
 }
 
-/// What a ray meets later than this part of its way to an edge, it met by passing that.
+/// A ray that hits something after this part of its way to an edge has passed the edge.
 const BEYOND: f32 = 1.0 + 1.0 / 1024.0;
 
-/// So many ulp away from the ray are the least that the triangles' other edges may be, as the ray sees
-/// them: rounding then puts it through one of the triangles or the other.
+/// Smallest distance in ulp of the triangles' other edges from the ray, as seen by the ray:
+/// rounding then puts it through one of the two triangles.
 const LEAST_DISTANCE: f64 = 32.0;
 
-/// A ray from `from` that meets the edge at `part` of it, if its triangles lie on both sides of it as
-/// seen from there.
+/// A ray from `from` that meets the edge at `part` of it, if its triangles are on both sides of it
+/// as seen from there.
 fn edge_ray(geometry: &Geometry, edge: &Edge, from: Vec3, part: f64) -> Option<Ray> {
     let [a, b] = edge.ends.map(|v| geometry.positions[v as usize].as_dvec3());
     let o = from.as_dvec3();
@@ -226,7 +226,7 @@ fn edge_ray(geometry: &Geometry, edge: &Edge, from: Vec3, part: f64) -> Option<R
     (one * other < 0.0).then(|| Ray::new(from, target - from))
 }
 
-/// Rays that leave triangles in all directions, to the side from which these were hit.
+/// Rays that leave triangles in all directions, on the side on which these were hit.
 fn leaving(accel: &Accel, extent: &Extent, effort: &Effort) -> Outcome {
     let geometry = accel.geometry();
     if geometry.triangles.is_empty() {
@@ -256,8 +256,7 @@ fn leaving(accel: &Accel, extent: &Extent, effort: &Effort) -> Outcome {
     )
 }
 
-/// Asks about the rays that `make` makes, each with two numbers that go with it, and has the answers
-/// judged.
+/// Traces the rays of `make`, each with two accompanying numbers, and judges the answers.
 fn ask(
     accel: &Accel,
     effort: &Effort,

@@ -1,4 +1,4 @@
-//! Closed meshes seen from afar.
+//! Closed meshes seen from far away.
 
 use glam::DVec3;
 
@@ -13,7 +13,8 @@ use wavecrest_core::math::ray::Ray;
 const RADIUS: f64 = 64.0;
 const STEP: f64 = 1.0 / 64.0;
 
-/// Row 43. Rays from up to 10 000 radii away, at edges and vertices of a closed mesh that all faces about are seen of.
+/// Case 43. Rays from up to 10 000 radii away, at edges and vertices of a closed mesh whose
+/// surrounding faces are all visible.
 pub(super) fn aimed(effort: &Effort) -> Outcome {
     let mesh = globe(6, RADIUS, STEP);
     let edges = edges(&mesh);
@@ -33,7 +34,7 @@ pub(super) fn aimed(effort: &Effort) -> Outcome {
     all.into_iter().sum()
 }
 
-/// The ends of an edge and the faces about both of them.
+/// The ends of an edge and the faces around both of them.
 struct Edge {
     ends: [DVec3; 2],
     faces: Vec<usize>,
@@ -51,13 +52,13 @@ fn edges(mesh: &Mesh) -> Vec<Edge> {
     all.map(|ends| Edge { ends, faces: ends.iter().flat_map(about).collect() }).collect()
 }
 
-/// A ray at a point of an edge or its end, and the t at which it is still before the middle of the mesh; `None` where a
-/// face about it is seen at a low angle.
+/// A ray at a point of an edge or at its end, and the t at which it is still before the centre of
+/// the mesh; `None` if a surrounding face is seen at a low angle.
 fn ray_from_afar(mesh: &Mesh, edges: &[Edge], numbers: &mut Numbers) -> Option<(Ray, f32)> {
     let Edge { ends: [a, b], faces } = &edges[numbers.below(edges.len())];
     let target = a + (b - a) * [0.0, numbers.one(), numbers.magnitude(1e-7, 1.0)][numbers.below(3)];
     let away = numbers.magnitude(10.0, 1e4);
-    // Towards the camera, on the side that the edge is on.
+    // Towards the camera, on the side of the edge.
     let towards = (target.normalize() + numbers.direction() * numbers.one()).normalize();
     let origin = (towards * (away * RADIUS)).as_vec3();
     let steep = |&face: &usize| mesh.height(face, origin.as_dvec3()) > 0.2 * away * RADIUS;

@@ -1,4 +1,4 @@
-//! Cut-outs: a sheet with an alpha for each texel, some of them the very threshold.
+//! Cut-outs: a sheet with an alpha for each texel, some exactly at the threshold.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -14,19 +14,19 @@ use wavecrest_core::kernels::corners::CornerValues;
 use wavecrest_core::kernels::texture::{Filter, Image, LazyImage, PlanarMap, Texels, UvMap, Wrap};
 use wavecrest_core::math::ray::Ray;
 
-/// Texels along each side of the sheet, which is as many units long.
+/// Texels along each side of the sheet, whose side has this length.
 const TEXELS: usize = 8;
 
-/// Nearer to the border of a texel than this, in texels, rounding decides which it is.
+/// Within this distance of the border of a texel, in texels, rounding decides.
 const BESIDE: f64 = 1e-3;
 
-/// Scenes of row 45 of each kind.
+/// Scenes of case 45 for each kind.
 const SCENES: usize = 8;
 
-/// What the sheet is made of.
+/// The primitives of the sheet.
 #[derive(Clone, Copy)]
 enum Kind {
-    /// Two triangles, with coordinates by projection.
+    /// Two triangles, with projected coordinates.
     Triangles,
     /// Two triangles, with coordinates at their corners.
     Mesh,
@@ -41,12 +41,12 @@ enum Copy {
     Behind,
 }
 
-/// A sheet before a wall.
+/// A sheet in front of a wall.
 struct Sheet {
     geometry: Geometry,
-    /// Of units into the world.
+    /// From sheet coordinates to the world.
     to_world: DAffine3,
-    /// The texels that are there, by row from the lowest.
+    /// The opaque texels, by row from the lowest.
     solid: Vec<bool>,
     /// The primitives of the sheet, of its copy, and of the wall.
     sheet: Range<u32>,
@@ -54,15 +54,15 @@ struct Sheet {
     wall: Range<u32>,
 }
 
-/// A ray at a texel of the sheet.
+/// A ray aimed at a texel of the sheet.
 struct Aimed {
     ray: Ray,
     is_solid: bool,
-    /// Whether it comes from the side on which the wall is not.
+    /// Whether the wall is behind the sheet as seen by the ray.
     has_wall: bool,
 }
 
-/// Row 45.
+/// Case 45.
 pub(super) fn cut_out(effort: &Effort) -> Outcome {
     let kinds = [Kind::Triangles, Kind::Mesh, Kind::Quad];
     let copies = [Copy::None, Copy::Before, Copy::Behind];
@@ -132,7 +132,7 @@ impl Sheet {
         Self { geometry, to_world, solid, sheet, copy, wall }
     }
 
-    /// A ray at a texel, or at the edge that the sheet's triangles share.
+    /// A ray at a texel, or at the shared edge of the sheet's triangles.
     fn aimed(&self, numbers: &mut Numbers) -> Option<Aimed> {
         let [x, y] = [(); 2].map(|()| TEXELS as f64 * numbers.one());
         let y = if numbers.below(3) == 0 { x } else { y };
@@ -149,7 +149,7 @@ impl Sheet {
         Some(Aimed { ray, is_solid: self.solid[y as usize * TEXELS + x as usize], has_wall })
     }
 
-    /// The primitives of which the ray has to hit one.
+    /// The primitives of which the ray must hit one.
     fn hit_by(&self, aimed: &Aimed) -> Option<&Range<u32>> {
         let sheet = aimed.is_solid.then_some(&self.sheet);
         let copy = (!self.copy.is_empty()).then_some(&self.copy);
@@ -157,7 +157,8 @@ impl Sheet {
         first.or_else(|| aimed.has_wall.then_some(&self.wall))
     }
 
-    /// What there is before the wall is hit, stops shadow rays, and nothing else is or does.
+    /// Checks that rays hit the expected primitives, that these block shadow rays, and that nothing
+    /// else does either.
     fn seen(&self, effort: &Effort, aimed: &[Aimed]) -> Outcome {
         let rays: Vec<Ray> = aimed.iter().map(|aimed| aimed.ray).collect();
         let shadows: Vec<Ray> = rays.iter().map(|ray| Ray { t_max: 1.1, ..*ray }).collect();
@@ -188,9 +189,10 @@ impl Sheet {
     }
 }
 
-/// An alpha for each texel: the threshold, the next number below or above. The threshold, and which texels are there.
+/// An alpha for each texel: the threshold, or the adjacent number below or above. Returns the
+/// threshold and the opaque texels too.
 fn alphas(numbers: &mut Numbers) -> (LazyImage, f32, Vec<bool>) {
-    // From -1 to 1, by row from the lowest; images begin at the top.
+    // From -1 to 1, by row from the lowest; images start at the top.
     let above: Vec<i8> = (0..TEXELS * TEXELS).map(|_| numbers.below(3) as i8 - 1).collect();
     let rows = above.chunks(TEXELS).rev().flatten();
     let level = 1 + numbers.below(254) as u8;

@@ -1,4 +1,4 @@
-//! Meshes that are shown by instances: turned, stretched, mirrored, and far away.
+//! Instances of meshes: rotated, stretched, mirrored, and far away.
 
 use glam::{DAffine3, DMat3, DQuat, DVec3, Vec3};
 
@@ -17,10 +17,11 @@ use wavecrest_core::math::ray::Ray;
 const SCENES: usize = 20;
 const INSTANCES: u32 = 12;
 
-/// What a ray from inside may meet later than what it is aimed at, it met outside of its instance.
+/// A ray from inside that hits something later than this, relative to its target, has left its
+/// instance.
 const BEYOND: f32 = 1.1;
 
-/// Row 44.
+/// Case 44.
 pub(super) fn shown(effort: &Effort) -> Outcome {
     (0..SCENES)
         .map(|scene| {
@@ -39,7 +40,8 @@ pub(super) fn shown(effort: &Effort) -> Outcome {
         .sum()
 }
 
-/// Instances of a mesh of about that `size`, none of which touches another, from next to the origin to far away.
+/// Instances of a mesh of about this `size` that do not touch each other, from next to the origin
+/// to far away.
 fn instances_of(closed: &Closed, numbers: &mut Numbers, size: f64) -> Geometry {
     let prototype = closed.geometry.clone();
     let bounds = prototype.positions.iter().map(|&p| Aabb { low: p, high: p });
@@ -60,7 +62,8 @@ fn instances_of(closed: &Closed, numbers: &mut Numbers, size: f64) -> Geometry {
     Geometry { prototypes: vec![prototype], instances, ..Geometry::default() }
 }
 
-/// A ray from inside an instance at a point of an edge; and one from anywhere at an outer point of an instance's box.
+/// A ray from inside an instance at a point of an edge; and one from a random point at an extreme
+/// point of an instance's box.
 fn rays(geometry: &Geometry, closed: &Closed, numbers: &mut Numbers) -> (Ray, Ray) {
     let instance = &geometry.instances[numbers.below(geometry.instances.len())];
     let to_world = |point: DVec3| instance.to_world().transform_point3(point);
@@ -75,7 +78,8 @@ fn rays(geometry: &Geometry, closed: &Closed, numbers: &mut Numbers) -> (Ray, Ra
     (at(origin), at(from.as_vec3()))
 }
 
-/// Rays at t = 1 from inside: those that meet nothing there have left through an edge, or missed the instance.
+/// Rays from inside, with t = 1 at the edge: a ray without a hit there has left through an edge, or
+/// missed the instance.
 fn never_left(effort: &Effort, geometry: &Geometry, rays: &[Ray]) -> Outcome {
     let presets = [Preset::Brute, Preset::VeryFast, Preset::Medium].map(|preset| {
         every_way(effort.accel(geometry.clone(), preset), rays, |_, _, hit| {
@@ -86,7 +90,7 @@ fn never_left(effort: &Effort, geometry: &Geometry, rays: &[Ray]) -> Outcome {
     presets.into_iter().sum()
 }
 
-/// Boxes lose nothing at the outermost points.
+/// Boxes lose no hits at the extreme points.
 fn as_brute_force(effort: &Effort, geometry: &Geometry, rays: &[Ray]) -> Outcome {
     let expected = by_brute_force(effort, geometry, rays);
     every_way(effort.accel(geometry.clone(), Preset::VeryFast), rays, |i, _, hit: Hit| {

@@ -21,12 +21,12 @@ use wavecrest_core::math::vector::Vector;
 const FALLOFFS: [Falloff; 3] = [Falloff::Linear, Falloff::InverseSquare, Falloff::None];
 const FALLOFF_NAMES: [&str; 3] = ["linear", "inverse-square", "none"];
 
-/// The power of the lights that kernels are tested with.
+/// The power of the lights in tests of kernels.
 const POWER: f32 = 10.0;
 
 const MATERIAL: Material = Material { ks: 0.5, kd: 0.5, exponent: 8.0, color: Vec3::ONE, kr: 0.0 };
 
-/// The point of a triangle, seen from its front.
+/// A point of a triangle, seen from its front.
 fn shading_point(numbers: &mut Numbers, surface: &Surface<f32>) -> ShadingPoint<f32> {
     let view = numbers.direction().as_vec3();
     ShadingPoint {
@@ -54,7 +54,7 @@ fn random_triangle(numbers: &mut Numbers, unit: f64) -> [Vec3; 3] {
     [(); 3].map(|()| (numbers.direction() * (unit * numbers.one())).as_vec3())
 }
 
-/// Row 31.
+/// Case 31.
 pub(super) fn edge_on(effort: &Effort) -> Outcome {
     let mut outcome = refused::lights(effort);
     outcome.add(in_blocks(effort.of(1_000_000), |n| {
@@ -78,7 +78,7 @@ pub(super) fn edge_on(effort: &Effort) -> Outcome {
     outcome
 }
 
-/// A point, and a light in whose plane it is, on which it is, or which is a needle.
+/// A point, and a light that it sees edge on, that contains it, or that is a needle.
 fn edge_on_point(tests: Tests, numbers: &mut Numbers) -> Outcome {
     let unit = numbers.magnitude(1e-3, 1e3);
     let corners = random_triangle(numbers, unit);
@@ -87,7 +87,7 @@ fn edge_on_point(tests: Tests, numbers: &mut Numbers) -> Outcome {
     let near = Vec3::from(surface.point);
     let [p, q] = [(); 2].map(|()| near + (numbers.direction() * unit).as_vec3());
     let shape = match numbers.below(4) {
-        // In the light's plane, off it and at its corner.
+        // In the light's plane, beside it and at its corner.
         0 => [p, q, p + (p - near)],
         1 => [near, p, q],
         // The point's own surface.
@@ -109,7 +109,7 @@ fn edge_on_point(tests: Tests, numbers: &mut Numbers) -> Outcome {
     Outcome::one(failure.map(|request| format!("{request:?} from {point:?} to {shape:?}")))
 }
 
-/// Shapes of lights that some points of the floor see edge on, or are on.
+/// Shapes of lights that some points of the floor see edge on, or that touch the floor.
 fn hardly_lights() -> Vec<Value> {
     vec![
         json!({"type": "plane", "points": [[-1, 0, -1], [-1, 0, 1], [1, 0, 1], [1, 0, -1]]}),
@@ -123,7 +123,7 @@ fn hardly_lights() -> Vec<Value> {
     ]
 }
 
-/// These lights over a floor, of which a pixel's centre is at the origin.
+/// These lights above a floor; a pixel's centre is at the origin.
 fn over_a_floor(effort: &Effort, lights: &[Value]) -> Value {
     let size = effort.either([17, 17], [65, 65]);
     let location = DVec3::new(0.0, 5.0, 0.0);
@@ -133,15 +133,15 @@ fn over_a_floor(effort: &Effort, lights: &[Value]) -> Value {
     scenes::scene(0, &eye.json(), lights, &[scenes::plane(floor, scenes::matte([1.0; 3]))])
 }
 
-/// Row 32.
+/// Case 32.
 pub(super) fn at_the_surface(effort: &Effort) -> Outcome {
     let mut outcome = in_blocks(effort.of(1_000_000), |n| {
         light_at_a_point(Tests(effort.precision), &mut Numbers::new(effort, 32, n))
     });
-    // A wall at z = 1.5, where the middle of the image is hit: the numbers there are 2^-23 apart.
+    // A wall at z = 1.5, hit by the centre of the image: numbers there are 2^-23 apart.
     let ulp = f64::from(1.5_f32.next_up() - 1.5);
-    // Next to it the light is within the rounding error of the wall, and some ulp off it is just where
-    // the shadow ray starts.
+    // Very near, the light is within the rounding error of the wall; a few ulp away it is where the
+    // shadow ray starts.
     for height in -2..=9 {
         let count = u64::from(height == 1);
         for falloff in FALLOFF_NAMES {
@@ -169,7 +169,8 @@ pub(super) fn at_the_surface(effort: &Effort) -> Outcome {
     outcome
 }
 
-/// From a point of a surface to a light: nothing, a few of its rounding errors, or a little of `unit`.
+/// The vector from a point of a surface to a light: zero, a few of its rounding errors, or a small
+/// part of `unit`.
 fn away(numbers: &mut Numbers, surface: &Surface<f32>, unit: f64) -> DVec3 {
     let least = f64::from(surface.error.max_abs());
     match numbers.below(4) {
@@ -180,7 +181,7 @@ fn away(numbers: &mut Numbers, surface: &Surface<f32>, unit: f64) -> DVec3 {
     }
 }
 
-/// The part of a light's power that is left at a distance.
+/// The share of a light's power at a distance.
 fn part_left(falloff: Falloff, distance: f64) -> f64 {
     match falloff {
         Falloff::Linear => 1.0 / (4.0 * std::f64::consts::PI * distance),
@@ -229,7 +230,7 @@ fn light_at_a_point(tests: Tests, numbers: &mut Numbers) -> Outcome {
     outcome
 }
 
-/// A mesh whose normals are tilted at random from those of its globe.
+/// A mesh with normals tilted at random from those of its globe.
 fn with_normals(mesh: &Mesh, numbers: &mut Numbers, tilt: f64) -> Value {
     let normals = mesh.positions.iter().map(|p| {
         let normal = p.as_dvec3().normalize() + numbers.direction() * tilt;
@@ -243,7 +244,7 @@ fn with_normals(mesh: &Mesh, numbers: &mut Numbers, tilt: f64) -> Value {
     shape
 }
 
-/// Row 33.
+/// Case 33.
 pub(super) fn horizon(effort: &Effort) -> Outcome {
     let mut outcome = Outcome::default();
     let mut asked = 0_u64;
@@ -257,7 +258,7 @@ pub(super) fn horizon(effort: &Effort) -> Outcome {
         let shape = with_normals(&mesh, &mut numbers, tilt);
         let lights = [scenes::point_light(100.0, light, "none")];
         let scene = scenes::scene(0, &eye.json(), &lights, &[shape]);
-        // Nearer to a face's plane than this, and rounding decides whether the light is before it.
+        // Closer to a face's plane than this, rounding decides whether the light is in front of it.
         let doubtful = 64.0 * f64::from(f32::EPSILON) * light.length();
         let is_behind = |x, y| {
             let triangle = mesh.seen(location, eye.direction(x, y));
@@ -277,13 +278,13 @@ pub(super) fn horizon(effort: &Effort) -> Outcome {
     outcome
 }
 
-/// Exponents, the ends of what a scene may say among them.
+/// Exponents, including the limits of scenes.
 fn exponent(numbers: &mut Numbers) -> f32 {
     let of_any_size = numbers.magnitude(1e-6, 1e6) as f32;
     [0.0, 1e-30, 1.0, 1e6, 999_999.5, of_any_size.round(), of_any_size][numbers.below(7)]
 }
 
-/// Row 36.
+/// Case 36.
 pub(super) fn highlights(effort: &Effort) -> Outcome {
     let mut outcome = in_blocks(effort.of(10_000_000), |n| {
         let mut numbers = Numbers::new(effort, 36, n);
@@ -315,14 +316,14 @@ pub(super) fn highlights(effort: &Effort) -> Outcome {
     outcome
 }
 
-/// A ball with this exponent, of which every way has to make the same image.
+/// A ball with this exponent, with the same image in every way of rendering.
 fn shiny_ball(effort: &Effort, exponent: f64) -> Outcome {
     let mut shiny = scenes::matte([0.5; 3]);
     shiny["ks"] = json!(1);
     shiny["specularexponent"] = json!(exponent);
     let location = DVec3::new(0.0, 0.0, 4.0);
     let eye = Eye::at(location, 40.0, [24, 24]);
-    // At the eye, where the half vector is the view, and behind what it sees.
+    // At the eye, where the half vector is the view, and behind the visible surface.
     let lights = [location, -location, DVec3::Z * 1.5]
         .map(|position| scenes::point_light(40.0, position, "linear"));
     let ball = scenes::sphere(DVec3::ZERO, 1.0, shiny);

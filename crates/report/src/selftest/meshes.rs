@@ -14,19 +14,20 @@ use wavecrest_core::accel::build::Preset;
 use wavecrest_core::accel::geometry::Geometry;
 use wavecrest_core::math::ray::Ray;
 
-/// Row 18.
+/// Case 18.
 pub(super) fn without_area(effort: &Effort) -> Outcome {
     let mut outcome = among_others(effort);
     outcome.add(sealed(effort));
     outcome
 }
 
-/// The image is as without them, each pixel shows the face that is seen there, and they are counted.
+/// The image is the same as without them, each pixel shows the face expected there, and they are
+/// counted.
 fn among_others(effort: &Effort) -> Outcome {
     let size = effort.either([40, 30], [160, 120]);
     let location = DVec3::new(120.0, 80.0, 150.0);
     let eye = Eye::at(location, 40.0, size);
-    // Halves of its sides are numbers of single precision too.
+    // Halves of its sides are single-precision numbers too.
     let clean = globe(6, 64.0, 1.0 / 64.0);
     let lights = [scenes::point_light(1000.0, DVec3::new(-40.0, 190.0, 160.0), "none")];
     let scene = |mesh| scenes::scene(0, &eye.json(), &lights, &[mesh]);
@@ -56,8 +57,8 @@ fn among_others(effort: &Effort) -> Outcome {
     outcome
 }
 
-/// A closed mesh in which faces on one side of an edge have a vertex in its middle, and a triangle without area closes
-/// what is between: no ray from inside leaves.
+/// A closed mesh in which faces on one side of an edge have a vertex in its middle, and a
+/// degenerate triangle closes the gap: no ray from inside leaves.
 fn sealed(effort: &Effort) -> Outcome {
     // On a grid, so that the middle of an edge is exactly on it.
     let Mesh { mut positions, triangles: faces } = globe(4, 1000.0, 1.0 / 16.0);
@@ -85,7 +86,8 @@ fn sealed(effort: &Effort) -> Outcome {
     all.into_iter().sum()
 }
 
-/// The vertices and triangles of a mesh with `count` triangles without area among them, and the new numbers of its own.
+/// The vertices and triangles of a mesh with `count` degenerate triangles added, and the new
+/// numbers of its own.
 fn mixed(numbers: &mut Numbers, mesh: &Mesh, count: u32) -> (Vec<Vec3>, Vec<[u32; 3]>, Vec<usize>) {
     let (mut positions, mut mixed, mut kept) = (mesh.positions.clone(), Vec::new(), Vec::new());
     let mut left = count;
@@ -102,7 +104,7 @@ fn mixed(numbers: &mut Numbers, mesh: &Mesh, count: u32) -> (Vec<Vec3>, Vec<[u32
     (positions, mixed, kept)
 }
 
-/// A triangle without area at a `triangle` of these positions.
+/// A degenerate triangle at a `triangle` with these positions.
 fn nothing(numbers: &mut Numbers, positions: &mut Vec<Vec3>, &[a, b, c]: &[u32; 3]) -> [u32; 3] {
     let first = positions.len() as u32;
     let [p, q] = [a, b].map(|v| positions[v as usize]);
@@ -115,7 +117,7 @@ fn nothing(numbers: &mut Numbers, positions: &mut Vec<Vec3>, &[a, b, c]: &[u32; 
             positions.extend([p, p]);
             [first, a, first + 1]
         }
-        // The middle of a side, or as far again beyond its end.
+        // The middle of a side, or the same distance beyond its end.
         4 => {
             positions.push((p + q) * 0.5);
             [a, first, b]
@@ -127,7 +129,7 @@ fn nothing(numbers: &mut Numbers, positions: &mut Vec<Vec3>, &[a, b, c]: &[u32; 
     }
 }
 
-/// Row 19. An ulp is that of the largest coordinate met: of the ray's origin and of the triangle.
+/// Case 19. An ulp is that of the largest coordinate of the ray's origin and of the triangle.
 pub(super) fn slivers(effort: &Effort) -> Outcome {
     const LARGEST_DISTANCE: f64 = 8.0;
     let mut outcome = Outcome::default();
@@ -142,7 +144,7 @@ pub(super) fn slivers(effort: &Effort) -> Outcome {
             .collect();
         let met =
             by_brute_force(effort, &geometry, &rays).iter().filter(|hit| !hit.is_miss()).count();
-        // Those that pass by were aimed at an edge, by rounding; a fifth would be far too few.
+        // Rays that miss were aimed at an edge, by rounding; a fifth would be far too few.
         outcome.check(met >= rays.len() / 5, || format!("{met} rays hit anything"));
         for preset in [Preset::Brute, Preset::VeryFast, Preset::Slow] {
             let accel = effort.accel(geometry.clone(), preset);
@@ -160,7 +162,7 @@ pub(super) fn slivers(effort: &Effort) -> Outcome {
     outcome
 }
 
-/// Triangles about `unit` long that are a millionth as wide.
+/// Triangles about `unit` long and a millionth as wide.
 fn some_slivers(numbers: &mut Numbers, unit: f64) -> Geometry {
     let mut geometry = Geometry::default();
     for _ in 0..20 {
@@ -173,7 +175,7 @@ fn some_slivers(numbers: &mut Numbers, unit: f64) -> Geometry {
     geometry
 }
 
-/// How far the ray's point at `t` is from the triangle's box.
+/// The distance of the ray's point at `t` from the triangle's box.
 fn ulp_outside([a, b, c]: [DVec3; 3], ray: &Ray, t: f32) -> f64 {
     let (low, high) = (a.min(b).min(c), a.max(b).max(c));
     let (origin, direction) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
@@ -210,7 +212,7 @@ fn crooked(numbers: &mut Numbers, scale: f64) -> [DVec3; 8] {
     })
 }
 
-/// Row 34.
+/// Case 34.
 pub(super) fn crooked_quads(effort: &Effort) -> Outcome {
     let mut outcome = Outcome::default();
     let boxes = effort.either(10, 100);
@@ -218,7 +220,7 @@ pub(super) fn crooked_quads(effort: &Effort) -> Outcome {
         let mut numbers = Numbers::new(effort, 34, usize::MAX - s);
         let scale = numbers.magnitude(1e-3, 1e3);
         let corners = crooked(&mut numbers, scale);
-        // Where each side begins is left to chance, and with it its diagonal.
+        // Each side starts at a random corner, which determines its diagonal.
         let sides = CUBE_SIDES.map(|mut side| {
             side.rotate_left(numbers.below(4));
             side.map(|corner| corners[corner as usize])
@@ -244,7 +246,7 @@ pub(super) fn crooked_quads(effort: &Effort) -> Outcome {
     outcome
 }
 
-/// Whether each of the sides is warned of.
+/// Whether there is a warning for each of the sides.
 fn warnings_of(prepared: &scenes::Prepared, sides: &[[DVec3; 4]]) -> Outcome {
     let mut outcome = Outcome::default();
     for (side, points) in sides.iter().enumerate() {
@@ -254,8 +256,8 @@ fn warnings_of(prepared: &scenes::Prepared, sides: &[[DVec3; 4]]) -> Outcome {
     outcome
 }
 
-/// A ray from about the middle of the box that meets an edge, a corner or the diagonal from the first
-/// corner to the third, at t = 1.
+/// A ray from near the centre of the box that meets an edge, a corner or the diagonal from the
+/// first corner to the third, at t = 1.
 fn from_inside(numbers: &mut Numbers, sides: &[[DVec3; 4]; 6]) -> Ray {
     let points = sides[numbers.below(6)];
     let origin = (numbers.direction() * (0.3 * numbers.one() * points[0].length())).as_vec3();

@@ -10,10 +10,10 @@ use super::ways::in_order;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::film::Film;
 
-/// The greatest relative error of a pixel.
+/// The largest relative error of a pixel.
 const LARGEST_ERROR: f64 = 1e-4;
 
-/// Where the two mirrors are, along z.
+/// The z coordinates of the two mirrors.
 const PLACES: [f64; 2] = [0.0, 1.0];
 
 const COLORS: [[f64; 3]; 2] = [[0.9, 0.5, 0.2], [0.1, 0.6, 0.8]];
@@ -22,7 +22,7 @@ const INTENSITY: f64 = 20.0;
 const AMBIENT: f64 = 0.05;
 const KD: f64 = 0.7;
 
-/// Row 35.
+/// Case 35.
 pub(super) fn facing(effort: &Effort) -> Outcome {
     let few = vec![0, 1, 2, 7, 100, 1000];
     let many = (0..=20).chain((100..=1000).step_by(100)).collect();
@@ -67,7 +67,8 @@ fn between(effort: &Effort, bounces: u32, kr: f64) -> Outcome {
     scenes::image(effort, &scene, Preset::Brute).map(judge).into()
 }
 
-/// What is seen along the ray: mirrored, it goes on straight in a row of images of the space between.
+/// The radiance along the ray: instead of being mirrored, it continues straight through a row of
+/// images of the space between.
 fn radiance(origin: DVec3, direction: DVec3, bounces: u32, kr: f64) -> DVec3 {
     let mut sum = DVec3::ZERO;
     let mut wall = usize::from(direction.z > 0.0);

@@ -1,4 +1,4 @@
-//! Scenes moved and scaled, which must look as before.
+//! Moved and scaled scenes, which must look the same.
 
 use glam::{DVec3, Vec3};
 use serde_json::{Value, json};
@@ -13,16 +13,16 @@ use wavecrest_core::accel::{Accel, Hit};
 use wavecrest_core::film::Film;
 use wavecrest_core::math::ray::Ray;
 
-/// The grid of vertices: at coordinates of 2^17 single precision has just these.
+/// The grid of vertices: at coordinates of 2^17 it is the resolution of single precision.
 const STEP: f64 = 1.0 / 64.0;
 
 /// The radius of the globe.
 const RADIUS: f64 = 64.0;
 
-/// How many of the pixels of a moved scene may show another primitive.
+/// Largest share of the pixels of a moved scene that may show another primitive.
 const LARGEST_SHARE_OF_OTHERS: f64 = 1e-4;
 
-/// Where the camera and the light are, seen from the middle of the globe.
+/// The camera and the light, relative to the centre of the globe.
 const EYE: DVec3 = DVec3::new(120.0, 80.0, 150.0);
 const LIGHT: DVec3 = DVec3::new(-40.0, 190.0, 160.0);
 
@@ -37,7 +37,7 @@ fn hits(accel: &Accel, rays: &[Ray]) -> Vec<Hit> {
     hits
 }
 
-/// How far scenes are moved: powers of two, along several diagonals.
+/// The offsets of scenes: powers of two, along several diagonals.
 fn moves(effort: &Effort) -> Vec<DVec3> {
     let diagonals = [DVec3::ONE, DVec3::new(1.0, -1.0, 0.0), DVec3::new(0.0, 0.0, -1.0)];
     let powers = effort.either(vec![0, 9, 16, 17], (0..=17).collect());
@@ -47,7 +47,7 @@ fn moves(effort: &Effort) -> Vec<DVec3> {
         .collect()
 }
 
-/// Row 7.
+/// Case 7.
 pub(super) fn moved(effort: &Effort) -> Outcome {
     let mut outcome = Outcome::default();
     for by in [DVec3::ZERO].into_iter().chain(moves(effort)) {
@@ -67,7 +67,7 @@ fn lit_globe(effort: &Effort, mesh: &Mesh, by: DVec3) -> Value {
     scenes::scene(0, &eye(effort, by).json(), &[light], &shapes)
 }
 
-/// Every pixel's ray, asked in every way, against the scene that is not moved.
+/// Compares every pixel's ray, in every way of tracing, with the scene that is not moved.
 fn same_primitives(effort: &Effort, by: DVec3) -> Result<Outcome> {
     let mesh = globe(6, RADIUS, STEP);
     let unmoved = lit_globe(effort, &mesh, DVec3::ZERO);
@@ -86,10 +86,10 @@ fn same_primitives(effort: &Effort, by: DVec3) -> Result<Outcome> {
 
 /// No part of a convex shape that faces the light is in its own shadow.
 fn no_acne(effort: &Effort, by: DVec3) -> Outcome {
-    // Nearer to a face's plane than this, and rounding decides whether the light is before it.
+    // Closer to a face's plane than this, rounding decides whether the light is in front of it.
     let doubtful = 64.0 * f64::from(f32::EPSILON) * (by.abs().max_element() + 256.0);
     let mesh = globe(6, RADIUS, STEP);
-    // All is worked out where the scene was before it was moved: there the numbers are exact.
+    // Expected values are computed at the scene's original place, where the numbers are exact.
     let still = eye(effort, DVec3::ZERO);
     let on_mesh = |direction: DVec3| {
         let seen = mesh.seen(EYE, direction);
@@ -112,7 +112,7 @@ fn no_acne(effort: &Effort, by: DVec3) -> Outcome {
     outcome
 }
 
-/// No pixel is dark whose direction `faces_light`.
+/// No pixel whose direction `faces_light` is dark.
 fn lit_is_bright(
     effort: &Effort,
     scene: &Value,
@@ -131,15 +131,15 @@ fn lit_is_bright(
     outcome
 }
 
-/// How a scene is written down: with lengths in units of `unit` and the axes turned by `turn`, where 1 is
-/// x to y to z to x.
+/// The axes of a scene's coordinates: lengths in units of `unit`, with the axes permuted by `turn`,
+/// where 1 is x to y to z to x.
 #[derive(Clone, Copy)]
 struct Axes {
     unit: f64,
     turn: usize,
 }
 
-/// Neither scaled nor turned.
+/// Neither scaled nor permuted.
 const STILL: Axes = Axes { unit: 1.0, turn: 0 };
 
 impl Axes {
@@ -189,7 +189,7 @@ impl Axes {
                "sampling": "random", "samples": 3, "shape": bulb})
     }
 
-    /// Light that falls with the distance, or with its square, grows with the unit.
+    /// Lights that fall off with the distance or its square grow with the unit.
     fn other_lights(self) -> Vec<Value> {
         let (unit, point) = (self.unit, |x, y, z| self.point(x, y, z));
         let panel = json!({"type": "plane", "points": [point(1.0, 3.0, 0.0), point(1.0, 3.1, 1.0),
@@ -210,7 +210,7 @@ fn shiny(color: [f64; 3], kr: f64) -> Value {
     json!({"ks": 0.4, "kd": 0.7, "specularexponent": 30.5, "diffusecolor": color, "kr": kr})
 }
 
-/// Something of every kind, written down with these axes.
+/// A scene with everything, in these axes.
 fn everything(effort: &Effort, axes: Axes, has_balls: bool) -> Value {
     let (mut shapes, mut lights) = (axes.flat_shapes(), axes.other_lights());
     if has_balls {
@@ -229,7 +229,7 @@ fn everything(effort: &Effort, axes: Axes, has_balls: bool) -> Value {
     })
 }
 
-/// Row 8.
+/// Case 8.
 pub(super) fn scaled(effort: &Effort) -> Outcome {
     let still = scenes::image(effort, &everything(effort, STILL, true), Preset::Brute);
     let mut outcome = Outcome::from(still.map(|image| same_at_every_scale(effort, &image)));
@@ -247,8 +247,8 @@ fn same_at_every_scale(effort: &Effort, expected: &Film) -> Outcome {
     outcome
 }
 
-/// With the axes turned, every ray hits the same triangles and quads at the same t, and the image is the
-/// same. Spheres as lights have an axis of their own.
+/// With permuted axes, every ray hits the same triangles and quads at the same t, and the image is
+/// the same. Spherical lights have an axis of their own.
 fn turned(effort: &Effort) -> Result<Outcome> {
     let still = everything(effort, STILL, false);
     let image = scenes::image(effort, &still, Preset::Brute)?;

@@ -1,4 +1,4 @@
-//! Surfaces of one plane: floors, copies of a triangle, and what is met before a ray's origin.
+//! Coplanar surfaces: floors, copies of a triangle, and hits before a ray's origin.
 
 use glam::{DMat3, DQuat, DVec3, Vec3};
 
@@ -12,10 +12,10 @@ use wavecrest_core::accel::{Accel, Hit};
 use wavecrest_core::math::float::offset_origin;
 use wavecrest_core::math::ray::Ray;
 
-/// Floors of row 37.
+/// Floors of case 37.
 const FLOORS: usize = 100;
 
-/// Row 37. A light at the height of 1e-5 to 1e-2 of the floor's width sees every point of the floor.
+/// Case 37. A light at a height of 1e-5 to 1e-2 of the floor's width sees every point of the floor.
 pub(super) fn floors(effort: &Effort) -> Outcome {
     (0..FLOORS).map(|floor| floor_under_a_light(effort, floor)).sum()
 }
@@ -64,7 +64,8 @@ fn rotation(numbers: &mut Numbers) -> DMat3 {
     DMat3::from_quat(DQuat::from_axis_angle(numbers.direction(), angle))
 }
 
-/// Row 38. Copies have their corners in every order. Other triangles are in the same plane, across an axis.
+/// Case 38. Copies have their corners in every order. Other triangles are coplanar with them,
+/// across an axis.
 pub(super) fn copies(effort: &Effort) -> Outcome {
     const SCENES: usize = 50;
     (0..SCENES)
@@ -98,7 +99,8 @@ pub(super) fn copies(effort: &Effort) -> Outcome {
                 })
                 .collect();
             every_way(effort.accel(geometry, Preset::VeryFast), &rays, |_, ray, hit| {
-                // One that is almost in the plane may meet it beyond the triangle, once its target is rounded.
+                // A ray almost in the plane may meet it beyond the triangle, after its target is
+                // rounded.
                 let is_steep = ray.direction[k].abs() > 1e-3 * ray.direction.length();
                 (is_steep && hit.primitive != 0).then(|| format!("{hit:?} and not the first"))
             })
@@ -106,7 +108,7 @@ pub(super) fn copies(effort: &Effort) -> Outcome {
         .sum()
 }
 
-/// Row 39: globes of which an axis is up to 1e12 times as long as another.
+/// Case 39: globes with one axis up to 1e12 times as long as another.
 pub(super) fn needles(effort: &Effort) -> Outcome {
     [1e-4, 1e-6]
         .into_iter()
@@ -134,7 +136,7 @@ pub(super) fn needles(effort: &Effort) -> Outcome {
         .sum()
 }
 
-/// Row 40: ranges of t that begin before the origin.
+/// Case 40: ranges of t that begin before the origin.
 pub(super) fn before_the_origin(effort: &Effort) -> Outcome {
     inputs(effort, 40, 0..effort.of(10_000))
         .map(|mut numbers| {
@@ -149,7 +151,7 @@ pub(super) fn before_the_origin(effort: &Effort) -> Outcome {
                 let from_edge = target - corners[i].as_dvec3();
                 sides[i].cross(from_edge).dot(normal) / (normal.length() * sides[i].length())
             });
-            // Certain to be met: clear of the edges, and from a side.
+            // Certain to be hit: clear of the edges, and not grazing.
             if inward.into_iter().fold(f64::INFINITY, f64::min) < 1e-2
                 || direction.dot(normal).abs() < 0.1 * normal.length()
             {

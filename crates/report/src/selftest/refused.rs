@@ -1,4 +1,4 @@
-//! Invalid scenes and meshes: each is refused with an error that names the fault, and none causes a panic.
+//! Invalid scenes and meshes: each is refused with an error that names it, and none causes a panic.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
@@ -41,27 +41,27 @@ pub(super) fn names(prepared: Result<Prepared>, named: &str) -> Outcome {
     outcome
 }
 
-/// A number of text that is no length: 0, below 0, none, not finite, or no number.
+/// An invalid length as text: 0, negative, missing, not finite, or not a number.
 fn no_length(numbers: &mut Numbers, is_zero_a_length: bool) -> (String, ErrorKind) {
     let all = ["0.0 -0.0 -1 -1e-30 null \"one\" 1e13", "NaN Infinity -Infinity 1e999"];
     let all: Vec<&str> = all.iter().flat_map(|words| words.split(' ')).collect();
     let first = if is_zero_a_length { 2 } else { 0 };
     match first + numbers.below(all.len() + 1 - first) {
-        // A number of its own.
+        // A random negative number.
         i if i == all.len() => ((-numbers.magnitude(1e-30, 1e12)).to_string(), ErrorKind::Scene),
         // JSON has no such numbers.
         i => (all[i].to_owned(), if i < 7 { ErrorKind::Scene } else { ErrorKind::Syntax }),
     }
 }
 
-/// Puts `text` in the place of the only "PUT HERE" of the scene. Where in the text that is, as an
-/// error of syntax names it, or else the path.
+/// Replaces the only "PUT HERE" of the scene by `text`. Returns the place as named by a syntax
+/// error, or else the path.
 fn put<'a>(scene: &Value, text: &str, kind: ErrorKind, path: &'a str) -> (String, &'a str) {
     let named = if kind == ErrorKind::Syntax { "line 1 column" } else { path };
     (scene.to_string().replace("\"PUT HERE\"", text), named)
 }
 
-/// Row 17.
+/// Case 17.
 pub(super) fn radii(effort: &Effort) -> Outcome {
     let mut outcome = Outcome::default();
     for mut numbers in inputs(effort, 17, 0..effort.of(100_000)) {
@@ -71,7 +71,7 @@ pub(super) fn radii(effort: &Effort) -> Outcome {
             [(); 3].map(|()| scenes::sphere(DVec3::ZERO, 1.0, scenes::matte([1.0; 3])));
         shapes[wrong]["radius"] = json!("PUT HERE");
         let path = format!("scene.shapes[{wrong}].radius");
-        // Too small or too large once it is transformed and rounded.
+        // Too small or too large after transform and rounding.
         let is_scaled = numbers.below(4) == 0;
         let (text, kind) = if is_scaled {
             let scale = [1e-60, 1e60][numbers.below(2)];
@@ -89,7 +89,7 @@ pub(super) fn radii(effort: &Effort) -> Outcome {
     outcome
 }
 
-/// Lenses that are none.
+/// Invalid lenses.
 pub(super) fn lenses(effort: &Effort) -> Outcome {
     let mut outcome = Outcome::default();
     for mut numbers in inputs(effort, 29, 0..effort.of(100_000)) {
@@ -109,7 +109,7 @@ pub(super) fn lenses(effort: &Effort) -> Outcome {
     outcome
 }
 
-/// Shapes without area, as they were lights. `path` is what an error names.
+/// Shapes without area, used as lights. `path` is the place in the error.
 fn lights_without_area() -> Vec<(Value, &'static str)> {
     let collinear = json!([[-1, 2, 0], [0, 2, 1], [1, 2, 2]]);
     let path = "scene.lightsources[1].shape";
@@ -120,7 +120,7 @@ fn lights_without_area() -> Vec<(Value, &'static str)> {
         (json!({"type": "plane", "points": [[0, 1, 0], [0, 1, 0], [1, 1, 1], [1, 1, 0]]}), path),
         (json!({"type": "trimesh", "points": collinear, "indices": [[0, 1, 2], [1, 1, 2]]}), path),
         (json!({"type": "sphere", "center": [0, 3, 0], "radius": 0}), path),
-        // An area that is none once it is rounded, or scaled.
+        // An area that vanishes by rounding or scaling.
         (
             json!({"type": "triangle", "points": [[1, 1, 1], [1, 1, 1.000_000_001], [1, 1.000_000_001, 1]]}),
             path,
@@ -128,7 +128,7 @@ fn lights_without_area() -> Vec<(Value, &'static str)> {
     ]
 }
 
-/// Row 31, as far as such lights are refused.
+/// Case 31, for the lights that are refused.
 pub(super) fn lights(effort: &Effort) -> Outcome {
     let mut outcome = Outcome::default();
     for (shape, path) in lights_without_area() {
@@ -145,7 +145,7 @@ pub(super) fn lights(effort: &Effort) -> Outcome {
     outcome
 }
 
-/// Row 25.
+/// Case 25.
 pub(super) fn meshes(effort: &Effort) -> Outcome {
     let folder = match tempfile::tempdir() {
         Ok(folder) => folder,
@@ -162,7 +162,7 @@ pub(super) fn meshes(effort: &Effort) -> Outcome {
             let bytes = faulty.bytes(extension, format);
             let named = faulty.place(extension);
             outcome.add(one_mesh(effort, &path, &bytes, Some(&named)));
-            // Of the same file, some bits turned: it may be anything.
+            // The same file with some bits flipped: it may be anything.
             let turned = turn_bits(&mut numbers, bytes);
             outcome.add(one_mesh(effort, &path, &turned, None));
             let wild = Faulty::wild(&mut numbers).bytes(extension, format);
@@ -172,20 +172,20 @@ pub(super) fn meshes(effort: &Effort) -> Outcome {
     outcome
 }
 
-/// Loads the file as the mesh of a scene, and renders it if that can be done. What is refused has to
-/// name the file and `fault`, where there is one.
+/// Loads the file as the mesh of a scene, and renders it if possible. A refusal must name the file
+/// and `fault`, if any.
 fn one_mesh(effort: &Effort, path: &Path, bytes: &[u8], fault: Option<&str>) -> Outcome {
     if let Err(error) = std::fs::write(path, bytes) {
         return Outcome::one(Some(format!("cannot write {}: {error}", path.display())));
     }
     let mut outcome = Outcome::default();
     let context = || String::from_utf8_lossy(bytes).escape_debug().take(400).collect::<String>();
-    // A panic is what is looked for: it is reported, and the rest goes on.
+    // A panic is the failure to detect: it is reported, and the test continues.
     match catch_unwind(AssertUnwindSafe(|| load_and_render(effort, path))) {
         Err(_) => outcome.count(Some(format!("a panic over {}", context()))),
         Ok(Err(error)) => {
             let (text, file) = (error.to_string(), path.display().to_string());
-            // The whole number, and not the start of another.
+            // The whole number, not the start of another.
             let names =
                 |fault: &str| [":", " ("].iter().any(|end| text.contains(&format!("{fault}{end}")));
             let is_named = fault.is_none_or(names) && text.contains(&file);
@@ -225,14 +225,14 @@ enum Format {
     Binary,
 }
 
-/// What is at fault in a mesh.
+/// The fault of a mesh.
 #[derive(Clone, Copy)]
 enum Fault {
     Vertex(usize),
     Triangle(usize),
 }
 
-/// A mesh in which something is wrong.
+/// A faulty mesh.
 struct Faulty {
     positions: Vec<[f32; 3]>,
     triangles: Vec<[u32; 3]>,
@@ -240,7 +240,7 @@ struct Faulty {
 }
 
 impl Faulty {
-    /// With one fault: a vertex that is nowhere, or a corner that there is not.
+    /// With one fault: a vertex that is not finite, or an index out of range.
     fn new(numbers: &mut Numbers) -> Self {
         let vertices = 3 + numbers.below(30);
         let mut coordinate = || (2.0 * numbers.one() - 1.0) as f32;
@@ -264,7 +264,7 @@ impl Faulty {
         Self { positions, triangles, fault: Some(fault) }
     }
 
-    /// Of random bits, most of them.
+    /// Mostly random bits.
     fn wild(numbers: &mut Numbers) -> Self {
         let vertices = 3 + numbers.below(8);
         let bits = |numbers: &mut Numbers| (numbers.one() * 4_294_967_296.0) as u32;
@@ -272,7 +272,7 @@ impl Faulty {
         let positions = (0..vertices).map(|_| {
             [(); 3].map(|()| {
                 let value = f32::from_bits(bits(numbers));
-                // Else next to none of them would be a mesh.
+                // Otherwise hardly any would be a mesh.
                 let is_usual = value.abs() < 1e12;
                 if is_usual || !tame { value } else { 0.25 }
             })
@@ -286,7 +286,7 @@ impl Faulty {
         Self { positions, triangles: triangles.collect(), fault: None }
     }
 
-    /// What an error has to name.
+    /// The place that an error must name.
     fn place(&self, extension: &str) -> String {
         match (self.fault, extension) {
             (None, _) => String::new(),
@@ -307,7 +307,7 @@ impl Faulty {
         self.lines("v ", "f ", 1)
     }
 
-    /// A line for each vertex and each triangle, whose corners are counted from `first`.
+    /// A line for each vertex and each triangle, with corners counted from `first`.
     fn lines(&self, vertex: &str, face: &str, first: u64) -> Vec<u8> {
         let vertices = self.positions.iter().map(|[x, y, z]| format!("{vertex}{x} {y} {z}\n"));
         let faces = self.triangles.iter().map(|corners| {

@@ -1,4 +1,5 @@
-//! Scenes made in code, and their images with every tracer, batch size, preset and level of instructions.
+//! Scenes made in code, and their images with every tracer, batch size, preset and instruction
+//! level.
 
 use std::path::Path;
 
@@ -17,10 +18,10 @@ use wavecrest_core::render::{self, RenderOptions, Rendered, TracerKind};
 use wavecrest_scene::load::{LoadOptions, load_str};
 use wavecrest_scene::systems;
 
-/// Presets of which each builds in another way.
+/// Presets that build in different ways.
 pub(super) const PRESETS: [Preset; 3] = [Preset::Fastest, Preset::Medium, Preset::Slow];
 
-/// A scene made ready, and the warnings that came with it.
+/// A prepared scene with its warnings.
 pub(super) struct Prepared {
     pub(super) scene: PreparedScene,
     pub(super) warnings: Vec<String>,
@@ -33,7 +34,7 @@ impl Prepared {
     }
 }
 
-/// The scene of `json`, with paths that start from the folder of `file`.
+/// The scene of `json`, with paths relative to the folder of `file`.
 pub(super) fn prepare_text(
     effort: &Effort,
     json: &str,
@@ -50,12 +51,12 @@ pub(super) fn prepare_text(
     Ok(Prepared { scene, warnings })
 }
 
-/// The `scene` made ready.
+/// The prepared `scene`.
 pub(super) fn prepare(effort: &Effort, scene: &Value, preset: Preset) -> Result<Prepared> {
     prepare_text(effort, &scene.to_string(), Path::new("scene.json"), preset)
 }
 
-/// How an image is made. The image must not depend on it.
+/// A way to render, which must not change the image.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Way {
     tracer: TracerKind,
@@ -64,8 +65,8 @@ pub(super) struct Way {
 }
 
 impl Way {
-    /// Both tracers, on one thread and on several, in batches of the usual size and in small ones that
-    /// are no multiple of a vector.
+    /// Both tracers, on one thread and on several, in batches of the default size and in small ones
+    /// that are not a multiple of a vector.
     const ALL: [Self; 4] = [
         Self { tracer: TracerKind::Wavefront, threads: 1, batch: 1024 },
         Self { tracer: TracerKind::Wavefront, threads: 3, batch: 13 },
@@ -83,14 +84,14 @@ pub(super) fn render(effort: &Effort, scene: &PreparedScene, way: Way) -> Result
     pool.install(|| render::render(scene, &options, &()))
 }
 
-/// One image of the `scene`, with which others are compared.
+/// An image of the `scene` for comparison.
 pub(super) fn image(effort: &Effort, scene: &Value, preset: Preset) -> Result<Film> {
     let prepared = prepare(effort, scene, preset)?;
     Ok(render(effort, &prepared.scene, Way::ALL[0])?.film)
 }
 
-/// Checks the image of `scene` with `judge`: built with each of the presets, and rendered in every way with all
-/// levels of instructions. Every pixel must be finite as well.
+/// Checks the image of `scene` with `judge`: built with each preset, and rendered in every way at
+/// all instruction levels. Every pixel must be finite as well.
 pub(super) fn every_image(
     effort: &Effort,
     scene: &Value,
@@ -105,7 +106,7 @@ pub(super) fn every_image(
     presets.iter().map(image).sum()
 }
 
-/// As [`every_image`], where `expected` has to have the same image, built by testing everything.
+/// As [`every_image`], where `expected` must have the same image by brute force.
 pub(super) fn same_images(
     effort: &Effort,
     scene: &Value,
@@ -116,7 +117,7 @@ pub(super) fn same_images(
     image(effort, expected, Preset::Brute).map(judge).into()
 }
 
-/// As [`every_image`], of a scene that is ready.
+/// As [`every_image`], for a prepared scene.
 pub(super) fn every_way_to_render(
     effort: &Effort,
     mut scene: PreparedScene,
@@ -146,8 +147,7 @@ pub(super) fn every_way_to_render(
     outcome
 }
 
-/// Checks every pixel. `judge` describes what is wrong with the pixel in that column and row, if
-/// anything is.
+/// Checks every pixel. `judge` describes the error of the pixel in this column and row, if any.
 pub(super) fn pixels(film: &Film, judge: impl Fn(u32, u32, [f32; 3]) -> Option<String>) -> Outcome {
     let judged = (0_u32..).zip(film.pixels()).map(|(index, &pixel)| {
         let (x, y) = (index % film.width(), index / film.width());
@@ -166,7 +166,7 @@ pub(super) fn same(film: &Film, expected: &Film) -> Outcome {
     })
 }
 
-/// A pinhole camera, and where its rays go, worked out in double precision.
+/// A pinhole camera, with the directions of its rays in double precision.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Eye {
     pub(super) location: DVec3,
@@ -178,7 +178,7 @@ pub(super) struct Eye {
 }
 
 impl Eye {
-    /// One that looks at the origin, with y upwards.
+    /// A camera that looks at the origin, with y up.
     pub(super) fn at(location: DVec3, fov: f64, size: [u32; 2]) -> Self {
         Self { location, look: DVec3::ZERO, up: DVec3::Y, fov, size }
     }
@@ -218,10 +218,10 @@ pub(super) fn camera_rays(scene: &PreparedScene) -> Vec<Ray> {
     pixels.map(|(x, y)| scene.camera.ray(x, y, &stream)).collect()
 }
 
-/// The color of the background where a case does not choose one: no surface has it.
+/// The default background: no surface has this colour.
 pub(super) const BACKGROUND: [f64; 3] = [0.125, 0.25, 0.5];
 
-/// A scene of these parts, without ambient light: what no light reaches is black.
+/// A scene with these parts, without ambient light: unlit points are black.
 pub(super) fn scene(bounces: u32, camera: &Value, lights: &[Value], shapes: &[Value]) -> Value {
     json!({
         "nbounces": bounces,

@@ -1,4 +1,4 @@
-//! Spheres that are far, huge, hardly touched, or around the ray's origin.
+//! Spheres that are far away, huge, grazed, or around the ray's origin.
 
 use glam::{DVec3, Vec3};
 
@@ -9,7 +9,7 @@ use wavecrest_core::accel::build::Preset;
 use wavecrest_core::accel::geometry::Geometry;
 use wavecrest_core::math::ray::Ray;
 
-/// Spheres of a case, each with as many rays.
+/// Spheres of a case, with equally many rays each.
 const SPHERES: usize = 100;
 
 /// A sphere, as the tests have it.
@@ -24,20 +24,20 @@ impl Sphere {
         Self { center: center.as_vec3(), radius: radius as f32 }
     }
 
-    /// How far the line of `ray` passes from the centre, in radii.
+    /// The distance of the line of `ray` from the centre, in radii.
     fn impact(&self, ray: &Ray) -> f64 {
         let d = ray.direction.as_dvec3();
         let across = (ray.origin.as_dvec3() - self.center.as_dvec3()).cross(d);
         across.length() / (d.length() * f64::from(self.radius))
     }
 
-    /// How far outside the sphere the ray is at `t`; negative inside.
+    /// The distance of the ray at `t` outside the sphere; negative inside.
     fn height(&self, ray: &Ray, t: f64) -> f64 {
         let p = ray.origin.as_dvec3() + ray.direction.as_dvec3() * t;
         p.distance(self.center.as_dvec3()) - f64::from(self.radius)
     }
 
-    /// The t of the first hit, which lies between `low` and `high`, by halving what is between.
+    /// The t of the first hit, between `low` and `high`, by bisection.
     fn meets(&self, ray: &Ray, mut low: f64, mut high: f64) -> f64 {
         let is_outside = self.height(ray, low) > 0.0;
         for _ in 0..100 {
@@ -61,8 +61,8 @@ impl Sphere {
 /// Rays of a case.
 const RAYS: usize = 1_000_000;
 
-/// Asks about `SPHERES` spheres, with rays that `ray` makes for each. `judge` says what is wrong with
-/// an answer, if anything is.
+/// Tests `SPHERES` spheres, with rays from `ray` for each. `judge` describes the error of an
+/// answer, if any.
 fn each_sphere(
     effort: &Effort,
     case: u32,
@@ -86,13 +86,13 @@ fn each_sphere(
     outcome
 }
 
-/// One ulp of single precision at `size`.
+/// One ulp in single precision at `size`.
 fn ulp(size: f64) -> f64 {
     let size = size as f32;
     f64::from(size.next_up()) - f64::from(size)
 }
 
-/// Some sphere not far from the origin.
+/// A random sphere not far from the origin.
 fn any_sphere(numbers: &mut Numbers) -> Sphere {
     let center = numbers.direction() * numbers.magnitude(1e-3, 1e3);
     Sphere::new(center, numbers.magnitude(1e-3, 1e3))
@@ -108,14 +108,14 @@ fn passing(numbers: &mut Numbers, sphere: &Sphere, impact: f64, distance: f64) -
     Ray::new(from.as_vec3(), (along * length).as_vec3())
 }
 
-/// Row 13.
+/// Case 13.
 pub(super) fn far_away(effort: &Effort) -> Outcome {
     let ray = |numbers: &mut Numbers, sphere: &Sphere| {
         let (impact, distance) = (numbers.one(), numbers.magnitude(2.0, 1e5));
         passing(numbers, sphere, impact, distance)
     };
     each_sphere(effort, 13, any_sphere, ray, |sphere, ray, hit| {
-        // The ray as it is once rounded, with room for the rounding of double precision.
+        // The ray after rounding, with margin for the rounding of double precision.
         if sphere.impact(ray) > 0.99 {
             return None;
         }
@@ -125,14 +125,14 @@ pub(super) fn far_away(effort: &Effort) -> Outcome {
     })
 }
 
-/// Row 14.
+/// Case 14.
 pub(super) fn from_just_above(effort: &Effort) -> Outcome {
     let sphere = |numbers: &mut Numbers| Sphere::new(DVec3::ZERO, numbers.magnitude(1.0, 1e6));
     let ray = |numbers: &mut Numbers, sphere: &Sphere| {
         let up = numbers.direction();
         let height = numbers.magnitude(1e-6, 1.0);
         let origin = (up * (f64::from(sphere.radius) + height)).as_vec3();
-        // Downwards, and aside by no more than that.
+        // Downward, with at most the same amount sideways.
         let aside = up.cross(numbers.direction()) * numbers.one();
         Ray::new(origin, (aside - up).as_vec3())
     };
@@ -152,7 +152,7 @@ pub(super) fn from_just_above(effort: &Effort) -> Outcome {
     })
 }
 
-/// Row 15.
+/// Case 15.
 pub(super) fn grazing(effort: &Effort) -> Outcome {
     let ray = |numbers: &mut Numbers, sphere: &Sphere| {
         let (impact, distance) = (0.999_999 + 2e-6 * numbers.one(), numbers.magnitude(2.0, 100.0));
@@ -164,10 +164,10 @@ pub(super) fn grazing(effort: &Effort) -> Outcome {
     })
 }
 
-/// Row 16.
+/// Case 16.
 pub(super) fn from_inside(effort: &Effort) -> Outcome {
     let ray = |numbers: &mut Numbers, sphere: &Sphere| {
-        // One in four from the very centre.
+        // One in four from the exact centre.
         let away = if numbers.below(4) == 0 { 0.0 } else { 0.999 * numbers.one() };
         let from = numbers.direction() * (away * f64::from(sphere.radius));
         let direction = numbers.direction() * numbers.magnitude(1e-3, 1e3);
@@ -175,7 +175,7 @@ pub(super) fn from_inside(effort: &Effort) -> Outcome {
     };
     each_sphere(effort, 16, any_sphere, ray, |sphere, ray, hit| {
         if sphere.height(ray, 0.0) >= 0.0 {
-            // The origin was rounded out of a sphere far smaller than its distance from the origin.
+            // Rounding moved the origin out of a sphere far smaller than its distance from zero.
             return None;
         }
         let off = sphere.height(ray, f64::from(hit.t)).abs();

@@ -13,11 +13,11 @@ use wavecrest_core::kernels::triangle::is_degenerate;
 use wavecrest_core::math::float::{normalize, offset_end, offset_origin};
 use wavecrest_core::math::ray::Ray;
 
-/// Rays from each surface of row 9.
+/// Rays from each surface of case 9.
 const FROM_EACH: u32 = 100;
 
-/// Asks `count` questions on all threads. `ask` says of each input what is wrong with the answer, if
-/// anything is; `None` for inputs that are not tested.
+/// Runs `count` tests on all threads. `ask` describes the error for each input, if any; `None` for
+/// inputs that are skipped.
 fn each(
     effort: &Effort,
     case: u32,
@@ -37,7 +37,7 @@ fn wide_point(numbers: &mut Numbers) -> DVec3 {
     DVec3::from([(); 3].map(|()| wide(numbers)))
 }
 
-/// Where a ray hits the triangle: somewhere within.
+/// A random hit of the triangle.
 pub(super) fn on_triangle(
     tests: Tests,
     numbers: &mut Numbers,
@@ -50,7 +50,7 @@ pub(super) fn on_triangle(
     Some(tests.surface(&ray, t, corners))
 }
 
-/// Row 9.
+/// Case 9.
 pub(super) fn leaving(effort: &Effort) -> Outcome {
     let tests = Tests(effort.precision);
     each(effort, 9, effort.of(1_000_000), |numbers| {
@@ -72,7 +72,7 @@ pub(super) fn leaving(effort: &Effort) -> Outcome {
             let t = tests.sphere(&ray, center, radius)?;
             let surface = tests.sphere_surface(&ray, t, center, radius);
             Some(leave(numbers, &surface, |ray, is_outward| {
-                // Inwards it meets the other side.
+                // Inward rays meet the opposite side.
                 let t = tests.sphere(ray, center, radius).filter(|_| is_outward)?;
                 Some(format!("sphere {center} {radius} at {t}"))
             }))
@@ -80,7 +80,7 @@ pub(super) fn leaving(effort: &Effort) -> Outcome {
     })
 }
 
-/// Rays leave the surface to both sides. `again` says what they meet again.
+/// Rays leave the surface to both sides. `again` returns what they hit again.
 fn leave(
     numbers: &mut Numbers,
     surface: &Surface<f32>,
@@ -106,7 +106,7 @@ fn leave(
     outcome
 }
 
-/// A square of two triangles about `center`, across the axis `k`.
+/// A square of two triangles around `center`, across the axis `k`.
 fn add_plate(geometry: &mut Geometry, center: Vec3, k: usize, size: f32) {
     let first = geometry.positions.len() as u32;
     let (a, b) = (Vec3::AXES[(k + 1) % 3] * size, Vec3::AXES[(k + 2) % 3] * size);
@@ -118,7 +118,7 @@ fn ulp(size: f32) -> f32 {
     size.next_up() - size
 }
 
-/// Row 10.
+/// Case 10.
 pub(super) fn contact(effort: &Effort) -> Outcome {
     let tests = Tests(effort.precision);
     let mut outcome = Outcome::default();
@@ -157,7 +157,7 @@ pub(super) fn contact(effort: &Effort) -> Outcome {
     outcome
 }
 
-/// A triangle about `at`, tilted against `direction`, with sides of about `size`.
+/// A triangle around `at`, tilted against `direction`, with sides of about `size`.
 fn facing(numbers: &mut Numbers, at: DVec3, direction: DVec3, size: f64) -> [Vec3; 3] {
     let aside = direction.cross(numbers.direction()).normalize();
     let other = direction.cross(aside).normalize();
@@ -173,7 +173,7 @@ fn apart(numbers: &mut Numbers) -> (Vec3, DVec3) {
     (from, from.as_dvec3() + numbers.direction() * distance)
 }
 
-/// Row 11.
+/// Case 11.
 pub(super) fn towards_a_light_on_a_surface(effort: &Effort) -> Outcome {
     let tests = Tests(effort.precision);
     each(effort, 11, effort.of(10_000_000), |numbers| {
@@ -195,7 +195,7 @@ pub(super) fn towards_a_light_on_a_surface(effort: &Effort) -> Outcome {
     })
 }
 
-/// Row 12.
+/// Case 12.
 pub(super) fn just_before_a_light(effort: &Effort) -> Outcome {
     let tests = Tests(effort.precision);
     each(effort, 12, effort.of(1_000_000), |numbers| {
@@ -204,7 +204,7 @@ pub(super) fn just_before_a_light(effort: &Effort) -> Outcome {
         let direction = light.as_dvec3() - from.as_dvec3();
         let size = light.abs().max_element().max(from.abs().max_element());
         let before = direction.normalize() * (64.0 * f64::from(ulp(size)));
-        // Upright, for all of it to be as far before the light.
+        // Perpendicular, so that all of it is equally far before the light.
         let mut corners = facing(numbers, DVec3::ZERO, direction, f64::from(size));
         for corner in &mut corners {
             let upright = corner.as_dvec3()

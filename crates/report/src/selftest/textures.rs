@@ -1,4 +1,4 @@
-//! Texture look-ups at the ends of images and far beyond.
+//! Texture look-ups at the edges of images and far outside.
 
 use glam::{DVec3, Vec2, Vec3};
 
@@ -6,7 +6,7 @@ use super::case::{Effort, Outcome};
 use super::ways::{Numbers, in_blocks};
 use wavecrest_core::kernels::texture::{Filter, Image, Texels, Wrap, sphere_uv};
 
-/// Neighbouring texels, the first and the last among them, differ by a step at most.
+/// Neighbouring texels, including the first and the last, differ by at most a step.
 const STEP: f32 = 1.0 / 64.0;
 
 /// An image whose values rise and fall along x (red) and along y (green), a step a texel.
@@ -14,7 +14,7 @@ fn waves(width: u32, height: u32, is_bytes: bool) -> Image {
     let wave = |i: u32, count: u32| i.min(count - i);
     let each = (0..width * height).map(|i| [wave(i % width, width), wave(i / width, height)]);
     let texels = if is_bytes {
-        // A step is one of the 255.
+        // A step is one of 255.
         Texels::Bytes(each.map(|[x, y]| [x as u8, y as u8, 0, 0]).collect())
     } else {
         Texels::Floats(each.map(|[x, y]| [x as f32 * STEP, y as f32 * STEP, 0.0]).collect())
@@ -22,7 +22,7 @@ fn waves(width: u32, height: u32, is_bytes: bool) -> Image {
     Image::new(width, height, texels)
 }
 
-/// A coordinate: an end, next to one, far out, or of random bits.
+/// A coordinate: an edge, next to one, far outside, or with random bits.
 fn coordinate(numbers: &mut Numbers) -> f32 {
     let whole = |numbers: &mut Numbers| numbers.sign() * numbers.magnitude(1.0, 1e6).round();
     match numbers.below(8) {
@@ -37,8 +37,8 @@ fn coordinate(numbers: &mut Numbers) -> f32 {
     }
 }
 
-/// The value along one axis of `count` texels, in double precision, in which a coordinate's fraction is
-/// exact: of the texel at it, or of the two about it.
+/// The value along one axis of `count` texels, in double precision, in which a coordinate's
+/// fraction is exact: of the nearest texel, or of the two around it.
 fn value(coordinate: f32, count: u32, filter: Filter, wrap: Wrap) -> f64 {
     let exact = if coordinate.is_finite() { f64::from(coordinate) } else { 0.0 };
     let fraction = match wrap {
@@ -65,7 +65,7 @@ fn value(coordinate: f32, count: u32, filter: Filter, wrap: Wrap) -> f64 {
     }
 }
 
-/// Row 30.
+/// Case 30.
 pub(super) fn look_ups(effort: &Effort) -> Outcome {
     let images: Vec<Image> = [[1, 1], [2, 2], [3, 5], [7, 1], [64, 48], [1, 100]]
         .into_iter()
@@ -91,15 +91,15 @@ fn step(image: &Image) -> f32 {
     }
 }
 
-/// What is wrong with a look-up, which has to be within a texel of what is exact.
+/// The error of a look-up, which must be within a texel of the exact one.
 fn look_up(numbers: &mut Numbers, image: &Image, filter: Filter, wrap: Wrap) -> Option<String> {
     let uv = Vec2::new(coordinate(numbers), coordinate(numbers));
     let found = image.look_up(uv, filter, wrap) / step(image);
-    // The image is upside down: its rows begin at the top, where v is 1.
+    // Rows start at the top, where v is 1.
     let down = 1.0 - uv.y;
     let right = [value(uv.x, image.width, filter, wrap), value(down, image.height, filter, wrap)];
     let is_right = right.iter().zip(found.to_array()).all(|(right, found)| {
-        // At 1 the image ends and begins: the texel on either side will do.
+        // At 1 the image ends and restarts: the texel on either side is right.
         (right - f64::from(found)).abs() <= 1.001
     });
     (!is_right).then(|| {
@@ -110,23 +110,23 @@ fn look_up(numbers: &mut Numbers, image: &Image, filter: Filter, wrap: Wrap) -> 
     })
 }
 
-/// What is wrong with two neighbouring look-ups on both sides of where an image, or the map of a
-/// sphere, begins again.
+/// The error of two neighbouring look-ups on both sides of the seam of an image, or of a sphere's
+/// map.
 fn across_a_seam(numbers: &mut Numbers, image: &Image, filter: Filter) -> Option<String> {
     let [p, q] = match numbers.below(3) {
-        // Where the image repeats itself, a number and the next.
+        // Where the image repeats, a number and the adjacent one.
         0 => {
             let u = numbers.magnitude(1.0, 1e3).round() as f32;
             let v = numbers.one() as f32;
             [Vec2::new(u.next_down(), v), Vec2::new(u, v)]
         }
-        // Behind the sphere, on both sides of the half circle where it begins.
+        // Behind the sphere, on both sides of the seam.
         1 => {
             let (height, aside) = (numbers.one() * 1.8 - 0.9, numbers.magnitude(1e-30, 1e-7));
             let back = -(1.0 - height * height).sqrt();
             [-aside, aside].map(|x| sphere_uv(DVec3::new(x, height, back).as_vec3()))
         }
-        // At the poles, where every u is: v alone is one place.
+        // At the poles every u is the same place: only v counts.
         _ => {
             let pole = [1.0, -1.0][numbers.below(2)];
             let mut near = || {
@@ -138,7 +138,7 @@ fn across_a_seam(numbers: &mut Numbers, image: &Image, filter: Filter) -> Option
         }
     };
     let [a, b] = [p, q].map(|uv| image.look_up(uv, filter, Wrap::Repeat) / step(image));
-    // A thousandth of a texel is left to the rounding of the coordinates.
+    // A thousandth of a texel for the rounding of the coordinates.
     let is_right = (a - b).abs().max_element() <= 1.001;
     (!is_right).then(|| format!("{p} and {q}, {filter:?}: {a} and {b} texels"))
 }

@@ -1,4 +1,4 @@
-//! Which triangles meet at which edges: what a mesh has to be, for a ray not to pass between them.
+//! The triangles at each edge of a mesh: where a ray must not pass between them.
 
 use glam::Vec3;
 use rayon::prelude::*;
@@ -7,7 +7,7 @@ use wavecrest_core::accel::geometry::Geometry;
 
 /// An edge that two triangles share.
 pub(super) struct Edge {
-    /// Its ends, by the first vertex at each place.
+    /// Its ends, as the first vertex at each position.
     pub(super) ends: [u32; 2],
     pub(super) triangles: [u32; 2],
 }
@@ -15,11 +15,11 @@ pub(super) struct Edge {
 /// An edge of a triangle: the numbers of its ends, the lower first, and the triangle.
 type Side = ([u32; 2], u32);
 
-/// The edges of a mesh's triangles, those without area left out.
+/// The edges of a mesh's triangles, without degenerate ones.
 pub(super) struct Topology {
-    /// By the numbers of their ends.
+    /// Sorted by the numbers of their ends.
     sides: Vec<Side>,
-    /// Edges of one triangle: there the mesh ends.
+    /// Edges of only one triangle: the border of the mesh.
     pub(super) borders: u64,
     /// Edges of more than two.
     pub(super) crowded: u64,
@@ -44,12 +44,12 @@ impl Topology {
         Self { sides, borders, crowded }
     }
 
-    /// How many places [`Self::edge`] has.
+    /// The number of indices for [`Self::edge`].
     pub(super) fn len(&self) -> usize {
         self.sides.len()
     }
 
-    /// The edge at a place; `None` if it has another number of triangles than two.
+    /// The edge at an index; `None` if it does not have two triangles.
     pub(super) fn edge(&self, place: usize) -> Option<Edge> {
         let (ends, _) = self.sides[place];
         let first = self.sides.partition_point(|side| side.0 < ends);
@@ -59,9 +59,9 @@ impl Topology {
     }
 }
 
-/// For each vertex the first of those at its place.
+/// For each vertex the first at its position.
 fn weld(positions: &[Vec3]) -> Vec<u32> {
-    // Zeros of both signs are at one place.
+    // Zeros of both signs are the same position.
     let place = |v: u32| positions[v as usize].to_array().map(|x| (x + 0.0).to_bits());
     let mut order: Vec<u32> = (0..positions.len() as u32).collect();
     order.par_sort_unstable_by_key(|&v| (place(v), v));

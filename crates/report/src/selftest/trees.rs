@@ -1,5 +1,5 @@
-//! A tree must give the hits of brute force, whatever primitives it holds, and these must be right: they are worked out
-//! in whole numbers, or follow from how the primitives were made.
+//! A tree must return the hits of brute force for any primitives, and these must be right: they are
+//! computed in integers, or follow from the construction of the primitives.
 
 use glam::Vec3;
 use rayon::prelude::*;
@@ -13,7 +13,7 @@ use wavecrest_core::accel::build::Preset;
 use wavecrest_core::accel::geometry::Geometry;
 use wavecrest_core::math::ray::Ray;
 
-/// What brute force finds.
+/// The hits of brute force.
 pub(super) fn by_brute_force(effort: &Effort, geometry: &Geometry, rays: &[Ray]) -> Vec<Hit> {
     let accel = effort.accel(geometry.clone(), Preset::Brute);
     let mut hits = vec![Hit::MISS; rays.len()];
@@ -28,15 +28,15 @@ pub(super) fn by_brute_force(effort: &Effort, geometry: &Geometry, rays: &[Ray])
     hits
 }
 
-/// Adds a triangle with vertices of its own.
+/// Adds a triangle with its own vertices.
 pub(super) fn add_triangle(geometry: &mut Geometry, corners: [Vec3; 3]) {
     let first = geometry.positions.len() as u32;
     geometry.positions.extend(corners);
     geometry.triangles.push([first, first + 1, first + 2]);
 }
 
-/// Traces the rays with every preset and kernel: the hits must be those of brute force to the last bit, and `wrong` says
-/// what is wrong with these, if anything is.
+/// Traces the rays with every preset and kernel: the hits must be those of brute force to the last
+/// bit, and `wrong` describes their error, if any.
 fn compare(
     effort: &Effort,
     geometry: &Geometry,
@@ -59,7 +59,7 @@ fn compare(
     outcome
 }
 
-/// What each ray has to hit, of a geometry in whole numbers.
+/// The expected hits of the rays on a geometry with integer coordinates.
 fn expected_of(geometry: &Geometry, rays: &[Ray]) -> Vec<Expected> {
     let triangles = Triangles::of(geometry);
     rays.par_iter().map(|ray| triangles.met_by(ray)).collect()
@@ -68,7 +68,8 @@ fn expected_of(geometry: &Geometry, rays: &[Ray]) -> Vec<Expected> {
 /// The unit of a grid on which corners and rays lie.
 const UNIT: f32 = 4096.0;
 
-/// From -1 to 1, or a multiple of a quarter: on faces and edges. In whole numbers.
+/// A random integer coordinate from -1 to 1 in units, or a multiple of a quarter unit: on faces and
+/// edges.
 fn coordinate(numbers: &mut Numbers) -> f32 {
     if numbers.below(2) == 0 {
         (numbers.below(9) as f32 / 4.0 - 1.0) * UNIT
@@ -81,7 +82,7 @@ fn point(numbers: &mut Numbers) -> Vec3 {
     Vec3::from([(); 3].map(|()| coordinate(numbers)))
 }
 
-/// Row 3. The rays meet the same at every scale.
+/// Case 3. The rays have the same hits at every scale.
 pub(super) fn boxes(effort: &Effort) -> Outcome {
     let mut geometry = cubes(3, 0.75 * UNIT);
     geometry.positions.iter_mut().for_each(|p| *p -= UNIT);
@@ -113,7 +114,7 @@ pub(super) fn boxes(effort: &Effort) -> Outcome {
     outcome
 }
 
-/// Row 20. Corners and rays are whole numbers, and so the ray is in the very plane: it meets nothing.
+/// Case 20. Corners and rays are integers, so the ray is exactly in the plane: it meets nothing.
 pub(super) fn in_the_plane(effort: &Effort) -> Outcome {
     let mut outcome = Outcome::default();
     let planes = 100;
@@ -140,7 +141,7 @@ pub(super) fn in_the_plane(effort: &Effort) -> Outcome {
     outcome
 }
 
-/// Row 21: every triangle several times, in any order.
+/// Case 21: every triangle several times, in any order.
 pub(super) fn duplicates(effort: &Effort) -> Outcome {
     let mut outcome = Outcome::default();
     let base = cubes(3, 0.75 * UNIT);
@@ -152,7 +153,7 @@ pub(super) fn duplicates(effort: &Effort) -> Outcome {
         .collect();
     for shuffle in 0..4 {
         let mut numbers = Numbers::new(effort, 21, usize::MAX - shuffle);
-        // Which triangle of the base each is.
+        // The base triangle of each copy.
         let mut which: Vec<usize> = (0..base.triangles.len()).flat_map(|i| [i; 5]).collect();
         for i in (1..which.len()).rev() {
             which.swap(i, numbers.below(i + 1));
@@ -162,7 +163,8 @@ pub(super) fn duplicates(effort: &Effort) -> Outcome {
         let expected = expected_of(&geometry, &rays);
         for preset in [Preset::Brute, Preset::Fastest, Preset::Medium] {
             outcome.add(every_way(effort.accel(geometry.clone(), preset), &rays, |i, _, hit| {
-                // Beside an edge either triangle may be hit, but of each the first in the shuffled order.
+                // Beside an edge either triangle may be hit, but of each only the first in the
+                // shuffled order.
                 let is_first = |number: u32| {
                     let own = which[number as usize];
                     !which[..number as usize].contains(&own)
@@ -176,7 +178,7 @@ pub(super) fn duplicates(effort: &Effort) -> Outcome {
     outcome
 }
 
-/// Row 22: triangles about one point, of all sizes.
+/// Case 22: triangles around one point, of all sizes.
 pub(super) fn one_centroid(effort: &Effort) -> Outcome {
     let mut outcome = Outcome::default();
     let largest = effort.of(1_000_000);
@@ -210,11 +212,11 @@ pub(super) fn one_centroid(effort: &Effort) -> Outcome {
     outcome
 }
 
-/// How many triangles row 23 has, and how much larger the next one is.
+/// Number of triangles in case 23, and the ratio of consecutive sizes.
 const NESTED: usize = 500;
 const LARGER: f64 = 1.1;
 
-/// Row 23: each triangle within the next. The one of size s is across x = s, from -s to s.
+/// Case 23: nested triangles. The one of size s is across x = s, from -s to s.
 pub(super) fn nested(effort: &Effort) -> Outcome {
     let mut geometry = Geometry::default();
     let mut sizes = Vec::new();
@@ -239,12 +241,13 @@ pub(super) fn nested(effort: &Effort) -> Outcome {
     compare(effort, &geometry, &rays, &presets, |i, hit| not_nested(&sizes, &rays[i], hit))
 }
 
-/// What is wrong with a hit on triangles of these sizes, worked out from where the ray crosses their planes.
+/// The error of a hit on triangles of these sizes, from the crossings of the ray with their planes.
 fn not_nested(sizes: &[f64], ray: &Ray, hit: Hit) -> Option<String> {
-    /// Nearer to an edge than this, in parts of the size and of the way there, rounding decides.
+    /// Within this distance of an edge, relative to the size and the distance, rounding decides.
     const BESIDE: f64 = 1e-5;
     let (origin, direction) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
-    // The t at which the ray crosses the plane of a size, and how far within the triangle that is.
+    // The t at which the ray crosses the plane of a size, and its distance inside the triangle
+    // there.
     let crossing = |size: f64| {
         let t = (size - origin.x) / direction.x;
         let [_, y, z] = (origin + direction * t).to_array();

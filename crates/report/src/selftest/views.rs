@@ -11,14 +11,14 @@ use wavecrest_core::accel::build::Preset;
 use wavecrest_core::kernels::camera::Camera;
 use wavecrest_core::math::random::Stream;
 
-/// Every preset, testing everything among them.
+/// Every preset, including brute force.
 const PRESETS: &[Preset] = &Preset::ALL;
 
 fn color(numbers: &mut Numbers) -> [f64; 3] {
     [(); 3].map(|()| numbers.one())
 }
 
-/// Row 24.
+/// Case 24.
 pub(super) fn next_to_nothing(effort: &Effort) -> Outcome {
     let mut outcome = Outcome::default();
     let mut shown = 0_u64;
@@ -78,7 +78,7 @@ fn alone(numbers: &mut Numbers) -> Vec<(&'static str, Vec<Value>)> {
     ]
 }
 
-/// Whether the ray meets the one shape that there is, in double precision; `None` beside its edge.
+/// Whether the ray meets the only shape, in double precision; `None` beside its edge.
 fn sees(shapes: &[Value], origin: DVec3, direction: DVec3) -> Option<bool> {
     const EDGE: f64 = 1e-4;
     let Some(shape) = shapes.first() else { return Some(false) };
@@ -103,7 +103,7 @@ fn sees(shapes: &[Value], origin: DVec3, direction: DVec3) -> Option<bool> {
     (!is_doubtful).then_some(is_inside)
 }
 
-/// Row 27.
+/// Case 27.
 pub(super) fn upright(effort: &Effort) -> Outcome {
     let mut outcome = Outcome::default();
     for mut numbers in inputs(effort, 27, 0..effort.of(100_000)) {
@@ -114,7 +114,7 @@ pub(super) fn upright(effort: &Effort) -> Outcome {
         };
         let view = along * numbers.magnitude(1e-3, 1e6);
         let look = location + view;
-        // What the file says, not what was meant: the sum is rounded.
+        // The rounded sum in the file, not the intended value.
         let view = look - location;
         let off = [0.0, 1e-7, 1e-5, 1.0][numbers.below(4)];
         let aside = view.normalize().cross(numbers.direction()).normalize();
@@ -133,7 +133,7 @@ pub(super) fn upright(effort: &Effort) -> Outcome {
                 outcome.count(failure.map(|failure| format!("{}: {failure}", context())));
             }
         }
-        // And a camera that looks at itself.
+        // And a camera that looks at its own position.
         let scene = scenes::scene(0, &Eye { look: location, ..eye }.json(), &[], &[]);
         let refusal = scenes::prepare(effort, &scene, Preset::VeryFast);
         outcome.add(refused::names(refusal, "camera.look").with_context(context));
@@ -141,7 +141,7 @@ pub(super) fn upright(effort: &Effort) -> Outcome {
     outcome
 }
 
-/// What is wrong with unit vectors that are to be at right angles, within 4 ulp of 1.
+/// The error of unit vectors that should be orthogonal, within 4 ulp of 1.
 fn not_orthonormal(basis: [DVec3; 3]) -> Option<String> {
     const LARGEST_ERROR: f64 = 4.0 * f32::EPSILON as f64;
     for (i, a) in basis.iter().enumerate() {
@@ -156,7 +156,7 @@ fn not_orthonormal(basis: [DVec3; 3]) -> Option<String> {
     None
 }
 
-/// Row 28.
+/// Case 28.
 pub(super) fn angles(effort: &Effort) -> Outcome {
     let mut outcome = Outcome::default();
     for mut numbers in inputs(effort, 28, 0..effort.of(10_000)) {
@@ -192,7 +192,7 @@ pub(super) fn angles(effort: &Effort) -> Outcome {
     outcome
 }
 
-/// Angles of view that no camera has.
+/// Invalid angles of view.
 fn refused_angles(effort: &Effort) -> Outcome {
     let refused = [0.0, -1.0, 0.000_999, 179.001, 180.0, 1e9].map(|fov| {
         let eye = Eye { look: DVec3::X, ..Eye::at(DVec3::ZERO, fov, [3, 3]) };
@@ -203,7 +203,7 @@ fn refused_angles(effort: &Effort) -> Outcome {
     refused.into_iter().sum()
 }
 
-/// Whether rays of some pixels have directions, of length 1 within 4 ulp.
+/// Whether rays of some pixels have directions of length 1 within 4 ulp.
 fn rays_of(
     camera: &Camera,
     numbers: &mut Numbers,
@@ -223,7 +223,7 @@ fn rays_of(
     outcome
 }
 
-/// An image of one pixel across, which every way has to make to the last bit.
+/// An image one pixel wide or high, the same to the last bit in every way of rendering.
 fn thin_image(effort: &Effort, size: [u32; 2], fov: f64) -> Outcome {
     let eye = Eye::at(DVec3::new(0.0, 0.0, 4.0), fov, size);
     let shapes = [scenes::sphere(DVec3::ZERO, 1.5, scenes::matte([1.0; 3]))];
@@ -233,7 +233,7 @@ fn thin_image(effort: &Effort, size: [u32; 2], fov: f64) -> Outcome {
     images.with_context(|| format!("{size:?} at {fov} degrees"))
 }
 
-/// Row 29.
+/// Case 29.
 pub(super) fn lenses(effort: &Effort) -> Outcome {
     let mut outcome = refused::lenses(effort);
     for mut numbers in inputs(effort, 29 + 32, 0..effort.either(4, 100)) {

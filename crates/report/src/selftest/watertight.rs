@@ -1,4 +1,4 @@
-//! Rays aimed at where triangles meet. Random rays find no leak: those have no width.
+//! Rays aimed at shared edges and vertices. Random rays find no leaks, as these have no width.
 
 use glam::Vec3;
 use rayon::prelude::*;
@@ -9,11 +9,11 @@ use super::ways::{Numbers, every_way};
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::math::ray::Ray;
 
-/// Rings, segments, and by how much radii differ.
+/// Rings and segments, and the variation of radii.
 const GLOBES: [([u32; 2], f64); 5] =
     [([2, 3], 0.0), ([5, 8], 0.3), ([9, 16], 0.3), ([20, 33], 0.0), ([12, 64], 0.2)];
 
-/// Scales and places.
+/// Scales and positions.
 const PLACES: [(f64, Vec3); 4] = [
     (1.0, Vec3::ZERO),
     (64.0, Vec3::new(1e5, -1e5, 1e5)),
@@ -21,15 +21,15 @@ const PLACES: [(f64, Vec3); 4] = [
     (1.0 / 1_048_576.0, Vec3::ZERO),
 ];
 
-/// Rays of the full count, and the share of them that brute force traces too.
+/// Number of rays in full, and the share of them traced by brute force too.
 const RAYS: usize = 10_000_000;
 const BY_BRUTE_FORCE: usize = 10;
 
-/// What a ray may meet later than what it was aimed at, it met by a leak: the target is rounded, and
-/// faces that are seen at a low angle are then met a little later, but not by so much.
+/// A ray that hits something later than this, relative to its target, has leaked: the target is
+/// rounded, and faces seen at a low angle are hit slightly later, but not by this much.
 const BEYOND: f32 = 1.1;
 
-/// What a ray is aimed at.
+/// The target of a ray.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Aim {
     Edge,
@@ -80,7 +80,7 @@ fn aimed(effort: &Effort, aim: Aim) -> Outcome {
     outcome
 }
 
-/// A ray that meets what it is aimed at at t = 1.
+/// A ray that meets its target at t = 1.
 fn ray(closed: &Closed, aim: Aim, mut numbers: Numbers) -> Ray {
     let Closed { geometry, center, radius } = closed;
     let away = numbers.direction() * (0.5 * numbers.one() * f64::from(*radius));

@@ -1,4 +1,4 @@
-//! Tracing rays with every kernel and every level of vector instructions.
+//! Traces rays with every kernel and every instruction level.
 
 use std::ops::Range;
 use std::time::Instant;
@@ -19,11 +19,11 @@ use wavecrest_core::math::simd::Level;
 use wavecrest_core::math::vector::{Line, Vector};
 use wavecrest_core::with_precision;
 
-/// Rays that a thread is given at a time.
+/// Rays for each task.
 const RAYS_OF_A_THREAD: usize = 1 << 13;
 
-/// Checks the hits of all rays with every kernel and all levels of instructions.
-/// `judge` describes what is wrong with the hit for the ray of that number, if anything is.
+/// Checks the hits of all rays with every kernel and at all instruction levels. `judge` describes
+/// the error of the hit of this ray, if any.
 pub(super) fn every_way(
     accel: Accel,
     rays: &[Ray],
@@ -32,13 +32,13 @@ pub(super) fn every_way(
     with_every_kernel(accel, |accel| ask(accel, rays, &judge))
 }
 
-/// Checks what `accel` finds with every kernel and all levels of instructions.
+/// Checks the hits of `accel` with every kernel and at all instruction levels.
 pub(super) fn with_every_kernel(mut accel: Accel, check: impl Fn(&Accel) -> Outcome) -> Outcome {
     let mut outcome = Outcome::default();
     for level in Level::available() {
         let Some(token) = level.token() else { continue };
         accel.level = token;
-        // Exact arithmetic takes every ray alone.
+        // Exact precision traces every ray alone.
         let is_exact = accel.geometry().precision == Precision::Exact;
         let kernels: &[_] = if is_exact { &[KernelChoice::Single] } else { &KernelChoice::ALL };
         for &kernel in kernels {
@@ -47,7 +47,7 @@ pub(super) fn with_every_kernel(mut accel: Accel, check: impl Fn(&Accel) -> Outc
             outcome.add(check(&accel).with_context(context));
         }
         if accel.tree().is_none() {
-            // Nothing is left to choose.
+            // There is nothing left to vary.
             break;
         }
     }
@@ -77,7 +77,7 @@ fn ask(
     in_order(blocks)
 }
 
-/// Asks `count` questions on all threads, and adds up what comes of them, in order.
+/// Runs `count` tests on all threads, and adds up their outcomes in order.
 pub(super) fn in_blocks(count: usize, ask: impl Fn(usize) -> Outcome + Sync) -> Outcome {
     let one = |n| ask(n).with_context(|| format!("input {n}"));
     in_order(blocks(count, RAYS_OF_A_THREAD).map(|block| block.map(one).sum()))
@@ -92,12 +92,12 @@ pub(super) fn blocks(
     (0..count.div_ceil(size)).into_par_iter().map(block)
 }
 
-/// What came of all of them together; the first failure is that of the first to fail.
+/// The sum of all outcomes; the first failure is that of the first failed test.
 pub(super) fn in_order(outcomes: impl ParallelIterator<Item = Outcome>) -> Outcome {
     outcomes.collect::<Vec<_>>().into_iter().sum()
 }
 
-/// The tests of one primitive, and the points found by them, in a precision.
+/// The tests of one primitive, and their surface points, in a precision.
 #[derive(Clone, Copy)]
 pub(super) struct Tests(pub(super) Precision);
 
@@ -123,13 +123,13 @@ impl Tests {
         sphere::intersect(ray, center, radius)
     }
 
-    /// Where the ray meets the triangle.
+    /// The surface point at which the ray meets the triangle.
     pub(super) fn surface(self, ray: &Ray, t: f32, corners: &[Vec3; 3]) -> Surface<f32> {
         let (line, corners) = (Line::from(ray), corners.map(Vector::from));
         with_precision!(self.0, P => surface::triangle_at::<f32, P>(&line, t, &corners))
     }
 
-    /// Where the ray meets the sphere.
+    /// The surface point at which the ray meets the sphere.
     pub(super) fn sphere_surface(
         self,
         ray: &Ray,
@@ -161,12 +161,12 @@ impl Numbers {
         Self(stream.generator(0))
     }
 
-    /// From 0 to 1.
+    /// Uniform from 0 to 1.
     pub(super) fn one(&mut self) -> f64 {
         self.0.random()
     }
 
-    /// From `low` to `high`, every power of ten as likely.
+    /// From `low` to `high`, uniform in logarithm.
     pub(super) fn magnitude(&mut self, low: f64, high: f64) -> f64 {
         libm::pow(10.0, libm::log10(low) + self.one() * libm::log10(high / low))
     }
@@ -181,7 +181,7 @@ impl Numbers {
         if self.0.random() { 1.0 } else { -1.0 }
     }
 
-    /// In a triangle.
+    /// Uniform in a triangle.
     pub(super) fn within(&mut self, [a, b, c]: [Vec3; 3]) -> glam::DVec3 {
         let [a, b, c] = [a, b, c].map(|v| v.as_dvec3());
         let (u, v) = (self.one(), self.one());
@@ -189,7 +189,7 @@ impl Numbers {
         a + (b - a) * u + (c - a) * v
     }
 
-    /// On the unit sphere.
+    /// Uniform on the unit sphere.
     pub(super) fn direction(&mut self) -> glam::DVec3 {
         let (z, turn) = (2.0 * self.one() - 1.0, std::f64::consts::TAU * self.one());
         let r = (1.0 - z * z).max(0.0).sqrt();

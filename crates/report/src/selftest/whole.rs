@@ -1,7 +1,7 @@
-//! Hits on triangles in whole numbers, worked out without rounding and by nothing that kernels use.
+//! Hits on triangles in integers, computed without rounding and without code of the kernels.
 //!
-//! On which side of an edge a ray passes is the sign of a determinant, and t the quotient of two: fractions whose
-//! parts 64 bits hold, where all coordinates are below [`LARGEST`].
+//! The side of an edge on which a ray passes is the sign of a determinant, and t the quotient of
+//! two: fractions whose parts fit 64 bits if all coordinates are below [`LARGEST`].
 
 use glam::{I64Vec3, Vec3};
 
@@ -10,34 +10,34 @@ use wavecrest_core::accel::geometry::Geometry;
 use wavecrest_core::kernels::triangle::T_TOLERANCE;
 use wavecrest_core::math::ray::Ray;
 
-/// Coordinates and components of directions are below this: determinants are then below 2^53.
+/// Limit of coordinates and components of directions: determinants are then below 2^53.
 const LARGEST: f32 = 32_768.0;
 
-/// What passes an edge at less than this part of the coordinates may hit either side of it: a few times the rounding
-/// of single precision.
+/// A ray that passes an edge within this share of the coordinates may hit either side of it: a few
+/// times the rounding of single precision.
 const BESIDE: f64 = 1.0 / (1_u32 << 18) as f64;
 
-/// Hits beside an edge may be this part of t later than the first that is certain.
+/// Hits beside an edge may be later than the first certain one by this share of t.
 const LATER: f32 = 1e-3;
 
-/// A ray and a triangle that it does not certainly pass by.
+/// A triangle that a ray does not certainly miss.
 struct Candidate {
     number: u32,
-    /// Infinite where the ray is in the triangle's plane.
+    /// Infinite if the ray is in the triangle's plane.
     t: f64,
     /// Whether it certainly meets the triangle.
     is_certain: bool,
 }
 
-/// What a ray has to hit.
+/// The expected hit of a ray.
 pub(super) struct Expected {
-    /// The first of the certain hits: at the least t, rounded once, the lowest number.
+    /// The first certain hit: at the smallest t, rounded once, the lowest number.
     pub(super) first: Hit,
-    /// Others that rounding may bring before it: the triangles beside whose edges the ray passes.
+    /// Other triangles that rounding may put first: those whose edges the ray passes closely.
     beside: Vec<u32>,
 }
 
-/// Triangles whose corners are whole numbers.
+/// Triangles with integer corners.
 pub(super) struct Triangles(Vec<[I64Vec3; 3]>);
 
 fn whole(v: Vec3) -> I64Vec3 {
@@ -46,13 +46,13 @@ fn whole(v: Vec3) -> I64Vec3 {
 }
 
 impl Triangles {
-    /// Those of a geometry.
+    /// The triangles of a geometry.
     pub(super) fn of(geometry: &Geometry) -> Self {
         let corners = |i| geometry.triangle(i).map(whole);
         Self((0..geometry.triangles.len()).map(corners).collect())
     }
 
-    /// What `ray`, of whole numbers too, has to hit.
+    /// The expected hit of `ray`, which has integer coordinates too.
     pub(super) fn met_by(&self, ray: &Ray) -> Expected {
         let (origin, direction) = (whole(ray.origin), whole(ray.direction));
         let candidates = (0..).zip(&self.0).filter_map(|(number, triangle)| {
@@ -71,7 +71,8 @@ impl Triangles {
     }
 }
 
-/// The triangle with these `corners`, as seen from the `origin` of a ray, unless the ray certainly passes by it.
+/// The triangle with these `corners`, relative to the `origin` of a ray, unless the ray certainly
+/// misses it.
 fn candidate(
     number: u32,
     corners: [I64Vec3; 3],
@@ -97,7 +98,7 @@ fn candidate(
 }
 
 impl Expected {
-    /// What is wrong with a hit, if anything is.
+    /// The error of a hit, if any.
     pub(super) fn wrong(&self, hit: Hit) -> Option<String> {
         let Self { first, beside } = self;
         let is_right = if hit.primitive == first.primitive {
