@@ -1,4 +1,4 @@
-//! `accuracy`: error against time, swept and reported.
+//! `accuracy`: sweeps and reports error against time.
 
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
@@ -16,7 +16,7 @@ use wavecrest_report::regression::Regression;
 use wavecrest_scene::load::{LoadOptions, load};
 use wavecrest_scene::systems::extract;
 
-/// What the progress bar shows.
+/// The template of the progress bar.
 const PROGRESS: &str = "{msg} {wide_bar} {pos}/{len}, {eta} left";
 
 /// Measure error against time for every sampler, sample count and precision.
@@ -87,12 +87,12 @@ impl Progress for Shown {
     }
 }
 
-/// Sweeps as the arguments say, and returns whether what must not change a picture did not; of a comparison,
-/// whether nothing became worse.
+/// Runs the sweep or comparison. Returns whether the choices that must not change an image did not,
+/// or for a comparison whether nothing became worse.
 ///
 /// # Errors
-/// When a scene cannot be rendered, the folder has the results of another sweep, or results cannot be read or
-/// written.
+/// If a scene cannot be rendered, the folder has the results of another sweep, or results cannot be
+/// read or written.
 pub(crate) fn run(args: &AccuracyArgs) -> Result<bool> {
     if let [before, after] = args.compare.as_slice() {
         return compare(args, before, after);
@@ -116,7 +116,7 @@ fn compare(args: &AccuracyArgs, before: &Path, after: &Path) -> Result<bool> {
     Ok(!found.is_worse())
 }
 
-/// Says what each sampler takes to an error.
+/// Prints the cost of an error with each sampler.
 fn advise(args: &AccuracyArgs, error: f64) -> Result<()> {
     for file in &args.scenes {
         let mut loaded = load(file, &LoadOptions::default())?;

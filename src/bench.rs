@@ -1,5 +1,5 @@
-//! `bench`: both tracers timed against each other, once their images are known to be the same, and
-//! the wavefront against itself.
+//! `bench`: times both tracers, after checking that their images are equal, and variants of the
+//! wavefront.
 
 mod args;
 mod effects;
@@ -23,10 +23,10 @@ use wavecrest_report::bench::{BenchReport, Preparation, SceneBench, Setting, har
 use wavecrest_scene::memory;
 use wavecrest_scene::systems;
 
-/// Measures every scene, prints what was found, and returns whether all images were the same.
+/// Measures every scene, prints the results, and returns whether all images were equal.
 ///
 /// # Errors
-/// When a scene cannot be loaded or prepared, or the report cannot be written.
+/// If a scene cannot be loaded or prepared, or the report cannot be written.
 pub(crate) fn run(args: &BenchArgs) -> Result<bool> {
     args.output.iter().chain(&args.page).try_for_each(|file| check_replaceable(file))?;
     if let (Some(output), Some(page)) = (&args.output, &args.page) {
@@ -77,7 +77,7 @@ fn prepare(args: &BenchArgs, path: &Path) -> Result<(PreparedScene, Setting)> {
     let start = Instant::now();
     let loaded = args.scene_options.load(path)?;
     let extracted = args.scene_options.extract(loaded)?;
-    // Neither tracer is to wait for an image.
+    // Neither tracer should wait for an image.
     extracted.scene().appearance.decode()?;
     let load = start.elapsed().as_secs_f64();
     let preset = args.scene_options.bvh.unwrap_or_else(|| extracted.preset());
@@ -100,7 +100,7 @@ fn prepare(args: &BenchArgs, path: &Path) -> Result<(PreparedScene, Setting)> {
 }
 
 fn measure_scene(args: &BenchArgs, scene: &PreparedScene) -> Result<Measured> {
-    // The bar moves between pairs alone: nothing but the tracers is at work while they are timed.
+    // The bar moves only between pairs: nothing else runs while the tracers are timed.
     let trace = |tracer| render(scene, &args.options(tracer), &());
     let mut measured = with_bar(args.scene_options.quiet, &bar_of("pairs"), |progress| {
         measure(&args.schedule(), trace, progress)
@@ -112,12 +112,12 @@ fn measure_scene(args: &BenchArgs, scene: &PreparedScene) -> Result<Measured> {
     Ok(measured)
 }
 
-/// What a bar of so many of these shows.
+/// The template of a bar that counts these items.
 fn bar_of(what: &str) -> String {
     format!("{{wide_bar}} {{pos}} of {{len}} {what}, {{eta}} left")
 }
 
-/// Has the processor count in a run of its own, so that counting slows none that is timed.
+/// Counts hardware events in a separate run, so that counting does not slow timed runs.
 fn count(runs: &mut Runs, run: impl FnOnce() -> Result<Rendered>) -> Result<()> {
     let (rendered, counted) = hardware::count(run);
     rendered?;
@@ -149,7 +149,7 @@ fn tell_scene(args: &BenchArgs, scene: &SceneBench) -> Result<()> {
         print(&format!("\n{}", text::scene(scene)))?;
     }
     if let Some(difference) = &scene.difference {
-        // However quiet: a wrong image is never passed over in silence.
+        // Even if quiet: a wrong image must not go unnoticed.
         tell(&format!("error: {}: {}", scene.scene, text::verdict(difference)));
     }
     for compared in scene.comparisons.iter().filter(|compared| compared.difference.is_some()) {

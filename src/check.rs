@@ -1,4 +1,4 @@
-//! `check`: is the scene right, and what is in it?
+//! `check`: checks a scene and lists its contents.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -23,20 +23,20 @@ pub(crate) struct CheckArgs {
     pub(crate) scene_options: SceneOptions,
 }
 
-/// Checks as the arguments say.
+/// Runs the check.
 ///
 /// # Errors
-/// When the scene cannot be rendered.
+/// If the scene cannot be rendered.
 pub(crate) fn run(args: &CheckArgs) -> Result<()> {
     args.scene_options.threads.run(|| {
         let mut loaded = args.scene_options.load(&args.scene)?;
-        // Every file is read, whether or not it is needed for the picture.
+        // Read every file, whether or not the image needs it.
         let passes = unplanned(&PASSES);
         let options = Options { passes: &passes, ..Options::default() };
         let extracted = systems::extract(&mut loaded.world, options)?;
         extracted.scene().appearance.decode()?;
         let file = extracted.file().to_owned();
-        // For the few rays that look for warnings.
+        // For the few test rays of warnings.
         let scene = extracted.build(Preset::Fastest);
         warn(&systems::warnings(&scene, &file));
         let mut text = summary(&scene);
@@ -50,7 +50,7 @@ pub(crate) fn run(args: &CheckArgs) -> Result<()> {
     })
 }
 
-/// What is in the scene, a line each.
+/// The contents of the scene, a line each.
 fn summary(scene: &PreparedScene) -> String {
     let geometry = scene.accel.geometry();
     let [width, height] = scene.camera.size();
@@ -87,7 +87,7 @@ fn rays_a_pixel(scene: &PreparedScene) -> String {
     }
 }
 
-/// How far the scene reaches, in its own coordinates, and how large it is.
+/// The extent of the scene in its own coordinates, and its size.
 fn extent(scene: &PreparedScene) -> [String; 3] {
     let Some([low, high]) = bounds::of(scene.accel.geometry()) else {
         return ["-"; 3].map(str::to_owned);
@@ -104,7 +104,7 @@ fn files(text: &mut String, scene: &Path, others: &[PathBuf]) {
     }
 }
 
-/// The images, which have been decoded, with their sizes.
+/// The decoded images, with their sizes.
 fn textures(text: &mut String, scene: &PreparedScene) -> Result<()> {
     for lazy in &scene.appearance.images {
         let Image { width, height, .. } = lazy.get()?;
@@ -114,7 +114,7 @@ fn textures(text: &mut String, scene: &PreparedScene) -> Result<()> {
     Ok(())
 }
 
-/// The length of a file, after a comma, where it is known.
+/// The length of a file after a comma, if known.
 fn bytes_of(path: &Path) -> String {
     let length = path.metadata().ok().filter(|found| found.is_file()).map(|found| found.len());
     length.map_or_else(String::new, |bytes| format!(", {}", size(bytes)))

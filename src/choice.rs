@@ -1,9 +1,9 @@
-//! Options whose values are chosen by name.
+//! Options with named values.
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use wavecrest_base::choice::Choice;
 
-/// Reads a value by its name; the help lists every one with what it means.
+/// A parser of named values; the help lists each with its meaning.
 pub(crate) fn choice<T: Choice>() -> impl TypedValueParser<Value = T> {
     let listed = T::VALUES
         .iter()
@@ -12,7 +12,7 @@ pub(crate) fn choice<T: Choice>() -> impl TypedValueParser<Value = T> {
         .try_map(|name| by_name(&name).ok_or("not one of the possible values"))
 }
 
-/// The value of that name.
+/// The value with that name.
 pub(crate) fn by_name<T: Choice>(name: &str) -> Option<T> {
     T::VALUES.iter().copied().find(|value| value.name() == name)
 }

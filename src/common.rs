@@ -1,4 +1,4 @@
-//! What several commands share: options, output, progress.
+//! Options, output and progress shared by several commands.
 
 use std::io::{ErrorKind as IoKind, IsTerminal, Write};
 use std::path::{Path, PathBuf};
@@ -63,7 +63,8 @@ impl SceneOptions {
         Ok(loaded)
     }
 
-    /// Estimates the memory of a render of so many `pixels`, of all if `None`, before anything large is read.
+    /// Estimates the memory of a render of `pixels`, or of all pixels if `None`, before anything
+    /// large is read.
     pub(crate) fn estimate(
         &self,
         scene: &Path,
@@ -79,7 +80,7 @@ impl SceneOptions {
         LoadOptions { strict: self.strict, ..self.input.load_options() }
     }
 
-    /// Runs the systems on `loaded` but for the last.
+    /// Runs all systems but the last on `loaded`.
     pub(crate) fn extract(&self, mut loaded: LoadedScene) -> Result<Extracted> {
         let (precision, flat) = (self.precision, self.flatten);
         let options = systems::Options { precision, flat, ..Default::default() };
@@ -99,7 +100,7 @@ pub(crate) struct SearchOptions {
 }
 
 impl SearchOptions {
-    /// Has `accel` searched as the options say.
+    /// Applies the options to `accel`.
     pub(crate) fn apply(&self, accel: &mut Accel) {
         accel.kernel = self.kernel;
         if let Some(level) = self.simd.token() {
@@ -108,7 +109,7 @@ impl SearchOptions {
     }
 }
 
-/// A set of vector instructions that this processor has.
+/// An instruction level of this processor.
 fn simd(text: &str) -> std::result::Result<Level, String> {
     if text == "auto" {
         return Ok(Level::best());
@@ -132,7 +133,7 @@ pub(crate) struct Threads {
 }
 
 impl Threads {
-    /// Runs `work` on the threads asked for.
+    /// Runs `work` on the requested threads.
     pub(crate) fn run<R: Send>(&self, work: impl FnOnce() -> Result<R> + Send) -> Result<R> {
         let threads = self.threads.map_or(0, usize::from);
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(|e| {
@@ -143,7 +144,7 @@ impl Threads {
     }
 }
 
-/// Writes to standard output. A reader that has seen enough, such as `head`, is no error.
+/// Writes to standard output. A reader that closes it early, such as `head`, is not an error.
 pub(crate) fn print(text: &str) -> Result<()> {
     let mut output = std::io::stdout().lock();
     match output.write_all(text.as_bytes()).and_then(|()| output.flush()) {
@@ -154,7 +155,7 @@ pub(crate) fn print(text: &str) -> Result<()> {
     }
 }
 
-/// Writes a line to standard error. Where that is closed, the line is lost.
+/// Writes a line to standard error. If that is closed, the line is lost.
 pub(crate) fn tell(line: &str) {
     let _ = writeln!(std::io::stderr(), "{line}");
 }
@@ -185,8 +186,8 @@ fn tell_of(kind: &str, warning: &Warning) {
     }
 }
 
-/// A bar on a terminal, and nothing anywhere else. Besides the keys of indicatif, `template` may
-/// have `millions`: how many millions are done a second.
+/// A progress bar on a terminal, otherwise hidden. Besides the keys of indicatif, `template` may
+/// have `millions`: millions per second.
 pub(crate) fn progress_bar(quiet: bool, template: &str) -> ProgressBar {
     if quiet || !std::io::stderr().is_terminal() {
         return ProgressBar::hidden();
@@ -199,7 +200,7 @@ pub(crate) fn progress_bar(quiet: bool, template: &str) -> ProgressBar {
     ProgressBar::new(0).with_style(style)
 }
 
-/// Does `work`, which reports what is done of how much, with a bar of [`progress_bar`].
+/// Runs `work`, which reports its progress, with a bar of [`progress_bar`].
 pub(crate) fn with_bar<R>(
     quiet: bool,
     template: &str,
@@ -214,7 +215,7 @@ pub(crate) fn with_bar<R>(
     result
 }
 
-/// Refuses a scene whose peak is estimated to be above `limit`.
+/// Refuses a scene whose estimated peak is above `limit`.
 fn check_memory(scene: &Path, estimated: &Estimate, limit: ByteSize) -> Result<()> {
     if estimated.total() <= limit.as_u64() {
         return Ok(());
@@ -240,15 +241,15 @@ fn check_memory(scene: &Path, estimated: &Estimate, limit: ByteSize) -> Result<(
         )))
 }
 
-/// So many bytes.
+/// A number of bytes in words.
 fn in_words(bytes: u64) -> String {
     ByteSize::b(bytes).display().iec().to_string()
 }
 
-/// A number to so many digits.
+/// A number rounded to this many digits.
 pub(crate) fn rounded(x: f64, digits: usize) -> f64 {
     let rounded: f64 = format!("{x:.*e}", digits.saturating_sub(1)).parse().unwrap_or(x);
-    // No -0.
+    // Avoids -0.
     rounded + 0.0
 }
 
@@ -265,7 +266,7 @@ pub(crate) fn grouped(n: u64) -> String {
     text
 }
 
-/// So many bytes, in units of 1000.
+/// A number of bytes, in units of 1000.
 pub(crate) fn size(bytes: u64) -> String {
     ByteSize::b(bytes).display().si().to_string()
 }
@@ -295,7 +296,7 @@ pub(crate) fn above_zero(text: &str) -> std::result::Result<f64, String> {
     }
 }
 
-/// The arguments of a command, as the tests write them.
+/// Parses the arguments of a command, for tests.
 #[cfg(test)]
 pub(crate) fn parse<A: clap::Args>(line: &str) -> std::result::Result<A, clap::Error> {
     let command = A::augment_args(clap::Command::new("command").no_binary_name(true));

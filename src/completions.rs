@@ -1,4 +1,4 @@
-//! `completions`: what a shell needs to complete our arguments.
+//! `completions`: completion scripts for shells.
 
 use clap::Command;
 use clap_complete::{Shell, generate};
@@ -17,7 +17,7 @@ pub(crate) struct CompletionsArgs {
 /// Prints the script for `program`.
 ///
 /// # Errors
-/// When standard output cannot be written to.
+/// If standard output cannot be written to.
 pub(crate) fn run(args: &CompletionsArgs, mut program: Command) -> Result<()> {
     let mut script = Vec::new();
     let name = program.get_name().to_owned();

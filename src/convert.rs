@@ -1,4 +1,4 @@
-//! `convert`: from a glTF file or a mesh to a scene file.
+//! `convert`: writes a glTF file or a mesh as a scene file.
 
 use std::path::{Path, PathBuf};
 
@@ -31,10 +31,10 @@ pub(crate) struct ConvertArgs {
     pub(crate) quiet: bool,
 }
 
-/// Converts as the arguments say.
+/// Runs the conversion.
 ///
 /// # Errors
-/// When the file cannot be loaded, or one that is to be written is there already or cannot be written.
+/// If the file cannot be loaded, or an output exists already or cannot be written.
 pub(crate) fn run(args: &ConvertArgs) -> Result<()> {
     check_name(&args.output)?;
     check_differs(&args.output, &args.input, "the input")?;
@@ -48,7 +48,7 @@ pub(crate) fn run(args: &ConvertArgs) -> Result<()> {
     Ok(())
 }
 
-/// By another ending the scene would not be known as one.
+/// With another extension the scene would not be recognised as one.
 fn check_name(output: &Path) -> Result<()> {
     if output.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json")) {
         return Ok(());

@@ -1,11 +1,11 @@
-//! Options on how light becomes levels.
+//! Options on the development of light to levels.
 
 use crate::choice::choice;
 use wavecrest_core::film::Film;
 use wavecrest_image::metadata::{ALPHA, Extras, Values};
 use wavecrest_image::write::{Develop, Format, Tone};
 
-/// The exposure that may be asked for, in stops to either side.
+/// The largest exposure in stops, in both directions.
 const STOPS: f32 = 64.0;
 
 /// How light is developed for 8-bit images.
@@ -20,7 +20,7 @@ pub(crate) struct DevelopOptions {
 }
 
 impl DevelopOptions {
-    /// The film as it is to be written in a format; `None` where it is as it is.
+    /// The developed film for a format; `None` if nothing changes.
     pub(crate) fn developed(
         &self,
         film: &Film,

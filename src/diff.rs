@@ -1,4 +1,4 @@
-//! `diff`: by how much two pictures differ.
+//! `diff`: compares two images.
 
 mod limits;
 mod report;
@@ -59,11 +59,11 @@ pub(crate) struct DiffArgs {
     pub(crate) transfer: Transfer,
 }
 
-/// Compares the two pictures, prints what was found, and returns whether they count as equal: whether all
-/// [`Limits`] hold.
+/// Compares the two images, prints the results, and returns whether they count as equal: whether
+/// all [`Limits`] hold.
 ///
 /// # Errors
-/// When a picture cannot be read, their sizes differ, or the difference cannot be written.
+/// If an image cannot be read, their sizes differ, or the difference cannot be written.
 pub(crate) fn run(args: &DiffArgs) -> Result<bool> {
     if let Some(output) = &args.output {
         check_writable(output)?;
@@ -87,7 +87,7 @@ pub(crate) fn run(args: &DiffArgs) -> Result<bool> {
     Ok(report.is_within_limits())
 }
 
-/// The difference that is seen.
+/// The perceived difference.
 fn seen(args: &DiffArgs, a: &Film, b: &Film) -> Result<Flip> {
     match args.transfer {
         Transfer::Linear => flip(a, b, args.pixels_per_degree),

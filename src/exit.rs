@@ -1,6 +1,6 @@
-//! How the command ends.
+//! Exit codes of the command.
 
-/// Every code that the command ends with, and what it means: for the help, the manual and the README.
+/// Every exit code with its meaning: for the help, the manual and the README.
 pub(crate) const CODES: [(u8, &str); 5] = [
     (0, "success; diff: the images are equal, or within the limits"),
     (

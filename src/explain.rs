@@ -1,4 +1,4 @@
-//! `explain`: the plan of a render, and on demand what the render then did.
+//! `explain`: the plan of a render, and on request the counts of the render.
 
 mod text;
 
@@ -46,33 +46,33 @@ pub(crate) struct ExplainArgs {
     pub(crate) scene_options: SceneOptions,
 }
 
-/// What is printed.
+/// The output.
 #[derive(Serialize)]
 struct Explanation {
     passes: Vec<Pass>,
     plan: Plan,
     precision: Precision,
-    /// How far the scene is moved towards the origin, if it is.
+    /// The offset of the scene towards the origin, if any.
     #[serde(skip_serializing_if = "Option::is_none")]
     moved_by: Option<[f64; 3]>,
     bvh: Choice,
     bytes_per_path: Vec<Buffer>,
-    /// As it was estimated before a mesh or a texture was read.
+    /// The estimate before a mesh or a texture is read.
     estimated_memory: Estimate,
     estimated_total: u64,
     memory: Estimate,
     memory_total: u64,
-    /// What the render will do at most.
+    /// Upper bounds on the work of the render.
     estimated: Estimated,
-    /// What a pilot says that it will do.
+    /// The expectation from a pilot.
     expected: Expected,
     time: Time,
-    /// What it did, where it was asked for.
+    /// The counts, if requested.
     #[serde(skip_serializing_if = "Option::is_none")]
     rendered: Option<Found>,
 }
 
-/// Seconds: of reading and building as they were measured, of tracing as they are expected.
+/// Seconds: measured for reading and building, expected for tracing.
 #[derive(Serialize)]
 struct Time {
     threads: usize,
@@ -81,7 +81,7 @@ struct Time {
     trace: f64,
 }
 
-/// What a render did.
+/// The counts of a render.
 #[derive(Serialize)]
 struct Found {
     rays: Rays,
@@ -89,7 +89,7 @@ struct Found {
     /// Bytes of the tree, and of the batches of all threads.
     tree: u64,
     batches: u64,
-    /// Bytes that the process held at its peak, where the system reports them.
+    /// Peak bytes of the process, if the system reports them.
     peak: Option<u64>,
 }
 
@@ -97,19 +97,19 @@ struct Found {
 #[derive(Serialize)]
 struct Pass {
     name: &'static str,
-    /// The pass that it is a part of, unless it is a whole one.
+    /// The pass that it is a part of; `None` for whole passes.
     #[serde(skip_serializing_if = "Option::is_none")]
     part_of: Option<&'static str>,
     runs: bool,
     reason: String,
 }
 
-/// The preset and why.
+/// The preset and the reason.
 #[derive(Serialize)]
 struct Choice {
     preset: Preset,
     reason: String,
-    /// What the rays for each primitive make of it, unless it was asked for.
+    /// The rule by rays per primitive; `None` for a requested preset.
     #[serde(skip_serializing_if = "Option::is_none")]
     rule: Option<String>,
 }
@@ -118,17 +118,18 @@ struct Choice {
 #[derive(Serialize)]
 struct Buffer {
     name: &'static str,
-    /// For each path; 0 where it has no storage.
+    /// For each path; 0 without storage.
     bytes: usize,
-    /// The passes and parts of passes that write it, and those that read it, whether or not they run.
+    /// The passes and parts of passes that write it, and those that read it, whether or not they
+    /// run.
     written_by: Vec<&'static str>,
     read_by: Vec<&'static str>,
 }
 
-/// Explains as the arguments say.
+/// Runs the explanation.
 ///
 /// # Errors
-/// When the scene cannot be rendered.
+/// If the scene cannot be rendered.
 pub(crate) fn run(args: &ExplainArgs) -> Result<()> {
     args.scene_options.threads.run(|| {
         let estimated = args.scene_options.estimate(&args.scene, None, args.batch as usize)?;
@@ -191,7 +192,7 @@ fn buffer(scene: &PreparedScene, column: Column) -> Buffer {
     }
 }
 
-/// Renders the scene and says what was done.
+/// Renders the scene and returns the counts.
 fn trace(scene: &PreparedScene, options: &RenderOptions) -> Result<Found> {
     let Rendered { counters, columns, .. } = render(scene, options, &())?;
     Ok(Found {

@@ -1,4 +1,4 @@
-//! `wavecrest generate`: writes a mesh made from a recipe to a PLY file.
+//! `wavecrest generate`: writes a generated mesh to a PLY file.
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -57,7 +57,7 @@ impl GenerateArgs {
         }
     }
 
-    /// The file to write, which must end in .ply: readers choose the format by it.
+    /// The file to write, which must end in .ply: readers recognise the format by it.
     fn path(&self) -> Result<&Path> {
         let Some(path) = self.output.as_deref().or(self.file.as_deref()) else {
             return Err(Error::new(ErrorKind::Usage, "the output is missing")
@@ -72,10 +72,10 @@ impl GenerateArgs {
     }
 }
 
-/// Writes the mesh asked for.
+/// Writes the requested mesh.
 ///
 /// # Errors
-/// When the recipe asks for what cannot be made, or the file cannot be written.
+/// If the recipe is invalid, or the file cannot be written.
 pub(crate) fn run(args: &GenerateArgs) -> Result<()> {
     let (recipe, path) = (args.recipe(), args.path()?);
     let start = Instant::now();
@@ -97,8 +97,8 @@ fn summary(path: &Path, written: &Written, seconds: f64) -> String {
     )
 }
 
-/// A whole number, which may be written with `_` between digits, with a decimal point, and with
-/// `k`, `M` or `G` for thousands, millions or thousands of millions.
+/// An integer, which may have `_` between digits, a decimal point, and `k`, `M` or `G` for
+/// thousands, millions or thousands of millions.
 fn count(text: &str) -> std::result::Result<u64, String> {
     let wrong = || "write a whole number, such as 1000000, 18k or 2.5M".to_owned();
     let (number, zeros) = match text.char_indices().last() {
@@ -112,7 +112,7 @@ fn count(text: &str) -> std::result::Result<u64, String> {
     if part.len() > zeros || whole.is_empty() {
         return Err(wrong());
     }
-    // In digits, not in floats: what is written is what is meant.
+    // In digits, not in floats, so that the number is exact.
     let digits: String = whole.chars().filter(|c| *c != '_').chain(part.chars()).collect();
     let padded = format!("{digits}{}", "0".repeat(zeros - part.len()));
     if !padded.bytes().all(|b| b.is_ascii_digit()) {

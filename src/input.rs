@@ -1,4 +1,4 @@
-//! Options on what is shown of a file: its size in pixels, its camera, its lights.
+//! Input options of a file: image size, camera, lights.
 
 use std::path::Path;
 
@@ -32,7 +32,7 @@ pub(crate) struct InputOptions {
 }
 
 impl InputOptions {
-    /// As the loader takes them.
+    /// The options for the loader.
     pub(crate) fn load_options(&self) -> LoadOptions {
         LoadOptions {
             strict: false,
@@ -48,7 +48,7 @@ impl InputOptions {
     /// Refuses options that have no effect on `file`.
     ///
     /// # Errors
-    /// When there is one, or the file is of no format that is read.
+    /// If there is one, or the file has an unknown format.
     pub(crate) fn check(&self, file: &Path) -> Result<()> {
         let LightingOptions { lights, crease, .. } = self.lighting;
         let (option, remedy) = match FileFormat::of(file)? {

@@ -1,4 +1,4 @@
-//! Options on the lights of a file without any.
+//! Options on the lights of files without any.
 
 use glam::DVec3;
 
@@ -24,12 +24,12 @@ pub(crate) struct LightingOptions {
 }
 
 impl LightingOptions {
-    /// Whether the image has an alpha.
+    /// Whether the image has an alpha channel.
     pub(crate) fn is_transparent(&self) -> bool {
         self.background == Some(Background::Transparent)
     }
 
-    /// As the loader takes them.
+    /// The options for the loader.
     pub(crate) fn options(&self) -> Lighting {
         let usual = Lighting::default();
         let crease_degrees = self.crease.unwrap_or(usual.crease_degrees);

@@ -1,6 +1,6 @@
 //! The command line: `wavecrest SCENE OUTPUT`, and a subcommand for everything else.
 //!
-//! [`exit::CODES`] says how it ends.
+//! [`exit::CODES`] lists the exit codes.
 
 mod accuracy;
 mod bench;
@@ -94,16 +94,16 @@ fn failed(error: &Error) -> ExitCode {
     }
 }
 
-/// The command line as clap has it.
+/// The command line of clap.
 fn program() -> clap::Command {
     let codes = exit::CODES.map(|(code, meaning)| format!("\n  {code}  {meaning}"));
     Cli::command().after_help(format!("Exit codes:{}", codes.concat()))
 }
 
-/// The arguments, with `render` put in where they name no command.
+/// The arguments, with `render` inserted if they name no command.
 ///
 /// # Errors
-/// When the first is the name of neither a command nor a file.
+/// If the first is the name of neither a command nor a file.
 fn with_command(mut arguments: Vec<OsString>) -> Result<Vec<OsString>> {
     let Some(first) = arguments.get(1) else { return Ok(arguments) };
     let word = first.to_string_lossy();
@@ -114,7 +114,7 @@ fn with_command(mut arguments: Vec<OsString>) -> Result<Vec<OsString>> {
         return Ok(arguments);
     }
     let path = Path::new(first);
-    // Anything with an extension or a folder is meant as a file.
+    // Anything with an extension or a folder is taken as a file.
     let is_word =
         !word.starts_with('-') && path.extension().is_none() && path.components().count() == 1;
     if is_word && !path.exists() {
@@ -129,7 +129,7 @@ fn with_command(mut arguments: Vec<OsString>) -> Result<Vec<OsString>> {
     Ok(arguments)
 }
 
-/// Runs `command`; false is the answer "no" of a command that asks something.
+/// Runs `command`; false is the answer "no" of a command that checks something.
 fn dispatch(command: &Command) -> Result<bool> {
     match command {
         Command::Render(args) => render::run(args).map(|()| true),

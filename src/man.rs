@@ -1,4 +1,4 @@
-//! `man`: the manual, a page for each command.
+//! `man`: manual pages, one for each command.
 
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -22,10 +22,10 @@ pub(crate) struct ManArgs {
     pub(crate) output: Option<PathBuf>,
 }
 
-/// Writes the pages of `program` that are asked for.
+/// Writes the requested pages of `program`.
 ///
 /// # Errors
-/// When there is no such command, or a page cannot be written.
+/// If there is no such command, or a page cannot be written.
 pub(crate) fn run(args: &ManArgs, program: Command) -> Result<()> {
     let pages = pages(program);
     match &args.output {
@@ -37,7 +37,7 @@ pub(crate) fn run(args: &ManArgs, program: Command) -> Result<()> {
     }
 }
 
-/// The program and its commands, as the manual describes them.
+/// The program and its commands for the manual.
 fn pages(program: Command) -> Vec<Command> {
     let mut program = program.disable_help_subcommand(true);
     program.build();
@@ -60,19 +60,19 @@ fn find<'a>(pages: &'a [Command], name: Option<&str>) -> Result<&'a Command> {
 fn render(page: &Command) -> Result<Vec<u8>> {
     let mut text = Vec::new();
     let cannot = |cause| Error::io("cannot write the page", page.get_name(), cause);
-    // The codes have a section of their own.
+    // Exit codes have their own section.
     Man::new(page.clone().after_help(Resettable::Reset)).render(&mut text).map_err(cannot)?;
     write_exit_codes(&mut text).map_err(cannot)?;
     Ok(text)
 }
 
-/// The codes, as a list in the language of manuals.
+/// The exit codes, as a list in roff.
 fn write_exit_codes(page: &mut Vec<u8>) -> std::io::Result<()> {
     writeln!(page, ".SH \"EXIT CODES\"")?;
     exit::CODES.iter().try_for_each(|(code, meaning)| writeln!(page, ".TP\n{code}\n{meaning}"))
 }
 
-/// Writes every page, once it is known that all can be.
+/// Writes every page, after checking that all can be written.
 fn write_all(pages: &[Command], folder: &Path) -> Result<()> {
     let file = |page: &Command| folder.join(Man::new(page.clone()).get_filename());
     pages.iter().try_for_each(|page| check_replaceable(&file(page)))?;

@@ -1,4 +1,4 @@
-//! `merge`: parts in, an image out.
+//! `merge`: merges parts into an image.
 
 use std::path::PathBuf;
 
@@ -37,10 +37,10 @@ pub(crate) struct MergeArgs {
     pub(crate) quiet: bool,
 }
 
-/// Puts the parts together. Nothing is written before all of them are known to fit.
+/// Merges the parts. Nothing is written before all of them are known to fit.
 ///
 /// # Errors
-/// When the parts do not make one image, or it cannot be written.
+/// If the parts do not form one image, or it cannot be written.
 pub(crate) fn run(args: &MergeArgs) -> Result<()> {
     check_writable(&args.output)?;
     for part in &args.parts {

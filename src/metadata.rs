@@ -1,4 +1,4 @@
-//! What files say of how their image was made, as the arguments ask.
+//! Metadata of image files, as requested by the arguments.
 
 use std::ffi::OsString;
 
@@ -37,7 +37,7 @@ impl MetadataOptions {
         if self.no_metadata { MetadataKind::None } else { self.metadata }
     }
 
-    /// How the image of this identity came about, as far as the options request it.
+    /// The metadata of an image with this identity, as far as requested.
     pub(super) fn entries(&self, identity: &Identity) -> Vec<Entry> {
         let command = || (self.kind() == MetadataKind::Full).then(|| command(std::env::args_os()));
         match self.kind() {
@@ -53,7 +53,7 @@ impl MetadataOptions {
     }
 }
 
-/// The command as it can be typed again.
+/// The command, quoted so that it can be typed again.
 pub(super) fn command(words: impl IntoIterator<Item = OsString>) -> String {
     let word = |word: OsString| {
         let word = word.to_string_lossy();

@@ -1,4 +1,4 @@
-//! `probe`: what the rays of a pixel meet.
+//! `probe`: the hits of a pixel's rays.
 
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -45,10 +45,10 @@ fn place(text: &str) -> std::result::Result<[u32; 2], String> {
     }
 }
 
-/// Prints what the rays of the pixel meet, and returns whether both tracers agree.
+/// Prints the hits of the pixel's rays, and returns whether both tracers agree.
 ///
 /// # Errors
-/// When the scene cannot be prepared, or has no such pixel or sample.
+/// If the scene cannot be prepared, or has no such pixel or sample.
 pub(crate) fn run(args: &ProbeArgs) -> Result<bool> {
     args.scene_options.threads.run(|| {
         let loaded = args.scene_options.load(&args.scene)?;
@@ -89,7 +89,7 @@ fn text(record: &PixelRecord) -> String {
     let mut text = String::new();
     let [x, y] = record.pixel;
     let mut rest: Vec<&Path> = record.paths.iter().collect();
-    // Samples with the same hits are told once.
+    // Samples with the same hits are printed once.
     while let Some(&first) = rest.first() {
         let (same, others): (Vec<&Path>, Vec<&Path>) =
             rest.iter().partition(|path| outline(path) == outline(first));
@@ -121,7 +121,7 @@ fn outline(path: &Path) -> Outline {
     path.bounces.iter().map(bounce).collect()
 }
 
-/// What happens to a path.
+/// The description of a path.
 fn story(path: &Path) -> String {
     let mut text = format!("radiance {}\n", three(path.radiance));
     for (number, bounce) in path.bounces.iter().enumerate() {
@@ -130,7 +130,7 @@ fn story(path: &Path) -> String {
     text
 }
 
-/// A number of single precision, to as many digits as are certain after a few operations.
+/// A single-precision number, with as many digits as are certain after a few operations.
 fn number(x: f32) -> String {
     const DIGITS: usize = 6;
     rounded(f64::from(x), DIGITS).to_string()
@@ -208,14 +208,14 @@ fn write_surface(text: &mut String, surface: &Surface) {
     text.push('\n');
 }
 
-/// A number that may be off by `error`, to the digits that this leaves.
+/// A number with an error of up to `error`, with the certain digits.
 fn within(x: f64, error: Option<f32>) -> String {
     const MOST: usize = 9;
     let error = error.map_or(x.abs() * f64::from(f32::EPSILON), f64::from);
     if error <= 0.0 || x == 0.0 {
         return rounded(x, MOST).to_string();
     }
-    // The last digit is the first that the error reaches.
+    // The last digit is the first affected by the error.
     let digits = (x.abs() / error).log10().ceil().clamp(1.0, MOST as f64);
     rounded(x, digits as usize).to_string()
 }

@@ -1,4 +1,4 @@
-//! `render`: a scene in, an image out.
+//! `render`: renders a scene to an image.
 
 mod args;
 mod frames;
@@ -34,10 +34,10 @@ use wavecrest_report::statistics::{Time, pass_map};
 use wavecrest_scene::memory::{self, Estimate};
 use wavecrest_scene::systems::{self, Extracted};
 
-/// Renders as the arguments say. Nothing is written over before the new image is whole.
+/// Runs the render. Nothing is overwritten before the new image is complete.
 ///
 /// # Errors
-/// When the scene cannot be loaded or prepared, or the image cannot be written.
+/// If the scene cannot be loaded or prepared, or the image cannot be written.
 pub(crate) fn run(args: &RenderArgs) -> Result<()> {
     let args = &look::without_ground(args.clone());
     let output = args.output()?;
@@ -57,7 +57,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<()> {
     done.inspect_err(|error| reporter.failed(error))
 }
 
-/// Refuses statistics, or a log, that would be written over something else.
+/// Refuses statistics, or a log, that would overwrite another file of the render.
 fn check_reports(args: &RenderArgs, outputs: &Outputs<'_>) -> Result<()> {
     args.stats.iter().try_for_each(|file| check_replaceable(file))?;
     args.stats.iter().chain(&args.show.log).try_for_each(|file| {
@@ -66,7 +66,7 @@ fn check_reports(args: &RenderArgs, outputs: &Outputs<'_>) -> Result<()> {
     })
 }
 
-/// A render on its way.
+/// A render in progress.
 struct Run<'a> {
     args: &'a RenderArgs,
     outputs: &'a Outputs<'a>,
@@ -76,14 +76,14 @@ struct Run<'a> {
     time: Time,
 }
 
-/// A scene that is read and has no tree yet.
+/// A loaded scene without a tree.
 struct Loaded {
     extracted: Extracted,
-    /// How its tree is to be built.
+    /// The preset of its tree.
     preset: Preset,
-    /// The memory that was estimated before it was read, where statistics are to have it.
+    /// The estimated memory before it was read, for the statistics.
     estimated: Option<Estimate>,
-    /// The memory that is estimated now.
+    /// The current memory estimate.
     predicted: Estimate,
 }
 
@@ -92,7 +92,7 @@ impl<'a> Run<'a> {
         Self { args, outputs, reporter, start: Instant::now(), time: Time::default() }
     }
 
-    /// Goes through all stages, for the image or for a shard of it.
+    /// Runs all stages, for the image or for a shard of it.
     fn all(mut self, shard: Option<Shard>) -> Result<()> {
         self.reporter.started(self.args, &command(std::env::args_os()));
         let Loaded { extracted, preset, estimated, predicted } = self.load()?;
@@ -155,10 +155,10 @@ impl<'a> Run<'a> {
         scene
     }
 
-    /// Follows the rays to the end.
+    /// Traces the image.
     ///
     /// # Errors
-    /// When a signal ended them early.
+    /// If a signal ended the render early.
     fn trace(
         &mut self,
         scene: &mut PreparedScene,
@@ -186,7 +186,7 @@ impl<'a> Run<'a> {
     }
 }
 
-/// Runs `work` and notes its seconds.
+/// Runs `work` and records its seconds.
 fn timed<R>(seconds: &mut f64, work: impl FnOnce() -> R) -> R {
     let start = Instant::now();
     let result = work();

@@ -11,7 +11,7 @@ pub(crate) struct SchemaArgs {}
 /// Prints the schema.
 ///
 /// # Errors
-/// When standard output cannot be written to.
+/// If standard output cannot be written to.
 pub(crate) fn run(_: &SchemaArgs) -> Result<()> {
     print(&to_json(&json_schema())?)
 }

@@ -53,19 +53,19 @@ pub(crate) struct SelftestArgs {
     pub(crate) threads: Threads,
 }
 
-/// What came of a case in a precision.
+/// The outcome of a case in a precision.
 #[derive(Serialize)]
 struct Trial {
     precision: Precision,
     holds: bool,
     #[serde(flatten)]
     outcome: Outcome,
-    /// Time for an answer, as a multiple of what fast arithmetic takes, in rounds of their own.
+    /// Time for an answer relative to fast precision, in separate rounds.
     #[serde(skip_serializing_if = "Option::is_none")]
     times_fast: Option<Ratio>,
 }
 
-/// A case and what came of it.
+/// A case with its outcomes.
 #[derive(Serialize)]
 struct Row {
     case: u32,
@@ -75,21 +75,21 @@ struct Row {
     seconds: f64,
 }
 
-/// What is printed as JSON.
+/// The JSON output.
 #[derive(Serialize)]
 struct Scoreboard {
     version: &'static str,
     seed: u64,
     full: bool,
     cases: Vec<Row>,
-    /// How far hits are off, in ulp; none where cases are named.
+    /// Errors of hits, in ulp; empty if cases are named.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     errors: Vec<Yield>,
     #[serde(skip_serializing_if = "Option::is_none")]
     scene: Option<Examined>,
 }
 
-/// Tries the cases that the arguments name. Whether all hold.
+/// Runs the cases that the arguments name. Returns whether all pass.
 ///
 /// # Errors
 /// If there is no such case, or standard output cannot be written.
@@ -135,7 +135,7 @@ pub(crate) fn run(args: &SelftestArgs) -> Result<bool> {
     Ok(all_hold)
 }
 
-/// The cases of these numbers, or all.
+/// The cases with these numbers, or all.
 fn named(numbers: &[u32]) -> Result<Vec<&'static Case>> {
     if numbers.is_empty() {
         return Ok(CASES.iter().collect());

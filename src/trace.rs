@@ -1,4 +1,4 @@
-//! `trace`: the rays of a file against a mesh, timed and answered.
+//! `trace`: traces the rays of a file against a mesh, with times and answers.
 
 mod passes;
 mod report;
@@ -60,11 +60,10 @@ pub(crate) struct TraceArgs {
     pub(crate) threads: Threads,
 }
 
-/// Traces as the arguments say.
+/// Runs the trace.
 ///
 /// # Errors
-/// When the mesh or the rays cannot be read or do not belong together, or the answers cannot be
-/// written.
+/// If the mesh or the rays cannot be read or do not match, or the answers cannot be written.
 pub(crate) fn run(args: &TraceArgs) -> Result<()> {
     if let Some(answers) = &args.answers {
         check_replaceable(answers)?;
@@ -97,7 +96,7 @@ fn run_here(args: &TraceArgs) -> Result<()> {
     Ok(())
 }
 
-/// What the rays are traced against.
+/// The mesh to trace.
 struct Subject {
     accel: Accel,
     preset: Preset,
@@ -107,7 +106,7 @@ struct Subject {
 }
 
 impl Subject {
-    /// Builds the tree, for so many rays.
+    /// Builds the tree, for this number of rays.
     fn build(args: &TraceArgs, geometry: Geometry, rays: usize) -> Self {
         let triangles = geometry.triangles.len();
         let preset = args.bvh.unwrap_or(Preset::choose(triangles as u64, rays as u64));

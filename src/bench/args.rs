@@ -61,13 +61,13 @@ pub(crate) struct BenchArgs {
 }
 
 impl BenchArgs {
-    /// How often, and for how long, runs are timed.
+    /// Number and duration of timed runs.
     pub(super) fn schedule(&self) -> Schedule {
         let (warmup, most) = (usize::from(self.warmup), usize::from(self.repeats));
         Schedule { warmup, most, seconds: self.min_time }
     }
 
-    /// How to render with `tracer`.
+    /// The render options with `tracer`.
     pub(super) fn options(&self, tracer: TracerKind) -> RenderOptions {
         RenderOptions { tracer, crop: None, seed: self.seed, batch: self.batch as usize }
     }

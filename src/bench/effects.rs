@@ -13,7 +13,7 @@ use wavecrest_report::effects::scenes::{Variant, variants};
 use wavecrest_report::effects::{Entry, Setting, measure, text};
 use wavecrest_scene::load::{LoadOptions, load_str};
 
-/// Measures every effect, prints what was found, and returns whether all images were as they should be.
+/// Measures every effect, prints the results, and returns whether all images were right.
 pub(super) fn run(args: &BenchArgs) -> Result<bool> {
     let folder = folder()?;
     let variants = variants(folder.path())?.into_iter();
@@ -40,11 +40,11 @@ pub(super) fn run(args: &BenchArgs) -> Result<bool> {
 fn prepare(args: &BenchArgs, variant: Variant, folder: &Path) -> Result<Entry> {
     let (width, height) = (args.scene_options.input.width, args.scene_options.input.height);
     let options = LoadOptions { strict: true, width, height, ..LoadOptions::default() };
-    // Warnings would be about scenes of our own.
+    // Warnings would be about built-in scenes.
     let loaded = load_str(&variant.scene.to_string(), &folder.join("effect.json"), &options)?;
     let extracted = args.scene_options.extract(loaded)?;
     extracted.scene().appearance.decode()?;
-    // The same for all, so that no effect has the better tree.
+    // The same for all, so that no effect has a better tree.
     let mut scene = extracted.build(args.scene_options.bvh.unwrap_or(Preset::Medium));
     args.search.apply(&mut scene.accel);
     Ok(Entry { variant, scene })

@@ -1,4 +1,4 @@
-//! How much two pictures may differ and still count as equal.
+//! Limits on the difference of images that count as equal.
 
 use std::str::FromStr;
 
@@ -25,11 +25,11 @@ pub(crate) struct Limits {
     pub(crate) max_pixels: Option<Pixels>,
 }
 
-/// So many pixels.
+/// A number of pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Pixels {
     Count(u64),
-    /// Of all, from 0 to 1.
+    /// As a share of all, from 0 to 1.
     Share(f64),
 }
 
@@ -51,17 +51,17 @@ impl FromStr for Pixels {
 /// A limit, and whether it holds.
 #[derive(Serialize)]
 pub(super) struct Verdict {
-    /// What is limited.
+    /// The limited quantity.
     of: &'static str,
     found: f64,
-    /// The most that is allowed.
+    /// The largest allowed value.
     limit: f64,
     pub(super) within: bool,
 }
 
 impl Verdict {
     fn new(of: &'static str, found: f64, limit: f64) -> Self {
-        // What cannot be told is not within.
+        // NaN is not within a limit.
         Self { of, found, limit, within: found <= limit }
     }
 
@@ -73,19 +73,19 @@ impl Verdict {
     }
 }
 
-/// Whole numbers as such.
+/// Integers without decimals.
 fn shown(value: f64) -> String {
     if value.fract() == 0.0 { value.to_string() } else { number(value) }
 }
 
 impl Limits {
-    /// The largest difference of two values at which they count as equal.
+    /// The largest difference of two values that counts as equal.
     pub(super) fn tolerance(&self) -> f64 {
         self.tolerance.unwrap_or_default()
     }
 
-    /// What decides whether pictures that compare so count as equal; `flip` is the mean of FLIP, and so many
-    /// pixels are `beyond` the tolerance.
+    /// The verdicts on a comparison: `flip` is the mean FLIP, and `beyond` the number of pixels
+    /// beyond the tolerance.
     pub(super) fn verdicts(&self, found: &Comparison, flip: f64, beyond: u64) -> Vec<Verdict> {
         let all = u64::from(found.width) * u64::from(found.height);
         let most = self.max_pixels.map(|pixels| match pixels {

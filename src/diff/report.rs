@@ -1,4 +1,4 @@
-//! What `diff` prints, as text or as JSON.
+//! The output of `diff`, as text or as JSON.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -11,26 +11,26 @@ use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_image::compare::{Channel, Comparison};
 use wavecrest_image::flip::Flip;
 
-/// What is printed. The keys of the JSON are the names here.
+/// The output. The keys of the JSON are the names here.
 #[derive(Serialize)]
 pub(super) struct Report<'a> {
     a: &'a Path,
     b: &'a Path,
     #[serde(flatten)]
     pub(super) comparison: Comparison,
-    /// The mean of FLIP.
+    /// The mean FLIP.
     pub(super) flip: f64,
     pub(super) flip_pixels_per_degree: f64,
     tolerance: f64,
     within_tolerance: bool,
-    /// How many pixels have a value that differs by more than the tolerance.
+    /// Number of pixels with a value that differs by more than the tolerance.
     pixels_beyond_tolerance: u64,
-    /// Each limit that decides.
+    /// The deciding limits.
     limits: Vec<Verdict>,
 }
 
 impl<'a> Report<'a> {
-    /// The report on two pictures, of which so many pixels are `beyond` the tolerance.
+    /// The report on two images with `beyond` pixels beyond the tolerance.
     pub(super) fn new(
         args: &'a DiffArgs,
         comparison: Comparison,
@@ -51,14 +51,14 @@ impl<'a> Report<'a> {
         }
     }
 
-    /// Whether the pictures count as equal.
+    /// Whether the images count as equal.
     pub(super) fn is_within_limits(&self) -> bool {
         self.limits.iter().all(|verdict| verdict.within)
     }
 
     pub(super) fn json(&self) -> Result<String> {
         serde_json::to_string_pretty(self).map(|text| text + "\n").map_err(|error| {
-            // A path that is not Unicode is all that can fail.
+            // Only a path that is not Unicode can fail.
             Error::new(ErrorKind::Usage, format!("cannot write the result as JSON: {error}"))
                 .remedy("leave out --json")
         })
@@ -123,7 +123,7 @@ fn line(text: &mut String, name: &str, value: &str) {
     let _ = writeln!(text, "{name:<20}{value}");
 }
 
-/// Six digits, with an exponent where the number is small.
+/// Six digits, with an exponent for small numbers.
 pub(super) fn number(value: f64) -> String {
     if value == 0.0 {
         "0".into()

@@ -6,7 +6,7 @@ use super::{Buffer, Explanation};
 use crate::common::{grouped, rounded, size};
 use wavecrest_report::statistics::{Rays, Samples};
 
-/// All of it, the verdict first.
+/// The whole text, the verdict first.
 pub(super) fn of(e: &Explanation) -> String {
     let mut text = verdict(e);
     let _ = writeln!(text, "passes");
@@ -34,7 +34,7 @@ pub(super) fn of(e: &Explanation) -> String {
     text
 }
 
-/// How long it takes, how many rays, and what for.
+/// The expected time, the number of rays, and their purpose.
 fn verdict(e: &Explanation) -> String {
     let seconds = |seconds: f64| format!("{} s", rounded((seconds * 1e3).round() / 1e3, 2));
     let time = &e.time;
@@ -69,7 +69,7 @@ fn buffers(buffers: &[Buffer]) -> String {
     text
 }
 
-/// What is estimated, beside what was counted if it was.
+/// Estimates, with counts beside them if there are any.
 fn work(e: &Explanation) -> String {
     let rows = |rays: &Rays, samples: &Samples| {
         [

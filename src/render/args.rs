@@ -94,7 +94,7 @@ pub(crate) struct RenderArgs {
 }
 
 impl RenderArgs {
-    /// How to render.
+    /// The render options.
     pub(super) fn options(&self) -> RenderOptions {
         let batch = self.batch as usize;
         RenderOptions { tracer: self.tracer, crop: self.crop, seed: self.seed, batch }
@@ -103,7 +103,7 @@ impl RenderArgs {
     /// The image to write.
     ///
     /// # Errors
-    /// When none is named.
+    /// If none is named.
     pub(super) fn output(&self) -> Result<&PathBuf> {
         self.output.as_ref().or(self.image.as_ref()).ok_or_else(|| {
             Error::new(ErrorKind::Usage, "the output is missing").remedy("add one, such as out.png")

@@ -1,4 +1,4 @@
-//! Frames of a camera that moves: one of them, or a range, an image each.
+//! Frames of a moving camera: a single one, or a range with an image each.
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -18,13 +18,13 @@ use wavecrest_image::farm::Shard;
 use wavecrest_scene::components::Encoding;
 use wavecrest_scene::systems;
 
-/// Digits of a frame's number in the name of its image, at least, where the name does not say.
+/// Smallest number of digits of a frame's number in the name of its image, by default.
 const MIN_DIGITS: usize = 4;
 
-/// Has the camera take its place at `frame`.
+/// Moves the camera to `frame`.
 ///
 /// # Errors
-/// When it has no path, or would stand where it looks.
+/// If it has no path, or its position coincides with its look-at point.
 pub(super) fn place(scene: &mut PreparedScene, frame: u32, file: &Path) -> Result<()> {
     let at = |message: &str| Error::new(ErrorKind::Scene, message).in_file(file).at("camera.path");
     let Some(path) = &scene.path else {
@@ -42,7 +42,7 @@ pub(super) fn place(scene: &mut PreparedScene, frame: u32, file: &Path) -> Resul
 /// Renders the frames of a range, or of the shard's share of it.
 ///
 /// # Errors
-/// When one cannot be rendered or written: those before it are whole then.
+/// If one cannot be rendered or written: those before it are complete then.
 pub(super) fn run(args: &RenderArgs, frames: Frames, shard: Option<Shard>) -> Result<()> {
     let of_frame = |frame| Ok((frame, args.of_frame(args.output()?, frame)));
     let all: Vec<(u32, RenderArgs)> =
@@ -71,7 +71,7 @@ fn run_here(args: &RenderArgs, all: &[(u32, RenderArgs)], reporter: &Reporter) -
     Ok(())
 }
 
-/// A scene of which several frames are rendered.
+/// A scene whose frames are rendered.
 pub(super) struct Shoot<'a> {
     args: &'a RenderArgs,
     reporter: &'a Reporter,
@@ -85,7 +85,7 @@ impl<'a> Shoot<'a> {
     /// Loads the scene and builds its tree.
     ///
     /// # Errors
-    /// When it cannot be loaded or prepared.
+    /// If it cannot be loaded or prepared.
     pub(super) fn prepare(args: &'a RenderArgs, reporter: &'a Reporter) -> Result<Self> {
         let summary = Summary::since(Instant::now());
         reporter.stage(Stage::Load);
@@ -104,15 +104,15 @@ impl<'a> Shoot<'a> {
         Ok(Self { args, reporter, scene, encoding, interrupt, summary })
     }
 
-    /// Tells the outputs how the scene would have 8-bit images written.
+    /// Tells the outputs the scene's transfer curve of 8-bit images.
     pub(super) fn tell(&self, outputs: &Outputs<'_>) {
         outputs.made_of(self.encoding);
     }
 
-    /// Renders a frame as the arguments of `one` ask.
+    /// Renders a frame with the arguments of `one`.
     ///
     /// # Errors
-    /// When the camera has no such frame, or a signal ended the render.
+    /// If the camera has no such frame, or a signal ended the render.
     pub(super) fn frame(
         &mut self,
         one: &RenderArgs,
@@ -134,14 +134,14 @@ impl<'a> Shoot<'a> {
         Ok(rendered)
     }
 
-    /// Prints the line after success, for so many frames of a size.
+    /// Prints the line after success, for this number of frames and their size.
     pub(super) fn finish(&self, name: &str, frames: usize, [width, height]: [u32; 2]) {
         self.summary.print(self.args, name, &format!("{frames} frames, {width}x{height}"));
     }
 }
 
 impl RenderArgs {
-    /// The same for one frame: its own outputs.
+    /// The same for one frame, with its own outputs.
     fn of_frame(&self, output: &Path, frame: u32) -> Self {
         let mut args = self.clone();
         (args.image, args.output) = (Some(numbered(output, frame)), None);
@@ -150,7 +150,8 @@ impl RenderArgs {
     }
 }
 
-/// `path` with the number of the frame: for the last # in its name, or before its extension.
+/// `path` with the number of the frame: in place of the last # characters of its name, or before
+/// its extension.
 fn numbered(path: &Path, frame: u32) -> PathBuf {
     let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     if let Some(end) = name.rfind('#') {

@@ -1,5 +1,5 @@
-//! Renders for a target error or a time budget: a pilot chooses the samples and predicts the error, which is then
-//! measured.
+//! Renders for a target error or a time budget: a pilot chooses the samples and predicts the error,
+//! which is then measured.
 
 use std::time::Instant;
 
@@ -15,27 +15,26 @@ use wavecrest_core::render::Rendered;
 use wavecrest_report::accuracy::pilot::{Choice, Pilot, error};
 use wavecrest_report::statistics::Goal;
 
-/// Renders made for one target error at most.
+/// Largest number of renders for one target error.
 const MAX_RENDERS: u32 = 3;
 
-/// An error so many times as large as the one asked for is still accepted.
+/// Accepted ratio of the error to the target.
 const ACCEPTED: f64 = 1.1;
 
-/// Of the time that is left, the part that is planned for: the rest is for writing and for the pilot's own
-/// error.
+/// Share of the remaining time to plan for: the rest is for writing and for the error of the pilot.
 const PLANNED_SHARE: f64 = 0.9;
 
-/// A render, by which tree, and what was chosen for it.
+/// A render with its preset and its choice of samples.
 pub(super) struct Traced {
     pub(super) rendered: Rendered,
     pub(super) preset: Preset,
     pub(super) goal: Option<Goal>,
-    /// The part of it that a checkpoint held, from 0 to 1.
+    /// The share of it that a checkpoint held, from 0 to 1.
     pub(super) resumed: f64,
 }
 
-/// Renders `scene`, whose tree `preset` built, as the arguments ask, so that it is `seen`. `start` is when
-/// the command began.
+/// Renders `scene`, whose tree has `preset`, as requested by the arguments, reporting to `seen`.
+/// `start` is the start of the command.
 pub(super) fn trace(
     args: &RenderArgs,
     scene: &mut PreparedScene,
@@ -54,7 +53,7 @@ pub(super) fn trace(
     }
 }
 
-/// What the pilot advises; `None` where it is not asked.
+/// The choice of the pilot; `None` without a goal.
 fn choose(args: &RenderArgs, pilot: &Pilot, start: Instant) -> Option<Choice> {
     match (args.target_error, args.time_budget) {
         (Some(error), _) => pilot.for_error(error),
@@ -65,7 +64,7 @@ fn choose(args: &RenderArgs, pilot: &Pilot, start: Instant) -> Option<Choice> {
     }
 }
 
-/// Tells something in words, and adds it to the log.
+/// Prints a note, and adds it to the log.
 fn say(args: &RenderArgs, seen: &Seen<'_>, words: &str) {
     seen.reporter.note("choice", || words.to_owned());
     if !args.scene_options.quiet {
@@ -77,12 +76,12 @@ fn say(args: &RenderArgs, seen: &Seen<'_>, words: &str) {
 struct Aimed<'a> {
     args: &'a RenderArgs,
     seen: &'a Seen<'a>,
-    /// What the scene asks for itself.
+    /// The scene's own samples.
     original: Original,
 }
 
 impl Aimed<'_> {
-    /// Renders, and again with more points as long as the error is too large.
+    /// Renders, and repeats with more points while the error is too large.
     fn trace(
         &self,
         scene: &mut PreparedScene,
@@ -113,7 +112,7 @@ impl Aimed<'_> {
     }
 }
 
-/// Renders with the samples that the scene asks for.
+/// Renders with the scene's own samples.
 fn plain(
     args: &RenderArgs,
     scene: &PreparedScene,
@@ -124,8 +123,8 @@ fn plain(
     Ok(Traced { rendered, preset, goal: None, resumed })
 }
 
-/// Another tree than that of `preset` where the rays that are now to come are worth it, and none was asked
-/// for. The preset of the tree that there is then.
+/// Replaces the tree of `preset` if the expected rays are worth it, unless a preset was requested.
+/// Returns the preset in use.
 fn choose_tree(args: &RenderArgs, scene: &mut PreparedScene, preset: Preset) -> Preset {
     if args.scene_options.bvh.is_some() {
         return preset;
@@ -137,8 +136,8 @@ fn choose_tree(args: &RenderArgs, scene: &mut PreparedScene, preset: Preset) -> 
     best
 }
 
-/// More points after an error `excess` times as large as the one asked for, as if points were independent:
-/// that is enough for any sampler.
+/// More points after an error `excess` times the target, as for independent points: this suffices
+/// for any sampler.
 fn finer(choice: &Choice, excess: f64) -> Choice {
     let side = (f64::from(choice.points.side) * excess).ceil() as u32;
     let points = Points { side: side.max(choice.points.side + 1), ..choice.points };

@@ -1,4 +1,4 @@
-//! Samples that are not finite: a warning, or an error where none is to be there.
+//! Samples that are not finite: a warning, or an error with `--trap-invalid`.
 
 use super::args::RenderArgs;
 use crate::common::tell;
@@ -10,7 +10,7 @@ use wavecrest_core::probe::{self, Invalid};
 /// The first sample that was not finite.
 ///
 /// # Errors
-/// When there is one, and none is to be there.
+/// If there is one, and `--trap-invalid` is given.
 pub(super) fn find(
     args: &RenderArgs,
     scene: &PreparedScene,
@@ -24,7 +24,7 @@ pub(super) fn find(
     }
 }
 
-/// Tells how many there are, and the first.
+/// Prints their number, and the first.
 pub(super) fn report(counters: &Counters, first: Option<&Invalid>) {
     if let Some(first) = first {
         let count = counters.invalid;

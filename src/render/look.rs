@@ -1,4 +1,4 @@
-//! Renders for looking closer: other materials, or other colours than those of light.
+//! Renders for inspection: other materials, or other colours than those of light.
 
 use super::args::RenderArgs;
 use wavecrest_base::error::{Error, ErrorKind, Result};
@@ -10,18 +10,18 @@ use wavecrest_image::look::{Look, draw_edges, film};
 use wavecrest_scene::load::LoadedScene;
 use wavecrest_scene::systems::{self, Extracted, Options, looks};
 
-/// With lights that put up no ground if a look other than clay is asked for: the ground is no part of the file, and
-/// has edges and a depth of its own.
+/// Without the ground of the lights, for looks other than clay: the ground is not part of the file,
+/// and has its own edges and depth.
 pub(super) fn without_ground(mut args: RenderArgs) -> RenderArgs {
     let lighting = &mut args.scene_options.input.lighting;
     lighting.without_ground = !matches!(args.look, None | Some(Look::Clay));
     args
 }
 
-/// Refuses a shard of one image, whose part is of light alone.
+/// Refuses a shard of one image, whose part contains only light.
 ///
 /// # Errors
-/// When there is one, and a look is asked for.
+/// If there is one, and a look is requested.
 pub(super) fn check(args: &RenderArgs) -> Result<()> {
     let (Some(look), Some(_)) = (args.look, args.parts.shard) else { return Ok(()) };
     let error = Error::new(ErrorKind::Usage, "--as and --shard cannot be used together");
@@ -30,7 +30,7 @@ pub(super) fn check(args: &RenderArgs) -> Result<()> {
         .remedy("leave out one of them, or render whole frames with --frames"))
 }
 
-/// Runs the systems on `loaded`, for the look that is asked for, but for the last.
+/// Runs all systems but the last on `loaded`, for the requested look.
 ///
 /// # Errors
 /// As [`systems::extract`].
@@ -44,13 +44,13 @@ pub(super) fn extract(args: &RenderArgs, mut loaded: LoadedScene) -> Result<Extr
     if args.look.is_none_or(Look::is_shaded) {
         return options.extract(loaded);
     }
-    // What light would not show is shown too.
+    // Show what light would not show too.
     let passes = unplanned(&PASSES);
     let (precision, flat) = (options.precision, options.flatten);
     systems::extract(&mut loaded.world, Options { precision, passes: &passes, flat })
 }
 
-/// Renders the image, or the look of it that is asked for.
+/// Renders the image, or the requested look of it.
 ///
 /// # Errors
 /// As [`render`].

@@ -1,4 +1,4 @@
-//! The files that a render writes: one or several, with layers and with what is said of them.
+//! The output files of a render: one or several, with layers and metadata.
 
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
@@ -15,19 +15,22 @@ use wavecrest_image::metadata::{Entry, Extras};
 use wavecrest_image::write::{Format, Transfer, check_writable, write_with};
 use wavecrest_scene::components::Encoding;
 
-/// The outputs of a render, known to be writable.
+/// The outputs of a render, checked to be writable.
 pub(super) struct Outputs<'a> {
     args: &'a RenderArgs,
     paths: Vec<&'a Path>,
-    /// How 8-bit images are to be written, unless the arguments say; known once the scene is read.
+    /// The transfer curve of 8-bit images, unless the arguments set it; known after reading the
+    /// scene.
     encoding: OnceLock<Encoding>,
 }
 
 impl<'a> Outputs<'a> {
-    /// The files that the arguments name, `first` and those besides. That of a shard is no image.
+    /// The files that the arguments name, `first` and further ones. The output of a shard is not an
+    /// image.
     ///
     /// # Errors
-    /// When one cannot be written, is another or the scene, or layers are asked for that none can hold.
+    /// If one cannot be written, is repeated or is the scene, or if layers are requested that none
+    /// can store.
     pub(super) fn check(args: &'a RenderArgs, first: &'a Path, is_shard: bool) -> Result<Self> {
         let also = args.outputs.also.iter().map(PathBuf::as_path);
         let paths: Vec<&Path> = std::iter::once(first).chain(also).collect();
@@ -50,28 +53,28 @@ impl<'a> Outputs<'a> {
         Ok(outputs)
     }
 
-    /// One file of a format that moves, known to be writable.
+    /// One animated file, checked to be writable.
     pub(super) fn of_one(args: &'a RenderArgs, path: &'a Path) -> Self {
         Self { args, paths: vec![path], encoding: OnceLock::new() }
     }
 
-    /// Refuses `file` where it is one of the outputs.
+    /// Refuses `file` if it is one of the outputs.
     ///
     /// # Errors
-    /// When it is.
+    /// If it is.
     pub(super) fn check_apart(&self, file: &Path) -> Result<()> {
         self.paths.iter().try_for_each(|path| check_differs(file, path, "the image"))
     }
 
-    /// Takes note of how the scene would have 8-bit images written.
+    /// Records the scene's transfer curve of 8-bit images.
     pub(super) fn made_of(&self, encoding: Encoding) {
         self.encoding.get_or_init(|| encoding);
     }
 
-    /// How 8-bit levels are made.
+    /// The transfer curve of 8-bit images.
     pub(super) fn transfer(&self) -> Transfer {
         if self.args.look.is_some_and(|look| !look.is_shaded()) {
-            // Its colours are those that a display is sent.
+            // Its colours are encoded display values.
             return Transfer::Linear;
         }
         self.args.transfer.unwrap_or(match self.encoding.get() {
@@ -80,15 +83,15 @@ impl<'a> Outputs<'a> {
         })
     }
 
-    /// Writes all of them; layers are made now, if any are asked for.
+    /// Writes all of them, with any requested layers.
     ///
     /// # Errors
-    /// When there is no memory for the layers, or a file cannot be written: those before it are then whole, and
-    /// it and those after it are as they were.
+    /// If there is no memory for the layers, or a file cannot be written: those before it are then
+    /// complete, and it and those after it unchanged.
     pub(super) fn write(&self, scene: &PreparedScene, rendered: &Rendered) -> Result<()> {
         let aov::Found { channels, entries: tables } = self.layers(scene, rendered)?;
         let entries = self.entries(scene)?;
-        // What numbers stand for is of use beside the numbers alone.
+        // The tables of numbers are useful only with the numbers.
         let with_tables = [&entries[..], &tables].concat();
         self.paths.iter().try_for_each(|path| {
             let entries = if is_exr(path) { &with_tables } else { &entries };
@@ -101,11 +104,11 @@ impl<'a> Outputs<'a> {
     /// Writes a film of which only a `share`, from 0 to 1, is rendered, without layers.
     ///
     /// # Errors
-    /// When a file cannot be written.
+    /// If a file cannot be written.
     pub(super) fn write_part(&self, film: &Film, entries: &[Entry], share: f64) -> Result<()> {
         let mut entries = entries.to_vec();
         if !entries.is_empty() {
-            // Rounded down: what is not finished is not called 100 %.
+            // Rounded down: unfinished work is never 100 %.
             let percent = (share * 100.0).floor();
             entries.push(Entry { name: "unfinished", text: format!("{percent} % is rendered") });
         }
@@ -151,17 +154,17 @@ impl<'a> Outputs<'a> {
         aov::layers(scene, &aov::Request { layers, crop, seed, invalid })
     }
 
-    /// How the image came about, as far as the options request it.
+    /// The metadata of the image, as far as requested.
     ///
     /// # Errors
-    /// When the crop is not within the image.
+    /// If the crop is not within the image.
     pub(super) fn entries(&self, scene: &PreparedScene) -> Result<Vec<Entry>> {
         let identity = Identity::of(scene, &self.args.options())?;
         Ok(self.args.outputs.metadata.entries(&identity))
     }
 }
 
-/// Refuses a file that has no place for alpha.
+/// Refuses a format without alpha.
 fn check_alpha(path: &Path, is_shard: bool) -> Result<()> {
     let has_alpha = !is_shard && matches!(Format::from_path(path)?, Format::Png | Format::Exr);
     if has_alpha {

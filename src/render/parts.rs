@@ -1,4 +1,4 @@
-//! Renders that lose no work: kept in a checkpoint, ended by a signal, or one shard of many.
+//! Renders that lose no work: with a checkpoint, ended by a signal, or one shard of many.
 
 use std::path::Path;
 use std::time::Instant;
@@ -21,10 +21,10 @@ use wavecrest_image::farm::{Author, Session, Shard};
 /// The extension of a part's name.
 const EXTENSION: &str = "part";
 
-/// Checks what can be checked before the scene is read.
+/// Runs the checks that are possible before the scene is read.
 ///
 /// # Errors
-/// When a shard would be written as an image, or the checkpoint over something else.
+/// If a shard would be written as an image, or the checkpoint would overwrite another file.
 pub(super) fn check(args: &RenderArgs, output: &Path) -> Result<()> {
     let parts = &args.parts;
     if parts.shard.is_some() && output.extension().is_none_or(|name| name != EXTENSION) {
@@ -42,7 +42,7 @@ pub(super) fn check(args: &RenderArgs, output: &Path) -> Result<()> {
     parts.checkpoint().map_or(Ok(()), |checkpoint| checkpoint.check().map(drop))
 }
 
-/// Shows the render, and ends it when a signal has come.
+/// Shows the render, and ends it on a signal.
 struct Screen<'a> {
     show: Show<'a>,
     interrupt: &'a Interrupt,
@@ -70,7 +70,7 @@ impl Watch for Screen<'_> {
     }
 }
 
-/// Renders the image as the arguments ask: it, and the part of it that a checkpoint held (0 to 1).
+/// Renders the image as requested; returns it with the share that a checkpoint held (0 to 1).
 pub(super) fn trace(
     args: &RenderArgs,
     scene: &PreparedScene,
@@ -120,7 +120,7 @@ pub(super) fn write_shard(
     Ok(())
 }
 
-/// Writes what there is of an image that a signal ended; the error says what was done.
+/// Writes the finished part of an image that a signal ended; returns the error with the progress.
 pub(super) fn interrupted(
     args: &RenderArgs,
     scene: &PreparedScene,
@@ -143,7 +143,7 @@ pub(super) fn interrupted(
     error.remedy(written + &go_on(args))
 }
 
-/// How to go on, where that can be.
+/// How to resume, if possible.
 fn go_on(args: &RenderArgs) -> String {
     match &args.parts.checkpoint {
         Some(file) => format!("; resume with --checkpoint {} --resume", file.display()),
@@ -170,7 +170,8 @@ fn tell_of_checkpoint(args: &RenderArgs, checkpoint: &Checkpoint, session: &Sess
     }
 }
 
-/// A checkpoint that cannot be written ends no render; the warning is printed even with `--quiet`.
+/// A checkpoint that cannot be written does not end a render; the warning is printed even with
+/// `--quiet`.
 fn warn(error: &Error) {
     tell(&format!("warning: {error}"));
 }

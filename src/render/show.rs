@@ -1,6 +1,6 @@
-//! Watching a render: progress, a log, a viewer, and the image while it is not finished.
+//! Progress, log, viewer and unfinished image of a render.
 //!
-//! None of it costs a render: what cannot be shown is a warning at most.
+//! Failures here never end a render: they are warnings at most.
 
 mod live;
 mod log;
@@ -23,31 +23,31 @@ use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::Watch;
 use wavecrest_core::tile::Tile;
 
-/// Where a render can be seen, while it is made and afterwards, and what ends it early.
+/// The channels that show a render, during and after it, and the interrupt that ends it early.
 pub(super) struct Seen<'a> {
     pub(super) outputs: &'a Outputs<'a>,
     pub(super) reporter: &'a Reporter,
     pub(super) interrupt: &'a Interrupt,
 }
 
-/// Tells of a command from its start to its end.
+/// Reports on a command from its start to its end.
 pub(super) struct Reporter {
     progress: Progress,
     log: Log,
 }
 
 impl Reporter {
-    /// Starts to report, as the arguments request.
+    /// Starts the requested reports.
     ///
     /// # Errors
-    /// When the log cannot be written to.
+    /// If the log cannot be written to.
     pub(super) fn begin(args: &RenderArgs) -> Result<Self> {
         let log = Log::open(args.show.log.as_deref())?;
         let progress = Progress::new(args.show.progress, args.scene_options.quiet);
         Ok(Self { progress, log })
     }
 
-    /// A stage begins.
+    /// A stage starts.
     pub(super) fn stage(&self, stage: Stage) {
         self.progress.stage(stage);
         if stage != Stage::Done {
@@ -55,17 +55,17 @@ impl Reporter {
         }
     }
 
-    /// Something for the log alone.
+    /// An entry for the log only.
     pub(super) fn note(&self, topic: &str, text: impl FnOnce() -> String) {
         self.log.line(topic, text);
     }
 
-    /// Warnings that have been printed already, for the log.
+    /// Adds warnings that are printed already to the log.
     pub(super) fn warnings(&self, warnings: &[Warning]) {
         warnings.iter().for_each(|warning| self.note("warning", || warning.to_string()));
     }
 
-    /// What was made; why it was not, as a warning.
+    /// The value, or a warning with the reason for none.
     fn or_warn<T>(&self, made: Result<T>) -> Option<T> {
         made.map_err(|error| self.warn(&error)).ok()
     }
@@ -77,7 +77,7 @@ impl Reporter {
     }
 }
 
-/// Shows one render: whatever of the reporter's channels, the viewer and the file is asked for.
+/// Shows one render on the requested channels: the reporter's, the viewer and the file.
 pub(super) struct Show<'a> {
     reporter: &'a Reporter,
     live: Option<Live>,
@@ -85,7 +85,7 @@ pub(super) struct Show<'a> {
 }
 
 impl<'a> Show<'a> {
-    /// Gets ready to show the render of `scene`.
+    /// Prepares to show the render of `scene`.
     pub(super) fn new(
         args: &RenderArgs,
         outputs: &'a Outputs<'a>,

@@ -1,4 +1,4 @@
-//! A file seen from several sides: once around, as an image that moves, or as one picture with names.
+//! Several views of a file: a turntable as an animation, or a sheet with names.
 
 use std::path::Path;
 
@@ -15,17 +15,18 @@ use wavecrest_image::farm::Shard;
 use wavecrest_report::plot::label::label;
 use wavecrest_scene::load::framing::Sheet;
 
-/// Height of the line under each picture of a sheet, as a share of the picture's, and in pixels at least.
+/// Height of the text line under each image of a sheet, as a share of the image's height, and at
+/// least in pixels.
 const LINE_SHARE: f64 = 0.06;
 const LEAST_LINE: u32 = 12;
-/// What names are written on, and with: linear.
+/// Linear colours of the background and the text of names.
 const PAPER: f32 = 1.0;
 const INK: f32 = 0.01;
 
-/// Renders several sides where that is asked for; whether it is.
+/// Renders several views if requested; returns whether they are.
 ///
 /// # Errors
-/// When an option does not go with it, or an image cannot be rendered or written.
+/// If an option does not fit, or an image cannot be rendered or written.
 pub(super) fn run(args: &RenderArgs, shard: Option<Shard>) -> Result<bool> {
     if args.frames.frame.is_some() {
         return Ok(false);
@@ -55,7 +56,7 @@ pub(super) fn run(args: &RenderArgs, shard: Option<Shard>) -> Result<bool> {
     Ok(true)
 }
 
-/// Does `work` on the threads that are asked for, and reports its failure.
+/// Runs `work` on the requested threads, and reports its failure.
 fn watched(args: &RenderArgs, work: impl FnOnce(&Reporter) -> Result<()> + Send) -> Result<()> {
     let reporter = Reporter::begin(args)?;
     let done = args.scene_options.threads.run(|| work(&reporter));
@@ -65,7 +66,7 @@ fn watched(args: &RenderArgs, work: impl FnOnce(&Reporter) -> Result<()> + Send)
 /// An option, and whether it is given.
 type Given = (&'static str, bool);
 
-/// Options that belong to one image, and not to frames.
+/// Options that belong to one image, not to frames.
 fn of_frame(args: &RenderArgs) -> Vec<Given> {
     vec![
         ("--checkpoint", args.parts.checkpoint.is_some()),
@@ -85,7 +86,7 @@ fn of_image(args: &RenderArgs, shard: Option<Shard>) -> Vec<Given> {
     ]
 }
 
-/// Refuses `others` beside an `option`.
+/// Refuses `others` together with an `option`.
 fn refuse(option: &str, output: &Path, others: &[Given]) -> Result<()> {
     let Some((other, _)) = others.iter().find(|(_, is_given)| *is_given) else { return Ok(()) };
     let message = format!("{option} and {other} cannot be used together");
@@ -116,7 +117,7 @@ fn animate(
     Ok(())
 }
 
-/// Renders every side, and puts them side by side.
+/// Renders every side, and arranges them.
 fn draw_sheet(
     args: &RenderArgs,
     Sheet(sides): &Sheet,
@@ -141,7 +142,7 @@ fn draw_sheet(
     Ok(())
 }
 
-/// Pictures in rows, with a line of text under each.
+/// Images in rows, with a line of text under each.
 struct Rows {
     pictures: u32,
     columns: u32,
@@ -150,16 +151,16 @@ struct Rows {
 }
 
 impl Rows {
-    /// For so many pictures: as many to a row as there are rows, or one more.
+    /// For this number of images: as many to a row as there are rows, or one more.
     fn new(pictures: usize) -> Self {
         let columns = (pictures as f64).sqrt().ceil() as u32;
         Self { pictures: pictures as u32, columns, added: 0, film: None }
     }
 
-    /// Adds a picture, of the same size as those before it.
+    /// Adds an image of the same size as those before it.
     ///
     /// # Errors
-    /// When the whole is too large.
+    /// If the whole is too large.
     fn add(&mut self, name: &str, picture: &Film) -> Result<()> {
         let (width, height) = (picture.width(), picture.height());
         let line = ((f64::from(height) * LINE_SHARE) as u32).max(LEAST_LINE);

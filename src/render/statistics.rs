@@ -13,22 +13,22 @@ use wavecrest_report::estimate::Estimated;
 use wavecrest_report::statistics::{Bvh, Columns, ImageSize, Memory, Statistics, Time};
 use wavecrest_scene::memory::{self, Estimate};
 
-/// What came of a render.
+/// A finished render.
 pub(super) struct Finished<'a> {
     pub(super) scene: &'a PreparedScene,
     pub(super) traced: Traced,
     pub(super) invalid: Option<Invalid>,
     pub(super) time: Time,
-    /// The memory that was estimated before the scene was read.
+    /// The estimated memory before the scene was read.
     pub(super) estimated: Option<Estimate>,
-    /// The memory that was estimated once it was read.
+    /// The estimated memory after it was read.
     pub(super) predicted: Estimate,
 }
 
 /// Writes the statistics to `file`.
 ///
 /// # Errors
-/// When it cannot be written.
+/// If it cannot be written.
 pub(super) fn write(file: &Path, args: &RenderArgs, finished: Finished<'_>) -> Result<()> {
     write_text(file, &to_json(&of(args, finished))?)
 }

@@ -1,4 +1,4 @@
-//! The one line that a render prints when it has succeeded.
+//! The line that a render prints on success.
 
 use std::time::Instant;
 
@@ -7,7 +7,7 @@ use crate::common::{grouped, tell};
 use wavecrest_core::counters::Counters;
 use wavecrest_scene::memory;
 
-/// What it has done so far.
+/// The totals so far.
 pub(super) struct Summary {
     start: Instant,
     rays: u64,
@@ -15,19 +15,19 @@ pub(super) struct Summary {
 }
 
 impl Summary {
-    /// Nothing yet, by a command that began at `start`.
+    /// Empty totals of a command that began at `start`.
     pub(super) fn since(start: Instant) -> Self {
         Self { start, rays: 0, traced_seconds: 0.0 }
     }
 
-    /// Adds a render that took so many seconds.
+    /// Adds a render with its seconds.
     pub(super) fn add(&mut self, counters: &Counters, seconds: f64) {
         self.rays += counters.primary_rays + counters.secondary_rays + counters.shadow_rays;
         self.traced_seconds += seconds;
     }
 
-    /// Prints the line, unless notes are silenced or standard error is for programs: `name` is what was written,
-    /// `what` says how large it is.
+    /// Prints the line, unless notes are silenced or standard error is for programs: `name` is the
+    /// output, `what` its size.
     pub(super) fn print(&self, args: &RenderArgs, name: &str, what: &str) {
         if args.scene_options.quiet || args.show.progress == Style::Json {
             return;

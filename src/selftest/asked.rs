@@ -1,9 +1,9 @@
-//! How the hard cases are tried.
+//! The requested settings of the hard cases.
 
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_report::selftest::{Count, Effort};
 
-/// What the arguments say of every case.
+/// The arguments for every case.
 pub(super) struct Asked {
     pub(super) seed: u64,
     pub(super) count: Count,
@@ -11,12 +11,12 @@ pub(super) struct Asked {
 }
 
 impl Asked {
-    /// One for each precision.
+    /// The efforts, one for each precision.
     pub(super) fn efforts(&self) -> impl DoubleEndedIterator<Item = Effort> {
         self.efforts_of(self.count)
     }
 
-    /// The same, where so much is tested.
+    /// The same, with this number of tests.
     pub(super) fn efforts_of(&self, count: Count) -> impl DoubleEndedIterator<Item = Effort> {
         let Self { seed, precisions, .. } = self;
         precisions.iter().map(move |&precision| Effort { precision, seed: *seed, count })

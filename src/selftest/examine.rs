@@ -1,4 +1,4 @@
-//! The part of `selftest` that tries a user's own scene or mesh.
+//! The part of `selftest` that tests a user's own scene or mesh.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -17,10 +17,10 @@ use wavecrest_scene::load::{LoadOptions, load};
 use wavecrest_scene::mesh;
 use wavecrest_scene::systems::{self, Options};
 
-/// The longer side of the image that is looked through for samples that are not finite, in pixels.
+/// The longer side in pixels of the image that is searched for samples that are not finite.
 const IMAGE_SIDE: u32 = 128;
 
-/// What came of a scene.
+/// The outcome for a scene.
 #[derive(Serialize)]
 pub(super) struct Examined {
     file: String,
@@ -29,22 +29,22 @@ pub(super) struct Examined {
     trials: Vec<Tried>,
 }
 
-/// What came of it in a precision.
+/// The outcome in a precision.
 #[derive(Serialize)]
 struct Tried {
     precision: Precision,
     #[serde(flatten)]
     trial: Trial,
-    /// Time for a ray, as a multiple of what fast arithmetic takes.
+    /// Time for a ray relative to fast precision.
     #[serde(skip_serializing_if = "Option::is_none")]
     times_fast: Option<f64>,
-    /// Samples of a small image that are not finite, by either tracer; none of a mesh.
+    /// Samples of a small image that are not finite, in either tracer; `None` for a mesh.
     #[serde(skip_serializing_if = "Option::is_none")]
     invalid: Option<u64>,
 }
 
 impl Examined {
-    /// Whether nothing is wrong, apart from fast arithmetic.
+    /// Whether there is no failure, except in fast precision.
     pub(super) fn holds(&self) -> bool {
         self.trials.iter().filter(|tried| tried.precision != Precision::Fast).all(|tried| {
             let Trial { leaks, self_hits, .. } = &tried.trial;
@@ -83,7 +83,7 @@ impl Examined {
                 self_hits.tried,
             );
             let _ = writeln!(text, "      {}", errors.words());
-            // What fast arithmetic loses is its price.
+            // Failures of fast precision are expected.
             let told = [&leaks.first, &self_hits.first].into_iter().flatten();
             for first in told.filter(|_| *precision != Precision::Fast) {
                 let _ = writeln!(text, "      the first: {first}");
@@ -93,7 +93,7 @@ impl Examined {
     }
 }
 
-/// Tries the scene or mesh in `file`.
+/// Tests the scene or mesh in `file`.
 pub(super) fn run(file: &Path, asked: &Asked) -> Result<Examined> {
     let is_mesh = mesh::is_mesh_name(file);
     let mut examined: Option<Examined> = None;
@@ -120,12 +120,12 @@ pub(super) fn run(file: &Path, asked: &Asked) -> Result<Examined> {
     examined.ok_or_else(|| Error::new(ErrorKind::Usage, "no precision is named"))
 }
 
-/// What is tried.
+/// The prepared input.
 struct Ready {
     accel: Accel,
-    /// How its tree was built.
+    /// The preset of its tree.
     preset: Preset,
-    /// How many samples are not finite; none of a mesh.
+    /// Number of samples that are not finite; `None` for a mesh.
     invalid: Option<u64>,
 }
 

@@ -1,4 +1,4 @@
-//! The time of each precision as a multiple of what fast arithmetic takes.
+//! The time of each precision relative to fast.
 
 use std::time::Instant;
 
@@ -8,20 +8,20 @@ use super::asked::Asked;
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_report::selftest::{Case, Count};
 
-/// Rounds of a case, in each of which every precision is timed once: at least so many, or there is no ratio, and so
-/// many at most.
+/// Smallest and largest number of rounds of a case, in each of which every precision is timed once;
+/// with fewer there is no ratio.
 const LEAST_ROUNDS: usize = 3;
 const MOST_ROUNDS: usize = 5;
 
-/// Seconds after which no further round of a case begins.
+/// Seconds after which no further round of a case starts.
 const LONGEST: f64 = 1.0;
 
-/// A ratio in several rounds.
+/// A ratio over several rounds.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub(super) struct Ratio {
     /// The median.
     pub(super) median: f64,
-    /// The least and the most.
+    /// The smallest and the largest.
     pub(super) least: f64,
     pub(super) most: f64,
     /// Number of rounds.
@@ -36,15 +36,16 @@ impl Ratio {
         (rounds >= LEAST_ROUNDS).then(|| Self { median: ratios[rounds / 2], least, most, rounds })
     }
 
-    /// In words: the median, and by how much the rounds were off it at most.
+    /// In words: the median, and the largest deviation of a round from it.
     pub(super) fn text(&self) -> String {
         let off = (self.most - self.median).max(self.median - self.least);
         format!("{:.2} \u{b1} {:.2}", self.median, off)
     }
 }
 
-/// That of a case in each precision that is asked for; none where fast arithmetic is not asked for or no time is taken.
-/// The precisions take turns, forwards and backwards, so that what slows the machine down for a while slows all.
+/// The ratios of a case in the requested precisions; `None` if fast is not requested or nothing is
+/// timed. The precisions alternate, forwards and backwards, so that slow phases of the machine
+/// affect all alike.
 pub(super) fn of(case: &Case, asked: &Asked) -> Vec<Option<Ratio>> {
     let mut ratios = vec![Vec::new(); asked.precisions.len()];
     let fast = asked.precisions.iter().position(|&precision| precision == Precision::Fast);

@@ -1,4 +1,4 @@
-//! What came of the cases, as text: the verdict, a table, and what failed.
+//! The outcome of the cases as text: the verdict, a table, and failures.
 
 use std::fmt::Write as _;
 
@@ -7,14 +7,14 @@ use crate::common::rounded;
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_report::selftest::Outcome;
 
-/// All of it.
+/// The whole text.
 pub(super) fn of(rows: &[Row], args: &SelftestArgs) -> String {
     let precisions: Vec<Precision> =
         rows.first().map_or_else(Vec::new, |row| row.trials.iter().map(|t| t.precision).collect());
     verdict(rows, &precisions) + &table(rows, &precisions) + &failures(rows, &precisions, args)
 }
 
-/// How many cases hold in each precision, and what fast arithmetic loses.
+/// The number of passed cases in each precision, and the share that fast misses.
 fn verdict(rows: &[Row], precisions: &[Precision]) -> String {
     let all = rows.len();
     let cases = if all == 1 { "case" } else { "cases" };
@@ -69,7 +69,7 @@ fn table(rows: &[Row], precisions: &[Precision]) -> String {
     text
 }
 
-/// Whether a case holds, or the share of wrong answers.
+/// Whether a case passes, or the share of wrong answers.
 fn answers(Trial { precision, holds, outcome, .. }: &Trial) -> String {
     match (holds, precision) {
         (true, _) => "holds".to_owned(),
@@ -81,7 +81,8 @@ fn answers(Trial { precision, holds, outcome, .. }: &Trial) -> String {
     }
 }
 
-/// What failed, and how to try it again. Failures in fast arithmetic are listed only if no other precision was tried.
+/// Failures, and how to repeat them. Those in fast precision are listed only if no other precision
+/// was tested.
 fn failures(rows: &[Row], precisions: &[Precision], args: &SelftestArgs) -> String {
     let mut text = String::new();
     let full = if args.full { " --full" } else { "" };

@@ -1,4 +1,4 @@
-//! How far the hits of each precision are off where a ray and a triangle make it hard.
+//! The errors of hits in each precision in difficult situations.
 
 use std::fmt::Write as _;
 
@@ -17,7 +17,7 @@ pub(super) struct Yield {
     errors: HitErrors,
 }
 
-/// Those of all situations.
+/// The errors in all situations.
 pub(super) fn measure(asked: &Asked) -> Vec<Yield> {
     let of = |situation: &'static Situation| {
         asked.efforts().map(move |effort| Yield {
@@ -29,7 +29,7 @@ pub(super) fn measure(asked: &Asked) -> Vec<Yield> {
     SITUATIONS.iter().flat_map(of).collect()
 }
 
-/// A row for each, with what 999 of 1000 hits keep.
+/// A row for each, with the bound for 999 of 1000 hits.
 pub(super) fn text(yields: &[Yield]) -> String {
     let widest = yields.iter().map(|row| row.situation.len()).max().unwrap_or(0);
     let mut text = format!(

@@ -1,4 +1,4 @@
-//! Passes over the rays of a file, timed.
+//! Timed passes over the rays of a file.
 
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
@@ -10,21 +10,21 @@ use wavecrest_core::math::ray::Ray;
 use wavecrest_core::render::TracerKind;
 use wavecrest_report::ray_file::RayFile;
 
-/// Rays handed to a thread at a time.
+/// Rays for each task.
 const BLOCK_RAYS: usize = 4096;
 
-/// What came of the rays.
+/// The answers and times.
 pub(super) struct Answers {
     pub(super) closest: Vec<Hit>,
     pub(super) occluded: Vec<bool>,
-    /// Of one timed pass.
+    /// The work of one timed pass.
     pub(super) work: Work,
     /// The median of the timed passes.
     pub(super) seconds: f64,
 }
 
 impl Answers {
-    /// How many rays hit something, by the answers of one kind.
+    /// The number of rays with a hit, by one kind of answers.
     pub(super) fn hits(&self, any_hit: bool) -> usize {
         if any_hit {
             self.occluded.iter().filter(|&&occluded| occluded).count()
@@ -34,7 +34,7 @@ impl Answers {
     }
 }
 
-/// What a pass took.
+/// The work of a pass.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Work {
     pub(super) tests: TestCounts,
@@ -54,7 +54,7 @@ pub(super) struct Passes<'a> {
     accel: &'a Accel,
     file: &'a RayFile,
     tracer: TracerKind,
-    /// One for each thread, kept from pass to pass: their memory is no part of the work.
+    /// One for each thread, reused between passes: allocating them is not part of the work.
     traversals: Vec<Traversal>,
 }
 
@@ -64,7 +64,7 @@ impl<'a> Passes<'a> {
         Self { accel, file, tracer, traversals }
     }
 
-    /// Times so many passes with the question of the file, and asks the other question once.
+    /// Times `repeats` passes with the query of the file, and runs the other query once.
     pub(super) fn run(mut self, repeats: u32) -> Answers {
         let (rays, any_hit) = (self.file.rays.len(), self.file.any_hit);
         let (mut closest, mut occluded) = (vec![Hit::MISS; rays], vec![false; rays]);
@@ -95,7 +95,7 @@ impl<'a> Passes<'a> {
         self.pass(answers, many, Accel::occluded)
     }
 
-    /// Asks of every ray, block by block.
+    /// Runs a query for every ray, block by block.
     fn pass<A: Send>(
         &mut self,
         answers: &mut [A],

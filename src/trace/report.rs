@@ -1,4 +1,4 @@
-//! What `trace` prints.
+//! The output of `trace`.
 
 use serde::Serialize;
 
@@ -16,7 +16,7 @@ use wavecrest_report::statistics::ClassUse;
 /// Two t agree if they differ by less than this factor of t: both may be off by the stated error.
 const AGREEMENT: f32 = 4.0 * T_TOLERANCE;
 
-/// What is printed.
+/// The output.
 #[derive(Serialize)]
 pub(super) struct Report {
     pub(super) rays: usize,
@@ -34,7 +34,7 @@ pub(super) struct Report {
     pub(super) triangles: usize,
     pub(super) load_seconds: f64,
     pub(super) build_seconds: f64,
-    /// What the surface-area heuristic expects of a ray; 0 without a tree.
+    /// The visits that the surface-area heuristic expects of a ray; 0 without a tree.
     pub(super) expected_visits: Visits,
     pub(super) nodes_per_ray: f64,
     pub(super) leaves_per_ray: f64,
@@ -44,12 +44,12 @@ pub(super) struct Report {
     pub(super) compared: Compared,
 }
 
-/// Our answers against the file's.
+/// The comparison of our answers with the file's.
 #[derive(Debug, Default, Serialize)]
 pub(super) struct Compared {
-    /// Hits of the file that we have not.
+    /// Hits only in the file.
     lost: usize,
-    /// Hits that only we have.
+    /// Hits only in ours.
     extra: usize,
     /// Closest hits on another triangle at the same distance.
     other_triangle: usize,
@@ -57,9 +57,9 @@ pub(super) struct Compared {
     other_distance: usize,
     /// The largest relative difference of t among the rest.
     largest_relative_t: f32,
-    /// Any-hit answers of "hit" that we have not.
+    /// Any-hit answers of "hit" only in the file.
     lost_any: usize,
-    /// Any-hit answers of "hit" that only we have.
+    /// Any-hit answers of "hit" only in ours.
     extra_any: usize,
 }
 
@@ -84,7 +84,7 @@ impl Compared {
             (true, true) => {}
             (false, false) => {
                 let relative = (theirs.t - ours.t).abs() / theirs.t.abs().max(f32::MIN_POSITIVE);
-                // The other way round, a t that is not a number would agree.
+                // Written so that a NaN does not agree.
                 let agrees = relative <= AGREEMENT;
                 if !agrees {
                     self.other_distance += 1;

@@ -2,35 +2,35 @@
 //!
 //! | key | unit | meaning |
 //! |---|---|---|
-//! | `version`, `scene`, `tracer`, `threads`, `seed` | | what was run |
-//! | `simd`, `kernel`, `precision` | | the vector instructions, the kernel chosen for batches of rays, and how exactly hits are found |
+//! | `version`, `scene`, `tracer`, `threads`, `seed` | | the settings |
+//! | `simd`, `kernel`, `precision` | | the instruction level, the kernel for batches of rays, and the precision of hits |
 //! | `image.width`, `.height`, `.samples_per_pixel` | pixels, rays | the image, or the part of it |
 //! | `rays.primary`, `.secondary`, `.shadow` | rays | camera, mirror and shadow rays traced |
-//! | `samples.lens`, `.light`, `.texels` | | points chosen on the lens and on area lights; texels read |
+//! | `samples.lens`, `.light`, `.texels` | | points sampled on the lens and on area lights; texels read |
 //! | `samples.colors` | | hits whose colour was interpolated between vertices |
 //! | `samples.footprints` | | footprints of rays on surfaces, for trilinear textures and for mirrors that may show them |
-//! | `textures.images`, `.decoded`, `.bytes` | | images that can be seen, those that were looked up and hence decoded, and what these hold |
-//! | `estimated.rays`, `.samples` | | bounds on these, known before the first ray: see [`crate::estimate`] |
-//! | `tests.nodes` | nodes | inner nodes visited, by a ray or by many together, each testing eight boxes |
+//! | `textures.images`, `.decoded`, `.bytes` | | images that may be visible, those decoded for a look-up, and their bytes |
+//! | `estimated.rays`, `.samples` | | upper bounds on these before the first ray: see [`crate::estimate`] |
+//! | `tests.nodes` | nodes | inner nodes visited, by one ray or several together, each testing eight boxes |
 //! | `tests.instances` | visits | of an instance by a ray that meets its box |
-//! | `tests.cutouts` | tests | hits on cut-outs, whose alpha was looked up |
+//! | `tests.cutouts` | tests | hits on cut-outs, each with a look-up of alpha |
 //! | `tests.primitives.triangles`, `.quads`, `.spheres` | tests | tests of primitives; a quad counts once for each half |
-//! | `kernels.closest.packet`, `.stream`, `.single` | rays | camera and mirror rays by the kernel that took them first: a packet, many in flight, one alone |
-//! | `kernels.closest.handed_over` | rays | those of the packets' rays that went on in flight |
-//! | `kernels.closest.rays_a_node`, `.rays_a_round` | rays | of a packet at a node that it visits, and in flight in a round, on average (`null` where there was none) |
-//! | `kernels.shadow.…` | | the same of shadow rays |
-//! | `dropped.degenerate` | triangles | left out for want of an area |
-//! | `invalid` | samples | not finite, and counted as black |
-//! | `first_invalid.x`, `.y`, `.sample`, `.bounce`, `.primitive`, `.shape` | | where the first of them ceases to be finite (`null` without any) |
-//! | `lights_at_surface` | rays | lights nearer than the rounding error of the surface |
-//! | `time.load`, `.build`, `.trace`, `.write`, `.total` | seconds | by stage, on the clock |
+//! | `kernels.closest.packet`, `.stream`, `.single` | rays | camera and mirror rays by their first kernel: a packet, many in flight, one alone |
+//! | `kernels.closest.handed_over` | rays | rays that packets handed over to the kernel in flight |
+//! | `kernels.closest.rays_a_node`, `.rays_a_round` | rays | average number of rays of a packet at a visited node, and in flight in a round (`null` without any) |
+//! | `kernels.shadow.…` | | the same for shadow rays |
+//! | `dropped.degenerate` | triangles | dropped, as they have no area |
+//! | `invalid` | samples | not finite; they count as black |
+//! | `first_invalid.x`, `.y`, `.sample`, `.bounce`, `.primitive`, `.shape` | | where the first of them becomes not finite (`null` without any) |
+//! | `lights_at_surface` | rays | to lights within the rounding error of the surface |
+//! | `time.load`, `.build`, `.trace`, `.write`, `.total` | seconds | wall-clock time by stage |
 //! | `time.passes` | seconds | by pass, summed over threads |
-//! | `memory.predicted`, `.peak` | bytes | peak of the process: estimated before a mesh or a texture is read, and measured (`null` where it is not known) |
-//! | `columns.estimated`, `.held` | bytes | columns of the wavefront's batches on all threads: estimated, and held (the recursive tracer has none) |
-//! | `bvh.preset`, `.nodes`, `.depth`, `.bytes` | | the trees: nodes of all, the greatest depth |
-//! | `resumed` | | the part of the image that a checkpoint held (0 to 1): rays and all other work are those of this run alone |
-//! | `goal.asked`, `.samples`, `.expected_error`, `.expected_seconds`, `.found_error`, `.renders` | | what was chosen for a target error or a time budget, and what came of it (`null` where neither was asked for) |
-//! | `plan` | | each effect, whether it is simulated, and why |
+//! | `memory.predicted`, `.peak` | bytes | peak of the process: estimated before a mesh or a texture is read, and measured (`null` if unknown) |
+//! | `columns.estimated`, `.held` | bytes | columns of the wavefront's batches on all threads: estimated, and allocated (the recursive tracer has none) |
+//! | `bvh.preset`, `.nodes`, `.depth`, `.bytes` | | the trees: all nodes, the largest depth |
+//! | `resumed` | | the share of the image that a checkpoint held (0 to 1): rays and other counts are those of this run only |
+//! | `goal.asked`, `.samples`, `.expected_error`, `.expected_seconds`, `.found_error`, `.renders` | | the choice for a target error or a time budget, and its outcome (`null` without either) |
+//! | `plan` | | each effect, whether it is simulated, and the reason |
 
 use serde::Serialize;
 use serde_json::{Map, Value};
@@ -47,7 +47,7 @@ use wavecrest_core::prepared::{Appearance, Dropped, LazyImage};
 use wavecrest_core::probe::Invalid;
 use wavecrest_core::render::TracerKind;
 
-/// See the module documentation: fields are named as in the JSON.
+/// See the module documentation: fields have the names of the JSON.
 #[derive(Clone, Debug, Serialize)]
 #[allow(missing_docs, reason = "the table above says it once, for the JSON and for the fields")]
 pub struct Statistics {
@@ -79,7 +79,7 @@ pub struct Statistics {
     pub plan: Plan,
 }
 
-/// What was chosen for an error or a time, and what came of it.
+/// The choice for a target error or a time budget, and its outcome.
 #[derive(Clone, Debug, Serialize)]
 #[allow(missing_docs, reason = "see the module documentation")]
 pub struct Goal {
@@ -91,7 +91,7 @@ pub struct Goal {
     pub renders: u32,
 }
 
-/// The size of what was rendered.
+/// The size of the rendered image.
 #[derive(Clone, Copy, Debug, Serialize)]
 #[allow(missing_docs, reason = "see the module documentation")]
 pub struct ImageSize {
@@ -159,7 +159,7 @@ pub struct PrimitiveTests {
     pub spheres: u64,
 }
 
-/// Rays by kernel, of either class.
+/// Rays by kernel, in both classes.
 #[derive(Clone, Copy, Debug, Serialize)]
 #[allow(missing_docs, reason = "see the module documentation")]
 pub struct KernelUse {
@@ -191,7 +191,7 @@ pub struct Time {
     pub passes: Map<String, Value>,
 }
 
-/// Bytes at the peak.
+/// Peak bytes.
 #[derive(Clone, Copy, Debug, Serialize)]
 #[allow(missing_docs, reason = "see the module documentation")]
 pub struct Memory {
@@ -218,7 +218,7 @@ pub struct Bvh {
 }
 
 impl Bvh {
-    /// What `accel`, built with `preset`, holds.
+    /// The size of `accel`, built with `preset`.
     pub fn of(accel: &Accel, preset: Preset) -> Self {
         let census = || accel.trees().map(Tree::census);
         Self {

@@ -1,28 +1,29 @@
-//! Repeated measurements in a few numbers that one bad run does not move.
+//! Robust summaries of repeated measurements: single bad runs do not affect them.
 //!
-//! Times of a program have a floor and a long tail upward: other programs can only slow it down.
-//! So the centre is the median, and the spread is given by quartiles and by the median absolute
-//! deviation, of which half the runs may be spoilt before they say nonsense (Hampel, *The
+//! Times of a program have a lower limit and a long upper tail: other programs can only slow it
+//! down. So the centre is the median, and the spread is given by quartiles and by the median
+//! absolute deviation, which tolerates up to half of the runs being disturbed (Hampel, *The
 //! Influence Curve and Its Role in Robust Estimation*, 1974).
 //!
-//! The uncertainty of a median is an interval between two of the measurements themselves, the
-//! `k`th smallest and the `k`th largest (Thompson, *On Confidence Ranges for the Median*, Annals of
+//! The uncertainty of a median is an interval between two of the measurements themselves, the `k`th
+//! smallest and the `k`th largest (Thompson, *On Confidence Ranges for the Median*, Annals of
 //! Mathematical Statistics, 1936; Le Boudec, *Performance Evaluation of Computer and Communication
 //! Systems*, 2010, section 2.2). The true median is outside only if fewer than `k` of `n`
-//! independent measurements fall on one side of it, of which the chance is that of fewer than `k`
-//! heads in `n` throws of a coin, twice. Nothing is assumed of the distribution, nothing is drawn
-//! at random, and for few measurements the interval is still true: it is then the whole range,
-//! and says with what confidence.
+//! independent measurements are on one side of it, which has twice the probability of fewer than
+//! `k` heads in `n` coin tosses. The interval assumes nothing about the distribution and uses no
+//! random numbers. It is valid for few measurements too: it is then the whole range, with the
+//! corresponding confidence.
 
 use serde::Serialize;
 
-/// The confidence that intervals have at least, where there are measurements enough.
+/// The smallest confidence of intervals with enough measurements.
 pub const CONFIDENCE: f64 = 0.95;
 
-/// The fewest measurements whose range holds the median with [`CONFIDENCE`]: 1 - 2^-5 = 0.969.
+/// The smallest number of measurements whose range contains the median with [`CONFIDENCE`]: 1 -
+/// 2^-5 = 0.969.
 pub const ENOUGH: usize = 6;
 
-/// Measurements of one thing.
+/// A summary of repeated measurements.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Summary {
     /// The middle one, or the mean of the two in the middle.
@@ -37,12 +38,12 @@ pub struct Summary {
     pub third_quartile: f64,
     /// Median absolute deviation: the median of the distances to the median.
     pub mad: f64,
-    /// Every measurement, in the order in which they were made.
+    /// Every measurement, in order.
     pub each: Vec<f64>,
 }
 
 impl Summary {
-    /// Sums up `each`, finite numbers; `None` where there is none.
+    /// Summarises `each`, finite numbers; `None` if it is empty.
     pub fn of(each: &[f64]) -> Option<Self> {
         let sorted = sorted(each);
         let (&min, &max) = (sorted.first()?, sorted.last()?);
@@ -65,7 +66,7 @@ impl Summary {
     }
 }
 
-/// A median and where the true one is.
+/// A median with its confidence interval.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct MedianInterval {
     /// The median of the measurements.
@@ -74,19 +75,19 @@ pub struct MedianInterval {
     pub low: f64,
     /// The other end.
     pub high: f64,
-    /// The chance that such an interval holds the true median: [`CONFIDENCE`] or more where there
-    /// are at least [`ENOUGH`] measurements, and what the whole range gives where there are fewer.
+    /// The probability that the interval contains the true median: at least [`CONFIDENCE`] for at
+    /// least [`ENOUGH`] measurements, and that of the whole range for fewer.
     pub confidence: f64,
 }
 
 impl MedianInterval {
     /// The narrowest interval of the module documentation with at least [`CONFIDENCE`], or the
-    /// whole range; `None` where there is no measurement.
+    /// whole range; `None` without measurements.
     pub fn of(each: &[f64]) -> Option<Self> {
         let sorted = sorted(each);
         let n = sorted.len();
         let outermost = (1, confidence(n, 1));
-        // The first k, then those further in for as long as they are confident.
+        // From the outermost inward, as long as the confidence suffices.
         let (k, confidence) = (2..=n / 2)
             .map(|k| (k, confidence(n, k)))
             .take_while(|(_, confidence)| *confidence >= CONFIDENCE)
@@ -97,15 +98,15 @@ impl MedianInterval {
     }
 }
 
-/// The median of `each`; 0 where there is none.
+/// The median of `each`; 0 if it is empty.
 pub fn median(each: &[f64]) -> f64 {
     quantile(&sorted(each), 0.5)
 }
 
-/// The chance that the median is between the `k`th smallest and the `k`th largest of `n`:
-/// 1 - 2 P(fewer than `k` heads in `n` throws).
+/// The probability that the median is between the `k`th smallest and the `k`th largest of `n`: 1 -
+/// 2 P(fewer than `k` heads in `n` tosses).
 fn confidence(n: usize, k: usize) -> f64 {
-    // By logarithms, so that 2^-n does not vanish where n is large.
+    // In logarithms, so that 2^-n does not underflow for large n.
     let mut logarithm = -(n as f64) * std::f64::consts::LN_2;
     let mut below = 0.0;
     for heads in 0..k.min(n) {
@@ -121,7 +122,7 @@ fn sorted(each: &[f64]) -> Vec<f64> {
     sorted
 }
 
-/// The value below which a `share` of `sorted` lies, between neighbours in proportion (the seventh
+/// The value below which a `share` of `sorted` lies, with linear interpolation (the seventh
 /// definition of Hyndman and Fan, *Sample Quantiles in Statistical Packages*, 1996).
 fn quantile(sorted: &[f64], share: f64) -> f64 {
     let place = share * sorted.len().saturating_sub(1) as f64;
@@ -192,7 +193,7 @@ mod tests {
             for set in 0..SETS {
                 let time = |i| {
                     let stream = Stream { seed: 11, pixel: set, sample: i, bounce: n };
-                    // A floor of 1 and a long tail; the median is 1 + 0.5^4 / 0.5.
+                    // A lower limit of 1 and a long tail; the median is 1 + 0.5^4 / 0.5.
                     let u = f64::from(stream.uniform(0)[0]);
                     1.0 + u.powi(4) / (1.0 - u)
                 };

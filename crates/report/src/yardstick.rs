@@ -1,22 +1,24 @@
-//! How quick the machine is at the moment: the time of some work that no version of the program changes.
+//! The current speed of the machine: the time of a fixed piece of work that is the same in all
+//! versions.
 //!
-//! A processor in a rack is now and then a tenth slower for minutes, whoever shares it. Two sweeps, or two reports of `bench`, of one machine
-//! are compared in this unit, so that it does not pass for a change of the program.
+//! A shared processor may be a tenth slower for minutes. Two sweeps, or two reports of `bench`, of
+//! one machine are compared in this unit, so that such phases do not count as changes of the
+//! program.
 
 use std::hint::black_box;
 use std::time::Instant;
 
-/// Steps of each thread: about a millisecond.
+/// Steps for each thread: about a millisecond.
 const STEPS: u32 = 200_000;
 
-/// Seconds that all threads of the pool together take for the same work. It is all in registers: what a render has in
-/// the caches stays there.
+/// Seconds that all threads of the pool take for the same work. It uses only registers, so the
+/// caches of a render are not disturbed.
 pub fn yardstick() -> f64 {
     let start = Instant::now();
     rayon::broadcast(|_| {
         let (mut bits, mut value) = (black_box(1_u64), black_box(1.0_f64));
         for _ in 0..STEPS {
-            // Knuth's multiplier (MMIX), and an iteration that rounding keeps busy.
+            // Knuth's multiplier (MMIX), and a floating-point iteration.
             bits = bits
                 .wrapping_mul(6_364_136_223_846_793_005)
                 .wrapping_add(1_442_695_040_888_963_407);

@@ -1,4 +1,4 @@
-//! Which shard a process is of: said outright, or by the scheduler whose array job it is in.
+//! The shard of a process: given explicitly, or by the scheduler of its array job.
 
 use std::str::FromStr;
 
@@ -6,42 +6,42 @@ use Numbering::{Between, FromZero, Unsaid};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_image::farm::Shard;
 
-/// What `--shard` asks for.
+/// The value of `--shard`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Choice {
-    /// This one.
+    /// This shard.
     Given(Shard),
-    /// The one that the scheduler says, of so many if that is said here.
+    /// The shard from the scheduler, with the number of shards if given.
     Auto(Option<u32>),
 }
 
-/// How a process finds out which task of a scheduler's array it is: the variable that has the task's number,
-/// and the numbering.
+/// How a process finds its task in a scheduler's array: the variable with the task's number, and
+/// the numbering.
 struct Scheduler(&'static str, Numbering);
 
 /// How the tasks of an array are numbered.
 enum Numbering {
-    /// As the user likes: variables with the first number and the last, and one that must be there as it is
-    /// where none is left out between them.
+    /// Chosen by the user: variables with the first number and the last, and one that shows whether
+    /// numbers are left out between them.
     Between([&'static str; 2], Whole),
-    /// From 0: a variable with their number, if there is one.
+    /// From 0: a variable with the number of tasks, if any.
     FromZero(Option<&'static str>),
-    /// As the user likes; no variable says how.
+    /// Chosen by the user, without a variable for the range.
     Unsaid,
 }
 
 /// How a scheduler shows whether numbers are left out.
 enum Whole {
-    /// The variable has how many there are.
+    /// The variable has the number of tasks.
     Count(&'static str),
-    /// The variable has the step from one to the next.
+    /// The variable has the step from one number to the next.
     Step(&'static str),
 }
 
-/// The schedulers, in the order in which they are asked.
+/// The schedulers, in the order of the checks.
 const SCHEDULERS: [Scheduler; 7] = [
     Scheduler("SLURM_ARRAY_TASK_ID", SLURM),
-    // Outside an array the variable says "undefined".
+    // Outside an array the value is "undefined".
     Scheduler("SGE_TASK_ID", GRID_ENGINE),
     Scheduler("AWS_BATCH_JOB_ARRAY_INDEX", FromZero(Some("AWS_BATCH_JOB_ARRAY_SIZE"))),
     // Google Cloud Batch.
@@ -49,7 +49,7 @@ const SCHEDULERS: [Scheduler; 7] = [
     // Kubernetes.
     Scheduler("JOB_COMPLETION_INDEX", FromZero(None)),
     Scheduler("PBS_ARRAY_INDEX", Unsaid),
-    // LSF. Outside an array the variable says 0.
+    // LSF. Outside an array the value is 0.
     Scheduler("LSB_JOBINDEX", Unsaid),
 ];
 
@@ -79,10 +79,11 @@ impl FromStr for Choice {
 }
 
 impl Choice {
-    /// The shard, given the environment's variables.
+    /// The shard, given the environment variables.
     ///
     /// # Errors
-    /// When there is no array job, or it says not how many tasks it has or has no task of this number.
+    /// If there is no array job, its number of tasks is unknown, or it has no task with this
+    /// number.
     pub(super) fn resolve(self, variable: impl Fn(&str) -> Option<String>) -> Result<Shard> {
         let count = match self {
             Self::Given(shard) => return Ok(shard),
@@ -109,7 +110,7 @@ impl Choice {
 }
 
 impl Scheduler {
-    /// The number of the first task, and how many there are.
+    /// The number of the first task, and the number of tasks.
     fn range(
         &self,
         count: Option<u32>,

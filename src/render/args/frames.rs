@@ -1,10 +1,10 @@
-//! Which frames of a camera that moves.
+//! Frames of a moving camera.
 
 use std::str::FromStr;
 
 use wavecrest_image::farm::Shard;
 
-/// The most frames of a range.
+/// Largest number of frames in a range.
 const MAX_FRAMES: u32 = 1_000_000;
 
 /// Options on frames.
@@ -19,7 +19,7 @@ pub(crate) struct FrameOptions {
     pub(crate) frames: Option<Frames>,
 }
 
-/// A range of frames, both ends counted.
+/// A range of frames, inclusive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Frames {
     first: u32,
@@ -41,12 +41,12 @@ impl FromStr for Frames {
 }
 
 impl Frames {
-    /// So many frames, one at least, from 1 on.
+    /// `count` frames, at least one, from 1 on.
     pub(in crate::render) fn first(count: u32) -> Self {
         Self { first: 1, last: count }
     }
 
-    /// The frames of a share: of N shards, each takes every N-th.
+    /// The frames of a shard: each of N shards takes every N-th.
     pub(in crate::render) fn of(self, shard: Option<Shard>) -> Vec<u32> {
         let (number, count) = shard.map_or((1, 1), |shard| (shard.number(), shard.count()));
         (self.first..=self.last).skip(number as usize - 1).step_by(count as usize).collect()

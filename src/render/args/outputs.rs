@@ -1,4 +1,4 @@
-//! Which files are written, and what is in them.
+//! The output files and their contents.
 
 use std::path::PathBuf;
 
@@ -22,14 +22,14 @@ pub(crate) struct OutputOptions {
     pub(crate) metadata: MetadataOptions,
 }
 
-/// The layers asked for.
+/// The requested layers.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Layers(pub Vec<Layer>);
 
 /// `depth,normal`, or `all`.
 fn layers(text: &str) -> std::result::Result<Layers, String> {
     if text == "all" {
-        // Alpha says that the colours are multiplied by it.
+        // Alpha changes the colours: they are premultiplied by it.
         let all = Layer::ALL.into_iter().filter(|layer| *layer != Layer::Alpha);
         return Ok(Layers(all.collect()));
     }

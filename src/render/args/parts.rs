@@ -1,4 +1,4 @@
-//! What of a render is kept, and which share of it is rendered.
+//! Checkpoints and shards of a render.
 
 use std::path::PathBuf;
 use std::time::Duration;
@@ -9,7 +9,7 @@ use wavecrest_base::error::Result;
 use wavecrest_image::farm::Shard;
 use wavecrest_image::farm::checkpoint::Checkpoint;
 
-/// Seconds between two checkpoints unless asked otherwise.
+/// Default number of seconds between checkpoints.
 const USUAL_PAUSE: f64 = 60.0;
 
 /// Options on what is kept, and which share is rendered.
@@ -31,23 +31,23 @@ pub(crate) struct PartOptions {
 }
 
 impl PartOptions {
-    /// The shard to render, if one is asked for.
+    /// The shard to render, if requested.
     pub(in crate::render) fn shard(&self) -> Result<Option<Shard>> {
         self.shard.map(|choice| choice.resolve(|name| std::env::var(name).ok())).transpose()
     }
 
-    /// Bytes held for a checkpoint of so many pixels: their sums, beside the image.
+    /// Bytes of a checkpoint's sums in memory for this number of pixels, in addition to the image.
     pub(in crate::render) fn kept_bytes(&self, pixels: u64) -> u64 {
         let each = if self.checkpoint.is_some() { size_of::<[f64; 3]>() as u64 } else { 0 };
         pixels * each
     }
 
-    /// Where the render is kept, if that is asked for.
+    /// The checkpoint, if requested.
     pub(in crate::render) fn checkpoint(&self) -> Option<Checkpoint> {
         let every = self.every.unwrap_or(USUAL_PAUSE);
         Some(Checkpoint {
             file: self.checkpoint.clone()?,
-            // Longer than can be said is never.
+            // Intervals that are too long mean never.
             every: Duration::try_from_secs_f64(every).unwrap_or(Duration::MAX),
             resume: self.resume,
         })

@@ -1,4 +1,4 @@
-//! What is seen of a render while it is made.
+//! Progress options of a render.
 
 use std::path::PathBuf;
 

@@ -1,7 +1,7 @@
-//! The image in tev, a viewer, while it is rendered.
+//! Shows the image in the viewer tev while it is rendered.
 //!
-//! Finished tiles go to a thread of their own, which sends them over TCP. No thread that follows rays waits for the
-//! viewer: one that is gone or no longer listens is given up.
+//! A separate thread sends finished tiles over TCP. No rendering thread waits for the viewer: one
+//! that is gone or no longer reads is abandoned.
 
 use std::net::{TcpStream, ToSocketAddrs};
 use std::sync::mpsc::{self, Receiver, Sender};
@@ -13,12 +13,12 @@ use tev_client::{PacketCreateImage, PacketUpdateImage, TevClient};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::tile::Tile;
 
-/// How long a viewer may take to answer, and to take what it is sent.
+/// Timeout of a viewer, for answers and for sent data.
 const PATIENCE: Duration = Duration::from_secs(5);
 
 const CHANNELS: [&str; 3] = ["R", "G", "B"];
 
-/// A finished tile, within the image that is shown.
+/// A finished tile, within the shown image.
 struct Part {
     tile: Tile,
     values: Vec<f32>,
@@ -28,15 +28,15 @@ struct Part {
 pub(super) struct Live {
     window: Tile,
     parts: Sender<Part>,
-    /// Told once all is sent, or nothing can be.
+    /// Receives the outcome once everything is sent, or nothing can be.
     end: Mutex<Receiver<Option<Error>>>,
 }
 
 impl Live {
-    /// Connects to the viewer at `address` and has it show a black image called `name`.
+    /// Connects to the viewer at `address` and creates a black image called `name`.
     ///
     /// # Errors
-    /// When there is none, or it does not take the image.
+    /// If there is none, or it does not accept the image.
     pub(super) fn connect(address: &str, name: &str, window: Tile) -> Result<Self> {
         let cannot = |cause: std::io::Error| {
             let message = format!("cannot reach the viewer: {cause}");
@@ -44,7 +44,7 @@ impl Live {
             error.remedy("start tev first; the render continues without it")
         };
         let mut client = open(address).map_err(cannot)?;
-        // The protocol ends a name with a zero.
+        // A zero ends a name in the protocol.
         let name = name.replace('\0', " ");
         let Tile { width, height, .. } = window;
         let image = PacketCreateImage {
@@ -65,15 +65,15 @@ impl Live {
         Ok(Self { window, parts, end: Mutex::new(end) })
     }
 
-    /// Has a tile shown, some time.
+    /// Queues a tile to be sent.
     pub(super) fn send(&self, tile: &Tile, pixels: &[[f32; 3]]) {
         let (x, y) = (tile.x - self.window.x, tile.y - self.window.y);
         let part = Part { tile: Tile { x, y, ..*tile }, values: pixels.as_flattened().to_vec() };
-        // Without a viewer nothing takes it.
+        // Without a viewer the tile is dropped.
         let _ = self.parts.send(part);
     }
 
-    /// Waits a little for the last tiles to be sent; what went wrong, if anything did.
+    /// Waits briefly for the last tiles to be sent; returns the error, if any.
     pub(super) fn finish(self) -> Option<Error> {
         let Self { parts, end, .. } = self;
         drop(parts);

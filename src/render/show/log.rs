@@ -1,7 +1,7 @@
-//! The log: a line for whatever is done, chosen or found, with the seconds since the start.
+//! The log: a line for each action, choice and result, with the seconds since the start.
 //!
-//! Lines are added to the end of the file as they come, so that those of a render that is killed are there, and
-//! those of the one before stay. A log that can no longer be written, on a full disk, costs no render.
+//! Lines are appended at once, so that those of a killed render are kept, and those of earlier
+//! renders stay. A log that can no longer be written, on a full disk, does not end a render.
 
 use std::fs::OpenOptions;
 use std::io::Write;
@@ -11,10 +11,10 @@ use std::time::Instant;
 
 use wavecrest_base::error::{Error, Result};
 
-/// Where lines go.
+/// The destination of lines.
 type Sink = Box<dyn Write + Send>;
 
-/// A log, or none.
+/// A log, if requested.
 pub(super) struct Log {
     start: Instant,
     sink: Option<Mutex<Sink>>,
@@ -24,7 +24,7 @@ impl Log {
     /// Opens the file, or standard output for `-`.
     ///
     /// # Errors
-    /// When it cannot be written to.
+    /// If it cannot be written to.
     pub(super) fn open(file: Option<&Path>) -> Result<Self> {
         let open = |file: &Path| -> Result<Sink> {
             if file == Path::new("-") {
@@ -40,14 +40,14 @@ impl Log {
         Ok(Self { start: Instant::now(), sink })
     }
 
-    /// Adds a line, whose text is made only where there is a log.
+    /// Adds a line; its text is computed only if there is a log.
     pub(super) fn line(&self, topic: &str, text: impl FnOnce() -> String) {
         let Some(sink) = &self.sink else { return };
         let seconds = self.start.elapsed().as_secs_f64();
         let text = text().replace(char::is_control, " ");
         let line = format!("{seconds:10.3} s  {topic:<8} {text}\n");
         let mut sink = sink.lock().unwrap_or_else(PoisonError::into_inner);
-        // In one piece, so that the lines of two processes do not mix.
+        // In one write, so that the lines of two processes do not mix.
         let _ = sink.write_all(line.as_bytes()).and_then(|()| sink.flush());
     }
 }

@@ -1,9 +1,9 @@
 //! Progress on standard error: a bar for people, lines of JSON for programs.
 //!
-//! A line of JSON has the keys `stage` (`load`, `build`, `trace`, `write`, `done`), `done` and `all` (pixels; `all`
-//! is null until it is known), `seconds` since the start, and `left`, the seconds that the rays are likely to take
-//! still (null where it is not known). Each stage begins with a line; while rays are followed there are ten a second
-//! at most, and one at the end.
+//! A line of JSON has the keys `stage` (`load`, `build`, `trace`, `write`, `done`), `done` and
+//! `all` (pixels; `all` is null until it is known), `seconds` since the start, and `left`, the
+//! estimated remaining seconds of tracing (null if unknown). Each stage starts with a line; tracing
+//! prints at most ten a second, and one at the end.
 
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -15,23 +15,23 @@ use super::stage::Stage;
 use crate::common::{progress_bar, tell};
 use crate::render::args::Style;
 
-/// What the bar shows.
+/// The template of the bar.
 const BAR: &str = "{wide_bar} {percent:>3} % {millions} Mpixels/s, {eta} left";
 
-/// The least time between two lines of one stage.
+/// The shortest interval between two lines of one stage.
 const INTERVAL: Duration = Duration::from_millis(100);
 
-/// Tells progress in one style.
+/// Reports progress in one style.
 pub(super) struct Progress {
     bar: ProgressBar,
     lines: Option<Mutex<Lines>>,
 }
 
-/// What the lines of JSON are made from.
+/// The state behind the lines of JSON.
 struct Lines {
     start: Instant,
     stage: Stage,
-    /// When the stage began, and when the last line was written.
+    /// The start of the stage, and the time of the last line.
     began: Instant,
     told: Option<Instant>,
     done: u64,
@@ -50,25 +50,25 @@ impl Progress {
         }
     }
 
-    /// A stage begins.
+    /// A stage starts.
     pub(super) fn stage(&self, stage: Stage) {
         let Some(lines) = &self.lines else { return };
         let mut lines = lines.lock().unwrap_or_else(PoisonError::into_inner);
         (lines.stage, lines.began) = (stage, Instant::now());
         if stage == Stage::Trace {
-            // A render for a target error begins again.
+            // A render for a target error starts again.
             lines.done = 0;
         }
         lines.tell();
     }
 
-    /// So many pixels of all are done.
+    /// The number of pixels finished, and of all.
     pub(super) fn update(&self, done: u64, all: u64) {
         self.bar.set_length(all);
         self.bar.set_position(done);
         let Some(lines) = &self.lines else { return };
         let mut lines = lines.lock().unwrap_or_else(PoisonError::into_inner);
-        // Threads may come in another order than that in which they were done.
+        // Threads may report out of order.
         lines.done = if lines.all == Some(all) { lines.done.max(done) } else { done };
         lines.all = Some(all);
         let is_due = lines.told.is_none_or(|told| told.elapsed() >= INTERVAL);
@@ -77,7 +77,7 @@ impl Progress {
         }
     }
 
-    /// Leaves the terminal as it was.
+    /// Restores the terminal.
     pub(super) fn pause(&self) {
         self.bar.finish_and_clear();
     }

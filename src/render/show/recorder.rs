@@ -1,4 +1,4 @@
-//! What a render's log says, stage by stage.
+//! The log entries of a render, stage by stage.
 
 use std::path::Path;
 
@@ -13,7 +13,7 @@ use wavecrest_report::bench::Machine;
 use wavecrest_report::statistics::{Bvh, Time};
 use wavecrest_scene::systems::Extracted;
 
-/// How many a million are.
+/// A million.
 const MILLION: f64 = 1e6;
 
 impl Reporter {
@@ -38,7 +38,7 @@ impl Reporter {
         });
     }
 
-    /// What the scene is, and what of it is simulated.
+    /// The scene, and its simulated effects.
     pub(in crate::render) fn loaded(&self, extracted: &Extracted, seconds: f64) {
         let (scene, geometry) = (extracted.scene(), extracted.geometry());
         self.note("load", || {
@@ -62,7 +62,7 @@ impl Reporter {
         }
     }
 
-    /// The tree, and how it was chosen.
+    /// The tree, and the reason for its preset.
     pub(in crate::render) fn built(
         &self,
         args: &RenderArgs,
@@ -98,7 +98,7 @@ impl Reporter {
         }
     }
 
-    /// The files, and the whole.
+    /// The files, and totals.
     pub(in crate::render) fn wrote(&self, files: &[&Path], time: &Time) {
         for file in files {
             let bytes = file.metadata().map_or(0, |data| data.len());
@@ -107,7 +107,7 @@ impl Reporter {
         self.note("done", || format!("write {:.3} s, all {:.3} s", time.write, time.total));
     }
 
-    /// What ended the command.
+    /// The error that ended the command.
     pub(in crate::render) fn failed(&self, error: &Error) {
         self.note("error", || error.to_string());
     }

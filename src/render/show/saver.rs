@@ -1,7 +1,7 @@
-//! The image as far as it is, written now and then.
+//! Saves the unfinished image at intervals.
 //!
-//! Each time the outputs are replaced whole, as at the end, so that a reader never sees a part of a file; what is
-//! not yet rendered is black in it.
+//! Each time the outputs are replaced atomically, as at the end, so that a reader never sees a part
+//! of a file; unrendered parts of the image are black.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
@@ -14,7 +14,7 @@ use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::tile::Tile;
 use wavecrest_image::metadata::Entry;
 
-/// Keeps what is finished, and writes it.
+/// Collects finished tiles, and writes the image.
 pub(super) struct Saver<'a> {
     outputs: &'a Outputs<'a>,
     entries: Vec<Entry>,
@@ -32,10 +32,10 @@ struct Kept {
 }
 
 impl<'a> Saver<'a> {
-    /// Will write `outputs` every so many seconds.
+    /// Writes `outputs` at this interval in seconds.
     ///
     /// # Errors
-    /// When there is no memory for a film.
+    /// If there is no memory for a film.
     pub(super) fn new(
         outputs: &'a Outputs<'a>,
         scene: &PreparedScene,
@@ -44,16 +44,16 @@ impl<'a> Saver<'a> {
     ) -> Result<Self> {
         let film = Film::new(window.width, window.height)?;
         let kept = Mutex::new(Kept { film, pixels: 0, saved: Instant::now() });
-        // Longer than can be said is never.
+        // Intervals that are too long mean never.
         let every = Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX);
         let entries = outputs.entries(scene)?;
         Ok(Self { outputs, entries, window, every, kept, writing: AtomicBool::new(false) })
     }
 
-    /// Keeps a tile; writes the image if it is time.
+    /// Adds a tile; writes the image if it is due.
     ///
     /// # Errors
-    /// When a file cannot be written.
+    /// If a file cannot be written.
     pub(super) fn keep(&self, tile: &Tile, pixels: &[[f32; 3]]) -> Result<()> {
         let Some((film, share)) = self.paint(tile, pixels) else { return Ok(()) };
         let written = self.outputs.write_part(&film, &self.entries, share);
@@ -61,7 +61,8 @@ impl<'a> Saver<'a> {
         written
     }
 
-    /// Paints the tile; the image so far and how much of it there is, if it is to be written by this thread.
+    /// Adds the tile; returns the image so far and its finished share, if this thread should write
+    /// it.
     fn paint(&self, tile: &Tile, pixels: &[[f32; 3]]) -> Option<(Film, f64)> {
         let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
         let (left, top) = ((tile.x - self.window.x) as usize, (tile.y - self.window.y) as usize);
@@ -70,7 +71,7 @@ impl<'a> Saver<'a> {
             row[left..left + width].copy_from_slice(means);
         }
         kept.pixels += tile.len();
-        // The whole image is written at the end anyway.
+        // The complete image is written at the end anyway.
         let is_due = kept.saved.elapsed() >= self.every && kept.pixels < self.window.len();
         if !is_due || self.writing.swap(true, Ordering::Acquire) {
             return None;

@@ -1,7 +1,7 @@
 //! The stages of a render.
 
 wavecrest_base::choices! {
-    /// What a render is at. Names are those in lines of progress and in the log.
+    /// A stage of a render. Names are those in lines of progress and in the log.
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
     pub enum Stage {
         /// Reading the scene and its meshes.

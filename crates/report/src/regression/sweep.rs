@@ -153,8 +153,8 @@ fn points(scene: &str, sides: &[Sweep<'_>; 2], found: &mut Vec<Found>, warnings:
     }
 }
 
-/// A note on the rounds in which the machine was busy; `None` in place of them means that too few
-/// others were left.
+/// A warning about rounds left out because the machine was busy; `busy` is `None` if too few others
+/// remain.
 fn about_busy_rounds(scene: &str, busy: Option<&BTreeSet<u64>>) -> Option<String> {
     let cause = "something else kept the machine busy";
     match busy.map(BTreeSet::len) {
