@@ -1,7 +1,7 @@
-//! Building the tree with each preset: time is told for one triangle.
+//! Building the tree with each preset: time per triangle.
 //!
-//! Run with `cargo bench --bench build`. The meshes, a scan and a room, have 100 thousand triangles, or as
-//! many as the variable `WAVECREST_BENCH_TRIANGLES` says.
+//! Run with `cargo bench --bench build`. The meshes, a scan and a room, have 100 thousand
+//! triangles, or the number in the variable `WAVECREST_BENCH_TRIANGLES`.
 
 use divan::Bencher;
 use divan::counter::ItemsCount;
@@ -14,7 +14,7 @@ use wavecrest_scene::generate::{Model, Recipe, mesh};
 fn geometry(model: Model) -> Geometry {
     let triangles = std::env::var("WAVECREST_BENCH_TRIANGLES");
     let triangles = triangles.ok().and_then(|n| n.parse().ok()).unwrap_or(100_000);
-    // Where it cannot be made, the check below says so.
+    // If this fails, the check below reports it.
     let mesh = mesh(&Recipe::new(model, triangles)).unwrap_or_default();
     let (positions, triangles) = (mesh.positions, mesh.triangles);
     let geometry = Geometry { positions, triangles, ..Geometry::default() };
@@ -26,7 +26,7 @@ fn main() {
     divan::main();
 }
 
-/// Of all presets, those that build a tree.
+/// The presets that build a tree.
 fn presets() -> impl Iterator<Item = Preset> {
     Preset::ALL.into_iter().filter(|&preset| preset != Preset::Brute)
 }

@@ -1,6 +1,6 @@
-//! The kernels one by one, each over the same random inputs: time is told for one input.
+//! The kernels one by one, each over the same random inputs: time per input.
 //!
-//! Run with `cargo bench --bench kernels`, and a word to choose by name.
+//! Run with `cargo bench --bench kernels`, and a word to select by name.
 
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
@@ -17,7 +17,7 @@ use wavecrest_core::math::random::{Stream, philox_4x32_10};
 use wavecrest_core::math::ray::Ray;
 use wavecrest_core::math::vector::{Line, Vector};
 
-/// Inputs of one sample: few enough for the first-level cache.
+/// Inputs of a sample: few enough for the first-level cache.
 const INPUTS: u32 = 256;
 
 fn main() {
@@ -33,7 +33,7 @@ fn each<I, O>(bencher: Bencher<'_, '_>, inputs: &[I], kernel: impl Fn(&I) -> O) 
     });
 }
 
-/// `make` of every input's random numbers.
+/// The results of `make` for every input's random numbers.
 fn inputs<T>(make: impl Fn(&dyn Fn(u32) -> Vec3) -> T) -> Vec<T> {
     let point = |pixel, dimension| {
         let stream = Stream { seed: 1, pixel, sample: 0, bounce: 0 };
@@ -43,7 +43,7 @@ fn inputs<T>(make: impl Fn(&dyn Fn(u32) -> Vec3) -> T) -> Vec<T> {
     (0..INPUTS).map(|pixel| make(&|dimension| point(pixel, dimension))).collect()
 }
 
-/// A ray towards the middle, and corners about it: about half of them are hit.
+/// A ray towards the centre, and corners around it: about half of them are hit.
 fn rays_and_corners<const N: usize>() -> Vec<(Ray, [Vec3; N])> {
     inputs(|point| {
         let ray = Ray::new(point(0) + Vec3::Z * 5.0, point(1) * 0.3 - Vec3::Z);
@@ -51,7 +51,7 @@ fn rays_and_corners<const N: usize>() -> Vec<(Ray, [Vec3; N])> {
     })
 }
 
-/// A quad in the plane z = 0, as corners at random would not be one.
+/// A quad in the plane z = 0, as random corners would not be planar.
 fn rays_and_quads() -> Vec<(Ray, [Vec3; 4])> {
     let turn = |(ray, [a, ..]): (Ray, [Vec3; 4])| {
         let (x, y) = (Vec3::new(a.x, a.y, 0.0), Vec3::new(-a.y, a.x, 0.0));
@@ -85,7 +85,7 @@ fn triangle_is_degenerate(bencher: Bencher<'_, '_>) {
     each(bencher, &rays_and_corners(), |(_, corners)| triangle::is_degenerate(corners));
 }
 
-/// The hard case: corners on one line, which only exact arithmetic tells.
+/// The hard case: corners on one line, which only exact arithmetic detects.
 #[divan::bench]
 fn triangle_is_degenerate_on_a_line(bencher: Bencher<'_, '_>) {
     let line = |(_, [a, b, _]): (Ray, [Vec3; 3])| [a, b, a + (b - a) * 0.5];
@@ -131,7 +131,7 @@ fn philox(bencher: Bencher<'_, '_>) {
     each(bencher, &counters, |counter| philox_4x32_10(*counter, [7, 0]));
 }
 
-/// Exponents: none of the highlight, whole ones by squaring, and one that calls for `powf`.
+/// Exponents: no highlight, integers by squaring, and one that needs `powf`.
 #[divan::bench(args = ["diffuse", "exponent 20", "exponent 1000", "exponent 20.5"])]
 fn blinn_phong(bencher: Bencher<'_, '_>, kind: &str) {
     let exponent = kind.strip_prefix("exponent ").and_then(|number| number.parse().ok());

@@ -1,5 +1,5 @@
-//! Reading a mesh of a million triangles from the disk, alone and as a scene that is prepared up to
-//! its tree: time is told for the file's bytes.
+//! Reading a mesh of a million triangles from the disk, alone and as a scene prepared up to its
+//! tree: time per byte of the file.
 //!
 //! Run with `cargo bench --bench loading`.
 
@@ -56,7 +56,7 @@ fn ply_text(mesh: &MeshData) -> String {
     text
 }
 
-/// Writes the file of that kind into `folder`.
+/// Writes the file of this kind to `folder`.
 fn write(folder: &Path, kind: &str) -> Result<PathBuf> {
     let put = |name: &str, text: String| -> Result<PathBuf> {
         let path = folder.join(name);
@@ -79,7 +79,7 @@ fn folder() -> Result<TempDir> {
     tempfile::tempdir().map_err(failed)
 }
 
-/// A scene of the mesh in that file, smooth where the mesh has normals, and perhaps turned.
+/// A scene with the mesh in that file, smooth if the mesh has normals, optionally rotated.
 fn scene(file: &Path, kind: &str) -> String {
     let shading = if kind.contains("normals") { "smooth" } else { "flat" };
     let transform =
@@ -106,13 +106,14 @@ fn scene(file: &Path, kind: &str) -> String {
     )
 }
 
-/// Reads the scene and prepares it, but for the tree.
+/// Reads the scene and prepares it without the tree.
 fn prepared(json: &str) -> Result<Extracted> {
     let mut loaded = load_str(json, Path::new("scene.json"), &LoadOptions::default())?;
     extract(&mut loaded.world, Default::default())
 }
 
-/// Writes the file of that kind and times `work` on it; `work` returns how many triangles it read.
+/// Writes the file of this kind and times `work` on it; `work` returns the number of triangles
+/// read.
 fn time(bencher: Bencher<'_, '_>, kind: &str, work: impl Fn(&Path) -> Result<usize>) -> Result<()> {
     let folder = folder()?;
     let path = write(folder.path(), kind)?;

@@ -1,6 +1,6 @@
-//! The wavefront pass by pass, each over one batch of camera rays: time is told for one path.
+//! The wavefront pass by pass, each over one batch of camera rays: time per path.
 //!
-//! Run with `cargo bench --bench passes`, and a word to choose by name.
+//! Run with `cargo bench --bench passes`, and a word to select by name.
 
 use std::path::Path;
 
@@ -34,10 +34,10 @@ const SCENE: &str = r#"{
     }
 }"#;
 
-/// What the scenes show.
+/// The shapes of the scenes.
 const SCENES: [&str; 3] = ["spheres", "mesh", "mirrors"];
 
-/// As many pixels as a batch has paths, in the middle of the image.
+/// As many pixels as a batch has paths, in the centre of the image.
 const TILE: Tile = Tile { x: 64, y: 44, width: 32, height: 32 };
 
 fn main() {
@@ -57,7 +57,7 @@ fn spheres(kr: f64) -> Result<Vec<Value>> {
     Ok((-2..=2).map(sphere).collect())
 }
 
-/// A displaced sphere of 20 thousand triangles, written out.
+/// A displaced sphere of 20 thousand triangles, inline.
 fn meshes() -> Result<Vec<Value>> {
     let mesh = mesh(&Recipe::new(Model::Sphere, 20_000))?;
     let points: Vec<[f32; 3]> = mesh.positions.iter().map(|p| p.to_array()).collect();
@@ -79,7 +79,7 @@ fn prepare(name: &str) -> Result<PreparedScene> {
     Ok(systems::extract(&mut loaded.world, Default::default())?.build(Preset::Fast))
 }
 
-/// Times `pass` on a wavefront that has gone through the passes before it.
+/// Times `pass` on a wavefront after the passes before it.
 fn time(
     bencher: Bencher<'_, '_>,
     name: &str,

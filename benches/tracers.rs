@@ -1,7 +1,7 @@
-//! Both tracers on small scenes that differ in what they call for: time is told for one ray.
+//! Both tracers on small scenes that need different effects: time per ray.
 //!
-//! For scenes of one's own, with the images checked and the time of each pass, there is
-//! `wavecrest bench`. Run with `cargo bench --bench tracers`.
+//! For your own scenes, with checked images and the time of each pass, use `wavecrest bench`. Run
+//! with `cargo bench --bench tracers`.
 
 use std::path::Path;
 
@@ -30,7 +30,7 @@ const SCENE: &str = r#"{
     }
 }"#;
 
-/// What the scenes show.
+/// The shapes of the scenes.
 const SCENES: [&str; 3] = ["spheres", "mesh", "mirrors"];
 
 fn main() {
@@ -50,7 +50,7 @@ fn spheres(kr: f64) -> Result<Vec<Value>> {
     Ok((-2..=2).map(sphere).collect())
 }
 
-/// A displaced sphere of 20 thousand triangles, written out.
+/// A displaced sphere of 20 thousand triangles, inline.
 fn meshes() -> Result<Vec<Value>> {
     let mesh = mesh(&Recipe::new(Model::Sphere, 20_000))?;
     let points: Vec<[f32; 3]> = mesh.positions.iter().map(|p| p.to_array()).collect();
@@ -76,7 +76,7 @@ fn trace(scene: &PreparedScene, tracer: TracerKind) -> Result<Rendered> {
     render(scene, &RenderOptions { tracer, ..RenderOptions::default() }, &())
 }
 
-/// Times a tracer once it has been checked against the other.
+/// Times a tracer after checking it against the other.
 fn time(bencher: Bencher<'_, '_>, name: &str, tracer: TracerKind) -> Result<()> {
     let scene = prepare(name)?;
     let (a, b) = (trace(&scene, TracerKind::Wavefront)?, trace(&scene, TracerKind::Recursive)?);
@@ -87,7 +87,7 @@ fn time(bencher: Bencher<'_, '_>, name: &str, tracer: TracerKind) -> Result<()> 
     Ok(())
 }
 
-/// Stops the program where a scene cannot be prepared.
+/// Stops the program if a scene cannot be prepared.
 fn time_or_stop(bencher: Bencher<'_, '_>, name: &str, tracer: TracerKind) {
     let timed = time(bencher, name, tracer);
     assert!(timed.is_ok(), "{name}: {timed:?}");

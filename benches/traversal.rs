@@ -1,11 +1,10 @@
-//! Searching the tree with each kernel and each set of vector instructions: time is told for one
-//! ray.
+//! Searching the tree with each kernel and each instruction level: time per ray.
 //!
-//! A scan has triangles of one size, a room those of all sizes: a kernel that is quick in one may be slow
-//! in the other. Coherent rays are those of a camera, in blocks of 8 by 8; random ones are the worst that
-//! a tree can meet. They are asked for in batches, as the wavefront does. Run with
-//! `cargo bench --bench traversal`, and a word to choose by name, such as `packet` or `room`. The meshes
-//! have 100 thousand triangles, or as many as the variable `WAVECREST_BENCH_TRIANGLES` says.
+//! A scan has triangles of one size, a room triangles of all sizes: a kernel that is fast in one
+//! may be slow in the other. Coherent rays are those of a camera, in blocks of 8 by 8; random ones
+//! are the worst case of a tree. They are searched in batches, as in the wavefront. Run with `cargo
+//! bench --bench traversal`, and a word to select by name, such as `packet` or `room`. The meshes
+//! have 100 thousand triangles, or the number in the variable `WAVECREST_BENCH_TRIANGLES`.
 
 use std::fmt;
 use std::sync::{LazyLock, Mutex, PoisonError};
@@ -23,10 +22,10 @@ use wavecrest_core::math::simd::Level;
 use wavecrest_core::wavefront::DEFAULT_BATCH;
 use wavecrest_scene::generate::{Model, Recipe, mesh};
 
-/// Rays in a row and in a column of the coherent ones; there are as many random ones.
+/// Coherent rays in each row and column; there are as many random ones.
 const SIDE: u32 = 128;
 
-/// What is searched.
+/// The mesh to search.
 #[derive(Clone, Copy)]
 enum Mesh {
     Scan,
@@ -41,7 +40,7 @@ static MESHES: [LazyLock<Mutex<Accel>>; 2] = [
 fn accel(model: Model) -> Accel {
     let triangles = std::env::var("WAVECREST_BENCH_TRIANGLES");
     let triangles = triangles.ok().and_then(|n| n.parse().ok()).unwrap_or(100_000);
-    // Where it cannot be made, the check below says so.
+    // If this fails, the check below reports it.
     let mesh = mesh(&Recipe::new(model, triangles)).unwrap_or_default();
     let (positions, triangles) = (mesh.positions, mesh.triangles);
     let geometry = Geometry { positions, triangles, ..Geometry::default() };
@@ -53,7 +52,7 @@ fn main() {
     divan::main();
 }
 
-/// What is timed.
+/// A timed case.
 #[derive(Clone, Copy)]
 struct Case {
     mesh: Mesh,
@@ -73,7 +72,7 @@ impl fmt::Display for Case {
     }
 }
 
-/// Every kernel with the best level, and the usual kernel with every other level.
+/// Every kernel at the best level, and the default kernel at every other level.
 fn cases() -> Vec<Case> {
     let kernels = KernelChoice::ALL.map(|kernel| (kernel, Level::best()));
     let levels = Level::available().into_iter().map(|level| (KernelChoice::Auto, level));
@@ -87,8 +86,8 @@ fn cases() -> Vec<Case> {
 }
 
 impl Mesh {
-    /// Where a camera stands, and the square that it sees, by its middle and half its sides: it is filled
-    /// by the scan, or across the room from the corner in which the camera is.
+    /// The position of a camera, and the square that it sees, by its centre and half its sides: the
+    /// scan fills it, or it lies across the room from the camera's corner.
     fn view(self) -> [Vec3; 4] {
         match self {
             Self::Scan => [Vec3::Z * 4.0, Vec3::ZERO, Vec3::X, Vec3::Y],
@@ -101,7 +100,7 @@ impl Mesh {
         }
     }
 
-    /// The box between whose points random rays go: about the scan and within the room.
+    /// The box between whose points random rays go: around the scan and inside the room.
     fn bounds(self) -> [Vec3; 2] {
         match self {
             Self::Scan => [Vec3::splat(-2.0), Vec3::splat(2.0)],
@@ -122,7 +121,7 @@ fn coherent(mesh: Mesh) -> Vec<Ray> {
     (0..SIDE * SIDE).map(ray).collect()
 }
 
-/// Between two points anywhere in the bounds.
+/// Between two random points in the bounds.
 fn random(mesh: Mesh) -> Vec<Ray> {
     let [low, high] = mesh.bounds();
     let ray = |pixel| {

@@ -1,8 +1,9 @@
-//! Paints the small pictures in `textures/` that the scenes use.
+//! Paints the textures of the scenes in `textures/`.
 //!
-//! `cargo run -p wavecrest-scene --example textures [FOLDER]` writes them again, byte for byte the same: every colour
-//! is a formula of the place in the picture. Edges are antialiased by the signed distance to them,
-//! in pixels. Places are in pixels from the top left; textures are stored without transfer curve.
+//! `cargo run -p wavecrest-scene --example textures [FOLDER]` writes them again with the same
+//! bytes: every colour is a formula of the position in the image. Edges are antialiased by the
+//! signed distance to them, in pixels. Positions are in pixels from the top left; textures are
+//! stored without a transfer curve.
 
 use std::path::{Path, PathBuf};
 
@@ -39,12 +40,12 @@ fn paint(
 
 // Tools: coverage, shapes as signed distances (negative inside), noise, letters.
 
-/// How much of a pixel a shape covers whose edge is `distance` pixels from its centre.
+/// The coverage of a pixel by a shape whose edge is `distance` pixels from its centre.
 fn cover(distance: f32) -> f32 {
     (0.5 - distance).clamp(0.0, 1.0)
 }
 
-/// `under` with `over` on top of it where `amount` is 1.
+/// Blends `over` onto `under` by `amount`.
 fn lay(under: &mut Vec3, over: Vec3, amount: f32) {
     *under = under.lerp(over, amount);
 }
@@ -70,20 +71,20 @@ fn slab(p: Vec2, center: Vec2, half: Vec2, round: f32) -> f32 {
     q.max(Vec2::ZERO).length() + q.max_element().min(0.0) - round
 }
 
-/// A convex polygon, its corners clockwise as seen in the picture.
+/// A convex polygon, its corners clockwise as seen in the image.
 fn polygon(p: Vec2, corners: &[Vec2]) -> f32 {
     let next = corners.iter().cycle().skip(1);
     let sides = corners.iter().zip(next).map(|(&a, &b)| (p - a).dot((a - b).perp().normalize()));
     sides.fold(f32::NEG_INFINITY, f32::max)
 }
 
-/// The ground below the curve `height`, told by its slope from half a pixel to each side.
+/// The ground below the curve `height`; the distance uses its slope from half a pixel to each side.
 fn ground(p: Vec2, height: impl Fn(f32) -> f32) -> f32 {
     let slope = height(p.x + 0.5) - height(p.x - 0.5);
     (height(p.x) - p.y) / (1.0 + slope * slope).sqrt()
 }
 
-/// A number from 0 to 1 that depends on three whole numbers in no simple way.
+/// A hash of three integers as a number from 0 to 1.
 fn scatter(x: i32, y: i32, z: i32) -> f32 {
     let mut h = (x as u32).wrapping_mul(0x9e37_79b1)
         ^ (y as u32).wrapping_mul(0x85eb_ca77)
@@ -94,7 +95,7 @@ fn scatter(x: i32, y: i32, z: i32) -> f32 {
     ((h ^ (h >> 16)) >> 8) as f32 / 16_777_216.0
 }
 
-/// Smooth noise from 0 to 1 with a grain of one unit. Where `period` is above 0 it repeats.
+/// Smooth noise from 0 to 1 with a grain of one unit. It repeats if `period` is above 0.
 fn noise(p: Vec3, period: i32) -> f32 {
     let base = p.floor();
     let t = p - base;
@@ -157,7 +158,7 @@ fn letter(p: Vec2, letter: char, corner: Vec2, step: f32, half_width: f32) -> f3
     nearest
 }
 
-// The pictures.
+// The images.
 
 /// Eight by eight cells in two warm colours, the top left one light.
 fn checker(p: Vec2) -> Vec3 {
@@ -165,7 +166,7 @@ fn checker(p: Vec2) -> Vec3 {
     if (cell.x + cell.y) % 2.0 == 0.0 { vec3(0.93, 0.88, 0.79) } else { vec3(0.47, 0.33, 0.26) }
 }
 
-/// Eight courses of four bricks, every other course half a brick along. The edges meet.
+/// Eight courses of four bricks, every other course shifted by half a brick. The edges match.
 fn bricks(p: Vec2) -> Vec3 {
     let (half, course) = (vec2(32.0, 16.0), (p.y / 32.0).floor());
     let along = p.x + 32.0 * (course % 2.0);
@@ -198,8 +199,8 @@ fn brick(column: i32, course: i32) -> Vec3 {
     vec3(0.50, 0.19, 0.13).lerp(vec3(0.74, 0.35, 0.23), dark) * burnt
 }
 
-/// u as red from left to right, v as green from the bottom up, in eight by eight cells that are
-/// named as on a chessboard: A1 at the bottom left.
+/// u as red from left to right, v as green from the bottom up, in eight by eight cells named as on
+/// a chessboard: A1 at the bottom left.
 fn uvgrid(p: Vec2) -> Vec3 {
     let (u, v) = (p.x / 256.0, 1.0 - p.y / 256.0);
     let cell = (p / 32.0).floor();
@@ -232,7 +233,7 @@ fn uvgrid(p: Vec2) -> Vec3 {
 }
 
 /// A framed landscape: mountains and a sun over a lake, a tree at the left, and a boat whose sail
-/// has an F, so that a turned or mirrored picture is seen to be.
+/// has an F, so that a rotated or mirrored image is recognisable.
 fn picture(p: Vec2) -> Vec3 {
     const SHORE: f32 = 222.0;
     let mut color = above_water(p);
@@ -273,14 +274,14 @@ fn above_water(p: Vec2) -> Vec3 {
     color
 }
 
-/// What stands above the shore, upside down, drawn out by ripples that grow toward the viewer.
+/// The reflection of everything above the shore, drawn out by ripples that grow towards the viewer.
 fn water(p: Vec2, shore: f32) -> Vec3 {
     let depth = p.y - shore;
     let wave = clouds(vec3(p.x / 60.0, depth / (2.0 + depth / 16.0), 6.0), 3) - 0.5;
     let mirrored = vec2(p.x + wave * (4.0 + 0.22 * depth), shore - 1.2 * depth + 9.0 * wave);
     let mut color = above_water(mirrored) * vec3(0.72, 0.80, 0.88);
     lay(&mut color, vec3(0.06, 0.27, 0.42), 0.18 + 0.40 * smooth(0.0, 140.0, depth));
-    // The sun's path: glints that part as they come nearer.
+    // The sun's path: glints that spread as they come nearer.
     let off = (p.x - 372.0).abs() / (16.0 + 0.30 * depth);
     let glint = smooth(0.02, 0.10, wave - 0.10 * off) * libm::expf(-off * off);
     color.lerp(vec3(1.0, 0.91, 0.66), 0.85 * glint)
@@ -352,13 +353,13 @@ fn frame(color: &mut Vec3, p: Vec2) {
     lay(color, vec3(1.0, 0.75, 0.70), 0.8 * cover(disk(p, stud - 2.0, 1.6)));
 }
 
-/// A world of our own in longitude and latitude, with a meridian and a parallel every 15 degrees,
+/// An imaginary world in longitude and latitude, with a meridian and a parallel every 15 degrees,
 /// the equator in red and the first meridian in gold.
 fn globe(p: Vec2) -> Vec3 {
     let latitude = 90.0 - p.y * 180.0 / 256.0;
     let height = terrain(p);
     let color = if height < 0.0 { sea(height, latitude) } else { land(p, height, latitude) };
-    // The height changes by this much from pixel to pixel, which tells how far off the coast is.
+    // The change of height from pixel to pixel gives the distance from the coast.
     let slope = vec2(terrain(p + Vec2::X) - height, terrain(p + Vec2::Y) - height).length();
     let coast = (height / slope.max(1e-6)).abs() - 0.5;
     let mut color = color.lerp(vec3(0.10, 0.17, 0.20), 0.7 * cover(coast - 0.4));
@@ -375,7 +376,8 @@ fn globe(p: Vec2) -> Vec3 {
     color
 }
 
-/// The place on a unit sphere, so that the map's left and right edges meet and its poles are points.
+/// The position on a unit sphere, so that the map's left and right edges meet and its poles are
+/// points.
 fn on_sphere(p: Vec2) -> Vec3 {
     let (around, up) = (p.x * std::f32::consts::TAU / 512.0, p.y * std::f32::consts::PI / 256.0);
     let ring = libm::sinf(up);

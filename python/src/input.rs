@@ -1,4 +1,4 @@
-//! What Python hands over, as the library takes it.
+//! Converts Python values for the library.
 
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -12,11 +12,11 @@ use wavecrest_api::{self as api, Choice};
 
 use super::{Error, exception};
 
-/// What is to be rendered.
+/// The input to render.
 pub(crate) enum Source {
     /// A scene file, a glTF file or a mesh.
     File(PathBuf),
-    /// A scene as JSON, whose paths start from the current folder.
+    /// A scene as JSON, with paths relative to the current folder.
     Json(String),
     /// A mesh as arrays.
     Mesh(api::MeshData),
@@ -40,7 +40,7 @@ impl Source {
     }
 }
 
-/// A mesh of arrays of the shapes (N, 3) and (M, 3).
+/// A mesh from arrays of the shapes (N, 3) and (M, 3).
 fn mesh(vertices: &Bound<'_, PyAny>, faces: &Bound<'_, PyAny>) -> PyResult<api::MeshData> {
     let positions = rows(&array::<f32>("vertices", vertices, "float32", "(N, 3)")?)?;
     let indices = rows(&array::<i64>("faces", faces, "int64", "(M, 3)")?)?;
@@ -61,8 +61,8 @@ fn mesh(vertices: &Bound<'_, PyAny>, faces: &Bound<'_, PyAny>) -> PyResult<api::
     Ok(api::MeshData { positions, triangles, ..api::MeshData::default() })
 }
 
-/// Whatever NumPy makes an array of, with elements of the type `kind`, for which no float is rounded to an integer,
-/// and of a shape such as "(N, 3)".
+/// An array from anything that NumPy accepts, with elements of the type `kind`, without rounding
+/// floats to integers, and with a shape such as "(N, 3)".
 fn array<'py, T: Element>(
     name: &str,
     value: &Bound<'py, PyAny>,
@@ -82,7 +82,7 @@ fn array<'py, T: Element>(
     Ok(array)
 }
 
-/// The rows of an array whose last dimension is 3 long.
+/// The rows of an array whose last dimension is 3.
 fn rows<T: Element + Copy>(array: &PyReadonlyArrayDyn<'_, T>) -> PyResult<Vec<[T; 3]>> {
     Ok(array.as_slice()?.as_chunks().0.to_vec())
 }
@@ -94,7 +94,7 @@ pub(crate) fn film(image: &Bound<'_, PyAny>) -> PyResult<api::Film> {
     api::Film::from_pixels(side(1), side(0), rows(&array)?).map_err(|e| exception(&e))
 }
 
-/// The value of that name.
+/// The value with that name.
 pub(crate) fn named<T: Choice>(key: &str, name: Option<String>) -> PyResult<Option<T>> {
     let Some(name) = name else { return Ok(None) };
     let found = T::VALUES.iter().copied().find(|value| value.name() == name);
@@ -103,7 +103,7 @@ pub(crate) fn named<T: Choice>(key: &str, name: Option<String>) -> PyResult<Opti
     found.map(Some).ok_or_else(wrong)
 }
 
-/// The value that is written so.
+/// The value of the text.
 pub(crate) fn parsed<T: FromStr<Err = String>>(
     key: &str,
     text: Option<String>,
@@ -112,7 +112,7 @@ pub(crate) fn parsed<T: FromStr<Err = String>>(
     text.map(|text| text.parse()).transpose().map_err(wrong)
 }
 
-/// How a file without lights is lit.
+/// The lighting of a file without lights.
 pub(crate) fn lighting(
     lights: Option<String>,
     background: Option<[f64; 3]>,

@@ -1,4 +1,4 @@
-//! The Python module `wavecrest`: a scene, a file or arrays in, an image as an array out.
+//! The Python module `wavecrest`: renders a scene, a file or arrays to an array.
 //!
 //! The image is that of the command, bit for bit. `wavecrest.pyi` has the types.
 

@@ -1,4 +1,4 @@
-//! The work, away from Python's own thread, which waits and looks for Ctrl-C.
+//! Renders on a worker thread, while Python's own thread waits and checks for Ctrl-C.
 
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -12,13 +12,13 @@ use wavecrest_api as api;
 use super::input::Source;
 use super::{Error, exception};
 
-/// How often Python is asked whether it was interrupted.
+/// The interval of checks for interrupts.
 const INTERVAL: Duration = Duration::from_millis(50);
 
-/// The most threads, as for the command.
+/// The largest number of threads, as for the command.
 const MOST_THREADS: u16 = 4096;
 
-/// What is to be rendered, and how.
+/// The input and options of a render.
 pub(crate) struct Job {
     pub(crate) source: Source,
     pub(crate) options: api::LoadOptions,
@@ -26,7 +26,7 @@ pub(crate) struct Job {
     pub(crate) seed: u64,
 }
 
-/// An image, and what its author should know.
+/// An image with its warnings.
 pub(crate) struct Done {
     pub(crate) film: api::Film,
     pub(crate) warnings: Vec<api::Warning>,
@@ -62,7 +62,7 @@ impl Job {
     }
 }
 
-/// Does the job on so many threads, one for each core if `None`.
+/// Does the job on this number of threads, one for each core if `None`.
 pub(crate) fn run(py: Python<'_>, job: Job, threads: Option<u16>) -> PyResult<Done> {
     if let Some(threads) = threads.filter(|threads| !(1..=MOST_THREADS).contains(threads)) {
         let message = format!("threads: must be from 1 to {MOST_THREADS}, found {threads}");

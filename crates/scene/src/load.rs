@@ -88,12 +88,12 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<LoadedScene> {
     }
 }
 
-/// As [`load`] of a PLY file with these arrays: with a camera, lights and a material. Errors and warnings call the
-/// mesh `name`, which has no extension.
+/// As [`load`], for a mesh with these arrays, treated like a PLY file: with a camera, lights and a
+/// material. Errors and warnings use `name`, which has no extension, for the mesh.
 ///
 /// # Errors
-/// An index is out of range, a position is not finite or too large, there is no triangle, or the options ask for
-/// what a mesh does not have.
+/// If an index is out of range, a position is not finite or too large, there is no triangle, or an
+/// option requires something that the mesh does not have.
 ///
 /// ```
 /// use glam::Vec3;

@@ -3,10 +3,10 @@
 use super::packet::TILE;
 
 wavecrest_base::choices! {
-    /// Which kernel takes many rays through the tree. The answers are the same.
+    /// The kernel for batches of rays. The answers are the same.
     ///
-    /// A ray that is asked for alone, as the recursive tracer does, is always taken alone; and without
-    /// a tree there is nothing to choose.
+    /// A single ray, as in the recursive tracer, is always traced alone; and without a tree there
+    /// is nothing to choose.
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize)]
     #[serde(rename_all = "kebab-case")]
     pub enum KernelChoice {
@@ -35,7 +35,7 @@ impl KernelChoice {
     }
 }
 
-/// What the kernels did for rays of one class, exactly. Every ray was first taken by one of them:
+/// Exact counts of the kernels' work for rays of one class. Every ray counts for its first kernel:
 /// `packet`, `stream` and `single` sum up to all rays.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct KernelCounts {

@@ -1,11 +1,11 @@
-//! How exactly hits and points are computed: a choice with a price.
+//! The precision of hits and points, and its cost.
 //!
-//! - [`Fast`] is what most renderers do, kept as the honest rival: single precision, the triangle test
-//!   of Möller and Trumbore, boxes as they are, and origins moved off surfaces by a fixed length.
-//! - [`Robust`] is the default: no ray slips through an edge or is lost in a box, and origins are moved
-//!   by a bound on their error.
-//! - [`Exact`] decides in double precision, and where that leaves a sign open without any rounding: the
-//!   reference. Points of surfaces are those of [`Robust`], which are in double precision too.
+//! - [`Fast`] is what most renderers do, kept for honest comparison: single precision, the triangle
+//!   test of Möller and Trumbore, unpadded boxes, and origins moved off surfaces by a fixed length.
+//! - [`Robust`] is the default: no ray slips through an edge or is lost in a box, and origins are
+//!   moved by a bound on their error.
+//! - [`Exact`] decides in double precision, and without any rounding if that leaves a sign open:
+//!   the reference. Points of surfaces are those of [`Robust`], which are in double precision too.
 
 wavecrest_base::choices! {
     /// The choice at run time.
@@ -23,7 +23,7 @@ wavecrest_base::choices! {
 }
 
 impl Precision {
-    /// What it does, in a line.
+    /// Its description, in a line.
     pub fn meaning(self) -> &'static str {
         match self {
             Self::Fast => "single precision without error bounds: rays can leak through edges",
@@ -35,10 +35,10 @@ impl Precision {
 
 /// The choice at compile time: kernels are generic over it.
 pub trait Arithmetic: Copy + std::fmt::Debug + Send + Sync + 'static {
-    /// Which it is.
+    /// The precision.
     const PRECISION: Precision;
 
-    /// Points of surfaces are computed with: those of [`Exact`] are [`Robust`]'s.
+    /// The precision of surface points: [`Robust`] for [`Exact`].
     type Points: Arithmetic;
 
     /// Whether it is [`Fast`].
@@ -75,7 +75,7 @@ impl Arithmetic for Exact {
     type Points = Robust;
 }
 
-/// Evaluates an expression with a type parameter that stands for a precision known at run time: the one place
+/// Evaluates an expression with a type parameter for a precision known at run time: the only place
 /// where kernels are chosen by precision.
 ///
 /// ```
