@@ -139,7 +139,7 @@ wavecrest_base::choices! {
     pub enum Shading {
         /// The triangle's own.
         Flat = "flat",
-        /// Interpolated from the vertices, where the mesh has normals.
+        /// Interpolated from the vertices, if the mesh has normals.
         Smooth = "smooth",
     }
 }
@@ -167,12 +167,12 @@ wavecrest_base::choices! {
     /// The encoding of vertex colours in a mesh file.
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
     pub enum VertexColors {
-        /// Light behind the sRGB curve, as most programs write and show them.
+        /// sRGB-encoded, as in most programs.
         #[default]
         Srgb = "srgb",
-        /// Light, as they are.
+        /// Linear.
         Linear = "linear",
-        /// Nothing: they are left out.
+        /// Ignored.
         None = "none",
     }
 }
@@ -184,7 +184,7 @@ wavecrest_base::choices! {
         /// The shape's.
         #[default]
         Shape = "shape",
-        /// The file's, where it has some.
+        /// The file's, if it has any.
         File = "file",
     }
 }

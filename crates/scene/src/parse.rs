@@ -39,13 +39,13 @@ pub(crate) const FILE: Kind =
 const FILE_KEYS: &[Key] = keys! {
     /// The address of this schema, for editors.
     "$schema": Text;
-    /// Most mirror bounces after the camera ray.
+    /// Largest number of mirror bounces after the camera ray.
     "nbounces": Integer(0, MOST_BOUNCES), Required;
-    /// Where the picture is taken from.
+    /// The camera.
     "camera": Definition("camera"), Required;
-    /// What is in the picture.
+    /// The contents of the scene.
     "scene": Definition("scene"), Required;
-    /// How images of 8 bits are written, unless a transfer is requested.
+    /// Transfer curve of 8-bit images, unless one is requested.
     "transfer": word::<Encoding>(), Says("linear");
 };
 
@@ -53,7 +53,7 @@ const FILE_KEYS: &[Key] = keys! {
 pub(crate) const SCENE: Kind = Kind::new("the scene", "What is in the picture.", &[SCENE_KEYS]);
 
 const SCENE_KEYS: &[Key] = keys! {
-    /// What a camera ray that hits nothing shows.
+    /// Colour of camera rays that hit nothing.
     "backgroundcolor": Color, Required;
     /// The lights.
     "lightsources": AtLeast(0, &Definition("light"));
@@ -61,7 +61,7 @@ const SCENE_KEYS: &[Key] = keys! {
     "shapes": AtLeast(0, &Definition("shape"));
     /// Share of the diffuse colour that each light adds everywhere, visible or not; or light from a sky and the ground.
     "ambient": Definition("ambient"), Is(AMBIENT);
-    /// Shapes shown once more, elsewhere.
+    /// Further copies of shapes.
     "instances": AtLeast(0, &Definition("instance"));
 };
 
@@ -77,7 +77,7 @@ const HEMISPHERE_KEYS: &[Key] = keys! {
     "sky": Color, Required;
     /// The light on a surface that faces down.
     "ground": Color, Required;
-    /// Where the sky is.
+    /// Direction of the sky.
     "up": Point, Are([0.0, 1.0, 0.0]);
 };
 

@@ -119,10 +119,10 @@ wavecrest_base::choices! {
     /// The encoding of an image's values.
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
     pub enum Encoding {
-        /// Light, as they are.
+        /// Linear.
         #[default]
         Linear = "linear",
-        /// Light behind the sRGB curve, as in most photographs and painted textures.
+        /// sRGB-encoded, as in most photographs and painted textures.
         Srgb = "srgb",
     }
 }

@@ -56,7 +56,7 @@ pub(crate) const THIN_LENS: Kind = Kind {
 };
 
 const KEYS: &[Key] = keys! {
-    /// Which kind of camera this is.
+    /// The kind of camera.
     "type": word::<CameraKind>(), Required;
     /// Width of the image, in pixels.
     "width": Integer(1, LONGEST_SIDE), Required;
@@ -64,23 +64,23 @@ const KEYS: &[Key] = keys! {
     "height": Integer(1, LONGEST_SIDE), Required;
     /// Full angle of view across one side of the image, in degrees.
     "fov": Number(FOV), Required;
-    /// Where the camera is.
+    /// Position of the camera.
     "location": Point;
-    /// Another name of location.
+    /// Synonym of location.
     "position": Point;
-    /// The point in the middle of the image.
+    /// The point at the centre of the image.
     "look": Point;
-    /// Another name of look.
+    /// Synonym of look.
     "lookat": Point;
-    /// Another name of look.
+    /// Synonym of look.
     "lookAt": Point;
     /// Up in the image.
     "up": Point, Are([0.0, 1.0, 0.0]);
-    /// The side that fov is measured across.
+    /// The side across which fov is measured.
     "fovaxis": word::<FovAxis>(), Says("smaller");
     /// Side of the grid of rays in each pixel; 1 is one ray through its centre.
     "antialias": Integer(1, MOST_ANTIALIAS), Is(1.0);
-    /// How rays are spread: over the pixel by a pinhole, over its lens by a thin lens.
+    /// Distribution of rays: over the pixel for a pinhole, over its lens for a thin lens.
     "sampling": word::<Sampling>(), Says("jittered");
 };
 
@@ -96,9 +96,11 @@ const LENS_KEYS: &[Key] = keys! {
     "aperture": Number(Range::NOT_NEGATIVE), Required;
     /// Distance of the plane in focus, along the view.
     "focal": Number(Range::POSITIVE), Required;
-    /// Points on the lens: angles. Times nsamplesy, rays a pixel.
+    /// Points on the lens: angles. Their product with nsamplesy is the number of rays for each
+    /// pixel.
     "nsamplesx": Integer(1, MOST_LENS_SAMPLES), Is(LENS_SAMPLES);
-    /// Points on the lens: radii. Times nsamplesx, rays a pixel.
+    /// Points on the lens: radii. Their product with nsamplesx is the number of rays for each
+    /// pixel.
     "nsamplesy": Integer(1, MOST_LENS_SAMPLES), Is(LENS_SAMPLES);
 };
 
@@ -113,17 +115,17 @@ const fn path_kind(keys: &'static [&'static [Key]]) -> Kind {
 }
 
 const PINHOLE_PATH_KEYS: &[Key] = keys! {
-    /// Where it is at some frames, in their order.
+    /// The camera at some frames, in their order.
     "keys": AtLeast(1, &Nested(&PINHOLE_FRAME)), Required;
 };
 
 const LENS_PATH_KEYS: &[Key] = keys! {
-    /// Where it is at some frames, in their order.
+    /// The camera at some frames, in their order.
     "keys": AtLeast(1, &Nested(&LENS_FRAME)), Required;
 };
 
 const PATH_KEYS: &[Key] = keys! {
-    /// How it moves between these frames.
+    /// Interpolation between the keys.
     "interpolation": word::<Interpolation>(), Says("smooth");
 };
 
@@ -138,9 +140,9 @@ const fn frame_kind(keys: &'static [&'static [Key]]) -> Kind {
 const FRAME_KEYS: &[Key] = keys! {
     /// The frame.
     "frame": Integer(0, LAST_FRAME), Required;
-    /// Where the camera is.
+    /// Position of the camera.
     "location": Point;
-    /// The point in the middle of the image.
+    /// The point at the centre of the image.
     "look": Point;
     /// Up in the image.
     "up": Point;

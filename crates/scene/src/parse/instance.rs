@@ -15,13 +15,13 @@ pub(crate) const INSTANCE: Kind = Kind::new("an instance", "A shape shown once m
 const KEYS: &[Key] = keys! {
     /// The name of the shape.
     "shape": Text, Required;
-    /// Where it is, from where the shape stands in the scene.
+    /// Transform after the shape's own.
     "transform": Definition("transform");
-    /// In place of the shape's own.
+    /// Replaces the shape's own material.
     "material": Definition("material");
     /// A name, for messages.
     "name": Text;
-    /// Another name of name.
+    /// Synonym of name.
     "id": Text;
 };
 

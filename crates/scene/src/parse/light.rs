@@ -26,7 +26,7 @@ wavecrest_base::choices! {
         Point = "pointlight",
         /// A light at a point, within a cone.
         Spot = "spotlight",
-        /// A light from infinitely far away.
+        /// A light infinitely far away.
         Directional = "directionallight",
         /// A light with a shape.
         Area = "arealight",
@@ -58,19 +58,19 @@ pub(crate) const AREA_LIGHT: Kind = Kind::new(
 );
 
 const KEYS: &[Key] = keys! {
-    /// Which kind of light this is.
+    /// The kind of light.
     "type": word::<LightKind>(), Required;
-    /// Strength; with the usual falloff 40 to 100 suits distances of 10 to 20.
+    /// Strength; with the default falloff 40 to 100 suits distances of 10 to 20.
     "intensity": Number(Range::NOT_NEGATIVE), Required;
 };
 
 const POSITION_KEYS: &[Key] = keys! {
-    /// Where a point light is. An area light is where its shape is.
+    /// Position of a point light. An area light has the position of its shape.
     "position": Point, Required;
 };
 
 const UNUSED_KEYS: &[Key] = keys! {
-    /// Where a point light is. An area light is where its shape is.
+    /// Position of a point light. An area light has the position of its shape.
     "position": Point;
 };
 
@@ -85,32 +85,32 @@ const FALLOFF_KEYS: &[Key] = keys! {
 };
 
 const DIRECTION_KEYS: &[Key] = keys! {
-    /// Where the light shines to.
+    /// Direction in which the light shines.
     "direction": Point, Required;
 };
 
 const CONE_KEYS: &[Key] = keys! {
-    /// Degrees off the direction up to which the light has its full strength.
+    /// Angle off the direction, in degrees, up to which the light has its full strength.
     "inner": Number(HALF_ANGLE), Is(0.0);
-    /// Degrees off the direction from which on there is none.
+    /// Angle off the direction, in degrees, from which on the light has no strength.
     "outer": Number(HALF_ANGLE), Required;
 };
 
 const SKY_KEYS: &[Key] = keys! {
-    /// The angle that the light is seen under, in degrees: 0.53 for the sun. Shadows are soft by it.
+    /// Diameter of the light in the sky, in degrees: 0.53 for the sun. It softens shadows.
     "angle": Number(Range::new(0.0, 180.0)), Is(0.0);
-    /// How directions within the angle are chosen: at random, one in each cell of a grid, or by a Sobol sequence.
+    /// Distribution of the directions to the light: random, one in each cell of a grid, or Sobol.
     "sampling": word::<Sampling>(), Says("sobol");
     /// Directions to the light; with jittered sampling, along each side of the grid.
     "samples": Integer(1, MOST_SAMPLES), Is(1.0);
 };
 
 const AREA_KEYS: &[Key] = keys! {
-    /// How points are chosen: at random, one in each cell of a grid, or by a Sobol sequence.
+    /// Distribution of the points on the light: random, one in each cell of a grid, or Sobol.
     "sampling": word::<Sampling>(), Required;
     /// Points on the light; with jittered sampling, along each side of the grid.
     "samples": Integer(1, MOST_SAMPLES), Required;
-    /// What shines; it needs no material.
+    /// The shape that emits the light; it needs no material.
     "shape": Definition("lit-shape"), Required;
 };
 

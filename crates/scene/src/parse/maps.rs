@@ -25,25 +25,25 @@ pub(crate) const METAL_MAP: Kind = Kind::new(
 const KEYS: &[Key] = keys! {
     /// The image: a path from the scene's folder.
     "file": Text, Required;
-    /// What a look-up between texels shows.
+    /// Filtering between texels.
     "filter": word::<crate::components::Filter>(), Says("bilinear");
-    /// How coordinates outside 0 to 1 are taken.
+    /// Wrap mode of coordinates outside 0 to 1.
     "wrap": word::<crate::components::Wrap>(), Says("repeat");
-    /// What the numbers of the image stand for.
+    /// Encoding of the image's values.
     "encoding": word::<crate::components::Encoding>(), Says("linear");
-    /// How coordinates are changed before the look-up: two rows that act on [u, v, 1].
+    /// Change of the texture coordinates before the look-up: two rows that act on [u, v, 1].
     "uvtransform": Definition("uvtransform");
 };
 
 const STRENGTH_KEYS: &[Key] = keys! {
-    /// How far it counts.
+    /// Strength of the map.
     "strength": Number(Range::COORDINATE), Is(1.0);
 };
 
 const METAL_KEYS: &[Key] = keys! {
-    /// Factor on metal.
+    /// Factor on the metalness.
     "metallic": Number(Range::UNIT), Is(1.0);
-    /// Factor on roughness.
+    /// Factor on the roughness.
     "roughness": Number(Range::UNIT), Is(1.0);
 };
 

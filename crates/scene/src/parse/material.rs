@@ -17,13 +17,13 @@ const KEYS: &[Key] = keys! {
     "kd": Number(Range::NOT_NEGATIVE), Required;
     /// Sharpness of the highlight.
     "specularexponent": Number(EXPONENT), Required;
-    /// Colour of the diffuse part, where no texture replaces it.
+    /// Colour of the diffuse part, unless a texture replaces it.
     "diffusecolor": Color, Required;
     /// Weight of the mirror ray, 0 to 1.
     "kr": Number(Range::NOT_NEGATIVE), Is(0.0);
-    /// Light of its own, added where the surface is seen; it falls on nothing else.
+    /// Emission, visible but without effect on other surfaces.
     "emission": Color, Are([0.0; 3]);
-    /// Colour of the highlight, and of what the surface mirrors.
+    /// Colour of the highlight and of mirrored light.
     "specularcolor": Color, Are([1.0; 3]);
 };
 

@@ -26,9 +26,10 @@ pub(crate) const MESH_FILE: Kind = Kind::new(
     &[keys! {
         /// A mesh file: a path from the scene's folder.
         "file": Text, Required;
-        /// What the colours of its vertices stand for.
+        /// Encoding of the vertex colours.
         "vertexcolors": word::<VertexColors>(), Says("srgb");
-        /// Whether faces of an OBJ file have the shape's material, or those of its MTL files where there are any.
+        /// Source of the materials of an OBJ file's faces: the shape's, or the MTL files' if there
+        /// are any.
         "materials": word::<Materials>(), Says("shape");
     }],
 );
@@ -39,7 +40,7 @@ pub(crate) const INDEXED: Kind = Kind::new(
     &[
         KEYS,
         keys! {
-            /// Triangles, by the numbers of their points from 0, clockwise as seen from the front.
+            /// Triangles, as indices of their points from 0, clockwise as seen from the front.
             "indices": INDICES_TAKE, Required;
             /// A mesh file: a path from the scene's folder.
             "file": Text;
@@ -54,9 +55,9 @@ pub(crate) const STRIP: Kind = Kind::new(
     &[
         KEYS,
         keys! {
-            /// For each triangle of a strip 0, which keeps its winding, or -1, which turns it.
+            /// For each triangle of a strip 0 to keep its winding or -1 to reverse it.
             "normal": AtLeast(1, &OneOf(&[0, -1]));
-            /// Triangles, by the numbers of their points from 0, clockwise as seen from the front.
+            /// Triangles, as indices of their points from 0, clockwise as seen from the front.
             "indices": INDICES_TAKE;
             /// A mesh file: a path from the scene's folder.
             "file": Text;
@@ -65,7 +66,7 @@ pub(crate) const STRIP: Kind = Kind::new(
 );
 
 const KEYS: &[Key] = keys! {
-    /// The number of points, if it is to be checked.
+    /// The number of points, for a check.
     "size": Integer(0, u32::MAX);
     /// The points of the mesh.
     "points": AtLeast(3, &Point), Required;
@@ -73,7 +74,7 @@ const KEYS: &[Key] = keys! {
     "uvs": AtLeast(3, &Exactly(2, &Definition("number")));
     /// Normals for smooth shading, for each point.
     "normals": AtLeast(3, &Point);
-    /// Colours, for each point, that the diffuse colour is multiplied by.
+    /// Colours for each point, which multiply the diffuse colour.
     "colors": AtLeast(3, &Color);
 };
 

@@ -35,43 +35,43 @@ wavecrest_base::choices! {
 }
 
 const NAME_KEYS: &[Key] = keys! {
-    /// Which kind of shape this is.
+    /// The kind of shape.
     "type": word::<ShapeKind>(), Required;
     /// A name, for messages and for instances.
     "name": Text;
-    /// Another name of name.
+    /// Synonym of name.
     "id": Text;
 };
 
 /// Keys of shapes of the scene.
 const SCENE_KEYS: &[Key] = keys! {
-    /// What it is made of.
+    /// The material.
     "material": Definition("material"), Required;
-    /// An image in place of the diffuse colour: a path from the scene's folder.
+    /// An image that replaces the diffuse colour: a path from the scene's folder.
     "texture": Text;
-    /// What a look-up between texels shows.
+    /// Filtering between texels.
     "filter": word::<Filter>(), Says("bilinear");
-    /// How coordinates outside 0 to 1 are taken.
+    /// Wrap mode of coordinates outside 0 to 1.
     "wrap": word::<Wrap>(), Says("repeat");
-    /// What the numbers of the texture stand for.
+    /// Encoding of the texture's values.
     "encoding": word::<Encoding>(), Says("linear");
-    /// What the colours of the texture are multiplied by.
+    /// Factor on the colours of the texture.
     "tint": Color, Are([1.0; 3]);
-    /// The least alpha of the texture, or of alpha, that is there: what has less is cut out.
+    /// The lowest opaque alpha of the texture, or of alpha: parts with less are cut out.
     "alphacutoff": Number(Range::NOT_NEGATIVE);
-    /// An image by which the shape is cut out, by its alpha or, without, its brightness.
+    /// An image whose alpha, or brightness if it has none, cuts out the shape.
     "alpha": Text;
-    /// How coordinates are changed before the texture is looked up.
+    /// Change of the texture coordinates before the look-up.
     "uvtransform": Definition("uvtransform");
-    /// Colours that the material's emission is multiplied by.
+    /// Colours that multiply the material's emission.
     "emissionmap": Definition("colormap");
-    /// Metal and roughness, from which with the colour the rest of the material follows.
+    /// Metalness and roughness, which determine the rest of the material together with the colour.
     "metalmap": Definition("metalmap");
     /// The share of ambient light that arrives, in red.
     "occlusionmap": Definition("strengthmap");
-    /// Normals: red along u, green along v, blue along the surface's own.
+    /// Normals: red along u, green along v, blue along the surface normal.
     "normalmap": Definition("strengthmap");
-    /// Whether its instances alone are seen.
+    /// Whether only its instances are visible.
     "hidden": Truth, Off;
 };
 
@@ -98,11 +98,12 @@ const fn ignored(name: &'static str) -> Key {
 }
 
 const PLACE_KEYS: &[Key] = keys! {
-    /// From its own space to the world's.
+    /// Transform from its own space to the world.
     "transform": Definition("transform");
-    /// Which sides lights reach; absent, both of spheres and meshes from files, and the front of others.
+    /// The sides that lights reach; by default both for spheres and mesh files, and the front for
+    /// others.
     "sides": word::<Sides>();
-    /// Whether a mesh is lit with its triangles' normals or with its own.
+    /// Whether a mesh is shaded with its triangles' normals or with its own.
     "shading": word::<Shading>(), Says("flat");
 };
 
@@ -147,7 +148,7 @@ const TRIANGLE_KEYS: &[Key] = keys! {
 };
 
 const FLAT_KEYS: &[Key] = keys! {
-    /// -1 turns the front away; a vector points to it.
+    /// -1 turns the front to the other side; a vector points to the front.
     "normal": PointOr(&[1, -1]);
 };
 

@@ -17,7 +17,7 @@ pub(crate) const PARTS: Kind = Kind::new(
 );
 
 const PART_KEYS: &[Key] = keys! {
-    /// How far it is moved.
+    /// Translation.
     "translate": Point, Are([0.0; 3]);
     /// Degrees about x, then y, then z.
     "rotate": Point, Are([0.0; 3]);

@@ -30,7 +30,7 @@ impl<'a> Cursor<'a> {
     /// The kind of this object, from its key `type`; `what` describes the kinds.
     pub(crate) fn kind<T: Choice>(&self, what: &'static str) -> Result<T> {
         const TYPE: &[Key] = keys! {
-            /// Which kind it is.
+            /// The kind of object.
             "type": Anything, Required;
         };
         let options = options();
