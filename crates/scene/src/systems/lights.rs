@@ -62,8 +62,8 @@ pub fn run(
     Ok(found)
 }
 
-/// The lights to simulate, each with its own dimensions: those with `reached` in view, if the
-/// schedule skips the others.
+/// The lights to simulate, each with its own dimensions: those that reach a surface in view
+/// (`shown`), or all if the schedule skips none.
 ///
 /// A light that reaches nothing draws its numbers, if any, after all others, so that its presence
 /// changes none of theirs. Visibility changes no numbers: the noise stays the same when the camera
