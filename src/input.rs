@@ -20,7 +20,7 @@ pub(crate) struct InputOptions {
     /// Camera of a glTF file, by name or number [default: the first]
     #[arg(long, value_name = "NAME")]
     pub(crate) camera: Option<String>,
-    /// Also read files outside the folder of the OBJ file that names them
+    /// Also read files outside the folder of the glTF or OBJ file that names them
     #[arg(long)]
     pub(crate) allow_outside: bool,
     /// Camera of a mesh or a glTF file

@@ -10,6 +10,12 @@ mod surfaces;
 // Conversion to scene files: the same image to the last bit.
 mod converted;
 
+// Files that a file names, and where they may be.
+mod outside;
+
+// Far from the origin.
+mod far;
+
 use std::path::Path;
 
 use base64::Engine as _;

@@ -24,11 +24,7 @@ pub(crate) enum Denied {
 impl Folder {
     /// The folder of `file`; other folders are allowed too if it is `open`.
     pub(crate) fn of(file: &Path, is_open: bool) -> Self {
-        let path = match file.parent() {
-            Some(parent) if parent != Path::new("") => parent.to_owned(),
-            _ => PathBuf::from("."),
-        };
-        Self { path, is_open }
+        Self { path: file.parent().unwrap_or(Path::new("")).to_owned(), is_open }
     }
 
     /// The folder itself.
@@ -48,14 +44,19 @@ impl Folder {
         if !stays_within(depth.components().chain(Path::new(name).components())) {
             return Err(Denied::Outside);
         }
-        let (Ok(file), Ok(folder)) = (path.canonicalize(), self.path.canonicalize()) else {
-            return Err(Denied::Missing);
-        };
-        match file.starts_with(folder) {
+        let Ok(file) = path.canonicalize() else { return Err(Denied::Missing) };
+        match self.holds(&file) {
             false => Err(Denied::Outside),
             true if file.is_file() => Ok(path),
             true => Err(Denied::Missing),
         }
+    }
+
+    /// Whether `file` may be read: it is beside or below, links followed, or all may be.
+    pub(crate) fn holds(&self, file: &Path) -> bool {
+        let own = if self.path.as_os_str().is_empty() { Path::new(".") } else { &self.path };
+        let real = (file.canonicalize(), own.canonicalize());
+        self.is_open || matches!(real, (Ok(file), Ok(folder)) if file.starts_with(&folder))
     }
 }
 

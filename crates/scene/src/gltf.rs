@@ -34,8 +34,8 @@ use std::sync::Arc;
 
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
-use super::load::{LoadOptions, LoadedScene, spawned};
-use super::reader::{Cursor, Notes, Place, json};
+use super::load::{LoadOptions, LoadedScene, notes, spawned};
+use super::reader::{Cursor, Place, json};
 use buffer::Buffer;
 use document::Document;
 use fields::Fields;
@@ -71,7 +71,7 @@ pub fn load_bytes(bytes: Vec<u8>, path: &Path, options: &LoadOptions) -> Result<
     let bytes = Arc::new(bytes);
     let binary = parts.binary.map(|range| Buffer::part(bytes.clone(), range));
     let value = json::parse(text(&bytes[parts.json], path)?, path)?;
-    let notes = Notes::new(path, options.strict);
+    let notes = notes(path, options);
     let top = Fields::new(Cursor::new(&value, Place::Top, &notes), "a glTF file")?;
     let document = Document::read(&top, binary.as_ref())?;
     document::remark(&top);

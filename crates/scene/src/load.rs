@@ -25,6 +25,7 @@ use framing::Framing;
 
 use super::components::Encoding;
 use super::gltf;
+use super::folder::Folder;
 use super::mesh::{self, LoadedMesh, MeshData};
 use super::parse;
 pub use super::parse::LONGEST_SIDE;
@@ -48,7 +49,7 @@ pub struct LoadOptions {
     pub height: Option<u32>,
     /// The camera to use in files with several, by its name or number.
     pub camera: Option<String>,
-    /// Whether OBJ files may refer to material files and images outside their folder.
+    /// Whether glTF and OBJ files may refer to files outside their folder.
     pub allow_outside: bool,
     /// Framing of a mesh or glTF file, which replaces its cameras. A scene file has its own camera.
     pub framing: Framing,
@@ -69,6 +70,8 @@ pub struct LoadedScene {
     /// The transfer curve of 8-bit images, unless one is requested.
     pub encoding: Encoding,
 }
+    /// The folder of the file, outside which no image is copied from unless that is allowed.
+    pub(crate) folder: Folder,
 
 /// Reads the scene at `path` and the files that it names: a scene file in JSON, a glTF file, or a
 /// standalone mesh, recognised by its extension and its first bytes.
@@ -172,10 +175,12 @@ pub(super) fn spawned(
     let told = told.map(|text| Warning::from_error(&notes.error(ErrorKind::Scene, "", text)));
     let world = spawn::world(scene, &notes, read_mesh)?;
     let (warnings, files) = notes.into_parts();
-    Ok(LoadedScene { world, warnings, notes: told.into_iter().collect(), files, encoding })
+    Ok(LoadedScene { world, warnings, notes: told.into_iter().collect(), files, encoding, folder })
+    let folder = notes.folder();
 }
 
-fn notes<'a>(file: &'a Path, options: &LoadOptions) -> Notes<'a> {
+/// What is said of `file` while it is read, none yet.
+pub(super) fn notes<'a>(file: &'a Path, options: &LoadOptions) -> Notes<'a> {
     Notes::new(file, options.strict).reading_outside(options.allow_outside)
 }
 
@@ -204,7 +209,7 @@ pub fn survey(path: &Path, options: &LoadOptions) -> Result<Survey> {
             return survey::standalone(path, [width, height], smooths);
         }
     }
-    let notes = Notes::new(path, options.strict);
+    let notes = notes(path, options);
     let text = read_text(path)?;
     let value = json::parse(&text, path)?;
     let scene = parse::scene_file(&Cursor::new(&value, Place::Top, &notes), options)?;

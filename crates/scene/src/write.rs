@@ -26,9 +26,10 @@ use beside::Beside;
 /// files, the scene last. Existing files are replaced only if `replaces`.
 ///
 /// # Errors
-/// If a file exists already, or cannot be written.
+/// If a file exists already, or cannot be written; or if an image is outside the folder of the file that the scene was
+/// read from, unless it was read with [`allow_outside`](crate::load::LoadOptions::allow_outside).
 pub fn write(scene: LoadedScene, path: &Path, replaces: bool) -> Result<Vec<PathBuf>> {
-    let mut beside = Beside::new(path);
+    let mut beside = Beside::new(path, scene.folder);
     let mut world = scene.world;
     let value = json::scene(&mut world, scene.encoding, &mut beside)?;
     let Beside { meshes, images, .. } = beside;

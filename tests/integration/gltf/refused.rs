@@ -272,8 +272,9 @@ fn buffers_that_are_not_there_are_refused() {
         ("none.bin", "buffers[0].uri: cannot read the buffer"),
         ("short.bin", "buffers[0].byteLength: the length of the buffer is wrong"),
         (".", "is not a regular file"),
-        ("/etc/hostname", "buffers[0].uri: only files in the folder of the glTF file are read"),
-        ("https://x.y/z.bin", "only files in the folder of the glTF file are read"),
+        ("/etc/hostname", "buffers[0].uri: is outside the folder of the glTF file"),
+        ("../none.bin", "copy it there, or allow others with --allow-outside"),
+        ("https://x.y/z.bin", "URLs are not read"),
         ("data:application/octet-stream;base64,!!", "buffers[0].uri: the data is not base64"),
     ] {
         let text = refused(file.text(uri));

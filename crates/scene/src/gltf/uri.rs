@@ -1,13 +1,14 @@
 //! What a URI of a glTF file leads to: bytes within the file itself, or a file beside it.
 //!
-//! A name is relative to the glTF file, may lead upward (`../textures/a.png`), and may have characters
-//! written as `%20`. Nothing else is followed: neither an absolute path nor a scheme such as `http:`.
+//! A name is relative to the glTF file, and may have characters written as `%20`. It leads to a file beside the glTF
+//! file or below; elsewhere only where the user allows it. A scheme such as `http:` is never followed.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use base64::Engine as _;
 use base64::engine::general_purpose::{STANDARD, STANDARD_NO_PAD};
 
+use crate::folder::Denied;
 use crate::reader::Cursor;
 use wavecrest_base::error::Result;
 
@@ -26,17 +27,24 @@ pub(super) fn target(cursor: &Cursor<'_>) -> Result<Target> {
     if let Some(data) = uri.strip_prefix("data:") {
         return data_uri(cursor, data).map(Target::Bytes);
     }
-    let folder = cursor.notes().file().parent().unwrap_or(Path::new("")).to_owned();
     let name = decoded(uri)
         .ok_or_else(|| cursor.error("is not UTF-8 after decoding").remedy("rename the file"))?;
-    if scheme(uri) || Path::new(&name).has_root() || Path::new(&name).is_absolute() {
-        let error = cursor.error("only files in the folder of the glTF file are read");
-        return Err(error.remedy("copy it there and use a relative path"));
+    if scheme(uri) {
+        let error = cursor.error("URLs are not read");
+        return Err(error.remedy("copy the file beside the glTF file and use its name"));
     }
-    let path = folder.join(name);
+    let folder = cursor.notes().folder();
+    let find = |name: &str| folder.find(folder.path(), name);
     // Some exporters do not escape %.
-    let literal = folder.join(uri);
-    Ok(Target::File(if !path.exists() && literal.exists() { literal } else { path }))
+    match find(&name).or_else(|denied| find(uri).map_err(|_| denied)) {
+        Ok(path) => Ok(Target::File(path)),
+        // Reading it gives the error.
+        Err(Denied::Missing) => Ok(Target::File(folder.path().join(name))),
+        Err(Denied::Outside) => {
+            let error = cursor.error("is outside the folder of the glTF file");
+            Err(error.remedy("copy it there, or allow others with --allow-outside"))
+        }
+    }
 }
 
 /// Whether a URI begins with a scheme. A single letter is a drive.
@@ -88,6 +96,8 @@ fn percent_bytes(text: &str) -> Option<Vec<u8>> {
 
 #[cfg(test)]
 mod tests {
+    use std::path::Path;
+
     use super::*;
     use crate::reader::{Notes, Place};
 
@@ -103,9 +113,12 @@ mod tests {
         assert_eq!(follow("c%20d.bin"), file("c d.bin"));
         assert_eq!(follow("%C3%A9.bin"), file("\u{e9}.bin"));
         assert_eq!(follow("100%.bin"), file("100%.bin"));
-        assert_eq!(follow("../c.bin"), file("../c.bin"));
-        for uri in ["/etc/passwd", "%2Fetc/passwd", "http://x/y.bin", "file:///y.bin"] {
-            assert!(follow(uri).unwrap_err().contains("only files beside"), "{uri}");
+        assert_eq!(follow("c/../d.bin"), file("c/../d.bin"));
+        for uri in ["../c.bin", "c/%2E%2e/../d.bin", "/etc/passwd", "%2Fetc/passwd"] {
+            assert!(follow(uri).unwrap_err().contains("is outside the folder"), "{uri}");
+        }
+        for uri in ["http://x/y.bin", "file:///y.bin"] {
+            assert!(follow(uri).unwrap_err().contains("only files of this machine"), "{uri}");
         }
         assert!(follow("%FF.bin").unwrap_err().contains("not UTF-8"));
         assert!(follow("").unwrap_err().contains("must be a URI"));

@@ -4,6 +4,7 @@ use std::cell::{Cell, RefCell};
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
+use crate::folder::Folder;
 use wavecrest_base::error::{Error, ErrorKind, Result, Warning, Warnings, hash};
 
 /// Largest number of listed errors of a file.
@@ -41,6 +42,11 @@ impl<'a> Notes<'a> {
     /// Whether files outside the folder of the referring file are read.
     pub(crate) fn reads_outside(&self) -> bool {
         self.outside
+    }
+
+    /// The folder of this file, and what may be read by its names.
+    pub(crate) fn folder(&self) -> Folder {
+        Folder::of(self.file, self.outside)
     }
 
     /// The scene file.

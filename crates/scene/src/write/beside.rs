@@ -4,12 +4,15 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 use crate::components::TextureSource;
+use crate::folder::Folder;
 use crate::mesh::MeshData;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
 /// The files beside a scene file, with its name as prefix.
 pub(super) struct Beside<'a> {
     scene: &'a Path,
+    /// Where images may be copied from.
+    folder: Folder,
     pub(super) meshes: Vec<(PathBuf, MeshData)>,
     pub(super) images: Vec<(PathBuf, TextureSource)>,
     /// The names of images, by their original path or place.
@@ -17,8 +20,8 @@ pub(super) struct Beside<'a> {
 }
 
 impl<'a> Beside<'a> {
-    pub(super) fn new(scene: &'a Path) -> Self {
-        Self { scene, meshes: Vec::new(), images: Vec::new(), known: HashMap::new() }
+    pub(super) fn new(scene: &'a Path, folder: Folder) -> Self {
+        Self { scene, folder, meshes: Vec::new(), images: Vec::new(), known: HashMap::new() }
     }
 
     /// A file name beside the scene file, and its path.
@@ -40,6 +43,9 @@ impl<'a> Beside<'a> {
     pub(super) fn image(&mut self, source: &TextureSource) -> Result<String> {
         let (key, extension) = match source {
             TextureSource::File(path) => {
+                if path.exists() && !self.folder.holds(path) {
+                    return Err(outside(path));
+                }
                 let extension = path.extension().unwrap_or_default().to_string_lossy();
                 ((path.clone(), false), extension.into_owned())
             }
@@ -60,4 +66,10 @@ impl<'a> Beside<'a> {
         self.known.insert(key, name.clone());
         Ok(name)
     }
+}
+
+fn outside(image: &Path) -> Error {
+    let message = "the image is outside the folder of the file that is converted";
+    let error = Error::new(ErrorKind::Usage, message).value(image.display());
+    error.remedy("copy it there, or allow others with --allow-outside")
 }
