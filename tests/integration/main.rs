@@ -52,6 +52,9 @@ mod planning;
 // A pilot of some pixels tells what a render will do.
 mod expected;
 
+// Far from the origin: positions are moved in double precision, and rounded once.
+mod far;
+
 // What is out of view is neither read nor stored nor simulated, and changes no bit.
 mod view;
 

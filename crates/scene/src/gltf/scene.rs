@@ -326,7 +326,7 @@ impl Primitive {
             texture: self.texture,
             cutout: self.cutout,
             maps: self.maps,
-            ..Shape::of(self.path, self.name, Mesh { data: self.mesh, file: None })
+            ..Shape::of(self.path, self.name, Mesh { data: self.mesh, ..Mesh::default() })
         };
         match <[Use; 1]>::try_from(self.uses) {
             Ok([Use { path, name, world }]) => {
@@ -354,7 +354,9 @@ impl Primitive {
     fn add_lights(self, exposure: f64, scene: &mut SceneFile) {
         for Use { path, name, world } in self.uses {
             let (area, _) = extent(&self.mesh, &world);
-            if area == 0.0 || !has_area(&self.mesh) {
+            let data = MeshData { normals: None, uvs: None, colors: None, ..self.mesh.clone() };
+            let mesh = Mesh { data, ..Mesh::default() };
+            if area == 0.0 || !has_area(&mesh) {
                 continue;
             }
             let light = AreaLight {
@@ -364,11 +366,8 @@ impl Primitive {
                 sampling: Sampling::Jittered,
                 samples: LIGHT_SAMPLES,
             };
-            let data = MeshData { normals: None, uvs: None, colors: None, ..self.mesh.clone() };
-            let shape = Shape {
-                transform: Some(Transform(world)),
-                ..Shape::of(path.clone(), name, Mesh { data, file: None })
-            };
+            let shape =
+                Shape { transform: Some(Transform(world)), ..Shape::of(path.clone(), name, mesh) };
             scene.lights.push(schema::Light::Area { path, light, shape: Box::new(shape) });
         }
     }

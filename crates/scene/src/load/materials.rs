@@ -36,7 +36,8 @@ pub(super) fn parts(
     let library = reader.library(&named.libraries);
     let (part, names) = numbered(named, mesh.triangles.len(), &library);
     reader.warn_of_unknown(named, &library);
-    let mesh_of = |data| Geometry::Mesh(Mesh { data, file: Some(file.to_owned()) });
+    let mesh_of =
+        |data| Geometry::Mesh(Mesh { data, file: Some(file.to_owned()), ..Mesh::default() });
     let of_part = |(number, data): (u32, MeshData)| -> Option<Shape> {
         let Some((name, (mtl, from))) = (number as usize).checked_sub(1).map(|i| names[i]) else {
             let has_uvs = data.uvs.is_some();

@@ -125,7 +125,7 @@ impl<R: Fn(&Path) -> Result<LoadedMesh>> Spawner<'_, R> {
         entity.add_bundle((order, JsonPath(path), light));
         let (geometry, _) = self.read_mesh_file(&shape.path, shape.geometry, VertexColors::None)?;
         if let Geometry::Mesh(mesh) = &geometry
-            && !has_area(&mesh.data)
+            && !has_area(mesh)
         {
             return Err(self.error(&shape.path, "a light must have an area"));
         }
@@ -147,7 +147,7 @@ impl<R: Fn(&Path) -> Result<LoadedMesh>> Spawner<'_, R> {
         let geometry = std::mem::replace(&mut shape.geometry, nothing);
         let (geometry, named) = self.read_mesh_file(&shape.path, geometry, shape.vertex_colors)?;
         let parts = match geometry {
-            Geometry::Mesh(Mesh { data, file: Some(file) })
+            Geometry::Mesh(Mesh { data, file: Some(file), .. })
                 if shape.materials == Materials::File =>
             {
                 parts(&shape, data, &named, &file, self.notes)
@@ -194,7 +194,7 @@ impl<R: Fn(&Path) -> Result<LoadedMesh>> Spawner<'_, R> {
         let mut loaded = (self.read_mesh)(&file).map_err(|e| self.mesh_error(path, e))?;
         self.notes.pass_on(loaded.warnings);
         loaded.mesh.decode_colors(colors);
-        let mesh = Mesh { data: loaded.mesh, file: Some(file) };
+        let mesh = Mesh { data: loaded.mesh, file: Some(file), ..Mesh::default() };
         Ok((Geometry::Mesh(mesh), loaded.materials))
     }
 
@@ -247,9 +247,13 @@ fn add_some<C: hecs::Component>(entity: &mut EntityBuilder, component: Option<C>
 }
 
 /// Whether any triangle of a mesh has an area.
-pub(crate) fn has_area(mesh: &MeshData) -> bool {
-    mesh.triangles.iter().any(|triangle| {
-        let [a, b, c] = triangle.map(|i| mesh.positions[i as usize].as_dvec3());
+pub(crate) fn has_area(mesh: &Mesh) -> bool {
+    let position = |i: u32| match &mesh.points {
+        Some(points) => points[i as usize],
+        None => mesh.data.positions[i as usize].as_dvec3(),
+    };
+    mesh.data.triangles.iter().any(|triangle| {
+        let [a, b, c] = triangle.map(position);
         (b - a).cross(c - a) != DVec3::ZERO
     })
 }

@@ -112,9 +112,10 @@ pub(super) fn mesh(object: &Object<'_>) -> Result<Geometry> {
     let uvs = object.get("uvs").map(|c| uvs(&c, points.len())).transpose()?;
     let normals = object.get("normals").map(|c| normals(&c, points.len())).transpose()?;
     let colors = object.get("colors").map(|c| colors(&c, points.len())).transpose()?;
-    let positions = points.into_iter().map(|p| p.as_vec3()).collect();
+    let positions = points.iter().map(|p| p.as_vec3()).collect();
     let data = MeshData { positions, triangles, normals, uvs, colors };
-    Ok(Geometry::Mesh(Mesh { data, file: None }))
+    let is_rounded = points.iter().any(|p| p.as_vec3().as_dvec3() != *p);
+    Ok(Geometry::Mesh(Mesh { data, points: is_rounded.then_some(points), file: None }))
 }
 
 fn mesh_file(cursor: &Cursor<'_>) -> Result<Geometry> {

@@ -4,18 +4,23 @@
 //! no visible edge, like a photographer's paper. So it need not be larger than the shadows, and few
 //! shadow rays start from it.
 
-use glam::{DVec2, DVec3, Vec3};
+use glam::{DAffine3, DVec2, DVec3, Vec3};
 
 use wavecrest_core::math::float::MAX_COORDINATE;
 
+use super::Sphere;
 use super::light::Subject;
-use crate::components::{DirectionalLight, Material, Mesh, Shading, Sides};
+use crate::components::{DirectionalLight, Material, Mesh, Shading, Sides, Transform};
 use crate::mesh::MeshData;
 use crate::schema::Shape;
 
 /// Its distance below the object, in radii: less than is visible, and more than rounding, so that a
 /// floor of the file lies above it.
 const GAP: f64 = 1.0 / 4096.0;
+
+/// A subject so many times as far from the origin as it is large has a ground about its middle: beyond, rounding to
+/// single precision reaches a thousandth of the gap.
+const FAR: f64 = 4.0;
 
 /// Number of directions that represent the edge of a lamp.
 const SIDES: u32 = 8;
@@ -39,9 +44,13 @@ pub(super) fn under(
     if keys.chain([subject.view.location]).any(|location| location.dot(up) <= height) {
         return None;
     }
+    let Sphere { center, radius } = *subject.bounds;
+    // Far out single precision would round the gap away.
+    let is_far = center.abs().max_element() > FAR * radius;
+    let origin = if is_far { center } else { DVec3::ZERO };
     let corners: Vec<Vec3> = hull(shadows(lamps, axes, &(low, high), height))
         .into_iter()
-        .map(|at| (right * at.x + up * height + back * at.y).as_vec3())
+        .map(|at| (right * at.x + up * height + back * at.y - origin).as_vec3())
         .collect();
     let is_within = |p: &Vec3| p.abs().max_element() < MAX_COORDINATE;
     if corners.len() < 3 || !corners.iter().all(is_within) {
@@ -59,11 +68,13 @@ pub(super) fn under(
     };
     let triangles = (1..corners.len() as u32 - 1).map(|i| [0, i, i + 1]).collect();
     let data = MeshData { positions: corners, triangles, ..MeshData::default() };
+    let mesh = Mesh { data, ..Mesh::default() };
     Some(Shape {
         sides: Sides::Front,
         shading: Shading::Flat,
         material: Some(material),
-        ..Shape::of("the ground".into(), Some("ground".into()), Mesh { data, file: None })
+        transform: is_far.then(|| Transform(DAffine3::from_translation(origin))),
+        ..Shape::of("the ground".into(), Some("ground".into()), mesh)
     })
 }
 

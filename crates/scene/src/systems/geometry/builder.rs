@@ -10,9 +10,9 @@ use super::meshes::{Room, append, transform_mesh};
 use super::occurrences::{Occurrence, Occurrences};
 use super::output::{Output, ShapeOutput};
 use super::tangents::tangents;
-use crate::components::{Quad, Sphere, Triangle};
+use crate::components::{Mesh, Quad, Sphere, Triangle};
 use crate::corners;
-use crate::mesh::{Attribute, MeshData};
+use crate::mesh::Attribute;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::accel::geometry::Geometry;
 use wavecrest_core::kernels::texture::PlanarMap;
@@ -59,13 +59,14 @@ impl Builder {
         Ok(())
     }
 
-    fn add_mesh(&mut self, entity: Entity, common: &Common, mut mesh: MeshData) -> Result<()> {
+    fn add_mesh(&mut self, entity: Entity, common: &Common, mesh: Mesh) -> Result<()> {
+        let Mesh { data: mut mesh, points, .. } = mesh;
         // Drop unused attributes before allocating more.
         mesh.normals = mesh.normals.filter(|_| common.smooth);
         mesh.uvs = mesh.uvs.filter(|_| common.textured);
         mesh.colors = mesh.colors.filter(|_| common.emission.is_none());
         let mut tangents = common.normal_mapped.then(|| tangents(&mesh)).flatten();
-        transform_mesh(&mut mesh, tangents.as_mut(), common)?;
+        transform_mesh(&mut mesh, points, tangents.as_mut(), common)?;
         let geometry = &mut self.geometry;
         let first_position = geometry.positions.len();
         let first_triangle = geometry.triangles.len();

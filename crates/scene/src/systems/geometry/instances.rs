@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use glam::{DAffine3, DVec3, Vec4};
+use glam::{DAffine3, DVec3, Vec3, Vec4};
 use hecs::{Entity, World};
 use rayon::prelude::*;
 
@@ -12,8 +12,9 @@ use super::common::{Common, check_count, check_point};
 use super::occurrences::{Occurrence, Occurrences};
 use super::output::ShapeOutput;
 use super::tangents::tangents;
+use crate::components::Mesh;
 use crate::mesh::MeshData;
-use crate::systems::frame;
+use crate::systems::{bounds, frame};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::accel::geometry::Geometry;
 use wavecrest_core::accel::instance::Instance;
@@ -56,12 +57,12 @@ impl Builder {
                 .collect();
             let smooth = instances.iter().any(|common| common.smooth);
             let textured = instances.iter().any(|common| common.textured);
-            let mut mesh = occurrences.take(world, prototype);
+            let Mesh { data: mut mesh, points, .. } = occurrences.take(world, prototype);
             mesh.normals = mesh.normals.filter(|_| smooth);
             mesh.uvs = mesh.uvs.filter(|_| textured);
             let normal_mapped = instances.iter().any(|common| common.normal_mapped);
             let tangents = normal_mapped.then(|| tangents(&mesh)).flatten();
-            prototypes.insert(prototype, self.add_prototype(mesh, tangents));
+            prototypes.insert(prototype, self.add_prototype(mesh, points, tangents));
         }
         let mut next = self.geometry.own();
         for occurrence in occurrences.all.iter().filter(|occurrence| !occurrence.is_light) {
@@ -83,25 +84,24 @@ impl Builder {
     fn add_prototype(
         &mut self,
         mut mesh: MeshData,
+        points: Option<Vec<DVec3>>,
         tangents: Option<CornerValues<Vec4>>,
     ) -> Prototype {
-        let bounds = |positions: &[glam::Vec3]| {
-            let point = |&p: &glam::Vec3| Aabb { low: p, high: p };
-            positions.par_iter().map(point).reduce(|| Aabb::EMPTY, Aabb::union)
-        };
-        let found = bounds(&mesh.positions);
-        let (low, high) = (found.low.as_dvec3(), found.high.as_dvec3());
-        let (middle, size) = ((low + high) / 2.0, (high - low).max_element());
-        let mut origin = DVec3::ZERO;
-        if size > 0.0 && middle.abs().max_element() > FAR_FROM_ORIGIN * size {
-            origin = frame::nearest(middle, size);
-            mesh.positions.par_iter_mut().for_each(|p| *p = (p.as_dvec3() - origin).as_vec3());
+        let origin = origin(&mesh.positions, points.as_deref());
+        if origin != DVec3::ZERO {
+            let positions = mesh.positions.par_iter_mut();
+            match points {
+                Some(points) => {
+                    positions.zip(points).for_each(|(to, p)| *to = (p - origin).as_vec3())
+                }
+                None => positions.for_each(|p| *p = (p.as_dvec3() - origin).as_vec3()),
+            }
         }
         let attributes = mesh.normals.is_some() || mesh.uvs.is_some() || mesh.colors.is_some();
         let prototype = Prototype {
             number: self.geometry.prototypes.len() as u32,
             triangles: mesh.triangles.len(),
-            bounds: if origin == DVec3::ZERO { found } else { bounds(&mesh.positions) },
+            bounds: bounds::around(&mesh.positions),
             origin,
             mesh: attributes.then_some(self.meshes.len() as u32),
         };
@@ -157,4 +157,18 @@ impl Builder {
         self.shapes.push(ShapeOutput { entity, shape, uv_map: Some(UvMap::Mesh) });
         Ok(())
     }
+}
+
+/// Where a prototype is moved to, in its own space: its middle, roughly, where that is far away. Its positions are
+/// `points` where there are some.
+fn origin(positions: &[Vec3], points: Option<&[DVec3]>) -> DVec3 {
+    let merge = |a: [DVec3; 2], b: [DVec3; 2]| [a[0].min(b[0]), a[1].max(b[1])];
+    let none = || [DVec3::INFINITY, DVec3::NEG_INFINITY];
+    let [low, high] = match points {
+        Some(points) => points.par_iter().map(|p| [*p; 2]).reduce(none, merge),
+        None => positions.par_iter().map(|p| [p.as_dvec3(); 2]).reduce(none, merge),
+    };
+    let (middle, size) = ((low + high) / 2.0, (high - low).max_element());
+    let is_far = size > 0.0 && middle.abs().max_element() > FAR_FROM_ORIGIN * size;
+    if is_far { frame::nearest(middle, size) } else { DVec3::ZERO }
 }

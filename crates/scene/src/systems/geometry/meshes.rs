@@ -1,7 +1,7 @@
 //! Adds meshes to the scene's arrays: transformed to world space in place, moved if possible, and
 //! otherwise copied on all threads.
 
-use glam::{DAffine3, Vec3, Vec4};
+use glam::{DAffine3, DVec3, Vec3, Vec4};
 use hecs::World;
 use rayon::prelude::*;
 
@@ -54,9 +54,11 @@ pub(super) fn append<T: Send>(
     }
 }
 
-/// Transforms positions, normals and tangents to world space, in double precision, rounding once.
+/// Transforms positions, normals and tangents to world space, in double precision, rounding once. `points` replaces
+/// the positions, if given.
 pub(super) fn transform_mesh(
     mesh: &mut MeshData,
+    points: Option<Vec<DVec3>>,
     tangents: Option<&mut CornerValues<Vec4>>,
     common: &Common,
 ) -> Result<()> {
@@ -64,12 +66,20 @@ pub(super) fn transform_mesh(
         return Ok(());
     }
     let transform = common.transform;
-    let carry = |p: &mut Vec3| {
-        *p = transform.transform_point3(p.as_dvec3()).as_vec3();
-        in_range(p.as_dvec3())
+    let carry = |(to, p): (&mut Vec3, DVec3)| {
+        *to = transform.transform_point3(p).as_vec3();
+        in_range(to.as_dvec3())
     };
+    let own = |p: &mut Vec3| {
+        let point = p.as_dvec3();
+        carry((p, point))
+    };
+    let positions = mesh.positions.par_iter_mut();
     // Transform every position, even after one out of range: `all` would stop there.
-    let kept = mesh.positions.par_iter_mut().map(carry).reduce(|| true, |a, b| a & b);
+    let kept = match points {
+        Some(points) => positions.zip(points).map(carry).reduce(|| true, |a, b| a & b),
+        None => positions.map(own).reduce(|| true, |a, b| a & b),
+    };
     if !kept && let Some(point) = mesh.positions.iter().find(|p| !in_range(p.as_dvec3())) {
         check_point(common, point.as_dvec3())?;
     }

@@ -9,7 +9,6 @@ use std::collections::HashMap;
 use hecs::{Entity, World};
 
 use crate::components::{AreaLight, Hidden, InstanceOf, Mesh, Order, Quad, Sphere, Triangle};
-use crate::mesh::MeshData;
 
 /// A shape, possibly of a light, and its prototype.
 #[derive(Clone, Copy, Debug)]
@@ -86,14 +85,14 @@ impl Occurrences {
     }
 
     /// The mesh of `prototype`: moved out at its last use, copied before.
-    pub(super) fn take(&mut self, world: &World, prototype: Entity) -> MeshData {
-        let Ok(mut mesh) = world.get::<&mut Mesh>(prototype) else { return MeshData::default() };
+    pub(super) fn take(&mut self, world: &World, prototype: Entity) -> Mesh {
+        let Ok(mut mesh) = world.get::<&mut Mesh>(prototype) else { return Mesh::default() };
         match self.uses.get_mut(&prototype) {
             Some(uses) if *uses > 1 => {
                 *uses -= 1;
-                mesh.data.clone()
+                Mesh::clone(&mesh)
             }
-            _ => std::mem::take(&mut mesh.data),
+            _ => std::mem::take(&mut mesh),
         }
     }
 

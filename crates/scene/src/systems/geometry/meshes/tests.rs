@@ -17,7 +17,7 @@ fn strip(count: u32, x: f32) -> MeshData {
 
 fn spawn(world: &mut World, order: u32, data: MeshData) -> hecs::Entity {
     let path = JsonPath(format!("scene.shapes[{order}]"));
-    world.spawn((Order(order), path, Mesh { data, file: None }))
+    world.spawn((Order(order), path, Mesh { data, ..Mesh::default() }))
 }
 
 fn made(world: &mut World) -> Output {
