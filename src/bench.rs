@@ -86,7 +86,7 @@ fn prepare(args: &BenchArgs, path: &Path) -> Result<(PreparedScene, Setting)> {
         memory::estimate_extracted(&extracted, extracted.pixels(), preset, batch).total();
     let start = Instant::now();
     let file = extracted.file().to_owned();
-    let mut scene = extracted.build(preset);
+    let mut scene = args.scene_options.build(extracted, preset)?;
     let time = Preparation { load, build: start.elapsed().as_secs_f64() };
     warn(&systems::warnings(&scene, &file));
     args.search.apply(&mut scene.accel);

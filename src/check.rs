@@ -34,10 +34,11 @@ pub(crate) fn run(args: &CheckArgs) -> Result<()> {
         let passes = unplanned(&PASSES);
         let options = Options { passes: &passes, ..Options::default() };
         let extracted = systems::extract(&mut loaded.world, options)?;
+        let extracted = args.scene_options.checked(extracted)?;
         extracted.scene().appearance.decode()?;
         let file = extracted.file().to_owned();
         // For the few test rays of warnings.
-        let scene = extracted.build(Preset::Fastest);
+        let scene = args.scene_options.build(extracted, Preset::Fastest)?;
         warn(&systems::warnings(&scene, &file));
         let mut text = summary(&scene);
         files(&mut text, &args.scene, &loaded.files);

@@ -9,11 +9,13 @@ use indicatif::{ProgressBar, ProgressState, ProgressStyle};
 
 use crate::choice::{by_name, choice};
 use crate::input::InputOptions;
+use crate::limit;
 use wavecrest_base::error::{Error, ErrorKind, Result, Warning};
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::accel::{Accel, KernelChoice};
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::math::simd::Level;
+use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::tile::Tile;
 use wavecrest_core::wavefront::DEFAULT_BATCH;
 pub(crate) use wavecrest_report::files::{to_json, write_text};
@@ -39,8 +41,8 @@ pub(crate) struct SceneOptions {
     /// Copy instanced meshes into world space instead of keeping them once
     #[arg(long)]
     pub(crate) flatten: bool,
-    /// Refuse a scene that needs more memory than this, such as 8GiB
-    #[arg(long, value_name = "SIZE", value_parser = bytes)]
+    /// Refuse a scene that needs more memory than this, such as 8GiB; checked before reading and after each stage
+    #[arg(long, value_name = "SIZE", value_parser = limit::bytes)]
     pub(crate) memory_limit: Option<ByteSize>,
     /// Threads
     #[command(flatten)]
@@ -56,9 +58,10 @@ impl SceneOptions {
         self.input.check(scene)?;
         let options = self.load_options();
         if let Some(limit) = self.memory_limit {
-            check_memory(scene, &self.estimate(scene, None, DEFAULT_BATCH)?, limit)?;
+            limit::check(scene, &self.estimate(scene, None, DEFAULT_BATCH)?, limit)?;
         }
         let loaded = load(scene, &options)?;
+        self.check_taken(scene)?;
         tell_all(&loaded, self.quiet);
         Ok(loaded)
     }
@@ -84,7 +87,30 @@ impl SceneOptions {
     pub(crate) fn extract(&self, mut loaded: LoadedScene) -> Result<Extracted> {
         let (precision, flat) = (self.precision, self.flatten);
         let options = systems::Options { precision, flat, ..Default::default() };
-        systems::extract(&mut loaded.world, options)
+        self.checked(systems::extract(&mut loaded.world, options)?)
+    }
+
+    /// Refuses a scene that has no tree yet where a render of it would take more memory than is allowed.
+    pub(crate) fn checked(&self, extracted: Extracted) -> Result<Extracted> {
+        let Some(limit) = self.memory_limit else { return Ok(extracted) };
+        let preset = self.bvh.unwrap_or_else(|| extracted.preset());
+        let pixels = extracted.pixels();
+        let estimated = memory::estimate_extracted(&extracted, pixels, preset, DEFAULT_BATCH);
+        limit::check(extracted.file(), &estimated, limit)?;
+        Ok(extracted)
+    }
+
+    /// Builds the tree.
+    pub(crate) fn build(&self, extracted: Extracted, preset: Preset) -> Result<PreparedScene> {
+        let file = extracted.file().to_owned();
+        let scene = extracted.build(preset);
+        self.check_taken(&file)?;
+        Ok(scene)
+    }
+
+    /// Refuses a scene that has taken more memory by now than is allowed.
+    fn check_taken(&self, scene: &Path) -> Result<()> {
+        self.memory_limit.map_or(Ok(()), |limit| limit::check_taken(scene, limit))
     }
 }
 
@@ -138,7 +164,7 @@ impl Threads {
         let threads = self.threads.map_or(0, usize::from);
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(|e| {
             Error::new(ErrorKind::Usage, format!("cannot start threads: {e}"))
-                .remedy("use fewer --threads")
+                .remedy("use fewer --threads, or raise the limits of the process (ulimit -u, -v)")
         })?;
         pool.install(work)
     }
@@ -215,37 +241,6 @@ pub(crate) fn with_bar<R>(
     result
 }
 
-/// Refuses a scene whose estimated peak is above `limit`.
-fn check_memory(scene: &Path, estimated: &Estimate, limit: ByteSize) -> Result<()> {
-    if estimated.total() <= limit.as_u64() {
-        return Ok(());
-    }
-    let Estimate { geometry, appearance, tree, build, film, batches, loading, .. } = *estimated;
-    let uses = [
-        ("reading", loading),
-        ("geometry", geometry),
-        ("normals and textures", appearance),
-        ("building the tree", build),
-        ("the tree", tree),
-        ("the image", film),
-        ("batches", batches),
-    ];
-    let uses = uses.map(|(name, bytes)| format!("{name} {}", in_words(bytes)));
-    let message = format!("the render needs more memory than {}", in_words(limit.as_u64()));
-    Err(Error::new(ErrorKind::Limit, message)
-        .in_file(scene)
-        .value(format!("about {}", in_words(estimated.total())))
-        .remedy(format!(
-            "raise --memory-limit, or use a smaller scene or image (peaks: {})",
-            uses.join(", ")
-        )))
-}
-
-/// A number of bytes in words.
-fn in_words(bytes: u64) -> String {
-    ByteSize::b(bytes).display().iec().to_string()
-}
-
 /// A number rounded to this many digits.
 pub(crate) fn rounded(x: f64, digits: usize) -> f64 {
     let rounded: f64 = format!("{x:.*e}", digits.saturating_sub(1)).parse().unwrap_or(x);
@@ -269,14 +264,6 @@ pub(crate) fn grouped(n: u64) -> String {
 /// A number of bytes, in units of 1000.
 pub(crate) fn size(bytes: u64) -> String {
     ByteSize::b(bytes).display().si().to_string()
-}
-
-/// A number of bytes, with or without a unit.
-fn bytes(text: &str) -> std::result::Result<ByteSize, String> {
-    let size: std::result::Result<ByteSize, _> = text.parse();
-    size.ok().filter(|size| size.as_u64() > 0).ok_or_else(|| {
-        "write a number of bytes above 0, such as 8GiB, 500MB or 1000000000".to_owned()
-    })
 }
 
 /// `x,y,width,height` in pixels.

@@ -153,7 +153,7 @@ fn explain(
     let memory = memory::estimate_extracted(&extracted, extracted.pixels(), bvh.preset, batch);
     let start = Instant::now();
     let (pixels, file) = (extracted.pixels(), extracted.file().to_owned());
-    let scene = &extracted.build(bvh.preset);
+    let scene = &args.scene_options.build(extracted, bvh.preset)?;
     let build = start.elapsed().as_secs_f64();
     warn(&systems::warnings(scene, &file));
     let options = RenderOptions { batch, ..RenderOptions::default() };

@@ -18,6 +18,7 @@ mod input;
 mod interrupt;
 mod lighting;
 mod man;
+mod limit;
 mod merge;
 mod metadata;
 mod probe;

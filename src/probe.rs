@@ -54,7 +54,7 @@ pub(crate) fn run(args: &ProbeArgs) -> Result<bool> {
         let loaded = args.scene_options.load(&args.scene)?;
         let extracted = args.scene_options.extract(loaded)?;
         let preset = args.scene_options.bvh.unwrap_or_else(|| extracted.preset());
-        let mut scene = extracted.build(preset);
+        let mut scene = args.scene_options.build(extracted, preset)?;
         args.search.apply(&mut scene.accel);
         let (size, samples) = (scene.camera.size(), scene.camera.rays_per_pixel());
         check(args, size, samples)?;

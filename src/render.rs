@@ -96,7 +96,7 @@ impl<'a> Run<'a> {
     fn all(mut self, shard: Option<Shard>) -> Result<()> {
         self.reporter.started(self.args, &command(std::env::args_os()));
         let Loaded { extracted, preset, estimated, predicted } = self.load()?;
-        let mut scene = self.build(extracted, preset);
+        let mut scene = self.build(extracted, preset)?;
         if let Some(frame) = self.args.frames.frame {
             frames::place(&mut scene, frame, &self.args.scene)?;
         }
@@ -143,16 +143,17 @@ impl<'a> Run<'a> {
         Ok(Loaded { extracted, preset, estimated, predicted })
     }
 
-    fn build(&mut self, extracted: Extracted, preset: Preset) -> PreparedScene {
+    fn build(&mut self, extracted: Extracted, preset: Preset) -> Result<PreparedScene> {
         self.reporter.stage(Stage::Build);
         let file = extracted.file().to_owned();
-        let mut scene = timed(&mut self.time.build, || extracted.build(preset));
+        let options = &self.args.scene_options;
+        let mut scene = timed(&mut self.time.build, || options.build(extracted, preset))?;
         let dropped = systems::warnings(&scene, &file);
         warn(&dropped);
         self.reporter.warnings(&dropped);
         self.reporter.built(self.args, &scene, preset, self.time.build);
         self.args.search.apply(&mut scene.accel);
-        scene
+        Ok(scene)
     }
 
     /// Traces the image.

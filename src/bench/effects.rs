@@ -45,7 +45,8 @@ fn prepare(args: &BenchArgs, variant: Variant, folder: &Path) -> Result<Entry> {
     let extracted = args.scene_options.extract(loaded)?;
     extracted.scene().appearance.decode()?;
     // The same for all, so that no effect has a better tree.
-    let mut scene = extracted.build(args.scene_options.bvh.unwrap_or(Preset::Medium));
+    let preset = args.scene_options.bvh.unwrap_or(Preset::Medium);
+    let mut scene = args.scene_options.build(extracted, preset)?;
     args.search.apply(&mut scene.accel);
     Ok(Entry { variant, scene })
 }

@@ -109,6 +109,7 @@ fn memory_text(e: &Explanation) -> String {
         ("build", f.build, m.build, None),
         ("film", f.film, m.film, None),
         ("batches", f.batches, m.batches, found.map(|found| found.batches)),
+        ("decoding images", f.decoding, m.decoding, None),
         ("program", f.program, m.program, None),
         ("reading", f.loading, m.loading, None),
         ("peak", e.estimated_total, e.memory_total, found.and_then(|found| found.peak)),

@@ -97,7 +97,7 @@ impl<'a> Shoot<'a> {
         let preset = options.bvh.unwrap_or_else(|| extracted.preset());
         let file = extracted.file().to_owned();
         reporter.stage(Stage::Build);
-        let mut scene = extracted.build(preset);
+        let mut scene = options.build(extracted, preset)?;
         warn(&systems::warnings(&scene, &file));
         args.search.apply(&mut scene.accel);
         let interrupt = Interrupt::listen()?;

@@ -200,6 +200,11 @@ impl Appearance {
         self.attribute_bytes() + self.all_images().map(LazyImage::expected_bytes).sum::<u64>()
     }
 
+    /// Bytes held besides by `threads` threads that decode images at a time.
+    pub fn decoding_bytes(&self, threads: usize) -> u64 {
+        largest(self.all_images().map(LazyImage::decoding_bytes), threads)
+    }
+
     fn attribute_bytes(&self) -> u64 {
         let meshes: usize = self
             .meshes
@@ -213,4 +218,11 @@ impl Appearance {
             .sum();
         (meshes + size_of_val(self.details.as_slice())) as u64
     }
+}
+
+/// The sum of the largest `count` of some numbers.
+pub fn largest(numbers: impl Iterator<Item = u64>, count: usize) -> u64 {
+    let mut all: Vec<u64> = numbers.collect();
+    all.sort_unstable();
+    all.iter().rev().take(count).fold(0, |sum, &number| sum.saturating_add(number))
 }

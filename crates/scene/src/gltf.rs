@@ -17,6 +17,7 @@ mod camera;
 mod container;
 mod document;
 mod fields;
+mod images;
 mod instancing;
 mod light;
 mod material;

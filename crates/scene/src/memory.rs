@@ -1,9 +1,10 @@
 //! Peak memory of a render, estimated and measured.
 
+use crate::components::TextureRef;
 use crate::survey::{Survey, SurveyedMesh};
 use crate::systems::{Extracted, textures};
 use wavecrest_core::accel::build::Preset;
-use wavecrest_core::prepared::PreparedScene;
+use wavecrest_core::prepared::{PreparedScene, largest};
 use wavecrest_core::render::batch_size;
 use wavecrest_core::wavefront::batch::Batch;
 
@@ -22,6 +23,8 @@ pub struct Estimate {
     pub film: u64,
     /// The wavefronts' columns, one wavefront for each thread.
     pub batches: u64,
+    /// Images being decoded, besides what is kept of them.
+    pub decoding: u64,
     /// The program itself.
     pub program: u64,
     /// The peak while reading the scene: estimated, or measured after reading.
@@ -60,8 +63,8 @@ impl Estimate {
     /// The peak over reading, building and tracing.
     pub fn total(&self) -> u64 {
         let lasting = self.geometry + self.appearance + self.program;
-        let ahead = lasting + self.build.max(self.tree + self.film + self.batches);
-        ahead.max(self.loading)
+        let tracing = self.tree + self.film + self.batches + self.decoding;
+        (lasting + self.build.max(tracing)).max(self.loading)
     }
 }
 
@@ -84,6 +87,7 @@ pub fn estimate_extracted(
         build: build_bytes(preset, primitives),
         film: pixels * size_of::<[f32; 3]>() as u64,
         batches: Batch::estimated_bytes(scene, batch_size(scene, batch)) * threads,
+        decoding: scene.appearance.decoding_bytes(threads as usize),
         program: PROGRAM_BYTES,
         loading: peak().unwrap_or(0),
     }
@@ -154,16 +158,19 @@ pub fn estimate(survey: &Survey, asked: Asked) -> Estimate {
         appearance: meshes.appearance,
         ..Estimate::default()
     };
-    let mut decoding = 0;
-    for [held, more] in survey.textures.iter().map(textures::survey) {
-        found.appearance = found.appearance.saturating_add(held);
-        decoding = decoding.max(more);
-    }
+    let texture = |texture: &TextureRef| textures::survey(&texture.source, texture.filter);
+    let images: Vec<[u64; 2]> = (survey.textures.iter().map(texture))
+        .chain(survey.masks.iter().map(textures::survey_mask))
+        .chain(survey.embedded.iter().copied())
+        .collect();
+    let held = images.iter().map(|[held, _]| *held);
+    found.appearance = held.fold(found.appearance, u64::saturating_add);
+    found.decoding = largest(images.iter().map(|[_, more]| *more), rayon::current_num_threads());
     let text = survey.text.saturating_mul(JSON_BYTES_PER_BYTE);
     let lasting = found.geometry.saturating_add(found.appearance).saturating_add(found.program);
-    let read = [survey.raw, meshes.read.min(READER_BYTES), found.program, text];
+    let read = [survey.raw, meshes.read.min(READER_BYTES), found.program, text, survey.creasing];
     let read = read.into_iter().fold(meshes.read, u64::saturating_add);
-    found.loading = read.max(lasting.saturating_add(meshes.copy).saturating_add(decoding));
+    found.loading = read.max(lasting.saturating_add(meshes.copy));
     let primitives = survey.others.saturating_add(meshes.primitives);
     let preset = asked.preset.unwrap_or_else(|| Preset::choose(primitives, expected_rays(survey)));
     found.tree = primitives.saturating_mul(tree_bytes(preset));

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::components::{Filter, Materials, Sampling, Shading, TextureRef};
+use super::components::{CutOut, Filter, Materials, Sampling, Shading, TextureRef, TextureSource};
 use super::load::staging;
 use super::mesh::{self, MeshData};
 use super::reader::Notes;
@@ -37,6 +37,12 @@ pub struct Survey {
     pub others: u64,
     /// Its textures, each once, trilinear if any use of it is.
     pub textures: Vec<TextureRef>,
+    /// The images that shapes are cut out by, each once.
+    pub masks: Vec<TextureSource>,
+    /// For each image of a glTF file that a mesh wears its bytes, and those held besides while it is decoded.
+    pub embedded: Vec<[u64; 2]>,
+    /// Bytes that are held while a mesh without normals is given some.
+    pub creasing: u64,
     /// Entries of `scene.instances`.
     pub instances: u64,
     /// The size of the image in pixels.
@@ -53,14 +59,16 @@ pub struct Survey {
 /// normals when it has none.
 pub(super) fn standalone(path: &Path, size: [u32; 2], is_smoothed: bool) -> Result<Survey> {
     let mut holds = mesh::survey(path)?;
+    let mut creasing = 0;
     if is_smoothed && holds.normals == 0 {
         // About as many as positions, unless every edge is a crease.
         (holds.normals, holds.normal_indices) = (holds.positions, true);
+        creasing = mesh::crease::bytes(holds.positions, holds.triangles);
     }
     let mesh = SurveyedMesh { holds, normals: true, uvs: true, tangents: false, uses: 1 };
     let (rays_per_pixel, light_samples) = (staging::rays_per_pixel(), staging::samples());
     let meshes = vec![mesh];
-    Ok(Survey { meshes, size, rays_per_pixel, light_samples, ..Survey::default() })
+    Ok(Survey { meshes, size, rays_per_pixel, light_samples, creasing, ..Survey::default() })
 }
 
 /// Surveys `scene`, whose file has `text` bytes.
@@ -132,6 +140,11 @@ impl Survey {
                 Some(_) => {}
                 None => self.textures.push(texture.clone()),
             }
+        }
+        if let Some(CutOut { source, .. }) = &shape.cutout
+            && !self.masks.contains(source)
+        {
+            self.masks.push(source.clone());
         }
     }
 }

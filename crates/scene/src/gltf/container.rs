@@ -27,6 +27,12 @@ pub(super) fn json_length(start: &[u8]) -> Option<u32> {
     start.starts_with(&MAGIC).then(|| word(start, HEADER_BYTES)).flatten()
 }
 
+/// Offset of the data of the binary chunk in a GLB file that begins with `start`, in the usual layout.
+pub(super) fn binary_start(start: &[u8]) -> Option<u64> {
+    let before = (GLB_START + CHUNK_HEADER_BYTES) as u64;
+    json_length(start).map(|length| before + u64::from(length))
+}
+
 /// The ranges of the parts of a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Parts {

@@ -10,8 +10,8 @@ use std::path::Path;
 use serde_json::Value;
 
 use super::container::{GLB_START, json_length};
-use crate::load::LoadOptions;
-use crate::load::staging;
+use super::images;
+use crate::load::{LoadOptions, notes, staging};
 use crate::mesh;
 use crate::survey::{Survey, SurveyedMesh};
 use wavecrest_base::error::{Error, Result};
@@ -49,6 +49,7 @@ pub(crate) fn survey(path: &Path, options: &LoadOptions) -> Result<Survey> {
         }
         survey.instances = survey.instances.saturating_add(uses);
     }
+    survey.embedded = images::survey(&value, &notes(path, options));
     Ok(survey)
 }
 
@@ -77,7 +78,7 @@ fn has_normal_map(value: &Value, primitive: &Value) -> bool {
     material.is_some_and(|material| material["normalTexture"].is_object())
 }
 
-fn items<'a>(value: &'a Value, key: &str) -> &'a [Value] {
+pub(super) fn items<'a>(value: &'a Value, key: &str) -> &'a [Value] {
     value[key].as_array().map_or(&[], Vec::as_slice)
 }
 

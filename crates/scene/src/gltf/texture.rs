@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use glam::{DVec3, Vec2};
+use serde_json::Value;
 
 use crate::components::{Encoding, Filter, Placing, TextureRef, TextureSource, Wrap};
 use crate::reader::Range;
@@ -68,6 +69,13 @@ impl Sampler {
         }
         Ok(Self { filter, wrap: wraps[0] })
     }
+}
+
+/// Whether a sampler looks at smaller copies of its image.
+pub(super) fn is_mipmapped(sampler: &Value) -> bool {
+    let number = |key: &str| sampler[key].as_u64();
+    number("magFilter") != Some(NEAREST)
+        && number("minFilter").is_some_and(|filter| MIPMAPPED.contains(&filter))
 }
 
 fn wrap(fields: &Fields<'_>, key: &str) -> Result<Wrap> {

@@ -50,6 +50,16 @@ pub(crate) fn normals(positions: &[Vec3], triangles: &[[u32; 3]], degrees: f64) 
     together(parts, triangles.len())
 }
 
+/// Largest number of bytes that [`normals`] holds besides the mesh and the result, if few edges are creases.
+pub(crate) fn bytes(positions: u64, triangles: u64) -> u64 {
+    // Two offsets for each vertex; the corners; two numbers for each corner; and a copy of the normals.
+    let about = (8 * positions).saturating_add(12 * triangles);
+    let parts = (12 * positions).saturating_add(24 * triangles);
+    // For unshared vertices, a hash table with at most twice as many slots, and all numbers.
+    let joining = if positions <= triangles { 0 } else { 38 * positions + 16 * triangles };
+    about.saturating_add(parts).saturating_add(joining)
+}
+
 /// The normals of all parts, in order.
 fn together(parts: Vec<Part>, triangles: usize) -> Attribute<Vec3> {
     let mut values = Vec::with_capacity(parts.iter().map(|part| part.normals.len()).sum());

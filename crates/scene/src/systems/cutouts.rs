@@ -6,10 +6,10 @@ use std::sync::Arc;
 
 use glam::Mat3;
 use hecs::World;
-use image::{DynamicImage, ImageDecoder};
+use image::DynamicImage;
 
 use super::geometry::{Output, ShapeOutput};
-use super::textures::{check_size, decoding, name, placing};
+use super::textures::{Head, decoding, name, placing};
 use crate::components::{CutOut, TextureSource};
 use crate::query::json_path;
 use wavecrest_base::error::Result;
@@ -99,18 +99,12 @@ impl Images<'_> {
         if let Some((_, image)) = self.known.iter().find(|(known, _)| *known == key) {
             return Ok(image.clone());
         }
-        let head = decoding(&found.source, |decoder| {
-            Ok((decoder.dimensions(), decoder.color_type().has_alpha()))
-        });
-        let in_place = |error: wavecrest_base::error::Error| error.in_file(self.file).at(place);
-        let (size, has_alpha) = head.map_err(in_place)?;
-        check_size(&found.source, size).map_err(in_place)?;
-        let image = (has_alpha || found.is_mask).then(|| {
-            let bytes = u64::from(size.0) * u64::from(size.1) * size_of::<[u8; 4]>() as u64;
+        let head = Head::of(&found.source).map_err(|error| error.in_file(self.file).at(place))?;
+        let image = (head.has_alpha || found.is_mask).then(|| {
             let (source, file, place) =
                 (found.source.clone(), self.file.to_owned(), place.to_owned());
             let decode = move || decode(&source, file, place);
-            Arc::new(LazyImage::new(name(&found.source), bytes, decode))
+            Arc::new(LazyImage::new(name(&found.source), head.mask_bytes(), decode))
         });
         self.known.push((key, image.clone()));
         Ok(image)

@@ -23,8 +23,10 @@ use wavecrest_core::prepared::{LazyImage, Placing, Texture, UvMap};
 
 /// Largest decoded image, in texels on a side.
 const MAX_SIDE: u32 = 1 << 16;
-/// Largest decoded image, in bytes.
+/// Largest image, in bytes as decoded and as kept.
 const MAX_BYTES: u64 = 4 << 30;
+/// The most bytes that the head of an image unpacks to: a colour profile that is larger is passed over.
+const MAX_METADATA: u64 = 8 << 20;
 
 /// Assigns to each shape the image of its colour. Images that are not shown are not opened, unless
 /// the schedule requires them.
@@ -94,8 +96,8 @@ pub(super) fn placing(components::Placing([u, v]): components::Placing) -> Placi
 
 /// The image of a texture, after checking the header of its file.
 fn lazy(texture: TextureRef, file: PathBuf, place: String) -> Result<LazyImage> {
-    let head = Head::of(&texture).map_err(|e| e.in_file(&file).at(&place))?;
-    let [expected, _] = head.bytes(&texture);
+    let head = Head::of(&texture.source).map_err(|e| e.in_file(&file).at(&place))?;
+    let bytes = head.bytes(texture.filter);
     let name = name(&texture.source);
     let decode = move || {
         let mut image = decode(&texture).map_err(|e| e.in_file(file).at(place))?;
@@ -104,13 +106,18 @@ fn lazy(texture: TextureRef, file: PathBuf, place: String) -> Result<LazyImage> 
         }
         Ok(image)
     };
-    Ok(LazyImage::new(name, expected, decode))
+    Ok(LazyImage::new(name, bytes, decode))
 }
 
 /// Bytes of a texture, and additional bytes while it is decoded, from the header of its file; 0 if
 /// that cannot be read, which is reported when the scene is prepared.
-pub fn survey(texture: &TextureRef) -> [u64; 2] {
-    Head::of(texture).map_or([0; 2], |head| head.bytes(texture))
+pub fn survey(source: &TextureSource, filter: Filter) -> [u64; 2] {
+    Head::of(source).map_or([0; 2], |head| head.bytes(filter))
+}
+
+/// As [`survey`], for the image of a cut-out.
+pub fn survey_mask(source: &TextureSource) -> [u64; 2] {
+    Head::of(source).map_or([0; 2], Head::mask_bytes)
 }
 
 /// Checks that the image at `path` can be decoded, as far as its header tells.
@@ -124,34 +131,71 @@ pub(crate) fn check(path: &Path) -> Result<()> {
 
 /// Properties of an image from its header.
 #[derive(Clone, Copy)]
-struct Head {
+pub(super) struct Head {
     size: (u32, u32),
     /// Whether its values are bytes.
     is_bytes: bool,
-    /// Decoded size in bytes.
+    pub(super) has_alpha: bool,
+    /// Decoded size in bytes, and the bytes that the decoder needs besides.
     decoded: u64,
+    scratch: u64,
+    /// Bytes of it in memory as they lie in a file.
+    embedded: u64,
 }
 
 impl Head {
-    /// The header of a texture, if the texture can be decoded as far as its header tells.
-    fn of(texture: &TextureRef) -> Result<Self> {
-        let head = decoding(&texture.source, |decoder| {
+    /// The header of an image, if the image can be decoded as far as its header tells and is not too large.
+    pub(super) fn of(source: &TextureSource) -> Result<Self> {
+        let embedded = match source {
+            TextureSource::File(_) => 0,
+            TextureSource::Embedded { bytes, .. } => bytes.len() as u64,
+        };
+        let head = decoding(source, |decoder| {
             let color = decoder.color_type();
             let is_bytes = color.bytes_per_pixel() == color.channel_count();
-            Ok(Self { size: decoder.dimensions(), is_bytes, decoded: decoder.total_bytes() })
+            let decoded = decoder.total_bytes();
+            Ok(Self {
+                size: decoder.dimensions(),
+                is_bytes,
+                has_alpha: color.has_alpha(),
+                decoded,
+                // JPEG keeps two bytes for each number where it comes in several scans, EXR a whole copy.
+                scratch: decoded * if is_bytes { 2 } else { 1 },
+                embedded,
+            })
         })?;
-        check_size(&texture.source, head.size)?;
-        Ok(head)
+        check_size(source, head.size)?;
+        let ([held, _], (width, height)) = (head.bytes(Filter::Nearest), head.size);
+        if held <= MAX_BYTES {
+            return Ok(head);
+        }
+        let message = format!("the texture {} takes too much memory once decoded", name(source));
+        let found = format!("{:.1} GB for {width} x {height} texels", held as f64 / 1e9);
+        let remedy =
+            format!("use a smaller image: at most {:.1} GB are allowed", MAX_BYTES as f64 / 1e9);
+        Err(Error::new(ErrorKind::Limit, message).value(found).remedy(remedy))
     }
 
     /// As [`survey`].
-    fn bytes(self, texture: &TextureRef) -> [u64; 2] {
-        let Self { size, is_bytes, decoded } = self;
-        let texel = if is_bytes { size_of::<[u8; 4]>() } else { size_of::<[f32; 3]>() };
-        let texels = u64::from(size.0).saturating_mul(u64::from(size.1));
-        let finest = texels.saturating_mul(texel as u64);
-        let coarser = if texture.filter == Filter::Trilinear { pyramid_bytes(size) } else { 0 };
-        [finest.saturating_add(coarser), finest.saturating_add(decoded)]
+    fn bytes(self, filter: Filter) -> [u64; 2] {
+        let texel = if self.is_bytes { size_of::<[u8; 4]>() } else { size_of::<[f32; 3]>() };
+        let coarser = if filter == Filter::Trilinear { pyramid_bytes(self.size) } else { 0 };
+        self.bytes_of(texel, coarser)
+    }
+
+    /// As [`survey_mask`].
+    pub(super) fn mask_bytes(self) -> [u64; 2] {
+        self.bytes_of(size_of::<[u8; 4]>(), 0)
+    }
+
+    /// Bytes of texels of so many each, and of a pyramid; and those held besides while they are made: as decoded, and
+    /// once more in between.
+    fn bytes_of(self, texel: usize, coarser: u64) -> [u64; 2] {
+        let Self { size, decoded, scratch, embedded, .. } = self;
+        let finest =
+            u64::from(size.0).saturating_mul(u64::from(size.1)).saturating_mul(texel as u64);
+        let all = [finest, coarser, embedded].into_iter().fold(0, u64::saturating_add);
+        [all, decoded.saturating_add(finest.max(scratch))]
     }
 }
 
@@ -193,7 +237,7 @@ fn decode(texture: &TextureRef) -> Result<Image> {
     Ok(Image::new(width, height, texels(decoded, texture.encoding, texture.tint)))
 }
 
-pub(super) fn check_size(source: &TextureSource, (width, height): (u32, u32)) -> Result<()> {
+fn check_size(source: &TextureSource, (width, height): (u32, u32)) -> Result<()> {
     if width > 0 && height > 0 {
         return Ok(());
     }
@@ -260,9 +304,11 @@ fn decoder_of<'a>(
     let mut limits = image::Limits::default();
     limits.max_image_width = Some(MAX_SIDE);
     limits.max_image_height = Some(MAX_SIDE);
-    limits.max_alloc = Some(MAX_BYTES);
+    // Only of PNG files are heads read within these limits; the rest is decoded within those below.
+    limits.max_alloc = Some(MAX_METADATA);
     reader.limits(limits.clone());
     let mut decoder = reader.into_decoder()?;
+    limits.max_alloc = Some(MAX_BYTES);
     limits.reserve(decoder.total_bytes())?;
     decoder.set_limits(limits)?;
     Ok(Box::new(decoder))

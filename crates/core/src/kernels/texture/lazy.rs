@@ -14,17 +14,18 @@ pub struct LazyImage {
     image: LazyLock<Result<Image>, Decode>,
     name: String,
     expected: u64,
+    decoding: u64,
 }
 
 impl LazyImage {
-    /// The image with this `name` and `expected` bytes, which `decode` reads. `decode` must not
-    /// wait for threads that look up images.
+    /// The image that `decode` makes of the source with this `name`: `expected` is its size in bytes, and the additional
+    /// bytes held while it is decoded. `decode` must not wait for threads that look up images.
     pub fn new(
         name: String,
-        expected: u64,
+        [expected, decoding]: [u64; 2],
         decode: impl FnOnce() -> Result<Image> + Send + 'static,
     ) -> Self {
-        Self { image: LazyLock::new(Box::new(decode)), name, expected }
+        Self { image: LazyLock::new(Box::new(decode)), name, expected, decoding }
     }
 
     /// The image, decoded now if it has not been.
@@ -62,6 +63,11 @@ impl LazyImage {
     pub fn expected_bytes(&self) -> u64 {
         self.expected
     }
+
+    /// Bytes held besides while it is decoded, by the head of its file.
+    pub fn decoding_bytes(&self) -> u64 {
+        self.decoding
+    }
 }
 
 #[cfg(test)]
@@ -77,7 +83,7 @@ mod tests {
     fn an_image_is_decoded_once_whoever_looks_first() {
         let times = Arc::new(AtomicU32::new(0));
         let counter = Arc::clone(&times);
-        let image = LazyImage::new("a.png".into(), 4, move || {
+        let image = LazyImage::new("a.png".into(), [4, 8], move || {
             counter.fetch_add(1, Ordering::Relaxed);
             Ok(Image::new(1, 1, Texels::Bytes(vec![[1, 2, 3, 0]])))
         });
@@ -92,7 +98,7 @@ mod tests {
 
     #[test]
     fn a_failure_is_told_as_often_as_it_is_asked_for() {
-        let image = LazyImage::new("a.png".into(), 4, || {
+        let image = LazyImage::new("a.png".into(), [4, 8], || {
             Err(Error::new(ErrorKind::Texture, "no image").in_file("a.json"))
         });
         for _ in 0..2 {
