@@ -2,7 +2,8 @@
 //! small hierarchy joins them.
 //!
 //! A chunk's parts are copied into the arena as soon as all chunks before it have their places. So
-//! the tree is the same for any number of threads and is never held twice.
+//! the tree is the same for any number of threads and is never held twice, unless it is much larger
+//! than usual for its primitives: then it is moved to a larger arena at the end.
 
 use std::collections::BTreeMap;
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -16,9 +17,6 @@ use crate::accel::tree::{Root, Tree};
 use crate::accel::units::Units;
 use crate::math::simd::LANES;
 
-/// The largest number of units that a primitive can take: its own leaf, and the node above it.
-const MOST_UNITS: usize = 1 + NODE_UNITS;
-
 /// A chunk to build.
 struct Task<'a> {
     chunk: usize,
@@ -29,15 +27,16 @@ struct Task<'a> {
     count: usize,
 }
 
-/// Builds the tree over two or more chunks, each cut into about `parts` parts.
-pub(super) fn build(plan: &Plan, chunks: Chunks, parts: usize) -> Option<Tree> {
+/// Builds the tree over two or more chunks, each cut into about `parts` parts. `room` bytes are reserved for each
+/// primitive; a tree that takes more is moved when all chunks are built.
+pub(super) fn build(plan: &Plan, chunks: Chunks, parts: usize, room: usize) -> Option<Tree> {
     let (mut numbers, lengths) = with_room_for_halves(plan.geometry, chunks);
     // The nodes that join the parts come first: fewer than there are parts, plus those that
     // opening the last node may have added.
     let ahead = NODE_UNITS * (parts + LANES) * lengths.len();
-    // Address space for the worst case: unwritten pages take no memory.
-    let mut units = Units::zeroed(ahead + MOST_UNITS * numbers.len());
-    let (top, rest) = units.as_mut_slice().split_at_mut(ahead);
+    // Unwritten pages take address space but no memory.
+    let mut units = Units::zeroed(ahead + (numbers.len() * room).div_ceil(size_of::<Unit>()));
+    let (_, rest) = units.as_mut_slice().split_at_mut(ahead);
     let mut ranges = Vec::with_capacity(lengths.len());
     let mut left = numbers.as_mut_slice();
     let mut first = 0;
@@ -55,13 +54,31 @@ pub(super) fn build(plan: &Plan, chunks: Chunks, parts: usize) -> Option<Tree> {
             build_chunk(plan, parts, &mut piece, task, &assembly);
         }
     });
-    let Assembly { used, upper_nodes, .. } =
+    let Assembly { used, upper_nodes, late, .. } =
         assembly.into_inner().unwrap_or_else(PoisonError::into_inner);
+    if !late.is_empty() {
+        units = lengthened(units, ahead, used, late);
+    }
+    let (top, _) = units.as_mut_slice().split_at_mut(ahead);
     let (start, bounds) = join::join(plan.geometry, &upper_nodes, top)?;
     units.keep(start..used);
     let place = arena::root_of(Kind::Node);
     let (arena, census) = Arena::new(units, numbers, place)?;
     Some(Tree { arena, root: Some(Root { place, bounds }), census, ..Tree::default() })
+}
+
+/// A larger arena of `used` units, in which the chunks `late` come last; the first `ahead` units are zeros.
+fn lengthened(units: Units, ahead: usize, used: usize, late: Vec<Vec<Unit>>) -> Units {
+    let mut longer = Units::zeroed(used);
+    let mut end = used - late.iter().map(Vec::len).sum::<usize>();
+    let all = longer.as_mut_slice();
+    all[ahead..end].copy_from_slice(&units[ahead..end]);
+    drop(units);
+    for chunk in late {
+        all[end..end + chunk.len()].copy_from_slice(&chunk);
+        end += chunk.len();
+    }
+    longer
 }
 
 /// Number of primitives in a chunk, and of numbers that its leaves may need.
@@ -142,9 +159,11 @@ fn build_chunk(
 struct Assembly<'a> {
     /// The next chunk to place.
     next: usize,
-    /// The free units, and the number of the first.
+    /// The free units, and the number of units used, including those of `late`.
     rest: &'a mut [Unit],
     used: usize,
+    /// The chunks for which no room was left, in order.
+    late: Vec<Vec<Unit>>,
     /// Chunks that were finished before their turn.
     early: BTreeMap<usize, (Vec<Unit>, UpperNodes)>,
     /// The tops of the placed chunks.
@@ -152,36 +171,52 @@ struct Assembly<'a> {
 }
 
 impl<'a> Assembly<'a> {
-    /// Reserves room for the next chunk.
-    fn claim(&mut self, units: usize, mut upper: UpperNodes) -> &'a mut [Unit] {
-        let (room, rest) = std::mem::take(&mut self.rest).split_at_mut(units);
-        self.rest = rest;
+    /// Reserves room for the next chunk: returns the units and their destination, or keeps them if no room is left.
+    fn claim(
+        &mut self,
+        units: Vec<Unit>,
+        mut upper: UpperNodes,
+    ) -> Option<(&'a mut [Unit], Vec<Unit>)> {
         upper.parts.iter_mut().for_each(|part| part.unit += self.used);
         self.upper_nodes.push(upper);
-        self.used += units;
+        self.used += units.len();
         self.next += 1;
-        room
+        match std::mem::take(&mut self.rest).split_at_mut_checked(units.len()) {
+            Some((room, rest)) => {
+                self.rest = rest;
+                Some((room, units))
+            }
+            None => {
+                self.late.push(units);
+                None
+            }
+        }
     }
 }
 
 /// Copies a chunk to its place, with the chunks that waited for it; or keeps it waiting.
 fn place(assembly: &Mutex<Assembly>, chunk: usize, units: &mut Vec<Unit>, upper: UpperNodes) {
+    let own = std::mem::take(units);
     let mut waited = Vec::new();
-    let room = {
+    let claimed = {
         let mut assembly = lock(assembly);
         if chunk != assembly.next {
-            assembly.early.insert(chunk, (std::mem::take(units), upper));
+            assembly.early.insert(chunk, (own, upper));
             return;
         }
-        let room = assembly.claim(units.len(), upper);
+        let claimed = assembly.claim(own, upper);
         let mut next = assembly.next;
         while let Some((units, upper)) = assembly.early.remove(&next) {
-            waited.push((assembly.claim(units.len(), upper), units));
+            waited.extend(assembly.claim(units, upper));
             next = assembly.next;
         }
-        room
+        claimed
     };
-    room.copy_from_slice(units);
+    if let Some((room, own)) = claimed {
+        room.copy_from_slice(&own);
+        // Kept for the next chunk.
+        *units = own;
+    }
     for (room, units) in waited {
         room.copy_from_slice(&units);
     }

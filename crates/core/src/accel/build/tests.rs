@@ -109,9 +109,12 @@ fn hc03_every_level_and_kernel_answers_as_brute_force_does() {
     }
 }
 
-/// Cuts that make many chunks of a small scene.
-const CUTS: [Cut; 3] =
-    [Cut { chunk: 1, parts: 1 }, Cut { chunk: 37, parts: 4 }, Cut { chunk: 500, parts: 50 }];
+const fn cut(chunk: usize, parts: usize, room: usize) -> Cut {
+    Cut { chunk, parts, room }
+}
+
+/// Cuts that make many chunks of a small scene: with no room, with some, and with enough.
+const CUTS: [Cut; 3] = [cut(1, 1, 0), cut(37, 4, 40), cut(500, 50, 400)];
 
 /// Presets that build in chunks.
 const CHUNKED: [Preset; 4] = [Preset::Fastest, Preset::VeryFast, Preset::Fast, Preset::Medium];
@@ -147,9 +150,8 @@ fn the_tree_is_the_same_on_any_number_of_threads() {
     let geometry = mixture(3000);
     let built = |threads: usize, preset: Preset| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
-        let tree = pool.install(|| {
-            build_cut(&geometry, Survey::of(&geometry), preset, Cut { chunk: 100, parts: 8 })
-        });
+        let cut = cut(100, 8, if threads == 2 { 400 } else { 30 });
+        let tree = pool.install(|| build_cut(&geometry, Survey::of(&geometry), preset, cut));
         let (units, numbers) = tree.arena.parts();
         (bytemuck::cast_slice::<_, u32>(units).to_vec(), numbers.to_vec(), tree.census)
     };
@@ -186,7 +188,7 @@ fn triangles_that_repeat_positions_share_leaves() {
         repeated.positions.extend(shared.triangle(i));
         repeated.triangles.push([first, first + 1, first + 2]);
     }
-    for cut in [CUTS[1], CUTS[2], Cut { chunk: usize::MAX, parts: 1 }] {
+    for cut in [CUTS[1], CUTS[2], cut(usize::MAX, 1, 0)] {
         let census =
             |geometry| build_cut(geometry, Survey::of(geometry), Preset::Fast, cut).census();
         assert_eq!(census(&repeated), census(&shared), "{cut:?}");
