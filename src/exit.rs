@@ -1,6 +1,9 @@
 //! Exit codes of the command.
 
-/// Every exit code with its meaning: for the help, the manual and the README.
+/// The code of an error.
+pub(crate) const ERROR: u8 = 2;
+
+/// Every exit code with its meaning: for the help, the manual and the guide.
 pub(crate) const CODES: [(u8, &str); 5] = [
     (0, "success; diff: the images are equal, or within the limits"),
     (
@@ -8,7 +11,7 @@ pub(crate) const CODES: [(u8, &str); 5] = [
         "the check failed; diff: the images differ by more than the limits; bench, probe: the tracers differ; selftest: \
          a case fails; accuracy: something became worse, or an image changed that must not",
     ),
-    (2, "error, printed to standard error"),
+    (ERROR, "error, printed to standard error"),
     (130, "stopped by SIGINT (Ctrl-C); finished pixels are written"),
     (143, "stopped by SIGTERM; the same"),
 ];

@@ -3,6 +3,7 @@
 //! [`exit::CODES`] lists the exit codes.
 
 mod accuracy;
+mod allocator;
 mod bench;
 mod check;
 mod choice;
@@ -17,8 +18,8 @@ mod generate;
 mod input;
 mod interrupt;
 mod lighting;
-mod man;
 mod limit;
+mod man;
 mod merge;
 mod metadata;
 mod probe;
@@ -33,7 +34,7 @@ use std::process::ExitCode;
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
-use common::tell;
+use common::{Threads, tell};
 use wavecrest_base::error::{Error, ErrorKind, Result, did_you_mean};
 
 /// A ray tracer for large triangle meshes.
@@ -90,7 +91,7 @@ fn failed(error: &Error) -> ExitCode {
         _ => {
             // One line for each error.
             error.to_string().lines().for_each(|line| tell(&format!("error: {line}")));
-            ExitCode::from(2)
+            ExitCode::from(exit::ERROR)
         }
     }
 }
@@ -134,14 +135,14 @@ fn with_command(mut arguments: Vec<OsString>) -> Result<Vec<OsString>> {
 fn dispatch(command: &Command) -> Result<bool> {
     match command {
         Command::Render(args) => render::run(args).map(|()| true),
-        Command::Merge(args) => merge::run(args).map(|()| true),
+        Command::Merge(args) => pooled(|| merge::run(args)).map(|()| true),
         Command::Check(args) => check::run(args).map(|()| true),
-        Command::Convert(args) => convert::run(args).map(|()| true),
+        Command::Convert(args) => pooled(|| convert::run(args)).map(|()| true),
         Command::Explain(args) => explain::run(args).map(|()| true),
         Command::Probe(args) => probe::run(args),
-        Command::Generate(args) => generate::run(args).map(|()| true),
+        Command::Generate(args) => pooled(|| generate::run(args)).map(|()| true),
         Command::Trace(args) => trace::run(args).map(|()| true),
-        Command::Diff(args) => diff::run(args),
+        Command::Diff(args) => pooled(|| diff::run(args)),
         Command::Bench(args) => bench::run(args),
         Command::Selftest(args) => selftest::run(args),
         Command::Accuracy(args) => accuracy::run(args),
@@ -149,4 +150,9 @@ fn dispatch(command: &Command) -> Result<bool> {
         Command::Completions(args) => completions::run(args, program()).map(|()| true),
         Command::Man(args) => man::run(args, program()).map(|()| true),
     }
+}
+
+/// Runs a command that has no option on threads: that they cannot be started is an error here, too.
+fn pooled<R: Send>(command: impl FnOnce() -> Result<R> + Send) -> Result<R> {
+    Threads { threads: None }.run(command)
 }

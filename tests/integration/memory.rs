@@ -8,6 +8,9 @@ use wavecrest_scene::mesh::{self, MeshData, Survey};
 
 use crate::support::{folder, matte, pinhole, point_light, scene, wavecrest};
 
+// Images by their heads, and an address space that is too small.
+mod short;
+
 fn held(data: &MeshData) -> Survey {
     Survey {
         positions: data.positions.len() as u64,

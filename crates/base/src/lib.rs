@@ -1,6 +1,7 @@
 //! The foundation of all crates of wavecrest: errors that name file, place, value and remedy;
-//! atomic replacement of files; options with named values.
+//! atomic replacement of files; options with named values; memory, and what it is for.
 
 pub mod choice;
 pub mod error;
+pub mod memory;
 pub mod replace;

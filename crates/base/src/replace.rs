@@ -6,10 +6,12 @@
 use std::fs::{File, Metadata};
 use std::io::{BufWriter, ErrorKind as IoKind, Write};
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use tempfile::NamedTempFile;
 
 use crate::error::{Error, ErrorKind, Result};
+use crate::memory::Stage;
 
 /// The writer for a file's content.
 pub type Sink<'a> = BufWriter<&'a File>;
@@ -23,8 +25,10 @@ pub type Sink<'a> = BufWriter<&'a File>;
 /// If `fill` fails, the folder is missing or not writable, the disk is full, or the target is a
 /// folder, a device or read-only. The error names the file.
 pub fn replace_file(path: &Path, fill: impl FnOnce(&mut Sink<'_>) -> Result<()>) -> Result<()> {
+    Stage::Write.begin();
     let target = Target::new(path)?;
     let temporary = target.temporary()?;
+    let _listed = Listed::new(temporary.path());
     let mut sink = BufWriter::new(temporary.as_file());
     fill(&mut sink).map_err(|error| error.in_file(path))?;
     sink.flush().map_err(|error| write_error(path, error))?;
@@ -67,6 +71,38 @@ pub fn write_error(path: &Path, error: std::io::Error) -> Error {
         _ => "try another folder",
     };
     Error::io("cannot write the file", path, error).remedy(remedy)
+}
+
+/// The existing temporary files.
+static TEMPORARY: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+/// Removes the temporary files of unfinished files, before the process ends.
+pub fn remove_temporary_files() {
+    // The caller may hold the lock.
+    let Ok(paths) = TEMPORARY.try_lock() else { return };
+    for path in &*paths {
+        let _ = std::fs::remove_file(path);
+    }
+}
+
+/// Keeps a temporary file in the list until it is dropped.
+struct Listed(PathBuf);
+
+impl Listed {
+    fn new(path: &Path) -> Self {
+        temporary().push(path.to_owned());
+        Self(path.to_owned())
+    }
+}
+
+impl Drop for Listed {
+    fn drop(&mut self) {
+        temporary().retain(|path| *path != self.0);
+    }
+}
+
+fn temporary() -> MutexGuard<'static, Vec<PathBuf>> {
+    TEMPORARY.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// A file to create or replace; not a folder or device.

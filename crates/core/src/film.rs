@@ -1,6 +1,7 @@
 //! The film: the pixels of one image, in linear colour.
 
 use wavecrest_base::error::{Error, ErrorKind, Result};
+use wavecrest_base::memory;
 
 /// Largest number of pixels of a film: 2^28, which is 16384 x 16384 and takes 3 GiB.
 pub const MAX_PIXELS: u64 = 1 << 28;
@@ -131,16 +132,9 @@ pub fn checked_pixel_count(width: u32, height: u32) -> Result<usize> {
     }
 }
 
-/// An empty list with room for `count` values, or an error if memory is short.
+/// An empty list with room for `count` values of an image, or an error if memory is short.
 pub fn reserve<T>(count: usize) -> Result<Vec<T>> {
-    let mut values = Vec::new();
-    values.try_reserve_exact(count).map_err(|cause| {
-        let bytes = count.saturating_mul(size_of::<T>());
-        Error::new(ErrorKind::Limit, format!("not enough memory for {bytes} bytes"))
-            .remedy("use a smaller image")
-            .because(cause)
-    })?;
-    Ok(values)
+    memory::reserve(count, "the image").map_err(|error| error.remedy("use a smaller image"))
 }
 
 #[cfg(test)]
@@ -204,6 +198,6 @@ mod tests {
     #[test]
     fn memory_that_cannot_be_had_is_an_error() {
         let error = reserve::<[f32; 3]>(usize::MAX / 12).unwrap_err().to_string();
-        assert!(error.starts_with("there is not memory enough for "), "{error}");
+        assert!(error.starts_with("the system refused "), "{error}");
     }
 }

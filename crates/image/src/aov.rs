@@ -27,7 +27,8 @@ mod pass;
 
 use crate::camera_rays::CameraRays;
 use crate::metadata::{ALPHA, Channel, Entry, Values};
-use wavecrest_base::error::{Error, ErrorKind, Result};
+use wavecrest_base::error::Result;
+use wavecrest_base::memory;
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render;
 use wavecrest_core::tile::Tile;
@@ -157,13 +158,8 @@ pub fn layers(scene: &PreparedScene, request: &Request<'_>) -> Result<Found> {
 /// A channel of zeros.
 fn room(layer: Layer, pixels: usize) -> Result<Values> {
     fn zeros<T: Copy + Default>(count: usize) -> Result<Vec<T>> {
-        let mut values = Vec::new();
-        values.try_reserve_exact(count).map_err(|cause| {
-            let bytes = count.saturating_mul(size_of::<T>());
-            Error::new(ErrorKind::Limit, format!("not enough memory for {bytes} bytes"))
-                .remedy("use fewer layers, or --crop")
-                .because(cause)
-        })?;
+        let mut values = memory::reserve(count, "a layer")
+            .map_err(|error| error.remedy("use fewer layers, or --crop"))?;
         values.resize(count, T::default());
         Ok(values)
     }

@@ -20,11 +20,11 @@ use std::path::{Path, PathBuf};
 use hecs::World;
 
 use wavecrest_base::error::{Error, ErrorKind, Result, Warning};
+use wavecrest_base::memory::Stage;
 
 use framing::Framing;
 
 use super::components::Encoding;
-use super::gltf;
 use super::folder::Folder;
 use super::mesh::{self, LoadedMesh, MeshData};
 use super::parse;
@@ -69,9 +69,9 @@ pub struct LoadedScene {
     pub files: Vec<PathBuf>,
     /// The transfer curve of 8-bit images, unless one is requested.
     pub encoding: Encoding,
-}
     /// The folder of the file, outside which no image is copied from unless that is allowed.
     pub(crate) folder: Folder,
+}
 
 /// Reads the scene at `path` and the files that it names: a scene file in JSON, a glTF file, or a
 /// standalone mesh, recognised by its extension and its first bytes.
@@ -80,6 +80,7 @@ pub struct LoadedScene {
 /// If the file or a mesh cannot be read or violates its format, a texture is missing, a value
 /// violates the scene format, or something exceeds a limit.
 pub fn load(path: &Path, options: &LoadOptions) -> Result<LoadedScene> {
+    Stage::Read.begin();
     match FileFormat::of(path)? {
         FileFormat::Scene => load_str(&read_text(path)?, path, options),
         FileFormat::Gltf => gltf::load(path, options),
@@ -174,9 +175,9 @@ pub(super) fn spawned(
     let encoding = scene.encoding;
     let told = told.map(|text| Warning::from_error(&notes.error(ErrorKind::Scene, "", text)));
     let world = spawn::world(scene, &notes, read_mesh)?;
+    let folder = notes.folder();
     let (warnings, files) = notes.into_parts();
     Ok(LoadedScene { world, warnings, notes: told.into_iter().collect(), files, encoding, folder })
-    let folder = notes.folder();
 }
 
 /// What is said of `file` while it is read, none yet.
@@ -200,6 +201,7 @@ fn refuse_camera(file: &Path, options: &LoadOptions) -> Result<()> {
 /// # Errors
 /// As [`load`], as far as the scene file itself and the headers of meshes go.
 pub fn survey(path: &Path, options: &LoadOptions) -> Result<Survey> {
+    Stage::Read.begin();
     match FileFormat::of(path)? {
         FileFormat::Scene => {}
         FileFormat::Gltf => return gltf::survey(path, options),

@@ -44,6 +44,7 @@ use crate::query;
 use geometry::ShapeOutput;
 use textures::Images;
 use wavecrest_base::error::{Error, ErrorKind, Result, Warning, Warnings};
+use wavecrest_base::memory::Stage;
 use wavecrest_core::accel::Accel;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::accel::geometry::Geometry;
@@ -87,6 +88,7 @@ impl Default for Options<'_> {
 /// If the world lacks a camera or settings, a shape is too far out or too large, or an image cannot
 /// be read.
 pub fn extract(world: &mut World, options: Options<'_>) -> Result<Extracted> {
+    Stage::Extract.begin();
     let Options { precision, passes, flat } = options;
     let settings = query::settings(world)?;
     let file = settings.file.clone();
@@ -203,6 +205,7 @@ impl Extracted {
 
     /// Builds the tree: the last system.
     pub fn build(mut self, preset: Preset) -> PreparedScene {
+        Stage::Build.begin();
         self.scene.accel.rebuild(preset);
         self.scene.dropped = self.dropped();
         self.scene

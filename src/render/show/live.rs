@@ -57,11 +57,12 @@ impl Live {
         client.send(image).map_err(cannot)?;
         let (parts, to_send) = mpsc::channel();
         let (ended, end) = mpsc::channel();
-        std::thread::spawn(move || {
+        let sender = std::thread::Builder::new().spawn(move || {
             let failed = send_all(&mut client, &name, &to_send).err();
             // The receiver may be gone.
             let _ = ended.send(failed.map(lost));
         });
+        sender.map_err(cannot)?;
         Ok(Self { window, parts, end: Mutex::new(end) })
     }
 

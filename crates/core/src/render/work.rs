@@ -16,6 +16,7 @@ use crate::tile::{TraceSettings, Tracer, Unit};
 use crate::wavefront::Wavefront;
 use crate::with_precision;
 use wavecrest_base::error::{Error, ErrorKind, Result};
+use wavecrest_base::memory::Stage;
 
 /// Blocks of samples to render for the pixels of a tile.
 #[derive(Clone, Debug)]
@@ -79,6 +80,7 @@ pub fn run(
     watch: &dyn Watch,
     keep: &(dyn Fn(&Summed<'_>) + Sync),
 ) -> Result<Done> {
+    Stage::Trace.begin();
     let schedule = scene.plan.schedule();
     if let Some(flaw) = schedule.flaw() {
         return Err(refused(flaw));

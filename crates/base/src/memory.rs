@@ -1,0 +1,115 @@
+//! What memory is asked for, so that a message can say what the system refused, and for what.
+
+use std::cell::Cell;
+use std::sync::atomic::{AtomicU8, Ordering};
+
+use crate::error::{Error, ErrorKind, Result};
+
+/// What the process does, as far as it matters to who runs out of memory.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stage {
+    /// None of the others.
+    Other,
+    /// Reading the scene and its meshes.
+    Read,
+    /// Making primitives, lights and textures of them.
+    Extract,
+    /// Building the BVH.
+    Build,
+    /// Following rays.
+    Trace,
+    /// Writing files.
+    Write,
+}
+
+impl Stage {
+    /// All of them, by their numbers.
+    const ALL: [Self; 6] =
+        [Self::Other, Self::Read, Self::Extract, Self::Build, Self::Trace, Self::Write];
+
+    /// What it does, as a message ends: "while it was ...".
+    pub fn doing(self) -> &'static str {
+        match self {
+            Self::Other => "working",
+            Self::Read => "reading the scene",
+            Self::Extract => "preparing the scene",
+            Self::Build => "building the BVH",
+            Self::Trace => "tracing rays",
+            Self::Write => "writing files",
+        }
+    }
+
+    /// Notes that the process does this from now on.
+    pub fn begin(self) {
+        STAGE.store(self as u8, Ordering::Relaxed);
+    }
+
+    /// What the process does now.
+    pub fn now() -> Self {
+        Self::ALL.get(usize::from(STAGE.load(Ordering::Relaxed))).copied().unwrap_or(Self::Other)
+    }
+}
+
+static STAGE: AtomicU8 = AtomicU8::new(0);
+
+thread_local! {
+    static IS_TRYING: Cell<bool> = const { Cell::new(false) };
+}
+
+/// Whether this thread asks for memory that it can do without: who provides it reports nothing then.
+pub fn is_trying() -> bool {
+    IS_TRYING.try_with(Cell::get).unwrap_or(false)
+}
+
+/// An empty list with room for `count` values of `what`.
+///
+/// # Errors
+/// When the system has not as much memory.
+pub fn reserve<T>(count: usize, what: &str) -> Result<Vec<T>> {
+    let mut values = Vec::new();
+    IS_TRYING.set(true);
+    let reserved = values.try_reserve_exact(count);
+    IS_TRYING.set(false);
+    reserved.map_err(|cause| {
+        let size = Size(count.saturating_mul(size_of::<T>()));
+        Error::new(ErrorKind::Limit, format!("the system refused {size} of memory for {what}"))
+            .because(cause)
+    })?;
+    Ok(values)
+}
+
+/// A number of bytes, in words.
+#[derive(Clone, Copy, Debug)]
+pub struct Size(pub usize);
+
+impl std::fmt::Display for Size {
+    fn fmt(&self, to: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self(bytes) = *self;
+        match bytes {
+            0..1_000_000 => write!(to, "{bytes} bytes"),
+            _ => write!(to, "{:.1} MB", bytes as f64 / 1e6),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_cannot_be_had_is_an_error_with_its_size() {
+        let error = reserve::<[u8; 16]>(1 << 58, "the image").unwrap_err().to_string();
+        assert!(error.starts_with("the system refused 4611686018427.4 MB of memory for the image"));
+        assert!(reserve::<u8>(10, "the image").unwrap().capacity() >= 10);
+        assert!(!is_trying());
+        assert_eq!(Size(999_999).to_string(), "999999 bytes");
+    }
+
+    #[test]
+    fn stages_are_noted() {
+        for stage in Stage::ALL {
+            stage.begin();
+            assert_eq!(Stage::now(), stage);
+        }
+    }
+}

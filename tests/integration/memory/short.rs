@@ -1,0 +1,226 @@
+//! Where memory is short: images that are larger than allowed, and what the system refuses.
+
+use std::path::Path;
+use std::process::Output;
+
+use base64::Engine as _;
+use image::{ExtendedColorType, ImageEncoder as _};
+use serde_json::{Value, json};
+
+use super::knot_scene;
+use crate::support::{folder, matte, pinhole, point_light, scene, wall, wavecrest, with};
+
+/// A grey image of one brightness, of so many texels on a side.
+fn grey(side: u32, profile: Vec<u8>) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let mut encoder = image::codecs::png::PngEncoder::new(&mut bytes);
+    encoder.set_icc_profile(profile).expect("PNG files have profiles");
+    let texels = vec![200; (side * side) as usize];
+    encoder.write_image(&texels, side, side, ExtendedColorType::L8).expect("an image");
+    bytes
+}
+
+/// The number that ends a chunk of a PNG file (RFC 2083, section 15).
+fn crc(bytes: &[u8]) -> u32 {
+    !bytes.iter().fold(!0, |sum, &byte| {
+        (0..8).fold(sum ^ u32::from(byte), |sum, _| (sum >> 1) ^ (0xEDB8_8320 * (sum & 1)))
+    })
+}
+
+/// The same image, whose head says that it has so many texels on a side.
+fn claiming(mut png: Vec<u8>, side: u32) -> Vec<u8> {
+    // The first chunk has 13 bytes, which begin with width and height.
+    png[16..20].copy_from_slice(&side.to_be_bytes());
+    png[20..24].copy_from_slice(&side.to_be_bytes());
+    let sum = crc(&png[12..29]);
+    png[29..33].copy_from_slice(&sum.to_be_bytes());
+    png
+}
+
+/// A wall with a texture, as a scene file in `folder`.
+fn textured_wall(folder: &Path, png: &[u8]) {
+    std::fs::write(folder.join("t.png"), png).expect("a file");
+    let wall = with(wall(1.0, 0.0, matte(1.0, [1.0; 3])), "texture", "t.png");
+    let light = point_light(50.0, [0.0, 0.0, 3.0], [1.0; 3]);
+    let scene = scene(0, &pinhole([16, 16], 40.0, 3.0), &[light], &[wall]);
+    std::fs::write(folder.join("s.json"), scene.to_string()).expect("a file");
+}
+
+fn run(folder: &Path, arguments: &[&str]) -> (Option<i32>, String) {
+    let found = wavecrest(folder).args(arguments).output().expect("it runs");
+    (found.status.code(), String::from_utf8(found.stderr).expect("text"))
+}
+
+#[test]
+fn an_image_is_refused_by_the_size_in_its_head() {
+    let folder = folder();
+    textured_wall(folder.path(), &claiming(grey(8, Vec::new()), 60_000));
+    for command in [&["check", "s.json"][..], &["s.json", "o.png"]] {
+        let (code, text) = run(folder.path(), command);
+        assert_eq!(code, Some(2), "{text}");
+        for words in ["s.json: scene.shapes[0].texture: ", "t.png", "60000 x 60000", "14.4 GB"] {
+            assert!(text.contains(words), "{text}");
+        }
+    }
+    textured_wall(folder.path(), &claiming(grey(8, Vec::new()), 20_000));
+    let (code, text) = run(folder.path(), &["--memory-limit", "200MB", "s.json", "o.png"]);
+    assert_eq!(code, Some(2));
+    assert!(text.contains("the render would take more memory than 190.7 MiB"), "{text}");
+}
+
+/// Its picture would be right if all of it were read.
+#[test]
+fn textures_of_every_kind_of_file_count_before_they_are_decoded() {
+    let folder = folder();
+    let png = grey(2048, Vec::new());
+    std::fs::write(folder.path().join("t.png"), &png).expect("a file");
+    let data = base64::engine::general_purpose::STANDARD.encode(&png);
+    let corners: Vec<u8> = [[-1.0_f32, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 1.0, 0.0]]
+        .as_flattened()
+        .iter()
+        .chain(&[0.0, 0.0, 1.0, 0.0, 0.0, 1.0])
+        .flat_map(|x| x.to_le_bytes())
+        .collect();
+    let gltf = |image: Value, mode: &str| {
+        let buffer = base64::engine::general_purpose::STANDARD.encode(&corners);
+        let buffer = format!("data:application/octet-stream;base64,{buffer}");
+        let color = json!({"baseColorTexture": {"index": 0}});
+        json!({
+            "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+            "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "TEXCOORD_0": 1}, "material": 0}]}],
+            "materials": [{"pbrMetallicRoughness": color, "alphaMode": mode}],
+            "textures": [{"source": 0, "sampler": 0}], "images": [image], "samplers": [{"minFilter": 9987}],
+            "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"},
+                          {"bufferView": 0, "byteOffset": 36, "componentType": 5126, "count": 3, "type": "VEC2"}],
+            "bufferViews": [{"buffer": 0, "byteLength": 60}], "buffers": [{"byteLength": 60, "uri": buffer}]
+        })
+        .to_string()
+    };
+    let obj = "mtllib m.mtl\nv -1 -1 0\nv 1 -1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl a\nf 1/1 2/2 3/3\n";
+    let plain = wall(1.0, 0.0, matte(1.0, [1.0; 3]));
+    let wall = with(plain.clone(), "texture", "t.png");
+    let mask = with(with(plain, "alpha", "t.png"), "alphacutoff", 0.5);
+    let json =
+        |wall: &Value| scene(0, &pinhole([16, 16], 40.0, 3.0), &[], &[wall.clone()]).to_string();
+    std::fs::write(folder.path().join("m.mtl"), "newmtl a\nmap_Kd t.png\n").expect("a file");
+    for (name, text) in [
+        ("a.json", json(&wall)),
+        ("mask.json", json(&mask)),
+        ("beside.gltf", gltf(json!({"uri": "t.png"}), "OPAQUE")),
+        ("within.gltf", gltf(json!({"uri": format!("data:image/png;base64,{data}")}), "OPAQUE")),
+        ("m.obj", obj.to_owned()),
+    ] {
+        std::fs::write(folder.path().join(name), text).expect("a file");
+        let limited = |limit: &str| {
+            let size = ["--width", "16", "--height", "16"];
+            run(
+                folder.path(),
+                &[&size[..], &["-q", "--memory-limit", limit, name, "o.png"]].concat(),
+            )
+        };
+        // What lies between is what the image takes: 4.2 million texels of 4 bytes, and as much to decode it.
+        let (code, text) = limited("32MB");
+        assert_eq!(code, Some(2), "{name}: {text}");
+        assert!(text.contains("the render would take more memory than 30.5 MiB"), "{name}: {text}");
+        assert!(!folder.path().join("o.png").exists());
+        let (code, text) = limited("500MB");
+        assert_eq!(code, Some(0), "{name}: {text}");
+        std::fs::remove_file(folder.path().join("o.png")).expect("it was rendered");
+    }
+}
+
+/// Runs the command in `folder` with so many bytes of address space.
+#[cfg(target_os = "linux")]
+fn run_within(bytes: u64, folder: &Path, arguments: &[&str]) -> Output {
+    let mut command = std::process::Command::new("sh");
+    command.current_dir(folder).args(["-c", "ulimit -v $0 && exec \"$@\""]);
+    command.arg((bytes / 1024).to_string()).arg(env!("CARGO_BIN_EXE_wavecrest")).args(arguments);
+    command.output().expect("it runs")
+}
+
+/// Runs the command with each of `limits`: it ends well or with an error in words, and leaves nothing but `o.png`
+/// behind. Returns how often it ended either way.
+#[cfg(target_os = "linux")]
+fn sweep(limits: &[u64], folder: &Path, arguments: &[&str]) -> [u32; 2] {
+    let names = || {
+        let entries = std::fs::read_dir(folder).expect("a folder");
+        let mut names: Vec<_> = entries.map(|entry| entry.expect("an entry").file_name()).collect();
+        names.retain(|name| name != "o.png");
+        names.sort();
+        names
+    };
+    let before = names();
+    let mut found = [0; 2];
+    for &limit in limits {
+        let _ = std::fs::remove_file(folder.join("o.png"));
+        let output = run_within(limit, folder, arguments);
+        let text = String::from_utf8_lossy(&output.stderr);
+        let is_there = folder.join("o.png").exists();
+        match output.status.code() {
+            Some(0) if is_there => found[0] += 1,
+            Some(2) if !is_there && text.contains("error: ") => found[1] += 1,
+            code => panic!("{limit}: {code:?} {text}"),
+        }
+        assert_eq!(names(), before, "{limit}");
+    }
+    found
+}
+
+/// A bad profile is passed over, and not unpacked: it would not fit.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_colour_profile_is_not_unpacked() {
+    let folder = folder();
+    let png = grey(8, vec![0; 512 << 20]);
+    textured_wall(folder.path(), &png);
+    let program = std::fs::metadata(env!("CARGO_BIN_EXE_wavecrest")).expect("it is there").len();
+    let limit = program + (400 << 20);
+    for arguments in [&["-q", "s.json", "o.png"][..], &["diff", "t.png", "t.png"]] {
+        let output = run_within(limit, folder.path(), arguments);
+        assert_eq!(output.status.code(), Some(0), "{output:?}");
+    }
+}
+
+/// Limits in steps of `step`, from what the program itself needs.
+#[cfg(target_os = "linux")]
+fn limits(step: f64) -> Vec<u64> {
+    let first = 60e6;
+    std::iter::successors(Some(first), |limit| Some(limit * step))
+        .take_while(|&limit| limit < 2e9)
+        .map(|limit| limit as u64)
+        .collect()
+}
+
+/// A mesh, and the shards of it that are merged.
+#[cfg(target_os = "linux")]
+fn short_of_memory(triangles: u64, step: f64) {
+    let folder = folder();
+    knot_scene(folder.path(), triangles);
+    let found = sweep(&limits(step), folder.path(), &["-q", "knot.json", "o.png"]);
+    assert!(found[0] > 0 && found[1] > 0, "{found:?}");
+    for shard in ["1/2", "2/2"] {
+        let name = format!("p{}.part", &shard[..1]);
+        let (code, text) = run(folder.path(), &["-q", "--shard", shard, "knot.json", &name]);
+        assert_eq!(code, Some(0), "{text}");
+    }
+    let merge = ["merge", "-q", "-o", "o.png", "p1.part", "p2.part"];
+    let found = sweep(&limits(step), folder.path(), &merge);
+    assert!(found[0] > 0, "{found:?}");
+    textured_wall(folder.path(), &grey(2048, Vec::new()));
+    let found = sweep(&limits(step), folder.path(), &["-q", "s.json", "o.png"]);
+    assert!(found[0] > 0 && found[1] > 0, "{found:?}");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn memory_that_the_system_refuses_is_an_error() {
+    short_of_memory(100_000, 1.5);
+}
+
+/// As the release is: `cargo test --release --test integration -- --ignored memory`.
+#[cfg(target_os = "linux")]
+#[test]
+#[ignore = "takes minutes"]
+fn memory_that_the_system_refuses_is_an_error_in_small_steps() {
+    short_of_memory(1_100_000, 1.1);
+}
