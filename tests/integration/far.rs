@@ -52,9 +52,12 @@ fn assert_same(near: &Value, far: &Value, what: &str) {
     assert_eq!(differing, 0, "{what}");
 }
 
+/// A shape, moved so far.
+type Shape = fn(DVec3) -> Value;
+
 #[test]
 fn hc07_shapes_of_every_kind_are_moved_before_they_are_rounded() {
-    let shapes: [(&str, fn(DVec3) -> Value); 5] = [
+    let shapes: [(&str, Shape); 5] = [
         ("mesh", pyramid),
         ("triangle", |by| {
             let corners = [[-0.5, -0.4, -4.2], [-0.1, 0.61, -4.0], [0.7, -0.3, -3.8]];

@@ -26,6 +26,7 @@ use framing::Framing;
 
 use super::components::Encoding;
 use super::folder::Folder;
+use super::gltf;
 use super::mesh::{self, LoadedMesh, MeshData};
 use super::parse;
 pub use super::parse::LONGEST_SIDE;

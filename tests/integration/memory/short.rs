@@ -100,8 +100,9 @@ fn textures_of_every_kind_of_file_count_before_they_are_decoded() {
     let plain = wall(1.0, 0.0, matte(1.0, [1.0; 3]));
     let wall = with(plain.clone(), "texture", "t.png");
     let mask = with(with(plain, "alpha", "t.png"), "alphacutoff", 0.5);
-    let json =
-        |wall: &Value| scene(0, &pinhole([16, 16], 40.0, 3.0), &[], &[wall.clone()]).to_string();
+    let json = |wall: &Value| {
+        scene(0, &pinhole([16, 16], 40.0, 3.0), &[], std::slice::from_ref(wall)).to_string()
+    };
     std::fs::write(folder.path().join("m.mtl"), "newmtl a\nmap_Kd t.png\n").expect("a file");
     for (name, text) in [
         ("a.json", json(&wall)),

@@ -207,5 +207,5 @@ fn alphas(numbers: &mut Numbers) -> (LazyImage, f32, Vec<bool>) {
     };
     let decode = move || Ok(Image::new(TEXELS as u32, TEXELS as u32, texels));
     let solid = above.iter().map(|&above| above >= 0).collect();
-    (LazyImage::new("alpha".to_owned(), 0, decode), threshold, solid)
+    (LazyImage::new("alpha".to_owned(), [0; 2], decode), threshold, solid)
 }

@@ -59,7 +59,7 @@ fn add(value: &Value, material: &Value, uses: &mut BTreeMap<Use, Filter>) {
         let Some(image) = texture["source"].as_u64() else { continue };
         let sampler = texture["sampler"].as_u64();
         let sampler = sampler.and_then(|index| value["samplers"].get(index as usize));
-        let filter = match sampler.is_some_and(|sampler| is_mipmapped(sampler)) {
+        let filter = match sampler.is_some_and(is_mipmapped) {
             true => Filter::Trilinear,
             false => Filter::Bilinear,
         };
