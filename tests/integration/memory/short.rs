@@ -63,6 +63,10 @@ fn an_image_is_refused_by_the_size_in_its_head() {
         }
     }
     textured_wall(folder.path(), &claiming(grey(8, Vec::new()), 20_000));
+    let (code, text) = run(folder.path(), &["s.json", "o.png"]);
+    assert_eq!(code, Some(2));
+    assert!(text.contains("has more texels than its file can hold, found 20000 x 20000"), "{text}");
+    textured_wall(folder.path(), &claiming(grey(8, Vec::new()), 8000));
     let (code, text) = run(folder.path(), &["--memory-limit", "200MB", "s.json", "o.png"]);
     assert_eq!(code, Some(2));
     assert!(text.contains("the render would take more memory than 190.7 MiB"), "{text}");

@@ -25,6 +25,10 @@ use wavecrest_core::prepared::{LazyImage, Placing, Texture, UvMap};
 const MAX_SIDE: u32 = 1 << 16;
 /// Largest image, in bytes as decoded and as kept.
 const MAX_BYTES: u64 = 4 << 30;
+/// An image of up to this many bytes is decoded however short its file is; a larger one may be so many times as long
+/// as its file. PNG and EXR reach 1032, JPEG about as much.
+const SMALL_BYTES: u64 = 64 << 20;
+const LARGEST_RATIO: u64 = 4096;
 /// The most bytes that the head of an image unpacks to: a colour profile that is larger is passed over.
 const MAX_METADATA: u64 = 8 << 20;
 
@@ -146,9 +150,9 @@ pub(super) struct Head {
 impl Head {
     /// The header of an image, if the image can be decoded as far as its header tells and is not too large.
     pub(super) fn of(source: &TextureSource) -> Result<Self> {
-        let embedded = match source {
-            TextureSource::File(_) => 0,
-            TextureSource::Embedded { bytes, .. } => bytes.len() as u64,
+        let (length, embedded) = match source {
+            TextureSource::File(path) => (path.metadata().map_or(0, |file| file.len()), 0),
+            TextureSource::Embedded { bytes, .. } => (bytes.len() as u64, bytes.len() as u64),
         };
         let head = decoding(source, |decoder| {
             let color = decoder.color_type();
@@ -165,15 +169,29 @@ impl Head {
             })
         })?;
         check_size(source, head.size)?;
-        let ([held, _], (width, height)) = (head.bytes(Filter::Nearest), head.size);
-        if held <= MAX_BYTES {
-            return Ok(head);
+        head.check_bytes(source, length)?;
+        Ok(head)
+    }
+
+    /// Refuses an image that is too large, or larger than a file of this `length` can be.
+    fn check_bytes(self, source: &TextureSource, length: u64) -> Result<()> {
+        let ([held, _], (width, height)) = (self.bytes(Filter::Nearest), self.size);
+        let refused = |message: &str, found: String| {
+            let message = format!("the texture {} {message}", name(source));
+            Error::new(ErrorKind::Limit, message).value(found)
+        };
+        if held > MAX_BYTES {
+            let found = format!("{width} x {height} texels, {:.1} GB", held as f64 / 1e9);
+            let allowed = format!("at most {:.1} GB are allowed", MAX_BYTES as f64 / 1e9);
+            return Err(refused("takes too much memory once decoded", found)
+                .remedy(format!("use a smaller image: {allowed}")));
         }
-        let message = format!("the texture {} takes too much memory once decoded", name(source));
-        let found = format!("{:.1} GB for {width} x {height} texels", held as f64 / 1e9);
-        let remedy =
-            format!("use a smaller image: at most {:.1} GB are allowed", MAX_BYTES as f64 / 1e9);
-        Err(Error::new(ErrorKind::Limit, message).value(found).remedy(remedy))
+        if self.decoded > SMALL_BYTES.max(length.saturating_mul(LARGEST_RATIO)) {
+            let found = format!("{width} x {height} texels in {length} bytes");
+            return Err(refused("has more texels than its file can hold", found)
+                .remedy("check that the file is whole"));
+        }
+        Ok(())
     }
 
     /// As [`survey`].
