@@ -223,10 +223,12 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.png");
         let text = read(&path).unwrap_err().to_string();
-        let missing = std::io::Error::from_raw_os_error(2);
         assert_eq!(
             text,
-            format!("{}: cannot read the image: {missing}; check the name", path.display())
+            format!(
+                "{}: cannot read the image: there is no such file; check the name",
+                path.display()
+            )
         );
         assert_eq!(
             read(folder.path()).unwrap_err().to_string(),

@@ -50,7 +50,7 @@ fn explained(text: &str, error: &serde_json::Error) -> (String, &'static str) {
             ("a comma or a closing bracket is missing", "add it before this place")
         }
         "expected value" | "expected ident" => (
-            "no JSON value",
+            "a value is missing or malformed",
             "write a number, a text in double quotes, true, false, a list or an object",
         ),
         "recursion limit exceeded" => ("brackets are nested too deeply", "remove some of them"),

@@ -139,8 +139,8 @@ fn an_unsaid_up_is_substituted_too() {
     assert_eq!(only::<View>(&scene).up, DVec3::X);
     assert_eq!(
         scene.warnings[0].to_string(),
-        "s.json: camera.up: is parallel to the view, so that it does not say which way up the image \
-         is, found [0, 1, 0]; [1, 0, 0] is used instead"
+        "s.json: camera.up: is parallel to the view direction, found [0, 1, 0]; \
+         [1, 0, 0] is used instead"
     );
 }
 

@@ -22,16 +22,20 @@ fn syntax(json: &str) -> String {
 fn json_that_is_not() {
     assert_eq!(
         syntax("{\n  \"nbounces\": ,\n}"),
-        "s.json: line 2 column 15: not valid JSON: expected value"
+        "s.json: line 2 column 15: a value is missing or malformed; \
+         write a number, a text in double quotes, true, false, a list or an object"
     );
-    assert_eq!(syntax(""), "s.json: line 1 column 0: not valid JSON: EOF while parsing a value");
+    assert_eq!(
+        syntax(""),
+        "s.json: the file is empty; write a scene in it, as SCENES.md describes, or render a .gltf, .glb, .ply, .obj or .stl file"
+    );
     assert_eq!(
         syntax("{\"nbounces\": 1e999}"),
-        "s.json: line 1 column 18: not valid JSON: number out of range"
+        "s.json: line 1 column 18: the number is too large; use one below 1e308"
     );
-    assert!(syntax("{\"nbounces\": NaN}").contains("expected value"));
-    assert!(syntax("{} {}").contains("trailing characters"));
-    assert!(syntax(&"[".repeat(100_000)).contains("recursion limit exceeded"));
+    assert!(syntax("{\"nbounces\": NaN}").contains("a value is missing or malformed"));
+    assert!(syntax("{} {}").contains("more after the end of the scene"));
+    assert!(syntax(&"[".repeat(100_000)).contains("nested too deeply"));
 }
 
 fn in_folder(name: &str, bytes: &[u8]) -> (TempDir, PathBuf) {
@@ -52,7 +56,8 @@ fn a_byte_order_mark_is_skipped() {
 fn text_must_be_utf_8() {
     let (_folder, path) = in_folder("s.json", b"{\"a\": \"\xff\"}");
     let error = load(&path, &LoadOptions::default()).err().unwrap();
-    let reason = "the scene is not UTF-8 text from byte 7 on; save it as UTF-8";
+    let reason =
+        "the scene is not text from byte 7 on; save it as UTF-8, or check that it is a scene";
     assert_eq!(error.to_string(), format!("{}: {reason}", path.display()));
     assert_eq!(error.kind(), ErrorKind::Syntax);
 }
@@ -77,8 +82,8 @@ fn a_scene_file_that_is_too_long_is_not_read() {
     assert_eq!(
         error.to_string(),
         format!(
-            "{}: the scene file has 268435457 bytes or more; at most 268435456 (256 MiB) are allowed: \
-             keep large meshes in files of their own",
+            "{}: the scene file is too large: 268435457 bytes or more; \
+             keep it below 256 MiB, and large meshes in files of their own",
             path.display()
         )
     );

@@ -142,13 +142,13 @@ fn camera_place() {
     refused(
         "camera.position",
         json!([0, 0, 5]),
-        "camera.position: means the same as \"location\", which is given too, found [0,0,5]; \
+        "camera.position: means the same as \"location\", which is also given, found [0,0,5]; \
          keep \"location\" or \"position\", not both",
     );
     refused(
         "camera.lookat",
         json!([0, 0, 1]),
-        "camera.lookat: means the same as \"look\", which is given too, found [0,0,1]; \
+        "camera.lookat: means the same as \"look\", which is also given, found [0,0,1]; \
          keep \"look\" or \"lookat\", not both",
     );
     refused(
@@ -326,7 +326,7 @@ fn names() {
     refused(
         "scene.shapes[0].id",
         json!("b"),
-        "scene.shapes[0].id: means the same as \"name\", which is given too, found \"b\"; \
+        "scene.shapes[0].id: means the same as \"name\", which is also given, found \"b\"; \
          keep \"name\" or \"id\", not both",
     );
     warned(

@@ -237,8 +237,8 @@ fn mesh_sources() {
             "file",
             json!(file),
             &format!(
-                "a glTF file cannot be a shape, found \"{file}\"; convert it, and name the \
-                 meshes that this writes: wavecrest convert IN OUT.json"
+                "a glTF file cannot be a shape, found \"{file}\"; \
+                 run wavecrest convert IN OUT.json, and use the meshes that it writes"
             ),
         );
     }

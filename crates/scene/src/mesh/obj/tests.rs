@@ -207,5 +207,5 @@ fn a_position_may_have_a_colour() {
     assert_eq!(read.colors.unwrap(), [white, Vec3::new(1.0, 0.5, 0.0), white, Vec3::Z]);
     let (read, notes) = load("v 0 0 0 nan 0 0\nv 1 0 0 1 1 -1\nv 0 1 0 0 0 1\nf 1 2 3\n").unwrap();
     assert_eq!(read.colors.unwrap(), [white, white, Vec3::Z]);
-    assert!(notes[0].to_string().contains("taken as white"), "{notes:?}");
+    assert!(notes[0].to_string().contains("white is used"), "{notes:?}");
 }

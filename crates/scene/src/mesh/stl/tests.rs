@@ -158,7 +158,7 @@ fn what_is_cut_off_or_empty_is_refused() {
     assert_eq!(load(b"solid\nendsolid\n").unwrap_err().kind(), ErrorKind::Mesh);
     let text = text();
     let cut = &text[..text.rfind("vertex").unwrap()];
-    assert!(message(cut.as_bytes()).contains("does not end"));
+    assert!(message(cut.as_bytes()).contains("is incomplete"));
     assert!(message(&head("", u32::MAX)).contains("room for 0 triangles"));
     let long = format!("solid {}", "x".repeat(1 << 17));
     assert!(message(long.as_bytes()).contains("65536 bytes"));
