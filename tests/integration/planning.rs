@@ -518,7 +518,7 @@ fn lights_behind_every_surface_add_their_ambient_part_alone() {
     let above = point_light(50.0, [0.0, 3.0, 0.0], [1.0; 3]);
     assert_eq!(
         reason(std::slice::from_ref(&below), Effect::PointLights),
-        "no point light falls on a front that reflects it"
+        "no point light falls on a lit side"
     );
     assert_eq!(
         reason(&[below.clone(), above], Effect::PointLights),

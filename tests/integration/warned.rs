@@ -115,7 +115,7 @@ fn lights_without_power_no_lights_and_colours_above_1_are_told() {
     bright["scene"]["backgroundcolor"] = json!([1, 1, 1.5]);
     assert_eq!(
         told(&bright),
-        ["s.json: scene.backgroundcolor: is above 1, which images of 8 bits do not show, \
+        ["s.json: scene.backgroundcolor: is above 1, which images of 8 bits cannot show, \
           found [1,1,1.5]; use colours from 0 to 1"]
     );
 }

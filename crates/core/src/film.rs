@@ -182,7 +182,7 @@ mod tests {
     #[test]
     fn the_pixels_must_fit_the_size() {
         let error = Film::from_pixels(2, 2, vec![[0.0; 3]; 3]).unwrap_err().to_string();
-        assert_eq!(error, "an image of 2 x 2 pixels must have 4 of them, found 3");
+        assert_eq!(error, "an image of 2 x 2 pixels needs 4 pixels, found 3");
         assert!(Film::from_pixels(2, 2, vec![[0.0; 3]; 4]).is_ok());
     }
 

@@ -142,7 +142,7 @@ fn the_command_writes_nothing_over_unless_told_to() {
             &["convert", "a.glb", "d.json", "--camera", "x"],
             "a.glb: the scene has no such camera, found x",
         ),
-        (&["b.json", "c.png", "--camera", "x"], "b.json: a scene file has one camera"),
+        (&["b.json", "c.png", "--camera", "x"], "b.json: a scene file has only one camera"),
     ] {
         let (code, told) = run(arguments);
         assert!(code == Some(2) && told.contains(words), "{told}");

@@ -69,7 +69,7 @@ fn an_image_is_refused_by_the_size_in_its_head() {
     textured_wall(folder.path(), &claiming(grey(8, Vec::new()), 8000));
     let (code, text) = run(folder.path(), &["--memory-limit", "200MB", "s.json", "o.png"]);
     assert_eq!(code, Some(2));
-    assert!(text.contains("the render would take more memory than 190.7 MiB"), "{text}");
+    assert!(text.contains("the render needs more memory than 190.7 MiB"), "{text}");
 }
 
 /// Its picture would be right if all of it were read.
@@ -126,7 +126,7 @@ fn textures_of_every_kind_of_file_count_before_they_are_decoded() {
         // What lies between is what the image takes: 4.2 million texels of 4 bytes, and as much to decode it.
         let (code, text) = limited("32MB");
         assert_eq!(code, Some(2), "{name}: {text}");
-        assert!(text.contains("the render would take more memory than 30.5 MiB"), "{name}: {text}");
+        assert!(text.contains("the render needs more memory than 30.5 MiB"), "{name}: {text}");
         assert!(!folder.path().join("o.png").exists());
         let (code, text) = limited("500MB");
         assert_eq!(code, Some(0), "{name}: {text}");
