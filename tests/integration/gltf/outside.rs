@@ -13,7 +13,7 @@ use crate::support::{folder, matte, pinhole, scene, wall, wavecrest, with};
 /// Names that lead from `own/` to a file in the folder above it.
 fn names(folder: &Path, file: &str) -> Vec<String> {
     let absolute = folder.join(file).display().to_string();
-    let mut names = vec![format!("../{file}"), format!("below/%2E./../../{file}"), absolute];
+    let mut names = vec![format!("../{file}"), format!("below/%2E./../{file}"), absolute];
     if cfg!(unix) {
         names.push(format!("link-{file}"));
     }

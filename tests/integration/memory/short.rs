@@ -219,7 +219,7 @@ fn short_of_memory(triangles: u64, step: f64) {
 #[cfg(target_os = "linux")]
 #[test]
 fn memory_that_the_system_refuses_is_an_error() {
-    short_of_memory(100_000, 1.5);
+    short_of_memory(500_000, 1.5);
 }
 
 /// As the release is: `cargo test --release --test integration -- --ignored memory`.
