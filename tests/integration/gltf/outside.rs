@@ -8,7 +8,7 @@ use wavecrest_scene::load::{LoadOptions, LoadedScene, load, load_str};
 use wavecrest_scene::write::write;
 
 use super::{SIZE, square};
-use crate::support::{folder, matte, pinhole, scene, wall, wavecrest, with};
+use crate::support::{folder, matte, pinhole, scene, wavecrest};
 
 /// Names that lead from `own/` to a file in the folder above it.
 fn names(folder: &Path, file: &str) -> Vec<String> {
@@ -78,8 +78,10 @@ fn a_conversion_copies_nothing_from_outside() {
     assert!(!own.join("out-mesh0.ply").exists());
     assert_eq!(run(&["--allow-outside"]).status.code(), Some(0));
     // A scene file may name any image: it is the user's own. What is converted is not.
-    let wall = with(wall(1.0, 0.0, matte(1.0, [1.0; 3])), "texture", "../secret.png");
-    let json = scene(0, &pinhole([4, 4], 40.0, 3.0), &[], &[wall]).to_string();
+    let mesh = json!({"type": "trimesh", "points": [[0, 0, 0], [1, 0, 0], [0, 1, 0]], "indices": [[0, 1, 2]],
+                      "uvs": [[0, 0], [1, 0], [0, 1]], "texture": "../secret.png",
+                      "material": matte(1.0, [1.0; 3])});
+    let json = scene(0, &pinhole([4, 4], 40.0, 3.0), &[], &[mesh]).to_string();
     for allow_outside in [false, true] {
         let options = LoadOptions { allow_outside, ..LoadOptions::default() };
         let scene = load_str(&json, &own.join("scene.json"), &options).expect("a scene");
