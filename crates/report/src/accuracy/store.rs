@@ -213,7 +213,10 @@ mod tests {
         store.admit(scene("12")).unwrap();
         store.admit(scene("12")).unwrap();
         let changed = store.admit(scene("13")).unwrap_err().to_string();
-        assert!(changed.starts_with("a.json: the scene differs from the one in the results"), "{changed}");
+        assert!(
+            changed.starts_with("a.json: the scene differs from the one in the results"),
+            "{changed}"
+        );
         assert_eq!(store.records.len(), 2);
         drop(store);
         let other = Header { most: 9, ..header() };

@@ -11,12 +11,13 @@ use glam::DVec3;
 
 use super::{Placed, Sphere, ground};
 use crate::components::{
-    Ambient, AreaLight, CameraPath, DirectionalLight, Falloff, Mesh, PointLight, Quad, Sampling,
+    Ambient, AreaLight, CameraPath, DirectionalLight, Falloff, Mesh, PointLight, Sampling,
     Settings, View,
 };
-use crate::corners::direction;
+use crate::corners::{direction, quad_has_area};
 use crate::load::lighting::{Background, Lighting, Rig};
-use crate::schema::{Geometry, Light, Shape};
+use crate::mesh::MeshData;
+use crate::schema::{Light, Shape};
 
 /// Mirror bounces: after four, little mirrored light is left.
 const BOUNCES: u32 = 4;
@@ -112,7 +113,8 @@ pub(crate) fn lit(subject: &Subject<'_>, file: &Path, lighting: &Lighting) -> Li
             told: "no lights: unlit colours",
         },
         Rig::Studio => {
-            if let Some(corners) = subject.lamp {
+            // A room without extent has no place for a lamp.
+            if let Some(corners) = subject.lamp.filter(quad_has_area) {
                 return Lit {
                     lights: vec![ceiling(corners)],
                     ground: None,
@@ -185,10 +187,9 @@ fn ceiling(corners: [DVec3; 4]) -> Light {
         sampling: Sampling::Sobol,
         samples: CEILING_SAMPLES,
     };
-    let shape = Shape {
-        geometry: Geometry::Quad(Quad { points: corners }),
-        ..Shape::of(path.clone(), None, Mesh::default())
-    };
+    let positions = corners.map(|corner| corner.as_vec3()).to_vec();
+    let data = MeshData { positions, triangles: vec![[0, 1, 2], [0, 2, 3]], ..Default::default() };
+    let shape = Shape::of(path.clone(), None, Mesh { data, ..Mesh::default() });
     Light::Area { path, light, shape: Box::new(shape) }
 }
 
