@@ -1,8 +1,8 @@
-//! Memory that the system refuses ends the command with an error in words and exit code 2.
+//! Ends the command with an error message and exit code 2 if the system refuses memory.
 //!
-//! Rust ends a process that cannot lengthen a list with an abort; the hook in which this could be changed is not
-//! stable. The allocator is what can be replaced: this one is the system's, and reports where that has no more. A
-//! report takes no memory. Lists that are asked for with [`memory::reserve`] are errors like any other.
+//! If a list cannot grow, Rust aborts the process; the hook to change this is not stable. The
+//! allocator can be replaced: this one forwards to the system's, and reports a refusal. A report
+//! needs no memory. [`memory::reserve`] returns an ordinary error instead.
 
 #![allow(unsafe_code, reason = "an allocator cannot be written without")]
 
@@ -18,14 +18,14 @@ use crate::exit::ERROR;
 #[global_allocator]
 static ALLOCATOR: Reporting = Reporting;
 
-/// The system's allocator, and a report of what it refuses.
+/// The system's allocator, with reports of refusals.
 struct Reporting;
 
-// SAFETY: each call goes to the system's allocator as it came, and its answer goes back as it is. A report does not
-// return, nor does it unwind.
+// SAFETY: each call and its result are forwarded unchanged from and to the system's allocator. A
+// report neither returns nor unwinds.
 unsafe impl GlobalAlloc for Reporting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        // SAFETY: the caller keeps the same contract.
+        // SAFETY: the caller fulfils the same contract.
         had(unsafe { System.alloc(layout) }, layout.size())
     }
 
@@ -45,7 +45,7 @@ unsafe impl GlobalAlloc for Reporting {
     }
 }
 
-/// The place that was asked for; a report where it was refused.
+/// Returns the memory, or reports that it was refused.
 #[inline]
 fn had(place: *mut u8, size: usize) -> *mut u8 {
     if place.is_null() && !memory::is_trying() {
@@ -54,18 +54,19 @@ fn had(place: *mut u8, size: usize) -> *mut u8 {
     place
 }
 
-/// Ends the process with an error, without asking for memory.
+/// Ends the process with an error, without allocating.
 #[cold]
 fn report(size: usize) -> ! {
     static HAS_BEGUN: AtomicBool = AtomicBool::new(false);
     if HAS_BEGUN.swap(true, Ordering::Relaxed) {
-        // Another thread ends the process; or this one does, where to remove a file took memory after all.
+        // Another thread is ending the process; or this one, if removing a file needed memory after
+        // all.
         std::thread::sleep(PATIENCE);
         std::process::abort();
     }
     remove_temporary_files();
     let mut text = Cursor::new([0; LONGEST_MESSAGE]);
-    // A text that is too long is cut off.
+    // Text that is too long is truncated.
     let _ = writeln!(
         text,
         "error: the system refused {} of memory while {}; free some, raise the limit of the process (ulimit -v), or \
@@ -81,5 +82,5 @@ fn report(size: usize) -> ! {
 /// Longer than any message.
 const LONGEST_MESSAGE: usize = 512;
 
-/// By then the other thread has ended the process.
+/// The other thread has ended the process by then.
 const PATIENCE: std::time::Duration = std::time::Duration::from_secs(5);

@@ -40,7 +40,7 @@ fn in_words(bytes: u64) -> String {
     ByteSize::b(bytes).display().iec().to_string()
 }
 
-/// Fails if the process has used more than `limit`, where the system tells its peak.
+/// Fails if the process has used more than `limit`, if the system reports its peak.
 pub(crate) fn check_taken(scene: &Path, limit: ByteSize) -> Result<()> {
     let taken = memory::peak().unwrap_or(0);
     if taken <= limit.as_u64() {

@@ -152,7 +152,7 @@ fn dispatch(command: &Command) -> Result<bool> {
     }
 }
 
-/// Runs a command that has no option on threads: that they cannot be started is an error here, too.
+/// Runs a command without options on threads; a failure to start threads is an error here, too.
 fn pooled<R: Send>(command: impl FnOnce() -> Result<R> + Send) -> Result<R> {
     Threads { threads: None }.run(command)
 }

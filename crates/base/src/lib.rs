@@ -1,5 +1,5 @@
 //! The foundation of all crates of wavecrest: errors that name file, place, value and remedy;
-//! atomic replacement of files; options with named values; memory, and what it is for.
+//! atomic replacement of files; options with named values; memory and its purpose.
 
 pub mod choice;
 pub mod error;

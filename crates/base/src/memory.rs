@@ -1,33 +1,33 @@
-//! What memory is asked for, so that a message can say what the system refused, and for what.
+//! Records the purpose of memory, so that a message can name what the system refused, and for what.
 
 use std::cell::Cell;
 use std::sync::atomic::{AtomicU8, Ordering};
 
 use crate::error::{Error, ErrorKind, Result};
 
-/// What the process does, as far as it matters to who runs out of memory.
+/// The current activity of the process, for messages about memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
-    /// None of the others.
+    /// None of the other stages.
     Other,
     /// Reading the scene and its meshes.
     Read,
-    /// Making primitives, lights and textures of them.
+    /// Extracting primitives, lights and textures.
     Extract,
     /// Building the BVH.
     Build,
-    /// Following rays.
+    /// Tracing rays.
     Trace,
     /// Writing files.
     Write,
 }
 
 impl Stage {
-    /// All of them, by their numbers.
+    /// All stages, by number.
     const ALL: [Self; 6] =
         [Self::Other, Self::Read, Self::Extract, Self::Build, Self::Trace, Self::Write];
 
-    /// What it does, as a message ends: "while it was ...".
+    /// The activity, as the end of a message: "while it was ...".
     pub fn doing(self) -> &'static str {
         match self {
             Self::Other => "working",
@@ -39,12 +39,12 @@ impl Stage {
         }
     }
 
-    /// Notes that the process does this from now on.
+    /// Sets the current stage.
     pub fn begin(self) {
         STAGE.store(self as u8, Ordering::Relaxed);
     }
 
-    /// What the process does now.
+    /// The current stage.
     pub fn now() -> Self {
         Self::ALL.get(usize::from(STAGE.load(Ordering::Relaxed))).copied().unwrap_or(Self::Other)
     }
@@ -56,7 +56,8 @@ thread_local! {
     static IS_TRYING: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Whether this thread asks for memory that it can do without: who provides it reports nothing then.
+/// Whether this thread is requesting memory that it can do without: the allocator then reports
+/// nothing.
 pub fn is_trying() -> bool {
     IS_TRYING.try_with(Cell::get).unwrap_or(false)
 }
@@ -64,7 +65,7 @@ pub fn is_trying() -> bool {
 /// An empty list with room for `count` values of `what`.
 ///
 /// # Errors
-/// When the system has not as much memory.
+/// If the system has not enough memory.
 pub fn reserve<T>(count: usize, what: &str) -> Result<Vec<T>> {
     let mut values = Vec::new();
     IS_TRYING.set(true);

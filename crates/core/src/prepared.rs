@@ -200,7 +200,7 @@ impl Appearance {
         self.attribute_bytes() + self.all_images().map(LazyImage::expected_bytes).sum::<u64>()
     }
 
-    /// Bytes held besides by `threads` threads that decode images at a time.
+    /// Additional bytes held by `threads` threads while they decode images.
     pub fn decoding_bytes(&self, threads: usize) -> u64 {
         largest(self.all_images().map(LazyImage::decoding_bytes), threads)
     }
@@ -220,7 +220,7 @@ impl Appearance {
     }
 }
 
-/// The sum of the largest `count` of some numbers.
+/// The sum of the `count` largest numbers.
 pub fn largest(numbers: impl Iterator<Item = u64>, count: usize) -> u64 {
     let mut all: Vec<u64> = numbers.collect();
     all.sort_unstable();

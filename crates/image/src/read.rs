@@ -21,7 +21,7 @@ use wavecrest_core::film::{Film, MAX_PIXELS, checked_pixel_count, reserve};
 /// Largest number of bytes that a decoder may hold: [`MAX_PIXELS`] pixels of four floats.
 const MAX_DECODED_BYTES: u64 = MAX_PIXELS * 16;
 
-/// The most bytes that the head of a PNG file unpacks to: a colour profile that is larger is passed over.
+/// Largest unpacked size of a PNG file's header in bytes: larger colour profiles are ignored.
 const MAX_METADATA: u64 = 8 << 20;
 
 /// An image of up to this many bytes is decoded however short its file is.
@@ -92,7 +92,7 @@ fn decode(mut reader: ImageReader<impl BufRead + Seek>, length: u64) -> Result<F
             .remedy("use PPM, PNG, EXR, PFM or another common format"));
     };
     let mut limits = Limits::no_limits();
-    // Within these limits the head of a PNG file is read; its size and that of others is checked below.
+    // These limits apply to the header of a PNG file; the sizes of all images are checked below.
     let is_png = format == image::ImageFormat::Png;
     limits.max_alloc = Some(if is_png { MAX_METADATA } else { MAX_DECODED_BYTES });
     reader.limits(limits);

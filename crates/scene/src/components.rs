@@ -94,8 +94,8 @@ pub struct Triangle {
 pub struct Mesh {
     /// The arrays. The geometry system moves them out, so that a large mesh is never held twice.
     pub data: MeshData,
-    /// Positions in double precision, of a mesh within the scene file that has more digits than single precision
-    /// holds: they are moved before they are rounded.
+    /// Positions of an inline mesh in double precision, if they have more digits than single
+    /// precision: they are moved before they are rounded.
     pub points: Option<Vec<DVec3>>,
     /// The file of the mesh, if any.
     pub file: Option<PathBuf>,

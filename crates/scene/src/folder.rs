@@ -52,7 +52,8 @@ impl Folder {
         }
     }
 
-    /// Whether `file` may be read: it is beside or below, links followed, or all may be.
+    /// Whether `file` may be read: it is in the folder or below after following links, or all files
+    /// are allowed.
     pub(crate) fn holds(&self, file: &Path) -> bool {
         let own = if self.path.as_os_str().is_empty() { Path::new(".") } else { &self.path };
         let real = (file.canonicalize(), own.canonicalize());

@@ -70,7 +70,7 @@ pub struct LoadedScene {
     pub files: Vec<PathBuf>,
     /// The transfer curve of 8-bit images, unless one is requested.
     pub encoding: Encoding,
-    /// The folder of the file, outside which no image is copied from unless that is allowed.
+    /// The folder of the file; images outside it are copied only if that is allowed.
     pub(crate) folder: Folder,
 }
 
@@ -181,7 +181,7 @@ pub(super) fn spawned(
     Ok(LoadedScene { world, warnings, notes: told.into_iter().collect(), files, encoding, folder })
 }
 
-/// What is said of `file` while it is read, none yet.
+/// Empty notes on `file`.
 pub(super) fn notes<'a>(file: &'a Path, options: &LoadOptions) -> Notes<'a> {
     Notes::new(file, options.strict).reading_outside(options.allow_outside)
 }

@@ -23,7 +23,7 @@ pub struct Estimate {
     pub film: u64,
     /// The wavefronts' columns, one wavefront for each thread.
     pub batches: u64,
-    /// Images being decoded, besides what is kept of them.
+    /// Additional memory of images while they are decoded.
     pub decoding: u64,
     /// The program itself.
     pub program: u64,

@@ -37,11 +37,12 @@ pub struct Survey {
     pub others: u64,
     /// Its textures, each once, trilinear if any use of it is.
     pub textures: Vec<TextureRef>,
-    /// The images that shapes are cut out by, each once.
+    /// The images of cut-outs, each once.
     pub masks: Vec<TextureSource>,
-    /// For each image of a glTF file that a mesh wears its bytes, and those held besides while it is decoded.
+    /// For each image in use of a glTF file its bytes, and the additional bytes while it is
+    /// decoded.
     pub embedded: Vec<[u64; 2]>,
-    /// Bytes that are held while a mesh without normals is given some.
+    /// Additional bytes while normals are computed for a mesh without any.
     pub creasing: u64,
     /// Entries of `scene.instances`.
     pub instances: u64,

@@ -132,7 +132,7 @@ struct Cut {
     chunk: usize,
     /// Largest number of parts that each of several chunks is cut into.
     parts: usize,
-    /// Bytes of room for each primitive, twice as much where few vertices are shared.
+    /// Bytes to reserve for each primitive, twice as many if few vertices are shared.
     room: usize,
 }
 

@@ -1,4 +1,4 @@
-//! Shapes far from the origin whose points a scene file lists.
+//! Inline shapes far from the origin.
 
 use glam::DVec3;
 use serde_json::{Value, json};
@@ -14,14 +14,14 @@ use wavecrest_core::accel::build::Preset;
 const RADIUS: f64 = 64.0;
 const STEP: f64 = 1.0 / 64.0;
 
-/// Where the camera is, seen from the middle of the globe.
+/// The camera, relative to the centre of the globe.
 const EYE: DVec3 = DVec3::new(120.0, 80.0, 150.0);
 
-/// Powers of two by which scenes are moved, up to the largest coordinates that a scene may hold. Double precision has
-/// the vertices even there.
+/// Powers of two by which scenes are moved, up to the largest coordinates of a scene. Double
+/// precision represents the vertices even there.
 const FARTHEST: [i32; 4] = [0, 20, 30, 38];
 
-/// Row 42. The points of shapes that a scene file lists are moved to the camera before they are rounded.
+/// Case 42. Inline points are moved to the camera before they are rounded.
 pub(super) fn listed_points(effort: &Effort) -> Outcome {
     let diagonals = [DVec3::ONE, DVec3::new(1.0, -1.0, 0.0), DVec3::new(0.0, 0.0, -1.0)];
     let moves = FARTHEST.iter().flat_map(|&k| diagonals.map(|way| way * libm::exp2(f64::from(k))));
@@ -34,7 +34,7 @@ pub(super) fn listed_points(effort: &Effort) -> Outcome {
     .sum()
 }
 
-/// Every corner where the file is to say it is.
+/// The coordinates of a vertex in the file.
 fn place(mesh: &Mesh, vertex: u32, by: DVec3) -> [f64; 3] {
     (mesh.positions[vertex as usize].as_dvec3() + by).to_array()
 }
@@ -54,7 +54,7 @@ fn as_triangles(mesh: &Mesh, by: DVec3) -> Vec<Value> {
     mesh.triangles.iter().map(triangle).collect()
 }
 
-/// Every pixel shows the face that is seen there.
+/// Every pixel shows the expected face.
 fn faces_in_place(effort: &Effort, mesh: &Mesh, by: DVec3, shapes: &[Value]) -> Result<Outcome> {
     let still = Eye::at(EYE, 40.0, effort.either([48, 40], [128, 120]));
     let moved = Eye { location: EYE + by, look: by, ..still };

@@ -1,4 +1,4 @@
-//! The memory of a file's images, from their heads: one after the other is looked at, and none is kept.
+//! The memory of a file's images, from their headers: they are read in turn, and none is kept.
 
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -15,7 +15,7 @@ use crate::components::{Filter, TextureSource};
 use crate::reader::{Cursor, Notes, Place};
 use crate::systems::textures;
 
-/// The textures of a material, and the factor that its colours are multiplied by.
+/// The textures of a material, with the key of the factor on their colours.
 const TEXTURES: [(&str, &str); 5] = [
     ("/pbrMetallicRoughness/baseColorTexture", "/pbrMetallicRoughness/baseColorFactor"),
     ("/pbrMetallicRoughness/metallicRoughnessTexture", ""),
@@ -24,17 +24,17 @@ const TEXTURES: [(&str, &str); 5] = [
     ("/occlusionTexture", ""),
 ];
 
-/// What is decoded of a file: the number of an image, and what is made of it.
+/// A decoded image: its number, and its use.
 #[derive(PartialEq, Eq, PartialOrd, Ord)]
 enum Use {
-    /// A texture, by its factor.
+    /// A texture, with its factor.
     Texture(u64, String),
     /// The alpha of an image.
     Mask(u64),
 }
 
-/// For each image that a mesh of the file wears its bytes, and those held besides while it is decoded. What cannot be
-/// read counts as nothing: that is said when the file is loaded.
+/// For each image in use its bytes, and the additional bytes while it is decoded. Unreadable images
+/// count as 0: the error is reported when the file is loaded.
 pub(super) fn survey(value: &Value, notes: &Notes<'_>) -> Vec<[u64; 2]> {
     let mut uses: BTreeMap<Use, Filter> = BTreeMap::new();
     let primitives = items(value, "meshes").iter().flat_map(|mesh| items(mesh, "primitives"));
@@ -48,7 +48,7 @@ pub(super) fn survey(value: &Value, notes: &Notes<'_>) -> Vec<[u64; 2]> {
     uses.into_iter().filter_map(bytes).collect()
 }
 
-/// Adds what a material shows.
+/// Adds the visible images of a material.
 fn add(value: &Value, material: &Value, uses: &mut BTreeMap<Use, Filter>) {
     let is_cut = material["alphaMode"].as_str().is_some_and(|mode| mode != "OPAQUE");
     for (slot, (texture, factor)) in TEXTURES.iter().enumerate() {
@@ -75,7 +75,7 @@ fn add(value: &Value, material: &Value, uses: &mut BTreeMap<Use, Filter>) {
     }
 }
 
-/// Where an image is, with its bytes where it is within the file or a buffer.
+/// The source of an image, with its bytes if it is in the file or in a buffer.
 fn source(value: &Value, image: u64, notes: &Notes<'_>) -> Option<TextureSource> {
     let image = value["images"].get(image as usize)?;
     let embedded = |bytes: Vec<u8>| TextureSource::Embedded {
@@ -116,7 +116,7 @@ fn view_bytes(value: &Value, view: u64, notes: &Notes<'_>) -> Option<Vec<u8>> {
     }
 }
 
-/// So many bytes of a regular file, or those that are there.
+/// `length` bytes of a regular file, or fewer at its end.
 fn part(path: &Path, start: u64, length: u64) -> Option<Vec<u8>> {
     let mut file = path.is_file().then(|| File::open(path).ok())??;
     file.seek(SeekFrom::Start(start)).ok()?;

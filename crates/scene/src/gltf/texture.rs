@@ -71,7 +71,7 @@ impl Sampler {
     }
 }
 
-/// Whether a sampler looks at smaller copies of its image.
+/// Whether a sampler reads smaller copies of its image.
 pub(super) fn is_mipmapped(sampler: &Value) -> bool {
     let number = |key: &str| sampler[key].as_u64();
     number("magFilter") != Some(NEAREST)

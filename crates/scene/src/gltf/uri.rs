@@ -1,7 +1,8 @@
 //! What a URI of a glTF file leads to: bytes within the file itself, or a file beside it.
 //!
-//! A name is relative to the glTF file, and may have characters written as `%20`. It leads to a file beside the glTF
-//! file or below; elsewhere only where the user allows it. A scheme such as `http:` is never followed.
+//! A name is relative to the glTF file, and may have characters written as `%20`. It must refer to
+//! a file beside the glTF file or below, unless the user allows others. A scheme such as `http:` is
+//! never followed.
 
 use std::path::PathBuf;
 
@@ -38,7 +39,7 @@ pub(super) fn target(cursor: &Cursor<'_>) -> Result<Target> {
     // Some exporters do not escape %.
     match find(&name).or_else(|denied| find(uri).map_err(|_| denied)) {
         Ok(path) => Ok(Target::File(path)),
-        // Reading it gives the error.
+        // Reading it reports the error.
         Err(Denied::Missing) => Ok(Target::File(folder.path().join(name))),
         Err(Denied::Outside) => {
             let error = cursor.error("is outside the folder of the glTF file");

@@ -44,7 +44,7 @@ impl<'a> Notes<'a> {
         self.outside
     }
 
-    /// The folder of this file, and what may be read by its names.
+    /// The folder of this file, and the files that it may refer to.
     pub(crate) fn folder(&self) -> Folder {
         Folder::of(self.file, self.outside)
     }

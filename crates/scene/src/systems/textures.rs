@@ -23,13 +23,14 @@ use wavecrest_core::prepared::{LazyImage, Placing, Texture, UvMap};
 
 /// Largest decoded image, in texels on a side.
 const MAX_SIDE: u32 = 1 << 16;
-/// Largest image, in bytes as decoded and as kept.
+/// Largest image in bytes, as decoded and as stored.
 const MAX_BYTES: u64 = 4 << 30;
-/// An image of up to this many bytes is decoded however short its file is; a larger one may be so many times as long
-/// as its file. PNG and EXR reach 1032, JPEG about as much.
+/// Decoded size in bytes up to which the length of an image's file does not matter.
 const SMALL_BYTES: u64 = 64 << 20;
+/// Largest ratio of the decoded size of a larger image to the length of its file. PNG and EXR reach
+/// 1032, JPEG about as much.
 const LARGEST_RATIO: u64 = 4096;
-/// The most bytes that the head of an image unpacks to: a colour profile that is larger is passed over.
+/// Largest unpacked size of an image's header in bytes: larger colour profiles are ignored.
 const MAX_METADATA: u64 = 8 << 20;
 
 /// Assigns to each shape the image of its colour. Images that are not shown are not opened, unless
@@ -140,10 +141,10 @@ pub(super) struct Head {
     /// Whether its values are bytes.
     is_bytes: bool,
     pub(super) has_alpha: bool,
-    /// Decoded size in bytes, and the bytes that the decoder needs besides.
+    /// Decoded size in bytes, and the additional bytes of the decoder.
     decoded: u64,
     scratch: u64,
-    /// Bytes of it in memory as they lie in a file.
+    /// Bytes of its file content in memory.
     embedded: u64,
 }
 
@@ -163,7 +164,7 @@ impl Head {
                 is_bytes,
                 has_alpha: color.has_alpha(),
                 decoded,
-                // JPEG keeps two bytes for each number where it comes in several scans, EXR a whole copy.
+                // JPEG keeps two bytes for each number if it has several scans, EXR a whole copy.
                 scratch: decoded * if is_bytes { 2 } else { 1 },
                 embedded,
             })
@@ -206,8 +207,8 @@ impl Head {
         self.bytes_of(size_of::<[u8; 4]>(), 0)
     }
 
-    /// Bytes of texels of so many each, and of a pyramid; and those held besides while they are made: as decoded, and
-    /// once more in between.
+    /// Bytes of texels with this size each, and of a pyramid; and the additional bytes while they
+    /// are made: as decoded, and one more copy.
     fn bytes_of(self, texel: usize, coarser: u64) -> [u64; 2] {
         let Self { size, decoded, scratch, embedded, .. } = self;
         let finest =
@@ -322,7 +323,7 @@ fn decoder_of<'a>(
     let mut limits = image::Limits::default();
     limits.max_image_width = Some(MAX_SIDE);
     limits.max_image_height = Some(MAX_SIDE);
-    // Only of PNG files are heads read within these limits; the rest is decoded within those below.
+    // These limits apply only to the headers of PNG files; decoding uses those below.
     limits.max_alloc = Some(MAX_METADATA);
     reader.limits(limits.clone());
     let mut decoder = reader.into_decoder()?;

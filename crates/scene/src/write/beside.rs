@@ -11,7 +11,7 @@ use wavecrest_base::error::{Error, ErrorKind, Result};
 /// The files beside a scene file, with its name as prefix.
 pub(super) struct Beside<'a> {
     scene: &'a Path,
-    /// Where images may be copied from.
+    /// The folder from which images may be copied.
     folder: Folder,
     pub(super) meshes: Vec<(PathBuf, MeshData)>,
     pub(super) images: Vec<(PathBuf, TextureSource)>,

@@ -64,7 +64,7 @@ impl LazyImage {
         self.expected
     }
 
-    /// Bytes held besides while it is decoded, by the head of its file.
+    /// Additional bytes held while it is decoded, from the header of its file.
     pub fn decoding_bytes(&self) -> u64 {
         self.decoding
     }

@@ -18,8 +18,8 @@ use crate::schema::Shape;
 /// floor of the file lies above it.
 const GAP: f64 = 1.0 / 4096.0;
 
-/// A subject so many times as far from the origin as it is large has a ground about its middle: beyond, rounding to
-/// single precision reaches a thousandth of the gap.
+/// The ground of an object this many times its size away from the origin has the object's centre as
+/// its origin: farther out, single-precision rounding reaches a thousandth of the gap.
 const FAR: f64 = 4.0;
 
 /// Number of directions that represent the edge of a lamp.
@@ -45,7 +45,7 @@ pub(super) fn under(
         return None;
     }
     let Sphere { center, radius } = *subject.bounds;
-    // Far out single precision would round the gap away.
+    // Far from the origin single precision would round the gap away.
     let is_far = center.abs().max_element() > FAR * radius;
     let origin = if is_far { center } else { DVec3::ZERO };
     let corners: Vec<Vec3> = hull(shadows(lamps, axes, &(low, high), height))

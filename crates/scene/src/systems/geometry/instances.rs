@@ -159,8 +159,8 @@ impl Builder {
     }
 }
 
-/// Where a prototype is moved to, in its own space: its middle, roughly, where that is far away. Its positions are
-/// `points` where there are some.
+/// The new origin of a prototype, in its own space: roughly its centre, if that is far away.
+/// `points` replace its positions, if given.
 fn origin(positions: &[Vec3], points: Option<&[DVec3]>) -> DVec3 {
     let merge = |a: [DVec3; 2], b: [DVec3; 2]| [a[0].min(b[0]), a[1].max(b[1])];
     let none = || [DVec3::INFINITY, DVec3::NEG_INFINITY];

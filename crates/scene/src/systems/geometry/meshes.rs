@@ -54,8 +54,8 @@ pub(super) fn append<T: Send>(
     }
 }
 
-/// Transforms positions, normals and tangents to world space, in double precision, rounding once. `points` replaces
-/// the positions, if given.
+/// Transforms positions, normals and tangents to world space, in double precision, rounding once.
+/// `points` replace the positions, if given.
 pub(super) fn transform_mesh(
     mesh: &mut MeshData,
     points: Option<Vec<DVec3>>,
