@@ -57,7 +57,7 @@ impl Unit {
     }
 }
 
-/// Settings of a tracer besides the scene.
+/// Settings of a tracer, without the scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TraceSettings {
     /// Seed of the random numbers.

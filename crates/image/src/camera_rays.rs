@@ -1,7 +1,7 @@
 //! A pass over the camera rays of a render, the same to the last bit and through the same kernels.
 //!
 //! Bands of rows are processed in turn, each tile by tile on all threads, so that little memory is
-//! needed besides the result. The samples of a pixel are gathered in order.
+//! needed beyond the result. The samples of a pixel are gathered in order.
 
 use rayon::prelude::*;
 

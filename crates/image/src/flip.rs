@@ -10,7 +10,7 @@
 //! 2. and through detectors of edges and points, whose difference amplifies the colour difference.
 //!
 //! Filters are separable and run over tiles of the image ([`tile`]), so that little memory is
-//! needed besides the result. Arithmetic is in double precision and in a fixed order; the result
+//! needed beyond the result. Arithmetic is in double precision and in a fixed order; the result
 //! does not depend on the number of threads.
 //!
 //! # From values to light

@@ -6,7 +6,7 @@
 //! * [`mod@compare`]: differences between two films, as numbers.
 //! * [`mod@flip`]: the perceived difference between two films.
 //! * [`mod@error_map`]: images of differences, with the colours of [`colormap`].
-//! * [`aov`]: layers besides the colours.
+//! * [`aov`]: layers other than colour.
 //! * [`animation`]: animated images.
 //! * [`look`]: images for inspection: normals, depth, edges.
 //! * `camera_rays`: the pass that gathers both.

@@ -17,7 +17,7 @@ pub struct Entry {
 /// stores it too.
 pub const ALPHA: &str = "A";
 
-/// The data written besides the colours of a film.
+/// The data written with the colours of a film.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Extras<'a> {
     /// How the image was made: an attribute of an EXR or a text of a PNG each.

@@ -113,7 +113,7 @@ pub struct Point {
     pub low: Option<f64>,
     /// The upper end.
     pub high: Option<f64>,
-    /// Its description besides the values; may be empty.
+    /// A description, without the values; may be empty.
     pub label: String,
 }
 

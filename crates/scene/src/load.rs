@@ -66,7 +66,7 @@ pub struct LoadedScene {
     pub warnings: Vec<Warning>,
     /// Choices for values that the file lacks: a camera, lights.
     pub notes: Vec<Warning>,
-    /// The files read besides the scene's own, without textures.
+    /// The files read, without the scene file and textures.
     pub files: Vec<PathBuf>,
     /// The transfer curve of 8-bit images, unless one is requested.
     pub encoding: Encoding,

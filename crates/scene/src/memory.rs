@@ -193,7 +193,7 @@ fn expected_rays(survey: &Survey) -> u64 {
 /// Bytes of an instance: its transforms, its shape and material, its node of the tree over instances.
 const INSTANCE_BYTES: u64 = 600;
 
-/// Bytes that readers hold besides their results: blocks of text and their parsed values.
+/// Bytes that readers hold beyond their results: blocks of text and their parsed values.
 const READER_BYTES: u64 = 24 << 20;
 
 /// Upper bound on the bytes that JSON takes for each byte of its text while it is read.

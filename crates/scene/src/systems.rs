@@ -9,7 +9,7 @@
 //! | [`view`] | shapes, the camera in all frames | which shapes are visible |
 //! | [`census`] | all of these | the plan: which effects the scene needs |
 //! | [`textures`] | visible texture references | images to decode, each once |
-//! | [`details`] | visible materials and maps | properties of shapes besides their colour |
+//! | [`details`] | visible materials and maps | properties of shapes other than colour |
 //! | [`cutouts`] | cut-outs | primitives with holes, and their images |
 //! | [`camera`] | the view, pinhole or thin lens | the ray generator |
 //! | [`wavecrest_core::accel`] | the geometry | the tree |

@@ -194,7 +194,7 @@ fn run<S: Lanes, K: Kernel>(simd: S, kernel: K) -> K::Output {
 /// The number of lanes of a kernel, whatever the width of a register.
 pub const LANES: usize = 8;
 
-/// Operations of a level that kernels need besides arithmetic.
+/// Operations of a level other than arithmetic.
 pub trait Lanes: Simd {
     /// Lane i of the result is lane `indices[i]` of `values`; indices below 8.
     #[inline(always)]

@@ -1,4 +1,4 @@
-//! Details: properties of shapes besides their colour, from textures or constants.
+//! Details: properties of shapes other than colour, from textures or constants.
 //!
 //! Both tracers look them up hit by hit, only on shapes with details; a look-up starts from the
 //! shading point without them.
@@ -16,7 +16,7 @@ use crate::kernels::surface::Surface;
 use crate::math::ray::Ray;
 use crate::math::real::Single;
 
-/// Properties of a shape besides its colour.
+/// Properties of a shape other than its colour.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Detail {
     /// Emission, which is visible but does not light other surfaces.

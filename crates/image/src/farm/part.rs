@@ -40,7 +40,7 @@ const VERSION: u32 = 1;
 /// Largest header in bytes: the system limits a command line to 2 MiB.
 const MAX_HEADER_BYTES: u32 = 4 << 20;
 
-/// Bytes of a unit besides its sums.
+/// Bytes of a unit without its sums.
 const UNIT_BYTES: u64 = 4 * 4 + 8 + 8;
 
 /// The header of a part.

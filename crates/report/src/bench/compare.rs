@@ -16,7 +16,7 @@ use wavecrest_core::counters::Counters;
 use wavecrest_core::math::simd::Level;
 use wavecrest_core::render::{Rendered, TracerKind};
 
-/// Batch sizes to compare, besides the default.
+/// Batch sizes to compare other than the default.
 const BATCHES: [usize; 4] = [64, 256, 1024, 4096];
 
 wavecrest_base::choices! {

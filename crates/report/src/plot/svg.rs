@@ -35,7 +35,7 @@ pub(super) fn file(drawing: &Drawing, title: &str, caption: &str) -> String {
     element_of(drawing, &head)
 }
 
-/// An element of a page with [`STYLE`]; `class` is its class besides `chart`.
+/// An element of a page with [`STYLE`]; its classes are `chart` and `class`.
 pub(super) fn element(drawing: &Drawing, title: &str, class: &str) -> String {
     let title = escape(title);
     let head = format!("class=\"chart {class}\" role=\"group\" aria-label=\"{title}\">");

@@ -197,7 +197,7 @@ mod tests {
         assert_eq!(narrow.major[1].at, libm::log10(1.04));
     }
 
-    /// Whatever the ends: marks lie between them, in order, and are not more than asked for.
+    /// Whatever the ends: marks lie between them, in order, and at most as many as requested.
     #[test]
     fn any_range_has_few_marks_in_order() {
         let ends = [-1e308, -3.3e5, -1.0, -1e-7, 0.0, 4.9e-324, 2.2e-9, 0.1, 1.0, 7.7, 1e15, 1e308];

@@ -50,7 +50,7 @@ pub(crate) fn normals(positions: &[Vec3], triangles: &[[u32; 3]], degrees: f64) 
     together(parts, triangles.len())
 }
 
-/// Largest number of bytes that [`normals`] holds besides the mesh and the result, if few edges are creases.
+/// Largest number of bytes that [`normals`] holds beyond mesh and result if few edges are creases.
 pub(crate) fn bytes(positions: u64, triangles: u64) -> u64 {
     // Two offsets for each vertex; the corners; two numbers for each corner; and a copy of the normals.
     let about = (8 * positions).saturating_add(12 * triangles);

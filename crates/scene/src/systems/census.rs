@@ -46,7 +46,7 @@ pub struct Census<'a> {
 pub struct Findings {
     /// One for each effect.
     pub decisions: Vec<Decision>,
-    /// For each light, whether it can add anything besides its ambient part to a surface in view.
+    /// For each light, whether it adds more than its ambient part to a surface in view.
     pub shown: Vec<bool>,
     /// For each light, whether it can add anything to any surface.
     pub reached: Vec<bool>,

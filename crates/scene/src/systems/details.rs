@@ -1,4 +1,4 @@
-//! Details: properties of shapes besides their colour.
+//! Details: properties of shapes other than colour.
 
 use std::collections::HashMap;
 

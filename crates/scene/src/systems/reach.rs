@@ -1,4 +1,4 @@
-//! Whether a light can add anything to a surface, besides its ambient part.
+//! Whether a light adds more than its ambient part to a surface.
 //!
 //! A light is skipped only if every hit on every surface certainly rejects it: because the material
 //! reflects none of its colour, or because it is behind a surface that is lit from the front only.

@@ -2,8 +2,8 @@
 //! small hierarchy joins them.
 //!
 //! A chunk's parts are copied into the arena as soon as all chunks before it have their places. So
-//! the tree is the same for any number of threads and is never held twice, unless it is much larger
-//! than usual for its primitives: then it is moved to a larger arena at the end.
+//! the tree is the same for any number of threads and is in memory only once. A tree with unusually
+//! many bytes for each primitive is the exception: at the end it moves to a larger arena.
 
 use std::collections::BTreeMap;
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -27,8 +27,8 @@ struct Task<'a> {
     count: usize,
 }
 
-/// Builds the tree over two or more chunks, each cut into about `parts` parts. `room` bytes are reserved for each
-/// primitive; a tree that takes more is moved when all chunks are built.
+/// Builds the tree over two or more chunks, each cut into about `parts` parts. Reserves `room` bytes
+/// for each primitive; a tree that needs more moves to a larger arena at the end.
 pub(super) fn build(plan: &Plan, chunks: Chunks, parts: usize, room: usize) -> Option<Tree> {
     let (mut numbers, lengths) = with_room_for_halves(plan.geometry, chunks);
     // The nodes that join the parts come first: fewer than there are parts, plus those that
@@ -67,7 +67,8 @@ pub(super) fn build(plan: &Plan, chunks: Chunks, parts: usize, room: usize) -> O
     Some(Tree { arena, root: Some(Root { place, bounds }), census, ..Tree::default() })
 }
 
-/// A larger arena of `used` units, in which the chunks `late` come last; the first `ahead` units are zeros.
+/// Copies the arena to one of `used` units and appends the chunks `late`. The first `ahead` units stay
+/// zero.
 fn lengthened(units: Units, ahead: usize, used: usize, late: Vec<Vec<Unit>>) -> Units {
     let mut longer = Units::zeroed(used);
     let mut end = used - late.iter().map(Vec::len).sum::<usize>();
@@ -171,7 +172,8 @@ struct Assembly<'a> {
 }
 
 impl<'a> Assembly<'a> {
-    /// Reserves room for the next chunk: returns the units and their destination, or keeps them if no room is left.
+    /// Reserves room for the next chunk: returns the units and their destination, or keeps the units
+    /// in `late` if no room is left.
     fn claim(
         &mut self,
         units: Vec<Unit>,

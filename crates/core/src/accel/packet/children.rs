@@ -91,7 +91,7 @@ impl Children {
         }
     }
 
-    /// Whether there is room for another leaf besides those of nodes.
+    /// Whether there is room for another leaf, not counting those of nodes.
     #[inline(always)]
     pub(super) fn has_room(&self) -> bool {
         self.leaf_count < MOST_LEAVES - MOST_CHILDREN

@@ -107,7 +107,7 @@ impl Vertices {
     pub(super) fn new(count: usize, layout: &VertexLayout) -> Self {
         Self {
             // The system provides zeroed pages, first touched by the thread that fills them: `vec!`
-            // would write each vector once more.
+            // would write each vector twice.
             positions: bytemuck::zeroed_vec(count),
             normals: bytemuck::zeroed_vec(if layout.normals { count } else { 0 }),
             uvs: bytemuck::zeroed_vec(if layout.uvs { count } else { 0 }),

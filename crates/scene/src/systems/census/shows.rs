@@ -23,8 +23,8 @@ pub struct Shows {
 }
 
 impl Shows {
-    /// The visible properties of the `i`th shape, a surface. `is_lit` if anything besides ambient
-    /// light may reach it; `has_ambient` if there is ambient light.
+    /// The visible properties of the `i`th shape, a surface. `is_lit` if more than ambient light may
+    /// reach it; `has_ambient` if there is ambient light.
     pub(super) fn of(census: Census<'_>, i: usize, is_lit: bool, has_ambient: bool) -> Self {
         let (world, entity) = (census.world, census.extracted.shapes[i].entity);
         let wears = world.get::<&TextureRef>(entity).is_ok();
