@@ -1,4 +1,4 @@
-//! Records the purpose of memory, so that a message can name what the system refused, and for what.
+//! Records the purpose of memory, so that a message can say what the refused memory was for.
 
 use std::cell::Cell;
 use std::sync::atomic::{AtomicU8, Ordering};

@@ -24,7 +24,7 @@ const MAX_DECODED_BYTES: u64 = MAX_PIXELS * 16;
 /// Largest unpacked size of a PNG file's header in bytes: larger colour profiles are ignored.
 const MAX_METADATA: u64 = 8 << 20;
 
-/// An image of up to this many bytes is decoded however short its file is.
+/// Decoded size in bytes up to which the length of an image's file does not matter.
 const SMALL_IMAGE_BYTES: u64 = 1 << 26;
 
 /// Largest ratio of a larger image to the length of its file. PNG and the ZIP method of EXR reach

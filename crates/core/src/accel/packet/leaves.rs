@@ -207,8 +207,8 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
         );
     }
 
-    /// Tests those of the `triangles` of a leaf, a bit each, whose numbers start at `first`, one by
-    /// one with the `i`th ray.
+    /// Tests the `i`th ray one by one with the triangles of a leaf whose bits are set in `triangles`;
+    /// their numbers start at `first`.
     #[cold]
     #[inline(never)]
     fn ask_again(
