@@ -208,7 +208,7 @@ impl Groups {
         count
     }
 
-    /// Keeps those of the first `all` pairs in which some ray is not outside the triangle. Returns
+    /// Of the first `all` pairs, keeps those with a ray that is not outside the triangle. Returns
     /// their number.
     #[inline(always)]
     fn leave_out<S: Lanes>(&mut self, simd: S, arena: View<'_>, all: usize) -> usize {

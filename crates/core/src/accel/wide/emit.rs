@@ -1,4 +1,4 @@
-//! Writes nodes and leaves as decided.
+//! Writes the nodes and leaves chosen by [`Converter::evaluate`].
 
 use bytemuck::Zeroable;
 
@@ -71,7 +71,7 @@ impl Converter {
     }
 }
 
-/// Writes what was decided.
+/// Writes nodes and leaves to an output.
 struct Emitter<'a, F> {
     geometry: &'a Geometry,
     converter: &'a Converter,
