@@ -48,7 +48,7 @@ pub fn error_map(a: &Film, b: &Film, kind: MapKind, gain: f32) -> Result<Film> {
     }
 }
 
-/// The map of [`MapKind::Flip`] for a result of [`flip`](super::flip::flip).
+/// The map of [`MapKind::Flip`] for a result of [`flip`].
 ///
 /// # Errors
 /// If memory does not suffice.

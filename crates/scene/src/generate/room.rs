@@ -10,7 +10,7 @@
 //! gives the requested total.
 //!
 //! Each kind of furniture has a file, whose functions add pieces to a
-//! [`Builder`](builder::Builder).
+//! [`Builder`].
 
 mod bookshelf;
 mod builder;
