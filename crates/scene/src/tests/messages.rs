@@ -332,7 +332,7 @@ fn names() {
     warned(
         "scene.shapes[2].id",
         json!("ball"),
-        "scene.shapes[2]: the name \"ball\" is also that of scene.shapes[0]; \
+        "scene.shapes[2]: scene.shapes[0] has the same name, \"ball\"; \
          use a different name for each shape",
     );
 }
