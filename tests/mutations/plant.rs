@@ -63,7 +63,7 @@ pub(crate) struct Planted {
 }
 
 impl Planted {
-    /// Builds them, beside what is built already: dependencies are shared.
+    /// Builds them, and what they depend on, in a target directory of their own.
     pub(crate) fn build() -> Self {
         let scratch = Path::new(env!("CARGO_TARGET_TMPDIR"));
         let tree = scratch.join("planted");
@@ -74,8 +74,9 @@ impl Planted {
         let output = Command::new(cargo)
             .args(["test", "--no-run", "--locked", "--message-format=json"])
             .args(["--package=wavecrest-report", "--test=stability"])
+            // Not the usual directory: cargo knows crates by their place in the workspace, and would mix up the two.
             .arg("--target-dir")
-            .arg(scratch.parent().expect("the target directory"))
+            .arg(scratch.join("planted-target"))
             .current_dir(&tree)
             .output()
             .expect("cargo starts");
