@@ -522,7 +522,7 @@ fn lights_behind_every_surface_add_their_ambient_part_alone() {
     );
     assert_eq!(
         reason(&[below.clone(), above], Effect::PointLights),
-        "1 point light, 1 more with nothing but an ambient part"
+        "1 point light, 1 more with ambient light only"
     );
     assert_eq!(reason(&[], Effect::AreaLights), "there is no area light");
     let ambient = |lights: f32| [0.5 * 0.08 * lights; 3];

@@ -148,7 +148,7 @@ fn a_header_that_claims_too_much_sets_no_memory_aside() {
         error,
         format!(
             "the parts do not make a whole image, found {length} bytes of parts for 268435456 pixels; \
-             render what is missing, and put all parts together"
+             render what is missing and merge again"
         )
     );
 }
@@ -342,6 +342,9 @@ fn checkpoints_of_another_render_are_refused_by_what_has_changed() {
     let kept = checkpoint(&kept.file, true);
     let other = Session::begin(&scene, &options, Author::default(), Some(shard(1, 2)), Some(&kept));
     let told = other.map(drop).expect_err("another share").to_string();
-    assert!(told.contains("of another share of the image, found the whole image"), "{told}");
+    assert!(
+        told.contains("the checkpoint belongs to another shard, found the whole image"),
+        "{told}"
+    );
     assert_eq!(std::fs::read(&kept.file).expect("a checkpoint"), before);
 }

@@ -221,6 +221,6 @@ mod tests {
         drop(store);
         let other = Header { most: 9, ..header() };
         let error = Store::open(folder.path(), &other).unwrap_err().to_string();
-        assert!(error.contains("records of another sweep"), "{error}");
+        assert!(error.contains("results of another sweep"), "{error}");
     }
 }

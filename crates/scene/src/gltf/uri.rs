@@ -122,7 +122,7 @@ mod tests {
             assert!(follow(uri).unwrap_err().contains("URLs are not read"), "{uri}");
         }
         assert!(follow("%FF.bin").unwrap_err().contains("not UTF-8"));
-        assert!(follow("").unwrap_err().contains("must be a URI"));
+        assert!(follow("").unwrap_err().contains("must be a file name or a data: URI"));
     }
 
     #[test]

@@ -155,12 +155,10 @@ pub(super) fn inside(grid: &Grid, low: DVec3, high: DVec3, upward: DVec3) -> Roo
         share[long] = along;
         low + size * share
     };
-    let look = point((from + to) / 2.0);
-    Room::Closed {
-        eye: point(to - BEHIND * (to - from)),
-        look,
-        lamp: lamp(grid, low, size, look, upward),
-    }
+    let (eye, middle) = (point(to - BEHIND * (to - from)), point((from + to) / 2.0));
+    // Without extent, the camera looks along the axis all the same.
+    let look = if middle == eye { eye - DVec3::AXES[long] } else { middle };
+    Room::Closed { eye, look, lamp: lamp(grid, low, size, middle, upward) }
 }
 
 /// A lamp under the ceiling, above the point `look`.
