@@ -147,7 +147,7 @@ fn write_bounce(text: &mut String, number: usize, bounce: &Bounce) {
     let _ = writeln!(text, "  {what} from {origin}, direction {}", three(*direction));
     let _ = writeln!(
         text,
-        "    visits {nodes} nodes and {leaves} leaves, tests {primitives} primitives"
+        "    visits: nodes {nodes}, leaves {leaves}; primitives tested: {primitives}"
     );
     match &bounce.met {
         None => {

@@ -38,8 +38,10 @@ impl Summary {
     fn line(&self, name: &str, what: &str, all_seconds: f64, peak: Option<u64>) -> String {
         let [traced, all] = [self.traced_seconds, all_seconds].map(seconds);
         let memory = peak.map(|bytes| format!("  {} MB", grouped(bytes.div_ceil(1_000_000))));
-        let (rays, memory) = (grouped(self.rays), memory.unwrap_or_default());
-        format!("{name}  {what}  {rays} rays  {traced} s traced, {all} s in all{memory}")
+        // The passes of `--as` count no rays.
+        let rays = (self.rays > 0).then(|| format!("  {} rays", grouped(self.rays)));
+        let (rays, memory) = (rays.unwrap_or_default(), memory.unwrap_or_default());
+        format!("{name}  {what}{rays}  {traced} s traced, {all} s in all{memory}")
     }
 }
 

@@ -92,9 +92,7 @@ impl Choice {
         let number = |name: &str| variable(name)?.trim().parse::<u64>().ok();
         let found = SCHEDULERS.iter().find_map(|one| Some((one, number(one.0)?)));
         let Some((scheduler, task)) = found else {
-            let names: Vec<&str> = SCHEDULERS.iter().map(|one| one.0).collect();
-            return Err(Error::new(ErrorKind::Usage, "no scheduler with array jobs was found")
-                .value(format!("none of {}", names.join(", ")))
+            return Err(Error::new(ErrorKind::Usage, "no array job of a scheduler was found")
                 .remedy("name the shard instead, such as --shard 3/7"));
         };
         let (first, tasks) = scheduler.range(count, number)?;

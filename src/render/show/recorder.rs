@@ -26,7 +26,7 @@ impl Reporter {
             format!("{processor}, {cores} cores, {os}; {threads} threads")
         });
         self.note("choice", || {
-            let best = if args.search.simd == Level::best() { "(the best available)" } else { "" };
+            let best = if args.search.simd == Level::best() { " (the best available)" } else { "" };
             format!(
                 "{} tracer, {} precision, instructions {}{best}, kernel {}, seed {}",
                 args.tracer,
@@ -44,8 +44,8 @@ impl Reporter {
         self.note("load", || {
             let [width, height] = scene.camera.size();
             format!(
-                "{}: {width} x {height} pixels, {} rays each, {} triangles, {} quads, {} spheres, \
-                 {} lights, in {seconds:.3} s",
+                "{}: {width} x {height} pixels, rays per pixel: {}; triangles: {}, quads: {}, spheres: {}, \
+                 lights: {}; {seconds:.3} s",
                 extracted.file().display(),
                 scene.camera.rays_per_pixel(),
                 geometry.triangles.len(),

@@ -88,7 +88,7 @@ fn a_shard_can_be_what_the_scheduler_says() {
         std::fs::remove_file(folder.path().join("auto.part")).expect("it is there");
     }
     for (asked, variables, told) in [
-        ("auto", &[][..], "no scheduler with array jobs was found, found none of SLURM_ARRAY"),
+        ("auto", &[][..], "no array job of a scheduler was found; name the shard instead"),
         ("auto", &[("PBS_ARRAY_INDEX", "2")], "does not say how many shards there are"),
         ("auto", &slurm("3", "1", "7", "3"), "the task numbers of the array have gaps"),
         ("auto/3", &[("PBS_ARRAY_INDEX", "4")], "the task has no shard: PBS_ARRAY_INDEX, found 4"),

@@ -82,7 +82,7 @@ fn the_log_tells_what_is_done_chosen_and_found() {
     for words in [
         "ball.json out.exr --log log.txt -q",
         "wavefront tracer, robust precision",
-        "ball.json: 16 x 12 pixels, 1 rays each, 0 triangles, 1 quads, 1 spheres, 1 lights",
+        "ball.json: 16 x 12 pixels, rays per pixel: 1; triangles: 0, quads: 1, spheres: 1, lights: 1; ",
         "camera.colour: is not a key of a pinhole camera",
         "+ mirrors: 1 mirror",
         "192 camera rays",
