@@ -29,7 +29,8 @@ const ONE_LEVEL: [(&str, &str); 3] =
     [("cfg!(fuzzing)", "true"), ("not(fuzzing)", "any()"), ("all(fuzzing, ", "all(")];
 
 /// What the copy holds.
-const PARTS: [&str; 6] = ["Cargo.toml", "Cargo.lock", "benches", "crates", "src", "tests"];
+const PARTS: [&str; 7] =
+    ["Cargo.toml", "Cargo.lock", "benches", "crates", "python", "src", "tests"];
 
 /// Kinds of files that are copied: sources and what they include. Images are not.
 const KINDS: [&str; 7] = ["rs", "toml", "lock", "css", "js", "json", "txt"];
