@@ -4,6 +4,9 @@ use super::report::SceneBench;
 use super::tracer::TracerBench;
 use crate::plot::number::time_unit;
 
+/// From rays to millions of rays.
+const MILLIONS: f64 = 1e-6;
+
 /// One measure of both tracers.
 pub(super) struct Row {
     pub name: String,
@@ -32,12 +35,12 @@ pub(super) fn rows(
     row("slowest", both(|t| t.seconds.max), scale, second);
     row("median deviation", both(|t| t.seconds.mad), scale, second);
     row("all rays", both(|t| t.mrays_s), 1.0, "Mrays/s");
-    row("primary rays", both(|t| t.rays_s.primary), 1e-6, "Mrays/s");
+    row("primary rays", both(|t| t.rays_s.primary), MILLIONS, "Mrays/s");
     if report.rays.secondary > 0 {
-        row("secondary rays", both(|t| t.rays_s.secondary), 1e-6, "Mrays/s");
+        row("secondary rays", both(|t| t.rays_s.secondary), MILLIONS, "Mrays/s");
     }
     if report.rays.shadow > 0 {
-        row("shadow rays", both(|t| t.rays_s.shadow), 1e-6, "Mrays/s");
+        row("shadow rays", both(|t| t.rays_s.shadow), MILLIONS, "Mrays/s");
     }
     row("nodes a ray", both(|t| t.tests_per_ray.nodes), 1.0, "tests");
     row("primitives a ray", both(|t| t.tests_per_ray.primitives), 1.0, "tests");
