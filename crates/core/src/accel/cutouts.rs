@@ -97,8 +97,7 @@ impl Cutout {
 
 impl Geometry {
     /// Whether the ray, which meets the primitive at t, passes through a hole.
-    #[cold]
-    #[inline(never)]
+    #[inline(always)]
     pub(super) fn is_cut_out<P: Arithmetic>(
         &self,
         number: u32,
@@ -106,7 +105,20 @@ impl Geometry {
         t: f32,
         tests: &mut TestCounts,
     ) -> bool {
-        if !self.cutouts.contains(number) {
+        !self.cutouts.is_empty() && self.passes_hole::<P>(number, ray, t, tests)
+    }
+
+    /// As [`Self::is_cut_out`], for a scene that has cut-outs.
+    #[cold]
+    #[inline(never)]
+    fn passes_hole<P: Arithmetic>(
+        &self,
+        number: u32,
+        ray: &Ray,
+        t: f32,
+        tests: &mut TestCounts,
+    ) -> bool {
+        if self.cutouts.of(number).is_none() {
             return false;
         }
         // A seal has no area: it takes the alpha of the triangle it stands for.

@@ -313,9 +313,7 @@ impl Geometry {
             Primitive::Sphere(_) => tests.spheres += 1,
         }
         let t = self.meet::<P>(number, ray).confirmed(has_surface)?;
-        let is_cut_out =
-            !self.cutouts.is_empty() && self.is_cut_out::<P>(number, &ray.ray, t, tests);
-        (!is_cut_out).then_some(t)
+        (!self.is_cut_out::<P>(number, &ray.ray, t, tests)).then_some(t)
     }
 
     /// The meeting of the ray with the primitive within the ray's range.
