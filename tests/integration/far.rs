@@ -2,8 +2,13 @@
 
 use glam::DVec3;
 use serde_json::{Value, json};
+use wavecrest_core::accel::build::Preset;
+use wavecrest_core::film::Film;
+use wavecrest_image::compare::compare;
+use wavecrest_scene::load::{LoadOptions, load};
+use wavecrest_scene::systems;
 
-use crate::support::{image, matte, point_light, scene, with};
+use crate::support::{folder, image, image_of, matte, point_light, scene, try_prepare, with};
 
 /// How far, by multiples of the power of two that scenes are moved back by. In single precision a coordinate there has
 /// steps of an eighth.
@@ -45,6 +50,11 @@ fn seen(by: DVec3, lights: &[Value], shapes: &[Value], instances: Value) -> Valu
 /// Both scenes have one image, which shows more than the background.
 fn assert_same(near: &Value, far: &Value, what: &str) {
     let [near, far] = [near, far].map(image);
+    assert_same_films(&near, &far, what);
+}
+
+/// Both are one image, which shows more than the background.
+fn assert_same_films(near: &Film, far: &Film, what: &str) {
     let shown = near.pixels().iter().filter(|pixel| **pixel != near.pixels()[0]).count();
     assert!(shown > 50, "{what} fills {shown} pixels");
     let pairs = near.pixels().iter().zip(far.pixels());
@@ -103,6 +113,90 @@ fn hc07_instances_of_a_far_mesh_are_where_they_would_be() {
         seen(by, &[], &[hidden], json!([at(-0.5), at(0.5)]))
     };
     assert_same(&scene(DVec3::ZERO), &scene(FAR), "instances");
+}
+
+/// The pyramid moved by `by`, as the text of a mesh file. Coordinates are multiples of 2^-12, so that none is rounded.
+fn mesh_file(kind: &str, by: DVec3) -> Vec<u8> {
+    let corners = [
+        [-0.5, -0.25, -4.5],
+        [0.375, -0.125, -4.0],
+        [0.125, 0.4375, -4.25],
+        [0.0625, 0.031_25, -3.9375],
+    ];
+    let points = corners.map(|p| DVec3::from_array(p) + DVec3::splat(1.0 / 4096.0) + by);
+    let faces = [[0_u32, 1, 3], [1, 2, 3], [2, 0, 3]];
+    if kind == "obj" {
+        let vertices = points.map(|p| format!("v {} {} {}\n", p.x, p.y, p.z)).concat();
+        let faces = faces.map(|[a, b, c]| format!("f {} {} {}\n", a + 1, b + 1, c + 1)).concat();
+        return [vertices, faces].concat().into_bytes();
+    }
+    let header = format!(
+        "ply\nformat {kind} 1.0\nelement vertex 4\nproperty double x\nproperty double y\nproperty double z\n\
+         element face 3\nproperty list uchar uint vertex_indices\nend_header\n"
+    );
+    let body: Vec<u8> = match kind {
+        "ascii" => {
+            let vertices = points.map(|p| format!("{} {} {}\n", p.x, p.y, p.z)).concat();
+            let faces = faces.map(|[a, b, c]| format!("3 {a} {b} {c}\n")).concat();
+            [vertices, faces].concat().into_bytes()
+        }
+        "binary_big_endian" => {
+            let vertices = points.map(|p| p.to_array().map(f64::to_be_bytes).concat()).concat();
+            let faces =
+                faces.map(|f| [vec![3], f.map(u32::to_be_bytes).concat()].concat()).concat();
+            [vertices, faces].concat()
+        }
+        _ => {
+            let vertices = points.map(|p| p.to_array().map(f64::to_le_bytes).concat()).concat();
+            let faces =
+                faces.map(|f| [vec![3], f.map(u32::to_le_bytes).concat()].concat()).concat();
+            [vertices, faces].concat()
+        }
+    };
+    [header.into_bytes(), body].concat()
+}
+
+const KINDS: [&str; 4] = ["obj", "ascii", "binary_little_endian", "binary_big_endian"];
+
+#[test]
+fn hc07_mesh_files_in_double_precision_keep_their_shape_far_away() {
+    let folder = folder();
+    for kind in KINDS {
+        let films = [DVec3::ZERO, FAR].map(|by| {
+            let name = if kind == "obj" { "far.obj" } else { "far.ply" };
+            std::fs::write(folder.path().join(name), mesh_file(kind, by)).unwrap();
+            let shape = json!({"type": "trimesh", "file": name, "name": "pyramid", "sides": "both",
+                               "material": matte(0.9, [0.9, 0.4, 0.2])});
+            let copies = [0.5, 1.0]
+                .map(|x| json!({"shape": "pyramid", "transform": {"translate": [x, 0, 0]}}));
+            [json!([]), json!(copies)].map(|instances| {
+                let scene = seen(by, &[], std::slice::from_ref(&shape), instances);
+                image_of(&try_prepare(&scene, &folder.path().join("scene.json")).unwrap(), 0)
+            })
+        });
+        let [near, far] = films;
+        for (near, far) in near.iter().zip(&far) {
+            assert_same_films(near, far, kind);
+        }
+    }
+}
+
+#[test]
+fn hc07_far_mesh_files_alone_are_framed_as_near_ones() {
+    let folder = folder();
+    for kind in KINDS {
+        let path = folder.path().join(if kind == "obj" { "far.obj" } else { "far.ply" });
+        let [near, far] = [DVec3::ZERO, FAR].map(|by| {
+            std::fs::write(&path, mesh_file(kind, by)).unwrap();
+            let options = LoadOptions { width: Some(96), ..LoadOptions::default() };
+            let mut scene = load(&path, &options).unwrap();
+            let extracted = systems::extract(&mut scene.world, Default::default()).unwrap();
+            image_of(&extracted.build(Preset::Fast), 0)
+        });
+        // The camera's place is rounded.
+        let compared = compare(&far, &near).unwrap();
+        assert!(compared.rmse < 0.01, "{kind}: {}", compared.rmse);
+    }
 }
 
 /// It would have no area in single precision.

@@ -46,7 +46,7 @@ pub fn mesh(recipe: &Recipe) -> Result<MeshData> {
         values: each(surface.vertices(), |v| surface.uv(v).unwrap_or_default()),
         indices: None,
     });
-    Ok(MeshData { positions, triangles, normals, uvs, colors: None })
+    Ok(MeshData { positions, triangles, normals, uvs, ..MeshData::default() })
 }
 
 /// `item` of 0, 1, ... `count` - 1, computed in parallel and kept in order.

@@ -17,6 +17,7 @@ mod data;
 mod faults;
 mod number;
 mod obj;
+mod origin;
 mod parts;
 mod place;
 mod ply;

@@ -62,7 +62,7 @@ impl<'a> Reader<'a> {
         let uvs = set.map(|set| self.uvs(primitive, count, used, set)).transpose()?.flatten();
         let positions = self.positions(primitive, positions, used)?;
         let colors = self.colors(primitive, count, used)?;
-        Ok(Some(MeshData { positions, triangles, normals, uvs, colors }))
+        Ok(Some(MeshData { positions, triangles, normals, uvs, colors, ..MeshData::default() }))
     }
 
     fn accessor(&self, index: usize) -> &'a Accessor {

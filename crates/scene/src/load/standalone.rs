@@ -48,7 +48,7 @@ pub(super) fn scene(
     if mesh.normals.is_none() && crease > 0.0 {
         mesh.normals = Some(crease::normals(&mesh.positions, &mesh.triangles, crease));
     }
-    let world = glam::DAffine3::IDENTITY;
+    let world = glam::DAffine3::from_translation(mesh.origin);
     let all = [Placed { points: &mesh.positions, triangles: &mesh.triangles, world }];
     let bounds = staging::bounds(&all);
     let staging::Framed { view, path: moves, up, lamp, told: framed } =

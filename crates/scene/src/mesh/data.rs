@@ -1,6 +1,6 @@
 //! The arrays of a mesh.
 
-use glam::{Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 
 use wavecrest_base::error::{Error, Warning};
 
@@ -26,8 +26,10 @@ pub const MAX_COUNT: u64 = NO_VALUE as u64 - 1;
 /// in the file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MeshData {
-    /// Vertex positions, in the mesh's own space.
+    /// Vertex positions, relative to the origin.
     pub positions: Vec<Vec3>,
+    /// The origin of the positions in the mesh's own space: zero unless the mesh is far away.
+    pub origin: DVec3,
     /// Three positions a triangle, counter-clockwise as seen from the front.
     pub triangles: Vec<[u32; 3]>,
     /// Shading normals, of any length; a zero vector is an unknown normal.

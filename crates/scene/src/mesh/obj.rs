@@ -17,11 +17,12 @@ mod lines;
 mod piece;
 mod survey;
 
-use glam::{Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 use rayon::prelude::*;
 
 use super::data::{Attribute, MeshData, NO_VALUE, NamedMaterials, Read};
 use super::faults::{check_count, no_triangles};
+use super::origin::origin;
 use super::place::ReadAt;
 use super::polygon::{self, Polygon};
 use super::validate::{
@@ -58,7 +59,10 @@ pub(super) fn read_from<F: ReadAt + ?Sized>(
 struct Parts {
     /// The counts before the next block.
     start: Count,
+    /// Relative to the origin.
     positions: Vec<Vec3>,
+    /// Known from the first position on.
+    origin: Option<DVec3>,
     /// Empty until a position has a colour.
     colors: Vec<Vec3>,
     uvs: Vec<Vec2>,
@@ -74,9 +78,11 @@ struct Parts {
 
 impl Parts {
     fn add_block(&mut self, text: &[u8], piece: usize) -> Result<()> {
+        self.origin = self.origin.or_else(|| piece::first_position(text).map(origin));
+        let origin = self.origin.unwrap_or_default();
         let pieces = cut(text, piece);
         let read: Vec<(Count, Option<Piece>)> =
-            pieces.par_iter().map(|text| Piece::read_anywhere(text)).collect();
+            pieces.par_iter().map(|text| Piece::read_anywhere(text, origin)).collect();
         let mut starts = Vec::with_capacity(read.len());
         for (count, _) in &read {
             starts.push(self.start);
@@ -86,7 +92,7 @@ impl Parts {
         check_count("texture coordinates", self.start.uvs)?;
         check_count("normals", self.start.normals)?;
         let again = |(((_, piece), text), start): (((_, Option<Piece>), &&[u8]), Count)| {
-            piece.map_or_else(|| Piece::read(text, start), Ok)
+            piece.map_or_else(|| Piece::read(text, start, origin), Ok)
         };
         let read: Vec<Result<Piece>> =
             read.into_par_iter().zip(&pieces).zip(starts).map(again).collect();
@@ -160,8 +166,9 @@ impl Parts {
         let uvs = attribute(self.uvs, self.uv_indices, &self.triangles, count);
         let normals = attribute(self.normals, self.normal_indices, &self.triangles, count);
         let (positions, triangles) = (self.positions, self.triangles);
+        let origin = self.origin.unwrap_or_default();
         let colors = (!self.colors.is_empty()).then_some(self.colors);
-        let mesh = MeshData { positions, triangles, normals, uvs, colors };
+        let mesh = MeshData { positions, origin, triangles, normals, uvs, colors };
         Ok(((mesh, notes), self.materials))
     }
 }

@@ -40,6 +40,7 @@ impl MeshData {
         });
         Self {
             positions: picked(&self.positions, &used),
+            origin: self.origin,
             colors: self.colors.as_ref().map(|colors| picked(colors, &used)),
             triangles,
             normals,
@@ -80,7 +81,7 @@ impl Numbers {
 
 #[cfg(test)]
 mod tests {
-    use glam::{Vec2, Vec3};
+    use glam::{DVec3, Vec2, Vec3};
 
     use super::*;
 
@@ -99,6 +100,7 @@ mod tests {
             normals: Some(Attribute { values: normals, indices: Some(indices) }),
             triangles: (0..count).map(|i| [i, i + 1, i + 2]).collect(),
             positions,
+            origin: DVec3::X,
         }
     }
 
@@ -131,6 +133,7 @@ mod tests {
         assert_eq!(parts.iter().map(|(_, own)| own.triangles.len()).sum::<usize>(), 7);
         // Only the vertices of its triangles.
         assert_eq!(parts[1].1.positions.len(), 4);
+        assert_eq!(parts[1].1.origin, DVec3::X);
     }
 
     #[test]

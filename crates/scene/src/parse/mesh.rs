@@ -113,7 +113,7 @@ pub(super) fn mesh(object: &Object<'_>) -> Result<Geometry> {
     let normals = object.get("normals").map(|c| normals(&c, points.len())).transpose()?;
     let colors = object.get("colors").map(|c| colors(&c, points.len())).transpose()?;
     let positions = points.iter().map(|p| p.as_vec3()).collect();
-    let data = MeshData { positions, triangles, normals, uvs, colors };
+    let data = MeshData { positions, triangles, normals, uvs, colors, ..MeshData::default() };
     let is_rounded = points.iter().any(|p| p.as_vec3().as_dvec3() != *p);
     Ok(Geometry::Mesh(Mesh { data, points: is_rounded.then_some(points), file: None }))
 }

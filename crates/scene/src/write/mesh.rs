@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::io::{self, Write};
 
-use glam::{Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 
 use crate::mesh::{Attribute, MeshData, NO_VALUE};
 
@@ -20,7 +20,12 @@ pub(super) fn write(mesh: &MeshData, sink: &mut impl Write) -> io::Result<()> {
 fn write_by_vertex(mesh: &MeshData, sink: &mut impl Write) -> io::Result<()> {
     sink.write_all(header(mesh).as_bytes())?;
     for (i, position) in mesh.positions.iter().enumerate() {
-        sink.write_all(position.to_array().map(f32::to_le_bytes).as_flattened())?;
+        if mesh.origin == DVec3::ZERO {
+            sink.write_all(position.to_array().map(f32::to_le_bytes).as_flattened())?;
+        } else {
+            let point = mesh.origin + position.as_dvec3();
+            sink.write_all(point.to_array().map(f64::to_le_bytes).as_flattened())?;
+        }
         if let Some(normals) = &mesh.normals {
             sink.write_all(normals.values[i].to_array().map(f32::to_le_bytes).as_flattened())?;
         }
@@ -41,7 +46,9 @@ fn write_by_vertex(mesh: &MeshData, sink: &mut impl Write) -> io::Result<()> {
 fn header(mesh: &MeshData) -> String {
     let (vertices, triangles) = (mesh.positions.len(), mesh.triangles.len());
     let mut header = format!("ply\nformat binary_little_endian 1.0\nelement vertex {vertices}\n");
-    let mut names = vec!["x", "y", "z"];
+    let scalar = if mesh.origin == DVec3::ZERO { "float" } else { "double" };
+    ["x", "y", "z"].iter().for_each(|name| header += &format!("property {scalar} {name}\n"));
+    let mut names = Vec::new();
     if mesh.normals.is_some() {
         names.extend(["nx", "ny", "nz"]);
     }
@@ -82,6 +89,7 @@ fn with_vertices(mesh: &MeshData) -> MeshData {
     let uvs = mesh.uvs.as_ref().map(|uvs| values(2).map(|i| uv(uvs.values.get(i))).collect());
     MeshData {
         positions: values(0).map(|i| mesh.positions[i]).collect(),
+        origin: mesh.origin,
         triangles,
         normals: normals.map(|values| Attribute { values, indices: None }),
         uvs: uvs.map(|values| Attribute { values, indices: None }),

@@ -1,12 +1,13 @@
 //! Pieces of an OBJ text, counted and read.
 
-use glam::{Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 
 use super::corners::Corners;
 use super::count::Count;
 use super::lines::{Keyword, Statement, first_word, is_blank, malformed, name, statements};
 use crate::mesh::data::{NO_VALUE, NamedMaterials};
 use crate::mesh::number;
+use crate::mesh::origin::relative;
 use crate::mesh::polygon::{self, Polygon};
 use crate::mesh::validate::{bad_position, is_good_position};
 use wavecrest_base::error::{Error, ErrorKind, Result};
@@ -14,7 +15,9 @@ use wavecrest_base::error::{Error, ErrorKind, Result};
 /// The contents of a piece. Indices count from the beginning of the file.
 #[derive(Debug, Default)]
 pub(super) struct Piece {
+    /// Relative to the origin.
     pub(super) positions: Vec<Vec3>,
+    origin: DVec3,
     /// One for each position, if any has a colour.
     pub(super) colors: Option<Vec<Vec3>>,
     pub(super) uvs: Vec<Vec2>,
@@ -31,9 +34,9 @@ pub(super) struct Piece {
 }
 
 impl Piece {
-    /// Reads a piece that begins after `start`.
-    pub(super) fn read(text: &[u8], start: Count) -> Result<Self> {
-        let mut piece = Self::default();
+    /// Reads a piece that begins after `start`, with positions relative to `origin`.
+    pub(super) fn read(text: &[u8], start: Count, origin: DVec3) -> Result<Self> {
+        let mut piece = Self { origin, ..Self::default() };
         let mut corners = Corners::default();
         let mut count = start;
         for statement in statements(text) {
@@ -47,8 +50,8 @@ impl Piece {
 
     /// Counts the contents of a piece, and reads it if that needs no knowledge of earlier pieces:
     /// if no index counts backward, and there is no error whose line is needed.
-    pub(super) fn read_anywhere(text: &[u8]) -> (Count, Option<Self>) {
-        let mut piece = Some(Self::default());
+    pub(super) fn read_anywhere(text: &[u8], origin: DVec3) -> (Count, Option<Self>) {
+        let mut piece = Some(Self { origin, ..Self::default() });
         let mut corners = Corners::default();
         let mut count = Count::default();
         let mut all = statements(text);
@@ -91,8 +94,12 @@ impl Piece {
     }
 
     fn push_position(&mut self, rest: &[u8]) -> Result<()> {
+        let words = rest;
         let (position, rest) = numbers::<3>(rest, 3, "v")?;
-        let position = Vec3::from(position);
+        let mut position = Vec3::from(position);
+        if self.origin != DVec3::ZERO {
+            position = relative(exact(words, position), self.origin);
+        }
         if !is_good_position(position) {
             return Err(bad_position(position));
         }
@@ -127,6 +134,27 @@ fn push_indices(to: &mut Option<Vec<[u32; 3]>>, corners: &[u32], before: usize) 
         return;
     }
     to.get_or_insert_with(|| vec![[NO_VALUE; 3]; before]).extend(polygon::fan(corners));
+}
+
+/// The first position of a text, if it is valid.
+pub(super) fn first_position(text: &[u8]) -> Option<DVec3> {
+    let rest = statements(text).find(|statement| statement.keyword == Keyword::Position)?.rest;
+    let (rounded, _) = numbers::<3>(rest, 3, "v").ok()?;
+    Some(exact(rest, Vec3::from(rounded)))
+}
+
+/// The numbers of a position in double precision, given the `rounded` ones.
+#[cold]
+fn exact(mut rest: &[u8], rounded: Vec3) -> DVec3 {
+    let mut point = rounded.as_dvec3();
+    for axis in 0..3 {
+        let Some(word) = first_word(rest) else { break };
+        let length = word.iter().position(|&b| is_blank(b)).unwrap_or(word.len());
+        let number = std::str::from_utf8(&word[..length]).ok().and_then(|word| word.parse().ok());
+        point[axis] = number.unwrap_or(point[axis]);
+        rest = &word[length..];
+    }
+    point
 }
 
 /// The colour after a position, if any: three numbers. A single number is a weight.

@@ -98,7 +98,11 @@ impl Body {
         }
         for index in first..element.count {
             let row = Row { element, index };
-            let values = read_vertex(element, &layout, source).map_err(|f| row.fault(f, source))?;
+            let mut values =
+                read_vertex(element, &layout, source).map_err(|f| row.fault(f, source))?;
+            if layout.is_double() {
+                self.vertices.relate(index, &mut values);
+            }
             for Column { slot, scale, .. } in layout.columns.iter().flatten() {
                 self.vertices.set(index as usize, *slot, values[*slot] as f32 * scale);
             }
@@ -213,7 +217,7 @@ impl Body {
         if self.faces.triangles.is_empty() {
             return Err(no_triangles());
         }
-        let Vertices { positions, mut normals, mut uvs, mut colors } = self.vertices;
+        let Vertices { positions, origin, mut normals, mut uvs, mut colors } = self.vertices;
         let Faces { mut triangles, polygons } = self.faces;
         let large = polygon::split(&polygons, &positions, &mut triangles, &mut []);
         self.notes.extend(polygon::note_large(large));
@@ -223,6 +227,7 @@ impl Body {
         triangles.shrink_to_fit();
         let mesh = MeshData {
             positions,
+            origin,
             triangles,
             normals: attribute(normals),
             uvs: attribute(uvs),

@@ -87,6 +87,12 @@ impl VertexLayout {
         found.try_into().ok()
     }
 
+    /// Whether positions are in double precision.
+    pub(super) fn is_double(&self) -> bool {
+        let position = self.columns.iter().flatten().filter(|column| column.slot < 3);
+        position.clone().count() == 3 && position.clone().all(|column| column.kind == Scalar::F64)
+    }
+
     /// Whether a binary row is exactly three floats, x, y, z.
     pub(super) fn is_packed(&self) -> bool {
         let place = |(slot, column): (usize, &Option<Column>)| {

@@ -1,9 +1,10 @@
 //! The numbers of a PLY body in sequence, in any encoding.
 
-use glam::{Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 
 use super::header::{Element, Property, Scalar};
-use super::layout::{ListLayout, VertexLayout};
+use super::layout::{ListLayout, SLOTS, VertexLayout};
+use crate::mesh::origin::origin;
 use crate::mesh::polygon::Polygon;
 
 /// Why a number could not be read.
@@ -93,7 +94,9 @@ pub(super) struct Faces {
 /// The vertices while they are read. All rows exist from the start, as zeros.
 #[derive(Debug, Default)]
 pub(super) struct Vertices {
+    /// Relative to the origin.
     pub(super) positions: Vec<Vec3>,
+    pub(super) origin: DVec3,
     /// Empty if the file has none.
     pub(super) normals: Vec<Vec3>,
     /// Empty if the file has none.
@@ -109,10 +112,21 @@ impl Vertices {
             // The system provides zeroed pages, first touched by the thread that fills them: `vec!`
             // would write each vector twice.
             positions: bytemuck::zeroed_vec(count),
+            origin: DVec3::ZERO,
             normals: bytemuck::zeroed_vec(if layout.normals { count } else { 0 }),
             uvs: bytemuck::zeroed_vec(if layout.uvs { count } else { 0 }),
             colors: bytemuck::zeroed_vec(if layout.colors { count } else { 0 }),
         }
+    }
+
+    /// Makes the position among the values of vertex `index` relative to the origin, which the first
+    /// vertex sets.
+    pub(super) fn relate(&mut self, index: u64, values: &mut [f64; SLOTS]) {
+        let point = DVec3::new(values[0], values[1], values[2]);
+        if index == 0 {
+            self.origin = origin(point);
+        }
+        values[..3].copy_from_slice(&(point - self.origin).to_array());
     }
 
     /// Sets slot `slot` of the vertex `row`.

@@ -4,12 +4,13 @@
 //! the arrays and checks the positions there. Rows of exactly three floats are read directly into
 //! place.
 
-use glam::{Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 use rayon::prelude::*;
 
 use super::header::Scalar;
 use super::layout::{Column, VertexLayout};
 use super::source::Vertices;
+use crate::mesh::origin::{origin, relative};
 use crate::mesh::place::ReadAt;
 use crate::mesh::validate::is_good_position;
 
@@ -23,7 +24,15 @@ pub(super) fn read<F: ReadAt + ?Sized, const BIG: bool>(
     block: usize,
     vertices: &mut Vertices,
 ) -> usize {
-    let Some(rows) = Rows::of(layout) else { return 0 };
+    let Some(mut rows) = Rows::of(layout) else { return 0 };
+    if layout.is_double() && !vertices.positions.is_empty() {
+        let mut first = vec![0; rows.stride];
+        if file.read_exact_at(&mut first, place).is_err() {
+            return 0;
+        }
+        rows.origin = Some(origin(point::<BIG>(&first, &rows.position)));
+        vertices.origin = rows.origin.unwrap_or_default();
+    }
     let per_task = (block / rows.stride).max(1);
     let mut tasks = tasks(vertices, per_task, place, rows.stride);
     let stops = tasks.par_iter_mut().map_init(Vec::new, |buffer, task| {
@@ -66,6 +75,8 @@ struct Rows {
     stride: usize,
     packed: bool,
     position: [Column; 3],
+    /// If positions are in double precision.
+    origin: Option<DVec3>,
     normal: Option<[Column; 3]>,
     uv: Option<[Column; 2]>,
     color: Option<[Column; 3]>,
@@ -77,6 +88,7 @@ impl Rows {
             stride: layout.stride?,
             packed: layout.is_packed(),
             position: layout.slots(0)?,
+            origin: None,
             normal: layout.slots(3),
             uv: layout.slots(6),
             color: layout.slots(8),
@@ -101,7 +113,13 @@ impl Rows {
     }
 
     fn take_apart<const BIG: bool>(&self, rows: &[u8], task: &mut Task<'_>) {
-        take_columns::<_, 3, BIG>(rows, self.stride, &self.position, task.positions);
+        if let Some(origin) = self.origin {
+            for (to, row) in task.positions.iter_mut().zip(rows.chunks_exact(self.stride)) {
+                *to = relative(point::<BIG>(row, &self.position), origin);
+            }
+        } else {
+            take_columns::<_, 3, BIG>(rows, self.stride, &self.position, task.positions);
+        }
         if let Some(columns) = &self.normal {
             take_columns::<_, 3, BIG>(rows, self.stride, columns, task.normals);
         }
@@ -131,6 +149,12 @@ pub(super) fn part<const N: usize, const BIG: bool>(row: &[u8], offset: usize) -
         bytes.reverse();
     }
     bytes
+}
+
+/// The position in a row, in double precision.
+#[inline(always)]
+fn point<const BIG: bool>(row: &[u8], columns: &[Column; 3]) -> DVec3 {
+    columns.map(|column| f64::from_le_bytes(part::<8, BIG>(row, column.offset))).into()
 }
 
 /// Copies `columns` of `rows` to vectors.

@@ -102,7 +102,7 @@ impl Builder {
             number: self.geometry.prototypes.len() as u32,
             triangles: mesh.triangles.len(),
             bounds: bounds::around(&mesh.positions),
-            origin,
+            origin: mesh.origin + origin,
             mesh: attributes.then_some(self.meshes.len() as u32),
         };
         if attributes {

@@ -62,10 +62,10 @@ pub(super) fn transform_mesh(
     tangents: Option<&mut CornerValues<Vec4>>,
     common: &Common,
 ) -> Result<()> {
-    if common.transform == DAffine3::IDENTITY {
+    let transform = common.transform * DAffine3::from_translation(mesh.origin);
+    if transform == DAffine3::IDENTITY {
         return Ok(());
     }
-    let transform = common.transform;
     let carry = |(to, p): (&mut Vec3, DVec3)| {
         *to = transform.transform_point3(p).as_vec3();
         in_range(to.as_dvec3())

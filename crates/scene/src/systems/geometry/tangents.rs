@@ -117,11 +117,10 @@ mod tests {
     fn square(uvs: [[f32; 2]; 4]) -> MeshData {
         let positions = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
         MeshData {
-            colors: None,
             positions: positions.map(|[x, y]| Vec3::new(x, y, 0.0)).to_vec(),
             triangles: vec![[0, 1, 2], [0, 2, 3]],
             uvs: Some(Attribute { values: uvs.map(Vec2::from).to_vec(), indices: None }),
-            normals: None,
+            ..MeshData::default()
         }
     }
 

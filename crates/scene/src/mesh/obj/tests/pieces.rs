@@ -5,8 +5,9 @@ use super::*;
 
 /// The text as one piece whose start is known, on this thread.
 fn slowly(text: &[u8]) -> Result<Read> {
-    let mut parts = Parts { start: Count::of(text), ..Parts::default() };
-    parts.add(Piece::read(text, Count::default())?)?;
+    let origin = piece::first_position(text).map(origin);
+    let mut parts = Parts { start: Count::of(text), origin, ..Parts::default() };
+    parts.add(Piece::read(text, Count::default(), origin.unwrap_or_default())?)?;
     if let Some(error) = parts.first_bad_index() {
         let whole = parts.start;
         return Err(piece::find_bad_face(text, Count::default(), whole).unwrap_or(error));
