@@ -58,7 +58,7 @@ fn summary(scene: &PreparedScene) -> String {
     let lights = scene.lights.iter().filter(|light| light.power != Vec3::ZERO);
     let [low, high, size] = extent(scene);
     let lines = [
-        ("image", format!("{width} x {height}, {}", rays_a_pixel(scene))),
+        ("image", format!("{width} x {height}, {}", rays_per_pixel(scene))),
         ("shapes", format!("{}", scene.appearance.shapes.len() - geometry.lights.len())),
         ("triangles", format!("{}", geometry.triangles.len())),
         ("zero-area", format!("{}", scene.dropped.degenerate)),
@@ -81,10 +81,10 @@ fn line(text: &mut String, name: &str, value: &str) {
     let _ = writeln!(text, "  {name:<18}{value}");
 }
 
-fn rays_a_pixel(scene: &PreparedScene) -> String {
+fn rays_per_pixel(scene: &PreparedScene) -> String {
     match scene.camera.rays_per_pixel() {
-        1 => "1 ray a pixel".to_owned(),
-        n => format!("{n} rays a pixel"),
+        1 => "1 ray per pixel".to_owned(),
+        n => format!("{n} rays per pixel"),
     }
 }
 

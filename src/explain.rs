@@ -8,7 +8,7 @@ use std::time::Instant;
 use glam::DVec3;
 use serde::Serialize;
 
-use super::common::{SceneOptions, print, to_json, warn};
+use super::common::{SceneOptions, grouped, print, to_json, warn};
 use wavecrest_base::error::Result;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::kernels::precision::Precision;
@@ -212,9 +212,9 @@ fn choice(extracted: &Extracted, asked: Option<Preset>) -> Choice {
                 (extracted.geometry().held() as u64, extracted.expected_rays());
             Choice {
                 preset: extracted.preset(),
-                reason: match primitives {
-                    1 => format!("1 primitive, up to {rays} rays"),
-                    n => format!("{n} primitives, up to {rays} rays"),
+                reason: match (primitives, grouped(rays)) {
+                    (1, rays) => format!("1 primitive, up to {rays} rays"),
+                    (n, rays) => format!("{} primitives, up to {rays} rays", grouped(n)),
                 },
                 rule: Some(Preset::reason(primitives, rays)),
             }

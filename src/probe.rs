@@ -198,7 +198,7 @@ fn write_surface(text: &mut String, surface: &Surface) {
     let from = texture.as_ref().map_or_else(String::new, |file| format!(" from {file}"));
     let [kd, ks, exponent] = [*kd, *ks, *exponent].map(number);
     let color = three(*color);
-    let _ = write!(text, "    color {color}{from}; kd {kd}, ks {ks}, exponent {exponent}");
+    let _ = write!(text, "    colour {color}{from}; kd {kd}, ks {ks}, exponent {exponent}");
     if *kr > 0.0 {
         let _ = write!(text, ", kr {}", number(*kr));
     }

@@ -518,11 +518,11 @@ fn lights_behind_every_surface_add_their_ambient_part_alone() {
     let above = point_light(50.0, [0.0, 3.0, 0.0], [1.0; 3]);
     assert_eq!(
         reason(std::slice::from_ref(&below), Effect::PointLights),
-        "no point light falls on a lit side"
+        "no point light shines on the front of a surface"
     );
     assert_eq!(
         reason(&[below.clone(), above], Effect::PointLights),
-        "1 point light, 1 more with ambient light only"
+        "1 point light, 1 more with only an ambient part"
     );
     assert_eq!(reason(&[], Effect::AreaLights), "there is no area light");
     let ambient = |lights: f32| [0.5 * 0.08 * lights; 3];

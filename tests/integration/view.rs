@@ -112,7 +112,7 @@ fn what_lies_behind_the_camera_is_not_read_not_stored_and_not_simulated() {
         (Effect::RayDifferentials, "2 trilinear textures, not in view"),
         (Effect::SmoothShading, "1 smooth mesh, not in view"),
         (Effect::Mirrors, "2 mirrors, not in view"),
-        (Effect::AreaLights, "no area light falls on anything in view"),
+        (Effect::AreaLights, "no area light shines on anything in view"),
     ] {
         assert_eq!(reason(&found, effect), (false, why.to_owned()));
     }

@@ -88,7 +88,7 @@ impl Effect {
             Self::Quads => "quads",
             Self::Spheres => "spheres",
             Self::SmoothShading => "smooth shading",
-            Self::VertexColors => "vertex colors",
+            Self::VertexColors => "vertex colours",
             Self::Textures => "textures",
             Self::NormalMaps => "normal maps",
             Self::MaterialTextures => "material textures",
@@ -161,7 +161,7 @@ impl Plan {
     pub fn reason(&self, pass: &Pass) -> String {
         let effects = pass.needs.effects();
         if effects.is_empty() {
-            return "every scene".to_owned();
+            return "every scene needs it".to_owned();
         }
         let runs = self.schedule.runs(pass.step);
         let asked = self.decisions.iter().filter(|d| effects.contains(&d.effect));

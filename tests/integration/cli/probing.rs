@@ -77,7 +77,7 @@ fn the_story_in_words_has_the_radiance_that_is_rendered() {
     for part in [
         "camera ray",
         "hits sphere 1 of scene.shapes[0]",
-        "color 0.9 0.3 0.1",
+        "colour 0.9 0.3 0.1",
         "light 0",
         "Both tracers",
     ] {

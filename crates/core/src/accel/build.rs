@@ -86,11 +86,15 @@ impl Preset {
     /// The reason for the choice of [`Self::choose`].
     pub fn reason(primitives: u64, rays: u64) -> String {
         let why = match Self::choose(primitives, rays) {
-            Self::Fastest => format!("a better tree pays from {VERY_FAST_FROM} on"),
-            Self::VeryFast => format!("a better tree pays from {FAST_FROM} on"),
-            _ => format!("{FAST_FROM} and more pay for a good tree"),
+            Self::Fastest => format!("a better BVH pays off from {VERY_FAST_FROM}"),
+            Self::VeryFast => format!("a better BVH pays off from {FAST_FROM}"),
+            _ => format!("a good BVH pays off from {FAST_FROM}"),
         };
-        format!("{} for each primitive: {why}", rays / primitives.max(1))
+        match rays / primitives.max(1) {
+            0 => format!("less than 1 ray per primitive: {why}"),
+            1 => format!("1 ray per primitive: {why}"),
+            n => format!("{n} rays per primitive: {why}"),
+        }
     }
 
     /// Number of primitives in a chunk; larger scenes are cut. Presets that split large triangles

@@ -153,9 +153,9 @@ impl<'a> Facts<'a> {
         let instanced = geometry.len() - geometry.own();
         let (_, meshes) = count(geometry.prototypes.len(), "mesh", "");
         let (_, instances) = count(geometry.instances.len(), "instance", "");
-        let meshes = meshes.replace("meshs", "meshes");
-        let reason = format!("{own}, and {held} in {meshes} that {instances} show as {instanced}");
-        (own + instanced > 0, reason)
+        let own = if own > 0 { format!("{own}, and ") } else { String::new() };
+        let reason = format!("{own}{instanced} in {instances} of {meshes}; {held} are stored");
+        (instanced > 0 || !own.is_empty(), reason)
     }
 
     fn decide(&self, effect: Effect) -> Decision {
@@ -226,7 +226,7 @@ impl<'a> Facts<'a> {
             true => "no light reaches vertex colours",
             false => "no mesh has vertex colours",
         };
-        self.surfaces(|i| is_colored(i) && self.shows_color[i], "mesh with colors", none)
+        self.surfaces(|i| is_colored(i) && self.shows_color[i], "mesh with vertex colours", none)
     }
 
     fn textures(&self) -> (bool, String) {
@@ -241,18 +241,18 @@ impl<'a> Facts<'a> {
 
     fn emission(&self) -> (bool, String) {
         let none = "no material is emissive";
-        self.surfaces(|i| self.shows[i].emission, "glowing shape", none)
+        self.surfaces(|i| self.shows[i].emission, "emissive shape", none)
     }
 
     fn cut_outs(&self) -> (bool, String) {
         let shapes = &self.census.extracted.shapes;
         let is = |i: usize| self.census.world.get::<&CutOut>(shapes[i].entity).is_ok();
-        let (found, reason) = self.surfaces(is, "cut-out", "no shape is cut out");
+        let (found, reason) = self.surfaces(is, "shape with cut-outs", "no shape has cut-outs");
         let is_anywhere = (0..self.solid.len()).any(|i| self.solid[i] && is(i));
         match found || !self.is_lit() || !is_anywhere {
             true => (found, reason),
             // Shadow rays may meet it.
-            false => (true, format!("{reason}, but in reach of light")),
+            false => (true, format!("{reason}, but in the way of light")),
         }
     }
 
@@ -269,7 +269,11 @@ impl<'a> Facts<'a> {
 
     fn maps(&self) -> (bool, String) {
         let none = "no material map is visible";
-        self.surfaces(|i| self.shows[i].metal || self.shows[i].occlusion, "shape with maps", none)
+        self.surfaces(
+            |i| self.shows[i].metal || self.shows[i].occlusion,
+            "shape with material maps",
+            none,
+        )
     }
 
     fn tints(&self) -> (bool, String) {
@@ -288,27 +292,27 @@ impl<'a> Facts<'a> {
         let has_power = |found: &Found| found.light.power != Vec3::ZERO;
         let none = match all {
             0 => format!("there is no {thing}"),
-            _ if reached > 0 => format!("no {thing} falls on anything in view"),
+            _ if reached > 0 => format!("no {thing} shines on anything in view"),
             _ if self.census.lights.iter().any(|found| of_kind(found) && has_power(found)) => {
-                format!("no {thing} falls on a lit side")
+                format!("no {thing} shines on the front of a surface")
             }
             _ => format!("no {thing} has power"),
         };
         let (present, mut reason) = count(shown, thing, &none);
         if present && all > shown {
-            reason += &format!(", {} more with ambient light only", all - shown);
+            reason += &format!(", {} more with only an ambient part", all - shown);
         }
         (present, reason)
     }
 
     fn hemisphere(&self) -> (bool, String) {
         match self.census.hemisphere {
-            None => (false, "ambient light does not follow the normal".to_owned()),
+            None => (false, "ambient light is the same from all sides".to_owned()),
             Some(light) if light.is_black() => (false, "sky and ground are black".to_owned()),
             Some(_) if !self.shows_ambient && !self.mirrors().0 => {
                 (false, "no surface in view shows it".to_owned())
             }
-            Some(_) => (true, "a sky and a ground".to_owned()),
+            Some(_) => (true, "ambient light from a sky and a ground".to_owned()),
         }
     }
 
@@ -318,7 +322,7 @@ impl<'a> Facts<'a> {
         match self.census.settings.bounces {
             _ if !found => (false, reason),
             0 => (false, "nbounces is 0".to_owned()),
-            _ if !self.shines => (false, "no light reaches anything in a mirror".to_owned()),
+            _ if !self.shines => (false, "mirrors show nothing but black".to_owned()),
             bounces => (true, format!("{reason}, nbounces {bounces}")),
         }
     }
@@ -329,7 +333,10 @@ impl<'a> Facts<'a> {
             Some(lens) if camera::radius(lens) == 0.0 => (false, "the aperture is 0".to_owned()),
             Some(lens) => (
                 true,
-                format!("aperture {}, {} x {} rays", lens.aperture, lens.samples_x, lens.samples_y),
+                format!(
+                    "aperture {}, {} x {} points",
+                    lens.aperture, lens.samples_x, lens.samples_y
+                ),
             ),
         }
     }
@@ -338,7 +345,7 @@ impl<'a> Facts<'a> {
         let n = self.census.world.query::<&View>().iter().next().map_or(1, |view| view.antialias);
         match n {
             1 => (false, "antialias is 1".to_owned()),
-            n => (true, format!("{n} x {n} rays a pixel")),
+            n => (true, format!("{n} x {n} rays per pixel")),
         }
     }
 }
@@ -357,9 +364,13 @@ fn count(n: usize, thing: &str, none: &str) -> (bool, String) {
     match n {
         0 => (false, none.to_owned()),
         1 => (true, format!("1 {thing}")),
-        n => match thing.strip_prefix("shape ") {
-            Some(with) => (true, format!("{n} shapes {with}")),
-            None => (true, format!("{n} {thing}s")),
-        },
+        n => (true, format!("{n} {}", plural(thing))),
     }
+}
+
+/// "smooth meshes" for "smooth mesh", and "shapes with maps" for "shape with maps".
+fn plural(thing: &str) -> String {
+    let (noun, rest) = thing.find(" with ").map_or((thing, ""), |at| thing.split_at(at));
+    let ending = if noun.ends_with("sh") { "es" } else { "s" };
+    format!("{noun}{ending}{rest}")
 }
