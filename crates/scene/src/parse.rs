@@ -50,7 +50,8 @@ const FILE_KEYS: &[Key] = keys! {
 };
 
 /// Its key `scene`.
-pub(crate) const SCENE: Kind = Kind::new("the scene", "What is in the picture.", &[SCENE_KEYS]);
+pub(crate) const SCENE: Kind =
+    Kind::new("the scene", "Lights, shapes and background.", &[SCENE_KEYS]);
 
 const SCENE_KEYS: &[Key] = keys! {
     /// Colour of camera rays that hit nothing.
@@ -68,7 +69,7 @@ const SCENE_KEYS: &[Key] = keys! {
 /// Ambient light by the normal.
 pub(crate) const HEMISPHERE: Kind = Kind::new(
     "ambient light (or a number)",
-    "Light from a sky and from the ground, added once, by the normal.",
+    "Ambient light from a sky and the ground, by the direction of the normal.",
     &[HEMISPHERE_KEYS],
 );
 

@@ -33,7 +33,7 @@ pub struct Maps {
     pub emission: Option<TextureRef>,
     /// Metalness and roughness, which determine the rest of the material together with the colour.
     pub metal: Option<MetalMap>,
-    /// The share of ambient light that arrives, in red.
+    /// The share of ambient light that arrives, in the red channel.
     pub occlusion: Option<StrengthMap>,
     /// Normals: red along u, green along v, blue along the surface normal; a value x stands for 2 x
     /// - 1.

@@ -35,9 +35,9 @@ wavecrest_base::choices! {
     /// The cameras.
     #[derive(Clone, Copy, PartialEq)]
     pub(crate) enum CameraKind {
-        /// Sharp everywhere.
+        /// Everything is in focus.
         Pinhole = "pinhole",
-        /// Sharp in one plane.
+        /// One plane is in focus.
         ThinLens = "thinlens",
     }
 }
@@ -47,12 +47,20 @@ const LOOKS: [&str; 3] = ["look", "lookat", "lookAt"];
 
 pub(crate) const PINHOLE: Kind = Kind {
     one_of: &[&LOCATIONS, &LOOKS],
-    ..Kind::new("a pinhole camera", "A camera that is sharp everywhere.", &[KEYS, PINHOLE_KEYS])
+    ..Kind::new(
+        "a pinhole camera",
+        "A pinhole camera: everything is in focus.",
+        &[KEYS, PINHOLE_KEYS],
+    )
 };
 
 pub(crate) const THIN_LENS: Kind = Kind {
     one_of: &[&LOCATIONS, &LOOKS],
-    ..Kind::new("a thin-lens camera", "A camera that is sharp in one plane.", &[KEYS, LENS_KEYS])
+    ..Kind::new(
+        "a thin-lens camera",
+        "A camera with a lens: one plane is in focus.",
+        &[KEYS, LENS_KEYS],
+    )
 };
 
 const KEYS: &[Key] = keys! {
@@ -85,12 +93,12 @@ const KEYS: &[Key] = keys! {
 };
 
 const PINHOLE_KEYS: &[Key] = keys! {
-    /// How the camera moves, frame by frame.
+    /// The motion of the camera, frame by frame.
     "path": Definition("pinholePath");
 };
 
 const LENS_KEYS: &[Key] = keys! {
-    /// How the camera moves, frame by frame.
+    /// The motion of the camera, frame by frame.
     "path": Definition("cameraPath");
     /// Diameter of the lens; 0 is a pinhole.
     "aperture": Number(Range::NOT_NEGATIVE), Required;
@@ -111,7 +119,7 @@ pub(crate) const PINHOLE_PATH: Kind = path_kind(&[PINHOLE_PATH_KEYS, PATH_KEYS])
 pub(crate) const LENS_PATH: Kind = path_kind(&[LENS_PATH_KEYS, PATH_KEYS]);
 
 const fn path_kind(keys: &'static [&'static [Key]]) -> Kind {
-    Kind::new("the path of a camera", "How the camera moves, frame by frame.", keys)
+    Kind::new("a camera path", "The motion of the camera, frame by frame.", keys)
 }
 
 const PINHOLE_PATH_KEYS: &[Key] = keys! {
@@ -133,8 +141,8 @@ const PINHOLE_FRAME: Kind = frame_kind(&[FRAME_KEYS]);
 const LENS_FRAME: Kind = frame_kind(&[FRAME_KEYS, FOCAL_KEYS]);
 
 const fn frame_kind(keys: &'static [&'static [Key]]) -> Kind {
-    let about = "Where the camera is at a frame; what is absent is as the camera says.";
-    Kind::new("a key of a camera's path", about, keys)
+    let about = "The camera at a frame; keys left out keep the values of the camera.";
+    Kind::new("a keyframe of a camera path", about, keys)
 }
 
 const FRAME_KEYS: &[Key] = keys! {

@@ -10,7 +10,7 @@ use wavecrest_base::error::{Result, did_you_mean};
 
 use super::{material, shape, transform};
 
-pub(crate) const INSTANCE: Kind = Kind::new("an instance", "A shape shown once more.", &[KEYS]);
+pub(crate) const INSTANCE: Kind = Kind::new("an instance", "A copy of a shape.", &[KEYS]);
 
 const KEYS: &[Key] = keys! {
     /// The name of the shape.

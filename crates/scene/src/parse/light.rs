@@ -35,25 +35,25 @@ wavecrest_base::choices! {
 
 pub(crate) const POINT_LIGHT: Kind = Kind::new(
     "a point light",
-    "A light at a point.",
+    "A light that shines from a point in all directions.",
     &[KEYS, POSITION_KEYS, COLOR_KEYS, FALLOFF_KEYS],
 );
 
 pub(crate) const SPOT_LIGHT: Kind = Kind::new(
     "a spot light",
-    "A light at a point that shines within a cone.",
+    "A light that shines from a point within a cone.",
     &[KEYS, POSITION_KEYS, DIRECTION_KEYS, CONE_KEYS, COLOR_KEYS, FALLOFF_KEYS],
 );
 
 pub(crate) const DIRECTIONAL_LIGHT: Kind = Kind::new(
     "a directional light",
-    "A light from infinitely far away, as strong everywhere.",
+    "A light infinitely far away, equally strong everywhere.",
     &[KEYS, DIRECTION_KEYS, COLOR_KEYS, SKY_KEYS],
 );
 
 pub(crate) const AREA_LIGHT: Kind = Kind::new(
     "an area light",
-    "A light with a shape, which is seen in its own colour.",
+    "A light with a shape, visible in the colour of the light.",
     &[KEYS, UNUSED_KEYS, COLOR_KEYS, FALLOFF_KEYS, AREA_KEYS],
 );
 
@@ -90,9 +90,9 @@ const DIRECTION_KEYS: &[Key] = keys! {
 };
 
 const CONE_KEYS: &[Key] = keys! {
-    /// Angle off the direction, in degrees, up to which the light has its full strength.
+    /// Angle from the direction, in degrees, up to which the light has full strength.
     "inner": Number(HALF_ANGLE), Is(0.0);
-    /// Angle off the direction, in degrees, from which on the light has no strength.
+    /// Angle from the direction, in degrees, beyond which there is no light.
     "outer": Number(HALF_ANGLE), Required;
 };
 

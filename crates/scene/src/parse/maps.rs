@@ -13,12 +13,12 @@ pub(crate) const COLOR_MAP: Kind = Kind::new("a map", "An image of colours.", &[
 
 /// A texture with a strength.
 pub(crate) const STRENGTH_MAP: Kind =
-    Kind::new("a map", "An image of numbers, and how far it counts.", &[KEYS, STRENGTH_KEYS]);
+    Kind::new("a map", "An image of numbers, and its strength.", &[KEYS, STRENGTH_KEYS]);
 
 /// A texture of metal and roughness.
 pub(crate) const METAL_MAP: Kind = Kind::new(
-    "a map of metal",
-    "An image of roughness in green and metal in blue, from which the material follows.",
+    "a metal map",
+    "An image with roughness in green and metalness in blue, which set the material.",
     &[KEYS, METAL_KEYS],
 );
 
@@ -31,7 +31,7 @@ const KEYS: &[Key] = keys! {
     "wrap": word::<crate::components::Wrap>(), Says("repeat");
     /// Encoding of the image's values.
     "encoding": word::<crate::components::Encoding>(), Says("linear");
-    /// Change of the texture coordinates before the look-up: two rows that act on [u, v, 1].
+    /// Transform of the texture coordinates before the look-up: two rows that act on [u, v, 1].
     "uvtransform": Definition("uvtransform");
 };
 

@@ -8,7 +8,7 @@ use wavecrest_base::error::Result;
 const EXPONENT: Range = Range::new(0.0, 1e6);
 
 pub(crate) const MATERIAL: Kind =
-    Kind::new("a material", "What a shape is made of, after Blinn and Phong.", &[KEYS]);
+    Kind::new("a material", "A Blinn-Phong material with mirror reflection.", &[KEYS]);
 
 const KEYS: &[Key] = keys! {
     /// Weight of the highlight, 0 to 1.

@@ -25,7 +25,7 @@ wavecrest_base::choices! {
     pub(crate) enum ShapeKind {
         /// A sphere.
         Sphere = "sphere",
-        /// A plane quad.
+        /// A flat quad.
         Plane = "plane",
         /// A triangle.
         Triangle = "triangle",
@@ -57,17 +57,17 @@ const SCENE_KEYS: &[Key] = keys! {
     "encoding": word::<Encoding>(), Says("linear");
     /// Factor on the colours of the texture.
     "tint": Color, Are([1.0; 3]);
-    /// The lowest opaque alpha of the texture, or of alpha: parts with less are cut out.
+    /// Parts of the shape where the alpha of the texture, or of the image alpha, is lower are cut out.
     "alphacutoff": Number(Range::NOT_NEGATIVE);
     /// An image whose alpha, or brightness if it has none, cuts out the shape.
     "alpha": Text;
-    /// Change of the texture coordinates before the look-up.
+    /// Transform of the texture coordinates before the look-up.
     "uvtransform": Definition("uvtransform");
     /// Colours that multiply the material's emission.
     "emissionmap": Definition("colormap");
     /// Metalness and roughness, which determine the rest of the material together with the colour.
     "metalmap": Definition("metalmap");
-    /// The share of ambient light that arrives, in red.
+    /// The share of ambient light that arrives, in the red channel.
     "occlusionmap": Definition("strengthmap");
     /// Normals: red along u, green along v, blue along the surface normal.
     "normalmap": Definition("strengthmap");
@@ -100,7 +100,7 @@ const fn ignored(name: &'static str) -> Key {
 const PLACE_KEYS: &[Key] = keys! {
     /// Transform from its own space to the world.
     "transform": Definition("transform");
-    /// The sides that lights reach; by default both for spheres and mesh files, and the front for
+    /// The sides that lights illuminate; by default both for spheres and mesh files, and the front for
     /// others.
     "sides": word::<Sides>();
     /// Whether a mesh is shaded with its triangles' normals or with its own.
@@ -126,7 +126,7 @@ pub(crate) fn kind(own: &Kind, owner: Owner) -> Kind {
 // The kinds of shapes, with the keys that others lack.
 
 pub(crate) const SPHERE: Kind = Kind::new("a sphere", "A sphere.", &[SPHERE_KEYS]);
-pub(crate) const PLANE: Kind = Kind::new("a plane", "A plane quad.", &[PLANE_KEYS, FLAT_KEYS]);
+pub(crate) const PLANE: Kind = Kind::new("a plane", "A flat quad.", &[PLANE_KEYS, FLAT_KEYS]);
 pub(crate) const TRIANGLE: Kind =
     Kind::new("a triangle", "A triangle.", &[TRIANGLE_KEYS, FLAT_KEYS]);
 
@@ -148,7 +148,7 @@ const TRIANGLE_KEYS: &[Key] = keys! {
 };
 
 const FLAT_KEYS: &[Key] = keys! {
-    /// -1 turns the front to the other side; a vector points to the front.
+    /// -1 swaps front and back; a vector points to the front.
     "normal": PointOr(&[1, -1]);
 };
 

@@ -12,7 +12,7 @@ const EVEN: f64 = 1e-6;
 /// A transform by its parts.
 pub(crate) const PARTS: Kind = Kind::new(
     "a transform (or a matrix of 4 rows)",
-    "First scaled, then turned, then moved.",
+    "A scale, then a rotation, then a translation.",
     &[PART_KEYS],
 );
 
