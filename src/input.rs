@@ -11,10 +11,10 @@ use wavecrest_scene::load::{FileFormat, LONGEST_SIDE, LoadOptions};
 /// Options of every command that reads a scene, a glTF file or a mesh.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct InputOptions {
-    /// Width of the image in pixels [default: that of the scene; of a mesh, in proportion to the height, or 1024]
+    /// Width of the image in pixels [default: in proportion to --height, or that of the scene; 1024 for a mesh]
     #[arg(long, value_name = "PIXELS", value_parser = side, allow_negative_numbers = true)]
     pub(crate) width: Option<u32>,
-    /// Height of the image in pixels [default: that of the scene; of a mesh, in proportion to the width, or 768]
+    /// Height of the image in pixels [default: in proportion to --width, or that of the scene; 768 for a mesh]
     #[arg(long, value_name = "PIXELS", value_parser = side, allow_negative_numbers = true)]
     pub(crate) height: Option<u32>,
     /// Camera of a glTF file, by name or number [default: the first]

@@ -16,7 +16,7 @@ use glam::DVec3;
 use wavecrest_base::error::{ErrorKind, Result};
 
 pub use camera::LONGEST_SIDE;
-pub(crate) use camera::{FOV, check_size};
+pub(crate) use camera::{FOV, check_size, in_proportion};
 pub use json_schema::json_schema;
 pub(crate) use maps::THRESHOLD;
 

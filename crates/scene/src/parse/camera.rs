@@ -236,8 +236,12 @@ fn view(object: &Object<'_>, options: &LoadOptions) -> Result<View> {
 }
 
 fn size(object: &Object<'_>, options: &LoadOptions) -> Result<(u32, u32)> {
-    let width = side(object, "width", options.width)?;
-    let height = side(object, "height", options.height)?;
+    // The file's must be valid even if others are requested.
+    let own = ["width", "height"].map(|key| f64::from(object.integer(key)));
+    for (key, asked) in [("width", options.width), ("height", options.height)] {
+        asked.map_or(Ok(()), |asked| check_side(key, asked))?;
+    }
+    let (width, height) = in_proportion(options, own);
     match too_many_pixels(width, height) {
         Some(message) => Err(limit(object, message, pixels_allowed())),
         None => Ok((width, height)),
@@ -264,12 +268,18 @@ pub(crate) fn check_size(width: u32, height: u32) -> Result<()> {
     }
 }
 
-/// A side of the image: the requested one if any, but the file's must be valid too.
-fn side(object: &Object<'_>, key: &'static str, asked: Option<u32>) -> Result<u32> {
-    let own = object.integer(key);
-    let Some(asked) = asked else { return Ok(own) };
-    check_side(key, asked)?;
-    Ok(asked)
+/// Width and height of an image as requested. If only one is, the other follows from the
+/// proportions of the image's `own` width and height.
+pub(crate) fn in_proportion(options: &LoadOptions, own: [f64; 2]) -> (u32, u32) {
+    let [width, height] = own;
+    // Within the limits of a side, so that the conversion is exact.
+    let side = |length: f64| length.round().clamp(1.0, f64::from(LONGEST_SIDE)) as u32;
+    match (options.width, options.height) {
+        (Some(asked), None) => (asked, side(f64::from(asked) * height / width)),
+        (None, Some(asked)) => (side(f64::from(asked) * width / height), asked),
+        (Some(asked), Some(other)) => (asked, other),
+        (None, None) => (side(width), side(height)),
+    }
 }
 
 /// Checks a requested side.

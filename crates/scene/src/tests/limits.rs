@@ -92,12 +92,20 @@ fn sized(width: u32, height: u32) -> LoadOptions {
 }
 
 #[test]
-fn the_size_asked_for_takes_the_place_of_the_files() {
+fn a_requested_size_replaces_the_files_and_one_side_keeps_the_proportions() {
     let view: View = only(&load_options(&complete(), sized(30, 20)).unwrap());
     assert_eq!((view.width, view.height), (30, 20));
-    let wide = LoadOptions { width: Some(30), ..LoadOptions::default() };
-    let view: View = only(&load_options(&complete(), wide).unwrap());
-    assert_eq!((view.width, view.height), (30, 480));
+    for (width, height, expected) in [
+        (Some(32), None, (32, 24)),
+        (None, Some(24), (32, 24)),
+        (Some(50), None, (50, 38)),
+        (Some(65536), Some(1), (65536, 1)),
+        (None, None, (640, 480)),
+    ] {
+        let options = LoadOptions { width, height, ..LoadOptions::default() };
+        let view: View = only(&load_options(&complete(), options).unwrap());
+        assert_eq!((view.width, view.height), expected);
+    }
 }
 
 #[test]

@@ -40,17 +40,9 @@ const CAMERA_SIDE: DVec3 = DVec3::new(0.5, 0.4, 1.0);
 /// # Errors
 /// If the requested size is too large or zero.
 pub(crate) fn size(options: &LoadOptions, aspect: Option<f64>) -> Result<(u32, u32)> {
-    let aspect = aspect.unwrap_or(ASPECT);
-    let most = f64::from(parse::LONGEST_SIDE);
-    // Within the limits of a side, so that the conversion is exact.
-    let side = |length: f64| length.round().clamp(1.0, most) as u32;
-    let longer = f64::from(LONGER_SIDE);
-    let (width, height) = match (options.width, options.height) {
-        (Some(width), Some(height)) => (width, height),
-        (Some(width), None) => (width, side(f64::from(width) / aspect)),
-        (None, Some(height)) => (side(f64::from(height) * aspect), height),
-        (None, None) => (side(longer * aspect.min(1.0)), side(longer / aspect.max(1.0))),
-    };
+    let (aspect, longer) = (aspect.unwrap_or(ASPECT), f64::from(LONGER_SIDE));
+    let own = [longer * aspect.min(1.0), longer / aspect.max(1.0)];
+    let (width, height) = parse::in_proportion(options, own);
     parse::check_size(width, height)?;
     Ok((width, height))
 }
