@@ -16,7 +16,7 @@ pyo3::create_exception!(
     wavecrest,
     Error,
     PyValueError,
-    "What cannot be rendered: the file, the place in it, the value found and the remedy."
+    "An error in the input: the message names the file, the place in it, the value and the remedy."
 );
 
 /// The exception of an error.
@@ -24,16 +24,16 @@ fn exception(error: &api::Error) -> PyErr {
     Error::new_err(error.to_string())
 }
 
-/// Renders a scene to an array of the shape (height, width, 3), the top row first.
+/// Renders a scene to an array of shape (height, width, 3), top row first.
 ///
-/// scene is the path of a scene file, of a glTF file or of a mesh (PLY, OBJ, STL), a scene as a dict, whose paths
-/// start from the current folder, or the vertices of a mesh, (N, 3), with the indices of its triangles as faces,
-/// (M, 3). A mesh is seen whole, in the light of a studio, unless view, up, fov, lights and crease say otherwise:
-/// they are the options of the command. background is a linear colour, and precision "fast", "robust" or "exact".
+/// scene is the path of a scene file, a glTF file or a mesh (PLY, OBJ, STL); a scene as a dict, with paths relative
+/// to the current folder; or the vertices of a mesh, shape (N, 3), with the vertex indices of its triangles as faces,
+/// shape (M, 3). A mesh is shown whole under studio lights; view, up, fov, lights and crease change this, like the
+/// options of the command. background is a linear colour; precision is "fast", "robust" (default) or "exact".
 ///
-/// The values are linear red, green and blue; 8-bit formats hold those from 0 to 1. They do not depend on threads.
+/// Values are linear red, green and blue; 8-bit formats store 0 to 1. The number of threads does not change them.
 ///
-/// Raises wavecrest.Error where there is nothing that can be rendered, and warns of what is odd. Ctrl-C ends a render.
+/// Raises wavecrest.Error if the input cannot be rendered, and issues warnings. Ctrl-C stops the render.
 #[pyfunction]
 #[pyo3(signature = (scene, faces=None, *, width=None, height=None, camera=None, view=None, up=None, fov=None,
                     lights=None, background=None, crease=None, seed=0, precision=None, threads=None))]
@@ -82,11 +82,11 @@ fn render<'py>(
     film.pixels().as_flattened().to_vec().into_pyarray(py).reshape([height, width, 3])
 }
 
-/// Writes an image, as render returns it, to a .png, .ppm, .exr or .pfm file.
+/// Writes an image returned by render to a .png, .ppm, .exr or .pfm file.
 ///
-/// 8-bit formats are encoded with the curve of transfer, "srgb" unless "linear" is given; the others are linear.
+/// 8-bit formats use the transfer curve "srgb" (default) or "linear"; .exr and .pfm are always linear.
 ///
-/// Raises wavecrest.Error where the file cannot be written.
+/// Raises wavecrest.Error if the file cannot be written.
 #[pyfunction]
 #[pyo3(signature = (path, image, *, transfer=None))]
 fn save(path: PathBuf, image: Bound<'_, PyAny>, transfer: Option<String>) -> PyResult<()> {
