@@ -104,7 +104,7 @@ pub(crate) struct FramingOptions {
     /// Turn once around a mesh or a glTF file in this many frames, numbered from 1
     #[arg(long, value_name = "FRAMES", value_parser = clap::value_parser!(u32).range(2..=3600), conflicts_with = "camera")]
     pub(crate) turntable: Option<u32>,
-    /// Show a mesh or a glTF file from several sides in one picture, with a name under each
+    /// Show a mesh or a glTF file from several sides in one image, with a name under each
     #[arg(long, value_name = "SIDE,SIDE,...", allow_hyphen_values = true,
           conflicts_with_all = ["camera", "view", "turntable"])]
     pub(crate) sheet: Option<Sheet>,

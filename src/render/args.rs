@@ -28,10 +28,11 @@ pub(super) use show::Style;
 
 /// Render a scene to an image.
 #[derive(Clone, Debug, clap::Args)]
+#[command(override_usage = "wavecrest [render] [OPTIONS] <SCENE> <OUTPUT>")]
 pub(crate) struct RenderArgs {
     /// Scene (.json), glTF file (.gltf, .glb) or mesh (.ply, .obj, .stl)
     pub(crate) scene: PathBuf,
-    /// Image to write: .ppm, .png, .exr or .pfm; .part for a shard
+    /// Image to write: .png, .ppm, .exr or .pfm; with --turntable also .gif; with --shard a .part file
     #[arg(value_name = "OUTPUT", required_unless_present = "output")]
     pub(crate) image: Option<PathBuf>,
     /// Image to write, as an option

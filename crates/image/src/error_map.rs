@@ -22,7 +22,7 @@ wavecrest_base::choices! {
         Squared = "squared",
         /// (a - b)^2 / (b^2 + 0.01), from black (0) to light yellow (1).
         Relative = "relative",
-        /// The difference that is seen, FLIP, from black (0) to light yellow (1).
+        /// The perceived difference, FLIP, from black (0) to light yellow (1).
         Flip = "flip",
         /// a - b, from blue (-1, too dark) over grey (0) to red (1, too bright).
         Signed = "signed",

@@ -13,8 +13,8 @@ pub(crate) struct OutputOptions {
     /// Also write the image to this file; can be given several times
     #[arg(long, value_name = "FILE")]
     pub(crate) also: Vec<PathBuf>,
-    /// Layers to add to .exr outputs, comma-separated: depth, normal, albedo, position, object, material, alpha,
-    /// samples, invalid, or all
+    /// Layers to add to .exr outputs, comma-separated: depth, normal, albedo, position, object, material, samples,
+    /// invalid, all (these), or alpha (colours then count as premultiplied)
     #[arg(long, value_name = "LAYERS", value_parser = layers)]
     pub(crate) aov: Option<Layers>,
     /// Metadata

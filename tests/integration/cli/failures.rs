@@ -215,6 +215,7 @@ fn arguments_that_make_no_sense_are_refused() {
     let folder = with_ball();
     for (arguments, told) in [
         (&["ball.json"][..], "required arguments were not provided"),
+        (&["ball.json"], "\nUsage: wavecrest [render] [OPTIONS] <SCENE> <OUTPUT>\n"),
         (&["ball.json", "a.png", "-o", "b.png"], "cannot be used with"),
         (&["ball.json", "a.png", "--crop", "1,2,3"], "write four whole numbers"),
         (&["ball.json", "a.png", "--tracer", "recursiv"], "'recursive'"),

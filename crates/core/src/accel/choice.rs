@@ -13,7 +13,7 @@ wavecrest_base::choices! {
         /// Packets while rays are coherent, then streams.
         #[default]
         Auto = "auto",
-        /// Packets, even of incoherent rays; what these leave goes on as a stream.
+        /// Packets, even of incoherent rays; rays that leave a packet continue in a stream.
         Packet = "packet",
         /// Streams of rays in flight.
         Stream = "stream",

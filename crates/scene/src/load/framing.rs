@@ -122,7 +122,7 @@ wavecrest_base::choices! {
         X = "x",
         /// +y, as in glTF.
         Y = "y",
-        /// +z, as in most programs for construction and printing.
+        /// +z, as in most CAD and 3D printing programs.
         Z = "z",
         /// -x.
         NegativeX = "-x",

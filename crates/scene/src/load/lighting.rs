@@ -6,12 +6,12 @@ wavecrest_base::choices! {
     /// The lights added to a file without any.
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
     pub enum Rig {
-        /// A soft key from the left, a rim from behind, a sky that fills, and a ground that takes shadows.
+        /// A soft key light from the left, a rim light from behind, a sky as fill light, and a ground that receives shadows.
         #[default]
         Studio = "studio",
         /// A light at the camera, and a sky.
         Headlight = "headlight",
-        /// No lights: surfaces show their unlit colours.
+        /// No lights: surfaces show their plain colours.
         None = "none",
     }
 }
