@@ -12,7 +12,8 @@ use wavecrest_core::accel::build::Preset;
 use wavecrest_core::math::sampling::Points;
 use wavecrest_core::prepared::{Original, PreparedScene};
 use wavecrest_core::render::Rendered;
-use wavecrest_report::accuracy::pilot::{Choice, Pilot, error};
+use wavecrest_report::accuracy::pilot::{Choice, Pilot, error, is_sampled};
+use wavecrest_report::plot::number::figure;
 use wavecrest_report::statistics::Goal;
 
 /// Largest number of renders for one target error.
@@ -99,15 +100,31 @@ impl Aimed<'_> {
                 return Ok(Traced { rendered, preset, goal: None, resumed });
             }
             renders += 1;
-            let found = error(scene, Some(&rendered.film), args.seed)?;
-            say(args, self.seen, &format!("measured error: {found:.3e}"));
-            match args.target_error.filter(|asked| found > asked * ACCEPTED) {
-                Some(asked) if renders < MAX_RENDERS => choice = finer(&choice, found / asked),
+            let found = match is_sampled(scene) {
+                true => Some(error(scene, Some(&rendered.film), args.seed)?),
+                false => None,
+            };
+            say(args, self.seen, &measured(found));
+            match args.target_error.zip(found).filter(|(asked, found)| *found > asked * ACCEPTED) {
+                Some((asked, found)) if renders < MAX_RENDERS => {
+                    choice = finer(&choice, found / asked);
+                }
                 _ => {
                     let goal = Some(goal(args, &choice, found, renders));
                     return Ok(Traced { rendered, preset, goal, resumed });
                 }
             }
+        }
+    }
+}
+
+/// The measured error in words.
+fn measured(error: Option<f64>) -> String {
+    match error {
+        Some(error) => format!("measured error: {}", figure(error)),
+        None => {
+            "error not measured: one ray through the centre of each pixel, without random samples"
+                .to_owned()
         }
     }
 }
@@ -145,7 +162,7 @@ fn finer(choice: &Choice, excess: f64) -> Choice {
     Choice { points, error: choice.error / excess, seconds: choice.seconds * more, ..*choice }
 }
 
-fn goal(args: &RenderArgs, choice: &Choice, found: f64, renders: u32) -> Goal {
+fn goal(args: &RenderArgs, choice: &Choice, found: Option<f64>, renders: u32) -> Goal {
     let asked = match (args.target_error, args.time_budget) {
         (Some(error), _) => format!("error {error}"),
         (None, Some(seconds)) => format!("{seconds} s"),

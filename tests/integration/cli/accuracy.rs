@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::{run, text, with_scene};
+use super::{run, text, with_ball, with_scene};
 use crate::support::{matte, pinhole, scene, sphere, wall};
 
 /// A ball under a square light.
@@ -106,6 +106,22 @@ fn a_render_for_an_error_says_what_it_chose_and_what_came_out() {
     assert!(found <= 0.0125, "{goal}");
     let output = run(folder.path(), &["ball.json", "out.exr", "--time-budget", "0.5", "-q"]);
     assert_eq!((text(&output.stderr), output.status.code()), ("", Some(0)));
+}
+
+#[test]
+fn no_error_is_claimed_for_an_image_without_random_samples() {
+    let folder = with_ball();
+    let arguments = ["ball.json", "out.exr", "--time-budget", "1e-6", "--stats", "s.json"];
+    let output = run(folder.path(), &arguments);
+    let said = text(&output.stderr);
+    assert!(said.contains(" ray per pixel: expected error "), "{said}");
+    assert!(
+        said.contains("error not measured: one ray through the centre of each pixel"),
+        "{said}"
+    );
+    let statistics = std::fs::read_to_string(folder.path().join("s.json")).expect("statistics");
+    let statistics: Value = serde_json::from_str(&statistics).expect("JSON");
+    assert_eq!(statistics["goal"]["found_error"], Value::Null);
 }
 
 #[test]

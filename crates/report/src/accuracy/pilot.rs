@@ -10,7 +10,8 @@ use std::fmt;
 use std::time::Instant;
 
 use super::fit::Rng;
-use super::setting::Facts;
+use super::setting::{Facts, Target};
+use crate::plot::number::figure;
 use wavecrest_base::error::Result;
 use wavecrest_core::film::Film;
 use wavecrest_core::math::sampling::{Points, Sampling};
@@ -124,13 +125,15 @@ impl Axis {
         }
     }
 
-    /// The name of its points.
-    fn name(self) -> &'static str {
-        match self {
-            Self::Lights => "points on each light",
-            Self::Lens => "points on the lens",
-            Self::Pixel => "rays a pixel",
-        }
+    /// A number of its points.
+    fn counted(self, points: Points) -> String {
+        let (thing, place) = match self {
+            Self::Lights => ("point", "on each light"),
+            Self::Lens => ("point", "on the lens"),
+            Self::Pixel => ("ray", "per pixel"),
+        };
+        let plural = if points.count() == 1 { "" } else { "s" };
+        format!("{} {} {thing}{plural} {place}", points.count(), points.sampling.name())
     }
 }
 
@@ -144,8 +147,8 @@ impl Choice {
 impl fmt::Display for Choice {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { points, axis, error, seconds } = self;
-        let (count, what, sampler) = (points.count(), axis.name(), points.sampling.name());
-        write!(f, "{count} {sampler} {what}: expected error {error:.3e}, {seconds:.2} s of tracing")
+        let (points, error) = (axis.counted(*points), figure(*error));
+        write!(f, "{points}: expected error {error}, {seconds:.2} s of tracing")
     }
 }
 
@@ -257,8 +260,14 @@ fn pilot_seed(seed: u64, number: u64) -> u64 {
     seed ^ (0x5EED << 40) ^ (number << 32)
 }
 
+/// Whether `scene` has random samples, so that [`error`] can measure their error.
+pub fn is_sampled(scene: &PreparedScene) -> bool {
+    Facts::of(scene).is_sampled(Target::Scene)
+}
+
 /// The error of `scene` with its current samples, in windows: between two own renders, or between
-/// `film`, the whole image, and one render.
+/// `film`, the whole image, and one render. Without random samples all renders are equal, and say
+/// nothing of the error: see [`is_sampled`].
 ///
 /// # Errors
 /// If there is no memory for a window.
