@@ -90,3 +90,16 @@ fn an_image_that_differs_ends_it() {
     let text = comparison(&compared);
     assert!(text.contains("with stream, THE IMAGES DIFFER"), "{text}");
 }
+
+#[test]
+fn without_the_plan_work_may_differ_but_no_image() {
+    let spoil = |number: usize, run: &mut Rendered| {
+        run.counters.footprints += number as u64 % 2;
+    };
+    assert!(run(Axis::Kernels, spoil).1.difference.is_some());
+    assert_eq!(run(Axis::Plan, spoil).1.difference, None);
+    let spoil = |number: usize, run: &mut Rendered| {
+        run.film.pixel_mut(4, 5).unwrap()[0] = number as f32;
+    };
+    assert!(run(Axis::Plan, spoil).1.difference.is_some());
+}
