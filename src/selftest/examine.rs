@@ -56,25 +56,25 @@ impl Examined {
     pub(super) fn text(&self) -> String {
         let Shape { triangles, dropped, slivers, longest, borders, crowded } = &self.shape;
         let mut text = format!(
-            "{}: {triangles} triangles, {dropped} without area left out; {slivers} slivers, the thinnest \
-             {longest:.0} times as long as high;\n  {borders} edges where it ends, {crowded} of more than two \
-             triangles\n",
+            "{}: {triangles} triangles, {dropped} degenerate ones left out; {slivers} slivers, aspect ratios up to \
+             {longest:.0};\n  {borders} boundary edges, {crowded} edges of more than two triangles\n",
             self.file
         );
         if let Some(Bvh { preset, nodes, depth, overlap }) = &self.bvh {
             let _ = writeln!(
                 text,
-                "  bvh {}: {nodes} nodes, {depth} deep, {overlap:.2} leaves about a point of the surface",
+                "  BVH {}: {nodes} nodes, depth {depth}, {overlap:.2} leaves per point of the surface",
                 preset.name()
             );
         }
         for Tried { precision, trial, times_fast, invalid } in &self.trials {
             let Trial { leaks, self_hits, nanoseconds, errors } = trial;
             let ratio = times_fast.map_or(String::new(), |t| format!("  {t:>5.2} x fast"));
-            let invalid = invalid.map_or(String::new(), |n| format!(", {n} samples not finite"));
+            let invalid =
+                invalid.map_or(String::new(), |n| format!(", {n} samples are not finite"));
             let _ = writeln!(
                 text,
-                "    {:<7}{} of {} rays leak, {} of {} meet their own triangle{invalid} \
+                "    {:<7}{} of {} rays leak, {} of {} hit their own triangle{invalid} \
                  {nanoseconds:>8.1} ns each{ratio}",
                 precision.name(),
                 leaks.failed,

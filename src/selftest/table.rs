@@ -23,12 +23,9 @@ fn verdict(rows: &[Row], precisions: &[Precision]) -> String {
         let failing = rows.iter().filter(|row| !row.trials[index].holds).count();
         let name = precision.name();
         let _ = match (failing, precision) {
-            (0, _) => writeln!(text, "{name} holds in all of {all} {cases}"),
+            (0, _) => writeln!(text, "{name} passes all {all} {cases}"),
             (_, Precision::Fast) => {
-                writeln!(
-                    text,
-                    "{name} gives wrong answers in {failing} of {all} {cases}, as expected"
-                )
+                writeln!(text, "{name} fails in {failing} of {all} {cases}, as expected")
             }
             _ => writeln!(text, "{name} FAILS in {failing} of {all} {cases}"),
         };
@@ -42,7 +39,7 @@ fn table(rows: &[Row], precisions: &[Precision]) -> String {
     let timed: Vec<Precision> =
         precisions.iter().copied().filter(|&precision| precision != Precision::Fast).collect();
     let has_times = rows.iter().flat_map(|row| &row.trials).any(|trial| trial.times_fast.is_some());
-    let mut text = format!("\ncase  {:<widest$}", "what breaks");
+    let mut text = format!("\ncase  {:<widest$}", "input");
     precisions.iter().for_each(|precision| text += &format!("  {:>9}", precision.name()));
     if has_times {
         timed.iter().for_each(|precision| {
@@ -62,9 +59,11 @@ fn table(rows: &[Row], precisions: &[Precision]) -> String {
         text.truncate(text.trim_end().len());
         text.push('\n');
     }
+    if text.contains('%') {
+        text += "%: share of wrong answers\n";
+    }
     if has_times {
-        text +=
-            "times: median and spread of alternating rounds; a large spread means a busy machine\n";
+        text += "/ fast: time relative to fast, the median of alternating rounds; a large \u{b1} means a busy machine\n";
     }
     text
 }
@@ -72,12 +71,12 @@ fn table(rows: &[Row], precisions: &[Precision]) -> String {
 /// Whether a case passes, or the share of wrong answers.
 fn answers(Trial { precision, holds, outcome, .. }: &Trial) -> String {
     match (holds, precision) {
-        (true, _) => "holds".to_owned(),
+        (true, _) => "pass".to_owned(),
         (false, Precision::Fast) => {
             let share = 100.0 * outcome.failed as f64 / outcome.tried.max(1) as f64;
             format!("{} %", rounded(share, 2))
         }
-        (false, _) => "FAILS".to_owned(),
+        (false, _) => "FAIL".to_owned(),
     }
 }
 

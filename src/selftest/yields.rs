@@ -34,7 +34,7 @@ pub(super) fn text(yields: &[Yield]) -> String {
     let widest = yields.iter().map(|row| row.situation.len()).max().unwrap_or(0);
     let mut text = format!(
         "\n{:<widest$}  {:<9}  {:>12}  {:>12}  {:>12}  {:>20}\n",
-        "errors of 999 in 1000 hits", "precision", "t", "point", "normal", "worst t"
+        "error of 999 in 1000 hits", "precision", "t", "point", "normal", "worst t"
     );
     for Yield { situation, precision, errors } in yields {
         let most = |e: &Distribution| e.within(0.999).map_or_else(|| "-".to_owned(), ulps);

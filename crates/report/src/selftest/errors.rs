@@ -170,25 +170,25 @@ const PLAIN: Placed = Placed { height: 1.0, sine: 0.7, distance: 2.0, away: 0.0 
 
 /// All situations.
 pub const SITUATIONS: &[Situation] = &[
-    Situation { name: "plain", place: |_| PLAIN },
+    Situation { name: "ordinary triangles", place: |_| PLAIN },
     Situation {
-        name: "at a low angle, down to 1e-6",
+        name: "grazing angles, down to 1e-6",
         place: |n| Placed { sine: n.magnitude(1e-6, 0.1), ..PLAIN },
     },
     Situation {
-        name: "far from the origin, up to 1e5 sizes",
+        name: "far from the origin, up to 1e5 times the size",
         place: |n| Placed { away: n.magnitude(1e2, 1e5), ..PLAIN },
     },
     Situation {
-        name: "slivers of up to 1 to 100 000",
+        name: "slivers, aspect ratio up to 100 000",
         place: |n| Placed { height: n.magnitude(1e-5, 0.1), ..PLAIN },
     },
     Situation {
-        name: "large triangles, up to 1e5 distances",
+        name: "large triangles, up to 1e5 times the distance",
         place: |n| Placed { distance: n.magnitude(1e-5, 0.1), ..PLAIN },
     },
     Situation {
-        name: "small triangles, down to 1e-5 distances",
+        name: "small triangles, down to 1e-5 of the distance",
         place: |n| Placed { distance: n.magnitude(1e2, 1e5), ..PLAIN },
     },
 ];
