@@ -118,8 +118,8 @@ impl Report {
         let Self { rays, hits, repeats, threads, triangles, .. } = self;
         format!(
             "{:.2} Mrays/s: {rays} rays ({kind}), {hits} hits, {:.4} s, median of {repeats} on {threads} \
-             threads\nmesh: {triangles} triangles, loaded in {:.3} s; bvh {}, built in {:.3} s, \
-             expects {:.1} nodes and {:.1} leaves a ray; {} tests\n",
+             threads\nmesh: {triangles} triangles, loaded in {:.3} s; BVH {}, built in {:.3} s, \
+             estimate {:.1} nodes and {:.1} leaves per ray; {} precision\n",
             self.mrays_s,
             self.seconds,
             self.load_seconds,
@@ -142,8 +142,8 @@ impl Report {
         let used = &self.kernels;
         let average = |value: Option<f64>| value.map_or("-".to_owned(), |v| format!("{v:.1}"));
         format!(
-            "{}: {} in packets ({} handed over), {} in flight, {} alone; rays of a packet at a node {}, \
-             in flight in a round {}\n",
+            "{}: {} rays in packets ({} handed over), {} in streams, {} alone; average: {} rays of a packet \
+             at a node, {} rays in flight per round\n",
             self.simd.name(),
             used.packet,
             used.handed_over,

@@ -38,11 +38,11 @@ fn a_sweep_writes_a_page_and_the_same_figures_in_other_forms() {
         "Points on area lights",
         "Rays in a pixel",
         "Precision",
-        "What must not change the picture",
+        "Settings that must not change the image",
     ] {
         assert!(page.contains(heading), "{heading}");
     }
-    assert!(!page.contains("What each effect costs"));
+    assert!(!page.contains("Cost of each effect"));
     let found: Value = serde_json::from_str(&read("accuracy.json")).expect("JSON");
     let points = &found["scenes"][0]["families"][0]["series"][0]["points"];
     assert_eq!(points.as_array().map(Vec::len), Some(3));

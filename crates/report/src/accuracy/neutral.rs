@@ -75,7 +75,7 @@ pub fn run(
     let Some(reference) = reference else { return Ok(()) };
     let name = subject.name();
     let knobs = Knob::all(subject.primitives());
-    progress.stage(&format!("{name}: what must not change the picture"), knobs.len() as u64);
+    progress.stage(&format!("{name}: settings that must not change the image"), knobs.len() as u64);
     let usual = subject.render(&Setting::default(), &RenderOptions::default())?;
     let usual_error = compare(&usual.film, &reference.film)?.rmse;
     for knob in knobs {

@@ -48,7 +48,7 @@ pub fn write(
         let json = to_json(&prices).map_err(|e| e.in_file(results))?;
         write_text(&results.join("effects.json"), &json)?;
         first.extend(answers::dearest(&prices));
-        sections.push(Section::new("What each effect costs", tables::prices(&prices)));
+        sections.push(Section::new("Cost of each effect", tables::prices(&prices)));
     }
     sections.push(Section::new("Errors of hits in hard cases", yields::by_situation()));
     sections.extend(trust::section(findings));
@@ -61,8 +61,8 @@ pub fn write(
 fn about(findings: &Findings) -> Section {
     let mut blocks = vec![Block::paragraph(format!(
         "Each setting was rendered {} times with different random numbers, all settings of a scene in random order. \
-         Errors are against a reference in exact arithmetic; one below three standard errors of the reference counts \
-         as its noise. Intervals have 95 per cent confidence.",
+         Errors are against a reference in exact arithmetic; an error below three standard errors of the reference \
+         counts as noise. Intervals have 95 per cent confidence.",
         findings.seeds
     ))];
     let mut distinct = findings.circumstances.clone();
@@ -122,14 +122,14 @@ fn section(scene: &SceneFindings, swept: &mut Swept, folder: &Path) -> Result<Se
     blocks.push(Block::Heading("Bias and variance".to_owned()));
     blocks.extend(trust::spread(scene));
     blocks.extend(standard_errors(scene, swept)?);
-    blocks.push(Block::Heading("What precision costs, and what it yields".to_owned()));
+    blocks.push(Block::Heading("Cost and accuracy of each precision".to_owned()));
     blocks.extend(yields::sentence(scene));
     blocks.extend(tables::precision(scene));
     for (name, chart) in yields::charts(scene) {
         write_chart(&chart, &folder.join(format!("{}-{name}", scene.scene.scene)))?;
         blocks.push(Block::Chart(chart));
     }
-    blocks.push(Block::Heading("What must not change the picture".to_owned()));
+    blocks.push(Block::Heading("Settings that must not change the image".to_owned()));
     blocks.extend(tables::neutral(scene));
     Ok(Section::new(scene.scene.scene.clone(), blocks))
 }
@@ -203,8 +203,8 @@ fn side_by_side(Crops { reference, crops, ends }: &Crops, equal: Equal) -> Resul
     }
     let mut blocks = vec![
         Block::paragraph(format!(
-            "The part of the picture where the first sampler errs most, {title}, and the error below it. Click a \
-             picture to zoom into its row."
+            "The part of the image where the first sampler has its largest error, {title}; the errors are below. \
+             Click an image to zoom into the row."
         )),
         Block::Pictures(row),
         Block::Pictures(maps),
@@ -213,7 +213,7 @@ fn side_by_side(Crops { reference, crops, ends }: &Crops, equal: Equal) -> Resul
         blocks.push(Block::Compare(Compare {
             left: picture(&first.whole, words(first))?,
             right: picture(&last.whole, words(last))?,
-            caption: format!("The whole picture {title}."),
+            caption: format!("The whole image, {title}."),
         }));
     }
     Ok(blocks)
@@ -237,6 +237,6 @@ fn words(crop: &Crop) -> String {
 }
 
 fn picture(film: &Film, caption: String) -> Result<Picture> {
-    let alt = format!("Rendered picture: {caption}");
+    let alt = format!("Rendered image: {caption}");
     Ok(Picture { png: png(film, Transfer::Linear)?, alt, caption, pixels: true })
 }

@@ -38,9 +38,9 @@ fn lead(scenes: &[SceneBench]) -> String {
             let least = medians.clone().fold(f64::INFINITY, f64::min);
             let most = medians.fold(0.0, f64::max);
             sentences.push(format!(
-                "Of {}, the wavefront is faster in {wavefront} and the recursive tracer in \
-                 {recursive}; in {} the difference is within noise. The wavefront is {least:.3} to \
-                 {most:.3} times as fast as the recursive tracer.",
+                "Of {}, the wavefront is faster in {wavefront} and the recursive tracer in {recursive}; in {} the \
+                 difference is within noise. The wavefront is {least:.3} to {most:.3} times as fast as the recursive \
+                 tracer.",
                 plural(ratios.len(), "scene"),
                 ratios.len() - wavefront - recursive,
             ));
@@ -68,8 +68,8 @@ fn overview(scenes: &[SceneBench]) -> Option<Section> {
     }
     let blocks = vec![
         Block::paragraph(
-            "The tracers take turns, so that whatever slows the machine for a while slows both. The ratio is that of \
-             the two times of each pair of runs.",
+            "The tracers run in turns, so that slow phases of the machine affect both alike. The ratio is that of the \
+             two times in each pair of runs.",
         ),
         Block::Chart(ratios(&measured)),
         Block::Table(table(&measured)),
@@ -124,8 +124,9 @@ fn rates(measured: &[Both<'_>]) -> Chart {
         y: Axis::new("million rays a second", "", Scale::FromZero),
         series: vec![Series::of("wavefront", wavefront), Series::of("recursive", recursive)],
         guides: Vec::new(),
-        caption: "Rays of each kind, over the median time of a whole run with all kinds."
-            .to_owned(),
+        caption:
+            "Rays of each kind, divided by the median time of a whole run with rays of all kinds."
+                .to_owned(),
     }
 }
 

@@ -33,7 +33,7 @@ pub(super) fn rows(
     row("first quartile", both(|t| t.seconds.first_quartile), scale, second);
     row("third quartile", both(|t| t.seconds.third_quartile), scale, second);
     row("slowest", both(|t| t.seconds.max), scale, second);
-    row("median deviation", both(|t| t.seconds.mad), scale, second);
+    row("median abs. deviation", both(|t| t.seconds.mad), scale, second);
     row("all rays", both(|t| t.mrays_s), 1.0, "Mrays/s");
     row("primary rays", both(|t| t.rays_s.primary), MILLIONS, "Mrays/s");
     if report.rays.secondary > 0 {
@@ -42,14 +42,14 @@ pub(super) fn rows(
     if report.rays.shadow > 0 {
         row("shadow rays", both(|t| t.rays_s.shadow), MILLIONS, "Mrays/s");
     }
-    row("nodes a ray", both(|t| t.tests_per_ray.nodes), 1.0, "tests");
-    row("primitives a ray", both(|t| t.tests_per_ray.primitives), 1.0, "tests");
+    row("nodes per ray", both(|t| t.tests_per_ray.nodes), 1.0, "tests");
+    row("primitives per ray", both(|t| t.tests_per_ray.primitives), 1.0, "tests");
     let rays = report.rays.all().max(1) as f64;
     let counted = |tracer: &TracerBench| tracer.hardware.map(|counts| counts.each());
     if let (Some(a), Some(b)) = (counted(wavefront), counted(recursive)) {
         for ((name, a), (_, b)) in a.into_iter().zip(b) {
             if let (Some(a), Some(b)) = (a, b) {
-                row(&format!("{name} a ray"), [a as f64, b as f64], 1.0 / rays, "");
+                row(&format!("{name} per ray"), [a as f64, b as f64], 1.0 / rays, "");
             }
         }
     }

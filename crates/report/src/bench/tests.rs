@@ -167,7 +167,7 @@ fn the_text_has_work_beside_time() {
     for part in [
         "24 x 16 pixels, 1 camera ray per pixel\n",
         "1 sphere, 1 light\n",
-        "loaded in 0.500 s, tree (fast) built in 0.250 s",
+        "loaded in 0.500 s, BVH (fast) built in 0.250 s",
         "6 pairs of runs, all images bit-identical",
         "  median                       100.000     125.000  ms\n",
         "Mrays/s",
@@ -327,6 +327,6 @@ fn the_page_has_comparisons_and_what_the_processor_counted() {
     assert!(medians[0] == 1.0 && medians.is_sorted_by(|a, b| a > b), "{medians:?}");
     assert_eq!(bars(own)[1].bars.len(), variants.len());
     let html = page.html().unwrap();
-    assert!(html.contains("cycles a ray</th><td class=\"right\" data-value=\"7\">7.000</td>"));
+    assert!(html.contains("cycles per ray</th><td class=\"right\" data-value=\"7\">7.000</td>"));
     assert_eq!(html.matches("data-value=\"7\">7.000").count(), 2 + variants.len());
 }

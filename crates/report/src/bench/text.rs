@@ -96,7 +96,7 @@ fn head(report: &SceneBench) -> String {
     let rays = &report.rays;
     let (primary, secondary, shadow) = (rays.primary, rays.secondary, rays.shadow);
     let [primary, secondary, shadow] = [primary, secondary, shadow].map(count);
-    row("rays a run", format!("{primary} primary, {secondary} secondary, {shadow} shadow"));
+    row("rays per run", format!("{primary} primary, {secondary} secondary, {shadow} shadow"));
     if let Some(ratio) = &report.ratio {
         row("runs", format!("{}, all images bit-identical", pairs_of_runs(ratio.pairs)));
     }
@@ -138,8 +138,8 @@ fn kernels(report: &SceneBench, wavefront: &TracerBench) -> String {
             [packet, handed_over, stream, single].map(count);
         let _ = writeln!(
             text,
-            "    {name:<14}{packet} in packets ({handed_over} handed over), {stream} in flight, \
-             {single} alone\n    {:<14}{} rays of a packet at a node, {} in flight in a round",
+            "    {name:<14}{packet} in packets ({handed_over} handed over), {stream} in streams, \
+             {single} alone\n    {:<14}average: {} rays of a packet at a node, {} rays in flight per round",
             "",
             average(used.rays_a_node),
             average(used.rays_a_round)

@@ -107,10 +107,10 @@ impl Ratio {
     /// The interval in words: which is faster.
     pub fn verdict(&self) -> &'static str {
         match self.interval {
-            i if i.confidence < 0.95 => "too few pairs to tell who is faster",
+            i if i.confidence < 0.95 => "too few pairs of runs to say which is faster",
             i if i.low > 1.0 => "the wavefront is faster",
             i if i.high < 1.0 => "the recursive tracer is faster",
-            _ => "neither is shown to be faster",
+            _ => "the difference is within the noise",
         }
     }
 }

@@ -8,14 +8,14 @@ use crate::plot::number::figure;
 pub fn verdict(difference: &Difference) -> String {
     match difference {
         Difference::Pixel { tracer, x, y, expected, found } => format!(
-            "THE IMAGES DIFFER: the first different pixel of a {tracer:?} run is at column {x}, row {y}:\n  {}; \
+            "THE IMAGES DIFFER: in a {tracer:?} run, first at column {x}, row {y}:\n  {}; \
              the first Wavefront run has\n  {}",
             pixel(found),
             pixel(expected)
         ),
         Difference::Work { tracer, count, expected, found } => format!(
             "THE WORK DIFFERS: a {tracer:?} run counts {found} {count}, the first Wavefront run {expected}; the \
-             images are the same"
+             images are equal"
         ),
     }
 }
@@ -36,13 +36,13 @@ pub(super) fn contents(report: &SceneBench) -> String {
 /// The time of the scene's preparation.
 pub(super) fn prepared(report: &SceneBench) -> String {
     let (time, preset) = (&report.time, report.preset.name());
-    format!("loaded in {:.3} s, tree ({preset}) built in {:.3} s", time.load, time.build)
+    format!("loaded in {:.3} s, BVH ({preset}) built in {:.3} s", time.load, time.build)
 }
 
 /// The peak memory, if known.
 pub(super) fn peak(report: &SceneBench) -> Option<String> {
     let peak = report.memory.peak? as f64 / 1e6;
-    Some(format!("{peak:.1} MB, of the whole process so far"))
+    Some(format!("{peak:.1} MB, whole process so far"))
 }
 
 /// A number of rays, if any.

@@ -79,7 +79,7 @@ fn add_reached(list: &mut List, ambient: usize, lit: usize, picture: &str) {
         *scene = with_lights(base(), [lamp(60.0, ABOVE), lamp(60.0, LEFT)]);
     });
     list.add("smooth shading", lit, smooth);
-    list.add("colors of vertices", lit, colored);
+    list.add("vertex colours", lit, colored);
     list.add("mirrors, 1 bounce", lit, |scene| mirrors(scene, 0.5, 1));
     list.add("mirrors, 4 bounces", lit, |scene| mirrors(scene, 0.5, 4));
     list.add("a texture, nearest", lit, |scene| textured(scene, picture, "nearest"));
@@ -145,7 +145,7 @@ fn add_unreached(list: &mut List, dark: usize, lit: usize, picture: &str) {
     list.without("a texture without light", dark, |scene| textured(scene, picture, "bilinear"));
     list.without("mirrors without light", dark, |scene| mirrors(scene, 0.5, 4));
     list.without("smooth shading without light", dark, smooth);
-    list.without("colors of vertices without light", dark, colored);
+    list.without("vertex colours without light", dark, colored);
 }
 
 #[derive(Default)]

@@ -21,13 +21,13 @@ pub fn text(list: &PriceList) -> String {
         "\n{image}\n{:<width$}{:>10}{:>7}{:>52}{:>52}",
         "", "rays", "bytes", "wavefront", "recursive"
     );
-    let of = format!("{:>11}{:>11}  {:>28}", "s/Mpixel", "s/Mray", "price (interval)");
-    let _ = writeln!(text, "{:<width$}{:>10}{:>7}{of}{of}", "", "a pixel", "a path");
+    let of = format!("{:>11}{:>11}  {:>28}", "s/Mpixel", "s/Mray", "ratio (interval)");
+    let _ = writeln!(text, "{:<width$}{:>10}{:>7}{of}{of}", "", "per pixel", "per path");
     let (reached, unreached): (Vec<&Price>, Vec<&Price>) =
         list.effects.iter().partition(|price| price.reached);
     let pixels = f64::from(list.image.width) * f64::from(list.image.height);
     rows(&mut text, &reached, width, pixels);
-    let _ = writeln!(text, "effects that nothing in view calls for");
+    let _ = writeln!(text, "effects that nothing in view shows");
     rows(&mut text, &unreached, width, pixels);
     text
 }
@@ -38,7 +38,7 @@ fn rows(text: &mut String, prices: &[&Price], width: usize, pixels: f64) {
     for price in prices {
         if price.added_to != group {
             group = price.added_to;
-            let _ = writeln!(text, "to {}", group.unwrap_or_default());
+            let _ = writeln!(text, "added to {}", group.unwrap_or_default());
         }
         let name = format!("  {}", price.effect);
         let rays = price.rays.all() as f64 / pixels;

@@ -11,7 +11,7 @@
   if (theme === "light" || theme === "dark") root.dataset.theme = theme;
   const toggle = make("button", { type: "button", className: "theme" });
   const name = () => { toggle.textContent = isDark() ? "Light" : "Dark"; };
-  toggle.setAttribute("aria-label", "Change between light and dark");
+  toggle.setAttribute("aria-label", "Switch between light and dark");
   toggle.addEventListener("click", () => {
     root.dataset.theme = isDark() ? "light" : "dark";
     kept((store) => store.setItem("wavecrest-theme", root.dataset.theme));

@@ -71,7 +71,7 @@ impl Regression {
         };
         let (mut blocks, unchanged) = (curves(true), curves(false));
         if !unchanged.is_empty() {
-            let summary = "Where nothing changed".to_owned();
+            let summary = "Unchanged".to_owned();
             blocks.push(Block::Details(Details { summary, blocks: unchanged }));
         }
         if !blocks.is_empty() {
@@ -90,11 +90,11 @@ impl Regression {
         let mut changed: Vec<&Ratio> = changed.collect();
         changed.sort_by(|a, b| b.ratio.total_cmp(&a.ratio));
         if !changed.is_empty() {
-            blocks.push(Block::Table(table("What changed, after over before", changed)));
+            blocks.push(Block::Table(table("Changes, after over before", changed)));
         }
         if !self.changes.is_empty() {
             let rows = self.changes.iter().map(change).collect();
-            let caption = "What involves no chance, and differs";
+            let caption = "Deterministic results that differ";
             blocks.push(Block::Table(Table::new(caption, "scene|what|before|after|verdict", rows)));
         }
         blocks
@@ -143,8 +143,8 @@ fn forest(title: &str, ratios: Vec<&Ratio>) -> Chart {
     };
     let equal = match all - ratios.len() {
         0 => String::new(),
-        1 => " 1 ratio is exactly 1, and not drawn.".to_owned(),
-        n => format!(" {n} ratios are exactly 1, and not drawn."),
+        1 => " 1 ratio is exactly 1 and not shown.".to_owned(),
+        n => format!(" {n} ratios are exactly 1 and not shown."),
     };
     Chart {
         title: title.to_owned(),
@@ -153,8 +153,8 @@ fn forest(title: &str, ratios: Vec<&Ratio>) -> Chart {
         series: [Verdict::Same, Verdict::Worse, Verdict::Better].map(series).to_vec(),
         guides: vec![Guide::at("unchanged", 1.0)],
         caption: format!(
-            "Right of the line is worse. All intervals together have 99 per cent confidence; up to {} per cent does \
-             not count as a change.{equal}",
+            "Right of the line is worse. All intervals together have 99 per cent confidence; changes of up to {} per \
+             cent are ignored.{equal}",
             TOLERANCE * 100.0
         ),
     }

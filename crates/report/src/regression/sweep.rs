@@ -76,7 +76,8 @@ pub fn compare(before: &Path, after: &Path) -> Result<Regression> {
             )),
             Some(other) => {
                 if other.fingerprint != scene.fingerprint {
-                    let warning = "is another scene, or was prepared in another way";
+                    let warning =
+                        "differs before and after: another scene, or prepared in another way";
                     regression.warnings.push(format!("`{name}` {warning}"));
                 }
                 points(name, &sides, &mut found, &mut regression.warnings);
@@ -156,7 +157,7 @@ fn points(scene: &str, sides: &[Sweep<'_>; 2], found: &mut Vec<Found>, warnings:
 /// A warning about rounds left out because the machine was busy; `busy` is `None` if too few others
 /// remain.
 fn about_busy_rounds(scene: &str, busy: Option<&BTreeSet<u64>>) -> Option<String> {
-    let cause = "something else kept the machine busy";
+    let cause = "the machine was busy";
     match busy.map(BTreeSet::len) {
         Some(0) => None,
         Some(rounds) => Some(format!("`{scene}`: rounds left out because {cause}: {rounds}")),

@@ -23,7 +23,7 @@ pub(super) fn lead(findings: &Findings) -> String {
 pub(super) fn blocks(findings: &Findings) -> Vec<Block> {
     let answers = || findings.scenes.iter().map(|scene| (scene, &scene.answer));
     let rows = answers().flat_map(|(scene, a)| a.errors.iter().map(move |e| row(scene, a, e)));
-    let caption = "The fastest way to each error (RMSE of linear values): the sampler, its points, the time of \
+    let caption = "The fastest way to reach each error (RMSE of linear values): the sampler, its points, the time of \
                    loading, building and tracing, and the speedup of tracing over random points";
     let header = "scene|>error|sampler|>points|>total time|>speedup over random";
     vec![Block::Table(Table::new(caption, header, rows.collect())), costs(findings)]
@@ -47,7 +47,7 @@ fn row(scene: &SceneFindings, answer: &Answer, at: &AtError) -> Vec<Cell> {
 fn speedup(at: &AtError, ratio: &Interval) -> String {
     let &Interval { value, low, high } = ratio;
     match at.at_least {
-        true if value >= 1.0 => format!("over {value:.1}; random did not reach it"),
+        true if value >= 1.0 => format!("above {value:.1}; random did not reach this error"),
         true => "random did not reach it".to_owned(),
         false if low == high => format!("{value:.1}"),
         false => format!("{value:.1} ({low:.1} to {high:.1})"),
@@ -84,9 +84,9 @@ fn costs(findings: &Findings) -> Block {
             pass.as_ref().map_or_else(missing, |name| Cell::text(share(name))),
         ]
     };
-    let caption = "What precision and effects cost, as ratios of tracing time: `robust` and `exact` over `fast`, and \
-                   the most expensive effect over one point or none for it. With the largest error of t in `robust`, \
-                   in ulp, and the pass that takes the most time";
+    let caption = "Cost of precision and effects, as ratios of tracing time: `robust` and `exact` over `fast`, and \
+                   the scene over the same scene without its most expensive effect, or with one point for it. Also \
+                   the largest error of t in `robust`, in ulp, and the pass that takes the most time";
     let header = "scene|>robust|>error of t|>exact|most expensive effect|>its cost|longest pass";
     Block::Table(Table::new(caption, header, findings.scenes.iter().map(row).collect()))
 }
@@ -102,8 +102,8 @@ pub(super) fn dearest(prices: &PriceList) -> Option<Block> {
         .max_by(|(_, a), (_, b)| a.total_cmp(b))?;
     let to = price.added_to.unwrap_or("nothing");
     Some(Block::paragraph(format!(
-        "Of all effects, each added alone to a small scene, {} is the most expensive: {ratio:.1} times the time of \
-         {to} alone.",
+        "Of all effects, each added on its own to a small scene, {} is the most expensive: the scene takes {ratio:.1} \
+         times as long as with {to} only.",
         price.effect
     )))
 }

@@ -39,12 +39,13 @@ fn line(series: &SeriesFindings, x: fn(&PointFindings) -> f64) -> Series {
 }
 
 /// What the guides are.
-const SLOPES: &str = "Thin lines have the slopes of theory: \u{2212}1/2 for independent points, \u{2212}3/4 for \
-                      jittered points across an edge, \u{2212}1 for jittered points where the integrand is smooth. ";
+const SLOPES: &str = "Thin lines show the slopes that theory predicts: \u{2212}1/2 for independent points, \
+                      \u{2212}3/4 for jittered points across an edge, \u{2212}1 for jittered points where the \
+                      integrand is smooth. ";
 
 /// Why stratified points do less well at odd counts.
-const ODD: &str = "Odd grids do a little worse: a quad is sampled as two triangles, each with half of the columns, \
-                   and the middle column of an odd grid lies across both. ";
+const ODD: &str = "Grids with an odd number of columns do slightly worse: a quad is sampled as two triangles, each \
+                   with half of the columns, and the middle column lies in both. ";
 
 /// The error against the count, with theoretical slopes.
 fn against_samples(family: &FamilyFindings, scene: &SceneFindings) -> Chart {
@@ -69,7 +70,7 @@ fn against_samples(family: &FamilyFindings, scene: &SceneFindings) -> Chart {
         series: family.series.iter().map(|series| line(series, |p| p.x)).collect(),
         guides,
         caption: format!(
-            "{theory}{odd}Below the line `noise` the error of the reference itself hides that of the setting."
+            "{theory}{odd}Below the line `noise`, an error is not distinguishable from that of the reference."
         ),
     }
 }
@@ -111,7 +112,7 @@ fn seen(family: &FamilyFindings) -> Chart {
         y: log("FLIP", ""),
         series: family.series.iter().map(line).collect(),
         guides: Vec::new(),
-        caption: "Mean FLIP over the picture; whiskers reach to its 95th percentile.".to_owned(),
+        caption: "Mean FLIP over the image; whiskers reach to the 95th percentile.".to_owned(),
     }
 }
 
@@ -133,8 +134,8 @@ fn efficiency(family: &FamilyFindings) -> Chart {
         y: log("1 / (MSE x time)", "1/s"),
         series: family.series.iter().map(line).collect(),
         guides: Vec::new(),
-        caption: "Loading, building and tracing together; higher is better. With independent points efficiency stays \
-                  the same once tracing takes most of the time."
+        caption: "For loading, building and tracing together; higher is better. With independent points, efficiency \
+                  is constant once tracing takes most of the time."
             .to_owned(),
     }
 }
@@ -153,8 +154,8 @@ pub(super) fn presets(scene: &SceneFindings) -> Chart {
         Series { name: preset.preset.clone(), draw: Draw::Line, points }
     };
     let words = |(index, (from, name)): (usize, &(f64, String))| match index {
-        0 => format!("`{name}` is the fastest at first"),
-        _ => format!("`{name}` from {} times the scene's own samples on", figure(*from)),
+        0 => format!("`{name}` is fastest for few samples"),
+        _ => format!("`{name}` from {} times the scene's own samples", figure(*from)),
     };
     let words: Vec<String> = scene.crossings.iter().enumerate().map(words).collect();
     Chart {
@@ -177,8 +178,8 @@ fn bounces(family: &FamilyFindings) -> Chart {
         y: log("RMSE", ""),
         series: family.series.iter().map(|series| line(series, |p| p.x)).collect(),
         guides: Vec::new(),
-        caption: "At the scene's own samples. The last point has all bounces: its error is from sampling \
-                  alone."
+        caption: "With the scene's own samples. The last point has all bounces: only sampling contributes to its \
+                  error."
             .to_owned(),
     }
 }
@@ -201,9 +202,9 @@ pub(super) fn time(scene: &SceneFindings) -> Icicle {
         title: format!("{}: time by precision, effect and pass", scene.scene.scene),
         levels: ["precision", "effect", "pass"].map(str::to_owned).to_vec(),
         parts: scene.layers.iter().map(precision).collect(),
-        caption: "At the scene's own samples. An effect has the time that it adds to those on its left; `camera \
-                  rays` are one through the middle of each pixel, without light. Passes are summed over threads; \
-                  loading and building are by the clock."
+        caption: "With the scene's own samples. Each effect shows the time that it adds to the effects on its left; \
+                  `camera rays` is one ray through the centre of each pixel, without lights. Passes are summed over \
+                  threads; loading and building are wall-clock times."
             .to_owned(),
     }
 }

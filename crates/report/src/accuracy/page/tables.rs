@@ -23,10 +23,13 @@ fn target(target: Target) -> &'static str {
 pub(super) fn references(scene: &SceneFindings) -> String {
     let of = |r: &crate::accuracy::store::ReferenceRecord| {
         if r.standard_error == 0.0 {
-            return format!("The reference for {} is exact: nothing is random.", target(r.target));
+            return format!(
+                "The reference for {} is exact, as nothing is sampled.",
+                target(r.target)
+            );
         }
         format!(
-            "The reference for {} is the mean of {} renders, with {} points of each kind per pixel together; its \
+            "The reference for {} is the mean of {} renders, with {} points of each kind per pixel in total; its \
              standard error is {:.2e}.",
             target(r.target),
             r.replicates,
@@ -79,8 +82,10 @@ fn slopes(family: &FamilyFindings) -> Option<Table> {
         ])
     };
     let rows: Vec<_> = family.series.iter().filter_map(row).collect();
-    let caption =
-        format!("Convergence: the power with which the error changes with the {}", family.counted);
+    let caption = format!(
+        "Convergence: the exponent of the error as a function of the number of {}",
+        family.counted
+    );
     let header = "sampler|>slope of MSE|>interval|>slope of RMSE|>interval";
     (!rows.is_empty()).then(|| Table::new(caption, header, rows))
 }
@@ -141,9 +146,9 @@ fn efficiency(family: &FamilyFindings) -> Option<Table> {
             .collect()
     };
     let sloped = family.series.iter().any(|series| series.slope.is_some());
-    let caption = "The best efficiency of each sampler, 1 / (MSE x time) in 1/s, and where it is reached: by tracing \
-                   alone, and with loading and building";
-    let header = "sampler|>tracing alone|>at|>total|>at";
+    let caption = "The best efficiency of each sampler, 1 / (MSE x time) in 1/s, and the setting that reaches it: for \
+                   tracing only, and with loading and building";
+    let header = "sampler|>tracing only|>at|>total|>at";
     sloped.then(|| Table::new(caption, header, family.series.iter().map(row).collect()))
 }
 
@@ -208,12 +213,12 @@ pub(super) fn precision(scene: &SceneFindings) -> Vec<Block> {
     };
     let caption = "Leaks: rays aimed at an edge that pass between its two triangles. Self-hits: rays that leave a \
                    triangle and hit it again (acne)";
-    let header = "precision|>time over fast|>RMSE|>leaks|>self-hits|>ns a ray";
+    let header = "precision|>time / fast|>RMSE|>leaks|>self-hits|>ns per ray";
     let mut table = Table::new(caption, header, points.iter().map(row).collect());
     if scene.trials.is_empty() {
         // There are no trials without triangles.
         table.caption =
-            "The scene has no triangles, so that no ray can leak or hit its own".to_owned();
+            "The scene has no triangles: no ray can leak, or hit its own triangle".to_owned();
         table.columns.truncate(3);
         table.rows.iter_mut().for_each(|row| row.truncate(3));
     }
@@ -233,15 +238,15 @@ pub(super) fn neutral(scene: &SceneFindings) -> Vec<Block> {
     };
     let wrong = scene.neutral.iter().filter(|n| !n.equal || n.error_change != 0.0).count();
     let verdict = match wrong {
-        0 => format!("All {} choices give the same picture, bit for bit.", scene.neutral.len()),
-        n => format!("{n} of {} choices change the picture.", scene.neutral.len()),
+        0 => format!("All {} settings give the same image, bit for bit.", scene.neutral.len()),
+        n => format!("{n} of {} settings change the image.", scene.neutral.len()),
     };
     let rows = scene.neutral.iter().map(row).collect();
-    let table = Table::new("", "choice|value|>change of error|same picture|>time, ms", rows);
+    let table = Table::new("", "setting|value|>change of error|same image|>time, ms", rows);
     if wrong > 0 {
         return vec![Block::Warning(verdict), Block::Table(table)];
     }
-    let summary = "Every choice".to_owned();
+    let summary = "Each setting".to_owned();
     let details = Details { summary, blocks: vec![Block::Table(table)] };
     vec![Block::paragraph(verdict), Block::Details(details)]
 }
@@ -249,20 +254,20 @@ pub(super) fn neutral(scene: &SceneFindings) -> Vec<Block> {
 /// The cost of each effect with both tracers.
 pub(super) fn prices(list: &PriceList) -> Vec<Block> {
     let table = |caption: &str, reached: bool| {
-        let header =
-            "effect|added to|>wavefront, ratio|>ns a ray|>recursive, ratio|>ns a ray|>bytes a path";
+        let header = "effect|added to|>wavefront, ratio|>ns per ray|>recursive, ratio|>ns per ray|>bytes per path";
         let rows = list.effects.iter().filter(|p| p.reached == reached).map(price_row).collect();
         Block::Table(Table::new(caption, header, rows))
     };
     let lead = format!(
-        "Each effect is added alone to a small scene of {} x {} pixels. The ratio compares the time with it to that \
-         without, round by round, in {} rounds. Bytes are those of the wavefront's columns.",
+        "Each effect is added on its own to a small scene of {} x {} pixels. The ratio is the time with the effect \
+         over the time without it, round by round, in {} rounds. Bytes are those of the buffers of the wavefront \
+         tracer.",
         list.image.width, list.image.height, list.rounds
     );
     vec![
         Block::paragraph(lead),
         table("Effects in view", true),
-        table("Effects that nothing in view calls for: same image, same work", false),
+        table("Effects that nothing in view shows: same image, same work", false),
     ]
 }
 

@@ -20,7 +20,7 @@ pub(super) fn section(findings: &Findings) -> Option<Section> {
     if findings.scenes.iter().any(|scene| !scene.calibration.is_empty()) {
         blocks.push(Block::Chart(calibration(findings)));
     }
-    (!blocks.is_empty()).then(|| Section::new("How far to trust this report", blocks))
+    (!blocks.is_empty()).then(|| Section::new("Validation", blocks))
 }
 
 fn name(record: &SpreadRecord) -> String {
@@ -41,9 +41,9 @@ fn coverage(spread: &[&SpreadRecord]) -> Chart {
         y: Axis::new("share", "", Scale::Linear),
         series: vec![Series::of("", spread.iter().enumerate().map(point).collect())],
         guides: vec![Guide::at("nominal", CONFIDENCE)],
-        caption: "Every value of a picture gets a 95 per cent interval from some renders; other renders make the \
-                  reference. Values that are the same in all renders do not count. Where few renders in many meet an \
-                  edge, errors are not normally distributed, and coverage is off."
+        caption: "For each value of a pixel, some renders give a 95 per cent interval, and other renders the \
+                  reference. Values that are the same in all renders are left out. Where only a few of many renders \
+                  meet an edge, errors are not normally distributed, and the coverage is not the nominal one."
             .to_owned(),
     }
 }
@@ -61,14 +61,14 @@ fn calibration(findings: &Findings) -> Chart {
         course: Course::Power { slope: 1.0, through },
     };
     Chart {
-        title: "Calibration: error asked for and error made".to_owned(),
+        title: "Calibration: requested and actual error".to_owned(),
         x: Axis::new("error asked for", "", Scale::Log),
         y: Axis::new("error made", "", Scale::Log),
         series: findings.scenes.iter().map(series).collect(),
         guides: vec![line("equal", [1.0, 1.0])],
-        caption: "`--target-error` chooses samples by a short pilot; the error made is against the reference, which \
-                  the pilot has not seen. Below the line the error is smaller than asked for. `render` repeats a \
-                  picture that turns out too noisy with more samples; this chart does not."
+        caption: "`--target-error` chooses samples by a short pilot render; the actual error is against the \
+                  reference, which the pilot does not use. Points below the line have a smaller error than requested. \
+                  `render` repeats an image that is too noisy with more samples; this chart shows the first attempt."
             .to_owned(),
     }
 }
@@ -88,9 +88,9 @@ pub(super) fn spread(scene: &SceneFindings) -> Vec<Block> {
     if scene.spread.is_empty() {
         return Vec::new();
     }
-    let caption = "Variance of one render, a mean over all values; bias, the RMS error of the mean of all renders \
-                   beyond what noise explains, which stands beside it; and how many of a hundred intervals contain \
-                   the reference";
+    let caption = "Variance of one render, the mean over all pixels; bias, the RMS error of the mean of all renders, \
+                   beyond the error that noise explains (next column); and coverage, the share of intervals that \
+                   contain the reference";
     let header = "setting|>variance|>bias|>noise|>coverage, %";
     let rows = scene.spread.iter().map(row).collect();
     vec![Block::Table(Table::new(caption, header, rows))]

@@ -43,7 +43,8 @@ pub(super) fn charts(scene: &SceneFindings) -> Vec<(String, Chart)> {
             y: Axis::new("share of hits", "", Scale::Log),
             series: scene.trials.iter().map(line).collect(),
             guides: Vec::new(),
-            caption: "Rounding the exact value once leaves half an ulp. A line ends at the largest error."
+            caption: "Rounding the exact value once gives an error of up to half an ulp. Each line ends at its \
+                      largest error."
                 .to_owned(),
         };
         (format!("errors-{}", name.replace(' ', "-")), chart)
@@ -82,8 +83,8 @@ pub(super) fn by_situation() -> Vec<Block> {
             row((situation.name, precision, &situation.errors(&effort)))
         })
     });
-    let caption = "Errors in ulp: the bound that 999 of 1000 hits keep, then the largest of all. A point's error is \
-                   its distance from the triangle's plane. Disputed rays pass an edge so closely that they hit the \
+    let caption = "Errors in ulp: the bound for 999 of 1000 hits, then the largest error. The error of a point is \
+                   its distance from the triangle's plane. Disputed rays pass so close to an edge that they hit the \
                    triangle in one arithmetic and miss it in the other";
     let header = "ray and triangle|precision|>t|>point|>normal|>disputed";
     vec![Block::Table(Table::new(caption, header, rows.collect()))]

@@ -11,7 +11,7 @@ use crate::plot::{Axis, Point, Scale, StackedBars};
 /// The results of several variants.
 pub(super) fn blocks(scene: &SceneBench, found: &Comparison) -> Vec<Block> {
     let name = name(found.of);
-    let mut blocks = vec![Block::Heading(format!("The wavefront by {name}"))];
+    let mut blocks = vec![Block::Heading(format!("Wavefront tracer by {name}"))];
     if let Some(different) = &found.difference {
         let label = found.of.label(&different.variant);
         let text = format!("With {label}: {}", verdict(&different.difference));
@@ -92,9 +92,9 @@ fn times(found: &Comparison) -> Table {
 }
 
 fn work(found: &Comparison) -> Table {
-    let caption = "Tests per ray, and closest-hit rays that are traced together: of a packet at a node, and in \
-                   flight in a round.";
-    let names = ["nodes per ray", "primitives per ray", "at a node", "in a round"];
+    let caption = "Tests per ray, and the average number of closest-hit rays that are traced together: of a packet at \
+                   a node, and in flight per round.";
+    let names = ["nodes per ray", "primitives per ray", "rays at a node", "rays in flight"];
     table(found, caption, names, |each| {
         let tests = &each.bench.tests_per_ray;
         let [nodes, primitives] =

@@ -83,7 +83,7 @@ fn facts(scene: &SceneBench) -> Vec<Fact> {
         Fact::new("image", format!("{} × {} pixels, {samples} each", image.width, image.height)),
         Fact::new("scene", contents(scene)),
         Fact::new(
-            "rays in a run",
+            "rays per run",
             format!("{primary} primary, {secondary} secondary, {shadow} shadow"),
         ),
         Fact::new("prepared", prepared(scene)),
@@ -112,7 +112,8 @@ fn kernels(scene: &SceneBench, wavefront: &TracerBench) -> Details {
         [vec![Cell::text(name)], counts.to_vec(), together.to_vec()].concat()
     };
     let rows = classes.into_iter().filter(|(_, rays, _)| *rays > 0).map(row).collect();
-    let header = "rays|>in packets|>handed over|>in flight|>alone|>of a packet at a node|>in flight in a round";
+    let header = "rays|>in packets|>handed over|>in streams|>alone|>rays of a packet at a node|>rays in flight per \
+                  round";
     let blocks = vec![Block::Table(Table::new("", header, rows))];
-    Details { summary: "Rays of the wavefront by kernel".to_owned(), blocks }
+    Details { summary: "Rays of the wavefront tracer by kernel".to_owned(), blocks }
 }

@@ -25,7 +25,8 @@ pub fn comparison(compared: &Comparison) -> String {
         "    {:<9}{second:>9}{:>9}{:>9}{:>8}{:>8}{:>9}{:>9}  speed / default",
         "", "spread", "Mrays/s", "nodes", "prims", "a node", "a round"
     );
-    let note = "a node, a round: closest-hit rays of a packet at a node, and in flight in a round";
+    let note =
+        "a node: average rays of a packet at a node; a round: rays in flight; closest hits only";
     let _ = writeln!(text, "    ({note})");
     for variant in &compared.variants {
         line(&mut text, of, variant, scale);
