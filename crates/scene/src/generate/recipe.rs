@@ -137,15 +137,15 @@ impl Recipe {
         if (fewest..=most).contains(&self.triangles) {
             return Ok(());
         }
-        let (kind, than) = if self.triangles < fewest {
-            (ErrorKind::Usage, "more triangles than were asked for")
+        let (kind, what) = if self.triangles < fewest {
+            (ErrorKind::Usage, "has more triangles")
         } else {
-            (ErrorKind::Limit, "fewer triangles than were asked for")
+            (ErrorKind::Limit, "cannot have so many triangles")
         };
-        Err(Error::new(kind, format!("a {model} must have {than}"))
+        Err(Error::new(kind, format!("a {model} {what}"))
             .at("triangles")
             .value(self.triangles)
-            .remedy(format!("ask for {fewest} to {most}")))
+            .remedy(format!("use {fewest} to {most}")))
     }
 
     fn check_displacement(&self) -> Result<()> {

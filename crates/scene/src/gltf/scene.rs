@@ -125,8 +125,11 @@ fn check_lights(primitives: &[Primitive], notes: &Notes<'_>) -> Result<()> {
 
 /// The choices made for the user.
 fn told(has_camera: bool, chosen: &str, light: Option<&str>, exposure: f64) -> String {
-    let light =
-        light.map_or_else(|| format!("lights scaled by {exposure:.3e} (exposure)"), str::to_owned);
+    let scaled = || {
+        let rounded: f64 = format!("{exposure:.3e}").parse().unwrap_or(exposure);
+        format!("lights scaled by {rounded:?} (exposure)")
+    };
+    let light = light.map_or_else(scaled, str::to_owned);
     let camera = match has_camera {
         true => "",
         false => "no camera: a default camera is added; ",
