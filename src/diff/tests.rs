@@ -16,7 +16,7 @@ fn report(args: &DiffArgs, changed: f32) -> Report<'_> {
 }
 
 #[test]
-fn a_difference_is_told_in_words() {
+fn a_difference_is_described_in_words() {
     let args = parse(&["a.ppm", "b.ppm"]).unwrap();
     assert_eq!(
         report(&args, 0.5).text(),
@@ -34,7 +34,7 @@ fn a_difference_is_told_in_words() {
 }
 
 #[test]
-fn equality_and_what_is_not_finite_are_told_in_words() {
+fn equality_and_values_that_are_not_finite_are_described_in_words() {
     let args = parse(&["a.ppm", "b.ppm", "--tolerance", "0.5"]).unwrap();
     let last = |changed| report(&args, changed).text().lines().last().unwrap().to_owned();
     assert_eq!(last(0.0), "result              equal in every bit");
@@ -101,7 +101,7 @@ fn pixels_per_degree_are_those_asked_for() {
 }
 
 #[test]
-fn a_map_needs_a_picture_to_be() {
+fn a_map_needs_an_output() {
     assert!(parse(&["a", "b", "--map", "flip"]).is_err());
     let parsed = parse(&["a", "b", "-o", "c.png", "--map", "signed"]).unwrap();
     assert_eq!(parsed.map, MapKind::Signed);

@@ -85,7 +85,7 @@ fn errors_fall_as_theory_has_it() {
 }
 
 #[test]
-fn a_sweep_goes_on_where_it_stopped() {
+fn a_sweep_resumes_where_it_stopped() {
     let (folder, file) = (folder(), repository("scenes/hard/edge-on-light.json"));
     let options = Options { longest: 8, seeds: 2, most: 4, least: 16 };
     let first = findings(&options, &file, folder.path());
@@ -266,7 +266,7 @@ fn resampling_gives_what_the_file_would() {
 /// Ten scenes: what the pilot chooses has no more than 1.25 times the error that was asked for, against
 /// references that it knows nothing of.
 #[test]
-fn an_error_that_is_asked_for_comes_out() {
+fn a_requested_error_is_reached() {
     let small = |name: &str| extract_small(&repository(name), 64, u64::MAX).build(Preset::Fast);
     let mut smooth = pinhole([64, 48], 45.0, 6.0);
     smooth["antialias"] = 2.into();

@@ -146,7 +146,7 @@ fn instances_are_cut_out_as_copies_are() {
 
 /// A threshold of 0, and an image without alpha, cut nothing out and cost nothing.
 #[test]
-fn what_cuts_nothing_out_is_no_cut_out() {
+fn a_cut_out_that_removes_nothing_is_ignored() {
     let folder = with_image();
     let opaque = image::RgbImage::from_pixel(2, 2, image::Rgb([0, 255, 0]));
     opaque.save(folder.path().join("opaque.png")).expect("an image");

@@ -52,7 +52,7 @@ fn ply(vertices: u64, faces: u64, body: &str) -> String {
 }
 
 #[test]
-fn a_ply_file_that_was_cut_off_is_told_where_it_ends() {
+fn a_truncated_ply_file_is_an_error_with_its_end() {
     check_mesh(
         "m.ply",
         &ply(3, 1, "0 0 0\n1 0"),
@@ -90,7 +90,7 @@ fn a_binary_ply_file_that_was_cut_off_is_refused_wherever_it_ends() {
 }
 
 #[test]
-fn a_promise_that_the_file_cannot_hold_is_refused_before_memory_is_set_aside() {
+fn a_count_beyond_the_file_size_is_refused_before_memory_is_allocated() {
     check_mesh(
         "m.ply",
         &ply(4_000_000_000, 1, VERTICES),
@@ -149,7 +149,7 @@ fn an_index_out_of_range_is_named() {
 }
 
 #[test]
-fn what_is_no_number_and_no_face_is_shown() {
+fn lines_that_are_no_numbers_and_no_faces_are_shown() {
     check_mesh(
         "m.ply",
         &ply(3, 1, "0 0 0\n1 0 0\n0 1 x\n3 0 1 2\n"),
@@ -187,7 +187,7 @@ fn a_file_without_triangles_is_refused() {
 }
 
 #[test]
-fn a_header_that_is_misspelt_is_told_what_may_be_meant() {
+fn a_misspelt_header_gets_a_suggestion() {
     check_mesh(
         "m.ply",
         &ply(3, 1, "").replace("element vertex", "elemnt vertex"),
@@ -225,7 +225,7 @@ fn other_formats_are_refused_by_their_names() {
 }
 
 #[test]
-fn a_mesh_that_is_not_there_and_a_folder_are_told_apart() {
+fn a_missing_mesh_and_a_folder_have_different_errors() {
     let folder = folder();
     std::fs::create_dir(folder.path().join("dir.ply")).expect("a folder");
     let remedy = "relative paths start at the scene file's folder";
@@ -343,7 +343,7 @@ fn hc18_collinear_corners_are_without_area_in_scenes_too() {
 }
 
 #[test]
-fn limits_are_told_with_what_was_asked_for_and_what_is_allowed() {
+fn limits_are_reported_with_the_requested_and_the_allowed_value() {
     let triangle = json!({"type": "triangle", "points": [[0, 0, 0], [0, 1, 0], [1, 0, 0]],
                           "material": matte(0.8, [1.0; 3])});
     let scene = with_mesh(triangle);

@@ -98,7 +98,7 @@ fn hc07_shapes_of_every_kind_are_moved_before_they_are_rounded() {
 }
 
 #[test]
-fn hc07_a_transform_brings_a_far_mesh_back_without_a_trace() {
+fn hc07_a_transform_moves_a_far_mesh_back_exactly() {
     let back = json!({"translate": (-FAR).to_array()});
     let near = seen(DVec3::ZERO, &[], &[pyramid(DVec3::ZERO)], json!([]));
     let far = seen(DVec3::ZERO, &[], &[with(pyramid(FAR), "transform", back)], json!([]));

@@ -178,7 +178,7 @@ fn few_tiles_are_shared_by_their_samples() {
 }
 
 #[test]
-fn a_render_that_was_ended_goes_on_to_the_same_bits() {
+fn a_stopped_render_resumes_to_the_same_bits() {
     for scene in &scenes() {
         for tracer in TRACERS {
             let options = RenderOptions { tracer, seed: 4, ..options() };

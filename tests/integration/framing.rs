@@ -90,7 +90,7 @@ fn what_is_seen_fills_the_image_from_every_side_and_at_every_aspect() {
 
 /// A square, a line and a single point: there is a view of each from every side, along its plane too.
 #[test]
-fn what_has_no_volume_has_its_views_too() {
+fn flat_objects_have_all_views() {
     let folder = folder();
     let at = folder.path();
     let flat = "v -1 0 -1\nv 1 0 -1\nv 1 0 1\nv -1 0 1\nf 1 2 3 4\n";

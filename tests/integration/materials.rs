@@ -101,7 +101,7 @@ fn a_file_alone_has_its_materials_and_converts_to_the_same_image() {
 }
 
 #[test]
-fn what_is_missing_is_named_once_and_its_faces_are_plain() {
+fn missing_files_are_named_once_and_their_faces_are_plain() {
     for (files, right) in [
         (vec![("m.obj", obj("picture"))], "the material file \"a\" is missing"),
         (vec![("m.obj", obj("none")), ("a b.mtl", MTL.to_owned())], "not in any MTL file: none;"),

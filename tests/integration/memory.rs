@@ -67,7 +67,7 @@ fn binary(big: bool) -> Vec<u8> {
 }
 
 #[test]
-fn a_survey_tells_what_a_mesh_file_holds() {
+fn a_survey_counts_the_contents_of_a_mesh_file() {
     let folder = folder();
     check(folder.path(), "text.ply", ASCII.as_bytes());
     check(folder.path(), "text.obj", OBJ.as_bytes());

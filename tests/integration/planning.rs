@@ -338,7 +338,7 @@ fn price_list(folder: &Path) -> Vec<Variant> {
 }
 
 #[test]
-fn an_effect_that_nothing_leads_to_changes_no_bit_and_no_count() {
+fn a_hidden_effect_changes_no_bit_and_no_count() {
     let folder = folder();
     let list = price_list(folder.path());
     let mut pairs = 0;

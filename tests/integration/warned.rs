@@ -18,7 +18,7 @@ fn told(walls: &[Value], bounces: u32) -> Vec<String> {
 }
 
 #[test]
-fn a_shape_that_is_seen_from_behind_only_is_told_by_name_with_the_remedy() {
+fn a_shape_seen_only_from_behind_is_a_warning_with_name_and_remedy() {
     let front = || wall(1.0, 0.0, matte(0.8, [0.5; 3]));
     let back = || with(front(), "normal", -1);
     let at = |shape: Value, z: f64| with(shape, "transform", json!({"translate": [0, 0, z]}));
@@ -60,7 +60,7 @@ fn a_shape_that_is_seen_from_behind_only_is_told_by_name_with_the_remedy() {
 }
 
 #[test]
-fn a_camera_that_comes_round_sees_the_front() {
+fn a_camera_after_a_full_turn_sees_the_front() {
     let back = with(wall(1.0, 0.0, matte(0.8, [0.5; 3])), "normal", -1);
     let of = |location: Value| {
         let keys = json!([{"frame": 0}, {"frame": 9, "location": location}]);
@@ -74,7 +74,7 @@ fn a_camera_that_comes_round_sees_the_front() {
 }
 
 #[test]
-fn lights_without_power_no_lights_and_colours_above_1_are_told() {
+fn lights_without_power_no_lights_and_colours_above_1_are_warnings() {
     let told = |json: &Value| {
         let loaded = load_str(&json.to_string(), Path::new("s.json"), &LoadOptions::default());
         let loaded = loaded.unwrap_or_else(|error| panic!("{error}"));

@@ -95,7 +95,7 @@ proptest! {
     }
 
     #[test]
-    fn a_clamped_image_goes_on_with_its_edge(image in image(), uv in (1.0_f32..1e30, -1e30_f32..0.0)) {
+    fn a_clamped_image_repeats_its_edge(image in image(), uv in (1.0_f32..1e30, -1e30_f32..0.0)) {
         for filter in [Filter::Nearest, Filter::Bilinear] {
             let beyond = image.look_up(Vec2::from(uv), filter, Wrap::Clamp);
             let corner = image.look_up(Vec2::new(1.0, 0.0), filter, Wrap::Clamp);

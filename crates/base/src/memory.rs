@@ -98,7 +98,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_cannot_be_had_is_an_error_with_its_size() {
+    fn refused_memory_is_an_error_with_its_size() {
         let error = reserve::<[u8; 16]>(1 << 58, "the image").unwrap_err().to_string();
         assert!(error.starts_with("the system refused 4611686018427.4 MB of memory for the image"));
         assert!(reserve::<u8>(10, "the image").unwrap().capacity() >= 10);

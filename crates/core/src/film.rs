@@ -187,7 +187,7 @@ mod tests {
     }
 
     #[test]
-    fn bits_tell_what_numbers_do_not() {
+    fn bits_distinguish_equal_numbers() {
         let film = |value: f32| Film::from_pixels(1, 1, vec![[0.5, value, 1.0]]).unwrap();
         assert!(film(0.25).same_bits(&film(0.25)));
         assert!(film(f32::NAN).same_bits(&film(f32::NAN)));
@@ -196,7 +196,7 @@ mod tests {
     }
 
     #[test]
-    fn memory_that_cannot_be_had_is_an_error() {
+    fn refused_memory_is_an_error() {
         let error = reserve::<[f32; 3]>(usize::MAX / 12).unwrap_err().to_string();
         assert!(error.starts_with("the system refused "), "{error}");
     }

@@ -184,7 +184,7 @@ mod tests {
     }
 
     #[test]
-    fn many_colours_are_told_apart() {
+    fn many_colours_stay_distinct() {
         let colors: Vec<[f64; 3]> = (0..1000).map(|n| lab(distinct(n))).collect();
         assert!(colors.iter().all(|color| color[0] > 45.0));
         // Neighbouring numbers, as in a file, differ clearly: 2.3 is just noticeable.

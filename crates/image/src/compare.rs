@@ -374,7 +374,7 @@ mod tests {
     }
 
     #[test]
-    fn json_has_null_for_a_bias_that_cannot_be_told() {
+    fn json_has_null_for_an_undefined_bias() {
         let (a, b) = (film(&[[0.0; 3]; 2]), film(&[[0.0, f32::NAN, 0.0], [0.0; 3]]));
         let json = serde_json::to_value(compare(&a, &b).unwrap()).unwrap();
         assert_eq!(json["bias"], serde_json::Value::Null);

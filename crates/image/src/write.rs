@@ -375,7 +375,7 @@ mod tests {
 
     #[test]
     #[cfg(target_os = "linux")]
-    fn a_full_disk_is_told_as_such_in_every_format() {
+    fn a_full_disk_is_reported_in_every_format() {
         let device = std::fs::File::options().write(true).open("/dev/full").unwrap();
         for format in Format::ALL {
             let mut sink = std::io::BufWriter::new(&device);

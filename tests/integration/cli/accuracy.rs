@@ -90,7 +90,7 @@ fn a_sweep_writes_a_page_and_the_same_figures_in_other_forms() {
 }
 
 #[test]
-fn a_render_for_an_error_says_what_it_chose_and_what_came_out() {
+fn a_render_for_an_error_prints_its_choice_and_the_measured_error() {
     let folder = with_scene(&soft());
     let arguments = ["ball.json", "out.exr", "--target-error", "0.01", "--stats", "s.json"];
     let output = run(folder.path(), &arguments);

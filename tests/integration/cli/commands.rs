@@ -33,7 +33,7 @@ fn mirror_ball(kr: f64) -> Value {
 }
 
 #[test]
-fn check_says_what_is_in_a_scene() {
+fn check_lists_the_contents_of_a_scene() {
     let folder = folder();
     write_scene(folder.path(), &mirror_ball(0.5));
     let bytes = mirror_ball(0.5).to_string().len();
@@ -100,7 +100,7 @@ fn check_reads_meshes_and_textures_too() {
 }
 
 #[test]
-fn explain_says_which_passes_run_and_why() {
+fn explain_lists_the_passes_with_reasons() {
     let folder = folder();
     write_scene(folder.path(), &mirror_ball(0.5));
     let (code, found) = answer(folder.path(), &["explain", "s.json"]);
@@ -133,7 +133,7 @@ fn explain_says_which_passes_run_and_why() {
 }
 
 #[test]
-fn explain_says_it_in_json_too() {
+fn explain_prints_json() {
     let folder = folder();
     write_scene(folder.path(), &mirror_ball(0.0));
     let (code, found) = answer(folder.path(), &["explain", "s.json", "--json"]);
@@ -159,7 +159,7 @@ fn explain_says_it_in_json_too() {
 }
 
 #[test]
-fn explain_tells_what_a_render_did_beside_what_was_estimated() {
+fn explain_prints_counts_beside_the_estimates() {
     let folder = folder();
     write_scene(folder.path(), &mirror_ball(0.5));
     let (code, found) = answer(folder.path(), &["explain", "s.json", "--render", "--json"]);
@@ -231,7 +231,7 @@ fn diff_answers_in_its_exit_code() {
 }
 
 #[test]
-fn diff_says_where_and_by_how_much() {
+fn diff_prints_the_place_and_size_of_the_largest_difference() {
     let folder = folder();
     write_pair(folder.path());
     let (_, found) = answer(folder.path(), &["diff", "a.exr", "b.pfm"]);
@@ -247,7 +247,7 @@ fn diff_says_where_and_by_how_much() {
 }
 
 #[test]
-fn diff_tells_what_is_seen_and_which_picture_is_brighter() {
+fn diff_reports_flip_and_the_sign_of_the_bias() {
     let folder = folder();
     write_pair(folder.path());
     let found = |arguments: &[&str]| -> Value {
@@ -365,7 +365,7 @@ fn generate_leaves_an_older_file_when_it_cannot_go_on() {
 }
 
 #[test]
-fn help_and_version_are_told_on_standard_output() {
+fn help_and_version_are_printed_to_standard_output() {
     let folder = folder();
     let (code, version) = answer(folder.path(), &["--version"]);
     assert_eq!((code, version), (0, format!("wavecrest {}\n", env!("CARGO_PKG_VERSION"))));

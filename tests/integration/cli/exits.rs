@@ -27,7 +27,7 @@ fn each_exit_code_is_given_for_what_it_means() {
 }
 
 #[test]
-fn exit_codes_are_told_alike_everywhere() {
+fn exit_codes_are_documented_alike_everywhere() {
     let folder = folder();
     let said = |arguments: &[&str]| text(&run(folder.path(), arguments).stdout).to_owned();
     let words = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");

@@ -32,7 +32,7 @@ fn bad_json_is_placed() {
 }
 
 #[test]
-fn an_unknown_format_is_told_before_the_scene_is_read() {
+fn an_unknown_format_is_an_error_before_the_scene_is_read() {
     let folder = folder();
     run_wrongly(
         folder.path(),
@@ -48,7 +48,7 @@ fn an_unknown_format_is_told_before_the_scene_is_read() {
 }
 
 #[test]
-fn a_misspelt_key_is_a_warning_with_what_may_be_meant_and_an_error_where_that_is_asked_for() {
+fn a_misspelt_key_is_a_warning_with_a_suggestion_and_an_error_if_strict() {
     let mut scene = ball();
     scene["scene"]["shapes"][0]["materail"] = json!({});
     let folder = with_scene(&scene.to_string());
@@ -120,7 +120,7 @@ fn a_word_that_is_neither_command_nor_file_is_both_in_the_message() {
 }
 
 #[test]
-fn files_of_other_kinds_are_refused_with_what_is_read() {
+fn unknown_formats_are_refused_with_the_supported_ones() {
     let folder = with_ball();
     for name in ["mesh.fbx", "mesh"] {
         std::fs::write(folder.path().join(name), "Kaydara FBX").expect("a file");
@@ -150,7 +150,7 @@ fn options_without_effect_on_a_scene_file_are_refused() {
 }
 
 #[test]
-fn a_bad_value_is_placed_with_what_would_be_right() {
+fn an_invalid_value_is_reported_with_its_place_and_the_remedy() {
     let mut scene = ball();
     scene["scene"]["shapes"][0]["radius"] = json!(-2);
     let folder = with_scene(&scene.to_string());
@@ -166,7 +166,7 @@ fn a_bad_value_is_placed_with_what_would_be_right() {
 }
 
 #[test]
-fn an_output_that_cannot_be_written_is_told_before_the_scene_is_read() {
+fn an_unwritable_output_is_an_error_before_the_scene_is_read() {
     let folder = folder();
     run_wrongly(
         folder.path(),

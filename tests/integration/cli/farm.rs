@@ -39,7 +39,7 @@ fn merged_files_are_those_of_one_process_in_every_format() {
 }
 
 #[test]
-fn a_shard_can_be_what_the_scheduler_says() {
+fn a_shard_can_come_from_the_scheduler() {
     let folder = with_ball();
     let shard = |asked: &str, variables: &[(&str, &str)]| {
         let mut command = wavecrest(folder.path());
@@ -181,7 +181,7 @@ fn a_merge_that_lacks_a_shard_leaves_the_older_image() {
 }
 
 #[test]
-fn a_checkpoint_goes_on_to_nothing_when_all_is_there() {
+fn a_complete_checkpoint_leaves_nothing_to_render() {
     let folder = with_ball();
     run_silently(folder.path(), &["ball.json", "usual.exr"]);
     let command = ["ball.json", "out.exr", "--checkpoint", "kept", "--resume"];
@@ -210,7 +210,7 @@ fn a_checkpoint_goes_on_to_nothing_when_all_is_there() {
 
 /// Samples that are not finite are counted by whoever renders them, again by who goes on, and by who merges.
 #[test]
-fn samples_that_are_not_finite_are_told_however_an_image_comes_together() {
+fn samples_that_are_not_finite_are_reported_for_every_kind_of_render() {
     let folder = folder();
     let scene = super::probing::scene(1e-15, 1e12);
     std::fs::write(folder.path().join("strong.json"), scene).expect("a file");

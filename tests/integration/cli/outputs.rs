@@ -125,7 +125,7 @@ fn layers_lie_beside_the_colours_and_change_none() {
 }
 
 #[test]
-fn layers_that_are_not_there_are_told() {
+fn unknown_layers_are_errors() {
     let folder = with_ball();
     for (asked, told) in [("dept", "did you mean depth?"), ("normal,hue", "use all, depth, normal")]
     {
@@ -199,7 +199,7 @@ fn more_or_nothing_is_said_where_that_is_asked_for() {
 }
 
 #[test]
-fn the_scene_that_is_told_is_the_scene_that_was_rendered() {
+fn the_hash_of_the_scene_is_that_of_the_rendered_scene() {
     let folder = with_ball();
     let told = |scene: &str| {
         let folder = with_scene(scene);

@@ -6,7 +6,7 @@ use super::{run, run_wrongly, text};
 use crate::support::folder;
 
 #[test]
-fn a_case_is_told_with_its_count_and_its_bound() {
+fn a_case_is_reported_with_its_count_and_its_bound() {
     let folder = folder();
     let output = run(folder.path(), &["selftest", "--case", "26", "--case", "5"]);
     assert_eq!(text(&output.stderr), "");
@@ -34,7 +34,7 @@ fn a_case_is_told_with_its_count_and_its_bound() {
 }
 
 #[test]
-fn what_fast_arithmetic_loses_is_its_price_and_no_failure() {
+fn failures_in_fast_precision_are_expected() {
     let arguments = ["selftest", "--case", "1"];
     let output = run(folder().path(), &arguments);
     assert_eq!(output.status.code(), Some(0));
@@ -51,7 +51,7 @@ fn what_fast_arithmetic_loses_is_its_price_and_no_failure() {
 }
 
 #[test]
-fn a_file_that_is_not_there_is_told_before_anything_is_tried() {
+fn a_missing_file_is_reported_before_any_case_runs() {
     let start = std::time::Instant::now();
     let output = run(folder().path(), &["selftest", "missing.ply", "-q"]);
     assert_eq!((output.status.code(), text(&output.stdout)), (Some(2), ""));

@@ -103,7 +103,7 @@ fn the_manual_has_a_page_for_each_command_with_each_option() {
 }
 
 #[test]
-fn a_page_that_cannot_be_written_and_a_command_that_is_not_there_are_told() {
+fn an_unwritable_page_and_an_unknown_command_are_errors() {
     let folder = folder();
     run_wrongly(
         folder.path(),

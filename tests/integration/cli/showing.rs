@@ -20,7 +20,7 @@ fn of_size(width: u32, height: u32) -> Value {
 }
 
 #[test]
-fn progress_is_told_in_lines_of_json() {
+fn progress_is_printed_as_lines_of_json() {
     let folder = with_scene(&of_size(170, 130).to_string());
     let start = Instant::now();
     let output = run(folder.path(), &["ball.json", "out.exr", "--progress", "json", "--quiet"]);
@@ -64,7 +64,7 @@ fn topic(line: &str) -> &str {
 }
 
 #[test]
-fn the_log_tells_what_is_done_chosen_and_found() {
+fn the_log_has_stages_choices_and_results() {
     let mut scene = ball();
     scene["camera"]["colour"] = json!(1);
     let folder = with_scene(&scene.to_string());
@@ -287,7 +287,7 @@ fn a_viewer_is_sent_the_image_tile_by_tile() {
 }
 
 #[test]
-fn no_viewer_costs_no_render() {
+fn a_missing_viewer_does_not_stop_the_render() {
     let folder = with_scene(&of_size(150, 100).to_string());
     let expected = image(&of_size(150, 100));
     // A port without a listener.
@@ -301,7 +301,7 @@ fn no_viewer_costs_no_render() {
 }
 
 #[test]
-fn a_viewer_that_leaves_costs_no_render() {
+fn a_viewer_that_disconnects_does_not_stop_the_render() {
     let folder = with_scene(&of_size(300, 200).to_string());
     let expected = image(&of_size(300, 200));
     let (address, viewer) = listen(|mut stream: TcpStream| {

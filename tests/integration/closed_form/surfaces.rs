@@ -96,7 +96,7 @@ fn a_mesh_wears_its_picture_by_its_own_coordinates() {
 }
 
 #[test]
-fn a_picture_repeats_or_goes_on_at_its_edge() {
+fn an_image_repeats_or_clamps_at_its_edge() {
     // Twice across: the left half of the mesh is one picture, the right half the next.
     let mesh = json!({"type": "trimesh", "points": square(), "indices": [[0, 1, 2], [0, 2, 3]],
                       "uvs": [[0, 0], [0, 1], [2, 1], [2, 0]]});

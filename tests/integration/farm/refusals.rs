@@ -66,7 +66,7 @@ fn a_part_with_any_byte_changed_is_refused() {
 }
 
 #[test]
-fn a_part_that_is_cut_short_or_goes_on_is_refused() {
+fn a_part_of_the_wrong_length_is_refused() {
     let (_folder, [one, _]) = two_parts();
     let bytes = std::fs::read(&one).expect("a part");
     for length in (0..bytes.len()).step_by(13).chain([bytes.len() - 1]) {
@@ -77,7 +77,7 @@ fn a_part_that_is_cut_short_or_goes_on_is_refused() {
 }
 
 #[test]
-fn what_is_no_part_is_told_so() {
+fn a_file_that_is_not_a_part_is_refused() {
     let text = refused(b"P6\n16 12\n255\nno part at all, but an image", "an image");
     assert!(
         text.ends_with(
@@ -178,7 +178,7 @@ fn missing_shards_are_named() {
 
 /// The checkpoint of a render that was ended is a part with gaps.
 #[test]
-fn what_is_not_finished_is_placed() {
+fn unfinished_parts_are_refused_with_their_place() {
     let folder = folder();
     let scene = prepare(&ball([80, 80], 1));
     let kept = checkpoint(&folder.path().join("a.kept"), false);
@@ -296,7 +296,7 @@ fn strangers_scene() -> Value {
 }
 
 #[test]
-fn strangers_are_refused_by_what_they_have_otherwise() {
+fn parts_of_another_image_are_refused_with_the_difference() {
     let folder = folder();
     let name = |name: &str| folder.path().join(name);
     super::write_part(&prepare(&strangers_scene()), shard(1, 2), &name("1.part"));
@@ -313,7 +313,7 @@ fn strangers_are_refused_by_what_they_have_otherwise() {
 }
 
 #[test]
-fn checkpoints_of_another_render_are_refused_by_what_has_changed() {
+fn checkpoints_of_another_render_are_refused_with_the_difference() {
     let folder = folder();
     let kept = checkpoint(&folder.path().join("a.kept"), false);
     let scene = prepare(&strangers_scene());

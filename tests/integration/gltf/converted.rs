@@ -109,7 +109,7 @@ fn shared_meshes_are_written_as_instances() {
 }
 
 #[test]
-fn the_command_writes_nothing_over_unless_told_to() {
+fn the_command_overwrites_only_with_force() {
     let folder = folder();
     let at = |name: &str| folder.path().join(name);
     std::fs::write(at("a.glb"), textured().glb()).expect("a file");

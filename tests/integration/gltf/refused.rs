@@ -19,7 +19,7 @@ fn refused_bytes(bytes: &[u8]) -> String {
 
 /// Each names the file, the place in it, and what is wrong there.
 #[test]
-fn faults_are_told_with_their_places() {
+fn errors_are_reported_with_their_places() {
     let mesh = "/meshes/0/primitives/0";
     let cases: Vec<(&str, Value, &str)> = vec![
         ("/asset/version", json!("1.0"), "asset.version: only glTF 2.0 is read, found \"1.0\""),
@@ -196,7 +196,7 @@ fn sparse_parts_that_are_wrong_are_refused() {
 
 /// A small file that names the same bytes again and again.
 #[test]
-fn memory_is_not_set_aside_by_what_a_file_claims() {
+fn memory_is_not_allocated_by_the_claims_of_a_file() {
     let mut file = File::new();
     let bytes = vec![0; 3 << 20];
     let view = file.view(&bytes);
@@ -293,7 +293,7 @@ fn buffers_that_are_not_there_are_refused() {
 
 /// Each kind of thing that is left out is told once.
 #[test]
-fn what_is_left_out_is_told_once() {
+fn omissions_are_reported_once() {
     let mut file = square();
     let primitive = file.json["meshes"][0]["primitives"][0].clone();
     let mut lines = primitive.clone();

@@ -45,7 +45,7 @@ fn trace(scene: &PreparedScene, tracer: TracerKind) -> Result<Rendered> {
 }
 
 #[test]
-fn every_effect_has_its_price_and_what_nothing_leads_to_changes_nothing() {
+fn every_effect_has_a_cost_and_hidden_effects_change_nothing() {
     let entries = entries();
     let mut reported = Vec::new();
     let progress = &mut |done, planned| reported.push((done, planned));
@@ -80,7 +80,7 @@ fn every_effect_has_its_price_and_what_nothing_leads_to_changes_nothing() {
 }
 
 #[test]
-fn an_effect_that_is_seen_although_nothing_leads_to_it_ends_the_measurement() {
+fn a_visible_effect_that_should_be_hidden_ends_the_measurement() {
     let entries = entries();
     let spoilt = entries.iter().position(|e| !e.variant.reached).expect("one");
     let trace = |scene: &PreparedScene, tracer| {

@@ -215,7 +215,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_time_is_left_out_with_a_note() {
+    fn values_that_are_not_times_are_left_out_with_a_note() {
         let mut icicle = icicle();
         icicle.parts[1].parts[0].seconds = f64::NAN;
         assert_eq!(icicle.notes(), ["1 time is not shown: it is below 0 or not finite."]);

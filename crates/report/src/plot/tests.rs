@@ -104,7 +104,7 @@ fn bars_tell_each_segment() {
 }
 
 #[test]
-fn what_an_axis_has_no_place_for_is_left_out_with_a_note() {
+fn values_outside_an_axis_are_left_out_with_a_note() {
     let mut chart = chart();
     chart.series[0].points[2].y = 0.0;
     chart.series[0].points[3].y = f64::NAN;

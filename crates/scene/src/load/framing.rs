@@ -227,7 +227,7 @@ mod tests {
     }
 
     #[test]
-    fn axes_are_right_handed_and_named_after_what_is_up() {
+    fn axes_are_right_handed_and_named_after_the_up_axis() {
         for up in Up::ALL {
             let axes = up.axes();
             assert_eq!(axes.determinant(), 1.0, "{up:?}");

@@ -34,7 +34,7 @@ fn materials_are_read_in_any_case_with_blanks_and_comments() {
 }
 
 #[test]
-fn the_first_of_equal_names_counts_and_what_is_not_shown_is_named() {
+fn the_first_of_equal_names_counts_and_unsupported_statements_are_named() {
     let library =
         read("newmtl a\nKd 1 0 0\nmap_Bump n.png\nKa 1 1 1\nnewmtl a\nKd 0 1 0\nnorm x\n");
     assert_eq!(library.materials["a"].kd, Some(DVec3::X));
@@ -99,7 +99,7 @@ fn a_texture_is_tinted_unless_its_colour_is_black() {
 }
 
 #[test]
-fn what_is_half_there_is_cut_out() {
+fn half_transparent_surfaces_are_cut_out() {
     assert!(looked("").cutout.is_none() && looked("").is_there);
     let of = |text: &str| looked(text).cutout.map(|cutout| (cutout.threshold, cutout.is_mask));
     assert_eq!(of("map_d a.png"), Some((0.5, true)));

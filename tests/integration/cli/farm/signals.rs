@@ -56,7 +56,7 @@ const RENDER: [&str; 8] =
     ["ball.json", "out.exr", "--checkpoint", "kept", "--every", "0.001", "--threads", "1"];
 
 #[test]
-fn a_signal_ends_a_render_with_what_is_finished_and_it_goes_on_to_the_same_bytes() {
+fn a_signal_stops_a_render_that_resumes_to_the_same_bytes() {
     let (folder, usual) = with_long();
     let at = |name: &str| folder.path().join(name);
     let whole = film(at("usual.exr"));
@@ -211,7 +211,7 @@ fn a_process_that_is_killed_leaves_the_older_image_or_the_new_one() {
 }
 
 #[test]
-fn a_render_that_is_killed_again_and_again_goes_on_to_the_same_bytes() {
+fn a_render_killed_repeatedly_resumes_to_the_same_bytes() {
     let (folder, usual) = with_long();
     let resume = [&RENDER[..], &["--resume", "-q"]].concat();
     let mut random = random();

@@ -57,7 +57,7 @@ fn a_full_disk_leaves_the_older_image_and_nothing_else() {
 
 /// The render goes on without its checkpoint, and says so.
 #[test]
-fn a_checkpoint_that_does_not_fit_costs_no_image() {
+fn a_checkpoint_on_a_full_disk_does_not_stop_the_render() {
     let folder = with_scene(&crate::parts::ball([100, 100], 1).to_string());
     run_silently(folder.path(), &["ball.json", "usual.exr"]);
     let script = "\
@@ -74,7 +74,7 @@ fn a_checkpoint_that_does_not_fit_costs_no_image() {
 }
 
 #[test]
-fn what_cannot_be_written_is_told_before_the_scene_is_read() {
+fn an_unwritable_file_is_an_error_before_the_scene_is_read() {
     let folder = with_ball();
     for arguments in [
         &["no.json", "/proc/out.part", "--shard", "1/2"][..],

@@ -101,7 +101,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_behind_or_beside_the_image_is_out_of_sight() {
+    fn shapes_behind_the_camera_or_beside_the_image_are_not_in_view() {
         let sees = |radius, at: Vec3| {
             let camera = camera(DVec3::ZERO, 40.0, radius, 2.0);
             camera.may_see(&Aabb::around([at - 0.1, at + 0.1]), 1.0)

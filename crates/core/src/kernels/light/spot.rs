@@ -84,7 +84,7 @@ mod tests {
     }
 
     #[test]
-    fn half_of_space_ends_at_the_plane_and_no_angle_lets_nothing_out() {
+    fn a_cone_of_90_degrees_ends_at_the_plane_and_one_of_0_is_dark() {
         let half = Cone::new(DVec3::NEG_Y, 90.0, 90.0);
         for (height, part) in [(1e-30, 1.0), (0.0, 0.0), (-1e-30, 0.0)] {
             assert_eq!(half.at::<f32>(Vec3::new(1.0, height, 3.0).into()), part, "{height}");

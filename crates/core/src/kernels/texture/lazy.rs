@@ -80,7 +80,7 @@ mod tests {
     use wavecrest_base::error::{Error, ErrorKind};
 
     #[test]
-    fn an_image_is_decoded_once_whoever_looks_first() {
+    fn an_image_is_decoded_once_by_whichever_thread_is_first() {
         let times = Arc::new(AtomicU32::new(0));
         let counter = Arc::clone(&times);
         let image = LazyImage::new("a.png".into(), [4, 8], move || {
@@ -97,7 +97,7 @@ mod tests {
     }
 
     #[test]
-    fn a_failure_is_told_as_often_as_it_is_asked_for() {
+    fn a_failure_is_reported_at_every_call() {
         let image = LazyImage::new("a.png".into(), [4, 8], || {
             Err(Error::new(ErrorKind::Texture, "no image").in_file("a.json"))
         });

@@ -36,7 +36,7 @@ fn no_combination_of_effects_runs_anything_in_vain() {
 }
 
 #[test]
-fn nothing_but_what_every_scene_needs_runs_without_effects() {
+fn only_passes_of_every_scene_run_without_effects() {
     let found = schedule(&PASSES, |_| false);
     let running: Vec<_> = PASSES.iter().filter(|p| found.runs(p.step)).map(|p| p.name).collect();
     assert_eq!(running, ["generate", "intersect", "shade", "resolve"]);
@@ -52,7 +52,7 @@ fn without_needs_everything_runs_and_every_column_has_storage() {
 }
 
 #[test]
-fn a_queue_without_writer_or_reader_is_told() {
+fn a_column_without_writer_or_reader_is_found() {
     let one = |effect| effect == Effect::Mirrors;
     for (left_out, found_at) in [(Step::Mirror, Step::Advance), (Step::Advance, Step::Mirror)] {
         let passes: Vec<Pass> = PASSES.into_iter().filter(|p| p.step != left_out).collect();

@@ -153,7 +153,7 @@ fn faults_name_the_line_and_the_value() {
 }
 
 #[test]
-fn the_first_of_two_faults_is_told() {
+fn the_first_of_two_errors_is_reported() {
     let text = format!("{}f 1 2 3\nv x 0 0\nv y 0 0\n", SQUARE.repeat(10));
     assert!(message(&text).starts_with("line 42: "));
 }

@@ -148,7 +148,7 @@ fn faults_name_their_place() {
 }
 
 #[test]
-fn what_is_cut_off_or_empty_is_refused() {
+fn truncated_and_empty_files_are_refused() {
     let bytes = binary("", 0);
     for length in [0, 1, 83, 84, 85, bytes.len() - 1] {
         let error = load(&bytes[..length]).unwrap_err();

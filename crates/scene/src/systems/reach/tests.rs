@@ -89,7 +89,7 @@ fn near_plane(index: u32, corners: &[Vec3; 3], size: f32) -> Light {
 }
 
 #[test]
-fn what_a_light_is_left_out_for_never_asks_it() {
+fn surfaces_for_which_a_light_is_left_out_never_sample_it() {
     let (mut left_out, mut asked) = (0, 0);
     for index in 0..20_000 {
         let size = libm::exp2f(40.0 * random(index, 1).x);

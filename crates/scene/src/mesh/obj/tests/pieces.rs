@@ -101,7 +101,7 @@ fn random_texts_are_read_alike() {
 }
 
 #[test]
-fn the_first_fault_is_told_wherever_the_cuts_fell() {
+fn the_first_error_is_reported_for_any_cuts() {
     let wrong =
         |seed| check(&random_text(seed, 200, [30, 200, 1000][seed as usize % 3], seed % 2 == 0));
     let right = (0..200).filter(|&seed| wrong(seed)).count();

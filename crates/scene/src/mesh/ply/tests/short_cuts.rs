@@ -230,7 +230,7 @@ fn meshes_of_every_layout_are_read_alike() {
 }
 
 #[test]
-fn the_first_fault_is_told_whatever_the_threads_did() {
+fn the_first_error_is_reported_for_any_number_of_threads() {
     let mut refused = 0;
     for seed in 0..400 {
         let corners = [[3, 3], [3, 3], [3, 4], [3, 9]][seed as usize % 4];

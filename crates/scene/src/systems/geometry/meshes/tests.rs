@@ -86,7 +86,7 @@ fn a_transform_carries_every_position_in_place() {
 }
 
 #[test]
-fn the_first_position_that_is_carried_too_far_is_told() {
+fn the_first_position_moved_too_far_is_reported() {
     let (mut world, mut data) = (World::new(), strip(60_000, 0.0));
     data.positions[40_000].x = MAX_COORDINATE / 2.0;
     data.positions[50_000].x = MAX_COORDINATE;
