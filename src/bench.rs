@@ -9,7 +9,7 @@ use std::time::Instant;
 
 pub(crate) use args::BenchArgs;
 
-use super::common::{SearchOptions, print, tell, to_json, warn, with_bar, write_text};
+use super::common::{Extent, SearchOptions, print, tell, to_json, warn, with_bar, write_text};
 use wavecrest_base::error::Result;
 use wavecrest_base::replace::{check_differs, check_replaceable};
 use wavecrest_core::plan::Plan;
@@ -75,8 +75,9 @@ fn bench(args: &BenchArgs, path: &Path) -> Result<SceneBench> {
 
 fn prepare(args: &BenchArgs, path: &Path) -> Result<(PreparedScene, Setting)> {
     let start = Instant::now();
-    let loaded = args.scene_options.load(path)?;
-    let extracted = args.scene_options.extract(loaded)?;
+    let extent = Extent::whole(args.batch);
+    let loaded = args.scene_options.load(path, extent)?;
+    let extracted = args.scene_options.extract(loaded, extent)?;
     // Neither tracer should wait for an image.
     extracted.scene().appearance.decode()?;
     let load = start.elapsed().as_secs_f64();

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use glam::{DVec3, Vec3};
 
-use super::common::{SceneOptions, print, rounded, size, warn};
+use super::common::{Extent, SceneOptions, print, rounded, size, warn};
 use wavecrest_base::error::Result;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::kernels::texture::Image;
@@ -29,12 +29,12 @@ pub(crate) struct CheckArgs {
 /// If the scene cannot be rendered.
 pub(crate) fn run(args: &CheckArgs) -> Result<()> {
     args.scene_options.threads.run(|| {
-        let mut loaded = args.scene_options.load(&args.scene)?;
+        let mut loaded = args.scene_options.load(&args.scene, Extent::default())?;
         // Read every file, whether or not the image needs it.
         let passes = unplanned(&PASSES);
         let options = Options { passes: &passes, ..Options::default() };
         let extracted = systems::extract(&mut loaded.world, options)?;
-        let extracted = args.scene_options.checked(extracted)?;
+        let extracted = args.scene_options.checked(extracted, Extent::default())?;
         extracted.scene().appearance.decode()?;
         let file = extracted.file().to_owned();
         // For the few test rays of warnings.

@@ -53,12 +53,12 @@ pub(crate) struct SceneOptions {
 }
 
 impl SceneOptions {
-    /// Loads `scene` and prints its warnings.
-    pub(crate) fn load(&self, scene: &Path) -> Result<LoadedScene> {
+    /// Loads `scene` for a render of this `extent`, and prints its warnings.
+    pub(crate) fn load(&self, scene: &Path, extent: Extent) -> Result<LoadedScene> {
         self.input.check(scene)?;
         let options = self.load_options();
         if let Some(limit) = self.memory_limit {
-            limit::check(scene, &self.estimate(scene, None, DEFAULT_BATCH)?, limit)?;
+            limit::check(scene, &self.estimate(scene, extent)?, limit)?;
         }
         let loaded = load(scene, &options)?;
         self.check_taken(scene)?;
@@ -66,15 +66,10 @@ impl SceneOptions {
         Ok(loaded)
     }
 
-    /// Estimates the memory of a render of `pixels`, or of all pixels if `None`, before anything
-    /// large is read.
-    pub(crate) fn estimate(
-        &self,
-        scene: &Path,
-        pixels: Option<u64>,
-        batch: usize,
-    ) -> Result<Estimate> {
+    /// Estimates the memory of a render of this `extent` before anything large is read.
+    pub(crate) fn estimate(&self, scene: &Path, extent: Extent) -> Result<Estimate> {
         let survey = survey(scene, &self.load_options())?;
+        let Extent { pixels, batch } = extent;
         let asked = memory::Asked { pixels, preset: self.bvh, batch, flat: self.flatten };
         Ok(memory::estimate(&survey, asked))
     }
@@ -83,19 +78,19 @@ impl SceneOptions {
         LoadOptions { strict: self.strict, ..self.input.load_options() }
     }
 
-    /// Runs all systems but the last on `loaded`.
-    pub(crate) fn extract(&self, mut loaded: LoadedScene) -> Result<Extracted> {
+    /// Runs all systems but the last on `loaded`, for a render of this `extent`.
+    pub(crate) fn extract(&self, mut loaded: LoadedScene, extent: Extent) -> Result<Extracted> {
         let (precision, flat) = (self.precision, self.flatten);
         let options = systems::Options { precision, flat, ..Default::default() };
-        self.checked(systems::extract(&mut loaded.world, options)?)
+        self.checked(systems::extract(&mut loaded.world, options)?, extent)
     }
 
-    /// Refuses a scene that has no tree yet where a render of it would take more memory than is allowed.
-    pub(crate) fn checked(&self, extracted: Extracted) -> Result<Extracted> {
+    /// Refuses a scene that has no tree yet if a render of this `extent` would take more memory than is allowed.
+    pub(crate) fn checked(&self, extracted: Extracted, extent: Extent) -> Result<Extracted> {
         let Some(limit) = self.memory_limit else { return Ok(extracted) };
         let preset = self.bvh.unwrap_or_else(|| extracted.preset());
-        let pixels = extracted.pixels();
-        let estimated = memory::estimate_extracted(&extracted, pixels, preset, DEFAULT_BATCH);
+        let pixels = extent.pixels.unwrap_or_else(|| extracted.pixels());
+        let estimated = memory::estimate_extracted(&extracted, pixels, preset, extent.batch);
         limit::check(extracted.file(), &estimated, limit)?;
         Ok(extracted)
     }
@@ -111,6 +106,28 @@ impl SceneOptions {
     /// Refuses a scene that has taken more memory by now than is allowed.
     fn check_taken(&self, scene: &Path) -> Result<()> {
         self.memory_limit.map_or(Ok(()), |limit| limit::check_taken(scene, limit))
+    }
+}
+
+/// The options of a render that affect the memory of its image.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Extent {
+    /// Pixels to render; all if `None`.
+    pub(crate) pixels: Option<u64>,
+    /// Paths in a batch.
+    pub(crate) batch: usize,
+}
+
+impl Extent {
+    /// The whole image, in batches of this number of paths.
+    pub(crate) fn whole(batch: u32) -> Self {
+        Self { pixels: None, batch: batch as usize }
+    }
+}
+
+impl Default for Extent {
+    fn default() -> Self {
+        Self { pixels: None, batch: DEFAULT_BATCH }
     }
 }
 

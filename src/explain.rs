@@ -8,7 +8,7 @@ use std::time::Instant;
 use glam::DVec3;
 use serde::Serialize;
 
-use super::common::{SceneOptions, grouped, print, to_json, warn};
+use super::common::{Extent, SceneOptions, grouped, print, to_json, warn};
 use wavecrest_base::error::Result;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::kernels::precision::Precision;
@@ -132,10 +132,11 @@ struct Buffer {
 /// If the scene cannot be rendered.
 pub(crate) fn run(args: &ExplainArgs) -> Result<()> {
     args.scene_options.threads.run(|| {
-        let estimated = args.scene_options.estimate(&args.scene, None, args.batch as usize)?;
+        let extent = Extent::whole(args.batch);
+        let estimated = args.scene_options.estimate(&args.scene, extent)?;
         let start = Instant::now();
-        let loaded = args.scene_options.load(&args.scene)?;
-        let extracted = args.scene_options.extract(loaded)?;
+        let loaded = args.scene_options.load(&args.scene, extent)?;
+        let extracted = args.scene_options.extract(loaded, extent)?;
         let load = start.elapsed().as_secs_f64();
         let explanation = explain(extracted, estimated, load, args)?;
         print(&if args.json { to_json(&explanation)? } else { text::of(&explanation) })

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use glam::Vec3;
 
-use super::common::{SceneOptions, SearchOptions, print, rounded, to_json};
+use super::common::{Extent, SceneOptions, SearchOptions, print, rounded, to_json};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::probe::{Bounce, Light, Met, Path, PixelRecord, Surface, Verdict, pixel};
 
@@ -51,8 +51,9 @@ fn place(text: &str) -> std::result::Result<[u32; 2], String> {
 /// If the scene cannot be prepared, or has no such pixel or sample.
 pub(crate) fn run(args: &ProbeArgs) -> Result<bool> {
     args.scene_options.threads.run(|| {
-        let loaded = args.scene_options.load(&args.scene)?;
-        let extracted = args.scene_options.extract(loaded)?;
+        let extent = Extent { pixels: Some(1), ..Extent::default() };
+        let loaded = args.scene_options.load(&args.scene, extent)?;
+        let extracted = args.scene_options.extract(loaded, extent)?;
         let preset = args.scene_options.bvh.unwrap_or_else(|| extracted.preset());
         let mut scene = args.scene_options.build(extracted, preset)?;
         args.search.apply(&mut scene.accel);

@@ -125,18 +125,16 @@ impl<'a> Run<'a> {
     fn load(&mut self) -> Result<Loaded> {
         let (args, options) = (self.args, &self.args.scene_options);
         self.reporter.stage(Stage::Load);
-        let (cropped, batch) = (args.crop.map(|crop| crop.len() as u64), args.batch as usize);
-        let estimated = match &args.stats {
-            Some(_) => Some(options.estimate(&args.scene, cropped, batch)?),
-            None => None,
-        };
-        let loaded = options.load(&args.scene)?;
+        let extent = args.extent();
+        let estimated =
+            args.stats.as_ref().map(|_| options.estimate(&args.scene, extent)).transpose()?;
+        let loaded = options.load(&args.scene, extent)?;
         self.reporter.warnings(&loaded.warnings);
         self.outputs.made_of(loaded.encoding);
         let extracted = look::extract(args, loaded)?;
         let preset = options.bvh.unwrap_or_else(|| extracted.preset());
-        let pixels = cropped.unwrap_or_else(|| extracted.pixels());
-        let mut predicted = memory::estimate_extracted(&extracted, pixels, preset, batch);
+        let pixels = extent.pixels.unwrap_or_else(|| extracted.pixels());
+        let mut predicted = memory::estimate_extracted(&extracted, pixels, preset, extent.batch);
         predicted.film += args.parts.kept_bytes(pixels);
         self.time.load = self.start.elapsed().as_secs_f64();
         self.reporter.loaded(&extracted, self.time.load);

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::args::BenchArgs;
 use super::bar_of;
-use crate::common::{SearchOptions, print, tell, to_json, with_bar, write_text};
+use crate::common::{Extent, SearchOptions, print, tell, to_json, with_bar, write_text};
 use wavecrest_base::error::Result;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::render::render;
@@ -42,7 +42,7 @@ fn prepare(args: &BenchArgs, variant: Variant, folder: &Path) -> Result<Entry> {
     let options = LoadOptions { strict: true, width, height, ..LoadOptions::default() };
     // Warnings would be about built-in scenes.
     let loaded = load_str(&variant.scene.to_string(), &folder.join("effect.json"), &options)?;
-    let extracted = args.scene_options.extract(loaded)?;
+    let extracted = args.scene_options.extract(loaded, Extent::whole(args.batch))?;
     extracted.scene().appearance.decode()?;
     // The same for all, so that no effect has a better tree.
     let preset = args.scene_options.bvh.unwrap_or(Preset::Medium);

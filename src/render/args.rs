@@ -9,7 +9,7 @@ mod show;
 use std::path::PathBuf;
 
 use crate::choice::choice;
-use crate::common::{SceneOptions, SearchOptions, above_zero, crop};
+use crate::common::{Extent, SceneOptions, SearchOptions, above_zero, crop};
 use crate::develop::DevelopOptions;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::render::{RenderOptions, TracerKind};
@@ -101,7 +101,12 @@ impl RenderArgs {
         RenderOptions { tracer: self.tracer, crop: self.crop, seed: self.seed, batch }
     }
 
-    /// The image to write.
+    /// The extent of the image to render.
+    pub(super) fn extent(&self) -> Extent {
+        Extent { pixels: self.crop.map(|crop| crop.len() as u64), batch: self.batch as usize }
+    }
+
+    /// The file to write.
     ///
     /// # Errors
     /// If none is named.

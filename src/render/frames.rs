@@ -90,7 +90,7 @@ impl<'a> Shoot<'a> {
         let summary = Summary::since(Instant::now());
         reporter.stage(Stage::Load);
         let options = &args.scene_options;
-        let loaded = options.load(&args.scene)?;
+        let loaded = options.load(&args.scene, args.extent())?;
         reporter.warnings(&loaded.warnings);
         let encoding = loaded.encoding;
         let extracted = look::extract(args, loaded)?;

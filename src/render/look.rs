@@ -42,14 +42,14 @@ pub(super) fn extract(args: &RenderArgs, mut loaded: LoadedScene) -> Result<Extr
         _ => {}
     }
     if args.look.is_none_or(Look::is_shaded) {
-        return options.extract(loaded);
+        return options.extract(loaded, args.extent());
     }
     // Show what light would not show too.
     let passes = unplanned(&PASSES);
     let (precision, flat) = (options.precision, options.flatten);
     let extracted =
         systems::extract(&mut loaded.world, Options { precision, passes: &passes, flat })?;
-    options.checked(extracted)
+    options.checked(extracted, args.extent())
 }
 
 /// Renders the image, or the requested look of it.

@@ -72,6 +72,26 @@ fn an_image_is_refused_by_the_size_in_its_head() {
     assert!(text.contains("the render needs more memory than 190.7 MiB"), "{text}");
 }
 
+/// Only the pixels of a crop have memory, 12 bytes each: the whole image has 256 million.
+#[test]
+fn an_image_counts_as_far_as_it_is_rendered() {
+    let folder = folder();
+    let wall = wall(1.0, 0.0, matte(1.0, [1.0; 3]));
+    let light = point_light(10.0, [0.0, 0.0, 2.0], [1.0; 3]);
+    let large = scene(0, &pinhole([16_000, 16_000], 40.0, 3.0), &[light], &[wall]);
+    std::fs::write(folder.path().join("s.json"), large.to_string()).expect("a file");
+    let limited = |more: &[&str]| {
+        run(folder.path(), &[&["-q", "--memory-limit", "200MB", "s.json", "o.png"], more].concat())
+    };
+    let (code, text) = limited(&[]);
+    assert_eq!(code, Some(2), "{text}");
+    assert!(text.contains("the image 2.9 GiB"), "{text}");
+    assert_eq!(limited(&["--crop", "7000,7000,64,64"]), (Some(0), String::new()));
+    let (code, text) = limited(&["--crop", "7000,7000,6000,6000"]);
+    assert_eq!(code, Some(2), "{text}");
+    assert!(text.contains("the image 412.0 MiB"), "{text}");
+}
+
 /// Its picture would be right if all of it were read.
 #[test]
 fn textures_of_every_kind_of_file_count_before_they_are_decoded() {
