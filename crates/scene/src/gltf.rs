@@ -74,7 +74,7 @@ pub fn load_bytes(bytes: Vec<u8>, path: &Path, options: &LoadOptions) -> Result<
     let value = json::parse(text(&bytes[parts.json], path)?, path)?;
     let notes = notes(path, options);
     let top = Fields::new(Cursor::new(&value, Place::Top, &notes), "a glTF file")?;
-    let document = Document::read(&top, binary.as_ref())?;
+    let document = notes.whole(|| Document::read(&top, binary.as_ref()))?;
     document::remark(&top);
     // Data in the text is many times larger there than as bytes.
     drop(value);

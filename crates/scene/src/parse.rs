@@ -171,15 +171,5 @@ fn list<T>(
     read: impl Fn(&Cursor<'_>) -> Result<T>,
 ) -> Result<Vec<T>> {
     let Some(cursor) = scene.get(key) else { return Ok(Vec::new()) };
-    cursor.notes().part(|| {
-        let mut parts = Ok(Vec::new());
-        for item in cursor.items(cursor.array(what)?) {
-            match (item.notes().part(|| read(&item)), &mut parts) {
-                (Ok(part), Ok(parts)) => parts.push(part),
-                (Ok(_), Err(_)) => {}
-                (Err(error), _) => parts = Err(error),
-            }
-        }
-        parts
-    })
+    cursor.notes().part(|| cursor.every(what, |item| read(&item)))
 }

@@ -12,6 +12,13 @@ fn refusal(file: &File) -> String {
     loaded(file).map(|_| ()).expect_err("it is wrong").to_string()
 }
 
+/// The place of each error.
+#[track_caller]
+fn refused_places(file: &File) -> Vec<String> {
+    let place = |line: &str| line.split(": ").nth(1).unwrap_or_default().to_owned();
+    refusal(file).lines().map(place).collect()
+}
+
 fn refused_bytes(bytes: &[u8]) -> String {
     let loaded = load_bytes(bytes.to_vec(), Path::new("a.glb"), &SIZE);
     loaded.map(|_| ()).expect_err("it is wrong").to_string()
@@ -127,6 +134,64 @@ fn errors_are_reported_with_their_places() {
         let text = refusal(&square().with(place, value.clone()));
         assert!(text.starts_with("a.glb: ") && text.contains(words), "{place} {value}: {text}");
     }
+}
+
+/// Errors of one list leave the others to be read, and indices into it are those of the file.
+#[test]
+fn faults_of_all_lists_are_told_at_once() {
+    let mut file = square();
+    file.json["accessors"][1]["type"] = json!("VEC5");
+    file.json["accessors"][2]["count"] = json!(-1);
+    file.json["samplers"] = json!([{"wrapS": 1}]);
+    file.json["textures"] = json!([{"sampler": 0}, {"sampler": 1}]);
+    file.json["materials"][0]["pbrMetallicRoughness"]["metallicFactor"] = json!(2);
+    file.push("materials", json!({"emissiveTexture": {"index": 2}}));
+    file.push("meshes", json!({}));
+    file.push("cameras", json!({"type": "fisheye"}));
+    file.json["extensions"]["KHR_lights_punctual"]["lights"][0]["intensity"] = json!("x");
+    file.node(json!({"mesh": 1, "camera": 1, "scale": 2}));
+    let expected = [
+        "accessors[1].type",
+        "accessors[2].count",
+        "samplers[0].wrapS",
+        "textures[1].sampler",
+        "materials[0].pbrMetallicRoughness.metallicFactor",
+        "materials[1].emissiveTexture.index",
+        "meshes[1].primitives",
+        "cameras[1].type",
+        "extensions.KHR_lights_punctual.lights[0].intensity",
+        "nodes[3].scale",
+    ];
+    assert_eq!(refused_places(&file), expected);
+    file.push("materials", json!({"alphaCutoff": -1}));
+    assert!(refusal(&file).ends_with("\n1 more error is not listed"), "{}", refusal(&file));
+}
+
+/// Neither accessors nor images can be read without their buffer: there is one error, not three.
+#[test]
+fn what_follows_from_a_fault_is_not_told() {
+    let mut file = square();
+    file.json["images"] = json!([{"bufferView": 0}]);
+    file.json["bufferViews"][0]["buffer"] = json!(1);
+    let instancing = json!({"attributes": {"TRANSLATION": 0}});
+    file.node(json!({"mesh": 0, "extensions": {"EXT_mesh_gpu_instancing": instancing}}));
+    assert_eq!(refused_places(&file), ["bufferViews[0].buffer"]);
+}
+
+#[test]
+fn faults_in_the_data_of_all_meshes_are_told_at_once() {
+    let mut file = square();
+    let indices = file.indices(&[0, 1, 4]);
+    let primitive = json!({"attributes": {"POSITION": 0}, "indices": indices});
+    file.push("meshes", json!({"primitives": [primitive, primitive]}));
+    file.push("meshes", json!({"primitives": [{"attributes": {"POSITION": 1}}]}));
+    file.node(json!({"mesh": 1}));
+    let expected = [
+        "meshes[1].primitives[0].indices[2]",
+        "meshes[1].primitives[1].indices[2]",
+        "meshes[2].primitives[0].attributes.POSITION",
+    ];
+    assert_eq!(refused_places(&file), expected);
 }
 
 #[test]

@@ -41,39 +41,33 @@ pub(super) struct Document {
 }
 
 impl Document {
-    /// Reads a file from its top; `binary` is its buffer without a URI.
+    /// Reads a file from its top; `binary` is its buffer without a URI. Lists refer to each other by
+    /// index, so each is read even if another has errors, which are all recorded.
     pub(super) fn read(top: &Fields<'_>, binary: Option<&Buffer>) -> Result<Self> {
         check_asset(top)?;
         let extensions = check_extensions(top)?;
-        let buffers = buffers(top, binary)?;
-        let views = top.list("bufferViews", "a buffer view", |f| View::read(f, &buffers))?;
-        let storage = Storage { buffers: &buffers, views: &views };
-        let accessors = top.list("accessors", "an accessor", |f| Accessor::read(f, storage))?;
-        let textures = Textures::read(top, storage)?;
-        let surface = |f: &Fields<'_>| Surface::read(f, textures.len());
-        let materials = top.list("materials", "a material", surface)?;
-        let parts = |f: &Fields<'_>| MeshParts::read(f, accessors.len(), materials.len());
-        let meshes = top.list("meshes", "a mesh", parts)?;
-        let cameras = top.list("cameras", "a camera", Camera::read)?;
-        let lights = lights(top)?;
-        let lengths = Lengths {
-            nodes: top.length("nodes"),
-            meshes: meshes.len(),
-            cameras: cameras.len(),
-            lights: lights.len(),
-        };
-        let nodes = top.list("nodes", "a node", |f| Node::read(f, lengths, &accessors))?;
-        let placed = node::placed(top, &nodes)?;
+        let notes = top.cursor().notes();
+        let data = Data::read(top, binary);
+        let textures = Textures::read(top, data.as_ref().ok().map(Data::storage));
+        let surface = |f: &Fields<'_>| Surface::read(f, top.length("textures"));
+        let materials = top.list("materials", "a material", surface);
+        let lengths = [top.length("accessors"), top.length("materials")];
+        let meshes = top.list("meshes", "a mesh", |f| MeshParts::read(f, lengths));
+        let cameras = top.list("cameras", "a camera", Camera::read);
+        let lights = notes.part(|| lights(top));
+        let tree = notes.part(|| tree(top, data.as_ref().ok().map(|data| &data.accessors[..])));
+        let Data { buffers, views, accessors } = data?;
+        let (nodes, placed) = tree?;
         Ok(Self {
             is_quantized: extensions.iter().any(|name| name == "KHR_mesh_quantization"),
             buffers,
             views,
             accessors,
-            textures,
-            materials,
-            meshes,
-            cameras,
-            lights,
+            textures: textures?,
+            materials: materials?,
+            meshes: meshes?,
+            cameras: cameras?,
+            lights: lights?,
             nodes,
             placed,
         })
@@ -83,6 +77,42 @@ impl Document {
     pub(super) fn storage(&self) -> Storage<'_> {
         Storage { buffers: &self.buffers, views: &self.views }
     }
+}
+
+/// The bytes of a file, and the accessors to them.
+struct Data {
+    buffers: Vec<Buffer>,
+    views: Vec<View>,
+    accessors: Vec<Accessor>,
+}
+
+impl Data {
+    /// Reads each list only if the one before it is right.
+    fn read(top: &Fields<'_>, binary: Option<&Buffer>) -> Result<Self> {
+        let buffers = buffers(top, binary)?;
+        let views = top.list("bufferViews", "a buffer view", |f| View::read(f, &buffers))?;
+        let storage = Storage { buffers: &buffers, views: &views };
+        let accessors = top.list("accessors", "an accessor", |f| Accessor::read(f, storage))?;
+        Ok(Self { buffers, views, accessors })
+    }
+
+    fn storage(&self) -> Storage<'_> {
+        Storage { buffers: &self.buffers, views: &self.views }
+    }
+}
+
+/// All nodes, and those of the scene. Without `accessors` no extension is read that uses them.
+fn tree(top: &Fields<'_>, accessors: Option<&[Accessor]>) -> Result<(Vec<Node>, Vec<Placed>)> {
+    let lights = top.extension("KHR_lights_punctual", |found| Ok(found.length("lights")));
+    let lengths = Lengths {
+        nodes: top.length("nodes"),
+        meshes: top.length("meshes"),
+        cameras: top.length("cameras"),
+        lights: lights.ok().flatten().unwrap_or(0),
+    };
+    let nodes = top.list("nodes", "a node", |f| Node::read(f, lengths, accessors))?;
+    let placed = node::placed(top, &nodes)?;
+    Ok((nodes, placed))
 }
 
 fn buffers(top: &Fields<'_>, binary: Option<&Buffer>) -> Result<Vec<Buffer>> {

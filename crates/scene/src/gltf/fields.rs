@@ -114,7 +114,8 @@ impl<'a> Fields<'a> {
         cursor.value().as_bool().ok_or_else(|| cursor.error("must be true or false"))
     }
 
-    /// The objects of a list, each read by `read`; none without a list.
+    /// The objects of a list, each read by `read`; none without a list. All are read: every error is
+    /// recorded, and one is returned.
     pub(super) fn list<T>(
         &self,
         key: &str,
@@ -122,7 +123,8 @@ impl<'a> Fields<'a> {
         mut read: impl FnMut(&Fields<'_>) -> Result<T>,
     ) -> Result<Vec<T>> {
         let Some(cursor) = self.get(key) else { return Ok(Vec::new()) };
-        cursor.each("a list [...]", |item| read(&Fields::new(item, what)?))
+        let read = |item: Cursor<'_>| read(&Fields::new(item, what)?);
+        cursor.notes().part(|| cursor.every("a list [...]", read))
     }
 
     /// The length of a list; 0 without a list.

@@ -20,8 +20,12 @@ pub(super) struct Instancing {
 }
 
 impl Instancing {
-    /// Reads the extension of a node, if it has it.
-    pub(super) fn read(fields: &Fields<'_>, accessors: &[Accessor]) -> Result<Option<Self>> {
+    /// Reads the extension of a node, if it has it and the file's `accessors` are right.
+    pub(super) fn read(
+        fields: &Fields<'_>,
+        accessors: Option<&[Accessor]>,
+    ) -> Result<Option<Self>> {
+        let Some(accessors) = accessors else { return Ok(None) };
         let found = fields.extension("EXT_mesh_gpu_instancing", |found| {
             let attributes = found.need("attributes", "an object { ... }")?;
             let attributes = Fields::new(attributes, "attributes")?;

@@ -43,7 +43,7 @@ impl Node {
     pub(super) fn read(
         fields: &Fields<'_>,
         lengths: Lengths,
-        accessors: &[Accessor],
+        accessors: Option<&[Accessor]>,
     ) -> Result<Self> {
         let light = fields.extension("KHR_lights_punctual", |found| {
             found.need_index("light", "lights", lengths.lights)

@@ -40,13 +40,13 @@ pub(super) struct MeshParts {
 
 impl MeshParts {
     /// Reads an element of `meshes`, in a file with this number of accessors and materials.
-    pub(super) fn read(fields: &Fields<'_>, accessors: usize, materials: usize) -> Result<Self> {
+    pub(super) fn read(fields: &Fields<'_>, lengths: [usize; 2]) -> Result<Self> {
         if fields.get("weights").is_some() {
             let message = "morph targets are ignored";
             fields.warn(message, "the base mesh is shown");
         }
         fields.need("primitives", "a list of objects")?;
-        let read = |part: &Fields<'_>| Primitive::read(part, accessors, materials);
+        let read = |part: &Fields<'_>| Primitive::read(part, lengths);
         Ok(Self {
             name: fields.text("name")?.filter(|name| !name.is_empty()),
             primitives: fields.list("primitives", "a primitive", read)?,
@@ -55,7 +55,7 @@ impl MeshParts {
 }
 
 impl Primitive {
-    fn read(fields: &Fields<'_>, accessors: usize, materials: usize) -> Result<Self> {
+    fn read(fields: &Fields<'_>, [accessors, materials]: [usize; 2]) -> Result<Self> {
         let mode = mode(fields)?;
         let path = fields.path();
         if mode.is_none() {

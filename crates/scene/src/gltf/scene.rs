@@ -55,7 +55,7 @@ pub(super) fn scene(
     options: &LoadOptions,
     notes: &Notes<'_>,
 ) -> Result<(SceneFile, String)> {
-    let primitives = primitives(document, notes)?;
+    let primitives = notes.whole(|| Ok(primitives(document, notes)))?;
     let corners = corners(&primitives);
     let all = placed(&primitives, &corners);
     let bounds = staging::bounds(&all);
@@ -137,8 +137,8 @@ fn told(has_camera: bool, chosen: &str, light: Option<&str>, exposure: f64) -> S
     format!("{camera}{chosen}{light}")
 }
 
-/// The primitives that the nodes of the scene show, in the order of the nodes.
-fn primitives(document: &Document, notes: &Notes<'_>) -> Result<Vec<Primitive>> {
+/// The primitives that the nodes of the scene show, in the order of the nodes. Errors are recorded.
+fn primitives(document: &Document, notes: &Notes<'_>) -> Vec<Primitive> {
     let mut reader = Reader::new(document, notes);
     // The primitives of each mesh that is read already.
     let mut known: Vec<Option<Range<usize>>> = vec![None; document.meshes.len()];
@@ -146,15 +146,13 @@ fn primitives(document: &Document, notes: &Notes<'_>) -> Result<Vec<Primitive>> 
     for Placed { node, world } in &document.placed {
         let Some(mesh) = document.nodes[*node].mesh else { continue };
         let place = format!("nodes[{node}]");
-        let places = places(document, *node, world, &place, notes)?;
-        if places.is_empty() {
-            continue;
-        }
+        let places = notes.part(|| places(document, *node, world, &place, notes));
+        let Some(places) = places.ok().filter(|places| !places.is_empty()) else { continue };
         let numbers = match &known[mesh] {
             Some(numbers) => numbers.clone(),
             None => {
                 let first = primitives.len();
-                read(document, mesh, &mut reader, notes, &mut primitives)?;
+                read(document, mesh, &mut reader, notes, &mut primitives);
                 known[mesh].insert(first..primitives.len()).clone()
             }
         };
@@ -163,12 +161,12 @@ fn primitives(document: &Document, notes: &Notes<'_>) -> Result<Vec<Primitive>> 
             add_uses(&mut primitives[numbers.clone()], &node);
         }
     }
-    check_unused(document, &known, &mut reader, notes)?;
+    check_unused(document, &known, &mut reader, notes);
     if primitives.is_empty() {
         let message = "the scene is empty";
         notes.note("nodes", message, "no node of the scene has a mesh of triangles");
     }
-    Ok(primitives)
+    primitives
 }
 
 /// Adds a node to the uses of the primitives of its mesh.
@@ -189,23 +187,22 @@ fn check_unused(
     known: &[Option<Range<usize>>],
     reader: &mut Reader<'_>,
     notes: &Notes<'_>,
-) -> Result<()> {
+) {
     for mesh in (0..known.len()).filter(|&mesh| known[mesh].is_none()) {
         let message = "the mesh is not used";
         notes.note(&format!("meshes[{mesh}]"), message, "no node of the scene refers to it");
-        read(document, mesh, reader, notes, &mut Vec::new())?;
+        read(document, mesh, reader, notes, &mut Vec::new());
     }
-    Ok(())
 }
 
-/// Reads the primitives of a mesh.
+/// Reads the primitives of a mesh, and records their errors.
 fn read(
     document: &Document,
     mesh: usize,
     reader: &mut Reader<'_>,
     notes: &Notes<'_>,
     primitives: &mut Vec<Primitive>,
-) -> Result<()> {
+) {
     let parts = &document.meshes[mesh];
     for primitive in &parts.primitives {
         let surface = primitive.material.map_or(&Surface::DEFAULT, |i| &document.materials[i]);
@@ -215,7 +212,8 @@ fn read(
             notes.note(&primitive.path, message, "its alpha is below the cutoff everywhere");
             continue;
         };
-        let Some(mesh) = reader.mesh(primitive, set)? else { continue };
+        let mesh = notes.part(|| reader.mesh(primitive, set));
+        let Some(mesh) = mesh.ok().flatten() else { continue };
         let has_uvs = mesh.uvs.is_some();
         // An unlit surface shows its texture as emission.
         let base = texture.as_ref().or(maps.emission.as_ref().filter(|_| surface.is_unlit()));
@@ -238,7 +236,6 @@ fn read(
             uses: Vec::new(),
         });
     }
-    Ok(())
 }
 
 /// Largest number of points to check for one primitive, in all its places.

@@ -94,7 +94,7 @@ struct Texture {
 
 impl Texture {
     /// Reads an element of `textures`, in a file with this number of images and samplers.
-    fn read(fields: &Fields<'_>, images: usize, samplers: usize) -> Result<Self> {
+    fn read(fields: &Fields<'_>, [images, samplers]: [usize; 2]) -> Result<Self> {
         Ok(Self {
             // Unsupported extensions may have lists of images of their own, to which this number
             // may refer.
@@ -140,18 +140,14 @@ pub(super) struct Textures {
 }
 
 impl Textures {
-    /// Reads the lists of a file.
-    pub(super) fn read(top: &Fields<'_>, storage: Storage<'_>) -> Result<Self> {
-        let images = top.list("images", "an image", |f| Image::read(f, storage))?;
-        let samplers = top.list("samplers", "a sampler", Sampler::read)?;
-        let texture = |f: &Fields<'_>| Texture::read(f, images.len(), samplers.len());
-        let textures = top.list("textures", "a texture", texture)?;
-        Ok(Self { images, samplers, textures })
-    }
-
-    /// The number of textures.
-    pub(super) fn len(&self) -> usize {
-        self.textures.len()
+    /// Reads the lists of a file. Without `storage`, images are left out.
+    pub(super) fn read(top: &Fields<'_>, storage: Option<Storage<'_>>) -> Result<Self> {
+        let image = |storage| top.list("images", "an image", |f| Image::read(f, storage));
+        let images = storage.map_or(Ok(Vec::new()), image);
+        let samplers = top.list("samplers", "a sampler", Sampler::read);
+        let lengths = [top.length("images"), top.length("samplers")];
+        let textures = top.list("textures", "a texture", |f| Texture::read(f, lengths))?;
+        Ok(Self { images: images?, samplers: samplers?, textures })
     }
 
     /// The texture of a material, tinted; `None` if the file does not name its image.

@@ -190,6 +190,24 @@ impl<'a> Cursor<'a> {
         self.items(self.array(what)?).map(read).collect()
     }
 
+    /// As [`Cursor::each`], to the end of the list: every element's error is recorded, and one is returned.
+    pub(crate) fn every<T>(
+        &self,
+        what: &str,
+        mut read: impl FnMut(Cursor<'_>) -> Result<T>,
+    ) -> Result<Vec<T>> {
+        let items = self.array(what)?;
+        let mut parts = Ok(Vec::new());
+        for item in self.items(items) {
+            match (self.notes.part(|| read(item)), &mut parts) {
+                (Ok(part), Ok(parts)) => parts.push(part),
+                (Ok(_), Err(_)) => {}
+                (Err(error), _) => parts = Err(error),
+            }
+        }
+        parts
+    }
+
     /// A list of exactly `N` points.
     pub(crate) fn points<const N: usize>(&self, what: &str) -> Result<[DVec3; N]> {
         let points = self.each(what, |item| item.point())?;
