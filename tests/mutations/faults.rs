@@ -74,6 +74,8 @@ pub(crate) const FAULTS: &[Fault] = faults! {
     "rays of instances have another unit of t", 44, "crates/core/src/accel/instance.rs":
         "self.to_prototype.transform_vector3(ray.direction.as_dvec3()).as_vec3()"
             => "self.to_prototype.transform_vector3(ray.direction.as_dvec3()).normalize().as_vec3()";
+    "boxes of instances are not padded", 44, "crates/core/src/accel/instance.rs":
+        "Aabb { low: world.low - pad, high: world.high + pad }" => "world";
     "alpha at its threshold is a hole", 45, "crates/core/src/accel/cutouts.rs":
         "image.look_up(uv, self.filter, self.wrap).x < self.threshold"
             => "image.look_up(uv, self.filter, self.wrap).x <= self.threshold";
@@ -85,4 +87,18 @@ pub(crate) const FAULTS: &[Fault] = faults! {
     "mirrors return too little", 35, "crates/core/src/kernels/shade.rs":
         "throughput * point.reflection.tint.scale(point.kr)"
             => "throughput * point.reflection.tint.scale(point.kr.times(0.999))";
+    "shadow rays of single paths end on their light", 11, "crates/core/src/kernels/shade.rs":
+        "Ray { t_max: SHADOW_END, ..Ray::new(origin.into(), direction.into()) }"
+            => "Ray { t_max: 1.0, ..Ray::new(origin.into(), direction.into()) }";
+    "shadow rays of batches end on their light", 11, "crates/core/src/wavefront/batch.rs":
+        "columns_of(rays.rows, &rays.origin, &rays.direction, SHADOW_END)"
+            => "columns_of(rays.rows, &rays.origin, &rays.direction, 1.0)";
+    "shadow rays end beyond the surface of their light", 11, "crates/core/src/kernels/shade.rs":
+        "target.position.offset_end(target.error, target.normal, -to_light)" => "target.position";
+    "lights shine through the back of a surface", 33, "crates/core/src/kernels/shade.rs":
+        "point.lit & point.normal.dot(to_light).gt(zero)" => "point.lit";
+    "cones of 0 degrees light their axis", 41, "crates/scene/src/systems/lights.rs":
+        "spot.is_some_and(|spot| spot.outer_degrees == 0.0)" => "false";
+    "far scenes are not moved to the camera", 42, "crates/scene/src/systems/frame.rs":
+        "if far { nearest(view.location, distance) } else { DVec3::ZERO }" => "DVec3::ZERO";
 };

@@ -135,7 +135,7 @@ pub const CASES: &[Case] = &[
         "light only within the cone, and none along the floor", cones::cones),
     Case::new(42, "meshes in scene files, up to 2^38 from the origin", "every pixel shows the right face", listed::listed_points),
     Case::new(43, "edges and vertices from up to 10 000 radii away", "no ray enters a closed mesh", far::aimed),
-    Case::new(44, "instances rotated, stretched, mirrored and moved",
+    Case::new(44, "instances rotated, stretched, sheared, mirrored and moved",
         "no ray leaves a closed mesh; the hits of brute force", instances::shown),
     Case::new(45, "cut-outs at the threshold, on shared edges, in front of a copy",
         "parts below the threshold are absent for all kinds of rays", holes::cut_out),

@@ -5,6 +5,7 @@ use serde_json::{Value, json};
 
 use super::case::{Effort, Outcome};
 use super::scenes::{self, Eye, every_image, pixels};
+use super::ways::inputs;
 use wavecrest_core::accel::build::Preset;
 
 /// Half angles of cones in degrees, inner and outer.
@@ -31,6 +32,10 @@ pub(super) fn cones(effort: &Effort) -> Outcome {
     let mut outcome = Outcome::default();
     for cone in CONES {
         outcome.add(over_a_floor(effort, cone).with_context(|| format!("a cone of {cone:?}")));
+    }
+    for mut numbers in inputs(effort, 41, 0..effort.either(16, 200)) {
+        let from = [(); 3].map(|()| 1.0 + numbers.below(1000) as f64);
+        outcome.add(at_the_origin(effort, from).with_context(|| format!("a spot at {from:?}")));
     }
     for angle in [0.0, 1e-6, 0.53, 180.0] {
         let context = || format!("light along the floor, seen under {angle} degrees");
@@ -76,6 +81,29 @@ fn over_a_floor(effort: &Effort, [inner, outer]: [f64; 2]) -> Outcome {
             }
         })
     })
+}
+
+/// A spot that points at the origin lights it through the narrowest cone, and nothing through one
+/// of 0 degrees, though the origin is on its axis.
+fn at_the_origin(effort: &Effort, [x, y, z]: [f64; 3]) -> Outcome {
+    let eye = eye(effort);
+    let middle = eye.size.map(|side| side / 2);
+    let image = |outer: f64| {
+        let light = json!({"type": "spotlight", "intensity": 10, "position": [x, y, z],
+                           "color": [1, 1, 1], "direction": [-x, -y, -z],
+                           "inner": 0, "outer": outer, "falloff": "none"});
+        let scene = scenes::scene(0, &eye.json(), &[light], &[floor()]);
+        every_image(effort, &scene, &[Preset::VeryFast], |rendered| {
+            pixels(&rendered.film, |x, y, pixel| {
+                let is_right = match outer {
+                    0.0 => pixel == [0.0; 3],
+                    _ => [x, y] != middle || pixel[0] > 0.0,
+                };
+                (!is_right).then(|| format!("a cone of {outer}"))
+            })
+        })
+    };
+    [0.0, 0.1].map(image).into_iter().sum()
 }
 
 /// Parallel light in the plane of the floor adds nothing, and half of the light from half of the

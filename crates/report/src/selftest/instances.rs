@@ -1,4 +1,4 @@
-//! Instances of meshes: rotated, stretched, mirrored, and far away.
+//! Instances of meshes: rotated, stretched, mirrored, sheared, and far away.
 
 use glam::{DAffine3, DMat3, DQuat, DVec3, Vec3};
 
@@ -23,6 +23,12 @@ const BEYOND: f32 = 1.1;
 
 /// Case 44.
 pub(super) fn shown(effort: &Effort) -> Outcome {
+    let mut outcome = between_numbers(effort);
+    outcome.add(turned(effort));
+    outcome
+}
+
+fn turned(effort: &Effort) -> Outcome {
     (0..SCENES)
         .map(|scene| {
             let mut numbers = Numbers::new(effort, 44, usize::MAX - scene);
@@ -96,4 +102,48 @@ fn as_brute_force(effort: &Effort, geometry: &Geometry, rays: &[Ray]) -> Outcome
     every_way(effort.accel(geometry.clone(), Preset::VeryFast), rays, |i, _, hit: Hit| {
         (hit != expected[i]).then(|| format!("{hit:?} and not {:?}", expected[i]))
     })
+}
+
+/// The side of a plate of [`between_numbers`].
+const SIDE: f32 = 16.0;
+
+/// Plates with edges between two numbers of single precision, to which a shear by integers of up to
+/// 2^24 moves them. A ray from the origin meets each at most 8 from that edge. In the space of the
+/// plate its origin and its direction are small integers: it meets the plate there, at the same t.
+fn between_numbers(effort: &Effort) -> Outcome {
+    let corner = |x: f32, z: f32| Vec3::new(x * SIDE, 0.0, z * SIDE);
+    let plate = Geometry {
+        positions: vec![corner(-1.0, -0.5), corner(0.0, -0.5), corner(0.0, 0.5), corner(-1.0, 0.5)],
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        ..Geometry::default()
+    };
+    let bounds = Aabb { low: plate.positions[0], high: plate.positions[2] };
+    let (mut rays, mut heights, mut instances) = (Vec::new(), Vec::new(), Vec::new());
+    for (number, mut numbers) in (0_u32..).zip(inputs(effort, 44, 0..effort.either(64, 512))) {
+        // Odd, and another for each plate: its ray passes the others by more than their side.
+        let slope = f64::from((1 << 23) + 2 * (1000 * number + numbers.below(1000) as u32) + 1);
+        let height = (1024 + numbers.below(7168)) as f64;
+        let inside = 1.0 + numbers.below(8) as f64;
+        let axes = axes(&mut numbers);
+        let shear = DMat3::from_cols(DVec3::X, DVec3::new(slope, 1.0, 0.0), DVec3::Z);
+        let place = axes * DVec3::new(slope * height + inside, height, 0.0);
+        let to_world = DAffine3 { matrix3: axes * shear, translation: place };
+        instances.push(Instance::new(0, 2 * number, to_world, &bounds));
+        let direction = axes * DVec3::new(slope, 1.0, 0.0);
+        rays.push(Ray::new(Vec3::ZERO, direction.as_vec3()));
+        heights.push(height as f32);
+    }
+    let geometry = Geometry { prototypes: vec![plate], instances, ..Geometry::default() };
+    every_way(effort.accel(geometry, Preset::VeryFast), &rays, |i, _, hit| {
+        let expected = Hit { t: heights[i], primitive: 2 * i as u32 };
+        (hit != expected).then(|| format!("{hit:?} and not {expected:?}"))
+    })
+}
+
+/// The axes in any order and in either direction.
+fn axes(numbers: &mut Numbers) -> DMat3 {
+    let turn = numbers.below(3);
+    let axis = |k: usize| DVec3::AXES[(k + turn) % 3];
+    let [x, y, z] = [0, 1, 2].map(|k| axis(k) * numbers.sign());
+    DMat3::from_cols(x, y, z)
 }

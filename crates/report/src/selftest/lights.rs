@@ -275,7 +275,39 @@ pub(super) fn horizon(effort: &Effort) -> Outcome {
         outcome.add(images.with_context(context));
     }
     outcome.check(asked > 0, || "no face has the light behind it".to_owned());
+    let sheets = inputs(effort, 33, 0..effort.either(6, 200));
+    outcome.add(sheets.map(|mut numbers| behind_a_sheet(effort, &mut numbers)).sum());
     outcome
+}
+
+/// An open sheet, with a light before its tilted normals: lit if the light is before the sheet too,
+/// black if it is behind, where nothing else hides it.
+fn behind_a_sheet(effort: &Effort, numbers: &mut Numbers) -> Outcome {
+    let turn = std::f64::consts::TAU * numbers.one();
+    let aside = DVec3::new(libm::cos(turn), 0.0, libm::sin(turn));
+    let place = aside * numbers.magnitude(2.0, 20.0);
+    // At least 63 degrees, so that a light is before the normals at up to 26 degrees behind the sheet.
+    let normal = (aside * numbers.magnitude(2.0, 4.0) + DVec3::Y).normalize().to_array();
+    let corners =
+        [(-1.0, -1.0), (-1.0, 1.0), (1.0, 1.0), (1.0, -1.0)].map(|(x, z)| Vec3::new(x, 0.0, z));
+    let mut sheet = scenes::mesh(&corners, &[[0, 1, 2], [0, 2, 3]], scenes::matte([1.0; 3]));
+    sheet["shading"] = json!("smooth");
+    sheet["normals"] = json!(vec![normal; 4]);
+    let eye =
+        Eye { up: DVec3::Z, ..Eye::at(DVec3::Y * 5.0, 10.0, effort.either([8, 8], [32, 32])) };
+    let images = [1.0, -1.0].map(|side| {
+        let light = place + DVec3::Y * (side * numbers.magnitude(1e-3, 0.4));
+        let lights = [scenes::point_light(100.0, light, "none")];
+        let scene = scenes::scene(0, &eye.json(), &lights, std::slice::from_ref(&sheet));
+        let images = every_image(effort, &scene, &[Preset::VeryFast], |rendered| {
+            pixels(&rendered.film, |_, _, pixel| {
+                let is_lit = pixel != [0.0; 3];
+                (is_lit != (side > 0.0)).then(|| "of a sheet".to_owned())
+            })
+        });
+        images.with_context(|| format!("light at {light}, normals {normal:?}"))
+    });
+    images.into_iter().sum()
 }
 
 /// Exponents, including the limits of scenes.

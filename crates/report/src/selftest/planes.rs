@@ -59,7 +59,8 @@ fn floor_under_a_light(effort: &Effort, floor: usize) -> Outcome {
     })
 }
 
-fn rotation(numbers: &mut Numbers) -> DMat3 {
+/// A random rotation.
+pub(super) fn rotation(numbers: &mut Numbers) -> DMat3 {
     let angle = std::f64::consts::TAU * numbers.one();
     DMat3::from_quat(DQuat::from_axis_angle(numbers.direction(), angle))
 }

@@ -2,8 +2,11 @@
 
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
+use serde_json::json;
 
 use super::case::{Effort, Outcome};
+use super::planes::rotation;
+use super::scenes::{self, Eye, every_image, pixels};
 use super::ways::{Numbers, Tests, every_way, in_order, inputs};
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::accel::geometry::Geometry;
@@ -175,6 +178,14 @@ fn apart(numbers: &mut Numbers) -> (Vec3, DVec3) {
 
 /// Case 11.
 pub(super) fn towards_a_light_on_a_surface(effort: &Effort) -> Outcome {
+    let mut outcome = towards_a_triangle(effort);
+    for mut numbers in inputs(effort, 11, 0..effort.either(8, 200)) {
+        outcome.add(under_a_ceiling(effort, &mut numbers));
+    }
+    outcome
+}
+
+fn towards_a_triangle(effort: &Effort) -> Outcome {
     let tests = Tests(effort.precision);
     each(effort, 11, effort.of(10_000_000), |numbers| {
         let (from, light) = apart(numbers);
@@ -193,6 +204,46 @@ pub(super) fn towards_a_light_on_a_surface(effort: &Effort) -> Outcome {
         }
         Some(outcome)
     })
+}
+
+/// A floor under a ceiling of four triangles. A light at the vertex that they share, or one of the
+/// triangles as a light, is on the ceiling and lights all of the floor.
+fn under_a_ceiling(effort: &Effort, numbers: &mut Numbers) -> Outcome {
+    let (turned, size) = (rotation(numbers), numbers.magnitude(1e-3, 1e3));
+    let moved = numbers.direction() * (size * [0.0, 10.0, 100.0][numbers.below(3)]);
+    let place = |x: f64, y: f64, z: f64| turned * DVec3::new(x, y, z) * size + moved;
+    let around = [(-2.0, -2.0), (2.0, -2.0), (2.0, 2.0), (-2.0, 2.0)];
+    let matte = || scenes::matte([1.0; 3]);
+    let floor = around.map(|(x, z)| place(x, 0.0, z).as_vec3());
+    let floor = scenes::mesh(&floor, &[[0, 1, 2], [0, 2, 3]], matte());
+    let [x, z] = [(); 2].map(|()| numbers.one() - 0.5);
+    let lamp = place(x, 1.0, z).as_vec3();
+    let mut vertices = around.map(|(x, z)| place(x, 1.0, z).as_vec3()).to_vec();
+    vertices.push(lamp);
+    let ceiling = scenes::mesh(&vertices, &[[4, 0, 1], [4, 1, 2], [4, 2, 3], [4, 3, 0]], matte());
+    let corners = [4, 0, 1].map(|vertex| vertices[vertex].as_dvec3().to_array());
+    let triangle = json!({"type": "arealight", "intensity": 10, "color": [1, 1, 1],
+                          "falloff": "none", "sampling": "random", "samples": 1,
+                          "shape": {"type": "triangle", "points": corners}});
+    let eye = Eye {
+        location: place(0.0, 0.75, 0.0),
+        look: place(0.0, 0.0, 0.0),
+        up: turned * DVec3::Z,
+        fov: 90.0,
+        size: effort.either([17, 17], [33, 33]),
+    };
+    let shapes = [floor, ceiling];
+    let lights = [scenes::point_light(10.0, lamp.as_dvec3(), "none"), triangle];
+    let images = lights.map(|light| {
+        let scene = scenes::scene(0, &eye.json(), std::slice::from_ref(&light), &shapes);
+        let images = every_image(effort, &scene, &[Preset::VeryFast], |rendered| {
+            pixels(&rendered.film, |_, _, pixel| {
+                (pixel == [0.0; 3]).then(|| "its light is hidden".to_owned())
+            })
+        });
+        images.with_context(|| format!("under {light}"))
+    });
+    images.into_iter().sum()
 }
 
 /// Case 12.
