@@ -1,10 +1,11 @@
 //! Converts Python values for the library.
 
+use std::collections::TryReserveError;
 use std::path::PathBuf;
 use std::str::FromStr;
 
 use numpy::{Element, PyReadonlyArrayDyn, PyUntypedArrayMethods};
-use pyo3::exceptions::PyTypeError;
+use pyo3::exceptions::{PyMemoryError, PyTypeError};
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict, PyDict};
 use wavecrest_api::glam::{DVec3, Vec3};
@@ -42,10 +43,11 @@ impl Source {
 
 /// A mesh from arrays of the shapes (N, 3) and (M, 3).
 fn mesh(vertices: &Bound<'_, PyAny>, faces: &Bound<'_, PyAny>) -> PyResult<api::MeshData> {
-    let positions = rows(&array::<f32>("vertices", vertices, "float32", "(N, 3)")?)?;
-    let indices = rows(&array::<i64>("faces", faces, "int64", "(M, 3)")?)?;
+    let positions = array::<f32>("vertices", vertices, "float32", "(N, 3)")?;
+    let positions = collected(rows(&positions)?.iter().map(|&row| Ok(Vec3::from(row))))?;
+    let faces = array::<i64>("faces", faces, "int64", "(M, 3)")?;
     let count = positions.len();
-    let triangle = |(number, face): (usize, [i64; 3])| {
+    let triangle = |(number, face): (usize, &[i64; 3])| {
         let index = |i: i64| u32::try_from(i).ok().filter(|&i| (i as usize) < count).ok_or(i);
         let wrong = |i| {
             Error::new_err(format!(
@@ -56,8 +58,7 @@ fn mesh(vertices: &Bound<'_, PyAny>, faces: &Bound<'_, PyAny>) -> PyResult<api::
         let [a, b, c] = face.map(index);
         Ok([a.map_err(wrong)?, b.map_err(wrong)?, c.map_err(wrong)?])
     };
-    let triangles = indices.into_iter().enumerate().map(triangle).collect::<PyResult<_>>()?;
-    let positions = positions.into_iter().map(Vec3::from).collect();
+    let triangles = collected(rows(&faces)?.iter().enumerate().map(triangle))?;
     Ok(api::MeshData { positions, triangles, ..api::MeshData::default() })
 }
 
@@ -72,8 +73,12 @@ fn array<'py, T: Element>(
     let py = value.py();
     let rules = [("casting", "same_kind"), ("order", "C")].into_py_dict(py)?;
     let array = py.import("numpy")?.call_method1("asarray", (value,))?;
-    let array: PyReadonlyArrayDyn<'py, T> =
-        array.call_method("astype", (kind,), Some(&rules))?.extract()?;
+    let cast = array.call_method("astype", (kind,), Some(&rules));
+    let wrong = |error: PyErr| match error.is_instance_of::<PyTypeError>(py) {
+        true => PyTypeError::new_err(format!("{name}: {}", error.value(py))),
+        false => error,
+    };
+    let array: PyReadonlyArrayDyn<'py, T> = cast.map_err(wrong)?.extract()?;
     let shape = array.shape();
     if shape.len() != expected.split(',').count() || shape.last() != Some(&3) {
         let message = format!("{name}: must have the shape {expected}, found {shape:?}");
@@ -83,15 +88,27 @@ fn array<'py, T: Element>(
 }
 
 /// The rows of an array whose last dimension is 3.
-fn rows<T: Element + Copy>(array: &PyReadonlyArrayDyn<'_, T>) -> PyResult<Vec<[T; 3]>> {
-    Ok(array.as_slice()?.as_chunks().0.to_vec())
+fn rows<'a, T: Element>(array: &'a PyReadonlyArrayDyn<'_, T>) -> PyResult<&'a [[T; 3]]> {
+    Ok(array.as_slice()?.as_chunks().0)
+}
+
+/// The values as a list, or an exception if the system refuses the memory.
+fn collected<T>(values: impl ExactSizeIterator<Item = PyResult<T>>) -> PyResult<Vec<T>> {
+    let mut list = Vec::new();
+    let refused = |error: TryReserveError| PyMemoryError::new_err(error.to_string());
+    list.try_reserve_exact(values.len()).map_err(refused)?;
+    for value in values {
+        list.push(value?);
+    }
+    Ok(list)
 }
 
 /// An array of linear colours as an image.
 pub(crate) fn film(image: &Bound<'_, PyAny>) -> PyResult<api::Film> {
     let array = array::<f32>("image", image, "float32", "(height, width, 3)")?;
     let side = |i: usize| u32::try_from(array.shape()[i]).unwrap_or(u32::MAX);
-    api::Film::from_pixels(side(1), side(0), rows(&array)?).map_err(|e| exception(&e))
+    let pixels = collected(rows(&array)?.iter().map(|&row| Ok(row)))?;
+    api::Film::from_pixels(side(1), side(0), pixels).map_err(|e| exception(&e))
 }
 
 /// The value with that name.

@@ -33,7 +33,11 @@ fn exception(error: &api::Error) -> PyErr {
 ///
 /// Values are linear red, green and blue; 8-bit formats store 0 to 1. The number of threads does not change them.
 ///
-/// Raises wavecrest.Error if the input cannot be rendered, and issues warnings. Ctrl-C stops the render.
+/// Raises wavecrest.Error if the input cannot be rendered, or if the system refuses the memory that the render is
+/// estimated to take; issues warnings. Ctrl-C stops the render.
+///
+/// >>> image = wavecrest.render(mesh.vertices, mesh.faces, view="iso", width=800, height=600)  # a mesh of trimesh
+/// >>> wavecrest.save("mesh.png", image)
 #[pyfunction]
 #[pyo3(signature = (scene, faces=None, *, width=None, height=None, camera=None, view=None, up=None, fov=None,
                     lights=None, background=None, crease=None, seed=0, precision=None, threads=None))]
@@ -79,7 +83,7 @@ fn render<'py>(
         PyErr::warn(py, &category, &text, 1)?;
     }
     let [height, width] = [film.height(), film.width()].map(|side| side as usize);
-    film.pixels().as_flattened().to_vec().into_pyarray(py).reshape([height, width, 3])
+    film.into_pixels().into_flattened().into_pyarray(py).reshape([height, width, 3])
 }
 
 /// Writes an image returned by render to a .png, .ppm, .exr or .pfm file.
@@ -95,6 +99,7 @@ fn save(path: PathBuf, image: Bound<'_, PyAny>, transfer: Option<String>) -> PyR
     image.py().detach(|| api::write_image(&film, &path, transfer)).map_err(|e| exception(&e))
 }
 
+/// Renders scenes, mesh files and arrays to NumPy arrays: render and save.
 #[pymodule]
 fn wavecrest(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;

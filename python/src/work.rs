@@ -1,4 +1,8 @@
 //! Renders on a worker thread, while Python's own thread waits and checks for Ctrl-C.
+//!
+//! If a list cannot grow, Rust aborts the process, and with it the interpreter. So the memory that a
+//! render needs is requested and freed before a file is read and before the tree is built: a refusal
+//! is then an error.
 
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -8,6 +12,7 @@ use std::time::Duration;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use wavecrest_api as api;
+use wavecrest_api::memory::{Asked, Estimate, estimate, estimate_extracted};
 
 use super::input::Source;
 use super::{Error, exception};
@@ -44,6 +49,15 @@ impl api::Watch for Cancel {
 
 impl Job {
     fn run(self, cancel: &Cancel) -> api::Result<Done> {
+        let rendering = api::RenderOptions { seed: self.seed, ..Default::default() };
+        if let Source::File(path) = &self.source
+            && path.is_file()
+        {
+            let survey = api::survey(path, &self.options)?;
+            let batch = rendering.batch;
+            let asked = Asked { pixels: None, preset: None, batch, flat: false };
+            estimate(&survey, asked).check_room()?;
+        }
         let mut loaded = match self.source {
             Source::File(path) => api::load(&path, &self.options),
             Source::Json(json) => api::load_str(&json, Path::new("scene"), &self.options),
@@ -54,10 +68,12 @@ impl Job {
         let options = api::ExtractOptions { precision: self.precision, ..Default::default() };
         let extracted = api::extract(&mut loaded.world, options)?;
         let (preset, file) = (extracted.preset(), extracted.file().to_owned());
+        let estimated = estimate_extracted(&extracted, extracted.pixels(), preset, rendering.batch);
+        // These parts are in memory by now.
+        Estimate { geometry: 0, program: 0, loading: 0, ..estimated }.check_room()?;
         let scene = extracted.build(preset);
         loaded.warnings.extend(api::warnings(&scene, &file));
-        let options = api::RenderOptions { seed: self.seed, ..Default::default() };
-        let film = api::render(&scene, &options, cancel)?.film;
+        let film = api::render(&scene, &rendering, cancel)?.film;
         Ok(Done { film, warnings: loaded.warnings })
     }
 }
@@ -69,17 +85,19 @@ pub(crate) fn run(py: Python<'_>, job: Job, threads: Option<u16>) -> PyResult<Do
         return Err(Error::new_err(message));
     }
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.map_or(0, usize::from)).build();
-    let pool =
-        pool.map_err(|error| Error::new_err(format!("cannot start the threads: {error}")))?;
+    let cannot_start = |error| Error::new_err(format!("cannot start the threads: {error}"));
+    let pool = pool.map_err(|error| cannot_start(error.to_string()))?;
     let (cancel, waiting, finished) =
         (Cancel::default(), thread::current(), AtomicBool::new(false));
     thread::scope(|scope| {
-        let worker = scope.spawn(|| {
+        let work = || {
             let done = pool.install(|| job.run(&cancel));
             finished.store(true, Ordering::Release);
             waiting.unpark();
             done
-        });
+        };
+        let worker = thread::Builder::new().spawn_scoped(scope, work);
+        let worker = worker.map_err(|error| cannot_start(error.to_string()))?;
         let mut signal = Ok(());
         // A panic leaves `finished` as it is.
         while !(finished.load(Ordering::Acquire) || worker.is_finished()) {

@@ -115,10 +115,23 @@ class Wavecrest(unittest.TestCase):
         self.assert_refused("crease", VERTICES, FACES, crease=200)
         self.assert_refused("fov", VERTICES, FACES, fov=180)
         self.assert_refused("threads", SCENE, threads=0)
-        with self.assertRaises(TypeError):
+        with self.assertRaisesRegex(TypeError, "faces: .*float64"):
             wavecrest.render(VERTICES, np.array(FACES) + 0.5)
         with self.assertRaises(TypeError):
             wavecrest.render(7)
+
+    @unittest.skipUnless(sys.platform == "linux", "limits and their measure are those of Linux")
+    def test_refused_memory_is_an_exception(self):
+        path = self.folder / "knot.ply"
+        subprocess.run(["wavecrest", "generate", "knot", path, "--triangles", "1M"], check=True, capture_output=True)
+        code = """
+import resource, sys, wavecrest
+taken = int(open("/proc/self/statm").read().split()[0]) * resource.getpagesize()
+resource.setrlimit(resource.RLIMIT_AS, (taken + 2**25, resource.RLIM_INFINITY))
+wavecrest.render(sys.argv[1], threads=1)"""
+        ended = subprocess.run([sys.executable, "-c", code, path], capture_output=True, text=True)
+        self.assertEqual(ended.returncode, 1, ended.stderr)
+        self.assertIn("wavecrest.Error: the system refused", ended.stderr)
 
     def test_what_is_odd_is_a_warning(self):
         odd = {**SCENE, "nbounce": 2}

@@ -3,6 +3,8 @@
 use crate::components::TextureRef;
 use crate::survey::{Survey, SurveyedMesh};
 use crate::systems::{Extracted, textures};
+use wavecrest_base::error::Result;
+use wavecrest_base::memory::reserve;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::prepared::{PreparedScene, largest};
 use wavecrest_core::render::batch_size;
@@ -65,6 +67,20 @@ impl Estimate {
         let lasting = self.geometry + self.appearance + self.program;
         let tracing = self.tree + self.film + self.batches + self.decoding;
         (lasting + self.build.max(tracing)).max(self.loading)
+    }
+
+    /// Allocates as much memory as the total, and frees it again. Programs with Rust's own allocator,
+    /// which aborts if memory is refused, can check before they begin.
+    ///
+    /// # Errors
+    /// If the system refuses that much.
+    pub fn check_room(&self) -> Result<()> {
+        let bytes = usize::try_from(self.total()).unwrap_or(usize::MAX);
+        let room = reserve::<u8>(bytes, "the render")
+            .map_err(|error| error.remedy("free some, or use a smaller scene or image"))?;
+        // The compiler may leave out an allocation that nothing reads.
+        std::hint::black_box(room.as_ptr());
+        Ok(())
     }
 }
 
