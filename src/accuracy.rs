@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use indicatif::ProgressBar;
 
-use super::common::{Threads, above_zero, print, progress_bar, tell};
+use super::common::{Threads, above_zero, print, progress_bar, tell, whole};
 use wavecrest_base::error::Result;
 use wavecrest_report::accuracy::answer::ERRORS;
 use wavecrest_report::accuracy::pilot::Pilot;
@@ -42,19 +42,19 @@ pub(crate) struct AccuracyArgs {
     #[arg(long, value_name = "ERROR", value_parser = above_zero, requires = "advise")]
     pub(crate) target_error: Option<f64>,
     /// Greatest image side, in pixels
-    #[arg(long, value_name = "PIXELS", default_value_t = 160, value_parser = clap::value_parser!(u32).range(1..=65536))]
+    #[arg(long, value_name = "PIXELS", default_value_t = 160, value_parser = whole(1..=65536_u32))]
     pub(crate) side_pixels: u32,
     /// Errors whose cost to report, comma-separated
     #[arg(long, value_name = "ERRORS", value_parser = above_zero, value_delimiter = ',', default_values_t = ERRORS)]
     pub(crate) errors: Vec<f64>,
     /// Renders of each setting, with different seeds
-    #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(2..=4096))]
+    #[arg(long, value_name = "N", default_value_t = 16, value_parser = whole(2..=4096_u32))]
     pub(crate) seeds: u32,
     /// Greatest number of points on a light, on the lens or in a pixel
-    #[arg(long, value_name = "N", default_value_t = 2025, value_parser = clap::value_parser!(u32).range(1..=65536))]
+    #[arg(long, value_name = "N", default_value_t = 2025, value_parser = whole(1..=65536_u32))]
     pub(crate) most: u32,
     /// Least number of points of each kind in a reference render
-    #[arg(long, value_name = "N", default_value_t = 5041, value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
+    #[arg(long, value_name = "N", default_value_t = 5041, value_parser = whole(1..=1_u32 << 20))]
     pub(crate) reference: u32,
     /// Do not measure what each effect costs
     #[arg(long)]

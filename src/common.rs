@@ -1,7 +1,10 @@
 //! Options, output and progress shared by several commands.
 
+use std::fmt::Display;
 use std::io::{ErrorKind as IoKind, IsTerminal, Write};
+use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
+use std::str::FromStr;
 use std::sync::{Mutex, PoisonError};
 
 use bytesize::ByteSize;
@@ -171,7 +174,7 @@ fn simd(text: &str) -> std::result::Result<Level, String> {
 #[derive(Clone, Copy, Debug, clap::Args)]
 pub(crate) struct Threads {
     /// Number of threads [default: one per core]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=4096))]
+    #[arg(long, value_name = "N", value_parser = whole(1..=4096_u16))]
     pub(crate) threads: Option<u16>,
 }
 
@@ -289,6 +292,19 @@ pub(crate) fn crop(text: &str) -> std::result::Result<Tile, String> {
     match numbers.as_deref() {
         Some(&[x, y, width, height]) => Ok(Tile { x, y, width, height }),
         _ => Err("write four whole numbers: x,y,width,height, such as 0,0,64,64".to_owned()),
+    }
+}
+
+/// A whole number in this range.
+pub(crate) fn whole<T>(
+    range: RangeInclusive<T>,
+) -> impl Fn(&str) -> std::result::Result<T, String> + Clone + Send + Sync + 'static
+where
+    T: FromStr + PartialOrd + Display + Clone + Send + Sync + 'static,
+{
+    move |text| {
+        let found = text.parse().ok().filter(|number| range.contains(number));
+        found.ok_or_else(|| format!("use a whole number from {} to {}", range.start(), range.end()))
     }
 }
 

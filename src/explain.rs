@@ -8,7 +8,7 @@ use std::time::Instant;
 use glam::DVec3;
 use serde::Serialize;
 
-use super::common::{Extent, SceneOptions, grouped, print, to_json, warn};
+use super::common::{Extent, SceneOptions, grouped, print, to_json, warn, whole};
 use wavecrest_base::error::Result;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::kernels::precision::Precision;
@@ -39,7 +39,7 @@ pub(crate) struct ExplainArgs {
     pub(crate) json: bool,
     /// Paths in a batch of the wavefront tracer
     #[arg(long, value_name = "PATHS", default_value_t = DEFAULT_BATCH as u32,
-          value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
+          value_parser = whole(1..=1_u32 << 20))]
     pub(crate) batch: u32,
     /// Scene
     #[command(flatten)]

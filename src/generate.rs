@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use indicatif::HumanBytes;
 
-use super::common::{tell, with_bar};
+use super::common::{tell, whole, with_bar};
 use crate::choice::choice;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_scene::generate::{Model, Recipe, Written, write_ply};
@@ -30,7 +30,7 @@ pub(crate) struct GenerateArgs {
     pub(crate) triangles: u64,
 
     /// Seed of the random numbers
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole(0..=u64::MAX))]
     pub(crate) seed: u64,
 
     /// Displacement: a share of the radius (sphere, knot), a height (terrain) or the depth of folds (room)

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use crate::choice::choice;
+use crate::common::whole;
 use crate::lighting::LightingOptions;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_scene::load::framing::{Fit, Fov, Framing, Sheet, Side, Up};
@@ -12,10 +13,10 @@ use wavecrest_scene::load::{FileFormat, LONGEST_SIDE, LoadOptions};
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct InputOptions {
     /// Width of the image in pixels [default: in proportion to --height, or that of the scene; 1024 for a mesh]
-    #[arg(long, value_name = "PIXELS", value_parser = side, allow_negative_numbers = true)]
+    #[arg(long, value_name = "PIXELS", value_parser = side)]
     pub(crate) width: Option<u32>,
     /// Height of the image in pixels [default: in proportion to --width, or that of the scene; 768 for a mesh]
-    #[arg(long, value_name = "PIXELS", value_parser = side, allow_negative_numbers = true)]
+    #[arg(long, value_name = "PIXELS", value_parser = side)]
     pub(crate) height: Option<u32>,
     /// Camera of a glTF file, by name or number [default: the first]
     #[arg(long, value_name = "NAME")]
@@ -102,7 +103,7 @@ pub(crate) struct FramingOptions {
     #[arg(long, value_name = "SHARE", conflicts_with = "camera")]
     pub(crate) fit: Option<Fit>,
     /// Turn once around a mesh or a glTF file in this many frames, numbered from 1
-    #[arg(long, value_name = "FRAMES", value_parser = clap::value_parser!(u32).range(2..=3600), conflicts_with = "camera")]
+    #[arg(long, value_name = "FRAMES", value_parser = whole(2..=3600_u32), conflicts_with = "camera")]
     pub(crate) turntable: Option<u32>,
     /// Show a mesh or a glTF file from several sides in one image, with a name under each
     #[arg(long, value_name = "SIDE,SIDE,...", allow_hyphen_values = true,

@@ -99,7 +99,14 @@ fn failed(error: &Error) -> ExitCode {
 /// The command line of clap.
 fn program() -> clap::Command {
     let codes = exit::CODES.map(|(code, meaning)| format!("\n  {code}  {meaning}"));
-    Cli::command().after_help(format!("Exit codes:{}", codes.concat()))
+    // The parser of each value knows its range; clap would take -1 for an option.
+    let negative = |arg: clap::Arg| {
+        let takes_values = arg.get_action().takes_values();
+        if takes_values { arg.allow_negative_numbers(true) } else { arg }
+    };
+    Cli::command()
+        .mut_subcommands(|command| command.mut_args(negative))
+        .after_help(format!("Exit codes:{}", codes.concat()))
 }
 
 /// The arguments, with `render` inserted if they name no command.

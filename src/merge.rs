@@ -54,7 +54,8 @@ pub(crate) fn run(args: &MergeArgs) -> Result<()> {
     write_with(&film, &args.output, args.transfer.unwrap_or(transfer), &extras)?;
     if !args.quiet {
         let (name, parts) = (args.output.display(), args.parts.len());
-        tell(&format!("{name}  {}x{}  {parts} parts", film.width(), film.height()));
+        let parts = if parts == 1 { "1 part".to_owned() } else { format!("{parts} parts") };
+        tell(&format!("{name}  {}x{}  {parts}", film.width(), film.height()));
     }
     if invalid > 0 {
         tell(&format!("warning: {invalid} samples were not finite and count as black"));

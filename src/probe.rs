@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use glam::Vec3;
 
-use super::common::{Extent, SceneOptions, SearchOptions, print, rounded, to_json};
+use super::common::{Extent, SceneOptions, SearchOptions, print, rounded, to_json, whole};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::probe::{Bounce, Light, Met, Path, PixelRecord, Surface, Verdict, pixel};
 
@@ -17,13 +17,13 @@ pub(crate) struct ProbeArgs {
     /// Scene (.json, .gltf, .glb) or mesh (.ply, .obj, .stl)
     pub(crate) scene: PathBuf,
     /// Pixel, counted from 0,0 at the top left
-    #[arg(long, value_name = "X,Y", value_parser = place)]
+    #[arg(long, value_name = "X,Y", value_parser = place, allow_hyphen_values = true)]
     pub(crate) pixel: [u32; 2],
     /// Report only this sample of the pixel
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = whole(0..=u32::MAX))]
     pub(crate) sample: Option<u32>,
     /// Seed of the render
-    #[arg(long, default_value_t = 0)]
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = whole(0..=u64::MAX))]
     pub(crate) seed: u64,
     /// Print JSON
     #[arg(long)]

@@ -15,7 +15,7 @@ use self::asked::Asked;
 use self::examine::Examined;
 use self::ratios::Ratio;
 use self::yields::Yield;
-use super::common::{Threads, print, progress_bar, to_json};
+use super::common::{Threads, print, progress_bar, to_json, whole};
 use crate::choice::choice;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::kernels::precision::Precision;
@@ -40,7 +40,7 @@ pub(crate) struct SelftestArgs {
     #[arg(long)]
     pub(crate) full: bool,
     /// Seed of the inputs; the same seed repeats a failure
-    #[arg(long, value_name = "N", default_value_t = 1)]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole(0..=u64::MAX))]
     pub(crate) seed: u64,
     /// Print JSON
     #[arg(long)]

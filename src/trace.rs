@@ -6,7 +6,7 @@ mod report;
 use std::path::PathBuf;
 use std::time::Instant;
 
-use super::common::{SearchOptions, Threads, print, to_json};
+use super::common::{SearchOptions, Threads, print, to_json, whole};
 use crate::choice::choice;
 use passes::{Answers, Passes};
 use report::{Compared, Report};
@@ -50,7 +50,7 @@ pub(crate) struct TraceArgs {
     pub(crate) search: SearchOptions,
     /// Timed passes over the rays; the median is reported
     #[arg(long, value_name = "N", default_value_t = 5,
-          value_parser = clap::value_parser!(u32).range(1..=10_000))]
+          value_parser = whole(1..=10_000_u32))]
     pub(crate) repeats: u32,
     /// Print JSON
     #[arg(long)]

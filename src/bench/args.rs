@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use crate::choice::choice;
-use crate::common::{SceneOptions, SearchOptions};
+use crate::common::{SceneOptions, SearchOptions, whole};
 use wavecrest_core::render::{RenderOptions, TracerKind};
 use wavecrest_core::wavefront::DEFAULT_BATCH;
 use wavecrest_report::bench::compare::Axis;
@@ -23,11 +23,11 @@ pub(crate) struct BenchArgs {
     pub(crate) effects: bool,
     /// Greatest number of timed pairs of runs; fewer if --min-time is reached, but at least 6
     #[arg(long, value_name = "N", default_value_t = 50,
-          value_parser = clap::value_parser!(u16).range(1..=10_000))]
+          value_parser = whole(1..=10_000_u16))]
     pub(crate) repeats: u16,
     /// Untimed pairs of runs at the start
     #[arg(long, value_name = "N", default_value_t = 1,
-          value_parser = clap::value_parser!(u16).range(1..=10_000))]
+          value_parser = whole(1..=10_000_u16))]
     pub(crate) warmup: u16,
     /// Least total time of each tracer, up to --repeats pairs of runs
     #[arg(long, value_name = "SECONDS", default_value = "1", value_parser = seconds)]
@@ -47,10 +47,10 @@ pub(crate) struct BenchArgs {
     pub(crate) page: Option<PathBuf>,
     /// Paths in a batch of the wavefront tracer
     #[arg(long, value_name = "PATHS", default_value_t = DEFAULT_BATCH as u32,
-          value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
+          value_parser = whole(1..=1_u32 << 20))]
     pub(crate) batch: u32,
     /// Seed of the random numbers
-    #[arg(long, default_value_t = 0)]
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = whole(0..=u64::MAX))]
     pub(crate) seed: u64,
     /// Traversal
     #[command(flatten)]

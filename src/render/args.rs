@@ -9,7 +9,7 @@ mod show;
 use std::path::PathBuf;
 
 use crate::choice::choice;
-use crate::common::{Extent, SceneOptions, SearchOptions, above_zero, crop};
+use crate::common::{Extent, SceneOptions, SearchOptions, above_zero, crop, whole};
 use crate::develop::DevelopOptions;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::render::{RenderOptions, TracerKind};
@@ -42,14 +42,14 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_parser = choice::<TracerKind>(), default_value_t)]
     pub(crate) tracer: TracerKind,
     /// Render only this part of the image, in pixels from the top left
-    #[arg(long, value_name = "X,Y,WIDTH,HEIGHT", value_parser = crop)]
+    #[arg(long, value_name = "X,Y,WIDTH,HEIGHT", value_parser = crop, allow_hyphen_values = true)]
     pub(crate) crop: Option<Tile>,
     /// Seed of the random numbers
-    #[arg(long, default_value_t = 0)]
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = whole(0..=u64::MAX))]
     pub(crate) seed: u64,
     /// Paths in a batch of the wavefront tracer; does not change the image
     #[arg(long, value_name = "PATHS", default_value_t = DEFAULT_BATCH as u32,
-          value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
+          value_parser = whole(1..=1_u32 << 20))]
     pub(crate) batch: u32,
     /// Traversal
     #[command(flatten)]

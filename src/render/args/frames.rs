@@ -2,6 +2,7 @@
 
 use std::str::FromStr;
 
+use crate::common::whole;
 use wavecrest_image::farm::Shard;
 
 /// Largest number of frames in a range.
@@ -11,7 +12,7 @@ const MAX_FRAMES: u32 = 1_000_000;
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct FrameOptions {
     /// Render this frame of the camera's path
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = whole(0..=u32::MAX))]
     pub(crate) frame: Option<u32>,
     /// Render frames A to B, one image each; every # in the output's name stands for a digit of the frame number.
     /// With --shard, each shard renders whole frames

@@ -355,7 +355,7 @@ fn a_camera_is_chosen_by_name_or_number() {
     let half = (flat.fov_degrees / 2.0).to_radians().tan() * flat.location.z;
     assert!((half - 1.0).abs() < 1e-9 && flat.location.z > 100.0, "{half}");
     let error = view(Some("near")).expect_err("there is none").to_string();
-    assert!(error.contains("found near; it has 0, 1 (far), 2"), "{error}");
+    assert!(error.contains("found near; the scene has the cameras 0, 1 (far), 2"), "{error}");
 }
 
 #[test]

@@ -82,6 +82,9 @@ impl FromStr for Shard {
         let Some((Ok(number), Ok(count))) = numbers else {
             return Err("write the shard's number and their count, such as 3/7".to_owned());
         };
-        Self::new(number, count).ok_or_else(|| format!("shards are numbered from 1 to {count}"))
+        Self::new(number, count).ok_or_else(|| match count {
+            0 => "there must be at least one shard, such as 1/1".to_owned(),
+            _ => format!("shards are numbered from 1 to {count}"),
+        })
     }
 }

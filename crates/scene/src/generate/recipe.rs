@@ -138,7 +138,7 @@ impl Recipe {
             return Ok(());
         }
         let (kind, what) = if self.triangles < fewest {
-            (ErrorKind::Usage, "has more triangles")
+            (ErrorKind::Usage, "needs more triangles")
         } else {
             (ErrorKind::Limit, "cannot have so many triangles")
         };

@@ -198,5 +198,5 @@ fn not_there(
     if names.is_empty() {
         return error.remedy("the file has no cameras; leave out --camera to use the default");
     }
-    error.remedy(format!("it has {}", names.join(", ")))
+    error.remedy(format!("the scene has the cameras {}", names.join(", ")))
 }
