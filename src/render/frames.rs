@@ -122,7 +122,7 @@ impl<'a> Shoot<'a> {
         place(&mut self.scene, frame, &self.args.scene)?;
         self.tell(outputs);
         let seen = Seen { outputs, reporter: self.reporter, interrupt: &self.interrupt };
-        let (rendered, _) = parts::trace(one, &self.scene, &seen)?;
+        let (rendered, _) = parts::trace(one, &self.scene, &seen, None)?;
         if !rendered.finished {
             let name = outputs.name();
             let error = self.interrupt.error(0.0);

@@ -1,5 +1,5 @@
 //! Renders for a target error or a time budget: a pilot chooses the samples and predicts the error,
-//! which is then measured.
+//! which is then measured. A render that turns out too slow for its budget begins again with fewer.
 
 use std::time::Instant;
 
@@ -12,7 +12,8 @@ use wavecrest_core::accel::build::Preset;
 use wavecrest_core::math::sampling::Points;
 use wavecrest_core::prepared::{Original, PreparedScene};
 use wavecrest_core::render::Rendered;
-use wavecrest_report::accuracy::pilot::{Choice, Pilot, error, is_sampled};
+use wavecrest_report::accuracy::pilot::budget::{Budget, Pace, Task, in_time};
+use wavecrest_report::accuracy::pilot::{Choice, Pilot, error, is_sampled, measured_share};
 use wavecrest_report::plot::number::figure;
 use wavecrest_report::statistics::Goal;
 
@@ -21,9 +22,6 @@ const MAX_RENDERS: u32 = 3;
 
 /// Accepted ratio of the error to the target.
 const ACCEPTED: f64 = 1.1;
-
-/// Share of the remaining time to plan for: the rest is for writing and for the error of the pilot.
-const PLANNED_SHARE: f64 = 0.9;
 
 /// A render with its preset and its choice of samples.
 pub(super) struct Traced {
@@ -43,26 +41,16 @@ pub(super) fn trace(
     seen: &Seen<'_>,
     start: Instant,
 ) -> Result<Traced> {
-    if args.target_error.is_none() && args.time_budget.is_none() {
-        return plain(args, scene, preset, seen);
-    }
-    let original = scene.original();
-    let pilot = Pilot::run(scene, &original, args.seed)?;
-    match choose(args, &pilot, start) {
-        Some(choice) => Aimed { args, seen, original }.trace(scene, choice, preset),
-        None => plain(args, scene, preset, seen),
-    }
-}
-
-/// The choice of the pilot; `None` without a goal.
-fn choose(args: &RenderArgs, pilot: &Pilot, start: Instant) -> Option<Choice> {
-    match (args.target_error, args.time_budget) {
-        (Some(error), _) => pilot.for_error(error),
-        (None, Some(budget)) => {
-            pilot.for_time((budget - start.elapsed().as_secs_f64()).max(0.0) * PLANNED_SHARE)
+    let aimed = Aimed { args, seen, original: scene.original() };
+    let traced = match (args.target_error, args.time_budget) {
+        (Some(error), _) => aimed.for_error(scene, error, preset)?,
+        (None, Some(seconds)) => {
+            let clock = || start.elapsed().as_secs_f64();
+            aimed.in_time(scene, &Budget::new(&clock, seconds), preset)?
         }
         (None, None) => None,
-    }
+    };
+    traced.map_or_else(|| plain(args, scene, preset, seen), Ok)
 }
 
 /// Prints a note, and adds it to the log.
@@ -82,39 +70,98 @@ struct Aimed<'a> {
 }
 
 impl Aimed<'_> {
-    /// Renders, and repeats with more points while the error is too large.
-    fn trace(
+    /// Renders, and repeats with more points while the error is above `asked`. `None` without a
+    /// choice.
+    fn for_error(
         &self,
         scene: &mut PreparedScene,
-        mut choice: Choice,
+        asked: f64,
         mut preset: Preset,
-    ) -> Result<Traced> {
+    ) -> Result<Option<Traced>> {
         let args = self.args;
+        let pilot = Pilot::run(scene, &self.original, args.seed)?;
+        let Some(mut choice) = pilot.for_error(asked) else { return Ok(None) };
         let mut renders = 0;
         loop {
+            renders += 1;
             scene.resample(&self.original, &choice.samples());
             preset = choose_tree(args, scene, preset);
-            say(args, self.seen, &format!("chosen: {choice}"));
-            let (rendered, resumed) = trace_once(args, scene, self.seen)?;
+            let (rendered, resumed) = self.trace(scene, &choice, None)?;
             if !rendered.finished {
-                return Ok(Traced { rendered, preset, goal: None, resumed });
+                return Ok(Some(Traced { rendered, preset, goal: None, resumed }));
             }
-            renders += 1;
-            let found = match is_sampled(scene) {
-                true => Some(error(scene, Some(&rendered.film), args.seed)?),
-                false => None,
-            };
-            say(args, self.seen, &measured(found));
-            match args.target_error.zip(found).filter(|(asked, found)| *found > asked * ACCEPTED) {
-                Some((asked, found)) if renders < MAX_RENDERS => {
-                    choice = finer(&choice, found / asked);
-                }
+            let found = self.measure(scene, &rendered)?;
+            match found.filter(|found| *found > asked * ACCEPTED) {
+                Some(found) if renders < MAX_RENDERS => choice = finer(&choice, found / asked),
                 _ => {
-                    let goal = Some(goal(args, &choice, found, renders));
-                    return Ok(Traced { rendered, preset, goal, resumed });
+                    let goal = Some(goal(format!("error {asked}"), &choice, found, renders));
+                    return Ok(Some(Traced { rendered, preset, goal, resumed }));
                 }
             }
         }
+    }
+
+    /// Renders within `budget`. `None` without a choice.
+    fn in_time(
+        &self,
+        scene: &mut PreparedScene,
+        budget: &Budget<'_>,
+        mut preset: Preset,
+    ) -> Result<Option<Traced>> {
+        let args = self.args;
+        let pilot = Pilot::within(scene, &self.original, args.seed, &budget.for_pilot())?;
+        if let Some(choice) = pilot.for_time(budget.left()) {
+            scene.resample(&self.original, &choice.samples());
+            preset = choose_tree(args, scene, preset);
+        }
+        let [width, height] = scene.camera.size().map(f64::from);
+        let in_flight = args.batch as usize * rayon::current_num_threads();
+        let task = Task {
+            measuring: measured_share(scene.camera.size()),
+            in_flight: in_flight as f64 / (width * height),
+        };
+        let mut renders = 0;
+        let done = in_time(&pilot, budget, task, |choice, pace| {
+            scene.resample(&self.original, &choice.samples());
+            let (rendered, resumed) = self.trace(scene, choice, Some(pace))?;
+            renders += 1;
+            let is_ended = rendered.finished || self.seen.interrupt.signal().is_some();
+            if let Some(expected) = pace.expected().filter(|_| !is_ended) {
+                let planned = choice.seconds;
+                let words =
+                    format!("too slow: about {expected:.1} s of tracing instead of {planned:.1} s");
+                say(args, self.seen, &(words + "; starting again with fewer points"));
+            }
+            Ok(((rendered, resumed), is_ended))
+        })?;
+        let Some((choice, (rendered, resumed))) = done else { return Ok(None) };
+        if !rendered.finished {
+            return Ok(Some(Traced { rendered, preset, goal: None, resumed }));
+        }
+        let found = self.measure(scene, &rendered)?;
+        let asked = args.time_budget.map_or_else(String::new, |seconds| format!("{seconds} s"));
+        let goal = goal(asked, &choice, found, renders);
+        Ok(Some(Traced { rendered, preset, goal: Some(goal), resumed }))
+    }
+
+    fn trace(
+        &self,
+        scene: &PreparedScene,
+        choice: &Choice,
+        pace: Option<&Pace<'_>>,
+    ) -> Result<(Rendered, f64)> {
+        say(self.args, self.seen, &format!("chosen: {choice}"));
+        trace_once(self.args, scene, self.seen, pace)
+    }
+
+    /// The measured error, if there is one.
+    fn measure(&self, scene: &PreparedScene, rendered: &Rendered) -> Result<Option<f64>> {
+        let found = match is_sampled(scene) {
+            true => Some(error(scene, Some(&rendered.film), self.args.seed)?),
+            false => None,
+        };
+        say(self.args, self.seen, &measured(found));
+        Ok(found)
     }
 }
 
@@ -136,7 +183,7 @@ fn plain(
     preset: Preset,
     seen: &Seen<'_>,
 ) -> Result<Traced> {
-    let (rendered, resumed) = trace_once(args, scene, seen)?;
+    let (rendered, resumed) = trace_once(args, scene, seen, None)?;
     Ok(Traced { rendered, preset, goal: None, resumed })
 }
 
@@ -162,12 +209,7 @@ fn finer(choice: &Choice, excess: f64) -> Choice {
     Choice { points, error: choice.error / excess, seconds: choice.seconds * more, ..*choice }
 }
 
-fn goal(args: &RenderArgs, choice: &Choice, found: Option<f64>, renders: u32) -> Goal {
-    let asked = match (args.target_error, args.time_budget) {
-        (Some(error), _) => format!("error {error}"),
-        (None, Some(seconds)) => format!("{seconds} s"),
-        (None, None) => String::new(),
-    };
+fn goal(asked: String, choice: &Choice, found: Option<f64>, renders: u32) -> Goal {
     Goal {
         asked,
         samples: choice.to_string(),

@@ -5,7 +5,8 @@ use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::counters::Counters;
 use wavecrest_core::plan::schedule::{PASSES, unplanned};
 use wavecrest_core::prepared::PreparedScene;
-use wavecrest_core::render::{Rendered, Watch, render, window};
+use wavecrest_core::render::units::Order;
+use wavecrest_core::render::{Rendered, Watch, render, render_in_order, window};
 use wavecrest_image::look::{Look, draw_edges, film};
 use wavecrest_scene::load::LoadedScene;
 use wavecrest_scene::systems::{self, Extracted, Options, looks};
@@ -62,7 +63,9 @@ pub(super) fn trace(
     watch: &dyn Watch,
 ) -> Result<Rendered> {
     let (options, crop, seed) = (args.options(), args.crop, args.seed);
-    let Some(look) = args.look else { return render(scene, &options, watch) };
+    // The pace of a part is that of the whole only if it is a fair sample.
+    let order = if args.time_budget.is_some() { Order::Spread } else { Order::Rows };
+    let Some(look) = args.look else { return render_in_order(scene, &options, watch, order) };
     if look.is_shaded() {
         let mut rendered = render(scene, &options, watch)?;
         if look == Look::Wireframe && rendered.finished {

@@ -17,6 +17,7 @@ use wavecrest_core::render::{Rendered, Watch};
 use wavecrest_core::tile::Tile;
 use wavecrest_image::farm::checkpoint::Checkpoint;
 use wavecrest_image::farm::{Author, Session, Shard};
+use wavecrest_report::accuracy::pilot::budget::Pace;
 
 /// The extension of a part's name.
 const EXTENSION: &str = "part";
@@ -42,23 +43,27 @@ pub(super) fn check(args: &RenderArgs, output: &Path) -> Result<()> {
     parts.checkpoint().map_or(Ok(()), |checkpoint| checkpoint.check().map(drop))
 }
 
-/// Shows the render, and ends it on a signal.
+/// Shows the render, and ends it on a signal or if it is too slow.
 struct Screen<'a> {
     show: Show<'a>,
     interrupt: &'a Interrupt,
+    pace: Option<&'a Pace<'a>>,
 }
 
 impl<'a> Screen<'a> {
     fn new(args: &RenderArgs, scene: &PreparedScene, seen: &Seen<'a>) -> Self {
         seen.reporter.stage(Stage::Trace);
         let show = Show::new(args, seen.outputs, scene, seen.reporter);
-        Self { show, interrupt: seen.interrupt }
+        Self { show, interrupt: seen.interrupt, pace: None }
     }
 }
 
 impl Watch for Screen<'_> {
     fn progress(&self, done: u64, all: u64) {
         self.show.progress(done, all);
+        if let Some(pace) = self.pace {
+            pace.progress(done, all);
+        }
     }
 
     fn tile(&self, tile: &Tile, pixels: &[[f32; 3]]) {
@@ -66,17 +71,19 @@ impl Watch for Screen<'_> {
     }
 
     fn cancelled(&self) -> bool {
-        self.interrupt.signal().is_some()
+        self.interrupt.signal().is_some() || self.pace.is_some_and(Pace::is_late)
     }
 }
 
-/// Renders the image as requested; returns it with the share that a checkpoint held (0 to 1).
+/// Renders the image as requested, as long as its `pace` is good enough; returns it with the share
+/// that a checkpoint held (0 to 1).
 pub(super) fn trace(
     args: &RenderArgs,
     scene: &PreparedScene,
     seen: &Seen<'_>,
+    pace: Option<&Pace<'_>>,
 ) -> Result<(Rendered, f64)> {
-    let screen = Screen::new(args, scene, seen);
+    let screen = Screen { pace, ..Screen::new(args, scene, seen) };
     let Some(checkpoint) = args.parts.checkpoint() else {
         return look::trace(args, scene, &screen).map(|rendered| (rendered, 0.0));
     };

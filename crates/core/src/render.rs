@@ -13,7 +13,7 @@ use crate::film::Film;
 use crate::prepared::PreparedScene;
 use crate::tile::Tile;
 use crate::wavefront::DEFAULT_BATCH;
-use units::{Blocks, Grid};
+use units::{Blocks, Grid, Order};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use work::{Done, Job, Task};
 
@@ -84,10 +84,25 @@ pub fn render(
     options: &RenderOptions,
     watch: &dyn Watch,
 ) -> Result<Rendered> {
+    render_in_order(scene, options, watch, Order::Rows)
+}
+
+/// As [`render`], with the tiles in another `order`, which does not change the image.
+///
+/// # Errors
+/// As [`render`].
+pub fn render_in_order(
+    scene: &PreparedScene,
+    options: &RenderOptions,
+    watch: &dyn Watch,
+    order: Order,
+) -> Result<Rendered> {
     let grid = Grid::new(window(scene, options.crop)?, tile_edge(scene, options.batch));
     let blocks = Blocks::new(scene.camera.rays_per_pixel());
     let canvas = Canvas::new(grid, blocks, watch)?;
-    let task = |tile| Task { tile: tile as u32, blocks: 0..blocks.count(), sums: None };
+    let step = order.step(grid.len());
+    let tile = |number| (number as u64 * u64::from(step) % u64::from(grid.len())) as u32;
+    let task = |number| Task { tile: tile(number), blocks: 0..blocks.count(), sums: None };
     let job = Job { grid, blocks, count: grid.len() as usize, task: &task };
     let done = work::run(scene, options, &job, watch, &|summed| canvas.keep(summed))?;
     Ok(Rendered::new(canvas.finish(), done))

@@ -29,7 +29,7 @@
 //! | `columns.estimated`, `.held` | bytes | columns of the wavefront's batches on all threads: estimated, and allocated (the recursive tracer has none) |
 //! | `bvh.preset`, `.nodes`, `.depth`, `.bytes` | | the trees: all nodes, the largest depth |
 //! | `resumed` | | the share of the image that a checkpoint held (0 to 1): rays and other counts are those of this run only |
-//! | `goal.asked`, `.samples`, `.expected_error`, `.expected_seconds`, `.found_error`, `.renders` | | the choice for a target error or a time budget, and its outcome (`null` without either); `.found_error` is `null` without random samples |
+//! | `goal.asked`, `.samples`, `.expected_error`, `.expected_seconds`, `.found_error`, `.renders` | | the choice for a target error or a time budget, and its outcome (`null` without either); `.found_error` is `null` without random samples, `.expected_error` if a budget is too short to measure it |
 //! | `plan` | | each effect, whether it is simulated, and the reason |
 
 use serde::Serialize;

@@ -4,10 +4,14 @@
 //! of two independent renders is the mean squared error of one. The pilot measures it in windows
 //! all over the image, for a few numbers of points, and extrapolates linearly in logarithms. The
 //! time of a render is a constant plus a time for each point; both are measured on the whole image
-//! with few points.
+//! with few points. A pilot with little time measures fewer samplers and fewer numbers of points.
+
+pub mod budget;
 
 use std::fmt;
 use std::time::Instant;
+
+use rayon::prelude::*;
 
 use super::fit::Rng;
 use super::setting::{Facts, Target};
@@ -147,19 +151,27 @@ impl Choice {
 impl fmt::Display for Choice {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { points, axis, error, seconds } = self;
-        let (points, error) = (axis.counted(*points), figure(*error));
-        write!(f, "{points}: expected error {error}, {seconds:.2} s of tracing")
+        let points = axis.counted(*points);
+        match error.is_finite() {
+            true => write!(f, "{points}: expected error {}, ", figure(*error))?,
+            false => write!(f, "{points}: unknown error, ")?,
+        }
+        write!(f, "{seconds:.2} s of tracing")
     }
 }
 
 impl Curve {
-    /// The error with `count` points, extrapolated in logarithms from the last two measurements.
+    /// The error with `count` points, extrapolated in logarithms from the last two measurements;
+    /// infinite if there is none.
     fn error(&self, count: f64) -> f64 {
-        let [.., (n, first), (m, last)] = self.errors.as_slice() else { return f64::INFINITY };
+        let Some((m, last)) = self.errors.last() else { return f64::INFINITY };
         if *last <= 0.0 {
             return 0.0;
         }
-        let slope = libm::log(last / first) / libm::log(m / n);
+        let slope = match self.errors.as_slice() {
+            [.., (n, first), _] => libm::log(last / first) / libm::log(m / n),
+            _ => SLOPES[1],
+        };
         let slope = if slope.is_finite() { slope.clamp(SLOPES[0], SLOPES[1]) } else { SLOPES[1] };
         last * libm::pow(count / m, slope)
     }
@@ -191,11 +203,35 @@ impl Pilot {
     /// # Errors
     /// If there is no memory for an image.
     pub fn run(scene: &mut PreparedScene, original: &Original, seed: u64) -> Result<Self> {
+        Self::within(scene, original, seed, &|_| true)
+    }
+
+    /// As [`Pilot::run`], while `fits` allows work of some seconds. At least the time of one point
+    /// with the best sampler is measured.
+    ///
+    /// # Errors
+    /// As [`Pilot::run`].
+    pub fn within(
+        scene: &mut PreparedScene,
+        original: &Original,
+        seed: u64,
+        fits: &dyn Fn(f64) -> bool,
+    ) -> Result<Self> {
         // No timed render should wait for an image.
         scene.appearance.decode()?;
         let axis = Axis::of(&Facts::of(scene));
-        let curves = Sampling::ALL.into_iter().map(|s| curve(scene, original, s, axis, seed));
-        let curves = curves.collect::<Result<_>>()?;
+        let mut curves: Vec<Curve> = Vec::new();
+        let mut seconds = 0.0;
+        // The best first.
+        for sampling in Sampling::ALL.into_iter().rev() {
+            if !curves.is_empty() && !fits(seconds) {
+                break;
+            }
+            let start = Instant::now();
+            curves.push(curve(scene, original, (sampling, axis), seed, fits)?);
+            seconds = f64::max(seconds, start.elapsed().as_secs_f64());
+        }
+        curves.reverse();
         scene.resample(original, &Samples::default());
         Ok(Self { curves })
     }
@@ -223,36 +259,60 @@ impl Pilot {
 fn curve(
     scene: &mut PreparedScene,
     original: &Original,
-    sampling: Sampling,
-    axis: Axis,
+    (sampling, axis): (Sampling, Axis),
     seed: u64,
+    fits: &dyn Fn(f64) -> bool,
 ) -> Result<Curve> {
-    // The least of several alternating runs if they are short: other programs can only add to a
-    // time.
-    let mut times = [f64::INFINITY; TIMED.len()];
-    let start = Instant::now();
-    for repeat in 0..REPEATS {
-        if repeat > 0 && start.elapsed().as_secs_f64() > SHORT {
+    let resample = |scene: &mut PreparedScene, side| {
+        let points = Points { sampling, side };
+        scene.resample(original, &axis.samples(points));
+        f64::from(points.count())
+    };
+    let seconds = cost(fits, |side| {
+        resample(scene, side);
+        let options = RenderOptions { seed: pilot_seed(seed, 0), ..RenderOptions::default() };
+        render(scene, &options, &()).map(|rendered| rendered.seconds)
+    })?;
+    let mut errors = Vec::new();
+    for side in SIDES {
+        let count = resample(scene, side);
+        let share = measured_share(scene.camera.size());
+        // Two renders of the windows.
+        if !fits(2.0 * share * (seconds[0] + seconds[1] * count)) {
             break;
         }
-        for (side, seconds) in TIMED.into_iter().zip(&mut times) {
-            scene.resample(original, &axis.samples(Points { sampling, side }));
-            let options = RenderOptions { seed: pilot_seed(seed, 0), ..RenderOptions::default() };
-            *seconds = seconds.min(render(scene, &options, &())?.seconds);
+        errors.push((count, error(scene, None, seed)?));
+    }
+    Ok(Curve { sampling, axis, errors, seconds })
+}
+
+/// Seconds of a whole render independent of the points, and for each point, where `trace` returns
+/// those of a render with a grid of this side.
+fn cost(fits: &dyn Fn(f64) -> bool, mut trace: impl FnMut(u32) -> Result<f64>) -> Result<[f64; 2]> {
+    let [few, more] = TIMED.map(|side| f64::from(side * side));
+    let first = trace(TIMED[0])?;
+    // Without time for more points, the whole render counts as the cost of its points.
+    if !fits(first * more / few) {
+        return Ok([0.0, first / few]);
+    }
+    // The least of several alternating runs if they are short: other programs can only add to a
+    // time.
+    let mut times = [first, trace(TIMED[1])?];
+    let mut spent: f64 = times.iter().sum();
+    for _ in 1..REPEATS {
+        if spent > SHORT || !fits(times.iter().sum()) {
+            break;
+        }
+        for (side, least) in TIMED.into_iter().zip(&mut times) {
+            let seconds = trace(side)?;
+            *least = least.min(seconds);
+            spent += seconds;
         }
     }
-    let [few, more] = TIMED.map(|side| f64::from(side * side));
     // A point costs at least a part of the mean. If a busy machine slowed the first render, a point
     // would otherwise seem free, and any number affordable.
     let each = ((times[1] - times[0]) / (more - few)).max(LEAST_SHARE * times[1] / more);
-    let seconds = [(times[0] - each * few).max(0.0), each];
-    let mut errors = Vec::new();
-    for side in SIDES {
-        let points = Points { sampling, side };
-        scene.resample(original, &axis.samples(points));
-        errors.push((f64::from(points.count()), error(scene, None, seed)?));
-    }
-    Ok(Curve { sampling, axis, errors, seconds })
+    Ok([(times[0] - each * few).max(0.0), each])
 }
 
 /// Seeds of pilots, apart from those of renders.
@@ -265,6 +325,12 @@ pub fn is_sampled(scene: &PreparedScene) -> bool {
     Facts::of(scene).is_sampled(Target::Scene)
 }
 
+/// The share of an image of this size that is in windows.
+pub fn measured_share(size: [u32; 2]) -> f64 {
+    let pixels: usize = windows(size, &mut Rng::new(0)).iter().map(Tile::len).sum();
+    pixels as f64 / size.map(f64::from).iter().product::<f64>()
+}
+
 /// The error of `scene` with its current samples, in windows: between two own renders, or between
 /// `film`, the whole image, and one render. Without random samples all renders are equal, and say
 /// nothing of the error: see [`is_sampled`].
@@ -273,28 +339,32 @@ pub fn is_sampled(scene: &PreparedScene) -> bool {
 /// If there is no memory for a window.
 pub fn error(scene: &PreparedScene, film: Option<&Film>, seed: u64) -> Result<f64> {
     let mut rng = Rng::new(pilot_seed(seed, u64::from(film.is_some())));
-    let [width, height] = scene.camera.size();
-    let (mut squares, mut values) = (0.0, 0_u64);
-    for tile in windows([width, height], &mut rng) {
+    // A window is one tile: all threads have work only if there are several windows at once.
+    let tiles = windows(scene.camera.size(), &mut rng);
+    let found = tiles.into_par_iter().map(|tile| {
         let of = |number| {
             let seed = pilot_seed(seed, number);
             let options = RenderOptions { seed, crop: Some(tile), ..RenderOptions::default() };
             render(scene, &options, &()).map(|rendered| rendered.film)
         };
-        let one = of(1)?;
         let other = match film {
             Some(film) => film.part([tile.x, tile.y, tile.width, tile.height])?,
             None => of(2)?,
         };
-        for (a, b) in one.pixels().iter().zip(other.pixels()) {
-            for (a, b) in a.iter().zip(b) {
-                let difference = f64::from(*a) - f64::from(*b);
-                squares += difference * difference;
-                values += 1;
-            }
-        }
-    }
+        Ok(squares(&of(1)?, &other))
+    });
+    let found: Vec<(f64, usize)> = found.collect::<Result<_>>()?;
+    let (squares, values) = found.iter().fold((0.0, 0), |(s, v), (t, w)| (s + t, v + w));
     Ok((squares / 2.0 / values.max(1) as f64).sqrt())
+}
+
+/// The sum of the squared differences of two images, and their number.
+fn squares(one: &Film, other: &Film) -> (f64, usize) {
+    let values = one.pixels().as_flattened().iter().zip(other.pixels().as_flattened());
+    let difference = |(a, b): (&f32, &f32)| f64::from(*a) - f64::from(*b);
+    let squares: Vec<f64> =
+        values.map(difference).map(|difference| difference * difference).collect();
+    (squares.iter().sum(), squares.len())
 }
 
 /// A window in each part of the image, all of one size; the whole image if it is small.
