@@ -143,7 +143,7 @@ wavecrest.render(sys.argv[1], threads=1)"""
                 wavecrest.render(odd)
 
     def test_interrupt_ends_a_render(self):
-        code = "import sys, wavecrest; print(flush=True); wavecrest.render(sys.argv[1], width=16000, height=16000)"
+        code = "import sys, wavecrest; print(flush=True); wavecrest.render(sys.argv[1], width=8000, height=8000)"
         process = subprocess.Popen([sys.executable, "-c", code, self.ply()], stdout=subprocess.PIPE,
                                    stderr=subprocess.PIPE, text=True)
         process.stdout.readline()
