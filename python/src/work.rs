@@ -1,8 +1,8 @@
 //! Renders on a worker thread, while Python's own thread waits and checks for Ctrl-C.
 //!
 //! If a list cannot grow, Rust aborts the process, and with it the interpreter. So the memory that a
-//! render needs is requested and freed before a file is read and before the tree is built: a refusal
-//! is then an error.
+//! render needs is requested and freed before the input is read and before the tree is built: a
+//! refusal is then an error.
 
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -48,12 +48,18 @@ impl api::Watch for Cancel {
 }
 
 impl Job {
+    /// What the input contains; `None` for text, and for a file that can be read only once.
+    fn survey(&self) -> api::Result<Option<api::Survey>> {
+        match &self.source {
+            Source::File(path) if path.is_file() => api::survey(path, &self.options).map(Some),
+            Source::Mesh(mesh) => api::survey_mesh(mesh, &self.options).map(Some),
+            _ => Ok(None),
+        }
+    }
+
     fn run(self, cancel: &Cancel) -> api::Result<Done> {
         let rendering = api::RenderOptions { seed: self.seed, ..Default::default() };
-        if let Source::File(path) = &self.source
-            && path.is_file()
-        {
-            let survey = api::survey(path, &self.options)?;
+        if let Some(survey) = self.survey()? {
             let batch = rendering.batch;
             let asked = Asked { pixels: None, preset: None, batch, flat: false };
             estimate(&survey, asked).check_room()?;

@@ -129,9 +129,12 @@ pub use wavecrest_base::error::{Error, ErrorKind, Result, Warning};
 pub use wavecrest_core::prepared::PreparedScene;
 pub use wavecrest_scene::load::framing::{Fit, Fov, Framing, Side, Up};
 pub use wavecrest_scene::load::lighting::{Background, Lighting, Rig};
-pub use wavecrest_scene::load::{LoadOptions, LoadedScene, load, load_mesh, load_str, survey};
+pub use wavecrest_scene::load::{
+    LoadOptions, LoadedScene, load, load_mesh, load_str, survey, survey_mesh,
+};
 pub use wavecrest_scene::memory;
 pub use wavecrest_scene::mesh::MeshData;
+pub use wavecrest_scene::survey::Survey;
 pub use wavecrest_scene::systems::{Extracted, Options as ExtractOptions, extract, warnings};
 
 // From a prepared scene to pixels.

@@ -206,11 +206,7 @@ pub fn survey(path: &Path, options: &LoadOptions) -> Result<Survey> {
     match FileFormat::of(path)? {
         FileFormat::Scene => {}
         FileFormat::Gltf => return gltf::survey(path, options),
-        FileFormat::Mesh => {
-            let (width, height) = staging::size(options, None)?;
-            let smooths = options.lighting.crease_degrees > 0.0;
-            return survey::standalone(path, [width, height], smooths);
-        }
+        FileFormat::Mesh => return survey_standalone(mesh::survey(path)?, options),
     }
     let notes = notes(path, options);
     let text = read_text(path)?;
@@ -218,6 +214,19 @@ pub fn survey(path: &Path, options: &LoadOptions) -> Result<Survey> {
     let scene = parse::scene_file(&Cursor::new(&value, Place::Top, &notes), options)?;
     drop(value);
     survey::of(scene, text.len() as u64, &notes)
+}
+
+/// Surveys a mesh in memory, which [`load_mesh`] would take.
+///
+/// # Errors
+/// If the size of the image is not allowed.
+pub fn survey_mesh(mesh: &MeshData, options: &LoadOptions) -> Result<Survey> {
+    survey_standalone(survey::of_mesh(mesh), options)
+}
+
+fn survey_standalone(holds: mesh::Survey, options: &LoadOptions) -> Result<Survey> {
+    let (width, height) = staging::size(options, None)?;
+    Ok(survey::standalone(holds, [width, height], options.lighting.crease_degrees > 0.0))
 }
 
 fn read_text(path: &Path) -> Result<String> {

@@ -1,7 +1,5 @@
 //! Surveys the contents of a scene before anything large is read, for the memory estimate.
 
-use std::path::Path;
-
 use super::components::{CutOut, Filter, Materials, Sampling, Shading, TextureRef, TextureSource};
 use super::load::staging;
 use super::mesh::{self, MeshData};
@@ -56,10 +54,9 @@ pub struct Survey {
     pub bounces: bool,
 }
 
-/// Surveys the standalone mesh file at `path`, for an image of this size; `is_smoothed` if it gets
-/// normals when it has none.
-pub(super) fn standalone(path: &Path, size: [u32; 2], is_smoothed: bool) -> Result<Survey> {
-    let mut holds = mesh::survey(path)?;
+/// Surveys a standalone mesh, for an image of this size; `is_smoothed` if it gets normals when it
+/// has none.
+pub(super) fn standalone(mut holds: mesh::Survey, size: [u32; 2], is_smoothed: bool) -> Survey {
     let mut creasing = 0;
     if is_smoothed && holds.normals == 0 {
         // About as many as positions, unless every edge is a crease.
@@ -69,7 +66,7 @@ pub(super) fn standalone(path: &Path, size: [u32; 2], is_smoothed: bool) -> Resu
     let mesh = SurveyedMesh { holds, normals: true, uvs: true, tangents: false, uses: 1 };
     let (rays_per_pixel, light_samples) = (staging::rays_per_pixel(), staging::samples());
     let meshes = vec![mesh];
-    Ok(Survey { meshes, size, rays_per_pixel, light_samples, creasing, ..Survey::default() })
+    Survey { meshes, size, rays_per_pixel, light_samples, creasing, ..Survey::default() }
 }
 
 /// Surveys `scene`, whose file has `text` bytes.
@@ -151,7 +148,7 @@ impl Survey {
 }
 
 /// The contents of a mesh in memory.
-fn of_mesh(data: &MeshData) -> mesh::Survey {
+pub(super) fn of_mesh(data: &MeshData) -> mesh::Survey {
     mesh::Survey {
         positions: data.positions.len() as u64,
         triangles: data.triangles.len() as u64,
