@@ -9,7 +9,7 @@ use wavecrest_scene::load::lighting::{Background, Lighting, Rig};
 /// Options on the lights, the background and the smoothness of files that have none.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct LightingOptions {
-    /// Lights of a mesh, or of a glTF file without any [default: studio]
+    /// Lights of a mesh, or of a glTF file in place of its own [default: studio where it has none]
     #[arg(long, value_name = "RIG", value_parser = choice::<Rig>())]
     pub(crate) lights: Option<Rig>,
     /// Whether the lights put up no ground, which a look would show
@@ -37,7 +37,8 @@ impl LightingOptions {
             Rig::Studio if self.without_ground => Rig::Headlight,
             rig => rig,
         };
-        Lighting { rig, background: self.background, crease_degrees }
+        let replaces = self.lights.is_some();
+        Lighting { rig, replaces, background: self.background, crease_degrees }
     }
 }
 

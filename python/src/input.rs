@@ -149,6 +149,7 @@ pub(crate) fn lighting(
         return Err(Error::new_err(message));
     }
     Ok(api::Lighting {
+        replaces: lights.is_some(),
         rig: named("lights", lights)?.unwrap_or(usual.rig),
         background: background.map(api::Background::Color),
         crease_degrees,

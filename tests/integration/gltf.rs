@@ -16,6 +16,9 @@ mod outside;
 // Far from the origin.
 mod far;
 
+// Which lights count, and what replaces them.
+mod studio;
+
 use std::path::Path;
 
 use base64::Engine as _;

@@ -165,8 +165,45 @@ pub(super) fn expose(light: &mut schema::Light, exposure: f64) {
     }
 }
 
-/// The factor that scales the radiance under all lights to 1.
-pub(super) fn exposure(radiance: f64) -> f64 {
+/// The lights of a file, and the radiance of a white surface in the middle under them.
+pub(super) struct Own {
+    /// Number of lights that are not meshes.
+    pub(super) count: usize,
+    /// The radiance under these,
+    pub(super) radiance: f64,
+    /// and under emissive meshes.
+    pub(super) emitted: f64,
+}
+
+/// Smallest radiance from emissive meshes that alone light a file: headlights and diodes give less
+/// than a hundredth, the lamp of a room more than a half.
+const ENOUGH: f64 = 0.1;
+
+impl Own {
+    /// The reason to add lights, in place of those that are not meshes; `None` to add none.
+    pub(super) fn why_more(&self, replaces: bool) -> Option<&'static str> {
+        let has_lights = self.count > 0;
+        match self.emitted > 0.0 {
+            false if !has_lights => Some("no lights"),
+            _ if replaces && has_lights => Some("the lights of the file are replaced"),
+            true if replaces => Some("no lights but emission"),
+            _ if self.radiance > 0.0 || self.emitted >= ENOUGH => None,
+            _ if has_lights => Some("no lights with power"),
+            _ => Some("no lights but weak emission"),
+        }
+    }
+
+    /// The factor that scales the radiance under all lights to 1; beside added lights, that under
+    /// emissive meshes is only scaled down.
+    pub(super) fn exposure(&self, has_more: bool) -> f64 {
+        match has_more {
+            true => exposure(self.emitted).min(1.0),
+            false => exposure(self.radiance + self.emitted),
+        }
+    }
+}
+
+fn exposure(radiance: f64) -> f64 {
     let exposure = 1.0 / radiance;
     if exposure.is_finite() && exposure > 0.0 { exposure } else { 1.0 }
 }

@@ -10,6 +10,7 @@ use crate::components::{
 };
 use crate::load::LoadOptions;
 use crate::load::framing::{Framing, Up};
+use crate::load::lighting::Rig;
 use crate::load::spawn::has_area;
 use crate::load::staging::{self, Framed, Sphere};
 use crate::mesh::MeshData;
@@ -73,19 +74,24 @@ pub(super) fn scene(
     let glowing: usize =
         primitives.iter().filter(|f| f.surface.is_light()).map(|f| f.uses.len()).sum();
     check_lights(&primitives, notes)?;
-    let has_lights = !lights.is_empty() || glowing > 0;
-    let exposure = light::exposure(radiance(&lights, &primitives, &bounds));
+    let own = light::Own {
+        count: lights.len(),
+        radiance: lights.iter().map(|light| light::radiance_of(light, &bounds)).sum(),
+        emitted: emitted(&primitives, &bounds),
+    };
+    let added = own.why_more(options.lighting.replaces);
+    let exposure = own.exposure(added.is_some());
     lights.iter_mut().for_each(|light| light::expose(light, exposure));
     let (mut ground, mut told_light) = (None, None);
     let count = lights.len() + glowing;
     let mut settings = staging::settings(notes.file(), count, &options.lighting);
-    if !has_lights {
+    if let Some(why) = added {
         let (bounds, view) = (&bounds, &view);
         let path = path.as_ref();
         let subject = staging::Subject { all: &all, bounds, view, path, up, lamp };
         let lit = staging::lit(&subject, notes.file(), &options.lighting);
         (lights, ground, settings, told_light) =
-            (lit.lights, lit.ground, lit.settings, Some(lit.told));
+            (lit.lights, lit.ground, lit.settings, Some(format!("{why}: {}", lit.told)));
     }
     drop(all);
     let mut scene = SceneFile {
@@ -96,8 +102,10 @@ pub(super) fn scene(
         instances: Vec::new(),
         encoding: Encoding::Srgb,
     };
+    // Without lights, a lamp is a surface that shows its emission.
+    let shows_colors = added.is_some() && options.lighting.rig == Rig::None;
     for primitive in primitives {
-        if primitive.surface.is_light() {
+        if primitive.surface.is_light() && !shows_colors {
             primitive.add_lights(exposure, &mut scene);
         } else {
             primitive.add_shapes(&mut scene);
@@ -124,12 +132,12 @@ fn check_lights(primitives: &[Primitive], notes: &Notes<'_>) -> Result<()> {
 }
 
 /// The choices made for the user.
-fn told(has_camera: bool, chosen: &str, light: Option<&str>, exposure: f64) -> String {
+fn told(has_camera: bool, chosen: &str, light: Option<String>, exposure: f64) -> String {
     let scaled = || {
         let rounded: f64 = format!("{exposure:.3e}").parse().unwrap_or(exposure);
         format!("lights scaled by {rounded:?} (exposure)")
     };
-    let light = light.map_or_else(scaled, str::to_owned);
+    let light = light.unwrap_or_else(scaled);
     let camera = match has_camera {
         true => "",
         false => "no camera: a default camera is added; ",
@@ -286,18 +294,15 @@ fn lights(document: &Document, notes: &Notes<'_>) -> Vec<schema::Light> {
     document.placed.iter().filter_map(placed).collect()
 }
 
-/// The radiance of a white surface in the middle under all lights.
-fn radiance(lights: &[schema::Light], primitives: &[Primitive], bounds: &Sphere) -> f64 {
-    let points = lights.iter().map(|light| light::radiance_of(light, bounds));
-    let meshes =
-        primitives.iter().filter(|primitive| primitive.surface.is_light()).flat_map(|primitive| {
-            primitive.uses.iter().map(|found| {
-                let (area, middle) = extent(&primitive.mesh, &found.world);
-                let strength = primitive.surface.emission * area;
-                light::radiance(strength, Falloff::InverseSquare, middle, bounds)
-            })
-        });
-    points.chain(meshes).sum()
+/// The radiance of a white surface in the middle under all emissive meshes.
+fn emitted(primitives: &[Primitive], bounds: &Sphere) -> f64 {
+    let lights = primitives.iter().filter(|primitive| primitive.surface.is_light());
+    let radiance = |primitive: &Primitive, world: &DAffine3| {
+        let (area, middle) = extent(&primitive.mesh, world);
+        let strength = primitive.surface.emission * area;
+        light::radiance(strength, Falloff::InverseSquare, middle, bounds)
+    };
+    lights.flat_map(|light| light.uses.iter().map(move |found| radiance(light, &found.world))).sum()
 }
 
 /// The area of a mesh, and the centroid of its triangles weighted by area.

@@ -40,6 +40,8 @@ impl Background {
 pub struct Lighting {
     /// What lights it.
     pub rig: Rig,
+    /// Whether that also replaces the lights of a glTF file, other than its emission.
+    pub replaces: bool,
     /// The background, overriding the file's or the default light grey.
     pub background: Option<Background>,
     /// Crease angle of a standalone mesh without normals, in degrees: edges with a smaller angle
@@ -49,7 +51,8 @@ pub struct Lighting {
 
 impl Lighting {
     /// A studio; edges of more than 30 degrees are sharp, as in modelling programs.
-    pub const USUAL: Self = Self { rig: Rig::Studio, background: None, crease_degrees: 30.0 };
+    pub const USUAL: Self =
+        Self { rig: Rig::Studio, replaces: false, background: None, crease_degrees: 30.0 };
 }
 
 impl Default for Lighting {

@@ -79,7 +79,7 @@ pub(super) fn scene(
         instances: Vec::new(),
         encoding: Encoding::Srgb,
     };
-    Ok((scene, format!("{framed}default camera and material; {told}")))
+    Ok((scene, format!("{framed}default camera and material; no lights: {told}")))
 }
 
 /// The usual up axis of the format, and whether the shape of the mesh may override it.

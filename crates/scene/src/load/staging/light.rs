@@ -110,7 +110,7 @@ pub(crate) fn lit(subject: &Subject<'_>, file: &Path, lighting: &Lighting) -> Li
             lights: Vec::new(),
             ground: None,
             settings: under([DVec3::ONE; 2], subject.up),
-            told: "no lights: unlit colours",
+            told: "unlit colours",
         },
         Rig::Studio => {
             // A room without extent has no place for a lamp.
@@ -119,7 +119,7 @@ pub(crate) fn lit(subject: &Subject<'_>, file: &Path, lighting: &Lighting) -> Li
                     lights: vec![ceiling(corners)],
                     ground: None,
                     settings: under(ROOM, subject.up),
-                    told: "no lights: a light under the ceiling is added",
+                    told: "a light under the ceiling is added",
                 };
             }
             let axes = subject.axes();
@@ -133,14 +133,14 @@ pub(crate) fn lit(subject: &Subject<'_>, file: &Path, lighting: &Lighting) -> Li
                 lights: STUDIO.iter().zip(lamps).map(|(lamp, light)| lamp.named(light)).collect(),
                 ground: ground.flatten(),
                 settings: under(SKY, leaning),
-                told: "no lights: studio lights and a ground are added",
+                told: "studio lights and a ground are added",
             }
         }
         Rig::Headlight => Lit {
             lights: vec![headlight(subject.view)],
             ground: None,
             settings: under(if subject.lamp.is_some() { ROOM } else { SKY }, subject.up),
-            told: "no lights: a light at the camera and a sky are added",
+            told: "a light at the camera and a sky are added",
         },
     }
 }

@@ -1,0 +1,62 @@
+//! Files whose lights do not light them get a studio, and so does any on request.
+
+use serde_json::json;
+use wavecrest_scene::components::{AreaLight, DirectionalLight, PointLight};
+use wavecrest_scene::gltf::load_bytes;
+use wavecrest_scene::load::LoadOptions;
+use wavecrest_scene::load::lighting::{Lighting, Rig};
+
+use super::{File, SIZE, square};
+
+/// The numbers of lamps of the studio, of point lights and of emissive meshes; and the note.
+fn lights(file: &File, rig: Option<Rig>) -> ([usize; 3], String) {
+    let usual = Lighting::USUAL;
+    let lighting = Lighting { rig: rig.unwrap_or(usual.rig), replaces: rig.is_some(), ..usual };
+    let options = LoadOptions { lighting, ..SIZE };
+    let mut loaded = load_bytes(file.glb(), "a.glb".as_ref(), &options).expect("it is right");
+    let world = &mut loaded.world;
+    let counts = [
+        world.query_mut::<&DirectionalLight>().into_iter().count(),
+        world.query_mut::<&PointLight>().into_iter().count(),
+        world.query_mut::<&AreaLight>().into_iter().count(),
+    ];
+    (counts, loaded.notes[0].to_string())
+}
+
+/// The square, and a small one beside it of this emission.
+fn with_lamp(emission: f64) -> File {
+    let mut file = square();
+    file.json["scenes"][0]["nodes"] = json!([0, 1]);
+    let material = file.push("materials", json!({"emissiveFactor": [emission, emission, 0]}));
+    let mut primitive = file.json["meshes"][0]["primitives"][0].clone();
+    primitive["material"] = material.into();
+    let mesh = file.push("meshes", json!({"primitives": [primitive]}));
+    file.node(json!({"mesh": mesh, "translation": [0, 1.2, 0.5], "scale": [0.1, 0.1, 0.1]}));
+    file
+}
+
+#[test]
+fn weak_lamps_and_dead_lights_leave_the_studio_on() {
+    let (counts, note) = lights(&with_lamp(1.0), None);
+    assert_eq!(counts, [2, 0, 1]);
+    assert!(note.contains("no lights but weak emission: studio lights"), "{note}");
+    let (counts, note) = lights(&with_lamp(200.0), None);
+    assert_eq!(counts, [0, 0, 1]);
+    assert!(note.contains("(exposure)"), "{note}");
+    let dead = square().with("/extensions/KHR_lights_punctual/lights/0/intensity", 0);
+    let (counts, note) = lights(&dead, None);
+    assert_eq!(counts, [2, 0, 0]);
+    assert!(note.contains("no lights with power: studio lights"), "{note}");
+}
+
+#[test]
+fn lights_on_request_replace_those_of_the_file_but_not_its_emission() {
+    let (counts, note) = lights(&square(), Some(Rig::Studio));
+    assert_eq!(counts, [2, 0, 0]);
+    assert!(note.contains("the lights of the file are replaced: studio lights"), "{note}");
+    assert_eq!(lights(&square(), None).0, [0, 1, 0]);
+    assert_eq!(lights(&with_lamp(200.0), Some(Rig::Studio)).0, [2, 0, 1]);
+    assert_eq!(lights(&square(), Some(Rig::Headlight)).0, [0, 1, 0]);
+    // Then a lamp shows its emission and lights nothing.
+    assert_eq!(lights(&with_lamp(200.0), Some(Rig::None)).0, [0, 0, 0]);
+}
