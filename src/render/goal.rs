@@ -6,14 +6,16 @@ use std::time::Instant;
 use super::args::RenderArgs;
 use super::parts::trace as trace_once;
 use super::show::Seen;
-use crate::common::tell;
-use wavecrest_base::error::Result;
+use crate::common::{tell, warn};
+use wavecrest_base::error::{Error, ErrorKind, Result, Warning};
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::math::sampling::Points;
 use wavecrest_core::prepared::{Original, PreparedScene};
 use wavecrest_core::render::Rendered;
 use wavecrest_report::accuracy::pilot::budget::{Budget, Pace, Task, in_time};
-use wavecrest_report::accuracy::pilot::{Choice, Pilot, error, is_sampled, measured_share};
+use wavecrest_report::accuracy::pilot::{
+    Choice, MOST_SIDE, Pilot, error, is_sampled, measured_share,
+};
 use wavecrest_report::plot::number::figure;
 use wavecrest_report::statistics::Goal;
 
@@ -91,9 +93,15 @@ impl Aimed<'_> {
                 return Ok(Some(Traced { rendered, preset, goal: None, resumed }));
             }
             let found = self.measure(scene, &rendered)?;
-            match found.filter(|found| *found > asked * ACCEPTED) {
-                Some(found) if renders < MAX_RENDERS => choice = finer(&choice, found / asked),
-                _ => {
+            let missed = found.filter(|found| *found > asked * ACCEPTED);
+            let next = missed.and_then(|found| finer(&choice, found / asked));
+            match next.filter(|_| renders < MAX_RENDERS) {
+                Some(next) => choice = next,
+                None => {
+                    if missed.is_some() {
+                        let error = unreached(asked, &choice).in_file(&args.scene);
+                        warn(&[Warning::from_error(&error)]);
+                    }
                     let goal = Some(goal(format!("error {asked}"), &choice, found, renders));
                     return Ok(Some(Traced { rendered, preset, goal, resumed }));
                 }
@@ -201,12 +209,24 @@ fn choose_tree(args: &RenderArgs, scene: &mut PreparedScene, preset: Preset) -> 
 }
 
 /// More points after an error `excess` times the target, as for independent points: this suffices
-/// for any sampler.
-fn finer(choice: &Choice, excess: f64) -> Choice {
-    let side = (f64::from(choice.points.side) * excess).ceil() as u32;
-    let points = Points { side: side.max(choice.points.side + 1), ..choice.points };
+/// for any sampler. `None` if there are as many as possible.
+fn finer(choice: &Choice, excess: f64) -> Option<Choice> {
+    let now = choice.points.side;
+    let side = ((f64::from(now) * excess).ceil() as u32).clamp(now, MOST_SIDE);
+    let points = Points { side: side.max(MOST_SIDE.min(now + 1)), ..choice.points };
     let more = f64::from(points.count()) / f64::from(choice.points.count());
-    Choice { points, error: choice.error / excess, seconds: choice.seconds * more, ..*choice }
+    let error = choice.error / more.sqrt();
+    let seconds = choice.seconds * more;
+    (points.side > now).then_some(Choice { points, error, seconds, ..*choice })
+}
+
+fn unreached(asked: f64, choice: &Choice) -> Error {
+    let message = format!("the target error {asked} was not reached");
+    let remedy = match choice.points.side {
+        MOST_SIDE => "the image has as many points as possible; choose a larger error",
+        _ => "the image is the last and best; choose a larger error, or more points in the scene",
+    };
+    Error::new(ErrorKind::Usage, message).remedy(remedy)
 }
 
 fn goal(asked: String, choice: &Choice, found: Option<f64>, renders: u32) -> Goal {
@@ -217,5 +237,24 @@ fn goal(asked: String, choice: &Choice, found: Option<f64>, renders: u32) -> Goa
         expected_seconds: choice.seconds,
         found_error: found,
         renders,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use wavecrest_core::math::sampling::Sampling;
+    use wavecrest_report::accuracy::pilot::Axis;
+
+    #[test]
+    fn a_target_out_of_reach_ends_at_the_most_points() {
+        let points = |side| Points { sampling: Sampling::Sobol, side };
+        let choice =
+            |side| Choice { axis: Axis::Pixel, points: points(side), error: 0.5, seconds: 2.0 };
+        let next = finer(&choice(4), 1.5).unwrap();
+        assert_eq!((next.points.side, next.seconds), (6, 4.5));
+        assert_eq!(finer(&choice(4), 1.0001).unwrap().points.side, 5);
+        assert_eq!(finer(&choice(4), 1e30).unwrap().points.side, MOST_SIDE);
+        assert!(finer(&choice(MOST_SIDE), 1e30).is_none());
     }
 }

@@ -44,7 +44,7 @@ const SHORT: f64 = 0.1;
 const LEAST_SHARE: f64 = 0.25;
 
 /// The largest side of a chosen grid.
-const MOST_SIDE: u32 = 1024;
+pub const MOST_SIDE: u32 = 1024;
 
 /// Factor by which the error may be underestimated: choices reach a requested error with this
 /// margin.
