@@ -11,7 +11,7 @@ use wavecrest_core::accel::build::Preset;
 use wavecrest_core::kernels::texture::Image;
 use wavecrest_core::plan::schedule::{PASSES, unplanned};
 use wavecrest_core::prepared::PreparedScene;
-use wavecrest_scene::systems::{self, Options, bounds};
+use wavecrest_scene::systems::{self, Options, bounds, looks};
 
 /// Check a scene with all its meshes and textures, and list its contents.
 #[derive(Clone, Debug, clap::Args)]
@@ -30,6 +30,10 @@ pub(crate) struct CheckArgs {
 pub(crate) fn run(args: &CheckArgs) -> Result<()> {
     args.scene_options.threads.run(|| {
         let mut loaded = args.scene_options.load(&args.scene, Extent::default())?;
+        // The contents are those of the file.
+        if let Some(ground) = looks::ground(&loaded.world) {
+            let _ = loaded.world.despawn(ground);
+        }
         // Read every file, whether or not the image needs it.
         let passes = unplanned(&PASSES);
         let options = Options { passes: &passes, ..Options::default() };

@@ -3,6 +3,8 @@
 use std::f64::consts::PI;
 use std::path::Path;
 
+use hecs::World;
+
 use wavecrest_core::film::Film;
 use wavecrest_core::math::random::Stream;
 use wavecrest_core::math::srgb::srgb_encode;
@@ -37,12 +39,18 @@ fn ball(path: &Path, faces: u32) {
 
 /// The ball under these lights.
 fn lit(lighting: Lighting) -> PreparedScene {
+    lit_after(lighting, |_| ())
+}
+
+/// The same after a change.
+fn lit_after(lighting: Lighting, change: impl Fn(&mut World)) -> PreparedScene {
     let folder = folder();
     let path = folder.path().join("ball.obj");
     ball(&path, 24);
     let (width, height) = (Some(96), Some(72));
     let options = LoadOptions { width, height, lighting, ..LoadOptions::default() };
     let mut world = load(&path, &options).unwrap_or_else(|error| panic!("{error}")).world;
+    change(&mut world);
     let extracted = systems::extract(&mut world, Default::default()).expect("a scene");
     extracted.build(wavecrest_core::accel::build::Preset::Fast)
 }
@@ -98,6 +106,31 @@ fn the_ground_is_as_the_background_whatever_that_is() {
                 assert!((f64::from(found) - right).abs() <= 0.02 * right, "{found}, not {right}");
             }
         }
+    }
+}
+
+#[test]
+fn clay_leaves_the_ground_as_the_background() {
+    let scene = lit_after(Lighting::USUAL, systems::looks::clay);
+    let film = image_of(&scene, 0);
+    let (mesh, ground) = (levels(&scene, &film, MESH), levels(&scene, &film, GROUND));
+    let bare = ground[ground.len() * 19 / 20];
+    let background = srgb_encode(scene.background.y);
+    assert!((bare - background).abs() < 0.01, "{bare}, {background}");
+    let plain = lit(Lighting::USUAL);
+    let (dull, plain) = (mesh[mesh.len() / 2], levels(&plain, &image_of(&plain, 0), MESH));
+    assert!(dull + 0.05 < plain[plain.len() / 2], "the mesh is of clay: {dull}");
+}
+
+#[test]
+fn check_counts_the_file_without_the_added_ground() {
+    let folder = folder();
+    std::fs::write(folder.path().join("a.obj"), "v 0 0 0\nv 3 0 0\nv 0 2 0\nf 1 2 3\n")
+        .expect("a file");
+    let output = wavecrest(folder.path()).args(["check", "a.obj"]).output().expect("it runs");
+    let text = String::from_utf8(output.stdout).expect("text");
+    for line in ["shapes            1", "triangles         1", "size              3 x 2 x 0"] {
+        assert!(text.lines().any(|found| found.trim() == line), "{line}\n{text}");
     }
 }
 

@@ -17,6 +17,7 @@ use glam::{DAffine3, DVec3, Vec3};
 use rayon::prelude::*;
 
 pub(crate) use camera::{Framed, framed, rays_per_pixel, size, view};
+pub(crate) use ground::GROUND;
 pub(crate) use light::{Lit, Subject, lit, samples, settings};
 
 /// A bounding sphere.

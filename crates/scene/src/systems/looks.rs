@@ -6,15 +6,27 @@ use glam::DVec3;
 use hecs::{Entity, World};
 
 use crate::components::{
-    Encoding, Filter, InstanceOf, Maps, Material, Mesh, TextureRef, TextureSource, Wrap,
+    Encoding, Filter, InstanceOf, JsonPath, Maps, Material, Mesh, TextureRef, TextureSource, Wrap,
 };
+use crate::load::staging::GROUND;
 
 /// The reflectance of clay.
 const CLAY: DVec3 = DVec3::splat(0.5);
 
-/// Gives every surface one matte grey, and no texture or other colour.
+/// The ground added to a file without lights, which is no part of the file.
+pub fn ground(world: &World) -> Option<Entity> {
+    let mut all = world.query::<(Entity, &JsonPath)>();
+    all.iter().find(|(_, path)| path.0 == GROUND).map(|(entity, _)| entity)
+}
+
+/// Gives every surface one matte grey, and no texture or other colour; except an added ground, whose
+/// edge would show.
 pub fn clay(world: &mut World) {
-    for material in world.query_mut::<&mut Material>() {
+    let ground = ground(world);
+    for (entity, material) in world.query_mut::<(Entity, &mut Material)>() {
+        if Some(entity) == ground {
+            continue;
+        }
         (material.diffuse_color, material.emission) = (CLAY, DVec3::ZERO);
         (material.kd, material.ks, material.kr) = (1.0, 0.0, 0.0);
         material.specular_color = DVec3::ONE;

@@ -14,6 +14,9 @@ use crate::components::{DirectionalLight, Material, Mesh, Shading, Sides, Transf
 use crate::mesh::MeshData;
 use crate::schema::Shape;
 
+/// Its place in messages, which no file has.
+pub(crate) const GROUND: &str = "the ground";
+
 /// Its distance below the object, in radii: less than is visible, and more than rounding, so that a
 /// floor of the file lies above it.
 const GAP: f64 = 1.0 / 4096.0;
@@ -74,7 +77,7 @@ pub(super) fn under(
         shading: Shading::Flat,
         material: Some(material),
         transform: is_far.then(|| Transform(DAffine3::from_translation(origin))),
-        ..Shape::of("the ground".into(), Some("ground".into()), mesh)
+        ..Shape::of(GROUND.into(), Some("ground".into()), mesh)
     })
 }
 
