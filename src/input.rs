@@ -92,7 +92,7 @@ pub(crate) struct FramingOptions {
         conflicts_with = "camera"
     )]
     pub(crate) view: Option<Side>,
-    /// Up axis of a mesh or a glTF file [default: y; z for STL, and for PLY if it stands on a flat base]
+    /// Up axis of a mesh or a glTF file [default: y; z for STL, and for PLY that stands only along z]
     #[arg(long, value_name = "AXIS", value_parser = choice::<Up>(), allow_hyphen_values = true,
           conflicts_with = "camera")]
     pub(crate) up: Option<Up>,

@@ -240,3 +240,24 @@ fn looks_show_what_they_say() {
         (40..50).map(|y| (20..60).filter(|&x| is_darker(x, y)).count()).collect();
     assert!(rows.iter().all(|count| (1..=8).contains(count)), "{rows:?}");
 }
+
+/// Small enough to be quick.
+const SMALL: [&str; 5] = ["a.pfm", "--width", "40", "--height", "30"];
+
+/// What is told of a file with this content.
+fn told(name: &str, content: &str) -> String {
+    let folder = folder();
+    std::fs::write(folder.path().join(name), content).expect("a file");
+    run(folder.path(), &[&[name], &SMALL[..]].concat())
+}
+
+#[test]
+fn the_axis_taken_for_up_is_told_unless_it_is_requested() {
+    let triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    let found = told("a.obj", triangle);
+    assert!(found.contains("a.obj: y is up (change with --up); default camera"), "{found}");
+    let folder = folder();
+    std::fs::write(folder.path().join("a.obj"), triangle).expect("a file");
+    let found = run(folder.path(), &[&["a.obj", "--up", "z"], &SMALL[..]].concat());
+    assert!(!found.contains("is up"), "{found}");
+}

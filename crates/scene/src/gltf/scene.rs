@@ -12,7 +12,7 @@ use crate::load::LoadOptions;
 use crate::load::framing::{Framing, Up};
 use crate::load::lighting::Rig;
 use crate::load::spawn::has_area;
-use crate::load::staging::{self, Framed, Sphere};
+use crate::load::staging::{self, Framed, Sphere, Upward};
 use crate::mesh::MeshData;
 use crate::reader::Notes;
 use crate::schema::{self, Instance, SceneFile, Shape};
@@ -67,7 +67,7 @@ pub(super) fn scene(
     let has_camera = own.is_some();
     let framed = |view| Framed { view, path: None, up: DVec3::Y, lamp: None, told: String::new() };
     let Framed { view, path, up, lamp, told: chosen } = own.map_or_else(
-        || staging::framed(&all, &bounds, (Up::Y, false), options),
+        || staging::framed(&all, &bounds, Upward::Stated(Up::Y), options),
         |view| Ok(framed(view)),
     )?;
     let mut lights = lights(document, notes);

@@ -19,6 +19,7 @@ use rayon::prelude::*;
 pub(crate) use camera::{Framed, framed, rays_per_pixel, size, view};
 pub(crate) use ground::GROUND;
 pub(crate) use light::{Lit, Subject, lit, samples, settings};
+pub(crate) use upward::Upward;
 
 /// A bounding sphere.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -7,7 +7,7 @@ use glam::DVec3;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
 use super::materials::parts;
-use super::staging::{self, Placed};
+use super::staging::{self, Placed, Upward};
 use crate::components::{Encoding, Material, Mesh, Shading, VertexColors};
 use crate::load::LoadOptions;
 use crate::load::framing::Up;
@@ -82,14 +82,14 @@ pub(super) fn scene(
     Ok((scene, format!("{framed}default camera and material; no lights: {told}")))
 }
 
-/// The usual up axis of the format, and whether the shape of the mesh may override it.
-fn usual_up(path: &Path) -> (Up, bool) {
+/// The up axis of a mesh, whose format states none.
+fn usual_up(path: &Path) -> Upward {
     let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
     match extension.to_str() {
         // From CAD programs and for printers.
-        Some("stl") => (Up::Z, true),
+        Some("stl") => Upward::Guessed(Up::Z),
         // Arrays have no file.
-        Some("ply" | "") => (Up::Y, true),
-        _ => (Up::Y, false),
+        Some("ply" | "") => Upward::Guessed(Up::Y),
+        _ => Upward::Usual(Up::Y),
     }
 }

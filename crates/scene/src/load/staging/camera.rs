@@ -9,7 +9,8 @@ use wavecrest_core::math::sampling::Sampling;
 
 use super::grid::Grid;
 use super::room::{self, Room};
-use super::{Placed, Sphere, extent, fit, orbit, upward};
+use super::upward::{self, Upward};
+use super::{Placed, Sphere, extent, fit, orbit};
 use crate::components::{CameraPath, FovAxis, View};
 use crate::load::LoadOptions;
 use crate::load::framing::{Fov, Framing, Side, Up};
@@ -80,15 +81,14 @@ pub(crate) struct Framed {
     pub(crate) told: String,
 }
 
-/// A view of `all` geometry, within `bounds`. `usual` is the usual up axis of the format, and
-/// whether the shape may override it.
+/// A view of `all` geometry, within `bounds`. `usual` is the up axis unless one is requested.
 ///
 /// # Errors
 /// As [`size`].
 pub(crate) fn framed(
     all: &[Placed<'_>],
     bounds: &Sphere,
-    usual: (Up, bool),
+    usual: Upward,
     options: &LoadOptions,
 ) -> Result<Framed> {
     let (width, height) = size(options, None)?;
@@ -99,10 +99,12 @@ pub(crate) fn framed(
         sides.push(framing.side);
     }
     let from_outside = |side: &Option<Side>| matches!(side, Some(Side::Around { .. }));
-    let needs_grid = !sides.iter().all(from_outside) || (framing.up.is_none() && usual.1);
+    let needs_grid = !sides.iter().all(from_outside)
+        || (framing.up.is_none() && matches!(usual, Upward::Guessed(_)));
     let has_extent = low.is_finite() && high.is_finite();
     let grid = if needs_grid && has_extent { Grid::of(all, low, high) } else { None };
-    let (up, told) = upward(grid.as_ref(), high - low, framing.up, usual);
+    let (up, told) =
+        upward(all, grid.as_ref(), (low, high - low), framing.up.map_or(usual, Upward::Stated));
     let stage = Stage { all, bounds, corners: (low, high), grid, up, framing };
     let mut views = sides.iter().map(|side| stage.seen_from(*side, view(width, height)));
     let (view, room) = views.next().unwrap_or_else(|| stage.seen_from(None, view(width, height)));
@@ -123,16 +125,18 @@ pub(crate) fn framed(
 
 /// The up axis, and a description for the user.
 fn upward(
+    all: &[Placed<'_>],
     grid: Option<&Grid>,
-    size: DVec3,
-    asked: Option<Up>,
-    (usual, is_doubtful): (Up, bool),
+    bounds: (DVec3, DVec3),
+    axis: Upward,
 ) -> (Up, String) {
-    let guessed = grid.filter(|_| asked.is_none() && is_doubtful);
-    let (up, why) =
-        guessed.map_or((asked.unwrap_or(usual), None), |g| upward::guess(g, size, usual));
-    let told = why.map(|why| format!("{} is up, because {why} (change with --up); ", up.name()));
-    (up, told.unwrap_or_default())
+    let (up, why) = match axis {
+        Upward::Stated(up) => return (up, String::new()),
+        Upward::Usual(up) => (up, None),
+        Upward::Guessed(up) => grid.map_or((up, None), |grid| upward::guess(all, grid, bounds, up)),
+    };
+    let why = why.map_or_else(String::new, |why| format!(", because {why}"));
+    (up, format!("{} is up{why} (change with --up); ", up.name()))
 }
 
 /// The geometry to frame, and how.

@@ -1,21 +1,40 @@
 //! Guesses the up axis of a mesh, if neither its format nor its user states it.
 //!
 //! Scans and printed parts have y or z up. Only two features count as evidence against the usual
-//! axis of a format: a flat base, on which the mesh would stand along one of the two axes but not
-//! along the other; and a wide, thin surface of one layer that faces along one of them, as terrain
-//! does.
+//! axis of a format: the mesh would stand along the other axis, and would fall over along the usual
+//! one; or it is a wide, thin surface of one layer that faces along the other, as terrain does. A
+//! mesh stands if its centre is above its support polygon, the convex hull of its lowest points:
+//! so a chair stands on its legs.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
+use super::Placed;
 use super::grid::{Column, Grid};
 use crate::load::framing::Up;
 
-/// Largest distance of a base from the lowest point, as a share of the height.
+/// The up axis of a file unless the user states one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Upward {
+    /// That of the format.
+    Stated(Up),
+    /// That of most files of a format that states none.
+    Usual(Up),
+    /// The same, unless the shape suggests another.
+    Guessed(Up),
+}
+
+/// Largest distance of a support from the lowest point, as a share of the height.
 const BASE_DEPTH: f64 = 0.02;
-/// Smallest share of hits from below on a base,
-const BASE: f64 = 0.5;
-/// and the largest share without a base.
-const NO_BASE: f64 = 0.2;
+/// Smallest share of the bounding rectangle that a support polygon covers: along the usual axis,
+/// where little is enough to leave a mesh as it is,
+const COULD_STAND: f64 = 0.1;
+/// and along another.
+const STANDS: f64 = 0.25;
+/// Smallest share of hits from below on the outside of a mesh that stands: an open mesh that lies
+/// on its rim is not a closed one on its base.
+const CLOSED: f64 = 0.9;
+/// Number of directions in which the outermost points make up a support polygon.
+const SIDES: usize = 16;
 /// Largest height of terrain, as a share of its shorter side.
 const TERRAIN_HEIGHT: f64 = 0.35;
 /// Share of the hits from above with a single layer.
@@ -23,32 +42,73 @@ const NEARLY_ALL: f64 = 0.9;
 /// Smallest share of its bounding rectangle that terrain covers.
 const TERRAIN_COVERS: f64 = 0.6;
 
-/// The up axis, y or z; and the reason if it is not the `usual` one.
-pub(super) fn guess(grid: &Grid, size: DVec3, usual: Up) -> (Up, Option<&'static str>) {
-    let axes = [(Up::Y, 1), (Up::Z, 2)];
-    let bases = axes.map(|(_, axis)| base(grid.along(axis)));
-    let fields = axes.map(|(_, axis)| is_terrain(grid.along(axis), size, axis));
-    for (i, (up, _)) in axes.into_iter().enumerate() {
-        if up == usual {
-            continue;
-        }
-        if bases[i] >= BASE && bases[1 - i] <= NO_BASE {
-            return (up, Some("the mesh stands on a flat base"));
-        }
-        if fields[i] && !fields[1 - i] && bases[1 - i] < BASE {
-            return (up, Some("the mesh is wide and low, as terrain is"));
-        }
+/// The up axis, y or z; and the reason if it is not the `usual` one. `low` is the lower end of the
+/// box around everything, `size` its size.
+pub(super) fn guess(
+    all: &[Placed<'_>],
+    grid: &Grid,
+    (low, size): (DVec3, DVec3),
+    usual: Up,
+) -> (Up, Option<&'static str>) {
+    let (own, (other, axis)) = match usual {
+        Up::Z => (2, (Up::Y, 1)),
+        _ => (1, (Up::Z, 2)),
+    };
+    let field = |axis| is_terrain(grid.along(axis), size, axis);
+    let support = |axis| support(all, (low, size), axis);
+    let is_field = field(axis) && !field(own);
+    let stands = || is_closed(grid.along(axis)) && support(axis) >= STANDS;
+    if !is_field && !stands() || support(own) >= COULD_STAND {
+        return (usual, None);
     }
-    (usual, None)
+    let why = if is_field {
+        "the mesh is wide and low, as terrain is"
+    } else {
+        "the mesh stands along it, and would fall over along the other"
+    };
+    (other, Some(why))
 }
 
-/// The share of hits from below that are on a flat base.
-fn base(columns: &[Column]) -> f64 {
+/// Whether hits from below are on the outside.
+fn is_closed(columns: &[Column]) -> bool {
     let ends = columns.iter().filter_map(|column| column.ends);
-    let (count, flat) = ends.fold((0u32, 0u32), |(count, flat), [low, _]| {
-        (count + 1, flat + u32::from(low.at <= BASE_DEPTH))
+    let (count, outside) = ends.fold((0u32, 0u32), |(count, outside), [low, _]| {
+        (count + 1, outside + u32::from(!low.faces_high))
     });
-    f64::from(flat) / f64::from(count.max(1))
+    f64::from(outside) >= CLOSED * f64::from(count)
+}
+
+/// The share of the bounding rectangle that the support polygon covers; 0 if its centre is outside.
+fn support(all: &[Placed<'_>], (low, size): (DVec3, DVec3), axis: usize) -> f64 {
+    let sides = [(axis + 1) % 3, (axis + 2) % 3];
+    if sides.iter().any(|&side| size[side] <= 0.0) {
+        return 0.0;
+    }
+    // None of them is an axis of the rectangle, along which two corners would be equally far.
+    let directions: [DVec2; SIDES] = std::array::from_fn(|i| {
+        let (sine, cosine) = libm::sincos((i as f64 + 0.5) * std::f64::consts::TAU / SIDES as f64);
+        DVec2::new(cosine, sine)
+    });
+    let none = [None; SIDES];
+    let of = |point: DVec3| {
+        let from = point - low;
+        let at = DVec2::new(from[sides[0]] / size[sides[0]], from[sides[1]] / size[sides[1]]);
+        if from[axis] <= BASE_DEPTH * size[axis] { [Some(at); SIDES] } else { none }
+    };
+    let merge = |a: [Option<DVec2>; SIDES], b: [Option<DVec2>; SIDES]| {
+        if b[0].is_none() {
+            return a;
+        }
+        let key = |i: usize, p: &DVec2| (p.dot(directions[i]), p.x);
+        std::array::from_fn(|i| {
+            a[i].into_iter().chain(b[i]).reduce(|a, b| if key(i, &b) > key(i, &a) { b } else { a })
+        })
+    };
+    let found = all.iter().map(|placed| placed.reduce(none, of, merge)).fold(none, merge);
+    let corner = |i: usize| found[i % SIDES].unwrap_or_default() - DVec2::splat(0.5);
+    let edges = (0..SIDES).map(|i| corner(i).perp_dot(corner(i + 1)));
+    // Twice the areas of triangles from the centre to each edge.
+    if edges.clone().all(|area| area >= 0.0) { edges.sum::<f64>() / 2.0 } else { 0.0 }
 }
 
 /// Whether there is one layer that faces up, wide and low.
@@ -75,7 +135,7 @@ mod tests {
         let (low, high) = points.iter().fold((points[0], points[0]), merge);
         let (low, high) = (low.as_dvec3(), high.as_dvec3());
         let grid = Grid::of(&[placed], low, high).unwrap();
-        let (up, why) = guess(&grid, high - low, usual);
+        let (up, why) = guess(&[placed], &grid, (low, high - low), usual);
         (up, why.is_some())
     }
 
@@ -97,6 +157,36 @@ mod tests {
         // Without its base there is no evidence.
         triangles.drain(..2);
         assert_eq!(guessed(&points, &triangles, Up::Z), (Up::Z, false));
+    }
+
+    /// A seat on four legs, with a back; upright along z, seen from -y.
+    fn chair() -> (Vec<Vec3>, Vec<[u32; 3]>) {
+        let leg = |x: f32, y: f32| ([x, y, 0.0], [x + 0.1, y + 0.1, 0.5]);
+        let seat = ([0.0, 0.0, 0.5], [1.0, 1.0, 0.6]);
+        let back = ([0.0, 0.9, 0.6], [1.0, 1.0, 1.5]);
+        let legs = [leg(0.0, 0.0), leg(0.9, 0.0), leg(0.0, 0.9), leg(0.9, 0.9)];
+        let quads =
+            [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
+        let (mut points, mut triangles) = (Vec::new(), Vec::new());
+        for (low, high) in legs.into_iter().chain([seat, back]) {
+            let first = points.len() as u32;
+            let at =
+                |i: usize, axis: usize| if i >> axis & 1 == 1 { high[axis] } else { low[axis] };
+            points.extend((0..8).map(|i| Vec3::new(at(i, 0), at(i, 1), at(i, 2))));
+            let corners = quads.into_iter().flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]);
+            triangles.extend(corners.map(|corner| corner.map(|i| i + first)));
+        }
+        (points, triangles)
+    }
+
+    #[test]
+    fn a_chair_stands_on_its_legs() {
+        let (mut points, triangles) = chair();
+        assert_eq!(guessed(&points, &triangles, Up::Y), (Up::Z, true));
+        assert_eq!(guessed(&points, &triangles, Up::Z), (Up::Z, false));
+        // Upright along y, it could also lie on its back.
+        points.iter_mut().for_each(|p| *p = Vec3::new(p.x, p.z, -p.y));
+        assert_eq!(guessed(&points, &triangles, Up::Y), (Up::Y, false));
     }
 
     #[test]
