@@ -261,3 +261,20 @@ fn the_axis_taken_for_up_is_told_unless_it_is_requested() {
     let found = run(folder.path(), &[&["a.obj", "--up", "z"], &SMALL[..]].concat());
     assert!(!found.contains("is up"), "{found}");
 }
+
+#[test]
+fn an_image_without_the_scene_is_told_with_the_reason() {
+    let far =
+        format!("{BLOCK}v 1e5 1e5 1e5\nv 1.00001e5 1e5 1e5\nv 1e5 1.00001e5 1e5\nf 18 19 20\n");
+    let found = told("a.obj", &far);
+    let words = "the image looks empty: triangles far from the rest make it small, found 1; remove";
+    assert!(found.contains(words), "{found}");
+    assert!(!told("a.obj", BLOCK).contains("empty"));
+    let folder = folder();
+    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text);
+    write("a.mtl", "newmtl a\nd 0\n").expect("a file");
+    write("a.obj", "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\n").expect("a file");
+    let found = run(folder.path(), &[&["a.obj"], &SMALL[..]].concat());
+    let words = "nothing is left of the mesh: all its materials are invisible; set d to 1";
+    assert!(found.contains(words), "{found}");
+}

@@ -33,6 +33,7 @@ pub mod materials;
 pub mod overrides;
 pub mod reach;
 pub mod textures;
+mod unseen;
 pub mod view;
 
 use std::path::{Path, PathBuf};
@@ -212,8 +213,8 @@ impl Extracted {
     }
 }
 
-/// Warnings about the scene of `file`: dropped parts, and shapes that the camera sees from behind
-/// only.
+/// Warnings about the scene of `file`: dropped parts, shapes that the camera sees from behind only,
+/// and a camera that sees nothing.
 pub fn warnings(scene: &PreparedScene, file: &Path) -> Vec<Warning> {
     let message = match scene.dropped.degenerate {
         0 => None,
@@ -222,7 +223,7 @@ pub fn warnings(scene: &PreparedScene, file: &Path) -> Vec<Warning> {
     };
     let dropped = message.map(|message| Error::new(ErrorKind::Mesh, message));
     let mut warnings = Warnings::default();
-    let all = dropped.into_iter().chain(backs::warning(scene));
+    let all = dropped.into_iter().chain(backs::warning(scene)).chain(unseen::warning(scene));
     all.for_each(|error| warnings.add_error(&error.in_file(file)));
     warnings.into_vec()
 }

@@ -1,12 +1,14 @@
 //! Files whose lights do not light them get a studio, and so does any on request.
 
 use serde_json::json;
+use wavecrest_core::accel::build::Preset;
 use wavecrest_scene::components::{AreaLight, DirectionalLight, PointLight};
 use wavecrest_scene::gltf::load_bytes;
 use wavecrest_scene::load::LoadOptions;
 use wavecrest_scene::load::lighting::{Lighting, Rig};
+use wavecrest_scene::systems;
 
-use super::{File, SIZE, square};
+use super::{File, SIZE, loaded, square};
 
 /// The numbers of lamps of the studio, of point lights and of emissive meshes; and the note.
 fn lights(file: &File, rig: Option<Rig>) -> ([usize; 3], String) {
@@ -59,4 +61,32 @@ fn lights_on_request_replace_those_of_the_file_but_not_its_emission() {
     assert_eq!(lights(&square(), Some(Rig::Headlight)).0, [0, 1, 0]);
     // Then a lamp shows its emission and lights nothing.
     assert_eq!(lights(&with_lamp(200.0), Some(Rig::None)).0, [0, 0, 0]);
+}
+
+#[test]
+fn an_empty_image_is_told_with_the_reason() {
+    let told = |file: &File| {
+        let mut loaded = loaded(file).expect("it is right");
+        let extracted = systems::extract(&mut loaded.world, Default::default()).expect("a scene");
+        let scene = extracted.build(Preset::Fast);
+        let found = systems::warnings(&scene, "a.glb".as_ref());
+        loaded.warnings.iter().chain(&found).map(|w| format!("{w}\n")).collect::<String>()
+    };
+    assert_eq!(told(&square()), "");
+    let mut away = square();
+    away.json["nodes"][1]["rotation"] = json!([0, 1, 0, 0]);
+    let found = told(&away);
+    assert!(
+        found.contains("the image looks empty: the camera sees nothing of the scene"),
+        "{found}"
+    );
+    let mut faint = square();
+    faint.json["materials"][0]["alphaMode"] = "BLEND".into();
+    faint.json["materials"][0]["pbrMetallicRoughness"]["baseColorFactor"][3] = json!(0.4);
+    let found = told(&faint);
+    assert!(
+        found.contains("nothing is left of the scene: all its surfaces are left out"),
+        "{found}"
+    );
+    assert!(!found.contains("no node of the scene"), "{found}");
 }

@@ -171,10 +171,25 @@ fn primitives(document: &Document, notes: &Notes<'_>) -> Vec<Primitive> {
     }
     check_unused(document, &known, &mut reader, notes);
     if primitives.is_empty() {
-        let message = "the scene is empty";
-        notes.note("nodes", message, "no node of the scene has a mesh of triangles");
+        let (message, remedy) = match is_left_out(document) {
+            true => (
+                "nothing is left of the scene: all its surfaces are left out as invisible",
+                "export them with alphaMode OPAQUE, or with an alpha above the cutoff",
+            ),
+            false => ("the scene is empty", "no node of the scene has a mesh of triangles"),
+        };
+        notes.note("nodes", message, remedy);
     }
     primitives
+}
+
+/// Whether some primitive of the scene is left out as invisible.
+fn is_left_out(document: &Document) -> bool {
+    let meshes = document.placed.iter().filter_map(|placed| document.nodes[placed.node].mesh);
+    let mut materials = meshes
+        .flat_map(|mesh| &document.meshes[mesh].primitives)
+        .filter_map(|primitive| primitive.material);
+    materials.any(|material| document.materials[material].threshold().is_none())
 }
 
 /// Adds a node to the uses of the primitives of its mesh.

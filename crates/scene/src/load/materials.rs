@@ -57,7 +57,13 @@ pub(super) fn parts(
         let name = shape.name.as_ref().map(|own| Name(format!("{}-{name}", own.0)));
         Some(shape.part(mesh_of(data), name, look))
     };
-    mesh.split(&part, names.len() + 1).into_iter().filter_map(of_part).collect()
+    let parts: Vec<Shape> =
+        mesh.split(&part, names.len() + 1).into_iter().filter_map(of_part).collect();
+    if parts.is_empty() {
+        let message = "nothing is left of the mesh: all its materials are invisible";
+        reader.warn(message, "set d to 1 in its MTL file, or remove the mtllib statement");
+    }
+    parts
 }
 
 /// A material by its name, and the folder of its file.

@@ -65,7 +65,7 @@ fn seen(scene: &PreparedScene, those: &[bool]) -> Vec<usize> {
 }
 
 /// Evenly spaced pixels along a side.
-fn places(side: u32) -> impl Iterator<Item = u32> {
+pub(super) fn places(side: u32) -> impl DoubleEndedIterator<Item = u32> + ExactSizeIterator {
     let count = side.min(RAYS);
     (0..count)
         .map(move |i| ((u64::from(i) * 2 + 1) * u64::from(side) / u64::from(count * 2)) as u32)
