@@ -278,3 +278,29 @@ fn an_image_without_the_scene_is_told_with_the_reason() {
     let words = "nothing is left of the mesh: all its materials are invisible; set d to 1";
     assert!(found.contains(words), "{found}");
 }
+
+#[test]
+fn colours_of_faces_are_told_and_bytes_as_colours_are_scaled() {
+    let ply = |properties: &str, values: &str| {
+        format!(
+            "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n\
+             property float z\nelement face 1\nproperty list uchar int vertex_indices\n\
+             {properties}end_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2{values}\n"
+        )
+    };
+    let colors = "property uchar red\nproperty uchar green\nproperty uchar blue\n";
+    let found = told("a.ply", &ply(colors, " 255 0 0"));
+    assert!(found.contains("the colours of faces are ignored; export"), "{found}");
+    let found = told("a.ply", &ply("property list uchar float texcoord\n", " 6 0 0 1 0 0 1"));
+    assert!(found.contains("the texture coordinates of faces are ignored"), "{found}");
+    assert!(!told("a.ply", &ply("", "")).contains("ignored"));
+    let folder = folder();
+    let image = |name: &str, most: u32| {
+        let text = format!("v 0 0 0 {most} 0 0\nv 1 0 0 0 {most} 0\nv 0 1 0 0 0 {most}\nf 1 2 3\n");
+        std::fs::write(folder.path().join("a.obj"), text).expect("a file");
+        let told = run(folder.path(), &["a.obj", name, "--width", "40", "--height", "30"]);
+        (film(folder.path(), name), told.contains("are taken as 0 to 255"))
+    };
+    let ((bytes, is_told), (ones, is_told_too)) = (image("a.pfm", 255), image("b.pfm", 1));
+    assert!(bytes.same_bits(&ones) && is_told && !is_told_too);
+}

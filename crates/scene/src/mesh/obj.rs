@@ -26,7 +26,8 @@ use super::origin::origin;
 use super::place::ReadAt;
 use super::polygon::{self, Polygon};
 use super::validate::{
-    bad_index, first_with, note_zeroed, whiten_bad_colors, zero_bad_normals, zero_bad_uvs,
+    bad_index, first_with, note_zeroed, scale_byte_colors, whiten_bad_colors, zero_bad_normals,
+    zero_bad_uvs,
 };
 use blocks::{BLOCK_BYTES, PIECE_BYTES, cut, each_block};
 use count::Count;
@@ -159,6 +160,7 @@ impl Parts {
         notes.extend(note_zeroed("normals", zero_bad_normals(&mut self.normals)));
         notes.extend(note_zeroed("texture coordinates", zero_bad_uvs(&mut self.uvs)));
         notes.extend(whiten_bad_colors(&mut self.colors));
+        notes.extend(scale_byte_colors(&mut self.colors));
         self.positions.shrink_to_fit();
         self.colors.shrink_to_fit();
         self.triangles.shrink_to_fit();

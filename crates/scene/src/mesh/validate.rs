@@ -131,6 +131,19 @@ pub(super) fn whiten_bad_colors(colors: &mut [Vec3]) -> Option<Error> {
     })
 }
 
+/// The least that some channel of colours from 0 to 255 has; from 0 to 1 it is out of reach.
+const BYTES: f32 = 2.0;
+
+/// Scales colours to 1 at most, where the file has them from 0 to 255, and says so.
+pub(super) fn scale_byte_colors(colors: &mut [Vec3]) -> Option<Error> {
+    let has_bytes = colors.par_iter().any(|color| color.max_element() >= BYTES);
+    has_bytes.then(|| {
+        colors.par_iter_mut().for_each(|color| *color /= f32::from(u8::MAX));
+        let message = "vertex colours above 1 are taken as 0 to 255";
+        Error::new(ErrorKind::Mesh, message).remedy("export them as 0 to 1 if they are not")
+    })
+}
+
 /// The warning that `count` values of the kind `what` were not finite, if any were.
 pub(super) fn note_zeroed(what: &str, count: usize) -> Option<Error> {
     (count > 0).then(|| {

@@ -18,7 +18,8 @@ pub(super) fn read<S: Source>(header: &Header, mut source: S) -> Result<Read> {
         Error::new(ErrorKind::Syntax, "the header declares no element \"vertex\"")
             .remedy("declare one, with the properties x, y and z")
     })?;
-    let mut body = Body { vertex_count: vertex.count as usize, ..Body::default() };
+    let notes = super::layout::unread(header, vertex);
+    let mut body = Body { vertex_count: vertex.count as usize, notes, ..Body::default() };
     for element in header.elements.iter().filter(|e| !e.properties.is_empty() || e.count > 0) {
         body.element(element, &mut source)?;
     }

@@ -1,6 +1,6 @@
 //! Finds the properties of a mesh in the declared elements, and their place in a row.
 
-use super::header::{Element, Property, Scalar, Shape, place};
+use super::header::{Element, Header, Property, Scalar, Shape, place};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
 /// The stored numbers of a vertex, in the order of their slots.
@@ -160,6 +160,24 @@ pub(super) fn stride(properties: &[Property]) -> Option<usize> {
         Shape::List { .. } => None,
     };
     properties.iter().map(size).sum()
+}
+
+/// Warnings of properties of faces that would change how the mesh looks, but are not read.
+pub(super) fn unread(header: &Header, vertex: &Element) -> Vec<Error> {
+    let has = |element: &Element, name: &str| element.properties.iter().any(|p| p.name == name);
+    let faces = || header.elements.iter().filter(|element| element.name == "face");
+    let is_colored =
+        |element: &Element| COLOR.iter().any(|names| names.iter().all(|n| has(element, n)));
+    let warning = |message: &str, remedy: &str| Error::new(ErrorKind::Mesh, message).remedy(remedy);
+    let colors = (!is_colored(vertex) && faces().any(is_colored))
+        .then(|| warning("the colours of faces are ignored", "export colours of vertices instead"));
+    let uvs = faces().any(|face| has(face, "texcoord")).then(|| {
+        warning(
+            "the texture coordinates of faces are ignored, and the texture with them",
+            "export the mesh as OBJ or glTF",
+        )
+    });
+    colors.into_iter().chain(uvs).collect()
 }
 
 /// The rows of an element with lists of vertices: `face` or `tristrips`.
