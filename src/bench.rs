@@ -20,6 +20,7 @@ use wavecrest_report::bench::compare::{Axis, Comparison, Variant, compare};
 use wavecrest_report::bench::measure::{Measured, Runs, measure};
 use wavecrest_report::bench::page::page;
 use wavecrest_report::bench::{BenchReport, Preparation, SceneBench, Setting, hardware, text};
+use wavecrest_scene::load::load;
 use wavecrest_scene::memory;
 use wavecrest_scene::systems;
 
@@ -28,15 +29,30 @@ use wavecrest_scene::systems;
 /// # Errors
 /// If a scene cannot be loaded or prepared, or the report cannot be written.
 pub(crate) fn run(args: &BenchArgs) -> Result<bool> {
-    args.output.iter().chain(&args.page).try_for_each(|file| check_replaceable(file))?;
+    args.outputs().try_for_each(check_replaceable)?;
     if let (Some(output), Some(page)) = (&args.output, &args.page) {
         check_differs(page, output, "the JSON")?;
     }
+    check_scenes(args)?;
     args.scene_options.threads.run(
         || {
             if args.effects { effects::run(args) } else { run_here(args) }
         },
     )
+}
+
+/// Refuses to write over a file of a scene. The results of the first scene are written before the second is read, so
+/// all are read here if a file is there to be replaced.
+fn check_scenes(args: &BenchArgs) -> Result<()> {
+    let old: Vec<&Path> = args.outputs().filter(|file| file.exists()).collect();
+    if old.is_empty() {
+        return Ok(());
+    }
+    args.scenes.iter().try_for_each(|scene| {
+        old.iter().try_for_each(|file| check_differs(file, scene, "the scene"))?;
+        let loaded = load(scene, &args.scene_options.load_options())?;
+        old.iter().try_for_each(|file| loaded.check_apart(file))
+    })
 }
 
 fn run_here(args: &BenchArgs) -> Result<bool> {
@@ -76,7 +92,7 @@ fn bench(args: &BenchArgs, path: &Path) -> Result<SceneBench> {
 fn prepare(args: &BenchArgs, path: &Path) -> Result<(PreparedScene, Setting)> {
     let start = Instant::now();
     let extent = Extent::whole(args.batch);
-    let loaded = args.scene_options.load(path, extent)?;
+    let loaded = args.scene_options.load(path, extent, &[])?;
     let extracted = args.scene_options.extract(loaded, extent)?;
     // Neither tracer should wait for an image.
     extracted.scene().appearance.decode()?;

@@ -56,14 +56,21 @@ pub(crate) struct SceneOptions {
 }
 
 impl SceneOptions {
-    /// Loads `scene` for a render of this `extent`, and prints its warnings.
-    pub(crate) fn load(&self, scene: &Path, extent: Extent) -> Result<LoadedScene> {
+    /// Loads `scene`, which none of the `outputs` may be a part of, for a render of this `extent`,
+    /// and prints its warnings.
+    pub(crate) fn load(
+        &self,
+        scene: &Path,
+        extent: Extent,
+        outputs: &[&Path],
+    ) -> Result<LoadedScene> {
         self.input.check(scene)?;
         let options = self.load_options();
         if let Some(limit) = self.memory_limit {
             limit::check(scene, &self.estimate(scene, extent)?, limit)?;
         }
         let loaded = load(scene, &options)?;
+        outputs.iter().try_for_each(|output| loaded.check_apart(output))?;
         self.check_taken(scene)?;
         tell_all(&loaded, self.quiet);
         Ok(loaded)
@@ -77,7 +84,8 @@ impl SceneOptions {
         Ok(memory::estimate(&survey, asked))
     }
 
-    fn load_options(&self) -> LoadOptions {
+    /// The options for loading a scene.
+    pub(crate) fn load_options(&self) -> LoadOptions {
         LoadOptions { strict: self.strict, ..self.input.load_options() }
     }
 

@@ -135,7 +135,7 @@ pub(crate) fn run(args: &ExplainArgs) -> Result<()> {
         let extent = Extent::whole(args.batch);
         let estimated = args.scene_options.estimate(&args.scene, extent)?;
         let start = Instant::now();
-        let loaded = args.scene_options.load(&args.scene, extent)?;
+        let loaded = args.scene_options.load(&args.scene, extent, &[])?;
         let extracted = args.scene_options.extract(loaded, extent)?;
         let load = start.elapsed().as_secs_f64();
         let explanation = explain(extracted, estimated, load, args)?;

@@ -52,7 +52,7 @@ fn place(text: &str) -> std::result::Result<[u32; 2], String> {
 pub(crate) fn run(args: &ProbeArgs) -> Result<bool> {
     args.scene_options.threads.run(|| {
         let extent = Extent { pixels: Some(1), ..Extent::default() };
-        let loaded = args.scene_options.load(&args.scene, extent)?;
+        let loaded = args.scene_options.load(&args.scene, extent, &[])?;
         let extracted = args.scene_options.extract(loaded, extent)?;
         let preset = args.scene_options.bvh.unwrap_or_else(|| extracted.preset());
         let mut scene = args.scene_options.build(extracted, preset)?;

@@ -26,7 +26,6 @@ use super::common::warn;
 use super::interrupt::Interrupt;
 use super::metadata::command;
 use wavecrest_base::error::Result;
-use wavecrest_base::replace::{check_differs, check_replaceable};
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_image::farm::Shard;
@@ -51,19 +50,9 @@ pub(crate) fn run(args: &RenderArgs) -> Result<()> {
     parts::check(args, output)?;
     look::check(args)?;
     let outputs = Outputs::check(args, output, shard.is_some())?;
-    check_reports(args, &outputs)?;
     let reporter = Reporter::begin(args)?;
     let done = args.scene_options.threads.run(|| Run::new(args, &outputs, &reporter).all(shard));
     done.inspect_err(|error| reporter.failed(error))
-}
-
-/// Refuses statistics, or a log, that would overwrite another file of the render.
-fn check_reports(args: &RenderArgs, outputs: &Outputs<'_>) -> Result<()> {
-    args.stats.iter().try_for_each(|file| check_replaceable(file))?;
-    args.stats.iter().chain(&args.show.log).try_for_each(|file| {
-        outputs.check_apart(file)?;
-        check_differs(file, &args.scene, "the scene")
-    })
 }
 
 /// A render in progress.
@@ -128,7 +117,7 @@ impl<'a> Run<'a> {
         let extent = args.extent();
         let estimated =
             args.stats.as_ref().map(|_| options.estimate(&args.scene, extent)).transpose()?;
-        let loaded = options.load(&args.scene, extent)?;
+        let loaded = options.load(&args.scene, extent, &self.outputs.all())?;
         self.reporter.warnings(&loaded.warnings);
         self.outputs.made_of(loaded.encoding);
         let extracted = look::extract(args, loaded)?;

@@ -1,6 +1,6 @@
 //! The arguments of `bench`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use crate::choice::choice;
 use crate::common::{SceneOptions, SearchOptions, whole};
@@ -61,6 +61,11 @@ pub(crate) struct BenchArgs {
 }
 
 impl BenchArgs {
+    /// The files to write.
+    pub(super) fn outputs(&self) -> impl Iterator<Item = &Path> {
+        self.output.iter().chain(&self.page).map(PathBuf::as_path)
+    }
+
     /// Number and duration of timed runs.
     pub(super) fn schedule(&self) -> Schedule {
         let (warmup, most) = (usize::from(self.warmup), usize::from(self.repeats));

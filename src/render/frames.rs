@@ -47,20 +47,24 @@ pub(super) fn run(args: &RenderArgs, frames: Frames, shard: Option<Shard>) -> Re
     let of_frame = |frame| Ok((frame, args.of_frame(args.output()?, frame)));
     let all: Vec<(u32, RenderArgs)> =
         frames.of(shard).into_iter().map(of_frame).collect::<Result<_>>()?;
-    for (_, one) in &all {
-        Outputs::check(one, one.output()?, false)?;
+    let mut shots: Vec<Shot<'_>> = Vec::new();
+    for (frame, one) in &all {
+        shots.push((*frame, one, Outputs::check(one, one.output()?, false)?));
     }
     let reporter = Reporter::begin(args)?;
-    let done = args.scene_options.threads.run(|| run_here(args, &all, &reporter));
+    let done = args.scene_options.threads.run(|| run_here(args, &shots, &reporter));
     done.inspect_err(|error| reporter.failed(error))
 }
 
-fn run_here(args: &RenderArgs, all: &[(u32, RenderArgs)], reporter: &Reporter) -> Result<()> {
-    let mut shoot = Shoot::prepare(args, reporter)?;
+/// A frame with its arguments and files.
+type Shot<'a> = (u32, &'a RenderArgs, Outputs<'a>);
+
+fn run_here(args: &RenderArgs, all: &[Shot<'_>], reporter: &Reporter) -> Result<()> {
+    let files: Vec<&Path> = all.iter().flat_map(|(.., outputs)| outputs.all()).collect();
+    let mut shoot = Shoot::prepare(args, &files, reporter)?;
     let mut size = [0; 2];
-    for (frame, one) in all {
-        let outputs = Outputs::check(one, one.output()?, false)?;
-        let rendered = shoot.frame(one, *frame, &outputs)?;
+    for (frame, one, outputs) in all {
+        let rendered = shoot.frame(one, *frame, outputs)?;
         reporter.stage(Stage::Write);
         outputs.write(&shoot.scene, &rendered)?;
         size = [rendered.film.width(), rendered.film.height()];
@@ -82,15 +86,19 @@ pub(super) struct Shoot<'a> {
 }
 
 impl<'a> Shoot<'a> {
-    /// Loads the scene and builds its tree.
+    /// Loads the scene, none of whose files may be among the `outputs`, and builds its tree.
     ///
     /// # Errors
     /// If it cannot be loaded or prepared.
-    pub(super) fn prepare(args: &'a RenderArgs, reporter: &'a Reporter) -> Result<Self> {
+    pub(super) fn prepare(
+        args: &'a RenderArgs,
+        outputs: &[&Path],
+        reporter: &'a Reporter,
+    ) -> Result<Self> {
         let summary = Summary::since(Instant::now());
         reporter.stage(Stage::Load);
         let options = &args.scene_options;
-        let loaded = options.load(&args.scene, args.extent())?;
+        let loaded = options.load(&args.scene, args.extent(), outputs)?;
         reporter.warnings(&loaded.warnings);
         let encoding = loaded.encoding;
         let extracted = look::extract(args, loaded)?;

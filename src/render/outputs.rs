@@ -29,7 +29,7 @@ impl<'a> Outputs<'a> {
     /// image.
     ///
     /// # Errors
-    /// If one cannot be written, is repeated or is the scene, or if layers are requested that none
+    /// If one cannot be written, is repeated or is the scene, or a report would be written over it, or if layers are requested that none
     /// can store.
     pub(super) fn check(args: &'a RenderArgs, first: &'a Path, is_shard: bool) -> Result<Self> {
         let also = args.outputs.also.iter().map(PathBuf::as_path);
@@ -41,6 +41,12 @@ impl<'a> Outputs<'a> {
                 .iter()
                 .try_for_each(|other| check_differs(path, other, "another output"))?;
         }
+        let reports = [&args.stats, &args.show.log, &args.parts.checkpoint];
+        for report in reports.into_iter().flatten() {
+            paths.iter().try_for_each(|path| check_differs(report, path, "the image"))?;
+            check_differs(report, &args.scene, "the scene")?;
+        }
+        args.stats.iter().try_for_each(|file| check_replaceable(file))?;
         if args.scene_options.input.lighting.is_transparent() {
             paths.iter().try_for_each(|path| check_alpha(path, is_shard))?;
         }
@@ -53,17 +59,24 @@ impl<'a> Outputs<'a> {
         Ok(outputs)
     }
 
-    /// One animated file, checked to be writable.
-    pub(super) fn of_one(args: &'a RenderArgs, path: &'a Path) -> Self {
-        Self { args, paths: vec![path], encoding: OnceLock::new() }
-    }
-
-    /// Refuses `file` if it is one of the outputs.
+    /// As [`Outputs::check`], for one animated file.
     ///
     /// # Errors
-    /// If it is.
-    pub(super) fn check_apart(&self, file: &Path) -> Result<()> {
-        self.paths.iter().try_for_each(|path| check_differs(file, path, "the image"))
+    /// If it cannot be written, or is the scene or the log.
+    pub(super) fn of_one(args: &'a RenderArgs, path: &'a Path) -> Result<Self> {
+        check_replaceable(path)?;
+        check_differs(path, &args.scene, "the scene")?;
+        if let Some(log) = &args.show.log {
+            check_differs(log, path, "the animation")?;
+            check_differs(log, &args.scene, "the scene")?;
+        }
+        Ok(Self { args, paths: vec![path], encoding: OnceLock::new() })
+    }
+
+    /// Every file that is replaced: the images, statistics and checkpoint.
+    pub(super) fn all(&self) -> Vec<&'a Path> {
+        let reports = self.args.stats.iter().chain(&self.args.parts.checkpoint);
+        self.paths.iter().copied().chain(reports.map(PathBuf::as_path)).collect()
     }
 
     /// Records the scene's transfer curve of 8-bit images.

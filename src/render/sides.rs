@@ -8,7 +8,6 @@ use super::outputs::Outputs;
 use super::show::Reporter;
 use super::show::stage::Stage;
 use wavecrest_base::error::{Error, ErrorKind, Result};
-use wavecrest_base::replace::{check_differs, check_replaceable};
 use wavecrest_core::film::Film;
 use wavecrest_image::animation::{Animated, Animation};
 use wavecrest_image::farm::Shard;
@@ -48,9 +47,8 @@ pub(super) fn run(args: &RenderArgs, shard: Option<Shard>) -> Result<bool> {
         }
         Some(format) => {
             refuse("--turntable", output, &[of_frame(args), of_image(args, shard)].concat())?;
-            check_replaceable(output)?;
-            check_differs(output, &args.scene, "the scene")?;
-            watched(args, |reporter| animate(args, count, output, format, reporter))?;
+            let outputs = Outputs::of_one(args, output)?;
+            watched(args, |reporter| animate(args, count, &outputs, format, reporter))?;
         }
     }
     Ok(true)
@@ -97,20 +95,19 @@ fn refuse(option: &str, output: &Path, others: &[Given]) -> Result<()> {
 fn animate(
     args: &RenderArgs,
     count: u32,
-    output: &Path,
+    outputs: &Outputs<'_>,
     format: Animated,
     reporter: &Reporter,
 ) -> Result<()> {
-    let mut shoot = Shoot::prepare(args, reporter)?;
-    let outputs = Outputs::of_one(args, output);
-    shoot.tell(&outputs);
+    let output = outputs.first();
+    let mut shoot = Shoot::prepare(args, &outputs.all(), reporter)?;
+    shoot.tell(outputs);
     let size = args.crop.map_or(shoot.scene.camera.size(), |crop| [crop.width, crop.height]);
     let entries = outputs.entries(&shoot.scene)?;
     let transfer = outputs.transfer();
     let animation =
         Animation { path: output, format, size, frames: count, transfer, entries: &entries };
-    animation
-        .write(|frame| shoot.frame(args, frame + 1, &outputs).map(|rendered| rendered.film))?;
+    animation.write(|frame| shoot.frame(args, frame + 1, outputs).map(|rendered| rendered.film))?;
     reporter.note("write", || output.display().to_string());
     reporter.stage(Stage::Done);
     shoot.finish(&output.display().to_string(), count as usize, size);
@@ -124,7 +121,7 @@ fn draw_sheet(
     outputs: &Outputs<'_>,
     reporter: &Reporter,
 ) -> Result<()> {
-    let mut shoot = Shoot::prepare(args, reporter)?;
+    let mut shoot = Shoot::prepare(args, &outputs.all(), reporter)?;
     let mut rows = Rows::new(sides.len());
     let mut last = None;
     for (frame, (name, _)) in (1..).zip(sides) {

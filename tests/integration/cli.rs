@@ -9,6 +9,9 @@ mod outputs;
 // Exit codes, messages, and what is left behind when something fails.
 mod failures;
 
+// Outputs that are inputs too.
+mod overwriting;
+
 // Shards, merge, checkpoints, signals.
 mod farm;
 

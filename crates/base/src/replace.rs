@@ -51,16 +51,21 @@ pub fn check_replaceable(path: &Path) -> Result<()> {
 /// # Errors
 /// If both are the same file.
 pub fn check_differs(file: &Path, other: &Path, what: &str) -> Result<()> {
-    let same = match (file.canonicalize(), other.canonicalize()) {
-        (Ok(a), Ok(b)) => a == b,
-        _ => file == other,
-    };
-    if !same {
+    if real(file) != real(other) {
         return Ok(());
     }
     Err(Error::new(ErrorKind::Usage, format!("this file is also {what}"))
         .in_file(file)
         .remedy("write to another file"))
+}
+
+/// The path with all links followed; of a file that does not exist yet, those of its folder.
+fn real(path: &Path) -> PathBuf {
+    let beside = || {
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+        Some(folder.unwrap_or(Path::new(".")).canonicalize().ok()?.join(path.file_name()?))
+    };
+    path.canonicalize().ok().or_else(beside).unwrap_or_else(|| path.to_owned())
 }
 
 /// An error of the operating system while writing `path`, with a remedy.

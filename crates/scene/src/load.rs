@@ -21,6 +21,7 @@ use hecs::World;
 
 use wavecrest_base::error::{Error, ErrorKind, Result, Warning};
 use wavecrest_base::memory::Stage;
+use wavecrest_base::replace::check_differs;
 
 use framing::Framing;
 
@@ -30,6 +31,7 @@ use super::gltf;
 use super::mesh::{self, LoadedMesh, MeshData};
 use super::parse;
 pub use super::parse::LONGEST_SIDE;
+use super::query;
 use super::reader::{Cursor, Notes, Place, json};
 use super::schema::{SceneFile, Shape};
 use super::survey::{self, Survey};
@@ -60,6 +62,8 @@ pub struct LoadOptions {
 
 /// A loaded scene with its warnings and notes.
 pub struct LoadedScene {
+    /// The file itself.
+    pub file: PathBuf,
     /// The entities: see [`components`](super::components).
     pub world: World,
     /// Warnings about the file, in its order; then about its meshes.
@@ -176,9 +180,28 @@ pub(super) fn spawned(
     let encoding = scene.encoding;
     let told = told.map(|text| Warning::from_error(&notes.error(ErrorKind::Scene, "", text)));
     let world = spawn::world(scene, &notes, read_mesh)?;
-    let folder = notes.folder();
+    let (file, folder) = (notes.file().to_owned(), notes.folder());
     let (warnings, files) = notes.into_parts();
-    Ok(LoadedScene { world, warnings, notes: told.into_iter().collect(), files, encoding, folder })
+    let notes = told.into_iter().collect();
+    Ok(LoadedScene { file, world, warnings, notes, files, encoding, folder })
+}
+
+impl LoadedScene {
+    /// Refuses to write `output` over a file of the scene: the file itself, a mesh, a material library, a buffer or an
+    /// image.
+    ///
+    /// # Errors
+    /// If it is one.
+    pub fn check_apart(&self, output: &Path) -> Result<()> {
+        if !output.exists() {
+            return Ok(());
+        }
+        check_differs(output, &self.file, "the scene")?;
+        let what = format!("part of the scene {}", self.file.display());
+        let images = query::images(&self.world);
+        let mut parts = self.files.iter().chain(&images);
+        parts.try_for_each(|part| check_differs(output, part, &what))
+    }
 }
 
 /// Empty notes on `file`.

@@ -26,17 +26,17 @@ use beside::Beside;
 /// files, the scene last. Existing files are replaced only if `replaces`.
 ///
 /// # Errors
-/// If a file exists already, or cannot be written; or if an image is outside the folder of the file that the scene was
+/// If a file exists already, is a file that the scene was read from, or cannot be written; or if an image is outside the folder of the file that the scene was
 /// read from, unless it was read with [`allow_outside`](crate::load::LoadOptions::allow_outside).
-pub fn write(scene: LoadedScene, path: &Path, replaces: bool) -> Result<Vec<PathBuf>> {
-    let mut beside = Beside::new(path, scene.folder);
-    let mut world = scene.world;
-    let value = json::scene(&mut world, scene.encoding, &mut beside)?;
+pub fn write(mut scene: LoadedScene, path: &Path, replaces: bool) -> Result<Vec<PathBuf>> {
+    let mut beside = Beside::new(path, scene.folder.clone());
+    let value = json::scene(&mut scene.world, scene.encoding, &mut beside)?;
     let Beside { meshes, images, .. } = beside;
     let names = meshes.iter().map(|(name, _)| name).chain(images.iter().map(|(name, _)| name));
     let mut all: Vec<PathBuf> = names.cloned().collect();
     all.push(path.to_owned());
     for file in &all {
+        scene.check_apart(file)?;
         check_free(file, replaces)?;
     }
     for (file, data) in meshes {

@@ -92,7 +92,7 @@ mod tests {
     use super::*;
     use crate::load::LoadOptions;
     use crate::load::framing::{Framing, Up};
-    use crate::load::staging::{Placed, bounds, framed};
+    use crate::load::staging::{Placed, Upward, bounds, framed};
     use glam::{DAffine3, Vec3};
 
     /// The positions of points in the image of a key, from -1 to 1.
@@ -127,7 +127,7 @@ mod tests {
                 ..Framing::default()
             };
             let options = LoadOptions { framing, ..LoadOptions::default() };
-            let found = framed(&all, &bounds(&all), (Up::Y, false), &options).unwrap();
+            let found = framed(&all, &bounds(&all), Upward::Stated(Up::Y), &options).unwrap();
             let keys = found.path.unwrap().keys;
             assert_eq!((keys.len(), keys[0].frame, keys[719].frame), (720, 1, 720));
             assert_eq!((found.view.location, found.view.look), (keys[0].location, keys[0].look));
