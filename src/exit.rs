@@ -12,6 +12,6 @@ pub(crate) const CODES: [(u8, &str); 5] = [
          a case fails; accuracy: something became worse, or an image changed that must not",
     ),
     (ERROR, "error, printed to standard error"),
-    (130, "stopped by SIGINT (Ctrl-C); finished pixels are written"),
+    (130, "stopped by SIGINT (Ctrl-C); a new image has what was finished, an older one stays"),
     (143, "stopped by SIGTERM; the same"),
 ];

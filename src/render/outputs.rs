@@ -129,6 +129,34 @@ impl<'a> Outputs<'a> {
         self.paths.iter().try_for_each(|path| self.write_one(film, path, &extras))
     }
 
+    /// As [`Outputs::write_part`] after a signal, but leaves existing files unchanged, unless unfinished images were
+    /// requested anyway. Returns what became of the files, in words.
+    ///
+    /// # Errors
+    /// If a file cannot be written.
+    pub(super) fn write_unfinished(
+        &self,
+        film: &Film,
+        entries: &[Entry],
+        share: f64,
+    ) -> Result<String> {
+        let replaces = self.args.show.save_every.is_some();
+        let (free, kept): (Vec<&Path>, Vec<&Path>) =
+            self.paths.iter().partition(|path| replaces || !path.exists());
+        let outputs = Self { paths: free, args: self.args, encoding: self.encoding.clone() };
+        outputs.write_part(film, entries, share)?;
+        let written = outputs
+            .paths
+            .iter()
+            .map(|path| format!("{} has what was finished; the rest is black", path.display()));
+        Ok(written.chain(kept.into_iter().map(unchanged)).collect::<Vec<_>>().join("; "))
+    }
+
+    /// That none of the files is written, in words.
+    pub(super) fn untouched(&self) -> String {
+        self.paths.iter().copied().map(unchanged).collect::<Vec<_>>().join("; ")
+    }
+
     /// The name of the image.
     pub(super) fn name(&self) -> String {
         self.first().display().to_string()
@@ -175,6 +203,12 @@ impl<'a> Outputs<'a> {
         let identity = Identity::of(scene, &self.args.options())?;
         Ok(self.args.outputs.metadata.entries(&identity))
     }
+}
+
+/// That a file is not written, in words.
+fn unchanged(path: &Path) -> String {
+    let what = if path.exists() { "unchanged" } else { "not written" };
+    format!("{} is {what}", path.display())
 }
 
 /// Refuses a format without alpha.

@@ -115,7 +115,7 @@ pub(super) fn write_shard(
     summary.add(&done.counters, start.elapsed().as_secs_f64());
     drop(screen);
     if session.share() < 1.0 {
-        let what = format!("{} is not written", output.display());
+        let what = seen.outputs.untouched();
         return Err(seen.interrupt.error(session.share()).remedy(what + &go_on(args)));
     }
     let first = invalid::find(args, scene, &done.counters)?;
@@ -127,7 +127,8 @@ pub(super) fn write_shard(
     Ok(())
 }
 
-/// Writes the finished part of an image that a signal ended; returns the error with the progress.
+/// Writes the finished part of an image that a signal ended, unless it would replace an older image; returns the error
+/// with the progress.
 pub(super) fn interrupted(
     args: &RenderArgs,
     scene: &PreparedScene,
@@ -137,13 +138,12 @@ pub(super) fn interrupted(
     let pixels: usize = rendered.tiles.iter().map(|tile| tile.len()).sum();
     let share = pixels as f64 / rendered.film.pixels().len() as f64;
     let error = seen.interrupt.error(share);
-    let name = seen.outputs.name();
     let written = if pixels == 0 {
-        format!("{name} is unchanged")
+        seen.outputs.untouched()
     } else {
         let entries = seen.outputs.entries(scene);
-        match entries.and_then(|e| seen.outputs.write_part(&rendered.film, &e, share)) {
-            Ok(()) => format!("{name} has what was finished; the rest is black"),
+        match entries.and_then(|e| seen.outputs.write_unfinished(&rendered.film, &e, share)) {
+            Ok(words) => words,
             Err(error) => return error,
         }
     };

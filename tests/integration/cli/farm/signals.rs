@@ -61,7 +61,7 @@ fn a_signal_stops_a_render_that_resumes_to_the_same_bytes() {
     let at = |name: &str| folder.path().join(name);
     let whole = film(at("usual.exr"));
     for (signal, code) in [("INT", 130), ("TERM", 143)] {
-        std::fs::write(at("out.exr"), "an older image").expect("a file");
+        std::fs::remove_file(at("out.exr")).ok();
         let mut running = Running::start(folder.path(), &RENDER);
         running.wait_for(&at("kept"));
         // The first writing of the checkpoint holds little; the next follow each other.
@@ -85,14 +85,59 @@ fn a_signal_stops_a_render_that_resumes_to_the_same_bytes() {
             assert!((same * 100.0 - percent).abs() < 5.0, "{same}: {told}");
         } else {
             assert_eq!(percent, 0.0, "{told}");
-            assert_eq!(bytes(folder.path(), "out.exr"), b"an older image");
+            assert!(
+                rest.starts_with("out.exr is not written") && !at("out.exr").exists(),
+                "{told}"
+            );
         }
-        assert_eq!(files(folder.path()), ["ball.json", "kept", "out.exr", "usual.exr"]);
+        check_left(folder.path(), &["ball.json", "kept", "out.exr", "usual.exr"]);
         let resumed = [&RENDER[..], &["--resume", "-q"]].concat();
         run_silently(folder.path(), &resumed);
         assert!(bytes(folder.path(), "out.exr") == usual, "after SIG{signal}");
         std::fs::remove_file(at("kept")).expect("it is there");
     }
+}
+
+#[test]
+fn a_signal_leaves_an_older_image_as_it_is() {
+    let (folder, _) = with_long();
+    let at = |name: &str| folder.path().join(name);
+    for (signal, more) in [("INT", &[][..]), ("TERM", &["--save-every", "1000"])] {
+        std::fs::write(at("out.exr"), "an older image").expect("a file");
+        let told = stopped_after_a_tile(folder.path(), signal, more);
+        assert!(told.contains("; new.png has what was finished; the rest is black; "), "{told}");
+        if more.is_empty() {
+            assert!(
+                told.ends_with("; out.exr is unchanged; resume with --checkpoint kept --resume\n"),
+                "{told}"
+            );
+            assert_eq!(bytes(folder.path(), "out.exr"), b"an older image");
+        } else {
+            assert!(told.contains(" %; out.exr has what was finished; "), "{told}");
+            film(at("out.exr"));
+        }
+        film(at("new.png"));
+        std::fs::remove_file(at("new.png")).expect("it is there");
+    }
+}
+
+/// Renders out.exr and new.png, ended by a signal when a part is finished; returns the message.
+fn stopped_after_a_tile(folder: &Path, signal: &str, more: &[&str]) -> String {
+    let arguments = [&RENDER[..], &["--also", "new.png"], more].concat();
+    for wait in [50, 100, 200, 400, 800] {
+        let mut running = Running::start(folder, &arguments);
+        running.wait_for(&folder.join("kept"));
+        std::thread::sleep(Duration::from_millis(wait));
+        running.signal(signal);
+        let output = running.finish();
+        std::fs::remove_file(folder.join("kept")).expect("it is there");
+        let told = text(&output.stderr);
+        if !told.contains(" at 0 %") {
+            return told.to_owned();
+        }
+        assert!(told.contains("; out.exr is unchanged; new.png is not written; "), "{told}");
+    }
+    panic!("no tile was finished");
 }
 
 #[test]
