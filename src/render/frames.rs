@@ -61,7 +61,8 @@ type Shot<'a> = (u32, &'a RenderArgs, Outputs<'a>);
 
 fn run_here(args: &RenderArgs, all: &[Shot<'_>], reporter: &Reporter) -> Result<()> {
     let files: Vec<&Path> = all.iter().flat_map(|(.., outputs)| outputs.all()).collect();
-    let mut shoot = Shoot::prepare(args, &files, reporter)?;
+    let mut shoot = Shoot::prepare(args, &files, all.len(), reporter)?;
+    shoot.numbered = true;
     let mut size = [0; 2];
     for (frame, one, outputs) in all {
         let rendered = shoot.frame(one, *frame, outputs)?;
@@ -83,16 +84,22 @@ pub(super) struct Shoot<'a> {
     encoding: Encoding,
     interrupt: Interrupt,
     summary: Summary,
+    /// The number of frames to render, and of those that are finished.
+    frames: usize,
+    finished: usize,
+    /// Whether each has files of its own.
+    numbered: bool,
 }
 
 impl<'a> Shoot<'a> {
-    /// Loads the scene, none of whose files may be among the `outputs`, and builds its tree.
+    /// Loads the scene, none of whose files may be among the `outputs`, and builds its tree, for this number of `frames`.
     ///
     /// # Errors
     /// If it cannot be loaded or prepared.
     pub(super) fn prepare(
         args: &'a RenderArgs,
         outputs: &[&Path],
+        frames: usize,
         reporter: &'a Reporter,
     ) -> Result<Self> {
         let summary = Summary::since(Instant::now());
@@ -109,7 +116,17 @@ impl<'a> Shoot<'a> {
         warn(&systems::warnings(&scene, &file));
         args.search.apply(&mut scene.accel);
         let interrupt = Interrupt::listen()?;
-        Ok(Self { args, reporter, scene, encoding, interrupt, summary })
+        Ok(Self {
+            args,
+            reporter,
+            scene,
+            encoding,
+            interrupt,
+            summary,
+            frames,
+            finished: 0,
+            numbered: false,
+        })
     }
 
     /// Tells the outputs the scene's transfer curve of 8-bit images.
@@ -130,16 +147,29 @@ impl<'a> Shoot<'a> {
         place(&mut self.scene, frame, &self.args.scene)?;
         self.tell(outputs);
         let seen = Seen { outputs, reporter: self.reporter, interrupt: &self.interrupt };
+        if self.interrupt.signal().is_some() {
+            return Err(self.interrupted(outputs, 0.0));
+        }
         let (rendered, _) = parts::trace(one, &self.scene, &seen, None)?;
         if !rendered.finished {
-            let name = outputs.name();
-            let error = self.interrupt.error(0.0);
-            return Err(error.remedy(format!("{name} is not written; the frames before it are")));
+            return Err(self.interrupted(outputs, parts::share(&rendered)));
         }
         let first = invalid::find(one, &self.scene, &rendered.counters)?;
         invalid::report(&rendered.counters, first.as_ref());
         self.summary.add(&rendered.counters, rendered.seconds);
+        self.finished += 1;
         Ok(rendered)
+    }
+
+    /// The error that a signal ended the render when this `share` of a frame was finished.
+    fn interrupted(&self, outputs: &Outputs<'_>, share: f64) -> Error {
+        let all = (self.finished as f64 + share) / self.frames as f64;
+        let before = match self.finished {
+            1 if self.numbered => "; the frame before it is written".to_owned(),
+            2.. if self.numbered => format!("; the {} frames before it are written", self.finished),
+            _ => String::new(),
+        };
+        self.interrupt.error(all).remedy(outputs.untouched() + &before)
     }
 
     /// Prints the line after success, for this number of frames and their size.

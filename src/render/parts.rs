@@ -135,10 +135,9 @@ pub(super) fn interrupted(
     rendered: &Rendered,
     seen: &Seen<'_>,
 ) -> Error {
-    let pixels: usize = rendered.tiles.iter().map(|tile| tile.len()).sum();
-    let share = pixels as f64 / rendered.film.pixels().len() as f64;
+    let share = share(rendered);
     let error = seen.interrupt.error(share);
-    let written = if pixels == 0 {
+    let written = if share == 0.0 {
         seen.outputs.untouched()
     } else {
         let entries = seen.outputs.entries(scene);
@@ -148,6 +147,12 @@ pub(super) fn interrupted(
         }
     };
     error.remedy(written + &go_on(args))
+}
+
+/// The finished share of an image, from 0 to 1.
+pub(super) fn share(rendered: &Rendered) -> f64 {
+    let pixels: usize = rendered.tiles.iter().map(|tile| tile.len()).sum();
+    pixels as f64 / rendered.film.pixels().len() as f64
 }
 
 /// How to resume, if possible.

@@ -100,7 +100,7 @@ fn animate(
     reporter: &Reporter,
 ) -> Result<()> {
     let output = outputs.first();
-    let mut shoot = Shoot::prepare(args, &outputs.all(), reporter)?;
+    let mut shoot = Shoot::prepare(args, &outputs.all(), count as usize, reporter)?;
     shoot.tell(outputs);
     let size = args.crop.map_or(shoot.scene.camera.size(), |crop| [crop.width, crop.height]);
     let entries = outputs.entries(&shoot.scene)?;
@@ -121,7 +121,7 @@ fn draw_sheet(
     outputs: &Outputs<'_>,
     reporter: &Reporter,
 ) -> Result<()> {
-    let mut shoot = Shoot::prepare(args, &outputs.all(), reporter)?;
+    let mut shoot = Shoot::prepare(args, &outputs.all(), sides.len(), reporter)?;
     let mut rows = Rows::new(sides.len());
     let mut last = None;
     for (frame, (name, _)) in (1..).zip(sides) {

@@ -163,6 +163,60 @@ fn a_shard_that_a_signal_ends_is_kept_and_not_written() {
     assert!(bytes(folder.path(), "out.exr") == bytes(folder.path(), "usual.exr"));
 }
 
+/// What is said between `stopped by SIGINT at` and the end: the percentage, and the rest.
+fn stopped(output: &Output) -> (f64, String) {
+    let told = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(130), "{told}");
+    let (_, told) = told.split_once("stopped by SIGINT at ").expect(told);
+    let (percent, rest) = told.split_once(" %; ").expect(told);
+    (percent.parse().expect(percent), rest.to_owned())
+}
+
+#[test]
+fn frames_before_a_signal_are_written_and_no_part_of_another() {
+    let mut scene = long();
+    scene["camera"]["path"] = json!({"keys": [{"frame": 1, "location": [0, 0, 5]}]});
+    let folder = with_scene(&scene.to_string());
+    let frames = ["ball.json", "f#.pfm", "--frames", "1..3", "--threads", "1"];
+    let mut running = Running::start(folder.path(), &frames);
+    running.wait_for(&folder.path().join("f1.pfm"));
+    running.signal("INT");
+    let (percent, rest) = stopped(&running.finish());
+    assert_eq!(rest, "f2.pfm is not written; the frame before it is written\n");
+    assert!((33.3..66.7).contains(&percent), "{percent}");
+    assert_eq!(files(folder.path()), ["ball.json", "f1.pfm"]);
+}
+
+#[test]
+fn an_animation_and_a_sheet_that_a_signal_ends_are_not_written() {
+    let folder = with_scene("");
+    let mesh = "v 0 0 0\nv 1 0 0\nv 0 1 1\nf 1 2 3\n";
+    std::fs::write(folder.path().join("t.obj"), mesh).expect("a file");
+    let sides = vec!["front"; 64].join(",");
+    let cases: [(&str, &[&str]); 3] = [
+        ("t.gif", &["--turntable", "400"]),
+        ("t.png", &["--turntable", "400", "--as", "normals"]),
+        ("s.png", &["--sheet", &sides]),
+    ];
+    for (name, options) in cases {
+        let size = ["--width", "400", "--height", "300", "--threads", "1"];
+        let arguments = [&["t.obj", name][..], options, &size].concat();
+        let some = [100, 200, 400, 800, 1600, 3200].into_iter().find_map(|wait| {
+            let running = Running::start(folder.path(), &arguments);
+            std::thread::sleep(Duration::from_millis(wait));
+            running.signal("INT");
+            let output = running.finish();
+            // Before the first ray, a signal ends the process.
+            output.status.code()?;
+            let (percent, rest) = stopped(&output);
+            assert_eq!(rest, format!("{name} is not written\n"));
+            assert_eq!(files(folder.path()), ["ball.json", "t.obj"]);
+            (percent > 0.0).then_some(percent)
+        });
+        assert!(some.is_some_and(|percent| percent < 100.0), "{name}: {some:?}");
+    }
+}
+
 /// A scene of which one tile takes minutes.
 fn endless() -> String {
     let mut scene = crate::parts::ball([8, 8], 64);
