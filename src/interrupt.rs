@@ -1,14 +1,18 @@
-//! Signals that end a render early: SIGINT, which Ctrl-C sends, and SIGTERM, which schedulers send.
+//! Signals that end a command early: SIGINT, which Ctrl-C sends, and SIGTERM, which schedulers send.
 //!
-//! The first signal is recorded and the render ends by itself; the second ends the process at once.
+//! A render records the first signal and ends by itself; the second ends the process at once, as the first does to other
+//! commands. Temporary files are removed before.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::thread;
 
 use signal_hook::consts::{SIGINT, SIGTERM};
-use signal_hook::flag;
+use signal_hook::iterator::Signals;
+use signal_hook::{flag, low_level};
 
 use wavecrest_base::error::{Error, ErrorKind, Result};
+use wavecrest_base::replace::remove_temporary_files;
 
 /// The signals, with their names.
 const SIGNALS: [(i32, &str); 2] = [(SIGINT, "SIGINT"), (SIGTERM, "SIGTERM")];
@@ -16,9 +20,37 @@ const SIGNALS: [(i32, &str); 2] = [(SIGINT, "SIGINT"), (SIGTERM, "SIGTERM")];
 /// Offset from the number of a signal to the exit code of a process that it ended, as in shells.
 const SIGNALLED: u8 = 128;
 
+/// Whether a render records the first signal.
+static IS_RECORDED: AtomicBool = AtomicBool::new(false);
+
 /// The exit code of a process that a signal ended.
 pub(super) fn exit_code(signal: u8) -> u8 {
     SIGNALLED.saturating_add(signal)
+}
+
+/// Removes temporary files before a signal ends the process, from now on. Where the system allows no handler or no thread
+/// for that, signals end the process as usual.
+pub(super) fn clean_up() {
+    let Ok(mut signals) = Signals::new(SIGNALS.map(|(number, _)| number)) else { return };
+    let wait = move || {
+        let mut all = signals.forever();
+        let mut first = all.next();
+        if IS_RECORDED.load(Ordering::Relaxed) {
+            first = all.next();
+        }
+        let Some(number) = first else { return };
+        remove_temporary_files();
+        if !IS_RECORDED.load(Ordering::Relaxed) {
+            // The parent sees what ended the process.
+            let _ = low_level::emulate_default_handler(number);
+        }
+        low_level::exit(exit_code(number as u8).into());
+    };
+    if thread::Builder::new().spawn(wait).is_err() {
+        for (number, _) in SIGNALS {
+            let _ = flag::register_conditional_default(number, Arc::new(AtomicBool::new(true)));
+        }
+    }
 }
 
 /// The signal received, if any.
@@ -34,13 +66,9 @@ impl Interrupt {
     /// If the system does not allow handlers for the signals.
     pub(super) fn listen() -> Result<Self> {
         let signal = Arc::new(AtomicUsize::new(0));
-        let seen = Arc::new(AtomicBool::new(false));
+        IS_RECORDED.store(true, Ordering::Relaxed);
         for (number, name) in SIGNALS {
-            let code = i32::from(exit_code(number as u8));
-            // In this order: the first signal must not see its own record.
-            let noted = flag::register_conditional_shutdown(number, code, Arc::clone(&seen))
-                .and_then(|_| flag::register_usize(number, Arc::clone(&signal), number as usize))
-                .and_then(|_| flag::register(number, Arc::clone(&seen)));
+            let noted = flag::register_usize(number, Arc::clone(&signal), number as usize);
             noted.map_err(|error| {
                 Error::new(ErrorKind::Io, format!("cannot handle {name}: {error}")).because(error)
             })?;

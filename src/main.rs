@@ -68,6 +68,7 @@ enum Command {
 }
 
 fn main() -> ExitCode {
+    interrupt::clean_up();
     let arguments = match with_command(std::env::args_os().collect()) {
         Ok(arguments) => arguments,
         Err(error) => return failed(&error),

@@ -8,7 +8,7 @@ use serde_json::json;
 use tempfile::TempDir;
 
 use super::super::film;
-use super::{bytes, files, long, run_silently, text, with_scene};
+use super::{bytes, files, folder, long, run_silently, text, with_scene};
 
 /// How long to wait for a file, at most: machines may be slow.
 const PATIENCE: Duration = Duration::from_secs(120);
@@ -249,6 +249,26 @@ fn a_second_signal_ends_the_process_at_once() {
         return;
     }
     panic!("no ray was traced in half a minute");
+}
+
+#[test]
+fn a_signal_leaves_no_temporary_file() {
+    let folder = folder();
+    let is_begun = || !files(folder.path()).is_empty();
+    for signal in ["INT", "TERM"] {
+        let arguments = ["generate", "knot", "k.ply", "--triangles", "200M", "-q"];
+        let running = Running::start(folder.path(), &arguments);
+        let start = Instant::now();
+        while !is_begun() {
+            assert!(start.elapsed() < PATIENCE, "there is no temporary file");
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        // It is in the list a moment after it is there.
+        std::thread::sleep(Duration::from_millis(50));
+        running.signal(signal);
+        assert_eq!(running.finish().status.code(), None, "a signal ended it");
+        assert!(!is_begun(), "{:?}", files(folder.path()));
+    }
 }
 
 /// The numbers below 1 that a test tries: others in each run.
