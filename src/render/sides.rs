@@ -107,7 +107,13 @@ fn animate(
     let transfer = outputs.transfer();
     let animation =
         Animation { path: output, format, size, frames: count, transfer, entries: &entries };
-    animation.write(|frame| shoot.frame(args, frame + 1, outputs).map(|rendered| rendered.film))?;
+    // Errors of a frame are not about the file.
+    let mut failed = None;
+    let mut film = |frame| {
+        let rendered = shoot.frame(args, frame + 1, outputs);
+        rendered.map(|one| one.film).inspect_err(|error| failed = Some(error.clone()))
+    };
+    animation.write(&mut film).map_err(|error| failed.unwrap_or(error))?;
     reporter.note("write", || output.display().to_string());
     reporter.stage(Stage::Done);
     shoot.finish(&output.display().to_string(), count as usize, size);
