@@ -58,7 +58,8 @@ pub(super) fn guess(
     let support = |axis| support(all, (low, size), axis);
     let is_field = field(axis) && !field(own);
     let stands = || is_closed(grid.along(axis)) && support(axis) >= STANDS;
-    if !is_field && !stands() || support(own) >= COULD_STAND {
+    // Terrain would also stand on its edge.
+    if !is_field && (!stands() || support(own) >= COULD_STAND) {
         return (usual, None);
     }
     let why = if is_field {
