@@ -124,6 +124,7 @@ fn layers_are_what_the_geometry_says() {
 fn numbers_stand_for_the_shapes_that_are_seen() {
     let mut scene = ball_and_wall(&pinhole(SIZE, 40.0, DISTANCE));
     let shapes = scene["scene"]["shapes"].as_array_mut().expect("shapes");
+    shapes[1]["name"] = "wall".into();
     // One of the wall's material, and one that is not seen.
     let twin =
         with(sphere([0.5, -1.5, 0.5], 0.3, json!(null)), "material", shapes[1]["material"].clone());
@@ -136,9 +137,9 @@ fn numbers_stand_for_the_shapes_that_are_seen() {
     };
     let at = |name: &str, x: u32, y: u32| integers(&found, name)[(y * SIZE[0] + x) as usize];
     let places = [(23, 13), (2, 3), (23, 24)];
-    for ((x, y), place) in places.into_iter().zip([0, 1, 2]) {
+    for ((x, y), name) in places.into_iter().zip(["scene.shapes[0]", "wall", "scene.shapes[2]"]) {
         let id = at("object.id", x, y).to_string();
-        assert_eq!(table("objects")[&id], format!("scene.shapes[{place}]"));
+        assert_eq!(table("objects")[&id], name);
     }
     let materials = places.map(|(x, y)| at("material.id", x, y));
     assert!(materials[0] != materials[1] && materials[1] == materials[2], "{materials:?}");

@@ -13,12 +13,15 @@ pub(super) struct Names<'a> {
     materials: Vec<u32>,
     /// For each material, from 1 on, the first shape with it.
     first: Vec<usize>,
+    /// The number of shapes of each name.
+    counts: HashMap<&'a str, usize>,
 }
 
 impl<'a> Names<'a> {
     pub(super) fn of(scene: &'a PreparedScene) -> Self {
         let appearance = &scene.appearance;
-        let mut names = Self { appearance, materials: Vec::new(), first: Vec::new() };
+        let mut names =
+            Self { appearance, materials: Vec::new(), first: Vec::new(), counts: HashMap::new() };
         let mut known = HashMap::new();
         for (index, shape) in appearance.shapes.iter().enumerate() {
             if shape.emission.is_some() {
@@ -35,6 +38,9 @@ impl<'a> Names<'a> {
             });
             names.materials.push(number);
         }
+        for name in appearance.names.iter().flatten() {
+            *names.counts.entry(name.as_str()).or_default() += 1;
+        }
         names
     }
 
@@ -43,7 +49,7 @@ impl<'a> Names<'a> {
         (shape as u32 + 1, self.materials.get(shape).copied().unwrap_or_default())
     }
 
-    /// The shapes that occur, as JSON: for each number its place in the scene.
+    /// The shapes that occur, as JSON: for each number its name or place in the scene.
     pub(super) fn objects(&self, numbers: &[u32]) -> String {
         table(numbers, |number| self.place(number as usize - 1))
     }
@@ -56,8 +62,16 @@ impl<'a> Names<'a> {
         })
     }
 
+    /// The name of a shape, or else its place in the scene, which also tells shapes of one name
+    /// apart.
     fn place(&self, shape: usize) -> String {
-        self.appearance.places.get(shape).cloned().unwrap_or_default()
+        let Appearance { names, places, .. } = self.appearance;
+        let place = places.get(shape).cloned().unwrap_or_default();
+        match names.get(shape).and_then(Option::as_ref) {
+            Some(name) if self.counts.get(name.as_str()) == Some(&1) => name.clone(),
+            Some(name) => format!("{name} ({place})"),
+            None => place,
+        }
     }
 }
 
