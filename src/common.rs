@@ -23,7 +23,7 @@ use wavecrest_core::tile::Tile;
 use wavecrest_core::wavefront::DEFAULT_BATCH;
 pub(crate) use wavecrest_report::files::{to_json, write_text};
 use wavecrest_scene::load::{LoadOptions, LoadedScene, load, survey};
-use wavecrest_scene::memory::{self, Estimate};
+use wavecrest_scene::memory::{self, Estimate, Images};
 use wavecrest_scene::systems::{self, Extracted};
 
 /// Options on what scene is read and how.
@@ -61,7 +61,7 @@ impl SceneOptions {
     pub(crate) fn load(
         &self,
         scene: &Path,
-        extent: Extent,
+        extent: Extent<'_>,
         outputs: &[&Path],
     ) -> Result<LoadedScene> {
         self.input.check(scene)?;
@@ -77,10 +77,14 @@ impl SceneOptions {
     }
 
     /// Estimates the memory of a render of this `extent` before anything large is read.
-    pub(crate) fn estimate(&self, scene: &Path, extent: Extent) -> Result<Estimate> {
+    pub(crate) fn estimate(&self, scene: &Path, extent: Extent<'_>) -> Result<Estimate> {
         let survey = survey(scene, &self.load_options())?;
-        let Extent { pixels, batch } = extent;
-        let asked = memory::Asked { pixels, preset: self.bvh, batch, flat: self.flatten };
+        let asked = memory::Asked {
+            images: &|size| extent.images.images(size),
+            preset: self.bvh,
+            batch: extent.batch,
+            flat: self.flatten,
+        };
         Ok(memory::estimate(&survey, asked))
     }
 
@@ -90,19 +94,17 @@ impl SceneOptions {
     }
 
     /// Runs all systems but the last on `loaded`, for a render of this `extent`.
-    pub(crate) fn extract(&self, mut loaded: LoadedScene, extent: Extent) -> Result<Extracted> {
+    pub(crate) fn extract(&self, mut loaded: LoadedScene, extent: Extent<'_>) -> Result<Extracted> {
         let (precision, flat) = (self.precision, self.flatten);
         let options = systems::Options { precision, flat, ..Default::default() };
         self.checked(systems::extract(&mut loaded.world, options)?, extent)
     }
 
     /// Refuses a scene that has no tree yet if a render of this `extent` would take more memory than is allowed.
-    pub(crate) fn checked(&self, extracted: Extracted, extent: Extent) -> Result<Extracted> {
+    pub(crate) fn checked(&self, extracted: Extracted, extent: Extent<'_>) -> Result<Extracted> {
         let Some(limit) = self.memory_limit else { return Ok(extracted) };
         let preset = self.bvh.unwrap_or_else(|| extracted.preset());
-        let pixels = extent.pixels.unwrap_or_else(|| extracted.pixels());
-        let estimated = memory::estimate_extracted(&extracted, pixels, preset, extent.batch);
-        limit::check(extracted.file(), &estimated, limit)?;
+        limit::check(extracted.file(), &extent.estimate(&extracted, preset), limit)?;
         Ok(extracted)
     }
 
@@ -115,30 +117,51 @@ impl SceneOptions {
     }
 
     /// Refuses a scene that has taken more memory by now than is allowed.
-    fn check_taken(&self, scene: &Path) -> Result<()> {
+    pub(crate) fn check_taken(&self, scene: &Path) -> Result<()> {
         self.memory_limit.map_or(Ok(()), |limit| limit::check_taken(scene, limit))
     }
 }
 
-/// The options of a render that affect the memory of its image.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Extent {
-    /// Pixels to render; all if `None`.
-    pub(crate) pixels: Option<u64>,
+/// What a command makes of a scene, as far as it affects memory.
+#[derive(Clone, Copy)]
+pub(crate) struct Extent<'a> {
+    pub(crate) images: &'a dyn Imaging,
     /// Paths in a batch.
     pub(crate) batch: usize,
 }
 
-impl Extent {
-    /// The whole image, in batches of this number of paths.
-    pub(crate) fn whole(batch: u32) -> Self {
-        Self { pixels: None, batch: batch as usize }
+/// Something that makes images of a scene.
+pub(crate) trait Imaging {
+    /// The memory of the images, if the whole image has this width and height in pixels.
+    fn images(&self, size: [u32; 2]) -> Images;
+}
+
+/// The whole image, not written.
+struct Whole;
+
+impl Imaging for Whole {
+    fn images(&self, size: [u32; 2]) -> Images {
+        Images::whole(size)
     }
 }
 
-impl Default for Extent {
+impl Extent<'_> {
+    /// Estimates the memory of a render of an extracted scene.
+    pub(crate) fn estimate(&self, extracted: &Extracted, preset: Preset) -> Estimate {
+        let Images { film, writing } = self.images.images(extracted.scene().camera.size());
+        let usual = memory::estimate_extracted(extracted, extracted.pixels(), preset, self.batch);
+        Estimate { film, writing, ..usual }
+    }
+
+    /// The whole image, in batches of this number of paths.
+    pub(crate) fn whole(batch: u32) -> Self {
+        Self { images: &Whole, batch: batch as usize }
+    }
+}
+
+impl Default for Extent<'_> {
     fn default() -> Self {
-        Self { pixels: None, batch: DEFAULT_BATCH }
+        Self::whole(DEFAULT_BATCH as u32)
     }
 }
 

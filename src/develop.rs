@@ -27,8 +27,7 @@ impl DevelopOptions {
         format: Format,
         extras: &Extras<'_>,
     ) -> Option<Film> {
-        let develop = Develop { exposure: self.exposure, tone: self.tone };
-        if develop.is_plain() || format.is_float() {
+        if !self.changes(format) {
             return None;
         }
         let alpha = extras.channels.iter().find(|channel| channel.name == ALPHA);
@@ -36,7 +35,16 @@ impl DevelopOptions {
             Values::Floats(values) => Some(values.as_slice()),
             Values::Integers(_) => None,
         });
-        Some(develop.film(film, alpha))
+        Some(self.develop().film(film, alpha))
+    }
+
+    /// Whether an image of this format is developed.
+    pub(crate) fn changes(&self, format: Format) -> bool {
+        !self.develop().is_plain() && !format.is_float()
+    }
+
+    fn develop(&self) -> Develop {
+        Develop { exposure: self.exposure, tone: self.tone }
     }
 }
 

@@ -12,8 +12,18 @@ pub(crate) fn check(scene: &Path, estimated: &Estimate, limit: ByteSize) -> Resu
     if estimated.total() <= limit.as_u64() {
         return Ok(());
     }
-    let Estimate { geometry, appearance, tree, build, film, batches, decoding, loading, .. } =
-        *estimated;
+    let Estimate {
+        geometry,
+        appearance,
+        tree,
+        build,
+        film,
+        batches,
+        decoding,
+        writing,
+        loading,
+        ..
+    } = *estimated;
     let uses = [
         ("reading", loading),
         ("geometry", geometry),
@@ -23,6 +33,7 @@ pub(crate) fn check(scene: &Path, estimated: &Estimate, limit: ByteSize) -> Resu
         ("the image", film),
         ("batches", batches),
         ("decoding images", decoding),
+        ("writing files", writing),
     ];
     let uses = uses.map(|(name, bytes)| format!("{name} {}", in_words(bytes)));
     let message = format!("the render needs more memory than {}", in_words(limit.as_u64()));

@@ -5,9 +5,19 @@ use std::path::PathBuf;
 
 use glam::Vec3;
 
-use super::common::{Extent, SceneOptions, SearchOptions, print, rounded, to_json, whole};
+use super::common::{Extent, Imaging, SceneOptions, SearchOptions, print, rounded, to_json, whole};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::probe::{Bounce, Light, Met, Path, PixelRecord, Surface, Verdict, pixel};
+use wavecrest_scene::memory::{Images, film_bytes};
+
+/// A single pixel, not written.
+struct Pixel;
+
+impl Imaging for Pixel {
+    fn images(&self, _: [u32; 2]) -> Images {
+        Images { film: film_bytes(1), writing: 0 }
+    }
+}
 
 /// Follow the rays of a pixel: what they hit, its material, and what each light adds.
 ///
@@ -51,7 +61,7 @@ fn place(text: &str) -> std::result::Result<[u32; 2], String> {
 /// If the scene cannot be prepared, or has no such pixel or sample.
 pub(crate) fn run(args: &ProbeArgs) -> Result<bool> {
     args.scene_options.threads.run(|| {
-        let extent = Extent { pixels: Some(1), ..Extent::default() };
+        let extent = Extent { images: &Pixel, ..Extent::default() };
         let loaded = args.scene_options.load(&args.scene, extent, &[])?;
         let extracted = args.scene_options.extract(loaded, extent)?;
         let preset = args.scene_options.bvh.unwrap_or_else(|| extracted.preset());

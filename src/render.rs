@@ -3,6 +3,7 @@
 mod args;
 mod frames;
 mod goal;
+mod held;
 mod invalid;
 mod look;
 mod outputs;
@@ -30,7 +31,7 @@ use wavecrest_core::accel::build::Preset;
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_image::farm::Shard;
 use wavecrest_report::statistics::{Time, pass_map};
-use wavecrest_scene::memory::{self, Estimate};
+use wavecrest_scene::memory::Estimate;
 use wavecrest_scene::systems::{self, Extracted};
 
 /// Runs the render. Nothing is overwritten before the new image is complete.
@@ -122,9 +123,7 @@ impl<'a> Run<'a> {
         self.outputs.made_of(loaded.encoding);
         let extracted = look::extract(args, loaded)?;
         let preset = options.bvh.unwrap_or_else(|| extracted.preset());
-        let pixels = extent.pixels.unwrap_or_else(|| extracted.pixels());
-        let mut predicted = memory::estimate_extracted(&extracted, pixels, preset, extent.batch);
-        predicted.film += args.parts.kept_bytes(pixels);
+        let predicted = extent.estimate(&extracted, preset);
         self.time.load = self.start.elapsed().as_secs_f64();
         self.reporter.loaded(&extracted, self.time.load);
         Ok(Loaded { extracted, preset, estimated, predicted })
@@ -158,6 +157,7 @@ impl<'a> Run<'a> {
         let traced = timed(&mut self.time.trace, trace)?;
         self.reporter.traced(&traced.rendered, self.time.trace);
         if traced.rendered.finished {
+            args.scene_options.check_taken(&args.scene)?;
             return Ok(traced);
         }
         Err(parts::interrupted(args, scene, &traced.rendered, seen))

@@ -102,8 +102,8 @@ impl RenderArgs {
     }
 
     /// The extent of the image to render.
-    pub(super) fn extent(&self) -> Extent {
-        Extent { pixels: self.crop.map(|crop| crop.len() as u64), batch: self.batch as usize }
+    pub(super) fn extent(&self) -> Extent<'_> {
+        Extent { images: self, batch: self.batch as usize }
     }
 
     /// The file to write.

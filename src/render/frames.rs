@@ -154,6 +154,7 @@ impl<'a> Shoot<'a> {
         if !rendered.finished {
             return Err(self.interrupted(outputs, parts::share(&rendered)));
         }
+        self.args.scene_options.check_taken(&self.args.scene)?;
         let first = invalid::find(one, &self.scene, &rendered.counters)?;
         invalid::report(&rendered.counters, first.as_ref());
         self.summary.add(&rendered.counters, rendered.seconds);

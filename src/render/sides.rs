@@ -39,8 +39,7 @@ pub(super) fn run(args: &RenderArgs, shard: Option<Shard>) -> Result<bool> {
         return Ok(true);
     }
     let Some(count) = framing.turntable else { return Ok(false) };
-    let is_numbered = output.file_name().is_some_and(|name| name.to_string_lossy().contains('#'));
-    match Animated::from_path(output).filter(|_| !is_numbered) {
+    match animated(output) {
         None => {
             refuse("--turntable", output, &of_frame(args))?;
             frames::run(args, Frames::first(count), shard)?;
@@ -52,6 +51,12 @@ pub(super) fn run(args: &RenderArgs, shard: Option<Shard>) -> Result<bool> {
         }
     }
     Ok(true)
+}
+
+/// The format of a turntable in one file.
+pub(super) fn animated(output: &Path) -> Option<Animated> {
+    let is_numbered = output.file_name().is_some_and(|name| name.to_string_lossy().contains('#'));
+    Animated::from_path(output).filter(|_| !is_numbered)
 }
 
 /// Runs `work` on the requested threads, and reports its failure.
@@ -146,7 +151,7 @@ fn draw_sheet(
 }
 
 /// Images in rows, with a line of text under each.
-struct Rows {
+pub(super) struct Rows {
     pictures: u32,
     columns: u32,
     added: u32,
@@ -155,9 +160,21 @@ struct Rows {
 
 impl Rows {
     /// For this number of images: as many to a row as there are rows, or one more.
-    fn new(pictures: usize) -> Self {
+    pub(super) fn new(pictures: usize) -> Self {
         let columns = (pictures as f64).sqrt().ceil() as u32;
         Self { pictures: pictures as u32, columns, added: 0, film: None }
+    }
+
+    /// The height of a line of text under images of this height.
+    fn line(height: u32) -> u32 {
+        ((f64::from(height) * LINE_SHARE) as u32).max(LEAST_LINE)
+    }
+
+    /// The width and height of the whole, for images of this size.
+    pub(super) fn size(&self, [width, height]: [u32; 2]) -> [u32; 2] {
+        let rows = self.pictures.div_ceil(self.columns);
+        let with_line = height.saturating_add(Self::line(height));
+        [width.saturating_mul(self.columns), with_line.saturating_mul(rows)]
     }
 
     /// Adds an image of the same size as those before it.
@@ -166,14 +183,11 @@ impl Rows {
     /// If the whole is too large.
     fn add(&mut self, name: &str, picture: &Film) -> Result<()> {
         let (width, height) = (picture.width(), picture.height());
-        let line = ((f64::from(height) * LINE_SHARE) as u32).max(LEAST_LINE);
+        let (line, whole) = (Self::line(height), self.size([width, height]));
         let film = match &mut self.film {
             Some(film) => film,
             empty => {
-                let rows = self.pictures.div_ceil(self.columns);
-                let whole =
-                    (width.saturating_mul(self.columns), (height + line).saturating_mul(rows));
-                let mut film = Film::new(whole.0, whole.1)?;
+                let mut film = Film::new(whole[0], whole[1])?;
                 film.pixels_mut().fill([PAPER; 3]);
                 empty.insert(film)
             }

@@ -8,6 +8,8 @@ use wavecrest_scene::mesh::{self, MeshData, Survey};
 
 use crate::support::{folder, matte, pinhole, point_light, scene, wavecrest};
 
+// Files, layers, looks and sheets.
+mod outputs;
 // Images by their heads, and an address space that is too small.
 mod short;
 

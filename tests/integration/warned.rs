@@ -14,7 +14,8 @@ fn told(walls: &[Value], bounces: u32) -> Vec<String> {
     let json = scene(bounces, &camera, &[point_light(9.0, [0.0, 2.0, 6.0], [1.0; 3])], walls);
     let file = Path::new("s.json");
     let prepared = try_prepare(&json, file).expect("a scene");
-    systems::warnings(&prepared, file).iter().map(ToString::to_string).collect()
+    let told = systems::warnings(&prepared, file).into_iter().map(|warning| warning.to_string());
+    told.filter(|text| !text.contains("the image looks empty")).collect()
 }
 
 #[test]

@@ -83,6 +83,16 @@ pub fn film(scene: &PreparedScene, look: Look, crop: Option<Tile>, seed: u64) ->
     Ok(film)
 }
 
+/// Bytes that [`film`] takes beside the film, for an image of `pixels` of the `whole` image's pixels.
+pub fn bytes(look: Look, pixels: u64, whole: u64) -> u64 {
+    let shown = match look {
+        _ if look.is_shaded() => 0,
+        Look::Depth => whole,
+        _ => pixels,
+    };
+    shown.saturating_mul(size_of::<Painted>() as u64)
+}
+
 /// The smallest and largest mean depth of the pixels.
 fn range(found: &[Painted]) -> [f64; 2] {
     let depths = found.iter().filter_map(Painted::mean_depth);

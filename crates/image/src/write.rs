@@ -86,6 +86,23 @@ pub fn write_with(film: &Film, path: &Path, transfer: Transfer, extras: &Extras<
     })
 }
 
+/// Upper bound on the bytes that [`write_with`] takes beside the film and its channels, which have `values` values in each
+/// pixel.
+pub fn bytes_to_write(format: Format, pixels: u64, values: u64) -> u64 {
+    let [rgb, rgba] = [size_of::<[u8; 3]>(), size_of::<[u8; 4]>()].map(|bytes| bytes as u64);
+    let each = match format {
+        // Row by row.
+        Format::Ppm | Format::Pfm => 0,
+        // The bands and the stream that joins them.
+        Format::Png if values == 0 => 2 * rgb,
+        // The levels, with alpha if it is among the channels, and their stream.
+        Format::Png => 2 * rgba,
+        // The channels, each in one piece, and the file.
+        Format::Exr => 2 * (size_of::<[f32; 3]>() as u64 + values * size_of::<f32>() as u64),
+    };
+    pixels.saturating_mul(each)
+}
+
 /// `film` as the bytes of a PNG.
 ///
 /// # Errors

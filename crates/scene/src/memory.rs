@@ -27,6 +27,8 @@ pub struct Estimate {
     pub batches: u64,
     /// Additional memory of images while they are decoded.
     pub decoding: u64,
+    /// Additional memory while the image is written, when there are no batches any more: layers, and files as a whole.
+    pub writing: u64,
     /// The program itself.
     pub program: u64,
     /// The peak while reading the scene: estimated, or measured after reading.
@@ -65,7 +67,8 @@ impl Estimate {
     /// The peak over reading, building and tracing.
     pub fn total(&self) -> u64 {
         let lasting = self.geometry + self.appearance + self.program;
-        let tracing = self.tree + self.film + self.batches + self.decoding;
+        let traced = self.writing.max(self.batches + self.decoding);
+        let tracing = self.tree + self.film + traced;
         (lasting + self.build.max(tracing)).max(self.loading)
     }
 
@@ -81,6 +84,27 @@ impl Estimate {
         // The compiler may leave out an allocation that nothing reads.
         std::hint::black_box(room.as_ptr());
         Ok(())
+    }
+}
+
+/// Bytes of an image of this number of pixels.
+pub const fn film_bytes(pixels: u64) -> u64 {
+    pixels.saturating_mul(size_of::<[f32; 3]>() as u64)
+}
+
+/// Bytes of a render's images.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Images {
+    /// Those in memory from tracing to writing: [`Estimate::film`].
+    pub film: u64,
+    /// [`Estimate::writing`].
+    pub writing: u64,
+}
+
+impl Images {
+    /// A whole image of this width and height in pixels, not written.
+    pub fn whole([width, height]: [u32; 2]) -> Self {
+        Self { film: film_bytes(u64::from(width) * u64::from(height)), writing: 0 }
     }
 }
 
@@ -101,19 +125,20 @@ pub fn estimate_extracted(
         appearance: scene.appearance.expected_bytes(),
         tree: primitives * tree_bytes(preset),
         build: build_bytes(preset, primitives),
-        film: pixels * size_of::<[f32; 3]>() as u64,
+        film: film_bytes(pixels),
         batches: Batch::estimated_bytes(scene, batch_size(scene, batch)) * threads,
         decoding: scene.appearance.decoding_bytes(threads as usize),
+        writing: 0,
         program: PROGRAM_BYTES,
         loading: peak().unwrap_or(0),
     }
 }
 
 /// The options of a render that affect its memory.
-#[derive(Clone, Copy, Debug)]
-pub struct Asked {
-    /// Pixels to render; those of the whole image if `None`.
-    pub pixels: Option<u64>,
+#[derive(Clone, Copy)]
+pub struct Asked<'a> {
+    /// The images, from the width and height of the whole image in pixels.
+    pub images: &'a dyn Fn([u32; 2]) -> Images,
     /// The preset; the default choice if `None`.
     pub preset: Option<Preset>,
     /// Paths in a batch.
@@ -166,7 +191,7 @@ impl Meshes {
 
 /// Estimates the peak of a render before any mesh or texture is read, on the threads of the current
 /// pool.
-pub fn estimate(survey: &Survey, asked: Asked) -> Estimate {
+pub fn estimate(survey: &Survey, asked: Asked<'_>) -> Estimate {
     let meshes = Meshes::of(&survey.meshes, asked.flat);
     let mut found = Estimate {
         program: PROGRAM_BYTES,
@@ -191,8 +216,7 @@ pub fn estimate(survey: &Survey, asked: Asked) -> Estimate {
     let preset = asked.preset.unwrap_or_else(|| Preset::choose(primitives, expected_rays(survey)));
     found.tree = primitives.saturating_mul(tree_bytes(preset));
     found.build = build_bytes(preset, primitives);
-    let [width, height] = survey.size.map(u64::from);
-    found.film = asked.pixels.unwrap_or(width * height) * size_of::<[f32; 3]>() as u64;
+    Images { film: found.film, writing: found.writing } = (asked.images)(survey.size);
     found.batches = Batch::bytes_at_most(asked.batch) * rayon::current_num_threads() as u64;
     found
 }

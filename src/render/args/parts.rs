@@ -36,10 +36,10 @@ impl PartOptions {
         self.shard.map(|choice| choice.resolve(|name| std::env::var(name).ok())).transpose()
     }
 
-    /// Bytes of a checkpoint's sums in memory for this number of pixels, in addition to the image.
+    /// Bytes of a checkpoint's or a shard's sums in memory for this number of pixels, in addition to the image.
     pub(in crate::render) fn kept_bytes(&self, pixels: u64) -> u64 {
-        let each = if self.checkpoint.is_some() { size_of::<[f64; 3]>() as u64 } else { 0 };
-        pixels * each
+        let keeps = self.checkpoint.is_some() || self.shard.is_some();
+        if keeps { pixels * size_of::<[f64; 3]>() as u64 } else { 0 }
     }
 
     /// The checkpoint, if requested.

@@ -222,8 +222,13 @@ fn arguments_that_make_no_sense_are_refused() {
         (&["ball.json", "a.png", "--width", "0"], "use a whole number from 1 to 65536"),
         (&["ball.json", "a.png", "--width", "-5"], "use a whole number from 1 to 65536"),
         (&["ball.json", "a.png", "--width", "30x20"], "use --width 30 --height 20"),
-        (&["ball.json", "a.png", "--threads", "0"], "0 is not in 1..=4096"),
-        (&["ball.json", "a.png", "--batch", "0"], "0 is not in 1..=1048576"),
+        (&["ball.json", "a.png", "--threads", "0"], "use a whole number from 1 to 4096"),
+        (&["ball.json", "a.png", "--batch", "0"], "use a whole number from 1 to 1048576"),
+        (
+            &["ball.json", "a.png", "--seed", "-1"],
+            "use a whole number from 0 to 18446744073709551615",
+        ),
+        (&["ball.json", "a.png", "--crop", "-1,0,2,2"], "write four whole numbers"),
         (&["ball.json", "a.png", "--bvh", "quick"], "possible values: brute, fastest"),
         (&[], "Usage: wavecrest"),
     ] {

@@ -1,0 +1,79 @@
+//! What files, layers, looks and sheets take beside the image, estimated and measured.
+
+use std::path::Path;
+
+use serde_json::Value;
+
+use crate::support::{folder, matte, pinhole, scene, wall, wavecrest};
+
+/// What an option may take beyond its estimate: pages of the allocator, and the bands of a pass over the camera rays.
+const SLACK: f64 = 8e6;
+
+const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 1\nf 1 2 3\n";
+
+/// The estimated and the measured peak of a render.
+fn peaks(folder: &Path, options: &[&str]) -> [f64; 2] {
+    let mut command = wavecrest(folder);
+    command.args(["s.json", "--stats", "stats.json", "--threads", "1", "-q"]).args(options);
+    command.assert().success();
+    let text = std::fs::read(folder.join("stats.json")).expect("statistics");
+    let stats: Value = serde_json::from_slice(&text).expect("JSON");
+    ["predicted", "peak"].map(|key| stats["memory"][key].as_f64().expect(key))
+}
+
+#[test]
+fn what_is_written_is_in_the_estimate() {
+    let folder = folder();
+    let wall = wall(4.0, -2.0, matte(0.8, [0.2, 0.4, 0.9]));
+    let dark = scene(0, &pinhole([2000, 1000], 40.0, 5.0), &[], &[wall]);
+    std::fs::write(folder.path().join("s.json"), dark.to_string()).expect("a file");
+    let [least, usual] = peaks(folder.path(), &["o.ppm"]);
+    for options in [
+        &["o.exr"][..],
+        &["o.ppm", "--also", "o.exr"],
+        &["o.exr", "--aov", "depth,object"],
+        &["o.exr", "--aov", "all"],
+        &["o.ppm", "--exposure", "1"],
+        &["o.ppm", "--as", "normals"],
+        &["o.ppm", "--as", "depth", "--crop", "0,0,100,100"],
+        &["o.ppm", "--checkpoint", "kept"],
+    ] {
+        let [estimated, peak] = peaks(folder.path(), options);
+        let (estimated, more) = (estimated - least, peak - usual);
+        assert!(more <= estimated + SLACK, "{options:?}: {more} bytes, {estimated} estimated");
+        assert!(
+            more >= estimated * 0.3 - SLACK,
+            "{options:?}: {more} bytes, {estimated} estimated"
+        );
+        assert!(estimated > SLACK || options.contains(&"--crop"), "{options:?}: {estimated}");
+    }
+}
+
+#[test]
+fn outputs_that_need_more_than_is_allowed_are_refused() {
+    let folder = folder();
+    std::fs::write(folder.path().join("t.obj"), TRIANGLE).expect("a file");
+    let sides = ["front"; 36].join(",");
+    let told = |options: &[&str]| {
+        let size =
+            ["--width", "800", "--height", "600", "--lights", "none", "--threads", "1", "-q"];
+        let mut command = wavecrest(folder.path());
+        command.arg("t.obj").args(options).args(size).args(["--memory-limit", "60MB"]);
+        let found = command.output().expect("it runs");
+        (found.status.code(), String::from_utf8(found.stderr).expect("text"))
+    };
+    assert_eq!(told(&["plain.ppm"]), (Some(0), String::new()));
+    for options in [
+        &["o.exr", "--aov", "all"][..],
+        &["o.ppm", "--also", "o.exr", "--aov", "all"],
+        &["o.png", "--sheet", &sides],
+        &["o#.exr", "--turntable", "2", "--aov", "all"],
+    ] {
+        let (code, text) = told(options);
+        assert_eq!(code, Some(2), "{options:?}: {text}");
+        assert!(text.contains("the render needs more memory than 57.2 MiB"), "{text}");
+        assert!(text.contains("writing files "), "{text}");
+    }
+    let left = std::fs::read_dir(folder.path()).expect("a folder");
+    assert_eq!(left.count(), 2, "nothing is written");
+}
