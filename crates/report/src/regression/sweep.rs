@@ -119,9 +119,11 @@ fn points(scene: &str, sides: &[Sweep<'_>; 2], found: &mut Vec<Found>, warnings:
         let floors =
             sides.each_ref().map(|side| if falls { floor(scene, *target, side) } else { 0.0 });
         let pairs = pairs([keys, others], floors, &units, &busy);
-        let (timed, others): (Vec<Pair>, Vec<Pair>) =
-            pairs.iter().cloned().partition(|pair| quiet && takes_time(pair));
-        short += others.len();
+        let timed: Vec<Pair> =
+            pairs.iter().filter(|pair| quiet && takes_time(pair)).cloned().collect();
+        short += pairs.len() - timed.len();
+        // Errors do not depend on how busy the machine is.
+        let all = self::pairs([keys, others], floors, &units, &BTreeSet::new());
         let falls = falls && timed.len() > 1;
         let power = if falls { Some(power(&timed)) } else { None };
         let curves = if falls { curves(&pairs) } else { Vec::new() };
@@ -133,13 +135,10 @@ fn points(scene: &str, sides: &[Sweep<'_>; 2], found: &mut Vec<Found>, warnings:
         match power {
             Some(_) => {
                 add("time at equal error", time(&[(&timed, power)]));
-                add("error", error(&others));
             }
-            None => {
-                add("time", time(&[(&timed, None)]));
-                add("error", error(&pairs));
-            }
+            None => add("time", time(&[(&timed, None)])),
         }
+        add("error", error(&all));
         everything.push((timed, power));
     }
     if quiet && short > 0 {

@@ -154,8 +154,8 @@ fn two_runs_of_one_program_differ_in_nothing() {
     for found in tries(USUAL) {
         assert_eq!(
             found.ratios.len(),
-            11,
-            "3 samplers, all together, time and error of 3 precisions, 1 build"
+            14,
+            "time and error of 3 samplers and 3 precisions, all together, 1 build"
         );
         assert_eq!(
             (found.count(Verdict::Worse), found.count(Verdict::Better)),
