@@ -1,0 +1,156 @@
+use super::super::read::read;
+use super::*;
+
+fn film() -> Film {
+    let pixel = |i: u32| [i as f32 / 37.0, 1.5 - i as f32 / 10.0, f32::from_bits(i << 20)];
+    Film::from_pixels(7, 5, (0..35).map(pixel).collect()).unwrap()
+}
+
+fn eight_bit(film: &Film, transfer: Transfer) -> Vec<u8> {
+    film.rows().flat_map(|row| row_to_bytes(row, transfer)).collect()
+}
+
+fn written(name: &str, film: &Film, transfer: Transfer) -> Film {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join(name);
+    check_writable(&path).unwrap();
+    write(film, &path, transfer).unwrap();
+    read(&path).unwrap()
+}
+
+#[test]
+fn float_formats_keep_every_bit_whatever_the_transfer() {
+    let mut film = film();
+    film.pixels_mut()[3] = [f32::INFINITY, f32::from_bits(0x7fc0_1234), -0.0];
+    for name in ["a.exr", "a.pfm", "a.PFM"] {
+        assert!(written(name, &film, Transfer::Srgb).same_bits(&film), "{name}");
+    }
+}
+
+#[test]
+fn eight_bit_formats_keep_the_levels() {
+    for transfer in [Transfer::Linear, Transfer::Srgb] {
+        for name in ["a.ppm", "a.png"] {
+            let back = written(name, &film(), transfer);
+            assert_eq!((back.width(), back.height()), (7, 5));
+            let levels = eight_bit(&back, Transfer::Linear);
+            assert_eq!(levels, eight_bit(&film(), transfer), "{name}");
+        }
+    }
+}
+
+#[test]
+fn what_is_said_of_an_image_changes_no_pixel() {
+    let folder = tempfile::tempdir().unwrap();
+    let entry = |name, text: &str| Entry { name, text: text.to_owned() };
+    let entries = [entry("software", "w 1"), entry("seed", "7"), entry("command", "ж\nb")];
+    let extras = Extras { entries: &entries, comments: true, channels: &[] };
+    for format in Format::ALL {
+        let path = folder.path().join(format!("a.{}", format.name()));
+        write_with(&film(), &path, Transfer::Linear, &extras).unwrap();
+        let found = read(&path).unwrap();
+        write(&film(), &path, Transfer::Linear).unwrap();
+        assert!(found.same_bits(&read(&path).unwrap()), "{format:?}");
+    }
+}
+
+#[test]
+fn one_pixel_is_image_enough() {
+    let film = Film::from_pixels(1, 1, vec![[1.0, 0.0, 0.2]]).unwrap();
+    for format in Format::ALL {
+        let back = written(&format!("a.{}", format.name()), &film, Transfer::Linear);
+        assert!(back.same_bits(&film), "{format:?}");
+    }
+}
+
+#[test]
+fn the_extension_names_the_format_in_either_case() {
+    for (name, format) in [
+        ("a.ppm", Format::Ppm),
+        ("b.c.PNG", Format::Png),
+        ("/x/a.Exr", Format::Exr),
+        ("a.pFm", Format::Pfm),
+    ] {
+        assert_eq!(Format::from_path(Path::new(name)).unwrap(), format);
+        assert_eq!(format.is_float(), matches!(format, Format::Exr | Format::Pfm));
+    }
+}
+
+#[test]
+fn other_names_have_their_messages() {
+    let text = |name: &str| Format::from_path(Path::new(name)).unwrap_err().to_string();
+    assert_eq!(
+        text("out.pmp"),
+        "out.pmp: unknown image format, found .pmp; \
+         did you mean .ppm? use .ppm, .png, .exr or .pfm"
+    );
+    assert_eq!(
+        text("out.JPEG"),
+        "out.JPEG: unknown image format, found .JPEG; use .ppm, .png, .exr or .pfm"
+    );
+    assert_eq!(
+        text("out"),
+        "out: the name of an image must end in its format; use .ppm, .png, .exr or .pfm"
+    );
+    assert_eq!(
+        text("-"),
+        "-: an image cannot be written to standard output; \
+         name a file that ends in .ppm, .png, .exr or .pfm"
+    );
+    assert_eq!(Format::from_path(Path::new("a")).unwrap_err().kind(), ErrorKind::Usage);
+}
+
+#[test]
+fn a_missing_folder_is_found_before_and_after_the_render() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("no").join("a.png");
+    let text = format!(
+        "{}: cannot write the file: there is no folder {}; \
+         create it first or name one that exists",
+        path.display(),
+        path.parent().unwrap().display()
+    );
+    assert_eq!(check_writable(&path).unwrap_err().to_string(), text);
+    assert_eq!(write(&film(), &path, Transfer::Linear).unwrap_err().to_string(), text);
+}
+
+#[test]
+fn a_failed_write_leaves_the_old_image() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.ppm");
+    write(&film(), &path, Transfer::Linear).unwrap();
+    let old = std::fs::read(&path).unwrap();
+    let failed = replace_file(&path, |sink| {
+        let film = Film::new(64, 64).unwrap();
+        encode(sink, &film, Format::Exr, Transfer::Linear, &Extras::default()).unwrap();
+        let full = std::io::Error::from(std::io::ErrorKind::StorageFull);
+        Err(encode_error(&path, ImageError::IoError(full)))
+    });
+    assert_eq!(
+        failed.unwrap_err().to_string(),
+        format!(
+            "{}: cannot write the file: the disk is full; \
+             free some space or write to another disk",
+            path.display()
+        )
+    );
+    assert_eq!(std::fs::read(&path).unwrap(), old);
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn a_full_disk_is_reported_in_every_format() {
+    let device = std::fs::File::options().write(true).open("/dev/full").unwrap();
+    for format in Format::ALL {
+        let mut sink = std::io::BufWriter::new(&device);
+        let film = Film::new(64, 64).unwrap();
+        let extras = Extras::default();
+        let text = match encode(&mut sink, &film, format, Transfer::Linear, &extras) {
+            Err(error) => encode_error(Path::new("a"), error).to_string(),
+            // A small file may stay in the buffer until the flush.
+            Ok(()) => write_error(Path::new("a"), sink.flush().unwrap_err()).to_string(),
+        };
+        assert!(text.ends_with("; free some space or write to another disk"), "{text}");
+        let _ = sink.into_parts();
+    }
+}
