@@ -60,7 +60,9 @@ pub(crate) const FAULTS: &[Fault] = faults! {
     "hits beside an edge count without a surface", 37, "crates/core/src/accel/near.rs":
         "is_met(t).then_some(t)" => "Some(t)";
     "hits beside an edge are lost", 1, "crates/core/src/accel/near.rs":
-        "is_surface(self.geometry, &endless, t, found)" => "false";
+        "is_surface(self.geometry, number, &endless, t, found)" => "false";
+    "a quad is not the surface beside its own half", 47, "crates/core/src/accel/near.rs":
+        "found.primitive == number" => "false";
     "triangles without area seal no gap", 18, "crates/core/src/accel.rs":
         "seals::find(geometry, degenerate)" => "Seals::default()";
     "of equal hits the last is the first", 21, "crates/core/src/accel/ties.rs":

@@ -109,4 +109,5 @@ cases! {
     44 hc44_instances hc44_instances_full;
     45 hc45_cut_outs hc45_cut_outs_full;
     46 hc46_vertex_colors hc46_vertex_colors_full;
+    47 hc47_wide_quads hc47_wide_quads_full;
 }

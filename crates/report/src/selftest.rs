@@ -140,6 +140,8 @@ pub const CASES: &[Case] = &[
     Case::new(45, "cut-outs at the threshold, on shared edges, in front of a copy",
         "parts below the threshold are absent for all kinds of rays", holes::cut_out),
     Case::new(46, "vertex colours from 1e-3 to 1e12", "interpolated, also at vertices and edges", colors::interpolated),
+    Case::new(47, "flat quads 20 to 1e10 wide, turned, seen from just above", "no ray that passes the diagonal is lost",
+        planes::floors_from_just_above),
 ];
 
 /// The case with that number.

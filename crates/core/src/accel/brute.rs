@@ -14,8 +14,8 @@ pub(super) fn hit<Q: Query, P: Arithmetic>(
 ) -> Hit {
     let (mut best, exactly) = (Hit::MISS, Exactly::default());
     for number in 0..geometry.len() as u32 {
-        if let Some(t) =
-            geometry.hit::<P>(number, ray, tests, |t| geometry.has_surface(ray, t, &exactly))
+        if let Some(t) = geometry
+            .hit::<P>(number, ray, tests, |t| geometry.has_surface(number, ray, t, &exactly))
             && let hit = (Hit { t, primitive: number })
             && geometry.comes_first::<P>(&hit, &best, || ray.ray)
             && !(Q::ANY && geometry.is_light(number))

@@ -346,9 +346,10 @@ impl Geometry {
         let corners = prototype.triangle(instanced.triangle as usize);
         let carried = PreparedRay::of::<P>(&carried);
         let meeting = meet_triangle::<P>(&carried, &corners);
-        // Its neighbours are in the prototype.
-        let t = meeting.confirmed(|t| prototype.has_surface(&carried, t, &Exactly::default()));
         let (number, tests) = (instanced.triangle, &mut TestCounts::default());
+        // Its neighbours are in the prototype.
+        let has_surface = |t| prototype.has_surface(number, &carried, t, &Exactly::default());
+        let t = meeting.confirmed(has_surface);
         let t = t.filter(|&t| !prototype.is_cut_out::<P>(number, &carried.ray, t, tests));
         t.map_or(Meeting::Miss, Meeting::Hit)
     }

@@ -49,7 +49,7 @@ impl Searched<'_> {
         ray: &PreparedRay,
         tests: &mut TestCounts,
     ) -> Option<f32> {
-        self.geometry.hit::<P>(number, ray, tests, |t| self.has_surface(ray, t))
+        self.geometry.hit::<P>(number, ray, tests, |t| self.has_surface(number, ray, t))
     }
 
     /// As [`Self::hit`], for a triangle already counted when it was tested in lanes.
@@ -63,13 +63,13 @@ impl Searched<'_> {
     ) -> Option<f32> {
         tests.undecided += 1;
         let meeting = self.geometry.meet::<P>(number, ray);
-        meeting.confirmed(|t| self.has_surface(ray, t))
+        meeting.confirmed(|t| self.has_surface(number, ray, t))
     }
 
-    /// Whether the ray, which passes a triangle closely at t, meets the surface there.
+    /// Whether the ray, which passes the primitive closely at t, meets the surface there.
     #[cold]
     #[inline(never)]
-    fn has_surface(&self, ray: &PreparedRay, t: f32) -> bool {
+    fn has_surface(&self, number: u32, ray: &PreparedRay, t: f32) -> bool {
         let endless = Ray { t_max: f32::INFINITY, ..ray.ray };
         let found = self.exactly.hit(&endless, || {
             let mut traversal =
@@ -77,7 +77,7 @@ impl Searched<'_> {
             let level = fearless_simd::Level::new();
             compiled::one::<Closest, Exact>(level, *self, &endless, &mut traversal)
         });
-        is_surface(self.geometry, &endless, t, found)
+        is_surface(self.geometry, number, &endless, t, found)
     }
 }
 
@@ -85,7 +85,13 @@ impl Geometry {
     /// As [`Searched::has_surface`], by brute force over the geometry's own primitives.
     #[cold]
     #[inline(never)]
-    pub(super) fn has_surface(&self, ray: &PreparedRay, t: f32, exactly: &Exactly) -> bool {
+    pub(super) fn has_surface(
+        &self,
+        number: u32,
+        ray: &PreparedRay,
+        t: f32,
+        exactly: &Exactly,
+    ) -> bool {
         let endless = Ray { t_max: f32::INFINITY, ..ray.ray };
         let found = exactly.hit(&endless, || {
             let prepared = PreparedRay::of::<Exact>(&endless);
@@ -96,17 +102,23 @@ impl Geometry {
             });
             meetings.fold(Hit::MISS, |best, hit| if hit.t < best.t { hit } else { best })
         });
-        is_surface(self, &endless, t, found)
+        is_surface(self, number, &endless, t, found)
     }
 }
 
-/// Whether the hit `found` without rounding is the one near t: not if it is farther, on a primitive
-/// that is met with rounding too.
-fn is_surface(geometry: &Geometry, ray: &Ray, t: f32, found: Hit) -> bool {
+/// Whether the hit `found` without rounding is that of the primitive passed closely at t: not if it
+/// is farther, on a surface that is met with rounding too.
+fn is_surface(geometry: &Geometry, number: u32, ray: &Ray, t: f32, found: Hit) -> bool {
     if found.is_miss() || found.t <= reach::<Robust>(t) {
         return !found.is_miss();
     }
-    geometry.meet::<Robust>(found.primitive, &PreparedRay::new(ray)) == Meeting::Miss
+    match geometry.meet::<Robust>(found.primitive, &PreparedRay::new(ray)) {
+        Meeting::Hit(_) => false,
+        // A quad passed at one half while rounding makes the ray miss the other has only this hit.
+        // Another quad decides for itself.
+        Meeting::Near(_) => found.primitive == number,
+        Meeting::Miss => true,
+    }
 }
 
 impl Meeting {

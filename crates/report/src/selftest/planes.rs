@@ -180,3 +180,74 @@ pub(super) fn before_the_origin(effort: &Effort) -> Outcome {
         })
         .sum()
 }
+
+/// Half the widths of the floors of case 47, in units of the [`AXES`]. Times the sum of two axes
+/// they are exact in single precision, so that the floors are flat.
+const HALF_WIDTHS: [f64; 4] = [1e1, 1e4, 1e6, 1e9];
+
+/// Axes at right angles, of whole numbers and of one length.
+const AXES: [[DVec3; 3]; 3] = [
+    [DVec3::X, DVec3::Y, DVec3::Z],
+    [DVec3::new(3.0, 4.0, 0.0), DVec3::new(-4.0, 3.0, 0.0), DVec3::new(0.0, 0.0, 5.0)],
+    [DVec3::new(1.0, 2.0, 2.0), DVec3::new(2.0, 1.0, -2.0), DVec3::new(-2.0, 2.0, -1.0)],
+];
+
+/// Floors of case 47: each width with each set of axes, four times.
+const WIDE_FLOORS: usize = 4 * HALF_WIDTHS.len() * AXES.len();
+
+/// Case 47. A ray that comes down on a floor clear of its edges must hit it, also if it passes the
+/// diagonal more closely than rounding can tell. Rays nearest to the diagonal behind their start are
+/// left out: within rounding of it, robust precision may lose them, and those of meshes too.
+pub(super) fn floors_from_just_above(effort: &Effort) -> Outcome {
+    (0..WIDE_FLOORS).map(|floor| floor_from_just_above(effort, floor)).sum()
+}
+
+fn floor_from_just_above(effort: &Effort, floor: usize) -> Outcome {
+    let mut numbers = Numbers::new(effort, 47, usize::MAX - floor);
+    let half = HALF_WIDTHS[floor % HALF_WIDTHS.len()];
+    let mut axes = AXES[floor / HALF_WIDTHS.len() % AXES.len()];
+    axes.rotate_left(numbers.below(3));
+    let [u, v, normal] = axes;
+    let mut corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
+        .map(|(x, y)| ((u * x + v * y) * half).as_vec3());
+    // Either diagonal, in either direction.
+    corners.rotate_left(numbers.below(4));
+    let diagonal = (corners[2] - corners[0]).as_dvec3() / (2.0 * half);
+    let geometry =
+        Geometry { positions: corners.to_vec(), quads: vec![[0, 1, 2, 3]], ..Geometry::default() };
+    let height = half * numbers.magnitude(1e-9, 1e-4);
+    // Of every axis.
+    let squared = normal.length_squared();
+    let start = floor * 1_000_000;
+    let rays: Vec<Ray> = inputs(effort, 47, start..start + effort.of(2_000_000) / WIDE_FLOORS)
+        .filter_map(|mut numbers| {
+            let mut within = |size: f64| {
+                let [x, y] = [(); 2].map(|()| (2.0 * numbers.one() - 1.0) * size);
+                u * x + v * y
+            };
+            let foot = within(10.0 * height);
+            let anywhere = within(1.0);
+            let along = if numbers.below(4) == 0 { anywhere } else { diagonal * numbers.sign() };
+            let target = along * height * numbers.magnitude(0.1, 1e4);
+            let eye = (foot + normal * height).as_vec3();
+            let ray = Ray::new(eye, (target - eye.as_dvec3()).as_vec3());
+            // Where this ray, as rounded, comes down.
+            let [origin, direction] = [ray.origin, ray.direction].map(|v| v.as_dvec3());
+            let t = origin.dot(normal) / -direction.dot(normal);
+            let place = origin + direction * t;
+            let is_within = |axis| place.dot(axis).abs() < 0.9 * half * squared;
+            // Where it is nearest to the diagonal, which passes through 0: as seen along the ray, in a
+            // plane across the ray's longest axis.
+            let longest = direction.abs().max_position();
+            let seen = |v: DVec3| v - direction * (v[longest] / direction[longest]);
+            let [to_middle, along] = [seen(-origin), seen(diagonal)];
+            let nearest = diagonal * (-to_middle.dot(along) / along.length_squared());
+            let is_ahead = (nearest - origin)[longest] / direction[longest] > 0.01 * t;
+            (t > 0.0 && is_within(u) && is_within(v) && is_ahead).then_some(ray)
+        })
+        .collect();
+    every_way(effort.accel(geometry, Preset::VeryFast), &rays, |_, _, hit| {
+        hit.is_miss()
+            .then(|| format!("it falls through a floor {:e} wide", 2.0 * half * squared.sqrt()))
+    })
+}
