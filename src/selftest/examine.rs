@@ -54,12 +54,7 @@ impl Examined {
 
     /// In words.
     pub(super) fn text(&self) -> String {
-        let Shape { triangles, dropped, slivers, longest, borders, crowded } = &self.shape;
-        let mut text = format!(
-            "{}: {triangles} triangles, {dropped} degenerate ones left out; {slivers} slivers, aspect ratios up to \
-             {longest:.0};\n  {borders} boundary edges, {crowded} edges of more than two triangles\n",
-            self.file
-        );
+        let mut text = format!("{}: {}", self.file, self.described());
         if let Some(Bvh { preset, nodes, depth, overlap }) = &self.bvh {
             let _ = writeln!(
                 text,
@@ -67,27 +62,54 @@ impl Examined {
                 preset.name()
             );
         }
-        for Tried { precision, trial, times_fast, invalid } in &self.trials {
-            let Trial { leaks, self_hits, nanoseconds, errors } = trial;
-            let ratio = times_fast.map_or(String::new(), |t| format!("  {t:>5.2} x fast"));
-            let invalid =
-                invalid.map_or(String::new(), |n| format!(", {n} samples are not finite"));
+        let has_triangles = self.shape.triangles > 0;
+        self.trials.iter().for_each(|tried| text += &tried.text(has_triangles));
+        text
+    }
+
+    /// The shape in words, and what of it is not tested.
+    fn described(&self) -> String {
+        let Shape { triangles, others, dropped, slivers, longest, borders, crowded } = &self.shape;
+        let mut text = if *triangles == 0 {
+            "no triangles to test for leaks and self-hits\n".to_owned()
+        } else {
+            format!(
+                "{triangles} triangles, {dropped} degenerate ones left out; {slivers} slivers, aspect ratios up to \
+                 {longest:.0};\n  {borders} boundary edges, {crowded} edges of more than two triangles\n"
+            )
+        };
+        if *others > 0 {
             let _ = writeln!(
                 text,
-                "    {:<7}{} of {} rays leak, {} of {} hit their own triangle{invalid} \
-                 {nanoseconds:>8.1} ns each{ratio}",
-                precision.name(),
-                leaks.failed,
-                leaks.tried,
-                self_hits.failed,
-                self_hits.tried,
+                "  {others} quads, spheres and triangles of instances: not tested for leaks and self-hits"
             );
-            let _ = writeln!(text, "      {}", errors.words());
-            // Failures of fast precision are expected.
-            let told = [&leaks.first, &self_hits.first].into_iter().flatten();
-            for first in told.filter(|_| *precision != Precision::Fast) {
-                let _ = writeln!(text, "      the first: {first}");
-            }
+        }
+        text
+    }
+}
+
+impl Tried {
+    /// In words; without triangles, only the samples.
+    fn text(&self, has_triangles: bool) -> String {
+        let Self { precision, trial, times_fast, invalid } = self;
+        let Trial { leaks, self_hits, nanoseconds, errors } = trial;
+        let name = precision.name();
+        let invalid = invalid.map(|n| format!("{n} samples are not finite"));
+        if !has_triangles {
+            return invalid.map_or(String::new(), |invalid| format!("    {name:<7}{invalid}\n"));
+        }
+        let ratio = times_fast.map_or(String::new(), |t| format!("  {t:>5.2} x fast"));
+        let invalid = invalid.map_or(String::new(), |invalid| format!(", {invalid}"));
+        let mut text = format!(
+            "    {name:<7}{} of {} rays leak, {} of {} hit their own triangle{invalid} \
+             {nanoseconds:>8.1} ns each{ratio}\n",
+            leaks.failed, leaks.tried, self_hits.failed, self_hits.tried,
+        );
+        let _ = writeln!(text, "      {}", errors.words());
+        // Failures of fast precision are expected.
+        let told = [&leaks.first, &self_hits.first].into_iter().flatten();
+        for first in told.filter(|_| *precision != Precision::Fast) {
+            let _ = writeln!(text, "      the first: {first}");
         }
         text
     }
@@ -114,7 +136,9 @@ pub(super) fn run(file: &Path, asked: &Asked) -> Result<Examined> {
         });
         let first = examined.trials.first().map(|tried| (tried.precision, tried.trial.nanoseconds));
         let (fastest, nanoseconds) = first.unwrap_or((precision, trial.nanoseconds));
-        let times_fast = (fastest == Precision::Fast).then(|| trial.nanoseconds / nanoseconds);
+        // Nothing is timed without triangles.
+        let is_timed = fastest == Precision::Fast && nanoseconds > 0.0;
+        let times_fast = is_timed.then(|| trial.nanoseconds / nanoseconds);
         examined.trials.push(Tried { precision, trial, times_fast, invalid });
     }
     examined.ok_or_else(|| Error::new(ErrorKind::Usage, "no precision is named"))

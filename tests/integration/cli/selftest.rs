@@ -1,9 +1,16 @@
 //! The command that tries hard cases.
 
-use serde_json::Value;
+use std::path::PathBuf;
 
-use super::{run, run_wrongly, text};
-use crate::support::folder;
+use serde_json::Value;
+use wavecrest_core::kernels::precision::Precision;
+use wavecrest_report::selftest::examine::{Trial, bvh, shape, trial};
+use wavecrest_report::selftest::{Count, Effort};
+use wavecrest_scene::load::{LoadOptions, load};
+use wavecrest_scene::systems::{Options, extract};
+
+use super::{run, run_wrongly, text, with_ball};
+use crate::support::{files_in, folder, repository, scene_files};
 
 #[test]
 fn a_case_is_reported_with_its_count_and_its_bound() {
@@ -79,6 +86,59 @@ fn a_mesh_of_the_users_own_is_tried() {
         let failed = [&trial["leaks"]["failed"], &trial["self_hits"]["failed"]];
         assert_eq!(failed, [&Value::from(0); 2]);
     }
+}
+
+#[test]
+fn a_scene_without_triangles_says_what_is_not_tested() {
+    let folder = with_ball();
+    let tried = |file: &str| {
+        let output = run(folder.path(), &["selftest", "--case", "26", file]);
+        assert_eq!((output.status.code(), text(&output.stderr)), (Some(0), ""), "{file}");
+        let told = text(&output.stdout);
+        let (_, told) = told.split_once(&format!("{file}: ")).expect("the file is named");
+        told.lines().map(str::to_owned).collect::<Vec<_>>()
+    };
+    let samples = ["fast   ", "robust ", "exact  "]
+        .map(|precision| format!("    {precision}0 samples are not finite"));
+    let lines = tried("ball.json");
+    assert_eq!(lines[0], "no triangles to test for leaks and self-hits");
+    let others =
+        "  2 quads, spheres and triangles of instances: not tested for leaks and self-hits";
+    assert_eq!((lines[1].as_str(), &lines[2..]), (others, &samples[..]));
+    let empty = repository("scenes/hard/empty.json");
+    let lines = tried(&empty.display().to_string());
+    assert_eq!(lines[0], "no triangles to test for leaks and self-hits");
+    assert_eq!(lines[1..], samples);
+}
+
+/// What `selftest` does with a file, on every scene: no panic, no leak and no self-hit.
+#[test]
+fn every_scene_is_tried() {
+    let mut files: Vec<PathBuf> = scene_files().into_iter().map(|(_, path)| path).collect();
+    files.extend(files_in("scenes/gltf", "gltf"));
+    let size = LoadOptions { width: Some(1), height: Some(1), ..LoadOptions::default() };
+    let mut asked = 0;
+    for file in files {
+        for precision in Precision::ALL {
+            let mut loaded = load(&file, &size).expect("a scene");
+            let options = Options { precision, ..Options::default() };
+            let extracted = extract(&mut loaded.world, options).expect("a scene");
+            let preset = extracted.preset();
+            let accel = extracted.build(preset).accel;
+            let effort = Effort { precision, seed: 1, count: Count::Brief };
+            let has_triangles = shape(accel.geometry(), &accel).triangles > 0;
+            let has_tree = bvh(&accel, preset, &effort).is_some();
+            assert!(has_triangles || !has_tree, "{}", file.display());
+            let Trial { leaks, self_hits, .. } = trial(&accel, &effort);
+            assert_eq!(self_hits.tried > 0, has_triangles, "{}", file.display());
+            asked += leaks.tried;
+            for outcome in [leaks, self_hits] {
+                let is_right = outcome.failed == 0 || precision == Precision::Fast;
+                assert!(is_right, "{}, {}: {outcome:?}", file.display(), precision.name());
+            }
+        }
+    }
+    assert!(asked > 10_000, "{asked}");
 }
 
 #[test]

@@ -7,7 +7,7 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::case::{Effort, Outcome};
+use super::case::{Count, Effort, Outcome};
 use super::errors::{self, HitErrors};
 use super::topology::{Edge, Topology};
 use super::ways::{Numbers, Tests, blocks, in_order, inputs};
@@ -32,6 +32,8 @@ const SLIVER: f64 = 1000.0;
 pub struct Shape {
     /// Triangles, including degenerate ones.
     pub triangles: usize,
+    /// Quads, spheres and triangles of instances, which are not tested.
+    pub others: usize,
     /// Degenerate triangles, which are dropped.
     pub dropped: u64,
     /// Triangles at least 1000 times as long as high.
@@ -65,7 +67,7 @@ pub struct Trial {
     pub leaks: Outcome,
     /// Rays that leave a triangle: a ray that hits it again is a self-hit.
     pub self_hits: Outcome,
-    /// Nanoseconds for each of these rays.
+    /// Nanoseconds for each of these rays; 0 without rays.
     pub nanoseconds: f64,
     /// The errors of hits on its triangles.
     pub errors: HitErrors,
@@ -87,6 +89,7 @@ pub fn shape(geometry: &Geometry, accel: &Accel) -> Shape {
         ratios.map(of).reduce(|| (0, 0.0), |a, b| (a.0 + b.0, f64::max(a.1, b.1)));
     Shape {
         triangles: geometry.triangles.len(),
+        others: geometry.len() - geometry.triangles.len(),
         dropped: accel.left_out(),
         slivers,
         longest,
@@ -115,6 +118,15 @@ pub fn bvh(accel: &Accel, preset: Preset, effort: &Effort) -> Option<Bvh> {
     Some(Bvh { preset, nodes: census.nodes, depth: census.depth, overlap })
 }
 
+/// The number of rays: one of two values, or a hundredth of the smaller.
+fn rays(effort: &Effort, [quick, full]: [usize; 2]) -> usize {
+    match effort.count {
+        Count::Brief => quick / 100,
+        Count::Quick => quick,
+        Count::Full => full,
+    }
+}
+
 /// The stream of random numbers, in place of a case's number.
 const EXAMINED: u32 = 100;
 
@@ -124,7 +136,7 @@ fn point_on(geometry: &Geometry, numbers: &mut Numbers) -> DVec3 {
     numbers.within(geometry.triangle(number))
 }
 
-/// Tests the mesh of `accel`, in its precision.
+/// Tests the mesh of `accel`, in its precision. Without triangles, there are no rays.
 pub fn trial(accel: &Accel, effort: &Effort) -> Trial {
     let geometry = accel.geometry();
     let topology = Topology::new(geometry);
@@ -134,7 +146,8 @@ pub fn trial(accel: &Accel, effort: &Effort) -> Trial {
     let asked = (leaks.tried + self_hits.tried).max(1);
     let nanoseconds = (leaks.seconds + self_hits.seconds) * 1e9 / asked as f64;
     let [leaks, self_hits] = [leaks, self_hits].map(|all| Outcome { seconds: 0.0, ..all });
-    let rays = effort.either(RAYS / 100, RAYS / 10);
+    let rays =
+        if geometry.triangles.is_empty() { 0 } else { rays(effort, [RAYS / 100, RAYS / 10]) };
     let errors = errors::of_mesh(accel, effort, rays, |numbers| {
         let target = point_on(geometry, numbers);
         let from = extent.around(numbers);
@@ -263,7 +276,7 @@ fn ask(
     make: impl Fn(usize, &mut Traversal) -> Option<(Ray, [u32; 2])> + Sync,
     judge: impl Fn(&Ray, [u32; 2], Hit) -> Option<String> + Sync,
 ) -> Outcome {
-    let count = effort.either(RAYS / 25, RAYS);
+    let count = rays(effort, [RAYS / 25, RAYS]);
     in_order(blocks(count, RAYS_OF_A_THREAD).map(|block| {
         let mut traversal = accel.traversal();
         let made = block.filter_map(|n| make(n, &mut traversal));
