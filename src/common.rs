@@ -10,9 +10,10 @@ use std::sync::{Mutex, PoisonError};
 use bytesize::ByteSize;
 use indicatif::{ProgressBar, ProgressState, ProgressStyle};
 
-use crate::choice::{by_name, choice};
+use crate::choice::choice;
 use crate::input::InputOptions;
 use crate::limit;
+use wavecrest_base::choice::Choice as _;
 use wavecrest_base::error::{Error, ErrorKind, Result, Warning};
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::accel::{Accel, KernelChoice};
@@ -194,7 +195,7 @@ fn simd(text: &str) -> std::result::Result<Level, String> {
     let available = Level::available();
     available.iter().copied().find(|level| level.name() == text).ok_or_else(|| {
         let names: Vec<_> = available.iter().map(|level| level.name()).collect();
-        let is_known = by_name::<Level>(text).is_some();
+        let is_known = Level::by_name(text).is_some();
         let what =
             if is_known { "this processor does not have it" } else { "unknown instruction set" };
         format!("{what}; use auto, {}", names.join(", "))

@@ -114,10 +114,9 @@ pub(crate) fn film(image: &Bound<'_, PyAny>) -> PyResult<api::Film> {
 /// The value with that name.
 pub(crate) fn named<T: Choice>(key: &str, name: Option<String>) -> PyResult<Option<T>> {
     let Some(name) = name else { return Ok(None) };
-    let found = T::VALUES.iter().copied().find(|value| value.name() == name);
     let names = || T::VALUES.iter().map(|value| value.name()).collect::<Vec<_>>().join(", ");
     let wrong = || Error::new_err(format!("{key}: must be one of {}, found {name:?}", names()));
-    found.map(Some).ok_or_else(wrong)
+    T::by_name(&name).map(Some).ok_or_else(wrong)
 }
 
 /// The value of the text.

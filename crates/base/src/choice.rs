@@ -8,12 +8,21 @@ pub trait Choice: Copy + Send + Sync + 'static {
     /// The name of the value.
     fn name(self) -> &'static str;
 
+    /// Names that files and commands of older versions may have for the value; nothing lists them.
+    fn old_names(self) -> &'static [&'static str];
+
     /// Its meaning, in a line or two.
     fn help(self) -> &'static str;
+
+    /// The value with this name, or once with it.
+    fn by_name(name: &str) -> Option<Self> {
+        let is_named = |value: &Self| value.name() == name || value.old_names().contains(&name);
+        Self::VALUES.iter().copied().find(is_named)
+    }
 }
 
 /// Declares an enumeration that implements [`Choice`], with a name for each value and its
-/// documentation as help.
+/// documentation as help. Old names may follow: `X = "x" | "horizontal"`.
 ///
 /// ```
 /// wavecrest_base::choices! {
@@ -21,7 +30,7 @@ pub trait Choice: Copy + Send + Sync + 'static {
 ///     #[derive(Clone, Copy, Debug, PartialEq)]
 ///     pub enum FovAxis {
 ///         /// The width.
-///         X = "x",
+///         X = "x" | "horizontal",
 ///         /// The height.
 ///         Y = "y",
 ///     }
@@ -29,13 +38,17 @@ pub trait Choice: Copy + Send + Sync + 'static {
 /// use wavecrest_base::choice::Choice;
 /// assert_eq!(FovAxis::ALL.map(FovAxis::name), ["x", "y"]);
 /// assert_eq!(FovAxis::X.help(), "The width.");
+/// assert_eq!(FovAxis::by_name("horizontal"), Some(FovAxis::X));
 /// ```
 #[macro_export]
 macro_rules! choices {
     (
         $(#[$meta:meta])*
         $vis:vis enum $kind:ident {
-            $( $(#[doc = $doc:literal])+ $(#[$other:meta])* $value:ident = $name:literal, )+
+            $(
+                $(#[doc = $doc:literal])+ $(#[$other:meta])*
+                $value:ident = $name:literal $(| $old:literal)*,
+            )+
         }
     ) => {
         $(#[$meta])*
@@ -60,6 +73,12 @@ macro_rules! choices {
 
             fn name(self) -> &'static str {
                 Self::name(self)
+            }
+
+            fn old_names(self) -> &'static [&'static str] {
+                match self {
+                    $( Self::$value => &[$($old),*], )+
+                }
             }
 
             fn help(self) -> &'static str {

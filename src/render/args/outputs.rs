@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-use crate::choice::by_name;
 use crate::metadata::MetadataOptions;
+use wavecrest_base::choice::Choice as _;
 use wavecrest_base::error::did_you_mean;
 use wavecrest_image::aov::Layer;
 
@@ -35,7 +35,7 @@ fn layers(text: &str) -> std::result::Result<Layers, String> {
     }
     let names = || Layer::ALL.map(Layer::name).into_iter();
     let layer = |word: &str| {
-        by_name::<Layer>(word).ok_or_else(|| match did_you_mean(word, names()) {
+        Layer::by_name(word).ok_or_else(|| match did_you_mean(word, names()) {
             Some(near) => format!("there is no layer {word:?}; did you mean {near}?"),
             None => {
                 format!(
