@@ -7,7 +7,7 @@ use divan::{Bencher, black_box};
 use glam::{Vec2, Vec3};
 
 use wavecrest_core::kernels::blinn_phong::{self, Material};
-use wavecrest_core::kernels::precision::Robust;
+use wavecrest_core::kernels::precision::Exact;
 use wavecrest_core::kernels::slab::{Aabb, SlabRay};
 use wavecrest_core::kernels::texture::{Filter, Image, Texels, Wrap};
 use wavecrest_core::kernels::triangle::{self, ShearedSpace};
@@ -76,7 +76,7 @@ fn triangle_prepare_ray(bencher: Bencher<'_, '_>) {
 fn triangle_surface(bencher: Bencher<'_, '_>) {
     each(bencher, &rays_and_corners(), |(ray, corners)| {
         let corners = corners.map(Vector::from);
-        surface::triangle_at::<f32, Robust>(&Line::from(ray), 0.0, &corners)
+        surface::triangle_at::<f32, Exact>(&Line::from(ray), 0.0, &corners)
     });
 }
 
@@ -108,7 +108,7 @@ fn sphere_intersect(bencher: Bencher<'_, '_>) {
 #[divan::bench]
 fn sphere_surface(bencher: Bencher<'_, '_>) {
     each(bencher, &rays_and_corners(), |(ray, [center])| {
-        surface::sphere_at::<f32, Robust>(&Line::from(ray), 0.0, (*center).into(), 0.5)
+        surface::sphere_at::<f32, Exact>(&Line::from(ray), 0.0, (*center).into(), 0.5)
     });
 }
 

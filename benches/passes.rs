@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 
 use wavecrest_base::error::Result;
 use wavecrest_core::accel::build::Preset;
-use wavecrest_core::kernels::precision::Robust;
+use wavecrest_core::kernels::precision::Exact;
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::tile::{Tile, TraceSettings, Tracer, Unit};
 use wavecrest_core::wavefront::{DEFAULT_BATCH, Wavefront};
@@ -19,7 +19,7 @@ use wavecrest_scene::load::load_str;
 use wavecrest_scene::systems;
 
 /// The tracer whose passes are timed.
-type Passes = Wavefront<Robust>;
+type Passes = Wavefront<Exact>;
 
 /// Everything but the shapes.
 const SCENE: &str = r#"{

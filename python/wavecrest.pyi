@@ -22,7 +22,7 @@ def render(
     background: tuple[float, float, float] | None = None,
     crease: float | None = None,
     seed: int = 0,
-    precision: Literal["fast", "robust", "exact"] | None = None,
+    precision: Literal["fast", "exact"] | None = None,
     threads: int | None = None,
 ) -> NDArray[float32]: ...
 

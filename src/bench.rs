@@ -29,6 +29,7 @@ use wavecrest_scene::systems;
 /// # Errors
 /// If a scene cannot be loaded or prepared, or the report cannot be written.
 pub(crate) fn run(args: &BenchArgs) -> Result<bool> {
+    args.search.check(args.scene_options.precision)?;
     args.outputs().try_for_each(check_replaceable)?;
     if let (Some(output), Some(page)) = (&args.output, &args.page) {
         check_differs(page, output, "the JSON")?;

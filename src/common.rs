@@ -39,7 +39,7 @@ pub(crate) struct SceneOptions {
     /// Quality of the BVH [default: chosen from the numbers of triangles and rays]
     #[arg(long, value_name = "PRESET", value_parser = choice::<Preset>())]
     pub(crate) bvh: Option<Preset>,
-    /// Precision of intersections: fast can leak at edges, exact is slow
+    /// Precision of intersections: fast can leak at edges
     #[arg(long, value_name = "PRECISION", value_parser = choice::<Precision>(), default_value_t)]
     pub(crate) precision: Precision,
     /// Copy instanced meshes into world space instead of keeping them once
@@ -178,6 +178,18 @@ pub(crate) struct SearchOptions {
 }
 
 impl SearchOptions {
+    /// Checks that the kernel is one for this precision.
+    ///
+    /// # Errors
+    /// If the reference is asked for fast precision, which has no pairs in exact arithmetic.
+    pub(crate) fn check(&self, precision: Precision) -> Result<()> {
+        if (self.kernel, precision) != (KernelChoice::Reference, Precision::Fast) {
+            return Ok(());
+        }
+        Err(Error::new(ErrorKind::Usage, "the kernel `reference` is exact, not fast")
+            .remedy("leave out --precision fast, or use --kernel single"))
+    }
+
     /// Applies the options to `accel`.
     pub(crate) fn apply(&self, accel: &mut Accel) {
         accel.kernel = self.kernel;

@@ -60,6 +60,7 @@ fn place(text: &str) -> std::result::Result<[u32; 2], String> {
 /// # Errors
 /// If the scene cannot be prepared, or has no such pixel or sample.
 pub(crate) fn run(args: &ProbeArgs) -> Result<bool> {
+    args.search.check(args.scene_options.precision)?;
     args.scene_options.threads.run(|| {
         let extent = Extent { images: &Pixel, ..Extent::default() };
         let loaded = args.scene_options.load(&args.scene, extent, &[])?;

@@ -39,6 +39,7 @@ use wavecrest_scene::systems::{self, Extracted};
 /// # Errors
 /// If the scene cannot be loaded or prepared, or the image cannot be written.
 pub(crate) fn run(args: &RenderArgs) -> Result<()> {
+    args.search.check(args.scene_options.precision)?;
     let args = &look::without_ground(args.clone());
     let output = args.output()?;
     let shard = args.parts.shard()?;

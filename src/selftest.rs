@@ -24,7 +24,7 @@ use wavecrest_scene::load::{LoadOptions, survey};
 
 /// Test cases that break ray tracers, on every kernel and instruction set of this machine.
 ///
-/// The exit code is 1 if a case fails in robust or exact precision. Failures of fast precision are expected, and
+/// The exit code is 1 if a case fails in exact precision. Failures of fast precision are expected, and
 /// printed.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct SelftestArgs {

@@ -42,7 +42,7 @@ pub(crate) struct TraceArgs {
     /// Quality of the BVH [default: chosen from the numbers of triangles and rays]
     #[arg(long, value_name = "PRESET", value_parser = choice::<Preset>())]
     pub(crate) bvh: Option<Preset>,
-    /// Precision of intersections: fast can leak at edges, exact is slow
+    /// Precision of intersections: fast can leak at edges
     #[arg(long, value_name = "PRECISION", value_parser = choice::<Precision>(), default_value_t)]
     pub(crate) precision: Precision,
     /// Traversal
@@ -65,6 +65,7 @@ pub(crate) struct TraceArgs {
 /// # Errors
 /// If the mesh or the rays cannot be read or do not match, or the answers cannot be written.
 pub(crate) fn run(args: &TraceArgs) -> Result<()> {
+    args.search.check(args.precision)?;
     if let Some(answers) = &args.answers {
         check_replaceable(answers)?;
         check_differs(answers, &args.mesh, "the mesh")?;

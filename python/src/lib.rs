@@ -29,7 +29,7 @@ fn exception(error: &api::Error) -> PyErr {
 /// scene is the path of a scene file, a glTF file or a mesh (PLY, OBJ, STL); a scene as a dict, with paths relative
 /// to the current folder; or the vertices of a mesh, shape (N, 3), with the vertex indices of its triangles as faces,
 /// shape (M, 3). A mesh is shown whole under studio lights; view, up, fov, lights and crease change this, like the
-/// options of the command. background is a linear colour; precision is "fast", "robust" (default) or "exact".
+/// options of the command. background is a linear colour; precision is "fast" or "exact" (default).
 ///
 /// Values are linear red, green and blue; 8-bit formats store 0 to 1. The number of threads does not change them.
 ///

@@ -110,7 +110,7 @@ class Wavecrest(unittest.TestCase):
         self.assert_refused("has no triangles", VERTICES, np.zeros((0, 3), int))
         self.assert_refused("vertices: must have the shape (N, 3), found [5, 2]", np.zeros((5, 2)), FACES)
         self.assert_refused("vertex 4", VERTICES[:4] + [[np.nan, 0, 0]], FACES)
-        self.assert_refused("precision: must be one of fast, robust, exact", SCENE, precision="best")
+        self.assert_refused("precision: must be one of fast, exact", SCENE, precision="best")
         self.assert_refused("background", VERTICES, FACES, background=(1, -1, 0))
         self.assert_refused("crease", VERTICES, FACES, crease=200)
         self.assert_refused("fov", VERTICES, FACES, fov=180)

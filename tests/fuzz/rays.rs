@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use glam::Vec3;
+use wavecrest_core::accel::KernelChoice;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::accel::geometry::Geometry;
-use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::math::float::MAX_COORDINATE;
 use wavecrest_core::math::ray::Ray;
 use wavecrest_scene::mesh::{MeshData, validate};
@@ -18,6 +18,8 @@ pub(crate) struct Question {
     pub(crate) rays: Vec<Ray>,
     /// How the tree is built.
     pub(crate) preset: Preset,
+    /// The kernels whose answers must be equal.
+    pub(crate) kernels: &'static [KernelChoice],
 }
 
 /// The most rays: five tiles of a packet.
@@ -56,11 +58,13 @@ pub(crate) fn question(bytes: &[u8]) -> Option<Question> {
     let mut bytes = Bytes(bytes);
     let first = bytes.one();
     let preset = Preset::ALL[1 + usize::from(first % 6)];
-    // What fast arithmetic finds depends on the boxes it looks into.
-    let precision = if first / 6 % 4 == 2 { Precision::Exact } else { Precision::Robust };
-    let geometry = Geometry { precision, ..geometry(&mut bytes)? };
+    // What fast arithmetic finds depends on the boxes it looks into. The t of other kernels than the
+    // reference has an error within its bound.
+    let kernels: &[_] =
+        if first / 6 % 4 == 2 { &[KernelChoice::Reference] } else { &KernelChoice::FOR_RENDERS };
+    let geometry = geometry(&mut bytes)?;
     let rays = rays(&mut bytes, &geometry);
-    Some(Question { geometry, rays, preset })
+    Some(Question { geometry, rays, preset, kernels })
 }
 
 /// Bytes one after the other, and zeros after the last.

@@ -8,7 +8,7 @@ use std::sync::LazyLock;
 use glam::DVec3;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use wavecrest_core::accel::build::Preset;
-use wavecrest_core::accel::{Accel, Hit, KernelChoice};
+use wavecrest_core::accel::{Accel, Hit};
 use wavecrest_core::math::ray::Ray;
 use wavecrest_core::math::simd::Level;
 use wavecrest_core::render::{RenderOptions, TracerKind, render};
@@ -141,14 +141,15 @@ pub(crate) fn accel(bytes: &[u8]) -> bool {
 }
 
 fn is_answered(bytes: &[u8]) -> bool {
-    let Some(Question { geometry, rays, preset }) = question(bytes) else { return false };
-    let brute = Accel::new(geometry.clone(), Preset::Brute);
+    let Some(Question { geometry, rays, preset, kernels }) = question(bytes) else { return false };
+    let mut brute = Accel::new(geometry.clone(), Preset::Brute);
+    brute.kernel = kernels[0];
     let expected = answers(&brute, &rays);
     let mut accel = Accel::new(geometry, preset);
     let levels = if cfg!(fuzzing) { vec![Level::best()] } else { Level::available() };
     for level in levels {
         accel.level = level.token().expect("it is available");
-        for kernel in KernelChoice::ALL {
+        for &kernel in kernels {
             accel.kernel = kernel;
             let found = answers(&accel, &rays);
             for (i, ray) in rays.iter().enumerate() {

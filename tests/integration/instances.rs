@@ -7,8 +7,7 @@ use wavecrest_core::accel::build::Preset;
 use wavecrest_core::accel::geometry::Geometry;
 use wavecrest_core::accel::instance::Instance;
 use wavecrest_core::accel::{Accel, Hit, KernelChoice};
-use wavecrest_core::kernels::precision::Precision;
-use wavecrest_core::kernels::precision::Robust;
+use wavecrest_core::kernels::precision::{Exact, Precision};
 use wavecrest_core::kernels::slab::Aabb;
 use wavecrest_core::kernels::surface::triangle_at;
 use wavecrest_core::math::float::offset_origin;
@@ -45,9 +44,12 @@ fn prepared(scene: &Value, precision: Precision, flat: bool, preset: Preset) -> 
 #[test]
 fn a_mesh_is_held_once_and_looks_as_its_copies_do() {
     let scene = stones(160);
-    for precision in [Precision::Robust, Precision::Exact] {
-        let [held, flat] =
-            [false, true].map(|flat| prepared(&scene, precision, flat, Preset::Fast));
+    for kernel in [KernelChoice::Auto, KernelChoice::Reference] {
+        let [held, flat] = [false, true].map(|flat| {
+            let mut ready = prepared(&scene, Precision::Exact, flat, Preset::Fast);
+            ready.accel.kernel = kernel;
+            ready
+        });
         let geometry = held.accel.geometry();
         assert_eq!((geometry.prototypes.len(), geometry.instances.len()), (2, 35));
         assert_eq!((geometry.held(), geometry.len()), (401, 7001));
@@ -59,15 +61,26 @@ fn a_mesh_is_held_once_and_looks_as_its_copies_do() {
         let far = |(a, b): (&[f32; 3], &[f32; 3])| (0..3).any(|k| (a[k] - b[k]).abs() > 1e-3);
         let pairs = a.film.pixels().iter().zip(b.film.pixels());
         let differing = pairs.filter(|&pair| far(pair)).count();
-        assert!(differing <= 4, "{precision:?}: {differing} of {} pixels", a.film.pixels().len());
+        assert!(differing <= 4, "{kernel:?}: {differing} of {} pixels", a.film.pixels().len());
     }
 }
 
 #[test]
 fn the_image_is_the_same_whatever_searches() {
     let scene = stones(96);
-    for precision in [Precision::Fast, Precision::Robust, Precision::Exact] {
-        let mut ready = prepared(&scene, precision, false, Preset::Fast);
+    // The t of other kernels has an error within its bound, so the reference is compared with itself.
+    let kernels: [(_, &[KernelChoice]); 3] = [
+        (Precision::Fast, &KernelChoice::ALL),
+        (Precision::Exact, &KernelChoice::FOR_RENDERS),
+        (Precision::Exact, &[KernelChoice::Reference]),
+    ];
+    for (precision, kernels) in kernels {
+        let with = |kernel, preset| {
+            let mut ready = prepared(&scene, precision, false, preset);
+            ready.accel.kernel = kernel;
+            ready
+        };
+        let mut ready = with(kernels[0], Preset::Fast);
         let expected = render_on(1, &ready, &options()).film;
         let check = |ready: &PreparedScene, batch: usize, what: &str| {
             for tracer in TRACERS {
@@ -78,11 +91,11 @@ fn the_image_is_the_same_whatever_searches() {
         };
         check(&ready, 1024, "itself");
         check(&ready, 37, "small batches");
-        for kernel in KernelChoice::ALL {
+        for &kernel in kernels {
             ready.accel.kernel = kernel;
             check(&ready, 1024, &format!("{kernel:?}"));
         }
-        ready.accel.kernel = KernelChoice::default();
+        ready.accel.kernel = kernels[0];
         for level in Level::available() {
             ready.accel.level = level.token().expect("it is available");
             check(&ready, 1024, level.name());
@@ -90,7 +103,7 @@ fn the_image_is_the_same_whatever_searches() {
         // Fast arithmetic leaks where boxes do, and these are the tree's.
         if precision != Precision::Fast {
             for preset in [Preset::Fastest, Preset::Slow, Preset::Brute] {
-                check(&prepared(&scene, precision, false, preset), 1024, preset.name());
+                check(&with(kernels[0], preset), 1024, preset.name());
             }
         }
     }
@@ -197,7 +210,7 @@ fn no_ray_meets_the_surface_that_it_leaves() {
             let carried = instance.carried(&ray);
             let line = Line::from(&carried);
             let corners = of_prototype.map(Vector::from);
-            let surface = instance.surface(&triangle_at::<f32, Robust>(&line, 0.0, &corners));
+            let surface = instance.surface(&triangle_at::<f32, Exact>(&line, 0.0, &corners));
             let [point, error, normal] = surface.vectors();
             let outward = if normal.dot(ray.direction) > 0.0 { -normal } else { normal };
             for sample in 0..8 {

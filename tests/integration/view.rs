@@ -102,7 +102,7 @@ fn what_lies_behind_the_camera_is_not_read_not_stored_and_not_simulated() {
     write_texture(folder.path());
     let [full, without] = with_and_without("broken.png");
     let [found, expected] =
-        [full, without].map(|json| prepare(&json, folder.path(), true, Precision::Robust));
+        [full, without].map(|json| prepare(&json, folder.path(), true, Precision::Exact));
     assert_eq!(found.plan.schedule(), expected.plan.schedule());
     assert_eq!(Batch::bytes_per_path(&found), Batch::bytes_per_path(&expected));
     assert_eq!((found.appearance.images.len(), found.appearance.bytes()), (0, 0));
@@ -116,7 +116,7 @@ fn what_lies_behind_the_camera_is_not_read_not_stored_and_not_simulated() {
     ] {
         assert_eq!(reason(&found, effect), (false, why.to_owned()));
     }
-    let all = prepare(&with_and_without("t.png")[0], folder.path(), false, Precision::Robust);
+    let all = prepare(&with_and_without("t.png")[0], folder.path(), false, Precision::Exact);
     assert_eq!((all.appearance.images.len(), all.lights.len(), all.bounces), (1, 2, 3));
     let [found, expected, complete] = [&found, &expected, &all].map(both_alone);
     for ((found, expected), complete) in found.iter().zip(&expected).zip(&complete) {
@@ -138,7 +138,7 @@ fn a_mirror_in_view_shows_what_is_behind_the_eye() {
         let (light, mut shapes) = behind("t.png");
         shapes.push(with(floor, "material", with(matte(0.8, [0.5; 3]), "kr", kr)));
         let json = scene(bounces, &camera, &[light, lamp], &shapes);
-        let prepared = prepare(&json, folder.path(), true, Precision::Robust);
+        let prepared = prepare(&json, folder.path(), true, Precision::Exact);
         (reason(&prepared, Effect::Textures).0, prepared.lights.len())
     };
     assert_eq!(of(0.5, 1), (true, 2));
@@ -160,7 +160,7 @@ fn is_seen(camera: &Value, shape: Value, others: &[Value], precision: Precision)
 fn spheres_hide_what_is_in_them_and_what_is_around_them_from_within() {
     let camera = pinhole([8, 6], 40.0, 5.0);
     let ball = |radius: f64, z: f64| sphere([0.0, 0.0, z], radius, matte(0.8, [0.5; 3]));
-    let sees = |shape: Value, others: &[Value]| is_seen(&camera, shape, others, Precision::Robust);
+    let sees = |shape: Value, others: &[Value]| is_seen(&camera, shape, others, Precision::Exact);
     assert!(sees(ball(0.5, 0.0), &[]));
     assert!(!sees(ball(0.5, 0.0), &[ball(1.0, 0.0)]), "enclosed");
     assert!(sees(ball(0.5, 0.0), &[ball(0.5, 0.0)]), "in the same place");

@@ -278,7 +278,7 @@ fn t_error(geometry: &Geometry, ray: &Ray, hit: &Hit) -> Option<f32> {
     let space = PreparedRay::new(ray).space;
     match (geometry.precision, geometry.primitive(hit.primitive)) {
         (Precision::Fast, _) => None,
-        (Precision::Exact, _) | (_, Primitive::Sphere(_)) => Some(rounded),
+        (_, Primitive::Sphere(_)) => Some(rounded),
         (_, Primitive::Triangle(i)) => {
             // A triangle that stands for a seal is itself missed.
             Some(space.error_of(&geometry.triangle(i), hit.t).unwrap_or(T_TOLERANCE * hit.t.abs()))

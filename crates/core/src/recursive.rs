@@ -144,49 +144,47 @@ impl<P: Arithmetic> Recursive<P> {
             observer.ray(&ray, &hit, self.traversal.tests - before);
             let differential =
                 || carried.unwrap_or_else(|| scene.camera.differential(ray.direction));
-            let end =
-                match scene.interaction::<P::Points>(&ray, &hit, &differential, &mut self.look_ups)
-                {
-                    Interaction::Surface(point) => {
-                        let local = point.local_light(scene.ambient, scene.hemisphere.as_ref());
-                        radiance += throughput * Vec3::from(local);
-                        observer.surface(&point, radiance);
-                        if shadows && point.lit {
-                            let gathered = (throughput, &mut radiance);
-                            self.direct_light(scene, &point, &stream, gathered, observer);
-                        }
-                        if stream.bounce == bounces {
-                            End::LastBounce
-                        } else if let Some(next) = mirror_ray(&point, throughput) {
-                            observer.done(radiance, None);
-                            self.counters.secondary_rays += 1;
-                            if self.differentials {
-                                let found = &mut self.look_ups;
-                                let mirror = MirrorPoint::of(&point);
-                                let from = differential();
-                                carried = Some(scene.mirrored(&from, &ray, &hit, &mirror, found));
-                            }
-                            (ray, throughput) = next;
-                            stream.bounce += 1;
-                            continue;
-                        } else {
-                            End::NoMirror
-                        }
+            let end = match scene.interaction::<P>(&ray, &hit, &differential, &mut self.look_ups) {
+                Interaction::Surface(point) => {
+                    let local = point.local_light(scene.ambient, scene.hemisphere.as_ref());
+                    radiance += throughput * Vec3::from(local);
+                    observer.surface(&point, radiance);
+                    if shadows && point.lit {
+                        let gathered = (throughput, &mut radiance);
+                        self.direct_light(scene, &point, &stream, gathered, observer);
                     }
-                    Interaction::Light(color) => {
-                        radiance += throughput * color;
-                        End::Light
-                    }
-                    Interaction::Nothing => {
-                        if stream.bounce == 0 {
-                            radiance += scene.background;
-                        } else if let Some(hemisphere) = &scene.hemisphere {
-                            let sky = hemisphere.at::<f32>(ray.direction.into());
-                            radiance += throughput * Vec3::from(sky);
+                    if stream.bounce == bounces {
+                        End::LastBounce
+                    } else if let Some(next) = mirror_ray(&point, throughput) {
+                        observer.done(radiance, None);
+                        self.counters.secondary_rays += 1;
+                        if self.differentials {
+                            let found = &mut self.look_ups;
+                            let mirror = MirrorPoint::of(&point);
+                            let from = differential();
+                            carried = Some(scene.mirrored(&from, &ray, &hit, &mirror, found));
                         }
-                        End::Nothing
+                        (ray, throughput) = next;
+                        stream.bounce += 1;
+                        continue;
+                    } else {
+                        End::NoMirror
                     }
-                };
+                }
+                Interaction::Light(color) => {
+                    radiance += throughput * color;
+                    End::Light
+                }
+                Interaction::Nothing => {
+                    if stream.bounce == 0 {
+                        radiance += scene.background;
+                    } else if let Some(hemisphere) = &scene.hemisphere {
+                        let sky = hemisphere.at::<f32>(ray.direction.into());
+                        radiance += throughput * Vec3::from(sky);
+                    }
+                    End::Nothing
+                }
+            };
             observer.done(radiance, Some(end));
             return radiance;
         }

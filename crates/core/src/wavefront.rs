@@ -141,7 +141,7 @@ impl<P: Arithmetic> Wavefront<P> {
     /// Adds the light of hits without further rays, and collects lit points and mirror rays.
     pub fn shade(&mut self, scene: &PreparedScene, bounce: u32) {
         let Self { batch, counters, clock, .. } = self;
-        clock.time(2, || s3_shade::run::<P::Points>(scene, bounce, batch, counters));
+        clock.time(2, || s3_shade::run::<P>(scene, bounce, batch, counters));
     }
 
     /// Adds the light of unoccluded shadow rays.

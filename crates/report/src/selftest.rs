@@ -1,8 +1,7 @@
 //! The hard cases: inputs that break ray tracers, tested on this machine.
 //!
 //! Each [`Case`] has a stated bound, and runs in one precision with every kernel and all
-//! instruction levels of the processor. All cases pass in robust and in exact precision; some fail
-//! in fast. The inputs follow from a seed, so that a failure can be repeated. Expected results are
+//! instruction levels of the processor. All cases pass in exact precision; some fail in fast. The inputs follow from a seed, so that a failure can be repeated. Expected results are
 //! computed in integers or in double precision, or follow from the construction of the input, and
 //! share no code with the tested kernels. Faults planted in the sources prove that cases can fail
 //! (`tests/mutations`).

@@ -153,7 +153,7 @@ fn files_say_how_they_were_made() {
     let scene = fingerprint(&folder.path().join("ball.json"));
     let expected = [
         ("software", software.as_str()),
-        ("wavecrest.precision", "robust"),
+        ("wavecrest.precision", "exact"),
         ("wavecrest.samples", "1"),
         ("wavecrest.scene", scene.as_str()),
         ("wavecrest.seed", "7"),

@@ -81,7 +81,7 @@ fn the_log_has_stages_choices_and_results() {
     let has = |words: &str| lines.iter().any(|line| line.contains(words));
     for words in [
         "ball.json out.exr --log log.txt -q",
-        "wavefront tracer, robust precision",
+        "wavefront tracer, exact precision",
         "ball.json: 16 x 12 pixels, rays per pixel: 1; triangles: 0, quads: 1, spheres: 1, lights: 1; ",
         "camera.colour: is not a key of a pinhole camera",
         "+ mirrors: 1 mirror",

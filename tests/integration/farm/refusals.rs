@@ -252,11 +252,11 @@ fn strangers() -> Vec<(&'static str, Stranger)> {
             *scene.pointer_mut(place).expect("it is there") = value.clone();
         })
     };
-    let exact = {
+    let fast = {
         let text = strangers_scene().to_string();
         let loaded = load_str(&text, &repository("test.json"), &LoadOptions::default());
         let mut loaded = loaded.expect("a scene");
-        let options = Options { precision: Precision::Exact, ..Options::default() };
+        let options = Options { precision: Precision::Fast, ..Options::default() };
         let extracted = systems::extract(&mut loaded.world, options);
         extracted.expect("a scene").build(wavecrest_core::accel::build::Preset::Fast)
     };
@@ -268,7 +268,7 @@ fn strangers() -> Vec<(&'static str, Stranger)> {
             "part of the image",
             Stranger { scene: usual(), options: RenderOptions { crop: Some(crop), ..options() } },
         ),
-        ("precision", Stranger { scene: exact, options: options() }),
+        ("precision", Stranger { scene: fast, options: options() }),
         ("image size", set("/camera/width", json!(24))),
         ("number of samples per pixel", set("/camera/antialias", json!(2))),
         ("camera", set("/camera/fov", json!(41.0))),

@@ -127,7 +127,7 @@ impl Geometry {
         tests.cutouts += 1;
         let line = Line::from(ray);
         let surface_of = |corners: [Vec3; 3]| {
-            surface::triangle_at::<f32, P::Points>(&line, t, &corners.map(Vector::from))
+            surface::triangle_at::<f32, P>(&line, t, &corners.map(Vector::from))
         };
         let uv = match (self.primitive(number), &cutout.map, &cutout.mesh) {
             (Primitive::Triangle(i), UvMap::Mesh, Some(mesh)) => {

@@ -13,7 +13,7 @@ use super::instance::{Instance, Instanced};
 use super::near::Exactly;
 use super::seals::Seals;
 use super::{Hit, TestCounts};
-use crate::kernels::precision::{Arithmetic, Precision, Robust};
+use crate::kernels::precision::{Arithmetic, Exact, Precision};
 use crate::kernels::slab::{Aabb, SlabRay};
 use crate::kernels::triangle::{self, Meeting, ShearedSpace, exact, fast};
 use crate::kernels::{quad, sphere};
@@ -83,10 +83,10 @@ pub struct PreparedRay {
 }
 
 impl PreparedRay {
-    /// Prepares `ray`, which must be valid, for robust tests.
+    /// Prepares `ray`, which must be valid, for exact tests.
     #[inline(always)]
     pub fn new(ray: &Ray) -> Self {
-        Self::of::<Robust>(ray)
+        Self::of::<Exact>(ray)
     }
 
     /// Prepares `ray`, which must be valid.
@@ -374,8 +374,10 @@ fn meet_triangle<P: Arithmetic>(ray: &PreparedRay, corners: &[Vec3; 3]) -> Meeti
             let (t, is_hit) = fast::intersect(&Line::from(&ray.ray), &corners);
             is_hit.then_some(t)
         }
-        Precision::Robust => return ray.space.meet(corners),
-        Precision::Exact => exact::intersect(&ray.ray, corners).map(|t| t as f32),
+        Precision::Exact if P::IS_REFERENCE => {
+            exact::intersect(&ray.ray, corners).map(|t| t as f32)
+        }
+        Precision::Exact => return ray.space.meet(corners),
     };
     Meeting::within(t, &ray.ray)
 }

@@ -16,7 +16,7 @@ use super::search::Search;
 use super::tlas::{Entry, Walk};
 use super::tree::reach;
 use super::{Hit, Traversal};
-use crate::kernels::precision::{Arithmetic, Robust};
+use crate::kernels::precision::{Arithmetic, Exact};
 use crate::math::float::min;
 use crate::math::ray::Ray;
 
@@ -166,7 +166,7 @@ impl Walk {
         if self.best.is_miss() {
             return ray;
         }
-        Ray { t_max: min(ray.t_max, reach::<Robust>(self.best.t)), ..ray }
+        Ray { t_max: min(ray.t_max, reach::<Exact>(self.best.t)), ..ray }
     }
 
     /// Accepts the `hit` in the prototype of `instance` if it is closer, or equally close with a

@@ -195,8 +195,8 @@ pub(super) fn test_patch<S: Lanes, Q: Query, P: Arithmetic>(
     let (positions, corners) = (&leaf.positions, leaf.corners);
     match P::PRECISION {
         Precision::Fast => fast::intersect_patch(simd, ray, positions, corners, used),
-        Precision::Robust => space.intersect_patch(simd, positions, corners, (used, Q::ANY)),
-        Precision::Exact => LaneHits::open(used),
+        Precision::Exact if P::IS_REFERENCE => LaneHits::open(used),
+        Precision::Exact => space.intersect_patch(simd, positions, corners, (used, Q::ANY)),
     }
 }
 
@@ -211,7 +211,7 @@ pub(super) fn test_soup<S: Lanes, Q: Query, P: Arithmetic>(
     let used = first_lanes(leaf.count);
     match P::PRECISION {
         Precision::Fast => fast::intersect_soup(simd, ray, &leaf.corners, used),
-        Precision::Robust => space.intersect_soup(simd, &leaf.corners, (used, Q::ANY)),
-        Precision::Exact => LaneHits::open(used),
+        Precision::Exact if P::IS_REFERENCE => LaneHits::open(used),
+        Precision::Exact => space.intersect_soup(simd, &leaf.corners, (used, Q::ANY)),
     }
 }

@@ -13,7 +13,7 @@ use super::geometry::{Geometry, PreparedRay};
 use super::query::Closest;
 use super::tree::{Searched, reach};
 use super::{Hit, TestCounts, Traversal, compiled};
-use crate::kernels::precision::{Arithmetic, Exact, Robust};
+use crate::kernels::precision::{Arithmetic, Exact, Reference};
 use crate::kernels::triangle::Meeting;
 use crate::math::ray::Ray;
 
@@ -75,7 +75,7 @@ impl Searched<'_> {
             let mut traversal =
                 Traversal { stack: vec![0; self.tree.stack_entries()], ..Traversal::default() };
             let level = fearless_simd::Level::new();
-            compiled::one::<Closest, Exact>(level, *self, &endless, &mut traversal)
+            compiled::one::<Closest, Reference>(level, *self, &endless, &mut traversal)
         });
         is_surface(self.geometry, number, &endless, t, found)
     }
@@ -94,10 +94,10 @@ impl Geometry {
     ) -> bool {
         let endless = Ray { t_max: f32::INFINITY, ..ray.ray };
         let found = exactly.hit(&endless, || {
-            let prepared = PreparedRay::of::<Exact>(&endless);
+            let prepared = PreparedRay::of::<Reference>(&endless);
             let meetings = (0..self.own() as u32).filter_map(|primitive| {
                 let counts = &mut TestCounts::default();
-                let t = self.hit::<Exact>(primitive, &prepared, counts, |_| false)?;
+                let t = self.hit::<Reference>(primitive, &prepared, counts, |_| false)?;
                 Some(Hit { t, primitive })
             });
             meetings.fold(Hit::MISS, |best, hit| if hit.t < best.t { hit } else { best })
@@ -109,10 +109,10 @@ impl Geometry {
 /// Whether the hit `found` without rounding is that of the primitive passed closely at t: not if it
 /// is farther, on a surface that is met with rounding too.
 fn is_surface(geometry: &Geometry, number: u32, ray: &Ray, t: f32, found: Hit) -> bool {
-    if found.is_miss() || found.t <= reach::<Robust>(t) {
+    if found.is_miss() || found.t <= reach::<Exact>(t) {
         return !found.is_miss();
     }
-    match geometry.meet::<Robust>(found.primitive, &PreparedRay::new(ray)) {
+    match geometry.meet::<Exact>(found.primitive, &PreparedRay::new(ray)) {
         Meeting::Hit(_) => false,
         // A quad passed at one half while rounding makes the ray miss the other has only this hit.
         // Another quad decides for itself.

@@ -8,7 +8,7 @@ use super::query::{Closest, Occluded, Query};
 use super::rays::Rays;
 use super::tree::Searched;
 use super::{Accel, Hit, KernelChoice, Traversal, brute, compiled};
-use crate::kernels::precision::{Arithmetic, Precision};
+use crate::kernels::precision::Arithmetic;
 use crate::math::ray::Ray;
 
 /// The searches of an [`Accel`] whose geometry has precision `P`.
@@ -55,6 +55,20 @@ impl<P: Arithmetic> Search<'_, P> {
 
     #[inline(always)]
     fn one<Q: Query>(&self, ray: &Ray, traversal: &mut Traversal) -> Q::Answer {
+        if self.accel.kernel == KernelChoice::Reference {
+            return self.reference().one_of_precision::<Q>(ray, traversal);
+        }
+        self.one_of_precision::<Q>(ray, traversal)
+    }
+
+    /// The searches of the reference kernel.
+    fn reference(&self) -> Search<'_, P::Reference> {
+        self.accel.search()
+    }
+
+    /// As [`Self::one`], whatever the kernel.
+    #[inline(always)]
+    fn one_of_precision<Q: Query>(&self, ray: &Ray, traversal: &mut Traversal) -> Q::Answer {
         if !ray.is_valid() {
             return Q::NONE;
         }
@@ -105,11 +119,11 @@ impl<P: Arithmetic> Search<'_, P> {
         }
     }
 
-    /// Whether many rays are searched together. Exact precision has no use for lanes.
+    /// Whether many rays are searched together. The reference has no use for lanes.
     fn has_batches(&self) -> bool {
         let Accel { kernel, level, .. } = self.accel;
-        P::PRECISION != Precision::Exact
-            && *kernel != KernelChoice::Single
+        !P::IS_REFERENCE
+            && !matches!(kernel, KernelChoice::Single | KernelChoice::Reference)
             && compiled::has_batches(*level)
     }
 

@@ -1,6 +1,6 @@
 //! The order of two hits that single precision cannot tell.
 //!
-//! The t of a robust hit has an error of up to [`T_TOLERANCE`]. Two hits that are farther apart are
+//! The t of an exact hit has an error of up to [`T_TOLERANCE`]. Two hits that are farther apart are
 //! ordered by their t. Others are ordered by the exact t of their planes, rounded once, and by
 //! number if these are equal: copies of a triangle with any order of corners, and coplanar
 //! surfaces, are thus hit at the lowest number. Both orders agree where both apply, so the first
@@ -10,7 +10,7 @@ use glam::Vec3;
 
 use super::geometry::{Geometry, Primitive};
 use super::{Hit, NO_PRIMITIVE};
-use crate::kernels::precision::{Arithmetic, Precision};
+use crate::kernels::precision::Arithmetic;
 use crate::kernels::quad;
 use crate::kernels::triangle::{T_TOLERANCE, exact};
 use crate::math::ray::Ray;
@@ -28,7 +28,7 @@ pub(super) fn are_close<F: Real<Element = f32>>(t: F, other: F) -> F::Mask {
 /// Whether hits may need more than their t for ordering.
 #[inline(always)]
 pub(super) const fn has_doubt<P: Arithmetic>() -> bool {
-    matches!(P::PRECISION, Precision::Robust)
+    !P::IS_FAST && !P::IS_REFERENCE
 }
 
 impl Hit {

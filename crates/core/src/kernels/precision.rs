@@ -1,24 +1,27 @@
 //! The precision of hits and points, and its cost.
 //!
-//! - [`Fast`] is what most renderers do, kept for honest comparison: single precision, the triangle
-//!   test of Möller and Trumbore, unpadded boxes, and origins moved off surfaces by a fixed length.
-//! - [`Robust`] is the default: no ray slips through an edge or is lost in a box, and origins are
-//!   moved by a bound on their error.
-//! - [`Exact`] decides in double precision, and without any rounding if that leaves a sign open:
-//!   the reference. Points of surfaces are those of [`Robust`], which are in double precision too.
+//! - [`Exact`] is the default: every hit is that of exact arithmetic. Of the closed triangles that a
+//!   ray meets in exact arithmetic within its range, it is the one with the least t, rounded once;
+//!   of equal t, the lowest number. Filters in single precision with error bounds decide most hits,
+//!   and origins are moved off surfaces by a bound on their error.
+//! - [`Fast`] takes these filters as they are, which is what most renderers do: single precision
+//!   without error bounds, the triangle test of Möller and Trumbore, unpadded boxes, and origins
+//!   moved by a fixed length.
+//! - [`Reference`] is no precision to choose but the reference for the hits of [`Exact`]: each pair
+//!   of ray and triangle in exact arithmetic, without filters ([`KernelChoice::Reference`]).
+//!
+//! [`KernelChoice::Reference`]: crate::accel::KernelChoice::Reference
 
 wavecrest_base::choices! {
     /// The choice at run time.
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize)]
     #[serde(rename_all = "kebab-case")]
     pub enum Precision {
-        /// Single precision without error bounds: leaks at edges, and acne far from the origin.
+        /// The filters of exact taken as they are: single precision without error bounds.
         Fast = "fast",
-        /// Single precision with error bounds; double precision where they do not decide.
+        /// Every hit is that of exact arithmetic.
         #[default]
-        Robust = "robust",
-        /// Double precision with exact signs.
-        Exact = "exact",
+        Exact = "exact" | "robust",
     }
 }
 
@@ -27,8 +30,7 @@ impl Precision {
     pub fn meaning(self) -> &'static str {
         match self {
             Self::Fast => "single precision without error bounds: rays can leak through edges",
-            Self::Robust => "watertight, with error bounds",
-            Self::Exact => "double precision with exact signs, one ray at a time",
+            Self::Exact => "every hit is that of exact arithmetic",
         }
     }
 }
@@ -38,41 +40,47 @@ pub trait Arithmetic: Copy + std::fmt::Debug + Send + Sync + 'static {
     /// The precision.
     const PRECISION: Precision;
 
-    /// The precision of surface points: [`Robust`] for [`Exact`].
-    type Points: Arithmetic;
-
     /// Whether it is [`Fast`].
     const IS_FAST: bool = matches!(Self::PRECISION, Precision::Fast);
+
+    /// Whether it is [`Reference`].
+    const IS_REFERENCE: bool = false;
+
+    /// What the reference kernel computes in: [`Fast`] is a reference for itself, as the kernel must
+    /// not affect answers.
+    type Reference: Arithmetic;
 }
 
 /// See [`Precision::Fast`].
 #[derive(Clone, Copy, Debug)]
 pub struct Fast;
 
-/// See [`Precision::Robust`].
-#[derive(Clone, Copy, Debug)]
-pub struct Robust;
-
 /// See [`Precision::Exact`].
 #[derive(Clone, Copy, Debug)]
 pub struct Exact;
 
+/// Each pair of ray and triangle in exact arithmetic.
+#[derive(Clone, Copy, Debug)]
+pub struct Reference;
+
 impl Arithmetic for Fast {
     const PRECISION: Precision = Precision::Fast;
 
-    type Points = Fast;
-}
-
-impl Arithmetic for Robust {
-    const PRECISION: Precision = Precision::Robust;
-
-    type Points = Robust;
+    type Reference = Fast;
 }
 
 impl Arithmetic for Exact {
     const PRECISION: Precision = Precision::Exact;
 
-    type Points = Robust;
+    type Reference = Reference;
+}
+
+impl Arithmetic for Reference {
+    const PRECISION: Precision = Precision::Exact;
+
+    const IS_REFERENCE: bool = true;
+
+    type Reference = Reference;
 }
 
 /// Evaluates an expression with a type parameter for a precision known at run time: the only place
@@ -91,10 +99,6 @@ macro_rules! with_precision {
         match $precision {
             $crate::kernels::precision::Precision::Fast => {
                 type $kind = $crate::kernels::precision::Fast;
-                $value
-            }
-            $crate::kernels::precision::Precision::Robust => {
-                type $kind = $crate::kernels::precision::Robust;
                 $value
             }
             $crate::kernels::precision::Precision::Exact => {

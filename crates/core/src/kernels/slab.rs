@@ -42,7 +42,7 @@
 
 use glam::{Vec3, Vec3A};
 
-use super::precision::{Arithmetic, Robust};
+use super::precision::{Arithmetic, Exact};
 use crate::math::float::{UNIT_ROUNDOFF, max, max_abs, min};
 use crate::math::ray::Ray;
 use crate::math::real::Real;
@@ -133,7 +133,7 @@ impl SlabRay {
     /// Prepares `ray` for padded boxes.
     #[inline(always)]
     pub fn new(ray: &Ray) -> Self {
-        Self::of::<Robust>(ray)
+        Self::of::<Exact>(ray)
     }
 
     /// Prepares `ray`; for unpadded boxes in fast precision.

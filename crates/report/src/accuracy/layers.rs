@@ -136,7 +136,7 @@ mod tests {
         let step = |layer: Option<&str>, times| (layer.map(str::to_owned), passes(times));
         let record = LayersRecord {
             scene: "s".to_owned(),
-            precision: "robust".to_owned(),
+            precision: "exact".to_owned(),
             steps: vec![
                 step(None, [8.0, 4.0]),
                 step(Some("mirrors"), [5.0, 4.5]),

@@ -1,16 +1,16 @@
 //! Reference images for errors, with their own standard error.
 //!
-//! A reference is the mean of several renders in exact precision with different random numbers.
+//! A reference is the mean of several renders with the reference kernel and different random numbers.
 //! Each is unbiased, so their spread estimates the distance of the mean from the truth: the
 //! standard error, as a root mean square over all values of the image. An error below [`FLOOR`]
 //! standard errors is noise of the reference; renders are added until the reference is accurate
 //! enough for the comparisons, or until there are [`MOST_REPLICATES`].
 
-use super::setting::{Setting, Structure, Target};
+use super::setting::{Setting, Target};
 use super::subject::Subject;
 use wavecrest_base::error::Result;
+use wavecrest_core::accel::KernelChoice;
 use wavecrest_core::film::Film;
-use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::math::sampling::{Points, Sampling};
 use wavecrest_core::prepared::Samples;
 use wavecrest_core::render::RenderOptions;
@@ -106,7 +106,6 @@ impl Sums {
 /// least `least` for each sampled kind.
 fn setting(subject: &Subject, target: Target, least: u32) -> (Setting, u32) {
     let facts = subject.facts();
-    let structure = Structure { precision: Precision::Exact, ..Structure::default() };
     let mut samples = Samples::default();
     let mut count = 1;
     if facts.is_sampled(target) {
@@ -125,7 +124,7 @@ fn setting(subject: &Subject, target: Target, least: u32) -> (Setting, u32) {
             Samples { pixel: None, lens: None, lights: many }
         };
     }
-    (Setting { structure, samples }, count)
+    (Setting { samples, ..Setting::default() }, count)
 }
 
 /// Renders the reference of `target`, with at least `least` points of each kind, until errors of
@@ -148,7 +147,7 @@ pub fn make(
     loop {
         let seed = FIRST_SEED + u64::from(sums.count);
         let options = RenderOptions { seed, ..RenderOptions::default() };
-        let rendered = subject.render(&setting, &options)?;
+        let rendered = subject.render_with(KernelChoice::Reference, &setting, &options)?;
         seconds += rendered.seconds;
         sums.add(&rendered.film);
         progress();

@@ -299,17 +299,17 @@ mod tests {
         let with = |samples| Setting { samples, ..Setting::default() }.key();
         let lights = with(Samples { lights: points, ..Samples::default() });
         let pixel = with(Samples { lights: points, lens: points, pixel: points });
-        let mut exact = Setting::default();
-        exact.structure.precision = Precision::Exact;
-        let mut filter = exact;
+        let mut fast = Setting::default();
+        fast.structure.precision = Precision::Fast;
+        let mut filter = fast;
         filter.structure.overrides.filter = Some(Filter::Nearest);
         for (key, target, expected) in [
             (lights.clone(), Target::Scene, "64 sobol points on lights"),
             (series_of(&lights), Target::Scene, "sobol points on lights"),
             (pixel, Target::Pixel, "64 sobol rays in a pixel"),
-            (exact.key(), Target::Scene, "the scene as it is, exact"),
-            (filter.key(), Target::Pixel, "nearest texture filter, exact"),
-            ("robust bounces".to_owned(), Target::Scene, "mirror bounces"),
+            (fast.key(), Target::Scene, "the scene as it is, fast"),
+            (filter.key(), Target::Pixel, "nearest texture filter, fast"),
+            ("exact bounces".to_owned(), Target::Scene, "mirror bounces"),
         ] {
             assert_eq!(words_of(&key, target), expected);
         }

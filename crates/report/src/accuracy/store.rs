@@ -170,7 +170,7 @@ mod tests {
         Record::Point(PointRecord {
             scene: "a".into(),
             target: Target::Scene,
-            key: "robust".into(),
+            key: "exact".into(),
             seed,
             seconds: 0.1,
             yardstick: 0.001,
@@ -191,9 +191,9 @@ mod tests {
         let text = std::fs::read_to_string(&path).unwrap();
         std::fs::write(&path, &text[..text.len() - 5]).unwrap();
         let mut store = Store::open(folder.path(), &header()).unwrap();
-        assert!(store.has("a", Target::Scene, "robust", 1));
-        assert!(!store.has("a", Target::Scene, "robust", 2));
-        assert!(!store.has("a", Target::Pixel, "robust", 1));
+        assert!(store.has("a", Target::Scene, "exact", 1));
+        assert!(!store.has("a", Target::Scene, "exact", 2));
+        assert!(!store.has("a", Target::Pixel, "exact", 1));
         store.add(point(2)).unwrap();
         drop(store);
         assert_eq!(std::fs::read_to_string(&path).unwrap(), text);

@@ -7,6 +7,7 @@ use std::time::Instant;
 
 use super::setting::{Facts, Setting, Structure};
 use wavecrest_base::error::Result;
+use wavecrest_core::accel::KernelChoice;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::prepared::{Original, PreparedScene};
 use wavecrest_core::render::{RenderOptions, Rendered, render};
@@ -151,9 +152,25 @@ impl Subject {
     /// # Errors
     /// If it can no longer be prepared, or there is no memory for the image.
     pub fn render(&mut self, setting: &Setting, options: &RenderOptions) -> Result<Rendered> {
+        self.render_with(KernelChoice::default(), setting, options)
+    }
+
+    /// As [`Self::render`], with this kernel.
+    ///
+    /// # Errors
+    /// As for [`Self::render`].
+    pub fn render_with(
+        &mut self,
+        kernel: KernelChoice,
+        setting: &Setting,
+        options: &RenderOptions,
+    ) -> Result<Rendered> {
         let Prepared { scene, original, .. } = self.prepare(&setting.structure)?;
         scene.resample(original, &setting.samples);
-        render(scene, options, &())
+        let usual = std::mem::replace(&mut scene.accel.kernel, kernel);
+        let rendered = render(scene, options, &());
+        scene.accel.kernel = usual;
+        rendered
     }
 
     /// Drops prepared scenes until another one fits.

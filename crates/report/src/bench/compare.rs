@@ -53,7 +53,8 @@ impl Axis {
     pub fn variants(self, usual: Variant) -> Vec<Variant> {
         let others: Vec<Variant> = match self {
             Self::Kernels => {
-                KernelChoice::ALL.into_iter().map(|kernel| Variant { kernel, ..usual }).collect()
+                let kernels = KernelChoice::FOR_RENDERS.into_iter();
+                kernels.map(|kernel| Variant { kernel, ..usual }).collect()
             }
             Self::Levels => {
                 Level::available().into_iter().map(|simd| Variant { simd, ..usual }).collect()

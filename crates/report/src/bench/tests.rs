@@ -37,7 +37,7 @@ fn setting(name: &str) -> Setting {
         batch: 64,
         simd: Level::best(),
         kernel: KernelChoice::Auto,
-        precision: Precision::Robust,
+        precision: Precision::Exact,
         preset: Preset::Fast,
         time: Preparation { load: 0.5, build: 0.25 },
         predicted: 1000,

@@ -7,6 +7,7 @@ use glam::Vec3;
 use crate::accel::build::Preset;
 use crate::accel::geometry::Geometry;
 use crate::accel::{Accel, Hit, KernelChoice, KernelCounts, Kernels, Traversal};
+use crate::kernels::precision::Precision;
 use crate::math::random::Stream;
 use crate::math::ray::Ray;
 use crate::math::simd::{Level, is_wide};
@@ -66,11 +67,11 @@ fn answers(accel: &Accel, rays: &[Ray], traversal: &mut Traversal) -> (Vec<Hit>,
     (hits, occluded)
 }
 
-/// What was counted with each choice.
+/// What was counted with each kernel for renders.
 fn counted(rays: &[Ray]) -> [Kernels; 4] {
     let mut accel = accel();
     let mut usual = None;
-    KernelChoice::ALL.map(|kernel| {
+    KernelChoice::FOR_RENDERS.map(|kernel| {
         accel.kernel = kernel;
         let mut counted = None;
         // With other levels every ray is taken alone.
@@ -135,6 +136,28 @@ fn rays_with_nothing_in_common_are_taken_by_packets_only_where_that_is_asked() {
     let [auto, packet, ..] = counted(&one_sided);
     assert!(auto.closest.packet < 2000, "{auto:?}");
     assert_eq!(packet.closest.packet, 2000, "{packet:?}");
+}
+
+#[test]
+fn the_reference_takes_rays_alone_and_is_the_single_kernel_of_fast_precision() {
+    let rays = random();
+    for precision in Precision::ALL {
+        let mut accel = Accel::new(Geometry { precision, ..bumpy_sphere(50) }, Preset::Fast);
+        let [(single, any), (reference, any_reference)] =
+            [KernelChoice::Single, KernelChoice::Reference].map(|kernel| {
+                accel.kernel = kernel;
+                let mut traversal = accel.traversal();
+                let found = answers(&accel, &rays, &mut traversal);
+                let [closest, shadow] = [traversal.kernels.closest, traversal.kernels.shadow];
+                assert_eq!([closest.single, shadow.single], [rays.len() as u64; 2]);
+                found
+            });
+        assert!(any == any_reference);
+        for (hit, other) in single.iter().zip(&reference) {
+            assert_eq!(hit.primitive, other.primitive);
+            assert!(precision == Precision::Exact || hit.t == other.t);
+        }
+    }
 }
 
 #[test]

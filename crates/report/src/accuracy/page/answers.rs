@@ -70,24 +70,23 @@ fn costs(findings: &Findings) -> Block {
     let row = |scene: &SceneFindings| {
         let Answer { precisions, effects, pass, share, .. } = &scene.answer;
         let of = |precision: Precision| precisions.iter().find(|p| p.name == precision.name());
-        let robust = of(Precision::Robust);
-        let worst = robust.and_then(|price| price.worst_t);
+        let exact = of(Precision::Exact);
+        let worst = exact.and_then(|price| price.worst_t);
         let effect = effects.first();
         let share = |name: &String| format!("`{name}`, {:.0}%", share * 100.0);
         vec![
             Cell::text(scene.scene.scene.clone()),
-            robust.map_or_else(missing, ratio),
+            exact.map_or_else(missing, ratio),
             worst.map_or_else(missing, |ulp| Cell::decimals(ulp, 1)),
-            of(Precision::Exact).map_or_else(missing, ratio),
             effect.map_or_else(missing, |effect| Cell::text(effect.name.clone())),
             effect.map_or_else(missing, ratio),
             pass.as_ref().map_or_else(missing, |name| Cell::text(share(name))),
         ]
     };
-    let caption = "Cost of precision and effects, as ratios of tracing time: `robust` and `exact` over `fast`, and \
-                   the scene over the same scene without its most expensive effect, or with one point for it. Also \
-                   the largest error of t in `robust`, in ulp, and the pass that takes the most time";
-    let header = "scene|>robust|>error of t|>exact|most expensive effect|>its cost|longest pass";
+    let caption = "Cost of precision and effects, as ratios of tracing time: `exact` over `fast`, and the scene \
+                   over the same scene without its most expensive effect, or with one point for it. Also the \
+                   largest error of t in `exact`, in ulp, and the pass that takes the most time";
+    let header = "scene|>exact|>error of t|most expensive effect|>its cost|longest pass";
     Block::Table(Table::new(caption, header, findings.scenes.iter().map(row).collect()))
 }
 

@@ -40,7 +40,7 @@ fn the_usual_choice_comes_first_and_once() {
             assert_eq!(variants.iter().filter(|&&v| v == usual).count(), 1);
         }
     }
-    assert_eq!(Axis::Kernels.variants(usual()).len(), KernelChoice::ALL.len());
+    assert_eq!(Axis::Kernels.variants(usual()).len(), KernelChoice::FOR_RENDERS.len());
     assert_eq!(Axis::Levels.variants(usual()).len(), Level::available().len());
     assert_eq!(Axis::Batches.variants(Variant { batch: 7, ..usual() }).len(), BATCHES.len() + 1);
 }

@@ -2,7 +2,7 @@ use glam::Vec3;
 
 use super::*;
 use wavecrest_core::kernels::light::{Falloff, Triangles};
-use wavecrest_core::kernels::precision::Robust;
+use wavecrest_core::kernels::precision::Exact;
 use wavecrest_core::kernels::shade::{ShadingPoint, shadow_request};
 use wavecrest_core::kernels::surface;
 use wavecrest_core::math::float::{dot, normalize};
@@ -40,11 +40,11 @@ fn random(index: u32, dimension: u32) -> Vec3 {
 }
 
 fn triangle_at(ray: &Ray, corners: &[Vec3; 3]) -> surface::Surface<f32> {
-    surface::triangle_at::<f32, Robust>(&Line::from(ray), 0.0, &corners.map(Vector::from))
+    surface::triangle_at::<f32, Exact>(&Line::from(ray), 0.0, &corners.map(Vector::from))
 }
 
 fn sphere_at(ray: &Ray, center: Vec3, radius: f32) -> surface::Surface<f32> {
-    surface::sphere_at::<f32, Robust>(&Line::from(ray), 0.0, center.into(), radius)
+    surface::sphere_at::<f32, Exact>(&Line::from(ray), 0.0, center.into(), radius)
 }
 
 /// Whether the shading step asks the light for anything where `ray` arrives.
