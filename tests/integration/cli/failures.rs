@@ -229,6 +229,10 @@ fn arguments_that_make_no_sense_are_refused() {
             "use a whole number from 0 to 18446744073709551615",
         ),
         (&["ball.json", "a.png", "--crop", "-1,0,2,2"], "write four whole numbers"),
+        (
+            &["ball.json", "a.png", "--kernel", "reference", "--precision", "fast"],
+            "leave out --precision fast, or use --kernel single",
+        ),
         (&["ball.json", "a.png", "--bvh", "quick"], "possible values: brute, fastest"),
         (&[], "Usage: wavecrest"),
     ] {

@@ -85,6 +85,32 @@ fn no_choice_of_how_to_render_changes_a_byte() {
 }
 
 #[test]
+fn the_reference_kernel_gives_both_tracers_one_image() {
+    let folder = with_ball();
+    let [wavefront, recursive] = ["wavefront", "recursive"].map(|tracer| {
+        let options = ["ball.json", "out.exr", "--kernel", "reference", "--tracer", tracer];
+        run_silently(folder.path(), &options);
+        std::fs::read(folder.path().join("out.exr")).expect("an image")
+    });
+    assert!(wavefront == recursive);
+}
+
+#[test]
+fn exact_precision_is_known_by_its_old_name_which_is_not_listed() {
+    let folder = with_ball();
+    let [usual, named, old] =
+        [&[][..], &["--precision", "exact"], &["--precision", "robust"]].map(|options| {
+            run_silently(folder.path(), &[&["ball.json", "out.exr"], options].concat());
+            std::fs::read(folder.path().join("out.exr")).expect("an image")
+        });
+    assert!(usual == named && named == old);
+    for listing in [&["render", "--help"][..], &["completions", "bash"], &["completions", "zsh"]] {
+        let output = run(folder.path(), listing);
+        assert!(!text(&output.stdout).contains("robust"), "{listing:?}");
+    }
+}
+
+#[test]
 fn vector_instructions_that_are_not_there_are_refused_with_those_that_are() {
     let folder = with_ball();
     let available: Vec<_> = Level::available().into_iter().map(Level::name).collect();

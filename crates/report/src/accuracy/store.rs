@@ -31,7 +31,8 @@ pub struct Store {
     points: HashSet<(String, Target, String, u64)>,
 }
 
-/// All records of the sweep in `folder`, and its header.
+/// All records of the sweep in `folder`, and its header. Those of older versions name precisions as
+/// this one does, so that sweeps can be compared.
 ///
 /// # Errors
 /// If there is no sweep, or its records cannot be read.
@@ -39,7 +40,9 @@ pub fn read(folder: &Path) -> Result<(Header, Vec<Record>)> {
     let path = folder.join(FILE);
     let text = std::fs::read_to_string(&path)
         .map_err(|e| Error::io("cannot read the records of a sweep", path.as_path(), e))?;
-    let mut records = records(&text, &path)?.0.into_iter();
+    let mut records = records(&text, &path)?.0;
+    rename(&mut records);
+    let mut records = records.into_iter();
     match records.next() {
         Some(Record::Header(header)) => Ok((header, records.collect())),
         _ => Err(Error::new(ErrorKind::Io, "the header of the results is missing")
@@ -197,6 +200,29 @@ mod tests {
         store.add(point(2)).unwrap();
         drop(store);
         assert_eq!(std::fs::read_to_string(&path).unwrap(), text);
+    }
+
+    #[test]
+    fn older_sweeps_are_read_with_the_names_of_today() {
+        let folder = tempfile::tempdir().unwrap();
+        let layers = |precision: &str| {
+            let (scene, steps) = ("robust".to_owned(), Vec::new());
+            Record::Layers(LayersRecord { scene, precision: precision.to_owned(), steps })
+        };
+        let keyed = |key: &str| {
+            let Record::Point(point) = point(1) else { panic!("it is a point") };
+            Record::Point(PointRecord { key: key.to_owned(), ..point })
+        };
+        let old = [keyed("robust lights=sobol:2"), layers("fast"), layers("exact")];
+        let new = [keyed("exact lights=sobol:2"), layers("fast"), layers("reference")];
+        let mut store = Store::open(folder.path(), &header()).unwrap();
+        old.into_iter().for_each(|record| store.add(record).unwrap());
+        assert_eq!(read(folder.path()).unwrap().1, new);
+        // Without the old name, `exact` is what it says.
+        let folder = tempfile::tempdir().unwrap();
+        let mut store = Store::open(folder.path(), &header()).unwrap();
+        store.add(layers("exact")).unwrap();
+        assert_eq!(read(folder.path()).unwrap().1, [layers("exact")]);
     }
 
     #[test]

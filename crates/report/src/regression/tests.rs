@@ -154,7 +154,7 @@ fn two_runs_of_one_program_differ_in_nothing() {
     for found in tries(USUAL) {
         assert_eq!(
             found.ratios.len(),
-            13,
+            12,
             "time and error of 3 samplers and 2 precisions, all together, 1 build"
         );
         assert_eq!(
