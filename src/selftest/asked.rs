@@ -19,6 +19,9 @@ impl Asked {
     /// The same, with this number of tests.
     pub(super) fn efforts_of(&self, count: Count) -> impl DoubleEndedIterator<Item = Effort> {
         let Self { seed, precisions, .. } = self;
-        precisions.iter().map(move |&precision| Effort { precision, seed: *seed, count })
+        let reference = false;
+        let effort =
+            move |&precision: &Precision| Effort { precision, seed: *seed, count, reference };
+        precisions.iter().map(effort)
     }
 }

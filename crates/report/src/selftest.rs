@@ -35,6 +35,8 @@ mod watertight;
 mod ways;
 mod whole;
 
+use wavecrest_core::kernels::precision::Precision;
+
 pub use case::{Count, Effort, Outcome};
 
 /// A hard case.
@@ -62,6 +64,17 @@ impl Case {
     /// Runs the case.
     pub fn run(&self, effort: &Effort) -> Outcome {
         (self.run)(effort)
+    }
+
+    /// As [`Self::run`]; if that traces rays in exact precision, also with the reference kernel,
+    /// which counts but is not timed.
+    pub fn run_with_reference(&self, effort: &Effort) -> Outcome {
+        let mut outcome = self.run(effort);
+        if effort.precision == Precision::Exact && outcome.timed > 0 {
+            let of_reference = self.run(&Effort { reference: true, ..*effort });
+            outcome.add(Outcome { timed: 0, seconds: 0.0, ..of_reference });
+        }
+        outcome
     }
 }
 

@@ -59,7 +59,7 @@ fn a_sweep_writes_a_page_and_the_same_figures_in_other_forms() {
         let parts = layer["parts"].as_array().expect("parts").iter();
         parts.map(|part| part["effect"].as_str().expect("a name").to_owned()).collect()
     };
-    assert_eq!(layers.len(), 3);
+    assert_eq!(layers.len(), 2);
     for layer in layers {
         let expected = ["camera rays", "lights and shadows", "soft shadows"];
         assert_eq!(effects(layer), expected);

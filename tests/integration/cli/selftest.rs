@@ -123,7 +123,7 @@ fn every_scene_is_tried() {
             let extracted = extract(&mut loaded.world, options).expect("a scene");
             let preset = extracted.preset();
             let accel = extracted.build(preset).accel;
-            let effort = Effort { precision, seed: 1, count: Count::Brief };
+            let effort = Effort { precision, reference: false, seed: 1, count: Count::Brief };
             let has_triangles = shape(accel.geometry(), &accel).triangles > 0;
             let has_tree = bvh(&accel, preset, &effort).is_some();
             assert!(has_triangles || !has_tree, "{}", file.display());

@@ -331,7 +331,8 @@ fn trials(subject: &mut Subject, store: &mut Store, progress: &dyn Progress) -> 
         if accel.geometry().triangles.is_empty() {
             return Ok(());
         }
-        let found = trial(accel, &Effort { precision, seed: 1, count: Count::Quick });
+        let found =
+            trial(accel, &Effort { precision, seed: 1, count: Count::Quick, reference: false });
         store.add(Record::Trial(TrialRecord {
             scene: name.clone(),
             precision: precision.name().to_owned(),

@@ -202,7 +202,7 @@ const MEASURED: u32 = 110;
 impl Situation {
     /// The errors in a precision.
     pub fn errors(&self, effort: &Effort) -> HitErrors {
-        let tests = Tests(effort.precision);
+        let tests = Tests::of(effort);
         let blocks = blocks(effort.of(RAYS), 1 << 10);
         let errors = blocks.map(|block| {
             let mut errors = HitErrors::default();
@@ -243,7 +243,7 @@ pub(super) fn of_mesh(
     make: impl Fn(&mut Numbers) -> Ray + Sync,
 ) -> HitErrors {
     let geometry = accel.geometry();
-    let tests = Tests(geometry.precision);
+    let tests = Tests::in_accel(accel);
     let errors = blocks(rays, 1 << 12).map(|block| {
         let made = block.map(|i| make(&mut Numbers::new(effort, MEASURED + 1, i)));
         let rays: Vec<Ray> = made.collect();
@@ -270,8 +270,21 @@ mod tests {
     use wavecrest_core::kernels::triangle::T_TOLERANCE;
 
     fn errors(precision: Precision) -> Vec<HitErrors> {
-        let effort = Effort { precision, seed: 3, count: Count::Quick };
-        SITUATIONS.iter().map(|situation| situation.errors(&effort)).collect()
+        errors_of(&Effort { precision, seed: 3, count: Count::Quick, reference: false })
+    }
+
+    fn errors_of(effort: &Effort) -> Vec<HitErrors> {
+        SITUATIONS.iter().map(|situation| situation.errors(effort)).collect()
+    }
+
+    #[test]
+    fn hits_of_the_reference_are_rounded_once() {
+        let precision = Precision::Exact;
+        let effort = Effort { precision, seed: 3, count: Count::Quick, reference: true };
+        for found in errors_of(&effort) {
+            assert_eq!((found.lost, found.extra), (0, 0));
+            assert!(found.t.total() > 9_000 && found.t.worst <= 0.500_001, "{found:?}");
+        }
     }
 
     #[test]

@@ -255,7 +255,7 @@ fn leaving(accel: &Accel, extent: &Extent, effort: &Effort) -> Outcome {
             let ray = Ray::new(from, normalize(target.as_vec3() - from));
             let hit = Some(accel.closest(&ray, traversal)).filter(|hit| !hit.is_miss())?;
             let Primitive::Triangle(i) = geometry.primitive(hit.primitive) else { return None };
-            let surface = Tests(geometry.precision).surface(&ray, hit.t, &geometry.triangle(i));
+            let surface = Tests::in_accel(accel).surface(&ray, hit.t, &geometry.triangle(i));
             let [point, error, normal] = surface.vectors();
             let normal = if normal.dot(ray.direction) > 0.0 { -normal } else { normal };
             let direction = normalize(numbers.direction().as_vec3() + normal);

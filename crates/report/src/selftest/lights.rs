@@ -58,7 +58,7 @@ fn random_triangle(numbers: &mut Numbers, unit: f64) -> [Vec3; 3] {
 pub(super) fn edge_on(effort: &Effort) -> Outcome {
     let mut outcome = refused::lights(effort);
     outcome.add(in_blocks(effort.of(1_000_000), |n| {
-        edge_on_point(Tests(effort.precision), &mut Numbers::new(effort, 31, n))
+        edge_on_point(Tests::of(effort), &mut Numbers::new(effort, 31, n))
     }));
     for shape in hardly_lights() {
         for falloff in FALLOFF_NAMES {
@@ -136,7 +136,7 @@ fn over_a_floor(effort: &Effort, lights: &[Value]) -> Value {
 /// Case 32.
 pub(super) fn at_the_surface(effort: &Effort) -> Outcome {
     let mut outcome = in_blocks(effort.of(1_000_000), |n| {
-        light_at_a_point(Tests(effort.precision), &mut Numbers::new(effort, 32, n))
+        light_at_a_point(Tests::of(effort), &mut Numbers::new(effort, 32, n))
     });
     // A wall at z = 1.5, hit by the centre of the image: numbers there are 2^-23 apart.
     let ulp = f64::from(1.5_f32.next_up() - 1.5);

@@ -37,7 +37,7 @@ fn floor_under_a_light(effort: &Effort, floor: usize) -> Outcome {
     let [x, y] = [(); 2].map(|()| numbers.one() - 0.5);
     let light = place(x, y, numbers.magnitude(1e-5, 1e-2));
     let near = numbers.magnitude(1e-2, 1.0);
-    let tests = Tests(effort.precision);
+    let tests = Tests::of(effort);
     let start = floor * 1_000_000;
     let rays: Vec<Ray> = inputs(effort, 37, start..start + effort.of(10_000_000) / FLOORS)
         .filter_map(|mut numbers| {

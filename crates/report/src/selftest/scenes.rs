@@ -45,7 +45,8 @@ pub(super) fn prepare_text(
     let options = systems::Options { precision: effort.precision, ..Default::default() };
     let extracted = systems::extract(&mut loaded.world, options)?;
     let file = extracted.file().to_owned();
-    let scene = extracted.build(preset);
+    let mut scene = extracted.build(preset);
+    scene.accel.kernel = effort.kernel();
     let more = systems::warnings(&scene, &file);
     let warnings = loaded.warnings.iter().chain(&more).map(ToString::to_string).collect();
     Ok(Prepared { scene, warnings })

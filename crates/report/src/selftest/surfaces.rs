@@ -55,7 +55,7 @@ pub(super) fn on_triangle(
 
 /// Case 9.
 pub(super) fn leaving(effort: &Effort) -> Outcome {
-    let tests = Tests(effort.precision);
+    let tests = Tests::of(effort);
     each(effort, 9, effort.of(1_000_000), |numbers| {
         if numbers.below(2) == 0 {
             let corners = [(); 3].map(|()| wide_point(numbers).as_vec3());
@@ -123,7 +123,7 @@ fn ulp(size: f32) -> f32 {
 
 /// Case 10.
 pub(super) fn contact(effort: &Effort) -> Outcome {
-    let tests = Tests(effort.precision);
+    let tests = Tests::of(effort);
     let mut outcome = Outcome::default();
     let scenes = 200;
     for s in 0..scenes {
@@ -186,7 +186,7 @@ pub(super) fn towards_a_light_on_a_surface(effort: &Effort) -> Outcome {
 }
 
 fn towards_a_triangle(effort: &Effort) -> Outcome {
-    let tests = Tests(effort.precision);
+    let tests = Tests::of(effort);
     each(effort, 11, effort.of(10_000_000), |numbers| {
         let (from, light) = apart(numbers);
         let direction = light - from.as_dvec3();
@@ -248,7 +248,7 @@ fn under_a_ceiling(effort: &Effort, numbers: &mut Numbers) -> Outcome {
 
 /// Case 12.
 pub(super) fn just_before_a_light(effort: &Effort) -> Outcome {
-    let tests = Tests(effort.precision);
+    let tests = Tests::of(effort);
     each(effort, 12, effort.of(1_000_000), |numbers| {
         let (from, light) = apart(numbers);
         let light = light.as_vec3();

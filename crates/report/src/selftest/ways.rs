@@ -12,7 +12,7 @@ use wavecrest_core::accel::{Accel, Hit, KernelChoice};
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::kernels::sphere;
 use wavecrest_core::kernels::surface::{self, Surface};
-use wavecrest_core::kernels::triangle::{ShearedSpace, fast};
+use wavecrest_core::kernels::triangle::{ShearedSpace, exact, fast};
 use wavecrest_core::math::random::{Generator, Stream};
 use wavecrest_core::math::ray::Ray;
 use wavecrest_core::math::simd::Level;
@@ -32,21 +32,20 @@ pub(super) fn every_way(
     with_every_kernel(accel, |accel| ask(accel, rays, &judge))
 }
 
-/// Checks the hits of `accel` with every kernel and at all instruction levels.
+/// Checks the hits of `accel` with every kernel for renders, or with the reference if `accel` has
+/// it, and at all instruction levels.
 pub(super) fn with_every_kernel(mut accel: Accel, check: impl Fn(&Accel) -> Outcome) -> Outcome {
+    let is_reference = accel.kernel == KernelChoice::Reference;
+    let kernels: &[_] =
+        if is_reference { &[KernelChoice::Reference] } else { &KernelChoice::FOR_RENDERS };
     let mut outcome = Outcome::default();
     for level in Level::available() {
         let Some(token) = level.token() else { continue };
         accel.level = token;
-        for kernel in KernelChoice::ALL {
+        for &kernel in kernels {
             accel.kernel = kernel;
             let context = || format!("{} {}", level.name(), kernel.name());
-            let mut found = check(&accel).with_context(context);
-            if kernel == KernelChoice::Reference {
-                // No render waits for it.
-                (found.timed, found.seconds) = (0, 0.0);
-            }
-            outcome.add(found);
+            outcome.add(check(&accel).with_context(context));
         }
         if accel.tree().is_none() {
             // There is nothing left to vary.
@@ -101,16 +100,31 @@ pub(super) fn in_order(outcomes: impl ParallelIterator<Item = Outcome>) -> Outco
 
 /// The tests of one primitive, and their surface points, in a precision.
 #[derive(Clone, Copy)]
-pub(super) struct Tests(pub(super) Precision);
+pub(super) struct Tests {
+    precision: Precision,
+    reference: bool,
+}
 
 impl Tests {
+    /// The tests that `effort` asks for.
+    pub(super) fn of(effort: &Effort) -> Self {
+        Self { precision: effort.precision, reference: effort.reference }
+    }
+
+    /// The tests that the hits of `accel` are made with.
+    pub(super) fn in_accel(accel: &Accel) -> Self {
+        let reference = accel.kernel == KernelChoice::Reference;
+        Self { precision: accel.geometry().precision, reference }
+    }
+
     /// The t at which the ray meets the triangle.
     pub(super) fn triangle(self, ray: &Ray, corners: &[Vec3; 3]) -> Option<f32> {
-        let t = match self.0 {
+        let t = match self.precision {
             Precision::Fast => {
                 let (t, is_hit) = fast::intersect(&Line::from(ray), &corners.map(Vector::from));
                 is_hit.then_some(t)?
             }
+            Precision::Exact if self.reference => exact::intersect(ray, corners)? as f32,
             Precision::Exact => return ShearedSpace::new(ray).intersect(corners),
         };
         (t > ray.t_min).then_some(t)
@@ -118,7 +132,7 @@ impl Tests {
 
     /// The t at which the ray meets the sphere.
     pub(super) fn sphere(self, ray: &Ray, center: Vec3, radius: f32) -> Option<f32> {
-        if self.0 == Precision::Fast {
+        if self.precision == Precision::Fast {
             return sphere::intersect_fast(ray, center, radius);
         }
         sphere::intersect(ray, center, radius)
@@ -127,7 +141,7 @@ impl Tests {
     /// The surface point at which the ray meets the triangle.
     pub(super) fn surface(self, ray: &Ray, t: f32, corners: &[Vec3; 3]) -> Surface<f32> {
         let (line, corners) = (Line::from(ray), corners.map(Vector::from));
-        with_precision!(self.0, P => surface::triangle_at::<f32, P>(&line, t, &corners))
+        with_precision!(self.precision, P => surface::triangle_at::<f32, P>(&line, t, &corners))
     }
 
     /// The surface point at which the ray meets the sphere.
@@ -139,7 +153,7 @@ impl Tests {
         radius: f32,
     ) -> Surface<f32> {
         let line = Line::from(ray);
-        with_precision!(self.0, P => surface::sphere_at::<f32, P>(&line, t, center.into(), radius))
+        with_precision!(self.precision, P => surface::sphere_at::<f32, P>(&line, t, center.into(), radius))
     }
 }
 
