@@ -10,8 +10,8 @@ use wavecrest_core::kernels::blinn_phong::{self, Material};
 use wavecrest_core::kernels::precision::Exact;
 use wavecrest_core::kernels::slab::{Aabb, SlabRay};
 use wavecrest_core::kernels::texture::{Filter, Image, Texels, Wrap};
-use wavecrest_core::kernels::triangle::{self, ShearedSpace};
-use wavecrest_core::kernels::{quad, sphere, surface};
+use wavecrest_core::kernels::triangle::{self, ShearedSpace, exact};
+use wavecrest_core::kernels::{sphere, surface};
 use wavecrest_core::math::float::normalize;
 use wavecrest_core::math::random::{Stream, philox_4x32_10};
 use wavecrest_core::math::ray::Ray;
@@ -62,9 +62,12 @@ fn rays_and_quads() -> Vec<(Ray, [Vec3; 4])> {
 
 #[divan::bench]
 fn triangle_intersect(bencher: Bencher<'_, '_>) {
-    let prepare = |(ray, corners): (Ray, [Vec3; 3])| (ShearedSpace::new(&ray), corners);
-    let inputs: Vec<_> = rays_and_corners().into_iter().map(prepare).collect();
-    each(bencher, &inputs, |(space, corners)| space.intersect(corners));
+    each(bencher, &rays_and_corners(), |(ray, corners)| triangle::meet(ray, corners));
+}
+
+#[divan::bench]
+fn triangle_intersect_exactly(bencher: Bencher<'_, '_>) {
+    each(bencher, &rays_and_corners(), |(ray, corners)| exact::meet(ray, corners));
 }
 
 #[divan::bench]
@@ -94,10 +97,8 @@ fn triangle_is_degenerate_on_a_line(bencher: Bencher<'_, '_>) {
 }
 
 #[divan::bench]
-fn quad_intersect(bencher: Bencher<'_, '_>) {
-    let prepare = |(ray, corners)| (ShearedSpace::new(&ray), corners);
-    let inputs: Vec<_> = rays_and_quads().into_iter().map(prepare).collect();
-    each(bencher, &inputs, |(space, corners)| quad::intersect(space, corners));
+fn quad_half(bencher: Bencher<'_, '_>) {
+    each(bencher, &rays_and_quads(), |(ray, corners)| surface::quad_half(ray, corners));
 }
 
 #[divan::bench]

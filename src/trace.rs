@@ -143,7 +143,8 @@ fn report(args: &TraceArgs, subject: &Subject, file: &RayFile, answers: &Answers
         nodes_per_ray: per_ray(tests.nodes),
         leaves_per_ray: per_ray(tests.leaves),
         triangles_per_ray: per_ray(tests.triangles),
-        undecided_per_ray: per_ray(tests.undecided),
+        settled_per_ray: per_ray(tests.settled),
+        exact_per_ray: per_ray(tests.exact),
         kernels: (&answers.work.kernels.both()).into(),
         compared: Compared::new(file, answers),
     }

@@ -85,5 +85,6 @@ pub(super) fn trace(
         columns: 0,
         pass_seconds: Vec::new(),
         seconds: start.elapsed().as_secs_f64(),
+        precision: scene.accel.geometry().precision,
     })
 }

@@ -19,9 +19,7 @@ impl Asked {
     /// The same, with this number of tests.
     pub(super) fn efforts_of(&self, count: Count) -> impl DoubleEndedIterator<Item = Effort> {
         let Self { seed, precisions, .. } = self;
-        let reference = false;
-        let effort =
-            move |&precision: &Precision| Effort { precision, seed: *seed, count, reference };
+        let effort = move |&precision: &Precision| Effort { precision, seed: *seed, count };
         precisions.iter().map(effort)
     }
 }

@@ -143,7 +143,7 @@ pub(crate) fn accel(bytes: &[u8]) -> bool {
 fn is_answered(bytes: &[u8]) -> bool {
     let Some(Question { geometry, rays, preset, kernels }) = question(bytes) else { return false };
     let mut brute = Accel::new(geometry.clone(), Preset::Brute);
-    brute.kernel = kernels[0];
+    brute.kernel = kernels[kernels.len() - 1];
     let expected = answers(&brute, &rays);
     let mut accel = Accel::new(geometry, preset);
     let levels = if cfg!(fuzzing) { vec![Level::best()] } else { Level::available() };

@@ -25,7 +25,10 @@ const ARROWS: &[(&str, &[&str])] = &[
         "probe",
         &["accel", "counters", "kernels", "math", "prepared", "recursive", "tile", "wavefront"],
     ),
-    ("render", &["counters", "film", "plan", "prepared", "recursive", "tile", "wavefront"]),
+    (
+        "render",
+        &["counters", "film", "kernels", "plan", "prepared", "recursive", "tile", "wavefront"],
+    ),
 ];
 
 /// The sources of the tracing core.

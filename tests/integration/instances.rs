@@ -68,44 +68,28 @@ fn a_mesh_is_held_once_and_looks_as_its_copies_do() {
 #[test]
 fn the_image_is_the_same_whatever_searches() {
     let scene = stones(96);
-    // The t of other kernels has an error within its bound, so the reference is compared with itself.
-    let kernels: [(_, &[KernelChoice]); 3] = [
-        (Precision::Fast, &KernelChoice::ALL),
-        (Precision::Exact, &KernelChoice::FOR_RENDERS),
-        (Precision::Exact, &[KernelChoice::Reference]),
-    ];
-    for (precision, kernels) in kernels {
-        let with = |kernel, preset| {
-            let mut ready = prepared(&scene, precision, false, preset);
-            ready.accel.kernel = kernel;
-            ready
-        };
-        let mut ready = with(kernels[0], Preset::Fast);
-        let expected = render_on(1, &ready, &options()).film;
-        let check = |ready: &PreparedScene, batch: usize, what: &str| {
-            for tracer in TRACERS {
-                let found = render_on(2, ready, &RenderOptions { tracer, batch, ..options() });
-                let same = found.film.same_bits(&expected);
-                assert!(same, "{precision:?}, {tracer:?}, batch {batch}, {what}");
-            }
-        };
-        check(&ready, 1024, "itself");
-        check(&ready, 37, "small batches");
-        for &kernel in kernels {
-            ready.accel.kernel = kernel;
-            check(&ready, 1024, &format!("{kernel:?}"));
+    let with = |preset| prepared(&scene, Precision::Exact, false, preset);
+    let mut ready = with(Preset::Fast);
+    let expected = render_on(1, &ready, &options()).film;
+    let check = |ready: &PreparedScene, batch: usize, what: &str| {
+        for tracer in TRACERS {
+            let found = render_on(2, ready, &RenderOptions { tracer, batch, ..options() });
+            assert!(found.film.same_bits(&expected), "{tracer:?}, batch {batch}, {what}");
         }
-        ready.accel.kernel = kernels[0];
-        for level in Level::available() {
-            ready.accel.level = level.token().expect("it is available");
-            check(&ready, 1024, level.name());
-        }
-        // Fast arithmetic leaks where boxes do, and these are the tree's.
-        if precision != Precision::Fast {
-            for preset in [Preset::Fastest, Preset::Slow, Preset::Brute] {
-                check(&with(kernels[0], preset), 1024, preset.name());
-            }
-        }
+    };
+    check(&ready, 1024, "itself");
+    check(&ready, 37, "small batches");
+    for kernel in KernelChoice::ALL {
+        ready.accel.kernel = kernel;
+        check(&ready, 1024, &format!("{kernel:?}"));
+    }
+    ready.accel.kernel = KernelChoice::Auto;
+    for level in Level::available() {
+        ready.accel.level = level.token().expect("it is available");
+        check(&ready, 1024, level.name());
+    }
+    for preset in [Preset::Fastest, Preset::Slow, Preset::Brute] {
+        check(&with(preset), 1024, preset.name());
     }
 }
 

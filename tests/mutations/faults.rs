@@ -38,39 +38,65 @@ pub(crate) const FAULTS: &[Fault] = faults! {
         "planes[usize::from(ray.negative[k])]" => "planes[0]";
     "the second of two children is lost", 3, "crates/core/src/accel/node.rs":
         "(Some(child_of(node, at, first)), height + 1)" => "(Some(child_of(node, at, first)), height)";
-    "boxes just before a hit are skipped", 3, "crates/core/src/accel/tree.rs":
-        "t + t.abs() * BEYOND" => "t - t.abs() * 0.01";
+    "boxes just before a hit are skipped", 3, "crates/core/src/accel/single.rs":
+        "distance(entry) > best.high" => "distance(entry) > best.high * 0.99";
     "rays of a tile change places", 3, "crates/core/src/accel/packet/tile.rs":
         "index & 0b100011 | (index & 0b001100) << 1 | (index & 0b010000) >> 2" => "index";
 
     "the last triangle of a leaf is lost", 1, "crates/core/src/accel/leaf.rs":
         "(1 << count) - 1" => "(1 << count.saturating_sub(1)) - 1";
-    "the first triangle of a leaf is named for others", 3, "crates/core/src/accel/leaf.rs":
-        "Hit { t: hits.t[lane], primitive: arena.number(first, lane) }"
-            => "Hit { t: hits.t[lane], primitive: arena.number(first, 0) }";
-    "t is weighed by the wrong corners", 3, "crates/core/src/kernels/triangle/edges.rs":
-        "sorted([*e0 * *az, *e1 * *bz, *e2 * *cz])" => "sorted([*e0 * *bz, *e1 * *cz, *e2 * *az])";
-    "an edge belongs to neither of its triangles", 4, "crates/core/src/kernels/triangle.rs":
-        "edges.iter().any(|&e| e < 0.0) && edges.iter().any(|&e| e > 0.0)"
-            => "edges.iter().any(|&e| e <= 0.0) && edges.iter().any(|&e| e >= 0.0)";
-    "what lies beyond the end of a ray is hit", 40, "crates/core/src/kernels/triangle/edges.rs":
-        "self.t.gt(range.t_min) & self.t.lt(range.t_max)" => "self.t.gt(range.t_min)";
-    "a negative t is before every range", 40, "crates/core/src/kernels/triangle/edges.rs":
-        "range.t_min.min(self.far.zero())" => "range.t_min.max(self.far.zero())";
-    "hits beside an edge count without a surface", 37, "crates/core/src/accel/near.rs":
-        "is_met(t).then_some(t)" => "Some(t)";
-    "hits beside an edge are lost", 1, "crates/core/src/accel/near.rs":
-        "is_surface(self.geometry, number, &endless, t, found)" => "false";
-    "a quad is not the surface beside its own half", 47, "crates/core/src/accel/near.rs":
-        "found.primitive == number" => "false";
-    "triangles without area seal no gap", 18, "crates/core/src/accel.rs":
-        "seals::find(geometry, degenerate)" => "Seals::default()";
-    "of equal hits the last is the first", 21, "crates/core/src/accel/ties.rs":
+    "the first triangle of a leaf is named for others", 3, "crates/core/src/accel/best.rs":
+        "arena.number_of(Ref::from_bits(self.leaf), self.entry as usize)"
+            => "arena.number_of(Ref::from_bits(self.leaf), 0)";
+    "t is weighed by the wrong corners", 3, "crates/core/src/kernels/triangle/filter.rs":
+        "a.mul_add(az, b.mul_add(bz, c * cz))" => "a.mul_add(bz, b.mul_add(cz, c * az))";
+    "an edge belongs to neither of its triangles", 4, "crates/core/src/kernels/triangle/exact.rs":
+        "any(Ordering::Less) && any(Ordering::Greater)"
+            => "any(Ordering::Equal) || any(Ordering::Less) && any(Ordering::Greater)";
+    "what lies beyond the end of a ray is hit", 40, "crates/core/src/kernels/triangle/exact.rs":
+        "t.is_within([ray.t_min, ray.t_max])" => "t.is_within([ray.t_min, f32::INFINITY])";
+    "a negative t is before every range", 40, "crates/core/src/math/exact.rs":
+        "end.clamp(f32::MIN, f32::MAX)" => "end.clamp(0.0, f32::MAX)";
+    "what rounding takes for the inside is certain", 3, "crates/core/src/kernels/triangle/filter.rs":
+        "least.simd_gt(edge) | most.simd_lt(-edge)"
+            => "least.simd_gt(all(0.0)) | most.simd_lt(all(0.0))";
+    "edge functions of a leaf have no error", 1, "crates/core/src/kernels/triangle/filter.rs":
+        "22.0 * U * (aside * (aside + depth)) + UNDERFLOW" => "0.0 * aside * depth";
+    "edge functions of a triangle have no error", 1, "crates/core/src/kernels/triangle/filter.rs":
+        "all(22.0 * U)" => "all(0.0 * U)";
+    "the error of edge functions does not move t", 38, "crates/core/src/kernels/triangle/filter.rs":
+        "(far - near) * 3.1" => "(far - near) * 0.0";
+    "t along a ray has no roundings", 38, "crates/core/src/kernels/triangle/filter.rs":
+        "depth * (12.0 * U)" => "depth * (0.0 * U)";
+    "what single precision leaves open is a miss", 1, "crates/core/src/kernels/triangle/filter.rs":
+        "candidates & !certain" => "0";
+    "hits that may come first are too far", 38, "crates/core/src/kernels/triangle/filter.rs":
+        "low.simd_gt(reach)" => "high.simd_gt(reach)";
+    "a zero in double precision is outside", 4, "crates/core/src/kernels/triangle/settle.rs":
+        "value.lt(-error)" => "!value.gt(error)";
+    "t in double precision has the digits of single", 3, "crates/core/src/kernels/triangle/settle.rs":
+        "height * part" => "(height * part).times(1.0 + 1e-7)";
+    "sides in a tile have no error", 8, "crates/core/src/accel/packet/frame/triangles.rs":
+        "1.01 * U" => "0.0 * U";
+    "t in a tile has no error", 8, "crates/core/src/accel/packet/frame/triangles.rs":
+        "480.0 * U" => "0.0 * U";
+    "what a tile leaves open is a miss", 8, "crates/core/src/accel/packet/frame/triangles.rs":
+        "maybe & !inside" => "0";
+    "all rays of a tile start in its middle", 8, "crates/core/src/accel/packet/frame/triangles.rs":
+        "dot(simd, &prepared.normal, triangle, &o)" => "f32x16::splat(simd, 0.0)";
+    "hits that may come first are too far for a tile", 8, "crates/core/src/accel/packet/leaves.rs":
+        "low.simd_gt(best[1])" => "high.simd_gt(best[0])";
+    "what ended a tile ends the next", 7, "crates/core/src/accel/packet.rs":
+        "self.ends_as_before(simd, tile)" => "Q::ANY && self.ending.is_some()";
+    "triangles without area have one", 18, "crates/core/src/kernels/triangle/area.rs":
+        "collinear(0, 1) && collinear(1, 2) && collinear(2, 0)" => "false";
+    "of equal hits the last is the first", 21, "crates/core/src/accel/best.rs":
         "self.primitive < other.primitive" => "self.primitive > other.primitive";
-    "surfaces in one plane are ordered by rounding", 38, "crates/core/src/accel/ties.rs":
-        "are_close(new.t, best.t)" => "false";
+    "surfaces in one plane are ordered by rounding", 38, "crates/core/src/accel/best.rs":
+        "new.low <= self.high && self.contest(searched, ray, new)"
+            => "new.low < self.low && self.contest(searched, ray, new)";
     "the far root of a sphere is forgotten", 16, "crates/core/src/kernels/sphere.rs":
-        "Real::select(counts(near), near, far)" => "near";
+        "Real::select(is_first, roots.near, roots.far)" => "roots.near";
     "a quad has its other diagonal", 34, "crates/core/src/kernels/quad.rs":
         "[[a, b, c], [a, c, d]]" => "[[a, b, d], [b, c, d]]";
     "rays of instances have another unit of t", 44, "crates/core/src/accel/instance.rs":
@@ -78,6 +104,10 @@ pub(crate) const FAULTS: &[Fault] = faults! {
             => "self.to_prototype.transform_vector3(ray.direction.as_dvec3()).normalize().as_vec3()";
     "boxes of instances are not padded", 44, "crates/core/src/accel/instance.rs":
         "Aabb { low: world.low - pad, high: world.high + pad }" => "world";
+    "an equal hit of an instance is too far", 44, "crates/core/src/accel/instances.rs":
+        "self.best.t.next_up()" => "self.best.t";
+    "a leaf is smaller than its triangles", 1, "crates/core/src/accel/arena/layout.rs":
+        "max(along(0), max(along(1), along(2))).next_up()" => "0.0";
     "alpha at its threshold is a hole", 45, "crates/core/src/accel/cutouts.rs":
         "image.look_up(uv, self.filter, self.wrap).x < self.threshold"
             => "image.look_up(uv, self.filter, self.wrap).x <= self.threshold";

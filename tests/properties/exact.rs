@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 use num_rational::BigRational;
-use num_traits::ToPrimitive;
+use num_traits::{Signed, ToPrimitive};
 
 pub(crate) type Exact = BigRational;
 
@@ -30,4 +30,15 @@ pub(crate) fn dot([ax, ay, az]: &[Exact; 3], [bx, by, bz]: &[Exact; 3]) -> Exact
 
 pub(crate) fn cross([ax, ay, az]: &[Exact; 3], [bx, by, bz]: &[Exact; 3]) -> [Exact; 3] {
     [ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx]
+}
+
+/// The nearest number of single precision, of two the even one.
+pub(crate) fn rounded_once(x: &Exact) -> f32 {
+    let near = rounded(x) as f32;
+    let off = |y: f32| (exact(y) - x).abs();
+    [near, near.next_down(), near.next_up()]
+        .into_iter()
+        .filter(|y| y.is_finite())
+        .min_by(|&y, &z| off(y).cmp(&off(z)).then((y.to_bits() & 1).cmp(&(z.to_bits() & 1))))
+        .expect("there is a finite one")
 }

@@ -13,20 +13,18 @@ const SEED: u64 = 1;
 fn run(number: u32, count: Count) {
     let case = case(number).expect("the table below names cases that there are");
     let precision = Precision::Exact;
-    for reference in [false, true] {
-        let outcome = case.run(&Effort { precision, seed: SEED, count, reference });
-        let full = if count == Count::Full { " --full" } else { "" };
-        assert!(
-            outcome.holds(),
-            "{}: {} of {} failed; the first: {}\nagain: wavecrest selftest --case {number} \
-             --precision {} --seed {SEED}{full}",
-            case.name,
-            outcome.failed,
-            outcome.tried,
-            outcome.first.unwrap_or_default(),
-            precision.name()
-        );
-    }
+    let outcome = case.run(&Effort { precision, seed: SEED, count });
+    let full = if count == Count::Full { " --full" } else { "" };
+    assert!(
+        outcome.holds(),
+        "{}: {} of {} failed; the first: {}\nagain: wavecrest selftest --case {number} --precision {} \
+         --seed {SEED}{full}",
+        case.name,
+        outcome.failed,
+        outcome.tried,
+        outcome.first.unwrap_or_default(),
+        precision.name()
+    );
 }
 
 /// What fast arithmetic is known to lose: were it to lose nothing, the cases would see nothing.
@@ -35,7 +33,7 @@ fn fast_arithmetic_leaks_at_edges_and_vertices() {
     for number in [1, 2] {
         let case = case(number).expect("it is among those below");
         let (precision, count) = (Precision::Fast, Count::Quick);
-        let effort = Effort { precision, seed: SEED, count, reference: false };
+        let effort = Effort { precision, seed: SEED, count };
         assert!(case.run(&effort).failed > 1000, "{}", case.name);
     }
 }

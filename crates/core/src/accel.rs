@@ -10,6 +10,7 @@
 //! [`instance`], which rays visit after the scene's own primitives.
 
 pub mod arena;
+mod best;
 mod brute;
 pub mod build;
 mod choice;
@@ -21,16 +22,13 @@ pub mod geometry;
 pub mod instance;
 mod instances;
 mod leaf;
-mod near;
 mod node;
 mod packet;
 mod query;
 mod rays;
-mod seals;
 mod search;
 mod single;
 mod stream;
-mod ties;
 mod tlas;
 pub mod tree;
 mod units;
@@ -40,21 +38,19 @@ use std::marker::PhantomData;
 
 use rayon::prelude::*;
 
-use crate::kernels::precision::{Arithmetic, Precision};
+use crate::kernels::precision::Arithmetic;
 use crate::math::ray::Ray;
 use crate::with_precision;
 use build::{Preset, Survey};
 use geometry::Geometry;
 use instances::Walks;
 use packet::Packets;
-use seals::Seals;
 use stream::Flight;
 use tlas::Tlas;
 use tree::Tree;
 
 pub use choice::{KernelChoice, KernelCounts, Kernels};
 pub use counts::TestCounts;
-use rays::BLOCK_EDGE;
 pub use rays::{RayColumns, Rays};
 pub use search::Search;
 
@@ -134,16 +130,13 @@ impl Accel {
 
     /// Builds another structure over the same primitives.
     pub fn rebuild(&mut self, preset: Preset) {
-        let geometry = &mut self.geometry;
-        geometry.seals = Seals::default();
-        geometry.prototypes.iter_mut().for_each(|prototype| prototype.seals = Seals::default());
         (self.tree, self.blas, self.tlas) = (None, Vec::new(), Tlas::default());
+        let geometry = &self.geometry;
         if preset == Preset::Brute {
-            find_all_seals(geometry);
             return;
         }
-        self.tree = Some(tight(geometry, preset));
-        self.blas = build_blas(&mut geometry.prototypes, preset);
+        self.tree = Some(build_tree(geometry, preset));
+        self.blas = build_blas(&geometry.prototypes, preset);
         self.tlas = Tlas::new(&geometry.instances, |prototype| self.blas[prototype].upper_boxes());
     }
 
@@ -225,39 +218,22 @@ impl Accel {
     }
 }
 
-/// The tree over the primitives that `geometry` holds itself, with seals unless precision is fast.
-fn tight(geometry: &mut Geometry, preset: Preset) -> Tree {
-    let survey = Survey::of(geometry);
-    find_seals(geometry, survey.degenerate());
-    build::build(geometry, survey, preset)
+/// The tree over the primitives that `geometry` holds itself.
+fn build_tree(geometry: &Geometry, preset: Preset) -> Tree {
+    build::build(geometry, Survey::of(geometry), preset)
 }
 
 /// A tree for each prototype: large ones in turn, each on all threads, small ones in parallel.
-fn build_blas(prototypes: &mut [Geometry], preset: Preset) -> Vec<Tree> {
+fn build_blas(prototypes: &[Geometry], preset: Preset) -> Vec<Tree> {
     let is_large = |prototype: &Geometry| prototype.own() > preset.chunk();
     let mut trees: Vec<Option<Tree>> = prototypes
-        .par_iter_mut()
-        .map(|prototype| (!is_large(prototype)).then(|| tight(prototype, preset)))
+        .par_iter()
+        .map(|prototype| (!is_large(prototype)).then(|| build_tree(prototype, preset)))
         .collect();
-    for (prototype, tree) in prototypes.iter_mut().zip(&mut trees) {
-        tree.get_or_insert_with(|| tight(prototype, preset));
+    for (prototype, tree) in prototypes.iter().zip(&mut trees) {
+        tree.get_or_insert_with(|| build_tree(prototype, preset));
     }
     trees.into_iter().map(Option::unwrap_or_default).collect()
-}
-
-/// The seals of the scene's own triangles and of those of prototypes.
-fn find_all_seals(geometry: &mut Geometry) {
-    find_seals(geometry, Survey::of(geometry).degenerate());
-    for prototype in &mut geometry.prototypes {
-        find_seals(prototype, Survey::of(prototype).degenerate());
-    }
-}
-
-/// The seals among the `degenerate` triangles; none in fast precision, which leaks anyway.
-fn find_seals(geometry: &mut Geometry, degenerate: &[u32]) {
-    if geometry.precision != Precision::Fast {
-        geometry.seals = seals::find(geometry, degenerate);
-    }
 }
 
 #[cfg(test)]

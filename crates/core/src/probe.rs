@@ -7,14 +7,12 @@ mod record;
 
 use glam::Vec3;
 
-use crate::accel::geometry::{Geometry, PreparedRay, Primitive};
+use crate::accel::geometry::{Geometry, Primitive};
 use crate::accel::{Accel, Hit, TestCounts, Traversal};
 use crate::counters::Sample;
 use crate::kernels::light::LightPoint;
 use crate::kernels::precision::{Arithmetic, Precision};
-use crate::kernels::quad;
 use crate::kernels::shade::{ShadingPoint, ShadowRequest};
-use crate::kernels::triangle::T_TOLERANCE;
 use crate::math::float::{UNIT_ROUNDOFF, normalize};
 use crate::math::random::Stream;
 use crate::math::ray::Ray;
@@ -168,7 +166,7 @@ impl Recorder<'_> {
             name: self.name_of(hit.primitive),
             surface: None,
             t: hit.t,
-            t_error: t_error(geometry, ray, hit),
+            t_error: t_error(geometry, hit),
             uv: found.barycentric,
             point: Vec3::from(found.point).as_dvec3() + self.scene.origin,
             error: found.error.into(),
@@ -273,25 +271,6 @@ fn kind(geometry: &Geometry, primitive: u32) -> &'static str {
 }
 
 /// Bound on the error of a hit's t.
-fn t_error(geometry: &Geometry, ray: &Ray, hit: &Hit) -> Option<f32> {
-    let rounded = UNIT_ROUNDOFF * hit.t.abs();
-    let space = PreparedRay::new(ray).space;
-    match (geometry.precision, geometry.primitive(hit.primitive)) {
-        (Precision::Fast, _) => None,
-        (_, Primitive::Sphere(_)) => Some(rounded),
-        (_, Primitive::Triangle(i)) => {
-            // A triangle that stands for a seal is itself missed.
-            Some(space.error_of(&geometry.triangle(i), hit.t).unwrap_or(T_TOLERANCE * hit.t.abs()))
-        }
-        (_, Primitive::Instanced(instanced)) => {
-            let (instance, prototype) = geometry.instance(instanced);
-            let space = PreparedRay::new(&instance.carried(ray)).space;
-            let corners = prototype.triangle(instanced.triangle as usize);
-            Some(space.error_of(&corners, hit.t).unwrap_or(T_TOLERANCE * hit.t.abs()))
-        }
-        (_, Primitive::Quad(i)) => {
-            let halves = quad::halves(&geometry.quad(i));
-            halves.iter().filter_map(|half| space.error_of(half, hit.t)).reduce(f32::max)
-        }
-    }
+fn t_error(geometry: &Geometry, hit: &Hit) -> Option<f32> {
+    (geometry.precision != Precision::Fast).then_some(UNIT_ROUNDOFF * hit.t.abs())
 }

@@ -10,6 +10,7 @@ pub mod work;
 
 use crate::counters::Counters;
 use crate::film::Film;
+use crate::kernels::precision::Precision;
 use crate::prepared::PreparedScene;
 use crate::tile::Tile;
 use crate::wavefront::DEFAULT_BATCH;
@@ -70,6 +71,8 @@ pub struct Rendered {
     pub pass_seconds: Vec<(&'static str, f64)>,
     /// Seconds from start to end.
     pub seconds: f64,
+    /// The precision of its hits.
+    pub precision: Precision,
 }
 
 /// Renders `scene` on the threads of the current rayon pool. `watch` receives progress, from any
@@ -112,9 +115,9 @@ impl Rendered {
     /// The render with this film and this work.
     pub fn new(painted: Painted, done: Done) -> Self {
         let Painted { film, tiles, pixels } = painted;
-        let Done { counters, columns, pass_seconds, seconds } = done;
+        let Done { counters, columns, pass_seconds, seconds, precision } = done;
         let finished = pixels == film.pixels().len() as u64;
-        Self { film, finished, tiles, counters, columns, pass_seconds, seconds }
+        Self { film, finished, tiles, counters, columns, pass_seconds, seconds, precision }
     }
 }
 

@@ -1,8 +1,9 @@
 //! The hard cases: inputs that break ray tracers, tested on this machine.
 //!
-//! Each [`Case`] has a stated bound, and runs in one precision with every kernel and all
-//! instruction levels of the processor. All cases pass in exact precision; some fail in fast. The inputs follow from a seed, so that a failure can be repeated. Expected results are
-//! computed in integers or in double precision, or follow from the construction of the input, and
+//! Each [`Case`] has a stated bound, and runs in one precision with every kernel, the reference
+//! among them, and all instruction levels of the processor. All cases pass in exact precision; some
+//! fail in fast. The inputs follow from a seed, so that a failure can be repeated. Expected results
+//! are computed in integers or in double precision, or follow from the construction of the input, and
 //! share no code with the tested kernels. Faults planted in the sources prove that cases can fail
 //! (`tests/mutations`).
 
@@ -35,8 +36,6 @@ mod watertight;
 mod ways;
 mod whole;
 
-use wavecrest_core::kernels::precision::Precision;
-
 pub use case::{Count, Effort, Outcome};
 
 /// A hard case.
@@ -64,17 +63,6 @@ impl Case {
     /// Runs the case.
     pub fn run(&self, effort: &Effort) -> Outcome {
         (self.run)(effort)
-    }
-
-    /// As [`Self::run`]; if that traces rays in exact precision, also with the reference kernel,
-    /// which counts but is not timed.
-    pub fn run_with_reference(&self, effort: &Effort) -> Outcome {
-        let mut outcome = self.run(effort);
-        if effort.precision == Precision::Exact && outcome.timed > 0 {
-            let of_reference = self.run(&Effort { reference: true, ..*effort });
-            outcome.add(Outcome { timed: 0, seconds: 0.0, ..of_reference });
-        }
-        outcome
     }
 }
 

@@ -96,8 +96,8 @@ fn a_scene_without_triangles_says_what_is_not_tested() {
         let (_, told) = told.split_once(&format!("{file}: ")).expect("the file is named");
         told.lines().map(str::to_owned).collect::<Vec<_>>()
     };
-    let samples = ["fast   ", "robust ", "exact  "]
-        .map(|precision| format!("    {precision}0 samples are not finite"));
+    let samples =
+        ["fast   ", "exact  "].map(|precision| format!("    {precision}0 samples are not finite"));
     let lines = tried("ball.json");
     assert_eq!(lines[0], "no triangles to test for leaks and self-hits");
     let others =
@@ -123,7 +123,7 @@ fn every_scene_is_tried() {
             let extracted = extract(&mut loaded.world, options).expect("a scene");
             let preset = extracted.preset();
             let accel = extracted.build(preset).accel;
-            let effort = Effort { precision, reference: false, seed: 1, count: Count::Brief };
+            let effort = Effort { precision, seed: 1, count: Count::Brief };
             let has_triangles = shape(accel.geometry(), &accel).triangles > 0;
             let has_tree = bvh(&accel, preset, &effort).is_some();
             assert!(has_triangles || !has_tree, "{}", file.display());

@@ -16,12 +16,16 @@
 
 #![allow(unsafe_code, reason = "places in the arena are proved when it is made")]
 
+mod layout;
 mod proof;
 
-use bytemuck::{Pod, Zeroable};
+use bytemuck::Pod;
+use glam::Vec3;
 
 pub use super::units::Unit;
 use super::units::Units;
+use crate::math::simd::LANES;
+pub use layout::{NODE_UNITS, Node, PATCH_UNITS, Patch, SOUP_UNITS, Soup, list_units};
 
 /// The content that a [`Ref`] points to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -77,99 +81,6 @@ impl Ref {
 
 /// The largest number of units that a [`Ref`] can address.
 pub const MAX_UNITS: usize = (1 << 30) - 1;
-
-/// An inner node.
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-#[repr(C)]
-pub struct Node {
-    /// For each axis the low planes and the high planes of the eight children; those of absent
-    /// children are infinite, so that no ray meets them.
-    pub planes: [[[f32; 8]; 2]; 3],
-    /// The children's places relative to this node, as the bits of a [`Ref`]; 0 for none.
-    pub children: [u32; 8],
-    /// Number of children, which are the first lanes.
-    pub count: u32,
-    /// Unused.
-    pub spare: [u32; 7],
-}
-
-impl Node {
-    /// A node without children.
-    pub const EMPTY: Self = Self {
-        planes: [[[f32::INFINITY; 8], [f32::NEG_INFINITY; 8]]; 3],
-        children: [0; 8],
-        count: 0,
-        spare: [0; 7],
-    };
-}
-
-/// A leaf of triangles that share vertices.
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-#[repr(C)]
-pub struct Patch {
-    /// Vertex coordinates, an axis a row; unused ones repeat the first vertex.
-    pub positions: [[f32; 8]; 3],
-    /// For each corner, the indices of its vertices in the triangles, four bits each; unused
-    /// triangles have only the first vertex.
-    pub corners: [u32; 3],
-    /// The start of the triangles' numbers in [`Arena::numbers`].
-    pub first: u32,
-    /// Number of triangles.
-    pub count: u32,
-    /// Number of vertices.
-    pub vertices: u32,
-    /// Number of triangles that are halves of quads.
-    pub quads: u32,
-    spare: u32,
-}
-
-/// A leaf of triangles without shared vertices.
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-#[repr(C)]
-pub struct Soup {
-    /// For each corner and axis, the coordinates in the triangles; unused ones are zero.
-    pub corners: [[[f32; 8]; 3]; 3],
-    /// The start of the triangles' numbers in [`Arena::numbers`].
-    pub first: u32,
-    /// Number of triangles.
-    pub count: u32,
-    /// Number of triangles that are halves of quads.
-    pub quads: u32,
-    spare: [u32; 21],
-}
-
-impl Patch {
-    /// A patch of `count` triangles over `vertices` vertices, with `quads` halves of quads; the
-    /// numbers start at `first`.
-    pub fn new(
-        positions: [[f32; 8]; 3],
-        corners: [u32; 3],
-        first: u32,
-        [count, vertices, quads]: [u32; 3],
-    ) -> Self {
-        Self { positions, corners, first, count, vertices, quads, spare: 0 }
-    }
-}
-
-impl Soup {
-    /// A soup of `count` triangles, with `quads` halves of quads; the numbers start at `first`.
-    pub fn new(corners: [[[f32; 8]; 3]; 3], first: u32, [count, quads]: [u32; 2]) -> Self {
-        Self { corners, first, count, quads, spare: [0; 21] }
-    }
-}
-
-/// Units of a [`Node`].
-pub const NODE_UNITS: usize = size_of::<Node>() / size_of::<Unit>();
-/// Units of a [`Patch`].
-pub const PATCH_UNITS: usize = size_of::<Patch>() / size_of::<Unit>();
-/// Units of a [`Soup`].
-pub const SOUP_UNITS: usize = size_of::<Soup>() / size_of::<Unit>();
-/// Units of a list of `count` primitives.
-pub const fn list_units(count: usize) -> usize {
-    (count + 1).div_ceil(32)
-}
-
-const _: () = assert!(NODE_UNITS == 2 && PATCH_UNITS == 1 && SOUP_UNITS == 3);
 
 /// A tree, or a part of one, in memory.
 #[derive(Debug, Default)]
@@ -273,6 +184,49 @@ impl<'a> View<'a> {
     #[inline(always)]
     pub(super) fn number(self, first: u32, lane: usize) -> u32 {
         self.numbers[first as usize + lane]
+    }
+
+    /// The number of a leaf's entry.
+    #[inline(always)]
+    pub(super) fn number_of(self, leaf: Ref, entry: usize) -> u32 {
+        match leaf.kind() {
+            Kind::Patch => self.number(self.patch(leaf).first, entry),
+            Kind::Soup => self.number(self.soup(leaf).first, entry),
+            Kind::List | Kind::Node => self.list(leaf)[entry],
+        }
+    }
+
+    /// The corners of a triangle of a patch or a soup.
+    // Written out: `map` would copy whole rows.
+    #[inline(always)]
+    pub(super) fn triangle(self, leaf: Ref, entry: usize) -> [Vec3; 3] {
+        let entry = entry % LANES;
+        if leaf.kind() == Kind::Soup {
+            let [a, b, c] = &self.soup(leaf).corners;
+            let corner = |[x, y, z]: &[[f32; LANES]; 3]| Vec3::new(x[entry], y[entry], z[entry]);
+            return [corner(a), corner(b), corner(c)];
+        }
+        let Patch { positions: [x, y, z], corners: [a, b, c], .. } = self.patch(leaf);
+        let vertex = |corner: u32| {
+            let v = (corner >> (4 * entry)) as usize % LANES;
+            Vec3::new(x[v], y[v], z[v])
+        };
+        [vertex(*a), vertex(*b), vertex(*c)]
+    }
+
+    /// Writes the corners of a triangle of a patch or a soup to a lane of rows, an axis each.
+    #[inline(always)]
+    pub(super) fn corners_in_lane(
+        self,
+        leaf: Ref,
+        entry: usize,
+        rows: &mut [[[f32; LANES]; 3]; 3],
+        lane: usize,
+    ) {
+        for (corner, rows) in self.triangle(leaf, entry).iter().zip(rows) {
+            let [x, y, z] = rows;
+            (x[lane % LANES], y[lane % LANES], z[lane % LANES]) = (corner.x, corner.y, corner.z);
+        }
     }
 
     /// The numbers of `count` primitives, from `first` on.

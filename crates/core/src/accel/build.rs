@@ -140,15 +140,15 @@ struct Cut {
     room: usize,
 }
 
-/// Builds the tree over every primitive that can be hit: all of the `survey` except degenerate
-/// triangles that are not seals.
+/// Builds the tree over every primitive of the `survey` that can be hit: all except triangles
+/// without area.
 pub fn build(geometry: &Geometry, survey: Survey, preset: Preset) -> Tree {
     build_cut(geometry, survey, preset, preset.cut())
 }
 
-fn build_cut(geometry: &Geometry, mut survey: Survey, preset: Preset, cut: Cut) -> Tree {
+fn build_cut(geometry: &Geometry, survey: Survey, preset: Preset, cut: Cut) -> Tree {
     let parameters = preset.parameters();
-    let kept = survey.keep_seals(geometry);
+    let kept = survey.kept;
     let chunks = order::chunks(geometry, &survey, kept, cut.chunk);
     let plan = Plan {
         geometry,

@@ -9,9 +9,10 @@ use std::marker::PhantomData;
 
 use fearless_simd::Level;
 
+use super::best::Best;
 use super::geometry::PreparedRay;
 use super::packet::Memory;
-use super::query::{Query, no_hit, or_miss};
+use super::query::Query;
 use super::rays::Rays;
 use super::tree::Searched;
 use super::{Counts, Hit, KernelChoice, Traversal, packet, single};
@@ -24,7 +25,7 @@ pub(super) fn has_batches(level: Level) -> bool {
     is_wide(level)
 }
 
-/// The hit on `ray` for query `Q`, including hits on seals.
+/// The hit on `ray` for query `Q`.
 #[inline(never)]
 pub(super) fn one<Q: Query, P: Arithmetic>(
     level: Level,
@@ -65,10 +66,11 @@ impl<Q: Query, P: Arithmetic> Kernel for One<'_, Q, P> {
     fn run<S: Lanes>(self, simd: S) -> Hit {
         let Traversal { stack, tests, .. } = self.traversal;
         let ray = &PreparedRay::of::<P>(self.ray);
-        let height = single::start::<P>(self.searched.tree, ray, stack);
-        let best = no_hit(&ray.ray);
+        let height = single::start(self.searched.tree, ray, stack);
+        let best = Best::none(ray.ray.t_max);
         let stack = (stack.as_mut_slice(), height);
-        or_miss(single::trace::<S, Q, P>(simd, self.searched, ray, best, stack, tests))
+        let best = single::trace::<S, Q, P>(simd, self.searched, ray, best, stack, tests);
+        best.finished(self.searched, self.ray)
     }
 }
 

@@ -17,8 +17,10 @@ pub struct TestCounts {
     pub cutouts: u64,
     /// Instances visited, counted for each ray.
     pub instances: u64,
-    /// Triangles tested again one by one, because vectors did not decide them.
-    pub undecided: u64,
+    /// Triangles that single precision left open, settled in double precision.
+    pub settled: u64,
+    /// Triangles that double precision left open too, decided in exact arithmetic.
+    pub exact: u64,
 }
 
 impl TestCounts {
@@ -38,7 +40,8 @@ impl TestCounts {
             spheres: f(self.spheres, other.spheres),
             cutouts: f(self.cutouts, other.cutouts),
             instances: f(self.instances, other.instances),
-            undecided: f(self.undecided, other.undecided),
+            settled: f(self.settled, other.settled),
+            exact: f(self.exact, other.exact),
         }
     }
 }

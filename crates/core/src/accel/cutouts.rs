@@ -118,11 +118,6 @@ impl Geometry {
         t: f32,
         tests: &mut TestCounts,
     ) -> bool {
-        if self.cutouts.of(number).is_none() {
-            return false;
-        }
-        // A seal has no area: it takes the alpha of the triangle it stands for.
-        let number = self.seal(number).unwrap_or(number);
         let Some(cutout) = self.cutouts.of(number) else { return false };
         tests.cutouts += 1;
         let line = Line::from(ray);

@@ -8,17 +8,16 @@ use std::ops::Range;
 use glam::Vec3;
 use rayon::prelude::*;
 
+use super::TestCounts;
 use super::cutouts::Cutouts;
 use super::instance::{Instance, Instanced};
-use super::near::Exactly;
-use super::seals::Seals;
-use super::{Hit, TestCounts};
 use crate::kernels::precision::{Arithmetic, Exact, Precision};
 use crate::kernels::slab::{Aabb, SlabRay};
-use crate::kernels::triangle::{self, Meeting, ShearedSpace, exact, fast};
+use crate::kernels::triangle::{self, ShearedSpace};
 use crate::kernels::{quad, sphere};
+use crate::math::float::min;
 use crate::math::ray::Ray;
-use crate::math::vector::{Line, Vector};
+use crate::math::vector::Line;
 
 /// The primitives of a scene, in world space. Coordinates and radii are finite, and no larger than
 /// [`MAX_COORDINATE`](crate::math::float::MAX_COORDINATE).
@@ -38,8 +37,6 @@ pub struct Geometry {
     pub cutouts: Cutouts,
     /// Precision of the tests, and so the padding of boxes.
     pub precision: Precision,
-    /// Degenerate triangles that close gaps in a mesh. Leave empty: the build of the tree fills it.
-    pub seals: Seals,
     /// Meshes shown by instances, each in its own space, with triangles only.
     pub prototypes: Vec<Geometry>,
     /// Instances of prototypes. Their primitives' numbers follow those of the scene's own, instance
@@ -92,8 +89,7 @@ impl PreparedRay {
     /// Prepares `ray`, which must be valid.
     #[inline(always)]
     pub fn of<P: Arithmetic>(ray: &Ray) -> Self {
-        let space = if P::IS_FAST { ShearedSpace::NONE } else { ShearedSpace::new(ray) };
-        Self { ray: *ray, slab: SlabRay::of::<P>(ray), space }
+        Self { ray: *ray, slab: SlabRay::of::<P>(ray), space: ShearedSpace::new(ray) }
     }
 }
 
@@ -227,38 +223,6 @@ impl Geometry {
         if self.precision == Precision::Fast { bounds } else { bounds.padded() }
     }
 
-    /// Whether the primitive can be hit: degenerate triangles cannot, unless they are seals.
-    pub(super) fn can_be_hit(&self, number: u32) -> bool {
-        if let Primitive::Instanced(instanced) = self.primitive(number) {
-            return self.instance(instanced).1.can_be_hit(instanced.triangle);
-        }
-        !self.is_degenerate(number) || self.seal(number).is_some()
-    }
-
-    /// The triangle that a seal stands for, if the number is that of a seal.
-    #[inline(always)]
-    pub(super) fn seal(&self, number: u32) -> Option<u32> {
-        self.seals.get(number)
-    }
-
-    /// The hit, moved to the triangle that its seal stands for if it is on a seal.
-    #[inline(always)]
-    pub(super) fn unsealed(&self, hit: Hit) -> Hit {
-        if hit.is_miss() {
-            return hit;
-        }
-        if hit.primitive as usize >= self.own() && !self.instances.is_empty() {
-            let instanced = self.instanced(hit.primitive);
-            let (instance, prototype) = self.instance(instanced);
-            let of_prototype = prototype.unsealed(Hit { primitive: instanced.triangle, ..hit });
-            return Hit { primitive: instance.first() + of_prototype.primitive, ..hit };
-        }
-        match self.seal(hit.primitive) {
-            Some(primitive) => Hit { primitive, ..hit },
-            None => hit,
-        }
-    }
-
     /// Whether the primitive is a triangle without area.
     pub fn is_degenerate(&self, number: u32) -> bool {
         match self.primitive(number) {
@@ -274,7 +238,7 @@ impl Geometry {
     /// number of primitives in the tree, if there is one.
     pub(super) fn left_out(&self, kept: Option<u64>) -> u64 {
         match kept {
-            Some(kept) => self.own() as u64 - kept + self.seals.len() as u64,
+            Some(kept) => self.own() as u64 - kept,
             None => {
                 let numbers = (0..self.own() as u32).into_par_iter();
                 numbers.filter(|&number| self.is_degenerate(number)).count() as u64
@@ -297,61 +261,59 @@ impl Geometry {
         if self.precision == Precision::Fast { part } else { part.padded_as_part(whole) }
     }
 
-    /// The t at which the ray hits the primitive: the definition of a hit. `has_surface` decides
-    /// whether a near hit at t counts ([`super::near`]).
+    /// The t at which the ray hits the primitive: the least within its range, rounded once.
     #[inline(always)]
     pub(super) fn hit<P: Arithmetic>(
         &self,
         number: u32,
-        ray: &PreparedRay,
+        ray: &Ray,
         tests: &mut TestCounts,
-        has_surface: impl FnOnce(f32) -> bool,
     ) -> Option<f32> {
-        match self.primitive(number) {
-            Primitive::Triangle(_) | Primitive::Instanced(_) => tests.triangles += 1,
-            Primitive::Quad(_) => tests.quads += 2,
-            Primitive::Sphere(_) => tests.spheres += 1,
-        }
-        let t = self.meet::<P>(number, ray).confirmed(has_surface)?;
-        (!self.is_cut_out::<P>(number, &ray.ray, t, tests)).then_some(t)
-    }
-
-    /// The meeting of the ray with the primitive within the ray's range.
-    #[inline(always)]
-    pub(super) fn meet<P: Arithmetic>(&self, number: u32, ray: &PreparedRay) -> Meeting {
-        match self.primitive(number) {
-            Primitive::Triangle(i) => meet_triangle::<P>(ray, &self.triangle(i)),
-            Primitive::Quad(i) => quad::meet(&self.quad(i), |half| meet_triangle::<P>(ray, half)),
-            Primitive::Sphere(i) => {
-                let (center, radius) = self.spheres[i];
-                let range = [ray.ray.t_min, ray.ray.t_max];
-                let (t, is_hit) =
-                    sphere::meet::<_, P>(&Line::from(&ray.ray), center, radius, range);
-                if is_hit { Meeting::Hit(t) } else { Meeting::Miss }
+        let t = match self.primitive(number) {
+            Primitive::Triangle(i) => {
+                tests.triangles += 1;
+                triangle::meet(ray, &self.triangle(i))
             }
-            Primitive::Instanced(instanced) => self.meet_instanced::<P>(instanced, ray),
-        }
+            Primitive::Quad(i) => {
+                tests.quads += 2;
+                let [first, second] = quad::halves(&self.quad(i));
+                match (triangle::meet(ray, &first), triangle::meet(ray, &second)) {
+                    (Some(s), Some(t)) => Some(min(s, t)),
+                    (s, t) => s.or(t),
+                }
+            }
+            Primitive::Sphere(i) => {
+                tests.spheres += 1;
+                let (center, radius) = self.spheres[i];
+                if P::IS_REFERENCE {
+                    sphere::intersect_exactly(ray, center, radius)
+                } else {
+                    let range = [ray.t_min, ray.t_max];
+                    let (t, is_hit) = sphere::meet::<_, P>(&Line::from(ray), center, radius, range);
+                    is_hit.then_some(t)
+                }
+            }
+            Primitive::Instanced(instanced) => self.hit_instanced::<P>(instanced, ray, tests),
+        }?;
+        (!self.is_cut_out::<P>(number, ray, t, tests)).then_some(t)
     }
 
-    /// As [`Self::meet`], for a triangle of an instance: the ray is transformed into the space of
-    /// the prototype.
+    /// As [`Self::hit`], for a triangle of an instance: the ray is transformed into the space of the
+    /// prototype.
     #[cold]
     #[inline(never)]
-    fn meet_instanced<P: Arithmetic>(&self, instanced: Instanced, ray: &PreparedRay) -> Meeting {
+    fn hit_instanced<P: Arithmetic>(
+        &self,
+        instanced: Instanced,
+        ray: &Ray,
+        tests: &mut TestCounts,
+    ) -> Option<f32> {
         let (instance, prototype) = self.instance(instanced);
-        let carried = instance.carried(&ray.ray);
+        let carried = instance.carried(ray);
         if !carried.is_valid() {
-            return Meeting::Miss;
+            return None;
         }
-        let corners = prototype.triangle(instanced.triangle as usize);
-        let carried = PreparedRay::of::<P>(&carried);
-        let meeting = meet_triangle::<P>(&carried, &corners);
-        let (number, tests) = (instanced.triangle, &mut TestCounts::default());
-        // Its neighbours are in the prototype.
-        let has_surface = |t| prototype.has_surface(number, &carried, t, &Exactly::default());
-        let t = meeting.confirmed(has_surface);
-        let t = t.filter(|&t| !prototype.is_cut_out::<P>(number, &carried.ray, t, tests));
-        t.map_or(Meeting::Miss, Meeting::Hit)
+        prototype.hit::<P>(instanced.triangle, &carried, tests)
     }
 
     /// Bytes held.
@@ -363,23 +325,6 @@ impl Geometry {
             + size_of_val(self.instances.as_slice());
         own as u64 + self.prototypes.iter().map(Self::bytes).sum::<u64>()
     }
-}
-
-/// The meeting of the ray with the triangle within the ray's range.
-#[inline(always)]
-fn meet_triangle<P: Arithmetic>(ray: &PreparedRay, corners: &[Vec3; 3]) -> Meeting {
-    let t = match P::PRECISION {
-        Precision::Fast => {
-            let corners = corners.map(Vector::from);
-            let (t, is_hit) = fast::intersect(&Line::from(&ray.ray), &corners);
-            is_hit.then_some(t)
-        }
-        Precision::Exact if P::IS_REFERENCE => {
-            exact::intersect(&ray.ray, corners).map(|t| t as f32)
-        }
-        Precision::Exact => return ray.space.meet(corners),
-    };
-    Meeting::within(t, &ray.ray)
 }
 
 fn sphere_bounds((center, radius): (Vec3, f32)) -> Aabb {

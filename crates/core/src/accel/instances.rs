@@ -6,17 +6,16 @@
 //! together. So packets and rays in flight work there too, for any number of instances.
 //!
 //! The answer is that of [`Geometry::hit`](super::geometry::Geometry::hit) and does not depend on
-//! the order of visits: a ray is searched in a prototype up to slightly beyond its closest hit so
-//! far, and a new hit replaces that one only if it is closer, or equally close with a lower number.
+//! the order of visits: a ray is searched in a prototype up to its closest hit so far, and a new hit
+//! replaces that one only if it is closer, or equally close with a lower number.
 
 use super::instance::Instance;
 use super::query::{Answers, Query};
 use super::rays::Rays;
 use super::search::Search;
 use super::tlas::{Entry, Walk};
-use super::tree::reach;
 use super::{Hit, Traversal};
-use crate::kernels::precision::{Arithmetic, Exact};
+use crate::kernels::precision::Arithmetic;
 use crate::math::float::min;
 use crate::math::ray::Ray;
 
@@ -53,8 +52,8 @@ impl<P: Arithmetic> Search<'_, P> {
         let tlas = &self.accel.tlas;
         let mut stack = std::mem::take(&mut traversal.walks.stacks);
         stack.resize(stack.len().max(tlas.stack_entries()), Entry::default());
-        let mut walk = Walk::new::<P>(tlas, ray, best, &mut stack);
-        while let Some(number) = walk.next::<P>(tlas, &mut stack) {
+        let mut walk = Walk::new(tlas, ray, best, &mut stack);
+        while let Some(number) = walk.next(tlas, &mut stack) {
             traversal.tests.instances += 1;
             let instance = &self.accel.geometry.instances[number as usize];
             let hit =
@@ -105,10 +104,10 @@ impl<P: Arithmetic> Search<'_, P> {
         let mut stacks = memory.stacks.chunks_exact_mut(stride);
         for number in range {
             let ray = rays.ray(number);
-            if let (true, Some(best)) = (ray.is_valid(), Q::resume(answers[number], &ray))
+            if let (true, Some(best)) = (ray.is_valid(), Q::go_on(answers[number]))
                 && let Some(stack) = stacks.next()
             {
-                memory.walks.push((number as u32, Walk::new::<P>(tlas, &ray, best, stack)));
+                memory.walks.push((number as u32, Walk::new(tlas, &ray, best, stack)));
             }
         }
     }
@@ -123,7 +122,7 @@ impl<P: Arithmetic> Search<'_, P> {
             if Q::ANY && !walk.best.is_miss() {
                 continue;
             }
-            visits.extend(walk.next::<P>(tlas, stack).map(|instance| (instance, place)));
+            visits.extend(walk.next(tlas, stack).map(|instance| (instance, place)));
         }
         // Rays of an instance in their original order.
         visits.sort_unstable();
@@ -158,15 +157,15 @@ impl<P: Arithmetic> Search<'_, P> {
 }
 
 impl Walk {
-    /// The ray in the space of the instance's prototype, extended slightly beyond the closest hit:
-    /// the hits there do not depend on the end.
+    /// The ray in the space of the instance's prototype, up to the closest hit: a hit whose t rounds
+    /// to the same number may have a lower number.
     #[inline]
     fn carried(&self, instance: &Instance) -> Ray {
         let ray = instance.carried(&self.ray);
         if self.best.is_miss() {
             return ray;
         }
-        Ray { t_max: min(ray.t_max, reach::<Exact>(self.best.t)), ..ray }
+        Ray { t_max: min(ray.t_max, self.best.t.next_up()), ..ray }
     }
 
     /// Accepts the `hit` in the prototype of `instance` if it is closer, or equally close with a
@@ -178,7 +177,7 @@ impl Walk {
         }
         let hit = Hit { primitive: instance.first() + hit.primitive, ..hit };
         let best = self.best;
-        if hit.t < best.t || (hit.t == best.t && hit.primitive < best.primitive) {
+        if hit.precedes(&best) {
             self.best = hit;
         }
     }

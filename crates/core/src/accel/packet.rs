@@ -4,48 +4,37 @@
 //! rays' origins and directions covers all eight children at once (Boulos, Wald and Shirley,
 //! *Geometric and Arithmetic Culling Methods for Entire Ray Packets*, 2006). Children that the
 //! whole tile misses cost nothing more, nor do those that it certainly meets as a whole. Other
-//! children are tested for each ray, sixteen rays at a time ([`children`]), as are the triangles of
-//! leaves that many rays meet ([`groups`]); in leaves that few rays meet, each ray is tested alone
-//! with eight triangles ([`leaves`]). When at most [`FEW_RAYS`] of a tile visit a node, they are
+//! children are tested for each ray, sixteen rays at a time. Leaves are tested in the same way
+//! ([`frame`]), or ray by ray if few rays meet them. When few rays of a tile visit a node, they are
 //! handed over to the kernel of rays in flight ([`super::stream`]), with the place to continue
 //! from. If tiles share little on average, the rest of the batch goes there at once.
 //!
-//! [`TILES_ON_THEIR_WAY`] tiles are traversed at a time, and their tests go through the same short
-//! loops: the processor then has many independent tests and few branches to predict.
-//!
-//! All steps compute the same numbers as a single ray, so the answers have the same bits.
-//!
-//! The constants here and in [`super::stream`] were measured in
-//! `benches/runs/2026-11-21-epyc-zen5`; they do not affect answers.
+//! Any-hit queries first try the leaf that ended the last tile: shadow rays often end at one wall.
 
 mod beam;
-mod children;
-mod groups;
+mod frame;
 mod leaves;
+mod nodes;
 mod remaining;
 mod spheres;
 mod tile;
 
 use std::marker::PhantomData;
 
-use super::arena::Kind;
+use super::arena::{Kind, Ref};
 use super::geometry::PreparedRay;
 use super::node::{distance, place};
-use super::query::{Query, no_hit};
+use super::query::Query;
 use super::rays::Rays;
-use super::stream::{self, Flight, Found, FromRoot, MOST_HANDED};
+use super::stream::{self, Flight, FromRoot, MOST_HANDED};
 use super::tree::{Root, Searched, Tree};
 use super::{Counts, KernelChoice, TestCounts, single};
 use crate::kernels::precision::Arithmetic;
 use crate::math::simd::{Lanes, entry, outlined};
-use beam::extent;
-use children::Children;
-use groups::{Groups, Open};
-use leaves::SingleTest;
 use remaining::{Handed, Remaining};
 use tile::{Tile, number_of};
 
-/// Tiles traversed together, so that one computes while another waits for memory.
+/// Tiles traversed in turn, step by step, so that one computes while another waits.
 const TILES_ON_THEIR_WAY: usize = 4;
 
 /// Rays in a tile.
@@ -85,16 +74,11 @@ const FIRST: u32 = u32::MAX;
 #[derive(Clone, Debug, Default)]
 pub(super) struct Packets {
     tiles: Vec<Tile>,
-    groups: Groups,
-    asks: Vec<Open>,
     handed: Vec<Handed>,
     /// For each ray of the batch its last place, and the number of places.
     last: Vec<(u32, u32)>,
     /// The rays handed over.
     queue: Vec<u32>,
-    /// Rays tested alone in front of leaves, and their results.
-    singles: Vec<SingleTest>,
-    found: Vec<Found>,
 }
 
 /// A thread's memory for many rays.
@@ -120,7 +104,7 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
         return;
     };
     packets.prepare(searched.tree, rays.count());
-    let Packets { tiles, groups, asks, handed, last, queue, singles, found } = packets;
+    let Packets { tiles, handed, last, queue } = packets;
     let mut batch = Batch::<Q, P> {
         searched,
         rays,
@@ -129,18 +113,15 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
         next: 0,
         unfit: 0,
         judged: Judged::default(),
+        ending: None,
         handed,
         last,
         queue,
-        groups,
-        asks,
-        children: Children::NONE,
-        singles,
-        found,
         stack,
+        tests: counts.tests,
         query: PhantomData,
     };
-    batch.trace(simd, tiles, answers, counts.tests);
+    batch.trace(simd, tiles, answers);
     let Batch { next, unfit, judged, .. } = batch;
     counts.kernel.packet += (next - unfit) as u64;
     counts.kernel.handed_over += (queue.len() - unfit) as u64;
@@ -157,7 +138,7 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
 impl Packets {
     /// Makes room for this many rays in the tree, and clears earlier rays.
     fn prepare(&mut self, tree: &Tree, rays: usize) {
-        self.tiles.resize(TILES_ON_THEIR_WAY, Tile::EMPTY);
+        self.tiles.resize_with(TILES_ON_THEIR_WAY, Tile::default);
         for tile in &mut self.tiles {
             tile.visits.resize(tree.stack_entries(), Visit::NONE);
         }
@@ -194,48 +175,40 @@ struct Batch<'a, Q, P> {
     /// Rays of tiles unfit for packets.
     unfit: usize,
     judged: Judged,
+    /// The leaf that ended the last tile, for any-hit queries.
+    ending: Option<Ref>,
     handed: &'a mut Vec<Handed>,
     last: &'a mut [(u32, u32)],
     queue: &'a mut Vec<u32>,
-    groups: &'a mut Groups,
-    asks: &'a mut Vec<Open>,
-    children: Children,
-    singles: &'a mut Vec<SingleTest>,
-    found: &'a mut Vec<Found>,
     stack: &'a mut [u64],
+    tests: &'a mut TestCounts,
     query: PhantomData<(Q, P)>,
 }
 
 impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
     /// Traverses tiles as long as packets are to take them.
     #[inline(always)]
-    fn trace<S: Lanes>(
-        &mut self,
-        simd: S,
-        tiles: &mut [Tile],
-        answers: &mut [Q::Answer],
-        tests: &mut TestCounts,
-    ) {
+    fn trace<S: Lanes>(&mut self, simd: S, tiles: &mut [Tile], answers: &mut [Q::Answer]) {
         self.rays.prefetch(0..(AHEAD * TILE).min(self.rays.count()));
         let mut count = 0;
-        while count < TILES_ON_THEIR_WAY && self.begin(simd, &mut tiles[count], answers) {
+        while count < tiles.len() && self.begin(simd, &mut tiles[count], answers) {
             count += 1;
         }
         while count > 0 {
-            let mut is_done = [false; TILES_ON_THEIR_WAY];
-            for (k, is_done) in is_done.iter_mut().enumerate().take(count) {
-                *is_done = !self.step(simd, tiles, k, tests);
-            }
-            self.children.visit::<S, Q>(simd, tiles, self.searched.tree.arena.view());
-            self.visit_leaves(simd, tiles, tests);
-            for k in (0..count).rev() {
-                if is_done[k] {
-                    let tile = &mut tiles[k];
-                    tile.answer::<S, Q>(simd, answers);
-                    if !self.begin(simd, tile, answers) {
-                        count -= 1;
-                        tiles.swap(k, count);
-                    }
+            let mut k = 0;
+            while k < count {
+                let tile = &mut tiles[k];
+                if self.step(simd, tile) {
+                    k += 1;
+                    continue;
+                }
+                self.settle(simd, tile);
+                tile.answer::<S, Q>(simd, self.searched.tree.arena.view(), answers);
+                if self.begin(simd, tile, answers) {
+                    k += 1;
+                } else {
+                    count -= 1;
+                    tiles.swap(k, count);
                 }
             }
         }
@@ -250,31 +223,33 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
             || {
                 while self.choice.packs(self.rays.count() - self.next, self.judged.is_coherent()) {
                     let start = self.next;
-                    let count = TILE.min(self.rays.count() - start);
-                    self.next += count;
-                    self.rays.prefetch(
-                        self.next + (AHEAD - 1) * TILE
-                            ..(self.next + AHEAD * TILE).min(self.rays.count()),
-                    );
-                    if !tile.load::<S, P>(simd, &self.rays, start..start + count) {
+                    let end = self.rays.count().min(start + TILE);
+                    self.next = end;
+                    let ahead = end + (AHEAD - 1) * TILE;
+                    self.rays.prefetch(ahead..(ahead + TILE).min(self.rays.count()));
+                    if !tile.load::<S, P>(simd, &self.rays, start..end) {
                         // These start at the root, like the rest.
-                        answers[start..start + count].fill(Q::NONE);
-                        self.unfit += count;
-                        for number in start..start + count {
+                        answers[start..end].fill(Q::NONE);
+                        self.unfit += end - start;
+                        let root = entry(f32::NEG_INFINITY, self.root.place.bits());
+                        for number in start..end {
                             self.last[number] = (self.handed.len() as u32, 1);
-                            let entry = entry(f32::NEG_INFINITY, self.root.place.bits());
-                            self.handed.push(Handed { entry, before: FIRST });
+                            self.handed.push(Handed { entry: root, before: FIRST });
                             self.queue.push(number as u32);
                         }
+                        continue;
+                    }
+                    self.judged.tiles += 1;
+                    if self.ends_as_before(simd, tile) {
+                        answers[start..end].fill(Q::ANY_ANSWER);
                     } else if tile.beam.meets(&self.root.bounds) {
-                        self.judged.tiles += 1;
                         tile.prepare::<S, P>(simd);
-                        let entry = entry(f32::NEG_INFINITY, self.root.place.bits());
-                        tile.push(true, Visit { entry, rays: tile.all() });
+                        tile.clear();
+                        let root = entry(f32::NEG_INFINITY, self.root.place.bits());
+                        tile.push(true, Visit { entry: root, rays: tile.all() });
                         return true;
                     } else {
-                        self.judged.tiles += 1;
-                        answers[start..start + count].fill(Q::NONE);
+                        answers[start..end].fill(Q::NONE);
                     }
                 }
                 false
@@ -282,60 +257,58 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
         )
     }
 
-    /// Advances a tile through leaves and one node. Returns whether anything may be left.
+    /// Whether all rays of the tile are done at the leaf that ended the last tile.
     #[inline(always)]
-    fn step<S: Lanes>(
-        &mut self,
-        simd: S,
-        tiles: &mut [Tile],
-        k: usize,
-        tests: &mut TestCounts,
-    ) -> bool {
-        let tile = &mut tiles[k];
-        let arena = self.searched.tree.arena.view();
-        // Not where hits are stored: vectors just written ray by ray are slow to reload.
-        if tile.is_reach_stale && !Q::ANY {
-            tile.is_reach_stale = false;
-            tile.beam.reach = extent(simd, &tile.reach);
+    fn ends_as_before<S: Lanes>(&mut self, simd: S, tile: &mut Tile) -> bool {
+        let Some(place) = self.ending.filter(|_| Q::ANY) else { return false };
+        let all = tile.all();
+        tile.clear();
+        self.visit_leaf(simd, tile, place, all);
+        self.settle(simd, tile);
+        if tile.done & all != all {
+            self.ending = None;
         }
-        while self.children.has_room() {
-            let Some(Visit { entry, rays }) = tile.pop() else { return false };
+        tile.done & all == all
+    }
+
+    /// Takes a tile through leaves and one node. Returns whether anything may be left.
+    #[inline(always)]
+    fn step<S: Lanes>(&mut self, simd: S, tile: &mut Tile) -> bool {
+        let arena = self.searched.tree.arena.view();
+        while let Some(Visit { entry, rays }) = tile.pop() {
             let rays = rays & !tile.done;
             if rays == 0 || distance(entry) > tile.beam.reach[1] {
                 continue;
             }
             let at = place(entry);
-            let is_node = at.kind() == Kind::Node;
-            let few = if Q::ANY { FEW_RAYS_FOR_ANY } else { FEW_RAYS };
-            if is_node && rays.count_ones() <= few && at != self.root.place {
-                self.hand_over(simd, tile, entry, rays, tests);
+            if at.kind() != Kind::Node {
+                let rays = if Q::ANY { rays } else { rays & tile.reaching(simd, distance(entry)) };
+                if rays != 0 {
+                    self.visit_leaf(simd, tile, at, rays);
+                    if Q::ANY && tile.is_done() {
+                        self.ending = Some(at);
+                        return false;
+                    }
+                }
                 continue;
             }
-            if is_node {
-                tests.nodes += 1;
-                self.judged.visits += 1;
-                self.judged.rays += u64::from(rays.count_ones());
-                self.children.add::<S, Q>(simd, (tile, k), (arena.node(at), at), rays);
-                return true;
+            let few = if Q::ANY { FEW_RAYS_FOR_ANY } else { FEW_RAYS };
+            if rays.count_ones() <= few && at != self.root.place {
+                self.hand_over(simd, tile, entry, rays);
+                continue;
             }
-            let rays = if Q::ANY { rays } else { rays & tile.reaching(simd, distance(entry)) };
-            if rays != 0 {
-                self.children.add_leaf(at, k, rays);
-            }
+            self.tests.nodes += 1;
+            self.judged.visits += 1;
+            self.judged.rays += u64::from(rays.count_ones());
+            nodes::visit::<S, Q>(simd, tile, arena, at, rays);
+            return true;
         }
-        true
+        false
     }
 
     /// Hands `rays` over, to continue from `place`.
     #[inline(always)]
-    fn hand_over<S: Lanes>(
-        &mut self,
-        simd: S,
-        tile: &mut Tile,
-        place: u64,
-        rays: u64,
-        tests: &mut TestCounts,
-    ) {
+    fn hand_over<S: Lanes>(&mut self, simd: S, tile: &mut Tile, place: u64, rays: u64) {
         let mut rest = rays;
         while rest != 0 {
             let i = rest.trailing_zeros() as usize & (TILE - 1);
@@ -344,7 +317,7 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
             let (before, count) = self.last[number];
             if count as usize == MOST_HANDED {
                 // Beyond that number the ray continues at once.
-                self.go_on(simd, tile, place, i, tests);
+                self.go_on(simd, tile, place, i);
                 continue;
             }
             if count == 0 {
@@ -357,35 +330,28 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
 
     /// Traverses the subtree at `place` with the `i`th ray alone.
     #[inline(always)]
-    fn go_on<S: Lanes>(
-        &mut self,
-        simd: S,
-        tile: &mut Tile,
-        place: u64,
-        i: usize,
-        tests: &mut TestCounts,
-    ) {
+    fn go_on<S: Lanes>(&mut self, simd: S, tile: &mut Tile, place: u64, i: usize) {
         outlined(
             simd,
             #[inline(always)]
             || {
-                let ray = PreparedRay::of::<P>(&self.rays.ray(tile.start + number_of(i)));
+                let ray = PreparedRay::of::<P>(&tile.ray(i));
                 let before = tile.best(i);
-                let best = if before.is_miss() { no_hit(&ray.ray) } else { before };
                 self.stack[0] = place;
                 let (searched, stack) = (self.searched, (&mut *self.stack, 1));
-                let best = single::trace::<S, Q, P>(simd, searched, &ray, best, stack, tests);
-                if best.is_miss() {
+                let tests = &mut *self.tests;
+                let best = single::trace::<S, Q, P>(simd, searched, &ray, before, stack, tests);
+                if best == before {
                     return;
                 }
                 if Q::ANY {
-                    tile.set_done(i);
+                    tile.done |= 1 << i;
                 } else {
-                    tile.set_best::<P>(i, best);
-                    tile.is_reach_stale = true;
+                    tile.set_best(i, best);
+                    tile.tighten(simd);
                 }
             },
-        )
+        );
     }
 }
 

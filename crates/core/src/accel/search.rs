@@ -2,8 +2,6 @@
 
 use std::marker::PhantomData;
 
-use super::geometry::PreparedRay;
-use super::near::Exactly;
 use super::query::{Closest, Occluded, Query};
 use super::rays::Rays;
 use super::tree::Searched;
@@ -74,12 +72,9 @@ impl<P: Arithmetic> Search<'_, P> {
         }
         let Accel { geometry, tree, .. } = self.accel;
         let Some(tree) = tree else {
-            let prepared = PreparedRay::of::<P>(ray);
-            let best = brute::hit::<Q, P>(geometry, &prepared, &mut traversal.tests);
-            return Q::answer(Q::unsealed(geometry, best));
+            return Q::answer(brute::hit::<Q, P>(geometry, ray, &mut traversal.tests));
         };
-        let exactly = &Exactly::default();
-        let searched = Searched { tree, geometry, exactly };
+        let searched = Searched { tree, geometry };
         let best = self.in_tree::<Q>(searched, ray, traversal);
         if geometry.instances.is_empty() || Q::ANY && !best.is_miss() {
             return Q::answer(best);
@@ -94,8 +89,7 @@ impl<P: Arithmetic> Search<'_, P> {
             self.each::<Q>(rays, answers, traversal);
             return;
         };
-        let exactly = &Exactly::default();
-        self.all_in_tree::<Q>(Searched { tree, geometry, exactly }, rays, answers, traversal);
+        self.all_in_tree::<Q>(Searched { tree, geometry }, rays, answers, traversal);
         if !geometry.instances.is_empty() {
             self.all_among_instances::<Q>(rays, answers, traversal);
         }
@@ -137,9 +131,7 @@ impl<P: Arithmetic> Search<'_, P> {
         if !ray.is_valid() {
             return Hit::MISS;
         }
-        let exactly = Exactly::default();
-        let searched = self.prototype(number, &exactly);
-        self.in_tree::<Q>(searched, ray, traversal)
+        self.in_tree::<Q>(self.prototype(number), ray, traversal)
     }
 
     /// As [`Self::in_prototype`], for many rays.
@@ -152,14 +144,13 @@ impl<P: Arithmetic> Search<'_, P> {
     ) {
         // A ray counts once, in the search of the scene.
         let kernels = traversal.kernels;
-        let exactly = Exactly::default();
-        self.all_in_tree::<Q>(self.prototype(number, &exactly), rays.into(), answers, traversal);
+        self.all_in_tree::<Q>(self.prototype(number), rays.into(), answers, traversal);
         traversal.kernels = kernels;
     }
 
-    fn prototype<'b>(&'b self, number: usize, exactly: &'b Exactly) -> Searched<'b> {
+    fn prototype(&self, number: usize) -> Searched<'_> {
         let Accel { blas, geometry, .. } = self.accel;
-        Searched { tree: &blas[number], geometry: &geometry.prototypes[number], exactly }
+        Searched { tree: &blas[number], geometry: &geometry.prototypes[number] }
     }
 
     /// The hit in a tree for query `Q`.
@@ -170,8 +161,7 @@ impl<P: Arithmetic> Search<'_, P> {
         ray: &Ray,
         traversal: &mut Traversal,
     ) -> Hit {
-        let found = compiled::one::<Q, P>(self.accel.level, searched, ray, traversal);
-        Q::unsealed(searched.geometry, found)
+        compiled::one::<Q, P>(self.accel.level, searched, ray, traversal)
     }
 
     fn all_in_tree<Q: Query>(
@@ -183,10 +173,5 @@ impl<P: Arithmetic> Search<'_, P> {
     ) {
         let how = (self.accel.level, self.accel.kernel);
         compiled::many::<Q, P>(how, searched, rays, answers, traversal);
-        let geometry = searched.geometry;
-        if !geometry.seals.is_empty() {
-            let found = answers.iter_mut();
-            found.for_each(|answer| *answer = Q::answer(Q::unsealed(geometry, Q::hit(*answer))));
-        }
     }
 }

@@ -1,11 +1,12 @@
 //! Traversal by one ray: for the recursive tracer, and for the rays left by packets.
 
 use super::arena::Kind;
+use super::best::Best;
 use super::geometry::PreparedRay;
 use super::node::{self, distance, place};
 use super::query::Query;
-use super::tree::{Searched, Tree, reach};
-use super::{Hit, TestCounts, leaf};
+use super::tree::{Searched, Tree};
+use super::{TestCounts, leaf};
 use crate::kernels::precision::Arithmetic;
 use crate::math::simd::{Lanes, entry};
 
@@ -16,32 +17,28 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
     simd: S,
     searched: Searched<'_>,
     ray: &PreparedRay,
-    mut best: Hit,
+    mut best: Best,
     (stack, mut height): (&mut [u64], usize),
     tests: &mut TestCounts,
-) -> Hit {
+) -> Best {
     let arena = searched.tree.arena.view();
-    let mut limit = reach::<P>(best.t);
     while height > 0 {
         height -= 1;
         let entry = stack[height];
         // In any-hit queries the limit is fixed, and everything on the stack is within it.
-        if !Q::ANY && distance(entry) > limit {
+        if !Q::ANY && distance(entry) > best.high {
             continue;
         }
         let mut next = Some(place(entry));
         while let Some(at) = next.take_if(|at| at.kind() == Kind::Node) {
             tests.nodes += 1;
-            let range = [ray.ray.t_min, limit];
+            let range = [ray.ray.t_min, best.high];
             (next, height) =
                 node::enter::<S, Q>(simd, arena.node(at), at, &ray.slab, range, stack, height);
         }
         let Some(leaf) = next else { continue };
-        if leaf::visit::<S, Q, P>(simd, searched, ray, leaf, &mut best, tests) {
-            if Q::ANY {
-                break;
-            }
-            limit = reach::<P>(best.t);
+        if leaf::visit::<S, Q, P>(simd, searched, ray, leaf, &mut best, tests) && Q::ANY {
+            break;
         }
     }
     best
@@ -49,8 +46,8 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
 
 /// Pushes the root on an empty stack if the ray meets it. Returns the height.
 #[inline(always)]
-pub(super) fn start<P: Arithmetic>(tree: &Tree, ray: &PreparedRay, stack: &mut [u64]) -> usize {
-    let Some(root) = tree.root().filter(|root| root.is_met::<P>(ray)) else { return 0 };
+pub(super) fn start(tree: &Tree, ray: &PreparedRay, stack: &mut [u64]) -> usize {
+    let Some(root) = tree.root().filter(|root| root.is_met(ray)) else { return 0 };
     stack[0] = entry(f32::NEG_INFINITY, root.place.bits());
     1
 }

@@ -12,16 +12,18 @@ mod next;
 
 use std::marker::PhantomData;
 
+use fearless_simd::f32x8;
 use fearless_simd::prelude::*;
 use glam::Vec3;
 
 use super::arena::{Kind, View};
+use super::best::{Best, Unfinished};
 use super::geometry::PreparedRay;
 use super::node::{self, distance, place};
-use super::query::{Query, no_hit};
+use super::query::Query;
 use super::rays::Rays;
-use super::tree::{Root, Searched, reach};
-use super::{Counts, Hit, TestCounts, leaf};
+use super::tree::{Root, Searched};
+use super::{Counts, TestCounts, leaf};
 use crate::kernels::precision::Arithmetic;
 use crate::kernels::triangle::LaneHits;
 use crate::math::ray::Ray;
@@ -38,8 +40,7 @@ pub(super) const FLIGHT: usize = 64;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Slot {
     pub(super) ray: PreparedRay,
-    best: Hit,
-    reach: f32,
+    best: Best,
     /// Its number in the batch.
     number: u32,
 }
@@ -48,32 +49,22 @@ impl Slot {
     /// An empty slot.
     fn empty() -> Self {
         let ray = PreparedRay::new(&Ray::new(Vec3::ZERO, Vec3::X));
-        Self { ray, best: Hit::MISS, reach: 0.0, number: 0 }
+        Self { ray, best: Best::none(0.0), number: 0 }
     }
 
     /// Fills in the rest of a ray's initial state: its number in the batch, and the closest hit
     /// known.
     #[inline(always)]
-    pub(super) fn begin<P: Arithmetic>(&mut self, number: usize, best: Hit) {
+    pub(super) fn begin(&mut self, number: usize, best: Best) {
         self.best = best;
-        self.reach = reach::<P>(best.t);
         self.number = number as u32;
     }
 
     /// Clears its stack, from `bottom` to `top`, of entries beyond the hit just found, or of all if
     /// any hit suffices. Returns the new top.
     #[inline(always)]
-    fn closer<Q: Query, P: Arithmetic>(
-        &mut self,
-        stacks: &mut [u64],
-        bottom: usize,
-        top: usize,
-    ) -> usize {
-        if Q::ANY {
-            return bottom + 1;
-        }
-        self.reach = reach::<P>(self.best.t);
-        clear(stacks, bottom, top, self.reach)
+    fn closer<Q: Query>(&self, stacks: &mut [u64], bottom: usize, top: usize) -> usize {
+        if Q::ANY { bottom + 1 } else { clear(stacks, bottom, top, self.best.high) }
     }
 }
 
@@ -87,15 +78,6 @@ struct Children([u64; LANES]);
 struct Met {
     children: [Children; FLIGHT],
     masks: [u8; FLIGHT],
-}
-
-/// The results for a patch.
-#[derive(Clone, Copy, Debug, Default)]
-#[repr(align(64))]
-pub(super) struct Found {
-    pub(super) hits: LaneHits,
-    /// The start of the triangles' numbers.
-    pub(super) first: u32,
 }
 
 /// The bottom of a stack, which ends a ray. No list starts at unit 1: the root is at unit 0, and is
@@ -173,12 +155,12 @@ impl<Q: Query, P: Arithmetic> Source<Q, P> for FromRoot<'_> {
                 continue;
             }
             slot.ray = PreparedRay::of::<P>(&ray);
-            if !self.root.is_met::<P>(&slot.ray) {
+            if !self.root.is_met(&slot.ray) {
                 answers[number] = Q::NONE;
                 continue;
             }
             stack[0] = entry(f32::NEG_INFINITY, self.root.place.bits());
-            slot.begin::<P>(number, no_hit(&ray));
+            slot.begin(number, Best::none(ray.t_max));
             return Some(1);
         }
         None
@@ -197,7 +179,7 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
 ) {
     let Counts { tests, kernel } = counts;
     let Flight { slots, stacks, tops, stride } = flight;
-    let mut next = Next::NONE;
+    let (mut next, mut unfinished) = (Next::NONE, Unfinished::default());
     // Only references and no array, so that everything stays in registers.
     let mut rounds = Rounds::<Q, P, _> {
         searched,
@@ -210,10 +192,11 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
         stride: *stride,
         tests,
         next: &mut next,
+        unfinished: &mut unfinished,
         precision: PhantomData,
     };
     let mut met = Met { children: [Children::default(); FLIGHT], masks: [0; FLIGHT] };
-    let mut found = [Found::default(); FLIGHT];
+    let mut found = [LaneHits::default(); FLIGHT];
     for slot in 0..FLIGHT {
         if !rounds.begin(slot) {
             break;
@@ -228,6 +211,7 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
         rounds.visit_others(simd, Kind::Soup);
         rounds.visit_others(simd, Kind::List);
     }
+    rounds.finish(simd);
 }
 
 /// Rays in flight, round by round. Lists of steps are read from the front while later steps are
@@ -244,6 +228,7 @@ struct Rounds<'a, Q: Query, P, R> {
     stride: usize,
     tests: &'a mut TestCounts,
     next: &'a mut Next,
+    unfinished: &'a mut Unfinished,
     precision: PhantomData<P>,
 }
 
@@ -274,9 +259,9 @@ impl<Q: Query, P: Arithmetic, R: Source<Q, P>> Rounds<'_, Q, P, R> {
         {
             let step = self.next.get(Kind::Node, i);
             let at = step.place();
-            let Slot { ray, reach, .. } = &self.slots[step.slot()];
+            let Slot { ray, best, .. } = &self.slots[step.slot()];
             let node = self.arena.node(at);
-            let (near, mask) = node::children(simd, node, &ray.slab, ray.ray.t_min, *reach);
+            let (near, mask) = node::children(simd, node, &ray.slab, ray.ray.t_min, best.high);
             *children = Children(simd.entries(near, node::places(simd, node, at)));
             *met = mask.to_bitmask() as u8;
         }
@@ -294,21 +279,27 @@ impl<Q: Query, P: Arithmetic, R: Source<Q, P>> Rounds<'_, Q, P, R> {
     /// Takes the steps to patches, if there are enough: first tests the triangles, then stores the
     /// results.
     #[inline(always)]
-    fn visit_patches<S: Lanes>(&mut self, simd: S, found: &mut [Found; FLIGHT]) {
+    fn visit_patches<S: Lanes>(&mut self, simd: S, found: &mut [LaneHits; FLIGHT]) {
         let patches = self.next.take_enough(Kind::Patch);
         for (i, found) in found.iter_mut().enumerate().take(patches) {
             let step = self.next.get(Kind::Patch, i);
-            let ray = &self.slots[step.slot()].ray;
-            let (hits, first) =
-                leaf::patch::<S, Q, P>(simd, self.arena, ray, step.place(), self.tests);
-            *found = Found { hits, first };
+            let Slot { ray, best, .. } = &self.slots[step.slot()];
+            let ray = (&ray.ray, &ray.space);
+            *found = leaf::test::<S, P>(simd, self.arena, ray, step.place(), best.high, self.tests);
         }
-        for (i, Found { hits, first }) in found.iter().enumerate().take(patches) {
-            let index = self.next.get(Kind::Patch, i).slot();
-            let Slot { ray, best, .. } = &mut self.slots[index];
-            let is_closer =
-                leaf::take::<Q, P>(self.searched, ray, (hits, *first), best, self.tests);
-            self.go_on(index, is_closer);
+        self.tests.leaves += patches as u64;
+        for (i, hits) in found.iter().enumerate().take(patches) {
+            let step = self.next.get(Kind::Patch, i);
+            let Slot { ray, best, .. } = &mut self.slots[step.slot()];
+            let is_closer = hits.certain | hits.open != 0 && {
+                let found = (step.place(), *hits);
+                leaf::take::<S, Q, P>(simd, self.searched, &ray.ray, found, best, self.tests)
+            };
+            if is_closer && !Q::ANY {
+                // Wanted when the ray is done.
+                self.arena.prefetch_numbers(self.arena.patch(step.place()).first);
+            }
+            self.go_on(step.slot(), is_closer);
         }
     }
 
@@ -321,7 +312,12 @@ impl<Q: Query, P: Arithmetic, R: Source<Q, P>> Rounds<'_, Q, P, R> {
             let (index, at) = (step.slot(), step.place());
             let Slot { ray, best, number, .. } = &mut self.slots[index];
             if at.bits() == BOTTOM {
-                self.answers[*number as usize] = Q::answer(*best);
+                let number = *number as usize;
+                if let Some(hit) = self.unfinished.add(self.arena, best, &ray.ray, number) {
+                    self.answers[number] = Q::answer(hit);
+                } else if self.unfinished.is_full() {
+                    self.finish(simd);
+                }
                 self.begin(index);
                 continue;
             }
@@ -331,12 +327,23 @@ impl<Q: Query, P: Arithmetic, R: Source<Q, P>> Rounds<'_, Q, P, R> {
         }
     }
 
+    /// Finds the t of rays whose hits lack it.
+    #[inline(always)]
+    fn finish<S: Lanes>(&mut self, simd: S) {
+        let answers = &mut *self.answers;
+        self.unfinished.finish::<f32x8<S>>(
+            simd,
+            #[inline(always)]
+            |number, hit| answers[number] = Q::answer(hit),
+        );
+    }
+
     /// Continues a ray after a leaf, in which it may have found a closer hit.
     #[inline(always)]
     fn go_on(&mut self, index: usize, is_closer: bool) {
         let mut top = self.tops[index];
         if is_closer {
-            top = self.slots[index].closer::<Q, P>(self.stacks, index * self.stride, top);
+            top = self.slots[index].closer::<Q>(self.stacks, index * self.stride, top);
         }
         top -= 1;
         self.tops[index] = top;

@@ -134,7 +134,7 @@ fn hc03_origins_and_scenes_of_any_size_are_answered_as_by_brute_force() {
         [(1e-40, 2.0), (1e-36, 2.0), (1.0, 1e6), (1.0, 1e20), (1e12, 2.0), (1e12, 1e8)]
     {
         let geometry = cloud(&mut numbers, size);
-        let rays: Vec<Ray> = (0..1000)
+        let rays: Vec<Ray> = (0..300)
             .map(|i| {
                 let origin = numbers.vector() * size * far;
                 let to = numbers.vector() * size - origin;
@@ -204,7 +204,7 @@ fn hc03_triangles_seen_edge_on_are_met_as_by_brute_force() {
             let [x, y, _] = numbers.vector().to_array();
             add_triangle(&mut geometry, [Vec3::new(100.0 * x, height * y, 0.0), b, c]);
         }
-        let rays: Vec<Ray> = (0..1000)
+        let rays: Vec<Ray> = (0..250)
             .map(|_| {
                 let (start, scale) =
                     (-(numbers.below(30) as f32), [1.0, 3.0, 13.0][numbers.below(3)]);
@@ -258,7 +258,7 @@ fn through(numbers: &mut Numbers, count: usize) -> Vec<Ray> {
 }
 
 #[test]
-fn hc03_hits_of_the_reference_are_those_of_brute_force_and_nearly_those_of_other_kernels() {
+fn hc03_hits_of_the_reference_are_those_of_brute_force_and_of_other_kernels() {
     let mut numbers = Numbers(0);
     let geometry = cloud(&mut numbers, 1.0);
     let rays = through(&mut numbers, 2000);
@@ -280,11 +280,7 @@ fn hc03_hits_of_the_reference_are_those_of_brute_force_and_nearly_those_of_other
     });
     assert!(brute == tree);
     assert!(brute.0.iter().filter(|hit| !hit.is_miss()).count() > 1000);
-    for ((ray, reference), exact) in rays.iter().zip(&brute.0).zip(&exact) {
-        assert_eq!(reference.primitive, exact.primitive, "{ray:?}");
-        let error = if exact.is_miss() { 0.0 } else { (reference.t - exact.t).abs() };
-        assert!(error <= 2.0 * crate::kernels::triangle::T_TOLERANCE * exact.t, "{ray:?}");
-    }
+    assert!(brute.0 == exact);
 }
 
 #[test]
@@ -295,7 +291,7 @@ fn fast_hits_are_nearly_the_exact_ones_in_every_way() {
     let mut exact = vec![Hit::MISS; rays.len()];
     let accel = Accel::new(geometry.clone(), Preset::Fast);
     accel.closest_of(&rays[..], &mut exact, &mut accel.traversal());
-    geometry.precision = Precision::Fast;
+    geometry.precision = crate::kernels::precision::Precision::Fast;
     let mut accel = Accel::new(geometry, Preset::Fast);
     for level in Level::available() {
         accel.level = level.token().expect("it is available");

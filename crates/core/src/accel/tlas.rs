@@ -6,8 +6,6 @@
 
 use super::Hit;
 use super::instance::Instance;
-use super::tree::reach;
-use crate::kernels::precision::Arithmetic;
 use crate::kernels::slab::{Aabb, SlabRay};
 use crate::math::float::{max, min};
 use crate::math::ray::Ray;
@@ -127,27 +125,22 @@ pub(super) struct Walk {
 impl Walk {
     /// The ray before its first instance.
     #[inline]
-    pub(super) fn new<P: Arithmetic>(
-        tlas: &Tlas,
-        ray: &Ray,
-        best: Hit,
-        stack: &mut [Entry],
-    ) -> Self {
+    pub(super) fn new(tlas: &Tlas, ray: &Ray, best: Hit, stack: &mut [Entry]) -> Self {
         let slab = SlabRay::widened(ray, tlas.widening);
         let mut walk = Self { ray: *ray, best, slab, height: 0 };
         if !tlas.nodes.is_empty() {
-            walk.push::<P>(tlas, 0, stack);
+            walk.push(tlas, 0, stack);
         }
         walk
     }
 
     /// The next instance that the ray may meet before its closest hit, usually nearer ones first.
     #[inline]
-    pub(super) fn next<P: Arithmetic>(&mut self, tlas: &Tlas, stack: &mut [Entry]) -> Option<u32> {
+    pub(super) fn next(&mut self, tlas: &Tlas, stack: &mut [Entry]) -> Option<u32> {
         while self.height > 0 {
             self.height -= 1;
             let Entry { near, node } = stack[self.height as usize];
-            if near > self.reach::<P>() {
+            if near > self.reach() {
                 continue;
             }
             let node = tlas.nodes[node as usize];
@@ -155,8 +148,8 @@ impl Walk {
                 return Some(node.index);
             }
             let before = self.height as usize;
-            self.push::<P>(tlas, node.index, stack);
-            self.push::<P>(tlas, node.index + 1, stack);
+            self.push(tlas, node.index, stack);
+            self.push(tlas, node.index + 1, stack);
             let has_both = self.height as usize == before + 2;
             if has_both && stack[before].near < stack[before + 1].near {
                 stack.swap(before, before + 1);
@@ -167,16 +160,16 @@ impl Walk {
 
     /// The distance up to which boxes are visited.
     #[inline]
-    fn reach<P: Arithmetic>(&self) -> f32 {
-        reach::<P>(min(self.best.t, self.ray.t_max))
+    fn reach(&self) -> f32 {
+        min(self.best.t, self.ray.t_max)
     }
 
     /// Pushes a node if the ray meets its box.
     #[inline]
-    fn push<P: Arithmetic>(&mut self, tlas: &Tlas, node: u32, stack: &mut [Entry]) {
+    fn push(&mut self, tlas: &Tlas, node: u32, stack: &mut [Entry]) {
         let interval = self.slab.interval(&tlas.nodes[node as usize].bounds);
         let near = max(interval.near, self.ray.t_min);
-        if near <= min(interval.far, self.reach::<P>()) {
+        if near <= min(interval.far, self.reach()) {
             stack[self.height as usize] = Entry { near, node };
             self.height += 1;
         }

@@ -2,10 +2,7 @@
 
 use super::arena::{Arena, Census, Kind, Node, Ref, child_of};
 use super::geometry::{Geometry, PreparedRay};
-use super::near::Exactly;
-use crate::kernels::precision::Arithmetic;
 use crate::kernels::slab::Aabb;
-use crate::kernels::triangle::T_TOLERANCE;
 use crate::math::float::{max, min};
 use crate::math::simd::LANES;
 
@@ -24,7 +21,6 @@ pub struct Tree {
 pub(super) struct Searched<'a> {
     pub(super) tree: &'a Tree,
     pub(super) geometry: &'a Geometry,
-    pub(super) exactly: &'a Exactly,
 }
 
 /// The start of traversal.
@@ -39,10 +35,10 @@ pub struct Root {
 impl Root {
     /// Whether the ray meets the box within its range.
     #[inline(always)]
-    pub(super) fn is_met<P: Arithmetic>(&self, ray: &PreparedRay) -> bool {
+    pub(super) fn is_met(&self, ray: &PreparedRay) -> bool {
         let interval = ray.slab.interval(&self.bounds);
         let near = max(interval.near, ray.ray.t_min);
-        near <= min(interval.far, reach::<P>(ray.ray.t_max))
+        near <= min(interval.far, ray.ray.t_max)
     }
 }
 
@@ -158,18 +154,3 @@ fn child_box(node: &Node, lane: usize) -> Aabb {
     let plane = |side: usize| [0, 1, 2].map(|axis: usize| node.planes[axis][side][lane]);
     Aabb { low: plane(0).into(), high: plane(1).into() }
 }
-
-/// The t up to which boxes are visited after a hit at `t`.
-///
-/// A box with a closer hit, or an equally close one with a lower number, can begin after the
-/// computed t by at most the error of that t: each hit is at a point of its primitive that the ray
-/// passes within rounding (see [`crate::kernels::triangle`]), and so in the padded box of the
-/// primitive, or of the part of it in a leaf. Fast tests have no such bound: boxes are visited up
-/// to the hit.
-#[inline(always)]
-pub(super) fn reach<P: Arithmetic>(t: f32) -> f32 {
-    if P::IS_FAST { t } else { t + t.abs() * BEYOND }
-}
-
-/// See [`reach`].
-pub(super) const BEYOND: f32 = 4.0 * T_TOLERANCE;

@@ -4,9 +4,8 @@
 //!   ray meets in exact arithmetic within its range, it is the one with the least t, rounded once;
 //!   of equal t, the lowest number. Filters in single precision with error bounds decide most hits,
 //!   and origins are moved off surfaces by a bound on their error.
-//! - [`Fast`] takes these filters as they are, which is what most renderers do: single precision
-//!   without error bounds, the triangle test of Möller and Trumbore, unpadded boxes, and origins
-//!   moved by a fixed length.
+//! - [`Fast`] takes these filters as they are: single precision without error bounds, as in most
+//!   renderers, with unpadded boxes, and origins moved by a fixed length.
 //! - [`Reference`] is no precision to choose but the reference for the hits of [`Exact`]: each pair
 //!   of ray and triangle in exact arithmetic, without filters ([`KernelChoice::Reference`]).
 //!

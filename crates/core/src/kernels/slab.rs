@@ -8,37 +8,22 @@
 //!
 //! # The bound
 //!
-//! With u the unit roundoff, v a vertex in the box and o the origin, the triangle test places v
-//! sideways with an error of at most 10 u (|v| + |o|), in maximum norms, and accepts a hit only if
-//! the ray passes within that error of the exact triangle. A slab's t, as a length along its axis,
-//! is off by at most 4 u (|v| + |o|). The sum of both stays below [`PADDING`] times (|v| + |o|).
+//! With u the unit roundoff, v a vertex in the box and o the origin, a slab's t, as a length along
+//! its axis, is off by at most 4 u (|v| + |o|), in maximum norms, and hits are exact. [`PADDING`]
+//! times (|v| + |o|) is four times as much.
 //!
-//! A part of a primitive has the error of the whole, and its ends are computed points: its box is
-//! padded by twice the bound of the whole ([`Aabb::padded_as_part`]), however small its own
-//! coordinates are.
+//! The ends of a part of a primitive are computed points: its box is padded by twice the bound of the
+//! whole ([`Aabb::padded_as_part`]), however small its own coordinates are.
 //!
 //! # Why culling by distance loses nothing
 //!
 //! A hit's t is the primitive's own; boxes do not change it. A box's t matters in one place only: a
-//! box is skipped if the ray enters it after the closest hit so far. Two steps show that no box
-//! with a closer or equally close hit is skipped.
-//!
-//! - **The box begins no later than the hit.** The ray passes the hit's point of the primitive
-//!   within the error above, so the padded box around that point contains the ray's point at the
-//!   exact t. The rest of the padding exceeds the rounding error of the slab's t, so the computed
-//!   near t is no greater. Subtraction, multiplication, minimum and maximum are monotone under
-//!   rounding, so the same holds for any box around that one, whatever the shape of the tree.
-//! - **The hit's own t is near the exact one.** A triangle's t from single precision has a relative
-//!   error of at most [`T_TOLERANCE`](crate::kernels::triangle::T_TOLERANCE). Where that bound does
-//!   not hold, t is either the exact t of a point of the triangle, rounded once, or that of the
-//!   boundary point that the ray passes within the error above. A sphere's t at a tangent is off by
-//!   at most about the square root of double precision's unit roundoff times the coordinates, which
-//!   is less than the padding. So boxes are visited up to four times that tolerance beyond the
-//!   closest hit (`reach` in the tree), ties included: the lowest number among equal t is found in
-//!   any order of boxes.
-//!
-//! The same holds for the ends of a ray's range of t: a hit counts only if the bound, or double
-//! precision, proves that it lies between them.
+//! box is skipped if the ray enters it after the closest hit so far, or after an upper bound of its
+//! t. No box with a closer or equally close hit is skipped. The ray's point at the exact t of such a
+//! hit lies in the box, and the padding exceeds the rounding error of the slab's t, so the computed
+//! near t is no greater than the exact t, nor, as rounding is monotone, than the exact t rounded. The
+//! same holds for any box around that one, whatever the shape of the tree, and for the ends of a
+//! ray's range.
 
 use glam::{Vec3, Vec3A};
 

@@ -1,53 +1,202 @@
 //! The ray-sphere test of Haines, Günther and Akenine-Möller (*Precision Improvements for
-//! Ray/Sphere Intersection*, Ray Tracing Gems 2019, chapter 7).
+//! Ray/Sphere Intersection*, Ray Tracing Gems 2019, chapter 7), in double precision and with bounds.
 //!
-//! The discriminant comes from the distance of the centre to the ray, which keeps its precision for
-//! small and far spheres; the roots come from the stable quadratic. Both are in double precision: a
-//! sphere needs one test where a mesh needs many, and the rounded result is within one ulp of `f32`
-//! even if the origin lies on a huge sphere.
+//! A hit is the least root of |o + t d - c|^2 = r^2 within the ray's range, rounded once. The
+//! discriminant comes from the distance of the centre to the ray, which keeps its precision for
+//! small and far spheres; the roots come from the stable quadratic. Single precision rejects most
+//! spheres that a ray misses. What double precision leaves open is decided in exact arithmetic.
+//!
+//! # The bound
+//!
+//! With u the unit roundoff of double precision, f from the centre to the origin, and n the vector
+//! from the centre to the nearest point of the line, b = -f . d / d^2 is off by at most 9 u |f| /
+//! |d|, n by 21 u |f|, and the discriminant r^2 - n^2 by e = 64 u (r^2 + |n| |f|) + (64 u |f|)^2. If
+//! it exceeds 4 e, its root is off by a relative (e / discriminant + 4 u); and c = (f^2 - r^2) / d^2
+//! by 12 u (f^2 + r^2) / d^2. The errors of both roots follow.
+
+use std::cmp::Ordering;
 
 use glam::Vec3;
 
 use super::precision::Arithmetic;
+use crate::math::exact::{Comparable, Expansion};
 use crate::math::float::{gamma, stable_roots};
 use crate::math::ray::Ray;
 use crate::math::real::{Mask, Real, Single};
 use crate::math::vector::{Line, Vector};
 
-/// The smallest t > t_min at which the ray meets the sphere, from outside or inside.
+/// The smallest t within the ray's range at which the ray meets the sphere, from outside or inside.
 #[inline]
 pub fn intersect(ray: &Ray, center: Vec3, radius: f32) -> Option<f32> {
-    let (t, is_hit) = distance(&Line::from(ray), center.into(), radius, ray.t_min);
-    is_hit.then_some(t as f32)
+    let (t, is_hit) = settled(&Line::from(ray), center, radius, [ray.t_min, ray.t_max]);
+    is_hit.then_some(t)
 }
 
-/// As [`intersect`], before rounding; with the lanes that hit.
+/// As [`intersect`], in exact arithmetic.
+pub fn intersect_exactly(ray: &Ray, center: Vec3, radius: f32) -> Option<f32> {
+    let range = [ray.t_min, ray.t_max];
+    let [near, far] = Root::both(ray, center, radius)?;
+    [near, far].iter().find(|root| root.is_within(range)).map(Comparable::rounded)
+}
+
+/// A root of a t^2 - 2 b t + c with real roots, and positive a.
+struct Root {
+    a: Expansion,
+    b: Expansion,
+    c: Expansion,
+    is_far: bool,
+}
+
+impl Root {
+    /// The t of both meetings of the line of a ray with a sphere, if it meets it.
+    fn both(ray: &Ray, center: Vec3, radius: f32) -> Option<[Self; 2]> {
+        let exact = |v: Vec3| v.to_array().map(Expansion::from);
+        let (d, o, center) = (exact(ray.direction), exact(ray.origin), exact(center));
+        let f = [0, 1, 2].map(|k| &o[k] - &center[k]);
+        let dot = |u: &[Expansion; 3], v: &[Expansion; 3]| {
+            &(&(&u[0] * &v[0]) + &(&u[1] * &v[1])) + &(&u[2] * &v[2])
+        };
+        let radius = Expansion::from(radius);
+        let (a, b, c) = (dot(&d, &d), -dot(&f, &d), &dot(&f, &f) - &(&radius * &radius));
+        let discriminant = &(&b * &b) - &(&a * &c);
+        if discriminant.sign() == Ordering::Less {
+            return None;
+        }
+        let root = |is_far| Self { a: a.clone(), b: b.clone(), c: c.clone(), is_far };
+        Some([root(false), root(true)])
+    }
+}
+
+impl Comparable for Root {
+    fn compare(&self, other: f64) -> Ordering {
+        let x = Expansion::from(other);
+        let ax = &self.a * &x;
+        let value = &(&(&ax - &(&self.b + &self.b)) * &x) + &self.c;
+        // Between the roots the value is negative; the middle tells on which side of them x is.
+        match ((&ax - &self.b).sign(), self.is_far) {
+            (Ordering::Greater, false) => Ordering::Less,
+            (Ordering::Less, true) => Ordering::Greater,
+            (_, false) => value.sign(),
+            (_, true) => value.sign().reverse(),
+        }
+    }
+
+    fn approximate(&self) -> f64 {
+        let (a, b, c) = (self.a.value(), self.b.value(), self.c.value());
+        let discriminant = (&(&self.b * &self.b) - &(&self.a * &self.c)).value();
+        let (near, far) = stable_roots(b / a, c / a, discriminant.sqrt() / a);
+        if self.is_far { far } else { near }
+    }
+}
+
+/// Both roots in double precision, with bounds on their errors.
+struct Roots<D: Real> {
+    near: D,
+    near_error: D,
+    far: D,
+    far_error: D,
+    /// The lanes whose line certainly meets the sphere, with errors that are known.
+    known: D::Mask,
+    /// The lanes whose line certainly misses.
+    miss: D::Mask,
+}
+
+/// See the module documentation.
+const ERROR: f64 = 64.0 * (f64::EPSILON / 2.0);
+
+impl<D: Real<Element = f64>> Roots<D> {
+    #[inline(always)]
+    fn of<F: Single<Double = D>>(line: &Line<F>, center: Vector<F>, radius: F) -> Self {
+        const U: f64 = f64::EPSILON / 2.0;
+        let d = line.direction.widen();
+        let f = line.origin.widen() - center.widen();
+        let r = radius.widen();
+        // One division, by the squared length of the direction; the roots need the other.
+        let part = r.same(1.0) / d.dot(d);
+        let b = -(f.dot(d) * part);
+        let nearest = f + d.scale(b);
+        let (n2, f2, r2) = (nearest.dot(nearest), f.dot(f), r * r);
+        let discriminant = r2 - n2;
+        let error = (r2 + (n2 * f2).sqrt()).times(ERROR) + f2.times(ERROR * ERROR);
+        let root = (discriminant * part).sqrt();
+        let root_error = root * ((error / discriminant) + root.same(4.0 * U));
+        let c = (f2 - r2) * part;
+        let c_error = ((f2 + r2) * part).times(12.0 * U);
+        let q = b + root.copysign(b);
+        let q_error = (f2 * part).sqrt().times(9.0 * U) + root_error + q.abs().times(2.0 * U);
+        let other = c / q;
+        let other_error = (c_error + other.abs() * q_error).times(1.03) / q.abs();
+        let other_error = other_error + other.abs().times(2.0 * U);
+        let is_near = other.lt(q);
+        Self {
+            near: D::select(is_near, other, q),
+            near_error: D::select(is_near, other_error, q_error),
+            far: D::select(is_near, q, other),
+            far_error: D::select(is_near, q_error, other_error),
+            known: discriminant.gt(error.times(4.0)) & q_error.times(64.0).lt(q.abs()),
+            miss: discriminant.lt(-error),
+        }
+    }
+}
+
+/// The smallest t within the range, and the lanes that have one. What double precision leaves open
+/// is decided lane by lane.
 #[inline(always)]
-pub fn distance<F: Single>(
+fn settled<F: Single>(
     line: &Line<F>,
-    center: Vector<F>,
-    radius: F,
-    t_min: F,
-) -> (F::Double, <F::Double as Real>::Mask) {
-    let d = line.direction.widen();
-    let f = line.origin.widen() - center.widen();
-    let r = radius.widen();
-    // One division, by the squared length of the direction; the roots need the other.
-    let part = r.same(1.0) / d.dot(d);
-    let b = -(f.dot(d) * part);
-    let nearest = f + d.scale(b);
-    let discriminant = r * r - nearest.dot(nearest);
-    let c = f.dot(f) - r * r;
-    let (near, far) = stable_roots(b, c * part, (discriminant * part).sqrt());
-    // t_min as compared after rounding: the near root must not round to t_min and hide the far
-    // one.
-    let t_min = t_min.widen();
-    let counts = |t: F::Double| F::narrow(t).widen().gt(t_min);
-    let t = Real::select(counts(near), near, far);
-    (t, counts(t) & !discriminant.lt(discriminant.zero()))
+    center: Vec3,
+    radius: f32,
+    [t_min, t_max]: [F; 2],
+) -> (F, F::Mask) {
+    let token = t_min.token();
+    let (centers, radii) = (Vector::splat(token, center), F::splat(token, radius));
+    let roots = Roots::of(line, centers, radii);
+    let (start, end) = (t_min.widen(), t_max.widen());
+    let is_first = (roots.near - roots.near_error).gt(start);
+    let is_second = (roots.near + roots.near_error).le(start);
+    let t = Real::select(is_first, roots.near, roots.far);
+    let error = Real::select(is_first, roots.near_error, roots.far_error);
+    let (low, high) = (t - error, t + error);
+    let (least, most) = (F::narrow(low), F::narrow(high));
+    let is_known = least.eq(most) & least.abs().lt(least.same(f32::MAX));
+    let known = roots.known & (is_first | is_second);
+    let mut hit = (known & low.gt(start) & high.lt(end)).bits() & is_known.bits();
+    let miss = (roots.miss | (known & (high.le(start) | low.ge(end)))).bits();
+    let mut t = least;
+    let mut open = !(hit | miss) & (u32::MAX >> (32 - F::LANES));
+    while open != 0 {
+        let lane = open.trailing_zeros() as usize % F::LANES;
+        open &= open - 1;
+        let ray = Ray {
+            origin: line.origin.lane(lane),
+            direction: line.direction.lane(lane),
+            t_min: t_min.lane(lane),
+            t_max: t_max.lane(lane),
+        };
+        if let Some(exact) = exactly(&ray, center, radius) {
+            t.set_lane(lane, exact);
+            hit |= 1 << lane;
+        }
+    }
+    (t, F::mask(token, hit))
 }
 
-/// The lanes whose rays certainly miss, so that [`distance`] finds no t: most of them, rejected in
+#[cold]
+#[inline(never)]
+fn exactly(ray: &Ray, center: Vec3, radius: f32) -> Option<f32> {
+    if ray.is_valid() { intersect_exactly(ray, center, radius) } else { None }
+}
+
+/// The root nearest to `t`, in double precision; `t` itself if rounding leaves none.
+#[inline(always)]
+pub(super) fn near<F: Single>(line: &Line<F>, t: F, center: Vector<F>, radius: F) -> F::Double {
+    let Roots { near, far, .. } = Roots::of(line, center, radius);
+    let t = t.widen();
+    let nearest = Real::select((t - near).abs().le((t - far).abs()), near, far);
+    Real::select(nearest.eq(nearest), nearest, t)
+}
+
+/// The lanes whose rays certainly miss, so that [`settled`] finds no t: most of them, rejected in
 /// single precision without a division.
 ///
 /// With f from the centre to the origin and n = f x d, the distance is |n| / |d|. Each coordinate
@@ -76,15 +225,8 @@ const ORIGIN_ERROR: f32 = 2.0 * (1.0 + 1024.0) * 3.0 * gamma(3) * gamma(3);
 /// Squares of directions longer than this, 2^-60, keep their precision.
 const SHORTEST: f32 = 1.0 / (1_u64 << 60) as f32;
 
-/// As [`intersect`], by the textbook quadratic in single precision, as in most renderers. Small and
-/// far spheres suffer cancellation.
-#[inline]
-pub fn intersect_fast(ray: &Ray, center: Vec3, radius: f32) -> Option<f32> {
-    let (t, is_hit) = distance_fast(&Line::from(ray), center.into(), radius, ray.t_min);
-    is_hit.then_some(t)
-}
-
-/// As [`distance`], with the method of [`intersect_fast`].
+/// The smallest t > `t_min` by the textbook quadratic in single precision, as in most renderers:
+/// small and far spheres suffer cancellation.
 #[inline(always)]
 fn distance_fast<F: Single>(
     line: &Line<F>,
@@ -105,26 +247,23 @@ fn distance_fast<F: Single>(
 /// The smallest t within (`t_min`, `t_max`) at which each ray meets the sphere, and the lanes that
 /// hit.
 #[inline(always)]
-pub(crate) fn meet<F: Single, P: Arithmetic>(
+pub fn meet<F: Single, P: Arithmetic>(
     line: &Line<F>,
     center: Vec3,
     radius: f32,
-    [t_min, t_max]: [F; 2],
+    range: [F; 2],
 ) -> (F, F::Mask) {
-    let token = t_min.token();
-    let (center, radius) = (Vector::splat(token, center), F::splat(token, radius));
+    let token = range[0].token();
+    let (centers, radii) = (Vector::splat(token, center), F::splat(token, radius));
     if P::IS_FAST {
-        let (t, is_hit) = distance_fast(line, center, radius, t_min);
-        return (t, is_hit & t.lt(t_max));
+        let (t, is_hit) = distance_fast(line, centers, radii, range[0]);
+        return (t, is_hit & t.lt(range[1]));
     }
-    let open = !passes_by(line, center, radius);
-    if !open.any() {
-        return (t_max, open);
+    let passes = passes_by(line, centers, radii);
+    if !(!passes).any() {
+        return (range[1], !passes);
     }
-    let (t, is_hit) = distance(line, center, radius, t_min);
-    // Masks of the two widths are converted through bits.
-    let (t, is_hit) = (F::narrow(t), F::mask(token, is_hit.bits()));
-    (t, is_hit & t.lt(t_max))
+    settled(line, center, radius, range)
 }
 
 #[cfg(test)]

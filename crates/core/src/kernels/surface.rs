@@ -3,13 +3,13 @@
 //! Points are computed in double precision and rounded once, so that the bound is little more than
 //! half an ulp and the origins of the next rays stay as near to the surface as possible.
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 use super::precision::Arithmetic;
 use super::quad;
 use super::sphere;
-use super::triangle::{ShearedSpace, fast};
-use crate::math::float::error_of_offset;
+use super::triangle::{self, exact};
+use crate::math::float::{error_of_offset, gamma};
 use crate::math::ray::Ray;
 use crate::math::real::{Mask, Real, Single};
 use crate::math::vector::{Line, Vector};
@@ -70,11 +70,16 @@ pub fn triangle_at<F: Single, P: Arithmetic>(
     corners: &[Vector<F>; 3],
 ) -> Surface<F> {
     if !P::IS_FAST {
-        return triangle(line, corners);
+        return on_triangle(line, corners);
     }
     let [a, b, c] = *corners;
-    let fast::Crossing { u, v, .. } = fast::crossing(line, corners);
-    Surface::fast(line.at(t), (b - a).cross(c - a), [u, v])
+    // As Möller and Trumbore (*Fast, Minimum Storage Ray/Triangle Intersection*, 1997).
+    let (e1, e2, s) = (b - a, c - a, line.origin - a);
+    let p = line.direction.cross(e2);
+    let part = t.same(1.0) / e1.dot_in_order(p);
+    let u = s.dot_in_order(p) * part;
+    let v = line.direction.dot_in_order(s.cross(e1)) * part;
+    Surface::fast(line.at(t), e1.cross(e2), [u, v])
 }
 
 /// The points at which rays meet spheres, one each, at `t`; the normal points outward.
@@ -86,14 +91,14 @@ pub fn sphere_at<F: Single, P: Arithmetic>(
     radius: F,
 ) -> Surface<F> {
     if !P::IS_FAST {
-        return sphere(line, center, radius);
+        return sphere(line, t, center, radius);
     }
     let point = line.at(t);
     Surface::fast(point, point - center, [t.zero(); 2])
 }
 
 #[inline(always)]
-fn triangle<F: Single>(line: &Line<F>, corners: &[Vector<F>; 3]) -> Surface<F> {
+fn on_triangle<F: Single>(line: &Line<F>, corners: &[Vector<F>; 3]) -> Surface<F> {
     let [a, b, c] = *corners;
     let size = a.max_abs().max(b.max_abs()).max(c.max_abs());
     let [wa, wb, wc] = weights(line, corners, size);
@@ -107,8 +112,11 @@ fn triangle<F: Single>(line: &Line<F>, corners: &[Vector<F>; 3]) -> Surface<F> {
     }
 }
 
-/// See [`ShearedSpace::barycentric`], which decides lane by lane if the point is not certainly
-/// inside the triangle. Corners have coordinates up to `size`.
+/// Barycentric coordinates of the points at which rays meet triangles, none negative, with sum one.
+/// Corners have coordinates up to `size`.
+///
+/// If double precision does not place the point inside, and as near to the ray as single precision
+/// could, exact arithmetic does.
 #[inline(always)]
 fn weights<F: Single>(line: &Line<F>, corners: &[Vector<F>; 3], size: F) -> [F::Double; 3] {
     let space = Sheared::new(line);
@@ -123,7 +131,8 @@ fn weights<F: Single>(line: &Line<F>, corners: &[Vector<F>; 3], size: F) -> [F::
     let zero = sum.zero();
     // Also false if the sum is zero and the quotients are NaN.
     let inside = wa.ge(zero) & wb.ge(zero) & wc.ge(zero) & sum.ne(zero);
-    let sideways = ShearedSpace::sideways_of(size, line.origin.max_abs()) * space.direction.z.abs();
+    let sideways = (size.widen() + line.origin.max_abs().widen()).times(SIDEWAYS);
+    let sideways = sideways * space.direction.z.abs();
     let (x, y) = (ax * wa + bx * wb + cx * wc, ay * wa + by * wb + cy * wc);
     let beside = x.abs().le(sideways) & y.abs().le(sideways);
     let mut open = !(inside & beside).bits() & (u32::MAX >> (32 - F::LANES));
@@ -139,14 +148,19 @@ fn weights<F: Single>(line: &Line<F>, corners: &[Vector<F>; 3], size: F) -> [F::
     [wa, wb, wc]
 }
 
+/// How far beside the ray a point may be, as a factor of the coordinates.
+const SIDEWAYS: f64 = gamma(10) as f64;
+
 #[cold]
 #[inline(never)]
 fn weights_of_one(origin: Vec3, direction: Vec3, corners: &[Vec3; 3]) -> [f64; 3] {
-    ShearedSpace::new(&Ray::new(origin, direction)).barycentric(corners).to_array()
+    let ray = Ray::new(origin, direction);
+    let weights = if ray.is_valid() { exact::barycentric(&ray, corners) } else { None };
+    weights.unwrap_or(DVec3::splat(1.0 / 3.0)).to_array()
 }
 
-/// The space of a ray in double precision: see [`ShearedSpace`]. Its x and y are scaled by z of the
-/// direction, which saves divisions.
+/// The space of a ray in which it starts at 0 and runs along z, in double precision. Its x and y
+/// are scaled by z of the direction, which saves divisions.
 struct Sheared<F: Single> {
     along_x: F::Mask,
     along_y: F::Mask,
@@ -186,10 +200,9 @@ fn turn<F: Real>(along_x: F::Mask, along_y: F::Mask, v: Vector<F>) -> Vector<F> 
 }
 
 #[inline(always)]
-fn sphere<F: Single>(line: &Line<F>, center: Vector<F>, radius: F) -> Surface<F> {
+fn sphere<F: Single>(line: &Line<F>, t: F, center: Vector<F>, radius: F) -> Surface<F> {
     let zero = radius.zero();
-    let (t, is_hit) = sphere::distance(line, center, radius, zero);
-    let t = Real::select(is_hit, t, t.zero());
+    let t = sphere::near(line, t, center, radius);
     let wide = center.widen();
     let hit = line.origin.widen() + line.direction.widen().scale(t);
     let normal = (hit - wide).normalize_wide();
@@ -205,16 +218,8 @@ fn sphere<F: Single>(line: &Line<F>, center: Vector<F>, radius: F) -> Surface<F>
 /// The half of the quad `corners` that `ray` meets first. The ray must hit the quad.
 #[inline]
 pub fn quad_half(ray: &Ray, corners: &[Vec3; 4]) -> [Vec3; 3] {
-    let space = ShearedSpace::new(ray);
     let [first, second] = quad::halves(corners);
-    // Nearly every ray certainly misses one half, so the other was hit.
-    if space.passes_by(&second) {
-        return first;
-    }
-    if space.passes_by(&first) {
-        return second;
-    }
-    match (space.intersect(&first), space.intersect(&second)) {
+    match (triangle::meet(ray, &first), triangle::meet(ray, &second)) {
         (Some(s), Some(t)) if t < s => second,
         (None, Some(_)) => second,
         _ => first,
@@ -296,12 +301,12 @@ mod tests {
             let [x, y, z, _] = random(i, 50);
             let origin = target + (Vec3::new(x, y, z) - 0.5) * target.length();
             let ray = Ray::new(origin, target - origin);
-            if ShearedSpace::new(&ray).intersect(&corners).is_none() {
+            if triangle::meet(&ray, &corners).is_none() {
                 continue;
             }
             tried += 1;
-            let surface = triangle(&Line::from(&ray), &corners.map(Vector::from));
-            let again = leave(&surface, i, |ray| ShearedSpace::new(ray).intersect(&corners));
+            let surface = on_triangle(&Line::from(&ray), &corners.map(Vector::from));
+            let again = leave(&surface, i, |ray| triangle::meet(ray, &corners));
             assert_eq!(again, 0, "triangle {i}: {corners:?}");
         }
         assert!(tried > 2000, "{tried}");
@@ -316,10 +321,8 @@ mod tests {
             let [x, y, z, _] = random(i, 2);
             let outside = center + normalize(Vec3::new(x, y, z) - 0.5) * (radius * (2.0 + h));
             let ray = Ray::new(outside, center - outside);
-            let surface = sphere(&Line::from(&ray), center.into(), radius);
-            if sphere::intersect(&ray, center, radius).is_none() {
-                continue;
-            }
+            let Some(t) = sphere::intersect(&ray, center, radius) else { continue };
+            let surface = sphere(&Line::from(&ray), t, center.into(), radius);
             let outward = |ray: &Ray| {
                 let leaves = ray.direction.dot(surface.normal.into()) > 0.0;
                 leaves.then(|| sphere::intersect(ray, center, radius)).flatten()

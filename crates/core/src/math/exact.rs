@@ -1,57 +1,43 @@
-//! Sums of products without rounding, after Shewchuk, *Adaptive Precision Floating-Point Arithmetic
-//! and Fast Robust Geometric Predicates* (1997).
+//! Numbers without rounding error, after Shewchuk, *Adaptive Precision Floating-Point Arithmetic and
+//! Fast Robust Geometric Predicates* (1997).
 //!
-//! A number is stored as a sum of doubles that do not overlap. Single precision leaves room: in
-//! double precision a product of three such numbers neither overflows nor loses bits to underflow,
-//! so the results here are exact.
+//! A number is a sum of doubles that do not overlap. Numbers of single precision leave room: up to
+//! the sixth degree, their products neither overflow in double precision nor lose bits to underflow,
+//! so sums, differences and products are exact. They take microseconds: kernels ask only for what
+//! double precision leaves open.
 
-/// The largest number of terms in a sum, two for each product.
-const MOST: usize = 96;
+use std::cmp::Ordering;
+use std::ops::{Add, Mul, Neg, Sub};
 
-/// The exact sum of products of three single-precision numbers.
-#[derive(Clone, Copy, Debug)]
-pub struct Sum {
-    /// In rising order of magnitude, without overlap.
-    terms: [f64; MOST],
-    count: usize,
+/// An exact number: a sum of doubles.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Expansion {
+    /// In rising order of magnitude, without overlap and without zeros.
+    terms: Vec<f64>,
 }
 
-impl Sum {
-    /// The empty sum.
-    pub const ZERO: Self = Self { terms: [0.0; MOST], count: 0 };
-
-    /// Adds `x y z`. At most 48 products can be added.
-    pub fn add_product(&mut self, x: f32, y: f32, z: f32) {
-        // A product of two has 48 bits, which fit into a double.
-        let xy = f64::from(x) * f64::from(y);
-        let z = f64::from(z);
-        let high = xy * z;
-        // The rounding error. This is the only fused operation, and every machine computes it
-        // alike.
-        self.add(xy.mul_add(z, -high));
-        self.add(high);
+impl From<f64> for Expansion {
+    fn from(value: f64) -> Self {
+        let mut sum = Self::default();
+        sum.grow(value);
+        sum
     }
+}
 
-    /// Adds `a . (b x c)`: six products.
-    pub fn add_volume(&mut self, a: [f32; 3], b: [f32; 3], c: [f32; 3]) {
-        for (k, &x) in a.iter().enumerate() {
-            let (i, j) = ((k + 1) % 3, (k + 2) % 3);
-            self.add_product(x, b[i], c[j]);
-            self.add_product(-x, b[j], c[i]);
-        }
+impl From<f32> for Expansion {
+    fn from(value: f32) -> Self {
+        Self::from(f64::from(value))
     }
+}
 
-    /// Adds another sum.
-    pub fn add_sum(&mut self, other: &Self) {
-        for &term in &other.terms[..other.count] {
-            self.add(term);
-        }
-    }
-
+impl Expansion {
     /// Shewchuk's Grow-Expansion, which drops terms of zero.
-    fn add(&mut self, mut carried: f64) {
+    fn grow(&mut self, mut carried: f64) {
+        if carried == 0.0 {
+            return;
+        }
         let mut kept = 0;
-        for i in 0..self.count {
+        for i in 0..self.terms.len() {
             let (sum, rest) = two_sum(carried, self.terms[i]);
             carried = sum;
             if rest != 0.0 {
@@ -59,17 +45,151 @@ impl Sum {
                 kept += 1;
             }
         }
-        if carried != 0.0 && kept < MOST {
-            self.terms[kept] = carried;
-            kept += 1;
+        self.terms.truncate(kept);
+        if carried != 0.0 {
+            self.terms.push(carried);
         }
-        self.count = kept;
     }
 
-    /// The sum as a double: within a few ulp, and of the right sign, as the largest term has.
-    pub fn value(&self) -> f64 {
-        self.terms[..self.count].iter().sum()
+    /// Adds the product of three numbers, times `sign`. This is what determinants consist of, and
+    /// takes no memory in between.
+    pub fn add_product(&mut self, sign: f64, [a, b, c]: [&Self; 3]) {
+        for &a in &a.terms {
+            for &b in &b.terms {
+                let (high, low) = two_product(sign * a, b);
+                for &c in &c.terms {
+                    for part in [low, high] {
+                        let (high, low) = two_product(part, c);
+                        self.grow(low);
+                        self.grow(high);
+                    }
+                }
+            }
+        }
     }
+
+    /// The number as a double: within a few ulp, and of the right sign, as the largest term has.
+    pub fn value(&self) -> f64 {
+        self.terms.iter().fold(0.0, |sum, term| sum + term)
+    }
+
+    /// Its order relative to zero.
+    pub fn sign(&self) -> Ordering {
+        self.terms.last().map_or(Ordering::Equal, |last| last.total_cmp(&0.0))
+    }
+}
+
+impl Add for &Expansion {
+    type Output = Expansion;
+
+    fn add(self, other: Self) -> Expansion {
+        let mut sum = self.clone();
+        other.terms.iter().for_each(|&term| sum.grow(term));
+        sum
+    }
+}
+
+impl Neg for Expansion {
+    type Output = Self;
+
+    fn neg(mut self) -> Self {
+        self.terms.iter_mut().for_each(|term| *term = -*term);
+        self
+    }
+}
+
+impl Sub for &Expansion {
+    type Output = Expansion;
+
+    fn sub(self, other: Self) -> Expansion {
+        self + &-other.clone()
+    }
+}
+
+impl Mul for &Expansion {
+    type Output = Expansion;
+
+    fn mul(self, other: Self) -> Expansion {
+        let mut sum = Expansion::default();
+        for &a in &self.terms {
+            for &b in &other.terms {
+                let (product, rest) = two_product(a, b);
+                sum.grow(rest);
+                sum.grow(product);
+            }
+        }
+        sum
+    }
+}
+
+/// The exact quotient of two numbers, the second not zero.
+#[derive(Clone, Debug)]
+pub struct Quotient {
+    numerator: Expansion,
+    /// Positive.
+    denominator: Expansion,
+}
+
+impl Quotient {
+    /// The quotient, or `None` if `denominator` is zero.
+    pub fn new(numerator: Expansion, denominator: Expansion) -> Option<Self> {
+        match denominator.sign() {
+            Ordering::Equal => None,
+            Ordering::Greater => Some(Self { numerator, denominator }),
+            Ordering::Less => Some(Self { numerator: -numerator, denominator: -denominator }),
+        }
+    }
+}
+
+/// A real number that can be compared with doubles without rounding.
+pub trait Comparable {
+    /// Its order relative to a double with at most 26 significant bits.
+    fn compare(&self, other: f64) -> Ordering;
+
+    /// The number as a double, within 16 ulp.
+    fn approximate(&self) -> f64;
+
+    /// Whether it lies strictly between `t_min` and `t_max`, of which infinite ones stand for the
+    /// largest finite numbers.
+    fn is_within(&self, [t_min, t_max]: [f32; 2]) -> bool {
+        let [t_min, t_max] = [t_min, t_max].map(|end| f64::from(end.clamp(f32::MIN, f32::MAX)));
+        self.compare(t_min) == Ordering::Greater && self.compare(t_max) == Ordering::Less
+    }
+
+    /// The nearest number of single precision, to even if two are equally near. The number must not
+    /// exceed the largest one.
+    fn rounded(&self) -> f32 {
+        let near = self.approximate();
+        let error = near.abs() * (32.0 * f64::EPSILON);
+        let (low, high) = ((near - error) as f32, (near + error) as f32);
+        if low == high {
+            // Without a negative zero.
+            return low + 0.0;
+        }
+        // Neighbours: the middle has one bit more.
+        let middle = (f64::from(low) + f64::from(high)) / 2.0;
+        match self.compare(middle) {
+            Ordering::Less => low,
+            Ordering::Greater => high,
+            Ordering::Equal => middle as f32,
+        }
+    }
+}
+
+impl Comparable for Quotient {
+    fn compare(&self, other: f64) -> Ordering {
+        (&self.numerator - &(&self.denominator * &Expansion::from(other))).sign()
+    }
+
+    fn approximate(&self) -> f64 {
+        self.numerator.value() / self.denominator.value()
+    }
+}
+
+/// The rounded product and its rounding error, which every machine computes alike.
+fn two_product(a: f64, b: f64) -> (f64, f64) {
+    let product = a * b;
+    (product, a.mul_add(b, -product))
 }
 
 /// The rounded sum and its rounding error (Knuth).
@@ -85,42 +205,42 @@ mod tests {
     use super::*;
     use crate::math::random::Stream;
 
-    #[test]
-    fn what_cancels_leaves_nothing_or_the_last_bit() {
-        let mut sum = Sum::ZERO;
-        sum.add_product(1e30, 1e30, 1e30);
-        sum.add_product(1e-40, 1e-40, 1e-40);
-        sum.add_product(-1e30, 1e30, 1e30);
-        let tiny = f64::from(1e-40_f32);
-        assert!((sum.value() / (tiny * tiny * tiny) - 1.0).abs() < 1e-15);
-        sum.add_product(1e-40, -1e-40, 1e-40);
-        assert_eq!(sum.value(), 0.0);
+    fn product(numbers: [f32; 3]) -> Expansion {
+        numbers.iter().fold(Expansion::from(1.0_f32), |product, &x| &product * &Expansion::from(x))
     }
 
     #[test]
-    fn volumes_have_the_sign_that_exact_predicates_give() {
-        let mut zeros = 0;
-        for i in 0..20_000 {
-            let stream = Stream { seed: 3, pixel: i, sample: 0, bounce: 0 };
-            // Few bits: many of the volumes are zero, and many nearly.
-            let at = |k: u32| {
-                let [x, y, z, w] = stream.uniform(k);
-                [x, y, z].map(|v| (v * 4.0).floor() * if w < 0.3 { 1.000_000_1 } else { 0.1 })
-            };
-            let [a, b, c] = [at(0), at(1), at(2)];
-            let mut volume = Sum::ZERO;
-            volume.add_volume(a, b, c);
-            let point = |[x, y, z]: [f32; 3]| robust::Coord3D {
-                x: f64::from(x),
-                y: f64::from(y),
-                z: f64::from(z),
-            };
-            let zero = point([0.0; 3]);
-            let expected = robust::orient3d(point(a), point(b), point(c), zero);
-            assert_eq!(volume.value() > 0.0, expected > 0.0, "{a:?} {b:?} {c:?}");
-            assert_eq!(volume.value() < 0.0, expected < 0.0, "{a:?} {b:?} {c:?}");
-            zeros += u32::from(expected == 0.0);
+    fn what_cancels_leaves_nothing_or_the_last_bit() {
+        let tiny = product([1e-40; 3]);
+        let sum = &(&product([1e30; 3]) + &tiny) + &product([-1e30, 1e30, 1e30]);
+        let expected = f64::from(1e-40_f32).powi(3);
+        assert!((sum.value() / expected - 1.0).abs() < 1e-15);
+        assert_eq!((&sum - &tiny).sign(), Ordering::Equal);
+    }
+
+    /// Quotients of the middle between neighbours, and next to it on either side.
+    #[test]
+    fn quotients_are_rounded_once() {
+        for pixel in 0..10_000 {
+            let stream = Stream { seed: 5, pixel, sample: 0, bounce: 0 };
+            let [a, b, c, _] = stream.uniform(0);
+            let below = (a - 0.5) * libm::powf(10.0, 60.0 * b - 30.0);
+            let (low, high) = (f64::from(below), f64::from(below.next_up()));
+            let middle = Expansion::from((low + high) / 2.0);
+            let denominator = &Expansion::from(c + 0.1) * &Expansion::from(b + 0.3);
+            let numerator = &middle * &denominator;
+            let last = product([1e-38, 1e-38, 1e-30]);
+            let even = if below.to_bits().is_multiple_of(2) { below } else { below.next_up() };
+            for (numerator, expected) in [
+                (&numerator - &last, below),
+                (numerator.clone(), even),
+                (&numerator + &last, below.next_up()),
+            ] {
+                let quotient = Quotient::new(numerator, denominator.clone()).expect("not zero");
+                assert_eq!(quotient.rounded(), expected, "{below}");
+                let beyond = [below.next_down(), below.next_up().next_up()];
+                assert!(quotient.is_within(beyond));
+            }
         }
-        assert!(zeros > 100, "{zeros}");
     }
 }

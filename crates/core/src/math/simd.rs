@@ -5,7 +5,7 @@
 //! divide and compare like single values, and no operation is fused.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x8, f32x16, u32x8};
+use fearless_simd::{Simd, f32x8, f32x16, f64x8, u32x8};
 use serde::Serialize;
 
 use super::real::Single;
@@ -202,6 +202,20 @@ pub trait Lanes: Simd {
         // Each index becomes those of its four bytes: i -> 4 i, 4 i + 1, 4 i + 2, 4 i + 3.
         let bytes = indices * u32x8::splat(self, 0x0404_0404) + u32x8::splat(self, 0x0302_0100);
         values.swizzle_dyn(bytes.to_bytes())
+    }
+
+    /// Eight numbers in double precision.
+    #[inline(always)]
+    fn widen(self, values: f32x8<Self>) -> f64x8<Self> {
+        let (low, high) = SimdWiden::widen(values);
+        low.combine(high)
+    }
+
+    /// Eight numbers, rounded to single precision.
+    #[inline(always)]
+    fn narrow(self, values: f64x8<Self>) -> f32x8<Self> {
+        let (low, high) = values.split();
+        low.narrow(high)
     }
 
     /// Eight stack entries ([`entry`]).

@@ -9,6 +9,7 @@ use rayon::prelude::*;
 use super::units::{Blocks, Grid};
 use super::{RenderOptions, TracerKind, Watch, batch_size};
 use crate::counters::Counters;
+use crate::kernels::precision::Precision;
 use crate::plan::schedule::Flaw;
 use crate::prepared::PreparedScene;
 use crate::recursive::Recursive;
@@ -66,6 +67,8 @@ pub struct Done {
     pub pass_seconds: Vec<(&'static str, f64)>,
     /// Seconds from start to end.
     pub seconds: f64,
+    /// The precision of its hits.
+    pub precision: Precision,
 }
 
 /// Renders `job` on the threads of the current pool, and passes the state of a tile to `keep` after
@@ -100,7 +103,7 @@ pub fn run(
         worker.render(scene, job, &(job.task)(number), watch, keep);
     });
     scene.appearance.check()?;
-    Ok(gather(workers, start))
+    Ok(gather(workers, start, scene.accel.geometry().precision))
 }
 
 /// A tracer, and the sums of its current tile.
@@ -187,7 +190,7 @@ fn refused(flaw: Flaw) -> Error {
 }
 
 /// Adds up the counts of the tracers.
-fn gather(workers: Vec<Mutex<Worker>>, start: Instant) -> Done {
+fn gather(workers: Vec<Mutex<Worker>>, start: Instant, precision: Precision) -> Done {
     let mut counters = Counters::default();
     let mut pass_seconds: Vec<(&'static str, f64)> = Vec::new();
     let mut columns = 0;
@@ -202,5 +205,6 @@ fn gather(workers: Vec<Mutex<Worker>>, start: Instant) -> Done {
             }
         }
     }
-    Done { counters, columns, pass_seconds, seconds: start.elapsed().as_secs_f64() }
+    let seconds = start.elapsed().as_secs_f64();
+    Done { counters, columns, pass_seconds, seconds, precision }
 }

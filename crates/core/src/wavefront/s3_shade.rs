@@ -164,7 +164,7 @@ impl<P: Arithmetic> Shade<'_, P> {
         }
         let origin = fetch(token, &rays.origin, &numbers);
         let line = Line { origin, direction: fetch(token, &rays.direction, &numbers) };
-        let t = self.distances::<F>(token, &numbers);
+        let t = self.distances::<F>(token, kind, &numbers);
         let mut look_ups = LookUps::default();
         let arriving = |lane: usize| self.arriving(group.faces[lane].ray);
         let point = group.shading_points::<P>(kind, &line, t, self.scene, arriving, &mut look_ups);
@@ -191,11 +191,11 @@ impl<P: Arithmetic> Shade<'_, P> {
         }
     }
 
-    /// The t of the hits; called only if it matters.
+    /// The t of the hits, where it matters: exact points of triangles follow from the rays alone.
     #[inline(always)]
-    fn distances<F: Single>(&self, token: F::Token, rays: &[u32; LANES]) -> F {
+    fn distances<F: Single>(&self, token: F::Token, kind: Kind, rays: &[u32; LANES]) -> F {
         let mut t = F::splat(token, 0.0);
-        if P::IS_FAST {
+        if P::IS_FAST || kind == Kind::Spheres {
             for (lane, &ray) in rays.iter().enumerate().take(F::LANES) {
                 t.set_lane(lane, self.batch.hits.hit[ray as usize].t);
             }

@@ -42,7 +42,7 @@ impl Knob {
         let mut all: Vec<Self> = presets.map(Self::Preset).collect();
         all.extend([TracerKind::Wavefront, TracerKind::Recursive].map(Self::Tracer));
         all.extend(batches.map(Self::Batch));
-        all.extend(KernelChoice::FOR_RENDERS.map(Self::Kernel));
+        all.extend(KernelChoice::ALL.map(Self::Kernel));
         all.extend(Level::available().iter().copied().map(Self::Level));
         all.extend(threads.into_iter().map(Self::Threads));
         all

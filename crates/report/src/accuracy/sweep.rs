@@ -331,8 +331,7 @@ fn trials(subject: &mut Subject, store: &mut Store, progress: &dyn Progress) -> 
         if accel.geometry().triangles.is_empty() {
             return Ok(());
         }
-        let found =
-            trial(accel, &Effort { precision, seed: 1, count: Count::Quick, reference: false });
+        let found = trial(accel, &Effort { precision, seed: 1, count: Count::Quick });
         store.add(Record::Trial(TrialRecord {
             scene: name.clone(),
             precision: precision.name().to_owned(),

@@ -3,9 +3,9 @@
 use std::iter::Sum;
 
 use wavecrest_base::error::Result;
+use wavecrest_core::accel::Accel;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::accel::geometry::Geometry;
-use wavecrest_core::accel::{Accel, KernelChoice};
 use wavecrest_core::kernels::precision::Precision;
 
 /// The number of tests.
@@ -28,23 +28,13 @@ pub struct Effort {
     pub seed: u64,
     /// The number of tests.
     pub count: Count,
-    /// Whether the reference kernel is tested in place of those for renders: their t has an error
-    /// within its bound, so that hits of both are not compared with each other.
-    pub reference: bool,
 }
 
 impl Effort {
     /// `geometry` with a tree of `preset`, in the tested precision.
     pub(super) fn accel(&self, mut geometry: Geometry, preset: Preset) -> Accel {
         geometry.set_precision(self.precision);
-        let mut accel = Accel::new(geometry, preset);
-        accel.kernel = self.kernel();
-        accel
-    }
-
-    /// The kernel with which accelerators are made.
-    pub(super) fn kernel(&self) -> KernelChoice {
-        if self.reference { KernelChoice::Reference } else { KernelChoice::default() }
+        Accel::new(geometry, preset)
     }
 
     /// `full`, a hundredth of it, or a quarter of that.

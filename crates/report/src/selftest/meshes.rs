@@ -57,8 +57,8 @@ fn among_others(effort: &Effort) -> Outcome {
     outcome
 }
 
-/// A closed mesh in which faces on one side of an edge have a vertex in its middle, and a
-/// degenerate triangle closes the gap: no ray from inside leaves.
+/// A closed mesh in which faces on one side of an edge have a vertex exactly in its middle, and a
+/// degenerate triangle lies along it: there is no gap, and no ray from inside leaves.
 fn sealed(effort: &Effort) -> Outcome {
     // On a grid, so that the middle of an edge is exactly on it.
     let Mesh { mut positions, triangles: faces } = globe(4, 1000.0, 1.0 / 16.0);

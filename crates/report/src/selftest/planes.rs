@@ -196,8 +196,7 @@ const AXES: [[DVec3; 3]; 3] = [
 const WIDE_FLOORS: usize = 4 * HALF_WIDTHS.len() * AXES.len();
 
 /// Case 47. A ray that comes down on a floor clear of its edges must hit it, also if it passes the
-/// diagonal more closely than rounding can tell. Rays nearest to the diagonal behind their start are
-/// left out: within rounding of it, robust precision may lose them, and those of meshes too.
+/// diagonal more closely than rounding can tell, before or behind its start.
 pub(super) fn floors_from_just_above(effort: &Effort) -> Outcome {
     (0..WIDE_FLOORS).map(|floor| floor_from_just_above(effort, floor)).sum()
 }
@@ -236,14 +235,7 @@ fn floor_from_just_above(effort: &Effort, floor: usize) -> Outcome {
             let t = origin.dot(normal) / -direction.dot(normal);
             let place = origin + direction * t;
             let is_within = |axis| place.dot(axis).abs() < 0.9 * half * squared;
-            // Where it is nearest to the diagonal, which passes through 0: as seen along the ray, in a
-            // plane across the ray's longest axis.
-            let longest = direction.abs().max_position();
-            let seen = |v: DVec3| v - direction * (v[longest] / direction[longest]);
-            let [to_middle, along] = [seen(-origin), seen(diagonal)];
-            let nearest = diagonal * (-to_middle.dot(along) / along.length_squared());
-            let is_ahead = (nearest - origin)[longest] / direction[longest] > 0.01 * t;
-            (t > 0.0 && is_within(u) && is_within(v) && is_ahead).then_some(ray)
+            (t > 0.0 && is_within(u) && is_within(v)).then_some(ray)
         })
         .collect();
     every_way(effort.accel(geometry, Preset::VeryFast), &rays, |_, _, hit| {

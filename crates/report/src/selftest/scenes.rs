@@ -45,8 +45,7 @@ pub(super) fn prepare_text(
     let options = systems::Options { precision: effort.precision, ..Default::default() };
     let extracted = systems::extract(&mut loaded.world, options)?;
     let file = extracted.file().to_owned();
-    let mut scene = extracted.build(preset);
-    scene.accel.kernel = effort.kernel();
+    let scene = extracted.build(preset);
     let more = systems::warnings(&scene, &file);
     let warnings = loaded.warnings.iter().chain(&more).map(ToString::to_string).collect();
     Ok(Prepared { scene, warnings })

@@ -200,7 +200,7 @@ fn towards_a_triangle(effort: &Effort) -> Outcome {
         if normalize(ray.direction).dot(normal).abs() > 0.1 {
             let hit = tests.triangle(&ray, &corners);
             let context = |t| format!("{ray} is blocked at {t} by the light's own {corners:?}");
-            outcome.count(hit.filter(|&t| t < ray.t_max).map(context));
+            outcome.count(hit.filter(|&t| t != ray.t_max).map(context));
         }
         Some(outcome)
     })

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use super::case::{Effort, Outcome};
 use super::directions::cubes;
 use super::ways::{Numbers, every_way, inputs};
-use super::whole::{Expected, Triangles};
+use super::whole::{Triangles, wrong};
 use wavecrest_core::accel::Hit;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::accel::geometry::Geometry;
@@ -60,7 +60,7 @@ fn compare(
 }
 
 /// The expected hits of the rays on a geometry with integer coordinates.
-fn expected_of(geometry: &Geometry, rays: &[Ray]) -> Vec<Expected> {
+fn expected_of(geometry: &Geometry, rays: &[Ray]) -> Vec<Hit> {
     let triangles = Triangles::of(geometry);
     rays.par_iter().map(|ray| triangles.met_by(ray)).collect()
 }
@@ -105,11 +105,11 @@ pub(super) fn boxes(effort: &Effort) -> Outcome {
         geometry.positions.iter_mut().for_each(|p| *p *= scale);
         let scaled = |ray: &Ray| Ray::new(ray.origin * scale, ray.direction * scale);
         let rays: Vec<Ray> = rays.iter().map(scaled).collect();
-        compare(effort, &geometry, &rays, &Preset::ALL[1..], |i, hit| expected[i].wrong(hit))
+        compare(effort, &geometry, &rays, &Preset::ALL[1..], |i, hit| wrong(hit, expected[i]))
     };
     let scales = [1.0 / UNIT, 1_048_576.0 / UNIT, 1.0 / (UNIT * 1_048_576.0)];
     let mut outcome: Outcome = scales.into_iter().map(at_scale).sum();
-    let certain = expected.iter().filter(|expected| !expected.first.is_miss()).count();
+    let certain = expected.iter().filter(|expected| !expected.is_miss()).count();
     outcome.check(certain > rays.len() / 4, || format!("{certain} rays certainly hit anything"));
     outcome
 }
@@ -171,7 +171,7 @@ pub(super) fn duplicates(effort: &Effort) -> Outcome {
                 };
                 let later = !hit.is_miss() && !is_first(hit.primitive);
                 let copy = later.then(|| format!("{hit:?} is a copy of one before it"));
-                expected[i].wrong(hit).or(copy)
+                wrong(hit, expected[i]).or(copy)
             }));
         }
     }
@@ -198,7 +198,7 @@ pub(super) fn one_centroid(effort: &Effort) -> Outcome {
             })
             .collect();
         let expected = expected_of(&geometry, &rays);
-        let wrong = |i: usize, hit| expected[i].wrong(hit);
+        let wrong = |i: usize, hit| wrong(hit, expected[i]);
         outcome.add(compare(effort, &geometry, &rays, &[Preset::VeryFast], wrong));
         let accel = effort.accel(geometry, Preset::VeryFast);
         for ray in &rays {

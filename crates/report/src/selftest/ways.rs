@@ -12,7 +12,7 @@ use wavecrest_core::accel::{Accel, Hit, KernelChoice};
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::kernels::sphere;
 use wavecrest_core::kernels::surface::{self, Surface};
-use wavecrest_core::kernels::triangle::{ShearedSpace, exact, fast};
+use wavecrest_core::kernels::triangle::{self, exact, filter};
 use wavecrest_core::math::random::{Generator, Stream};
 use wavecrest_core::math::ray::Ray;
 use wavecrest_core::math::simd::Level;
@@ -32,17 +32,21 @@ pub(super) fn every_way(
     with_every_kernel(accel, |accel| ask(accel, rays, &judge))
 }
 
-/// Checks the hits of `accel` with every kernel for renders, or with the reference if `accel` has
-/// it, and at all instruction levels.
+/// Checks the hits of `accel` with every kernel and at all instruction levels. The reference is
+/// asked once, as exact arithmetic is the same at every level, and is not timed; in fast precision it
+/// is the single kernel.
 pub(super) fn with_every_kernel(mut accel: Accel, check: impl Fn(&Accel) -> Outcome) -> Outcome {
-    let is_reference = accel.kernel == KernelChoice::Reference;
-    let kernels: &[_] =
-        if is_reference { &[KernelChoice::Reference] } else { &KernelChoice::FOR_RENDERS };
     let mut outcome = Outcome::default();
+    if accel.geometry().precision == Precision::Exact {
+        accel.kernel = KernelChoice::Reference;
+        let context = || KernelChoice::Reference.name().to_owned();
+        let of_reference = check(&accel).with_context(context);
+        outcome.add(Outcome { timed: 0, seconds: 0.0, ..of_reference });
+    }
     for level in Level::available() {
         let Some(token) = level.token() else { continue };
         accel.level = token;
-        for &kernel in kernels {
+        for kernel in KernelChoice::FOR_RENDERS {
             accel.kernel = kernel;
             let context = || format!("{} {}", level.name(), kernel.name());
             outcome.add(check(&accel).with_context(context));
@@ -98,50 +102,46 @@ pub(super) fn in_order(outcomes: impl ParallelIterator<Item = Outcome>) -> Outco
     outcomes.collect::<Vec<_>>().into_iter().sum()
 }
 
-/// The tests of one primitive, and their surface points, in a precision.
+/// The tests of one primitive, and their surface points, in a precision. In exact precision hits are
+/// those of exact arithmetic: if the tests in use find others, t is a NaN, which keeps no bound.
 #[derive(Clone, Copy)]
-pub(super) struct Tests {
-    precision: Precision,
-    reference: bool,
-}
+pub(super) struct Tests(Precision);
 
 impl Tests {
     /// The tests that `effort` asks for.
     pub(super) fn of(effort: &Effort) -> Self {
-        Self { precision: effort.precision, reference: effort.reference }
+        Self(effort.precision)
     }
 
     /// The tests that the hits of `accel` are made with.
     pub(super) fn in_accel(accel: &Accel) -> Self {
-        let reference = accel.kernel == KernelChoice::Reference;
-        Self { precision: accel.geometry().precision, reference }
+        Self(accel.geometry().precision)
     }
 
     /// The t at which the ray meets the triangle.
     pub(super) fn triangle(self, ray: &Ray, corners: &[Vec3; 3]) -> Option<f32> {
-        let t = match self.precision {
-            Precision::Fast => {
-                let (t, is_hit) = fast::intersect(&Line::from(ray), &corners.map(Vector::from));
-                is_hit.then_some(t)?
-            }
-            Precision::Exact if self.reference => exact::intersect(ray, corners)? as f32,
-            Precision::Exact => return ShearedSpace::new(ray).intersect(corners),
-        };
-        (t > ray.t_min).then_some(t)
+        match self.0 {
+            Precision::Fast => filter::fast(ray, corners),
+            Precision::Exact => agreed(triangle::meet(ray, corners), exact::meet(ray, corners)),
+        }
     }
 
     /// The t at which the ray meets the sphere.
     pub(super) fn sphere(self, ray: &Ray, center: Vec3, radius: f32) -> Option<f32> {
-        if self.precision == Precision::Fast {
-            return sphere::intersect_fast(ray, center, radius);
+        let range = [ray.t_min, ray.t_max];
+        let (t, is_hit) = with_precision!(self.0, P =>
+            sphere::meet::<f32, P>(&Line::from(ray), center, radius, range));
+        let t = is_hit.then_some(t);
+        match self.0 {
+            Precision::Fast => t,
+            Precision::Exact => agreed(t, sphere::intersect_exactly(ray, center, radius)),
         }
-        sphere::intersect(ray, center, radius)
     }
 
     /// The surface point at which the ray meets the triangle.
     pub(super) fn surface(self, ray: &Ray, t: f32, corners: &[Vec3; 3]) -> Surface<f32> {
         let (line, corners) = (Line::from(ray), corners.map(Vector::from));
-        with_precision!(self.precision, P => surface::triangle_at::<f32, P>(&line, t, &corners))
+        with_precision!(self.0, P => surface::triangle_at::<f32, P>(&line, t, &corners))
     }
 
     /// The surface point at which the ray meets the sphere.
@@ -153,8 +153,13 @@ impl Tests {
         radius: f32,
     ) -> Surface<f32> {
         let line = Line::from(ray);
-        with_precision!(self.precision, P => surface::sphere_at::<f32, P>(&line, t, center.into(), radius))
+        with_precision!(self.0, P => surface::sphere_at::<f32, P>(&line, t, center.into(), radius))
     }
+}
+
+/// What both say, or a NaN.
+fn agreed(t: Option<f32>, exactly: Option<f32>) -> Option<f32> {
+    if t == exactly { t } else { Some(f32::NAN) }
 }
 
 /// Random numbers for the `index`th input of a case.

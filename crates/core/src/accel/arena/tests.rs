@@ -1,5 +1,7 @@
 //! The proof: what it accepts, and what it must not.
 
+use bytemuck::Zeroable;
+
 use super::*;
 
 fn node(children: &[u32]) -> [Unit; 2] {

@@ -30,8 +30,8 @@ pub struct Survey {
     pub(super) extents: Aabb,
     /// The cell of each primitive.
     pub(super) cells: Vec<u16>,
-    /// The triangles without area, in rising order.
-    degenerate: Vec<u32>,
+    /// Number of primitives that can be hit: all except triangles without area.
+    pub(super) kept: usize,
 }
 
 impl Survey {
@@ -41,15 +41,15 @@ impl Survey {
         let grid = Grid::new(&extents);
         let mut cells = vec![0; geometry.own()];
         let block = block(cells.len());
-        let degenerate: Vec<Vec<u32>> = cells
+        let degenerate: usize = cells
             .par_chunks_mut(block)
             .enumerate()
             .map(|(b, cells)| {
-                let mut degenerate = Vec::new();
+                let mut degenerate = 0;
                 for (number, cell) in (b * block..).zip(cells) {
                     *cell = match geometry.triangles.get(number) {
                         Some(_) if is_degenerate(&geometry.triangle(number)) => {
-                            degenerate.push(number as u32);
+                            degenerate += 1;
                             NOWHERE
                         }
                         _ => grid.cell(geometry, number as u32),
@@ -57,23 +57,8 @@ impl Survey {
                 }
                 degenerate
             })
-            .collect();
-        Self { extents, cells, degenerate: degenerate.concat() }
-    }
-
-    /// The triangles without area, in rising order.
-    pub fn degenerate(&self) -> &[u32] {
-        &self.degenerate
-    }
-
-    /// Finds the cells of seals, which count like other triangles. Returns the number of primitives
-    /// that can be hit.
-    pub(super) fn keep_seals(&mut self, geometry: &Geometry) -> usize {
-        let grid = Grid::new(&self.extents);
-        for number in geometry.seals.numbers() {
-            self.cells[number as usize] = grid.cell(geometry, number);
-        }
-        self.cells.len() - self.degenerate.len() + geometry.seals.len()
+            .sum();
+        Self { extents, kept: cells.len() - degenerate, cells }
     }
 }
 

@@ -6,11 +6,9 @@ use fearless_simd::{f32x8, f32x16, mask32x8, mask32x16};
 use super::tile::{Column, load};
 use crate::accel::arena::Node;
 use crate::accel::rays::RayLanes;
-use crate::accel::tree::reach;
 use crate::kernels::precision::Arithmetic;
 use crate::kernels::slab::{Aabb, PADDING};
-use crate::math::float::{gamma, max, min};
-use crate::math::ray::FARTHEST_ORIGIN;
+use crate::math::float::{max, min};
 use crate::math::simd::{LANES, Lanes};
 
 /// Bounds on the rays seen so far.
@@ -65,7 +63,9 @@ impl<S: Lanes> Extents<S> {
             return None;
         }
         let farthest = max(greatest(ox), max(greatest(oy), greatest(oz)));
-        if farthest > FARTHEST_ORIGIN {
+        let longest = max(greatest(x), max(greatest(y), greatest(z)));
+        // Beyond these the filter of triangles has no bounds.
+        if farthest > LARGEST || !(1.0 / LARGEST..=LARGEST).contains(&longest) {
             return None;
         }
         let pad = if P::IS_FAST { 0.0 } else { max(PADDING * farthest, f32::MIN_POSITIVE) };
@@ -85,10 +85,14 @@ impl<S: Lanes> Extents<S> {
             near_origin: [nx, ny, nz],
             far_origin: [fx, fy, fz],
             t_min,
-            reach: [reach::<P>(t_max[0]), reach::<P>(t_max[1])],
+            reach: t_max,
         })
     }
 }
+
+/// The largest coordinate of an origin, and the largest component of a direction; the reciprocal is
+/// the smallest: 2^60.
+const LARGEST: f32 = (1_u64 << 60) as f32;
 
 /// The smallest and largest of each component.
 #[inline(always)]
@@ -132,11 +136,6 @@ fn origins([low, high]: [f32; 2], pad: f32, negative: bool) -> ([f32; 2], [f32; 
 }
 
 #[inline(always)]
-fn least([low, high]: [f32; 2]) -> f32 {
-    min(low.abs(), high.abs())
-}
-
-#[inline(always)]
 fn greatest([low, high]: [f32; 2]) -> f32 {
     max(low.abs(), high.abs())
 }
@@ -163,25 +162,6 @@ pub(super) struct Beam {
 #[inline(always)]
 fn is_one_sign([low, high]: [f32; 2]) -> bool {
     low > f32::MIN_POSITIVE || high < -f32::MIN_POSITIVE
-}
-
-/// The ratio above which rounding cannot have swapped the order of reciprocals.
-const APART: f32 = 1.0 + gamma(4);
-
-/// The axis along which every direction is longest, given the extents of the reciprocals.
-#[inline(always)]
-pub(super) fn longest([x, y, z]: [[f32; 2]; 3]) -> Option<usize> {
-    let (x0, y0, z0) = (least(x), least(y), least(z));
-    let (x1, y1, z1) = (greatest(x) * APART, greatest(y) * APART, greatest(z) * APART);
-    if x1 < min(y0, z0) {
-        Some(0)
-    } else if y1 < min(x0, z0) {
-        Some(1)
-    } else if z1 < min(x0, y0) {
-        Some(2)
-    } else {
-        None
-    }
 }
 
 /// The children of a node that a beam meets.

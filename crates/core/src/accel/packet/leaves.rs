@@ -1,261 +1,324 @@
-//! Tests the leaves that the rays of a tile meet.
+//! A tile at a leaf.
 
-use super::children::LeafVisit;
-use super::groups::Open;
-use super::tile::{GROUPS, Tile, WIDTH, number_of};
+use fearless_simd::f32x8;
+use fearless_simd::prelude::*;
+
+use super::frame::Met;
+use super::tile::{GROUPS, Tile, WIDTH, load};
 use super::{Batch, TILE};
+use crate::accel::TestCounts;
 use crate::accel::arena::{Kind, Ref};
-use crate::accel::geometry::{PreparedRay, Primitive};
+use crate::accel::best::Best;
+use crate::accel::geometry::Primitive;
+use crate::accel::leaf;
 use crate::accel::query::Query;
-use crate::accel::stream::Found;
-use crate::accel::tree::{Searched, reach};
-use crate::accel::{Hit, TestCounts, leaf};
+use crate::accel::tree::Searched;
 use crate::kernels::precision::Arithmetic;
+use crate::kernels::triangle::exact;
+use crate::kernels::triangle::settle::{self, Settled};
+use crate::math::real::{Mask, Real, Single};
 use crate::math::simd::{LANES, Lanes, outlined};
+use crate::math::vector::{Line, Vector};
 
-/// Up to this many rays are tested one by one.
-const ALONE: u32 = 3;
-
-/// From this average number of rays in the tile's groups on, groups are tested without regrouping.
-const WHOLE: u32 = 11;
-
-/// The number of groups of a tile with some of `rays`.
-#[inline(always)]
-fn groups_in(rays: u64) -> u32 {
-    let has = |g: usize| u32::from(rays >> (g * WIDTH) & 0xFFFF != 0);
-    has(0) + has(1) + has(2) + has(3)
-}
-
-/// A ray of a tile to test alone with a patch.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct SingleTest {
-    place: Ref,
-    tile: u8,
-    ray: u8,
-}
+/// Up to this many rays are tested one by one, each with eight triangles.
+const ALONE: u32 = 6;
 
 impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
-    /// Visits the leaves that tiles have met.
+    /// Tests the primitives of the leaf at `place` with `rays` of the tile.
     #[inline(always)]
-    pub(super) fn visit_leaves<S: Lanes>(
-        &mut self,
-        simd: S,
-        tiles: &mut [Tile],
-        tests: &mut TestCounts,
-    ) {
-        let mut next = 0;
-        while let Some(visit) = self.children.take_leaf(next) {
-            next += 1;
-            if visit.place.kind() == Kind::List {
-                self.visit_list(simd, &mut tiles[visit.tile as usize], visit, tests);
-            } else {
-                self.visit_triangles(simd, tiles, visit, tests);
-            }
-            tiles[visit.tile as usize].is_reach_stale = true;
+    pub(super) fn visit_leaf<S: Lanes>(&mut self, simd: S, tile: &mut Tile, place: Ref, rays: u64) {
+        self.tests.leaves += u64::from(rays.count_ones());
+        let is_closer = if place.kind() == Kind::List {
+            self.visit_list(simd, tile, place, rays);
+            true
+        } else if rays.count_ones() <= ALONE {
+            self.test_alone(simd, tile, place, rays)
+        } else {
+            self.test_together(simd, tile, place, rays)
+        };
+        if is_closer && !Q::ANY {
+            tile.tighten(simd);
         }
-        self.test_groups(simd, tiles, tests);
-        self.test_singles(simd, tiles, tests);
     }
 
-    /// Queues each of a tile's rays for the triangles of a leaf: in whole groups, regrouped, or
-    /// alone.
+    /// Tests the rays one by one. Returns whether any has a closer hit.
     #[inline(always)]
-    fn visit_triangles<S: Lanes>(
+    fn test_alone<S: Lanes>(
         &mut self,
         simd: S,
-        tiles: &mut [Tile],
-        LeafVisit { place, tile: k, rays }: LeafVisit,
-        tests: &mut TestCounts,
-    ) {
-        let k = k as usize;
-        tests.leaves += u64::from(rays.count_ones());
-        if !P::IS_FAST && !tiles[k].is_sheared {
-            tiles[k].shear(simd);
-        }
-        let mut rest = rays;
-        // Triangles without shared vertices are sheared separately: eight triangles at a time is
-        // as good.
-        let alone = if place.kind() == Kind::Patch { ALONE } else { u64::BITS };
-        if rest.count_ones() > alone && rest.count_ones() > WHOLE * groups_in(rest) {
-            for g in 0..GROUPS {
-                let used = (rest >> (g * WIDTH)) as u32 & 0xFFFF;
-                if used != 0 {
-                    if self.groups.is_full() {
-                        self.test_groups(simd, tiles, tests);
-                    }
-                    self.groups.add_whole(k, place, g, used);
+        tile: &mut Tile,
+        place: Ref,
+        mut rays: u64,
+    ) -> bool {
+        let arena = self.searched.tree.arena.view();
+        let mut is_closer = false;
+        while rays != 0 {
+            let i = rays.trailing_zeros() as usize % TILE;
+            rays &= rays - 1;
+            let (ray, space) = (tile.ray(i), tile.space(i));
+            let mut best = tile.best(i);
+            let hits =
+                leaf::test::<S, P>(simd, arena, (&ray, &space), place, best.high, self.tests);
+            if hits.certain | hits.open == 0 {
+                continue;
+            }
+            let found = (place, hits);
+            if leaf::take::<S, Q, P>(simd, self.searched, &ray, found, &mut best, self.tests) {
+                is_closer = true;
+                if Q::ANY {
+                    tile.done |= 1 << i;
+                } else {
+                    tile.set_best(i, best);
                 }
             }
-            rest = 0;
         }
-        while rest.count_ones() > alone {
-            if self.groups.is_full() {
-                self.test_groups(simd, tiles, tests);
+        is_closer
+    }
+
+    /// Tests the rays together. Returns whether any has a closer hit.
+    #[inline(always)]
+    fn test_together<S: Lanes>(&mut self, simd: S, tile: &mut Tile, place: Ref, rays: u64) -> bool {
+        let arena = self.searched.tree.arena.view();
+        let (count, quads) = if place.kind() == Kind::Patch {
+            let leaf = arena.patch(place);
+            if !Q::ANY {
+                arena.prefetch_numbers(leaf.first);
             }
-            let used = rest.count_ones().min(WIDTH as u32);
-            let positions = simd.positions(rest);
-            self.groups.add(k, place, positions, (1 << used) - 1);
-            let last = positions[used as usize - 1];
-            rest &= (u64::MAX << (last % u64::BITS)) << 1;
+            (leaf.count, leaf.quads)
+        } else {
+            let leaf = arena.soup(place);
+            (leaf.count, leaf.quads)
+        };
+        self.tests.count_triangles(count, quads, rays.count_ones());
+        let mut used = leaf::first_lanes(count);
+        if Q::ANY {
+            used = self.searched.without_lights(place, used);
         }
-        while rest != 0 {
-            let ray = rest.trailing_zeros() as u8;
-            rest &= rest - 1;
-            self.singles.push(SingleTest { place, tile: k as u8, ray });
+        tile.frame(simd);
+        let prepared = tile.frame.prepare::<S, P>(simd, arena, place, used);
+        let mut triangles = prepared.some;
+        let mut is_closer = false;
+        while triangles != 0 {
+            let triangle = triangles.trailing_zeros() as usize % LANES;
+            triangles &= triangles - 1;
+            for g in 0..GROUPS {
+                let mut active = rays;
+                if Q::ANY {
+                    active &= !tile.done;
+                }
+                let active = (active >> (g * WIDTH)) as u32 & 0xFFFF;
+                if active == 0 {
+                    continue;
+                }
+                let group = (g, active);
+                let Some(met) = tile.frame.meet::<S, P>(simd, &prepared, triangle, group) else {
+                    continue;
+                };
+                let left = tile.take::<S, Q, P>(simd, g, (place, triangle), &met);
+                is_closer |= left.is_closer;
+                let mut open = left.open;
+                while open != 0 {
+                    let ray = g * WIDTH + open.trailing_zeros() as usize;
+                    open &= open - 1;
+                    is_closer |= self.leave_open(simd, tile, ray, (place, triangle));
+                }
+            }
         }
+        is_closer
+    }
+
+    /// Notes a pair of a ray and a triangle of a leaf that single precision leaves open, and settles
+    /// all such pairs once there are enough. Returns whether it did.
+    #[inline(always)]
+    fn leave_open<S: Lanes>(
+        &mut self,
+        simd: S,
+        tile: &mut Tile,
+        ray: usize,
+        (leaf, entry): (Ref, usize),
+    ) -> bool {
+        tile.open.pairs[tile.open.count % LANES] = Pair { ray, leaf, entry };
+        tile.open.count += 1;
+        tile.open.count == LANES && {
+            self.settle(simd, tile);
+            true
+        }
+    }
+
+    /// Decides on the open pairs in double precision, and where that does not suffice in exact
+    /// arithmetic.
+    #[inline(always)]
+    pub(super) fn settle<S: Lanes>(&mut self, simd: S, tile: &mut Tile) {
+        let Self { searched, tests, .. } = self;
+        if tile.open.count == 0 {
+            return;
+        }
+        outlined(
+            simd,
+            #[inline(always)]
+            || settle_pairs::<S, Q>(simd, *searched, tile, tests),
+        );
+        tile.open.count = 0;
     }
 
     /// Tests the primitives of a list with the rays.
     #[inline(always)]
-    fn visit_list<S: Lanes>(
-        &mut self,
-        simd: S,
-        tile: &mut Tile,
-        LeafVisit { place, rays, .. }: LeafVisit,
-        tests: &mut TestCounts,
-    ) {
+    fn visit_list<S: Lanes>(&mut self, simd: S, tile: &mut Tile, place: Ref, rays: u64) {
+        let Self { searched, tests, .. } = self;
         outlined(
             simd,
             #[inline(always)]
             || {
-                let Searched { tree, geometry, .. } = self.searched;
-                tests.leaves += u64::from(rays.count_ones());
-                for &number in tree.arena.view().list(place) {
+                let Searched { tree, geometry } = *searched;
+                for (entry, &number) in tree.arena.view().list(place).iter().enumerate() {
                     if Q::ANY && geometry.is_light(number) {
                         continue;
                     }
+                    let at = (place, entry);
                     match geometry.primitive(number) {
-                        Primitive::Sphere(_) if !geometry.cutouts.contains(number) => {
+                        Primitive::Sphere(i) if !geometry.cutouts.contains(number) => {
                             tests.spheres += u64::from(rays.count_ones());
-                            tile.meet_sphere::<S, Q, P>(simd, geometry, number, rays);
+                            let sphere = geometry.spheres[i];
+                            tile.meet_sphere::<S, Q, P>(simd, *searched, sphere, at, rays);
                         }
-                        _ => self.ask_each(tile, number, rays, tests),
+                        _ => ask_each::<Q, P>(*searched, tile, number, at, rays, tests),
                     }
                 }
             },
         );
     }
+}
 
-    /// Tests a primitive with the rays, one by one.
-    #[cold]
-    #[inline(never)]
-    fn ask_each(&self, tile: &mut Tile, number: u32, rays: u64, tests: &mut TestCounts) {
-        let mut rest = rays;
-        while rest != 0 {
-            let i = rest.trailing_zeros() as usize & (TILE - 1);
-            rest &= rest - 1;
-            let ray = PreparedRay::of::<P>(&self.rays.ray(tile.start + number_of(i)));
-            if let Some(t) = self.searched.hit::<P>(number, &ray, tests) {
-                tile.offer::<Q, P>(self.searched.geometry, i, Hit { t, primitive: number });
-            }
-        }
-    }
+/// A ray of the tile and a triangle of a leaf.
+#[derive(Clone, Copy, Debug)]
+struct Pair {
+    ray: usize,
+    leaf: Ref,
+    entry: usize,
+}
 
-    /// Tests each ray that waits alone with all triangles of its leaf at once.
+/// Pairs that single precision leaves open: double precision takes eight at a time.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Open {
+    pairs: [Pair; LANES],
+    count: usize,
+}
+
+impl Open {
+    pub(super) const NONE: Self =
+        Self { pairs: [Pair { ray: 0, leaf: Ref::ROOT, entry: 0 }; LANES], count: 0 };
+}
+
+/// What [`Tile::take`] did.
+struct Left {
+    is_closer: bool,
+    /// The rays that are not decided, a bit each.
+    open: u32,
+}
+
+impl Tile {
+    /// Takes the hits of the `g`th group that certainly come first.
     #[inline(always)]
-    fn test_singles<S: Lanes>(&mut self, simd: S, tiles: &mut [Tile], tests: &mut TestCounts) {
-        let arena = self.searched.tree.arena.view();
-        // Two loops: the first has no data-dependent branches.
-        self.found.resize(self.singles.len().max(self.found.len()), Found::default());
-        for (single, found) in self.singles.iter().zip(self.found.iter_mut()) {
-            let tile = &tiles[single.tile as usize];
-            let i = single.ray as usize;
-            let (ray, space) = (tile.ray(i), tile.space(i));
-            *found = if single.place.kind() == Kind::Patch {
-                let leaf = arena.patch(single.place);
-                arena.prefetch_numbers(leaf.first);
-                tests.count_triangles(leaf.count, leaf.quads, 1);
-                let hits = leaf::test_patch::<S, Q, P>(simd, leaf, &ray, &space);
-                Found { hits, first: leaf.first }
-            } else {
-                let leaf = arena.soup(single.place);
-                tests.count_triangles(leaf.count, leaf.quads, 1);
-                let hits = leaf::test_soup::<S, Q, P>(simd, leaf, &ray, &space);
-                Found { hits, first: leaf.first }
-            };
-        }
-        for n in 0..self.singles.len() {
-            let (SingleTest { tile, ray, .. }, found) = (self.singles[n], self.found[n]);
-            let (tile, i) = (&mut tiles[tile as usize], ray as usize);
-            if Q::ANY {
-                let certain = self.searched.without_lights(found.first, found.hits.certain);
-                tile.done |= u64::from(certain != 0) << i;
-            } else {
-                self.take_closest(tile, i, &found);
-            }
-            if found.hits.open != 0 {
-                self.ask_again(tile, (found.first, found.hits.open), i, tests);
-            }
-        }
-        self.singles.clear();
-    }
-
-    /// Tests all waiting groups of rays.
-    #[inline(always)]
-    fn test_groups<S: Lanes>(&mut self, simd: S, tiles: &mut [Tile], tests: &mut TestCounts) {
-        outlined(
-            simd,
-            #[inline(always)]
-            || {
-                let arena = self.searched.tree.arena.view();
-                self.groups.test::<S, Q, P>(simd, self.searched, tiles, self.asks, tests);
-                while let Some(Open { tile, place, triangles, ray }) = self.asks.pop() {
-                    let first = arena.patch(place).first;
-                    self.ask_again(&mut tiles[tile], (first, triangles), ray, tests);
-                }
-            },
-        );
-    }
-
-    /// Tests the `i`th ray one by one with the triangles of a leaf whose bits are set in `triangles`;
-    /// their numbers start at `first`.
-    #[cold]
-    #[inline(never)]
-    fn ask_again(
+    fn take<S: Lanes, Q: Query, P: Arithmetic>(
         &mut self,
-        tile: &mut Tile,
-        (first, mut triangles): (u32, u32),
-        i: usize,
-        tests: &mut TestCounts,
-    ) {
-        let ray = PreparedRay::of::<P>(&self.rays.ray(tile.start + number_of(i)));
+        simd: S,
+        g: usize,
+        at: (Ref, usize),
+        Met { t: [low, high], inside, open }: &Met<S>,
+    ) -> Left {
+        let (t_min, t_max) = (load(simd, &self.t_min, g), load(simd, &self.t_max, g));
+        let within = (low.simd_gt(t_min) & high.simd_lt(t_max)).bits();
+        // A NaN is neither certain nor beyond, nor is a t that overflows.
+        let size = SimdBase::max(SimdBase::abs(*low), SimdBase::abs(*high));
+        let finite = size.simd_le(f32::MAX).bits();
         if Q::ANY {
-            triangles = self.searched.without_lights(first, triangles);
+            let beyond = (high.simd_le(t_min) | low.simd_ge(t_max)).bits() & finite;
+            let certain = inside & within;
+            self.done |= u64::from(certain) << (g * WIDTH);
+            let open = if P::IS_FAST { 0 } else { (inside | open) & !(certain | beyond) };
+            return Left { is_closer: certain != 0, open };
         }
-        while triangles != 0 {
-            let arena = self.searched.tree.arena.view();
-            let number = arena.number(first, triangles.trailing_zeros() as usize);
-            triangles &= triangles - 1;
-            let Some(t) = self.searched.hit_again::<P>(number, &ray, tests) else { continue };
-            tile.offer::<Q, P>(self.searched.geometry, i, Hit { t, primitive: number });
-            if Q::ANY {
-                return;
-            }
+        let best = [load(simd, &self.low, g), load(simd, &self.high, g)];
+        let beyond = (high.simd_le(t_min) | low.simd_gt(best[1])).bits() & finite;
+        let closer = inside & within & high.simd_lt(best[0]).bits();
+        if closer != 0 {
+            self.set_group(simd, g, closer, at, [*low, *high]);
         }
+        let open = if P::IS_FAST { 0 } else { (inside | open) & !(closer | beyond) };
+        Left { is_closer: closer != 0, open }
     }
 
-    /// Gives the tile the closest certain hit of its `i`th ray, if it is closer.
+    /// Updates the beam after closer hits.
     #[inline(always)]
-    fn take_closest(&self, tile: &mut Tile, i: usize, found: &Found) {
-        let Found { hits, first } = found;
-        let Searched { tree, geometry, .. } = self.searched;
-        let arena = tree.arena.view();
-        let mut certain = hits.certain;
-        let before = tile.best(i);
-        let mut best = before;
-        while certain != 0 {
-            let lane = certain.trailing_zeros() as usize & (LANES - 1);
-            certain &= certain - 1;
-            let t = hits.t[lane];
-            if t <= reach::<P>(before.t) {
-                let hit = Hit { t, primitive: arena.number(*first, lane) };
-                if geometry.comes_first::<P>(&hit, &best, || tile.ray(i)) {
-                    best = hit;
-                }
+    pub(super) fn tighten<S: Lanes>(&mut self, simd: S) {
+        self.beam.reach = super::beam::extent(simd, &self.high);
+    }
+}
+
+/// See [`Batch::settle`].
+#[inline(always)]
+fn settle_pairs<S: Lanes, Q: Query>(
+    simd: S,
+    searched: Searched<'_>,
+    tile: &mut Tile,
+    tests: &mut TestCounts,
+) {
+    let Open { pairs, count } = tile.open;
+    let pairs = &pairs[..count.min(LANES)];
+    tests.settled += pairs.len() as u64;
+    let arena = searched.tree.arena.view();
+    let (mut line, mut range) = ([[[0.0; LANES]; 3]; 2], [[0.0; LANES]; 2]);
+    let mut corners = [[[0.0; LANES]; 3]; 3];
+    for (lane, pair) in pairs.iter().enumerate().take(LANES) {
+        let (ray, triangle) = (tile.ray(pair.ray), arena.triangle(pair.leaf, pair.entry));
+        for axis in 0..3 {
+            line[0][axis][lane] = ray.origin[axis];
+            line[1][axis][lane] = ray.direction[axis];
+            for (corner, v) in triangle.iter().enumerate() {
+                corners[corner][axis][lane] = v[axis];
             }
         }
-        if best != before {
-            tile.set_best::<P>(i, best);
+        (range[0][lane], range[1][lane]) = (ray.t_min, ray.t_max);
+    }
+    let [origin, direction] = &line;
+    let line =
+        Line { origin: Vector::load(simd, origin), direction: Vector::load(simd, direction) };
+    let [t_min, t_max] = &range;
+    let range = [<f32x8<S> as Single>::load(simd, t_min), <f32x8<S> as Single>::load(simd, t_max)];
+    let [a, b, c] = &corners;
+    let corners = [Vector::load(simd, a), Vector::load(simd, b), Vector::load(simd, c)];
+    let Settled { t, hit, miss } = settle::settle(&line, &corners, range);
+    for (lane, &Pair { ray, leaf, entry }) in pairs.iter().enumerate().take(LANES) {
+        let t = if hit >> lane & 1 == 1 {
+            Some(t.lane(lane))
+        } else if miss >> lane & 1 == 1 {
+            None
+        } else {
+            tests.exact += 1;
+            exact::meet(&tile.ray(ray), &arena.triangle(leaf, entry))
+        };
+        if let Some(t) = t {
+            tile.offer::<Q>(searched, ray, Best::in_leaf(leaf, entry, [t, t]));
+        }
+    }
+}
+
+/// Tests a primitive of a list with the rays, one by one.
+#[cold]
+#[inline(never)]
+fn ask_each<Q: Query, P: Arithmetic>(
+    searched: Searched<'_>,
+    tile: &mut Tile,
+    number: u32,
+    (place, entry): (Ref, usize),
+    mut rays: u64,
+    tests: &mut TestCounts,
+) {
+    while rays != 0 {
+        let i = rays.trailing_zeros() as usize % TILE;
+        rays &= rays - 1;
+        if let Some(t) = searched.geometry.hit::<P>(number, &tile.ray(i), tests) {
+            tile.offer::<Q>(searched, i, Best::in_leaf(place, entry, [t, t]));
         }
     }
 }

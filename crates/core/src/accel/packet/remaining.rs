@@ -5,7 +5,6 @@ use crate::accel::node::distance;
 use crate::accel::query::Query;
 use crate::accel::rays::Rays;
 use crate::accel::stream::{FromRoot, Slot, Source};
-use crate::accel::tree::reach;
 use crate::kernels::precision::Arithmetic;
 
 /// A place handed over with a ray, and the one before.
@@ -41,17 +40,16 @@ impl<Q: Query, P: Arithmetic> Source<Q, P> for Remaining<'_> {
             }
             slot.ray = PreparedRay::of::<P>(&ray);
             let Some(best) = Q::resume(answers[number], &ray) else { continue };
-            let reach = reach::<P>(best.t);
             let mut entries = 0;
             let mut place = self.last[number].0;
             // From the farthest to the nearest, which comes last.
             while let Some(handed) = self.handed.get(place as usize) {
                 stack[entries] = handed.entry;
-                entries += usize::from(distance(handed.entry) <= reach);
+                entries += usize::from(distance(handed.entry) <= best.high);
                 place = handed.before;
             }
             if entries > 0 {
-                slot.begin::<P>(number, best);
+                slot.begin(number, best);
                 return Some(entries);
             }
         }

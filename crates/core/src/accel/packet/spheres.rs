@@ -1,12 +1,14 @@
 //! Tests spheres against the rays of a tile, eight rays at a time.
 
 use fearless_simd::f32x8;
+use glam::Vec3;
 
 use super::TILE;
 use super::tile::{Column, GROUPS, Tile, WIDTH};
-use crate::accel::Hit;
-use crate::accel::geometry::{Geometry, Primitive};
+use crate::accel::arena::Ref;
+use crate::accel::best::Best;
 use crate::accel::query::Query;
+use crate::accel::tree::Searched;
 use crate::kernels::precision::Arithmetic;
 use crate::kernels::sphere;
 use crate::math::real::{Mask, Real, Single};
@@ -14,17 +16,16 @@ use crate::math::simd::{LANES, Lanes};
 use crate::math::vector::{Line, Vector};
 
 impl Tile {
-    /// Tests the sphere with that number against some `rays`, a bit each.
+    /// Tests the sphere of an entry in a list against some `rays`, a bit each.
     #[inline(always)]
     pub(super) fn meet_sphere<S: Lanes, Q: Query, P: Arithmetic>(
         &mut self,
         simd: S,
-        geometry: &Geometry,
-        number: u32,
+        searched: Searched<'_>,
+        (center, radius): (Vec3, f32),
+        (place, entry): (Ref, usize),
         rays: u64,
     ) {
-        let Primitive::Sphere(i) = geometry.primitive(number) else { return };
-        let (center, radius) = geometry.spheres[i];
         for first in (0..TILE).step_by(LANES) {
             let used = (rays >> first) as u32 & 0xFF;
             if used == 0 {
@@ -41,12 +42,12 @@ impl Tile {
                 self.done |= u64::from(hits) << first;
                 continue;
             }
-            hits &= t.le(load(&self.reach)).bits();
+            hits &= t.le(load(&self.high)).bits();
             while hits != 0 {
                 let lane = hits.trailing_zeros() as usize % LANES;
                 hits &= hits - 1;
-                let hit = Hit { t: t.lane(lane), primitive: number };
-                self.offer::<Q, P>(geometry, first + lane, hit);
+                let hit = Best::in_leaf(place, entry, [t.lane(lane); 2]);
+                self.offer::<Q>(searched, first + lane, hit);
             }
         }
     }

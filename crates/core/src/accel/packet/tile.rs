@@ -1,26 +1,28 @@
 //! The rays of a tile, in columns.
 
-mod gather;
-
 use std::ops::Range;
 
-use fearless_simd::f32x16;
 use fearless_simd::prelude::*;
+use fearless_simd::{f32x8, f32x16};
 use glam::Vec3;
 
-use super::beam::{Beam, Extents, longest};
+use super::beam::{Beam, Extents};
+use super::frame::Frame;
+use super::leaves::Open;
 use super::{TILE, Visit};
-use crate::accel::geometry::Geometry;
+use crate::accel::arena::{Ref, View};
+use crate::accel::best::{Best, exact_t};
 use crate::accel::query::Query;
 use crate::accel::rays::{BLOCK_EDGE, Rays};
-use crate::accel::tree::{BEYOND, reach};
+use crate::accel::tree::Searched;
 use crate::accel::{Hit, NO_PRIMITIVE};
 use crate::kernels::precision::Arithmetic;
 use crate::kernels::slab::PADDING;
-use crate::kernels::triangle::lanes::ORDERS;
-use crate::kernels::triangle::{Axis, ShearedSpace};
+use crate::kernels::triangle::{ShearedSpace, settle};
 use crate::math::ray::Ray;
-use crate::math::simd::Lanes;
+use crate::math::real::{Mask, Single};
+use crate::math::simd::{LANES, Lanes};
+use crate::math::vector::{Line, Vector};
 
 /// Rays tested at a time.
 pub(super) const WIDTH: usize = 16;
@@ -42,22 +44,23 @@ pub(super) struct Tile {
     pub(super) reciprocal: [Column; 3],
     pub(super) near_origin: [Column; 3],
     pub(super) far_origin: [Column; 3],
-    pub(super) reach: Column,
-    pub(super) best: Column,
-    pub(super) primitive: [[u32; WIDTH]; GROUPS],
-    /// For triangles, once one is met: the shear of the direction, and 1 over its longest
-    /// component.
-    pub(super) shear: [Column; 3],
-    /// The axis along which every direction is longest.
-    pub(super) longest: usize,
-    pub(super) is_sheared: bool,
-    /// Whether the beam's reach is older than the rays'.
-    pub(super) is_reach_stale: bool,
+    /// The best hits: see [`Best`].
+    pub(super) low: Column,
+    pub(super) high: Column,
+    pub(super) leaf: [[u32; WIDTH]; GROUPS],
+    pub(super) entry: [[u32; WIDTH]; GROUPS],
+    /// For triangles, once many rays meet one.
+    pub(super) frame: Frame,
+    pub(super) has_frame: bool,
+    /// For triangles that few rays meet: the space of each ray, once needed, which a bit tells.
+    spaces: [ShearedSpace; TILE],
+    has_space: u64,
     pub(super) beam: Beam,
+    pub(super) open: Open,
     /// The number of its first ray.
     pub(super) start: usize,
     /// How many rays it has.
-    count: usize,
+    pub(super) count: usize,
     /// Rays that are done.
     pub(super) done: u64,
     /// Places still to visit, the next one last, and their number.
@@ -81,9 +84,8 @@ pub(super) fn number_of(index: usize) -> usize {
     index & 0b100011 | (index & 0b001100) << 1 | (index & 0b010000) >> 2
 }
 
-impl Tile {
-    /// An empty tile.
-    pub(super) const EMPTY: Self = {
+impl Default for Tile {
+    fn default() -> Self {
         let column = [[0.0; WIDTH]; GROUPS];
         Self {
             origin: [column; 3],
@@ -93,24 +95,28 @@ impl Tile {
             reciprocal: [column; 3],
             near_origin: [column; 3],
             far_origin: [column; 3],
-            reach: column,
-            best: column,
-            primitive: [[NO_PRIMITIVE; WIDTH]; GROUPS],
-            shear: [column; 3],
-            longest: 0,
-            is_sheared: false,
-            is_reach_stale: false,
+            low: column,
+            high: column,
+            leaf: [[0; WIDTH]; GROUPS],
+            entry: [[0; WIDTH]; GROUPS],
+            frame: Frame::default(),
+            has_frame: false,
+            spaces: [ShearedSpace::new(&Ray::new(Vec3::ZERO, Vec3::X)); TILE],
+            has_space: 0,
             beam: Beam::EMPTY,
+            open: Open::NONE,
             start: 0,
             count: 0,
             done: 0,
             visits: Vec::new(),
             height: 0,
         }
-    };
+    }
+}
 
+impl Tile {
     /// Loads the rays of `range`, at least one. Returns whether they are fit for a packet: all
-    /// valid, with one sign along each axis, and longest along the same axis.
+    /// valid, with one sign along each axis.
     #[inline(always)]
     pub(super) fn load<S: Lanes, P: Arithmetic>(
         &mut self,
@@ -140,16 +146,22 @@ impl Tile {
             self.t_max[g] = block.t_max.into();
             extents.add(&block);
         }
-        self.is_sheared = false;
-        self.is_reach_stale = false;
+        self.has_frame = false;
+        self.has_space = 0;
         self.done = 0;
         self.height = 0;
         (self.start, self.count) = (range.start, range.len());
         let Some(beam) = extents.beam::<P>() else { return false };
-        let Some(longest) = longest(beam.reciprocal) else { return false };
-        self.longest = longest;
         self.beam = beam;
         true
+    }
+
+    /// Clears earlier rays' hits. Not where rays are loaded: many tiles meet nothing.
+    #[inline(always)]
+    pub(super) fn clear(&mut self) {
+        (self.low, self.high) = (self.t_max, self.t_max);
+        self.leaf = [[Best::NUMBERED; WIDTH]; GROUPS];
+        self.entry = [[NO_PRIMITIVE; WIDTH]; GROUPS];
     }
 
     /// Pushes a place to visit, if `it_is` one.
@@ -171,7 +183,7 @@ impl Tile {
     pub(super) fn reaching<S: Lanes>(&self, simd: S, distance: f32) -> u64 {
         let mut rays = 0;
         for g in 0..GROUPS {
-            let reaching = load(simd, &self.reach, g).simd_ge(f32x16::splat(simd, distance));
+            let reaching = load(simd, &self.high, g).simd_ge(f32x16::splat(simd, distance));
             rays |= reaching.to_bitmask() << (g * WIDTH);
         }
         rays
@@ -187,61 +199,102 @@ impl Tile {
         all
     }
 
+    /// Whether all rays are done.
     #[inline(always)]
-    pub(super) fn set_done(&mut self, i: usize) {
-        self.done |= 1 << i;
+    pub(super) fn is_done(&self) -> bool {
+        let all = self.all();
+        self.done & all == all
     }
 
     /// The best hit of the `i`th ray.
     #[inline(always)]
-    pub(super) fn best(&self, i: usize) -> Hit {
-        let (g, l) = (i / WIDTH, i % WIDTH);
-        Hit { t: self.best[g][l], primitive: self.primitive[g][l] }
+    pub(super) fn best(&self, i: usize) -> Best {
+        let (g, l) = (i / WIDTH % GROUPS, i % WIDTH);
+        let (leaf, entry) = (self.leaf[g][l], self.entry[g][l]);
+        Best { low: self.low[g][l], high: self.high[g][l], leaf, entry }
     }
 
     #[inline(always)]
-    pub(super) fn set_best<P: Arithmetic>(&mut self, i: usize, hit: Hit) {
-        let (g, l) = (i / WIDTH, i % WIDTH);
-        self.best[g][l] = hit.t;
-        self.primitive[g][l] = hit.primitive;
-        self.reach[g][l] = reach::<P>(hit.t);
+    pub(super) fn set_best(&mut self, i: usize, best: Best) {
+        let (g, l) = (i / WIDTH % GROUPS, i % WIDTH);
+        (self.low[g][l], self.high[g][l]) = (best.low, best.high);
+        (self.leaf[g][l], self.entry[g][l]) = (best.leaf, best.entry);
     }
 
-    /// Gives the `i`th ray a hit on `geometry`: any, or one that comes before its best.
+    /// Gives the `i`th ray a hit: any, or one that may come before its best.
     #[inline(always)]
-    pub(super) fn offer<Q: Query, P: Arithmetic>(
-        &mut self,
-        geometry: &Geometry,
-        i: usize,
-        hit: Hit,
-    ) {
+    pub(super) fn offer<Q: Query>(&mut self, searched: Searched<'_>, i: usize, hit: Best) {
         if Q::ANY {
-            self.set_done(i);
-        } else if geometry.comes_first::<P>(&hit, &self.best(i), || self.ray(i)) {
-            self.set_best::<P>(i, hit);
+            self.done |= 1 << i;
+            return;
+        }
+        let mut best = self.best(i);
+        if best.offer(searched, &self.ray(i), hit) {
+            self.set_best(i, best);
         }
     }
 
     /// Writes the answers of its rays.
     #[inline(always)]
-    pub(super) fn answer<S: Lanes, Q: Query>(&self, simd: S, answers: &mut [Q::Answer]) {
+    pub(super) fn answer<S: Lanes, Q: Query>(
+        &self,
+        simd: S,
+        arena: View<'_>,
+        answers: &mut [Q::Answer],
+    ) {
         let answers = &mut answers[self.start..self.start + self.count];
-        for (number, row) in answers.chunks_mut(BLOCK_EDGE).enumerate() {
-            let i = index_of(number * BLOCK_EDGE);
-            let (g, l) = (i / WIDTH % GROUPS, i % WIDTH);
-            let (t, primitive) = (&self.best[g][l..], &self.primitive[g][l..]);
-            let (Some(t), Some(primitive)) = (t.first_chunk(), primitive.first_chunk()) else {
-                continue;
-            };
-            let done = (self.done >> i) as u32;
-            if let Some(row) = row.first_chunk_mut() {
-                Q::write(simd, t, primitive, done, row);
-            } else {
-                let mut whole = [Q::NONE; BLOCK_EDGE];
-                Q::write(simd, t, primitive, done, &mut whole);
-                row.copy_from_slice(&whole[..row.len()]);
+        if Q::ANY {
+            for (number, answer) in answers.iter_mut().enumerate() {
+                let is_done = self.done >> index_of(number) & 1 == 1;
+                *answer = if is_done { Q::ANY_ANSWER } else { Q::NONE };
+            }
+            return;
+        }
+        for first in (0..TILE).step_by(LANES) {
+            let t = self.finished(simd, arena, first);
+            for (lane, &t) in t.iter().enumerate() {
+                let i = first + lane;
+                if let Some(answer) = answers.get_mut(number_of(i)) {
+                    let hit = Hit { t, primitive: self.best(i).number(arena) };
+                    *answer = Q::answer(if hit.is_miss() { Hit::MISS } else { hit });
+                }
             }
         }
+    }
+
+    /// The t of the hits of eight rays from the `first`th on.
+    #[inline(always)]
+    fn finished<S: Lanes>(&self, simd: S, arena: View<'_>, first: usize) -> [f32; LANES] {
+        let (g, l) = (first / WIDTH % GROUPS, first % WIDTH);
+        let t = half(simd, &self.low, g, l);
+        let mut open = t.simd_ne(half(simd, &self.high, g, l)).bits();
+        if open == 0 {
+            return t.into();
+        }
+        let mut corners = [[[0.0; LANES]; 3]; 3];
+        let mut rest = open;
+        while rest != 0 {
+            let lane = rest.trailing_zeros() as usize % LANES;
+            rest &= rest - 1;
+            let place = Ref::from_bits(self.leaf[g][l + lane]);
+            arena.corners_in_lane(place, self.entry[g][l + lane] as usize, &mut corners, lane);
+        }
+        let ([ox, oy, oz], [dx, dy, dz]) = (&self.origin, &self.direction);
+        let origin = Vector::new(half(simd, ox, g, l), half(simd, oy, g, l), half(simd, oz, g, l));
+        let direction =
+            Vector::new(half(simd, dx, g, l), half(simd, dy, g, l), half(simd, dz, g, l));
+        let line = Line { origin, direction };
+        let [a, b, c] = &corners;
+        let corners = [Vector::load(simd, a), Vector::load(simd, b), Vector::load(simd, c)];
+        let (found, is_known) = settle::t_of::<f32x8<S>>(&line, &corners);
+        let mut t: [f32; LANES] = <f32x8<S> as Single>::mask(simd, open).select(found, t).into();
+        open &= !is_known.bits();
+        while open != 0 {
+            let lane = open.trailing_zeros() as usize % LANES;
+            open &= open - 1;
+            t[lane] = exact_t(&self.ray(first + lane), &corners.map(|corner| corner.lane(lane)));
+        }
+        t
     }
 
     /// Computes the values that follow from origins, directions and ranges, as
@@ -266,42 +319,18 @@ impl Tile {
                 self.near_origin[k][g] = (axes[k] + shift).into();
                 self.far_origin[k][g] = (axes[k] - shift).into();
             }
-            let t_max = load(simd, &self.t_max, g);
-            self.best[g] = [f32::INFINITY; WIDTH];
-            self.reach[g] = reach_of::<S, P>(t_max).into();
-            self.primitive[g] = [NO_PRIMITIVE; WIDTH];
         }
-    }
-
-    /// Computes `shear` for directions that are longest along the axis `longest`, as
-    /// [`crate::kernels::triangle::ShearedSpace::new`] does for one ray.
-    #[inline(always)]
-    pub(super) fn shear<S: Lanes>(&mut self, simd: S) {
-        let [x, y, z] = ORDERS[self.longest.min(2)];
-        for g in 0..GROUPS {
-            let depth = load(simd, &self.direction[z.min(2)], g);
-            self.shear[0][g] = (load(simd, &self.direction[x.min(2)], g) / depth).into();
-            self.shear[1][g] = (load(simd, &self.direction[y.min(2)], g) / depth).into();
-            self.shear[2][g] = (f32x16::splat(simd, 1.0) / depth).into();
-        }
-        self.is_sheared = true;
     }
 
     /// The sheared space of the `i`th ray.
     #[inline(always)]
-    pub(super) fn space(&self, i: usize) -> ShearedSpace {
-        let longest = self.longest.min(2);
-        let [kx, ky, kz] = ORDERS[longest];
-        let [x, y, z] = [kx.min(2), ky.min(2), kz.min(2)];
-        let (g, l) = (i / WIDTH % GROUPS, i % WIDTH);
-        let at = |columns: &[Column; 3], k: usize| columns[k][g][l];
-        ShearedSpace::from_turned(
-            [Axis::X, Axis::Y, Axis::Z][longest],
-            [at(&self.origin, x), at(&self.origin, y), at(&self.origin, z)],
-            [at(&self.direction, x), at(&self.direction, y), at(&self.direction, z)],
-            [self.shear[0][g][l], self.shear[1][g][l], self.shear[2][g][l]],
-            [self.t_min[g][l], self.t_max[g][l]],
-        )
+    pub(super) fn space(&mut self, i: usize) -> ShearedSpace {
+        let i = i % TILE;
+        if self.has_space >> i & 1 == 0 {
+            self.has_space |= 1 << i;
+            self.spaces[i] = ShearedSpace::new(&self.ray(i));
+        }
+        self.spaces[i]
     }
 
     /// The `i`th ray.
@@ -316,16 +345,47 @@ impl Tile {
             t_max: self.t_max[g][l],
         }
     }
-}
 
-/// See [`reach`].
-#[inline(always)]
-pub(super) fn reach_of<S: Lanes, P: Arithmetic>(t: f32x16<S>) -> f32x16<S> {
-    if P::IS_FAST { t } else { t + t.abs() * BEYOND }
+    /// The frame of the tile, which is computed at the first call.
+    #[inline(always)]
+    pub(super) fn frame<S: Lanes>(&mut self, simd: S) {
+        if !self.has_frame {
+            self.has_frame = true;
+            self.frame.set(simd, &self.origin, &self.direction, self.beam.has_one_origin);
+        }
+    }
+
+    /// Gives rays of the `g`th group, a bit each, the hit on an entry of a leaf, between `low` and
+    /// `high`.
+    #[inline(always)]
+    pub(super) fn set_group<S: Lanes>(
+        &mut self,
+        simd: S,
+        g: usize,
+        rays: u32,
+        (leaf, entry): (Ref, usize),
+        [low, high]: [f32x16<S>; 2],
+    ) {
+        use fearless_simd::{mask32x16, u32x16};
+        let g = g % GROUPS;
+        let mask = mask32x16::from_bitmask(simd, u64::from(rays));
+        let leaves: u32x16<S> = self.leaf[g].simd_into(simd);
+        let entries: u32x16<S> = self.entry[g].simd_into(simd);
+        self.low[g] = mask.select(low, load(simd, &self.low, g)).into();
+        self.high[g] = mask.select(high, load(simd, &self.high, g)).into();
+        self.leaf[g] = mask.select(u32x16::splat(simd, leaf.bits()), leaves).into();
+        self.entry[g] = mask.select(u32x16::splat(simd, entry as u32), entries).into();
+    }
 }
 
 /// A group's row of a column.
 #[inline(always)]
 pub(super) fn load<S: Lanes>(simd: S, column: &Column, g: usize) -> f32x16<S> {
     column[g].simd_into(simd)
+}
+
+/// Half a group's row of a column, from `l` on.
+#[inline(always)]
+fn half<S: Lanes>(simd: S, column: &Column, g: usize, l: usize) -> f32x8<S> {
+    <f32x8<S> as Single>::from_slice(simd, &column[g][l..])
 }

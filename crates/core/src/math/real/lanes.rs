@@ -150,14 +150,12 @@ impl<S: Lanes> Single for f32x8<S> {
 
     #[inline(always)]
     fn widen(self) -> f64x8<S> {
-        let (low, high) = <Self as SimdWiden<S>>::widen(self);
-        low.combine(high)
+        Lanes::widen(ExtractToken::token(&self), self)
     }
 
     #[inline(always)]
     fn narrow(wide: f64x8<S>) -> Self {
-        let (low, high) = wide.split();
-        low.narrow(high)
+        Lanes::narrow(ExtractToken::token(&wide), wide)
     }
 
     #[inline(always)]

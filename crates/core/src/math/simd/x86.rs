@@ -2,7 +2,9 @@
 
 use super::{LANES, Lanes};
 use fearless_simd::prelude::*;
-use fearless_simd::{Avx2, Avx512, Sse2, Sse4_2, f32x8, f32x16, u32x8, u32x16, u64x4, u64x8};
+use fearless_simd::{
+    Avx2, Avx512, Sse2, Sse4_2, f32x8, f32x16, f64x8, u32x8, u32x16, u64x4, u64x8,
+};
 #[cfg(target_arch = "x86")]
 use std::arch::x86::*;
 #[cfg(target_arch = "x86_64")]
@@ -34,6 +36,20 @@ fearless_simd::kernel!(
         indices: u32x8<Avx512>,
     ) -> f32x8<Avx512> {
         _mm256_permutevar8x32_ps(values.into(), indices.into()).simd_into(level)
+    }
+);
+
+fearless_simd::kernel!(
+    #[inline(always)]
+    fn widen_avx512(level: Avx512, values: f32x8<Avx512>) -> f64x8<Avx512> {
+        _mm512_cvtps_pd(values.into()).simd_into(level)
+    }
+);
+
+fearless_simd::kernel!(
+    #[inline(always)]
+    fn narrow_avx512(level: Avx512, values: f64x8<Avx512>) -> f32x8<Avx512> {
+        _mm512_cvtpd_ps(values.into()).simd_into(level)
     }
 );
 
@@ -131,6 +147,16 @@ fearless_simd::kernel!(
 );
 
 impl Lanes for Avx512 {
+    #[inline(always)]
+    fn widen(self, values: f32x8<Self>) -> f64x8<Self> {
+        widen_avx512(self, values)
+    }
+
+    #[inline(always)]
+    fn narrow(self, values: f64x8<Self>) -> f32x8<Self> {
+        narrow_avx512(self, values)
+    }
+
     #[inline(always)]
     fn positions(self, mask: u64) -> [u32; 16] {
         positions_avx512(self, mask).into()

@@ -79,7 +79,7 @@ pub(super) fn by_situation() -> Vec<Block> {
     };
     let rows = SITUATIONS.iter().flat_map(|situation| {
         Precision::ALL.into_iter().map(move |precision| {
-            let effort = Effort { precision, seed: 1, count: Count::Quick, reference: false };
+            let effort = Effort { precision, seed: 1, count: Count::Quick };
             row((situation.name, precision, &situation.errors(&effort)))
         })
     });

@@ -1,0 +1,202 @@
+//! The closest hit of a ray so far.
+//!
+//! While a ray is traced, its best hit is an entry of a leaf with an interval for t: the number and
+//! the exact t are found once, when the ray is done ([`Best::finished`]). Intervals of two hits
+//! that do not overlap tell which comes first; of others, the exact t are compared, then the
+//! numbers.
+
+use super::arena::{Ref, View};
+use super::tree::Searched;
+use super::{Hit, NO_PRIMITIVE};
+use crate::kernels::triangle::{exact, settle};
+use crate::math::ray::Ray;
+use crate::math::real::{Mask, Single};
+use crate::math::vector::{Line, Vector};
+
+/// The closest hit of a ray so far, or none.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Best {
+    /// Bounds on t. If they are equal, t is known.
+    pub(super) low: f32,
+    /// See `low`. Boxes that the ray enters beyond it hold no closer hit: slabs are conservative,
+    /// and no number of single precision lies between this one and a t that rounds to it. Without a
+    /// hit, the end of the ray's range.
+    pub(super) high: f32,
+    /// The leaf, as the bits of a [`Ref`], or [`Best::NUMBERED`].
+    pub(super) leaf: u32,
+    /// The entry of the leaf, or the number of the primitive.
+    pub(super) entry: u32,
+}
+
+impl Best {
+    /// In place of a leaf: the hit is known by the number of its primitive. No leaf is there.
+    pub(super) const NUMBERED: u32 = u32::MAX;
+
+    /// No hit yet, of a ray that ends at `t_max`.
+    #[inline(always)]
+    pub(super) fn none(t_max: f32) -> Self {
+        Self { low: t_max, high: t_max, leaf: Self::NUMBERED, entry: NO_PRIMITIVE }
+    }
+
+    /// A finished hit.
+    #[inline(always)]
+    pub(super) fn of(hit: Hit) -> Self {
+        Self { low: hit.t, high: hit.t, leaf: Self::NUMBERED, entry: hit.primitive }
+    }
+
+    /// A hit on an entry of a leaf, with bounds on its t.
+    #[inline(always)]
+    pub(super) fn in_leaf(leaf: Ref, entry: usize, [low, high]: [f32; 2]) -> Self {
+        Self { low, high, leaf: leaf.bits(), entry: entry as u32 }
+    }
+
+    #[inline(always)]
+    pub(super) fn is_none(&self) -> bool {
+        self.leaf == Self::NUMBERED && self.entry == NO_PRIMITIVE
+    }
+
+    /// Whether only its number is missing, or nothing.
+    #[inline(always)]
+    pub(super) fn has_t(&self) -> bool {
+        self.low == self.high
+    }
+
+    /// Replaces the hit by `new`, of the same ray, if that comes first. Returns whether this one
+    /// changes.
+    #[inline(always)]
+    pub(super) fn offer(&mut self, searched: Searched<'_>, ray: &Ray, new: Self) -> bool {
+        if new.high < self.low {
+            *self = new;
+            return true;
+        }
+        new.low <= self.high && self.contest(searched, ray, new)
+    }
+
+    /// As [`Self::offer`], for hits whose intervals overlap.
+    #[cold]
+    #[inline(never)]
+    fn contest(&mut self, searched: Searched<'_>, ray: &Ray, new: Self) -> bool {
+        let before = *self;
+        if self.is_none() {
+            *self = new;
+            return true;
+        }
+        let [old, new] = [&*self, &new].map(|hit| hit.finished(searched, ray));
+        // Whichever it is, its t is known from now on.
+        *self = Self::of(if new.precedes(&old) { new } else { old });
+        *self != before
+    }
+
+    /// The number of the primitive.
+    #[inline(always)]
+    pub(super) fn number(&self, arena: View<'_>) -> u32 {
+        if self.leaf == Self::NUMBERED {
+            return self.entry;
+        }
+        arena.number_of(Ref::from_bits(self.leaf), self.entry as usize)
+    }
+
+    /// The hit with its exact t.
+    #[inline]
+    pub(super) fn finished(&self, searched: Searched<'_>, ray: &Ray) -> Hit {
+        if self.is_none() {
+            return Hit::MISS;
+        }
+        let arena = searched.tree.arena.view();
+        let primitive = self.number(arena);
+        if self.has_t() {
+            return Hit { t: self.low, primitive };
+        }
+        let corners = arena.triangle(Ref::from_bits(self.leaf), self.entry as usize);
+        let (t, is_known) = settle::t_of(&Line::from(ray), &corners.map(Vector::from));
+        let t = if is_known { t } else { exact::plane(ray, &corners).unwrap_or(self.high) };
+        Hit { t, primitive }
+    }
+}
+
+impl Hit {
+    #[inline(always)]
+    pub(super) fn precedes(&self, other: &Self) -> bool {
+        self.t < other.t || (self.t == other.t && self.primitive < other.primitive)
+    }
+}
+
+/// Rays whose hits are all on triangles of leaves, but for their t: up to eight.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Unfinished {
+    /// Origins and directions, an axis a row.
+    rays: [[[f32; 8]; 3]; 2],
+    /// Corners, an axis a row.
+    corners: [[[f32; 8]; 3]; 3],
+    primitives: [u32; 8],
+    /// The numbers of the rays.
+    numbers: [u32; 8],
+    count: usize,
+}
+
+impl Unfinished {
+    /// Adds a ray's best hit, unless it is known: then returns it. There must be room.
+    #[inline(always)]
+    pub(super) fn add(
+        &mut self,
+        arena: View<'_>,
+        best: &Best,
+        ray: &Ray,
+        number: usize,
+    ) -> Option<Hit> {
+        if best.is_none() {
+            return Some(Hit::MISS);
+        }
+        let primitive = best.number(arena);
+        if best.has_t() {
+            return Some(Hit { t: best.low, primitive });
+        }
+        let lane = self.count % 8;
+        let entry = best.entry as usize;
+        arena.corners_in_lane(Ref::from_bits(best.leaf), entry, &mut self.corners, lane);
+        for axis in 0..3 {
+            self.rays[0][axis][lane] = ray.origin[axis];
+            self.rays[1][axis][lane] = ray.direction[axis];
+        }
+        (self.primitives[lane], self.numbers[lane]) = (primitive, number as u32);
+        self.count += 1;
+        None
+    }
+
+    #[inline(always)]
+    pub(super) fn is_full(&self) -> bool {
+        self.count >= 8
+    }
+
+    /// Finds the t of all rays, passes each with its number to `answer`, and removes them.
+    #[inline(always)]
+    pub(super) fn finish<F: Single<Row = [f32; 8]>>(
+        &mut self,
+        token: F::Token,
+        mut answer: impl FnMut(usize, Hit),
+    ) {
+        let [origin, direction] = &self.rays;
+        let line =
+            Line { origin: Vector::load(token, origin), direction: Vector::load(token, direction) };
+        let [a, b, c] = &self.corners;
+        let corners: [Vector<F>; 3] =
+            [Vector::load(token, a), Vector::load(token, b), Vector::load(token, c)];
+        let (t, is_known) = settle::t_of(&line, &corners);
+        let is_known = is_known.bits();
+        for lane in 0..self.count.min(8) {
+            let mut t = t.lane(lane);
+            if is_known >> lane & 1 == 0 {
+                let ray = Ray::new(line.origin.lane(lane), line.direction.lane(lane));
+                t = exact_t(&ray, &corners.map(|corner| corner.lane(lane)));
+            }
+            answer(self.numbers[lane] as usize, Hit { t, primitive: self.primitives[lane] });
+        }
+        self.count = 0;
+    }
+}
+
+#[cold]
+#[inline(never)]
+pub(super) fn exact_t(ray: &Ray, corners: &[glam::Vec3; 3]) -> f32 {
+    exact::plane(ray, corners).unwrap_or(f32::INFINITY)
+}

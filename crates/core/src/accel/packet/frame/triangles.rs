@@ -1,0 +1,262 @@
+//! The triangles of a leaf in the frame of a tile: prepares them, and tests groups of rays.
+
+use fearless_simd::prelude::*;
+use fearless_simd::{f32x8, f32x16};
+
+use super::{Frame, Sizes, cross, three};
+use crate::accel::arena::{Kind, Ref, View};
+use crate::accel::packet::tile::GROUPS;
+use crate::kernels::precision::Arithmetic;
+use crate::kernels::triangle::filter::lanes_of;
+use crate::math::float::UNIT_ROUNDOFF;
+use crate::math::real::Mask;
+use crate::math::simd::{LANES, Lanes};
+
+/// The triangles of a leaf in a frame, an axis a row.
+pub(in crate::accel::packet) struct Prepared {
+    /// The normals of the sides opposite to the corners.
+    sides: [[[f32; LANES]; 3]; 3],
+    /// The edges there, unless all rays have one origin.
+    edges: [[[f32; LANES]; 3]; 3],
+    normal: [[f32; LANES]; 3],
+    /// n . a.
+    height: [f32; LANES],
+    /// The triangles that some ray may meet, and those that all pass through, a bit each.
+    pub(in crate::accel::packet) some: u32,
+    pub(in crate::accel::packet) all: u32,
+    /// Bounds on the errors of sides, and of t times |n . d|.
+    errors: [[f32; LANES]; 2],
+}
+
+/// What the rays of a group do at a triangle, a bit each.
+pub(in crate::accel::packet) struct Met<S: Lanes> {
+    /// Bounds on t.
+    pub(in crate::accel::packet) t: [f32x16<S>; 2],
+    /// The rays that certainly pass through, or that may.
+    pub(in crate::accel::packet) inside: u32,
+    pub(in crate::accel::packet) open: u32,
+}
+
+impl Frame {
+    /// Vertices in the frame; each row of `positions` is an axis.
+    #[inline(always)]
+    fn vertices<S: Lanes>(&self, simd: S, positions: &[[f32; LANES]; 3]) -> [f32x8<S>; 3] {
+        let [kx, ky, kz] = self.order;
+        let [mx, my, mz] = self.middle;
+        let x: f32x8<S> = positions[kx].simd_into(simd);
+        let y: f32x8<S> = positions[ky].simd_into(simd);
+        let z: f32x8<S> = positions[kz].simd_into(simd);
+        let z = z - mz;
+        let [sx, sy] = [f32x8::splat(simd, -self.shear[0]), f32x8::splat(simd, -self.shear[1])];
+        [z.mul_add(sx, x - mx), z.mul_add(sy, y - my), z]
+    }
+
+    /// Prepares the `used` triangles of a leaf, a bit each.
+    #[inline(always)]
+    pub(in crate::accel::packet) fn prepare<S: Lanes, P: Arithmetic>(
+        &self,
+        simd: S,
+        arena: View<'_>,
+        place: Ref,
+        used: u32,
+    ) -> Prepared {
+        if place.kind() == Kind::Soup {
+            let leaf = arena.soup(place);
+            let [a, b, c] = &leaf.corners;
+            let corners = [self.vertices(simd, a), self.vertices(simd, b), self.vertices(simd, c)];
+            return self.prepare_corners::<S, P>(simd, &corners, used);
+        }
+        let leaf = arena.patch(place);
+        let v = self.vertices(simd, &leaf.positions);
+        let [a, b, c] = lanes_of(simd, leaf.corners);
+        let corners = [
+            [simd.permute(v[0], a), simd.permute(v[1], a), simd.permute(v[2], a)],
+            [simd.permute(v[0], b), simd.permute(v[1], b), simd.permute(v[2], b)],
+            [simd.permute(v[0], c), simd.permute(v[1], c), simd.permute(v[2], c)],
+        ];
+        self.prepare_corners::<S, P>(simd, &corners, used)
+    }
+
+    #[inline(always)]
+    fn prepare_corners<S: Lanes, P: Arithmetic>(
+        &self,
+        simd: S,
+        [a, b, c]: &[[f32x8<S>; 3]; 3],
+        used: u32,
+    ) -> Prepared {
+        let sides = [cross(b, c), cross(c, a), cross(a, b)];
+        let edges = [minus(c, b), minus(a, c), minus(b, a)];
+        let normal = cross(&edges[2], &minus(c, a));
+        let height = a[0].mul_add(normal[0], a[1].mul_add(normal[1], a[2] * normal[2]));
+        let errors = if P::IS_FAST {
+            [f32x8::splat(simd, 0.0); 2]
+        } else {
+            self.errors(simd, [a, b, c], &edges)
+        };
+        let (most, least) = (errors[0], -errors[0]);
+        let first = self.range(simd, &sides[0], &edges[0]);
+        let second = self.range(simd, &sides[1], &edges[1]);
+        let third = self.range(simd, &sides[2], &edges[2]);
+        // Of the least values the greatest, and so on.
+        let low = first[0].min(second[0]).min(third[0]);
+        let high = first[1].max(second[1]).max(third[1]);
+        let some_positive = first[0].max(second[0]).max(third[0]).simd_gt(most);
+        let some_negative = first[1].min(second[1]).min(third[1]).simd_lt(least);
+        let all = (low.simd_gt(most) | high.simd_lt(least)).bits() & used;
+        let some = used & !(some_positive & some_negative).bits();
+        Prepared {
+            sides: [rows(sides[0]), rows(sides[1]), rows(sides[2])],
+            edges: [rows(edges[0]), rows(edges[1]), rows(edges[2])],
+            normal: rows(normal),
+            height: height.into(),
+            some,
+            all,
+            errors: errors.map(Into::into),
+        }
+    }
+
+    /// Bounds on the errors of sides, and of t times |n . d|.
+    #[inline(always)]
+    fn errors<S: Lanes>(
+        &self,
+        simd: S,
+        [a, b, c]: [&[f32x8<S>; 3]; 3],
+        edges: &[[f32x8<S>; 3]; 3],
+    ) -> [f32x8<S>; 2] {
+        const U: f32 = UNIT_ROUNDOFF;
+        let Sizes { direction, sideways, ratio, origin } = self.sizes;
+        let d = size(2, a, b, c);
+        // With the errors of x and y themselves.
+        let m = d.mul_add(f32x8::splat(simd, 16.0 * U), size(0, a, b, c).max(size(1, a, b, c)));
+        let side = d * sideways * (d * 12.0 + m * 36.0)
+            + (m * (d * 28.0 + m * 22.0) + m * 60.0 * origin) * direction
+            + d * origin * (16.0 * direction + 48.0 * sideways);
+        let [e, f, g] = edges;
+        let across = size(0, e, f, g).max(size(1, e, f, g)) * 0.5;
+        let all_sizes = m + d + origin;
+        let s = all_sizes.mul_add(f32x8::splat(simd, 8.0 * U), across.max(size(2, e, f, g)));
+        let underflow = (all_sizes + 1.0) * (f32::MIN_POSITIVE * (1.0 + 1.0 / direction));
+        [
+            side.mul_add(
+                f32x8::splat(simd, 1.01 * U),
+                f32x8::splat(simd, f32::MIN_POSITIVE * (1.0 + direction)),
+            ),
+            (s * s * all_sizes).mul_add(f32x8::splat(simd, 480.0 * U), underflow) * ratio,
+        ]
+    }
+
+    /// The smallest and largest value of a side over all rays.
+    #[inline(always)]
+    fn range<S: Lanes>(
+        &self,
+        simd: S,
+        side: &[f32x8<S>; 3],
+        edge: &[f32x8<S>; 3],
+    ) -> [f32x8<S>; 2] {
+        let none = f32x8::splat(simd, 0.0);
+        let (mut low, mut high) = (none, none);
+        for (&side, [least, most]) in side.iter().zip(self.directions) {
+            let (p, q) = (side * least, side * most);
+            (low, high) = (low + p.min(q), high + p.max(q));
+        }
+        if !self.has_one_origin {
+            for (&edge, [least, most]) in edge.iter().zip(self.moments) {
+                let (p, q) = (edge * least, edge * most);
+                (low, high) = (low + p.min(q), high + p.max(q));
+            }
+        }
+        [low, high]
+    }
+
+    /// Tests the rays of group `g`, of which some are `active`, against a triangle.
+    #[inline(always)]
+    pub(in crate::accel::packet) fn meet<S: Lanes, P: Arithmetic>(
+        &self,
+        simd: S,
+        prepared: &Prepared,
+        triangle: usize,
+        (g, active): (usize, u32),
+    ) -> Option<Met<S>> {
+        let (triangle, g) = (triangle % LANES, g % GROUPS);
+        let d = three(simd, &self.direction, g);
+        let (mut inside, mut open) = (active, 0);
+        if prepared.all >> triangle & 1 == 0 {
+            let [a, b, c] = &prepared.sides;
+            let (mut a, mut b, mut c) = (
+                dot(simd, a, triangle, &d),
+                dot(simd, b, triangle, &d),
+                dot(simd, c, triangle, &d),
+            );
+            if !self.has_one_origin {
+                let m = three(simd, &self.moment, g);
+                let [e, f, h] = &prepared.edges;
+                (a, b, c) = (
+                    a + dot(simd, e, triangle, &m),
+                    b + dot(simd, f, triangle, &m),
+                    c + dot(simd, h, triangle, &m),
+                );
+            }
+            let (low, high) = (a.min(b).min(c), a.max(b).max(c));
+            let (most, least) = (
+                f32x16::splat(simd, prepared.errors[0][triangle]),
+                f32x16::splat(simd, -prepared.errors[0][triangle]),
+            );
+            let outside = (low.simd_lt(least) & high.simd_gt(most)).bits();
+            let maybe = active & !outside;
+            if maybe == 0 {
+                return None;
+            }
+            inside = if P::IS_FAST {
+                maybe
+            } else {
+                maybe & (low.simd_gt(most) | high.simd_lt(least)).bits()
+            };
+            open = maybe & !inside;
+        }
+        let part = f32x16::splat(simd, 1.0) / dot(simd, &prepared.normal, triangle, &d);
+        let mut height = f32x16::splat(simd, prepared.height[triangle]);
+        if !self.has_one_origin {
+            let o = three(simd, &self.origin, g);
+            height -= dot(simd, &prepared.normal, triangle, &o);
+        }
+        let t = height * part;
+        if P::IS_FAST {
+            return Some(Met { t: [t, t], inside, open });
+        }
+        let error = part.abs() * prepared.errors[1][triangle] + f32::MIN_POSITIVE;
+        Some(Met { t: [t - error, t + error], inside, open })
+    }
+}
+
+#[inline(always)]
+fn minus<F: Copy + std::ops::Sub<Output = F>>(u: &[F; 3], v: &[F; 3]) -> [F; 3] {
+    [u[0] - v[0], u[1] - v[1], u[2] - v[2]]
+}
+
+// Functions instead of closures, which are not always inlined and then lack the level's
+// instructions.
+
+/// The scalar products of a triangle's vector with those of a group.
+#[inline(always)]
+fn dot<S: Lanes>(
+    simd: S,
+    [x, y, z]: &[[f32; LANES]; 3],
+    triangle: usize,
+    v: &[f32x16<S>; 3],
+) -> f32x16<S> {
+    let all = [x, y, z].map(|row| row[triangle]);
+    let z = f32x16::splat(simd, all[2]) * v[2];
+    let yz = f32x16::splat(simd, all[1]).mul_add(v[1], z);
+    f32x16::splat(simd, all[0]).mul_add(v[0], yz)
+}
+
+#[inline(always)]
+fn rows<S: Lanes>([x, y, z]: [f32x8<S>; 3]) -> [[f32; LANES]; 3] {
+    [x.into(), y.into(), z.into()]
+}
+
+/// The largest magnitude of a component of three vectors.
+#[inline(always)]
+fn size<S: Lanes>(k: usize, a: &[f32x8<S>; 3], b: &[f32x8<S>; 3], c: &[f32x8<S>; 3]) -> f32x8<S> {
+    a[k].abs().max(b[k].abs()).max(c[k].abs())
+}
