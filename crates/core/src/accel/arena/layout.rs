@@ -13,7 +13,7 @@ pub struct Node {
     /// For each axis the low planes and the high planes of the eight children; those of absent
     /// children are infinite, so that no ray meets them.
     pub planes: [[[f32; 8]; 2]; 3],
-    /// The children's places relative to this node, as the bits of a [`Ref`]; 0 for none.
+    /// The children's places relative to this node, as the bits of a [`Ref`](super::Ref); 0 for none.
     pub children: [u32; 8],
     /// Number of children, which are the first lanes.
     pub count: u32,
@@ -40,7 +40,7 @@ pub struct Patch {
     /// For each corner, the indices of its vertices in the triangles, four bits each; unused
     /// triangles have only the first vertex.
     pub corners: [u32; 3],
-    /// The start of the triangles' numbers in [`Arena::numbers`].
+    /// The start of the triangles' numbers in the numbers of the [`Arena`](super::Arena).
     pub first: u32,
     /// Number of triangles.
     pub count: u32,
@@ -58,7 +58,7 @@ pub struct Patch {
 pub struct Soup {
     /// For each corner and axis, the coordinates in the triangles; unused ones are zero.
     pub corners: [[[f32; 8]; 3]; 3],
-    /// The start of the triangles' numbers in [`Arena::numbers`].
+    /// The start of the triangles' numbers in the numbers of the [`Arena`](super::Arena).
     pub first: u32,
     /// Number of triangles.
     pub count: u32,
