@@ -183,10 +183,11 @@ fn settle<S: Lanes>(
                 let [a, b, c] = filter::lanes_of(simd, leaf.corners);
                 let [x, y, z] = &leaf.positions;
                 let v = Vector::load(simd, &[*x, *y, *z]);
-                let corner = |at| {
-                    Vector::new(simd.permute(v.x, at), simd.permute(v.y, at), simd.permute(v.z, at))
-                };
-                [corner(a), corner(b), corner(c)]
+                [
+                    Vector::new(simd.permute(v.x, a), simd.permute(v.y, a), simd.permute(v.z, a)),
+                    Vector::new(simd.permute(v.x, b), simd.permute(v.y, b), simd.permute(v.z, b)),
+                    Vector::new(simd.permute(v.x, c), simd.permute(v.y, c), simd.permute(v.z, c)),
+                ]
             };
             hits.settle(simd, ray, &corners);
             if hits.open != 0 {

@@ -98,24 +98,33 @@ fn greatest([low, high]: [f32; 2]) -> f32 {
     max(low.abs(), high.abs())
 }
 
-/// The smallest and largest of a column so far.
+/// The smallest and largest components of vectors so far.
 #[derive(Clone, Copy)]
-struct Span<S: Lanes>(f32x16<S>, f32x16<S>);
+struct Spans<S: Lanes>([f32x16<S>; 3], [f32x16<S>; 3]);
 
-impl<S: Lanes> Span<S> {
+impl<S: Lanes> Spans<S> {
     #[inline(always)]
     fn none(simd: S) -> Self {
-        Self(f32x16::splat(simd, f32::INFINITY), f32x16::splat(simd, f32::NEG_INFINITY))
+        let [high, low] = [f32::INFINITY, f32::NEG_INFINITY];
+        Self([f32x16::splat(simd, high); 3], [f32x16::splat(simd, low); 3])
     }
 
     #[inline(always)]
-    fn add(&mut self, values: f32x16<S>) {
-        *self = Self(self.0.min(values), self.1.max(values));
+    fn add(&mut self, vectors: &[f32x16<S>; 3]) {
+        for k in 0..3 {
+            self.0[k] = self.0[k].min(vectors[k]);
+            self.1[k] = self.1[k].max(vectors[k]);
+        }
     }
 
     #[inline(always)]
-    fn ends(self) -> [f32; 2] {
-        [self.0.reduce_min(), self.1.reduce_max()]
+    fn ends(&self) -> [[f32; 2]; 3] {
+        let Self([x, y, z], [u, v, w]) = self;
+        [
+            [x.reduce_min(), u.reduce_max()],
+            [y.reduce_min(), v.reduce_max()],
+            [z.reduce_min(), w.reduce_max()],
+        ]
     }
 }
 
@@ -139,17 +148,17 @@ impl Frame {
         let [dx, dy, dz] = turned(at(direction));
         (self.order, self.middle, self.shear) = (order, turned(at(origin)), [dx / dz, dy / dz]);
         self.has_one_origin = has_one_origin;
-        let mut directions = [Span::none(simd); 3];
+        let mut directions = Spans::none(simd);
         let mut nearest = f32x16::splat(simd, f32::INFINITY);
         for g in 0..GROUPS {
             let d = self.sheared(simd, direction, g, [0.0; 3]);
             nearest = nearest.min(d[2].abs());
             for k in 0..3 {
                 self.direction[k][g] = d[k].into();
-                directions[k].add(d[k]);
             }
+            directions.add(&d);
         }
-        self.directions = [directions[0].ends(), directions[1].ends(), directions[2].ends()];
+        self.directions = directions.ends();
         let [qx, qy, qz] = self.directions.map(greatest);
         let sideways = max(qx, qy);
         let direction = max(sideways, qz);
@@ -162,22 +171,20 @@ impl Frame {
 
     #[inline(always)]
     fn set_moments<S: Lanes>(&mut self, simd: S, origin: &[Column; 3]) {
-        let mut origins = [Span::none(simd); 3];
-        let mut moments = [Span::none(simd); 3];
+        let (mut origins, mut moments) = (Spans::none(simd), Spans::none(simd));
         for g in 0..GROUPS {
             let o = self.sheared(simd, origin, g, self.middle);
-            let d = [0, 1, 2].map(|k: usize| load(simd, &self.direction[k], g));
-            let m = cross(&o, &d);
+            let m = cross(&o, &three(simd, &self.direction, g));
             for k in 0..3 {
                 self.origin[k][g] = o[k].into();
                 self.moment[k][g] = m[k].into();
-                origins[k].add(o[k]);
-                moments[k].add(m[k]);
             }
+            origins.add(&o);
+            moments.add(&m);
         }
-        let [ox, oy, oz] = origins.map(|span| greatest(span.ends()));
+        let [ox, oy, oz] = origins.ends().map(greatest);
         self.sizes.origin = max(ox, oy) + oz;
-        self.moments = moments.map(Span::ends);
+        self.moments = moments.ends();
     }
 
     /// A group's vectors relative to `from`, in the frame.

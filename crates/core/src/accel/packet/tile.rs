@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use fearless_simd::prelude::*;
-use fearless_simd::{f32x8, f32x16};
+use fearless_simd::{f32x8, f32x16, u32x8};
 use glam::Vec3;
 
 use super::beam::{Beam, Extents};
@@ -271,28 +271,37 @@ impl Tile {
         if open == 0 {
             return t.into();
         }
-        let mut corners = [[[0.0; LANES]; 3]; 3];
+        // Neighbours often share a triangle.
+        let leaves = u32x8::from_slice(simd, &self.leaf[g][l..l + LANES]);
+        let entries = u32x8::from_slice(simd, &self.entry[g][l..l + LANES]);
+        let mut corners = [Vector::<f32x8<S>>::splat(simd, Vec3::ZERO); 3];
         let mut rest = open;
         while rest != 0 {
             let lane = rest.trailing_zeros() as usize % LANES;
-            rest &= rest - 1;
-            let place = Ref::from_bits(self.leaf[g][l + lane]);
-            arena.corners_in_lane(place, self.entry[g][l + lane] as usize, &mut corners, lane);
+            let (leaf, entry) = (self.leaf[g][l + lane], self.entry[g][l + lane]);
+            let shared = leaves.simd_eq(leaf) & entries.simd_eq(entry);
+            rest &= !shared.bits();
+            let [a, b, c] = arena.triangle(Ref::from_bits(leaf), entry as usize);
+            corners = [
+                Vector::select(shared, Vector::splat(simd, a), corners[0]),
+                Vector::select(shared, Vector::splat(simd, b), corners[1]),
+                Vector::select(shared, Vector::splat(simd, c), corners[2]),
+            ];
         }
         let ([ox, oy, oz], [dx, dy, dz]) = (&self.origin, &self.direction);
         let origin = Vector::new(half(simd, ox, g, l), half(simd, oy, g, l), half(simd, oz, g, l));
         let direction =
             Vector::new(half(simd, dx, g, l), half(simd, dy, g, l), half(simd, dz, g, l));
         let line = Line { origin, direction };
-        let [a, b, c] = &corners;
-        let corners = [Vector::load(simd, a), Vector::load(simd, b), Vector::load(simd, c)];
         let (found, is_known) = settle::t_of::<f32x8<S>>(&line, &corners);
         let mut t: [f32; LANES] = <f32x8<S> as Single>::mask(simd, open).select(found, t).into();
         open &= !is_known.bits();
         while open != 0 {
             let lane = open.trailing_zeros() as usize % LANES;
             open &= open - 1;
-            t[lane] = exact_t(&self.ray(first + lane), &corners.map(|corner| corner.lane(lane)));
+            let [a, b, c] = &corners;
+            let corners = [a.lane(lane), b.lane(lane), c.lane(lane)];
+            t[lane] = exact_t(&self.ray(first + lane), &corners);
         }
         t
     }

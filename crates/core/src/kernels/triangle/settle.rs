@@ -63,14 +63,9 @@ struct Cross<D> {
 impl<D: Real<Element = f64>> Cross<D> {
     #[inline(always)]
     fn of(p: Vector<D>, q: Vector<D>) -> Self {
-        let component = |a: D, b: D, c: D, d: D| {
-            let (plus, minus) = (a * d, b * c);
-            (plus - minus, plus.abs() + minus.abs())
-        };
-        let (x, mx) = component(p.y, p.z, q.y, q.z);
-        let (y, my) = component(p.z, p.x, q.z, q.x);
-        let (z, mz) = component(p.x, p.y, q.x, q.y);
-        Self { value: Vector::new(x, y, z), size: Vector::new(mx, my, mz) }
+        let plus = Vector::new(p.y * q.z, p.z * q.x, p.x * q.y);
+        let minus = Vector::new(p.z * q.y, p.x * q.z, p.y * q.x);
+        Self { value: plus - minus, size: plus.abs() + minus.abs() }
     }
 
     /// The scalar product with `v`, and the sum of the magnitudes of its terms.
