@@ -1,7 +1,7 @@
 //! The triangles of a leaf in the frame of a tile: prepares them, and tests groups of rays.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{f32x8, f32x16};
+use fearless_simd::{f32x8, f32x16, mask32x8};
 
 use super::{Frame, Sizes, cross, three};
 use crate::accel::arena::{Kind, Ref, View};
@@ -38,17 +38,25 @@ pub(in crate::accel::packet) struct Met<S: Lanes> {
 }
 
 impl Frame {
-    /// Vertices in the frame; each row of `positions` is an axis.
+    /// Vertices with the axes of the frame; each row of `positions` is an axis.
     #[inline(always)]
-    fn vertices<S: Lanes>(&self, simd: S, positions: &[[f32; LANES]; 3]) -> [f32x8<S>; 3] {
-        let [kx, ky, kz] = self.order;
-        let [mx, my, mz] = self.middle;
-        let x: f32x8<S> = positions[kx].simd_into(simd);
-        let y: f32x8<S> = positions[ky].simd_into(simd);
-        let z: f32x8<S> = positions[kz].simd_into(simd);
-        let z = z - mz;
+    fn turned<S: Lanes>(&self, simd: S, positions: &[[f32; LANES]; 3]) -> [f32x8<S>; 3] {
+        let [x, y, z] = self.order;
+        [positions[x].simd_into(simd), positions[y].simd_into(simd), positions[z].simd_into(simd)]
+    }
+
+    /// The vectors in the frame, whose axes they have.
+    #[inline(always)]
+    fn shear<S: Lanes>(&self, simd: S, [x, y, z]: [f32x8<S>; 3]) -> [f32x8<S>; 3] {
         let [sx, sy] = [f32x8::splat(simd, -self.shear[0]), f32x8::splat(simd, -self.shear[1])];
-        [z.mul_add(sx, x - mx), z.mul_add(sy, y - my), z]
+        [z.mul_add(sx, x), z.mul_add(sy, y), z]
+    }
+
+    /// The vertex in the frame, whose axes it has.
+    #[inline(always)]
+    fn place<S: Lanes>(&self, simd: S, [x, y, z]: &[f32x8<S>; 3]) -> [f32x8<S>; 3] {
+        let [mx, my, mz] = self.middle;
+        self.shear(simd, [*x - mx, *y - my, *z - mz])
     }
 
     /// Prepares the `used` triangles of a leaf, a bit each.
@@ -63,11 +71,11 @@ impl Frame {
         if place.kind() == Kind::Soup {
             let leaf = arena.soup(place);
             let [a, b, c] = &leaf.corners;
-            let corners = [self.vertices(simd, a), self.vertices(simd, b), self.vertices(simd, c)];
+            let corners = [self.turned(simd, a), self.turned(simd, b), self.turned(simd, c)];
             return self.prepare_corners::<S, P>(simd, &corners, used);
         }
         let leaf = arena.patch(place);
-        let v = self.vertices(simd, &leaf.positions);
+        let v = self.turned(simd, &leaf.positions);
         let [a, b, c] = lanes_of(simd, leaf.corners);
         let corners = [
             [simd.permute(v[0], a), simd.permute(v[1], a), simd.permute(v[2], a)],
@@ -84,14 +92,25 @@ impl Frame {
         [a, b, c]: &[[f32x8<S>; 3]; 3],
         used: u32,
     ) -> Prepared {
+        // Differences before they are sheared, which keeps those of near corners accurate.
+        let edges = [
+            self.shear(simd, minus(c, b)),
+            self.shear(simd, minus(a, c)),
+            self.shear(simd, minus(b, a)),
+        ];
+        let [a, b, c] = &[self.place(simd, a), self.place(simd, b), self.place(simd, c)];
         let sides = [cross(b, c), cross(c, a), cross(a, b)];
-        let edges = [minus(c, b), minus(a, c), minus(b, a)];
-        let normal = cross(&edges[2], &minus(c, a));
+        let lengths = [length(&edges[0]), length(&edges[1]), length(&edges[2])];
+        // Of the shorter edges.
+        let [l, m, n] = lengths;
+        let first = select(n.simd_ge(l.max(m)), &edges[0], &edges[2]);
+        let second = select(m.simd_ge(l) & m.simd_gt(n), &edges[0], &edges[1]);
+        let normal = cross(&first, &second);
         let height = a[0].mul_add(normal[0], a[1].mul_add(normal[1], a[2] * normal[2]));
         let errors = if P::IS_FAST {
             [f32x8::splat(simd, 0.0); 2]
         } else {
-            self.errors(simd, [a, b, c], &edges)
+            self.errors(simd, [a, b, c], &normal, &lengths)
         };
         let (most, least) = (errors[0], -errors[0]);
         let first = self.range(simd, &sides[0], &edges[0]);
@@ -121,7 +140,8 @@ impl Frame {
         &self,
         simd: S,
         [a, b, c]: [&[f32x8<S>; 3]; 3],
-        edges: &[[f32x8<S>; 3]; 3],
+        normal: &[f32x8<S>; 3],
+        [e, f, g]: &[f32x8<S>; 3],
     ) -> [f32x8<S>; 2] {
         const U: f32 = UNIT_ROUNDOFF;
         let Sizes { direction, sideways, ratio, origin } = self.sizes;
@@ -131,17 +151,17 @@ impl Frame {
         let side = d * sideways * (d * 12.0 + m * 36.0)
             + (m * (d * 28.0 + m * 22.0) + m * 60.0 * origin) * direction
             + d * origin * (16.0 * direction + 48.0 * sideways);
-        let [e, f, g] = edges;
-        let across = size(0, e, f, g).max(size(1, e, f, g)) * 0.5;
+        let [x, y, z] = normal;
         let all_sizes = m + d + origin;
-        let s = all_sizes.mul_add(f32x8::splat(simd, 8.0 * U), across.max(size(2, e, f, g)));
-        let underflow = (all_sizes + 1.0) * (f32::MIN_POSITIVE * (1.0 + 1.0 / direction));
+        let t = (x.abs() + y.abs() + z.abs()) * all_sizes * (18.0 * U * ratio)
+            + *e * *f * *g * (14.0 * U);
+        let underflow = (all_sizes + 1.0) * (f32::MIN_POSITIVE * (1.0 + 1.0 / direction) * ratio);
         [
             side.mul_add(
                 f32x8::splat(simd, 1.01 * U),
                 f32x8::splat(simd, f32::MIN_POSITIVE * (1.0 + direction)),
             ),
-            (s * s * all_sizes).mul_add(f32x8::splat(simd, 480.0 * U), underflow) * ratio,
+            t + underflow,
         ]
     }
 
@@ -253,6 +273,22 @@ fn dot<S: Lanes>(
 #[inline(always)]
 fn rows<S: Lanes>([x, y, z]: [f32x8<S>; 3]) -> [[f32; LANES]; 3] {
     [x.into(), y.into(), z.into()]
+}
+
+/// The larger of |x| and |y|, plus |z|.
+#[inline(always)]
+fn length<S: Lanes>([x, y, z]: &[f32x8<S>; 3]) -> f32x8<S> {
+    x.abs().max(y.abs()) + z.abs()
+}
+
+/// `a` in the lanes of `mask`, `b` in the others.
+#[inline(always)]
+fn select<S: Lanes>(
+    mask: mask32x8<S>,
+    a: &[f32x8<S>; 3],
+    b: &[f32x8<S>; 3],
+) -> [f32x8<S>; 3] {
+    [mask.select(a[0], b[0]), mask.select(a[1], b[1]), mask.select(a[2], b[2])]
 }
 
 /// The largest magnitude of a component of three vectors.
