@@ -12,6 +12,8 @@ use wavecrest_core::accel::build::Preset;
 use wavecrest_core::accel::geometry::Geometry;
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::render::{RenderOptions, TracerKind, render};
+use wavecrest_report::selftest::Outcome;
+use wavecrest_report::selftest::agreement::agreement;
 use wavecrest_report::selftest::examine::{Bvh, Shape, Trial, bvh, shape, trial};
 use wavecrest_scene::load::{LoadOptions, load};
 use wavecrest_scene::mesh;
@@ -35,6 +37,9 @@ struct Tried {
     precision: Precision,
     #[serde(flatten)]
     trial: Trial,
+    /// The hits of every kernel, compared with those of the reference; `None` for fast precision.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    agreement: Option<Outcome>,
     /// Time for a ray relative to fast precision.
     #[serde(skip_serializing_if = "Option::is_none")]
     times_fast: Option<f64>,
@@ -48,7 +53,8 @@ impl Examined {
     pub(super) fn holds(&self) -> bool {
         self.trials.iter().filter(|tried| tried.precision != Precision::Fast).all(|tried| {
             let Trial { leaks, self_hits, .. } = &tried.trial;
-            leaks.failed == 0 && self_hits.failed == 0 && tried.invalid.is_none_or(|n| n == 0)
+            let differing = tried.agreement.as_ref().map_or(0, |outcome| outcome.failed);
+            leaks.failed + self_hits.failed + differing + tried.invalid.unwrap_or(0) == 0
         })
     }
 
@@ -91,12 +97,17 @@ impl Examined {
 impl Tried {
     /// In words; without triangles, only the samples.
     fn text(&self, has_triangles: bool) -> String {
-        let Self { precision, trial, times_fast, invalid } = self;
+        let Self { precision, trial, agreement, times_fast, invalid } = self;
         let Trial { leaks, self_hits, nanoseconds, errors } = trial;
         let name = precision.name();
         let invalid = invalid.map(|n| format!("{n} samples are not finite"));
+        let agreement = agreement.as_ref().filter(|outcome| outcome.tried > 0);
+        let differing = agreement.map_or(String::new(), |Outcome { tried, failed, .. }| {
+            format!("      {failed} of {tried} answers at edges and vertices differ from the reference's\n")
+        });
         if !has_triangles {
-            return invalid.map_or(String::new(), |invalid| format!("    {name:<7}{invalid}\n"));
+            let invalid = invalid.map_or(String::new(), |text| format!("    {name:<7}{text}\n"));
+            return invalid + &differing;
         }
         let ratio = times_fast.map_or(String::new(), |t| format!("  {t:>5.2} x fast"));
         let invalid = invalid.map_or(String::new(), |invalid| format!(", {invalid}"));
@@ -106,8 +117,10 @@ impl Tried {
             leaks.failed, leaks.tried, self_hits.failed, self_hits.tried,
         );
         let _ = writeln!(text, "      {}", errors.words());
+        text += &differing;
         // Failures of fast precision are expected.
-        let told = [&leaks.first, &self_hits.first].into_iter().flatten();
+        let first = agreement.and_then(|outcome| outcome.first.as_ref());
+        let told = [leaks.first.as_ref(), self_hits.first.as_ref(), first].into_iter().flatten();
         for first in told.filter(|_| *precision != Precision::Fast) {
             let _ = writeln!(text, "      the first: {first}");
         }
@@ -139,7 +152,8 @@ pub(super) fn run(file: &Path, asked: &Asked) -> Result<Examined> {
         // Nothing is timed without triangles.
         let is_timed = fastest == Precision::Fast && nanoseconds > 0.0;
         let times_fast = is_timed.then(|| trial.nanoseconds / nanoseconds);
-        examined.trials.push(Tried { precision, trial, times_fast, invalid });
+        let agreement = (precision == Precision::Exact).then(|| agreement(accel, &effort));
+        examined.trials.push(Tried { precision, trial, agreement, times_fast, invalid });
     }
     examined.ok_or_else(|| Error::new(ErrorKind::Usage, "no precision is named"))
 }

@@ -7,6 +7,7 @@
 //! share no code with the tested kernels. Faults planted in the sources prove that cases can fail
 //! (`tests/mutations`).
 
+pub mod agreement;
 mod case;
 mod closed;
 mod colors;

@@ -119,7 +119,7 @@ pub fn bvh(accel: &Accel, preset: Preset, effort: &Effort) -> Option<Bvh> {
 }
 
 /// The number of rays: one of two values, or a hundredth of the smaller.
-fn rays(effort: &Effort, [quick, full]: [usize; 2]) -> usize {
+pub(super) fn rays(effort: &Effort, [quick, full]: [usize; 2]) -> usize {
     match effort.count {
         Count::Brief => quick / 100,
         Count::Quick => quick,
@@ -157,13 +157,13 @@ pub fn trial(accel: &Accel, effort: &Effort) -> Trial {
 }
 
 /// The centre of a mesh's box, and half of its diagonal.
-struct Extent {
+pub(super) struct Extent {
     middle: DVec3,
     half: f64,
 }
 
 impl Extent {
-    fn of(geometry: &Geometry) -> Self {
+    pub(super) fn of(geometry: &Geometry) -> Self {
         // Without padding: the same rays are traced in every precision.
         let all = (0..geometry.triangles.len()).map(|i| Aabb::around(geometry.triangle(i)));
         let Some(all) = all.reduce(|a, b| a.union(b)) else {
@@ -174,7 +174,7 @@ impl Extent {
     }
 
     /// A random point around the mesh.
-    fn around(&self, numbers: &mut Numbers) -> Vec3 {
+    pub(super) fn around(&self, numbers: &mut Numbers) -> Vec3 {
         let direction = numbers.direction();
         (self.middle + direction * (self.half * (0.1 + 2.0 * numbers.one()))).as_vec3()
     }

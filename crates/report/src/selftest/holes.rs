@@ -172,8 +172,8 @@ impl Sheet {
                     };
                     (!is_right).then(|| format!("{hit:?} and not one of {expected:?}"))
                 });
-            let accel = effort.accel(self.geometry.clone(), preset);
-            outcome.add(with_every_kernel(accel, |accel| {
+            let mut accel = effort.accel(self.geometry.clone(), preset);
+            outcome.add(with_every_kernel(&mut accel, |accel| {
                 let mut answers = vec![false; shadows.len()];
                 accel.occluded_of(&shadows[..], &mut answers, &mut accel.traversal());
                 let one = |(aimed, &stopped): (&Aimed, &bool)| {

@@ -25,22 +25,22 @@ const RAYS_OF_A_THREAD: usize = 1 << 13;
 /// Checks the hits of all rays with every kernel and at all instruction levels. `judge` describes
 /// the error of the hit of this ray, if any.
 pub(super) fn every_way(
-    accel: Accel,
+    mut accel: Accel,
     rays: &[Ray],
     judge: impl Fn(usize, &Ray, Hit) -> Option<String> + Sync,
 ) -> Outcome {
-    with_every_kernel(accel, |accel| ask(accel, rays, &judge))
+    with_every_kernel(&mut accel, |accel| ask(accel, rays, &judge))
 }
 
 /// Checks the hits of `accel` with every kernel and at all instruction levels. The reference is
 /// asked once, as exact arithmetic is the same at every level, and is not timed; in fast precision it
 /// is the single kernel.
-pub(super) fn with_every_kernel(mut accel: Accel, check: impl Fn(&Accel) -> Outcome) -> Outcome {
+pub(super) fn with_every_kernel(accel: &mut Accel, check: impl Fn(&Accel) -> Outcome) -> Outcome {
     let mut outcome = Outcome::default();
     if accel.geometry().precision == Precision::Exact {
         accel.kernel = KernelChoice::Reference;
         let context = || KernelChoice::Reference.name().to_owned();
-        let of_reference = check(&accel).with_context(context);
+        let of_reference = check(accel).with_context(context);
         outcome.add(Outcome { timed: 0, seconds: 0.0, ..of_reference });
     }
     for level in Level::available() {
@@ -49,7 +49,7 @@ pub(super) fn with_every_kernel(mut accel: Accel, check: impl Fn(&Accel) -> Outc
         for kernel in KernelChoice::FOR_RENDERS {
             accel.kernel = kernel;
             let context = || format!("{} {}", level.name(), kernel.name());
-            outcome.add(check(&accel).with_context(context));
+            outcome.add(check(accel).with_context(context));
         }
         if accel.tree().is_none() {
             // There is nothing left to vary.

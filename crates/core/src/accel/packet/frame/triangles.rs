@@ -283,11 +283,7 @@ fn length<S: Lanes>([x, y, z]: &[f32x8<S>; 3]) -> f32x8<S> {
 
 /// `a` in the lanes of `mask`, `b` in the others.
 #[inline(always)]
-fn select<S: Lanes>(
-    mask: mask32x8<S>,
-    a: &[f32x8<S>; 3],
-    b: &[f32x8<S>; 3],
-) -> [f32x8<S>; 3] {
+fn select<S: Lanes>(mask: mask32x8<S>, a: &[f32x8<S>; 3], b: &[f32x8<S>; 3]) -> [f32x8<S>; 3] {
     [mask.select(a[0], b[0]), mask.select(a[1], b[1]), mask.select(a[2], b[2])]
 }
 

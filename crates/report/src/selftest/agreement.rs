@@ -1,0 +1,129 @@
+//! Every kernel against the reference, on a user's own scene: rays aimed at edges and vertices.
+
+use glam::{DVec3, Vec3};
+use rayon::prelude::*;
+
+use super::case::{Effort, Outcome};
+use super::examine::{Extent, rays};
+use super::ways::{Numbers, blocks, in_order, with_every_kernel};
+use wavecrest_core::accel::build::Preset;
+use wavecrest_core::accel::geometry::{Geometry, Primitive};
+use wavecrest_core::accel::{Accel, Hit, KernelChoice};
+use wavecrest_core::math::ray::Ray;
+
+/// The number of rays: quick, and in full.
+const RAYS: [usize; 2] = [1 << 16, 1 << 20];
+
+/// Rays that are aimed together: a packet.
+const TOGETHER: usize = 64;
+
+/// Packets for each task.
+const PACKETS_OF_A_THREAD: usize = 64;
+
+/// The stream of random numbers, in place of a case's number.
+const AGREEING: u32 = 103;
+
+/// Asks every kernel at every instruction level, in full with several trees, for the hits of rays
+/// aimed at edges, vertices and points of primitives, from outside and from other primitives. In
+/// exact precision they must be those of the reference to the last bit.
+pub fn agreement(mut accel: Accel, effort: &Effort) -> Outcome {
+    if accel.geometry().is_empty() {
+        return Outcome::default();
+    }
+    accel.kernel = KernelChoice::Reference;
+    let extent = Extent::of(accel.geometry());
+    let packets = rays(effort, RAYS).div_ceil(TOGETHER);
+    let asked: Vec<_> = blocks(packets, PACKETS_OF_A_THREAD)
+        .map(|block| {
+            let aimed = |n| packet(accel.geometry(), &extent, Numbers::new(effort, AGREEING, n));
+            let rays: Vec<Ray> = block.flat_map(aimed).collect();
+            let answers = Answers::of(&accel, &rays);
+            (rays, answers)
+        })
+        .collect();
+    let mut outcome = compare(&mut accel, &asked);
+    for preset in effort.either(&[][..], &[Preset::Fastest, Preset::Slow]) {
+        accel.rebuild(*preset);
+        outcome.add(compare(&mut accel, &asked).with_context(|| preset.name().to_owned()));
+    }
+    outcome
+}
+
+/// The answers to both queries.
+struct Answers {
+    closest: Vec<Hit>,
+    occluded: Vec<bool>,
+}
+
+impl Answers {
+    fn of(accel: &Accel, rays: &[Ray]) -> Self {
+        let (mut closest, mut occluded) = (vec![Hit::MISS; rays.len()], vec![false; rays.len()]);
+        accel.closest_of(rays, &mut closest, &mut accel.traversal());
+        accel.occluded_of(rays, &mut occluded, &mut accel.traversal());
+        Self { closest, occluded }
+    }
+}
+
+/// Compares the answers of every kernel at every level with the expected ones.
+fn compare(accel: &mut Accel, asked: &[(Vec<Ray>, Answers)]) -> Outcome {
+    with_every_kernel(accel, |accel| {
+        in_order(asked.par_iter().map(|(rays, expected)| {
+            let (found, mut outcome) = (Answers::of(accel, rays), Outcome::default());
+            for (i, ray) in rays.iter().enumerate() {
+                let [hit, reference] = [&found, expected].map(|answers| answers.closest[i]);
+                let right = hit.primitive == reference.primitive
+                    && hit.t.to_bits() == reference.t.to_bits()
+                    && found.occluded[i] == expected.occluded[i];
+                outcome.check(right, || format!("{ray}: {hit:?} and not {reference:?}"));
+            }
+            outcome
+        }))
+    })
+}
+
+/// Rays from one point at one primitive: along an edge, around a vertex or inside; or from there at
+/// edges of primitives everywhere. Some end where they are aimed.
+fn packet(geometry: &Geometry, extent: &Extent, mut numbers: Numbers) -> [Ray; TOGETHER] {
+    let from = if numbers.below(3) > 0 {
+        extent.around(&mut numbers)
+    } else {
+        let corners = some_corners(geometry, &mut numbers);
+        numbers.within(corners).as_vec3()
+    };
+    let [a, b, c] = some_corners(geometry, &mut numbers);
+    let (aim, t_max) = (numbers.below(4), [1.0, f32::INFINITY][numbers.below(2)]);
+    std::array::from_fn(|i| {
+        let target = match aim {
+            0 => a + (b - a) * (i as f32 / (TOGETHER - 1) as f32),
+            1 => {
+                let moved =
+                    |x: f32, steps: i32| f32::from_bits((x.to_bits() as i32 + steps) as u32);
+                let (across, along) = (i as i32 % 8 - 4, i as i32 / 8 - 4);
+                Vec3::new(moved(a.x, across), moved(a.y, along), a.z)
+            }
+            2 => numbers.within([a, b, c]).as_vec3(),
+            _ => {
+                let [a, b, _] = some_corners(geometry, &mut numbers);
+                a.lerp(b, numbers.one() as f32)
+            }
+        };
+        Ray { t_max, ..Ray::new(from, target - from) }
+    })
+}
+
+/// The corners of a primitive. For spheres, points on the surface.
+fn some_corners(geometry: &Geometry, numbers: &mut Numbers) -> [Vec3; 3] {
+    let number = numbers.below(geometry.len()) as u32;
+    match geometry.primitive(number) {
+        Primitive::Quad(i) => {
+            let [a, b, c, d] = geometry.quad(i);
+            if numbers.below(2) == 0 { [a, c, b] } else { [c, a, d] }
+        }
+        Primitive::Sphere(i) => {
+            let (center, radius) = geometry.spheres[i];
+            let point = |d: DVec3| (center.as_dvec3() + d * f64::from(radius)).as_vec3();
+            [(); 3].map(|()| point(numbers.direction()))
+        }
+        _ => geometry.mesh_triangle(number).unwrap_or_default(),
+    }
+}
